@@ -8,10 +8,10 @@ static lac_status print_decade(void *context, const lac_record *record, lac_erro
 {
     double *next = context;
     (void)err;
-    if (record->seen.mean_rate >= *next) {
-        printf("%.3e m/s after %.4f day\n", record->seen.mean_rate,
+    if (record->observation.mean_rate >= *next) {
+        printf("%.3e m/s after %.4f day\n", record->observation.mean_rate,
                (record->time_origin + record->time_local) / 86400);
-        *next = 10 * record->seen.mean_rate;
+        *next = 10 * record->observation.mean_rate;
     }
     return LAC_OK;
 }

@@ -41,7 +41,7 @@ typedef struct lac_param {
 
 /// What every model says of itself; the first member of every model's const row. A section of a
 /// case has a name, a summary and parameters, and no more.
-typedef struct lac_descriptor {
+typedef struct lac_model_info {
     const char *name;        ///< its key in a case file
     const char *summary;     ///< one line
     const char *reference;   ///< what to cite; "" where there is nothing
@@ -49,8 +49,8 @@ typedef struct lac_descriptor {
     size_t param_count;
     size_t params_size; ///< size of the struct that the offsets refer to [bytes]
     /// What is wrong with the parameters taken together; NULL where nothing is. NULL: no such check
-    const char *(*fault)(const void *params);
-} lac_descriptor;
+    const char *(*validate)(const void *params);
+} lac_model_info;
 
 /// A kind of model that a case can choose, or that a command has. Only the library makes it: it may
 /// grow at its end, as may a model and a parameter.
@@ -61,21 +61,21 @@ typedef struct lac_kind {
     bool option; ///< chosen by the value of `section`, or by giving the parameters listed there,
                  ///< not as {MODEL: {...}}
     const char *command; ///< that has all of them, whatever the case; NULL: a case chooses
-    const lac_descriptor *(*at)(size_t index); ///< its models; NULL past the end
+    const lac_model_info *(*at)(size_t index); ///< its models; NULL past the end
 } lac_kind;
 
 /// The index-th kind, NULL past the end.
-const lac_kind *lac_kind_at(size_t index);
+const lac_kind *lac_kind_get(size_t index);
 
 /// The index-th section of plain parameters (interface, material, time, solver ...), NULL past the
 /// end.
-const lac_descriptor *lac_section_at(size_t index);
+const lac_model_info *lac_section_get(size_t index);
 
 /// The model of a kind by its name: "friction", "aging". @return NULL: there is none
-const lac_descriptor *lac_model_find(const char *kind, const char *name);
+const lac_model_info *lac_model_find(const char *kind, const char *name);
 
 /// The index-th parameter of a model or a section, NULL past the end.
-const lac_param *lac_model_param(const lac_descriptor *model, size_t index);
+const lac_param *lac_model_param(const lac_model_info *model, size_t index);
 
 LAC_END_C
 

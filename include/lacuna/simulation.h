@@ -45,7 +45,7 @@ typedef struct lac_record {
     lac_record_cells cells;
     const double *extra; ///< values that an analysis adds, in the order of its quantities that run
                          ///< over time; NULL: none
-    lac_observation seen;
+    lac_observation observation;
 } lac_record;
 
 /// What a quantity beyond those of every run runs over.
@@ -188,7 +188,7 @@ lac_status lac_simulation_create(const lac_case *c, const lac_simulation_options
 void lac_simulation_free(lac_simulation *simulation);
 
 // Of the library's own sinks.
-typedef struct lac_tape lac_tape;
+typedef struct lac_archive lac_archive;
 typedef struct lac_checkpoint lac_checkpoint;
 
 /// Where a run's results go; from lac_sink_default. Members may be NULL.
@@ -205,7 +205,7 @@ typedef struct lac_sink {
     /// simulation, before the first record and again when the run is over.
     lac_status (*once)(void *context, const double *values, lac_error *err);
     /// Passes what the sink, then those behind it, must know to go on; NULL: nothing.
-    void (*keep)(void *context, lac_tape *tape);
+    void (*serialize)(void *context, lac_archive *archive);
     /// Stores a checkpoint; NULL: none is made. All that was put out before must last as long.
     lac_status (*checkpoint)(void *context, const lac_checkpoint *checkpoint, lac_error *err);
 } lac_sink;

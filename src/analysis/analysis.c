@@ -21,9 +21,9 @@ struct lac_analysis {
     lac_sink next;
 };
 
-lac_analysis_rg *lac_analysis_cascade(const lac_slot *indicator)
+lac_analysis_rg *lac_analysis_cascade(const lac_model *indicator)
 {
-    const lac_indicator_kind *kind = (const void *)indicator->about;
+    const lac_indicator_kind *kind = (const void *)indicator->info;
     return kind->cascade ? indicator->params : NULL;
 }
 
@@ -56,8 +56,8 @@ static lac_status gather(lac_analysis *a, lac_error *err)
     return a->values != NULL ? LAC_OK : lac_fail_memory(err);
 }
 
-lac_status lac_analysis_create(const lac_analysis_scene *scene, size_t count, const lac_slot *slots,
-                               lac_analysis **out, lac_error *err)
+lac_status lac_analysis_create(const lac_analysis_scene *scene, size_t count,
+                               const lac_model *models, lac_analysis **out, lac_error *err)
 {
     lac_status status;
     *out = NULL;
@@ -71,8 +71,8 @@ lac_status lac_analysis_create(const lac_analysis_scene *scene, size_t count, co
     LAC_TRY(a->indicator != NULL && a->first != NULL ? LAC_OK : lac_fail_memory(err));
     for (; a->n < count; a->n++) {
         lac_indicator *indicator = &a->indicator[a->n];
-        indicator->kind = (const void *)slots[a->n].about; // the first member of the kind
-        LAC_TRY(indicator->kind->create(scene, slots[a->n].params, indicator, err));
+        indicator->kind = (const void *)models[a->n].info; // the first member of the kind
+        LAC_TRY(indicator->kind->create(scene, models[a->n].params, indicator, err));
     }
     LAC_TRY(gather(a, err));
     *out = a;
@@ -135,19 +135,19 @@ out:
     return status;
 }
 
-static void on_keep(void *context, lac_tape *tape)
+static void on_keep(void *context, lac_archive *archive)
 {
     lac_analysis *a = context;
     for (size_t i = 0; i < a->n; i++) {
         lac_indicator *indicator = &a->indicator[i];
-        if (indicator->kind->keep == NULL) {
-            tape->refused = indicator->kind->about.name;
+        if (indicator->kind->serialize == NULL) {
+            archive->refused = indicator->kind->info.name;
             return;
         }
-        indicator->kind->keep(indicator, tape);
+        indicator->kind->serialize(indicator, archive);
     }
-    if (a->next.keep != NULL) {
-        a->next.keep(a->next.context, tape);
+    if (a->next.serialize != NULL) {
+        a->next.serialize(a->next.context, archive);
     }
 }
 
@@ -166,7 +166,7 @@ lac_sink lac_analysis_sink(lac_analysis *analysis, const lac_sink *next)
                       .record = on_record,
                       .snapshot = on_snapshot,
                       .step = steps ? on_step : NULL,
-                      .keep = on_keep,
+                      .serialize = on_keep,
                       .checkpoint = next->checkpoint != NULL ? on_checkpoint : NULL};
 }
 
@@ -207,7 +207,7 @@ out:
     return status;
 }
 
-const lac_indicator *lac_analysis_at(const lac_analysis *analysis, size_t index)
+const lac_indicator *lac_analysis_get(const lac_analysis *analysis, size_t index)
 {
     return analysis != NULL && index < analysis->n ? &analysis->indicator[index] : NULL;
 }

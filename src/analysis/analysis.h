@@ -75,7 +75,7 @@ typedef struct lac_indicator {
 
 /// A kind of indicator: something followed while a run goes on.
 typedef struct lac_indicator_kind {
-    lac_descriptor about;
+    lac_model_info info;
     /// Fills in state, extra and once.
     lac_status (*create)(const lac_analysis_scene *scene, const void *params, lac_indicator *self,
                          lac_error *err);
@@ -93,22 +93,22 @@ typedef struct lac_indicator_kind {
                          lac_error *err);
     /// Passes what it has seen so far, to or from a checkpoint: all that observe and finish read
     /// and observe changes. NULL: a run with it makes no checkpoints.
-    void (*keep)(lac_indicator *self, lac_tape *tape);
+    void (*serialize)(lac_indicator *self, lac_archive *archive);
     bool cascade; ///< needs the critical fraction; its parameters are lac_analysis_rg
 } lac_indicator_kind;
 
 /// The index-th kind in the registry, NULL past the end.
-const lac_indicator_kind *lac_indicator_kind_at(size_t index);
+const lac_indicator_kind *lac_indicator_kind_get(size_t index);
 
 /// The parameters of an indicator that needs the critical fraction; NULL: it does not.
-lac_analysis_rg *lac_analysis_cascade(const lac_slot *indicator);
+lac_analysis_rg *lac_analysis_cascade(const lac_model *indicator);
 
 /// The indicators of a run.
 typedef struct lac_analysis lac_analysis;
 
-/// @param slots  [count] kinds and their parameters
-lac_status lac_analysis_create(const lac_analysis_scene *scene, size_t count, const lac_slot *slots,
-                               lac_analysis **out, lac_error *err);
+/// @param models  [count] kinds and their parameters
+lac_status lac_analysis_create(const lac_analysis_scene *scene, size_t count,
+                               const lac_model *models, lac_analysis **out, lac_error *err);
 void lac_analysis_free(lac_analysis *analysis);
 
 /// A sink that has the indicators look at each record and passes it on with their values; it asks
@@ -131,6 +131,6 @@ lac_status lac_analysis_finish(lac_analysis *analysis, const lac_run_result *res
                                lac_error *err);
 
 /// The index-th indicator, NULL past the end or where `analysis` is NULL.
-const lac_indicator *lac_analysis_at(const lac_analysis *analysis, size_t index);
+const lac_indicator *lac_analysis_get(const lac_analysis *analysis, size_t index);
 
 #endif

@@ -2,7 +2,7 @@
 #ifndef LACUNA_ANALYSIS_CATALOGUE_H
 #define LACUNA_ANALYSIS_CATALOGUE_H
 
-#include "base/tape.h"
+#include "base/archive.h"
 #include "contact/contact.h"
 #include "run/run.h"
 
@@ -60,8 +60,8 @@ void lac_catalogue_clear(lac_catalogue *c);
 lac_status lac_catalogue_step(lac_catalogue *c, const lac_step *step, const lac_sink *sink,
                               lac_error *err);
 
-/// Passes what it has seen so far; to a catalogue that was just made, where the tape is loading.
-void lac_catalogue_keep(lac_catalogue *c, lac_tape *tape);
+/// Passes what it has seen so far; to a catalogue that was just made, where the archive is loading.
+void lac_catalogue_serialize(lac_catalogue *c, lac_archive *archive);
 
 /// Ends the events that are open at the last step.
 lac_status lac_catalogue_close(lac_catalogue *c, const lac_sink *sink, lac_error *err);

@@ -4,78 +4,78 @@
 
 #include "analysis/catalogue.h"
 
-#define PASS(tape, thing) lac_tape_pass(tape, &(thing), sizeof(thing))
+#define PASS(archive, thing) lac_archive_pass(archive, &(thing), sizeof(thing))
 
-// Zeroed room for `count` things that take at least `least` bytes each on the tape; NULL where it
-// cannot hold as many.
-static void *room_for(lac_tape *tape, size_t count, size_t least, size_t size)
+// Zeroed room for `count` things that take at least `least` bytes each on the archive; NULL where
+// it cannot hold as many.
+static void *room_for(lac_archive *archive, size_t count, size_t least, size_t size)
 {
-    if (!lac_tape_good(tape) || count > (tape->size - tape->at) / least) {
-        tape->short_of |= lac_tape_good(tape);
+    if (!lac_archive_good(archive) || count > (archive->size - archive->at) / least) {
+        archive->short_of |= lac_archive_good(archive);
         return NULL;
     }
     void *room = calloc(count + 1, size);
-    tape->no_memory = room == NULL;
+    archive->no_memory = room == NULL;
     return room;
 }
 
 // As a byte: not every byte is a bool.
-static void pass_bool(lac_tape *tape, bool *value)
+static void pass_bool(lac_archive *archive, bool *value)
 {
     uint8_t byte = *value ? 1 : 0;
-    PASS(tape, byte);
+    PASS(archive, byte);
     *value = byte != 0;
 }
 
-static void pass_event(lac_tape *tape, lac_open_event *e)
+static void pass_event(lac_archive *archive, lac_open_event *e)
 {
-    PASS(tape, e->origin);
-    PASS(tape, e->local);
-    PASS(tape, e->first);
-    PASS(tape, e->slip);
-    PASS(tape, e->max_rate);
-    PASS(tape, e->moving);
-    PASS(tape, e->count);
-    pass_bool(tape, &e->open);
-    pass_bool(tape, &e->before);
+    PASS(archive, e->origin);
+    PASS(archive, e->local);
+    PASS(archive, e->first);
+    PASS(archive, e->slip);
+    PASS(archive, e->max_rate);
+    PASS(archive, e->moving);
+    PASS(archive, e->count);
+    pass_bool(archive, &e->open);
+    pass_bool(archive, &e->before);
     size_t count = e->open ? e->count : 0; // of a vacant place there is but the next one
-    if (tape->loading) {
-        e->cells = room_for(tape, count, sizeof *e->cells, sizeof *e->cells);
+    if (archive->loading) {
+        e->cells = room_for(archive, count, sizeof *e->cells, sizeof *e->cells);
         e->room = e->count = e->cells != NULL ? count : 0;
     }
-    lac_tape_pass(tape, e->cells, count * sizeof *e->cells);
+    lac_archive_pass(archive, e->cells, count * sizeof *e->cells);
 }
 
-static void pass_open(lac_catalogue *c, lac_tape *tape)
+static void pass_open(lac_catalogue *c, lac_archive *archive)
 {
     size_t places = c->places;
-    PASS(tape, c->vacant);
-    PASS(tape, places);
-    if (tape->loading) {
-        c->open = room_for(tape, places, sizeof c->open->origin, sizeof *c->open);
+    PASS(archive, c->vacant);
+    PASS(archive, places);
+    if (archive->loading) {
+        c->open = room_for(archive, places, sizeof c->open->origin, sizeof *c->open);
         c->places = c->open != NULL ? places : 0;
     }
     for (size_t i = 0; i < c->places; i++) {
-        pass_event(tape, &c->open[i]);
+        pass_event(archive, &c->open[i]);
     }
 }
 
 // The cells that move, in their order, with their slip when they began to.
-static void pass_moving(lac_catalogue *c, lac_tape *tape)
+static void pass_moving(lac_catalogue *c, lac_archive *archive)
 {
-    PASS(tape, c->actives);
+    PASS(archive, c->actives);
     if (c->actives > c->domain->n) {
-        tape->short_of = true;
+        archive->short_of = true;
         c->actives = 0;
     }
-    lac_tape_pass(tape, c->active, c->actives * sizeof *c->active);
-    for (size_t k = 0; k < c->actives && lac_tape_good(tape); k++) {
+    lac_archive_pass(archive, c->active, c->actives * sizeof *c->active);
+    for (size_t k = 0; k < c->actives && lac_archive_good(archive); k++) {
         uint32_t cell = c->active[k];
-        if (cell >= c->domain->n || (tape->loading && c->moves[cell])) {
-            tape->short_of = true;
+        if (cell >= c->domain->n || (archive->loading && c->moves[cell])) {
+            archive->short_of = true;
             return;
         }
-        PASS(tape, c->slip_at_rise[cell]);
+        PASS(archive, c->slip_at_rise[cell]);
         c->moves[cell] = 1;
         c->place[cell] = (uint32_t)k;
     }
@@ -109,24 +109,24 @@ static void forget(lac_catalogue *c)
     }
 }
 
-void lac_catalogue_keep(lac_catalogue *c, lac_tape *tape)
+void lac_catalogue_serialize(lac_catalogue *c, lac_archive *archive)
 {
     const size_t n = c->domain->n;
-    pass_bool(tape, &c->begun);
-    PASS(tape, c->origin);
-    PASS(tape, c->local);
-    lac_tape_pass(tape, c->rate, n * sizeof *c->rate);
-    lac_tape_pass(tape, c->slip, n * sizeof *c->slip);
-    lac_tape_pass(tape, c->event, n * sizeof *c->event);
-    pass_moving(c, tape);
-    pass_open(c, tape);
-    PASS(tape, c->events);
-    PASS(tape, c->cut);
-    PASS(tape, c->largest_slip);
-    PASS(tape, c->largest_size);
-    PASS(tape, c->slip_sum);
-    if (tape->loading && !(lac_tape_good(tape) && is_sound(c))) {
-        tape->short_of |= lac_tape_good(tape);
+    pass_bool(archive, &c->begun);
+    PASS(archive, c->origin);
+    PASS(archive, c->local);
+    lac_archive_pass(archive, c->rate, n * sizeof *c->rate);
+    lac_archive_pass(archive, c->slip, n * sizeof *c->slip);
+    lac_archive_pass(archive, c->event, n * sizeof *c->event);
+    pass_moving(c, archive);
+    pass_open(c, archive);
+    PASS(archive, c->events);
+    PASS(archive, c->cut);
+    PASS(archive, c->largest_slip);
+    PASS(archive, c->largest_size);
+    PASS(archive, c->slip_sum);
+    if (archive->loading && !(lac_archive_good(archive) && is_sound(c))) {
+        archive->short_of |= lac_archive_good(archive);
         forget(c);
     }
 }

@@ -64,10 +64,10 @@ static lac_status step(lac_indicator *self, const lac_step *step, const lac_sink
     return lac_catalogue_step(&e->catalogue, step, next, err);
 }
 
-static void keep(lac_indicator *self, lac_tape *tape)
+static void keep(lac_indicator *self, lac_archive *archive)
 {
     events *e = self->state;
-    lac_catalogue_keep(&e->catalogue, tape);
+    lac_catalogue_serialize(&e->catalogue, archive);
 }
 
 static void set_line(events *e, lac_analysis_line *line)
@@ -114,14 +114,14 @@ static lac_status finish(lac_indicator *self, const lac_run_result *result, cons
 }
 
 const lac_indicator_kind lac_indicator_events = {
-    .about = {.name = "events",
-              .summary = "catalogue of micro-slips: clusters of moving cells from their start to "
-                         "their end, with moment, size and origin",
-              .reference = "Aki (1966), Bull. Earthq. Res. Inst. 44, 73-88, for the moment",
-              LAC_ROWS(params, lac_analysis_events)},
+    .info = {.name = "events",
+             .summary = "catalogue of micro-slips: clusters of moving cells from their start to "
+                        "their end, with moment, size and origin",
+             .reference = "Aki (1966), Bull. Earthq. Res. Inst. 44, 73-88, for the moment",
+             LAC_ROWS(params, lac_analysis_events)},
     .create = create,
     .free = destroy,
     .step = step,
     .finish = finish,
-    .keep = keep,
+    .serialize = keep,
 };

@@ -5,4 +5,4 @@
 
 static const lac_indicator_kind *const kinds[] = {&lac_indicator_rg, &lac_indicator_events};
 
-LAC_KINDS_AT(lac_indicator_kind, lac_indicator_kind_at, kinds)
+LAC_KINDS_AT(lac_indicator_kind, lac_indicator_kind_get, kinds)

@@ -181,14 +181,14 @@ static void observe(lac_indicator *self, const lac_record *record, double *value
     rg *r = self->state;
     lac_slipping *s = &r->slipping;
     const size_t levels = r->blocks.levels + 1;
-    lac_slipping_look(s, record);
+    lac_slipping_evaluate(s, record);
     for (size_t k = 0; k < s->changes; k++) {
         lac_slip_blocks_change(&r->blocks, s->changed[k], s->slips[s->changed[k]]);
     }
     lac_slip_clusters_update(&r->clusters, s->slips, lac_slip_blocks_at(&r->blocks, 0), s->changed,
                              s->changes);
     if (s->changes > 0) {
-        lac_run_map_look(&r->map, &r->blocks);
+        lac_run_map_evaluate(&r->map, &r->blocks);
     }
     for (size_t level = 0; level < levels; level++) {
         values[level] = (double)lac_slip_blocks_at(&r->blocks, level);
@@ -281,11 +281,11 @@ static lac_status finish(lac_indicator *self, const lac_run_result *result, cons
     return LAC_OK;
 }
 
-static void keep(lac_indicator *self, lac_tape *tape)
+static void keep(lac_indicator *self, lac_archive *archive)
 {
     rg *r = self->state;
-    lac_slipping_keep(&r->slipping, tape);
-    if (tape->loading && lac_tape_good(tape)) {
+    lac_slipping_serialize(&r->slipping, archive);
+    if (archive->loading && lac_archive_good(archive)) {
         // Which blocks slip follows from which cells do.
         for (size_t i = 0; i < r->cells; i++) {
             if (r->slipping.slips[i]) {
@@ -293,28 +293,28 @@ static void keep(lac_indicator *self, lac_tape *tape)
             }
         }
     }
-    lac_slip_clusters_keep(&r->clusters, tape);
-    lac_run_map_keep(&r->map, tape);
-    lac_tape_pass(tape, &r->fraction, sizeof r->fraction);
-    lac_tape_pass(tape, &r->longest, sizeof r->longest);
-    lac_tape_pass(tape, &r->most, sizeof r->most);
-    lac_tape_pass(tape, &r->reached, sizeof r->reached);
-    lac_tape_pass(tape, &r->origin, sizeof r->origin);
-    lac_tape_pass(tape, &r->local, sizeof r->local);
+    lac_slip_clusters_serialize(&r->clusters, archive);
+    lac_run_map_serialize(&r->map, archive);
+    lac_archive_pass(archive, &r->fraction, sizeof r->fraction);
+    lac_archive_pass(archive, &r->longest, sizeof r->longest);
+    lac_archive_pass(archive, &r->most, sizeof r->most);
+    lac_archive_pass(archive, &r->reached, sizeof r->reached);
+    lac_archive_pass(archive, &r->origin, sizeof r->origin);
+    lac_archive_pass(archive, &r->local, sizeof r->local);
 }
 
 const lac_indicator_kind lac_indicator_rg = {
-    .about = {.name = "rg",
-              .summary = "slipping cells and blocks of each level against the fixed point of the "
-                         "renormalization map, and the longest slipping cluster",
-              .reference = "Borri-Brunetto, Carpinteri & Chiaia (2004) Rock Mech. Rock Eng. "
-                           "37, 117; docs/theory/rg-in-time.md",
-              LAC_ROWS(params, lac_analysis_rg),
-              .fault = fault},
+    .info = {.name = "rg",
+             .summary = "slipping cells and blocks of each level against the fixed point of the "
+                        "renormalization map, and the longest slipping cluster",
+             .reference = "Borri-Brunetto, Carpinteri & Chiaia (2004) Rock Mech. Rock Eng. "
+                          "37, 117; docs/theory/rg-in-time.md",
+             LAC_ROWS(params, lac_analysis_rg),
+             .validate = fault},
     .create = create,
     .free = destroy,
     .observe = observe,
     .finish = finish,
-    .keep = keep,
+    .serialize = keep,
     .cascade = true,
 };

@@ -29,7 +29,7 @@ static double fraction(const lac_run_map *map, const lac_slip_blocks *blocks, si
     return (double)lac_slip_blocks_at(blocks, level) / (double)lac_hierarchy_blocks(map->h, level);
 }
 
-void lac_run_map_look(lac_run_map *map, const lac_slip_blocks *blocks)
+void lac_run_map_evaluate(lac_run_map *map, const lac_slip_blocks *blocks)
 {
     size_t now = (size_t)(LAC_RUN_MAP_STATES * fraction(map, blocks, 0));
     if (now <= map->reached) {
@@ -46,19 +46,19 @@ void lac_run_map_look(lac_run_map *map, const lac_slip_blocks *blocks)
     map->first[++map->states] = n;
 }
 
-void lac_run_map_keep(lac_run_map *map, lac_tape *tape)
+void lac_run_map_serialize(lac_run_map *map, lac_archive *archive)
 {
-    lac_tape_pass(tape, &map->states, sizeof map->states);
-    lac_tape_pass(tape, &map->reached, sizeof map->reached);
-    lac_tape_pass(tape, map->first, sizeof map->first);
+    lac_archive_pass(archive, &map->states, sizeof map->states);
+    lac_archive_pass(archive, &map->reached, sizeof map->reached);
+    lac_archive_pass(archive, map->first, sizeof map->first);
     bool sound = map->states <= LAC_RUN_MAP_STATES;
     size_t pairs = sound ? map->first[map->states] : 0;
     if (!sound || pairs > LAC_RUN_MAP_STATES * map->levels) {
-        tape->short_of = true;
+        archive->short_of = true;
         return;
     }
-    lac_tape_pass(tape, map->s, pairs * sizeof *map->s);
-    lac_tape_pass(tape, map->s_next, pairs * sizeof *map->s_next);
+    lac_archive_pass(archive, map->s, pairs * sizeof *map->s);
+    lac_archive_pass(archive, map->s_next, pairs * sizeof *map->s_next);
 }
 
 lac_status lac_run_map_fit(const lac_run_map *map, lac_rg_fit *fit, lac_error *err)

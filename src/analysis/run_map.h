@@ -3,7 +3,7 @@
 #define LACUNA_ANALYSIS_RUN_MAP_H
 
 #include "analysis/slip_blocks.h"
-#include "base/tape.h"
+#include "base/archive.h"
 #include "rg/rg_study.h"
 
 enum { LAC_RUN_MAP_STATES = 64 };
@@ -22,10 +22,10 @@ lac_status lac_run_map_create(const lac_hierarchy *h, lac_run_map *out, lac_erro
 void lac_run_map_clear(lac_run_map *map);
 
 /// Takes the pairs of levels with 8 blocks at least, where it is time to.
-void lac_run_map_look(lac_run_map *map, const lac_slip_blocks *blocks);
+void lac_run_map_evaluate(lac_run_map *map, const lac_slip_blocks *blocks);
 
 /// Passes the pairs taken so far.
-void lac_run_map_keep(lac_run_map *map, lac_tape *tape);
+void lac_run_map_serialize(lac_run_map *map, lac_archive *archive);
 
 /// Fits the map, its intervals by resampling stretches of four states: neighbouring states of one
 /// run hang together.

@@ -160,12 +160,12 @@ void lac_slip_clusters_update(lac_slip_clusters *c, const uint8_t *slips, size_t
     }
 }
 
-void lac_slip_clusters_keep(lac_slip_clusters *c, lac_tape *tape)
+void lac_slip_clusters_serialize(lac_slip_clusters *c, lac_archive *archive)
 {
-    lac_tape_pass(tape, c->node, c->n * sizeof *c->node);
-    lac_tape_pass(tape, c->box, c->n * sizeof *c->box);
-    lac_tape_pass(tape, c->in, c->n * sizeof *c->in);
-    lac_tape_pass(tape, &c->credit, sizeof c->credit);
-    lac_tape_pass(tape, &c->stale, sizeof c->stale);
-    lac_tape_pass(tape, &c->extent, sizeof c->extent);
+    lac_archive_pass(archive, c->node, c->n * sizeof *c->node);
+    lac_archive_pass(archive, c->box, c->n * sizeof *c->box);
+    lac_archive_pass(archive, c->in, c->n * sizeof *c->in);
+    lac_archive_pass(archive, &c->credit, sizeof c->credit);
+    lac_archive_pass(archive, &c->stale, sizeof c->stale);
+    lac_archive_pass(archive, &c->extent, sizeof c->extent);
 }

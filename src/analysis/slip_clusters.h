@@ -2,7 +2,7 @@
 #ifndef LACUNA_ANALYSIS_SLIP_CLUSTERS_H
 #define LACUNA_ANALYSIS_SLIP_CLUSTERS_H
 
-#include "base/tape.h"
+#include "base/archive.h"
 #include "contact/contact.h"
 
 /// A cell in its cluster: the way to the root is a sum of steps, so that clusters round a periodic
@@ -45,6 +45,6 @@ void lac_slip_clusters_update(lac_slip_clusters *c, const uint8_t *slips, size_t
                               const uint32_t *changed, size_t changes);
 
 /// Passes the clusters as they are.
-void lac_slip_clusters_keep(lac_slip_clusters *c, lac_tape *tape);
+void lac_slip_clusters_serialize(lac_slip_clusters *c, lac_archive *archive);
 
 #endif

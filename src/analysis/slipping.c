@@ -41,7 +41,7 @@ static void begin(lac_slipping *s, const lac_record *record)
 {
     s->begun = true;
     if (s->by_rate) {
-        s->rate = isnan(s->ratio) ? s->rate : s->ratio * record->seen.mean_rate;
+        s->rate = isnan(s->ratio) ? s->rate : s->ratio * record->observation.mean_rate;
         return;
     }
     const lac_cellwise *v0 = &s->friction->column[LAC_V0];
@@ -77,7 +77,7 @@ static size_t look_at_rates(lac_slipping *s, const double *v)
     return changes;
 }
 
-void lac_slipping_look(lac_slipping *s, const lac_record *record)
+void lac_slipping_evaluate(lac_slipping *s, const lac_record *record)
 {
     if (!s->begun) {
         begin(s, record);
@@ -86,13 +86,13 @@ void lac_slipping_look(lac_slipping *s, const lac_record *record)
                             : look_at_states(s, record->cells.log_state);
 }
 
-void lac_slipping_keep(lac_slipping *s, lac_tape *tape)
+void lac_slipping_serialize(lac_slipping *s, lac_archive *archive)
 {
-    lac_tape_pass(tape, &s->begun, sizeof s->begun);
-    lac_tape_pass(tape, &s->rate, sizeof s->rate);
-    lac_tape_pass(tape, s->slips, s->n * sizeof *s->slips);
+    lac_archive_pass(archive, &s->begun, sizeof s->begun);
+    lac_archive_pass(archive, &s->rate, sizeof s->rate);
+    lac_archive_pass(archive, s->slips, s->n * sizeof *s->slips);
     if (!s->by_rate) {
-        lac_tape_pass(tape, s->most_state, s->n * sizeof *s->most_state);
+        lac_archive_pass(archive, s->most_state, s->n * sizeof *s->most_state);
     }
 }
 

@@ -27,10 +27,10 @@ void lac_slipping_clear(lac_slipping *s);
 
 /// Looks at the cells; at the first look it takes their strength at the start, a friction
 /// coefficient at v0: f(v0, theta).
-void lac_slipping_look(lac_slipping *s, const lac_record *record);
+void lac_slipping_evaluate(lac_slipping *s, const lac_record *record);
 
 /// Passes what has been seen.
-void lac_slipping_keep(lac_slipping *s, lac_tape *tape);
+void lac_slipping_serialize(lac_slipping *s, lac_archive *archive);
 
 /// The definition in words.
 const char *lac_slipping_describe(const lac_slipping *s, char *text, size_t size);

@@ -35,12 +35,12 @@ void lac_param_reset(const lac_param *param, void *params)
     }
 }
 
-lac_status lac_params_default(const lac_descriptor *about, void *params, lac_error *err)
+lac_status lac_params_default(const lac_model_info *info, void *params, lac_error *err)
 {
     (void)err;
-    memset(params, 0, about->params_size);
-    for (size_t i = 0; i < about->param_count; i++) {
-        lac_param_reset(&about->params[i], params);
+    memset(params, 0, info->params_size);
+    for (size_t i = 0; i < info->param_count; i++) {
+        lac_param_reset(&info->params[i], params);
     }
     return LAC_OK;
 }
@@ -91,29 +91,29 @@ bool lac_param_given(const lac_param *param, const void *params)
     return *(char *const *)at != NULL;
 }
 
-lac_status lac_slot_create(const lac_descriptor *about, lac_slot *slot, lac_error *err)
+lac_status lac_model_create(const lac_model_info *info, lac_model *model, lac_error *err)
 {
-    slot->about = about;
-    slot->params = calloc(1, about->params_size > 0 ? about->params_size : 1);
-    if (slot->params == NULL) {
-        slot->about = NULL;
+    model->info = info;
+    model->params = calloc(1, info->params_size > 0 ? info->params_size : 1);
+    if (model->params == NULL) {
+        model->info = NULL;
         return lac_fail_memory(err);
     }
-    return lac_params_default(about, slot->params, err);
+    return lac_params_default(info, model->params, err);
 }
 
-void lac_slot_clear(lac_slot *slot)
+void lac_model_clear(lac_model *model)
 {
-    if (slot->about != NULL && slot->params != NULL) {
-        for (size_t i = 0; i < slot->about->param_count; i++) {
-            const lac_param *param = &slot->about->params[i];
+    if (model->info != NULL && model->params != NULL) {
+        for (size_t i = 0; i < model->info->param_count; i++) {
+            const lac_param *param = &model->info->params[i];
             if (owns_text(param)) {
                 char *text;
-                memcpy(&text, field(param, slot->params), sizeof text);
+                memcpy(&text, field(param, model->params), sizeof text);
                 free(text);
             }
         }
     }
-    free(slot->params);
-    *slot = (lac_slot){0};
+    free(model->params);
+    *model = (lac_model){0};
 }

@@ -5,15 +5,15 @@
 #include "lacuna/param.h"
 
 /// A model chosen in a case, with its parameters.
-typedef struct lac_slot {
-    const lac_descriptor *about; ///< first member of the model's row; NULL: nothing chosen
-    void *params;                ///< owned; about->params_size bytes
-} lac_slot;
+typedef struct lac_model {
+    const lac_model_info *info; ///< first member of the model's row; NULL: nothing chosen
+    void *params;               ///< owned; about->params_size bytes
+} lac_model;
 
 /// Fills `params` with the defaults of the table; absent and required ones with the absent mark.
 /// @param params  params_size bytes; overwritten
 /// @return LAC_OK, LAC_ENOMEM (a default text)
-lac_status lac_params_default(const lac_descriptor *about, void *params, lac_error *err);
+lac_status lac_params_default(const lac_model_info *info, void *params, lac_error *err);
 
 /// Sets one parameter to its default, or to the absent mark. A text it held is not freed.
 void lac_param_reset(const lac_param *param, void *params);
@@ -27,12 +27,12 @@ bool lac_param_allows(const lac_param *param, double value, char *why, size_t si
 /// Whether an optional parameter was given.
 bool lac_param_given(const lac_param *param, const void *params);
 
-/// A slot holding the defaults of a model.
+/// A model holding the defaults of a model.
 /// @return LAC_OK, LAC_ENOMEM
-lac_status lac_slot_create(const lac_descriptor *about, lac_slot *slot, lac_error *err);
+lac_status lac_model_create(const lac_model_info *info, lac_model *model, lac_error *err);
 
-/// Frees what a slot owns; an empty slot is fine. The slot is empty afterwards.
-void lac_slot_clear(lac_slot *slot);
+/// Frees what a model owns; an empty model is fine. The model is empty afterwards.
+void lac_model_clear(lac_model *model);
 
 /// The row of a key among `count`, NULL where there is none.
 const lac_param *lac_param_find(const lac_param *params, size_t count, const char *key);

@@ -40,7 +40,7 @@
 #define LAC_ROWS(rows, holder)                                                                    \
     .params = (rows), .param_count = sizeof(rows) / sizeof(rows)[0], .params_size = sizeof(holder)
 
-/// A descriptor; behind what all say of themselves LAC_ROWS, .fault ...
+/// A descriptor; behind what all say of themselves LAC_ROWS, .validate ...
 #define LAC_ABOUT(title, text, source, ...)                                                       \
     {.name = (title), .summary = (text), .reference = (source), __VA_ARGS__}
 

@@ -9,17 +9,17 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "base/part.h"
+#include "base/temp_file.h"
 
 // The file that a symbolic link leads to. A name that is taken over must be a file's: a device or
 // a pipe would be gone.
 static lac_status find_place(const char *path, char **place, lac_error *err)
 {
-    struct stat about;
-    const bool exists = stat(path, &about) == 0;
-    if (exists && !S_ISREG(about.st_mode)) {
+    struct stat info;
+    const bool exists = stat(path, &info) == 0;
+    if (exists && !S_ISREG(info.st_mode)) {
         return lac_fail(err, LAC_EIO, "%s: is %s", path,
-                        S_ISDIR(about.st_mode) ? "a folder" : "not a regular file");
+                        S_ISDIR(info.st_mode) ? "a folder" : "not a regular file");
     }
     *place = exists ? realpath(path, NULL) : strdup(path);
     return *place != NULL ? LAC_OK : lac_fail_memory(err);
@@ -33,7 +33,7 @@ static bool write_part(const char *part, const char *text)
         return false;
     }
     (void)flock(fd, LOCK_EX | LOCK_NB);
-    const bool good = lac_part_write(fd, text, strlen(text)) && fsync(fd) == 0;
+    const bool good = lac_temp_file_write(fd, text, strlen(text)) && fsync(fd) == 0;
     const int why = errno;
     const bool closed = close(fd) == 0;
     errno = good ? errno : why;
@@ -45,11 +45,11 @@ lac_status lac_write_text(const char *path, const char *text, bool force, lac_er
     char *place = NULL, *part = NULL;
     lac_status status;
     LAC_TRY(find_place(path, &place, err));
-    part = lac_part_name(place);
+    part = lac_temp_file_name(place);
     LAC_TRY(part != NULL ? LAC_OK : lac_fail_memory(err));
-    lac_part_sweep(place);
+    lac_temp_file_sweep(place);
     (void)unlink(part); // of a process of this number that is no more
-    if (!write_part(part, text) || lac_part_publish(part, place, force) != 0) {
+    if (!write_part(part, text) || lac_temp_file_publish(part, place, force) != 0) {
         const int why = errno;
         (void)unlink(part);
         status = why == EEXIST

@@ -14,38 +14,38 @@ static void read_beta(lac_reader *reader, const lac_node *node, lac_analysis_rg 
     if (node->kind == LAC_NODE_SCALAR && strcmp(node->text, from_friction) == 0) {
         rg->beta_from_friction = true;
     } else if (node->kind != LAC_NODE_SCALAR) {
-        lac_blame(reader, node, "must be a number or %s", from_friction);
+        lac_add_error(reader, node, "must be a number or %s", from_friction);
     } else {
         (void)lac_read_beta(reader, node, &rg->beta);
     }
 }
 
-static void read_indicator(lac_reader *reader, const lac_node *node, lac_slot *slot)
+static void read_indicator(lac_reader *reader, const lac_node *node, lac_model *model)
 {
-    const lac_descriptor *about = lac_find_model(reader, node, LAC_KIND_ANALYSIS, "indicator");
+    const lac_model_info *info = lac_find_model(reader, node, LAC_KIND_ANALYSIS, "indicator");
     size_t errors = reader->report->errors;
     bool nothing = lac_node_is_null(node);
-    if (about == NULL ||
+    if (info == NULL ||
         (!nothing && !lac_expect_map(reader, node, "a mapping such as {slipping_strength: 0.8}"))) {
         return;
     }
-    if (lac_slot_create(about, slot, NULL) != LAC_OK) {
+    if (lac_model_create(info, model, NULL) != LAC_OK) {
         reader->no_memory = true;
         return;
     }
-    lac_analysis_rg *rg = lac_analysis_cascade(slot);
+    lac_analysis_rg *rg = lac_analysis_cascade(model);
     const lac_table table = {
-        .params = about->params, .count = about->param_count, .own = rg != NULL ? "beta" : NULL};
+        .params = info->params, .count = info->param_count, .own = rg != NULL ? "beta" : NULL};
     if (!nothing) {
-        lac_read_table(reader, node, &table, slot->params);
+        lac_read_table(reader, node, &table, model->params);
     }
     if (rg != NULL && !nothing && lac_node_child(node, "beta") != NULL) {
         read_beta(reader, lac_node_child(node, "beta"), rg);
     }
     bool sound = reader->report->errors == errors;
-    const char *fault = sound && about->fault != NULL ? about->fault(slot->params) : NULL;
+    const char *fault = sound && info->validate != NULL ? info->validate(model->params) : NULL;
     if (fault != NULL) {
-        lac_blame(reader, node, "%s", fault);
+        lac_add_error(reader, node, "%s", fault);
     }
 }
 
@@ -60,10 +60,10 @@ void lac_read_analysis(lac_reader *reader, const lac_node *node, lac_case *c)
         return;
     }
     for (size_t i = 0; i < node->count; i++) {
-        lac_slot *slot = &c->analysis.item[c->analysis.count];
+        lac_model *model = &c->analysis.item[c->analysis.count];
         if (!node->child[i]->ignored && !node->child[i]->bad) {
-            read_indicator(reader, node->child[i], slot);
-            c->analysis.count += slot->about != NULL ? 1 : 0;
+            read_indicator(reader, node->child[i], model);
+            c->analysis.count += model->info != NULL ? 1 : 0;
         }
     }
 }
@@ -89,7 +89,7 @@ static void fill_in(const lac_case *c, lac_analysis_rg *rg)
 
 static void check_slipping(lac_reader *reader, const lac_case *c, const lac_analysis_rg *rg)
 {
-    const lac_friction_params *law = c->friction.about != NULL ? c->friction.params : NULL;
+    const lac_friction_params *law = c->friction.info != NULL ? c->friction.params : NULL;
     char key[] = "analysis.rg.slipping_strength";
     if (!isnan(rg->slipping_rate) || !isnan(rg->slipping_rate_ratio)) {
         return;
@@ -99,7 +99,7 @@ static void check_slipping(lac_reader *reader, const lac_case *c, const lac_anal
                      "leaves no room for slip: must be beta = %g < slipping_strength < 1",
                      rg->beta);
     (void)lac_refuse(
-        reader, law != NULL && !lac_spread_has(&c->friction_spread, "b") && !(law->b > 0.0),
+        reader, law != NULL && !lac_heterogeneity_has(&c->friction_spread, "b") && !(law->b > 0.0),
         "analysis.rg",
         "can't tell slip by the strength, which never drops with b = 0 in the friction law: give "
         "slipping_rate or slipping_rate_ratio");

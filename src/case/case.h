@@ -3,17 +3,17 @@
 #define LACUNA_CASE_CASE_H
 
 #include "analysis/analysis.h"
-#include "case/spread.h"
+#include "case/heterogeneity.h"
 #include "lacuna/case.h"
 #include "run/run.h"
 
 /// All that is wrong with a case, in the order of the file.
-typedef struct lac_case_report {
+typedef struct lac_case_issues {
     size_t count, errors;
     lac_case_issue *issue;
-} lac_case_report;
+} lac_case_issues;
 
-void lac_case_report_clear(lac_case_report *report);
+void lac_case_issues_clear(lac_case_issues *report);
 
 typedef enum lac_shape { LAC_PLANE = 0, LAC_LINE } lac_shape;
 
@@ -47,10 +47,10 @@ typedef struct lac_inertia_def {
     double columns;       ///< part that stands on the cells as columns of their own [1]
 } lac_inertia_def;
 
-typedef struct lac_slot_list {
+typedef struct lac_model_list {
     size_t count;
-    lac_slot *item;
-} lac_slot_list;
+    lac_model *item;
+} lac_model_list;
 
 typedef struct lac_compare_def {
     char *path;                             ///< already relative to the working folder
@@ -155,18 +155,18 @@ struct lac_case {
     lac_case_purpose purpose;               ///< that it was read for
     char *title, *references, *institution; ///< NULL where absent
     lac_interface_def interface;
-    lac_slot surface, domain;         ///< at most one is set
-    lac_spread_list interface_spread; ///< key pressure, of a domain's cells
+    lac_model surface, domain;               ///< at most one is set
+    lac_heterogeneity_list interface_spread; ///< key pressure, of a domain's cells
     lac_material_def material;
     lac_inertia_def inertia; ///< thickness and mass NaN: none
-    lac_slot normal;
-    lac_slot_list shear, pore;
+    lac_model normal;
+    lac_model_list shear, pore;
     lac_history_def history;
-    lac_slot friction; ///< `about` is NULL where a static case names none
-    lac_spread_list friction_spread;
+    lac_model friction; ///< `about` is NULL where a static case names none
+    lac_heterogeneity_list friction_spread;
     lac_initial_def initial; ///< rates and states are NULL: the scene makes them from the spread
-    lac_spread_list initial_spread; ///< keys slip_rate and state
-    lac_slot transfer;
+    lac_heterogeneity_list initial_spread; ///< keys slip_rate and state
+    lac_model transfer;
     bool dated;
     double start_date; ///< seconds since 1970 of t = 0; 0 where not dated
     lac_run_def run;   ///< `end` is NaN where a static case names none
@@ -182,7 +182,7 @@ struct lac_case {
     int single; ///< 1: what is written of slips, rates, forces is of single precision
     lac_rg_def rg;
     lac_fit_def fit;
-    lac_slot_list analysis; ///< indicators to follow
+    lac_model_list analysis; ///< indicators to follow
     size_t compare_count;
     lac_compare_def *compare;
 };
@@ -201,19 +201,19 @@ typedef struct lac_case_request {
 /// @param report   all errors and warnings; the caller clears it, whatever the status
 /// @return LAC_OK; LAC_EINPUT (see report); LAC_EIO (cannot be read); LAC_ENOMEM
 lac_status lac_case_read(const char *path, const lac_case_request *request, lac_case **out,
-                         lac_case_report *report, lac_error *err);
+                         lac_case_issues *report, lac_error *err);
 
 /// As lac_case_read, from memory (the fuzzer's way in).
 /// @param name  stands for the path in messages and for relative paths
 lac_status lac_case_read_text(const char *name, const char *text, size_t size,
                               const lac_case_request *request, lac_case **out,
-                              lac_case_report *report, lac_error *err);
+                              lac_case_issues *report, lac_error *err);
 
 /// Mass of the sliding block per nominal area [kg/m2]; 0: the case names no inertia.
 double lac_inertia_mass(const lac_case *c);
 
 /// Whether nothing that the case names of solver and inertia is against solver.fidelity events; of
-/// its law, loads and transfer lac_run_events_follows tells.
+/// its law, loads and transfer lac_run_async_follows tells.
 bool lac_case_admits_events(const lac_case *c);
 
 /// A real number of a case, where it is and what it may be.
@@ -228,8 +228,8 @@ typedef struct lac_case_value {
 /// @return false where there is none
 bool lac_case_find(lac_case *c, const char *key, lac_case_value *out);
 
-/// The seed among a slot's parameters; NULL where it has none.
-int64_t *lac_slot_seed(const lac_slot *slot);
+/// The seed among a model's parameters; NULL where it has none.
+int64_t *lac_model_seed(const lac_model *model);
 
 /// The row of a key of a section ("solver.rtol"), whose offset is in lac_case; NULL where there is
 /// none.
@@ -237,7 +237,7 @@ const lac_param *lac_case_row(const char *key);
 
 /// Whether the models' parameters, taken together, are sound: what no single range says.
 /// @return NULL, or what is wrong
-const char *lac_case_fault(const lac_case *c);
+const char *lac_case_validate(const lac_case *c);
 
 /// The index-th file that a case names, a path from the working folder; NULL past the end.
 char **lac_case_file(const lac_case *c, size_t index);
@@ -251,6 +251,6 @@ lac_status lac_case_serves(const lac_case *c, lac_case_purpose purpose, lac_erro
 lac_status lac_case_rebase(lac_case *c, const char *folder, lac_error *err);
 
 /// A section of plain parameters (interface, material, time, solver ...).
-typedef lac_descriptor lac_section;
+typedef lac_model_info lac_section;
 
 #endif

@@ -28,12 +28,12 @@ static void check_material(lac_reader *reader, const lac_case *c)
     if (!lac_clean(reader, "material")) {
         return;
     }
-    const lac_normal_load *normal = (const void *)c->normal.about;
+    const lac_normal_load *normal = (const void *)c->normal.info;
     (void)lac_refuse(reader, normal != NULL && normal->needs_density && !HAS("material.density"),
                      "material.density",
                      "is missing: needed by load.normal.%s; must be a density such as "
                      "\"2700 kg/m3\"",
-                     normal != NULL ? normal->about.name : "");
+                     normal != NULL ? normal->info.name : "");
     (void)lac_refuse(reader, HAS("interface.surface") && !HAS("material.shear_modulus"),
                      "material.shear_modulus",
                      "is missing: needed to press interface.surface; must be a pressure such as "
@@ -54,19 +54,19 @@ static void check_file_pressures(lac_reader *reader, const lac_case *c)
 {
     const lac_domain_file *file = c->domain.params;
     bool differ =
-        c->domain.about == &lac_domain_from_file.about && file->pressures != LAC_PRESSURES_EQUAL;
+        c->domain.info == &lac_domain_from_file.info && file->pressures != LAC_PRESSURES_EQUAL;
     (void)lac_refuse(reader, differ && c->interface_spread.count > 0, "interface.spread",
                      "needs interface.domain.file.pressures: equal to vary");
 }
 
 static void check_transfer(lac_reader *reader, const lac_case *c, bool material_read)
 {
-    const lac_transfer_kind *kind = (const void *)c->transfer.about;
-    const lac_domain_source *domain = (const void *)c->domain.about;
+    const lac_transfer_kind *kind = (const void *)c->transfer.info;
+    const lac_domain_source *domain = (const void *)c->domain.info;
     const lac_transfer_place place = {.periodic = c->interface.boundary == LAC_PERIODIC,
-                                      .full = c->surface.about == NULL &&
+                                      .full = c->surface.info == NULL &&
                                               (domain == NULL || domain->full)};
-    lac_transfer_fault fault[LAC_TRANSFER_FAULTS] = {0};
+    lac_transfer_validate fault[LAC_TRANSFER_FAULTS] = {0};
     lac_transfer_outline outline;
     char key[100];
     if (kind == NULL || !lac_clean(reader, "transfer")) {
@@ -76,7 +76,7 @@ static void check_transfer(lac_reader *reader, const lac_case *c, bool material_
         kind->check(c->transfer.params, &place, fault);
     }
     for (size_t i = 0; i < LAC_TRANSFER_FAULTS; i++) {
-        (void)snprintf(key, sizeof key, "transfer.%s%s", kind->about.name,
+        (void)snprintf(key, sizeof key, "transfer.%s%s", kind->info.name,
                        fault[i].text != NULL ? fault[i].key : "");
         (void)lac_refuse(reader, fault[i].text != NULL, key, "%s", fault[i].text);
     }
@@ -84,7 +84,7 @@ static void check_transfer(lac_reader *reader, const lac_case *c, bool material_
         material_read && lac_transfer_outline_of(&c->transfer, &outline) && outline.rock != NULL;
     (void)lac_refuse(reader, stiff && !HAS("material.shear_modulus"), "material.shear_modulus",
                      "is missing: needed by transfer.%s%s; must be a pressure such as \"20 GPa\"",
-                     kind->about.name, stiff ? outline.rock : "");
+                     kind->info.name, stiff ? outline.rock : "");
 }
 
 // What a shear load needs, or goes without: of all loads one thing after the other.
@@ -92,12 +92,12 @@ static void check_shear(lac_reader *reader, const lac_case *c, bool fixed)
 {
     for (size_t i = 0; fixed && i < c->shear.count && lac_clean(reader, "load"); i++) {
         char key[100];
-        const lac_load_kind *kind = (const void *)c->shear.item[i].about;
+        const lac_load_kind *kind = (const void *)c->shear.item[i].info;
         (void)snprintf(key, sizeof key, "load.shear.%zu", i);
         (void)lac_refuse(reader, kind->fixes_shear, key,
                          "%s fixes the shear load, which follows from initial.slip_rate and "
                          "initial.state: drop one of them",
-                         kind->about.name);
+                         kind->info.name);
     }
 }
 
@@ -105,25 +105,25 @@ static void check_back_slip(lac_reader *reader, const lac_case *c)
 {
     for (size_t i = 0; i < c->shear.count && lac_clean(reader, "load"); i++) {
         char key[100];
-        const lac_load_kind *kind = (const void *)c->shear.item[i].about;
+        const lac_load_kind *kind = (const void *)c->shear.item[i].info;
         (void)snprintf(key, sizeof key, "load.shear.%zu", i);
         (void)lac_refuse(reader, kind->needs_anchor && !holds_mean_slip(c), key,
                          "%s acts through a transfer that holds the mean slip: elastic with a "
                          "thickness, or with outside: creeping",
-                         kind->about.name);
+                         kind->info.name);
     }
 }
 
 static void check_share(lac_reader *reader, const lac_case *c)
 {
-    bool cells = c->surface.about != NULL || c->domain.about != NULL;
+    bool cells = c->surface.info != NULL || c->domain.info != NULL;
     bool bare = !cells || !HAS("material.shear_modulus");
     bool read = lac_clean(reader, "interface") && lac_clean(reader, "material");
     for (size_t i = 0; read && i < c->shear.count && lac_clean(reader, "load"); i++) {
         char key[100];
-        const lac_slot *slot = &c->shear.item[i];
-        (void)snprintf(key, sizeof key, "load.shear.%zu.%s.share", i, slot->about->name);
-        (void)lac_refuse(reader, bare && lac_load_slot_share(slot) == LAC_SHARE_ELASTIC, key,
+        const lac_model *model = &c->shear.item[i];
+        (void)snprintf(key, sizeof key, "load.shear.%zu.%s.share", i, model->info->name);
+        (void)lac_refuse(reader, bare && lac_load_models_share(model) == LAC_SHARE_ELASTIC, key,
                          "needs %s",
                          !cells ? "cells to be shared by: interface.domain or interface.surface"
                                 : "material.shear_modulus, such as \"20 GPa\"");
@@ -134,7 +134,7 @@ static void check_share(lac_reader *reader, const lac_case *c)
 // surface.
 static void check_statics(lac_reader *reader, const lac_case *c)
 {
-    const lac_normal_load *normal = (const void *)c->normal.about;
+    const lac_normal_load *normal = (const void *)c->normal.info;
     if (normal == NULL || (normal->approach == NULL && normal->dimension == NULL)) {
         return;
     }
@@ -154,7 +154,7 @@ static void check_statics(lac_reader *reader, const lac_case *c)
 // The mean normal stress; NaN where the case is wrong about it.
 static double normal_stress(const lac_reader *reader, const lac_case *c)
 {
-    const lac_normal_load *normal = (const void *)c->normal.about;
+    const lac_normal_load *normal = (const void *)c->normal.info;
     if (normal == NULL || !lac_clean(reader, "material")) {
         return NAN;
     }
@@ -164,17 +164,18 @@ static double normal_stress(const lac_reader *reader, const lac_case *c)
 static void check_forces(lac_reader *reader, const lac_case *c, double pressure,
                          bool fixed_by_initial)
 {
-    const lac_load_slots slots = {.shear = c->shear.item,
-                                  .shear_count = c->shear.count,
-                                  .pore = c->pore.item,
-                                  .pore_count = c->pore.count};
+    const lac_load_models models = {.shear = c->shear.item,
+                                    .shear_count = c->shear.count,
+                                    .pore = c->pore.item,
+                                    .pore_count = c->pore.count};
     lac_load_set loads;
     lac_load_state sum;
     // What files hold is looked at when the scene is built.
-    if (lac_load_slots_need_files(&slots)) {
+    if (lac_load_models_need_files(&models)) {
         return;
     }
-    if (lac_load_set_create(&slots, &(lac_load_clock){.end = c->run.end}, &loads, NULL) != LAC_OK) {
+    if (lac_load_set_create(&models, &(lac_load_clock){.end = c->run.end}, &loads, NULL) !=
+        LAC_OK) {
         reader->no_memory = true;
         return;
     }
@@ -199,7 +200,7 @@ static void check_load(lac_reader *reader, const lac_case *c)
     if (isfinite(pressure) && lac_clean(reader, "load")) {
         check_forces(reader, c, pressure, fixed_by_initial);
     } else {
-        (void)lac_refuse(reader, c->normal.about != NULL && isinf(pressure), "load.normal",
+        (void)lac_refuse(reader, c->normal.info != NULL && isinf(pressure), "load.normal",
                          "is too large to compute with");
     }
 }
@@ -217,8 +218,8 @@ static bool starts_unstable(const lac_case *c)
 // Whether nothing but constant loads acts.
 static bool loads_stay(const lac_case *c)
 {
-    const lac_load_slots loads = {c->shear.item, c->shear.count, c->pore.item, c->pore.count};
-    return !holds_mean_slip(c) && lac_load_slots_constant(&loads);
+    const lac_load_models loads = {c->shear.item, c->shear.count, c->pore.item, c->pore.count};
+    return !holds_mean_slip(c) && lac_load_models_constant(&loads);
 }
 
 // Whether the state at the start is the same for any ratio to the steady one, as the law has it.
@@ -254,7 +255,7 @@ static void check_initial(lac_reader *reader, const lac_case *c)
     (void)lac_refuse(
         reader, HAS("initial.spread.state") && lac_clean(reader, "initial.state") && !scaled,
         "initial.spread.state", "needs initial.state as a time or {ratio_to_steady: x}");
-    if (c->friction.about == NULL || !lac_clean(reader, "initial")) {
+    if (c->friction.info == NULL || !lac_clean(reader, "initial")) {
         return;
     }
     if (initial->state == LAC_STATE_RATIO && !isnan(initial->slip_rate)) {

@@ -15,7 +15,7 @@ static bool read_of(lac_reader *reader, const lac_node *map, const char *key, co
 {
     const lac_node *node = lac_node_child(map, key);
     if (node == NULL) {
-        lac_blame(reader, map, "needs %s", key);
+        lac_add_error(reader, map, "needs %s", key);
         return false;
     }
     return lac_read_number(reader, node, unit, value);
@@ -27,7 +27,7 @@ static void blame_others(lac_reader *reader, const lac_node *map, const char *co
     for (size_t i = 0; i < map->count; i++) {
         const lac_node *child = map->child[i];
         if (strcmp(child->key, known[0]) != 0 && strcmp(child->key, known[1]) != 0) {
-            lac_blame_unknown(reader, child, "key", known, 2);
+            lac_add_error_unknown(reader, child, "key", known, 2);
         }
     }
 }
@@ -46,9 +46,9 @@ static void read_normal(lac_reader *reader, const lac_node *node, bool log, lac_
     bool read = read_of(reader, node, centre, p->unit, &p->centre);
     read = read_of(reader, node, "sigma", log ? "1" : p->unit, &p->sigma) && read;
     if (read && !(p->sigma > 0.0 && isfinite(p->sigma))) {
-        lac_blame(reader, node, "needs sigma > 0");
+        lac_add_error(reader, node, "needs sigma > 0");
     } else if (read && log && !(p->centre > 0.0)) {
-        lac_blame(reader, node, "needs median > 0");
+        lac_add_error(reader, node, "needs median > 0");
     }
 }
 
@@ -61,7 +61,7 @@ static void read_prior(lac_reader *reader, const lac_node *node, lac_fit_paramet
         return;
     }
     if (node->count != 1) {
-        lac_blame(reader, node, "must be one of %s", allowed);
+        lac_add_error(reader, node, "must be one of %s", allowed);
         return;
     }
     const lac_node *child = node->child[0];
@@ -70,13 +70,13 @@ static void read_prior(lac_reader *reader, const lac_node *node, lac_fit_paramet
         kind++;
     }
     if (kind == COUNT(known)) {
-        lac_blame_unknown(reader, child, "prior", known, COUNT(known));
+        lac_add_error_unknown(reader, child, "prior", known, COUNT(known));
     } else if (kind < 2) {
         read_normal(reader, child, kind == 0, p);
     } else {
         p->log = kind == 3;
         if (!lac_node_is_null(child) && !(child->kind == LAC_NODE_MAP && child->count == 0)) {
-            lac_blame(reader, child, "takes nothing: the range is beside it");
+            lac_add_error(reader, child, "takes nothing: the range is beside it");
         }
     }
 }
@@ -86,7 +86,7 @@ static void read_range(lac_reader *reader, const lac_node *node, const lac_param
 {
     double *ends[] = {&p->low, &p->high};
     if (node->kind != LAC_NODE_LIST || node->count != 2) {
-        lac_blame(reader, node, "must be a list of two values such as [low, high]");
+        lac_add_error(reader, node, "must be a list of two values such as [low, high]");
         return;
     }
     bool read = true;
@@ -97,7 +97,7 @@ static void read_range(lac_reader *reader, const lac_node *node, const lac_param
     }
     p->ranged = true;
     if (read && !(p->low < p->high)) {
-        lac_blame(reader, node, "must rise: low < high");
+        lac_add_error(reader, node, "must rise: low < high");
     }
 }
 
@@ -108,16 +108,16 @@ static void check_parameter(lac_reader *reader, const lac_node *node, const lac_
     char text[64];
     bool bounded = isfinite(p->low) && isfinite(p->high);
     if (p->prior == LAC_PRIOR_FLAT && !bounded) {
-        lac_blame(reader, node,
-                  "needs a range such as [low, high], or a prior such as {lognormal: {median: "
-                  "..., sigma: 1}}");
+        lac_add_error(reader, node,
+                      "needs a range such as [low, high], or a prior such as {lognormal: {median: "
+                      "..., sigma: 1}}");
     } else if (p->log && p->low < 0.0) {
-        lac_blame(reader, node, "needs a range above 0 for a prior of its logarithm");
+        lac_add_error(reader, node, "needs a range above 0 for a prior of its logarithm");
     } else if (p->log && p->prior == LAC_PRIOR_FLAT && !(p->low > 0.0)) {
-        lac_blame(reader, node, "needs a range whose low end is > 0, or prior: {uniform: {}}");
+        lac_add_error(reader, node, "needs a range whose low end is > 0, or prior: {uniform: {}}");
     } else if (value < p->low || value > p->high) {
-        lac_blame(reader, node, "has a range that leaves out the case's own value, %s",
-                  lac_units_exact(value, p->unit, text, sizeof text));
+        lac_add_error(reader, node, "has a range that leaves out the case's own value, %s",
+                      lac_units_exact(value, p->unit, text, sizeof text));
     }
 }
 
@@ -128,9 +128,9 @@ static void read_parameter(lac_reader *reader, const lac_node *node, lac_case *c
     lac_case_value value;
     size_t before = reader->report->errors;
     if (!lac_case_find(c, node->key, &value)) {
-        lac_blame(reader, node,
-                  "is no number of this case by its whole path, such as friction.aging.dc, "
-                  "initial.slip_rate or load.shear.0.ratio.value");
+        lac_add_error(reader, node,
+                      "is no number of this case by its whole path, such as friction.aging.dc, "
+                      "initial.slip_rate or load.shear.0.ratio.value");
         return;
     }
     if (!lac_expect_map(reader, node, "a mapping such as {range: [low, high]}")) {
@@ -162,7 +162,7 @@ static void read_parameters(lac_reader *reader, const lac_node *node, lac_case *
         return;
     }
     if (node->count > LAC_MOST_FITTED) {
-        lac_blame(reader, node, "has %zu parameters; at most %d", node->count, LAC_MOST_FITTED);
+        lac_add_error(reader, node, "has %zu parameters; at most %d", node->count, LAC_MOST_FITTED);
         return;
     }
     c->fit.parameter = calloc(node->count + 1, sizeof *c->fit.parameter);

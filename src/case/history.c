@@ -19,8 +19,8 @@ static void check_axis(lac_reader *reader, const lac_node *node, char axis)
         (void)snprintf(key, sizeof key, "%s_%c", controls[i], axis);
         const lac_node *given = lac_node_child(node, key);
         if (given != NULL && first != NULL) {
-            lac_blame(reader, given, "is given beside %s; exactly one is allowed along %c",
-                      first->key, axis);
+            lac_add_error(reader, given, "is given beside %s; exactly one is allowed along %c",
+                          first->key, axis);
         }
         first = first == NULL ? given : first;
     }
@@ -43,7 +43,7 @@ static void read_step(lac_reader *reader, const lac_node *node, lac_history_step
             nothing && isnan(step->ratio[i]) && isnan(step->shear[i]) && isnan(step->shift[i]);
     }
     if (nothing && reader->report->errors == errors) {
-        lac_blame(reader, node, "must name what changes, such as {ratio_x: 0.3}");
+        lac_add_error(reader, node, "must name what changes, such as {ratio_x: 0.3}");
     }
 }
 
@@ -52,7 +52,8 @@ void lac_read_steps(lac_reader *reader, const lac_node *node, lac_case *c)
     lac_history_def *history = &c->history;
     int64_t total = 0;
     if (node->kind != LAC_NODE_LIST || node->count == 0) {
-        lac_blame(reader, node, "must be a list of steps such as [{ratio_x: 0.3}, {ratio_x: 0}]");
+        lac_add_error(reader, node,
+                      "must be a list of steps such as [{ratio_x: 0.3}, {ratio_x: 0}]");
         return;
     }
     history->step = calloc(node->count, sizeof *history->step);
@@ -66,8 +67,8 @@ void lac_read_steps(lac_reader *reader, const lac_node *node, lac_case *c)
         total += history->step[i].count;
     }
     if (total > MOST_STEPS) {
-        lac_blame(reader, node, "makes %lld steps with all counts; at most %d are allowed",
-                  (long long)total, MOST_STEPS);
+        lac_add_error(reader, node, "makes %lld steps with all counts; at most %d are allowed",
+                      (long long)total, MOST_STEPS);
     }
 }
 
@@ -92,7 +93,7 @@ void lac_find_coulomb(lac_reader *reader, const lac_case *c, const char *key, do
     if (HAS(path)) {
         return;
     }
-    if (c->friction.about == NULL) {
+    if (c->friction.info == NULL) {
         (void)lac_refuse(reader, !HAS("friction") && !lac_needs_run(reader), path,
                          "is missing: Coulomb's coefficient, which no friction law gives either");
         return;
@@ -102,7 +103,7 @@ void lac_find_coulomb(lac_reader *reader, const lac_case *c, const char *key, do
                    "is missing, and f0 of the friction law is %g; must be > 0", *friction)) {
         *friction = NAN;
     }
-    if (lac_spread_has(&c->friction_spread, "f0")) {
+    if (lac_heterogeneity_has(&c->friction_spread, "f0")) {
         lac_warn(reader, key,
                  "takes the nominal f0 for every cell; friction.spread.f0 has no effect on it");
     }
@@ -133,10 +134,11 @@ static void check_limit(lac_reader *reader, const lac_node *node, const way *at,
     if (!(shear < f * at->pressure)) {
         char high[64];
         char low[64];
-        lac_blame(reader, node,
-                  "shears by %s, which must be below f P = %s, where the joint slides as a whole",
-                  lac_units_format(shear, "Pa", high, sizeof high),
-                  lac_units_format(f * at->pressure, "Pa", low, sizeof low));
+        lac_add_error(
+            reader, node,
+            "shears by %s, which must be below f P = %s, where the joint slides as a whole",
+            lac_units_format(shear, "Pa", high, sizeof high),
+            lac_units_format(f * at->pressure, "Pa", low, sizeof low));
     }
 }
 

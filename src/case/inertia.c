@@ -18,7 +18,7 @@ static void warn_explicit(lac_reader *reader, const lac_case *c, double pressure
 {
     const double many = 1e6;
     const lac_friction_params *law = c->friction.params;
-    if (c->friction.about == NULL || c->run.method == LAC_BDF || isnan(c->initial.slip_rate)) {
+    if (c->friction.info == NULL || c->run.method == LAC_BDF || isnan(c->initial.slip_rate)) {
         return;
     }
     double time = lac_inertia_mass(c) * c->initial.slip_rate / (law->a * pressure);

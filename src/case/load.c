@@ -9,7 +9,7 @@ static lac_status read_case(const char *name, const char *text, size_t size,
                             const lac_case_options *given, lac_case **out, lac_error *err)
 {
     lac_case_options options = lac_case_options_default();
-    lac_case_report report = {0};
+    lac_case_issues report = {0};
     lac_status status;
     *out = NULL;
     LAC_TRY(lac_take_options("lac_case_options", given, &options, sizeof options, err));
@@ -29,7 +29,7 @@ static lac_status read_case(const char *name, const char *text, size_t size,
         options.issue(options.context, &report.issue[i]);
     }
 out:
-    lac_case_report_clear(&report);
+    lac_case_issues_clear(&report);
     return status;
 }
 
@@ -93,7 +93,7 @@ lac_status lac_case_set(lac_case *c, const char *key, double value, lac_error *e
         return lac_fail(err, LAC_EINPUT, "%s: %s: %g %s", c->path, key, value, why);
     }
     *found.at = value;
-    const char *fault = lac_case_fault(c);
+    const char *fault = lac_case_validate(c);
     if (fault != NULL) {
         *found.at = before;
         status = lac_fail(err, LAC_EINPUT, "%s: %s: %g: %s", c->path, key, value, fault);
@@ -102,11 +102,11 @@ out:
     return status;
 }
 
-const lac_descriptor *lac_model_find(const char *kind, const char *name)
+const lac_model_info *lac_model_find(const char *kind, const char *name)
 {
     const lac_kind *of = NULL;
-    for (size_t i = 0; kind != NULL && name != NULL && (of = lac_kind_at(i)) != NULL; i++) {
-        const lac_descriptor *model = NULL;
+    for (size_t i = 0; kind != NULL && name != NULL && (of = lac_kind_get(i)) != NULL; i++) {
+        const lac_model_info *model = NULL;
         for (size_t k = 0; strcmp(of->name, kind) == 0 && (model = of->at(k)) != NULL; k++) {
             if (strcmp(model->name, name) == 0) {
                 return model;
@@ -116,7 +116,7 @@ const lac_descriptor *lac_model_find(const char *kind, const char *name)
     return NULL;
 }
 
-const lac_param *lac_model_param(const lac_descriptor *model, size_t index)
+const lac_param *lac_model_param(const lac_model_info *model, size_t index)
 {
     return model != NULL && index < model->param_count ? &model->params[index] : NULL;
 }

@@ -8,7 +8,7 @@
     "(CVODES)"
 #define PAPER "Borri-Brunetto, Carpinteri & Chiaia (2004) Rock Mech. Rock Eng. 37, 117"
 
-static const lac_descriptor momenta[] = {
+static const lac_model_info momenta[] = {
     {.name = "radiation-damping",
      .summary = "waves that leave a sliding cell take eta v off its traction, eta = G/(2 cs); with "
                 "shear_modulus and a shear speed, given or from the density",
@@ -24,7 +24,7 @@ static const lac_descriptor momenta[] = {
      .param_count = LAC_INERTIA_ROWS},
 };
 
-static const lac_descriptor fidelities[] = {
+static const lac_model_info fidelities[] = {
     {.name = "ode",
      .summary =
          "all cells at every step: cells that hold each other, and what events are judged by",
@@ -39,7 +39,7 @@ static const lac_descriptor fidelities[] = {
      .reference = PAPER "; docs/theory/rg.md"},
 };
 
-static const lac_descriptor methods[] = {
+static const lac_model_info methods[] = {
     {.name = "bdf",
      .summary = "implicit backward differences of order 1 to 5: stiff problems, the long creep",
      .reference = CVODES "; docs/theory/creep.md, eq. 5"},
@@ -54,7 +54,7 @@ static const lac_descriptor methods[] = {
                   "(ARKODE); Cash & Karp (1990) ACM Trans. Math. Softw. 16, 201"},
 };
 
-static const lac_descriptor formulations[] = {
+static const lac_model_info formulations[] = {
     {.name = "rate",
      .summary = "ln v: the balance of traction differentiated in time; slip that does not reverse",
      .reference = "docs/theory/creep.md, eq. 2-3"},
@@ -69,7 +69,7 @@ static const lac_descriptor formulations[] = {
      .reference = "docs/theory/momentum.md, eq. 1-2"},
 };
 
-static const lac_descriptor rules[] = {
+static const lac_model_info rules[] = {
     {.name = "fix",
      .summary = "the drop of its strength, (1 - beta) f p, as the paper has it",
      .reference = PAPER "; docs/theory/rg.md, eq. 1"},
@@ -82,8 +82,8 @@ static const lac_descriptor rules[] = {
                   "10.1029/JB090iB02p01894; docs/theory/rg.md, \"Pass\""},
 };
 
-LAC_ROWS_AT(lac_descriptor, lac_momentum_at, momenta)
-LAC_ROWS_AT(lac_descriptor, lac_fidelity_at, fidelities)
-LAC_ROWS_AT(lac_descriptor, lac_method_at, methods)
-LAC_ROWS_AT(lac_descriptor, lac_formulation_at, formulations)
-LAC_ROWS_AT(lac_descriptor, lac_rule_at, rules)
+LAC_ROWS_AT(lac_model_info, lac_momentum_get, momenta)
+LAC_ROWS_AT(lac_model_info, lac_fidelity_get, fidelities)
+LAC_ROWS_AT(lac_model_info, lac_method_get, methods)
+LAC_ROWS_AT(lac_model_info, lac_formulation_get, formulations)
+LAC_ROWS_AT(lac_model_info, lac_rule_get, rules)

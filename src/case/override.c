@@ -52,13 +52,13 @@ static bool locate(lac_reader *reader, const lac_override *override, const lac_n
         if (*at <= parent->count) {
             return true;
         }
-        lac_blame_text(reader, 0, override->key, "names item %s of a list of %zu", part,
-                       parent->count);
+        lac_add_error_text(reader, 0, override->key, "names item %s of a list of %zu", part,
+                           parent->count);
         return false;
     }
-    lac_blame_text(reader, 0, override->key, "names \"%.60s\" below %s", part,
-                   parent->kind == LAC_NODE_LIST ? "a list, whose items are numbers from 0"
-                                                 : "a value, which has no keys");
+    lac_add_error_text(reader, 0, override->key, "names \"%.60s\" below %s", part,
+                       parent->kind == LAC_NODE_LIST ? "a list, whose items are numbers from 0"
+                                                     : "a value, which has no keys");
     return false;
 }
 
@@ -129,7 +129,8 @@ void lac_apply_override(lac_reader *reader, lac_node **root, const lac_override 
     do {
         if (!next_part(&path, part, sizeof part) || (*path == '.' && path[1] == '\0') ||
             ++depth >= LAC_TREE_DEPTH) {
-            lac_blame_text(reader, 0, override->key, "is no dotted key such as friction.aging.dc");
+            lac_add_error_text(reader, 0, override->key,
+                               "is no dotted key such as friction.aging.dc");
             at = NULL;
             break;
         }

@@ -28,7 +28,7 @@ static size_t line_of(const builder *b, const yaml_event_t *event)
 }
 
 #define REFUSE(b, event, ...) \
-    (lac_blame_text((b)->reader, line_of(b, event), (b)->place, __VA_ARGS__), false)
+    (lac_add_error_text((b)->reader, line_of(b, event), (b)->place, __VA_ARGS__), false)
 
 // Why libyaml cannot read on.
 static void blame_syntax(builder *b, const yaml_parser_t *parser)
@@ -41,14 +41,14 @@ static void blame_syntax(builder *b, const yaml_parser_t *parser)
         for (size_t i = 0; i < parser->problem_offset && i < b->size; i++) {
             line += b->text[i] == '\n' ? 1 : 0;
         }
-        lac_blame_text(b->reader, b->place != NULL ? 0 : line, b->place,
-                       "is not plain UTF-8 text: %s", parser->problem);
+        lac_add_error_text(b->reader, b->place != NULL ? 0 : line, b->place,
+                           "is not plain UTF-8 text: %s", parser->problem);
     } else {
         const char *context = parser->context != NULL ? parser->context : "";
         const char *problem = parser->problem != NULL ? parser->problem : "cannot be read";
-        lac_blame_text(b->reader, b->place != NULL ? 0 : line, b->place,
-                       "is not valid YAML: %s%s%s", context, context[0] == '\0' ? "" : ", ",
-                       problem);
+        lac_add_error_text(b->reader, b->place != NULL ? 0 : line, b->place,
+                           "is not valid YAML: %s%s%s", context, context[0] == '\0' ? "" : ", ",
+                           problem);
     }
 }
 
@@ -56,9 +56,9 @@ static void blame_syntax(builder *b, const yaml_parser_t *parser)
 static void blame(builder *b, const lac_node *node, const char *what, const char *name)
 {
     if (b->place != NULL) {
-        lac_blame_text(b->reader, 0, b->place, "%s%.60s", what, name);
+        lac_add_error_text(b->reader, 0, b->place, "%s%.60s", what, name);
     } else {
-        lac_blame(b->reader, node, "%s%.60s", what, name);
+        lac_add_error(b->reader, node, "%s%.60s", what, name);
     }
 }
 
@@ -79,12 +79,12 @@ static bool take_key(builder *b, const yaml_event_t *event)
     size_t size = event->data.scalar.length;
     size_t line = line_of(b, event);
     if (parent_of(b)->count >= LAC_TREE_KEYS) {
-        lac_blame_text(b->reader, line, b->place, "is no case: a mapping has more than %d keys",
-                       LAC_TREE_KEYS);
+        lac_add_error_text(b->reader, line, b->place, "is no case: a mapping has more than %d keys",
+                           LAC_TREE_KEYS);
         return false;
     }
     if (memchr(text, '\0', size) != NULL) {
-        lac_blame_text(b->reader, line, b->place, "is no case: a key holds a NUL character");
+        lac_add_error_text(b->reader, line, b->place, "is no case: a key holds a NUL character");
         return false;
     }
     b->key_line = line;
@@ -99,8 +99,8 @@ static lac_node *add(builder *b, const yaml_event_t *event, lac_node_kind kind, 
     lac_node *parent = parent_of(b);
     size_t line = b->key != NULL ? b->key_line : line_of(b, event);
     if (++b->nodes > LAC_TREE_NODES) {
-        lac_blame_text(b->reader, line, b->place, "is no case: it has more than %d values",
-                       LAC_TREE_NODES);
+        lac_add_error_text(b->reader, line, b->place, "is no case: it has more than %d values",
+                           LAC_TREE_NODES);
         return NULL;
     }
     const lac_node *first = b->key != NULL ? lac_node_child(parent, b->key) : NULL;

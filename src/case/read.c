@@ -23,8 +23,8 @@ static lac_case *new_case(lac_reader *reader)
     c->path = path;
     c->run = lac_run_default();
     const lac_part *part;
-    for (size_t i = 0; (part = lac_part_at(i)) != NULL; i++) {
-        lac_table table = lac_part_table(&part->about);
+    for (size_t i = 0; (part = lac_part_get(i)) != NULL; i++) {
+        lac_table table = lac_part_table(&part->info);
         if (part->kind == LAC_PART_RECORD) {
             lac_table_reset(&table, c);
         }
@@ -36,10 +36,10 @@ static lac_case *new_case(lac_reader *reader)
     return c;
 }
 
-static void clear_slots(lac_slot_list *list)
+static void clear_slots(lac_model_list *list)
 {
     for (size_t i = 0; i < list->count; i++) {
-        lac_slot_clear(&list->item[i]);
+        lac_model_clear(&list->item[i]);
     }
     free(list->item);
 }
@@ -47,15 +47,15 @@ static void clear_slots(lac_slot_list *list)
 static void clear_part(const lac_part *part, lac_case *c)
 {
     void *at = (char *)c + part->at;
-    const lac_table table = lac_part_table(&part->about);
+    const lac_table table = lac_part_table(&part->info);
     if (part->kind == LAC_PART_RECORD) {
         lac_table_clear(&table, c);
     } else if (part->kind == LAC_PART_SLOT) {
-        lac_slot_clear(at);
+        lac_model_clear(at);
     } else if (part->kind == LAC_PART_SLOTS) {
         clear_slots(at);
     } else if (part->kind == LAC_PART_SPREADS) {
-        lac_spreads_clear(at);
+        lac_heterogeneity_clear(at);
     }
 }
 
@@ -65,7 +65,7 @@ void lac_case_free(lac_case *c)
     if (c == NULL) {
         return;
     }
-    for (size_t i = 0; (part = lac_part_at(i)) != NULL; i++) {
+    for (size_t i = 0; (part = lac_part_get(i)) != NULL; i++) {
         clear_part(part, c);
     }
     clear_slots(&c->analysis);
@@ -88,21 +88,21 @@ static lac_node *parse_file(lac_reader *reader, const char *text, size_t size)
 {
     const char *binary = size > 0 ? memchr(text, '\0', size) : NULL;
     if (size > LARGEST_FILE) {
-        lac_blame_text(reader, 1, NULL, "is larger than 4 MiB, which no case is");
+        lac_add_error_text(reader, 1, NULL, "is larger than 4 MiB, which no case is");
         return NULL;
     }
     if (binary != NULL) {
-        lac_blame_text(reader, 1, NULL, "is binary, not a case in text");
+        lac_add_error_text(reader, 1, NULL, "is binary, not a case in text");
         return NULL;
     }
     lac_node *root = lac_tree_parse(reader, text, size, NULL);
     bool empty =
         root == NULL ? reader->report->count == 0 && !reader->no_memory : lac_node_is_null(root);
     if (empty) {
-        lac_blame_text(reader, 1, NULL, "is empty; a case starts with lacuna: 1");
+        lac_add_error_text(reader, 1, NULL, "is empty; a case starts with lacuna: 1");
     } else if (root != NULL && root->kind != LAC_NODE_MAP) {
-        lac_blame_text(reader, root->line, NULL,
-                       "must be a mapping of sections, starting with lacuna: 1");
+        lac_add_error_text(reader, root->line, NULL,
+                           "must be a mapping of sections, starting with lacuna: 1");
     } else {
         return root;
     }
@@ -113,7 +113,7 @@ static lac_node *parse_file(lac_reader *reader, const char *text, size_t size)
 static void summarise(const lac_reader *reader, lac_error *err)
 {
     char text[900];
-    const lac_case_report *report = reader->report;
+    const lac_case_issues *report = reader->report;
     for (size_t i = 0; i < report->count; i++) {
         if (!report->issue[i].warning) {
             size_t others = report->errors - 1;
@@ -126,10 +126,10 @@ static void summarise(const lac_reader *reader, lac_error *err)
 }
 
 lac_status lac_case_build(const lac_units *units, const lac_case_source *from, lac_case **out,
-                          lac_case_report *report, lac_error *err)
+                          lac_case_issues *report, lac_error *err)
 {
     *out = NULL;
-    *report = (lac_case_report){0};
+    *report = (lac_case_issues){0};
     lac_reader reader = {
         .name = from->name, .purpose = from->purpose, .units = units, .report = report};
     lac_case *c = NULL;
@@ -146,7 +146,7 @@ lac_status lac_case_build(const lac_units *units, const lac_case_source *from, l
         lac_check_case(&reader, c);
     }
     lac_node_free(root);
-    lac_report_sort(report);
+    lac_case_issues_sort(report);
     if (report->errors == 0 && !reader.no_memory) {
         *out = c;
         return LAC_OK;
@@ -161,13 +161,13 @@ lac_status lac_case_build(const lac_units *units, const lac_case_source *from, l
 
 lac_status lac_case_read_text(const char *name, const char *text, size_t size,
                               const lac_case_request *request, lac_case **out,
-                              lac_case_report *report, lac_error *err)
+                              lac_case_issues *report, lac_error *err)
 {
     static const lac_case_request plain = {0};
     const lac_case_request *how = request != NULL ? request : &plain;
     lac_units *units = NULL;
     *out = NULL;
-    *report = (lac_case_report){0};
+    *report = (lac_case_issues){0};
     lac_status status = lac_units_create(&units, err);
     if (status == LAC_OK) {
         lac_case_source from = {name, text, size, how->overrides, how->count, how->purpose};
@@ -220,12 +220,12 @@ static lac_status read_file(const char *path, char **text, size_t *size, lac_err
 }
 
 lac_status lac_case_read(const char *path, const lac_case_request *request, lac_case **out,
-                         lac_case_report *report, lac_error *err)
+                         lac_case_issues *report, lac_error *err)
 {
     char *text = NULL;
     size_t size = 0;
     *out = NULL;
-    *report = (lac_case_report){0};
+    *report = (lac_case_issues){0};
     lac_status status = read_file(path, &text, &size, err);
     if (status == LAC_OK) {
         status = lac_case_read_text(path, text, size, request, out, report, err);

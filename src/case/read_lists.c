@@ -28,8 +28,8 @@ void lac_read_state(lac_reader *reader, const lac_node *node, lac_case *c)
         initial->state = LAC_STATE_TIME;
         (void)lac_read_param(reader, node, &lac_state_row, initial);
     } else {
-        lac_blame(reader, node,
-                  "must be steady, a time such as \"2 year\", or {ratio_to_steady: 0.9}");
+        lac_add_error(reader, node,
+                      "must be steady, a time such as \"2 year\", or {ratio_to_steady: 0.9}");
     }
 }
 
@@ -48,14 +48,15 @@ void lac_read_cadence(lac_reader *reader, const lac_node *node, lac_cadence *cad
     lac_read_table(reader, node, &table, cadence);
     bool never = isnan(cadence->time) && cadence->steps == 0 && isnan(cadence->per_decade);
     if (never && reader->report->errors == errors) {
-        lac_blame(reader, node, "must be a time such as \"1 day\", {steps: N} or {per_decade: N}");
+        lac_add_error(reader, node,
+                      "must be a time such as \"1 day\", {steps: N} or {per_decade: N}");
     }
 }
 
 void lac_read_fields(lac_reader *reader, const lac_node *node, lac_case *c)
 {
     if (node->kind != LAC_NODE_LIST) {
-        lac_blame(reader, node, "must be a list of: slip, slip_rate, state, traction");
+        lac_add_error(reader, node, "must be a list of: slip, slip_rate, state, traction");
         return;
     }
     for (size_t i = 0; i < node->count; i++) {
@@ -65,7 +66,7 @@ void lac_read_fields(lac_reader *reader, const lac_node *node, lac_case *c)
             bit |= strcmp(lac_field_names[k], item->text) == 0 ? 1u << k : 0u;
         }
         if (bit == 0) {
-            lac_blame(reader, item, "must be one of: slip, slip_rate, state, traction");
+            lac_add_error(reader, item, "must be one of: slip, slip_rate, state, traction");
         }
         c->fields |= bit;
     }
@@ -76,7 +77,7 @@ void lac_read_fields_every(lac_reader *reader, const lac_node *node, lac_case *c
 {
     (void)c;
     if (!HAS("output.fields")) {
-        lac_blame(reader, node, "needs output.fields, which says what to keep");
+        lac_add_error(reader, node, "needs output.fields, which says what to keep");
     }
 }
 
@@ -88,14 +89,14 @@ static void read_series(lac_reader *reader, const lac_node *node, lac_compare_de
     }
     lac_read_table(reader, node, &table, def);
     if (lac_node_child(node, "displacement") == NULL && lac_node_child(node, "velocity") == NULL) {
-        lac_blame(reader, node, "needs displacement or velocity, such as \"disp:mm\"");
+        lac_add_error(reader, node, "needs displacement or velocity, such as \"disp:mm\"");
     }
 }
 
 void lac_read_compare(lac_reader *reader, const lac_node *node, lac_case *c)
 {
     if (node->kind != LAC_NODE_LIST) {
-        lac_blame(reader, node, "must be a list such as [{file: a.csv, time: date, ...}]");
+        lac_add_error(reader, node, "must be a list such as [{file: a.csv, time: date, ...}]");
         return;
     }
     c->compare = calloc(node->count > 0 ? node->count : 1, sizeof *c->compare);

@@ -32,8 +32,8 @@ void lac_read_version(lac_reader *reader, const lac_node *root, lac_case *c)
                     "is missing: a case starts with its format's version, lacuna: %d",
                     FORMAT_VERSION) &&
         (node->kind != LAC_NODE_SCALAR || strcmp(node->text, "1") != 0)) {
-        lac_blame(reader, node, "must be %d, the version of the format that is read here",
-                  FORMAT_VERSION);
+        lac_add_error(reader, node, "must be %d, the version of the format that is read here",
+                      FORMAT_VERSION);
     }
 }
 
@@ -44,7 +44,7 @@ void lac_read_start(lac_reader *reader, const lac_node *node, lac_case *c)
     double seconds;
     if (node->kind == LAC_NODE_SCALAR && lac_date_parse(node->text, &seconds)) {
         if (lac_date_format(floor(seconds), text, sizeof text)[0] == '\0') {
-            lac_blame(reader, node, "must be in the years 0 to 9999");
+            lac_add_error(reader, node, "must be in the years 0 to 9999");
         }
         c->dated = true;
         c->start_date = seconds;
@@ -52,8 +52,8 @@ void lac_read_start(lac_reader *reader, const lac_node *node, lac_case *c)
     }
     if (node->kind != LAC_NODE_SCALAR ||
         lac_units_parse(reader->units, node->text, "s", &c->start_date, NULL) != LAC_OK) {
-        lac_blame(reader, node,
-                  "must be a date such as 1963-10-09T22:39:00Z, or a time such as \"1 day\"");
+        lac_add_error(reader, node,
+                      "must be a date such as 1963-10-09T22:39:00Z, or a time such as \"1 day\"");
     }
 }
 
@@ -62,7 +62,7 @@ static const lac_node *read_record(lac_reader *reader, const lac_node *node, con
                                    lac_case *c)
 {
     char allowed[100] = "a mapping of keys and values";
-    const lac_table table = lac_part_table(&part->about);
+    const lac_table table = lac_part_table(&part->info);
     if (part->such != NULL) {
         (void)snprintf(allowed, sizeof allowed, "a mapping such as %s", part->such);
     }
@@ -77,7 +77,7 @@ static const lac_node *read_record(lac_reader *reader, const lac_node *node, con
 static bool lacks(const lac_reader *reader, const lac_part *part)
 {
     char above[LAC_KEY_LENGTH] = "";
-    const char *name = part->about.name, *dot = strrchr(name, '.');
+    const char *name = part->info.name, *dot = strrchr(name, '.');
     (void)snprintf(above, sizeof above, "%.*s", dot != NULL ? (int)(dot - name) : 0, name);
     const lac_table table = lac_section_table(dot != NULL ? above : "case");
     const lac_node *map = lac_node_at(reader->root, above);
@@ -88,7 +88,7 @@ static bool lacks(const lac_reader *reader, const lac_part *part)
 
 static void read_part(lac_reader *reader, const lac_part *part, lac_case *c)
 {
-    const char *key = part->about.name;
+    const char *key = part->info.name;
     const lac_node *node = lac_node_at(reader->root, strcmp(key, "case") == 0 ? "" : key);
     void *at = (char *)c + part->at;
     if (node == NULL) {
@@ -105,7 +105,7 @@ static void read_part(lac_reader *reader, const lac_part *part, lac_case *c)
         lac_read_slots(reader, node, part->model, at);
     } else if (part->kind == LAC_PART_SPREADS && part->varied != NULL) {
         lac_read_spreads(reader, node, NULL, part->varied, at);
-    } else if (part->kind == LAC_PART_SPREADS && c->friction.about != NULL) {
+    } else if (part->kind == LAC_PART_SPREADS && c->friction.info != NULL) {
         lac_read_spreads(reader, node, &c->friction, NULL, at);
     } else if (part->kind == LAC_PART_CADENCE) {
         lac_read_cadence(reader, node, at);
@@ -119,10 +119,10 @@ static void read_part(lac_reader *reader, const lac_part *part, lac_case *c)
 static void read_after(lac_reader *reader, const char *key, lac_case *c)
 {
     const lac_part *part;
-    for (size_t i = 0; (part = lac_part_at(i)) != NULL; i++) {
+    for (size_t i = 0; (part = lac_part_get(i)) != NULL; i++) {
         if (strcmp(part->after != NULL ? part->after : "", key) == 0) {
             read_part(reader, part, c);
-            read_after(reader, part->about.name, c);
+            read_after(reader, part->info.name, c);
         }
     }
 }

@@ -17,13 +17,13 @@ typedef struct lac_reader {
     const char *name; ///< of the file, in messages
     lac_case_purpose purpose;
     const lac_units *units;
-    lac_case_report *report;
+    lac_case_issues *report;
     const lac_node *root;
     bool no_memory; ///< something could not be kept: the reading fails at its end
 } lac_reader;
 
 /// Reports an error at a node, with its dotted key and, of a scalar, its value.
-void lac_blame(lac_reader *reader, const lac_node *node, const char *format, ...)
+void lac_add_error(lac_reader *reader, const lac_node *node, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
 /// Reports an error at a dotted key where there is one: its line, or that of the nearest node
@@ -38,16 +38,16 @@ void lac_warn(lac_reader *reader, const char *key, const char *format, ...)
 
 /// Reports an error of the text as such.
 /// @param place  the key of a --set; NULL: the file
-void lac_blame_text(lac_reader *reader, size_t line, const char *place, const char *format, ...)
+void lac_add_error_text(lac_reader *reader, size_t line, const char *place, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 
 /// Reports a key or model that is none of the known ones, naming the nearest or all of them.
 /// @param what  "key", "model" ...
-void lac_blame_unknown(lac_reader *reader, const lac_node *node, const char *what,
-                       const char *const *known, size_t count);
+void lac_add_error_unknown(lac_reader *reader, const lac_node *node, const char *what,
+                           const char *const *known, size_t count);
 
 /// Puts the issues in the order of the file; those of --set come last.
-void lac_report_sort(lac_case_report *report);
+void lac_case_issues_sort(lac_case_issues *report);
 
 /// Appends "a, b, c" to a list.
 void lac_append_names(char *list, size_t size, const char *const *names, size_t count);

@@ -46,7 +46,7 @@ static char *one_line(lac_reader *reader, const char *text, size_t longest)
 
 static lac_case_issue *new_issue(lac_reader *reader)
 {
-    lac_case_report *report = reader->report;
+    lac_case_issues *report = reader->report;
     size_t n = report->count;
     if ((n & (n - 1)) == 0) {
         lac_case_issue *grown =
@@ -94,7 +94,7 @@ static void add_issue(lac_reader *reader, const subject *of, const char *format,
         one_line(reader, full ? "has more errors, which are not listed" : message, LONGEST_MESSAGE);
 }
 
-void lac_blame(lac_reader *reader, const lac_node *node, const char *format, ...)
+void lac_add_error(lac_reader *reader, const lac_node *node, const char *format, ...)
 {
     char key[LAC_KEY_LENGTH];
     bool scalar = node->kind == LAC_NODE_SCALAR && node->text != NULL;
@@ -153,7 +153,7 @@ void lac_warn(lac_reader *reader, const char *key, const char *format, ...)
     va_end(args);
 }
 
-void lac_blame_text(lac_reader *reader, size_t line, const char *place, const char *format, ...)
+void lac_add_error_text(lac_reader *reader, size_t line, const char *place, const char *format, ...)
 {
     subject of = {
         .line = line, .key = place != NULL ? place : "", .value = "", .from_set = place != NULL};
@@ -182,8 +182,8 @@ static void say(lac_reader *reader, const subject *of, const char *format, ...)
     va_end(args);
 }
 
-void lac_blame_unknown(lac_reader *reader, const lac_node *node, const char *what,
-                       const char *const *known, size_t count)
+void lac_add_error_unknown(lac_reader *reader, const lac_node *node, const char *what,
+                           const char *const *known, size_t count)
 {
     char list[LONGEST_MESSAGE] = "";
     char key[LAC_KEY_LENGTH];
@@ -202,7 +202,7 @@ void lac_blame_unknown(lac_reader *reader, const lac_node *node, const char *wha
 }
 
 // Insertion keeps issues of one line in the order they were found; there are few.
-void lac_report_sort(lac_case_report *report)
+void lac_case_issues_sort(lac_case_issues *report)
 {
     for (size_t i = 1; i < report->count; i++) {
         lac_case_issue moving = report->issue[i];
@@ -215,7 +215,7 @@ void lac_report_sort(lac_case_report *report)
     }
 }
 
-void lac_case_report_clear(lac_case_report *report)
+void lac_case_issues_clear(lac_case_issues *report)
 {
     for (size_t i = 0; i < report->count; i++) {
         free(report->issue[i].file);
@@ -224,7 +224,7 @@ void lac_case_report_clear(lac_case_report *report)
         free(report->issue[i].message);
     }
     free(report->issue);
-    *report = (lac_case_report){0};
+    *report = (lac_case_issues){0};
 }
 
 static const char *or_empty(const char *text) { return text != NULL ? text : ""; }

@@ -18,7 +18,7 @@ bool lac_read_beta(lac_reader *reader, const lac_node *node, double *beta)
     }
     bool allowed = lac_param_allows(&row, *beta, why, sizeof why);
     if (!allowed) {
-        lac_blame(reader, node, "must be >= %g and <= %g", row.min, row.max);
+        lac_add_error(reader, node, "must be >= %g and <= %g", row.min, row.max);
     }
     return allowed;
 }
@@ -27,7 +27,7 @@ static void read_beta(lac_reader *reader, const lac_node *node, lac_rg_def *rg)
 {
     double beta = NAN;
     if (rg->betas == LAC_MOST_BETAS) {
-        lac_blame(reader, node, "is one too many: at most %d values", LAC_MOST_BETAS);
+        lac_add_error(reader, node, "is one too many: at most %d values", LAC_MOST_BETAS);
     } else if (lac_read_beta(reader, node, &beta)) {
         rg->beta[rg->betas++] = beta;
     }
@@ -43,8 +43,8 @@ void lac_read_betas(lac_reader *reader, const lac_node *node, lac_case *c)
     if (node->kind == LAC_NODE_SCALAR) {
         read_beta(reader, node, rg);
     } else if (node->kind != LAC_NODE_LIST || node->count == 0) {
-        lac_blame(reader, node, "must be a number, a list such as [0.8, 0.7], or %s",
-                  from_friction);
+        lac_add_error(reader, node, "must be a number, a list such as [0.8, 0.7], or %s",
+                      from_friction);
     }
     for (size_t i = 0; node->kind == LAC_NODE_LIST && i < node->count; i++) {
         read_beta(reader, node->child[i], rg);
@@ -58,9 +58,9 @@ static void check_interface(lac_reader *reader, const lac_case *c)
         "is a single block, which has no cells to hand load on: rg needs surface or domain");
     (void)lac_refuse(reader, c->rg.field == LAC_RG_ELASTIC && HAS("interface.domain"), "rg.field",
                      "needs interface.surface to press; a domain goes with equal or uniform");
-    bool random = lac_slot_seed(&c->surface) != NULL || lac_slot_seed(&c->domain) != NULL;
+    bool random = lac_model_seed(&c->surface) != NULL || lac_model_seed(&c->domain) != NULL;
     for (size_t i = 0; i < c->interface_spread.count; i++) {
-        random = random || lac_slot_seed(&c->interface_spread.item[i].slot) != NULL;
+        random = random || lac_model_seed(&c->interface_spread.item[i].model) != NULL;
     }
     (void)lac_refuse(reader, c->rg.seeds > 1 && !random, "rg.seeds",
                      "must be 1: the interface does not depend on a seed");

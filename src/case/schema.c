@@ -30,7 +30,7 @@ bool lac_read_number(lac_reader *reader, const lac_node *node, const char *unit,
     if (lac_units_parse(reader->units, scalar ? node->text : "", unit, value, &err) == LAC_OK) {
         return true;
     }
-    lac_blame(reader, node, "%s", err.message);
+    lac_add_error(reader, node, "%s", err.message);
     return false;
 }
 
@@ -39,7 +39,7 @@ bool lac_in_range(lac_reader *reader, const lac_node *node, const lac_param *par
     char why[160];
     bool allowed = lac_param_allows(param, value, why, sizeof why);
     if (!allowed) {
-        lac_blame(reader, node, "%s", why);
+        lac_add_error(reader, node, "%s", why);
     }
     return allowed;
 }
@@ -61,7 +61,7 @@ static bool read_integer(lac_reader *reader, const lac_node *node, const lac_par
     bool scalar = node->kind == LAC_NODE_SCALAR;
     if (!scalar || lac_units_parse(reader->units, node->text, "1", &number, NULL) != LAC_OK ||
         number != floor(number) || fabs(number) > largest_whole) {
-        lac_blame(reader, node, "must be a whole number");
+        lac_add_error(reader, node, "must be a whole number");
         return false;
     }
     bool good = lac_in_range(reader, node, param, number);
@@ -82,7 +82,7 @@ static bool read_choice(lac_reader *reader, const lac_node *node, const lac_para
     }
     (void)snprintf(text, sizeof text, "must be %s", n > 1 ? "one of: " : "");
     lac_append_names(text, sizeof text, param->choices, n);
-    lac_blame(reader, node, "%s", text);
+    lac_add_error(reader, node, "%s", text);
     return false;
 }
 
@@ -91,7 +91,7 @@ static char *read_text(lac_reader *reader, const lac_node *node, const char *all
 {
     if (node->kind != LAC_NODE_SCALAR || node->text[0] == '\0' || lac_node_is_null(node) ||
         node->bad) {
-        lac_blame(reader, node, "must be %s", allowed);
+        lac_add_error(reader, node, "must be %s", allowed);
         return NULL;
     }
     return lac_reader_copy(reader, node->text, strlen(node->text));
@@ -152,10 +152,10 @@ static void read_column(lac_reader *reader, const lac_node *node, const char *si
     }
     *colon = '\0';
     if (colon == text) {
-        lac_blame(reader, node, "must be a column and its unit such as \"disp:mm\"");
+        lac_add_error(reader, node, "must be a column and its unit such as \"disp:mm\"");
     } else if (lac_units_convert(reader->units, colon + 1, si, &scale, &offset, &err) != LAC_OK ||
                offset != 0.0) {
-        lac_blame(reader, node, "the unit of the column %s", err.message);
+        lac_add_error(reader, node, "the unit of the column %s", err.message);
     } else {
         column[1] = lac_reader_copy(reader, colon + 1, strlen(colon + 1));
     }
@@ -211,7 +211,7 @@ static void blame_unknown_key(lac_reader *reader, const lac_node *node, const la
     for (size_t i = 0; n < MAX_KNOWN && more_key(table, i) != NULL; i++) {
         known[n++] = more_key(table, i);
     }
-    lac_blame_unknown(reader, node, "key", known, n);
+    lac_add_error_unknown(reader, node, "key", known, n);
 }
 
 bool lac_key_misspelt(const lac_node *map, const lac_table *table, const char *key)
@@ -275,7 +275,7 @@ void lac_read_table(lac_reader *reader, const lac_node *map, const lac_table *ta
 bool lac_expect_map(lac_reader *reader, const lac_node *node, const char *allowed)
 {
     if (node->kind != LAC_NODE_MAP) {
-        lac_blame(reader, node, "must be %s", allowed);
+        lac_add_error(reader, node, "must be %s", allowed);
         return false;
     }
     return true;

@@ -65,7 +65,7 @@ char *lac_path_below(const char *folder, size_t length, const char *path);
 size_t lac_folder_length(const char *name);
 
 enum {
-    LAC_KIND_SURFACE = 0, ///< indices of lac_kind_at
+    LAC_KIND_SURFACE = 0, ///< indices of lac_kind_get
     LAC_KIND_DOMAIN,
     LAC_KIND_NORMAL,
     LAC_KIND_SHEAR,
@@ -74,7 +74,7 @@ enum {
     LAC_KIND_TRANSFER,
     LAC_KIND_SPREAD,
     LAC_KIND_ANALYSIS,
-    LAC_KIND_STRENGTH, ///< from here on options, which no slot holds
+    LAC_KIND_STRENGTH, ///< from here on options, which no model holds
     LAC_KIND_MOMENTUM,
     LAC_KIND_FIDELITY,
     LAC_KIND_METHOD,
@@ -88,25 +88,25 @@ enum {
 /// The model of a kind that a node's key names.
 /// @param what  "model", "indicator": what there is none of by this name
 /// @return NULL where there is none, which is then reported
-const lac_descriptor *lac_find_model(lac_reader *reader, const lac_node *node, int kind,
+const lac_model_info *lac_find_model(lac_reader *reader, const lac_node *node, int kind,
                                      const char *what);
 
 /// Reads `{MODEL: {parameters}}`: exactly one model.
 /// @param own   a key beside the model that the caller reads itself; NULL
-/// @param slot  empty where the node is wrong
+/// @param model  empty where the node is wrong
 void lac_read_slot(lac_reader *reader, const lac_node *node, int kind, const char *own,
-                   lac_slot *slot);
+                   lac_model *model);
 
 /// Reads `[{MODEL: ...}, ...]`.
-void lac_read_slots(lac_reader *reader, const lac_node *node, int kind, lac_slot_list *list);
+void lac_read_slots(lac_reader *reader, const lac_node *node, int kind, lac_model_list *list);
 
 /// Reads `{PARAMETER: {MODEL: ...}, ...}`, or a list of models for a parameter.
 /// @param law    whose cell-wise parameters may vary; NULL: `known` may
 /// @param known  NULL at its end
-void lac_read_spreads(lac_reader *reader, const lac_node *node, const lac_slot *law,
-                      const char *const *known, lac_spread_list *list);
+void lac_read_spreads(lac_reader *reader, const lac_node *node, const lac_model *law,
+                      const char *const *known, lac_heterogeneity_list *list);
 
-void lac_spreads_clear(lac_spread_list *list);
+void lac_heterogeneity_clear(lac_heterogeneity_list *list);
 
 /// Reads a time, or a mapping of one or more of time, steps and per_decade.
 void lac_read_cadence(lac_reader *reader, const lac_node *node, lac_cadence *cadence);

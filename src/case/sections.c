@@ -291,7 +291,7 @@ static bool has_time(const lac_case *c) { return !isnan(c->run.end); }
 
 static bool has_initial(const lac_case *c)
 {
-    return c->friction.about != NULL || c->initial.state != LAC_STATE_STEADY ||
+    return c->friction.info != NULL || c->initial.state != LAC_STATE_STEADY ||
            !isnan(c->initial.slip_rate) || c->initial_spread.count > 0;
 }
 
@@ -312,10 +312,10 @@ static bool has_rg(const lac_case *c) { return c->rg.named; }
 
 static bool has_fit(const lac_case *c) { return c->fit.named; }
 
-#define RECORD(key, text, rows) .about = {key, text, "", rows, COUNT(rows)}
+#define RECORD(key, text, rows) .info = {key, text, "", rows, COUNT(rows)}
 #define ITEMS(key, text, rows) RECORD(key, text, rows), .kind = LAC_PART_ITEMS
-#define OWN(key) .about.name = (key), .kind = LAC_PART_OWN
-#define PART(what, key, member) .about.name = (key), .kind = LAC_PART_##what, .at = FIELD(member)
+#define OWN(key) .info.name = (key), .kind = LAC_PART_OWN
+#define PART(what, key, member) .info.name = (key), .kind = LAC_PART_##what, .at = FIELD(member)
 #define NO_LOAD "a normal load such as {pressure: \"3 MPa\"}"
 
 static const char *const pressed[] = {"pressure", NULL};
@@ -376,13 +376,13 @@ static const lac_part parts[] = {
     {ITEMS("load.history.steps", "a list; what a step does not name stays as it was", step_rows)},
 };
 
-LAC_ROWS_AT(lac_part, lac_part_at, parts)
+LAC_ROWS_AT(lac_part, lac_part_get, parts)
 
-const lac_section *lac_section_at(size_t index)
+const lac_section *lac_section_get(size_t index)
 {
     for (size_t i = 0; i < COUNT(parts); i++) {
-        if (parts[i].about.params != NULL && index-- == 0) {
-            return &parts[i].about;
+        if (parts[i].info.params != NULL && index-- == 0) {
+            return &parts[i].info;
         }
     }
     return NULL;
@@ -392,8 +392,8 @@ const lac_section *lac_section_at(size_t index)
 static const char *section_key(size_t index)
 {
     for (size_t i = 1; i < COUNT(parts); i++) {
-        if (strchr(parts[i].about.name, '.') == NULL && index-- == 0) {
-            return parts[i].about.name;
+        if (strchr(parts[i].info.name, '.') == NULL && index-- == 0) {
+            return parts[i].info.name;
         }
     }
     return NULL;
@@ -401,28 +401,28 @@ static const char *section_key(size_t index)
 
 lac_table lac_section_table(const char *name)
 {
-    const lac_section *section = lac_section_at(0);
+    const lac_section *section = lac_section_get(0);
     for (size_t i = 1; strcmp(section->name, name) != 0; i++) {
-        section = lac_section_at(i);
+        section = lac_section_get(i);
     }
     return lac_part_table(section);
 }
 
-lac_table lac_part_table(const lac_section *about)
+lac_table lac_part_table(const lac_section *info)
 {
-    return (lac_table){.params = about->params,
-                       .count = about->param_count,
-                       .more = about == &parts[0].about ? section_key : NULL};
+    return (lac_table){.params = info->params,
+                       .count = info->param_count,
+                       .more = info == &parts[0].info ? section_key : NULL};
 }
 
 const lac_param *lac_case_row(const char *key)
 {
     const lac_param *row = NULL;
     for (size_t i = 0; row == NULL && i < COUNT(parts); i++) {
-        const lac_section *about = &parts[i].about;
+        const lac_section *info = &parts[i].info;
         const char *rest =
-            parts[i].kind == LAC_PART_RECORD ? lac_key_behind(key, about->name) : NULL;
-        row = rest != NULL ? lac_param_find(about->params, about->param_count, rest) : NULL;
+            parts[i].kind == LAC_PART_RECORD ? lac_key_behind(key, info->name) : NULL;
+        row = rest != NULL ? lac_param_find(info->params, info->param_count, rest) : NULL;
     }
     return row;
 }

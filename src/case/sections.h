@@ -18,15 +18,15 @@ typedef enum lac_part_kind {
 
 /// A part of a case that is more than a value: how it is read, kept and written back as text.
 /// What walks the table of parts: reading, defaults, text, freeing, lac_case_find,
-/// lac_case_fault, lac_case_rebase, `describe` and completion.
+/// lac_case_validate, lac_case_rebase, `describe` and completion.
 typedef struct lac_part {
-    lac_section about; ///< its dotted key, "case" the whole; rows and summary where there are any
+    lac_section info; ///< its dotted key, "case" the whole; rows and summary where there are any
     lac_part_kind kind;
-    size_t at;         ///< offset in lac_case: of a slot, list or cadence
-    int model;         ///< LAC_KIND_* of slots
+    size_t at;         ///< offset in lac_case: of a model, list or cadence
+    int model;         ///< LAC_KIND_* of models
     bool fitted;       ///< lac_case_find knows its rows
     const char *after; ///< read after this one: so the errors of a line are ordered; NULL: in place
-    const char *such;  ///< of a record: an example, for messages; of a slot: a key beside the model
+    const char *such; ///< of a record: an example, for messages; of a model: a key beside the model
     const char *const *varied; ///< of spreads: what may vary; NULL: what the friction law says
     const char *missing;    ///< what is said where its section is there but it isn't; NULL: nothing
     const char *missing_at; ///< of which key; NULL: its own
@@ -39,11 +39,11 @@ typedef struct lac_part {
 } lac_part;
 
 /// The index-th part in the order of a resolved case, NULL past the end.
-const lac_part *lac_part_at(size_t index);
+const lac_part *lac_part_get(size_t index);
 
-/// The keys of a section that lac_section_at has, by its name or by itself.
+/// The keys of a section that lac_section_get has, by its name or by itself.
 lac_table lac_section_table(const char *name);
-lac_table lac_part_table(const lac_section *about);
+lac_table lac_part_table(const lac_section *info);
 
 typedef void lac_part_read(lac_reader *reader, const lac_node *node, lac_case *c);
 typedef void lac_part_put(struct lac_writer *w, const lac_case *c);
@@ -61,11 +61,11 @@ enum { LAC_MATERIAL_SHEAR_SPEED = 2, LAC_MATERIAL_ROWS = 4, LAC_INERTIA_ROWS = 3
 extern const lac_param lac_material_rows[LAC_MATERIAL_ROWS], lac_inertia_rows[LAC_INERTIA_ROWS];
 
 /// What `describe` says of options that are chosen by the value of a key; NULL past the end.
-const lac_descriptor *lac_momentum_at(size_t index);
-const lac_descriptor *lac_fidelity_at(size_t index);
-const lac_descriptor *lac_method_at(size_t index);
-const lac_descriptor *lac_formulation_at(size_t index);
-const lac_descriptor *lac_rule_at(size_t index);
+const lac_model_info *lac_momentum_get(size_t index);
+const lac_model_info *lac_fidelity_get(size_t index);
+const lac_model_info *lac_method_get(size_t index);
+const lac_model_info *lac_formulation_get(size_t index);
+const lac_model_info *lac_rule_get(size_t index);
 
 /// Reads the sections below the root into a case that holds the defaults.
 void lac_read_sections(lac_reader *reader, lac_case *c);
@@ -145,6 +145,6 @@ typedef struct lac_case_source {
 
 /// lac_case_read_text with a units database that is there already.
 lac_status lac_case_build(const lac_units *units, const lac_case_source *from, lac_case **out,
-                          lac_case_report *report, lac_error *err);
+                          lac_case_issues *report, lac_error *err);
 
 #endif

@@ -19,18 +19,18 @@ static size_t model_names(const lac_kind *kind, const char **names)
     return n;
 }
 
-const lac_descriptor *lac_find_model(lac_reader *reader, const lac_node *node, int kind,
+const lac_model_info *lac_find_model(lac_reader *reader, const lac_node *node, int kind,
                                      const char *what)
 {
     const char *names[MAX_MODELS];
-    const lac_kind *models = lac_kind_at((size_t)kind);
+    const lac_kind *models = lac_kind_get((size_t)kind);
     size_t n = model_names(models, names);
     for (size_t i = 0; i < n; i++) {
         if (strcmp(names[i], node->key) == 0) {
             return models->at(i);
         }
     }
-    lac_blame_unknown(reader, node, what, names, n);
+    lac_add_error_unknown(reader, node, what, names, n);
     return NULL;
 }
 
@@ -39,17 +39,17 @@ static void blame_shape(lac_reader *reader, const lac_node *node, int kind)
 {
     const char *names[MAX_MODELS];
     char list[300] = "";
-    size_t n = model_names(lac_kind_at((size_t)kind), names);
+    size_t n = model_names(lac_kind_get((size_t)kind), names);
     for (size_t i = 0; i < n; i++) {
         size_t used = strlen(list);
         (void)snprintf(list + used, sizeof list - used, "%s%s", i == 0 ? "" : ", ", names[i]);
     }
-    lac_blame(reader, node, "must be {MODEL: {...}} where MODEL is one of: %s", list);
+    lac_add_error(reader, node, "must be {MODEL: {...}} where MODEL is one of: %s", list);
 }
 
 // The one model that a mapping names; NULL, and reported, where it isn't one.
 static const lac_node *chosen_model(lac_reader *reader, const lac_node *node, int kind,
-                                    const char *own, const lac_descriptor **about)
+                                    const char *own, const lac_model_info **info)
 {
     const lac_node *chosen = NULL;
     bool good = true;
@@ -58,16 +58,16 @@ static const lac_node *chosen_model(lac_reader *reader, const lac_node *node, in
         if (child->ignored || (own != NULL && strcmp(child->key, own) == 0)) {
             continue;
         }
-        const lac_descriptor *model = lac_find_model(reader, child, kind, "model");
-        if (model == NULL) {
+        const lac_model_info *named = lac_find_model(reader, child, kind, "model");
+        if (named == NULL) {
             good = false;
         } else if (chosen != NULL) {
-            lac_blame(reader, child, "is a second model beside %s; exactly one is allowed",
-                      chosen->key);
+            lac_add_error(reader, child, "is a second model beside %s; exactly one is allowed",
+                          chosen->key);
             good = false;
         } else {
             chosen = child;
-            *about = model;
+            *info = named;
         }
     }
     if (good && chosen == NULL) {
@@ -77,70 +77,70 @@ static const lac_node *chosen_model(lac_reader *reader, const lac_node *node, in
 }
 
 // The only parameter that must be given, if it is one: its value may stand for the mapping.
-static const lac_param *single_required(const lac_descriptor *about)
+static const lac_param *single_required(const lac_model_info *info)
 {
     const lac_param *found = NULL;
-    for (size_t i = 0; i < about->param_count; i++) {
-        if (lac_param_required(&about->params[i])) {
+    for (size_t i = 0; i < info->param_count; i++) {
+        if (lac_param_required(&info->params[i])) {
             if (found != NULL) {
                 return NULL;
             }
-            found = &about->params[i];
+            found = &info->params[i];
         }
     }
     return found;
 }
 
-static void read_params(lac_reader *reader, const lac_node *node, const lac_slot *slot)
+static void read_params(lac_reader *reader, const lac_node *node, const lac_model *model)
 {
     static const lac_node nothing = {.kind = LAC_NODE_MAP};
-    const lac_table table = {.params = slot->about->params, .count = slot->about->param_count};
-    const lac_param *single = single_required(slot->about);
+    const lac_table table = {.params = model->info->params, .count = model->info->param_count};
+    const lac_param *single = single_required(model->info);
     if (node->kind == LAC_NODE_MAP) {
-        lac_read_table(reader, node, &table, slot->params);
+        lac_read_table(reader, node, &table, model->params);
     } else if (node->kind == LAC_NODE_SCALAR && single != NULL) {
-        (void)lac_read_param(reader, node, single, slot->params);
+        (void)lac_read_param(reader, node, single, model->params);
     } else if (lac_node_is_null(node) && single == NULL) {
         lac_node empty = nothing;
         empty.parent = node->parent;
         empty.key = node->key;
         empty.line = node->line;
-        lac_read_table(reader, &empty, &table, slot->params);
+        lac_read_table(reader, &empty, &table, model->params);
     } else {
-        lac_blame(reader, node, "must be a mapping of the parameters of %s", slot->about->name);
+        lac_add_error(reader, node, "must be a mapping of the parameters of %s", model->info->name);
     }
 }
 
 void lac_read_slot(lac_reader *reader, const lac_node *node, int kind, const char *own,
-                   lac_slot *slot)
+                   lac_model *model)
 {
-    const lac_descriptor *about = NULL;
+    const lac_model_info *info = NULL;
     size_t errors = reader->report->errors;
-    const lac_node *model = chosen_model(reader, node, kind, own, &about);
-    if (model == NULL) {
+    const lac_node *named = chosen_model(reader, node, kind, own, &info);
+    if (named == NULL) {
         return;
     }
-    if (lac_slot_create(about, slot, NULL) != LAC_OK) {
+    if (lac_model_create(info, model, NULL) != LAC_OK) {
         reader->no_memory = true;
         return;
     }
-    read_params(reader, model, slot);
-    const char *fault = reader->report->errors == errors && about->fault != NULL
-                            ? about->fault(slot->params)
+    read_params(reader, named, model);
+    const char *fault = reader->report->errors == errors && info->validate != NULL
+                            ? info->validate(model->params)
                             : NULL;
     if (fault != NULL) {
-        lac_blame(reader, model, "%s", fault);
+        lac_add_error(reader, named, "%s", fault);
     }
     if (reader->report->errors > errors) {
-        lac_slot_clear(slot);
+        lac_model_clear(model);
     }
 }
 
-void lac_read_slots(lac_reader *reader, const lac_node *node, int kind, lac_slot_list *list)
+void lac_read_slots(lac_reader *reader, const lac_node *node, int kind, lac_model_list *list)
 {
     if (node->kind != LAC_NODE_LIST) {
-        const lac_kind *models = lac_kind_at((size_t)kind);
-        lac_blame(reader, node, "must be a list such as [{%s: {...}}]", models->at(0)->name);
+        const lac_kind *models = lac_kind_get((size_t)kind);
+        lac_add_error(reader, node, "must be a list such as [{%s: {...}}]", models->at(0)->name);
         return;
     }
     list->item = calloc(node->count > 0 ? node->count : 1, sizeof *list->item);
@@ -149,8 +149,8 @@ void lac_read_slots(lac_reader *reader, const lac_node *node, int kind, lac_slot
         return;
     }
     for (size_t i = 0; i < node->count; i++) {
-        lac_slot *slot = &list->item[list->count];
-        lac_read_slot(reader, node->child[i], kind, NULL, slot);
-        list->count += slot->about != NULL ? 1 : 0;
+        lac_model *model = &list->item[list->count];
+        lac_read_slot(reader, node->child[i], kind, NULL, model);
+        list->count += model->info != NULL ? 1 : 0;
     }
 }

@@ -55,12 +55,12 @@ void lac_check_solver(lac_reader *reader, lac_case *c)
     } orders[] = {
         [LAC_BDF] = {"bdf", 1, 5}, [LAC_ADAMS] = {"adams", 1, 12}, [LAC_ERK] = {"erk", 2, 8}};
     const lac_friction_params *friction = c->friction.params;
-    lac_friction_form form = c->friction.about == NULL || friction->form == LAC_FORM_PLAIN
+    lac_friction_form form = c->friction.info == NULL || friction->form == LAC_FORM_PLAIN
                                  ? LAC_FORM_PLAIN
                                  : LAC_FORM_REGULARISED;
     (void)lac_refuse(reader, !isnan(c->accuracy) && reader->purpose == LAC_FOR_FIT,
                      "solver.accuracy", "is picked for by lacuna run; here rtol counts");
-    if (c->run.fidelity == LAC_FIDELITY_EVENTS) {
+    if (c->run.fidelity == LAC_FIDELITY_ASYNC) {
         check_events(reader, c);
         return;
     }

@@ -170,29 +170,29 @@ static void put_table(lac_writer *w, int depth, const lac_table *table, const vo
 }
 
 // "MODEL:" and its parameters below; the caller has written the indentation.
-static void put_model(lac_writer *w, int depth, const lac_slot *slot)
+static void put_model(lac_writer *w, int depth, const lac_model *model)
 {
-    const lac_table table = {.params = slot->about->params, .count = slot->about->param_count};
-    put(w, "%s:", slot->about->name);
+    const lac_table table = {.params = model->info->params, .count = model->info->param_count};
+    put(w, "%s:", model->info->name);
     size_t before = w->used;
     put(w, "\n");
-    put_table(w, depth + 1, &table, slot->params);
+    put_table(w, depth + 1, &table, model->params);
     if (w->used == before + 1 && !w->failed) {
         w->used = before;
         put(w, " {}\n");
     }
 }
 
-static void put_slot(lac_writer *w, int depth, const char *key, const lac_slot *slot)
+static void put_slot(lac_writer *w, int depth, const char *key, const lac_model *model)
 {
-    if (slot->about != NULL) {
+    if (model->info != NULL) {
         put_key(w, depth, key);
         put(w, "\n%*s", 2 * (depth + 1), "");
-        put_model(w, depth + 1, slot);
+        put_model(w, depth + 1, model);
     }
 }
 
-static void put_slots(lac_writer *w, int depth, const char *key, const lac_slot_list *list)
+static void put_slots(lac_writer *w, int depth, const char *key, const lac_model_list *list)
 {
     if (list->count > 0) {
         put_key(w, depth, key);
@@ -204,23 +204,23 @@ static void put_slots(lac_writer *w, int depth, const char *key, const lac_slot_
     }
 }
 
-static bool same_key(const lac_spread_list *list, size_t i, size_t j)
+static bool same_key(const lac_heterogeneity_list *list, size_t i, size_t j)
 {
     return i < list->count && j < list->count && strcmp(list->item[i].key, list->item[j].key) == 0;
 }
 
 // Spreads of one parameter stand together: one as a model, several as a list.
-static void put_spreads(lac_writer *w, const lac_spread_list *list)
+static void put_spreads(lac_writer *w, const lac_heterogeneity_list *list)
 {
     if (list->count > 0) {
         put_key(w, 1, "spread");
         put(w, "\n");
     }
     for (size_t i = 0; i < list->count; i++) {
-        const lac_spread *spread = &list->item[i];
+        const lac_heterogeneity *spread = &list->item[i];
         bool begun = i > 0 && same_key(list, i - 1, i);
         if (!begun && !same_key(list, i, i + 1)) {
-            put_slot(w, 2, spread->key, &spread->slot);
+            put_slot(w, 2, spread->key, &spread->model);
             continue;
         }
         if (!begun) {
@@ -228,7 +228,7 @@ static void put_spreads(lac_writer *w, const lac_spread_list *list)
             put(w, "\n");
         }
         put(w, "%*s- ", 2 * 3, "");
-        put_model(w, 4, &spread->slot);
+        put_model(w, 4, &spread->model);
     }
 }
 
@@ -321,10 +321,10 @@ void lac_put_analysis(lac_writer *w, const lac_case *c)
         put(w, "analysis:\n");
     }
     for (size_t i = 0; i < c->analysis.count; i++) {
-        const lac_slot *slot = &c->analysis.item[i];
+        const lac_model *model = &c->analysis.item[i];
         put(w, "  ");
-        put_model(w, 1, slot);
-        const lac_analysis_rg *rg = lac_analysis_cascade(slot);
+        put_model(w, 1, model);
+        const lac_analysis_rg *rg = lac_analysis_cascade(model);
         if (rg != NULL && rg->beta_from_friction) {
             put(w, "    beta: from-friction\n");
         }
@@ -366,9 +366,9 @@ void lac_put_fitted(lac_writer *w, const lac_case *c)
 
 static void put_part(lac_writer *w, const lac_part *part, const lac_case *c)
 {
-    const char *key = part->about.name;
+    const char *key = part->info.name;
     const void *at = (const char *)c + part->at;
-    const lac_table table = lac_part_table(&part->about);
+    const lac_table table = lac_part_table(&part->info);
     int depth = 0;
     for (const char *dot = strchr(key, '.'); dot != NULL; dot = strchr(key, '.'), depth++) {
         key = dot + 1;
@@ -405,12 +405,12 @@ char *lac_case_text(const lac_case *c)
     }
     lac_writer w = {.name = c->path, .folder = lac_folder_length(c->path)};
     put(&w, "lacuna: 1\n");
-    for (size_t i = 0; (part = lac_part_at(i)) != NULL; i++) {
-        if (absent != NULL && lac_key_behind(part->about.name, absent) != NULL) {
+    for (size_t i = 0; (part = lac_part_get(i)) != NULL; i++) {
+        if (absent != NULL && lac_key_behind(part->info.name, absent) != NULL) {
             continue;
         }
         if (part->given != NULL && !part->given(c)) {
-            absent = part->about.name;
+            absent = part->info.name;
         } else {
             put_part(&w, part, c);
         }

@@ -22,15 +22,15 @@ static bool find_in(const lac_param *params, size_t count, const char *key, void
     return found;
 }
 
-static bool find_in_slot(const lac_slot *slot, const char *key, lac_case_value *out)
+static bool find_in_slot(const lac_model *model, const char *key, lac_case_value *out)
 {
     const char *rest =
-        slot->about != NULL && key != NULL ? lac_key_behind(key, slot->about->name) : NULL;
+        model->info != NULL && key != NULL ? lac_key_behind(key, model->info->name) : NULL;
     return rest != NULL &&
-           find_in(slot->about->params, slot->about->param_count, rest, slot->params, out);
+           find_in(model->info->params, model->info->param_count, rest, model->params, out);
 }
 
-static bool find_in_slots(const lac_slot_list *list, const char *key, lac_case_value *out)
+static bool find_in_slots(const lac_model_list *list, const char *key, lac_case_value *out)
 {
     char *end = NULL;
     if (key == NULL || key[0] < '0' || key[0] > '9') {
@@ -56,7 +56,7 @@ static bool find_in_part(const lac_part *part, const char *rest, lac_case *c, la
     const void *at = (const char *)c + part->at;
     switch (part->kind) {
     case LAC_PART_RECORD:
-        return part->fitted && find_in(part->about.params, part->about.param_count, rest, c, out);
+        return part->fitted && find_in(part->info.params, part->info.param_count, rest, c, out);
     case LAC_PART_SLOT:
         return find_in_slot(at, rest, out);
     case LAC_PART_SLOTS:
@@ -70,21 +70,21 @@ bool lac_case_find(lac_case *c, const char *key, lac_case_value *out)
 {
     const lac_part *part;
     bool found = find_state(c, key, out);
-    for (size_t i = 0; !found && (part = lac_part_at(i)) != NULL; i++) {
-        const char *rest = lac_key_behind(key, part->about.name);
+    for (size_t i = 0; !found && (part = lac_part_get(i)) != NULL; i++) {
+        const char *rest = lac_key_behind(key, part->info.name);
         found = rest != NULL && find_in_part(part, rest, c, out);
     }
     return found;
 }
 
 // The index-th model that a case names, on request with those of spreads; NULL past the end.
-static const lac_slot *slot_at(const lac_case *c, bool spreads, size_t index)
+static const lac_model *slot_at(const lac_case *c, bool spreads, size_t index)
 {
     const lac_part *part;
-    for (size_t i = 0; (part = lac_part_at(i)) != NULL; i++) {
+    for (size_t i = 0; (part = lac_part_get(i)) != NULL; i++) {
         const void *at = (const char *)c + part->at;
-        const lac_slot_list *list = at;
-        const lac_spread_list *spread = at;
+        const lac_model_list *list = at;
+        const lac_heterogeneity_list *spread = at;
         if (part->kind == LAC_PART_SLOT && index-- == 0) {
             return at;
         }
@@ -96,7 +96,7 @@ static const lac_slot *slot_at(const lac_case *c, bool spreads, size_t index)
         }
         if (spreads && part->kind == LAC_PART_SPREADS) {
             if (index < spread->count) {
-                return &spread->item[index].slot;
+                return &spread->item[index].model;
             }
             index -= spread->count;
         }
@@ -104,23 +104,23 @@ static const lac_slot *slot_at(const lac_case *c, bool spreads, size_t index)
     return NULL;
 }
 
-const char *lac_case_fault(const lac_case *c)
+const char *lac_case_validate(const lac_case *c)
 {
-    const lac_slot *slot;
+    const lac_model *model;
     const char *fault = NULL;
-    for (size_t i = 0; fault == NULL && (slot = slot_at(c, false, i)) != NULL; i++) {
-        bool judged = slot->about != NULL && slot->about->fault != NULL;
-        fault = judged ? slot->about->fault(slot->params) : NULL;
+    for (size_t i = 0; fault == NULL && (model = slot_at(c, false, i)) != NULL; i++) {
+        bool judged = model->info != NULL && model->info->validate != NULL;
+        fault = judged ? model->info->validate(model->params) : NULL;
     }
     return fault;
 }
 
 // The index-th of the files that a model's parameters name; their number is taken off the index.
-static char **path_in(const lac_slot *slot, size_t *index)
+static char **path_in(const lac_model *model, size_t *index)
 {
-    for (size_t i = 0; slot->about != NULL && i < slot->about->param_count; i++) {
-        const lac_param *param = &slot->about->params[i];
-        char **path = (char **)(void *)((char *)slot->params + param->offset);
+    for (size_t i = 0; model->info != NULL && i < model->info->param_count; i++) {
+        const lac_param *param = &model->info->params[i];
+        char **path = (char **)(void *)((char *)model->params + param->offset);
         if (param->type == LAC_PATH && *path != NULL && (*index)-- == 0) {
             return path;
         }
@@ -130,9 +130,9 @@ static char **path_in(const lac_slot *slot, size_t *index)
 
 char **lac_case_file(const lac_case *c, size_t index)
 {
-    const lac_slot *slot;
-    for (size_t i = 0; (slot = slot_at(c, true, i)) != NULL; i++) {
-        char **path = path_in(slot, &index);
+    const lac_model *model;
+    for (size_t i = 0; (model = slot_at(c, true, i)) != NULL; i++) {
+        char **path = path_in(model, &index);
         if (path != NULL) {
             return path;
         }
@@ -155,10 +155,10 @@ lac_status lac_case_rebase(lac_case *c, const char *folder, lac_error *err)
     return LAC_OK;
 }
 
-int64_t *lac_slot_seed(const lac_slot *slot)
+int64_t *lac_model_seed(const lac_model *model)
 {
-    const lac_descriptor *about = slot->about;
+    const lac_model_info *info = model->info;
     const lac_param *seed =
-        about != NULL ? lac_param_find(about->params, about->param_count, "seed") : NULL;
-    return seed != NULL ? (int64_t *)(void *)((char *)slot->params + seed->offset) : NULL;
+        info != NULL ? lac_param_find(info->params, info->param_count, "seed") : NULL;
+    return seed != NULL ? (int64_t *)(void *)((char *)model->params + seed->offset) : NULL;
 }

@@ -25,7 +25,7 @@ typedef struct lac_contact_def {
 } lac_contact_def;
 
 /// How the solution was reached and how good it is.
-typedef struct lac_contact_report {
+typedef struct lac_contact_stats {
     size_t n_cells;               ///< cells with p > 0
     int64_t iterations;           ///< conjugate gradient steps on the finest grid
     int64_t products;             ///< applications of the elastic operator there
@@ -35,7 +35,7 @@ typedef struct lac_contact_report {
     double mean_pressure; ///< [Pa]
     double max_pressure;  ///< [Pa]
     double approach;      ///< far (mean) plane of the body minus mean of the heights [m]
-} lac_contact_report;
+} lac_contact_stats;
 
 /// A def with tolerance 1e-8 and 1000 iterations; the rest is the caller's.
 lac_contact_def lac_contact_default(void);
@@ -45,7 +45,7 @@ lac_contact_def lac_contact_default(void);
 /// @param pressure  [ny * nx] [Pa]; overwritten; exactly 0 outside the contact
 /// @param gap       [ny * nx] [m], 0 in contact within the tolerance; NULL if not wanted
 lac_status lac_contact_solve(const lac_contact_def *def, double *pressure, double *gap,
-                             lac_contact_report *report, lac_error *err);
+                             lac_contact_stats *report, lac_error *err);
 
 /// The contact domain: the cells that touch, in Morton (hierarchy) order. Immutable.
 typedef struct lac_domain {
@@ -66,7 +66,7 @@ uint64_t lac_morton(uint32_t ix, uint32_t iy);
 
 /// Where a contact domain comes from when no surface is pressed.
 typedef struct lac_domain_source {
-    lac_descriptor about;
+    lac_model_info info;
     /// @param occupied  [ny * nx] set to 1 in contact cells, 0 elsewhere
     /// NULL: the cells are read from a file, which is the scene's part
     lac_status (*fill)(const void *params, const lac_grid *grid, uint8_t *occupied, lac_error *err);
@@ -95,10 +95,10 @@ typedef struct lac_domain_file {
 extern const lac_domain_source lac_domain_from_file;
 
 /// The index-th domain source in the registry, NULL past the end.
-const lac_domain_source *lac_domain_source_at(size_t index);
+const lac_domain_source *lac_domain_source_get(size_t index);
 
 /// A domain from a source, every contact cell at the same pressure so that the load is held.
-lac_status lac_domain_from_source(const lac_slot *slot, const lac_grid *grid, double mean_pressure,
-                                  lac_domain **domain, lac_error *err);
+lac_status lac_domain_from_source(const lac_model *model, const lac_grid *grid,
+                                  double mean_pressure, lac_domain **domain, lac_error *err);
 
 #endif

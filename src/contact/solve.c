@@ -242,7 +242,7 @@ static bool no_contact(const lac_contact_def *def, double *pressure, double *gap
 
 // Partial contact, in the solver's units until the end.
 static lac_status partial_contact(const lac_contact_def *def, const problem *p, lac_half_space *s,
-                                  double *pressure, double *gap, lac_contact_report *report,
+                                  double *pressure, double *gap, lac_contact_stats *report,
                                   lac_error *err)
 {
     size_t n = p->at.nx * p->at.ny;
@@ -264,12 +264,12 @@ static lac_status partial_contact(const lac_contact_def *def, const problem *p, 
     for (size_t i = 0; i < n && gap != NULL; i++) {
         gap[i] *= p->h_rms;
     }
-    *report = (lac_contact_report){.iterations = d.iterations,
-                                   .products = d.products,
-                                   .complementarity_error = d.residual.complementarity,
-                                   .penetration = d.residual.penetration * p->h_rms,
-                                   .load_error = d.residual.load,
-                                   .approach = d.closest * p->h_rms};
+    *report = (lac_contact_stats){.iterations = d.iterations,
+                                  .products = d.products,
+                                  .complementarity_error = d.residual.complementarity,
+                                  .penetration = d.residual.penetration * p->h_rms,
+                                  .load_error = d.residual.load,
+                                  .approach = d.closest * p->h_rms};
     if (!lac_residual_holds(&d.residual, def->tolerance)) {
         status = lac_fail(err, LAC_ENUMERIC,
                           "no convergence to %g after %lld iterations: complementarity "
@@ -282,7 +282,7 @@ out:
 }
 
 static void count_contact(const lac_contact_def *def, const double *pressure,
-                          lac_contact_report *report)
+                          lac_contact_stats *report)
 {
     size_t n = lac_grid_cells(&def->grid);
     report->n_cells = 0;
@@ -295,13 +295,13 @@ static void count_contact(const lac_contact_def *def, const double *pressure,
 }
 
 lac_status lac_contact_solve(const lac_contact_def *def, double *pressure, double *gap,
-                             lac_contact_report *report, lac_error *err)
+                             lac_contact_stats *report, lac_error *err)
 {
     lac_half_space *s = NULL;
     problem p = {0};
-    lac_contact_report own_report;
-    lac_contact_report *r = report != NULL ? report : &own_report;
-    *r = (lac_contact_report){0};
+    lac_contact_stats own_report;
+    lac_contact_stats *r = report != NULL ? report : &own_report;
+    *r = (lac_contact_stats){0};
     lac_status status;
     LAC_TRY(check(def, err));
     size_t n = lac_grid_cells(&def->grid);

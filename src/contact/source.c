@@ -19,9 +19,9 @@ static lac_status fill_full(const void *params, const lac_grid *grid, uint8_t *o
 }
 
 static const lac_domain_source full = {
-    .about = {.name = "full",
-              .summary = "every cell is in contact",
-              .reference = "docs/theory/contact.md, \"Full contact\""},
+    .info = {.name = "full",
+             .summary = "every cell is in contact",
+             .reference = "docs/theory/contact.md, \"Full contact\""},
     .fill = fill_full,
     .full = true,
 };
@@ -111,13 +111,13 @@ static const lac_param cascade_params[] = {
 };
 
 static const lac_domain_source random_cascade = {
-    .about = {.name = "cascade",
-              .summary = "random dyadic cascade: every block keeps some of its four quarters, at "
-                         "least one",
-              .reference =
-                  "Mandelbrot (1974) J. Fluid Mech. 62, 331, doi 10.1017/S0022112074000711; "
-                  "docs/theory/transfer.md, \"Random cascades\"",
-              LAC_ROWS(cascade_params, lac_cascade)},
+    .info = {.name = "cascade",
+             .summary = "random dyadic cascade: every block keeps some of its four quarters, at "
+                        "least one",
+             .reference =
+                 "Mandelbrot (1974) J. Fluid Mech. 62, 331, doi 10.1017/S0022112074000711; "
+                 "docs/theory/transfer.md, \"Random cascades\"",
+             LAC_ROWS(cascade_params, lac_cascade)},
     .fill = fill_cascade,
 };
 
@@ -134,10 +134,10 @@ static const lac_param file_params[] = {
 };
 
 const lac_domain_source lac_domain_from_file = {
-    .about = {.name = "file",
-              .summary = "contact cells with their pressures, as a file has them",
-              .reference = "docs/format.md",
-              LAC_ROWS(file_params, lac_domain_file)},
+    .info = {.name = "file",
+             .summary = "contact cells with their pressures, as a file has them",
+             .reference = "docs/format.md",
+             LAC_ROWS(file_params, lac_domain_file)},
 };
 
 static const lac_domain_source *const registry[] = {
@@ -146,7 +146,7 @@ static const lac_domain_source *const registry[] = {
     &lac_domain_from_file,
 };
 
-LAC_KINDS_AT(lac_domain_source, lac_domain_source_at, registry)
+LAC_KINDS_AT(lac_domain_source, lac_domain_source_get, registry)
 
 // The load is held: every contact cell carries N/n times the mean pressure.
 static void spread_load(size_t cells, const uint8_t *occupied, double mean_pressure,
@@ -162,14 +162,14 @@ static void spread_load(size_t cells, const uint8_t *occupied, double mean_press
     }
 }
 
-lac_status lac_domain_from_source(const lac_slot *slot, const lac_grid *grid, double mean_pressure,
-                                  lac_domain **domain, lac_error *err)
+lac_status lac_domain_from_source(const lac_model *model, const lac_grid *grid,
+                                  double mean_pressure, lac_domain **domain, lac_error *err)
 {
     *domain = NULL;
     lac_status status = LAC_OK;
     uint8_t *occupied = NULL;
     double *pressure = NULL;
-    if (slot->about == NULL) {
+    if (model->info == NULL) {
         return lac_fail(err, LAC_EINPUT, "no contact domain is chosen");
     }
     if (!(isfinite(mean_pressure) && mean_pressure > 0)) {
@@ -181,23 +181,23 @@ lac_status lac_domain_from_source(const lac_slot *slot, const lac_grid *grid, do
                         grid->ny);
     }
     // The descriptor is the first member of the source's row.
-    const lac_domain_source *source = (const void *)slot->about;
+    const lac_domain_source *source = (const void *)model->info;
     if (source->fill == NULL) {
         return lac_fail(err, LAC_EINPUT, "domain %s: its cells are the scene's to read",
-                        source->about.name);
+                        source->info.name);
     }
     size_t cells = lac_grid_cells(grid);
     occupied = calloc(cells, sizeof *occupied);
     pressure = malloc(cells * sizeof *pressure);
     LAC_TRY(occupied != NULL && pressure != NULL ? LAC_OK : lac_fail_memory(err));
-    LAC_TRY(source->fill(slot->params, grid, occupied, err));
+    LAC_TRY(source->fill(model->params, grid, occupied, err));
     spread_load(cells, occupied, mean_pressure, pressure);
     LAC_TRY(lac_domain_create(grid, pressure, domain, err));
 out:
     free(occupied);
     free(pressure);
     if (status != LAC_OK) {
-        return lac_fail_within(err, status, "domain %s", slot->about->name);
+        return lac_fail_within(err, status, "domain %s", model->info->name);
     }
     return LAC_OK;
 }

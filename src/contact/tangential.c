@@ -260,7 +260,7 @@ static lac_cell_state slip_of(const lac_tangential *t, const step *s, size_t k, 
 }
 
 // Counts a contact cell in a report whose highest_ratio was -1 before the first.
-static void count_cell(lac_tangential_report *report, lac_cell_state state, double ratio,
+static void count_cell(lac_tangential_stats *report, lac_cell_state state, double ratio,
                        size_t cell)
 {
     report->contact_cells++;
@@ -273,7 +273,7 @@ static void count_cell(lac_tangential_report *report, lac_cell_state state, doub
 }
 
 // Everything of a step that has converged into the memory
-static void keep_step(lac_tangential *t, const step *s, lac_tangential_report *report)
+static void keep_step(lac_tangential *t, const step *s, lac_tangential_stats *report)
 {
     const size_t cells = lac_grid_cells(&t->def.grid);
     const lac_shear_problem *p = &s->p;
@@ -303,7 +303,7 @@ static void keep_step(lac_tangential *t, const step *s, lac_tangential_report *r
 }
 
 static void keep_shift(lac_tangential *t, const step *s, const lac_tangential_target *target,
-                       lac_tangential_report *report)
+                       lac_tangential_stats *report)
 {
     for (int axis = 0; axis < 2; axis++) {
         t->used[axis] = t->space->used[axis];
@@ -318,7 +318,7 @@ static void keep_shift(lac_tangential *t, const step *s, const lac_tangential_ta
 }
 
 static lac_status solve_step(lac_tangential *t, const double *pressure, const lac_pressed *pressed,
-                             const lac_tangential_target *target, lac_tangential_report *report,
+                             const lac_tangential_target *target, lac_tangential_stats *report,
                              lac_error *err)
 {
     lac_status status;
@@ -347,12 +347,12 @@ out:
 }
 
 lac_status lac_tangential_step(lac_tangential *t, const double *pressure,
-                               const lac_tangential_target *target, lac_tangential_report *report,
+                               const lac_tangential_target *target, lac_tangential_stats *report,
                                lac_error *err)
 {
     lac_status status;
     lac_pressed pressed;
-    lac_tangential_report r = {.highest_ratio = -1.0, .highest_cell = SIZE_MAX};
+    lac_tangential_stats r = {.highest_ratio = -1.0, .highest_cell = SIZE_MAX};
     LAC_TRY(lac_tangential_check_pressure(&t->def, pressure, &pressed, err));
     LAC_TRY(check_target(target, err));
     LAC_TRY(solve_step(t, pressure, &pressed, target, &r, err));

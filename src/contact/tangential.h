@@ -31,7 +31,7 @@ typedef struct lac_tangential_target {
 typedef enum lac_cell_state { LAC_CELL_OPEN, LAC_CELL_STICK, LAC_CELL_SLIP } lac_cell_state;
 
 /// How a step ended and how good its solution is.
-typedef struct lac_tangential_report {
+typedef struct lac_tangential_stats {
     size_t contact_cells, stick_cells, slip_cells;
     double traction[2];   ///< mean over the nominal area [Pa]
     double shift[2];      ///< of one body against the other, far away [m]
@@ -43,7 +43,7 @@ typedef struct lac_tangential_report {
                           ///< over the largest displacement
     int64_t iterations;
     int64_t products; ///< applications of the elastic operator
-} lac_tangential_report;
+} lac_tangential_stats;
 
 /// The solver with its memory: the tractions and elastic displacements of the step before.
 typedef struct lac_tangential lac_tangential;
@@ -61,7 +61,7 @@ void lac_tangential_free(lac_tangential *t);
 /// the history more closely.
 /// @param pressure  [ny * nx] normal pressures at its end [Pa], >= 0
 lac_status lac_tangential_step(lac_tangential *t, const double *pressure,
-                               const lac_tangential_target *target, lac_tangential_report *report,
+                               const lac_tangential_target *target, lac_tangential_stats *report,
                                lac_error *err);
 
 /// Tractions along an axis, 0 (x) or 1 (y) [ny * nx] [Pa]; valid until the next step.

@@ -7,20 +7,20 @@
 
 #include "base/ask.h"
 #include "data/dataset.h"
-#include "fit/foresee.h"
+#include "fit/model_forecast.h"
 #include "precursor/precursor.h"
 
 // What a dataset is of, which it keeps.
 typedef struct forecast_made {
     lac_forecast_options options;
     lac_fit_watch watch;
-    lac_foresight how;
+    lac_model_forecast how;
     lac_forecast_model model;
-    lac_evidence evidence;
+    lac_indicator_inputs evidence;
     lac_readings readings;
-    lac_outlook *outlook;
+    lac_forecast_set *forecasts;
     lac_rolling *rolling;
-    lac_precursor_course *course;
+    lac_indicator_series *indicator_series;
     lac_precursor indicator[LAC_PRECURSORS_MAX];
     lac_forecast_outcome outcome;
     lac_made_from made;
@@ -29,9 +29,9 @@ typedef struct forecast_made {
 static void forecast_free(void *result)
 {
     forecast_made *f = result;
-    lac_precursor_course_free(f->course);
+    lac_indicator_series_free(f->indicator_series);
     lac_rolling_free(f->rolling);
-    lac_outlook_free(f->outlook);
+    lac_forecast_set_free(f->forecasts);
     free(f->made.case_text);
     free(f);
 }
@@ -47,9 +47,9 @@ static lac_status take_case(forecast_made *f, bool dated, lac_error *err)
     LAC_TRY(lac_case_serves(o->source, LAC_FOR_FIT, err));
     LAC_TRY(lac_made_from_case(o->source, &f->made, err));
     f->made.provenance.seed = o->source->fit.seed;
-    f->how = (lac_foresight){
+    f->how = (lac_model_forecast){
         .source = o->source, .dated = dated, .threads = o->threads > 0 ? o->threads : 1};
-    f->model = lac_foresee(&f->how);
+    f->model = lac_model_forecast_method(&f->how);
 out:
     return status;
 }
@@ -72,14 +72,14 @@ static lac_status roll(forecast_made *f, const lac_forecast_def *def, const lac_
 {
     const lac_forecast_options *o = &f->options;
     const size_t most = o->issues < readings->n ? o->issues : readings->n;
-    lac_status status = lac_precursor_course_create(&f->evidence, most, &f->course, err);
+    lac_status status = lac_indicator_series_create(&f->evidence, most, &f->indicator_series, err);
     if (status != LAC_OK) {
         return status;
     }
     const lac_rolling_watch watch = {.context = o->context,
                                      .go_on = o->go_on,
-                                     .seer = f->course,
-                                     .see = lac_precursor_course_see};
+                                     .seer = f->indicator_series,
+                                     .see = lac_indicator_series_see};
     return lac_rolling_create(def, readings, o->issues, &watch, &f->rolling, err);
 }
 
@@ -94,22 +94,22 @@ static lac_status look(forecast_made *f, const lac_series *s, lac_error *err)
     lac_status status;
     LAC_TRY(readings.n > 0 ? LAC_OK
                            : lac_fail(err, LAC_EINPUT, "no reading until %g s", f->options.until));
-    LAC_TRY(lac_outlook_create(&def, &readings, &f->outlook, err));
+    LAC_TRY(lac_forecast_set_create(&def, &readings, &f->forecasts, err));
     f->evidence = lac_evidence_default();
     f->readings = readings;
-    LAC_TRY(lac_precursors_at(&f->evidence, f->outlook, f->indicator, &indicators, err));
+    LAC_TRY(lac_precursors_at(&f->evidence, f->forecasts, f->indicator, &indicators, err));
     status = f->options.issues > 0 ? roll(f, &def, &readings, err) : LAC_OK;
     f->outcome = (lac_forecast_outcome){
         .series = s,
         .readings = &f->readings,
         .dated = s->dated,
         .failed_at = f->options.failed_at,
-        .outlook = f->outlook,
+        .forecasts = f->forecasts,
         .rolling = f->rolling,
         .interrupted = status == LAC_EINTERRUPT,
         .indicators = indicators,
         .indicator = f->indicator,
-        .course = f->course,
+        .indicator_series = f->indicator_series,
     };
 out:
     return status;

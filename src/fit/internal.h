@@ -98,7 +98,7 @@ void lac_fit_model_clear(lac_fit_model *model);
 // @return LAC_OK (also where it fails on the way: out->reached tells); what a scene or a run
 // returns
 lac_status lac_fit_model_run(lac_fit_model *model, const double *u, double end, size_t n,
-                             const double *time, lac_follow *out, lac_error *err);
+                             const double *time, lac_sensitivity *out, lac_error *err);
 
 // What the case says at the readings, [n] each, at coordinates u.
 // @return as lac_fit_model_run; LAC_ENUMERIC where the run fails before the last reading
@@ -115,7 +115,7 @@ lac_status lac_fit_model_differentiate(lac_fit_model *model, const double *u, la
 
 // The time of failure, to time.end, with derivatives; NaN by parameters that the run cannot be
 // differentiated by. @param out  failure_by is [parameters]
-lac_status lac_fit_model_failure(lac_fit_model *model, const double *u, lac_follow *out,
+lac_status lac_fit_model_failure(lac_fit_model *model, const double *u, lac_sensitivity *out,
                                  lac_error *err);
 
 // Puts values at coordinates u into a case.

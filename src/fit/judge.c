@@ -100,7 +100,7 @@ static lac_status find_failure(lac_fit *fit, lac_fit_result *result, lac_error *
 {
     double by[LAC_MOST_FITTED];
     double variance = 0.0;
-    lac_follow seen = {.failure_by = by};
+    lac_sensitivity seen = {.failure_by = by};
     lac_status status = lac_fit_model_failure(&fit->model[0], fit->best, &seen, err);
     fit->runs++;
     result->failure = status == LAC_OK && seen.failed ? seen.failure_time : NAN;
@@ -131,7 +131,7 @@ lac_status lac_fit_judge(lac_fit *fit, lac_fit_result *result, lac_error *err)
     const lac_fit_data *data = &fit->data;
     double *slip = fit->model[0].scratch;
     double *log_rate = slip + data->n;
-    lac_follow seen = {.slip = slip, .log_rate = log_rate};
+    lac_sensitivity seen = {.slip = slip, .log_rate = log_rate};
     // As exact as it was found: it may fail close behind the last reading.
     lac_fit_model_tighten(&fit->model[0], true);
     lac_status status = lac_fit_model_run(&fit->model[0], fit->best, data->time[data->n - 1],

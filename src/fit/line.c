@@ -39,8 +39,8 @@ static double end_of(const lac_fit *fit, int k, bool high, double held)
 
 bool lac_fit_is_one_block(const lac_case *c)
 {
-    const lac_friction_law *law = (const void *)c->friction.about;
-    return law->block_form && c->surface.about == NULL && c->domain.about == NULL &&
+    const lac_friction_law *law = (const void *)c->friction.info;
+    return law->block_form && c->surface.info == NULL && c->domain.info == NULL &&
            c->friction_spread.count == 0 && c->initial.state == LAC_STATE_RATIO &&
            !isnan(c->initial.slip_rate);
 }
@@ -48,7 +48,7 @@ bool lac_fit_is_one_block(const lac_case *c)
 lac_fit_straight lac_fit_straighten(const lac_fit *fit)
 {
     char law_key[60];
-    (void)snprintf(law_key, sizeof law_key, "friction.%s", fit->source->friction.about->name);
+    (void)snprintf(law_key, sizeof law_key, "friction.%s", fit->source->friction.info->name);
     lac_fit_straight s = {.dc = index_of(fit, law_key, "dc"),
                           .x = index_of(fit, "initial.state", "ratio_to_steady"),
                           .a = index_of(fit, law_key, "a"),

@@ -28,11 +28,11 @@ static void variant_clear(lac_fit_variant *v)
 
 static lac_status variant_create(const lac_fit *fit, lac_fit_variant *v, lac_error *err)
 {
-    lac_case_report report;
+    lac_case_issues report;
     *v = (lac_fit_variant){0};
     lac_status status = lac_case_read_text(fit->source->path, fit->text, strlen(fit->text), NULL,
                                            &v->c, &report, err);
-    lac_case_report_clear(&report);
+    lac_case_issues_clear(&report);
     for (size_t k = 0; status == LAC_OK && k < fit->def->count; k++) {
         lac_case_value value;
         if (!lac_case_find(v->c, fit->def->parameter[k].key, &value)) {
@@ -84,7 +84,7 @@ static lac_status bring(lac_fit_model *model, lac_fit_variant *v, const double *
 {
     const lac_fit *fit = model->fit;
     lac_fit_put(fit->def, u, v->at);
-    const char *fault = lac_case_fault(v->c);
+    const char *fault = lac_case_validate(v->c);
     if (fault != NULL) {
         return lac_fail(err, LAC_EINPUT, "%s", fault);
     }
@@ -103,21 +103,21 @@ static lac_status bring(lac_fit_model *model, lac_fit_variant *v, const double *
     return status;
 }
 
-static lac_follow_def follow_of(const lac_fit_model *model, double end, size_t n,
-                                const double *time)
+static lac_sensitivity_def follow_of(const lac_fit_model *model, double end, size_t n,
+                                     const double *time)
 {
-    return (lac_follow_def){.problem = model->base.scene->problem,
-                            .rtol = fmin(model->rtol, model->fit->source->run.rtol),
-                            .end = end,
-                            .failure_rate = model->fit->source->run.failure_rate,
-                            .failure_slip = model->fit->source->run.failure_slip,
-                            .max_steps = MOST_STEPS,
-                            .n = n,
-                            .time = time};
+    return (lac_sensitivity_def){.problem = model->base.scene->problem,
+                                 .rtol = fmin(model->rtol, model->fit->source->run.rtol),
+                                 .end = end,
+                                 .failure_rate = model->fit->source->run.failure_rate,
+                                 .failure_slip = model->fit->source->run.failure_slip,
+                                 .max_steps = MOST_STEPS,
+                                 .n = n,
+                                 .time = time};
 }
 
 lac_status lac_fit_model_run(lac_fit_model *model, const double *u, double end, size_t n,
-                             const double *time, lac_follow *out, lac_error *err)
+                             const double *time, lac_sensitivity *out, lac_error *err)
 {
     lac_status status = bring(model, &model->base, u, err);
     if (status != LAC_OK) {
@@ -126,15 +126,15 @@ lac_status lac_fit_model_run(lac_fit_model *model, const double *u, double end, 
         return status;
     }
     // A run of no length has nothing to integrate.
-    lac_follow_def def = follow_of(model, end > 0.0 ? end : 1e-9, n, time);
-    return lac_follow_run(&def, out, err);
+    lac_sensitivity_def def = follow_of(model, end > 0.0 ? end : 1e-9, n, time);
+    return lac_sensitivity_run(&def, out, err);
 }
 
 lac_status lac_fit_model_read(lac_fit_model *model, const double *u, double *slip, double *log_rate,
                               lac_error *err)
 {
     const lac_fit_data *data = &model->fit->data;
-    lac_follow seen = {.slip = slip, .log_rate = log_rate};
+    lac_sensitivity seen = {.slip = slip, .log_rate = log_rate};
     lac_status status =
         lac_fit_model_run(model, u, data->time[data->n - 1], data->n, data->time, &seen, err);
     return status == LAC_OK && seen.reached < data->n
@@ -184,17 +184,18 @@ static bool breaks_agree(const lac_problem *a, const lac_problem *b, double end)
     return false;
 }
 
-static bool comparable(const lac_fit_model *model, const lac_nudge *nudge, double end)
+static bool comparable(const lac_fit_model *model, const lac_perturbation *perturbation, double end)
 {
     const lac_problem *base = model->base.scene->problem;
-    return lac_problem_cells(nudge->low) == lac_problem_cells(base) &&
-           lac_problem_cells(nudge->high) == lac_problem_cells(base) &&
-           breaks_agree(base, nudge->low, end) && breaks_agree(base, nudge->high, end);
+    return lac_problem_cells(perturbation->low) == lac_problem_cells(base) &&
+           lac_problem_cells(perturbation->high) == lac_problem_cells(base) &&
+           breaks_agree(base, perturbation->low, end) &&
+           breaks_agree(base, perturbation->high, end);
 }
 
 // Which parameters the run can be differentiated by, with the problems for it.
-static lac_status nudge_all(lac_fit_model *model, const double *u, double end, lac_nudge *nudge,
-                            int *by, lac_error *err)
+static lac_status nudge_all(lac_fit_model *model, const double *u, double end,
+                            lac_perturbation *perturbation, int *by, lac_error *err)
 {
     size_t count = model->fit->def->count;
     double moved[LAC_MOST_FITTED];
@@ -207,36 +208,36 @@ static lac_status nudge_all(lac_fit_model *model, const double *u, double end, l
         LAC_TRY(bring(model, &model->nudged[2 * k], moved, err));
         moved[k] = u[k] + step;
         LAC_TRY(bring(model, &model->nudged[2 * k + 1], moved, err));
-        nudge[k] = (lac_nudge){.low = model->nudged[2 * k].scene->problem,
-                               .high = model->nudged[2 * k + 1].scene->problem,
-                               .step = step};
-        by[k] = comparable(model, &nudge[k], end) ? LAC_BY_SENSITIVITY : LAC_BY_RUNS;
+        perturbation[k] = (lac_perturbation){.low = model->nudged[2 * k].scene->problem,
+                                             .high = model->nudged[2 * k + 1].scene->problem,
+                                             .step = step};
+        by[k] = comparable(model, &perturbation[k], end) ? LAC_BY_SENSITIVITY : LAC_BY_RUNS;
     }
 out:
     return status;
 }
 
-lac_status lac_fit_model_failure(lac_fit_model *model, const double *u, lac_follow *out,
+lac_status lac_fit_model_failure(lac_fit_model *model, const double *u, lac_sensitivity *out,
                                  lac_error *err)
 {
-    lac_nudge nudge[LAC_MOST_FITTED];
+    lac_perturbation perturbation[LAC_MOST_FITTED];
     int by[LAC_MOST_FITTED];
     size_t count = model->fit->def->count;
     double end = model->fit->source->run.end;
     size_t sensitive = 0;
     lac_status status = LAC_OK;
     LAC_TRY(bring(model, &model->base, u, err));
-    LAC_TRY(nudge_all(model, u, end, nudge, by, err));
+    LAC_TRY(nudge_all(model, u, end, perturbation, by, err));
     for (size_t k = 0; k < count; k++) {
         if (by[k] == LAC_BY_SENSITIVITY) {
-            nudge[sensitive++] = nudge[k];
+            perturbation[sensitive++] = perturbation[k];
         }
     }
-    lac_follow_def def = follow_of(model, end, 0, NULL);
+    lac_sensitivity_def def = follow_of(model, end, 0, NULL);
     def.rtol = fmin(tight, def.rtol);
-    def.nudges = sensitive;
-    def.nudge = nudge;
-    LAC_TRY(lac_follow_run(&def, out, err));
+    def.perturbations = sensitive;
+    def.perturbation = perturbation;
+    LAC_TRY(lac_sensitivity_run(&def, out, err));
     for (size_t k = count, from = sensitive; k-- > 0;) {
         out->failure_by[k] = by[k] == LAC_BY_SENSITIVITY ? out->failure_by[--from] : NAN;
     }
@@ -291,26 +292,26 @@ lac_status lac_fit_model_differentiate(lac_fit_model *model, const double *u, la
     const lac_fit_data *data = &model->fit->data;
     size_t count = model->fit->def->count;
     double end = data->time[data->n - 1];
-    lac_nudge nudge[LAC_MOST_FITTED];
+    lac_perturbation perturbation[LAC_MOST_FITTED];
     size_t sensitive = 0;
     lac_status status = LAC_OK;
-    lac_follow seen = {.slip = out->slip,
-                       .log_rate = out->log_rate,
-                       .slip_by = out->slip_by,
-                       .log_rate_by = out->log_rate_by,
-                       .failure_by = out->failure_by};
+    lac_sensitivity seen = {.slip = out->slip,
+                            .log_rate = out->log_rate,
+                            .slip_by = out->slip_by,
+                            .log_rate_by = out->log_rate_by,
+                            .failure_by = out->failure_by};
     LAC_TRY(bring(model, &model->base, u, err));
-    LAC_TRY(nudge_all(model, u, end, nudge, by, err));
+    LAC_TRY(nudge_all(model, u, end, perturbation, by, err));
     for (size_t k = 0; k < count; k++) {
         if (by[k] == LAC_BY_SENSITIVITY) {
-            nudge[sensitive++] = nudge[k];
+            perturbation[sensitive++] = perturbation[k];
         }
     }
-    lac_follow_def def = follow_of(model, end > 0.0 ? end : 1e-9, data->n, data->time);
+    lac_sensitivity_def def = follow_of(model, end > 0.0 ? end : 1e-9, data->n, data->time);
     def.rtol = fmin(tight, def.rtol);
-    def.nudges = sensitive;
-    def.nudge = nudge;
-    LAC_TRY(lac_follow_run(&def, &seen, err));
+    def.perturbations = sensitive;
+    def.perturbation = perturbation;
+    LAC_TRY(lac_sensitivity_run(&def, &seen, err));
     if (seen.reached < data->n) {
         return lac_fail(err, LAC_ENUMERIC, "fails before the last reading");
     }

@@ -55,7 +55,7 @@ static void look(const prediction *p, int thread, const double *x, double *displ
     if (whole && data->displacements > 0) {
         offset = lac_fit_likelihood(fit, &errors, slip, log_rate, model->scratch).offset;
     }
-    lac_follow seen = {.slip = later, .log_rate = later_rate};
+    lac_sensitivity seen = {.slip = later, .log_rate = later_rate};
     (void)lac_fit_model_run(model, x, fit->source->run.end, TIMES, p->time, &seen, NULL);
     for (size_t i = 0; i < TIMES; i++) {
         displacement[i] = i < seen.reached ? later[i] + offset : INFINITY;

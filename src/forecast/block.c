@@ -102,26 +102,26 @@ typedef struct block {
     lac_projection curve;
     double centre[2], width[2]; // prior of ln remaining and ln theta_ss
     double p[LAC_SHAPES_MAX];
-    lac_finding fit;
+    lac_forecast_fit fit;
 } block;
 
 static void describe(block *b)
 {
     const lac_projection *law = &b->curve;
     const double s = look_up(&b->law, b->p[0] - b->p[1]);
-    lac_finding_add_within(&b->fit, "m", b->law.m, strengths[0], strengths[STRENGTHS - 1]);
-    lac_finding_add(&b->fit, "dc_m", law->c[1]);
-    lac_finding_add(&b->fit, "theta_ss_s", exp(b->p[1]));
-    lac_finding_add(&b->fit, "combination_1_m", b->law.m / law->c[1] / (1.0 + exp(-s)));
+    lac_forecast_fit_add_within(&b->fit, "m", b->law.m, strengths[0], strengths[STRENGTHS - 1]);
+    lac_forecast_fit_add(&b->fit, "dc_m", law->c[1]);
+    lac_forecast_fit_add(&b->fit, "theta_ss_s", exp(b->p[1]));
+    lac_forecast_fit_add(&b->fit, "combination_1_m", b->law.m / law->c[1] / (1.0 + exp(-s)));
     if (!(law->c[1] > 0.0)) {
-        (void)lac_finding_refuse(&b->fit, "the slope does not accelerate");
+        (void)lac_forecast_fit_refuse(&b->fit, "the slope does not accelerate");
     }
 }
 
 static lac_status fit_strength(const lac_window *w, double m, block *b, lac_error *err)
 {
     fill(&b->law, m);
-    b->fit = (lac_finding){.remaining = NAN, .error = NAN, .rms = INFINITY, .misfit = NAN};
+    b->fit = (lac_forecast_fit){.remaining = NAN, .error = NAN, .rms = INFINITY, .misfit = NAN};
     b->centre[1] = log(-w->time[0]);
     b->width[0] = INFINITY;
     b->width[1] = width_of_state;
@@ -143,7 +143,7 @@ static lac_status fit_strength(const lac_window *w, double m, block *b, lac_erro
 
 // The posterior of all strengths, each as likely before the readings, but those that fit far worse.
 static void draw(const lac_window *w, block *b, const block *best, lac_draw *draws,
-                 lac_finding *fit)
+                 lac_forecast_fit *fit)
 {
     const double n = (double)w->n;
     const double effective = best->curve.effective;
@@ -159,7 +159,7 @@ static void draw(const lac_window *w, block *b, const block *best, lac_draw *dra
     lac_posterior_finish(count, draws, fit);
 }
 
-static lac_status fit_block(const lac_window *w, lac_finding *fit, lac_error *err)
+static lac_status fit_block(const lac_window *w, lac_forecast_fit *fit, lac_error *err)
 {
     block *b = calloc(STRENGTHS, sizeof *b);
     lac_draw *draws = malloc((size_t)STRENGTHS * LAC_POSTERIOR_DRAWS * sizeof *draws);
@@ -184,7 +184,7 @@ out:
 }
 
 const lac_forecast_kind lac_forecast_block = {
-    .about = LAC_ABOUT(
+    .info = LAC_ABOUT(
         "block", "one block of rate-and-state friction",
         "Helmstetter et al. (2004), J. Geophys. Res. 109, B02409, doi 10.1029/2002JB002160"),
     .estimator =

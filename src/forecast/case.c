@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The row of the method whose fit is lac_foresee's: it stands here for whoever lists the methods.
+// The row of the method whose fit is lac_model_forecast_method's: it stands here for whoever lists
+// the methods.
 #include "forecast/kinds.h"
 
 const lac_forecast_kind lac_forecast_case = {
-    .about = LAC_ABOUT("case", "the slope's own model, fitted and run on (--case)",
-                       "Borri-Brunetto, Carpinteri & Chiaia (2004), Rock Mech. Rock Eng. 37, 117; "
-                       "docs/theory/fitting.md"),
+    .info = LAC_ABOUT("case", "the slope's own model, fitted and run on (--case)",
+                      "Borri-Brunetto, Carpinteri & Chiaia (2004), Rock Mech. Rock Eng. 37, 117; "
+                      "docs/theory/fitting.md"),
     .estimator = "the case of --case, its section fit's parameters fitted to all readings between "
                  "time.start and the time of issue by least squares (and sampled where fit.steps > "
                  "0), run on to failure",

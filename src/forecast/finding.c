@@ -6,7 +6,7 @@
 
 #include "forecast/kinds.h"
 
-lac_status lac_finding_refuse(lac_finding *fit, const char *format, ...)
+lac_status lac_forecast_fit_refuse(lac_forecast_fit *fit, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
@@ -15,25 +15,25 @@ lac_status lac_finding_refuse(lac_finding *fit, const char *format, ...)
     return LAC_OK;
 }
 
-void lac_finding_add(lac_finding *fit, const char *key, double value)
+void lac_forecast_fit_add(lac_forecast_fit *fit, const char *key, double value)
 {
     if (fit->count < LAC_FORECAST_VALUES) {
         fit->value[fit->count++] = (lac_fitted){key, value};
     }
 }
 
-void lac_finding_add_within(lac_finding *fit, const char *key, double value, double low,
-                            double high)
+void lac_forecast_fit_add_within(lac_forecast_fit *fit, const char *key, double value, double low,
+                                 double high)
 {
     const double near = 0.01 * (high - low);
-    lac_finding_add(fit, key, value);
+    lac_forecast_fit_add(fit, key, value);
     if (fit->ends < LAC_FORECAST_VALUES && (value <= low + near || value >= high - near)) {
         fit->end[fit->ends++] = key;
     }
 }
 
-void lac_finding_judge_inverse(size_t n, const double *time, const double *velocity, double scale,
-                               lac_finding *fit)
+void lac_forecast_fit_judge_inverse(size_t n, const double *time, const double *velocity,
+                                    double scale, lac_forecast_fit *fit)
 {
     double mean = 0.0;
     double all = 0.0;

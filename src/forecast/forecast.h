@@ -34,7 +34,7 @@ typedef struct lac_fitted {
 } lac_fitted;
 
 /// What a method found.
-typedef struct lac_finding {
+typedef struct lac_forecast_fit {
     double remaining;     ///< time from now to failure [s]; NaN: none
     double error;         ///< standard error of ln remaining, by the fit itself
     double rms;           ///< of the residuals, in `rms_unit`
@@ -48,20 +48,20 @@ typedef struct lac_finding {
     size_t ends;
     const char *end[LAC_FORECAST_VALUES]; ///< keys whose best value stands at the end of its range
     char reason[LAC_FORECAST_TEXT];       ///< why there is no forecast; "": there is one
-} lac_finding;
+} lac_forecast_fit;
 
 /// Says why there is no forecast, or no value of an indicator.
 /// @return LAC_OK, so that it is one statement
-lac_status lac_finding_refuse(lac_finding *fit, const char *format, ...)
+lac_status lac_forecast_fit_refuse(lac_forecast_fit *fit, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
 /// Adds a fitted number.
-void lac_finding_add(lac_finding *fit, const char *key, double value);
+void lac_forecast_fit_add(lac_forecast_fit *fit, const char *key, double value);
 
 /// Adds a fitted number that is searched from `low` to `high`, and notes where it stands in the
 /// last hundredth at either end.
-void lac_finding_add_within(lac_finding *fit, const char *key, double value, double low,
-                            double high);
+void lac_forecast_fit_add_within(lac_forecast_fit *fit, const char *key, double value, double low,
+                                 double high);
 
 /// From the fit's error to intervals. With E = sqrt(error^2 + spread^2) the remaining time lies
 /// below remaining exp(E q) for q = low90, low50, high50, high90 in 5, 25, 75 and 95 of 100
@@ -74,7 +74,7 @@ typedef struct lac_calibration {
 
 /// A method of forecasting: a row of a table.
 typedef struct lac_forecast_kind {
-    lac_descriptor about;
+    lac_model_info info;
     const char *estimator; ///< exactly what is computed from what
     size_t least;          ///< readings or velocities that it needs
     bool displacements;    ///< it fits displacements, not velocities
@@ -84,14 +84,14 @@ typedef struct lac_forecast_kind {
     lac_calibration calibration;
     /// Fits the window. Whatever is wrong with the data is said in `fit->reason`.
     /// @return LAC_OK; LAC_ENOMEM
-    lac_status (*fit)(const lac_window *window, lac_finding *fit, lac_error *err);
+    lac_status (*fit)(const lac_window *window, lac_forecast_fit *fit, lac_error *err);
 } lac_forecast_kind;
 
 /// The index-th method in the registry, NULL past the end.
-const lac_forecast_kind *lac_forecast_kind_at(size_t index);
+const lac_forecast_kind *lac_forecast_kind_get(size_t index);
 
-/// The method `case`, which is none of the registry's: lac_foresee (foresee.h) makes it of a case,
-/// and its `fit` is NULL.
+/// The method `case`, which is none of the registry's: lac_model_forecast_method (model_forecast.h)
+/// makes it of a case, and its `fit` is NULL.
 extern const lac_forecast_kind lac_forecast_case;
 
 /// What keeps a forecast from being issued, in words.
@@ -100,7 +100,7 @@ typedef struct lac_forecast_gate {
 } lac_forecast_gate;
 
 /// The index-th gate in the order in which they are asked, NULL past the end.
-const lac_forecast_gate *lac_forecast_gate_at(size_t index);
+const lac_forecast_gate *lac_forecast_gate_get(size_t index);
 
 /// A method that stands beside those of the registry: a model of this very slope.
 typedef struct lac_forecast_model {
@@ -108,8 +108,8 @@ typedef struct lac_forecast_model {
     void *context;
     /// Fits the motion, which ends at `now`, all of it: the window is of methods that know no more
     /// of the slope.
-    /// @return LAC_OK, also where it says a reason; what ends the whole outlook
-    lac_status (*fit)(void *context, const lac_motion *motion, double now, lac_finding *found,
+    /// @return LAC_OK, also where it says a reason; what ends the whole set of forecasts
+    lac_status (*fit)(void *context, const lac_motion *motion, double now, lac_forecast_fit *found,
                       lac_error *err);
 } lac_forecast_model;
 
@@ -134,24 +134,24 @@ typedef struct lac_forecast {
     double time;                         ///< of failure [s]; NaN: none
     double low50, high50, low90, high90; ///< [s]; NaN: none. That of 90 % holds `time`, that of 50
                                          ///< % may lie beside it: the method's bias
-    lac_finding fit;                     ///< also where it is not issued, as far as it went
+    lac_forecast_fit fit;                ///< also where it is not issued, as far as it went
 } lac_forecast;
 
 /// All methods at the last of the readings given.
-typedef struct lac_outlook {
+typedef struct lac_forecast_set {
     lac_motion *motion; ///< owned; what the methods saw
     bool asked;         ///< the gates before any method are open
     bool accelerating;  ///< and the slope accelerates; else `since` was given
     double issue_time, window_start;
     size_t count;
     lac_forecast *forecast; ///< [count] in the order of the registry, a model last but one; owned
-} lac_outlook;
+} lac_forecast_set;
 
 /// Forecasts from readings up to the present; nothing else is known to it, so that it is causal.
 /// @return LAC_OK, also where no method issues one; LAC_EINPUT; LAC_ENOMEM
-lac_status lac_outlook_create(const lac_forecast_def *def, const lac_readings *readings,
-                              lac_outlook **out, lac_error *err);
+lac_status lac_forecast_set_create(const lac_forecast_def *def, const lac_readings *readings,
+                                   lac_forecast_set **out, lac_error *err);
 
-void lac_outlook_free(lac_outlook *outlook);
+void lac_forecast_set_free(lac_forecast_set *forecasts);
 
 #endif

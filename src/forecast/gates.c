@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What keeps a forecast from being issued, in the order in which it is asked: window.c and
-// outlook.c.
+// set of forecasts.c.
 #include "base/rows.h"
 #include "forecast/forecast.h"
 
@@ -24,4 +24,4 @@ static const lac_forecast_gate gates[] = {
     {"vagueness", "standard error of ln(tc - t) above 1.5"},
 };
 
-LAC_ROWS_AT(lac_forecast_gate, lac_forecast_gate_at, gates)
+LAC_ROWS_AT(lac_forecast_gate, lac_forecast_gate_get, gates)

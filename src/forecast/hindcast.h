@@ -19,8 +19,8 @@ typedef struct lac_rolling_watch {
     void *context;
     bool (*go_on)(void *context, size_t done, size_t all); ///< NULL: always
     void *seer;
-    /// Looks at the outlook of each issue time, in their order; NULL: nobody does.
-    lac_status (*see)(void *seer, const lac_outlook *outlook, lac_error *err);
+    /// Looks at the set of forecasts of each issue time, in their order; NULL: nobody does.
+    lac_status (*see)(void *seer, const lac_forecast_set *forecasts, lac_error *err);
 } lac_rolling_watch;
 
 /// Forecasts at each reading, from nothing but the readings up to it; where there are more than

@@ -9,7 +9,7 @@
 
 enum { LAST = 8 };
 
-static lac_status fit_last(const lac_window *w, size_t n, lac_finding *fit, lac_error *err)
+static lac_status fit_last(const lac_window *w, size_t n, lac_forecast_fit *fit, lac_error *err)
 {
     const double *t = w->velocity_time + (w->velocities - n);
     const double *v = w->velocity + (w->velocities - n);
@@ -24,33 +24,33 @@ static lac_status fit_last(const lac_window *w, size_t n, lac_finding *fit, lac_
     const lac_line l = lac_line_fit(known, t, y);
     free(y);
     if (known < n) {
-        return lac_finding_refuse(fit, "a velocity of the %zu is not above 0", n);
+        return lac_forecast_fit_refuse(fit, "a velocity of the %zu is not above 0", n);
     }
     const double a = lac_line_at(&l, 0.0);
     const double b = lac_line_slope(&l);
     if (!(b < 0.0)) {
-        return lac_finding_refuse(fit, "inverse velocity does not fall");
+        return lac_forecast_fit_refuse(fit, "inverse velocity does not fall");
     }
     fit->remaining = -a / b;
     // of ln(a/b), to first order: the line is off at the mean, and turned about it
     fit->error = sqrt(l.rest / (l.n - 2.0) / l.xx) * hypot(sqrt(l.xx / l.n) / a, l.x / a + 1.0 / b);
-    lac_finding_judge_inverse(n, t, v, -1.0 / b, fit);
-    lac_finding_add(fit, "scale_m", -1.0 / b);
+    lac_forecast_fit_judge_inverse(n, t, v, -1.0 / b, fit);
+    lac_forecast_fit_add(fit, "scale_m", -1.0 / b);
     return LAC_OK;
 }
 
-static lac_status fit_eight(const lac_window *w, lac_finding *fit, lac_error *err)
+static lac_status fit_eight(const lac_window *w, lac_forecast_fit *fit, lac_error *err)
 {
     return fit_last(w, LAST, fit, err);
 }
 
-static lac_status fit_all(const lac_window *w, lac_finding *fit, lac_error *err)
+static lac_status fit_all(const lac_window *w, lac_forecast_fit *fit, lac_error *err)
 {
     return fit_last(w, w->velocities, fit, err);
 }
 
 const lac_forecast_kind lac_forecast_inv8 = {
-    .about = LAC_ABOUT(
+    .info = LAC_ABOUT(
         "inv8", "inverse velocity, the last eight",
         "Fukuzono (1985), Proc. 4th Int. Conf. Field Workshop Landslides, Tokyo, 145-150"),
     .estimator = "1/v on t by ordinary least squares over the last eight velocities; tc where the "
@@ -62,7 +62,7 @@ const lac_forecast_kind lac_forecast_inv8 = {
 };
 
 const lac_forecast_kind lac_forecast_inv = {
-    .about = LAC_ABOUT(
+    .info = LAC_ABOUT(
         "inv", "inverse velocity, the whole window",
         "Fukuzono (1985), Proc. 4th Int. Conf. Field Workshop Landslides, Tokyo, 145-150"),
     .estimator = "as inv8 over all velocities of the window",

@@ -14,8 +14,8 @@ size_t lac_forecast_count(const lac_forecast_def *def);
 const lac_forecast_kind *lac_forecast_kind_of(const lac_forecast_def *def, size_t index);
 
 /// Misfit of v = B/(remaining - t) to velocities as inverse velocities: rms and misfit.
-void lac_finding_judge_inverse(size_t n, const double *time, const double *velocity, double scale,
-                               lac_finding *fit);
+void lac_forecast_fit_judge_inverse(size_t n, const double *time, const double *velocity,
+                                    double scale, lac_forecast_fit *fit);
 
 /// What stands before any method: whether the slope moves, beyond its noise, and accelerates.
 /// @param start         where the acceleration begins, or def->since, which asks for none [s]; set

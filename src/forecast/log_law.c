@@ -16,23 +16,23 @@ static void curve(const lac_projection *self, const double *p, double *columns)
     }
 }
 
-static lac_status fit_log(const lac_window *w, lac_finding *fit, lac_error *err)
+static lac_status fit_log(const lac_window *w, lac_forecast_fit *fit, lac_error *err)
 {
     lac_projection law = {.window = w, .columns = 2, .shapes = 1, .curve = curve, .grid = {GRID}};
     double p[LAC_SHAPES_MAX];
     lac_status status;
     LAC_TRY(lac_projection_fit(&law, p, fit, err));
     if (!(law.c[1] > 0.0)) {
-        status = lac_finding_refuse(fit, "the slope does not accelerate");
+        status = lac_forecast_fit_refuse(fit, "the slope does not accelerate");
     }
-    lac_finding_add(fit, "scale_m", law.c[1]);
+    lac_forecast_fit_add(fit, "scale_m", law.c[1]);
 out:
     lac_projection_clear(&law);
     return status;
 }
 
 const lac_forecast_kind lac_forecast_log = {
-    .about = LAC_ABOUT(
+    .info = LAC_ABOUT(
         "log", "log law of displacement",
         "Helmstetter et al. (2004), J. Geophys. Res. 109, B02409, doi 10.1029/2002JB002160"),
     .estimator = "d = A - B ln(tc - t) by least squares over all displacements of the window",

@@ -38,7 +38,7 @@ static double place(const lac_projection *self, size_t shape, double part)
     return log(part / (1.0 - part));
 }
 
-static lac_status fit_lppls(const lac_window *w, lac_finding *fit, lac_error *err)
+static lac_status fit_lppls(const lac_window *w, lac_forecast_fit *fit, lac_error *err)
 {
     lac_projection law = {.window = w,
                           .columns = 4,
@@ -50,12 +50,12 @@ static lac_status fit_lppls(const lac_window *w, lac_finding *fit, lac_error *er
     lac_status status;
     LAC_TRY(lac_projection_fit(&law, p, fit, err));
     const double omega = within(low_omega, high_omega, p[2]);
-    lac_finding_add_within(fit, "m", within(low_m, high_m, p[1]), low_m, high_m);
-    lac_finding_add_within(fit, "omega", omega, low_omega, high_omega);
-    lac_finding_add(fit, "lambda", exp(2.0 * pi / omega));
-    lac_finding_add(fit, "oscillation", hypot(law.c[2], law.c[3]) / fabs(law.c[1]));
+    lac_forecast_fit_add_within(fit, "m", within(low_m, high_m, p[1]), low_m, high_m);
+    lac_forecast_fit_add_within(fit, "omega", omega, low_omega, high_omega);
+    lac_forecast_fit_add(fit, "lambda", exp(2.0 * pi / omega));
+    lac_forecast_fit_add(fit, "oscillation", hypot(law.c[2], law.c[3]) / fabs(law.c[1]));
     if (!(law.c[1] < 0.0)) {
-        status = lac_finding_refuse(fit, "the slope does not accelerate");
+        status = lac_forecast_fit_refuse(fit, "the slope does not accelerate");
     }
 out:
     lac_projection_clear(&law);
@@ -63,8 +63,8 @@ out:
 }
 
 const lac_forecast_kind lac_forecast_lppls = {
-    .about = LAC_ABOUT("lppls", "log-periodic power law",
-                       "Lei & Sornette (2025), Geophys. Res. Lett., doi 10.1029/2025GL116379"),
+    .info = LAC_ABOUT("lppls", "log-periodic power law",
+                      "Lei & Sornette (2025), Geophys. Res. Lett., doi 10.1029/2025GL116379"),
     .estimator =
         "d = A + z^m (B + C1 cos(omega ln z) + C2 sin(omega ln z)), z = tc - t, over all "
         "displacements of the window: A, B, C1, C2 exactly at each of 1728 (tc, m, omega), "

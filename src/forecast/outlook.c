@@ -30,7 +30,7 @@ static lac_status check(const lac_forecast_def *def, const lac_readings *reading
 
 // Where an interval ends: q errors from the fit, or from the posterior's median by the error that
 // its quantile at `level` stands for.
-static double end_of(const lac_finding *fit, double spread, int level, double q)
+static double end_of(const lac_forecast_fit *fit, double spread, int level, double q)
 {
     static const double normal[LAC_FORECAST_LEVELS] = {1.6448536269514722, 0.6744897501960817, 1.0,
                                                        0.6744897501960817, 1.6448536269514722};
@@ -51,24 +51,25 @@ static void set_interval(const lac_forecast_kind *kind, double now, lac_forecast
     f->high90 = fmax(f->time, now + end_of(&f->fit, c->spread, 4, c->high90));
     f->issued = isfinite(f->low90) && isfinite(f->high90);
     if (!f->issued) {
-        (void)lac_finding_refuse(&f->fit, "its error is not finite");
+        (void)lac_forecast_fit_refuse(&f->fit, "its error is not finite");
     }
 }
 
 static void judge(const lac_forecast_kind *kind, double nearest, lac_forecast *f)
 {
-    lac_finding *fit = &f->fit;
+    lac_forecast_fit *fit = &f->fit;
     if (fit->reason[0] != '\0') {
         return;
     }
     if (!isfinite(fit->remaining) || !(fit->remaining > nearest)) {
-        (void)lac_finding_refuse(fit, "points to a time that is over");
+        (void)lac_forecast_fit_refuse(fit, "points to a time that is over");
     } else if (!(fit->misfit <= kind->worst)) {
-        (void)lac_finding_refuse(fit, "bad fit: the residuals are %.2g of the range, at most %.2g",
-                                 fit->misfit, kind->worst);
+        (void)lac_forecast_fit_refuse(fit,
+                                      "bad fit: the residuals are %.2g of the range, at most %.2g",
+                                      fit->misfit, kind->worst);
     } else if (!(fit->error <= vaguest)) {
-        (void)lac_finding_refuse(fit, "too vague: uncertain by a factor of %.2g, at most %.2g",
-                                 exp(fit->error), exp(vaguest));
+        (void)lac_forecast_fit_refuse(fit, "too vague: uncertain by a factor of %.2g, at most %.2g",
+                                      exp(fit->error), exp(vaguest));
     } else {
         set_interval(kind, f->issue_time, f);
     }
@@ -82,12 +83,12 @@ static lac_status ask(const lac_forecast_def *def, const lac_motion *m, const la
     f->issue_time = w->now;
     f->window_start = w->start;
     if (points < kind->least) {
-        return lac_finding_refuse(&f->fit, "too few points: %zu in the window, at least %zu",
-                                  points, kind->least);
+        return lac_forecast_fit_refuse(&f->fit, "too few points: %zu in the window, at least %zu",
+                                       points, kind->least);
     }
     if (kind->displacements && w->integrated && w->n < INTEGRABLE) {
-        return lac_finding_refuse(&f->fit, "too few velocities to integrate: %zu, at least %d",
-                                  w->n, (int)INTEGRABLE);
+        return lac_forecast_fit_refuse(&f->fit, "too few velocities to integrate: %zu, at least %d",
+                                       w->n, (int)INTEGRABLE);
     }
     lac_status status = kind->fit != NULL
                             ? kind->fit(w, &f->fit, err)
@@ -101,7 +102,7 @@ static lac_status ask(const lac_forecast_def *def, const lac_motion *m, const la
     return status;
 }
 
-static lac_status forecast(lac_outlook *o, const lac_forecast_def *def, lac_error *err)
+static lac_status forecast(lac_forecast_set *o, const lac_forecast_def *def, lac_error *err)
 {
     char reason[LAC_FORECAST_TEXT] = "";
     lac_window *w = NULL;
@@ -132,11 +133,11 @@ out:
     return status;
 }
 
-lac_status lac_outlook_create(const lac_forecast_def *def, const lac_readings *readings,
-                              lac_outlook **out, lac_error *err)
+lac_status lac_forecast_set_create(const lac_forecast_def *def, const lac_readings *readings,
+                                   lac_forecast_set **out, lac_error *err)
 {
     *out = NULL;
-    lac_outlook *o = NULL;
+    lac_forecast_set *o = NULL;
     lac_status status = LAC_OK;
     LAC_TRY(check(def, readings, err));
     o = calloc(1, sizeof *o);
@@ -150,16 +151,16 @@ lac_status lac_outlook_create(const lac_forecast_def *def, const lac_readings *r
     *out = o;
     o = NULL;
 out:
-    lac_outlook_free(o);
+    lac_forecast_set_free(o);
     return status;
 }
 
-void lac_outlook_free(lac_outlook *outlook)
+void lac_forecast_set_free(lac_forecast_set *forecasts)
 {
-    if (outlook == NULL) {
+    if (forecasts == NULL) {
         return;
     }
-    lac_motion_free(outlook->motion);
-    free(outlook->forecast);
-    free(outlook);
+    lac_motion_free(forecasts->motion);
+    free(forecasts->forecast);
+    free(forecasts);
 }

@@ -5,7 +5,7 @@
 
 #include "forecast/kinds.h"
 
-static lac_status fit_nothing(const lac_window *w, lac_finding *fit, lac_error *err)
+static lac_status fit_nothing(const lac_window *w, lac_forecast_fit *fit, lac_error *err)
 {
     (void)err;
     fit->remaining = -w->time[0];
@@ -18,8 +18,8 @@ static lac_status fit_nothing(const lac_window *w, lac_finding *fit, lac_error *
 
 // ln of 1/19, 1/3, 3, 19
 const lac_forecast_kind lac_forecast_persistence = {
-    .about = LAC_ABOUT("persistence", "baseline: goes on as long as it has",
-                       "Gott (1993), Nature 363, 315-319, doi 10.1038/363315a0"),
+    .info = LAC_ABOUT("persistence", "baseline: goes on as long as it has",
+                      "Gott (1993), Nature 363, 315-319, doi 10.1038/363315a0"),
     .estimator = "as long again as the window has lasted; below r with the chance r/(t + r)",
     .least = 1,
     .baseline = true,

@@ -31,7 +31,7 @@ static double log_density(const ridge *r, double x, double y)
     const double range = w->displacement[w->n - 1] - w->displacement[0];
     const double floor = (double)w->n * exactest * exactest * range * range;
     const double rounding = (double)w->n * lac_projection_rounding(w);
-    const double sum = lac_projection_at(law, p);
+    const double sum = lac_projection_eval(law, p);
     if (!isfinite(sum) || !(law->c[1] > 0.0)) {
         return -INFINITY;
     }
@@ -159,7 +159,7 @@ static double quantile(size_t n, const lac_draw *draw, double share)
     return draw[n - 1].x;
 }
 
-void lac_posterior_finish(size_t n, lac_draw *draw, lac_finding *fit)
+void lac_posterior_finish(size_t n, lac_draw *draw, lac_forecast_fit *fit)
 {
     static const double share[LAC_FORECAST_LEVELS] = {0.05, 0.25, 0.5, 0.75, 0.95};
     double highest = -INFINITY;

@@ -42,7 +42,7 @@ void lac_projection_clear(lac_projection *self)
     free(self->residual);
 }
 
-double lac_projection_at(lac_projection *self, const double *p)
+double lac_projection_eval(lac_projection *self, const double *p)
 {
     const lac_window *w = self->window;
     self->curve(self, p, self->column);
@@ -96,7 +96,7 @@ static void look_around(lac_projection *self, places *best)
             p[j] = j == 0 ? place_time(self->window, part) : self->place(self, j, part);
             rest /= self->grid[j];
         }
-        offer(best, self->shapes, p, lac_projection_at(self, p));
+        offer(best, self->shapes, p, lac_projection_eval(self, p));
     }
 }
 
@@ -109,7 +109,7 @@ static int residuals(const gsl_vector *x, void *context, gsl_vector *f)
     for (size_t j = 0; j < self->shapes; j++) {
         p[j] = gsl_vector_get(x, j);
     }
-    if (!isfinite(lac_projection_at(self, p))) {
+    if (!isfinite(lac_projection_eval(self, p))) {
         return GSL_EDOM;
     }
     for (size_t i = 0; i < n; i++) {
@@ -133,10 +133,10 @@ static double alike(const lac_projection *self)
 }
 
 static void judge(lac_projection *self, const gsl_multifit_nlinear_workspace *work,
-                  gsl_matrix *covariance, const double *p, lac_finding *fit)
+                  gsl_matrix *covariance, const double *p, lac_forecast_fit *fit)
 {
     const lac_window *w = self->window;
-    const double sum = lac_projection_at(self, p);
+    const double sum = lac_projection_eval(self, p);
     const double free = fmax(1.0, (double)w->n - (double)(self->shapes + self->columns));
     const double r = alike(self);
     double low = w->displacement[0];
@@ -160,8 +160,8 @@ static void judge(lac_projection *self, const gsl_multifit_nlinear_workspace *wo
     fit->rms_unit = "m";
     fit->misfit = fit->rms / (high - low);
     if (fit->remaining > -farthest * w->time[0]) {
-        (void)lac_finding_refuse(fit, "no finite time fits better than one %.0f windows away",
-                                 farthest);
+        (void)lac_forecast_fit_refuse(fit, "no finite time fits better than one %.0f windows away",
+                                      farthest);
     }
 }
 
@@ -191,8 +191,8 @@ static bool descend(lac_projection *self, gsl_multifit_nlinear_workspace *work, 
     return isfinite(cost(work));
 }
 
-static lac_status refine(lac_projection *self, const places *starts, double *p, lac_finding *fit,
-                         lac_error *err)
+static lac_status refine(lac_projection *self, const places *starts, double *p,
+                         lac_forecast_fit *fit, lac_error *err)
 {
     const size_t rows = self->window->n + self->shapes;
     const gsl_multifit_nlinear_parameters settings = gsl_multifit_nlinear_default_parameters();
@@ -210,7 +210,7 @@ static lac_status refine(lac_projection *self, const places *starts, double *p, 
         }
     }
     if (!isfinite(best) || !descend(self, work, starts->p[chosen])) {
-        (void)lac_finding_refuse(fit, "no fit was found");
+        (void)lac_forecast_fit_refuse(fit, "no fit was found");
         goto out;
     }
     for (size_t j = 0; j < self->shapes; j++) {
@@ -223,7 +223,8 @@ out:
     return status;
 }
 
-lac_status lac_projection_fit(lac_projection *self, double *p, lac_finding *fit, lac_error *err)
+lac_status lac_projection_fit(lac_projection *self, double *p, lac_forecast_fit *fit,
+                              lac_error *err)
 {
     const lac_window *w = self->window;
     places best = {0};

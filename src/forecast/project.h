@@ -32,11 +32,12 @@ typedef struct lac_projection {
 /// time starts from a thirtieth of the last interval to thirty windows. Fills in remaining, its
 /// error (linearised; residuals taken as a first-order autoregression), rms, misfit, points.
 /// @param self  afterwards at the best; lac_projection_clear frees its work, whatever the status
-lac_status lac_projection_fit(lac_projection *self, double *p, lac_finding *fit, lac_error *err);
+lac_status lac_projection_fit(lac_projection *self, double *p, lac_forecast_fit *fit,
+                              lac_error *err);
 void lac_projection_clear(lac_projection *self);
 
 /// Sum of squared weighted residuals at p, without the prior; residual and c are of p afterwards.
-double lac_projection_at(lac_projection *self, const double *p);
+double lac_projection_eval(lac_projection *self, const double *p);
 
 /// Variance of a displacement rounded to its last digit, which is what residuals count at least:
 /// resolution^2/12 [m2].
@@ -66,6 +67,6 @@ void lac_posterior_draw(lac_projection *law, const double *p, double effective, 
 /// Quantiles of ln of the remaining time over all places, and as its error half their 90 % interval
 /// over that of a normal distribution; nothing where none has a weight.
 /// @param draw  [n] sorted and normalised afterwards
-void lac_posterior_finish(size_t n, lac_draw *draw, lac_finding *fit);
+void lac_posterior_finish(size_t n, lac_draw *draw, lac_forecast_fit *fit);
 
 #endif

@@ -11,7 +11,7 @@ static const lac_forecast_kind *const kinds[] = {
 
 enum { KINDS = sizeof kinds / sizeof kinds[0] };
 
-LAC_KINDS_AT(lac_forecast_kind, lac_forecast_kind_at, kinds)
+LAC_KINDS_AT(lac_forecast_kind, lac_forecast_kind_get, kinds)
 
 size_t lac_forecast_count(const lac_forecast_def *def)
 {
@@ -21,7 +21,7 @@ size_t lac_forecast_count(const lac_forecast_def *def)
 const lac_forecast_kind *lac_forecast_kind_of(const lac_forecast_def *def, size_t index)
 {
     if (def->model == NULL || index < KINDS - 1) {
-        return lac_forecast_kind_at(index);
+        return lac_forecast_kind_get(index);
     }
-    return index == KINDS - 1 ? def->model->kind : lac_forecast_kind_at(KINDS - 1);
+    return index == KINDS - 1 ? def->model->kind : lac_forecast_kind_get(KINDS - 1);
 }

@@ -16,17 +16,17 @@ static lac_status issue(lac_rolling *r, const lac_forecast_def *def, const lac_r
                         size_t k, const lac_rolling_watch *watch, lac_error *err)
 {
     lac_readings past = *readings;
-    lac_outlook *outlook = NULL;
+    lac_forecast_set *forecasts = NULL;
     past.n = seen(readings->n, r->issues, k);
-    lac_status status = lac_outlook_create(def, &past, &outlook, err);
+    lac_status status = lac_forecast_set_create(def, &past, &forecasts, err);
     if (status == LAC_OK) {
-        r->issue_time[k] = outlook->issue_time;
-        memcpy(&r->forecast[k * r->methods], outlook->forecast, r->methods * sizeof *r->forecast);
+        r->issue_time[k] = forecasts->issue_time;
+        memcpy(&r->forecast[k * r->methods], forecasts->forecast, r->methods * sizeof *r->forecast);
         if (watch != NULL && watch->see != NULL) {
-            status = watch->see(watch->seer, outlook, err);
+            status = watch->see(watch->seer, forecasts, err);
         }
     }
-    lac_outlook_free(outlook);
+    lac_forecast_set_free(forecasts);
     return status;
 }
 

@@ -46,7 +46,7 @@ static size_t middle_reading(const lac_window *w)
 }
 
 // Rms of all readings of the window about the curve through the three.
-static void judge(const lac_window *w, double scale, lac_finding *fit)
+static void judge(const lac_window *w, double scale, lac_forecast_fit *fit)
 {
     const double *d = w->displacement;
     double squares = 0.0;
@@ -61,7 +61,7 @@ static void judge(const lac_window *w, double scale, lac_finding *fit)
     fit->misfit = fit->rms / fabs(d[w->n - 1] - d[0]);
 }
 
-static lac_status fit_three(const lac_window *w, lac_finding *fit, lac_error *err)
+static lac_status fit_three(const lac_window *w, lac_forecast_fit *fit, lac_error *err)
 {
     const double *t = w->time;
     const double *d = w->displacement;
@@ -69,12 +69,12 @@ static lac_status fit_three(const lac_window *w, lac_finding *fit, lac_error *er
     const double end = d[w->n - 1];
     (void)err;
     if (!(t[w->n - 1] == 0.0)) {
-        return lac_finding_refuse(fit, "the last reading has no displacement");
+        return lac_forecast_fit_refuse(fit, "the last reading has no displacement");
     }
     fit->remaining = solve(t[0], t[k], d[0], d[k], end);
     if (isnan(fit->remaining)) {
-        return lac_finding_refuse(fit,
-                                  "the second half of the displacement took longer than the first");
+        return lac_forecast_fit_refuse(
+            fit, "the second half of the displacement took longer than the first");
     }
     const double scale = (end - d[0]) / log1p(-t[0] / fit->remaining);
     judge(w, scale, fit);
@@ -90,12 +90,12 @@ static lac_status fit_three(const lac_window *w, lac_finding *fit, lac_error *er
         variance += step * step;
     }
     fit->error = sqrt(variance);
-    lac_finding_add(fit, "scale_m", scale);
+    lac_forecast_fit_add(fit, "scale_m", scale);
     return LAC_OK;
 }
 
 const lac_forecast_kind lac_forecast_saito = {
-    .about =
+    .info =
         LAC_ABOUT("saito", "three points of equal displacement",
                   "Saito (1969), Proc. 7th Int. Conf. Soil Mech. Found. Eng., Mexico, 2, 677-683"),
     .estimator = "the log law through the first and the last reading of the window and the one "

@@ -50,7 +50,7 @@ static double plane_slope(const lac_window *w)
     return n > 1.0 ? (xy - x * y / n) / (xx - x * x / n) : NAN;
 }
 
-static lac_status fit_voight(const lac_window *w, lac_finding *fit, lac_error *err)
+static lac_status fit_voight(const lac_window *w, lac_forecast_fit *fit, lac_error *err)
 {
     lac_projection law = {.window = w,
                           .columns = 2,
@@ -61,12 +61,13 @@ static lac_status fit_voight(const lac_window *w, lac_finding *fit, lac_error *e
     double p[LAC_SHAPES_MAX];
     lac_status status;
     LAC_TRY(lac_projection_fit(&law, p, fit, err));
-    lac_finding_add(fit, "alpha", 1.0 + 1.0 / (1.0 - p[1]));
-    lac_finding_add(fit, "alpha_plane", plane_slope(w));
+    lac_forecast_fit_add(fit, "alpha", 1.0 + 1.0 / (1.0 - p[1]));
+    lac_forecast_fit_add(fit, "alpha_plane", plane_slope(w));
     if (!(p[1] < 1.0)) {
-        status = lac_finding_refuse(fit, "no exponent alpha > 1 fits: the velocity stays finite");
+        status =
+            lac_forecast_fit_refuse(fit, "no exponent alpha > 1 fits: the velocity stays finite");
     } else if (!(law.c[1] > 0.0)) {
-        status = lac_finding_refuse(fit, "the slope does not accelerate");
+        status = lac_forecast_fit_refuse(fit, "the slope does not accelerate");
     }
 out:
     lac_projection_clear(&law);
@@ -74,8 +75,8 @@ out:
 }
 
 const lac_forecast_kind lac_forecast_voight = {
-    .about = LAC_ABOUT("voight", "Voight's law, exponent free",
-                       "Voight (1988), Nature 332, 125-130, doi 10.1038/332125a0"),
+    .info = LAC_ABOUT("voight", "Voight's law, exponent free",
+                      "Voight (1988), Nature 332, 125-130, doi 10.1038/332125a0"),
     .estimator =
         "d = D - C (tc - t)^((alpha - 2)/(alpha - 1)) by nonlinear least squares in tc and "
         "alpha over all displacements of the window; alpha_plane is the slope of ln(dv/dt) on ln v",

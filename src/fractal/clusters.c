@@ -78,15 +78,15 @@ static void number(lac_clusters *c, uint32_t *parent, rank *ranks)
 // A connected set leaves no line out between the first and the last, so its extent is the number
 // of lines that it occupies, also round a periodic edge. `order` lists the
 // cells of the domain cluster by cluster; `line` says which line each is on.
-static void count_lines(const lac_clusters *c, const uint32_t *line, uint32_t *seen, size_t lines,
-                        const uint32_t *order, uint32_t *extent)
+static void count_lines(const lac_clusters *c, const uint32_t *line, uint32_t *observation,
+                        size_t lines, const uint32_t *order, uint32_t *extent)
 {
-    memset(seen, 0xff, lines * sizeof *seen);
+    memset(observation, 0xff, lines * sizeof *observation);
     for (size_t k = 0, j = 0; k < c->n; k++) {
         extent[k] = 0;
         for (size_t end = j + c->size[k]; j < end; j++) {
-            extent[k] += seen[line[order[j]]] != k;
-            seen[line[order[j]]] = (uint32_t)k;
+            extent[k] += observation[line[order[j]]] != k;
+            observation[line[order[j]]] = (uint32_t)k;
         }
     }
 }
@@ -106,19 +106,19 @@ static void group(const lac_clusters *c, uint32_t *next, uint32_t *order)
 
 // Columns and rows of each cluster. Scratch: `seen` has one entry per column or row, line and order
 // one per cell of the domain.
-static void measure(const lac_domain *domain, lac_clusters *c, uint32_t *seen, uint32_t *line,
-                    uint32_t *order)
+static void measure(const lac_domain *domain, lac_clusters *c, uint32_t *observation,
+                    uint32_t *line, uint32_t *order)
 {
     const lac_grid *grid = &domain->grid;
     group(c, line, order);
     for (size_t i = 0; i < c->cells; i++) {
         line[i] = domain->index[i] % (uint32_t)grid->nx;
     }
-    count_lines(c, line, seen, grid->nx, order, c->width);
+    count_lines(c, line, observation, grid->nx, order, c->width);
     for (size_t i = 0; i < c->cells; i++) {
         line[i] = domain->index[i] / (uint32_t)grid->nx;
     }
-    count_lines(c, line, seen, grid->ny, order, c->depth);
+    count_lines(c, line, observation, grid->ny, order, c->depth);
 }
 
 static lac_status allocate(lac_clusters *c, size_t n, lac_error *err)

@@ -165,7 +165,7 @@ out:
 }
 
 lac_status lac_dimension_solve(const lac_contact_def *def, double dimension, double *pressure,
-                               double *gap, lac_contact_report *report, lac_error *err)
+                               double *gap, lac_contact_stats *report, lac_error *err)
 {
     search s = {.def = *def, .target = dimension, .pressure = pressure, .best = {.dimension = -9}};
     probe low;

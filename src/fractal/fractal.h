@@ -50,7 +50,7 @@ lac_dyadic lac_dyadic_count(const lac_domain *domain);
 /// that of full contact: to 1e-4, or 0.02 where single cells jump further. The load of `def` does
 /// not count.
 lac_status lac_dimension_solve(const lac_contact_def *def, double dimension, double *pressure,
-                               double *gap, lac_contact_report *report, lac_error *err);
+                               double *gap, lac_contact_stats *report, lac_error *err);
 
 /// The clusters of a contact domain: cells that touch by a side or a corner belong together.
 /// Largest first; of equals the one whose first cell comes first in the domain. Immutable.
@@ -188,6 +188,6 @@ typedef struct lac_size_exponent {
 } lac_size_exponent;
 
 /// The index-th published exponent, NULL past the end; cases/data/size_effect.csv.
-const lac_size_exponent *lac_size_exponent_at(size_t index);
+const lac_size_exponent *lac_size_exponent_get(size_t index);
 
 #endif

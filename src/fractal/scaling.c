@@ -178,7 +178,7 @@ static lac_status solve(const lac_contact_def *fine, size_t m, lac_coarsening ho
                         double *pressure, lac_resolution *at, lac_error *err)
 {
     lac_contact_def def = *fine;
-    lac_contact_report report;
+    lac_contact_stats report;
     def.grid.nx /= m;
     def.grid.ny /= m;
     def.grid.dx *= (double)m;

@@ -63,7 +63,7 @@ static const lac_size_exponent table[] = {
     {"shear strength", 0.28, 0.44, 0.05, 0.4, false, "Barton-Bandis scaling, JRC 15"},
 };
 
-const lac_size_exponent *lac_size_exponent_at(size_t index)
+const lac_size_exponent *lac_size_exponent_get(size_t index)
 {
     return index < sizeof table / sizeof table[0] ? &table[index] : NULL;
 }

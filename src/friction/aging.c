@@ -70,12 +70,12 @@ static const lac_friction_lone lone = {.change = change, .step = step};
 static const lac_param params[] = {LAC_FRICTION_COMMON_ROWS};
 
 const lac_friction_law lac_friction_aging = {
-    .about = LAC_ABOUT(
+    .info = LAC_ABOUT(
         "aging", "state grows with time at rest: dtheta/dt = 1 - v theta/dc",
         "Dieterich (1979) J. Geophys. Res. 84, 2161, doi 10.1029/JB084iB05p02161; Ruina (1983) J. "
         "Geophys. Res. 88, 10359, doi 10.1029/JB088iB12p10359; regularised: " LAC_RICE_BEN_ZION
         "; " LAC_LAPUSTA,
-        LAC_ROWS(params, lac_friction_params), .fault = lac_law_fault),
+        LAC_ROWS(params, lac_friction_params), .validate = lac_law_validate),
     .evolve = evolve,
     .steady_state = lac_law_steady_renewal,
     .lone = &lone,

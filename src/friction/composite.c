@@ -72,12 +72,12 @@ static const lac_param params[] = {
 };
 
 const lac_friction_law lac_friction_composite = {
-    .about = LAC_ABOUT("composite",
-                       "heals with time below vc, else only with slip: dtheta/dt = exp(-v/vc) - (v "
-                       "theta/dc) ln(v theta/dc)",
-                       "Kato & Tullis (2001) Geophys. Res. Lett. 28, 1103, doi "
-                       "10.1029/2000GL012060; regularised: " LAC_RICE_BEN_ZION,
-                       LAC_ROWS(params, composite_params), .fault = lac_law_fault),
+    .info = LAC_ABOUT("composite",
+                      "heals with time below vc, else only with slip: dtheta/dt = exp(-v/vc) - (v "
+                      "theta/dc) ln(v theta/dc)",
+                      "Kato & Tullis (2001) Geophys. Res. Lett. 28, 1103, doi "
+                      "10.1029/2000GL012060; regularised: " LAC_RICE_BEN_ZION,
+                      LAC_ROWS(params, composite_params), .validate = lac_law_validate),
     .evolve = evolve,
     .steady_state = steady_state,
 };

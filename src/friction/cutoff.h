@@ -57,8 +57,8 @@ double lac_form_plain_of(const lac_friction *friction, size_t cell, double f);
 /// @param v       [n] v of those that settled
 /// @param settled [n] 1 where u and v are the root's; 0: nothing is known
 /// @return how many did not settle
-size_t lac_friction_settle(const lac_friction *friction, const lac_friction_balance *eq, double *u,
-                           double *v, double *settled);
+size_t lac_friction_solve_rates(const lac_friction *friction, const lac_friction_balance *eq,
+                                double *u, double *v, double *settled);
 
 /// How many of the u are no place to begin: 0, beyond the bounds, NaN.
 size_t lac_friction_count_cold(size_t n, const double *u);

@@ -13,21 +13,21 @@
 #include "friction/cutoff.h"
 #include "friction/law.h"
 
-static size_t count_columns(const lac_descriptor *about)
+static size_t count_columns(const lac_model_info *info)
 {
     size_t count = 0;
-    for (size_t i = 0; i < about->param_count; i++) {
-        count += (about->params[i].flags & LAC_CELLWISE) != 0;
+    for (size_t i = 0; i < info->param_count; i++) {
+        count += (info->params[i].flags & LAC_CELLWISE) != 0;
     }
     return count;
 }
 
 // The cell-wise parameter of that name and its column; NULL where there is none.
-static const lac_param *find_column(const lac_descriptor *about, const char *key, size_t *column)
+static const lac_param *find_column(const lac_model_info *info, const char *key, size_t *column)
 {
     *column = 0;
-    for (size_t i = 0; i < about->param_count; i++) {
-        const lac_param *param = &about->params[i];
+    for (size_t i = 0; i < info->param_count; i++) {
+        const lac_param *param = &info->params[i];
         if ((param->flags & LAC_CELLWISE) == 0) {
             continue;
         }
@@ -161,23 +161,23 @@ static lac_status fill_column(const lac_friction *friction, lac_cellwise *column
     return status;
 }
 
-static lac_status fill_from_slot(lac_friction *friction, const lac_slot *slot, lac_error *err)
+static lac_status fill_from_slot(lac_friction *friction, const lac_model *model, lac_error *err)
 {
     size_t column = 0;
-    for (size_t i = 0; i < slot->about->param_count; i++) {
-        const lac_param *param = &slot->about->params[i];
+    for (size_t i = 0; i < model->info->param_count; i++) {
+        const lac_param *param = &model->info->params[i];
         if ((param->flags & LAC_CELLWISE) == 0) {
             continue;
         }
         size_t at = column++;
         double value;
         char why[128];
-        memcpy(&value, (const char *)slot->params + param->offset, sizeof value);
+        memcpy(&value, (const char *)model->params + param->offset, sizeof value);
         if (isnan(value) && (param->flags & LAC_OPTIONAL) != 0) {
             continue;
         }
         if (!lac_param_allows(param, value, why, sizeof why)) {
-            return lac_fail(err, LAC_EINPUT, "%s.%s: %s", slot->about->name, param->key,
+            return lac_fail(err, LAC_EINPUT, "%s.%s: %s", model->info->name, param->key,
                             isnan(value) ? "must be given" : why);
         }
         lac_status status = fill_column(friction, &friction->column[at], value, err);
@@ -185,33 +185,33 @@ static lac_status fill_from_slot(lac_friction *friction, const lac_slot *slot, l
             return status;
         }
     }
-    const char *fault = slot->about->fault != NULL ? slot->about->fault(slot->params) : NULL;
-    return fault == NULL ? LAC_OK : lac_fail(err, LAC_EINPUT, "%s: %s", slot->about->name, fault);
+    const char *fault = model->info->validate != NULL ? model->info->validate(model->params) : NULL;
+    return fault == NULL ? LAC_OK : lac_fail(err, LAC_EINPUT, "%s: %s", model->info->name, fault);
 }
 
-lac_status lac_friction_create(const lac_slot *slot, size_t n, lac_friction **out, lac_error *err)
+lac_status lac_friction_create(const lac_model *model, size_t n, lac_friction **out, lac_error *err)
 {
     *out = NULL;
-    if (slot->about == NULL) {
+    if (model->info == NULL) {
         return lac_fail(err, LAC_EINPUT, "no friction law is chosen");
     }
-    const lac_friction_params *common = slot->params;
+    const lac_friction_params *common = model->params;
     if (n == 0) {
         return lac_fail(err, LAC_EINPUT, "friction needs at least one cell");
     }
     if (common->form != LAC_FORM_PLAIN && common->form != LAC_FORM_REGULARISED) {
         return lac_fail(err, LAC_EINPUT, "%s.form: must be plain or regularised",
-                        slot->about->name);
+                        model->info->name);
     }
     lac_friction *friction = calloc(1, sizeof *friction);
     if (friction == NULL) {
         return lac_fail_memory(err);
     }
     // The descriptor is the first member of the law's row.
-    friction->law = (const lac_friction_law *)(const void *)slot->about;
+    friction->law = (const lac_friction_law *)(const void *)model->info;
     friction->form = common->form;
     friction->n = n;
-    friction->columns = count_columns(slot->about);
+    friction->columns = count_columns(model->info);
 
     lac_status status;
     friction->column = calloc(friction->columns, sizeof *friction->column);
@@ -219,7 +219,7 @@ lac_status lac_friction_create(const lac_slot *slot, size_t n, lac_friction **ou
         status = lac_fail_memory(err);
         goto out;
     }
-    LAC_TRY(fill_from_slot(friction, slot, err));
+    LAC_TRY(fill_from_slot(friction, model, err));
     LAC_TRY(derive(friction, err));
     *out = friction;
     friction = NULL;
@@ -246,17 +246,17 @@ void lac_friction_free(lac_friction *friction)
 lac_status lac_friction_set(lac_friction *friction, const char *key, const double *values,
                             lac_error *err)
 {
-    const lac_descriptor *about = &friction->law->about;
+    const lac_model_info *info = &friction->law->info;
     size_t column;
-    const lac_param *param = find_column(about, key, &column);
+    const lac_param *param = find_column(info, key, &column);
     if (param == NULL) {
         return lac_fail(err, LAC_EINPUT, "%s has no parameter \"%s\" that may vary between cells",
-                        about->name, key);
+                        info->name, key);
     }
     for (size_t i = 0; i < friction->n; i++) {
         char why[128];
         if (!lac_param_allows(param, values[i], why, sizeof why)) {
-            return lac_fail(err, LAC_EINPUT, "%s.%s of cell %zu: %g %s", about->name, key, i,
+            return lac_fail(err, LAC_EINPUT, "%s.%s of cell %zu: %g %s", info->name, key, i,
                             values[i], why);
         }
     }
@@ -271,14 +271,14 @@ out:
 const lac_cellwise *lac_friction_values_of(const lac_friction *friction, const char *key)
 {
     size_t column;
-    const lac_param *param = find_column(&friction->law->about, key, &column);
+    const lac_param *param = find_column(&friction->law->info, key, &column);
     bool given = param != NULL && friction->column[column].value != NULL;
     return given ? &friction->column[column] : NULL;
 }
 
 static const char alpha_without_b[] = "alpha needs b > 0, through which the state acts on friction";
 
-const char *lac_law_fault(const void *params)
+const char *lac_law_validate(const void *params)
 {
     const lac_friction_params *p = params;
     return p->alpha > 0 && !(p->b > 0) ? alpha_without_b : NULL;
@@ -292,7 +292,7 @@ lac_status lac_friction_check(const lac_friction *friction, lac_error *err)
                b = lac_cellwise_of(&column[LAC_B], i);
         if (alpha > 0 && !(b > 0)) {
             return lac_fail(err, LAC_EINPUT, "%s: cell %zu has alpha = %g and b = %g: %s",
-                            friction->law->about.name, i, alpha, b, alpha_without_b);
+                            friction->law->info.name, i, alpha, b, alpha_without_b);
         }
     }
     return LAC_OK;

@@ -104,7 +104,7 @@ typedef struct lac_friction_lone {
 
 /// A friction law: how the state evolves. The strength is one of the forms.
 typedef struct lac_friction_law {
-    lac_descriptor about;
+    lac_model_info info;
     /// g = dw/dt of the cells at constant normal stress, and its derivatives.
     /// @param g         [n]; overwritten
     /// @param g_u, g_w  [n]; overwritten, or NULL where not wanted (both)
@@ -117,14 +117,15 @@ typedef struct lac_friction_law {
 } lac_friction_law;
 
 /// The index-th law in the registry, NULL past the end.
-const lac_friction_law *lac_friction_law_at(size_t index);
+const lac_friction_law *lac_friction_law_get(size_t index);
 
 /// The index-th thing that any law can have besides (cut-off ...), with those of the common
 /// parameters that say so; NULL past the end.
-const lac_descriptor *lac_friction_option_at(size_t index);
+const lac_model_info *lac_friction_option_get(size_t index);
 
-/// Cells that all have the parameters of the slot.
-lac_status lac_friction_create(const lac_slot *slot, size_t n, lac_friction **out, lac_error *err);
+/// Cells that all have the parameters of the model.
+lac_status lac_friction_create(const lac_model *model, size_t n, lac_friction **out,
+                               lac_error *err);
 
 void lac_friction_free(lac_friction *friction);
 

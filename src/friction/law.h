@@ -12,7 +12,7 @@ extern const lac_friction_law lac_friction_aging, lac_friction_slip, lac_frictio
 double lac_law_steady_renewal(const lac_friction *friction, size_t cell, double u);
 
 /// What is wrong with the common parameters taken together; NULL where nothing is.
-const char *lac_law_fault(const void *params);
+const char *lac_law_validate(const void *params);
 
 /// Names of lac_friction_form, in its order.
 extern const char *const lac_friction_form_names[];

@@ -7,7 +7,7 @@ static const lac_param rows[] = {LAC_FRICTION_COMMON_ROWS};
 
 enum { FORM = 5, V1, V2, ALPHA }; // their places in the rows
 
-static const lac_descriptor options[] = {
+static const lac_model_info options[] = {
     {.name = "regularised",
      .summary = "strength a asinh(...) that vanishes at rest and lets slip reverse, instead of the "
                 "plain logarithm: form",
@@ -30,4 +30,4 @@ static const lac_descriptor options[] = {
      .param_count = 1},
 };
 
-LAC_ROWS_AT(lac_descriptor, lac_friction_option_at, options)
+LAC_ROWS_AT(lac_model_info, lac_friction_option_get, options)

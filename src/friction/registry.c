@@ -10,4 +10,4 @@ static const lac_friction_law *const laws[] = {
     &lac_friction_composite,
 };
 
-LAC_KINDS_AT(lac_friction_law, lac_friction_law_at, laws)
+LAC_KINDS_AT(lac_friction_law, lac_friction_law_get, laws)

@@ -45,11 +45,11 @@ static const lac_friction_lone lone = {.change = change, .step = step};
 static const lac_param params[] = {LAC_FRICTION_COMMON_ROWS};
 
 const lac_friction_law lac_friction_slip = {
-    .about =
+    .info =
         LAC_ABOUT("slip", "state changes only with slip: dtheta/dt = -(v theta/dc) ln(v theta/dc)",
                   "Ruina (1983) J. Geophys. Res. 88, 10359, doi 10.1029/JB088iB12p10359; "
                   "regularised: " LAC_RICE_BEN_ZION "; " LAC_LAPUSTA,
-                  LAC_ROWS(params, lac_friction_params), .fault = lac_law_fault),
+                  LAC_ROWS(params, lac_friction_params), .validate = lac_law_validate),
     .evolve = evolve,
     .steady_state = lac_law_steady_renewal,
     .lone = &lone,

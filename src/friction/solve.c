@@ -133,7 +133,7 @@ void lac_friction_rates(const lac_friction *friction, const lac_friction_balance
     }
     if (!lac_cutoff_any(friction)) {
         double settled[LAC_FRICTION_BLOCK];
-        if (lac_friction_settle(friction, eq, u, v, settled) > 0) {
+        if (lac_friction_solve_rates(friction, eq, u, v, settled) > 0) {
             search_rest(friction, eq, settled, u, v);
         }
         return;

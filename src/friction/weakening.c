@@ -23,11 +23,11 @@ static void evolve(const lac_friction *friction, const lac_friction_cells *cells
 static const lac_param params[] = {LAC_FRICTION_COMMON_ROWS};
 
 const lac_friction_law lac_friction_weakening = {
-    .about = LAC_ABOUT("weakening",
-                       "as slip where v theta > dc, and no change where not: strength that slip "
-                       "takes never comes back",
-                       "docs/theory/bridge.md", LAC_ROWS(params, lac_friction_params),
-                       .fault = lac_law_fault),
+    .info = LAC_ABOUT("weakening",
+                      "as slip where v theta > dc, and no change where not: strength that slip "
+                      "takes never comes back",
+                      "docs/theory/bridge.md", LAC_ROWS(params, lac_friction_params),
+                      .validate = lac_law_validate),
     .evolve = evolve,
     .steady_state = lac_law_steady_renewal,
 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Stress from slip over all levels of blocks: means on the way up, forces on the way down.
 #include "base/clones.h"
-#include "base/parts.h"
+#include "base/parallel_for.h"
 #include "hierarchy/blocks.h"
 
 // One pass over a partition.
@@ -71,7 +71,7 @@ LAC_CLONES static void lac_apply_take_means(void *context, size_t part, size_t f
 static void take_means(const lac_partition *part, double *mean)
 {
     pass p = {.part = part, .out = mean};
-    (void)lac_parts_run(part->count, lac_apply_take_means, &p);
+    (void)lac_parallel_for(part->count, lac_apply_take_means, &p);
 }
 
 void lac_hierarchy_apply(const lac_hierarchy *h, const double *k, const double *x, double *y,
@@ -88,7 +88,7 @@ void lac_hierarchy_apply(const lac_hierarchy *h, const double *k, const double *
     const double *below = x;
     for (size_t j = 0; j < root; j++) {
         pass p = {.part = &part[j], .x = below, .out = mean};
-        (void)lac_parts_run(part[j + 1].count, lac_apply_sum_children, &p);
+        (void)lac_parallel_for(part[j + 1].count, lac_apply_sum_children, &p);
         below = mean;
         mean += part[j + 1].count;
     }
@@ -102,8 +102,8 @@ void lac_hierarchy_apply(const lac_hierarchy *h, const double *k, const double *
         force -= part[j].count;
         take_means(&part[j], mean);
         pass p = {&part[j], k[part[j].level], mean, mean_b, force_b, force};
-        (void)lac_parts_run(part[j].count, lac_apply_pass_down, &p);
+        (void)lac_parallel_for(part[j].count, lac_apply_pass_down, &p);
     }
     pass p = {&part[0], k[part[0].level], x, mean, force, y};
-    (void)lac_parts_run(part[0].count, lac_apply_pass_down, &p);
+    (void)lac_parallel_for(part[0].count, lac_apply_pass_down, &p);
 }

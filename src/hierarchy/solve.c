@@ -3,7 +3,7 @@
 #include <float.h>
 
 #include "base/clones.h"
-#include "base/parts.h"
+#include "base/parallel_for.h"
 #include "hierarchy/blocks.h"
 
 // The elimination of docs/theory/transfer.md, equations 5 to 8. A block stands for its cells as
@@ -166,12 +166,12 @@ static bool eliminate(const lac_partition *fine, double k, const double *t, cons
                       double *g, double *w, double *t_b, double *y_b)
 {
     pass p = {.part = fine, .k = k, .g = g, .w = w, .t = t, .y = y, .t_b = t_b, .y_b = y_b};
-    size_t parts = lac_parts_run(fine->count, lac_solve_invert_pivots, &p);
+    size_t parts = lac_parallel_for(fine->count, lac_solve_invert_pivots, &p);
     uint32_t bad = 0;
     for (size_t i = 0; i < parts; i++) {
         bad += p.bad[i];
     }
-    (void)lac_parts_run(fine[1].count, lac_solve_average, &p);
+    (void)lac_parallel_for(fine[1].count, lac_solve_average, &p);
     return bad == adopt_singles(fine, t, y, g, t_b, y_b);
 }
 
@@ -179,7 +179,7 @@ static bool eliminate(const lac_partition *fine, double k, const double *t, cons
 static void offer(const lac_partition *part, double k, const double *m, const double *mu, double *b)
 {
     pass p = {.part = part, .k = k, .t = m, .y = mu, .out = b};
-    (void)lac_parts_run(part->count, lac_solve_offer, &p);
+    (void)lac_parallel_for(part->count, lac_solve_offer, &p);
 }
 
 size_t lac_hierarchy_work(const lac_hierarchy *h) { return h->cells + 4 * h->blocks; }
@@ -224,14 +224,14 @@ bool lac_hierarchy_solve(const lac_hierarchy *h, const double *k, double k_mean,
                   .b = w,
                   .t_b = t - count,
                   .y_b = r - count};
-        (void)lac_parts_run(count, lac_solve_pass_down, &p);
+        (void)lac_parallel_for(count, lac_solve_pass_down, &p);
         copy_to_singles(&part[j], t, p.t_b);
         copy_to_singles(&part[j], r, p.y_b);
         t -= count, r -= count;
     }
     offer(&part[1], k[part[0].level], t, r, w);
     pass p = {.part = &part[0], .g = g_cell, .b = w, .y = y, .out = x};
-    (void)lac_parts_run(part[0].count, lac_solve_finish, &p);
+    (void)lac_parallel_for(part[0].count, lac_solve_finish, &p);
     copy_to_singles(&part[0], t, x);
     return true;
 }

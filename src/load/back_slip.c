@@ -20,11 +20,11 @@ static const lac_param params[] = {
 };
 
 const lac_load_kind lac_shear_back_slip = {
-    .about = LAC_ABOUT("back-slip",
-                       "the rock around the interface slips at a constant rate: the transfer acts "
-                       "on the slip that lags behind",
-                       "Savage (1983) J. Geophys. Res. 88, 4984, doi 10.1029/JB088iB06p04984",
-                       LAC_ROWS(params, back_slip_params)),
+    .info = LAC_ABOUT("back-slip",
+                      "the rock around the interface slips at a constant rate: the transfer acts "
+                      "on the slip that lags behind",
+                      "Savage (1983) J. Geophys. Res. 88, 4984, doi 10.1029/JB088iB06p04984",
+                      LAC_ROWS(params, back_slip_params)),
     .needs_anchor = true,
     .add = add,
 };

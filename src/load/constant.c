@@ -43,10 +43,10 @@ static const lac_param ratio_rows[] = {
 };
 
 const lac_load_kind lac_shear_ratio = {
-    .about = LAC_ABOUT("ratio", "constant shear force, as a fraction of the total normal force",
-                       "Borri-Brunetto, Carpinteri & Chiaia (2004) Rock Mech. Rock Eng. 37, 117; "
-                       "docs/theory/loads.md, \"Shear loads\"",
-                       LAC_ROWS(ratio_rows, ratio_params)),
+    .info = LAC_ABOUT("ratio", "constant shear force, as a fraction of the total normal force",
+                      "Borri-Brunetto, Carpinteri & Chiaia (2004) Rock Mech. Rock Eng. 37, 117; "
+                      "docs/theory/loads.md, \"Shear loads\"",
+                      LAC_ROWS(ratio_rows, ratio_params)),
     .fixes_shear = true,
     .linear = true,
     .constant = true,
@@ -59,9 +59,9 @@ static const lac_param slope_rows[] = {
 };
 
 const lac_load_kind lac_shear_slope = {
-    .about = LAC_ABOUT("slope", "pull of gravity along an infinite slope: Q/P = tan(angle)",
-                       "Skempton & DeLory (1957) Proc. 4th Int. Conf. Soil Mech. 2, 378",
-                       LAC_ROWS(slope_rows, slope_params)),
+    .info = LAC_ABOUT("slope", "pull of gravity along an infinite slope: Q/P = tan(angle)",
+                      "Skempton & DeLory (1957) Proc. 4th Int. Conf. Soil Mech. 2, 378",
+                      LAC_ROWS(slope_rows, slope_params)),
     .fixes_shear = true,
     .linear = true,
     .constant = true,
@@ -73,10 +73,10 @@ static const lac_param pore_rows[] = {
 };
 
 const lac_load_kind lac_pore_constant = {
-    .about = LAC_ABOUT("constant", "pore pressure that does not change",
-                       "Hubbert & Rubey (1959) Geol. Soc. Am. Bull. 70, 115, doi "
-                       "10.1130/0016-7606(1959)70[115:ROFPIM]2.0.CO;2 (effective stress)",
-                       LAC_ROWS(pore_rows, lac_load_value)),
+    .info = LAC_ABOUT("constant", "pore pressure that does not change",
+                      "Hubbert & Rubey (1959) Geol. Soc. Am. Bull. 70, 115, doi "
+                      "10.1130/0016-7606(1959)70[115:ROFPIM]2.0.CO;2 (effective stress)",
+                      LAC_ROWS(pore_rows, lac_load_value)),
     .linear = true,
     .constant = true,
     .signal = pore,

@@ -11,9 +11,9 @@
 const char *const lac_share_names[] = {"pressure", "equal", "elastic", NULL};
 
 // The descriptor is the first member of the kind's row.
-static const lac_load_kind *kind_of(const lac_slot *slot)
+static const lac_load_kind *kind_of(const lac_model *model)
 {
-    return (const lac_load_kind *)(const void *)slot->about;
+    return (const lac_load_kind *)(const void *)model->info;
 }
 
 // Adds shear stress over the nominal area [Pa], [Pa/s], to what the load is shared as. A spring's
@@ -86,13 +86,13 @@ double lac_window_break(double start, double end, double t)
     return end <= start ? INFINITY : next;
 }
 
-lac_share lac_load_slot_share(const lac_slot *slot)
+lac_share lac_load_models_share(const lac_model *model)
 {
-    for (size_t i = 0; i < slot->about->param_count; i++) {
-        const lac_param *param = &slot->about->params[i];
+    for (size_t i = 0; i < model->info->param_count; i++) {
+        const lac_param *param = &model->info->params[i];
         if (param->choices == lac_share_names) {
             int share;
-            memcpy(&share, (const char *)slot->params + param->offset, sizeof share);
+            memcpy(&share, (const char *)model->params + param->offset, sizeof share);
             return (lac_share)share;
         }
     }
@@ -116,37 +116,38 @@ double lac_load_shear(const lac_load_state *state, double pressure)
 }
 
 // Whether all loads are constant in time, or any reads a file.
-static bool all_constant(const lac_slot *slots, size_t count)
+static bool all_constant(const lac_model *models, size_t count)
 {
     bool constant = true;
     for (size_t i = 0; i < count; i++) {
-        constant = constant && kind_of(&slots[i])->constant;
+        constant = constant && kind_of(&models[i])->constant;
     }
     return constant;
 }
 
-static bool any_reads(const lac_slot *slots, size_t count)
+static bool any_reads(const lac_model *models, size_t count)
 {
     bool reads = false;
     for (size_t i = 0; i < count; i++) {
-        reads = reads || kind_of(&slots[i])->prepare != NULL;
+        reads = reads || kind_of(&models[i])->prepare != NULL;
     }
     return reads;
 }
 
-bool lac_load_slots_need_files(const lac_load_slots *slots)
+bool lac_load_models_need_files(const lac_load_models *models)
 {
-    return any_reads(slots->shear, slots->shear_count) || any_reads(slots->pore, slots->pore_count);
+    return any_reads(models->shear, models->shear_count) ||
+           any_reads(models->pore, models->pore_count);
 }
 
-bool lac_load_slots_constant(const lac_load_slots *slots)
+bool lac_load_models_constant(const lac_load_models *models)
 {
-    return all_constant(slots->shear, slots->shear_count) &&
-           all_constant(slots->pore, slots->pore_count);
+    return all_constant(models->shear, models->shear_count) &&
+           all_constant(models->pore, models->pore_count);
 }
 
 // Makes the loads of one list ready, up to the first that cannot be.
-static lac_status prepare_all(const lac_slot *slots, size_t count, const char *list,
+static lac_status prepare_all(const lac_model *models, size_t count, const char *list,
                               const lac_load_clock *clock, lac_load **out, size_t *ready,
                               lac_error *err)
 {
@@ -159,14 +160,14 @@ static lac_status prepare_all(const lac_slot *slots, size_t count, const char *l
     }
     for (size_t i = 0; i < count; i++) {
         lac_load *load = &(*out)[i];
-        load->kind = kind_of(&slots[i]);
-        load->params = slots[i].params;
-        load->share = lac_load_slot_share(&slots[i]);
+        load->kind = kind_of(&models[i]);
+        load->params = models[i].params;
+        load->share = lac_load_models_share(&models[i]);
         lac_status status = load->kind->prepare == NULL
                                 ? LAC_OK
                                 : load->kind->prepare(load->params, clock, &load->state, err);
         if (status != LAC_OK) {
-            return lac_fail_within(err, status, "%s.%zu.%s", list, i, load->kind->about.name);
+            return lac_fail_within(err, status, "%s.%zu.%s", list, i, load->kind->info.name);
         }
         (*ready)++;
     }
@@ -183,14 +184,14 @@ static void release_all(lac_load *loads, size_t count)
     free(loads);
 }
 
-lac_status lac_load_set_create(const lac_load_slots *slots, const lac_load_clock *clock,
+lac_status lac_load_set_create(const lac_load_models *models, const lac_load_clock *clock,
                                lac_load_set *set, lac_error *err)
 {
     lac_status status = LAC_OK;
     *set = (lac_load_set){0};
-    LAC_TRY(prepare_all(slots->shear, slots->shear_count, "load.shear", clock, &set->shear,
+    LAC_TRY(prepare_all(models->shear, models->shear_count, "load.shear", clock, &set->shear,
                         &set->shear_count, err));
-    LAC_TRY(prepare_all(slots->pore, slots->pore_count, "load.pore_pressure", clock, &set->pore,
+    LAC_TRY(prepare_all(models->pore, models->pore_count, "load.pore_pressure", clock, &set->pore,
                         &set->pore_count, err));
     return LAC_OK;
 out:

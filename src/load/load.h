@@ -30,7 +30,7 @@ typedef struct lac_load_state {
 /// Normal load: the total mean pressure on the interface, constant in time; or, in statics, how
 /// near the faces are, or how densely they touch.
 typedef struct lac_normal_load {
-    lac_descriptor about;
+    lac_model_info info;
     bool needs_density;
     /// @param density  of the rock [kg/m3]; NaN where the case names none
     /// @return mean normal stress over the nominal area [Pa]; NaN where it follows from the contact
@@ -51,7 +51,7 @@ struct lac_load_kind;
 /// A load made ready: its row, its parameters and what was prepared from them.
 typedef struct lac_load {
     const struct lac_load_kind *kind;
-    const void *params; ///< borrowed from the slot
+    const void *params; ///< borrowed from the model
     lac_share share;    ///< of a force; LAC_SHARE_PRESSURE where the load has no such key
     void *state;        ///< what `prepare` made; NULL
 } lac_load;
@@ -77,7 +77,7 @@ typedef struct lac_load_clock {
 
 /// A shear load or a pore-pressure load: adds its part to the sum.
 typedef struct lac_load_kind {
-    lac_descriptor about;
+    lac_model_info info;
     bool fixes_shear;  ///< gives Q outright (ratio, slope): excluded where `initial` fixes Q
     bool needs_anchor; ///< acts through a transfer that holds uniform slip
     bool linear;       ///< linear in time between its breaks
@@ -111,22 +111,22 @@ typedef struct lac_load_set {
 } lac_load_set;
 
 /// The loads that a case names.
-typedef struct lac_load_slots {
-    const lac_slot *shear; ///< [shear_count] of lac_load_kind
+typedef struct lac_load_models {
+    const lac_model *shear; ///< [shear_count] of lac_load_kind
     size_t shear_count;
-    const lac_slot *pore; ///< [pore_count]
+    const lac_model *pore; ///< [pore_count]
     size_t pore_count;
-} lac_load_slots;
+} lac_load_models;
 
 /// Makes loads ready: reads the files that they name.
-/// @param slots  must outlive the set
+/// @param models  must outlive the set
 /// @return LAC_EINPUT (data that do not fit the run ...) or LAC_EIO with the load: "load.shear.0:
 /// ..."
-lac_status lac_load_set_create(const lac_load_slots *slots, const lac_load_clock *clock,
+lac_status lac_load_set_create(const lac_load_models *models, const lac_load_clock *clock,
                                lac_load_set *set, lac_error *err);
 
 /// How the force of a load that a case names is shared by the cells.
-lac_share lac_load_slot_share(const lac_slot *slot);
+lac_share lac_load_models_share(const lac_model *model);
 
 /// Whether a load of the set is shared as C^-1 1, so that it needs `shape`.
 bool lac_load_set_is_shaped(const lac_load_set *set);
@@ -137,15 +137,15 @@ double lac_load_shear(const lac_load_state *state, double pressure);
 void lac_load_set_clear(lac_load_set *set);
 
 /// Whether all of these loads are constant in time.
-bool lac_load_slots_constant(const lac_load_slots *slots);
+bool lac_load_models_constant(const lac_load_models *models);
 
 /// Whether any of these loads reads a file.
-bool lac_load_slots_need_files(const lac_load_slots *slots);
+bool lac_load_models_need_files(const lac_load_models *models);
 
 /// The index-th row of each registry, NULL past the end.
-const lac_normal_load *lac_normal_load_at(size_t index);
-const lac_load_kind *lac_shear_load_at(size_t index);
-const lac_load_kind *lac_pore_load_at(size_t index);
+const lac_normal_load *lac_normal_load_get(size_t index);
+const lac_load_kind *lac_shear_load_get(size_t index);
+const lac_load_kind *lac_pore_load_get(size_t index);
 
 /// All loads at time t.
 void lac_load_evaluate(const lac_load_set *set, double t, lac_load_state *sum);

@@ -43,9 +43,9 @@ static const lac_param pressure_rows[] = {
 };
 
 const lac_normal_load lac_normal_pressure = {
-    .about = LAC_ABOUT("pressure", "normal stress given outright",
-                       "docs/theory/loads.md, \"Normal loads\"",
-                       LAC_ROWS(pressure_rows, lac_load_value)),
+    .info = LAC_ABOUT("pressure", "normal stress given outright",
+                      "docs/theory/loads.md, \"Normal loads\"",
+                      LAC_ROWS(pressure_rows, lac_load_value)),
     .pressure = given,
 };
 
@@ -55,7 +55,7 @@ static const lac_param depth_rows[] = {
 };
 
 const lac_normal_load lac_normal_depth = {
-    .about =
+    .info =
         LAC_ABOUT("depth", "weight of the rock above a level interface: rho g z",
                   "docs/theory/loads.md, \"Normal loads\"", LAC_ROWS(depth_rows, lac_load_value)),
     .needs_density = true,
@@ -69,9 +69,9 @@ static const lac_param slope_rows[] = {
 };
 
 const lac_normal_load lac_normal_slope = {
-    .about = LAC_ABOUT("slope", "weight of an infinite slope on its base: rho g H cos^2(angle)",
-                       "Skempton & DeLory (1957) Proc. 4th Int. Conf. Soil Mech. 2, 378",
-                       LAC_ROWS(slope_rows, slope_params)),
+    .info = LAC_ABOUT("slope", "weight of an infinite slope on its base: rho g H cos^2(angle)",
+                      "Skempton & DeLory (1957) Proc. 4th Int. Conf. Soil Mech. 2, 378",
+                      LAC_ROWS(slope_rows, slope_params)),
     .needs_density = true,
     .pressure = slope_weight,
 };
@@ -83,9 +83,9 @@ static const lac_param approach_rows[] = {
 };
 
 const lac_normal_load lac_normal_approach = {
-    .about = LAC_ABOUT("approach", "faces brought so near, statics only: the load follows",
-                       "docs/theory/contact.md, \"Given approach\"",
-                       LAC_ROWS(approach_rows, lac_load_value)),
+    .info = LAC_ABOUT("approach", "faces brought so near, statics only: the load follows",
+                      "docs/theory/contact.md, \"Given approach\"",
+                      LAC_ROWS(approach_rows, lac_load_value)),
     .pressure = unknown,
     .approach = value_of,
 };
@@ -97,7 +97,7 @@ static const lac_param dimension_rows[] = {
 };
 
 const lac_normal_load lac_normal_dimension = {
-    .about = LAC_ABOUT(
+    .info = LAC_ABOUT(
         "dimension",
         "as much as gives the contact domain this dimension, statics only: the load follows",
         "docs/theory/fractal.md, \"Given dimension\"", LAC_ROWS(dimension_rows, lac_load_value)),

@@ -44,19 +44,19 @@ static const lac_param params[] = {
 };
 
 const lac_load_kind lac_shear_ramp = {
-    .about = LAC_ABOUT("ramp", "shear stress that changes at a constant rate between two times",
-                       "Dieterich (1994) J. Geophys. Res. 99, 2601, doi 10.1029/93JB02581 "
-                       "(constant stressing rate)",
-                       LAC_ROWS(params, ramp_params), .fault = fault),
+    .info = LAC_ABOUT("ramp", "shear stress that changes at a constant rate between two times",
+                      "Dieterich (1994) J. Geophys. Res. 99, 2601, doi 10.1029/93JB02581 "
+                      "(constant stressing rate)",
+                      LAC_ROWS(params, ramp_params), .validate = fault),
     .linear = true,
     .signal = ramp_at,
     .next_break = next_break,
 };
 
 const lac_load_kind lac_pore_ramp = {
-    .about = LAC_ABOUT("ramp", "pore pressure that changes at a constant rate between two times",
-                       "docs/theory/loads.md, \"Pore pressure\"",
-                       LAC_PORE_ROWS(params, ramp_params), .fault = fault),
+    .info = LAC_ABOUT("ramp", "pore pressure that changes at a constant rate between two times",
+                      "docs/theory/loads.md, \"Pore pressure\"", LAC_PORE_ROWS(params, ramp_params),
+                      .validate = fault),
     .linear = true,
     .signal = ramp_at,
     .next_break = next_break,

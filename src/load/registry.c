@@ -18,8 +18,8 @@ static const lac_load_kind *const pore[] = {
     &lac_pore_series,   &lac_pore_reservoir, &lac_pore_rain,
 };
 
-LAC_KINDS_AT(lac_normal_load, lac_normal_load_at, normal)
+LAC_KINDS_AT(lac_normal_load, lac_normal_load_get, normal)
 
-LAC_KINDS_AT(lac_load_kind, lac_shear_load_at, shear)
+LAC_KINDS_AT(lac_load_kind, lac_shear_load_get, shear)
 
-LAC_KINDS_AT(lac_load_kind, lac_pore_load_at, pore)
+LAC_KINDS_AT(lac_load_kind, lac_pore_load_get, pore)

@@ -166,9 +166,9 @@ static const lac_param params[] = {
 };
 
 const lac_load_kind lac_shear_series = {
-    .about = LAC_ABOUT("series", "shear stress read from a file: recorded shaking, tremor",
-                       "Steffen (1990) Astron. Astrophys. 239, 443 (smooth)",
-                       LAC_ROWS(params, series_params)),
+    .info = LAC_ABOUT("series", "shear stress read from a file: recorded shaking, tremor",
+                      "Steffen (1990) Astron. Astrophys. 239, 443 (smooth)",
+                      LAC_ROWS(params, series_params)),
     .prepare = prepare,
     .release = release,
     .signal = series_at,
@@ -177,9 +177,9 @@ const lac_load_kind lac_shear_series = {
 };
 
 const lac_load_kind lac_pore_series = {
-    .about = LAC_ABOUT("series", "pore pressure read from a file: a piezometer",
-                       "Steffen (1990) Astron. Astrophys. 239, 443 (smooth)",
-                       LAC_PORE_ROWS(params, series_params)),
+    .info = LAC_ABOUT("series", "pore pressure read from a file: a piezometer",
+                      "Steffen (1990) Astron. Astrophys. 239, 443 (smooth)",
+                      LAC_PORE_ROWS(params, series_params)),
     .prepare = prepare,
     .release = release,
     .signal = series_at,

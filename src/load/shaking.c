@@ -83,10 +83,9 @@ static const lac_param params[] = {
 };
 
 const lac_load_kind lac_shear_shaking = {
-    .about =
-        LAC_ABOUT("shaking", "ground that shakes as a sine under a rigid mass; records: series",
-                  "Newmark (1965) Geotechnique 15, 139, doi 10.1680/geot.1965.15.2.139",
-                  LAC_ROWS(params, shaking_params), .fault = fault),
+    .info = LAC_ABOUT("shaking", "ground that shakes as a sine under a rigid mass; records: series",
+                      "Newmark (1965) Geotechnique 15, 139, doi 10.1680/geot.1965.15.2.139",
+                      LAC_ROWS(params, shaking_params), .validate = fault),
     .signal = shaking_at,
     .next_break = next_break,
     .longest_step = longest_step,

@@ -56,20 +56,20 @@ static const lac_param params[] = {
 };
 
 const lac_load_kind lac_shear_sine = {
-    .about =
+    .info =
         LAC_ABOUT("sine", "shear stress that swings, as tides and machines make it",
                   "Beeler & Lockner (2003) J. Geophys. Res. 108, 2391, doi 10.1029/2001JB001518",
-                  LAC_ROWS(params, sine_params), .fault = fault),
+                  LAC_ROWS(params, sine_params), .validate = fault),
     .signal = sine_at,
     .next_break = next_break,
     .longest_step = longest_step,
 };
 
 const lac_load_kind lac_pore_sine = {
-    .about =
+    .info =
         LAC_ABOUT("sine", "pore pressure that swings, as the seasons make it",
                   "Perfettini et al. (2001) J. Geophys. Res. 106, 13455, doi 10.1029/2000JB900366",
-                  LAC_PORE_ROWS(params, sine_params), .fault = fault),
+                  LAC_PORE_ROWS(params, sine_params), .validate = fault),
     .signal = sine_at,
     .next_break = next_break,
     .longest_step = longest_step,

@@ -27,10 +27,9 @@ static const lac_param params[] = {
 };
 
 const lac_load_kind lac_shear_spring = {
-    .about =
-        LAC_ABOUT("spring", "a spring on the mean slip, its far end pulled at a constant speed",
-                  "Rice & Ruina (1983) J. Appl. Mech. 50, 343, doi 10.1115/1.3167042",
-                  LAC_ROWS(params, spring_params)),
+    .info = LAC_ABOUT("spring", "a spring on the mean slip, its far end pulled at a constant speed",
+                      "Rice & Ruina (1983) J. Appl. Mech. 50, 343, doi 10.1115/1.3167042",
+                      LAC_ROWS(params, spring_params)),
     .linear = true,
     .stiffness = stiffness,
     .add = add,

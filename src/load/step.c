@@ -41,19 +41,19 @@ static const lac_param params[] = {
 };
 
 const lac_load_kind lac_shear_step = {
-    .about =
+    .info =
         LAC_ABOUT("step", "shear stress that comes at a stated time, for good or for a while",
                   "Dieterich (1994) J. Geophys. Res. 99, 2601, doi 10.1029/93JB02581 (stress step)",
-                  LAC_ROWS(params, step_params), .fault = fault),
+                  LAC_ROWS(params, step_params), .validate = fault),
     .linear = true,
     .signal = step_at,
     .next_break = next_break,
 };
 
 const lac_load_kind lac_pore_step = {
-    .about = LAC_ABOUT("step", "pore pressure that comes at a stated time, for good or for a while",
-                       "docs/theory/loads.md, \"Triggering\"", LAC_PORE_ROWS(params, step_params),
-                       .fault = fault),
+    .info = LAC_ABOUT("step", "pore pressure that comes at a stated time, for good or for a while",
+                      "docs/theory/loads.md, \"Triggering\"", LAC_PORE_ROWS(params, step_params),
+                      .validate = fault),
     .linear = true,
     .signal = step_at,
     .next_break = next_break,

@@ -308,10 +308,10 @@ static const lac_param reservoir_rows[] = {
 };
 
 const lac_load_kind lac_pore_reservoir = {
-    .about = LAC_ABOUT("reservoir",
-                       "water of a lake, at once, with a lag, or diffusing through the rock",
-                       "Carslaw & Jaeger (1959) Conduction of Heat in Solids, 2.4 (diffusion)",
-                       LAC_ROWS(reservoir_rows, reservoir_params), .fault = fault),
+    .info = LAC_ABOUT("reservoir",
+                      "water of a lake, at once, with a lag, or diffusing through the rock",
+                      "Carslaw & Jaeger (1959) Conduction of Heat in Solids, 2.4 (diffusion)",
+                      LAC_ROWS(reservoir_rows, reservoir_params), .validate = fault),
     .prepare = fill_reservoir,
     .release = release,
     .signal = water_at,
@@ -340,8 +340,8 @@ static const lac_param rain_rows[] = {
 };
 
 const lac_load_kind lac_pore_rain = {
-    .about = LAC_ABOUT("rain", "water that rain brings and that drains in its own time",
-                       "docs/theory/loads.md, \"Pore pressure\"", LAC_ROWS(rain_rows, rain_params)),
+    .info = LAC_ABOUT("rain", "water that rain brings and that drains in its own time",
+                      "docs/theory/loads.md, \"Pore pressure\"", LAC_ROWS(rain_rows, rain_params)),
     .prepare = fill_rain,
     .release = release,
     .signal = water_at,

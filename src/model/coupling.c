@@ -39,8 +39,8 @@ static void take_off(size_t n, const double *shape, double scale, double *force)
     }
 }
 
-void lac_problem_couple(const lac_problem *problem, lac_far far, const double *x, double *force,
-                        double *work)
+void lac_problem_couple(const lac_problem *problem, lac_far_field far, const double *x,
+                        double *force, double *work)
 {
     problem->transfer.kind->apply(problem->transfer.state, x, force, work);
     if (problem->anchor != NULL && far.back != 0.0) {
@@ -74,5 +74,5 @@ const char *lac_problem_lost_transfer(const lac_problem *problem, const double *
         given += slip[i] * 0.0;
         found += ws.kv[i] * 0.0;
     }
-    return given == 0.0 && found != 0.0 ? transfer->kind->about.name : NULL;
+    return given == 0.0 && found != 0.0 ? transfer->kind->info.name : NULL;
 }

@@ -9,7 +9,7 @@ bool lac_problem_derivative(const lac_problem *problem, double t, const double *
                             double *work)
 {
     lac_workspace ws = lac_problem_split(problem, work);
-    lac_drive drive;
+    lac_problem_loads_at drive;
     return lac_problem_drive(problem, t, &drive) &&
            problem->kind->derivative(problem, &drive, y, ydot, &ws);
 }
@@ -18,7 +18,7 @@ bool lac_problem_newton(const lac_problem *problem, double t, const double *y, d
                         double *b, double *work)
 {
     lac_workspace ws = lac_problem_split(problem, work);
-    lac_drive drive;
+    lac_problem_loads_at drive;
     return lac_problem_drive(problem, t, &drive) &&
            problem->kind->newton(problem, &drive, y, gamma, b, &ws);
 }
@@ -59,7 +59,7 @@ double lac_problem_slip_tolerance(const lac_problem *problem, double rtol, doubl
 }
 
 // Stiffest of what holds a cell back [Pa/m].
-static double stiffest(const lac_problem *problem, const lac_drive *drive)
+static double stiffest(const lac_problem *problem, const lac_problem_loads_at *drive)
 {
     const size_t levels = 64; // more than any grid has
     const lac_transfer *transfer = &problem->transfer;

@@ -20,7 +20,7 @@ static lac_failure_start look_at_start(const lac_problem *problem)
                            .held =
                                problem->at_start.spring_stiffness > 0.0 || problem->anchor != NULL,
                            .length = problem->length};
-    lac_drive drive;
+    lac_problem_loads_at drive;
     (void)lac_problem_drive(problem, 0.0, &drive);
     for (size_t i = 0; i < problem->n; i++) {
         double p = problem->pressure[i] * drive.share * to_nominal;
@@ -59,7 +59,7 @@ lac_failure lac_problem_failure(const lac_problem *problem, double rate, double 
 
 // What all cells would be past the rate of failure if they slid as one: the load that they carry
 // against what would hold them then, in e-folds of that rate.
-static double past_as_one(const lac_problem *problem, const lac_drive *drive,
+static double past_as_one(const lac_problem *problem, const lac_problem_loads_at *drive,
                           const lac_motion *motion, const double *w, double rate)
 {
     const lac_friction *friction = problem->friction;

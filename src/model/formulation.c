@@ -65,7 +65,7 @@ void lac_problem_forget(const lac_problem *problem, double *work)
     }
 }
 
-size_t lac_block_friction(const lac_problem *problem, const lac_drive *drive,
+size_t lac_block_friction(const lac_problem *problem, const lac_problem_loads_at *drive,
                           const lac_motion *motion, const double *w, size_t first, lac_block *s,
                           lac_block_slopes *d)
 {
@@ -87,7 +87,7 @@ size_t lac_block_friction(const lac_problem *problem, const lac_drive *drive,
     return length;
 }
 
-double lac_problem_unbalanced(const lac_problem *problem, const lac_drive *drive,
+double lac_problem_unbalanced(const lac_problem *problem, const lac_problem_loads_at *drive,
                               const lac_motion *motion, const double *w, double *traction,
                               double *wdot)
 {
@@ -112,7 +112,7 @@ double lac_problem_unbalanced(const lac_problem *problem, const lac_drive *drive
     return total;
 }
 
-bool lac_problem_evolve(const lac_problem *problem, const lac_drive *drive,
+bool lac_problem_evolve(const lac_problem *problem, const lac_problem_loads_at *drive,
                         const lac_motion *motion, const double *w, double *wdot)
 {
     for (size_t first = 0; first < problem->n; first += LAC_FRICTION_BLOCK) {

@@ -85,8 +85,8 @@ static void turn_back(double slow, size_t n, const double *x, double *u, double 
     lac_vlog(n, u, u);
 }
 
-static lac_motion move(const lac_problem *problem, const lac_drive *drive, const double *y,
-                       const lac_workspace *ws, bool keep)
+static lac_motion move(const lac_problem *problem, const lac_problem_loads_at *drive,
+                       const double *y, const lac_workspace *ws, bool keep)
 {
     (void)drive;
     (void)keep;
@@ -114,14 +114,14 @@ static double slope(const lac_problem *problem, double v)
 // balance is rounding and taken for none: over a small mass it would be an acceleration without
 // bounds.
 // @param wdot  [n] d ln theta/dt; NULL where not wanted
-static double find_forces(const lac_problem *problem, const lac_drive *drive,
+static double find_forces(const lac_problem *problem, const lac_problem_loads_at *drive,
                           const lac_motion *motion, const double *y, double *wdot,
                           const lac_workspace *ws)
 {
     size_t n = problem->n;
     const double *slip = y + 2 * n;
     double total = 0.0;
-    lac_problem_pull(problem, drive, slip, ws->kv, ws->scratch);
+    lac_problem_elastic_traction(problem, drive, slip, ws->kv, ws->scratch);
     (void)lac_problem_unbalanced(problem, drive, motion, y + n, ws->kv, wdot);
     for (size_t i = 0; i < n; i++) {
         double size =
@@ -134,8 +134,8 @@ static double find_forces(const lac_problem *problem, const lac_drive *drive,
     return total / (double)n;
 }
 
-static bool derivative(const lac_problem *problem, const lac_drive *drive, const double *y,
-                       double *ydot, const lac_workspace *ws)
+static bool derivative(const lac_problem *problem, const lac_problem_loads_at *drive,
+                       const double *y, double *ydot, const lac_workspace *ws)
 {
     size_t n = problem->n;
     lac_motion motion = move(problem, drive, y, ws, true);
@@ -207,7 +207,7 @@ static bool solve(const lac_problem *problem, const lac_implicit *at, double *b,
     return lac_problem_solve_sharing(problem, mean, ws->diagonal, &on, b, ws->scratch);
 }
 
-static bool newton(const lac_problem *problem, const lac_drive *drive, const double *y,
+static bool newton(const lac_problem *problem, const lac_problem_loads_at *drive, const double *y,
                    double gamma, double *b, const lac_workspace *ws)
 {
     size_t n = problem->n;
@@ -241,8 +241,8 @@ void lac_inertia_weigh_slip(const lac_problem *problem, const double *slip, doub
     }
 }
 
-double lac_inertia_fastest(const lac_problem *problem, const lac_drive *drive, const double *y,
-                           const lac_workspace *ws)
+double lac_inertia_fastest(const lac_problem *problem, const lac_problem_loads_at *drive,
+                           const double *y, const lac_workspace *ws)
 {
     const double felt = 1e-3; // of an e-fold of v that balances
     double fastest = 0.0;
@@ -262,7 +262,7 @@ bool lac_problem_rests(const lac_problem *problem, double t, const double *y, si
 {
     const double nothing = 1e-25; // m/s
     lac_workspace ws = lac_problem_split(problem, work);
-    lac_drive drive;
+    lac_problem_loads_at drive;
     if (problem->mass == 0.0 || !lac_problem_drive(problem, t, &drive)) {
         return false;
     }

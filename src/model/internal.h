@@ -49,8 +49,8 @@ static inline bool lac_problem_feels_drag(const lac_problem *problem, double sha
 }
 
 // q - K slip of every cell, the springs' part included. @param scratch  of the transfer
-void lac_problem_pull(const lac_problem *problem, const lac_drive *drive, const double *slip,
-                      double *traction, double *scratch);
+void lac_problem_elastic_traction(const lac_problem *problem, const lac_problem_loads_at *drive,
+                                  const double *slip, double *traction, double *scratch);
 
 // The parts of lac_problem_work, [n] each but the last.
 typedef struct lac_workspace {
@@ -75,7 +75,7 @@ typedef struct lac_motion {
 // A state looked at. @param work  the rates are in its first n afterwards
 typedef struct lac_look {
     lac_workspace ws;
-    lac_drive drive;
+    lac_problem_loads_at drive;
     lac_motion motion;
 } lac_look;
 
@@ -107,13 +107,13 @@ typedef struct lac_formulation_kind {
     bool has_slip;       // slip is an unknown: x, or the third
     void (*start)(const lac_problem *problem, double *x);
     // Rates of all cells, in ws->v and ws->u or y. @param keep  the next solve begins from these
-    lac_motion (*move)(const lac_problem *problem, const lac_drive *drive, const double *y,
-                       const lac_workspace *ws, bool keep);
+    lac_motion (*move)(const lac_problem *problem, const lac_problem_loads_at *drive,
+                       const double *y, const lac_workspace *ws, bool keep);
     // dy/dt; false where it is not finite
-    bool (*derivative)(const lac_problem *problem, const lac_drive *drive, const double *y,
-                       double *ydot, const lac_workspace *ws);
+    bool (*derivative)(const lac_problem *problem, const lac_problem_loads_at *drive,
+                       const double *y, double *ydot, const lac_workspace *ws);
     // (1 - gamma J) x = b; false where the step is too long
-    bool (*newton)(const lac_problem *problem, const lac_drive *drive, const double *y,
+    bool (*newton)(const lac_problem *problem, const lac_problem_loads_at *drive, const double *y,
                    double gamma, double *b, const lac_workspace *ws);
     // Change of x that weighs as much as one e-fold of v; NULL: 1
     double (*scale)(const lac_problem *problem, size_t cell);
@@ -136,8 +136,8 @@ void lac_inertia_weigh_slip(const lac_problem *problem, const double *slip, doub
 
 // The fastest e-folding of v that forces out of balance bring about [1/s].
 // @param ws  u and v hold the motion
-double lac_inertia_fastest(const lac_problem *problem, const lac_drive *drive, const double *y,
-                           const lac_workspace *ws);
+double lac_inertia_fastest(const lac_problem *problem, const lac_problem_loads_at *drive,
+                           const double *y, const lac_workspace *ws);
 
 // What a force out of balance leaves beside the inertia of the cells that it accelerates: rounding.
 // @param force  [n] of every cell [Pa]; overwritten
@@ -145,7 +145,7 @@ void lac_inertia_unexplained(const lac_problem *problem, double *force);
 
 // force = traction - p f - damping of every cell: the traction is overwritten. Gives back the sum.
 // @param wdot  [n] d ln theta/dt; NULL where not wanted
-double lac_problem_unbalanced(const lac_problem *problem, const lac_drive *drive,
+double lac_problem_unbalanced(const lac_problem *problem, const lac_problem_loads_at *drive,
                               const lac_motion *motion, const double *w, double *traction,
                               double *wdot);
 
@@ -154,8 +154,8 @@ lac_status lac_problem_anchor(lac_problem *problem, lac_error *err);
 
 // force = K (x - back) - shape elastic: what a slip, or a rate, takes off each cell where the rock
 // around has gone `back` itself, less what comes from afar. @param work  of the transfer
-void lac_problem_couple(const lac_problem *problem, lac_far far, const double *x, double *force,
-                        double *work);
+void lac_problem_couple(const lac_problem *problem, lac_far_field far, const double *x,
+                        double *force, double *work);
 
 // Sum over the cells of K (slip - back): what the rock around holds [Pa].
 double lac_problem_held(const lac_problem *problem, double back, const double *slip);
@@ -212,7 +212,7 @@ lac_motion lac_problem_solve_rates(const lac_problem *problem, double share, con
                                    const double *w, const lac_workspace *ws, bool keep);
 
 // dw/dt of every cell; false where one is not finite.
-bool lac_problem_evolve(const lac_problem *problem, const lac_drive *drive,
+bool lac_problem_evolve(const lac_problem *problem, const lac_problem_loads_at *drive,
                         const lac_motion *motion, const double *w, double *wdot);
 
 // Scratch of one block of cells for the friction kernels, on the caller's stack.
@@ -238,13 +238,13 @@ static inline size_t lac_block_length(size_t n, size_t first)
 }
 
 // Friction of the block of cells from `first` on, in s and d; d may be NULL. Gives back how many.
-size_t lac_block_friction(const lac_problem *problem, const lac_drive *drive,
+size_t lac_block_friction(const lac_problem *problem, const lac_problem_loads_at *drive,
                           const lac_motion *motion, const double *w, size_t first, lac_block *s,
                           lac_block_slopes *d);
 
 // The state at which (1 - gamma J) is taken, for formulations that solve for v.
 typedef struct lac_implicit {
-    const lac_drive *drive;
+    const lac_problem_loads_at *drive;
     const lac_motion *motion;
     const double *w;
     double gamma;

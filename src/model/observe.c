@@ -29,8 +29,8 @@ void lac_problem_speed(const lac_problem *problem, double t, const double *y, do
     *max = lac_vmost(problem->n, motion.v);
 }
 
-void lac_problem_pull(const lac_problem *problem, const lac_drive *drive, const double *slip,
-                      double *traction, double *scratch)
+void lac_problem_elastic_traction(const lac_problem *problem, const lac_problem_loads_at *drive,
+                                  const double *slip, double *traction, double *scratch)
 {
     double mean = lac_vsum(problem->n, slip) / (double)problem->n;
     double common = drive->spring - drive->spring_stiffness * mean;
@@ -44,16 +44,17 @@ void lac_problem_pull(const lac_problem *problem, const lac_drive *drive, const 
 void lac_problem_traction(const lac_problem *problem, double t, const double *slip,
                           double *traction, double *work)
 {
-    lac_drive drive;
+    lac_problem_loads_at drive;
     (void)lac_problem_drive(problem, t, &drive);
-    lac_problem_pull(problem, &drive, slip, traction, lac_problem_split(problem, work).scratch);
+    lac_problem_elastic_traction(problem, &drive, slip, traction,
+                                 lac_problem_split(problem, work).scratch);
 }
 
 // How far the cells are off their balance, each and together.
 // @param traction  q - K slip; overwritten
-static void measure_balance(const lac_problem *problem, const lac_drive *drive,
+static void measure_balance(const lac_problem *problem, const lac_problem_loads_at *drive,
                             const lac_motion *motion, const double *w, double *traction,
-                            lac_observation *seen)
+                            lac_observation *observation)
 {
     double worst = 0.0;
     double sum = 0.0;
@@ -73,36 +74,37 @@ static void measure_balance(const lac_problem *problem, const lac_drive *drive,
         held += a * p + problem->damping * fabs(motion->v[i]) +
                 lac_problem_drag(problem, i) * fabs(motion->mean);
     }
-    seen->balance_residual = worst;
-    seen->rate_drift = held > 0.0 ? fabs(sum) / held : 0.0;
+    observation->balance_residual = worst;
+    observation->rate_drift = held > 0.0 ? fabs(sum) / held : 0.0;
 }
 
 void lac_problem_observe(const lac_problem *problem, double t, const double *y, const double *slip,
-                         lac_observation *seen, double *work)
+                         lac_observation *observation, double *work)
 {
     size_t n = problem->n;
     const lac_look at = lac_problem_look(problem, t, y, work);
     const lac_motion motion = at.motion;
-    const lac_drive *drive = &at.drive;
-    seen->mean_rate = motion.mean;
-    seen->fastest = 0;
+    const lac_problem_loads_at *drive = &at.drive;
+    observation->mean_rate = motion.mean;
+    observation->fastest = 0;
     for (size_t i = 1; i < n; i++) {
-        seen->fastest = fabs(motion.v[i]) > fabs(motion.v[seen->fastest]) ? i : seen->fastest;
+        observation->fastest =
+            fabs(motion.v[i]) > fabs(motion.v[observation->fastest]) ? i : observation->fastest;
     }
-    seen->max_rate = fabs(motion.v[seen->fastest]);
-    seen->mean_slip = lac_vsum(n, slip) / (double)n;
+    observation->max_rate = fabs(motion.v[observation->fastest]);
+    observation->mean_slip = lac_vsum(n, slip) / (double)n;
 
-    double spring = drive->spring - drive->spring_stiffness * seen->mean_slip;
+    double spring = drive->spring - drive->spring_stiffness * observation->mean_slip;
     double alike = spring + drive->far.elastic; // the mean of the shape is 1
     double total =
         problem->sum_traction0 + problem->sum_pressure * drive->ratio + (double)n * alike;
     total -= lac_problem_held(problem, drive->far.back, slip);
-    seen->shear_force = problem->cell_area * total;
-    seen->normal_force = problem->cell_area * problem->sum_pressure;
-    seen->effective_force = seen->normal_force * drive->share;
+    observation->shear_force = problem->cell_area * total;
+    observation->normal_force = problem->cell_area * problem->sum_pressure;
+    observation->effective_force = observation->normal_force * drive->share;
 
-    lac_problem_pull(problem, drive, slip, at.ws.kv, at.ws.scratch);
-    measure_balance(problem, drive, &motion, y + n, at.ws.kv, seen);
+    lac_problem_elastic_traction(problem, drive, slip, at.ws.kv, at.ws.scratch);
+    measure_balance(problem, drive, &motion, y + n, at.ws.kv, observation);
 }
 
 bool lac_problem_slips(const lac_problem *problem, double t, const double *y, size_t *cell,
@@ -114,7 +116,7 @@ bool lac_problem_slips(const lac_problem *problem, double t, const double *y, si
         return true;
     }
     lac_workspace ws = lac_problem_split(problem, work);
-    lac_drive drive;
+    lac_problem_loads_at drive;
     (void)lac_problem_drive(problem, t, &drive);
     // ln v is y itself where the rate is not solved for
     const double *u = y;
@@ -137,8 +139,8 @@ bool lac_problem_slips(const lac_problem *problem, double t, const double *y, si
 
 bool lac_problem_jump(const lac_problem *problem, double t, double *y)
 {
-    lac_drive before;
-    lac_drive after;
+    lac_problem_loads_at before;
+    lac_problem_loads_at after;
     if (!lac_problem_drive(problem, nextafter(t, -INFINITY), &before) ||
         !lac_problem_drive(problem, t, &after)) {
         return false;

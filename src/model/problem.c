@@ -150,7 +150,7 @@ lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac
     LAC_TRY(check_shape(problem, err));
     LAC_TRY(allocate(problem, def, err));
     LAC_TRY(lac_problem_anchor(problem, err));
-    lac_drive drive;
+    lac_problem_loads_at drive;
     if (!lac_problem_drive(problem, 0.0, &drive)) {
         status = lac_fail(err, LAC_EINPUT,
                           "pore pressure %g Pa is not below the normal pressure %g Pa at the start",
@@ -212,7 +212,7 @@ double lac_problem_longest_step(const lac_problem *problem, double t)
     return lac_load_longest_step(&problem->loads, t);
 }
 
-bool lac_problem_drive(const lac_problem *problem, double t, lac_drive *drive)
+bool lac_problem_drive(const lac_problem *problem, double t, lac_problem_loads_at *drive)
 {
     const lac_load_state *start = &problem->at_start;
     double mean = problem->mean_pressure;

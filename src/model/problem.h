@@ -153,7 +153,7 @@ void lac_problem_traction(const lac_problem *problem, double t, const double *sl
 /// Means, extremes, forces and the balance residual.
 /// @param work  its first n hold the cells' slip rates afterwards [m/s]
 void lac_problem_observe(const lac_problem *problem, double t, const double *y, const double *slip,
-                         lac_observation *seen, double *work);
+                         lac_observation *observation, double *work);
 
 /// The first time after t at which a load jumps or bends; INFINITY if none.
 double lac_problem_next_break(const lac_problem *problem, double t);
@@ -184,25 +184,25 @@ typedef struct lac_problem_parts {
 lac_problem_parts lac_problem_parts_of(const lac_problem *problem);
 
 /// What acts on the cells neither alike nor as their pressures do.
-typedef struct lac_far {
+typedef struct lac_far_field {
     double back;    ///< slip of the rock around, since the start [m]
     double elastic; ///< mean traction of what is shared as C^-1 1, since the start [Pa]
-} lac_far;
+} lac_far_field;
 
 /// What the loads do at one time, as the cells feel it.
-typedef struct lac_drive {
-    double ratio;            ///< (Q/P)(t) - (Q/P)(0), force loads included: q_i gains p_i ratio
-    double ratio_rate;       ///< [1/s]
-    double spring;           ///< traction of each cell from the far ends' travel [Pa]
-    double spring_rate;      ///< [Pa/s]
-    double spring_stiffness; ///< traction lost per metre of mean slip [Pa/m]
-    lac_far far, far_rate;   ///< and its rate
-    double share;            ///< effective over total normal pressure: p_i -> p_i share
-    double share_rate;       ///< [1/s]
-} lac_drive;
+typedef struct lac_problem_loads_at {
+    double ratio;                ///< (Q/P)(t) - (Q/P)(0), force loads included: q_i gains p_i ratio
+    double ratio_rate;           ///< [1/s]
+    double spring;               ///< traction of each cell from the far ends' travel [Pa]
+    double spring_rate;          ///< [Pa/s]
+    double spring_stiffness;     ///< traction lost per metre of mean slip [Pa/m]
+    lac_far_field far, far_rate; ///< and its rate
+    double share;                ///< effective over total normal pressure: p_i -> p_i share
+    double share_rate;           ///< [1/s]
+} lac_problem_loads_at;
 
 /// Evaluates the loads; false where the effective normal pressure is not positive.
-bool lac_problem_drive(const lac_problem *problem, double t, lac_drive *drive);
+bool lac_problem_drive(const lac_problem *problem, double t, lac_problem_loads_at *drive);
 
 /// A mean slip rate that rock does not come to: whoever names it, or more, wants none to be
 /// failure.

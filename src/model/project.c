@@ -16,7 +16,7 @@ static double gone_of(const lac_problem *problem, const double *slip, size_t i)
 //   (D + K + g c^T/n) dslip = r,   E dln v = D dslip
 // moves both sides of the balance together: what stiffly tied cells are off by goes into the small
 // differences of their slip, what they are off by in common into the rates.
-static void residual_block(const lac_problem *problem, const lac_drive *drive,
+static void residual_block(const lac_problem *problem, const lac_problem_loads_at *drive,
                            const lac_motion *motion, const double *y, const double *slip,
                            const lac_workspace *ws, size_t first)
 {
@@ -40,8 +40,8 @@ static void residual_block(const lac_problem *problem, const lac_drive *drive,
 }
 
 // dslip, in the place of r. @param rise  of the mean slip rate that it makes [m/s]
-static bool solve(const lac_problem *problem, const lac_drive *drive, const lac_workspace *ws,
-                  double *rise)
+static bool solve(const lac_problem *problem, const lac_problem_loads_at *drive,
+                  const lac_workspace *ws, double *rise)
 {
     size_t n = problem->n;
     double *row = ws->row;
@@ -77,7 +77,7 @@ bool lac_problem_project(const lac_problem *problem, double t, double *y, double
     }
     const lac_look at = lac_problem_look(problem, t, y, work);
     const lac_workspace ws = at.ws;
-    lac_problem_pull(problem, &at.drive, slip, ws.kv, ws.scratch);
+    lac_problem_elastic_traction(problem, &at.drive, slip, ws.kv, ws.scratch);
     for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
         residual_block(problem, &at.drive, &at.motion, y, slip, &ws, first);
     }

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "base/clones.h"
-#include "base/parts.h"
+#include "base/parallel_for.h"
 #include "base/statistics.h"
 #include "base/vmath.h"
 #include "base/vsum.h"
@@ -32,7 +32,7 @@ static void add_speeds(void *context, size_t part, size_t from, size_t end)
 double lac_problem_exp_sum(size_t n, const double *u, double *v)
 {
     speeds s = {.u = u, .v = v};
-    size_t parts = lac_parts_run(n, add_speeds, &s);
+    size_t parts = lac_parallel_for(n, add_speeds, &s);
     return lac_sum(parts, s.sum);
 }
 
@@ -41,8 +41,8 @@ static void start(const lac_problem *problem, double *x)
     memcpy(x, problem->log_rate0, problem->n * sizeof *x);
 }
 
-static lac_motion move(const lac_problem *problem, const lac_drive *drive, const double *y,
-                       const lac_workspace *ws, bool keep)
+static lac_motion move(const lac_problem *problem, const lac_problem_loads_at *drive,
+                       const double *y, const lac_workspace *ws, bool keep)
 {
     (void)drive;
     (void)keep;
@@ -59,14 +59,14 @@ typedef struct rate_field {
     double *ease; // [n] by how much du/dt falls as the mean cell speeds up; NULL: not wanted
     double rise;  // dv/dt of the mean cell
     const lac_problem *problem;
-    const lac_drive *drive;
+    const lac_problem_loads_at *drive;
     bool good[LAC_PARTS];
     double gain[LAC_PARTS], loss[LAC_PARTS]; // sums of v du/dt and of v ease
 } rate_field;
 
 // (p f_u + eta v) du/dt = dq/dt - f dp/dt - K v - p f_w dw/dt
 // @param held  p f_u + eta v; overwritten
-LAC_CLONES static void lac_rate_rates(const lac_problem *problem, const lac_drive *drive,
+LAC_CLONES static void lac_rate_rates(const lac_problem *problem, const lac_problem_loads_at *drive,
                                       const rate_field *field, size_t first, size_t length,
                                       const lac_block *s, double *held)
 {
@@ -164,9 +164,9 @@ LAC_CLONES static void lac_rate_take_off(void *context, size_t part, size_t firs
 // itself: with the du/dt that there are without,
 //   A = sum of v du/dt/(n + sum of v g/E)
 // @param rise  A where damping of the mean counts; else untouched
-static bool find_rates(const lac_problem *problem, const lac_drive *drive, const lac_motion *motion,
-                       const double *w, const lac_workspace *ws, double *du, double *dw,
-                       double *rise)
+static bool find_rates(const lac_problem *problem, const lac_problem_loads_at *drive,
+                       const lac_motion *motion, const double *w, const lac_workspace *ws,
+                       double *du, double *dw, double *rise)
 {
     lac_problem_couple(problem, drive->far_rate, motion->v, ws->kv, ws->scratch);
     rate_field field = {.motion = motion,
@@ -178,7 +178,7 @@ static bool find_rates(const lac_problem *problem, const lac_drive *drive, const
                         .ease = problem->drag != 0.0 ? ws->diagonal : NULL,
                         .problem = problem,
                         .drive = drive};
-    size_t parts = lac_parts_run(problem->n, part_rates, &field);
+    size_t parts = lac_parallel_for(problem->n, part_rates, &field);
     if (!all_good(parts, field.good)) {
         return false;
     }
@@ -187,12 +187,12 @@ static bool find_rates(const lac_problem *problem, const lac_drive *drive, const
     }
     double loss = lac_sum(parts, field.loss);
     field.rise = *rise = lac_sum(parts, field.gain) / ((double)problem->n + loss);
-    (void)lac_parts_run(problem->n, lac_rate_take_off, &field);
+    (void)lac_parallel_for(problem->n, lac_rate_take_off, &field);
     return all_good(parts, field.good);
 }
 
-static bool derivative(const lac_problem *problem, const lac_drive *drive, const double *y,
-                       double *ydot, const lac_workspace *ws)
+static bool derivative(const lac_problem *problem, const lac_problem_loads_at *drive,
+                       const double *y, double *ydot, const lac_workspace *ws)
 {
     double rise;
     lac_motion motion = move(problem, drive, y, ws, true);
@@ -207,7 +207,7 @@ typedef struct solve_field {
     double *b;
     double loading, gamma;
     const lac_problem *problem;
-    const lac_drive *drive;
+    const lac_problem_loads_at *drive;
     bool good[LAC_PARTS];
 } solve_field;
 
@@ -215,7 +215,8 @@ typedef struct solve_field {
 // dv = v x_u:  (D + K) dv = rhs,  x_w = back (b_w + gamma g_u x_u). D goes to ws->diagonal, the
 // right-hand side and back b_w to b; and for the way back 1/v and back gamma g_u to ws->kv and
 // ws->v, whose K v and v are used up. Gives back how many rows have back <= 0.
-LAC_CLONES static size_t lac_rate_reduce(const lac_problem *problem, const lac_drive *drive,
+LAC_CLONES static size_t lac_rate_reduce(const lac_problem *problem,
+                                         const lac_problem_loads_at *drive,
                                          const solve_field *field, size_t first, size_t length,
                                          const lac_block *s, const lac_block_slopes *d)
 {
@@ -276,7 +277,7 @@ LAC_CLONES static void lac_rate_bring_back(void *context, size_t part, size_t fi
 }
 
 // Fills D and the right-hand side of one block. False where ln theta cannot be eliminated.
-static bool reduce_block(const lac_problem *problem, const lac_drive *drive,
+static bool reduce_block(const lac_problem *problem, const lac_problem_loads_at *drive,
                          const solve_field *field, size_t first)
 {
     lac_block s;
@@ -345,12 +346,12 @@ static bool solve(const solve_field *field, bool felt, double push)
     return true;
 }
 
-static bool newton(const lac_problem *problem, const lac_drive *drive, const double *y,
+static bool newton(const lac_problem *problem, const lac_problem_loads_at *drive, const double *y,
                    double gamma, double *b, const lac_workspace *ws)
 {
     size_t n = problem->n;
     lac_motion motion = move(problem, drive, y, ws, true);
-    lac_drive held = *drive;
+    lac_problem_loads_at held = *drive;
     solve_field field = {.motion = &motion,
                          .w = y + n,
                          .ws = ws,
@@ -369,11 +370,11 @@ static bool newton(const lac_problem *problem, const lac_drive *drive, const dou
     held.ratio_rate -= problem->drag * rise; // it is shared as a force is
     field.loading = drive->spring_rate - drive->spring_stiffness * motion.mean;
 
-    size_t parts = lac_parts_run(n, reduce_part, &field);
+    size_t parts = lac_parallel_for(n, reduce_part, &field);
     if (!all_good(parts, field.good) || !solve(&field, felt, push)) {
         return false;
     }
-    (void)lac_parts_run(n, lac_rate_bring_back, &field);
+    (void)lac_parallel_for(n, lac_rate_bring_back, &field);
     return true;
 }
 

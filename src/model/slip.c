@@ -9,15 +9,15 @@
 
 static void start(const lac_problem *problem, double *x) { memset(x, 0, problem->n * sizeof *x); }
 
-static lac_motion move(const lac_problem *problem, const lac_drive *drive, const double *y,
-                       const lac_workspace *ws, bool keep)
+static lac_motion move(const lac_problem *problem, const lac_problem_loads_at *drive,
+                       const double *y, const lac_workspace *ws, bool keep)
 {
-    lac_problem_pull(problem, drive, y, ws->kv, ws->scratch);
+    lac_problem_elastic_traction(problem, drive, y, ws->kv, ws->scratch);
     return lac_problem_solve_rates(problem, drive->share, ws->kv, y + problem->n, ws, keep);
 }
 
-static bool derivative(const lac_problem *problem, const lac_drive *drive, const double *y,
-                       double *ydot, const lac_workspace *ws)
+static bool derivative(const lac_problem *problem, const lac_problem_loads_at *drive,
+                       const double *y, double *ydot, const lac_workspace *ws)
 {
     size_t n = problem->n;
     lac_motion motion = move(problem, drive, y, ws, true);
@@ -27,7 +27,7 @@ static bool derivative(const lac_problem *problem, const lac_drive *drive, const
 }
 
 // x_slip = b_slip + gamma dv
-static bool newton(const lac_problem *problem, const lac_drive *drive, const double *y,
+static bool newton(const lac_problem *problem, const lac_problem_loads_at *drive, const double *y,
                    double gamma, double *b, const lac_workspace *ws)
 {
     size_t n = problem->n;

@@ -12,15 +12,15 @@ static void start(const lac_problem *problem, double *x)
     memcpy(x, problem->traction0, problem->n * sizeof *x);
 }
 
-static lac_motion move(const lac_problem *problem, const lac_drive *drive, const double *y,
-                       const lac_workspace *ws, bool keep)
+static lac_motion move(const lac_problem *problem, const lac_problem_loads_at *drive,
+                       const double *y, const lac_workspace *ws, bool keep)
 {
     return lac_problem_solve_rates(problem, drive->share, y, y + problem->n, ws, keep);
 }
 
 // dtau/dt = dq/dt - K v
-static bool derivative(const lac_problem *problem, const lac_drive *drive, const double *y,
-                       double *ydot, const lac_workspace *ws)
+static bool derivative(const lac_problem *problem, const lac_problem_loads_at *drive,
+                       const double *y, double *ydot, const lac_workspace *ws)
 {
     size_t n = problem->n;
     lac_motion motion = move(problem, drive, y, ws, true);
@@ -34,7 +34,7 @@ static bool derivative(const lac_problem *problem, const lac_drive *drive, const
 }
 
 // x_tau = b_tau - gamma K dv, which is gamma D dv + f_w's part + drag mean dv by the row itself.
-static bool newton(const lac_problem *problem, const lac_drive *drive, const double *y,
+static bool newton(const lac_problem *problem, const lac_problem_loads_at *drive, const double *y,
                    double gamma, double *b, const lac_workspace *ws)
 {
     size_t n = problem->n;

@@ -27,37 +27,38 @@ static size_t keep_complete(size_t n, double *magnitude)
     return kept;
 }
 
-static lac_status look(const lac_observed *seen, lac_finding *found, lac_error *err)
+static lac_status look(const lac_precursor_inputs *observation, lac_forecast_fit *found,
+                       lac_error *err)
 {
     double *magnitude = NULL;
     double error = NAN;
     size_t n = 0;
-    lac_status status = lac_precursor_magnitudes(seen->events, &magnitude, &n, err);
+    lac_status status = lac_precursor_magnitudes(observation->events, &magnitude, &n, err);
     if (status != LAC_OK) {
         return status;
     }
     n = n > 0 ? keep_complete(n, magnitude) : 0;
     const double b = lac_b_positive(n, magnitude, least_step, &error, &found->points);
     if (found->points < FEW) {
-        (void)lac_finding_refuse(found,
-                                 "too few events larger by %.1f than the one before: %zu, "
-                                 "at least %d",
-                                 least_step, found->points, (int)FEW);
+        (void)lac_forecast_fit_refuse(found,
+                                      "too few events larger by %.1f than the one before: %zu, "
+                                      "at least %d",
+                                      least_step, found->points, (int)FEW);
     } else {
-        lac_finding_add(found, "b", b);
-        lac_finding_add(found, "error", error);
+        lac_forecast_fit_add(found, "b", b);
+        lac_forecast_fit_add(found, "error", error);
     }
     free(magnitude);
     return LAC_OK;
 }
 
 const lac_precursor_kind lac_precursor_b_positive = {
-    .about = LAC_ABOUT(
+    .info = LAC_ABOUT(
         "b_positive", "the same from positive differences of successive magnitudes",
         "van der Elst (2021), J. Geophys. Res. 126, e2020JB021027, doi 10.1029/2020JB021027"),
     .needs = LAC_NEEDS_EVENTS,
     .estimator = "b = log10(e)/(mean - 0.2) over the differences of 0.2 or more of successive "
                  "magnitudes from mc, that of b_value",
     LAC_PRECURSOR_VALUES(numbers),
-    .look = look,
+    .evaluate = look,
 };

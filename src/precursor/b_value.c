@@ -59,7 +59,7 @@ double lac_precursor_complete_from(size_t n, const double *magnitude)
 }
 
 // b of the later half of the magnitudes from mc on, against the earlier half's.
-static void add_change(size_t n, double *magnitude, double mc, lac_finding *found)
+static void add_change(size_t n, double *magnitude, double mc, lac_forecast_fit *found)
 {
     double error[2];
     size_t used[2];
@@ -74,38 +74,39 @@ static void add_change(size_t n, double *magnitude, double mc, lac_finding *foun
     const double late = lac_b_value(kept - half, magnitude + half, mc, 0.0, &error[1], &used[1]);
     const double both = hypot(error[0], error[1]);
     if (half >= FEW && both > 0.0) {
-        lac_finding_add(found, "change", late - early);
-        lac_finding_add(found, "fall_p", 0.5 * erfc((early - late) / (both * sqrt(2.0))));
+        lac_forecast_fit_add(found, "change", late - early);
+        lac_forecast_fit_add(found, "fall_p", 0.5 * erfc((early - late) / (both * sqrt(2.0))));
     }
 }
 
-static void measure(size_t n, double *magnitude, lac_finding *found)
+static void measure(size_t n, double *magnitude, lac_forecast_fit *found)
 {
     double error = NAN;
     const double mc = lac_precursor_complete_from(n, magnitude);
     const double b = lac_b_value(n, magnitude, mc, 0.0, &error, &found->points);
     if (found->points < FEW) {
-        (void)lac_finding_refuse(found, "too few events above %.2f: %zu, at least %d", mc,
-                                 found->points, (int)FEW);
+        (void)lac_forecast_fit_refuse(found, "too few events above %.2f: %zu, at least %d", mc,
+                                      found->points, (int)FEW);
         return;
     }
-    lac_finding_add(found, "b", b);
-    lac_finding_add(found, "error", error);
-    lac_finding_add(found, "complete_from", mc);
+    lac_forecast_fit_add(found, "b", b);
+    lac_forecast_fit_add(found, "error", error);
+    lac_forecast_fit_add(found, "complete_from", mc);
     add_change(n, magnitude, mc, found);
 }
 
-static lac_status look(const lac_observed *seen, lac_finding *found, lac_error *err)
+static lac_status look(const lac_precursor_inputs *observation, lac_forecast_fit *found,
+                       lac_error *err)
 {
     double *magnitude = NULL;
     size_t n = 0;
-    lac_status status = lac_precursor_magnitudes(seen->events, &magnitude, &n, err);
+    lac_status status = lac_precursor_magnitudes(observation->events, &magnitude, &n, err);
     if (status != LAC_OK) {
         return status;
     }
     if (n < FEW) {
-        (void)lac_finding_refuse(found, "too few events with a moment: %zu, at least %d", n,
-                                 (int)FEW);
+        (void)lac_forecast_fit_refuse(found, "too few events with a moment: %zu, at least %d", n,
+                                      (int)FEW);
     } else {
         measure(n, magnitude, found);
     }
@@ -114,7 +115,7 @@ static lac_status look(const lac_observed *seen, lac_finding *found, lac_error *
 }
 
 const lac_precursor_kind lac_precursor_b_value = {
-    .about =
+    .info =
         LAC_ABOUT("b_value", "size distribution of events, by maximum likelihood",
                   "Aki (1965), Bull. Earthq. Res. Inst. 43, 237; Shi & Bolt (1982), Bull. Seismol. "
                   "Soc. Am. 72, 1677; Woessner & Wiemer (2005), Bull. Seismol. Soc. Am. 95, 684"),
@@ -125,5 +126,5 @@ const lac_precursor_kind lac_precursor_b_value = {
         "and on until b is stable over 0.5; fall_p: the later half of them against the "
         "earlier, normal errors",
     LAC_PRECURSOR_VALUES(numbers),
-    .look = look,
+    .evaluate = look,
 };

@@ -28,33 +28,34 @@ static lac_line fit_growth(const lac_slip_history *s, double tc)
     return line;
 }
 
-static lac_status look(const lac_observed *seen, lac_finding *found, lac_error *err)
+static lac_status look(const lac_precursor_inputs *observation, lac_forecast_fit *found,
+                       lac_error *err)
 {
-    const lac_slip_history *s = seen->slip;
+    const lac_slip_history *s = observation->slip;
     (void)err;
     if (s->n == 0) {
-        return lac_finding_refuse(found, "no record holds slipping blocks");
+        return lac_forecast_fit_refuse(found, "no record holds slipping blocks");
     }
-    lac_finding_add(found, "length_m", s->length[s->n - 1]);
+    lac_forecast_fit_add(found, "length_m", s->length[s->n - 1]);
     const double p = lac_rise_p(s->n, s->time, s->length);
     if (isfinite(p)) {
-        lac_finding_add(found, "rise_p", p);
+        lac_forecast_fit_add(found, "rise_p", p);
     }
-    const lac_line growth = fit_growth(s, seen->tc);
+    const lac_line growth = fit_growth(s, observation->tc);
     found->points = (size_t)growth.n;
     if (found->points >= FEW && isfinite(lac_line_slope(&growth))) {
-        lac_finding_add(found, "growth_exponent", lac_line_slope(&growth));
-        lac_finding_add(found, "growth_error", lac_line_error(&growth));
+        lac_forecast_fit_add(found, "growth_exponent", lac_line_slope(&growth));
+        lac_forecast_fit_add(found, "growth_error", lac_line_error(&growth));
     }
     return LAC_OK;
 }
 
 const lac_precursor_kind lac_precursor_length = {
-    .about = LAC_ABOUT("correlation_length", "longest cluster of slipping cells, and its growth",
-                       "Borri-Brunetto, Carpinteri & Chiaia (2004), Rock Mech. Rock Eng. 37, 117"),
+    .info = LAC_ABOUT("correlation_length", "longest cluster of slipping cells, and its growth",
+                      "Borri-Brunetto, Carpinteri & Chiaia (2004), Rock Mech. Rock Eng. 37, 117"),
     .needs = LAC_NEEDS_CELLS,
     .estimator = "of the last record; rise_p by ranks of 20 equal parts of the time; ln xi on "
                  "-ln(tc - t) by ordinary least squares, tc of the log law",
     LAC_PRECURSOR_VALUES(numbers),
-    .look = look,
+    .evaluate = look,
 };

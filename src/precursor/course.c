@@ -40,81 +40,87 @@ static lac_slip_history keep_slip(const lac_slip_history *all, double now)
     return past;
 }
 
-static void set_time_of_failure(const lac_outlook *o, lac_observed *seen)
+static void set_time_of_failure(const lac_forecast_set *o, lac_precursor_inputs *observation)
 {
     for (size_t k = 0; k < o->count; k++) {
         const lac_forecast *f = &o->forecast[k];
         if (f->kind->dates && f->issued) {
-            seen->tc = f->time;
-            seen->start = f->window_start;
+            observation->tc = f->time;
+            observation->start = f->window_start;
         }
     }
 }
 
-lac_evidence lac_evidence_default(void) { return (lac_evidence){.seed = 1, .surrogates = 199}; }
+lac_indicator_inputs lac_evidence_default(void)
+{
+    return (lac_indicator_inputs){.seed = 1, .surrogates = 199};
+}
 
-lac_status lac_precursors_at(const lac_evidence *evidence, const lac_outlook *outlook,
+lac_status lac_precursors_at(const lac_indicator_inputs *inputs, const lac_forecast_set *forecasts,
                              lac_precursor *out, size_t *count, lac_error *err)
 {
     past_events events = {0};
     lac_slip_history slip;
-    lac_observed seen = {.motion = outlook->motion,
-                         .tc = NAN,
-                         .start = NAN,
-                         .seed = evidence->seed,
-                         .surrogates = evidence->surrogates};
+    lac_precursor_inputs observation = {.motion = forecasts->motion,
+                                        .tc = NAN,
+                                        .start = NAN,
+                                        .seed = inputs->seed,
+                                        .surrogates = inputs->surrogates};
     lac_status status = LAC_OK;
-    set_time_of_failure(outlook, &seen);
-    if (evidence->events != NULL) {
-        LAC_TRY(keep_events(evidence->events, outlook->issue_time, &events, err));
-        seen.events = &events.list;
+    set_time_of_failure(forecasts, &observation);
+    if (inputs->events != NULL) {
+        LAC_TRY(keep_events(inputs->events, forecasts->issue_time, &events, err));
+        observation.events = &events.list;
     }
-    if (evidence->slip != NULL) {
-        slip = keep_slip(evidence->slip, outlook->issue_time);
-        seen.slip = &slip;
+    if (inputs->slip != NULL) {
+        slip = keep_slip(inputs->slip, forecasts->issue_time);
+        observation.slip = &slip;
     }
-    LAC_TRY(lac_precursors_look(&seen, out, count, err));
+    LAC_TRY(lac_precursors_evaluate(&observation, out, count, err));
 out:
     free(events.time);
     free(events.moment);
     return status;
 }
 
-lac_status lac_precursor_course_create(const lac_evidence *evidence, size_t most,
-                                       lac_precursor_course **out, lac_error *err)
+lac_status lac_indicator_series_create(const lac_indicator_inputs *inputs, size_t most,
+                                       lac_indicator_series **out, lac_error *err)
 {
-    lac_precursor_course *course = calloc(1, sizeof *course);
+    lac_indicator_series *indicator_series = calloc(1, sizeof *indicator_series);
     *out = NULL;
-    if (course == NULL) {
+    if (indicator_series == NULL) {
         return lac_fail_memory(err);
     }
-    *course = (lac_precursor_course){.evidence = evidence, .most = most};
-    while (lac_precursor_kind_at(course->kinds) != NULL) {
-        course->kinds++;
+    *indicator_series = (lac_indicator_series){.inputs = inputs, .most = most};
+    while (lac_precursor_kind_get(indicator_series->kinds) != NULL) {
+        indicator_series->kinds++;
     }
-    course->found = calloc(most * course->kinds, sizeof *course->found);
-    if (course->found == NULL) {
-        free(course);
+    indicator_series->found =
+        calloc(most * indicator_series->kinds, sizeof *indicator_series->found);
+    if (indicator_series->found == NULL) {
+        free(indicator_series);
         return lac_fail_memory(err);
     }
-    *out = course;
+    *out = indicator_series;
     return LAC_OK;
 }
 
-void lac_precursor_course_free(lac_precursor_course *course)
+void lac_indicator_series_free(lac_indicator_series *indicator_series)
 {
-    if (course != NULL) {
-        free(course->found);
-        free(course);
+    if (indicator_series != NULL) {
+        free(indicator_series->found);
+        free(indicator_series);
     }
 }
 
-lac_status lac_precursor_course_see(void *context, const lac_outlook *outlook, lac_error *err)
+lac_status lac_indicator_series_see(void *context, const lac_forecast_set *forecasts,
+                                    lac_error *err)
 {
-    lac_precursor_course *course = context;
+    lac_indicator_series *indicator_series = context;
     size_t count = 0;
-    lac_precursor *found = course->found + course->issues * course->kinds;
-    lac_status status = lac_precursors_at(course->evidence, outlook, found, &count, err);
-    course->issues += status == LAC_OK ? 1 : 0;
+    lac_precursor *found =
+        indicator_series->found + indicator_series->issues * indicator_series->kinds;
+    lac_status status = lac_precursors_at(indicator_series->inputs, forecasts, found, &count, err);
+    indicator_series->issues += status == LAC_OK ? 1 : 0;
     return status;
 }

@@ -13,7 +13,7 @@ enum { NAME = 80, LONG_NAME = 160, MOST_VALUES = 64 };
 static const lac_forecast *forecast(const lac_forecast_outcome *o, size_t issue, size_t method)
 {
     return o->rolling != NULL ? &o->rolling->forecast[issue * o->rolling->methods + method]
-                              : &o->outlook->forecast[method];
+                              : &o->forecasts->forecast[method];
 }
 
 static const char *date(const lac_forecast_outcome *o, double t, char room[LAC_TEXT_ROOM])
@@ -23,7 +23,7 @@ static const char *date(const lac_forecast_outcome *o, double t, char room[LAC_T
 }
 
 #define OUTCOME const lac_forecast_outcome *o = of
-#define MOTION const lac_motion *m = ((const lac_forecast_outcome *)of)->outlook->motion
+#define MOTION const lac_motion *m = ((const lac_forecast_outcome *)of)->forecasts->motion
 #define ISSUE \
     OUTCOME;  \
     const lac_forecast *f = forecast(of, at[0], 0)
@@ -33,10 +33,10 @@ static const char *date(const lac_forecast_outcome *o, double t, char room[LAC_T
     const double first = in->time[0], last = in->time[in->n - 1]; \
     (void)first, (void)last
 // A forecast with one of its numbers: at the last reading, at an issue time.
-#define NOW                                               \
-    OUTCOME;                                              \
-    const lac_forecast *f = &o->outlook->forecast[at[0]]; \
-    const size_t i = at[1];                               \
+#define NOW                                                 \
+    OUTCOME;                                                \
+    const lac_forecast *f = &o->forecasts->forecast[at[0]]; \
+    const size_t i = at[1];                                 \
     (void)o, (void)i, (void)f
 #define THEN                                           \
     OUTCOME;                                           \
@@ -58,8 +58,8 @@ LAC_GETTER(double, issue_time, ISSUE; (void)o, f->issue_time)
 LAC_TEXT_GETTER(issue_date, ISSUE, date(o, f->issue_time, room))
 LAC_GETTER(double, window_start, ISSUE; (void)o, f->window_start)
 LAC_TEXT_GETTER(window_date, ISSUE, date(o, f->window_start, room))
-BOTH_TEXT(method, f->kind->about.name)
-LAC_TEXT_GETTER(method_first, OUTCOME, forecast(o, 0, at[0])->kind->about.name)
+BOTH_TEXT(method, f->kind->info.name)
+LAC_TEXT_GETTER(method_first, OUTCOME, forecast(o, 0, at[0])->kind->info.name)
 BOTH(double, tc, f->time)
 BOTH_TEXT(tc_date, date(o, f->time, room))
 BOTH(double, low50, f->low50)
@@ -96,12 +96,13 @@ LAC_TEXT_GETTER(reason, OUTCOME, forecast(o, at[0], at[1])->fit.reason)
     const lac_precursor *p = &o->indicator[at[0]]; \
     const size_t i = at[1];                        \
     (void)i
-#define THEN                                                                      \
-    OUTCOME;                                                                      \
-    const lac_precursor *p = &o->course->found[at[0] * o->course->kinds + at[1]]; \
-    const size_t i = at[2];                                                       \
+#define THEN                                                                     \
+    OUTCOME;                                                                     \
+    const lac_precursor *p =                                                     \
+        &o->indicator_series->found[at[0] * o->indicator_series->kinds + at[1]]; \
+    const size_t i = at[2];                                                      \
     (void)i
-BOTH_TEXT(indicator, p->kind->about.name)
+BOTH_TEXT(indicator, p->kind->info.name)
 BOTH_TEXT(needs, lac_needs_name(p->kind->needs))
 BOTH(double, found_points, (double)p->found.points)
 BOTH_TEXT(none, p->found.reason[0] != '\0' ? p->found.reason : NULL)
@@ -126,17 +127,18 @@ LAC_TEXT_GETTER(attribution, OUTCOME, o->series != NULL ? o->series->attribution
 LAC_GETTER(double, resolution, MOTION, m->integrated ? (double)NAN : m->resolution)
 LAC_GETTER(double, velocities, MOTION, (double)m->velocities)
 LAC_GETTER(double, integrated, MOTION, m->integrated ? 1.0 : 0.0)
-LAC_GETTER(double, accelerating, OUTCOME, o->outlook->accelerating ? 1.0 : 0.0)
-LAC_GETTER(double, last_issue, OUTCOME, o->outlook->issue_time)
-LAC_TEXT_GETTER(last_issue_date, OUTCOME, date(o, o->outlook->issue_time, room))
-LAC_GETTER(double, last_start, OUTCOME, o->outlook->asked ? o->outlook->window_start : (double)NAN)
+LAC_GETTER(double, accelerating, OUTCOME, o->forecasts->accelerating ? 1.0 : 0.0)
+LAC_GETTER(double, last_issue, OUTCOME, o->forecasts->issue_time)
+LAC_TEXT_GETTER(last_issue_date, OUTCOME, date(o, o->forecasts->issue_time, room))
+LAC_GETTER(double, last_start, OUTCOME,
+           o->forecasts->asked ? o->forecasts->window_start : (double)NAN)
 LAC_TEXT_GETTER(last_start_date, OUTCOME,
-                o->outlook->asked ? date(o, o->outlook->window_start, room) : NULL)
+                o->forecasts->asked ? date(o, o->forecasts->window_start, room) : NULL)
 LAC_TEXT_GETTER(failed_on, OUTCOME, date(o, o->failed_at, room))
 LAC_TEXT_GETTER(status, OUTCOME, o->interrupted ? "interrupted" : "complete")
 LAC_GETTER(double, nothing, (void)of, NAN)
 #define SKILL const lac_skill *s = (const lac_skill *)of + at[0]
-LAC_TEXT_GETTER(skill_method, SKILL, s->kind->about.name)
+LAC_TEXT_GETTER(skill_method, SKILL, s->kind->info.name)
 LAC_GETTER(double, lead_count, SKILL, (double)s->lead_count[at[1]])
 LAC_GETTER(double, lead_error, SKILL, s->lead_error[at[1]])
 LAC_GETTER(double, lead_bias, SKILL, s->lead_bias[at[1]])
@@ -316,7 +318,9 @@ static double found(const void *of, const size_t *at)
     const lac_forecast_outcome *o = of;
     const size_t k = at[1] / MOST_VALUES, v = at[1] % MOST_VALUES;
     const lac_precursor *p =
-        o->course != NULL ? &o->course->found[at[0] * o->course->kinds + k] : &o->indicator[k];
+        o->indicator_series != NULL
+            ? &o->indicator_series->found[at[0] * o->indicator_series->kinds + k]
+            : &o->indicator[k];
     return v == MOST_VALUES - 1 ? (double)p->found.points
                                 : lac_precursor_find(p, p->kind->value[v].key);
 }
@@ -346,8 +350,8 @@ static lac_status add_indicator(lac_dataset *d, const lac_forecast_outcome *o, s
         const bool last = v == kind->value_count;
         const lac_precursor_value *of = last ? &of_points : &kind->value[v];
         char name[NAME], long_name[LONG_NAME];
-        (void)snprintf(name, sizeof name, "%s_%s", kind->about.name, of->key);
-        (void)snprintf(long_name, sizeof long_name, "%s: %s", kind->about.name, of->text);
+        (void)snprintf(name, sizeof name, "%s_%s", kind->info.name, of->key);
+        (void)snprintf(long_name, sizeof long_name, "%s: %s", kind->info.name, of->text);
         const lac_named named = {.name = name,
                                  .long_name = long_name,
                                  .unit = of->unit,
@@ -377,17 +381,18 @@ static lac_status add_json(lac_dataset *d, const lac_forecast_outcome *o, lac_er
 
 lac_status lac_forecast_describe(const lac_forecast_outcome *o, lac_dataset **out, lac_error *err)
 {
-    const lac_motion *m = o->outlook->motion;
+    const lac_motion *m = o->forecasts->motion;
     const size_t issues = o->rolling != NULL ? o->rolling->issues : 1;
-    const lac_extent dims[] = {{"reading", m->n},
-                               {"velocity_reading", m->velocities},
-                               {"issue", issues},
-                               {"method", o->outlook->count},
-                               {"indicator", o->indicators},
-                               {"kind", o->course != NULL ? o->course->kinds : 0},
-                               {"value", LAC_FORECAST_VALUES},
-                               {"doubt", o->series != NULL ? o->series->doubts : 0},
-                               {"lead", LAC_LEADS}};
+    const lac_extent dims[] = {
+        {"reading", m->n},
+        {"velocity_reading", m->velocities},
+        {"issue", issues},
+        {"method", o->forecasts->count},
+        {"indicator", o->indicators},
+        {"kind", o->indicator_series != NULL ? o->indicator_series->kinds : 0},
+        {"value", LAC_FORECAST_VALUES},
+        {"doubt", o->series != NULL ? o->series->doubts : 0},
+        {"lead", LAC_LEADS}};
     const lac_laid laid[] = {{LAC_VARIABLES(rows, "", 0), o},
                              {LAC_VARIABLES(of_source, "", 0), o},
                              {LAC_VARIABLES(of_motion, "", 0), m},

@@ -47,7 +47,7 @@ static double find_p(double mean, double length, double count, double *error)
 }
 
 // The Omori-type rise from the first event to now.
-static void add_exponent(const lac_event_list *e, double tc, double now, lac_finding *found)
+static void add_exponent(const lac_event_list *e, double tc, double now, lac_forecast_fit *found)
 {
     const double nearest = log(tc - now);
     const double length = log(tc - e->time[0]) - nearest;
@@ -57,45 +57,46 @@ static void add_exponent(const lac_event_list *e, double tc, double now, lac_fin
         mean += (log(tc - e->time[i]) - nearest) / (double)e->n;
     }
     if (length > 0.0) {
-        lac_finding_add(found, "exponent", find_p(mean, length, (double)e->n, &error));
-        lac_finding_add(found, "exponent_error", error);
+        lac_forecast_fit_add(found, "exponent", find_p(mean, length, (double)e->n, &error));
+        lac_forecast_fit_add(found, "exponent_error", error);
     }
 }
 
-static lac_status look(const lac_observed *seen, lac_finding *found, lac_error *err)
+static lac_status look(const lac_precursor_inputs *observation, lac_forecast_fit *found,
+                       lac_error *err)
 {
-    const lac_event_list *e = seen->events;
-    const lac_motion *m = seen->motion;
+    const lac_event_list *e = observation->events;
+    const lac_motion *m = observation->motion;
     const double first = m->time[0];
     const double now = m->time[m->n - 1];
     size_t late = 0;
     (void)err;
     found->points = e->n;
     if (e->n < FEW) {
-        return lac_finding_refuse(found, "too few events: %zu, at least %d", e->n, (int)FEW);
+        return lac_forecast_fit_refuse(found, "too few events: %zu, at least %d", e->n, (int)FEW);
     }
     if (!(now > first)) {
-        return lac_finding_refuse(found, "there is one reading only");
+        return lac_forecast_fit_refuse(found, "there is one reading only");
     }
     for (size_t i = 0; i < e->n; i++) {
         late += e->time[i] > 0.5 * (first + now) ? 1 : 0;
     }
-    lac_finding_add(found, "rate_1_s", (double)e->n / (now - first));
-    lac_finding_add(found, "share_of_the_last_half", (double)late / (double)e->n);
-    lac_finding_add(found, "rise_p", lac_half_p(e->n, late));
-    if (seen->tc > now && e->n >= FEW_TO_FIT) {
-        add_exponent(e, seen->tc, now, found);
+    lac_forecast_fit_add(found, "rate_1_s", (double)e->n / (now - first));
+    lac_forecast_fit_add(found, "share_of_the_last_half", (double)late / (double)e->n);
+    lac_forecast_fit_add(found, "rise_p", lac_half_p(e->n, late));
+    if (observation->tc > now && e->n >= FEW_TO_FIT) {
+        add_exponent(e, observation->tc, now, found);
     }
     return LAC_OK;
 }
 
 const lac_precursor_kind lac_precursor_event_rate = {
-    .about = LAC_ABOUT("event_rate", "events in time, and the exponent of an Omori-type rise",
-                       "Papazachos (1973), Geophys. J. R. Astron. Soc. 33, 421"),
+    .info = LAC_ABOUT("event_rate", "events in time, and the exponent of an Omori-type rise",
+                      "Papazachos (1973), Geophys. J. R. Astron. Soc. 33, 421"),
     .needs = LAC_NEEDS_EVENTS,
     .estimator = "rise_p binomial; n ~ (tc - t)^-p by maximum likelihood from the first event to "
                  "now, tc of the log law",
     LAC_PRECURSOR_VALUES(numbers),
     .headline = 2,
-    .look = look,
+    .evaluate = look,
 };

@@ -99,76 +99,78 @@ static double autocorrelation(const lomb *l)
     return square > 0.0 ? fmin(0.99, fmax(-0.99, lagged / square)) : 0.0;
 }
 
-static double significance(lomb *l, const lac_observed *seen, double power)
+static double significance(lomb *l, const lac_precursor_inputs *observation, double power)
 {
     const double phi = autocorrelation(l);
-    const size_t surrogates = seen->surrogates < SURROGATES ? seen->surrogates : SURROGATES;
+    const size_t surrogates =
+        observation->surrogates < SURROGATES ? observation->surrogates : SURROGATES;
     size_t above = 0;
     double omega;
     for (size_t s = 0; s < surrogates; s++) {
-        lac_surrogate_red(l->n, phi, seen->seed, first_surrogate + s, l->d);
+        lac_surrogate_red(l->n, phi, observation->seed, first_surrogate + s, l->d);
         above += peak(l, l->d, &omega) >= power ? 1 : 0;
     }
     return (double)(1 + above) / (double)(1 + surrogates);
 }
 
-static void gather(lomb *l, const lac_observed *seen)
+static void gather(lomb *l, const lac_precursor_inputs *observation)
 {
-    const lac_motion *m = seen->motion;
+    const lac_motion *m = observation->motion;
     size_t first = 0;
-    while (first < m->n && m->time[first] < seen->start) {
+    while (first < m->n && m->time[first] < observation->start) {
         first++;
     }
     const size_t all = m->n - first;
     const size_t n = all < MOST ? all : MOST;
     for (size_t k = 0; k < n; k++) {
         const size_t i = first + (n > 1 ? k * (all - 1) / (n - 1) : 0);
-        if (m->time[i] < seen->tc) {
-            l->u[l->n] = log(seen->tc - m->time[i]);
+        if (m->time[i] < observation->tc) {
+            l->u[l->n] = log(observation->tc - m->time[i]);
             l->d[l->n++] = m->displacement[i];
         }
     }
 }
 
-static lac_status look(const lac_observed *seen, lac_finding *found, lac_error *err)
+static lac_status look(const lac_precursor_inputs *observation, lac_forecast_fit *found,
+                       lac_error *err)
 {
     double omega = NAN;
-    if (!isfinite(seen->tc)) {
-        return lac_finding_refuse(found, "the log law has no time of failure to count from");
+    if (!isfinite(observation->tc)) {
+        return lac_forecast_fit_refuse(found, "the log law has no time of failure to count from");
     }
     lomb *l = calloc(1, sizeof *l);
     if (l == NULL) {
         return lac_fail_memory(err);
     }
-    gather(l, seen);
+    gather(l, observation);
     found->points = l->n;
     const double span = l->n > 1 ? l->u[0] - l->u[l->n - 1] : 0.0;
     l->low = 2.0 * pi * turns / span;
     if (l->n < LEAST || !(l->low < highest)) {
-        (void)lac_finding_refuse(found, "%zu readings over %.2g e-folds of tc - t are too few",
-                                 l->n, span);
+        (void)lac_forecast_fit_refuse(found, "%zu readings over %.2g e-folds of tc - t are too few",
+                                      l->n, span);
     } else {
         make_waves(l);
         memcpy(l->r, l->d, l->n * sizeof *l->r);
         const double power = peak(l, l->r, &omega);
-        lac_finding_add(found, "omega", omega);
-        lac_finding_add(found, "lambda", exp(2.0 * pi / omega));
-        lac_finding_add(found, "power", power);
-        lac_finding_add(found, "p", significance(l, seen, power));
+        lac_forecast_fit_add(found, "omega", omega);
+        lac_forecast_fit_add(found, "lambda", exp(2.0 * pi / omega));
+        lac_forecast_fit_add(found, "power", power);
+        lac_forecast_fit_add(found, "p", significance(l, observation, power));
     }
     free(l);
     return LAC_OK;
 }
 
 const lac_precursor_kind lac_precursor_log_periodicity = {
-    .about = LAC_ABOUT("log_periodicity", "oscillations in ln(tc - t) about the log law",
-                       "Zhou & Sornette (2002), Int. J. Mod. Phys. C 13, 137; Lomb (1976), "
-                       "Astrophys. Space Sci. 39, 447"),
+    .info = LAC_ABOUT("log_periodicity", "oscillations in ln(tc - t) about the log law",
+                      "Zhou & Sornette (2002), Int. J. Mod. Phys. C 13, 137; Lomb (1976), "
+                      "Astrophys. Space Sci. 39, 447"),
     .needs = LAC_NEEDS_MOTION,
     .estimator = "least-squares spectrum in u = ln(tc - t) beside 1 and u, tc of the log law, of "
                  "the displacements since the onset, at most 200; power: the largest share of the "
                  "squares; p among first-order autoregressions",
     LAC_PRECURSOR_VALUES(numbers),
     .headline = 3,
-    .look = look,
+    .evaluate = look,
 };

@@ -31,19 +31,20 @@ static double toss(const lac_event_list *e, uint64_t seed, size_t index)
 }
 
 // Share of catalogues with the same moments at a constant rate whose last half has as much.
-static double significance(const lac_observed *seen, double late)
+static double significance(const lac_precursor_inputs *observation, double late)
 {
     size_t above = 0;
-    for (size_t s = 0; s < seen->surrogates; s++) {
-        above += toss(seen->events, seen->seed, s) >= late ? 1 : 0;
+    for (size_t s = 0; s < observation->surrogates; s++) {
+        above += toss(observation->events, observation->seed, s) >= late ? 1 : 0;
     }
-    return (double)(1 + above) / (double)(1 + seen->surrogates);
+    return (double)(1 + above) / (double)(1 + observation->surrogates);
 }
 
-static lac_status look(const lac_observed *seen, lac_finding *found, lac_error *err)
+static lac_status look(const lac_precursor_inputs *observation, lac_forecast_fit *found,
+                       lac_error *err)
 {
-    const lac_event_list *e = seen->events;
-    const lac_motion *m = seen->motion;
+    const lac_event_list *e = observation->events;
+    const lac_motion *m = observation->motion;
     const double middle = 0.5 * (m->time[0] + m->time[m->n - 1]);
     double sum = 0.0;
     double late = 0.0;
@@ -58,25 +59,25 @@ static lac_status look(const lac_observed *seen, lac_finding *found, lac_error *
         }
     }
     if (e->n == 0) {
-        return lac_finding_refuse(found, "no event has ended");
+        return lac_forecast_fit_refuse(found, "no event has ended");
     }
     if (found->points == 0) {
-        return lac_finding_refuse(found, "no event has a moment: the case needs "
-                                         "material.shear_modulus");
+        return lac_forecast_fit_refuse(found, "no event has a moment: the case needs "
+                                              "material.shear_modulus");
     }
-    lac_finding_add(found, "moment_N_m", sum);
-    lac_finding_add(found, "largest_N_m", largest);
-    lac_finding_add(found, "share_of_the_last_half", late / sum);
-    lac_finding_add(found, "rise_p", significance(seen, late));
+    lac_forecast_fit_add(found, "moment_N_m", sum);
+    lac_forecast_fit_add(found, "largest_N_m", largest);
+    lac_forecast_fit_add(found, "share_of_the_last_half", late / sum);
+    lac_forecast_fit_add(found, "rise_p", significance(observation, late));
     return LAC_OK;
 }
 
 const lac_precursor_kind lac_precursor_moment = {
-    .about = LAC_ABOUT("moment", "seismic moment released by events",
-                       "Aki (1966), Bull. Earthq. Res. Inst. 44, 73"),
+    .info = LAC_ABOUT("moment", "seismic moment released by events",
+                      "Aki (1966), Bull. Earthq. Res. Inst. 44, 73"),
     .needs = LAC_NEEDS_EVENTS,
     .estimator = "sums over the events that have ended; rise_p: the same moments in either half of "
                  "the time by the toss of a coin",
     LAC_PRECURSOR_VALUES(numbers),
-    .look = look,
+    .evaluate = look,
 };

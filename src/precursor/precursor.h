@@ -27,7 +27,7 @@ typedef struct lac_slip_history {
 } lac_slip_history;
 
 /// What indicators look at: all of it up to the present. What a source does not have is NULL.
-typedef struct lac_observed {
+typedef struct lac_precursor_inputs {
     const lac_motion *motion;
     const lac_event_list *events;
     const lac_slip_history *slip;
@@ -35,14 +35,14 @@ typedef struct lac_observed {
     double start;  ///< of the acceleration [s]; NaN: none
     uint64_t seed; ///< of surrogates
     size_t surrogates;
-} lac_observed;
+} lac_precursor_inputs;
 
 typedef enum lac_needs { LAC_NEEDS_MOTION = 0, LAC_NEEDS_EVENTS, LAC_NEEDS_CELLS } lac_needs;
 
 /// What an indicator says now.
 typedef struct lac_precursor {
     const struct lac_precursor_kind *kind;
-    lac_finding found; ///< value[0 ... count - 1], points; reason: why there is none
+    lac_forecast_fit found; ///< value[0 ... count - 1], points; reason: why there is none
 } lac_precursor;
 
 /// A number that an indicator can give.
@@ -54,7 +54,7 @@ typedef struct lac_precursor_value {
 
 /// An indicator: a row of a table.
 typedef struct lac_precursor_kind {
-    lac_descriptor about;
+    lac_model_info info;
     lac_needs needs;
     const char *estimator; ///< exactly what is computed from what
     size_t value_count;
@@ -63,11 +63,12 @@ typedef struct lac_precursor_kind {
     bool page; ///< the page of a run tells it of the whole catalogue, of which it needs no more
     /// Looks at what there is; needs are met.
     /// @return LAC_OK; LAC_ENOMEM
-    lac_status (*look)(const lac_observed *seen, lac_finding *found, lac_error *err);
+    lac_status (*evaluate)(const lac_precursor_inputs *observation, lac_forecast_fit *found,
+                           lac_error *err);
 } lac_precursor_kind;
 
 /// The index-th indicator in the registry, NULL past the end.
-const lac_precursor_kind *lac_precursor_kind_at(size_t index);
+const lac_precursor_kind *lac_precursor_kind_get(size_t index);
 
 /// What a kind needs: "series", "events" or "cells".
 const char *lac_needs_name(lac_needs needs);
@@ -77,41 +78,42 @@ double lac_precursor_find(const lac_precursor *found, const char *key);
 
 /// All indicators.
 enum { LAC_PRECURSORS_MAX = 16 };
-lac_status lac_precursors_look(const lac_observed *seen, lac_precursor *out, size_t *count,
-                               lac_error *err);
+lac_status lac_precursors_evaluate(const lac_precursor_inputs *observation, lac_precursor *out,
+                                   size_t *count, lac_error *err);
 
 /// What a source holds besides its motion, all of it: the past of each time is cut from it.
-typedef struct lac_evidence {
+typedef struct lac_indicator_inputs {
     const lac_event_list *events; ///< NULL: none
     const lac_slip_history *slip; ///< NULL: none
     uint64_t seed;                ///< of surrogates
     size_t surrogates;
-} lac_evidence;
+} lac_indicator_inputs;
 
 /// No events, no cells; seed 1, 199 surrogates.
-lac_evidence lac_evidence_default(void);
+lac_indicator_inputs lac_evidence_default(void);
 
-/// All indicators as of an outlook's time of issue: from the motion it saw, the events that had
+/// All indicators as of the forecasts' time of issue: from the motion it saw, the events that had
 /// ended and the records that had been made, tc and start as its log law has them if it issues.
-lac_status lac_precursors_at(const lac_evidence *evidence, const lac_outlook *outlook,
+lac_status lac_precursors_at(const lac_indicator_inputs *inputs, const lac_forecast_set *forecasts,
                              lac_precursor *out, size_t *count, lac_error *err);
 
 /// Indicators in time.
-typedef struct lac_precursor_course {
-    const lac_evidence *evidence; ///< must outlive it
+typedef struct lac_indicator_series {
+    const lac_indicator_inputs *inputs; ///< must outlive it
     size_t most, issues, kinds;
     lac_precursor *found; ///< [issues][kinds], room for `most`
-} lac_precursor_course;
+} lac_indicator_series;
 
 /// An empty one, with room for `most` times.
-lac_status lac_precursor_course_create(const lac_evidence *evidence, size_t most,
-                                       lac_precursor_course **out, lac_error *err);
+lac_status lac_indicator_series_create(const lac_indicator_inputs *inputs, size_t most,
+                                       lac_indicator_series **out, lac_error *err);
 
-void lac_precursor_course_free(lac_precursor_course *course);
+void lac_indicator_series_free(lac_indicator_series *indicator_series);
 
-/// Adds the indicators as of an outlook: a lac_rolling_watch's `see`.
+/// Adds the indicators as of a set of forecasts: a lac_rolling_watch's `see`.
 /// @pre   fewer than `most` are there
-lac_status lac_precursor_course_see(void *course, const lac_outlook *outlook, lac_error *err);
+lac_status lac_indicator_series_see(void *indicator_series, const lac_forecast_set *forecasts,
+                                    lac_error *err);
 
 /// b-value of magnitudes at or above mc (Aki 1965, Utsu 1965), log10(e)/(mean - (mc - dm/2)).
 /// @param dm     width of the bins that the magnitudes were rounded to; 0: none
@@ -159,19 +161,20 @@ lac_status lac_slowing_measure(size_t n, const double *values, uint64_t seed, si
 
 /// Forecasts and indicators as they are told.
 typedef struct lac_forecast_outcome {
-    const char *source;                 ///< the file that they are of
-    const lac_series *series;           ///< NULL: the file is a run's
-    const lac_readings *readings;       ///< NULL: there is no JSON
-    bool dated;                         ///< times are seconds since 1970 UTC
-    double failed_at;                   ///< [s]; NaN: not known; INFINITY: never
-    double horizon;                     ///< of alarms [s]
-    const lac_outlook *outlook;         ///< at the last reading
-    size_t indicators;                  ///< kinds of them; 0: none
-    const lac_precursor *indicator;     ///< [indicators] at the last reading
-    const lac_rolling *rolling;         ///< NULL: the outlook alone is told
-    bool interrupted;                   ///< rolling has not all issue times that it should have
-    const lac_precursor_course *course; ///< of the same issue times; NULL: as rolling, or none
-    const lac_skill *skill;             ///< [methods]; NULL: no time of failure
+    const char *source;                ///< the file that they are of
+    const lac_series *series;          ///< NULL: the file is a run's
+    const lac_readings *readings;      ///< NULL: there is no JSON
+    bool dated;                        ///< times are seconds since 1970 UTC
+    double failed_at;                  ///< [s]; NaN: not known; INFINITY: never
+    double horizon;                    ///< of alarms [s]
+    const lac_forecast_set *forecasts; ///< at the last reading
+    size_t indicators;                 ///< kinds of them; 0: none
+    const lac_precursor *indicator;    ///< [indicators] at the last reading
+    const lac_rolling *rolling;        ///< NULL: the last forecasts alone are told
+    bool interrupted;                  ///< rolling has not all issue times that it should have
+    const lac_indicator_series
+        *indicator_series;  ///< of the same issue times; NULL: as rolling, or none
+    const lac_skill *skill; ///< [methods]; NULL: no time of failure
 } lac_forecast_outcome;
 
 /// Their variables, for a file or JSON; docs/format.md.

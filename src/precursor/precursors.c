@@ -13,7 +13,7 @@ static const lac_precursor_kind *const kinds[] = {
     &lac_precursor_slowing,       &lac_precursor_log_periodicity,
 };
 
-LAC_KINDS_AT(lac_precursor_kind, lac_precursor_kind_at, kinds)
+LAC_KINDS_AT(lac_precursor_kind, lac_precursor_kind_get, kinds)
 
 const char *lac_needs_name(lac_needs needs)
 {
@@ -32,22 +32,22 @@ double lac_precursor_find(const lac_precursor *found, const char *key)
     return NAN;
 }
 
-lac_status lac_precursors_look(const lac_observed *seen, lac_precursor *out, size_t *count,
-                               lac_error *err)
+lac_status lac_precursors_evaluate(const lac_precursor_inputs *observation, lac_precursor *out,
+                                   size_t *count, lac_error *err)
 {
     const lac_precursor_kind *kind;
     lac_status status = LAC_OK;
-    for (*count = 0; (kind = lac_precursor_kind_at(*count)) != NULL; (*count)++) {
+    for (*count = 0; (kind = lac_precursor_kind_get(*count)) != NULL; (*count)++) {
         lac_precursor *p = &out[*count];
         *p = (lac_precursor){.kind = kind};
-        if (kind->needs == LAC_NEEDS_EVENTS && seen->events == NULL) {
-            (void)lac_finding_refuse(&p->found, "needs a catalogue of events: a run of a case "
-                                                "with analysis: {events: ...}");
-        } else if (kind->needs == LAC_NEEDS_CELLS && seen->slip == NULL) {
-            (void)lac_finding_refuse(&p->found, "needs cells: a run of a case with analysis: "
-                                                "{rg: ...}");
+        if (kind->needs == LAC_NEEDS_EVENTS && observation->events == NULL) {
+            (void)lac_forecast_fit_refuse(&p->found, "needs a catalogue of events: a run of a case "
+                                                     "with analysis: {events: ...}");
+        } else if (kind->needs == LAC_NEEDS_CELLS && observation->slip == NULL) {
+            (void)lac_forecast_fit_refuse(&p->found, "needs cells: a run of a case with analysis: "
+                                                     "{rg: ...}");
         } else {
-            LAC_TRY(kind->look(seen, &p->found, err));
+            LAC_TRY(kind->evaluate(observation, &p->found, err));
         }
     }
 out:

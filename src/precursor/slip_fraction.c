@@ -37,7 +37,7 @@ static const lac_precursor_value numbers[] = {
 static const size_t named = sizeof numbers / sizeof *numbers - BEFORE_LEVELS;
 
 // Of the slipping cells, record by record.
-static lac_status add_rise(const lac_slip_history *s, lac_finding *found, lac_error *err)
+static lac_status add_rise(const lac_slip_history *s, lac_forecast_fit *found, lac_error *err)
 {
     double *cells = malloc(s->n * sizeof *cells);
     if (cells == NULL) {
@@ -48,41 +48,43 @@ static lac_status add_rise(const lac_slip_history *s, lac_finding *found, lac_er
     }
     const double p = lac_rise_p(s->n, s->time, cells);
     if (isfinite(p)) {
-        lac_finding_add(found, "rise_p", p);
+        lac_forecast_fit_add(found, "rise_p", p);
     }
     free(cells);
     return LAC_OK;
 }
 
-static lac_status look(const lac_observed *seen, lac_finding *found, lac_error *err)
+static lac_status look(const lac_precursor_inputs *observation, lac_forecast_fit *found,
+                       lac_error *err)
 {
-    const lac_slip_history *s = seen->slip;
+    const lac_slip_history *s = observation->slip;
     if (s->n == 0) {
-        return lac_finding_refuse(found, "no record holds slipping blocks");
+        return lac_forecast_fit_refuse(found, "no record holds slipping blocks");
     }
     const double *now = s->n_slip + (s->n - 1) * s->levels;
     const double cells = now[0] / s->n_tot[0];
     found->points = s->n;
-    lac_finding_add(found, "slip_fraction", cells);
+    lac_forecast_fit_add(found, "slip_fraction", cells);
     if (isfinite(s->critical_fraction)) {
-        lac_finding_add(found, "critical_fraction", s->critical_fraction);
-        lac_finding_add(found, "distance", s->critical_fraction - cells);
+        lac_forecast_fit_add(found, "critical_fraction", s->critical_fraction);
+        lac_forecast_fit_add(found, "distance", s->critical_fraction - cells);
     }
     lac_status status = add_rise(s, found, err);
     for (size_t level = 0; level < s->levels && level < named; level++) {
-        lac_finding_add(found, numbers[BEFORE_LEVELS + level].key, now[level] / s->n_tot[level]);
+        lac_forecast_fit_add(found, numbers[BEFORE_LEVELS + level].key,
+                             now[level] / s->n_tot[level]);
     }
     return status;
 }
 
 const lac_precursor_kind lac_precursor_slip_fraction = {
-    .about = LAC_ABOUT("slip_fraction",
-                       "slipping blocks of each level, and how far from the fixed point",
-                       "Borri-Brunetto, Carpinteri & Chiaia (2004), Rock Mech. Rock Eng. 37, 117"),
+    .info = LAC_ABOUT("slip_fraction",
+                      "slipping blocks of each level, and how far from the fixed point",
+                      "Borri-Brunetto, Carpinteri & Chiaia (2004), Rock Mech. Rock Eng. 37, 117"),
     .needs = LAC_NEEDS_CELLS,
     .estimator =
         "N_slip/N_tot of the last record; distance: the fixed point less that of the cells; rise_p "
         "by ranks of 20 equal parts of the time",
     LAC_PRECURSOR_VALUES(numbers),
-    .look = look,
+    .evaluate = look,
 };

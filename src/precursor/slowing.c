@@ -218,42 +218,42 @@ static void resample(const lac_motion *m, size_t n, double *even)
     }
 }
 
-static lac_status look(const lac_observed *seen, lac_finding *found, lac_error *err)
+static lac_status look(const lac_precursor_inputs *observation, lac_forecast_fit *found,
+                       lac_error *err)
 {
-    const lac_motion *m = seen->motion;
+    const lac_motion *m = observation->motion;
     double even[MOST];
     lac_slowing slowing;
     if (m->velocities < LEAST) {
-        return lac_finding_refuse(found, "too few velocities: %zu, at least %d", m->velocities,
-                                  (int)LEAST);
+        return lac_forecast_fit_refuse(found, "too few velocities: %zu, at least %d", m->velocities,
+                                       (int)LEAST);
     }
     found->points = m->velocities < MOST ? m->velocities : MOST;
     resample(m, found->points, even);
-    lac_status status =
-        lac_slowing_measure(found->points, even, seen->seed, seen->surrogates, &slowing, err);
+    lac_status status = lac_slowing_measure(found->points, even, observation->seed,
+                                            observation->surrogates, &slowing, err);
     if (status == LAC_OK) {
-        lac_finding_add(found, "variance_m2_s2", slowing.variance);
-        lac_finding_add(found, "variance_tau", slowing.variance_tau);
-        lac_finding_add(found, "variance_p", slowing.variance_p);
-        lac_finding_add(found, "variance_phase_p", slowing.variance_phase_p);
-        lac_finding_add(found, "autocorrelation", slowing.autocorrelation);
-        lac_finding_add(found, "autocorrelation_tau", slowing.autocorrelation_tau);
-        lac_finding_add(found, "autocorrelation_p", slowing.autocorrelation_p);
-        lac_finding_add(found, "autocorrelation_phase_p", slowing.autocorrelation_phase_p);
+        lac_forecast_fit_add(found, "variance_m2_s2", slowing.variance);
+        lac_forecast_fit_add(found, "variance_tau", slowing.variance_tau);
+        lac_forecast_fit_add(found, "variance_p", slowing.variance_p);
+        lac_forecast_fit_add(found, "variance_phase_p", slowing.variance_phase_p);
+        lac_forecast_fit_add(found, "autocorrelation", slowing.autocorrelation);
+        lac_forecast_fit_add(found, "autocorrelation_tau", slowing.autocorrelation_tau);
+        lac_forecast_fit_add(found, "autocorrelation_p", slowing.autocorrelation_p);
+        lac_forecast_fit_add(found, "autocorrelation_phase_p", slowing.autocorrelation_phase_p);
     }
     return status;
 }
 
 const lac_precursor_kind lac_precursor_slowing = {
-    .about =
-        LAC_ABOUT("slowing", "variance and autocorrelation of the velocity, with Kendall's tau",
-                  "Dakos et al. (2008), Proc. Natl Acad. Sci. 105, 14308, doi "
-                  "10.1073/pnas.0802430105; Theiler et al. (1992), Physica D 58, 77"),
+    .info = LAC_ABOUT("slowing", "variance and autocorrelation of the velocity, with Kendall's tau",
+                      "Dakos et al. (2008), Proc. Natl Acad. Sci. 105, 14308, doi "
+                      "10.1073/pnas.0802430105; Theiler et al. (1992), Physica D 58, 77"),
     .needs = LAC_NEEDS_MOTION,
     .estimator = "velocities at as many even times, at most 200, less a parabola; trailing windows "
                  "of half of them; tau over the windows; p among first-order autoregressions, "
                  "phase_p among series of the same spectrum",
     LAC_PRECURSOR_VALUES(numbers),
     .headline = 6,
-    .look = look,
+    .evaluate = look,
 };

@@ -64,11 +64,11 @@ static void write_distribution(const lac_page *page, size_t n, const double *sor
 static lac_status write_indicator(lac_json *json, const lac_precursor_kind *kind,
                                   const lac_event_list *events, lac_error *err)
 {
-    const lac_observed seen = {.events = events, .tc = NAN, .start = NAN};
-    lac_finding found = {0};
-    lac_status status = kind->look(&seen, &found, err);
+    const lac_precursor_inputs observation = {.events = events, .tc = NAN, .start = NAN};
+    lac_forecast_fit found = {0};
+    lac_status status = kind->evaluate(&observation, &found, err);
     if (status == LAC_OK) {
-        lac_json_open(json, kind->about.name, '{');
+        lac_json_open(json, kind->info.name, '{');
         lac_json_text(json, "reason", found.reason);
         lac_json_integer(json, "points", (int64_t)found.points);
         for (size_t i = 0; i < found.count; i++) {
@@ -103,7 +103,7 @@ static lac_status write_events(const lac_page *page, const char *key, size_t n,
     const lac_event_list list = {
         .n = n, .time = values[TIME].value, .moment = values[MOMENT].value};
     const lac_precursor_kind *kind;
-    for (size_t i = 0; (kind = lac_precursor_kind_at(i)) != NULL; i++) {
+    for (size_t i = 0; (kind = lac_precursor_kind_get(i)) != NULL; i++) {
         if (kind->page) {
             LAC_TRY(write_indicator(page->json, kind, &list, err));
         }

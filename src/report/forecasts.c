@@ -70,9 +70,9 @@ static void write_rolling(const lac_page *page, const lac_rolling *rolling)
     for (size_t m = 0; m < rolling->methods; m++) {
         const lac_forecast_kind *kind = rolling->forecast[m].kind;
         lac_json_open(json, NULL, '{');
-        lac_json_text(json, "name", kind->about.name);
-        lac_json_text(json, "summary", kind->about.summary);
-        lac_json_text(json, "reference", kind->about.reference);
+        lac_json_text(json, "name", kind->info.name);
+        lac_json_text(json, "summary", kind->info.summary);
+        lac_json_text(json, "reference", kind->info.reference);
         lac_json_boolean(json, "baseline", kind->baseline);
         lac_json_close(json, '}');
     }

@@ -14,10 +14,10 @@ enum {
 
 static const double *values_of(const lac_recording *recording, const char *name, size_t *n)
 {
-    lac_recorded seen;
-    const bool there = lac_recording_find(recording, name, &seen);
-    *n = there ? seen.count : 0;
-    return there ? seen.values : NULL;
+    lac_recorded observation;
+    const bool there = lac_recording_find(recording, name, &observation);
+    *n = there ? observation.count : 0;
+    return there ? observation.values : NULL;
 }
 
 // Snapshots that are kept at most: of large joints fewer.
@@ -80,7 +80,7 @@ static lac_status thin(lac_recording *recording, size_t shots, lac_error *err)
     return room ? LAC_OK : lac_fail_memory(err);
 }
 
-lac_status lac_report_thin(lac_recording *recording, lac_error *err)
+lac_status lac_page_thin_recording(lac_recording *recording, lac_error *err)
 {
     const lac_status status = thin(recording, 0, err);
     return status == LAC_OK ? thin(recording, most_shots(recording), err) : status;

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "base/hidden.h"
-#include "base/part.h"
+#include "base/temp_file.h"
 #include "report/assets.h"
 #include "report/run.h"
 
@@ -96,7 +96,7 @@ static lac_status finish(const lac_json *json, char **text, lac_status status, l
     return status;
 }
 
-static lac_status make(const lac_report_def *def, bool html, char **out, lac_error *err)
+static lac_status make(const lac_page_def *def, bool html, char **out, lac_error *err)
 {
     size_t size = 0;
     lac_page_run run = {0};
@@ -120,12 +120,12 @@ out:
     return json.out != NULL ? finish(&json, out, status, err) : status;
 }
 
-lac_status lac_report_data(const lac_report_def *def, char **json, lac_error *err)
+lac_status lac_page_data(const lac_page_def *def, char **json, lac_error *err)
 {
     return make(def, false, json, err);
 }
 
-lac_status lac_report_write(const lac_report_def *def, const char *path, bool force, lac_error *err)
+lac_status lac_page_write(const lac_page_def *def, const char *path, bool force, lac_error *err)
 {
     char *html = NULL;
     lac_status status = make(def, true, &html, err);
@@ -136,7 +136,7 @@ lac_status lac_report_write(const lac_report_def *def, const char *path, bool fo
     return status;
 }
 
-lac_status lac_report_live_page(const char *nonce, char **html, lac_error *err)
+lac_status lac_page_live_page(const char *nonce, char **html, lac_error *err)
 {
     size_t size = 0;
     lac_json json = {.out = open_memstream(html, &size)};

@@ -8,7 +8,7 @@
 #include "store/recording.h"
 
 /// What a page shows. Texts are borrowed.
-typedef struct lac_report_def {
+typedef struct lac_page_def {
     const char *run;                ///< file of a run
     const lac_recording *recording; ///< read instead of the file, whose name is then only shown;
                                     ///< with the texts that are the file's attributes; NULL: none
@@ -19,7 +19,7 @@ typedef struct lac_report_def {
     double now;                     ///< seconds since 1970 UTC: the library reads no clock
     int issues; ///< times at which forecasts are issued, at most: they cost more than all else; 0:
                 ///< 40, -1: none
-} lac_report_def;
+} lac_page_def;
 
 /// The data of a page as one JSON object, which a page's script draws: every section that the file
 /// holds something for, its series thinned to what can be told apart on a screen. A reading of a
@@ -29,26 +29,25 @@ typedef struct lac_report_def {
 ///         other way round a fit); LAC_EIO (not the file of a run, or of a fit; damaged);
 ///         LAC_ENOMEM
 /// @cost  memory of all records of one column set, and of 12 000 numbers for each of 40 snapshots
-lac_status lac_report_data(const lac_report_def *def, char **json, lac_error *err);
+lac_status lac_page_data(const lac_page_def *def, char **json, lac_error *err);
 
 /// Writes the page.
 /// @param path   taken only once the page is whole
 /// @param force  replace a file that exists
-/// @return as lac_report_data; LAC_EINPUT where the file exists and `force` is not set
-lac_status lac_report_write(const lac_report_def *def, const char *path, bool force,
-                            lac_error *err);
+/// @return as lac_page_data; LAC_EINPUT where the file exists and `force` is not set
+lac_status lac_page_write(const lac_page_def *def, const char *path, bool force, lac_error *err);
 
 /// The page of a run that goes on: without data, which its script asks for at `data` again and
 /// again. docs/report.md
 /// @param nonce  of the Content-Security-Policy that it is sent with
 /// @param html   ends in '\0'; the caller frees it; NULL where it fails
 /// @return LAC_OK; LAC_ENOMEM
-lac_status lac_report_live_page(const char *nonce, char **html, lac_error *err);
+lac_status lac_page_live_page(const char *nonce, char **html, lac_error *err);
 
 /// Keeps a recording that grows as small as its page allows: of many records those that a chart
 /// needs, of many snapshots some (fewer of more cells, 256 MiB in all). To be called after every
 /// few records, and after every snapshot.
 /// @return LAC_OK; LAC_ENOMEM
-lac_status lac_report_thin(lac_recording *recording, lac_error *err);
+lac_status lac_page_thin_recording(lac_recording *recording, lac_error *err);
 
 #endif

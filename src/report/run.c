@@ -77,7 +77,7 @@ out:
 }
 
 // Times of the file's records, or of those that are in memory.
-static lac_status open_run(const lac_report_def *def, lac_page_run *out, lac_error *err)
+static lac_status open_run(const lac_page_def *def, lac_page_run *out, lac_error *err)
 {
     lac_stored_values time = {0};
     lac_status status;
@@ -91,7 +91,7 @@ out:
     return status;
 }
 
-lac_status lac_page_run_read(const lac_report_def *def, lac_page_run *out, lac_error *err)
+lac_status lac_page_run_read(const lac_page_def *def, lac_page_run *out, lac_error *err)
 {
     char text[64];
     lac_status status;

@@ -22,7 +22,7 @@ typedef struct lac_page_run {
 
 /// Reads it.
 /// @return LAC_OK; LAC_EINPUT (no record); LAC_EIO (not a run of Lacuna, damaged); LAC_ENOMEM
-lac_status lac_page_run_read(const lac_report_def *def, lac_page_run *out, lac_error *err);
+lac_status lac_page_run_read(const lac_page_def *def, lac_page_run *out, lac_error *err);
 void lac_page_run_clear(lac_page_run *run);
 
 /// A column over time by its name in a file, NULL where there is none.
@@ -42,7 +42,7 @@ void lac_page_thin_to(size_t n, const double *time, const double *before, size_t
 
 /// What each section needs.
 typedef struct lac_page {
-    const lac_report_def *def;
+    const lac_page_def *def;
     const lac_page_run *run;
     lac_json *json;
 } lac_page;

@@ -11,7 +11,7 @@
 
 // One search: the contact that was solved last, and what follows from it.
 typedef struct search {
-    const lac_rg_press *press;
+    const lac_rg_resolve_def *press;
     lac_rg_tree *tree;
     lac_rg_rule rule;
     double *map;         // [ny * nx] pressures
@@ -68,14 +68,15 @@ static lac_status find(search *s, double guess, lac_rg_bracket *b, lac_error *er
 static void start_at(search *s, const lac_rg_path *path, double load)
 {
     const lac_domain *domain = s->press->domain;
-    lac_rg_path_at(path, load, s->shear, s->gap);
+    lac_rg_path_eval(path, load, s->shear, s->gap);
     for (size_t i = 0; i < domain->n; i++) {
         s->map[domain->index[i]] = s->gap[i] / s->press->friction;
     }
 }
 
-lac_status lac_rg_critical_solved(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_press *press,
-                                  const lac_rg_path *path, double *critical, lac_error *err)
+lac_status lac_rg_critical_solved(lac_rg_tree *tree, lac_rg_rule rule,
+                                  const lac_rg_resolve_def *press, const lac_rg_path *path,
+                                  double *critical, lac_error *err)
 {
     const size_t n = press->domain->n;
     bool stuck = false;
@@ -106,7 +107,7 @@ double lac_rg_root(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path,
 {
     double *shear = work;
     double *gap = work + lac_rg_blocks_at(tree, 0);
-    lac_rg_path_at(path, load, shear, gap);
+    lac_rg_path_eval(path, load, shear, gap);
     return lac_rg_pass(tree, rule, shear, gap);
 }
 
@@ -148,7 +149,7 @@ double lac_rg_critical(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *p
 {
     // a joint may slide, stick and slide again as its tractions rearrange
     lac_rg_bracket b = {.low = lac_rg_path_load(path, 0.0), .at_low = INFINITY};
-    if (lac_rg_path_is_laden(path)) {
+    if (lac_rg_path_is_preloaded(path)) {
         b.at_low = lac_rg_root(tree, rule, path, b.low, work);
         if (lac_rg_slips(tree, b.at_low)) {
             return b.low;

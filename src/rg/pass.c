@@ -194,7 +194,7 @@ static void settle_lump(lac_rg_tree *tree, size_t k, size_t block)
     }
 }
 
-void lac_rg_settle(lac_rg_tree *tree, uint8_t *slipped, double *stress)
+void lac_rg_resolve(lac_rg_tree *tree, uint8_t *slipped, double *stress)
 {
     tree->layer[tree->layers - 1].received[0] = 0.0;
     for (size_t k = tree->layers; k-- > 1;) {

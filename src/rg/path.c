@@ -167,7 +167,7 @@ out:
     return status;
 }
 
-bool lac_rg_path_is_laden(const lac_rg_path *path) { return path->shear != NULL; }
+bool lac_rg_path_is_preloaded(const lac_rg_path *path) { return path->shear != NULL; }
 
 double lac_rg_path_load(const lac_rg_path *path, double part)
 {
@@ -221,7 +221,7 @@ static void elastic_at(const lac_rg_path *path, double load, double *shear, doub
     }
 }
 
-void lac_rg_path_at(const lac_rg_path *path, double load, double *shear, double *gap)
+void lac_rg_path_eval(const lac_rg_path *path, double load, double *shear, double *gap)
 {
     if (path->loads == 0) {
         equal_at(path, load, shear, gap);

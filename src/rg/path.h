@@ -9,7 +9,7 @@
 enum { LAC_RG_SCAN = 60 }; // loads at which it is seen whether the joint slides, at least
 
 /// Whether the joint carries tractions before the path begins.
-bool lac_rg_path_is_laden(const lac_rg_path *path);
+bool lac_rg_path_is_preloaded(const lac_rg_path *path);
 
 /// Q/Q_nom at a part of the path, 0 to 1.
 double lac_rg_path_load(const lac_rg_path *path, double part);

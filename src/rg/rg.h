@@ -66,7 +66,7 @@ size_t lac_rg_slipping(const lac_rg_tree *tree, size_t level);
 /// @param slipped  [n] 1 where a cell has slipped in the end, 0 where it sticks; overwritten
 /// @param stress   [n] stress that each sticking cell has received from others [Pa]; overwritten;
 ///                 NULL if not wanted; with LUMP all 0
-void lac_rg_settle(lac_rg_tree *tree, uint8_t *slipped, double *stress);
+void lac_rg_resolve(lac_rg_tree *tree, uint8_t *slipped, double *stress);
 
 /// How the shear force spreads over the cells as it grows from 0 to f P. Immutable.
 typedef struct lac_rg_path lac_rg_path;
@@ -115,7 +115,7 @@ lac_status lac_rg_series_solve(const lac_contact_def *contact, const lac_domain 
 void lac_rg_path_free(lac_rg_path *path);
 
 /// Tractions and gaps at a load, Q/Q_nom [1].
-void lac_rg_path_at(const lac_rg_path *path, double load, double *shear, double *gap);
+void lac_rg_path_eval(const lac_rg_path *path, double load, double *shear, double *gap);
 
 /// The smallest load at which the joint slides, as part of Q_nom = f P; where it slides already
 /// before a further load, the load that it carries.
@@ -123,18 +123,19 @@ void lac_rg_path_at(const lac_rg_path *path, double load, double *shear, double 
 double lac_rg_critical(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path, double *work);
 
 /// A contact that can be solved again under less load.
-typedef struct lac_rg_press {
+typedef struct lac_rg_resolve_def {
     const lac_contact_def *contact; ///< load control
     const lac_domain *domain;       ///< its solution's
     double friction;                ///< f [1]
-} lac_rg_press;
+} lac_rg_resolve_def;
 
 /// The load at which the joint slides, on contacts that are solved for it, each from the one
 /// before, instead of interpolated ones: first near the critical load of the path, then closer.
 /// @param path      elastic, of the same contact
 /// @param critical  Q_crit/Q_nom, to 1e-6. The tree is left just before the joint slides
-lac_status lac_rg_critical_solved(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_press *press,
-                                  const lac_rg_path *path, double *critical, lac_error *err);
+lac_status lac_rg_critical_solved(lac_rg_tree *tree, lac_rg_rule rule,
+                                  const lac_rg_resolve_def *press, const lac_rg_path *path,
+                                  double *critical, lac_error *err);
 
 /// When the blocks of each level slip by themselves along a path: the size effect of the strength.
 typedef struct lac_rg_sizes {

@@ -8,11 +8,11 @@
 /// A joint as the cascade needs it.
 typedef struct lac_rg_joint {
     const lac_domain *domain;
-    const double *strength;    ///< [n] f p [Pa]
-    const double *drop;        ///< [n] (1 - beta) f p [Pa]
-    const lac_rg_path *path;   ///< how the shear force grows
-    const lac_rg_press *press; ///< solved again for the critical force of each place; NULL: that
-                               ///< of the path
+    const double *strength;          ///< [n] f p [Pa]
+    const double *drop;              ///< [n] (1 - beta) f p [Pa]
+    const lac_rg_path *path;         ///< how the shear force grows
+    const lac_rg_resolve_def *press; ///< solved again for the critical force of each place; NULL:
+                                     ///< that of the path
 } lac_rg_joint;
 
 /// How an ensemble of joints is studied.

@@ -44,7 +44,7 @@ static void count_at_critical(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_
 {
     double *gap = work + lac_rg_blocks_at(tree, 0);
     double least = lac_rg_path_load(path, 0.0);
-    lac_rg_path_at(path, fmax(least, out->critical - 2e-9), work, gap);
+    lac_rg_path_eval(path, fmax(least, out->critical - 2e-9), work, gap);
     (void)lac_rg_pass(tree, rule, work, gap);
     for (size_t level = 0; level <= lac_rg_levels(tree); level++) {
         out->blocks[level] = (double)lac_rg_blocks_at(tree, level);
@@ -112,7 +112,7 @@ static lac_status note_order(lac_rg_order *order, lac_rg_tree *tree, size_t i, d
     const lac_domain *domain = order->domain;
     const bool was_whole = i > 0 && order->part->n == domain->n;
     size_t count = 0;
-    lac_rg_settle(tree, order->slipped, NULL);
+    lac_rg_resolve(tree, order->slipped, NULL);
     for (size_t c = 0; c < domain->n; c++) {
         double at = order->cell_load[c];
         order->cell_load[c] = order->slipped[c] == 0 || !isnan(at) ? at : load;
@@ -162,7 +162,7 @@ static lac_status scan_path(scan *s, size_t loads, const double *load, lac_rg_sa
     for (size_t level = 0; level < levels; level++) {
         out->begin[level] = (double)lac_rg_slipping(s->tree, level);
     }
-    if (s->order != NULL && lac_rg_path_is_laden(s->path)) {
+    if (s->order != NULL && lac_rg_path_is_preloaded(s->path)) {
         lac_rg_own_levels(s->tree, s->order->own_level);
     }
     for (size_t i = 0; i < loads; i++) {

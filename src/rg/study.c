@@ -57,8 +57,8 @@ static void set_loads(lac_rg_study *study, const lac_rg_path *path)
 {
     const size_t n = study->def.loads;
     for (size_t i = 0; i < n; i++) {
-        double part =
-            lac_rg_path_is_laden(path) ? (double)i / (double)(n - 1) : (double)(i + 1) / (double)n;
+        double part = lac_rg_path_is_preloaded(path) ? (double)i / (double)(n - 1)
+                                                     : (double)(i + 1) / (double)n;
         study->load[i] = lac_rg_path_load(path, part);
     }
 }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Whether a run still gets on: by the number of its steps, and by the time that they add up to.
-#include "run/course.h"
+#include "run/run_state.h"
 
 #include <math.h>
 
-static lac_status too_many_steps(const lac_course *r, lac_error *err)
+static lac_status too_many_steps(const lac_run_state *r, lac_error *err)
 {
     return lac_fail(err, LAC_ENUMERIC,
                     "%lld %s were not enough: t = %.17g s of %g s, last step %.3g s, mean slip "
@@ -17,7 +17,7 @@ static lac_status too_many_steps(const lac_course *r, lac_error *err)
 // Looks now and then whether time goes on: far less than the cells' own time scale in a thousand
 // steps is none at all. The steps are summed: near a stop they are too short for a difference of
 // times.
-static lac_status check_advance(lac_course *r, lac_error *err)
+static lac_status check_advance(lac_run_state *r, lac_error *err)
 {
     const int64_t window = 1000;
     lac_engine *engine = r->engine;
@@ -39,12 +39,12 @@ static lac_status check_advance(lac_course *r, lac_error *err)
                     (long long)window, engine->step, lac_engine_time(engine), r->mean_rate);
 }
 
-lac_status lac_course_check(lac_course *r, lac_error *err)
+lac_status lac_run_state_check(lac_run_state *r, lac_error *err)
 {
     return r->steps >= r->def->max_steps ? too_many_steps(r, err) : check_advance(r, err);
 }
 
-double lac_course_sweep_end(const lac_course *r)
+double lac_run_state_sweep_end(const lac_run_state *r)
 {
     if (!r->engine->kind->sweeps || r->between == NULL) {
         return INFINITY;
@@ -53,18 +53,18 @@ double lac_course_sweep_end(const lac_course *r)
     return fmin(lac_clock_next(&r->record_clock), snapshot);
 }
 
-lac_status lac_course_watch(const lac_course *r, double step, lac_error *err)
+lac_status lac_run_state_watch(const lac_run_state *r, double step, lac_error *err)
 {
     const lac_engine *engine = r->engine;
     if (r->sink == NULL || r->sink->step == NULL) {
         return LAC_OK;
     }
-    const lac_step seen = {.time_origin = engine->origin,
-                           .time_local = engine->base + engine->t,
-                           .step = step,
-                           .max_rate = r->max_rate,
-                           .n = engine->n,
-                           .slip_rate = engine->work,
-                           .slip = engine->slip};
-    return r->sink->step(r->sink->context, &seen, err);
+    const lac_step observation = {.time_origin = engine->origin,
+                                  .time_local = engine->base + engine->t,
+                                  .step = step,
+                                  .max_rate = r->max_rate,
+                                  .n = engine->n,
+                                  .slip_rate = engine->work,
+                                  .slip = engine->slip};
+    return r->sink->step(r->sink->context, &observation, err);
 }

@@ -89,7 +89,7 @@ lac_status lac_check_def(const lac_run_def *def, lac_error *err)
                         "solver.fidelity static has no time to run through: lacuna rg works out "
                         "the cascade; ode and events run");
     }
-    if (def->fidelity == LAC_FIDELITY_EVENTS && !(def->wake > 0.0)) {
+    if (def->fidelity == LAC_FIDELITY_ASYNC && !(def->wake > 0.0)) {
         return lac_fail(err, LAC_EINPUT, "wake %g must be positive", def->wake);
     }
     if (!(def->end > 0.0) || !isfinite(def->end)) {
@@ -155,7 +155,7 @@ lac_status lac_run_check(const lac_problem *problem, const lac_run_def *def, lac
         return lac_fail_memory(err);
     }
     lac_problem_initial(problem, y);
-    if (def->fidelity == LAC_FIDELITY_EVENTS) {
+    if (def->fidelity == LAC_FIDELITY_ASYNC) {
         LAC_TRY(lac_engine_events_check(problem, err));
     }
     const lac_failure failure = lac_problem_failure(problem, def->failure_rate, def->failure_slip);

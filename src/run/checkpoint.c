@@ -4,17 +4,17 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "run/course.h"
+#include "run/run_state.h"
 
-#define PASS(tape, thing) lac_tape_pass(tape, &(thing), sizeof(thing))
+#define PASS(archive, thing) lac_archive_pass(archive, &(thing), sizeof(thing))
 
-bool lac_course_plans(const lac_run_def *def)
+bool lac_run_state_plans(const lac_run_def *def)
 {
     const lac_cadence *every = &def->checkpoint;
     return every->steps > 0 || every->time > 0.0 || every->per_decade > 0.0;
 }
 
-bool lac_course_checkpoint_due(lac_course *r)
+bool lac_run_state_checkpoint_due(lac_run_state *r)
 {
     lac_clock *clock = &r->checkpoint_clock;
     bool due = lac_clock_due(clock, r->mean_rate);
@@ -51,107 +51,107 @@ static uint64_t identify(const lac_problem *problem)
     return sum | 1;
 }
 
-static void pass_instant(lac_tape *tape, lac_instant *instant)
+static void pass_instant(lac_archive *archive, lac_instant *instant)
 {
-    PASS(tape, instant->set);
-    PASS(tape, instant->origin);
-    PASS(tape, instant->local);
+    PASS(archive, instant->set);
+    PASS(archive, instant->origin);
+    PASS(archive, instant->local);
 }
 
-static void pass_clock(lac_tape *tape, lac_clock *clock)
+static void pass_clock(lac_archive *archive, lac_clock *clock)
 {
-    PASS(tape, clock->count);
-    PASS(tape, clock->steps);
-    PASS(tape, clock->last_log_rate);
+    PASS(archive, clock->count);
+    PASS(archive, clock->steps);
+    PASS(archive, clock->last_log_rate);
 }
 
-static void pass_counts(lac_tape *tape, lac_run_result *counts)
+static void pass_counts(lac_archive *archive, lac_run_result *counts)
 {
-    PASS(tape, counts->steps);
-    PASS(tape, counts->rhs_evaluations);
-    PASS(tape, counts->newton_iterations);
-    PASS(tape, counts->linear_solves);
-    PASS(tape, counts->error_test_fails);
-    PASS(tape, counts->nonlinear_fails);
-    PASS(tape, counts->restarts);
+    PASS(archive, counts->steps);
+    PASS(archive, counts->rhs_evaluations);
+    PASS(archive, counts->newton_iterations);
+    PASS(archive, counts->linear_solves);
+    PASS(archive, counts->error_test_fails);
+    PASS(archive, counts->nonlinear_fails);
+    PASS(archive, counts->restarts);
 }
 
-static void pass_engine(lac_tape *tape, lac_engine *engine)
+static void pass_engine(lac_archive *archive, lac_engine *engine)
 {
-    PASS(tape, engine->origin);
-    PASS(tape, engine->base);
-    PASS(tape, engine->t);
-    PASS(tape, engine->limit);
-    PASS(tape, engine->step);
-    PASS(tape, engine->order);
-    PASS(tape, engine->beginnings);
-    pass_counts(tape, &engine->counts);
-    lac_tape_pass(tape, engine->y, engine->unknowns * sizeof *engine->y);
-    lac_tape_pass(tape, engine->slip, engine->n * sizeof *engine->slip);
+    PASS(archive, engine->origin);
+    PASS(archive, engine->base);
+    PASS(archive, engine->t);
+    PASS(archive, engine->limit);
+    PASS(archive, engine->step);
+    PASS(archive, engine->order);
+    PASS(archive, engine->beginnings);
+    pass_counts(archive, &engine->counts);
+    lac_archive_pass(archive, engine->y, engine->unknowns * sizeof *engine->y);
+    lac_archive_pass(archive, engine->slip, engine->n * sizeof *engine->slip);
 }
 
 // Everything in one order, both ways.
-static void pass_course(lac_tape *tape, lac_course *r)
+static void pass_course(lac_archive *archive, lac_run_state *r)
 {
-    pass_engine(tape, r->engine);
-    pass_clock(tape, &r->record_clock);
-    pass_clock(tape, &r->snapshot_clock);
-    pass_clock(tape, &r->checkpoint_clock);
-    pass_instant(tape, &r->last_record);
-    pass_instant(tape, &r->last_snapshot);
-    pass_instant(tape, &r->looked);
-    PASS(tape, r->next_break);
-    PASS(tape, r->mean_rate);
-    PASS(tape, r->max_rate);
-    PASS(tape, r->first_step);
-    PASS(tape, r->steps);
-    PASS(tape, r->result->restarts);
-    PASS(tape, r->result->max_slip_rate);
-    PASS(tape, r->result->balance_residual);
-    PASS(tape, r->result->rate_drift);
-    if (r->sink != NULL && r->sink->keep != NULL) {
-        r->sink->keep(r->sink->context, tape);
+    pass_engine(archive, r->engine);
+    pass_clock(archive, &r->record_clock);
+    pass_clock(archive, &r->snapshot_clock);
+    pass_clock(archive, &r->checkpoint_clock);
+    pass_instant(archive, &r->last_record);
+    pass_instant(archive, &r->last_snapshot);
+    pass_instant(archive, &r->looked);
+    PASS(archive, r->next_break);
+    PASS(archive, r->mean_rate);
+    PASS(archive, r->max_rate);
+    PASS(archive, r->first_step);
+    PASS(archive, r->steps);
+    PASS(archive, r->result->restarts);
+    PASS(archive, r->result->max_slip_rate);
+    PASS(archive, r->result->balance_residual);
+    PASS(archive, r->result->rate_drift);
+    if (r->sink != NULL && r->sink->serialize != NULL) {
+        r->sink->serialize(r->sink->context, archive);
     }
 }
 
-static void pass_identity(lac_tape *tape, uint64_t *n, uint64_t *formulation, uint64_t *start)
+static void pass_identity(lac_archive *archive, uint64_t *n, uint64_t *formulation, uint64_t *start)
 {
-    PASS(tape, *n);
-    PASS(tape, *formulation);
-    PASS(tape, *start);
+    PASS(archive, *n);
+    PASS(archive, *formulation);
+    PASS(archive, *start);
 }
 
-lac_status lac_course_checkpoint(lac_course *r, bool planned, lac_error *err)
+lac_status lac_run_state_checkpoint(lac_run_state *r, bool planned, lac_error *err)
 {
-    lac_tape tape = {.loading = false};
+    lac_archive archive = {.loading = false};
     uint64_t n = r->engine->n;
     uint64_t formulation = (uint64_t)lac_problem_formulation(r->problem);
     uint64_t start = identify(r->problem);
     if (r->sink == NULL || r->sink->checkpoint == NULL) {
         return LAC_OK;
     }
-    pass_identity(&tape, &n, &formulation, &start);
-    pass_course(&tape, r);
+    pass_identity(&archive, &n, &formulation, &start);
+    pass_course(&archive, r);
     lac_status status = LAC_OK;
-    if (start == 0 || tape.no_memory) {
+    if (start == 0 || archive.no_memory) {
         status = lac_fail_memory(err);
-    } else if (tape.refused != NULL && planned) {
+    } else if (archive.refused != NULL && planned) {
         status = lac_fail(err, LAC_EINPUT,
                           "the analysis %s cannot be kept in a checkpoint: leave it or "
                           "output.checkpoint out",
-                          tape.refused);
-    } else if (tape.refused == NULL) {
+                          archive.refused);
+    } else if (archive.refused == NULL) {
         lac_checkpoint checkpoint = {.planned = planned,
                                      .time = lac_engine_time(r->engine),
-                                     .size = tape.size,
-                                     .state = tape.bytes};
+                                     .size = archive.size,
+                                     .state = archive.bytes};
         status = r->sink->checkpoint(r->sink->context, &checkpoint, err);
     }
-    free(tape.bytes);
+    free(archive.bytes);
     return status;
 }
 
-static lac_status check_identity(const lac_course *r, lac_tape *tape, lac_error *err)
+static lac_status check_identity(const lac_run_state *r, lac_archive *archive, lac_error *err)
 {
     uint64_t n = 0;
     uint64_t formulation = 0;
@@ -160,8 +160,8 @@ static lac_status check_identity(const lac_course *r, lac_tape *tape, lac_error 
     if (now == 0) {
         return lac_fail_memory(err);
     }
-    pass_identity(tape, &n, &formulation, &start);
-    if (!lac_tape_good(tape) || n != r->engine->n ||
+    pass_identity(archive, &n, &formulation, &start);
+    if (!lac_archive_good(archive) || n != r->engine->n ||
         formulation != (uint64_t)lac_problem_formulation(r->problem) || start != now) {
         return lac_fail(err, LAC_EINPUT,
                         "the checkpoint is of another scene: its cells or what they start from "
@@ -170,21 +170,21 @@ static lac_status check_identity(const lac_course *r, lac_tape *tape, lac_error 
     return LAC_OK;
 }
 
-lac_status lac_course_resume(lac_course *r, lac_error *err)
+lac_status lac_run_state_resume(lac_run_state *r, lac_error *err)
 {
     const lac_checkpoint *from = r->def->resume;
-    lac_tape tape = {.loading = true, .size = from->size};
+    lac_archive archive = {.loading = true, .size = from->size};
     lac_status status = LAC_OK;
-    tape.bytes = (unsigned char *)from->state; // only read
+    archive.bytes = (unsigned char *)from->state; // only read
     r->record_clock.every = r->def->record;
     r->snapshot_clock.every = r->def->snapshot;
     r->checkpoint_clock.every = r->def->checkpoint;
-    LAC_TRY(check_identity(r, &tape, err));
-    pass_course(&tape, r);
-    if (tape.no_memory) {
+    LAC_TRY(check_identity(r, &archive, err));
+    pass_course(&archive, r);
+    if (archive.no_memory) {
         return lac_fail_memory(err);
     }
-    if (!lac_tape_good(&tape) || tape.at != tape.size) {
+    if (!lac_archive_good(&archive) || archive.at != archive.size) {
         return lac_fail(err, LAC_EINPUT, "the checkpoint does not fit this case and program");
     }
     if (!(lac_engine_time(r->engine) < r->def->end)) {

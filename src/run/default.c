@@ -48,7 +48,7 @@ const char *lac_end_name(lac_end end)
 const char *lac_fidelity_name(lac_fidelity fidelity)
 {
     static const char *const names[] = {[LAC_FIDELITY_ODE] = "ode",
-                                        [LAC_FIDELITY_EVENTS] = "events",
+                                        [LAC_FIDELITY_ASYNC] = "events",
                                         [LAC_FIDELITY_STATIC] = "static"};
     return names[fidelity];
 }

@@ -21,7 +21,7 @@ LAC_GETTER(double, order, PLACE, p->record.order != 0 ? (double)p->record.order 
 #define MEAN .cell_methods = "time: point area: mean"
 #define POINT .cell_methods = "time: point"
 // Held, though never missing in fact.
-#define SEEN(field) P(REAL, record.seen.field), .flags = LAC_FILLED | LAC_ROUGH
+#define SEEN(field) P(REAL, record.observation.field), .flags = LAC_FILLED | LAC_ROUGH
 #define COUNT .flags = LAC_WHOLE | LAC_LONG
 
 static const lac_variable of_record[] = {
@@ -287,7 +287,7 @@ out:
 void lac_run_place_record(lac_run_place *place, const lac_record *record)
 {
     place->record = *record;
-    place->apparent_friction = record->seen.shear_force / record->seen.normal_force;
+    place->apparent_friction = record->observation.shear_force / record->observation.normal_force;
 }
 
 const lac_variable *lac_run_column(size_t index)

@@ -43,9 +43,9 @@ out:
 lac_status lac_engine_create(const lac_problem *problem, const lac_run_def *def, lac_engine **out,
                              lac_error *err)
 {
-    const lac_engine_kind *kind = def->fidelity == LAC_FIDELITY_EVENTS ? &lac_engine_events
-                                  : def->method == LAC_ERK             ? &lac_engine_erk
-                                                                       : &lac_engine_cvode;
+    const lac_engine_kind *kind = def->fidelity == LAC_FIDELITY_ASYNC ? &lac_engine_events
+                                  : def->method == LAC_ERK            ? &lac_engine_erk
+                                                                      : &lac_engine_cvode;
     return create(kind, problem, def, out, err);
 }
 
@@ -179,10 +179,10 @@ lac_status lac_engine_advance(lac_engine *engine, double stop, lac_error *err)
     return status == LAC_OK ? engine->kind->advance(engine, stop, err) : status;
 }
 
-bool lac_engine_at(lac_engine *engine, double t, double *seen)
+bool lac_engine_at(lac_engine *engine, double t, double *observation)
 {
     lac_engine *turn = engine->turn == LAC_TURN_BRIEF ? engine->brief : engine;
-    return turn->kind->at(turn, t, seen);
+    return turn->kind->at(turn, t, observation);
 }
 
 void lac_engine_count(lac_engine *engine)

@@ -51,7 +51,7 @@ typedef struct lac_engine_kind {
     lac_status (*advance)(lac_engine *engine, double stop, lac_error *err);
     // State and slip at an integrator's time within the last step; seen [3n]: the first 2n of y,
     // then slip.
-    bool (*at)(lac_engine *engine, double t, double *seen);
+    bool (*at)(lac_engine *engine, double t, double *observation);
     // Brings the counters up to date.
     void (*count)(lac_engine *engine);
     // A step is a sweep of which only the end is known: `at` gives that, output times end a step,
@@ -79,7 +79,7 @@ lac_status lac_engine_restart(lac_engine *engine, double h, lac_error *err);
 
 // The kind's functions of the same names, by the method whose turn it is.
 lac_status lac_engine_advance(lac_engine *engine, double stop, lac_error *err);
-bool lac_engine_at(lac_engine *engine, double t, double *seen);
+bool lac_engine_at(lac_engine *engine, double t, double *observation);
 void lac_engine_count(lac_engine *engine);
 
 // What a step is held to after a method of many steps has begun anew so often. It begins with short

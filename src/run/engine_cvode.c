@@ -292,18 +292,18 @@ static lac_status cvode_advance(lac_engine *engine, double stop, lac_error *err)
 }
 
 // Straight into the place that is asked for: vectors of their own would only be copied from.
-static bool cvode_at(lac_engine *engine, double t, double *seen)
+static bool cvode_at(lac_engine *engine, double t, double *observation)
 {
     cvode *c = engine->inner;
-    double *slip = seen + 2 * engine->n;
-    lac_vector_lend(c->seen_y, seen);
+    double *slip = observation + 2 * engine->n;
+    lac_vector_lend(c->seen_y, observation);
     if (CVodeGetDky(c->mem, t, 0, c->seen_y) != CV_SUCCESS) {
         return false;
     }
     lac_vector_finish(c->seen_y);
     if (c->slip == NULL) {
         size_t place = lac_problem_slip_place(engine->problem);
-        memmove(slip, seen + place, engine->n * sizeof *slip);
+        memmove(slip, observation + place, engine->n * sizeof *slip);
         return true;
     }
     lac_vector_lend(c->seen_slip, slip);

@@ -230,7 +230,7 @@ static lac_status erk_advance(lac_engine *engine, double stop, lac_error *err)
     return LAC_OK;
 }
 
-static bool erk_at(lac_engine *engine, double t, double *seen)
+static bool erk_at(lac_engine *engine, double t, double *observation)
 {
     size_t n = engine->n;
     erk *c = engine->inner;
@@ -241,8 +241,8 @@ static bool erk_at(lac_engine *engine, double t, double *seen)
         return false;
     }
     const double *data = lac_vector_data(c->scratch);
-    memcpy(seen, data, 2 * n * sizeof *seen);
-    memcpy(seen + 2 * n, data + (engine->slip - engine->y), n * sizeof *seen);
+    memcpy(observation, data, 2 * n * sizeof *observation);
+    memcpy(observation + 2 * n, data + (engine->slip - engine->y), n * sizeof *observation);
     return true;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Limits crossed within a step: the first is found, and time and state are taken back to it.
-#include "run/course.h"
+#include "run/run_state.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -32,15 +32,15 @@ typedef struct probe {
     lac_engine *engine;
     const lac_run_def *def;
     lac_crossing_kind kind;
-    double *seen; // [3n] state and slip
+    double *observation; // [3n] state and slip
 } probe;
 
 static bool look(probe *p, double t, double *value)
 {
-    if (!lac_engine_at(p->engine, t, p->seen)) {
+    if (!lac_engine_at(p->engine, t, p->observation)) {
         return false;
     }
-    *value = past(p->engine, p->def, p->kind, t, p->seen, p->seen + 2 * p->engine->n);
+    *value = past(p->engine, p->def, p->kind, t, p->observation, p->observation + 2 * p->engine->n);
     return true;
 }
 

@@ -2,7 +2,7 @@
 // A problem followed to given times with derivatives of what is seen: CVODES' forward
 // sensitivities. lac_run has the records, events and restarts of a whole simulation; this has none
 // of them and starts in microseconds, for the many runs of a fit.
-#include "run/follow.h"
+#include "run/sensitivity_state.h"
 
 #include <cvodes/cvodes.h>
 #include <math.h>
@@ -13,9 +13,9 @@
 
 static int rates(sunrealtype t, N_Vector y, N_Vector ydot, void *user)
 {
-    lac_follower *f = user;
-    bool good =
-        lac_follower_derivative(f, f->def->problem, t, lac_vector_data(y), lac_vector_data(ydot));
+    lac_sensitivity_state *f = user;
+    bool good = lac_sensitivity_state_derivative(f, f->def->problem, t, lac_vector_data(y),
+                                                 lac_vector_data(ydot));
     return good ? 0 : 1;
 }
 
@@ -23,11 +23,11 @@ static int rates(sunrealtype t, N_Vector y, N_Vector ydot, void *user)
 static int sensitivity_rates(int count, sunrealtype t, N_Vector y, N_Vector ydot, N_Vector *s,
                              N_Vector *sdot, void *user, N_Vector spare, N_Vector other)
 {
-    lac_follower *f = user;
+    lac_sensitivity_state *f = user;
     (void)ydot, (void)spare, (void)other;
     for (int k = 0; k < count; k++) {
-        if (!lac_follower_sensitivity(f, (size_t)k, t, lac_vector_data(y), lac_vector_data(s[k]),
-                                      lac_vector_data(sdot[k]))) {
+        if (!lac_sensitivity_state_sensitivity(f, (size_t)k, t, lac_vector_data(y),
+                                               lac_vector_data(s[k]), lac_vector_data(sdot[k]))) {
             return 1;
         }
     }
@@ -36,7 +36,7 @@ static int sensitivity_rates(int count, sunrealtype t, N_Vector y, N_Vector ydot
 
 static int weights(N_Vector y, N_Vector w, void *user)
 {
-    const lac_follower *f = user;
+    const lac_sensitivity_state *f = user;
     const double *at = lac_vector_data(y);
     double *weight = lac_vector_data(w);
     double rtol = f->rtol;
@@ -54,7 +54,7 @@ static SUNLinearSolver_Type embedded(SUNLinearSolver solver)
 // (1 - gamma J) x = b: the problem's own solve, and slip behind it, on which nothing depends.
 static int solve(SUNLinearSolver solver, SUNMatrix none, N_Vector x, N_Vector b, sunrealtype tol)
 {
-    lac_follower *f = solver->content;
+    lac_sensitivity_state *f = solver->content;
     sunrealtype t, gamma, rl1;
     N_Vector predicted, y, rate, zn1;
     void *user;
@@ -67,12 +67,13 @@ static int solve(SUNLinearSolver solver, SUNMatrix none, N_Vector x, N_Vector b,
     const double *at = lac_vector_data(y);
     double *found = lac_vector_data(x);
     const lac_problem *problem = f->def->problem;
-    if (!lac_problem_newton(problem, lac_follower_clock(f, t), at, gamma, found, f->work)) {
+    if (!lac_problem_newton(problem, lac_sensitivity_state_clock(f, t), at, gamma, found,
+                            f->work)) {
         return SUNLS_LUFACT_FAIL;
     }
     double slip = found[f->m - 1];
     found[f->m - 1] = 0.0;
-    double by = lac_follower_reach(f, found);
+    double by = lac_sensitivity_state_reach(f, found);
     if (by > 0.0) {
         double *there = f->probe;
         double change = 0.0;
@@ -80,7 +81,7 @@ static int solve(SUNLinearSolver solver, SUNMatrix none, N_Vector x, N_Vector b,
             for (size_t i = 0; i < f->m; i++) {
                 there[i] = at[i] + side * by * found[i];
             }
-            change += side * lac_follower_rate(f, problem, t, there);
+            change += side * lac_sensitivity_state_rate(f, problem, t, there);
         }
         slip += gamma * change / (2.0 * by);
     }
@@ -88,9 +89,9 @@ static int solve(SUNLinearSolver solver, SUNMatrix none, N_Vector x, N_Vector b,
     return 0;
 }
 
-static void follower_clear(lac_follower *f)
+static void follower_clear(lac_sensitivity_state *f)
 {
-    int count = (int)f->def->nudges;
+    int count = (int)f->def->perturbations;
     if (f->mem != NULL) {
         CVodeFree(&f->mem);
     }
@@ -103,7 +104,7 @@ static void follower_clear(lac_follower *f)
             N_VDestroyVectorArray(lists[i], count);
         }
     }
-    N_Vector vectors[] = {f->y, f->seen};
+    N_Vector vectors[] = {f->y, f->observation};
     for (size_t i = 0; i < 2; i++) {
         if (vectors[i] != NULL) {
             N_VDestroy(vectors[i]);
@@ -116,15 +117,15 @@ static void follower_clear(lac_follower *f)
     free(f->probe);
 }
 
-static lac_status allocate(lac_follower *f, lac_error *err)
+static lac_status allocate(lac_sensitivity_state *f, lac_error *err)
 {
-    const lac_follow_def *def = f->def;
+    const lac_sensitivity_def *def = f->def;
     size_t work = lac_problem_work(def->problem);
     f->n = lac_problem_cells(def->problem);
     f->m = lac_problem_unknowns(def->problem) + 1;
-    for (size_t k = 0; k < def->nudges; k++) {
-        size_t low = lac_problem_work(def->nudge[k].low);
-        size_t high = lac_problem_work(def->nudge[k].high);
+    for (size_t k = 0; k < def->perturbations; k++) {
+        size_t low = lac_problem_work(def->perturbation[k].low);
+        size_t high = lac_problem_work(def->perturbation[k].high);
         work = low > work ? low : work;
         work = high > work ? high : work;
     }
@@ -136,24 +137,24 @@ static lac_status allocate(lac_follower *f, lac_error *err)
     f->scale = f->probe + 3 * f->m;
     LAC_SUN_SILENCE_CONTEXT(f->sun);
     f->y = lac_vector_create(f->m, false, f->sun);
-    f->seen = f->y != NULL ? N_VClone(f->y) : NULL;
-    if (f->seen != NULL && def->nudges > 0) {
-        f->s = N_VCloneVectorArray((int)def->nudges, f->y);
-        f->seen_s = N_VCloneVectorArray((int)def->nudges, f->y);
+    f->observation = f->y != NULL ? N_VClone(f->y) : NULL;
+    if (f->observation != NULL && def->perturbations > 0) {
+        f->s = N_VCloneVectorArray((int)def->perturbations, f->y);
+        f->seen_s = N_VCloneVectorArray((int)def->perturbations, f->y);
     }
-    bool lacking = f->seen == NULL || lac_vector_lacks(f->y) ||
-                   (def->nudges > 0 && (f->s == NULL || f->seen_s == NULL));
+    bool lacking = f->observation == NULL || lac_vector_lacks(f->y) ||
+                   (def->perturbations > 0 && (f->s == NULL || f->seen_s == NULL));
     return lacking ? lac_fail_memory(err) : LAC_OK;
 }
 
 // States of the nudged problems at the start, and what a component is worth.
-static lac_status start(lac_follower *f, lac_error *err)
+static lac_status start(lac_sensitivity_state *f, lac_error *err)
 {
-    const lac_follow_def *def = f->def;
+    const lac_sensitivity_def *def = f->def;
     double *y = lac_vector_data(f->y);
     lac_problem_initial(def->problem, y);
     y[f->m - 1] = 0.0;
-    double mean = lac_follower_rate(f, def->problem, 0.0, y);
+    double mean = lac_sensitivity_state_rate(f, def->problem, 0.0, y);
     if (!(fabs(mean) > 0.0) || !isfinite(mean)) {
         return lac_fail(err, LAC_EINPUT, "the mean slip rate at the start is %g m/s", mean);
     }
@@ -165,13 +166,13 @@ static lac_status start(lac_follower *f, lac_error *err)
     double time_scale = 1e3 * lac_problem_first_step(def->problem, 0.0, y, f->work);
     f->slip_scale = fabs(mean) * time_scale;
     f->scale[f->m - 1] = f->slip_scale;
-    for (size_t k = 0; k < def->nudges; k++) {
+    for (size_t k = 0; k < def->perturbations; k++) {
         double *s = lac_vector_data(f->s[k]);
-        const lac_nudge *nudge = &def->nudge[k];
-        lac_problem_initial(nudge->low, f->probe);
-        lac_problem_initial(nudge->high, s);
+        const lac_perturbation *perturbation = &def->perturbation[k];
+        lac_problem_initial(perturbation->low, f->probe);
+        lac_problem_initial(perturbation->high, s);
         for (size_t i = 0; i + 1 < f->m; i++) {
-            s[i] = (s[i] - f->probe[i]) / (2.0 * nudge->step);
+            s[i] = (s[i] - f->probe[i]) / (2.0 * perturbation->step);
         }
         s[f->m - 1] = 0.0;
     }
@@ -180,9 +181,9 @@ static lac_status start(lac_follower *f, lac_error *err)
 
 // Absolute tolerances of the sensitivities: an e-fold of the parameter may move a component by an
 // e-fold of its own.
-static int set_sensitivities(lac_follower *f)
+static int set_sensitivities(lac_sensitivity_state *f)
 {
-    int count = (int)f->def->nudges;
+    int count = (int)f->def->perturbations;
     if (count == 0) {
         return CV_SUCCESS;
     }
@@ -198,7 +199,7 @@ static int set_sensitivities(lac_follower *f)
     return flag;
 }
 
-static lac_status set_up(lac_follower *f, lac_error *err)
+static lac_status set_up(lac_sensitivity_state *f, lac_error *err)
 {
     f->mem = CVodeCreate(CV_BDF, f->sun);
     f->linear = SUNLinSolNewEmpty(f->sun);
@@ -225,60 +226,61 @@ static lac_status set_up(lac_follower *f, lac_error *err)
 }
 
 // Puts what is seen at an integrator's time into row i of the output.
-static lac_status look(lac_follower *f, double t, size_t i, lac_error *err)
+static lac_status look(lac_sensitivity_state *f, double t, size_t i, lac_error *err)
 {
-    lac_follow *out = f->out;
-    size_t count = f->def->nudges;
-    const double *y = lac_vector_data(f->seen);
-    if (CVodeGetDky(f->mem, t, 0, f->seen) != CV_SUCCESS ||
+    lac_sensitivity *out = f->out;
+    size_t count = f->def->perturbations;
+    const double *y = lac_vector_data(f->observation);
+    if (CVodeGetDky(f->mem, t, 0, f->observation) != CV_SUCCESS ||
         (count > 0 && CVodeGetSensDky(f->mem, t, 0, f->seen_s) != CV_SUCCESS)) {
         return lac_fail(err, LAC_ENUMERIC, "no state at t = %.17g s", f->origin + t);
     }
     out->slip[i] = y[f->m - 1];
-    out->log_rate[i] = lac_follower_log_rate(f, f->def->problem, t, y);
+    out->log_rate[i] = lac_sensitivity_state_log_rate(f, f->def->problem, t, y);
     for (size_t k = 0; k < count; k++) {
         const double *s = lac_vector_data(f->seen_s[k]);
         out->slip_by[i * count + k] = s[f->m - 1];
-        out->log_rate_by[i * count + k] = lac_follower_by(f, lac_follower_log_rate, k, t, y, s);
+        out->log_rate_by[i * count + k] =
+            lac_sensitivity_state_by(f, lac_sensitivity_state_log_rate, k, t, y, s);
     }
     return LAC_OK;
 }
 
 // What is seen at the start, before any step.
-static void look_at_start(lac_follower *f)
+static void look_at_start(lac_sensitivity_state *f)
 {
-    lac_follow *out = f->out;
-    size_t count = f->def->nudges;
+    lac_sensitivity *out = f->out;
+    size_t count = f->def->perturbations;
     const double *y = lac_vector_data(f->y);
     for (; out->reached < f->def->n && f->def->time[out->reached] <= 0.0; out->reached++) {
         size_t i = out->reached;
         out->slip[i] = 0.0;
-        out->log_rate[i] = lac_follower_log_rate(f, f->def->problem, 0.0, y);
+        out->log_rate[i] = lac_sensitivity_state_log_rate(f, f->def->problem, 0.0, y);
         for (size_t k = 0; k < count; k++) {
             out->slip_by[i * count + k] = 0.0;
-            out->log_rate_by[i * count + k] =
-                lac_follower_by(f, lac_follower_log_rate, k, 0.0, y, lac_vector_data(f->s[k]));
+            out->log_rate_by[i * count + k] = lac_sensitivity_state_by(
+                f, lac_sensitivity_state_log_rate, k, 0.0, y, lac_vector_data(f->s[k]));
         }
     }
 }
 
-static double past_at(lac_follower *f, double t)
+static double past_at(lac_sensitivity_state *f, double t)
 {
-    return CVodeGetDky(f->mem, t, 0, f->seen) != CV_SUCCESS
+    return CVodeGetDky(f->mem, t, 0, f->observation) != CV_SUCCESS
                ? NAN
-               : lac_follower_past(f, f->def->problem, t, lac_vector_data(f->seen));
+               : lac_sensitivity_state_past(f, f->def->problem, t, lac_vector_data(f->observation));
 }
 
-static double slip_at(lac_follower *f, double t)
+static double slip_at(lac_sensitivity_state *f, double t)
 {
-    return CVodeGetDky(f->mem, t, 0, f->seen) != CV_SUCCESS
+    return CVodeGetDky(f->mem, t, 0, f->observation) != CV_SUCCESS
                ? NAN
-               : fabs(lac_vector_data(f->seen)[f->m - 1]);
+               : fabs(lac_vector_data(f->observation)[f->m - 1]);
 }
 
 // The crossing of the failure rate, or slip, between two times of the last step, by bisection: both
 // are continuous there, and no step is long.
-static double find_crossing(lac_follower *f, bool by_slip, double low, double high)
+static double find_crossing(lac_sensitivity_state *f, bool by_slip, double low, double high)
 {
     for (int i = 0; i < 60; i++) {
         double middle = 0.5 * (low + high);
@@ -292,36 +294,38 @@ static double find_crossing(lac_follower *f, bool by_slip, double low, double hi
     return high;
 }
 
-// dt_f/dp = -(dg/dp)/(dg/dt), g of lac_follower_past, or the slip.
-static lac_status find_failure(lac_follower *f, bool by_slip, double t, double step, lac_error *err)
+// dt_f/dp = -(dg/dp)/(dg/dt), g of lac_sensitivity_state_past, or the slip.
+static lac_status find_failure(lac_sensitivity_state *f, bool by_slip, double t, double step,
+                               lac_error *err)
 {
-    lac_follow *out = f->out;
+    lac_sensitivity *out = f->out;
     out->failed = true;
     out->failure_time = f->origin + t;
-    if (f->def->nudges == 0) {
+    if (f->def->perturbations == 0) {
         return LAC_OK;
     }
     double h = 1e-3 * step;
     double growth = (past_at(f, t) - past_at(f, t - h)) / h;
-    if (CVodeGetDky(f->mem, t, 0, f->seen) != CV_SUCCESS ||
+    if (CVodeGetDky(f->mem, t, 0, f->observation) != CV_SUCCESS ||
         CVodeGetSensDky(f->mem, t, 0, f->seen_s) != CV_SUCCESS) {
         return lac_fail(err, LAC_ENUMERIC, "no state at the failure, t = %.17g s",
                         out->failure_time);
     }
-    const double *y = lac_vector_data(f->seen);
-    double rate = lac_follower_rate(f, f->def->problem, t, y);
-    for (size_t k = 0; k < f->def->nudges; k++) {
+    const double *y = lac_vector_data(f->observation);
+    double rate = lac_sensitivity_state_rate(f, f->def->problem, t, y);
+    for (size_t k = 0; k < f->def->perturbations; k++) {
         const double *s = lac_vector_data(f->seen_s[k]);
-        out->failure_by[k] = by_slip ? -s[f->m - 1] / rate
-                                     : -lac_follower_by(f, lac_follower_past, k, t, y, s) / growth;
+        out->failure_by[k] =
+            by_slip ? -s[f->m - 1] / rate
+                    : -lac_sensitivity_state_by(f, lac_sensitivity_state_past, k, t, y, s) / growth;
     }
     return LAC_OK;
 }
 
 // Everything that lies within the step just made to t.
-static lac_status look_back(lac_follower *f, double t, bool *done, lac_error *err)
+static lac_status look_back(lac_sensitivity_state *f, double t, bool *done, lac_error *err)
 {
-    const lac_follow_def *def = f->def;
+    const lac_sensitivity_def *def = f->def;
     lac_status status = LAC_OK;
     sunrealtype step = 0.0;
     (void)CVodeGetLastStep(f->mem, &step);
@@ -348,10 +352,10 @@ out:
 }
 
 // Begins anew where the loads jump or bend.
-static lac_status cross_break(lac_follower *f, double at, lac_error *err)
+static lac_status cross_break(lac_sensitivity_state *f, double at, lac_error *err)
 {
     const lac_problem *problem = f->def->problem;
-    bool sensitive = f->def->nudges > 0;
+    bool sensitive = f->def->perturbations > 0;
     sunrealtype t;
     if (sensitive && CVodeGetSens(f->mem, &t, f->s) != CV_SUCCESS) {
         return lac_fail(err, LAC_ENUMERIC, "no sensitivities at t = %g s", at);
@@ -359,8 +363,8 @@ static lac_status cross_break(lac_follower *f, double at, lac_error *err)
     f->origin = at;
     f->limit = nextafter(lac_problem_next_break(problem, at), -INFINITY);
     f->rtol = lac_engine_rtol(f->def->rtol, ++f->beginnings); // derivatives need no more digits
-    lac_drive now;
-    if (!lac_problem_drive(problem, at, &now) || !lac_follower_jump(f, at)) {
+    lac_problem_loads_at now;
+    if (!lac_problem_drive(problem, at, &now) || !lac_sensitivity_state_jump(f, at)) {
         return lac_fail(err, LAC_ENUMERIC, "no slip rate balances the load at t = %g s", at);
     }
     double *y = lac_vector_data(f->y);
@@ -381,22 +385,22 @@ static lac_status cross_break(lac_follower *f, double at, lac_error *err)
 }
 
 // Whether a jump of the loads was the failure itself, whose time no parameter of a state moves.
-static bool fell(lac_follower *f, double at)
+static bool fell(lac_sensitivity_state *f, double at)
 {
-    if (!(lac_follower_past(f, f->def->problem, 0.0, lac_vector_data(f->y)) >= 0.0)) {
+    if (!(lac_sensitivity_state_past(f, f->def->problem, 0.0, lac_vector_data(f->y)) >= 0.0)) {
         return false;
     }
     f->out->failed = true;
     f->out->failure_time = at;
-    for (size_t k = 0; k < f->def->nudges; k++) {
+    for (size_t k = 0; k < f->def->perturbations; k++) {
         f->out->failure_by[k] = 0.0;
     }
     return true;
 }
 
-static lac_status integrate(lac_follower *f, lac_error *err)
+static lac_status integrate(lac_sensitivity_state *f, lac_error *err)
 {
-    const lac_follow_def *def = f->def;
+    const lac_sensitivity_def *def = f->def;
     lac_status status = LAC_OK;
     double *y = lac_vector_data(f->y);
     bool done = false;
@@ -432,9 +436,9 @@ out:
     return status;
 }
 
-lac_status lac_follow_run(const lac_follow_def *def, lac_follow *out, lac_error *err)
+lac_status lac_sensitivity_run(const lac_sensitivity_def *def, lac_sensitivity *out, lac_error *err)
 {
-    lac_follower f = {.def = def, .out = out, .limit = INFINITY, .rtol = def->rtol};
+    lac_sensitivity_state f = {.def = def, .out = out, .limit = INFINITY, .rtol = def->rtol};
     lac_status status = LAC_OK;
     out->reached = 0;
     out->failed = false;
@@ -443,7 +447,7 @@ lac_status lac_follow_run(const lac_follow_def *def, lac_follow *out, lac_error 
     LAC_TRY(allocate(&f, err));
     LAC_TRY(start(&f, err));
     f.failure = lac_problem_failure(def->problem, def->failure_rate, def->failure_slip);
-    if (lac_follower_past(&f, def->problem, 0.0, lac_vector_data(f.y)) >= 0.0) {
+    if (lac_sensitivity_state_past(&f, def->problem, 0.0, lac_vector_data(f.y)) >= 0.0) {
         out->failed = true;
         out->failure_time = 0.0;
         goto out;

@@ -6,15 +6,15 @@
 #include <string.h>
 
 #include "base/statistics.h"
-#include "run/follow.h"
+#include "run/sensitivity_state.h"
 
 // The cube root of the rounding error, where the two errors of a central difference meet.
 static const double reach = 6e-6;
 
-bool lac_follower_derivative(lac_follower *f, const lac_problem *problem, double t, const double *y,
-                             double *ydot)
+bool lac_sensitivity_state_derivative(lac_sensitivity_state *f, const lac_problem *problem,
+                                      double t, const double *y, double *ydot)
 {
-    if (!lac_problem_derivative(problem, lac_follower_clock(f, t), y, ydot, f->work)) {
+    if (!lac_problem_derivative(problem, lac_sensitivity_state_clock(f, t), y, ydot, f->work)) {
         return false;
     }
     const double sum = lac_sum(f->n, f->work);
@@ -22,29 +22,33 @@ bool lac_follower_derivative(lac_follower *f, const lac_problem *problem, double
     return isfinite(sum);
 }
 
-double lac_follower_rate(lac_follower *f, const lac_problem *problem, double t, const double *y)
+double lac_sensitivity_state_rate(lac_sensitivity_state *f, const lac_problem *problem, double t,
+                                  const double *y)
 {
     double *v = f->probe + 2 * f->m;
-    lac_problem_rates(problem, lac_follower_clock(f, t), y, v, f->work);
+    lac_problem_rates(problem, lac_sensitivity_state_clock(f, t), y, v, f->work);
     return lac_sum(f->n, v) / (double)f->n;
 }
 
-double lac_follower_log_rate(lac_follower *f, const lac_problem *problem, double t, const double *y)
+double lac_sensitivity_state_log_rate(lac_sensitivity_state *f, const lac_problem *problem,
+                                      double t, const double *y)
 {
-    return log(fabs(lac_follower_rate(f, problem, t, y)));
+    return log(fabs(lac_sensitivity_state_rate(f, problem, t, y)));
 }
 
 // A parameter moves what counts as failure where that is a p/eta.
-double lac_follower_past(lac_follower *f, const lac_problem *problem, double t, const double *y)
+double lac_sensitivity_state_past(lac_sensitivity_state *f, const lac_problem *problem, double t,
+                                  const double *y)
 {
     lac_failure failure = f->failure;
     if (failure.lowered && problem != f->def->problem) {
         failure = lac_problem_failure(problem, f->def->failure_rate, f->def->failure_slip);
     }
-    return lac_problem_past_failure(problem, &failure, lac_follower_clock(f, t), y, f->work);
+    return lac_problem_past_failure(problem, &failure, lac_sensitivity_state_clock(f, t), y,
+                                    f->work);
 }
 
-double lac_follower_reach(const lac_follower *f, const double *s)
+double lac_sensitivity_state_reach(const lac_sensitivity_state *f, const double *s)
 {
     double largest = 0.0;
     for (size_t i = 0; i < f->m; i++) {
@@ -53,58 +57,61 @@ double lac_follower_reach(const lac_follower *f, const double *s)
     return largest > 0.0 ? reach / largest : 0.0;
 }
 
-static void move(const lac_follower *f, const double *y, double by, const double *s, double *out)
+static void move(const lac_sensitivity_state *f, const double *y, double by, const double *s,
+                 double *out)
 {
     for (size_t i = 0; i < f->m; i++) {
         out[i] = y[i] + by * s[i];
     }
 }
 
-bool lac_follower_sensitivity(lac_follower *f, size_t k, double t, const double *y, const double *s,
-                              double *sdot)
+bool lac_sensitivity_state_sensitivity(lac_sensitivity_state *f, size_t k, double t,
+                                       const double *y, const double *s, double *sdot)
 {
-    const lac_nudge *nudge = &f->def->nudge[k];
+    const lac_perturbation *perturbation = &f->def->perturbation[k];
     double *there = f->probe;
     double *rates = f->probe + f->m;
-    double by = lac_follower_reach(f, s);
+    double by = lac_sensitivity_state_reach(f, s);
     memset(sdot, 0, f->m * sizeof *sdot);
     for (int side = -1; by > 0.0 && side <= 1; side += 2) {
         move(f, y, side * by, s, there);
-        if (!lac_follower_derivative(f, f->def->problem, t, there, rates)) {
+        if (!lac_sensitivity_state_derivative(f, f->def->problem, t, there, rates)) {
             return false;
         }
         move(f, sdot, side / (2.0 * by), rates, sdot);
     }
     for (int side = -1; side <= 1; side += 2) {
-        if (!lac_follower_derivative(f, side < 0 ? nudge->low : nudge->high, t, y, rates)) {
+        if (!lac_sensitivity_state_derivative(f, side < 0 ? perturbation->low : perturbation->high,
+                                              t, y, rates)) {
             return false;
         }
-        move(f, sdot, side / (2.0 * nudge->step), rates, sdot);
+        move(f, sdot, side / (2.0 * perturbation->step), rates, sdot);
     }
     return true;
 }
 
-double lac_follower_by(lac_follower *f, lac_follower_measure measure, size_t k, double t,
-                       const double *y, const double *s)
+double lac_sensitivity_state_by(lac_sensitivity_state *f, lac_sensitivity_state_measure measure,
+                                size_t k, double t, const double *y, const double *s)
 {
-    const lac_nudge *nudge = &f->def->nudge[k];
-    double by = lac_follower_reach(f, s);
+    const lac_perturbation *perturbation = &f->def->perturbation[k];
+    double by = lac_sensitivity_state_reach(f, s);
     double slope = 0.0;
     for (int side = -1; by > 0.0 && side <= 1; side += 2) {
         move(f, y, side * by, s, f->probe);
         slope += side / (2.0 * by) * measure(f, f->def->problem, t, f->probe);
     }
-    double change = measure(f, nudge->high, t, y) - measure(f, nudge->low, t, y);
-    return slope + change / (2.0 * nudge->step);
+    double change = measure(f, perturbation->high, t, y) - measure(f, perturbation->low, t, y);
+    return slope + change / (2.0 * perturbation->step);
 }
 
 // J(y, p) is the state behind the jump: dJ/dy s + dJ/dp takes the place of s.
-static bool jump_sensitivity(lac_follower *f, size_t k, double t, const double *y, double *s)
+static bool jump_sensitivity(lac_sensitivity_state *f, size_t k, double t, const double *y,
+                             double *s)
 {
-    const lac_nudge *nudge = &f->def->nudge[k];
+    const lac_perturbation *perturbation = &f->def->perturbation[k];
     double *there = f->probe;
     double *sum = f->probe + f->m;
-    double by = lac_follower_reach(f, s);
+    double by = lac_sensitivity_state_reach(f, s);
     memset(sum, 0, f->m * sizeof *sum);
     for (int side = -1; side <= 1; side += 2) {
         if (by > 0.0) {
@@ -115,20 +122,20 @@ static bool jump_sensitivity(lac_follower *f, size_t k, double t, const double *
             move(f, sum, side / (2.0 * by), there, sum);
         }
         memcpy(there, y, f->m * sizeof *there);
-        if (!lac_problem_jump(side < 0 ? nudge->low : nudge->high, t, there)) {
+        if (!lac_problem_jump(side < 0 ? perturbation->low : perturbation->high, t, there)) {
             return false;
         }
-        move(f, sum, side / (2.0 * nudge->step), there, sum);
+        move(f, sum, side / (2.0 * perturbation->step), there, sum);
     }
     sum[f->m - 1] = s[f->m - 1]; // slip does not jump
     memcpy(s, sum, f->m * sizeof *s);
     return true;
 }
 
-bool lac_follower_jump(lac_follower *f, double t)
+bool lac_sensitivity_state_jump(lac_sensitivity_state *f, double t)
 {
     double *y = lac_vector_data(f->y);
-    for (size_t k = 0; k < f->def->nudges; k++) {
+    for (size_t k = 0; k < f->def->perturbations; k++) {
         if (!jump_sensitivity(f, k, t, y, lac_vector_data(f->s[k]))) {
             return false;
         }

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 
 #include "base/clones.h"
-#include "base/parts.h"
+#include "base/parallel_for.h"
 #include "base/statistics.h"
 
 enum {
@@ -131,7 +131,7 @@ LAC_CLONES static void lac_pending_part(void *context, size_t part, size_t first
 void lac_pending_finish(lac_pending *p)
 {
     if (p->waiting > 0) {
-        (void)lac_parts_run(p->n, lac_pending_part, p);
+        (void)lac_parallel_for(p->n, lac_pending_part, p);
         p->waiting = 0;
     }
 }
@@ -140,7 +140,7 @@ double lac_pending_squares(lac_pending *p, const double *x, const double *w)
 {
     p->x = x;
     p->w = w;
-    size_t parts = lac_parts_run(p->n, lac_pending_part, p);
+    size_t parts = lac_parallel_for(p->n, lac_pending_part, p);
     p->waiting = 0;
     p->x = p->w = NULL;
     return lac_sum(parts, p->sum);

@@ -6,10 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "run/course.h"
 #include "run/engine.h"
+#include "run/run_state.h"
 
-typedef lac_course run;
+typedef lac_run_state run;
 typedef lac_instant instant;
 
 // Whether a time is later than the last one put out, which it then becomes.
@@ -53,13 +53,14 @@ static lac_status record(run *r, double t, const double *y, const double *slip, 
                        .step_size = engine->step > 0.0 ? engine->step : NAN,
                        .order = engine->step > 0.0 ? engine->order : 0,
                        .rhs_evaluations = engine->counts.rhs_evaluations};
-    lac_problem_observe(r->problem, lac_engine_clock(engine, t), y, slip, &line.seen, engine->work);
+    lac_problem_observe(r->problem, lac_engine_clock(engine, t), y, slip, &line.observation,
+                        engine->work);
     line.cells =
         (lac_record_cells){.n = engine->n, .slip_rate = engine->work, .log_state = y + engine->n};
-    if (!(line.seen.balance_residual <= r->result->balance_residual)) {
-        r->result->balance_residual = line.seen.balance_residual; // a NaN stays
+    if (!(line.observation.balance_residual <= r->result->balance_residual)) {
+        r->result->balance_residual = line.observation.balance_residual; // a NaN stays
     }
-    r->result->rate_drift = fmax(r->result->rate_drift, line.seen.rate_drift);
+    r->result->rate_drift = fmax(r->result->rate_drift, line.observation.rate_drift);
     if (r->sink == NULL || r->sink->record == NULL) {
         return LAC_OK;
     }
@@ -216,7 +217,7 @@ static lac_status cross_break(run *r, lac_error *err)
     lac_engine *engine = r->engine;
     const lac_run_def *def = r->def;
     double t = r->next_break;
-    lac_drive now;
+    lac_problem_loads_at now;
     r->broken = true;
     engine->origin = t;
     engine->base = 0.0;
@@ -271,7 +272,7 @@ static lac_status step(run *r, lac_error *err)
 {
     lac_engine *engine = r->engine;
     lac_status status = LAC_OK;
-    double stop = fmin(fmin(r->def->end, r->next_break), lac_course_sweep_end(r));
+    double stop = fmin(fmin(r->def->end, r->next_break), lac_run_state_sweep_end(r));
     LAC_TRY(lac_engine_advance(engine, lac_engine_inner(engine, stop), err));
     measure_speed(r);
     r->max_rate = fmax(r->max_rate, engine->peak);
@@ -279,7 +280,7 @@ static lac_status step(run *r, lac_error *err)
                                engine->work, err));
     LAC_TRY(look_for_end(r, err));
     if (!engine->kind->sweeps) {
-        LAC_TRY(lac_course_watch(r, engine->step, err));
+        LAC_TRY(lac_run_state_watch(r, engine->step, err));
     }
     if (r->between != NULL) {
         LAC_TRY(output_between(r, err));
@@ -288,7 +289,7 @@ static lac_status step(run *r, lac_error *err)
     bool goes_on = !r->done || r->end == LAC_END_INTERRUPT;
     if (goes_on && engine->t >= lac_engine_inner(engine, r->next_break)) {
         LAC_TRY(cross_break(r, err));
-        LAC_TRY(lac_course_watch(r, 0.0, err));
+        LAC_TRY(lac_run_state_watch(r, 0.0, err));
     }
     LAC_TRY(check_rates(r, err));
     r->result->max_slip_rate = fmax(r->result->max_slip_rate, r->max_rate);
@@ -317,9 +318,9 @@ static lac_status go_on(run *r, lac_error *err)
 {
     lac_engine *engine = r->engine;
     const double digits = 1e-9; // a step has at least 16 - 9 of the 16 digits of a double
-    if (lac_course_checkpoint_due(r)) {
+    if (lac_run_state_checkpoint_due(r)) {
         lac_status status = begin_anew(r, err);
-        return status == LAC_OK ? lac_course_checkpoint(r, true, err) : status;
+        return status == LAC_OK ? lac_run_state_checkpoint(r, true, err) : status;
     }
     if (r->broken) {
         return begin_anew(r, err);
@@ -348,7 +349,7 @@ static lac_status integrate(run *r, lac_error *err)
 {
     lac_status status = LAC_OK;
     while (!r->done) {
-        LAC_TRY(lac_course_check(r, err));
+        LAC_TRY(lac_run_state_check(r, err));
         LAC_TRY(step(r, err));
         report_progress(r);
         r->steps++;
@@ -365,9 +366,9 @@ static lac_status interrupt(run *r, lac_error *err)
 {
     lac_status status = LAC_OK;
     double time = lac_engine_time(r->engine);
-    if (!lac_course_plans(r->def)) {
+    if (!lac_run_state_plans(r->def)) {
         LAC_TRY(begin_anew(r, err));
-        LAC_TRY(lac_course_checkpoint(r, false, err));
+        LAC_TRY(lac_run_state_checkpoint(r, false, err));
     }
     status = lac_fail(err, LAC_EINTERRUPT, "interrupted at t = %g s", time);
 out:
@@ -401,7 +402,7 @@ static lac_status begin(run *r, lac_error *err)
     r->result->max_slip_rate = r->max_rate;
     r->record_clock = lac_clock_start(def->record, r->mean_rate);
     r->snapshot_clock = lac_clock_start(def->snapshot, r->mean_rate);
-    LAC_TRY(lac_course_watch(r, 0.0, err));
+    LAC_TRY(lac_run_state_watch(r, 0.0, err));
     r->checkpoint_clock = lac_clock_start(def->checkpoint, r->mean_rate);
     LAC_TRY(record(r, 0.0, engine->y, engine->slip, err));
     if (r->fields != NULL) {
@@ -414,8 +415,8 @@ static lac_status begin(run *r, lac_error *err)
     h = isnan(def->first_step) ? h : fmin(def->first_step, 1e3 * h);
     r->first_step = fmin(h, 0.5 * fmin(def->end, r->next_break));
     LAC_TRY(lac_engine_restart(engine, r->first_step, err));
-    if (lac_course_plans(def)) {
-        LAC_TRY(lac_course_checkpoint(r, true, err));
+    if (lac_run_state_plans(def)) {
+        LAC_TRY(lac_run_state_checkpoint(r, true, err));
     }
 out:
     return status;
@@ -426,7 +427,7 @@ static lac_status take_up(run *r, lac_error *err)
 {
     lac_status status = LAC_OK;
     lac_clock *clocks[] = {&r->record_clock, &r->snapshot_clock};
-    LAC_TRY(lac_course_resume(r, err));
+    LAC_TRY(lac_run_state_resume(r, err));
     for (size_t i = 0; i < 2; i++) {
         while (lac_clock_next(clocks[i]) <= lac_engine_time(r->engine)) {
             clocks[i]->count++;

@@ -2,7 +2,7 @@
 #ifndef LACUNA_RUN_RUN_H
 #define LACUNA_RUN_RUN_H
 
-#include "base/tape.h"
+#include "base/archive.h"
 #include "model/problem.h"
 
 // Of lacuna/simulation.h, which only those include who look inside.
@@ -37,7 +37,7 @@ typedef enum lac_method { LAC_BDF = 0, LAC_ADAMS, LAC_ERK } lac_method;
 /// How much is resolved in time; docs/choosing.md.
 typedef enum lac_fidelity {
     LAC_FIDELITY_ODE = 0, ///< all cells, at every step
-    LAC_FIDELITY_EVENTS,  ///< every cell at steps of its own: docs/theory/fidelity-events.md
+    LAC_FIDELITY_ASYNC,   ///< every cell at steps of its own: docs/theory/fidelity-events.md
     LAC_FIDELITY_STATIC,  ///< no time: the cascade of rg.h, not a run
 } lac_fidelity;
 
@@ -100,16 +100,16 @@ lac_run_def lac_run_default(void);
 const char *lac_fidelity_name(lac_fidelity fidelity);
 
 /// What fidelity EVENTS asks of a scene, besides a > 0 in every cell.
-typedef struct lac_events_scene {
+typedef struct lac_async_scene {
     const lac_transfer_kind *transfer;
-    const lac_descriptor *law;
+    const lac_model_info *law;
     bool cut_off; ///< the friction of some cell has a v1, v2 or alpha
     bool linear;  ///< the loads are linear in time between their breaks
     lac_formulation formulation;
-} lac_events_scene;
+} lac_async_scene;
 
 /// Whether fidelity EVENTS follows such a scene.
-lac_status lac_run_events_follows(const lac_events_scene *scene, lac_error *err);
+lac_status lac_run_async_follows(const lac_async_scene *scene, lac_error *err);
 
 /// The formulation where none is asked for, by measurement (docs/choosing.md): RATE under BDF, SLIP
 /// under Adams, TRACTION under explicit methods and where the form lets slip turn back.

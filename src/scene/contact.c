@@ -10,7 +10,7 @@
 
 double lac_case_pressure(const lac_case *c)
 {
-    const lac_normal_load *normal = (const lac_normal_load *)c->normal.about;
+    const lac_normal_load *normal = (const lac_normal_load *)c->normal.info;
     return normal->pressure(c->normal.params, c->material.density);
 }
 
@@ -39,7 +39,7 @@ static lac_status fail_apart(const lac_contact_def *def, lac_error *err)
 // Presses the surface; heights and gap are allocated here.
 static lac_status press(const lac_case *c, bool measure, lac_scene_contact *out, lac_error *err)
 {
-    const lac_normal_load *normal = (const lac_normal_load *)c->normal.about;
+    const lac_normal_load *normal = (const lac_normal_load *)c->normal.info;
     size_t cells = lac_grid_cells(&out->grid);
     lac_status status = LAC_OK;
     out->heights = malloc(cells * sizeof *out->heights);
@@ -100,7 +100,7 @@ static lac_status make_domain(const lac_case *c, lac_scene_keep keep, lac_scene_
                               lac_error *err)
 {
     lac_status status = LAC_OK;
-    if (c->surface.about != NULL) {
+    if (c->surface.info != NULL) {
         LAC_TRY(press(c, keep == LAC_SCENE_MEASURED, out, err));
         LAC_TRY(lac_domain_create(&out->grid, out->pressure, &out->domain, err));
     } else {

@@ -217,7 +217,7 @@ static const char *face_text(const lac_file_report *file, char room[LAC_TEXT_ROO
 LAC_TEXT_GETTER(face, FACE, face_text(f, room))
 LAC_TEXT_GETTER(face_path, FACE, f->path)
 
-static lac_status add_faces(lac_dataset *d, const lac_surface_report *s, lac_error *err)
+static lac_status add_faces(lac_dataset *d, const lac_surface_stats *s, lac_error *err)
 {
     static const lac_variable rows[] = {{.dims = "", T(face_path)}, {.dims = "", T(face)}};
     lac_status status = LAC_OK;
@@ -234,7 +234,7 @@ static lac_status add_faces(lac_dataset *d, const lac_surface_report *s, lac_err
 lac_status lac_contact_describe(const lac_contact_outcome *o, lac_dataset **out, lac_error *err)
 {
     const lac_scene_contact *c = o->contact;
-    const lac_surface_report *s = c->solved ? &c->surface : NULL;
+    const lac_surface_stats *s = c->solved ? &c->surface : NULL;
     const lac_extent dims[] = {{"y", c->grid.ny},
                                {"x", c->grid.nx},
                                {"profile", s != NULL ? s->measures.profiles : 0},

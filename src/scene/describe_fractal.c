@@ -223,7 +223,7 @@ static const lac_variable of_exponents[] = {
 static size_t published(void)
 {
     size_t n = 0;
-    while (lac_size_exponent_at(n) != NULL) {
+    while (lac_size_exponent_get(n) != NULL) {
         n++;
     }
     return n;
@@ -258,7 +258,7 @@ lac_status lac_describe_fractal(const lac_scene_contact *c, lac_dataset *d, lac_
         {LAC_VARIABLES(of_octaves, "", sizeof(size_t)), clustered},
         {LAC_VARIABLES(of_specimens, "specimen", sizeof(lac_size_strength)), f->size},
         {LAC_VARIABLES(of_exponents, "exponent", sizeof(lac_size_exponent)),
-         lac_size_exponent_at(0)},
+         lac_size_exponent_get(0)},
     };
     lac_status status = lac_dataset_dims(d, dims, sizeof dims / sizeof *dims, err);
     return status == LAC_OK ? lac_dataset_add(d, laid, sizeof laid / sizeof *laid, err) : status;

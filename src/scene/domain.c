@@ -111,14 +111,14 @@ out:
 // The pressures of a domain's cells, spread about their mean; the load is held.
 static lac_status spread_pressure(const lac_case *c, const lac_domain *domain, lac_error *err)
 {
-    const lac_spread_place place = {.domain = domain};
+    const lac_heterogeneity_place place = {.domain = domain};
     double *p = domain->pressure;
     const double sum = lac_sum(domain->n, p);
-    if (!lac_spread_has(&c->interface_spread, "pressure")) {
+    if (!lac_heterogeneity_has(&c->interface_spread, "pressure")) {
         return LAC_OK;
     }
     lac_status status =
-        lac_spread_fill(&place, &c->interface_spread, "pressure", "Pa", p[0], p, err);
+        lac_heterogeneity_fill(&place, &c->interface_spread, "pressure", "Pa", p[0], p, err);
     if (status != LAC_OK) {
         return lac_fail_within(err, status, "interface.spread.pressure");
     }
@@ -142,10 +142,10 @@ lac_status lac_scene_domain_create(const lac_case *c, lac_domain **out, lac_erro
     lac_domain *domain = NULL;
     lac_status status;
     *out = NULL;
-    if (c->domain.about == NULL) {
+    if (c->domain.info == NULL) {
         return lac_domain_create(&grid, &mean, out, err);
     }
-    if (c->domain.about == &lac_domain_from_file.about) {
+    if (c->domain.info == &lac_domain_from_file.info) {
         LAC_TRY(from_file(c, &grid, mean, &domain, err));
     } else {
         LAC_TRY(lac_domain_from_source(&c->domain, &grid, mean, &domain, err));

@@ -100,11 +100,11 @@ static lac_status estimate_surface(const lac_case *c, lac_estimate *e, lac_error
 
 static lac_status count_cells(const lac_case *c, lac_estimate *e, lac_error *err)
 {
-    if (c->surface.about != NULL) {
+    if (c->surface.info != NULL) {
         return estimate_surface(c, e, err);
     }
     lac_domain *domain = NULL;
-    lac_status status = c->domain.about != NULL ? lac_scene_domain_create(c, &domain, err) : LAC_OK;
+    lac_status status = c->domain.info != NULL ? lac_scene_domain_create(c, &domain, err) : LAC_OK;
     e->contact_cells = domain != NULL ? (double)domain->n : e->grid_cells;
     e->exact = true;
     lac_domain_free(domain);
@@ -128,12 +128,12 @@ static void count_memory(const lac_case *c, lac_estimate *e)
 
 static void count_steps(const lac_case *c, lac_estimate *e)
 {
-    const lac_load_slots loads = lac_case_loads(c);
+    const lac_load_models loads = lac_case_loads(c);
     if (!e->integrated) {
         return;
     }
-    e->own_steps = c->run.fidelity == LAC_FIDELITY_EVENTS;
-    e->changing = !lac_load_slots_constant(&loads);
+    e->own_steps = c->run.fidelity == LAC_FIDELITY_ASYNC;
+    e->changing = !lac_load_models_constant(&loads);
     e->steps_least = e->own_steps ? LAC_OWN_FEWEST * e->cells : LAC_FEWEST_STEPS;
     e->steps_most = SMOOTH_STEPS * fmax(1, pow(1e-6 / c->run.rtol, 0.2));
     e->steps_most += e->stable ? 0 : LAC_STEPS_PER_FAILURE * e->cells;
@@ -145,7 +145,7 @@ static void count_steps(const lac_case *c, lac_estimate *e)
 static double contact_seconds(const lac_case *c, const lac_estimate *e)
 {
     double scaling = e->integrated ? 1 : 4.0 / 3; // `contact` solves coarser grids too
-    double finest = c->surface.about != NULL ? costs[c->interface.boundary].seconds : 0;
+    double finest = c->surface.info != NULL ? costs[c->interface.boundary].seconds : 0;
     return finest * e->grid_cells * scaling * slowdown(e);
 }
 
@@ -168,7 +168,7 @@ static double calibration_seconds(const lac_case *c, const lac_transfer_outline 
 static double elastic_seconds(const lac_case *c, const lac_transfer_outline *held,
                               const lac_estimate *e)
 {
-    const lac_transfer_kind *kind = (const void *)c->transfer.about;
+    const lac_transfer_kind *kind = (const void *)c->transfer.info;
     if (kind == NULL || !kind->transforms) {
         return 0;
     }
@@ -208,7 +208,7 @@ static double cascade_seconds(const lac_case *c, const lac_estimate *e)
 
 static void count_time(const lac_case *c, lac_estimate *e)
 {
-    const lac_normal_load *normal = (const lac_normal_load *)c->normal.about;
+    const lac_normal_load *normal = (const lac_normal_load *)c->normal.info;
     const bool search = normal->dimension != NULL;
     const double contact = contact_seconds(c, e), massive = e->unknowns > 2 ? massive_factor : 1;
     lac_transfer_outline held;

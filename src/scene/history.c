@@ -17,13 +17,13 @@ typedef struct history {
     const lac_scene_contact *contact;
     const lac_history_sink *sink;
     lac_tangential *shear;
-    double *pressure, *next;       // [ny * nx] of the last step and of the one being solved [Pa]
-    double mean;                   // pressure of the last step [Pa]
-    lac_tangential_target target;  // of the last step
-    lac_tangential_report reached; // by it
-    history_state *state;          // [planned + 1] the start and what each step came to
-    double highest_held;           // largest f P on the way [Pa]
-    double longest_shift;          // [m]
+    double *pressure, *next;      // [ny * nx] of the last step and of the one being solved [Pa]
+    double mean;                  // pressure of the last step [Pa]
+    lac_tangential_target target; // of the last step
+    lac_tangential_stats reached; // by it
+    history_state *state;         // [planned + 1] the start and what each step came to
+    double highest_held;          // largest f P on the way [Pa]
+    double longest_shift;         // [m]
     bool sought_first_slip;
     lac_history_result *result;
 } history;
@@ -52,7 +52,7 @@ static lac_status press(history *h, double mean, lac_history_record *record, lac
         }
         return LAC_OK;
     }
-    lac_contact_report report = {0};
+    lac_contact_stats report = {0};
     lac_contact_def def = lac_scene_contact_def(contact);
     def.mean_pressure = mean;
     def.start = h->next;
@@ -124,7 +124,7 @@ static size_t cycle_start(const history *h, size_t now)
 
 static void note_state(history *h, size_t at, double dissipated)
 {
-    const lac_tangential_report *r = &h->reached;
+    const lac_tangential_stats *r = &h->reached;
     h->state[at] = (history_state){.pressure = h->mean,
                                    .traction = {r->traction[0], r->traction[1]},
                                    .shift = {r->shift[0], r->shift[1]},
@@ -221,7 +221,7 @@ static lac_status find_first_slip(history *h, lac_error *err)
 static lac_status solve_step(history *h, double mean, const lac_tangential_target *target,
                              lac_history_record *record, lac_error *err)
 {
-    lac_tangential_report reached;
+    lac_tangential_stats reached;
     lac_status status = press(h, mean, record, err);
     if (status == LAC_OK) {
         status = lac_tangential_step(h->shear, h->next, target, &reached, err);

@@ -9,7 +9,7 @@
 double lac_case_pressure(const lac_case *c);
 
 // The loads that a case names, and these made ready as lac_load_set_create does.
-lac_load_slots lac_case_loads(const lac_case *c);
+lac_load_models lac_case_loads(const lac_case *c);
 lac_status lac_scene_loads_create(const lac_case *c, lac_load_files *files, lac_load_set *out,
                                   lac_error *err);
 
@@ -48,21 +48,21 @@ lac_status lac_describe_fractal(const lac_scene_contact *contact, lac_dataset *d
                                 lac_error *err);
 
 // Where a parameter varies.
-typedef struct lac_spread_place {
+typedef struct lac_heterogeneity_place {
     const lac_domain *domain;
     const lac_hierarchy *hierarchy; // of the domain; NULL: made where it is needed
-} lac_spread_place;
+} lac_heterogeneity_place;
 
 // Values of one parameter over the cells: nominal, or the map of values, times the factors of all
 // its spreads. A random factor depends on its seed, the key, its rank among the key's spreads and
 // the cell's place on the grid only.
 // @param nominal  NaN where only a map gives values
-lac_status lac_spread_fill(const lac_spread_place *place, const lac_spread_list *list,
-                           const char *key, const char *unit, double nominal, double *values,
-                           lac_error *err);
+lac_status lac_heterogeneity_fill(const lac_heterogeneity_place *place,
+                                  const lac_heterogeneity_list *list, const char *key,
+                                  const char *unit, double nominal, double *values, lac_error *err);
 
 // Size of every cell's patch or block [m]. @param size  [n] overwritten
-lac_status lac_spread_sizes(const lac_spread_place *place, lac_size_of of, double *size,
-                            lac_error *err);
+lac_status lac_heterogeneity_sizes(const lac_heterogeneity_place *place, lac_size_of of,
+                                   double *size, lac_error *err);
 
 #endif

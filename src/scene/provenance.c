@@ -4,7 +4,7 @@
 
 lac_provenance lac_case_provenance(const lac_case *c, const char *case_text)
 {
-    const int64_t *seed = lac_slot_seed(c->surface.about != NULL ? &c->surface : &c->domain);
+    const int64_t *seed = lac_model_seed(c->surface.info != NULL ? &c->surface : &c->domain);
     return (lac_provenance){
         .title = c->title != NULL ? c->title : c->path,
         .institution = c->institution,

@@ -24,7 +24,7 @@ static const double small_grid = 4096;
 // Whether the friction of cells differs in any of these. @param keys  NULL at the end
 static bool spreads(const lac_case *c, const char *const keys[])
 {
-    while (*keys != NULL && !lac_spread_has(&c->friction_spread, *keys)) {
+    while (*keys != NULL && !lac_heterogeneity_has(&c->friction_spread, *keys)) {
         keys++;
     }
     return *keys != NULL;
@@ -70,19 +70,19 @@ static bool could_have_own_steps(const lac_case *c)
 {
     static const char *const cut_offs[] = {"v1", "v2", "alpha", NULL};
     const lac_friction_params *law = c->friction.params;
-    lac_events_scene scene = {.transfer = (const void *)c->transfer.about,
-                              .law = c->friction.about,
-                              .cut_off = !isnan(law->v1) || !isnan(law->v2) || !isnan(law->alpha) ||
-                                         spreads(c, cut_offs),
-                              .linear = true,
-                              .formulation = (lac_formulation)c->formulation};
-    const lac_slot_list *loads[] = {&c->shear, &c->pore};
+    lac_async_scene scene = {.transfer = (const void *)c->transfer.info,
+                             .law = c->friction.info,
+                             .cut_off = !isnan(law->v1) || !isnan(law->v2) || !isnan(law->alpha) ||
+                                        spreads(c, cut_offs),
+                             .linear = true,
+                             .formulation = (lac_formulation)c->formulation};
+    const lac_model_list *loads[] = {&c->shear, &c->pore};
     for (size_t k = 0; k < 2; k++) {
         for (size_t i = 0; i < loads[k]->count; i++) {
-            scene.linear &= ((const lac_load_kind *)(const void *)loads[k]->item[i].about)->linear;
+            scene.linear &= ((const lac_load_kind *)(const void *)loads[k]->item[i].info)->linear;
         }
     }
-    return lac_case_admits_events(c) && lac_run_events_follows(&scene, NULL) == LAC_OK;
+    return lac_case_admits_events(c) && lac_run_async_follows(&scene, NULL) == LAC_OK;
 }
 
 // Of the springs on the mean slip [Pa/m].
@@ -90,7 +90,7 @@ static double spring_stiffness(const lac_case *c)
 {
     double sum = 0;
     for (size_t i = 0; i < c->shear.count; i++) {
-        const lac_load_kind *kind = (const void *)c->shear.item[i].about;
+        const lac_load_kind *kind = (const void *)c->shear.item[i].info;
         sum += kind->stiffness != NULL ? kind->stiffness(c->shear.item[i].params) : 0;
     }
     return sum;
@@ -99,7 +99,7 @@ static double spring_stiffness(const lac_case *c)
 // Softly held by each other, yet never let go.
 static bool slips_one_by_one(const lac_case *c, const lac_estimate *e)
 {
-    const lac_transfer_kind *kind = (const void *)c->transfer.about;
+    const lac_transfer_kind *kind = (const void *)c->transfer.info;
     lac_transfer_outline outline;
     return lac_transfer_outline_of(&c->transfer, &outline) && kind->blocks != NULL &&
            spring_stiffness(c) < e->critical && e->stiffness_ratio < soft_ratio &&

@@ -125,7 +125,7 @@ lac_status lac_scene_rg_add(const lac_case *c, lac_scene_joint *j, lac_scene_rg 
 {
     const lac_domain *domain = j->contact.domain;
     const lac_contact_def contact = lac_scene_contact_def(&j->contact);
-    const lac_rg_press press = {&contact, domain, c->rg.friction};
+    const lac_rg_resolve_def press = {&contact, domain, c->rg.friction};
     const bool solved = c->rg.path == LAC_RG_SOLVE && c->rg.field == LAC_RG_ELASTIC;
     lac_status status = LAC_OK;
     for (size_t k = 0; k < out->betas; k++) {
@@ -148,10 +148,10 @@ out:
 // none.
 static int64_t seed_now(const lac_case *c)
 {
-    const int64_t *seed = lac_slot_seed(c->surface.about != NULL ? &c->surface : &c->domain);
-    const lac_spread_list *spreads = &c->interface_spread;
+    const int64_t *seed = lac_model_seed(c->surface.info != NULL ? &c->surface : &c->domain);
+    const lac_heterogeneity_list *spreads = &c->interface_spread;
     for (size_t k = 0; seed == NULL && k < spreads->count; k++) {
-        seed = lac_slot_seed(&spreads->item[k].slot);
+        seed = lac_model_seed(&spreads->item[k].model);
     }
     return seed != NULL ? *seed : INT64_MIN;
 }
@@ -197,12 +197,12 @@ out:
 // The next interface: of what makes it every seed, one higher.
 static void next_seed(const lac_case *c)
 {
-    int64_t *seed = lac_slot_seed(c->surface.about != NULL ? &c->surface : &c->domain);
+    int64_t *seed = lac_model_seed(c->surface.info != NULL ? &c->surface : &c->domain);
     if (seed != NULL) {
         ++*seed;
     }
     for (size_t k = 0; k < c->interface_spread.count; k++) {
-        int64_t *of_spread = lac_slot_seed(&c->interface_spread.item[k].slot);
+        int64_t *of_spread = lac_model_seed(&c->interface_spread.item[k].model);
         if (of_spread != NULL) {
             ++*of_spread;
         }
@@ -235,49 +235,49 @@ out:
     return status;
 }
 
-// Parameters of a slot's own, so that its seed can be set; their texts stay the case's.
-static lac_status own_params(lac_slot *slot, lac_error *err)
+// Parameters of a model's own, so that its seed can be set; their texts stay the case's.
+static lac_status own_params(lac_model *model, lac_error *err)
 {
-    size_t size = slot->about != NULL ? slot->about->params_size : 0;
-    const void *given = slot->params;
-    slot->params = malloc(size + 1);
-    if (slot->params == NULL) {
+    size_t size = model->info != NULL ? model->info->params_size : 0;
+    const void *given = model->params;
+    model->params = malloc(size + 1);
+    if (model->params == NULL) {
         return lac_fail_memory(err);
     }
     if (size > 0) {
-        memcpy(slot->params, given, size);
+        memcpy(model->params, given, size);
     }
     return LAC_OK;
 }
 
-static void free_source(const lac_case *own, const lac_slot *slot)
+static void free_source(const lac_case *own, const lac_model *model)
 {
-    free(slot->params);
+    free(model->params);
     for (size_t k = 0; k < own->interface_spread.count; k++) {
-        free(own->interface_spread.item[k].slot.params);
+        free(own->interface_spread.item[k].model.params);
     }
     free(own->interface_spread.item);
 }
 
 // The case with parameters of its own for what makes the interface.
-static lac_status own_source(const lac_case *c, lac_case *own, lac_slot **slot, lac_error *err)
+static lac_status own_source(const lac_case *c, lac_case *own, lac_model **model, lac_error *err)
 {
-    const lac_spread_list *given = &c->interface_spread;
+    const lac_heterogeneity_list *given = &c->interface_spread;
     *own = *c;
-    *slot = c->surface.about != NULL ? &own->surface : &own->domain;
-    lac_spread_list *list = &own->interface_spread;
-    *list = (lac_spread_list){.item = malloc((given->count + 1) * sizeof *list->item)};
-    lac_status status = own_params(*slot, err);
+    *model = c->surface.info != NULL ? &own->surface : &own->domain;
+    lac_heterogeneity_list *list = &own->interface_spread;
+    *list = (lac_heterogeneity_list){.item = malloc((given->count + 1) * sizeof *list->item)};
+    lac_status status = own_params(*model, err);
     if (status == LAC_OK && list->item == NULL) {
         status = lac_fail_memory(err);
     }
     for (size_t k = 0; status == LAC_OK && k < given->count; k++) {
         list->item[k] = given->item[k]; // its key stays the case's
         list->count++;
-        status = own_params(&list->item[k].slot, err);
+        status = own_params(&list->item[k].model, err);
     }
     if (status != LAC_OK) {
-        free_source(own, *slot);
+        free_source(own, *model);
     }
     return status;
 }
@@ -297,8 +297,8 @@ lac_status lac_scene_rg_run(const lac_case *c, const lac_rg_watch *watch, lac_sc
                             lac_error *err)
 {
     lac_case own;
-    lac_slot *slot = NULL;
-    lac_status status = own_source(c, &own, &slot, err);
+    lac_model *model = NULL;
+    lac_status status = own_source(c, &own, &model, err);
     *out = (lac_scene_rg){.grid = lac_interface_grid(&c->interface), .seeds = (size_t)c->rg.seeds};
     if (status != LAC_OK) {
         return status;
@@ -307,7 +307,7 @@ lac_status lac_scene_rg_run(const lac_case *c, const lac_rg_watch *watch, lac_sc
     LAC_TRY(all_seeds(&own, watch, out, err));
     LAC_TRY(lac_scene_rg_end(c, out, err));
 out:
-    free_source(&own, slot);
+    free_source(&own, model);
     if (status != LAC_OK) {
         lac_scene_rg_clear(out);
     }

@@ -10,7 +10,7 @@
 // Effective over total normal pressure at a time, as in the run itself.
 static lac_status find_share(const lac_case *c, double time, double *share, lac_error *err)
 {
-    const lac_load_slots slots = {.pore = c->pore.item, .pore_count = c->pore.count};
+    const lac_load_models models = {.pore = c->pore.item, .pore_count = c->pore.count};
     const lac_load_clock clock = {.dated = c->dated, .start = c->start_date, .end = time};
     lac_load_set loads;
     lac_load_state at;
@@ -18,7 +18,7 @@ static lac_status find_share(const lac_case *c, double time, double *share, lac_
     if (isnan(time) || c->pore.count == 0) {
         return LAC_OK;
     }
-    lac_status status = lac_load_set_create(&slots, &clock, &loads, err);
+    lac_status status = lac_load_set_create(&models, &clock, &loads, err);
     if (status != LAC_OK) {
         return status;
     }

@@ -19,14 +19,14 @@ double lac_damping_of(const lac_material_def *material)
 }
 
 // Gives the cells their own values of one parameter of the law.
-static lac_status spread_friction(const lac_case *c, const lac_spread_place *place,
+static lac_status spread_friction(const lac_case *c, const lac_heterogeneity_place *place,
                                   const lac_param *param, lac_friction *friction, double *values,
                                   lac_error *err)
 {
     double nominal;
     memcpy(&nominal, (const char *)c->friction.params + param->offset, sizeof nominal);
-    lac_status status =
-        lac_spread_fill(place, &c->friction_spread, param->key, param->unit, nominal, values, err);
+    lac_status status = lac_heterogeneity_fill(place, &c->friction_spread, param->key, param->unit,
+                                               nominal, values, err);
     if (status == LAC_OK) {
         status = lac_friction_set(friction, param->key, values, err);
     }
@@ -34,13 +34,13 @@ static lac_status spread_friction(const lac_case *c, const lac_spread_place *pla
                             : lac_fail_within(err, status, "friction.spread.%s", param->key);
 }
 
-static lac_status make_friction(const lac_case *c, const lac_spread_place *place,
+static lac_status make_friction(const lac_case *c, const lac_heterogeneity_place *place,
                                 lac_friction **out, lac_error *err)
 {
     lac_status status = LAC_OK;
     double *values = NULL;
     lac_friction *friction = NULL;
-    const lac_descriptor *about = c->friction.about;
+    const lac_model_info *info = c->friction.info;
     LAC_TRY(lac_friction_create(&c->friction, place->domain->n, &friction, err));
     if (c->friction_spread.count > 0) {
         values = malloc(place->domain->n * sizeof *values);
@@ -48,9 +48,9 @@ static lac_status make_friction(const lac_case *c, const lac_spread_place *place
             LAC_TRY(lac_fail_memory(err));
         }
     }
-    for (size_t i = 0; i < about->param_count; i++) {
-        if (lac_spread_has(&c->friction_spread, about->params[i].key)) {
-            LAC_TRY(spread_friction(c, place, &about->params[i], friction, values, err));
+    for (size_t i = 0; i < info->param_count; i++) {
+        if (lac_heterogeneity_has(&c->friction_spread, info->params[i].key)) {
+            LAC_TRY(spread_friction(c, place, &info->params[i], friction, values, err));
         }
     }
     status = lac_friction_check(friction, err);
@@ -73,10 +73,11 @@ typedef struct initial_value {
     double *values; // [n], NULL where not spread
 } initial_value;
 
-static lac_status spread_initial(const lac_spread_list *list, const lac_spread_place *place,
-                                 initial_value *of, lac_error *err)
+static lac_status spread_initial(const lac_heterogeneity_list *list,
+                                 const lac_heterogeneity_place *place, initial_value *of,
+                                 lac_error *err)
 {
-    if (!lac_spread_has(list, of->key)) {
+    if (!lac_heterogeneity_has(list, of->key)) {
         return LAC_OK;
     }
     of->values = malloc(place->domain->n * sizeof *of->values);
@@ -84,11 +85,12 @@ static lac_status spread_initial(const lac_spread_list *list, const lac_spread_p
         return lac_fail_memory(err);
     }
     lac_status status =
-        lac_spread_fill(place, list, of->key, of->unit, of->nominal, of->values, err);
+        lac_heterogeneity_fill(place, list, of->key, of->unit, of->nominal, of->values, err);
     return status == LAC_OK ? status : lac_fail_within(err, status, "initial.spread.%s", of->key);
 }
 
-static lac_status make_problem(lac_scene *scene, const lac_spread_place *place, lac_error *err)
+static lac_status make_problem(lac_scene *scene, const lac_heterogeneity_place *place,
+                               lac_error *err)
 {
     lac_status status = LAC_OK;
     const lac_case *c = scene->source;
@@ -130,23 +132,23 @@ out:
     return status;
 }
 
-lac_load_slots lac_case_loads(const lac_case *c)
+lac_load_models lac_case_loads(const lac_case *c)
 {
-    return (lac_load_slots){c->shear.item, c->shear.count, c->pore.item, c->pore.count};
+    return (lac_load_models){c->shear.item, c->shear.count, c->pore.item, c->pore.count};
 }
 
 lac_status lac_scene_loads_create(const lac_case *c, lac_load_files *files, lac_load_set *out,
                                   lac_error *err)
 {
-    const lac_load_slots slots = lac_case_loads(c);
+    const lac_load_models models = lac_case_loads(c);
     const lac_load_clock clock = {c->dated, c->start_date, c->run.end, files};
-    return lac_load_set_create(&slots, &clock, out, err);
+    return lac_load_set_create(&models, &clock, out, err);
 }
 
 // What follows from friction and initial values.
 static lac_status make_motion(lac_scene *scene, lac_error *err)
 {
-    const lac_spread_place place = {scene->contact.domain, scene->hierarchy};
+    const lac_heterogeneity_place place = {scene->contact.domain, scene->hierarchy};
     lac_status status = make_friction(scene->source, &place, &scene->friction, err);
     return status == LAC_OK ? make_problem(scene, &place, err) : status;
 }
@@ -196,7 +198,7 @@ lac_status lac_scene_create_with(const lac_case *c, lac_load_files *files, lac_s
 {
     lac_status status = LAC_OK;
     *out = NULL;
-    if (c->friction.about == NULL) {
+    if (c->friction.info == NULL) {
         return lac_fail(err, LAC_EINPUT, "friction: is missing: a static case cannot be run");
     }
     lac_scene *scene = calloc(1, sizeof *scene);

@@ -31,14 +31,14 @@ typedef struct lac_scene_measure_def {
 /// The contact part of a scene: surface -> contact -> fractal measures.
 typedef struct lac_scene_contact {
     lac_grid grid;
-    double mean_pressure;       ///< total, over the nominal area [Pa]
-    double e_star;              ///< [Pa]; NaN where no surface is pressed
-    double *heights, *gap;      ///< [ny * nx] [m]; NULL where there is no surface
-    double *pressure;           ///< [ny * nx] [Pa]
-    lac_surface_report surface; ///< what the heights look like, where they are kept
-    double tolerance;           ///< that it is solved to, relative
-    bool solved;                ///< a surface was pressed: `report` holds
-    lac_contact_report report;
+    double mean_pressure;      ///< total, over the nominal area [Pa]
+    double e_star;             ///< [Pa]; NaN where no surface is pressed
+    double *heights, *gap;     ///< [ny * nx] [m]; NULL where there is no surface
+    double *pressure;          ///< [ny * nx] [Pa]
+    lac_surface_stats surface; ///< what the heights look like, where they are kept
+    double tolerance;          ///< that it is solved to, relative
+    bool solved;               ///< a surface was pressed: `report` holds
+    lac_contact_stats report;
     bool counted; ///< box counting was possible: `boxes` holds
     lac_box_count boxes;
     lac_dyadic blocks;         ///< of the grid itself

@@ -16,7 +16,7 @@ static const uint64_t next_draw = 0xbf58476d1ce4e5b9u;
 
 // One parameter on its way from nominal values to those of the cells.
 typedef struct filling {
-    const lac_spread_place *place;
+    const lac_heterogeneity_place *place;
     const char *key, *unit;
     double *values; // [n]
     double *factor; // [n]
@@ -32,11 +32,11 @@ static uint64_t hash(const char *text)
     return h;
 }
 
-static lac_status draw_factors(const lac_spread *spread, uint64_t rank, const filling *f,
+static lac_status draw_factors(const lac_heterogeneity *spread, uint64_t rank, const filling *f,
                                lac_error *err)
 {
-    const lac_spread_kind *kind = (const void *)spread->slot.about;
-    const lac_spread_random *p = spread->slot.params;
+    const lac_heterogeneity_kind *kind = (const void *)spread->model.info;
+    const lac_heterogeneity_random *p = spread->model.params;
     const lac_domain *domain = f->place->domain;
     uint64_t stream = hash(f->key) + rank * next_rank;
     for (size_t i = 0; i < domain->n; i++) {
@@ -46,7 +46,7 @@ static lac_status draw_factors(const lac_spread *spread, uint64_t rank, const fi
                 return lac_fail(err, LAC_EINPUT,
                                 "%s: none of %d factors drawn for cell %zu lies between lowest and "
                                 "highest",
-                                kind->about.name, MOST_DRAWS, i);
+                                kind->info.name, MOST_DRAWS, i);
             }
             factor = kind->draw(p, domain->index[i], stream + again * next_draw);
         }
@@ -55,9 +55,9 @@ static lac_status draw_factors(const lac_spread *spread, uint64_t rank, const fi
     return LAC_OK;
 }
 
-static lac_status read_map(const lac_spread *spread, const filling *f, lac_error *err)
+static lac_status read_map(const lac_heterogeneity *spread, const filling *f, lac_error *err)
 {
-    const lac_spread_map *map = spread->slot.params;
+    const lac_heterogeneity_map *map = spread->model.params;
     const lac_map_def def = {.path = map->path,
                              .variable = map->variable,
                              .unit = map->as == LAC_MAP_VALUE ? f->unit : "1"};
@@ -99,8 +99,8 @@ static void block_sizes(const lac_domain *domain, const lac_hierarchy *blocks, d
     }
 }
 
-lac_status lac_spread_sizes(const lac_spread_place *place, lac_size_of of, double *size,
-                            lac_error *err)
+lac_status lac_heterogeneity_sizes(const lac_heterogeneity_place *place, lac_size_of of,
+                                   double *size, lac_error *err)
 {
     if (of == LAC_SIZE_PATCH) {
         return patch_sizes(place->domain, size, err);
@@ -118,29 +118,30 @@ lac_status lac_spread_sizes(const lac_spread_place *place, lac_size_of of, doubl
     return status;
 }
 
-static lac_status scale_by_size(const lac_spread *spread, const filling *f, lac_error *err)
+static lac_status scale_by_size(const lac_heterogeneity *spread, const filling *f, lac_error *err)
 {
-    const lac_spread_size *p = spread->slot.params;
-    lac_status status = lac_spread_sizes(f->place, (lac_size_of)p->of, f->factor, err);
+    const lac_heterogeneity_size *p = spread->model.params;
+    lac_status status = lac_heterogeneity_sizes(f->place, (lac_size_of)p->of, f->factor, err);
     for (size_t i = 0; status == LAC_OK && i < f->place->domain->n; i++) {
         f->factor[i] = pow(f->factor[i] / p->reference, p->exponent);
     }
     return status;
 }
 
-static lac_status find_factors(const lac_spread *spread, uint64_t rank, const filling *f,
+static lac_status find_factors(const lac_heterogeneity *spread, uint64_t rank, const filling *f,
                                lac_error *err)
 {
-    if (spread->slot.about == &lac_spread_map_kind.about) {
+    if (spread->model.info == &lac_heterogeneity_map_kind.info) {
         return read_map(spread, f, err);
     }
-    if (spread->slot.about == &lac_spread_size_kind.about) {
+    if (spread->model.info == &lac_heterogeneity_size_kind.info) {
         return scale_by_size(spread, f, err);
     }
     return draw_factors(spread, rank, f, err);
 }
 
-static lac_status apply(const lac_spread *spread, uint64_t rank, const filling *f, lac_error *err)
+static lac_status apply(const lac_heterogeneity *spread, uint64_t rank, const filling *f,
+                        lac_error *err)
 {
     lac_status status = find_factors(spread, rank, f, err);
     for (size_t i = 0; status == LAC_OK && i < f->place->domain->n; i++) {
@@ -149,9 +150,9 @@ static lac_status apply(const lac_spread *spread, uint64_t rank, const filling *
     return status;
 }
 
-lac_status lac_spread_fill(const lac_spread_place *place, const lac_spread_list *list,
-                           const char *key, const char *unit, double nominal, double *values,
-                           lac_error *err)
+lac_status lac_heterogeneity_fill(const lac_heterogeneity_place *place,
+                                  const lac_heterogeneity_list *list, const char *key,
+                                  const char *unit, double nominal, double *values, lac_error *err)
 {
     size_t n = place->domain->n;
     lac_status status = LAC_OK;
@@ -161,7 +162,8 @@ lac_status lac_spread_fill(const lac_spread_place *place, const lac_spread_list 
         return lac_fail_memory(err);
     }
     for (size_t k = 0; k < list->count; k++) {
-        bool outright = strcmp(list->item[k].key, key) == 0 && lac_spread_is_value(&list->item[k]);
+        bool outright =
+            strcmp(list->item[k].key, key) == 0 && lac_heterogeneity_is_value(&list->item[k]);
         nominal = outright ? 1.0 : nominal;
     }
     for (size_t i = 0; i < n; i++) {

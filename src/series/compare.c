@@ -15,7 +15,7 @@ static double between_rates(double v0, double v1, double w)
     return (1.0 - w) * v0 + w * v1;
 }
 
-bool lac_history_at(const lac_history *h, double t, double *slip, double *rate)
+bool lac_history_eval(const lac_history *h, double t, double *slip, double *rate)
 {
     if (h->n == 0 || !(t >= h->time[0] && t <= h->time[h->n - 1])) {
         return false;
@@ -45,7 +45,7 @@ void lac_series_compare(const lac_series *series, const lac_history *history, la
         if (isnan(d) && isnan(v)) {
             continue;
         }
-        if (!lac_history_at(history, series->time[i], &slip, &rate)) {
+        if (!lac_history_eval(history, series->time[i], &slip, &rate)) {
             misfit->outside++;
             continue;
         }

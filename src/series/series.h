@@ -29,7 +29,7 @@ typedef struct lac_misfit {
 
 /// Modelled slip and rate at time t: slip linear, rate linear in its logarithm.
 /// @return false outside the history
-bool lac_history_at(const lac_history *history, double t, double *slip, double *rate);
+bool lac_history_eval(const lac_history *history, double t, double *slip, double *rate);
 
 /// Misfit of a history to a series.
 void lac_series_compare(const lac_series *series, const lac_history *history, lac_misfit *misfit);

@@ -35,7 +35,7 @@ typedef struct search {
 // iterates.
 static double solve_cost(const lac_case *c)
 {
-    const lac_transfer_kind *kind = (const void *)c->transfer.about;
+    const lac_transfer_kind *kind = (const void *)c->transfer.info;
     return kind != NULL && kind->transforms ? 10.0 : 2.4;
 }
 

@@ -53,7 +53,7 @@ static lac_status find_critical(const lac_scene *scene, const lac_analysis_rg *r
         (void)snprintf(out->source, sizeof out->source, "given in the case");
         return LAC_OK;
     }
-    if (c->surface.about == NULL && c->domain.about == NULL) {
+    if (c->surface.info == NULL && c->domain.info == NULL) {
         (void)snprintf(out->source, sizeof out->source,
                        "none: a single block has no cells to hand load on");
         return LAC_OK;
@@ -63,21 +63,21 @@ static lac_status find_critical(const lac_scene *scene, const lac_analysis_rg *r
 
 lac_status lac_indicators_create(const lac_scene *scene, lac_analysis **out, lac_error *err)
 {
-    const lac_slot_list *slots = &scene->source->analysis;
+    const lac_model_list *models = &scene->source->analysis;
     lac_analysis_scene made_for = {.domain = scene->contact.domain,
                                    .hierarchy = scene->hierarchy,
                                    .friction = scene->friction,
                                    .shear_modulus = scene->source->material.shear_modulus};
     lac_status status = LAC_OK;
     *out = NULL;
-    for (size_t i = 0; i < slots->count; i++) {
-        const lac_analysis_rg *rg = lac_analysis_cascade(&slots->item[i]);
+    for (size_t i = 0; i < models->count; i++) {
+        const lac_analysis_rg *rg = lac_analysis_cascade(&models->item[i]);
         if (rg != NULL) {
             LAC_TRY(find_critical(scene, rg, &made_for.critical, err));
         }
     }
-    if (slots->count > 0) {
-        LAC_TRY(lac_analysis_create(&made_for, slots->count, slots->item, out, err));
+    if (models->count > 0) {
+        LAC_TRY(lac_analysis_create(&made_for, models->count, models->item, out, err));
     }
 out:
     return status;

@@ -11,7 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "base/part.h"
+#include "base/temp_file.h"
 #include "lacuna/version.h"
 #include "store/internal.h"
 
@@ -22,7 +22,7 @@ typedef struct head {
 
 static const char mark[8] = {'L', 'A', 'C', 'C', 'K', 'P', 'T', '2'};
 
-const char *lac_kept_checkpoint_program(void) { return "Lacuna " LACUNA_VERSION; }
+const char *lac_checkpoint_file_program(void) { return "Lacuna " LACUNA_VERSION; }
 
 // FNV-1a, the high half folded in.
 static uint64_t sum_of(const unsigned char *bytes, size_t size)
@@ -36,40 +36,40 @@ static uint64_t sum_of(const unsigned char *bytes, size_t size)
 }
 
 // A length and its bytes; `*text` is allocated while loading.
-static void pass_text(lac_tape *tape, char **text)
+static void pass_text(lac_archive *archive, char **text)
 {
-    uint64_t length = tape->loading ? 0 : strlen(*text);
-    lac_tape_pass(tape, &length, sizeof length);
-    if (tape->loading && lac_tape_good(tape)) {
-        tape->short_of = length > tape->size - tape->at;
-        *text = tape->short_of ? NULL : calloc(length + 1, 1);
-        tape->no_memory = *text == NULL && !tape->short_of;
+    uint64_t length = archive->loading ? 0 : strlen(*text);
+    lac_archive_pass(archive, &length, sizeof length);
+    if (archive->loading && lac_archive_good(archive)) {
+        archive->short_of = length > archive->size - archive->at;
+        *text = archive->short_of ? NULL : calloc(length + 1, 1);
+        archive->no_memory = *text == NULL && !archive->short_of;
     }
-    lac_tape_pass(tape, *text, length);
+    lac_archive_pass(archive, *text, length);
 }
 
-static void pass_about(lac_tape *tape, lac_kept_checkpoint *c)
+static void pass_about(lac_archive *archive, lac_checkpoint_file *c)
 {
-    lac_tape_pass(tape, &c->from.planned, sizeof c->from.planned);
-    lac_tape_pass(tape, &c->from.time, sizeof c->from.time);
-    lac_tape_pass(tape, &c->records, sizeof c->records);
-    lac_tape_pass(tape, &c->snapshots, sizeof c->snapshots);
-    lac_tape_pass(tape, &c->events, sizeof c->events);
-    lac_tape_pass(tape, &c->begun, sizeof c->begun);
-    lac_tape_pass(tape, &c->last_time, sizeof c->last_time);
-    pass_text(tape, &c->program);
-    pass_text(tape, &c->libraries);
-    pass_text(tape, &c->case_text);
+    lac_archive_pass(archive, &c->from.planned, sizeof c->from.planned);
+    lac_archive_pass(archive, &c->from.time, sizeof c->from.time);
+    lac_archive_pass(archive, &c->records, sizeof c->records);
+    lac_archive_pass(archive, &c->snapshots, sizeof c->snapshots);
+    lac_archive_pass(archive, &c->events, sizeof c->events);
+    lac_archive_pass(archive, &c->begun, sizeof c->begun);
+    lac_archive_pass(archive, &c->last_time, sizeof c->last_time);
+    pass_text(archive, &c->program);
+    pass_text(archive, &c->libraries);
+    pass_text(archive, &c->case_text);
 }
 
-static lac_status write_file(const char *name, const char *part, const lac_tape *tape,
+static lac_status write_file(const char *name, const char *part, const lac_archive *archive,
                              lac_error *err)
 {
-    head h = {.size = tape->size, .sum = sum_of(tape->bytes, tape->size)};
+    head h = {.size = archive->size, .sum = sum_of(archive->bytes, archive->size)};
     memcpy(h.mark, mark, sizeof mark);
     int fd = open(part, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-    bool good = fd >= 0 && lac_part_write(fd, &h, sizeof h) &&
-                lac_part_write(fd, tape->bytes, tape->size) && fsync(fd) == 0;
+    bool good = fd >= 0 && lac_temp_file_write(fd, &h, sizeof h) &&
+                lac_temp_file_write(fd, archive->bytes, archive->size) && fsync(fd) == 0;
     int reason = errno;
     if (fd >= 0 && close(fd) != 0 && good) {
         good = false;
@@ -83,37 +83,37 @@ static lac_status write_file(const char *name, const char *part, const lac_tape 
         (void)unlink(part);
         return lac_fail(err, LAC_EIO, "%s: cannot write: %s", name, strerror(reason));
     }
-    lac_part_sync_folder(name);
+    lac_temp_file_sync_folder(name);
     return LAC_OK;
 }
 
 lac_status lac_store_put_checkpoint(const lac_store *s, const lac_checkpoint *checkpoint,
                                     lac_error *err)
 {
-    lac_kept_checkpoint about = {.from = *checkpoint,
-                                 .records = lac_writer_places(&s->writer, "time"),
-                                 .snapshots = lac_writer_places(&s->writer, "snapshot"),
-                                 .events = lac_writer_places(&s->writer, "event"),
-                                 .begun = s->begun,
-                                 .last_time = s->last_origin + s->last_local,
-                                 .program = (char *)lac_kept_checkpoint_program(),
-                                 .libraries = s->libraries,
-                                 .case_text = s->case_text};
-    lac_tape tape = {.loading = false};
+    lac_checkpoint_file info = {.from = *checkpoint,
+                                .records = lac_writer_places(&s->writer, "time"),
+                                .snapshots = lac_writer_places(&s->writer, "snapshot"),
+                                .events = lac_writer_places(&s->writer, "event"),
+                                .begun = s->begun,
+                                .last_time = s->last_origin + s->last_local,
+                                .program = (char *)lac_checkpoint_file_program(),
+                                .libraries = s->libraries,
+                                .case_text = s->case_text};
+    lac_archive archive = {.loading = false};
     lac_status status = LAC_OK;
-    char *name = lac_part_beside(s->file.path, ".checkpoint");
-    char *part = lac_part_beside(s->file.path, ".checkpoint.part");
-    pass_about(&tape, &about);
-    lac_tape_pass(&tape, (void *)checkpoint->state, checkpoint->size); // only read
-    if (name == NULL || part == NULL || tape.no_memory) {
+    char *name = lac_temp_file_beside(s->file.path, ".checkpoint");
+    char *part = lac_temp_file_beside(s->file.path, ".checkpoint.part");
+    pass_about(&archive, &info);
+    lac_archive_pass(&archive, (void *)checkpoint->state, checkpoint->size); // only read
+    if (name == NULL || part == NULL || archive.no_memory) {
         status = lac_fail_memory(err);
         goto out;
     }
-    LAC_TRY(write_file(name, part, &tape, err));
+    LAC_TRY(write_file(name, part, &archive, err));
 out:
     free(name);
     free(part);
-    free(tape.bytes);
+    free(archive.bytes);
     return status;
 }
 
@@ -147,7 +147,7 @@ static lac_status check_head(const char *name, const head *h, lac_error *err)
 }
 
 // The bytes after the head, sound or not at all.
-static lac_status read_bytes(const char *name, int fd, lac_kept_checkpoint *out, size_t *size,
+static lac_status read_bytes(const char *name, int fd, lac_checkpoint_file *out, size_t *size,
                              lac_error *err)
 {
     struct stat info = {0};
@@ -183,13 +183,13 @@ static lac_status read_bytes(const char *name, int fd, lac_kept_checkpoint *out,
     return LAC_OK;
 }
 
-lac_status lac_kept_checkpoint_read(const char *path, lac_kept_checkpoint *out, lac_error *err)
+lac_status lac_checkpoint_file_read(const char *path, lac_checkpoint_file *out, lac_error *err)
 {
     lac_status status = LAC_OK;
     size_t size = 0;
-    *out = (lac_kept_checkpoint){.records = 0};
+    *out = (lac_checkpoint_file){.records = 0};
     char *place = realpath(path, NULL); // through the links, as the file itself is written
-    char *name = lac_part_beside(place != NULL ? place : path, ".checkpoint");
+    char *name = lac_temp_file_beside(place != NULL ? place : path, ".checkpoint");
     int fd = name != NULL ? open(name, O_RDONLY | O_CLOEXEC) : -1;
     if (name == NULL) {
         LAC_TRY(lac_fail_memory(err));
@@ -201,14 +201,14 @@ lac_status lac_kept_checkpoint_read(const char *path, lac_kept_checkpoint *out, 
         LAC_TRY(lac_fail(err, LAC_EIO, "%s: %s", name, strerror(errno)));
     }
     LAC_TRY(read_bytes(name, fd, out, &size, err));
-    lac_tape tape = {.loading = true, .bytes = out->bytes, .size = size};
-    pass_about(&tape, out);
-    if (!lac_tape_good(&tape)) {
-        status =
-            tape.no_memory ? lac_fail_memory(err) : lac_fail(err, LAC_EIO, "%s: is damaged", name);
+    lac_archive archive = {.loading = true, .bytes = out->bytes, .size = size};
+    pass_about(&archive, out);
+    if (!lac_archive_good(&archive)) {
+        status = archive.no_memory ? lac_fail_memory(err)
+                                   : lac_fail(err, LAC_EIO, "%s: is damaged", name);
     }
-    out->from.state = out->bytes + tape.at;
-    out->from.size = size - tape.at;
+    out->from.state = out->bytes + archive.at;
+    out->from.size = size - archive.at;
 out:
     if (fd >= 0) {
         (void)close(fd);
@@ -218,11 +218,11 @@ out:
     return status;
 }
 
-void lac_kept_checkpoint_clear(lac_kept_checkpoint *checkpoint)
+void lac_checkpoint_file_clear(lac_checkpoint_file *checkpoint)
 {
     free(checkpoint->program);
     free(checkpoint->libraries);
     free(checkpoint->case_text);
     free(checkpoint->bytes);
-    *checkpoint = (lac_kept_checkpoint){.records = 0};
+    *checkpoint = (lac_checkpoint_file){.records = 0};
 }

@@ -10,7 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "base/part.h"
+#include "base/temp_file.h"
 #include "store/nc.h"
 
 enum { RESERVE = 1 << 20 }; // for HDF5's own records [bytes]
@@ -49,7 +49,7 @@ static char *resolve(const char *path, bool exists)
 // Takes the temporary name for this process; what killed ones left of this file is removed.
 static lac_status take_part(lac_nc *file, lac_error *err)
 {
-    lac_part_sweep(file->path);
+    lac_temp_file_sweep(file->path);
     (void)unlink(file->part);
     file->fd = open(file->part, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     return file->fd >= 0
@@ -123,7 +123,7 @@ lac_status lac_nc_create(lac_nc *file, const char *path, bool force, lac_error *
         return lac_fail(err, LAC_EIO, "%s: cannot replace: another process is writing it", path);
     }
     file->path = resolve(path, exists);
-    file->part = file->path != NULL ? lac_part_name(file->path) : NULL;
+    file->part = file->path != NULL ? lac_temp_file_name(file->path) : NULL;
     if (file->part == NULL) {
         LAC_TRY(lac_fail_memory(err));
     }
@@ -168,21 +168,21 @@ lac_status lac_nc_keep_journal(lac_nc *file, lac_error *err)
 static int take_place(const lac_nc *file)
 {
     if (!file->replaces) {
-        return lac_part_publish(file->part, file->path, false);
+        return lac_temp_file_publish(file->part, file->path, false);
     }
     // Of several that would take the same place one at a time looks who is there.
     int held = -1;
     int failed = -1;
-    if (!lac_part_hold(file->path, &held)) {
+    if (!lac_temp_file_hold(file->path, &held)) {
         errno = EWOULDBLOCK;
         return failed;
     }
     errno = EEXIST;
     if (stands_at(file->path, file->old_dev, file->old_inode)) {
-        failed = lac_part_publish(file->part, file->path, true);
+        failed = lac_temp_file_publish(file->part, file->path, true);
     }
     int reason = errno;
-    lac_part_let_go(held);
+    lac_temp_file_let_go(held);
     errno = reason;
     return failed;
 }

@@ -13,8 +13,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "base/part.h"
-#include "base/tape.h"
+#include "base/archive.h"
+#include "base/temp_file.h"
 #include "store/nc.h"
 
 enum {
@@ -42,8 +42,8 @@ static const char mark[8] = {'L', 'A', 'C', 'J', 'R', 'N', 'L', '1'};
 
 struct lac_journal {
     int fd;
-    off_t size;     // of what is good in it
-    lac_tape ahead; // what comes after that, not yet written
+    off_t size;        // of what is good in it
+    lac_archive ahead; // what comes after that, not yet written
     char *name, *part;
     bool published;
     bool needed; // HDF5 failed to write: what it loses then it does not say
@@ -247,7 +247,7 @@ bool lac_journal_copy_base(const char *path, int to)
     if (!open_journal(path, &v, &h)) {
         return false;
     }
-    const bool good = lac_part_write(to, v.bytes + sizeof h + h.owner, (size_t)h.base);
+    const bool good = lac_temp_file_write(to, v.bytes + sizeof h + h.owner, (size_t)h.base);
     const int reason = errno;
     close_view(&v);
     errno = reason;
@@ -350,9 +350,9 @@ static bool write_base(struct lac_journal *j, const char *part, const char *owne
     // A text that HDF5 keeps otherwise cannot be looked for.
     h.owner = memmem(file.bytes, file.size, owner, strlen(owner)) != NULL ? h.owner : 0;
     h.sum = sum_of_both(owner, &h, file.bytes);
-    bool good = lac_part_write(j->fd, &h, sizeof h) &&
-                lac_part_write(j->fd, owner, (size_t)h.owner) &&
-                lac_part_write(j->fd, file.bytes, file.size);
+    bool good = lac_temp_file_write(j->fd, &h, sizeof h) &&
+                lac_temp_file_write(j->fd, owner, (size_t)h.owner) &&
+                lac_temp_file_write(j->fd, file.bytes, file.size);
     j->size = (off_t)(sizeof h + h.owner + file.size);
     close_view(&file);
     return good;
@@ -368,8 +368,8 @@ struct lac_journal *lac_journal_create(const lac_nc *file, lac_status *out, lac_
         LAC_TRY(lac_fail_memory(err));
     }
     *j = (struct lac_journal){.fd = -1};
-    j->name = lac_part_beside(file->path, ending);
-    j->part = j->name != NULL ? lac_part_name(j->name) : NULL;
+    j->name = lac_temp_file_beside(file->path, ending);
+    j->part = j->name != NULL ? lac_temp_file_name(j->name) : NULL;
     if (j->part == NULL || owner == NULL) {
         LAC_TRY(lac_fail_memory(err));
     }
@@ -378,7 +378,7 @@ struct lac_journal *lac_journal_create(const lac_nc *file, lac_status *out, lac_
                          "%s: is not a journal of Lacuna, whose name it has; move it away",
                          j->name));
     }
-    lac_part_sweep(j->name);
+    lac_temp_file_sweep(j->name);
     (void)unlink(j->part);
     j->fd = open(j->part, O_RDWR | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0666);
     // Where the file system has no locks, nobody else is told.
@@ -410,7 +410,8 @@ lac_status lac_journal_publish(struct lac_journal *j, const char *path, lac_erro
 // What is not written is lost with the error; what is torn ends the journal for its reader.
 static int write_ahead(struct lac_journal *j)
 {
-    const bool good = !j->ahead.no_memory && lac_part_write(j->fd, j->ahead.bytes, j->ahead.size);
+    const bool good =
+        !j->ahead.no_memory && lac_temp_file_write(j->fd, j->ahead.bytes, j->ahead.size);
     const int reason = j->ahead.no_memory ? ENOMEM : errno;
     if (good) {
         j->size += (off_t)j->ahead.size;
@@ -436,9 +437,9 @@ int lac_journal_put(struct lac_journal *j, const char *name, nc_type type, int r
     const size_t size = values != NULL ? (size_t)n * width_of(e.type) : 0;
     e.size = e.name + size;
     e.sum = sum_of(&e, (uint64_t)j->size + j->ahead.size, name, values);
-    lac_tape_pass(&j->ahead, &e, sizeof e);
-    lac_tape_pass(&j->ahead, (void *)name, e.name); // only read
-    lac_tape_pass(&j->ahead, (void *)values, size);
+    lac_archive_pass(&j->ahead, &e, sizeof e);
+    lac_archive_pass(&j->ahead, (void *)name, e.name); // only read
+    lac_archive_pass(&j->ahead, (void *)values, size);
     return values == NULL || j->ahead.no_memory || j->ahead.size > AHEAD_MAX ? write_ahead(j) : 0;
 }
 

@@ -12,7 +12,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "base/part.h"
+#include "base/temp_file.h"
 #include "store/input.h"
 #include "store/store_file.h"
 
@@ -72,8 +72,8 @@ lac_cut lac_nc_cut(const char *path, lac_store_loss *loss)
 bool lac_nc_is_written(const char *path)
 {
     char journal[LAC_JOURNAL_NAME];
-    return lac_part_locked(AT_FDCWD, path) ||
-           (lac_journal_name(path, journal) && lac_part_locked(AT_FDCWD, journal));
+    return lac_temp_file_locked(AT_FDCWD, path) ||
+           (lac_journal_name(path, journal) && lac_temp_file_locked(AT_FDCWD, journal));
 }
 
 bool lac_store_is_cut(const char *path)
@@ -88,7 +88,7 @@ static bool copy_bytes(int from, int to)
     ssize_t got = -1;
     bool good = block != NULL;
     for (off_t at = 0; good && (got = pread(from, block, BLOCK, at)) > 0; at += got) {
-        good = lac_part_write(to, block, (size_t)got);
+        good = lac_temp_file_write(to, block, (size_t)got);
     }
     free(block);
     return good && got == 0;
@@ -110,11 +110,11 @@ static bool pad(const char *path, int to)
 // A new file, its owner's only as the file may be: `FOLDER/.NAME.mended.lacuna-PID.part`.
 static int open_copy(const char *path, char **copy)
 {
-    char *name = lac_part_beside(path, ".mended");
-    *copy = name != NULL ? lac_part_name(name) : NULL;
+    char *name = lac_temp_file_beside(path, ".mended");
+    *copy = name != NULL ? lac_temp_file_name(name) : NULL;
     int fd = -1;
     if (*copy != NULL) {
-        lac_part_sweep(name);
+        lac_temp_file_sweep(name);
         (void)unlink(*copy);
         fd = open(*copy, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
     }
@@ -126,7 +126,7 @@ static int open_copy(const char *path, char **copy)
 static int open_copy_elsewhere(const char *path, char **copy)
 {
     const char *slash = strrchr(path, '/');
-    char *name = lac_part_beside("/tmp/", slash != NULL ? slash + 1 : path);
+    char *name = lac_temp_file_beside("/tmp/", slash != NULL ? slash + 1 : path);
     free(*copy);
     *copy = NULL;
     int fd = name != NULL ? open_copy(name, copy) : -1;
@@ -284,7 +284,7 @@ static lac_status put_in_place(const char *path, const char *copy, bool replayed
         fchmod(fd, info.st_mode & 07777) != 0 || fsync(fd) != 0 || rename(copy, place) != 0) {
         LAC_TRY(lac_fail(err, LAC_EIO, "%s: cannot be mended: %s", path, strerror(errno)));
     }
-    lac_part_sync_folder(place);
+    lac_temp_file_sync_folder(place);
     if (replayed) {
         (void)unlink(journal);
     }

@@ -98,7 +98,7 @@ lac_status lac_nc_integer(const lac_nc *file, int var, const char *name, long lo
 /// `bound`; NULL where memory is short. @param file  open in netCDF
 char *lac_nc_text_of(int file, const char *name, size_t bound);
 
-/// What is kept of a file in FILE.journal; `base/part.h` says what `part` and `path` are.
+/// What is kept of a file in FILE.journal; `base/temp_file.h` says what `part` and `path` are.
 struct lac_journal *lac_journal_create(const lac_nc *file, lac_status *status, lac_error *err);
 lac_status lac_journal_publish(struct lac_journal *journal, const char *path, lac_error *err);
 

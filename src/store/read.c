@@ -292,9 +292,9 @@ lac_status lac_store_read_attribute(const char *path, const char *name, char *te
 bool lac_stored_is_netcdf(const char *path)
 {
     char head[4] = {0};
-    struct stat about;
+    struct stat info;
     // a pipe could keep us waiting for ever, and what is read from it is gone
-    bool regular = stat(path, &about) == 0 && S_ISREG(about.st_mode);
+    bool regular = stat(path, &info) == 0 && S_ISREG(info.st_mode);
     FILE *file = regular ? fopen(path, "rb") : NULL;
     size_t n = file != NULL ? fread(head, 1, sizeof head, file) : 0;
     if (file != NULL) {

@@ -217,7 +217,7 @@ lac_sink lac_recording_sink(lac_recording *recording)
                       .once = put_once};
 }
 
-bool lac_recording_at(const lac_recording *recording, size_t index, lac_recorded *out)
+bool lac_recording_get(const lac_recording *recording, size_t index, lac_recorded *out)
 {
     if (index >= recording->columns.n) {
         return false;
@@ -240,7 +240,7 @@ bool lac_recording_at(const lac_recording *recording, size_t index, lac_recorded
 
 bool lac_recording_find(const lac_recording *recording, const char *name, lac_recorded *out)
 {
-    for (size_t i = 0; lac_recording_at(recording, i, out); i++) {
+    for (size_t i = 0; lac_recording_get(recording, i, out); i++) {
         if (strcmp(out->name, name) == 0) {
             return true;
         }
@@ -407,7 +407,7 @@ out:
 }
 
 lac_status lac_recording_load(lac_recording *recording, const char *path,
-                              const lac_kept_checkpoint *checkpoint, lac_error *err)
+                              const lac_checkpoint_file *checkpoint, lac_error *err)
 {
     lac_columns *all = &recording->columns;
     lac_stored_file *file = NULL;

@@ -69,11 +69,11 @@ void lac_recording_thin(lac_recording *recording, const char *dimension, const u
 /// @param recording  without a record yet
 /// @return LAC_OK; LAC_EIO (not the file of a run, damaged); LAC_ENOMEM
 lac_status lac_recording_load(lac_recording *recording, const char *path,
-                              const lac_kept_checkpoint *checkpoint, lac_error *err);
+                              const lac_checkpoint_file *checkpoint, lac_error *err);
 
 /// The index-th variable.
 /// @return false past the end
-bool lac_recording_at(const lac_recording *recording, size_t index, lac_recorded *out);
+bool lac_recording_get(const lac_recording *recording, size_t index, lac_recorded *out);
 
 /// The variable of a name.
 /// @return false where there is none

@@ -93,7 +93,7 @@ out:
     return status;
 }
 
-static lac_status copy_all(lac_store *s, const lac_input *in, const lac_kept_checkpoint *from,
+static lac_status copy_all(lac_store *s, const lac_input *in, const lac_checkpoint_file *from,
                            lac_error *err)
 {
     const lac_columns *all = &s->writer.columns;
@@ -139,7 +139,7 @@ static lac_status extend(const lac_store *s, const lac_input *in, const char *na
     return status;
 }
 
-static lac_status put_past(const lac_store *s, const lac_input *in, const lac_kept_checkpoint *from,
+static lac_status put_past(const lac_store *s, const lac_input *in, const lac_checkpoint_file *from,
                            lac_error *err)
 {
     char resumed[96];
@@ -159,7 +159,7 @@ out:
 }
 
 // Whether the file is the one that the checkpoint was made beside. It may have grown since.
-static lac_status check_pair(const lac_input *in, const lac_kept_checkpoint *from, lac_error *err)
+static lac_status check_pair(const lac_input *in, const lac_checkpoint_file *from, lac_error *err)
 {
     char date[32];
     double last = NAN;
@@ -195,7 +195,7 @@ static lac_status check_pair(const lac_input *in, const lac_kept_checkpoint *fro
     return LAC_OK;
 }
 
-lac_status lac_store_take_over(lac_store *s, const lac_kept_checkpoint *from, lac_error *err)
+lac_status lac_store_take_over(lac_store *s, const lac_checkpoint_file *from, lac_error *err)
 {
     lac_input in = {.open = false};
     lac_status status = LAC_OK;

@@ -161,19 +161,19 @@ static lac_status put_once(void *context, const double *once, lac_error *err)
     return status;
 }
 
-static void keep(void *context, lac_tape *tape)
+static void keep(void *context, lac_archive *archive)
 {
     static const char *const dims[] = {"time", "snapshot", "event"};
     lac_store *s = context;
     for (size_t i = 0; i < sizeof dims / sizeof *dims; i++) {
         const uint64_t own = lac_writer_places(&s->writer, dims[i]);
         uint64_t places = own;
-        lac_tape_pass(tape, &places, sizeof places);
-        tape->short_of |= places != own;
+        lac_archive_pass(archive, &places, sizeof places);
+        archive->short_of |= places != own;
     }
-    lac_tape_pass(tape, &s->has_last, sizeof s->has_last);
-    lac_tape_pass(tape, &s->last_origin, sizeof s->last_origin);
-    lac_tape_pass(tape, &s->last_local, sizeof s->last_local);
+    lac_archive_pass(archive, &s->has_last, sizeof s->has_last);
+    lac_archive_pass(archive, &s->last_origin, sizeof s->last_origin);
+    lac_archive_pass(archive, &s->last_local, sizeof s->last_local);
 }
 
 // What was put out before is on disk before the checkpoint counts on it.
@@ -197,7 +197,7 @@ lac_sink lac_store_sink(lac_store *store)
                       .record = put_record,
                       .snapshot = put_snapshot,
                       .event = store->place.of.events ? put_event : NULL,
-                      .keep = keep,
+                      .serialize = keep,
                       .checkpoint = put_checkpoint,
                       .once = put_once};
 }

@@ -33,7 +33,7 @@ typedef struct lac_store_def {
     int64_t compression; ///< deflate level of the snapshots, 0 to 9
     int64_t sync_every;  ///< records between syncs
     const char *inputs;  ///< what a checkpoint keeps of the files that the run reads; NULL
-    const lac_kept_checkpoint *resume; ///< the file that is there goes on from it; NULL: a new one
+    const lac_checkpoint_file *resume; ///< the file that is there goes on from it; NULL: a new one
 } lac_store_def;
 
 /// A netCDF-4 file being written; docs/format.md.
@@ -67,7 +67,7 @@ typedef struct lac_history_record {
     size_t number;   ///< from 1, increments counted
     double area;     ///< nominal [m2]
     double pressure; ///< mean over the nominal area [Pa]
-    lac_tangential_report shear;
+    lac_tangential_stats shear;
     double highest[2];  ///< where q/(f p) is highest [m]; NaN where nothing sticks
     double dissipated;  ///< frictional work since the start [J]
     size_t cycle_start; ///< the step to whose controls this one comes back, 0 the start; SIZE_MAX:

@@ -59,13 +59,13 @@ void lac_stored_file_close(lac_stored_file *file)
 static lac_status copy_values(const lac_recording *recording, const char *variable, ptrdiff_t row,
                               lac_stored_values *out, lac_error *err)
 {
-    lac_recorded seen;
+    lac_recorded observation;
     *out = (lac_stored_values){0};
-    if (!lac_recording_find(recording, variable, &seen) || seen.values == NULL) {
+    if (!lac_recording_find(recording, variable, &observation) || observation.values == NULL) {
         return LAC_OK;
     }
-    const size_t n = seen.places;
-    const size_t width = n > 0 ? seen.count / n : 0;
+    const size_t n = observation.places;
+    const size_t width = n > 0 ? observation.count / n : 0;
     if (row >= 0 && (size_t)row >= n) {
         return lac_fail(err, LAC_EINPUT, "%s has no row %td", variable, row);
     }
@@ -74,7 +74,7 @@ static lac_status copy_values(const lac_recording *recording, const char *variab
     if (value == NULL) {
         return lac_fail_memory(err);
     }
-    memcpy(value, seen.values + first * width, rows * width * sizeof *value);
+    memcpy(value, observation.values + first * width, rows * width * sizeof *value);
     *out = (lac_stored_values){value, rows, width};
     return LAC_OK;
 }
@@ -104,13 +104,13 @@ lac_status lac_stored_file_series(const lac_stored_file *file, const char *varia
 static const char *text_of(const lac_recording *recording, const char *variable,
                            const char *attribute)
 {
-    lac_recorded seen;
-    if (!lac_recording_find(recording, variable, &seen)) {
+    lac_recorded observation;
+    if (!lac_recording_find(recording, variable, &observation)) {
         return NULL;
     }
-    return strcmp(attribute, "units") == 0       ? seen.unit
-           : strcmp(attribute, "long_name") == 0 ? seen.long_name
-           : strcmp(attribute, "comment") == 0   ? seen.comment
+    return strcmp(attribute, "units") == 0       ? observation.unit
+           : strcmp(attribute, "long_name") == 0 ? observation.long_name
+           : strcmp(attribute, "comment") == 0   ? observation.comment
                                                  : NULL;
 }
 
@@ -148,14 +148,14 @@ double lac_stored_file_number(const lac_stored_file *file, const char *variable,
 bool lac_stored_file_variable(const lac_stored_file *file, size_t index, char *name, size_t size)
 {
     char longest[NC_MAX_NAME + 1];
-    lac_recorded seen = {.name = longest};
+    lac_recorded observation = {.name = longest};
     const bool there =
         file->recording != NULL
-            ? lac_recording_at(file->recording, index, &seen)
+            ? lac_recording_get(file->recording, index, &observation)
             : index <= INT_MAX && nc_inq_varname(file->in.id, (int)index, longest) == NC_NOERR;
-    if (!there || strlen(seen.name) >= size) {
+    if (!there || strlen(observation.name) >= size) {
         return false;
     }
-    (void)memcpy(name, seen.name, strlen(seen.name) + 1);
+    (void)memcpy(name, observation.name, strlen(observation.name) + 1);
     return true;
 }

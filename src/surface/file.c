@@ -148,7 +148,7 @@ static bool is_complete(const lac_height_map *map)
 // What the heights look like before anything is taken off: all of a file, or what lies on the
 // interface where there are two, or gaps in one.
 static lac_status measure(const face *one, const lac_grid *grid, const double *heights, bool two,
-                          lac_surface_report *report, lac_error *err)
+                          lac_surface_stats *report, lac_error *err)
 {
     const lac_height_map *map = one->map;
     lac_grid samples = *grid;
@@ -209,7 +209,7 @@ static void sink(const lac_grid *grid, const uint8_t *masked, double *heights)
 }
 
 static lac_status generate_measured(const void *params, const lac_grid *grid, double *heights,
-                                    lac_surface_report *report, lac_error *err)
+                                    lac_surface_stats *report, lac_error *err)
 {
     const lac_surface_file *p = params;
     face faces[2] = {{0}, {0}};
@@ -305,11 +305,11 @@ static const lac_param file_params[] = {
 };
 
 const lac_surface_source lac_surface_from_file = {
-    .about = {.name = "file",
-              .summary = "measured heights, read from a file, or from two, one a face",
-              .reference = "docs/surfaces-from-files.md",
-              LAC_ROWS(file_params, lac_surface_file),
-              .fault = fault},
+    .info = {.name = "file",
+             .summary = "measured heights, read from a file, or from two, one a face",
+             .reference = "docs/surfaces-from-files.md",
+             LAC_ROWS(file_params, lac_surface_file),
+             .validate = fault},
     .generate = generate,
     .generate_measured = generate_measured,
 };

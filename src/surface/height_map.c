@@ -227,16 +227,16 @@ static lac_status read_stream(FILE *stream, const char *path, unsigned char **da
 lac_status lac_height_map_read(const char *path, lac_height_map **map, lac_error *err)
 {
     lac_status status;
-    struct stat about;
+    struct stat info;
     FILE *stream = NULL;
     unsigned char *data = NULL;
     size_t size = 0;
     *map = NULL;
-    if (stat(path, &about) != 0) {
+    if (stat(path, &info) != 0) {
         LAC_TRY(lac_fail(err, LAC_EIO, "%s: %s", path, strerror(errno)));
     }
     // a pipe could keep us waiting for ever
-    if (!S_ISREG(about.st_mode)) {
+    if (!S_ISREG(info.st_mode)) {
         LAC_TRY(lac_fail(err, LAC_EIO, "%s: is no file", path));
     }
     stream = fopen(path, "rb");

@@ -10,4 +10,4 @@ static const lac_surface_source *const sources[] = {
     &lac_surface_from_file,
 };
 
-LAC_KINDS_AT(lac_surface_source, lac_surface_source_at, sources)
+LAC_KINDS_AT(lac_surface_source, lac_surface_source_get, sources)

@@ -21,18 +21,18 @@ static double number(const lac_param *param, const void *params)
     return value == INT64_MIN ? (double)NAN : (double)value;
 }
 
-static lac_status check_params(const lac_descriptor *about, const void *params, lac_error *err)
+static lac_status check_params(const lac_model_info *info, const void *params, lac_error *err)
 {
-    for (size_t i = 0; i < about->param_count; i++) {
-        const lac_param *param = &about->params[i];
+    for (size_t i = 0; i < info->param_count; i++) {
+        const lac_param *param = &info->params[i];
         bool numeric = param->type == LAC_REAL || param->type == LAC_INTEGER;
         bool given = lac_param_given(param, params);
         if (!given && (param->flags & LAC_OPTIONAL) == 0) {
-            return lac_fail(err, LAC_EINPUT, "%s: %s must be given", about->name, param->key);
+            return lac_fail(err, LAC_EINPUT, "%s: %s must be given", info->name, param->key);
         }
         char why[120];
         if (given && numeric && !lac_param_allows(param, number(param, params), why, sizeof why)) {
-            return lac_fail(err, LAC_EINPUT, "%s: %s %s", about->name, param->key, why);
+            return lac_fail(err, LAC_EINPUT, "%s: %s %s", info->name, param->key, why);
         }
     }
     return LAC_OK;
@@ -50,53 +50,52 @@ static lac_status check_grid(const lac_grid *grid, lac_error *err)
     return LAC_OK;
 }
 
-static lac_status check(const lac_slot *slot, const lac_grid *grid, lac_error *err)
+static lac_status check(const lac_model *model, const lac_grid *grid, lac_error *err)
 {
-    if (slot->about == NULL) {
+    if (model->info == NULL) {
         return lac_fail(err, LAC_EINPUT, "no surface was chosen");
     }
     lac_status status;
     LAC_TRY(check_grid(grid, err));
-    LAC_TRY(check_params(slot->about, slot->params, err));
-    const char *fault = slot->about->fault != NULL ? slot->about->fault(slot->params) : NULL;
+    LAC_TRY(check_params(model->info, model->params, err));
+    const char *fault = model->info->validate != NULL ? model->info->validate(model->params) : NULL;
     if (fault != NULL) {
-        LAC_TRY(lac_fail(err, LAC_EINPUT, "%s: %s", slot->about->name, fault));
+        LAC_TRY(lac_fail(err, LAC_EINPUT, "%s: %s", model->info->name, fault));
     }
 out:
     return status;
 }
 
 // The descriptor is the first member of its row.
-static const lac_surface_source *source_of(const lac_slot *slot)
+static const lac_surface_source *source_of(const lac_model *model)
 {
-    return (const lac_surface_source *)slot->about;
+    return (const lac_surface_source *)model->info;
 }
 
-lac_status lac_surface_generate(const lac_slot *slot, const lac_grid *grid, double *heights,
+lac_status lac_surface_generate(const lac_model *model, const lac_grid *grid, double *heights,
                                 lac_error *err)
 {
     lac_status status;
-    LAC_TRY(check(slot, grid, err));
-    LAC_TRY(source_of(slot)->generate(slot->params, grid, heights, err));
+    LAC_TRY(check(model, grid, err));
+    LAC_TRY(source_of(model)->generate(model->params, grid, heights, err));
 out:
     return status;
 }
 
-lac_status lac_surface_generate_measured(const lac_slot *slot, const lac_grid *grid,
-                                         double *heights, lac_surface_report *report,
-                                         lac_error *err)
+lac_status lac_surface_generate_measured(const lac_model *model, const lac_grid *grid,
+                                         double *heights, lac_surface_stats *report, lac_error *err)
 {
     lac_status status;
-    *report = (lac_surface_report){.measured = LAC_MEASURED_INTERFACE};
-    LAC_TRY(check(slot, grid, err));
-    const lac_surface_source *source = source_of(slot);
+    *report = (lac_surface_stats){.measured = LAC_MEASURED_INTERFACE};
+    LAC_TRY(check(model, grid, err));
+    const lac_surface_source *source = source_of(model);
     if (source->generate_measured != NULL) {
-        return source->generate_measured(slot->params, grid, heights, report, err);
+        return source->generate_measured(model->params, grid, heights, report, err);
     }
-    LAC_TRY(source->generate(slot->params, grid, heights, err));
+    LAC_TRY(source->generate(model->params, grid, heights, err));
     lac_wave_range range = {NAN, NAN};
     if (source->waves != NULL) {
-        range = source->waves(slot->params, grid);
+        range = source->waves(model->params, grid);
     }
     LAC_TRY(lac_surface_measure(grid, heights, &range, &report->measures, err));
 out:

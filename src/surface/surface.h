@@ -55,22 +55,22 @@ typedef enum lac_measured {
 } lac_measured;
 
 /// What a surface is like and where it came from.
-typedef struct lac_surface_report {
+typedef struct lac_surface_stats {
     lac_measured measured;
     lac_surface_measures measures;
     size_t files; ///< 0, 1, or 2: the upper face and the lower one
     lac_file_report file[2];
-} lac_surface_report;
+} lac_surface_stats;
 
 /// Where the composite heights of an interface come from (peaks up, zero mean).
 typedef struct lac_surface_source {
-    lac_descriptor about;
+    lac_model_info info;
     /// @param heights  [ny * nx] composite height of each cell [m]; overwritten
     lac_status (*generate)(const void *params, const lac_grid *grid, double *heights,
                            lac_error *err);
     /// As generate, with a report; NULL: the heights of the interface are measured.
     lac_status (*generate_measured)(const void *params, const lac_grid *grid, double *heights,
-                                    lac_surface_report *report, lac_error *err);
+                                    lac_surface_stats *report, lac_error *err);
     /// Where the spectrum is a power law [m], NaN where the grid says; NULL: not known.
     lac_wave_range (*waves)(const void *params, const lac_grid *grid);
 } lac_surface_source;
@@ -144,17 +144,17 @@ typedef struct lac_height_map {
 } lac_height_map;
 
 /// The index-th source in the registry, NULL past the end.
-const lac_surface_source *lac_surface_source_at(size_t index);
+const lac_surface_source *lac_surface_source_get(size_t index);
 
 /// Heights of the chosen source on a grid.
-/// @param slot     a surface source and its parameters
+/// @param model     a surface source and its parameters
 /// @param heights  [ny * nx] [m]; overwritten
-lac_status lac_surface_generate(const lac_slot *slot, const lac_grid *grid, double *heights,
+lac_status lac_surface_generate(const lac_model *model, const lac_grid *grid, double *heights,
                                 lac_error *err);
 
 /// As lac_surface_generate, and measures the surface.
-lac_status lac_surface_generate_measured(const lac_slot *slot, const lac_grid *grid,
-                                         double *heights, lac_surface_report *report,
+lac_status lac_surface_generate_measured(const lac_model *model, const lac_grid *grid,
+                                         double *heights, lac_surface_stats *report,
                                          lac_error *err);
 
 /// rms slope between cells `lag` apart along x (or y); 0 where there are none.

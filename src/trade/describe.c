@@ -24,9 +24,9 @@ const char *lac_trade_settings_text(const lac_trade_outcome *o, size_t run,
 {
     size_t used = 0;
     text[0] = '\0';
-    for (size_t d = 0; d < o->plan->dials && used < LAC_TEXT_ROOM; d++) {
+    for (size_t d = 0; d < o->plan->settings && used < LAC_TEXT_ROOM; d++) {
         used += (size_t)snprintf(text + used, LAC_TEXT_ROOM - used, "%s%s=%s", d > 0 ? " " : "",
-                                 o->plan->dial[d].dial->key, o->settings[run].label[d]);
+                                 o->plan->setting[d].setting->key, o->settings[run].label[d]);
     }
     return text;
 }
@@ -35,16 +35,17 @@ const char *lac_trade_options(const lac_trade_outcome *o, size_t run, char text[
 {
     size_t used = 0;
     text[0] = '\0';
-    for (size_t d = 0; d < o->plan->dials && used < LAC_TEXT_ROOM; d++) {
-        const lac_trade_dial *dial = &o->plan->dial[d];
+    for (size_t d = 0; d < o->plan->settings && used < LAC_TEXT_ROOM; d++) {
+        const lac_trade_setting *setting = &o->plan->setting[d];
         const int at = o->plan->run[run].at[d];
         const char *label = o->settings[run].label[d];
-        const char *yaml = at >= 0 ? dial->value[at].yaml : label;
-        const bool named = at >= 0 && strcmp(yaml, dial->value[at].label) != 0;
+        const char *yaml = at >= 0 ? setting->value[at].yaml : label;
+        const bool named = at >= 0 && strcmp(yaml, setting->value[at].label) != 0;
         const char *quote = strpbrk(yaml, " {") != NULL ? "'" : "";
         if (named || strcmp(label, o->own->label[d]) != 0) {
-            used += (size_t)snprintf(text + used, LAC_TEXT_ROOM - used, "%s--set %s%s=%s%s",
-                                     used > 0 ? " " : "", quote, dial->dial->key, yaml, quote);
+            used +=
+                (size_t)snprintf(text + used, LAC_TEXT_ROOM - used, "%s--set %s%s=%s%s",
+                                 used > 0 ? " " : "", quote, setting->setting->key, yaml, quote);
         }
     }
     return text;
@@ -63,7 +64,7 @@ static int compare_labels(const char *a, const char *b)
 static bool stands_before(const lac_trade_outcome *o, size_t a, size_t b)
 {
     const lac_trade_plan *plan = o->plan;
-    for (size_t d = 0; d < plan->dials; d++) {
+    for (size_t d = 0; d < plan->settings; d++) {
         const int order = compare_labels(o->settings[a].label[d], o->settings[b].label[d]);
         if (d != plan->ladder && order != 0) {
             return order < 0;
@@ -106,10 +107,10 @@ void lac_trade_outcome_clear(lac_trade_outcome *o)
 }
 
 #define OUTCOME const lac_trade_outcome *o = of
-#define VERDICT const lac_trade_verdict *v = ((const lac_trade_outcome *)of)->verdict
+#define VERDICT const lac_trade_result *v = ((const lac_trade_outcome *)of)->verdict
 #define ABOUT \
     VERDICT;  \
-    const lac_quantity_about *about = lac_quantity_about_of(v->quantity)
+    const lac_quantity_about *info = lac_quantity_about_of(v->quantity)
 #define RUN                                                     \
     const lac_trade_row *r = (const lac_trade_row *)of + at[0]; \
     const lac_trade_outcome *o = r->of
@@ -120,9 +121,9 @@ void lac_trade_outcome_clear(lac_trade_outcome *o)
 LAC_TEXT_GETTER(title, OUTCOME, o->title)
 LAC_TEXT_GETTER(sentence, OUTCOME, o->sentence)
 LAC_TEXT_GETTER(complete, (void)of, "complete")
-LAC_TEXT_GETTER(quantity, ABOUT, about->name)
-LAC_TEXT_GETTER(quantity_unit, ABOUT, about->unit)
-LAC_TEXT_GETTER(quantity_doc, ABOUT, about->doc)
+LAC_TEXT_GETTER(quantity, ABOUT, info->name)
+LAC_TEXT_GETTER(quantity_unit, ABOUT, info->unit)
+LAC_TEXT_GETTER(quantity_doc, ABOUT, info->doc)
 LAC_TEXT_GETTER(reference_settings, OUTCOME,
                 lac_trade_settings_text(o, o->verdict->reference, room))
 LAC_TEXT_GETTER(recommended_settings, OUTCOME,
@@ -136,8 +137,8 @@ LAC_TEXT_GETTER(refused, OUTCOME, o->measure[o->refused[at[0]]].message)
 LAC_TEXT_GETTER(settings, RUN, lac_trade_settings_text(o, r->run, room))
 LAC_TEXT_GETTER(label_of_row, RUN, o->settings[r->run].label[at[1]])
 LAC_TEXT_GETTER(label_of_one, const lac_trade_row *r = of, r->of->settings[r->run].label[at[0]])
-LAC_TEXT_GETTER(key_of_row, RUN, o->plan->dial[at[1]].dial->key)
-LAC_TEXT_GETTER(key_of_one, const lac_trade_row *r = of, r->of->plan->dial[at[0]].dial->key)
+LAC_TEXT_GETTER(key_of_row, RUN, o->plan->setting[at[1]].setting->key)
+LAC_TEXT_GETTER(key_of_one, const lac_trade_row *r = of, r->of->plan->setting[at[0]].setting->key)
 LAC_TEXT_GETTER(command, RUN, lac_trade_command(o->plan, r->run))
 LAC_TEXT_GETTER(options, RUN, lac_trade_options(o, r->run, room))
 LAC_TEXT_GETTER(end, MEASURE, lac_trade_end_name(m->end))
@@ -220,7 +221,7 @@ lac_status lac_trade_describe(const lac_trade_outcome *o, lac_dataset **out, lac
                              .unit = lac_quantity_about_of(o->verdict->quantity)->unit};
     const bool any = o->verdict->recommended != SIZE_MAX;
     const lac_extent dims[] = {
-        {"run", o->rows}, {"dial", o->plan->dials}, {"refused", o->refusals}};
+        {"run", o->rows}, {"dial", o->plan->settings}, {"refused", o->refusals}};
     const lac_laid laid[] = {
         {LAC_VARIABLES(of_trade, "", 0), o},
         {LAC_VARIABLES(of_reference, "", 0), &o->reference},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The dials: a row each.
+// The settings: a row each.
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -9,20 +9,20 @@
 #include "base/rows.h"
 #include "trade/trade.h"
 
-static void put(lac_dial_value *out, const char *label, const char *yaml)
+static void put(lac_setting_value *out, const char *label, const char *yaml)
 {
     (void)snprintf(out->label, sizeof out->label, "%s", label);
     (void)snprintf(out->yaml, sizeof out->yaml, "%s", yaml);
 }
 
-static void put_number(lac_dial_value *out, double value)
+static void put_number(lac_setting_value *out, double value)
 {
     (void)snprintf(out->label, sizeof out->label, "%.10g", value);
     memcpy(out->yaml, out->label, sizeof out->label);
 }
 
 // The names themselves are what the key takes.
-static size_t put_names(const char *const *names, size_t n, lac_dial_value *out)
+static size_t put_names(const char *const *names, size_t n, lac_setting_value *out)
 {
     for (size_t i = 0; i < n; i++) {
         put(&out[i], names[i], names[i]);
@@ -31,13 +31,13 @@ static size_t put_names(const char *const *names, size_t n, lac_dial_value *out)
 }
 
 // rtol: decades from 1e-3 to 1e-7, on to the case's own, which is among them.
-static size_t rtol_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
+static size_t rtol_values(const lac_case *c, lac_trade_of of, lac_setting_value *out)
 {
     (void)of;
     const double own = c->run.rtol, coarsest = fmax(1e-3, own), finest = fmin(1e-7, own);
     size_t n = 0;
     bool seen = false;
-    for (int k = 1; k <= 13 && n + 2 < LAC_DIAL_VALUES; k++) {
+    for (int k = 1; k <= 13 && n + 2 < LAC_SETTING_VALUES; k++) {
         const double decade = pow(10.0, -k);
         if (!seen && own > decade * 1.01) {
             put_number(&out[n++], own);
@@ -54,38 +54,38 @@ static size_t rtol_values(const lac_case *c, lac_trade_of of, lac_dial_value *ou
     return n;
 }
 
-static size_t method_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
+static size_t method_values(const lac_case *c, lac_trade_of of, lac_setting_value *out)
 {
     static const char *const names[] = {"bdf", "adams", "erk"};
     (void)of;
-    return c->run.fidelity == LAC_FIDELITY_EVENTS ? 0 : put_names(names, 3, out);
+    return c->run.fidelity == LAC_FIDELITY_ASYNC ? 0 : put_names(names, 3, out);
 }
 
-static size_t formulation_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
+static size_t formulation_values(const lac_case *c, lac_trade_of of, lac_setting_value *out)
 {
     static const char *const names[] = {"rate", "traction", "slip"};
     (void)of;
-    bool fixed = c->run.fidelity == LAC_FIDELITY_EVENTS || lac_inertia_mass(c) > 0.0;
+    bool fixed = c->run.fidelity == LAC_FIDELITY_ASYNC || lac_inertia_mass(c) > 0.0;
     return fixed ? 0 : put_names(names, 3, out);
 }
 
 #define CASCADE "static"
 
-static size_t fidelity_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
+static size_t fidelity_values(const lac_case *c, lac_trade_of of, lac_setting_value *out)
 {
     static const char *const names[] = {CASCADE, "events", "ode"};
     if (of == LAC_OF_CASCADE) {
-        bool runs = c->friction.about != NULL && !isnan(c->run.end);
+        bool runs = c->friction.info != NULL && !isnan(c->run.end);
         return put_names(names, runs ? 3 : 0, out);
     }
-    const lac_transfer_kind *kind = (const void *)c->transfer.about;
+    const lac_transfer_kind *kind = (const void *)c->transfer.info;
     return kind != NULL && kind->blocks != NULL && lac_inertia_mass(c) <= 0.0
                ? put_names(names + 1, 2, out)
                : 0;
 }
 
 // The grid, halved and halved again.
-static size_t levels_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
+static size_t levels_values(const lac_case *c, lac_trade_of of, lac_setting_value *out)
 {
     (void)of;
     const int64_t own = c->interface.levels;
@@ -99,7 +99,7 @@ static size_t levels_values(const lac_case *c, lac_trade_of of, lac_dial_value *
 }
 
 // Where cells take one another's load.
-static size_t transfer_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
+static size_t transfer_values(const lac_case *c, lac_trade_of of, lac_setting_value *out)
 {
     lac_transfer_outline ignored;
     (void)of;
@@ -111,15 +111,15 @@ static size_t transfer_values(const lac_case *c, lac_trade_of of, lac_dial_value
     return 2;
 }
 
-static size_t planning_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
+static size_t planning_values(const lac_case *c, lac_trade_of of, lac_setting_value *out)
 {
     static const char *const names[] = {"estimate", "measure"};
     (void)of;
-    const lac_transfer_kind *kind = (const void *)c->transfer.about;
+    const lac_transfer_kind *kind = (const void *)c->transfer.info;
     return kind != NULL && kind->transforms ? put_names(names, 2, out) : 0;
 }
 
-static size_t precision_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
+static size_t precision_values(const lac_case *c, lac_trade_of of, lac_setting_value *out)
 {
     static const char *const names[] = {"float", "double"};
     (void)c, (void)of;
@@ -127,7 +127,7 @@ static size_t precision_values(const lac_case *c, lac_trade_of of, lac_dial_valu
 }
 
 // A whole number from its quarter or half up to the case's own.
-static size_t count_values(int64_t own, int64_t factor, int64_t least, lac_dial_value *out)
+static size_t count_values(int64_t own, int64_t factor, int64_t least, lac_setting_value *out)
 {
     int64_t value = own;
     size_t n = 0;
@@ -142,23 +142,23 @@ static size_t count_values(int64_t own, int64_t factor, int64_t least, lac_dial_
     return n + 1;
 }
 
-static size_t contacts_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
+static size_t contacts_values(const lac_case *c, lac_trade_of of, lac_setting_value *out)
 {
     (void)of;
     return c->rg.field == LAC_RG_ELASTIC ? count_values(c->rg.contacts, 2, 10, out) : 0;
 }
 
-static size_t shifts_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
+static size_t shifts_values(const lac_case *c, lac_trade_of of, lac_setting_value *out)
 {
     (void)of;
     return count_values(c->rg.shifts, 4, 1, out);
 }
 
-static size_t field_values(const lac_case *c, lac_trade_of of, lac_dial_value *out)
+static size_t field_values(const lac_case *c, lac_trade_of of, lac_setting_value *out)
 {
     static const char *const names[] = {"uniform", "equal", "elastic"};
     (void)of;
-    const bool pressed = c->surface.about != NULL && !isnan(c->material.shear_modulus);
+    const bool pressed = c->surface.info != NULL && !isnan(c->material.shear_modulus);
     return put_names(names, pressed ? 3 : 2, out);
 }
 
@@ -170,7 +170,7 @@ static size_t field_values(const lac_case *c, lac_trade_of of, lac_dial_value *o
     }
 
 // rtol: tenfold at most, and mostly five- to sevenfold: docs/trade.md
-static const lac_dial dials[] = {
+static const lac_setting settings[] = {
     DIAL("rtol", "solver.rtol", "tolerance, in decades", rtol, RUN, .falls = true, .ratio = 4,
          .finer = 0.1, .finest = 1e-13),
     DIAL("method", "solver.method", "of integration: bdf, adams, erk", method, RUN),
@@ -195,28 +195,30 @@ static const lac_dial dials[] = {
          .ratio = 2, .finer = 4, .finest = 10000),
 };
 
-LAC_ROWS_AT(lac_dial, lac_dial_at, dials)
+LAC_ROWS_AT(lac_setting, lac_setting_get, settings)
 
-void lac_dial_tighten(const lac_dial *dial, const lac_dial_value *last, lac_dial_value *out)
+void lac_setting_tighten(const lac_setting *setting, const lac_setting_value *last,
+                         lac_setting_value *out)
 {
-    const double next = strtod(last->yaml, NULL) * dial->finer;
-    put_number(out, dial->falls ? fmax(next, dial->finest) : fmin(next, dial->finest));
+    const double next = strtod(last->yaml, NULL) * setting->finer;
+    put_number(out, setting->falls ? fmax(next, setting->finest) : fmin(next, setting->finest));
 }
 
-void lac_dial_current(const lac_dial *dial, const lac_case *c, char label[LAC_DIAL_LABEL])
+void lac_setting_current(const lac_setting *setting, const lac_case *c,
+                         char label[LAC_SETTING_LABEL])
 {
-    const lac_param *row = lac_case_row(dial->key);
+    const lac_param *row = lac_case_row(setting->key);
     const void *at = row != NULL ? (const char *)c + row->offset : NULL;
     if (row == NULL) {
-        const lac_descriptor *about = c->transfer.about;
-        (void)snprintf(label, LAC_DIAL_LABEL, "%s", about != NULL ? about->name : "none");
+        const lac_model_info *info = c->transfer.info;
+        (void)snprintf(label, LAC_SETTING_LABEL, "%s", info != NULL ? info->name : "none");
     } else if (!lac_param_given(row, c)) {
-        (void)snprintf(label, LAC_DIAL_LABEL, "-");
+        (void)snprintf(label, LAC_SETTING_LABEL, "-");
     } else if (row->type == LAC_CHOICE) {
-        (void)snprintf(label, LAC_DIAL_LABEL, "%s", row->choices[*(const int *)at]);
+        (void)snprintf(label, LAC_SETTING_LABEL, "%s", row->choices[*(const int *)at]);
     } else if (row->type == LAC_INTEGER) {
-        (void)snprintf(label, LAC_DIAL_LABEL, "%" PRId64, *(const int64_t *)at);
+        (void)snprintf(label, LAC_SETTING_LABEL, "%" PRId64, *(const int64_t *)at);
     } else {
-        (void)snprintf(label, LAC_DIAL_LABEL, "%.10g", *(const double *)at);
+        (void)snprintf(label, LAC_SETTING_LABEL, "%.10g", *(const double *)at);
     }
 }

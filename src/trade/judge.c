@@ -45,7 +45,7 @@ static size_t find_reference(const lac_trade_plan *plan, const lac_trade_measure
     if (measure[plan->reference].end == LAC_TRADE_DONE) {
         return plan->reference;
     }
-    for (size_t d = 0; d < plan->dials; d++) {
+    for (size_t d = 0; d < plan->settings; d++) {
         const size_t coarser = plan->coarser[d], coarsest = plan->coarsest[d];
         if (coarser != SIZE_MAX && measure[coarser].end == LAC_TRADE_DONE) {
             return coarser;
@@ -60,12 +60,12 @@ static size_t find_reference(const lac_trade_plan *plan, const lac_trade_measure
 // Errors of the ladders add up. Of a reference that is not the finest one nothing is known but what
 // the next rung changed.
 static double uncertainty(const lac_trade_plan *plan, const lac_trade_measure *measure,
-                          const lac_trade_verdict *v)
+                          const lac_trade_result *v)
 {
     const double scale = v->value != 0.0 ? fabs(v->value) : 1.0;
     double sum = 0.0;
     bool known = false;
-    for (size_t d = 0; d < plan->dials; d++) {
+    for (size_t d = 0; d < plan->settings; d++) {
         double fine = v->value, middle = value_of(measure, plan->coarser[d], v->quantity);
         double coarse = value_of(measure, plan->coarsest[d], v->quantity);
         if (v->reference == plan->coarser[d]) {
@@ -75,7 +75,7 @@ static double uncertainty(const lac_trade_plan *plan, const lac_trade_measure *m
         if (v->reference == plan->coarsest[d] || isnan(middle)) {
             continue;
         }
-        sum += lac_richardson_error(coarse, middle, fine, plan->dial[d].dial->ratio);
+        sum += lac_richardson_error(coarse, middle, fine, plan->setting[d].setting->ratio);
         known = true;
     }
     // Counts jump by ones: that two are alike says no more.
@@ -83,7 +83,7 @@ static double uncertainty(const lac_trade_plan *plan, const lac_trade_measure *m
     return known ? fmax(sum, least) / scale : NAN;
 }
 
-static int choose_quantity(const lac_trade_plan *plan, const lac_trade_ask *ask,
+static int choose_quantity(const lac_trade_plan *plan, const lac_trade_request *ask,
                            const double *value)
 {
     if (ask->quantity >= 0) {
@@ -123,40 +123,40 @@ static lac_status no_quantity(int quantity, lac_error *err)
 
 static lac_status other_unit(int quantity, const char *unit, lac_error *err)
 {
-    const lac_quantity_about *about = lac_quantity_about_of(quantity);
+    const lac_quantity_about *info = lac_quantity_about_of(quantity);
     return lac_fail(err, LAC_EINPUT,
                     "--reach: is in %s, but what is traded is the %s, in %s (--quantity %s)", unit,
-                    about->doc, about->unit, about->name);
+                    info->doc, info->unit, info->name);
 }
 
 // Whether a run may be recommended, and what it costs.
 static bool is_tried(const lac_trade_plan *plan, const lac_trade_measure *measure,
-                     const lac_trade_verdict *v, size_t i)
+                     const lac_trade_result *v, size_t i)
 {
     return (plan->run[i].why & LAC_TRADE_TRIED) != 0 && measure[i].end == LAC_TRADE_DONE &&
            !isnan(v->error[i]);
 }
 
 // Error that a run is sure to keep.
-static double bound(const lac_trade_verdict *v, size_t i)
+static double bound(const lac_trade_result *v, size_t i)
 {
     return v->error[i] + (isnan(v->uncertainty) ? 0.0 : v->uncertainty);
 }
 
 // Relative error to be reached: a hundredth where nothing is asked for.
-static double reach_of(const lac_trade_ask *ask, const lac_trade_verdict *v)
+static double reach_of(const lac_trade_request *ask, const lac_trade_result *v)
 {
     if (!isnan(ask->within)) {
         return v->value != 0.0 ? ask->within / fabs(v->value) : ask->within;
     }
-    return !isnan(ask->reach) ? ask->reach : isnan(ask->spend) ? 0.01 : INFINITY;
+    return !isnan(ask->reach) ? ask->reach : isnan(ask->budget) ? 0.01 : INFINITY;
 }
 
 // The cheapest that reaches the error, or the best that takes no longer than asked.
 static void recommend(const lac_trade_plan *plan, const lac_trade_measure *measure,
-                      const lac_trade_ask *ask, lac_trade_verdict *v)
+                      const lac_trade_request *ask, lac_trade_result *v)
 {
-    const bool by_time = !isnan(ask->spend);
+    const bool by_time = !isnan(ask->budget);
     const double reach = reach_of(ask, v);
     const bool by_time_only = by_time && isinf(reach);
     v->recommended = v->closest = SIZE_MAX;
@@ -165,7 +165,7 @@ static void recommend(const lac_trade_plan *plan, const lac_trade_measure *measu
             continue;
         }
         const double cost = measure[i].cpu_time, error = fmax(bound(v, i), DBL_EPSILON);
-        const bool quick = !by_time || cost <= ask->spend, good = error <= reach;
+        const bool quick = !by_time || cost <= ask->budget, good = error <= reach;
         const size_t best = v->recommended;
         bool better = best == SIZE_MAX;
         if (!better && by_time_only) {
@@ -183,7 +183,7 @@ static void recommend(const lac_trade_plan *plan, const lac_trade_measure *measu
 }
 
 static lac_status mark(const lac_trade_plan *plan, const lac_trade_measure *measure,
-                       lac_trade_verdict *v, lac_error *err)
+                       lac_trade_result *v, lac_error *err)
 {
     const size_t n = plan->runs;
     const double scale = v->value != 0.0 ? fabs(v->value) : 1.0;
@@ -204,9 +204,9 @@ static lac_status mark(const lac_trade_plan *plan, const lac_trade_measure *meas
 }
 
 lac_status lac_trade_judge(const lac_trade_plan *plan, const lac_trade_measure *measure,
-                           const lac_trade_ask *ask, lac_trade_verdict *out, lac_error *err)
+                           const lac_trade_request *ask, lac_trade_result *out, lac_error *err)
 {
-    *out = (lac_trade_verdict){.reference = find_reference(plan, measure)};
+    *out = (lac_trade_result){.reference = find_reference(plan, measure)};
     if (out->reference == SIZE_MAX) {
         return lac_fail(err, LAC_ENUMERIC, "no run that could be the reference was done: %s",
                         measure[plan->reference].message);
@@ -229,9 +229,9 @@ lac_status lac_trade_judge(const lac_trade_plan *plan, const lac_trade_measure *
     return status;
 }
 
-void lac_trade_verdict_clear(lac_trade_verdict *verdict)
+void lac_trade_result_clear(lac_trade_result *verdict)
 {
     free(verdict->error);
     free(verdict->on_front);
-    *verdict = (lac_trade_verdict){0};
+    *verdict = (lac_trade_result){0};
 }

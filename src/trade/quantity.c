@@ -29,10 +29,10 @@ static double coulomb(const lac_case *c)
     if (c->rg.named && !isnan(c->rg.friction)) {
         return c->rg.friction;
     }
-    if (c->friction.about == NULL) {
+    if (c->friction.info == NULL) {
         return NAN;
     }
-    (void)snprintf(key, sizeof key, "friction.%s.f0", c->friction.about->name);
+    (void)snprintf(key, sizeof key, "friction.%s.f0", c->friction.info->name);
     // Nothing is changed through what is found.
     return lac_case_find((lac_case *)c, key, &found) ? *found.at : NAN;
 }
@@ -40,9 +40,10 @@ static double coulomb(const lac_case *c)
 static lac_status on_record(void *context, const lac_record *record, lac_error *err)
 {
     lac_trade_probe *probe = context;
-    const double load = record->seen.shear_force / (probe->friction * record->seen.effective_force);
+    const double load =
+        record->observation.shear_force / (probe->friction * record->observation.effective_force);
     probe->load = probe->records == 0 || load > probe->load ? load : probe->load;
-    probe->rate = record->seen.mean_rate;
+    probe->rate = record->observation.mean_rate;
     probe->records++;
     return probe->next.record != NULL ? probe->next.record(probe->next.context, record, err)
                                       : LAC_OK;

@@ -8,15 +8,15 @@
 
 /// Error against cost of a case under the settings that trade one for the other; docs/trade.md.
 
-enum { LAC_DIALS = 12, LAC_DIAL_VALUES = 16, LAC_DIAL_LABEL = 32, LAC_DIAL_YAML = 64 };
+enum { LAC_SETTINGS = 12, LAC_SETTING_VALUES = 16, LAC_SETTING_LABEL = 32, LAC_SETTING_YAML = 64 };
 
-/// One position of a dial.
-typedef struct lac_dial_value {
-    char label[LAC_DIAL_LABEL]; ///< as tables have it: "1e-05", "elastic"
-    char yaml[LAC_DIAL_YAML];   ///< what `--set KEY=` takes
-} lac_dial_value;
+/// One position of a setting.
+typedef struct lac_setting_value {
+    char label[LAC_SETTING_LABEL]; ///< as tables have it: "1e-05", "elastic"
+    char yaml[LAC_SETTING_YAML];   ///< what `--set KEY=` takes
+} lac_setting_value;
 
-/// What is computed, and what a dial belongs to (several of them with |).
+/// What is computed, and what a setting belongs to (several of them with |).
 typedef enum lac_trade_of {
     LAC_OF_RUN = 1,     ///< a run in time
     LAC_OF_CASCADE = 2, ///< the cascade of a case with a section rg
@@ -24,7 +24,7 @@ typedef enum lac_trade_of {
 } lac_trade_of;
 
 /// A setting that trades accuracy for cost.
-typedef struct lac_dial {
+typedef struct lac_setting {
     const char *name, *key; ///< "method", "solver.method"
     const char *doc;        ///< one line
     unsigned asked;         ///< lac_trade_of whose trades turn it only where it is named
@@ -34,24 +34,26 @@ typedef struct lac_dial {
     double ratio;           ///< its positions are a ladder from coarse to fine; that errors fall by
                             ///< more than this a rung is not believed; 0: no ladder
     const char *cascade;    ///< the label at which the cascade is computed, else a run; NULL: the
-                            ///< dial does not choose between them
+                            ///< setting does not choose between them
     /// Its positions on this case, the coarsest and cheapest first.
     /// @param of   what is traded
-    /// @param out  [LAC_DIAL_VALUES]
+    /// @param out  [LAC_SETTING_VALUES]
     /// @return how many; 0: nothing to turn on this case
-    size_t (*values)(const lac_case *c, lac_trade_of of, lac_dial_value *out);
+    size_t (*values)(const lac_case *c, lac_trade_of of, lac_setting_value *out);
     double finer;  ///< of a ladder: the reference's number over the last one; 0: that is it
     double finest; ///< beyond which it does not go
-} lac_dial;
+} lac_setting;
 
-/// The index-th dial, NULL past the end. The first is rtol.
-const lac_dial *lac_dial_at(size_t index);
+/// The index-th setting, NULL past the end. The first is rtol.
+const lac_setting *lac_setting_get(size_t index);
 
 /// The position that stands after the last one of a ladder, for the reference.
-void lac_dial_tighten(const lac_dial *dial, const lac_dial_value *last, lac_dial_value *out);
+void lac_setting_tighten(const lac_setting *setting, const lac_setting_value *last,
+                         lac_setting_value *out);
 
 /// The label of the position that a case has.
-void lac_dial_current(const lac_dial *dial, const lac_case *c, char label[LAC_DIAL_LABEL]);
+void lac_setting_current(const lac_setting *setting, const lac_case *c,
+                         char label[LAC_SETTING_LABEL]);
 
 /// What a user wants to know of a scene.
 typedef enum lac_quantity {
@@ -94,43 +96,43 @@ lac_sink lac_trade_probe_sink(lac_trade_probe *probe);
 void lac_trade_probe_values(const lac_trade_probe *probe, const lac_run_result *result,
                             bool catalogue, double *value);
 
-/// A dial with the positions that are to be tried.
-typedef struct lac_trade_dial {
-    const lac_dial *dial;
+/// A setting with the positions that are to be tried.
+typedef struct lac_trade_setting {
+    const lac_setting *setting;
     size_t count; ///< positions
     size_t shown; ///< of which the first so many are tried; those after are for the reference only
     bool named;   ///< they are those that were asked for
-    lac_dial_value value[LAC_DIAL_VALUES];
-} lac_trade_dial;
+    lac_setting_value value[LAC_SETTING_VALUES];
+} lac_trade_setting;
 
 /// Why a run is made.
 enum { LAC_TRADE_TRIED = 1, LAC_TRADE_REFERENCE = 2, LAC_TRADE_CHECK = 4 };
 
 /// A combination of positions.
 typedef struct lac_trade_run {
-    short at[LAC_DIALS]; ///< [dials] position; -1: as the case has it
-    int why;             ///< LAC_TRADE_*
+    short at[LAC_SETTINGS]; ///< [settings] position; -1: as the case has it
+    int why;                ///< LAC_TRADE_*
 } lac_trade_run;
 
-/// The runs of a trade. The reference has the finest position of every ladder and, of dials that
+/// The runs of a trade. The reference has the finest position of every ladder and, of settings that
 /// change the scene, the last one; for each ladder two more runs, one and two rungs coarser, tell
 /// how far it is from its limit.
 typedef struct lac_trade_plan {
     lac_trade_of of; ///< what is computed; of a cascade, but where the fidelity is another one
-    size_t dials, runs;
-    lac_trade_dial dial[LAC_DIALS];
-    lac_trade_run *run;         ///< [runs]
-    size_t ladder;              ///< dial whose rungs every other position is tried on; SIZE_MAX
-    size_t reference;           ///< index of a run
-    size_t coarser[LAC_DIALS];  ///< index of the run one rung coarser; SIZE_MAX: no ladder
-    size_t coarsest[LAC_DIALS]; ///< two rungs coarser; SIZE_MAX
+    size_t settings, runs;
+    lac_trade_setting setting[LAC_SETTINGS];
+    lac_trade_run *run; ///< [runs]
+    size_t ladder;      ///< setting whose rungs every other position is tried on; SIZE_MAX
+    size_t reference;   ///< index of a run
+    size_t coarser[LAC_SETTINGS];  ///< index of the run one rung coarser; SIZE_MAX: no ladder
+    size_t coarsest[LAC_SETTINGS]; ///< two rungs coarser; SIZE_MAX
 } lac_trade_plan;
 
 /// Plans a trade.
 /// @param words     "rtol,method" or with positions of one's own, from coarse to fine,
 ///                  "rtol=1e-3:1e-6,levels"; NULL: all that do not change the scene
 /// @param crossed   every position with every other; else each with those of the first ladder only
-/// @return LAC_OK; LAC_EINPUT (no such dial, nothing to turn, a case with solver.accuracy ...);
+/// @return LAC_OK; LAC_EINPUT (no such setting, nothing to turn, a case with solver.accuracy ...);
 ///         LAC_ENOMEM
 lac_status lac_trade_plan_create(const lac_case *c, lac_trade_of of, const char *words,
                                  bool crossed, lac_trade_plan *out, lac_error *err);
@@ -164,17 +166,17 @@ typedef struct lac_trade_measure {
 } lac_trade_measure;
 
 /// What is asked for.
-typedef struct lac_trade_ask {
+typedef struct lac_trade_request {
     int quantity; ///< lac_quantity; -1: time of failure, else of the limit, else slip; of a cascade
                   ///< Q_crit/Q_nom; of a contact its fraction
     double reach; ///< relative error to reach [1]; NaN
     double within;    ///< the same as an amount; NaN
-    double spend;     ///< time that a run may take [s]; NaN
+    double budget;    ///< time that a run may take [s]; NaN
     const char *unit; ///< SI unit of `within`, to be the quantity's; NULL: it is
-} lac_trade_ask;
+} lac_trade_request;
 
 /// What a trade came to. Errors are relative to the reference's value.
-typedef struct lac_trade_verdict {
+typedef struct lac_trade_result {
     int quantity;
     size_t reference;   ///< run; the tightest that was done
     double value;       ///< of it, in the quantity's unit
@@ -183,7 +185,7 @@ typedef struct lac_trade_verdict {
     bool *on_front;     ///< [runs]
     size_t recommended; ///< run; SIZE_MAX: none does what was asked
     size_t closest;     ///< run; what comes closest then
-} lac_trade_verdict;
+} lac_trade_result;
 
 /// Error of the finest of three values on a ladder, by Richardson's extrapolation, and at least a
 /// twentieth of what the rung before the last changed; where they do not converge, what the last
@@ -202,13 +204,13 @@ void lac_pareto_front(size_t n, const double *cost, const double *error, double 
 /// @return LAC_OK; LAC_EINPUT where the reference has no such quantity, or it has another unit;
 ///         LAC_ENUMERIC where no run that could be the reference was done; LAC_ENOMEM
 lac_status lac_trade_judge(const lac_trade_plan *plan, const lac_trade_measure *measure,
-                           const lac_trade_ask *ask, lac_trade_verdict *out, lac_error *err);
-void lac_trade_verdict_clear(lac_trade_verdict *verdict);
+                           const lac_trade_request *ask, lac_trade_result *out, lac_error *err);
+void lac_trade_result_clear(lac_trade_result *verdict);
 
 /// Settings of a run, as its case has them in the end.
 typedef struct lac_trade_settings {
-    uint64_t key;                          ///< of the whole resolved case and its files
-    char label[LAC_DIALS][LAC_DIAL_LABEL]; ///< of every dial
+    uint64_t key;                                ///< of the whole resolved case and its files
+    char label[LAC_SETTINGS][LAC_SETTING_LABEL]; ///< of every setting
 } lac_trade_settings;
 
 /// One run of it, as it is told.
@@ -224,7 +226,7 @@ typedef struct lac_trade_outcome {
     const lac_trade_measure *measure;   ///< [plan->runs]
     const lac_trade_settings *settings; ///< [plan->runs]
     const lac_trade_settings *own;      ///< of the case as it is
-    const lac_trade_verdict *verdict;
+    const lac_trade_result *verdict;
     size_t rows, refusals;
     lac_trade_row *row;                   ///< [rows] those tried, in the order of a table
     size_t *refused;                      ///< [refusals] runs
@@ -240,8 +242,8 @@ void lac_trade_outcome_clear(lac_trade_outcome *outcome);
 const char *lac_trade_command(const lac_trade_plan *plan, size_t run);
 const char *lac_trade_end_name(lac_trade_end end);
 
-/// All dials of a run, as "solver.rtol=1e-05 solver.method=bdf"; those that differ from the case's
-/// own, as `--set KEY=VALUE --set ...`, "" where none do.
+/// All settings of a run, as "solver.rtol=1e-05 solver.method=bdf"; those that differ from the
+/// case's own, as `--set KEY=VALUE --set ...`, "" where none do.
 const char *lac_trade_settings_text(const lac_trade_outcome *outcome, size_t run,
                                     char text[LAC_TEXT_ROOM]);
 const char *lac_trade_options(const lac_trade_outcome *outcome, size_t run,

@@ -217,15 +217,15 @@ static lac_status tie(const lac_elastic *e, double *share, lac_error *err)
     return LAC_OK;
 }
 
-lac_status lac_transfer_tied(const lac_slot *slot, const lac_transfer_scene *scene, double *share,
+lac_status lac_transfer_tied(const lac_model *model, const lac_transfer_scene *scene, double *share,
                              lac_error *err)
 {
     lac_transfer_elastic p;
     lac_rock rock = {0};
     lac_elastic *e = NULL;
-    lac_status status = lac_params_default(&lac_elastic_kind.about, &p, err);
-    if (status == LAC_OK && slot->about == &lac_elastic_kind.about) {
-        p = *(const lac_transfer_elastic *)slot->params;
+    lac_status status = lac_params_default(&lac_elastic_kind.info, &p, err);
+    if (status == LAC_OK && model->info == &lac_elastic_kind.info) {
+        p = *(const lac_transfer_elastic *)model->params;
     }
     LAC_TRY(status);
     p.tolerance = 1e-11;
@@ -279,25 +279,25 @@ static lac_transfer_outline outline(const void *given)
 }
 
 static void check_place(const void *given, const lac_transfer_place *place,
-                        lac_transfer_fault *fault)
+                        lac_transfer_validate *fault)
 {
     const lac_transfer_elastic *p = given;
     if (!isnan(p->thickness) && !place->periodic) {
-        fault[0] = (lac_transfer_fault){".thickness", "needs interface.boundary: periodic"};
+        fault[0] = (lac_transfer_validate){".thickness", "needs interface.boundary: periodic"};
     }
     if (p->outside != 0 && (place->periodic || !place->full)) {
-        fault[1] = (lac_transfer_fault){
+        fault[1] = (lac_transfer_validate){
             ".outside", "needs interface.boundary: free and interface.domain: {full: {}}"};
     }
 }
 
 const lac_transfer_kind lac_elastic_kind = {
-    .about = {.name = "elastic",
-              .summary = "two elastic half-spaces or slabs, gaps slipping freely",
-              .reference = "Johnson (1985) Contact Mechanics, doi 10.1017/CBO9781139171731; "
-                           "docs/theory/transfer.md",
-              LAC_ROWS(params, lac_transfer_elastic),
-              .fault = fault},
+    .info = {.name = "elastic",
+             .summary = "two elastic half-spaces or slabs, gaps slipping freely",
+             .reference = "Johnson (1985) Contact Mechanics, doi 10.1017/CBO9781139171731; "
+                          "docs/theory/transfer.md",
+             LAC_ROWS(params, lac_transfer_elastic),
+             .validate = fault},
     .create = create,
     .free = destroy,
     .work = work,

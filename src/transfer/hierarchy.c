@@ -118,27 +118,27 @@ static lac_transfer_outline outline(const void *given)
 }
 
 static void check_place(const void *given, const lac_transfer_place *place,
-                        lac_transfer_fault *fault)
+                        lac_transfer_validate *fault)
 {
     const lac_transfer_hierarchy *p = given;
     const bool elastic = p->stiffness >= 0;
     (void)place;
     if (elastic != isnan(p->k0)) {
         fault[0] =
-            (lac_transfer_fault){"", elastic ? "needs either stiffness: elastic or k0, not both"
-                                             : "needs stiffness: elastic, or k0 (and ratio)"};
+            (lac_transfer_validate){"", elastic ? "needs either stiffness: elastic or k0, not both"
+                                                : "needs stiffness: elastic, or k0 (and ratio)"};
     }
     if (elastic && !isnan(p->ratio)) {
-        fault[1] = (lac_transfer_fault){".ratio", "goes with k0, not with stiffness: elastic"};
+        fault[1] = (lac_transfer_validate){".ratio", "goes with k0, not with stiffness: elastic"};
     }
 }
 
 const lac_transfer_kind lac_hierarchy_kind = {
-    .about = {.name = "hierarchy",
-              .summary = "at every scale a block's slip relative to its parent's is resisted",
-              .reference = "docs/theory/transfer.md, eq. 1; blocks as Borri-Brunetto, "
-                           "Carpinteri & Chiaia (2004) Rock Mech. Rock Eng. 37, 117",
-              LAC_ROWS(params, lac_transfer_hierarchy)},
+    .info = {.name = "hierarchy",
+             .summary = "at every scale a block's slip relative to its parent's is resisted",
+             .reference = "docs/theory/transfer.md, eq. 1; blocks as Borri-Brunetto, "
+                          "Carpinteri & Chiaia (2004) Rock Mech. Rock Eng. 37, 117",
+             LAC_ROWS(params, lac_transfer_hierarchy)},
     .create = create,
     .free = free,
     .work = work,

@@ -78,9 +78,9 @@ static double stiffness(const void *state, size_t level)
 }
 
 const lac_transfer_kind lac_none_kind = {
-    .about = {.name = "none",
-              .summary = "cells do not feel each other's slip",
-              .reference = "docs/theory/transfer.md, \"The operator\""},
+    .info = {.name = "none",
+             .summary = "cells do not feel each other's slip",
+             .reference = "docs/theory/transfer.md, \"The operator\""},
     .create = create,
     .free = free,
     .work = work,

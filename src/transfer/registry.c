@@ -9,4 +9,4 @@ static const lac_transfer_kind *const registry[] = {
     &lac_none_kind,
 };
 
-LAC_KINDS_AT(lac_transfer_kind, lac_transfer_kind_at, registry)
+LAC_KINDS_AT(lac_transfer_kind, lac_transfer_kind_get, registry)

@@ -4,28 +4,28 @@
 
 #include "transfer/kinds.h"
 
-lac_status lac_transfer_create(const lac_slot *slot, const lac_transfer_scene *scene,
+lac_status lac_transfer_create(const lac_model *model, const lac_transfer_scene *scene,
                                lac_transfer *transfer, lac_error *err)
 {
     // The descriptor is the first member of the kind's row.
     const lac_transfer_kind *kind = &lac_none_kind;
-    if (slot->about != NULL) {
-        kind = (const void *)slot->about;
+    if (model->info != NULL) {
+        kind = (const void *)model->info;
     }
     *transfer = (lac_transfer){.kind = kind};
-    lac_status status = kind->create(slot->params, scene, &transfer->state, err);
+    lac_status status = kind->create(model->params, scene, &transfer->state, err);
     if (status != LAC_OK) {
         *transfer = (lac_transfer){0};
-        return lac_fail_within(err, status, "transfer %s", kind->about.name);
+        return lac_fail_within(err, status, "transfer %s", kind->info.name);
     }
     return LAC_OK;
 }
 
-bool lac_transfer_outline_of(const lac_slot *slot, lac_transfer_outline *outline)
+bool lac_transfer_outline_of(const lac_model *model, lac_transfer_outline *outline)
 {
-    const lac_transfer_kind *kind = (const void *)slot->about;
+    const lac_transfer_kind *kind = (const void *)model->info;
     const bool tied = kind != NULL && kind->outline != NULL;
-    *outline = tied ? kind->outline(slot->params) : (lac_transfer_outline){0};
+    *outline = tied ? kind->outline(model->params) : (lac_transfer_outline){0};
     return tied;
 }
 

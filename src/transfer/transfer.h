@@ -32,15 +32,15 @@ enum { LAC_TRANSFER_FAULTS = 2 };
 
 /// What is wrong with a parameter: its key below the transfer's (".ratio"), and words; NULL:
 /// nothing.
-typedef struct lac_transfer_fault {
+typedef struct lac_transfer_validate {
     const char *key, *text;
-} lac_transfer_fault;
+} lac_transfer_validate;
 
 /// A stress transfer: slip -> stress taken off each cell, K, symmetric positive semidefinite. Zero
 /// for uniform slip, unless rock that stays behind holds the mean slip (`elastic` with a thickness
 /// or creeping surroundings).
 typedef struct lac_transfer_kind {
-    lac_descriptor about;
+    lac_model_info info;
     lac_status (*create)(const void *params, const lac_transfer_scene *scene, void **state,
                          lac_error *err);
     void (*free)(void *state);
@@ -60,7 +60,8 @@ typedef struct lac_transfer_kind {
     lac_transfer_outline (*outline)(const void *params);
     /// Whether parameters go together, and with the place. NULL: they always do.
     /// @param fault  [LAC_TRANSFER_FAULTS] empty; filled in
-    void (*check)(const void *params, const lac_transfer_place *place, lac_transfer_fault *fault);
+    void (*check)(const void *params, const lac_transfer_place *place,
+                  lac_transfer_validate *fault);
 } lac_transfer_kind;
 
 /// A transfer kind made for one domain. Immutable but for scratch of its own: one thread at a time.
@@ -87,24 +88,25 @@ typedef struct lac_transfer_elastic {
     double newton_tolerance; ///< of solve, relative [1]
 } lac_transfer_elastic;
 
-/// What the slot of a case says of its transfer's stiffness; an empty one: none.
+/// What the model of a case says of its transfer's stiffness; an empty one: none.
 /// @return false: cells do not feel each other's slip, and the outline is empty
-bool lac_transfer_outline_of(const lac_slot *slot, lac_transfer_outline *outline);
+bool lac_transfer_outline_of(const lac_model *model, lac_transfer_outline *outline);
 
 /// The index-th kind in the registry, NULL past the end.
-const lac_transfer_kind *lac_transfer_kind_at(size_t index);
+const lac_transfer_kind *lac_transfer_kind_get(size_t index);
 
 /// Makes the chosen transfer for a domain.
-/// @param slot  a transfer kind and its parameters; an empty slot means `none`
-lac_status lac_transfer_create(const lac_slot *slot, const lac_transfer_scene *scene,
+/// @param model  a transfer kind and its parameters; an empty model means `none`
+lac_status lac_transfer_create(const lac_model *model, const lac_transfer_scene *scene,
                                lac_transfer *transfer, lac_error *err);
 
 /// Tractions of cells tied to one another, which slip alike: C^-1 1, scaled to a mean of 1. How
 /// rock shares a force by the contact cells, gaps free; cells at edges carry more. 1 on full
 /// periodic contact. docs/theory/transfer.md, equation 21.
-/// @param slot   the transfer chosen: the rock is that of `elastic`; else half-spaces, slip along x
+/// @param model   the transfer chosen: the rock is that of `elastic`; else half-spaces, slip along
+/// x
 /// @param share  [n] overwritten; its sum is n to rounding
-lac_status lac_transfer_tied(const lac_slot *slot, const lac_transfer_scene *scene, double *share,
+lac_status lac_transfer_tied(const lac_model *model, const lac_transfer_scene *scene, double *share,
                              lac_error *err);
 
 /// Frees what a transfer owns.

@@ -36,17 +36,17 @@ static lac_status on_step(void *context, const lac_step *step, lac_error *err)
 }
 
 // The kind of indicator of this name, and its parameters.
-static lac_slot slot_of(const char *name, const void *params)
+static lac_model slot_of(const char *name, const void *params)
 {
     size_t i = 0;
-    while (strcmp(lac_indicator_kind_at(i)->about.name, name) != 0) {
+    while (strcmp(lac_indicator_kind_get(i)->info.name, name) != 0) {
         i++;
     }
-    return (lac_slot){.about = &lac_indicator_kind_at(i)->about, .params = (void *)params};
+    return (lac_model){.info = &lac_indicator_kind_get(i)->info, .params = (void *)params};
 }
 
 static void measure_slot(const char *what, int levels, uint64_t seed, double k0, double end,
-                         lac_slot slot)
+                         lac_model model)
 {
     tree_def def = tree_default(levels, seed);
     def.state *= 3.0;
@@ -70,7 +70,7 @@ static void measure_slot(const char *what, int levels, uint64_t seed, double k0,
     how.stop_rate = k0 < 1.0 ? NAN : 0.5;
     how.stop_slip = k0 < 1.0 ? end : NAN;
     how.max_steps = levels > 6 ? 1000 : 20000;
-    if (lac_analysis_create(&scene, 1, &slot, &analysis, &err) != LAC_OK) {
+    if (lac_analysis_create(&scene, 1, &model, &analysis, &err) != LAC_OK) {
         (void)fprintf(stderr, "bench_analysis: %s\n", err.message);
         exit(1);
     }
@@ -81,7 +81,7 @@ static void measure_slot(const char *what, int levels, uint64_t seed, double k0,
     (void)lac_run(t.problem, &how, &sink, &result, &err); // may end for its steps
     double total = cpu_seconds() - start;
     (void)lac_analysis_finish(analysis, &result, &err);
-    const lac_analysis_result *said = lac_analysis_at(analysis, 0)->result;
+    const lac_analysis_result *said = lac_analysis_get(analysis, 0)->result;
     printf("%-28s %8zu %8lld %8.2f %8.3f %9.2f %% %10.3f %8.3f\n", what, t.domain->n,
            (long long)result.steps, total, c.spent, 100.0 * c.spent / total,
            1e9 * c.spent / ((double)t.domain->n * (double)result.steps), said[0].value);

@@ -61,7 +61,7 @@ typedef struct joint {
     size_t n;
     double *h, *p;
     lac_contact_def def;
-    lac_contact_report report;
+    lac_contact_stats report;
 } joint;
 
 static void joint_free(joint *b)

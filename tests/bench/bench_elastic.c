@@ -41,7 +41,7 @@ static lac_domain *cascade_of(size_t side, double dimension, int64_t seed)
 {
     lac_grid grid = {side, side, 1, 1, true};
     lac_cascade cascade = {dimension, seed};
-    lac_slot source = {&lac_domain_source_at(1)->about, &cascade};
+    lac_model source = {&lac_domain_source_get(1)->info, &cascade};
     lac_domain *domain = NULL;
     if (lac_domain_from_source(&source, &grid, 1, &domain, NULL) != LAC_OK) {
         abort();
@@ -52,16 +52,16 @@ static lac_domain *cascade_of(size_t side, double dimension, int64_t seed)
 static scene scene_of(lac_domain *domain)
 {
     scene s = {.domain = domain, .h = hierarchy_of(domain), .n = domain->n};
-    const lac_descriptor *about = NULL;
-    for (size_t i = 0; lac_transfer_kind_at(i) != NULL; i++) {
-        const lac_descriptor *row = &lac_transfer_kind_at(i)->about;
-        about = strcmp(row->name, "elastic") == 0 ? row : about;
+    const lac_model_info *info = NULL;
+    for (size_t i = 0; lac_transfer_kind_get(i) != NULL; i++) {
+        const lac_model_info *row = &lac_transfer_kind_get(i)->info;
+        info = strcmp(row->name, "elastic") == 0 ? row : info;
     }
     lac_transfer_elastic params = {
         .thickness = NAN, .tolerance = apply_tolerance, .newton_tolerance = solve_tolerance};
-    lac_slot slot = {about, &params};
+    lac_model model = {info, &params};
     lac_transfer_scene from = {domain, s.h, 1, 0.25, false, false};
-    if (lac_transfer_create(&slot, &from, &s.transfer, NULL) != LAC_OK) {
+    if (lac_transfer_create(&model, &from, &s.transfer, NULL) != LAC_OK) {
         abort();
     }
     s.e = s.transfer.state;

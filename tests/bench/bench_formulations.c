@@ -141,7 +141,7 @@ static void bench_vajont(void)
 {
     lac_error err = {""};
     lac_case *c;
-    lac_case_report report = {0};
+    lac_case_issues report = {0};
     lac_scene *s;
     must(lac_case_read("cases/vajont.yaml", NULL, &c, &report, &err) == LAC_OK, err.message);
     c->formulation = LAC_FORMULATION_RATE;
@@ -166,7 +166,7 @@ static void bench_vajont(void)
     table(&scene);
     free(start);
     lac_scene_free(s);
-    lac_case_report_clear(&report);
+    lac_case_issues_clear(&report);
     lac_case_free(c);
 }
 

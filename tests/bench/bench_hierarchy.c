@@ -95,9 +95,9 @@ int main(int argc, char **argv)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         lac_grid grid = {cases[i].side, cases[i].side, 1, 1, true};
         lac_cascade cascade = {cases[i].dimension, 3};
-        lac_slot slot = {&lac_domain_source_at(1)->about, &cascade};
+        lac_model model = {&lac_domain_source_get(1)->info, &cascade};
         lac_domain *domain = NULL;
-        if (lac_domain_from_source(&slot, &grid, 1e6, &domain, &err) != LAC_OK) {
+        if (lac_domain_from_source(&model, &grid, 1e6, &domain, &err) != LAC_OK) {
             (void)fprintf(stderr, "%s\n", err.message);
             return 1;
         }

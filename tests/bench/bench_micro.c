@@ -114,7 +114,7 @@ static void grow(int levels, long long part)
 {
     tree t;
     make(levels, &t);
-    outcome events = measure(&t, LAC_FIDELITY_EVENTS, 1e-6, 1e12, (long long)t.domain->n / part);
+    outcome events = measure(&t, LAC_FIDELITY_ASYNC, 1e-6, 1e12, (long long)t.domain->n / part);
     print("events", 1e-6, t.domain->n, &events);
     tree_clear(&t);
 }
@@ -124,8 +124,8 @@ static void compare(int levels, long long wanted)
 {
     tree t;
     make(levels, &t);
-    outcome found = measure(&t, LAC_FIDELITY_EVENTS, 1e-6, 1e12, wanted);
-    outcome events = measure(&t, LAC_FIDELITY_EVENTS, 1e-6, found.last, INT64_MAX);
+    outcome found = measure(&t, LAC_FIDELITY_ASYNC, 1e-6, 1e12, wanted);
+    outcome events = measure(&t, LAC_FIDELITY_ASYNC, 1e-6, found.last, INT64_MAX);
     print("events", 1e-6, t.domain->n, &events);
     outcome ode = measure(&t, LAC_FIDELITY_ODE, 1e-6, found.last, INT64_MAX);
     print("ode", 1e-6, t.domain->n, &ode);

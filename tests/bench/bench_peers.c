@@ -81,9 +81,9 @@ static double apply_seconds(const fault *f)
 
 static void row(const peer *p, const fault *f, lac_method method, double rtol)
 {
-    fault_events seen;
+    fault_events observation;
     double begin = cpu_seconds();
-    lac_run_result r = fault_run(f, method, p->end, rtol, &seen);
+    lac_run_result r = fault_run(f, method, p->end, rtol, &observation);
     double taken = cpu_seconds() - begin;
     double filters = (double)(r.rhs_evaluations + r.linear_solves) * apply_seconds(f);
     (void)printf("%-4s %-9s %-6s %6.0e %8lld %8lld %8lld %8.2f %6.1f ", p->name,
@@ -91,12 +91,13 @@ static void row(const peer *p, const fault *f, lac_method method, double rtol)
                  rtol, (long long)r.steps, (long long)r.rhs_evaluations, (long long)r.linear_solves,
                  taken, taken / filters);
     for (size_t i = 0; i < p->count; i++) {
-        double off = seen.count == p->count ? seen.time[i] / p->events[i] - 1 : (double)NAN;
+        double off =
+            observation.count == p->count ? observation.time[i] / p->events[i] - 1 : (double)NAN;
         (void)printf(" %8.1e", off);
     }
     double peak = 0;
-    for (size_t i = 0; i < p->count && seen.count == p->count; i++) {
-        peak = fmax(peak, fabs(seen.peak[i] / p->peaks[i] - 1));
+    for (size_t i = 0; i < p->count && observation.count == p->count; i++) {
+        peak = fmax(peak, fabs(observation.peak[i] / p->peaks[i] - 1));
     }
     (void)printf("  peaks %7.1e", peak);
     (void)printf("\n");

@@ -46,10 +46,10 @@ static void press(size_t side, double load, joint *j, lac_error *err)
                               .shortest = NAN,
                               .seed = 1,
                               .anisotropy = 1.0};
-    lac_slot slot = {&lac_surface_source_at(0)->about, &params};
+    lac_model model = {&lac_surface_source_get(0)->info, &params};
     double *heights = get(side * side * sizeof *heights);
     double *pressure = get(side * side * sizeof *pressure);
-    must(lac_surface_generate(&slot, &grid, heights, err), err);
+    must(lac_surface_generate(&model, &grid, heights, err), err);
     lac_contact_def def = lac_contact_default();
     def.grid = grid;
     def.heights = heights;
@@ -93,7 +93,7 @@ static void cascade(const joint *j, double beta, lac_error *err)
         double whole = cpu_seconds() - start;
         double fastest = INFINITY;
         for (int i = 0; i < 20; i++) {
-            lac_rg_path_at(j->path, 0.5 + 0.02 * i, j->work, j->work + n);
+            lac_rg_path_eval(j->path, 0.5 + 0.02 * i, j->work, j->work + n);
             start = cpu_seconds();
             (void)lac_rg_pass(tree, rule, j->work, j->work + n);
             fastest = fmin(fastest, cpu_seconds() - start);

@@ -45,7 +45,7 @@ static int steps(const lac_tangential_def *def, const double *p, double pair)
     double before = peak_bytes();
     lac_status status = lac_tangential_create(def, &t, &err);
     for (int k = 0; k < 4 && status == LAC_OK; k++) {
-        lac_tangential_report r;
+        lac_tangential_stats r;
         lac_tangential_target target = {
             {LAC_SHEAR_LOAD, LAC_SHEAR_LOAD},
             {path[k][0] * friction * load, path[k][1] * friction * load}};

@@ -29,14 +29,14 @@ static bool ends_with(const char *text, const char *end)
 
 static void read_case(const char *path)
 {
-    lac_case_report report;
+    lac_case_issues report;
     lac_error err = {""};
     const lac_case_request how = {.purpose = LAC_FOR_CHECK};
     assert_true(cases.count < MOST_CASES);
     if (lac_case_read(path, &how, &cases.item[cases.count++], &report, &err) != LAC_OK) {
         fail_msg("%s", err.message);
     }
-    lac_case_report_clear(&report);
+    lac_case_issues_clear(&report);
 }
 
 static void walk(const char *folder)
@@ -72,31 +72,31 @@ static int free_cases(void **state)
     return 0;
 }
 
-static bool among(const lac_slot_list *list, const lac_descriptor *about)
+static bool among(const lac_model_list *list, const lac_model_info *info)
 {
     bool found = false;
     for (size_t i = 0; i < list->count; i++) {
-        found |= list->item[i].about == about;
+        found |= list->item[i].info == info;
     }
     return found;
 }
 
-static bool spread_among(const lac_spread_list *list, const lac_descriptor *about)
+static bool spread_among(const lac_heterogeneity_list *list, const lac_model_info *info)
 {
     bool found = false;
     for (size_t i = 0; i < list->count; i++) {
-        found |= list->item[i].slot.about == about;
+        found |= list->item[i].model.info == info;
     }
     return found;
 }
 
-static bool has_model(const lac_case *c, const lac_descriptor *about)
+static bool has_model(const lac_case *c, const lac_model_info *info)
 {
-    return c->surface.about == about || c->domain.about == about || c->normal.about == about ||
-           c->friction.about == about || c->transfer.about == about || among(&c->shear, about) ||
-           among(&c->pore, about) || among(&c->analysis, about) ||
-           spread_among(&c->friction_spread, about) || spread_among(&c->initial_spread, about) ||
-           spread_among(&c->interface_spread, about);
+    return c->surface.info == info || c->domain.info == info || c->normal.info == info ||
+           c->friction.info == info || c->transfer.info == info || among(&c->shear, info) ||
+           among(&c->pore, info) || among(&c->analysis, info) ||
+           spread_among(&c->friction_spread, info) || spread_among(&c->initial_spread, info) ||
+           spread_among(&c->interface_spread, info);
 }
 
 // Whether a field differs from its row's default, or is there without one.
@@ -116,7 +116,7 @@ static const lac_param *find_row(const char *key)
 {
     const char *dot = strrchr(key, '.');
     const lac_section *section;
-    for (size_t i = 0; dot != NULL && (section = lac_section_at(i)) != NULL; i++) {
+    for (size_t i = 0; dot != NULL && (section = lac_section_get(i)) != NULL; i++) {
         bool same = strlen(section->name) == (size_t)(dot - key) &&
                     strncmp(section->name, key, (size_t)(dot - key)) == 0;
         for (size_t k = 0; same && k < section->param_count; k++) {
@@ -129,7 +129,7 @@ static const lac_param *find_row(const char *key)
 }
 
 // An option is the value of a key, or the parameters that say it: of the friction law or the case.
-static bool has_option(const lac_case *c, const lac_kind *kind, const lac_descriptor *option)
+static bool has_option(const lac_case *c, const lac_kind *kind, const lac_model_info *option)
 {
     const lac_param *row = find_row(kind->section);
     if (row != NULL) {
@@ -148,9 +148,9 @@ static void some_case_shows_every_model(void **state)
 {
     (void)state;
     const lac_kind *kind;
-    const lac_descriptor *model;
+    const lac_model_info *model;
     int missing = 0;
-    for (size_t i = 0; (kind = lac_kind_at(i)) != NULL; i++) {
+    for (size_t i = 0; (kind = lac_kind_get(i)) != NULL; i++) {
         for (size_t k = 0; (model = kind->at(k)) != NULL; k++) {
             bool shown = kind->command != NULL; // by any series; runs below
             for (size_t j = 0; j < cases.count; j++) {
@@ -172,16 +172,16 @@ static void some_case_has_what_indicators_need(void **state)
     (void)state;
     static const char *const analysis[] = {[LAC_NEEDS_EVENTS] = "events", [LAC_NEEDS_CELLS] = "rg"};
     const lac_precursor_kind *kind;
-    for (size_t k = 0; (kind = lac_precursor_kind_at(k)) != NULL; k++) {
+    for (size_t k = 0; (kind = lac_precursor_kind_get(k)) != NULL; k++) {
         bool shown = kind->needs == LAC_NEEDS_MOTION;
         for (size_t j = 0; j < cases.count && !shown; j++) {
-            const lac_slot_list *asked = &cases.item[j]->analysis;
+            const lac_model_list *asked = &cases.item[j]->analysis;
             for (size_t i = 0; i < asked->count; i++) {
-                shown |= strcmp(asked->item[i].about->name, analysis[kind->needs]) == 0;
+                shown |= strcmp(asked->item[i].info->name, analysis[kind->needs]) == 0;
             }
         }
         if (!shown) {
-            fail_msg("no case under cases/ has what %s needs", kind->about.name);
+            fail_msg("no case under cases/ has what %s needs", kind->info.name);
         }
     }
 }
@@ -264,10 +264,10 @@ static void every_row_is_documented(void **state)
     lac_units *units = NULL;
     const lac_kind *kind;
     const lac_section *section;
-    const lac_descriptor *model;
+    const lac_model_info *model;
     int wrong = 0;
     assert_int_equal(lac_units_create(&units, NULL), LAC_OK);
-    for (size_t i = 0; (kind = lac_kind_at(i)) != NULL; i++) {
+    for (size_t i = 0; (kind = lac_kind_get(i)) != NULL; i++) {
         for (size_t k = 0; (model = kind->at(k)) != NULL; k++) {
             if (model->summary == NULL || model->summary[0] == '\0' || model->reference == NULL ||
                 !is_reference(model->reference)) {
@@ -277,7 +277,7 @@ static void every_row_is_documented(void **state)
             wrong += check_rows(units, model->name, model->params, model->param_count);
         }
     }
-    for (size_t i = 0; (section = lac_section_at(i)) != NULL; i++) {
+    for (size_t i = 0; (section = lac_section_get(i)) != NULL; i++) {
         wrong += check_rows(units, section->name, section->params, section->param_count);
     }
     lac_units_free(units);
@@ -289,7 +289,7 @@ static void every_choice_of_an_option_is_described(void **state)
 {
     (void)state;
     const lac_kind *kind;
-    for (size_t i = 0; (kind = lac_kind_at(i)) != NULL; i++) {
+    for (size_t i = 0; (kind = lac_kind_get(i)) != NULL; i++) {
         const lac_param *row = kind->option ? find_row(kind->section) : NULL;
         size_t k = 0;
         for (size_t j = 0; row != NULL && row->choices[j] != NULL; j++) {

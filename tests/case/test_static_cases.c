@@ -26,7 +26,7 @@
 static lac_case *read_for(const char *text, lac_case_purpose purpose, char *first, size_t size)
 {
     lac_case *c = NULL;
-    lac_case_report report;
+    lac_case_issues report;
     const lac_case_request how = {.purpose = purpose};
     lac_status status = lac_case_read_text("x.yaml", text, strlen(text), &how, &c, &report, NULL);
     assert_int_equal(status, report.errors == 0 ? LAC_OK : LAC_EINPUT);
@@ -34,7 +34,7 @@ static lac_case *read_for(const char *text, lac_case_purpose purpose, char *firs
     if (report.errors > 0) {
         lac_case_issue_format(&report.issue[0], first, size);
     }
-    lac_case_report_clear(&report);
+    lac_case_issues_clear(&report);
     return c;
 }
 
@@ -52,7 +52,7 @@ static void statics_leave_out_what_a_run_needs(void **state)
     lac_case *c = read_for(CONTACT, LAC_FOR_CONTACT, first, sizeof first);
     assert_string_equal(first, "");
     assert_non_null(c);
-    assert_null(c->friction.about);
+    assert_null(c->friction.info);
     assert_true(isnan(c->run.end));
     refused(CONTACT, LAC_FOR_RUN,
             "x.yaml:1: friction: is missing: a friction law such as {aging: {...}}");
@@ -169,7 +169,7 @@ static void an_approach_is_static(void **state)
     for (size_t i = 0; i < 2; i++) {
         lac_case *c = read_for(text, purposes[i], first, sizeof first);
         assert_string_equal(first, "");
-        const lac_normal_load *normal = (const void *)c->normal.about;
+        const lac_normal_load *normal = (const void *)c->normal.info;
         assert_true(normal->approach(c->normal.params) == 1e-3);
         assert_true(isnan(normal->pressure(c->normal.params, 2700)));
         lac_case_free(c);
@@ -191,7 +191,7 @@ static void a_dimension_is_static(void **state)
     for (size_t i = 0; i < 2; i++) {
         lac_case *c = read_for(text, purposes[i], first, sizeof first);
         assert_string_equal(first, "");
-        const lac_normal_load *normal = (const void *)c->normal.about;
+        const lac_normal_load *normal = (const void *)c->normal.info;
         assert_true(normal->dimension(c->normal.params) == 1.55);
         assert_true(isnan(normal->pressure(c->normal.params, 2700)));
         lac_case_free(c);

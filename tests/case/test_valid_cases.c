@@ -17,13 +17,13 @@
 static lac_case *read_or_fail(const char *path, const lac_override *overrides, size_t count)
 {
     lac_case *c = NULL;
-    lac_case_report report;
+    lac_case_issues report;
     lac_error err = {""};
     const lac_case_request how = {.purpose = LAC_FOR_CHECK, .overrides = overrides, .count = count};
     if (lac_case_read(path, &how, &c, &report, &err) != LAC_OK) {
         fail_msg("%s", err.message);
     }
-    lac_case_report_clear(&report);
+    lac_case_issues_clear(&report);
     return c;
 }
 
@@ -36,10 +36,10 @@ static void is_nearly(double value, double expected)
 
 static lac_load_state loads_at(const lac_case *c, double t)
 {
-    lac_load_set set = test_load_set(&(lac_load_slots){.shear = c->shear.item,
-                                                       .shear_count = c->shear.count,
-                                                       .pore = c->pore.item,
-                                                       .pore_count = c->pore.count});
+    lac_load_set set = test_load_set(&(lac_load_models){.shear = c->shear.item,
+                                                        .shear_count = c->shear.count,
+                                                        .pore = c->pore.item,
+                                                        .pore_count = c->pore.count});
     lac_load_state load;
     lac_load_evaluate(&set, t, &load);
     lac_load_set_clear(&set);
@@ -59,17 +59,17 @@ static void the_example_reads_in_si(void **state)
     assert_null(c->references);
     assert_true(c->interface.size == 256.0 && c->interface.levels == 8);
     assert_true(c->interface.shape == LAC_PLANE && c->interface.boundary == 0);
-    assert_string_equal(c->surface.about->name, "self-affine");
+    assert_string_equal(c->surface.info->name, "self-affine");
     assert_true(surface->hurst == 0.8 && surface->rms_height == 0.5 && surface->rolloff == 64.0);
     assert_true(surface->shortest == 2.0 && surface->seed == 1);
-    assert_null(c->domain.about);
+    assert_null(c->domain.info);
     is_nearly(c->material.shear_modulus, 2e10);
     is_nearly(c->material.shear_speed, 3e3);
     assert_true(c->material.poisson == 0.25 && c->material.density == 2700.0);
-    is_nearly(((const lac_normal_load *)c->normal.about)->pressure(c->normal.params, NAN), 3e6);
+    is_nearly(((const lac_normal_load *)c->normal.info)->pressure(c->normal.params, NAN), 3e6);
     assert_int_equal(c->shear.count, 0);
     is_nearly(load.pore, 2e5);
-    assert_string_equal(c->friction.about->name, "aging");
+    assert_string_equal(c->friction.info->name, "aging");
     assert_true(law->f0 == 0.6 && law->a == 0.01 && law->b == 0.015);
     is_nearly(law->dc, 1e-4);
     is_nearly(law->v0, 1e-6);
@@ -77,8 +77,8 @@ static void the_example_reads_in_si(void **state)
     assert_true(c->initial.state == LAC_STATE_RATIO && c->initial.state_value == 0.9);
     assert_int_equal(c->initial_spread.count, 1);
     assert_string_equal(c->initial_spread.item[0].key, "slip_rate");
-    const lac_spread_random *spread = c->initial_spread.item[0].slot.params;
-    assert_string_equal(c->initial_spread.item[0].slot.about->name, "lognormal");
+    const lac_heterogeneity_random *spread = c->initial_spread.item[0].model.params;
+    assert_string_equal(c->initial_spread.item[0].model.info->name, "lognormal");
     assert_true(spread->width == 0.5 && spread->seed == 2 && isnan(spread->lowest));
     assert_true(transfer->stiffness == 0 && isnan(transfer->k0));
     assert_true(c->dated && c->start_date == -205286400.0); // date -d 1963-07-01Z +%s
@@ -111,11 +111,12 @@ static void every_key_reads(void **state)
     const lac_friction_params *law = c->friction.params;
     assert_true(law->v1 == 1.0 && law->alpha == 0.2);
     is_nearly(law->v2, 0.01);
-    const lac_spread_map *map = c->friction_spread.item[2].slot.params;
+    const lac_heterogeneity_map *map = c->friction_spread.item[2].model.params;
     assert_string_equal(c->friction_spread.item[2].key, "dc");
     assert_string_equal(map->path, VALID "/data/dc.nc");
-    assert_true(map->as == LAC_MAP_FACTOR && !lac_spread_is_value(&c->friction_spread.item[2]));
-    assert_true(lac_spread_is_value(&c->friction_spread.item[3]));
+    assert_true(map->as == LAC_MAP_FACTOR &&
+                !lac_heterogeneity_is_value(&c->friction_spread.item[2]));
+    assert_true(lac_heterogeneity_is_value(&c->friction_spread.item[3]));
     assert_int_equal(c->interface_spread.count, 1);
     assert_true(c->initial.state == LAC_STATE_FROM_LOAD);
     is_nearly(c->start_date, 981169506.789); // date -d 2001-02-03T03:05:06Z +%s
@@ -191,21 +192,21 @@ static void same_table(const lac_table *table, const void *a, const void *b)
     }
 }
 
-static void same_slot(const lac_slot *a, const lac_slot *b)
+static void same_slot(const lac_model *a, const lac_model *b)
 {
-    assert_ptr_equal(a->about, b->about);
-    if (a->about != NULL) {
-        lac_table table = {.params = a->about->params, .count = a->about->param_count};
+    assert_ptr_equal(a->info, b->info);
+    if (a->info != NULL) {
+        lac_table table = {.params = a->info->params, .count = a->info->param_count};
         same_table(&table, a->params, b->params);
     }
 }
 
-static void same_spreads(const lac_spread_list *a, const lac_spread_list *b)
+static void same_spreads(const lac_heterogeneity_list *a, const lac_heterogeneity_list *b)
 {
     assert_int_equal(a->count, b->count);
     for (size_t i = 0; i < a->count; i++) {
         assert_string_equal(a->item[i].key, b->item[i].key);
-        same_slot(&a->item[i].slot, &b->item[i].slot);
+        same_slot(&a->item[i].model, &b->item[i].model);
     }
 }
 
@@ -218,10 +219,10 @@ static void same_section(const char *section, const void *a, const void *b)
 static void same_case(const lac_case *a, const lac_case *b)
 {
     size_t records = 0;
-    for (size_t i = 0; lac_part_at(i) != NULL; i++) {
-        const lac_part *part = lac_part_at(i);
+    for (size_t i = 0; lac_part_get(i) != NULL; i++) {
+        const lac_part *part = lac_part_get(i);
         if (part->kind == LAC_PART_RECORD) {
-            same_section(part->about.name, a, b);
+            same_section(part->info.name, a, b);
             records++;
         }
     }
@@ -264,7 +265,7 @@ static void reads_back(const char *path)
     lac_case *c = read_or_fail(path, NULL, 0);
     char *text = lac_case_text(c);
     lac_case *again = NULL;
-    lac_case_report report;
+    lac_case_issues report;
     lac_error err = {""};
     const lac_case_request how = {.purpose = LAC_FOR_CHECK};
     assert_non_null(text);
@@ -274,7 +275,7 @@ static void reads_back(const char *path)
     char *second = lac_case_text(again);
     assert_string_equal(text, second);
     same_case(c, again);
-    lac_case_report_clear(&report);
+    lac_case_issues_clear(&report);
     lac_case_free(again);
     lac_case_free(c);
     free(second);
@@ -313,7 +314,7 @@ static lac_status read_fitted(const char *form, const char *key, double best)
 {
     const lac_override state = {"initial.state", form};
     const lac_case_request how = {.purpose = LAC_FOR_CHECK};
-    lac_case_report report;
+    lac_case_issues report;
     lac_case *c = read_or_fail(LACUNA_SOURCE_DIR "/cases/block.yaml", &state, 1), *again = NULL;
     lac_case_value value;
     static lac_fit_result fitted;
@@ -325,7 +326,7 @@ static lac_status read_fitted(const char *form, const char *key, double best)
     lac_status status =
         lac_case_read_text("fitted", text, strlen(text), &how, &again, &report, NULL);
     assert_true(status != LAC_OK || again->initial.state_value == c->initial.state_value);
-    lac_case_report_clear(&report);
+    lac_case_issues_clear(&report);
     lac_case_free(again);
     lac_case_free(c);
     free(text);
@@ -350,12 +351,12 @@ static void fitted_states_read_back(void **state)
         const lac_override beyond[] = {
             {i == 0 ? "initial.state" : "initial.state.ratio_to_steady", i == 0 ? "1e21" : "1e7"}};
         const lac_case_request how = {.overrides = beyond, .count = 1};
-        lac_case_report report;
+        lac_case_issues report;
         lac_case *c = NULL;
         assert_int_equal(
             lac_case_read(LACUNA_SOURCE_DIR "/cases/block.yaml", &how, &c, &report, NULL),
             LAC_EINPUT);
-        lac_case_report_clear(&report);
+        lac_case_issues_clear(&report);
     }
 }
 
@@ -414,7 +415,7 @@ static void wrong_overrides_are_blamed(void **state)
     };
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
         lac_case *c = NULL;
-        lac_case_report report;
+        lac_case_issues report;
         char line[2000];
         const lac_case_request how = {.overrides = &wrong[i].override, .count = 1};
         assert_int_equal(lac_case_read(VALID "/full.yaml", &how, &c, &report, NULL), LAC_EINPUT);
@@ -422,7 +423,7 @@ static void wrong_overrides_are_blamed(void **state)
         assert_string_equal(lac_case_issue_format(&report.issue[0], line, sizeof line),
                             wrong[i].line);
         assert_int_equal(report.issue[0].line, 0);
-        lac_case_report_clear(&report);
+        lac_case_issues_clear(&report);
     }
 }
 
@@ -439,7 +440,7 @@ static void cut_and_changed_cases_are_survived(void **state)
     assert_int_equal(lac_units_create(&units, NULL), LAC_OK);
     for (size_t i = 0; i < 2 * size; i++) {
         lac_case *c = NULL;
-        lac_case_report report;
+        lac_case_issues report;
         lac_error err = {""};
         char kept = text[i % size];
         unsigned flipped = (unsigned char)kept ^ (i < size ? 0u : 1u << i % 7);
@@ -450,7 +451,7 @@ static void cut_and_changed_cases_are_survived(void **state)
         assert_true((status == LAC_OK) == (c != NULL));
         assert_true((status == LAC_OK) == (report.errors == 0));
         assert_true(status == LAC_OK || err.message[0] != '\0');
-        lac_case_report_clear(&report);
+        lac_case_issues_clear(&report);
         lac_case_free(c);
     }
     lac_units_free(units);
@@ -461,14 +462,14 @@ static void tables_describe_themselves(void **state)
     (void)state;
     size_t kinds = 0;
     size_t rows = 0;
-    for (; lac_kind_at(kinds) != NULL; kinds++) {
-        const lac_kind *kind = lac_kind_at(kinds);
+    for (; lac_kind_get(kinds) != NULL; kinds++) {
+        const lac_kind *kind = lac_kind_get(kinds);
         assert_true(kind->name[0] != '\0' && kind->summary[0] != '\0');
         assert_non_null(kind->at(0));
     }
     assert_int_equal(kinds, LAC_KINDS);
-    for (size_t i = 0; lac_section_at(i) != NULL; i++) {
-        const lac_section *section = lac_section_at(i);
+    for (size_t i = 0; lac_section_get(i) != NULL; i++) {
+        const lac_section *section = lac_section_get(i);
         for (size_t k = 0; k < section->param_count; k++, rows++) {
             assert_true(section->params[k].doc[0] != '\0');
             assert_non_null(section->params[k].unit);

@@ -19,7 +19,7 @@ static void append(char *text, const char *line)
 }
 
 // The report as "LINE: KEY: "VALUE" MESSAGE" lines, warnings marked.
-static void report_text(const lac_case_report *report, const char *path, char *text)
+static void report_text(const lac_case_issues *report, const char *path, char *text)
 {
     text[0] = '\0';
     for (size_t i = 0; i < report->count; i++) {
@@ -54,7 +54,7 @@ static void check_one(const char *name)
     char path[600];
     char text_path[600];
     lac_case *c = NULL;
-    lac_case_report report;
+    lac_case_issues report;
     lac_error err = {""};
     (void)snprintf(path, sizeof path, "%s/%s", WRONG, name);
     (void)snprintf(text_path, sizeof text_path, "%.*s.txt", (int)(strlen(path) - 5), path);
@@ -67,7 +67,7 @@ static void check_one(const char *name)
     if (strcmp(found, expected) != 0) {
         fail_msg("%s is said to be wrong in this way:\n%sand not:\n%s", name, found, expected);
     }
-    lac_case_report_clear(&report);
+    lac_case_issues_clear(&report);
 }
 
 static void every_wrong_case_says_what_is_wrong(void **state)
@@ -90,14 +90,14 @@ static void every_wrong_case_says_what_is_wrong(void **state)
 static void expect_text(const char *text, size_t size, const char *message)
 {
     lac_case *c = NULL;
-    lac_case_report report;
+    lac_case_issues report;
     char line[2000];
     assert_int_equal(lac_case_read_text("x.yaml", text, size, NULL, &c, &report, NULL), LAC_EINPUT);
     assert_null(c);
     assert_int_equal(report.count, 1);
     assert_int_equal(report.errors, 1);
     assert_string_equal(lac_case_issue_format(&report.issue[0], line, sizeof line), message);
-    lac_case_report_clear(&report);
+    lac_case_issues_clear(&report);
 }
 
 static void monsters_get_one_line(void **state)
@@ -135,13 +135,13 @@ static void what_cannot_be_read_is_an_io_error(void **state)
     static const char *const paths[] = {WRONG, WRONG "/absent.yaml", WRONG "/empty.yaml/x", ""};
     for (size_t i = 0; i < sizeof paths / sizeof paths[0]; i++) {
         lac_case *c = NULL;
-        lac_case_report report;
+        lac_case_issues report;
         lac_error err = {""};
         assert_int_equal(lac_case_read(paths[i], NULL, &c, &report, &err), LAC_EIO);
         assert_null(c);
         assert_int_equal(report.count, 0);
         assert_non_null(strstr(err.message, "cannot be "));
-        lac_case_report_clear(&report);
+        lac_case_issues_clear(&report);
     }
 }
 

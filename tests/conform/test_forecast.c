@@ -32,7 +32,7 @@ static void fill(void)
 
 // A model that a caller brings: it says what it was shown.
 static lac_status tell_what_is_seen(void *context, const lac_motion *m, double now,
-                                    lac_finding *found, lac_error *err)
+                                    lac_forecast_fit *found, lac_error *err)
 {
     (void)context, (void)err;
     assert_true(m->time[m->n - 1] == now);
@@ -40,11 +40,11 @@ static lac_status tell_what_is_seen(void *context, const lac_motion *m, double n
     found->error = 0.1;
     found->misfit = 0.0;
     found->points = m->n;
-    return m->n > 12 ? LAC_OK : lac_finding_refuse(found, "%zu readings", m->n);
+    return m->n > 12 ? LAC_OK : lac_forecast_fit_refuse(found, "%zu readings", m->n);
 }
 
 static const lac_forecast_kind own_kind = {
-    .about = {.name = "own"}, .least = 1, .worst = 1.0, .calibration = {0.1, -2.0, -1.0, 1.0, 2.0}};
+    .info = {.name = "own"}, .least = 1, .worst = 1.0, .calibration = {0.1, -2.0, -1.0, 1.0, 2.0}};
 static const lac_forecast_model own = {.kind = &own_kind, .fit = tell_what_is_seen};
 
 static lac_rolling *roll(size_t n)
@@ -57,12 +57,12 @@ static lac_rolling *roll(size_t n)
     return r;
 }
 
-static lac_outlook *look(void)
+static lac_forecast_set *look(void)
 {
     const lac_readings readings = {.n = N, .time = times, .displacement = displacement};
     const lac_forecast_def def = lac_forecast_default();
-    lac_outlook *o = NULL;
-    assert_int_equal(lac_outlook_create(&def, &readings, &o, NULL), LAC_OK);
+    lac_forecast_set *o = NULL;
+    assert_int_equal(lac_forecast_set_create(&def, &readings, &o, NULL), LAC_OK);
     return o;
 }
 
@@ -71,10 +71,10 @@ static void rows_are_whole(void **state)
 {
     (void)state;
     const lac_forecast_kind *kind;
-    for (size_t k = 0; (kind = lac_forecast_kind_at(k)) != NULL; k++) {
+    for (size_t k = 0; (kind = lac_forecast_kind_get(k)) != NULL; k++) {
         const lac_calibration *c = &kind->calibration;
-        assert_true(kind->about.name[0] != '\0' && kind->about.summary[0] != '\0');
-        assert_true(kind->about.reference[0] != '\0' && kind->estimator[0] != '\0');
+        assert_true(kind->info.name[0] != '\0' && kind->info.summary[0] != '\0');
+        assert_true(kind->info.reference[0] != '\0' && kind->estimator[0] != '\0');
         assert_true(kind->fit != NULL && kind->least > 0 && kind->worst > 0.0);
         assert_true(c->spread > 0.0 && c->low90 < c->low50 && c->low50 < c->high50 &&
                     c->high50 < c->high90);
@@ -114,9 +114,9 @@ static void a_model_stands_before_the_baseline(void **state)
     const lac_forecast *last = &r->forecast[(N - 1) * r->methods];
     assert_true(last[r->methods - 2].kind == &own_kind && last[r->methods - 2].issued);
     assert_int_equal(last[r->methods - 2].fit.points, N);
-    assert_true(last[r->methods - 1].kind == lac_forecast_kind_at(r->methods - 2));
-    assert_true(last[0].kind == lac_forecast_kind_at(0));
-    assert_null(lac_forecast_kind_at(r->methods - 1));
+    assert_true(last[r->methods - 1].kind == lac_forecast_kind_get(r->methods - 2));
+    assert_true(last[0].kind == lac_forecast_kind_get(0));
+    assert_null(lac_forecast_kind_get(r->methods - 1));
     lac_rolling_free(r);
 }
 
@@ -180,12 +180,12 @@ static void clock_and_metre_do_not_matter(void **state)
     (void)state;
     const double shift = 1073741824.0;
     fill();
-    lac_outlook *here = look();
+    lac_forecast_set *here = look();
     for (size_t i = 0; i < N; i++) {
         times[i] += shift;
         displacement[i] = 1024.0 * displacement[i];
     }
-    lac_outlook *there = look();
+    lac_forecast_set *there = look();
     for (size_t k = 0; k < here->count; k++) {
         const lac_forecast *a = &here->forecast[k];
         const lac_forecast *b = &there->forecast[k];
@@ -195,8 +195,8 @@ static void clock_and_metre_do_not_matter(void **state)
             assert_true(fabs(b->high90 - shift - a->high90) < 1e-2 * (a->high90 - a->issue_time));
         }
     }
-    lac_outlook_free(here);
-    lac_outlook_free(there);
+    lac_forecast_set_free(here);
+    lac_forecast_set_free(there);
 }
 
 // What is no motion of a slope is refused with a reason, or forecast; never a crash, never NaN
@@ -223,15 +223,15 @@ static void any_numbers_are_survived(void **state)
                 displacement[i] = shapes[kind % 9];
             }
             const lac_readings readings = {.n = n, .time = times, .displacement = displacement};
-            lac_outlook *o = NULL;
-            assert_int_equal(lac_outlook_create(&def, &readings, &o, NULL), LAC_OK);
+            lac_forecast_set *o = NULL;
+            assert_int_equal(lac_forecast_set_create(&def, &readings, &o, NULL), LAC_OK);
             for (size_t k = 0; k < o->count; k++) {
                 const lac_forecast *f = &o->forecast[k];
                 assert_in_order(f);
                 assert_true(f->issue_time == times[n - 1] || f->fit.reason[0] != '\0');
                 assert_true(isfinite(f->issue_time));
             }
-            lac_outlook_free(o);
+            lac_forecast_set_free(o);
         }
     }
 }
@@ -250,15 +250,15 @@ static void numbers_out_of_range_are_refused(void **state)
             times[i] = (double)i;
             velocity[i] = sizes[kind] / (double)(N - i);
         }
-        lac_outlook *o = NULL;
-        assert_int_equal(lac_outlook_create(&def, &readings, &o, NULL), LAC_OK);
+        lac_forecast_set *o = NULL;
+        assert_int_equal(lac_forecast_set_create(&def, &readings, &o, NULL), LAC_OK);
         for (size_t k = 0; k < o->count; k++) {
             const char *reason = o->forecast[k].fit.reason;
             assert_int_equal(strstr(reason, "out of range") != NULL, refused[kind]);
             assert_null(strstr(reason, "inf"));
             assert_null(strstr(reason, "nan"));
         }
-        lac_outlook_free(o);
+        lac_forecast_set_free(o);
     }
 }
 

@@ -33,7 +33,7 @@ typedef void check(const variant *kind);
 static void on_every_law_and_form(check *run)
 {
     variant kind = {0};
-    for (; lac_friction_law_at(kind.law) != NULL; kind.law++) {
+    for (; lac_friction_law_get(kind.law) != NULL; kind.law++) {
         for (int i = 0; i < 8; i++) {
             kind.form = i % 2 == 0 ? LAC_FORM_PLAIN : LAC_FORM_REGULARISED;
             kind.v1 = i / 2 % 2 == 1;
@@ -370,19 +370,19 @@ static void check_table(const variant *kind)
 {
     static const char *const common[] = {"f0", "a", "b", "dc", "v0", "form", "v1", "v2", "alpha"};
     const size_t all = sizeof common / sizeof common[0];
-    const lac_descriptor *about = &lac_friction_law_at(kind->law)->about;
-    assert_true(about->param_count >= all && about->params_size >= sizeof(lac_friction_params));
-    assert_true(strlen(about->summary) > 0 && strlen(about->reference) > 0);
-    assert_non_null(about->fault);
-    for (size_t i = 0; i < about->param_count; i++) {
-        assert_true(strlen(about->params[i].doc) > 0);
-        assert_true(about->params[i].offset < about->params_size);
+    const lac_model_info *info = &lac_friction_law_get(kind->law)->info;
+    assert_true(info->param_count >= all && info->params_size >= sizeof(lac_friction_params));
+    assert_true(strlen(info->summary) > 0 && strlen(info->reference) > 0);
+    assert_non_null(info->validate);
+    for (size_t i = 0; i < info->param_count; i++) {
+        assert_true(strlen(info->params[i].doc) > 0);
+        assert_true(info->params[i].offset < info->params_size);
     }
     for (size_t i = 0; i < all; i++) {
-        assert_string_equal(about->params[i].key, common[i]);
-        assert_true(((about->params[i].flags & LAC_CELLWISE) != 0) ==
+        assert_string_equal(info->params[i].key, common[i]);
+        assert_true(((info->params[i].flags & LAC_CELLWISE) != 0) ==
                     (strcmp(common[i], "form") != 0));
-        assert_true(((about->params[i].flags & LAC_OPTIONAL) != 0) == (i > 5));
+        assert_true(((info->params[i].flags & LAC_OPTIONAL) != 0) == (i > 5));
     }
 }
 

@@ -236,9 +236,9 @@ static void solve_inverts_apply_on_a_million_cells(void **state)
     (void)state;
     lac_grid grid = {2048, 2048, 1, 1, true};
     lac_cascade cascade = {1.84, 5};
-    lac_slot slot = {&lac_domain_source_at(1)->about, &cascade};
+    lac_model model = {&lac_domain_source_get(1)->info, &cascade};
     lac_domain *domain = NULL;
-    assert_int_equal(lac_domain_from_source(&slot, &grid, 1, &domain, NULL), LAC_OK);
+    assert_int_equal(lac_domain_from_source(&model, &grid, 1, &domain, NULL), LAC_OK);
     assert_true(domain->n > 1000000);
     scene s = scene_of(domain, 1, 0.01, 100);
     double balance, inverse;

@@ -50,52 +50,52 @@ static double draw(const lac_param *param, uint64_t trial, uint64_t what)
     return uniform(trial, what, low, high);
 }
 
-static void set_text(lac_slot *slot, const lac_param *param, const char *text)
+static void set_text(lac_model *model, const lac_param *param, const char *text)
 {
     char *copy = strdup(text);
-    memcpy((char *)slot->params + param->offset, &copy, sizeof copy);
+    memcpy((char *)model->params + param->offset, &copy, sizeof copy);
 }
 
 // Random parameters; whatever names a file or its columns gets the one of this test.
-static lac_slot drawn_once(const lac_descriptor *about, uint64_t trial)
+static lac_model drawn_once(const lac_model_info *info, uint64_t trial)
 {
-    lac_slot slot;
-    assert_int_equal(lac_slot_create(about, &slot, NULL), LAC_OK);
-    for (size_t i = 0; i < about->param_count; i++) {
-        const lac_param *param = &about->params[i];
+    lac_model model;
+    assert_int_equal(lac_model_create(info, &model, NULL), LAC_OK);
+    for (size_t i = 0; i < info->param_count; i++) {
+        const lac_param *param = &info->params[i];
         if (param->type == LAC_REAL) {
-            test_slot_set(&slot, param->key, draw(param, trial, i));
+            test_slot_set(&model, param->key, draw(param, trial, i));
         } else if (param->type == LAC_CHOICE && strcmp(param->key, "outside") == 0) {
-            test_slot_set(&slot, param->key,
+            test_slot_set(&model, param->key,
                           1 + (double)(trial % 2 < 1 || param->choices[2] == NULL ? 0 : 1));
         } else if (param->type == LAC_CHOICE && strcmp(param->key, "share") == 0) {
-            test_slot_set(&slot, param->key, (double)(trial % 3));
+            test_slot_set(&model, param->key, (double)(trial % 3));
         } else if (param->type == LAC_CHOICE) {
-            test_slot_set(&slot, param->key, (double)(trial % 2));
+            test_slot_set(&model, param->key, (double)(trial % 2));
         } else if (param->type == LAC_PATH) {
-            set_text(&slot, param, data_file);
+            set_text(&model, param, data_file);
         } else if (param->type == LAC_TEXT && (param->flags & LAC_OPTIONAL) == 0) {
-            set_text(&slot, param, strcmp(param->key, "time") == 0 ? "t" : "v");
+            set_text(&model, param, strcmp(param->key, "time") == 0 ? "t" : "v");
         }
     }
-    return slot;
+    return model;
 }
 
 // Parameters that go together.
-static lac_slot drawn(const lac_descriptor *about, uint64_t trial)
+static lac_model drawn(const lac_model_info *info, uint64_t trial)
 {
-    lac_slot slot = drawn_once(about, trial);
-    while (about->fault != NULL && about->fault(slot.params) != NULL) {
-        lac_slot_clear(&slot);
+    lac_model model = drawn_once(info, trial);
+    while (info->validate != NULL && info->validate(model.params) != NULL) {
+        lac_model_clear(&model);
         trial += 10 * TRIALS;
-        slot = drawn_once(about, trial);
+        model = drawn_once(info, trial);
     }
-    return slot;
+    return model;
 }
 
 // A load made ready.
 typedef struct ready {
-    lac_slot slot;
+    lac_model model;
     bool is_pore;
     lac_load_set set;
 } ready;
@@ -104,16 +104,16 @@ static const lac_load *load_of(const ready *r) { return r->is_pore ? r->set.pore
 
 static ready ready_create(const lac_load_kind *kind, bool is_pore, uint64_t trial)
 {
-    ready r = {.slot = drawn(&kind->about, trial), .is_pore = is_pore};
-    r.set = test_load_set(is_pore ? &(lac_load_slots){.pore = &r.slot, .pore_count = 1}
-                                  : &(lac_load_slots){.shear = &r.slot, .shear_count = 1});
+    ready r = {.model = drawn(&kind->info, trial), .is_pore = is_pore};
+    r.set = test_load_set(is_pore ? &(lac_load_models){.pore = &r.model, .pore_count = 1}
+                                  : &(lac_load_models){.shear = &r.model, .shear_count = 1});
     return r;
 }
 
 static void ready_clear(ready *r)
 {
     lac_load_set_clear(&r->set);
-    lac_slot_clear(&r->slot);
+    lac_model_clear(&r->model);
 }
 
 // The values of a load and their rates.
@@ -136,8 +136,8 @@ static sample sample_at(const lac_load *load, double t)
     lac_load one = *load;
     lac_load_state sum;
     bool is_pore = false;
-    for (size_t i = 0; lac_pore_load_at(i) != NULL; i++) {
-        is_pore = is_pore || lac_pore_load_at(i) == load->kind;
+    for (size_t i = 0; lac_pore_load_get(i) != NULL; i++) {
+        is_pore = is_pore || lac_pore_load_get(i) == load->kind;
     }
     const lac_load_set set = {
         .shear = &one, .shear_count = !is_pore, .pore = &one, .pore_count = is_pore};
@@ -183,7 +183,7 @@ static void assert_smooth(const lac_load *load, double from, double to)
                                   &integral, &error);
         if (!(fabs(grown - integral) <= 1e-9 * scale)) {
             fail_msg("%s: grows by %.17g over %g ... %g, its rate says %.17g",
-                     load->kind->about.name, grown, t, end, integral);
+                     load->kind->info.name, grown, t, end, integral);
         }
     }
     gsl_integration_workspace_free(room);
@@ -204,11 +204,11 @@ typedef void check(const lac_load_kind *kind, bool is_pore);
 static void on_every_load(check *run)
 {
     size_t shear = 0, pore = 0;
-    for (; lac_shear_load_at(shear) != NULL; shear++) {
-        run(lac_shear_load_at(shear), false);
+    for (; lac_shear_load_get(shear) != NULL; shear++) {
+        run(lac_shear_load_get(shear), false);
     }
-    for (; lac_pore_load_at(pore) != NULL; pore++) {
-        run(lac_pore_load_at(pore), true);
+    for (; lac_pore_load_get(pore) != NULL; pore++) {
+        run(lac_pore_load_get(pore), true);
     }
     assert_true(shear >= 8 && pore >= 7);
 }
@@ -245,11 +245,11 @@ static void rates_are_slopes_and_breaks_the_only_jumps(void **state)
 static void check_sum(const lac_load_kind *kind, bool is_pore)
 {
     for (uint64_t trial = 0; trial < TRIALS; trial++) {
-        lac_slot slots[2] = {drawn(&kind->about, trial), drawn(&kind->about, trial + TRIALS)};
-        lac_load_set set = test_load_set(&(lac_load_slots){.shear = slots,
-                                                           .shear_count = is_pore ? 0 : 2,
-                                                           .pore = slots,
-                                                           .pore_count = is_pore ? 2 : 0});
+        lac_model models[2] = {drawn(&kind->info, trial), drawn(&kind->info, trial + TRIALS)};
+        lac_load_set set = test_load_set(&(lac_load_models){.shear = models,
+                                                            .shear_count = is_pore ? 0 : 2,
+                                                            .pore = models,
+                                                            .pore_count = is_pore ? 2 : 0});
         const lac_load *loads = is_pore ? set.pore : set.shear;
         double t = uniform(trial, 90, t_first, t_last);
         lac_load_state both;
@@ -263,8 +263,8 @@ static void check_sum(const lac_load_kind *kind, bool is_pore)
         assert_true(lac_load_next_break(&set, t) ==
                     fmin(break_after(&loads[0], t), break_after(&loads[1], t)));
         lac_load_set_clear(&set);
-        lac_slot_clear(&slots[0]);
-        lac_slot_clear(&slots[1]);
+        lac_model_clear(&models[0]);
+        lac_model_clear(&models[1]);
     }
 }
 
@@ -274,10 +274,10 @@ static void the_sum_is_linear(void **state)
     on_every_load(check_sum);
 }
 
-static bool has_share(const lac_descriptor *about)
+static bool has_share(const lac_model_info *info)
 {
-    for (size_t i = 0; i < about->param_count; i++) {
-        if (strcmp(about->params[i].key, "share") == 0 && about->params[i].type == LAC_CHOICE) {
+    for (size_t i = 0; i < info->param_count; i++) {
+        if (strcmp(info->params[i].key, "share") == 0 && info->params[i].type == LAC_CHOICE) {
             return true;
         }
     }
@@ -287,14 +287,14 @@ static bool has_share(const lac_descriptor *about)
 // Shared one way or the other, the force is the same; none is in two shares.
 static void check_share(const lac_load_kind *kind, bool is_pore)
 {
-    assert_true(!is_pore || !has_share(&kind->about));
-    for (uint64_t trial = 0; has_share(&kind->about) && trial < TRIALS; trial++) {
-        lac_slot slot = drawn(&kind->about, trial);
+    assert_true(!is_pore || !has_share(&kind->info));
+    for (uint64_t trial = 0; has_share(&kind->info) && trial < TRIALS; trial++) {
+        lac_model model = drawn(&kind->info, trial);
         lac_load_state seen[3];
         for (int share = 0; share < 3; share++) {
-            test_slot_set(&slot, "share", share);
-            assert_int_equal(lac_load_slot_share(&slot), share);
-            lac_load_set set = test_load_set(&(lac_load_slots){.shear = &slot, .shear_count = 1});
+            test_slot_set(&model, "share", share);
+            assert_int_equal(lac_load_models_share(&model), share);
+            lac_load_set set = test_load_set(&(lac_load_models){.shear = &model, .shear_count = 1});
             assert_true(lac_load_set_is_shaped(&set) == (share == LAC_SHARE_ELASTIC));
             lac_load_evaluate(&set, 5, &seen[share]);
             lac_load_set_clear(&set);
@@ -309,7 +309,7 @@ static void check_share(const lac_load_kind *kind, bool is_pore)
         }
         assert_true(by[1].stress == 0 && by[2].stress == 0 && by[2].spring_stress == 0);
         assert_true(by[1].ratio == 0 && by[2].ratio == 0 && by[2].equal_ratio == 0);
-        lac_slot_clear(&slot);
+        lac_model_clear(&model);
     }
 }
 
@@ -318,8 +318,8 @@ static void a_force_is_the_same_however_shared(void **state)
     (void)state;
     on_every_load(check_share);
     size_t shared = 0;
-    for (size_t i = 0; lac_shear_load_at(i) != NULL; i++) {
-        shared += has_share(&lac_shear_load_at(i)->about);
+    for (size_t i = 0; lac_shear_load_get(i) != NULL; i++) {
+        shared += has_share(&lac_shear_load_get(i)->info);
     }
     assert_int_equal(shared, 7); // all but the spring and back-slip
 }
@@ -350,41 +350,41 @@ static void each_kind_moves_only_its_own(void **state)
     on_every_load(check_kind);
 }
 
-static void assert_documented(const lac_descriptor *about)
+static void assert_documented(const lac_model_info *info)
 {
-    assert_true(strlen(about->name) > 0 && strlen(about->summary) > 0 && about->reference != NULL);
-    for (size_t i = 0; i < about->param_count; i++) {
-        assert_true(strlen(about->params[i].doc) > 0 && strlen(about->params[i].unit) > 0);
-        assert_true(about->params[i].offset < about->params_size);
-        assert_true(about->params[i].min <= about->params[i].max);
+    assert_true(strlen(info->name) > 0 && strlen(info->summary) > 0 && info->reference != NULL);
+    for (size_t i = 0; i < info->param_count; i++) {
+        assert_true(strlen(info->params[i].doc) > 0 && strlen(info->params[i].unit) > 0);
+        assert_true(info->params[i].offset < info->params_size);
+        assert_true(info->params[i].min <= info->params[i].max);
     }
 }
 
 static void every_load_is_documented(void **state)
 {
     (void)state;
-    for (size_t i = 0; lac_normal_load_at(i) != NULL; i++) {
-        assert_documented(&lac_normal_load_at(i)->about);
+    for (size_t i = 0; lac_normal_load_get(i) != NULL; i++) {
+        assert_documented(&lac_normal_load_get(i)->info);
     }
-    for (size_t i = 0; lac_shear_load_at(i) != NULL; i++) {
-        assert_documented(&lac_shear_load_at(i)->about);
+    for (size_t i = 0; lac_shear_load_get(i) != NULL; i++) {
+        assert_documented(&lac_shear_load_get(i)->info);
     }
-    for (size_t i = 0; lac_pore_load_at(i) != NULL; i++) {
-        assert_documented(&lac_pore_load_at(i)->about);
+    for (size_t i = 0; lac_pore_load_get(i) != NULL; i++) {
+        assert_documented(&lac_pore_load_get(i)->info);
     }
 }
 
 // An approach or a dimension is what was given, and has no pressure of its own.
-static void check_static(const lac_normal_load *load, const lac_slot *slot)
+static void check_static(const lac_normal_load *load, const lac_model *model)
 {
     double given;
     double (*const value)(const void *params) =
         load->approach != NULL ? load->approach : load->dimension;
     assert_true(load->approach == NULL || load->dimension == NULL);
-    assert_int_equal(load->about.param_count, 1);
-    memcpy(&given, (const char *)slot->params + load->about.params[0].offset, sizeof given);
-    assert_true(value(slot->params) == given);
-    assert_true(isnan(load->pressure(slot->params, 2700)));
+    assert_int_equal(load->info.param_count, 1);
+    memcpy(&given, (const char *)model->params + load->info.params[0].offset, sizeof given);
+    assert_true(value(model->params) == given);
+    assert_true(isnan(load->pressure(model->params, 2700)));
 }
 
 // Every normal load is positive, finite, and proportional to the density where it needs one.
@@ -392,20 +392,20 @@ static void normal_loads_press(void **state)
 {
     (void)state;
     size_t i = 0;
-    for (; lac_normal_load_at(i) != NULL; i++) {
-        const lac_normal_load *load = lac_normal_load_at(i);
+    for (; lac_normal_load_get(i) != NULL; i++) {
+        const lac_normal_load *load = lac_normal_load_get(i);
         for (uint64_t trial = 0; trial < TRIALS; trial++) {
-            lac_slot slot = drawn(&load->about, trial);
+            lac_model model = drawn(&load->info, trial);
             if (load->approach != NULL || load->dimension != NULL) {
-                check_static(load, &slot);
-                lac_slot_clear(&slot);
+                check_static(load, &model);
+                lac_model_clear(&model);
                 continue;
             }
-            double once = load->pressure(slot.params, load->needs_density ? 1000 : NAN);
-            double twice = load->pressure(slot.params, load->needs_density ? 2000 : NAN);
+            double once = load->pressure(model.params, load->needs_density ? 1000 : NAN);
+            double twice = load->pressure(model.params, load->needs_density ? 2000 : NAN);
             assert_true(once > 0 && isfinite(once));
             assert_true(fabs(twice / once - (load->needs_density ? 2 : 1)) < 1e-14);
-            lac_slot_clear(&slot);
+            lac_model_clear(&model);
         }
     }
     assert_true(i >= 3);

@@ -38,7 +38,7 @@ static void pull(const lac_load *load, double t, lac_load_state *sum)
     }
 }
 
-static const lac_load_kind pull_row = {.about = {.name = "pull"}, .add = pull};
+static const lac_load_kind pull_row = {.info = {.name = "pull"}, .add = pull};
 static const int pulls[] = {0, BY_RATIO, BY_FORCE, BY_SPRING, BY_PORE, 15};
 static const lac_formulation formulations[] = {LAC_FORMULATION_RATE, LAC_FORMULATION_TRACTION,
                                                LAC_FORMULATION_SLIP};
@@ -135,7 +135,7 @@ static void check_solve(const lac_problem *problem, const double *y, double t, d
 static tree_def small(const lac_friction_law *law, int form, uint64_t seed)
 {
     tree_def def = tree_default(3, seed);
-    def.law = law->about.name;
+    def.law = law->info.name;
     def.form = form;
     def.keep = 0.4;
     def.ratio = 0.7;
@@ -169,7 +169,7 @@ static void newton_solve_is_exact(void **state)
 {
     (void)state;
     const lac_friction_law *law;
-    for (size_t l = 0; (law = lac_friction_law_at(l)) != NULL; l++) {
+    for (size_t l = 0; (law = lac_friction_law_get(l)) != NULL; l++) {
         for (uint64_t i = 0; i < 2 * 3 * 6 * 3; i++) {
             tree_def def = small(law, (int)(i % 2), 1 + i % 4);
             lac_load load = {.kind = &pull_row, .params = &pulls[i / 6 % 6]};
@@ -190,7 +190,7 @@ static void newton_solve_is_exact_backwards(void **state)
     (void)state;
     const double shares[] = {-1.0, -1e-3};
     const lac_friction_law *law;
-    for (size_t l = 0; (law = lac_friction_law_at(l)) != NULL; l++) {
+    for (size_t l = 0; (law = lac_friction_law_get(l)) != NULL; l++) {
         for (size_t s = 0; s < 2; s++) {
             tree_def def = small(law, LAC_FORM_REGULARISED, 1 + s);
             def.formulation = LAC_FORMULATION_TRACTION;
@@ -245,7 +245,7 @@ static void newton_solve_is_exact_with_mass(void **state)
     const int with = BY_RATIO | BY_SPRING;
     for (uint64_t i = 0; i < 3 * 3 * 3; i++) {
         bool back = i % 3 == 2;
-        tree_def def = small(lac_friction_law_at(0), i % 3 > 0, 1 + i % 4);
+        tree_def def = small(lac_friction_law_get(0), i % 3 > 0, 1 + i % 4);
         lac_load load = {.kind = &pull_row, .params = back ? &pulls[1] : &with};
         def.loads = (lac_load_set){.shear = &load, .shear_count = 1};
         def.mass = masses[i / 3 % 3];

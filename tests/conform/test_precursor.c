@@ -24,7 +24,7 @@ typedef struct joint {
     double start[EVENTS], end[EVENTS], moment[EVENTS];
     lac_event_list events;
     lac_slip_history slip;
-    lac_evidence evidence;
+    lac_indicator_inputs evidence;
 } joint;
 
 static double uniform(uint64_t a, uint64_t b)
@@ -51,25 +51,25 @@ static void make(joint *j)
     }
     j->events = (lac_event_list){EVENTS, j->start, j->moment, j->end};
     j->slip = (lac_slip_history){N, LEVELS, j->time, j->n_slip, n_tot, j->length, 0.6};
-    j->evidence = (lac_evidence){&j->events, &j->slip, 1, SURROGATES};
+    j->evidence = (lac_indicator_inputs){&j->events, &j->slip, 1, SURROGATES};
 }
 
-static lac_outlook *forecast(const joint *j, size_t n)
+static lac_forecast_set *forecast(const joint *j, size_t n)
 {
     const lac_readings readings = {.n = n, .time = j->time, .displacement = j->displacement};
     const lac_forecast_def def = lac_forecast_default();
-    lac_outlook *outlook = NULL;
-    assert_int_equal(lac_outlook_create(&def, &readings, &outlook, NULL), LAC_OK);
-    return outlook;
+    lac_forecast_set *forecasts = NULL;
+    assert_int_equal(lac_forecast_set_create(&def, &readings, &forecasts, NULL), LAC_OK);
+    return forecasts;
 }
 
 // All indicators as of the n-th reading.
 static size_t look(const joint *j, size_t n, lac_precursor *out)
 {
-    lac_outlook *outlook = forecast(j, n);
+    lac_forecast_set *forecasts = forecast(j, n);
     size_t count = 0;
-    assert_int_equal(lac_precursors_at(&j->evidence, outlook, out, &count, NULL), LAC_OK);
-    lac_outlook_free(outlook);
+    assert_int_equal(lac_precursors_at(&j->evidence, forecasts, out, &count, NULL), LAC_OK);
+    lac_forecast_set_free(forecasts);
     return count;
 }
 
@@ -81,10 +81,10 @@ static void rows_are_whole(void **state)
     size_t k = 0;
     double scale, offset;
     assert_int_equal(lac_units_create(&units, NULL), LAC_OK);
-    for (; (kind = lac_precursor_kind_at(k)) != NULL; k++) {
-        assert_true(kind->about.name[0] != '\0' && kind->about.summary[0] != '\0');
-        assert_true(kind->about.reference[0] != '\0' && kind->estimator[0] != '\0');
-        assert_true(kind->look != NULL && lac_needs_name(kind->needs)[0] != '\0');
+    for (; (kind = lac_precursor_kind_get(k)) != NULL; k++) {
+        assert_true(kind->info.name[0] != '\0' && kind->info.summary[0] != '\0');
+        assert_true(kind->info.reference[0] != '\0' && kind->estimator[0] != '\0');
+        assert_true(kind->evaluate != NULL && lac_needs_name(kind->needs)[0] != '\0');
         assert_true(kind->headline < kind->value_count);
         assert_true(kind->value_count <= LAC_FORECAST_VALUES);
         for (size_t v = 0; v < kind->value_count; v++) {
@@ -109,10 +109,10 @@ static void assert_declared(const lac_precursor *p)
             v++;
         }
         if (v == kind->value_count) {
-            fail_msg("%s: %s is not declared there", kind->about.name, found->key);
+            fail_msg("%s: %s is not declared there", kind->info.name, found->key);
         }
         if (!isfinite(found->value)) {
-            fail_msg("%s: %s is %g", kind->about.name, found->key, found->value);
+            fail_msg("%s: %s is %g", kind->info.name, found->key, found->value);
         }
         const char *end = strrchr(found->key, '_');
         if (strcmp(end != NULL ? end : found->key, end != NULL ? "_p" : "p") == 0) {
@@ -135,7 +135,7 @@ static void all_say_what_they_declare(void **state)
             const char *key = found[k].kind->value[v].key;
             const bool no_such_level = strncmp(key, "level_", 6) == 0 && atoi(key + 6) >= LEVELS;
             if (isnan(lac_precursor_find(&found[k], key)) != no_such_level) {
-                fail_msg("%s: %s: %s", found[k].kind->about.name, key, found[k].found.reason);
+                fail_msg("%s: %s: %s", found[k].kind->info.name, key, found[k].found.reason);
             }
         }
     }
@@ -149,7 +149,7 @@ static void assert_same(const lac_precursor *a, const lac_precursor *b)
     for (size_t i = 0; i < a->found.count; i++) {
         assert_string_equal(a->found.value[i].key, b->found.value[i].key);
         if (a->found.value[i].value != b->found.value[i].value) {
-            fail_msg("%s: %s knows the future", a->kind->about.name, a->found.value[i].key);
+            fail_msg("%s: %s knows the future", a->kind->info.name, a->found.value[i].key);
         }
     }
 }
@@ -194,13 +194,13 @@ static void a_course_is_its_times(void **state)
     (void)state;
     static joint j;
     lac_precursor alone[LAC_PRECURSORS_MAX];
-    lac_precursor_course *course = NULL;
+    lac_indicator_series *course = NULL;
     lac_rolling *rolling = NULL;
     make(&j);
     const lac_readings readings = {.n = N, .time = j.time, .displacement = j.displacement};
     const lac_forecast_def def = lac_forecast_default();
-    assert_int_equal(lac_precursor_course_create(&j.evidence, 4, &course, NULL), LAC_OK);
-    const lac_rolling_watch watch = {.seer = course, .see = lac_precursor_course_see};
+    assert_int_equal(lac_indicator_series_create(&j.evidence, 4, &course, NULL), LAC_OK);
+    const lac_rolling_watch watch = {.seer = course, .see = lac_indicator_series_see};
     assert_int_equal(lac_rolling_create(&def, &readings, 4, &watch, &rolling, NULL), LAC_OK);
     assert_int_equal(course->issues, 4);
     for (size_t i = 0; i < 4; i++) {
@@ -210,7 +210,7 @@ static void a_course_is_its_times(void **state)
         }
     }
     lac_rolling_free(rolling);
-    lac_precursor_course_free(course);
+    lac_indicator_series_free(course);
 }
 
 // A shift of the clock by a power of two changes nothing but rounding.
@@ -236,7 +236,7 @@ static void the_clock_does_not_matter(void **state)
             const double a = here[k].found.value[i].value;
             const double b = there[k].found.value[i].value;
             if (fabs(a - b) > 1e-4 * fabs(a) + DBL_MIN) {
-                fail_msg("%s: %s: %g, %g", here[k].kind->about.name, here[k].found.value[i].key, a,
+                fail_msg("%s: %s: %g, %g", here[k].kind->info.name, here[k].found.value[i].key, a,
                          b);
             }
         }
@@ -256,7 +256,7 @@ static void once_begun_all_go_on(void **state)
             const lac_precursor_kind *kind = found[k].kind;
             const bool has = !isnan(lac_precursor_find(&found[k], kind->value[kind->headline].key));
             if (begun[k] && !has) {
-                fail_msg("%s: %s", kind->about.name, found[k].found.reason);
+                fail_msg("%s: %s", kind->info.name, found[k].found.reason);
             }
             begun[k] = has;
         }
@@ -271,8 +271,8 @@ static void any_evidence_is_survived(void **state)
     lac_precursor found[LAC_PRECURSORS_MAX];
     static const double moments[] = {NAN, 0.0, DBL_MIN, 1e300, -1.0, 1.0};
     make(&j);
-    lac_outlook *early = forecast(&j, 1);
-    lac_outlook *late = forecast(&j, N);
+    lac_forecast_set *early = forecast(&j, 1);
+    lac_forecast_set *late = forecast(&j, N);
     for (size_t kind = 0; kind < sizeof moments / sizeof *moments; kind++) {
         make(&j);
         for (size_t i = 0; i < EVENTS; i++) {
@@ -297,8 +297,8 @@ static void any_evidence_is_survived(void **state)
             }
         }
     }
-    lac_outlook_free(early);
-    lac_outlook_free(late);
+    lac_forecast_set_free(early);
+    lac_forecast_set_free(late);
 }
 
 int main(void)

@@ -20,25 +20,25 @@ typedef struct request {
 
 static const request usual = {0.7, 0.3, 16.0, 2.0, 5};
 
-static const lac_param *find(const lac_descriptor *about, const char *key)
+static const lac_param *find(const lac_model_info *info, const char *key)
 {
-    for (size_t i = 0; i < about->param_count; i++) {
-        if (strcmp(about->params[i].key, key) == 0) {
-            return &about->params[i];
+    for (size_t i = 0; i < info->param_count; i++) {
+        if (strcmp(info->params[i].key, key) == 0) {
+            return &info->params[i];
         }
     }
     return NULL;
 }
 
 // A source of another kind is asked for its defaults where it knows no such key.
-static void put(lac_slot *slot, const char *key, double value)
+static void put(lac_model *model, const char *key, double value)
 {
-    const lac_param *param = find(slot->about, key);
+    const lac_param *param = find(model->info, key);
     if (param == NULL) {
-        assert_null(find(slot->about, "shortest"));
+        assert_null(find(model->info, "shortest"));
         return;
     }
-    char *at = (char *)slot->params + param->offset;
+    char *at = (char *)model->params + param->offset;
     if (param->type == LAC_INTEGER) {
         memcpy(at, &(int64_t){(int64_t)value}, sizeof(int64_t));
     } else {
@@ -49,15 +49,15 @@ static void put(lac_slot *slot, const char *key, double value)
 static lac_status ask(const lac_surface_source *source, request r, const lac_grid *grid, double *h,
                       lac_error *err)
 {
-    lac_slot slot = {0};
-    assert_int_equal(lac_slot_create(&source->about, &slot, err), LAC_OK);
-    put(&slot, "hurst", r.hurst);
-    put(&slot, "rms_height", r.rms_height);
-    put(&slot, "rolloff", r.rolloff);
-    put(&slot, "shortest", r.shortest);
-    put(&slot, "seed", (double)r.seed);
-    lac_status status = lac_surface_generate(&slot, grid, h, err);
-    lac_slot_clear(&slot);
+    lac_model model = {0};
+    assert_int_equal(lac_model_create(&source->info, &model, err), LAC_OK);
+    put(&model, "hurst", r.hurst);
+    put(&model, "rms_height", r.rms_height);
+    put(&model, "rolloff", r.rolloff);
+    put(&model, "shortest", r.shortest);
+    put(&model, "seed", (double)r.seed);
+    lac_status status = lac_surface_generate(&model, grid, h, err);
+    lac_model_clear(&model);
     return status;
 }
 
@@ -67,7 +67,7 @@ static double *heights(const lac_surface_source *source, request r, const lac_gr
     double *h = malloc(lac_grid_cells(grid) * sizeof *h);
     assert_non_null(h);
     if (ask(source, r, grid, h, &err) != LAC_OK) {
-        fail_msg("%s: %s", source->about.name, err.message);
+        fail_msg("%s: %s", source->info.name, err.message);
     }
     return h;
 }
@@ -82,9 +82,9 @@ static lac_grid line(size_t n) { return (lac_grid){n, 1, size / (double)n, 1.0, 
 // The index-th source that has a parameter of this name, NULL past the end.
 static const lac_surface_source *with(const char *key, size_t index)
 {
-    for (size_t i = 0; lac_surface_source_at(i) != NULL; i++) {
-        const lac_surface_source *source = lac_surface_source_at(i);
-        if (find(&source->about, key) != NULL && index-- == 0) {
+    for (size_t i = 0; lac_surface_source_get(i) != NULL; i++) {
+        const lac_surface_source *source = lac_surface_source_get(i);
+        if (find(&source->info, key) != NULL && index-- == 0) {
             return source;
         }
     }
@@ -103,10 +103,10 @@ static void at_least_one_is_registered(void **state)
     (void)state;
     assert_non_null(with("seed", 0));
     assert_non_null(with("shortest", 0));
-    for (size_t i = 0; lac_surface_source_at(i) != NULL; i++) {
-        const lac_descriptor *about = &lac_surface_source_at(i)->about;
-        assert_true(strlen(about->name) > 0 && strlen(about->summary) > 0);
-        assert_non_null(about->reference);
+    for (size_t i = 0; lac_surface_source_get(i) != NULL; i++) {
+        const lac_model_info *info = &lac_surface_source_get(i)->info;
+        assert_true(strlen(info->name) > 0 && strlen(info->summary) > 0);
+        assert_non_null(info->reference);
     }
 }
 
@@ -223,7 +223,7 @@ static double mean_power(const double *h, size_t n, int power)
 // Independent faces whose variances add up
 static double faces(const lac_surface_source *source)
 {
-    return find(&source->about, "mating") == NULL ? 1.0 : 2.0;
+    return find(&source->info, "mating") == NULL ? 1.0 : 2.0;
 }
 
 // Mean over seeds of h^2 is rms_height^2 within four standard errors, and these are small.
@@ -245,7 +245,7 @@ static void rms_is_stated(const lac_surface_source *source, const lac_grid *grid
     }
     double mean = sum / SEEDS;
     double error = sqrt((sum2 / SEEDS - mean * mean) / SEEDS);
-    print_message("%s %zu x %zu: variance / stated %.4f +- %.4f\n", source->about.name, grid->nx,
+    print_message("%s %zu x %zu: variance / stated %.4f +- %.4f\n", source->info.name, grid->nx,
                   grid->ny, mean, error);
     assert_true(error < bound);
     assert_true(fabs(mean - 1.0) < 4.0 * error);
@@ -308,7 +308,7 @@ static void spectrum_is(const lac_surface_source *source, const lac_grid *grid, 
     // Beyond the rolloff |k| = 8 (shell 6) to the shortest wave |k| = 64 (shell 11)
     double measured = (y[11] - y[6]) / (x[11] - x[6]);
     double plateau = (y[5] - y[2]) / (x[5] - x[2]);
-    print_message("%s %zu x %zu: slope %.3f (%.3f), plateau %.3f (0)\n", source->about.name,
+    print_message("%s %zu x %zu: slope %.3f (%.3f), plateau %.3f (0)\n", source->info.name,
                   grid->nx, grid->ny, measured, slope, plateau);
     assert_true(fabs(measured - slope) < tolerance);
     assert_true(fabs(plateau) < 4.0 * tolerance);
@@ -434,7 +434,7 @@ static void wrong_parameters_are_refused(void **state)
     }
     lac_error err = {""};
     lac_grid grid = square(4);
-    assert_int_equal(lac_surface_generate(&(lac_slot){0}, &grid, (double[16]){0}, &err),
+    assert_int_equal(lac_surface_generate(&(lac_model){0}, &grid, (double[16]){0}, &err),
                      LAC_EINPUT);
 }
 

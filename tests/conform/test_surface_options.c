@@ -23,13 +23,13 @@ static const lac_self_affine usual = {
     .anisotropy = 1.0,
 };
 
-static const lac_descriptor *about(void)
+static const lac_model_info *info(void)
 {
     size_t i = 0;
-    while (strcmp(lac_surface_source_at(i)->about.name, "self-affine") != 0) {
+    while (strcmp(lac_surface_source_get(i)->info.name, "self-affine") != 0) {
         i++;
     }
-    return &lac_surface_source_at(i)->about;
+    return &lac_surface_source_get(i)->info;
 }
 
 static lac_grid square(size_t n)
@@ -42,8 +42,8 @@ static double *heights(lac_self_affine params, lac_grid grid)
     lac_error err = {""};
     double *h = malloc(lac_grid_cells(&grid) * sizeof *h);
     assert_non_null(h);
-    lac_slot slot = {about(), &params};
-    if (lac_surface_generate(&slot, &grid, h, &err) != LAC_OK) {
+    lac_model model = {info(), &params};
+    if (lac_surface_generate(&model, &grid, h, &err) != LAC_OK) {
         fail_msg("%s", err.message);
     }
     return h;
@@ -53,8 +53,8 @@ static void refuse(lac_self_affine params, lac_grid grid, const char *word)
 {
     lac_error err = {""};
     double h[64 * 64];
-    lac_slot slot = {about(), &params};
-    assert_int_equal(lac_surface_generate(&slot, &grid, h, &err), LAC_EINPUT);
+    lac_model model = {info(), &params};
+    assert_int_equal(lac_surface_generate(&model, &grid, h, &err), LAC_EINPUT);
     if (strstr(err.message, word) == NULL) {
         fail_msg("\"%s\" does not speak of \"%s\"", err.message, word);
     }

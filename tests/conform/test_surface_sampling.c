@@ -48,8 +48,8 @@ static lac_grid grid_of(size_t nx, size_t ny)
 static void make(const char *name, void *params, lac_grid grid, double *h)
 {
     lac_error err = {""};
-    lac_slot slot = {&surface_source(name)->about, params};
-    if (lac_surface_generate(&slot, &grid, h, &err) != LAC_OK) {
+    lac_model model = {&surface_source(name)->info, params};
+    if (lac_surface_generate(&model, &grid, h, &err) != LAC_OK) {
         fail_msg("%s", err.message);
     }
 }
@@ -219,8 +219,8 @@ static void refuse(const char *name, void *params, lac_grid grid, const char *wo
 {
     static double h[MOST];
     lac_error err = {""};
-    lac_slot slot = {&surface_source(name)->about, params};
-    assert_int_equal(lac_surface_generate(&slot, &grid, h, &err), LAC_EINPUT);
+    lac_model model = {&surface_source(name)->info, params};
+    assert_int_equal(lac_surface_generate(&model, &grid, h, &err), LAC_EINPUT);
     if (strstr(err.message, word) == NULL) {
         fail_msg("\"%s\" does not speak of \"%s\"", err.message, word);
     }

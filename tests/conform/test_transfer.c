@@ -41,12 +41,12 @@ typedef struct scene {
     double *d, *x, *y, *z, *work;
 } scene;
 
-static scene scene_of(const lac_slot *slot, lac_domain *domain, uint64_t seed)
+static scene scene_of(const lac_model *model, lac_domain *domain, uint64_t seed)
 {
     scene s = {.domain = domain, .h = hierarchy_of(domain), .n = domain->n, .slack = 1e-14};
     lac_transfer_scene made_from = {domain, s.h, 2.0, 0.25, false, false};
     lac_error err = {""};
-    if (lac_transfer_create(slot, &made_from, &s.transfer, &err) != LAC_OK) {
+    if (lac_transfer_create(model, &made_from, &s.transfer, &err) != LAC_OK) {
         fail_msg("%s", err.message);
     }
     s.d = new_doubles(s.n);
@@ -229,7 +229,7 @@ static void solve_inverts_apply(scene *s, double k_mean, double tolerance)
     }
     double error = relative_error(s->n, s->z, s->y);
     if (!(error < tolerance)) {
-        fail_msg("%s, %zu cells: solve inverts apply to %.1e only", s->transfer.kind->about.name,
+        fail_msg("%s, %zu cells: solve inverts apply to %.1e only", s->transfer.kind->info.name,
                  s->n, error);
     }
 }
@@ -247,7 +247,7 @@ static void bad_diagonals_are_refused(scene *s)
     assert_false(solve(s, -1e12, s->y, s->x));
 }
 
-static void run_kit(const lac_slot *slot, const trial *how)
+static void run_kit(const lac_model *model, const trial *how)
 {
     size_t most = how->iterated ? SMALL : MAX_CELLS;
     long double *dense = calloc(most * most, sizeof *dense);
@@ -255,7 +255,7 @@ static void run_kit(const lac_slot *slot, const trial *how)
     assert_true(dense != NULL && scratch != NULL);
     for (uint64_t seed = 0; seed < (how->iterated ? TREES / 6 : TREES); seed++) {
         // Every fourth tree at full size, the others small: elimination is O(n^3).
-        scene s = scene_of(slot, random_domain(seed, seed % 4 == 0 ? most : SMALL), seed);
+        scene s = scene_of(model, random_domain(seed, seed % 4 == 0 ? most : SMALL), seed);
         s.slack = how->iterated ? 1e-11 : s.slack;
         is_linear(&s, seed);
         if (!how->anchored) {
@@ -276,25 +276,25 @@ static void run_kit(const lac_slot *slot, const trial *how)
     free(scratch);
 }
 
-static void run_large(const lac_slot *slot)
+static void run_large(const lac_model *model)
 {
     lac_grid grid = {2048, 2048, 1, 1, true};
     lac_cascade cascade = {1.84, 5};
-    lac_slot source = {&lac_domain_source_at(1)->about, &cascade};
+    lac_model source = {&lac_domain_source_get(1)->info, &cascade};
     lac_domain *domain = NULL;
     assert_int_equal(lac_domain_from_source(&source, &grid, 1, &domain, NULL), LAC_OK);
     assert_true(domain->n > 1000000);
-    scene s = scene_of(slot, domain, 1);
+    scene s = scene_of(model, domain, 1);
     solve_inverts_apply(&s, 0.5, 1e-10);
     scene_free(&s);
 }
 
-static void describes_itself(const lac_descriptor *about)
+static void describes_itself(const lac_model_info *info)
 {
-    assert_true(about->name[0] != '\0' && about->summary[0] != '\0' && about->reference != NULL);
-    for (size_t i = 0; i < about->param_count; i++) {
-        const lac_param *p = &about->params[i];
-        assert_true(p->key[0] != '\0' && p->doc[0] != '\0' && p->offset < about->params_size);
+    assert_true(info->name[0] != '\0' && info->summary[0] != '\0' && info->reference != NULL);
+    for (size_t i = 0; i < info->param_count; i++) {
+        const lac_param *p = &info->params[i];
+        assert_true(p->key[0] != '\0' && p->doc[0] != '\0' && p->offset < info->params_size);
         assert_true(p->type != LAC_CHOICE || p->choices != NULL);
         char why[100];
         bool optional = (p->flags & LAC_OPTIONAL) != 0 || p->type == LAC_CHOICE;
@@ -305,28 +305,28 @@ static void describes_itself(const lac_descriptor *about)
 static void every_kind_passes_the_kit(void **state)
 {
     (void)state;
-    for (size_t i = 0; lac_transfer_kind_at(i) != NULL; i++) {
-        const lac_descriptor *about = &lac_transfer_kind_at(i)->about;
+    for (size_t i = 0; lac_transfer_kind_get(i) != NULL; i++) {
+        const lac_model_info *info = &lac_transfer_kind_get(i)->info;
         bool listed = false;
-        describes_itself(about);
+        describes_itself(info);
         for (size_t v = 0; v < sizeof trials / sizeof *trials; v++) {
-            if (strcmp(trials[v].kind, about->name) == 0) {
+            if (strcmp(trials[v].kind, info->name) == 0) {
                 trial how = trials[v];
                 void *params = how.iterated ? (void *)&how.elastic : (void *)&how.hierarchy;
-                lac_slot slot = {about, params};
+                lac_model model = {info, params};
                 listed = true;
-                run_kit(&slot, &how);
+                run_kit(&model, &how);
                 if (how.large) {
-                    run_large(&slot);
+                    run_large(&model);
                 }
             }
         }
         if (!listed) {
-            lac_slot slot;
-            assert_int_equal(lac_slot_create(about, &slot, NULL), LAC_OK);
-            run_kit(&slot, &(trial){0});
-            run_large(&slot);
-            lac_slot_clear(&slot);
+            lac_model model;
+            assert_int_equal(lac_model_create(info, &model, NULL), LAC_OK);
+            run_kit(&model, &(trial){0});
+            run_large(&model);
+            lac_model_clear(&model);
         }
     }
 }
@@ -334,8 +334,8 @@ static void every_kind_passes_the_kit(void **state)
 static void an_empty_slot_is_none(void **state)
 {
     (void)state;
-    scene s = scene_of(&(lac_slot){0}, domain_of(3, 3, NULL), 1);
-    assert_string_equal(s.transfer.kind->about.name, "none");
+    scene s = scene_of(&(lac_model){0}, domain_of(3, 3, NULL), 1);
+    assert_string_equal(s.transfer.kind->info.name, "none");
     scene_free(&s);
     lac_transfer nothing = {0};
     lac_transfer_clear(&nothing);
@@ -344,7 +344,7 @@ static void an_empty_slot_is_none(void **state)
 static void one_cell_is_held_by_the_spring(void **state)
 {
     (void)state;
-    scene s = scene_of(&(lac_slot){0}, domain_of(1, 1, NULL), 1);
+    scene s = scene_of(&(lac_model){0}, domain_of(1, 1, NULL), 1);
     s.d[0] = -2;
     assert_true(solve(&s, 6, s.y, s.x));
     assert_true(s.x[0] == s.y[0] / 4);
@@ -355,14 +355,14 @@ static void one_cell_is_held_by_the_spring(void **state)
 static void stiffness_is_a_power_law(void **state)
 {
     (void)state;
-    const lac_descriptor *about = &lac_transfer_kind_at(0)->about;
+    const lac_model_info *info = &lac_transfer_kind_get(0)->info;
     lac_transfer_hierarchy params = {.stiffness = -1, .k0 = 8, .ratio = 0.25};
-    scene s = scene_of(&(lac_slot){about, &params}, domain_of(8, 8, NULL), 1);
+    scene s = scene_of(&(lac_model){info, &params}, domain_of(8, 8, NULL), 1);
     assert_true(stiffness(&s, 0) == 8 && stiffness(&s, 1) == 2 && stiffness(&s, 2) == 0.5);
     assert_true(stiffness(&s, 3) == 0);
     scene_free(&s);
     params.ratio = NAN;
-    s = scene_of(&(lac_slot){about, &params}, domain_of(8, 8, NULL), 1);
+    s = scene_of(&(lac_model){info, &params}, domain_of(8, 8, NULL), 1);
     assert_true(stiffness(&s, 2) == 2);
     scene_free(&s);
 }
@@ -373,10 +373,10 @@ static void refuse(lac_transfer_hierarchy params, double shear_modulus, double p
     lac_domain *domain = domain_of(4, 4, NULL);
     lac_hierarchy *h = hierarchy_of(domain);
     lac_transfer_scene made_from = {domain, h, shear_modulus, poisson, false, false};
-    lac_slot slot = {&lac_transfer_kind_at(0)->about, &params};
+    lac_model model = {&lac_transfer_kind_get(0)->info, &params};
     lac_transfer transfer;
     lac_error err = {""};
-    assert_int_equal(lac_transfer_create(&slot, &made_from, &transfer, &err), LAC_EINPUT);
+    assert_int_equal(lac_transfer_create(&model, &made_from, &transfer, &err), LAC_EINPUT);
     assert_null(transfer.state);
     if (strstr(err.message, says) == NULL) {
         fail_msg("\"%s\" does not say \"%s\"", err.message, says);

@@ -17,7 +17,7 @@ typedef struct scene {
     lac_domain *domain;
     lac_hierarchy *h;
     lac_transfer_elastic params;
-    lac_slot slot;
+    lac_model model;
     lac_transfer_scene from;
     lac_transfer transfer;
     size_t n;
@@ -39,13 +39,13 @@ static void scene_create(lac_grid grid, rock_def rock, const size_t *cells, size
     s->h = hierarchy_of(s->domain);
     s->params = (lac_transfer_elastic){
         .mode = rock.nu == 0, .thickness = NAN, .tolerance = 1e-12, .newton_tolerance = 1e-12};
-    for (size_t i = 0; lac_transfer_kind_at(i) != NULL; i++) {
-        const lac_descriptor *about = &lac_transfer_kind_at(i)->about;
-        s->slot.about = strcmp(about->name, "elastic") == 0 ? about : s->slot.about;
+    for (size_t i = 0; lac_transfer_kind_get(i) != NULL; i++) {
+        const lac_model_info *info = &lac_transfer_kind_get(i)->info;
+        s->model.info = strcmp(info->name, "elastic") == 0 ? info : s->model.info;
     }
-    s->slot.params = &s->params;
+    s->model.params = &s->params;
     s->from = (lac_transfer_scene){s->domain, s->h, rock.g, rock.nu, rock.line, false};
-    if (lac_transfer_create(&s->slot, &s->from, &s->transfer, &err) != LAC_OK) {
+    if (lac_transfer_create(&s->model, &s->from, &s->transfer, &err) != LAC_OK) {
         fail_msg("%s", err.message);
     }
     s->x = new_doubles(n);
@@ -168,7 +168,7 @@ static void one_cell_of_a_million(void **state)
         s.d[0] = -1e9;
         assert_true(solve(&s, 2e9) && fabs(s.y[0] / 3e-9 - 1) < 1e-14);
         assert_false(solve(&s, 0.5e9));
-        assert_int_equal(lac_transfer_tied(&s.slot, &s.from, &share, &err), LAC_OK);
+        assert_int_equal(lac_transfer_tied(&s.model, &s.from, &share, &err), LAC_OK);
         assert_true(share == 1);
         scene_free(&s);
     }
@@ -260,7 +260,7 @@ static void tolerances(void **state)
         lac_transfer_clear(&s.transfer);
         s.params.tolerance = pow(10, -e);
         lac_error err;
-        assert_int_equal(lac_transfer_create(&s.slot, &s.from, &s.transfer, &err), LAC_OK);
+        assert_int_equal(lac_transfer_create(&s.model, &s.from, &s.transfer, &err), LAC_OK);
         for (size_t i = 0; i < n; i++) {
             s.x[i] = draw_uniform(9, i, -1, 1);
         }
@@ -302,7 +302,7 @@ static bool tired_solve(const void *state, double k_mean, const double *d, const
 }
 
 static const lac_transfer_kind tired_kind = {
-    .about = {.name = "tired"}, .work = tired_work, .apply = tired_apply, .solve = tired_solve};
+    .info = {.name = "tired"}, .work = tired_work, .apply = tired_apply, .solve = tired_solve};
 
 // Where the iterations fail for good the run ends with a line that says when; it does not hang.
 static void a_stress_that_is_not_found_ends_the_run(void **state)

@@ -39,7 +39,7 @@ static lac_run_def until(double end)
 static void same_failure(const tree_def *def, double within)
 {
     lac_run_result ode = run(def, until(1e12), LAC_FIDELITY_ODE, 1e-9);
-    lac_run_result events = run(def, until(1e12), LAC_FIDELITY_EVENTS, 1e-8);
+    lac_run_result events = run(def, until(1e12), LAC_FIDELITY_ASYNC, 1e-8);
     printf("failure after %.9g s and %.9g s (ode)\n", events.time, ode.time);
     assert_true(ode.failed && events.failed);
     assert_true(fabs(events.time / ode.time - 1.0) < within);
@@ -69,7 +69,7 @@ static void nothing_slips(void **state)
     def.b = 0.005;
     def.k0 = 1e9;
     lac_run_result ode = run(&def, until(1e6), LAC_FIDELITY_ODE, 1e-9);
-    lac_run_result events = run(&def, until(1e6), LAC_FIDELITY_EVENTS, 1e-8);
+    lac_run_result events = run(&def, until(1e6), LAC_FIDELITY_ASYNC, 1e-8);
     printf("mean slip %.9g m and %.9g m (ode)\n", events.mean_slip, ode.mean_slip);
     assert_int_equal(events.end, LAC_END_TIME);
     assert_true(fabs(events.mean_slip / ode.mean_slip - 1.0) < 1e-4);
@@ -93,12 +93,12 @@ static void limits_end_it(void **state)
     def.k0 = 0.1 * def.pressure * (def.b - def.a) / def.dc;
     lac_run_def how = until(1e12);
     how.stop_rate = 1e-4;
-    lac_run_result events = run(&def, how, LAC_FIDELITY_EVENTS, 1e-8);
+    lac_run_result events = run(&def, how, LAC_FIDELITY_ASYNC, 1e-8);
     assert_int_equal(events.end, LAC_END_STOP);
     assert_true(events.max_slip_rate >= 1e-4 && events.max_slip_rate < 2e-4);
     how.stop_rate = NAN;
     how.stop_slip = 5e-6;
-    events = run(&def, how, LAC_FIDELITY_EVENTS, 1e-8);
+    events = run(&def, how, LAC_FIDELITY_ASYNC, 1e-8);
     lac_run_result ode = run(&def, how, LAC_FIDELITY_ODE, 1e-9);
     assert_int_equal(events.end, LAC_END_STOP);
     assert_true(fabs(events.mean_slip / 5e-6 - 1.0) < 1e-3);
@@ -112,7 +112,7 @@ static void refused(const tree_def *def, const char *why)
     lac_run_result result;
     tree_create(def, &t);
     lac_run_def how = until(1e3);
-    how.fidelity = LAC_FIDELITY_EVENTS;
+    how.fidelity = LAC_FIDELITY_ASYNC;
     assert_int_equal(lac_run(t.problem, &how, NULL, &result, &err), LAC_EINPUT);
     assert_non_null(strstr(err.message, why));
     assert_int_equal(lac_run_check(t.problem, &how, &err), LAC_EINPUT);
@@ -132,15 +132,15 @@ static void refuses_what_it_cannot_follow(void **state)
     def = tree_default(2, 3);
     def.formulation = LAC_FORMULATION_TRACTION;
     refused(&def, "formulation rate");
-    lac_slot shear = test_slot_shear("sine");
-    lac_load_slots slots = {.shear = &shear, .shear_count = 1};
+    lac_model shear = test_slot_shear("sine");
+    lac_load_models models = {.shear = &shear, .shear_count = 1};
     test_slot_set(&shear, "amplitude", 1.0);
     test_slot_set(&shear, "period", 1.0);
     def = tree_default(2, 3);
-    def.loads = test_load_set(&slots);
+    def.loads = test_load_set(&models);
     refused(&def, "linear in time");
     lac_load_set_clear(&def.loads);
-    lac_slot_clear(&shear);
+    lac_model_clear(&shear);
 }
 
 // A load that takes the traction away, at once or in milliseconds, is said to when it has.
@@ -152,17 +152,17 @@ static void says_when_the_traction_is_gone(void **state)
         double value, since;
     } gone[] = {{"ramp", "rate", "start", -1e9, 0.0}, {"step", "value", "at", -1e9, 100.0}};
     for (size_t k = 0; k < sizeof gone / sizeof *gone; k++) {
-        lac_slot shear = test_slot_shear(gone[k].load);
-        lac_load_slots slots = {.shear = &shear, .shear_count = 1};
+        lac_model shear = test_slot_shear(gone[k].load);
+        lac_load_models models = {.shear = &shear, .shear_count = 1};
         test_slot_set(&shear, gone[k].key, gone[k].value);
         test_slot_set(&shear, gone[k].at, gone[k].since);
         tree_def def = tree_default(3, 3);
         def.k0 = 0.1 * def.pressure * (def.b - def.a) / def.dc;
-        def.loads = test_load_set(&slots);
+        def.loads = test_load_set(&models);
         tree t;
         tree_create(&def, &t);
         lac_run_def how = until(1e7);
-        how.fidelity = LAC_FIDELITY_EVENTS;
+        how.fidelity = LAC_FIDELITY_ASYNC;
         lac_error err = {""};
         lac_run_result result;
         assert_int_equal(lac_run(t.problem, &how, NULL, &result, &err), LAC_ENUMERIC);
@@ -171,7 +171,7 @@ static void says_when_the_traction_is_gone(void **state)
         assert_true(result.rhs_evaluations < 100);
         tree_clear(&t);
         lac_load_set_clear(&def.loads);
-        lac_slot_clear(&shear);
+        lac_model_clear(&shear);
     }
 }
 

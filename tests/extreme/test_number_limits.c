@@ -285,7 +285,7 @@ static void spring_stiffness(void **state)
         def.formulation = chosen(state);
         def.theta = def.dc * (1.0 + off);
         double k = ratios[i / 3] * def.pressure * (def.b - def.a) / def.dc;
-        lac_slot spring = test_slot_shear("spring");
+        lac_model spring = test_slot_shear("spring");
         test_slot_set(&spring, "stiffness", k);
         test_slot_set(&spring, "speed", 1.0);
         def.shear = &spring;
@@ -293,7 +293,7 @@ static void spring_stiffness(void **state)
         lac_run_def how = to_rate(methods[i % 3], 1e3, 1e-10);
         how.end = 1.0;
         one_cell_outcome out = one_cell_run(&def, &how);
-        lac_slot_clear(&spring);
+        lac_model_clear(&spring);
         assert_true(out.finite);
         if (out.status != LAC_OK && methods[i % 3] != LAC_BDF) {
             assert_explained(&out);
@@ -326,14 +326,14 @@ static double jump_break(const lac_load *load, double t)
 }
 
 static const lac_load_kind jump_kind = {
-    .about = {.name = "jump"}, .add = add_jump, .next_break = jump_break};
+    .info = {.name = "jump"}, .add = add_jump, .next_break = jump_break};
 
 static one_cell_outcome jumped(block_def *def, lac_method method, double size)
 {
     jump j = {.time = 2.0, .size = size};
-    lac_slot slot = {.about = &jump_kind.about, .params = &j};
+    lac_model model = {.info = &jump_kind.info, .params = &j};
     lac_run_def how = to_rate(method, 1.5, 1e-8);
-    def->shear = &slot;
+    def->shear = &model;
     def->shear_count = 1;
     one_cell_outcome out = one_cell_run(def, &how);
     assert_true(out.finite);

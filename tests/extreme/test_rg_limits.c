@@ -148,7 +148,7 @@ static void test_nothing_slips_without_load(void **state)
         lac_rg_tree *tree = tree_of(&t.blocks, strength, betas[seed % BETAS]);
         for (lac_rg_rule rule = LAC_RG_FIX; rule <= LAC_RG_LUMP; rule++) {
             assert_false(lac_rg_slips(tree, lac_rg_pass(tree, rule, zero, NULL)));
-            lac_rg_settle(tree, slipped, stress);
+            lac_rg_resolve(tree, slipped, stress);
             for (size_t level = 0; level <= lac_rg_levels(tree); level++) {
                 assert_int_equal(lac_rg_slipping(tree, level), 0);
             }

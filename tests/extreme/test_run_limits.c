@@ -44,7 +44,7 @@ static void a_run_ends_on_its_limit(void **state)
         lac_error err;
         assert_int_equal(run(&def, &how, &sink, &result, &err), LAC_OK);
         assert_true(result.failed);
-        double last = h.line[h.n - 1].seen.mean_rate;
+        double last = h.line[h.n - 1].observation.mean_rate;
         assert_true(last >= 1e3 * (1.0 - 1e-12) && last < 1e3 * (1.0 + 1e-9));
         history_clear(&h);
     }
@@ -87,7 +87,7 @@ static double jump_break(const lac_load *load, double t)
 }
 
 static const lac_load_kind jump_kind = {
-    .about = {.name = "jump"}, .add = add_jump, .next_break = jump_break};
+    .info = {.name = "jump"}, .add = add_jump, .next_break = jump_break};
 
 // A jump that lifts the slip rate over the limit is the failure; the record shows it.
 static void a_jump_can_be_the_failure(void **state)
@@ -95,10 +95,10 @@ static void a_jump_can_be_the_failure(void **state)
     const double m[] = {0.5, 1.5};
     for (size_t i = 0; i < 6; i++) {
         jump j = {.time = 2.0, .size = 0.3};
-        lac_slot slot = {.about = &jump_kind.about, .params = &j};
+        lac_model model = {.info = &jump_kind.info, .params = &j};
         block_def def = block_default(m[i % 2], 1.1);
         def.formulation = chosen(state);
-        def.shear = &slot;
+        def.shear = &model;
         def.shear_count = 1;
         lac_run_def how = lac_run_default();
         how.method = methods[i / 2];
@@ -111,7 +111,7 @@ static void a_jump_can_be_the_failure(void **state)
         assert_int_equal(run(&def, &how, &sink, &result, &err), LAC_OK);
         assert_true(result.failed);
         assert_true(result.time == 2.0);
-        double last = h.line[h.n - 1].seen.mean_rate;
+        double last = h.line[h.n - 1].observation.mean_rate;
         assert_true(last > 1e12 && result.max_slip_rate == last); // e^30 times the rate before
         history_clear(&h);
     }
@@ -123,12 +123,12 @@ static void a_reversed_load_is_refused(void **state)
     (void)state;
     for (int form = 0; form < 2; form++) {
         for (size_t i = 0; i < 3; i++) {
-            lac_slot slot = test_slot_shear("ramp");
-            test_slot_set(&slot, "rate", -1e3);
+            lac_model model = test_slot_shear("ramp");
+            test_slot_set(&model, "rate", -1e3);
             block_def def = block_default(1.5, 1.1);
             def.formulation = LAC_FORMULATION_RATE;
             def.form = form;
-            def.shear = &slot;
+            def.shear = &model;
             def.shear_count = 1;
             lac_run_def how = lac_run_default();
             how.method = methods[i];
@@ -140,7 +140,7 @@ static void a_reversed_load_is_refused(void **state)
             assert_non_null(strstr(err.message, "shear traction of cell 0"));
             // f0 p is gone after 600 s; steps are long there
             assert_true(result.time > 590.0 && result.time < 800.0);
-            lac_slot_clear(&slot);
+            lac_model_clear(&model);
         }
     }
 }

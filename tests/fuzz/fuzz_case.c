@@ -16,7 +16,7 @@ static void require(bool sound)
     }
 }
 
-static void check_report(const lac_case_report *report)
+static void check_report(const lac_case_issues *report)
 {
     size_t errors = 0;
     for (size_t i = 0; i < report->count; i++) {
@@ -37,14 +37,14 @@ static void check_text(const lac_units *units, const lac_case *c, lac_case_purpo
 {
     char *text = lac_case_text(c);
     lac_case *again = NULL;
-    lac_case_report report;
+    lac_case_issues report;
     require(text != NULL);
     lac_case_source from = {
         .name = "folder/fuzz.yaml", .text = text, .size = strlen(text), .purpose = purpose};
     require(lac_case_build(units, &from, &again, &report, NULL) == LAC_OK);
     char *second = lac_case_text(again);
     require(second != NULL && strcmp(text, second) == 0);
-    lac_case_report_clear(&report);
+    lac_case_issues_clear(&report);
     lac_case_free(again);
     free(second);
     free(text);
@@ -53,7 +53,7 @@ static void check_text(const lac_units *units, const lac_case *c, lac_case_purpo
 static void read_bytes(const lac_units *units, const lac_case_source *from)
 {
     lac_case *c = NULL;
-    lac_case_report report;
+    lac_case_issues report;
     lac_error err = {""};
     lac_status status = lac_case_build(units, from, &c, &report, &err);
     check_report(&report);
@@ -63,7 +63,7 @@ static void read_bytes(const lac_units *units, const lac_case_source *from)
     } else {
         require(status == LAC_EINPUT && c == NULL && report.errors > 0 && err.message[0] != '\0');
     }
-    lac_case_report_clear(&report);
+    lac_case_issues_clear(&report);
     lac_case_free(c);
 }
 

@@ -90,12 +90,12 @@ lac_status whole_report(const char *path, lac_error *err)
     }
     const lac_series series = {
         .n = READINGS, .dated = true, .time = time, .displacement = displacement};
-    lac_report_def def = {
+    lac_page_def def = {
         .run = run, .series = &series, .series_name = "readings", .fit = fit, .made_by = "test"};
     lac_status status;
-    LAC_TRY(lac_report_write(&def, path, true, err));
-    def = (lac_report_def){.run = events, .made_by = "test"};
-    LAC_TRY(lac_report_write(&def, path, true, err));
+    LAC_TRY(lac_page_write(&def, path, true, err));
+    def = (lac_page_def){.run = events, .made_by = "test"};
+    LAC_TRY(lac_page_write(&def, path, true, err));
 out:
     return status;
 }
@@ -126,9 +126,10 @@ static lac_status put(lac_recording *recording, size_t i, lac_error *err)
 {
     const lac_sink sink = lac_recording_sink(recording);
     const double own = 1.0, field[CELLS] = {1.0, 2.0};
-    const lac_record record = {.time_local = (double)i,
-                               .seen = {.mean_rate = 1.0, .max_rate = 1.0, .normal_force = 1.0},
-                               .extra = &own};
+    const lac_record record = {
+        .time_local = (double)i,
+        .observation = {.mean_rate = 1.0, .max_rate = 1.0, .normal_force = 1.0},
+        .extra = &own};
     const lac_snapshot snapshot = {.time = (double)i, .slip = field, .slip_rate = field};
     const lac_event event = {.time_local = (double)i};
     lac_status status;
@@ -141,9 +142,9 @@ out:
 
 static size_t count_of(const lac_recording *recording, const char *name)
 {
-    lac_recorded seen;
-    assert_true(lac_recording_find(recording, name, &seen));
-    return seen.count;
+    lac_recorded observation;
+    assert_true(lac_recording_find(recording, name, &observation));
+    return observation.count;
 }
 
 // All columns along a dimension are as long as its first one.
@@ -151,12 +152,12 @@ static void check_whole(const lac_recording *recording)
 {
     static const char *const first[][2] = {
         {"time", "time"}, {"snapshot", "snapshot_time"}, {"event", "event_time"}};
-    lac_recorded seen;
-    for (size_t v = 0; lac_recording_at(recording, v, &seen); v++) {
+    lac_recorded observation;
+    for (size_t v = 0; lac_recording_get(recording, v, &observation); v++) {
         for (size_t d = 0; d < 3; d++) {
-            const bool fields = strcmp(seen.dimensions, "snapshot cell") == 0;
-            if (strncmp(seen.dimensions, first[d][0], strlen(first[d][0])) == 0) {
-                assert_int_equal(seen.count,
+            const bool fields = strcmp(observation.dimensions, "snapshot cell") == 0;
+            if (strncmp(observation.dimensions, first[d][0], strlen(first[d][0])) == 0) {
+                assert_int_equal(observation.count,
                                  (fields ? CELLS : 1) * count_of(recording, first[d][1]));
             }
         }
@@ -225,12 +226,12 @@ lac_status whole_live(const char *path, lac_error *err)
     for (size_t i = 0; i < PUT; i++) {
         LAC_TRY(put(recording, i, err));
     }
-    LAC_TRY(lac_report_thin(recording, err));
-    const lac_report_def def = {.run = "x.nc", .recording = recording, .made_by = "test"};
-    LAC_TRY(lac_report_data(&def, &json, err));
-    LAC_TRY(lac_report_live_page("00", &html, err));
+    LAC_TRY(lac_page_thin_recording(recording, err));
+    const lac_page_def def = {.run = "x.nc", .recording = recording, .made_by = "test"};
+    LAC_TRY(lac_page_data(&def, &json, err));
+    LAC_TRY(lac_page_live_page("00", &html, err));
     LAC_TRY(lac_recording_create(&(lac_recording_def){0}, &before, err));
-    LAC_TRY(lac_recording_load(before, run, &(lac_kept_checkpoint){.records = 2}, err));
+    LAC_TRY(lac_recording_load(before, run, &(lac_checkpoint_file){.records = 2}, err));
 out:
     free(html);
     free(json);

@@ -6,7 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "fit/foresee.h"
+#include "fit/model_forecast.h"
 #include "memory/failing_malloc.h"
 #include "memory/forecast.h"
 #include "memory/report.h"
@@ -102,7 +102,7 @@ static lac_status whole_history(const char *path, lac_error *err)
 {
     lac_status status = LAC_OK;
     lac_case *c = NULL;
-    lac_case_report report = {0};
+    lac_case_issues report = {0};
     lac_scene_contact contact = {0};
     const lac_case_request how = {.purpose = LAC_FOR_CONTACT};
     LAC_TRY(lac_case_read_text("case.yaml", sheared, sizeof sheared - 1, &how, &c, &report, err));
@@ -111,7 +111,7 @@ static lac_status whole_history(const char *path, lac_error *err)
 out:
     lac_scene_contact_clear(&contact);
     lac_case_free(c);
-    lac_case_report_clear(&report);
+    lac_case_issues_clear(&report);
     return status;
 }
 
@@ -127,7 +127,7 @@ static lac_status whole_cascade(const char *path, lac_error *err)
 {
     lac_status status = LAC_OK;
     lac_case *c = NULL;
-    lac_case_report report = {0};
+    lac_case_issues report = {0};
     lac_scene_rg rg = {0};
     lac_dataset *dataset = NULL;
     const lac_case_request how = {.purpose = LAC_FOR_RG};
@@ -142,7 +142,7 @@ out:
     lac_dataset_free(dataset);
     lac_scene_rg_clear(&rg);
     lac_case_free(c);
-    lac_case_report_clear(&report);
+    lac_case_issues_clear(&report);
     return status;
 }
 
@@ -163,7 +163,7 @@ static lac_status whole_formulations(const char *path, lac_error *err)
     lac_status status = LAC_OK;
     lac_case *c = NULL;
     lac_scene *scene = NULL;
-    lac_case_report report = {0};
+    lac_case_issues report = {0};
     lac_run_result result;
     (void)path;
     LAC_TRY(lac_case_read_text("case.yaml", pulled, sizeof pulled - 1, NULL, &c, &report, err));
@@ -179,7 +179,7 @@ static lac_status whole_formulations(const char *path, lac_error *err)
 out:
     lac_scene_free(scene);
     lac_case_free(c);
-    lac_case_report_clear(&report);
+    lac_case_issues_clear(&report);
     return status;
 }
 
@@ -188,7 +188,7 @@ static lac_status whole_stored_cascade(const char *path, lac_error *err)
 {
     lac_status status = LAC_OK;
     lac_case *c = NULL;
-    lac_case_report report = {0};
+    lac_case_issues report = {0};
     lac_scene_contact contact = {0};
     lac_stored_cells cells = {0};
     lac_domain *domain = NULL;
@@ -209,7 +209,7 @@ out:
     lac_domain_free(domain);
     lac_scene_contact_clear(&contact);
     lac_case_free(c);
-    lac_case_report_clear(&report);
+    lac_case_issues_clear(&report);
     return status;
 }
 
@@ -225,7 +225,7 @@ static lac_status whole_dimension(const char *path, lac_error *err)
     (void)path;
     lac_status status = LAC_OK;
     lac_case *c = NULL;
-    lac_case_report report = {0};
+    lac_case_issues report = {0};
     lac_scene_contact contact = {0};
     const lac_case_request how = {.purpose = LAC_FOR_CONTACT};
     LAC_TRY(lac_case_read_text("case.yaml", dense, sizeof dense - 1, &how, &c, &report, err));
@@ -233,7 +233,7 @@ static lac_status whole_dimension(const char *path, lac_error *err)
 out:
     lac_scene_contact_clear(&contact);
     lac_case_free(c);
-    lac_case_report_clear(&report);
+    lac_case_issues_clear(&report);
     return status;
 }
 
@@ -255,7 +255,7 @@ static lac_status whole_loads(const char *path, lac_error *err)
 {
     lac_status status = LAC_OK;
     lac_case *c = NULL;
-    lac_case_report report = {0};
+    lac_case_issues report = {0};
     lac_load_set loads = {0};
     const lac_override overrides[] = {{"load.shear.0.series.file", path},
                                       {"load.pore_pressure.0.rain.file", path},
@@ -266,15 +266,15 @@ static lac_status whole_loads(const char *path, lac_error *err)
     (void)fputs("t,v\n-1,2\n1,0\n2,3\n9,4\n", file);
     (void)fclose(file);
     LAC_TRY(lac_case_read_text("case.yaml", wet, sizeof wet - 1, &how, &c, &report, err));
-    LAC_TRY(lac_load_set_create(&(lac_load_slots){.shear = c->shear.item,
-                                                  .shear_count = c->shear.count,
-                                                  .pore = c->pore.item,
-                                                  .pore_count = c->pore.count},
+    LAC_TRY(lac_load_set_create(&(lac_load_models){.shear = c->shear.item,
+                                                   .shear_count = c->shear.count,
+                                                   .pore = c->pore.item,
+                                                   .pore_count = c->pore.count},
                                 &(lac_load_clock){.end = c->run.end}, &loads, err));
 out:
     lac_load_set_clear(&loads);
     lac_case_free(c);
-    lac_case_report_clear(&report);
+    lac_case_issues_clear(&report);
     return status;
 }
 
@@ -295,7 +295,7 @@ static lac_status whole_elastic(const char *path, lac_error *err)
     lac_status status = LAC_OK;
     lac_case *c = NULL;
     lac_scene *scene = NULL;
-    lac_case_report report = {0};
+    lac_case_issues report = {0};
     const lac_case_request how = {.purpose = LAC_FOR_RUN};
     (void)path;
     LAC_TRY(lac_case_read_text("case.yaml", loaded, sizeof loaded - 1, &how, &c, &report, err));
@@ -303,7 +303,7 @@ static lac_status whole_elastic(const char *path, lac_error *err)
 out:
     lac_scene_free(scene);
     lac_case_free(c);
-    lac_case_report_clear(&report);
+    lac_case_issues_clear(&report);
     return status;
 }
 

@@ -20,16 +20,15 @@ static const char accurate[] = "solver: {accuracy: 0.1}\n";
 static lac_status read_block(const char *more, lac_case **c, lac_error *err)
 {
     char text[sizeof block + sizeof accurate];
-    lac_case_report report = {0};
+    lac_case_issues report = {0};
     (void)snprintf(text, sizeof text, "%s%s", block, more);
     lac_status status = lac_case_read_text("case.yaml", text, strlen(text), NULL, c, &report, err);
-    lac_case_report_clear(&report);
+    lac_case_issues_clear(&report);
     return status;
 }
 
 static lac_status store(const char *path, const lac_trade_plan *plan,
-                        const lac_trade_measure *measure, const lac_trade_verdict *v,
-                        lac_error *err)
+                        const lac_trade_measure *measure, const lac_trade_result *v, lac_error *err)
 {
     const lac_provenance provenance = {.title = "traded", .seed = 1};
     const lac_trade_settings own = {0};
@@ -62,9 +61,9 @@ lac_status whole_trade(const char *path, lac_error *err)
     lac_status status;
     lac_case *c = NULL;
     lac_trade_plan plan = {0};
-    lac_trade_verdict verdict = {0};
+    lac_trade_result verdict = {0};
     lac_trade_measure *measure = NULL;
-    const lac_trade_ask ask = {.quantity = LAC_QUANTITY_SLIP, NAN, NAN, NAN};
+    const lac_trade_request ask = {.quantity = LAC_QUANTITY_SLIP, NAN, NAN, NAN};
     LAC_TRY(read_block("", &c, err));
     LAC_TRY(lac_trade_plan_create(c, LAC_OF_RUN, "rtol,method", true, &plan, err));
     measure = calloc(plan.runs, sizeof *measure);
@@ -80,7 +79,7 @@ lac_status whole_trade(const char *path, lac_error *err)
     LAC_TRY(store(path, &plan, measure, &verdict, err));
 out:
     free(measure);
-    lac_trade_verdict_clear(&verdict);
+    lac_trade_result_clear(&verdict);
     lac_trade_plan_clear(&plan);
     lac_case_free(c);
     return status;

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#include "fit/foresee.h"
+#include "fit/model_forecast.h"
 #include "precursor/precursor.h"
 #include "scene/scene_rg.h"
 #include "simulation/simulation.h"
@@ -67,14 +67,14 @@ lac_status whole_run(const char *path, lac_error *err)
 {
     lac_status status = LAC_OK;
     lac_case *c = NULL;
-    lac_case_report report = {0};
+    lac_case_issues report = {0};
     const lac_override overrides[] = {{"solver.method", "bdf"}, {"friction.composite.f0", "0.6"}};
     const lac_case_request how = {.overrides = overrides, .count = 2};
     LAC_TRY(lac_case_read_text("case.yaml", text, sizeof text - 1, &how, &c, &report, err));
     LAC_TRY(store_run(c, path, err));
 out:
     lac_case_free(c);
-    lac_case_report_clear(&report);
+    lac_case_issues_clear(&report);
     return status;
 }
 
@@ -114,7 +114,7 @@ lac_status whole_contact(const char *path, lac_error *err)
 {
     lac_status status = LAC_OK;
     lac_case *c = NULL;
-    lac_case_report report = {0};
+    lac_case_issues report = {0};
     lac_scene_contact contact = {0};
     const lac_case_request ask = {.purpose = LAC_FOR_CONTACT};
     lac_scene_measure_def how = lac_scene_measure_default();
@@ -128,7 +128,7 @@ lac_status whole_contact(const char *path, lac_error *err)
 out:
     lac_scene_contact_clear(&contact);
     lac_case_free(c);
-    lac_case_report_clear(&report);
+    lac_case_issues_clear(&report);
     return status;
 }
 
@@ -166,7 +166,7 @@ static lac_status run_part(const lac_case *c, const char *path, int left, lac_er
     lac_simulation *simulation = NULL;
     lac_store *store = NULL;
     lac_store_def def;
-    lac_kept_checkpoint kept = {0};
+    lac_checkpoint_file kept = {0};
     lac_simulation_options options = lac_simulation_options_default();
     lac_status status;
     const bool resumes = left == INT_MAX;
@@ -180,7 +180,7 @@ static lac_status run_part(const lac_case *c, const char *path, int left, lac_er
     def.provenance.libraries = "these";
     def.inputs = "cells.asc";
     if (resumes) {
-        LAC_TRY(lac_kept_checkpoint_read(path, &kept, err));
+        LAC_TRY(lac_checkpoint_file_read(path, &kept, err));
         def.resume = &kept;
         lac_simulation_resume(simulation, &kept.from);
     }
@@ -195,7 +195,7 @@ static lac_status run_part(const lac_case *c, const char *path, int left, lac_er
     }
 out:
     lac_store_free(store);
-    lac_kept_checkpoint_clear(&kept);
+    lac_checkpoint_file_clear(&kept);
     lac_simulation_free(simulation);
     return status;
 }
@@ -207,7 +207,7 @@ lac_status whole_resumed(const char *path, lac_error *err)
     char cells[64], out[64];
     lac_status status = LAC_OK;
     lac_case *c = NULL;
-    lac_case_report report = {0};
+    lac_case_issues report = {0};
     (void)snprintf(cells, sizeof cells, "%s.asc", path);
     (void)snprintf(out, sizeof out, "%s.nc", path);
     const lac_override given = {"interface.domain.file.path", cells};
@@ -225,7 +225,7 @@ lac_status whole_resumed(const char *path, lac_error *err)
     }
 out:
     lac_case_free(c);
-    lac_case_report_clear(&report);
+    lac_case_issues_clear(&report);
     (void)unlink(cells);
     (void)rename(out, path);
     (void)snprintf(out, sizeof out, "%s.nc.checkpoint", path);

@@ -98,7 +98,7 @@ static int events(void)
     def.ratio = 0.5;
     tree_create(&def, &t);
     lac_run_def how = no_records(1e12);
-    how.fidelity = LAC_FIDELITY_EVENTS;
+    how.fidelity = LAC_FIDELITY_ASYNC;
     how.rtol = 1e-6;
     how.max_steps = INT64_MAX;
     how.interrupted = long_enough;

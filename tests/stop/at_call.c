@@ -127,14 +127,14 @@ static int look(const char *name, const char *path)
 static const char *path_of(int fd, char *path, size_t size)
 {
     char link[64];
-    struct stat about;
+    struct stat info;
     (void)snprintf(link, sizeof link, "/proc/self/fd/%d", fd);
     const ssize_t length = readlink(link, path, size - 1);
     path[length > 0 ? length : 0] = '\0';
     if (ends_in(path, " (deleted)")) {
         path[length - 10] = '\0';
     }
-    const int regular = fstat(fd, &about) == 0 && S_ISREG(about.st_mode);
+    const int regular = fstat(fd, &info) == 0 && S_ISREG(info.st_mode);
     return fd != plan.log && regular ? path : "";
 }
 

@@ -8,13 +8,13 @@
 
 static int generate(int name, size_t n, double *heights)
 {
-    for (size_t i = 0; lac_surface_source_at(i) != NULL; i++) {
-        const lac_descriptor *about = &lac_surface_source_at(i)->about;
-        if (strcmp(about->name, "benchmark") == 0) {
+    for (size_t i = 0; lac_surface_source_get(i) != NULL; i++) {
+        const lac_model_info *info = &lac_surface_source_get(i)->info;
+        if (strcmp(info->name, "benchmark") == 0) {
             lac_benchmark params = {name, NAN, NAN, INT64_MIN};
             lac_grid grid = {n, n, 1.0 / (double)n, 1.0 / (double)n, true};
-            lac_slot slot = {about, &params};
-            return lac_surface_generate(&slot, &grid, heights, NULL) == LAC_OK ? 0 : -1;
+            lac_model model = {info, &params};
+            return lac_surface_generate(&model, &grid, heights, NULL) == LAC_OK ? 0 : -1;
         }
     }
     return -1;

@@ -34,19 +34,19 @@ block_def block_default(double m, double x)
                        .x = x};
 }
 
-static lac_slot friction_slot(const block_def *def)
+static lac_model friction_slot(const block_def *def)
 {
     lac_error err;
-    lac_slot slot = {0};
+    lac_model model = {0};
     const lac_friction_law *law = NULL;
-    for (size_t i = 0; (law = lac_friction_law_at(i)) != NULL; i++) {
-        if (strcmp(law->about.name, def->law) == 0) {
+    for (size_t i = 0; (law = lac_friction_law_get(i)) != NULL; i++) {
+        if (strcmp(law->info.name, def->law) == 0) {
             break;
         }
     }
     must(law != NULL ? LAC_OK : LAC_EINPUT, &(lac_error){"no such law"});
-    must(lac_slot_create(&law->about, &slot, &err), &err);
-    lac_friction_params *p = slot.params;
+    must(lac_model_create(&law->info, &model, &err), &err);
+    lac_friction_params *p = model.params;
     p->f0 = def->f0;
     p->a = def->a;
     p->b = def->b;
@@ -57,9 +57,9 @@ static lac_slot friction_slot(const block_def *def)
     p->v2 = def->v2 > 0 ? def->v2 : NAN;
     p->alpha = def->alpha > 0 ? def->alpha : NAN;
     if (def->vc > 0) {
-        test_slot_set(&slot, "vc", def->vc);
+        test_slot_set(&model, "vc", def->vc);
     }
-    return slot;
+    return model;
 }
 
 void block_create(const block_def *def, block *out)
@@ -70,15 +70,15 @@ void block_create(const block_def *def, block *out)
     must(lac_domain_create(&grid, &def->pressure, &out->domain, &err), &err);
     must(lac_hierarchy_create(out->domain, &out->hierarchy, &err), &err);
     lac_transfer_scene scene = {out->domain, out->hierarchy, NAN, NAN, false, false};
-    must(lac_transfer_create(&(lac_slot){0}, &scene, &out->transfer, &err), &err);
-    lac_slot slot = friction_slot(def);
-    must(lac_friction_create(&slot, 1, &out->friction, &err), &err);
-    lac_slot_clear(&slot);
+    must(lac_transfer_create(&(lac_model){0}, &scene, &out->transfer, &err), &err);
+    lac_model model = friction_slot(def);
+    must(lac_friction_create(&model, 1, &out->friction, &err), &err);
+    lac_model_clear(&model);
 
-    out->loads = test_load_set(&(lac_load_slots){.shear = def->shear,
-                                                 .shear_count = def->shear_count,
-                                                 .pore = def->pore,
-                                                 .pore_count = def->pore_count});
+    out->loads = test_load_set(&(lac_load_models){.shear = def->shear,
+                                                  .shear_count = def->shear_count,
+                                                  .pore = def->pore,
+                                                  .pore_count = def->pore_count});
     bool aged = def->theta > 0;
     lac_initial_def initial = {.slip_rate = def->slip_rate,
                                .state = aged ? LAC_STATE_TIME : LAC_STATE_RATIO,

@@ -16,9 +16,9 @@ typedef struct block_def {
     double x;             // theta/theta_ss under the load that follows
     double theta;         // instead of x [s]; 0: x counts
     lac_formulation formulation;
-    const lac_slot *shear;
+    const lac_model *shear;
     size_t shear_count;
-    const lac_slot *pore;
+    const lac_model *pore;
     size_t pore_count;
 } block_def;
 

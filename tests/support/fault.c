@@ -29,19 +29,19 @@ static void must(lac_status status, const lac_error *err)
 static void make_transfer(const fault_def *def, tree *t)
 {
     lac_error err;
-    lac_slot slot = {0};
-    for (size_t i = 0; lac_transfer_kind_at(i) != NULL; i++) {
-        const lac_descriptor *about = &lac_transfer_kind_at(i)->about;
-        slot.about = strcmp(about->name, "elastic") == 0 ? about : slot.about;
+    lac_model model = {0};
+    for (size_t i = 0; lac_transfer_kind_get(i) != NULL; i++) {
+        const lac_model_info *info = &lac_transfer_kind_get(i)->info;
+        model.info = strcmp(info->name, "elastic") == 0 ? info : model.info;
     }
     lac_transfer_elastic params = {.mode = def->antiplane,
                                    .outside = def->creeping,
                                    .thickness = def->thickness,
                                    .tolerance = 1e-12,
                                    .newton_tolerance = def->newton_tolerance};
-    slot.params = &params;
+    model.params = &params;
     lac_transfer_scene from = {t->domain, t->hierarchy, g, 0.25, def->line, false};
-    must(lac_transfer_create(&slot, &from, &t->transfer, &err), &err);
+    must(lac_transfer_create(&model, &from, &t->transfer, &err), &err);
 }
 
 static void make_domain(const fault_def *def, tree *t)
@@ -77,7 +77,7 @@ void fault_create(const fault_def *def, fault *f)
     law.dc = def->dc;
     law.form = LAC_FORM_REGULARISED;
     test_slot_set(&f->load, "rate", def->plate_rate);
-    f->loads = test_load_set(&(lac_load_slots){.shear = &f->load, .shear_count = 1});
+    f->loads = test_load_set(&(lac_load_models){.shear = &f->load, .shear_count = 1});
     make_domain(def, t);
     make_transfer(def, t);
     tree_make_friction(&law, t);
@@ -102,7 +102,7 @@ void fault_free(fault *f)
 {
     tree_clear(&f->parts);
     lac_load_set_clear(&f->loads);
-    lac_slot_clear(&f->load);
+    lac_model_clear(&f->load);
 }
 
 // The top of the parabola through the last three records, of which the middle one is the highest.
@@ -118,7 +118,7 @@ static lac_status watch(void *context, const lac_record *r, lac_error *err)
 {
     (void)err;
     fault_events *e = context;
-    double t = r->time_origin + r->time_local, rate = log(r->seen.max_rate / 1e-3);
+    double t = r->time_origin + r->time_local, rate = log(r->observation.max_rate / 1e-3);
     if (e->last_rate < 0 && rate >= 0 && e->count < MOST_EVENTS) {
         double since = e->last_rate * (t - e->last_time) / (rate - e->last_rate);
         e->time[e->count++] = e->last_time - since;
@@ -127,7 +127,7 @@ static lac_status watch(void *context, const lac_record *r, lac_error *err)
         double *peak = &e->peak[e->count - 1];
         double *crest = &e->crest[e->count - 1];
         const double step = t - e->last_time, rise = rate - e->last_rate;
-        *peak = fmax(*peak, r->seen.max_rate);
+        *peak = fmax(*peak, r->observation.max_rate);
         if (e->last_rise > 0 && rise < 0) {
             *crest = fmax(*crest, find_crest(e, step, rise));
         }
@@ -140,13 +140,13 @@ static lac_status watch(void *context, const lac_record *r, lac_error *err)
 }
 
 lac_run_result fault_run(const fault *f, lac_method method, double end, double rtol,
-                         fault_events *seen)
+                         fault_events *observation)
 {
     lac_run_def how = lac_run_default();
-    lac_sink sink = {.context = seen, .record = watch};
+    lac_sink sink = {.context = observation, .record = watch};
     lac_run_result result;
     lac_error err = {""};
-    *seen = (fault_events){0};
+    *observation = (fault_events){0};
     how.method = method;
     how.end = end;
     how.rtol = rtol;

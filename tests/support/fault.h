@@ -22,7 +22,7 @@ typedef struct fault_def {
 /// A tree's parts with another domain and transfer, and the plate's load.
 typedef struct fault {
     tree parts;
-    lac_slot load;
+    lac_model load;
     lac_load_set loads;
 } fault;
 
@@ -43,7 +43,7 @@ typedef struct fault_events {
 
 /// Runs to `end`; stops the program where it cannot.
 lac_run_result fault_run(const fault *f, lac_method method, double end, double rtol,
-                         fault_events *seen);
+                         fault_events *observation);
 
 /// B1, a periodic line of 1024 cells in slabs, and C1, 128 x 128 cells in the full space: problems
 /// of other earthquake-cycle codes.

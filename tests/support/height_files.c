@@ -50,9 +50,9 @@ size_t heights_sdf(unsigned char *file, const char *version, unsigned type, cons
 
 const lac_surface_source *surface_source(const char *name)
 {
-    for (size_t i = 0; lac_surface_source_at(i) != NULL; i++) {
-        if (strcmp(lac_surface_source_at(i)->about.name, name) == 0) {
-            return lac_surface_source_at(i);
+    for (size_t i = 0; lac_surface_source_get(i) != NULL; i++) {
+        if (strcmp(lac_surface_source_get(i)->info.name, name) == 0) {
+            return lac_surface_source_get(i);
         }
     }
     (void)fprintf(stderr, "no surface source is named %s\n", name);

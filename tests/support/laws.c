@@ -49,30 +49,30 @@ static double allowed(const lac_param *param, double value)
 
 lac_friction *laws_make(const variant *kind, size_t n, double a, double b, double dc)
 {
-    lac_slot slot;
+    lac_model model;
     lac_friction *friction = NULL;
-    const lac_descriptor *about = &lac_friction_law_at(kind->law)->about;
-    assert_int_equal(lac_slot_create(about, &slot, NULL), LAC_OK);
-    test_slot_set(&slot, "a", a);
-    test_slot_set(&slot, "b", b);
-    test_slot_set(&slot, "dc", dc);
-    test_slot_set(&slot, "form", kind->form);
-    for (size_t i = 0; i < about->param_count; i++) {
-        const lac_param *own = &about->params[i]; // one that must be given
-        if (!lac_param_given(own, slot.params) && (own->flags & LAC_OPTIONAL) == 0) {
+    const lac_model_info *info = &lac_friction_law_get(kind->law)->info;
+    assert_int_equal(lac_model_create(info, &model, NULL), LAC_OK);
+    test_slot_set(&model, "a", a);
+    test_slot_set(&model, "b", b);
+    test_slot_set(&model, "dc", dc);
+    test_slot_set(&model, "form", kind->form);
+    for (size_t i = 0; i < info->param_count; i++) {
+        const lac_param *own = &info->params[i]; // one that must be given
+        if (!lac_param_given(own, model.params) && (own->flags & LAC_OPTIONAL) == 0) {
             double low, high;
             exponents(own, &low, &high);
-            test_slot_set(&slot, own->key, allowed(own, pow(10, (low + high) / 2)));
+            test_slot_set(&model, own->key, allowed(own, pow(10, (low + high) / 2)));
         }
     }
     if (kind->v1) {
-        test_slot_set(&slot, "v1", 1e-3);
+        test_slot_set(&model, "v1", 1e-3);
     }
     if (kind->v2) {
-        test_slot_set(&slot, "v2", 1e-5);
+        test_slot_set(&model, "v2", 1e-5);
     }
-    assert_int_equal(lac_friction_create(&slot, n, &friction, NULL), LAC_OK);
-    lac_slot_clear(&slot);
+    assert_int_equal(lac_friction_create(&model, n, &friction, NULL), LAC_OK);
+    lac_model_clear(&model);
     return friction;
 }
 
@@ -83,14 +83,14 @@ void laws_must(bool holds, const lac_friction *friction, size_t cell, const doub
         return;
     }
     char text[1000];
-    const lac_descriptor *about = &friction->law->about;
+    const lac_model_info *info = &friction->law->info;
     int n = snprintf(text, sizeof text, "law %s, form %s: %s at v %.6g m/s, theta %.6g s;",
-                     about->name, friction->form == LAC_FORM_PLAIN ? "plain" : "regularised", what,
+                     info->name, friction->form == LAC_FORM_PLAIN ? "plain" : "regularised", what,
                      exp(at[0]), exp(at[1]));
-    for (size_t k = 0; k < about->param_count && n < (int)sizeof text; k++) {
-        const lac_cellwise *has = lac_friction_values_of(friction, about->params[k].key);
+    for (size_t k = 0; k < info->param_count && n < (int)sizeof text; k++) {
+        const lac_cellwise *has = lac_friction_values_of(friction, info->params[k].key);
         if (has != NULL) {
-            n += snprintf(text + n, sizeof text - (size_t)n, " %s %.6g", about->params[k].key,
+            n += snprintf(text + n, sizeof text - (size_t)n, " %s %.6g", info->params[k].key,
                           lac_cellwise_of(has, cell));
         }
     }
@@ -100,21 +100,21 @@ void laws_must(bool holds, const lac_friction *friction, size_t cell, const doub
 lac_friction *laws_make_varied(const variant *kind)
 {
     lac_friction *friction = laws_make(kind, LAWS_CELLS, 0.01, 0.015, 1e-4);
-    const lac_descriptor *about = &friction->law->about;
+    const lac_model_info *info = &friction->law->info;
     double values[LAWS_CELLS];
     lac_error err = {""};
-    for (size_t k = 0; k < about->param_count; k++) {
-        const char *key = about->params[k].key;
+    for (size_t k = 0; k < info->param_count; k++) {
+        const char *key = info->params[k].key;
         double low, high;
         if (lac_friction_values_of(friction, key) == NULL) {
             continue;
         }
-        exponents(&about->params[k], &low, &high);
+        exponents(&info->params[k], &low, &high);
         for (size_t i = 0; i < LAWS_CELLS; i++) {
-            values[i] = allowed(&about->params[k], pow(10, laws_biased(i, k, low, high)));
+            values[i] = allowed(&info->params[k], pow(10, laws_biased(i, k, low, high)));
         }
         if (lac_friction_set(friction, key, values, &err) != LAC_OK) {
-            fail_msg("law %s: %s", about->name, err.message);
+            fail_msg("law %s: %s", info->name, err.message);
         }
     }
     return friction;

@@ -53,10 +53,16 @@ double one_cell_time(const block_def *def, double to)
 
 static bool all_finite(const lac_record *r)
 {
-    const lac_observation *seen = &r->seen;
-    const double numbers[] = {r->time_origin,     r->time_local,         seen->mean_rate,
-                              seen->max_rate,     seen->mean_slip,       seen->shear_force,
-                              seen->normal_force, seen->effective_force, seen->balance_residual};
+    const lac_observation *observation = &r->observation;
+    const double numbers[] = {r->time_origin,
+                              r->time_local,
+                              observation->mean_rate,
+                              observation->max_rate,
+                              observation->mean_slip,
+                              observation->shear_force,
+                              observation->normal_force,
+                              observation->effective_force,
+                              observation->balance_residual};
     bool finite = true;
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
         finite = finite && isfinite(numbers[i]);
@@ -70,9 +76,9 @@ static bool all_finite(const lac_record *r)
 static lac_status watch(void *context, const lac_record *line, lac_error *err)
 {
     (void)err;
-    one_cell_outcome *seen = context;
-    seen->finite = seen->finite && all_finite(line);
-    seen->last_rate = line->seen.mean_rate;
+    one_cell_outcome *observation = context;
+    observation->finite = observation->finite && all_finite(line);
+    observation->last_rate = line->observation.mean_rate;
     return LAC_OK;
 }
 

@@ -12,7 +12,7 @@ enum { MOST = 96 * 96 };
 typedef struct fixture {
     double h[MOST], p[MOST], gap[MOST];
     lac_contact_def def;
-    lac_contact_report report;
+    lac_contact_stats report;
     lac_error err;
 } fixture;
 

@@ -8,7 +8,7 @@
 typedef size_t test_settle(const lac_friction *friction, const lac_friction_balance *eq, double *u,
                            double *v, double *settled);
 
-/// friction/settle.c compiled once more for one instruction set each.
+/// friction/solve_rates.c compiled once more for one instruction set each.
 test_settle test_default_settle, test_v3_settle, test_v4_settle;
 
 /// Those copies that this processor can run.

@@ -2,6 +2,6 @@
 #include "support/settle_copies.h"
 
 #define LAC_CLONES TEST_VMATH_TARGET("arch=x86-64-v4")
-#define lac_friction_settle test_v4_settle
+#define lac_friction_solve_rates test_v4_settle
 #define lac_friction_count_cold test_v4_count_cold
-#include "friction/settle.c"
+#include "friction/solve_rates.c"

@@ -61,21 +61,21 @@ sheared rough_of(size_t n, bool periodic, double poisson, double friction)
     return s;
 }
 
-static lac_tangential_report go(sheared *s, const lac_tangential_target *target)
+static lac_tangential_stats go(sheared *s, const lac_tangential_target *target)
 {
-    lac_tangential_report report;
+    lac_tangential_stats report;
     if (lac_tangential_step(s->t, s->p, target, &report, &s->err) != LAC_OK) {
         fail_msg("%s", s->err.message);
     }
     return report;
 }
 
-lac_tangential_report shear(sheared *s, double qx, double qy)
+lac_tangential_stats shear(sheared *s, double qx, double qy)
 {
     return go(s, &(lac_tangential_target){{LAC_SHEAR_LOAD, LAC_SHEAR_LOAD}, {qx, qy}});
 }
 
-lac_tangential_report drag(sheared *s, double ux, double uy)
+lac_tangential_stats drag(sheared *s, double ux, double uy)
 {
     return go(s, &(lac_tangential_target){{LAC_SHEAR_SHIFT, LAC_SHEAR_SHIFT}, {ux, uy}});
 }

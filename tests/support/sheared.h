@@ -9,7 +9,7 @@ typedef struct sheared {
     size_t n;
     double *h, *p; ///< [n * n]
     lac_contact_def normal;
-    lac_contact_report contact;
+    lac_contact_stats contact;
     lac_tangential_def def;
     lac_tangential *t;
     lac_error err;
@@ -27,10 +27,10 @@ sheared rough_of(size_t n, bool periodic, double poisson, double friction);
 void press(sheared *s, double mean_pressure);
 
 /// The next step, load given along both axes.
-lac_tangential_report shear(sheared *s, double qx, double qy);
+lac_tangential_stats shear(sheared *s, double qx, double qy);
 
 /// The next step, shift given along both axes.
-lac_tangential_report drag(sheared *s, double ux, double uy);
+lac_tangential_stats drag(sheared *s, double ux, double uy);
 
 /// Forgets the history.
 void start_again(sheared *s);

@@ -23,23 +23,23 @@ static void must(lac_status status, const lac_error *err)
 static void make_friction(slider *out)
 {
     lac_error err;
-    lac_slot slot = {0};
+    lac_model model = {0};
     const lac_friction_law *law = NULL;
-    for (size_t i = 0; (law = lac_friction_law_at(i)) != NULL; i++) {
-        if (strcmp(law->about.name, "aging") == 0) {
+    for (size_t i = 0; (law = lac_friction_law_get(i)) != NULL; i++) {
+        if (strcmp(law->info.name, "aging") == 0) {
             break;
         }
     }
-    must(lac_slot_create(&law->about, &slot, &err), &err);
-    lac_friction_params *p = slot.params;
+    must(lac_model_create(&law->info, &model, &err), &err);
+    lac_friction_params *p = model.params;
     p->f0 = 0.6;
     p->a = 0.010;
     p->b = 0.015;
     p->dc = 1e-4;
     p->v0 = 1e-6;
     p->form = LAC_FORM_REGULARISED;
-    must(lac_friction_create(&slot, 1, &out->friction, &err), &err);
-    lac_slot_clear(&slot);
+    must(lac_friction_create(&model, 1, &out->friction, &err), &err);
+    lac_model_clear(&model);
 }
 
 void slider_create(lac_formulation formulation, slider *out)
@@ -51,12 +51,12 @@ void slider_create(lac_formulation formulation, slider *out)
     must(lac_domain_create(&grid, &pressure, &out->domain, &err), &err);
     must(lac_hierarchy_create(out->domain, &out->hierarchy, &err), &err);
     lac_transfer_scene scene = {out->domain, out->hierarchy, NAN, NAN, false, false};
-    must(lac_transfer_create(&(lac_slot){0}, &scene, &out->transfer, &err), &err);
+    must(lac_transfer_create(&(lac_model){0}, &scene, &out->transfer, &err), &err);
     make_friction(out);
     out->spring = test_slot_shear("spring");
     test_slot_set(&out->spring, "stiffness", 1e8);
     test_slot_set(&out->spring, "speed", 1e-9);
-    out->loads = test_load_set(&(lac_load_slots){.shear = &out->spring, .shear_count = 1});
+    out->loads = test_load_set(&(lac_load_models){.shear = &out->spring, .shear_count = 1});
     out->start[0] = log(1e-10);
     out->start[1] = log(1e5);
     out->problem_def = (lac_problem_def){.domain = out->domain,
@@ -72,7 +72,7 @@ void slider_create(lac_formulation formulation, slider *out)
 void slider_clear(slider *s)
 {
     lac_load_set_clear(&s->loads);
-    lac_slot_clear(&s->spring);
+    lac_model_clear(&s->spring);
     lac_friction_free(s->friction);
     lac_transfer_clear(&s->transfer);
     lac_hierarchy_free(s->hierarchy);
@@ -92,7 +92,7 @@ static lac_status look(void *context, const lac_record *line, lac_error *err)
     slider_events *e = context;
     (void)err;
     double t = line->time_origin + line->time_local;
-    double u = log(line->seen.max_rate);
+    double u = log(line->observation.max_rate);
     double limit = log(1e-3);
     if (e->begun && e->last_log_rate < limit && u >= limit) {
         double part = (limit - e->last_log_rate) / (u - e->last_log_rate);

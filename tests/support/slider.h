@@ -10,7 +10,7 @@ typedef struct slider {
     lac_hierarchy *hierarchy;
     lac_transfer transfer;
     lac_friction *friction;
-    lac_slot spring;
+    lac_model spring;
     lac_load_set loads;
     double start[2];
     lac_problem_def problem_def; // of what is above; the formulation may be changed

@@ -6,14 +6,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-void test_slot_set(lac_slot *slot, const char *key, double value)
+void test_slot_set(lac_model *model, const char *key, double value)
 {
-    for (size_t i = 0; i < slot->about->param_count; i++) {
-        const lac_param *param = &slot->about->params[i];
+    for (size_t i = 0; i < model->info->param_count; i++) {
+        const lac_param *param = &model->info->params[i];
         if (strcmp(param->key, key) != 0) {
             continue;
         }
-        char *at = (char *)slot->params + param->offset;
+        char *at = (char *)model->params + param->offset;
         if (param->type == LAC_CHOICE) {
             memcpy(at, &(int){(int)value}, sizeof(int));
         } else {
@@ -21,30 +21,30 @@ void test_slot_set(lac_slot *slot, const char *key, double value)
         }
         return;
     }
-    (void)fprintf(stderr, "%s has no parameter %s\n", slot->about->name, key);
+    (void)fprintf(stderr, "%s has no parameter %s\n", model->info->name, key);
     abort();
 }
 
-lac_slot test_slot_shear(const char *name)
+lac_model test_slot_shear(const char *name)
 {
-    lac_slot slot = {0};
+    lac_model model = {0};
     const lac_load_kind *kind;
     size_t i = 0;
-    while ((kind = lac_shear_load_at(i)) != NULL && strcmp(kind->about.name, name) != 0) {
+    while ((kind = lac_shear_load_get(i)) != NULL && strcmp(kind->info.name, name) != 0) {
         i++;
     }
-    if (kind == NULL || lac_slot_create(&kind->about, &slot, NULL) != LAC_OK) {
+    if (kind == NULL || lac_model_create(&kind->info, &model, NULL) != LAC_OK) {
         (void)fprintf(stderr, "no shear load %s\n", name);
         abort();
     }
-    return slot;
+    return model;
 }
 
-lac_load_set test_load_set(const lac_load_slots *slots)
+lac_load_set test_load_set(const lac_load_models *models)
 {
     lac_error err;
     lac_load_set set;
-    if (lac_load_set_create(slots, &(lac_load_clock){.end = NAN}, &set, &err) != LAC_OK) {
+    if (lac_load_set_create(models, &(lac_load_clock){.end = NAN}, &set, &err) != LAC_OK) {
         (void)fprintf(stderr, "%s\n", err.message);
         abort();
     }

@@ -4,13 +4,13 @@
 
 #include "load/load.h"
 
-/// Sets a real or choice parameter of a slot by its key; fails the program where there is none.
-void test_slot_set(lac_slot *slot, const char *key, double value);
+/// Sets a real or choice parameter of a model by its key; fails the program where there is none.
+void test_slot_set(lac_model *model, const char *key, double value);
 
-/// A slot of the shear load of that name with its defaults; fails the program where there is none.
-lac_slot test_slot_shear(const char *name);
+/// A model of the shear load of that name with its defaults; fails the program where there is none.
+lac_model test_slot_shear(const char *name);
 
 /// Loads made ready, undated, for a run of any length; fails the program where they cannot be.
-lac_load_set test_load_set(const lac_load_slots *slots);
+lac_load_set test_load_set(const lac_load_models *models);
 
 #endif

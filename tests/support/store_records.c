@@ -13,13 +13,13 @@ lac_record record_of(size_t i)
     double x = (double)i;
     return (lac_record){.time_origin = 1000.0 * floor(x / 10.0),
                         .time_local = fmod(x, 10.0) * 1e-9 + 0.125,
-                        .seen = {.mean_rate = 1e-9 * (x + 1.0),
-                                 .max_rate = 1e-8 * (x + 1.0),
-                                 .mean_slip = 1e-6 * x,
-                                 .shear_force = 6e9 + x,
-                                 .normal_force = 1e10 + 2.0 * x,
-                                 .effective_force = 9e9 + x,
-                                 .balance_residual = 1e-12 * x},
+                        .observation = {.mean_rate = 1e-9 * (x + 1.0),
+                                        .max_rate = 1e-8 * (x + 1.0),
+                                        .mean_slip = 1e-6 * x,
+                                        .shear_force = 6e9 + x,
+                                        .normal_force = 1e10 + 2.0 * x,
+                                        .effective_force = 9e9 + x,
+                                        .balance_residual = 1e-12 * x},
                         .step_size = i == 0 ? NAN : 0.5 * x,
                         .order = i == 0 ? 0 : 1 + (int64_t)(i % 5),
                         .rhs_evaluations = (int64_t)i * 3 + 5000000000};
@@ -58,14 +58,17 @@ typedef double value_of(const lac_record *r);
 static double v_time(const lac_record *r) { return r->time_origin + r->time_local; }
 static double v_origin(const lac_record *r) { return r->time_origin; }
 static double v_local(const lac_record *r) { return r->time_local; }
-static double v_slip(const lac_record *r) { return r->seen.mean_slip; }
-static double v_rate(const lac_record *r) { return r->seen.mean_rate; }
-static double v_max(const lac_record *r) { return r->seen.max_rate; }
-static double v_shear(const lac_record *r) { return r->seen.shear_force; }
-static double v_normal(const lac_record *r) { return r->seen.normal_force; }
-static double v_effective(const lac_record *r) { return r->seen.effective_force; }
-static double v_friction(const lac_record *r) { return r->seen.shear_force / r->seen.normal_force; }
-static double v_residual(const lac_record *r) { return r->seen.balance_residual; }
+static double v_slip(const lac_record *r) { return r->observation.mean_slip; }
+static double v_rate(const lac_record *r) { return r->observation.mean_rate; }
+static double v_max(const lac_record *r) { return r->observation.max_rate; }
+static double v_shear(const lac_record *r) { return r->observation.shear_force; }
+static double v_normal(const lac_record *r) { return r->observation.normal_force; }
+static double v_effective(const lac_record *r) { return r->observation.effective_force; }
+static double v_friction(const lac_record *r)
+{
+    return r->observation.shear_force / r->observation.normal_force;
+}
+static double v_residual(const lac_record *r) { return r->observation.balance_residual; }
 static double v_step(const lac_record *r) { return r->step_size; }
 static double v_order(const lac_record *r) { return r->order > 0 ? (double)r->order : NAN; }
 static double v_rhs(const lac_record *r) { return (double)r->rhs_evaluations; }

@@ -83,34 +83,34 @@ static void make_domain(const tree_def *def, tree *out)
 void tree_make_transfer(const tree_def *def, tree *out)
 {
     lac_error err;
-    lac_slot slot = {0};
+    lac_model model = {0};
     const lac_transfer_kind *kind;
     size_t i = 0;
-    while ((kind = lac_transfer_kind_at(i)) != NULL && strcmp(kind->about.name, "hierarchy") != 0) {
+    while ((kind = lac_transfer_kind_get(i)) != NULL && strcmp(kind->info.name, "hierarchy") != 0) {
         i++;
     }
     must(kind != NULL, "no hierarchy");
-    must(lac_slot_create(&kind->about, &slot, &err) == LAC_OK, err.message);
-    lac_transfer_hierarchy *p = slot.params;
+    must(lac_model_create(&kind->info, &model, &err) == LAC_OK, err.message);
+    lac_transfer_hierarchy *p = model.params;
     p->k0 = def->k0;
     p->ratio = def->ratio;
     lac_transfer_scene scene = {out->domain, out->hierarchy, NAN, NAN, false, false};
-    must(lac_transfer_create(&slot, &scene, &out->transfer, &err) == LAC_OK, err.message);
-    lac_slot_clear(&slot);
+    must(lac_transfer_create(&model, &scene, &out->transfer, &err) == LAC_OK, err.message);
+    lac_model_clear(&model);
 }
 
 void tree_make_friction(const tree_def *def, tree *out)
 {
     lac_error err;
-    lac_slot slot = {0};
+    lac_model model = {0};
     const lac_friction_law *law;
     size_t i = 0;
-    while ((law = lac_friction_law_at(i)) != NULL && strcmp(law->about.name, def->law) != 0) {
+    while ((law = lac_friction_law_get(i)) != NULL && strcmp(law->info.name, def->law) != 0) {
         i++;
     }
     must(law != NULL, "no such law");
-    must(lac_slot_create(&law->about, &slot, &err) == LAC_OK, err.message);
-    lac_friction_params *p = slot.params;
+    must(lac_model_create(&law->info, &model, &err) == LAC_OK, err.message);
+    lac_friction_params *p = model.params;
     p->f0 = def->f0;
     p->a = def->a;
     p->b = def->b;
@@ -120,8 +120,8 @@ void tree_make_friction(const tree_def *def, tree *out)
     p->v1 = def->v1 > 0 ? def->v1 : NAN;
     p->v2 = def->v2 > 0 ? def->v2 : NAN;
     p->alpha = def->alpha > 0 ? def->alpha : NAN;
-    must(lac_friction_create(&slot, out->domain->n, &out->friction, &err) == LAC_OK, err.message);
-    lac_slot_clear(&slot);
+    must(lac_friction_create(&model, out->domain->n, &out->friction, &err) == LAC_OK, err.message);
+    lac_model_clear(&model);
 }
 
 void tree_create(const tree_def *def, tree *out)

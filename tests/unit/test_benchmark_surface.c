@@ -10,13 +10,13 @@
 
 static const double two_pi = 6.283185307179586476925286766559;
 
-static const lac_descriptor *benchmark(void)
+static const lac_model_info *benchmark(void)
 {
     size_t i = 0;
-    while (strcmp(lac_surface_source_at(i)->about.name, "benchmark") != 0) {
+    while (strcmp(lac_surface_source_get(i)->info.name, "benchmark") != 0) {
         i++;
     }
-    return &lac_surface_source_at(i)->about;
+    return &lac_surface_source_get(i)->info;
 }
 
 static lac_grid square(size_t n, double side)
@@ -32,8 +32,8 @@ static double *heights(lac_benchmark params, lac_grid grid)
     lac_error err = {""};
     double *h = malloc(lac_grid_cells(&grid) * sizeof *h);
     assert_non_null(h);
-    lac_slot slot = {benchmark(), &params};
-    if (lac_surface_generate(&slot, &grid, h, &err) != LAC_OK) {
+    lac_model model = {benchmark(), &params};
+    if (lac_surface_generate(&model, &grid, h, &err) != LAC_OK) {
         fail_msg("%s", err.message);
     }
     return h;
@@ -163,8 +163,8 @@ static void refuse(lac_benchmark params, lac_grid grid, const char *word)
 {
     lac_error err = {""};
     double h[64 * 64];
-    lac_slot slot = {benchmark(), &params};
-    assert_int_equal(lac_surface_generate(&slot, &grid, h, &err), LAC_EINPUT);
+    lac_model model = {benchmark(), &params};
+    assert_int_equal(lac_surface_generate(&model, &grid, h, &err), LAC_EINPUT);
     if (strstr(err.message, word) == NULL) {
         fail_msg("\"%s\" does not speak of \"%s\"", err.message, word);
     }

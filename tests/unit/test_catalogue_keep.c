@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A catalogue of events that goes through a checkpoint after any of its steps ends up with the
-// same events, to the last bit; a tape that is cut or wrong does no harm.
+// same events, to the last bit; a archive that is cut or wrong does no harm.
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -88,21 +88,21 @@ static void end(lac_catalogue *c, listing *all)
     assert_int_equal(lac_catalogue_close(c, &sink, NULL), LAC_OK);
 }
 
-static lac_tape save(lac_catalogue *c)
+static lac_archive save(lac_catalogue *c)
 {
-    lac_tape tape = {.loading = false};
-    lac_catalogue_keep(c, &tape);
-    assert_true(lac_tape_good(&tape));
-    return tape;
+    lac_archive archive = {.loading = false};
+    lac_catalogue_serialize(c, &archive);
+    assert_true(lac_archive_good(&archive));
+    return archive;
 }
 
-// A new catalogue from a tape; whether the tape was good and read to its end.
+// A new catalogue from a archive; whether the archive was good and read to its end.
 static bool load(lac_catalogue *c, unsigned char *bytes, size_t size)
 {
-    lac_tape tape = {.loading = true, .bytes = bytes, .size = size};
+    lac_archive archive = {.loading = true, .bytes = bytes, .size = size};
     open_catalogue(c);
-    lac_catalogue_keep(c, &tape);
-    return lac_tape_good(&tape) && tape.at == tape.size;
+    lac_catalogue_serialize(c, &archive);
+    return lac_archive_good(&archive) && archive.at == archive.size;
 }
 
 static void check_same(const lac_event *a, const lac_event *b)
@@ -144,11 +144,11 @@ static void test_goes_on_from_any_step(void **state)
         for (size_t k = 0; k < stop; k++) {
             look(&b, k, &part);
         }
-        lac_tape tape = save(&b);
+        lac_archive archive = save(&b);
         end(&b, &(listing){.count = 0}); // what a stopped run does
         lac_catalogue_clear(&b);
-        assert_true(load(&b, tape.bytes, tape.size));
-        free(tape.bytes);
+        assert_true(load(&b, archive.bytes, archive.size));
+        free(archive.bytes);
         for (size_t k = stop; k < STEPS; k++) {
             look(&b, k, &part);
         }
@@ -176,19 +176,19 @@ static void test_bad_tapes(void **state)
         look(&c, k, &all);
     }
     assert_true(c.actives > 0 && c.actives < domain->n);
-    lac_tape tape = save(&c);
+    lac_archive archive = save(&c);
     lac_catalogue_clear(&c);
-    for (size_t size = 0; size < tape.size; size++) {
-        assert_false(load(&c, tape.bytes, size));
+    for (size_t size = 0; size < archive.size; size++) {
+        assert_false(load(&c, archive.bytes, size));
         all.count = 0;
         end(&c, &all);
         assert_int_equal(all.count, 0);
         lac_catalogue_clear(&c);
     }
     size_t refused = 0;
-    for (size_t at = 0; at < tape.size; at += 3) {
-        tape.bytes[at] ^= 0x55;
-        const bool good = load(&c, tape.bytes, tape.size);
+    for (size_t at = 0; at < archive.size; at += 3) {
+        archive.bytes[at] ^= 0x55;
+        const bool good = load(&c, archive.bytes, archive.size);
         all.count = 0;
         if (good) {
             look(&c, 30, &all);
@@ -196,11 +196,11 @@ static void test_bad_tapes(void **state)
         end(&c, &all);
         assert_true(good || all.count == 0);
         refused += good ? 0 : 1;
-        tape.bytes[at] ^= 0x55;
+        archive.bytes[at] ^= 0x55;
         lac_catalogue_clear(&c);
     }
     assert_true(refused > 10);
-    free(tape.bytes);
+    free(archive.bytes);
 }
 
 int main(void)

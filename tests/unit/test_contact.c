@@ -328,18 +328,18 @@ static void absurd_loads(void **state)
 static void random_surfaces(void **state)
 {
     fixture *f = *state;
-    const lac_surface_source *source = lac_surface_source_at(0);
-    lac_slot slot = {0};
+    const lac_surface_source *source = lac_surface_source_get(0);
+    lac_model model = {0};
     f->def.grid = (lac_grid){64, 64, 1.0, 1.0, true};
-    assert_int_equal(lac_slot_create(&source->about, &slot, &f->err), LAC_OK);
+    assert_int_equal(lac_model_create(&source->info, &model, &f->err), LAC_OK);
     int64_t most = 0;
     for (int64_t seed = 1; seed <= 12; seed++) {
-        lac_self_affine *params = slot.params;
+        lac_self_affine *params = model.params;
         params->seed = seed;
         params->rms_height = 0.1;
         params->hurst = (double)seed / 12.0;
         params->rolloff = seed % 3 == 0 ? (double)NAN : 16.0;
-        assert_int_equal(lac_surface_generate(&slot, &f->def.grid, f->h, &f->err), LAC_OK);
+        assert_int_equal(lac_surface_generate(&model, &f->def.grid, f->h, &f->err), LAC_OK);
         for (double load = 1e-5; load < 30.0; load *= 3.0) {
             f->def.mean_pressure = load * 0.1 * f->def.e_star;
             f->def.tolerance = seed % 2 == 0 ? 1e-8 : 1e-12;
@@ -349,7 +349,7 @@ static void random_surfaces(void **state)
         }
         assert_int_equal(f->report.n_cells, 64 * 64);
     }
-    lac_slot_clear(&slot);
+    lac_model_clear(&model);
     print_message("most iterations %lld\n", (long long)most);
     assert_true(most < 100);
 }

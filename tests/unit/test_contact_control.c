@@ -79,7 +79,7 @@ static void approach_and_load_agree(void **state)
         f->def.mean_pressure = 1e-9 * pow(2.0, k / 2) * f->def.e_star;
         fill_random(f, (uint64_t)k);
         must_solve(f);
-        lac_contact_report by_load = f->report;
+        lac_contact_stats by_load = f->report;
         if (by_load.n_cells == 32 * 48 && f->def.grid.periodic) {
             continue; // no gap left to be given
         }

@@ -78,9 +78,9 @@ static void bad_input_is_refused(void **state)
 
 static const lac_domain_source *source(const char *name)
 {
-    for (size_t i = 0; lac_domain_source_at(i) != NULL; i++) {
-        if (strcmp(lac_domain_source_at(i)->about.name, name) == 0) {
-            return lac_domain_source_at(i);
+    for (size_t i = 0; lac_domain_source_get(i) != NULL; i++) {
+        if (strcmp(lac_domain_source_get(i)->info.name, name) == 0) {
+            return lac_domain_source_get(i);
         }
     }
     fail_msg("no domain source %s", name);
@@ -89,10 +89,10 @@ static const lac_domain_source *source(const char *name)
 
 static lac_domain *make(const char *name, lac_cascade cascade, lac_grid grid)
 {
-    lac_slot slot = {&source(name)->about, &cascade};
+    lac_model model = {&source(name)->info, &cascade};
     lac_domain *domain = NULL;
     lac_error err = {""};
-    if (lac_domain_from_source(&slot, &grid, 3e6, &domain, &err) != LAC_OK) {
+    if (lac_domain_from_source(&model, &grid, 3e6, &domain, &err) != LAC_OK) {
         fail_msg("%s", err.message);
     }
     return domain;
@@ -152,17 +152,17 @@ static void check_nested(lac_cascade cascade, lac_grid coarse, lac_grid fine)
 {
     lac_domain *a = make("cascade", cascade, coarse);
     lac_domain *b = make("cascade", cascade, fine);
-    uint8_t seen[1024] = {0};
+    uint8_t observation[1024] = {0};
     size_t distinct = 0;
     for (size_t i = 0; i < b->n; i++) {
         size_t x = b->index[i] % fine.nx / (fine.nx / coarse.nx);
         size_t y = b->index[i] / fine.nx / (fine.ny / coarse.ny);
-        distinct += seen[y * coarse.nx + x] == 0;
-        seen[y * coarse.nx + x] = 1;
+        distinct += observation[y * coarse.nx + x] == 0;
+        observation[y * coarse.nx + x] = 1;
     }
     assert_int_equal(distinct, a->n);
     for (size_t i = 0; i < a->n; i++) {
-        assert_int_equal(seen[a->index[i]], 1);
+        assert_int_equal(observation[a->index[i]], 1);
     }
     lac_domain_free(a);
     lac_domain_free(b);
@@ -196,13 +196,13 @@ static void seeds_give_different_domains(void **state)
     lac_domain_free(c);
 }
 
-static void refuse_source(const lac_descriptor *about, lac_cascade cascade, lac_grid grid,
+static void refuse_source(const lac_model_info *info, lac_cascade cascade, lac_grid grid,
                           double pressure, const char *says)
 {
-    lac_slot slot = {about, &cascade};
+    lac_model model = {info, &cascade};
     lac_domain *domain = NULL;
     lac_error err = {""};
-    assert_int_equal(lac_domain_from_source(&slot, &grid, pressure, &domain, &err), LAC_EINPUT);
+    assert_int_equal(lac_domain_from_source(&model, &grid, pressure, &domain, &err), LAC_EINPUT);
     assert_null(domain);
     if (strstr(err.message, says) == NULL) {
         fail_msg("\"%s\" does not say \"%s\"", err.message, says);
@@ -212,15 +212,15 @@ static void refuse_source(const lac_descriptor *about, lac_cascade cascade, lac_
 static void bad_sources_are_refused(void **state)
 {
     (void)state;
-    const lac_descriptor *about = &source("cascade")->about;
+    const lac_model_info *info = &source("cascade")->info;
     lac_grid plane = {8, 8, 1, 1, true}, line = {8, 1, 1, 1, true};
-    refuse_source(about, (lac_cascade){0, 1}, plane, 1, "must be > 0");
-    refuse_source(about, (lac_cascade){2.01, 1}, plane, 1, "<= 2");
-    refuse_source(about, (lac_cascade){NAN, 1}, plane, 1, "must be > 0");
-    refuse_source(about, (lac_cascade){1.5, 1}, line, 1, "on a line");
-    refuse_source(about, (lac_cascade){1.5, 1}, plane, NAN, "mean pressure");
-    refuse_source(about, (lac_cascade){1.5, 1}, plane, 0, "mean pressure");
-    refuse_source(about, (lac_cascade){1.5, 1}, (lac_grid){0, 8, 1, 1, true}, 1, "0 x 8");
+    refuse_source(info, (lac_cascade){0, 1}, plane, 1, "must be > 0");
+    refuse_source(info, (lac_cascade){2.01, 1}, plane, 1, "<= 2");
+    refuse_source(info, (lac_cascade){NAN, 1}, plane, 1, "must be > 0");
+    refuse_source(info, (lac_cascade){1.5, 1}, line, 1, "on a line");
+    refuse_source(info, (lac_cascade){1.5, 1}, plane, NAN, "mean pressure");
+    refuse_source(info, (lac_cascade){1.5, 1}, plane, 0, "mean pressure");
+    refuse_source(info, (lac_cascade){1.5, 1}, (lac_grid){0, 8, 1, 1, true}, 1, "0 x 8");
     refuse_source(NULL, (lac_cascade){1.5, 1}, plane, 1, "no contact domain");
 }
 

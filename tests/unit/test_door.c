@@ -118,8 +118,8 @@ static void test_nothing(void **state)
     assert_null(lac_model_find("friction", "no such law"));
     assert_null(lac_model_find("no such kind", "aging"));
     assert_null(lac_model_param(NULL, 0));
-    assert_null(lac_kind_at(1000));
-    assert_null(lac_section_at(1000));
+    assert_null(lac_kind_get(1000));
+    assert_null(lac_section_get(1000));
     assert_true(strlen(lac_version()) > 0);
     assert_int_equal(lac_fail(NULL, LAC_EIO, "%d", 1), LAC_EIO);
     assert_int_equal(lac_fail_within(NULL, LAC_EIO, "%d", 1), LAC_EIO);
@@ -224,7 +224,7 @@ static void test_models(void **state)
 {
     (void)state;
     const lac_param *param = NULL;
-    const lac_descriptor *aging = lac_model_find("friction", "aging");
+    const lac_model_info *aging = lac_model_find("friction", "aging");
     assert_non_null(aging);
     assert_string_equal(aging->name, "aging");
     size_t n = 0;
@@ -234,10 +234,10 @@ static void test_models(void **state)
         n++;
     }
     assert_true(found);
-    assert_true(lac_model_find(lac_kind_at(0)->name, lac_kind_at(0)->at(0)->name) ==
-                lac_kind_at(0)->at(0));
-    assert_string_equal(lac_section_at(1)->name, "interface");
-    assert_non_null(lac_model_param(lac_section_at(1), 0)->doc);
+    assert_true(lac_model_find(lac_kind_get(0)->name, lac_kind_get(0)->at(0)->name) ==
+                lac_kind_get(0)->at(0));
+    assert_string_equal(lac_section_get(1)->name, "interface");
+    assert_non_null(lac_model_param(lac_section_get(1), 0)->doc);
 }
 
 static void note(void *context, const lac_case_issue *issue)

@@ -186,7 +186,7 @@ static void published_exponents_are_those_of_the_file(void **state)
             continue;
         }
         assert_int_equal(split(line, field, 9), 9);
-        const lac_size_exponent *x = lac_size_exponent_at(rows++);
+        const lac_size_exponent *x = lac_size_exponent_get(rows++);
         assert_non_null(x);
         assert_string_equal(x->quantity, field[0]);
         same_number(x->low, field[1]);
@@ -201,8 +201,8 @@ static void published_exponents_are_those_of_the_file(void **state)
     }
     (void)fclose(file);
     assert_int_equal(rows, 8);
-    assert_null(lac_size_exponent_at(rows));
-    assert_null(lac_size_exponent_at(SIZE_MAX));
+    assert_null(lac_size_exponent_get(rows));
+    assert_null(lac_size_exponent_get(SIZE_MAX));
 }
 
 int main(void)

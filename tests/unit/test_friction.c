@@ -7,65 +7,65 @@
 #include "support/slot.h"
 #include "support/test.h"
 
-static lac_slot aging_slot(void)
+static lac_model aging_slot(void)
 {
-    lac_slot slot;
-    assert_int_equal(lac_slot_create(&lac_friction_law_at(0)->about, &slot, NULL), LAC_OK);
-    assert_string_equal(slot.about->name, "aging");
-    return slot;
+    lac_model model;
+    assert_int_equal(lac_model_create(&lac_friction_law_get(0)->info, &model, NULL), LAC_OK);
+    assert_string_equal(model.info->name, "aging");
+    return model;
 }
 
 static void required_parameters_have_no_default(void **state)
 {
     (void)state;
-    lac_slot slot = aging_slot();
+    lac_model model = aging_slot();
     lac_friction *friction;
     lac_error err;
-    assert_int_equal(lac_friction_create(&slot, 1, &friction, &err), LAC_EINPUT);
+    assert_int_equal(lac_friction_create(&model, 1, &friction, &err), LAC_EINPUT);
     assert_string_equal(err.message, "aging.a: must be given");
     assert_null(friction);
-    test_slot_set(&slot, "a", 0.01);
-    test_slot_set(&slot, "b", 0.01);
-    test_slot_set(&slot, "dc", 0);
-    assert_int_equal(lac_friction_create(&slot, 1, &friction, &err), LAC_EINPUT);
+    test_slot_set(&model, "a", 0.01);
+    test_slot_set(&model, "b", 0.01);
+    test_slot_set(&model, "dc", 0);
+    assert_int_equal(lac_friction_create(&model, 1, &friction, &err), LAC_EINPUT);
     assert_string_equal(err.message, "aging.dc: must be >= 1e-18 m");
-    test_slot_set(&slot, "dc", 1e-4);
-    assert_int_equal(lac_friction_create(&slot, 1, &friction, &err), LAC_OK);
+    test_slot_set(&model, "dc", 1e-4);
+    assert_int_equal(lac_friction_create(&model, 1, &friction, &err), LAC_OK);
     assert_true(lac_cellwise_of(&friction->column[LAC_F0], 0) == 0.6 &&
                 lac_cellwise_of(&friction->column[LAC_V0], 0) == 1e-6);
     assert_int_equal(friction->form, LAC_FORM_PLAIN);
     lac_friction_free(friction);
-    lac_slot_clear(&slot);
+    lac_model_clear(&model);
 }
 
 static void nonsense_is_refused(void **state)
 {
     (void)state;
-    lac_slot slot = aging_slot();
+    lac_model model = aging_slot();
     lac_friction *friction;
     lac_error err;
-    test_slot_set(&slot, "a", 0.01);
-    test_slot_set(&slot, "b", 0.01);
-    test_slot_set(&slot, "dc", 1e-4);
-    assert_int_equal(lac_friction_create(&slot, 0, &friction, &err), LAC_EINPUT);
-    assert_int_equal(lac_friction_create(&(lac_slot){0}, 1, &friction, &err), LAC_EINPUT);
-    test_slot_set(&slot, "form", 2);
-    assert_int_equal(lac_friction_create(&slot, 1, &friction, &err), LAC_EINPUT);
+    test_slot_set(&model, "a", 0.01);
+    test_slot_set(&model, "b", 0.01);
+    test_slot_set(&model, "dc", 1e-4);
+    assert_int_equal(lac_friction_create(&model, 0, &friction, &err), LAC_EINPUT);
+    assert_int_equal(lac_friction_create(&(lac_model){0}, 1, &friction, &err), LAC_EINPUT);
+    test_slot_set(&model, "form", 2);
+    assert_int_equal(lac_friction_create(&model, 1, &friction, &err), LAC_EINPUT);
     assert_string_equal(err.message, "aging.form: must be plain or regularised");
     lac_friction_free(NULL);
-    lac_slot_clear(&slot);
+    lac_model_clear(&model);
 }
 
 static void a_bad_cell_is_named_and_changes_nothing(void **state)
 {
     (void)state;
-    lac_slot slot = aging_slot();
+    lac_model model = aging_slot();
     lac_friction *friction;
     lac_error err;
-    test_slot_set(&slot, "a", 0.01);
-    test_slot_set(&slot, "b", 0.015);
-    test_slot_set(&slot, "dc", 1e-4);
-    assert_int_equal(lac_friction_create(&slot, 3, &friction, &err), LAC_OK);
+    test_slot_set(&model, "a", 0.01);
+    test_slot_set(&model, "b", 0.015);
+    test_slot_set(&model, "dc", 1e-4);
+    assert_int_equal(lac_friction_create(&model, 3, &friction, &err), LAC_OK);
     double before = lac_friction_coefficient(friction, 0, -20, 10);
     assert_int_equal(lac_friction_set(friction, "dc", (double[]){1, 1, -2}, &err), LAC_EINPUT);
     assert_string_equal(err.message, "aging.dc of cell 2: -2 must be >= 1e-18 m");
@@ -75,7 +75,7 @@ static void a_bad_cell_is_named_and_changes_nothing(void **state)
     assert_int_equal(lac_friction_set(friction, "form", (double[]){1, 1, 1}, &err), LAC_EINPUT);
     assert_int_equal(lac_friction_set(friction, "A", (double[]){1, 1, 1}, &err), LAC_EINPUT);
     lac_friction_free(friction);
-    lac_slot_clear(&slot);
+    lac_model_clear(&model);
 }
 
 // What a case does not name takes no memory, and can be given cell by cell later.
@@ -83,12 +83,12 @@ static void optional_parameters_may_be_absent(void **state)
 {
     (void)state;
     static const char *const keys[] = {"v1", "v2", "alpha"};
-    lac_slot slot = aging_slot();
+    lac_model model = aging_slot();
     lac_friction *friction;
-    test_slot_set(&slot, "a", 0.01);
-    test_slot_set(&slot, "b", 0.015);
-    test_slot_set(&slot, "dc", 1e-4);
-    assert_int_equal(lac_friction_create(&slot, 2, &friction, NULL), LAC_OK);
+    test_slot_set(&model, "a", 0.01);
+    test_slot_set(&model, "b", 0.015);
+    test_slot_set(&model, "dc", 1e-4);
+    assert_int_equal(lac_friction_create(&model, 2, &friction, NULL), LAC_OK);
     assert_true(friction->ln_v1.value == NULL && friction->ln_cut.value == NULL &&
                 friction->response.value == NULL);
     for (size_t k = 0; k < 3; k++) {
@@ -100,7 +100,7 @@ static void optional_parameters_may_be_absent(void **state)
     assert_null(lac_friction_values_of(friction, "form"));
     assert_null(lac_friction_values_of(friction, "nothing"));
     lac_friction_free(friction);
-    lac_slot_clear(&slot);
+    lac_model_clear(&model);
 }
 
 // Strength and evolution of some cells far into the second and third block.
@@ -125,14 +125,14 @@ static void alike_cells_are_stored_once(void **state)
     static const char *const keys[] = {"f0", "a", "b", "dc", "v0", "v1", "v2", "alpha"};
     static const double value[] = {0.6, 0.01, 0.015, 1e-4, 1e-6, 1e-2, 1e-3, 0.2};
     static double want[4][200], got[4][200], values[CELLS];
-    lac_slot slot = aging_slot();
+    lac_model model = aging_slot();
     lac_friction *friction;
     for (size_t k = 0; k < 8; k++) {
-        test_slot_set(&slot, keys[k], value[k]);
+        test_slot_set(&model, keys[k], value[k]);
     }
-    assert_int_equal(lac_friction_create(&slot, SIZE_MAX / 16, &friction, NULL), LAC_OK);
+    assert_int_equal(lac_friction_create(&model, SIZE_MAX / 16, &friction, NULL), LAC_OK);
     lac_friction_free(friction);
-    assert_int_equal(lac_friction_create(&slot, CELLS, &friction, NULL), LAC_OK);
+    assert_int_equal(lac_friction_create(&model, CELLS, &friction, NULL), LAC_OK);
     assert_true(friction->constant.mask == 0 && friction->response.mask == 0);
     evaluate_some(friction, want);
     for (size_t k = 0; k < 8; k++) {
@@ -148,31 +148,31 @@ static void alike_cells_are_stored_once(void **state)
     }
     assert_true(lac_cellwise_of(&friction->ln_cut, 650) == log(2e-4) - log(2e-3));
     lac_friction_free(friction);
-    lac_slot_clear(&slot);
+    lac_model_clear(&model);
 }
 
 static void alpha_needs_b(void **state)
 {
     (void)state;
-    lac_slot slot = aging_slot();
+    lac_model model = aging_slot();
     lac_friction *friction;
     lac_error err;
-    test_slot_set(&slot, "a", 0.01);
-    test_slot_set(&slot, "b", 0);
-    test_slot_set(&slot, "dc", 1e-4);
-    test_slot_set(&slot, "alpha", 0.2);
-    assert_int_equal(lac_friction_create(&slot, 2, &friction, &err), LAC_EINPUT);
+    test_slot_set(&model, "a", 0.01);
+    test_slot_set(&model, "b", 0);
+    test_slot_set(&model, "dc", 1e-4);
+    test_slot_set(&model, "alpha", 0.2);
+    assert_int_equal(lac_friction_create(&model, 2, &friction, &err), LAC_EINPUT);
     assert_string_equal(err.message, "aging: alpha needs b > 0, through which the state acts on "
                                      "friction");
-    test_slot_set(&slot, "alpha", 0); // no response needs no b
-    assert_int_equal(lac_friction_create(&slot, 2, &friction, &err), LAC_OK);
+    test_slot_set(&model, "alpha", 0); // no response needs no b
+    assert_int_equal(lac_friction_create(&model, 2, &friction, &err), LAC_OK);
     assert_int_equal(lac_friction_check(friction, &err), LAC_OK);
     assert_true(lac_friction_state_after(friction, 0, 3, 0.5) == 3);
     assert_int_equal(lac_friction_set(friction, "alpha", (double[]){0, 0.1}, &err), LAC_OK);
     assert_int_equal(lac_friction_check(friction, &err), LAC_EINPUT);
     assert_non_null(strstr(err.message, "aging: cell 1 has alpha = 0.1 and b = 0"));
     lac_friction_free(friction);
-    lac_slot_clear(&slot);
+    lac_model_clear(&model);
 }
 
 // The weakening law is the slip law where that weakens, and holds still where it would heal.
@@ -181,14 +181,14 @@ static void weakening_never_heals(void **state)
     (void)state;
     lac_friction *pair[2] = {NULL};
     for (size_t law = 1; law <= 2; law++) {
-        lac_slot slot;
-        assert_int_equal(lac_slot_create(&lac_friction_law_at(law)->about, &slot, NULL), LAC_OK);
-        assert_string_equal(slot.about->name, law == 1 ? "slip" : "weakening");
-        test_slot_set(&slot, "a", 0.01);
-        test_slot_set(&slot, "b", 0.015);
-        test_slot_set(&slot, "dc", 1e-4);
-        assert_int_equal(lac_friction_create(&slot, 1, &pair[law - 1], NULL), LAC_OK);
-        lac_slot_clear(&slot);
+        lac_model model;
+        assert_int_equal(lac_model_create(&lac_friction_law_get(law)->info, &model, NULL), LAC_OK);
+        assert_string_equal(model.info->name, law == 1 ? "slip" : "weakening");
+        test_slot_set(&model, "a", 0.01);
+        test_slot_set(&model, "b", 0.015);
+        test_slot_set(&model, "dc", 1e-4);
+        assert_int_equal(lac_friction_create(&model, 1, &pair[law - 1], NULL), LAC_OK);
+        lac_model_clear(&model);
     }
     for (double w = -5; w <= 25; w += 0.5) {
         double u = -20, v = exp(u), f[2], f_u[2], f_w[2], g[2], none[3], g_u[2], g_w[2];

@@ -20,18 +20,18 @@ static double uniform(uint64_t i, uint64_t what, double low, double high)
 static lac_friction *make(const lac_friction_law *law, int form, double a)
 {
     lac_error err;
-    lac_slot slot = {0};
+    lac_model model = {0};
     lac_friction *friction;
-    assert_int_equal(lac_slot_create(&law->about, &slot, &err), LAC_OK);
-    lac_friction_params *p = slot.params;
+    assert_int_equal(lac_model_create(&law->info, &model, &err), LAC_OK);
+    lac_friction_params *p = model.params;
     p->f0 = 0.6;
     p->a = a;
     p->b = 0.015;
     p->dc = 1e-4;
     p->v0 = 1e-6;
     p->form = form;
-    assert_int_equal(lac_friction_create(&slot, CELLS, &friction, &err), LAC_OK);
-    lac_slot_clear(&slot);
+    assert_int_equal(lac_friction_create(&model, CELLS, &friction, &err), LAC_OK);
+    lac_model_clear(&model);
     return friction;
 }
 
@@ -94,7 +94,7 @@ static void check_block(const lac_friction *friction, uint64_t seed, double eta)
             }
             if (!(fabs(u[i] - k.u[i]) <= slack + 1e-12 * (1.0 + fabs(k.u[i])))) {
                 fail_msg("%s, start %g: ln v %.17g, expected %.17g within %g",
-                         friction->law->about.name, s < 6 ? starts[s] : 0.5, u[i], k.u[i], slack);
+                         friction->law->info.name, s < 6 ? starts[s] : 0.5, u[i], k.u[i], slack);
             }
             assert_true(v[i] * k.sign[i] > 0.0);
         }
@@ -106,7 +106,7 @@ static void rates_carry_their_tractions(void **state)
     (void)state;
     const double etas[] = {0.0, 1.0, 5e6};
     const lac_friction_law *law;
-    for (size_t l = 0; (law = lac_friction_law_at(l)) != NULL; l++) {
+    for (size_t l = 0; (law = lac_friction_law_get(l)) != NULL; l++) {
         for (int form = LAC_FORM_PLAIN; form <= LAC_FORM_REGULARISED; form++) {
             for (uint64_t e = 0; e < 3; e++) {
                 lac_friction *friction = make(law, form, e == 1 ? 0.05 : 0.008);
@@ -123,7 +123,7 @@ static void rates_carry_their_tractions(void **state)
 static void a_cell_does_not_depend_on_its_block(void **state)
 {
     (void)state;
-    lac_friction *friction = make(lac_friction_law_at(0), LAC_FORM_REGULARISED, 0.01);
+    lac_friction *friction = make(lac_friction_law_get(0), LAC_FORM_REGULARISED, 0.01);
     known k;
     fill(friction, 1, 5e6, &k);
     lac_friction_balance eq = balance_of(&k, 5e6);
@@ -153,7 +153,7 @@ static void instruction_sets_agree(void **state)
     test_settle *copies[3];
     size_t count = test_settle_copies(copies);
     for (int form = LAC_FORM_PLAIN; form <= LAC_FORM_REGULARISED; form++) {
-        lac_friction *friction = make(lac_friction_law_at(0), form, 0.01);
+        lac_friction *friction = make(lac_friction_law_get(0), form, 0.01);
         known k;
         fill(friction, 7, 5e6, &k);
         lac_friction_balance eq = balance_of(&k, 5e6);
@@ -180,7 +180,7 @@ static void nothing_fails(void **state)
     const double as[] = {0.0, 0.01};
     const double etas[] = {0.0, 5e6};
     for (size_t c = 0; c < 8; c++) {
-        lac_friction *friction = make(lac_friction_law_at(0), (int)(c & 1), as[c >> 1 & 1]);
+        lac_friction *friction = make(lac_friction_law_get(0), (int)(c & 1), as[c >> 1 & 1]);
         double eta = etas[c >> 2];
         for (size_t i = 0; i < sizeof tractions / sizeof tractions[0]; i++) {
             double w = 10.0;

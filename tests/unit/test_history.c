@@ -52,7 +52,7 @@ static lac_status follow(const char *keys, const char *steps, witness *w, lac_er
 {
     char text[1000];
     lac_case *c = NULL;
-    lac_case_report report;
+    lac_case_issues report;
     lac_scene_contact contact;
     lac_history_result result;
     const lac_case_request how = {.purpose = LAC_FOR_CONTACT};
@@ -63,7 +63,7 @@ static lac_status follow(const char *keys, const char *steps, witness *w, lac_er
                    "load: {normal: {pressure: 1000}, history: {friction: 0.5, %ssteps: [%s]}}\n",
                    keys, steps);
     lac_status status = lac_case_read_text("x.yaml", text, strlen(text), &how, &c, &report, err);
-    lac_case_report_clear(&report);
+    lac_case_issues_clear(&report);
     if (status != LAC_OK) {
         fail_msg("%s", err->message);
     }

@@ -14,13 +14,13 @@ static const lac_grid grid = {N, N, 0.5, 0.5, true};
 static const double two_pi = 6.283185307179586476925286766559;
 static const double side = 64.0;
 
-static const lac_descriptor *about(const char *name)
+static const lac_model_info *info(const char *name)
 {
     size_t i = 0;
-    while (strcmp(lac_surface_source_at(i)->about.name, name) != 0) {
+    while (strcmp(lac_surface_source_get(i)->info.name, name) != 0) {
         i++;
     }
-    return &lac_surface_source_at(i)->about;
+    return &lac_surface_source_get(i)->info;
 }
 
 // Modes of a surface; the caller frees.
@@ -29,8 +29,8 @@ static lac_fft *modes(const char *source, void *params)
     lac_error err = {""};
     lac_fft *fft = NULL;
     assert_int_equal(lac_fft_create(N, N, &fft, &err), LAC_OK);
-    lac_slot slot = {about(source), params};
-    if (lac_surface_generate(&slot, &grid, fft->real, &err) != LAC_OK) {
+    lac_model model = {info(source), params};
+    if (lac_surface_generate(&model, &grid, fft->real, &err) != LAC_OK) {
         fail_msg("%s", err.message);
     }
     lac_fft_forward(fft);
@@ -137,15 +137,15 @@ static void faces_that_fit_exactly_are_refused(void **state)
     static double h[N * N];
     lac_error err = {""};
     lac_joint params = joint(5, 2.0, 0.0);
-    lac_slot slot = {about("joint"), &params};
-    assert_int_equal(lac_surface_generate(&slot, &grid, h, &err), LAC_EINPUT);
+    lac_model model = {info("joint"), &params};
+    assert_int_equal(lac_surface_generate(&model, &grid, h, &err), LAC_EINPUT);
     assert_non_null(strstr(err.message, "fit exactly"));
     params.offset = 0.5;
-    assert_int_equal(lac_surface_generate(&slot, &grid, h, &err), LAC_OK);
+    assert_int_equal(lac_surface_generate(&model, &grid, h, &err), LAC_OK);
     params.offset = NAN;
-    assert_int_equal(lac_surface_generate(&slot, &grid, h, &err), LAC_EINPUT);
+    assert_int_equal(lac_surface_generate(&model, &grid, h, &err), LAC_EINPUT);
     params = joint(5, 0.0, 0.0);
-    assert_int_equal(lac_surface_generate(&slot, &grid, h, &err), LAC_EINPUT);
+    assert_int_equal(lac_surface_generate(&model, &grid, h, &err), LAC_EINPUT);
     assert_non_null(strstr(err.message, "mating"));
 }
 

@@ -38,11 +38,11 @@ static void put_records(lac_recording *recording, size_t first, size_t n, size_t
     const lac_sink sink = lac_recording_sink(recording);
     for (size_t i = first; i < first + n; i++) {
         const lac_record record = {.time_local = (double)i,
-                                   .seen = {.mean_slip = 1e-6 * (double)i,
-                                            .mean_rate = i == burst ? 1.0 : 1e-6,
-                                            .max_rate = 1e-6,
-                                            .shear_force = 1.0,
-                                            .normal_force = 2.0},
+                                   .observation = {.mean_slip = 1e-6 * (double)i,
+                                                   .mean_rate = i == burst ? 1.0 : 1e-6,
+                                                   .max_rate = 1e-6,
+                                                   .shear_force = 1.0,
+                                                   .normal_force = 2.0},
                                    .step_size = 1.0};
         assert_int_equal(sink.record(sink.context, &record, NULL), LAC_OK);
     }
@@ -58,9 +58,9 @@ static void put_snapshot(lac_recording *recording, double time)
 
 static lac_recorded find(const lac_recording *recording, const char *name)
 {
-    lac_recorded seen = {0};
-    assert_true(lac_recording_find(recording, name, &seen));
-    return seen;
+    lac_recorded observation = {0};
+    assert_true(lac_recording_find(recording, name, &observation));
+    return observation;
 }
 
 static void test_read_as_a_file(void **state)
@@ -120,9 +120,9 @@ static void test_variables_as_of_a_file(void **state)
     assert_string_equal(text, "");
     assert_true(isnan(lac_stored_file_number(file, "slip_rate", "best_fit")));
     for (; lac_stored_file_variable(file, count, text, sizeof text); count++) {
-        lac_recorded seen;
-        assert_true(lac_recording_at(recording, count, &seen));
-        assert_string_equal(text, seen.name);
+        lac_recorded observation;
+        assert_true(lac_recording_get(recording, count, &observation));
+        assert_string_equal(text, observation.name);
     }
     assert_true(count > 10);
     assert_false(lac_stored_file_variable(file, 0, text, 1));
@@ -139,12 +139,13 @@ static void put_event(lac_recording *recording, double time)
 
 static void expect_same(const lac_recording *a, const lac_recording *b)
 {
-    lac_recorded seen;
-    for (size_t v = 0; lac_recording_at(a, v, &seen); v++) {
-        const lac_recorded other = find(b, seen.name);
-        assert_int_equal(seen.count, other.count);
-        if (seen.count > 0) {
-            assert_memory_equal(seen.values, other.values, seen.count * sizeof(double));
+    lac_recorded observation;
+    for (size_t v = 0; lac_recording_get(a, v, &observation); v++) {
+        const lac_recorded other = find(b, observation.name);
+        assert_int_equal(observation.count, other.count);
+        if (observation.count > 0) {
+            assert_memory_equal(observation.values, other.values,
+                                observation.count * sizeof(double));
         }
     }
 }
@@ -156,8 +157,8 @@ static void test_handed_on(void **state)
     lac_domain domain;
     lac_recording *direct = begin(&domain), *whole = begin(&domain);
     lac_recording *coming = begin_as(&domain, true), *taken = begin_as(&domain, true);
-    lac_recorded seen;
-    assert_false(lac_recording_find(coming, "pressure", &seen));
+    lac_recorded observation;
+    assert_false(lac_recording_find(coming, "pressure", &observation));
     for (size_t part = 0; part < 3; part++) {
         lac_recording *const both[] = {direct, coming};
         for (size_t i = 0; i < 2; i++) {
@@ -216,7 +217,7 @@ static void test_memory_stays_bounded(void **state)
     for (size_t i = 0; i < 200; i++) {
         put_records(recording, 1000 * i, 1000, 77777);
         put_snapshot(recording, (double)(1000 * i));
-        assert_int_equal(lac_report_thin(recording, NULL), LAC_OK);
+        assert_int_equal(lac_page_thin_recording(recording, NULL), LAC_OK);
         const size_t n = find(recording, "time").count, s = find(recording, "snapshot_time").count;
         most_records = n > most_records ? n : most_records;
         most_shots = s > most_shots ? s : most_shots;
@@ -248,12 +249,12 @@ static void test_data_from_memory(void **state)
     lac_recording *recording = begin(&domain);
     lac_error err = {0};
     char *json = NULL;
-    const lac_report_def def = {
+    const lac_page_def def = {
         .run = "x.nc", .recording = recording, .made_by = "test", .issues = -1};
-    assert_int_equal(lac_report_data(&def, &json, &err), LAC_EINPUT); // no record yet
+    assert_int_equal(lac_page_data(&def, &json, &err), LAC_EINPUT); // no record yet
     assert_null(json);
     put_records(recording, 0, 9, 4);
-    assert_int_equal(lac_report_data(&def, &json, &err), LAC_OK);
+    assert_int_equal(lac_page_data(&def, &json, &err), LAC_OK);
     assert_non_null(strstr(json, "\"rate\":[1e-06,1e-06,1e-06,1e-06,1,1e-06,"));
     assert_null(strstr(json, "\"forecasts\""));
     free(json);
@@ -264,7 +265,7 @@ static void test_live_page(void **state)
 {
     (void)state;
     char *html = NULL;
-    assert_int_equal(lac_report_live_page("0123abcd", &html, NULL), LAC_OK);
+    assert_int_equal(lac_page_live_page("0123abcd", &html, NULL), LAC_OK);
     assert_null(strstr(html, "<script>"));
     assert_null(strstr(html, "<style>"));
     assert_null(strstr(html, "@DATA@"));

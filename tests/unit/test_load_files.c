@@ -19,54 +19,54 @@ static const lac_load_kind *named(const char *name, bool is_pore)
     const lac_load_kind *kind = NULL;
     size_t i = 0;
     do {
-        kind = is_pore ? lac_pore_load_at(i) : lac_shear_load_at(i);
+        kind = is_pore ? lac_pore_load_get(i) : lac_shear_load_get(i);
         i++;
-    } while (kind != NULL && strcmp(kind->about.name, name) != 0);
+    } while (kind != NULL && strcmp(kind->info.name, name) != 0);
     assert_non_null(kind);
     return kind;
 }
 
-static void set_text(lac_slot *slot, const char *key, const char *text)
+static void set_text(lac_model *model, const char *key, const char *text)
 {
-    for (size_t i = 0; i < slot->about->param_count; i++) {
-        const lac_param *param = &slot->about->params[i];
+    for (size_t i = 0; i < model->info->param_count; i++) {
+        const lac_param *param = &model->info->params[i];
         if (strcmp(param->key, key) == 0) {
             char *copy = strdup(text);
-            memcpy((char *)slot->params + param->offset, &copy, sizeof copy);
+            memcpy((char *)model->params + param->offset, &copy, sizeof copy);
             return;
         }
     }
     fail_msg("no parameter %s", key);
 }
 
-// A slot over the file `csv`; `column` is the key that names the column.
-static lac_slot slot_over(const char *name, bool is_pore, const char *csv, const char *column,
-                          const char *value)
+// A model over the file `csv`; `column` is the key that names the column.
+static lac_model slot_over(const char *name, bool is_pore, const char *csv, const char *column,
+                           const char *value)
 {
-    lac_slot slot;
-    assert_int_equal(lac_slot_create(&named(name, is_pore)->about, &slot, NULL), LAC_OK);
-    set_text(&slot, "file", scratch_write(&folder, "load.csv", csv, strlen(csv)));
-    set_text(&slot, "time", "t");
-    set_text(&slot, column, value);
-    return slot;
+    lac_model model;
+    assert_int_equal(lac_model_create(&named(name, is_pore)->info, &model, NULL), LAC_OK);
+    set_text(&model, "file", scratch_write(&folder, "load.csv", csv, strlen(csv)));
+    set_text(&model, "time", "t");
+    set_text(&model, column, value);
+    return model;
 }
 
 typedef struct ready {
-    lac_slot slot;
+    lac_model model;
     lac_load_set set;
 } ready;
 
 static lac_status prepare(ready *r, const lac_load_clock *clock, lac_error *err)
 {
     bool is_pore = false;
-    for (size_t i = 0; lac_pore_load_at(i) != NULL; i++) {
-        is_pore = is_pore || &lac_pore_load_at(i)->about == r->slot.about;
+    for (size_t i = 0; lac_pore_load_get(i) != NULL; i++) {
+        is_pore = is_pore || &lac_pore_load_get(i)->info == r->model.info;
     }
-    lac_load_slots slots = {.shear = &r->slot, .shear_count = is_pore ? 0 : 1};
+    lac_load_models models = {.shear = &r->model, .shear_count = is_pore ? 0 : 1};
     if (is_pore) {
-        slots = (lac_load_slots){.pore = &r->slot, .pore_count = 1};
+        models = (lac_load_models){.pore = &r->model, .pore_count = 1};
     }
-    return lac_load_set_create(&slots, clock, &r->set, err);
+    return lac_load_set_create(&models, clock, &r->set, err);
 }
 
 static void must_prepare(ready *r, const lac_load_clock *clock)
@@ -80,7 +80,7 @@ static void must_prepare(ready *r, const lac_load_clock *clock)
 static void clear(ready *r)
 {
     lac_load_set_clear(&r->set);
-    lac_slot_clear(&r->slot);
+    lac_model_clear(&r->model);
 }
 
 // Sum of shear stress and pore pressure; only one of them is there.
@@ -104,8 +104,8 @@ static void readings_are_met_and_joined(void **state)
 {
     (void)state;
     const char *csv = "t,p\n-1,2\n1,4\n2,NA\n4,1\n11,1\n";
-    ready r = {.slot = slot_over("series", false, csv, "value", "p:kPa")};
-    test_slot_set(&r.slot, "scale", 0.5);
+    ready r = {.model = slot_over("series", false, csv, "value", "p:kPa")};
+    test_slot_set(&r.model, "scale", 0.5);
     must_prepare(&r, &ten_seconds);
     assert_near(at(&r, 0), 1500, 1e-9);
     assert_near(at(&r, 1), 2000, 1e-9);
@@ -123,8 +123,8 @@ static void smooth_curves_overshoot_nowhere(void **state)
     const double t[] = {0, 1, 2, 3, 5, 6, 12};
     const double v[] = {0, 1, 4, 9, 9, 2, 7};
     const char *csv = "t,v\n0,0\n1,1\n2,4\n3,9\n5,9\n6,2\n12,7\n";
-    ready r = {.slot = slot_over("series", true, csv, "value", "v")};
-    test_slot_set(&r.slot, "interpolation", 1);
+    ready r = {.model = slot_over("series", true, csv, "value", "v")};
+    test_slot_set(&r.model, "interpolation", 1);
     must_prepare(&r, &ten_seconds);
     for (size_t i = 0; i + 1 < sizeof t / sizeof t[0]; i++) {
         assert_near(at(&r, t[i]), v[i], 1e-12);
@@ -152,9 +152,9 @@ static void columns_of_any_quantity(void **state)
     (void)state;
     const char *csv = "t,a\n2020-01-01,-98.1\n2020-01-02,98.1\n";
     const lac_load_clock clock = {.dated = true, .start = 1577836800.0 - 86400.0, .end = 1e6};
-    ready r = {.slot = slot_over("series", false, csv, "value", "a:cm/s2")};
-    set_text(&r.slot, "per", "2e5 kg/m2");
-    test_slot_set(&r.slot, "outside", 2);
+    ready r = {.model = slot_over("series", false, csv, "value", "a:cm/s2")};
+    set_text(&r.model, "per", "2e5 kg/m2");
+    test_slot_set(&r.model, "outside", 2);
     must_prepare(&r, &clock);
     assert_near(at(&r, 86400.0), -0.981 * 2e5, 1e-6);
     assert_near(at(&r, 1.75 * 86400.0), 0.5 * 0.981 * 2e5, 1e-6);
@@ -188,11 +188,11 @@ static void netcdf_reads_as_csv(void **state)
 {
     (void)state;
     const lac_load_clock clock = {.dated = true, .start = 1577836800.0, .end = 86400.0};
-    ready r = {.slot = slot_over("series", true, "", "value", "level:m")};
-    char **file = (char **)r.slot.params;
+    ready r = {.model = slot_over("series", true, "", "value", "level:m")};
+    char **file = (char **)r.model.params;
     free(*file);
     *file = strdup(write_netcdf("days since 2020-01-01 00:00", "cm"));
-    set_text(&r.slot, "per", "9807 Pa/m");
+    set_text(&r.model, "per", "9807 Pa/m");
     must_prepare(&r, &clock);
     assert_near(at(&r, 0), 98.07, 1e-9);
     assert_near(at(&r, 43200), 2 * 98.07, 1e-9); // the missing one is passed over
@@ -214,12 +214,12 @@ static void a_missing_unit_is_doubted(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         lac_load_clock clock = {.dated = true, .start = 1577836800.0, .end = 86400.0};
         assert_int_equal(lac_load_files_create(&clock.files, NULL), LAC_OK);
-        ready r = {.slot = slot_over("series", true, "", "value", "level")};
-        char **file = (char **)r.slot.params;
+        ready r = {.model = slot_over("series", true, "", "value", "level")};
+        char **file = (char **)r.model.params;
         free(*file);
         *file = strdup(write_netcdf("days since 2020-01-01 00:00", cases[i].unit));
         if (cases[i].per != NULL) {
-            set_text(&r.slot, "per", cases[i].per);
+            set_text(&r.model, "per", cases[i].per);
         }
         must_prepare(&r, &clock);
         assert_near(at(&r, 0), cases[i].value, 1e-9);
@@ -240,10 +240,10 @@ static void a_lagging_reservoir_follows_exponentially(void **state)
     (void)state;
     const double lag = 2.5;
     const double rate = 2.0 * 1000.0; // unit weight 1 kPa/m
-    ready r = {.slot = slot_over("reservoir", true, rising, "level", "h:m")};
-    test_slot_set(&r.slot, "elevation", 10);
-    test_slot_set(&r.slot, "unit_weight", 1000);
-    test_slot_set(&r.slot, "lag", lag);
+    ready r = {.model = slot_over("reservoir", true, rising, "level", "h:m")};
+    test_slot_set(&r.model, "elevation", 10);
+    test_slot_set(&r.model, "unit_weight", 1000);
+    test_slot_set(&r.model, "lag", lag);
     must_prepare(&r, &ten_seconds);
     assert_near(at(&r, -1), 0, 0);
     double at_four = rate * (4 - lag * -expm1(-4 / lag));
@@ -268,11 +268,11 @@ static void a_diffusing_reservoir_is_a_convolution(void **state)
 {
     (void)state;
     const double probes[] = {0.5, 2, 3.999, 4.5, 8, 9.5};
-    ready r = {.slot = slot_over("reservoir", true, rising, "level", "h:m")};
-    test_slot_set(&r.slot, "elevation", 10);
-    test_slot_set(&r.slot, "unit_weight", 1000);
-    test_slot_set(&r.slot, "distance", 3);
-    test_slot_set(&r.slot, "diffusivity", 0.7);
+    ready r = {.model = slot_over("reservoir", true, rising, "level", "h:m")};
+    test_slot_set(&r.model, "elevation", 10);
+    test_slot_set(&r.model, "unit_weight", 1000);
+    test_slot_set(&r.model, "distance", 3);
+    test_slot_set(&r.model, "diffusivity", 0.7);
     must_prepare(&r, &ten_seconds);
     gsl_integration_workspace *room = gsl_integration_workspace_alloc(500);
     for (size_t i = 0; i < sizeof probes / sizeof probes[0]; i++) {
@@ -291,10 +291,11 @@ static void a_diffusing_reservoir_is_a_convolution(void **state)
 static void a_lake_below_the_interface_is_dry(void **state)
 {
     (void)state;
-    ready r = {.slot = slot_over("reservoir", true, "t,h\n0,9\n4,13\n8,9\n12,9\n", "level", "h:m")};
-    test_slot_set(&r.slot, "elevation", 10);
-    test_slot_set(&r.slot, "unit_weight", 1000);
-    test_slot_set(&r.slot, "share", 0.5);
+    ready r = {.model =
+                   slot_over("reservoir", true, "t,h\n0,9\n4,13\n8,9\n12,9\n", "level", "h:m")};
+    test_slot_set(&r.model, "elevation", 10);
+    test_slot_set(&r.model, "unit_weight", 1000);
+    test_slot_set(&r.model, "share", 0.5);
     must_prepare(&r, &ten_seconds);
     assert_near(at(&r, 0.9), 0, 0);
     assert_near(at(&r, 2), 500, 1e-9);
@@ -311,16 +312,16 @@ static void rain_fills_and_drains(void **state)
 {
     (void)state;
     const double rise = 3e4, drain = 5;
-    ready r = {.slot = slot_over("rain", true, "t,r\n1,20\n2,0\n7,10\n20,0\n", "rain", "r:mm")};
-    test_slot_set(&r.slot, "rise", rise);
-    test_slot_set(&r.slot, "drain", drain);
-    test_slot_set(&r.slot, "interval", 2);
-    test_slot_set(&r.slot, "stamp", 1);
-    test_slot_set(&r.slot, "outside", 1);
+    ready r = {.model = slot_over("rain", true, "t,r\n1,20\n2,0\n7,10\n20,0\n", "rain", "r:mm")};
+    test_slot_set(&r.model, "rise", rise);
+    test_slot_set(&r.model, "drain", drain);
+    test_slot_set(&r.model, "interval", 2);
+    test_slot_set(&r.model, "stamp", 1);
+    test_slot_set(&r.model, "outside", 1);
     lac_error err = {""};
     assert_int_equal(prepare(&r, &ten_seconds, &err), LAC_EINPUT); // 1 s apart, 2 s long
     assert_non_null(strstr(err.message, "interval must not be longer"));
-    test_slot_set(&r.slot, "interval", 1);
+    test_slot_set(&r.model, "interval", 1);
     must_prepare(&r, &ten_seconds);
     double first = rise * 0.02 * drain * -expm1(-1 / drain);
     assert_near(at(&r, 0.5), 0, 0);
@@ -331,9 +332,9 @@ static void rain_fills_and_drains(void **state)
     assert_near(at(&r, 9.5), second * exp(-1.5 / drain), 1e-9);
     clear(&r);
     // stamped at its end, from one reading to the next
-    r = (ready){.slot = slot_over("rain", true, "t,r\n-1,5\n1,20\n11,0\n", "rain", "r:mm")};
-    test_slot_set(&r.slot, "rise", rise);
-    test_slot_set(&r.slot, "drain", drain);
+    r = (ready){.model = slot_over("rain", true, "t,r\n-1,5\n1,20\n11,0\n", "rain", "r:mm")};
+    test_slot_set(&r.model, "rise", rise);
+    test_slot_set(&r.model, "drain", drain);
     must_prepare(&r, &ten_seconds);
     assert_near(at(&r, 1), rise * 0.01 * drain * -expm1(-2 / drain), 1e-9);
     clear(&r);
@@ -376,15 +377,15 @@ static void what_does_not_fit_is_refused(void **state)
     for (size_t i = 0; i < sizeof wrongs / sizeof wrongs[0]; i++) {
         const wrong *w = &wrongs[i];
         lac_error err = {""};
-        ready r = {.slot = slot_over(w->load, true, w->csv, w->column, w->value)};
+        ready r = {.model = slot_over(w->load, true, w->csv, w->column, w->value)};
         if (w->key != NULL) {
-            set_text(&r.slot, w->key, w->text);
+            set_text(&r.model, w->key, w->text);
         }
-        for (size_t k = 0; k < r.slot.about->param_count; k++) {
-            const lac_param *param = &r.slot.about->params[k];
+        for (size_t k = 0; k < r.model.info->param_count; k++) {
+            const lac_param *param = &r.model.info->params[k];
             if (param->type == LAC_REAL && isnan(param->fallback) &&
                 (param->flags & LAC_OPTIONAL) == 0) {
-                test_slot_set(&r.slot, param->key, 1);
+                test_slot_set(&r.model, param->key, 1);
             }
         }
         assert_int_equal(prepare(&r, &ten_seconds, &err), LAC_EINPUT);
@@ -394,8 +395,8 @@ static void what_does_not_fit_is_refused(void **state)
         clear(&r);
     }
     lac_error err;
-    ready r = {.slot = slot_over("series", true, "", "value", "p")};
-    char **file = (char **)r.slot.params;
+    ready r = {.model = slot_over("series", true, "", "value", "p")};
+    char **file = (char **)r.model.params;
     free(*file);
     *file = strdup("/nowhere/at/all.csv");
     assert_int_equal(prepare(&r, &ten_seconds, &err), LAC_EIO);

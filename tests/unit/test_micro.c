@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "micro/tree.h"
+#include "async/tree.h"
 #include "support/test.h"
 #include "support/trees.h"
 
@@ -14,12 +14,12 @@ enum { LEVELS = 40, TREES = 24, ROUNDS = 60, CELLS = 60 };
 typedef struct scene {
     lac_domain *domain;
     lac_hierarchy *hierarchy;
-    lac_micro_tree tree;
+    lac_async_tree tree;
     long double *dense; // [n n]
     double k_mean;
     uint64_t seed, draws;
     double *slip, *since; // [n] as told, and since when
-    double *seen;         // [n] E of each cell when it was last updated
+    double *observation;  // [n] E of each cell when it was last updated
 } scene;
 
 static double draw(scene *s, double low, double high)
@@ -44,22 +44,22 @@ static void make(uint64_t seed, scene *s)
     for (size_t i = 0; i < n * n; i++) {
         s->dense[i] += s->k_mean / (double)n;
     }
-    assert_int_equal(lac_micro_tree_create(s->hierarchy, k, &s->tree, &err), LAC_OK);
-    lac_micro_tree_anchor(&s->tree, s->k_mean, 0.0);
+    assert_int_equal(lac_async_tree_create(s->hierarchy, k, &s->tree, &err), LAC_OK);
+    lac_async_tree_anchor(&s->tree, s->k_mean, 0.0);
     s->slip = new_doubles(n);
     s->since = new_doubles(n);
-    s->seen = new_doubles(n);
+    s->observation = new_doubles(n);
 }
 
 static void clear(scene *s)
 {
-    lac_micro_tree_clear(&s->tree);
+    lac_async_tree_clear(&s->tree);
     lac_hierarchy_free(s->hierarchy);
     lac_domain_free(s->domain);
     free(s->dense);
     free(s->slip);
     free(s->since);
-    free(s->seen);
+    free(s->observation);
 }
 
 static double told_at(const scene *s, size_t i, double t)
@@ -78,7 +78,7 @@ static double dense_outer(const scene *s, size_t i, double t)
     return (double)sum;
 }
 
-static void draw_margin(scene *s, lac_micro_cell *c)
+static void draw_margin(scene *s, lac_async_cell *c)
 {
     c->high = draw_log(s->seed, s->draws++, 1e-3, 1e2);
     c->low = draw(s, 0, 1) < 0.3 ? -INFINITY : -draw_log(s->seed, s->draws++, 1e-3, 1e2);
@@ -88,32 +88,32 @@ static void start(scene *s)
 {
     size_t n = s->domain->n;
     for (size_t i = 0; i < n; i++) {
-        lac_micro_cell *c = &s->tree.cell[i];
+        lac_async_cell *c = &s->tree.cell[i];
         s->slip[i] = c->slip = draw(s, -1, 1);
         s->since[i] = 0.0;
         c->told = draw(s, 0, 1);
         c->due = INFINITY;
         draw_margin(s, c);
     }
-    lac_micro_tree_fill(&s->tree);
-    lac_micro_tree_settle(&s->tree, 0.0);
+    lac_async_tree_fill(&s->tree);
+    lac_async_tree_propagate(&s->tree, 0.0);
     for (size_t i = 0; i < n; i++) {
-        s->seen[i] = dense_outer(s, i, 0.0);
+        s->observation[i] = dense_outer(s, i, 0.0);
     }
 }
 
 // A cell jumps and goes on at another rate.
 static void change(scene *s, uint32_t i, double t, double jump, double rate)
 {
-    lac_micro_cell *c = &s->tree.cell[i];
+    lac_async_cell *c = &s->tree.cell[i];
     s->slip[i] = told_at(s, i, t) + jump;
     s->since[i] = t;
     double before = c->told;
     c->told = rate;
     c->due = INFINITY;
     draw_margin(s, c);
-    lac_micro_tree_add(&s->tree, i, t, jump, rate - before);
-    s->seen[i] = dense_outer(s, i, t);
+    lac_async_tree_add(&s->tree, i, t, jump, rate - before);
+    s->observation[i] = dense_outer(s, i, t);
 }
 
 // Every cell's E is that of K and, where nothing is due at this very time, within its margin.
@@ -121,12 +121,12 @@ static void look(const scene *s, double t)
 {
     bool waiting = s->tree.node[s->tree.nodes - 1].due <= t;
     for (size_t i = 0; i < s->domain->n; i++) {
-        const lac_micro_cell *c = &s->tree.cell[i];
+        const lac_async_cell *c = &s->tree.cell[i];
         double outer = dense_outer(s, i, t);
-        double lazy = lac_micro_tree_view(&s->tree, c->parent, t).outer;
+        double lazy = lac_async_tree_view(&s->tree, c->parent, t).outer;
         double scale = 1e4 * (1.0 + t);
         assert_true(fabs(lazy - outer) < 1e-12 * scale);
-        double by = outer - s->seen[i];
+        double by = outer - s->observation[i];
         assert_true(waiting || (by <= c->high + 1e-11 * scale && by >= c->low - 1e-11 * scale));
     }
 }
@@ -134,7 +134,7 @@ static void look(const scene *s, double t)
 // Opens blocks and wakes cells up to a time, and looks between.
 static void go_to(scene *s, double end)
 {
-    const lac_micro_node *root = &s->tree.node[s->tree.nodes - 1];
+    const lac_async_node *root = &s->tree.node[s->tree.nodes - 1];
     double t = root->t;
     for (int steps = 0; root->due <= end; steps++) {
         assert_true(steps < 100000); // no block opens for ever
@@ -146,7 +146,7 @@ static void go_to(scene *s, double end)
         if (who < s->tree.n) {
             change(s, who, t, 0.0, s->tree.cell[who].told);
         } else {
-            lac_micro_tree_open(&s->tree, who - s->tree.n, t);
+            lac_async_tree_open(&s->tree, who - s->tree.n, t);
         }
     }
     look(s, end);
@@ -181,12 +181,12 @@ static void shifting_time_changes_nothing(void **state)
     make(7, &s);
     start(&s);
     go_to(&s, 0.05);
-    const lac_micro_node *root = &s.tree.node[s.tree.nodes - 1];
+    const lac_async_node *root = &s.tree.node[s.tree.nodes - 1];
     double due = root->due;
-    double outer = lac_micro_tree_view(&s.tree, s.tree.cell[0].parent, 0.05).outer;
-    lac_micro_tree_shift(&s.tree, 0.05);
+    double outer = lac_async_tree_view(&s.tree, s.tree.cell[0].parent, 0.05).outer;
+    lac_async_tree_shift(&s.tree, 0.05);
     assert_true(fabs(root->due + 0.05 - due) < 1e-14 || due == INFINITY);
-    double now = lac_micro_tree_view(&s.tree, s.tree.cell[0].parent, 0.0).outer;
+    double now = lac_async_tree_view(&s.tree, s.tree.cell[0].parent, 0.0).outer;
     assert_true(fabs(now - outer) <= 1e-12 * fabs(outer));
     clear(&s);
 }

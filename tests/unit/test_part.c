@@ -10,7 +10,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "base/part.h"
+#include "base/temp_file.h"
 #include "support/scratch_group.h"
 #include "support/test.h"
 
@@ -45,7 +45,7 @@ static void sweep(const char *name)
 {
     char path[PATH];
     place(path, name);
-    lac_part_sweep(path);
+    lac_temp_file_sweep(path);
 }
 
 static void test_takes_away_what_the_dead_left(void **state)
@@ -101,7 +101,7 @@ static void test_longest_name(void **state)
     memset(name, 'n', 255);
     name[255] = '\0';
     place(path, name);
-    char *part = lac_part_name(path);
+    char *part = lac_temp_file_name(path);
     assert_non_null(part);
     int fd = open(part, O_WRONLY | O_CREAT | O_EXCL, 0666);
     assert_true(fd >= 0);
@@ -118,10 +118,10 @@ static void test_name_stands_in_the_folder(void **state)
     (void)state;
     char want[64];
     (void)snprintf(want, sizeof want, ".c.nc.lacuna-%ld.part", (long)getpid());
-    char *part = lac_part_name("c.nc");
+    char *part = lac_temp_file_name("c.nc");
     assert_string_equal(part, want);
     free(part);
-    part = lac_part_name("/a/b/c.nc");
+    part = lac_temp_file_name("/a/b/c.nc");
     assert_memory_equal(part, "/a/b/", 5);
     assert_string_equal(part + 5, want);
     free(part);

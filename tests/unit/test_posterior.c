@@ -53,13 +53,13 @@ static lac_projection make(lac_window *w, double noise)
 }
 
 // Quantiles of p[0] by the trapezoidal rule over both shapes.
-static void integrate(lac_projection *law, double effective, const lac_finding *about,
+static void integrate(lac_projection *law, double effective, const lac_forecast_fit *info,
                       double *quantile)
 {
     static double density[GRID];
-    const double middle = log(about->remaining);
-    const double half = 6.0 * about->error; // to beyond the farthest
-    const double best = N * about->rms * about->rms;
+    const double middle = log(info->remaining);
+    const double half = 6.0 * info->error; // to beyond the farthest
+    const double best = N * info->rms * info->rms;
     double all = 0.0;
     for (size_t i = 0; i < GRID; i++) {
         double p[2] = {middle + half * (2.0 * (double)i / (GRID - 1) - 1.0), 0.0};
@@ -67,7 +67,7 @@ static void integrate(lac_projection *law, double effective, const lac_finding *
         for (size_t j = 0; p[0] < log(20.0 * (N - 1)) && j < GRID; j++) {
             p[1] = centre[1] + 4.0 * width[1] * (2.0 * (double)j / (GRID - 1) - 1.0);
             const double off = (p[1] - centre[1]) / width[1];
-            const double sum = lac_projection_at(law, p);
+            const double sum = lac_projection_eval(law, p);
             density[i] += law->c[1] > 0.0
                               ? exp(-0.5 * (effective - 2.0) * log(sum / best) - 0.5 * off * off)
                               : 0.0;
@@ -94,16 +94,16 @@ static void draws_are_the_posterior(void **state)
         lac_window w;
         lac_projection law = make(&w, noises[k]);
         lac_draw draw[LAC_POSTERIOR_DRAWS];
-        lac_finding found = {.count = 0};
+        lac_forecast_fit found = {.count = 0};
         double p[LAC_SHAPES_MAX], expected[LAC_FORECAST_LEVELS];
         assert_int_equal(lac_projection_fit(&law, p, &found, NULL), LAC_OK);
         const double error = found.error;
         lac_posterior_draw(&law, p, 16.0, N * found.rms * found.rms, draw);
         lac_posterior_finish(LAC_POSTERIOR_DRAWS, draw, &found);
         assert_true(found.posterior);
-        lac_finding about = found;
-        about.error = error;
-        integrate(&law, 16.0, &about, expected);
+        lac_forecast_fit info = found;
+        info.error = error;
+        integrate(&law, 16.0, &info, expected);
         for (size_t q = 0; q < LAC_FORECAST_LEVELS; q++) {
             const double off = found.quantile[q] - expected[q];
             if (!(fabs(off) < 0.025 * (expected[4] - expected[0]))) {
@@ -119,12 +119,12 @@ static void weights_are_counted(void **state)
 {
     (void)state;
     lac_draw draw[] = {{3.0, log(2.0)}, {1.0, log(1.0)}, {2.0, log(5.0)}, {9.0, -INFINITY}};
-    lac_finding found = {.count = 0};
+    lac_forecast_fit found = {.count = 0};
     lac_posterior_finish(4, draw, &found);
     assert_true(fabs(found.quantile[2] - (2.0 + 0.5 / 3.5)) <
                 1e-12); // 1 and half of 5 in 8 before 2
     lac_draw none[] = {{3.0, -INFINITY}, {1.0, -INFINITY}};
-    found = (lac_finding){.count = 0};
+    found = (lac_forecast_fit){.count = 0};
     lac_posterior_finish(2, none, &found);
     assert_false(found.posterior);
 }

@@ -176,12 +176,12 @@ static lac_status run_by_hand(const char *key, const char *value, lac_error *err
 {
     const lac_override set = {key, value};
     const lac_case_request request = {.overrides = &set, .count = 1};
-    lac_case_report report = {0};
+    lac_case_issues report = {0};
     lac_case *c = NULL;
     lac_scene *scene = NULL;
     lac_run_result result;
     assert_int_equal(lac_case_read(BLOCK, &request, &c, &report, err), LAC_OK);
-    lac_case_report_clear(&report);
+    lac_case_issues_clear(&report);
     assert_true((c->run.beyond & LAC_BEYOND_OUTPUT) != 0);
     c->run.beyond &= ~(unsigned)LAC_BEYOND_OUTPUT;
     assert_int_equal(lac_scene_create(c, &scene, err), LAC_OK);

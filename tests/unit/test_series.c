@@ -352,21 +352,21 @@ static void history_is_interpolated(void **state)
     (void)state;
     double slip = 0.0;
     double rate = 0.0;
-    assert_true(lac_history_at(&history, 0.0, &slip, &rate));
+    assert_true(lac_history_eval(&history, 0.0, &slip, &rate));
     assert_true(slip == 0.0 && rate == 1.0);
-    assert_true(lac_history_at(&history, 0.25, &slip, &rate));
+    assert_true(lac_history_eval(&history, 0.25, &slip, &rate));
     assert_true(slip == 0.5 && fabs(rate - exp(0.25)) < 1e-15);
-    assert_true(lac_history_at(&history, 2.0, &slip, &rate)); // the later of two at one time
+    assert_true(lac_history_eval(&history, 2.0, &slip, &rate)); // the later of two at one time
     assert_true(slip == 5.0);
-    assert_true(lac_history_at(&history, 3.0, &slip, &rate)); // a rate of 0 has no logarithm
+    assert_true(lac_history_eval(&history, 3.0, &slip, &rate)); // a rate of 0 has no logarithm
     assert_true(slip == 6.5 && fabs(rate - 0.5 * exp(2.0)) < 1e-14);
-    assert_true(lac_history_at(&history, 4.0, &slip, &rate));
+    assert_true(lac_history_eval(&history, 4.0, &slip, &rate));
     assert_true(slip == 8.0 && rate == 0.0);
-    assert_false(lac_history_at(&history, -1e-9, &slip, &rate));
-    assert_false(lac_history_at(&history, 4.0001, &slip, &rate));
-    assert_false(lac_history_at(&history, NAN, &slip, &rate));
+    assert_false(lac_history_eval(&history, -1e-9, &slip, &rate));
+    assert_false(lac_history_eval(&history, 4.0001, &slip, &rate));
+    assert_false(lac_history_eval(&history, NAN, &slip, &rate));
     const lac_history nothing = {0};
-    assert_false(lac_history_at(&nothing, 0.0, &slip, &rate));
+    assert_false(lac_history_eval(&nothing, 0.0, &slip, &rate));
 }
 
 static void misfit_is_what_it_says(void **state)

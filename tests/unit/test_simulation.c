@@ -18,10 +18,10 @@
 static lac_case *read_block(size_t count, const lac_override *sets)
 {
     const lac_case_request how = {.overrides = sets, .count = count};
-    lac_case_report report = {0};
+    lac_case_issues report = {0};
     lac_case *c = NULL;
     assert_int_equal(lac_case_read(BLOCK, &how, &c, &report, NULL), LAC_OK);
-    lac_case_report_clear(&report);
+    lac_case_issues_clear(&report);
     return c;
 }
 
@@ -63,15 +63,15 @@ static void test_accuracy(void **state)
 }
 
 // What came to a sink of one's own.
-typedef struct seen {
+typedef struct observation {
     size_t records, steps, snapshots, once;
     double first, last; // values of the first extra quantity over nothing
     int threads;
-} seen;
+} observation;
 
 static lac_status on_record(void *context, const lac_record *record, lac_error *err)
 {
-    seen *s = context;
+    observation *s = context;
     (void)err;
     s->records += record->extra != NULL;
     s->threads = omp_get_max_threads();
@@ -80,7 +80,7 @@ static lac_status on_record(void *context, const lac_record *record, lac_error *
 
 static lac_status on_step(void *context, const lac_step *step, lac_error *err)
 {
-    seen *s = context;
+    observation *s = context;
     (void)err;
     s->steps += step->step > 0;
     return LAC_OK;
@@ -88,7 +88,7 @@ static lac_status on_step(void *context, const lac_step *step, lac_error *err)
 
 static lac_status on_snapshot(void *context, const lac_snapshot *snapshot, lac_error *err)
 {
-    seen *s = context;
+    observation *s = context;
     (void)err;
     s->snapshots += snapshot->slip != NULL;
     return LAC_OK;
@@ -96,7 +96,7 @@ static lac_status on_snapshot(void *context, const lac_snapshot *snapshot, lac_e
 
 static lac_status on_once(void *context, const double *values, lac_error *err)
 {
-    seen *s = context;
+    observation *s = context;
     (void)err;
     s->first = s->once == 0 ? values[0] : s->first;
     s->last = values[0];
@@ -104,7 +104,7 @@ static lac_status on_once(void *context, const double *values, lac_error *err)
     return LAC_OK;
 }
 
-static lac_sink sink_of(seen *s)
+static lac_sink sink_of(observation *s)
 {
     return (lac_sink){.size = sizeof(lac_sink),
                       .context = s,
@@ -125,7 +125,7 @@ static void test_own_sink(void **state)
     lac_case *c = read_block(4, sets);
     lac_simulation *simulation = create(c, NULL);
     const lac_outcome *of = lac_simulation_outcome(simulation);
-    seen s = {0};
+    observation s = {0};
     const lac_sink sink = sink_of(&s);
     assert_int_equal(lac_simulation_run(simulation, &sink, NULL), LAC_OK);
     assert_int_equal(s.steps, of->run.steps);
@@ -133,7 +133,7 @@ static void test_own_sink(void **state)
     assert_int_equal(s.snapshots, 6);
     assert_int_equal(s.once, 2);
     assert_true(s.first == 0.25 && s.last == 0.25 && of->once[0] == 0.25);
-    assert_non_null(lac_analysis_at(of->analysis, 0));
+    assert_non_null(lac_analysis_get(of->analysis, 0));
     assert_true(of->extras > 0 && of->accuracy == NULL);
     lac_error err = {0};
     assert_int_equal(lac_simulation_run(simulation, NULL, &err), LAC_EINPUT);
@@ -218,7 +218,7 @@ static void test_options(void **state)
     lac_simulation_options options = lac_simulation_options_default();
     lac_simulation *simulation = NULL;
     lac_error err = {0};
-    seen s = {0};
+    observation s = {0};
     const lac_sink sink = sink_of(&s);
     const int before = omp_get_max_threads();
     options.threads = before + 2;

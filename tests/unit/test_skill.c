@@ -9,7 +9,7 @@
 
 enum { MOST = 16 };
 
-static const lac_forecast_kind kind = {.about = {.name = "made up"}};
+static const lac_forecast_kind kind = {.info = {.name = "made up"}};
 static lac_forecast forecasts[2 * MOST];
 static double issue_times[MOST];
 

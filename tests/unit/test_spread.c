@@ -20,7 +20,7 @@ enum { SIDE = 32, CELLS = SIDE * SIDE };
 typedef struct joint {
     lac_domain *domain;
     lac_hierarchy *hierarchy;
-    lac_spread_place place;
+    lac_heterogeneity_place place;
 } joint;
 
 static joint joint_of(size_t nx, size_t ny, const double *pressure)
@@ -29,7 +29,7 @@ static joint joint_of(size_t nx, size_t ny, const double *pressure)
     lac_grid grid = {.nx = nx, .ny = ny, .dx = 0.5, .dy = 0.5, .periodic = false};
     assert_int_equal(lac_domain_create(&grid, pressure, &j.domain, NULL), LAC_OK);
     assert_int_equal(lac_hierarchy_create(j.domain, &j.hierarchy, NULL), LAC_OK);
-    j.place = (lac_spread_place){j.domain, j.hierarchy};
+    j.place = (lac_heterogeneity_place){j.domain, j.hierarchy};
     return j;
 }
 
@@ -48,14 +48,14 @@ static void joint_clear(joint *j)
     lac_domain_free(j->domain);
 }
 
-static lac_spread spread_of(const char *name)
+static lac_heterogeneity spread_of(const char *name)
 {
     static char key[] = "dc";
-    lac_spread spread = {.key = key};
-    for (size_t i = 0; lac_spread_kind_at(i) != NULL; i++) {
-        const lac_descriptor *about = &lac_spread_kind_at(i)->about;
-        if (strcmp(about->name, name) == 0) {
-            assert_int_equal(lac_slot_create(about, &spread.slot, NULL), LAC_OK);
+    lac_heterogeneity spread = {.key = key};
+    for (size_t i = 0; lac_heterogeneity_kind_get(i) != NULL; i++) {
+        const lac_model_info *info = &lac_heterogeneity_kind_get(i)->info;
+        if (strcmp(info->name, name) == 0) {
+            assert_int_equal(lac_model_create(info, &spread.model, NULL), LAC_OK);
             return spread;
         }
     }
@@ -63,20 +63,20 @@ static lac_spread spread_of(const char *name)
     return spread;
 }
 
-static lac_spread random_spread(const char *name, double width, int64_t seed)
+static lac_heterogeneity random_spread(const char *name, double width, int64_t seed)
 {
-    lac_spread spread = spread_of(name);
-    lac_spread_random *p = spread.slot.params;
+    lac_heterogeneity spread = spread_of(name);
+    lac_heterogeneity_random *p = spread.model.params;
     p->width = width;
     p->seed = seed;
     return spread;
 }
 
-static lac_status fill(const joint *j, lac_spread *spreads, size_t count, double nominal,
+static lac_status fill(const joint *j, lac_heterogeneity *spreads, size_t count, double nominal,
                        double *values, lac_error *err)
 {
-    lac_spread_list list = {.count = count, .item = spreads};
-    return lac_spread_fill(&j->place, &list, "dc", "m", nominal, values, err);
+    lac_heterogeneity_list list = {.count = count, .item = spreads};
+    return lac_heterogeneity_fill(&j->place, &list, "dc", "m", nominal, values, err);
 }
 
 static double phi(double z) { return 0.5 * erfc(-z / sqrt(2)); }
@@ -127,13 +127,13 @@ static void distributions_are_as_said(void **state)
     joint j = full_joint(SIDE, SIDE);
     double values[CELLS];
     size_t drawn = 0;
-    for (size_t i = 0; lac_spread_kind_at(i) != NULL; i++) {
-        drawn += lac_spread_kind_at(i)->draw != NULL;
+    for (size_t i = 0; lac_heterogeneity_kind_get(i) != NULL; i++) {
+        drawn += lac_heterogeneity_kind_get(i)->draw != NULL;
     }
     assert_int_equal(drawn, KNOWN);
     for (size_t k = 0; k < KNOWN; k++) {
-        lac_spread spread = random_spread(known[k].name, known[k].width, 5);
-        lac_spread_random *p = spread.slot.params;
+        lac_heterogeneity spread = random_spread(known[k].name, known[k].width, 5);
+        lac_heterogeneity_random *p = spread.model.params;
         double floor = strcmp(known[k].name, "pareto") == 0    ? 1
                        : strcmp(known[k].name, "uniform") == 0 ? 1 - known[k].width
                        : strcmp(known[k].name, "normal") == 0  ? -INFINITY
@@ -145,7 +145,7 @@ static void distributions_are_as_said(void **state)
         assert_int_equal(fill(&j, &spread, 1, 3, values, NULL), LAC_OK);
         assert_true(distance(values, k, p->lowest, p->highest) < 1.63);
         assert_true(values[0] >= 3 * p->lowest && values[CELLS - 1] <= 3 * p->highest);
-        lac_slot_clear(&spread.slot);
+        lac_model_clear(&spread.model);
     }
     joint_clear(&j);
 }
@@ -166,23 +166,23 @@ static void numbers_are_those_of_the_place(void **state)
     joint j = full_joint(8, 8);
     double values[64], normal[2];
     const uint64_t key = hash_of("dc");
-    lac_spread spread = random_spread("lognormal", 0.3, 9);
+    lac_heterogeneity spread = random_spread("lognormal", 0.3, 9);
     assert_int_equal(fill(&j, &spread, 1, 2, values, NULL), LAC_OK);
     for (size_t i = 0; i < 64; i++) {
         lac_random_normal(9, LAC_STREAM_SPREAD, j.domain->index[i], key, normal);
         assert_true(values[i] == 2 * exp(0.3 * normal[0]));
     }
-    lac_slot_clear(&spread.slot);
+    lac_model_clear(&spread.model);
     joint_clear(&j);
 }
 
 // A case of 4 x 4 cells: all that may vary of a law is given, 0.01 in SI if not what stands in its
 // row, and one parameter is spread.
-static lac_case *spread_case(const lac_descriptor *law, const char *key)
+static lac_case *spread_case(const lac_model_info *law, const char *key)
 {
     char text[2048], list[1024] = "";
     lac_case *c = NULL;
-    lac_case_report report;
+    lac_case_issues report;
     const lac_case_request how = {LAC_FOR_RUN, NULL, 0};
     for (size_t k = 0; k < law->param_count; k++) {
         const lac_param *p = &law->params[k];
@@ -203,7 +203,7 @@ static lac_case *spread_case(const lac_descriptor *law, const char *key)
     if (lac_case_read_text("case.yaml", text, strlen(text), &how, &c, &report, NULL) != LAC_OK) {
         fail_msg("%s", text);
     }
-    lac_case_report_clear(&report);
+    lac_case_issues_clear(&report);
     return c;
 }
 
@@ -211,8 +211,8 @@ static lac_case *spread_case(const lac_descriptor *law, const char *key)
 static void every_parameter_of_a_law_spreads(void **state)
 {
     (void)state;
-    for (size_t i = 0; lac_friction_law_at(i) != NULL; i++) {
-        const lac_descriptor *law = &lac_friction_law_at(i)->about;
+    for (size_t i = 0; lac_friction_law_get(i) != NULL; i++) {
+        const lac_model_info *law = &lac_friction_law_get(i)->info;
         for (size_t k = 0; k < law->param_count; k++) {
             const lac_param *p = &law->params[k];
             if ((p->flags & LAC_CELLWISE) == 0) {
@@ -240,22 +240,22 @@ static void spreads_multiply(void **state)
     (void)state;
     joint j = full_joint(SIDE, SIDE);
     static double one[CELLS], both[CELLS], same[CELLS];
-    lac_spread spreads[2] = {random_spread("normal", 0.1, 4), spread_of("size")};
-    lac_spread_size *size = spreads[1].slot.params;
+    lac_heterogeneity spreads[2] = {random_spread("normal", 0.1, 4), spread_of("size")};
+    lac_heterogeneity_size *size = spreads[1].model.params;
     size->reference = 4;
     size->exponent = 2;
     assert_int_equal(fill(&j, spreads, 1, 2, one, NULL), LAC_OK);
     assert_int_equal(fill(&j, spreads, 2, 2, both, NULL), LAC_OK);
     double covariance = 0;
-    lac_spread twice[2] = {spreads[0], spreads[0]};
+    lac_heterogeneity twice[2] = {spreads[0], spreads[0]};
     assert_int_equal(fill(&j, twice, 2, 2, same, NULL), LAC_OK);
     for (size_t i = 0; i < CELLS; i++) {
         assert_true(fabs(both[i] / one[i] - 16) < 1e-12); // a patch of 16 m
         covariance += (one[i] / 2 - 1) * (same[i] / one[i] - 1) / CELLS;
     }
     assert_true(fabs(covariance) < 0.1 * 0.1 * 0.1);
-    lac_slot_clear(&spreads[0].slot);
-    lac_slot_clear(&spreads[1].slot);
+    lac_model_clear(&spreads[0].model);
+    lac_model_clear(&spreads[1].model);
     joint_clear(&j);
 }
 
@@ -273,12 +273,12 @@ static void sizes_are_those_of_patches_and_blocks(void **state)
         pressure[i] = touching[i / 8][i % 8] == '#' ? 1 : 0;
     }
     joint j = joint_of(8, 8, pressure);
-    assert_int_equal(lac_spread_sizes(&j.place, LAC_SIZE_BLOCK, size, NULL), LAC_OK);
+    assert_int_equal(lac_heterogeneity_sizes(&j.place, LAC_SIZE_BLOCK, size, NULL), LAC_OK);
     for (size_t i = 0; i < j.domain->n; i++) {
         size_t at = j.domain->index[i];
         assert_true(size[i] == 0.25 * (block[at / 8][at % 8] - '0')); // cells of 0.5 m
     }
-    assert_int_equal(lac_spread_sizes(&j.place, LAC_SIZE_PATCH, size, NULL), LAC_OK);
+    assert_int_equal(lac_heterogeneity_sizes(&j.place, LAC_SIZE_PATCH, size, NULL), LAC_OK);
     for (size_t i = 0; i < j.domain->n; i++) {
         size_t at = j.domain->index[i], x = at % 8, y = at / 8;
         size_t which = y == 0 && x == 6 ? 1 : y == 7 ? 3 : y > 4 ? 2 : 0;
@@ -289,7 +289,7 @@ static void sizes_are_those_of_patches_and_blocks(void **state)
     // on a line two neighbours are a block of twice the length
     joint line = joint_of(8, 1, (double[]){1, 1, 1, 1, 0, 1, 1, 1});
     static const double lengths[] = {2, 2, 2, 2, 0.5, 1, 1};
-    assert_int_equal(lac_spread_sizes(&line.place, LAC_SIZE_BLOCK, size, NULL), LAC_OK);
+    assert_int_equal(lac_heterogeneity_sizes(&line.place, LAC_SIZE_BLOCK, size, NULL), LAC_OK);
     assert_memory_equal(size, lengths, sizeof lengths);
     joint_clear(&line);
 }
@@ -300,14 +300,14 @@ static void impossible_ranges_are_refused(void **state)
     joint j = full_joint(8, 8);
     double values[64];
     lac_error err;
-    lac_spread spread = random_spread("lognormal", 0.1, 1);
-    lac_spread_random *p = spread.slot.params;
+    lac_heterogeneity spread = random_spread("lognormal", 0.1, 1);
+    lac_heterogeneity_random *p = spread.model.params;
     p->lowest = 3;
     assert_int_equal(fill(&j, &spread, 1, 1, values, &err), LAC_EINPUT);
     assert_non_null(strstr(err.message, "none of 1000 factors"));
     p->highest = 2;
-    assert_non_null(spread.slot.about->fault(p));
-    lac_slot_clear(&spread.slot);
+    assert_non_null(spread.model.info->validate(p));
+    lac_model_clear(&spread.model);
     joint_clear(&j);
 }
 
@@ -368,13 +368,13 @@ static void maps_are_read_in_any_shape(void **state)
             assert_true(fabs(got[i] - 1e-3 * stored[j.domain->index[i]]) < 1e-15);
         }
     }
-    lac_spread spread = spread_of("map");
-    lac_spread_map *map = spread.slot.params;
+    lac_heterogeneity spread = spread_of("map");
+    lac_heterogeneity_map *map = spread.model.params;
     double values[4];
     map->path = strdup(path);
     assert_int_equal(fill(&j, &spread, 1, NAN, values, NULL), LAC_OK); // no nominal value
     assert_memory_equal(values, got, sizeof got);
-    lac_slot_clear(&spread.slot);
+    lac_model_clear(&spread.model);
     joint_clear(&j);
     (void)close(fd);
     (void)unlink(path);

@@ -252,7 +252,7 @@ static void bad_records_are_refused(void **state)
     lac_record past = record_of(1);
     assert_int_equal(sink.record(sink.context, &past, &err), LAC_ENUMERIC);
     lac_record odd = record_of(4);
-    odd.seen.mean_rate = NAN;
+    odd.observation.mean_rate = NAN;
     assert_int_equal(sink.record(sink.context, &odd, &err), LAC_ENUMERIC);
     assert_non_null(strstr(err.message, "slip_rate"));
     lac_store_free(store);
@@ -357,7 +357,7 @@ static void contact_maps_come_back(void **state)
         pressure[i] = i % 3 == 0 ? 1e6 : 0.0;
     }
     const lac_grid grid = {.nx = NX, .ny = NY, .dx = 2.0, .dy = 2.0, .periodic = true};
-    const lac_contact_report report = {
+    const lac_contact_stats report = {
         .n_cells = 8, .iterations = 17, .max_pressure = 1e6, .approach = -0.5};
     const lac_box_count boxes = {.sizes = 3,
                                  .side = {1, 2, 4},

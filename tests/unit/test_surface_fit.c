@@ -19,7 +19,7 @@ static lac_status make(const char *text, lac_surface_file options, const lac_gri
     char path[160];
     (void)snprintf(path, sizeof path, "%s", scratch_write(&files, "map", text, strlen(text)));
     options.path = path;
-    return lac_surface_generate(&(lac_slot){&surface_source("file")->about, &options}, grid, h,
+    return lac_surface_generate(&(lac_model){&surface_source("file")->info, &options}, grid, h,
                                 err);
 }
 

@@ -15,7 +15,7 @@ typedef struct joint {
     double p[CELLS], traction[2 * CELLS];
     lac_tangential_def def;
     lac_tangential *t;
-    lac_tangential_report report;
+    lac_tangential_stats report;
     lac_first_slip first;
     lac_error err;
 } joint;

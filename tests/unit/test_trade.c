@@ -15,12 +15,12 @@ static void assert_near(double found, double expected, double error)
 static lac_case *read_text(const char *text, lac_case_purpose purpose)
 {
     lac_case *c = NULL;
-    lac_case_report report = {0};
+    lac_case_issues report = {0};
     lac_error err = {""};
     const lac_case_request how = {.purpose = purpose};
     assert_int_equal(lac_case_read_text("trade.yaml", text, strlen(text), &how, &c, &report, &err),
                      LAC_OK);
-    lac_case_report_clear(&report);
+    lac_case_issues_clear(&report);
     return c;
 }
 
@@ -116,10 +116,10 @@ static void plan_of_a_run(void **state)
     lac_trade_plan plan;
     lac_case *c = read_text(block, LAC_FOR_RUN);
     assert_int_equal(lac_trade_plan_create(c, LAC_OF_RUN, NULL, false, &plan, NULL), LAC_OK);
-    assert_int_equal(plan.dials, 3);
+    assert_int_equal(plan.settings, 3);
     assert_int_equal(count_of(&plan, LAC_TRADE_TRIED), 5 * (1 + 3 + 3));
     const lac_trade_run *reference = &plan.run[plan.reference];
-    assert_string_equal(plan.dial[0].value[reference->at[0]].label, "1e-08");
+    assert_string_equal(plan.setting[0].value[reference->at[0]].label, "1e-08");
     assert_int_equal(reference->at[1], -1);
     assert_int_equal(plan.run[plan.coarser[0]].at[0], reference->at[0] - 1);
     assert_int_equal(plan.run[plan.coarsest[0]].at[0], reference->at[0] - 2);
@@ -140,11 +140,11 @@ static void own_tolerance(void **state)
     (void)state;
     static const double own[] = {1e-6, 3e-5, 1e-9, 0.02, 1e-13};
     static const size_t rungs[] = {5, 6, 7, 7, 11};
-    lac_dial_value value[LAC_DIAL_VALUES];
+    lac_setting_value value[LAC_SETTING_VALUES];
     lac_case *c = read_text(block, LAC_FOR_RUN);
     for (size_t k = 0; k < sizeof own / sizeof own[0]; k++) {
         c->run.rtol = own[k];
-        const size_t n = lac_dial_at(0)->values(c, LAC_OF_RUN, value);
+        const size_t n = lac_setting_get(0)->values(c, LAC_OF_RUN, value);
         bool found = false;
         double before = INFINITY;
         assert_int_equal(n, rungs[k]);
@@ -167,10 +167,10 @@ static void plan_of_a_contact(void **state)
     lac_error err;
     lac_case *c = read_text(pressed, LAC_FOR_CONTACT);
     assert_int_equal(lac_trade_plan_create(c, LAC_OF_CONTACT, NULL, false, &plan, NULL), LAC_OK);
-    assert_int_equal(plan.dials, 1);
-    assert_string_equal(plan.dial[0].dial->name, "levels");
+    assert_int_equal(plan.settings, 1);
+    assert_string_equal(plan.setting[0].setting->name, "levels");
     const lac_trade_run *reference = &plan.run[plan.reference];
-    assert_string_equal(plan.dial[0].value[reference->at[0]].label, "4");
+    assert_string_equal(plan.setting[0].value[reference->at[0]].label, "4");
     assert_int_equal(lac_trade_of_run(&plan, plan.reference), LAC_OF_CONTACT);
     assert_int_equal(count_of(&plan, LAC_TRADE_TRIED), 3);
     lac_trade_plan_clear(&plan);
@@ -195,17 +195,17 @@ static void plan_of_a_scene(void **state)
     assert_int_equal(lac_trade_plan_create(c, LAC_OF_RUN, "levels,transfer", false, &plan, NULL),
                      LAC_OK);
     const lac_trade_run *reference = &plan.run[plan.reference];
-    assert_int_equal(plan.dials, 3); // and rtol, for the reference
-    assert_string_equal(plan.dial[0].value[reference->at[0]].label, "4");
-    assert_string_equal(plan.dial[1].value[reference->at[1]].label, "elastic");
-    assert_string_equal(plan.dial[2].value[reference->at[2]].label, "1e-07");
-    assert_int_equal(plan.dial[2].shown, 0);
+    assert_int_equal(plan.settings, 3); // and rtol, for the reference
+    assert_string_equal(plan.setting[0].value[reference->at[0]].label, "4");
+    assert_string_equal(plan.setting[1].value[reference->at[1]].label, "elastic");
+    assert_string_equal(plan.setting[2].value[reference->at[2]].label, "1e-07");
+    assert_int_equal(plan.setting[2].shown, 0);
     assert_int_equal(count_of(&plan, LAC_TRADE_TRIED), 3 * (1 + 2));
     lac_trade_plan_clear(&plan);
     assert_int_equal(lac_trade_plan_create(c, LAC_OF_CASCADE, NULL, false, &plan, NULL), LAC_OK);
-    assert_int_equal(plan.dials, 1); // uniform: no contacts along a path
-    assert_string_equal(plan.dial[0].dial->name, "shifts");
-    assert_string_equal(plan.dial[0].value[plan.run[plan.reference].at[0]].label, "16");
+    assert_int_equal(plan.settings, 1); // uniform: no contacts along a path
+    assert_string_equal(plan.setting[0].setting->name, "shifts");
+    assert_string_equal(plan.setting[0].value[plan.run[plan.reference].at[0]].label, "16");
     assert_int_equal(lac_trade_of_run(&plan, plan.reference), LAC_OF_CASCADE);
     lac_trade_plan_clear(&plan);
     assert_int_equal(lac_trade_plan_create(c, LAC_OF_CASCADE, "fidelity", false, &plan, NULL),
@@ -261,14 +261,14 @@ static void verdict(void **state)
 {
     (void)state;
     lac_trade_plan plan;
-    lac_trade_verdict v;
+    lac_trade_result v;
     lac_trade_measure m[64];
     lac_case *c = read_text(block, LAC_FOR_RUN);
     assert_int_equal(lac_trade_plan_create(c, LAC_OF_RUN, "rtol,method", false, &plan, NULL),
                      LAC_OK);
     assert_true(plan.runs <= 64);
     fill(&plan, m);
-    lac_trade_ask ask = {.quantity = -1, .reach = 2e-5, .within = NAN, .spend = NAN};
+    lac_trade_request ask = {.quantity = -1, .reach = 2e-5, .within = NAN, .budget = NAN};
     assert_int_equal(lac_trade_judge(&plan, m, &ask, &v, NULL), LAC_OK);
     assert_int_equal(v.quantity, LAC_QUANTITY_SLIP); // nothing fails, no limit is reached
     assert_int_equal(v.reference, plan.reference);
@@ -280,27 +280,27 @@ static void verdict(void **state)
         const bool tried = (plan.run[i].why & LAC_TRADE_TRIED) != 0;
         assert_int_equal(v.on_front[i], tried && !dear);
     }
-    lac_trade_verdict_clear(&v);
+    lac_trade_result_clear(&v);
 
-    ask = (lac_trade_ask){.quantity = -1, .reach = NAN, .within = 2.5e-3, .spend = NAN};
+    ask = (lac_trade_request){.quantity = -1, .reach = NAN, .within = 2.5e-3, .budget = NAN};
     assert_int_equal(lac_trade_judge(&plan, m, &ask, &v, NULL), LAC_OK);
     assert_int_equal(plan.run[v.recommended].at[0], 0); // 1e-3 of 2 is 2e-3
-    lac_trade_verdict_clear(&v);
+    lac_trade_result_clear(&v);
 
     ask.unit = "s"; // of the slip
     assert_int_equal(lac_trade_judge(&plan, m, &ask, &v, NULL), LAC_EINPUT);
-    lac_trade_verdict_clear(&v);
+    lac_trade_result_clear(&v);
 
-    ask = (lac_trade_ask){.quantity = -1, .reach = NAN, .within = NAN, .spend = 3.5};
+    ask = (lac_trade_request){.quantity = -1, .reach = NAN, .within = NAN, .budget = 3.5};
     assert_int_equal(lac_trade_judge(&plan, m, &ask, &v, NULL), LAC_OK);
     assert_int_equal(plan.run[v.recommended].at[0], 2);
-    lac_trade_verdict_clear(&v);
+    lac_trade_result_clear(&v);
 
-    ask = (lac_trade_ask){.quantity = -1, .reach = 1e-12, .within = NAN, .spend = NAN};
+    ask = (lac_trade_request){.quantity = -1, .reach = 1e-12, .within = NAN, .budget = NAN};
     assert_int_equal(lac_trade_judge(&plan, m, &ask, &v, NULL), LAC_OK);
     assert_int_equal(v.recommended, SIZE_MAX);
     assert_int_equal(plan.run[v.closest].at[0], 4);
-    lac_trade_verdict_clear(&v);
+    lac_trade_result_clear(&v);
     lac_trade_plan_clear(&plan);
     lac_case_free(c);
 }
@@ -310,33 +310,33 @@ static void poor_references(void **state)
 {
     (void)state;
     lac_trade_plan plan;
-    lac_trade_verdict v;
+    lac_trade_result v;
     lac_trade_measure m[64];
     lac_error err = {""};
     lac_case *c = read_text(block, LAC_FOR_RUN);
     assert_int_equal(lac_trade_plan_create(c, LAC_OF_RUN, "rtol,method", false, &plan, NULL),
                      LAC_OK);
     fill(&plan, m);
-    lac_trade_ask ask = {.quantity = -1, .reach = NAN, .within = NAN, .spend = NAN};
+    lac_trade_request ask = {.quantity = -1, .reach = NAN, .within = NAN, .budget = NAN};
     m[plan.reference].end = LAC_TRADE_BROKEN;
     assert_int_equal(lac_trade_judge(&plan, m, &ask, &v, &err), LAC_OK);
     assert_int_equal(v.reference, plan.coarser[0]);
     assert_near(v.uncertainty, 9e-7, 1e-9); // the rung before it is the last change
-    lac_trade_verdict_clear(&v);
+    lac_trade_result_clear(&v);
     m[plan.coarser[0]].end = LAC_TRADE_BROKEN;
     assert_int_equal(lac_trade_judge(&plan, m, &ask, &v, &err), LAC_OK);
     assert_int_equal(v.reference, plan.coarsest[0]);
     assert_true(isnan(v.uncertainty));
-    lac_trade_verdict_clear(&v);
+    lac_trade_result_clear(&v);
     m[plan.coarsest[0]].end = LAC_TRADE_GIVEN_UP;
     assert_int_equal(lac_trade_judge(&plan, m, &ask, &v, &err), LAC_ENUMERIC);
-    lac_trade_verdict_clear(&v);
+    lac_trade_result_clear(&v);
     fill(&plan, m);
     for (int q = 0; q < LAC_QUANTITIES; q++) {
         ask.quantity = q;
         assert_int_equal(lac_trade_judge(&plan, m, &ask, &v, &err),
                          q == LAC_QUANTITY_SLIP ? LAC_OK : LAC_EINPUT);
-        lac_trade_verdict_clear(&v);
+        lac_trade_result_clear(&v);
     }
     // Counts that agree are known to one event, no better.
     for (size_t i = 0; i < plan.runs; i++) {
@@ -346,7 +346,7 @@ static void poor_references(void **state)
     assert_int_equal(lac_trade_judge(&plan, m, &ask, &v, &err), LAC_OK);
     assert_near(v.uncertainty, 0.02, 1e-15);
     assert_int_equal(v.recommended, SIZE_MAX);
-    lac_trade_verdict_clear(&v);
+    lac_trade_result_clear(&v);
     lac_trade_plan_clear(&plan);
     lac_case_free(c);
 }
@@ -370,8 +370,9 @@ static void probe(void **state)
     const lac_sink sink = lac_trade_probe_sink(&p);
     const double shear[] = {1.0, 3.0, 2.0};
     for (int i = 0; i < 3; i++) {
-        const lac_record record = {
-            .seen = {.shear_force = shear[i], .effective_force = 10.0, .mean_rate = 0.5 * i}};
+        const lac_record record = {.observation = {.shear_force = shear[i],
+                                                   .effective_force = 10.0,
+                                                   .mean_rate = 0.5 * i}};
         assert_int_equal(sink.record(sink.context, &record, NULL), LAC_OK);
     }
     assert_int_equal(sink.event(sink.context, &(lac_event){.cells = 1}, NULL), LAC_OK);

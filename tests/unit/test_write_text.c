@@ -11,7 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "base/part.h"
+#include "base/temp_file.h"
 #include "support/scratch_group.h"
 #include "support/test.h"
 
@@ -87,9 +87,9 @@ static void test_follows_a_link(void **state)
     assert_int_equal(symlink("a", at), 0);
     assert_int_equal(lac_write_text(at, "two", true, NULL), LAC_OK);
     assert_holds("a", "two");
-    struct stat about;
-    assert_int_equal(lstat(at, &about), 0);
-    assert_true(S_ISLNK(about.st_mode));
+    struct stat info;
+    assert_int_equal(lstat(at, &info), 0);
+    assert_true(S_ISLNK(info.st_mode));
     take_away("a");
     take_away("b");
 }

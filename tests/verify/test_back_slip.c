@@ -50,12 +50,12 @@ static void slabs_load_uniform_slip_as_a_spring_does(void **state)
     for (int k = 0; k < 3; k++) {
         fault f;
         patch_create(grids[k / 2], k < 2, k == 1, false, 0, &f);
-        fault_events seen;
-        lac_run_result result = fault_run(&f, LAC_BDF, 6e6, 1e-8, &seen);
-        print_message("first event %.10g s, off by %.1e; balance %.1e, %lld steps\n", seen.time[0],
-                      seen.time[0] / first_event - 1, result.balance_residual,
-                      (long long)result.steps);
-        assert_true(fabs(seen.time[0] / first_event - 1) < 1e-6);
+        fault_events observation;
+        lac_run_result result = fault_run(&f, LAC_BDF, 6e6, 1e-8, &observation);
+        print_message("first event %.10g s, off by %.1e; balance %.1e, %lld steps\n",
+                      observation.time[0], observation.time[0] / first_event - 1,
+                      result.balance_residual, (long long)result.steps);
+        assert_true(fabs(observation.time[0] / first_event - 1) < 1e-6);
         assert_true(result.balance_residual < 1e-5);
         fault_free(&f);
     }
@@ -67,8 +67,8 @@ static void creeping_surroundings_load_a_patch(void **state)
     (void)state;
     fault f;
     patch_create((lac_grid){8, 8, 0.02, 0.02, false}, false, false, true, 1, &f);
-    fault_events seen;
-    lac_run_result result = fault_run(&f, LAC_BDF, 2e6, 1e-7, &seen);
+    fault_events observation;
+    lac_run_result result = fault_run(&f, LAC_BDF, 2e6, 1e-7, &observation);
     print_message("mean slip %.4g m of %.4g m, balance %.1e\n", result.mean_slip, 2e6 * plate_rate,
                   result.balance_residual);
     // so stiff a patch follows what surrounds it

@@ -111,10 +111,10 @@ static void slip_and_rate_along_the_run(void **state)
     lac_run_def how = to_failure(1e-10, 1e6);
     (void)run(&def, &how, &h);
     for (size_t i = 1; i < h.n; i++) {
-        double x = pow(h.line[i].seen.mean_rate / v_star, -1.0 / m);
+        double x = pow(h.line[i].observation.mean_rate / v_star, -1.0 / m);
         double z = fabs(1.0 - pow(x, 1.0 - m));
         double slip = def.dc / (m - 1.0) * log(z / fabs(1.0 - pow(def.x, 1.0 - m)));
-        assert_true(fabs(h.line[i].seen.mean_slip - slip) < 1e-7 * (slip + 1e-2));
+        assert_true(fabs(h.line[i].observation.mean_slip - slip) < 1e-7 * (slip + 1e-2));
         double t = block_steady_state(&def) * aging_time(m, def.x, x);
         assert_true(fabs(history_time(&h, i) - t) < 1e-7 * time_to_rate(&def, 1e6));
     }
@@ -135,7 +135,7 @@ static void lambert(void **state)
     for (size_t i = 1; i < h.n; i++) {
         double shift = def.x + log(1.0 - def.x) + history_time(&h, i) - 1.0;
         double x = 1.0 + gsl_sf_lambert_W0(-exp(shift));
-        assert_close(h.line[i].seen.mean_rate, pow(x, -2.0), 1e-6, "O4 rate");
+        assert_close(h.line[i].observation.mean_rate, pow(x, -2.0), 1e-6, "O4 rate");
     }
     history_clear(&h);
 }
@@ -152,7 +152,7 @@ static void approach_to_failure(void **state)
     (void)run(&def, &how, &h);
     size_t used = 0;
     for (size_t i = 0; i < h.n; i++) {
-        double v = h.line[i].seen.mean_rate;
+        double v = h.line[i].observation.mean_rate;
         if (v > 1e4 && v < 1e5) {
             double x = pow(v, -1.0 / m);
             double alpha = m / (m - 1.0);
@@ -177,7 +177,7 @@ static void relaxation(void **state)
     lac_run_result result = run(&def, &how, &h);
     assert_false(result.failed);
     // v -> v* (t/theta_ss)^-m, from the exact dT = dx/(1 - x^(1-m)): T = x + O(ln x or x^(2-m)).
-    double last = h.line[h.n - 1].seen.mean_rate;
+    double last = h.line[h.n - 1].observation.mean_rate;
     double x = pow(last / block_steady_rate(&def), -1.0 / 1.5);
     assert_close(aging_time(1.5, 1.2, x) * block_steady_state(&def), 1e14, 1e-7, "O7 time");
     assert_close(last, pow(1e14, -1.5), 1e-5, "O7 rate");
@@ -203,11 +203,12 @@ static void approach_to_steady_sliding(void **state)
         size_t first = 0;
         size_t last = 0;
         for (size_t i = 0; i < h.n; i++) {
-            double off = fabs(log(h.line[i].seen.mean_rate));
+            double off = fabs(log(h.line[i].observation.mean_rate));
             first = off > 3e-3 ? i : first;
             last = off > 3e-4 ? i : last;
         }
-        double decay = log(log(h.line[first].seen.mean_rate) / log(h.line[last].seen.mean_rate)) /
+        double decay = log(log(h.line[first].observation.mean_rate) /
+                           log(h.line[last].observation.mean_rate)) /
                        (history_time(&h, last) - history_time(&h, first));
         assert_close(decay, (1.0 - m) / block_steady_state(&def), 5e-3, "O8");
         history_clear(&h);
@@ -227,7 +228,7 @@ static void quadrants(void **state)
         history h = {0};
         lac_run_result result = run(&def, &how, &h);
         assert_int_equal(result.failed, i == 2);
-        double last = h.line[h.n - 1].seen.mean_rate;
+        double last = h.line[h.n - 1].observation.mean_rate;
         if (i < 2) {
             assert_close(last, block_steady_rate(&def), 1e-6, "steady");
         } else if (i == 3) {
@@ -258,21 +259,21 @@ static double callback_break(const lac_load *load, double t)
 }
 
 static const lac_load_kind callback_kind = {
-    .about = {.name = "callback"}, .add = add_callback, .next_break = callback_break};
+    .info = {.name = "callback"}, .add = add_callback, .next_break = callback_break};
 
 static double drive(double t) { return 1.1 + 0.3 * sin(t); }
 static double driven_ratio(double t) { return 0.01 * log(drive(t)); }
 static double driven_rate(double t) { return 0.01 * 0.3 * cos(t) / drive(t); }
 
 // A block with m = 1 and dc = v0 = 1 that starts with theta = 2 under S = drive: v = S/theta.
-static void create_driven(const lac_slot *slot, double start_drive, lac_formulation formulation,
+static void create_driven(const lac_model *model, double start_drive, lac_formulation formulation,
                           block *b)
 {
     block_def def = block_default(1.0, 1.0);
     lac_error err;
     block_create(&def, b);
     lac_problem_free(b->problem);
-    b->loads = test_load_set(&(lac_load_slots){.shear = slot, .shear_count = 1});
+    b->loads = test_load_set(&(lac_load_models){.shear = model, .shear_count = 1});
     double u = log(start_drive / 2.0);
     double w = log(2.0);
     lac_problem_def problem = {.domain = b->domain,
@@ -289,21 +290,21 @@ static void create_driven(const lac_slot *slot, double start_drive, lac_formulat
 static void driven_block(void **state)
 {
     callback c = {driven_ratio, driven_rate, INFINITY};
-    lac_slot slot = {.about = &callback_kind.about, .params = &c};
+    lac_model model = {.info = &callback_kind.info, .params = &c};
     block b;
     lac_error err;
     lac_run_result result;
-    create_driven(&slot, drive(0.0), chosen(state), &b);
+    create_driven(&model, drive(0.0), chosen(state), &b);
     history h = {0};
     lac_sink sink = history_sink(&h);
     lac_run_def how = to_failure(1e-11, 1e8);
     assert_int_equal(lac_run(b.problem, &how, &sink, &result, &err), LAC_OK);
     assert_true(result.failed);
     assert_close(result.failure_origin + result.failure_local, 14.908571437, 1e-8, "O9");
-    for (size_t i = 0; i < h.n && h.line[i].seen.mean_rate < 1e3; i++) {
+    for (size_t i = 0; i < h.n && h.line[i].observation.mean_rate < 1e3; i++) {
         double t = history_time(&h, i);
         double theta = 2.0 - 0.1 * t - 0.3 * (1.0 - cos(t));
-        assert_close(h.line[i].seen.mean_rate, drive(t) / theta, 1e-5, "O9 rate");
+        assert_close(h.line[i].observation.mean_rate, drive(t) / theta, 1e-5, "O9 rate");
     }
     history_clear(&h);
     block_clear(&b);
@@ -312,14 +313,14 @@ static void driven_block(void **state)
 // A ramp that starts at 1 s and ends at 2 s, ln S from 0 to 1/2: theta stays 2, then bends twice.
 static void ramped_block(void **state)
 {
-    lac_slot slot = test_slot_shear("ramp");
-    test_slot_set(&slot, "rate", 5e3);
-    test_slot_set(&slot, "start", 1.0);
-    test_slot_set(&slot, "end", 2.0);
+    lac_model model = test_slot_shear("ramp");
+    test_slot_set(&model, "rate", 5e3);
+    test_slot_set(&model, "start", 1.0);
+    test_slot_set(&model, "end", 2.0);
     block b;
     lac_error err;
     lac_run_result result;
-    create_driven(&slot, 1.0, chosen(state), &b);
+    create_driven(&model, 1.0, chosen(state), &b);
     history h = {0};
     lac_sink sink = history_sink(&h);
     lac_run_def how = to_failure(1e-10, 1e8);
@@ -330,14 +331,15 @@ static void ramped_block(void **state)
     for (size_t i = 0; i < h.n; i++) {
         double t = history_time(&h, i);
         if (t <= 1.0) {
-            assert_close(h.line[i].seen.mean_rate, 0.5, 1e-9, "before the ramp");
+            assert_close(h.line[i].observation.mean_rate, 0.5, 1e-9, "before the ramp");
         } else if (t <= 2.0) {
             double theta = 2.0 + (t - 1.0) - 2.0 * expm1(0.5 * (t - 1.0));
-            assert_close(h.line[i].seen.mean_rate, exp(0.5 * (t - 1.0)) / theta, 1e-6, "ramp");
+            assert_close(h.line[i].observation.mean_rate, exp(0.5 * (t - 1.0)) / theta, 1e-6,
+                         "ramp");
         }
     }
     history_clear(&h);
-    lac_slot_clear(&slot);
+    lac_model_clear(&model);
     block_clear(&b);
 }
 
@@ -355,10 +357,10 @@ static void load_step(void **state)
 {
     const double m = 1.5;
     callback c = {jumping_ratio, no_rate, jump_at};
-    lac_slot slot = {.about = &callback_kind.about, .params = &c};
+    lac_model model = {.info = &callback_kind.info, .params = &c};
     block_def def = block_default(m, 1.3);
     def.formulation = chosen(state);
-    def.shear = &slot;
+    def.shear = &model;
     def.shear_count = 1;
 
     // x at the step, by bisection on the exact time.
@@ -412,8 +414,8 @@ static void slip_law(void **state)
         assert_true(result.failed);
         assert_close(result.failure_origin + result.failure_local + rest, table[i][2], 1e-6, "O11");
         for (size_t k = 0; k < h.n; k++) {
-            double now = log(h.line[k].seen.mean_rate) / exponent;
-            double want = phi * exp((m - 1.0) * h.line[k].seen.mean_slip / def.dc);
+            double now = log(h.line[k].observation.mean_rate) / exponent;
+            double want = phi * exp((m - 1.0) * h.line[k].observation.mean_slip / def.dc);
             assert_close(now, want, 1e-6, "O11 phi");
         }
         history_clear(&h);
@@ -433,10 +435,10 @@ static void damped(void **state)
     assert_true(result.failed);
     double slope = def.pressure * def.b / def.dc;
     const lac_record *end = &h.line[h.n - 1];
-    double v_end = end->seen.mean_rate;
+    double v_end = end->observation.mean_rate;
     double reference = -def.pressure * def.a / v_end + def.damping * log(v_end);
     for (size_t i = 0; i + 1 < h.n; i++) {
-        double v = h.line[i].seen.mean_rate;
+        double v = h.line[i].observation.mean_rate;
         double dt =
             (end->time_origin - h.line[i].time_origin) + (end->time_local - h.line[i].time_local);
         double now = -def.pressure * def.a / v + def.damping * log(v);

@@ -166,10 +166,10 @@ static outcome run_one(const pull *how, uint64_t seed)
     tree_make_transfer(&def, &t);
     tree_make_friction(&def, &t);
 
-    lac_slot ramp = test_slot_shear("ramp");
+    lac_model ramp = test_slot_shear("ramp");
     test_slot_set(&ramp, "rate", f0 / ramp_time);
     test_slot_set(&ramp, "share", 1);
-    lac_load_set loads = test_load_set(&(lac_load_slots){.shear = &ramp, .shear_count = 1});
+    lac_load_set loads = test_load_set(&(lac_load_models){.shear = &ramp, .shear_count = 1});
     lac_problem_def problem = {.domain = t.domain,
                                .friction = t.friction,
                                .transfer = &t.transfer,
@@ -195,7 +195,7 @@ static outcome run_one(const pull *how, uint64_t seed)
     out.left = 1 + b / f0 * log(v0 * w.state / dc);
     out.formula = 1 - x;
     lac_load_set_clear(&loads);
-    lac_slot_clear(&ramp);
+    lac_model_clear(&ramp);
     tree_clear(&t);
     free(shear);
     free(y);

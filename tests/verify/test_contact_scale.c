@@ -27,7 +27,7 @@ typedef struct fixture {
     size_t cells;
     double *h, *p, *gap;
     lac_contact_def def;
-    lac_contact_report report;
+    lac_contact_stats report;
 } fixture;
 
 static fixture make(size_t nx, size_t ny)

@@ -110,12 +110,12 @@ static lac_status look(void *context, const lac_record *line, lac_error *err)
     (void)err;
     if (c->n < 64) {
         c->time[c->n] = line->time_origin + line->time_local;
-        c->slip[c->n] = line->seen.mean_slip;
+        c->slip[c->n] = line->observation.mean_slip;
     }
-    c->first = c->n == 0 ? line->seen : c->first;
-    c->last = line->seen;
+    c->first = c->n == 0 ? line->observation : c->first;
+    c->last = line->observation;
     c->n++;
-    c->worst = fmax(c->worst, line->seen.balance_residual);
+    c->worst = fmax(c->worst, line->observation.balance_residual);
     return LAC_OK;
 }
 
@@ -145,7 +145,7 @@ static void spring_pulls(const lac_load *load, double t, lac_load_state *sum)
 }
 
 static const lac_load_kind pull_row = {
-    .about = {.name = "pull"}, .add = pull, .next_break = pull_break};
+    .info = {.name = "pull"}, .add = pull, .next_break = pull_break};
 
 // Cells that are alike move as one block that is damped by eta as it is: its own area is the
 // nominal one. All formulations and methods, through a jump of the load, on 1, 1/4 and 1/64 of the
@@ -156,22 +156,23 @@ static void alike_cells_are_one_block(void **state)
     const size_t strides[] = {1, 4, 64};
     const lac_method methods[] = {LAC_BDF, LAC_ADAMS, LAC_ERK};
     for (size_t m = 0; m < 3; m++) {
-        course seen[3] = {{0}};
+        course observation[3] = {{0}};
         for (size_t k = 0; k < 3; k++) {
             tree_def def = creeping(chosen(state));
             def.loads = (lac_load_set){.shear = &load, .shear_count = 1};
             lac_run_def how = to_the_end(1e-9, 3e5 + 5.0);
             how.method = methods[m];
             how.record = (lac_cadence){.time = 1e4, .per_decade = NAN};
-            const lac_sink sink = {.context = &seen[k], .record = look};
+            const lac_sink sink = {.context = &observation[k], .record = look};
             (void)run_scene(&def, 16, strides[k], &how, &sink);
-            assert_true(seen[k].n == seen[0].n && seen[k].n > 30);
-            for (size_t i = 0; i < seen[0].n; i++) {
-                assert_true(fabs(seen[k].time[i] - seen[0].time[i]) < 1e-3);
-                double off = seen[k].slip[i] - seen[0].slip[i];
-                if (!(fabs(off) <= 1e-6 * (seen[0].slip[i] + def.dc))) {
+            assert_true(observation[k].n == observation[0].n && observation[k].n > 30);
+            for (size_t i = 0; i < observation[0].n; i++) {
+                assert_true(fabs(observation[k].time[i] - observation[0].time[i]) < 1e-3);
+                double off = observation[k].slip[i] - observation[0].slip[i];
+                if (!(fabs(off) <= 1e-6 * (observation[0].slip[i] + def.dc))) {
                     fail_msg("1/%zu, method %d, t %g: slip %.10g, one block %.10g", strides[k],
-                             (int)methods[m], seen[0].time[i], seen[k].slip[i], seen[0].slip[i]);
+                             (int)methods[m], observation[0].time[i], observation[k].slip[i],
+                             observation[0].slip[i]);
                 }
             }
         }
@@ -204,9 +205,9 @@ static void terminal_speed_does_not_depend_on_the_grid(void **state)
         tree t;
         lac_error err = {""};
         lac_run_result result;
-        course seen = {0};
+        course observation = {0};
         tree_create(&def, &t);
-        const lac_sink sink = {.context = &seen, .record = look};
+        const lac_sink sink = {.context = &observation, .record = look};
         lac_run_def how = to_the_end(1e-8, 1e9);
         how.stop_slip = 0.2; // 200 dc
         if (lac_run(t.problem, &how, &sink, &result, &err) != LAC_OK) {
@@ -214,12 +215,13 @@ static void terminal_speed_does_not_depend_on_the_grid(void **state)
         }
         assert_int_equal(result.end, LAC_END_STOP);
         double area = lac_grid_area(&t.domain->grid);
-        def.pressure = seen.first.normal_force / area;
-        double exact = terminal_speed(&def, seen.first.shear_force / area);
+        def.pressure = observation.first.normal_force / area;
+        double exact = terminal_speed(&def, observation.first.shear_force / area);
         printf("%zu of %zu cells: %.10g m/s, exact %.10g, residual %.2g\n", t.domain->n,
-               lac_grid_cells(&t.domain->grid), seen.last.mean_rate, exact, seen.worst);
-        assert_true(fabs(seen.last.mean_rate / exact - 1.0) < 1e-5);
-        assert_true(seen.worst < 1e-2);
+               lac_grid_cells(&t.domain->grid), observation.last.mean_rate, exact,
+               observation.worst);
+        assert_true(fabs(observation.last.mean_rate / exact - 1.0) < 1e-5);
+        assert_true(observation.worst < 1e-2);
         tree_clear(&t);
     }
 }
@@ -284,7 +286,7 @@ static void initial_values_balance(void **state)
         double eta = massive ? 0.0 : def.damping * 64.0;
         double f = lac_friction_coefficient(s.made.friction, 0, s.start[0], s.start[domain->n]);
         double ratio = f + eta * def.slip_rate / domain->pressure[0];
-        const lac_load_kind row = {.about = {.name = "ratio"}, .add = hold};
+        const lac_load_kind row = {.info = {.name = "ratio"}, .add = hold};
         lac_load load = {.kind = &row, .params = &ratio};
         const lac_load_set loads = {.shear = &load, .shear_count = 1};
         bool from_load = ways[i % 2] == LAC_STATE_FROM_LOAD;
@@ -318,7 +320,7 @@ static void failure_is_within_reach(void **state)
 {
     (void)state;
     static const double spring = 1.0;
-    const lac_load_kind row = {.about = {.name = "spring"}, .add = spring_pulls};
+    const lac_load_kind row = {.info = {.name = "spring"}, .add = spring_pulls};
     lac_load load = {.kind = &row, .params = &spring};
     tree_def def = creeping(LAC_FORMULATION_RATE);
     for (size_t stride = 1; stride <= 64; stride *= 8) {
@@ -363,18 +365,18 @@ static void run_and_follow_fail_alike(void **state)
         how.failure_rate = i == 0 ? 1.0 : INFINITY;
         how.failure_slip = NAN;
         assert_int_equal(lac_run(s.made.problem, &how, NULL, &result, &err), LAC_OK);
-        const lac_follow_def follow = {.problem = s.made.problem,
-                                       .rtol = 1e-9,
-                                       .end = 1e9,
-                                       .failure_rate = how.failure_rate,
-                                       .failure_slip = NAN,
-                                       .max_steps = 100000};
-        lac_follow seen = {0};
-        assert_int_equal(lac_follow_run(&follow, &seen, &err), LAC_OK);
-        assert_true(result.failed && seen.failed);
+        const lac_sensitivity_def follow = {.problem = s.made.problem,
+                                            .rtol = 1e-9,
+                                            .end = 1e9,
+                                            .failure_rate = how.failure_rate,
+                                            .failure_slip = NAN,
+                                            .max_steps = 100000};
+        lac_sensitivity observation = {0};
+        assert_int_equal(lac_sensitivity_run(&follow, &observation, &err), LAC_OK);
+        assert_true(result.failed && observation.failed);
         assert_int_equal(result.end, i == 0 ? LAC_END_FAILURE : LAC_END_SLIP);
         double time = result.failure_origin + result.failure_local;
-        assert_true(fabs(seen.failure_time / time - 1.0) < 1e-6);
+        assert_true(fabs(observation.failure_time / time - 1.0) < 1e-6);
         assert_true(i == 0 || fabs(result.mean_slip / 16.0 - 1.0) < 1e-9);
         assert_true(fabs(result.failure.rate * 60.0 - 1.0) < 1e-12 || i == 1);
         scene_clear(&s);

@@ -42,7 +42,7 @@ static void carried(const tree *t, const tree_def *def, const double *u, const d
 static void drag_is_shared_by_pressure(void **state)
 {
     static double rise = 0.7; // of the ratio, per second
-    const lac_load_kind row = {.about = {.name = "rise"}, .add = ramp_up};
+    const lac_load_kind row = {.info = {.name = "rise"}, .add = ramp_up};
     lac_load load = {.kind = &row, .params = &rise};
     tree_def def = tree_default(4, 3);
     def.keep = 0.6;

@@ -40,21 +40,21 @@ static scene scene_of(lac_grid grid, rock_def rock, choice how)
     free(pressure);
     s.h = hierarchy_of(s.domain);
     s.n = s.domain->n;
-    lac_slot slot = {0};
-    for (size_t i = 0; lac_transfer_kind_at(i) != NULL; i++) {
-        const lac_descriptor *about = &lac_transfer_kind_at(i)->about;
-        slot.about = strcmp(about->name, "elastic") == 0 ? about : slot.about;
+    lac_model model = {0};
+    for (size_t i = 0; lac_transfer_kind_get(i) != NULL; i++) {
+        const lac_model_info *info = &lac_transfer_kind_get(i)->info;
+        model.info = strcmp(info->name, "elastic") == 0 ? info : model.info;
     }
     lac_transfer_elastic params = {.mode = rock.nu == 0,
                                    .outside = how.creeping,
                                    .thickness = isinf(rock.height) ? (double)NAN : rock.height,
                                    .tolerance = how.tolerance,
                                    .newton_tolerance = how.tolerance};
-    slot.params = &params;
+    model.params = &params;
     // Antiplane must not look at Poisson's ratio.
     lac_transfer_scene from = {s.domain,  s.h,  rock.g, rock.nu == 0 ? 0.4 : rock.nu,
                                rock.line, false};
-    if (lac_transfer_create(&slot, &from, &s.transfer, &err) != LAC_OK) {
+    if (lac_transfer_create(&model, &from, &s.transfer, &err) != LAC_OK) {
         fail_msg("%s", err.message);
     }
     s.x = new_doubles(s.n);
@@ -441,11 +441,11 @@ static void refuse(lac_grid grid, double fraction, lac_transfer_elastic params, 
                    const char *says)
 {
     scene s = scene_of(grid, (rock_def){2, 0.25, INFINITY, false}, (choice){fraction, false, 1e-3});
-    lac_slot slot = {&s.transfer.kind->about, &params};
+    lac_model model = {&s.transfer.kind->info, &params};
     lac_transfer_scene from = {s.domain, s.h, 2, nu, false, false};
     lac_transfer transfer;
     lac_error err = {""};
-    assert_int_equal(lac_transfer_create(&slot, &from, &transfer, &err), LAC_EINPUT);
+    assert_int_equal(lac_transfer_create(&model, &from, &transfer, &err), LAC_EINPUT);
     if (strstr(err.message, says) == NULL) {
         fail_msg("\"%s\" does not say \"%s\"", err.message, says);
     }

@@ -194,7 +194,7 @@ static void grow(const lac_load *load, double t, lac_load_state *sum)
     sum->ratio_rate += rate;
 }
 
-static const lac_load_kind growing = {.about = {.name = "growing"}, .add = grow, .linear = true};
+static const lac_load_kind growing = {.info = {.name = "growing"}, .add = grow, .linear = true};
 
 // The same joint, for the library.
 typedef struct scene {
@@ -319,20 +319,20 @@ static void nor_cadence_nor_fidelity_matters(void **state)
         how.record = (lac_cadence){.time = 977.0, .per_decade = NAN};
     }
     how = how_to_run(1e-8);
-    how.fidelity = LAC_FIDELITY_EVENTS;
+    how.fidelity = LAC_FIDELITY_ASYNC;
     lac_run_result result = run(&j, LAC_FORMULATION_RATE, &how);
     printf("events: %+.3g s\n", time_of(&result) - f.failure);
     assert_true(fabs(time_of(&result) - f.failure) < 50.0);
 }
 
-static lac_follow_def to_follow(const scene *s)
+static lac_sensitivity_def to_follow(const scene *s)
 {
-    return (lac_follow_def){.problem = s->made.problem,
-                            .rtol = 1e-9,
-                            .end = 1e7,
-                            .failure_rate = 1.0,
-                            .failure_slip = NAN,
-                            .max_steps = 1000000};
+    return (lac_sensitivity_def){.problem = s->made.problem,
+                                 .rtol = 1e-9,
+                                 .end = 1e7,
+                                 .failure_rate = 1.0,
+                                 .failure_slip = NAN,
+                                 .max_steps = 1000000};
 }
 
 // What fits and forecasts follow fails as a run does.
@@ -342,11 +342,11 @@ static void what_is_followed_fails_so_too(void **state)
     joint j = make_joint(0.25);
     scene s;
     lac_error err = {""};
-    lac_follow seen = {0};
+    lac_sensitivity seen = {0};
     fate f = follow(&j, 1e-9);
     scene_create(&j, LAC_FORMULATION_RATE, &s);
-    const lac_follow_def def = to_follow(&s);
-    assert_int_equal(lac_follow_run(&def, &seen, &err), LAC_OK);
+    const lac_sensitivity_def def = to_follow(&s);
+    assert_int_equal(lac_sensitivity_run(&def, &seen, &err), LAC_OK);
     printf("followed: %+.3g s\n", seen.failure_time - f.failure);
     assert_true(seen.failed && fabs(seen.failure_time - f.failure) < 0.3);
     tree_clear(&s.made);
@@ -366,13 +366,13 @@ static void failure_by_a_parameter(void **state)
         scene_create(&j, LAC_FORMULATION_RATE, &s[i]);
         time[i] = follow(&j, 1e-11).failure;
     }
-    const lac_nudge nudge = {
+    const lac_perturbation perturbation = {
         .low = s[0].made.problem, .high = s[2].made.problem, .step = 0.5 * (a[2] - a[0])};
-    lac_follow seen = {.failure_by = &by};
-    lac_follow_def def = to_follow(&s[1]);
-    def.nudges = 1;
-    def.nudge = &nudge;
-    assert_int_equal(lac_follow_run(&def, &seen, &err), LAC_OK);
+    lac_sensitivity seen = {.failure_by = &by};
+    lac_sensitivity_def def = to_follow(&s[1]);
+    def.perturbations = 1;
+    def.perturbation = &perturbation;
+    assert_int_equal(lac_sensitivity_run(&def, &seen, &err), LAC_OK);
     double exact = (time[2] - time[0]) / (a[2] - a[0]);
     printf("fails at %.8g s, %+.2g s; by a: %.6g s, differences %.6g s\n", time[1],
            seen.failure_time - time[1], by, exact);

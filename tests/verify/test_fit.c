@@ -37,13 +37,13 @@ static lac_case *read_case(const char *tail)
 {
     char text[4096];
     lac_case *c = NULL;
-    lac_case_report report;
+    lac_case_issues report;
     lac_error err = {""};
     const lac_case_request how = {LAC_FOR_FIT, NULL, 0};
     (void)snprintf(text, sizeof text, "%s%s", tail[0] == '#' ? stepped : head, tail);
     lac_status status =
         lac_case_read_text("case.yaml", text, strlen(text), &how, &c, &report, &err);
-    lac_case_report_clear(&report);
+    lac_case_issues_clear(&report);
     if (status != LAC_OK) {
         fail_msg("%s", err.message);
     }

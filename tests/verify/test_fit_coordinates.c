@@ -18,7 +18,7 @@ static lac_fit *make(const char *parameters, const char *tail, lac_case **c)
     char text[2048];
     double time[READINGS], displacement[READINGS];
     size_t line[READINGS];
-    lac_case_report report;
+    lac_case_issues report;
     lac_error err = {""};
     lac_fit *fit = NULL;
     const lac_case_request how = {LAC_FOR_FIT, NULL, 0};
@@ -41,7 +41,7 @@ static lac_fit *make(const char *parameters, const char *tail, lac_case **c)
         lac_fit_create(*c, &series, 1, &fit, &err) != LAC_OK) {
         fail_msg("%s", err.message);
     }
-    lac_case_report_clear(&report);
+    lac_case_issues_clear(&report);
     fit->straight = lac_fit_straighten(fit);
     return fit;
 }

@@ -13,26 +13,26 @@ static const double tc = 1.4e9 + 1e6, scale = 0.3;
 
 static double times[N], displacement[N], velocity[N];
 
-static lac_outlook *look(size_t n, bool with_velocity, double since)
+static lac_forecast_set *look(size_t n, bool with_velocity, double since)
 {
     const lac_readings readings = {.n = n,
                                    .time = times,
                                    .displacement = displacement,
                                    .velocity = with_velocity ? velocity : NULL};
     lac_forecast_def def = lac_forecast_default();
-    lac_outlook *o = NULL;
+    lac_forecast_set *o = NULL;
     lac_error err = {""};
     def.since = since;
-    if (lac_outlook_create(&def, &readings, &o, &err) != LAC_OK) {
+    if (lac_forecast_set_create(&def, &readings, &o, &err) != LAC_OK) {
         fail_msg("%s", err.message);
     }
     return o;
 }
 
-static const lac_forecast *find(const lac_outlook *o, const char *method)
+static const lac_forecast *find(const lac_forecast_set *o, const char *method)
 {
     for (size_t k = 0; k < o->count; k++) {
-        if (strcmp(o->forecast[k].kind->about.name, method) == 0) {
+        if (strcmp(o->forecast[k].kind->info.name, method) == 0) {
             return &o->forecast[k];
         }
     }
@@ -41,7 +41,7 @@ static const lac_forecast *find(const lac_outlook *o, const char *method)
 }
 
 // Left over remaining: how far a method is off.
-static double off(const lac_outlook *o, const char *method)
+static double off(const lac_forecast_set *o, const char *method)
 {
     const lac_forecast *f = find(o, method);
     if (!f->issued) {
@@ -67,22 +67,22 @@ static void alpha_2_is_the_same_to_all(void **state)
         displacement[i] = -scale * log((tc - times[i]) / (tc - times[0]));
     }
     static const char *const methods[] = {"inv8", "inv", "slo", "saito", "log", "voight"};
-    lac_outlook *o = look(N, true, times[0]);
+    lac_forecast_set *o = look(N, true, times[0]);
     for (size_t k = 0; k < sizeof methods / sizeof *methods; k++) {
         assert_true(fabs(off(o, methods[k])) < 1e-6);
     }
     assert_true(fabs(find(o, "voight")->fit.value[0].value - 2.0) < 1e-5);
-    lac_outlook_free(o);
+    lac_forecast_set_free(o);
 }
 
 // From displacements alone velocities are secants at the middles of intervals.
 static void secants_make_inverse_velocity_early(void **state)
 {
     (void)state;
-    lac_outlook *o = look(N, false, times[0]);
+    lac_forecast_set *o = look(N, false, times[0]);
     assert_true(fabs(off(o, "saito")) < 1e-6 && fabs(off(o, "log")) < 1e-6);
     assert_true(off(o, "inv8") < -1e-5 && off(o, "inv8") > -0.03);
-    lac_outlook_free(o);
+    lac_forecast_set_free(o);
 }
 
 static void other_exponents_are_found(void **state)
@@ -95,10 +95,10 @@ static void other_exponents_are_found(void **state)
         for (size_t i = 0; i < N; i++) {
             displacement[i] = scale * (1.0 - pow((tc - times[i]) / (tc - times[0]), q)) / q;
         }
-        lac_outlook *o = look(N, false, times[0]);
+        lac_forecast_set *o = look(N, false, times[0]);
         assert_true(fabs(off(o, "voight")) < 1e-5);
         assert_true(fabs(find(o, "voight")->fit.value[0].value - alphas[k]) < 1e-4);
-        lac_outlook_free(o);
+        lac_forecast_set_free(o);
     }
 }
 
@@ -110,13 +110,13 @@ static void oscillations_are_found(void **state)
         const double z = (tc - times[i]) / (tc - times[0]);
         displacement[i] = 1.0 - pow(z, 0.5) * (1.0 + 0.05 * cos(7.0 * log(z) + 1.0));
     }
-    lac_outlook *o = look(N, false, times[0]);
-    const lac_finding *fit = &find(o, "lppls")->fit;
+    lac_forecast_set *o = look(N, false, times[0]);
+    const lac_forecast_fit *fit = &find(o, "lppls")->fit;
     assert_true(fabs(off(o, "lppls")) < 1e-4);
     assert_true(fabs(fit->value[0].value - 0.5) < 1e-3 && fabs(fit->value[1].value - 7.0) < 1e-3);
     assert_true(fabs(fit->value[3].value - 0.05) < 1e-4);
     assert_int_equal(fit->ends, 0);
-    lac_outlook_free(o);
+    lac_forecast_set_free(o);
 }
 
 // A power beyond 0.95, and the log law, of which a block is the limit of large b/a, are not found:
@@ -129,10 +129,10 @@ static void ends_of_ranges_are_told(void **state)
         const double z = (tc - times[i]) / (tc - times[0]);
         displacement[i] = 1.0 - pow(z, 1.2) * (1.0 + 0.05 * cos(7.0 * log(z) + 1.0));
     }
-    lac_outlook *o = look(N, false, times[0]);
-    const lac_finding *fit = &find(o, "lppls")->fit;
+    lac_forecast_set *o = look(N, false, times[0]);
+    const lac_forecast_fit *fit = &find(o, "lppls")->fit;
     assert_true(fit->ends >= 1 && strcmp(fit->end[0], "m") == 0 && fit->value[0].value > 0.94);
-    lac_outlook_free(o);
+    lac_forecast_set_free(o);
     for (size_t i = 0; i < N; i++) {
         displacement[i] = -scale * log((tc - times[i]) / (tc - times[0]));
     }
@@ -140,7 +140,7 @@ static void ends_of_ranges_are_told(void **state)
     fit = &find(o, "block")->fit;
     assert_true(fit->ends == 1 && strcmp(fit->end[0], "m") == 0 && fit->value[0].value == 3.0);
     assert_int_equal(find(o, "log")->fit.ends, 0);
-    lac_outlook_free(o);
+    lac_forecast_set_free(o);
 }
 
 // A block with m = 2 (O4 of docs/theory/creep.md): tc/theta_ss = -x - ln(1 - x), and
@@ -176,8 +176,8 @@ static void a_block_is_found(void **state)
     static const double states[] = {1e5, 5e5, 1e7};
     for (size_t k = 0; k < sizeof states / sizeof *states; k++) {
         fill_block(states[k]);
-        lac_outlook *o = look(N, true, times[0]);
-        const lac_finding *fit = &find(o, "block")->fit;
+        lac_forecast_set *o = look(N, true, times[0]);
+        const lac_forecast_fit *fit = &find(o, "block")->fit;
         assert_true(fabs(off(o, "block")) < 3e-5);
         assert_true(fit->value[0].value == 2.0 && fit->ends == 0);
         // (m/dc)(1 - x^(m-1)) is what a motion can tell
@@ -187,7 +187,7 @@ static void a_block_is_found(void **state)
         assert_true(fit->quantile[4] - fit->quantile[0] < 1e-2);
         const double x = block_state((tc - times[N - 1]) / states[k]);
         assert_true(fabs(fit->value[3].value / (2.0 / 0.02 * (1.0 - x)) - 1.0) < 0.01);
-        lac_outlook_free(o);
+        lac_forecast_set_free(o);
     }
 }
 
@@ -205,12 +205,12 @@ static void inverse_velocity_is_late_on_a_block(void **state)
         displacement[i] = 0.02 * log((1.0 - x) / x);
         velocity[i] = 0.02 / theta_ss / (x * x);
     }
-    lac_outlook *o = look(N, true, times[0]);
+    lac_forecast_set *o = look(N, true, times[0]);
     const double x = block_state(5e5 / theta_ss);
     const double theory = 0.5 * x / (1.0 / x - 1.0) / (-x - log1p(-x));
     assert_true(theory > 1.2);
     assert_true(fabs((1.0 + off(o, "inv8")) / theory - 1.0) < 0.02);
-    lac_outlook_free(o);
+    lac_forecast_set_free(o);
 }
 
 // Settlement towards failure is forecast as uplift towards it is, and said.
@@ -221,19 +221,19 @@ static void what_falls_fails_as_what_rises(void **state)
     for (size_t i = 0; i < N; i++) {
         displacement[i] = scale * log((tc - times[i]) / (tc - times[0]));
     }
-    lac_outlook *o = look(N, false, NAN);
+    lac_forecast_set *o = look(N, false, NAN);
     assert_true(o->motion->falling && o->accelerating);
     assert_int_equal(o->motion->resets + o->motion->outliers, 0);
     assert_true(fabs(off(o, "saito")) < 1e-6 && fabs(off(o, "log")) < 1e-6);
-    lac_outlook_free(o);
+    lac_forecast_set_free(o);
 }
 
 static void expect_not_asked(const lac_forecast_def *def, const lac_readings *readings)
 {
-    lac_outlook *o = NULL;
-    assert_int_equal(lac_outlook_create(def, readings, &o, NULL), LAC_OK);
+    lac_forecast_set *o = NULL;
+    assert_int_equal(lac_forecast_set_create(def, readings, &o, NULL), LAC_OK);
     assert_false(o->asked);
-    lac_outlook_free(o);
+    lac_forecast_set_free(o);
 }
 
 // A line that is rounded does not accelerate at any reading, whatever its digits, steps and rate.
@@ -279,10 +279,10 @@ static void a_rounded_speed_does_not_accelerate(void **state)
     for (size_t i = 0; i < N; i++) {
         velocity[i] *= 1.0 + (double)i;
     }
-    lac_outlook *o = NULL;
-    assert_int_equal(lac_outlook_create(&def, &readings, &o, NULL), LAC_OK);
+    lac_forecast_set *o = NULL;
+    assert_int_equal(lac_forecast_set_create(&def, &readings, &o, NULL), LAC_OK);
     assert_true(o->asked);
-    lac_outlook_free(o);
+    lac_forecast_set_free(o);
 }
 
 // --since takes the onset's place: seven velocities and their acceleration are not asked for then.
@@ -294,17 +294,17 @@ static void since_replaces_the_gate_of_the_onset(void **state)
         displacement[i] = -scale * log((tc - times[i]) / (tc - times[0]));
     }
     displacement[N - 4] += 0.05; // one bad reading, and the last three velocities are low
-    lac_outlook *o = look(N, false, NAN);
+    lac_forecast_set *o = look(N, false, NAN);
     assert_true(!o->asked && strstr(o->forecast[0].fit.reason, "no acceleration") != NULL);
-    lac_outlook_free(o);
+    lac_forecast_set_free(o);
     o = look(N, false, times[0]);
     assert_true(o->asked && !o->accelerating);
     assert_true(fabs(off(o, "log")) < 0.2);
-    lac_outlook_free(o);
+    lac_forecast_set_free(o);
     o = look(6, false, times[0]); // five velocities are enough for inv
     assert_true(o->asked);
     assert_null(strstr(find(o, "inv")->fit.reason, "too few"));
-    lac_outlook_free(o);
+    lac_forecast_set_free(o);
 }
 
 // A parabola in counts of 0.5 is up to 0.8 off any line, where rounding comes to 0.25: it is not
@@ -323,11 +323,11 @@ static void coarse_counts_hide_no_acceleration(void **state)
             .n = n, .time = times, .displacement = displacement, .displacement_digit = 0.5};
         lac_forecast_def def = lac_forecast_default();
         def.since = times[0];
-        lac_outlook *o = NULL;
-        assert_int_equal(lac_outlook_create(&def, &readings, &o, NULL), LAC_OK);
+        lac_forecast_set *o = NULL;
+        assert_int_equal(lac_forecast_set_create(&def, &readings, &o, NULL), LAC_OK);
         const bool steady = strstr(o->forecast[0].fit.reason, "steady") != NULL;
         assert_true(steady == (bent == 0));
-        lac_outlook_free(o);
+        lac_forecast_set_free(o);
     }
 }
 
@@ -338,7 +338,7 @@ static void smoothing_widens_the_noise_gate(void **state)
     (void)state;
     lac_forecast_def def = lac_forecast_default();
     double sigma[N];
-    lac_outlook *o = NULL;
+    lac_forecast_set *o = NULL;
     for (size_t i = 0; i < N; i++) {
         const double t = (double)i / N;
         times[i] = 3600.0 * (double)i;
@@ -347,17 +347,17 @@ static void smoothing_widens_the_noise_gate(void **state)
     }
     const lac_readings readings = {
         .n = N, .time = times, .displacement = displacement, .sigma = sigma};
-    assert_int_equal(lac_outlook_create(&def, &readings, &o, NULL), LAC_OK);
+    assert_int_equal(lac_forecast_set_create(&def, &readings, &o, NULL), LAC_OK);
     assert_non_null(strstr(o->forecast[0].fit.reason, "noise floor: the last 3 intervals"));
-    lac_outlook_free(o);
+    lac_forecast_set_free(o);
     const lac_motion_def how[] = {{.smoothing = LAC_SMOOTH_AVERAGE, .points = 5},
                                   {.smoothing = LAC_SMOOTH_SAVGOL, .points = 6, .order = 1},
                                   {.smoothing = LAC_SMOOTH_WINDOW, .window = 5.5 * 3600.0}};
     for (size_t k = 0; k < 3; k++) { // five intervals: 0.162
         def.motion = how[k];
-        assert_int_equal(lac_outlook_create(&def, &readings, &o, NULL), LAC_OK);
+        assert_int_equal(lac_forecast_set_create(&def, &readings, &o, NULL), LAC_OK);
         assert_true(o->asked);
-        lac_outlook_free(o);
+        lac_forecast_set_free(o);
     }
 }
 

@@ -94,7 +94,7 @@ static double signal_break(const lac_load *load, double t)
 }
 
 static const lac_load_kind signal_kind = {
-    .about = {.name = "signal"}, .add = add_signal, .next_break = signal_break};
+    .info = {.name = "signal"}, .add = add_signal, .next_break = signal_break};
 
 // Without a state (b = 0) v = 2 v0 exp(-f0/a) sinh(tau/(a p)): under tau = tau0 - r t slip is
 // 2 v0 exp(-f0/a) (a p/r) (cosh(tau0/(a p)) - cosh(tau/(a p))), forwards and back to where it
@@ -117,9 +117,9 @@ static lac_status run_turn(turning *turn, lac_formulation formulation, lac_metho
     block b;
     block_create(&def, &b);
     assert_int_equal(lac_friction_set(b.friction, "b", &(double){0.0}, err), LAC_OK);
-    lac_slot slot = test_slot_shear("ramp");
-    test_slot_set(&slot, "rate", -turn->rate);
-    lac_load_set loads = test_load_set(&(lac_load_slots){.shear = &slot, .shear_count = 1});
+    lac_model model = test_slot_shear("ramp");
+    test_slot_set(&model, "rate", -turn->rate);
+    lac_load_set loads = test_load_set(&(lac_load_models){.shear = &model, .shear_count = 1});
     double u = log(turn->v0 * sinh(turn->reach));
     double w = 0.0;
     lac_problem_def problem = {.domain = b.domain,
@@ -142,7 +142,7 @@ static lac_status run_turn(turning *turn, lac_formulation formulation, lac_metho
     turn->time = result.failure_origin + result.failure_local;
     lac_problem_free(made);
     lac_load_set_clear(&loads);
-    lac_slot_clear(&slot);
+    lac_model_clear(&model);
     block_clear(&b);
     return status;
 }
@@ -167,11 +167,12 @@ static void slip_turns_back(void **state)
             double slip = length * (cosh(turn.reach) - cosh(x));
             double speed = turn.v0 * sinh(x);
             double slack = 1e-6 * turn.v0 * cosh(x);
-            assert_true(fabs(h.line[i].seen.mean_slip - slip) < 1e-6 * length * cosh(turn.reach));
-            assert_true(fabs(h.line[i].seen.mean_rate - speed) < slack);
-            assert_true(fabs(h.line[i].seen.max_rate - fabs(speed)) < slack);
+            assert_true(fabs(h.line[i].observation.mean_slip - slip) <
+                        1e-6 * length * cosh(turn.reach));
+            assert_true(fabs(h.line[i].observation.mean_rate - speed) < slack);
+            assert_true(fabs(h.line[i].observation.max_rate - fabs(speed)) < slack);
         }
-        assert_true(h.line[h.n - 1].seen.mean_rate < 0.0);
+        assert_true(h.line[h.n - 1].observation.mean_rate < 0.0);
         history_clear(&h);
     }
 }
@@ -186,7 +187,7 @@ static void failure_backwards(void **state)
         lac_error err = {""};
         assert_int_equal(run_turn(&turn, chosen(state), methods[m], &h, &err), LAC_OK);
         assert_true(fabs(turn.time / (10.5 * turn.ap / turn.rate) - 1.0) < 1e-8);
-        assert_true(h.line[h.n - 1].seen.mean_rate < 0.0);
+        assert_true(h.line[h.n - 1].observation.mean_rate < 0.0);
         history_clear(&h);
     }
 }
@@ -236,8 +237,8 @@ static void shaken_cells(void **state)
             double least = 0.0;
             double most = 0.0;
             for (size_t i = 0; i < h.n; i++) {
-                least = fmin(least, h.line[i].seen.mean_rate);
-                most = fmax(most, h.line[i].seen.mean_rate);
+                least = fmin(least, h.line[i].observation.mean_rate);
+                most = fmax(most, h.line[i].observation.mean_rate);
             }
             printf("%-8s %-5s slip %.9g m, rates from %.3g to %.3g m/s, %lld steps, residual "
                    "%.1e\n",
@@ -301,7 +302,7 @@ static void pore_pressure_drives(void **state)
         for (size_t i = 0; i < h.n; i++) {
             double t = history_time(&h, i);
             double theta = 2.0 - 0.3 * (1.0 - cos(t));
-            double rate = h.line[i].seen.mean_rate;
+            double rate = h.line[i].observation.mean_rate;
             assert_true(fabs(rate * theta / swell(t) - 1.0) < 1e-6);
         }
         history_clear(&h);
@@ -339,7 +340,7 @@ static void pore_pressure_jumps(void **state)
     lac_sink sink = history_sink(&h);
     pore_step = 0.0;
     (void)run_problem(&problem, &how, &sink);
-    double x = pow(h.line[h.n - 1].seen.mean_rate / block_steady_rate(&def), -1.0 / 1.5);
+    double x = pow(h.line[h.n - 1].observation.mean_rate / block_steady_rate(&def), -1.0 / 1.5);
     history_clear(&h);
     problem.formulation = chosen(state);
     for (size_t m = 0; m < 3; m++) {

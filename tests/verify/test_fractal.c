@@ -156,9 +156,9 @@ static void carpets(void **state)
 
 static void fill_from_source(lac_grid grid, double dimension, int64_t seed, uint8_t *occupied)
 {
-    const lac_domain_source *source = lac_domain_source_at(1);
+    const lac_domain_source *source = lac_domain_source_get(1);
     lac_cascade params = {.dimension = dimension, .seed = seed};
-    assert_string_equal(source->about.name, "cascade");
+    assert_string_equal(source->info.name, "cascade");
     assert_int_equal(source->fill(&params, &grid, occupied, NULL), LAC_OK);
 }
 
@@ -196,7 +196,7 @@ static void rough_contact(void **state)
     assert_non_null(h);
     double *p = h + CELLS;
     lac_error err = {""};
-    lac_contact_report report;
+    lac_contact_stats report;
     lac_contact_def def = lac_contact_default();
     assert_int_equal(joint_surface(1024, h), 0);
     def.grid = (lac_grid){1024, 1024, 1.0 / 1024.0, 1.0 / 1024.0, true};

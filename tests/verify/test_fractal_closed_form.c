@@ -95,12 +95,12 @@ static void add(extent e, series *s, const lac_scaling *scaling, double pressure
 // all coarser resolutions.
 static void make_heights(size_t side, int64_t seed, double *fine, double *heights)
 {
-    const lac_surface_source *source = lac_surface_source_at(0);
+    const lac_surface_source *source = lac_surface_source_get(0);
     lac_grid grid = {side, side, 1.0 / (double)side, 1.0 / (double)side, true};
     size_t half = side / 2;
     lac_self_affine p;
-    assert_string_equal(source->about.name, "self-affine");
-    assert_int_equal(lac_params_default(&source->about, &p, NULL), LAC_OK);
+    assert_string_equal(source->info.name, "self-affine");
+    assert_int_equal(lac_params_default(&source->info, &p, NULL), LAC_OK);
     p.hurst = hurst;
     p.rms_height = rms_height;
     p.seed = seed;

@@ -21,9 +21,9 @@ enum { ROCKS = sizeof rocks / sizeof rocks[0] };
 
 static const lac_friction_law *law_named(const char *name)
 {
-    for (size_t i = 0; lac_friction_law_at(i) != NULL; i++) {
-        if (strcmp(lac_friction_law_at(i)->about.name, name) == 0) {
-            return lac_friction_law_at(i);
+    for (size_t i = 0; lac_friction_law_get(i) != NULL; i++) {
+        if (strcmp(lac_friction_law_get(i)->info.name, name) == 0) {
+            return lac_friction_law_get(i);
         }
     }
     fail_msg("no law %s", name);
@@ -32,17 +32,17 @@ static const lac_friction_law *law_named(const char *name)
 
 static lac_friction *make(const char *law, int form, const rock *r)
 {
-    lac_slot slot;
+    lac_model model;
     lac_friction *friction = NULL;
-    assert_int_equal(lac_slot_create(&law_named(law)->about, &slot, NULL), LAC_OK);
-    test_slot_set(&slot, "f0", r->f0);
-    test_slot_set(&slot, "a", r->a);
-    test_slot_set(&slot, "b", r->b);
-    test_slot_set(&slot, "dc", r->dc);
-    test_slot_set(&slot, "v0", r->v0);
-    test_slot_set(&slot, "form", form);
-    assert_int_equal(lac_friction_create(&slot, 1, &friction, NULL), LAC_OK);
-    lac_slot_clear(&slot);
+    assert_int_equal(lac_model_create(&law_named(law)->info, &model, NULL), LAC_OK);
+    test_slot_set(&model, "f0", r->f0);
+    test_slot_set(&model, "a", r->a);
+    test_slot_set(&model, "b", r->b);
+    test_slot_set(&model, "dc", r->dc);
+    test_slot_set(&model, "v0", r->v0);
+    test_slot_set(&model, "form", form);
+    assert_int_equal(lac_friction_create(&model, 1, &friction, NULL), LAC_OK);
+    lac_model_clear(&model);
     return friction;
 }
 
@@ -98,13 +98,13 @@ static void coefficient_follows_the_papers(void **state)
 static void values_of_single_cells_are_used(void **state)
 {
     (void)state;
-    lac_slot slot;
+    lac_model model;
     lac_friction *friction;
-    assert_int_equal(lac_slot_create(&law_named("aging")->about, &slot, NULL), LAC_OK);
-    test_slot_set(&slot, "a", 0.01);
-    test_slot_set(&slot, "b", 0.01);
-    test_slot_set(&slot, "dc", 1);
-    assert_int_equal(lac_friction_create(&slot, ROCKS, &friction, NULL), LAC_OK);
+    assert_int_equal(lac_model_create(&law_named("aging")->info, &model, NULL), LAC_OK);
+    test_slot_set(&model, "a", 0.01);
+    test_slot_set(&model, "b", 0.01);
+    test_slot_set(&model, "dc", 1);
+    assert_int_equal(lac_friction_create(&model, ROCKS, &friction, NULL), LAC_OK);
     static const char *const keys[] = {"f0", "a", "b", "dc", "v0"};
     for (size_t k = 0; k < 5; k++) {
         double values[ROCKS];
@@ -119,7 +119,7 @@ static void values_of_single_cells_are_used(void **state)
         assert_near(lac_friction_steady_state(friction, i, -20), logl(rocks[i]->dc) + 20, 1e-14);
     }
     lac_friction_free(friction);
-    lac_slot_clear(&slot);
+    lac_model_clear(&model);
 }
 
 // theta_ss = dc/v,  f_ss = f0 + (a - b) ln(v/v0)

@@ -205,9 +205,9 @@ static void ratio_to_steady_holds_for_every_law(void **state)
 {
     (void)state;
     const lac_friction_law *law;
-    for (size_t l = 0; (law = lac_friction_law_at(l)) != NULL; l++) {
+    for (size_t l = 0; (law = lac_friction_law_get(l)) != NULL; l++) {
         for (int k = 0; k < 24; k++) {
-            block_def def = start(law->about.name, 1e-5, 1);
+            block_def def = start(law->info.name, 1e-5, 1);
             def.v1 = k % 2 == 0 ? 0 : 1e-3;
             def.v2 = k / 2 % 2 == 0 ? 0 : 1e-4;
             block b;
@@ -256,11 +256,11 @@ static double at_begin(const lac_load *load, double t)
 }
 
 static const lac_load_kind step_kind = {
-    .about = {.name = "step"}, .add = add_step, .next_break = at_begin};
+    .info = {.name = "step"}, .add = add_step, .next_break = at_begin};
 static const lac_load_kind ramp_kind = {
-    .about = {.name = "ramp"}, .add = add_ramp, .next_break = at_begin};
-static const lac_slot step_slot = {.about = &step_kind.about};
-static const lac_slot ramp_slot = {.about = &ramp_kind.about};
+    .info = {.name = "ramp"}, .add = add_ramp, .next_break = at_begin};
+static const lac_model step_slot = {.info = &step_kind.info};
+static const lac_model ramp_slot = {.info = &ramp_kind.info};
 
 // theta falls by (p1/p0)^(alpha/b), which takes alpha ln(p1/p0) off f at the same rate; the
 // traction stays. Linker and Dieterich (1992).

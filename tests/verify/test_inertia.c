@@ -15,24 +15,24 @@
 
 static const double second = 0.1; // when the load comes [s]
 
-static lac_slot shear_step(double stress)
+static lac_model shear_step(double stress)
 {
-    lac_slot slot = test_slot_shear("step");
-    test_slot_set(&slot, "value", stress);
-    test_slot_set(&slot, "at", second);
-    return slot;
+    lac_model model = test_slot_shear("step");
+    test_slot_set(&model, "value", stress);
+    test_slot_set(&model, "at", second);
+    return model;
 }
 
-static lac_slot spring(double stiffness, double speed)
+static lac_model spring(double stiffness, double speed)
 {
-    lac_slot slot = test_slot_shear("spring");
-    test_slot_set(&slot, "stiffness", stiffness);
-    test_slot_set(&slot, "speed", speed);
-    return slot;
+    lac_model model = test_slot_shear("spring");
+    test_slot_set(&model, "stiffness", stiffness);
+    test_slot_set(&model, "speed", speed);
+    return model;
 }
 
 // A block of 5e5 kg/m2 that slides at 1 um/s under friction without evolution.
-static block_def slide(double a, lac_slot *loads, size_t count)
+static block_def slide(double a, lac_model *loads, size_t count)
 {
     block_def def = block_default(1.0, 1.0);
     def.a = a;
@@ -84,7 +84,7 @@ static void free_slide(void **state)
     (void)state;
     for (int method = LAC_BDF; method <= LAC_ERK; method++) {
         for (int form = LAC_FORM_PLAIN; form <= LAC_FORM_REGULARISED; form++) {
-            lac_slot load = shear_step(2e6);
+            lac_model load = shear_step(2e6);
             block_def def = slide(form == LAC_FORM_PLAIN ? 0.0 : 1e-12, &load, 1);
             def.form = form;
             lac_run_def how = until((lac_method)method, 2.1, 1e-10);
@@ -93,11 +93,11 @@ static void free_slide(void **state)
             double v = 1e-6 + 2e6 / 5e5 * 2.0;
             double slip = 1e-6 * 2.1 + 0.5 * 2e6 / 5e5 * 4.0;
             printf("free slide, method %d: v %.2g, slip %.2g off\n", method,
-                   out.last.seen.mean_rate / v - 1.0, out.result.mean_slip / slip - 1.0);
-            assert_true(fabs(out.last.seen.mean_rate / v - 1.0) < 1e-8);
+                   out.last.observation.mean_rate / v - 1.0, out.result.mean_slip / slip - 1.0);
+            assert_true(fabs(out.last.observation.mean_rate / v - 1.0) < 1e-8);
             assert_true(fabs(out.result.mean_slip / slip - 1.0) < 1e-8);
             assert_true(out.result.balance_residual < 1e-14);
-            lac_slot_clear(&load);
+            lac_model_clear(&load);
         }
     }
 }
@@ -117,13 +117,13 @@ static void oscillation(void **state)
     double v1 = v0 * cos(w * second);
     double amplitude = hypot(slip1 - drop / k, v1 / w);
     for (int method = LAC_BDF; method <= LAC_ERK; method++) {
-        lac_slot loads[] = {spring(k, 0.0), shear_step(drop)};
+        lac_model loads[] = {spring(k, 0.0), shear_step(drop)};
         block_def def = slide(0.0, loads, 2);
         lac_run_def how = until((lac_method)method, second + 0.6, 1e-10);
         outcome out = run_block(&def, &how);
         assert_int_equal(out.status, LAC_OK);
         double v = v1 * cos(w * 0.6) - w * (slip1 - drop / k) * sin(w * 0.6);
-        assert_true(fabs(out.last.seen.mean_rate / v - 1.0) < 1e-7);
+        assert_true(fabs(out.last.observation.mean_rate / v - 1.0) < 1e-7);
         how.end = 2.0;
         how.max_steps = 100000;
         out = run_block(&def, &how);
@@ -136,8 +136,8 @@ static void oscillation(void **state)
                out.result.mean_slip / slip - 1.0, out.result.time / half - 1.0);
         assert_true(fabs(out.result.mean_slip / slip - 1.0) < 1e-8);
         assert_true(fabs(out.result.time / half - 1.0) < 1e-8);
-        lac_slot_clear(&loads[0]);
-        lac_slot_clear(&loads[1]);
+        lac_model_clear(&loads[0]);
+        lac_model_clear(&loads[1]);
     }
 }
 
@@ -151,7 +151,7 @@ static void swings_back_and_forth(void **state)
     const double held = 5e6 * 0.06;
     double w = sqrt(k / 5e5);
     for (int method = LAC_BDF; method <= LAC_ERK; method++) {
-        lac_slot loads[] = {spring(k, 0.0), shear_step(drop)};
+        lac_model loads[] = {spring(k, 0.0), shear_step(drop)};
         block_def def = slide(1e-12, loads, 2);
         def.form = LAC_FORM_REGULARISED;
         def.f0 = 0.06;
@@ -162,13 +162,13 @@ static void swings_back_and_forth(void **state)
         }
         double v = w * (drop - 4.0 * held) / k;
         printf("swings, method %d: v %.2g, slip %.2g off, %lld steps\n", method,
-               out.last.seen.mean_rate / v - 1.0, out.result.mean_slip * k / drop - 1.0,
+               out.last.observation.mean_rate / v - 1.0, out.result.mean_slip * k / drop - 1.0,
                (long long)out.result.steps);
         // The slow slide before the load comes is left out of account: 1e-6 of the swing.
-        assert_true(fabs(out.last.seen.mean_rate / v - 1.0) < 1e-6);
+        assert_true(fabs(out.last.observation.mean_rate / v - 1.0) < 1e-6);
         assert_true(fabs(out.result.mean_slip * k / drop - 1.0) < 1e-6);
-        lac_slot_clear(&loads[0]);
-        lac_slot_clear(&loads[1]);
+        lac_model_clear(&loads[0]);
+        lac_model_clear(&loads[1]);
     }
 }
 
@@ -193,7 +193,7 @@ static void runaway(void **state)
     for (size_t i = 0; i < 2; i++) {
         double t;
         double error;
-        lac_slot load = shear_step(2e6);
+        lac_model load = shear_step(2e6);
         block_def def = slide(0.01, &load, 1);
         lac_run_def how = until(LAC_BDF, 1e3, 1e-11);
         how.failure_rate = ends[i];
@@ -203,7 +203,7 @@ static void runaway(void **state)
                             &error);
         printf("runaway to %g m/s: %.2g off\n", ends[i], (out.result.time - second) / t - 1.0);
         assert_true(fabs((out.result.time - second) / t - 1.0) < 1e-8);
-        lac_slot_clear(&load);
+        lac_model_clear(&load);
     }
     gsl_integration_workspace_free(w);
 }
@@ -230,9 +230,9 @@ static double measure_growth(const history *h)
     double height[2] = {0};
     size_t found = 0;
     for (size_t k = 1; k + 1 < h->n; k++) {
-        double y0 = log(h->line[k - 1].seen.mean_rate);
-        double y1 = log(h->line[k].seen.mean_rate);
-        double y2 = log(h->line[k + 1].seen.mean_rate);
+        double y0 = log(h->line[k - 1].observation.mean_rate);
+        double y1 = log(h->line[k].observation.mean_rate);
+        double y2 = log(h->line[k + 1].observation.mean_rate);
         if (!(y1 > y0 && y1 >= y2)) {
             continue;
         }
@@ -257,7 +257,7 @@ static void linear_stability(void **state)
         def.slip_rate = 1.0;
         double critical = def.pressure * (def.b - def.a) / def.dc *
                           (1.0 + def.mass / (def.pressure * def.a * def.dc));
-        lac_slot load = spring(ratios[i] * critical, 1.0);
+        lac_model load = spring(ratios[i] * critical, 1.0);
         gsl_complex root = slider_root(&def, ratios[i] * critical);
         assert_true((GSL_REAL(root) > 0.0) == (ratios[i] < 1.0));
         def.slip_rate = 1.0 + 1e-6;
@@ -277,7 +277,7 @@ static void linear_stability(void **state)
         assert_true(fabs(growth / GSL_REAL(root) - 1.0) < 1e-3);
         history_clear(&h);
         block_clear(&b);
-        lac_slot_clear(&load);
+        lac_model_clear(&load);
     }
 }
 

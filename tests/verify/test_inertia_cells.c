@@ -26,7 +26,7 @@ static void pull(const lac_load *load, double t, lac_load_state *sum)
     sum->spring_stiffness += spring_stiffness;
 }
 
-static const lac_load_kind pull_row = {.about = {.name = "pull"}, .add = pull};
+static const lac_load_kind pull_row = {.info = {.name = "pull"}, .add = pull};
 static const lac_load pulled = {.kind = &pull_row};
 
 // Cells that slide at about 1 mm/s and are pulled faster, under a mass that matters to them.
@@ -165,18 +165,18 @@ static int rates(double t, const double y[], double ydot[], void *params)
 }
 
 // What a run shows of its cells: the last snapshot, and the work done on their mass.
-typedef struct seen {
+typedef struct observation {
     size_t n;
     const dense *d;
     double slip[MOST], rate[MOST], state[MOST];
     double time, power, work;
     double kinetic, first_kinetic; // energy over r^2 [J/m2]
     bool begun;
-} seen;
+} observation;
 
 static lac_status look(void *context, const lac_snapshot *now, lac_error *err)
 {
-    seen *s = context;
+    observation *s = context;
     const dense *d = s->d;
     (void)err;
     double power = 0.0;
@@ -203,7 +203,7 @@ static lac_status look(void *context, const lac_snapshot *now, lac_error *err)
     return LAC_OK;
 }
 
-static lac_run_result run_tree(const tree *t, const lac_run_def *how, seen *s)
+static lac_run_result run_tree(const tree *t, const lac_run_def *how, observation *s)
 {
     lac_run_result result;
     lac_error err = {""};
@@ -252,7 +252,7 @@ static void cells_as_by_dense_matrices(void **state)
         assert_int_equal(gsl_odeiv2_driver_apply(driver, &time, end, y), 0);
         gsl_odeiv2_driver_free(driver);
         for (int method = LAC_BDF; method <= LAC_ERK; method++) {
-            seen s = {.n = n, .d = &d};
+            observation s = {.n = n, .d = &d};
             lac_run_def how = to_the_end((lac_method)method);
             lac_run_result result = run_tree(&t, &how, &s);
             double worst = 0.0;
@@ -283,7 +283,7 @@ static double failure_time(const tree_def *def)
     how.rtol = 1e-7;
     how.end = 1e9;
     how.failure_rate = 1e-3;
-    lac_run_result result = run_tree(&t, &how, &(seen){0});
+    lac_run_result result = run_tree(&t, &how, &(observation){0});
     assert_true(result.failed);
     tree_clear(&t);
     return result.failure_origin + result.failure_local;

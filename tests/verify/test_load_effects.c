@@ -52,15 +52,15 @@ static bool fails(const block_def *def)
     return result.failed;
 }
 
-static lac_slot pore_slot(const char *name)
+static lac_model pore_slot(const char *name)
 {
-    lac_slot slot = {0};
+    lac_model model = {0};
     size_t i = 0;
-    while (lac_pore_load_at(i) != NULL && strcmp(lac_pore_load_at(i)->about.name, name) != 0) {
+    while (lac_pore_load_get(i) != NULL && strcmp(lac_pore_load_get(i)->info.name, name) != 0) {
         i++;
     }
-    assert_int_equal(lac_slot_create(&lac_pore_load_at(i)->about, &slot, NULL), LAC_OK);
-    return slot;
+    assert_int_equal(lac_model_create(&lac_pore_load_get(i)->info, &model, NULL), LAC_OK);
+    return model;
 }
 
 // Ratio of shear to normal traction that the start carries.
@@ -80,17 +80,17 @@ static void a_pore_step_triggers_at_its_threshold(void **state)
     double x = x_after(def.x, step_at / block_steady_state(&def));
     double f = start_ratio(&def);
     double rise = (def.b - def.a) * log(x);
-    lac_slot slot = pore_slot("step");
-    def.pore = &slot;
+    lac_model model = pore_slot("step");
+    def.pore = &model;
     def.pore_count = 1;
-    test_slot_set(&slot, "at", step_at);
+    test_slot_set(&model, "at", step_at);
     const double factors[] = {0.99, 0.999, 1.001, 1.01};
     for (size_t i = 0; i < 4; i++) {
         double u = def.pressure * (1.0 - f / (f + factors[i] * rise));
-        test_slot_set(&slot, "value", u);
+        test_slot_set(&model, "value", u);
         assert_int_equal(fails(&def), factors[i] > 1.0);
     }
-    lac_slot_clear(&slot);
+    lac_model_clear(&model);
 }
 
 // State after a pulse of the load: x -> x s at once, its own time for the pulse's length, back.
@@ -112,10 +112,10 @@ static void a_pulse_triggers_at_its_threshold(void **state)
     const double durations[] = {0.05, 0.5};
     block_def def = relaxing();
     double x = x_after(def.x, step_at / block_steady_state(&def));
-    lac_slot slot = test_slot_shear("step");
-    def.shear = &slot;
+    lac_model model = test_slot_shear("step");
+    def.shear = &model;
     def.shear_count = 1;
-    test_slot_set(&slot, "at", step_at);
+    test_slot_set(&model, "at", step_at);
     double before = 0.0;
     for (size_t d = 0; d < 2; d++) {
         double low = (def.b - def.a) * log(x); // for a step that stays
@@ -130,14 +130,14 @@ static void a_pulse_triggers_at_its_threshold(void **state)
         }
         assert_true(d == 0 || high < before);
         before = high;
-        test_slot_set(&slot, "until", step_at + durations[d]);
+        test_slot_set(&model, "until", step_at + durations[d]);
         const double factors[] = {0.99, 1.01};
         for (size_t i = 0; i < 2; i++) {
-            test_slot_set(&slot, "value", factors[i] * high * def.pressure);
+            test_slot_set(&model, "value", factors[i] * high * def.pressure);
             assert_int_equal(fails(&def), factors[i] > 1.0);
         }
     }
-    lac_slot_clear(&slot);
+    lac_model_clear(&model);
 }
 
 // Mean slip at the end of a block that a ramp speeds up by an e-fold each second.
@@ -147,10 +147,10 @@ static double slip_by(block_def def, lac_method method, double rtol, double end)
     lac_error err = {""};
     lac_run_result result;
     lac_run_def how = lac_run_default();
-    lac_slot slot = test_slot_shear("ramp");
-    test_slot_set(&slot, "rate",
+    lac_model model = test_slot_shear("ramp");
+    test_slot_set(&model, "rate",
                   (strcmp(def.law, "weakening") == 0 ? def.a : def.a - def.b) * def.pressure);
-    def.shear = &slot;
+    def.shear = &model;
     def.shear_count = 1;
     how.method = method;
     how.rtol = rtol;
@@ -161,7 +161,7 @@ static double slip_by(block_def def, lac_method method, double rtol, double end)
         fail_msg("%s", err.message);
     }
     block_clear(&b);
-    lac_slot_clear(&slot);
+    lac_model_clear(&model);
     assert_false(result.failed);
     return result.mean_slip;
 }

@@ -96,7 +96,7 @@ static void converges_to_ode(void **state)
     assert_true(ode.result.failed);
     double off[3];
     for (int i = 0; i < 3; i++) {
-        outcome events = run(&t, until_failure(), LAC_FIDELITY_EVENTS, pow(100.0, -2 - i));
+        outcome events = run(&t, until_failure(), LAC_FIDELITY_ASYNC, pow(100.0, -2 - i));
         assert_true(events.result.failed);
         off[i] = events.result.time / ode.result.time - 1.0;
         printf("%zu cells, rtol 1e-%d: failure off by %.1e, %zu slips of %zu, %.1e in slip\n",
@@ -114,7 +114,7 @@ static void follows(const tree_def *def, const lac_run_def *how, double within)
     tree t;
     tree_create(def, &t);
     outcome ode = run(&t, *how, LAC_FIDELITY_ODE, 1e-7);
-    outcome events = run(&t, *how, LAC_FIDELITY_EVENTS, 1e-8);
+    outcome events = run(&t, *how, LAC_FIDELITY_ASYNC, 1e-8);
     printf("%s: time %.6g and %.6g, %zu and %zu slips, mean slip %.6g and %.6g\n", def->law,
            events.result.time, ode.result.time, events.slips, ode.slips, events.result.mean_slip,
            ode.result.mean_slip);
@@ -142,8 +142,8 @@ static void follows_the_slip_law_and_the_regularised_form(void **state)
 static void follows_loads(void **state)
 {
     (void)state;
-    lac_slot shear[3] = {test_slot_shear("spring"), test_slot_shear("ramp"),
-                         test_slot_shear("step")};
+    lac_model shear[3] = {test_slot_shear("spring"), test_slot_shear("ramp"),
+                          test_slot_shear("step")};
     tree_def def = soft(3, 14);
     test_slot_set(&shear[0], "stiffness", 1e8);
     test_slot_set(&shear[0], "speed", 1e-6);
@@ -151,15 +151,15 @@ static void follows_loads(void **state)
     test_slot_set(&shear[1], "end", 1000.0);
     test_slot_set(&shear[2], "value", 1e4);
     test_slot_set(&shear[2], "at", 500.0);
-    lac_load_slots slots = {.shear = shear, .shear_count = 3};
-    def.loads = test_load_set(&slots);
+    lac_load_models models = {.shear = shear, .shear_count = 3};
+    def.loads = test_load_set(&models);
     lac_run_def how = lac_run_default();
     how.end = 1500.0;
     how.failure_rate = 1e3;
     follows(&def, &how, 1e-12);
     lac_load_set_clear(&def.loads);
     for (int i = 0; i < 3; i++) {
-        lac_slot_clear(&shear[i]);
+        lac_model_clear(&shear[i]);
     }
 }
 

@@ -17,16 +17,17 @@ static const char *const methods[] = {[LAC_BDF] = "bdf", [LAC_ADAMS] = "adams", 
 // approach alone.
 static double worst_of_two(const fault *f, lac_method method, double rtol)
 {
-    fault_events seen;
-    (void)fault_run(f, method, 9e9, rtol, &seen);
-    assert_int_equal(seen.count, 2);
+    fault_events observation;
+    (void)fault_run(f, method, 9e9, rtol, &observation);
+    assert_int_equal(observation.count, 2);
     for (size_t k = 0; k < 2; k++) {
         print_message("peak off by %.1e at the steps' ends, %.1e between them\n",
-                      seen.peak[k] / fault_b1_peaks[k] - 1, seen.crest[k] / fault_b1_peaks[k] - 1);
-        assert_true(fabs(seen.crest[k] / fault_b1_peaks[k] - 1) < 3e-3);
+                      observation.peak[k] / fault_b1_peaks[k] - 1,
+                      observation.crest[k] / fault_b1_peaks[k] - 1);
+        assert_true(fabs(observation.crest[k] / fault_b1_peaks[k] - 1) < 3e-3);
     }
-    double first = fabs(seen.time[0] / fault_b1_events[0] - 1);
-    return fmax(first, fabs(seen.time[1] / fault_b1_events[1] - 1));
+    double first = fabs(observation.time[0] / fault_b1_events[0] - 1);
+    return fmax(first, fabs(observation.time[1] / fault_b1_events[1] - 1));
 }
 
 // What the errors stay below at rtol 1e-4 (those of adams scatter two- to threefold with rounding),
@@ -76,7 +77,7 @@ static void same_start(const char *path, void (*create)(lac_formulation, fault *
 {
     lac_error err = {""};
     lac_case *c;
-    lac_case_report report = {0};
+    lac_case_issues report = {0};
     lac_scene *scene;
     fault f;
     create(LAC_FORMULATION_TRACTION, &f);
@@ -113,7 +114,7 @@ static void same_start(const char *path, void (*create)(lac_formulation, fault *
     free(wanted);
     free(work);
     lac_scene_free(scene);
-    lac_case_report_clear(&report);
+    lac_case_issues_clear(&report);
     lac_case_free(c);
     fault_free(&f);
 }

@@ -184,7 +184,7 @@ static void slowing_is_seen(void **state)
 static double value(const lac_precursor *all, size_t count, const char *name, const char *key)
 {
     for (size_t k = 0; k < count; k++) {
-        if (strcmp(all[k].kind->about.name, name) == 0) {
+        if (strcmp(all[k].kind->info.name, name) == 0) {
             return lac_precursor_find(&all[k], key);
         }
     }
@@ -199,8 +199,8 @@ static size_t look_at_events(const lac_event_list *events, double length, lac_pr
     double displacement[2] = {0.0, 0.0};
     size_t count = 0;
     lac_motion motion = {.n = 2, .time = time, .displacement = displacement};
-    const lac_observed seen = {&motion, events, NULL, NAN, NAN, 1, 59};
-    assert_int_equal(lac_precursors_look(&seen, out, &count, NULL), LAC_OK);
+    const lac_precursor_inputs seen = {&motion, events, NULL, NAN, NAN, 1, 59};
+    assert_int_equal(lac_precursors_evaluate(&seen, out, &count, NULL), LAC_OK);
     return count;
 }
 
@@ -329,10 +329,10 @@ static void rates_lengths_and_oscillations_are_found(void **state)
     lac_motion motion = {.n = READINGS, .time = time, .displacement = displacement, .sigma = sigma};
     const lac_event_list events = {EVENTS, event_time, moment, NULL};
     const lac_slip_history slip = {READINGS, LEVELS, time, n_slip, n_tot, length, 0.6};
-    const lac_observed seen = {&motion, &events, &slip, tc, 0.0, 1, 59};
+    const lac_precursor_inputs seen = {&motion, &events, &slip, tc, 0.0, 1, 59};
     lac_precursor out[LAC_PRECURSORS_MAX];
     size_t count = 0;
-    assert_int_equal(lac_precursors_look(&seen, out, &count, NULL), LAC_OK);
+    assert_int_equal(lac_precursors_evaluate(&seen, out, &count, NULL), LAC_OK);
     assert_true(fabs(value(out, count, "event_rate", "exponent") - p) < 0.01);
     const double error = value(out, count, "event_rate", "exponent_error");
     assert_true(error > 0.005 && error < 0.1);
@@ -355,17 +355,17 @@ static void what_is_not_there_is_said(void **state)
     lac_motion motion = {.n = 1, .time = &none, .displacement = &none, .sigma = &none};
     const lac_event_list events = {0, &none, &none, NULL};
     const lac_slip_history slip = {.n = 0};
-    const lac_observed series = {&motion, NULL, NULL, NAN, NAN, 1, 19};
-    const lac_observed run = {&motion, &events, &slip, NAN, NAN, 1, 19};
+    const lac_precursor_inputs series = {&motion, NULL, NULL, NAN, NAN, 1, 19};
+    const lac_precursor_inputs run = {&motion, &events, &slip, NAN, NAN, 1, 19};
     lac_precursor out[LAC_PRECURSORS_MAX];
     size_t count = 0;
-    assert_int_equal(lac_precursors_look(&series, out, &count, NULL), LAC_OK);
+    assert_int_equal(lac_precursors_evaluate(&series, out, &count, NULL), LAC_OK);
     for (size_t k = 0; k < count; k++) {
         assert_true(out[k].found.reason[0] != '\0' && out[k].kind->estimator[0] != '\0');
         assert_true((out[k].kind->needs == LAC_NEEDS_EVENTS) ==
                     (strstr(out[k].found.reason, "needs a catalogue") != NULL));
     }
-    assert_int_equal(lac_precursors_look(&run, out, &count, NULL), LAC_OK);
+    assert_int_equal(lac_precursors_evaluate(&run, out, &count, NULL), LAC_OK);
     for (size_t k = 0; k < count; k++) {
         assert_true(out[k].found.reason[0] != '\0');
     }

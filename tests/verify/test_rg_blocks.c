@@ -67,7 +67,7 @@ static void settle(lac_rg_tree *tree, const double *shear, double *root, uint8_t
                    double *stress)
 {
     *root = lac_rg_pass(tree, LAC_RG_FIX, shear, NULL);
-    lac_rg_settle(tree, slipped, stress);
+    lac_rg_resolve(tree, slipped, stress);
 }
 
 static void check_shift(const lac_domain *domain, size_t dx, size_t dy)

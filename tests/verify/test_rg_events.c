@@ -272,7 +272,7 @@ static void test_forces_balance_and_nothing_is_overloaded(void **state)
         bool slides = lac_rg_slips(tree, lac_rg_pass(tree, LAC_RG_CONS, s.shear, NULL));
         uint8_t slipped[MOST];
         double stress[MOST];
-        lac_rg_settle(tree, slipped, stress);
+        lac_rg_resolve(tree, slipped, stress);
         double carried = 0.0;
         size_t sticking = 0;
         for (size_t i = 0; i < s.n; i++) {

@@ -31,7 +31,7 @@ static void joint_create(joint *j, int64_t seed, double beta)
                               .shortest = NAN,
                               .seed = seed,
                               .anisotropy = 1.0};
-    const lac_slot slot = {&lac_surface_source_at(0)->about, &params};
+    const lac_model model = {&lac_surface_source_get(0)->info, &params};
     j->heights = new_doubles(CELLS);
     j->pressure = new_doubles(CELLS);
     j->contact = lac_contact_default();
@@ -39,7 +39,7 @@ static void joint_create(joint *j, int64_t seed, double beta)
     j->contact.heights = j->heights;
     j->contact.e_star = 1.0;
     j->contact.mean_pressure = 0.05;
-    assert_int_equal(lac_surface_generate(&slot, &j->contact.grid, j->heights, &err), LAC_OK);
+    assert_int_equal(lac_surface_generate(&model, &j->contact.grid, j->heights, &err), LAC_OK);
     assert_int_equal(lac_contact_solve(&j->contact, j->pressure, NULL, NULL, &err), LAC_OK);
     assert_int_equal(lac_domain_create(&j->contact.grid, j->pressure, &j->domain, &err), LAC_OK);
     j->h = hierarchy_of(j->domain);
@@ -105,7 +105,7 @@ static void test_solved_contacts_bracket_the_critical_force(void **state)
         joint_create(&j, seed, 0.5 + 0.1 * (double)seed);
         double *work = new_doubles(2 * j.domain->n);
         lac_rg_path *path = path_of(&j, LAC_RG_LOADS);
-        const lac_rg_press press = {&j.contact, j.domain, friction};
+        const lac_rg_resolve_def press = {&j.contact, j.domain, friction};
         for (lac_rg_rule rule = LAC_RG_FIX; rule <= LAC_RG_LUMP; rule++) {
             lac_error err = {""};
             double critical = NAN;
@@ -128,7 +128,7 @@ static void test_a_dense_series_comes_to_the_same(void **state)
     joint j;
     joint_create(&j, 1, 0.7);
     double *work = new_doubles(2 * j.domain->n);
-    const lac_rg_press press = {&j.contact, j.domain, friction};
+    const lac_rg_resolve_def press = {&j.contact, j.domain, friction};
     lac_rg_path *path = path_of(&j, LAC_RG_MOST_LOADS);
     for (lac_rg_rule rule = LAC_RG_FIX; rule <= LAC_RG_CONS; rule++) {
         lac_error err = {""};

@@ -41,7 +41,7 @@ static void test_equal_stress_carries_the_load(void **state)
         for (double load = 0.0; load <= 1.0; load += 0.125) {
             double given = 0.0;
             double carried = 0.0;
-            lac_rg_path_at(path, load, shear, gap);
+            lac_rg_path_eval(path, load, shear, gap);
             for (size_t i = 0; i < n; i++) {
                 given += load * strength[i];
                 carried += shear[i];
@@ -74,7 +74,7 @@ static void test_uniform_stress_slides_where_one_pass_says(void **state)
         }
         assert_int_equal(lac_rg_path_uniform(n, strength, &path, &err), LAC_OK);
         assert_int_equal(lac_rg_tree_create(h, strength, drop, &tree, &err), LAC_OK);
-        lac_rg_path_at(path, 0.5, work, work + n);
+        lac_rg_path_eval(path, 0.5, work, work + n);
         for (size_t i = 0; i < n; i++) {
             assert_near(work[i], 0.5 * total / (double)n, 1e-12 * total);
             assert_near(work[n + i], strength[i] - work[i], 1e-12 * total);
@@ -104,13 +104,13 @@ static void test_elastic_path_passes_through_its_solutions(void **state)
     double gap[3];
     assert_int_equal(lac_rg_path_elastic(&series, &path, &err), LAC_OK);
     for (size_t k = 0; k < 3; k++) {
-        lac_rg_path_at(path, 1.0 - part[k], shear, gap);
+        lac_rg_path_eval(path, 1.0 - part[k], shear, gap);
         for (size_t i = 0; i < 3; i++) {
             assert_near(gap[i], 0.5 * pressure[3 * k + i], 1e-15);
             assert_near(shear[i] + gap[i], 0.5 * pressure[i], 1e-15);
         }
     }
-    lac_rg_path_at(path, 0.375, shear, gap); // half way to the second
+    lac_rg_path_eval(path, 0.375, shear, gap); // half way to the second
     assert_near(gap[1], 0.5 * 1.25, 1e-15);
     lac_rg_path_free(path);
 }

@@ -150,12 +150,12 @@ static double brute_critical(const scene *s, const lac_rg_path *path)
     for (int i = 1; i <= 60 && !slides; i++) {
         low = high;
         high = (double)i / 60;
-        lac_rg_path_at(path, high, shear, gap);
+        lac_rg_path_eval(path, high, shear, gap);
         slides = brute_slips(s, shear, s->levels, 0, (uint32_t)s->n);
     }
     for (int i = 0; i < 40; i++) {
         double middle = 0.5 * (low + high);
-        lac_rg_path_at(path, middle, shear, gap);
+        lac_rg_path_eval(path, middle, shear, gap);
         slides = brute_slips(s, shear, s->levels, 0, (uint32_t)s->n);
         low = slides ? low : middle;
         high = slides ? middle : high;

@@ -17,33 +17,33 @@
 enum { TIMES = 6, MOST = 4 };
 
 // What is seen of a run, and its derivatives.
-typedef struct seen {
+typedef struct observation {
     double slip[TIMES], log_rate[TIMES];
     double slip_by[TIMES * MOST], log_rate_by[TIMES * MOST], failure_by[MOST];
     double failure;
     size_t reached;
-} seen;
+} observation;
 
-static seen follow(const lac_problem *problem, const lac_nudge *nudge, size_t nudges, double rtol,
-                   const double *time, double end)
+static observation follow(const lac_problem *problem, const lac_perturbation *perturbation,
+                          size_t perturbations, double rtol, const double *time, double end)
 {
-    seen out = {0};
+    observation out = {0};
     lac_error err = {""};
-    lac_follow f = {.slip = out.slip,
-                    .log_rate = out.log_rate,
-                    .slip_by = out.slip_by,
-                    .log_rate_by = out.log_rate_by,
-                    .failure_by = out.failure_by};
-    const lac_follow_def def = {.problem = problem,
-                                .nudges = nudges,
-                                .nudge = nudge,
-                                .rtol = rtol,
-                                .end = end,
-                                .failure_rate = 1e6,
-                                .max_steps = 100000,
-                                .n = TIMES,
-                                .time = time};
-    if (lac_follow_run(&def, &f, &err) != LAC_OK) {
+    lac_sensitivity f = {.slip = out.slip,
+                         .log_rate = out.log_rate,
+                         .slip_by = out.slip_by,
+                         .log_rate_by = out.log_rate_by,
+                         .failure_by = out.failure_by};
+    const lac_sensitivity_def def = {.problem = problem,
+                                     .perturbations = perturbations,
+                                     .perturbation = perturbation,
+                                     .rtol = rtol,
+                                     .end = end,
+                                     .failure_rate = 1e6,
+                                     .max_steps = 100000,
+                                     .n = TIMES,
+                                     .time = time};
+    if (lac_sensitivity_run(&def, &f, &err) != LAC_OK) {
         fail_msg("follow: %s", err.message);
     }
     out.failure = f.failure_time;
@@ -88,7 +88,7 @@ static void closed_forms(void **state)
     const double time[TIMES] = {0.0, 0.2 * tc, 0.5 * tc, 0.8 * tc, 0.95 * tc, 0.999 * tc};
     const double h = 1e-5;
     block base, low[3], high[3];
-    lac_nudge nudge[3];
+    lac_perturbation perturbation[3];
     block_def def = block_at(p);
     block_create(&def, &base);
     for (size_t k = 0; k < 3; k++) {
@@ -99,9 +99,9 @@ static void closed_forms(void **state)
         moved[k] = p[k] + h;
         def = block_at(moved);
         block_create(&def, &high[k]);
-        nudge[k] = (lac_nudge){low[k].problem, high[k].problem, h};
+        perturbation[k] = (lac_perturbation){low[k].problem, high[k].problem, h};
     }
-    seen got = follow(base.problem, nudge, 3, 1e-9, time, 10.0 * tc);
+    observation got = follow(base.problem, perturbation, 3, 1e-9, time, 10.0 * tc);
     assert_int_equal(got.reached, TIMES);
     for (size_t i = 0; i < TIMES; i++) {
         double slip, rate, fails;
@@ -136,9 +136,9 @@ static void closed_forms(void **state)
 }
 
 // The k-th parameter of a block moved by h: ln b, ln dc, the height of a step of stress.
-static lac_slot move_block(block_def *def, size_t k, double h)
+static lac_model move_block(block_def *def, size_t k, double h)
 {
-    lac_slot step = test_slot_shear("step");
+    lac_model step = test_slot_shear("step");
     def->b *= k == 0 ? exp(h) : 1.0;
     def->dc *= k == 1 ? exp(h) : 1.0;
     test_slot_set(&step, "at", 0.3);
@@ -146,17 +146,18 @@ static lac_slot move_block(block_def *def, size_t k, double h)
     return step;
 }
 
-static seen follow_block(const block_def *def, size_t k, double h, double rtol, const double *time)
+static observation follow_block(const block_def *def, size_t k, double h, double rtol,
+                                const double *time)
 {
     block b;
     block_def moved = *def;
-    lac_slot step = move_block(&moved, k, h);
+    lac_model step = move_block(&moved, k, h);
     moved.shear = &step;
     moved.shear_count = 1;
     block_create(&moved, &b);
-    seen out = follow(b.problem, NULL, 0, rtol, time, time[TIMES - 1]);
+    observation out = follow(b.problem, NULL, 0, rtol, time, time[TIMES - 1]);
     block_clear(&b);
-    lac_slot_clear(&step);
+    lac_model_clear(&step);
     return out;
 }
 
@@ -167,24 +168,24 @@ static void central_differences(void **state)
     block_def def = block_default(1.35, 0.7);
     def.formulation = chosen(state);
     block made[7];
-    lac_slot slot[7];
-    lac_nudge nudge[3];
+    lac_model model[7];
+    lac_perturbation perturbation[3];
     const double h = 1e-5;
     for (size_t j = 0; j < 7; j++) {
         block_def moved = def;
-        slot[j] = move_block(&moved, j / 2, j == 6 ? 0.0 : j % 2 == 0 ? -h : h);
-        moved.shear = &slot[j];
+        model[j] = move_block(&moved, j / 2, j == 6 ? 0.0 : j % 2 == 0 ? -h : h);
+        moved.shear = &model[j];
         moved.shear_count = 1;
         block_create(&moved, &made[j]);
     }
     for (size_t k = 0; k < 3; k++) {
-        nudge[k] = (lac_nudge){made[2 * k].problem, made[2 * k + 1].problem, h};
+        perturbation[k] = (lac_perturbation){made[2 * k].problem, made[2 * k + 1].problem, h};
     }
-    seen got = follow(made[6].problem, nudge, 3, 1e-8, time, time[TIMES - 1]);
+    observation got = follow(made[6].problem, perturbation, 3, 1e-8, time, time[TIMES - 1]);
     assert_int_equal(got.reached, TIMES);
     for (size_t k = 0; k < 3; k++) {
-        seen plus = follow_block(&def, k, 1e-3, 1e-11, time);
-        seen minus = follow_block(&def, k, -1e-3, 1e-11, time);
+        observation plus = follow_block(&def, k, 1e-3, 1e-11, time);
+        observation minus = follow_block(&def, k, -1e-3, 1e-11, time);
         for (size_t i = 0; i < TIMES; i++) {
             double slope = (plus.slip[i] - minus.slip[i]) / 2e-3;
             double rate_slope = (plus.log_rate[i] - minus.log_rate[i]) / 2e-3;
@@ -198,17 +199,17 @@ static void central_differences(void **state)
     }
     for (size_t j = 0; j < 7; j++) {
         block_clear(&made[j]);
-        lac_slot_clear(&slot[j]);
+        lac_model_clear(&model[j]);
     }
 }
 
-static seen follow_tree(double dc, const double *time, double rtol)
+static observation follow_tree(double dc, const double *time, double rtol)
 {
     tree t;
     tree_def def = tree_default(2, 3);
     def.dc *= dc;
     tree_create(&def, &t);
-    seen out = follow(t.problem, NULL, 0, rtol, time, time[TIMES - 1]);
+    observation out = follow(t.problem, NULL, 0, rtol, time, time[TIMES - 1]);
     tree_clear(&t);
     return out;
 }
@@ -230,10 +231,10 @@ static void small_tree(void **state)
     tree_create(&def, &low);
     def.dc *= exp(2.0 * h);
     tree_create(&def, &high);
-    lac_nudge nudge = {low.problem, high.problem, h};
-    seen got = follow(base.problem, &nudge, 1, 1e-8, time, time[TIMES - 1]);
-    seen plus = follow_tree(exp(1e-3), time, 1e-11);
-    seen minus = follow_tree(exp(-1e-3), time, 1e-11);
+    lac_perturbation perturbation = {low.problem, high.problem, h};
+    observation got = follow(base.problem, &perturbation, 1, 1e-8, time, time[TIMES - 1]);
+    observation plus = follow_tree(exp(1e-3), time, 1e-11);
+    observation minus = follow_tree(exp(-1e-3), time, 1e-11);
     assert_true(lac_problem_cells(base.problem) > 2);
     for (size_t i = 0; i < got.reached; i++) {
         double slope = (plus.slip[i] - minus.slip[i]) / 2e-3;
@@ -253,7 +254,7 @@ static void many_breaks(void **state)
 {
     enum { TURNS = 600 };
     const double time[TIMES] = {0.0, 0.1, 0.2, 0.3, 0.4, 0.5};
-    lac_slot ramp[TURNS];
+    lac_model ramp[TURNS];
     (void)state;
     for (size_t i = 0; i < TURNS; i++) {
         ramp[i] = test_slot_shear("ramp");
@@ -274,11 +275,11 @@ static void many_breaks(void **state)
     lac_run_result result;
     lac_error err = {""};
     assert_int_equal(lac_run(b.problem, &run, NULL, &result, &err), LAC_OK);
-    seen got = follow(b.problem, NULL, 0, 1e-6, time, 0.5);
+    observation got = follow(b.problem, NULL, 0, 1e-6, time, 0.5);
     assert_near(got.slip[TIMES - 1] / result.mean_slip, 1.0, 1e-4, "slip", TIMES - 1);
     block_clear(&b);
     for (size_t i = 0; i < TURNS; i++) {
-        lac_slot_clear(&ramp[i]);
+        lac_model_clear(&ramp[i]);
     }
 }
 
@@ -290,8 +291,8 @@ static void same_bits(void **state)
     block_def def = block_default(1.35, 0.5);
     block b;
     block_create(&def, &b);
-    seen one = follow(b.problem, NULL, 0, 1e-6, time, 0.5);
-    seen two = follow(b.problem, NULL, 0, 1e-6, time, 0.5);
+    observation one = follow(b.problem, NULL, 0, 1e-6, time, 0.5);
+    observation two = follow(b.problem, NULL, 0, 1e-6, time, 0.5);
     assert_memory_equal(&one, &two, sizeof one);
     block_clear(&b);
 }

@@ -11,20 +11,20 @@
 #include "support/slot.h"
 #include "support/test.h"
 
-static lac_slot spring(double stiffness, double speed)
+static lac_model spring(double stiffness, double speed)
 {
-    lac_slot slot = test_slot_shear("spring");
-    test_slot_set(&slot, "stiffness", stiffness);
-    test_slot_set(&slot, "speed", speed);
-    return slot;
+    lac_model model = test_slot_shear("spring");
+    test_slot_set(&model, "stiffness", stiffness);
+    test_slot_set(&model, "speed", speed);
+    return model;
 }
 
 // A slider of order-one scales, a perturbation off steady sliding at the speed of the spring.
-static block_def slider(const lac_slot *slot, double off)
+static block_def slider(const lac_model *model, double off)
 {
     block_def def = block_default(1.5, 1.0);
     def.slip_rate = 1.0 + off;
-    def.shear = slot;
+    def.shear = model;
     def.shear_count = 1;
     return def;
 }
@@ -48,9 +48,9 @@ static size_t maxima(const history *h, double *time, double *height, size_t room
 {
     size_t found = 0;
     for (size_t i = 1; i + 1 < h->n && found < room; i++) {
-        double y0 = log(h->line[i - 1].seen.mean_rate);
-        double y1 = log(h->line[i].seen.mean_rate);
-        double y2 = log(h->line[i + 1].seen.mean_rate);
+        double y0 = log(h->line[i - 1].observation.mean_rate);
+        double y1 = log(h->line[i].observation.mean_rate);
+        double y2 = log(h->line[i + 1].observation.mean_rate);
         if (y1 > y0 && y1 >= y2) {
             double bend = y0 - 2.0 * y1 + y2;
             double shift = 0.5 * (y0 - y2) / bend;
@@ -73,8 +73,8 @@ static void growth_rate(void **state)
         double critical = def.pressure * (def.b - def.a) / def.dc;
         double k = ratios[i] * critical;
         double want = 0.5 * ((def.b - def.a) / (def.a * def.dc) - k / (def.a * def.pressure));
-        lac_slot slot = spring(k, 1.0);
-        def = slider(&slot, 1e-6);
+        lac_model model = spring(k, 1.0);
+        def = slider(&model, 1e-6);
         def.formulation = chosen(state);
         lac_run_def how = lac_run_default();
         how.rtol = 1e-13;
@@ -91,7 +91,7 @@ static void growth_rate(void **state)
         printf("k/k_crit %-5g growth rate %+.6f, linear theory %+.6f\n", ratios[i], growth, want);
         assert_true(fabs(growth - want) <= 0.01 * fabs(want));
         history_clear(&h);
-        lac_slot_clear(&slot);
+        lac_model_clear(&model);
     }
 }
 
@@ -102,8 +102,8 @@ static void stable_above_and_unstable_below(void **state)
     for (size_t i = 0; i < 2; i++) {
         block_def def = block_default(1.5, 1.0);
         def.formulation = chosen(state);
-        lac_slot slot = spring(ratios[i] * def.pressure * (def.b - def.a) / def.dc, 1.0);
-        def = slider(&slot, 0.1);
+        lac_model model = spring(ratios[i] * def.pressure * (def.b - def.a) / def.dc, 1.0);
+        def = slider(&model, 0.1);
         def.formulation = chosen(state);
         def.damping = 1.0;
         lac_run_def how = lac_run_default();
@@ -116,10 +116,10 @@ static void stable_above_and_unstable_below(void **state)
             assert_true(result.max_slip_rate > 5.0);
         } else {
             assert_false(result.failed);
-            assert_true(fabs(h.line[h.n - 1].seen.mean_rate - 1.0) < 1e-6);
+            assert_true(fabs(h.line[h.n - 1].observation.mean_rate - 1.0) < 1e-6);
         }
         history_clear(&h);
-        lac_slot_clear(&slot);
+        lac_model_clear(&model);
     }
 }
 
@@ -146,7 +146,7 @@ static void slow_start(void **state)
             lac_run_result result = integrate(&def, &how, &h);
             assert_true(result.failed);
             time[form][l] = result.failure_origin + result.failure_local;
-            double last = h.line[h.n - 1].seen.mean_rate;
+            double last = h.line[h.n - 1].observation.mean_rate;
             assert_true(fabs(last - 10.0) < 1e-6);
             for (size_t i = 1; i < h.n; i++) {
                 double dt = (h.line[i].time_origin - h.line[i - 1].time_origin) +
@@ -210,7 +210,7 @@ static void slow_end(void **state)
     history h = {0};
     lac_run_result result = integrate(&def, &how, &h);
     assert_false(result.failed);
-    double last = h.line[h.n - 1].seen.mean_rate;
+    double last = h.line[h.n - 1].observation.mean_rate;
     assert_true(last < 1e-24);
     double x = pow(last / block_steady_rate(&def), -1.0 / 1.5);
     assert_true(fabs(steady * aging_time(1.5, 1.5, x) / how.end - 1.0) < 1e-6);

@@ -18,7 +18,7 @@ enum { N = 256, CELLS = N * N };
 // cells that stick over the contact, shift.
 static void superpose(sheared *s, double part, double off[3])
 {
-    const lac_contact_report full = s->contact;
+    const lac_contact_stats full = s->contact;
     const double nu = s->def.poisson;
     const double f = s->def.friction;
     const double load = part * f * s->normal.mean_pressure;
@@ -28,7 +28,7 @@ static void superpose(sheared *s, double part, double off[3])
     double sticks = 0.0;
     assert_non_null(p);
     memcpy(p, s->p, CELLS * sizeof *p);
-    const lac_tangential_report coupled = shear(s, 0.0, load);
+    const lac_tangential_stats coupled = shear(s, 0.0, load);
     press(s, s->normal.mean_pressure - load / f); // now s->p is p(P - Q/f)
     for (size_t i = 0; i < CELLS; i++) {
         double along = lac_tangential_traction(s->t, 1)[i];
@@ -99,7 +99,7 @@ static void first_slip_at(size_t n, lac_first_slip *f)
     assert_true(fabs(f->shift[0] / shift - 1.0) < 2.0 / (double)n);
     assert_true(fabs(hypot(x, y) / a - 1.0) < 8.0 / (double)n);
     // just above it, that cell alone slips or its mirror images with it
-    lac_tangential_report r = shear(&s, 1.0001 * f->load, 0.0);
+    lac_tangential_stats r = shear(&s, 1.0001 * f->load, 0.0);
     assert_true(r.slip_cells >= 1 && r.slip_cells <= 8);
     assert_int_equal(lac_tangential_state(s.t)[f->cell], LAC_CELL_SLIP);
     start_again(&s);

@@ -24,8 +24,8 @@ static void synthesise(double hurst, int64_t seed, lac_grid grid)
                          .seed = seed,
                          .anisotropy = 1.0,
                          .margin = grid.periodic ? 0 : 1};
-    lac_slot slot = {&surface_source("self-affine")->about, &p};
-    assert_int_equal(lac_surface_generate(&slot, &grid, h, NULL), LAC_OK);
+    lac_model model = {&surface_source("self-affine")->info, &p};
+    assert_int_equal(lac_surface_generate(&model, &grid, h, NULL), LAC_OK);
 }
 
 static lac_surface_measures measure(lac_grid grid, const lac_wave_range *range)
@@ -135,9 +135,9 @@ static void known_bands_are_fitted(void **state)
                          .seed = 1,
                          .anisotropy = 1.0};
     lac_grid grid = {N, N, 0.5, 0.5, true};
-    lac_slot slot = {&surface_source("self-affine")->about, &p};
-    lac_surface_report r;
-    assert_int_equal(lac_surface_generate_measured(&slot, &grid, h, &r, NULL), LAC_OK);
+    lac_model model = {&surface_source("self-affine")->info, &p};
+    lac_surface_stats r;
+    assert_int_equal(lac_surface_generate_measured(&model, &grid, h, &r, NULL), LAC_OK);
     assert_true(r.measured == LAC_MEASURED_INTERFACE && r.files == 0);
     assert_true(r.measures.fit_longest == 16.0 && r.measures.fit_shortest == 3.0);
     assert_true(fabs(r.measures.hurst - 0.8) < 3.0 * r.measures.hurst_error);

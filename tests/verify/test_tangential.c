@@ -19,7 +19,7 @@ static void mindlin_at(size_t n, double nu, double ratio, size_t stick, size_t c
     const double f = 0.4;
     const double load = 4.0 / 3.0 * a * a * a;
     sheared s = sphere_of(n, a, nu, f);
-    lac_tangential_report r = shear(&s, 0.875 * f * s.contact.mean_pressure, 0.0);
+    lac_tangential_stats r = shear(&s, 0.875 * f * s.contact.mean_pressure, 0.0);
     const double modulus = 1.0 - nu; // E* = G / (1 - nu)
     double shift = 2.0 * 3.0 * f * load * (2.0 - nu) / (16.0 * modulus * a) * (1.0 - 0.25);
     print_message("nu %.2f, %3zu^2: %zu of %zu stick, shift / Mindlin %.5f, %lld products\n", nu, n,
@@ -57,7 +57,7 @@ static void least_loads(void **state)
     for (double part = 0.1; part > 1e-100; part *= 1e-3) {
         start_again(&s);
         double load = part * first.load;
-        lac_tangential_report r = shear(&s, 0.6 * load, 0.8 * load);
+        lac_tangential_stats r = shear(&s, 0.6 * load, 0.8 * load);
         assert_int_equal(r.slip_cells, 0);
         assert_true(fabs(r.highest_ratio / part - 1.0) < 1e-6);
         double sum = 0.0;
@@ -76,7 +76,7 @@ static void rough_joint(void **state)
     (void)state;
     sheared s = rough_of(256, false, 0.2, 0.5);
     // the reference was loaded along what is y here
-    lac_tangential_report r = shear(&s, 0.0, 0.5 * 0.5 * 4.9e-3);
+    lac_tangential_stats r = shear(&s, 0.0, 0.5 * 0.5 * 4.9e-3);
     print_message("A08_256 free: %zu contact, %zu stick, %zu slip, shift (%.8e, %.4e), %lld "
                   "products\n",
                   r.contact_cells, r.stick_cells, r.slip_cells, r.shift[1], r.shift[0],
@@ -150,7 +150,7 @@ static void cycles(void **state)
                             5.81727731e-5,  5.46940959e-4,  9.65336400e-4};
     sheared s = rough_of(256, true, 0.0, 0.5);
     for (size_t k = 0; k < 9; k++) {
-        lac_tangential_report r = shear(&s, load[k] * 0.5 * 4.9e-3, 0.0);
+        lac_tangential_stats r = shear(&s, load[k] * 0.5 * 4.9e-3, 0.0);
         print_message("Q/fP %+.1f: shift %.8e (%.8e), %lld products\n", load[k], r.shift[0],
                       shift[k], (long long)r.products);
         assert_true(fabs(r.shift[0] - shift[k]) < 1e-12);
@@ -164,9 +164,9 @@ static void given_shift(void **state)
     (void)state;
     const double strength = 0.5 * 4.9e-3;
     sheared s = rough_of(256, true, 0.2, 0.5);
-    lac_tangential_report load = shear(&s, 0.4 * strength, 0.3 * strength);
+    lac_tangential_stats load = shear(&s, 0.4 * strength, 0.3 * strength);
     start_again(&s);
-    lac_tangential_report given = drag(&s, load.shift[0], load.shift[1]);
+    lac_tangential_stats given = drag(&s, load.shift[0], load.shift[1]);
     assert_true(fabs(given.traction[0] / load.traction[0] - 1.0) < 1e-8);
     assert_true(fabs(given.traction[1] / load.traction[1] - 1.0) < 1e-8);
     assert_int_equal(given.stick_cells, load.stick_cells);
@@ -191,7 +191,7 @@ static void slid_then_loaded_across(void **state)
     for (int k = 1; k <= 3; k++) {
         const lac_tangential_target target = {{LAC_SHEAR_SHIFT, LAC_SHEAR_LOAD},
                                               {1.0, 0.1 * k * strength}};
-        lac_tangential_report r;
+        lac_tangential_stats r;
         lac_status status = lac_tangential_step(s.t, s.p, &target, &r, &s.err);
         print_message("loaded across by %.1f f P: %lld iterations, %zu slip\n", 0.1 * k,
                       (long long)r.iterations, r.slip_cells);

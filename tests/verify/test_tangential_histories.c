@@ -42,10 +42,10 @@ static void pressed_harder(void **state)
 {
     (void)state;
     sheared s = rough_of(128, true, 0.3, 0.5);
-    lac_tangential_report before = shear(&s, 0.5 * strength, 0.2 * strength);
+    lac_tangential_stats before = shear(&s, 0.5 * strength, 0.2 * strength);
     double *tau = copy_tractions(&s);
     press(&s, 2.0 * 4.9e-3);
-    lac_tangential_report after = shear(&s, 0.5 * strength, 0.2 * strength);
+    lac_tangential_stats after = shear(&s, 0.5 * strength, 0.2 * strength);
     double off = difference(&s, lac_tangential_traction(s.t, 0), tau, 1.0);
     print_message("P doubled: tractions %.1e, shift %.1e, %zu slip\n", off,
                   after.shift[0] / before.shift[0] - 1.0, after.slip_cells);
@@ -66,10 +66,10 @@ static void pressed_less(void **state)
     sheared s = rough_of(128, true, 0.0, 0.5);
     (void)shear(&s, 0.4 * strength, 0.0);
     press(&s, 0.7 * 4.9e-3);
-    lac_tangential_report after = shear(&s, 0.4 * strength, 0.0);
+    lac_tangential_stats after = shear(&s, 0.4 * strength, 0.0);
     double *tau = copy_tractions(&s);
     start_again(&s);
-    lac_tangential_report virgin = shear(&s, 0.4 * strength, 0.0);
+    lac_tangential_stats virgin = shear(&s, 0.4 * strength, 0.0);
     double off = difference(&s, lac_tangential_traction(s.t, 0), tau, 1.0);
     print_message("P down: tractions %.1e, shift %.1e\n", off,
                   after.shift[0] / virgin.shift[0] - 1.0);
@@ -85,7 +85,7 @@ static void pressed_less(void **state)
 static double grown_together(sheared *s, int steps, double part)
 {
     start_again(s);
-    lac_tangential_report r = {0};
+    lac_tangential_stats r = {0};
     for (int k = 1; k <= steps; k++) {
         double load = 4.9e-3 * (double)k / steps;
         press(s, load);
@@ -155,7 +155,7 @@ static double energy_gap(sheared *s, int steps)
                 double to = path[leg][axis] * strength;
                 next[axis] = from[axis] + (to - from[axis]) * (double)k / steps;
             }
-            lac_tangential_report r = shear(s, next[0], next[1]);
+            lac_tangential_stats r = shear(s, next[0], next[1]);
             for (int axis = 0; axis < 2; axis++) {
                 work += 0.5 * (q[axis] + next[axis]) * (r.shift[axis] - shift[axis]);
                 shift[axis] = r.shift[axis];
@@ -215,7 +215,7 @@ static void dragged_far(void **state)
     (void)state;
     sheared s = rough_of(64, true, 0.3, 0.5);
     (void)drag(&s, 0.3, 0.4);
-    lac_tangential_report r = drag(&s, 0.6, 0.8);
+    lac_tangential_stats r = drag(&s, 0.6, 0.8);
     assert_int_equal(r.slip_cells, r.contact_cells);
     assert_true(fabs(r.dissipation / (0.5 * strength) - 1.0) < 1e-6);
     r = drag(&s, 0.0, 0.0);
@@ -268,8 +268,8 @@ static void turned_joint(void **state)
         for (int k = 0; k < 3; k++) {
             double qx = path[k][0] * strength;
             double qy = path[k][1] * strength;
-            lac_tangential_report a = shear(&s, qx, qy);
-            lac_tangential_report b = shear(&t, -qy, qx);
+            lac_tangential_stats a = shear(&s, qx, qy);
+            lac_tangential_stats b = shear(&t, -qy, qx);
             assert_int_equal(a.stick_cells, b.stick_cells);
             assert_true(fabs(a.shift[0] - b.shift[1]) < 1e-7 * fabs(a.shift[0]));
             assert_true(turned_difference(&s, &t) < 1e-7);
@@ -284,10 +284,10 @@ static void any_direction(void **state)
 {
     (void)state;
     sheared s = rough_of(64, false, 0.0, 0.5);
-    lac_tangential_report straight = shear(&s, 0.6 * strength, 0.0);
+    lac_tangential_stats straight = shear(&s, 0.6 * strength, 0.0);
     double *tau = copy_tractions(&s);
     start_again(&s);
-    lac_tangential_report oblique = shear(&s, 0.6 * strength * 0.6, -0.6 * strength * 0.8);
+    lac_tangential_stats oblique = shear(&s, 0.6 * strength * 0.6, -0.6 * strength * 0.8);
     double most = 0.0;
     for (size_t i = 0; i < s.n * s.n; i++) {
         most = fmax(most, fabs(lac_tangential_traction(s.t, 0)[i] - 0.6 * tau[i]));
@@ -312,7 +312,7 @@ static void turning_load(void **state)
     double shift[4][2];
     for (int k = 0; k <= 4 * STEPS; k++) {
         double angle = 2.0 * pi * k / STEPS;
-        lac_tangential_report r = shear(&s, q * cos(angle), q * sin(angle));
+        lac_tangential_stats r = shear(&s, q * cos(angle), q * sin(angle));
         int quarter = (k - 1) / (STEPS / 4) - 12;
         if (quarter >= 0) {
             eaten[quarter] += r.dissipation;

@@ -7,7 +7,7 @@
 
 #include <omp.h>
 
-#include "base/parts.h"
+#include "base/parallel_for.h"
 #include "lacuna/simulation.h"
 #include "support/test.h"
 #include "support/tree.h"
@@ -83,14 +83,14 @@ static void a_run_does_not_either(void **state)
 }
 
 // Every element belongs to one part, and parts do not depend on the threads.
-typedef struct seen {
+typedef struct observation {
     unsigned char *times;
     size_t first[LAC_PARTS];
-} seen;
+} observation;
 
 static void look(void *context, size_t part, size_t first, size_t end)
 {
-    seen *s = context;
+    observation *s = context;
     s->first[part] = first;
     for (size_t i = first; i < end; i++) {
         s->times[i]++;
@@ -103,11 +103,11 @@ static void parts_cover_all(void **state)
     const size_t sizes[] = {1,     255, LAC_PARTS_ALONE - 1, LAC_PARTS_ALONE, LAC_PARTS_ALONE + 1,
                             300001};
     for (size_t k = 0; k < sizeof sizes / sizeof *sizes; k++) {
-        seen one = {calloc(sizes[k], 1), {0}}, two = {calloc(sizes[k], 1), {0}};
+        observation one = {calloc(sizes[k], 1), {0}}, two = {calloc(sizes[k], 1), {0}};
         omp_set_num_threads(1);
-        size_t parts = lac_parts_run(sizes[k], look, &one);
+        size_t parts = lac_parallel_for(sizes[k], look, &one);
         omp_set_num_threads(2);
-        assert_int_equal(lac_parts_run(sizes[k], look, &two), parts);
+        assert_int_equal(lac_parallel_for(sizes[k], look, &two), parts);
         omp_set_num_threads(1);
         assert_memory_equal(one.first, two.first, sizeof one.first);
         for (size_t i = 0; i < sizes[k]; i++) {

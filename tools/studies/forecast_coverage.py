@@ -9,7 +9,7 @@ forecast from what is left: blocks of rate-and-state friction in closed form (do
 joints of many cells run by `lacuna run`, one stretch of some also forecast by the joint's own case (its
 dc, first slip rate and first state unknown). Prints tables, in Markdown, of coverage and errors, and of
 how late inverse velocity is. With --calibrate it prints the intervals' quantiles instead, as they
-stand in src/forecast and src/fit/foresee.c; the tables must then be made with another seed. The same
+stand in src/forecast and src/fit/model_forecast.c; the tables must then be made with another seed. The same
 seed gives the same series.
 """
 

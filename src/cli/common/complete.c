@@ -91,8 +91,8 @@ static void offer_kinds(const offers *all, const char *of)
 {
     const lac_kind *kind;
     const lac_section *section;
-    const lac_descriptor *model;
-    for (size_t i = 0; (kind = lac_kind_at(i)) != NULL; i++) {
+    const lac_model_info *model;
+    for (size_t i = 0; (kind = lac_kind_get(i)) != NULL; i++) {
         if (of == NULL) {
             offer(all, kind->name, kind->summary);
             continue;
@@ -101,7 +101,7 @@ static void offer_kinds(const offers *all, const char *of)
             offer(all, model->name, model->summary);
         }
     }
-    for (size_t i = 0; of == NULL && (section = lac_section_at(i)) != NULL; i++) {
+    for (size_t i = 0; of == NULL && (section = lac_section_get(i)) != NULL; i++) {
         offer(all, section->name, section->summary);
     }
 }
@@ -170,7 +170,7 @@ static void offer_rows(const offers *all, const char *folder, const lac_param *p
 static void offer_models(const offers *all, const char *folder, const lac_kind *kind)
 {
     char path[LINE_SIZE];
-    const lac_descriptor *model;
+    const lac_model_info *model;
     for (size_t i = 0; (model = kind->at(i)) != NULL; i++) {
         (void)snprintf(path, sizeof path, "%s.%s", folder, model->name);
         offer_rows(all, path, model->params, model->param_count);
@@ -182,10 +182,10 @@ static void offer_spreads(const offers *all, const lac_kind *spread)
 {
     char path[LINE_SIZE];
     const lac_friction_law *law;
-    for (size_t i = 0; (law = lac_friction_law_at(i)) != NULL; i++) {
-        for (size_t k = 0; k < law->about.param_count; k++) {
-            if ((law->about.params[k].flags & LAC_CELLWISE) != 0) {
-                (void)snprintf(path, sizeof path, "friction.spread.%s", law->about.params[k].key);
+    for (size_t i = 0; (law = lac_friction_law_get(i)) != NULL; i++) {
+        for (size_t k = 0; k < law->info.param_count; k++) {
+            if ((law->info.params[k].flags & LAC_CELLWISE) != 0) {
+                (void)snprintf(path, sizeof path, "friction.spread.%s", law->info.params[k].key);
                 offer_models(all, path, spread);
             }
         }
@@ -224,12 +224,12 @@ static void offer_every_key(const offers *all)
     const lac_section *section;
     const lac_kind *kind;
     const char *folder;
-    for (size_t i = 0; (section = lac_section_at(i)) != NULL; i++) {
+    for (size_t i = 0; (section = lac_section_get(i)) != NULL; i++) {
         for (size_t k = 0; (folder = folder_of(section->name, k)) != NULL; k++) {
             offer_rows(all, folder, section->params, section->param_count);
         }
     }
-    for (size_t i = 0; (kind = lac_kind_at(i)) != NULL; i++) {
+    for (size_t i = 0; (kind = lac_kind_get(i)) != NULL; i++) {
         const bool chosen = !kind->option && kind->command == NULL;
         for (size_t k = 0; chosen && (folder = folder_of(kind->section, k)) != NULL; k++) {
             offer_models(all, folder, kind);

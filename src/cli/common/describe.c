@@ -12,13 +12,13 @@ enum { MAX_NAMES = 64 };
 // What is asked about; all NULL: everything.
 typedef struct subject {
     const lac_kind *kind;
-    const lac_descriptor *model;
+    const lac_model_info *model;
     const lac_section *section;
 } subject;
 
-static const lac_descriptor *find_model(const lac_kind *kind, const char *name, lac_error *err)
+static const lac_model_info *find_model(const lac_kind *kind, const char *name, lac_error *err)
 {
-    const lac_descriptor *model;
+    const lac_model_info *model;
     const char *names[MAX_NAMES];
     char what[80];
     size_t n = 0;
@@ -41,22 +41,22 @@ static lac_status find_subject(const char *name, subject *s, lac_error *err)
     const lac_kind *kind;
     const lac_section *section;
     size_t kinds = 0, n = 0;
-    for (; (kind = lac_kind_at(kinds)) != NULL; kinds++) {
+    for (; (kind = lac_kind_get(kinds)) != NULL; kinds++) {
         names[n++] = kind->name;
     }
-    for (size_t i = 0; n < MAX_NAMES && (section = lac_section_at(i)) != NULL; i++) {
+    for (size_t i = 0; n < MAX_NAMES && (section = lac_section_get(i)) != NULL; i++) {
         names[n++] = section->name;
         s->section = strcmp(section->name, name) == 0 ? section : s->section;
     }
     for (size_t i = kinds; i-- > 0;) { // of several the first
-        kind = lac_kind_at(i);
+        kind = lac_kind_get(i);
         bool stands_there = s->section == NULL && kind->command == NULL;
         if (strcmp(kind->name, name) == 0 || (stands_there && strcmp(kind->section, name) == 0)) {
             s->kind = kind;
         }
     }
     for (size_t i = 0; s->kind == NULL && s->section == NULL && i < kinds; i++) {
-        kind = lac_kind_at(i);
+        kind = lac_kind_get(i);
         if (find_model(kind, name, NULL) != NULL) {
             return lac_fail(err, LAC_EINPUT, "describe: \"%s\" is a %s: lacuna describe %s %s",
                             name, kind->name, kind->name, name);
@@ -68,28 +68,28 @@ static lac_status find_subject(const char *name, subject *s, lac_error *err)
 }
 
 // A model of these kinds is the first member of what more is told of it; NULL: it is of another.
-static const lac_precursor_kind *precursor_of(const lac_kind *kind, const lac_descriptor *model)
+static const lac_precursor_kind *precursor_of(const lac_kind *kind, const lac_model_info *model)
 {
-    return kind->at(0) == &lac_precursor_kind_at(0)->about ? (const void *)model : NULL;
+    return kind->at(0) == &lac_precursor_kind_get(0)->info ? (const void *)model : NULL;
 }
 
-static const lac_forecast_kind *forecast_of(const lac_kind *kind, const lac_descriptor *model)
+static const lac_forecast_kind *forecast_of(const lac_kind *kind, const lac_model_info *model)
 {
-    return kind->at(0) == &lac_forecast_kind_at(0)->about ? (const void *)model : NULL;
+    return kind->at(0) == &lac_forecast_kind_get(0)->info ? (const void *)model : NULL;
 }
 
 static void print_gates(void)
 {
     const lac_forecast_gate *gate;
     puts("  no forecast is issued where a gate is shut:");
-    for (size_t i = 0; (gate = lac_forecast_gate_at(i)) != NULL; i++) {
+    for (size_t i = 0; (gate = lac_forecast_gate_get(i)) != NULL; i++) {
         cli_row_wrap(gate->name, gate->text);
     }
 }
 
 static void print_kind(const lac_kind *kind)
 {
-    const lac_descriptor *model;
+    const lac_model_info *model;
     const char *place = kind->command != NULL ? kind->name : kind->section;
     subject there = {0};
     (void)find_subject(place, &there, NULL);
@@ -113,7 +113,7 @@ static void print_kind(const lac_kind *kind)
 static void print_kinds(bool of_command)
 {
     const lac_kind *kind;
-    for (size_t i = 0; (kind = lac_kind_at(i)) != NULL; i++) {
+    for (size_t i = 0; (kind = lac_kind_get(i)) != NULL; i++) {
         if ((kind->command != NULL) == of_command) {
             print_kind(kind);
         }
@@ -128,13 +128,13 @@ static void print_overview(void)
     puts("\nWhat lacuna precursors computes:");
     print_kinds(true);
     puts("\nSections of plain parameters (lacuna describe SECTION):");
-    for (size_t i = 0; (section = lac_section_at(i)) != NULL; i++) {
+    for (size_t i = 0; (section = lac_section_get(i)) != NULL; i++) {
         cli_row_wrap(section->name, section->summary);
     }
 }
 
 // How a case names it: a model, the value of a key, or the keys that say it.
-static void print_use(const lac_kind *kind, const lac_descriptor *model)
+static void print_use(const lac_kind *kind, const lac_model_info *model)
 {
     if (kind->command != NULL) {
         printf("lacuna %s: %s\n", kind->command, model->name);
@@ -182,7 +182,7 @@ static void print_forecast(const lac_forecast_kind *kind)
     cli_wrap("  ", text);
 }
 
-static void print_model(const lac_kind *kind, const lac_descriptor *model)
+static void print_model(const lac_kind *kind, const lac_model_info *model)
 {
     print_use(kind, model);
     cli_wrap("  ", model->summary);
@@ -228,13 +228,13 @@ static void write_gates(lac_json *json)
 {
     const lac_forecast_gate *gate;
     lac_json_open(json, "gates", '[');
-    for (size_t i = 0; (gate = lac_forecast_gate_at(i)) != NULL; i++) {
+    for (size_t i = 0; (gate = lac_forecast_gate_get(i)) != NULL; i++) {
         LAC_JSON_TEXTS(json, "name", gate->name, "text", gate->text);
     }
     lac_json_close(json, ']');
 }
 
-static void write_model(lac_json *json, const lac_kind *kind, const lac_descriptor *model)
+static void write_model(lac_json *json, const lac_kind *kind, const lac_model_info *model)
 {
     lac_json_open(json, NULL, '{');
     lac_json_text(json, "name", model->name);
@@ -251,9 +251,9 @@ static void write_model(lac_json *json, const lac_kind *kind, const lac_descript
 }
 
 // One kind with all its models, or only the given one.
-static void write_kind(lac_json *json, const lac_kind *kind, const lac_descriptor *only)
+static void write_kind(lac_json *json, const lac_kind *kind, const lac_model_info *only)
 {
-    const lac_descriptor *model;
+    const lac_model_info *model;
     lac_json_open(json, NULL, '{');
     lac_json_text(json, "name", kind->name);
     lac_json_text(json, "section", kind->section);
@@ -290,14 +290,14 @@ static void write_json(const subject *s)
     const lac_section *section;
     lac_json_open(&json, NULL, '{');
     lac_json_open(&json, "kinds", '[');
-    for (size_t i = 0; (kind = lac_kind_at(i)) != NULL; i++) {
+    for (size_t i = 0; (kind = lac_kind_get(i)) != NULL; i++) {
         if (all || kind == s->kind) {
             write_kind(&json, kind, s->model);
         }
     }
     lac_json_close(&json, ']');
     lac_json_open(&json, "sections", '[');
-    for (size_t i = 0; (section = lac_section_at(i)) != NULL; i++) {
+    for (size_t i = 0; (section = lac_section_get(i)) != NULL; i++) {
         if (all || section == s->section) {
             write_section(&json, section);
         }

@@ -35,8 +35,8 @@ bool cli_inputs_has(const cli_request *request, const lac_case *c, const struct 
 // would be gone.
 static uint64_t sum_file(const char *path)
 {
-    struct stat about;
-    if (stat(path, &about) != 0 || !S_ISREG(about.st_mode)) {
+    struct stat info;
+    if (stat(path, &info) != 0 || !S_ISREG(info.st_mode)) {
         return 0;
     }
     unsigned char block[1 << 14];

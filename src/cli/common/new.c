@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/part.h"
+#include "base/temp_file.h"
 #include "cli/common/command.h"
 #include "cli/common/texts.h"
 #include "cli/common/words.h"

@@ -81,7 +81,7 @@ typedef struct cli_forecast_words {
 } cli_forecast_words;
 
 typedef struct cli_trade_words {
-    const char *quantity, *reach, *spend, *dials, *crossed, *jobs;
+    const char *quantity, *reach, *budget, *settings, *crossed, *jobs;
 } cli_trade_words;
 
 /// What the command line asks for. Texts are borrowed from argv unless said.

@@ -57,7 +57,7 @@ static void print_jrc(double z2, double step, double jrc)
             isnan(jrc) ? "" : cli_format("%.1f", jrc).s, range_words(jrc));
 }
 
-static void print_surface(const lac_surface_report *surface)
+static void print_surface(const lac_surface_stats *surface)
 {
     const lac_surface_measures *m = &surface->measures;
     for (size_t i = 0; i < surface->files; i++) {
@@ -198,7 +198,7 @@ static void print_published(void)
 {
     const lac_size_exponent *x;
     puts("\nPublished exponents of strength ~ b^-x");
-    for (size_t i = 0; (x = lac_size_exponent_at(i)) != NULL; i++) {
+    for (size_t i = 0; (x = lac_size_exponent_get(i)) != NULL; i++) {
         printf("  %-10s %-20s %-18s %s\n",
                cli_format(x->high > x->low ? "%.2f-%.2f" : "%.2f", x->low, x->high).s, x->quantity,
                isfinite(x->shortest_m) ? cli_format("%s to %s", cli_amount(x->shortest_m, "m").s,
@@ -243,7 +243,7 @@ void cli_contact_print(const lac_case *c, const lac_contact_outcome *outcome, co
                        bool tables)
 {
     const lac_scene_contact *contact = outcome->contact;
-    const lac_contact_report *report = &contact->report;
+    const lac_contact_stats *report = &contact->report;
     if (c->title != NULL) {
         puts(c->title);
     }

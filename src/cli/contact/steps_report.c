@@ -35,7 +35,7 @@ static const column all_columns[COLUMNS] = {
 static double value_of(const lac_contact_outcome *o, size_t step, size_t at)
 {
     const lac_history_record *r = &o->record[step];
-    const lac_tangential_report *shear = &r->shear;
+    const lac_tangential_stats *shear = &r->shear;
     const double area = lac_grid_area(&o->contact->grid);
     const double value[COLUMNS] = {
         [P] = r->pressure * area,

@@ -9,7 +9,7 @@
 #include <unistd.h>
 
 #include "base/hidden.h"
-#include "base/part.h"
+#include "base/temp_file.h"
 #include "cli/common/command.h"
 #include "cli/common/output.h"
 #include "cli/common/progress.h"
@@ -134,7 +134,7 @@ static lac_status prepare(fit_job *job, lac_error *err)
 {
     const int threads = job->request.threads > 0 ? job->request.threads : 1;
     lac_status status;
-    lac_case_report report = {0};
+    lac_case_issues report = {0};
     const cli_request *request = &job->request;
     LAC_TRY(set_columns(job, err));
     LAC_TRY(cli_case_read(request, LAC_FOR_FIT, &job->source, NULL, err));
@@ -149,7 +149,7 @@ static lac_status prepare(fit_job *job, lac_error *err)
     const lac_case_request how = {LAC_FOR_FIT, request->overrides, request->set_count};
     LAC_TRY(lac_case_read(request->argument[0], &how, &job->fitted, &report, err));
 out:
-    lac_case_report_clear(&report);
+    lac_case_issues_clear(&report);
     return status;
 }
 

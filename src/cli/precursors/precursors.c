@@ -14,7 +14,7 @@
 #include "cli/common/words.h"
 #include "cli/report/report.h"
 #include "data/dataset.h"
-#include "fit/foresee.h"
+#include "fit/model_forecast.h"
 #include "store/store.h"
 #include "store/store_file.h"
 
@@ -25,7 +25,7 @@ typedef struct cells {
     lac_stored_values value[VALUES]; // durations of events turn into their ends
     lac_event_list events;
     lac_slip_history slip;
-    lac_evidence evidence; // of the two above; points into this
+    lac_indicator_inputs inputs; // of the two above; points into this
 } cells;
 
 static lac_status read_values(const char *path, cells *c, lac_error *err)
@@ -109,18 +109,18 @@ static void take_slip(cells *c, double start)
 static lac_status read_cells(const cli_watched *watched, cells *out, lac_error *err)
 {
     lac_status status = LAC_OK;
-    *out = (cells){.evidence = lac_evidence_default()};
+    *out = (cells){.inputs = lac_evidence_default()};
     if (!watched->run) {
         return LAC_OK;
     }
     LAC_TRY(read_values(watched->path, out, err));
     if (has_all(out, EVENT_TIME, EVENT_MOMENT)) {
         LAC_TRY(sort_events(out, watched->start, err));
-        out->evidence.events = &out->events;
+        out->inputs.events = &out->events;
     }
     if (has_all(out, TIME, LENGTH)) {
         take_slip(out, watched->start);
-        out->evidence.slip = &out->slip;
+        out->inputs.slip = &out->slip;
     }
 out:
     return status;
@@ -131,17 +131,17 @@ typedef struct precursors_job {
     lac_units *units;
     lac_case *source; // the slope's own model, with --case
     lac_fit_watch watch;
-    lac_foresight how;
+    lac_model_forecast how;
     lac_forecast_model model;
     cli_watched watched;
     cli_forecast_plan plan;
-    lac_outlook *outlook;
+    lac_forecast_set *forecasts;
     cells cells;
     size_t indicators;
     lac_precursor indicator[LAC_PRECURSORS_MAX];
     lac_rolling *rolling;
     bool interrupted;
-    lac_precursor_course *course;
+    lac_indicator_series *indicator_series;
     lac_skill *skill;
 } precursors_job;
 
@@ -163,10 +163,10 @@ static lac_status read_case(precursors_job *job, lac_error *err)
     }
     const lac_status status = cli_case_read(&of_case, LAC_FOR_FIT, &job->source, NULL, err);
     job->watch.interrupted = on_interrupted;
-    job->how = (lac_foresight){.source = job->source,
-                               .threads = of_case.threads > 0 ? of_case.threads : 1,
-                               .watch = &job->watch};
-    job->model = lac_foresee(&job->how);
+    job->how = (lac_model_forecast){.source = job->source,
+                                    .threads = of_case.threads > 0 ? of_case.threads : 1,
+                                    .watch = &job->watch};
+    job->model = lac_model_forecast_method(&job->how);
     return status;
 }
 
@@ -181,9 +181,9 @@ static lac_status roll(precursors_job *job, lac_error *err)
     const cli_watched *w = &job->watched;
     const size_t most = job->plan.issues < w->readings.n ? job->plan.issues : w->readings.n;
     lac_status status;
-    LAC_TRY(lac_precursor_course_create(&job->cells.evidence, most, &job->course, err));
+    LAC_TRY(lac_indicator_series_create(&job->cells.inputs, most, &job->indicator_series, err));
     const lac_rolling_watch watch = {
-        .go_on = go_on, .seer = job->course, .see = lac_precursor_course_see};
+        .go_on = go_on, .seer = job->indicator_series, .see = lac_indicator_series_see};
     cli_say(job->request, "forecasting at %zu readings", w->readings.n);
     cli_signals_hold();
     status = lac_rolling_create(&job->plan.def, &w->readings, job->plan.issues, &watch,
@@ -226,12 +226,12 @@ static lac_status put_out(const precursors_job *job, lac_error *err)
                                           .dated = job->watched.dated,
                                           .failed_at = job->watched.failed_at,
                                           .horizon = job->plan.horizon,
-                                          .outlook = job->outlook,
+                                          .forecasts = job->forecasts,
                                           .indicators = job->indicators,
                                           .indicator = job->indicator,
                                           .rolling = job->rolling,
                                           .interrupted = job->interrupted,
-                                          .course = job->course,
+                                          .indicator_series = job->indicator_series,
                                           .skill = job->skill};
     lac_dataset *dataset = NULL;
     lac_status status;
@@ -277,10 +277,10 @@ lac_status cli_precursors(const cli_request *request, lac_error *err)
         cli_signals_hold();
         cli_say(request, "fitting %s to %zu readings", job.source->path, job.watched.readings.n);
     }
-    LAC_TRY(lac_outlook_create(&job.plan.def, &job.watched.readings, &job.outlook, err));
+    LAC_TRY(lac_forecast_set_create(&job.plan.def, &job.watched.readings, &job.forecasts, err));
     LAC_TRY(read_cells(&job.watched, &job.cells, err));
     LAC_TRY(
-        lac_precursors_at(&job.cells.evidence, job.outlook, job.indicator, &job.indicators, err));
+        lac_precursors_at(&job.cells.inputs, job.forecasts, job.indicator, &job.indicators, err));
     if (request->forecast.rolling != NULL) {
         LAC_TRY(roll(&job, err));
     }
@@ -292,11 +292,11 @@ lac_status cli_precursors(const cli_request *request, lac_error *err)
 out:
     free(job.skill);
     lac_rolling_free(job.rolling);
-    lac_precursor_course_free(job.course);
+    lac_indicator_series_free(job.indicator_series);
     for (size_t i = 0; i < VALUES; i++) {
         lac_stored_values_clear(&job.cells.value[i]);
     }
-    lac_outlook_free(job.outlook);
+    lac_forecast_set_free(job.forecasts);
     cli_watched_clear(&job.watched);
     lac_case_free(job.source);
     lac_units_free(job.units);

@@ -38,7 +38,7 @@ static cli_text when(const result *r, double t) { return cli_watched_time(r->wat
 static void print_input(const result *r)
 {
     const lac_readings *in = r->of->readings;
-    const lac_outlook *o = r->of->outlook;
+    const lac_forecast_set *o = r->of->forecasts;
     const lac_motion *m = o->motion;
     const lac_series *s = r->of->series;
     printf("%s\n", r->of->source);
@@ -72,7 +72,7 @@ static void print_input(const result *r)
 
 static void print_forecast(const result *r, const lac_forecast *f)
 {
-    printf("  %-12s %-17s ", f->kind->about.name, when(r, f->time).s);
+    printf("  %-12s %-17s ", f->kind->info.name, when(r, f->time).s);
     if (!f->issued) {
         printf("not issued: %s\n", f->fit.reason);
         return;
@@ -86,7 +86,7 @@ static void print_forecast(const result *r, const lac_forecast *f)
     }
 }
 
-static double value_of(const lac_finding *fit, const char *key)
+static double value_of(const lac_forecast_fit *fit, const char *key)
 {
     double value = NAN;
     for (size_t i = 0; i < fit->count; i++) {
@@ -96,20 +96,20 @@ static double value_of(const lac_finding *fit, const char *key)
 }
 
 // What stands at the end of its range is no estimate.
-static void print_ends(const lac_outlook *o)
+static void print_ends(const lac_forecast_set *o)
 {
     for (size_t k = 0; k < o->count; k++) {
-        const lac_finding *fit = &o->forecast[k].fit;
+        const lac_forecast_fit *fit = &o->forecast[k].fit;
         for (size_t i = 0; i < fit->ends; i++) {
             printf("  %-12s the best fit's %s stands at the end of its range, %.4g\n",
-                   i == 0 ? o->forecast[k].kind->about.name : "", fit->end[i],
+                   i == 0 ? o->forecast[k].kind->info.name : "", fit->end[i],
                    value_of(fit, fit->end[i]));
         }
     }
 }
 
 // Calibrated intervals know how late or early a method is.
-static void print_beside(const lac_outlook *o)
+static void print_beside(const lac_forecast_set *o)
 {
     bool beside = false;
     for (size_t k = 0; k < o->count; k++) {
@@ -123,7 +123,7 @@ static void print_beside(const lac_outlook *o)
     }
 }
 
-static void print_values(const lac_outlook *o)
+static void print_values(const lac_forecast_set *o)
 {
     printf("\n");
     for (size_t k = 0; k < o->count; k++) {
@@ -131,7 +131,7 @@ static void print_values(const lac_outlook *o)
         if (f->fit.count == 0) {
             continue;
         }
-        printf("  %-12s", f->kind->about.name);
+        printf("  %-12s", f->kind->info.name);
         for (size_t i = 0; i < f->fit.count; i++) {
             printf(" %s %.4g", f->fit.value[i].key, f->fit.value[i].value);
         }
@@ -141,14 +141,14 @@ static void print_values(const lac_outlook *o)
 }
 
 // What is computed, and what to cite.
-static void print_methods(const lac_outlook *o)
+static void print_methods(const lac_forecast_set *o)
 {
     char text[600];
     printf("\n");
     for (size_t k = 0; k < o->count; k++) {
         const lac_forecast_kind *kind = o->forecast[k].kind;
-        (void)snprintf(text, sizeof text, "%s: %s; %s", kind->about.name, kind->estimator,
-                       kind->about.reference);
+        (void)snprintf(text, sizeof text, "%s: %s; %s", kind->info.name, kind->estimator,
+                       kind->info.reference);
         cli_wrap("  ", text);
     }
 }
@@ -157,8 +157,8 @@ static void print_indicators(size_t count, const lac_precursor *indicator)
 {
     printf("\n  indicator\n");
     for (size_t k = 0; k < count; k++) {
-        const lac_finding *found = &indicator[k].found;
-        printf("  %-19s", indicator[k].kind->about.name);
+        const lac_forecast_fit *found = &indicator[k].found;
+        printf("  %-19s", indicator[k].kind->info.name);
         for (size_t i = 0; i < found->count; i++) {
             const double value = found->value[i].value;
             printf(isnan(value) ? " %s -" : " %s %.4g", found->value[i].key, value);
@@ -180,7 +180,7 @@ static void print_lives(const result *r)
     printf("\n  %-22s %s", cli_format("life expectancy (%s)", u->head).s,
            isfinite(failed_at) ? "     true" : "");
     for (size_t k = 0; k < roll->methods; k++) {
-        printf(" %11s", roll->forecast[k].kind->about.name);
+        printf(" %11s", roll->forecast[k].kind->info.name);
     }
     printf("\n");
     for (size_t i = 0; i < roll->issues; i++) {
@@ -206,23 +206,23 @@ static void print_lives(const result *r)
 }
 
 // What the table shows of an indicator at an issue time; NaN: it has nothing to say.
-static double headline(const lac_precursor_course *course, size_t issue, size_t kind)
+static double headline(const lac_indicator_series *indicator_series, size_t issue, size_t kind)
 {
-    const lac_precursor *p = &course->found[issue * course->kinds + kind];
+    const lac_precursor *p = &indicator_series->found[issue * indicator_series->kinds + kind];
     return lac_precursor_find(p, p->kind->value[p->kind->headline].key);
 }
 
 // One number of each indicator at each time of issue at which any has one.
 static void print_course(const result *r)
 {
-    const lac_precursor_course *course = r->of->course;
+    const lac_indicator_series *indicator_series = r->of->indicator_series;
     size_t shown[LAC_PRECURSORS_MAX], count = 0;
-    for (size_t k = 0; k < course->kinds; k++) {
+    for (size_t k = 0; k < indicator_series->kinds; k++) {
         size_t i = 0;
-        while (i < course->issues && isnan(headline(course, i, k))) {
+        while (i < indicator_series->issues && isnan(headline(indicator_series, i, k))) {
             i++;
         }
-        if (i < course->issues) {
+        if (i < indicator_series->issues) {
             shown[count++] = k;
         }
     }
@@ -231,24 +231,24 @@ static void print_course(const result *r)
     }
     printf("\n  indicators            ");
     for (size_t k = 0; k < count; k++) {
-        printf(" %18s", lac_precursor_kind_at(shown[k])->about.name);
+        printf(" %18s", lac_precursor_kind_get(shown[k])->info.name);
     }
     printf("\n  %-22s", "");
     for (size_t k = 0; k < count; k++) {
-        const lac_precursor_kind *kind = lac_precursor_kind_at(shown[k]);
+        const lac_precursor_kind *kind = lac_precursor_kind_get(shown[k]);
         printf(" %18s", kind->value[kind->headline].key);
     }
     printf("\n");
-    for (size_t i = 0; i < course->issues; i++) {
+    for (size_t i = 0; i < indicator_series->issues; i++) {
         bool any = false;
         for (size_t k = 0; k < count; k++) {
-            any = any || !isnan(headline(course, i, shown[k]));
+            any = any || !isnan(headline(indicator_series, i, shown[k]));
         }
         if (any) {
             printf("  %-22s", when(r, r->of->rolling->issue_time[i]).s);
         }
         for (size_t k = 0; k < count && any; k++) {
-            const double value = headline(course, i, shown[k]);
+            const double value = headline(indicator_series, i, shown[k]);
             printf(" %18s%s", isnan(value) ? "." : cli_format("%.4g", value).s,
                    k + 1 == count ? "\n" : "");
         }
@@ -273,7 +273,7 @@ static void print_skill(const result *r)
            cli_format("CRPS (%s)", u->name).s, "baseline", "alarms: hits, false, missed");
     for (const lac_skill *s = r->of->skill; s < r->of->skill + r->of->rolling->methods; s++) {
         printf("  %-12s %3zu/%-3zu %12s %10s %10s %10s %10s   %zu: %zu, %zu, %zu\n",
-               s->kind->about.name, s->issued, s->asked, number(s->error / u->seconds).s,
+               s->kind->info.name, s->issued, s->asked, number(s->error / u->seconds).s,
                share(s->inside50, s).s, share(s->inside90, s).s, number(s->crps / u->seconds).s,
                number(s->persistence_crps / u->seconds).s, s->alarms, s->hits, s->false_alarms,
                s->misses);
@@ -285,7 +285,7 @@ static void print_skill(const result *r)
 void cli_precursors_print(const lac_forecast_outcome *of, const cli_watched *watched, bool verbose)
 {
     const result all = {of, watched}, *r = &all;
-    const lac_outlook *o = of->outlook;
+    const lac_forecast_set *o = of->forecasts;
     print_input(r);
     if (o->asked) {
         printf("\n  %-12s %-17s %-36s %-36s %s\n", "method", "failure", "50 % interval",

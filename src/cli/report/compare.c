@@ -93,7 +93,7 @@ static void print_column(const cli_compare *compare, const lac_series *series,
         if (isnan(observed[k])) {
             continue;
         }
-        const bool inside = lac_history_at(run, series->time[k], &slip, &rate);
+        const bool inside = lac_history_eval(run, series->time[k], &slip, &rate);
         const double modelled = inside ? (rates ? rate : slip + offset) : NAN;
         const bool ratio = !isnan(modelled) && observed[k] != 0;
         printf("    %-21s %-18s %-18s %s\n", format_time(compare, series->time[k]).s,
@@ -172,7 +172,7 @@ static void write_readings(lac_json *json, const cli_compare *compare, const lac
     lac_json_open(json, "readings", '[');
     for (size_t k = 0; k < series->n && series->n <= FEW_READINGS; k++) {
         double slip = NAN, rate = NAN;
-        bool inside = lac_history_at(run, series->time[k], &slip, &rate);
+        bool inside = lac_history_eval(run, series->time[k], &slip, &rate);
         lac_json_open(json, NULL, '{');
         if (compare->source->dated) {
             lac_json_text(json, "date", cli_date(series->time[k]).s);

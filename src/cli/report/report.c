@@ -10,7 +10,7 @@
 #include "base/units.h"
 #include "cli/common/words.h"
 
-void cli_report_print(const lac_case_report *report, const cli_request *request)
+void cli_report_print(const lac_case_issues *report, const cli_request *request)
 {
     cli_report_print_of(report, request, "");
 }
@@ -35,7 +35,7 @@ static lac_case_issue as_given(const lac_case_issue *issue, const cli_request *r
     return shown;
 }
 
-void cli_report_print_of(const lac_case_report *report, const cli_request *request,
+void cli_report_print_of(const lac_case_issues *report, const cli_request *request,
                          const char *section)
 {
     for (size_t i = 0; i < report->count; i++) {
@@ -66,7 +66,7 @@ static void write_issue(lac_json *json, const lac_case_issue *issue)
     lac_json_close(json, '}');
 }
 
-void cli_report_json(lac_json *json, const char *key, const lac_case_report *report, bool warnings)
+void cli_report_json(lac_json *json, const char *key, const lac_case_issues *report, bool warnings)
 {
     lac_json_open(json, key, '[');
     for (size_t i = 0; i < report->count; i++) {
@@ -77,7 +77,7 @@ void cli_report_json(lac_json *json, const char *key, const lac_case_report *rep
     lac_json_close(json, ']');
 }
 
-lac_status cli_report_add(lac_case_report *report, const lac_case *c, const char *key,
+lac_status cli_report_add(lac_case_issues *report, const lac_case *c, const char *key,
                           const char *message, bool warning, lac_error *err)
 {
     lac_case_issue *grown = realloc(report->issue, (report->count + 1) * sizeof *grown);
@@ -97,18 +97,18 @@ lac_status cli_report_add(lac_case_report *report, const lac_case *c, const char
 }
 
 // Adds what the files of the loads leave open; one that cannot be read is told of by who needs it.
-static lac_status ask_loads(const lac_case *c, lac_case_report *report, lac_error *err)
+static lac_status ask_loads(const lac_case *c, lac_case_issues *report, lac_error *err)
 {
-    const lac_load_slots slots = {c->shear.item, c->shear.count, c->pore.item, c->pore.count};
+    const lac_load_models models = {c->shear.item, c->shear.count, c->pore.item, c->pore.count};
     lac_load_files *files = NULL;
     lac_load_set loads;
     lac_status status = LAC_OK;
-    if (!lac_load_slots_need_files(&slots)) {
+    if (!lac_load_models_need_files(&models)) {
         return LAC_OK;
     }
     LAC_TRY(lac_load_files_create(&files, err));
     const lac_load_clock clock = {c->dated, c->start_date, c->run.end, files};
-    if (lac_load_set_create(&slots, &clock, &loads, NULL) == LAC_OK) {
+    if (lac_load_set_create(&models, &clock, &loads, NULL) == LAC_OK) {
         lac_load_set_clear(&loads);
     }
     for (size_t i = 0; lac_load_files_doubt(files, i) != NULL; i++) {
@@ -120,7 +120,7 @@ out:
 }
 
 // Adds what a case asks of its run that a fit, and a forecast by it, does without.
-static lac_status ask_fit(const lac_case *c, lac_case_report *report, lac_error *err)
+static lac_status ask_fit(const lac_case *c, lac_case_issues *report, lac_error *err)
 {
     const struct {
         bool named;
@@ -128,7 +128,7 @@ static lac_status ask_fit(const lac_case *c, lac_case_report *report, lac_error 
     } left_out[] = {
         {!isnan(c->run.stop_slip) || !isnan(c->run.stop_rate), "time.stop_when",
          "ends a run; a fit goes on to failure"},
-        {c->run.fidelity == LAC_FIDELITY_EVENTS, "solver.fidelity",
+        {c->run.fidelity == LAC_FIDELITY_ASYNC, "solver.fidelity",
          "is of a run; a fit takes all cells at every step"},
         {c->analysis.count > 0, "analysis", "is of a run; a fit follows no indicators"},
     };
@@ -143,10 +143,10 @@ out:
 }
 
 lac_status cli_case_read(const cli_request *request, lac_case_purpose purpose, lac_case **c,
-                         lac_case_report *report, lac_error *err)
+                         lac_case_issues *report, lac_error *err)
 {
-    lac_case_report own = {0};
-    lac_case_report *all = report != NULL ? report : &own;
+    lac_case_issues own = {0};
+    lac_case_issues *all = report != NULL ? report : &own;
     const lac_case_request how = {purpose, request->overrides, request->set_count};
     lac_status status = lac_case_read(request->argument[0], &how, c, all, err);
     const bool runs = purpose == LAC_FOR_RUN || purpose == LAC_FOR_FIT || purpose == LAC_FOR_CHECK;
@@ -156,7 +156,7 @@ lac_status cli_case_read(const cli_request *request, lac_case_purpose purpose, l
     if (all->errors > 0) {
         err->message[0] = '\0'; // said already, line by line
     }
-    lac_case_report_clear(&own);
+    lac_case_issues_clear(&own);
     if (status == LAC_OK) {
         (*c)->run.beyond = 0; // commands do what a case asks, or say that they do not
     }

@@ -6,18 +6,18 @@
 #include "data/json.h"
 
 /// Prints the errors of a case on stderr, one line each, and its warnings unless --quiet.
-void cli_report_print(const lac_case_report *report, const cli_request *request);
+void cli_report_print(const lac_case_issues *report, const cli_request *request);
 
 /// The same with the warnings of keys that begin with `section` only.
-void cli_report_print_of(const lac_case_report *report, const cli_request *request,
+void cli_report_print_of(const lac_case_issues *report, const cli_request *request,
                          const char *section);
 
 /// Writes the errors (or the warnings) as a list of {file, line, key, value, message}.
-void cli_report_json(lac_json *json, const char *key, const lac_case_report *report, bool warnings);
+void cli_report_json(lac_json *json, const char *key, const lac_case_issues *report, bool warnings);
 
 /// Adds an error, or a warning, that was found beyond the text of the case.
 /// @return LAC_OK; LAC_ENOMEM
-lac_status cli_report_add(lac_case_report *report, const lac_case *c, const char *key,
+lac_status cli_report_add(lac_case_issues *report, const lac_case *c, const char *key,
                           const char *message, bool warning, lac_error *err);
 
 /// Reads the request's case and prints what is wrong with it, and what the files of its loads leave
@@ -26,7 +26,7 @@ lac_status cli_report_add(lac_case_report *report, const lac_case *c, const char
 /// @param report  kept for the caller, who clears it; NULL where only errors are to be printed
 /// @return what lac_case_read returns
 lac_status cli_case_read(const cli_request *request, lac_case_purpose purpose, lac_case **c,
-                         lac_case_report *report, lac_error *err);
+                         lac_case_issues *report, lac_error *err);
 
 /// Reads a time of a run of the case: a date where it has one, else a time.
 /// @param time  since the start of the run [s]

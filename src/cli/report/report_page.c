@@ -45,7 +45,7 @@ static char *output_path(const cli_request *request)
 static lac_case *read_case(const char *run)
 {
     const lac_case_request how = {.purpose = LAC_FOR_CELLS};
-    lac_case_report report = {0};
+    lac_case_issues report = {0};
     lac_case *c = NULL;
     lac_error unsaid = {0};
     char *text = malloc(LONGEST_CASE);
@@ -55,7 +55,7 @@ static lac_case *read_case(const char *run)
         lac_case_free(c);
         c = NULL;
     }
-    lac_case_report_clear(&report);
+    lac_case_issues_clear(&report);
     free(text);
     return c;
 }
@@ -185,13 +185,13 @@ lac_status cli_report_page(const cli_request *request, lac_error *err)
     LAC_TRY(check_run(request->argument[0], err));
     LAC_TRY(read_beside(request, &series, err));
     const char *name = request->compare != NULL ? request->compare : request->fit;
-    const lac_report_def def = {.run = request->argument[0],
-                                .series = series,
-                                .series_name = series != NULL ? base_name(name) : NULL,
-                                .fit = request->fit,
-                                .made_by = "lacuna " LACUNA_VERSION,
-                                .now = (double)time(NULL)};
-    LAC_TRY(lac_report_write(&def, path, cli_given(request, CLI_OPT_FORCE), err));
+    const lac_page_def def = {.run = request->argument[0],
+                              .series = series,
+                              .series_name = series != NULL ? base_name(name) : NULL,
+                              .fit = request->fit,
+                              .made_by = "lacuna " LACUNA_VERSION,
+                              .now = (double)time(NULL)};
+    LAC_TRY(lac_page_write(&def, path, cli_given(request, CLI_OPT_FORCE), err));
     print_result(request, path);
 out:
     lac_series_free(series);

@@ -60,7 +60,7 @@ static lac_status check_override(const lac_override *set, lac_error *err)
 static lac_status read_case(const cli_request *request, const char *text, lac_case **c,
                             lac_error *err)
 {
-    lac_case_report report = {0};
+    lac_case_issues report = {0};
     const lac_case_request how = {LAC_FOR_CELLS, request->overrides, request->set_count};
     for (size_t i = 0; i < request->set_count; i++) {
         lac_status status = check_override(&request->overrides[i], err);
@@ -74,7 +74,7 @@ static lac_status read_case(const cli_request *request, const char *text, lac_ca
     if (report.errors > 0) {
         err->message[0] = '\0'; // said already, line by line
     }
-    lac_case_report_clear(&report);
+    lac_case_issues_clear(&report);
     return status;
 }
 

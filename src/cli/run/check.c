@@ -16,14 +16,14 @@
 // What `check` has found beyond the text of the case.
 typedef struct findings {
     const lac_case *source;
-    lac_case_report *report; // where each is added
+    lac_case_issues *report; // where each is added
     lac_status status;       // the first's
 } findings;
 
 static lac_status add_finding(findings *f, const char *key, const lac_error *why, lac_status status,
                               lac_error *err)
 {
-    lac_case_report *report = f->report;
+    lac_case_issues *report = f->report;
     char text[2000];
     const lac_status added = cli_report_add(report, f->source, key, why->message, false, err);
     if (added != LAC_OK) {
@@ -35,38 +35,38 @@ static lac_status add_finding(findings *f, const char *key, const lac_error *why
 }
 
 // Reads what the loads of a list name, each for itself.
-static lac_status try_loads(findings *f, const char *list, const lac_slot_list *slots,
+static lac_status try_loads(findings *f, const char *list, const lac_model_list *models,
                             const lac_load_clock *clock, lac_error *err)
 {
     lac_status status = LAC_OK;
-    for (size_t i = 0; i < slots->count && status == LAC_OK; i++) {
-        const lac_slot *slot = &slots->item[i];
-        const lac_load_kind *kind = (const void *)slot->about;
+    for (size_t i = 0; i < models->count && status == LAC_OK; i++) {
+        const lac_model *model = &models->item[i];
+        const lac_load_kind *kind = (const void *)model->info;
         void *state = NULL;
         lac_error why = {""};
         char key[100];
-        status = kind->prepare == NULL ? LAC_OK : kind->prepare(slot->params, clock, &state, &why);
+        status = kind->prepare == NULL ? LAC_OK : kind->prepare(model->params, clock, &state, &why);
         if (state != NULL) {
             kind->release(state);
         }
         if (status == LAC_ENOMEM) {
             return lac_fail_memory(err);
         }
-        (void)snprintf(key, sizeof key, "load.%s.%zu.%s", list, i, kind->about.name);
+        (void)snprintf(key, sizeof key, "load.%s.%zu.%s", list, i, kind->info.name);
         status = status == LAC_OK ? status : add_finding(f, key, &why, status, err);
     }
     return status;
 }
 
 // Whether the maps of a spread are there; where the scene is built they are read too.
-static lac_status try_maps(findings *f, const char *section, const lac_spread_list *list,
+static lac_status try_maps(findings *f, const char *section, const lac_heterogeneity_list *list,
                            lac_error *err)
 {
     lac_status status = LAC_OK;
     for (size_t i = 0; i < list->count && status == LAC_OK; i++) {
-        const lac_slot *slot = &list->item[i].slot;
-        const lac_spread_map *map = slot->params;
-        if (slot->about == &lac_spread_map_kind.about && access(map->path, R_OK) != 0) {
+        const lac_model *model = &list->item[i].model;
+        const lac_heterogeneity_map *map = model->params;
+        if (model->info == &lac_heterogeneity_map_kind.info && access(map->path, R_OK) != 0) {
             lac_error why;
             char key[200];
             (void)lac_fail(&why, LAC_EIO, "%s: %s", map->path, strerror(errno));
@@ -209,17 +209,17 @@ static void write_estimate(lac_json *json, const lac_estimate *e)
 }
 
 // What is wrong with the scene as a whole stands at no line of the case.
-static void write_errors(lac_json *json, const lac_case_report *report, const char *path,
+static void write_errors(lac_json *json, const lac_case_issues *report, const char *path,
                          lac_error *err)
 {
     lac_case_issue issue = {
         .file = (char *)path, .key = (char *)"", .value = (char *)"", .message = err->message};
-    lac_case_report whole = {.count = 1, .errors = 1, .issue = &issue};
+    lac_case_issues whole = {.count = 1, .errors = 1, .issue = &issue};
     bool late = report->errors == 0 && err->message[0] != '\0';
     cli_report_json(json, "errors", late ? &whole : report, false);
 }
 
-static void write_json(const lac_case_report *report, const char *path, const char *scene,
+static void write_json(const lac_case_issues *report, const char *path, const char *scene,
                        const lac_estimate *estimate, lac_error *err)
 {
     lac_json json = {.out = stdout};
@@ -236,7 +236,7 @@ static void write_json(const lac_case_report *report, const char *path, const ch
     lac_json_close(&json, '}');
 }
 
-static lac_status examine(const cli_request *request, const lac_case *c, lac_case_report *report,
+static lac_status examine(const cli_request *request, const lac_case *c, lac_case_issues *report,
                           char **scene, lac_estimate *estimate, lac_error *err)
 {
     findings f = {.source = c, .report = report};
@@ -260,7 +260,7 @@ out:
 lac_status cli_check(const cli_request *request, lac_error *err)
 {
     lac_case *c = NULL;
-    lac_case_report report = {0};
+    lac_case_issues report = {0};
     lac_estimate estimate;
     char *scene = NULL;
     bool json = cli_given(request, CLI_OPT_JSON);
@@ -280,6 +280,6 @@ lac_status cli_check(const cli_request *request, lac_error *err)
     status = report.errors > 0 ? status : cli_blame(c, status, err); // else said already
     free(scene);
     lac_case_free(c);
-    lac_case_report_clear(&report);
+    lac_case_issues_clear(&report);
     return status;
 }

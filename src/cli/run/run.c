@@ -31,7 +31,7 @@ typedef struct run_job {
     cli_view *view; // with --view
     char *path, *inputs;
     char libraries[256];
-    lac_kept_checkpoint resume; // with --resume
+    lac_checkpoint_file resume; // with --resume
     double started;
 } run_job;
 
@@ -42,7 +42,7 @@ static void job_clear(run_job *job)
     lac_simulation_free(job->simulation);
     cli_history_clear(&job->history);
     cli_compare_clear(&job->compare);
-    lac_kept_checkpoint_clear(&job->resume);
+    lac_checkpoint_file_clear(&job->resume);
     free(job->path);
     free(job->inputs);
     lac_case_free(job->source);
@@ -119,10 +119,10 @@ static lac_status compare_cases(const char *path, const char *then, const char *
     return LAC_OK;
 }
 
-static lac_status compare_programs(const char *path, const lac_kept_checkpoint *from,
+static lac_status compare_programs(const char *path, const lac_checkpoint_file *from,
                                    const char *libraries, lac_error *err)
 {
-    const char *program = lac_kept_checkpoint_program();
+    const char *program = lac_checkpoint_file_program();
     if (strcmp(from->program, program) == 0 && strcmp(from->libraries, libraries) == 0) {
         return LAC_OK;
     }
@@ -134,11 +134,11 @@ static lac_status compare_programs(const char *path, const lac_kept_checkpoint *
 // Reads the checkpoint of a run's file and sees that this program and this case can go on from it.
 // What may differ: time.end, solver.max_steps, and the name of the file.
 static lac_status read_resumed(const char *path, const char *case_text, const char *inputs,
-                               const char *libraries, lac_kept_checkpoint *out, lac_error *err)
+                               const char *libraries, lac_checkpoint_file *out, lac_error *err)
 {
     char status_word[32];
     lac_status status;
-    *out = (lac_kept_checkpoint){.records = 0};
+    *out = (lac_checkpoint_file){.records = 0};
     LAC_TRY(lac_store_read_attribute(path, "status", status_word, sizeof status_word, err));
     if (strcmp(status_word, "complete") == 0) {
         LAC_TRY(lac_fail(err, LAC_EINPUT,
@@ -147,7 +147,7 @@ static lac_status read_resumed(const char *path, const char *case_text, const ch
                              : "--resume: %s is complete",
                          path, path));
     }
-    LAC_TRY(lac_kept_checkpoint_read(path, out, err));
+    LAC_TRY(lac_checkpoint_file_read(path, out, err));
     LAC_TRY(compare_programs(path, out, libraries, err));
     LAC_TRY(compare_cases(path, out->case_text, case_text, inputs, err));
 out:
@@ -308,7 +308,7 @@ static const char *remedy(const run_job *job, const cli_outcome *outcome, bool i
         return "the accuracy asked for is kept, but single cells are further off: ask for a "
                "smaller one";
     }
-    if (job->source->run.fidelity == LAC_FIDELITY_EVENTS) {
+    if (job->source->run.fidelity == LAC_FIDELITY_ASYNC) {
         return "tighten solver.rtol; a spring far stiffer than k_crit = p (b - a)/dc, or damping "
                "where few cells touch on little of the area, needs solver.fidelity: ode";
     }

@@ -52,8 +52,8 @@ static lac_status keep_record(cli_history *h, const lac_record *record, lac_erro
     lac_status status = make_room(h, err);
     if (status == LAC_OK) {
         h->time[h->n] = h->clock + record->time_origin + record->time_local;
-        h->slip[h->n] = record->seen.mean_slip;
-        h->rate[h->n] = record->seen.mean_rate;
+        h->slip[h->n] = record->observation.mean_slip;
+        h->rate[h->n] = record->observation.mean_rate;
         h->n++;
     }
     return status;
@@ -87,35 +87,36 @@ static lac_status on_event(void *context, const lac_event *event, lac_error *err
 }
 
 // The kept series, as long as it is.
-static void pass_series(cli_history *h, lac_tape *tape)
+static void pass_series(cli_history *h, lac_archive *archive)
 {
     size_t n = h->n;
-    lac_tape_pass(tape, &n, sizeof n);
-    if (n > h->room && lac_tape_good(tape)) {
-        tape->short_of = n > tape->size / sizeof(double);
-        bool room = !tape->short_of && grow(&h->time, n) && grow(&h->slip, n) && grow(&h->rate, n);
-        tape->no_memory = !room && !tape->short_of;
+    lac_archive_pass(archive, &n, sizeof n);
+    if (n > h->room && lac_archive_good(archive)) {
+        archive->short_of = n > archive->size / sizeof(double);
+        bool room =
+            !archive->short_of && grow(&h->time, n) && grow(&h->slip, n) && grow(&h->rate, n);
+        archive->no_memory = !room && !archive->short_of;
         h->room = room ? n : h->room;
     }
-    if (!lac_tape_good(tape)) {
+    if (!lac_archive_good(archive)) {
         return;
     }
     h->n = n;
-    lac_tape_pass(tape, h->time, n * sizeof *h->time);
-    lac_tape_pass(tape, h->slip, n * sizeof *h->slip);
-    lac_tape_pass(tape, h->rate, n * sizeof *h->rate);
+    lac_archive_pass(archive, h->time, n * sizeof *h->time);
+    lac_archive_pass(archive, h->slip, n * sizeof *h->slip);
+    lac_archive_pass(archive, h->rate, n * sizeof *h->rate);
 }
 
 // Of the first and the last record only what is seen is told.
-static void on_keep(void *context, lac_tape *tape)
+static void on_keep(void *context, lac_archive *archive)
 {
     cli_history *h = context;
-    lac_tape_pass(tape, &h->begun, sizeof h->begun);
-    lac_tape_pass(tape, &h->first.seen, sizeof h->first.seen);
-    lac_tape_pass(tape, &h->last.seen, sizeof h->last.seen);
-    pass_series(h, tape);
-    if (h->next.keep != NULL) {
-        h->next.keep(h->next.context, tape);
+    lac_archive_pass(archive, &h->begun, sizeof h->begun);
+    lac_archive_pass(archive, &h->first.observation, sizeof h->first.observation);
+    lac_archive_pass(archive, &h->last.observation, sizeof h->last.observation);
+    pass_series(h, archive);
+    if (h->next.serialize != NULL) {
+        h->next.serialize(h->next.context, archive);
     }
 }
 
@@ -140,7 +141,7 @@ lac_sink cli_history_sink(cli_history *history)
                       .record = on_record,
                       .snapshot = on_snapshot,
                       .event = on_event,
-                      .keep = on_keep,
+                      .serialize = on_keep,
                       .checkpoint = history->next.checkpoint != NULL ? on_checkpoint : NULL,
                       .once = on_once};
 }
@@ -161,7 +162,7 @@ static lac_history view_of(const cli_history *history)
 
 static double apparent_friction(const lac_record *record)
 {
-    return record->seen.shear_force / record->seen.normal_force;
+    return record->observation.shear_force / record->observation.normal_force;
 }
 
 // Whether the computation broke, or its file is not whole.
@@ -256,7 +257,7 @@ static void print_cost(const cli_outcome *outcome)
 static void print_analysis(const lac_analysis *analysis)
 {
     const lac_indicator *indicator;
-    for (size_t i = 0; (indicator = lac_analysis_at(analysis, i)) != NULL; i++) {
+    for (size_t i = 0; (indicator = lac_analysis_get(analysis, i)) != NULL; i++) {
         for (size_t k = 0; k < indicator->lines; k++) {
             cli_row(indicator->line[k].label, "%s", indicator->line[k].text);
         }
@@ -349,7 +350,7 @@ static void write_accuracy(lac_json *json, const lac_accuracy_pick *pick)
 static void write_analysis(lac_json *json, const lac_analysis *analysis)
 {
     const lac_indicator *indicator;
-    for (size_t i = 0; (indicator = lac_analysis_at(analysis, i)) != NULL; i++) {
+    for (size_t i = 0; (indicator = lac_analysis_get(analysis, i)) != NULL; i++) {
         for (size_t k = 0; k < indicator->results; k++) {
             const lac_analysis_result *result = &indicator->result[k];
             if (result->text != NULL) {

@@ -28,7 +28,7 @@ static void job_clear(cli_trade_job *job)
     free(job->folder);
 }
 
-static lac_status read_quantity(const char *text, lac_trade_ask *ask, lac_error *err)
+static lac_status read_quantity(const char *text, lac_trade_request *ask, lac_error *err)
 {
     const char *names[LAC_QUANTITIES];
     ask->quantity = -1;
@@ -50,7 +50,7 @@ static lac_status wrong(const char *option, const char *text, const char *allowe
 
 // 1%, 0.01, or an amount of the quantity itself; where that is left to the case, of any that it may
 // choose.
-static lac_status read_reach(const lac_units *units, const char *text, lac_trade_ask *ask,
+static lac_status read_reach(const lac_units *units, const char *text, lac_trade_request *ask,
                              lac_error *err)
 {
     static const int usual[] = {LAC_QUANTITY_FAILURE, LAC_QUANTITY_SLIP};
@@ -70,11 +70,11 @@ static lac_status read_reach(const lac_units *units, const char *text, lac_trade
                : wrong("reach", text, "an error > 0 such as 1%, or an amount of the quantity", err);
 }
 
-static lac_status read_amounts(const cli_trade_words *words, lac_trade_ask *ask, lac_error *err)
+static lac_status read_amounts(const cli_trade_words *words, lac_trade_request *ask, lac_error *err)
 {
     lac_units *units = NULL;
-    ask->reach = ask->within = ask->spend = NAN;
-    if (words->reach == NULL && words->spend == NULL) {
+    ask->reach = ask->within = ask->budget = NAN;
+    if (words->reach == NULL && words->budget == NULL) {
         return LAC_OK;
     }
     lac_status status;
@@ -82,10 +82,10 @@ static lac_status read_amounts(const cli_trade_words *words, lac_trade_ask *ask,
     if (words->reach != NULL) {
         LAC_TRY(read_reach(units, words->reach, ask, err));
     }
-    if (words->spend != NULL &&
-        (lac_units_parse(units, words->spend, "s", &ask->spend, NULL) != LAC_OK ||
-         !(ask->spend > 0.0))) {
-        LAC_TRY(wrong("spend", words->spend, "a time > 0 such as \"10 min\"", err));
+    if (words->budget != NULL &&
+        (lac_units_parse(units, words->budget, "s", &ask->budget, NULL) != LAC_OK ||
+         !(ask->budget > 0.0))) {
+        LAC_TRY(wrong("spend", words->budget, "a time > 0 such as \"10 min\"", err));
     }
 out:
     lac_units_free(units);
@@ -143,7 +143,7 @@ static lac_status read_source(cli_trade_job *job, lac_trade_of *of, lac_error *e
                             : status;
 }
 
-// What the user sets, then what the dials set, which goes before it.
+// What the user sets, then what the settings set, which goes before it.
 static size_t gather(const cli_trade_job *job, size_t run, lac_override *out)
 {
     const cli_request *request = job->request;
@@ -155,16 +155,17 @@ static size_t gather(const cli_trade_job *job, size_t run, lac_override *out)
     if (lac_trade_of_run(plan, run) == LAC_OF_CASCADE) {
         out[n++] = (lac_override){"solver.fidelity", "static"};
     }
-    for (size_t d = 0; d < plan->dials; d++) {
+    for (size_t d = 0; d < plan->settings; d++) {
         const int at = plan->run[run].at[d];
         if (at >= 0) {
-            out[n++] = (lac_override){plan->dial[d].dial->key, plan->dial[d].value[at].yaml};
+            out[n++] =
+                (lac_override){plan->setting[d].setting->key, plan->setting[d].value[at].yaml};
         }
     }
     return n;
 }
 
-static lac_status first_issue(const lac_case_report *report, lac_status status, lac_error *err)
+static lac_status first_issue(const lac_case_issues *report, lac_status status, lac_error *err)
 {
     char text[512];
     for (size_t i = 0; i < report->count; i++) {
@@ -180,9 +181,9 @@ lac_status cli_trade_case(const cli_trade_job *job, size_t run, lac_case **c, la
 {
     const cli_request *request = job->request;
     const lac_trade_of of = lac_trade_of_run(&job->plan, run);
-    lac_case_report report = {0};
+    lac_case_issues report = {0};
     *c = NULL;
-    lac_override *set = malloc((request->set_count + LAC_DIALS + 1) * sizeof *set);
+    lac_override *set = malloc((request->set_count + LAC_SETTINGS + 1) * sizeof *set);
     if (set == NULL) {
         return lac_fail_memory(err);
     }
@@ -193,7 +194,7 @@ lac_status cli_trade_case(const cli_trade_job *job, size_t run, lac_case **c, la
     } else {
         status = of == LAC_OF_RUN ? cli_until(request, *c, &(*c)->run.end, err) : LAC_OK;
     }
-    lac_case_report_clear(&report);
+    lac_case_issues_clear(&report);
     free(set);
     return status;
 }
@@ -218,8 +219,8 @@ static lac_status describe(const cli_trade_job *job, const lac_case *c, lac_trad
         out->key = add(UINT64_C(0xcbf29ce484222325), text);
         out->key = add(add(out->key, sums), end);
         out->key = add(add(out->key, LACUNA_VERSION), cli_libraries(libraries, sizeof libraries));
-        for (size_t d = 0; d < job->plan.dials; d++) {
-            lac_dial_current(job->plan.dial[d].dial, c, out->label[d]);
+        for (size_t d = 0; d < job->plan.settings; d++) {
+            lac_setting_current(job->plan.setting[d].setting, c, out->label[d]);
         }
     }
     free(text);
@@ -237,7 +238,7 @@ static void find_twin(cli_trade_job *job, size_t run)
             job->measure[run].end = LAC_TRADE_TWIN;
             plan->run[i].why |= plan->run[run].why;
             plan->reference = plan->reference == run ? i : plan->reference;
-            for (size_t d = 0; d < plan->dials; d++) {
+            for (size_t d = 0; d < plan->settings; d++) {
                 plan->coarser[d] = plan->coarser[d] == run ? i : plan->coarser[d];
                 plan->coarsest[d] = plan->coarsest[d] == run ? i : plan->coarsest[d];
             }
@@ -247,11 +248,11 @@ static void find_twin(cli_trade_job *job, size_t run)
 }
 
 // Why no run may have a position; NULL: one may.
-static const char *refusal(const cli_trade_job *job, size_t dial, size_t position)
+static const char *refusal(const cli_trade_job *job, size_t setting, size_t position)
 {
     const char *why = NULL;
     for (size_t run = 0; run < job->plan.runs; run++) {
-        if (job->plan.run[run].at[dial] != (short)position) {
+        if (job->plan.run[run].at[setting] != (short)position) {
             continue;
         }
         if (job->measure[run].end != LAC_TRADE_REFUSED) {
@@ -268,13 +269,14 @@ static lac_status check_named(const cli_trade_job *job, lac_error *err)
 {
     static const char set[] = "--set: ";
     const lac_trade_plan *plan = &job->plan;
-    for (size_t d = 0; d < plan->dials; d++) {
-        for (size_t p = 0; plan->dial[d].named && p < plan->dial[d].shown; p++) {
+    for (size_t d = 0; d < plan->settings; d++) {
+        for (size_t p = 0; plan->setting[d].named && p < plan->setting[d].shown; p++) {
             const char *why = refusal(job, d, p);
             if (why != NULL) {
                 why += strncmp(why, set, sizeof set - 1) == 0 ? sizeof set - 1 : 0;
-                return lac_fail(err, LAC_EINPUT, "--dials: %s=%s: %s", plan->dial[d].dial->name,
-                                plan->dial[d].value[p].label, why);
+                return lac_fail(err, LAC_EINPUT, "--dials: %s=%s: %s",
+                                plan->setting[d].setting->name, plan->setting[d].value[p].label,
+                                why);
             }
         }
     }
@@ -337,7 +339,7 @@ static lac_status prepare(cli_trade_job *job, lac_error *err)
     }
     LAC_TRY(cli_until(request, job->source, &end, err));
     LAC_TRY(name_files(job, err));
-    LAC_TRY(lac_trade_plan_create(job->source, of, request->trade.dials,
+    LAC_TRY(lac_trade_plan_create(job->source, of, request->trade.settings,
                                   request->trade.crossed != NULL, &job->plan, err));
     job->measure = calloc(job->plan.runs, sizeof *job->measure);
     job->settings = calloc(job->plan.runs, sizeof *job->settings);
@@ -372,7 +374,7 @@ static void print_json(const cli_trade_job *job, const lac_dataset *dataset)
 static lac_status put_out(const cli_trade_job *job, lac_error *err)
 {
     char sentence[1024];
-    lac_trade_verdict verdict = {0};
+    lac_trade_result verdict = {0};
     lac_trade_outcome outcome = {.title = job->source->title,
                                  .sentence = sentence,
                                  .plan = &job->plan,
@@ -396,7 +398,7 @@ static lac_status put_out(const cli_trade_job *job, lac_error *err)
 out:
     lac_dataset_free(dataset);
     lac_trade_outcome_clear(&outcome);
-    lac_trade_verdict_clear(&verdict);
+    lac_trade_result_clear(&verdict);
     return status;
 }
 

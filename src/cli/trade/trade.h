@@ -11,7 +11,7 @@ typedef struct cli_trade_job {
     const cli_request *request;
     lac_case *source;
     lac_trade_plan plan;
-    lac_trade_ask ask;
+    lac_trade_request ask;
     lac_trade_measure *measure;   ///< [plan.runs]
     lac_trade_settings *settings; ///< [plan.runs]
     lac_trade_settings own;       ///< of the case as it is
@@ -41,7 +41,7 @@ void cli_trade_keep_close(cli_trade_job *job, bool remove);
 lac_status cli_trade_run(cli_trade_job *job, lac_error *err);
 
 /// What to choose, in one sentence.
-void cli_trade_sentence(const lac_trade_outcome *outcome, const lac_trade_ask *ask, char *text,
+void cli_trade_sentence(const lac_trade_outcome *outcome, const lac_trade_request *ask, char *text,
                         size_t size);
 
 /// The table and the sentence on stdout.

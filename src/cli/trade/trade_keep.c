@@ -52,12 +52,12 @@ static void sweep(const char *folder, bool done_too)
 static bool is_done_ours(int folder)
 {
     char begins[sizeof heading] = "";
-    struct stat about;
+    struct stat info;
     int fd = openat(folder, "done", O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
     if (fd < 0) {
         return false;
     }
-    const ssize_t n = fstat(fd, &about) == 0 && S_ISREG(about.st_mode)
+    const ssize_t n = fstat(fd, &info) == 0 && S_ISREG(info.st_mode)
                           ? pread(fd, begins, sizeof begins - 1, 0)
                           : -1;
     (void)close(fd);

@@ -128,7 +128,7 @@ static lac_status compute_run(const cli_trade_job *job, size_t run, const char *
     const double started = cli_clock();
     lac_error err = {""};
     lac_case *c = NULL;
-    struct stat about;
+    struct stat info;
     for (int q = 0; q < LAC_QUANTITIES; q++) {
         measure->value[q] = NAN;
     }
@@ -137,7 +137,7 @@ static lac_status compute_run(const cli_trade_job *job, size_t run, const char *
         status = compute(job, run, c, file, measure, &err);
     }
     lac_case_free(c);
-    measure->output = stat(file, &about) == 0 ? (int64_t)about.st_size : 0;
+    measure->output = stat(file, &info) == 0 ? (int64_t)info.st_size : 0;
     (void)unlink(file);
     measure->end = status == LAC_OK ? LAC_TRADE_DONE : LAC_TRADE_BROKEN;
     measure->wall_time = cli_clock() - started;
@@ -233,17 +233,17 @@ static void no_answer(lac_trade_measure *m, int status)
 }
 
 // Takes over what a worker measured, and what the kernel did.
-static lac_status finish(pool *p, size_t slot, lac_error *err)
+static lac_status finish(pool *p, size_t model, lac_error *err)
 {
     int status = 0;
     struct rusage usage;
-    const worker w = p->at[slot];
+    const worker w = p->at[model];
     lac_trade_measure *m = &p->job->measure[w.run];
     const bool answered = read(w.from, m, sizeof *m) == (ssize_t)sizeof *m;
     (void)close(w.from);
     while (wait4(w.pid, &status, 0, &usage) < 0 && errno == EINTR) {
     }
-    p->at[slot] = p->at[--p->busy];
+    p->at[model] = p->at[--p->busy];
     if (!answered) {
         no_answer(m, status);
     }

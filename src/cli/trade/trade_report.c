@@ -16,17 +16,17 @@ static cli_text error_text(double error)
                                : cli_format("%.1e", error);
 }
 
-static cli_text asked_text(const lac_trade_ask *ask, const char *unit)
+static cli_text asked_text(const lac_trade_request *ask, const char *unit)
 {
     cli_text error = {""};
     if (!isnan(ask->within)) {
         error = cli_exact(ask->within, unit);
-    } else if (!isnan(ask->reach) || isnan(ask->spend)) {
+    } else if (!isnan(ask->reach) || isnan(ask->budget)) {
         error = cli_format("%.3g %%", 100.0 * (isnan(ask->reach) ? 0.01 : ask->reach));
     }
-    const bool both = error.s[0] != '\0' && !isnan(ask->spend);
+    const bool both = error.s[0] != '\0' && !isnan(ask->budget);
     return cli_format("%s%s%s", error.s, both ? " within " : "",
-                      isnan(ask->spend) ? "" : cli_amount(ask->spend, "s").s);
+                      isnan(ask->budget) ? "" : cli_amount(ask->budget, "s").s);
 }
 
 // "error 0.05 % +- 1e-07, 0.12 s of CPU, 24 MB"
@@ -50,10 +50,10 @@ static cli_text choice_text(const lac_trade_outcome *o, size_t run)
                                        : cli_format("lacuna %s with %s", command, options);
 }
 
-void cli_trade_sentence(const lac_trade_outcome *o, const lac_trade_ask *ask, char *text,
+void cli_trade_sentence(const lac_trade_outcome *o, const lac_trade_request *ask, char *text,
                         size_t size)
 {
-    const lac_trade_verdict *v = o->verdict;
+    const lac_trade_result *v = o->verdict;
     const cli_text asked = asked_text(ask, lac_quantity_about_of(v->quantity)->unit);
     const bool any = v->recommended != SIZE_MAX;
     const size_t run = any ? v->recommended : v->closest;
@@ -69,18 +69,19 @@ void cli_trade_sentence(const lac_trade_outcome *o, const lac_trade_ask *ask, ch
     }
 }
 
-// The dials of a run, or their names, as wide as the widest of the table.
+// The settings of a run, or their names, as wide as the widest of the table.
 static void print_dials(const lac_trade_outcome *o, const lac_trade_settings *settings)
 {
-    for (size_t d = 0; d < o->plan->dials; d++) {
-        const lac_trade_dial *dial = &o->plan->dial[d];
-        size_t width = strlen(dial->dial->name);
+    for (size_t d = 0; d < o->plan->settings; d++) {
+        const lac_trade_setting *setting = &o->plan->setting[d];
+        size_t width = strlen(setting->setting->name);
         for (size_t i = 0; i < o->rows; i++) {
             const size_t n = strlen(o->settings[o->row[i].run].label[d]);
             width = n > width ? n : width;
         }
-        if (dial->shown > 0) {
-            printf(" %-*s", (int)width, settings != NULL ? settings->label[d] : dial->dial->name);
+        if (setting->shown > 0) {
+            printf(" %-*s", (int)width,
+                   settings != NULL ? settings->label[d] : setting->setting->name);
         }
     }
 }
@@ -104,12 +105,12 @@ static void print_row(const lac_trade_outcome *o, size_t run)
 void cli_trade_print(const lac_trade_outcome *o, const cli_request *request)
 {
     char settings[LAC_TEXT_ROOM];
-    const lac_trade_verdict *v = o->verdict;
-    const lac_quantity_about *about = lac_quantity_about_of(v->quantity);
+    const lac_trade_result *v = o->verdict;
+    const lac_quantity_about *info = lac_quantity_about_of(v->quantity);
     if (o->title != NULL) {
         puts(o->title);
     }
-    cli_row(about->doc, "%s +- %s", cli_amount(v->value, about->unit).s,
+    cli_row(info->doc, "%s +- %s", cli_amount(v->value, info->unit).s,
             error_text(v->uncertainty).s);
     cli_row("reference", "%s", lac_trade_settings_text(o, v->reference, settings));
     printf("\n  ");

@@ -86,13 +86,13 @@ static lac_status read_port(const char *text, unsigned *port, lac_error *err)
 // Data from the recording, or from the run's file once it is closed. NULL: none
 static page_data make_data(const cli_view *view, const lac_recording *recording, int issues)
 {
-    const lac_report_def def = {.run = view->path,
-                                .recording = recording,
-                                .made_by = "lacuna " LACUNA_VERSION,
-                                .now = (double)time(NULL),
-                                .issues = issues};
+    const lac_page_def def = {.run = view->path,
+                              .recording = recording,
+                              .made_by = "lacuna " LACUNA_VERSION,
+                              .now = (double)time(NULL),
+                              .issues = issues};
     page_data made = {.forecasts = issues != NO_FORECASTS};
-    (void)lac_report_data(&def, &made.json, NULL);
+    (void)lac_page_data(&def, &made.json, NULL);
     return made;
 }
 
@@ -126,7 +126,7 @@ static standing take(cli_view *view)
     if (is.begun) {
         view->dropped =
             lac_recording_move(view->whole, view->taken, NULL) != LAC_OK || view->dropped;
-        (void)lac_report_thin(view->whole, NULL);
+        (void)lac_page_thin_recording(view->whole, NULL);
     }
     if (from_file.json != NULL) {
         view->closed = true;
@@ -288,21 +288,21 @@ static void note_kept(cli_view *view, lac_status status)
 {
     view->is.missing = view->is.missing || status != LAC_OK;
     view->fresh = true;
-    (void)lac_report_thin(view->coming, NULL);
+    (void)lac_page_thin_recording(view->coming, NULL);
     (void)pthread_mutex_unlock(&view->lock);
 }
 
 // What is passed on and, where that was well, kept.
-#define SHOWN(what, type)                                                         \
-    static lac_status on_##what(void *context, const type *seen, lac_error *err)  \
-    {                                                                             \
-        cli_view *view = context;                                                 \
-        const lac_status status = view->next.what(view->next.context, seen, err); \
-        if (status == LAC_OK) {                                                   \
-            (void)pthread_mutex_lock(&view->lock);                                \
-            note_kept(view, view->into.what(view->into.context, seen, NULL));     \
-        }                                                                         \
-        return status;                                                            \
+#define SHOWN(what, type)                                                                \
+    static lac_status on_##what(void *context, const type *observation, lac_error *err)  \
+    {                                                                                    \
+        cli_view *view = context;                                                        \
+        const lac_status status = view->next.what(view->next.context, observation, err); \
+        if (status == LAC_OK) {                                                          \
+            (void)pthread_mutex_lock(&view->lock);                                       \
+            note_kept(view, view->into.what(view->into.context, observation, NULL));     \
+        }                                                                                \
+        return status;                                                                   \
     }
 SHOWN(record, lac_record)
 SHOWN(snapshot, lac_snapshot)
@@ -318,10 +318,10 @@ SHOWN(event, lac_event)
 PASSED(checkpoint, lac_checkpoint)
 PASSED(once, double)
 
-static void on_keep(void *context, lac_tape *tape)
+static void on_keep(void *context, lac_archive *archive)
 {
     const cli_view *view = context;
-    view->next.keep(view->next.context, tape);
+    view->next.serialize(view->next.context, archive);
 }
 
 lac_sink cli_view_sink(cli_view *view, const lac_sink *next)
@@ -336,7 +336,7 @@ lac_sink cli_view_sink(cli_view *view, const lac_sink *next)
                       .record = on_record,
                       .snapshot = next->snapshot != NULL ? on_snapshot : NULL,
                       .event = next->event != NULL ? on_event : NULL,
-                      .keep = next->keep != NULL ? on_keep : NULL,
+                      .serialize = next->serialize != NULL ? on_keep : NULL,
                       .checkpoint = next->checkpoint != NULL ? on_checkpoint : NULL};
 }
 

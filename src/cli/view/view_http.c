@@ -175,7 +175,7 @@ static enum MHD_Result send_page(const cli_http *http, struct MHD_Connection *co
                    "img-src data:; connect-src 'self'; base-uri 'none'; form-action 'none'; "
                    "frame-ancestors 'none'",
                    nonce, nonce);
-    (void)lac_report_live_page(nonce, &html, NULL); // NULL where it fails
+    (void)lac_page_live_page(nonce, &html, NULL); // NULL where it fails
     return deliver(http, connection, MHD_HTTP_OK, "text/html; charset=utf-8", policy, html);
 }
 

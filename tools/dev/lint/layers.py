@@ -29,8 +29,8 @@ USES = {
     "precursor": ["forecast"],
     "load": ["series"],
     "model": ["contact", "hierarchy", "friction", "transfer", "load"],
-    "micro": ["hierarchy", "friction"],
-    "run": ["model", "micro"],
+    "async": ["hierarchy", "friction"],
+    "run": ["model", "async"],
     "analysis": ["run", "rg"],
     "store": ["run", "fractal", "rg", "precursor", "data"],
     "case": ["surface", "fractal", "series", "store", "rg", "analysis"],
@@ -46,9 +46,9 @@ USES = {
 SHARED = {
     "base": None,  # all of it, as of data
     "data": None,
-    "case": {"spread.h"},
+    "case": {"heterogeneity.h"},
     "contact": {"tangential.h"},
-    "fit": {"foresee.h", "sampler.h"},
+    "fit": {"model_forecast.h", "sampler.h"},
     "forecast": {"hindcast.h"},
     "model": {"problem.h"},
     "rg": {"rg_map.h", "rg_study.h"},

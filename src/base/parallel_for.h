@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_BASE_PARTS_H
-#define LACUNA_BASE_PARTS_H
+#ifndef LACUNA_BASE_PARALLEL_FOR_H
+#define LACUNA_BASE_PARALLEL_FOR_H
 
 #include <stddef.h>
 
@@ -11,12 +11,12 @@ enum {
 };
 
 /// What is done to the elements first ... end - 1, the part-th part of a loop.
-typedef void lac_parts_body(void *context, size_t part, size_t first, size_t end);
+typedef void lac_parallel_body(void *context, size_t part, size_t first, size_t end);
 
 /// Runs a loop over n elements, in as many threads as omp_get_max_threads says where it is long.
 /// The parts depend on n alone: what is summed up by parts, in their order, has the same bits for
 /// any number of threads.
 /// @return how many parts there were
-size_t lac_parts_run(size_t n, lac_parts_body *body, void *context);
+size_t lac_parallel_for(size_t n, lac_parallel_body *body, void *context);
 
 #endif

@@ -5,13 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "micro/micro.h"
+#include "async/async.h"
 #include "run/engine.h"
 
 enum { UPDATES_A_CELL = 4, FEWEST_UPDATES = 64, ORDER = 2 };
 
 typedef struct cells {
-    lac_micro *micro;
+    lac_async *micro;
     double *y;           // [3n] state and slip
     double *rate, *slip; // [n] of every cell at its last update; NULL: nobody looks
     bool too_early;      // the last sweep ended at a limit that it had not reached
@@ -23,7 +23,7 @@ static void cells_free(lac_engine *engine)
 {
     cells *c = engine->inner;
     if (c != NULL) {
-        lac_micro_free(c->micro);
+        lac_async_free(c->micro);
         free(c->y);
         free(c->rate);
         free(c);
@@ -34,12 +34,12 @@ static void cells_free(lac_engine *engine)
 // What each cell may err by, in ln v, over one of its steps.
 static double tolerance_of(const lac_run_def *def) { return 10.0 * sqrt(def->rtol); }
 
-lac_status lac_run_events_follows(const lac_events_scene *scene, lac_error *err)
+lac_status lac_run_async_follows(const lac_async_scene *scene, lac_error *err)
 {
     if (scene->transfer->blocks == NULL) {
         return lac_fail(err, LAC_EINPUT,
                         "solver.fidelity events goes with transfer hierarchy, not with %s",
-                        scene->transfer->about.name);
+                        scene->transfer->info.name);
     }
     if (!scene->linear) {
         return lac_fail(err, LAC_EINPUT,
@@ -49,18 +49,18 @@ lac_status lac_run_events_follows(const lac_events_scene *scene, lac_error *err)
     if (scene->formulation != LAC_FORMULATION_RATE) {
         return lac_fail(err, LAC_EINPUT, "solver.fidelity events needs formulation rate");
     }
-    return lac_micro_follows(scene->law, scene->cut_off, err);
+    return lac_async_follows(scene->law, scene->cut_off, err);
 }
 
 lac_status lac_engine_events_check(const lac_problem *problem, lac_error *err)
 {
     const lac_problem_parts parts = lac_problem_parts_of(problem);
-    const lac_events_scene scene = {.transfer = parts.transfer->kind,
-                                    .law = &parts.friction->law->about,
-                                    .linear = parts.linear,
-                                    .formulation = lac_problem_formulation(problem)};
-    lac_status status = lac_run_events_follows(&scene, err);
-    return status == LAC_OK ? lac_micro_supports(parts.friction, err) : status;
+    const lac_async_scene scene = {.transfer = parts.transfer->kind,
+                                   .law = &parts.friction->law->info,
+                                   .linear = parts.linear,
+                                   .formulation = lac_problem_formulation(problem)};
+    lac_status status = lac_run_async_follows(&scene, err);
+    return status == LAC_OK ? lac_async_supports(parts.friction, err) : status;
 }
 
 static lac_status make(lac_engine *engine, cells *c, lac_error *err)
@@ -78,7 +78,7 @@ static lac_status make(lac_engine *engine, cells *c, lac_error *err)
     for (size_t l = 0; l < levels; l++) {
         k[l] = transfer->kind->stiffness(transfer->state, l);
     }
-    const lac_micro_def def = {.hierarchy = h,
+    const lac_async_def def = {.hierarchy = h,
                                .k = k,
                                .friction = parts.friction,
                                .pressure = parts.pressure,
@@ -86,7 +86,7 @@ static lac_status make(lac_engine *engine, cells *c, lac_error *err)
                                .drag = parts.damping.shared,
                                .tolerance = tolerance_of(engine->def),
                                .wake = engine->def->wake};
-    LAC_TRY(lac_micro_create(&def, &c->micro, err));
+    LAC_TRY(lac_async_create(&def, &c->micro, err));
     engine->y = c->y;
     engine->slip = c->y + 2 * engine->n;
     lac_problem_initial(engine->problem, engine->y);
@@ -105,15 +105,15 @@ static lac_status cells_create(lac_engine *engine, lac_error *err)
     return make(engine, c, err);
 }
 
-static lac_micro_state state_of(lac_engine *engine)
+static lac_async_state state_of(lac_engine *engine)
 {
-    return (lac_micro_state){engine->y, engine->y + engine->n, engine->slip};
+    return (lac_async_state){engine->y, engine->y + engine->n, engine->slip};
 }
 
 static void cells_count(lac_engine *engine)
 {
     const cells *c = engine->inner;
-    lac_micro_counts counts = lac_micro_count(c->micro);
+    lac_async_counts counts = lac_async_count(c->micro);
     const lac_run_result *before = &engine->before;
     engine->counts.steps = before->steps + counts.updates;
     // What was evaluated cell by cell, in evaluations of all.
@@ -128,7 +128,7 @@ static lac_status cells_restart(lac_engine *engine, double h, lac_error *err)
 {
     (void)h;
     cells *c = engine->inner;
-    lac_drive now;
+    lac_problem_loads_at now;
     // A cell that a jump has let go would not be looked at for years.
     lac_status status = lac_check_slipping(engine->problem, engine->y,
                                            lac_engine_clock(engine, engine->t), engine->work, err);
@@ -146,7 +146,7 @@ static lac_status cells_restart(lac_engine *engine, double h, lac_error *err)
         }
         c->slip = c->rate + engine->n;
     }
-    const lac_micro_load load = {.ratio = now.ratio,
+    const lac_async_load load = {.ratio = now.ratio,
                                  .ratio_rate = now.ratio_rate,
                                  .common = now.spring,
                                  .common_rate = now.spring_rate,
@@ -154,18 +154,18 @@ static lac_status cells_restart(lac_engine *engine, double h, lac_error *err)
                                  .share_rate = now.share_rate,
                                  .k_mean = now.spring_stiffness};
     const lac_problem_parts parts = lac_problem_parts_of(engine->problem);
-    const lac_micro_state state = state_of(engine);
+    const lac_async_state state = state_of(engine);
     cells_count(engine);
     engine->before = engine->counts;
     c->looks = 0;
     c->too_early = false;
     c->lack = 0.0;
-    lac_micro_start(c->micro, &load, parts.traction, &state);
+    lac_async_start(c->micro, &load, parts.traction, &state);
     return LAC_OK;
 }
 
 // Hands an update to the sink as a step of one cell.
-static lac_status tell(void *context, const lac_micro_update *update, lac_error *err)
+static lac_status tell(void *context, const lac_async_update *update, lac_error *err)
 {
     lac_engine *engine = context;
     cells *c = engine->inner;
@@ -199,23 +199,23 @@ static double slip_limit(const lac_engine *engine)
     return fmin(engine->def->stop_slip, engine->failure.slip);
 }
 
-static lac_micro_limits limits_of(lac_engine *engine, double stop)
+static lac_async_limits limits_of(lac_engine *engine, double stop)
 {
     const lac_run_def *def = engine->def;
     const cells *c = engine->inner;
     int64_t updates = UPDATES_A_CELL * (int64_t)engine->n;
     updates = updates > FEWEST_UPDATES ? updates : FEWEST_UPDATES;
-    return (lac_micro_limits){.stop = stop,
+    return (lac_async_limits){.stop = stop,
                               .mean_rate = c->too_early ? INFINITY : engine->failure.rate,
                               .max_rate = isnan(def->stop_rate) ? INFINITY : def->stop_rate,
                               .mean_slip = slip_limit(engine) + c->lack,
                               .updates = c->too_early ? updates / 32 + 1 : updates,
-                              .seen = c->rate != NULL ? tell : NULL,
+                              .observation = c->rate != NULL ? tell : NULL,
                               .context = engine};
 }
 
 // What cells tell is linear within their steps; whether a limit is reached, the state says.
-static bool too_early(lac_engine *engine, const lac_micro_limits *limits)
+static bool too_early(lac_engine *engine, const lac_async_limits *limits)
 {
     cells *c = engine->inner;
     double mean;
@@ -235,35 +235,35 @@ static bool too_early(lac_engine *engine, const lac_micro_limits *limits)
 static lac_status cells_advance(lac_engine *engine, double stop, lac_error *err)
 {
     cells *c = engine->inner;
-    lac_micro *micro = c->micro;
+    lac_async *micro = c->micro;
     lac_status status = LAC_OK;
-    double before = lac_micro_time(micro);
+    double before = lac_async_time(micro);
     double passed = 0.0;
-    if (lac_micro_wants_shift(micro)) {
-        double by = move_origin(engine, lac_micro_shift(micro));
+    if (lac_async_wants_shift(micro)) {
+        double by = move_origin(engine, lac_async_shift(micro));
         passed += by;
         stop -= by;
     }
-    const lac_micro_limits limits = limits_of(engine, stop);
-    LAC_TRY(lac_micro_advance(micro, &limits, err));
-    const lac_micro_state state = state_of(engine);
-    LAC_TRY(lac_micro_look(micro, &state, err));
-    engine->t = lac_micro_time(micro);
+    const lac_async_limits limits = limits_of(engine, stop);
+    LAC_TRY(lac_async_advance(micro, &limits, err));
+    const lac_async_state state = state_of(engine);
+    LAC_TRY(lac_async_evaluate(micro, &state, err));
+    engine->t = lac_async_time(micro);
     engine->step = engine->t + passed - before;
-    engine->peak = lac_micro_peak(micro);
+    engine->peak = lac_async_peak(micro);
     engine->order = ORDER;
     c->looks++;
-    c->too_early = lac_micro_at_limit(micro) && too_early(engine, &limits);
+    c->too_early = lac_async_at_limit(micro) && too_early(engine, &limits);
 out:
     return status;
 }
 
-static bool cells_at(lac_engine *engine, double t, double *seen)
+static bool cells_at(lac_engine *engine, double t, double *observation)
 {
     size_t n = engine->n;
     (void)t;
-    memcpy(seen, engine->y, 2 * n * sizeof *seen);
-    memcpy(seen + 2 * n, engine->slip, n * sizeof *seen);
+    memcpy(observation, engine->y, 2 * n * sizeof *observation);
+    memcpy(observation + 2 * n, engine->slip, n * sizeof *observation);
     return true;
 }
 

@@ -2,7 +2,7 @@
 // A cell over one step: ln v is taken as linear in slip, v = v0/(1 - c t), which self-acceleration
 // and healing both follow. Slip and state are then closed forms of h and rho = ln(v1/v0), and the
 // balance at the end of the step is one equation for rho; docs/theory/fidelity-events.md, eqs. 3-6.
-#include "micro/cell.h"
+#include "async/cell.h"
 
 #include <math.h>
 
@@ -19,7 +19,7 @@ typedef struct strength {
 } strength;
 
 // Both forms: with F = constant + a u + b w, f = F or a asinh(exp(F/a)/2).
-static strength strength_at(const lac_micro_rules *rules, const lac_micro_cell *c, double u,
+static strength strength_at(const lac_async_rules *rules, const lac_async_cell *c, double u,
                             double w)
 {
     const double same = 20.0; // where the two forms agree to the last bit
@@ -33,7 +33,7 @@ static strength strength_at(const lac_micro_rules *rules, const lac_micro_cell *
 }
 
 // dw/dt
-static double evolution(const lac_micro_rules *rules, const lac_micro_cell *c)
+static double evolution(const lac_async_rules *rules, const lac_async_cell *c)
 {
     return rules->law->change(c->u, c->w, c->ln_dc, c->v / c->dc);
 }
@@ -51,7 +51,7 @@ typedef struct finish {
     double w, dw;
 } finish;
 
-static finish finish_at(const lac_micro_rules *rules, const lac_micro_cell *c, start *s, double rho)
+static finish finish_at(const lac_async_rules *rules, const lac_async_cell *c, start *s, double rho)
 {
     double em = expm1(-rho);
     double phi = lac_phi(rho, em);
@@ -69,8 +69,8 @@ static finish finish_at(const lac_micro_rules *rules, const lac_micro_cell *c, s
 
 // Solves the balance p f + eta v = A - K slip at the end of the step for rho. False where it is not
 // found, as in a step across an instability.
-static bool balance(const lac_micro_rules *rules, const lac_micro_cell *c, start *s,
-                    const lac_micro_span *at, double *rho, finish *end)
+static bool balance(const lac_async_rules *rules, const lac_async_cell *c, start *s,
+                    const lac_async_span *at, double *rho, finish *end)
 {
     for (int k = 0; k < MOST_NEWTON; k++) {
         *end = finish_at(rules, c, s, *rho);
@@ -104,8 +104,8 @@ static double foreseen(double rise, double h)
 }
 
 // du/dt
-static double rise_of(const lac_micro_rules *rules, const lac_micro_cell *c,
-                      const lac_micro_push *push, double *outside)
+static double rise_of(const lac_async_rules *rules, const lac_async_cell *c,
+                      const lac_async_push *push, double *outside)
 {
     strength f = strength_at(rules, c, c->u, c->w);
     double weight = push->pressure * f.f_u + c->damping * c->v;
@@ -115,17 +115,17 @@ static double rise_of(const lac_micro_rules *rules, const lac_micro_cell *c,
 }
 
 // What an error of slip over dc is worth in ln v, in a step of slip z dc: the state forgets.
-static double gain(const lac_micro_cell *c, double own, double pressure, double z)
+static double gain(const lac_async_cell *c, double own, double pressure, double z)
 {
     double direct = c->a * pressure + c->damping * c->v;
     return (c->b * pressure / fmax(1.0, z) + own * c->dc) / direct;
 }
 
 // One step from the cell's state over `at`; gives back its error over the tolerance.
-static double attempt(const lac_micro_rules *rules, const lac_micro_cell *c,
-                      const lac_micro_span *at, finish *end, double *rho)
+static double attempt(const lac_async_rules *rules, const lac_async_cell *c,
+                      const lac_async_span *at, finish *end, double *rho)
 {
-    const lac_micro_push push = {.pull_rate = (at->pull1 - at->pull0) / at->length,
+    const lac_async_push push = {.pull_rate = (at->pull1 - at->pull0) / at->length,
                                  .pressure = at->pressure0,
                                  .pressure_rate = (at->pressure1 - at->pressure0) / at->length,
                                  .own = at->own};
@@ -154,13 +154,13 @@ static double attempt(const lac_micro_rules *rules, const lac_micro_cell *c,
 }
 
 // The part of a span from `from`, `h` long.
-static lac_micro_span part_of(const lac_micro_span *span, double from, double h)
+static lac_async_span part_of(const lac_async_span *span, double from, double h)
 {
     double x = from / span->length;
     double y = fmin((from + h) / span->length, 1.0);
     double pull = span->pull1 - span->pull0;
     double pressure = span->pressure1 - span->pressure0;
-    return (lac_micro_span){.length = h,
+    return (lac_async_span){.length = h,
                             .pull0 = span->pull0 + x * pull,
                             .pull1 = span->pull0 + y * pull,
                             .pressure0 = span->pressure0 + x * pressure,
@@ -170,7 +170,7 @@ static lac_micro_span part_of(const lac_micro_span *span, double from, double h)
 }
 
 // The slip of the next step from the error of one of third order.
-static void adapt(lac_micro_cell *c, double z, double error)
+static void adapt(lac_async_cell *c, double z, double error)
 {
     const double most = 3.0;
     const double least = 0.2;
@@ -182,8 +182,8 @@ static void adapt(lac_micro_cell *c, double z, double error)
     }
 }
 
-bool lac_micro_cell_advance(const lac_micro_rules *rules, const lac_micro_span *span,
-                            lac_micro_cell *cell, int64_t *steps)
+bool lac_async_cell_advance(const lac_async_rules *rules, const lac_async_span *span,
+                            lac_async_cell *cell, int64_t *steps)
 {
     double done = 0.0;
     double h = span->length;
@@ -192,7 +192,7 @@ bool lac_micro_cell_advance(const lac_micro_rules *rules, const lac_micro_span *
         h = last ? span->length - done : h;
         finish end;
         double rho;
-        const lac_micro_span part = part_of(span, done, h);
+        const lac_async_span part = part_of(span, done, h);
         double error = attempt(rules, cell, &part, &end, &rho);
         ++*steps;
         if (!(error <= 1.0)) {
@@ -235,28 +235,28 @@ static double slip_under(double rise, double v, double h)
 }
 
 // Friction above where a cell counts as let go; as lac_problem_slips.
-static double held(const lac_micro_rules *rules, const lac_micro_cell *c)
+static double held(const lac_async_rules *rules, const lac_async_cell *c)
 {
     const double folds = 20.0;
     return c->constant + c->a * c->u + c->b * c->w + (rules->regularised ? folds * c->a : 0.0);
 }
 
-bool lac_micro_cell_let_go(const lac_micro_rules *rules, const lac_micro_cell *c)
+bool lac_async_cell_let_go(const lac_async_rules *rules, const lac_async_cell *c)
 {
     return held(rules, c) <= 0.0;
 }
 
 // Just beyond the time at which what unloads the cell has let it go.
-static double time_to_let_go(const lac_micro_rules *rules, const lac_micro_cell *c,
-                             const lac_micro_push *push)
+static double time_to_let_go(const lac_async_rules *rules, const lac_async_cell *c,
+                             const lac_async_push *push)
 {
     const double beyond = 1.001;
     return push->pull_rate < 0.0 ? beyond * push->pressure * held(rules, c) / -push->pull_rate
                                  : INFINITY;
 }
 
-double lac_micro_cell_plan(const lac_micro_rules *rules, const lac_micro_push *push,
-                           lac_micro_cell *c)
+double lac_async_cell_plan(const lac_async_rules *rules, const lac_async_push *push,
+                           lac_async_cell *c)
 {
     double outside;
     double rise = rise_of(rules, c, push, &outside);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Long loops in threads, cut at the same places for any number of them: sums keep the same bits.
-#include "base/parts.h"
+#include "base/parallel_for.h"
 
 #include <omp.h>
 
@@ -11,7 +11,7 @@ static size_t begin_of(size_t n, size_t part)
     return first < n ? first : n;
 }
 
-size_t lac_parts_run(size_t n, lac_parts_body *body, void *context)
+size_t lac_parallel_for(size_t n, lac_parallel_body *body, void *context)
 {
     if (n < LAC_PARTS_ALONE) {
         body(context, 0, 0, n);

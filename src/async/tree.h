@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_MICRO_TREE_H
-#define LACUNA_MICRO_TREE_H
+#ifndef LACUNA_ASYNC_TREE_H
+#define LACUNA_ASYNC_TREE_H
 
-#include "micro/cell.h"
-#include "micro/micro.h"
+#include "async/async.h"
+#include "async/cell.h"
 
 // A block of two cells or more, or the root. Blocks with a single child are left out.
-typedef struct lac_micro_node {
+typedef struct lac_async_node {
     double below;     // stiffness that ties its children to it [Pa/m]
     double weight;    // that less the one that ties it to its parent: c of eq. 2 [Pa/m]
     double share;     // 1/cells
@@ -26,54 +26,54 @@ typedef struct lac_micro_node {
     uint32_t next_who, who;   // which that is
     uint32_t parent;
     uint32_t first, children; // where its children stand in `child`
-} lac_micro_node;
+} lac_async_node;
 
 // The blocks over the cells. Items are cells (below n) and blocks (n + number); the last is the
 // root.
-typedef struct lac_micro_tree {
+typedef struct lac_async_tree {
     uint32_t n, nodes;
-    lac_micro_cell *cell; // [n]
-    lac_micro_node *node; // [nodes]
+    lac_async_cell *cell; // [n]
+    lac_async_node *node; // [nodes]
     uint32_t *child;
     int64_t openings;
-} lac_micro_tree;
+} lac_async_tree;
 
-#define LAC_MICRO_NONE UINT32_MAX
+#define LAC_ASYNC_NONE UINT32_MAX
 // Blocks on the way from a cell to the root, at most: grid coordinates have 32 bits.
-enum { LAC_MICRO_LEVELS = 40 };
+enum { LAC_ASYNC_LEVELS = 40 };
 // A cell wakes when this part of its margin is used; the rest keeps its blocks' bounds above 0.
-#define LAC_MICRO_WAKES 0.75
+#define LAC_ASYNC_WAKES 0.75
 
-lac_status lac_micro_tree_create(const lac_hierarchy *h, const double *k, lac_micro_tree *out,
+lac_status lac_async_tree_create(const lac_hierarchy *h, const double *k, lac_async_tree *out,
                                  lac_error *err);
-void lac_micro_tree_clear(lac_micro_tree *tree);
+void lac_async_tree_clear(lac_async_tree *tree);
 
 // Sets the stiffness of the mean slip, and the damping of the mean rate.
-void lac_micro_tree_anchor(lac_micro_tree *tree, double k_mean, double damping);
+void lac_async_tree_anchor(lac_async_tree *tree, double k_mean, double damping);
 
 // What the blocks do to a cell at time t; eq. 2.
-typedef struct lac_micro_view {
+typedef struct lac_async_view {
     double outer, rate; // E and dE/dt, without damping of the mean [Pa], [Pa/s]
     double area;        // integral of E over time [Pa s]
     double mean, gone;  // mean rate of all cells and its integral over time [m/s], [m]
-} lac_micro_view;
+} lac_async_view;
 
-lac_micro_view lac_micro_tree_view(const lac_micro_tree *tree, uint32_t parent, double t);
+lac_async_view lac_async_tree_view(const lac_async_tree *tree, uint32_t parent, double t);
 
 // A cell was updated at time t: its slip is `slip` more than told, and it tells a rate `rate` more
 // from now on. Its blocks take that, hand down what they have pending, and renew their bounds.
-void lac_micro_tree_add(lac_micro_tree *tree, uint32_t cell, double t, double slip, double rate);
+void lac_async_tree_add(lac_async_tree *tree, uint32_t cell, double t, double slip, double rate);
 
 // Hands down what a block has pending to its children; cells that this wakes are due at t.
-void lac_micro_tree_open(lac_micro_tree *tree, uint32_t node, double t);
+void lac_async_tree_open(lac_async_tree *tree, uint32_t node, double t);
 
 // Sums and bounds of all blocks from their cells, all at time 0, nothing pending.
-void lac_micro_tree_fill(lac_micro_tree *tree);
+void lac_async_tree_fill(lac_async_tree *tree);
 
 // Renews all bounds.
-void lac_micro_tree_settle(lac_micro_tree *tree, double t);
+void lac_async_tree_propagate(lac_async_tree *tree, double t);
 
 // Takes `by` off all times.
-void lac_micro_tree_shift(lac_micro_tree *tree, double by);
+void lac_async_tree_shift(lac_async_tree *tree, double by);
 
 #endif

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_BASE_TAPE_H
-#define LACUNA_BASE_TAPE_H
+#ifndef LACUNA_BASE_ARCHIVE_H
+#define LACUNA_BASE_ARCHIVE_H
 
 #include <stdbool.h>
 #include <stddef.h>
 
 /// A state written to memory or read back: one function that passes every piece of it, in one
 /// order, serves both ways.
-typedef struct lac_tape {
+typedef struct lac_archive {
     bool loading;         ///< pieces are read from `bytes`; else added to them
     bool no_memory;       ///< to save in, or for what is loaded
     bool short_of;        ///< while loading: the bytes ended, or did not fit
@@ -16,15 +16,15 @@ typedef struct lac_tape {
     size_t size;          ///< [bytes]
     size_t at;            ///< read so far
     size_t room;          ///< allocated
-} lac_tape;
+} lac_archive;
 
-/// Passes a piece: copied to the tape, or from it. After a failure nothing happens any more.
-void lac_tape_pass(lac_tape *tape, void *piece, size_t size);
+/// Passes a piece: copied to the archive, or from it. After a failure nothing happens any more.
+void lac_archive_pass(lac_archive *archive, void *piece, size_t size);
 
 /// Whether everything went well so far.
-static inline bool lac_tape_good(const lac_tape *tape)
+static inline bool lac_archive_good(const lac_archive *archive)
 {
-    return !tape->no_memory && !tape->short_of && tape->refused == NULL;
+    return !archive->no_memory && !archive->short_of && archive->refused == NULL;
 }
 
 #endif

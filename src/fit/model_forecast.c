@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A case as a method of forecasting: fitted to what was read, then run on.
-#include "fit/foresee.h"
+#include "fit/model_forecast.h"
 
 #include <math.h>
 #include <string.h>
@@ -48,7 +48,7 @@ static double range_of(const lac_fit_result *r)
 }
 
 // How well it fits: the rms, and what of it the readings' own scatter does not explain.
-static void judge(const lac_fit_result *r, lac_finding *found)
+static void judge(const lac_fit_result *r, lac_forecast_fit *found)
 {
     const bool velocities = !(r->displacements > 0);
     const double scatter = isnan(r->scatter) ? 0.0 : r->scatter;
@@ -61,16 +61,18 @@ static void judge(const lac_fit_result *r, lac_finding *found)
 }
 
 // The draws' times of failure.
-static void take_posterior(const lac_fit_result *r, double now, lac_finding *found)
+static void take_posterior(const lac_fit_result *r, double now, lac_forecast_fit *found)
 {
-    lac_finding_add(found, "failing", r->failing);
-    lac_finding_add(found, "rhat", worst_rhat(r));
+    lac_forecast_fit_add(found, "failing", r->failing);
+    lac_forecast_fit_add(found, "rhat", worst_rhat(r));
     if (!(r->failing >= most_fail)) {
-        (void)lac_finding_refuse(found, "%.0f %% of the draws fail by time.end, at least %.0f %%",
-                                 100.0 * r->failing, 100.0 * most_fail);
+        (void)lac_forecast_fit_refuse(found,
+                                      "%.0f %% of the draws fail by time.end, at least %.0f %%",
+                                      100.0 * r->failing, 100.0 * most_fail);
     } else if (!(worst_rhat(r) <= far_from_converged)) {
-        (void)lac_finding_refuse(found, "the chain has not converged: R-hat %.2f, at most %.1f",
-                                 worst_rhat(r), far_from_converged);
+        (void)lac_forecast_fit_refuse(found,
+                                      "the chain has not converged: R-hat %.2f, at most %.1f",
+                                      worst_rhat(r), far_from_converged);
     } else {
         found->posterior = true;
         for (size_t q = 0; q < LAC_FORECAST_LEVELS; q++) {
@@ -80,7 +82,7 @@ static void take_posterior(const lac_fit_result *r, double now, lac_finding *fou
     }
 }
 
-static void take(const lac_fit_result *r, double now, lac_finding *found)
+static void take(const lac_fit_result *r, double now, lac_forecast_fit *found)
 {
     judge(r, found);
     found->remaining = r->failure - now;
@@ -88,20 +90,21 @@ static void take(const lac_fit_result *r, double now, lac_finding *found)
     if (r->sampled) {
         take_posterior(r, now, found);
     } else if (isnan(r->failure)) {
-        (void)lac_finding_refuse(found, "the best fit does not fail by time.end");
+        (void)lac_forecast_fit_refuse(found, "the best fit does not fail by time.end");
     } else if (isnan(r->failure_error)) {
-        (void)lac_finding_refuse(found, "least squares tell no error of it: sample (fit.steps)");
+        (void)lac_forecast_fit_refuse(found,
+                                      "least squares tell no error of it: sample (fit.steps)");
     }
     for (size_t k = 0; k < r->parameters; k++) {
-        lac_finding_add(found, r->unknown[k].key, r->unknown[k].best);
+        lac_forecast_fit_add(found, r->unknown[k].key, r->unknown[k].best);
         if (r->unknown[k].end != 0 && found->ends < LAC_FORECAST_VALUES) {
             found->end[found->ends++] = r->unknown[k].key;
         }
     }
 }
 
-static lac_status fit(const lac_foresight *how, const lac_series *series, double now,
-                      lac_finding *found, lac_error *err)
+static lac_status fit(const lac_model_forecast *how, const lac_series *series, double now,
+                      lac_forecast_fit *found, lac_error *err)
 {
     lac_fit *fit = NULL;
     lac_fit_result result;
@@ -111,7 +114,7 @@ static lac_status fit(const lac_foresight *how, const lac_series *series, double
     if (status == LAC_OK) {
         take(&result, now, found);
     } else if (status == LAC_EINPUT || status == LAC_ENUMERIC) {
-        status = lac_finding_refuse(found, "%s", why.message);
+        status = lac_forecast_fit_refuse(found, "%s", why.message);
     } else {
         *err = why;
     }
@@ -119,10 +122,10 @@ static lac_status fit(const lac_foresight *how, const lac_series *series, double
     return status;
 }
 
-static lac_status foresee(void *context, const lac_motion *m, double now, lac_finding *found,
+static lac_status foresee(void *context, const lac_motion *m, double now, lac_forecast_fit *found,
                           lac_error *err)
 {
-    const lac_foresight *how = context;
+    const lac_model_forecast *how = context;
     const lac_case *c = how->source;
     const double shift = how->dated ? c->start_date : 0.0;
     const bool v = m->integrated;
@@ -138,16 +141,17 @@ static lac_status foresee(void *context, const lac_motion *m, double now, lac_fi
     }
     const size_t inside = readings_within(c, m, shift);
     if (inside < c->fit.count + 3) {
-        return lac_finding_refuse(found,
-                                  "too few readings between time.start and time.end: %zu, at least "
-                                  "%zu",
-                                  inside, c->fit.count + 3);
+        return lac_forecast_fit_refuse(
+            found,
+            "too few readings between time.start and time.end: %zu, at least "
+            "%zu",
+            inside, c->fit.count + 3);
     }
-    return lacks_sigma(c, m) ? lac_finding_refuse(found, "a reading has no standard error")
+    return lacks_sigma(c, m) ? lac_forecast_fit_refuse(found, "a reading has no standard error")
                              : fit(how, &series, now - shift, found, err);
 }
 
-lac_forecast_model lac_foresee(lac_foresight *how)
+lac_forecast_model lac_model_forecast_method(lac_model_forecast *how)
 {
     return (lac_forecast_model){.kind = &lac_forecast_case, .context = how, .fit = foresee};
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_BASE_PART_H
-#define LACUNA_BASE_PART_H
+#ifndef LACUNA_BASE_TEMP_FILE_H
+#define LACUNA_BASE_TEMP_FILE_H
 
 #include "lacuna/error.h"
 
@@ -10,36 +10,36 @@
 /// The name under which this process builds a file: `.NAME.lacuna-PID.part` in the same folder.
 /// @param path  where the file will be
 /// @return to be freed; NULL where memory is short
-char *lac_part_name(const char *path);
+char *lac_temp_file_name(const char *path);
 
 /// The name of what is kept beside a file: its own and an ending.
 /// @return to be freed; NULL where memory is short
-char *lac_part_beside(const char *path, const char *name_ending);
+char *lac_temp_file_beside(const char *path, const char *name_ending);
 
 /// Writes all of it. @return false with errno
-bool lac_part_write(int fd, const void *bytes, size_t size);
+bool lac_temp_file_write(int fd, const void *bytes, size_t size);
 
 /// Makes names that were given or taken in the folder of `path` last.
-void lac_part_sync_folder(const char *path);
+void lac_temp_file_sync_folder(const char *path);
 
 /// Holds a file whose name is to be taken, so that one process at a time does so; no lock that
 /// readers or writers would see. Another that holds it is waited for, at most a second; false where
 /// it goes on.
-bool lac_part_hold(const char *path, int *held);
-void lac_part_let_go(int held);
+bool lac_temp_file_hold(const char *path, int *held);
+void lac_temp_file_let_go(int held);
 
 /// Removes what processes that are no more have left of files for that path: their number is not
 /// in use and nobody holds HDF5's lock on the file, as one on another machine would.
-void lac_part_sweep(const char *path);
+void lac_temp_file_sweep(const char *path);
 
 /// Gives a file that is whole its name, as one step.
 /// @param force  takes the name from a file that bears it; else that is EEXIST
 /// @return 0; -1 with errno
-int lac_part_publish(const char *part, const char *path, bool force);
+int lac_temp_file_publish(const char *part, const char *path, bool force);
 
 /// Whether somebody writes a file: HDF5 then holds a lock on it.
 /// @param folder  that the path is relative to, or AT_FDCWD
-bool lac_part_locked(int folder, const char *path);
+bool lac_temp_file_locked(int folder, const char *path);
 
 /// Writes a text as a file that is never half there: under another name first, as a netCDF file.
 /// Where `path` is a symbolic link, what it leads to is replaced; a device or a pipe never is.

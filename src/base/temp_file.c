@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The names under which files are built, and what a killed process left under one.
 #define _GNU_SOURCE // F_OFD_SETLK
-#include "base/part.h"
+#include "base/temp_file.h"
 
 #include <ctype.h>
 #include <dirent.h>
@@ -30,7 +30,7 @@ static int folder_length(const char *path)
     return slash != NULL ? (int)(slash - path) + 1 : 0;
 }
 
-char *lac_part_name(const char *path)
+char *lac_temp_file_name(const char *path)
 {
     int folder = folder_length(path);
     size_t size = strlen(path) + sizeof middle + sizeof ending + NUMBER;
@@ -63,7 +63,7 @@ static pid_t maker_of(const char *part, const char *name)
 
 static bool is_dead(pid_t pid) { return kill(pid, 0) != 0 && errno == ESRCH; }
 
-char *lac_part_beside(const char *path, const char *name_ending)
+char *lac_temp_file_beside(const char *path, const char *name_ending)
 {
     size_t size = strlen(path) + strlen(name_ending) + 1;
     char *name = malloc(size);
@@ -73,7 +73,7 @@ char *lac_part_beside(const char *path, const char *name_ending)
     return name;
 }
 
-bool lac_part_write(int fd, const void *bytes, size_t size)
+bool lac_temp_file_write(int fd, const void *bytes, size_t size)
 {
     const unsigned char *at = bytes;
     while (size > 0) {
@@ -91,7 +91,7 @@ bool lac_part_write(int fd, const void *bytes, size_t size)
     return true;
 }
 
-void lac_part_sync_folder(const char *path)
+void lac_temp_file_sync_folder(const char *path)
 {
     int length = folder_length(path);
     char *name = length > 0 ? strndup(path, (size_t)length) : strdup(".");
@@ -103,7 +103,7 @@ void lac_part_sync_folder(const char *path)
     }
 }
 
-bool lac_part_hold(const char *path, int *held)
+bool lac_temp_file_hold(const char *path, int *held)
 {
     const struct timespec pause = {.tv_nsec = 10000000};
     struct flock lock = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
@@ -118,20 +118,20 @@ bool lac_part_hold(const char *path, int *held)
         }
     }
     if (!free_now) {
-        lac_part_let_go(*held);
+        lac_temp_file_let_go(*held);
         *held = -1;
     }
     return free_now;
 }
 
-void lac_part_let_go(int held)
+void lac_temp_file_let_go(int held)
 {
     if (held >= 0) {
         (void)close(held);
     }
 }
 
-bool lac_part_locked(int folder, const char *path)
+bool lac_temp_file_locked(int folder, const char *path)
 {
     int fd = openat(folder, path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (fd < 0) {
@@ -142,7 +142,7 @@ bool lac_part_locked(int folder, const char *path)
     return locked;
 }
 
-void lac_part_sweep(const char *path)
+void lac_temp_file_sweep(const char *path)
 {
     int length = folder_length(path);
     char *name = length > 0 ? strndup(path, (size_t)length) : strdup(".");
@@ -150,7 +150,7 @@ void lac_part_sweep(const char *path)
     const struct dirent *entry = NULL;
     while (folder != NULL && (entry = readdir(folder)) != NULL) {
         pid_t pid = maker_of(entry->d_name, path + length);
-        if (pid > 0 && is_dead(pid) && !lac_part_locked(dirfd(folder), entry->d_name)) {
+        if (pid > 0 && is_dead(pid) && !lac_temp_file_locked(dirfd(folder), entry->d_name)) {
             (void)unlinkat(dirfd(folder), entry->d_name, 0);
         }
     }
@@ -176,7 +176,7 @@ static int name_exclusively(const char *part, const char *path)
     return rename(part, path);
 }
 
-int lac_part_publish(const char *part, const char *path, bool force)
+int lac_temp_file_publish(const char *part, const char *path, bool force)
 {
     return force ? rename(part, path) : name_exclusively(part, path);
 }

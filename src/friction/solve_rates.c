@@ -44,9 +44,9 @@ LAC_KERNEL small_sinh(double s)
     return s * (1 + z * (1.0 / 6 + z * (1.0 / 120 + z * (1.0 / 5040 + z * sum))));
 }
 
-LAC_CLONES static void lac_settle_prepare(const lac_friction *friction,
-                                          const lac_friction_balance *eq, size_t first, size_t n,
-                                          chunk *c)
+LAC_CLONES static void lac_solve_rates_prepare(const lac_friction *friction,
+                                               const lac_friction_balance *eq, size_t first,
+                                               size_t n, chunk *c)
 {
     const double *constant = lac_cellwise_from(&friction->constant, eq->first + first);
     const double *a = lac_cellwise_from(&friction->column[LAC_A], eq->first + first);
@@ -68,7 +68,7 @@ LAC_CLONES static void lac_settle_prepare(const lac_friction *friction,
 }
 
 // Where to begin: the s of the last rate, and no more than without damping. How many are bent.
-LAC_CLONES static uint64_t lac_settle_begin(size_t n, const double *u, chunk *c)
+LAC_CLONES static uint64_t lac_solve_rates_begin(size_t n, const double *u, chunk *c)
 {
     uint64_t count = 0;
     LAC_INDEPENDENT
@@ -83,7 +83,7 @@ LAC_CLONES static uint64_t lac_settle_begin(size_t n, const double *u, chunk *c)
 }
 
 // The same where some cells are bent.
-LAC_CLONES static void lac_settle_begin_bent(size_t n, chunk *c)
+LAC_CLONES static void lac_solve_rates_begin_bent(size_t n, chunk *c)
 {
     LAC_INDEPENDENT
     for (size_t i = 0; i < n; i++) {
@@ -141,21 +141,21 @@ static inline __attribute__((always_inline)) uint64_t step_all(size_t n, bool be
     return left;
 }
 
-LAC_CLONES static uint64_t lac_settle_step_plain(size_t n, chunk *c)
+LAC_CLONES static uint64_t lac_solve_rates_step_plain(size_t n, chunk *c)
 {
     return step_all(n, false, false, c);
 }
-LAC_CLONES static uint64_t lac_settle_step_far(size_t n, chunk *c)
+LAC_CLONES static uint64_t lac_solve_rates_step_far(size_t n, chunk *c)
 {
     return step_all(n, false, true, c);
 }
-LAC_CLONES static uint64_t lac_settle_step_bent(size_t n, chunk *c)
+LAC_CLONES static uint64_t lac_solve_rates_step_bent(size_t n, chunk *c)
 {
     return step_all(n, true, true, c);
 }
 
 // How many cells feel the bracket.
-LAC_CLONES static uint64_t lac_settle_count_bent(size_t n, const chunk *c)
+LAC_CLONES static uint64_t lac_solve_rates_count_bent(size_t n, const chunk *c)
 {
     uint64_t count = 0;
     for (size_t i = 0; i < n; i++) {
@@ -196,12 +196,12 @@ static inline __attribute__((always_inline)) uint64_t finish_all(size_t n, bool 
     return left;
 }
 
-LAC_CLONES static uint64_t lac_settle_finish(size_t n, const chunk *c, const found *out)
+LAC_CLONES static uint64_t lac_solve_rates_finish(size_t n, const chunk *c, const found *out)
 {
     return finish_all(n, false, c, out);
 }
 
-LAC_CLONES static uint64_t lac_settle_finish_bent(size_t n, const chunk *c, const found *out)
+LAC_CLONES static uint64_t lac_solve_rates_finish_bent(size_t n, const chunk *c, const found *out)
 {
     return finish_all(n, true, c, out);
 }
@@ -212,19 +212,19 @@ static uint64_t settle_chunk(size_t n, bool regularised, uint64_t bent, chunk *c
     uint64_t left = n;
     for (int step = 0; step < MOST_STEPS && left > 0; step++) {
         if (!regularised) {
-            left = lac_settle_step_plain(n, c);
+            left = lac_solve_rates_step_plain(n, c);
         } else if (bent == 0) {
-            left = lac_settle_step_far(n, c);
+            left = lac_solve_rates_step_far(n, c);
         } else {
-            left = lac_settle_step_bent(n, c);
+            left = lac_solve_rates_step_bent(n, c);
         }
-        bent = regularised ? lac_settle_count_bent(n, c) : 0;
+        bent = regularised ? lac_solve_rates_count_bent(n, c) : 0;
     }
     return bent;
 }
 
-size_t lac_friction_settle(const lac_friction *friction, const lac_friction_balance *eq, double *u,
-                           double *v, double *settled)
+size_t lac_friction_solve_rates(const lac_friction *friction, const lac_friction_balance *eq,
+                                double *u, double *v, double *settled)
 {
     bool regularised = friction->form == LAC_FORM_REGULARISED;
     size_t left = 0;
@@ -232,13 +232,14 @@ size_t lac_friction_settle(const lac_friction *friction, const lac_friction_bala
         chunk c;
         size_t n = eq->n - first < CHUNK ? eq->n - first : CHUNK;
         found out = {eq->traction + first, u + first, v + first, settled + first};
-        lac_settle_prepare(friction, eq, first, n, &c);
-        uint64_t bent = lac_settle_begin(n, u + first, &c);
+        lac_solve_rates_prepare(friction, eq, first, n, &c);
+        uint64_t bent = lac_solve_rates_begin(n, u + first, &c);
         if (regularised && bent > 0) {
-            lac_settle_begin_bent(n, &c);
+            lac_solve_rates_begin_bent(n, &c);
         }
         bent = settle_chunk(n, regularised, bent, &c);
-        left += bent > 0 ? lac_settle_finish_bent(n, &c, &out) : lac_settle_finish(n, &c, &out);
+        left += bent > 0 ? lac_solve_rates_finish_bent(n, &c, &out)
+                         : lac_solve_rates_finish(n, &c, &out);
     }
     return left;
 }

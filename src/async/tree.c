@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Blocks that keep a change of stress to themselves until a cell in them has to hear of it.
-#include "micro/tree.h"
+#include "async/tree.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -15,13 +15,13 @@ typedef struct forest {
     uint32_t count, children;
 } forest;
 
-static lac_micro_node *node_of(const lac_micro_tree *tree, uint32_t item)
+static lac_async_node *node_of(const lac_async_tree *tree, uint32_t item)
 {
     return &tree->node[item - tree->n];
 }
 
 // Ties an item to its parent by k.
-static void tie(lac_micro_tree *tree, uint32_t item, uint32_t parent, double k)
+static void tie(lac_async_tree *tree, uint32_t item, uint32_t parent, double k)
 {
     if (item < tree->n) {
         tree->cell[item].parent = parent;
@@ -33,13 +33,13 @@ static void tie(lac_micro_tree *tree, uint32_t item, uint32_t parent, double k)
 }
 
 // A new block over the items from..to.
-static uint32_t join(lac_micro_tree *tree, forest *f, uint32_t from, uint32_t to, double k)
+static uint32_t join(lac_async_tree *tree, forest *f, uint32_t from, uint32_t to, double k)
 {
     uint32_t made = tree->n + tree->nodes;
-    lac_micro_node *node = &tree->node[tree->nodes++];
+    lac_async_node *node = &tree->node[tree->nodes++];
     double cells = 0.0;
-    *node = (lac_micro_node){
-        .below = k, .parent = LAC_MICRO_NONE, .first = f->children, .children = to - from};
+    *node = (lac_async_node){
+        .below = k, .parent = LAC_ASYNC_NONE, .first = f->children, .children = to - from};
     for (uint32_t i = from; i < to; i++) {
         uint32_t item = f->item[i];
         tie(tree, item, made - tree->n, k);
@@ -51,7 +51,7 @@ static uint32_t join(lac_micro_tree *tree, forest *f, uint32_t from, uint32_t to
 }
 
 // Joins the items of each block of a level.
-static void climb(lac_micro_tree *tree, forest *f, const uint32_t *offset, size_t blocks, double k)
+static void climb(lac_async_tree *tree, forest *f, const uint32_t *offset, size_t blocks, double k)
 {
     uint32_t kept = 0;
     uint32_t next = 0;
@@ -66,11 +66,11 @@ static void climb(lac_micro_tree *tree, forest *f, const uint32_t *offset, size_
     f->count = kept;
 }
 
-lac_status lac_micro_tree_create(const lac_hierarchy *h, const double *k, lac_micro_tree *out,
+lac_status lac_async_tree_create(const lac_hierarchy *h, const double *k, lac_async_tree *out,
                                  lac_error *err)
 {
     size_t n = lac_hierarchy_cells(h);
-    *out = (lac_micro_tree){.n = (uint32_t)n};
+    *out = (lac_async_tree){.n = (uint32_t)n};
     out->cell = calloc(n, sizeof *out->cell);
     out->node = calloc(n, sizeof *out->node); // n - 1 at most, but for a single cell
     out->child = calloc(2 * n, sizeof *out->child);
@@ -89,64 +89,64 @@ lac_status lac_micro_tree_create(const lac_hierarchy *h, const double *k, lac_mi
         if (out->nodes == 0) {
             (void)join(out, &f, 0, f.count, 0.0);
         }
-        lac_micro_node *fitted = realloc(out->node, out->nodes * sizeof *fitted);
+        lac_async_node *fitted = realloc(out->node, out->nodes * sizeof *fitted);
         out->node = fitted != NULL ? fitted : out->node;
     }
     free(f.item);
     free(f.first);
     if (!made) {
-        lac_micro_tree_clear(out);
+        lac_async_tree_clear(out);
         return lac_fail_memory(err);
     }
     return LAC_OK;
 }
 
-void lac_micro_tree_clear(lac_micro_tree *tree)
+void lac_async_tree_clear(lac_async_tree *tree)
 {
     free(tree->cell);
     free(tree->node);
     free(tree->child);
-    *tree = (lac_micro_tree){0};
+    *tree = (lac_async_tree){0};
 }
 
-void lac_micro_tree_anchor(lac_micro_tree *tree, double k_mean, double damping)
+void lac_async_tree_anchor(lac_async_tree *tree, double k_mean, double damping)
 {
-    lac_micro_node *root = &tree->node[tree->nodes - 1];
+    lac_async_node *root = &tree->node[tree->nodes - 1];
     root->weight = root->below - k_mean;
     root->damping = damping;
     for (uint32_t j = tree->nodes; j-- > 0;) {
-        lac_micro_node *node = &tree->node[j];
-        double above = node->parent == LAC_MICRO_NONE ? 0.0 : tree->node[node->parent].self;
+        lac_async_node *node = &tree->node[j];
+        double above = node->parent == LAC_ASYNC_NONE ? 0.0 : tree->node[node->parent].self;
         node->self = above + node->weight * node->share;
     }
 }
 
-static double mean_at(const lac_micro_node *node, double t)
+static double mean_at(const lac_async_node *node, double t)
 {
     return (node->sum + node->rate * (t - node->t)) * node->share;
 }
 
-static double area_at(const lac_micro_node *node, double t)
+static double area_at(const lac_async_node *node, double t)
 {
     double h = t - node->t;
     return node->area + (node->sum + 0.5 * node->rate * h) * h * node->share;
 }
 
 // Mean rate, as told.
-static double rate_of(const lac_micro_node *node) { return node->rate * node->share; }
+static double rate_of(const lac_async_node *node) { return node->rate * node->share; }
 
 // Change of a block's part of E, and of what was handed down to it, since it was last opened.
-static double pending_at(const lac_micro_node *node, double t)
+static double pending_at(const lac_async_node *node, double t)
 {
     double damped = node->damping * (rate_of(node) - node->heard);
     return node->received + node->weight * (mean_at(node, t) - node->opened) - damped;
 }
 
-lac_micro_view lac_micro_tree_view(const lac_micro_tree *tree, uint32_t parent, double t)
+lac_async_view lac_async_tree_view(const lac_async_tree *tree, uint32_t parent, double t)
 {
-    lac_micro_view view = {0};
-    for (uint32_t j = parent; j != LAC_MICRO_NONE; j = tree->node[j].parent) {
-        const lac_micro_node *node = &tree->node[j];
+    lac_async_view view = {0};
+    for (uint32_t j = parent; j != LAC_ASYNC_NONE; j = tree->node[j].parent) {
+        const lac_async_node *node = &tree->node[j];
         view.outer += node->weight * mean_at(node, t);
         view.area += node->weight * area_at(node, t);
         view.rate += node->weight * node->rate * node->share;
@@ -158,23 +158,23 @@ lac_micro_view lac_micro_tree_view(const lac_micro_tree *tree, uint32_t parent, 
 
 // Renews a block's bounds from its children. The block keeps half of the change of E that the
 // neediest child can do with; the other half is left to the blocks above.
-static void renew(lac_micro_tree *tree, lac_micro_node *node)
+static void renew(lac_async_tree *tree, lac_async_node *node)
 {
     double low = -INFINITY;
     double high = INFINITY;
     node->next = INFINITY;
-    node->next_who = LAC_MICRO_NONE;
+    node->next_who = LAC_ASYNC_NONE;
     for (uint32_t k = node->first; k < node->first + node->children; k++) {
         uint32_t item = tree->child[k];
         uint32_t who = item;
         double due;
         if (item < tree->n) {
-            const lac_micro_cell *cell = &tree->cell[item];
+            const lac_async_cell *cell = &tree->cell[item];
             low = fmax(low, cell->low - cell->pending);
             high = fmin(high, cell->high - cell->pending);
             due = cell->due;
         } else {
-            const lac_micro_node *child = node_of(tree, item);
+            const lac_async_node *child = node_of(tree, item);
             low = fmax(low, child->cap_low);
             high = fmin(high, child->cap_high);
             due = child->due;
@@ -192,7 +192,7 @@ static void renew(lac_micro_tree *tree, lac_micro_node *node)
 }
 
 // When a block opens as things move now.
-static void foresee(const lac_micro_tree *tree, lac_micro_node *node, double t)
+static void foresee(const lac_async_tree *tree, lac_async_node *node, double t)
 {
     double pending = pending_at(node, t);
     double rate = node->weight * node->share * node->rate;
@@ -208,7 +208,7 @@ static void foresee(const lac_micro_tree *tree, lac_micro_node *node, double t)
 }
 
 // Hands down what a block has pending to its children; cells that this wakes are due at t.
-static void hand_down(lac_micro_tree *tree, lac_micro_node *node, double t)
+static void hand_down(lac_async_tree *tree, lac_async_node *node, double t)
 {
     double pending = pending_at(node, t);
     node->opened = mean_at(node, t);
@@ -217,34 +217,34 @@ static void hand_down(lac_micro_tree *tree, lac_micro_node *node, double t)
     for (uint32_t k = node->first; k < node->first + node->children; k++) {
         uint32_t item = tree->child[k];
         if (item >= tree->n) {
-            lac_micro_node *child = node_of(tree, item);
+            lac_async_node *child = node_of(tree, item);
             child->received += pending;
             foresee(tree, child, t);
             continue;
         }
-        lac_micro_cell *cell = &tree->cell[item];
+        lac_async_cell *cell = &tree->cell[item];
         cell->pending += pending;
-        if (cell->pending > LAC_MICRO_WAKES * cell->high ||
-            cell->pending < LAC_MICRO_WAKES * cell->low) {
+        if (cell->pending > LAC_ASYNC_WAKES * cell->high ||
+            cell->pending < LAC_ASYNC_WAKES * cell->low) {
             cell->due = fmin(cell->due, t);
         }
     }
 }
 
-static void renew_up(lac_micro_tree *tree, uint32_t from, double t)
+static void renew_up(lac_async_tree *tree, uint32_t from, double t)
 {
-    for (uint32_t j = from; j != LAC_MICRO_NONE; j = tree->node[j].parent) {
+    for (uint32_t j = from; j != LAC_ASYNC_NONE; j = tree->node[j].parent) {
         renew(tree, &tree->node[j]);
         foresee(tree, &tree->node[j], t);
     }
 }
 
-void lac_micro_tree_add(lac_micro_tree *tree, uint32_t cell, double t, double slip, double rate)
+void lac_async_tree_add(lac_async_tree *tree, uint32_t cell, double t, double slip, double rate)
 {
-    lac_micro_node *path[LAC_MICRO_LEVELS];
+    lac_async_node *path[LAC_ASYNC_LEVELS];
     int depth = 0;
-    for (uint32_t j = tree->cell[cell].parent; j != LAC_MICRO_NONE; j = tree->node[j].parent) {
-        lac_micro_node *node = &tree->node[j];
+    for (uint32_t j = tree->cell[cell].parent; j != LAC_ASYNC_NONE; j = tree->node[j].parent) {
+        lac_async_node *node = &tree->node[j];
         node->area = area_at(node, t);
         node->gone += rate_of(node) * (t - node->t);
         node->sum += node->rate * (t - node->t) + slip;
@@ -264,17 +264,17 @@ void lac_micro_tree_add(lac_micro_tree *tree, uint32_t cell, double t, double sl
     }
 }
 
-void lac_micro_tree_open(lac_micro_tree *tree, uint32_t j, double t)
+void lac_async_tree_open(lac_async_tree *tree, uint32_t j, double t)
 {
     tree->openings++;
     hand_down(tree, &tree->node[j], t);
     renew_up(tree, j, t);
 }
 
-void lac_micro_tree_fill(lac_micro_tree *tree)
+void lac_async_tree_fill(lac_async_tree *tree)
 {
     for (uint32_t j = 0; j < tree->nodes; j++) {
-        lac_micro_node *node = &tree->node[j];
+        lac_async_node *node = &tree->node[j];
         node->sum = node->rate = node->t = node->area = node->received = node->gone = 0.0;
         for (uint32_t k = node->first; k < node->first + node->children; k++) {
             uint32_t item = tree->child[k];
@@ -287,7 +287,7 @@ void lac_micro_tree_fill(lac_micro_tree *tree)
     }
 }
 
-void lac_micro_tree_settle(lac_micro_tree *tree, double t)
+void lac_async_tree_propagate(lac_async_tree *tree, double t)
 {
     for (uint32_t j = 0; j < tree->nodes; j++) {
         renew(tree, &tree->node[j]);
@@ -295,7 +295,7 @@ void lac_micro_tree_settle(lac_micro_tree *tree, double t)
     }
 }
 
-void lac_micro_tree_shift(lac_micro_tree *tree, double by)
+void lac_async_tree_shift(lac_async_tree *tree, double by)
 {
     for (uint32_t i = 0; i < tree->n; i++) {
         tree->cell[i].t -= by;

@@ -9,9 +9,9 @@
 #include "case/schema.h"
 
 #define COUNT(array) (sizeof(array) / sizeof(array)[0])
-#define RANDOM(name) offsetof(lac_spread_random, name)
-#define MAP(name) offsetof(lac_spread_map, name)
-#define SIZE(name) offsetof(lac_spread_size, name)
+#define RANDOM(name) offsetof(lac_heterogeneity_random, name)
+#define MAP(name) offsetof(lac_heterogeneity_map, name)
+#define SIZE(name) offsetof(lac_heterogeneity_size, name)
 
 enum { MOST_KNOWN = 32 };
 
@@ -25,14 +25,14 @@ static const char *const sizes[] = {"patch", "block", NULL};
         LAC_REAL("highest", "1", RANDOM(highest), NAN, 0, 1e12, LAC_OPTIONAL | LAC_ABOVE_MIN, \
                  "factors above are drawn again; no limit if absent")
 
-static double standard_normal(const lac_spread_random *p, uint64_t place, uint64_t stream)
+static double standard_normal(const lac_heterogeneity_random *p, uint64_t place, uint64_t stream)
 {
     double normal[2];
     lac_random_normal((uint64_t)p->seed, LAC_STREAM_SPREAD, place, stream, normal);
     return normal[0];
 }
 
-static double uniform(const lac_spread_random *p, uint64_t place, uint64_t stream)
+static double uniform(const lac_heterogeneity_random *p, uint64_t place, uint64_t stream)
 {
     return lac_random_uniform((uint64_t)p->seed, LAC_STREAM_SPREAD, place, stream);
 }
@@ -40,7 +40,7 @@ static double uniform(const lac_spread_random *p, uint64_t place, uint64_t strea
 #define DRAW(name, factor)                                                         \
     static double draw_##name(const void *params, uint64_t place, uint64_t stream) \
     {                                                                              \
-        const lac_spread_random *p = params;                                       \
+        const lac_heterogeneity_random *p = params;                                \
         return (factor);                                                           \
     }
 DRAW(lognormal, exp(p->width *standard_normal(p, place, stream)))
@@ -52,7 +52,7 @@ DRAW(pareto, pow(uniform(p, place, stream), -1.0 / p->width))
 
 static const char *random_fault(const void *params)
 {
-    const lac_spread_random *p = params;
+    const lac_heterogeneity_random *p = params;
     return p->highest <= p->lowest ? "highest must be above lowest" : NULL;
 }
 
@@ -77,12 +77,12 @@ static const lac_param size_rows[] = {
 };
 
 // A random kind and its rows, the row of its width before those of all.
-#define RANDOM_KIND(kind, title, text, source, ...)                                          \
-    static const lac_param kind##_rows[] = {__VA_ARGS__ RANDOM_ROWS};                        \
-    static const lac_spread_kind kind = {LAC_ABOUT(title, text, source,                      \
-                                                   LAC_ROWS(kind##_rows, lac_spread_random), \
-                                                   .fault = random_fault),                   \
-                                         draw_##kind};
+#define RANDOM_KIND(kind, title, text, source, ...)                                     \
+    static const lac_param kind##_rows[] = {__VA_ARGS__ RANDOM_ROWS};                   \
+    static const lac_heterogeneity_kind kind = {                                        \
+        LAC_ABOUT(title, text, source, LAC_ROWS(kind##_rows, lac_heterogeneity_random), \
+                  .validate = random_fault),                                            \
+        draw_##kind};
 #define WIDTH(name, low, high, text) LAC_REAL(name, "1", RANDOM(width), NAN, low, high, 0, text),
 
 RANDOM_KIND(lognormal, "lognormal", "the nominal value times exp(sigma z), z standard normal",
@@ -104,31 +104,36 @@ RANDOM_KIND(pareto, "pareto", "the nominal value, as the least, times z^(-1/expo
             "Johnson, Kotz & Balakrishnan (1994) Continuous Univariate Distributions 1, ch. 20",
             WIDTH("exponent", 0.05, 1e3, "P(factor > x) = x^-exponent, x >= 1"))
 
-const lac_spread_kind lac_spread_map_kind = {
+const lac_heterogeneity_kind lac_heterogeneity_map_kind = {
     LAC_ABOUT("map", "a field from a netCDF file", "docs/theory/friction.md, \"From cell to cell\"",
-              LAC_ROWS(map_rows, lac_spread_map)),
+              LAC_ROWS(map_rows, lac_heterogeneity_map)),
     NULL};
-const lac_spread_kind lac_spread_size_kind = {
+const lac_heterogeneity_kind lac_heterogeneity_size_kind = {
     LAC_ABOUT(
         "size", "the nominal value times a power of the size of the cell's patch or block",
         "after Carpinteri & Paggi (2009) Chaos Solitons Fractals 39, 540 (the slip that weakens "
         "a joint grows with its size)",
-        LAC_ROWS(size_rows, lac_spread_size)),
+        LAC_ROWS(size_rows, lac_heterogeneity_size)),
     NULL};
 
-static const lac_spread_kind *const spreads[] = {
-    &lognormal,           &normal, &flat, &weibull, &exponential, &pareto, &lac_spread_map_kind,
-    &lac_spread_size_kind};
+static const lac_heterogeneity_kind *const spreads[] = {&lognormal,
+                                                        &normal,
+                                                        &flat,
+                                                        &weibull,
+                                                        &exponential,
+                                                        &pareto,
+                                                        &lac_heterogeneity_map_kind,
+                                                        &lac_heterogeneity_size_kind};
 
-LAC_KINDS_AT(lac_spread_kind, lac_spread_kind_at, spreads)
+LAC_KINDS_AT(lac_heterogeneity_kind, lac_heterogeneity_kind_get, spreads)
 
-bool lac_spread_is_value(const lac_spread *spread)
+bool lac_heterogeneity_is_value(const lac_heterogeneity *spread)
 {
-    const lac_spread_map *map = spread->slot.params;
-    return spread->slot.about == &lac_spread_map_kind.about && map->as == LAC_MAP_VALUE;
+    const lac_heterogeneity_map *map = spread->model.params;
+    return spread->model.info == &lac_heterogeneity_map_kind.info && map->as == LAC_MAP_VALUE;
 }
 
-bool lac_spread_has(const lac_spread_list *list, const char *key)
+bool lac_heterogeneity_has(const lac_heterogeneity_list *list, const char *key)
 {
     for (size_t i = 0; i < list->count; i++) {
         if (strcmp(list->item[i].key, key) == 0) {
@@ -138,42 +143,43 @@ bool lac_spread_has(const lac_spread_list *list, const char *key)
     return false;
 }
 
-void lac_spreads_clear(lac_spread_list *list)
+void lac_heterogeneity_clear(lac_heterogeneity_list *list)
 {
     for (size_t i = 0; i < list->count; i++) {
         free(list->item[i].key);
-        lac_slot_clear(&list->item[i].slot);
+        lac_model_clear(&list->item[i].model);
     }
     free(list->item);
-    *list = (lac_spread_list){0};
+    *list = (lac_heterogeneity_list){0};
 }
 
 // @param node  `{MODEL: ...}`, below the key or in its list
 static void read_spread(lac_reader *reader, const lac_node *node, const char *key,
-                        lac_spread_list *list)
+                        lac_heterogeneity_list *list)
 {
-    lac_spread spread = {.line = node->line};
-    lac_read_slot(reader, node, LAC_KIND_SPREAD, NULL, &spread.slot);
-    if (spread.slot.about == NULL) {
+    lac_heterogeneity spread = {.line = node->line};
+    lac_read_slot(reader, node, LAC_KIND_SPREAD, NULL, &spread.model);
+    if (spread.model.info == NULL) {
         return;
     }
-    if (lac_spread_is_value(&spread)) {
+    if (lac_heterogeneity_is_value(&spread)) {
         for (size_t i = 0; i < list->count; i++) {
-            if (strcmp(list->item[i].key, key) == 0 && lac_spread_is_value(&list->item[i])) {
-                lac_blame(reader, node, "is a second map of values; more maps must be as factor");
+            if (strcmp(list->item[i].key, key) == 0 && lac_heterogeneity_is_value(&list->item[i])) {
+                lac_add_error(reader, node,
+                              "is a second map of values; more maps must be as factor");
             }
         }
     }
     spread.key = lac_reader_copy(reader, key, strlen(key));
     if (spread.key == NULL) {
-        lac_slot_clear(&spread.slot);
+        lac_model_clear(&spread.model);
         return;
     }
     list->item[list->count++] = spread;
 }
 
 static void read_parameter(lac_reader *reader, const lac_node *node, bool given,
-                           lac_spread_list *list)
+                           lac_heterogeneity_list *list)
 {
     size_t first = list->count;
     size_t errors = reader->report->errors;
@@ -186,11 +192,11 @@ static void read_parameter(lac_reader *reader, const lac_node *node, bool given,
     }
     bool value = given;
     for (size_t i = first; i < list->count; i++) {
-        value = value || lac_spread_is_value(&list->item[i]);
+        value = value || lac_heterogeneity_is_value(&list->item[i]);
     }
     if (!value && reader->report->errors == errors) {
-        lac_blame(reader, node, "needs a nominal value of %s to vary, or a map of values",
-                  node->key);
+        lac_add_error(reader, node, "needs a nominal value of %s to vary, or a map of values",
+                      node->key);
     }
 }
 
@@ -206,12 +212,12 @@ static size_t count_models(const lac_node *node)
 }
 
 // What may vary, by key; @return how many
-static size_t list_known(const lac_slot *law, const char *const *known,
+static size_t list_known(const lac_model *law, const char *const *known,
                          const char *keys[MOST_KNOWN])
 {
     size_t n = 0;
-    for (size_t i = 0; law != NULL && i < law->about->param_count && n < MOST_KNOWN; i++) {
-        const lac_param *param = &law->about->params[i];
+    for (size_t i = 0; law != NULL && i < law->info->param_count && n < MOST_KNOWN; i++) {
+        const lac_param *param = &law->info->params[i];
         if ((param->flags & LAC_CELLWISE) != 0) {
             keys[n++] = param->key;
         }
@@ -223,18 +229,18 @@ static size_t list_known(const lac_slot *law, const char *const *known,
 }
 
 // Whether a parameter has a nominal value to multiply.
-static bool is_given(const lac_slot *law, const char *key)
+static bool is_given(const lac_model *law, const char *key)
 {
     bool given = law == NULL;
-    for (size_t i = 0; law != NULL && i < law->about->param_count; i++) {
-        const lac_param *param = &law->about->params[i];
+    for (size_t i = 0; law != NULL && i < law->info->param_count; i++) {
+        const lac_param *param = &law->info->params[i];
         given = given || (strcmp(param->key, key) == 0 && lac_param_given(param, law->params));
     }
     return given;
 }
 
-void lac_read_spreads(lac_reader *reader, const lac_node *node, const lac_slot *law,
-                      const char *const *known, lac_spread_list *list)
+void lac_read_spreads(lac_reader *reader, const lac_node *node, const lac_model *law,
+                      const char *const *known, lac_heterogeneity_list *list)
 {
     const char *keys[MOST_KNOWN];
     const size_t count = list_known(law, known, keys);
@@ -255,7 +261,7 @@ void lac_read_spreads(lac_reader *reader, const lac_node *node, const lac_slot *
         if (k < count && !child->ignored) {
             read_parameter(reader, child, is_given(law, child->key), list);
         } else if (!child->ignored) {
-            lac_blame_unknown(reader, child, "parameter that can vary", keys, count);
+            lac_add_error_unknown(reader, child, "parameter that can vary", keys, count);
         }
     }
 }

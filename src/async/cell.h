@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_MICRO_CELL_H
-#define LACUNA_MICRO_CELL_H
+#ifndef LACUNA_ASYNC_CELL_H
+#define LACUNA_ASYNC_CELL_H
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -8,7 +8,7 @@
 #include "friction/friction.h"
 
 // One contact cell with a time of its own; docs/theory/fidelity-events.md.
-typedef struct lac_micro_cell {
+typedef struct lac_async_cell {
     double a, b, constant, dc, ln_dc; // friction: f = constant + a u + b w
     double pressure;                  // total [Pa]
     double damping;                   // of its own rate [Pa s/m]
@@ -24,44 +24,44 @@ typedef struct lac_micro_cell {
     double pending;                   // change of E since t that has been handed down [Pa]
     double low, high;                 // change of E that wakes it [Pa]
     uint32_t parent;
-} lac_micro_cell;
+} lac_async_cell;
 
 // What all cells have in common.
-typedef struct lac_micro_rules {
+typedef struct lac_async_rules {
     const lac_friction_lone *law;
     bool regularised;
     double tolerance; // of ln v over a step
     double wake;      // part of it that an unforeseen change of traction may cost
-} lac_micro_rules;
+} lac_async_rules;
 
 // A stretch of time of one cell, over which what acts on it from outside is linear.
-typedef struct lac_micro_span {
+typedef struct lac_async_span {
     double length;       // [s]
     double pull0, pull1; // traction less own stiffness times slip, at its ends: A of eq. 3 [Pa]
     double pressure0, pressure1; // effective normal pressure [Pa]
     double own;                  // K_ii: own stiffness [Pa/m]
     double skew;                 // mean of A over the span less that of its ends [Pa]
-} lac_micro_span;
+} lac_async_span;
 
 // Takes u, w, v and slip over a span, in as many steps as the tolerance asks for, which it counts.
 // False where no slip rate balances the traction.
-bool lac_micro_cell_advance(const lac_micro_rules *rules, const lac_micro_span *span,
-                            lac_micro_cell *cell, int64_t *steps);
+bool lac_async_cell_advance(const lac_async_rules *rules, const lac_async_span *span,
+                            lac_async_cell *cell, int64_t *steps);
 
 // Whether the traction that friction holds has fallen to nothing.
-bool lac_micro_cell_let_go(const lac_micro_rules *rules, const lac_micro_cell *cell);
+bool lac_async_cell_let_go(const lac_async_rules *rules, const lac_async_cell *cell);
 
 // What acts on a cell at an instant.
-typedef struct lac_micro_push {
+typedef struct lac_async_push {
     double pull_rate;               // dA/dt [Pa/s]
     double pressure, pressure_rate; // effective [Pa], [Pa/s]
     double own;                     // K_ii [Pa/m]
-} lac_micro_push;
+} lac_async_push;
 
 // Plans the next step of a cell from its state: its length, the rate that others are told, and the
 // change of E that wakes it.
 // @return length of the step [s]; may be INFINITY
-double lac_micro_cell_plan(const lac_micro_rules *rules, const lac_micro_push *push,
-                           lac_micro_cell *cell);
+double lac_async_cell_plan(const lac_async_rules *rules, const lac_async_push *push,
+                           lac_async_cell *cell);
 
 #endif

@@ -1,26 +1,26 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_FIT_FORESEE_H
-#define LACUNA_FIT_FORESEE_H
+#ifndef LACUNA_FIT_MODEL_FORECAST_H
+#define LACUNA_FIT_MODEL_FORECAST_H
 
 #include "fit/fit.h"
 #include "forecast/forecast.h"
 
 /// A case that forecasts: the method lac_forecast_case, the slope's own model of one cell or many.
-typedef struct lac_foresight {
+typedef struct lac_model_forecast {
     const lac_case *source; ///< has a section `fit`; outlives the model
     bool dated;             ///< the motion's times are seconds since 1970, else the run's own
     int threads;
     const lac_fit_watch *watch; ///< NULL: nobody
-} lac_foresight;
+} lac_model_forecast;
 
 /// Fits the case to the motion up to the time of issue (lac_fit_run) and runs it on: the time of
 /// failure is that of the best fit, its error the least squares' or, where the case samples, its
 /// posterior the draws'. The displacements are fitted, or the velocities where there are no others;
 /// misfit is the rms beyond the readings' own scatter. No forecast where the best fit, or one draw
 /// in twenty, does not fail by time.end, where the case cannot be fitted, or where its chain is far
-/// from converged. Ends the outlook with LAC_EINPUT where the motion has dates and the case none,
-/// with LAC_EINTERRUPT, LAC_ENOMEM.
+/// from converged. Ends the set of forecasts with LAC_EINPUT where the motion has dates and the
+/// case none, with LAC_EINTERRUPT, LAC_ENOMEM.
 /// @param how  outlives the model
-lac_forecast_model lac_foresee(lac_foresight *how);
+lac_forecast_model lac_model_forecast_method(lac_model_forecast *how);
 
 #endif

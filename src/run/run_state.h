@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_RUN_COURSE_H
-#define LACUNA_RUN_COURSE_H
+#ifndef LACUNA_RUN_RUN_STATE_H
+#define LACUNA_RUN_RUN_STATE_H
 
 #include <math.h>
 
@@ -49,7 +49,7 @@ typedef struct lac_instant {
 } lac_instant;
 
 // A run on its way.
-typedef struct lac_course {
+typedef struct lac_run_state {
     const lac_problem *problem;
     const lac_run_def *def;
     const lac_sink *sink;
@@ -68,30 +68,30 @@ typedef struct lac_course {
     lac_end end;
     bool done;
     bool broken; // the step ended where the loads jump or bend
-} lac_course;
+} lac_run_state;
 
 // Before a step: whether another one is allowed, and time still goes on.
-lac_status lac_course_check(lac_course *r, lac_error *err);
+lac_status lac_run_state_check(lac_run_state *r, lac_error *err);
 
 // Shows a sink that asks for every step the state reached; its rates are those in engine->work.
 // @param step  length of the step that ended here; 0 at the start and beyond a jump [s]
-lac_status lac_course_watch(const lac_course *r, double step, lac_error *err);
+lac_status lac_run_state_watch(const lac_run_state *r, double step, lac_error *err);
 
 // Where a sweep has to end for what is put out at stated times; INFINITY for engines that know all
 // of a step.
-double lac_course_sweep_end(const lac_course *r);
+double lac_run_state_sweep_end(const lac_run_state *r);
 
 // Whether the case plans checkpoints.
-bool lac_course_plans(const lac_run_def *def);
+bool lac_run_state_plans(const lac_run_def *def);
 
 // Whether a planned checkpoint is due at the end of this step; asked once a step.
-bool lac_course_checkpoint_due(lac_course *r);
+bool lac_run_state_checkpoint_due(lac_run_state *r);
 
 // Hands a checkpoint to the sink, the integrator having begun anew there.
-lac_status lac_course_checkpoint(lac_course *r, bool planned, lac_error *err);
+lac_status lac_run_state_checkpoint(lac_run_state *r, bool planned, lac_error *err);
 
 // Puts the run where its def's checkpoint left it, up to where the integrator begins anew.
-lac_status lac_course_resume(lac_course *r, lac_error *err);
+lac_status lac_run_state_resume(lac_run_state *r, lac_error *err);
 
 typedef enum lac_crossing_kind {
     LAC_CROSSING_NONE = 0,
