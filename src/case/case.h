@@ -152,7 +152,6 @@ typedef struct lac_history_def {
 /// Text turned into one def per stage. Everything is SI and checked.
 struct lac_case {
     char *path;
-    lac_case_purpose purpose;               ///< that it was read for
     char *title, *references, *institution; ///< NULL where absent
     lac_interface_def interface;
     lac_model surface, domain;               ///< at most one is set
@@ -162,17 +161,18 @@ struct lac_case {
     lac_model normal;
     lac_model_list shear, pore;
     lac_history_def history;
-    lac_model friction; ///< `about` is NULL where a static case names none
+    lac_model friction; ///< `info` is NULL where a static case names none
     lac_heterogeneity_list friction_spread;
     lac_initial_def initial; ///< rates and states are NULL: the scene makes them from the spread
     lac_heterogeneity_list initial_spread; ///< keys slip_rate and state
     lac_model transfer;
     bool dated;
-    double start_date; ///< seconds since 1970 of t = 0; 0 where not dated
-    lac_run_def run;   ///< `end` is NaN where a static case names none
-    int formulation;   ///< lac_formulation, never AUTO once read
-    double accuracy;   ///< relative error to keep, by which rtol and what solver leaves open are
-                       ///< picked [1]; NaN: as given
+    double start_date;        ///< seconds since 1970 of t = 0; 0 where not dated
+    lac_run_def run;          ///< `end` is NaN where a static case names none
+    lac_case_purpose purpose; ///< that it was read for
+    int formulation;          ///< lac_formulation, never AUTO once read
+    double accuracy; ///< relative error to keep, by which rtol and what solver leaves open are
+                     ///< picked [1]; NaN: as given
     bool method_given, formulation_given;
     double contact_tolerance; ///< relative, of pressed contacts and static histories [1]
     int fft_planning;         ///< 0: estimate, reproducible to the bit; 1: measure

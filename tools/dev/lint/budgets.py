@@ -16,13 +16,13 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 74500,
-    "lines that only present results": 21700,
+    "lines of src and include": 71932,
+    "lines that only present results": 20346,
     "public headers": 13,
     "exported names": 43,
     "circles of includes": 0,
     "files without an opening comment": 0,
-    "objects that one field more in a record compiles anew": 59,
+    "objects that one field more in a record compiles anew": 56,
 }
 
 PRESENTING = re.compile(r"src/(cli|store|report|data)/|src/\w+/describe\w*\.[ch]$")

@@ -4,7 +4,7 @@
     rows.py [ROOT]
 
 A model is a row of a table (a law, a load, a transfer, an indicator, a method ...). What differs from model to model is
-a member of the row, so that a row added tomorrow is asked too. Refused in src: comparing what `about` names, and
+a member of the row, so that a row added tomorrow is asked too. Refused in src: comparing what `info` names, and
 comparing anything with a row's name, but in the file of the row.
 """
 
@@ -15,7 +15,7 @@ import source
 
 ROW = re.compile(r'(?:\{\s*\.name\s*=\s*(?="[^"]+",\s*\.(?:summary|key|doc)\b)|\b(?:LAC_ABOUT|DIAL|RANDOM_KIND)\((?:\w+,)?\s*)"([^"]+)"')
 COMPARE = re.compile(r"\b(?:str(?:n?case)?n?cmp|find_\w+|is_\w+|named)\s*\(")
-ABOUT = re.compile(r"\babout\s*(?:->|\.)\s*name\b")
+INFO = re.compile(r"\binfo\s*(?:->|\.)\s*name\b")
 LITERAL = re.compile(r'"([^"]*)"')
 
 # Tables of other things than models: commands, their options, sections of a case, columns of a file.
@@ -58,8 +58,8 @@ def check(path, text, rows):
         inside = arguments(visible, match.end())
         words = [w for w in LITERAL.findall(inside)
                  if w in rows and path not in rows[w] and (path, w) not in OTHER_WORDS]
-        if words or (match.group().startswith("str") and ABOUT.search(inside)):
-            what = f'"{words[0]}"' if words else "what about names"
+        if words or (match.group().startswith("str") and INFO.search(inside)):
+            what = f'"{words[0]}"' if words else "what info names"
             complaints.append(f"{path}:{source.line_of(visible, match.start())}: compares {what}, a model's name: "
                               "let the row say what it can do")
     return complaints

@@ -92,14 +92,14 @@ class Docs(unittest.TestCase):
 
 
 class Rows(unittest.TestCase):
-    LAW = 'const law lac_aging = {.about = {.name = "aging",\n .summary = "heals"}, .v = 1};\n'
+    LAW = 'const law lac_aging = {.info = {.name = "aging",\n .summary = "heals"}, .v = 1};\n'
 
     def complaints(self, path, text):
         return rows.check(path, text, rows.names({"src/friction/aging.c": self.LAW, "src/case/registry.c":
                                                   'kind k = {.name = "friction", .summary = "laws"};'}))
 
     def test_macro(self):
-        found = rows.names({"src/load/ramp.c": '.about = LAC_ABOUT("ramp", "x", "y", LAC_ROWS(p, q)),'})
+        found = rows.names({"src/load/ramp.c": '.info = LAC_ABOUT("ramp", "x", "y", LAC_ROWS(p, q)),'})
         self.assertEqual(found, {"ramp": {"src/load/ramp.c"}})
 
     def refuses(self, text):
@@ -108,10 +108,10 @@ class Rows(unittest.TestCase):
         self.assertTrue(found[0].startswith("src/fit/line.c:2: "), found)
 
     def test_compared(self):
-        self.refuses('bool b = strcmp(law->about.name, "aging") == 0;')
+        self.refuses('bool b = strcmp(law->info.name, "aging") == 0;')
         self.refuses('bool b = strcmp(name_of(law), \n "aging") == 0;')
         self.refuses('const law *l = find_law("aging");')
-        self.refuses("bool b = strcmp(c->load.about->name, names[i]) == 0;")
+        self.refuses("bool b = strcmp(c->load.info->name, names[i]) == 0;")
 
     def test_good(self):
         for path, text in (("src/friction/aging.c", 'strcmp(name, "aging")'),
