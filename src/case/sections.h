@@ -22,15 +22,15 @@ typedef enum lac_part_kind {
 typedef struct lac_part {
     lac_section info; ///< its dotted key, "case" the whole; rows and summary where there are any
     lac_part_kind kind;
-    size_t at;         ///< offset in lac_case: of a model, list or cadence
     int model;         ///< LAC_KIND_* of models
-    bool fitted;       ///< lac_case_find knows its rows
+    size_t at;         ///< offset in lac_case: of a model, list or cadence
     const char *after; ///< read after this one: so the errors of a line are ordered; NULL: in place
     const char *such; ///< of a record: an example, for messages; of a model: a key beside the model
     const char *const *varied; ///< of spreads: what may vary; NULL: what the friction law says
     const char *missing;    ///< what is said where its section is there but it isn't; NULL: nothing
     const char *missing_at; ///< of which key; NULL: its own
     bool of_runs;           ///< but only where lac_needs_run
+    bool fitted;            ///< lac_case_find knows its rows
     /// Called once the rest is read.
     void (*read)(lac_reader *reader, const lac_node *node, lac_case *c);
     bool (*given)(const lac_case *c); ///< whether it and what is below it are written; NULL: yes

@@ -22,7 +22,7 @@ LAC_GETTER(double, order, PLACE, p->record.order != 0 ? (double)p->record.order 
 #define POINT .cell_methods = "time: point"
 // Held, though never missing in fact.
 #define SEEN(field) P(REAL, record.observation.field), .flags = LAC_FILLED | LAC_ROUGH
-#define COUNT .flags = LAC_WHOLE | LAC_LONG
+#define COUNT .flags = (LAC_WHOLE | LAC_LONG)
 
 static const lac_variable of_record[] = {
     LAC_ROW("time", NULL, "s", "time since the start of the run", G(time_of_record),

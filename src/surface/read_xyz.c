@@ -195,7 +195,7 @@ static lac_status find_axis(const lac_bytes *bytes, const points *p, size_t k, a
 {
     lac_status status = LAC_OK;
     size_t node;
-    double *x = malloc(p->n * sizeof *x);
+    double *x = malloc((p->n + 1) * sizeof *x);
     if (x == NULL) {
         return lac_fail_memory(err);
     }

@@ -261,7 +261,7 @@ lac_status cli_check(const cli_request *request, lac_error *err)
 {
     lac_case *c = NULL;
     lac_case_issues report = {0};
-    lac_estimate estimate;
+    lac_estimate estimate = {.grid_cells = NAN};
     char *scene = NULL;
     bool json = cli_given(request, CLI_OPT_JSON);
     lac_status status = cli_case_read(request, LAC_FOR_CHECK, &c, &report, err);
