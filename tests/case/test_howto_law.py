@@ -75,11 +75,11 @@ static const lac_param params[] = {
 };
 
 const lac_friction_law lac_friction_saturating = {
-    .about = {.name = "saturating",
+    .info = {.name = "saturating",
               .summary = "heals up to theta_max: dtheta/dt = 1 - theta/theta_max - v theta/dc",
               .reference = "a law of this test",
               LAC_ROWS(params, saturating_params),
-              .fault = lac_law_validate},
+              .validate = lac_law_validate},
     .evolve = evolve,
     .steady_state = steady_state,
 };
