@@ -324,7 +324,9 @@ LAC_TEXT_GETTER(failure_date, ENDING, failure_day(e, room))
 LAC_TEXT_GETTER(end_date, ENDING,
                 date_of(e->dated && e->result != NULL,
                         e->start_date + (e->result != NULL ? e->result->time : 0.0), room))
-LAC_TEXT_GETTER(modified, ENDING, lac_date_format(e->now + e->wall_time, room, LAC_TEXT_ROOM))
+LAC_TEXT_GETTER(modified, ENDING,
+                lac_date_format(e->now + (isnan(e->wall_time) ? 0.0 : e->wall_time), room,
+                                LAC_TEXT_ROOM))
 
 #define SUM(name_, field)                                    \
     {                                                        \

@@ -197,7 +197,7 @@ lac_status lac_simulation_write(lac_simulation *simulation, const char *path,
     const lac_outcome *of = lac_simulation_outcome(simulation);
     const lac_sink sink = lac_store_sink(store);
     const lac_status ran = lac_simulation_run(simulation, &sink, err);
-    status = lac_store_finish(store, of->status, &of->run, 0.0, ran == LAC_OK ? err : NULL);
+    status = lac_store_finish(store, of->status, &of->run, NAN, ran == LAC_OK ? err : NULL);
     status = ran == LAC_OK ? status : ran;
 out:
     lac_store_free(store);

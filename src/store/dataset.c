@@ -21,8 +21,11 @@ static lac_status set_clock(lac_writer *w, lac_error *err)
     if (w->clock == LAC_CLOCK_NONE || w->clock == LAC_CLOCK_1970) {
         return LAC_OK;
     }
-    const bool is_date = lac_date_format(floor(start), date, sizeof date)[0] != '\0';
-    const double rest = start - floor(start);
+    const bool next =
+        w->clock == LAC_CLOCK_DATE && start - floor(start) >= 1.0 - 5e-7; // rounded up
+    const double second = floor(start) + (next ? 1.0 : 0.0);
+    const bool is_date = lac_date_format(second, date, sizeof date)[0] != '\0';
+    const double rest = start - second;
     if (w->clock == LAC_CLOCK_DATE) {
         if (!is_date) {
             return lac_fail(err, LAC_EINPUT, "%s: the start must lie in the years 0 to 9999",
@@ -31,7 +34,7 @@ static lac_status set_clock(lac_writer *w, lac_error *err)
         const long micro = lround(rest * 1e6);
         date[10] = ' ';
         date[19] = '\0'; // UTC is CF's default zone
-        if (micro > 0 && micro < 1000000) {
+        if (micro > 0) {
             (void)snprintf(fraction, sizeof fraction, ".%06ld", micro);
         }
     } else {
