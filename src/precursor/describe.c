@@ -206,14 +206,14 @@ static const lac_variable of_source[] = {
     {.json = "series/conflicts", G(conflicts)},
     {.json = "series/disordered", G(disordered)},
     {.name = "source_attribution", T(attribution)},
-    {.name = "failed_at_s", O(REAL, failed_at)},
+    {.name = "failed_at_s", .unit = "s", O(REAL, failed_at)},
     {.name = "failed_at_date", T(failed_on)},
 };
 static const lac_variable of_motion[] = {
     {.json = "series/gaps", M(COUNT, gaps)},
     {.json = "series/median_interval_s", M(REAL, interval)},
     {.json = "series/longest_interval_s", M(REAL, longest_gap)},
-    {.name = "noise_m", M(REAL, noise)},
+    {.name = "noise_m", .unit = "m", M(REAL, noise)},
     {.name = "outliers", .json = "series/outliers", M(COUNT, outliers), .flags = LAC_WHOLE},
     {.name = "resets", .json = "series/resets", M(COUNT, resets), .flags = LAC_WHOLE},
     {.name = "resets_disbelieved",

@@ -133,8 +133,8 @@ LAC_GETTER(double, grid_dy, GRID, g->dy)
 static const lac_variable of_grid[] = {
     {.name = "grid_nx", G(grid_nx), .flags = LAC_WHOLE},
     {.name = "grid_ny", G(grid_ny), .flags = LAC_WHOLE},
-    {.name = "grid_dx_m", G(grid_dx)},
-    {.name = "grid_dy_m", G(grid_dy)},
+    {.name = "grid_dx_m", .unit = "m", G(grid_dx)},
+    {.name = "grid_dy_m", .unit = "m", G(grid_dy)},
     {.name = "boundary", T(boundary)},
 };
 
@@ -334,17 +334,17 @@ LAC_TEXT_GETTER(modified, ENDING,
     }
 static const lac_variable of_failure[] = {
     {.name = "failed", G(failed), .flags = LAC_WHOLE},
-    {.name = "failure_rate_m_s", G(failure_rate)},
+    {.name = "failure_rate_m_s", .unit = "m s-1", G(failure_rate)},
     {.name = "failure_rate_comment", T(lowered)},
-    {.name = "failure_slip_m", G(failure_slip)},
-    {.name = "failure_time_s", G(failed_at)},
+    {.name = "failure_slip_m", .unit = "m", G(failure_slip)},
+    {.name = "failure_time_s", .unit = "s", G(failed_at)},
 };
 static const lac_variable of_failure_date[] = {{.name = "failure_date", T(failure_date)}};
 static const lac_variable of_result[] = {
     {.name = "ended_by", T(ended_by)},
-    {.name = "time_reached_s", R(REAL, time)},
-    {.name = "max_slip_rate_m_s", R(REAL, max_slip_rate)},
-    {.name = "mean_slip_m", R(REAL, mean_slip)},
+    {.name = "time_reached_s", .unit = "s", R(REAL, time)},
+    {.name = "max_slip_rate_m_s", .unit = "m s-1", R(REAL, max_slip_rate)},
+    {.name = "mean_slip_m", .unit = "m", R(REAL, mean_slip)},
     {.name = "balance_residual_max", R(REAL, balance_residual)},
     SUM("steps", steps),
     SUM("rhs_evaluations", rhs_evaluations),
@@ -356,7 +356,7 @@ static const lac_variable of_result[] = {
 };
 static const lac_variable of_end[] = {
     {.name = "time_coverage_end", T(end_date)},
-    {.name = "wall_time_s", LAC_HELD(REAL, lac_run_ending, wall_time)},
+    {.name = "wall_time_s", .unit = "s", LAC_HELD(REAL, lac_run_ending, wall_time)},
     {.name = "date_modified", T(modified)},
     {.name = "status", LAC_HELD(TEXT, lac_run_ending, status)},
 };

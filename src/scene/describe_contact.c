@@ -88,35 +88,35 @@ static const lac_variable of_contact[] = {
     {.json = "mean_pressure_Pa", C(REAL, mean_pressure)},
     {.name = "n_cells", G(report_cells), WHOLE},
     {.name = "contact_fraction", G(report_fraction)},
-    {.name = "mean_pressure_Pa", G(report_mean)},
-    {.name = "max_pressure_Pa", G(report_max)},
+    {.name = "mean_pressure_Pa", .unit = "Pa", G(report_mean)},
+    {.name = "max_pressure_Pa", .unit = "Pa", G(report_max)},
     {.name = "load_error", G(load_error)},
-    {.name = "penetration_m", G(penetration)},
+    {.name = "penetration_m", .unit = "m", G(penetration)},
     {.name = "iterations", .json = "iterations", G(iterations), WHOLE},
     {.name = "operator_products", .json = "products", G(products), WHOLE},
     {.name = "complementarity_error", .json = "complementarity_error", G(complementarity)},
     {.json = "penetration_m", G(penetration_size)},
-    {.name = "approach_m", .json = "approach_m", G(approach)},
+    {.name = "approach_m", .unit = "m", .json = "approach_m", G(approach)},
     {.name = "surface_measured", .json = "surface/measured", T(measured), .has = solved},
 };
 
-#define M(name_, json_, field)                                    \
-    {                                                             \
-        .name = "surface_" name_, .json = "surface/" json_,       \
-        LAC_HELD(REAL, lac_scene_contact, surface.measures.field) \
+#define M(name_, unit_, field)                                               \
+    {                                                                        \
+        .name = "surface_" name_, .json = "surface/" name_, .unit = (unit_), \
+        LAC_HELD(REAL, lac_scene_contact, surface.measures.field)            \
     }
 static const lac_variable of_surface[] = {
-    M("rms_height_m", "rms_height_m", rms_height),
-    M("rms_slope_x", "rms_slope_x", rms_slope_x),
-    M("rms_slope_y", "rms_slope_y", rms_slope_y),
-    M("hurst", "hurst", hurst),
-    M("hurst_error", "hurst_error", hurst_error),
-    M("hurst_misfit", "hurst_misfit", hurst_misfit),
-    M("hurst_shortest_m", "hurst_shortest_m", fit_shortest),
-    M("hurst_longest_m", "hurst_longest_m", fit_longest),
-    M("z2", "z2", z2),
-    M("z2_step_m", "z2_step_m", z2_step),
-    M("jrc", "jrc", jrc),
+    M("rms_height_m", "m", rms_height),
+    M("rms_slope_x", NULL, rms_slope_x),
+    M("rms_slope_y", NULL, rms_slope_y),
+    M("hurst", NULL, hurst),
+    M("hurst_error", NULL, hurst_error),
+    M("hurst_misfit", NULL, hurst_misfit),
+    M("hurst_shortest_m", "m", fit_shortest),
+    M("hurst_longest_m", "m", fit_longest),
+    M("z2", NULL, z2),
+    M("z2_step_m", "m", z2_step),
+    M("jrc", NULL, jrc),
     {.json = "surface/jrc_in_range", G(jrc_in_range), .flags = LAC_TRUTH},
 };
 

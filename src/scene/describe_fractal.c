@@ -115,7 +115,7 @@ static const lac_variable of_coarsening[] = {
     {.name = "coarsening", .json = "coarsening", T(coarsening)}};
 static const lac_variable of_stiffness[] = {HELD(NULL, "e_star_Pa", REAL, e_star)};
 static const lac_variable of_scaling[] = {
-    SCALED("load_N", load),
+    HELD("load_N", "load_N", REAL, fractal.scaling.load, .unit = "N"),
     SCALED("load_spread", load_error),
     SCALED("fractal_pressure", fractal_pressure),
     {.name = "fractal_pressure_unit", .json = "fractal_pressure_unit", T(pressure_unit)},
@@ -147,8 +147,8 @@ static const lac_variable of_clusters[] = {
     HELD("clusters", "clusters/number", COUNT, fractal.clusters.n, WHOLE),
     HELD("largest_cluster_cells", "clusters/largest_cells", COUNT, fractal.clusters.largest, WHOLE),
     HELD("largest_cluster_extent_m", "clusters/largest_extent_m", REAL,
-         fractal.clusters.largest_extent),
-    HELD("widest_cluster_m", "clusters/widest_m", REAL, fractal.clusters.widest),
+         fractal.clusters.largest_extent, .unit = "m"),
+    HELD("widest_cluster_m", "clusters/widest_m", REAL, fractal.clusters.widest, .unit = "m"),
     HELD("mean_cluster_cells", "clusters/mean_cells", REAL, fractal.clusters.mean),
     HELD("weighted_mean_cluster_cells", "clusters/weighted_mean_cells", REAL,
          fractal.clusters.weighted),

@@ -134,7 +134,7 @@ static const lac_variable of_mean[] = {
 };
 
 static const lac_variable of_joint[] = {
-    {.name = "q_nom_Pa", .json = "q_nom_Pa", G(nominal)},
+    {.name = "q_nom_Pa", .unit = "Pa", .json = "q_nom_Pa", G(nominal)},
     {RESULT("rule"), .dims = "beta", T(rule)},
     {RESULT("field"), .dims = "beta", T(field)},
     LAC_ROW("beta", "beta", NULL, "part of the strength left after slipping", RESULT("beta"),
@@ -258,12 +258,12 @@ static const lac_variable of_origin[] = {
     {.name = "source_status", .json = "source/status", T(source_status)},
     {.name = "snapshot", .json = "source/snapshot", G(snapshot), .flags = LAC_WHOLE},
     {.json = "source/snapshots", G(snapshots)},
-    {.name = "snapshot_time_s", .json = "source/time_s", G(now_time)},
+    {.name = "snapshot_time_s", .unit = "s", .json = "source/time_s", G(now_time)},
     {.name = "q_over_q_nom", .json = "q_over_q_nom", G(now_load)},
     {.name = "effective_share", .json = "source/effective_share", G(now_share)},
-    {.name = "weakest_x_m", .json = "weakest/x_m", G(weakest_x)},
-    {.name = "weakest_y_m", .json = "weakest/y_m", G(weakest_y)},
-    {.name = "weakest_gap_Pa", .json = "weakest/gap_Pa", G(weakest_gap)},
+    {.name = "weakest_x_m", .unit = "m", .json = "weakest/x_m", G(weakest_x)},
+    {.name = "weakest_y_m", .unit = "m", .json = "weakest/y_m", G(weakest_y)},
+    {.name = "weakest_gap_Pa", .unit = "Pa", .json = "weakest/gap_Pa", G(weakest_gap)},
 };
 
 #define OF_RESULTS(rows_)                                                                         \
