@@ -16,7 +16,7 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 71932,
+    "lines of src and include": 71956,
     "lines that only present results": 20346,
     "public headers": 13,
     "exported names": 43,
