@@ -16,8 +16,8 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 71956,
-    "lines that only present results": 20346,
+    "lines of src and include": 71958,
+    "lines that only present results": 20348,
     "public headers": 13,
     "exported names": 43,
     "circles of includes": 0,
