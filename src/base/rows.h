@@ -44,6 +44,11 @@
 #define LAC_ABOUT(title, text, source, ...)                                                       \
     {.name = (title), .summary = (text), .reference = (source), __VA_ARGS__}
 
+/// What a list of rows, `#define LIST(_) _(a), _(b)`, is asked for: to declare them, `extern const
+/// TYPE LIST(LAC_ROW_ITSELF);`, and for their table, `{LIST(LAC_ROW_ADDRESS)}`.
+#define LAC_ROW_ITSELF(row)  row
+#define LAC_ROW_ADDRESS(row) &row
+
 /// Defines the function that gives the index-th of a list of pointers to rows, or of rows; NULL past
 /// the end.
 #define LAC_KINDS_AT(type, name, list)                                                            \

@@ -5,8 +5,16 @@
 #include "base/rows.h"
 #include "friction/friction.h"
 
-extern const lac_friction_law lac_friction_aging, lac_friction_slip, lac_friction_weakening,
-    lac_friction_composite;
+// The friction laws that a case can name: a new one is one more line here.
+// clang-format off
+#define LAC_FRICTION_LAWS(_)    \
+    _(lac_friction_aging),      \
+    _(lac_friction_slip),       \
+    _(lac_friction_weakening),  \
+    _(lac_friction_composite)
+// clang-format on
+
+extern const lac_friction_law LAC_FRICTION_LAWS(LAC_ROW_ITSELF);
 
 /// Steady state of a law that renews the contacts over dc: theta = dc/v.
 double lac_law_steady_renewal(const lac_friction *friction, size_t cell, double u);

@@ -51,12 +51,38 @@ extern const char *const lac_share_names[];
 /// where the window is empty.
 double lac_window_break(double start, double end, double t);
 
-extern const lac_normal_load lac_normal_pressure, lac_normal_depth, lac_normal_slope,
-    lac_normal_approach, lac_normal_dimension;
-extern const lac_load_kind lac_shear_ratio, lac_shear_slope, lac_shear_ramp, lac_shear_spring,
-    lac_shear_step, lac_shear_sine, lac_shear_shaking, lac_shear_series, lac_shear_back_slip;
-extern const lac_load_kind lac_pore_constant, lac_pore_ramp, lac_pore_step, lac_pore_sine,
-    lac_pore_series, lac_pore_reservoir, lac_pore_rain;
+// The loads that a case can name: a new one is one more line here.
+// clang-format off
+#define LAC_NORMAL_LOADS(_)  \
+    _(lac_normal_pressure),  \
+    _(lac_normal_depth),     \
+    _(lac_normal_slope),     \
+    _(lac_normal_approach),  \
+    _(lac_normal_dimension)
+
+#define LAC_SHEAR_LOADS(_)  \
+    _(lac_shear_ratio),     \
+    _(lac_shear_slope),     \
+    _(lac_shear_ramp),      \
+    _(lac_shear_spring),    \
+    _(lac_shear_step),      \
+    _(lac_shear_sine),      \
+    _(lac_shear_shaking),   \
+    _(lac_shear_series),    \
+    _(lac_shear_back_slip)
+
+#define LAC_PORE_LOADS(_)   \
+    _(lac_pore_constant),   \
+    _(lac_pore_ramp),       \
+    _(lac_pore_step),       \
+    _(lac_pore_sine),       \
+    _(lac_pore_series),     \
+    _(lac_pore_reservoir),  \
+    _(lac_pore_rain)
+// clang-format on
+
+extern const lac_normal_load LAC_NORMAL_LOADS(LAC_ROW_ITSELF);
+extern const lac_load_kind LAC_SHEAR_LOADS(LAC_ROW_ITSELF), LAC_PORE_LOADS(LAC_ROW_ITSELF);
 
 struct lac_units;
 

@@ -233,7 +233,9 @@ static lac_status drop_torn(const lac_input *in, int time, size_t *records, lac_
     lac_stored_values values = {0};
     const lac_variable *column;
     for (size_t c = 0; running && (column = lac_run_column(c)) != NULL; c++) {
-        if ((column->flags & LAC_MISSING) != 0) {
+        int id = 0; // a file of an earlier version lacks what was added since
+        if ((column->flags & LAC_MISSING) != 0 ||
+            nc_inq_varid(in->id, column->name, &id) != NC_NOERR) {
             continue;
         }
         lac_stored_values_clear(&values);

@@ -21,6 +21,9 @@ import time
 import unittest
 from math import exp, log
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir, "support"))
+import completed  # noqa: E402
+
 PROGRAM, SOURCE = "", ""
 
 BLOCK = """\
@@ -170,8 +173,7 @@ class Usage(Case):
         self.assertEqual(out, "lacuna {version}\n{libraries}, netCDF {netcdf}\n".format(**told))
 
     def test_help_has_an_example(self):
-        commands = ["run", "check", "contact", "rg", "precursors", "fit", "trade", "mend", "new",
-                    "report", "describe", "completion"]
+        commands = completed.commands(PROGRAM)
         texts = [self.expect(0, "--help").stdout]
         texts += [self.expect(0, command, "--help").stdout for command in commands]
         self.assertEqual(self.expect(0, "help", "run").stdout, texts[1])
@@ -382,7 +384,11 @@ class Cases(Case):
         for words, lines in requests:
             done = subprocess.run([PROGRAM, *words], cwd=folder, capture_output=True, timeout=60,
                                   check=False)
-            self.assertEqual(done.stderr.decode("utf-8").splitlines(), lines)
+            said = done.stderr.decode("utf-8").splitlines()
+            for i, line in enumerate(lines[:len(said)]):
+                if line.endswith("...") and said[i].startswith(line[:-3]):
+                    said[i] = line  # lists of models grow
+            self.assertEqual(said, lines)
             self.assertEqual(done.returncode, 2)
             self.assertEqual(done.stdout, b"")
         self.assertEqual(sorted(os.listdir(folder)), before)

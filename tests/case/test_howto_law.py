@@ -102,14 +102,10 @@ class Law(unittest.TestCase):
         """The page's file, and its lines put where they belong."""
         blocks = dict(re.findall(r"^```c src/friction/(\S+)\n(.*?)^```$",
                                  read("docs", "howto-friction-law.md"), re.M | re.S))
-        header = read("src", "friction", "law.h").replace(
-            "    lac_friction_composite;\n", blocks["law.h"])
-        registry = read("src", "friction", "registry.c").replace(
-            "    &lac_friction_composite,\n", blocks["registry.c"])
-        header = header.replace("lac_friction_prz;", "lac_friction_prz, lac_friction_saturating;")
-        registry = registry.replace("    &lac_friction_prz,", "    &lac_friction_prz,\n    &lac_friction_saturating,")
-        cls.changed = {"my_prz.c": blocks["my_prz.c"], "my_saturating.c": SATURATING, "registry.c": registry,
-                       "law.h": header}
+        head, last = re.fullmatch(r"(.*\n)(    _\(lac_friction_\w+\)\n.*)", read("src", "friction", "law.h"), re.S).groups()
+        header = head + blocks["law.h"] + blocks["law.h"].replace("prz", "saturating") + last
+        cls.changed = {"my_prz.c": blocks["my_prz.c"], "my_saturating.c": SATURATING, "law.h": header,
+                       "registry.c": read("src", "friction", "registry.c")}
         for name, text in cls.changed.items():
             path = os.path.join(cls.folder, "friction", name)
             os.makedirs(os.path.dirname(path), exist_ok=True)

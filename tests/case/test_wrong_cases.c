@@ -47,6 +47,22 @@ static void read_expected(const char *path, char *text)
     (void)fclose(file);
 }
 
+// Line by line; one that ends in "..." says how it begins: lists of models grow.
+static bool as_expected(const char *found, const char *expected)
+{
+    while (*expected != '\0') {
+        size_t n = strcspn(expected, "\n"), m = strcspn(found, "\n");
+        bool open = n >= 3 && strncmp(expected + n - 3, "...", 3) == 0;
+        size_t least = open ? n - 3 : n;
+        if (m < least || (!open && m > n) || strncmp(found, expected, least) != 0) {
+            return false;
+        }
+        expected += n + (expected[n] == '\n');
+        found += m + (found[m] == '\n');
+    }
+    return *found == '\0';
+}
+
 static void check_one(const char *name)
 {
     static char expected[LONGEST];
@@ -64,7 +80,7 @@ static void check_one(const char *name)
     }
     report_text(&report, path, found);
     read_expected(text_path, expected);
-    if (strcmp(found, expected) != 0) {
+    if (!as_expected(found, expected)) {
         fail_msg("%s is said to be wrong in this way:\n%sand not:\n%s", name, found, expected);
     }
     lac_case_issues_clear(&report);

@@ -59,6 +59,7 @@ static lac_model friction_slot(const block_def *def)
     if (def->vc > 0) {
         test_slot_set(&model, "vc", def->vc);
     }
+    test_slot_fill(&model);
     return model;
 }
 

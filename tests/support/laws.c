@@ -21,32 +21,6 @@ double laws_biased(uint64_t i, uint64_t what, double low, double high)
     return side < 1 ? low : side < 2 ? high : laws_uniform(i, what, low, high);
 }
 
-// Decimal exponents between which a parameter varies: of those that every law has, and of a law's
-// own by what they are measured in.
-static void exponents(const lac_param *param, double *low, double *high)
-{
-    static const struct {
-        const char *key;
-        double low, high;
-    } known[] = {{"f0", -1, 0.3}, {"a", -3, 0},   {"b", -3, 0},    {"dc", -7, 1},  {"v0", -9, 0},
-                 {"v1", -12, 1},  {"v2", -12, 1}, {"m/s", -12, 2}, {"s", -12, 20}, {"m", -7, 1}};
-    *low = -3;
-    *high = 1;
-    for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
-        if (strcmp(known[i].key, param->key) == 0 || strcmp(known[i].key, param->unit) == 0) {
-            *low = known[i].low;
-            *high = known[i].high;
-            return;
-        }
-    }
-}
-
-// The value of a parameter's range that is nearest.
-static double allowed(const lac_param *param, double value)
-{
-    return fmin(fmax(value, param->min), param->max);
-}
-
 lac_friction *laws_make(const variant *kind, size_t n, double a, double b, double dc)
 {
     lac_model model;
@@ -57,14 +31,7 @@ lac_friction *laws_make(const variant *kind, size_t n, double a, double b, doubl
     test_slot_set(&model, "b", b);
     test_slot_set(&model, "dc", dc);
     test_slot_set(&model, "form", kind->form);
-    for (size_t i = 0; i < info->param_count; i++) {
-        const lac_param *own = &info->params[i]; // one that must be given
-        if (!lac_param_given(own, model.params) && (own->flags & LAC_OPTIONAL) == 0) {
-            double low, high;
-            exponents(own, &low, &high);
-            test_slot_set(&model, own->key, allowed(own, pow(10, (low + high) / 2)));
-        }
-    }
+    test_slot_fill(&model);
     if (kind->v1) {
         test_slot_set(&model, "v1", 1e-3);
     }
@@ -109,9 +76,10 @@ lac_friction *laws_make_varied(const variant *kind)
         if (lac_friction_values_of(friction, key) == NULL) {
             continue;
         }
-        exponents(&info->params[k], &low, &high);
+        test_slot_exponents(&info->params[k], &low, &high);
         for (size_t i = 0; i < LAWS_CELLS; i++) {
-            values[i] = allowed(&info->params[k], pow(10, laws_biased(i, k, low, high)));
+            values[i] = fmin(fmax(pow(10, laws_biased(i, k, low, high)), info->params[k].min),
+                             info->params[k].max);
         }
         if (lac_friction_set(friction, key, values, &err) != LAC_OK) {
             fail_msg("law %s: %s", info->name, err.message);

@@ -25,6 +25,38 @@ void test_slot_set(lac_model *model, const char *key, double value)
     abort();
 }
 
+void test_slot_exponents(const lac_param *param, double *low, double *high)
+{
+    static const struct {
+        const char *key;
+        double low, high;
+    } known[] = {{"f0", -1, 0.3}, {"a", -3, 0},   {"b", -3, 0},    {"dc", -7, 1},  {"v0", -9, 0},
+                 {"v1", -12, 1},  {"v2", -12, 1}, {"m/s", -12, 2}, {"s", -12, 20}, {"m", -7, 1}};
+    *low = -3;
+    *high = 1;
+    for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
+        if (strcmp(known[i].key, param->key) == 0 || strcmp(known[i].key, param->unit) == 0) {
+            *low = known[i].low;
+            *high = known[i].high;
+            return;
+        }
+    }
+}
+
+void test_slot_fill(lac_model *model)
+{
+    for (size_t i = 0; i < model->info->param_count; i++) {
+        const lac_param *own = &model->info->params[i];
+        if (own->type == LAC_REAL && !lac_param_given(own, model->params) &&
+            (own->flags & LAC_OPTIONAL) == 0) {
+            double low, high;
+            test_slot_exponents(own, &low, &high);
+            double middle = pow(10, (low + high) / 2);
+            test_slot_set(model, own->key, fmin(fmax(middle, own->min), own->max));
+        }
+    }
+}
+
 lac_model test_slot_shear(const char *name)
 {
     lac_model model = {0};

@@ -7,6 +7,12 @@
 /// Sets a real or choice parameter of a model by its key; fails the program where there is none.
 void test_slot_set(lac_model *model, const char *key, double value);
 
+/// Decimal exponents between which a test varies a parameter, by its key or its unit.
+void test_slot_exponents(const lac_param *param, double *low, double *high);
+
+/// Gives every number that must be given, and is not, one in the middle of those, within its range.
+void test_slot_fill(lac_model *model);
+
 /// A model of the shear load of that name with its defaults; fails the program where there is none.
 lac_model test_slot_shear(const char *name);
 

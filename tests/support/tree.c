@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/rng.h"
+#include "support/slot.h"
 
 static void must(bool good, const char *what)
 {
@@ -120,6 +121,7 @@ void tree_make_friction(const tree_def *def, tree *out)
     p->v1 = def->v1 > 0 ? def->v1 : NAN;
     p->v2 = def->v2 > 0 ? def->v2 : NAN;
     p->alpha = def->alpha > 0 ? def->alpha : NAN;
+    test_slot_fill(&model);
     must(lac_friction_create(&model, out->domain->n, &out->friction, &err) == LAC_OK, err.message);
     lac_model_clear(&model);
 }

@@ -8,6 +8,7 @@
 #include "base/rng.h"
 #include "friction/friction.h"
 #include "support/settle_copies.h"
+#include "support/slot.h"
 #include "support/test.h"
 
 enum { CELLS = 256 };
@@ -30,6 +31,7 @@ static lac_friction *make(const lac_friction_law *law, int form, double a)
     p->dc = 1e-4;
     p->v0 = 1e-6;
     p->form = form;
+    test_slot_fill(&model);
     assert_int_equal(lac_friction_create(&model, CELLS, &friction, &err), LAC_OK);
     lac_model_clear(&model);
     return friction;

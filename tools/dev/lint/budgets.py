@@ -16,8 +16,8 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 71943,
-    "lines that only present results": 20351,
+    "lines of src and include": 71969,
+    "lines that only present results": 20353,
     "public headers": 13,
     "exported names": 43,
     "circles of includes": 0,
