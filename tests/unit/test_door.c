@@ -278,6 +278,14 @@ static void test_result(void **state)
     assert_int_equal(lac_dataset_count(dataset, "largest_cluster_cells"), 1);
     assert_int_equal(lac_dataset_values(dataset, "largest_cluster_cells", 1, &cells, NULL), LAC_OK);
     assert_true(cells == 16);
+    // A unit that a name ends in is the unit.
+    const char *said;
+    for (size_t i = 0; (said = lac_dataset_name(dataset, i)) != NULL; i++) {
+        const char *end = strrchr(said, '_');
+        if (end != NULL && (strcmp(end, "_Pa") == 0 || strcmp(end, "_m") == 0)) {
+            assert_string_equal(lac_dataset_unit(dataset, said), end + 1);
+        }
+    }
     assert_string_equal(lac_dataset_dim(dataset, "pressure", 0, &length), "y");
     assert_int_equal(length, 4);
     assert_true(lac_dataset_is_text(dataset, "status"));

@@ -160,6 +160,7 @@ static void time_has_its_unit(void **state)
     expect_time_unit(true, 0.0, "seconds since 1970-01-01 00:00:00");
     expect_time_unit(true, -205286400.0, "seconds since 1963-07-01 00:00:00");
     expect_time_unit(true, -205286399.75, "seconds since 1963-07-01 00:00:00.250000");
+    expect_time_unit(true, 59.9999997, "seconds since 1970-01-01 00:01:00");
     lac_store_def def = store_def(scratch_path(&folder, "far.nc"));
     def.of.dated = true;
     def.of.start_date = 1e15;
