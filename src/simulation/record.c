@@ -51,16 +51,16 @@ lac_run_output lac_outcome_output(const lac_outcome *of)
 typedef struct recorded {
     lac_recording *recording;
     size_t count;
-    lac_recorded *observation; // [count]
-    lac_variable *row;         // [count]
-    char (*path)[JSON_PATH];   // [count] of each in JSON
+    lac_recorded *variable;  // [count]
+    lac_variable *row;       // [count]
+    char (*path)[JSON_PATH]; // [count] of each in JSON
 } recorded;
 
 static void recorded_free(void *result)
 {
     recorded *r = result;
     lac_recording_free(r->recording);
-    free(r->observation);
+    free(r->variable);
     free(r->row);
     free(r->path);
     free(r);
@@ -69,18 +69,18 @@ static void recorded_free(void *result)
 static lac_status take(recorded *r, const lac_recording *recording, lac_error *err)
 {
     static const double missing = NAN;
-    lac_recorded observation;
-    while (lac_recording_get(recording, r->count, &observation)) {
+    lac_recorded variable;
+    while (lac_recording_get(recording, r->count, &variable)) {
         r->count++;
     }
-    r->observation = calloc(r->count, sizeof *r->observation);
+    r->variable = calloc(r->count, sizeof *r->variable);
     r->row = calloc(r->count, sizeof *r->row);
     r->path = calloc(r->count, sizeof *r->path);
-    if (r->observation == NULL || r->row == NULL || r->path == NULL) {
+    if (r->variable == NULL || r->row == NULL || r->path == NULL) {
         return lac_fail_memory(err);
     }
     for (size_t i = 0; i < r->count; i++) {
-        lac_recorded *v = &r->observation[i];
+        lac_recorded *v = &r->variable[i];
         (void)lac_recording_get(recording, i, v);
         v->values = v->count > 0 ? v->values : &missing;
         int used = snprintf(r->path[i], sizeof r->path[i], "%s", v->name);
@@ -110,9 +110,9 @@ static void measure(const lac_recording *recording, lac_extent dim[DIMS])
                                               {"level", "level"},
                                               {"cell", "x"}};
     for (size_t d = 0; d < DIMS; d++) {
-        lac_recorded observation = {0};
-        const bool there = lac_recording_find(recording, axes[d][1], &observation);
-        dim[d] = (lac_extent){axes[d][0], there ? observation.count : 0};
+        lac_recorded variable = {0};
+        const bool there = lac_recording_find(recording, axes[d][1], &variable);
+        dim[d] = (lac_extent){axes[d][0], there ? variable.count : 0};
     }
 }
 
@@ -133,7 +133,7 @@ static lac_status hand_out(lac_recording *recording, lac_dataset **out, lac_erro
     LAC_TRY(lac_dataset_create("A run of a creeping joint.", &d, err));
     LAC_TRY(lac_dataset_dims(d, dim, DIMS, err));
     for (size_t i = 0; i < r->count; i++) {
-        const lac_laid laid = {{.row = &r->row[i], .rows = 1, .over = ""}, &r->observation[i]};
+        const lac_laid laid = {{.row = &r->row[i], .rows = 1, .over = ""}, &r->variable[i]};
         LAC_TRY(lac_dataset_add(d, &laid, 1, err));
     }
     lac_dataset_keep(d, r, recorded_free, NULL);
