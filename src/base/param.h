@@ -27,7 +27,7 @@ bool lac_param_allows(const lac_param *param, double value, char *why, size_t si
 /// Whether an optional parameter was given.
 bool lac_param_given(const lac_param *param, const void *params);
 
-/// A model holding the defaults of a model.
+/// A model with the defaults of its parameters.
 /// @return LAC_OK, LAC_ENOMEM
 lac_status lac_model_create(const lac_model_info *info, lac_model *model, lac_error *err);
 
