@@ -19,25 +19,25 @@ static double column_start(const lac_half_space *s, size_t k)
 static double cells_of(const lac_half_space *s) { return (double)s->mx * (double)s->my; }
 
 // of q2, the square of kappa; nothing at kappa = 0
-#define SYMBOL(name, real, result)                                \
+#define SYMBOL(name, reals, result)                               \
     static void name(const void *context, size_t k, void *factor) \
     {                                                             \
         const lac_half_space *s = context;                        \
         const double *restrict qy2 = s->qy2;                      \
-        real *restrict w = factor;                                \
+        reals restrict w = factor;                                \
         const double qx2 = column_start(s, k);                    \
         const double cells = cells_of(s);                         \
         for (size_t j = 0; j <= s->my / 2; j++) {                 \
             const double q2 = qx2 + qy2[j];                       \
             w[j] = (result);                                      \
         }                                                         \
-        w[0] = k > 0 ? w[0] : (real)0;                            \
+        w[0] = k > 0 ? w[0] : 0;                                  \
     }
 
-SYMBOL(stiffness_single, float, (float)(1.0 / cells) * sqrtf((float)q2))
-SYMBOL(stiffness_double, double, sqrt(q2) / cells)
-SYMBOL(periodic_single, float, (float)(1.0 / cells) / sqrtf((float)q2))
-SYMBOL(periodic_double, double, 1.0 / (sqrt(q2) * cells))
+SYMBOL(stiffness_single, float *, (float)(1.0 / cells) * sqrtf((float)q2))
+SYMBOL(stiffness_double, double *, sqrt(q2) / cells)
+SYMBOL(periodic_single, float *, (float)(1.0 / cells) / sqrtf((float)q2))
+SYMBOL(periodic_double, double *, 1.0 / (sqrt(q2) * cells))
 
 static void free_single(const void *context, size_t k, void *factor)
 {

@@ -167,9 +167,9 @@ void lac_shear_step_clear(lac_shear_step *s)
 lac_status lac_shear_step_create(lac_shear_step *s, size_t n, lac_error *err)
 {
     s->p.n = n;
-    s->cell = malloc(n * sizeof *s->cell);
-    s->work = calloc(7 * n, sizeof *s->work);
-    s->limited = calloc(n, sizeof *s->limited);
+    s->cell = malloc((n + 1) * sizeof *s->cell); // an empty contact has no cells
+    s->work = calloc(7 * n + 1, sizeof *s->work);
+    s->limited = calloc(n + 1, sizeof *s->limited);
     if (s->cell == NULL || s->work == NULL || s->limited == NULL) {
         return lac_fail_memory(err);
     }
