@@ -18,13 +18,14 @@ static double column_start(const lac_half_space *s, size_t k)
 
 static double cells_of(const lac_half_space *s) { return (double)s->mx * (double)s->my; }
 
-// of q2, the square of kappa; nothing at kappa = 0
+// of q2, the square of kappa; nothing at kappa = 0. A bare `reals restrict w` reads as a product to
+// lint.
 #define SYMBOL(name, reals, result)                               \
     static void name(const void *context, size_t k, void *factor) \
     {                                                             \
         const lac_half_space *s = context;                        \
         const double *restrict qy2 = s->qy2;                      \
-        reals restrict w = factor;                                \
+        __typeof__(reals) restrict w = factor;                    \
         const double qx2 = column_start(s, k);                    \
         const double cells = cells_of(s);                         \
         for (size_t j = 0; j <= s->my / 2; j++) {                 \
