@@ -91,8 +91,9 @@ char *lac_case_text(const lac_case *c);
 lac_status lac_case_get(const lac_case *c, const char *key, double *value, lac_error *err);
 
 /// Sets one, if its range and the model that it is of allow the value; else it stays as it was.
-/// @pre    no simulation is made of the case
-/// @return LAC_OK; LAC_EINPUT: there is no such number, or what is allowed
+/// @return LAC_OK; LAC_EINPUT: there is no such number, what is allowed, or a simulation of the
+/// case
+///         is not freed yet
 lac_status lac_case_set(lac_case *c, const char *key, double value, lac_error *err);
 
 LAC_END_C

@@ -4,8 +4,6 @@
 
 #include "analysis/catalogue.h"
 
-#define PASS(archive, thing) lac_archive_pass(archive, &(thing), sizeof(thing))
-
 // Zeroed room for `count` things that take at least `least` bytes each on the archive; NULL where
 // it cannot hold as many.
 static void *room_for(lac_archive *archive, size_t count, size_t least, size_t size)
@@ -23,19 +21,19 @@ static void *room_for(lac_archive *archive, size_t count, size_t least, size_t s
 static void pass_bool(lac_archive *archive, bool *value)
 {
     uint8_t byte = *value ? 1 : 0;
-    PASS(archive, byte);
+    LAC_PASS(archive, byte);
     *value = byte != 0;
 }
 
 static void pass_event(lac_archive *archive, lac_open_event *e)
 {
-    PASS(archive, e->origin);
-    PASS(archive, e->local);
-    PASS(archive, e->first);
-    PASS(archive, e->slip);
-    PASS(archive, e->max_rate);
-    PASS(archive, e->moving);
-    PASS(archive, e->count);
+    LAC_PASS(archive, e->origin);
+    LAC_PASS(archive, e->local);
+    LAC_PASS(archive, e->first);
+    LAC_PASS(archive, e->slip);
+    LAC_PASS(archive, e->max_rate);
+    LAC_PASS(archive, e->moving);
+    LAC_PASS(archive, e->count);
     pass_bool(archive, &e->open);
     pass_bool(archive, &e->before);
     size_t count = e->open ? e->count : 0; // of a vacant place there is but the next one
@@ -49,8 +47,8 @@ static void pass_event(lac_archive *archive, lac_open_event *e)
 static void pass_open(lac_catalogue *c, lac_archive *archive)
 {
     size_t places = c->places;
-    PASS(archive, c->vacant);
-    PASS(archive, places);
+    LAC_PASS(archive, c->vacant);
+    LAC_PASS(archive, places);
     if (archive->loading) {
         c->open = room_for(archive, places, sizeof c->open->origin, sizeof *c->open);
         c->places = c->open != NULL ? places : 0;
@@ -63,7 +61,7 @@ static void pass_open(lac_catalogue *c, lac_archive *archive)
 // The cells that move, in their order, with their slip when they began to.
 static void pass_moving(lac_catalogue *c, lac_archive *archive)
 {
-    PASS(archive, c->actives);
+    LAC_PASS(archive, c->actives);
     if (c->actives > c->domain->n) {
         archive->short_of = true;
         c->actives = 0;
@@ -75,7 +73,7 @@ static void pass_moving(lac_catalogue *c, lac_archive *archive)
             archive->short_of = true;
             return;
         }
-        PASS(archive, c->slip_at_rise[cell]);
+        LAC_PASS(archive, c->slip_at_rise[cell]);
         c->moves[cell] = 1;
         c->place[cell] = (uint32_t)k;
     }
@@ -113,18 +111,18 @@ void lac_catalogue_serialize(lac_catalogue *c, lac_archive *archive)
 {
     const size_t n = c->domain->n;
     pass_bool(archive, &c->begun);
-    PASS(archive, c->origin);
-    PASS(archive, c->local);
+    LAC_PASS(archive, c->origin);
+    LAC_PASS(archive, c->local);
     lac_archive_pass(archive, c->rate, n * sizeof *c->rate);
     lac_archive_pass(archive, c->slip, n * sizeof *c->slip);
     lac_archive_pass(archive, c->event, n * sizeof *c->event);
     pass_moving(c, archive);
     pass_open(c, archive);
-    PASS(archive, c->events);
-    PASS(archive, c->cut);
-    PASS(archive, c->largest_slip);
-    PASS(archive, c->largest_size);
-    PASS(archive, c->slip_sum);
+    LAC_PASS(archive, c->events);
+    LAC_PASS(archive, c->cut);
+    LAC_PASS(archive, c->largest_slip);
+    LAC_PASS(archive, c->largest_size);
+    LAC_PASS(archive, c->slip_sum);
     if (archive->loading && !(lac_archive_good(archive) && is_sound(c))) {
         archive->short_of |= lac_archive_good(archive);
         forget(c);

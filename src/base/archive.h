@@ -21,6 +21,9 @@ typedef struct lac_archive {
 /// Passes a piece: copied to the archive, or from it. After a failure nothing happens any more.
 void lac_archive_pass(lac_archive *archive, void *piece, size_t size);
 
+/// A whole thing as a piece.
+#define LAC_PASS(archive, thing) lac_archive_pass(archive, &(thing), sizeof(thing))
+
 /// Whether everything went well so far.
 static inline bool lac_archive_good(const lac_archive *archive)
 {

@@ -149,9 +149,16 @@ typedef struct lac_history_def {
     lac_history_step *step;
 } lac_history_def;
 
+/// How many simulations of a case there are; outlives the case where they do.
+typedef struct lac_case_use {
+    _Atomic size_t simulations;
+    bool freed; ///< the case is
+} lac_case_use;
+
 /// Text turned into one def per stage. Everything is SI and checked.
 struct lac_case {
     char *path;
+    lac_case_use *use;                      ///< of a case that its user may change; NULL
     char *title, *references, *institution; ///< NULL where absent
     lac_interface_def interface;
     lac_model surface, domain;               ///< at most one is set

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A case as users of the library have it: read with one call, its numbers by their keys.
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/ask.h"
@@ -25,6 +26,11 @@ static lac_status read_case(const char *name, const char *text, size_t size,
     }
     status = text == NULL ? lac_case_read(name, &how, out, &report, err)
                           : lac_case_read_text(name, text, size, &how, out, &report, err);
+    if (status == LAC_OK && ((*out)->use = calloc(1, sizeof *(*out)->use)) == NULL) {
+        lac_case_free(*out);
+        *out = NULL;
+        status = lac_fail_memory(err);
+    }
     for (size_t i = 0; i < report.count && options.issue != NULL; i++) {
         options.issue(options.context, &report.issue[i]);
     }
@@ -88,6 +94,10 @@ lac_status lac_case_set(lac_case *c, const char *key, double value, lac_error *e
     lac_status status;
     LAC_TRY(LAC_NEED(err, c, key));
     LAC_TRY(find_number(c, key, &found, err));
+    if (c->use != NULL && c->use->simulations > 0) {
+        return lac_fail(err, LAC_EINPUT, "%s: %s: a simulation of the case is not freed yet",
+                        c->path, key);
+    }
     const double before = *found.at;
     if (!lac_param_allows(found.param, value, why, sizeof why)) {
         return lac_fail(err, LAC_EINPUT, "%s: %s: %g %s", c->path, key, value, why);

@@ -68,6 +68,11 @@ void lac_case_free(lac_case *c)
     for (size_t i = 0; (part = lac_part_get(i)) != NULL; i++) {
         clear_part(part, c);
     }
+    if (c->use != NULL && c->use->simulations > 0) {
+        c->use->freed = true;
+    } else {
+        free(c->use);
+    }
     clear_slots(&c->analysis);
     const lac_table table = lac_section_table("compare");
     for (size_t i = 0; i < c->compare_count; i++) {

@@ -6,8 +6,6 @@
 
 #include "run/run_state.h"
 
-#define PASS(archive, thing) lac_archive_pass(archive, &(thing), sizeof(thing))
-
 bool lac_run_state_plans(const lac_run_def *def)
 {
     const lac_cadence *every = &def->checkpoint;
@@ -53,38 +51,38 @@ static uint64_t identify(const lac_problem *problem)
 
 static void pass_instant(lac_archive *archive, lac_instant *instant)
 {
-    PASS(archive, instant->set);
-    PASS(archive, instant->origin);
-    PASS(archive, instant->local);
+    LAC_PASS(archive, instant->set);
+    LAC_PASS(archive, instant->origin);
+    LAC_PASS(archive, instant->local);
 }
 
 static void pass_clock(lac_archive *archive, lac_clock *clock)
 {
-    PASS(archive, clock->count);
-    PASS(archive, clock->steps);
-    PASS(archive, clock->last_log_rate);
+    LAC_PASS(archive, clock->count);
+    LAC_PASS(archive, clock->steps);
+    LAC_PASS(archive, clock->last_log_rate);
 }
 
 static void pass_counts(lac_archive *archive, lac_run_result *counts)
 {
-    PASS(archive, counts->steps);
-    PASS(archive, counts->rhs_evaluations);
-    PASS(archive, counts->newton_iterations);
-    PASS(archive, counts->linear_solves);
-    PASS(archive, counts->error_test_fails);
-    PASS(archive, counts->nonlinear_fails);
-    PASS(archive, counts->restarts);
+    LAC_PASS(archive, counts->steps);
+    LAC_PASS(archive, counts->rhs_evaluations);
+    LAC_PASS(archive, counts->newton_iterations);
+    LAC_PASS(archive, counts->linear_solves);
+    LAC_PASS(archive, counts->error_test_fails);
+    LAC_PASS(archive, counts->nonlinear_fails);
+    LAC_PASS(archive, counts->restarts);
 }
 
 static void pass_engine(lac_archive *archive, lac_engine *engine)
 {
-    PASS(archive, engine->origin);
-    PASS(archive, engine->base);
-    PASS(archive, engine->t);
-    PASS(archive, engine->limit);
-    PASS(archive, engine->step);
-    PASS(archive, engine->order);
-    PASS(archive, engine->beginnings);
+    LAC_PASS(archive, engine->origin);
+    LAC_PASS(archive, engine->base);
+    LAC_PASS(archive, engine->t);
+    LAC_PASS(archive, engine->limit);
+    LAC_PASS(archive, engine->step);
+    LAC_PASS(archive, engine->order);
+    LAC_PASS(archive, engine->beginnings);
     pass_counts(archive, &engine->counts);
     lac_archive_pass(archive, engine->y, engine->unknowns * sizeof *engine->y);
     lac_archive_pass(archive, engine->slip, engine->n * sizeof *engine->slip);
@@ -100,15 +98,15 @@ static void pass_course(lac_archive *archive, lac_run_state *r)
     pass_instant(archive, &r->last_record);
     pass_instant(archive, &r->last_snapshot);
     pass_instant(archive, &r->looked);
-    PASS(archive, r->next_break);
-    PASS(archive, r->mean_rate);
-    PASS(archive, r->max_rate);
-    PASS(archive, r->first_step);
-    PASS(archive, r->steps);
-    PASS(archive, r->result->restarts);
-    PASS(archive, r->result->max_slip_rate);
-    PASS(archive, r->result->balance_residual);
-    PASS(archive, r->result->rate_drift);
+    LAC_PASS(archive, r->next_break);
+    LAC_PASS(archive, r->mean_rate);
+    LAC_PASS(archive, r->max_rate);
+    LAC_PASS(archive, r->first_step);
+    LAC_PASS(archive, r->steps);
+    LAC_PASS(archive, r->result->restarts);
+    LAC_PASS(archive, r->result->max_slip_rate);
+    LAC_PASS(archive, r->result->balance_residual);
+    LAC_PASS(archive, r->result->rate_drift);
     if (r->sink != NULL && r->sink->serialize != NULL) {
         r->sink->serialize(r->sink->context, archive);
     }
@@ -116,9 +114,9 @@ static void pass_course(lac_archive *archive, lac_run_state *r)
 
 static void pass_identity(lac_archive *archive, uint64_t *n, uint64_t *formulation, uint64_t *start)
 {
-    PASS(archive, *n);
-    PASS(archive, *formulation);
-    PASS(archive, *start);
+    LAC_PASS(archive, *n);
+    LAC_PASS(archive, *formulation);
+    LAC_PASS(archive, *start);
 }
 
 lac_status lac_run_state_checkpoint(lac_run_state *r, bool planned, lac_error *err)

@@ -76,6 +76,9 @@ lac_status lac_simulation_create(const lac_case *c, const lac_simulation_options
         return lac_fail_memory(err);
     }
     s->source = *c;
+    if (c->use != NULL) {
+        c->use->simulations++; // it does not change from now on
+    }
     s->source.run.beyond = 0; // all of it is done here
     s->outcome = (lac_outcome){.source = &s->source, .status = "running"};
     s->options = lac_simulation_options_default();
@@ -104,6 +107,10 @@ void lac_simulation_free(lac_simulation *simulation)
     }
     lac_analysis_free(simulation->analysis);
     lac_scene_free(simulation->scene);
+    lac_case_use *use = simulation->source.use;
+    if (use != NULL && --use->simulations == 0 && use->freed) {
+        free(use);
+    }
     free(simulation->case_text);
     free(simulation);
 }

@@ -216,6 +216,12 @@ static void test_numbers(void **state)
     char *text = lac_case_text(c);
     assert_non_null(strstr(text, "dc: \"0.004 m\""));
     free(text);
+    // What runs does not change under way, so that its file says what was run.
+    lac_simulation *simulation = NULL;
+    assert_int_equal(lac_simulation_create(c, NULL, &simulation, NULL), LAC_OK);
+    REFUSES(lac_case_set(c, "friction.aging.dc", 0.003, &err), "is not freed yet");
+    lac_simulation_free(simulation);
+    assert_int_equal(lac_case_set(c, "friction.aging.dc", 0.003, NULL), LAC_OK);
     lac_case_free(c);
 }
 

@@ -16,7 +16,7 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 71970,
+    "lines of src and include": 71999,
     "lines that only present results": 20353,
     "public headers": 13,
     "exported names": 43,
