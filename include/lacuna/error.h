@@ -37,15 +37,6 @@ lac_status lac_fail_within(lac_error *err, lac_status status, const char *format
 /// @return LAC_ENOMEM with "out of memory" in `err`
 lac_status lac_fail_memory(lac_error *err);
 
-/// The one control-flow macro: leave through `out:`, which frees in reverse.
-#define LAC_TRY(call)           \
-    do {                        \
-        status = (call);        \
-        if (status != LAC_OK) { \
-            goto out;           \
-        }                       \
-    } while (0)
-
 LAC_END_C
 
 #endif

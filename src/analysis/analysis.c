@@ -41,9 +41,7 @@ static lac_status gather(lac_analysis *a, lac_error *err)
     }
     a->extra = malloc((a->extras + 1) * sizeof *a->extra);
     a->once = malloc((a->extras + 1) * sizeof *a->once);
-    if (a->extra == NULL || a->once == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(a->extra == NULL || a->once == NULL, err);
     for (size_t i = 0, k = 0; i < a->n; i++) {
         const lac_indicator *indicator = &a->indicator[i];
         a->first[i] = values;
@@ -62,9 +60,7 @@ lac_status lac_analysis_create(const lac_analysis_scene *scene, size_t count,
     lac_status status;
     *out = NULL;
     lac_analysis *a = calloc(1, sizeof *a);
-    if (a == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(a == NULL, err);
     a->levels = lac_hierarchy_levels(scene->hierarchy) + 1;
     a->indicator = calloc(count + 1, sizeof *a->indicator);
     a->first = calloc(count + 1, sizeof *a->first);

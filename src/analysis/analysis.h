@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_ANALYSIS_ANALYSIS_H
-#define LACUNA_ANALYSIS_ANALYSIS_H
+#pragma once
 
 #include "rg/rg_study.h"
 #include "run/run.h"
@@ -132,5 +131,3 @@ lac_status lac_analysis_finish(lac_analysis *analysis, const lac_run_result *res
 
 /// The index-th indicator, NULL past the end or where `analysis` is NULL.
 const lac_indicator *lac_analysis_get(const lac_analysis *analysis, size_t index);
-
-#endif

@@ -62,9 +62,7 @@ static lac_status make_room(lac_open_event *e, size_t more, lac_error *err)
     }
     size_t room = 2 * e->room > e->count + more ? 2 * e->room : e->count + more + 3;
     uint32_t *grown = realloc(e->cells, room * sizeof *grown);
-    if (grown == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(grown == NULL, err);
     e->cells = grown;
     e->room = room;
     return LAC_OK;
@@ -74,9 +72,7 @@ static lac_status add_places(lac_catalogue *c, lac_error *err)
 {
     size_t places = 2 * c->places + 4;
     lac_open_event *grown = realloc(c->open, places * sizeof *grown);
-    if (grown == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(grown == NULL, err);
     c->open = grown;
     for (size_t i = places; i-- > c->places;) {
         c->open[i] = (lac_open_event){.first = c->vacant};
@@ -90,10 +86,7 @@ static lac_status add_places(lac_catalogue *c, lac_error *err)
 static lac_status open_event(lac_catalogue *c, uint32_t cell, double local, uint32_t *place,
                              lac_error *err)
 {
-    lac_status status = c->vacant == none ? add_places(c, err) : LAC_OK;
-    if (status != LAC_OK) {
-        return status;
-    }
+    LAC_TRY_RETURN(c->vacant == none ? add_places(c, err) : LAC_OK);
     *place = c->vacant;
     lac_open_event *e = &c->open[*place];
     c->vacant = e->first;
@@ -129,10 +122,7 @@ static lac_status merge(lac_catalogue *c, uint32_t *into, uint32_t from, lac_err
     }
     lac_open_event *a = &c->open[*into];
     lac_open_event *b = &c->open[from];
-    lac_status status = make_room(a, b->count, err);
-    if (status != LAC_OK) {
-        return status;
-    }
+    LAC_TRY_RETURN(make_room(a, b->count, err));
     if (older(b, a)) {
         a->origin = b->origin;
         a->local = b->local;

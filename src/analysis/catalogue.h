@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_ANALYSIS_CATALOGUE_H
-#define LACUNA_ANALYSIS_CATALOGUE_H
+#pragma once
 
 #include "base/archive.h"
 #include "contact/contact.h"
@@ -65,5 +64,3 @@ void lac_catalogue_serialize(lac_catalogue *c, lac_archive *archive);
 
 /// Ends the events that are open at the last step.
 lac_status lac_catalogue_close(lac_catalogue *c, const lac_sink *sink, lac_error *err);
-
-#endif

@@ -21,8 +21,8 @@ lac_critical_fraction lac_critical_fraction_of(const lac_rg_result *result, cons
                        result->map.lambda, how);
     } else if (!(c->value > lowest && c->value < 1.0 - lowest)) {
         (void)snprintf(out.source, sizeof out.source,
-                       "none: the map crosses the diagonal at %.3g only, beyond the range from "
-                       "%g to %g it was fitted to (%s)",
+                       "none: the map crosses the diagonal at %.3g only, beyond the range from %g "
+                       "to %g it was fitted to (%s)",
                        c->value, lowest, 1.0 - lowest, how);
     } else {
         out.value = c->value;

@@ -44,9 +44,7 @@ static lac_status create(const lac_analysis_scene *scene, const void *p, lac_ind
 {
     const lac_analysis_events *def = p;
     events *e = self->state = calloc(1, sizeof *e);
-    if (e == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(e == NULL, err);
     e->slip_rate = def->slip_rate;
     lac_status status =
         lac_catalogue_create(scene->domain, def->slip_rate, def->slip_rate * def->hold,

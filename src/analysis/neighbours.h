@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_ANALYSIS_NEIGHBOURS_H
-#define LACUNA_ANALYSIS_NEIGHBOURS_H
+#pragma once
 
 #include "contact/contact.h"
 
@@ -12,5 +11,3 @@ extern const int32_t lac_neighbour_x[LAC_NEIGHBOURS], lac_neighbour_y[LAC_NEIGHB
 /// The contact cells that touch each one by side or corner, through the edges where periodic.
 /// @return [8 n] UINT32_MAX: none there; the caller frees it; NULL: no memory
 uint32_t *lac_neighbours_find(const lac_domain *domain);
-
-#endif

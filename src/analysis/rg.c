@@ -88,16 +88,16 @@ static const lac_extra table[EXTRAS] = {
      "1: as many cells slip as at the fixed point; missing where there is none", "time: point",
      LAC_OVER_TIME, false},
     {"correlation_length", "m", "longest side of a connected cluster of slipping cells",
-     "8 neighbours, through the edges where periodic; 0 where no cell slips; missing for "
-     "some records where many cells slip and others stick again all the time",
+     "8 neighbours, through the edges where periodic; 0 where no cell slips; missing for some "
+     "records where many cells slip and others stick again all the time",
      "time: point", LAC_OVER_TIME, false},
     ONE("critical_fraction",
         "slipped fraction at the unstable fixed point of the renormalization map", NULL),
     ONE("critical_fraction_low", "lower end of the 95 % interval of critical_fraction", NULL),
     ONE("critical_fraction_high", "upper end of the 95 % interval of critical_fraction", NULL),
     ONE("run_critical_fraction", "fixed point of the map fitted to the run's own slipped fractions",
-        "pairs of neighbouring levels as slip_fraction first comes to each 1/64; missing "
-        "where that map does not cross the diagonal, and until the run is over"),
+        "pairs of neighbouring levels as slip_fraction first comes to each 1/64; missing where "
+        "that map does not cross the diagonal, and until the run is over"),
     ONE("run_critical_fraction_low", "lower end of the 95 % interval of run_critical_fraction",
         NULL),
     ONE("run_critical_fraction_high", "upper end of the 95 % interval of run_critical_fraction",
@@ -147,9 +147,7 @@ static lac_status create(const lac_analysis_scene *scene, const void *p, lac_ind
                 isnan(def->slipping_rate_ratio);
     double strength = none ? 0.5 * (1.0 + scene->critical.beta) : def->slipping_strength;
     rg *r = self->state = calloc(1, sizeof *r);
-    if (r == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(r == NULL, err);
     r->critical = scene->critical;
     r->cells = scene->domain->n;
     LAC_TRY(lac_slipping_create(scene->friction, strength, def->slipping_rate,
@@ -238,10 +236,7 @@ static lac_status finish(lac_indicator *self, const lac_run_result *result, cons
     (void)next;
     rg *r = self->state;
     lac_rg_fit fit;
-    lac_status status = lac_run_map_fit(&r->map, &fit, err);
-    if (status != LAC_OK) {
-        return status;
-    }
+    LAC_TRY_RETURN(lac_run_map_fit(&r->map, &fit, err));
     const lac_rg_estimate *estimates[] = {&fit.fixed_point, &fit.lambda};
     for (size_t i = 0; i < 2; i++) {
         r->once[RUN_C + 3 * i] = estimates[i]->value;
@@ -307,8 +302,8 @@ const lac_indicator_kind lac_indicator_rg = {
     .info = {.name = "rg",
              .summary = "slipping cells and blocks of each level against the fixed point of the "
                         "renormalization map, and the longest slipping cluster",
-             .reference = "Borri-Brunetto, Carpinteri & Chiaia (2004) Rock Mech. Rock Eng. "
-                          "37, 117; docs/theory/rg-in-time.md",
+             .reference = "Borri-Brunetto, Carpinteri & Chiaia (2004) Rock Mech. Rock Eng. 37, "
+                          "117; docs/theory/rg-in-time.md",
              LAC_ROWS(params, lac_analysis_rg),
              .validate = fault},
     .create = create,

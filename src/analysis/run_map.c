@@ -11,9 +11,7 @@ lac_status lac_run_map_create(const lac_hierarchy *h, lac_run_map *out, lac_erro
     *out = (lac_run_map){.h = h, .levels = lac_hierarchy_levels(h)};
     size_t most = LAC_RUN_MAP_STATES * out->levels;
     out->s = malloc((2 * most + 1) * sizeof *out->s);
-    if (out->s == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(out->s == NULL, err);
     out->s_next = out->s + most;
     return LAC_OK;
 }

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_ANALYSIS_RUN_MAP_H
-#define LACUNA_ANALYSIS_RUN_MAP_H
+#pragma once
 
 #include "analysis/slip_blocks.h"
 #include "base/archive.h"
@@ -30,5 +29,3 @@ void lac_run_map_serialize(lac_run_map *map, lac_archive *archive);
 /// Fits the map, its intervals by resampling stretches of four states: neighbouring states of one
 /// run hang together.
 lac_status lac_run_map_fit(const lac_run_map *map, lac_rg_fit *fit, lac_error *err);
-
-#endif

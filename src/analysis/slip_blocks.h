@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_ANALYSIS_SLIP_BLOCKS_H
-#define LACUNA_ANALYSIS_SLIP_BLOCKS_H
+#pragma once
 
 #include "hierarchy/hierarchy.h"
 
@@ -27,5 +26,3 @@ static inline size_t lac_slip_blocks_at(const lac_slip_blocks *b, size_t level)
 {
     return b->slipping[b->tier[level]];
 }
-
-#endif

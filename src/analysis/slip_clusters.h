@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_ANALYSIS_SLIP_CLUSTERS_H
-#define LACUNA_ANALYSIS_SLIP_CLUSTERS_H
+#pragma once
 
 #include "base/archive.h"
 #include "contact/contact.h"
@@ -46,5 +45,3 @@ void lac_slip_clusters_update(lac_slip_clusters *c, const uint8_t *slips, size_t
 
 /// Passes the clusters as they are.
 void lac_slip_clusters_serialize(lac_slip_clusters *c, lac_archive *archive);
-
-#endif

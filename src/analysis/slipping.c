@@ -107,10 +107,10 @@ const char *lac_slipping_describe(const lac_slipping *s, char *text, size_t size
         (void)snprintf(text, size, "a cell slips while its slip rate is at least %.6g m/s",
                        s->rate);
     } else {
-        (void)snprintf(text, size,
-                       "a cell slips while its slip rate is at least %.6g times the mean rate at "
-                       "the start",
-                       s->ratio);
+        (void)snprintf(
+            text, size,
+            "a cell slips while its slip rate is at least %.6g times the mean rate at the start",
+            s->ratio);
     }
     return text;
 }

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_ANALYSIS_SLIPPING_H
-#define LACUNA_ANALYSIS_SLIPPING_H
+#pragma once
 
 #include "analysis/analysis.h"
 
@@ -34,5 +33,3 @@ void lac_slipping_serialize(lac_slipping *s, lac_archive *archive);
 
 /// The definition in words.
 const char *lac_slipping_describe(const lac_slipping *s, char *text, size_t size);
-
-#endif

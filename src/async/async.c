@@ -22,30 +22,23 @@ struct lac_async {
 
 lac_status lac_async_follows(const lac_model_info *law, bool cut_off, lac_error *err)
 {
-    if (((const lac_friction_law *)(const void *)law)->lone == NULL) {
-        return lac_fail(err, LAC_EINPUT,
-                        "fidelity events follows the aging and the slip law, not \"%s\"",
-                        law->name);
-    }
-    return !cut_off ? LAC_OK
-                    : lac_fail(err, LAC_EINPUT,
-                               "fidelity events follows no cut-off slip rates (v1, v2) and no "
-                               "alpha");
+    LAC_FAIL_IF(((const lac_friction_law *)(const void *)law)->lone == NULL, err, LAC_EINPUT,
+                "fidelity events follows the aging and the slip law, not \"%s\"", law->name);
+    return !cut_off
+               ? LAC_OK
+               : lac_fail(err, LAC_EINPUT,
+                          "fidelity events follows no cut-off slip rates (v1, v2) and no alpha");
 }
 
 lac_status lac_async_supports(const lac_friction *friction, lac_error *err)
 {
     const bool cut_off = friction->ln_v1.value != NULL || friction->ln_cut.value != NULL ||
                          friction->response.value != NULL;
-    lac_status status = lac_async_follows(&friction->law->info, cut_off, err);
-    if (status != LAC_OK) {
-        return status;
-    }
+    LAC_TRY_RETURN(lac_async_follows(&friction->law->info, cut_off, err));
     for (size_t i = 0; i < friction->n; i++) {
-        if (!(lac_cellwise_of(&friction->column[LAC_A], i) > 0.0)) {
-            return lac_fail(err, LAC_EINPUT, "fidelity events needs a > 0; cell %zu has %g", i,
-                            lac_cellwise_of(&friction->column[LAC_A], i));
-        }
+        LAC_FAIL_IF(!(lac_cellwise_of(&friction->column[LAC_A], i) > 0.0), err, LAC_EINPUT,
+                    "fidelity events needs a > 0; cell %zu has %g", i,
+                    lac_cellwise_of(&friction->column[LAC_A], i));
     }
     return LAC_OK;
 }
@@ -81,9 +74,7 @@ lac_status lac_async_create(const lac_async_def *def, lac_async **out, lac_error
     *out = NULL;
     LAC_TRY(lac_async_supports(def->friction, err));
     lac_async *m = calloc(1, sizeof *m);
-    if (m == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(m == NULL, err);
     m->damping = def->damping;
     m->drag = def->drag;
     m->rules = (lac_async_rules){.law = def->friction->law->lone,

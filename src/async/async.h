@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_ASYNC_ASYNC_H
-#define LACUNA_ASYNC_ASYNC_H
+#pragma once
 
 #include "friction/friction.h"
 #include "hierarchy/hierarchy.h"
@@ -93,5 +92,3 @@ bool lac_async_at_limit(const lac_async *micro);
 double lac_async_peak(lac_async *micro);
 
 lac_async_counts lac_async_count(const lac_async *micro);
-
-#endif

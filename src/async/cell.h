@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_ASYNC_CELL_H
-#define LACUNA_ASYNC_CELL_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -63,5 +62,3 @@ typedef struct lac_async_push {
 // @return length of the step [s]; may be INFINITY
 double lac_async_cell_plan(const lac_async_rules *rules, const lac_async_push *push,
                            lac_async_cell *cell);
-
-#endif

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_ASYNC_TREE_H
-#define LACUNA_ASYNC_TREE_H
+#pragma once
 
 #include "async/async.h"
 #include "async/cell.h"
@@ -75,5 +74,3 @@ void lac_async_tree_propagate(lac_async_tree *tree, double t);
 
 // Takes `by` off all times.
 void lac_async_tree_shift(lac_async_tree *tree, double by);
-
-#endif

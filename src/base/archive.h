@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_BASE_ARCHIVE_H
-#define LACUNA_BASE_ARCHIVE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -29,5 +28,3 @@ static inline bool lac_archive_good(const lac_archive *archive)
 {
     return !archive->no_memory && !archive->short_of && archive->refused == NULL;
 }
-
-#endif

@@ -9,10 +9,8 @@ lac_status lac_need(const char *function, const char *names, const void *const *
 {
     for (size_t i = 0; i < n; i++) {
         const size_t length = strcspn(names, ",");
-        if (pointer[i] == NULL) {
-            return lac_fail(err, LAC_EINPUT, "%s: \"%.*s\" must not be NULL", function, (int)length,
-                            names);
-        }
+        LAC_FAIL_IF(pointer[i] == NULL, err, LAC_EINPUT, "%s: \"%.*s\" must not be NULL", function,
+                    (int)length, names);
         names += length;
         names += strspn(names, ", ");
     }
@@ -27,11 +25,9 @@ lac_status lac_take_options(const char *what, const void *given, void *own, size
         return LAC_OK;
     }
     memcpy(&told, given, sizeof told);
-    if (told < sizeof told || told > size || told % sizeof told != 0) {
-        return lac_fail(err, LAC_EINPUT,
-                        "%s of %zu bytes: up to %zu are known; start from %s_default", what, told,
-                        size, what);
-    }
+    LAC_FAIL_IF(told < sizeof told || told > size || told % sizeof told != 0, err, LAC_EINPUT,
+                "%s of %zu bytes: up to %zu are known; start from %s_default", what, told, size,
+                what);
     memcpy(own, given, told);
     return LAC_OK;
 }

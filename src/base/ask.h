@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_BASE_ASK_H
-#define LACUNA_BASE_ASK_H
+#pragma once
 
 // What a public function asks of its arguments before it looks at them.
 
 #include <stddef.h>
 
-#include "lacuna/error.h"
+#include "base/fail.h"
 
 /// Refuses NULL among its pointers: at most 8, by the names that they have where it stands.
 #define LAC_NEED(err, ...)                                               \
@@ -25,5 +24,3 @@ lac_status lac_need(const char *function, const char *names, const void *const *
 /// @return LAC_OK; LAC_EINPUT: of no size that there has been
 lac_status lac_take_options(const char *what, const void *given, void *own, size_t size,
                             lac_error *err);
-
-#endif

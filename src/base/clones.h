@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_BASE_CLONES_H
-#define LACUNA_BASE_CLONES_H
+#pragma once
 
 // Where the compiler and the C library can, each loop is compiled for three instruction sets and
 // the best one is picked when the program starts. Its name is then global, static or not: lac_...
@@ -22,6 +21,4 @@
 #define LAC_INDEPENDENT _Pragma("GCC ivdep")
 #else
 #define LAC_INDEPENDENT
-#endif
-
 #endif

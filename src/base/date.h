@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_BASE_DATE_H
-#define LACUNA_BASE_DATE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -13,5 +12,3 @@ bool lac_date_parse(const char *text, double *seconds);
 /// Writes YYYY-MM-DDThh:mm:ssZ, rounded to a second.
 /// @return text; "" where the date does not fit years 0 to 9999 or the buffer (at least 21 bytes)
 const char *lac_date_format(double seconds, char *text, size_t size);
-
-#endif

@@ -13,13 +13,10 @@ enum { BLOCK = 16 }; // columns at a time
 lac_status lac_fft_create(size_t nx, size_t ny, lac_fft **out, lac_error *err)
 {
     *out = NULL;
-    if (nx == 0 || ny == 0 || nx > INT_MAX || ny > INT_MAX) {
-        return lac_fail(err, LAC_EINPUT, "a transform of %zu x %zu cells is not possible", nx, ny);
-    }
+    LAC_FAIL_IF(nx == 0 || ny == 0 || nx > INT_MAX || ny > INT_MAX, err, LAC_EINPUT,
+                "a transform of %zu x %zu cells is not possible", nx, ny);
     lac_fft *fft = calloc(1, sizeof *fft);
-    if (fft == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(fft == NULL, err);
     fft->nx = nx;
     fft->ny = ny;
     fft->nkx = nx / 2 + 1;
@@ -71,9 +68,7 @@ lac_status lac_fft_plan_filter(lac_fft *fft, size_t rows, lac_error *err)
     fft->rows = rows;
     fft->lead = fft->ny + 4; // columns a power of two apart would fall on the same cache lines
     fft->block = (double _Complex *)fftw_alloc_complex(BLOCK * fft->lead);
-    if (fft->block == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(fft->block == NULL, err);
     fftw_complex *block = (fftw_complex *)fft->block;
     const int lead = (int)fft->lead;
     fft->rows_forward = fftw_plan_many_dft_r2c(1, &nx, (int)rows, fft->real, NULL, 1, nx, spectrum,
@@ -203,9 +198,7 @@ lac_status lac_fft_even(size_t n0, size_t n1, double *quarter, lac_error *err)
     }
     const fftw_r2r_kind kinds[] = {FFTW_REDFT00, FFTW_REDFT00};
     fftw_plan plan = fftw_plan_r2r(rank, sides, quarter, quarter, kinds, FFTW_ESTIMATE);
-    if (plan == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(plan == NULL, err);
     fftw_execute(plan);
     fftw_destroy_plan(plan);
     return LAC_OK;

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_BASE_FFT_H
-#define LACUNA_BASE_FFT_H
+#pragma once
 
 #include <complex.h>
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "lacuna/error.h"
+#include "base/fail.h"
 
 /// A pair of real-to-complex plans of one shape with their own buffers. Reproducible (ESTIMATE),
 /// but for filters that were asked to be measured.
@@ -53,5 +52,3 @@ static inline double lac_fft_frequency(size_t j, size_t n)
 {
     return 2 * j <= n ? (double)j : (double)j - (double)n;
 }
-
-#endif

@@ -96,9 +96,7 @@ static lac_status allocate(lac_filter *f, lac_error *err)
     f->buffer = aligned_alloc(LINE, f->pairs * f->pitch * complex_size);
     f->scratch = aligned_alloc(LINE, (size_t)f->threads * f->room.share);
     f->column_power = malloc(f->nkx * sizeof *f->column_power);
-    if (f->buffer == NULL || f->scratch == NULL || f->column_power == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(f->buffer == NULL || f->scratch == NULL || f->column_power == NULL, err);
     memset(f->scratch, 0, (size_t)f->threads * f->room.share);
     return LAC_OK;
 }
@@ -129,15 +127,12 @@ lac_status lac_filter_create(const size_t field[2], const size_t transform[2], l
 {
     lac_status status;
     *out = NULL;
-    if (transform[0] == 0 || transform[1] == 0 || transform[0] > INT_MAX ||
-        transform[1] > INT_MAX) {
-        return lac_fail(err, LAC_EINPUT, "a transform of %zu x %zu cells is not possible",
-                        transform[0], transform[1]);
-    }
+    LAC_FAIL_IF(transform[0] == 0 || transform[1] == 0 || transform[0] > INT_MAX ||
+                    transform[1] > INT_MAX,
+                err, LAC_EINPUT, "a transform of %zu x %zu cells is not possible", transform[0],
+                transform[1]);
     lac_filter *f = calloc(1, sizeof *f);
-    if (f == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(f == NULL, err);
     f->nx = field[0];
     f->ny = field[1];
     f->mx = transform[0];

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_BASE_FILTER_H
-#define LACUNA_BASE_FILTER_H
+#pragma once
 
 #include <stddef.h>
 
-#include "lacuna/error.h"
+#include "base/fail.h"
 
 /// A convolution of a real field, in single or double precision: rows are filled and transformed,
 /// columns go forth, through a symbol and back, rows are transformed back and taken.
@@ -52,5 +51,3 @@ lac_precision lac_filter_precision(const lac_filter *f);
 
 /// In how many threads a pass runs.
 int lac_filter_threads(const lac_filter *f);
-
-#endif

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_BASE_GRID_H
-#define LACUNA_BASE_GRID_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -46,5 +45,3 @@ static inline double lac_grid_extent(const lac_grid *grid, double columns, doubl
     const double across = grid->ny > 1 ? rows * grid->dy : 0.0;
     return along > across ? along : across;
 }
-
-#endif

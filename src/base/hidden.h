@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_BASE_HIDDEN_H
-#define LACUNA_BASE_HIDDEN_H
+#pragma once
 
 #include <stddef.h>
 
@@ -10,5 +9,3 @@ size_t lac_hidden_length(const char *text, size_t n);
 
 /// How many bytes at the end of a text may be the beginning of such a character: 0 to 3.
 size_t lac_hidden_begun(const char *text, size_t n);
-
-#endif

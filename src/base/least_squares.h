@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_BASE_LEAST_SQUARES_H
-#define LACUNA_BASE_LEAST_SQUARES_H
+#pragma once
 
 #include <stddef.h>
 
@@ -14,5 +13,3 @@ enum { LAC_LEAST_SQUARES_MAX = 8 };
 /// @pre   k <= LAC_LEAST_SQUARES_MAX, k <= n
 /// @return the sum of squares of r; cannot fail
 double lac_least_squares(size_t n, size_t k, double *columns, double *y, double *c);
-
-#endif

@@ -22,9 +22,7 @@ lac_status lac_netcdf_check(const char *path, int code, const char *what, lac_er
     if (code == NC_NOERR) {
         return LAC_OK;
     }
-    if (code == NC_ENOMEM) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(code == NC_ENOMEM, err);
     return lac_fail(err, LAC_EINPUT, "%s: netCDF cannot read %s: %s", path, what,
                     nc_strerror(code));
 }

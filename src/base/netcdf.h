@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_BASE_NETCDF_H
-#define LACUNA_BASE_NETCDF_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "lacuna/error.h"
+#include "base/fail.h"
 
 // What the readers of other people's netCDF files share. `id` is an open file's.
 
@@ -34,5 +33,3 @@ double lac_netcdf_number(int id, int var, const char *name, double fallback);
 /// Stored numbers of a variable to values: missing ones (_FillValue, missing_value, and what netCDF
 /// leaves where nothing was written) to NaN, packed ones (scale_factor, add_offset) unpacked.
 void lac_netcdf_unpack(int id, int var, double *x, size_t n);
-
-#endif

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_BASE_PARALLEL_FOR_H
-#define LACUNA_BASE_PARALLEL_FOR_H
+#pragma once
 
 #include <stddef.h>
 
@@ -18,5 +17,3 @@ typedef void lac_parallel_body(void *context, size_t part, size_t first, size_t 
 /// any number of threads.
 /// @return how many parts there were
 size_t lac_parallel_for(size_t n, lac_parallel_body *body, void *context);
-
-#endif

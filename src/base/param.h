@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_BASE_PARAM_H
-#define LACUNA_BASE_PARAM_H
+#pragma once
 
+#include "base/fail.h"
 #include "lacuna/param.h"
 
 /// A model chosen in a case, with its parameters.
@@ -36,5 +36,3 @@ void lac_model_clear(lac_model *model);
 
 /// The row of a key among `count`, NULL where there is none.
 const lac_param *lac_param_find(const lac_param *params, size_t count, const char *key);
-
-#endif

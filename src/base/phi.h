@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_BASE_PHI_H
-#define LACUNA_BASE_PHI_H
+#pragma once
 
 #include <math.h>
 
@@ -14,5 +13,3 @@ static inline double lac_phi_slope(double x, double em, double phi)
 {
     return fabs(x) < 1e-4 ? -0.5 + x / 3.0 : (1.0 + em - phi) / x;
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_BASE_RG_ROWS_H
-#define LACUNA_BASE_RG_ROWS_H
+#pragma once
 
 // Keys that the section rg of a case and the indicator rg have in common: what each may be is said
 // once, here, where both modules see it.
@@ -19,5 +18,3 @@ extern const char *const lac_rg_rule_names[], *const lac_rg_field_names[];
     LAC_INTEGER("shifts", where, absent, 1, 10000, bits, text)
 #define LAC_RG_LOADS_ROW(where, absent, bits, text) \
     LAC_INTEGER("loads", where, absent, 10, 10000, bits, text)
-
-#endif

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_BASE_RNG_H
-#define LACUNA_BASE_RNG_H
+#pragma once
 
 #include <stdint.h>
 
@@ -28,5 +27,3 @@ double lac_random_uniform(uint64_t seed, uint64_t stream, uint64_t c0, uint64_t 
 
 /// Two independent standard normal numbers (Box-Muller).
 void lac_random_normal(uint64_t seed, uint64_t stream, uint64_t c0, uint64_t c1, double out[2]);
-
-#endif

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_BASE_ROOTS_H
-#define LACUNA_BASE_ROOTS_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -11,5 +10,3 @@ static inline void lac_halve(double *low, double *high, bool above)
 {
     *(above ? low : high) = 0.5 * (*low + *high);
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_BASE_ROWS_H
-#define LACUNA_BASE_ROWS_H
+#pragma once
 
 // Rows of parameter tables in a line or two: the key stands first, what it says of itself last.
 // Each is named after the type that it makes. `where` is the offset in the struct, `bits` are
@@ -62,5 +61,3 @@
         return index < sizeof(list) / sizeof *(list) ? &(list)[index] : NULL;                     \
     }
 // clang-format on
-
-#endif

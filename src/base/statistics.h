@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_BASE_STATISTICS_H
-#define LACUNA_BASE_STATISTICS_H
+#pragma once
 
 #include <stddef.h>
 
@@ -42,5 +41,3 @@ double lac_line_error(const lac_line *line);
 /// rms departure from the line's slope of the slopes over all runs of at least half of its points
 /// (and two).
 double lac_line_range_spread(const lac_line *line, const double *x, const double *y);
-
-#endif

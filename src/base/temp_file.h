@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_BASE_TEMP_FILE_H
-#define LACUNA_BASE_TEMP_FILE_H
+#pragma once
 
-#include "lacuna/error.h"
+#include "base/fail.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -45,5 +44,3 @@ bool lac_temp_file_locked(int folder, const char *path);
 /// Where `path` is a symbolic link, what it leads to is replaced; a device or a pipe never is.
 /// @param force  replaces a file that is there
 lac_status lac_write_text(const char *path, const char *text, bool force, lac_error *err);
-
-#endif

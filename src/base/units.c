@@ -221,9 +221,7 @@ lac_status lac_units_create(lac_units **out, lac_error *err)
     *out = NULL;
     lac_status status = LAC_OK;
     lac_units *units = calloc(1, sizeof *units);
-    if (units == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(units == NULL, err);
     units->database = calloc(1, sizeof *units->database);
     units->c_locale = newlocale(LC_ALL_MASK, "C", (locale_t)0);
     if (units->database == NULL || units->c_locale == (locale_t)0) {
@@ -298,10 +296,7 @@ lac_status lac_units_convert(const lac_units *units, const char *from, const cha
         *offset = 0.0;
         return LAC_OK;
     }
-    lac_status status = read_database(units, err);
-    if (status != LAC_OK) {
-        return status;
-    }
+    LAC_TRY_RETURN(read_database(units, err));
     const char *why = NULL;
     cv_converter *converter = find_converter(units, from, to, &why);
     if (converter == NULL) {
@@ -329,10 +324,7 @@ lac_status lac_units_time(const lac_units *units, const char *text, double *scal
     if (status != LAC_OK || !*dated) {
         return status;
     }
-    status = read_database(units, err);
-    if (status != LAC_OK) {
-        return status;
-    }
+    LAC_TRY_RETURN(read_database(units, err));
     ut_unit *from = parse_unit(units, text);
     ut_unit *to = parse_unit(units, "seconds since 1970-01-01 00:00:00 UTC");
     cv_converter *converter = from != NULL && to != NULL ? ut_get_converter(from, to) : NULL;
@@ -410,10 +402,7 @@ lac_status lac_units_parse(const lac_units *units, const char *text, const char 
     double scale = 1.0;
     double offset = 0.0;
     if (*tail != '\0') {
-        lac_status status = lac_units_convert(units, tail, unit, &scale, &offset, err);
-        if (status != LAC_OK) {
-            return status;
-        }
+        LAC_TRY_RETURN(lac_units_convert(units, tail, unit, &scale, &offset, err));
     }
     if (offset != 0.0) {
         return refuse(err, unit, "");

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_BASE_UNITS_H
-#define LACUNA_BASE_UNITS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "lacuna/error.h"
+#include "base/fail.h"
 
 /// Units by the UDUNITS-2 database, which is read when first a unit is met that is not among the
 /// usual ones (base/units_usual.c). Not for several threads at a time: parse at the start.
@@ -60,5 +59,3 @@ const lac_usual_unit *lac_units_usual(size_t *count);
 
 /// That of a pair, spelt exactly so; NULL where it is not among them.
 const lac_usual_unit *lac_units_usual_find(const char *from, const char *to);
-
-#endif

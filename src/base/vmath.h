@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_BASE_VMATH_H
-#define LACUNA_BASE_VMATH_H
+#pragma once
 
 #include <stddef.h>
 
@@ -15,5 +14,3 @@ void lac_vexp_minus(size_t n, const double *x, double *y);
 void lac_vlog(size_t n, const double *x, double *y);
 /// y_i = asinh(x_i)
 void lac_vasinh(size_t n, const double *x, double *y);
-
-#endif

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_BASE_VMATH_KERNELS_H
-#define LACUNA_BASE_VMATH_KERNELS_H
+#pragma once
 
 #include <float.h>
 #include <math.h>
@@ -110,5 +109,3 @@ LAC_KERNEL lac_asinh_one(double x)
     y = a < INFINITY ? y : a;
     return copysign(y, x);
 }
-
-#endif

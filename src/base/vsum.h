@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_BASE_VSUM_H
-#define LACUNA_BASE_VSUM_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -18,5 +17,3 @@ double lac_vmost(size_t n, const double *x);
 void lac_vabs(size_t n, const double *x, double *y);
 /// Whether all x are finite.
 bool lac_vfinite(size_t n, const double *x);
-
-#endif

@@ -17,10 +17,8 @@ static lac_status find_place(const char *path, char **place, lac_error *err)
 {
     struct stat info;
     const bool exists = stat(path, &info) == 0;
-    if (exists && !S_ISREG(info.st_mode)) {
-        return lac_fail(err, LAC_EIO, "%s: is %s", path,
-                        S_ISDIR(info.st_mode) ? "a folder" : "not a regular file");
-    }
+    LAC_FAIL_IF(exists && !S_ISREG(info.st_mode), err, LAC_EIO, "%s: is %s", path,
+                S_ISDIR(info.st_mode) ? "a folder" : "not a regular file");
     *place = exists ? realpath(path, NULL) : strdup(path);
     return *place != NULL ? LAC_OK : lac_fail_memory(err);
 }

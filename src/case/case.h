@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_CASE_CASE_H
-#define LACUNA_CASE_CASE_H
+#pragma once
 
 #include "analysis/analysis.h"
 #include "case/heterogeneity.h"
@@ -259,5 +258,3 @@ lac_status lac_case_rebase(lac_case *c, const char *folder, lac_error *err);
 
 /// A section of plain parameters (interface, material, time, solver ...).
 typedef lac_model_info lac_section;
-
-#endif

@@ -29,15 +29,15 @@ static void check_material(lac_reader *reader, const lac_case *c)
         return;
     }
     const lac_normal_load *normal = (const void *)c->normal.info;
-    (void)lac_refuse(reader, normal != NULL && normal->needs_density && !HAS("material.density"),
-                     "material.density",
-                     "is missing: needed by load.normal.%s; must be a density such as "
-                     "\"2700 kg/m3\"",
-                     normal != NULL ? normal->info.name : "");
-    (void)lac_refuse(reader, HAS("interface.surface") && !HAS("material.shear_modulus"),
-                     "material.shear_modulus",
-                     "is missing: needed to press interface.surface; must be a pressure such as "
-                     "\"20 GPa\"");
+    (void)lac_refuse(
+        reader, normal != NULL && normal->needs_density && !HAS("material.density"),
+        "material.density",
+        "is missing: needed by load.normal.%s; must be a density such as \"2700 kg/m3\"",
+        normal != NULL ? normal->info.name : "");
+    (void)lac_refuse(
+        reader, HAS("interface.surface") && !HAS("material.shear_modulus"),
+        "material.shear_modulus",
+        "is missing: needed to press interface.surface; must be a pressure such as \"20 GPa\"");
     if (HAS("material.shear_speed") && !HAS("material.shear_modulus")) {
         lac_warn(reader, "material.shear_speed", "has no effect without shear_modulus");
     }
@@ -139,9 +139,9 @@ static void check_statics(lac_reader *reader, const lac_case *c)
         return;
     }
     const char *key = normal->approach != NULL ? "load.normal.approach" : "load.normal.dimension";
-    (void)(lac_refuse(reader, lac_needs_run(reader), key,
-                      "is for statics (lacuna contact); a run needs a load: pressure, depth or "
-                      "slope") ||
+    (void)(lac_refuse(
+               reader, lac_needs_run(reader), key,
+               "is for statics (lacuna contact); a run needs a load: pressure, depth or slope") ||
            lac_refuse(reader, !HAS("interface.surface"), key,
                       "needs interface.surface: only heights tell the load that follows") ||
            lac_refuse(reader,

@@ -55,8 +55,8 @@ static void read_normal(lac_reader *reader, const lac_node *node, bool log, lac_
 static void read_prior(lac_reader *reader, const lac_node *node, lac_fit_parameter *p)
 {
     static const char *const known[] = {"lognormal", "normal", "uniform", "log-uniform"};
-    const char *allowed = "{lognormal: {median, sigma}}, {normal: {mean, sigma}}, {uniform: {}} or "
-                          "{log-uniform: {}}";
+    const char *allowed =
+        "{lognormal: {median, sigma}}, {normal: {mean, sigma}}, {uniform: {}} or {log-uniform: {}}";
     if (!lac_expect_map(reader, node, allowed)) {
         return;
     }

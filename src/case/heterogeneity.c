@@ -109,11 +109,10 @@ const lac_heterogeneity_kind lac_heterogeneity_map_kind = {
               LAC_ROWS(map_rows, lac_heterogeneity_map)),
     NULL};
 const lac_heterogeneity_kind lac_heterogeneity_size_kind = {
-    LAC_ABOUT(
-        "size", "the nominal value times a power of the size of the cell's patch or block",
-        "after Carpinteri & Paggi (2009) Chaos Solitons Fractals 39, 540 (the slip that weakens "
-        "a joint grows with its size)",
-        LAC_ROWS(size_rows, lac_heterogeneity_size)),
+    LAC_ABOUT("size", "the nominal value times a power of the size of the cell's patch or block",
+              "after Carpinteri & Paggi (2009) Chaos Solitons Fractals 39, 540 (the slip that "
+              "weakens a joint grows with its size)",
+              LAC_ROWS(size_rows, lac_heterogeneity_size)),
     NULL};
 
 static const lac_heterogeneity_kind *const spreads[] = {&lognormal,

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_CASE_HETEROGENEITY_H
-#define LACUNA_CASE_HETEROGENEITY_H
+#pragma once
 
 #include "base/param.h"
 
@@ -70,5 +69,3 @@ bool lac_heterogeneity_is_value(const lac_heterogeneity *spread);
 
 /// Whether a list has a spread of a parameter.
 bool lac_heterogeneity_has(const lac_heterogeneity_list *list, const char *key);
-
-#endif

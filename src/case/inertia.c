@@ -42,8 +42,8 @@ void lac_check_inertia(lac_reader *reader, lac_case *c, double pressure)
                       thick ? ", not both" : "") ||
            lac_refuse(reader, thick && lac_clean(reader, "material") && isnan(c->material.density),
                       "material.density",
-                      "is missing: needed by inertia.thickness; must be a density such as "
-                      "\"2700 kg/m3\""));
+                      "is missing: needed by inertia.thickness; must be a density such as \"2700 "
+                      "kg/m3\""));
     (void)lac_refuse(reader, named && !chosen && c->formulation != LAC_FORMULATION_AUTO,
                      "solver.formulation", "knows no inertia: leave it out, or leave out inertia");
     (void)lac_refuse(reader, !named && chosen, "solver.formulation",

@@ -48,10 +48,9 @@ static void check_line(lac_reader *reader, const lac_interface_def *def)
                      "must be 1 or absent on a line");
     (void)lac_refuse(reader, line && !isnan(def->width), "interface.width",
                      "must be absent on a line, whose forces are for each metre of width");
-    (void)lac_refuse(
-        reader, line && def->boundary == LAC_FREE && pressed, "interface.boundary",
-        "must be periodic on a line that is pressed or has a static history; a strip that "
-        "ends is a plane with cells_y: 1 and a width");
+    (void)lac_refuse(reader, line && def->boundary == LAC_FREE && pressed, "interface.boundary",
+                     "must be periodic on a line that is pressed or has a static history; a strip "
+                     "that ends is a plane with cells_y: 1 and a width");
 }
 
 static void check_width(lac_reader *reader, const lac_interface_def *def)

@@ -94,14 +94,11 @@ lac_status lac_case_set(lac_case *c, const char *key, double value, lac_error *e
     lac_status status;
     LAC_TRY(LAC_NEED(err, c, key));
     LAC_TRY(find_number(c, key, &found, err));
-    if (c->use != NULL && c->use->simulations > 0) {
-        return lac_fail(err, LAC_EINPUT, "%s: %s: a simulation of the case is not freed yet",
-                        c->path, key);
-    }
+    LAC_FAIL_IF(c->use != NULL && c->use->simulations > 0, err, LAC_EINPUT,
+                "%s: %s: a simulation of the case is not freed yet", c->path, key);
     const double before = *found.at;
-    if (!lac_param_allows(found.param, value, why, sizeof why)) {
-        return lac_fail(err, LAC_EINPUT, "%s: %s: %g %s", c->path, key, value, why);
-    }
+    LAC_FAIL_IF(!lac_param_allows(found.param, value, why, sizeof why), err, LAC_EINPUT,
+                "%s: %s: %g %s", c->path, key, value, why);
     *found.at = value;
     const char *fault = lac_case_validate(c);
     if (fault != NULL) {

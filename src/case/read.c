@@ -157,9 +157,7 @@ lac_status lac_case_build(const lac_units *units, const lac_case_source *from, l
         return LAC_OK;
     }
     lac_case_free(c);
-    if (reader.no_memory) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(reader.no_memory, err);
     summarise(&reader, err);
     return LAC_EINPUT;
 }
@@ -192,14 +190,10 @@ static lac_status read_all(FILE *file, const char *path, char **buffer, size_t *
     for (size_t room = 16 * 1024;; room *= 2) {
         room = room < LARGEST_FILE ? room : LARGEST_FILE + 1;
         char *grown = realloc(*buffer, room);
-        if (grown == NULL) {
-            return lac_fail_memory(err);
-        }
+        LAC_FAIL_MEMORY_IF(grown == NULL, err);
         *buffer = grown;
         *size += fread(grown + *size, 1, room - *size, file);
-        if (ferror(file)) {
-            return lac_fail(err, LAC_EIO, "%s: cannot be read: %s", path, strerror(errno));
-        }
+        LAC_FAIL_IF(ferror(file), err, LAC_EIO, "%s: cannot be read: %s", path, strerror(errno));
         if (*size < room || room > LARGEST_FILE) {
             return LAC_OK;
         }

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_CASE_READER_H
-#define LACUNA_CASE_READER_H
+#pragma once
 
 #include "base/nearest.h"
 #include "base/units.h"
@@ -54,5 +53,3 @@ void lac_append_names(char *list, size_t size, const char *const *names, size_t 
 
 /// A copy of a text; NULL, and the reader knows, where memory is short.
 char *lac_reader_copy(lac_reader *reader, const char *text, size_t size);
-
-#endif

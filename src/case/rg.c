@@ -72,8 +72,7 @@ void lac_warn_nominal_beta(lac_reader *reader, const lac_case *c, const char *ke
         const char *varies = c->friction_spread.item[i].key;
         if (strcmp(varies, "b") == 0 || strcmp(varies, "v0") == 0) {
             lac_warn(reader, key,
-                     "takes the nominal %s for every cell; friction.spread.%s has no "
-                     "effect on it",
+                     "takes the nominal %s for every cell; friction.spread.%s has no effect on it",
                      varies, varies);
         }
     }

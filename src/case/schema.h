@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_CASE_SCHEMA_H
-#define LACUNA_CASE_SCHEMA_H
+#pragma once
 
 #include "base/rows.h"
 #include "case/reader.h"
@@ -110,5 +109,3 @@ void lac_heterogeneity_clear(lac_heterogeneity_list *list);
 
 /// Reads a time, or a mapping of one or more of time, steps and per_decade.
 void lac_read_cadence(lac_reader *reader, const lac_node *node, lac_cadence *cadence);
-
-#endif

@@ -221,14 +221,12 @@ static const lac_param solver_rows[] = {
 
 static const char *const rg_paths[] = {"series", "solve", NULL};
 static const lac_param rg_rows[] = {
-    LAC_RG_RULE_ROW(
-        FIELD(rg.rule), 0, 0,
-        "what a block that slips sheds: fix, the drop of its strength (the paper); cons, "
-        "all above its residual strength; lump, as a point with its sums"),
-    LAC_RG_FIELD_ROW(
-        FIELD(rg.field), LAC_RG_ELASTIC, 0,
-        "how shear spreads over the cells: elastic contact, equal springs with caps, or the "
-        "same stress on all (uniform), as a ramp with share: equal puts it on"),
+    LAC_RG_RULE_ROW(FIELD(rg.rule), 0, 0,
+                    "what a block that slips sheds: fix, the drop of its strength (the paper); "
+                    "cons, all above its residual strength; lump, as a point with its sums"),
+    LAC_RG_FIELD_ROW(FIELD(rg.field), LAC_RG_ELASTIC, 0,
+                     "how shear spreads over the cells: elastic contact, equal springs with caps, "
+                     "or the same stress on all (uniform), as a ramp with share: equal puts it on"),
     LAC_OWN("beta",
             "strength left after slip, as a number, a list, or from-friction; 0.7 if absent"),
     COULOMB_ROW(FIELD(rg.friction)),

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_CASE_SECTIONS_H
-#define LACUNA_CASE_SECTIONS_H
+#pragma once
 
 #include "case/schema.h"
 
@@ -146,5 +145,3 @@ typedef struct lac_case_source {
 /// lac_case_read_text with a units database that is there already.
 lac_status lac_case_build(const lac_units *units, const lac_case_source *from, lac_case **out,
                           lac_case_issues *report, lac_error *err);
-
-#endif

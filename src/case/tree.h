@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_CASE_TREE_H
-#define LACUNA_CASE_TREE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -53,5 +52,3 @@ bool lac_node_is_null(const lac_node *node);
 
 /// The dotted key of a node, list items by index; "" for the root.
 const char *lac_node_path(const lac_node *node, char *text, size_t size);
-
-#endif

@@ -146,9 +146,7 @@ lac_status lac_case_rebase(lac_case *c, const char *folder, lac_error *err)
     for (size_t i = 0; (path = lac_case_file(c, i)) != NULL; i++) {
         char *whole =
             (*path)[0] == '/' ? strdup(*path) : lac_path_below(folder, strlen(folder), *path);
-        if (whole == NULL) {
-            return lac_fail_memory(err);
-        }
+        LAC_FAIL_MEMORY_IF(whole == NULL, err);
         free(*path);
         *path = whole;
     }

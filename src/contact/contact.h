@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_CONTACT_CONTACT_H
-#define LACUNA_CONTACT_CONTACT_H
+#pragma once
 
 #include <stdint.h>
 
@@ -100,5 +99,3 @@ const lac_domain_source *lac_domain_source_get(size_t index);
 /// A domain from a source, every contact cell at the same pressure so that the load is held.
 lac_status lac_domain_from_source(const lac_model *model, const lac_grid *grid,
                                   double mean_pressure, lac_domain **domain, lac_error *err);
-
-#endif

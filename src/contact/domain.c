@@ -22,16 +22,13 @@ uint64_t lac_morton(uint32_t ix, uint32_t iy) { return spread_bits(ix) | spread_
 static lac_status check_grid(const lac_grid *grid, lac_error *err)
 {
     // Cells are counted in 32 bits throughout, with one number to spare for "one past the end".
-    if (grid->nx == 0 || grid->ny == 0 || grid->nx >= UINT32_MAX / grid->ny) {
-        return lac_fail(err, LAC_EINPUT,
-                        "an interface of %zu x %zu cells is not possible: at least one and fewer "
-                        "than 2^32 cells",
-                        grid->nx, grid->ny);
-    }
-    if (!(isfinite(grid->dx) && grid->dx > 0 && isfinite(grid->dy) && grid->dy > 0)) {
-        return lac_fail(err, LAC_EINPUT, "a cell of %g m x %g m is not possible: both must be > 0",
-                        grid->dx, grid->dy);
-    }
+    LAC_FAIL_IF(
+        grid->nx == 0 || grid->ny == 0 || grid->nx >= UINT32_MAX / grid->ny, err, LAC_EINPUT,
+        "an interface of %zu x %zu cells is not possible: at least one and fewer than 2^32 cells",
+        grid->nx, grid->ny);
+    LAC_FAIL_IF(!(isfinite(grid->dx) && grid->dx > 0 && isfinite(grid->dy) && grid->dy > 0), err,
+                LAC_EINPUT, "a cell of %g m x %g m is not possible: both must be > 0", grid->dx,
+                grid->dy);
     return LAC_OK;
 }
 
@@ -40,16 +37,12 @@ static lac_status count_contact(const lac_grid *grid, const double *pressure, si
 {
     *n = 0;
     for (size_t i = 0; i < lac_grid_cells(grid); i++) {
-        if (!(isfinite(pressure[i]) && pressure[i] >= 0)) {
-            return lac_fail(err, LAC_EINPUT,
-                            "the pressure of cell (%zu, %zu) is %g Pa: must be finite and >= 0",
-                            i % grid->nx, i / grid->nx, pressure[i]);
-        }
+        LAC_FAIL_IF(!(isfinite(pressure[i]) && pressure[i] >= 0), err, LAC_EINPUT,
+                    "the pressure of cell (%zu, %zu) is %g Pa: must be finite and >= 0",
+                    i % grid->nx, i / grid->nx, pressure[i]);
         *n += pressure[i] > 0;
     }
-    if (*n == 0) {
-        return lac_fail(err, LAC_EINPUT, "no cell is in contact: every pressure is 0");
-    }
+    LAC_FAIL_IF(*n == 0, err, LAC_EINPUT, "no cell is in contact: every pressure is 0");
     return LAC_OK;
 }
 
@@ -85,9 +78,7 @@ lac_status lac_domain_create(const lac_grid *grid, const double *pressure, lac_d
     LAC_TRY(check_grid(grid, err));
     LAC_TRY(count_contact(grid, pressure, &n, err));
     domain = calloc(1, sizeof *domain);
-    if (domain == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(domain == NULL, err);
     domain->grid = *grid;
     domain->index = malloc(n * sizeof *domain->index);
     domain->pressure = malloc(n * sizeof *domain->pressure);

@@ -26,58 +26,39 @@ lac_contact_def lac_contact_default(void)
 
 static lac_status check_control(const lac_contact_def *def, lac_error *err)
 {
-    if (def->control == LAC_CONTROL_LOAD &&
-        !(def->mean_pressure > 0.0 && isfinite(def->mean_pressure))) {
-        return lac_fail(err, LAC_EINPUT, "the mean pressure must be > 0 Pa, not %g",
-                        def->mean_pressure);
-    }
+    LAC_FAIL_IF(def->control == LAC_CONTROL_LOAD &&
+                    !(def->mean_pressure > 0.0 && isfinite(def->mean_pressure)),
+                err, LAC_EINPUT, "the mean pressure must be > 0 Pa, not %g", def->mean_pressure);
     if (def->control == LAC_CONTROL_APPROACH) {
         // Periodic faces without a gap carry any load beyond a certain one.
         double least = def->grid.periodic ? 0.0 : -DBL_MAX;
-        if (!(def->approach > least && isfinite(def->approach))) {
-            return lac_fail(err, LAC_EINPUT, "the approach must be finite%s, not %g m",
-                            def->grid.periodic ? " and > 0 between periodic faces" : "",
-                            def->approach);
-        }
+        LAC_FAIL_IF(!(def->approach > least && isfinite(def->approach)), err, LAC_EINPUT,
+                    "the approach must be finite%s, not %g m",
+                    def->grid.periodic ? " and > 0 between periodic faces" : "", def->approach);
     }
     return LAC_OK;
 }
 
 static lac_status check(const lac_contact_def *def, lac_error *err)
 {
-    lac_status status;
     const lac_grid *grid = &def->grid;
-    if (grid->nx == 0 || grid->ny == 0 || !(grid->dx > 0.0 && grid->dy > 0.0) ||
-        !isfinite(lac_grid_area(grid))) {
-        return lac_fail(err, LAC_EINPUT,
-                        "a grid of %zu x %zu cells of %g x %g m is not "
-                        "possible",
-                        grid->nx, grid->ny, grid->dx, grid->dy);
-    }
-    if (!(def->e_star > 0.0 && isfinite(def->e_star))) {
-        return lac_fail(err, LAC_EINPUT, "the modulus E* must be > 0 Pa, not %g", def->e_star);
-    }
-    status = check_control(def, err);
-    if (status != LAC_OK) {
-        return status;
-    }
-    if (!(def->tolerance > 0.0 && def->tolerance < 1.0)) {
-        return lac_fail(err, LAC_EINPUT, "the tolerance must lie between 0 and 1, not %g",
-                        def->tolerance);
-    }
-    if (def->max_iterations < 1) {
-        return lac_fail(err, LAC_EINPUT, "at least one iteration must be allowed");
-    }
+    LAC_FAIL_IF(grid->nx == 0 || grid->ny == 0 || !(grid->dx > 0.0 && grid->dy > 0.0) ||
+                    !isfinite(lac_grid_area(grid)),
+                err, LAC_EINPUT, "a grid of %zu x %zu cells of %g x %g m is not possible", grid->nx,
+                grid->ny, grid->dx, grid->dy);
+    LAC_FAIL_IF(!(def->e_star > 0.0 && isfinite(def->e_star)), err, LAC_EINPUT,
+                "the modulus E* must be > 0 Pa, not %g", def->e_star);
+    LAC_TRY_RETURN(check_control(def, err));
+    LAC_FAIL_IF(!(def->tolerance > 0.0 && def->tolerance < 1.0), err, LAC_EINPUT,
+                "the tolerance must lie between 0 and 1, not %g", def->tolerance);
+    LAC_FAIL_IF(def->max_iterations < 1, err, LAC_EINPUT, "at least one iteration must be allowed");
     for (size_t i = 0; i < lac_grid_cells(grid); i++) {
-        if (!isfinite(def->heights[i])) {
-            return lac_fail(err, LAC_EINPUT, "the height of cell (%zu, %zu) is %g", i % grid->nx,
-                            i / grid->nx, def->heights[i]);
-        }
-        if (def->start != NULL && !(def->start[i] >= 0.0 && isfinite(def->start[i]))) {
-            return lac_fail(err, LAC_EINPUT,
-                            "the first guess of the pressure of cell (%zu, %zu) is %g",
-                            i % grid->nx, i / grid->nx, def->start[i]);
-        }
+        LAC_FAIL_IF(!isfinite(def->heights[i]), err, LAC_EINPUT,
+                    "the height of cell (%zu, %zu) is %g", i % grid->nx, i / grid->nx,
+                    def->heights[i]);
+        LAC_FAIL_IF(def->start != NULL && !(def->start[i] >= 0.0 && isfinite(def->start[i])), err,
+                    LAC_EINPUT, "the first guess of the pressure of cell (%zu, %zu) is %g",
+                    i % grid->nx, i / grid->nx, def->start[i]);
     }
     return LAC_OK;
 }
@@ -109,9 +90,8 @@ static lac_status scale_heights(const lac_contact_def *def, double least, proble
     for (size_t i = 0; i < n && most > 0.0; i++) {
         p->h[i] = p->h[i] / p->h_rms;
     }
-    if (!isfinite(p->h_rms)) {
-        return lac_fail(err, LAC_EINPUT, "the heights span more than numbers can hold");
-    }
+    LAC_FAIL_IF(!isfinite(p->h_rms), err, LAC_EINPUT,
+                "the heights span more than numbers can hold");
     return LAC_OK;
 }
 
@@ -138,8 +118,8 @@ static lac_status scale_problem(const lac_contact_def *def, problem *p, lac_erro
     bool too_little = def->control == LAC_CONTROL_LOAD && p->h_rms > 0.0 && load == 0.0;
     if (!isfinite(p->unit) || too_little) {
         status = lac_fail(err, LAC_EINPUT,
-                          "a mean pressure of %g Pa is beyond what can be "
-                          "solved for E* = %g Pa and an rms height of %g m",
+                          "a mean pressure of %g Pa is beyond what can be solved for E* = %g Pa "
+                          "and an rms height of %g m",
                           def->mean_pressure, def->e_star, p->h_rms);
     }
 out:
@@ -185,9 +165,7 @@ static lac_status full_contact(const lac_contact_def *def, const problem *p, lac
         return LAC_OK; // edges have no such closed form
     }
     full f = {p, def->mean_pressure, NULL, malloc(p->at.ny * sizeof(bool))};
-    if (f.positive == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(f.positive == NULL, err);
     lac_filter_fill(s->filter, LAC_DOUBLE, height_row, &f);
     lac_half_space_unload(s);
     lac_filter_take(s->filter, full_row, &f);
@@ -272,8 +250,8 @@ static lac_status partial_contact(const lac_contact_def *def, const problem *p, 
                                   .approach = d.closest * p->h_rms};
     if (!lac_residual_holds(&d.residual, def->tolerance)) {
         status = lac_fail(err, LAC_ENUMERIC,
-                          "no convergence to %g after %lld iterations: complementarity "
-                          "%.3g, penetration %.3g of the rms height, load %.3g",
+                          "no convergence to %g after %lld iterations: complementarity %.3g, "
+                          "penetration %.3g of the rms height, load %.3g",
                           def->tolerance, (long long)d.iterations, d.residual.complementarity,
                           d.residual.penetration, d.residual.load);
     }

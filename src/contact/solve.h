@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_CONTACT_SOLVE_H
-#define LACUNA_CONTACT_SOLVE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -76,5 +75,3 @@ bool lac_residual_holds(const lac_residual *r, double tolerance);
 /// mean.
 lac_status lac_coarse_guess(const lac_extent *at, const double *h, const lac_descent *fine,
                             double *pressure, lac_error *err);
-
-#endif

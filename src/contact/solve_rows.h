@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_CONTACT_SOLVE_ROWS_H
-#define LACUNA_CONTACT_SOLVE_ROWS_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -81,5 +80,3 @@ void lac_ones_row(void *context, size_t j, void *row);
 /// p = max(0, p - tau t) on I, -tau_ov g where the bodies overlap outside; the change of p into the
 /// transform; sums: p, and g^2 of the cells that close.
 void lac_step_row(void *context, size_t j, void *row);
-
-#endif

@@ -96,9 +96,7 @@ static lac_status fill_kernel(lac_half_space *s, double dx, double dy, lac_error
     size_t n = s->my / 2 + 1;
     size_t corners = n + 1;
     double *low = malloc(4 * corners * sizeof *low);
-    if (low == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(low == NULL, err);
     double *high = &low[corners];
     double *work = &high[corners];
     love_corners(corners, -0.5 * dx, dy, low, work);
@@ -139,9 +137,7 @@ static lac_status fill_wavenumbers(lac_half_space *s, const lac_extent *extent, 
     s->dqx = extent->dqx * (double)s->nx / (double)s->mx;
     double dqy = extent->dqy * (double)s->ny / (double)s->my;
     s->qy2 = malloc((s->my / 2 + 1) * sizeof *s->qy2);
-    if (s->qy2 == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(s->qy2 == NULL, err);
     for (size_t j = 0; j <= s->my / 2; j++) {
         s->qy2[j] = (double)j * dqy * ((double)j * dqy);
     }
@@ -153,9 +149,7 @@ lac_status lac_half_space_create(const lac_extent *extent, lac_half_space **out,
     lac_status status;
     lac_half_space *s = calloc(1, sizeof *s);
     *out = NULL;
-    if (s == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(s == NULL, err);
     s->nx = extent->nx;
     s->ny = extent->ny;
     s->mx = extent->periodic || s->nx == 1 ? s->nx : 2 * s->nx;

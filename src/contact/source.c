@@ -86,10 +86,9 @@ static lac_status fill_cascade(const void *params, const lac_grid *grid, uint8_t
     const lac_cascade *p = params;
     bool line = grid->nx == 1 || grid->ny == 1;
     double highest = line ? 1 : 2;
-    if (!(p->dimension > 0 && p->dimension <= highest)) {
-        return lac_fail(err, LAC_EINPUT, "dimension %g: must be > 0 and <= %g on a %s",
-                        p->dimension, highest, line ? "line" : "plane");
-    }
+    LAC_FAIL_IF(!(p->dimension > 0 && p->dimension <= highest), err, LAC_EINPUT,
+                "dimension %g: must be > 0 and <= %g on a %s", p->dimension, highest,
+                line ? "line" : "plane");
     cascade c = {.grid = grid,
                  .seed = (uint64_t)p->seed,
                  .keep = keep_probability(p->dimension, line ? 2 : 4),
@@ -112,11 +111,10 @@ static const lac_param cascade_params[] = {
 
 static const lac_domain_source random_cascade = {
     .info = {.name = "cascade",
-             .summary = "random dyadic cascade: every block keeps some of its four quarters, at "
-                        "least one",
-             .reference =
-                 "Mandelbrot (1974) J. Fluid Mech. 62, 331, doi 10.1017/S0022112074000711; "
-                 "docs/theory/transfer.md, \"Random cascades\"",
+             .summary =
+                 "random dyadic cascade: every block keeps some of its four quarters, at least one",
+             .reference = "Mandelbrot (1974) J. Fluid Mech. 62, 331, doi "
+                          "10.1017/S0022112074000711; docs/theory/transfer.md, \"Random cascades\"",
              LAC_ROWS(cascade_params, lac_cascade)},
     .fill = fill_cascade,
 };
@@ -169,23 +167,15 @@ lac_status lac_domain_from_source(const lac_model *model, const lac_grid *grid,
     lac_status status = LAC_OK;
     uint8_t *occupied = NULL;
     double *pressure = NULL;
-    if (model->info == NULL) {
-        return lac_fail(err, LAC_EINPUT, "no contact domain is chosen");
-    }
-    if (!(isfinite(mean_pressure) && mean_pressure > 0)) {
-        return lac_fail(err, LAC_EINPUT, "the mean pressure is %g Pa: must be finite and > 0",
-                        mean_pressure);
-    }
-    if (grid->nx == 0 || grid->ny == 0 || grid->nx >= UINT32_MAX / grid->ny) {
-        return lac_fail(err, LAC_EINPUT, "a domain of %zu x %zu cells is not possible", grid->nx,
-                        grid->ny);
-    }
+    LAC_FAIL_IF(model->info == NULL, err, LAC_EINPUT, "no contact domain is chosen");
+    LAC_FAIL_IF(!(isfinite(mean_pressure) && mean_pressure > 0), err, LAC_EINPUT,
+                "the mean pressure is %g Pa: must be finite and > 0", mean_pressure);
+    LAC_FAIL_IF(grid->nx == 0 || grid->ny == 0 || grid->nx >= UINT32_MAX / grid->ny, err,
+                LAC_EINPUT, "a domain of %zu x %zu cells is not possible", grid->nx, grid->ny);
     // The descriptor is the first member of the source's row.
     const lac_domain_source *source = (const void *)model->info;
-    if (source->fill == NULL) {
-        return lac_fail(err, LAC_EINPUT, "domain %s: its cells are the scene's to read",
-                        source->info.name);
-    }
+    LAC_FAIL_IF(source->fill == NULL, err, LAC_EINPUT,
+                "domain %s: its cells are the scene's to read", source->info.name);
     size_t cells = lac_grid_cells(grid);
     occupied = calloc(cells, sizeof *occupied);
     pressure = malloc(cells * sizeof *pressure);

@@ -20,35 +20,23 @@ lac_tangential_def lac_tangential_default(void)
 lac_status lac_tangential_check(const lac_tangential_def *def, lac_error *err)
 {
     const lac_grid *grid = &def->grid;
-    if (grid->nx == 0 || grid->ny == 0 || !(grid->dx > 0.0 && grid->dy > 0.0) ||
-        !isfinite(lac_grid_area(grid)) || lac_grid_cells(grid) > UINT32_MAX) {
-        return lac_fail(err, LAC_EINPUT, "a grid of %zu x %zu cells of %g x %g m is not possible",
-                        grid->nx, grid->ny, grid->dx, grid->dy);
-    }
-    if (!(def->e_star > 0.0 && isfinite(def->e_star))) {
-        return lac_fail(err, LAC_EINPUT, "the modulus E* must be > 0 Pa, not %g", def->e_star);
-    }
-    if (!(def->poisson >= 0.0 && def->poisson <= 0.5)) {
-        return lac_fail(err, LAC_EINPUT, "Poisson's ratio must lie between 0 and 0.5, not %g",
-                        def->poisson);
-    }
-    if (!(def->friction > 0.0 && isfinite(def->friction))) {
-        return lac_fail(err, LAC_EINPUT, "the friction coefficient must be > 0, not %g",
-                        def->friction);
-    }
-    if (!(def->tolerance > 0.0 && def->tolerance < 1.0)) {
-        return lac_fail(err, LAC_EINPUT, "the tolerance must lie between 0 and 1, not %g",
-                        def->tolerance);
-    }
-    if (def->max_iterations < 1) {
-        return lac_fail(err, LAC_EINPUT, "at least one iteration must be allowed");
-    }
+    LAC_FAIL_IF(grid->nx == 0 || grid->ny == 0 || !(grid->dx > 0.0 && grid->dy > 0.0) ||
+                    !isfinite(lac_grid_area(grid)) || lac_grid_cells(grid) > UINT32_MAX,
+                err, LAC_EINPUT, "a grid of %zu x %zu cells of %g x %g m is not possible", grid->nx,
+                grid->ny, grid->dx, grid->dy);
+    LAC_FAIL_IF(!(def->e_star > 0.0 && isfinite(def->e_star)), err, LAC_EINPUT,
+                "the modulus E* must be > 0 Pa, not %g", def->e_star);
+    LAC_FAIL_IF(!(def->poisson >= 0.0 && def->poisson <= 0.5), err, LAC_EINPUT,
+                "Poisson's ratio must lie between 0 and 0.5, not %g", def->poisson);
+    LAC_FAIL_IF(!(def->friction > 0.0 && isfinite(def->friction)), err, LAC_EINPUT,
+                "the friction coefficient must be > 0, not %g", def->friction);
+    LAC_FAIL_IF(!(def->tolerance > 0.0 && def->tolerance < 1.0), err, LAC_EINPUT,
+                "the tolerance must lie between 0 and 1, not %g", def->tolerance);
+    LAC_FAIL_IF(def->max_iterations < 1, err, LAC_EINPUT, "at least one iteration must be allowed");
     double softness = lac_tangential_softness(def);
-    if (!(softness > 0.0 && isfinite(softness))) {
-        return lac_fail(err, LAC_EINPUT,
-                        "cells of %g x %g m of a modulus of %g Pa are beyond numbers", grid->dx,
-                        grid->dy, def->e_star);
-    }
+    LAC_FAIL_IF(!(softness > 0.0 && isfinite(softness)), err, LAC_EINPUT,
+                "cells of %g x %g m of a modulus of %g Pa are beyond numbers", grid->dx, grid->dy,
+                def->e_star);
     return LAC_OK;
 }
 
@@ -67,9 +55,7 @@ lac_status lac_tangential_create(const lac_tangential_def *def, lac_tangential *
     *out = NULL;
     LAC_TRY(lac_tangential_check(def, err));
     t = calloc(1, sizeof *t);
-    if (t == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(t == NULL, err);
     const size_t cells = lac_grid_cells(&def->grid);
     t->def = *def;
     t->softness = lac_tangential_softness(def);
@@ -105,34 +91,29 @@ lac_status lac_tangential_check_pressure(const lac_tangential_def *def, const do
     const size_t cells = lac_grid_cells(grid);
     *pressed = (lac_pressed){0};
     for (size_t i = 0; i < cells; i++) {
-        if (!(pressure[i] >= 0.0 && isfinite(pressure[i]))) {
-            return lac_fail(err, LAC_EINPUT,
-                            "the pressure of cell (%zu, %zu) must be finite and >= 0, not %g",
-                            i % grid->nx, i / grid->nx, pressure[i]);
-        }
+        LAC_FAIL_IF(!(pressure[i] >= 0.0 && isfinite(pressure[i])), err, LAC_EINPUT,
+                    "the pressure of cell (%zu, %zu) must be finite and >= 0, not %g", i % grid->nx,
+                    i / grid->nx, pressure[i]);
         pressed->n += pressure[i] > 0.0 ? 1 : 0;
         pressed->mean += pressure[i] / (double)cells;
         pressed->most = fmax(pressed->most, pressure[i]);
     }
-    if (pressed->n == 0) {
-        return lac_fail(err, LAC_EINPUT, "no cell is in contact: there is nothing to shear");
-    }
+    LAC_FAIL_IF(pressed->n == 0, err, LAC_EINPUT,
+                "no cell is in contact: there is nothing to shear");
     double strength = def->friction * pressed->most;
-    if (!(strength >= DBL_MIN && strength <= 1e-4 * DBL_MAX / (double)cells)) {
-        return lac_fail(err, LAC_EINPUT, "a friction of %g times %g Pa is beyond numbers",
-                        def->friction, pressed->most);
-    }
+    LAC_FAIL_IF(!(strength >= DBL_MIN && strength <= 1e-4 * DBL_MAX / (double)cells), err,
+                LAC_EINPUT, "a friction of %g times %g Pa is beyond numbers", def->friction,
+                pressed->most);
     return LAC_OK;
 }
 
 static lac_status check_target(const lac_tangential_target *target, lac_error *err)
 {
     for (int axis = 0; axis < 2; axis++) {
-        if (!isfinite(target->value[axis])) {
-            return lac_fail(err, LAC_EINPUT, "the shear %s along %c must be finite, not %g",
-                            target->control[axis] == LAC_SHEAR_LOAD ? "load" : "shift",
-                            axis == 0 ? 'x' : 'y', target->value[axis]);
-        }
+        LAC_FAIL_IF(!isfinite(target->value[axis]), err, LAC_EINPUT,
+                    "the shear %s along %c must be finite, not %g",
+                    target->control[axis] == LAC_SHEAR_LOAD ? "load" : "shift",
+                    axis == 0 ? 'x' : 'y', target->value[axis]);
     }
     return LAC_OK;
 }
@@ -148,12 +129,10 @@ static lac_status check_strength(const lac_tangential_def *def, const lac_tangen
         }
     }
     double strength = def->friction * mean_pressure;
-    if (load > 0.0 && !(load < strength * (1.0 - 1e-12))) {
-        return lac_fail(err, LAC_EINPUT,
-                        "a shear load of %.10g Pa is not below the friction f p = %g x %.10g = "
-                        "%.10g Pa: all cells slide, and only a given shift says how far",
-                        load, def->friction, mean_pressure, strength);
-    }
+    LAC_FAIL_IF(load > 0.0 && !(load < strength * (1.0 - 1e-12)), err, LAC_EINPUT,
+                "a shear load of %.10g Pa is not below the friction f p = %g x %.10g = %.10g Pa: "
+                "all cells slide, and only a given shift says how far",
+                load, def->friction, mean_pressure, strength);
     return LAC_OK;
 }
 
@@ -170,9 +149,7 @@ lac_status lac_shear_step_create(lac_shear_step *s, size_t n, lac_error *err)
     s->cell = malloc((n + 1) * sizeof *s->cell); // an empty contact has no cells
     s->work = calloc(7 * n + 1, sizeof *s->work);
     s->limited = calloc(n + 1, sizeof *s->limited);
-    if (s->cell == NULL || s->work == NULL || s->limited == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(s->cell == NULL || s->work == NULL || s->limited == NULL, err);
     s->p.cell = s->cell;
     s->p.limit = s->work;
     s->p.before = s->work + n;
@@ -221,10 +198,8 @@ static lac_status fill_target(lac_tangential *t, const lac_tangential_target *ta
         s->p.load[axis] = held ? target->value[axis] / s->unit * cells : 0.0;
         s->p.shift[axis] =
             held ? 0.0 : (target->value[axis] - t->shift[axis]) / t->softness / s->unit;
-        if (!isfinite(s->p.shift[axis] * s->p.shift[axis])) {
-            return lac_fail(err, LAC_EINPUT, "a shift of %g m is beyond numbers",
-                            target->value[axis]);
-        }
+        LAC_FAIL_IF(!isfinite(s->p.shift[axis] * s->p.shift[axis]), err, LAC_EINPUT,
+                    "a shift of %g m is beyond numbers", target->value[axis]);
         t->space->used[axis] = t->used[axis] || target->value[axis] != 0.0;
     }
     return LAC_OK;
@@ -333,8 +308,8 @@ static lac_status solve_step(lac_tangential *t, const double *pressure, const la
     report->products = s.p.products;
     if (!(s.p.residual <= t->def.tolerance)) {
         status = lac_fail(err, LAC_ENUMERIC,
-                          "no convergence of the shear tractions to %g after %lld iterations: "
-                          "%.3g of the displacements",
+                          "no convergence of the shear tractions to %g after %lld iterations: %.3g "
+                          "of the displacements",
                           t->def.tolerance, (long long)s.p.iterations, s.p.residual);
         goto out;
     }

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_CONTACT_TANGENTIAL_H
-#define LACUNA_CONTACT_TANGENTIAL_H
+#pragma once
 
 #include <stdint.h>
 
@@ -94,5 +93,3 @@ typedef struct lac_first_slip {
 lac_status lac_tangential_first_slip(const lac_tangential_def *def, const double *pressure,
                                      const double direction[2], double *traction,
                                      lac_first_slip *result, lac_error *err);
-
-#endif

@@ -372,9 +372,7 @@ static lac_status allocate(iteration *it, lac_error *err)
     double *work = calloc(21 * n, sizeof *work);
     it->next_limited = malloc(n);
     it->g = work;
-    if (work == NULL || it->next_limited == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(work == NULL || it->next_limited == NULL, err);
     double **vectors[] = {&it->phi,     &it->phi_old, &it->z,   &it->t,
                           &it->tau_old, &it->u_old,   &it->next};
     for (size_t k = 0; k < 7; k++) {

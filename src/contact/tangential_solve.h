@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_CONTACT_TANGENTIAL_SOLVE_H
-#define LACUNA_CONTACT_TANGENTIAL_SOLVE_H
+#pragma once
 
 #include <stdint.h>
 
@@ -76,5 +75,3 @@ lac_status lac_tangential_check_pressure(const lac_tangential_def *def, const do
 
 /// Displacements in the unit of lac_shear_space to metres [m/Pa].
 double lac_tangential_softness(const lac_tangential_def *def);
-
-#endif

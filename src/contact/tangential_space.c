@@ -174,9 +174,7 @@ lac_status lac_shear_space_create(const lac_grid *grid, double poisson, lac_shea
     lac_status status;
     lac_shear_space *s = calloc(1, sizeof *s);
     *out = NULL;
-    if (s == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(s == NULL, err);
     s->nx = grid->nx;
     s->ny = grid->ny;
     s->length = fmax((double)grid->nx * grid->dx, (double)grid->ny * grid->dy);

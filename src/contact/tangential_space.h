@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_CONTACT_TANGENTIAL_SPACE_H
-#define LACUNA_CONTACT_TANGENTIAL_SPACE_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -35,5 +34,3 @@ void lac_shear_space_unload(lac_shear_space *s);
 
 /// x . C x of x = real by Parseval's theorem; real and spectrum are destroyed.
 double lac_shear_space_energy(lac_shear_space *s);
-
-#endif

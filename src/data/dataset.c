@@ -2,6 +2,7 @@
 // What a result is made of: named variables, each with a row that tells of it and a way to its
 // values.
 #include "data/dataset.h"
+#include "base/fail.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -12,9 +13,7 @@
 lac_status lac_dataset_create(const char *summary, lac_dataset **out, lac_error *err)
 {
     *out = calloc(1, sizeof **out);
-    if (*out == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(*out == NULL, err);
     (*out)->summary = summary;
     return LAC_OK;
 }
@@ -63,9 +62,7 @@ lac_status lac_dataset_dims(lac_dataset *dataset, const lac_extent *extent, size
         return LAC_OK;
     }
     lac_extent *grown = realloc(dataset->dim, (dataset->dims + n) * sizeof *grown);
-    if (grown == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(grown == NULL, err);
     for (size_t i = 0; i < n; i++) {
         grown[dataset->dims++] = extent[i];
     }
@@ -110,17 +107,14 @@ static lac_status check_row(const lac_dataset *dataset, const lac_entry *entry, 
     const char *name = entry->row->name != NULL ? entry->row->name : "";
     for (const char *at = dims_of(entry); *at != '\0'; at += at[0] == ' ') {
         const size_t size = strcspn(at, " ");
-        if (find_dim(dataset, at, size) == NULL || ++rank > LAC_MOST_DIMS) {
-            return lac_fail(err, LAC_EINPUT, "dataset: %s: \"%s\" is no dimension, or one too many",
-                            name, at);
-        }
+        LAC_FAIL_IF(find_dim(dataset, at, size) == NULL || ++rank > LAC_MOST_DIMS, err, LAC_EINPUT,
+                    "dataset: %s: \"%s\" is no dimension, or one too many", name, at);
         at += size;
     }
     for (const char *at = entry->row->json; at != NULL && *at != '\0'; at += at[0] == '/') {
         const size_t size = strcspn(at, "/");
-        if (size >= LAC_JSON_NAME) {
-            return lac_fail(err, LAC_EINPUT, "dataset: \"%s\" is too long a path", at);
-        }
+        LAC_FAIL_IF(size >= LAC_JSON_NAME, err, LAC_EINPUT, "dataset: \"%s\" is too long a path",
+                    at);
         at += size;
     }
     return dataset->entries < LAC_MOST_ROWS
@@ -137,9 +131,7 @@ static lac_status add_entry(lac_dataset *dataset, const lac_entry *entry, lac_er
     if (dataset->entries == dataset->room) {
         const size_t room = 2 * dataset->room + 32;
         lac_entry *grown = realloc(dataset->entry, room * sizeof *grown);
-        if (grown == NULL) {
-            return lac_fail_memory(err);
-        }
+        LAC_FAIL_MEMORY_IF(grown == NULL, err);
         dataset->entry = grown;
         dataset->room = room;
     }
@@ -176,10 +168,7 @@ lac_status lac_dataset_add_named(lac_dataset *dataset, const lac_variable *row,
 {
     const lac_entry entry = {.row = row, .over = "", .of = of};
     bool good = true;
-    lac_status status = add_entry(dataset, &entry, err);
-    if (status != LAC_OK) {
-        return status;
-    }
+    LAC_TRY_RETURN(add_entry(dataset, &entry, err));
     dataset->entry[dataset->entries - 1].named =
         (lac_named){.name = copy(named->name, &good),
                     .long_name = copy(named->long_name, &good),

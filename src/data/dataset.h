@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_DATA_DATASET_H
-#define LACUNA_DATA_DATASET_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -237,5 +236,3 @@ void lac_dataset_json(const lac_dataset *dataset, lac_json *json);
 /// What a function that describes ends with: frees what it made of a dataset where it failed.
 /// @return status, unchanged
 lac_status lac_dataset_described(lac_dataset **dataset, lac_status status);
-
-#endif

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_DATA_DESCRIBE_H
-#define LACUNA_DATA_DESCRIBE_H
+#pragma once
 
 // How a module writes down the tables of its result.
 
@@ -46,5 +45,3 @@
     {                                                      \
         .json = (path), .dims = (dims_), .value = (getter) \
     }
-
-#endif

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_DATA_JSON_H
-#define LACUNA_DATA_JSON_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -42,5 +41,3 @@ void lac_json_texts(lac_json *json, const char *const *pair);
 
 /// Bytes in base 64.
 void lac_json_bytes(lac_json *json, const char *key, const uint8_t *bytes, size_t n);
-
-#endif

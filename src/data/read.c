@@ -69,9 +69,7 @@ static lac_status ask(const lac_dataset *dataset, const char *name, bool text, l
                       lac_error *err)
 {
     *out = find(dataset, name);
-    if (out->name == NULL) {
-        return lac_fail(err, LAC_EINPUT, "dataset: has no variable \"%s\"", name);
-    }
+    LAC_FAIL_IF(out->name == NULL, err, LAC_EINPUT, "dataset: has no variable \"%s\"", name);
     return out->is_text == text ? LAC_OK
                                 : lac_fail(err, LAC_EINPUT, "dataset: %s: holds %s", name,
                                            text ? "numbers, no texts" : "texts, no numbers");
@@ -84,10 +82,8 @@ lac_status lac_dataset_values(const lac_dataset *dataset, const char *name, size
     lac_status status;
     LAC_TRY(LAC_NEED(err, dataset, name, out));
     LAC_TRY(ask(dataset, name, false, &item, err));
-    if (item.count != n) {
-        return lac_fail(err, LAC_EINPUT, "dataset: %s: has %zu values, asked for %zu", name,
-                        item.count, n);
-    }
+    LAC_FAIL_IF(item.count != n, err, LAC_EINPUT, "dataset: %s: has %zu values, asked for %zu",
+                name, item.count, n);
     lac_item_values(&item, out);
 out:
     return status;
@@ -101,16 +97,12 @@ lac_status lac_dataset_text(const lac_dataset *dataset, const char *name, size_t
     lac_status status;
     LAC_TRY(LAC_NEED(err, dataset, name, text));
     LAC_TRY(ask(dataset, name, true, &item, err));
-    if (place >= item.count) {
-        return lac_fail(err, LAC_EINPUT, "dataset: %s: has %zu texts, none at %zu", name,
-                        item.count, place);
-    }
+    LAC_FAIL_IF(place >= item.count, err, LAC_EINPUT, "dataset: %s: has %zu texts, none at %zu",
+                name, item.count, place);
     const char *found = lac_item_text(&item, place, room);
     const size_t length = found != NULL ? strlen(found) : 0;
-    if (length >= size) {
-        return lac_fail(err, LAC_EINPUT, "dataset: %s: takes %zu bytes, not %zu", name, length + 1,
-                        size);
-    }
+    LAC_FAIL_IF(length >= size, err, LAC_EINPUT, "dataset: %s: takes %zu bytes, not %zu", name,
+                length + 1, size);
     memcpy(text, found != NULL ? found : "", length + 1);
 out:
     return status;
@@ -119,15 +111,10 @@ out:
 lac_status lac_dataset_to_json(const lac_dataset *dataset, char **text, lac_error *err)
 {
     size_t size = 0;
-    lac_status status = LAC_NEED(err, dataset, text);
-    if (status != LAC_OK) {
-        return status;
-    }
+    LAC_TRY_RETURN(LAC_NEED(err, dataset, text));
     *text = NULL;
     lac_json json = {.out = open_memstream(text, &size)};
-    if (json.out == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(json.out == NULL, err);
     lac_json_open(&json, NULL, '{');
     lac_dataset_json(dataset, &json);
     lac_json_close(&json, '}');

@@ -47,10 +47,7 @@ out:
 // What was computed is handed out whole, also where it was interrupted.
 static lac_status hand_out(fit_made *f, lac_status computed, lac_dataset **out, lac_error *err)
 {
-    lac_status status = lac_fit_describe(&f->outcome, out, err);
-    if (status != LAC_OK) {
-        return status;
-    }
+    LAC_TRY_RETURN(lac_fit_describe(&f->outcome, out, err));
     lac_dataset_keep(*out, f, fit_made_free, &f->made.provenance);
     return computed == LAC_OK ? lac_fit_trust(&f->result, err) : computed;
 }

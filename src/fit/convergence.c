@@ -92,9 +92,8 @@ lac_status lac_chain_converged(const lac_chain *chain, size_t coordinate, lac_co
                                lac_error *err)
 {
     size_t n = chain->walkers * chain->steps;
-    if (chain->steps < 8) {
-        return lac_fail(err, LAC_EINPUT, "%zu steps are too few to judge a chain by", chain->steps);
-    }
+    LAC_FAIL_IF(chain->steps < 8, err, LAC_EINPUT, "%zu steps are too few to judge a chain by",
+                chain->steps);
     double *x = calloc(3 * n, sizeof *x);
     size_t *order = malloc(n * sizeof *order);
     if (x == NULL || order == NULL) {

@@ -14,11 +14,9 @@ void lac_fit_data_clear(lac_fit_data *data)
 static lac_status check_reading(const lac_case *c, const lac_series *series, size_t i, double sigma,
                                 lac_error *err)
 {
-    if (c->fit.sigma != NULL && !isnan(series->displacement[i]) && !(sigma > 0.0)) {
-        return lac_fail(err, LAC_EINPUT,
-                        "line %zu: %s: the standard error of a displacement must be > 0",
-                        series->line[i], c->fit.sigma);
-    }
+    LAC_FAIL_IF(c->fit.sigma != NULL && !isnan(series->displacement[i]) && !(sigma > 0.0), err,
+                LAC_EINPUT, "line %zu: %s: the standard error of a displacement must be > 0",
+                series->line[i], c->fit.sigma);
     return LAC_OK;
 }
 
@@ -31,10 +29,7 @@ static lac_status keep(const lac_case *c, const lac_series *series, lac_fit_data
         double slip = series->displacement != NULL ? series->displacement[i] : NAN;
         double rate = series->velocity != NULL ? series->velocity[i] : NAN;
         double sigma = c->fit.sigma != NULL ? series->value[i] : 1.0;
-        lac_status status = check_reading(c, series, i, sigma, err);
-        if (status != LAC_OK) {
-            return status;
-        }
+        LAC_TRY_RETURN(check_reading(c, series, i, sigma, err));
         out->not_positive += rate <= 0.0 ? 1 : 0;
         rate = rate > 0.0 ? rate : NAN;
         if (!(t >= 0.0) || t > c->run.end) {
@@ -59,14 +54,10 @@ lac_status lac_fit_data_read(const lac_case *c, const lac_series *series, lac_fi
                              lac_error *err)
 {
     *out = (lac_fit_data){.missing = series->missing};
-    if (series->dated && !c->dated) {
-        return lac_fail(err, LAC_EINPUT, "the series has dates, so time.start of %s must be a date",
-                        c->path);
-    }
+    LAC_FAIL_IF(series->dated && !c->dated, err, LAC_EINPUT,
+                "the series has dates, so time.start of %s must be a date", c->path);
     out->time = malloc(4 * (series->n + 1) * sizeof *out->time);
-    if (out->time == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(out->time == NULL, err);
     out->displacement = out->time + series->n + 1;
     out->log_rate = out->displacement + series->n + 1;
     out->sigma = out->log_rate + series->n + 1;

@@ -29,9 +29,8 @@ static lac_status set_parameters(lac_fit *fit, lac_case *c, lac_error *err)
     for (size_t k = 0; k < fit->def->count; k++) {
         const lac_fit_parameter *p = &fit->def->parameter[k];
         lac_case_value value;
-        if (!lac_case_find(c, p->key, &value)) {
-            return lac_fail(err, LAC_EINPUT, "fit.parameters.%s: is not in the case", p->key);
-        }
+        LAC_FAIL_IF(!lac_case_find(c, p->key, &value), err, LAC_EINPUT,
+                    "fit.parameters.%s: is not in the case", p->key);
         fit->low[k] = p->log ? log(p->low) : p->low;
         fit->high[k] = p->log ? log(p->high) : p->high;
         fit->best[k] = p->log ? log(*value.at) : *value.at;
@@ -79,9 +78,7 @@ static lac_status create_models(lac_fit *fit, int threads, lac_error *err)
     lac_status status = LAC_OK;
     fit->threads = threads > 1 ? threads : 1;
     fit->model = calloc((size_t)fit->threads, sizeof *fit->model);
-    if (fit->model == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(fit->model == NULL, err);
     for (int i = 0; status == LAC_OK && i < fit->threads; i++) {
         status = lac_fit_model_create(fit, &fit->model[i], err);
     }
@@ -94,9 +91,7 @@ lac_status lac_fit_create(const lac_case *c, const lac_series *series, int threa
     lac_status status = LAC_OK;
     *out = NULL;
     lac_fit *fit = calloc(1, sizeof *fit);
-    if (fit == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(fit == NULL, err);
     fit->source = c;
     fit->def = &c->fit;
     fit->text = lac_case_text(c);

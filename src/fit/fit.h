@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_FIT_FIT_H
-#define LACUNA_FIT_FIT_H
+#pragma once
 
 #include "fit/sampler.h"
 #include "lacuna/fit.h"
@@ -142,5 +141,3 @@ void lac_fit_apply(const lac_fit_result *result, lac_case *c);
 /// @param x  [unknowns] in the order of the result
 /// @return -INFINITY where a run fails before the last reading, or cannot be computed
 double lac_fit_log_posterior(lac_fit *fit, int thread, const double *x);
-
-#endif

@@ -72,10 +72,7 @@ static lac_status roll(forecast_made *f, const lac_forecast_def *def, const lac_
 {
     const lac_forecast_options *o = &f->options;
     const size_t most = o->issues < readings->n ? o->issues : readings->n;
-    lac_status status = lac_indicator_series_create(&f->evidence, most, &f->indicator_series, err);
-    if (status != LAC_OK) {
-        return status;
-    }
+    LAC_TRY_RETURN(lac_indicator_series_create(&f->evidence, most, &f->indicator_series, err));
     const lac_rolling_watch watch = {.context = o->context,
                                      .go_on = o->go_on,
                                      .seer = f->indicator_series,

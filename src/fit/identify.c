@@ -95,9 +95,7 @@ static lac_status find_shape(const lac_fit *fit, lac_fit_result *result, lac_err
     }
     size_t n = chain->walkers * chain->steps;
     double *shape = calloc(n, sizeof *shape);
-    if (shape == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(shape == NULL, err);
     for (size_t i = 0; i < n; i++) {
         shape[i] = shape_at(fit, chain->x + i * chain->dimension);
     }

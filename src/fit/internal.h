@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_FIT_INTERNAL_H
-#define LACUNA_FIT_INTERNAL_H
+#pragma once
 
 #include <math.h>
 
@@ -184,5 +183,3 @@ static inline double lac_fit_value(bool log_scale, double u) { return log_scale 
 
 // Quantiles of the result, of n numbers, which are sorted; INFINITY counts as a number.
 void lac_fit_quantiles(size_t n, double *x, double quantile[LAC_FIT_QUANTILES]);
-
-#endif

@@ -23,9 +23,7 @@ lac_status lac_kernels_create(size_t count, size_t dimension, lac_kernels *out, 
     *out = (lac_kernels){.count = count, .dimension = d, .next = next > d + 2 ? next : d + 2};
     out->next = out->next < count ? out->next : count - 1;
     double *room = calloc(count * (d + d * d + 3) + d * d + d, sizeof *room);
-    if (room == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(room == NULL, err);
     out->place = room;
     out->root = out->place + count * d;
     out->mean = out->root + d * d;

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_FIT_KERNEL_H
-#define LACUNA_FIT_KERNEL_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "lacuna/error.h"
+#include "base/fail.h"
 
 /// Cholesky's lower triangle in the place of a matrix; GSL's own ends the program where there is
 /// none. What depends on the rows before it gets 0.
@@ -47,5 +46,3 @@ void lac_kernels_draw(const lac_kernels *k, size_t which, double *z, const doubl
 /// @param scratch  [2 dimension]
 /// @cost  O(count dimension^2)
 double lac_kernels_log(const lac_kernels *k, const double *x, double *scratch);
-
-#endif

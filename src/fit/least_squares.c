@@ -197,9 +197,7 @@ static lac_status search_create(lac_fit *fit, const lac_fit_watch *watch, search
     size_t count = fit->def->count;
     *s = (search){.fit = fit, .watch = watch};
     s->room = calloc((6 + 2 * count) * n, sizeof *s->room);
-    if (s->room == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(s->room == NULL, err);
     double *at = s->room;
     double **parts[] = {&s->seen.slip, &s->seen.log_rate, &s->r, &s->by, &s->white, &s->one};
     for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++, at += n) {
@@ -434,11 +432,11 @@ lac_status lac_fit_least_squares(lac_fit *fit, const lac_fit_watch *watch, lac_f
     if (interrupted(watch)) {
         status = lac_fail(err, LAC_EINTERRUPT, "interrupted in the least squares");
     } else if (kept == 0) {
-        status = lac_fail(err, LAC_ENUMERIC,
-                          "none of %zu starts can be followed to the last reading: every run fails "
-                          "before it, or cannot be computed; look at the ranges and the case's own "
-                          "values",
-                          result->tried);
+        status = lac_fail(
+            err, LAC_ENUMERIC,
+            "none of %zu starts can be followed to the last reading: every run fails before it, or "
+            "cannot be computed; look at the ranges and the case's own values",
+            result->tried);
     } else {
         (void)rate_start(&s, fit->best);
         status = find_covariance(&s, err);

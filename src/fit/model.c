@@ -35,10 +35,8 @@ static lac_status variant_create(const lac_fit *fit, lac_fit_variant *v, lac_err
     lac_case_issues_clear(&report);
     for (size_t k = 0; status == LAC_OK && k < fit->def->count; k++) {
         lac_case_value value;
-        if (!lac_case_find(v->c, fit->def->parameter[k].key, &value)) {
-            return lac_fail(err, LAC_EINPUT, "fit.parameters.%s: is not in the resolved case",
-                            fit->def->parameter[k].key);
-        }
+        LAC_FAIL_IF(!lac_case_find(v->c, fit->def->parameter[k].key, &value), err, LAC_EINPUT,
+                    "fit.parameters.%s: is not in the resolved case", fit->def->parameter[k].key);
         v->at[k] = value.at;
     }
     return status;
@@ -48,9 +46,7 @@ lac_status lac_fit_model_create(const lac_fit *fit, lac_fit_model *model, lac_er
 {
     *model = (lac_fit_model){.fit = fit, .rtol = loose};
     model->scratch = malloc(5 * (fit->data.n + 1) * sizeof *model->scratch);
-    if (model->scratch == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(model->scratch == NULL, err);
     lac_status status = lac_load_files_create(&model->files, err);
     return status == LAC_OK ? variant_create(fit, &model->base, err) : status;
 }
@@ -85,9 +81,7 @@ static lac_status bring(lac_fit_model *model, lac_fit_variant *v, const double *
     const lac_fit *fit = model->fit;
     lac_fit_put(fit->def, u, v->at);
     const char *fault = lac_case_validate(v->c);
-    if (fault != NULL) {
-        return lac_fail(err, LAC_EINPUT, "%s", fault);
-    }
+    LAC_FAIL_IF(fault != NULL, err, LAC_EINPUT, "%s", fault);
     if (v->scene != NULL && fit->moves_all) {
         lac_scene_free(v->scene);
         v->scene = NULL;
@@ -150,9 +144,7 @@ static lac_status make_nudged(lac_fit_model *model, lac_error *err)
         return LAC_OK;
     }
     model->nudged = calloc(count, sizeof *model->nudged);
-    if (model->nudged == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(model->nudged == NULL, err);
     for (size_t i = 0; status == LAC_OK && i < count; i++) {
         status = variant_create(model->fit, &model->nudged[i], err);
     }
@@ -312,9 +304,7 @@ lac_status lac_fit_model_differentiate(lac_fit_model *model, const double *u, la
     def.perturbations = sensitive;
     def.perturbation = perturbation;
     LAC_TRY(lac_sensitivity_run(&def, &seen, err));
-    if (seen.reached < data->n) {
-        return lac_fail(err, LAC_ENUMERIC, "fails before the last reading");
-    }
+    LAC_FAIL_IF(seen.reached < data->n, err, LAC_ENUMERIC, "fails before the last reading");
     spread_columns(data->n, count, sensitive, by, out->slip_by);
     spread_columns(data->n, count, sensitive, by, out->log_rate_by);
     for (size_t k = 0; k < count; k++) {

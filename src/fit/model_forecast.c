@@ -135,17 +135,13 @@ static lac_status foresee(void *context, const lac_motion *m, double now, lac_fo
                                .displacement = v ? NULL : m->displacement,
                                .velocity = v ? m->velocity : NULL,
                                .value = m->sigma};
-    if (how->dated && !c->dated) {
-        return lac_fail(err, LAC_EINPUT, "the series has dates, so time.start of %s must be a date",
-                        c->path);
-    }
+    LAC_FAIL_IF(how->dated && !c->dated, err, LAC_EINPUT,
+                "the series has dates, so time.start of %s must be a date", c->path);
     const size_t inside = readings_within(c, m, shift);
     if (inside < c->fit.count + 3) {
         return lac_forecast_fit_refuse(
-            found,
-            "too few readings between time.start and time.end: %zu, at least "
-            "%zu",
-            inside, c->fit.count + 3);
+            found, "too few readings between time.start and time.end: %zu, at least %zu", inside,
+            c->fit.count + 3);
     }
     return lacks_sigma(c, m) ? lac_forecast_fit_refuse(found, "a reading has no standard error")
                              : fit(how, &series, now - shift, found, err);

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_FIT_MODEL_FORECAST_H
-#define LACUNA_FIT_MODEL_FORECAST_H
+#pragma once
 
 #include "fit/fit.h"
 #include "forecast/forecast.h"
@@ -22,5 +21,3 @@ typedef struct lac_model_forecast {
 /// case none, with LAC_EINTERRUPT, LAC_ENOMEM.
 /// @param how  outlives the model
 lac_forecast_model lac_model_forecast_method(lac_model_forecast *how);
-
-#endif

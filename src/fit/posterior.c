@@ -82,11 +82,9 @@ static lac_status find_starts(lac_fit *fit, double *start, lac_error *err)
         double nearness = 1.0;
         int tries = 0;
         do {
-            if (tries++ == TRIES) {
-                return lac_fail(err, LAC_ENUMERIC,
-                                "the sampler finds no place about the best fit from which every "
-                                "run reaches the last reading");
-            }
+            LAC_FAIL_IF(tries++ == TRIES, err, LAC_ENUMERIC,
+                        "the sampler finds no place about the best fit from which every run "
+                        "reaches the last reading");
             draw_start(fit, l, (uint64_t)w * TRIES + (uint64_t)tries, nearness, x);
             nearness *= tries > 20 ? 0.9 : 1.0;
             fit->runs++;
@@ -141,9 +139,7 @@ static lac_status sum_up(const lac_fit *fit, lac_fit_result *result, lac_error *
     const lac_chain *chain = fit->chain;
     size_t n = chain->walkers * chain->steps;
     double *x = calloc(n, sizeof *x);
-    if (x == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(x == NULL, err);
     for (size_t k = 0; k < fit->unknowns; k++) {
         lac_fit_unknown *of = &result->unknown[k];
         for (size_t i = 0; i < n; i++) {
@@ -238,9 +234,7 @@ lac_status lac_fit_sample(lac_fit *fit, const lac_fit_watch *watch, lac_fit_resu
                            .progress = relay_progress,
                            .context = &context};
     double *start = malloc(def.walkers * def.dimension * sizeof *start);
-    if (start == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(start == NULL, err);
     fit->straight = lac_fit_straighten(fit);
     LAC_TRY(find_starts(fit, start, err));
     for (size_t w = 0; w < def.walkers; w++) {

@@ -74,10 +74,9 @@ static lac_status allocate(prediction *p, lac_error *err)
     p->displacement = malloc((p->draws + 1) * TIMES * sizeof *p->displacement);
     p->rate = malloc((p->draws + 1) * TIMES * sizeof *p->rate);
     p->room = malloc((size_t)fit->threads * (2 * n + 2 * TIMES) * sizeof *p->room);
-    if (fit->kept == NULL || fit->draws == NULL || p->displacement == NULL || p->rate == NULL ||
-        p->room == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(fit->kept == NULL || fit->draws == NULL || p->displacement == NULL ||
+                           p->rate == NULL || p->room == NULL,
+                       err);
     p->time = fit->kept;
     p->failure = fit->draws;
     return LAC_OK;
@@ -110,9 +109,7 @@ static lac_status sum_failures(const prediction *p, lac_fit_result *result, lac_
 {
     size_t failing = 0;
     double *t = malloc(p->draws * sizeof *t);
-    if (t == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(t == NULL, err);
     for (size_t i = 0; i < p->draws; i++) {
         bool fails = !isnan(p->failure[i]);
         failing += fails ? 1 : 0;
@@ -129,9 +126,7 @@ static lac_status sum_series(const prediction *p, const double *of, double *out,
 {
     double quantile[LAC_FIT_QUANTILES];
     double *column = malloc(p->draws * sizeof *column);
-    if (column == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(column == NULL, err);
     for (size_t i = 0; i < TIMES; i++) {
         for (size_t k = 0; k < p->draws; k++) {
             column[k] = of[k * TIMES + i];

@@ -42,28 +42,24 @@ static lac_status chain_create(const lac_sampler_def *def, lac_chain **out, lac_
 {
     lac_chain *chain = calloc(1, sizeof *chain);
     *out = chain;
-    if (chain == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(chain == NULL, err);
     chain->dimension = def->dimension;
     chain->walkers = def->walkers;
     size_t room = def->steps * def->walkers;
     chain->x = malloc(room * def->dimension * sizeof *chain->x + 1);
     chain->log_density = malloc(room * sizeof *chain->log_density + 1);
     chain->acceptance = calloc(def->walkers, sizeof *chain->acceptance);
-    if (chain->x == NULL || chain->log_density == NULL || chain->acceptance == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(chain->x == NULL || chain->log_density == NULL || chain->acceptance == NULL,
+                       err);
     return LAC_OK;
 }
 
 static lac_status check(const lac_sampler_def *def, lac_error *err)
 {
-    if (def->dimension == 0 || def->walkers % 2 != 0 || def->walkers < 2 * def->dimension + 2) {
-        return lac_fail(err, LAC_EINPUT,
-                        "%zu walkers in %zu dimensions: must be even and at least %zu",
-                        def->walkers, def->dimension, 2 * def->dimension + 2);
-    }
+    LAC_FAIL_IF(def->dimension == 0 || def->walkers % 2 != 0 ||
+                    def->walkers < 2 * def->dimension + 2,
+                err, LAC_EINPUT, "%zu walkers in %zu dimensions: must be even and at least %zu",
+                def->walkers, def->dimension, 2 * def->dimension + 2);
     return LAC_OK;
 }
 
@@ -193,9 +189,8 @@ static lac_status begin(ensemble *e, const double *start, lac_error *err)
         e->log_density[k] = density(def, start + (size_t)k * d);
     }
     for (size_t k = 0; k < def->walkers; k++) {
-        if (!isfinite(e->log_density[k])) {
-            return lac_fail(err, LAC_EINPUT, "walker %zu starts where the density is zero", k);
-        }
+        LAC_FAIL_IF(!isfinite(e->log_density[k]), err, LAC_EINPUT,
+                    "walker %zu starts where the density is zero", k);
     }
     return LAC_OK;
 }
@@ -227,9 +222,8 @@ static lac_status walk(ensemble *e, lac_chain *chain, lac_error *err)
         if (def->progress != NULL) {
             def->progress(def->context, step + 1, total);
         }
-        if (def->interrupted != NULL && def->interrupted(def->context)) {
-            return lac_fail(err, LAC_EINTERRUPT, "interrupted at step %zu of %zu", step + 1, total);
-        }
+        LAC_FAIL_IF(def->interrupted != NULL && def->interrupted(def->context), err, LAC_EINTERRUPT,
+                    "interrupted at step %zu of %zu", step + 1, total);
     }
     return LAC_OK;
 }

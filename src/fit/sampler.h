@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_FIT_SAMPLER_H
-#define LACUNA_FIT_SAMPLER_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
-#include "lacuna/error.h"
+#include "base/fail.h"
 
 /// What is sampled, and how.
 typedef struct lac_sampler_def {
@@ -65,5 +64,3 @@ typedef struct lac_convergence {
 /// @return LAC_OK; LAC_EINPUT (fewer than 8 steps); LAC_ENOMEM
 lac_status lac_chain_converged(const lac_chain *chain, size_t coordinate, lac_convergence *out,
                                lac_error *err);
-
-#endif

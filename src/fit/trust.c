@@ -35,9 +35,9 @@ lac_status lac_fit_trust(const lac_fit_result *r, lac_error *err)
         (void)snprintf(with, sizeof with, ", whose correlation with %s is %.3f",
                        r->unknown[partner].key, r->correlation[worst][partner]);
     }
-    return lac_fail(err, LAC_ENUMERIC,
-                    "the sampler has not converged: R-hat %.2f (wanted: below %.2f) of %s%s; its "
-                    "intervals are not to be relied on: take more fit.rounds, or hold what trades "
-                    "off",
-                    r->unknown[worst].converged.rhat, LAC_FIT_RHAT, r->unknown[worst].key, with);
+    return lac_fail(
+        err, LAC_ENUMERIC,
+        "the sampler has not converged: R-hat %.2f (wanted: below %.2f) of %s%s; its intervals are "
+        "not to be relied on: take more fit.rounds, or hold what trades off",
+        r->unknown[worst].converged.rhat, LAC_FIT_RHAT, r->unknown[worst].key, with);
 }

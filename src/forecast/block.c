@@ -187,11 +187,10 @@ const lac_forecast_kind lac_forecast_block = {
     .info = LAC_ABOUT(
         "block", "one block of rate-and-state friction",
         "Helmstetter et al. (2004), J. Geophys. Res. 109, B02409, doi 10.1029/2002JB002160"),
-    .estimator =
-        "the exact displacement of an aging-law block with b/a in {1.1, 1.2, 1.35, 1.6, 2, "
-        "3}: tc and theta_ss by nonlinear least squares over all displacements of the "
-        "window, ln theta_ss with a normal prior of width 3 about ln of the window; "
-        "intervals by the posterior of tc over all of these",
+    .estimator = "the exact displacement of an aging-law block with b/a in {1.1, 1.2, 1.35, 1.6, "
+                 "2, 3}: tc and theta_ss by nonlinear least squares over all displacements of the "
+                 "window, ln theta_ss with a normal prior of width 3 about ln of the window; "
+                 "intervals by the posterior of tc over all of these",
     .least = 8,
     .displacements = true,
     .worst = 0.04,

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_FORECAST_FORECAST_H
-#define LACUNA_FORECAST_FORECAST_H
+#pragma once
 
 #include "base/param.h"
 #include "series/motion.h"
@@ -153,5 +152,3 @@ lac_status lac_forecast_set_create(const lac_forecast_def *def, const lac_readin
                                    lac_forecast_set **out, lac_error *err);
 
 void lac_forecast_set_free(lac_forecast_set *forecasts);
-
-#endif

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_FORECAST_HINDCAST_H
-#define LACUNA_FORECAST_HINDCAST_H
+#pragma once
 
 #include "forecast/forecast.h"
 
@@ -55,5 +54,3 @@ typedef struct lac_skill {
 /// @param horizon    of alarms [s]
 lac_status lac_rolling_measure(const lac_rolling *rolling, double failed_at, double horizon,
                                lac_skill *skill, lac_error *err);
-
-#endif

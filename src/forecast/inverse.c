@@ -15,9 +15,7 @@ static lac_status fit_last(const lac_window *w, size_t n, lac_forecast_fit *fit,
     const double *v = w->velocity + (w->velocities - n);
     size_t known = 0;
     double *y = calloc(n, sizeof *y);
-    if (y == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(y == NULL, err);
     for (; known < n && v[known] > 0.0; known++) {
         y[known] = 1.0 / v[known];
     }

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_FORECAST_KINDS_H
-#define LACUNA_FORECAST_KINDS_H
+#pragma once
 
 #include "base/rows.h"
 #include "forecast/forecast.h"
@@ -32,5 +31,3 @@ lac_status lac_window_create(const lac_motion *motion, double start, lac_window 
 void lac_window_free(lac_window *window);
 
 enum { LAC_WINDOW_READINGS = 200 };
-
-#endif

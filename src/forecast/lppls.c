@@ -65,10 +65,9 @@ out:
 const lac_forecast_kind lac_forecast_lppls = {
     .info = LAC_ABOUT("lppls", "log-periodic power law",
                       "Lei & Sornette (2025), Geophys. Res. Lett., doi 10.1029/2025GL116379"),
-    .estimator =
-        "d = A + z^m (B + C1 cos(omega ln z) + C2 sin(omega ln z)), z = tc - t, over all "
-        "displacements of the window: A, B, C1, C2 exactly at each of 1728 (tc, m, omega), "
-        "the best four refined; 0.05 < m < 0.95, 3 < omega < 15",
+    .estimator = "d = A + z^m (B + C1 cos(omega ln z) + C2 sin(omega ln z)), z = tc - t, over all "
+                 "displacements of the window: A, B, C1, C2 exactly at each of 1728 (tc, m, "
+                 "omega), the best four refined; 0.05 < m < 0.95, 3 < omega < 15",
     .least = 15,
     .displacements = true,
     .worst = 0.04,

@@ -16,15 +16,12 @@ lac_forecast_def lac_forecast_default(void)
 
 static lac_status check(const lac_forecast_def *def, const lac_readings *readings, lac_error *err)
 {
-    if (readings->n == 0) {
-        return lac_fail(err, LAC_EINPUT, "there is no reading to forecast from");
-    }
-    if (def->short_run < 1 || def->long_run <= def->short_run || def->long_run > LONGEST_RUN) {
-        return lac_fail(err, LAC_EINPUT,
-                        "the means of the onset must be of 1 or more velocities, and of more, at "
-                        "most %d",
-                        (int)LONGEST_RUN);
-    }
+    LAC_FAIL_IF(readings->n == 0, err, LAC_EINPUT, "there is no reading to forecast from");
+    LAC_FAIL_IF(def->short_run < 1 || def->long_run <= def->short_run ||
+                    def->long_run > LONGEST_RUN,
+                err, LAC_EINPUT,
+                "the means of the onset must be of 1 or more velocities, and of more, at most %d",
+                (int)LONGEST_RUN);
     return LAC_OK;
 }
 

@@ -228,10 +228,7 @@ lac_status lac_projection_fit(lac_projection *self, double *p, lac_forecast_fit 
 {
     const lac_window *w = self->window;
     places best = {0};
-    lac_status status = allocate(self, err);
-    if (status != LAC_OK) {
-        return status;
-    }
+    LAC_TRY_RETURN(allocate(self, err));
     look_around(self, &best);
     if (self->width != NULL) {
         const double free = (double)w->n - (double)(self->shapes + self->columns);

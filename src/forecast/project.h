@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_FORECAST_PROJECT_H
-#define LACUNA_FORECAST_PROJECT_H
+#pragma once
 
 #include "base/least_squares.h"
 #include "forecast/kinds.h"
@@ -68,5 +67,3 @@ void lac_posterior_draw(lac_projection *law, const double *p, double effective, 
 /// over that of a normal distribution; nothing where none has a weight.
 /// @param draw  [n] sorted and normalised afterwards
 void lac_posterior_finish(size_t n, lac_draw *draw, lac_forecast_fit *fit);
-
-#endif

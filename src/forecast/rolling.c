@@ -35,9 +35,8 @@ lac_status lac_rolling_create(const lac_forecast_def *def, const lac_readings *r
                               lac_error *err)
 {
     *out = NULL;
-    if (readings->n == 0 || most == 0) {
-        return lac_fail(err, LAC_EINPUT, "there is no reading to forecast from");
-    }
+    LAC_FAIL_IF(readings->n == 0 || most == 0, err, LAC_EINPUT,
+                "there is no reading to forecast from");
     lac_rolling *r = calloc(1, sizeof *r);
     lac_status status = r != NULL ? LAC_OK : lac_fail_memory(err);
     LAC_TRY(status);

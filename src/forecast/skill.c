@@ -105,9 +105,7 @@ lac_status lac_rolling_measure(const lac_rolling *rolling, double failed_at, dou
                                lac_skill *skill, lac_error *err)
 {
     double *work = malloc(2 * rolling->issues * sizeof *work);
-    if (work == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(work == NULL, err);
     for (size_t k = 0; k < rolling->methods; k++) {
         measure(rolling, k, failed_at, horizon, work, &skill[k]);
     }

@@ -13,9 +13,7 @@ static lac_status fit_slope(const lac_window *w, lac_forecast_fit *fit, lac_erro
     const double *v = w->velocity;
     size_t known = 0;
     double *y = calloc(n, sizeof *y);
-    if (y == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(y == NULL, err);
     for (; known < n && v[known] > 0.0; known++) {
         y[known] = t[known] * v[known];
     }
@@ -40,8 +38,8 @@ const lac_forecast_kind lac_forecast_slo = {
     .info = LAC_ABOUT("slo", "slope of t v against v",
                       "Mufundirwa, Fujii & Kodama (2010), Int. J. Rock Mech. Min. Sci. 47, "
                       "1065-1073, doi 10.1016/j.ijrmms.2010.06.004"),
-    .estimator = "t v on v by ordinary least squares over all velocities of the window; tc is the "
-                 "slope",
+    .estimator =
+        "t v on v by ordinary least squares over all velocities of the window; tc is the slope",
     .least = 5,
     .worst = 0.6,
     .calibration = {0.3, -3.954, -2.496, -0.764, 0.146},

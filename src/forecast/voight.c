@@ -78,8 +78,8 @@ const lac_forecast_kind lac_forecast_voight = {
     .info = LAC_ABOUT("voight", "Voight's law, exponent free",
                       "Voight (1988), Nature 332, 125-130, doi 10.1038/332125a0"),
     .estimator =
-        "d = D - C (tc - t)^((alpha - 2)/(alpha - 1)) by nonlinear least squares in tc and "
-        "alpha over all displacements of the window; alpha_plane is the slope of ln(dv/dt) on ln v",
+        "d = D - C (tc - t)^((alpha - 2)/(alpha - 1)) by nonlinear least squares in tc and alpha "
+        "over all displacements of the window; alpha_plane is the slope of ln(dv/dt) on ln v",
     .least = 8,
     .displacements = true,
     .worst = 0.04,

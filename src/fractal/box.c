@@ -55,17 +55,12 @@ static lac_status choose_range(const lac_grid *grid, const lac_box_def *def, lac
     }
     bool powers = (def->smallest == 0 || power_of_two(def->smallest)) &&
                   (def->largest == 0 || power_of_two(def->largest));
-    if (!powers) {
-        return lac_fail(err, LAC_EINPUT,
-                        "box counting: sides of %zu to %zu cells are not powers of "
-                        "two",
-                        def->smallest, def->largest);
-    }
-    if (last > most || last < first || last - first + 1 < LEAST_SIDES) {
-        return lac_fail(err, LAC_EINPUT,
-                        "box counting: at least three sides must fit a grid of %zu x %zu cells",
-                        grid->nx, grid->ny);
-    }
+    LAC_FAIL_IF(!powers, err, LAC_EINPUT,
+                "box counting: sides of %zu to %zu cells are not powers of two", def->smallest,
+                def->largest);
+    LAC_FAIL_IF(last > most || last < first || last - first + 1 < LEAST_SIDES, err, LAC_EINPUT,
+                "box counting: at least three sides must fit a grid of %zu x %zu cells", grid->nx,
+                grid->ny);
     r->sizes = most + 1;
     r->fit_first = first;
     r->fit_last = last;
@@ -233,12 +228,9 @@ lac_status lac_box_dimension(const lac_domain *domain, const lac_box_def *def,
     uint8_t *work = NULL;
     *result = (lac_box_count){0};
     lac_status status;
-    if (domain->n == 0 || lac_grid_cells(grid) == 0) {
-        return lac_fail(err, LAC_EINPUT, "box counting: no cell is in contact");
-    }
-    if (def->origins == 0) {
-        return lac_fail(err, LAC_EINPUT, "box counting: at least one origin is needed");
-    }
+    LAC_FAIL_IF(domain->n == 0 || lac_grid_cells(grid) == 0, err, LAC_EINPUT,
+                "box counting: no cell is in contact");
+    LAC_FAIL_IF(def->origins == 0, err, LAC_EINPUT, "box counting: at least one origin is needed");
     LAC_TRY(choose_range(grid, def, result, err));
     // Room for the largest shift where nothing wraps.
     size_t room = grid->periodic ? 0 : (size_t)1 << result->fit_last;

@@ -135,9 +135,7 @@ lac_status lac_clusters_create(const lac_domain *domain, lac_clusters **out, lac
     *out = NULL;
     lac_status status = LAC_OK;
     size_t cells = lac_grid_cells(&domain->grid);
-    if (domain->n == 0) {
-        return lac_fail(err, LAC_EINPUT, "clusters: no cell is in contact");
-    }
+    LAC_FAIL_IF(domain->n == 0, err, LAC_EINPUT, "clusters: no cell is in contact");
     lac_clusters *c = calloc(1, sizeof *c);
     uint32_t *at = malloc(cells * sizeof *at);
     uint32_t *parent = malloc(domain->n * sizeof *parent);

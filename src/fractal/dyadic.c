@@ -98,11 +98,10 @@ out:
 
 static lac_status fail_outside(const search *s, const probe *end, bool above, lac_error *err)
 {
-    return lac_fail(err, LAC_EINPUT,
-                    "no load gives a dimension of %g: it is at %s %.4g, that of %zu cells at %.4g "
-                    "Pa",
-                    s->target, above ? "most" : "least", end->dimension, end->cells,
-                    load_of(s, end));
+    return lac_fail(
+        err, LAC_EINPUT,
+        "no load gives a dimension of %g: it is at %s %.4g, that of %zu cells at %.4g Pa",
+        s->target, above ? "most" : "least", end->dimension, end->cells, load_of(s, end));
 }
 
 // Loads on both sides of the target, from a light contact on by factors of 4.
@@ -171,18 +170,15 @@ lac_status lac_dimension_solve(const lac_contact_def *def, double dimension, dou
     probe low;
     probe high;
     lac_status status;
-    if (!(dimension > 0.0 && dimension < 2.0)) {
-        return lac_fail(err, LAC_EINPUT, "the dimension must be > 0 and < 2, not %g", dimension);
-    }
+    LAC_FAIL_IF(!(dimension > 0.0 && dimension < 2.0), err, LAC_EINPUT,
+                "the dimension must be > 0 and < 2, not %g", dimension);
     s.def.control = LAC_CONTROL_LOAD;
     s.def.start = NULL;
     s.unit = def->e_star * slope_of(def);
-    if (s.unit == 0.0 && def->e_star > 0.0) {
-        return lac_fail(err, LAC_EINPUT,
-                        "no load gives a dimension of %g: the faces are flat and touch everywhere "
-                        "under any",
-                        dimension);
-    }
+    LAC_FAIL_IF(
+        s.unit == 0.0 && def->e_star > 0.0, err, LAC_EINPUT,
+        "no load gives a dimension of %g: the faces are flat and touch everywhere under any",
+        dimension);
     if (!(s.unit > 0.0 && isfinite(s.unit))) {
         s.unit = 1.0; // a wrong height or modulus, which the contact names
     }

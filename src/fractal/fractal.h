@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_FRACTAL_FRACTAL_H
-#define LACUNA_FRACTAL_FRACTAL_H
+#pragma once
 
 #include "contact/contact.h"
 
@@ -189,5 +188,3 @@ typedef struct lac_size_exponent {
 
 /// The index-th published exponent, NULL past the end; cases/data/size_effect.csv.
 const lac_size_exponent *lac_size_exponent_get(size_t index);
-
-#endif

@@ -23,26 +23,21 @@ static bool positive(double x) { return isfinite(x) && x > 0; }
 
 static lac_status check(const lac_scaling *s, size_t left_out, lac_error *err)
 {
-    if (s->n > LAC_SCALING_POINTS || left_out > s->n || s->n - left_out < LEAST_POINTS) {
-        return lac_fail(err, LAC_EINPUT,
-                        "area scaling: %zu resolutions with %zu left out: between %d and %d must "
-                        "stay to be fitted",
-                        s->n, left_out, LEAST_POINTS, LAC_SCALING_POINTS);
-    }
+    LAC_FAIL_IF(
+        s->n > LAC_SCALING_POINTS || left_out > s->n || s->n - left_out < LEAST_POINTS, err,
+        LAC_EINPUT,
+        "area scaling: %zu resolutions with %zu left out: between %d and %d must stay to be fitted",
+        s->n, left_out, LEAST_POINTS, LAC_SCALING_POINTS);
     for (size_t i = 0; i < s->n; i++) {
         const lac_resolution *at = &s->at[i];
-        if (!positive(at->cell) || !positive(at->area) || !positive(at->pressure)) {
-            return lac_fail(err, LAC_EINPUT,
-                            "area scaling: a resolution of %g m with %g m2 in contact at %g Pa: "
-                            "each must be > 0",
-                            at->cell, at->area, at->pressure);
-        }
-        if (i > 0 && at->cell >= at[-1].cell) {
-            return lac_fail(err, LAC_EINPUT,
-                            "area scaling: a resolution of %g m after one of %g m: the coarsest "
-                            "comes first",
-                            at->cell, at[-1].cell);
-        }
+        LAC_FAIL_IF(
+            !positive(at->cell) || !positive(at->area) || !positive(at->pressure), err, LAC_EINPUT,
+            "area scaling: a resolution of %g m with %g m2 in contact at %g Pa: each must be > 0",
+            at->cell, at->area, at->pressure);
+        LAC_FAIL_IF(
+            i > 0 && at->cell >= at[-1].cell, err, LAC_EINPUT,
+            "area scaling: a resolution of %g m after one of %g m: the coarsest comes first",
+            at->cell, at[-1].cell);
     }
     return LAC_OK;
 }
@@ -97,10 +92,7 @@ lac_status lac_scaling_fit(lac_scaling *s, size_t left_out, lac_error *err)
 {
     double x[LAC_SCALING_POINTS];
     double y[LAC_SCALING_POINTS];
-    lac_status status = check(s, left_out, err);
-    if (status != LAC_OK) {
-        return status;
-    }
+    LAC_TRY_RETURN(check(s, left_out, err));
     for (size_t i = 0; i < s->n; i++) {
         x[i] = log(s->at[i].cell);
         y[i] = log(s->at[i].area);
@@ -216,14 +208,13 @@ lac_status lac_scaling_measure(const lac_contact_def *contact, const lac_scaling
     size_t cells = lac_grid_cells(&contact->grid);
     size_t coarser = halvings(&contact->grid, def->coarsest);
     *scaling = (lac_scaling){.n = coarser + 1, .coarsening = def->coarsening};
-    if (cells == 0 || def->coarsest == 0 || coarser >= LAC_SCALING_POINTS ||
-        coarser + 1 < LEAST_POINTS + def->left_out) {
-        return lac_fail(err, LAC_EINPUT,
-                        "area scaling: %zu x %zu cells halve %zu times on the way to %zu a side; "
-                        "%zu times are needed",
-                        contact->grid.nx, contact->grid.ny, coarser, def->coarsest,
-                        LEAST_POINTS + def->left_out - 1);
-    }
+    LAC_FAIL_IF(cells == 0 || def->coarsest == 0 || coarser >= LAC_SCALING_POINTS ||
+                    coarser + 1 < LEAST_POINTS + def->left_out,
+                err, LAC_EINPUT,
+                "area scaling: %zu x %zu cells halve %zu times on the way to %zu a side; %zu times "
+                "are needed",
+                contact->grid.nx, contact->grid.ny, coarser, def->coarsest,
+                LEAST_POINTS + def->left_out - 1);
     // Where the finest is known, the next one needs a quarter of the room.
     size_t room = def->finest != NULL && coarser > 0 ? cells / 4 : cells;
     double *heights = malloc(room * sizeof *heights);

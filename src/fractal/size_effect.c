@@ -6,20 +6,14 @@
 
 static lac_status check(const lac_size_def *def, lac_error *err)
 {
-    if (!(def->dimension > 0 && def->dimension <= 2)) {
-        return lac_fail(err, LAC_EINPUT,
-                        "size effect: a dimension of %g: it must be > 0 and at most 2",
-                        def->dimension);
-    }
-    if (!(isfinite(def->error) && def->error >= 0)) {
-        return lac_fail(err, LAC_EINPUT, "size effect: an error of the dimension of %g",
-                        def->error);
-    }
-    if (!(isfinite(def->size) && def->size > 0 && isfinite(def->pressure) && def->pressure > 0)) {
-        return lac_fail(err, LAC_EINPUT,
-                        "size effect: an interface of %g m under %g Pa: both must be > 0",
-                        def->size, def->pressure);
-    }
+    LAC_FAIL_IF(!(def->dimension > 0 && def->dimension <= 2), err, LAC_EINPUT,
+                "size effect: a dimension of %g: it must be > 0 and at most 2", def->dimension);
+    LAC_FAIL_IF(!(isfinite(def->error) && def->error >= 0), err, LAC_EINPUT,
+                "size effect: an error of the dimension of %g", def->error);
+    LAC_FAIL_IF(
+        !(isfinite(def->size) && def->size > 0 && isfinite(def->pressure) && def->pressure > 0),
+        err, LAC_EINPUT, "size effect: an interface of %g m under %g Pa: both must be > 0",
+        def->size, def->pressure);
     return LAC_OK;
 }
 
@@ -28,10 +22,8 @@ lac_status lac_size_effect(const lac_size_def *def, size_t n, const double *size
 {
     lac_status status = check(def, err);
     for (size_t i = 0; i < n && status == LAC_OK; i++) {
-        if (!(isfinite(size[i]) && size[i] > 0)) {
-            return lac_fail(err, LAC_EINPUT, "size effect: a specimen of %g m: it must be > 0",
-                            size[i]);
-        }
+        LAC_FAIL_IF(!(isfinite(size[i]) && size[i] > 0), err, LAC_EINPUT,
+                    "size effect: a specimen of %g m: it must be > 0", size[i]);
         double ratio = size[i] / def->size;
         double relative = pow(ratio, def->dimension - 2);
         double spread = exp(fabs(def->error * log(ratio)));
@@ -57,8 +49,8 @@ static const lac_size_exponent table[] = {
     {"shear strength", 0.49, 0.66, 0.035, 0.19, false,
      "Korean granite at 0.29 to 2.65 MPa, abstract JAKO200614364641643; exponent derived"},
     {"shear strength", 0.03, 0.05, 0.05, 0.4, false,
-     "Barton-Bandis scaling, JRC 5: JRC_n = JRC_0 (L/L_0)^(-0.02 JRC_0), JCS with 0.03, L_0 = "
-     "0.1 m"},
+     "Barton-Bandis scaling, JRC 5: JRC_n = JRC_0 (L/L_0)^(-0.02 JRC_0), JCS with 0.03, L_0 = 0.1 "
+     "m"},
     {"shear strength", 0.13, 0.17, 0.05, 0.4, false, "Barton-Bandis scaling, JRC 10"},
     {"shear strength", 0.28, 0.44, 0.05, 0.4, false, "Barton-Bandis scaling, JRC 15"},
 };

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_FRICTION_CUTOFF_H
-#define LACUNA_FRICTION_CUTOFF_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -62,5 +61,3 @@ size_t lac_friction_solve_rates(const lac_friction *friction, const lac_friction
 
 /// How many of the u are no place to begin: 0, beyond the bounds, NaN.
 size_t lac_friction_count_cold(size_t n, const double *u);
-
-#endif

@@ -114,9 +114,7 @@ static lac_status allocate_column(const lac_friction *friction, bool alike, lac_
     }
     size_t count = count_values(friction, &made);
     made.value = count <= SIZE_MAX / sizeof(double) ? calloc(count, sizeof(double)) : NULL;
-    if (made.value == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(made.value == NULL, err);
     free(column->value);
     *column = made;
     return LAC_OK;
@@ -138,10 +136,7 @@ static lac_status derive(lac_friction *friction, lac_error *err)
         if (friction->column[derived[row].from[0]].value == NULL) {
             continue;
         }
-        lac_status status = allocate_column(friction, made_of_alike(friction, row), column, err);
-        if (status != LAC_OK) {
-            return status;
-        }
+        LAC_TRY_RETURN(allocate_column(friction, made_of_alike(friction, row), column, err));
         size_t count = count_values(friction, column);
         for (size_t i = 0; i < count; i++) {
             column->value[i] = derived[row].value(friction, i);
@@ -176,14 +171,9 @@ static lac_status fill_from_slot(lac_friction *friction, const lac_model *model,
         if (isnan(value) && (param->flags & LAC_OPTIONAL) != 0) {
             continue;
         }
-        if (!lac_param_allows(param, value, why, sizeof why)) {
-            return lac_fail(err, LAC_EINPUT, "%s.%s: %s", model->info->name, param->key,
-                            isnan(value) ? "must be given" : why);
-        }
-        lac_status status = fill_column(friction, &friction->column[at], value, err);
-        if (status != LAC_OK) {
-            return status;
-        }
+        LAC_FAIL_IF(!lac_param_allows(param, value, why, sizeof why), err, LAC_EINPUT, "%s.%s: %s",
+                    model->info->name, param->key, isnan(value) ? "must be given" : why);
+        LAC_TRY_RETURN(fill_column(friction, &friction->column[at], value, err));
     }
     const char *fault = model->info->validate != NULL ? model->info->validate(model->params) : NULL;
     return fault == NULL ? LAC_OK : lac_fail(err, LAC_EINPUT, "%s: %s", model->info->name, fault);
@@ -192,21 +182,13 @@ static lac_status fill_from_slot(lac_friction *friction, const lac_model *model,
 lac_status lac_friction_create(const lac_model *model, size_t n, lac_friction **out, lac_error *err)
 {
     *out = NULL;
-    if (model->info == NULL) {
-        return lac_fail(err, LAC_EINPUT, "no friction law is chosen");
-    }
+    LAC_FAIL_IF(model->info == NULL, err, LAC_EINPUT, "no friction law is chosen");
     const lac_friction_params *common = model->params;
-    if (n == 0) {
-        return lac_fail(err, LAC_EINPUT, "friction needs at least one cell");
-    }
-    if (common->form != LAC_FORM_PLAIN && common->form != LAC_FORM_REGULARISED) {
-        return lac_fail(err, LAC_EINPUT, "%s.form: must be plain or regularised",
-                        model->info->name);
-    }
+    LAC_FAIL_IF(n == 0, err, LAC_EINPUT, "friction needs at least one cell");
+    LAC_FAIL_IF(common->form != LAC_FORM_PLAIN && common->form != LAC_FORM_REGULARISED, err,
+                LAC_EINPUT, "%s.form: must be plain or regularised", model->info->name);
     lac_friction *friction = calloc(1, sizeof *friction);
-    if (friction == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(friction == NULL, err);
     // The descriptor is the first member of the law's row.
     friction->law = (const lac_friction_law *)(const void *)model->info;
     friction->form = common->form;
@@ -249,16 +231,12 @@ lac_status lac_friction_set(lac_friction *friction, const char *key, const doubl
     const lac_model_info *info = &friction->law->info;
     size_t column;
     const lac_param *param = find_column(info, key, &column);
-    if (param == NULL) {
-        return lac_fail(err, LAC_EINPUT, "%s has no parameter \"%s\" that may vary between cells",
-                        info->name, key);
-    }
+    LAC_FAIL_IF(param == NULL, err, LAC_EINPUT,
+                "%s has no parameter \"%s\" that may vary between cells", info->name, key);
     for (size_t i = 0; i < friction->n; i++) {
         char why[128];
-        if (!lac_param_allows(param, values[i], why, sizeof why)) {
-            return lac_fail(err, LAC_EINPUT, "%s.%s of cell %zu: %g %s", info->name, key, i,
-                            values[i], why);
-        }
+        LAC_FAIL_IF(!lac_param_allows(param, values[i], why, sizeof why), err, LAC_EINPUT,
+                    "%s.%s of cell %zu: %g %s", info->name, key, i, values[i], why);
     }
     lac_status status;
     LAC_TRY(allocate_column(friction, false, &friction->column[column], err));
@@ -290,10 +268,9 @@ lac_status lac_friction_check(const lac_friction *friction, lac_error *err)
     for (size_t i = 0; column[LAC_ALPHA].value != NULL && i < friction->n; i++) {
         double alpha = lac_cellwise_of(&column[LAC_ALPHA], i),
                b = lac_cellwise_of(&column[LAC_B], i);
-        if (alpha > 0 && !(b > 0)) {
-            return lac_fail(err, LAC_EINPUT, "%s: cell %zu has alpha = %g and b = %g: %s",
-                            friction->law->info.name, i, alpha, b, alpha_without_b);
-        }
+        LAC_FAIL_IF(alpha > 0 && !(b > 0), err, LAC_EINPUT,
+                    "%s: cell %zu has alpha = %g and b = %g: %s", friction->law->info.name, i,
+                    alpha, b, alpha_without_b);
     }
     return LAC_OK;
 }

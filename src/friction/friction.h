@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_FRICTION_FRICTION_H
-#define LACUNA_FRICTION_FRICTION_H
+#pragma once
 
 #include "base/param.h"
 
@@ -210,5 +209,3 @@ typedef struct lac_friction_balance {
 /// @cost  two evaluations of the strength from a close start; allocates nothing
 void lac_friction_rates(const lac_friction *friction, const lac_friction_balance *balance,
                         double *u, double *v);
-
-#endif

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_FRICTION_LAW_H
-#define LACUNA_FRICTION_LAW_H
+#pragma once
 
 #include "base/rows.h"
 #include "friction/friction.h"
@@ -63,5 +62,3 @@ extern const char *const lac_friction_form_names[];
              "state response to normal stress: friction lost per e-fold of effective normal "     \
              "pressure, at once (Linker & Dieterich 1992); none if absent")
 // clang-format on
-
-#endif

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_HIERARCHY_BLOCKS_H
-#define LACUNA_HIERARCHY_BLOCKS_H
+#pragma once
 
 #include "hierarchy/hierarchy.h"
 
@@ -31,5 +30,3 @@ struct lac_hierarchy {
 
 /// lac_is_child[c][i] = 1 where i < c, the number of children; else 0.
 extern const double lac_is_child[5][4];
-
-#endif

@@ -103,9 +103,7 @@ static lac_status fill_partitions(lac_hierarchy *h, const uint8_t *merge, lac_er
     // most count) of all but the cells.
     size_t total = 2 * h->cells + 4 * h->blocks + 2 * h->partitions;
     uint32_t *next = h->memory = malloc(total * sizeof *h->memory);
-    if (next == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(next == NULL, err);
     for (size_t j = 0; j < h->partitions; j++) {
         find_first(h, j, merge, next);
         h->part[j].first = next;

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_HIERARCHY_HIERARCHY_H
-#define LACUNA_HIERARCHY_HIERARCHY_H
+#pragma once
 
 #include "contact/contact.h"
 
@@ -45,5 +44,3 @@ void lac_hierarchy_apply(const lac_hierarchy *h, const double *k, const double *
 ///         the converse holds where k falls with the level down to k_mean
 bool lac_hierarchy_solve(const lac_hierarchy *h, const double *k, double k_mean,
                          const double *diagonal, const double *y, double *x, double *work);
-
-#endif

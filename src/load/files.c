@@ -113,9 +113,7 @@ static lac_status copy(const lac_readings *from, double offset, lac_readings *ou
 {
     out->t = malloc((from->n + 1) * sizeof *out->t);
     out->value = malloc((from->n + 1) * sizeof *out->value);
-    if (out->t == NULL || out->value == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(out->t == NULL || out->value == NULL, err);
     out->n = from->n;
     memcpy(out->value, from->value, from->n * sizeof *out->value);
     for (size_t i = 0; i < from->n; i++) {
@@ -131,9 +129,7 @@ static lac_status look_up(const lac_readings_def *def, const lac_load_clock *clo
     char *name = name_of(def, clock);
     const kept *entry = clock->files->first;
     lac_status status = LAC_OK;
-    if (name == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(name == NULL, err);
     while (entry != NULL && (entry->doubt || strcmp(entry->text, name) != 0)) {
         entry = entry->next;
     }
@@ -150,15 +146,12 @@ static lac_status cover(const lac_readings *readings, const char *path, const la
                         const char *remedy, lac_error *err)
 {
     double last = readings->t[readings->n - 1];
-    if (readings->t[0] > 0.0) {
-        return lac_fail(err, LAC_EINPUT,
-                        "%s: begins %g s after the run's start; must not begin after it%s", path,
-                        readings->t[0], remedy);
-    }
-    if (last < clock->end) {
-        return lac_fail(err, LAC_EINPUT, "%s: ends %g s before the run's end; must reach it%s",
-                        path, clock->end - last, remedy);
-    }
+    LAC_FAIL_IF(readings->t[0] > 0.0, err, LAC_EINPUT,
+                "%s: begins %g s after the run's start; must not begin after it%s", path,
+                readings->t[0], remedy);
+    LAC_FAIL_IF(last < clock->end, err, LAC_EINPUT,
+                "%s: ends %g s before the run's end; must reach it%s", path, clock->end - last,
+                remedy);
     return LAC_OK;
 }
 

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_LOAD_KINDS_H
-#define LACUNA_LOAD_KINDS_H
+#pragma once
 
 #include "base/rows.h"
 #include "load/load.h"
@@ -125,5 +124,3 @@ size_t lac_readings_before(const double *t, size_t n, double at);
 
 /// First of the times after `at`; INFINITY beyond the last.
 double lac_readings_next(const double *t, size_t n, double at);
-
-#endif

@@ -155,9 +155,7 @@ static lac_status prepare_all(const lac_model *models, size_t count, const char 
         return LAC_OK;
     }
     *out = calloc(count, sizeof **out);
-    if (*out == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(*out == NULL, err);
     for (size_t i = 0; i < count; i++) {
         lac_load *load = &(*out)[i];
         load->kind = kind_of(&models[i]);

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_LOAD_LOAD_H
-#define LACUNA_LOAD_LOAD_H
+#pragma once
 
 #include "base/param.h"
 
@@ -155,5 +154,3 @@ double lac_load_next_break(const lac_load_set *set, double t);
 
 /// The longest step from t to the next break that misses no swing of a load [s]; INFINITY if none.
 double lac_load_longest_step(const lac_load_set *set, double t);
-
-#endif

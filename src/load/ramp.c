@@ -45,8 +45,8 @@ static const lac_param params[] = {
 
 const lac_load_kind lac_shear_ramp = {
     .info = LAC_ABOUT("ramp", "shear stress that changes at a constant rate between two times",
-                      "Dieterich (1994) J. Geophys. Res. 99, 2601, doi 10.1029/93JB02581 "
-                      "(constant stressing rate)",
+                      "Dieterich (1994) J. Geophys. Res. 99, 2601, doi 10.1029/93JB02581 (constant "
+                      "stressing rate)",
                       LAC_ROWS(params, ramp_params), .validate = fault),
     .linear = true,
     .signal = ramp_at,

@@ -52,9 +52,7 @@ static lac_status smooth(series_state *state, lac_error *err)
 {
     const lac_readings *r = &state->readings;
     state->slope = malloc(r->n * sizeof *state->slope);
-    if (state->slope == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(state->slope == NULL, err);
     for (size_t i = 1; i + 1 < r->n; i++) {
         state->slope[i] = steffen_slope(r, i);
     }
@@ -74,9 +72,7 @@ static lac_status prepare(const void *p, const lac_load_clock *clock, void **out
                                   .offset = s->offset};
     lac_status status = LAC_OK;
     series_state *state = calloc(1, sizeof *state);
-    if (state == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(state == NULL, err);
     LAC_TRY(lac_readings_read(&def, clock,
                               s->outside == REFUSE ? ", or say outside: hold or zero" : NULL,
                               &state->readings, err));

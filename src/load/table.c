@@ -20,12 +20,8 @@ static lac_status split_column(const char *text, char name[LONGEST], const char 
     size_t length = strlen(text);
     const char *colon = strrchr(text, ':');
     size_t end = colon != NULL ? (size_t)(colon - text) : length;
-    if (end == 0 || length >= LONGEST) {
-        return lac_fail(err, LAC_EINPUT,
-                        "\"%.40s\" must be a column and its unit such as "
-                        "\"level:m\"",
-                        text);
-    }
+    LAC_FAIL_IF(end == 0 || length >= LONGEST, err, LAC_EINPUT,
+                "\"%.40s\" must be a column and its unit such as \"level:m\"", text);
     memcpy(name, text, end);
     name[end] = '\0';
     *unit = colon != NULL && colon[1] != '\0' ? colon + 1 : NULL;
@@ -35,20 +31,16 @@ static lac_status split_column(const char *text, char name[LONGEST], const char 
 static lac_status blame_factor(const char *per, const char *unit, const char *si, lac_error *err)
 {
     char *end = NULL;
-    if (per == NULL) {
-        return lac_fail(err, LAC_EINPUT, "the column's unit \"%s\" must be one such as \"%s\"",
-                        unit, si);
-    }
+    LAC_FAIL_IF(per == NULL, err, LAC_EINPUT, "the column's unit \"%s\" must be one such as \"%s\"",
+                unit, si);
     (void)strtod(per, &end);
-    if (end == per) {
-        return lac_fail(err, LAC_EINPUT,
-                        "per: \"%s\" must be a number and a unit such as \"1 %s%s%s\"", per, si,
-                        unit != NULL ? "/" : "", unit != NULL ? unit : "");
-    }
-    return lac_fail(err, LAC_EINPUT,
-                    "one unit of the column (\"%s\") times per (\"%s\") must be a quantity such "
-                    "as \"1 %s\"",
-                    unit != NULL ? unit : "", per, si);
+    LAC_FAIL_IF(end == per, err, LAC_EINPUT,
+                "per: \"%s\" must be a number and a unit such as \"1 %s%s%s\"", per, si,
+                unit != NULL ? "/" : "", unit != NULL ? unit : "");
+    return lac_fail(
+        err, LAC_EINPUT,
+        "one unit of the column (\"%s\") times per (\"%s\") must be a quantity such as \"1 %s\"",
+        unit != NULL ? unit : "", per, si);
 }
 
 // What one unit of the column comes to: "9810 Pa/m" and "m" are 9810 Pa.
@@ -75,9 +67,7 @@ static lac_status keep_readings(const lac_series *series, double shift, double f
 {
     out->t = malloc(series->n * sizeof *out->t);
     out->value = malloc(series->n * sizeof *out->value);
-    if (out->t == NULL || out->value == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(out->t == NULL || out->value == NULL, err);
     for (size_t i = 0; i < series->n; i++) {
         if (isnan(series->value[i])) {
             continue;

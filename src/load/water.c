@@ -135,9 +135,7 @@ static lac_status begin(const water_params *s, const lac_load_clock *clock, cons
     const size_t room = 2 * readings->n + 1;
     water *w = calloc(1, sizeof *w);
     *out = w;
-    if (w == NULL || (w->t = malloc(4 * room * sizeof *w->t)) == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(w == NULL || (w->t = malloc(4 * room * sizeof *w->t)) == NULL, err);
     w->drive = w->t + room;
     w->slope = w->drive + room;
     w->u = w->slope + room;
@@ -225,18 +223,15 @@ static lac_status add_rains(const rain_params *s, const lac_readings *r, water *
     double dry_from = -INFINITY; // end of the rain so far
     for (size_t i = 0; i < r->n; i++) {
         double from, to;
-        if (!(r->value[i] >= 0.0)) {
-            return lac_fail(err, LAC_EINPUT, "%s: rain of %g m; must be >= 0", file, r->value[i]);
-        }
+        LAC_FAIL_IF(!(r->value[i] >= 0.0), err, LAC_EINPUT, "%s: rain of %g m; must be >= 0", file,
+                    r->value[i]);
         if (!span_of(s, r, i, &from, &to)) {
             continue;
         }
         double slack = 1e-6 * (to - from);
-        if (from < dry_from - slack) {
-            return lac_fail(err, LAC_EINPUT,
-                            "%s: readings %g s apart; interval must not be longer, or be absent",
-                            file, r->t[i] - r->t[i - 1]);
-        }
+        LAC_FAIL_IF(from < dry_from - slack, err, LAC_EINPUT,
+                    "%s: readings %g s apart; interval must not be longer, or be absent", file,
+                    r->t[i] - r->t[i - 1]);
         if (from > dry_from + slack && out->n > 0) {
             add_piece(out, dry_from, 0.0, 0.0);
         }
@@ -244,9 +239,8 @@ static lac_status add_rains(const rain_params *s, const lac_readings *r, water *
         add_piece(out, from, s->rise * r->value[i] / (to - from) * s->drain, 0.0);
         dry_from = to;
     }
-    if (out->n == 0) {
-        return lac_fail(err, LAC_EINPUT, "%s: one reading without interval tells no rain", file);
-    }
+    LAC_FAIL_IF(out->n == 0, err, LAC_EINPUT, "%s: one reading without interval tells no rain",
+                file);
     add_piece(out, dry_from, 0.0, 0.0);
     settle(out, 0.0);
     return LAC_OK;

@@ -32,17 +32,13 @@ lac_status lac_inertia_init(lac_problem *problem, const lac_problem_def *def, la
     if (def->mass == 0.0 && !named) {
         return LAC_OK;
     }
-    if (!(def->mass > 0.0) || !isfinite(def->mass) ||
-        !(def->columns > 0.0 && def->columns <= 1.0)) {
-        return lac_fail(err, LAC_EINPUT,
-                        "a block of %g kg/m2 with %g of it in columns: the mass must be > 0, the "
-                        "part in (0, 1]",
-                        def->mass, def->columns);
-    }
-    if (def->formulation != LAC_FORMULATION_AUTO && !named) {
-        return lac_fail(err, LAC_EINPUT, "the formulation \"%s\" knows no inertia",
-                        problem->kind->name);
-    }
+    LAC_FAIL_IF(
+        !(def->mass > 0.0) || !isfinite(def->mass) || !(def->columns > 0.0 && def->columns <= 1.0),
+        err, LAC_EINPUT,
+        "a block of %g kg/m2 with %g of it in columns: the mass must be > 0, the part in (0, 1]",
+        def->mass, def->columns);
+    LAC_FAIL_IF(def->formulation != LAC_FORMULATION_AUTO && !named, err, LAC_EINPUT,
+                "the formulation \"%s\" knows no inertia", problem->kind->name);
     problem->kind = &lac_formulation_inertia;
     problem->mass = def->mass * problem->spring_share;
     problem->columns = problem->n == 1 ? 1.0 : def->columns;

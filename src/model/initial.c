@@ -97,25 +97,18 @@ static lac_status cannot_start(const start_cell *c, double rate, double value, d
 {
     double a = lac_cellwise_of(&c->friction->column[LAC_A], c->cell);
     double b = lac_cellwise_of(&c->friction->column[LAC_B], c->cell);
-    if (rate <= 0.0 || value <= 0.0) {
-        return lac_fail(err, LAC_EINPUT, "%s of cell %zu is %g: must be > 0",
-                        rate <= 0.0 ? "slip rate" : "state", c->cell, rate <= 0.0 ? rate : value);
-    }
-    if (a <= 0.0 || b <= 0.0) {
-        return lac_fail(err, LAC_EINPUT,
-                        "a = %g and b = %g of cell %zu leave its rate or state undetermined", a, b,
-                        c->cell);
-    }
-    if (!isfinite(exp(w)) && w > 0.0 && isfinite(w)) {
-        return lac_fail(err, LAC_EINPUT,
-                        "the state of cell %zu that carries its load, e^%.4g s, is beyond numbers",
-                        c->cell, w);
-    }
-    return lac_fail(
-        err, LAC_EINPUT,
-        "no rate and state of cell %zu carry its load: traction %g Pa, effective normal "
-        "pressure %g Pa, ratio %g",
-        c->cell, c->traction, c->pressure, c->traction / c->pressure);
+    LAC_FAIL_IF(rate <= 0.0 || value <= 0.0, err, LAC_EINPUT, "%s of cell %zu is %g: must be > 0",
+                rate <= 0.0 ? "slip rate" : "state", c->cell, rate <= 0.0 ? rate : value);
+    LAC_FAIL_IF(a <= 0.0 || b <= 0.0, err, LAC_EINPUT,
+                "a = %g and b = %g of cell %zu leave its rate or state undetermined", a, b,
+                c->cell);
+    LAC_FAIL_IF(!isfinite(exp(w)) && w > 0.0 && isfinite(w), err, LAC_EINPUT,
+                "the state of cell %zu that carries its load, e^%.4g s, is beyond numbers", c->cell,
+                w);
+    return lac_fail(err, LAC_EINPUT,
+                    "no rate and state of cell %zu carry its load: traction %g Pa, effective "
+                    "normal pressure %g Pa, ratio %g",
+                    c->cell, c->traction, c->pressure, c->traction / c->pressure);
 }
 
 // What the loads at t = 0 put on the cells.
@@ -142,11 +135,9 @@ static lac_status load_at_start(const lac_load_set *loads, const lac_domain *dom
     at->elastic = (load.elastic + load.elastic_ratio * mean) * to_cells;
     at->shape = loads->shape;
     at->share = 1.0 - load.pore / mean;
-    if (!(at->share > 0.0)) {
-        return lac_fail(err, LAC_EINPUT,
-                        "pore pressure %g Pa is not below the normal pressure %g Pa at the start",
-                        load.pore, mean);
-    }
+    LAC_FAIL_IF(!(at->share > 0.0), err, LAC_EINPUT,
+                "pore pressure %g Pa is not below the normal pressure %g Pa at the start",
+                load.pore, mean);
     return LAC_OK;
 }
 
@@ -238,10 +229,7 @@ lac_status lac_initial_solve(const lac_initial_def *initial, const lac_domain *d
                      .damping = damping,
                      .log_rate = log_rate,
                      .log_state = log_state};
-    lac_status status = load_at_start(loads, domain, &s.load, err);
-    if (status != LAC_OK) {
-        return status;
-    }
+    LAC_TRY_RETURN(load_at_start(loads, domain, &s.load, err));
     double off = start_together(&s);
     double fastest = 0.0;
     for (size_t i = 0; i < domain->n; i++) {
@@ -251,11 +239,9 @@ lac_status lac_initial_solve(const lac_initial_def *initial, const lac_domain *d
         }
         fastest = fmax(fastest, exp(log_rate[i]));
     }
-    if (!(fabs(off) <= 1e-9 * fastest)) {
-        return lac_fail(err, LAC_EINPUT,
-                        "no slip rate of the cells carries the load with the damping of their "
-                        "mean: it would be above %g m/s",
-                        fastest);
-    }
+    LAC_FAIL_IF(!(fabs(off) <= 1e-9 * fastest), err, LAC_EINPUT,
+                "no slip rate of the cells carries the load with the damping of their mean: it "
+                "would be above %g m/s",
+                fastest);
     return LAC_OK;
 }

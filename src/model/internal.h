@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_MODEL_INTERNAL_H
-#define LACUNA_MODEL_INTERNAL_H
+#pragma once
 
 #include <math.h>
 
@@ -264,5 +263,3 @@ bool lac_implicit_solve(const lac_problem *problem, const lac_implicit *at, doub
 
 // Traction that is worth an e-fold of slip rate: a p, and b p where a = 0 [Pa].
 double lac_implicit_traction_scale(const lac_problem *problem, size_t cell);
-
-#endif

@@ -28,10 +28,9 @@ static void fill_geometry(lac_problem *problem, const lac_domain *domain)
 static lac_status check_initial(const lac_problem_def *def, lac_error *err)
 {
     for (size_t i = 0; i < def->domain->n; i++) {
-        if (!isfinite(def->log_rate[i]) || !isfinite(def->log_state[i])) {
-            return lac_fail(err, LAC_EINPUT, "initial ln v = %g, ln theta = %g of cell %zu",
-                            def->log_rate[i], def->log_state[i], i);
-        }
+        LAC_FAIL_IF(!isfinite(def->log_rate[i]) || !isfinite(def->log_state[i]), err, LAC_EINPUT,
+                    "initial ln v = %g, ln theta = %g of cell %zu", def->log_rate[i],
+                    def->log_state[i], i);
     }
     return LAC_OK;
 }
@@ -69,13 +68,11 @@ static lac_status check_solvable(const lac_problem *problem, lac_error *err)
     const lac_cellwise *column_a = &problem->friction->column[LAC_A];
     for (size_t i = 0; problem->kind->solved && i < problem->n; i++) {
         double a = lac_cellwise_of(column_a, i);
-        if (!(a > 0.0) && !(problem->damping > 0.0)) {
-            return lac_fail(err, LAC_EINPUT,
-                            "a = %g of cell %zu without radiation damping: the formulation "
-                            "\"%s\" cannot tell its slip rate from its traction; a must be > 0, "
-                            "or give material.shear_modulus and shear_speed",
-                            a, i, problem->kind->name);
-        }
+        LAC_FAIL_IF(!(a > 0.0) && !(problem->damping > 0.0), err, LAC_EINPUT,
+                    "a = %g of cell %zu without radiation damping: the formulation \"%s\" cannot "
+                    "tell its slip rate from its traction; a must be > 0, or give "
+                    "material.shear_modulus and shear_speed",
+                    a, i, problem->kind->name);
     }
     return LAC_OK;
 }
@@ -83,11 +80,9 @@ static lac_status check_solvable(const lac_problem *problem, lac_error *err)
 // Whoever made the loads knows the contact, and with it how elastic rock shares a force.
 static lac_status check_shape(const lac_problem *problem, lac_error *err)
 {
-    if (lac_load_set_is_shaped(&problem->loads) && problem->loads.shape == NULL) {
-        return lac_fail(err, LAC_EINPUT,
-                        "a load is shared as elastic rock does, but its shape over "
-                        "the cells is not given");
-    }
+    LAC_FAIL_IF(lac_load_set_is_shaped(&problem->loads) && problem->loads.shape == NULL, err,
+                LAC_EINPUT,
+                "a load is shared as elastic rock does, but its shape over the cells is not given");
     return LAC_OK;
 }
 
@@ -97,9 +92,7 @@ static lac_status measure_stiffness(lac_problem *problem, lac_error *err)
     size_t n = problem->n;
     const lac_transfer *transfer = &problem->transfer;
     double *slip = malloc((2 * n + transfer->kind->work(transfer->state)) * sizeof *slip);
-    if (slip == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(slip == NULL, err);
     for (size_t i = 0; i < n; i++) {
         slip[i] = i % 2 == 0 ? 1.0 : -1.0;
     }
@@ -114,9 +107,7 @@ static lac_status allocate(lac_problem *problem, const lac_problem_def *def, lac
 {
     size_t bytes = problem->n * sizeof(double);
     problem->traction0 = malloc(3 * bytes);
-    if (problem->traction0 == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(problem->traction0 == NULL, err);
     problem->log_rate0 = problem->traction0 + problem->n;
     problem->log_state0 = problem->log_rate0 + problem->n;
     memcpy(problem->log_rate0, def->log_rate, bytes);
@@ -129,9 +120,7 @@ lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac
     lac_status status = LAC_OK;
     *out = NULL;
     lac_problem *problem = calloc(1, sizeof *problem);
-    if (problem == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(problem == NULL, err);
     fill_geometry(problem, def->domain);
     problem->friction = def->friction;
     problem->transfer = *def->transfer;

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_MODEL_PROBLEM_H
-#define LACUNA_MODEL_PROBLEM_H
+#pragma once
 
 #include "friction/friction.h"
 #include "load/load.h"
@@ -282,5 +281,3 @@ lac_status lac_initial_solve(const lac_initial_def *initial, const lac_domain *d
                              const lac_friction *friction, const lac_load_set *loads,
                              lac_damping damping, double *log_rate, double *log_state,
                              lac_error *err);
-
-#endif

@@ -33,17 +33,13 @@ static lac_status look(const lac_precursor_inputs *observation, lac_forecast_fit
     double *magnitude = NULL;
     double error = NAN;
     size_t n = 0;
-    lac_status status = lac_precursor_magnitudes(observation->events, &magnitude, &n, err);
-    if (status != LAC_OK) {
-        return status;
-    }
+    LAC_TRY_RETURN(lac_precursor_magnitudes(observation->events, &magnitude, &n, err));
     n = n > 0 ? keep_complete(n, magnitude) : 0;
     const double b = lac_b_positive(n, magnitude, least_step, &error, &found->points);
     if (found->points < FEW) {
-        (void)lac_forecast_fit_refuse(found,
-                                      "too few events larger by %.1f than the one before: %zu, "
-                                      "at least %d",
-                                      least_step, found->points, (int)FEW);
+        (void)lac_forecast_fit_refuse(
+            found, "too few events larger by %.1f than the one before: %zu, at least %d",
+            least_step, found->points, (int)FEW);
     } else {
         lac_forecast_fit_add(found, "b", b);
         lac_forecast_fit_add(found, "error", error);

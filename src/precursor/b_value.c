@@ -100,10 +100,7 @@ static lac_status look(const lac_precursor_inputs *observation, lac_forecast_fit
 {
     double *magnitude = NULL;
     size_t n = 0;
-    lac_status status = lac_precursor_magnitudes(observation->events, &magnitude, &n, err);
-    if (status != LAC_OK) {
-        return status;
-    }
+    LAC_TRY_RETURN(lac_precursor_magnitudes(observation->events, &magnitude, &n, err));
     if (n < FEW) {
         (void)lac_forecast_fit_refuse(found, "too few events with a moment: %zu, at least %d", n,
                                       (int)FEW);
@@ -121,10 +118,9 @@ const lac_precursor_kind lac_precursor_b_value = {
                   "Soc. Am. 72, 1677; Woessner & Wiemer (2005), Bull. Seismol. Soc. Am. 95, 684"),
     .needs = LAC_NEEDS_EVENTS,
     .page = true,
-    .estimator =
-        "b = log10(e)/(mean - mc) over magnitudes from mc: the fullest bin of 0.1 and 0.2, "
-        "and on until b is stable over 0.5; fall_p: the later half of them against the "
-        "earlier, normal errors",
+    .estimator = "b = log10(e)/(mean - mc) over magnitudes from mc: the fullest bin of 0.1 and "
+                 "0.2, and on until b is stable over 0.5; fall_p: the later half of them against "
+                 "the earlier, normal errors",
     LAC_PRECURSOR_VALUES(numbers),
     .evaluate = look,
 };

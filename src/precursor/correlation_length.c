@@ -10,8 +10,7 @@ enum { FEW = 5 };
 static const lac_precursor_value numbers[] = {
     {"length_m", "m", "longest cluster of slipping cells"},
     {"rise_p", "1",
-     "chance of one as long in the last twentieth of the time, if time did not "
-     "matter"},
+     "chance of one as long in the last twentieth of the time, if time did not matter"},
     {"growth_exponent", "1", "nu of length ~ (tc - t)^-nu"},
     {"growth_error", "1", "standard error of nu"},
 };

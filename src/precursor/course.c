@@ -18,9 +18,7 @@ static lac_status keep_events(const lac_event_list *all, double now, past_events
     size_t n = 0;
     *out = (past_events){.time = malloc(room * sizeof *out->time),
                          .moment = malloc(room * sizeof *out->moment)};
-    if (out->time == NULL || out->moment == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(out->time == NULL || out->moment == NULL, err);
     for (size_t i = 0; i < all->n; i++) {
         if ((all->end != NULL ? all->end[i] : all->time[i]) <= now) {
             out->time[n] = all->time[i];
@@ -88,9 +86,7 @@ lac_status lac_indicator_series_create(const lac_indicator_inputs *inputs, size_
 {
     lac_indicator_series *indicator_series = calloc(1, sizeof *indicator_series);
     *out = NULL;
-    if (indicator_series == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(indicator_series == NULL, err);
     *indicator_series = (lac_indicator_series){.inputs = inputs, .most = most};
     while (lac_precursor_kind_get(indicator_series->kinds) != NULL) {
         indicator_series->kinds++;

@@ -156,9 +156,9 @@ static const lac_variable rows[] = {
             .flags = LAC_MEANINGS),
     TIME("reading_time", "reading", reading_time, "time of the reading", .flags = LAC_TIME),
     LAC_ROW("displacement", "reading", "m", "displacement", G(displacement),
-            .comment = "without outliers, resets of the sensor taken out; its negative where it "
-                       "falls (attribute falling); the integral of the velocity where only that "
-                       "was given"),
+            .comment =
+                "without outliers, resets of the sensor taken out; its negative where it falls "
+                "(attribute falling); the integral of the velocity where only that was given"),
     TIME("velocity_time", "velocity_reading", velocity_time, "time of the velocity",
          .flags = LAC_TIME | LAC_EMPTY),
     LAC_ROW("velocity", "velocity_reading", "m s-1", "velocity", G(velocity),

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_PRECURSOR_KINDS_H
-#define LACUNA_PRECURSOR_KINDS_H
+#pragma once
 
 #include "base/fft.h"
 #include "base/rows.h"
@@ -39,5 +38,3 @@ void lac_phases_clear(lac_phases *phases);
 
 /// A series with the same amplitudes and phases at random.
 void lac_phases_draw(const lac_phases *phases, uint64_t seed, size_t index, double *x);
-
-#endif

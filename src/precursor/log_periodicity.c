@@ -139,9 +139,7 @@ static lac_status look(const lac_precursor_inputs *observation, lac_forecast_fit
         return lac_forecast_fit_refuse(found, "the log law has no time of failure to count from");
     }
     lomb *l = calloc(1, sizeof *l);
-    if (l == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(l == NULL, err);
     gather(l, observation);
     found->points = l->n;
     const double span = l->n > 1 ? l->u[0] - l->u[l->n - 1] : 0.0;

@@ -62,8 +62,8 @@ static lac_status look(const lac_precursor_inputs *observation, lac_forecast_fit
         return lac_forecast_fit_refuse(found, "no event has ended");
     }
     if (found->points == 0) {
-        return lac_forecast_fit_refuse(found, "no event has a moment: the case needs "
-                                              "material.shear_modulus");
+        return lac_forecast_fit_refuse(
+            found, "no event has a moment: the case needs material.shear_modulus");
     }
     lac_forecast_fit_add(found, "moment_N_m", sum);
     lac_forecast_fit_add(found, "largest_N_m", largest);

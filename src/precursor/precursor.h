@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_PRECURSOR_PRECURSOR_H
-#define LACUNA_PRECURSOR_PRECURSOR_H
+#pragma once
 
 #include <stdint.h>
 
@@ -181,5 +180,3 @@ typedef struct lac_forecast_outcome {
 /// @param outcome  with all that it points to must outlive the dataset
 lac_status lac_forecast_describe(const lac_forecast_outcome *outcome, lac_dataset **out,
                                  lac_error *err);
-
-#endif

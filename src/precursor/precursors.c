@@ -41,11 +41,12 @@ lac_status lac_precursors_evaluate(const lac_precursor_inputs *observation, lac_
         lac_precursor *p = &out[*count];
         *p = (lac_precursor){.kind = kind};
         if (kind->needs == LAC_NEEDS_EVENTS && observation->events == NULL) {
-            (void)lac_forecast_fit_refuse(&p->found, "needs a catalogue of events: a run of a case "
-                                                     "with analysis: {events: ...}");
+            (void)lac_forecast_fit_refuse(
+                &p->found,
+                "needs a catalogue of events: a run of a case with analysis: {events: ...}");
         } else if (kind->needs == LAC_NEEDS_CELLS && observation->slip == NULL) {
-            (void)lac_forecast_fit_refuse(&p->found, "needs cells: a run of a case with analysis: "
-                                                     "{rg: ...}");
+            (void)lac_forecast_fit_refuse(&p->found,
+                                          "needs cells: a run of a case with analysis: {rg: ...}");
         } else {
             LAC_TRY(kind->evaluate(observation, &p->found, err));
         }
@@ -59,9 +60,7 @@ lac_status lac_precursor_magnitudes(const lac_event_list *events, double **magni
 {
     *n = 0;
     *magnitude = malloc((events->n > 0 ? events->n : 1) * sizeof **magnitude);
-    if (*magnitude == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(*magnitude == NULL, err);
     for (size_t i = 0; i < events->n; i++) {
         if (events->moment[i] > 0.0 && isfinite(events->moment[i])) {
             (*magnitude)[(*n)++] = 2.0 / 3.0 * (log10(events->moment[i]) - 9.1);

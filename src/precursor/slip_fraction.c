@@ -40,9 +40,7 @@ static const size_t named = sizeof numbers / sizeof *numbers - BEFORE_LEVELS;
 static lac_status add_rise(const lac_slip_history *s, lac_forecast_fit *found, lac_error *err)
 {
     double *cells = malloc(s->n * sizeof *cells);
-    if (cells == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(cells == NULL, err);
     for (size_t i = 0; i < s->n; i++) {
         cells[i] = s->n_slip[i * s->levels];
     }
@@ -82,9 +80,8 @@ const lac_precursor_kind lac_precursor_slip_fraction = {
                       "slipping blocks of each level, and how far from the fixed point",
                       "Borri-Brunetto, Carpinteri & Chiaia (2004), Rock Mech. Rock Eng. 37, 117"),
     .needs = LAC_NEEDS_CELLS,
-    .estimator =
-        "N_slip/N_tot of the last record; distance: the fixed point less that of the cells; rise_p "
-        "by ranks of 20 equal parts of the time",
+    .estimator = "N_slip/N_tot of the last record; distance: the fixed point less that of the "
+                 "cells; rise_p by ranks of 20 equal parts of the time",
     LAC_PRECURSOR_VALUES(numbers),
     .evaluate = look,
 };

@@ -47,9 +47,7 @@ static lac_status create(passage *p, size_t n, lac_error *err)
 {
     *p = (passage){.n = n, .window = n / 2};
     p->rest = calloc(6 * n, sizeof *p->rest);
-    if (p->rest == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(p->rest == NULL, err);
     p->smooth = p->rest + n;
     p->variance = p->smooth + COLUMNS * n;
     p->relation = p->variance + n;

@@ -50,9 +50,7 @@ lac_status lac_page_about(const lac_page *page, const char *key, lac_error *err)
     const lac_page_run *run = page->run;
     lac_json *json = page->json;
     char date[32], *text = malloc(LONGEST_TEXT);
-    if (text == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(text == NULL, err);
     lac_json_open(json, key, '{');
     lac_json_text(json, "file", lac_page_name(run->path));
     lac_json_text(json, "made_by", page->def->made_by);

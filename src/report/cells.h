@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_REPORT_CELLS_H
-#define LACUNA_REPORT_CELLS_H
+#pragma once
 
 #include "report/run.h"
 
@@ -34,5 +33,3 @@ typedef enum lac_page_summary {
 /// @param out    [squares]
 void lac_page_raster_summarise(const lac_page_raster *raster, lac_page_summary how,
                                const double *value, double limit, double *out);
-
-#endif

@@ -47,10 +47,8 @@ static lac_status find_shift(const lac_page *page, fitted *f, lac_error *err)
     (void)lac_stored_file_text(f->file, names[READING], "units", unit, sizeof unit);
     const bool dated = strncmp(unit, since, sizeof since - 1) == 0 &&
                        lac_date_parse(unit + sizeof since - 1, &start);
-    if (dated != run->dated) {
-        return lac_fail(err, LAC_EINPUT, "%s: has %s, and the run %s has %s", f->path,
-                        dated ? "dates" : "no dates", run->path, dated ? "none" : "some");
-    }
+    LAC_FAIL_IF(dated != run->dated, err, LAC_EINPUT, "%s: has %s, and the run %s has %s", f->path,
+                dated ? "dates" : "no dates", run->path, dated ? "none" : "some");
     f->shift = dated ? start - run->start : 0.0;
     return LAC_OK;
 }

@@ -141,9 +141,7 @@ lac_status lac_page_live_page(const char *nonce, char **html, lac_error *err)
     size_t size = 0;
     lac_json json = {.out = open_memstream(html, &size)};
     *html = NULL;
-    if (json.out == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(json.out == NULL, err);
     const char *rest = put_html(&json, (const char *)lac_page_html, "Lacuna", nonce);
     put(&json, "{\"live\":true}");
     (void)put_html(&json, rest, "", nonce);

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_REPORT_REPORT_H
-#define LACUNA_REPORT_REPORT_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -49,5 +48,3 @@ lac_status lac_page_live_page(const char *nonce, char **html, lac_error *err);
 /// few records, and after every snapshot.
 /// @return LAC_OK; LAC_ENOMEM
 lac_status lac_page_thin_recording(lac_recording *recording, lac_error *err);
-
-#endif

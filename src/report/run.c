@@ -152,9 +152,7 @@ lac_status lac_page_keep(const lac_page *page, const char *section, size_t bucke
         }
     }
     *keep = malloc(run->n);
-    if (*keep == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(*keep == NULL, err);
     (void)lac_page_thin(run->n, run->time, run->before, buckets, columns, column, *keep);
     return LAC_OK;
 }

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_REPORT_RUN_H
-#define LACUNA_REPORT_RUN_H
+#pragma once
 
 #include "data/json.h"
 #include "report/report.h"
@@ -76,5 +75,3 @@ lac_status lac_page_forecasts(const lac_page *page, const char *key, lac_error *
 lac_status lac_page_cells(const lac_page *page, const char *key, lac_error *err);
 lac_status lac_page_levels(const lac_page *page, const char *key, lac_error *err);
 lac_status lac_page_events(const lac_page *page, const char *key, lac_error *err);
-
-#endif

@@ -13,9 +13,7 @@ lac_status lac_page_readings(const lac_page *page, double **time, lac_error *err
 {
     const lac_series *series = page->def->series;
     *time = malloc((series->n + 1) * sizeof **time);
-    if (*time == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(*time == NULL, err);
     for (size_t i = 0; i < series->n; i++) {
         (*time)[i] = series->time[i] - (series->dated ? page->run->start : 0.0);
     }
@@ -107,10 +105,8 @@ lac_status lac_page_series(const lac_page *page, const char *key, lac_error *err
     if (page->def->series == NULL) {
         return LAC_OK;
     }
-    if (page->def->series->dated && !page->run->dated) {
-        return lac_fail(err, LAC_EINPUT, "%s: has dates, and the run %s has none",
-                        page->def->series_name, page->def->run);
-    }
+    LAC_FAIL_IF(page->def->series->dated && !page->run->dated, err, LAC_EINPUT,
+                "%s: has dates, and the run %s has none", page->def->series_name, page->def->run);
     LAC_TRY(lay(page, &b, err));
     write_series(page, key, &b);
 out:

@@ -23,11 +23,9 @@ lac_status lac_rg_map_fit(size_t n, const double *s, const double *s_next, lac_r
         }
     }
     *map = (lac_rg_map){.points = (size_t)line.n, .fixed_point = NAN, .nu = NAN};
-    if (map->points < 3 || !(line.xx > 1e-12 * line.n)) {
-        return lac_fail(err, LAC_EINPUT,
-                        "a map needs three pairs of slipped fractions between %g and %g, not %zu",
-                        lowest, 1.0 - lowest, map->points);
-    }
+    LAC_FAIL_IF(map->points < 3 || !(line.xx > 1e-12 * line.n), err, LAC_EINPUT,
+                "a map needs three pairs of slipped fractions between %g and %g, not %zu", lowest,
+                1.0 - lowest, map->points);
     map->lambda = lac_line_slope(&line);
     map->g = lac_line_at(&line, 0.0);
     map->residual = sqrt(line.rest / line.n);

@@ -40,9 +40,8 @@ void lac_rg_path_free(lac_rg_path *path)
 static lac_status check_tractions(size_t n, const double *shear, lac_error *err)
 {
     for (size_t i = 0; i < n; i++) {
-        if (!isfinite(shear[i])) {
-            return lac_fail(err, LAC_EINPUT, "the traction of cell %zu is %g Pa", i, shear[i]);
-        }
+        LAC_FAIL_IF(!isfinite(shear[i]), err, LAC_EINPUT, "the traction of cell %zu is %g Pa", i,
+                    shear[i]);
     }
     return LAC_OK;
 }
@@ -122,18 +121,13 @@ static lac_status check_series(const lac_rg_series *s, lac_error *err)
     for (size_t k = 1; k < s->loads && falls; k++) {
         falls = s->part[k] < s->part[k - 1];
     }
-    if (!falls) {
-        return lac_fail(err, LAC_EINPUT, "the parts of the load must fall from 1 to 0");
-    }
-    if (!(s->friction > 0.0 && isfinite(s->friction))) {
-        return lac_fail(err, LAC_EINPUT, "the coefficient of friction must be > 0, not %g",
-                        s->friction);
-    }
+    LAC_FAIL_IF(!falls, err, LAC_EINPUT, "the parts of the load must fall from 1 to 0");
+    LAC_FAIL_IF(!(s->friction > 0.0 && isfinite(s->friction)), err, LAC_EINPUT,
+                "the coefficient of friction must be > 0, not %g", s->friction);
     for (size_t i = 0; i < s->n * s->loads; i++) {
-        if (!(s->pressure[i] >= 0.0 && isfinite(s->pressure[i]))) {
-            return lac_fail(err, LAC_EINPUT, "the pressure of cell %zu at load %zu is %g Pa",
-                            i % s->n, i / s->n, s->pressure[i]);
-        }
+        LAC_FAIL_IF(!(s->pressure[i] >= 0.0 && isfinite(s->pressure[i])), err, LAC_EINPUT,
+                    "the pressure of cell %zu at load %zu is %g Pa", i % s->n, i / s->n,
+                    s->pressure[i]);
     }
     return lac_rg_check_strengths(s->n, s->pressure, err);
 }

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_RG_PATH_H
-#define LACUNA_RG_PATH_H
+#pragma once
 
 #include "rg/rg.h"
 
@@ -36,5 +35,3 @@ double lac_rg_root(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path,
 /// The load between the two at which the joint slides, to 1e-9.
 double lac_rg_close(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path,
                     lac_rg_bracket bracket, double *work);
-
-#endif

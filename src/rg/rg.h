@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_RG_RG_H
-#define LACUNA_RG_RG_H
+#pragma once
 
 #include "hierarchy/hierarchy.h"
 
@@ -144,5 +143,3 @@ typedef struct lac_rg_sizes {
     double strength; ///< force that they carry then over their nominal area, mean [Pa]
     double spread;   ///< standard deviation of that [Pa]
 } lac_rg_sizes;
-
-#endif

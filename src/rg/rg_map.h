@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_RG_RG_MAP_H
-#define LACUNA_RG_RG_MAP_H
+#pragma once
 
 #include <stddef.h>
 
-#include "lacuna/error.h"
+#include "base/fail.h"
 
 /// The renormalization map s' = S(s) of the slipped fraction from a level to the next, fitted by
 /// logit s' = lambda logit s + g, so that S(0) = 0 and S(1) = 1.
@@ -20,5 +19,3 @@ typedef struct lac_rg_map {
 /// Fits the map to pairs (s, s').
 lac_status lac_rg_map_fit(size_t n, const double *s, const double *s_next, lac_rg_map *map,
                           lac_error *err);
-
-#endif

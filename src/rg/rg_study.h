@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_RG_RG_STUDY_H
-#define LACUNA_RG_RG_STUDY_H
+#pragma once
 
 #include "rg/rg.h"
 #include "rg/rg_map.h"
@@ -103,5 +102,3 @@ lac_status lac_rg_study_add(lac_rg_study *study, const lac_rg_joint *joint, lac_
 /// @param result  freed with the study
 lac_status lac_rg_study_finish(lac_rg_study *study, const lac_rg_result **result, lac_error *err);
 void lac_rg_study_free(lac_rg_study *study);
-
-#endif

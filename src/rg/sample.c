@@ -65,10 +65,10 @@ lac_status lac_rg_order_create(const lac_domain *domain, size_t loads, lac_rg_or
         order->part->grid = domain->grid;
         order->part->index = malloc(domain->n * sizeof *order->part->index);
     }
-    if (order->cluster == NULL || order->cell_load == NULL || order->own_level == NULL ||
-        order->slipped == NULL || order->part == NULL || order->part->index == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(order->cluster == NULL || order->cell_load == NULL ||
+                           order->own_level == NULL || order->slipped == NULL ||
+                           order->part == NULL || order->part->index == NULL,
+                       err);
     for (size_t c = 0; c < domain->n; c++) {
         order->cell_load[c] = NAN;
         order->own_level[c] = NAN;

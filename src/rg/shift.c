@@ -47,12 +47,10 @@ lac_status lac_rg_tree_create_at(const lac_domain *domain, size_t dx, size_t dy,
     double *moved_values = NULL;
     lac_status status;
     *out = NULL;
-    if (dx >= domain->grid.nx || dy >= domain->grid.ny) {
-        return lac_fail(err, LAC_EINPUT,
-                        "blocks can be moved by less than the %zu x %zu cells of the grid, not by "
-                        "%zu x %zu",
-                        domain->grid.nx, domain->grid.ny, dx, dy);
-    }
+    LAC_FAIL_IF(
+        dx >= domain->grid.nx || dy >= domain->grid.ny, err, LAC_EINPUT,
+        "blocks can be moved by less than the %zu x %zu cells of the grid, not by %zu x %zu",
+        domain->grid.nx, domain->grid.ny, dx, dy);
     cell = malloc(n * sizeof *cell);
     moved_values = malloc(2 * n * sizeof *moved_values);
     LAC_TRY(cell != NULL && moved_values != NULL ? LAC_OK : lac_fail_memory(err));

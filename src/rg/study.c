@@ -30,16 +30,13 @@ lac_rg_study_def lac_rg_study_default(void)
 lac_status lac_rg_study_create(const lac_rg_study_def *def, lac_rg_study **out, lac_error *err)
 {
     *out = NULL;
-    if (def->places < 1 || def->places >= MOST || def->loads < LEAST_LOADS || def->loads >= MOST) {
-        return lac_fail(err, LAC_EINPUT,
-                        "%zu places and %zu loads are not possible: at least 1 and %d, fewer than "
-                        "%d of each",
-                        def->places, def->loads, LEAST_LOADS, MOST);
-    }
+    LAC_FAIL_IF(
+        def->places < 1 || def->places >= MOST || def->loads < LEAST_LOADS || def->loads >= MOST,
+        err, LAC_EINPUT,
+        "%zu places and %zu loads are not possible: at least 1 and %d, fewer than %d of each",
+        def->places, def->loads, LEAST_LOADS, MOST);
     lac_rg_study *study = calloc(1, sizeof *study);
-    if (study == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(study == NULL, err);
     study->def = *def;
     study->load = malloc(def->loads * sizeof *study->load);
     study->cluster = calloc(def->loads, sizeof *study->cluster);
@@ -280,9 +277,7 @@ static lac_status create_means(const lac_rg_study *study, lac_rg_result *r, lac_
     free(r->size);
     r->fraction = calloc(length_of(study) + 2 * loads, sizeof *r->fraction);
     r->size = calloc(levels, sizeof *r->size);
-    if (r->fraction == NULL || r->size == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(r->fraction == NULL || r->size == NULL, err);
     r->block = r->fraction + loads * levels; // as in a sample
     r->blocks = r->block + loads;
     r->slipping = r->blocks + levels;
@@ -380,9 +375,7 @@ lac_status lac_rg_study_finish(lac_rg_study *study, const lac_rg_result **result
 {
     lac_rg_result *r = study->result;
     lac_status status;
-    if (study->joints == 0) {
-        return lac_fail(err, LAC_EINPUT, "no joint was added to the study");
-    }
+    LAC_FAIL_IF(study->joints == 0, err, LAC_EINPUT, "no joint was added to the study");
     r->joints = study->joints;
     r->places = study->def.places;
     r->levels = study->levels;

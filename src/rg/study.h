@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_RG_STUDY_INTERNAL_H
-#define LACUNA_RG_STUDY_INTERNAL_H
+#pragma once
 
 #include "rg/rg_study.h"
 
@@ -52,5 +51,3 @@ lac_status lac_rg_bootstrap(const lac_rg_study_def *def, size_t groups, const si
 
 /// Fits xi ~ (1 - load/critical)^-exponent below the critical load.
 lac_rg_power lac_rg_power_fit(size_t n, const double *load, const double *xi, double critical);
-
-#endif

@@ -36,26 +36,21 @@ size_t lac_rg_slipping(const lac_rg_tree *tree, size_t level)
 
 static lac_status check_blocks(const lac_rg_blocks *b, lac_error *err)
 {
-    if (b->levels > LAC_RG_LEVELS || b->count[0] == 0 || b->count[b->levels] != 1) {
-        return lac_fail(err, LAC_EINPUT,
-                        "a tree needs cells, one root and at most %d levels, not %zu cells, %zu "
-                        "roots and %zu levels",
-                        LAC_RG_LEVELS, b->count[0], b->count[b->levels], b->levels);
-    }
+    LAC_FAIL_IF(b->levels > LAC_RG_LEVELS || b->count[0] == 0 || b->count[b->levels] != 1, err,
+                LAC_EINPUT,
+                "a tree needs cells, one root and at most %d levels, not %zu cells, %zu roots and "
+                "%zu levels",
+                LAC_RG_LEVELS, b->count[0], b->count[b->levels], b->levels);
     return LAC_OK;
 }
 
 lac_status lac_rg_check_strengths(size_t n, const double *strength, lac_error *err)
 {
-    if (n == 0) {
-        return lac_fail(err, LAC_EINPUT, "no cell is in contact");
-    }
+    LAC_FAIL_IF(n == 0, err, LAC_EINPUT, "no cell is in contact");
     double total = 0.0;
     for (size_t i = 0; i < n; i++) {
-        if (!(strength[i] > 0.0 && isfinite(strength[i]))) {
-            return lac_fail(err, LAC_EINPUT, "the strength of cell %zu must be > 0 Pa, not %g", i,
-                            strength[i]);
-        }
+        LAC_FAIL_IF(!(strength[i] > 0.0 && isfinite(strength[i])), err, LAC_EINPUT,
+                    "the strength of cell %zu must be > 0 Pa, not %g", i, strength[i]);
         total += strength[i];
     }
     return isfinite(total) ? LAC_OK
@@ -122,11 +117,10 @@ static lac_status link_layers(lac_rg_tree *tree, const lac_rg_blocks *b, uint32_
             lac_rg_layer *above = &tree->layer[k];
             above->child = links;
             links += above->count + 1;
-            if (!link_layer(fine, tree->layer[k - 1].count, b->first[level], above->count,
-                            above->child)) {
-                return lac_fail(err, LAC_EINPUT, "the blocks of level %zu do not nest in level %zu",
-                                level - 1, level);
-            }
+            LAC_FAIL_IF(!link_layer(fine, tree->layer[k - 1].count, b->first[level], above->count,
+                                    above->child),
+                        err, LAC_EINPUT, "the blocks of level %zu do not nest in level %zu",
+                        level - 1, level);
             fine = b->first[level];
         }
     }

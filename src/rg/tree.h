@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_RG_TREE_H
-#define LACUNA_RG_TREE_H
+#pragma once
 
 #include "rg/rg.h"
 
@@ -72,5 +71,3 @@ void lac_rg_states_summarise(const lac_rg_tree *tree, const lac_rg_block_state *
 /// The block that is the whole joint slips at its critical load, whatever the scan saw.
 /// @param critical  Q/Q_nom
 void lac_rg_sizes_close(const lac_rg_tree *tree, bool line, double critical, lac_rg_sizes *sizes);
-
-#endif

@@ -6,12 +6,11 @@
 
 static lac_status too_many_steps(const lac_run_state *r, lac_error *err)
 {
-    return lac_fail(err, LAC_ENUMERIC,
-                    "%lld %s were not enough: t = %.17g s of %g s, last step %.3g s, mean slip "
-                    "rate %g m/s",
-                    (long long)r->def->max_steps,
-                    r->engine->kind->sweeps ? "sweeps over the cells" : "steps",
-                    lac_engine_time(r->engine), r->def->end, r->engine->step, r->mean_rate);
+    return lac_fail(
+        err, LAC_ENUMERIC,
+        "%lld %s were not enough: t = %.17g s of %g s, last step %.3g s, mean slip rate %g m/s",
+        (long long)r->def->max_steps, r->engine->kind->sweeps ? "sweeps over the cells" : "steps",
+        lac_engine_time(r->engine), r->def->end, r->engine->step, r->mean_rate);
 }
 
 // Looks now and then whether time goes on: far less than the cells' own time scale in a thousand

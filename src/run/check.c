@@ -10,12 +10,10 @@ lac_status lac_check_slipping(const lac_problem *problem, const double *y, doubl
                               lac_error *err)
 {
     size_t cell;
-    if (lac_problem_rests(problem, t, y, &cell, work)) {
-        return lac_fail(err, LAC_ENUMERIC,
-                        "cell %zu comes to rest at t = %.17g s: with so small a direct effect a "
-                        "its friction holds it only below %.2g m/s, beyond what is followed",
-                        cell, t, exp(LAC_AT_REST));
-    }
+    LAC_FAIL_IF(lac_problem_rests(problem, t, y, &cell, work), err, LAC_ENUMERIC,
+                "cell %zu comes to rest at t = %.17g s: with so small a direct effect a its "
+                "friction holds it only below %.2g m/s, beyond what is followed",
+                cell, t, exp(LAC_AT_REST));
     if (lac_problem_slips(problem, t, y, &cell, work)) {
         return LAC_OK;
     }
@@ -23,10 +21,8 @@ lac_status lac_check_slipping(const lac_problem *problem, const double *y, doubl
         !lac_problem_has_slip(problem)
             ? NULL
             : lac_problem_lost_transfer(problem, y + lac_problem_slip_place(problem), work);
-    if (lost != NULL) {
-        return lac_fail(err, LAC_ENUMERIC,
-                        "the transfer %s finds no stress for the slip at t = %.17g s", lost, t);
-    }
+    LAC_FAIL_IF(lost != NULL, err, LAC_ENUMERIC,
+                "the transfer %s finds no stress for the slip at t = %.17g s", lost, t);
     lac_formulation formulation = lac_problem_formulation(problem);
     bool log_rate = formulation == LAC_FORMULATION_RATE;
     bool massive = formulation == LAC_FORMULATION_INERTIA;
@@ -70,36 +66,24 @@ static lac_status check_beyond(unsigned beyond, lac_error *err)
         {LAC_BEYOND_OUTPUT, "output: lac_run writes no file and keeps no fields"},
     };
     for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
-        if ((beyond & table[i].bit) != 0) {
-            return lac_fail(err, LAC_EINPUT, "%s: lac_simulation_run does all that a case asks",
-                            table[i].what);
-        }
+        LAC_FAIL_IF((beyond & table[i].bit) != 0, err, LAC_EINPUT,
+                    "%s: lac_simulation_run does all that a case asks", table[i].what);
     }
     return LAC_OK;
 }
 
 lac_status lac_check_def(const lac_run_def *def, lac_error *err)
 {
-    lac_status status = check_beyond(def->beyond, err);
-    if (status != LAC_OK) {
-        return status;
-    }
-    if (def->fidelity == LAC_FIDELITY_STATIC) {
-        return lac_fail(err, LAC_EINPUT,
-                        "solver.fidelity static has no time to run through: lacuna rg works out "
-                        "the cascade; ode and events run");
-    }
-    if (def->fidelity == LAC_FIDELITY_ASYNC && !(def->wake > 0.0)) {
-        return lac_fail(err, LAC_EINPUT, "wake %g must be positive", def->wake);
-    }
-    if (!(def->end > 0.0) || !isfinite(def->end)) {
-        return lac_fail(err, LAC_EINPUT, "the end of the run, %g s, must be after its start",
-                        def->end);
-    }
-    if (!(def->rtol > 0.0) || !(def->failure_rate > 0.0)) {
-        return lac_fail(err, LAC_EINPUT, "rtol %g and failure rate %g m/s must be positive",
-                        def->rtol, def->failure_rate);
-    }
+    LAC_TRY_RETURN(check_beyond(def->beyond, err));
+    LAC_FAIL_IF(def->fidelity == LAC_FIDELITY_STATIC, err, LAC_EINPUT,
+                "solver.fidelity static has no time to run through: lacuna rg works out the "
+                "cascade; ode and events run");
+    LAC_FAIL_IF(def->fidelity == LAC_FIDELITY_ASYNC && !(def->wake > 0.0), err, LAC_EINPUT,
+                "wake %g must be positive", def->wake);
+    LAC_FAIL_IF(!(def->end > 0.0) || !isfinite(def->end), err, LAC_EINPUT,
+                "the end of the run, %g s, must be after its start", def->end);
+    LAC_FAIL_IF(!(def->rtol > 0.0) || !(def->failure_rate > 0.0), err, LAC_EINPUT,
+                "rtol %g and failure rate %g m/s must be positive", def->rtol, def->failure_rate);
     if (def->failure_slip < 0.0) { // NaN, not given, passes
         return lac_fail(err, LAC_EINPUT,
                         "failure slip %g m must be positive, or 0 for the joint's own",
@@ -108,11 +92,9 @@ lac_status lac_check_def(const lac_run_def *def, lac_error *err)
     const lac_cadence *every[] = {&def->record, &def->snapshot, &def->checkpoint};
     for (size_t i = 0; i < 3; i++) {
         // NaN, not given, passes.
-        if (every[i]->time <= 0.0 || every[i]->per_decade <= 0.0) {
-            return lac_fail(err, LAC_EINPUT,
-                            "output every %g s or %g times a decade: must be positive",
-                            every[i]->time, every[i]->per_decade);
-        }
+        LAC_FAIL_IF(every[i]->time <= 0.0 || every[i]->per_decade <= 0.0, err, LAC_EINPUT,
+                    "output every %g s or %g times a decade: must be positive", every[i]->time,
+                    every[i]->per_decade);
     }
     return LAC_OK;
 }
@@ -124,22 +106,14 @@ lac_status lac_check_start(const lac_problem *problem, const lac_run_def *def,
     double mean;
     double max;
     lac_problem_speed(problem, 0.0, y, &mean, &max, work);
-    lac_status status = lac_check_rates(problem, max, 0.0, work, err);
-    if (status != LAC_OK) {
-        return status;
-    }
-    if (lac_problem_past_failure(problem, failure, 0.0, y, work) >= 0.0) {
-        return lac_fail(err, LAC_EINPUT,
-                        "the mean slip rate at the start, %g m/s, is not below that of failure, "
-                        "%g m/s",
-                        mean, failure->rate);
-    }
-    if (max >= def->stop_rate) {
-        return lac_fail(err, LAC_EINPUT,
-                        "the largest slip rate at the start, %g m/s, is not below the one to stop "
-                        "at, %g m/s",
-                        max, def->stop_rate);
-    }
+    LAC_TRY_RETURN(lac_check_rates(problem, max, 0.0, work, err));
+    LAC_FAIL_IF(lac_problem_past_failure(problem, failure, 0.0, y, work) >= 0.0, err, LAC_EINPUT,
+                "the mean slip rate at the start, %g m/s, is not below that of failure, %g m/s",
+                mean, failure->rate);
+    LAC_FAIL_IF(
+        max >= def->stop_rate, err, LAC_EINPUT,
+        "the largest slip rate at the start, %g m/s, is not below the one to stop at, %g m/s", max,
+        def->stop_rate);
     return lac_check_slipping(problem, y, 0.0, work, err);
 }
 
@@ -151,9 +125,7 @@ lac_status lac_run_check(const lac_problem *problem, const lac_run_def *def, lac
     }
     size_t unknowns = lac_problem_unknowns(problem);
     double *y = calloc(unknowns + lac_problem_work(problem), sizeof *y);
-    if (y == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(y == NULL, err);
     lac_problem_initial(problem, y);
     if (def->fidelity == LAC_FIDELITY_ASYNC) {
         LAC_TRY(lac_engine_events_check(problem, err));

@@ -134,10 +134,10 @@ lac_status lac_run_state_checkpoint(lac_run_state *r, bool planned, lac_error *e
     if (start == 0 || archive.no_memory) {
         status = lac_fail_memory(err);
     } else if (archive.refused != NULL && planned) {
-        status = lac_fail(err, LAC_EINPUT,
-                          "the analysis %s cannot be kept in a checkpoint: leave it or "
-                          "output.checkpoint out",
-                          archive.refused);
+        status = lac_fail(
+            err, LAC_EINPUT,
+            "the analysis %s cannot be kept in a checkpoint: leave it or output.checkpoint out",
+            archive.refused);
     } else if (archive.refused == NULL) {
         lac_checkpoint checkpoint = {.planned = planned,
                                      .time = lac_engine_time(r->engine),
@@ -155,16 +155,13 @@ static lac_status check_identity(const lac_run_state *r, lac_archive *archive, l
     uint64_t formulation = 0;
     uint64_t start = 0;
     uint64_t now = identify(r->problem);
-    if (now == 0) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(now == 0, err);
     pass_identity(archive, &n, &formulation, &start);
-    if (!lac_archive_good(archive) || n != r->engine->n ||
-        formulation != (uint64_t)lac_problem_formulation(r->problem) || start != now) {
-        return lac_fail(err, LAC_EINPUT,
-                        "the checkpoint is of another scene: its cells or what they start from "
-                        "have changed, perhaps a file that the case reads");
-    }
+    LAC_FAIL_IF(!lac_archive_good(archive) || n != r->engine->n ||
+                    formulation != (uint64_t)lac_problem_formulation(r->problem) || start != now,
+                err, LAC_EINPUT,
+                "the checkpoint is of another scene: its cells or what they start from have "
+                "changed, perhaps a file that the case reads");
     return LAC_OK;
 }
 
@@ -179,17 +176,12 @@ lac_status lac_run_state_resume(lac_run_state *r, lac_error *err)
     r->checkpoint_clock.every = r->def->checkpoint;
     LAC_TRY(check_identity(r, &archive, err));
     pass_course(&archive, r);
-    if (archive.no_memory) {
-        return lac_fail_memory(err);
-    }
-    if (!lac_archive_good(&archive) || archive.at != archive.size) {
-        return lac_fail(err, LAC_EINPUT, "the checkpoint does not fit this case and program");
-    }
-    if (!(lac_engine_time(r->engine) < r->def->end)) {
-        return lac_fail(err, LAC_EINPUT,
-                        "the checkpoint is at t = %.9g s, not before the end of the run, %.9g s",
-                        lac_engine_time(r->engine), r->def->end);
-    }
+    LAC_FAIL_MEMORY_IF(archive.no_memory, err);
+    LAC_FAIL_IF(!lac_archive_good(&archive) || archive.at != archive.size, err, LAC_EINPUT,
+                "the checkpoint does not fit this case and program");
+    LAC_FAIL_IF(!(lac_engine_time(r->engine) < r->def->end), err, LAC_EINPUT,
+                "the checkpoint is at t = %.9g s, not before the end of the run, %.9g s",
+                lac_engine_time(r->engine), r->def->end);
     r->engine->before = r->engine->counts;
 out:
     return status;

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_RUN_COMPAT_H
-#define LACUNA_RUN_COMPAT_H
+#pragma once
 
 // SUNDIALS 6.4 (Debian 12) and 7.x (Debian 13 has 7.1) from one source: contexts, error handlers,
 // types and values of status, names of ARKODE's functions and the control of explicit steps are all
@@ -60,6 +59,4 @@ enum { LAC_SUN_IMEX_GUSTAFSSON = 5 };
     ((void)(sun), *(keep) = NULL,           \
      ERKStepSetAdaptivityMethod((mem), LAC_SUN_IMEX_GUSTAFSSON, 1, 0, NULL))
 #define LAC_SUN_ERK_CONTROL_FREE(control) ((void)(control))
-#endif
-
 #endif

@@ -31,15 +31,15 @@ static const lac_variable of_record[] = {
                        "steps may share a value where they are shorter than a double resolves"),
     LAC_ROW("time_origin", NULL, "s", "origin of the local time, since the start of the run",
             P(REAL, record.time_origin),
-            .comment = "t = time_origin + time_local; the pair is strictly increasing at full "
-                       "precision"),
+            .comment =
+                "t = time_origin + time_local; the pair is strictly increasing at full precision"),
     LAC_ROW("time_local", NULL, "s", "time since time_origin", P(REAL, record.time_local),
             .comment = "keeps the steps of a failure, milliseconds after years of creep, apart"),
     LAC_ROW("slip", NULL, "m", "mean slip since the start", SEEN(mean_slip), MEAN,
             .comment = "mean over the contact cells"),
     LAC_ROW("slip_rate", NULL, "m s-1", "mean slip rate", SEEN(mean_rate), MEAN,
-            .comment = "mean over the contact cells; failure is its upward crossing of the case's "
-                       "limit"),
+            .comment =
+                "mean over the contact cells; failure is its upward crossing of the case's limit"),
     LAC_ROW("max_slip_rate", NULL, "m s-1", "largest slip rate of any contact cell", SEEN(max_rate),
             .cell_methods = "time: point area: maximum"),
     LAC_ROW("shear_force", NULL, "N", "shear force Q on the interface", SEEN(shear_force), POINT,
@@ -92,9 +92,7 @@ static const lac_variable of_event[] = {
             .comment = "its first cell comes to the slip rate of analysis.events; lines are in the "
                        "order in which events end"),
     LAC_ROW("event_duration", NULL, "s",
-            "time from the start of the event to the fall of its last "
-            "cell",
-            E(REAL, duration)),
+            "time from the start of the event to the fall of its last cell", E(REAL, duration)),
     LAC_ROW("event_cells", NULL, "1", "different cells that moved in the event", E(INT64, cells),
             COUNT),
     LAC_ROW("event_potency", NULL, "m3",
@@ -112,8 +110,7 @@ static const lac_variable of_event[] = {
             "largest slip rate of a cell of the event at the end of a step", E(REAL, max_rate)),
     LAC_ROW("event_cut", NULL, "1", "ends of the event that lie outside the run", E(INT64, cut),
             COUNT, .meanings = "whole begun_before unended both",
-            .comment = "where any do, duration, cells, moment and size are at least what is "
-                       "given"),
+            .comment = "where any do, duration, cells, moment and size are at least what is given"),
 };
 
 // The date of a time since the start; NULL: there is none.
@@ -187,9 +184,9 @@ static const lac_variable of_levels[] = {
             .coordinates = "block_size"),
     LAC_ROW("hierarchy_stiffness", NULL, "Pa m-1", "stiffness k_l of the hierarchy at this level",
             G(stiffness), .has = has_stiffness, .flags = LAC_MISSING, .coordinates = "block_size",
-            .comment = "what slip takes off a cell: sum over l of k_l (P_l - P_l+1) slip, P_l the "
-                       "mean over the contact cells of a block; missing for the block that holds "
-                       "all"),
+            .comment =
+                "what slip takes off a cell: sum over l of k_l (P_l - P_l+1) slip, P_l the mean "
+                "over the contact cells of a block; missing for the block that holds all"),
 };
 
 // What an analysis adds: `which` is the place of its first value among those of its kind.

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_RUN_DESCRIBE_H
-#define LACUNA_RUN_DESCRIBE_H
+#pragma once
 
 #include "data/dataset.h"
 #include "lacuna/simulation.h"
@@ -40,5 +39,3 @@ typedef struct lac_run_ending {
 /// The same as a dataset: attributes that its file gets last.
 /// @return LAC_OK; LAC_ENOMEM
 lac_status lac_run_ending_describe(const lac_run_ending *ending, lac_dataset **out, lac_error *err);
-
-#endif

@@ -15,9 +15,7 @@ static lac_status create(const lac_engine_kind *kind, const lac_problem *problem
     lac_status status = LAC_OK;
     *out = NULL;
     lac_engine *engine = calloc(1, sizeof *engine);
-    if (engine == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(engine == NULL, err);
     engine->kind = kind;
     engine->problem = problem;
     engine->def = def;

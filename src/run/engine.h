@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_RUN_ENGINE_H
-#define LACUNA_RUN_ENGINE_H
+#pragma once
 
 #include <sundials/sundials_nonlinearsolver.h>
 
@@ -140,5 +139,3 @@ lac_status lac_check_rates(const lac_problem *problem, double max, double t, con
 // Slip that stops or turns back at time t must be one that the formulation can follow.
 lac_status lac_check_slipping(const lac_problem *problem, const double *y, double t, double *work,
                               lac_error *err);
-
-#endif

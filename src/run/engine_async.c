@@ -36,19 +36,14 @@ static double tolerance_of(const lac_run_def *def) { return 10.0 * sqrt(def->rto
 
 lac_status lac_run_async_follows(const lac_async_scene *scene, lac_error *err)
 {
-    if (scene->transfer->blocks == NULL) {
-        return lac_fail(err, LAC_EINPUT,
-                        "solver.fidelity events goes with transfer hierarchy, not with %s",
-                        scene->transfer->info.name);
-    }
-    if (!scene->linear) {
-        return lac_fail(err, LAC_EINPUT,
-                        "solver.fidelity events follows loads that are linear in time between "
-                        "jumps and bends: ratio, slope, ramp, step, spring, constant");
-    }
-    if (scene->formulation != LAC_FORMULATION_RATE) {
-        return lac_fail(err, LAC_EINPUT, "solver.fidelity events needs formulation rate");
-    }
+    LAC_FAIL_IF(scene->transfer->blocks == NULL, err, LAC_EINPUT,
+                "solver.fidelity events goes with transfer hierarchy, not with %s",
+                scene->transfer->info.name);
+    LAC_FAIL_IF(!scene->linear, err, LAC_EINPUT,
+                "solver.fidelity events follows loads that are linear in time between jumps and "
+                "bends: ratio, slope, ramp, step, spring, constant");
+    LAC_FAIL_IF(scene->formulation != LAC_FORMULATION_RATE, err, LAC_EINPUT,
+                "solver.fidelity events needs formulation rate");
     return lac_async_follows(scene->law, scene->cut_off, err);
 }
 
@@ -98,9 +93,7 @@ out:
 static lac_status cells_create(lac_engine *engine, lac_error *err)
 {
     cells *c = calloc(1, sizeof *c);
-    if (c == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(c == NULL, err);
     engine->inner = c;
     return make(engine, c, err);
 }
@@ -130,20 +123,14 @@ static lac_status cells_restart(lac_engine *engine, double h, lac_error *err)
     cells *c = engine->inner;
     lac_problem_loads_at now;
     // A cell that a jump has let go would not be looked at for years.
-    lac_status status = lac_check_slipping(engine->problem, engine->y,
-                                           lac_engine_clock(engine, engine->t), engine->work, err);
-    if (status != LAC_OK) {
-        return status;
-    }
-    if (!lac_problem_drive(engine->problem, lac_engine_clock(engine, engine->t), &now)) {
-        return lac_fail(err, LAC_ENUMERIC, "no effective normal pressure at t = %.17g s",
-                        lac_engine_time(engine));
-    }
+    LAC_TRY_RETURN(lac_check_slipping(engine->problem, engine->y,
+                                      lac_engine_clock(engine, engine->t), engine->work, err));
+    LAC_FAIL_IF(!lac_problem_drive(engine->problem, lac_engine_clock(engine, engine->t), &now), err,
+                LAC_ENUMERIC, "no effective normal pressure at t = %.17g s",
+                lac_engine_time(engine));
     if (engine->sink != NULL && engine->sink->step != NULL && c->rate == NULL) {
         c->rate = calloc(2 * engine->n, sizeof *c->rate);
-        if (c->rate == NULL) {
-            return lac_fail_memory(err);
-        }
+        LAC_FAIL_MEMORY_IF(c->rate == NULL, err);
         c->slip = c->rate + engine->n;
     }
     const lac_async_load load = {.ratio = now.ratio,

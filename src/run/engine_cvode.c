@@ -130,9 +130,7 @@ static lac_status make_vectors(lac_engine *engine, cvode *c, lac_error *err)
 {
     c->y = lac_vector_create(engine->unknowns, true, engine->sun);
     c->seen_y = c->y == NULL ? NULL : lac_vector_clone_empty(c->y);
-    if (c->seen_y == NULL || lac_vector_lacks(c->y)) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(c->seen_y == NULL || lac_vector_lacks(c->y), err);
     engine->y = lac_vector_data(c->y);
     if (lac_problem_has_slip(engine->problem)) {
         engine->slip = engine->y + lac_problem_slip_place(engine->problem);
@@ -140,9 +138,7 @@ static lac_status make_vectors(lac_engine *engine, cvode *c, lac_error *err)
     }
     c->slip = lac_vector_create(engine->n, true, engine->sun);
     c->seen_slip = c->slip == NULL ? NULL : lac_vector_clone_empty(c->slip);
-    if (c->seen_slip == NULL || lac_vector_lacks(c->slip)) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(c->seen_slip == NULL || lac_vector_lacks(c->slip), err);
     N_VConst(0.0, c->slip);
     engine->slip = lac_vector_data(c->slip);
     return LAC_OK;
@@ -165,16 +161,12 @@ static bool lacks_memory(const cvode *c)
 static lac_status set_up(lac_engine *engine, cvode *c, lac_error *err)
 {
     c->mem = CVodeCreate(engine->def->method == LAC_ADAMS ? CV_ADAMS : CV_BDF, engine->sun);
-    if (c->mem == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(c->mem == NULL, err);
     LAC_SUN_SILENCE_CVODE(c->mem);
     bool good =
         CVodeInit(c->mem, rates, 0.0, c->y) == CV_SUCCESS && set_options(engine, c) == CV_SUCCESS;
     lac_status status = good ? attach_solver(engine, c, err) : LAC_OK;
-    if (lacks_memory(c)) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(lacks_memory(c), err);
     return good ? status : lac_fail(err, LAC_ENUMERIC, "the integrator cannot be set up");
 }
 
@@ -182,9 +174,7 @@ static lac_status cvode_create(lac_engine *engine, lac_error *err)
 {
     lac_status status = LAC_OK;
     cvode *c = calloc(1, sizeof *c);
-    if (c == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(c == NULL, err);
     engine->inner = c;
     LAC_TRY(make_vectors(engine, c, err));
     lac_problem_initial(engine->problem, engine->y);

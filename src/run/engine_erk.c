@@ -96,9 +96,7 @@ static lac_status make_vectors(lac_engine *engine, erk *c, lac_error *err)
     c->saved = malloc(c->size * sizeof *c->saved);
     c->aside = calloc(lac_problem_work(engine->problem), sizeof *c->aside);
     bool lacking = c->scratch == NULL || lac_vector_lacks(c->y);
-    if (lacking || c->saved == NULL || c->aside == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(lacking || c->saved == NULL || c->aside == NULL, err);
     N_VConst(0.0, c->y);
     engine->y = lac_vector_data(c->y);
     size_t place = slip_in_y ? lac_problem_slip_place(engine->problem) : engine->unknowns;
@@ -131,16 +129,12 @@ static lac_status erk_create(lac_engine *engine, lac_error *err)
 {
     lac_status status = LAC_OK;
     erk *c = calloc(1, sizeof *c);
-    if (c == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(c == NULL, err);
     engine->inner = c;
     LAC_TRY(make_vectors(engine, c, err));
     lac_problem_initial(engine->problem, engine->y);
     c->mem = ERKStepCreate(rates, 0.0, c->y, engine->sun);
-    if (c->mem == NULL || lac_vector_lacks(c->y)) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(c->mem == NULL || lac_vector_lacks(c->y), err);
     LAC_SUN_SILENCE_ERK(c->mem);
     if (set_options(engine, c) != ARK_SUCCESS) {
         status = lac_fail(err, LAC_ENUMERIC, "the integrator cannot be set up");
@@ -177,9 +171,7 @@ static lac_status gave_up(lac_engine *engine, int flag, lac_error *err)
 {
     erk *c = engine->inner;
     sunrealtype h = 0.0;
-    if (lac_vector_lacks(c->y)) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(lac_vector_lacks(c->y), err);
     (void)LAC_SUN_ERK(GetCurrentStep)(c->mem, &h);
     return lac_engine_gave_up(engine, LAC_SUN_ERK(GetReturnFlagName)(flag), h, engine->order, err);
 }
@@ -217,10 +209,7 @@ static lac_status erk_advance(lac_engine *engine, double stop, lac_error *err)
         engine->t = 0.0;
         erk_count(engine);
         engine->before = engine->counts;
-        lac_status status = erk_restart(engine, h, err);
-        if (status != LAC_OK) {
-            return status;
-        }
+        LAC_TRY_RETURN(erk_restart(engine, h, err));
         engine->counts.restarts++;
     }
     c->first = 0.0;

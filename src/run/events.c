@@ -106,9 +106,7 @@ static lac_status take_back(lac_engine *engine, const lac_run_def *def, lac_cros
 {
     size_t n = engine->n;
     double *found = malloc(3 * n * sizeof *found);
-    if (found == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(found == NULL, err);
     double t = engine->t;
     probe p = {engine, def, kind, found};
     bool good = locate(&p, engine->t - (engine->kind->sweeps ? 0.0 : engine->step), &t);
@@ -121,8 +119,7 @@ static lac_status take_back(lac_engine *engine, const lac_run_def *def, lac_cros
     free(found);
     return good ? LAC_OK
                 : lac_fail(err, LAC_ENUMERIC,
-                           "the end of the run within the step to t = %.17g s "
-                           "cannot be located",
+                           "the end of the run within the step to t = %.17g s cannot be located",
                            lac_engine_time(engine));
 }
 

@@ -131,9 +131,8 @@ static lac_status allocate(lac_sensitivity_state *f, lac_error *err)
     }
     f->work = calloc(work, sizeof *f->work);
     f->probe = calloc(4 * f->m, sizeof *f->probe);
-    if (f->work == NULL || f->probe == NULL || LAC_SUN_CONTEXT_CREATE(&f->sun) != 0) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(f->work == NULL || f->probe == NULL || LAC_SUN_CONTEXT_CREATE(&f->sun) != 0,
+                       err);
     f->scale = f->probe + 3 * f->m;
     LAC_SUN_SILENCE_CONTEXT(f->sun);
     f->y = lac_vector_create(f->m, false, f->sun);
@@ -155,9 +154,8 @@ static lac_status start(lac_sensitivity_state *f, lac_error *err)
     lac_problem_initial(def->problem, y);
     y[f->m - 1] = 0.0;
     double mean = lac_sensitivity_state_rate(f, def->problem, 0.0, y);
-    if (!(fabs(mean) > 0.0) || !isfinite(mean)) {
-        return lac_fail(err, LAC_EINPUT, "the mean slip rate at the start is %g m/s", mean);
-    }
+    LAC_FAIL_IF(!(fabs(mean) > 0.0) || !isfinite(mean), err, LAC_EINPUT,
+                "the mean slip rate at the start is %g m/s", mean);
     lac_problem_weights(def->problem, y, 1.0, f->scale);
     for (size_t i = 0; i + 1 < f->m; i++) {
         f->scale[i] = 1.0 / f->scale[i];
@@ -203,9 +201,7 @@ static lac_status set_up(lac_sensitivity_state *f, lac_error *err)
 {
     f->mem = CVodeCreate(CV_BDF, f->sun);
     f->linear = SUNLinSolNewEmpty(f->sun);
-    if (f->mem == NULL || f->linear == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(f->mem == NULL || f->linear == NULL, err);
     LAC_SUN_SILENCE_CVODE(f->mem);
     f->linear->ops->gettype = embedded;
     f->linear->ops->solve = solve;
@@ -231,10 +227,9 @@ static lac_status look(lac_sensitivity_state *f, double t, size_t i, lac_error *
     lac_sensitivity *out = f->out;
     size_t count = f->def->perturbations;
     const double *y = lac_vector_data(f->observation);
-    if (CVodeGetDky(f->mem, t, 0, f->observation) != CV_SUCCESS ||
-        (count > 0 && CVodeGetSensDky(f->mem, t, 0, f->seen_s) != CV_SUCCESS)) {
-        return lac_fail(err, LAC_ENUMERIC, "no state at t = %.17g s", f->origin + t);
-    }
+    LAC_FAIL_IF(CVodeGetDky(f->mem, t, 0, f->observation) != CV_SUCCESS ||
+                    (count > 0 && CVodeGetSensDky(f->mem, t, 0, f->seen_s) != CV_SUCCESS),
+                err, LAC_ENUMERIC, "no state at t = %.17g s", f->origin + t);
     out->slip[i] = y[f->m - 1];
     out->log_rate[i] = lac_sensitivity_state_log_rate(f, f->def->problem, t, y);
     for (size_t k = 0; k < count; k++) {
@@ -306,11 +301,9 @@ static lac_status find_failure(lac_sensitivity_state *f, bool by_slip, double t,
     }
     double h = 1e-3 * step;
     double growth = (past_at(f, t) - past_at(f, t - h)) / h;
-    if (CVodeGetDky(f->mem, t, 0, f->observation) != CV_SUCCESS ||
-        CVodeGetSensDky(f->mem, t, 0, f->seen_s) != CV_SUCCESS) {
-        return lac_fail(err, LAC_ENUMERIC, "no state at the failure, t = %.17g s",
-                        out->failure_time);
-    }
+    LAC_FAIL_IF(CVodeGetDky(f->mem, t, 0, f->observation) != CV_SUCCESS ||
+                    CVodeGetSensDky(f->mem, t, 0, f->seen_s) != CV_SUCCESS,
+                err, LAC_ENUMERIC, "no state at the failure, t = %.17g s", out->failure_time);
     const double *y = lac_vector_data(f->observation);
     double rate = lac_sensitivity_state_rate(f, f->def->problem, t, y);
     for (size_t k = 0; k < f->def->perturbations; k++) {
@@ -330,9 +323,7 @@ static lac_status look_back(lac_sensitivity_state *f, double t, bool *done, lac_
     sunrealtype step = 0.0;
     (void)CVodeGetLastStep(f->mem, &step);
     double now = past_at(f, t);
-    if (isnan(now)) {
-        return lac_fail(err, LAC_ENUMERIC, "no slip rate at t = %.17g s", f->origin + t);
-    }
+    LAC_FAIL_IF(isnan(now), err, LAC_ENUMERIC, "no slip rate at t = %.17g s", f->origin + t);
     bool by_slip = slip_at(f, t) >= f->failure.slip;
     bool by_rate = now >= 0.0;
     if (by_slip || by_rate) {
@@ -357,16 +348,14 @@ static lac_status cross_break(lac_sensitivity_state *f, double at, lac_error *er
     const lac_problem *problem = f->def->problem;
     bool sensitive = f->def->perturbations > 0;
     sunrealtype t;
-    if (sensitive && CVodeGetSens(f->mem, &t, f->s) != CV_SUCCESS) {
-        return lac_fail(err, LAC_ENUMERIC, "no sensitivities at t = %g s", at);
-    }
+    LAC_FAIL_IF(sensitive && CVodeGetSens(f->mem, &t, f->s) != CV_SUCCESS, err, LAC_ENUMERIC,
+                "no sensitivities at t = %g s", at);
     f->origin = at;
     f->limit = nextafter(lac_problem_next_break(problem, at), -INFINITY);
     f->rtol = lac_engine_rtol(f->def->rtol, ++f->beginnings); // derivatives need no more digits
     lac_problem_loads_at now;
-    if (!lac_problem_drive(problem, at, &now) || !lac_sensitivity_state_jump(f, at)) {
-        return lac_fail(err, LAC_ENUMERIC, "no slip rate balances the load at t = %g s", at);
-    }
+    LAC_FAIL_IF(!lac_problem_drive(problem, at, &now) || !lac_sensitivity_state_jump(f, at), err,
+                LAC_ENUMERIC, "no slip rate balances the load at t = %g s", at);
     double *y = lac_vector_data(f->y);
     lac_problem_forget(problem, f->work);
     double h = lac_problem_first_step(problem, at, y, f->work);
@@ -375,12 +364,11 @@ static lac_status cross_break(lac_sensitivity_state *f, double at, lac_error *er
     if (lac_check_rates(problem, max, at, f->work, err) != LAC_OK) {
         return LAC_ENUMERIC;
     }
-    if (CVodeReInit(f->mem, 0.0, f->y) != CV_SUCCESS ||
-        (sensitive && CVodeSensReInit(f->mem, CV_STAGGERED, f->s) != CV_SUCCESS) ||
-        CVodeSetInitStep(f->mem, h) != CV_SUCCESS ||
-        CVodeSetMaxStep(f->mem, lac_problem_longest_step(problem, at)) != CV_SUCCESS) {
-        return lac_fail(err, LAC_ENUMERIC, "the integrator cannot restart at t = %g s", at);
-    }
+    LAC_FAIL_IF(CVodeReInit(f->mem, 0.0, f->y) != CV_SUCCESS ||
+                    (sensitive && CVodeSensReInit(f->mem, CV_STAGGERED, f->s) != CV_SUCCESS) ||
+                    CVodeSetInitStep(f->mem, h) != CV_SUCCESS ||
+                    CVodeSetMaxStep(f->mem, lac_problem_longest_step(problem, at)) != CV_SUCCESS,
+                err, LAC_ENUMERIC, "the integrator cannot restart at t = %g s", at);
     return LAC_OK;
 }
 
@@ -412,16 +400,12 @@ static lac_status integrate(lac_sensitivity_state *f, lac_error *err)
     while (!done) {
         double stop = fmin(def->end, next) - f->origin;
         sunrealtype t = 0.0;
-        if (f->out->steps++ >= def->max_steps) {
-            return lac_fail(err, LAC_ENUMERIC, "%lld steps were not enough",
-                            (long long)def->max_steps);
-        }
+        LAC_FAIL_IF(f->out->steps++ >= def->max_steps, err, LAC_ENUMERIC,
+                    "%lld steps were not enough", (long long)def->max_steps);
         int flag = CVodeSetStopTime(f->mem, stop);
         flag = flag < 0 ? flag : CVode(f->mem, stop, f->y, &t, CV_ONE_STEP);
-        if (flag < 0) {
-            return lac_fail(err, LAC_ENUMERIC, "the integrator gave up (flag %d) at t = %.17g s",
-                            flag, f->origin + t);
-        }
+        LAC_FAIL_IF(flag < 0, err, LAC_ENUMERIC, "the integrator gave up (flag %d) at t = %.17g s",
+                    flag, f->origin + t);
         LAC_TRY(look_back(f, t, &done, err));
         if (!done && flag == CV_TSTOP_RETURN) {
             done = next >= def->end;

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_RUN_PENDING_H
-#define LACUNA_RUN_PENDING_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -33,5 +32,3 @@ void lac_pending_finish(lac_pending *p);
 
 /// Makes all that waits, and sums (x w)^2 on the way, in an order that depends on the length alone.
 double lac_pending_squares(lac_pending *p, const double *x, const double *w);
-
-#endif

@@ -136,9 +136,8 @@ static lac_status output_between(run *r, lac_error *err)
         }
         double t = fmin(lac_engine_inner(engine, next), engine->t);
         double *slip = r->between + 2 * engine->n;
-        if (!lac_engine_at(engine, t, r->between)) {
-            return lac_fail(err, LAC_ENUMERIC, "no state at t = %.17g s", next);
-        }
+        LAC_FAIL_IF(!lac_engine_at(engine, t, r->between), err, LAC_ENUMERIC,
+                    "no state at t = %.17g s", next);
         bool stops = interrupted(r);
         if (stops && (!r->done || r->end == LAC_END_INTERRUPT)) {
             stop_at(r, t);
@@ -224,14 +223,10 @@ static lac_status cross_break(run *r, lac_error *err)
     engine->t = 0.0;
     r->next_break = lac_problem_next_break(r->problem, t);
     engine->limit = nextafter(r->next_break, -INFINITY);
-    if (!lac_problem_drive(r->problem, t, &now)) {
-        return lac_fail(err, LAC_ENUMERIC,
-                        "the pore pressure reaches the normal pressure at t = %g s", t);
-    }
-    if (!lac_problem_jump(r->problem, t, engine->y)) {
-        return lac_fail(err, LAC_ENUMERIC,
-                        "no slip rate and state balance the load that jumps at t = %g s", t);
-    }
+    LAC_FAIL_IF(!lac_problem_drive(r->problem, t, &now), err, LAC_ENUMERIC,
+                "the pore pressure reaches the normal pressure at t = %g s", t);
+    LAC_FAIL_IF(!lac_problem_jump(r->problem, t, engine->y), err, LAC_ENUMERIC,
+                "no slip rate and state balance the load that jumps at t = %g s", t);
     measure_speed(r);
     bool failed =
         lac_problem_past_failure(r->problem, &engine->failure, t, engine->y, engine->work) >= 0.0;
@@ -247,10 +242,7 @@ static lac_status look_for_end(run *r, lac_error *err)
 {
     lac_engine *engine = r->engine;
     lac_crossing_kind crossing;
-    lac_status status = lac_crossing_find(engine, r->def, &crossing, err);
-    if (status != LAC_OK) {
-        return status;
-    }
+    LAC_TRY_RETURN(lac_crossing_find(engine, r->def, &crossing, err));
     if (crossing != LAC_CROSSING_NONE) {
         measure_speed(r);
         r->done = true;
@@ -384,10 +376,9 @@ static lac_status allocate_output(run *r, lac_error *err)
     // Where slip is the unknown the balance holds as it is.
     bool drifts = r->def->projection != 0 && !lac_problem_has_slip(r->problem);
     r->onto = drifts ? malloc(bytes) : NULL;
-    if ((by_time && r->between == NULL) || (r->def->snapshots && r->fields == NULL) ||
-        (drifts && r->onto == NULL)) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF((by_time && r->between == NULL) ||
+                           (r->def->snapshots && r->fields == NULL) || (drifts && r->onto == NULL),
+                       err);
     return LAC_OK;
 }
 

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_RUN_RUN_H
-#define LACUNA_RUN_RUN_H
+#pragma once
 
 #include "base/archive.h"
 #include "model/problem.h"
@@ -124,5 +123,3 @@ lac_status lac_run_check(const lac_problem *problem, const lac_run_def *def, lac
 /// @param result  filled as far as the run came, whatever the status
 lac_status lac_run(const lac_problem *problem, const lac_run_def *def, const lac_sink *sink,
                    lac_run_result *result, lac_error *err);
-
-#endif

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_RUN_RUN_STATE_H
-#define LACUNA_RUN_RUN_STATE_H
+#pragma once
 
 #include <math.h>
 
@@ -105,5 +104,3 @@ typedef enum lac_crossing_kind {
 // engine's time, state and slip are taken back to the crossing.
 lac_status lac_crossing_find(lac_engine *engine, const lac_run_def *def, lac_crossing_kind *found,
                              lac_error *err);
-
-#endif

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_RUN_SENSITIVITY_H
-#define LACUNA_RUN_SENSITIVITY_H
+#pragma once
 
 #include "model/problem.h"
 
@@ -47,5 +46,3 @@ typedef struct lac_sensitivity {
 /// same bits.
 lac_status lac_sensitivity_run(const lac_sensitivity_def *def, lac_sensitivity *out,
                                lac_error *err);
-
-#endif

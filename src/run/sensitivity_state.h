@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_RUN_SENSITIVITY_STATE_H
-#define LACUNA_RUN_SENSITIVITY_STATE_H
+#pragma once
 
 #include "lacuna/simulation.h"
 #include "run/engine.h"
@@ -66,5 +65,3 @@ double lac_sensitivity_state_by(lac_sensitivity_state *f, lac_sensitivity_state_
 
 // Takes state and sensitivities across a jump of the loads at time t.
 bool lac_sensitivity_state_jump(lac_sensitivity_state *f, double t);
-
-#endif

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_RUN_VECTOR_H
-#define LACUNA_RUN_VECTOR_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -28,5 +27,3 @@ N_Vector lac_vector_clone_empty(N_Vector like);
 
 // Gives such a vector its components, which stay the lender's.
 void lac_vector_lend(N_Vector x, double *components);
-
-#endif

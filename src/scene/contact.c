@@ -45,9 +45,7 @@ static lac_status press(const lac_case *c, bool measure, lac_scene_contact *out,
     out->heights = malloc(cells * sizeof *out->heights);
     out->gap = malloc(cells * sizeof *out->gap);
     out->pressure = malloc(cells * sizeof *out->pressure);
-    if (out->heights == NULL || out->gap == NULL || out->pressure == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(out->heights == NULL || out->gap == NULL || out->pressure == NULL, err);
     status = measure ? lac_surface_generate_measured(&c->surface, &out->grid, out->heights,
                                                      &out->surface, err)
                      : lac_surface_generate(&c->surface, &out->grid, out->heights, err);
@@ -87,9 +85,7 @@ static void drop_fields(lac_scene_contact *contact)
 static lac_status scatter(lac_scene_contact *out, lac_error *err)
 {
     out->pressure = calloc(lac_grid_cells(&out->grid), sizeof *out->pressure);
-    if (out->pressure == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(out->pressure == NULL, err);
     for (size_t i = 0; i < out->domain->n; i++) {
         out->pressure[out->domain->index[i]] = out->domain->pressure[i];
     }

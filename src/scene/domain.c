@@ -68,22 +68,17 @@ static lac_status load_cells(const lac_domain_file *file, double mean, lac_domai
     for (size_t i = 0; i < domain->n; i++) {
         carried += domain->pressure[i] / cells;
     }
-    if (file->pressures == LAC_PRESSURES_KEPT && !nearly(carried, mean)) {
-        return lac_fail(
-            err, LAC_EINPUT,
-            "%s: its pressures carry a mean of %.10g Pa, load.normal %.10g Pa: give that "
-            "load, or pressures: scaled or equal",
-            file->path, carried, mean);
-    }
+    LAC_FAIL_IF(file->pressures == LAC_PRESSURES_KEPT && !nearly(carried, mean), err, LAC_EINPUT,
+                "%s: its pressures carry a mean of %.10g Pa, load.normal %.10g Pa: give that load, "
+                "or pressures: scaled or equal",
+                file->path, carried, mean);
     const double equal = mean * cells / (double)domain->n;
     for (size_t i = 0; file->pressures != LAC_PRESSURES_KEPT && i < domain->n; i++) {
         double scaled = domain->pressure[i] * (mean / carried);
         domain->pressure[i] = file->pressures == LAC_PRESSURES_EQUAL ? equal : scaled;
-        if (!(domain->pressure[i] > 0.0 && isfinite(domain->pressure[i]))) {
-            return lac_fail(err, LAC_EINPUT,
-                            "%s: its pressures cannot be scaled from %g Pa to %g Pa", file->path,
-                            carried, mean);
-        }
+        LAC_FAIL_IF(!(domain->pressure[i] > 0.0 && isfinite(domain->pressure[i])), err, LAC_EINPUT,
+                    "%s: its pressures cannot be scaled from %g Pa to %g Pa", file->path, carried,
+                    mean);
     }
     return LAC_OK;
 }
@@ -125,12 +120,10 @@ static lac_status spread_pressure(const lac_case *c, const lac_domain *domain, l
     const double spread_sum = lac_sum(domain->n, p);
     for (size_t i = 0; i < domain->n; i++) {
         p[i] *= sum / spread_sum;
-        if (!(isfinite(p[i]) && p[i] > 0.0)) {
-            return lac_fail(err, LAC_EINPUT,
-                            "interface.spread.pressure: makes the pressure of cell %zu %g Pa: must "
-                            "be finite and > 0",
-                            i, p[i]);
-        }
+        LAC_FAIL_IF(!(isfinite(p[i]) && p[i] > 0.0), err, LAC_EINPUT,
+                    "interface.spread.pressure: makes the pressure of cell %zu %g Pa: must be "
+                    "finite and > 0",
+                    i, p[i]);
     }
     return LAC_OK;
 }

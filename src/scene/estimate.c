@@ -84,9 +84,7 @@ static double contact_fraction(const lac_case *c, double pressure, double slope)
 static lac_status estimate_surface(const lac_case *c, lac_estimate *e, lac_error *err)
 {
     double *heights = malloc(lac_grid_cells(&e->grid) * sizeof *heights);
-    if (heights == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(heights == NULL, err);
     lac_status status = lac_surface_generate(&c->surface, &e->grid, heights, err);
     if (status == LAC_OK) {
         double slope = sqrt(mean_square_slope(&e->grid, heights, true) +

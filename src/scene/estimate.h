@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_SCENE_ESTIMATE_H
-#define LACUNA_SCENE_ESTIMATE_H
+#pragma once
 
 #include "case/case.h"
 #include "lacuna/simulation.h"
@@ -47,5 +46,3 @@ typedef struct lac_estimate {
 /// @return LAC_OK; what the surface, the domain or the scene returns; LAC_ENOMEM
 lac_status lac_estimate_make(const lac_case *c, lac_load_files *files, lac_estimate *out,
                              lac_error *err);
-
-#endif

@@ -31,17 +31,14 @@ static lac_status measure_clusters(lac_scene_contact *contact, lac_error *err)
 static lac_status measure_scaling(const lac_scaling_def *how, lac_scene_contact *contact,
                                   lac_error *err)
 {
-    if (!contact->solved) {
-        return lac_fail(err, LAC_EINPUT, "no surface is pressed");
-    }
+    LAC_FAIL_IF(!contact->solved, err, LAC_EINPUT, "no surface is pressed");
     const lac_contact_def def = lac_scene_contact_def(contact);
     lac_scaling_def scaling = *how;
     scaling.finest = contact->pressure;
     lac_status status = lac_scaling_measure(&def, &scaling, &contact->fractal.scaling, err);
     double dimension = contact->fractal.scaling.dimension;
-    if (status == LAC_OK && !(dimension > 0 && dimension <= 2)) {
-        return lac_fail(err, LAC_EINPUT, "the areas follow no law: it would be %.3g", dimension);
-    }
+    LAC_FAIL_IF(status == LAC_OK && !(dimension > 0 && dimension <= 2), err, LAC_EINPUT,
+                "the areas follow no law: it would be %.3g", dimension);
     return status;
 }
 
@@ -72,10 +69,8 @@ lac_status lac_scene_contact_measure(const lac_scene_measure_def *def, lac_scene
     lac_scene_fractal *fractal = &contact->fractal;
     lac_box_def counted = lac_box_default();
     *fractal = (lac_scene_fractal){0};
-    if (def->sizes > LAC_SCENE_SIZES) {
-        return lac_fail(err, LAC_EINPUT, "size effect: %zu specimens; at most %d", def->sizes,
-                        LAC_SCENE_SIZES);
-    }
+    LAC_FAIL_IF(def->sizes > LAC_SCENE_SIZES, err, LAC_EINPUT,
+                "size effect: %zu specimens; at most %d", def->sizes, LAC_SCENE_SIZES);
     if (!same_boxes(&def->boxes, &counted)) {
         contact->counted = false;
         LAC_TRY(lac_box_dimension(contact->domain, &def->boxes, &contact->boxes, err));
@@ -84,9 +79,7 @@ lac_status lac_scene_contact_measure(const lac_scene_measure_def *def, lac_scene
     LAC_TRY(measure_clusters(contact, err));
     status = measure_scaling(&def->scaling, contact, &fractal->why);
     fractal->scaled = status == LAC_OK;
-    if (status == LAC_ENOMEM) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(status == LAC_ENOMEM, err);
     status = LAC_OK;
     if (fractal->scaled) {
         LAC_TRY(measure_sizes(def, contact, err));

@@ -256,9 +256,8 @@ static lac_status follow_entry(history *h, size_t entry, lac_error *err)
         for (int i = 0; i < 2; i++) {
             target.value[i] += left * (begin.value[i] - end.value[i]);
         }
-        if (h->sink->interrupted != NULL && h->sink->interrupted(h->sink->context)) {
-            return lac_fail(err, LAC_EINTERRUPT, "interrupted");
-        }
+        LAC_FAIL_IF(h->sink->interrupted != NULL && h->sink->interrupted(h->sink->context), err,
+                    LAC_EINTERRUPT, "interrupted");
         lac_status status =
             solve_step(h, pressure + left * (start - pressure), &target, &record, err);
         if (status != LAC_OK) {
@@ -284,9 +283,7 @@ static lac_status begin(history *h, lac_error *err)
     h->pressure = malloc(cells * sizeof *h->pressure);
     h->next = malloc(cells * sizeof *h->next);
     h->state = calloc(h->result->planned + 1, sizeof *h->state);
-    if (h->pressure == NULL || h->next == NULL || h->state == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(h->pressure == NULL || h->next == NULL || h->state == NULL, err);
     memcpy(h->pressure, contact->pressure, cells * sizeof *h->pressure);
     h->mean = contact->mean_pressure;
     note_state(h, 0, 0.0);

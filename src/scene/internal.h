@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_SCENE_INTERNAL_H
-#define LACUNA_SCENE_INTERNAL_H
+#pragma once
 
 #include "scene/estimate.h"
 #include "scene/scene.h"
@@ -64,5 +63,3 @@ lac_status lac_heterogeneity_fill(const lac_heterogeneity_place *place,
 // Size of every cell's patch or block [m]. @param size  [n] overwritten
 lac_status lac_heterogeneity_sizes(const lac_heterogeneity_place *place, lac_size_of of,
                                    double *size, lac_error *err);
-
-#endif

@@ -143,22 +143,15 @@ static lac_status try_start(const lac_case *c, lac_load_files *files, lac_estima
     const bool by_load = isnan(c->initial.slip_rate) || c->initial.state == LAC_STATE_FROM_LOAD;
     lac_load_set loads;
     lac_load_state sum;
-    lac_status status = lac_scene_loads_create(c, files, &loads, err);
-    if (status != LAC_OK) {
-        return status;
-    }
+    LAC_TRY_RETURN(lac_scene_loads_create(c, files, &loads, err));
     lac_load_evaluate(&loads, 0.0, &sum);
     lac_load_set_clear(&loads);
-    if (!(sum.pore < e->pressure)) {
-        return lac_fail(err, LAC_EINPUT,
-                        "initial: pore pressure %g Pa is not below the normal pressure %g Pa at "
-                        "the start",
-                        sum.pore, e->pressure);
-    }
-    if (by_load && !(lac_load_shear(&sum, e->pressure) > 0.0)) {
-        return lac_fail(err, LAC_EINPUT, "load.shear: comes to %g Pa at the start; must be > 0",
-                        lac_load_shear(&sum, e->pressure));
-    }
+    LAC_FAIL_IF(!(sum.pore < e->pressure), err, LAC_EINPUT,
+                "initial: pore pressure %g Pa is not below the normal pressure %g Pa at the start",
+                sum.pore, e->pressure);
+    LAC_FAIL_IF(by_load && !(lac_load_shear(&sum, e->pressure) > 0.0), err, LAC_EINPUT,
+                "load.shear: comes to %g Pa at the start; must be > 0",
+                lac_load_shear(&sum, e->pressure));
     if (!isnan(c->initial.slip_rate)) {
         e->failure = failure_about(c, &sum, e);
     }

@@ -43,9 +43,7 @@ lac_status lac_scene_joint_strengths(const lac_case *c, lac_scene_joint *j, lac_
     const lac_domain *domain = j->contact.domain;
     j->strength = malloc(domain->n * sizeof *j->strength);
     j->drop = malloc(domain->n * sizeof *j->drop);
-    if (j->strength == NULL || j->drop == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(j->strength == NULL || j->drop == NULL, err);
     for (size_t i = 0; i < domain->n; i++) {
         j->strength[i] = c->rg.friction * domain->pressure[i];
     }
@@ -107,13 +105,10 @@ static lac_status drops_from_friction(const lac_case *c, lac_scene_joint *j, dou
     const lac_domain *domain = j->contact.domain;
     for (size_t i = 0; i < domain->n; i++) {
         double x = drop_after_arrest(law, law->f0 * domain->pressure[i], damping);
-        if (!(x > 0.0)) {
-            return lac_fail(err, LAC_EINPUT,
-                            "rg.beta: from-friction: a cell under %.4g Pa arrests at no strength "
-                            "between 0 and f0 p, with b/f0 = %.4g, v0 = %.4g m/s and a damping of "
-                            "%.4g Pa s/m",
-                            domain->pressure[i], law->b / law->f0, law->v0, damping);
-        }
+        LAC_FAIL_IF(!(x > 0.0), err, LAC_EINPUT,
+                    "rg.beta: from-friction: a cell under %.4g Pa arrests at no strength between 0 "
+                    "and f0 p, with b/f0 = %.4g, v0 = %.4g m/s and a damping of %.4g Pa s/m",
+                    domain->pressure[i], law->b / law->f0, law->v0, damping);
         j->drop[i] = x * j->strength[i];
         *sum += (1.0 - x) / (double)domain->n;
     }
@@ -241,9 +236,7 @@ static lac_status own_params(lac_model *model, lac_error *err)
     size_t size = model->info != NULL ? model->info->params_size : 0;
     const void *given = model->params;
     model->params = malloc(size + 1);
-    if (model->params == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(model->params == NULL, err);
     if (size > 0) {
         memcpy(model->params, given, size);
     }

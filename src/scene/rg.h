@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_SCENE_RG_INTERNAL_H
-#define LACUNA_SCENE_RG_INTERNAL_H
+#pragma once
 
 #include "scene/scene_rg.h"
 
@@ -28,5 +27,3 @@ void lac_scene_rg_note(const lac_scene_contact *contact, int64_t seed, size_t i,
 
 // Means over the joints, and the results of all studies.
 lac_status lac_scene_rg_end(const lac_case *c, lac_scene_rg *out, lac_error *err);
-
-#endif

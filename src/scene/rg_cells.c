@@ -18,19 +18,14 @@ static lac_status find_share(const lac_case *c, double time, double *share, lac_
     if (isnan(time) || c->pore.count == 0) {
         return LAC_OK;
     }
-    lac_status status = lac_load_set_create(&models, &clock, &loads, err);
-    if (status != LAC_OK) {
-        return status;
-    }
+    LAC_TRY_RETURN(lac_load_set_create(&models, &clock, &loads, err));
     lac_load_evaluate(&loads, time, &at);
     lac_load_set_clear(&loads);
     double total = lac_case_pressure(c);
     *share = 1.0 - at.pore / total;
-    if (!(*share > 0.0 && isfinite(*share))) {
-        return lac_fail(err, LAC_EINPUT,
-                        "at %g s the pore pressure, %g Pa, is not below the normal stress, %g Pa",
-                        time, at.pore, total);
-    }
+    LAC_FAIL_IF(!(*share > 0.0 && isfinite(*share)), err, LAC_EINPUT,
+                "at %g s the pore pressure, %g Pa, is not below the normal stress, %g Pa", time,
+                at.pore, total);
     return LAC_OK;
 }
 
@@ -39,16 +34,12 @@ static lac_status copy_domain(const lac_domain *from, double share, lac_domain *
 {
     lac_domain *domain = calloc(1, sizeof *domain);
     *out = domain;
-    if (domain == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(domain == NULL, err);
     domain->grid = from->grid;
     domain->n = from->n;
     domain->index = malloc(from->n * sizeof *domain->index);
     domain->pressure = malloc(from->n * sizeof *domain->pressure);
-    if (domain->index == NULL || domain->pressure == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(domain->index == NULL || domain->pressure == NULL, err);
     for (size_t i = 0; i < from->n; i++) {
         domain->index[i] = from->index[i];
         domain->pressure[i] = share * from->pressure[i];

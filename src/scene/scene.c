@@ -81,9 +81,7 @@ static lac_status spread_initial(const lac_heterogeneity_list *list,
         return LAC_OK;
     }
     of->values = malloc(place->domain->n * sizeof *of->values);
-    if (of->values == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(of->values == NULL, err);
     lac_status status =
         lac_heterogeneity_fill(place, list, of->key, of->unit, of->nominal, of->values, err);
     return status == LAC_OK ? status : lac_fail_within(err, status, "initial.spread.%s", of->key);
@@ -100,9 +98,7 @@ static lac_status make_problem(lac_scene *scene, const lac_heterogeneity_place *
     initial_value state = {"state", initial.state == LAC_STATE_TIME ? "s" : "1",
                            initial.state_value, NULL};
     double *start = malloc(2 * domain->n * sizeof *start);
-    if (start == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(start == NULL, err);
     LAC_TRY(spread_initial(&c->initial_spread, place, &rate, err));
     LAC_TRY(spread_initial(&c->initial_spread, place, &state, err));
     initial.rates = rate.values;
@@ -161,9 +157,7 @@ static lac_status share_loads(const lac_case *c, const lac_transfer_scene *from,
         return LAC_OK;
     }
     loads->shape = malloc(from->domain->n * sizeof *loads->shape);
-    if (loads->shape == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(loads->shape == NULL, err);
     lac_status status = lac_transfer_tied(&c->transfer, from, loads->shape, err);
     return status == LAC_OK ? status : lac_fail_within(err, status, "load.shear: share: elastic");
 }
@@ -198,13 +192,10 @@ lac_status lac_scene_create_with(const lac_case *c, lac_load_files *files, lac_s
 {
     lac_status status = LAC_OK;
     *out = NULL;
-    if (c->friction.info == NULL) {
-        return lac_fail(err, LAC_EINPUT, "friction: is missing: a static case cannot be run");
-    }
+    LAC_FAIL_IF(c->friction.info == NULL, err, LAC_EINPUT,
+                "friction: is missing: a static case cannot be run");
     lac_scene *scene = calloc(1, sizeof *scene);
-    if (scene == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(scene == NULL, err);
     scene->source = c;
     scene->damping = lac_damping_of(&c->material);
     LAC_TRY(lac_scene_loads_create(c, files, &scene->loads, err));

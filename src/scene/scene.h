@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_SCENE_SCENE_H
-#define LACUNA_SCENE_SCENE_H
+#pragma once
 
 #include "case/case.h"
 #include "contact/tangential.h"
@@ -160,5 +159,3 @@ lac_status lac_scene_create_with(const lac_case *c, lac_load_files *files, lac_s
 lac_status lac_scene_renew(lac_scene *scene, lac_load_files *files, bool loads, lac_error *err);
 
 void lac_scene_free(lac_scene *scene);
-
-#endif

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_SCENE_SCENE_RG_H
-#define LACUNA_SCENE_SCENE_RG_H
+#pragma once
 
 #include "lacuna/dataset.h"
 #include "rg/rg_study.h"
@@ -83,5 +82,3 @@ typedef struct lac_rg_outcome {
 lac_status lac_scene_rg_describe(const lac_rg_outcome *outcome, lac_dataset **out, lac_error *err);
 
 void lac_scene_rg_clear(lac_scene_rg *rg);
-
-#endif

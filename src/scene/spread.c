@@ -42,12 +42,9 @@ static lac_status draw_factors(const lac_heterogeneity *spread, uint64_t rank, c
     for (size_t i = 0; i < domain->n; i++) {
         double factor = kind->draw(p, domain->index[i], stream);
         for (uint64_t again = 1; factor < p->lowest || factor > p->highest; again++) {
-            if (again >= MOST_DRAWS) {
-                return lac_fail(err, LAC_EINPUT,
-                                "%s: none of %d factors drawn for cell %zu lies between lowest and "
-                                "highest",
-                                kind->info.name, MOST_DRAWS, i);
-            }
+            LAC_FAIL_IF(again >= MOST_DRAWS, err, LAC_EINPUT,
+                        "%s: none of %d factors drawn for cell %zu lies between lowest and highest",
+                        kind->info.name, MOST_DRAWS, i);
             factor = kind->draw(p, domain->index[i], stream + again * next_draw);
         }
         f->factor[i] = factor;
@@ -158,9 +155,7 @@ lac_status lac_heterogeneity_fill(const lac_heterogeneity_place *place,
     lac_status status = LAC_OK;
     uint64_t rank = 0;
     filling f = {place, key, unit, values, malloc(n * sizeof(double))};
-    if (f.factor == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(f.factor == NULL, err);
     for (size_t k = 0; k < list->count; k++) {
         bool outright =
             strcmp(list->item[k].key, key) == 0 && lac_heterogeneity_is_value(&list->item[k]);

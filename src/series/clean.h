@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_SERIES_CLEAN_H
-#define LACUNA_SERIES_CLEAN_H
+#pragma once
 
 #include "series/motion.h"
 
@@ -22,5 +21,3 @@ bool lac_motion_clean(lac_motion *motion);
 /// @return LAC_OK; LAC_ENOMEM
 lac_status lac_motion_differentiate(const lac_motion_def *def, const lac_readings *readings,
                                     lac_motion *motion, lac_error *err);
-
-#endif

@@ -69,15 +69,11 @@ lac_status lac_series_ask(const struct lac_units *units, const char *where, cons
     if (unit[0] == '\0' || *known) {
         return LAC_OK;
     }
-    if (strcmp(si, "s") != 0) {
-        return lac_fail(err, LAC_EINPUT,
-                        "%s: %s: has no unit, and its name says %s: which is it, \"%s:%s\" or "
-                        "\"%s:%s\"?",
-                        where, name, unit, name, unit, name, si);
-    }
-    return lac_fail(err, LAC_EINPUT,
-                    "%s: %s: has bare numbers, and its name says %s: which time format is it, %s "
-                    "or s?",
-                    where, name, unit,
-                    is_month(unit) ? "dates (a month has no fixed length)" : unit);
+    LAC_FAIL_IF(strcmp(si, "s") != 0, err, LAC_EINPUT,
+                "%s: %s: has no unit, and its name says %s: which is it, \"%s:%s\" or \"%s:%s\"?",
+                where, name, unit, name, unit, name, si);
+    return lac_fail(
+        err, LAC_EINPUT,
+        "%s: %s: has bare numbers, and its name says %s: which time format is it, %s or s?", where,
+        name, unit, is_month(unit) ? "dates (a month has no fixed length)" : unit);
 }

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/fail.h"
 #include "base/vsum.h"
 #include "series/text.h"
 
@@ -95,9 +96,7 @@ lac_status lac_series_resolve(size_t n, const double *time, const double *x, dou
     static const double type[] = {DBL_EPSILON, FLT_EPSILON};
     const double most = lac_vmost(n, x);
     double *gap = malloc((n > 0 ? n : 1) * sizeof *gap);
-    if (gap == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(gap == NULL, err);
     for (size_t k = 0; k < sizeof type / sizeof *type; k++) {
         const double error = bits * type[k] * most;
         size_t again;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Readings made ready for forecasts: cleaned, turned so that they rise, and differentiated.
+#include "base/fail.h"
 #include "series/clean.h"
 
 #include <float.h>
@@ -22,22 +23,18 @@ lac_readings lac_series_readings(const lac_series *s)
 static lac_status check(const lac_motion_def *def, const lac_readings *readings, lac_error *err)
 {
     const bool polynomial = def->smoothing == LAC_SMOOTH_SAVGOL;
-    if (readings->displacement == NULL && readings->velocity == NULL) {
-        return lac_fail(err, LAC_EINPUT, "neither displacement nor velocity is given");
-    }
-    if (def->smoothing == LAC_SMOOTH_AVERAGE && def->points < 2) {
-        return lac_fail(err, LAC_EINPUT, "a moving average must be of 2 or more velocities");
-    }
-    if (polynomial &&
-        (def->order < 1 || def->order + 1 >= LAC_LEAST_SQUARES_MAX || def->points <= def->order)) {
-        return lac_fail(err, LAC_EINPUT,
-                        "a Savitzky-Golay filter must have an order of 1 to %d and more points "
-                        "than that",
-                        LAC_LEAST_SQUARES_MAX - 2);
-    }
-    if (def->smoothing == LAC_SMOOTH_WINDOW && !(def->window > 0.0 && isfinite(def->window))) {
-        return lac_fail(err, LAC_EINPUT, "the window of velocities must be > 0 s");
-    }
+    LAC_FAIL_IF(readings->displacement == NULL && readings->velocity == NULL, err, LAC_EINPUT,
+                "neither displacement nor velocity is given");
+    LAC_FAIL_IF(def->smoothing == LAC_SMOOTH_AVERAGE && def->points < 2, err, LAC_EINPUT,
+                "a moving average must be of 2 or more velocities");
+    LAC_FAIL_IF(polynomial && (def->order < 1 || def->order + 1 >= LAC_LEAST_SQUARES_MAX ||
+                               def->points <= def->order),
+                err, LAC_EINPUT,
+                "a Savitzky-Golay filter must have an order of 1 to %d and more points than that",
+                LAC_LEAST_SQUARES_MAX - 2);
+    LAC_FAIL_IF(def->smoothing == LAC_SMOOTH_WINDOW &&
+                    !(def->window > 0.0 && isfinite(def->window)),
+                err, LAC_EINPUT, "the window of velocities must be > 0 s");
     return LAC_OK;
 }
 

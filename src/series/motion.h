@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_SERIES_MOTION_H
-#define LACUNA_SERIES_MOTION_H
+#pragma once
 
 #include "lacuna/series.h"
 
@@ -62,5 +61,3 @@ lac_status lac_motion_create(const lac_motion_def *def, const lac_readings *read
 
 /// Frees a motion; NULL is fine.
 void lac_motion_free(lac_motion *motion);
-
-#endif

@@ -95,14 +95,9 @@ static lac_status prepare(lac_parser *p, FILE *stream, const lac_series_def *def
     p->wanted[2].name = def->velocity;
     p->wanted[3].name = def->value;
     p->wanted[4].name = def->sigma;
-    lac_status status = lac_series_check(def, err);
-    if (status != LAC_OK) {
-        return status;
-    }
+    LAC_TRY_RETURN(lac_series_check(def, err));
     p->plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
-    if (p->plain == (locale_t)0) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(p->plain == (locale_t)0, err);
     p->callers = uselocale(p->plain);
     return prepare_units(p, def, units, err);
 }
@@ -114,9 +109,7 @@ static lac_status add_attribution(lac_parser *p, const char *comment, lac_error 
         return LAC_OK;
     }
     char *text = realloc(p->attribution, p->attribution_length + length + 2);
-    if (text == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(text == NULL, err);
     if (p->attribution_length > 0) {
         text[p->attribution_length++] = ' ';
     }
@@ -136,9 +129,7 @@ static lac_status find_header(lac_parser *p, char **header, lac_error *err)
         if (status != LAC_OK) {
             return status;
         }
-        if (!more) {
-            return lac_fail(err, LAC_EINPUT, "%s: has no header line", p->lines.path);
-        }
+        LAC_FAIL_IF(!more, err, LAC_EINPUT, "%s: has no header line", p->lines.path);
         char *line = lac_text_trim(p->lines.text);
         if (*line == '#') {
             status = add_attribution(p, lac_text_trim(line + strspn(line, "#")), err);
@@ -209,10 +200,7 @@ static lac_status read_header(lac_parser *p, lac_error *err)
         if (p->fields == 0) {
             (void)lac_text_show(name, p->first_name, sizeof p->first_name);
         }
-        status = match_column(p, found, name, err);
-        if (status != LAC_OK) {
-            return status;
-        }
+        LAC_TRY_RETURN(match_column(p, found, name, err));
         list_column(list, sizeof list, name);
         p->fields++;
     }
@@ -221,10 +209,9 @@ static lac_status read_header(lac_parser *p, lac_error *err)
         found[0] = true;
     }
     for (size_t c = 0; c < COLUMNS; c++) {
-        if (p->wanted[c].name != NULL && !found[c]) {
-            return lac_fail(err, LAC_EINPUT, "%s:%zu: has no column \"%s\"; its columns are %s",
-                            p->lines.path, p->lines.number, p->wanted[c].name, list);
-        }
+        LAC_FAIL_IF(p->wanted[c].name != NULL && !found[c], err, LAC_EINPUT,
+                    "%s:%zu: has no column \"%s\"; its columns are %s", p->lines.path,
+                    p->lines.number, p->wanted[c].name, list);
         status = c > 0 && status == LAC_OK ? ask(p, c, err) : status;
     }
     return status;
@@ -288,9 +275,7 @@ static lac_status add_reading(lac_parser *p, const lac_row *reading, lac_error *
     if (p->count == p->capacity) {
         size_t capacity = p->capacity > 0 ? p->capacity * 2 : 256;
         lac_row *readings = realloc(p->readings, capacity * sizeof *readings);
-        if (readings == NULL) {
-            return lac_fail_memory(err);
-        }
+        LAC_FAIL_MEMORY_IF(readings == NULL, err);
         p->readings = readings;
         p->capacity = capacity;
     }
@@ -454,10 +439,7 @@ static lac_status build(lac_parser *p, lac_series **out, lac_error *err)
     size_t conflicts = 0;
     p->disordered = lac_rows_sort(rows, p->readings);
     lac_status status = merge_rows(p, &conflicts, err);
-    status = status == LAC_OK ? check_any_value(p, err) : status;
-    if (status != LAC_OK) {
-        return status;
-    }
+    LAC_TRY_RETURN(status == LAC_OK ? check_any_value(p, err) : status);
     lac_series *s = calloc(1, sizeof *s);
     if (s == NULL || fill_series(s, p) != LAC_OK) {
         lac_series_free(s);

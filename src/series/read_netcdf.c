@@ -40,17 +40,12 @@ static lac_status check(const series_file *file, int code, const char *what, lac
 static lac_status find_column(series_file *file, const char *name, int *var, lac_error *err)
 {
     int dim = -1;
-    if (nc_inq_varid(file->id, name, var) != NC_NOERR) {
-        return lac_fail(err, LAC_EINPUT, "%s: has no variable \"%s\"", file->path, name);
-    }
-    if (!lac_netcdf_runs_over(file->id, *var, 1, &dim)) {
-        return lac_fail(err, LAC_EINPUT, "%s: %s: must be numbers over one dimension", file->path,
-                        name);
-    }
-    if (file->dim >= 0 && dim != file->dim) {
-        return lac_fail(err, LAC_EINPUT, "%s: %s: must have the dimension of the time", file->path,
-                        name);
-    }
+    LAC_FAIL_IF(nc_inq_varid(file->id, name, var) != NC_NOERR, err, LAC_EINPUT,
+                "%s: has no variable \"%s\"", file->path, name);
+    LAC_FAIL_IF(!lac_netcdf_runs_over(file->id, *var, 1, &dim), err, LAC_EINPUT,
+                "%s: %s: must be numbers over one dimension", file->path, name);
+    LAC_FAIL_IF(file->dim >= 0 && dim != file->dim, err, LAC_EINPUT,
+                "%s: %s: must have the dimension of the time", file->path, name);
     file->dim = dim;
     return LAC_OK;
 }
@@ -60,9 +55,7 @@ static lac_status read_numbers(const series_file *file, int var, const char *nam
                                lac_error *err)
 {
     double *x = malloc((file->n > 0 ? file->n : 1) * sizeof *x);
-    if (x == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(x == NULL, err);
     lac_status status = check(file, nc_get_var_double(file->id, var, x), name, err);
     if (status != LAC_OK) {
         free(x);
@@ -136,9 +129,8 @@ static lac_status read_time(series_file *file, const lac_series_def *def,
         s->time[i] = scale * s->time[i] + offset;
         if (!isfinite(s->time[i]) || (i > 0 && !(s->time[i] > s->time[i - 1]))) {
             LAC_TRY(lac_fail(err, LAC_EINPUT,
-                             "%s: %s[%zu] = %.17g s; must be later than the one "
-                             "before",
-                             file->path, name, i, s->time[i]));
+                             "%s: %s[%zu] = %.17g s; must be later than the one before", file->path,
+                             name, i, s->time[i]));
         }
     }
 out:
@@ -223,10 +215,7 @@ lac_status lac_series_read_netcdf(const lac_series_def *def, const struct lac_un
     if (status != LAC_OK) {
         return status;
     }
-    status = check(&file, nc_open(def->path, NC_NOWRITE, &file.id), "the file", err);
-    if (status != LAC_OK) {
-        return status;
-    }
+    LAC_TRY_RETURN(check(&file, nc_open(def->path, NC_NOWRITE, &file.id), "the file", err));
     s = calloc(1, sizeof *s);
     status = s == NULL ? lac_fail_memory(err) : read_all(&file, def, units, s, err);
     (void)nc_close(file.id);

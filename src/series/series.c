@@ -10,9 +10,8 @@
 
 lac_status lac_series_check(const lac_series_def *def, lac_error *err)
 {
-    if (def->displacement == NULL && def->velocity == NULL && def->value == NULL) {
-        return lac_fail(err, LAC_EINPUT, "%s: no column of values was named", def->path);
-    }
+    LAC_FAIL_IF(def->displacement == NULL && def->velocity == NULL && def->value == NULL, err,
+                LAC_EINPUT, "%s: no column of values was named", def->path);
     return LAC_OK;
 }
 
@@ -26,9 +25,7 @@ lac_status lac_series_read(const lac_series_def *def, const struct lac_units *un
 {
     *out = NULL;
     FILE *stream = fopen(def->path, "rbe");
-    if (stream == NULL) {
-        return lac_fail(err, LAC_EIO, "%s: %s", def->path, strerror(errno));
-    }
+    LAC_FAIL_IF(stream == NULL, err, LAC_EIO, "%s: %s", def->path, strerror(errno));
     bool is_netcdf = lac_series_is_netcdf(stream);
     lac_status status = is_netcdf ? lac_series_read_netcdf(def, units, out, err)
                                   : lac_series_read_stream(stream, def, units, out, err);

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_SERIES_SERIES_H
-#define LACUNA_SERIES_SERIES_H
+#pragma once
 
 #include "lacuna/series.h"
 
@@ -33,5 +32,3 @@ bool lac_history_eval(const lac_history *history, double t, double *slip, double
 
 /// Misfit of a history to a series.
 void lac_series_compare(const lac_series *series, const lac_history *history, lac_misfit *misfit);
-
-#endif

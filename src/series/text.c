@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Lines, fields and numbers of text files, in the forms that loggers and spreadsheets write.
 #include "series/text.h"
+#include "base/fail.h"
 
 #include <errno.h>
 #include <math.h>
@@ -16,9 +17,7 @@ static lac_status append(lac_lines *lines, int byte, lac_error *err)
     if (lines->length + 1 >= lines->capacity) {
         size_t capacity = lines->capacity > 0 ? lines->capacity * 2 : 256;
         char *text = realloc(lines->text, capacity);
-        if (text == NULL) {
-            return lac_fail_memory(err);
-        }
+        LAC_FAIL_MEMORY_IF(text == NULL, err);
         lines->text = text;
         lines->capacity = capacity;
     }
@@ -28,14 +27,12 @@ static lac_status append(lac_lines *lines, int byte, lac_error *err)
 
 static lac_status check_byte(const lac_lines *lines, int byte, lac_error *err)
 {
-    if ((byte < ' ' && byte != '\t' && byte != '\f') || byte == 0x7f) {
-        return lac_fail(err, LAC_EINPUT, "%s:%zu: byte 0x%02x is not text; must be CSV in UTF-8",
-                        lines->path, lines->number, (unsigned)byte);
-    }
-    if (lines->length >= LINE_MAX_BYTES) {
-        return lac_fail(err, LAC_EINPUT, "%s:%zu: the line is longer than %d bytes", lines->path,
-                        lines->number, LINE_MAX_BYTES);
-    }
+    LAC_FAIL_IF((byte < ' ' && byte != '\t' && byte != '\f') || byte == 0x7f, err, LAC_EINPUT,
+                "%s:%zu: byte 0x%02x is not text; must be CSV in UTF-8", lines->path, lines->number,
+                (unsigned)byte);
+    LAC_FAIL_IF(lines->length >= LINE_MAX_BYTES, err, LAC_EINPUT,
+                "%s:%zu: the line is longer than %d bytes", lines->path, lines->number,
+                LINE_MAX_BYTES);
     return LAC_OK;
 }
 

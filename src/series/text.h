@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_SERIES_TEXT_H
-#define LACUNA_SERIES_TEXT_H
+#pragma once
 
 #include <stdio.h>
 
@@ -105,5 +104,3 @@ int lac_text_digit(const char *field, char mark);
 
 /// A field fit for a message: cut, and without control characters.
 const char *lac_text_show(const char *field, char *shown, size_t size);
-
-#endif

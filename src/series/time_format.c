@@ -64,12 +64,10 @@ static lac_status read_numeric(const char *text, const struct lac_units *units,
     (void)snprintf(out->allowed, sizeof out->allowed, "must be a number (%.40s)", unit);
     lac_time_unit_name(unit, out->unit, sizeof out->unit);
     lac_status status = lac_units_time(units, unit, &out->scale, &out->offset, &out->dated, err);
-    if (status == LAC_EINPUT) {
-        return lac_fail(err, LAC_EINPUT,
-                        "time format \"%s\" must be iso, unix, excel, a pattern like "
-                        "\"%%d/%%m/%%Y %%H:%%M\", or a unit like \"days since 2015-06-07\"",
-                        text);
-    }
+    LAC_FAIL_IF(status == LAC_EINPUT, err, LAC_EINPUT,
+                "time format \"%s\" must be iso, unix, excel, a pattern like \"%%d/%%m/%%Y "
+                "%%H:%%M\", or a unit like \"days since 2015-06-07\"",
+                text);
     return status;
 }
 
@@ -87,9 +85,7 @@ lac_status lac_time_format_read(const char *text, const struct lac_units *units,
         return read_numeric(text, units, out, err);
     }
     const char *fault = pattern_fault(text);
-    if (fault != NULL) {
-        return lac_fail(err, LAC_EINPUT, "time format \"%s\" %s", text, fault);
-    }
+    LAC_FAIL_IF(fault != NULL, err, LAC_EINPUT, "time format \"%s\" %s", text, fault);
     out->pattern = text;
     (void)snprintf(out->allowed, sizeof out->allowed, "must be a date written as %.60s", text);
     return LAC_OK;

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_SERIES_TIME_FORMAT_H
-#define LACUNA_SERIES_TIME_FORMAT_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "lacuna/error.h"
+#include "base/fail.h"
 
 struct lac_units;
 
@@ -38,5 +37,3 @@ void lac_time_unit_name(const char *unit, char *name, size_t size);
 /// @return false where the field is no such time
 bool lac_time_format_take(const lac_time_format *format, const char *field, char mark,
                           double *seconds, bool *dated);
-
-#endif

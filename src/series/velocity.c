@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/fail.h"
 #include "base/least_squares.h"
 #include "series/clean.h"
 
@@ -115,9 +116,7 @@ static lac_status take_polynomials(size_t points, size_t order, lac_motion *m, l
     const size_t k = order + 1;
     double c[LAC_LEAST_SQUARES_MAX];
     double *columns = malloc((k + 1) * points * sizeof *columns);
-    if (columns == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(columns == NULL, err);
     double *y = columns + k * points;
     for (size_t last = points - 1; last < m->n; last++) {
         const double *t = m->time + (last + 1 - points);
@@ -145,9 +144,7 @@ lac_status lac_motion_differentiate(const lac_motion_def *def, const lac_reading
     m->velocity_time = malloc(most * sizeof *m->velocity_time);
     m->velocity = malloc(most * sizeof *m->velocity);
     m->rounding = malloc(most * sizeof *m->rounding);
-    if (m->velocity_time == NULL || m->velocity == NULL || m->rounding == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(m->velocity_time == NULL || m->velocity == NULL || m->rounding == NULL, err);
     switch (def->smoothing) {
     case LAC_SMOOTH_WINDOW:
         take_windows(def->window, m);

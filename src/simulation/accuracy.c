@@ -107,10 +107,10 @@ static lac_status climb(search *s, lac_error *err)
     if (isnan(s->at[RUNGS - 1].value)) {
         return LAC_ENUMERIC; // as the run said
     }
-    return lac_fail(err, LAC_ENUMERIC,
-                    "no rtol down to %g keeps an accuracy of %g: the last decade changed the %s "
-                    "by %.2g",
-                    rtols[RUNGS - 1], asked, s->at[RUNGS - 1].of, last_error(s));
+    return lac_fail(
+        err, LAC_ENUMERIC,
+        "no rtol down to %g keeps an accuracy of %g: the last decade changed the %s by %.2g",
+        rtols[RUNGS - 1], asked, s->at[RUNGS - 1].of, last_error(s));
 }
 
 // Whether a run keeps the error, measured against the tightest.

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_SIMULATION_INTERNAL_H
-#define LACUNA_SIMULATION_INTERNAL_H
+#pragma once
 
 #include "simulation/simulation.h"
 
@@ -23,5 +22,3 @@ lac_status lac_indicators_create(const lac_scene *scene, lac_analysis **out, lac
 
 /// What its run puts out.
 lac_run_output lac_outcome_output(const lac_outcome *of);
-
-#endif

@@ -76,9 +76,7 @@ static lac_status take(recorded *r, const lac_recording *recording, lac_error *e
     r->variable = calloc(r->count, sizeof *r->variable);
     r->row = calloc(r->count, sizeof *r->row);
     r->path = calloc(r->count, sizeof *r->path);
-    if (r->variable == NULL || r->row == NULL || r->path == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(r->variable == NULL || r->row == NULL || r->path == NULL, err);
     for (size_t i = 0; i < r->count; i++) {
         lac_recorded *v = &r->variable[i];
         (void)lac_recording_get(recording, i, v);

@@ -72,9 +72,7 @@ lac_status lac_simulation_create(const lac_case *c, const lac_simulation_options
     }
     *out = NULL;
     s = calloc(1, sizeof *s);
-    if (s == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(s == NULL, err);
     s->source = *c;
     if (c->use != NULL) {
         c->use->simulations++; // it does not change from now on
@@ -194,9 +192,7 @@ lac_status lac_simulation_run(lac_simulation *simulation, const lac_sink *given,
     lac_status status;
     LAC_TRY(LAC_NEED(err, simulation));
     LAC_TRY(lac_take_options("lac_sink", given, &own, sizeof own, err));
-    if (s->begun) {
-        return lac_fail(err, LAC_EINPUT, "%s: this simulation was run already", s->source.path);
-    }
+    LAC_FAIL_IF(s->begun, err, LAC_EINPUT, "%s: this simulation was run already", s->source.path);
     s->begun = true;
     const int before = set_threads(s->options.threads);
     status = put_once(s, sink, err);
@@ -219,9 +215,7 @@ lac_status lac_simulation_file(lac_simulation *simulation, lac_store_def *out, l
     lac_simulation *s = simulation;
     const lac_case *c = &s->source;
     s->case_text = s->case_text != NULL ? s->case_text : lac_case_text(c);
-    if (s->case_text == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(s->case_text == NULL, err);
     *out = (lac_store_def){.path = c->output_file,
                            .provenance = lac_case_provenance(c, s->case_text),
                            .of = lac_outcome_output(&s->outcome),

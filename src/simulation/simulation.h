@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_SIMULATION_SIMULATION_H
-#define LACUNA_SIMULATION_SIMULATION_H
+#pragma once
 
 #include "analysis/analysis.h"
 #include "lacuna/simulation.h"
@@ -33,5 +32,3 @@ const lac_outcome *lac_simulation_outcome(const lac_simulation *simulation);
 /// @param out  what it points to holds until the simulation is freed
 /// @return LAC_OK; LAC_ENOMEM
 lac_status lac_simulation_file(lac_simulation *simulation, lac_store_def *out, lac_error *err);
-
-#endif

@@ -133,16 +133,12 @@ void lac_store_remove_checkpoint(const char *path)
 static lac_status check_head(const char *name, const head *h, lac_error *err)
 {
     const size_t word = sizeof mark - 1;
-    if (memcmp(h->mark, mark, word) != 0) {
-        return lac_fail(err, LAC_EIO, "%s: is not a checkpoint of Lacuna", name);
-    }
-    if (h->mark[word] != mark[word]) {
-        return lac_fail(err, LAC_EINPUT,
-                        "%s: is a checkpoint of another version of Lacuna: its format is '%c', "
-                        "'%c' is read here",
-                        name, isprint((unsigned char)h->mark[word]) ? h->mark[word] : '?',
-                        mark[word]);
-    }
+    LAC_FAIL_IF(memcmp(h->mark, mark, word) != 0, err, LAC_EIO, "%s: is not a checkpoint of Lacuna",
+                name);
+    LAC_FAIL_IF(
+        h->mark[word] != mark[word], err, LAC_EINPUT,
+        "%s: is a checkpoint of another version of Lacuna: its format is '%c', '%c' is read here",
+        name, isprint((unsigned char)h->mark[word]) ? h->mark[word] : '?', mark[word]);
     return LAC_OK;
 }
 
@@ -152,34 +148,23 @@ static lac_status read_bytes(const char *name, int fd, lac_checkpoint_file *out,
 {
     struct stat info = {0};
     head h;
-    if (fstat(fd, &info) != 0) {
-        return lac_fail(err, LAC_EIO, "%s: %s", name, strerror(errno));
-    }
-    if (!S_ISREG(info.st_mode) || pread(fd, &h, sizeof h, 0) != (ssize_t)sizeof h) {
-        return lac_fail(err, LAC_EIO, "%s: is not a checkpoint of Lacuna", name);
-    }
-    lac_status status = check_head(name, &h, err);
-    if (status != LAC_OK) {
-        return status;
-    }
+    LAC_FAIL_IF(fstat(fd, &info) != 0, err, LAC_EIO, "%s: %s", name, strerror(errno));
+    LAC_FAIL_IF(!S_ISREG(info.st_mode) || pread(fd, &h, sizeof h, 0) != (ssize_t)sizeof h, err,
+                LAC_EIO, "%s: is not a checkpoint of Lacuna", name);
+    LAC_TRY_RETURN(check_head(name, &h, err));
     *size = (size_t)info.st_size - sizeof h;
     out->bytes = malloc(*size + 1);
-    if (out->bytes == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(out->bytes == NULL, err);
     bool whole = h.size == *size;
     for (size_t at = 0; whole && at < *size;) {
         ssize_t got = pread(fd, out->bytes + at, *size - at, (off_t)(sizeof h + at));
         whole = got > 0;
         at += whole ? (size_t)got : 0;
     }
-    if (!whole) {
-        return lac_fail(err, LAC_EIO, "%s: is damaged: %zu bytes of %llu", name, sizeof h + *size,
-                        (unsigned long long)h.size + sizeof h);
-    }
-    if (sum_of(out->bytes, *size) != h.sum) {
-        return lac_fail(err, LAC_EIO, "%s: is damaged: differs from its checksum", name);
-    }
+    LAC_FAIL_IF(!whole, err, LAC_EIO, "%s: is damaged: %zu bytes of %llu", name, sizeof h + *size,
+                (unsigned long long)h.size + sizeof h);
+    LAC_FAIL_IF(sum_of(out->bytes, *size) != h.sum, err, LAC_EIO,
+                "%s: is damaged: differs from its checksum", name);
     return LAC_OK;
 }
 

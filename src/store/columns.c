@@ -2,6 +2,7 @@
 // Variables of a dataset as arrays that grow place by place: a run in memory, and what is yet to be
 // written of one.
 #include "store/columns.h"
+#include "base/fail.h"
 
 #include <assert.h>
 #include <stdlib.h>
@@ -53,9 +54,7 @@ lac_status lac_columns_add(lac_columns *columns, const lac_item *item, lac_error
     if (columns->n == columns->room) {
         const size_t room = 2 * columns->room + 16;
         lac_column *grown = realloc(columns->column, room * sizeof *grown);
-        if (grown == NULL) {
-            return lac_fail_memory(err);
-        }
+        LAC_FAIL_MEMORY_IF(grown == NULL, err);
         columns->column = grown;
         columns->room = room;
     }
@@ -79,9 +78,7 @@ lac_status lac_column_reserve(lac_column *column, size_t n, lac_error *err)
     if (column->room - column->count < n) {
         const size_t room = column->count + n + column->room; // at least doubled
         double *grown = realloc(column->values, room * sizeof *grown);
-        if (grown == NULL) {
-            return lac_fail_memory(err);
-        }
+        LAC_FAIL_MEMORY_IF(grown == NULL, err);
         column->values = grown;
         column->room = room;
     }

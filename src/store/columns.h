@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_STORE_COLUMNS_H
-#define LACUNA_STORE_COLUMNS_H
+#pragma once
 
 #include "data/dataset.h"
 
@@ -51,5 +50,3 @@ lac_status lac_column_reserve(lac_column *column, size_t n, lac_error *err);
 /// @param but  flags of those that are left out
 /// @return LAC_OK; LAC_ENOMEM
 lac_status lac_columns_put(lac_columns *columns, size_t along, unsigned but, lac_error *err);
-
-#endif

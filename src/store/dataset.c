@@ -27,10 +27,8 @@ static lac_status set_clock(lac_writer *w, lac_error *err)
     const bool is_date = lac_date_format(second, date, sizeof date)[0] != '\0';
     const double rest = start - second;
     if (w->clock == LAC_CLOCK_DATE) {
-        if (!is_date) {
-            return lac_fail(err, LAC_EINPUT, "%s: the start must lie in the years 0 to 9999",
-                            w->file->path);
-        }
+        LAC_FAIL_IF(!is_date, err, LAC_EINPUT, "%s: the start must lie in the years 0 to 9999",
+                    w->file->path);
         const long micro = lround(rest * 1e6);
         date[10] = ' ';
         date[19] = '\0'; // UTC is CF's default zone
@@ -93,9 +91,7 @@ static lac_status put_now(const lac_writer *w, const lac_column *c, size_t place
         return put(w, c, place, 1, array, err);
     }
     double *values = malloc((c->item.count + 1) * sizeof *values);
-    if (values == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(values == NULL, err);
     lac_item_values(&c->item, values);
     fill(w, c, values, c->item.count);
     lac_status status = put(w, c, place, 1, values, err);
@@ -127,9 +123,7 @@ static lac_status put_characters(const lac_writer *w, const lac_column *c, lac_e
     const size_t length = lac_item_longest_text(&c->item);
     char room[LAC_TEXT_ROOM];
     char *all = calloc(c->item.count, length);
-    if (all == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(all == NULL, err);
     for (size_t i = 0; i < c->item.count; i++) {
         const char *text = lac_item_text(&c->item, i, room);
         memcpy(all + i * length, text != NULL ? text : "", text != NULL ? strlen(text) : 0);

@@ -184,10 +184,8 @@ static lac_status put_meanings(const lac_writer *w, const lac_item *item, int id
     for (size_t i = 0; i < item->count; i++) {
         const size_t used = strlen(meanings);
         const char *text = lac_item_text(item, i, room);
-        if (i == MOST_MEANINGS || used + strlen(text) + 2 > sizeof meanings) {
-            return lac_fail(err, LAC_EINPUT, "%s: %s has too many meanings", w->file->path,
-                            item->name);
-        }
+        LAC_FAIL_IF(i == MOST_MEANINGS || used + strlen(text) + 2 > sizeof meanings, err,
+                    LAC_EINPUT, "%s: %s has too many meanings", w->file->path, item->name);
         (void)snprintf(meanings + used, sizeof meanings - used, "%s%s", i > 0 ? " " : "", text);
     }
     return put_flags(w, id, NC_INT, meanings, err);

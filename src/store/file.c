@@ -18,24 +18,19 @@ enum { RESERVE = 1 << 20 }; // for HDF5's own records [bytes]
 lac_status lac_nc_path(const char *path, bool *exists, lac_error *err)
 {
     *exists = false;
-    if (path == NULL || *path == '\0') {
-        return lac_fail(err, LAC_EIO, "the path of a netCDF file is empty");
-    }
+    LAC_FAIL_IF(path == NULL || *path == '\0', err, LAC_EIO, "the path of a netCDF file is empty");
     if (strstr(path, "://") != NULL) {
         return lac_fail(err, LAC_EIO, "%s: is an address, not a file", path);
     }
     struct stat info;
     if (stat(path, &info) != 0) {
         int reason = errno;
-        if (reason == ENOENT && lstat(path, &info) == 0) {
-            return lac_fail(err, LAC_EIO, "%s: is a link to a file that does not exist", path);
-        }
+        LAC_FAIL_IF(reason == ENOENT && lstat(path, &info) == 0, err, LAC_EIO,
+                    "%s: is a link to a file that does not exist", path);
         return reason == ENOENT ? LAC_OK : lac_fail(err, LAC_EIO, "%s: %s", path, strerror(reason));
     }
-    if (!S_ISREG(info.st_mode)) {
-        return lac_fail(err, LAC_EIO, "%s: is %s", path,
-                        S_ISDIR(info.st_mode) ? "a folder" : "not a regular file");
-    }
+    LAC_FAIL_IF(!S_ISREG(info.st_mode), err, LAC_EIO, "%s: is %s", path,
+                S_ISDIR(info.st_mode) ? "a folder" : "not a regular file");
     *exists = true;
     return LAC_OK;
 }
@@ -78,9 +73,8 @@ lac_status lac_nc_reserve(const lac_nc *file, size_t bytes, lac_error *err)
     } else if (fallocate(file->fd, FALLOC_FL_KEEP_SIZE, size, more) != 0) {
         reason = errno;
     }
-    if (reason == ENOSPC || reason == EDQUOT || reason == EFBIG) {
-        return lac_fail(err, LAC_EIO, "%s: cannot write: %s", file->path, strerror(reason));
-    }
+    LAC_FAIL_IF(reason == ENOSPC || reason == EDQUOT || reason == EFBIG, err, LAC_EIO,
+                "%s: cannot write: %s", file->path, strerror(reason));
     return LAC_OK;
 }
 
@@ -96,9 +90,7 @@ static void end_reserve(const lac_nc *file)
 static lac_status pin_old(lac_nc *file, lac_error *err)
 {
     struct stat info;
-    if (stat(file->path, &info) != 0) {
-        return lac_fail(err, LAC_EIO, "%s: %s", file->path, strerror(errno));
-    }
+    LAC_FAIL_IF(stat(file->path, &info) != 0, err, LAC_EIO, "%s: %s", file->path, strerror(errno));
     file->replaces = true;
     file->old_dev = info.st_dev;
     file->old_inode = info.st_ino;
@@ -113,15 +105,11 @@ lac_status lac_nc_create(lac_nc *file, const char *path, bool force, lac_error *
     if (status != LAC_OK) {
         return status;
     }
-    if (exists && !force) {
-        return lac_fail(err, LAC_EINPUT, "%s: exists", path);
-    }
-    if (exists && access(path, W_OK) != 0) {
-        return lac_fail(err, LAC_EIO, "%s: cannot replace: %s", path, strerror(errno));
-    }
-    if (exists && lac_nc_is_written(path)) {
-        return lac_fail(err, LAC_EIO, "%s: cannot replace: another process is writing it", path);
-    }
+    LAC_FAIL_IF(exists && !force, err, LAC_EINPUT, "%s: exists", path);
+    LAC_FAIL_IF(exists && access(path, W_OK) != 0, err, LAC_EIO, "%s: cannot replace: %s", path,
+                strerror(errno));
+    LAC_FAIL_IF(exists && lac_nc_is_written(path), err, LAC_EIO,
+                "%s: cannot replace: another process is writing it", path);
     file->path = resolve(path, exists);
     file->part = file->path != NULL ? lac_temp_file_name(file->path) : NULL;
     if (file->part == NULL) {
@@ -190,10 +178,8 @@ static int take_place(const lac_nc *file)
 lac_status lac_nc_publish(lac_nc *file, lac_error *err)
 {
     if (take_place(file) != 0) {
-        if (errno == EEXIST) {
-            return lac_fail(err, LAC_EINPUT, "%s: %s", file->path,
-                            file->force ? "was replaced meanwhile by another process" : "exists");
-        }
+        LAC_FAIL_IF(errno == EEXIST, err, LAC_EINPUT, "%s: %s", file->path,
+                    file->force ? "was replaced meanwhile by another process" : "exists");
         return lac_fail(err, LAC_EIO, "%s: cannot create: %s", file->path,
                         errno == EWOULDBLOCK ? "another process is writing there"
                                              : strerror(errno));

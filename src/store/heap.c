@@ -71,9 +71,7 @@ lac_status lac_nc_heap(const char *path, int fd, size_t size, lac_error *err)
 {
     size = size < SCAN_MAX ? size : SCAN_MAX;
     unsigned char *bytes = malloc(size > 0 ? size : 1);
-    if (bytes == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(bytes == NULL, err);
     ssize_t got = pread(fd, bytes, size, 0);
     bool sound = got >= 0 && are_heaps_sound(bytes, (size_t)got);
     free(bytes);

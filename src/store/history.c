@@ -117,11 +117,11 @@ static lac_status begin_file(lac_history_store *s, const lac_history_store_def *
 {
     lac_status status;
     LAC_TRY(lac_nc_create(&s->file, def->path, def->force, err));
-    LAC_TRY(lac_nc_provenance(&s->file, &def->provenance,
-                              "Contact of a rough rock joint through a history of normal and shear "
-                              "load: forces, shifts and frictional work of each step, and which "
-                              "cells stick or slip.",
-                              err));
+    LAC_TRY(lac_nc_provenance(
+        &s->file, &def->provenance,
+        "Contact of a rough rock joint through a history of normal and shear load: forces, shifts "
+        "and frictional work of each step, and which cells stick or slip.",
+        err));
     LAC_TRY(lac_writer_begin(&s->writer, err));
     LAC_TRY(lac_nc_text(&s->file, NC_GLOBAL, "status", "running", err));
     LAC_TRY(lac_nc_sync(&s->file, err));
@@ -137,9 +137,7 @@ lac_status lac_history_store_create(const lac_history_store_def *def, lac_histor
     lac_status status;
     *out = NULL;
     lac_history_store *s = calloc(1, sizeof *s);
-    if (s == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(s == NULL, err);
     s->keep = def->keep;
     s->now.pressed = def->pressed;
     s->writer = (lac_writer){

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_STORE_INPUT_H
-#define LACUNA_STORE_INPUT_H
+#pragma once
 
 #include <stddef.h>
 
@@ -48,5 +47,3 @@ lac_status lac_input_values(const lac_input *in, const char *name, ptrdiff_t row
 /// The same of a variable over time, of the records that are whole.
 lac_status lac_input_series(const lac_input *in, const char *name, lac_stored_values *out,
                             lac_error *err);
-
-#endif

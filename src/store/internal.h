@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_STORE_INTERNAL_H
-#define LACUNA_STORE_INTERNAL_H
+#pragma once
 
 #include "run/describe.h"
 #include "store/writer.h"
@@ -31,5 +30,3 @@ lac_status lac_store_put_checkpoint(const lac_store *store, const lac_checkpoint
 
 /// Removes what checkpoint there is beside a file.
 void lac_store_remove_checkpoint(const char *path);
-
-#endif

@@ -400,9 +400,8 @@ out:
 
 lac_status lac_journal_publish(struct lac_journal *j, const char *path, lac_error *err)
 {
-    if (rename(j->part, j->name) != 0) {
-        return lac_fail(err, LAC_EIO, "%s: cannot write its journal: %s", path, strerror(errno));
-    }
+    LAC_FAIL_IF(rename(j->part, j->name) != 0, err, LAC_EIO, "%s: cannot write its journal: %s",
+                path, strerror(errno));
     j->published = true;
     return LAC_OK;
 }

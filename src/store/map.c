@@ -68,10 +68,10 @@ static bool fits(const map_file *file, field *at)
 static lac_status misfit(const map_file *file, const field *at, lac_error *err)
 {
     const lac_grid *grid = &file->domain->grid;
-    return lac_fail(err, LAC_EINPUT,
-                    "%s: %s must be numbers over (y, x) = (%zu, %zu), the grid, or over %zu, the "
-                    "contact cells",
-                    file->def->path, at->name, grid->ny, grid->nx, file->domain->n);
+    return lac_fail(
+        err, LAC_EINPUT,
+        "%s: %s must be numbers over (y, x) = (%zu, %zu), the grid, or over %zu, the contact cells",
+        file->def->path, at->name, grid->ny, grid->nx, file->domain->n);
 }
 
 // A variable named like one of its dimensions holds coordinates.
@@ -87,9 +87,8 @@ static lac_status find_field(const map_file *file, field *at, lac_error *err)
     size_t found = 0;
     *at = (field){0};
     if (name != NULL) {
-        if (nc_inq_varid(file->id, name, &at->var) != NC_NOERR) {
-            return lac_fail(err, LAC_EINPUT, "%s: has no variable %s", file->def->path, name);
-        }
+        LAC_FAIL_IF(nc_inq_varid(file->id, name, &at->var) != NC_NOERR, err, LAC_EINPUT,
+                    "%s: has no variable %s", file->def->path, name);
         (void)nc_inq_varname(file->id, at->var, at->name);
         return fits(file, at) ? LAC_OK : misfit(file, at, err);
     }
@@ -125,10 +124,8 @@ static lac_status check_axes(const map_file *file, const field *at, lac_error *e
             nc_get_var1_double(file->id, var, &end, &last) != NC_NOERR) {
             continue; // no coordinates
         }
-        if (end > 0 && !(last > first)) {
-            return lac_fail(err, LAC_EINPUT, "%s: %s goes from %g to %g; must rise",
-                            file->def->path, name, first, last);
-        }
+        LAC_FAIL_IF(end > 0 && !(last > first), err, LAC_EINPUT,
+                    "%s: %s goes from %g to %g; must rise", file->def->path, name, first, last);
     }
     return LAC_OK;
 }

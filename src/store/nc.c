@@ -20,9 +20,7 @@ lac_status lac_nc_check(const char *path, int code, lac_error *err, const char *
     if (code == NC_NOERR) {
         return LAC_OK;
     }
-    if (code == NC_ENOMEM || code == ENOMEM) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(code == NC_ENOMEM || code == ENOMEM, err);
     const char *why = nc_strerror(code);
     if (code == NC_EHDFERR) {
         why = is_disk_error(reason) ? strerror(reason) : "the disk is full or the file is damaged";

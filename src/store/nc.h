@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_STORE_NC_H
-#define LACUNA_STORE_NC_H
+#pragma once
 
 #include <limits.h>
 #include <netcdf.h>
@@ -174,5 +173,3 @@ lac_status lac_nc_heap(const char *path, int fd, size_t size, lac_error *err);
 /// The global attributes that every file of Lacuna carries.
 lac_status lac_nc_provenance(const lac_nc *file, const lac_provenance *provenance,
                              const char *summary, lac_error *err);
-
-#endif

@@ -19,9 +19,7 @@ static lac_status put_joined(const char *name, const char *first, const char *be
 {
     const size_t size = strlen(first) + strlen(between) + strlen(second) + 1;
     char *text = malloc(size);
-    if (text == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(text == NULL, err);
     (void)snprintf(text, size, "%s%s%s", first, *first != '\0' ? between : "", second);
     lac_status status = put(to, name, text, NAN, err);
     free(text);

@@ -26,9 +26,7 @@ lac_status lac_input_fail(const lac_input *in, int code, lac_error *err, const c
 
 static lac_status fail_open(const lac_input *in, int code, lac_error *err)
 {
-    if (code == NC_ENOTNC) {
-        return lac_fail(err, LAC_EIO, "%s: is not a netCDF file", in->path);
-    }
+    LAC_FAIL_IF(code == NC_ENOTNC, err, LAC_EIO, "%s: is not a netCDF file", in->path);
     const char *why = code == NC_EHDFERR ? "is damaged" : nc_strerror(code);
     return lac_fail(err, LAC_EIO, "%s: %s", in->path, why);
 }
@@ -45,9 +43,8 @@ static lac_status inspect(lac_input *in, char **copy, lac_error *err)
         return status;
     }
     // What is half written would seem damaged.
-    if (exists && lac_nc_is_written(in->path)) {
-        return lac_fail(err, LAC_EIO, "%s: another process is writing it", in->path);
-    }
+    LAC_FAIL_IF(exists && lac_nc_is_written(in->path), err, LAC_EIO,
+                "%s: another process is writing it", in->path);
     LAC_TRY(lac_nc_mended_copy(in->path, false, copy, &in->loss, err));
     if (*copy != NULL && in->loss.damaged && in->loss.own >= (int64_t)in->loss.records) {
         (void)unlink(*copy);
@@ -163,23 +160,16 @@ lac_status lac_input_values(const lac_input *in, const char *name, ptrdiff_t row
     if (nc_inq_varid(in->id, name, &id) != NC_NOERR) {
         return LAC_OK;
     }
-    lac_status status = measure(in, id, name, length, &read, err);
-    if (status != LAC_OK) {
-        return status;
-    }
+    LAC_TRY_RETURN(measure(in, id, name, length, &read, err));
     if (row != LAC_INPUT_ALL) {
-        if ((size_t)row >= read.n) {
-            return lac_fail(err, LAC_EINPUT, "%s: %s has no row %td, but %zu", in->path, name, row,
-                            read.n);
-        }
+        LAC_FAIL_IF((size_t)row >= read.n, err, LAC_EINPUT, "%s: %s has no row %td, but %zu",
+                    in->path, name, row, read.n);
         start[0] = (size_t)row;
         read.n = length[0] = 1;
     }
     const size_t count = read.n * read.width;
     read.value = malloc((count > 0 ? count : 1) * sizeof *read.value);
-    if (read.value == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(read.value == NULL, err);
     int code = nc_inq_vartype(in->id, id, &type);
     if (code == NC_NOERR && count > 0) {
         code = nc_get_vara_double(in->id, id, start, length, read.value);
@@ -207,13 +197,11 @@ static lac_status read_over(const lac_input *in, int time, const char *name, lac
                             lac_error *err)
 {
     int id = 0, rank = 0, dim = -1;
-    if (nc_inq_varid(in->id, name, &id) != NC_NOERR) {
-        return lac_fail(err, LAC_EIO, "%s: has no variable %s", in->path, name);
-    }
-    if (nc_inq_varndims(in->id, id, &rank) != NC_NOERR || rank != 1 ||
-        nc_inq_vardimid(in->id, id, &dim) != NC_NOERR || dim != time) {
-        return lac_fail(err, LAC_EIO, "%s: %s does not run over time", in->path, name);
-    }
+    LAC_FAIL_IF(nc_inq_varid(in->id, name, &id) != NC_NOERR, err, LAC_EIO, "%s: has no variable %s",
+                in->path, name);
+    LAC_FAIL_IF(nc_inq_varndims(in->id, id, &rank) != NC_NOERR || rank != 1 ||
+                    nc_inq_vardimid(in->id, id, &dim) != NC_NOERR || dim != time,
+                err, LAC_EIO, "%s: %s does not run over time", in->path, name);
     return lac_input_values(in, name, LAC_INPUT_ALL, out, err);
 }
 
@@ -255,14 +243,11 @@ lac_status lac_input_series(const lac_input *in, const char *name, lac_stored_va
     size_t records = 0;
     int time = 0;
     lac_status status;
-    if (nc_inq_dimid(in->id, "time", &time) != NC_NOERR ||
-        nc_inq_dimlen(in->id, time, &records) != NC_NOERR) {
-        return lac_fail(err, LAC_EIO, "%s: holds no time series", in->path);
-    }
-    if (!lac_input_may_hold(in, records)) {
-        return lac_fail(err, LAC_EIO, "%s: is damaged: %zu records in %zu bytes", in->path, records,
-                        in->size);
-    }
+    LAC_FAIL_IF(nc_inq_dimid(in->id, "time", &time) != NC_NOERR ||
+                    nc_inq_dimlen(in->id, time, &records) != NC_NOERR,
+                err, LAC_EIO, "%s: holds no time series", in->path);
+    LAC_FAIL_IF(!lac_input_may_hold(in, records), err, LAC_EIO,
+                "%s: is damaged: %zu records in %zu bytes", in->path, records, in->size);
     LAC_TRY(drop_torn(in, time, &records, err));
     LAC_TRY(read_over(in, time, name, out, err));
     out->n = records;

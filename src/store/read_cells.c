@@ -75,10 +75,8 @@ static lac_status check_unit(const lac_input *in, const char *name, lac_error *e
         return LAC_OK; // said where it is read
     }
     (void)lac_netcdf_text(in->id, id, "units", found, sizeof found);
-    if (strcmp(found, "Pa") != 0) {
-        return lac_fail(err, LAC_EINPUT, "%s: its %s is in \"%s\": must be in Pa", in->path, name,
-                        found);
-    }
+    LAC_FAIL_IF(strcmp(found, "Pa") != 0, err, LAC_EINPUT, "%s: its %s is in \"%s\": must be in Pa",
+                in->path, name, found);
     return LAC_OK;
 }
 
@@ -86,13 +84,10 @@ static lac_status read_provenance(const lac_input *in, lac_stored_cells *out, la
 {
     size_t length = 0;
     (void)lac_netcdf_text(in->id, NC_GLOBAL, "status", out->status, sizeof out->status);
-    if (nc_inq_attlen(in->id, NC_GLOBAL, "case", &length) != NC_NOERR || length > in->size) {
-        return lac_fail(err, LAC_EIO, "%s: holds no case", in->path);
-    }
+    LAC_FAIL_IF(nc_inq_attlen(in->id, NC_GLOBAL, "case", &length) != NC_NOERR || length > in->size,
+                err, LAC_EIO, "%s: holds no case", in->path);
     out->case_text = malloc(length + 1);
-    if (out->case_text == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(out->case_text == NULL, err);
     return lac_netcdf_text(in->id, NC_GLOBAL, "case", out->case_text, length + 1)
                ? LAC_OK
                : lac_fail(err, LAC_EIO, "%s: holds no case", in->path);
@@ -154,9 +149,7 @@ static lac_status read_domain(const lac_input *in, lac_domain **out, lac_error *
     const size_t n = length_of(in, "cell");
     lac_domain *domain = calloc(1, sizeof *domain);
     *out = domain;
-    if (domain == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(domain == NULL, err);
     LAC_TRY(read_grid(in, &domain->grid, err));
     if (n == 0 || n > lac_grid_cells(&domain->grid)) {
         LAC_TRY(fail_damaged(in, "number of cells", err));
@@ -235,12 +228,9 @@ static lac_status read_run(const lac_input *in, const lac_snapshot_choice *choic
     lac_status status = LAC_OK;
     size_t index = 0;
     out->kind = LAC_STORED_RUN;
-    if (!has_variable(in, "cell_traction")) {
-        return lac_fail(err, LAC_EINPUT,
-                        "%s: holds no tractions of cells: run the case with output.fields: "
-                        "[traction]",
-                        in->path);
-    }
+    LAC_FAIL_IF(!has_variable(in, "cell_traction"), err, LAC_EINPUT,
+                "%s: holds no tractions of cells: run the case with output.fields: [traction]",
+                in->path);
     LAC_TRY(read_domain(in, &out->domain, err));
     out->snapshots = length_of(in, "snapshot");
     // The last ones of a run that was killed may be torn.
@@ -281,11 +271,10 @@ static lac_status read_map(const lac_input *in, const char *name, size_t step, c
                                    grid->nx * grid->ny, map, err);
     for (size_t i = 0; status == LAC_OK && i < grid->nx * grid->ny; i++) {
         if (!isfinite((*map)[i])) {
-            status =
-                lac_fail(err, LAC_EINPUT,
-                         "%s: not all of the map %s is there: its writer was stopped before it "
-                         "came to it, or the file is damaged",
-                         in->path, name);
+            status = lac_fail(err, LAC_EINPUT,
+                              "%s: not all of the map %s is there: its writer was stopped before "
+                              "it came to it, or the file is damaged",
+                              in->path, name);
         }
     }
     return status;
@@ -324,16 +313,13 @@ static lac_status choose_step(const lac_input *in, const lac_snapshot_choice *ch
     int id = 0;
     int rank = 0;
     out->kind = LAC_STORED_HISTORY;
-    if (nc_inq_varid(in->id, "traction_x", &id) != NC_NOERR ||
-        nc_inq_varndims(in->id, id, &rank) != NC_NOERR) {
-        return lac_fail(err, LAC_EINPUT,
-                        "%s: holds no tractions of cells: solve the case with "
-                        "load.history.fields: all",
-                        in->path);
-    }
-    if (choice->by == LAC_SNAPSHOT_TIME) {
-        return lac_fail(err, LAC_EINPUT, "%s: its steps have no times: give a number", in->path);
-    }
+    LAC_FAIL_IF(nc_inq_varid(in->id, "traction_x", &id) != NC_NOERR ||
+                    nc_inq_varndims(in->id, id, &rank) != NC_NOERR,
+                err, LAC_EINPUT,
+                "%s: holds no tractions of cells: solve the case with load.history.fields: all",
+                in->path);
+    LAC_FAIL_IF(choice->by == LAC_SNAPSHOT_TIME, err, LAC_EINPUT,
+                "%s: its steps have no times: give a number", in->path);
     out->snapshots = rank == RANK ? length_of(in, "step") : 1;
     out->index = choice->by == LAC_SNAPSHOT_INDEX ? choice->index : out->snapshots - 1;
     return out->index < out->snapshots ? LAC_OK : fail_choice(in, out->snapshots, err);

@@ -129,9 +129,7 @@ lac_status lac_recording_create(const lac_recording_def *def, lac_recording **ou
     lac_status status = LAC_OK;
     *out = NULL;
     lac_recording *r = calloc(1, sizeof *r);
-    if (r == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(r == NULL, err);
     r->place.of = *def;
     LAC_TRY(lac_run_describe(&r->place, &r->dataset, err));
     LAC_TRY(lac_columns_create(r->dataset, &r->columns, err));
@@ -279,9 +277,7 @@ lac_status lac_recording_text(lac_recording *recording, const char *name, const 
     named_text *place = find_text(recording, name);
     place = place != NULL ? place : add_text(recording, name);
     char *copy = place != NULL ? strdup(text) : NULL;
-    if (copy == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(copy == NULL, err);
     free(place->text);
     place->text = copy;
     return LAC_OK;

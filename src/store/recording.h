@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_STORE_RECORDING_H
-#define LACUNA_STORE_RECORDING_H
+#pragma once
 
 #include "store/store.h"
 
@@ -78,5 +77,3 @@ bool lac_recording_get(const lac_recording *recording, size_t index, lac_recorde
 /// The variable of a name.
 /// @return false where there is none
 bool lac_recording_find(const lac_recording *recording, const char *name, lac_recorded *out);
-
-#endif

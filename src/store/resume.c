@@ -81,9 +81,7 @@ static lac_status copy_series(const lac_store *s, const lac_input *in, const ser
     size_t most = width < BLOCK ? BLOCK / width : 1;
     lac_status status = LAC_OK;
     double *values = malloc(most * width * sizeof *values);
-    if (values == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(values == NULL, err);
     for (size_t first = 0; first < v->rows; first += most) {
         size_t rows = v->rows - first < most ? v->rows - first : most;
         LAC_TRY(copy_rows(s, in, v, first, rows, values, err));
@@ -145,9 +143,7 @@ static lac_status put_past(const lac_store *s, const lac_input *in, const lac_ch
     char resumed[96];
     lac_status status = LAC_OK;
     char *command = lac_nc_text_of(s->file.id, "history", SIZE_MAX);
-    if (command == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(command == NULL, err);
     (void)snprintf(resumed, sizeof resumed, "%s checkpoint at %.17g s",
                    from->from.planned ? "planned" : "forced", from->from.time);
     LAC_TRY(extend(s, in, "history", "\n", command, err));
@@ -170,28 +166,23 @@ static lac_status check_pair(const lac_input *in, const lac_checkpoint_file *fro
     (void)lac_date_format(from->begun, date, sizeof date);
     bool same = made != NULL && strcmp(made, date) == 0;
     free(made);
-    if (made == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(made == NULL, err);
     int code = nc_inq_dimid(in->id, "time", &id);
     code = code == NC_NOERR ? nc_inq_dimlen(in->id, id, &records) : code;
-    if (same && code == NC_NOERR && records <= at && from->records > 0) {
-        return lac_fail(err, LAC_EINPUT, "%s%s: %zu records of %llu", in->path,
-                        in->loss.damaged ? ": lacks what its checkpoint counts on, its journal "
-                                           "being damaged"
-                                         : ": is older than its checkpoint",
-                        records, (unsigned long long)from->records);
-    }
+    LAC_FAIL_IF(same && code == NC_NOERR && records <= at && from->records > 0, err, LAC_EINPUT,
+                "%s%s: %zu records of %llu", in->path,
+                in->loss.damaged
+                    ? ": lacks what its checkpoint counts on, its journal being damaged"
+                    : ": is older than its checkpoint",
+                records, (unsigned long long)from->records);
     code = code == NC_NOERR ? nc_inq_varid(in->id, "time", &id) : code;
     code =
         code == NC_NOERR && from->records > 0 ? nc_get_var1_double(in->id, id, &at, &last) : code;
     if (code != NC_NOERR) {
         return lac_input_fail(in, code, err, "time");
     }
-    if (!same || (from->records > 0 && last != from->last_time && last != NC_FILL_DOUBLE)) {
-        return lac_fail(err, LAC_EINPUT, "%s: its checkpoint is of another run, begun %s", in->path,
-                        date);
-    }
+    LAC_FAIL_IF(!same || (from->records > 0 && last != from->last_time && last != NC_FILL_DOUBLE),
+                err, LAC_EINPUT, "%s: its checkpoint is of another run, begun %s", in->path, date);
     return LAC_OK;
 }
 

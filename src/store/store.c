@@ -29,9 +29,7 @@ static lac_status keep_provenance(lac_store *s, const lac_store_def *def, lac_er
     size_t size = strlen(parts[0]) + strlen(parts[1]) + 1;
     s->libraries = strdup(from->libraries != NULL ? from->libraries : "");
     s->case_text = malloc(size);
-    if (s->libraries == NULL || s->case_text == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(s->libraries == NULL || s->case_text == NULL, err);
     (void)snprintf(s->case_text, size, "%s%s", parts[0], parts[1]);
     return LAC_OK;
 }
@@ -64,9 +62,7 @@ lac_status lac_store_create(const lac_store_def *def, lac_store **out, lac_error
     *out = NULL;
     lac_status status = LAC_OK;
     lac_store *s = calloc(1, sizeof *s);
-    if (s == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(s == NULL, err);
     s->place.of = def->of;
     s->now = def->provenance.now;
     s->begun = def->resume != NULL ? def->resume->begun : s->now;
@@ -106,10 +102,9 @@ static lac_status check_record(const lac_store *s, lac_error *err)
             continue;
         }
         lac_item_values(&c->item, &value);
-        if (isnan(value)) {
-            return lac_fail(err, LAC_ENUMERIC, "%s: %s is not a number at t = %.9g s", s->file.path,
-                            c->item.name, s->place.record.time_origin + s->place.record.time_local);
-        }
+        LAC_FAIL_IF(isnan(value), err, LAC_ENUMERIC, "%s: %s is not a number at t = %.9g s",
+                    s->file.path, c->item.name,
+                    s->place.record.time_origin + s->place.record.time_local);
     }
     return LAC_OK;
 }

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_STORE_STORE_H
-#define LACUNA_STORE_STORE_H
+#pragma once
 
 #include "contact/tangential.h"
 #include "data/dataset.h"
@@ -132,5 +131,3 @@ void lac_history_store_free(lac_history_store *store);
 /// @return LAC_OK; LAC_EIO
 lac_status lac_store_read_attribute(const char *path, const char *name, char *text, size_t size,
                                     lac_error *err);
-
-#endif

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_STORE_STORE_CELLS_H
-#define LACUNA_STORE_STORE_CELLS_H
+#pragma once
 
 #include "store/store.h"
 
@@ -49,5 +48,3 @@ bool lac_stored_is_netcdf(const char *path);
 
 /// Frees what it holds.
 void lac_stored_cells_clear(lac_stored_cells *cells);
-
-#endif

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_STORE_STORE_CHECKPOINT_H
-#define LACUNA_STORE_STORE_CHECKPOINT_H
+#pragma once
 
 #include "run/run.h"
 
@@ -25,5 +24,3 @@ void lac_checkpoint_file_clear(lac_checkpoint_file *checkpoint);
 
 /// What this program calls itself in a checkpoint: its name and version.
 const char *lac_checkpoint_file_program(void);
-
-#endif

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_STORE_STORE_FILE_H
-#define LACUNA_STORE_STORE_FILE_H
+#pragma once
 
 #include "store/recording.h"
 
@@ -90,5 +89,3 @@ double lac_stored_file_number(const lac_stored_file *file, const char *variable,
 /// @param index  from 0
 /// @return false past the last one, or where the name is longer than the room for it
 bool lac_stored_file_variable(const lac_stored_file *file, size_t index, char *name, size_t size);
-
-#endif

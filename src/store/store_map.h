@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_STORE_STORE_MAP_H
-#define LACUNA_STORE_STORE_MAP_H
+#pragma once
 
 #include "contact/contact.h"
 
@@ -21,5 +20,3 @@ typedef struct lac_map_def {
 ///         dimension, a contact cell without a value); LAC_ENOMEM
 lac_status lac_map_read(const lac_map_def *def, const lac_domain *domain, double *values,
                         lac_error *err);
-
-#endif

@@ -37,9 +37,7 @@ out:
 lac_status lac_stored_file_of(const lac_recording *recording, lac_stored_file **out, lac_error *err)
 {
     *out = calloc(1, sizeof **out);
-    if (*out == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(*out == NULL, err);
     (*out)->recording = recording;
     return LAC_OK;
 }
@@ -66,14 +64,10 @@ static lac_status copy_values(const lac_recording *recording, const char *variab
     }
     const size_t n = observation.places;
     const size_t width = n > 0 ? observation.count / n : 0;
-    if (row >= 0 && (size_t)row >= n) {
-        return lac_fail(err, LAC_EINPUT, "%s has no row %td", variable, row);
-    }
+    LAC_FAIL_IF(row >= 0 && (size_t)row >= n, err, LAC_EINPUT, "%s has no row %td", variable, row);
     const size_t first = row >= 0 ? (size_t)row : 0, rows = row >= 0 ? 1 : n;
     double *value = malloc((rows * width + 1) * sizeof *value);
-    if (value == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(value == NULL, err);
     memcpy(value, observation.values + first * width, rows * width * sizeof *value);
     *out = (lac_stored_values){value, rows, width};
     return LAC_OK;

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_STORE_WRITER_H
-#define LACUNA_STORE_WRITER_H
+#pragma once
 
 #include "store/columns.h"
 #include "store/nc.h"
@@ -55,5 +54,3 @@ size_t lac_item_longest_text(const lac_item *item);
 /// others @return LAC_OK; LAC_EIO
 lac_status lac_nc_attributes(const lac_nc *file, const lac_dataset *dataset, bool late,
                              lac_error *err);
-
-#endif

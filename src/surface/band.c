@@ -144,18 +144,13 @@ lac_status lac_band_of(const lac_waves *waves, const lac_grid *grid, lac_band *o
     double longest = fmax(lx, ly);
     double rolloff = isnan(waves->rolloff) ? longest : waves->rolloff;
     double shortest = isnan(waves->shortest) ? 2.0 * cell : waves->shortest;
-    if (shortest > longest * edge) {
-        return lac_fail(err, LAC_EINPUT,
-                        "%s: the shortest wavelength, %g m, is longer than the interface, %g m",
-                        waves->source, shortest, longest);
-    }
-    if (rolloff < shortest) {
-        return lac_fail(err, LAC_EINPUT,
-                        "%s: the rolloff, %g m, must not be shorter than the shortest "
-                        "wavelength, %g m%s",
-                        waves->source, rolloff, shortest,
-                        isnan(waves->shortest) ? " (two cells, as none is given)" : "");
-    }
+    LAC_FAIL_IF(shortest > longest * edge, err, LAC_EINPUT,
+                "%s: the shortest wavelength, %g m, is longer than the interface, %g m",
+                waves->source, shortest, longest);
+    LAC_FAIL_IF(rolloff < shortest, err, LAC_EINPUT,
+                "%s: the rolloff, %g m, must not be shorter than the shortest wavelength, %g m%s",
+                waves->source, rolloff, shortest,
+                isnan(waves->shortest) ? " (two cells, as none is given)" : "");
     *out = (lac_band){
         .dqx = lx > 0.0 ? (2.0 * M_PI) / lx : 0.0,
         .dqy = ly > 0.0 ? (2.0 * M_PI) / ly : 0.0,

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_SURFACE_BAND_H
-#define LACUNA_SURFACE_BAND_H
+#pragma once
 
 #include "base/fft.h"
 #include "base/grid.h"
@@ -42,5 +41,3 @@ double _Complex lac_band_amplitude(const lac_band *b, uint64_t seed, lac_stream 
 /// @param mode  amplitude of (kx, ky), called from several threads
 void lac_band_fill(lac_fft *fft, double _Complex (*mode)(const void *of, double kx, double ky),
                    const void *of);
-
-#endif

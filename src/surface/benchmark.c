@@ -92,22 +92,15 @@ static double scale_of(const lac_benchmark *p, squares sum)
 
 static lac_status check(const lac_benchmark *p, const lac_grid *grid, lac_error *err)
 {
-    if (!isnan(p->rms_slope) && !isnan(p->height_ratio)) {
-        return lac_fail(err, LAC_EINPUT,
-                        "benchmark: give rms_slope or height_ratio, not both: each fixes the "
-                        "scale of the heights");
-    }
-    if (grid->nx != grid->ny || fabs(grid->dx / grid->dy - 1.0) > 1e-9) {
-        return lac_fail(err, LAC_EINPUT,
-                        "benchmark: defined on a square of square cells, not on %zu x %zu cells "
-                        "of %g x %g m",
-                        grid->nx, grid->ny, grid->dx, grid->dy);
-    }
-    if (grid->nx % 8 != 0) {
-        return lac_fail(err, LAC_EINPUT,
-                        "benchmark: the cells along a side must be a multiple of 8, not %zu",
-                        grid->nx);
-    }
+    LAC_FAIL_IF(
+        !isnan(p->rms_slope) && !isnan(p->height_ratio), err, LAC_EINPUT,
+        "benchmark: give rms_slope or height_ratio, not both: each fixes the scale of the heights");
+    LAC_FAIL_IF(
+        grid->nx != grid->ny || fabs(grid->dx / grid->dy - 1.0) > 1e-9, err, LAC_EINPUT,
+        "benchmark: defined on a square of square cells, not on %zu x %zu cells of %g x %g m",
+        grid->nx, grid->ny, grid->dx, grid->dy);
+    LAC_FAIL_IF(grid->nx % 8 != 0, err, LAC_EINPUT,
+                "benchmark: the cells along a side must be a multiple of 8, not %zu", grid->nx);
     return LAC_OK;
 }
 

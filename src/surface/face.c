@@ -13,11 +13,9 @@ static lac_status choose_unit(const lac_face_def *def, const char *key, const ch
                               const char *in_case, const char *otherwise, const char **unit,
                               lac_error *err)
 {
-    if (in_file[0] != '\0' && in_case != NULL && strcmp(in_file, in_case) != 0) {
-        return lac_fail(err, LAC_EINPUT,
-                        "%s: the file says %s, but %s is %s; leave %s out, or correct the file",
-                        def->path, in_file, key, in_case, key);
-    }
+    LAC_FAIL_IF(in_file[0] != '\0' && in_case != NULL && strcmp(in_file, in_case) != 0, err,
+                LAC_EINPUT, "%s: the file says %s, but %s is %s; leave %s out, or correct the file",
+                def->path, in_file, key, in_case, key);
     *unit = in_file[0] != '\0' ? in_file : (in_case != NULL ? in_case : otherwise);
     return LAC_OK;
 }
@@ -41,12 +39,10 @@ static lac_status scale_heights(const char *path, double scale, lac_height_map *
 {
     for (size_t i = 0; i < map->nx * map->ny; i++) {
         map->heights[i] *= scale;
-        if (fabs(map->heights[i]) > 1e9) {
-            return lac_fail(err, LAC_EINPUT,
-                            "%s: a height of %g m in column %zu of row %zu (from the smallest y); "
-                            "must be within 1e9 m: a mark for no data, or a wrong unit?",
-                            path, map->heights[i], i % map->nx + 1, i / map->nx + 1);
-        }
+        LAC_FAIL_IF(fabs(map->heights[i]) > 1e9, err, LAC_EINPUT,
+                    "%s: a height of %g m in column %zu of row %zu (from the smallest y); must be "
+                    "within 1e9 m: a mark for no data, or a wrong unit?",
+                    path, map->heights[i], i % map->nx + 1, i / map->nx + 1);
     }
     return LAC_OK;
 }

@@ -22,13 +22,12 @@ static lac_status check_complete(const face *f, const lac_grid *grid, const doub
     for (size_t i = 0; i < n; i++) {
         missing += isnan(heights[i]) ? 1 : 0;
     }
-    return missing == 0
-               ? LAC_OK
-               : lac_fail(err, LAC_EINPUT,
-                          "%s: %zu of the %zu cells of the interface have no height (no data in "
-                          "%zu samples of the file); choose a smaller interface, or use `nodata: "
-                          "nearest`, `mean` or `mask`",
-                          f->report.path, missing, n, f->map->masked);
+    return missing == 0 ? LAC_OK
+                        : lac_fail(err, LAC_EINPUT,
+                                   "%s: %zu of the %zu cells of the interface have no height (no "
+                                   "data in %zu samples of the file); choose a smaller interface, "
+                                   "or use `nodata: nearest`, `mean` or `mask`",
+                                   f->report.path, missing, n, f->map->masked);
 }
 
 // Gaps stay NaN only with `nodata: mask`.
@@ -121,9 +120,7 @@ static lac_status add_lower(const lac_surface_file *p, const lac_grid *grid, con
     lac_status status;
     size_t n = lac_grid_cells(grid);
     double *other = malloc(n * sizeof *other);
-    if (other == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(other == NULL, err);
     LAC_TRY(read_lower(p, grid, upper, lower, err));
     LAC_TRY(lay(lower, grid, p->nodata, other, err));
     for (size_t i = 0; i < n; i++) {
@@ -180,13 +177,10 @@ static lac_status bridge(const char *path, const lac_grid *grid, double *heights
     if (map.masked == 0) {
         return LAC_OK;
     }
-    if (map.masked == n) {
-        return lac_fail(err, LAC_EINPUT, "%s: no cell of the interface has a height", path);
-    }
+    LAC_FAIL_IF(map.masked == n, err, LAC_EINPUT, "%s: no cell of the interface has a height",
+                path);
     uint8_t *which = malloc(n);
-    if (which == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(which == NULL, err);
     for (size_t i = 0; i < n; i++) {
         which[i] = (uint8_t)(isnan(heights[i]) ? 1 : 0);
     }

@@ -32,9 +32,7 @@ lac_status lac_fill_nearest(lac_height_map *map, lac_error *err)
 {
     size_t n = map->nx * map->ny;
     frontier f = {map, malloc(n * sizeof *f.queue), 0};
-    if (f.queue == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(f.queue == NULL, err);
     for (size_t i = 0; i < n; i++) {
         if (!isnan(map->heights[i])) {
             f.queue[f.count++] = i;
@@ -119,12 +117,10 @@ static side side_of(char name, const lac_height_map *map, const lac_placement *p
 static lac_status check_spacing(const char *path, const side *s, lac_error *err)
 {
     bool line = s->cells == 1 && s->samples == 1;
-    if (!line && fabs(s->spacing / s->cell - 1.0) > agreement) {
-        return lac_fail(err, LAC_EINPUT,
-                        "%s: its samples are %g m apart along %c, but the cells of the interface "
-                        "%g m; give the interface cells of that size, or use `fit: resample`",
-                        path, s->spacing, s->name, s->cell);
-    }
+    LAC_FAIL_IF(!line && fabs(s->spacing / s->cell - 1.0) > agreement, err, LAC_EINPUT,
+                "%s: its samples are %g m apart along %c, but the cells of the interface %g m; "
+                "give the interface cells of that size, or use `fit: resample`",
+                path, s->spacing, s->name, s->cell);
     return LAC_OK;
 }
 
@@ -132,19 +128,16 @@ static lac_status check_size(const char *path, const side *s, int fit, lac_error
 {
     double extent = (double)s->samples * s->spacing;
     double wanted = (double)s->cells * s->cell;
-    if (fit == LAC_FIT_RESAMPLE && s->cells > 1 && extent < wanted * (1.0 - agreement)) {
-        return lac_fail(err, LAC_EINPUT,
-                        "%s: it covers %g m along %c, but the interface is %g m; make the "
-                        "interface smaller, or use `fit: pad` with cells of %g m",
-                        path, extent, s->name, wanted, s->spacing);
-    }
-    if (fit == LAC_FIT_CROP && s->samples < s->cells) {
-        return lac_fail(err, LAC_EINPUT,
-                        "%s: it has %zu samples along %c, but the interface %zu cells; make the "
-                        "interface smaller, or use `fit: pad`%s",
-                        path, s->samples, s->name, s->cells,
-                        isnan(s->spacing) ? " or `fit: resample`" : "");
-    }
+    LAC_FAIL_IF(fit == LAC_FIT_RESAMPLE && s->cells > 1 && extent < wanted * (1.0 - agreement), err,
+                LAC_EINPUT,
+                "%s: it covers %g m along %c, but the interface is %g m; make the interface "
+                "smaller, or use `fit: pad` with cells of %g m",
+                path, extent, s->name, wanted, s->spacing);
+    LAC_FAIL_IF(fit == LAC_FIT_CROP && s->samples < s->cells, err, LAC_EINPUT,
+                "%s: it has %zu samples along %c, but the interface %zu cells; make the interface "
+                "smaller, or use `fit: pad`%s",
+                path, s->samples, s->name, s->cells,
+                isnan(s->spacing) ? " or `fit: resample`" : "");
     return fit == LAC_FIT_RESAMPLE ? LAC_OK : check_spacing(path, s, err);
 }
 
@@ -164,12 +157,10 @@ static lac_status check_place(const char *path, const side *s, int fit, lac_erro
                         path, low * metres, (low + (double)s->samples) * metres, s->name,
                         (double)s->cells * s->cell);
     }
-    if (fit != LAC_FIT_RESAMPLE && fabs(first - round(first)) > off_cell) {
-        return lac_fail(err, LAC_EINPUT,
-                        "%s: its samples lie %g of a cell off the cells along %c, where those of "
-                        "the other face lie; use `fit: resample`, or another offset",
-                        path, fabs(first - round(first)), s->name);
-    }
+    LAC_FAIL_IF(fit != LAC_FIT_RESAMPLE && fabs(first - round(first)) > off_cell, err, LAC_EINPUT,
+                "%s: its samples lie %g of a cell off the cells along %c, where those of the other "
+                "face lie; use `fit: resample`, or another offset",
+                path, fabs(first - round(first)), s->name);
     return LAC_OK;
 }
 

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_SURFACE_FIT_H
-#define LACUNA_SURFACE_FIT_H
+#pragma once
 
 #include "surface/surface.h"
 
@@ -59,5 +58,3 @@ typedef struct lac_face_def {
 /// @param report  what was read, but for `fit`
 lac_status lac_face_read(const lac_face_def *def, lac_height_map **map, lac_file_report *report,
                          lac_error *err);
-
-#endif

@@ -71,26 +71,18 @@ lac_status lac_map_size(lac_height_map *map, const char *path, uint64_t nx, uint
                         size_t most, lac_error *err)
 {
     uint64_t n = 0;
-    if (nx == 0 || ny == 0) {
-        return lac_fail(err, LAC_EINPUT, "%s: %llu x %llu heights; must be at least one in x and y",
-                        path, (unsigned long long)nx, (unsigned long long)ny);
-    }
-    if (__builtin_mul_overflow(nx, ny, &n) || n > most_heights) {
-        return lac_fail(err, LAC_EINPUT, "%s: %llu x %llu heights; at most %llu are read", path,
-                        (unsigned long long)nx, (unsigned long long)ny,
-                        (unsigned long long)most_heights);
-    }
-    if (n > most) {
-        return lac_fail(err, LAC_EINPUT,
-                        "%s: it says %llu x %llu = %llu heights, but its bytes hold at most %zu: "
-                        "cut short, or a wrong count",
-                        path, (unsigned long long)nx, (unsigned long long)ny, (unsigned long long)n,
-                        most);
-    }
+    LAC_FAIL_IF(nx == 0 || ny == 0, err, LAC_EINPUT,
+                "%s: %llu x %llu heights; must be at least one in x and y", path,
+                (unsigned long long)nx, (unsigned long long)ny);
+    LAC_FAIL_IF(__builtin_mul_overflow(nx, ny, &n) || n > most_heights, err, LAC_EINPUT,
+                "%s: %llu x %llu heights; at most %llu are read", path, (unsigned long long)nx,
+                (unsigned long long)ny, (unsigned long long)most_heights);
+    LAC_FAIL_IF(n > most, err, LAC_EINPUT,
+                "%s: it says %llu x %llu = %llu heights, but its bytes hold at most %zu: cut "
+                "short, or a wrong count",
+                path, (unsigned long long)nx, (unsigned long long)ny, (unsigned long long)n, most);
     map->heights = malloc((size_t)n * sizeof *map->heights);
-    if (map->heights == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(map->heights == NULL, err);
     map->nx = (size_t)nx;
     map->ny = (size_t)ny;
     return LAC_OK;
@@ -104,10 +96,9 @@ lac_status lac_map_fill(lac_height_map *map, const lac_bytes *bytes, const uint6
     size_t left = bytes->size > start ? bytes->size - start : 0;
     LAC_TRY(lac_map_size(map, bytes->path, size[0], size[1], left / type.width, err));
     size_t n = map->nx * map->ny;
-    if (left != n * type.width) {
-        return lac_fail(err, LAC_EINPUT, "%s: byte %zu: the file goes on behind its %zu x %zu %s",
-                        bytes->path, start + n * type.width, map->nx, map->ny, what);
-    }
+    LAC_FAIL_IF(left != n * type.width, err, LAC_EINPUT,
+                "%s: byte %zu: the file goes on behind its %zu x %zu %s", bytes->path,
+                start + n * type.width, map->nx, map->ny, what);
     for (size_t i = 0; i < n; i++) {
         size_t at = fortran ? i % map->nx * map->ny + i / map->nx : i;
         map->heights[i] = lac_bytes_number(bytes->data + start + at * type.width, type);
@@ -133,29 +124,21 @@ static lac_status count_masked(lac_height_map *map, const char *path, lac_error 
 {
     size_t n = map->nx * map->ny;
     for (size_t i = 0; i < n; i++) {
-        if (isinf(map->heights[i])) {
-            return lac_fail(err, LAC_EINPUT,
-                            "%s: the height in column %zu of row %zu (from the smallest y) is "
-                            "infinite; must be finite, or NaN where there is none",
-                            path, i % map->nx + 1, i / map->nx + 1);
-        }
+        LAC_FAIL_IF(isinf(map->heights[i]), err, LAC_EINPUT,
+                    "%s: the height in column %zu of row %zu (from the smallest y) is infinite; "
+                    "must be finite, or NaN where there is none",
+                    path, i % map->nx + 1, i / map->nx + 1);
         map->masked += isnan(map->heights[i]) ? 1 : 0;
     }
-    if (map->masked == n) {
-        return lac_fail(err, LAC_EINPUT, "%s: all %zu heights are missing", path, n);
-    }
+    LAC_FAIL_IF(map->masked == n, err, LAC_EINPUT, "%s: all %zu heights are missing", path, n);
     return LAC_OK;
 }
 
 static lac_status recognise(const lac_bytes *bytes, const lac_map_format **format, lac_error *err)
 {
-    if (bytes->size == 0) {
-        return lac_fail(err, LAC_EINPUT, "%s: is empty", bytes->path);
-    }
-    if (lac_bytes_begin(bytes, "\xff\xfe") || lac_bytes_begin(bytes, "\xfe\xff")) {
-        return lac_fail(err, LAC_EINPUT, "%s: is text in UTF-16; must be UTF-8 or ASCII",
-                        bytes->path);
-    }
+    LAC_FAIL_IF(bytes->size == 0, err, LAC_EINPUT, "%s: is empty", bytes->path);
+    LAC_FAIL_IF(lac_bytes_begin(bytes, "\xff\xfe") || lac_bytes_begin(bytes, "\xfe\xff"), err,
+                LAC_EINPUT, "%s: is text in UTF-16; must be UTF-8 or ASCII", bytes->path);
     for (size_t i = 0; i < sizeof formats / sizeof formats[0]; i++) {
         if (formats[i]->is(bytes)) {
             *format = formats[i];
@@ -163,8 +146,8 @@ static lac_status recognise(const lac_bytes *bytes, const lac_map_format **forma
         }
     }
     return lac_fail(err, LAC_EINPUT,
-                    "%s: is none of the formats read: .npy, ESRI ASCII grid (.asc), .xyz, "
-                    "Gwyddion .gsf, ISO 25178-71 .sdf, netCDF",
+                    "%s: is none of the formats read: .npy, ESRI ASCII grid (.asc), .xyz, Gwyddion "
+                    ".gsf, ISO 25178-71 .sdf, netCDF",
                     bytes->path);
 }
 
@@ -207,20 +190,15 @@ static lac_status read_stream(FILE *stream, const char *path, unsigned char **da
         if (*size == capacity) {
             capacity = capacity > 0 ? 2 * capacity : 1 << 16;
             unsigned char *more = capacity <= 2 * most_bytes ? realloc(*data, capacity) : NULL;
-            if (more == NULL) {
-                return lac_fail_memory(err);
-            }
+            LAC_FAIL_MEMORY_IF(more == NULL, err);
             *data = more;
         }
         *size += fread(*data + *size, 1, capacity - *size, stream);
     } while (*size == capacity && *size <= most_bytes);
-    if (ferror(stream)) {
-        return lac_fail(err, LAC_EIO, "%s: %s", path, strerror(errno));
-    }
-    if (*size > most_bytes) {
-        return lac_fail(err, LAC_EINPUT, "%s: is longer than the %llu bytes that are read", path,
-                        (unsigned long long)most_bytes);
-    }
+    LAC_FAIL_IF(ferror(stream), err, LAC_EIO, "%s: %s", path, strerror(errno));
+    LAC_FAIL_IF(*size > most_bytes, err, LAC_EINPUT,
+                "%s: is longer than the %llu bytes that are read", path,
+                (unsigned long long)most_bytes);
     return LAC_OK;
 }
 

@@ -33,12 +33,10 @@ static double _Complex mode(const void *of, double kx, double ky)
 // Faces that mate everywhere and are not offset leave nothing to press.
 static lac_status check(const lac_joint *p, const faces *f, lac_error *err)
 {
-    if (p->offset == 0.0 && f->q_mating >= f->band.q_shortest) {
-        return lac_fail(err, LAC_EINPUT,
-                        "joint: faces mated down to %g m, with no shorter waves and no offset, "
-                        "fit exactly: there is no roughness between them",
-                        p->mating);
-    }
+    LAC_FAIL_IF(p->offset == 0.0 && f->q_mating >= f->band.q_shortest, err, LAC_EINPUT,
+                "joint: faces mated down to %g m, with no shorter waves and no offset, fit "
+                "exactly: there is no roughness between them",
+                p->mating);
     return LAC_OK;
 }
 

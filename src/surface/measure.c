@@ -22,15 +22,12 @@ typedef struct radial {
 
 static lac_status check(const lac_grid *grid, const double *heights, lac_error *err)
 {
-    if (grid->nx == 0 || grid->ny == 0 || !(grid->dx > 0.0 && grid->dy > 0.0)) {
-        return lac_fail(err, LAC_EINPUT, "no surface: %zu x %zu cells of %g x %g m", grid->nx,
-                        grid->ny, grid->dx, grid->dy);
-    }
+    LAC_FAIL_IF(grid->nx == 0 || grid->ny == 0 || !(grid->dx > 0.0 && grid->dy > 0.0), err,
+                LAC_EINPUT, "no surface: %zu x %zu cells of %g x %g m", grid->nx, grid->ny,
+                grid->dx, grid->dy);
     for (size_t i = 0; i < lac_grid_cells(grid); i++) {
-        if (!isfinite(heights[i])) {
-            return lac_fail(err, LAC_EINPUT, "the height of cell (%zu, %zu) is not a number",
-                            i % grid->nx, i / grid->nx);
-        }
+        LAC_FAIL_IF(!isfinite(heights[i]), err, LAC_EINPUT,
+                    "the height of cell (%zu, %zu) is not a number", i % grid->nx, i / grid->nx);
     }
     return LAC_OK;
 }

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_SURFACE_READ_H
-#define LACUNA_SURFACE_READ_H
+#pragma once
 
 #include <stdint.h>
 
@@ -58,5 +57,3 @@ bool lac_bytes_begin(const lac_bytes *bytes, const char *word);
 /// Holds every count in the header of a classic netCDF file (CDF-1, 2, 5) against the bytes at
 /// hand: netCDF itself allocates what a count says. (NetCDF Users' Guide, appendix B)
 lac_status lac_classic_check(const lac_bytes *bytes, lac_error *err);
-
-#endif

@@ -48,14 +48,10 @@ static lac_status take_value(asc *file, int key, lac_error *err)
     lac_word word;
     lac_word more;
     lac_scan *scan = &file->scan;
-    if (file->line[key] != 0) {
-        return lac_fail(err, LAC_EINPUT, "%s:%zu: %s stands in line %zu already", scan->path,
-                        scan->line, keys[key], file->line[key]);
-    }
-    if (!lac_scan_word(scan, &word) || lac_scan_word(scan, &more)) {
-        return lac_fail(err, LAC_EINPUT, "%s:%zu: %s must have one value", scan->path, scan->line,
-                        keys[key]);
-    }
+    LAC_FAIL_IF(file->line[key] != 0, err, LAC_EINPUT, "%s:%zu: %s stands in line %zu already",
+                scan->path, scan->line, keys[key], file->line[key]);
+    LAC_FAIL_IF(!lac_scan_word(scan, &word) || lac_scan_word(scan, &more), err, LAC_EINPUT,
+                "%s:%zu: %s must have one value", scan->path, scan->line, keys[key]);
     file->line[key] = scan->line;
     bool count = key == NCOLS || key == NROWS;
     bool length = key == CELLSIZE || key == DX || key == DY;
@@ -86,17 +82,11 @@ static lac_status read_header(asc *file, lac_error *err)
             *scan = before;
             return LAC_OK;
         }
-        if (any && key < 0) {
-            return lac_fail(err, LAC_EINPUT,
-                            "%s:%zu: \"%s\" is no key of an ESRI ASCII grid: ncols, nrows, "
-                            "xllcorner, yllcorner, xllcenter, yllcenter, cellsize, dx, dy, "
-                            "NODATA_value",
-                            scan->path, scan->line, lac_word_show(word, shown, sizeof shown));
-        }
-        lac_status status = any ? take_value(file, key, err) : LAC_OK;
-        if (status != LAC_OK) {
-            return status;
-        }
+        LAC_FAIL_IF(any && key < 0, err, LAC_EINPUT,
+                    "%s:%zu: \"%s\" is no key of an ESRI ASCII grid: ncols, nrows, xllcorner, "
+                    "yllcorner, xllcenter, yllcenter, cellsize, dx, dy, NODATA_value",
+                    scan->path, scan->line, lac_word_show(word, shown, sizeof shown));
+        LAC_TRY_RETURN(any ? take_value(file, key, err) : LAC_OK);
         if (!lac_scan_line(scan)) {
             return LAC_OK;
         }
@@ -108,19 +98,14 @@ static lac_status check_header(const asc *file, lac_height_map *map, lac_error *
     const char *path = file->scan.path;
     bool pair = file->line[DX] > 0 && file->line[DY] > 0;
     for (int k = NCOLS; k <= NROWS; k++) {
-        if (file->line[k] == 0) {
-            return lac_fail(err, LAC_EINPUT, "%s:%zu: the header ends without %s", path,
-                            file->scan.line, keys[k]);
-        }
+        LAC_FAIL_IF(file->line[k] == 0, err, LAC_EINPUT, "%s:%zu: the header ends without %s", path,
+                    file->scan.line, keys[k]);
     }
-    if (file->line[CELLSIZE] == 0 && !pair) {
-        return lac_fail(err, LAC_EINPUT, "%s:%zu: the header ends without cellsize, or dx and dy",
-                        path, file->scan.line);
-    }
-    if (file->line[CELLSIZE] > 0 && (file->line[DX] > 0 || file->line[DY] > 0)) {
-        return lac_fail(err, LAC_EINPUT, "%s:%zu: must have either cellsize or dx and dy, not both",
-                        path, file->line[CELLSIZE]);
-    }
+    LAC_FAIL_IF(file->line[CELLSIZE] == 0 && !pair, err, LAC_EINPUT,
+                "%s:%zu: the header ends without cellsize, or dx and dy", path, file->scan.line);
+    LAC_FAIL_IF(file->line[CELLSIZE] > 0 && (file->line[DX] > 0 || file->line[DY] > 0), err,
+                LAC_EINPUT, "%s:%zu: must have either cellsize or dx and dy, not both", path,
+                file->line[CELLSIZE]);
     map->dx = pair ? file->value[DX] : file->value[CELLSIZE];
     map->dy = pair ? file->value[DY] : file->value[CELLSIZE];
     map->x = isnan(file->value[XLLCENTER]) ? file->value[XLLCORNER] + 0.5 * map->dx
@@ -139,11 +124,9 @@ static lac_status read_line(asc *file, lac_height_map *map, size_t *count, lac_e
     size_t before = *count;
     while (lac_scan_word(scan, &word)) {
         char shown[40];
-        if (*count == map->nx * map->ny) {
-            return lac_fail(
-                err, LAC_EINPUT, "%s:%zu: \"%s\" comes after all ncols x nrows = %zu x %zu numbers",
-                scan->path, scan->line, lac_word_show(word, shown, sizeof shown), map->nx, map->ny);
-        }
+        LAC_FAIL_IF(*count == map->nx * map->ny, err, LAC_EINPUT,
+                    "%s:%zu: \"%s\" comes after all ncols x nrows = %zu x %zu numbers", scan->path,
+                    scan->line, lac_word_show(word, shown, sizeof shown), map->nx, map->ny);
         double value = NAN;
         LAC_TRY(lac_scan_number(scan, word, &value, err));
         map->heights[(*count)++] = value == file->value[NODATA] ? (double)NAN : value;
@@ -194,10 +177,10 @@ static lac_status read_asc(const lac_bytes *bytes, lac_height_map *map, lac_erro
         LAC_TRY(read_line(&file, map, &count, err));
     } while (lac_scan_line(&file.scan));
     if (count < map->nx * map->ny) {
-        LAC_TRY(lac_fail(err, LAC_EINPUT,
-                         "%s:%zu: the file ends after %zu numbers; must have ncols x nrows = %zu x "
-                         "%zu",
-                         bytes->path, file.scan.line, count, map->nx, map->ny));
+        LAC_TRY(
+            lac_fail(err, LAC_EINPUT,
+                     "%s:%zu: the file ends after %zu numbers; must have ncols x nrows = %zu x %zu",
+                     bytes->path, file.scan.line, count, map->nx, map->ny));
     }
     LAC_TRY(check_lines(&file, map, err));
     lac_map_flip(map);

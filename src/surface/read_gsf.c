@@ -20,10 +20,8 @@ static bool is_gsf(const lac_bytes *bytes) { return lac_bytes_begin(bytes, magic
 static lac_status take_unit(const gsf *file, const char *key, lac_word value, char *unit,
                             size_t size, lac_error *err)
 {
-    if (value.length >= size) {
-        return lac_fail(err, LAC_EINPUT, "%s:%zu: %s must be shorter than %zu bytes",
-                        file->scan.path, file->scan.line, key, size);
-    }
+    LAC_FAIL_IF(value.length >= size, err, LAC_EINPUT, "%s:%zu: %s must be shorter than %zu bytes",
+                file->scan.path, file->scan.line, key, size);
     memcpy(unit, value.text, value.length);
     unit[value.length] = '\0';
     return LAC_OK;
@@ -89,12 +87,9 @@ static lac_status read_gsf(const lac_bytes *bytes, lac_height_map *map, lac_erro
                 .x = (double)NAN,
                 .y = (double)NAN};
     const char *nul = memchr(bytes->data, '\0', bytes->size);
-    if (nul == NULL) {
-        return lac_fail(err, LAC_EINPUT,
-                        "%s: byte %zu: the file ends without the NUL that closes "
-                        "the header",
-                        bytes->path, bytes->size);
-    }
+    LAC_FAIL_IF(nul == NULL, err, LAC_EINPUT,
+                "%s: byte %zu: the file ends without the NUL that closes the header", bytes->path,
+                bytes->size);
     file.scan.end = nul;
     LAC_TRY(read_header(&file, map, err));
     size_t header = (size_t)(nul - (const char *)bytes->data);

@@ -53,10 +53,10 @@ static lac_status find_variable(grid_file *file, lac_error *err)
         }
     }
     if (status == LAC_OK && found != 1) {
-        status = lac_fail(err, LAC_EINPUT,
-                          "%s: has %d variables of two dimensions; must have one, or one named "
-                          "heights or z",
-                          file->path, found);
+        status = lac_fail(
+            err, LAC_EINPUT,
+            "%s: has %d variables of two dimensions; must have one, or one named heights or z",
+            file->path, found);
     }
     return status;
 }
@@ -125,9 +125,7 @@ static lac_status transpose(lac_height_map *map, lac_error *err)
 {
     size_t n = map->nx * map->ny;
     double *turned = malloc(n * sizeof *turned);
-    if (turned == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(turned == NULL, err);
     for (size_t i = 0; i < n; i++) {
         turned[i] = map->heights[i % map->nx * map->ny + i / map->nx];
     }
@@ -148,10 +146,7 @@ static void turn_row(double *row, size_t n)
 // Heights in the order of rising x and y.
 static lac_status arrange(const grid_file *file, lac_height_map *map, lac_error *err)
 {
-    lac_status status = file->transposed ? transpose(map, err) : LAC_OK;
-    if (status != LAC_OK) {
-        return status;
-    }
+    LAC_TRY_RETURN(file->transposed ? transpose(map, err) : LAC_OK);
     if (map->dy < 0.0) {
         lac_map_flip(map);
     }

@@ -22,22 +22,16 @@ static lac_status take_header(const lac_bytes *bytes, npy *file, lac_error *err)
 {
     unsigned version = bytes->size > 6 ? bytes->data[6] : 0;
     size_t start = version == 1 ? 10 : 12;
-    if (bytes->size < 12) {
-        return lac_fail(err, LAC_EINPUT, "%s: byte %zu: the file ends inside the .npy header",
-                        bytes->path, bytes->size);
-    }
-    if (version < 1 || version > 3) {
-        return lac_fail(err, LAC_EINPUT, "%s: byte 6: .npy version %u; must be 1, 2 or 3",
-                        bytes->path, version);
-    }
+    LAC_FAIL_IF(bytes->size < 12, err, LAC_EINPUT,
+                "%s: byte %zu: the file ends inside the .npy header", bytes->path, bytes->size);
+    LAC_FAIL_IF(version < 1 || version > 3, err, LAC_EINPUT,
+                "%s: byte 6: .npy version %u; must be 1, 2 or 3", bytes->path, version);
     lac_number_type length_type = {version == 1 ? 2 : 4, 'u', false};
     double length = lac_bytes_number(bytes->data + 8, length_type);
-    if (length >= HEADER_MOST || (size_t)length > bytes->size - start) {
-        return lac_fail(err, LAC_EINPUT,
-                        "%s: byte 8: a header of %.0f bytes; must end within the file and be "
-                        "shorter than %d",
-                        bytes->path, length, HEADER_MOST);
-    }
+    LAC_FAIL_IF(
+        length >= HEADER_MOST || (size_t)length > bytes->size - start, err, LAC_EINPUT,
+        "%s: byte 8: a header of %.0f bytes; must end within the file and be shorter than %d",
+        bytes->path, length, HEADER_MOST);
     memcpy(file->header, bytes->data + start, (size_t)length);
     file->header[(size_t)length] = '\0';
     file->data = start + (size_t)length;
@@ -67,10 +61,10 @@ static lac_status take_type(const lac_bytes *bytes, npy *file, lac_error *err)
                  strchr(kind == 'f' ? "248" : "1248", width) != NULL && strchr("fiu", kind) != NULL;
     if (!sound) {
         int shown = descr != NULL ? (int)strcspn(descr, "}\n") : 0;
-        return lac_fail(err, LAC_EINPUT,
-                        "%s: byte 10: the type %.*s; must be 'descr' of f2 to f8, i1 to i8 or "
-                        "u1 to u8",
-                        bytes->path, shown < 40 ? shown : 40, descr != NULL ? descr : "");
+        return lac_fail(
+            err, LAC_EINPUT,
+            "%s: byte 10: the type %.*s; must be 'descr' of f2 to f8, i1 to i8 or u1 to u8",
+            bytes->path, shown < 40 ? shown : 40, descr != NULL ? descr : "");
     }
     file->type = (lac_number_type){(size_t)(width - '0'), kind, order == '>'};
     return LAC_OK;
@@ -91,19 +85,16 @@ static lac_status take_shape(const lac_bytes *bytes, npy *file, lac_error *err)
             at = end;
         }
     }
-    if (!sound || sides == 0) {
-        return lac_fail(err, LAC_EINPUT,
-                        "%s: byte 10: the shape of the array is not (rows, columns) or (columns,)",
-                        bytes->path);
-    }
+    LAC_FAIL_IF(!sound || sides == 0, err, LAC_EINPUT,
+                "%s: byte 10: the shape of the array is not (rows, columns) or (columns,)",
+                bytes->path);
     file->size[0] = side[sides - 1];
     file->size[1] = sides == 2 ? side[0] : 1;
     const char *order = value_of(file, "'fortran_order'");
     file->fortran = order != NULL && strncmp(order, "True", 4) == 0;
-    if (order == NULL || (!file->fortran && strncmp(order, "False", 5) != 0)) {
-        return lac_fail(err, LAC_EINPUT,
-                        "%s: byte 10: fortran_order must be given as True or False", bytes->path);
-    }
+    LAC_FAIL_IF(order == NULL || (!file->fortran && strncmp(order, "False", 5) != 0), err,
+                LAC_EINPUT, "%s: byte 10: fortran_order must be given as True or False",
+                bytes->path);
     return LAC_OK;
 }
 

@@ -34,24 +34,17 @@ static bool is_sdf(const lac_bytes *bytes)
 static lac_status check_header(const lac_bytes *bytes, const sdf *file, lac_height_map *map,
                                lac_error *err)
 {
-    if (!(file->dx > 0.0 && file->dy > 0.0 && file->dz > 0.0) ||
-        !isfinite(file->dx + file->dy + file->dz)) {
-        return lac_fail(err, LAC_EINPUT,
-                        "%s: Xscale, Yscale and Zscale must be given and > 0 m, not %g, %g and %g",
-                        bytes->path, file->dx, file->dy, file->dz);
-    }
-    if (file->compression != 0) {
-        return lac_fail(err, LAC_EINPUT, "%s: Compression must be 0, not %llu", bytes->path,
-                        (unsigned long long)file->compression);
-    }
-    if (file->check != 0) {
-        return lac_fail(err, LAC_EINPUT, "%s: CheckType must be 0, not %llu", bytes->path,
-                        (unsigned long long)file->check);
-    }
-    if (file->type >= TYPES) {
-        return lac_fail(err, LAC_EINPUT, "%s: DataType must be 0 to 7, not %llu", bytes->path,
-                        (unsigned long long)file->type);
-    }
+    LAC_FAIL_IF(!(file->dx > 0.0 && file->dy > 0.0 && file->dz > 0.0) ||
+                    !isfinite(file->dx + file->dy + file->dz),
+                err, LAC_EINPUT,
+                "%s: Xscale, Yscale and Zscale must be given and > 0 m, not %g, %g and %g",
+                bytes->path, file->dx, file->dy, file->dz);
+    LAC_FAIL_IF(file->compression != 0, err, LAC_EINPUT, "%s: Compression must be 0, not %llu",
+                bytes->path, (unsigned long long)file->compression);
+    LAC_FAIL_IF(file->check != 0, err, LAC_EINPUT, "%s: CheckType must be 0, not %llu", bytes->path,
+                (unsigned long long)file->check);
+    LAC_FAIL_IF(file->type >= TYPES, err, LAC_EINPUT, "%s: DataType must be 0 to 7, not %llu",
+                bytes->path, (unsigned long long)file->type);
     map->dx = file->dx;
     map->dy = file->dy;
     memcpy(map->lateral_unit, "m", 2);
@@ -76,11 +69,9 @@ static lac_status read_binary(const lac_bytes *bytes, lac_height_map *map, lac_e
     lac_status status;
     bool wide = lac_bytes_begin(bytes, "bISO-2");
     size_t header = wide ? BINARY_HEADER + WIDE_COUNTS : BINARY_HEADER;
-    if (bytes->size < header) {
-        return lac_fail(err, LAC_EINPUT,
-                        "%s: byte %zu: the file ends inside its header of %zu bytes", bytes->path,
-                        bytes->size, header);
-    }
+    LAC_FAIL_IF(bytes->size < header, err, LAC_EINPUT,
+                "%s: byte %zu: the file ends inside its header of %zu bytes", bytes->path,
+                bytes->size, header);
     const lac_number_type count = types[wide ? 2 : 1];
     const lac_number_type real = types[7];
     const unsigned char *at = bytes->data + 42 + 2 * count.width; // behind the counts
@@ -203,10 +194,10 @@ static lac_status read_text(const lac_bytes *bytes, lac_height_map *map, lac_err
     LAC_TRY(lac_map_size(map, bytes->path, file.nx, file.ny, most, err));
     for (size_t i = 0; i < map->nx * map->ny; i++) {
         if (!next_word(&scan, &word)) {
-            LAC_TRY(lac_fail(err, LAC_EINPUT,
-                             "%s:%zu: the heights end after %zu; must be NumPoints x NumProfiles = "
-                             "%zu x %zu",
-                             bytes->path, scan.line, i, map->nx, map->ny));
+            LAC_TRY(lac_fail(
+                err, LAC_EINPUT,
+                "%s:%zu: the heights end after %zu; must be NumPoints x NumProfiles = %zu x %zu",
+                bytes->path, scan.line, i, map->nx, map->ny));
         }
         double value = (double)NAN;
         if (!lac_word_is(word, "BAD")) {
@@ -216,11 +207,10 @@ static lac_status read_text(const lac_bytes *bytes, lac_height_map *map, lac_err
     }
     if (next_word(&scan, &word)) {
         char shown[40];
-        LAC_TRY(lac_fail(err, LAC_EINPUT,
-                         "%s:%zu: \"%s\" comes after all NumPoints x NumProfiles = %zu x %zu "
-                         "heights; must be *",
-                         bytes->path, scan.line, lac_word_show(word, shown, sizeof shown), map->nx,
-                         map->ny));
+        LAC_TRY(lac_fail(
+            err, LAC_EINPUT,
+            "%s:%zu: \"%s\" comes after all NumPoints x NumProfiles = %zu x %zu heights; must be *",
+            bytes->path, scan.line, lac_word_show(word, shown, sizeof shown), map->nx, map->ny));
     }
 out:
     return status;

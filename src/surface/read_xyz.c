@@ -94,9 +94,7 @@ static lac_status add_point(points *p, point new, lac_error *err)
     if (p->n == p->capacity) {
         size_t capacity = p->capacity > 0 ? 2 * p->capacity : 256;
         point *more = realloc(p->at, capacity * sizeof *more);
-        if (more == NULL) {
-            return lac_fail_memory(err);
-        }
+        LAC_FAIL_MEMORY_IF(more == NULL, err);
         p->at = more;
         p->capacity = capacity;
     }
@@ -111,11 +109,9 @@ static lac_status read_line(const lac_scan *scan, lac_word line, points *p, lac_
     char shown[40];
     size_t n = split(line, field);
     point new = {.line = scan->line};
-    if (n != 3) {
-        return lac_fail(err, LAC_EINPUT, "%s:%zu: \"%s\" %s; must be the three numbers x y z",
-                        scan->path, scan->line, lac_word_show(line, shown, sizeof shown),
-                        n > 3 ? "has more than three columns" : "has fewer than three columns");
-    }
+    LAC_FAIL_IF(n != 3, err, LAC_EINPUT, "%s:%zu: \"%s\" %s; must be the three numbers x y z",
+                scan->path, scan->line, lac_word_show(line, shown, sizeof shown),
+                n > 3 ? "has more than three columns" : "has fewer than three columns");
     for (size_t k = 0; k < 3; k++) {
         LAC_TRY(lac_scan_number(scan, field[k], &new.x[k], err));
         if (k < 2 && isnan(new.x[k])) {
@@ -138,10 +134,7 @@ static lac_status read_points(const lac_bytes *bytes, points *p, lac_error *err)
         if (line.length == 0 || is_remark(line) || header) {
             continue;
         }
-        lac_status status = read_line(&scan, line, p, err);
-        if (status != LAC_OK) {
-            return status;
-        }
+        LAC_TRY_RETURN(read_line(&scan, line, p, err));
     } while (lac_scan_line(&scan));
     return p->n > 0 ? LAC_OK
                     : lac_fail(err, LAC_EINPUT, "%s:%zu: the file ends without a point",
@@ -196,9 +189,7 @@ static lac_status find_axis(const lac_bytes *bytes, const points *p, size_t k, a
     lac_status status = LAC_OK;
     size_t node;
     double *x = malloc((p->n + 1) * sizeof *x);
-    if (x == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(x == NULL, err);
     for (size_t i = 0; i < p->n; i++) {
         x[i] = p->at[i].x[k];
     }
@@ -211,12 +202,11 @@ static lac_status find_axis(const lac_bytes *bytes, const points *p, size_t k, a
     find_spacing(a, x, p->n);
     for (size_t i = 0; i < p->n; i++) {
         if (!node_of(a, p->at[i].x[k], &node)) {
-            LAC_TRY(lac_fail(err, LAC_EINPUT,
-                             "%s:%zu: %c = %g is off the grid from %g in steps of %g; points must "
-                             "be gridded at a regular spacing along x and y (turn a grid that is "
-                             "rotated)",
-                             bytes->path, p->at[i].line, a->name, p->at[i].x[k], a->first,
-                             a->spacing));
+            LAC_TRY(
+                lac_fail(err, LAC_EINPUT,
+                         "%s:%zu: %c = %g is off the grid from %g in steps of %g; points must be "
+                         "gridded at a regular spacing along x and y (turn a grid that is rotated)",
+                         bytes->path, p->at[i].line, a->name, p->at[i].x[k], a->first, a->spacing));
         }
     }
 out:
@@ -242,13 +232,10 @@ static lac_status place(const lac_bytes *bytes, const points *p, const axis a[2]
         if (taken[at] != 0 && (old == new || (isnan(old) && isnan(new)))) {
             continue; // measured twice, alike
         }
-        if (taken[at] != 0) {
-            return lac_fail(err, LAC_EINPUT,
-                            "%s:%zu: the point x = %g, y = %g stands in line %zu already, with "
-                            "another height, %g, not %g",
-                            bytes->path, p->at[i].line, p->at[i].x[0], p->at[i].x[1], taken[at],
-                            old, new);
-        }
+        LAC_FAIL_IF(taken[at] != 0, err, LAC_EINPUT,
+                    "%s:%zu: the point x = %g, y = %g stands in line %zu already, with another "
+                    "height, %g, not %g",
+                    bytes->path, p->at[i].line, p->at[i].x[0], p->at[i].x[1], taken[at], old, new);
         taken[at] = p->at[i].line;
         map->heights[at] = new;
     }
@@ -268,8 +255,8 @@ static lac_status read_xyz(const lac_bytes *bytes, lac_height_map *map, lac_erro
     if (a[0].n > most || a[1].n > most || a[0].n * a[1].n > most) {
         LAC_TRY(lac_fail(
             err, LAC_EINPUT,
-            "%s: %zu points on %llu x %llu nodes of a regular grid; must be gridded "
-            "along x and y (turn a grid that is rotated), with a point on one node in %d at least",
+            "%s: %zu points on %llu x %llu nodes of a regular grid; must be gridded along x and y "
+            "(turn a grid that is rotated), with a point on one node in %d at least",
             bytes->path, p.n, (unsigned long long)a[0].n, (unsigned long long)a[1].n,
             NODES_PER_POINT));
     }

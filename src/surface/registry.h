@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_SURFACE_REGISTRY_H
-#define LACUNA_SURFACE_REGISTRY_H
+#pragma once
 
 #include "surface/surface.h"
 
@@ -15,5 +14,3 @@ extern const lac_surface_source lac_surface_benchmark;
 
 /// Measured heights from a file.
 extern const lac_surface_source lac_surface_from_file;
-
-#endif

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_SURFACE_SCAN_H
-#define LACUNA_SURFACE_SCAN_H
+#pragma once
 
 #include "surface/read.h"
 
@@ -55,5 +54,3 @@ typedef struct lac_field {
 /// Reads the value of a key; LAC_EINPUT where it is none.
 lac_status lac_scan_field(const lac_scan *scan, const lac_field *field, lac_word word,
                           lac_error *err);
-
-#endif

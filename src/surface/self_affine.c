@@ -37,15 +37,11 @@ static double _Complex mode(const void *of, double kx, double ky)
 
 static lac_status check(const lac_self_affine *p, lac_error *err)
 {
-    if (isnan(p->rms_height) == isnan(p->rms_slope)) {
-        return lac_fail(err, LAC_EINPUT, "self-affine: give rms_height or rms_slope, %s",
-                        isnan(p->rms_height) ? "one of them" : "not both");
-    }
-    if (p->skewness != 0.0 && p->sampling == LAC_SAMPLING_BLOCK_MEAN) {
-        return lac_fail(err, LAC_EINPUT,
-                        "self-affine: skewness is of heights at points; sampling must not be "
-                        "block-mean");
-    }
+    LAC_FAIL_IF(isnan(p->rms_height) == isnan(p->rms_slope), err, LAC_EINPUT,
+                "self-affine: give rms_height or rms_slope, %s",
+                isnan(p->rms_height) ? "one of them" : "not both");
+    LAC_FAIL_IF(p->skewness != 0.0 && p->sampling == LAC_SAMPLING_BLOCK_MEAN, err, LAC_EINPUT,
+                "self-affine: skewness is of heights at points; sampling must not be block-mean");
     return LAC_OK;
 }
 
@@ -138,10 +134,9 @@ static const lac_param self_affine_params[] = {
 const lac_surface_source lac_surface_self_affine = {
     .info = {.name = "self-affine",
              .summary = "random self-affine heights, periodic, by spectral synthesis",
-             .reference =
-                 "Jacobs, Junge & Pastewka (2017), Surf. Topogr. 5:013001, "
-                 "doi 10.1088/2051-672X/aa51f8; skewness: Johnson (1949), Biometrika 36:149, "
-                 "doi 10.1093/biomet/36.1-2.149",
+             .reference = "Jacobs, Junge & Pastewka (2017), Surf. Topogr. 5:013001, doi "
+                          "10.1088/2051-672X/aa51f8; skewness: Johnson (1949), Biometrika 36:149, "
+                          "doi 10.1093/biomet/36.1-2.149",
              LAC_ROWS(self_affine_params, lac_self_affine)},
     .generate = generate,
     .waves = waves,

@@ -27,34 +27,28 @@ static lac_status check_params(const lac_model_info *info, const void *params, l
         const lac_param *param = &info->params[i];
         bool numeric = param->type == LAC_REAL || param->type == LAC_INTEGER;
         bool given = lac_param_given(param, params);
-        if (!given && (param->flags & LAC_OPTIONAL) == 0) {
-            return lac_fail(err, LAC_EINPUT, "%s: %s must be given", info->name, param->key);
-        }
+        LAC_FAIL_IF(!given && (param->flags & LAC_OPTIONAL) == 0, err, LAC_EINPUT,
+                    "%s: %s must be given", info->name, param->key);
         char why[120];
-        if (given && numeric && !lac_param_allows(param, number(param, params), why, sizeof why)) {
-            return lac_fail(err, LAC_EINPUT, "%s: %s %s", info->name, param->key, why);
-        }
+        LAC_FAIL_IF(given && numeric &&
+                        !lac_param_allows(param, number(param, params), why, sizeof why),
+                    err, LAC_EINPUT, "%s: %s %s", info->name, param->key, why);
     }
     return LAC_OK;
 }
 
 static lac_status check_grid(const lac_grid *grid, lac_error *err)
 {
-    if (grid->nx == 0 || grid->ny == 0) {
-        return lac_fail(err, LAC_EINPUT, "a grid of %zu x %zu cells holds no surface", grid->nx,
-                        grid->ny);
-    }
-    if (!(grid->dx > 0.0 && grid->dy > 0.0) || !isfinite(lac_grid_area(grid))) {
-        return lac_fail(err, LAC_EINPUT, "cells of %g x %g m are not possible", grid->dx, grid->dy);
-    }
+    LAC_FAIL_IF(grid->nx == 0 || grid->ny == 0, err, LAC_EINPUT,
+                "a grid of %zu x %zu cells holds no surface", grid->nx, grid->ny);
+    LAC_FAIL_IF(!(grid->dx > 0.0 && grid->dy > 0.0) || !isfinite(lac_grid_area(grid)), err,
+                LAC_EINPUT, "cells of %g x %g m are not possible", grid->dx, grid->dy);
     return LAC_OK;
 }
 
 static lac_status check(const lac_model *model, const lac_grid *grid, lac_error *err)
 {
-    if (model->info == NULL) {
-        return lac_fail(err, LAC_EINPUT, "no surface was chosen");
-    }
+    LAC_FAIL_IF(model->info == NULL, err, LAC_EINPUT, "no surface was chosen");
     lac_status status;
     LAC_TRY(check_grid(grid, err));
     LAC_TRY(check_params(model->info, model->params, err));

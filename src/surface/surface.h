@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_SURFACE_SURFACE_H
-#define LACUNA_SURFACE_SURFACE_H
+#pragma once
 
 #include "base/grid.h"
 #include "base/param.h"
@@ -172,5 +171,3 @@ lac_status lac_surface_measure(const lac_grid *grid, const double *heights,
 /// @param map  set on success; the caller frees it
 lac_status lac_height_map_read(const char *path, lac_height_map **map, lac_error *err);
 void lac_height_map_free(lac_height_map *map);
-
-#endif

@@ -26,12 +26,10 @@ static lac_status find_whole(const lac_synthesis *how, const lac_grid *grid, lac
 {
     size_t sides = (size_t)how->margin + 1;
     *whole = *grid;
-    if (how->margin > 0 && grid->periodic) {
-        return lac_fail(err, LAC_EINPUT,
-                        "%s: margin is for free boundaries: on a periodic one the surface must "
-                        "repeat with the interface",
-                        how->source);
-    }
+    LAC_FAIL_IF(how->margin > 0 && grid->periodic, err, LAC_EINPUT,
+                "%s: margin is for free boundaries: on a periodic one the surface must repeat with "
+                "the interface",
+                how->source);
     whole->nx = grid->nx > 1 ? grid->nx * sides : 1;
     whole->ny = grid->ny > 1 ? grid->ny * sides : 1;
     return LAC_OK;
@@ -50,20 +48,15 @@ static lac_status check(const lac_synthesis *how, const lac_band *b, lac_error *
     if (how->sampling == LAC_SAMPLING_LOW_PASS) {
         return LAC_OK;
     }
-    if (!how->bounded) {
-        return lac_fail(err, LAC_EINPUT,
-                        "%s: sampling needs shortest: without it the band ends with the waves of "
-                        "the grid",
-                        how->source);
-    }
+    LAC_FAIL_IF(!how->bounded, err, LAC_EINPUT,
+                "%s: sampling needs shortest: without it the band ends with the waves of the grid",
+                how->source);
     double waves_x = b->dqx > 0.0 ? 2.0 * b->q_shortest / b->dqx : 1.0;
     double waves_y = b->dqy > 0.0 ? 2.0 * b->q_shortest / b->dqy : 1.0;
-    if (waves_x * waves_y > most_waves) {
-        return lac_fail(err, LAC_EINPUT,
-                        "%s: sampling has to add %g waves; at most %g are added: choose a longer "
-                        "shortest, or low-pass",
-                        how->source, waves_x * waves_y, most_waves);
-    }
+    LAC_FAIL_IF(waves_x * waves_y > most_waves, err, LAC_EINPUT,
+                "%s: sampling has to add %g waves; at most %g are added: choose a longer shortest, "
+                "or low-pass",
+                how->source, waves_x * waves_y, most_waves);
     return LAC_OK;
 }
 

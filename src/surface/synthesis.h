@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_SURFACE_SYNTHESIS_H
-#define LACUNA_SURFACE_SYNTHESIS_H
+#pragma once
 
 #include "base/rows.h"
 #include "surface/band.h"
@@ -42,5 +41,3 @@ lac_status lac_synthesis_band(const lac_synthesis *how, const lac_waves *waves,
 lac_status lac_synthesise(const lac_synthesis *how, const lac_band *band, const lac_grid *grid,
                           double _Complex (*mode)(const void *of, double kx, double ky),
                           const void *of, double *heights, lac_error *err);
-
-#endif

@@ -80,9 +80,7 @@ lac_status lac_trade_list(lac_trade_outcome *o, lac_error *err)
     o->refused = calloc(o->plan->runs + 1, sizeof *o->refused);
     o->reference = (lac_trade_row){o, o->verdict->reference};
     o->recommended = (lac_trade_row){o, o->verdict->recommended};
-    if (o->row == NULL || o->refused == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(o->row == NULL || o->refused == NULL, err);
     for (size_t i = 0; i < o->plan->runs; i++) {
         const lac_trade_end end = o->measure[i].end;
         if (end == LAC_TRADE_REFUSED) {

@@ -103,12 +103,12 @@ static lac_status no_quantity(int quantity, lac_error *err)
     switch (quantity) {
     case LAC_QUANTITY_FAILURE:
         return lac_fail(err, LAC_EINPUT,
-                        "--quantity failure: the reference does not fail by its "
-                        "end; slip or rate can be asked for");
+                        "--quantity failure: the reference does not fail by its end; slip or rate "
+                        "can be asked for");
     case LAC_QUANTITY_EVENTS:
-        return lac_fail(err, LAC_EINPUT,
-                        "--quantity events: the case keeps no catalogue; name it, "
-                        "analysis: {events: {...}}");
+        return lac_fail(
+            err, LAC_EINPUT,
+            "--quantity events: the case keeps no catalogue; name it, analysis: {events: {...}}");
     case LAC_QUANTITY_DIMENSION:
         return lac_fail(err, LAC_EINPUT,
                         "--quantity dimension: boxes of the contact cannot be counted; "
@@ -207,10 +207,9 @@ lac_status lac_trade_judge(const lac_trade_plan *plan, const lac_trade_measure *
                            const lac_trade_request *ask, lac_trade_result *out, lac_error *err)
 {
     *out = (lac_trade_result){.reference = find_reference(plan, measure)};
-    if (out->reference == SIZE_MAX) {
-        return lac_fail(err, LAC_ENUMERIC, "no run that could be the reference was done: %s",
-                        measure[plan->reference].message);
-    }
+    LAC_FAIL_IF(out->reference == SIZE_MAX, err, LAC_ENUMERIC,
+                "no run that could be the reference was done: %s",
+                measure[plan->reference].message);
     const double *value = measure[out->reference].value;
     out->quantity = choose_quantity(plan, ask, value);
     out->value = value[out->quantity];

@@ -38,13 +38,11 @@ static lac_status check_rungs(const lac_trade_setting *setting, lac_error *err)
         char *end;
         const double rung = strtod(setting->value[i].yaml, &end);
         const bool finer = i == 0 || (setting->setting->falls ? rung < before : rung > before);
-        if (*end != '\0' || !(rung > 0.0) || !finer) {
-            return lac_fail(err, LAC_EINPUT,
-                            "--dials: %s: \"%s\" must be a number > 0, and %s than the one before "
-                            "it: from coarse to fine",
-                            setting->setting->name, setting->value[i].label,
-                            setting->setting->falls ? "smaller" : "larger");
-        }
+        LAC_FAIL_IF(*end != '\0' || !(rung > 0.0) || !finer, err, LAC_EINPUT,
+                    "--dials: %s: \"%s\" must be a number > 0, and %s than the one before it: from "
+                    "coarse to fine",
+                    setting->setting->name, setting->value[i].label,
+                    setting->setting->falls ? "smaller" : "larger");
         before = rung;
     }
     return LAC_OK;
@@ -60,13 +58,10 @@ static lac_status read_values(const char *text, size_t length, const lac_case *c
     for (size_t at = 0; at <= length;) {
         const size_t end = at + strcspn(text + at, ":,");
         const size_t size = (end < length ? end : length) - at;
-        if (size == 0 || size >= LAC_SETTING_LABEL || out->count + 2 >= LAC_SETTING_VALUES) {
-            return lac_fail(err, LAC_EINPUT,
-                            "--dials: %s=%.*s must be some positions with : between them, at most "
-                            "%d",
-                            out->setting->name, (int)(length < 60 ? length : 60), text,
-                            LAC_SETTING_VALUES - 2);
-        }
+        LAC_FAIL_IF(
+            size == 0 || size >= LAC_SETTING_LABEL || out->count + 2 >= LAC_SETTING_VALUES, err,
+            LAC_EINPUT, "--dials: %s=%.*s must be some positions with : between them, at most %d",
+            out->setting->name, (int)(length < 60 ? length : 60), text, LAC_SETTING_VALUES - 2);
         lac_setting_value *value = &out->value[out->count++];
         memset(value, 0, sizeof *value);
         memcpy(value->label, text + at, size);
@@ -95,17 +90,13 @@ static lac_status add_word(const char *word, size_t length, const lac_case *c, l
         return no_dial(word, name, err);
     }
     for (size_t d = 0; d < plan->settings; d++) {
-        if (plan->setting[d].setting == setting) {
-            return lac_fail(err, LAC_EINPUT, "--dials: %s stands there twice", setting->name);
-        }
+        LAC_FAIL_IF(plan->setting[d].setting == setting, err, LAC_EINPUT,
+                    "--dials: %s stands there twice", setting->name);
     }
     lac_trade_setting *added = &plan->setting[plan->settings];
     *added = (lac_trade_setting){.setting = setting, .named = equals != NULL};
     if (equals != NULL) {
-        lac_status status = read_values(equals + 1, length - name - 1, c, plan->of, added, err);
-        if (status != LAC_OK) {
-            return status;
-        }
+        LAC_TRY_RETURN(read_values(equals + 1, length - name - 1, c, plan->of, added, err));
     } else {
         added->count = added->shown = setting->values(c, plan->of, added->value);
     }
@@ -126,9 +117,8 @@ static unsigned turned_of(const lac_trade_plan *plan)
 
 static lac_status no_turn(const lac_setting *setting, lac_trade_of of, lac_error *err)
 {
-    if (of == LAC_OF_RUN) {
-        return lac_fail(err, LAC_EINPUT, "--dials: %s turns nothing but a cascade", setting->name);
-    }
+    LAC_FAIL_IF(of == LAC_OF_RUN, err, LAC_EINPUT, "--dials: %s turns nothing but a cascade",
+                setting->name);
     return lac_fail(err, LAC_EINPUT, "--dials: %s turns nothing in a %s", setting->name,
                     of == LAC_OF_CONTACT ? "contact" : "cascade, unless fidelity is turned too");
 }
@@ -141,10 +131,8 @@ static lac_status check_turned(const lac_trade_plan *plan, lac_error *err)
         if (!is_of(setting, of)) {
             return no_turn(setting, plan->of, err);
         }
-        if (plan->setting[d].count == 0) {
-            return lac_fail(err, LAC_EINPUT, "--dials: %s has nothing to turn in this case",
-                            setting->name);
-        }
+        LAC_FAIL_IF(plan->setting[d].count == 0, err, LAC_EINPUT,
+                    "--dials: %s has nothing to turn in this case", setting->name);
     }
     return LAC_OK;
 }
@@ -154,10 +142,7 @@ static lac_status read_words(const char *words, const lac_case *c, lac_trade_pla
 {
     for (const char *word = words;; word++) {
         const size_t length = strcspn(word, ",");
-        lac_status status = add_word(word, length, c, plan, err);
-        if (status != LAC_OK) {
-            return status;
-        }
+        LAC_TRY_RETURN(add_word(word, length, c, plan, err));
         if (word[length] == '\0') {
             break;
         }
@@ -242,9 +227,7 @@ static lac_status add_run(lac_trade_plan *plan, const short *at, int why, size_t
     }
     if (i == plan->runs) {
         lac_trade_run *grown = realloc(plan->run, (i + 1) * sizeof *grown);
-        if (grown == NULL) {
-            return lac_fail_memory(err);
-        }
+        LAC_FAIL_MEMORY_IF(grown == NULL, err);
         plan->run = grown;
         plan->run[i] = (lac_trade_run){.why = 0};
         memcpy(plan->run[i].at, at, plan->settings * sizeof *at);
@@ -331,10 +314,8 @@ static lac_status add_all(lac_trade_plan *plan, lac_error *err)
     for (size_t d = 0; d < plan->settings; d++) {
         at[d] = plan->setting[d].shown > 0 ? 0 : -1;
         count *= plan->setting[d].shown > 0 ? plan->setting[d].shown : 1;
-        if (count > MOST) {
-            return lac_fail(err, LAC_EINPUT,
-                            "--crossed: more than %d combinations; name fewer positions", MOST);
-        }
+        LAC_FAIL_IF(count > MOST, err, LAC_EINPUT,
+                    "--crossed: more than %d combinations; name fewer positions", MOST);
     }
     lac_status status = LAC_OK;
     do {
@@ -358,12 +339,10 @@ lac_status lac_trade_plan_create(const lac_case *c, lac_trade_of of, const char 
 {
     lac_status status = LAC_OK;
     *out = (lac_trade_plan){.of = of};
-    if (of == LAC_OF_RUN && !isnan(c->accuracy)) {
-        return lac_fail(err, LAC_EINPUT,
-                        "%s: solver.accuracy is picked for by lacuna run; here "
-                        "solver.rtol counts: leave it out",
-                        c->path);
-    }
+    LAC_FAIL_IF(
+        of == LAC_OF_RUN && !isnan(c->accuracy), err, LAC_EINPUT,
+        "%s: solver.accuracy is picked for by lacuna run; here solver.rtol counts: leave it out",
+        c->path);
     if (words != NULL) {
         LAC_TRY(read_words(words, c, out, err));
     } else {

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_TRADE_TRADE_H
-#define LACUNA_TRADE_TRADE_H
+#pragma once
 
 #include "data/dataset.h"
 #include "lacuna/simulation.h"
@@ -253,5 +252,3 @@ const char *lac_trade_options(const lac_trade_outcome *outcome, size_t run,
 /// @param outcome  with all that it points to must outlive the dataset
 /// @return LAC_OK; LAC_ENOMEM
 lac_status lac_trade_describe(const lac_trade_outcome *outcome, lac_dataset **out, lac_error *err);
-
-#endif

@@ -114,16 +114,12 @@ out:
 static lac_status check_material(const lac_transfer_scene *scene, lac_error *err)
 {
     double g = scene->shear_modulus, nu = scene->poisson;
-    if (!isfinite(g) || !isfinite(nu)) {
-        return lac_fail(err, LAC_EINPUT,
-                        "stiffness: elastic needs a material (shear_modulus and poisson)");
-    }
-    if (!(g > 0 && nu > -1 && nu <= 0.5)) {
-        return lac_fail(err, LAC_EINPUT,
-                        "stiffness: elastic needs a shear modulus > 0 Pa and a Poisson ratio in "
-                        "(-1, 0.5], not %g Pa and %g",
-                        g, nu);
-    }
+    LAC_FAIL_IF(!isfinite(g) || !isfinite(nu), err, LAC_EINPUT,
+                "stiffness: elastic needs a material (shear_modulus and poisson)");
+    LAC_FAIL_IF(!(g > 0 && nu > -1 && nu <= 0.5), err, LAC_EINPUT,
+                "stiffness: elastic needs a shear modulus > 0 Pa and a Poisson ratio in (-1, 0.5], "
+                "not %g Pa and %g",
+                g, nu);
     return LAC_OK;
 }
 
@@ -156,9 +152,7 @@ lac_status lac_calibrate_stiffness(const lac_transfer_scene *scene, uint64_t see
 {
     size_t levels = lac_hierarchy_levels(scene->hierarchy);
     lac_calibration *found = calloc(levels + 1, sizeof *found);
-    if (found == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(found == NULL, err);
     lac_status status = lac_calibrate_elastic(scene, seed, found, err);
     for (size_t l = 0; l < levels; l++) {
         k[l] = found[l].stiffness;

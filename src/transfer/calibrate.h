@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_TRANSFER_CALIBRATE_H
-#define LACUNA_TRANSFER_CALIBRATE_H
+#pragma once
 
 #include "transfer/transfer.h"
 
@@ -20,5 +19,3 @@ lac_status lac_calibrate_elastic(const lac_transfer_scene *scene, uint64_t seed,
 /// The stiffnesses alone. @param k  [lac_hierarchy_levels]; overwritten
 lac_status lac_calibrate_stiffness(const lac_transfer_scene *scene, uint64_t seed, double *k,
                                    lac_error *err);
-
-#endif

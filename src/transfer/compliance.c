@@ -28,9 +28,7 @@ lac_status lac_compliance_create(const lac_domain *domain, const lac_rock *rock,
     size_t my = grid->periodic || grid->ny == 1 ? 1 : 2;
     lac_status status = LAC_OK;
     lac_compliance *c = calloc(1, sizeof *c);
-    if (c == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(c == NULL, err);
     c->n = n;
     LAC_TRY(lac_fft_create(mx * grid->nx, my * grid->ny, &c->fft, err));
     c->at = malloc(n * sizeof *c->at);

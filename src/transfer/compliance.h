@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_TRANSFER_COMPLIANCE_H
-#define LACUNA_TRANSFER_COMPLIANCE_H
+#pragma once
 
 #include "base/fft.h"
 #include "base/grid.h"
@@ -46,5 +45,3 @@ void lac_compliance_traction(lac_compliance *c, const double *slip, double *trac
 /// it.
 lac_status lac_compliance_invert(lac_compliance *c, const double *slip, double tolerance,
                                  double *traction, double *energy, lac_error *err);
-
-#endif

@@ -50,24 +50,17 @@ static lac_status check(const lac_transfer_elastic *p, const lac_transfer_scene 
 {
     double g = scene->shear_modulus, nu = scene->poisson;
     bool periodic = scene->domain->grid.periodic;
-    if (!(g > 0 && isfinite(g)) || !(nu > -1 && nu <= 0.5)) {
-        return lac_fail(err, LAC_EINPUT,
-                        "needs a material with a shear modulus > 0 Pa and a Poisson ratio in "
-                        "(-1, 0.5], not %g Pa and %g",
-                        g, nu);
-    }
-    if (!isnan(p->thickness) && !(p->thickness > 0 && periodic)) {
-        return lac_fail(err, LAC_EINPUT, "thickness %g m: must be > 0, on a periodic interface",
-                        p->thickness);
-    }
-    if (p->outside == CREEPING && periodic) {
-        return lac_fail(err, LAC_EINPUT, "outside: creeping needs interface.boundary: free");
-    }
-    if (p->outside == CREEPING && !is_full(scene->domain)) {
-        return lac_fail(err, LAC_EINPUT,
-                        "outside: creeping needs full contact, not %zu of %zu cells",
-                        scene->domain->n, lac_grid_cells(&scene->domain->grid));
-    }
+    LAC_FAIL_IF(!(g > 0 && isfinite(g)) || !(nu > -1 && nu <= 0.5), err, LAC_EINPUT,
+                "needs a material with a shear modulus > 0 Pa and a Poisson ratio in (-1, 0.5], "
+                "not %g Pa and %g",
+                g, nu);
+    LAC_FAIL_IF(!isnan(p->thickness) && !(p->thickness > 0 && periodic), err, LAC_EINPUT,
+                "thickness %g m: must be > 0, on a periodic interface", p->thickness);
+    LAC_FAIL_IF(p->outside == CREEPING && periodic, err, LAC_EINPUT,
+                "outside: creeping needs interface.boundary: free");
+    LAC_FAIL_IF(p->outside == CREEPING && !is_full(scene->domain), err, LAC_EINPUT,
+                "outside: creeping needs full contact, not %zu of %zu cells", scene->domain->n,
+                lac_grid_cells(&scene->domain->grid));
     return LAC_OK;
 }
 
@@ -96,9 +89,7 @@ static lac_status calibrate(const lac_transfer_scene *scene, double poisson, lac
 static lac_status make_last(lac_elastic *e, lac_error *err)
 {
     e->last = malloc(2 * e->n * sizeof *e->last);
-    if (e->last == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(e->last == NULL, err);
     for (size_t i = 0; i < 2 * e->n; i++) {
         e->last[i] = NAN;
     }
@@ -110,9 +101,7 @@ static lac_status make_last(lac_elastic *e, lac_error *err)
 static lac_status find_anchor(lac_elastic *e, lac_error *err)
 {
     double *x = malloc(e->n * sizeof *x);
-    if (x == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(x == NULL, err);
     for (size_t i = 0; i < e->n; i++) {
         x[i] = 1;
     }
@@ -135,9 +124,7 @@ static lac_status begin(const lac_transfer_elastic *p, const lac_transfer_scene 
     lac_elastic *e = NULL;
     LAC_TRY(check(p, scene, err));
     e = calloc(1, sizeof *e);
-    if (e == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(e == NULL, err);
     *rock = (lac_rock){.shear_modulus = scene->shear_modulus,
                        .poisson = p->mode == ANTIPLANE ? 0 : scene->poisson,
                        .thickness = isnan(p->thickness) ? INFINITY : p->thickness,
@@ -186,9 +173,7 @@ static lac_status tie(const lac_elastic *e, double *share, lac_error *err)
     size_t n = e->n;
     double sum = 0, rest = 0;
     double *slip = malloc((n + lac_elastic_work(e)) * sizeof *slip);
-    if (slip == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(slip == NULL, err);
     for (size_t i = 0; i < n; i++) {
         slip[i] = 1;
     }
@@ -208,12 +193,9 @@ static lac_status tie(const lac_elastic *e, double *share, lac_error *err)
     for (size_t i = 0; i < n; i++) {
         share[i] += rest / (double)n;
     }
-    if (iterations < 0 || !isfinite(rest)) {
-        return lac_fail(
-            err, LAC_ENUMERIC,
-            "the tractions of %zu cells that slip alike were not found in %d iterations", n,
-            LAC_ELASTIC_ITERATIONS);
-    }
+    LAC_FAIL_IF(iterations < 0 || !isfinite(rest), err, LAC_ENUMERIC,
+                "the tractions of %zu cells that slip alike were not found in %d iterations", n,
+                LAC_ELASTIC_ITERATIONS);
     return LAC_OK;
 }
 

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_TRANSFER_ELASTIC_SOLVE_H
-#define LACUNA_TRANSFER_ELASTIC_SOLVE_H
+#pragma once
 
 #include "hierarchy/hierarchy.h"
 #include "transfer/compliance.h"
@@ -35,5 +34,3 @@ int lac_elastic_apply(const lac_elastic *e, const double *slip, double *force, d
 /// @return iterations; -1 where it is not positive definite or the iteration does not end
 int lac_elastic_solve(const lac_elastic *e, double k_mean, const double *diagonal, const double *y,
                       double *x, double *work);
-
-#endif

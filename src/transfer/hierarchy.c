@@ -34,21 +34,15 @@ static lac_status check(const lac_transfer_hierarchy *p, lac_error *err)
 {
     bool elastic = p->stiffness >= 0;
     bool given = !isnan(p->k0);
-    if (elastic && given) {
-        return lac_fail(err, LAC_EINPUT, "give either stiffness: elastic or k0, not both");
-    }
-    if (!elastic && !given) {
-        return lac_fail(err, LAC_EINPUT, "give stiffness: elastic, or k0 (and ratio)");
-    }
-    if (elastic && !isnan(p->ratio)) {
-        return lac_fail(err, LAC_EINPUT, "ratio goes with k0, not with stiffness: elastic");
-    }
-    if (given && !(p->k0 >= 0 && isfinite(p->k0))) {
-        return lac_fail(err, LAC_EINPUT, "k0 %g Pa/m: must be finite and >= 0", p->k0);
-    }
-    if (!isnan(p->ratio) && !(p->ratio >= 0 && p->ratio <= 1e3)) {
-        return lac_fail(err, LAC_EINPUT, "ratio %g: must be >= 0 and <= 1000", p->ratio);
-    }
+    LAC_FAIL_IF(elastic && given, err, LAC_EINPUT,
+                "give either stiffness: elastic or k0, not both");
+    LAC_FAIL_IF(!elastic && !given, err, LAC_EINPUT, "give stiffness: elastic, or k0 (and ratio)");
+    LAC_FAIL_IF(elastic && !isnan(p->ratio), err, LAC_EINPUT,
+                "ratio goes with k0, not with stiffness: elastic");
+    LAC_FAIL_IF(given && !(p->k0 >= 0 && isfinite(p->k0)), err, LAC_EINPUT,
+                "k0 %g Pa/m: must be finite and >= 0", p->k0);
+    LAC_FAIL_IF(!isnan(p->ratio) && !(p->ratio >= 0 && p->ratio <= 1e3), err, LAC_EINPUT,
+                "ratio %g: must be >= 0 and <= 1000", p->ratio);
     return LAC_OK;
 }
 
@@ -61,9 +55,7 @@ static lac_status create(const void *given, const lac_transfer_scene *scene, voi
     LAC_TRY(check(p, err));
     size_t levels = lac_hierarchy_levels(scene->hierarchy);
     self = calloc(1, sizeof *self + levels * sizeof *self->k);
-    if (self == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(self == NULL, err);
     self->h = scene->hierarchy;
     self->levels = levels;
     if (p->stiffness >= 0) {
@@ -136,8 +128,8 @@ static void check_place(const void *given, const lac_transfer_place *place,
 const lac_transfer_kind lac_hierarchy_kind = {
     .info = {.name = "hierarchy",
              .summary = "at every scale a block's slip relative to its parent's is resisted",
-             .reference = "docs/theory/transfer.md, eq. 1; blocks as Borri-Brunetto, "
-                          "Carpinteri & Chiaia (2004) Rock Mech. Rock Eng. 37, 117",
+             .reference = "docs/theory/transfer.md, eq. 1; blocks as Borri-Brunetto, Carpinteri & "
+                          "Chiaia (2004) Rock Mech. Rock Eng. 37, 117",
              LAC_ROWS(params, lac_transfer_hierarchy)},
     .create = create,
     .free = free,

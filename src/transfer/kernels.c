@@ -140,9 +140,7 @@ static lac_status fill_alone(lac_fft *fft, const lac_grid *grid, const lac_rock 
 {
     double g = rock->shear_modulus, nu = rock->poisson;
     double *low = malloc(2 * (fft->nx / 2 + 2) * sizeof *low);
-    if (low == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(low == NULL, err);
     if (rock->line) {
         // Lengths in cells: the logarithm of a unit would only add a constant.
         fill_line(fft, 1, line_slip, nu, grid->dx / (M_PI * g));

@@ -1,11 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_TRANSFER_KINDS_H
-#define LACUNA_TRANSFER_KINDS_H
+#pragma once
 
 #include "transfer/transfer.h"
 
 extern const lac_transfer_kind lac_hierarchy_kind;
 extern const lac_transfer_kind lac_elastic_kind;
 extern const lac_transfer_kind lac_none_kind;
-
-#endif

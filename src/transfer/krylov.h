@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_TRANSFER_KRYLOV_H
-#define LACUNA_TRANSFER_KRYLOV_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -23,5 +22,3 @@ enum { LAC_KRYLOV_WORK = 3 }; ///< vectors of scratch
 /// @return iterations; -1 where the system is not positive definite, or they do not suffice
 int lac_krylov_solve(const lac_krylov *a, double *x, double *r, double size, double tolerance,
                      int most, double *work);
-
-#endif

@@ -15,9 +15,7 @@ static lac_status create(const void *params, const lac_transfer_scene *scene, vo
 {
     (void)params;
     none *self = malloc(sizeof *self);
-    if (self == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(self == NULL, err);
     self->n = scene->domain->n;
     *state = self;
     return LAC_OK;

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_TRANSFER_TRANSFER_H
-#define LACUNA_TRANSFER_TRANSFER_H
+#pragma once
 
 #include "hierarchy/hierarchy.h"
 
@@ -111,5 +110,3 @@ lac_status lac_transfer_tied(const lac_model *model, const lac_transfer_scene *s
 
 /// Frees what a transfer owns.
 void lac_transfer_clear(lac_transfer *transfer);
-
-#endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "memory/forecast.h"
+#include "base/fail.h"
 
 #include <math.h>
 

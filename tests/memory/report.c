@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "memory/report.h"
+#include "base/fail.h"
 #include "lacuna/simulation.h"
 
 #include <math.h>

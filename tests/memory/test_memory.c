@@ -6,6 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/fail.h"
 #include "fit/model_forecast.h"
 #include "memory/failing_malloc.h"
 #include "memory/forecast.h"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "memory/trade.h"
+#include "base/fail.h"
 
 #include <math.h>
 #include <stdio.h>

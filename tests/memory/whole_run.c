@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "memory/whole_run.h"
+#include "base/fail.h"
 
 #include <limits.h>
 #include <stdio.h>

@@ -5,6 +5,7 @@
 
 #include <math.h>
 
+#include "base/fail.h"
 #include "simulation/simulation.h"
 #include "support/test.h"
 

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_CLI_COMMON_CLEAN_H
-#define LACUNA_CLI_COMMON_CLEAN_H
+#pragma once
 
 #include <stddef.h>
 
@@ -14,5 +13,3 @@ size_t cli_clean(char *text, size_t n);
 /// Lets all that is printed on stdout from here on go through cli_clean. Without memory nothing
 /// changes.
 void cli_clean_stdout(void);
-
-#endif

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_CLI_COMMON_COMMAND_H
-#define LACUNA_CLI_COMMON_COMMAND_H
+#pragma once
 
 #include "cli/common/options.h"
 
@@ -25,5 +24,3 @@ cli_action cli_run, cli_check, cli_contact, cli_rg, cli_precursors, cli_fit, cli
 /// @param word  [count] the words after the program's name, up to the cursor; also as bash cuts
 ///              them at = and :, and with the quotes that were typed
 void cli_complete(int count, char **word);
-
-#endif

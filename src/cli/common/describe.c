@@ -57,10 +57,9 @@ static lac_status find_subject(const char *name, subject *s, lac_error *err)
     }
     for (size_t i = 0; s->kind == NULL && s->section == NULL && i < kinds; i++) {
         kind = lac_kind_get(i);
-        if (find_model(kind, name, NULL) != NULL) {
-            return lac_fail(err, LAC_EINPUT, "describe: \"%s\" is a %s: lacuna describe %s %s",
-                            name, kind->name, kind->name, name);
-        }
+        LAC_FAIL_IF(find_model(kind, name, NULL) != NULL, err, LAC_EINPUT,
+                    "describe: \"%s\" is a %s: lacuna describe %s %s", name, kind->name, kind->name,
+                    name);
     }
     return s->kind != NULL || s->section != NULL
                ? LAC_OK
@@ -176,8 +175,8 @@ static void print_forecast(const lac_forecast_kind *kind)
     printf("  not issued above a misfit of %g\n", kind->worst);
     (void)snprintf(
         text, sizeof text,
-        "intervals: 5, 25, 75 and 95 %% of failures come before t + R exp(q E), R = tc - t (of "
-        "a posterior its median), E^2 = error^2 + %.3g^2, q = %.3g, %.3g, %.3g, %.3g",
+        "intervals: 5, 25, 75 and 95 %% of failures come before t + R exp(q E), R = tc - t (of a "
+        "posterior its median), E^2 = error^2 + %.3g^2, q = %.3g, %.3g, %.3g, %.3g",
         c->spread, c->low90, c->low50, c->high50, c->high90);
     cli_wrap("  ", text);
 }
@@ -336,10 +335,8 @@ static lac_status find(const cli_request *request, subject *s, lac_error *err)
     if (request->count < 2 || status != LAC_OK) {
         return status;
     }
-    if (s->kind == NULL) {
-        return lac_fail(err, LAC_EINPUT, "describe: %s is a section, it has no models",
-                        request->argument[0]);
-    }
+    LAC_FAIL_IF(s->kind == NULL, err, LAC_EINPUT, "describe: %s is a section, it has no models",
+                request->argument[0]);
     s->section = NULL;
     s->model = find_model(s->kind, request->argument[1], err);
     return s->model != NULL ? LAC_OK : LAC_EINPUT;

@@ -5,8 +5,8 @@
 #include "cli/common/words.h"
 #include "lacuna/simulation.h"
 
-const char *const cli_failure_lowered = "a p/eta: damping holds the joint below that of the case; "
-                                        "judged by all cells as one";
+const char *const cli_failure_lowered =
+    "a p/eta: damping holds the joint below that of the case; judged by all cells as one";
 
 void cli_failure_warn(const lac_failure *failure)
 {

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_CLI_COMMON_FAILURE_H
-#define LACUNA_CLI_COMMON_FAILURE_H
+#pragma once
 
 #include "model/problem.h"
 
@@ -9,5 +8,3 @@ extern const char *const cli_failure_lowered;
 
 /// Warns where damping leaves little or nothing between the slip rate at the start and failure.
 void cli_failure_warn(const lac_failure *failure);
-
-#endif

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_CLI_COMMON_INPUTS_H
-#define LACUNA_CLI_COMMON_INPUTS_H
+#pragma once
 
 #include <sys/stat.h>
 
@@ -14,5 +13,3 @@ bool cli_inputs_has(const cli_request *request, const lac_case *c, const struct 
 /// What the files that a case names hold: a section `files:` with a line `NAME: CHECKSUM` for each,
 /// "" where it names none. To be freed; NULL where memory is short.
 char *cli_inputs_sums(const lac_case *c);
-
-#endif

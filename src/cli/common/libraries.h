@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_CLI_COMMON_LIBRARIES_H
-#define LACUNA_CLI_COMMON_LIBRARIES_H
+#pragma once
 
 #include <stddef.h>
 
@@ -11,5 +10,3 @@ const char *cli_libraries(char *text, size_t size);
 
 /// Version of netCDF.
 const char *cli_netcdf_version(char *text, size_t size);
-
-#endif

@@ -122,10 +122,8 @@ static lac_status flush_results(lac_error *err)
 {
     errno = 0;
     bool failed = ferror(stdout) != 0;
-    if (fflush(stdout) != 0 || failed) {
-        return lac_fail(err, LAC_EIO, "standard output: %s",
-                        errno != 0 ? strerror(errno) : "could not be written");
-    }
+    LAC_FAIL_IF(fflush(stdout) != 0 || failed, err, LAC_EIO, "standard output: %s",
+                errno != 0 ? strerror(errno) : "could not be written");
     return LAC_OK;
 }
 

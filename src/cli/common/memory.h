@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_CLI_COMMON_MEMORY_H
-#define LACUNA_CLI_COMMON_MEMORY_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -20,5 +19,3 @@ int64_t cli_memory_resident(const char *root, pid_t pid);
 /// @param peak      of the largest so far [bytes]
 /// @param resident  [running] what they have taken so far [bytes]
 bool cli_memory_allows(int64_t free, int64_t peak, const int64_t *resident, size_t running);
-
-#endif

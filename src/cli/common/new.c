@@ -40,13 +40,9 @@ lac_status cli_new(const cli_request *request, lac_error *err)
         return LAC_EINPUT;
     }
     const char *given = request->count > 0 ? request->argument[0] : "case";
-    if (!names_file(given)) {
-        return lac_fail(err, LAC_EINPUT, "\"%s\" is no name for a file", given);
-    }
+    LAC_FAIL_IF(!names_file(given), err, LAC_EINPUT, "\"%s\" is no name for a file", given);
     char *path = file_name(given);
-    if (path == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(path == NULL, err);
     lac_status status = lac_write_text(path, chosen->text, cli_given(request, CLI_OPT_FORCE), err);
     if (status == LAC_OK && cli_given(request, CLI_OPT_JSON)) {
         lac_json json = {.out = stdout};

@@ -108,14 +108,10 @@ static lac_status keep_override(cli_request *request, const char *key, size_t le
 {
     size_t n = request->set_count;
     lac_override *grown = realloc(request->overrides, (n + 1) * sizeof *grown);
-    if (grown == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(grown == NULL, err);
     request->overrides = grown;
     char *copy = strndup(key, length);
-    if (copy == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(copy == NULL, err);
     grown[n] = (lac_override){.key = copy, .value = value};
     request->set_count = n + 1;
     return LAC_OK;
@@ -125,9 +121,8 @@ static lac_status set_threads(cli_request *request, const char *text, lac_error 
 {
     char *end;
     long n = strtol(text, &end, 10);
-    if (end == text || *end != '\0' || n < 1 || n > 1024) {
-        return lac_fail(err, LAC_EINPUT, "--threads: \"%s\" must be a number from 1 to 1024", text);
-    }
+    LAC_FAIL_IF(end == text || *end != '\0' || n < 1 || n > 1024, err, LAC_EINPUT,
+                "--threads: \"%s\" must be a number from 1 to 1024", text);
     request->threads = (int)n;
     return LAC_OK;
 }
@@ -138,17 +133,15 @@ static lac_status apply(cli_request *request, const cli_option *o, const char *v
     static const char accuracy[] = "solver.accuracy";
     const char *word = o->value != NULL ? value : o->name, *equals = strchr(value, '=');
     request->given |= o->bit;
-    if (o->value != NULL && value[0] == '\0') {
-        return lac_fail(err, LAC_EINPUT, "%s: needs a value: %s %s", o->name, o->name, o->value);
-    }
+    LAC_FAIL_IF(o->value != NULL && value[0] == '\0', err, LAC_EINPUT, "%s: needs a value: %s %s",
+                o->name, o->name, o->value);
     if (o->at != 0) {
         memcpy((char *)request + o->at, &word, sizeof word);
     }
     switch (o->bit) {
     case CLI_OPT_SET:
-        if (equals == NULL || equals == value) {
-            return lac_fail(err, LAC_EINPUT, "--set: \"%s\" must be key.path=value", value);
-        }
+        LAC_FAIL_IF(equals == NULL || equals == value, err, LAC_EINPUT,
+                    "--set: \"%s\" must be key.path=value", value);
         return keep_override(request, value, (size_t)(equals - value), equals + 1, err);
     case CLI_OPT_ACCURACY:
         return keep_override(request, accuracy, strlen(accuracy), value, err);
@@ -184,9 +177,8 @@ static lac_status read_long(cursor *c, const char *word, cli_request *request, l
     }
     if (word[length] == '=') {
         value = word + length + 1;
-        if (o->value == NULL) {
-            return lac_fail(err, LAC_EINPUT, "%s: takes no value, not \"%s\"", o->name, value);
-        }
+        LAC_FAIL_IF(o->value == NULL, err, LAC_EINPUT, "%s: takes no value, not \"%s\"", o->name,
+                    value);
     } else if (o->value != NULL) {
         value = next_word(c, o, request);
     }
@@ -200,9 +192,8 @@ static lac_status read_letters(cursor *c, const char *letters, cli_request *requ
     while (status == LAC_OK && *letters != '\0') {
         const cli_option *o = cli_option_find(letters - 1, 2);
         const char *rest = ++letters;
-        if (o == NULL) {
-            return lac_fail(err, LAC_EINPUT, "\"-%c\" is no option; see lacuna --help", rest[-1]);
-        }
+        LAC_FAIL_IF(o == NULL, err, LAC_EINPUT, "\"-%c\" is no option; see lacuna --help",
+                    rest[-1]);
         if (o->value != NULL) {
             letters = "";
             rest = *rest != '\0' ? rest : next_word(c, o, request);
@@ -222,10 +213,8 @@ static lac_status read_argument(const char *word, cli_request *request, lac_erro
         request->command = cli_find("", word, "command", cli_commands, sizeof *cli_commands, err);
         return request->command != NULL ? LAC_OK : LAC_EINPUT;
     }
-    if (request->count >= request->command->most) {
-        return lac_fail(err, LAC_EINPUT, "%s: \"%.60s\" is one argument too many",
-                        request->command->name, word);
-    }
+    LAC_FAIL_IF(request->count >= request->command->most, err, LAC_EINPUT,
+                "%s: \"%.60s\" is one argument too many", request->command->name, word);
     request->argument[request->count++] = word;
     return LAC_OK;
 }
@@ -258,20 +247,16 @@ static lac_status check_request(const cli_request *request, lac_error *err)
     if (cli_given(request, CLI_OPT_HELP) || cli_given(request, CLI_OPT_VERSION)) {
         return LAC_OK;
     }
-    if (command == NULL) {
-        return lac_fail(err, LAC_EINPUT, "no command given; see lacuna --help");
-    }
+    LAC_FAIL_IF(command == NULL, err, LAC_EINPUT, "no command given; see lacuna --help");
     for (const cli_option *o = cli_options; o->name != NULL; o++) {
         const bool taken = (o->bit & (command->options | CLI_OPT_COMMON)) != 0;
-        if (!taken && was_given(request, o)) {
-            return lac_fail(err, LAC_EINPUT, "%s: not an option of %s; see lacuna %s --help",
-                            o->name, command->name, command->name);
-        }
+        LAC_FAIL_IF(!taken && was_given(request, o), err, LAC_EINPUT,
+                    "%s: not an option of %s; see lacuna %s --help", o->name, command->name,
+                    command->name);
     }
-    if (request->count < command->least) {
-        return lac_fail(err, LAC_EINPUT, "%s: %s is missing; see lacuna %s --help", command->name,
-                        command->arguments, command->name);
-    }
+    LAC_FAIL_IF(request->count < command->least, err, LAC_EINPUT,
+                "%s: %s is missing; see lacuna %s --help", command->name, command->arguments,
+                command->name);
     return LAC_OK;
 }
 
@@ -307,15 +292,10 @@ void cli_request_begin(int count, char **word, cli_request *request)
 lac_status cli_request_read(int argc, char **argv, cli_request *request, lac_error *err)
 {
     *request = (cli_request){.command_line = join(argc, argv)};
-    if (request->command_line == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(request->command_line == NULL, err);
     cursor c = {.argc = argc, .at = 1, .argv = argv};
     while (c.at < c.argc) {
-        lac_status status = read_word(&c, request, err);
-        if (status != LAC_OK) {
-            return status;
-        }
+        LAC_TRY_RETURN(read_word(&c, request, err));
     }
     return check_request(request, err);
 }

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_CLI_COMMON_OPTIONS_H
-#define LACUNA_CLI_COMMON_OPTIONS_H
+#pragma once
 
 #include <stdio.h>
 
@@ -126,5 +125,3 @@ static inline bool cli_given(const cli_request *request, unsigned option)
 
 /// Prints the help lines of the options in `mask` on stdout.
 void cli_options_help(unsigned mask);
-
-#endif

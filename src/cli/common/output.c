@@ -34,9 +34,7 @@ static char *name_after(const char *case_path, const char *ending)
 static lac_status check_existing(const cli_request *request, const lac_case *c, const char *path,
                                  const struct stat *file, lac_error *err)
 {
-    if (S_ISDIR(file->st_mode)) {
-        return lac_fail(err, LAC_EIO, "%s: is a folder, cannot be written", path);
-    }
+    LAC_FAIL_IF(S_ISDIR(file->st_mode), err, LAC_EIO, "%s: is a folder, cannot be written", path);
     if (!S_ISREG(file->st_mode)) { // said before the work, not after it
         return lac_fail(err, LAC_EIO, "%s: is not a regular file", path);
     }
@@ -44,22 +42,16 @@ static lac_status check_existing(const cli_request *request, const lac_case *c, 
         return lac_fail(err, LAC_EINPUT, "%s: is read by this %s, must not be the output", path,
                         c != NULL ? "case" : "command");
     }
-    if (!cli_given(request, CLI_OPT_FORCE | CLI_OPT_RESUME)) {
-        return lac_fail(err, LAC_EINPUT,
-                        "%s: exists already; --force replaces it, -o names another file", path);
-    }
-    if (access(path, W_OK) != 0) {
-        return lac_fail(err, LAC_EIO, "%s: %s", path, strerror(errno));
-    }
+    LAC_FAIL_IF(!cli_given(request, CLI_OPT_FORCE | CLI_OPT_RESUME), err, LAC_EINPUT,
+                "%s: exists already; --force replaces it, -o names another file", path);
+    LAC_FAIL_IF(access(path, W_OK) != 0, err, LAC_EIO, "%s: %s", path, strerror(errno));
     return LAC_OK;
 }
 
 static lac_status check_folder(const char *path, lac_error *err)
 {
     char *folder = strdup(path);
-    if (folder == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(folder == NULL, err);
     char *slash = strrchr(folder, '/');
     if (slash != NULL) {
         slash[slash == folder ? 1 : 0] = '\0';
@@ -77,9 +69,7 @@ lac_status cli_output_check(const cli_request *request, const lac_case *c, const
     if (stat(path, &file) == 0) {
         return check_existing(request, c, path, &file, err);
     }
-    if (errno != ENOENT) {
-        return lac_fail(err, LAC_EIO, "%s: %s", path, strerror(errno));
-    }
+    LAC_FAIL_IF(errno != ENOENT, err, LAC_EIO, "%s: %s", path, strerror(errno));
     if (lstat(path, &file) == 0) { // said before the work, not after it
         return lac_fail(err, LAC_EIO, "%s: is a link to a file that does not exist", path);
     }
@@ -116,9 +106,7 @@ lac_status cli_store_dataset(const cli_request *request, const lac_case *c, int6
 {
     char libraries[256];
     char *text = lac_case_text(c);
-    if (text == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(text == NULL, err);
     lac_provenance provenance =
         cli_provenance(request, c, text, cli_libraries(libraries, sizeof libraries));
     provenance.seed = seed != INT64_MIN ? seed : provenance.seed;

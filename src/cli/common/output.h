@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_CLI_COMMON_OUTPUT_H
-#define LACUNA_CLI_COMMON_OUTPUT_H
+#pragma once
 
 #include "cli/common/options.h"
 #include "store/store.h"
@@ -38,5 +37,3 @@ lac_status cli_store_dataset(const cli_request *request, const lac_case *c, int6
 
 /// Prints a result as one JSON object on stdout, behind it CPU time and the file.
 void cli_print_json(const lac_dataset *dataset, const char *path);
-
-#endif

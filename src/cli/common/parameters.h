@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_CLI_COMMON_PARAMETERS_H
-#define LACUNA_CLI_COMMON_PARAMETERS_H
+#pragma once
 
 #include "base/param.h"
 #include "data/json.h"
@@ -10,5 +9,3 @@ void cli_parameters_print(const lac_param *params, size_t count);
 
 /// The list `parameters` of {key, type, unit, default, min, max, ...}.
 void cli_parameters_json(lac_json *json, const lac_param *params, size_t count);
-
-#endif

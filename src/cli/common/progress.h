@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_CLI_COMMON_PROGRESS_H
-#define LACUNA_CLI_COMMON_PROGRESS_H
+#pragma once
 
 #include "cli/common/options.h"
 
@@ -31,5 +30,3 @@ void cli_progress_clear(cli_progress *progress);
 /// Says what is being done, on stderr, with --verbose.
 void cli_say(const cli_request *request, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
-
-#endif

@@ -6,9 +6,9 @@ enum { CLI_OPT_WRITES = CLI_OPT_OUTPUT | CLI_OPT_FORCE };
 
 const cli_command cli_commands[] = {
     {"run", "CASE", "integrate a case in time, write a netCDF series",
-     "The file is -o FILE, else output.file of the case, else CASE.nc in this folder. "
-     "SIGINT (Ctrl-C) ends the run after its step and keeps what was computed, for --resume to go "
-     "on from; a second one kills it. SIGUSR1 prints how far it is.\n",
+     "The file is -o FILE, else output.file of the case, else CASE.nc in this folder. SIGINT "
+     "(Ctrl-C) ends the run after its step and keeps what was computed, for --resume to go on "
+     "from; a second one kills it. SIGUSR1 prints how far it is.\n",
      "lacuna run cases/vajont.yaml -o vajont.nc", 1, 1,
      CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_RESUME | CLI_OPT_SET | CLI_OPT_ACCURACY |
          CLI_OPT_VIEW,
@@ -33,9 +33,8 @@ const cli_command cli_commands[] = {
      cli_precursors},
     {"fit", "CASE SERIES", "fit a case's parameters to a monitoring series",
      "The case's section fit says what is estimated, from which columns unless options name them. "
-     "Writes the draws, the "
-     "predicted series and the times of failure to -o FILE, else CASE-fit.nc in this folder, and "
-     "the fitted case beside it as FILE.yaml. -v prints every correlation.\n",
+     "Writes the draws, the predicted series and the times of failure to -o FILE, else CASE-fit.nc "
+     "in this folder, and the fitted case beside it as FILE.yaml. -v prints every correlation.\n",
      "lacuna fit cases/fit/century.yaml cases/data/century_prism_31-2008.csv", 2, 2,
      CLI_OPT_WRITES | CLI_OPT_SET | CLI_OPT_SERIES, cli_fit},
     {"trade", "CASE", "error against cost, and the settings to choose",
@@ -53,9 +52,8 @@ const cli_command cli_commands[] = {
      CLI_OPT_WRITES | CLI_OPT_COMPARE | CLI_OPT_SERIES, cli_report_page},
     {"mend", "FILE.nc", "make a file readable whose writer was stopped",
      "Of a run that was killed, or of a history of loads, the last values may be in "
-     "FILE.nc.journal "
-     "only, and FILE.nc may not open. All commands here read it all the same; mended, in place, "
-     "every program does. A run then still goes on by --resume.\n",
+     "FILE.nc.journal only, and FILE.nc may not open. All commands here read it all the same; "
+     "mended, in place, every program does. A run then still goes on by --resume.\n",
      "lacuna mend OUT.nc", 1, 1, 0, cli_mend},
     {"new", "[NAME]", "write a commented case file to start from",
      "NAME.yaml, or case.yaml. It runs as it stands, in seconds.\n",

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_CLI_COMMON_SIGNALS_H
-#define LACUNA_CLI_COMMON_SIGNALS_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -22,5 +21,3 @@ bool cli_signals_stop(void);
 
 /// Whether SIGUSR1 came since last asked.
 bool cli_signals_take_report(void);
-
-#endif

@@ -18,10 +18,8 @@ lac_status cli_unknown(const char *where, const char *word, const char *what,
                        const char *const *known, size_t count, lac_error *err)
 {
     const char *near = lac_nearest(word, known, count);
-    if (near != NULL) {
-        return lac_fail(err, LAC_EINPUT, "%s\"%.60s\" is no %s; did you mean \"%s\"?", where, word,
-                        what, near);
-    }
+    LAC_FAIL_IF(near != NULL, err, LAC_EINPUT, "%s\"%.60s\" is no %s; did you mean \"%s\"?", where,
+                word, what, near);
     char list[512] = "";
     for (size_t i = 0, used = 0; i < count && used < sizeof list; i++) {
         used +=

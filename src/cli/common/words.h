@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_CLI_COMMON_WORDS_H
-#define LACUNA_CLI_COMMON_WORDS_H
+#pragma once
 
 #include <stdarg.h>
 #include <stddef.h>
 
-#include "lacuna/error.h"
+#include "base/fail.h"
 
 /// An error that says what a word is not, and names the nearest known one, or all of them.
 /// @param where  put before it, "" or ending in ": "
@@ -46,5 +45,3 @@ void cli_row_quantity(const char *label, double value, const char *unit);
 
 /// Prints a text on stdout, wrapped to 79 columns, each line after `indent`.
 void cli_wrap(const char *indent, const char *text);
-
-#endif

@@ -60,11 +60,10 @@ static lac_status read_boxes(const char *text, lac_box_def *boxes, lac_error *er
     char *end = "";
     unsigned long smallest = strtoul(text, &colon, 10);
     unsigned long largest = *colon == ':' ? strtoul(colon + 1, &end, 10) : 0;
-    if (strspn(text, "0123456789:") != strlen(text) || *end != '\0' || !is_power_of_two(smallest) ||
-        !is_power_of_two(largest) || largest <= smallest) {
-        return lac_fail(err, LAC_EINPUT,
-                        "--boxes: \"%.60s\" must be two sides in cells, powers of two: 2:32", text);
-    }
+    LAC_FAIL_IF(strspn(text, "0123456789:") != strlen(text) || *end != '\0' ||
+                    !is_power_of_two(smallest) || !is_power_of_two(largest) || largest <= smallest,
+                err, LAC_EINPUT,
+                "--boxes: \"%.60s\" must be two sides in cells, powers of two: 2:32", text);
     boxes->smallest = smallest;
     boxes->largest = largest;
     return LAC_OK;
@@ -73,10 +72,8 @@ static lac_status read_boxes(const char *text, lac_box_def *boxes, lac_error *er
 static lac_status read_coarsest(const char *text, size_t *coarsest, lac_error *err)
 {
     unsigned long n = strtoul(text, NULL, 10);
-    if (strspn(text, "0123456789") != strlen(text) || n < 2 || n > 1ul << 20) {
-        return lac_fail(err, LAC_EINPUT, "--coarsest: \"%.60s\" must be a number of cells from 2",
-                        text);
-    }
+    LAC_FAIL_IF(strspn(text, "0123456789") != strlen(text) || n < 2 || n > 1ul << 20, err,
+                LAC_EINPUT, "--coarsest: \"%.60s\" must be a number of cells from 2", text);
     *coarsest = n;
     return LAC_OK;
 }
@@ -88,9 +85,7 @@ static lac_status read_sizes(const char *text, lac_scene_measure_def *def, lac_e
     lac_units *units = NULL;
     char *copy = strdup(text);
     char *rest = copy;
-    if (copy == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(copy == NULL, err);
     LAC_TRY(lac_units_create(&units, err));
     def->sizes = 0;
     while (rest != NULL) {
@@ -227,9 +222,7 @@ static lac_status write_file(contact_job *job, lac_error *err)
 {
     char libraries[256];
     job->case_text = lac_case_text(job->source);
-    if (job->case_text == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(job->case_text == NULL, err);
     const lac_provenance provenance = cli_provenance(job->request, job->source, job->case_text,
                                                      cli_libraries(libraries, sizeof libraries));
     const bool history = job->source->history.count > 0;

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_CLI_CONTACT_CONTACT_H
-#define LACUNA_CLI_CONTACT_CONTACT_H
+#pragma once
 
 #include "scene/scene.h"
 
@@ -13,5 +12,3 @@ void cli_contact_print(const lac_case *c, const lac_contact_outcome *outcome, co
 
 /// A table of the steps of the history.
 void cli_steps_print(const lac_contact_outcome *outcome);
-
-#endif

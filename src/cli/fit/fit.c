@@ -83,9 +83,7 @@ static lac_status set_columns(fit_job *job, lac_error *err)
                         {"fit.velocity", words->velocity},
                         {"fit.sigma", words->sigma}};
     job->overrides = calloc(request->set_count + COLUMNS, sizeof *job->overrides);
-    if (job->overrides == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(job->overrides == NULL, err);
     if (request->set_count > 0) {
         memcpy(job->overrides, request->overrides, request->set_count * sizeof *job->overrides);
     }
@@ -94,9 +92,7 @@ static lac_status set_columns(fit_job *job, lac_error *err)
             continue;
         }
         job->column[i] = quote(given[i].word);
-        if (job->column[i] == NULL) {
-            return lac_fail_memory(err);
-        }
+        LAC_FAIL_MEMORY_IF(job->column[i] == NULL, err);
         job->overrides[request->set_count++] = (lac_override){given[i].key, job->column[i]};
     }
     request->overrides = job->overrides;
@@ -122,9 +118,7 @@ static lac_status name_case(fit_job *job, lac_error *err)
         n -= 3;
     }
     job->case_path = malloc(n + sizeof ending);
-    if (job->case_path == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(job->case_path == NULL, err);
     memcpy(job->case_path, job->path, n);
     memcpy(job->case_path + n, ending, sizeof ending);
     return cli_output_check(&job->request, job->source, job->case_path, err);
@@ -179,9 +173,7 @@ static lac_status move_case(const char *path, lac_case *c, lac_error *err)
 {
     char folder[PATH_MAX + 1];
     char *name = strdup(path);
-    if (name == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(name == NULL, err);
     free(c->path);
     c->path = name;
     free(c->output_file); // the original's, which a run of this one must not write
@@ -189,9 +181,8 @@ static lac_status move_case(const char *path, lac_case *c, lac_error *err)
     if (strchr(path, '/') == NULL) {
         return LAC_OK;
     }
-    if (getcwd(folder, sizeof folder - 1) == NULL) {
-        return lac_fail(err, LAC_EIO, "the working folder has no name: %s", strerror(errno));
-    }
+    LAC_FAIL_IF(getcwd(folder, sizeof folder - 1) == NULL, err, LAC_EIO,
+                "the working folder has no name: %s", strerror(errno));
     size_t n = strlen(folder);
     folder[n] = '/';
     folder[n + 1] = '\0';
@@ -202,9 +193,7 @@ static lac_status write_whole(const char *path, const char *head, const char *te
 {
     const size_t size = strlen(head) + strlen(text) + sizeof "\n";
     char *whole = malloc(size);
-    if (whole == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(whole == NULL, err);
     (void)snprintf(whole, size, "%s\n%s", head, text);
     const lac_status status = lac_write_text(path, whole, true, err); // asked for before the fit
     free(whole);
@@ -244,9 +233,7 @@ static lac_status write_case(const fit_job *job, lac_error *err)
         return status;
     }
     char *text = lac_case_text(job->fitted);
-    if (text == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(text == NULL, err);
     (void)snprintf(head, sizeof head,
                    "# %s fitted to %s by lacuna fit: the best fit; its uncertainty is in %s",
                    job->source->path, job->request.argument[1], job->path);

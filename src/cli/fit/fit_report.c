@@ -19,8 +19,7 @@ static cli_text when(const lac_case *c, double t)
 static void print_data(const lac_fit_result *r)
 {
     cli_row("readings",
-            "%zu displacements, %zu velocities; left out: %zu outside the run, %zu "
-            "missing",
+            "%zu displacements, %zu velocities; left out: %zu outside the run, %zu missing",
             r->displacements, r->velocities, r->outside, r->missing);
     if (r->not_positive > 0) {
         cli_row("", "%zu velocities <= 0 left out: they have no logarithm", r->not_positive);

@@ -66,9 +66,7 @@ static lac_status sort_events(cells *c, double start, lac_error *err)
     double *moment = c->value[EVENT_MOMENT].value;
     event *list = malloc((n > 0 ? n : 1) * sizeof *list);
     size_t kept = 0;
-    if (list == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(list == NULL, err);
     for (size_t i = 0; i < n; i++) {
         const double from = time[i] + start, to = time[i] + end[i] + start;
         if (isfinite(from) && isfinite(to)) {
@@ -205,9 +203,7 @@ static lac_status write_file(const precursors_job *job, const lac_dataset *datas
     char libraries[256];
     const lac_case *c = job->source;
     char *text = c != NULL ? lac_case_text(c) : NULL;
-    if (c != NULL && text == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(c != NULL && text == NULL, err);
     lac_provenance provenance = {
         .title = job->watched.path, .case_text = text, .seed = c != NULL ? c->fit.seed : INT64_MIN};
     cli_sign(job->request, cli_libraries(libraries, sizeof libraries), &provenance);

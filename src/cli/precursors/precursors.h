@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_CLI_PRECURSORS_PRECURSORS_H
-#define LACUNA_CLI_PRECURSORS_PRECURSORS_H
+#pragma once
 
 #include "cli/common/words.h"
 #include "cli/precursors/series.h"
@@ -41,5 +40,3 @@ lac_status cli_forecast_plan_read(const cli_request *request, bool dated, const 
 
 void cli_precursors_print(const lac_forecast_outcome *outcome, const cli_watched *watched,
                           bool verbose);
-
-#endif

@@ -95,19 +95,14 @@ static lac_status cut(const cli_request *request, const lac_units *units, cli_wa
 {
     double until = INFINITY;
     if (request->until != NULL) {
-        lac_status status = cli_series_time("until", request->until, w->dated, units, &until, err);
-        if (status != LAC_OK) {
-            return status;
-        }
+        LAC_TRY_RETURN(cli_series_time("until", request->until, w->dated, units, &until, err));
     }
     while (w->readings.n > 0 && w->readings.time[w->readings.n - 1] > until) {
         w->readings.n--;
     }
-    if (w->readings.n == 0) {
-        return lac_fail(err, LAC_EINPUT, "%s: has no reading%s%s", w->path,
-                        request->until != NULL ? " until " : "",
-                        request->until != NULL ? request->until : "");
-    }
+    LAC_FAIL_IF(w->readings.n == 0, err, LAC_EINPUT, "%s: has no reading%s%s", w->path,
+                request->until != NULL ? " until " : "",
+                request->until != NULL ? request->until : "");
     return LAC_OK;
 }
 
@@ -172,11 +167,12 @@ static lac_status read_smoothing(const char *text, const lac_units *units, lac_m
         def->order = *end == ',' ? read_count(end + 1, &end) : 0;
         known = def->points > 0 && def->order > 0 && *end == '\0';
     }
-    return known ? LAC_OK
-                 : lac_fail(err, LAC_EINPUT,
-                            "--smooth: \"%s\" must be none, average:N, window:TIME or "
-                            "savgol:POINTS,ORDER",
-                            text);
+    return known
+               ? LAC_OK
+               : lac_fail(
+                     err, LAC_EINPUT,
+                     "--smooth: \"%s\" must be none, average:N, window:TIME or savgol:POINTS,ORDER",
+                     text);
 }
 
 static lac_status read_onset(const char *text, lac_forecast_def *def, lac_error *err)
@@ -220,8 +216,7 @@ lac_status cli_forecast_plan_read(const cli_request *request, bool dated, const 
         status = lac_units_parse(units, words->horizon, "s", &plan->horizon, err);
         if (status != LAC_OK || !(plan->horizon > 0.0)) {
             status = lac_fail(err, LAC_EINPUT,
-                              "--horizon: \"%s\" must be a time > 0 s, such as \"7 "
-                              "day\"",
+                              "--horizon: \"%s\" must be a time > 0 s, such as \"7 day\"",
                               words->horizon);
         }
     }

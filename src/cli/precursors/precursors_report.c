@@ -117,9 +117,8 @@ static void print_beside(const lac_forecast_set *o)
         beside = beside || (f->issued && !(f->low50 <= f->time && f->time <= f->high50));
     }
     if (beside) {
-        printf(
-            "  A time beside its 50 %% interval: by so much the method is late, or early, where it "
-            "was calibrated.\n");
+        printf("  A time beside its 50 %% interval: by so much the method is late, or early, where "
+               "it was calibrated.\n");
     }
 }
 

@@ -20,14 +20,10 @@ static lac_status split(const char *option, const char *text, char **owned, cons
         return LAC_OK;
     }
     const char *colon = strrchr(text, ':');
-    if (colon == text || (colon != NULL && colon[1] == '\0')) {
-        return lac_fail(err, LAC_EINPUT, "--%s: \"%s\" must be COLUMN:UNIT, such as \"disp_mm:mm\"",
-                        option, text);
-    }
+    LAC_FAIL_IF(colon == text || (colon != NULL && colon[1] == '\0'), err, LAC_EINPUT,
+                "--%s: \"%s\" must be COLUMN:UNIT, such as \"disp_mm:mm\"", option, text);
     *column = *owned = strdup(text);
-    if (*owned == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(*owned == NULL, err);
     *unit = NULL;
     if (colon != NULL) {
         (*owned)[colon - text] = '\0';
@@ -41,9 +37,7 @@ static lac_status ask_for_columns(const char *path, lac_error *err)
 {
     lac_stored_file *file = NULL;
     lac_status status = LAC_OK;
-    if (access(path, R_OK) != 0) {
-        return lac_fail(err, LAC_EIO, "%s: %s", path, strerror(errno));
-    }
+    LAC_FAIL_IF(access(path, R_OK) != 0, err, LAC_EIO, "%s: %s", path, strerror(errno));
     if (lac_stored_is_netcdf(path)) {
         status = lac_stored_file_open(path, &file, err);
         lac_stored_file_close(file);
@@ -107,12 +101,11 @@ lac_status cli_series_time(const char *option, const char *text, bool dated, con
                            double *time, lac_error *err)
 {
     if (dated) {
-        return lac_date_parse(text, time)
-                   ? LAC_OK
-                   : lac_fail(err, LAC_EINPUT,
-                              "--%s: \"%s\" must be a date like 2015-07-02 or 2015-07-02T10:07Z, "
-                              "for the file has dates",
-                              option, text);
+        return lac_date_parse(text, time) ? LAC_OK
+                                          : lac_fail(err, LAC_EINPUT,
+                                                     "--%s: \"%s\" must be a date like 2015-07-02 "
+                                                     "or 2015-07-02T10:07Z, for the file has dates",
+                                                     option, text);
     }
     lac_status status = lac_units_parse(units, text, "s", time, err);
     return status == LAC_OK ? status : lac_fail_within(err, status, "--%s: \"%s\"", option, text);

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_CLI_PRECURSORS_SERIES_H
-#define LACUNA_CLI_PRECURSORS_SERIES_H
+#pragma once
 
 #include "base/units.h"
 #include "cli/common/options.h"
@@ -26,5 +25,3 @@ void cli_series_warnings(lac_json *json, const lac_series *series);
 /// @return LAC_OK; LAC_EINPUT
 lac_status cli_series_time(const char *option, const char *text, bool dated, const lac_units *units,
                            double *time, lac_error *err);
-
-#endif

@@ -28,11 +28,8 @@ static lac_status read_one(const lac_case *c, size_t i, const lac_units *units, 
     const char *path = c->compare[i].path;
     const lac_series_def def = cli_compare_columns(&c->compare[i], path);
     const lac_status status = lac_series_read(&def, units, out, err);
-    if (status == LAC_OK && (*out)->dated && !c->dated) {
-        return lac_fail(err, LAC_EINPUT,
-                        "%s: has dates, so time.start of %s must be a date to compare", path,
-                        c->path);
-    }
+    LAC_FAIL_IF(status == LAC_OK && (*out)->dated && !c->dated, err, LAC_EINPUT,
+                "%s: has dates, so time.start of %s must be a date to compare", path, c->path);
     for (size_t k = 0; status == LAC_OK && k < (*out)->n; k++) {
         (*out)->time[k] += c->dated && !(*out)->dated ? c->start_date : 0;
     }
@@ -49,9 +46,7 @@ lac_status cli_compare_read(const cli_request *request, const lac_case *c, cli_c
         return LAC_OK;
     }
     compare->series = calloc(c->compare_count, sizeof(lac_series *));
-    if (compare->series == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(compare->series == NULL, err);
     compare->count = c->compare_count;
     LAC_TRY(lac_units_create(&units, err));
     for (size_t i = 0; i < compare->count; i++) {

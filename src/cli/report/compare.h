@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_CLI_REPORT_COMPARE_H
-#define LACUNA_CLI_REPORT_COMPARE_H
+#pragma once
 
 #include "case/case.h"
 #include "cli/common/options.h"
@@ -30,5 +29,3 @@ void cli_compare_print(const cli_compare *compare, const lac_history *run);
 
 /// The same as a list under `compare`.
 void cli_compare_json(lac_json *json, const cli_compare *compare, const lac_history *run);
-
-#endif

@@ -81,9 +81,7 @@ lac_status cli_report_add(lac_case_issues *report, const lac_case *c, const char
                           const char *message, bool warning, lac_error *err)
 {
     lac_case_issue *grown = realloc(report->issue, (report->count + 1) * sizeof *grown);
-    if (grown == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(grown == NULL, err);
     report->issue = grown;
     lac_case_issue *issue = &grown[report->count++];
     *issue = (lac_case_issue){.file = strdup(c->path),
@@ -191,10 +189,9 @@ lac_status cli_until(const cli_request *request, const lac_case *c, double *end,
         return status == LAC_EINPUT ? lac_fail_within(err, status, "--until: \"%s\"", text)
                                     : status;
     }
-    if (!(until > 0) || until > c->run.end) {
-        return lac_fail(err, LAC_EINPUT, "--until: \"%s\" must be > 0 and <= time.end, %s", text,
-                        cli_exact(c->run.end, "s").s);
-    }
+    LAC_FAIL_IF(!(until > 0) || until > c->run.end, err, LAC_EINPUT,
+                "--until: \"%s\" must be > 0 and <= time.end, %s", text,
+                cli_exact(c->run.end, "s").s);
     *end = until;
     return LAC_OK;
 }

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_CLI_REPORT_REPORT_H
-#define LACUNA_CLI_REPORT_REPORT_H
+#pragma once
 
 #include "cli/common/options.h"
 #include "data/json.h"
@@ -42,5 +41,3 @@ lac_status cli_until(const cli_request *request, const lac_case *c, double *end,
 /// @param c  NULL: the case could not be read, and the message says so already
 /// @return status, unchanged
 lac_status cli_blame(const lac_case *c, lac_status status, lac_error *err);
-
-#endif

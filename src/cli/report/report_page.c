@@ -143,8 +143,8 @@ static lac_status check_run(const char *path, lac_error *err)
                           path);
     } else if (readings != NULL) {
         status = lac_fail(err, LAC_EINPUT,
-                          "%s: is the file of a fit: run the case beside it and lay the fit "
-                          "on that: lacuna report RUN.nc --fit %s",
+                          "%s: is the file of a fit: run the case beside it and lay the fit on "
+                          "that: lacuna report RUN.nc --fit %s",
                           path, path);
     }
     lac_stored_file_close(file);
@@ -156,11 +156,9 @@ static lac_status read_beside(const cli_request *request, lac_series **out, lac_
     if (request->compare != NULL) {
         return read_series(request, out, err);
     }
-    if (cli_given(request, CLI_OPT_SERIES)) {
-        return lac_fail(err, LAC_EINPUT,
-                        "--displacement, --velocity ... say how a series is read: name it with "
-                        "--compare SERIES.csv");
-    }
+    LAC_FAIL_IF(cli_given(request, CLI_OPT_SERIES), err, LAC_EINPUT,
+                "--displacement, --velocity ... say how a series is read: name it with --compare "
+                "SERIES.csv");
     return request->fit != NULL ? read_fitted(request->fit, out, err) : LAC_OK;
 }
 

@@ -42,17 +42,13 @@ static lac_status check_override(const lac_override *set, lac_error *err)
         {"rg.contacts", "",
          "has no meaning for a file, whose cells are loaded further without new contacts"},
     };
-    if (strncmp(set->key, "rg.", 3) != 0) {
-        return lac_fail(err, LAC_EINPUT,
-                        "--set: %s: cannot be changed in a file that holds its results; only keys "
-                        "of rg can, such as rg.beta",
-                        set->key);
-    }
+    LAC_FAIL_IF(strncmp(set->key, "rg.", 3) != 0, err, LAC_EINPUT,
+                "--set: %s: cannot be changed in a file that holds its results; only keys of rg "
+                "can, such as rg.beta",
+                set->key);
     for (size_t i = 0; i < sizeof rules / sizeof *rules; i++) {
-        if (strcmp(set->key, rules[i][0]) == 0 && strcmp(set->value, rules[i][1]) != 0) {
-            return lac_fail(err, LAC_EINPUT, "--set: %s: \"%s\" %s", set->key, set->value,
-                            rules[i][2]);
-        }
+        LAC_FAIL_IF(strcmp(set->key, rules[i][0]) == 0 && strcmp(set->value, rules[i][1]) != 0, err,
+                    LAC_EINPUT, "--set: %s: \"%s\" %s", set->key, set->value, rules[i][2]);
     }
     return LAC_OK;
 }
@@ -81,12 +77,11 @@ static lac_status read_case(const cli_request *request, const char *text, lac_ca
 static lac_status parse_time(const char *text, const lac_case *c, double *time, lac_error *err)
 {
     lac_status status = cli_parse_time(text, c, time, err);
-    return status == LAC_EINPUT
-               ? lac_fail(err, status,
-                          "--snapshot: \"%s\" must be last, a number from 0, or a time such as "
-                          "\"10 day\"%s",
-                          text, c->dated ? " or a date" : "")
-               : status;
+    return status == LAC_EINPUT ? lac_fail(err, status,
+                                           "--snapshot: \"%s\" must be last, a number from 0, or a "
+                                           "time such as \"10 day\"%s",
+                                           text, c->dated ? " or a date" : "")
+                                : status;
 }
 
 // The last, or a number; a time only when the case is known, which says from when it counts.
@@ -130,10 +125,8 @@ static lac_status read_source(rg_job *job, lac_error *err)
     if (job->stored) {
         return read_file(job, err);
     }
-    if (job->request->snapshot != NULL) {
-        return lac_fail(err, LAC_EINPUT, "--snapshot: %s is a case; only files have snapshots",
-                        name);
-    }
+    LAC_FAIL_IF(job->request->snapshot != NULL, err, LAC_EINPUT,
+                "--snapshot: %s is a case; only files have snapshots", name);
     return cli_case_read(job->request, LAC_FOR_RG, &job->source, NULL, err);
 }
 

@@ -49,9 +49,7 @@ static lac_status try_loads(findings *f, const char *list, const lac_model_list 
         if (state != NULL) {
             kind->release(state);
         }
-        if (status == LAC_ENOMEM) {
-            return lac_fail_memory(err);
-        }
+        LAC_FAIL_MEMORY_IF(status == LAC_ENOMEM, err);
         (void)snprintf(key, sizeof key, "load.%s.%zu.%s", list, i, kind->info.name);
         status = status == LAC_OK ? status : add_finding(f, key, &why, status, err);
     }
@@ -149,13 +147,13 @@ static void print_steps(const lac_estimate *e)
         return;
     }
     printf("#   steps           %s\n", steps_class(e));
-    cli_wrap("#     ", e->changing ? "a load changes in time: how often cells slip under it is not "
-                                     "known before"
-                       : e->stable
-                           ? "the cells move together, or there is one"
-                           : cli_format("%d to %.2g: cells may fail one by one, %d steps each",
-                                        LAC_FEWEST_STEPS, e->steps_most, LAC_STEPS_PER_FAILURE)
-                                 .s);
+    cli_wrap("#     ",
+             e->changing
+                 ? "a load changes in time: how often cells slip under it is not known before"
+             : e->stable ? "the cells move together, or there is one"
+                         : cli_format("%d to %.2g: cells may fail one by one, %d steps each",
+                                      LAC_FEWEST_STEPS, e->steps_most, LAC_STEPS_PER_FAILURE)
+                               .s);
     if (e->faster != NULL) {
         cli_wrap("#     ", "k_0 < k_crit: fidelity events is the faster one (docs/choosing.md)");
     }
@@ -244,9 +242,7 @@ static lac_status examine(const cli_request *request, const lac_case *c, lac_cas
     cli_compare compare = {0};
     lac_status status;
     *scene = lac_case_text(c);
-    if (*scene == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(*scene == NULL, err);
     LAC_TRY(lac_load_files_create(&files, err));
     LAC_TRY(try_files(&f, files, err));
     LAC_TRY(cli_compare_read(request, c, &compare, err));

@@ -110,11 +110,9 @@ static lac_status compare_cases(const char *path, const char *then, const char *
     do {
         next(&a);
         next(&b);
-        if (!is_same(&a, &b)) {
-            return lac_fail(err, LAC_EINPUT,
-                            "--resume: %s was begun with another case: it said %s %s, now %s %s",
-                            path, a.section, shown(&a), b.section, shown(&b));
-        }
+        LAC_FAIL_IF(!is_same(&a, &b), err, LAC_EINPUT,
+                    "--resume: %s was begun with another case: it said %s %s, now %s %s", path,
+                    a.section, shown(&a), b.section, shown(&b));
     } while (a.length > 0);
     return LAC_OK;
 }
@@ -162,11 +160,9 @@ static lac_status read_checkpoint(run_job *job, const lac_case *c, lac_error *er
                                      : read_resumed(job->path, text, job->inputs, job->libraries,
                                                     &job->resume, err);
     free(text);
-    if (status == LAC_OK && job->resume.from.time >= job->source->run.end) {
-        return lac_fail(err, LAC_EINPUT,
-                        "--resume: the checkpoint of %s is at %s, not before the end of the run",
-                        job->path, cli_exact(job->resume.from.time, "s").s);
-    }
+    LAC_FAIL_IF(status == LAC_OK && job->resume.from.time >= job->source->run.end, err, LAC_EINPUT,
+                "--resume: the checkpoint of %s is at %s, not before the end of the run", job->path,
+                cli_exact(job->resume.from.time, "s").s);
     return status;
 }
 
@@ -174,9 +170,8 @@ static lac_status read_checkpoint(run_job *job, const lac_case *c, lac_error *er
 static lac_status prepare(run_job *job, lac_error *err)
 {
     lac_status status;
-    if (goes_on(job) && cli_given(job->request, CLI_OPT_FORCE)) {
-        return lac_fail(err, LAC_EINPUT, "--resume keeps the file, --force replaces it: not both");
-    }
+    LAC_FAIL_IF(goes_on(job) && cli_given(job->request, CLI_OPT_FORCE), err, LAC_EINPUT,
+                "--resume keeps the file, --force replaces it: not both");
     LAC_TRY(cli_case_read(job->request, LAC_FOR_RUN, &job->source, NULL, err));
     if (job->source->history.count > 0 && !cli_given(job->request, CLI_OPT_QUIET)) {
         cli_note("warning: %s: load.history is for lacuna contact; run does not use it",
@@ -250,10 +245,7 @@ static lac_status create(run_job *job, lac_error *err)
 static lac_status open_store(run_job *job, const lac_outcome *so_far, lac_error *err)
 {
     lac_store_def def;
-    lac_status status = lac_simulation_file(job->simulation, &def, err);
-    if (status != LAC_OK) {
-        return status;
-    }
+    LAC_TRY_RETURN(lac_simulation_file(job->simulation, &def, err));
     cli_sign(job->request, job->libraries, &def.provenance);
     def.path = job->path;
     def.force = cli_given(job->request, CLI_OPT_FORCE);

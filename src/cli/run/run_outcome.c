@@ -40,9 +40,8 @@ static lac_status make_room(cli_history *h, lac_error *err)
         return LAC_OK;
     }
     size_t room = h->room > 0 ? 2 * h->room : 1024;
-    if (!grow(&h->time, room) || !grow(&h->slip, room) || !grow(&h->rate, room)) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(!grow(&h->time, room) || !grow(&h->slip, room) || !grow(&h->rate, room),
+                       err);
     h->room = room;
     return LAC_OK;
 }

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_CLI_RUN_RUN_OUTCOME_H
-#define LACUNA_CLI_RUN_RUN_OUTCOME_H
+#pragma once
 
 #include "cli/report/compare.h"
 #include "simulation/simulation.h"
@@ -42,5 +41,3 @@ void cli_outcome_print(const cli_outcome *outcome);
 
 /// The same as one JSON object.
 lac_status cli_outcome_json(const cli_outcome *outcome, lac_error *err);
-
-#endif

@@ -169,10 +169,8 @@ static lac_status first_issue(const lac_case_issues *report, lac_status status, 
 {
     char text[512];
     for (size_t i = 0; i < report->count; i++) {
-        if (!report->issue[i].warning) {
-            return lac_fail(err, status, "%s",
-                            lac_case_issue_format(&report->issue[i], text, sizeof text));
-        }
+        LAC_FAIL_IF(!report->issue[i].warning, err, status, "%s",
+                    lac_case_issue_format(&report->issue[i], text, sizeof text));
     }
     return status;
 }
@@ -184,9 +182,7 @@ lac_status cli_trade_case(const cli_trade_job *job, size_t run, lac_case **c, la
     lac_case_issues report = {0};
     *c = NULL;
     lac_override *set = malloc((request->set_count + LAC_SETTINGS + 1) * sizeof *set);
-    if (set == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(set == NULL, err);
     const lac_case_request how = {purpose_of(of), set, gather(job, run, set)};
     lac_status status = lac_case_read(request->argument[0], &how, c, &report, err);
     if (status != LAC_OK) {
@@ -311,15 +307,10 @@ static lac_status name_files(cli_trade_job *job, lac_error *err)
 {
     cli_request plain = *job->request;
     plain.given &= ~(unsigned)CLI_OPT_RESUME; // goes on from the folder, not from the file
-    lac_status status = cli_output_path(&plain, job->source, NULL, "-trade.nc", &job->path, err);
-    if (status != LAC_OK) {
-        return status;
-    }
+    LAC_TRY_RETURN(cli_output_path(&plain, job->source, NULL, "-trade.nc", &job->path, err));
     const size_t size = strlen(job->path) + sizeof ".runs";
     job->folder = malloc(size);
-    if (job->folder == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(job->folder == NULL, err);
     (void)snprintf(job->folder, size, "%s.runs", job->path);
     return LAC_OK;
 }

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_CLI_TRADE_TRADE_H
-#define LACUNA_CLI_TRADE_TRADE_H
+#pragma once
 
 #include "cli/common/options.h"
 #include "cli/common/progress.h"
@@ -46,5 +45,3 @@ void cli_trade_sentence(const lac_trade_outcome *outcome, const lac_trade_reques
 
 /// The table and the sentence on stdout.
 void cli_trade_print(const lac_trade_outcome *outcome, const cli_request *request);
-
-#endif

@@ -69,10 +69,8 @@ static lac_status check_folder(const char *folder, bool resume, lac_error *err)
 {
     int fd = open(folder, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
     DIR *files = fd >= 0 ? fdopendir(fd) : NULL;
-    if (files == NULL) {
-        return lac_fail(err, LAC_EIO, "%s%s: %s", resume ? "--resume: " : "", folder,
-                        strerror(errno));
-    }
+    LAC_FAIL_IF(files == NULL, err, LAC_EIO, "%s%s: %s", resume ? "--resume: " : "", folder,
+                strerror(errno));
     lac_status status = LAC_OK;
     const bool ours = is_done_ours(fd);
     const struct dirent *file;
@@ -138,9 +136,7 @@ static lac_status read_kept(cli_trade_job *job, const char *path, lac_error *err
     size_t size = 0;
     off_t whole = 0;
     FILE *file = fopen(path, "r");
-    if (file == NULL) {
-        return lac_fail(err, LAC_EIO, "--resume: %s: %s", path, strerror(errno));
-    }
+    LAC_FAIL_IF(file == NULL, err, LAC_EIO, "--resume: %s: %s", path, strerror(errno));
     for (ssize_t n = 0; (n = getline(&line, &size, file)) > 0 && line[n - 1] == '\n';) {
         if (whole == 0 && strcmp(line, heading) != 0) {
             break;
@@ -151,9 +147,7 @@ static lac_status read_kept(cli_trade_job *job, const char *path, lac_error *err
     }
     free(line);
     (void)fclose(file);
-    if (whole == 0) {
-        return lac_fail(err, LAC_EINPUT, "--resume: %s: holds no runs of a trade", path);
-    }
+    LAC_FAIL_IF(whole == 0, err, LAC_EINPUT, "--resume: %s: holds no runs of a trade", path);
     return ftruncate(job->kept, whole) == 0
                ? LAC_OK
                : lac_fail(err, LAC_EIO, "%s: %s", path, strerror(errno));
@@ -163,10 +157,8 @@ static lac_status put(cli_trade_job *job, const char *text, lac_error *err)
 {
     const size_t n = strlen(text);
     errno = 0;
-    if (write(job->kept, text, n) != (ssize_t)n || fsync(job->kept) != 0) {
-        return lac_fail(err, LAC_EIO, "%s/done: %s", job->folder,
-                        errno != 0 ? strerror(errno) : "could not be written");
-    }
+    LAC_FAIL_IF(write(job->kept, text, n) != (ssize_t)n || fsync(job->kept) != 0, err, LAC_EIO,
+                "%s/done: %s", job->folder, errno != 0 ? strerror(errno) : "could not be written");
     return LAC_OK;
 }
 
@@ -177,10 +169,8 @@ static lac_status open_done(cli_trade_job *job, lac_error *err)
     (void)snprintf(path, sizeof path, "%s/done", job->folder);
     job->kept =
         open(path, O_RDWR | O_APPEND | O_CLOEXEC | O_NOFOLLOW | (resume ? 0 : O_CREAT), 0666);
-    if (job->kept < 0) {
-        return lac_fail(err, LAC_EIO, "%s%s: %s", resume ? "--resume: " : "", path,
-                        strerror(errno));
-    }
+    LAC_FAIL_IF(job->kept < 0, err, LAC_EIO, "%s%s: %s", resume ? "--resume: " : "", path,
+                strerror(errno));
     if (flock(job->kept, LOCK_EX | LOCK_NB) != 0) {
         (void)close(job->kept);
         job->kept = -1; // what is there belongs to the other one
@@ -190,9 +180,7 @@ static lac_status open_done(cli_trade_job *job, lac_error *err)
     if (resume) {
         return read_kept(job, path, err);
     }
-    if (ftruncate(job->kept, 0) != 0) {
-        return lac_fail(err, LAC_EIO, "%s: %s", path, strerror(errno));
-    }
+    LAC_FAIL_IF(ftruncate(job->kept, 0) != 0, err, LAC_EIO, "%s: %s", path, strerror(errno));
     return put(job, heading, err);
 }
 
@@ -200,9 +188,8 @@ lac_status cli_trade_keep_open(cli_trade_job *job, lac_error *err)
 {
     const bool resume = cli_given(job->request, CLI_OPT_RESUME);
     if (resume || mkdir(job->folder, 0777) != 0) {
-        if (!resume && errno != EEXIST) {
-            return lac_fail(err, LAC_EIO, "%s: %s", job->folder, strerror(errno));
-        }
+        LAC_FAIL_IF(!resume && errno != EEXIST, err, LAC_EIO, "%s: %s", job->folder,
+                    strerror(errno));
         lac_status found = check_folder(job->folder, resume, err);
         if (found != LAC_OK) {
             return found;

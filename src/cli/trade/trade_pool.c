@@ -194,9 +194,7 @@ static void work(const pool *p, size_t run, int to)
 static lac_status launch(pool *p, size_t run, lac_error *err)
 {
     int ends[2];
-    if (pipe(ends) != 0) {
-        return lac_fail(err, LAC_EIO, "a run cannot be started: %s", strerror(errno));
-    }
+    LAC_FAIL_IF(pipe(ends) != 0, err, LAC_EIO, "a run cannot be started: %s", strerror(errno));
     (void)fflush(NULL);
     const pid_t pid = fork();
     if (pid == 0) {
@@ -401,9 +399,7 @@ lac_status cli_trade_run(cli_trade_job *job, lac_error *err)
 {
     pool p = {.job = job, .cap = INFINITY};
     p.started = calloc(job->plan.runs, sizeof *p.started);
-    if (p.started == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(p.started == NULL, err);
     for (size_t i = 0; i < job->plan.runs; i++) {
         const lac_trade_measure *m = &job->measure[i];
         p.total += m->end != LAC_TRADE_REFUSED && m->end != LAC_TRADE_TWIN ? 1 : 0;

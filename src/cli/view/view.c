@@ -223,9 +223,7 @@ lac_status cli_view_open(const cli_request *request, cli_view **out, lac_error *
         return LAC_OK;
     }
     cli_view *view = calloc(1, sizeof *view);
-    if (view == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(view == NULL, err);
     view->lock = (pthread_mutex_t)PTHREAD_MUTEX_INITIALIZER;
     view->is.state = "preparing";
     view->data.at = view->issue.at = -INFINITY;

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_CLI_VIEW_VIEW_H
-#define LACUNA_CLI_VIEW_VIEW_H
+#pragma once
 
 #include "cli/common/options.h"
 #include "lacuna/simulation.h"
@@ -36,5 +35,3 @@ void cli_view_end(cli_view *view, const char *status, bool failed, const char *m
 
 /// Ends the server; a run that has not ended on the page is shown as broken off.
 void cli_view_close(cli_view *view);
-
-#endif

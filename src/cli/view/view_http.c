@@ -71,9 +71,7 @@ static lac_status load(cli_http *http, lac_error *err)
     http->library = dlopen("libmicrohttpd.so.12", RTLD_NOW | RTLD_LOCAL);
     for (size_t i = 0; http->library != NULL && i < sizeof wanted / sizeof *wanted; i++) {
         void *found = dlsym(http->library, wanted[i].name);
-        if (found == NULL) {
-            return lac_fail(err, LAC_EIO, "--view: %s", dlerror());
-        }
+        LAC_FAIL_IF(found == NULL, err, LAC_EIO, "--view: %s", dlerror());
         memcpy((char *)&http->mhd + wanted[i].offset, &found, sizeof found);
     }
     return http->library != NULL
@@ -170,11 +168,11 @@ static enum MHD_Result send_page(const cli_http *http, struct MHD_Connection *co
     for (size_t i = 0; i < NONCE; i++) {
         (void)snprintf(nonce + 2 * i, 3, "%02x", random[i]);
     }
-    (void)snprintf(policy, sizeof policy,
-                   "default-src 'none'; script-src 'nonce-%s'; style-src 'nonce-%s'; "
-                   "img-src data:; connect-src 'self'; base-uri 'none'; form-action 'none'; "
-                   "frame-ancestors 'none'",
-                   nonce, nonce);
+    (void)snprintf(
+        policy, sizeof policy,
+        "default-src 'none'; script-src 'nonce-%s'; style-src 'nonce-%s'; img-src data:; "
+        "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
+        nonce, nonce);
     (void)lac_page_live_page(nonce, &html, NULL); // NULL where it fails
     return deliver(http, connection, MHD_HTTP_OK, "text/html; charset=utf-8", policy, html);
 }
@@ -321,9 +319,7 @@ lac_status cli_http_start(unsigned port, const cli_http_def *def, cli_http **out
     lac_status status;
     cli_http *http = calloc(1, sizeof *http);
     *out = http;
-    if (http == NULL) {
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(http == NULL, err);
     http->def = *def;
     http->socket = -1;
     LAC_TRY(load(http, err));

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef LACUNA_CLI_VIEW_VIEW_HTTP_H
-#define LACUNA_CLI_VIEW_VIEW_HTTP_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
-#include "lacuna/error.h"
+#include "base/fail.h"
 
 /// A server of pages on 127.0.0.1: `/` and `/data`, for reading only. docs/report.md
 typedef struct cli_http cli_http;
@@ -35,5 +34,3 @@ unsigned cli_http_port(const cli_http *http);
 
 /// Closes all connections and waits for its thread; NULL is fine.
 void cli_http_stop(cli_http *http);
-
-#endif
