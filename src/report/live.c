@@ -14,10 +14,8 @@ enum {
 
 static const double *values_of(const lac_recording *recording, const char *name, size_t *n)
 {
-    lac_recorded observation;
-    const bool there = lac_recording_find(recording, name, &observation);
-    *n = there ? observation.count : 0;
-    return there ? observation.values : NULL;
+    *n = lac_dataset_count(lac_recording_dataset(recording), name);
+    return lac_dataset_array(lac_recording_dataset(recording), name);
 }
 
 // Snapshots that are kept at most: of large joints fewer.
