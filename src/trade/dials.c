@@ -15,10 +15,12 @@ static void put(lac_setting_value *out, const char *label, const char *yaml)
     (void)snprintf(out->yaml, sizeof out->yaml, "%s", yaml);
 }
 
-static void put_number(lac_setting_value *out, double value)
+lac_setting_value lac_setting_number(double value)
 {
-    (void)snprintf(out->label, sizeof out->label, "%.10g", value);
-    memcpy(out->yaml, out->label, sizeof out->label);
+    lac_setting_value out;
+    (void)snprintf(out.label, sizeof out.label, "%.10g", value);
+    memcpy(out.yaml, out.label, sizeof out.label);
+    return out;
 }
 
 // The names themselves are what the key takes.
@@ -40,16 +42,16 @@ static size_t rtol_values(const lac_case *c, lac_trade_of of, lac_setting_value 
     for (int k = 1; k <= 13 && n + 2 < LAC_SETTING_VALUES; k++) {
         const double decade = pow(10.0, -k);
         if (!seen && own > decade * 1.01) {
-            put_number(&out[n++], own);
+            out[n++] = lac_setting_number(own);
             seen = true;
         }
         seen = seen || fabs(own / decade - 1.0) <= 0.01;
         if (decade <= coarsest * 1.01 && decade >= finest * 0.99) {
-            put_number(&out[n++], fabs(own / decade - 1.0) <= 0.01 ? own : decade);
+            out[n++] = lac_setting_number(fabs(own / decade - 1.0) <= 0.01 ? own : decade);
         }
     }
     if (!seen) {
-        put_number(&out[n++], own);
+        out[n++] = lac_setting_number(own);
     }
     return n;
 }
@@ -92,7 +94,7 @@ static size_t levels_values(const lac_case *c, lac_trade_of of, lac_setting_valu
     size_t n = 0;
     for (int64_t level = own - 2; own > 0 && level <= own; level++) {
         if (level > 0) {
-            put_number(&out[n++], (double)level);
+            out[n++] = lac_setting_number((double)level);
         }
     }
     return n;
@@ -136,7 +138,7 @@ static size_t count_values(int64_t own, int64_t factor, int64_t least, lac_setti
         n++;
     }
     for (size_t i = 0; i <= n; i++) {
-        put_number(&out[i], (double)(i == n ? own : value));
+        out[i] = lac_setting_number((double)(i == n ? own : value));
         value *= factor;
     }
     return n + 1;
@@ -196,13 +198,6 @@ static const lac_setting settings[] = {
 };
 
 LAC_ROWS_AT(lac_setting, lac_setting_get, settings)
-
-void lac_setting_tighten(const lac_setting *setting, const lac_setting_value *last,
-                         lac_setting_value *out)
-{
-    const double next = strtod(last->yaml, NULL) * setting->finer;
-    put_number(out, setting->falls ? fmax(next, setting->finest) : fmin(next, setting->finest));
-}
 
 void lac_setting_current(const lac_setting *setting, const lac_case *c,
                          char label[LAC_SETTING_LABEL])

@@ -5,7 +5,7 @@
 
 #include "trade/trade.h"
 
-static const lac_quantity_about quantities[] = {
+const lac_quantity_about lac_quantities[] = {
     [LAC_QUANTITY_FAILURE] = {"failure", "s", "time of failure", false},
     [LAC_QUANTITY_LIMIT] = {"limit", "s", "time of the limit", false},
     [LAC_QUANTITY_SLIP] = {"slip", "m", "mean slip at the end", false},
@@ -17,9 +17,8 @@ static const lac_quantity_about quantities[] = {
     [LAC_QUANTITY_PRESSURE] = {"pressure", "Pa", "mean normal pressure", true},
     [LAC_QUANTITY_DIMENSION] = {"dimension", "1", "box dimension", true},
     [LAC_QUANTITY_WORK] = {"work", "J", "frictional work", true},
+    [LAC_QUANTITIES] = {NULL},
 };
-
-const lac_quantity_about *lac_quantity_about_of(int quantity) { return &quantities[quantity]; }
 
 // f0 of the friction law, unless `rg` has its own.
 static double coulomb(const lac_case *c)
@@ -42,9 +41,8 @@ static lac_status on_record(void *context, const lac_record *record, lac_error *
     lac_trade_probe *probe = context;
     const double load =
         record->observation.shear_force / (probe->friction * record->observation.effective_force);
-    probe->load = probe->records == 0 || load > probe->load ? load : probe->load;
+    probe->load = isnan(probe->rate) || load > probe->load ? load : probe->load;
     probe->rate = record->observation.mean_rate;
-    probe->records++;
     return probe->next.record != NULL ? probe->next.record(probe->next.context, record, err)
                                       : LAC_OK;
 }
@@ -69,13 +67,9 @@ static lac_status on_once(void *context, const double *values, lac_error *err)
     return probe->next.once != NULL ? probe->next.once(probe->next.context, values, err) : LAC_OK;
 }
 
-lac_trade_probe lac_trade_probe_create(const lac_case *c, const lac_sink *next)
+lac_sink lac_trade_probe_start(lac_trade_probe *probe, const lac_case *c, const lac_sink *next)
 {
-    return (lac_trade_probe){.next = *next, .friction = coulomb(c), .rate = NAN, .load = NAN};
-}
-
-lac_sink lac_trade_probe_sink(lac_trade_probe *probe)
-{
+    *probe = (lac_trade_probe){.next = *next, .friction = coulomb(c), .rate = NAN, .load = NAN};
     return (lac_sink){.size = sizeof(lac_sink),
                       .context = probe,
                       .record = on_record,
@@ -87,9 +81,6 @@ lac_sink lac_trade_probe_sink(lac_trade_probe *probe)
 void lac_trade_probe_values(const lac_trade_probe *probe, const lac_run_result *result,
                             bool catalogue, double *value)
 {
-    for (int q = 0; q < LAC_QUANTITIES; q++) {
-        value[q] = NAN;
-    }
     value[LAC_QUANTITY_FAILURE] =
         result->failed ? result->failure_origin + result->failure_local : NAN;
     value[LAC_QUANTITY_LIMIT] = result->end == LAC_END_STOP ? result->time : NAN;
