@@ -157,14 +157,11 @@ static void add_usual(const lac_case *c, lac_trade *trade)
 // Whether the last position, which the reference has, is a run in time.
 static bool reference_runs(const lac_trade *trade)
 {
-    bool runs = trade->of == LAC_OF_RUN;
+    lac_trade_run last = {.why = 0};
     for (size_t d = 0; d < trade->settings; d++) {
-        const lac_trade_setting *setting = &trade->setting[d];
-        if (trade->of == LAC_OF_CASCADE && setting->setting->cascade != NULL) {
-            runs = strcmp(setting->value[setting->shown - 1].label, setting->setting->cascade) != 0;
-        }
+        last.at[d] = (short)((int)trade->setting[d].shown - 1);
     }
-    return runs;
+    return trade->of == LAC_OF_RUN || lac_trade_of_run(trade, &last) == LAC_OF_RUN;
 }
 
 // A run has its tolerance to tell how good its reference is, asked for or not.
@@ -301,16 +298,6 @@ static lac_status add_all(lac_trade *trade, lac_error *err)
     return status;
 }
 
-static size_t find_ladder(const lac_trade *trade)
-{
-    for (size_t d = 0; d < trade->settings; d++) {
-        if (trade->setting[d].setting->ratio > 0.0 && trade->setting[d].shown > 0) {
-            return d;
-        }
-    }
-    return SIZE_MAX;
-}
-
 lac_status lac_trade_create(const lac_case *c, lac_trade_of of, const char *words, bool crossed,
                             lac_trade *out, lac_error *err)
 {
@@ -332,7 +319,11 @@ lac_status lac_trade_create(const lac_case *c, lac_trade_of of, const char *word
         LAC_TRY(lac_fail(err, LAC_EINPUT, "there is no dial to turn: its cells are given"));
     }
     add_tighter(out);
-    out->ladder = find_ladder(out);
+    out->ladder = SIZE_MAX;
+    for (size_t d = out->settings; d-- > 0;) {
+        const bool is_ladder = out->setting[d].setting->ratio > 0.0 && out->setting[d].shown > 0;
+        out->ladder = is_ladder ? d : out->ladder;
+    }
     LAC_TRY(add_reference(out, err));
     LAC_TRY(crossed ? add_all(out, err) : add_star(out, err));
     for (size_t d = 0; d < out->settings; d++) {

@@ -36,9 +36,3 @@ void cli_trade_keep_close(cli_trade_job *job, bool remove);
 /// Makes the runs that are pending.
 /// @return LAC_OK; LAC_EINTERRUPT; LAC_EIO
 lac_status cli_trade_run(cli_trade_job *job, lac_error *err);
-
-/// Writes what to choose, in one sentence.
-void cli_trade_sentence(lac_trade *trade, const lac_trade_request *ask);
-
-/// The table and the sentence on stdout.
-void cli_trade_print(const lac_trade *trade, const cli_request *request);

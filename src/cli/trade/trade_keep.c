@@ -19,16 +19,12 @@ static const char heading[] = "lacuna trade 1\n";
 static bool is_of_run(const char *name)
 {
     static const char *const endings[] = {".checkpoint", ".journal", ".lacuna-", ".mended.lacuna-"};
+    int n = 0;
     name += *name == '.';
-    if (strncmp(name, "run-", 4) != 0) {
-        return false;
-    }
-    const size_t digits = strspn(name + 4, "0123456789");
-    const char *rest = name + 4 + digits;
-    bool known = digits > 0 && strncmp(rest, ".nc", 3) == 0;
-    bool fits = known && rest[3] == '\0';
-    for (size_t i = 0; known && i < sizeof endings / sizeof endings[0]; i++) {
-        fits |= strncmp(rest + 3, endings[i], strlen(endings[i])) == 0;
+    (void)sscanf(name, "run-%*[0-9].nc%n", &n);
+    bool fits = n > 0 && name[n] == '\0';
+    for (size_t i = 0; n > 0 && i < sizeof endings / sizeof endings[0]; i++) {
+        fits |= strncmp(name + n, endings[i], strlen(endings[i])) == 0;
     }
     return fits;
 }
@@ -172,10 +168,7 @@ lac_status cli_trade_keep_open(cli_trade_job *job, lac_error *err)
     if (resume || mkdir(job->folder, 0777) != 0) {
         LAC_FAIL_IF(!resume && errno != EEXIST, err, LAC_EIO, "%s: %s", job->folder,
                     strerror(errno));
-        lac_status found = check_folder(job->folder, resume, err);
-        if (found != LAC_OK) {
-            return found;
-        }
+        LAC_TRY_RETURN(check_folder(job->folder, resume, err));
     }
     return open_done(job, err);
 }

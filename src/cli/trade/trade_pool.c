@@ -101,19 +101,6 @@ out:
     return status;
 }
 
-static lac_status compute(const cli_trade_job *job, const lac_case *c, const char *file,
-                          lac_trade_run *run, lac_error *err)
-{
-    switch (lac_trade_of_run(&job->trade, run)) {
-    case LAC_OF_CASCADE:
-        return follow(c, &run->m, err);
-    case LAC_OF_CONTACT:
-        return press(c, &run->m, err);
-    default:
-        return integrate(job, c, file, &run->m, err);
-    }
-}
-
 // Of a run that was not measured.
 static void clear(lac_trade_run *run)
 {
@@ -135,7 +122,10 @@ static lac_status compute_run(const cli_trade_job *job, const char *file, lac_tr
     clear(run);
     lac_status status = cli_trade_case(job, run, &c, &err);
     if (status == LAC_OK) {
-        status = compute(job, c, file, run, &err);
+        const lac_trade_of of = lac_trade_of_run(&job->trade, run);
+        status = of == LAC_OF_CASCADE   ? follow(c, &run->m, &err)
+                 : of == LAC_OF_CONTACT ? press(c, &run->m, &err)
+                                        : integrate(job, c, file, &run->m, &err);
     }
     lac_case_free(c);
     run->m.output = stat(file, &info) == 0 ? (double)info.st_size : 0.0;
@@ -202,10 +192,10 @@ static void work(const cli_trade_job *job, lac_trade_run *run, int to)
 
 static lac_status launch(pool *p, lac_trade_run *run, lac_error *err)
 {
-    int ends[2];
-    LAC_FAIL_IF(pipe(ends) != 0, err, LAC_EIO, "a run cannot be started: %s", strerror(errno));
+    int ends[2] = {-1, -1};
     (void)fflush(NULL);
-    const pid_t pid = fork();
+    const pid_t pid = pipe(ends) == 0 ? fork() : -1;
+    const int why = errno;
     if (pid == 0) {
         (void)close(ends[0]);
         work(p->job, run, ends[1]);
@@ -213,7 +203,7 @@ static lac_status launch(pool *p, lac_trade_run *run, lac_error *err)
     (void)close(ends[1]);
     if (pid < 0) {
         (void)close(ends[0]);
-        return lac_fail(err, LAC_EIO, "a run cannot be started: %s", strerror(errno));
+        return lac_fail(err, LAC_EIO, "a run cannot be started: %s", strerror(why));
     }
     p->at[p->busy++] = (worker){.pid = pid, .from = ends[0], .run = run};
     run->end = LAC_TRADE_RUNNING;
@@ -284,12 +274,12 @@ static bool has_room(const pool *p)
 // Whether a coarser rung of the same settings took too long already.
 static bool is_hopeless(const lac_trade *trade, const lac_trade_run *run)
 {
-    bool hopeless = false;
-    for (const lac_trade_run *other = trade->run; other < trade->run + trade->runs; other++) {
-        hopeless = hopeless ||
-                   (other->end == LAC_TRADE_GIVEN_UP && lac_trade_is_coarser(trade, other, run));
+    const lac_trade_run *other = trade->run, *end = other + trade->runs;
+    while (other < end &&
+           (other->end != LAC_TRADE_GIVEN_UP || !lac_trade_is_coarser(trade, other, run))) {
+        other++;
     }
-    return hopeless;
+    return other < end;
 }
 
 // The next run; NULL: none, or none before others are done.
