@@ -156,16 +156,14 @@ static void measure(lac_shear_space *s)
 
 static lac_status plan(lac_shear_space *s, bool periodic, lac_error *err)
 {
-    lac_status status = LAC_OK;
     size_t mx = periodic || s->nx == 1 ? 1 : 2;
     size_t my = periodic || s->ny == 1 ? 1 : 2;
     for (int axis = 0; axis < 2; axis++) {
-        LAC_TRY(lac_fft_create(mx * s->nx, my * s->ny, &s->fft[axis], err));
-        LAC_TRY(lac_fft_plan_filter(s->fft[axis], s->ny, err));
+        LAC_TRY_RETURN(lac_fft_create(mx * s->nx, my * s->ny, &s->fft[axis], err));
+        LAC_TRY_RETURN(lac_fft_plan_filter(s->fft[axis], s->ny, err));
         s->used[axis] = true;
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 lac_status lac_shear_space_create(const lac_grid *grid, double poisson, lac_shear_space **out,

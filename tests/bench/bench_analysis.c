@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "analysis/analysis.h"
-#include "analysis/slip_clusters.h"
+#include "analysis/slipping.h"
 #include "support/cost.h"
 #include "support/tree.h"
 
