@@ -7,6 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "lacuna/simulation.h"
+
 #include "analysis/analysis.h"
 #include "analysis/slipping.h"
 #include "support/cost.h"
