@@ -5,43 +5,7 @@
 
 #include "report/run.h"
 
-enum { FEW = 1500, MOST_COLUMNS = 8 };
-
-// Where each column is least and greatest among the records of a bucket.
-typedef struct extremes {
-    size_t columns;
-    const double *const *column;
-    size_t least[MOST_COLUMNS], greatest[MOST_COLUMNS];
-} extremes;
-
-static void begin(extremes *e)
-{
-    for (size_t c = 0; c < e->columns; c++) {
-        e->least[c] = e->greatest[c] = SIZE_MAX;
-    }
-}
-
-static void look(extremes *e, size_t i)
-{
-    for (size_t c = 0; c < e->columns; c++) {
-        const double *v = e->column[c];
-        if (v == NULL || isnan(v[i])) {
-            continue;
-        }
-        e->least[c] = e->least[c] == SIZE_MAX || v[i] < v[e->least[c]] ? i : e->least[c];
-        e->greatest[c] =
-            e->greatest[c] == SIZE_MAX || v[i] > v[e->greatest[c]] ? i : e->greatest[c];
-    }
-}
-
-static void mark(const extremes *e, uint8_t *keep)
-{
-    for (size_t c = 0; c < e->columns; c++) {
-        if (e->least[c] != SIZE_MAX) {
-            keep[e->least[c]] = keep[e->greatest[c]] = 1;
-        }
-    }
-}
+enum { FEW = 1500 };
 
 // An axis: times, or the logarithm of the times before the end, turned round.
 typedef struct axis {
@@ -59,24 +23,36 @@ static double bucket_of(const axis *a, size_t i)
     return a->width > 0.0 ? floor(place / a->width) : 0.0;
 }
 
-static void mark_axis(size_t n, const axis *a, extremes *e, uint8_t *keep)
+// Where a column is least and greatest from one record up to another.
+static void mark_extremes(const double *v, size_t from, size_t to, uint8_t *keep)
 {
-    double bucket = -INFINITY;
-    for (size_t i = 0; i < n; i++) {
-        double now = bucket_of(a, i);
-        if (now > bucket) {
-            if (i > 0) {
-                mark(e, keep);
-                keep[i - 1] = 1;
-            }
-            keep[i] = 1;
-            begin(e);
-            bucket = now;
+    size_t least = SIZE_MAX, greatest = SIZE_MAX;
+    for (size_t i = from; i < to; i++) {
+        if (!isnan(v[i])) {
+            least = least == SIZE_MAX || v[i] < v[least] ? i : least;
+            greatest = greatest == SIZE_MAX || v[i] > v[greatest] ? i : greatest;
         }
-        look(e, i);
     }
-    mark(e, keep);
-    keep[n - 1] = 1;
+    if (least != SIZE_MAX) {
+        keep[least] = keep[greatest] = 1;
+    }
+}
+
+static void mark_axis(size_t n, const axis *a, size_t columns, const double *const *column,
+                      uint8_t *keep)
+{
+    for (size_t from = 0, to; from < n; from = to) {
+        const double bucket = bucket_of(a, from);
+        for (to = from + 1; to < n && !(bucket_of(a, to) > bucket);) {
+            to++;
+        }
+        keep[from] = keep[to - 1] = 1;
+        for (size_t c = 0; c < columns; c++) {
+            if (column[c] != NULL) {
+                mark_extremes(column[c], from, to, keep);
+            }
+        }
+    }
 }
 
 static axis even_times(size_t n, const double *time, size_t buckets)
@@ -108,11 +84,10 @@ size_t lac_page_thin(size_t n, const double *time, const double *before, size_t 
     size_t kept = 0;
     memset(keep, n <= few, n);
     if (n > few) {
-        extremes e = {.columns = columns < MOST_COLUMNS ? columns : MOST_COLUMNS, .column = column};
         const axis times = even_times(n, time, buckets);
         const axis decades = even_decades(n, before, buckets);
-        mark_axis(n, &times, &e, keep);
-        mark_axis(n, &decades, &e, keep);
+        mark_axis(n, &times, columns, column, keep);
+        mark_axis(n, &decades, columns, column, keep);
     }
     for (size_t i = 0; i < n; i++) {
         kept += keep[i];

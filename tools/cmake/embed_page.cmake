@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # cmake -D FOLDER=... -D OUTPUT=FILE.c -P embed_page.cmake
-# In page.html a line <!-- style NAME --> or <!-- script NAME --> stands for the file of that name.
+# In page.html a line <!-- style NAME --> or <!-- script NAME --> stands for the file of that name, in a tag with the
+# mark @NONCE@.
 get_filename_component(folder ${OUTPUT} DIRECTORY)
 file(MAKE_DIRECTORY ${folder})
 file(READ ${FOLDER}/page.html page)
@@ -9,7 +10,7 @@ foreach(kind style script)
   foreach(mark ${marks})
     string(REGEX REPLACE "<!-- ${kind} ([a-z.]+) -->" "\\1" name "${mark}")
     file(READ ${FOLDER}/${name} part)
-    string(REPLACE "${mark}" "<${kind}>\n${part}</${kind}>" page "${page}")
+    string(REPLACE "${mark}" "<${kind}@NONCE@>\n${part}</${kind}>" page "${page}")
   endforeach()
 endforeach()
 file(WRITE ${OUTPUT}.html "${page}")
