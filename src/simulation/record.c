@@ -1,15 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A simulation run into memory, which is handed out as a dataset, or into its file.
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/ask.h"
-#include "data/dataset.h"
 #include "simulation/internal.h"
-
-enum { DIMS = 5, JSON_PATH = 80 };
 
 static lac_status add_outcome(lac_recording *recording, const lac_case *c,
                               const lac_run_result *result, lac_error *err)
@@ -47,102 +41,6 @@ lac_run_output lac_outcome_output(const lac_outcome *of)
                             .start_date = of->source->start_date};
 }
 
-// A recording as the dataset that it is handed out as.
-typedef struct recorded {
-    lac_recording *recording;
-    size_t count;
-    lac_recorded *variable;  // [count]
-    lac_variable *row;       // [count]
-    char (*path)[JSON_PATH]; // [count] of each in JSON
-} recorded;
-
-static void recorded_free(void *result)
-{
-    recorded *r = result;
-    lac_recording_free(r->recording);
-    free(r->variable);
-    free(r->row);
-    free(r->path);
-    free(r);
-}
-
-static lac_status take(recorded *r, const lac_recording *recording, lac_error *err)
-{
-    static const double missing = NAN;
-    lac_recorded variable;
-    while (lac_recording_get(recording, r->count, &variable)) {
-        r->count++;
-    }
-    r->variable = calloc(r->count, sizeof *r->variable);
-    r->row = calloc(r->count, sizeof *r->row);
-    r->path = calloc(r->count, sizeof *r->path);
-    LAC_FAIL_MEMORY_IF(r->variable == NULL || r->row == NULL || r->path == NULL, err);
-    for (size_t i = 0; i < r->count; i++) {
-        lac_recorded *v = &r->variable[i];
-        (void)lac_recording_get(recording, i, v);
-        v->values = v->count > 0 ? v->values : &missing;
-        int used = snprintf(r->path[i], sizeof r->path[i], "%s", v->name);
-        for (const char *at = v->dimensions; *at != '\0'; at += at[0] == ' ') {
-            used += snprintf(r->path[i] + used, sizeof r->path[i] - (size_t)used, "[]");
-            at += strcspn(at, " ");
-        }
-        r->row[i] = (lac_variable){.name = v->name,
-                                   .json = r->path[i],
-                                   .unit = v->unit,
-                                   .long_name = v->long_name,
-                                   .comment = v->comment,
-                                   .dims = v->dimensions,
-                                   .held = LAC_HELD_REALS,
-                                   .offset = offsetof(lac_recorded, values),
-                                   .flags = LAC_MISSING | LAC_EMPTY};
-    }
-    return LAC_OK;
-}
-
-// How long the dimensions are: as the variables over one alone.
-static void measure(const lac_recording *recording, lac_extent dim[DIMS])
-{
-    static const char *const axes[DIMS][2] = {{"time", "time"},
-                                              {"snapshot", "snapshot_time"},
-                                              {"event", "event_time"},
-                                              {"level", "level"},
-                                              {"cell", "x"}};
-    for (size_t d = 0; d < DIMS; d++) {
-        lac_recorded variable = {0};
-        const bool there = lac_recording_find(recording, axes[d][1], &variable);
-        dim[d] = (lac_extent){axes[d][0], there ? variable.count : 0};
-    }
-}
-
-// Takes the recording over, whatever it returns.
-static lac_status hand_out(lac_recording *recording, lac_dataset **out, lac_error *err)
-{
-    lac_extent dim[DIMS];
-    lac_dataset *d = NULL;
-    lac_status status = LAC_OK;
-    recorded *r = calloc(1, sizeof *r);
-    if (r == NULL) {
-        lac_recording_free(recording);
-        return lac_fail_memory(err);
-    }
-    r->recording = recording;
-    LAC_TRY(take(r, recording, err));
-    measure(recording, dim);
-    LAC_TRY(lac_dataset_create("A run of a creeping joint.", &d, err));
-    LAC_TRY(lac_dataset_dims(d, dim, DIMS, err));
-    for (size_t i = 0; i < r->count; i++) {
-        const lac_laid laid = {{.row = &r->row[i], .rows = 1, .over = ""}, &r->variable[i]};
-        LAC_TRY(lac_dataset_add(d, &laid, 1, err));
-    }
-    lac_dataset_keep(d, r, recorded_free, NULL);
-    *out = d;
-    return LAC_OK;
-out:
-    lac_dataset_free(d);
-    recorded_free(r);
-    return status;
-}
-
 lac_status lac_simulation_record(lac_simulation *simulation, lac_dataset **out, lac_error *err)
 {
     lac_recording *recording = NULL;
@@ -157,7 +55,7 @@ lac_status lac_simulation_record(lac_simulation *simulation, lac_dataset **out, 
     status = ended;
     if (ended == LAC_OK || ended == LAC_EINTERRUPT) {
         LAC_TRY(add_outcome(recording, outcome->source, &outcome->run, err));
-        status = hand_out(recording, out, err);
+        status = lac_recording_hand_out(recording, out, err);
         recording = NULL;
     }
     status = status == LAC_OK ? ended : status;

@@ -2,6 +2,7 @@
 // A run kept in memory. Its variables are those that a file would have, from the same tables.
 #include "store/recording.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,6 +18,12 @@ typedef struct named_text {
     char *name, *text; // owned
 } named_text;
 
+// A variable that is handed out.
+typedef struct handed {
+    lac_variable row;
+    char path[80]; // in JSON
+} handed;
+
 struct lac_recording {
     lac_run_place place; // what is put out now
     lac_dataset *dataset;
@@ -25,6 +32,7 @@ struct lac_recording {
     double last_origin, last_local;
     size_t texts;
     named_text *text; // [texts]
+    handed *handed;   // [columns.n] as they are handed out; NULL: they are not
 };
 
 void lac_recording_free(lac_recording *recording)
@@ -37,6 +45,7 @@ void lac_recording_free(lac_recording *recording)
         free(recording->text[i].text);
     }
     free(recording->text);
+    free(recording->handed);
     lac_columns_clear(&recording->columns);
     lac_dataset_free(recording->dataset);
     free(recording);
@@ -244,6 +253,61 @@ bool lac_recording_find(const lac_recording *recording, const char *name, lac_re
         }
     }
     return false;
+}
+
+// A variable's array, in the dataset that is handed out.
+static lac_status hand_one(lac_column *c, handed *as, lac_dataset *dataset, lac_error *err)
+{
+    const lac_item *item = &c->item;
+    const lac_laid laid = {{.row = &as->row, .rows = 1, .over = ""}, c};
+    const lac_status status = lac_column_reserve(c, 1, err); // no array: it would be left out
+    if (status != LAC_OK) {
+        return status;
+    }
+    (void)snprintf(as->path, sizeof as->path, "%s%.*s", item->name, 2 * (int)item->rank, "[][][]");
+    as->row = (lac_variable){.name = item->name,
+                             .json = as->path,
+                             .unit = item->unit,
+                             .long_name = item->long_name,
+                             .comment = item->comment,
+                             .dims = item->dims,
+                             .held = LAC_HELD_REALS,
+                             .offset = offsetof(lac_column, values),
+                             .flags = LAC_MISSING | LAC_EMPTY};
+    if (item->rank == 0 && c->count == 0) {
+        c->values[0] = NAN;
+    }
+    return lac_dataset_add(dataset, &laid, 1, err);
+}
+
+static void release(void *result) { lac_recording_free(result); }
+
+lac_status lac_recording_hand_out(lac_recording *recording, lac_dataset **out, lac_error *err)
+{
+    lac_columns *all = &recording->columns;
+    lac_dataset *d = NULL;
+    lac_status status;
+    recording->handed = calloc(all->n, sizeof *recording->handed);
+    LAC_TRY(recording->handed != NULL ? LAC_OK : lac_fail_memory(err));
+    LAC_TRY(lac_dataset_create("A run of a creeping joint.", &d, err));
+    for (size_t k = 0; k < recording->dataset->dims; k++) {
+        lac_extent dim = recording->dataset->dim[k];
+        const size_t along = lac_columns_along(all, dim.name);
+        dim.length = along != LAC_ONCE         ? all->growth[along].places
+                     : dim.length == LAC_GROWS ? 0
+                                               : dim.length;
+        LAC_TRY(lac_dataset_dims(d, &dim, 1, err));
+    }
+    for (size_t i = 0; i < all->n; i++) {
+        LAC_TRY(hand_one(&all->column[i], &recording->handed[i], d, err));
+    }
+    lac_dataset_keep(d, recording, release, NULL);
+    *out = d;
+    return LAC_OK;
+out:
+    lac_dataset_free(d);
+    lac_recording_free(recording);
+    return status;
 }
 
 static named_text *find_text(const lac_recording *recording, const char *name)

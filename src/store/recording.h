@@ -70,6 +70,10 @@ void lac_recording_thin(lac_recording *recording, const char *dimension, const u
 lac_status lac_recording_load(lac_recording *recording, const char *path,
                               const lac_checkpoint_file *checkpoint, lac_error *err);
 
+/// Makes it the dataset that it is handed out as, which owns it, whatever is returned.
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_recording_hand_out(lac_recording *recording, lac_dataset **out, lac_error *err);
+
 /// The index-th variable.
 /// @return false past the end
 bool lac_recording_get(const lac_recording *recording, size_t index, lac_recorded *out);
