@@ -19,11 +19,13 @@ static double slipping_rate(lac_page *page)
     return rate > 0.0 ? slipping_ratio * rate : NAN;
 }
 
-// Snapshots that the page shows, in time.
+// Snapshots that the page shows.
 typedef struct shots {
     size_t count, most;
     size_t index[LINE_SNAPSHOTS];
-    double time[LINE_SNAPSHOTS], before[LINE_SNAPSHOTS];
+    lac_stored_values time;
+    double *before; // [time.n]
+    uint8_t *keep;  // [time.n]
 } shots;
 
 // A field of the snapshots: what is written of it.
@@ -49,28 +51,27 @@ static double before_of(const lac_page *page, double time)
 
 static void choose_shots(lac_page *page, shots *s)
 {
-    const lac_stored_values time = lac_page_values(page, page->file, "snapshot_time");
-    size_t n = time.n;
-    while (n > 0 && isnan(time.value[n - 1])) { // torn
-        n--;
+    s->time = lac_page_values(page, page->file, "snapshot_time");
+    while (s->time.n > 0 && isnan(s->time.value[s->time.n - 1])) { // torn
+        s->time.n--;
     }
-    uint8_t *keep = lac_page_room(page, n);
-    double *before = lac_page_room(page, n * sizeof *before);
-    if (keep == NULL || before == NULL) {
+    const size_t n = s->time.n;
+    s->keep = lac_page_room(page, n);
+    s->before = lac_page_room(page, n * sizeof *s->before);
+    if (s->keep == NULL || s->before == NULL) {
         return;
     }
     for (size_t i = 0; i < n; i++) {
-        before[i] = before_of(page, time.value[i]);
+        s->before[i] = before_of(page, s->time.value[i]);
     }
-    memset(keep, 1, n);
+    memset(s->keep, 1, n);
     if (n > s->most) {
-        lac_page_thin_to(n, time.value, before, s->most, s->most, keep);
+        lac_page_thin_to(n, s->time.value, s->before, s->most, s->most, s->keep);
     }
     for (size_t i = 0; i < n; i++) {
-        if (keep[i] && s->count < s->most) {
-            s->index[s->count] = i;
-            s->time[s->count] = time.value[i];
-            s->before[s->count++] = before[i];
+        s->keep[i] = s->keep[i] && s->count < s->most;
+        if (s->keep[i]) {
+            s->index[s->count++] = i;
         }
     }
 }
@@ -190,8 +191,8 @@ static void write_shares(lac_json *json, const lac_page_raster *r, size_t count,
 
 static void write_snapshots(lac_page *page, const lac_page_raster *r, const shots *s, room *to)
 {
-    lac_page_column(page, "snapshot_time", s->count, s->time, NULL, 12);
-    lac_page_column(page, "snapshot_before", s->count, s->before, NULL, 6);
+    lac_page_column(page, "snapshot_time", s->time.n, s->time.value, s->keep, 12);
+    lac_page_column(page, "snapshot_before", s->time.n, s->before, s->keep, 6);
     for (const field *f = fields; f < fields + sizeof fields / sizeof *fields; f++) {
         maps of = {f->key, s->count, to->value, NAN, NAN};
         if (!read_field(page, r, s, f, to)) {

@@ -9,15 +9,17 @@ enum { BUCKETS = 300, COMMENT = 600 };
 // Variables of one number; null on the page where the file has none.
 static void write_fixed_points(lac_page *page)
 {
-    static const char *const scalars[] = {"critical_fraction",
-                                          "critical_fraction_low",
-                                          "critical_fraction_high",
-                                          "run_critical_fraction",
-                                          "run_critical_fraction_low",
-                                          "run_critical_fraction_high",
-                                          "run_lambda",
-                                          "run_lambda_low",
-                                          "run_lambda_high"};
+    static const char *const scalars[] = {
+        "critical_fraction",
+        "critical_fraction_low",
+        "critical_fraction_high",
+        "run_critical_fraction",
+        "run_critical_fraction_low",
+        "run_critical_fraction_high",
+        "run_lambda",
+        "run_lambda_low",
+        "run_lambda_high",
+    };
     static const char *const comments[][2] = {{"source", "critical_fraction"},
                                               {"definition", "n_slip"}};
     char comment[COMMENT];

@@ -5,6 +5,10 @@
 #include "report/report.h"
 #include "store/store_file.h"
 
+/// The page without its data, made from the files in `page/` when Lacuna is built; ends in '\0'.
+/// The marks @TITLE@ and @DATA@ stand in it once each, @NONCE@ in the tag of each style and script.
+extern const unsigned char lac_page_html[];
+
 /// A page that is being made. Where something fails its sections go on without what they lack, and
 /// the first failure counts: what was written is then no page.
 typedef struct lac_page {
@@ -51,9 +55,6 @@ size_t lac_page_thin(size_t n, const double *time, const double *before, size_t 
 void lac_page_thin_to(size_t n, const double *time, const double *before, size_t most, size_t goal,
                       uint8_t *keep);
 
-/// The file's name without its folder.
-const char *lac_page_name(const char *path);
-
 /// The numbers of a column at the records that are kept.
 /// @param value  [n] NULL: none
 /// @param keep   [n] NULL: all
@@ -70,7 +71,6 @@ void lac_page_records(lac_page *page, const char *section, const uint8_t *keep);
 double *lac_page_readings(lac_page *page);
 
 /// The sections: each writes an object under its key, or nothing where the run has no data for it.
-void lac_page_about(lac_page *page, const char *key);
 void lac_page_course(lac_page *page, const char *key);
 void lac_page_series(lac_page *page, const char *key);
 void lac_page_fit(lac_page *page, const char *key);
