@@ -2,7 +2,7 @@
 // The versions of the libraries in use, as they tell them themselves at run time: the one file
 // besides each library's home that includes its header, and for nothing else. UDUNITS and
 // Random123 do not tell theirs.
-#include "cli/common/libraries.h"
+#include "cli/common/output.h"
 
 #include <fftw3.h>
 #include <gsl/gsl_version.h>

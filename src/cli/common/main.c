@@ -8,10 +8,9 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "cli/common/clean.h"
 #include "cli/common/command.h"
-#include "cli/common/libraries.h"
-#include "cli/common/signals.h"
+#include "cli/common/output.h"
+#include "cli/common/progress.h"
 #include "cli/common/words.h"
 #include "data/json.h"
 #include "lacuna/version.h"

@@ -37,3 +37,15 @@ lac_status cli_store_dataset(const cli_request *request, const lac_case *c, int6
 
 /// Prints a result as one JSON object on stdout, behind it CPU time and the file.
 void cli_print_json(const lac_dataset *dataset, const char *path);
+
+/// What the files that a case names hold: a section `files:` with a line `NAME: CHECKSUM` for each,
+/// "" where it names none. To be freed; NULL where memory is short.
+char *cli_inputs_sums(const lac_case *c);
+
+/// The libraries that the program runs with and their versions, on one line; without netCDF,
+/// whose version stands in every file anyway.
+/// @return text, which also stands in `text`
+const char *cli_libraries(char *text, size_t size);
+
+/// Version of netCDF.
+const char *cli_netcdf_version(char *text, size_t size);

@@ -8,10 +8,8 @@
 
 #include "base/units.h"
 #include "cli/common/command.h"
-#include "cli/common/libraries.h"
 #include "cli/common/output.h"
 #include "cli/common/progress.h"
-#include "cli/common/signals.h"
 #include "cli/common/words.h"
 #include "cli/report/report.h"
 

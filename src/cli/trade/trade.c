@@ -9,10 +9,8 @@
 
 #include "base/units.h"
 #include "cli/common/command.h"
-#include "cli/common/inputs.h"
-#include "cli/common/libraries.h"
 #include "cli/common/output.h"
-#include "cli/common/signals.h"
+#include "cli/common/progress.h"
 #include "cli/common/words.h"
 #include "cli/report/report.h"
 #include "data/dataset.h"

@@ -16,10 +16,9 @@
 #include <unistd.h>
 
 #include "cli/common/command.h"
-#include "cli/common/libraries.h"
 #include "cli/common/memory.h"
 #include "cli/common/output.h"
-#include "cli/common/signals.h"
+#include "cli/common/progress.h"
 #include "cli/trade/trade.h"
 #include "scene/scene_rg.h"
 #include "simulation/simulation.h"
