@@ -154,9 +154,6 @@ LAC_GETTER(double, evaluations, MEASURE, (double)m->evaluations)
 LAC_GETTER(double, cells, MEASURE, (double)m->cells)
 LAC_GETTER(double, on_front, RUN, o->verdict->on_front[r->run] ? 1.0 : 0.0)
 
-#define G(getter) .value = (getter)
-#define T(getter) .text = (getter)
-
 static const lac_variable of_trade[] = {
     {.json = "title", T(title)},
     {.name = "status", T(complete)},
