@@ -339,8 +339,8 @@ lac_status lac_run_ending_describe(const lac_run_ending *ending, lac_dataset **o
                              {LAC_VARIABLES(of_end, "", 0), ending}};
     lac_status status;
     LAC_TRY(lac_dataset_create("", out, err));
-    lac_dataset_set_clock(*out, ending->dated ? LAC_CLOCK_DATE : LAC_CLOCK_NONE,
-                          ending->start_date);
+    (*out)->clock = ending->dated ? LAC_CLOCK_DATE : LAC_CLOCK_NONE;
+    (*out)->start = ending->start_date;
     LAC_TRY(lac_dataset_add(*out, laid, sizeof laid / sizeof *laid, err));
 out:
     return lac_dataset_described(out, status);

@@ -300,7 +300,8 @@ static void test_many(void **state)
     lac_dataset *d = NULL;
     lac_item item = {0};
     assert_int_equal(lac_dataset_create("many", &d, &err), LAC_OK);
-    lac_dataset_set_clock(d, LAC_CLOCK_START, 86400.0);
+    d->clock = LAC_CLOCK_START;
+    d->start = 86400.0;
     assert_int_equal(lac_dataset_dims(d, dims, 3, &err), LAC_OK);
     assert_int_equal(lac_dataset_add(d, &laid, 1, &err), LAC_OK);
     assert_true(lac_dataset_find(d, "pair", &item));

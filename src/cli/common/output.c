@@ -155,29 +155,26 @@ lac_status cli_output_path(const cli_request *request, const lac_case *c, const 
     return *path != NULL ? cli_output_check(request, c, *path, err) : lac_fail_memory(err);
 }
 
-void cli_sign(const cli_request *request, const char *libraries, lac_provenance *provenance)
+void cli_sign(const cli_request *request, lac_provenance *provenance)
 {
     provenance->command_line = request->command_line;
-    provenance->libraries = libraries;
+    provenance->libraries = request->libraries;
     provenance->now = (double)time(NULL);
 }
 
-lac_provenance cli_provenance(const cli_request *request, const lac_case *c, const char *case_text,
-                              const char *libraries)
+lac_provenance cli_provenance(const cli_request *request, const lac_case *c, const char *case_text)
 {
     lac_provenance provenance = lac_case_provenance(c, case_text);
-    cli_sign(request, libraries, &provenance);
+    cli_sign(request, &provenance);
     return provenance;
 }
 
 lac_status cli_store_dataset(const cli_request *request, const lac_case *c, int64_t seed,
                              const char *path, const lac_dataset *dataset, lac_error *err)
 {
-    char libraries[256];
     char *text = lac_case_text(c);
     LAC_FAIL_MEMORY_IF(text == NULL, err);
-    lac_provenance provenance =
-        cli_provenance(request, c, text, cli_libraries(libraries, sizeof libraries));
+    lac_provenance provenance = cli_provenance(request, c, text);
     provenance.seed = seed != INT64_MIN ? seed : provenance.seed;
     lac_status status =
         lac_store_dataset(path, cli_given(request, CLI_OPT_FORCE), &provenance, dataset, err);

@@ -218,11 +218,9 @@ static lac_status follow_history(contact_job *job, const lac_provenance *provena
 
 static lac_status write_file(contact_job *job, lac_error *err)
 {
-    char libraries[256];
     job->case_text = lac_case_text(job->source);
     LAC_FAIL_MEMORY_IF(job->case_text == NULL, err);
-    const lac_provenance provenance = cli_provenance(job->request, job->source, job->case_text,
-                                                     cli_libraries(libraries, sizeof libraries));
+    const lac_provenance provenance = cli_provenance(job->request, job->source, job->case_text);
     const bool history = job->source->history.count > 0;
     lac_dataset *dataset = NULL;
     job->outcome = (lac_contact_outcome){.contact = &job->contact,

@@ -205,14 +205,14 @@ static uint64_t add(uint64_t sum, const char *text)
 static lac_status describe(const cli_trade_job *job, const lac_case *c, lac_trade_settings *out,
                            lac_error *err)
 {
-    char libraries[256], end[32];
+    char end[32];
     char *text = lac_case_text(c), *sums = cli_inputs_sums(c);
     lac_status status = text == NULL || sums == NULL ? lac_fail_memory(err) : LAC_OK;
     if (status == LAC_OK) {
         (void)snprintf(end, sizeof end, "%a", c->run.end);
         out->key = add(UINT64_C(0xcbf29ce484222325), text);
         out->key = add(add(out->key, sums), end);
-        out->key = add(add(out->key, LACUNA_VERSION), cli_libraries(libraries, sizeof libraries));
+        out->key = add(add(out->key, LACUNA_VERSION), job->request->libraries);
         for (size_t d = 0; d < job->plan.settings; d++) {
             lac_setting_current(job->plan.setting[d].setting, c, out->label[d]);
         }
