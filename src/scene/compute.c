@@ -51,7 +51,7 @@ lac_status lac_contact_compute(const lac_case *c, const lac_contact_options *opt
     r = calloc(1, sizeof *r);
     LAC_TRY(r != NULL ? LAC_OK : lac_fail_memory(err));
     LAC_TRY(lac_made_from_case(c, &r->made, err));
-    LAC_TRY(lac_scene_contact_solve(c, true, &r->contact, err));
+    LAC_TRY(lac_scene_contact_solve(c, LAC_SCENE_MEASURED, &r->contact, err));
     LAC_TRY(own.quick ? LAC_OK : lac_scene_contact_measure(&measure, &r->contact, err));
     r->outcome = (lac_contact_outcome){.contact = &r->contact, .status = "complete"};
     LAC_TRY(lac_contact_describe(&r->outcome, out, err));

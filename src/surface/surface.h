@@ -65,14 +65,15 @@ typedef struct lac_surface_stats {
 typedef struct lac_surface_source {
     lac_model_info info;
     /// @param heights  [ny * nx] composite height of each cell [m]; overwritten
+    /// @param report   NULL; left alone by a source without files, whose heights are then measured
     lac_status (*generate)(const void *params, const lac_grid *grid, double *heights,
-                           lac_error *err);
-    /// As generate, with a report; NULL: the heights of the interface are measured.
-    lac_status (*generate_measured)(const void *params, const lac_grid *grid, double *heights,
-                                    lac_surface_stats *report, lac_error *err);
+                           lac_surface_stats *report, lac_error *err);
     /// Where the spectrum is a power law [m], NaN where the grid says; NULL: not known.
     lac_wave_range (*waves)(const void *params, const lac_grid *grid);
 } lac_surface_source;
+
+extern const lac_surface_source lac_surface_self_affine, lac_surface_joint, lac_surface_benchmark,
+    lac_surface_from_file;
 
 /// Parameters of `self-affine`.
 typedef struct lac_self_affine {
@@ -146,15 +147,10 @@ typedef struct lac_height_map {
 const lac_surface_source *lac_surface_source_get(size_t index);
 
 /// Heights of the chosen source on a grid.
-/// @param model     a surface source and its parameters
 /// @param heights  [ny * nx] [m]; overwritten
+/// @param report   what the surface is like; NULL: it is not measured
 lac_status lac_surface_generate(const lac_model *model, const lac_grid *grid, double *heights,
-                                lac_error *err);
-
-/// As lac_surface_generate, and measures the surface.
-lac_status lac_surface_generate_measured(const lac_model *model, const lac_grid *grid,
-                                         double *heights, lac_surface_stats *report,
-                                         lac_error *err);
+                                lac_surface_stats *report, lac_error *err);
 
 /// rms slope between cells `lag` apart along x (or y); 0 where there are none.
 double lac_rms_slope(const lac_grid *grid, const double *heights, bool along_x, size_t lag);
