@@ -29,11 +29,9 @@ static lac_status read_stored(const char *path, const lac_grid *grid, double *pr
     lac_status status;
     LAC_TRY(lac_stored_domain_read(path, &domain, err));
     LAC_TRY(check_size(path, domain->grid.nx, domain->grid.ny, grid, err));
-    if (!nearly(domain->grid.dx, grid->dx) || !nearly(domain->grid.dy, grid->dy)) {
-        LAC_TRY(lac_fail(err, LAC_EINPUT,
-                         "%s: its cells are %g m x %g m, those of the interface %g m x %g m", path,
-                         domain->grid.dx, domain->grid.dy, grid->dx, grid->dy));
-    }
+    LAC_LEAVE_IF(!nearly(domain->grid.dx, grid->dx) || !nearly(domain->grid.dy, grid->dy), err,
+                 LAC_EINPUT, "%s: its cells are %g m x %g m, those of the interface %g m x %g m",
+                 path, domain->grid.dx, domain->grid.dy, grid->dx, grid->dy);
     for (size_t i = 0; i < domain->n; i++) {
         pressure[domain->index[i]] = domain->pressure[i];
     }

@@ -208,10 +208,8 @@ static lac_status all_seeds(const lac_case *c, const lac_rg_watch *watch, lac_sc
     lac_status status = LAC_OK;
     joint j = {0};
     for (size_t i = 0; i < out->seeds; i++) {
-        if (watch != NULL && !watch->go_on(watch->context, i, out->seeds)) {
-            LAC_TRY(lac_fail(err, LAC_EINTERRUPT, "interrupted after %zu of %zu interfaces", i,
-                             out->seeds));
-        }
+        LAC_LEAVE_IF(watch != NULL && !watch->go_on(watch->context, i, out->seeds), err,
+                     LAC_EINTERRUPT, "interrupted after %zu of %zu interfaces", i, out->seeds);
         LAC_TRY(make_joint(c, &j, err));
         LAC_TRY(add_joint(c, &j, out, err));
         note(&j.contact, seed_now(c), i, out);

@@ -81,11 +81,9 @@ static lac_status convert(const face_def *def, lac_height_map *map, lac_file_rep
     LAC_TRY(lac_units_create(&units, err));
     LAC_TRY(scale_of(def, units, "heights", vertical, &scale, err));
     LAC_TRY(scale_heights(def->path, scale, map, err));
-    if (known && !isnan(def->spacing)) {
-        LAC_TRY(lac_fail(err, LAC_EINPUT,
-                         "%s: the file has a spacing of its own, %g by %g; leave spacing out",
-                         def->path, map->dx, map->dy));
-    }
+    LAC_LEAVE_IF(known && !isnan(def->spacing), err, LAC_EINPUT,
+                 "%s: the file has a spacing of its own, %g by %g; leave spacing out", def->path,
+                 map->dx, map->dy);
     if (known) {
         LAC_TRY(scale_of(def, units, "spacing", lateral, &scale, err));
     }
@@ -122,20 +120,13 @@ static lac_status read_face(const face_def *def, face *f, lac_error *err)
     return nearest ? lac_fill_nearest(f->map, err) : LAC_OK;
 }
 
-static lac_status check_complete(const face *f, const lac_grid *grid, const double *heights,
-                                 lac_error *err)
+static size_t count_missing(const double *heights, size_t n)
 {
     size_t missing = 0;
-    size_t n = lac_grid_cells(grid);
     for (size_t i = 0; i < n; i++) {
         missing += isnan(heights[i]) ? 1 : 0;
     }
-    return missing == 0 ? LAC_OK
-                        : lac_fail(err, LAC_EINPUT,
-                                   "%s: %zu of the %zu cells of the interface have no height (no "
-                                   "data in %zu samples of the file); choose a smaller interface, "
-                                   "or use `nodata: nearest`, `mean` or `mask`",
-                                   f->report.path, missing, n, f->map->masked);
+    return missing;
 }
 
 // Gaps stay NaN only with `nodata: mask`.
@@ -143,7 +134,13 @@ static lac_status lay(face *f, const lac_grid *grid, int nodata, double *heights
 {
     f->report.fit = f->place.fit;
     LAC_TRY_RETURN(lac_fit_map(f->report.path, f->map, &f->place, grid, heights, err));
-    return nodata == LAC_NODATA_MASK ? LAC_OK : check_complete(f, grid, heights, err);
+    const size_t n = lac_grid_cells(grid), missing = count_missing(heights, n);
+    LAC_FAIL_IF(nodata != LAC_NODATA_MASK && missing > 0, err, LAC_EINPUT,
+                "%s: %zu of the %zu cells of the interface have no height (no data in %zu samples "
+                "of the file); choose a smaller interface, or use `nodata: nearest`, `mean` or "
+                "`mask`",
+                f->report.path, missing, n, f->map->masked);
+    return LAC_OK;
 }
 
 static lac_status read_upper(const lac_surface_file *p, const lac_grid *grid, face *f,
@@ -231,16 +228,6 @@ out:
     return status;
 }
 
-static bool is_complete(const lac_height_map *map)
-{
-    for (size_t i = 0; map->masked > 0 && i < map->nx * map->ny; i++) {
-        if (isnan(map->heights[i])) {
-            return false;
-        }
-    }
-    return true;
-}
-
 // What the heights look like before anything is taken off: all of a file, or what lies on the
 // interface where there are two, or gaps in one.
 static lac_status measure(const face *one, const lac_grid *grid, const double *heights, bool two,
@@ -250,7 +237,7 @@ static lac_status measure(const face *one, const lac_grid *grid, const double *h
     lac_grid samples = *grid;
     samples.periodic = false;
     report->measured = two ? LAC_MEASURED_COMPOSITE : LAC_MEASURED_PART;
-    if (!two && is_complete(map)) {
+    if (!two && (map->masked == 0 || count_missing(map->heights, map->nx * map->ny) == 0)) {
         samples.nx = map->nx;
         samples.ny = map->ny;
         samples.dx = span_of(one, grid, true).spacing;
@@ -268,11 +255,9 @@ static lac_status bridge(const char *path, const lac_grid *grid, double *heights
                          lac_error *err)
 {
     size_t n = lac_grid_cells(grid);
-    lac_height_map map = {.nx = grid->nx, .ny = grid->ny, .heights = heights};
+    lac_height_map map = {
+        .nx = grid->nx, .ny = grid->ny, .heights = heights, .masked = count_missing(heights, n)};
     *masked = NULL;
-    for (size_t i = 0; i < n; i++) {
-        map.masked += isnan(heights[i]) ? 1 : 0;
-    }
     if (map.masked == 0) {
         return LAC_OK;
     }

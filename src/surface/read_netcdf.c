@@ -63,19 +63,17 @@ static lac_status find_variable(grid_file *file, lac_error *err)
 
 static lac_status find_dimensions(grid_file *file, lac_error *err)
 {
-    lac_status status;
     char name[2][NC_MAX_NAME + 1];
-    LAC_TRY(check(file, nc_inq_varname(file->id, file->var, file->name), "a name", err));
+    LAC_TRY_RETURN(check(file, nc_inq_varname(file->id, file->var, file->name), "a name", err));
     for (size_t k = 0; k < 2; k++) {
-        LAC_TRY(check(file, nc_inq_dim(file->id, file->dim[k], name[k], &file->length[k]),
-                      file->name, err));
+        LAC_TRY_RETURN(check(file, nc_inq_dim(file->id, file->dim[k], name[k], &file->length[k]),
+                             file->name, err));
     }
     static const char *const along_y[] = {"y", "lat", "latitude"};
     for (size_t i = 0; i < 3; i++) {
         file->transposed = file->transposed || strcasecmp(name[1], along_y[i]) == 0;
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 // CF says units, SurfaceTopography unit or, in old files, length_unit.
@@ -101,19 +99,15 @@ static lac_status take_axis(const grid_file *file, size_t k, double *first, doub
         goto out;
     }
     x = malloc(n * sizeof *x);
-    if (x == NULL) {
-        LAC_TRY(lac_fail_memory(err));
-    }
+    LAC_TRY(x != NULL ? LAC_OK : lac_fail_memory(err));
     LAC_TRY(check(file, nc_get_var_double(file->id, var, x), name, err));
     *spacing = (x[n - 1] - x[0]) / (double)(n - 1);
     *first = fmin(x[0], x[n - 1]);
     for (size_t i = 0; i < n; i++) {
         double off = x[i] - (x[0] + (double)i * *spacing);
-        if (!(fabs(off) <= 0.01 * fabs(*spacing)) || !isnormal(*spacing)) {
-            LAC_TRY(lac_fail(err, LAC_EINPUT,
-                             "%s: %s[%zu] = %g; must be at a regular spacing, here %g", file->path,
-                             name, i, x[i], *spacing));
-        }
+        LAC_LEAVE_IF(!(fabs(off) <= 0.01 * fabs(*spacing)) || !isnormal(*spacing), err, LAC_EINPUT,
+                     "%s: %s[%zu] = %g; must be at a regular spacing, here %g", file->path, name, i,
+                     x[i], *spacing);
     }
     take_unit(file, var, unit, sizeof((lac_height_map *)NULL)->lateral_unit);
 out:
@@ -160,19 +154,18 @@ static lac_status arrange(const grid_file *file, lac_height_map *map, lac_error 
 
 static lac_status read_map(grid_file *file, lac_height_map *map, lac_error *err)
 {
-    lac_status status;
     char other[sizeof map->lateral_unit] = "";
-    LAC_TRY(find_variable(file, err));
-    LAC_TRY(find_dimensions(file, err));
+    LAC_TRY_RETURN(find_variable(file, err));
+    LAC_TRY_RETURN(find_dimensions(file, err));
     size_t x = file->transposed ? 0 : 1;
-    LAC_TRY(lac_map_size(map, file->path, file->length[x], file->length[1 - x], file->most, err));
-    LAC_TRY(take_axis(file, x, &map->x, &map->dx, map->lateral_unit, err));
-    LAC_TRY(take_axis(file, 1 - x, &map->y, &map->dy, other, err));
+    LAC_TRY_RETURN(
+        lac_map_size(map, file->path, file->length[x], file->length[1 - x], file->most, err));
+    LAC_TRY_RETURN(take_axis(file, x, &map->x, &map->dx, map->lateral_unit, err));
+    LAC_TRY_RETURN(take_axis(file, 1 - x, &map->y, &map->dy, other, err));
     bool one = map->lateral_unit[0] == '\0' || other[0] == '\0';
-    if (!one && strcmp(map->lateral_unit, other) != 0 && strncmp(other, "degree", 6) != 0) {
-        LAC_TRY(lac_fail(err, LAC_EINPUT, "%s: x is in %s but y in %s; must be in one unit",
-                         file->path, map->lateral_unit, other));
-    }
+    LAC_FAIL_IF(!one && strcmp(map->lateral_unit, other) != 0 && strncmp(other, "degree", 6) != 0,
+                err, LAC_EINPUT, "%s: x is in %s but y in %s; must be in one unit", file->path,
+                map->lateral_unit, other);
     if (map->lateral_unit[0] == '\0') {
         memcpy(map->lateral_unit, other, sizeof other);
     }
@@ -181,11 +174,10 @@ static lac_status read_map(grid_file *file, lac_height_map *map, lac_error *err)
         // old files of SurfaceTopography: one unit for all lengths, said with the coordinates
         memcpy(map->height_unit, map->lateral_unit, sizeof map->height_unit);
     }
-    LAC_TRY(check(file, nc_get_var_double(file->id, file->var, map->heights), file->name, err));
+    LAC_TRY_RETURN(
+        check(file, nc_get_var_double(file->id, file->var, map->heights), file->name, err));
     lac_netcdf_unpack(file->id, file->var, map->heights, map->nx * map->ny);
-    LAC_TRY(arrange(file, map, err));
-out:
-    return status;
+    return arrange(file, map, err);
 }
 
 // Tags of the lists of a header.

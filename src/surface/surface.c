@@ -3,22 +3,12 @@
 #include "surface/surface.h"
 
 #include <math.h>
-#include <string.h>
 
-// The value of a numeric parameter; NaN where it is absent or not a number.
+// The value of a numeric parameter that is given.
 static double number(const lac_param *param, const void *params)
 {
-    const char *at = (const char *)params + param->offset;
-    if (param->type == LAC_REAL) {
-        double value;
-        memcpy(&value, at, sizeof value);
-        return value;
-    }
-    int64_t value = INT64_MIN;
-    if (param->type == LAC_INTEGER) {
-        memcpy(&value, at, sizeof value);
-    }
-    return value == INT64_MIN ? (double)NAN : (double)value;
+    const void *at = (const char *)params + param->offset;
+    return param->type == LAC_REAL ? *(const double *)at : (double)*(const int64_t *)at;
 }
 
 static lac_status check_params(const lac_model_info *info, const void *params, lac_error *err)

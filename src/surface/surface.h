@@ -131,16 +131,17 @@ typedef struct lac_surface_file {
     double lower_spacing;                  ///< likewise [m]; NaN
 } lac_surface_file;
 
+enum { LAC_UNIT_SIZE = 32 }; ///< of the units that files say
+
 /// Measured heights as a file holds them. Row 0 is at the smallest y, whatever the file's order.
 typedef struct lac_height_map {
     const char *format; ///< name of the format; static
     size_t nx, ny;
-    double dx, dy;         ///< spacing [lateral_unit]; NaN where the file says none
-    double x, y;           ///< of the first sample [lateral_unit]; NaN where the file says none
-    char lateral_unit[32]; ///< "" where the file says none
-    char height_unit[32];  ///< "" where the file says none
-    size_t masked;         ///< samples without a height
-    double *heights;       ///< [ny * nx], x fastest [height_unit]; NaN where masked, else finite
+    double dx, dy; ///< spacing [lateral_unit]; NaN where the file says none
+    double x, y;   ///< of the first sample [lateral_unit]; NaN where the file says none
+    char lateral_unit[LAC_UNIT_SIZE], height_unit[LAC_UNIT_SIZE]; ///< "" where it says none
+    size_t masked;                                                ///< samples without a height
+    double *heights; ///< [ny * nx], x fastest [height_unit]; NaN where masked, else finite
 } lac_height_map;
 
 /// The index-th source in the registry, NULL past the end.
