@@ -119,10 +119,8 @@ lac_status lac_check_start(const lac_problem *problem, const lac_run_def *def,
 
 lac_status lac_run_check(const lac_problem *problem, const lac_run_def *def, lac_error *err)
 {
-    lac_status status = lac_check_def(def, err);
-    if (status != LAC_OK) {
-        return status;
-    }
+    lac_status status = LAC_OK;
+    LAC_TRY_RETURN(lac_check_def(def, err));
     size_t unknowns = lac_problem_unknowns(problem);
     double *y = calloc(unknowns + lac_problem_work(problem), sizeof *y);
     LAC_FAIL_MEMORY_IF(y == NULL, err);
