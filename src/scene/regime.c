@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "friction/friction.h"
+#include "scene/estimate.h"
 #include "scene/internal.h"
 #include "transfer/transfer.h"
 

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "lacuna/simulation.h"
 #include "trade/trade.h"
 
 static const lac_quantity_about quantities[] = {
@@ -45,33 +46,36 @@ static lac_status on_record(void *context, const lac_record *record, lac_error *
     probe->load = probe->records == 0 || load > probe->load ? load : probe->load;
     probe->rate = record->observation.mean_rate;
     probe->records++;
-    return probe->next.record != NULL ? probe->next.record(probe->next.context, record, err)
-                                      : LAC_OK;
+    return probe->next->record != NULL ? probe->next->record(probe->next->context, record, err)
+                                       : LAC_OK;
 }
 
 static lac_status on_snapshot(void *context, const lac_snapshot *snapshot, lac_error *err)
 {
     lac_trade_probe *probe = context;
-    return probe->next.snapshot != NULL ? probe->next.snapshot(probe->next.context, snapshot, err)
-                                        : LAC_OK;
+    return probe->next->snapshot != NULL
+               ? probe->next->snapshot(probe->next->context, snapshot, err)
+               : LAC_OK;
 }
 
 static lac_status on_event(void *context, const lac_event *event, lac_error *err)
 {
     lac_trade_probe *probe = context;
     probe->events++;
-    return probe->next.event != NULL ? probe->next.event(probe->next.context, event, err) : LAC_OK;
+    return probe->next->event != NULL ? probe->next->event(probe->next->context, event, err)
+                                      : LAC_OK;
 }
 
 static lac_status on_once(void *context, const double *values, lac_error *err)
 {
     lac_trade_probe *probe = context;
-    return probe->next.once != NULL ? probe->next.once(probe->next.context, values, err) : LAC_OK;
+    return probe->next->once != NULL ? probe->next->once(probe->next->context, values, err)
+                                     : LAC_OK;
 }
 
 lac_trade_probe lac_trade_probe_create(const lac_case *c, const lac_sink *next)
 {
-    return (lac_trade_probe){.next = *next, .friction = coulomb(c), .rate = NAN, .load = NAN};
+    return (lac_trade_probe){.next = next, .friction = coulomb(c), .rate = NAN, .load = NAN};
 }
 
 lac_sink lac_trade_probe_sink(lac_trade_probe *probe)

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "data/dataset.h"
-#include "lacuna/simulation.h"
 #include "scene/scene.h"
 
 /// Error against cost of a case under the settings that trade one for the other; docs/trade.md.
@@ -80,7 +79,7 @@ const lac_quantity_about *lac_quantity_about_of(int quantity);
 
 /// A sink that looks at a run for the quantities and passes everything on.
 typedef struct lac_trade_probe {
-    lac_sink next;
+    const lac_sink *next;
     double friction;         ///< Coulomb's f of Q_nom [1]; NaN: none
     double rate, load;       ///< at the last record; largest Q/Q_nom so far
     int64_t records, events; ///< so far
