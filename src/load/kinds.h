@@ -46,10 +46,6 @@ extern const char *const lac_share_names[];
     .params = (rows), .param_count = sizeof(rows) / sizeof(rows)[0] - 1, \
     .params_size = sizeof(holder)
 
-/// The first end of the window [start, end), end NaN: never, after t; INFINITY where none is, or
-/// where the window is empty.
-double lac_window_break(double start, double end, double t);
-
 // The loads that a case can name: a new one is one more line here.
 // clang-format off
 #define LAC_NORMAL_LOADS(_)  \

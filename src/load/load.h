@@ -101,10 +101,8 @@ typedef struct lac_load_kind {
 
 /// The loads of a scene.
 typedef struct lac_load_set {
-    lac_load *shear; ///< [shear_count]
-    size_t shear_count;
-    lac_load *pore; ///< [pore_count]
-    size_t pore_count;
+    lac_load *load; ///< [count] of which the first `shear` are forces, the others pore pressures
+    size_t count, shear;
     double *shape; ///< [contact cells] C^-1 1, its mean 1, owned; NULL where lac_load_set_is_shaped
                    ///< is false. Whoever knows the contact fills it: lac_transfer_tied
 } lac_load_set;
@@ -126,6 +124,9 @@ lac_status lac_load_set_create(const lac_load_models *models, const lac_load_clo
 
 /// How the force of a load that a case names is shared by the cells.
 lac_share lac_load_models_share(const lac_model *model);
+
+/// Whether all are linear in time between their breaks.
+bool lac_load_set_is_linear(const lac_load_set *set);
 
 /// Whether a load of the set is shared as C^-1 1, so that it needs `shape`.
 bool lac_load_set_is_shaped(const lac_load_set *set);
