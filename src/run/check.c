@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Refusals of a run: settings, starts and rates that cannot be, slip that cannot be followed.
-
+// Settings of a run where none are given, and refusals: settings, starts and rates that cannot be,
+// slip that cannot be followed.
 #include <math.h>
 #include <stdlib.h>
 
+#include "lacuna/simulation.h"
 #include "run/engine.h"
+#include "run/run.h"
 
 lac_status lac_check_slipping(const lac_problem *problem, const double *y, double t, double *work,
                               lac_error *err)
@@ -133,4 +135,52 @@ lac_status lac_run_check(const lac_problem *problem, const lac_run_def *def, lac
 out:
     free(y);
     return status;
+}
+
+lac_run_def lac_run_default(void)
+{
+    return (lac_run_def){.method = LAC_BDF,
+                         .wake = 1.0,
+                         .rtol = 1e-6,
+                         .first_step = NAN,
+                         .max_steps = 10000000,
+                         .end = NAN,
+                         .failure_rate = 1.0,
+                         .failure_slip = INFINITY,
+                         .stop_slip = NAN,
+                         .stop_rate = NAN,
+                         .record = {.time = NAN, .steps = 1, .per_decade = NAN},
+                         .snapshot = {.time = NAN, .steps = 0, .per_decade = 1.0},
+                         .checkpoint = {.time = NAN, .steps = 0, .per_decade = NAN}};
+}
+
+lac_formulation lac_formulation_choose(int asked, lac_method method, lac_friction_form form)
+{
+    if (asked != LAC_FORMULATION_AUTO) {
+        return (lac_formulation)asked;
+    }
+    if (method == LAC_ADAMS) {
+        return LAC_FORMULATION_SLIP;
+    }
+    bool forwards = form == LAC_FORM_PLAIN;
+    return method == LAC_BDF && forwards ? LAC_FORMULATION_RATE : LAC_FORMULATION_TRACTION;
+}
+
+const char *lac_end_name(lac_end end)
+{
+    static const char *const names[] = {[LAC_END_TIME] = "end",
+                                        [LAC_END_FAILURE] = "rate",
+                                        [LAC_END_SLIP] = "slip",
+                                        [LAC_END_STOP] = "stop_when",
+                                        [LAC_END_INTERRUPT] = "interrupted",
+                                        [LAC_END_ERROR] = "error"};
+    return (unsigned)end < sizeof names / sizeof *names ? names[end] : NULL;
+}
+
+const char *lac_fidelity_name(lac_fidelity fidelity)
+{
+    static const char *const names[] = {[LAC_FIDELITY_ODE] = "ode",
+                                        [LAC_FIDELITY_ASYNC] = "events",
+                                        [LAC_FIDELITY_STATIC] = "static"};
+    return names[fidelity];
 }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The stress transfer that a case names; where it names none, cells do not feel each other.
+// The stress transfer that a case names, from the table of those that it can; where it names none,
+// cells do not feel each other.
 #include "transfer/transfer.h"
 
+#include "base/rows.h"
 #include "transfer/kinds.h"
 
 // Whether parameters are in their ranges, and go together and with the place.
@@ -65,3 +67,11 @@ void lac_transfer_clear(lac_transfer *transfer)
     }
     *transfer = (lac_transfer){0};
 }
+
+static const lac_transfer_kind *const registry[] = {
+    &lac_hierarchy_kind,
+    &lac_elastic_kind,
+    &lac_none_kind,
+};
+
+LAC_KINDS_AT(lac_transfer_kind, lac_transfer_kind_get, registry)
