@@ -115,8 +115,7 @@ lac_status lac_load_files_note(lac_load_files *files, const char *path, const ch
 
 void lac_readings_clear(lac_readings *readings);
 
-/// Index of the last reading at or before t; SIZE_MAX before the first.
+/// Index of the last reading at or before `at`, SIZE_MAX before the first; and the first time after
+/// it, INFINITY beyond the last.
 size_t lac_readings_before(const double *t, size_t n, double at);
-
-/// First of the times after `at`; INFINITY beyond the last.
 double lac_readings_next(const double *t, size_t n, double at);

@@ -115,10 +115,8 @@ typedef struct lac_load_models {
     size_t pore_count;
 } lac_load_models;
 
-/// Makes loads ready: reads the files that they name.
-/// @param models  must outlive the set
-/// @return LAC_EINPUT (data that do not fit the run ...) or LAC_EIO with the load: "load.shear.0:
-/// ..."
+/// Makes loads ready: reads the files that they name. The models must outlive the set. An error
+/// says which load: "load.shear.0: ...".
 lac_status lac_load_set_create(const lac_load_models *models, const lac_load_clock *clock,
                                lac_load_set *set, lac_error *err);
 
@@ -131,15 +129,13 @@ bool lac_load_set_is_linear(const lac_load_set *set);
 /// Whether a load of the set is shared as C^-1 1, so that it needs `shape`.
 bool lac_load_set_is_shaped(const lac_load_set *set);
 
-/// Q over the nominal area, springs' slip apart. @param pressure  mean normal stress [Pa]
+/// Q over the nominal area, springs' slip apart, under the mean normal stress `pressure` [Pa].
 double lac_load_shear(const lac_load_state *state, double pressure);
 
 void lac_load_set_clear(lac_load_set *set);
 
-/// Whether all of these loads are constant in time.
+/// Whether all of these loads are constant in time; whether any reads a file.
 bool lac_load_models_constant(const lac_load_models *models);
-
-/// Whether any of these loads reads a file.
 bool lac_load_models_need_files(const lac_load_models *models);
 
 /// The index-th row of each registry, NULL past the end.

@@ -189,12 +189,6 @@ void lac_engine_count(lac_engine *engine)
     engine->order = engine->brief->order;
 }
 
-const char *lac_engine_unknown(const lac_engine *engine, size_t component)
-{
-    const char *names[] = {lac_problem_unknown(engine->problem), "ln theta", "slip"};
-    return names[component / engine->n];
-}
-
 lac_status lac_engine_cannot_restart(const lac_engine *engine, lac_error *err)
 {
     return lac_fail(err, LAC_ENUMERIC, "the integrator cannot restart at t = %.17g s",

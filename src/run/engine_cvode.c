@@ -230,9 +230,10 @@ static lac_status gave_up(lac_engine *engine, int flag, lac_error *err)
     bool known = order > 0 && find_worst(engine, &worst);
     lac_status status = lac_engine_gave_up(engine, CVodeGetReturnFlagName(flag), h, order, err);
     if (known && err != NULL) {
+        const char *names[] = {lac_problem_unknown(engine->problem), "ln theta", "slip"};
         size_t used = strlen(err->message);
         (void)snprintf(err->message + used, sizeof err->message - used,
-                       "; worst unknown: %s of cell %zu", lac_engine_unknown(engine, worst),
+                       "; worst unknown: %s of cell %zu", names[worst / engine->n],
                        worst % engine->n);
     }
     return status;

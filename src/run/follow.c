@@ -7,7 +7,6 @@
 #include <cvodes/cvodes.h>
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "run/engine.h"
 

@@ -27,7 +27,7 @@ size_t lac_elastic_work(const lac_elastic *e);
 /// force = K slip; NaN where the iteration does not end. @return iterations, -1 where it does not
 int lac_elastic_apply(const lac_elastic *e, const double *slip, double *force, double *work);
 
-/// (D + K + k_mean P_m) x = y; x may be y.
-/// @return iterations; -1 where it is not positive definite or the iteration does not end
+/// (D + K + k_mean P_m) x = y; x may be y. Iterations, or -1 as above or where it is not positive
+/// definite.
 int lac_elastic_solve(const lac_elastic *e, double k_mean, const double *diagonal, const double *y,
                       double *x, double *work);
