@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include "scene/estimate.h"
 #include "scene/scene.h"
+
+typedef struct lac_estimate lac_estimate;
 
 // The mean normal stress that a case states [Pa]; NaN where it follows from the contact.
 double lac_case_pressure(const lac_case *c);
