@@ -83,11 +83,7 @@ lac_status lac_domain_create(const lac_grid *grid, const double *pressure, lac_d
     domain->index = malloc(n * sizeof *domain->index);
     domain->pressure = malloc(n * sizeof *domain->pressure);
     LAC_TRY(domain->index != NULL && domain->pressure != NULL ? LAC_OK : lac_fail_memory(err));
-    size_t side = 1;
-    while (side < grid->nx || side < grid->ny) {
-        side *= 2;
-    }
-    collect(domain, pressure, 0, 0, side);
+    collect(domain, pressure, 0, 0, (size_t)1 << lac_grid_levels(grid));
     *out = domain;
     domain = NULL;
 out:

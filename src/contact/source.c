@@ -94,11 +94,7 @@ static lac_status fill_cascade(const void *params, const lac_grid *grid, uint8_t
                  .keep = keep_probability(p->dimension, line ? 2 : 4),
                  .occupied = occupied};
     memset(occupied, 0, lac_grid_cells(grid));
-    size_t side = 1;
-    while (side < grid->nx || side < grid->ny) {
-        side *= 2;
-    }
-    descend(&c, 0, 0, 0, side);
+    descend(&c, 0, 0, 0, (size_t)1 << lac_grid_levels(grid));
     return LAC_OK;
 }
 

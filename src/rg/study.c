@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Many joints, each with its blocks at many places: means, scatter, and one map of them all.
-#include "rg/study.h"
+#include "rg/tree.h"
 
 #include <gsl/gsl_statistics_double.h>
 #include <math.h>
@@ -8,7 +8,6 @@
 #include <string.h>
 
 #include "base/rng.h"
-#include "rg/path.h"
 
 enum { LEAST_BLOCKS = 8, LEAST_LOADS = 10, MOST = 1 << 16 };
 
@@ -191,7 +190,7 @@ lac_status lac_rg_study_add(lac_rg_study *study, const lac_rg_joint *joint, lac_
     lac_rg_sample *samples = NULL;
     lac_rg_order order = {0};
     lac_status status;
-    const size_t levels = lac_rg_sample_levels(&joint->domain->grid);
+    const size_t levels = lac_rg_levels_over(&joint->domain->grid);
     if (study->joints > 0 && levels != study->levels) {
         status = lac_fail(err, LAC_EINPUT, "a joint of %zu levels cannot join one of %zu", levels,
                           study->levels);
