@@ -216,33 +216,27 @@ out:
     return status;
 }
 
-// Mean and standard deviation of n values
-static void spread(size_t n, const double *x, double *mean, double *sd)
+// Mean and standard deviation of n values, `apart` from each other
+static void spread(size_t n, const double *x, size_t apart, double *mean, double *sd)
 {
-    *mean = gsl_stats_mean(x, 1, n);
-    *sd = n > 1 ? gsl_stats_sd_m(x, 1, n, *mean) : 0.0;
+    *mean = gsl_stats_mean(x, apart, n);
+    *sd = n > 1 ? gsl_stats_sd_m(x, apart, n, *mean) : 0.0;
 }
 
 static lac_status critical_force(const lac_rg_study *study, lac_rg_result *r, lac_error *err)
 {
     const size_t places = study->def.places;
-    double *of_place = malloc(places * sizeof *of_place);
+    const size_t apart = sizeof(lac_rg_sample) / sizeof(double);
     free(r->of_joint);
     r->of_joint = malloc(study->joints * sizeof *r->of_joint);
-    if (of_place == NULL || r->of_joint == NULL) {
-        free(of_place);
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(r->of_joint == NULL, err);
     r->place_sd = 0.0;
     for (size_t j = 0; j < study->joints; j++) {
         double sd;
-        for (size_t i = 0; i < places; i++) {
-            of_place[i] = study->of_joint[j][i].critical;
-        }
-        spread(places, of_place, &r->of_joint[j], &sd);
+        spread(places, &study->of_joint[j]->critical, apart, &r->of_joint[j], &sd);
         r->place_sd += sd / (double)study->joints;
     }
-    spread(study->joints, r->of_joint, &r->critical, &r->critical_sd);
+    spread(study->joints, r->of_joint, 1, &r->critical, &r->critical_sd);
     r->critical_error = r->critical_sd / sqrt((double)study->joints);
     if (study->joints == 1) {
         r->critical_sd = r->place_sd;
@@ -255,7 +249,6 @@ static lac_status critical_force(const lac_rg_study *study, lac_rg_result *r, la
         r->critical_sd = NAN;
         r->critical_error = NAN;
     }
-    free(of_place);
     return LAC_OK;
 }
 
