@@ -11,6 +11,7 @@
 #include <string.h>
 
 struct lac_analysis {
+    lac_sink next; // first, as lac_sink_before wants it
     size_t n;
     lac_indicator *indicator; // [n]
     size_t *first;            // [n] value of each indicator in a record
@@ -19,7 +20,6 @@ struct lac_analysis {
     lac_extra *extra; // [extras] of all indicators
     double *once;     // [extras] gathered on request
     double *values;   // of the last record
-    lac_sink next;
 };
 
 lac_analysis_rg *lac_analysis_cascade(const lac_model *indicator)
@@ -109,12 +109,6 @@ static lac_status on_record(void *context, const lac_record *record, lac_error *
     return a->next.record != NULL ? a->next.record(a->next.context, &line, err) : LAC_OK;
 }
 
-static lac_status on_snapshot(void *context, const lac_snapshot *snapshot, lac_error *err)
-{
-    lac_analysis *a = context;
-    return a->next.snapshot != NULL ? a->next.snapshot(a->next.context, snapshot, err) : LAC_OK;
-}
-
 static lac_status on_step(void *context, const lac_step *step, lac_error *err)
 {
     lac_analysis *a = context;
@@ -146,23 +140,14 @@ static void on_keep(void *context, lac_archive *archive)
     }
 }
 
-static lac_status on_checkpoint(void *context, const lac_checkpoint *checkpoint, lac_error *err)
-{
-    lac_analysis *a = context;
-    return a->next.checkpoint(a->next.context, checkpoint, err);
-}
-
 lac_sink lac_analysis_sink(lac_analysis *analysis, const lac_sink *next)
 {
-    const bool steps = lac_analysis_has_events(analysis) || next->step != NULL;
     analysis->next = *next;
-    return (lac_sink){.size = sizeof(lac_sink),
-                      .context = analysis,
-                      .record = on_record,
-                      .snapshot = on_snapshot,
-                      .step = steps ? on_step : NULL,
-                      .serialize = on_keep,
-                      .checkpoint = next->checkpoint != NULL ? on_checkpoint : NULL};
+    lac_sink sink = lac_sink_before(&analysis->next);
+    sink.record = on_record;
+    sink.step = lac_analysis_has_events(analysis) || next->step != NULL ? on_step : NULL;
+    sink.serialize = on_keep;
+    return sink;
 }
 
 bool lac_analysis_has_events(const lac_analysis *analysis)
