@@ -467,15 +467,6 @@ static bool is_sound(const lac_catalogue *c)
     return sound;
 }
 
-// A run that cannot go on from what came is summed up all the same: nothing of it is under way.
-static void forget(lac_catalogue *c)
-{
-    c->actives = 0;
-    for (size_t i = 0; i < c->places; i++) {
-        c->open[i].open = false;
-    }
-}
-
 void lac_catalogue_serialize(lac_catalogue *c, lac_archive *archive)
 {
     const size_t n = c->domain->n;
@@ -494,6 +485,10 @@ void lac_catalogue_serialize(lac_catalogue *c, lac_archive *archive)
     LAC_PASS(archive, c->slip_sum);
     if (archive->loading && !(lac_archive_good(archive) && is_sound(c))) {
         archive->short_of |= lac_archive_good(archive);
-        forget(c);
+        // A run that cannot go on from what came is summed up all the same: nothing is under way.
+        c->actives = 0;
+        for (size_t i = 0; i < c->places; i++) {
+            c->open[i].open = false;
+        }
     }
 }

@@ -25,6 +25,16 @@ static inline double lac_grid_area(const lac_grid *grid)
     return (double)grid->nx * grid->dx * (double)grid->ny * grid->dy;
 }
 
+/// m: blocks of 2^m cells a side are the first of which one covers the grid.
+static inline size_t lac_grid_levels(const lac_grid *grid)
+{
+    size_t m = 0;
+    while ((size_t)1 << m < grid->nx || (size_t)1 << m < grid->ny) {
+        m++;
+    }
+    return m;
+}
+
 /// The cell at most one step away along x and y, through the edges where periodic; SIZE_MAX: none.
 static inline size_t lac_grid_beside(const lac_grid *grid, size_t cell, int dx, int dy)
 {

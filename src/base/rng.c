@@ -4,15 +4,14 @@
 
 #include <Random123/philox.h>
 #include <math.h>
+#include <string.h>
 
 void lac_random(uint64_t seed, uint64_t stream, uint64_t c0, uint64_t c1, uint64_t out[4])
 {
     philox4x64_key_t key = {{seed, stream}};
     philox4x64_ctr_t counter = {{c0, c1, 0, 0}};
     philox4x64_ctr_t numbers = philox4x64(counter, key);
-    for (int i = 0; i < 4; i++) {
-        out[i] = numbers.v[i];
-    }
+    memcpy(out, numbers.v, sizeof numbers.v);
 }
 
 // 53 bits and a half: (k + 1/2) 2^-53 lies strictly between 0 and 1.

@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The cells in contact, listed in Morton order, in which the cells of any block stand side by side.
-#include "contact/contact.h"
-
+// The cells in contact, listed in Morton order, in which the cells of any block stand side by side;
+// and contact cells without a surface: all of them, those of a random cascade, or those of a file.
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
+
+#include "base/rng.h"
+#include "base/roots.h"
+#include "base/rows.h"
+#include "contact/contact.h"
 
 // Moves bit i of a 32-bit number to bit 2i.
 static uint64_t spread_bits(uint32_t bits)
@@ -83,11 +88,7 @@ lac_status lac_domain_create(const lac_grid *grid, const double *pressure, lac_d
     domain->index = malloc(n * sizeof *domain->index);
     domain->pressure = malloc(n * sizeof *domain->pressure);
     LAC_TRY(domain->index != NULL && domain->pressure != NULL ? LAC_OK : lac_fail_memory(err));
-    size_t side = 1;
-    while (side < grid->nx || side < grid->ny) {
-        side *= 2;
-    }
-    collect(domain, pressure, 0, 0, side);
+    collect(domain, pressure, 0, 0, (size_t)1 << lac_grid_levels(grid));
     *out = domain;
     domain = NULL;
 out:
@@ -102,4 +103,183 @@ void lac_domain_free(lac_domain *domain)
         free(domain->pressure);
         free(domain);
     }
+}
+
+static lac_status fill_full(const void *params, const lac_grid *grid, uint8_t *occupied,
+                            lac_error *err)
+{
+    (void)params;
+    (void)err;
+    memset(occupied, 1, lac_grid_cells(grid));
+    return LAC_OK;
+}
+
+static const lac_domain_source full = {
+    .info = {.name = "full",
+             .summary = "every cell is in contact",
+             .reference = "docs/theory/contact.md, \"Full contact\""},
+    .fill = fill_full,
+    .full = true,
+};
+
+typedef struct cascade {
+    const lac_grid *grid;
+    uint64_t seed;
+    double keep; // probability that a child is kept by its own number
+    uint8_t *occupied;
+} cascade;
+
+// The probability q with which each of `children` is kept, so that with "at least one" the mean
+// number kept is 2^D: children q + (1 - q)^children = 2^D.
+static double keep_probability(double dimension, int children)
+{
+    double wanted = exp2(dimension);
+    double low = 0, high = 1;
+    for (int i = 0; i < 60; i++) {
+        double q = 0.5 * (low + high);
+        lac_halve(&low, &high, children * q + pow(1 - q, children) < wanted);
+    }
+    return high;
+}
+
+// Four numbers in [0, 1), one per child of a block; blocks are numbered from the root, so that
+// finer grids only add to the coarse blocks. Children outside the grid get 2: never kept.
+static void draw(const cascade *c, unsigned depth, size_t x, size_t y, size_t side, double u[4])
+{
+    uint64_t bits[4];
+    lac_random(c->seed, LAC_STREAM_DOMAIN, depth, (uint64_t)(y / side) << 32 | x / side, bits);
+    for (size_t j = 0; j < 4; j++) {
+        bool inside =
+            x + (j & 1) * (side / 2) < c->grid->nx && y + (j >> 1) * (side / 2) < c->grid->ny;
+        u[j] = inside ? (double)(bits[j] >> 11) * 0x1p-53 : 2;
+    }
+}
+
+// Marks what the block of `side` cells at (x, y) keeps. The child with the smallest number is
+// always kept: given that all numbers are >= q, it is any of them with equal probability.
+static void descend(const cascade *c, unsigned depth, size_t x, size_t y, size_t side)
+{
+    if (side == 1) {
+        c->occupied[y * c->grid->nx + x] = 1;
+        return;
+    }
+    double u[4];
+    draw(c, depth, x, y, side, u);
+    size_t smallest = 0;
+    for (size_t j = 1; j < 4; j++) {
+        smallest = u[j] < u[smallest] ? j : smallest;
+    }
+    for (size_t j = 0; j < 4; j++) {
+        if (u[j] < c->keep || j == smallest) {
+            descend(c, depth + 1, x + (j & 1) * (side / 2), y + (j >> 1) * (side / 2), side / 2);
+        }
+    }
+}
+
+static lac_status fill_cascade(const void *params, const lac_grid *grid, uint8_t *occupied,
+                               lac_error *err)
+{
+    const lac_cascade *p = params;
+    bool line = grid->nx == 1 || grid->ny == 1;
+    double highest = line ? 1 : 2;
+    LAC_FAIL_IF(!(p->dimension > 0 && p->dimension <= highest), err, LAC_EINPUT,
+                "dimension %g: must be > 0 and <= %g on a %s", p->dimension, highest,
+                line ? "line" : "plane");
+    cascade c = {.grid = grid,
+                 .seed = (uint64_t)p->seed,
+                 .keep = keep_probability(p->dimension, line ? 2 : 4),
+                 .occupied = occupied};
+    memset(occupied, 0, lac_grid_cells(grid));
+    descend(&c, 0, 0, 0, (size_t)1 << lac_grid_levels(grid));
+    return LAC_OK;
+}
+
+static const lac_param cascade_params[] = {
+    LAC_REAL("dimension", "1", offsetof(lac_cascade, dimension), NAN, 0, 2, LAC_ABOVE_MIN,
+             "fractal dimension: a block keeps 2^D of its children on average (a line: at most 1)"),
+    LAC_SEED(offsetof(lac_cascade, seed), 1, 0,
+             "of the random numbers; the same seed gives the same coarse blocks at every level"),
+};
+
+static const lac_domain_source random_cascade = {
+    .info = {.name = "cascade",
+             .summary =
+                 "random dyadic cascade: every block keeps some of its four quarters, at least one",
+             .reference = "Mandelbrot (1974) J. Fluid Mech. 62, 331, doi "
+                          "10.1017/S0022112074000711; docs/theory/transfer.md, \"Random cascades\"",
+             LAC_ROWS(cascade_params, lac_cascade)},
+    .fill = fill_cascade,
+};
+
+static const char *const pressure_words[] = {"kept", "scaled", "equal", NULL};
+
+static const lac_param file_params[] = {
+    LAC_PATH("path", offsetof(lac_domain_file, path), 0,
+             "the file of a contact or a run (.nc), its last step; or a grid of pressures in Pa, 0 "
+             "where nothing touches, or of 0 and 1: .npy, .asc, .xyz"),
+    LAC_CHOICE("pressures", offsetof(lac_domain_file, pressures), LAC_PRESSURES_KEPT,
+               pressure_words, 0,
+               "as the file has them, which must carry load.normal to 1e-6 (kept); in proportion, "
+               "to carry it (scaled); or the load in equal parts on the cells that touch (equal)"),
+};
+
+const lac_domain_source lac_domain_from_file = {
+    .info = {.name = "file",
+             .summary = "contact cells with their pressures, as a file has them",
+             .reference = "docs/format.md",
+             LAC_ROWS(file_params, lac_domain_file)},
+};
+
+static const lac_domain_source *const registry[] = {
+    &full,
+    &random_cascade,
+    &lac_domain_from_file,
+};
+
+LAC_KINDS_AT(lac_domain_source, lac_domain_source_get, registry)
+
+// The load is held: every contact cell carries N/n times the mean pressure.
+static void spread_load(size_t cells, const uint8_t *occupied, double mean_pressure,
+                        double *pressure)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < cells; i++) {
+        n += occupied[i] != 0;
+    }
+    double share = n > 0 ? mean_pressure * (double)cells / (double)n : 0;
+    for (size_t i = 0; i < cells; i++) {
+        pressure[i] = occupied[i] != 0 ? share : 0;
+    }
+}
+
+lac_status lac_domain_from_source(const lac_model *model, const lac_grid *grid,
+                                  double mean_pressure, lac_domain **domain, lac_error *err)
+{
+    *domain = NULL;
+    lac_status status = LAC_OK;
+    uint8_t *occupied = NULL;
+    double *pressure = NULL;
+    LAC_FAIL_IF(model->info == NULL, err, LAC_EINPUT, "no contact domain is chosen");
+    LAC_FAIL_IF(!(isfinite(mean_pressure) && mean_pressure > 0), err, LAC_EINPUT,
+                "the mean pressure is %g Pa: must be finite and > 0", mean_pressure);
+    LAC_FAIL_IF(grid->nx == 0 || grid->ny == 0 || grid->nx >= UINT32_MAX / grid->ny, err,
+                LAC_EINPUT, "a domain of %zu x %zu cells is not possible", grid->nx, grid->ny);
+    // The descriptor is the first member of the source's row.
+    const lac_domain_source *source = (const void *)model->info;
+    LAC_FAIL_IF(source->fill == NULL, err, LAC_EINPUT,
+                "domain %s: its cells are the scene's to read", source->info.name);
+    size_t cells = lac_grid_cells(grid);
+    occupied = calloc(cells, sizeof *occupied);
+    pressure = malloc(cells * sizeof *pressure);
+    LAC_TRY(occupied != NULL && pressure != NULL ? LAC_OK : lac_fail_memory(err));
+    LAC_TRY(source->fill(model->params, grid, occupied, err));
+    spread_load(cells, occupied, mean_pressure, pressure);
+    LAC_TRY(lac_domain_create(grid, pressure, domain, err));
+out:
+    free(occupied);
+    free(pressure);
+    if (status != LAC_OK) {
+        return lac_fail_within(err, status, "domain %s", model->info->name);
+    }
+    return LAC_OK;
 }

@@ -39,19 +39,26 @@ static lac_status check_control(const lac_contact_def *def, lac_error *err)
     return LAC_OK;
 }
 
+lac_status lac_contact_check(const lac_grid *grid, double e_star, double tolerance,
+                             int64_t max_iterations, lac_error *err)
+{
+    LAC_FAIL_IF(grid->nx == 0 || grid->ny == 0 || !(grid->dx > 0.0 && grid->dy > 0.0) ||
+                    !isfinite(lac_grid_area(grid)) || lac_grid_cells(grid) > UINT32_MAX,
+                err, LAC_EINPUT, "a grid of %zu x %zu cells of %g x %g m is not possible", grid->nx,
+                grid->ny, grid->dx, grid->dy);
+    LAC_FAIL_IF(!(e_star > 0.0 && isfinite(e_star)), err, LAC_EINPUT,
+                "the modulus E* must be > 0 Pa, not %g", e_star);
+    LAC_FAIL_IF(!(tolerance > 0.0 && tolerance < 1.0), err, LAC_EINPUT,
+                "the tolerance must lie between 0 and 1, not %g", tolerance);
+    LAC_FAIL_IF(max_iterations < 1, err, LAC_EINPUT, "at least one iteration must be allowed");
+    return LAC_OK;
+}
+
 static lac_status check(const lac_contact_def *def, lac_error *err)
 {
     const lac_grid *grid = &def->grid;
-    LAC_FAIL_IF(grid->nx == 0 || grid->ny == 0 || !(grid->dx > 0.0 && grid->dy > 0.0) ||
-                    !isfinite(lac_grid_area(grid)),
-                err, LAC_EINPUT, "a grid of %zu x %zu cells of %g x %g m is not possible", grid->nx,
-                grid->ny, grid->dx, grid->dy);
-    LAC_FAIL_IF(!(def->e_star > 0.0 && isfinite(def->e_star)), err, LAC_EINPUT,
-                "the modulus E* must be > 0 Pa, not %g", def->e_star);
+    LAC_TRY_RETURN(lac_contact_check(grid, def->e_star, def->tolerance, def->max_iterations, err));
     LAC_TRY_RETURN(check_control(def, err));
-    LAC_FAIL_IF(!(def->tolerance > 0.0 && def->tolerance < 1.0), err, LAC_EINPUT,
-                "the tolerance must lie between 0 and 1, not %g", def->tolerance);
-    LAC_FAIL_IF(def->max_iterations < 1, err, LAC_EINPUT, "at least one iteration must be allowed");
     for (size_t i = 0; i < lac_grid_cells(grid); i++) {
         LAC_FAIL_IF(!isfinite(def->heights[i]), err, LAC_EINPUT,
                     "the height of cell (%zu, %zu) is %g", i % grid->nx, i / grid->nx,

@@ -93,24 +93,6 @@ static void rescale(const lac_descent *d, size_t n, double *pressure)
     }
 }
 
-// Solves one coarse grid roughly.
-static lac_status solve_coarse(const lac_extent *at, const double *h, const lac_descent *fine,
-                               double *pressure, lac_error *err)
-{
-    lac_half_space *s = NULL;
-    lac_descent d = *fine;
-    d.heights = h;
-    d.tolerance = coarse_tolerance;
-    d.max_iterations = coarse_iterations;
-    lac_status status;
-    LAC_TRY(lac_coarse_guess(at, h, fine, pressure, err));
-    LAC_TRY(lac_half_space_create(at, &s, err));
-    LAC_TRY(lac_descend(s, &d, pressure, NULL, err));
-out:
-    lac_half_space_free(s);
-    return status;
-}
-
 lac_status lac_coarse_guess(const lac_extent *at, const double *h, const lac_descent *fine,
                             double *pressure, lac_error *err)
 {
@@ -124,15 +106,23 @@ lac_status lac_coarse_guess(const lac_extent *at, const double *h, const lac_des
         }
         return LAC_OK;
     }
+    lac_status status;
+    lac_half_space *s = NULL;
     double *mean = malloc(c.nx * c.ny * sizeof *mean);
     double *guess = malloc(c.nx * c.ny * sizeof *guess);
-    lac_status status = mean != NULL && guess != NULL ? LAC_OK : lac_fail_memory(err);
-    LAC_TRY(status);
+    lac_descent d = *fine;
+    d.heights = mean;
+    d.tolerance = coarse_tolerance;
+    d.max_iterations = coarse_iterations;
+    LAC_TRY(mean != NULL && guess != NULL ? LAC_OK : lac_fail_memory(err));
     average(at, h, &c, mean);
-    LAC_TRY(solve_coarse(&c, mean, fine, guess, err));
+    LAC_TRY(lac_coarse_guess(&c, mean, fine, guess, err));
+    LAC_TRY(lac_half_space_create(&c, &s, err));
+    LAC_TRY(lac_descend(s, &d, guess, NULL, err));
     inject(&c, guess, at, pressure);
     rescale(fine, n, pressure);
 out:
+    lac_half_space_free(s);
     free(mean);
     free(guess);
     return status;

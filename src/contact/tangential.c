@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "contact/solve.h"
 #include "contact/tangential_solve.h"
 
 // One step on the contact cells, in tractions of order one.
@@ -42,19 +43,11 @@ static double softness_of(const lac_tangential_def *def)
 static lac_status check(const lac_tangential_def *def, lac_error *err)
 {
     const lac_grid *grid = &def->grid;
-    LAC_FAIL_IF(grid->nx == 0 || grid->ny == 0 || !(grid->dx > 0.0 && grid->dy > 0.0) ||
-                    !isfinite(lac_grid_area(grid)) || lac_grid_cells(grid) > UINT32_MAX,
-                err, LAC_EINPUT, "a grid of %zu x %zu cells of %g x %g m is not possible", grid->nx,
-                grid->ny, grid->dx, grid->dy);
-    LAC_FAIL_IF(!(def->e_star > 0.0 && isfinite(def->e_star)), err, LAC_EINPUT,
-                "the modulus E* must be > 0 Pa, not %g", def->e_star);
+    LAC_TRY_RETURN(lac_contact_check(grid, def->e_star, def->tolerance, def->max_iterations, err));
     LAC_FAIL_IF(!(def->poisson >= 0.0 && def->poisson <= 0.5), err, LAC_EINPUT,
                 "Poisson's ratio must lie between 0 and 0.5, not %g", def->poisson);
     LAC_FAIL_IF(!(def->friction > 0.0 && isfinite(def->friction)), err, LAC_EINPUT,
                 "the friction coefficient must be > 0, not %g", def->friction);
-    LAC_FAIL_IF(!(def->tolerance > 0.0 && def->tolerance < 1.0), err, LAC_EINPUT,
-                "the tolerance must lie between 0 and 1, not %g", def->tolerance);
-    LAC_FAIL_IF(def->max_iterations < 1, err, LAC_EINPUT, "at least one iteration must be allowed");
     double softness = softness_of(def);
     LAC_FAIL_IF(!(softness > 0.0 && isfinite(softness)), err, LAC_EINPUT,
                 "cells of %g x %g m of a modulus of %g Pa are beyond numbers", grid->dx, grid->dy,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Elastic displacements under shear tractions by Fourier transforms: x and y act on each other.
-#include "contact/tangential_space.h"
+#include "contact/tangential_solve.h"
 
 #include <math.h>
 #include <stdlib.h>

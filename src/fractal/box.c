@@ -28,30 +28,21 @@ static size_t extent(const lac_grid *grid)
     return grid->nx < grid->ny ? grid->nx : grid->ny;
 }
 
-static size_t log2_floor(size_t n)
-{
-    size_t j = 0;
-    while (n >>= 1) {
-        j++;
-    }
-    return j;
-}
-
 static bool power_of_two(size_t n) { return n > 0 && (n & (n - 1)) == 0; }
 
 // Range of the fit as indices of sides 2^j.
 static lac_status choose_range(const lac_grid *grid, const lac_box_def *def, lac_box_count *r,
                                lac_error *err)
 {
-    size_t most = log2_floor(extent(grid));
+    size_t most = lac_octave(extent(grid));
     // Between the cell and the whole: 2 to an eighth, wider where the grid is small.
     size_t first = most >= 6 ? 1 : 0;
     size_t last = most >= 6 ? most - 3 : most - (most > 2 ? 1 : 0);
     if (def->smallest != 0) {
-        first = log2_floor(def->smallest);
+        first = lac_octave(def->smallest);
     }
     if (def->largest != 0) {
-        last = log2_floor(def->largest);
+        last = lac_octave(def->largest);
     }
     bool powers = (def->smallest == 0 || power_of_two(def->smallest)) &&
                   (def->largest == 0 || power_of_two(def->largest));

@@ -110,24 +110,15 @@ static void measure(const lac_domain *domain, lac_clusters *c, uint32_t *observa
                     uint32_t *line, uint32_t *order)
 {
     const lac_grid *grid = &domain->grid;
+    const uint32_t nx = (uint32_t)grid->nx;
     group(c, line, order);
-    for (size_t i = 0; i < c->cells; i++) {
-        line[i] = domain->index[i] % (uint32_t)grid->nx;
+    for (int axis = 0; axis < 2; axis++) {
+        for (size_t i = 0; i < c->cells; i++) {
+            line[i] = axis == 0 ? domain->index[i] % nx : domain->index[i] / nx;
+        }
+        count_lines(c, line, observation, axis == 0 ? grid->nx : grid->ny, order,
+                    axis == 0 ? c->width : c->depth);
     }
-    count_lines(c, line, observation, grid->nx, order, c->width);
-    for (size_t i = 0; i < c->cells; i++) {
-        line[i] = domain->index[i] / (uint32_t)grid->nx;
-    }
-    count_lines(c, line, observation, grid->ny, order, c->depth);
-}
-
-static lac_status allocate(lac_clusters *c, size_t n, lac_error *err)
-{
-    c->size = calloc(n, sizeof *c->size);
-    c->width = calloc(n, sizeof *c->width);
-    c->depth = calloc(n, sizeof *c->depth);
-    bool whole = c->size != NULL && c->width != NULL && c->depth != NULL;
-    return whole ? LAC_OK : lac_fail_memory(err);
 }
 
 lac_status lac_clusters_create(const lac_domain *domain, lac_clusters **out, lac_error *err)
@@ -156,7 +147,10 @@ lac_status lac_clusters_create(const lac_domain *domain, lac_clusters **out, lac
     }
     c->cells = domain->n;
     number(c, parent, ranks);
-    LAC_TRY(allocate(c, c->n, err));
+    c->size = malloc(3 * c->n * sizeof *c->size);
+    LAC_TRY(c->size != NULL ? LAC_OK : lac_fail_memory(err));
+    c->width = c->size + c->n;
+    c->depth = c->width + c->n;
     for (size_t k = 0; k < c->n; k++) {
         c->size[k] = ranks[k].size;
     }
@@ -177,8 +171,6 @@ void lac_clusters_free(lac_clusters *clusters)
     if (clusters != NULL) {
         free(clusters->label);
         free(clusters->size);
-        free(clusters->width);
-        free(clusters->depth);
     }
     free(clusters);
 }
@@ -188,21 +180,12 @@ double lac_cluster_extent(const lac_clusters *clusters, const lac_grid *grid, si
     return lac_grid_extent(grid, clusters->width[cluster], clusters->depth[cluster]);
 }
 
-static size_t octave_of(uint32_t size)
-{
-    size_t i = 0;
-    while (size >>= 1) {
-        i++;
-    }
-    return i;
-}
-
 lac_cluster_summary lac_clusters_summarise(const lac_clusters *clusters, const lac_grid *grid)
 {
     lac_cluster_summary s = {.n = clusters->n, .cells = clusters->cells};
     double squares = 0;
     for (size_t k = 0; k < clusters->n; k++) {
-        size_t i = octave_of(clusters->size[k]);
+        size_t i = lac_octave(clusters->size[k]);
         s.count[i]++;
         s.cells_of[i] += clusters->size[k];
         s.widest = fmax(s.widest, lac_cluster_extent(clusters, grid, k));
@@ -211,7 +194,7 @@ lac_cluster_summary lac_clusters_summarise(const lac_clusters *clusters, const l
     if (clusters->n > 0) { // largest first
         s.largest = clusters->size[0];
         s.largest_extent = lac_cluster_extent(clusters, grid, 0);
-        s.octaves = octave_of(clusters->size[0]) + 1;
+        s.octaves = lac_octave(clusters->size[0]) + 1;
         s.mean = (double)clusters->cells / (double)clusters->n;
         s.weighted = squares / (double)clusters->cells;
     }

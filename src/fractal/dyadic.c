@@ -22,12 +22,7 @@ static double blocks_at(const lac_domain *domain, size_t level)
 
 lac_dyadic lac_dyadic_count(const lac_domain *domain)
 {
-    lac_dyadic d = {.dimension = NAN};
-    const lac_grid *grid = &domain->grid;
-    const size_t longest = grid->nx > grid->ny ? grid->nx : grid->ny;
-    while ((size_t)1 << d.levels < longest) {
-        d.levels++;
-    }
+    lac_dyadic d = {.levels = lac_grid_levels(&domain->grid), .dimension = NAN};
     // slope = sum (l - m) log2 N_l / sum (l - m)^2, m the mean level
     const double middle = 0.5 * (double)d.levels;
     double product = 0.0;

@@ -5,6 +5,16 @@
 
 enum { LAC_BOX_SIZES = 32 };
 
+/// log2 n, rounded down; 0 of 0.
+static inline size_t lac_octave(size_t n)
+{
+    size_t j = 0;
+    while (n >>= 1) {
+        j++;
+    }
+    return j;
+}
+
 /// Box counting of one contact map: how, and what came out.
 typedef struct lac_box_def {
     size_t smallest, largest; ///< box sides used in the fit [cells], powers of two; 0: chosen

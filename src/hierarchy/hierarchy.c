@@ -28,15 +28,6 @@ static void find_merges(const lac_domain *domain, uint8_t *merge)
     }
 }
 
-static size_t covering_levels(const lac_grid *grid)
-{
-    size_t m = 0;
-    while (((size_t)1 << m) < grid->nx || ((size_t)1 << m) < grid->ny) {
-        m++;
-    }
-    return m;
-}
-
 // Counts the blocks of every level and gives equal levels one partition.
 static void number_partitions(lac_hierarchy *h, const uint8_t *merge)
 {
@@ -127,7 +118,7 @@ lac_status lac_hierarchy_create(const lac_domain *domain, lac_hierarchy **out, l
     lac_hierarchy *h = calloc(1, sizeof *h);
     LAC_TRY(merge != NULL && h != NULL ? LAC_OK : lac_fail_memory(err));
     h->cells = domain->n;
-    h->levels = covering_levels(&domain->grid);
+    h->levels = lac_grid_levels(&domain->grid);
     find_merges(domain, merge);
     number_partitions(h, merge);
     LAC_TRY(fill_partitions(h, merge, err));

@@ -5,8 +5,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "rg/path.h"
-#include "rg/study.h"
 #include "rg/tree.h"
 
 bool lac_rg_bracket_note(lac_rg_bracket *b, const lac_rg_tree *tree, double load, double root)

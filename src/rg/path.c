@@ -6,7 +6,6 @@
 
 #include <gsl/gsl_sort.h>
 
-#include "rg/path.h"
 #include "rg/tree.h"
 
 struct lac_rg_path {

@@ -6,8 +6,6 @@
 #include <string.h>
 
 #include "fractal/fractal.h"
-#include "rg/path.h"
-#include "rg/study.h"
 #include "rg/tree.h"
 
 lac_status lac_rg_states_create(const lac_rg_tree *tree, lac_rg_block_state **states,
@@ -104,19 +102,6 @@ static void close_sizes(const lac_rg_tree *tree, bool line, double critical, lac
                 critical * tree->layer[top].strength[0] / pow(line ? 2.0 : 4.0, (double)level);
         }
     }
-}
-
-size_t lac_rg_sample_levels(const lac_grid *grid)
-{
-    size_t levels = 0;
-    for (int axis = 0; axis < 2; axis++) {
-        size_t cells = axis == 0 ? grid->nx : grid->ny;
-        cells *= !grid->periodic && cells > 1 ? 2 : 1;
-        while (((size_t)1 << levels) < cells) {
-            levels++;
-        }
-    }
-    return levels;
 }
 
 // Side of the largest block that slips as a whole at each load [m].

@@ -9,7 +9,7 @@
 
 #include "base/rng.h"
 #include "base/statistics.h"
-#include "rg/study.h"
+#include "rg/tree.h"
 
 enum { ESTIMATES = 3 };
 static const double lowest = 0.05; // below, and above 1 - lowest, counts are too few to tell

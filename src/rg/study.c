@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Many joints, each with its blocks at many places: means, scatter, and one map of them all.
-#include "rg/study.h"
+#include "rg/tree.h"
 
 #include <gsl/gsl_statistics_double.h>
 #include <math.h>
@@ -8,7 +8,6 @@
 #include <string.h>
 
 #include "base/rng.h"
-#include "rg/path.h"
 
 enum { LEAST_BLOCKS = 8, LEAST_LOADS = 10, MOST = 1 << 16 };
 
@@ -191,7 +190,7 @@ lac_status lac_rg_study_add(lac_rg_study *study, const lac_rg_joint *joint, lac_
     lac_rg_sample *samples = NULL;
     lac_rg_order order = {0};
     lac_status status;
-    const size_t levels = lac_rg_sample_levels(&joint->domain->grid);
+    const size_t levels = lac_rg_levels_over(&joint->domain->grid);
     if (study->joints > 0 && levels != study->levels) {
         status = lac_fail(err, LAC_EINPUT, "a joint of %zu levels cannot join one of %zu", levels,
                           study->levels);
@@ -217,33 +216,27 @@ out:
     return status;
 }
 
-// Mean and standard deviation of n values
-static void spread(size_t n, const double *x, double *mean, double *sd)
+// Mean and standard deviation of n values, `apart` from each other
+static void spread(size_t n, const double *x, size_t apart, double *mean, double *sd)
 {
-    *mean = gsl_stats_mean(x, 1, n);
-    *sd = n > 1 ? gsl_stats_sd_m(x, 1, n, *mean) : 0.0;
+    *mean = gsl_stats_mean(x, apart, n);
+    *sd = n > 1 ? gsl_stats_sd_m(x, apart, n, *mean) : 0.0;
 }
 
 static lac_status critical_force(const lac_rg_study *study, lac_rg_result *r, lac_error *err)
 {
     const size_t places = study->def.places;
-    double *of_place = malloc(places * sizeof *of_place);
+    const size_t apart = sizeof(lac_rg_sample) / sizeof(double);
     free(r->of_joint);
     r->of_joint = malloc(study->joints * sizeof *r->of_joint);
-    if (of_place == NULL || r->of_joint == NULL) {
-        free(of_place);
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(r->of_joint == NULL, err);
     r->place_sd = 0.0;
     for (size_t j = 0; j < study->joints; j++) {
         double sd;
-        for (size_t i = 0; i < places; i++) {
-            of_place[i] = study->of_joint[j][i].critical;
-        }
-        spread(places, of_place, &r->of_joint[j], &sd);
+        spread(places, &study->of_joint[j]->critical, apart, &r->of_joint[j], &sd);
         r->place_sd += sd / (double)study->joints;
     }
-    spread(study->joints, r->of_joint, &r->critical, &r->critical_sd);
+    spread(study->joints, r->of_joint, 1, &r->critical, &r->critical_sd);
     r->critical_error = r->critical_sd / sqrt((double)study->joints);
     if (study->joints == 1) {
         r->critical_sd = r->place_sd;
@@ -256,7 +249,6 @@ static lac_status critical_force(const lac_rg_study *study, lac_rg_result *r, la
         r->critical_sd = NAN;
         r->critical_error = NAN;
     }
-    free(of_place);
     return LAC_OK;
 }
 

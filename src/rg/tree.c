@@ -223,6 +223,21 @@ lac_status lac_rg_tree_create(const lac_hierarchy *h, const double *strength, co
 
 // A tree whose grid of blocks is moved over the joint shows how much its place decides.
 
+// Where a grid is laid into, to be moved.
+static lac_grid roomy(const lac_grid *grid)
+{
+    lac_grid room = *grid;
+    room.nx *= !grid->periodic && grid->nx > 1 ? 2 : 1;
+    room.ny *= !grid->periodic && grid->ny > 1 ? 2 : 1;
+    return room;
+}
+
+size_t lac_rg_levels_over(const lac_grid *grid)
+{
+    const lac_grid room = roomy(grid);
+    return lac_grid_levels(&room);
+}
+
 static size_t moved(size_t i, size_t by, size_t n) { return i + by < n ? i + by : i + by - n; }
 
 // The moved domain, and for each of its cells the one of the domain.
@@ -230,12 +245,8 @@ static lac_status shift(const lac_domain *domain, size_t dx, size_t dy, lac_doma
                         uint32_t *cell, lac_error *err)
 {
     const lac_grid *from = &domain->grid;
-    lac_grid grid = *from;
+    const lac_grid grid = roomy(from);
     lac_status status;
-    if (!from->periodic) {
-        grid.nx *= from->nx > 1 ? 2 : 1;
-        grid.ny *= from->ny > 1 ? 2 : 1;
-    }
     double *pressure = calloc(lac_grid_cells(&grid), sizeof *pressure);
     uint32_t *origin = malloc(lac_grid_cells(&grid) * sizeof *origin);
     LAC_TRY(pressure != NULL && origin != NULL ? LAC_OK : lac_fail_memory(err));

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include "rg/rg.h"
+#include "rg/rg_study.h"
 
 enum { LAC_RG_LEVELS = 40 };
 
@@ -35,6 +35,9 @@ struct lac_rg_tree {
     lac_rg_rule rule; ///< of the last pass
 };
 
+/// Levels of the trees that lac_rg_tree_create_at makes over a grid.
+size_t lac_rg_levels_over(const lac_grid *grid);
+
 /// Whether strengths are > 0 and can be added up. @return LAC_OK; LAC_EINPUT
 lac_status lac_rg_check_strengths(size_t n, const double *strength, lac_error *err);
 
@@ -64,3 +67,71 @@ void lac_rg_states_note(const lac_rg_tree *tree, double before, double load,
 /// The size effect that follows.
 void lac_rg_states_summarise(const lac_rg_tree *tree, const lac_rg_block_state *states, bool line,
                              lac_rg_sizes *sizes);
+
+#define LAC_RG_WITHIN_SOLVED 1e-6 // of Q/Q_nom: contacts are solved to 1e-8
+
+enum { LAC_RG_SCAN = 60 }; // loads at which it is seen whether the joint slides, at least
+
+/// Whether the joint carries tractions before the path begins.
+bool lac_rg_path_is_preloaded(const lac_rg_path *path);
+
+/// Q/Q_nom at a part of the path, 0 to 1.
+double lac_rg_path_load(const lac_rg_path *path, double part);
+
+/// Two loads of a path, the joint sticking at the lower and sliding at the higher one.
+typedef struct lac_rg_bracket {
+    double low, high;       ///< Q/Q_nom
+    double at_low, at_high; ///< threshold of the root there [Pa]; INFINITY: not known
+} lac_rg_bracket;
+
+/// Takes note of the threshold of the root at a load. @return whether the joint sticks there
+bool lac_rg_bracket_note(lac_rg_bracket *bracket, const lac_rg_tree *tree, double load,
+                         double root);
+
+/// Threshold of the root at a load. @param work  [2 cells]
+double lac_rg_root(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path, double load,
+                   double *work);
+
+/// The load between the two at which the joint slides, to 1e-9.
+double lac_rg_close(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path,
+                    lac_rg_bracket bracket, double *work);
+
+/// What one joint gave with its blocks at one place.
+typedef struct lac_rg_sample {
+    double critical;
+    double *fraction;   ///< [loads * (levels + 1)]
+    double *block;      ///< [loads] side of the largest block slipped as a whole [m]
+    double *blocks;     ///< [levels + 1]
+    double *slipping;   ///< [levels + 1]
+    double *begin;      ///< [levels + 1]
+    lac_rg_sizes *size; ///< [levels + 1]
+} lac_rg_sample;
+
+/// What one joint gave at its own place only.
+typedef struct lac_rg_order {
+    const lac_domain *domain;
+    double *cell_load; ///< [n] the first load at which each cell has slipped in the end; NaN;
+                       ///< holds the two below, too
+    double *own_level; ///< [n] of the largest block around it that slips by itself where a loaded
+                       ///< path begins; NaN
+    double *cluster;   ///< [loads] longer side of the largest cluster of slipped cells [m]
+    uint8_t *slipped;  ///< [n] scratch
+    lac_domain part;   ///< scratch
+} lac_rg_order;
+
+lac_status lac_rg_order_create(const lac_domain *domain, size_t loads, lac_rg_order *order,
+                               lac_error *err);
+
+void lac_rg_order_clear(lac_rg_order *order);
+
+/// @param order  NULL: not wanted
+lac_status lac_rg_sample_take(const lac_rg_joint *joint, const lac_rg_study_def *def, size_t dx,
+                              size_t dy, const double *load, lac_rg_order *order,
+                              lac_rg_sample *out, lac_error *err);
+
+/// The critical force of a sample on contacts that are solved for it, where the joint has them.
+lac_status lac_rg_sample_solve(const lac_rg_joint *joint, const lac_rg_study_def *def, size_t dx,
+                               size_t dy, lac_rg_sample *sample, lac_error *err);
+
+/// Fits xi ~ (1 - load/critical)^-exponent below the critical load.
+lac_rg_power lac_rg_power_fit(size_t n, const double *load, const double *xi, double critical);

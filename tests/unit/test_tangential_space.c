@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-#include "contact/tangential_space.h"
+#include "contact/tangential_solve.h"
 #include "support/test.h"
 
 enum { MOST = 64 };

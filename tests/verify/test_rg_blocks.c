@@ -4,7 +4,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "rg/path.h"
 #include "rg/tree.h"
 #include "support/test.h"
 #include "support/trees.h"

@@ -6,7 +6,7 @@
 #include <math.h>
 
 #include "contact/tangential.h"
-#include "contact/tangential_space.h"
+#include "contact/tangential_solve.h"
 #include "support/sheared.h"
 #include "support/test.h"
 
