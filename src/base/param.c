@@ -9,11 +9,6 @@
 
 static void *field(const lac_param *param, void *params) { return (char *)params + param->offset; }
 
-static bool owns_text(const lac_param *param)
-{
-    return param->type == LAC_TEXT || param->type == LAC_PATH;
-}
-
 void lac_param_reset(const lac_param *param, void *params)
 {
     void *at = field(param, params);
@@ -107,10 +102,8 @@ void lac_model_clear(lac_model *model)
     if (model->info != NULL && model->params != NULL) {
         for (size_t i = 0; i < model->info->param_count; i++) {
             const lac_param *param = &model->info->params[i];
-            if (owns_text(param)) {
-                char *text;
-                memcpy(&text, field(param, model->params), sizeof text);
-                free(text);
+            if (param->type == LAC_TEXT || param->type == LAC_PATH) {
+                free(*(char **)field(param, model->params));
             }
         }
     }

@@ -33,17 +33,14 @@ lac_status lac_units_convert(const lac_units *units, const char *from, const cha
 lac_status lac_units_time(const lac_units *units, const char *text, double *scale, double *offset,
                           bool *dated, lac_error *err);
 
-/// Writes a value with the unit that reads best ("3 MPa", "1 cm/week", "12.5 day").
-/// @param unit  SI unit of the value
-/// @return text, which also stands in `text`
+/// Writes a value of an SI unit with the unit that reads best ("3 MPa", "1 cm/week", "12.5 day")
+/// into `text`, which it returns; so do the next two.
 const char *lac_units_format(double value, const char *unit, char *text, size_t size);
 
 /// Writes a number with as many digits as read back to the same, `fewest` at least.
-/// @return text, which also stands in `text`
 const char *lac_number_exact(double value, int fewest, char *text, size_t size);
 
-/// Writes a value in its SI unit with as many digits as read back to the same number
-/// ("0.0001 m"; the number alone where the unit is "1").
+/// The same with its SI unit ("0.0001 m"; the number alone where the unit is "1").
 const char *lac_units_exact(double value, const char *unit, char *text, size_t size);
 
 /// When a usual unit is written: never, where it suits, where that makes a short number.

@@ -5,7 +5,7 @@
 #include <string.h>
 #include <yaml.h>
 
-#include "case/reader.h"
+#include "case/sections.h"
 
 // Nodes being built from the events of libyaml.
 typedef struct builder {

@@ -181,39 +181,18 @@ lac_status lac_case_read_text(const char *name, const char *text, size_t size,
     return status;
 }
 
-// Reads to the end of the file, or to one byte more than a case may have.
-static lac_status read_all(FILE *file, const char *path, char **buffer, size_t *size,
-                           lac_error *err)
-{
-    for (size_t room = 16 * 1024;; room *= 2) {
-        room = room < LARGEST_FILE ? room : LARGEST_FILE + 1;
-        char *grown = realloc(*buffer, room);
-        LAC_FAIL_MEMORY_IF(grown == NULL, err);
-        *buffer = grown;
-        *size += fread(grown + *size, 1, room - *size, file);
-        LAC_FAIL_IF(ferror(file), err, LAC_EIO, "%s: cannot be read: %s", path, strerror(errno));
-        if (*size < room || room > LARGEST_FILE) {
-            return LAC_OK;
-        }
-    }
-}
-
+// @param text  the caller frees it, whatever the status
 static lac_status read_file(const char *path, char **text, size_t *size, lac_error *err)
 {
-    char *buffer = NULL;
     FILE *file = fopen(path, "rb");
-    lac_status status =
-        file != NULL ? read_all(file, path, &buffer, size, err)
-                     : lac_fail(err, LAC_EIO, "%s: cannot be opened: %s", path, strerror(errno));
-    if (file != NULL) {
-        (void)fclose(file);
-    }
-    if (status != LAC_OK) {
-        free(buffer);
-        buffer = NULL;
-    }
-    *text = buffer;
-    return status;
+    LAC_FAIL_IF(file == NULL, err, LAC_EIO, "%s: cannot be opened: %s", path, strerror(errno));
+    *text = malloc(LARGEST_FILE + 1); // a byte more shows that the file is larger
+    *size = *text != NULL ? fread(*text, 1, LARGEST_FILE + 1, file) : 0;
+    const int broken = ferror(file) != 0 ? errno : 0;
+    (void)fclose(file);
+    LAC_FAIL_MEMORY_IF(*text == NULL, err);
+    LAC_FAIL_IF(broken != 0, err, LAC_EIO, "%s: cannot be read: %s", path, strerror(broken));
+    return LAC_OK;
 }
 
 lac_status lac_case_read(const char *path, const lac_case_request *request, lac_case **out,

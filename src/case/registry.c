@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The kinds of models that a case can choose or that a command has, a row each.
+// The kinds of models that a case can choose or that a command has, a row each; and what `describe`
+// says of the choices that are no models of their own, whose keys are rows of the sections solver,
+// rg and material.
 #include "analysis/analysis.h"
 #include "base/rows.h"
 #include "case/sections.h"
@@ -23,8 +25,95 @@ MODELS(spread_at, lac_heterogeneity_kind_get)
 MODELS(analysis_at, lac_indicator_kind_get)
 MODELS(precursor_at, lac_precursor_kind_get)
 
-// Behind those of the registry the one that a case is.
-static const lac_model_info *forecast_at(size_t index)
+#define CVODES                                                                              \
+    "Hindmarsh et al. (2005) ACM Trans. Math. Softw. 31, 363, doi 10.1145/1089014.1089020 " \
+    "(CVODES)"
+#define PAPER "Borri-Brunetto, Carpinteri & Chiaia (2004) Rock Mech. Rock Eng. 37, 117"
+
+static const lac_model_info momenta[] = {
+    {.name = "radiation-damping",
+     .summary = "waves that leave a sliding cell take eta v off its traction, eta = G/(2 cs); with "
+                "shear_modulus and a shear speed, given or from the density",
+     .reference = "Rice (1993) J. Geophys. Res. 98, 9885, doi 10.1029/93JB00191",
+     .params = &lac_material_rows[LAC_MATERIAL_SHEAR_SPEED],
+     .param_count = 2},
+    {.name = "block-inertia",
+     .summary = "the mass of the block that slides, which what is out of balance accelerates; with "
+                "the section inertia",
+     .reference = "Rice & Ruina (1983) J. Appl. Mech. 50, 343, doi 10.1115/1.3167042; "
+                  "docs/theory/momentum.md, eq. 1",
+     .params = lac_inertia_rows,
+     .param_count = LAC_INERTIA_ROWS},
+};
+
+static const lac_model_info fidelities[] = {
+    {.name = "ode",
+     .summary =
+         "all cells at every step: cells that hold each other, and what events are judged by",
+     .reference = "docs/theory/creep.md, eq. 2-5"},
+    {.name = "events",
+     .summary = "each cell at steps of its own: cells that slip one by one (k_0 < k_crit) on the "
+                "hierarchy, under loads that are linear between jumps",
+     .reference = "docs/theory/fidelity-events.md; Richards-Dinger & Dieterich (2012) Seismol. "
+                  "Res. Lett. 83, 983, doi 10.1785/0220120105 (RSQSim)"},
+    {.name = "static",
+     .summary = "no time: the cascade of slip over the blocks, by lacuna rg",
+     .reference = PAPER "; docs/theory/rg.md"},
+};
+
+static const lac_model_info methods[] = {
+    {.name = "bdf",
+     .summary = "implicit backward differences of order 1 to 5: stiff problems, the long creep",
+     .reference = CVODES "; docs/theory/creep.md, eq. 5"},
+    {.name = "adams",
+     .summary =
+         "Adams-Moulton of order 1 to 12 by fixed-point iteration: problems that are not stiff",
+     .reference = CVODES},
+    {.name = "erk",
+     .summary = "explicit Runge-Kutta of order 2 to 8, Cash-Karp 5(4) by default: earthquake "
+                "cycles without stiff ties",
+     .reference = "Reynolds et al. (2023) ACM Trans. Math. Softw. 49, 19, doi 10.1145/3594632 "
+                  "(ARKODE); Cash & Karp (1990) ACM Trans. Math. Softw. 16, 201"},
+};
+
+static const lac_model_info formulations[] = {
+    {.name = "rate",
+     .summary = "ln v: the balance of traction differentiated in time; slip that does not reverse",
+     .reference = "docs/theory/creep.md, eq. 2-3"},
+    {.name = "traction",
+     .summary = "tau: the rate follows from the strength cell by cell; slip may reverse",
+     .reference = "docs/theory/creep.md, eq. 6"},
+    {.name = "slip",
+     .summary = "slip: the balance of traction holds to rounding; slip may reverse",
+     .reference = "docs/theory/creep.md, eq. 7"},
+    {.name = "inertia",
+     .summary = "slip and its rate: momentum in the place of the balance; with the section inertia",
+     .reference = "docs/theory/momentum.md, eq. 1-2"},
+};
+
+static const lac_model_info rules[] = {
+    {.name = "fix",
+     .summary = "the drop of its strength, (1 - beta) f p, as the paper has it",
+     .reference = PAPER "; docs/theory/rg.md, eq. 1"},
+    {.name = "cons",
+     .summary = "all above its residual strength beta f p: no force is made or lost",
+     .reference = "docs/theory/rg.md, eq. 2"},
+    {.name = "lump",
+     .summary = "the drop of its strength, as a point with the sums of its cells",
+     .reference = "Smalley, Turcotte & Solla (1985) J. Geophys. Res. 90, 1894, doi "
+                  "10.1029/JB090iB02p01894; docs/theory/rg.md, \"Pass\""},
+};
+
+static LAC_ROWS_AT(lac_model_info, momentum_at, momenta) static LAC_ROWS_AT(
+    lac_model_info, fidelity_at,
+    fidelities) static LAC_ROWS_AT(lac_model_info, method_at,
+                                   methods) static LAC_ROWS_AT(lac_model_info, formulation_at,
+                                                               formulations) static LAC_ROWS_AT(lac_model_info,
+                                                                                                rule_at,
+                                                                                                rules)
+
+    // Behind those of the registry the one that a case is.
+    static const lac_model_info *forecast_at(size_t index)
 {
     const lac_forecast_kind *kind = lac_forecast_kind_get(index);
     const bool next = kind == NULL && index > 0 && lac_forecast_kind_get(index - 1) != NULL;
@@ -55,14 +144,13 @@ static const lac_kind kinds[] = {
          "what a run follows beside its own quantities"),
     OPTION(STRENGTH, "strength", "friction.LAW", lac_friction_option_get,
            "what any friction law can have besides"),
-    OPTION(MOMENTUM, "momentum", "material", lac_momentum_get,
+    OPTION(MOMENTUM, "momentum", "material", momentum_at,
            "what a cell that is out of balance is held back by"),
-    OPTION(FIDELITY, "fidelity", "solver.fidelity", lac_fidelity_get, "what is resolved in time"),
-    OPTION(METHOD, "method", "solver.method", lac_method_get, "of integration in time"),
-    OPTION(FORMULATION, "formulation", "solver.formulation", lac_formulation_get,
+    OPTION(FIDELITY, "fidelity", "solver.fidelity", fidelity_at, "what is resolved in time"),
+    OPTION(METHOD, "method", "solver.method", method_at, "of integration in time"),
+    OPTION(FORMULATION, "formulation", "solver.formulation", formulation_at,
            "the unknown of a cell besides ln theta"),
-    OPTION(RULE, "rule", "rg.rule", lac_rule_get,
-           "what a block that slips hands on in the cascade"),
+    OPTION(RULE, "rule", "rg.rule", rule_at, "what a block that slips hands on in the cascade"),
     COMMAND(PRECURSOR, "indicator", "precursors", precursor_at,
             "what a motion, events and slipping cells say of a failure to come"),
     COMMAND(FORECAST, "forecast", "precursors", forecast_at,

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "case/reader.h"
+#include "case/sections.h"
 
 enum { LONGEST_VALUE = 60, LONGEST_MESSAGE = 400 };
 
@@ -46,24 +46,6 @@ static char *one_line(lac_reader *reader, const char *text, size_t longest)
     return line;
 }
 
-static lac_case_issue *new_issue(lac_reader *reader)
-{
-    lac_case_issues *report = reader->report;
-    size_t n = report->count;
-    if ((n & (n - 1)) == 0) {
-        lac_case_issue *grown =
-            realloc(report->issue, (n == 0 ? 1 : 2 * n) * sizeof(lac_case_issue));
-        if (grown == NULL) {
-            reader->no_memory = true;
-            return NULL;
-        }
-        report->issue = grown;
-    }
-    report->issue[n] = (lac_case_issue){0};
-    report->count++;
-    return &report->issue[n];
-}
-
 // What an issue is said of.
 typedef struct subject {
     size_t line; // 0: of --set
@@ -77,18 +59,20 @@ static void add_issue(lac_reader *reader, const subject *of, const char *format,
 static void add_issue(lac_reader *reader, const subject *of, const char *format, va_list args)
 {
     char message[LONGEST_MESSAGE + 100];
-    if (reader->report->count > LAC_MOST_ISSUES) {
+    lac_case_issues *report = reader->report;
+    if (report->issue == NULL) {
+        report->issue = calloc(LAC_MOST_ISSUES + 1, sizeof *report->issue);
+        reader->no_memory = reader->no_memory || report->issue == NULL;
+    }
+    if (report->issue == NULL || report->count > LAC_MOST_ISSUES) {
         return;
     }
-    bool full = reader->report->count == LAC_MOST_ISSUES;
-    lac_case_issue *issue = new_issue(reader);
-    if (issue == NULL) {
-        return;
-    }
+    bool full = report->count == LAC_MOST_ISSUES;
+    lac_case_issue *issue = &report->issue[report->count++];
     (void)vsnprintf(message, sizeof message, format, args);
     issue->line = of->line;
     issue->warning = of->warning && !full;
-    reader->report->errors += issue->warning ? 0 : 1;
+    report->errors += issue->warning ? 0 : 1;
     issue->file = one_line(reader, of->line == 0 ? "--set" : reader->name, 4096);
     issue->key = one_line(reader, full ? "" : of->key, LAC_KEY_LENGTH);
     issue->value = one_line(reader, full ? "" : of->value, LONGEST_VALUE);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The resolved case as text that reads back to the same case: the table of parts, walked.
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,41 +9,13 @@
 #include "base/hidden.h"
 #include "case/sections.h"
 
-// A text that grows; `failed` once memory was short.
 typedef struct lac_writer {
-    char *text;
-    size_t used, size;
-    bool failed;
+    FILE *out;
     size_t folder; // length of the folder that relative paths start from
     const char *name;
 } lac_writer;
 
-static void put_bytes(lac_writer *w, const char *bytes, size_t n)
-{
-    if (!w->failed && w->used + n + 1 > w->size) {
-        size_t size = 2 * (w->used + n + 1) + 1024;
-        char *grown = realloc(w->text, size);
-        w->failed = grown == NULL;
-        w->text = grown != NULL ? grown : w->text;
-        w->size = grown != NULL ? size : w->size;
-    }
-    if (!w->failed) {
-        memcpy(w->text + w->used, bytes, n);
-        w->used += n;
-        w->text[w->used] = '\0';
-    }
-}
-
-// At most 511 characters.
-__attribute__((format(printf, 2, 3))) static void put(lac_writer *w, const char *format, ...)
-{
-    char line[512];
-    va_list args;
-    va_start(args, format);
-    (void)vsnprintf(line, sizeof line, format, args);
-    va_end(args);
-    put_bytes(w, line, strlen(line));
-}
+#define PRINT(w, ...) (void)fprintf((w)->out, __VA_ARGS__)
 
 // One character of valid UTF-8; its length in `n`.
 static unsigned decode(const unsigned char *p, size_t *n)
@@ -67,34 +38,33 @@ static bool is_printable(unsigned c)
     return c != '"' && c != '\\' && c != 0x7f && c >= 0x20 && c != 0xfffe && c != 0xffff;
 }
 
-static void put_quoted(lac_writer *w, const char *text)
+// What stands between double quotes.
+static void put_escaped(lac_writer *w, const char *text)
 {
-    put(w, "\"");
     while (*text != '\0') {
         size_t n;
         unsigned c = decode((const unsigned char *)text, &n);
         if (is_printable(c) && lac_hidden_length(text, n) == 0) {
-            put_bytes(w, text, n);
+            PRINT(w, "%.*s", (int)n, text);
         } else {
-            put(w, c > 0xffff ? "\\U%08X" : "\\u%04X", c);
+            PRINT(w, c > 0xffff ? "\\U%08X" : "\\u%04X", c);
         }
         text += n;
     }
-    put(w, "\"");
 }
 
 static void put_key(lac_writer *w, int depth, const char *key)
 {
-    put(w, "%*s%s:", 2 * depth, "", key);
+    PRINT(w, "%*s%s:", 2 * depth, "", key);
 }
 
 static void put_text(lac_writer *w, int depth, const char *key, const char *text)
 {
     if (text != NULL) {
         put_key(w, depth, key);
-        put(w, " ");
-        put_quoted(w, text);
-        put(w, "\n");
+        PRINT(w, " \"");
+        put_escaped(w, text);
+        PRINT(w, "\"\n");
     }
 }
 
@@ -104,7 +74,7 @@ static void put_number(lac_writer *w, int depth, const char *key, double value, 
     bool plain = strcmp(unit, "1") == 0;
     put_key(w, depth, key);
     (void)lac_units_exact(value, unit, text, sizeof text);
-    put(w, plain ? " %s\n" : " \"%s\"\n", text);
+    PRINT(w, plain ? " %s\n" : " \"%s\"\n", text);
 }
 
 // A path as the case names it: from the case's folder.
@@ -125,11 +95,11 @@ static void put_param(lac_writer *w, int depth, const lac_param *param, const vo
         break;
     case LAC_INTEGER:
         put_key(w, depth, param->key);
-        put(w, " %lld\n", (long long)*(const int64_t *)at);
+        PRINT(w, " %lld\n", (long long)*(const int64_t *)at);
         break;
     case LAC_CHOICE:
         put_key(w, depth, param->key);
-        put(w, " %s\n", param->choices[*(const int *)at]);
+        PRINT(w, " %s\n", param->choices[*(const int *)at]);
         break;
     case LAC_TEXT:
     case LAC_PATH:
@@ -144,12 +114,9 @@ static void put_column(lac_writer *w, int depth, const lac_param *param, const v
     const char *const *column = (const void *)((const char *)params + param->offset);
     const char *unit = column[1] != NULL ? column[1] : param->unit;
     put_key(w, depth, param->key);
-    put(w, " ");
-    put_quoted(w, column[0]);
-    if (!w->failed) {
-        w->used--; // the unit goes inside the quotes
-    }
-    put(w, ":%s\"\n", unit);
+    PRINT(w, " \"");
+    put_escaped(w, column[0]);
+    PRINT(w, ":%s\"\n", unit);
 }
 
 // The values of a table that were given or have a default.
@@ -172,13 +139,12 @@ static void put_table(lac_writer *w, int depth, const lac_section *table, const 
 // "MODEL:" and its parameters below; the caller has written the indentation.
 static void put_model(lac_writer *w, int depth, const lac_model *model)
 {
-    put(w, "%s:", model->info->name);
-    size_t before = w->used;
-    put(w, "\n");
+    PRINT(w, "%s:", model->info->name);
+    const long before = ftell(w->out);
+    PRINT(w, "\n");
     put_table(w, depth + 1, model->info, model->params);
-    if (w->used == before + 1 && !w->failed) {
-        w->used = before;
-        put(w, " {}\n");
+    if (ftell(w->out) == before + 1 && fseek(w->out, before, SEEK_SET) == 0) {
+        PRINT(w, " {}\n");
     }
 }
 
@@ -186,7 +152,7 @@ static void put_slot(lac_writer *w, int depth, const char *key, const lac_model 
 {
     if (model->info != NULL) {
         put_key(w, depth, key);
-        put(w, "\n%*s", 2 * (depth + 1), "");
+        PRINT(w, "\n%*s", 2 * (depth + 1), "");
         put_model(w, depth + 1, model);
     }
 }
@@ -195,10 +161,10 @@ static void put_slots(lac_writer *w, int depth, const char *key, const lac_model
 {
     if (list->count > 0) {
         put_key(w, depth, key);
-        put(w, "\n");
+        PRINT(w, "\n");
     }
     for (size_t i = 0; i < list->count; i++) {
-        put(w, "%*s- ", 2 * (depth + 1), "");
+        PRINT(w, "%*s- ", 2 * (depth + 1), "");
         put_model(w, depth + 2, &list->item[i]);
     }
 }
@@ -213,7 +179,7 @@ static void put_spreads(lac_writer *w, const lac_heterogeneity_list *list)
 {
     if (list->count > 0) {
         put_key(w, 1, "spread");
-        put(w, "\n");
+        PRINT(w, "\n");
     }
     for (size_t i = 0; i < list->count; i++) {
         const lac_heterogeneity *spread = &list->item[i];
@@ -224,9 +190,9 @@ static void put_spreads(lac_writer *w, const lac_heterogeneity_list *list)
         }
         if (!begun) {
             put_key(w, 2, spread->key);
-            put(w, "\n");
+            PRINT(w, "\n");
         }
-        put(w, "%*s- ", 2 * 3, "");
+        PRINT(w, "%*s- ", 2 * 3, "");
         put_model(w, 4, &spread->model);
     }
 }
@@ -235,11 +201,11 @@ void lac_put_state(lac_writer *w, const lac_case *c)
 {
     const lac_initial_def *initial = &c->initial;
     if (initial->state == LAC_STATE_STEADY) {
-        put(w, "  state: steady\n");
+        PRINT(w, "  state: steady\n");
     } else if (initial->state == LAC_STATE_TIME) {
         put_number(w, 1, "state", initial->state_value, "s");
     } else if (initial->state == LAC_STATE_RATIO) {
-        put(w, "  state:\n");
+        PRINT(w, "  state:\n");
         put_number(w, 2, "ratio_to_steady", initial->state_value, "1");
     }
 }
@@ -256,35 +222,35 @@ void lac_put_start(lac_writer *w, const lac_case *c)
     double whole = floor(c->start_date);
     (void)lac_date_format(whole, text, sizeof text);
     if (c->start_date == whole) {
-        put(w, "  start: \"%s\"\n", text);
+        PRINT(w, "  start: \"%s\"\n", text);
         return;
     }
     text[strlen(text) - 1] = '\0';
     (void)snprintf(fraction, sizeof fraction, "%.15f", c->start_date - whole);
-    put(w, "  start: \"%s.%sZ\"\n", text, fraction + strlen(fraction) - 15);
+    PRINT(w, "  start: \"%s.%sZ\"\n", text, fraction + strlen(fraction) - 15);
 }
 
 void lac_put_fields(lac_writer *w, const lac_case *c)
 {
     const char *comma = "";
-    put(w, "  fields: [");
+    PRINT(w, "  fields: [");
     for (unsigned k = 0; lac_field_names[k] != NULL; k++) {
         if ((c->fields & (1u << k)) != 0) {
-            put(w, "%s%s", comma, lac_field_names[k]);
+            PRINT(w, "%s%s", comma, lac_field_names[k]);
             comma = ", ";
         }
     }
-    put(w, "]\n");
+    PRINT(w, "]\n");
 }
 
 // A step holds only what it names, so that the longest history stays within what is read.
 void lac_put_steps(lac_writer *w, const lac_case *c)
 {
-    put(w, "    steps:\n");
+    PRINT(w, "    steps:\n");
     for (size_t i = 0; i < c->history.count; i++) {
         lac_history_step step = c->history.step[i];
         step.count = step.count == 1 ? INT64_MIN : step.count;
-        put(w, "      -\n");
+        PRINT(w, "      -\n");
         put_table(w, 4, lac_section_find("load.history.steps"), &step);
     }
 }
@@ -292,10 +258,10 @@ void lac_put_steps(lac_writer *w, const lac_case *c)
 void lac_put_compare(lac_writer *w, const lac_case *c)
 {
     if (c->compare_count > 0) {
-        put(w, "compare:\n");
+        PRINT(w, "compare:\n");
     }
     for (size_t i = 0; i < c->compare_count; i++) {
-        put(w, "  -\n");
+        PRINT(w, "  -\n");
         put_table(w, 2, lac_section_find("compare"), &c->compare[i]);
     }
 }
@@ -303,27 +269,27 @@ void lac_put_compare(lac_writer *w, const lac_case *c)
 void lac_put_betas(lac_writer *w, const lac_case *c)
 {
     put_key(w, 1, "beta");
-    put(w, c->rg.betas == 0 ? " from-friction" : " [");
+    PRINT(w, c->rg.betas == 0 ? " from-friction" : " [");
     for (size_t i = 0; i < c->rg.betas; i++) {
         char text[100];
         (void)lac_units_exact(c->rg.beta[i], "1", text, sizeof text);
-        put(w, i > 0 ? ", %s" : "%s", text);
+        PRINT(w, i > 0 ? ", %s" : "%s", text);
     }
-    put(w, c->rg.betas == 0 ? "\n" : "]\n");
+    PRINT(w, c->rg.betas == 0 ? "\n" : "]\n");
 }
 
 void lac_put_analysis(lac_writer *w, const lac_case *c)
 {
     if (c->analysis.count > 0) {
-        put(w, "analysis:\n");
+        PRINT(w, "analysis:\n");
     }
     for (size_t i = 0; i < c->analysis.count; i++) {
         const lac_model *model = &c->analysis.item[i];
-        put(w, "  ");
+        PRINT(w, "  ");
         put_model(w, 1, model);
         const lac_analysis_rg *rg = lac_analysis_cascade(model);
         if (rg != NULL && rg->beta_from_friction) {
-            put(w, "    beta: from-friction\n");
+            PRINT(w, "    beta: from-friction\n");
         }
     }
 }
@@ -339,23 +305,23 @@ static const char *quoted(double value, const char *unit, char *text, size_t siz
 static void put_parameter(lac_writer *w, const lac_fit_parameter *p)
 {
     char low[90], high[90];
-    put(w, "    %s: {", p->key);
+    PRINT(w, "    %s: {", p->key);
     if (p->ranged) {
-        put(w, "range: [%s, %s], ", quoted(p->low, p->unit, low, sizeof low),
-            quoted(p->high, p->unit, high, sizeof high));
+        PRINT(w, "range: [%s, %s], ", quoted(p->low, p->unit, low, sizeof low),
+              quoted(p->high, p->unit, high, sizeof high));
     }
     if (p->prior == LAC_PRIOR_FLAT) {
-        put(w, "prior: {%s: {}}}\n", p->log ? "log-uniform" : "uniform");
+        PRINT(w, "prior: {%s: {}}}\n", p->log ? "log-uniform" : "uniform");
     } else {
-        put(w, "prior: {%s: {%s: %s, sigma: %s}}}\n", p->log ? "lognormal" : "normal",
-            p->log ? "median" : "mean", quoted(p->centre, p->unit, low, sizeof low),
-            quoted(p->sigma, p->log ? "1" : p->unit, high, sizeof high));
+        PRINT(w, "prior: {%s: {%s: %s, sigma: %s}}}\n", p->log ? "lognormal" : "normal",
+              p->log ? "median" : "mean", quoted(p->centre, p->unit, low, sizeof low),
+              quoted(p->sigma, p->log ? "1" : p->unit, high, sizeof high));
     }
 }
 
 void lac_put_fitted(lac_writer *w, const lac_case *c)
 {
-    put(w, "  parameters:%s\n", c->fit.count == 0 ? " {}" : "");
+    PRINT(w, "  parameters:%s\n", c->fit.count == 0 ? " {}" : "");
     for (size_t i = 0; i < c->fit.count; i++) {
         put_parameter(w, &c->fit.parameter[i]);
     }
@@ -371,7 +337,7 @@ static void put_part(lac_writer *w, const lac_part *part, const lac_case *c)
     }
     if (part->kind == LAC_PART_RECORD && lac_section_key(&part->info, 0) == NULL) {
         put_key(w, depth++, key);
-        put(w, "\n");
+        PRINT(w, "\n");
     }
     if (part->put != NULL) {
         part->put(w, c);
@@ -386,7 +352,7 @@ static void put_part(lac_writer *w, const lac_part *part, const lac_case *c)
         put_spreads(w, at);
     } else if (part->kind == LAC_PART_CADENCE) {
         put_key(w, depth, key);
-        put(w, "\n");
+        PRINT(w, "\n");
         put_table(w, depth + 1, lac_section_find("output.every"), at);
     }
 }
@@ -395,11 +361,14 @@ char *lac_case_text(const lac_case *c)
 {
     const lac_part *part;
     const char *absent = NULL; // what is below it is left out too
-    if (c == NULL) {
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = c != NULL ? open_memstream(&text, &size) : NULL;
+    if (out == NULL) {
         return NULL;
     }
-    lac_writer w = {.name = c->path, .folder = lac_folder_length(c->path)};
-    put(&w, "lacuna: 1\n");
+    lac_writer w = {.out = out, .name = c->path, .folder = lac_folder_length(c->path)};
+    PRINT(&w, "lacuna: 1\n");
     for (size_t i = 0; (part = lac_part_get(i)) != NULL; i++) {
         if (absent != NULL && lac_key_behind(part->info.name, absent) != NULL) {
             continue;
@@ -410,9 +379,10 @@ char *lac_case_text(const lac_case *c)
             put_part(&w, part, c);
         }
     }
-    if (w.failed) {
-        free(w.text);
-        return NULL;
+    const bool failed = ferror(out) != 0;
+    if (fclose(out) != 0 || failed) {
+        free(text);
+        text = NULL;
     }
-    return w.text;
+    return text;
 }

@@ -112,18 +112,16 @@ static lac_status generate(const void *params, const lac_grid *grid, double *hei
     (void)report;
     size_t n = lac_grid_cells(grid);
     lac_fft *fft = NULL;
-    lac_status status;
-    LAC_TRY(check(p, grid, err));
-    LAC_TRY(lac_fft_create(grid->nx, grid->ny, &fft, err));
+    LAC_TRY_RETURN(check(p, grid, err));
+    LAC_TRY_RETURN(lac_fft_create(grid->nx, grid->ny, &fft, err));
     double scale =
         (double)grid->nx * grid->dx * scale_of(p, fill_spectrum(recipe_of(p, grid), fft));
     lac_fft_inverse(fft);
     for (size_t i = 0; i < n; i++) {
         heights[i] = fft->real[i] * scale;
     }
-out:
     lac_fft_free(fft);
-    return status;
+    return LAC_OK;
 }
 
 static lac_wave_range waves(const void *params, const lac_grid *grid)

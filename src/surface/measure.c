@@ -177,17 +177,23 @@ static void measure_profiles(const lac_grid *grid, const double *h, lac_surface_
     }
 }
 
-static lac_status measure(const lac_grid *grid, const double *heights, lac_wave_range range,
-                          lac_surface_measures *out, lac_error *err)
+lac_status lac_surface_measure(const lac_grid *grid, const double *heights,
+                               const lac_wave_range *known, lac_surface_measures *out,
+                               lac_error *err)
 {
     lac_fft *fft = NULL;
-    lac_status status;
+    LAC_TRY_RETURN(check(grid, heights, err));
+    lac_wave_range range = usual_range(grid);
+    if (known != NULL) {
+        range.longest = fmin(range.longest, known->longest);
+        range.shortest = fmax(range.shortest, known->shortest);
+    }
     lac_surface_measures m = {.hurst = NAN,
                               .hurst_error = NAN,
                               .hurst_misfit = NAN,
                               .fit_longest = range.longest,
                               .fit_shortest = range.shortest};
-    LAC_TRY(lac_fft_create(grid->nx, grid->ny, &fft, err));
+    LAC_TRY_RETURN(lac_fft_create(grid->nx, grid->ny, &fft, err));
     size_t n = lac_grid_cells(grid);
     memcpy(fft->real, heights, n * sizeof *heights);
     // a plane where the ends do not meet
@@ -201,20 +207,6 @@ static lac_status measure(const lac_grid *grid, const double *heights, lac_wave_
     measure_profiles(grid, fft->real, &m);
     measure_hurst(grid, fft, &m);
     *out = m;
-out:
     lac_fft_free(fft);
-    return status;
-}
-
-lac_status lac_surface_measure(const lac_grid *grid, const double *heights,
-                               const lac_wave_range *known, lac_surface_measures *out,
-                               lac_error *err)
-{
-    LAC_TRY_RETURN(check(grid, heights, err));
-    lac_wave_range range = usual_range(grid);
-    if (known != NULL) {
-        range.longest = fmin(range.longest, known->longest);
-        range.shortest = fmax(range.shortest, known->shortest);
-    }
-    return measure(grid, heights, range, out, err);
+    return LAC_OK;
 }

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "surface/scan.h"
+#include "surface/read.h"
 
 // Keys of the header.
 enum { NCOLS, NROWS, CELLSIZE, DX, DY, NODATA, XLLCORNER, YLLCORNER, XLLCENTER, YLLCENTER, KEYS };

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "surface/scan.h"
+#include "surface/read.h"
 
 static const char magic[] = "Gwyddion Simple Field";
 

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "surface/scan.h"
+#include "surface/read.h"
 
 // Binary headers: 32-bit counts take four bytes more; Olympus writes eight more.
 enum { BINARY_HEADER = 81, WIDE_COUNTS = 4, OLYMPUS = 8, TYPES = 8 };

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "surface/scan.h"
+#include "surface/read.h"
 
 // Coordinates closer than this part of their extent are one: writers round.
 static const double same = 1e-7;

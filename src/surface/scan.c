@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Words and numbers of heights that are text, with decimal points or commas; errors name the line.
-#include "surface/scan.h"
+#include "surface/read.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -132,13 +132,11 @@ double lac_band_sum(const lac_band *b, int moment)
 
 static lac_status check_band(const lac_synthesis *how, const lac_band *b, lac_error *err)
 {
-    if (lac_band_sum(b, 0) > 0.0) {
-        return LAC_OK;
-    }
-    return lac_fail(err, LAC_EINPUT,
-                    "%s: no wave fits the interface: with anisotropy %g the shortest wavelength "
-                    "along the direction is %g m",
-                    how->source, how->anisotropy, how->anisotropy * (2.0 * M_PI) / b->q_shortest);
+    LAC_FAIL_IF(!(lac_band_sum(b, 0) > 0.0), err, LAC_EINPUT,
+                "%s: no wave fits the interface: with anisotropy %g the shortest wavelength "
+                "along the direction is %g m",
+                how->source, how->anisotropy, how->anisotropy * (2.0 * M_PI) / b->q_shortest);
+    return LAC_OK;
 }
 
 // The band of a grid of more than one cell.
@@ -329,10 +327,9 @@ lac_status lac_synthesise(const lac_synthesis *how, const lac_band *band, const 
 {
     lac_fft *fft = NULL;
     lac_grid whole;
-    lac_status status;
-    LAC_TRY(find_whole(how, grid, &whole, err));
-    LAC_TRY(check(how, band, err));
-    LAC_TRY(lac_fft_create(whole.nx, whole.ny, &fft, err));
+    LAC_TRY_RETURN(find_whole(how, grid, &whole, err));
+    LAC_TRY_RETURN(check(how, band, err));
+    LAC_TRY_RETURN(lac_fft_create(whole.nx, whole.ny, &fft, err));
     if (how->sampling == LAC_SAMPLING_LOW_PASS) {
         fill(fft, mode, of);
     } else {
@@ -349,7 +346,6 @@ lac_status lac_synthesise(const lac_synthesis *how, const lac_band *band, const 
     }
     lac_fft_inverse(fft);
     take(how, fft, grid, heights);
-out:
     lac_fft_free(fft);
-    return status;
+    return LAC_OK;
 }
