@@ -9,8 +9,7 @@ typedef struct lac_elastic {
     size_t n;
     lac_compliance *rock;
     const lac_hierarchy *h;
-    double *k;               ///< [levels] calibrated, of the preconditioner [Pa/m]; NULL: apply
-                             ///< does without, by the rock on full contact
+    double *k;               ///< [levels] calibrated, of the preconditioner [Pa/m]; NULL: none
     double anchor;           ///< stiffness of the mean slip there [Pa/m]
     bool direct;             ///< K is a filter; else the inverse of C
     bool floating;           ///< the mean slip is free: K 1 = 0
@@ -24,7 +23,8 @@ enum { LAC_ELASTIC_ITERATIONS = 1000 }; ///< at most
 /// Doubles of scratch of the two functions below.
 size_t lac_elastic_work(const lac_elastic *e);
 
-/// force = K slip; NaN where the iteration does not end. @return iterations, -1 where it does not
+/// force = K slip, also without k; NaN where the iteration does not end. @return iterations, -1
+/// where it does not
 int lac_elastic_apply(const lac_elastic *e, const double *slip, double *force, double *work);
 
 /// (D + K + k_mean P_m) x = y; x may be y. Iterations, or -1 as above or where it is not positive

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The elastic transfer: iterations and times of the stress and of the Newton solve with nothing,
-// the diagonal and the hierarchy as preconditioner; docs/theory/transfer.md, "Measured".
+// The elastic transfer: iterations and times of the stress and of the Newton solve;
+// docs/theory/transfer.md, "Measured".
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -86,7 +86,7 @@ static void scene_free(scene *s)
     free(s->work);
 }
 
-// Iterations, and what remains of the error and how long they take.
+// Iterations, what remains of the error and how long it takes.
 static void row(scene *s, const char *name, bool solve)
 {
     double begin = cpu_seconds();
