@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Settings of a run where none are given, sinks that stand before another one, and refusals:
-// settings, starts and rates that cannot be, slip that cannot be followed.
+// What is common to runs: settings where none are given, words, sinks that stand before another
+// one; and refusals: settings, starts and rates that cannot be, slip that cannot be followed.
 #include <math.h>
 #include <stdlib.h>
 

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "base/rows.h"
-#include "trade/trade.h"
+#include "trade/probe.h"
 
 static void put(lac_setting_value *out, const char *label, const char *yaml)
 {

@@ -9,8 +9,7 @@ typedef struct lac_elastic {
     size_t n;
     lac_compliance *rock;
     const lac_hierarchy *h;
-    double *k;               ///< [levels] calibrated, of the preconditioner [Pa/m]; NULL: apply
-                             ///< does without, by the rock on full contact
+    double *k;               ///< [levels] calibrated, of the preconditioner [Pa/m]; NULL: none
     double anchor;           ///< stiffness of the mean slip there [Pa/m]
     bool direct;             ///< K is a filter; else the inverse of C
     bool floating;           ///< the mean slip is free: K 1 = 0

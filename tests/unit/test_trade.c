@@ -4,9 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "lacuna/simulation.h"
 #include "support/test.h"
-#include "trade/trade.h"
+#include "trade/probe.h"
 
 static void assert_near(double found, double expected, double error)
 {

@@ -21,6 +21,7 @@
 #include "cli/trade/trade.h"
 #include "scene/scene_rg.h"
 #include "simulation/simulation.h"
+#include "trade/probe.h"
 
 static lac_status integrate(const cli_trade_job *job, const lac_case *c, const char *file,
                             lac_trade_measure *m, lac_error *err)

@@ -56,6 +56,7 @@ SHARED = {
     "scene": {"estimate.h", "scene_rg.h"},
     "series": {"motion.h"},
     "store": {"recording.h", "store_cells.h", "store_checkpoint.h", "store_file.h", "store_map.h"},
+    "trade": {"probe.h"},
 }
 
 # The module of a public header, where the names differ; lacuna.h is everyone's.
