@@ -247,11 +247,6 @@ static const lac_variable of_weakest[] = {
     {.name = "weakest_gap_Pa", .unit = "Pa", .json = "weakest/gap_Pa", NOW(weakest_gap)},
 };
 
-#define OF_RESULTS(rows_)                                                                         \
-    {                                                                                             \
-        .row = (rows_), .rows = sizeof(rows_) / sizeof *(rows_), .over = "beta", .pointers = true \
-    }
-
 lac_status lac_scene_rg_describe(const lac_rg_outcome *o, lac_dataset **out, lac_error *err)
 {
     const lac_scene_rg *s = o->rg;
@@ -265,11 +260,11 @@ lac_status lac_scene_rg_describe(const lac_rg_outcome *o, lac_dataset **out, lac
         {LAC_VARIABLES(of_all, "", 0), o},
         {LAC_VARIABLES(of_mean, "", 0), &s->mean},
         {LAC_VARIABLES(of_joint, "", 0), o},
-        {OF_RESULTS(of_results), s->result},
+        {LAC_VARIABLES_OF_MANY(of_results, "beta"), s->result},
         {LAC_VARIABLES(of_joints, "interface", sizeof(lac_rg_interface)), s->interface},
-        {OF_RESULTS(of_now), s->result},
+        {LAC_VARIABLES_OF_MANY(of_now, "beta"), s->result},
         {LAC_VARIABLES(of_distance, "", 0), o},
-        {OF_RESULTS(of_slip_now), s->result},
+        {LAC_VARIABLES_OF_MANY(of_slip_now, "beta"), s->result},
         {LAC_VARIABLES(of_file, "", 0), o},
         {LAC_VARIABLES(of_cells, "", 0), o->cells},
         {LAC_VARIABLES(of_weakest, "", 0), s},

@@ -10,7 +10,7 @@ typedef struct cli_history {
     bool keep;                  ///< keep time, slip and rate of every record
     double clock;               ///< added to the kept times [s]
     size_t n, room;             ///< records kept
-    double *time, *slip, *rate; ///< [room]
+    double *time, *slip, *rate; ///< [room] in one allocation
     bool begun;
     lac_record first, last;
     bool saved; ///< a checkpoint was made
