@@ -229,8 +229,8 @@ static lac_status put_out(lac_catalogue *c, uint32_t place, double local, const 
                        .duration = (c->origin - e->origin) + (local - e->local),
                        .potency = potency,
                        .moment = c->modulus * potency,
-                       .x = ((double)(at % grid->nx) + 0.5) * grid->dx,
-                       .y = ((double)(at / grid->nx) + 0.5) * grid->dy,
+                       .x = lac_grid_x(grid, at),
+                       .y = lac_grid_y(grid, at),
                        .max_rate = e->max_rate,
                        .cut = (e->before ? LAC_EVENT_BEGUN_BEFORE : 0) |
                               (e->moving > 0 ? LAC_EVENT_UNENDED : 0)};

@@ -19,6 +19,16 @@ static inline size_t lac_grid_cells(const lac_grid *grid) { return grid->nx * gr
 /// Area of one cell [m2].
 static inline double lac_grid_cell_area(const lac_grid *grid) { return grid->dx * grid->dy; }
 
+/// Centre of a cell [m].
+static inline double lac_grid_x(const lac_grid *grid, size_t cell)
+{
+    return ((double)(cell % grid->nx) + 0.5) * grid->dx;
+}
+static inline double lac_grid_y(const lac_grid *grid, size_t cell)
+{
+    return ((double)(cell / grid->nx) + 0.5) * grid->dy;
+}
+
 /// Nominal area of the interface [m2].
 static inline double lac_grid_area(const lac_grid *grid)
 {

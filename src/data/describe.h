@@ -11,6 +11,12 @@
         .stride = (stride_)                                                       \
     }
 
+/// The same, laid on pointers to many.
+#define LAC_VARIABLES_OF_MANY(rows_, over_)                                                        \
+    {                                                                                              \
+        .row = (rows_), .rows = sizeof(rows_) / sizeof *(rows_), .over = (over_), .pointers = true \
+    }
+
 /// Getters: `declared` names what the expression is about, from `of` and `at`.
 #define LAC_GETTER(returned, name, declared, expression)   \
     static returned name(const void *of, const size_t *at) \

@@ -125,17 +125,8 @@ static const lac_variable of_grid[] = {
     {.name = "boundary", OF_GRID(BOOL, periodic), .names = boundaries},
 };
 
-static double cell_column(const lac_domain *domain, size_t cell)
-{
-    return (double)(domain->index[cell] % domain->grid.nx);
-}
-
-static double cell_row(const lac_domain *domain, size_t cell)
-{
-    return (double)(domain->index[cell] / domain->grid.nx);
-}
-LAC_GETTER(double, cell_x, PLACE, (cell_column(p->of.domain, at[0]) + 0.5) * p->of.domain->grid.dx)
-LAC_GETTER(double, cell_y, PLACE, (cell_row(p->of.domain, at[0]) + 0.5) * p->of.domain->grid.dy)
+LAC_GETTER(double, cell_x, PLACE, lac_grid_x(&p->of.domain->grid, p->of.domain->index[at[0]]))
+LAC_GETTER(double, cell_y, PLACE, lac_grid_y(&p->of.domain->grid, p->of.domain->index[at[0]]))
 LAC_GETTER(double, cell_pressure, PLACE, p->of.domain->pressure[at[0]])
 LAC_GETTER(double, cell_area, GRID, lac_grid_cell_area(g))
 static const lac_variable of_cells[] = {

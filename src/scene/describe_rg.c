@@ -37,13 +37,6 @@ static double block_side(const lac_scene_rg *s, size_t level)
     return ldexp(fmax(s->grid.dx, s->grid.dy), (int)level);
 }
 
-static double place_of(const lac_scene_rg *s, size_t cell, bool along_y)
-{
-    const size_t at = s->domain->index[cell], nx = s->grid.nx;
-    return along_y ? ((double)(at / nx) + 0.5) * s->grid.dy
-                   : ((double)(at % nx) + 0.5) * s->grid.dx;
-}
-
 size_t lac_scene_rg_first(const lac_scene_rg *rg, const lac_rg_result *r, double place[2])
 {
     size_t first = SIZE_MAX;
@@ -53,9 +46,8 @@ size_t lac_scene_rg_first(const lac_scene_rg *rg, const lac_rg_result *r, double
                             rg->domain->pressure[i] < rg->domain->pressure[first];
         first = !isnan(r->cell_load[i]) && (sooner || weaker) ? i : first;
     }
-    for (int d = 0; d < 2; d++) {
-        place[d] = first != SIZE_MAX ? place_of(rg, first, d == 1) : NAN;
-    }
+    place[0] = first != SIZE_MAX ? lac_grid_x(&rg->grid, rg->domain->index[first]) : NAN;
+    place[1] = first != SIZE_MAX ? lac_grid_y(&rg->grid, rg->domain->index[first]) : NAN;
     return first;
 }
 
@@ -75,8 +67,8 @@ LAC_GETTER(double, distance, S, s->result[at[0]]->critical - s->now.load)
 LAC_GETTER(double, block_size, S, block_side(s, at[0]))
 LAC_GETTER(double, level_size, S, block_side(s, at[1]))
 LAC_GETTER(double, level, (void)of, (double)at[1])
-LAC_GETTER(double, x, S, place_of(s, at[0], false))
-LAC_GETTER(double, y, S, place_of(s, at[0], true))
+LAC_GETTER(double, x, S, lac_grid_x(&s->grid, s->domain->index[at[0]]))
+LAC_GETTER(double, y, S, lac_grid_y(&s->grid, s->domain->index[at[0]]))
 LAC_GETTER(double, pressure, S, s->domain->pressure[at[0]])
 
 LAC_GETTER(double, nominal, S, s->strength)
@@ -255,11 +247,6 @@ static const lac_variable of_weakest[] = {
     {.name = "weakest_gap_Pa", .unit = "Pa", .json = "weakest/gap_Pa", NOW(weakest_gap)},
 };
 
-#define OF_RESULTS(rows_)                                                                         \
-    {                                                                                             \
-        .row = (rows_), .rows = sizeof(rows_) / sizeof *(rows_), .over = "beta", .pointers = true \
-    }
-
 lac_status lac_scene_rg_describe(const lac_rg_outcome *o, lac_dataset **out, lac_error *err)
 {
     const lac_scene_rg *s = o->rg;
@@ -273,11 +260,11 @@ lac_status lac_scene_rg_describe(const lac_rg_outcome *o, lac_dataset **out, lac
         {LAC_VARIABLES(of_all, "", 0), o},
         {LAC_VARIABLES(of_mean, "", 0), &s->mean},
         {LAC_VARIABLES(of_joint, "", 0), o},
-        {OF_RESULTS(of_results), s->result},
+        {LAC_VARIABLES_OF_MANY(of_results, "beta"), s->result},
         {LAC_VARIABLES(of_joints, "interface", sizeof(lac_rg_interface)), s->interface},
-        {OF_RESULTS(of_now), s->result},
+        {LAC_VARIABLES_OF_MANY(of_now, "beta"), s->result},
         {LAC_VARIABLES(of_distance, "", 0), o},
-        {OF_RESULTS(of_slip_now), s->result},
+        {LAC_VARIABLES_OF_MANY(of_slip_now, "beta"), s->result},
         {LAC_VARIABLES(of_file, "", 0), o},
         {LAC_VARIABLES(of_cells, "", 0), o->cells},
         {LAC_VARIABLES(of_weakest, "", 0), s},

@@ -151,8 +151,8 @@ static void find_cycle(const history *h, size_t now, lac_history_record *record)
 static void find_place(const lac_grid *grid, size_t cell, double place[2])
 {
     bool found = cell < lac_grid_cells(grid);
-    place[0] = found ? ((double)(cell % grid->nx) + 0.5) * grid->dx : NAN;
-    place[1] = found ? ((double)(cell / grid->nx) + 0.5) * grid->dy : NAN;
+    place[0] = found ? lac_grid_x(grid, cell) : NAN;
+    place[1] = found ? lac_grid_y(grid, cell) : NAN;
 }
 
 static lac_status give_maps(const history *h, lac_error *err)

@@ -367,8 +367,7 @@ static void look(const joint *j, const double *shear, double share, lac_scene_rg
         .load = carried / nominal,
         .share = share,
         .weakest_gap = j->strength[weakest] - shear[weakest],
-        .weakest = {((double)(at % grid->nx) + 0.5) * grid->dx,
-                    ((double)(at / grid->nx) + 0.5) * grid->dy},
+        .weakest = {lac_grid_x(grid, at), lac_grid_y(grid, at)},
     };
 }
 

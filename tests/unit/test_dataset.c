@@ -124,6 +124,20 @@ static void squeeze(char *text)
     *to = '\0';
 }
 
+static void assert_json(const lac_dataset *d, const char *wanted)
+{
+    char *text = NULL;
+    size_t size = 0;
+    lac_json json = {.out = open_memstream(&text, &size)};
+    lac_json_open(&json, NULL, '{');
+    lac_dataset_json(d, &json);
+    lac_json_close(&json, '}');
+    (void)fclose(json.out);
+    squeeze(text);
+    assert_string_equal(text, wanted);
+    free(text);
+}
+
 static void test_json(void **state)
 {
     static const char *const wanted =
@@ -135,17 +149,8 @@ static void test_json(void **state)
         "{\"key\":\"c\",\"seed\":9,\"good\":false}],"
         "\"gone\":null,\"gone_text\":null,\"gone_object\":null,\"gone_lists\":[]}";
     (void)state;
-    char *text = NULL;
-    size_t size = 0;
     lac_dataset *d = make();
-    lac_json json = {.out = open_memstream(&text, &size)};
-    lac_json_open(&json, NULL, '{');
-    lac_dataset_json(d, &json);
-    lac_json_close(&json, '}');
-    (void)fclose(json.out);
-    squeeze(text);
-    assert_string_equal(text, wanted);
-    free(text);
+    assert_json(d, wanted);
     lac_dataset_free(d);
 }
 
@@ -293,9 +298,7 @@ static void test_many(void **state)
     (void)state;
     const lac_extent dims[] = {{"row", 2}, {"column", 2}, {"two", 2}};
     const lac_laid laid = {LAC_VARIABLES(rows, "row column", sizeof(cell)), cells};
-    char *text = NULL;
     double values[8];
-    size_t size = 0;
     lac_error err = {""};
     lac_dataset *d = NULL;
     lac_item item = {0};
@@ -309,14 +312,7 @@ static void test_many(void **state)
     for (size_t i = 0; i < 8; i++) {
         assert_true(values[i] == (double)i + 1.0);
     }
-    lac_json json = {.out = open_memstream(&text, &size)};
-    lac_json_open(&json, NULL, '{');
-    lac_dataset_json(d, &json);
-    lac_json_close(&json, '}');
-    (void)fclose(json.out);
-    squeeze(text);
-    assert_string_equal(text, wanted);
-    free(text);
+    assert_json(d, wanted);
     lac_dataset_free(d);
 }
 

@@ -8,16 +8,15 @@
 
 #include "cli/common/words.h"
 
-// An option whose word has a place of its own in the request, and one that is told by its bit or
-// that apply() has a line for.
-#define KEPT(bit, letter, name, value, place, doc)                                 \
-    {                                                                              \
-        "--" name, CLI_OPT_##bit, letter, value, doc, offsetof(cli_request, place) \
+// An option that is told by its bit or that apply() has a line for, and one whose word has a place
+// of its own in the request.
+#define PLAIN(bit_, letter_, name_, value_, ...)                                           \
+    {                                                                                      \
+        .name = "--" name_, .bit = CLI_OPT_##bit_, .letter = (letter_), .value = (value_), \
+        .doc = __VA_ARGS__                                                                 \
     }
-#define PLAIN(bit, letter, name, value, doc)            \
-    {                                                   \
-        "--" name, CLI_OPT_##bit, letter, value, doc, 0 \
-    }
+#define KEPT(bit, letter, name, value, place, doc) \
+    PLAIN(bit, letter, name, value, doc, offsetof(cli_request, place))
 
 const cli_option cli_options[] = {
     KEPT(OUTPUT, 'o', "output", "FILE", output, "where to write the file"),

@@ -86,13 +86,10 @@ void cli_signals_writing(const char *path) { (void)snprintf(output, sizeof outpu
 
 void cli_signals_hold(void) { held = 1; }
 
-bool cli_signals_stop(void) { return stop_asked != 0; }
-
-bool cli_signals_take_report(void)
+bool cli_signals_stop(void *context)
 {
-    bool asked = report_asked != 0;
-    report_asked = 0;
-    return asked;
+    (void)context;
+    return stop_asked != 0;
 }
 
 double cli_clock(void)
@@ -146,48 +143,42 @@ static void draw(cli_progress *progress, double part, const char *text)
     progress->drawn = true;
 }
 
-// What is due after a step: a line that was asked for, the bar. Nothing is written or formatted
-// before it is known to be.
-typedef struct due {
-    bool line, bar;
-} due;
-
-static bool is_due(cli_progress *progress, due *now)
+// Whether a line that was asked for or the bar is due after a step: nothing is formatted before.
+static bool is_due(cli_progress *progress)
 {
     const double interval = 0.1, clock = progress->bar ? cli_clock() : 0;
-    now->line = cli_signals_take_report();
-    now->bar = progress->bar && clock - progress->last >= interval;
-    progress->last = now->bar ? clock : progress->last;
-    return now->line || now->bar;
+    progress->line_due = report_asked != 0;
+    report_asked = 0;
+    progress->bar_due = progress->bar && clock - progress->last >= interval;
+    progress->last = progress->bar_due ? clock : progress->last;
+    return progress->line_due || progress->bar_due;
 }
 
-static void put_out(cli_progress *progress, const due *now, double part, const char *text)
+static void put_out(cli_progress *progress, double part, const char *text)
 {
-    if (now->line) {
+    if (progress->line_due) {
         cli_progress_clear(progress);
         cli_note("%s, %.1f s so far", text, cli_clock() - progress->started);
     }
-    if (now->bar) {
+    if (progress->bar_due) {
         draw(progress, part, text);
     }
 }
 
 void cli_progress_show(cli_progress *progress, const lac_progress *now)
 {
-    due wanted;
-    if (is_due(progress, &wanted)) {
+    if (is_due(progress)) {
         const cli_text text = cli_format("%s of %s, mean slip rate %s, %" PRId64 " steps",
                                          cli_amount(now->time, "s").s, cli_amount(now->end, "s").s,
                                          cli_amount(now->mean_rate, "m/s").s, now->steps);
-        put_out(progress, &wanted, fraction(now), text.s);
+        put_out(progress, fraction(now), text.s);
     }
 }
 
 void cli_progress_stage(cli_progress *progress, const char *what, size_t done, size_t total)
 {
-    due wanted;
-    if (is_due(progress, &wanted)) {
-        put_out(progress, &wanted, total > 0 ? (double)done / (double)total : 0.0,
+    if (is_due(progress)) {
+        put_out(progress, total > 0 ? (double)done / (double)total : 0.0,
                 cli_format("%zu of %zu %s", done, total, what).s);
     }
 }

@@ -7,6 +7,7 @@
 typedef struct cli_progress {
     bool bar, colour, drawn; ///< drawn: the bar stands on the terminal
     double started, last;    ///< on the monotonic clock [s]
+    bool line_due, bar_due;  ///< to be written after this step
 } cli_progress;
 
 /// Seconds on a clock that never goes back.
@@ -44,8 +45,5 @@ void cli_signals_writing(const char *path);
 /// ends the program the default way.
 void cli_signals_hold(void);
 
-/// Whether SIGINT or SIGTERM came.
-bool cli_signals_stop(void);
-
-/// Whether SIGUSR1 came since last asked.
-bool cli_signals_take_report(void);
+/// Whether SIGINT or SIGTERM came; as what is asked while something goes on.
+bool cli_signals_stop(void *context);

@@ -128,7 +128,7 @@ static bool on_interrupted(void *context)
     contact_job *job = context;
     cli_progress_stage(&job->progress, "steps of the history", job->done,
                        lac_scene_history_steps(job->source));
-    return cli_signals_stop();
+    return cli_signals_stop(NULL);
 }
 
 // Goes through the history, a step written as it is solved.

@@ -132,12 +132,6 @@ out:
     return status;
 }
 
-static bool on_interrupted(void *context)
-{
-    (void)context;
-    return cli_signals_stop();
-}
-
 static void on_progress(void *context, const char *stage, size_t done, size_t total)
 {
     cli_progress_stage(context, stage, done, total);
@@ -145,7 +139,7 @@ static void on_progress(void *context, const char *stage, size_t done, size_t to
 
 static lac_status compute(fit_job *job, lac_error *err)
 {
-    const lac_fit_watch watch = {on_interrupted, on_progress, &job->progress};
+    const lac_fit_watch watch = {cli_signals_stop, on_progress, &job->progress};
     cli_signals_hold();
     cli_progress_start(&job->progress, &job->request);
     lac_status status = lac_fit_run(job->fit, &watch, &job->result, err);

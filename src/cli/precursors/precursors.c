@@ -26,22 +26,6 @@ typedef struct cells {
     lac_indicator_inputs inputs; // of the two above; points into this
 } cells;
 
-static lac_status read_values(const char *path, cells *c, lac_error *err)
-{
-    static const char *const names[VALUES] = {
-        "event_time", "event_duration", "event_moment",       "time",
-        "n_slip",     "n_tot",          "correlation_length", "critical_fraction"};
-    lac_stored_file *file = NULL;
-    lac_status status = LAC_OK;
-    LAC_TRY(lac_stored_file_open(path, &file, err));
-    for (size_t i = 0; i < VALUES; i++) {
-        LAC_TRY(lac_stored_file_values(file, names[i], &c->value[i], err));
-    }
-out:
-    lac_stored_file_close(file);
-    return status;
-}
-
 // Whether all that stands in [first, last] is there.
 static bool has_all(const cells *c, size_t first, size_t last)
 {
@@ -102,23 +86,31 @@ static void take_slip(cells *c, double start)
 }
 
 // Where what it reads ends is cut off at each time of issue.
-static lac_status read_cells(const cli_watched *watched, cells *out, lac_error *err)
+static lac_status read_cells(const cli_watched *watched, cells *c, lac_error *err)
 {
+    static const char *const names[VALUES] = {
+        "event_time", "event_duration", "event_moment",       "time",
+        "n_slip",     "n_tot",          "correlation_length", "critical_fraction"};
+    lac_stored_file *file = NULL;
     lac_status status = LAC_OK;
-    *out = (cells){.inputs = lac_evidence_default()};
+    *c = (cells){.inputs = lac_evidence_default()};
     if (!watched->run) {
         return LAC_OK;
     }
-    LAC_TRY(read_values(watched->of.source, out, err));
-    if (has_all(out, EVENT_TIME, EVENT_MOMENT)) {
-        LAC_TRY(sort_events(out, watched->start, err));
-        out->inputs.events = &out->events;
+    LAC_TRY(lac_stored_file_open(watched->of.source, &file, err));
+    for (size_t i = 0; i < VALUES; i++) {
+        LAC_TRY(lac_stored_file_values(file, names[i], &c->value[i], err));
     }
-    if (has_all(out, TIME, LENGTH)) {
-        take_slip(out, watched->start);
-        out->inputs.slip = &out->slip;
+    if (has_all(c, EVENT_TIME, EVENT_MOMENT)) {
+        LAC_TRY(sort_events(c, watched->start, err));
+        c->inputs.events = &c->events;
+    }
+    if (has_all(c, TIME, LENGTH)) {
+        take_slip(c, watched->start);
+        c->inputs.slip = &c->slip;
     }
 out:
+    lac_stored_file_close(file);
     return status;
 }
 
@@ -141,12 +133,6 @@ typedef struct precursors_job {
     lac_skill *skill;
 } precursors_job;
 
-static bool on_interrupted(void *context)
-{
-    (void)context;
-    return cli_signals_stop();
-}
-
 // The case that forecasts beside the methods that know only the motion.
 static lac_status read_case(precursors_job *job, lac_error *err)
 {
@@ -158,7 +144,7 @@ static lac_status read_case(precursors_job *job, lac_error *err)
                    : lac_fail(err, LAC_EINPUT, "--set: overrides a case: --case names one");
     }
     const lac_status status = cli_case_read(&of_case, LAC_FOR_FIT, &job->source, NULL, err);
-    job->watch.interrupted = on_interrupted;
+    job->watch.interrupted = cli_signals_stop;
     job->how = (lac_model_forecast){.source = job->source,
                                     .threads = of_case.threads > 0 ? of_case.threads : 1,
                                     .watch = &job->watch};
@@ -169,7 +155,7 @@ static lac_status read_case(precursors_job *job, lac_error *err)
 static bool go_on(void *context, size_t done, size_t all)
 {
     (void)context, (void)done, (void)all;
-    return !cli_signals_stop();
+    return !cli_signals_stop(NULL);
 }
 
 static lac_status roll(precursors_job *job, lac_error *err)

@@ -102,7 +102,7 @@ static bool go_on(void *context, size_t done, size_t seeds)
     if (seeds > 1) {
         cli_say(((const rg_job *)context)->request, "interface %zu of %zu", done + 1, seeds);
     }
-    return !cli_signals_stop();
+    return !cli_signals_stop(NULL);
 }
 
 static void print_file(const lac_stored_cells *cells, const lac_scene_rg *rg)

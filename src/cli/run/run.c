@@ -174,12 +174,6 @@ out:
     return status;
 }
 
-static bool on_interrupted(void *context)
-{
-    (void)context;
-    return cli_signals_stop();
-}
-
 // Of pilot runs too, which are not on the page.
 static void on_progress(void *context, const lac_progress *now)
 {
@@ -216,7 +210,7 @@ static void on_prepared(void *context, lac_stage stage, const lac_simulation *si
 static lac_status create(run_job *job, lac_error *err)
 {
     lac_simulation_options options = lac_simulation_options_default();
-    options.interrupted = on_interrupted;
+    options.interrupted = cli_signals_stop;
     options.progress = on_progress;
     options.prepared = on_prepared;
     options.context = job;

@@ -331,7 +331,7 @@ static lac_status await(pool *p, lac_error *err)
     const int ready = poll(ends, p->busy, 500);
     for (size_t k = p->busy;
          ready > 0 && k-- > 0 && status == LAC_OK;) { // the last takes its place
-        if (ends[k].revents != 0 && !cli_signals_stop()) {
+        if (ends[k].revents != 0 && !cli_signals_stop(NULL)) {
             status = finish(p, k, err);
         }
     }
@@ -362,7 +362,7 @@ static lac_status run_all(pool *p, lac_error *err)
         }
         show(p);
         status = status == LAC_OK ? await(p, err) : status;
-        if (cli_signals_stop()) {
+        if (cli_signals_stop(NULL)) {
             return LAC_EINTERRUPT;
         }
     }

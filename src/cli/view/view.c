@@ -349,7 +349,7 @@ static void linger(cli_view *view, bool stay)
 {
     const struct timespec look_again = {.tv_nsec = 50000000};
     const double end = cli_clock() + last_wait;
-    while (stay ? !cli_signals_stop() : atomic_load(&view->pages) > 0 && cli_clock() < end) {
+    while (stay ? !cli_signals_stop(NULL) : atomic_load(&view->pages) > 0 && cli_clock() < end) {
         (void)nanosleep(&look_again, NULL);
     }
 }
@@ -359,7 +359,7 @@ void cli_view_end(cli_view *view, const char *status, bool failed, const char *m
     if (view == NULL || view->ended) {
         return;
     }
-    const bool stay = view->stay && view->path != NULL && !cli_signals_stop();
+    const bool stay = view->stay && view->path != NULL && !cli_signals_stop(NULL);
     const char *state = failed ? "failure" : status;
     page_data data = {0};
     view->ended = true;
