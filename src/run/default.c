@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Settings of a run where none are given, and the formulation that suits method and friction.
+// What is common to runs: settings where none are given, the formulation that suits method and
+// friction, words, and sinks that stand before another one.
 #include <math.h>
 
 #include "lacuna/simulation.h"
@@ -51,4 +52,36 @@ const char *lac_fidelity_name(lac_fidelity fidelity)
                                         [LAC_FIDELITY_ASYNC] = "events",
                                         [LAC_FIDELITY_STATIC] = "static"};
     return names[fidelity];
+}
+
+#define PASS(what, type)                                                           \
+    static lac_status pass_##what(void *context, const type *what, lac_error *err) \
+    {                                                                              \
+        const lac_sink *next = context;                                            \
+        return next->what(next->context, what, err);                               \
+    }
+PASS(record, lac_record)
+PASS(snapshot, lac_snapshot)
+PASS(step, lac_step)
+PASS(event, lac_event)
+PASS(once, double)
+PASS(checkpoint, lac_checkpoint)
+
+static void pass_serialize(void *context, lac_archive *archive)
+{
+    const lac_sink *next = context;
+    next->serialize(next->context, archive);
+}
+
+lac_sink lac_sink_before(lac_sink *next)
+{
+    return (lac_sink){.size = sizeof(lac_sink),
+                      .context = next,
+                      .record = next->record != NULL ? pass_record : NULL,
+                      .snapshot = next->snapshot != NULL ? pass_snapshot : NULL,
+                      .step = next->step != NULL ? pass_step : NULL,
+                      .event = next->event != NULL ? pass_event : NULL,
+                      .once = next->once != NULL ? pass_once : NULL,
+                      .serialize = next->serialize != NULL ? pass_serialize : NULL,
+                      .checkpoint = next->checkpoint != NULL ? pass_checkpoint : NULL};
 }

@@ -159,9 +159,9 @@ static lac_status give_maps(const history *h, lac_error *err)
 {
     const lac_history_maps maps = {
         .pressure = h->pressure,
-        .traction = {lac_tangential_traction(h->shear, 0), lac_tangential_traction(h->shear, 1)},
-        .slip = {lac_tangential_slip(h->shear, 0), lac_tangential_slip(h->shear, 1)},
-        .state = lac_tangential_state(h->shear),
+        .traction = {h->shear->traction[0], h->shear->traction[1]},
+        .slip = {h->shear->slip[0], h->shear->slip[1]},
+        .state = h->shear->state,
     };
     return h->sink->maps != NULL ? h->sink->maps(h->sink->context, &maps, err) : LAC_OK;
 }
@@ -210,7 +210,7 @@ static lac_status find_first_slip(history *h, lac_error *err)
     h->sought_first_slip = true;
     const lac_tangential_def def = shear_def(h);
     lac_first_slip *first = &h->result->first_slip;
-    lac_status status = lac_tangential_first_slip(&def, h->pressure, direction, NULL, first, err);
+    lac_status status = lac_tangential_first_slip(&def, h->pressure, direction, first, err);
     if (status == LAC_OK) {
         h->result->loaded = true;
         find_place(&def.grid, first->cell, h->result->first_place);

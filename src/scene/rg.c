@@ -62,7 +62,7 @@ static lac_status make_joint(const lac_case *c, lac_scene_joint *j, lac_error *e
         status = elastic_path(c, &j->contact, &path, err);
         break;
     case LAC_RG_EQUAL:
-        status = lac_rg_path_equal(domain->n, j->strength, &path, err);
+        status = lac_rg_path_further(domain->n, j->strength, NULL, &path, err);
         break;
     case LAC_RG_UNIFORM:
         status = lac_rg_path_uniform(domain->n, j->strength, &path, err);

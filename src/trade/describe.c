@@ -75,7 +75,6 @@ LAC_TEXT_GETTER(end, RUN, lac_trade_end_name(r->end))
 LAC_GETTER(double, amount, RUN, r->value)
 LAC_TEXT_GETTER(message, RUN, r->message[0] != '\0' ? r->message : NULL)
 
-#define T(getter) .text = (getter)
 #define H(kind, field) LAC_HELD(kind, lac_trade_run, field)
 
 // Laid on pointers to runs.

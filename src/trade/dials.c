@@ -243,13 +243,6 @@ static lac_status on_record(void *context, const lac_record *record, lac_error *
                                       : LAC_OK;
 }
 
-static lac_status on_snapshot(void *context, const lac_snapshot *snapshot, lac_error *err)
-{
-    lac_trade_probe *probe = context;
-    return probe->next.snapshot != NULL ? probe->next.snapshot(probe->next.context, snapshot, err)
-                                        : LAC_OK;
-}
-
 static lac_status on_event(void *context, const lac_event *event, lac_error *err)
 {
     lac_trade_probe *probe = context;
@@ -257,21 +250,14 @@ static lac_status on_event(void *context, const lac_event *event, lac_error *err
     return probe->next.event != NULL ? probe->next.event(probe->next.context, event, err) : LAC_OK;
 }
 
-static lac_status on_once(void *context, const double *values, lac_error *err)
-{
-    lac_trade_probe *probe = context;
-    return probe->next.once != NULL ? probe->next.once(probe->next.context, values, err) : LAC_OK;
-}
-
 lac_sink lac_trade_probe_start(lac_trade_probe *probe, const lac_case *c, const lac_sink *next)
 {
     *probe = (lac_trade_probe){.next = *next, .friction = coulomb(c), .rate = NAN, .load = NAN};
-    return (lac_sink){.size = sizeof(lac_sink),
-                      .context = probe,
-                      .record = on_record,
-                      .snapshot = on_snapshot,
-                      .event = on_event,
-                      .once = on_once};
+    lac_sink sink = lac_sink_before(&probe->next);
+    sink.record = on_record;
+    sink.event = on_event;
+    sink.checkpoint = NULL; // a run of a trade begins anew
+    return sink;
 }
 
 void lac_trade_probe_values(const lac_trade_probe *probe, const lac_run_result *result,

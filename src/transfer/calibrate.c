@@ -85,7 +85,6 @@ static lac_status calibrate_band(const lac_hierarchy *h, size_t level, uint64_t 
                                  lac_compliance *c, double *vectors, lac_calibration *band,
                                  lac_error *err)
 {
-    lac_status status = LAC_OK;
     size_t rank = lac_hierarchy_rank(h, level), n = lac_hierarchy_cells(h);
     bool random = rank > EXACT_RANK;
     size_t most = random ? MOST_PROBES : rank;
@@ -95,7 +94,8 @@ static lac_status calibrate_band(const lac_hierarchy *h, size_t level, uint64_t 
         probe p = {.h = h, .level = level, .seed = seed, .number = i, .random = random};
         double energy;
         fill_probe(&p, vectors);
-        LAC_TRY(lac_compliance_invert(c, vectors, energy_tolerance, vectors + n, &energy, err));
+        LAC_TRY_RETURN(
+            lac_compliance_invert(c, vectors, energy_tolerance, vectors + n, &energy, err));
         energy /= random ? (double)rank : 1;
         double change = energy - mean;
         mean += change / (double)(i + 1);
@@ -107,8 +107,7 @@ static lac_status calibrate_band(const lac_hierarchy *h, size_t level, uint64_t 
         }
     }
     band->stiffness = mean;
-out:
-    return status;
+    return LAC_OK;
 }
 
 static lac_status check_material(const lac_transfer_scene *scene, lac_error *err)

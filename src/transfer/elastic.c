@@ -212,7 +212,6 @@ lac_status lac_transfer_tied(const lac_model *model, const lac_transfer_scene *s
     LAC_TRY(status);
     p.tolerance = 1e-11;
     LAC_TRY(begin(&p, scene, &rock, &e, err));
-    e->preconditioner = LAC_BY_DIAGONAL; // which needs no calibration
     LAC_TRY(tie(e, share, err));
 out:
     destroy(e);

@@ -91,15 +91,7 @@ static void multiply_slip(void *self, const double *x, double *y)
 static double precondition_slip(void *self, const double *r, double *z)
 {
     const job *j = self;
-    const lac_elastic *e = j->e;
-    if (!near_inverse(j, r, z)) {
-        return NAN;
-    }
-    double error = lac_vdot(e->n, r, z);
-    for (size_t i = 0; i < e->n && e->preconditioner != LAC_BY_HIERARCHY; i++) {
-        z[i] = e->preconditioner == LAC_BY_DIAGONAL ? r[i] / (j->d[i] + e->k[0]) : r[i];
-    }
-    return error;
+    return near_inverse(j, r, z) ? lac_vdot(j->e->n, r, z) : (double)NAN;
 }
 
 // From x = M y, whose forces balance, so that those of all that follow do.
@@ -162,14 +154,7 @@ static double precondition_traction(void *self, const double *r, double *z)
         return NAN;
     }
     stiffen(e, j->w, z, j->scratch);
-    double error = error_left(j, z);
-    if (e->preconditioner != LAC_BY_HIERARCHY) {
-        for (size_t i = 0; i < e->n; i++) {
-            z[i] = e->preconditioner == LAC_BY_DIAGONAL ? r[i] / (1 / j->d[i] + 1 / e->k[0]) : r[i];
-        }
-        take_mean_off(e, z);
-    }
-    return error;
+    return error_left(j, z);
 }
 
 // tau from r, of an error of `size`; x = C tau
@@ -307,13 +292,11 @@ static double precondition_compliance(void *self, const double *r, double *z)
 {
     const job *j = self;
     const lac_elastic *e = j->e;
-    if (e->preconditioner == LAC_BY_HIERARCHY) {
+    if (e->k != NULL) {
         stiffen(e, r, z, j->scratch);
-    } else if (e->preconditioner == LAC_BY_DIAGONAL) {
+    } else {
         lac_compliance_traction(e->rock, r, z);
         take_mean_off(e, z);
-    } else {
-        memcpy(z, r, e->n * sizeof *z);
     }
     return lac_vdot(e->n, r, z);
 }

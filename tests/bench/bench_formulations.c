@@ -9,6 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "lacuna/simulation.h"
+
 #include "scene/scene.h"
 #include "support/cost.h"
 #include "support/slider.h"

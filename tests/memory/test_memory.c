@@ -47,7 +47,7 @@ static lac_status whole_shear(const char *path, lac_error *err)
         LAC_TRY(lac_contact_solve(&normal, pressure, NULL, NULL, err));
         LAC_TRY(lac_tangential_create(&def, &t, err));
         LAC_TRY(lac_tangential_step(t, pressure, &target, NULL, err));
-        LAC_TRY(lac_tangential_first_slip(&def, pressure, load, NULL, &first, err));
+        LAC_TRY(lac_tangential_first_slip(&def, pressure, load, &first, err));
     }
 out:
     lac_tangential_free(t);

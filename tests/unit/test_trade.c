@@ -360,7 +360,7 @@ static void probe(void **state)
         assert_int_equal(sink.record(sink.context, &record, NULL), LAC_OK);
     }
     assert_int_equal(sink.event(sink.context, &(lac_event){.cells = 1}, NULL), LAC_OK);
-    assert_int_equal(sink.snapshot(sink.context, &(lac_snapshot){.time = 1.0}, NULL), LAC_OK);
+    assert_null(sink.snapshot); // what comes next has no use for them
     const lac_run_result result = {.failed = true,
                                    .failure_origin = 4.0,
                                    .failure_local = 0.5,

@@ -8,10 +8,8 @@
 
 #include "base/units.h"
 #include "cli/common/command.h"
-#include "cli/common/libraries.h"
 #include "cli/common/output.h"
 #include "cli/common/progress.h"
-#include "cli/common/signals.h"
 #include "cli/common/words.h"
 #include "cli/report/report.h"
 
@@ -163,15 +161,13 @@ static lac_status follow(contact_job *job, const lac_history_store_def *def, lac
 // The history's file is that of the contact too.
 static lac_status follow_history(contact_job *job, lac_dataset *dataset, lac_error *err)
 {
-    char libraries[256];
     char *text = lac_case_text(job->source);
     const lac_history_def *history = &job->source->history;
     const size_t steps = lac_scene_history_steps(job->source);
     lac_history_store_def def = {
         .path = job->path,
         .force = cli_given(job->request, CLI_OPT_FORCE),
-        .provenance = cli_provenance(job->request, job->source, text,
-                                     cli_libraries(libraries, sizeof libraries)),
+        .provenance = cli_provenance(job->request, job->source, text),
         .contact = dataset,
         .keep = (lac_history_keep)history->fields, // the same in the same order
     };

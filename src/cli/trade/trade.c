@@ -9,10 +9,8 @@
 
 #include "base/units.h"
 #include "cli/common/command.h"
-#include "cli/common/inputs.h"
-#include "cli/common/libraries.h"
 #include "cli/common/output.h"
-#include "cli/common/signals.h"
+#include "cli/common/progress.h"
 #include "cli/common/words.h"
 #include "cli/report/report.h"
 #include "data/dataset.h"
@@ -133,7 +131,7 @@ static size_t gather(const cli_trade_job *job, const lac_trade_run *run, lac_ove
     if (lac_trade_of_run(trade, run) == LAC_OF_CASCADE) {
         out[n++] = (lac_override){"solver.fidelity", "static"};
     }
-    for (size_t d = 0; d < trade->settings; d++) {
+    for (size_t d = 0; d < job->trade.settings; d++) {
         const lac_trade_setting *setting = &trade->setting[d];
         if (run->at[d] >= 0) {
             out[n++] = (lac_override){setting->setting->key, setting->value[run->at[d]].yaml};
@@ -177,18 +175,17 @@ static uint64_t add(uint64_t sum, const char *text)
     return sum;
 }
 
-static lac_status describe(const lac_trade *trade, const lac_case *c, lac_trade_run *run,
+static lac_status describe(const cli_trade_job *job, const lac_case *c, lac_trade_run *run,
                            lac_error *err)
 {
-    char libraries[256];
     char *text = lac_case_text(c), *sums = cli_inputs_sums(c);
     const lac_status status = text == NULL || sums == NULL ? lac_fail_memory(err) : LAC_OK;
     if (status == LAC_OK) {
         run->key = add(UINT64_C(0xcbf29ce484222325), text);
         run->key = add(add(run->key, sums), cli_format("%a", c->run.end).s);
-        run->key = add(add(run->key, LACUNA_VERSION), cli_libraries(libraries, sizeof libraries));
-        for (size_t d = 0; d < trade->settings; d++) {
-            lac_setting_current(trade->setting[d].setting, c, run->label[d]);
+        run->key = add(add(run->key, LACUNA_VERSION), job->request->libraries);
+        for (size_t d = 0; d < job->trade.settings; d++) {
+            lac_setting_current(job->trade.setting[d].setting, c, run->label[d]);
         }
     }
     free(text);
@@ -258,7 +255,7 @@ static lac_status resolve(const cli_trade_job *job, lac_trade *trade, lac_error 
         lac_trade_run *run = &trade->run[i];
         lac_status status = cli_trade_case(job, run, &c, &why);
         if (status == LAC_OK) {
-            status = describe(trade, c, run, &why);
+            status = describe(job, c, run, &why);
             find_twin(trade, i);
         } else if (status == LAC_EINPUT) {
             run->end = LAC_TRADE_REFUSED;

@@ -15,10 +15,9 @@
 #include <unistd.h>
 
 #include "cli/common/command.h"
-#include "cli/common/libraries.h"
 #include "cli/common/memory.h"
 #include "cli/common/output.h"
-#include "cli/common/signals.h"
+#include "cli/common/progress.h"
 #include "cli/trade/trade.h"
 #include "scene/scene_rg.h"
 #include "simulation/simulation.h"
@@ -29,11 +28,10 @@ static lac_status integrate(const cli_trade_job *job, const lac_case *c, const c
     lac_simulation *simulation = NULL;
     lac_store *store = NULL;
     lac_store_def def;
-    char libraries[256];
     lac_status status = LAC_OK;
     LAC_TRY(lac_simulation_create(c, NULL, &simulation, err));
     LAC_TRY(lac_simulation_file(simulation, &def, err));
-    cli_sign(job->request, cli_libraries(libraries, sizeof libraries), &def.provenance);
+    cli_sign(job->request, &def.provenance);
     def.path = file;
     def.force = true;
     LAC_TRY(lac_store_create(&def, &store, err));
