@@ -235,10 +235,10 @@ static double coulomb(const lac_case *c)
 static lac_status on_record(void *context, const lac_record *record, lac_error *err)
 {
     lac_trade_probe *probe = context;
-    const double load =
-        record->observation.shear_force / (probe->friction * record->observation.effective_force);
+    const lac_observation *seen = &record->observation;
+    const double load = seen->shear_force / (probe->friction * seen->effective_force);
     probe->load = isnan(probe->rate) || load > probe->load ? load : probe->load;
-    probe->rate = record->observation.mean_rate;
+    probe->rate = seen->mean_rate;
     return probe->next.record != NULL ? probe->next.record(probe->next.context, record, err)
                                       : LAC_OK;
 }
