@@ -34,7 +34,7 @@ static void prepared(lac_simulation *s, lac_stage stage)
 static lac_status build(lac_simulation *s, lac_error *err)
 {
     lac_status status;
-    LAC_TRY(lac_scene_create(&s->source, &s->scene, err));
+    LAC_TRY(lac_scene_create(&s->source, NULL, &s->scene, err));
     s->outcome.scene = s->scene;
     prepared(s, LAC_STAGE_SCENE);
     if (!isnan(s->source.accuracy)) {

@@ -9,7 +9,8 @@ typedef struct lac_elastic {
     size_t n;
     lac_compliance *rock;
     const lac_hierarchy *h;
-    double *k;               ///< [levels] calibrated, of the preconditioner [Pa/m]; NULL: none
+    double *k;               ///< [levels] calibrated, of the preconditioner [Pa/m]; NULL: apply
+                             ///< does without, by the rock on full contact
     double anchor;           ///< stiffness of the mean slip there [Pa/m]
     bool direct;             ///< K is a filter; else the inverse of C
     bool floating;           ///< the mean slip is free: K 1 = 0
@@ -27,7 +28,7 @@ size_t lac_elastic_work(const lac_elastic *e);
 /// where it does not
 int lac_elastic_apply(const lac_elastic *e, const double *slip, double *force, double *work);
 
-/// (D + K + k_mean P_m) x = y; x may be y.
-/// @return iterations; -1 where it is not positive definite or the iteration does not end
+/// (D + K + k_mean P_m) x = y; x may be y. Iterations, or -1 as above or where it is not positive
+/// definite.
 int lac_elastic_solve(const lac_elastic *e, double k_mean, const double *diagonal, const double *y,
                       double *x, double *work);

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "lacuna/simulation.h"
 #include "support/test.h"
 #include "trade/trade.h"
 

@@ -233,8 +233,8 @@ lac_status cli_contact(const cli_request *request, lac_error *err)
     LAC_TRY(cli_case_read(request, LAC_FOR_CONTACT, &job.source, NULL, err));
     LAC_TRY(cli_output_path(request, job.source, NULL, "-contact.nc", &job.path, err));
     cli_say(request, "solving the contact of %s", request->argument[0]);
-    LAC_TRY(
-        cli_blame(job.source, lac_scene_contact_solve(job.source, true, &job.contact, err), err));
+    status = lac_scene_contact_solve(job.source, LAC_SCENE_MEASURED, &job.contact, err);
+    LAC_TRY(cli_blame(job.source, status, err));
     LAC_TRY(cli_blame(job.source, lac_scene_contact_measure(&measure, &job.contact, err), err));
     status = show_result(&job, write_file(&job, err), err);
 out:

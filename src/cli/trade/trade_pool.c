@@ -83,7 +83,7 @@ static lac_status press(const lac_case *c, lac_trade_measure *m, lac_error *err)
     double work = 0.0;
     const lac_history_sink sink = {.context = &work, .step = add_work};
     lac_status status = LAC_OK;
-    LAC_TRY(lac_scene_contact_solve(c, true, &contact, err));
+    LAC_TRY(lac_scene_contact_solve(c, LAC_SCENE_MEASURED, &contact, err));
     m->cells = (double)contact.domain->n;
     m->value[LAC_QUANTITY_FRACTION] = m->cells / (double)lac_grid_cells(&contact.grid);
     m->value[LAC_QUANTITY_PRESSURE] = contact.mean_pressure;
