@@ -52,8 +52,7 @@ const char *lac_trade_options(const lac_trade_run *run, char text[LAC_TEXT_ROOM]
 }
 
 #define TRADE const lac_trade *t = of
-#define RUN const lac_trade_run *r = ((const lac_trade_run *const *)of)[at[0]]
-#define ONE const lac_trade_run *r = *(const lac_trade_run *const *)of
+#define RUN const lac_trade_run *r = of
 
 LAC_TEXT_GETTER(complete, (void)of, "complete")
 LAC_TEXT_GETTER(quantity, TRADE, lac_quantities[t->quantity].name)
@@ -62,18 +61,14 @@ LAC_TEXT_GETTER(quantity_doc, TRADE, lac_quantities[t->quantity].doc)
 LAC_TEXT_GETTER(reference_settings, TRADE, lac_trade_settings_text(t->reference, room))
 LAC_TEXT_GETTER(recommended_settings, TRADE,
                 t->recommended != NULL ? lac_trade_settings_text(t->recommended, room) : NULL)
-LAC_TEXT_GETTER(sentence, TRADE, t->sentence)
 
 LAC_TEXT_GETTER(settings, RUN, lac_trade_settings_text(r, room))
-LAC_TEXT_GETTER(label_of_row, RUN, r->label[at[1]])
-LAC_TEXT_GETTER(label_of_one, ONE, r->label[at[0]])
-LAC_TEXT_GETTER(key_of_row, RUN, r->of->setting[at[1]].setting->key)
-LAC_TEXT_GETTER(key_of_one, ONE, r->of->setting[at[0]].setting->key)
+LAC_TEXT_GETTER(label, RUN, r->label[at[0]])
+LAC_TEXT_GETTER(key, RUN, r->of->setting[at[0]].setting->key)
 LAC_TEXT_GETTER(command, RUN, lac_trade_command(r))
 LAC_TEXT_GETTER(options, RUN, lac_trade_options(r, room))
 LAC_TEXT_GETTER(end, RUN, lac_trade_end_name(r->end))
-LAC_GETTER(double, amount, RUN, r->value)
-LAC_TEXT_GETTER(message, RUN, r->message[0] != '\0' ? r->message : NULL)
+LAC_GETTER(double, amount, const lac_trade_run *const *run = of, run[at[0]]->value)
 
 #define H(kind, field) LAC_HELD(kind, lac_trade_run, field)
 
@@ -91,20 +86,17 @@ static const lac_variable of_trade[] = {
     {.name = "quantity_long_name", T(quantity_doc)},
     {.name = "reference_settings", T(reference_settings)},
     {.name = "recommended_settings", T(recommended_settings)},
-    {.name = "recommendation", T(sentence)},
+    {.name = "recommendation", LAC_HELD(CHARS, lac_trade, sentence)},
 };
 
 // What is told of a run. @param F  whether a file has it: F(name, unit, what it is)
-#define OF_RUN(in, dims_, which, F)                                                                \
+#define OF_RUN(in, dims_, F)                                                                       \
     {F("settings", NULL, "settings of the run, keys of its case"), T(settings)},                   \
-        {.json = in "settings{}",                                                                  \
-         .dims = (dims_),                                                                          \
-         T(label_of_##which),                                                                      \
-         .label = key_of_##which,                                                                  \
-         .flags = LAC_NUMERAL},                                                                    \
+        {.json = in "settings{}", .dims = (dims_), T(label), .label = key, .flags = LAC_NUMERAL},  \
         {.json = in "command", T(command)}, {.json = in "options", T(options)},                    \
         {F("end", NULL, "how it ended: done, broken, given up"), .json = in "end", T(end)},        \
-        {.json = in "message", T(message)}, {.json = in "value", H(REAL, value)},                  \
+        {.json = in "message", H(CHARS, message), .flags = LAC_MISSING},                           \
+        {.json = in "value", H(REAL, value)},                                                      \
         {F("error", NULL, "difference from the reference, relative"), .json = in "error",          \
          H(REAL, error), .flags = LAC_MISSING},                                                    \
         {F("error_uncertainty", NULL, "error of the reference itself, relative"),                  \
@@ -131,12 +123,12 @@ static const lac_variable of_trade[] = {
 
 static const lac_variable of_reference[] = {{.name = "reference_value", H(REAL, value)},
                                             {.name = "reference_uncertainty", H(REAL, uncertainty)},
-                                            OF_RUN("reference/", "dial", one, IN_NONE)};
-static const lac_variable of_rows[] = {OF_RUN("runs[]/", "run dial", row, IN_FILE)};
-static const lac_variable of_recommended[] = {OF_RUN("recommended/", "dial", one, IN_NONE)};
-static const lac_variable of_refused[] = {{.json = "refused[]", T(message)}};
+                                            OF_RUN("reference/", "dial", IN_NONE)};
+static const lac_variable of_rows[] = {OF_RUN("runs[]/", "run dial", IN_FILE)};
+static const lac_variable of_recommended[] = {OF_RUN("recommended/", "dial", IN_NONE)};
+static const lac_variable of_refused[] = {{.json = "refused[]", H(CHARS, message)}};
 static const lac_variable of_end[] = {
-    {.json = "recommendation", T(sentence)},
+    LAC_JSON("recommendation", CHARS, lac_trade, sentence),
     LAC_JSON("wall_time_s", REAL, lac_trade, wall_time),
     LAC_JSON("output", TEXT, lac_trade, path),
 };
@@ -150,10 +142,10 @@ lac_status lac_trade_describe(const lac_trade *t, lac_dataset **out, lac_error *
     const lac_extent dims[] = {{"run", t->rows}, {"dial", t->settings}, {"refused", t->refusals}};
     const lac_laid laid[] = {
         {LAC_VARIABLES(of_trade, "", 0), t},
-        {OF_RUNS(of_reference, ""), &t->reference},
+        {LAC_VARIABLES(of_reference, "", 0), t->reference},
         {OF_RUNS(of_rows, "run"), t->row},
         {OF_RUNS(of_refused, "refused"), t->row + t->rows},
-        {OF_RUNS(of_recommended, ""), t->recommended != NULL ? &t->recommended : NULL},
+        {LAC_VARIABLES(of_recommended, "", 0), t->recommended},
         {LAC_VARIABLES(of_end, "", 0), t},
     };
     lac_status status;
