@@ -9,12 +9,6 @@
 #include "base/rows.h"
 #include "trade/probe.h"
 
-static void put(lac_setting_value *out, const char *label, const char *yaml)
-{
-    (void)snprintf(out->label, sizeof out->label, "%s", label);
-    (void)snprintf(out->yaml, sizeof out->yaml, "%s", yaml);
-}
-
 lac_setting_value lac_setting_number(double value)
 {
     lac_setting_value out;
@@ -23,11 +17,16 @@ lac_setting_value lac_setting_number(double value)
     return out;
 }
 
-// The names themselves are what the key takes.
-static size_t put_names(const char *const *names, size_t n, lac_setting_value *out)
+// Names between spaces, which themselves are what the key takes.
+static size_t put_names(const char *names, lac_setting_value *out)
 {
-    for (size_t i = 0; i < n; i++) {
-        put(&out[i], names[i], names[i]);
+    size_t n = 0;
+    for (; *names != '\0'; names += strspn(names, " ")) {
+        const int size = (int)strcspn(names, " ");
+        (void)snprintf(out[n].label, sizeof out[n].label, "%.*s", size, names);
+        memcpy(out[n].yaml, out[n].label, sizeof out[n].label);
+        names += size;
+        n++;
     }
     return n;
 }
@@ -58,32 +57,26 @@ static size_t rtol_values(const lac_case *c, lac_trade_of of, lac_setting_value 
 
 static size_t method_values(const lac_case *c, lac_trade_of of, lac_setting_value *out)
 {
-    static const char *const names[] = {"bdf", "adams", "erk"};
     (void)of;
-    return c->run.fidelity == LAC_FIDELITY_ASYNC ? 0 : put_names(names, 3, out);
+    return put_names(c->run.fidelity == LAC_FIDELITY_ASYNC ? "" : "bdf adams erk", out);
 }
 
 static size_t formulation_values(const lac_case *c, lac_trade_of of, lac_setting_value *out)
 {
-    static const char *const names[] = {"rate", "traction", "slip"};
     (void)of;
     bool fixed = c->run.fidelity == LAC_FIDELITY_ASYNC || lac_inertia_mass(c) > 0.0;
-    return fixed ? 0 : put_names(names, 3, out);
+    return put_names(fixed ? "" : "rate traction slip", out);
 }
-
-#define CASCADE "static"
 
 static size_t fidelity_values(const lac_case *c, lac_trade_of of, lac_setting_value *out)
 {
-    static const char *const names[] = {CASCADE, "events", "ode"};
     if (of == LAC_OF_CASCADE) {
         bool runs = c->friction.info != NULL && !isnan(c->run.end);
-        return put_names(names, runs ? 3 : 0, out);
+        return put_names(runs ? "static events ode" : "", out);
     }
     const lac_transfer_kind *kind = (const void *)c->transfer.info;
-    return kind != NULL && kind->blocks != NULL && lac_inertia_mass(c) <= 0.0
-               ? put_names(names + 1, 2, out)
-               : 0;
+    bool both = kind != NULL && kind->blocks != NULL && lac_inertia_mass(c) <= 0.0;
+    return put_names(both ? "events ode" : "", out);
 }
 
 // The grid, halved and halved again.
@@ -108,24 +101,22 @@ static size_t transfer_values(const lac_case *c, lac_trade_of of, lac_setting_va
     if (!lac_transfer_outline_of(&c->transfer, &ignored) || isnan(c->material.shear_modulus)) {
         return 0;
     }
-    put(&out[0], "hierarchy", "{hierarchy: {stiffness: elastic}}");
-    put(&out[1], "elastic", "{elastic: {}}");
+    out[0] = (lac_setting_value){"hierarchy", "{hierarchy: {stiffness: elastic}}"};
+    out[1] = (lac_setting_value){"elastic", "{elastic: {}}"};
     return 2;
 }
 
 static size_t planning_values(const lac_case *c, lac_trade_of of, lac_setting_value *out)
 {
-    static const char *const names[] = {"estimate", "measure"};
     (void)of;
     const lac_transfer_kind *kind = (const void *)c->transfer.info;
-    return kind != NULL && kind->transforms ? put_names(names, 2, out) : 0;
+    return kind != NULL && kind->transforms ? put_names("estimate measure", out) : 0;
 }
 
 static size_t precision_values(const lac_case *c, lac_trade_of of, lac_setting_value *out)
 {
-    static const char *const names[] = {"float", "double"};
     (void)c, (void)of;
-    return put_names(names, 2, out);
+    return put_names("float double", out);
 }
 
 // A whole number from its quarter or half up to the case's own.
@@ -158,43 +149,35 @@ static size_t shifts_values(const lac_case *c, lac_trade_of of, lac_setting_valu
 
 static size_t field_values(const lac_case *c, lac_trade_of of, lac_setting_value *out)
 {
-    static const char *const names[] = {"uniform", "equal", "elastic"};
     (void)of;
     const bool pressed = c->surface.info != NULL && !isnan(c->material.shear_modulus);
-    return put_names(names, pressed ? 3 : 2, out);
+    return put_names(pressed ? "uniform equal elastic" : "uniform equal", out);
 }
 
-#define RUN LAC_OF_RUN
-#define DIAL(title, where, text, has, of, ...)                                               \
-    {                                                                                        \
-        .name = (title), .key = (where), .doc = (text), .values = has##_values, .use = (of), \
-        __VA_ARGS__                                                                          \
+enum { RUN = LAC_OF_RUN, CASCADE_TOO = LAC_OF_RUN | LAC_OF_CASCADE, RG = LAC_OF_CASCADE };
+
+#define DIAL(title, where, has, of, ...)                                                  \
+    {                                                                                     \
+        .name = (title), .key = (where), .values = has##_values, .use = (of), __VA_ARGS__ \
     }
 
 // rtol: tenfold at most, and mostly five- to sevenfold: docs/trade.md
 static const lac_setting settings[] = {
-    DIAL("rtol", "solver.rtol", "tolerance, in decades", rtol, RUN, .falls = true, .ratio = 4,
-         .finer = 0.1, .finest = 1e-13),
-    DIAL("method", "solver.method", "of integration: bdf, adams, erk", method, RUN),
-    DIAL("formulation", "solver.formulation", "unknown besides the state: rate, traction, slip",
-         formulation, RUN),
-    DIAL("fidelity", "solver.fidelity", "events, ode; of Q_crit also static, the cascade", fidelity,
-         RUN | LAC_OF_CASCADE, .asked = RUN | LAC_OF_CASCADE, .scene = true, .cascade = CASCADE),
-    DIAL("levels", "interface.levels", "2^levels cells a side, halved twice", levels,
-         RUN | LAC_OF_CASCADE | LAC_OF_CONTACT, .asked = RUN | LAC_OF_CASCADE, .scene = true,
-         .ratio = 4),
-    DIAL("transfer", "transfer", "of stress: hierarchy, elastic", transfer, RUN, .asked = RUN,
-         .scene = true),
-    DIAL("planning", "solver.fft_planning", "of Fourier transforms: estimate, measure", planning,
-         RUN, .asked = RUN),
-    DIAL("precision", "output.precision", "of what is written: float, double", precision, RUN,
-         .asked = RUN),
-    DIAL("field", "rg.field", "of the cascade: uniform, equal, elastic", field, LAC_OF_CASCADE,
-         .asked = LAC_OF_CASCADE, .scene = true),
-    DIAL("contacts", "rg.contacts", "solved along the cascade's path", contacts, LAC_OF_CASCADE,
-         .ratio = 4, .finer = 2, .finest = LAC_RG_MOST_LOADS),
-    DIAL("shifts", "rg.shifts", "places of the cascade's blocks", shifts, LAC_OF_CASCADE,
-         .ratio = 2, .finer = 4, .finest = 10000),
+    DIAL("rtol", "solver.rtol", rtol, RUN, .falls = true, .ratio = 4, .finer = 0.1,
+         .finest = 1e-13),
+    DIAL("method", "solver.method", method, RUN),
+    DIAL("formulation", "solver.formulation", formulation, RUN),
+    DIAL("fidelity", "solver.fidelity", fidelity, CASCADE_TOO, .asked = CASCADE_TOO, .scene = true,
+         .cascade = "static"),
+    DIAL("levels", "interface.levels", levels, CASCADE_TOO | LAC_OF_CONTACT, .asked = CASCADE_TOO,
+         .scene = true, .ratio = 4),
+    DIAL("transfer", "transfer", transfer, RUN, .asked = RUN, .scene = true),
+    DIAL("planning", "solver.fft_planning", planning, RUN, .asked = RUN),
+    DIAL("precision", "output.precision", precision, RUN, .asked = RUN),
+    DIAL("field", "rg.field", field, RG, .asked = RG, .scene = true),
+    DIAL("contacts", "rg.contacts", contacts, RG, .ratio = 4, .finer = 2,
+         .finest = LAC_RG_MOST_LOADS),
+    DIAL("shifts", "rg.shifts", shifts, RG, .ratio = 2, .finer = 4, .finest = 10000),
 };
 
 LAC_ROWS_AT(lac_setting, lac_setting_get, settings)
@@ -252,10 +235,10 @@ static double coulomb(const lac_case *c)
 static lac_status on_record(void *context, const lac_record *record, lac_error *err)
 {
     lac_trade_probe *probe = context;
-    const double load =
-        record->observation.shear_force / (probe->friction * record->observation.effective_force);
+    const lac_observation *seen = &record->observation;
+    const double load = seen->shear_force / (probe->friction * seen->effective_force);
     probe->load = isnan(probe->rate) || load > probe->load ? load : probe->load;
-    probe->rate = record->observation.mean_rate;
+    probe->rate = seen->mean_rate;
     return probe->next.record != NULL ? probe->next.record(probe->next.context, record, err)
                                       : LAC_OK;
 }

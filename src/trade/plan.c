@@ -98,20 +98,13 @@ static lac_status add_word(const char *word, size_t length, const lac_case *c, l
     return LAC_OK;
 }
 
-// What the settings of a trade may belong to: a cascade has those of a run where its fidelity is
-// turned, which makes it one.
-static unsigned turned_of(const lac_trade *trade)
+// A cascade has the settings of a run too where its fidelity is turned, which makes it one.
+static lac_status check_turned(const lac_trade *trade, lac_error *err)
 {
     unsigned of = trade->of;
     for (size_t d = 0; trade->of == LAC_OF_CASCADE && d < trade->settings; d++) {
         of |= trade->setting[d].setting->cascade != NULL ? LAC_OF_RUN : 0;
     }
-    return of;
-}
-
-static lac_status check_turned(const lac_trade *trade, lac_error *err)
-{
-    const unsigned of = turned_of(trade);
     for (size_t d = 0; d < trade->settings; d++) {
         const lac_setting *setting = trade->setting[d].setting;
         const bool turns = is_of(setting, of);
@@ -128,13 +121,10 @@ static lac_status check_turned(const lac_trade *trade, lac_error *err)
 
 static lac_status read_words(const char *words, const lac_case *c, lac_trade *trade, lac_error *err)
 {
-    for (const char *word = words;; word++) {
-        const size_t length = strcspn(word, ",");
+    for (const char *word = words, *next; word != NULL; word = next != NULL ? next + 1 : NULL) {
+        next = strchr(word, ',');
+        const size_t length = next != NULL ? (size_t)(next - word) : strlen(word);
         LAC_TRY_RETURN(add_word(word, length, c, trade, err));
-        if (word[length] == '\0') {
-            break;
-        }
-        word += length;
     }
     return check_turned(trade, err);
 }

@@ -25,7 +25,6 @@ typedef enum lac_trade_of {
 /// A setting that trades accuracy for cost.
 typedef struct lac_setting {
     const char *name, *key; ///< "method", "solver.method"
-    const char *doc;        ///< one line
     unsigned asked;         ///< lac_trade_of whose trades turn it only where it is named
     bool scene;             ///< it changes what is computed, not only how well
     unsigned use;           ///< lac_trade_of

@@ -4,6 +4,7 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "base/statistics.h"
 #include "base/vsum.h"
@@ -206,39 +207,34 @@ static void print_sizes(const lac_scene_fractal *f)
 
 // The history of loads, as a table in units that suit the largest values.
 enum { WIDTH = 12 };
+#define OF(field) offsetof(lac_history_record, field)
 enum { P, Q_X, Q_Y, SHIFT_X, SHIFT_Y, STICK, WORK, HIGHEST, HIGHEST_X, HIGHEST_Y, COLUMNS };
 
 // One column of the table of steps: a value of each, shown in a unit that suits the largest.
 typedef struct column {
     const char *name, *unit;
+    size_t at; // in a lac_history_record, of what is held there
     double largest, scale;
     const char *prefix;
     bool shown;
 } column;
 
-// Sticking is of the contact cells.
-static double value_of(const lac_contact_outcome *o, size_t step, size_t at)
+static double value_of(const lac_contact_outcome *o, size_t step, const column *c)
 {
     const lac_history_record *r = &o->record[step];
-    const lac_tangential_stats *shear = &r->shear;
-    const double area = lac_grid_area(&o->contact->grid);
-    const double value[COLUMNS] = {
-        [P] = r->pressure * area,
-        [Q_X] = shear->traction[0] * area,
-        [Q_Y] = shear->traction[1] * area,
-        [SHIFT_X] = shear->shift[0],
-        [SHIFT_Y] = shear->shift[1],
-        [STICK] = 100.0 * (double)shear->stick_cells / (double)shear->contact_cells,
-        [WORK] = shear->dissipation,
-        [HIGHEST] = isnan(r->highest[0]) ? (double)NAN : shear->highest_ratio,
-        [HIGHEST_X] = r->highest[0],
-        [HIGHEST_Y] = r->highest[1],
-    };
-    return value[at];
+    double value;
+    memcpy(&value, (const char *)r + c->at, sizeof value);
+    if (c->unit[0] == '%') {
+        return 100.0 * (double)r->shear.stick_cells / (double)r->shear.contact_cells;
+    }
+    const bool none = c->unit[0] == '\0' && isnan(r->highest[0]);
+    return none                ? (double)NAN
+           : c->unit[0] == 'N' ? value * lac_grid_area(&o->contact->grid)
+                               : value;
 }
 
 // The unit with the prefix in which the largest value is at least 1.
-static void choose_unit(const lac_contact_outcome *o, size_t at, column *c)
+static void choose_unit(const lac_contact_outcome *o, column *c)
 {
     static const char prefixes[][2] = {"G", "M", "k", "", "m", "u", "n"};
     static const double scales[] = {1e9, 1e6, 1e3, 1, 1e-3, 1e-6, 1e-9};
@@ -248,7 +244,7 @@ static void choose_unit(const lac_contact_outcome *o, size_t at, column *c)
     c->scale = 1;
     c->prefix = "";
     for (size_t i = 0; i < o->result->steps; i++) {
-        c->largest = fmax(c->largest, fabs(value_of(o, i, at)));
+        c->largest = fmax(c->largest, fabs(value_of(o, i, c)));
     }
     for (size_t i = c->unit[0] == 'm' ? METRE : 0; !bare && c->largest > 0 && i < UNITS; i++) {
         c->scale = scales[i];
@@ -287,9 +283,8 @@ static void print_step(const lac_contact_outcome *o, size_t step, const column *
 {
     const double noise = 1e-9;
     printf("  %5zu", step + 1);
-    for (size_t i = 0; i < COLUMNS; i++) {
-        const column *c = &columns[i];
-        const double value = value_of(o, step, i);
+    for (const column *c = columns; c < columns + COLUMNS; c++) {
+        const double value = value_of(o, step, c);
         if (c->shown && isnan(value)) {
             printf(" %*s", WIDTH, "-");
         } else if (c->shown) {
@@ -327,19 +322,19 @@ static void print_history(const lac_contact_outcome *o)
 {
     const lac_history_result *r = o->result;
     column columns[COLUMNS] = {
-        [P] = {"P", "N"},
-        [Q_X] = {"Q_x", "N"},
-        [Q_Y] = {"Q_y", "N"},
-        [SHIFT_X] = {"shift_x", "m"},
-        [SHIFT_Y] = {"shift_y", "m"},
+        [P] = {"P", "N", OF(pressure)},
+        [Q_X] = {"Q_x", "N", OF(shear.traction[0])},
+        [Q_Y] = {"Q_y", "N", OF(shear.traction[1])},
+        [SHIFT_X] = {"shift_x", "m", OF(shear.shift[0])},
+        [SHIFT_Y] = {"shift_y", "m", OF(shear.shift[1])},
         [STICK] = {"stick", "%"},
-        [WORK] = {"work", "J"},
-        [HIGHEST] = {"q/(f p)", ""},
-        [HIGHEST_X] = {"at x", "m"},
-        [HIGHEST_Y] = {"y", "m"},
+        [WORK] = {"work", "J", OF(shear.dissipation)},
+        [HIGHEST] = {"q/(f p)", "", OF(shear.highest_ratio)},
+        [HIGHEST_X] = {"at x", "m", OF(highest[0])},
+        [HIGHEST_Y] = {"y", "m", OF(highest[1])},
     };
     for (size_t i = 0; i < COLUMNS; i++) {
-        choose_unit(o, i, &columns[i]);
+        choose_unit(o, &columns[i]);
     }
     share_unit(&columns[Q_X], &columns[Q_Y]);
     share_unit(&columns[SHIFT_X], &columns[SHIFT_Y]);

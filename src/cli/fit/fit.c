@@ -36,20 +36,6 @@ typedef struct fit_job {
     double started;
 } fit_job;
 
-static void job_clear(fit_job *job)
-{
-    lac_fit_free(job->fit);
-    lac_series_free(job->series);
-    lac_case_free(job->source);
-    lac_case_free(job->fitted);
-    for (size_t i = 0; i < COLUMNS; i++) {
-        free(job->column[i]);
-    }
-    free(job->overrides);
-    free(job->path);
-    free(job->case_path);
-}
-
 // A word as a YAML text in single quotes, within which only they themselves are doubled.
 static char *quote(const char *word)
 {
@@ -121,10 +107,7 @@ static lac_status prepare(fit_job *job, lac_error *err)
     LAC_TRY(lac_fit_series(job->source, request->argument[1], &job->series, err));
     cli_series_warn(request, request->argument[1], job->series);
     status = lac_fit_create(job->source, job->series, threads, &job->fit, err);
-    if (status != LAC_OK) {
-        (void)lac_fail_within(err, status, "%s", request->argument[1]);
-        goto out;
-    }
+    LAC_TRY(status == LAC_OK ? status : lac_fail_within(err, status, "%s", request->argument[1]));
     const lac_case_request how = {LAC_FOR_FIT, request->overrides, request->set_count};
     LAC_TRY(lac_case_read(request->argument[0], &how, &job->fitted, &report, err));
 out:
@@ -135,16 +118,6 @@ out:
 static void on_progress(void *context, const char *stage, size_t done, size_t total)
 {
     cli_progress_stage(context, stage, done, total);
-}
-
-static lac_status compute(fit_job *job, lac_error *err)
-{
-    const lac_fit_watch watch = {cli_signals_stop, on_progress, &job->progress};
-    cli_signals_hold();
-    cli_progress_start(&job->progress, &job->request);
-    lac_status status = lac_fit_run(job->fit, &watch, &job->result, err);
-    cli_progress_clear(&job->progress);
-    return cli_blame(job->source, status, err);
 }
 
 // Files of the case named so that they are found from the folder that the fitted case stands in.
@@ -213,16 +186,6 @@ static cli_text when(const lac_case *c, double t)
         return cli_format(isnan(t) ? "-" : "not by time.end");
     }
     return c->dated ? cli_date(c->start_date + t) : cli_amount(t, "s");
-}
-
-static void print_data(const lac_fit_result *r)
-{
-    cli_row("readings",
-            "%zu displacements, %zu velocities; left out: %zu outside the run, %zu missing",
-            r->displacements, r->velocities, r->outside, r->missing);
-    if (r->not_positive > 0) {
-        cli_row("", "%zu velocities <= 0 left out: they have no logarithm", r->not_positive);
-    }
 }
 
 static void print_best(const lac_case *c, const lac_fit_result *r)
@@ -374,7 +337,12 @@ static void print_text(const lac_fit_outcome *outcome, const char *series, doubl
         puts(source->title);
     }
     cli_row("series", "%s", series);
-    print_data(r);
+    cli_row("readings",
+            "%zu displacements, %zu velocities; left out: %zu outside the run, %zu missing",
+            r->displacements, r->velocities, r->outside, r->missing);
+    if (r->not_positive > 0) {
+        cli_row("", "%zu velocities <= 0 left out: they have no logarithm", r->not_positive);
+    }
     print_best(source, r);
     print_unknowns(r);
     print_ends(r);
@@ -429,7 +397,12 @@ lac_status cli_fit(const cli_request *request, lac_error *err)
     LAC_TRY(prepare(&job, err));
     cli_say(request, "fitting %zu numbers of %s to %s", job.source->fit.count, request->argument[0],
             request->argument[1]);
-    status = compute(&job, err);
+    const lac_fit_watch watch = {cli_signals_stop, on_progress, &job.progress};
+    cli_signals_hold();
+    cli_progress_start(&job.progress, request);
+    status = lac_fit_run(job.fit, &watch, &job.result, err);
+    cli_progress_clear(&job.progress);
+    (void)cli_blame(job.source, status, err);
     if (status == LAC_OK || (status == LAC_EINTERRUPT && job.result.times > 0)) {
         lac_status written = put_out(&job, status, status == LAC_OK ? err : NULL);
         status = status == LAC_OK ? written : status;
@@ -440,6 +413,15 @@ lac_status cli_fit(const cli_request *request, lac_error *err)
         }
     }
 out:
-    job_clear(&job);
+    lac_fit_free(job.fit);
+    lac_series_free(job.series);
+    lac_case_free(job.source);
+    lac_case_free(job.fitted);
+    for (size_t i = 0; i < COLUMNS; i++) {
+        free(job.column[i]);
+    }
+    free(job.overrides);
+    free(job.path);
+    free(job.case_path);
     return status;
 }

@@ -80,13 +80,12 @@ static lac_status read_file(rg_job *job, lac_error *err)
     LAC_TRY(read_case(job->request, job->cells.case_text, &job->source, err));
     if (by_time) {
         status = cli_parse_time(text, job->source, &choice.time, err);
-        if (status == LAC_EINPUT) {
-            (void)lac_fail(err, status,
-                           "--snapshot: \"%s\" must be last, a number from 0, or a time such as "
-                           "\"10 day\"%s",
-                           text, job->source->dated ? " or a date" : "");
-        }
-        LAC_TRY(status);
+        LAC_TRY(status != LAC_EINPUT
+                    ? status
+                    : lac_fail(err, status,
+                               "--snapshot: \"%s\" must be last, a number from 0, or a time such "
+                               "as \"10 day\"%s",
+                               text, job->source->dated ? " or a date" : ""));
         lac_stored_cells_clear(&job->cells);
         choice.by = LAC_SNAPSHOT_TIME;
         LAC_TRY(lac_stored_cells_read(path, &choice, &job->cells, err));

@@ -273,10 +273,7 @@ static lac_status name_files(cli_trade_job *job, lac_error *err)
     cli_request plain = *job->request;
     plain.given &= ~(unsigned)CLI_OPT_RESUME; // goes on from the folder, not from the file
     LAC_TRY_RETURN(cli_output_path(&plain, job->source, NULL, "-trade.nc", &job->path, err));
-    const size_t size = strlen(job->path) + sizeof ".runs";
-    job->folder = malloc(size);
-    LAC_FAIL_MEMORY_IF(job->folder == NULL, err);
-    (void)snprintf(job->folder, size, "%s.runs", job->path);
+    (void)snprintf(job->folder, sizeof job->folder, "%s.runs", job->path);
     return LAC_OK;
 }
 
@@ -298,16 +295,6 @@ static lac_status prepare(cli_trade_job *job, lac_error *err)
     LAC_TRY_RETURN(lac_trade_create(job->source, of, request->trade.settings,
                                     request->trade.crossed != NULL, &job->trade, err));
     return resolve(job, &job->trade, err);
-}
-
-static lac_status measure(cli_trade_job *job, lac_error *err)
-{
-    cli_say(job->request, "%zu combinations, %d at a time", job->trade.runs, job->jobs);
-    cli_signals_hold();
-    cli_progress_start(&job->progress, job->request);
-    lac_status status = cli_trade_run(job, err);
-    cli_progress_clear(&job->progress);
-    return status;
 }
 
 // "0.12 %", "3e-07"
@@ -455,7 +442,12 @@ lac_status cli_trade(const cli_request *request, lac_error *err)
     lac_status status;
     LAC_TRY(prepare(&job, err));
     LAC_TRY(cli_trade_keep_open(&job, err));
-    LAC_TRY(measure(&job, err));
+    cli_say(request, "%zu combinations, %d at a time", job.trade.runs, job.jobs);
+    cli_signals_hold();
+    cli_progress_start(&job.progress, request);
+    status = cli_trade_run(&job, err);
+    cli_progress_clear(&job.progress);
+    LAC_TRY(status);
     LAC_TRY(put_out(&job, err));
 out:
     // A question that had no answer can be put again without the runs being made again.
@@ -463,6 +455,5 @@ out:
     lac_trade_clear(&job.trade);
     lac_case_free(job.source);
     free(job.path);
-    free(job.folder);
     return status;
 }

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
+#include <limits.h>
+
 #include "cli/common/options.h"
 #include "cli/common/progress.h"
 #include "trade/trade.h"
@@ -12,9 +14,10 @@ typedef struct cli_trade_job {
     lac_trade trade;
     lac_trade_request ask;
     cli_progress progress;
-    char *path, *folder; ///< of the results; of what is kept until they are written
-    int kept;            ///< the file of runs that are done; -1: none
-    int jobs;            ///< runs at a time at most
+    char *path;                 ///< of the results
+    char folder[PATH_MAX + 10]; ///< of what is kept until they are written
+    int kept;                   ///< the file of runs that are done; -1: none
+    int jobs;                   ///< runs at a time at most
     double started;
 } cli_trade_job;
 

@@ -140,10 +140,15 @@ static lac_status put(const cli_trade_job *job, const char *text, lac_error *err
     return LAC_OK;
 }
 
-static lac_status open_done(cli_trade_job *job, lac_error *err)
+lac_status cli_trade_keep_open(cli_trade_job *job, lac_error *err)
 {
-    char path[4096];
+    char path[sizeof job->folder + sizeof "/done"];
     const bool resume = cli_given(job->request, CLI_OPT_RESUME);
+    if (resume || mkdir(job->folder, 0777) != 0) {
+        LAC_FAIL_IF(!resume && errno != EEXIST, err, LAC_EIO, "%s: %s", job->folder,
+                    strerror(errno));
+        LAC_TRY_RETURN(check_folder(job->folder, resume, err));
+    }
     (void)snprintf(path, sizeof path, "%s/done", job->folder);
     job->kept =
         open(path, O_RDWR | O_APPEND | O_CLOEXEC | O_NOFOLLOW | (resume ? 0 : O_CREAT), 0666);
@@ -160,17 +165,6 @@ static lac_status open_done(cli_trade_job *job, lac_error *err)
     }
     LAC_FAIL_IF(ftruncate(job->kept, 0) != 0, err, LAC_EIO, "%s: %s", path, strerror(errno));
     return put(job, heading, err);
-}
-
-lac_status cli_trade_keep_open(cli_trade_job *job, lac_error *err)
-{
-    const bool resume = cli_given(job->request, CLI_OPT_RESUME);
-    if (resume || mkdir(job->folder, 0777) != 0) {
-        LAC_FAIL_IF(!resume && errno != EEXIST, err, LAC_EIO, "%s: %s", job->folder,
-                    strerror(errno));
-        LAC_TRY_RETURN(check_folder(job->folder, resume, err));
-    }
-    return open_done(job, err);
 }
 
 lac_status cli_trade_keep(const cli_trade_job *job, const lac_trade_run *run, lac_error *err)
