@@ -116,10 +116,9 @@ enum {
 
 static const double *values_of(const lac_recording *recording, const char *name, size_t *n)
 {
-    lac_recorded observation;
-    const bool there = lac_recording_find(recording, name, &observation);
-    *n = there ? observation.count : 0;
-    return there ? observation.values : NULL;
+    const lac_column *c = lac_recording_find(recording, name);
+    *n = c != NULL ? c->count : 0;
+    return c != NULL ? c->values : NULL;
 }
 
 // Snapshots that are kept at most: of large joints fewer.

@@ -8,7 +8,6 @@
 #include <string.h>
 
 #include "run/describe.h"
-#include "store/columns.h"
 #include "store/store_file.h"
 
 enum { LOADED_SNAPSHOTS = 40 };
@@ -224,35 +223,19 @@ lac_sink lac_recording_sink(lac_recording *recording)
                       .once = put_once};
 }
 
-bool lac_recording_get(const lac_recording *recording, size_t index, lac_recorded *out)
+const lac_column *lac_recording_get(const lac_recording *recording, size_t index)
 {
-    if (index >= recording->columns.n) {
-        return false;
-    }
-    const lac_column *c = &recording->columns.column[index];
-    const lac_item *item = &c->item;
-    *out =
-        (lac_recorded){.name = item->name,
-                       .unit = item->unit != NULL ? item->unit : "1",
-                       .long_name = item->long_name,
-                       .dimensions = item->dims,
-                       .values = c->values,
-                       .count = c->count,
-                       .comment = item->comment,
-                       .places = c->along != LAC_ONCE ? recording->columns.growth[c->along].places
-                                 : item->rank > 0     ? item->length[0]
-                                                      : 1};
-    return true;
+    return index < recording->columns.n ? &recording->columns.column[index] : NULL;
 }
 
-bool lac_recording_find(const lac_recording *recording, const char *name, lac_recorded *out)
+const lac_column *lac_recording_find(const lac_recording *recording, const char *name)
 {
-    for (size_t i = 0; lac_recording_get(recording, i, out); i++) {
-        if (strcmp(out->name, name) == 0) {
-            return true;
-        }
+    const lac_column *c;
+    size_t i = 0;
+    while ((c = lac_recording_get(recording, i)) != NULL && strcmp(c->item.name, name) != 0) {
+        i++;
     }
-    return false;
+    return c;
 }
 
 // A variable's array, in the dataset that is handed out.
@@ -471,16 +454,16 @@ lac_status lac_recording_load(lac_recording *recording, const char *path,
 {
     lac_columns *all = &recording->columns;
     lac_stored_file *file = NULL;
-    lac_recorded origin, local;
     lac_status status;
     LAC_TRY(lac_stored_file_open(path, &file, err));
     LAC_TRY(load_axis(all, "time", (size_t)checkpoint->records, 0, file, err));
     // All snapshots could be more than there is memory.
     LAC_TRY(load_axis(all, "snapshot", (size_t)checkpoint->snapshots, LOADED_SNAPSHOTS, file, err));
     LAC_TRY(load_axis(all, "event", (size_t)checkpoint->events, 0, file, err));
-    if (lac_recording_find(recording, "time_origin", &origin) && origin.count > 0 &&
-        lac_recording_find(recording, "time_local", &local)) {
-        resume(recording, origin.values[origin.count - 1], local.values[local.count - 1]);
+    const lac_column *origin = lac_recording_find(recording, "time_origin");
+    const lac_column *local = lac_recording_find(recording, "time_local");
+    if (origin != NULL && origin->count > 0 && local != NULL) {
+        resume(recording, origin->values[origin->count - 1], local->values[local->count - 1]);
     }
 out:
     lac_stored_file_close(file);

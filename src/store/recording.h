@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
+#include "store/columns.h"
 #include "store/store.h"
 
 /// A run kept in memory: the variables of a run's file (docs/format.md) as arrays.
@@ -8,16 +9,6 @@ typedef struct lac_recording lac_recording;
 
 /// What it keeps. Only lac_recording_create looks at what this points to.
 typedef lac_run_output lac_recording_def;
-
-/// One variable. What it points to holds until the recording is written to or freed.
-typedef struct lac_recorded {
-    const char *name, *unit, *long_name; ///< as in a file; times are seconds since the start
-    const char *dimensions; ///< in order, between spaces: "time", "snapshot cell"; "": one value
-    const double *values;   ///< [count] the last dimension fastest; NaN: missing
-    size_t count;
-    const char *comment; ///< NULL: none
-    size_t places;       ///< along the first dimension; 1 where there is none
-} lac_recorded;
 
 /// @return LAC_OK; LAC_ENOMEM
 lac_status lac_recording_create(const lac_recording_def *def, lac_recording **out, lac_error *err);
@@ -74,10 +65,9 @@ lac_status lac_recording_load(lac_recording *recording, const char *path,
 /// @return LAC_OK; LAC_ENOMEM
 lac_status lac_recording_hand_out(lac_recording *recording, lac_dataset **out, lac_error *err);
 
-/// The index-th variable.
-/// @return false past the end
-bool lac_recording_get(const lac_recording *recording, size_t index, lac_recorded *out);
+/// The index-th variable, as in a file; times are seconds since the start. It holds until the
+/// recording is written to or freed. @return NULL past the end
+const lac_column *lac_recording_get(const lac_recording *recording, size_t index);
 
-/// The variable of a name.
-/// @return false where there is none
-bool lac_recording_find(const lac_recording *recording, const char *name, lac_recorded *out);
+/// The variable of a name. @return NULL: there is none
+const lac_column *lac_recording_find(const lac_recording *recording, const char *name);

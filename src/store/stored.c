@@ -57,18 +57,20 @@ void lac_stored_file_close(lac_stored_file *file)
 static lac_status copy_values(const lac_recording *recording, const char *variable, ptrdiff_t row,
                               lac_stored_values *out, lac_error *err)
 {
-    lac_recorded observation;
+    const lac_column *c = lac_recording_find(recording, variable);
     *out = (lac_stored_values){0};
-    if (!lac_recording_find(recording, variable, &observation) || observation.values == NULL) {
+    if (c == NULL || c->values == NULL) {
         return LAC_OK;
     }
-    const size_t n = observation.places;
-    const size_t width = n > 0 ? observation.count / n : 0;
+    const size_t n = c->along != LAC_ONCE ? c->count / c->item.count
+                     : c->item.rank > 0   ? c->item.length[0]
+                                          : 1;
+    const size_t width = n > 0 ? c->count / n : 0;
     LAC_FAIL_IF(row >= 0 && (size_t)row >= n, err, LAC_EINPUT, "%s has no row %td", variable, row);
     const size_t first = row >= 0 ? (size_t)row : 0, rows = row >= 0 ? 1 : n;
     double *value = malloc((rows * width + 1) * sizeof *value);
     LAC_FAIL_MEMORY_IF(value == NULL, err);
-    memcpy(value, observation.values + first * width, rows * width * sizeof *value);
+    memcpy(value, c->values + first * width, rows * width * sizeof *value);
     *out = (lac_stored_values){value, rows, width};
     return LAC_OK;
 }
@@ -98,13 +100,13 @@ lac_status lac_stored_file_series(const lac_stored_file *file, const char *varia
 static const char *text_of(const lac_recording *recording, const char *variable,
                            const char *attribute)
 {
-    lac_recorded observation;
-    if (!lac_recording_find(recording, variable, &observation)) {
+    const lac_column *c = lac_recording_find(recording, variable);
+    if (c == NULL) {
         return NULL;
     }
-    return strcmp(attribute, "units") == 0       ? observation.unit
-           : strcmp(attribute, "long_name") == 0 ? observation.long_name
-           : strcmp(attribute, "comment") == 0   ? observation.comment
+    return strcmp(attribute, "units") == 0       ? (c->item.unit != NULL ? c->item.unit : "1")
+           : strcmp(attribute, "long_name") == 0 ? c->item.long_name
+           : strcmp(attribute, "comment") == 0   ? c->item.comment
                                                  : NULL;
 }
 
@@ -142,14 +144,16 @@ double lac_stored_file_number(const lac_stored_file *file, const char *variable,
 bool lac_stored_file_variable(const lac_stored_file *file, size_t index, char *name, size_t size)
 {
     char longest[NC_MAX_NAME + 1];
-    lac_recorded observation = {.name = longest};
-    const bool there =
-        file->recording != NULL
-            ? lac_recording_get(file->recording, index, &observation)
-            : index <= INT_MAX && nc_inq_varname(file->in.id, (int)index, longest) == NC_NOERR;
-    if (!there || strlen(observation.name) >= size) {
+    const bool kept = file->recording != NULL;
+    const lac_column *c = kept ? lac_recording_get(file->recording, index) : NULL;
+    const char *found = c != NULL ? c->item.name : longest;
+    if (kept ? c == NULL
+             : index > INT_MAX || nc_inq_varname(file->in.id, (int)index, longest) != NC_NOERR) {
         return false;
     }
-    (void)memcpy(name, observation.name, strlen(observation.name) + 1);
+    if (strlen(found) >= size) {
+        return false;
+    }
+    (void)memcpy(name, found, strlen(found) + 1);
     return true;
 }

@@ -143,9 +143,9 @@ out:
 
 static size_t count_of(const lac_recording *recording, const char *name)
 {
-    lac_recorded observation;
-    assert_true(lac_recording_find(recording, name, &observation));
-    return observation.count;
+    const lac_column *found = lac_recording_find(recording, name);
+    assert_non_null(found);
+    return found->count;
 }
 
 // All columns along a dimension are as long as its first one.
@@ -153,13 +153,12 @@ static void check_whole(const lac_recording *recording)
 {
     static const char *const first[][2] = {
         {"time", "time"}, {"snapshot", "snapshot_time"}, {"event", "event_time"}};
-    lac_recorded observation;
-    for (size_t v = 0; lac_recording_get(recording, v, &observation); v++) {
+    const lac_column *c;
+    for (size_t v = 0; (c = lac_recording_get(recording, v)) != NULL; v++) {
         for (size_t d = 0; d < 3; d++) {
-            const bool fields = strcmp(observation.dimensions, "snapshot cell") == 0;
-            if (strncmp(observation.dimensions, first[d][0], strlen(first[d][0])) == 0) {
-                assert_int_equal(observation.count,
-                                 (fields ? CELLS : 1) * count_of(recording, first[d][1]));
+            const bool fields = strcmp(c->item.dims, "snapshot cell") == 0;
+            if (strncmp(c->item.dims, first[d][0], strlen(first[d][0])) == 0) {
+                assert_int_equal(c->count, (fields ? CELLS : 1) * count_of(recording, first[d][1]));
             }
         }
     }

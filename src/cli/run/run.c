@@ -272,7 +272,7 @@ static lac_status close_store(run_job *job, lac_status status, const cli_outcome
         return finished;
     }
     if (status == LAC_EINTERRUPT) {
-        bool saved = job->history.saved || goes_on(job);
+        const bool saved = lac_store_has_checkpoint(job->store);
         return lac_fail(err, status, "interrupted at %s; %s holds the run up to there%s",
                         cli_exact(run->time, "s").s, job->path,
                         saved ? ", and --resume goes on" : "");
