@@ -111,18 +111,16 @@ static lac_status on_record(void *context, const lac_record *record, lac_error *
 static lac_status on_step(void *context, const lac_step *step, lac_error *err)
 {
     lac_analysis *a = context;
-    lac_status status = LAC_OK;
     for (size_t i = 0; i < a->n; i++) {
         lac_indicator *indicator = &a->indicator[i];
         if (indicator->kind->step != NULL) {
-            LAC_TRY(indicator->kind->step(indicator, step, &a->next, err));
+            LAC_TRY_RETURN(indicator->kind->step(indicator, step, &a->next, err));
         }
     }
     if (a->next.step != NULL) {
-        LAC_TRY(a->next.step(a->next.context, step, err));
+        LAC_TRY_RETURN(a->next.step(a->next.context, step, err));
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 static void on_keep(void *context, lac_archive *archive)
@@ -179,13 +177,11 @@ size_t lac_analysis_extras(const lac_analysis *analysis, const lac_extra **extra
 
 lac_status lac_analysis_finish(lac_analysis *analysis, const lac_run_result *result, lac_error *err)
 {
-    lac_status status = LAC_OK;
     for (size_t i = 0; i < analysis->n; i++) {
         lac_indicator *indicator = &analysis->indicator[i];
-        LAC_TRY(indicator->kind->finish(indicator, result, &analysis->next, err));
+        LAC_TRY_RETURN(indicator->kind->finish(indicator, result, &analysis->next, err));
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 const lac_indicator *lac_analysis_get(const lac_analysis *analysis, size_t index)

@@ -438,15 +438,13 @@ static lac_status load_axis(lac_columns *all, const char *dim, size_t n, size_t 
 {
     const size_t along = lac_columns_along(all, dim);
     const size_t stride = most > 0 ? n / most + 1 : 1;
-    lac_status status = LAC_OK;
     for (lac_column *c = all->column; n > 0 && c < all->column + all->n; c++) {
         if (along != LAC_ONCE && c->along == along) {
-            LAC_TRY(load(c, n, stride, file, err));
+            LAC_TRY_RETURN(load(c, n, stride, file, err));
             all->growth[along].places = c->count / c->item.count;
         }
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 lac_status lac_recording_load(lac_recording *recording, const char *path,
