@@ -116,9 +116,8 @@ enum {
 
 static const double *values_of(const lac_recording *recording, const char *name, size_t *n)
 {
-    const lac_column *c = lac_recording_find(recording, name);
-    *n = c != NULL ? c->count : 0;
-    return c != NULL ? c->values : NULL;
+    *n = lac_dataset_count(lac_recording_dataset(recording), name);
+    return lac_dataset_array(lac_recording_dataset(recording), name);
 }
 
 // Snapshots that are kept at most: of large joints fewer.

@@ -95,7 +95,7 @@ typedef struct lac_run_def {
 /// (a case has that of its interface); `end` is the caller's.
 lac_run_def lac_run_default(void);
 
-/// What a fidelity is called in a case: "ode" ...
+/// What it is called in a case.
 const char *lac_fidelity_name(lac_fidelity fidelity);
 
 /// What fidelity EVENTS asks of a scene, besides a > 0 in every cell.

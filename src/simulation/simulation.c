@@ -33,7 +33,7 @@ static void prepared(lac_simulation *s, lac_stage stage)
 
 static lac_status build(lac_simulation *s, lac_error *err)
 {
-    LAC_TRY_RETURN(lac_scene_create(&s->source, &s->scene, err));
+    LAC_TRY_RETURN(lac_scene_create(&s->source, NULL, &s->scene, err));
     s->outcome.scene = s->scene;
     prepared(s, LAC_STAGE_SCENE);
     if (!isnan(s->source.accuracy)) {
@@ -264,13 +264,12 @@ lac_status lac_simulation_record(lac_simulation *simulation, lac_dataset **out, 
     LAC_TRY(lac_recording_create(&def, &recording, err));
     const lac_sink sink = lac_recording_sink(recording);
     const lac_status ended = lac_simulation_run(simulation, &sink, err);
-    status = ended;
     if (ended == LAC_OK || ended == LAC_EINTERRUPT) {
         LAC_TRY(add_outcome(recording, outcome->source, &outcome->run, err));
-        status = lac_recording_hand_out(recording, out, err);
+        *out = lac_recording_hand_out(recording);
         recording = NULL;
     }
-    status = status == LAC_OK ? ended : status;
+    status = ended;
 out:
     lac_recording_free(recording);
     return status;

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "run/describe.h"
+#include "store/columns.h"
 #include "store/store_file.h"
 
 enum { LOADED_SNAPSHOTS = 40 };
@@ -17,21 +18,15 @@ typedef struct named_text {
     char *name, *text; // owned
 } named_text;
 
-// A variable that is handed out.
-typedef struct handed {
-    lac_variable row;
-    char path[80]; // in JSON
-} handed;
-
 struct lac_recording {
     lac_run_place place; // what is put out now
     lac_dataset *dataset;
     lac_columns columns;
+    lac_dataset *kept; // laid on the columns; NULL: handed out
     bool has_last;
     double last_origin, last_local;
     size_t texts;
     named_text *text; // [texts]
-    handed *handed;   // [columns.n] as they are handed out; NULL: they are not
 };
 
 void lac_recording_free(lac_recording *recording)
@@ -44,7 +39,7 @@ void lac_recording_free(lac_recording *recording)
         free(recording->text[i].text);
     }
     free(recording->text);
-    free(recording->handed);
+    lac_dataset_free(recording->kept);
     lac_columns_clear(&recording->columns);
     lac_dataset_free(recording->dataset);
     free(recording);
@@ -67,11 +62,47 @@ static lac_status append(lac_column *c, const double *values, size_t n, lac_erro
     return status;
 }
 
+// The dimensions that grow are as long as what there is along them.
+static void measure(lac_recording *r)
+{
+    for (lac_extent *dim = r->kept->dim; dim < r->kept->dim + r->kept->dims; dim++) {
+        const size_t along = lac_columns_along(&r->columns, dim->name);
+        dim->length = along != LAC_ONCE          ? r->columns.growth[along].places
+                      : dim->length == LAC_GROWS ? 0
+                                                 : dim->length;
+    }
+}
+
 // What is put out now joins what there is, if the run has such a dimension.
 static lac_status put(lac_recording *r, const char *dim, lac_error *err)
 {
     const size_t along = lac_columns_along(&r->columns, dim);
-    return along != LAC_ONCE ? lac_columns_put(&r->columns, along, 0, err) : LAC_OK;
+    const lac_status status =
+        along != LAC_ONCE ? lac_columns_put(&r->columns, along, 0, err) : LAC_OK;
+    measure(r);
+    return status;
+}
+
+// A column as a variable that is read.
+static lac_status show(lac_recording *r, lac_column *c, lac_error *err)
+{
+    const lac_laid laid = {{.row = &c->row, .rows = 1, .over = ""}, c};
+    int used = snprintf(c->json, sizeof c->json, "%s", c->item.name);
+    for (size_t d = 0; d < c->item.rank; d++) {
+        used += snprintf(c->json + used, sizeof c->json - (size_t)used, "[]");
+    }
+    c->row = (lac_variable){.name = c->item.name,
+                            .json = c->json,
+                            .unit = c->item.unit,
+                            .long_name = c->item.long_name,
+                            .comment = c->item.comment,
+                            .dims = c->item.dims,
+                            .held = LAC_HELD_REALS,
+                            .offset = offsetof(lac_column, values),
+                            .flags = LAC_MISSING | LAC_EMPTY};
+    LAC_TRY_RETURN(lac_column_reserve(c, 1, err)); // an array also where it is empty
+    c->values[0] = NAN;
+    return lac_dataset_add(r->kept, &laid, 1, err);
 }
 
 // All that the dataset holds now of a variable that does not grow.
@@ -140,10 +171,17 @@ lac_status lac_recording_create(const lac_recording_def *def, lac_recording **ou
     LAC_FAIL_MEMORY_IF(r == NULL, err);
     r->place.of = *def;
     LAC_TRY(lac_run_describe(&r->place, &r->dataset, err));
-    LAC_TRY(lac_columns_create(r->dataset, &r->columns, err));
+    LAC_TRY(lac_columns_create(r->dataset, LAC_MORE_VALUES, &r->columns, err));
+    LAC_TRY(lac_dataset_create("A run of a creeping joint.", &r->kept, err));
+    LAC_TRY(lac_dataset_dims(r->kept, r->dataset->dim, r->dataset->dims, err));
+    measure(r);
     if (def->passing) {
         drop_others(&r->columns);
-    } else {
+    }
+    for (size_t i = 0; i < r->columns.n; i++) {
+        LAC_TRY(show(r, &r->columns.column[i], err));
+    }
+    if (!def->passing) {
         LAC_TRY(take_fixed(r, err));
         LAC_TRY(take_texts(r, err));
     }
@@ -160,9 +198,9 @@ lac_status lac_recording_add(lac_recording *recording, const char *name, const c
     static const lac_variable one = {.flags = LAC_SINGLE};
     const lac_item item = {
         .row = &one, .name = name, .unit = unit, .long_name = long_name, .dims = "", .count = 1};
-    lac_status status = lac_columns_add(&recording->columns, &item, err);
-    lac_column *c = &recording->columns.column[recording->columns.n - 1];
-    return status == LAC_OK ? append(c, &value, 1, err) : status;
+    lac_column *c = lac_columns_add(&recording->columns, &item);
+    LAC_TRY_RETURN(show(recording, c, err));
+    return append(c, &value, 1, err);
 }
 
 static lac_status put_record(void *context, const lac_record *record, lac_error *err)
@@ -223,74 +261,16 @@ lac_sink lac_recording_sink(lac_recording *recording)
                       .once = put_once};
 }
 
-const lac_column *lac_recording_get(const lac_recording *recording, size_t index)
-{
-    return index < recording->columns.n ? &recording->columns.column[index] : NULL;
-}
+const lac_dataset *lac_recording_dataset(const lac_recording *recording) { return recording->kept; }
 
-const lac_column *lac_recording_find(const lac_recording *recording, const char *name)
-{
-    const lac_column *c;
-    size_t i = 0;
-    while ((c = lac_recording_get(recording, i)) != NULL && strcmp(c->item.name, name) != 0) {
-        i++;
-    }
-    return c;
-}
+static void release(void *recording) { lac_recording_free(recording); }
 
-// A variable's array, in the dataset that is handed out.
-static lac_status hand_one(lac_column *c, handed *as, lac_dataset *dataset, lac_error *err)
+lac_dataset *lac_recording_hand_out(lac_recording *recording)
 {
-    const lac_item *item = &c->item;
-    const lac_laid laid = {{.row = &as->row, .rows = 1, .over = ""}, c};
-    const lac_status status = lac_column_reserve(c, 1, err); // no array: it would be left out
-    if (status != LAC_OK) {
-        return status;
-    }
-    (void)snprintf(as->path, sizeof as->path, "%s%.*s", item->name, 2 * (int)item->rank, "[][][]");
-    as->row = (lac_variable){.name = item->name,
-                             .json = as->path,
-                             .unit = item->unit,
-                             .long_name = item->long_name,
-                             .comment = item->comment,
-                             .dims = item->dims,
-                             .held = LAC_HELD_REALS,
-                             .offset = offsetof(lac_column, values),
-                             .flags = LAC_MISSING | LAC_EMPTY};
-    if (item->rank == 0 && c->count == 0) {
-        c->values[0] = NAN;
-    }
-    return lac_dataset_add(dataset, &laid, 1, err);
-}
-
-static void release(void *result) { lac_recording_free(result); }
-
-lac_status lac_recording_hand_out(lac_recording *recording, lac_dataset **out, lac_error *err)
-{
-    lac_columns *all = &recording->columns;
-    lac_dataset *d = NULL;
-    lac_status status;
-    recording->handed = calloc(all->n, sizeof *recording->handed);
-    LAC_TRY(recording->handed != NULL ? LAC_OK : lac_fail_memory(err));
-    LAC_TRY(lac_dataset_create("A run of a creeping joint.", &d, err));
-    for (size_t k = 0; k < recording->dataset->dims; k++) {
-        lac_extent dim = recording->dataset->dim[k];
-        const size_t along = lac_columns_along(all, dim.name);
-        dim.length = along != LAC_ONCE         ? all->growth[along].places
-                     : dim.length == LAC_GROWS ? 0
-                                               : dim.length;
-        LAC_TRY(lac_dataset_dims(d, &dim, 1, err));
-    }
-    for (size_t i = 0; i < all->n; i++) {
-        LAC_TRY(hand_one(&all->column[i], &recording->handed[i], d, err));
-    }
-    lac_dataset_keep(d, recording, release, NULL);
-    *out = d;
-    return LAC_OK;
-out:
-    lac_dataset_free(d);
-    lac_recording_free(recording);
-    return status;
+    lac_dataset *kept = recording->kept;
+    recording->kept = NULL;
+    lac_dataset_keep(kept, recording, release, NULL);
+    return kept;
 }
 
 static named_text *find_text(const lac_recording *recording, const char *name)
@@ -358,6 +338,7 @@ void lac_recording_thin(lac_recording *recording, const char *dimension, const u
             c->count = all->growth[along].places * c->item.count;
         }
     }
+    measure(recording);
 }
 
 // The next variable that grows; of recordings of one def they stand in the same order.
@@ -369,23 +350,19 @@ static lac_column *next_growing(const lac_columns *columns, size_t *at)
     return *at < columns->n ? &columns->column[(*at)++] : NULL;
 }
 
-// Moves values behind those of another; where there are none, the array.
+// Moves values behind those of another; where there are none, the arrays change places.
 static void pour(lac_column *to, lac_column *from)
 {
-    if (to->count > 0 && from->count > 0) {
-        memcpy(to->values + to->count, from->values, from->count * sizeof *from->values);
-        free(from->values);
-        to->count += from->count;
-    } else if (from->count > 0) {
-        free(to->values);
-        to->values = from->values;
-        to->count = from->count;
-        to->room = from->room;
+    const lac_column own = *to;
+    if (own.count > 0) {
+        memcpy(to->values + own.count, from->values, from->count * sizeof *from->values);
     } else {
-        return;
+        to->values = from->values;
+        to->room = from->room;
+        from->values = own.values;
+        from->room = own.room;
     }
-    from->values = NULL;
-    from->count = from->room = 0;
+    to->count += from->count;
 }
 
 lac_status lac_recording_move(lac_recording *recording, lac_recording *from, lac_error *err)
@@ -408,6 +385,8 @@ lac_status lac_recording_move(lac_recording *recording, lac_recording *from, lac
         into->growth[along].places += status == LAC_OK ? of->growth[along].places : 0;
         of->growth[along].places = 0;
     }
+    measure(recording);
+    measure(from);
     return status;
 }
 
@@ -438,13 +417,15 @@ static lac_status load_axis(lac_columns *all, const char *dim, size_t n, size_t 
 {
     const size_t along = lac_columns_along(all, dim);
     const size_t stride = most > 0 ? n / most + 1 : 1;
+    lac_status status = LAC_OK;
     for (lac_column *c = all->column; n > 0 && c < all->column + all->n; c++) {
         if (along != LAC_ONCE && c->along == along) {
-            LAC_TRY_RETURN(load(c, n, stride, file, err));
+            LAC_TRY(load(c, n, stride, file, err));
             all->growth[along].places = c->count / c->item.count;
         }
     }
-    return LAC_OK;
+out:
+    return status;
 }
 
 lac_status lac_recording_load(lac_recording *recording, const char *path,
@@ -458,10 +439,11 @@ lac_status lac_recording_load(lac_recording *recording, const char *path,
     // All snapshots could be more than there is memory.
     LAC_TRY(load_axis(all, "snapshot", (size_t)checkpoint->snapshots, LOADED_SNAPSHOTS, file, err));
     LAC_TRY(load_axis(all, "event", (size_t)checkpoint->events, 0, file, err));
-    const lac_column *origin = lac_recording_find(recording, "time_origin");
-    const lac_column *local = lac_recording_find(recording, "time_local");
-    if (origin != NULL && origin->count > 0 && local != NULL) {
-        resume(recording, origin->values[origin->count - 1], local->values[local->count - 1]);
+    measure(recording);
+    const size_t n = lac_dataset_count(recording->kept, "time_origin");
+    if (n > 0) {
+        resume(recording, lac_dataset_array(recording->kept, "time_origin")[n - 1],
+               lac_dataset_array(recording->kept, "time_local")[n - 1]);
     }
 out:
     lac_stored_file_close(file);

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include "store/columns.h"
 #include "store/store.h"
 
 /// A run kept in memory: the variables of a run's file (docs/format.md) as arrays.
@@ -24,8 +23,9 @@ lac_sink lac_recording_sink(lac_recording *recording);
 /// @return LAC_OK; LAC_ENOMEM
 lac_status lac_recording_once(lac_recording *recording, const double *once, lac_error *err);
 
-/// Adds one value that runs over nothing. The texts must outlive the recording.
-/// @return LAC_OK; LAC_ENOMEM
+/// Adds one value that runs over nothing, at most LAC_MORE_VALUES. The texts must outlive the
+/// recording.
+enum { LAC_MORE_VALUES = 4 };
 lac_status lac_recording_add(lac_recording *recording, const char *name, const char *unit,
                              const char *long_name, double value, lac_error *err);
 
@@ -61,13 +61,9 @@ void lac_recording_thin(lac_recording *recording, const char *dimension, const u
 lac_status lac_recording_load(lac_recording *recording, const char *path,
                               const lac_checkpoint_file *checkpoint, lac_error *err);
 
-/// Makes it the dataset that it is handed out as, which owns it, whatever is returned.
-/// @return LAC_OK; LAC_ENOMEM
-lac_status lac_recording_hand_out(lac_recording *recording, lac_dataset **out, lac_error *err);
+/// Its variables, named as in a file; times are seconds since the start. What is read of them holds
+/// until the recording is written to or freed.
+const lac_dataset *lac_recording_dataset(const lac_recording *recording);
 
-/// The index-th variable, as in a file; times are seconds since the start. It holds until the
-/// recording is written to or freed. @return NULL past the end
-const lac_column *lac_recording_get(const lac_recording *recording, size_t index);
-
-/// The variable of a name. @return NULL: there is none
-const lac_column *lac_recording_find(const lac_recording *recording, const char *name);
+/// The same for good: the dataset frees the recording with itself.
+lac_dataset *lac_recording_hand_out(lac_recording *recording);

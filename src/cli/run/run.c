@@ -7,12 +7,8 @@
 
 #include "base/units.h"
 #include "cli/common/command.h"
-#include "cli/common/failure.h"
-#include "cli/common/inputs.h"
-#include "cli/common/libraries.h"
 #include "cli/common/output.h"
 #include "cli/common/progress.h"
-#include "cli/common/signals.h"
 #include "cli/common/words.h"
 #include "cli/report/report.h"
 #include "cli/run/run_outcome.h"
@@ -31,7 +27,7 @@ typedef struct run_job {
     cli_progress progress;
     cli_view *view; // with --view
     char *path, *inputs;
-    char libraries[256];
+    const char *libraries;
     lac_checkpoint_file resume; // with --resume
     double started;
 } run_job;
@@ -162,7 +158,7 @@ static lac_status prepare(run_job *job, lac_error *err)
     LAC_TRY_RETURN(cli_output_path(job->request, job->source, job->source->output_file, ".nc",
                                    &job->path, err));
     LAC_TRY_RETURN(cli_compare_read(job->request, job->source, &job->compare, err));
-    (void)cli_libraries(job->libraries, sizeof job->libraries);
+    job->libraries = job->request->libraries;
     job->inputs = cli_inputs_sums(job->source);
     LAC_TRY_RETURN(job->inputs != NULL ? LAC_OK : lac_fail_memory(err));
     if (goes_on(job) && isnan(job->source->accuracy)) {
@@ -226,7 +222,7 @@ static lac_status open_store(run_job *job, const lac_outcome *so_far, lac_error 
 {
     lac_store_def def;
     LAC_TRY_RETURN(lac_simulation_file(job->simulation, &def, err));
-    cli_sign(job->request, job->libraries, &def.provenance);
+    cli_sign(job->request, &def.provenance);
     def.path = job->path;
     def.force = cli_given(job->request, CLI_OPT_FORCE);
     def.inputs = job->inputs;

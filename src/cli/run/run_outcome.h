@@ -40,3 +40,9 @@ void cli_outcome_print(const cli_outcome *outcome);
 
 /// The same as one JSON object.
 lac_status cli_outcome_json(const cli_outcome *outcome, lac_error *err);
+
+/// Why a failure rate that is lowered counts in the place of the case's, and how it is judged.
+extern const char *const cli_failure_lowered;
+
+/// Warns where damping leaves little or nothing between the slip rate at the start and failure.
+void cli_failure_warn(const lac_failure *failure);

@@ -13,7 +13,6 @@
 #include <unistd.h>
 
 #include "cli/common/progress.h"
-#include "cli/common/signals.h"
 #include "cli/common/words.h"
 #include "cli/view/view_http.h"
 #include "data/json.h"

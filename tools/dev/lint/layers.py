@@ -51,11 +51,11 @@ SHARED = {
     "fit": {"model_forecast.h", "sampler.h"},
     "forecast": {"hindcast.h"},
     "model": {"problem.h"},
-    "rg": {"rg_map.h", "rg_study.h"},
+    "rg": {"rg_study.h"},
     "run": {"describe.h", "sensitivity.h"},
     "scene": {"estimate.h", "scene_rg.h"},
     "series": {"motion.h"},
-    "store": {"columns.h", "recording.h", "store_cells.h", "store_checkpoint.h", "store_file.h", "store_map.h"},
+    "store": {"recording.h", "store_cells.h", "store_checkpoint.h", "store_file.h", "store_map.h"},
 }
 
 # The module of a public header, where the names differ; lacuna.h is everyone's.
