@@ -68,17 +68,15 @@ lac_status lac_indicators_create(const lac_scene *scene, lac_analysis **out, lac
                                    .hierarchy = scene->hierarchy,
                                    .friction = scene->friction,
                                    .shear_modulus = scene->source->material.shear_modulus};
-    lac_status status = LAC_OK;
     *out = NULL;
     for (size_t i = 0; i < models->count; i++) {
         const lac_analysis_rg *rg = lac_analysis_cascade(&models->item[i]);
         if (rg != NULL) {
-            LAC_TRY(find_critical(scene, rg, &made_for.critical, err));
+            LAC_TRY_RETURN(find_critical(scene, rg, &made_for.critical, err));
         }
     }
     if (models->count > 0) {
-        LAC_TRY(lac_analysis_create(&made_for, models->count, models->item, out, err));
+        LAC_TRY_RETURN(lac_analysis_create(&made_for, models->count, models->item, out, err));
     }
-out:
-    return status;
+    return LAC_OK;
 }

@@ -33,23 +33,20 @@ static void prepared(lac_simulation *s, lac_stage stage)
 
 static lac_status build(lac_simulation *s, lac_error *err)
 {
-    lac_status status;
-    LAC_TRY(lac_scene_create(&s->source, NULL, &s->scene, err));
+    LAC_TRY_RETURN(lac_scene_create(&s->source, NULL, &s->scene, err));
     s->outcome.scene = s->scene;
     prepared(s, LAC_STAGE_SCENE);
     if (!isnan(s->source.accuracy)) {
-        LAC_TRY(lac_accuracy_choose(s->scene, &s->source, &s->options, &s->accuracy, err));
+        LAC_TRY_RETURN(lac_accuracy_choose(s->scene, &s->source, &s->options, &s->accuracy, err));
         s->outcome.accuracy = &s->accuracy;
     }
     prepared(s, LAC_STAGE_ACCURACY);
-    LAC_TRY(lac_indicators_create(s->scene, &s->analysis, err));
+    LAC_TRY_RETURN(lac_indicators_create(s->scene, &s->analysis, err));
     s->outcome.analysis = s->analysis;
     if (s->analysis != NULL) {
         s->outcome.extras = lac_analysis_extras(s->analysis, &s->outcome.extra, &s->outcome.once);
     }
-    LAC_TRY(lac_run_check(s->scene->problem, &s->source.run, err));
-out:
-    return status;
+    return lac_run_check(s->scene->problem, &s->source.run, err);
 }
 
 // Sets a number of threads, 0: leaves it.
@@ -147,13 +144,10 @@ static lac_status put_once(lac_simulation *s, const lac_sink *sink, lac_error *e
 
 static lac_status sum_up(lac_simulation *s, const lac_sink *sink, lac_error *err)
 {
-    lac_status status = LAC_OK;
     if (s->analysis != NULL) {
-        LAC_TRY(lac_analysis_finish(s->analysis, &s->outcome.run, err));
+        LAC_TRY_RETURN(lac_analysis_finish(s->analysis, &s->outcome.run, err));
     }
-    LAC_TRY(put_once(s, sink, err));
-out:
-    return status;
+    return put_once(s, sink, err);
 }
 
 static lac_status integrate(lac_simulation *s, const lac_sink *sink, lac_error *err)
@@ -252,13 +246,11 @@ static lac_status add_outcome(lac_recording *recording, const lac_case *c,
         {"steps", "1", "steps of the integrator", (double)result->steps},
         {"start_date", "s", "start of the run, since 1970", c->dated ? c->start_date : NAN},
     };
-    lac_status status = LAC_OK;
     for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
-        LAC_TRY(lac_recording_add(recording, table[i].name, table[i].unit, table[i].long_name,
-                                  table[i].value, err));
+        LAC_TRY_RETURN(lac_recording_add(recording, table[i].name, table[i].unit,
+                                         table[i].long_name, table[i].value, err));
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 lac_status lac_simulation_record(lac_simulation *simulation, lac_dataset **out, lac_error *err)
@@ -287,10 +279,7 @@ static lac_status open_file(lac_simulation *simulation, const char *path,
                             const lac_write_options *options, lac_store **out, lac_error *err)
 {
     lac_store_def def;
-    const lac_status status = lac_simulation_file(simulation, &def, err);
-    if (status != LAC_OK) {
-        return status;
-    }
+    LAC_TRY_RETURN(lac_simulation_file(simulation, &def, err));
     lac_provenance_sign(&def.provenance, options);
     def.path = path != NULL ? path : def.path;
     def.force = options->force;

@@ -229,6 +229,8 @@ lac_status lac_store_finish(lac_store *store, const char *status, const lac_run_
     return first != LAC_OK ? first : second != LAC_OK ? second : third;
 }
 
+bool lac_store_has_checkpoint(const lac_store *store) { return store->has_checkpoint; }
+
 void lac_store_free(lac_store *store)
 {
     if (store == NULL) {

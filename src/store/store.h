@@ -53,6 +53,9 @@ lac_sink lac_store_sink(lac_store *store);
 lac_status lac_store_finish(lac_store *store, const char *status, const lac_run_result *result,
                             double wall_time, lac_error *err);
 
+/// Whether it has stored a checkpoint.
+bool lac_store_has_checkpoint(const lac_store *store);
+
 /// Frees a store; one that was not finished is closed with status `running`. NULL is fine.
 void lac_store_free(lac_store *store);
 

@@ -77,42 +77,29 @@ static cli_text format_time(const cli_compare *compare, double t)
     return compare->source->dated ? cli_date(t) : cli_exact(t, "s");
 }
 
-// A line a reading: when, observed, modelled, their ratio.
+// A line a reading: when, observed, modelled, their ratio. @param observed  NULL: none
 static void print_column(const cli_compare *compare, const lac_series *series,
                          const lac_history *run, const double *observed, double offset)
 {
     const bool rates = observed == series->velocity;
     const char *unit = rates ? "m/s" : "m";
+    if (observed == NULL || series->n > FEW_READINGS) {
+        return;
+    }
+    printf("    %-21s %-18s %-18s modelled/observed\n", compare->source->dated ? "date" : "time",
+           rates ? "rate, observed" : "slip, observed", rates ? "modelled" : "modelled + offset");
     for (size_t k = 0; k < series->n; k++) {
-        double slip = NAN, rate = NAN;
+        double slip = NAN, rate = NAN; // outside the run
         if (isnan(observed[k])) {
             continue;
         }
-        const bool inside = lac_history_eval(run, series->time[k], &slip, &rate);
-        const double modelled = inside ? (rates ? rate : slip + offset) : NAN;
+        (void)lac_history_eval(run, series->time[k], &slip, &rate);
+        const double modelled = rates ? rate : slip + offset;
         const bool ratio = !isnan(modelled) && observed[k] != 0;
         printf("    %-21s %-18s %-18s %s\n", format_time(compare, series->time[k]).s,
                cli_amount(observed[k], unit).s,
                isnan(modelled) ? "- (outside)" : cli_amount(modelled, unit).s,
                ratio ? cli_format("%.2g", modelled / observed[k]).s : "-");
-    }
-}
-
-static void print_readings(const cli_compare *compare, const lac_series *series,
-                           const lac_history *run, const lac_misfit *misfit)
-{
-    const char *form = "    %-21s %-18s %-18s modelled/observed\n";
-    const char *when = compare->source->dated ? "date" : "time";
-    if (series->n > FEW_READINGS) {
-        return;
-    }
-    if (series->displacement != NULL) {
-        printf(form, when, "slip, observed", "modelled + offset");
-        print_column(compare, series, run, series->displacement, misfit->displacement_offset);
-    }
-    if (series->velocity != NULL) {
-        printf(form, when, "rate, observed", "modelled");
-        print_column(compare, series, run, series->velocity, 0.0);
     }
 }
 
@@ -141,7 +128,8 @@ static void print_one(const cli_compare *compare, size_t i, const lac_history *r
     lac_series_compare(series, run, &misfit);
     printf("\n  beside %s%s\n", name_of(&compare->source->compare[i]),
            compare->source->fit.named ? "" : ": a scene with stated assumptions, not a fit");
-    print_readings(compare, series, run, &misfit);
+    print_column(compare, series, run, series->displacement, misfit.displacement_offset);
+    print_column(compare, series, run, series->velocity, 0.0);
     print_misfit(series, &misfit);
     if (series->attribution != NULL && series->attribution[0] != '\0') {
         cli_wrap("    ", series->attribution);
@@ -155,28 +143,24 @@ void cli_compare_print(const cli_compare *compare, const lac_history *run)
     }
 }
 
-// A value of an optional column.
-static double column_value(const double *column, size_t k)
-{
-    return column != NULL ? column[k] : NAN;
-}
-
 static void write_readings(lac_json *json, const cli_compare *compare, const lac_series *series,
                            const lac_history *run)
 {
     lac_json_open(json, "readings", '[');
     for (size_t k = 0; k < series->n && series->n <= FEW_READINGS; k++) {
-        double slip = NAN, rate = NAN;
-        bool inside = lac_history_eval(run, series->time[k], &slip, &rate);
+        double slip = NAN, rate = NAN; // outside the run
+        (void)lac_history_eval(run, series->time[k], &slip, &rate);
         lac_json_open(json, NULL, '{');
         if (compare->source->dated) {
             lac_json_text(json, "date", cli_date(series->time[k]).s);
         }
         lac_json_number(json, "time_s", series->time[k] - compare->source->start_date);
-        lac_json_number(json, "observed_slip_m", column_value(series->displacement, k));
-        lac_json_number(json, "observed_slip_rate_m_s", column_value(series->velocity, k));
-        lac_json_number(json, "modelled_slip_m", inside ? slip : NAN);
-        lac_json_number(json, "modelled_slip_rate_m_s", inside ? rate : NAN);
+        lac_json_number(json, "observed_slip_m",
+                        series->displacement != NULL ? series->displacement[k] : NAN);
+        lac_json_number(json, "observed_slip_rate_m_s",
+                        series->velocity != NULL ? series->velocity[k] : NAN);
+        lac_json_number(json, "modelled_slip_m", slip);
+        lac_json_number(json, "modelled_slip_rate_m_s", rate);
         lac_json_close(json, '}');
     }
     lac_json_close(json, ']');

@@ -125,14 +125,13 @@ static lac_status ask_fit(const lac_case *c, lac_case_issues *report, lac_error 
          "is of a run; a fit takes all cells at every step"},
         {c->analysis.count > 0, "analysis", "is of a run; a fit follows no indicators"},
     };
-    lac_status status = LAC_OK;
     for (size_t i = 0; i < sizeof left_out / sizeof *left_out; i++) {
         if (left_out[i].named) {
-            LAC_TRY(cli_report_add(report, c, left_out[i].key, left_out[i].message, true, err));
+            LAC_TRY_RETURN(
+                cli_report_add(report, c, left_out[i].key, left_out[i].message, true, err));
         }
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 lac_status cli_case_read(const cli_request *request, lac_case_purpose purpose, lac_case **c,

@@ -125,24 +125,20 @@ static lac_status check_run(const char *path, lac_error *err)
 {
     lac_stored_file *file = NULL;
     const char *readings = NULL, *issues = NULL;
-    lac_status status = LAC_OK;
     if (lac_stored_file_open(path, &file, NULL) == LAC_OK) {
         (void)find_column(file, "reading_time", &readings, NULL);
         (void)find_column(file, "issue_time", &issues, NULL);
     }
-    if (readings != NULL && issues != NULL) {
-        status = lac_fail(err, LAC_EINPUT,
-                          "%s: holds forecasts, not a run: tools/plot/plot_precursors.py draws "
-                          "them; report shows a run, and forecasts of what is laid beside it",
-                          path);
-    } else if (readings != NULL) {
-        status = lac_fail(err, LAC_EINPUT,
-                          "%s: is the file of a fit: run the case beside it and lay the fit on "
-                          "that: lacuna report RUN.nc --fit %s",
-                          path, path);
-    }
     lac_stored_file_close(file);
-    return status;
+    LAC_FAIL_IF(readings != NULL && issues != NULL, err, LAC_EINPUT,
+                "%s: holds forecasts, not a run: tools/plot/plot_precursors.py draws them; report "
+                "shows a run, and forecasts of what is laid beside it",
+                path);
+    LAC_FAIL_IF(readings != NULL, err, LAC_EINPUT,
+                "%s: is the file of a fit: run the case beside it and lay the fit on that: lacuna "
+                "report RUN.nc --fit %s",
+                path, path);
+    return LAC_OK;
 }
 
 static lac_status read_beside(const cli_request *request, lac_series **out, lac_error *err)
@@ -160,9 +156,7 @@ static void print_result(const cli_request *request, const char *path)
 {
     if (cli_given(request, CLI_OPT_JSON)) {
         lac_json json = {.out = stdout};
-        lac_json_open(&json, NULL, '{');
-        lac_json_text(&json, "output", path);
-        lac_json_close(&json, '}');
+        LAC_JSON_TEXTS(&json, "output", path);
     } else {
         cli_row("page", "%s", path);
     }

@@ -117,21 +117,16 @@ static lac_status read_resumed(const char *path, const char *case_text, const ch
                                lac_checkpoint_file *out, lac_error *err)
 {
     char status_word[32];
-    lac_status status;
     *out = (lac_checkpoint_file){.records = 0};
-    LAC_TRY(lac_store_read_attribute(path, "status", status_word, sizeof status_word, err));
-    if (strcmp(status_word, "complete") == 0) {
-        LAC_TRY(lac_fail(err, LAC_EINPUT,
-                         lac_store_is_cut(path)
-                             ? "--resume: %s is complete but was not closed; lacuna mend %s"
-                             : "--resume: %s is complete",
-                         path, path));
-    }
-    LAC_TRY(lac_checkpoint_file_read(path, out, err));
-    LAC_TRY(compare_programs(path, out, libraries, err));
-    LAC_TRY(compare_cases(path, out->case_text, case_text, err));
-out:
-    return status;
+    LAC_TRY_RETURN(lac_store_read_attribute(path, "status", status_word, sizeof status_word, err));
+    LAC_FAIL_IF(strcmp(status_word, "complete") == 0, err, LAC_EINPUT,
+                lac_store_is_cut(path)
+                    ? "--resume: %s is complete but was not closed; lacuna mend %s"
+                    : "--resume: %s is complete",
+                path, path);
+    LAC_TRY_RETURN(lac_checkpoint_file_read(path, out, err));
+    LAC_TRY_RETURN(compare_programs(path, out, libraries, err));
+    return compare_cases(path, out->case_text, case_text, err);
 }
 
 // Reads what --resume goes on from, of the case as it is run.
@@ -152,26 +147,24 @@ static lac_status read_checkpoint(run_job *job, const lac_case *c, lac_error *er
 // All that can be wrong with the request is found here, before anything is computed.
 static lac_status prepare(run_job *job, lac_error *err)
 {
-    lac_status status;
     LAC_FAIL_IF(goes_on(job) && cli_given(job->request, CLI_OPT_FORCE), err, LAC_EINPUT,
                 "--resume keeps the file, --force replaces it: not both");
-    LAC_TRY(cli_case_read(job->request, LAC_FOR_RUN, &job->source, NULL, err));
+    LAC_TRY_RETURN(cli_case_read(job->request, LAC_FOR_RUN, &job->source, NULL, err));
     if (job->source->history.count > 0 && !cli_given(job->request, CLI_OPT_QUIET)) {
         cli_note("warning: %s: load.history is for lacuna contact; run does not use it",
                  job->source->path);
     }
-    LAC_TRY(cli_until(job->request, job->source, &job->source->run.end, err));
-    LAC_TRY(cli_output_path(job->request, job->source, job->source->output_file, ".nc", &job->path,
-                            err));
-    LAC_TRY(cli_compare_read(job->request, job->source, &job->compare, err));
+    LAC_TRY_RETURN(cli_until(job->request, job->source, &job->source->run.end, err));
+    LAC_TRY_RETURN(cli_output_path(job->request, job->source, job->source->output_file, ".nc",
+                                   &job->path, err));
+    LAC_TRY_RETURN(cli_compare_read(job->request, job->source, &job->compare, err));
     job->libraries = job->request->libraries;
     job->inputs = cli_inputs_sums(job->source);
-    LAC_TRY(job->inputs != NULL ? LAC_OK : lac_fail_memory(err));
+    LAC_TRY_RETURN(job->inputs != NULL ? LAC_OK : lac_fail_memory(err));
     if (goes_on(job) && isnan(job->source->accuracy)) {
-        LAC_TRY(read_checkpoint(job, job->source, err));
+        LAC_TRY_RETURN(read_checkpoint(job, job->source, err));
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 // Of pilot runs too, which are not on the page.
@@ -262,7 +255,7 @@ static lac_status close_store(run_job *job, lac_status status, const cli_outcome
         return finished;
     }
     if (status == LAC_EINTERRUPT) {
-        bool saved = job->history.saved || goes_on(job);
+        const bool saved = lac_store_has_checkpoint(job->store);
         return lac_fail(err, status, "interrupted at %s; %s holds the run up to there%s",
                         cli_exact(run->time, "s").s, job->path,
                         saved ? ", and --resume goes on" : "");

@@ -119,20 +119,11 @@ static void on_keep(void *context, lac_archive *archive)
     }
 }
 
-static lac_status on_checkpoint(void *context, const lac_checkpoint *checkpoint, lac_error *err)
-{
-    cli_history *h = context;
-    const lac_status status = h->next.checkpoint(h->next.context, checkpoint, err);
-    h->saved = h->saved || status == LAC_OK;
-    return status;
-}
-
 lac_sink cli_history_sink(cli_history *history)
 {
     lac_sink sink = lac_sink_before(&history->next);
     sink.record = on_record;
     sink.serialize = on_keep;
-    sink.checkpoint = sink.checkpoint != NULL ? on_checkpoint : NULL;
     return sink;
 }
 

@@ -13,7 +13,6 @@ typedef struct cli_history {
     double *time, *slip, *rate; ///< [room] in one allocation
     bool begun;
     lac_record first, last;
-    bool saved; ///< a checkpoint was made
 } cli_history;
 
 /// The sink; valid while `history` stays where it is.

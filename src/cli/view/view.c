@@ -244,22 +244,20 @@ static lac_status record(cli_view *view, const lac_store_def *def, const double 
                          lac_error *err)
 {
     lac_recording_def as = def->of;
-    lac_status status;
-    LAC_TRY(lac_recording_create(&as, &view->whole, err));
+    LAC_TRY_RETURN(lac_recording_create(&as, &view->whole, err));
     as.passing = true;
-    LAC_TRY(lac_recording_create(&as, &view->taken, err));
-    LAC_TRY(lac_recording_create(&as, &view->coming, err));
+    LAC_TRY_RETURN(lac_recording_create(&as, &view->taken, err));
+    LAC_TRY_RETURN(lac_recording_create(&as, &view->coming, err));
     view->into = lac_recording_sink(view->coming);
-    LAC_TRY(lac_recording_sign(view->whole, &def->provenance, err));
-    LAC_TRY(lac_recording_text(view->whole, "status", "running", err));
+    LAC_TRY_RETURN(lac_recording_sign(view->whole, &def->provenance, err));
+    LAC_TRY_RETURN(lac_recording_text(view->whole, "status", "running", err));
     if (def->resume != NULL) {
-        LAC_TRY(lac_recording_load(view->coming, def->path, def->resume, err));
+        LAC_TRY_RETURN(lac_recording_load(view->coming, def->path, def->resume, err));
     }
     if (once != NULL) {
-        LAC_TRY(lac_recording_once(view->whole, once, err));
+        LAC_TRY_RETURN(lac_recording_once(view->whole, once, err));
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 void cli_view_begin(cli_view *view, const lac_store_def *def, const double *once)
