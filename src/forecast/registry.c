@@ -5,7 +5,6 @@
 #include <stdio.h>
 
 #include "base/rows.h"
-#include "forecast/forecast.h"
 #include "forecast/kinds.h"
 
 static const lac_forecast_kind *const kinds[] = {

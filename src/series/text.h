@@ -9,10 +9,14 @@
 lac_status lac_series_read_stream(FILE *stream, const lac_series_def *def,
                                   const struct lac_units *units, lac_series **out, lac_error *err);
 
+/// One with room for n readings of the columns asked for, in one piece.
+lac_status lac_series_new(const lac_series_def *def, size_t n, const char *attribution,
+                          lac_series **out, lac_error *err);
+
 /// Whether a file begins as netCDF does; the stream is at its beginning before and after.
 bool lac_series_is_netcdf(FILE *stream);
 
-/// Reads as lac_series_read from a netCDF file.
+/// Reads as lac_series_read from a netCDF file; *out is to be freed in any case.
 lac_status lac_series_read_netcdf(const lac_series_def *def, const struct lac_units *units,
                                   lac_series **out, lac_error *err);
 
