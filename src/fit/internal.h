@@ -149,7 +149,7 @@ void lac_fit_draw_prior(const lac_fit *fit, uint64_t which, double *x);
 // judge.c: residuals and time of failure of the best fit.
 lac_status lac_fit_judge(lac_fit *fit, lac_fit_result *result, lac_error *err);
 
-// identify.c: correlations, principal axes and the shape of one block.
+// Correlations, principal axes and the shape of one block.
 lac_status lac_fit_identify(lac_fit *fit, lac_fit_result *result, lac_error *err);
 
 // line.c: the coordinates that walkers live in, z, all of them over the whole line.

@@ -29,13 +29,6 @@ typedef struct search {
     size_t done, total;
 } search;
 
-static void begin(search *s, const char *stage, size_t total)
-{
-    s->stage = stage;
-    s->done = 0;
-    s->total = total;
-}
-
 static double from_line(const lac_fit *fit, size_t k, double z)
 {
     double width = fit->high[k] - fit->low[k];
@@ -297,7 +290,8 @@ static size_t find_starts(search *s, double start[BEST_STARTS][LAC_FIT_UNKNOWNS]
     double value[BEST_STARTS];
     size_t kept = 0;
     *alive = 0;
-    begin(s, "starts tried", (size_t)fit->def->starts);
+    s->stage = "starts tried";
+    s->total = (size_t)fit->def->starts;
     for (int64_t i = 0; i < fit->def->starts && !lac_fit_interrupted(s->watch); i++, s->done++) {
         double x[LAC_FIT_UNKNOWNS];
         memcpy(x, fit->best, sizeof x);
@@ -375,7 +369,9 @@ lac_status lac_fit_least_squares(lac_fit *fit, const lac_fit_watch *watch, lac_f
     size_t kept = find_starts(&s, start, &result->alive);
     result->tried = (size_t)fit->def->starts;
     fit->model[0].rtol = LAC_FIT_TIGHT;
-    begin(&s, "least-squares descents", kept);
+    s.stage = "least-squares descents";
+    s.total = kept;
+    s.done = 0;
     for (size_t i = 0; i < kept && !lac_fit_interrupted(watch); i++, s.done++) {
         double found = refine(&s, start[i]);
         if (found > best) {

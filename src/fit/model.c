@@ -104,12 +104,7 @@ static lac_sensitivity_def follow_of(const lac_fit_model *model, double end, siz
 lac_status lac_fit_model_run(lac_fit_model *model, const double *u, double end, size_t n,
                              const double *time, lac_sensitivity *out, lac_error *err)
 {
-    lac_status status = bring(model, &model->base, u, err);
-    if (status != LAC_OK) {
-        out->reached = 0;
-        out->failed = false;
-        return status;
-    }
+    LAC_TRY_RETURN(bring(model, &model->base, u, err));
     lac_sensitivity_def def = follow_of(model, end, n, time);
     return lac_sensitivity_run(&def, out, err);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The posterior by the ensemble sampler, begun about the best fit.
+// The posterior by the ensemble sampler, begun about the best fit, and how well it was sampled.
 #include <gsl/gsl_cdf.h>
 #include <gsl/gsl_sort.h>
 #include <gsl/gsl_statistics_double.h>
@@ -78,7 +78,7 @@ static lac_status find_starts(lac_fit *fit, double *start, lac_error *err)
     size_t walkers = (size_t)fit->def->walkers;
     find_spread(fit, l);
     for (size_t w = 0; w < walkers; w++) {
-        double *x = start + w * fit->unknowns;
+        double x[LAC_FIT_UNKNOWNS];
         double nearness = 1.0;
         int tries = 0;
         do {
@@ -89,6 +89,7 @@ static lac_status find_starts(lac_fit *fit, double *start, lac_error *err)
             nearness *= tries > 20 ? 0.9 : 1.0;
             fit->runs++;
         } while (!isfinite(lac_fit_log_posterior(fit, 0, x)));
+        lac_fit_to_line(fit, x, start + w * fit->unknowns);
     }
     return LAC_OK;
 }
@@ -215,11 +216,6 @@ lac_status lac_fit_sample(lac_fit *fit, const lac_fit_watch *watch, lac_fit_resu
     LAC_FAIL_MEMORY_IF(start == NULL, err);
     fit->straight = lac_fit_straighten(fit);
     LAC_TRY(find_starts(fit, start, err));
-    for (size_t w = 0; w < def.walkers; w++) {
-        double u[LAC_FIT_UNKNOWNS];
-        memcpy(u, start + w * def.dimension, def.dimension * sizeof *u);
-        lac_fit_to_line(fit, u, start + w * def.dimension);
-    }
     status = walk_on(fit, &def, start, result, err);
     bool enough = fit->chain != NULL && fit->chain->steps >= 8;
     if (status == LAC_OK || (status == LAC_EINTERRUPT && enough)) {
@@ -317,14 +313,10 @@ lac_status lac_chain_converged(const lac_chain *chain, size_t coordinate, lac_co
     size_t n = chain->walkers * chain->steps;
     LAC_FAIL_IF(chain->steps < 8, err, LAC_EINPUT, "%zu steps are too few to judge a chain by",
                 chain->steps);
-    double *x = calloc(3 * n, sizeof *x);
-    size_t *order = malloc(n * sizeof *order);
-    if (x == NULL || order == NULL) {
-        free(x);
-        free(order);
-        return lac_fail_memory(err);
-    }
+    double *x = calloc(n, 3 * sizeof *x + sizeof(size_t));
+    LAC_FAIL_MEMORY_IF(x == NULL, err);
     double *z = x + n;
+    size_t *order = (size_t *)(x + 3 * n);
     size_t half = split(chain, coordinate, x);
     size_t chains = 2 * chain->walkers;
     size_t used = chains * half;
@@ -340,6 +332,5 @@ lac_status lac_chain_converged(const lac_chain *chain, size_t coordinate, lac_co
     out->time = autocorrelation_time(chain, coordinate);
     out->ess = (double)n / out->time;
     free(x);
-    free(order);
     return LAC_OK;
 }

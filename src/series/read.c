@@ -56,20 +56,21 @@ static lac_status prepare_units(lac_parser *p, const lac_series_def *def,
                                 const struct lac_units *units, lac_error *err)
 {
     const struct {
-        const char *unit, *si;
-    } table[COLUMNS] = {{NULL, "s"},
-                        {def->displacement_unit, "m"},
-                        {def->velocity_unit, "m/s"},
-                        {def->value_unit, def->value_si},
-                        {def->sigma_unit, "m"}};
+        const char *name, *unit, *si;
+    } table[COLUMNS] = {{def->time, NULL, "s"},
+                        {def->displacement, def->displacement_unit, "m"},
+                        {def->velocity, def->velocity_unit, "m/s"},
+                        {def->value, def->value_unit, def->value_si},
+                        {def->sigma, def->sigma_unit, "m"}};
     lac_status read = lac_time_format_read(def->time_format, units, &p->format, err);
     if (read != LAC_OK) {
         return lac_fail_within(err, read, "%s", def->path);
     }
     for (size_t c = 0; c < COLUMNS; c++) {
-        p->wanted[c].scale = 1.0;
-        p->wanted[c].digit = INT_MAX;
-        p->wanted[c].taken = table[c].unit == NULL ? table[c].si : NULL;
+        p->wanted[c] = (lac_wanted){.name = table[c].name,
+                                    .taken = table[c].unit == NULL ? table[c].si : NULL,
+                                    .scale = 1.0,
+                                    .digit = INT_MAX};
         if (p->wanted[c].name == NULL || table[c].unit == NULL) {
             continue;
         }
@@ -88,11 +89,6 @@ static lac_status prepare(lac_parser *p, FILE *stream, const lac_series_def *def
 {
     p->lines = (lac_lines){.stream = stream, .path = def->path};
     p->units = units;
-    p->wanted[0].name = def->time;
-    p->wanted[1].name = def->displacement;
-    p->wanted[2].name = def->velocity;
-    p->wanted[3].name = def->value;
-    p->wanted[4].name = def->sigma;
     p->plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
     LAC_FAIL_MEMORY_IF(p->plain == (locale_t)0, err);
     p->callers = uselocale(p->plain);

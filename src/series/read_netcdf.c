@@ -3,6 +3,7 @@
 #include <float.h>
 #include <math.h>
 #include <netcdf.h>
+#include <string.h>
 
 #include "base/netcdf.h"
 #include "base/units.h"
@@ -100,10 +101,9 @@ static lac_status read_time(const series_file *file, int var, const char *name,
         }
     }
     s->time_unit = s->dated ? 0.0 : scale;
-    lac_time_unit_name(s->dated          ? ""
-                       : unit[0] == '\0' ? "s"
-                                         : unit,
-                       s->time_name, sizeof s->time_name);
+    if (!s->dated && strlen(unit) < sizeof s->time_name) {
+        (void)snprintf(s->time_name, sizeof s->time_name, "%s", unit[0] == '\0' ? "s" : unit);
+    }
     LAC_TRY_RETURN(read_numbers(file, var, name, s->time, err));
     for (size_t i = 0; i < file->n; i++) {
         s->time[i] = scale * s->time[i] + offset;

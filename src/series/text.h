@@ -110,10 +110,6 @@ typedef struct lac_time_format {
 lac_status lac_time_format_read(const char *text, const struct lac_units *units,
                                 lac_time_format *out, lac_error *err);
 
-/// The name of a unit of time, to stand behind a number.
-/// @param name  "" where the unit is longer
-void lac_time_unit_name(const char *unit, char *name, size_t size);
-
 /// Reads one time.
 /// @param mark     decimal mark of numbers
 /// @param seconds  since 1970 UTC where dated, else as written
