@@ -85,8 +85,8 @@ double lac_netcdf_number(int id, int var, const char *name, double fallback)
     return good ? value : fallback;
 }
 
-// What netCDF itself leaves where nothing was written; bytes have no such value.
-static double default_fill(int id, int var)
+// Bytes have no such value by themselves.
+double lac_netcdf_fill(int id, int var)
 {
     static const struct {
         nc_type type;
@@ -98,18 +98,19 @@ static double default_fill(int id, int var)
         {NC_INT64, (double)NC_FILL_INT64}, {NC_UINT64, (double)NC_FILL_UINT64},
     };
     nc_type type = NC_NAT;
+    double fill = (double)NAN;
     (void)nc_inq_vartype(id, var, &type);
     for (size_t i = 0; i < sizeof fills / sizeof *fills; i++) {
         if (fills[i].type == type) {
-            return fills[i].fill;
+            fill = fills[i].fill;
         }
     }
-    return (double)NAN;
+    return lac_netcdf_number(id, var, "_FillValue", fill);
 }
 
 void lac_netcdf_unpack(int id, int var, double *x, size_t n)
 {
-    const double fill = lac_netcdf_number(id, var, "_FillValue", default_fill(id, var));
+    const double fill = lac_netcdf_fill(id, var);
     const double missing = lac_netcdf_number(id, var, "missing_value", (double)NAN);
     const double scale = lac_netcdf_number(id, var, "scale_factor", 1.0);
     const double offset = lac_netcdf_number(id, var, "add_offset", 0.0);

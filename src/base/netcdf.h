@@ -30,6 +30,9 @@ bool lac_netcdf_text(int id, int var, const char *name, char *text, size_t size)
 /// A numeric attribute of one value; `fallback` where there is none.
 double lac_netcdf_number(int id, int var, const char *name, double fallback);
 
+/// What a variable holds where nothing was written: its _FillValue, or what netCDF itself leaves.
+double lac_netcdf_fill(int id, int var);
+
 /// Stored numbers of a variable to values: missing ones (_FillValue, missing_value, and what netCDF
 /// leaves where nothing was written) to NaN, packed ones (scale_factor, add_offset) unpacked.
 void lac_netcdf_unpack(int id, int var, double *x, size_t n);

@@ -49,28 +49,25 @@ static size_t find_growth(lac_columns *columns, const lac_item *item)
     return along;
 }
 
-lac_status lac_columns_add(lac_columns *columns, const lac_item *item, lac_error *err)
+lac_column *lac_columns_add(lac_columns *columns, const lac_item *item)
 {
-    if (columns->n == columns->room) {
-        const size_t room = 2 * columns->room + 16;
-        lac_column *grown = realloc(columns->column, room * sizeof *grown);
-        LAC_FAIL_MEMORY_IF(grown == NULL, err);
-        columns->column = grown;
-        columns->room = room;
-    }
-    columns->column[columns->n++] =
-        (lac_column){.item = *item, .along = find_growth(columns, item)};
-    return LAC_OK;
+    lac_column *column = &columns->column[columns->n++];
+    *column = (lac_column){.item = *item, .along = find_growth(columns, item)};
+    return column;
 }
 
-lac_status lac_columns_create(const lac_dataset *dataset, lac_columns *columns, lac_error *err)
+lac_status lac_columns_create(const lac_dataset *dataset, size_t more, lac_columns *columns,
+                              lac_error *err)
 {
     lac_item item = {0};
-    lac_status status = LAC_OK;
-    while (status == LAC_OK && lac_dataset_next(dataset, &item)) {
-        status = lac_item_is_global(&item) ? LAC_OK : lac_columns_add(columns, &item, err);
+    columns->column = calloc(dataset->entries + more + 1, sizeof *columns->column);
+    LAC_FAIL_MEMORY_IF(columns->column == NULL, err);
+    while (lac_dataset_next(dataset, &item)) {
+        if (!lac_item_is_global(&item)) {
+            (void)lac_columns_add(columns, &item);
+        }
     }
-    return status;
+    return LAC_OK;
 }
 
 lac_status lac_column_reserve(lac_column *column, size_t n, lac_error *err)

@@ -166,7 +166,7 @@ lac_status lac_writer_begin(lac_writer *w, lac_error *err)
     const lac_columns *all = &w->columns;
     lac_status status;
     LAC_TRY(set_clock(w, err));
-    LAC_TRY(lac_columns_create(w->dataset, &w->columns, err));
+    LAC_TRY(lac_columns_create(w->dataset, 0, &w->columns, err));
     LAC_TRY(lac_nc_attributes(w->file, w->dataset, false, err));
     for (lac_column *c = all->column; c < all->column + all->n; c++) {
         LAC_TRY(lac_writer_define(w, c, err));

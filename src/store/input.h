@@ -6,44 +6,27 @@
 #include "store/nc.h"
 #include "store/store_file.h"
 
-/// A file being read.
-typedef struct lac_input {
+/// A file being read, or a run in memory.
+struct lac_stored_file {
     int id;
     bool open;
-    const char *path;
-    size_t size;         ///< of the file [bytes]
-    lac_store_loss loss; ///< of its journal
-} lac_input;
+    char *path;                     ///< owned
+    size_t size;                    ///< of the file [bytes]
+    lac_store_loss loss;            ///< of its journal
+    const lac_recording *recording; ///< read instead of a file; NULL: a file
+};
 
-/// Opens a file of Lacuna, its seal or heap checked first. To be closed whatever the status.
-/// @return LAC_OK; LAC_EIO; LAC_ENOMEM
-lac_status lac_input_open(lac_input *in, const char *path, lac_error *err);
-
-/// The same of any netCDF file.
-lac_status lac_input_open_any(lac_input *in, const char *path, lac_error *err);
-
-void lac_input_close(lac_input *in);
+/// Opens any netCDF file, its seal or heap checked first.
+lac_status lac_stored_file_open_any(const char *path, lac_stored_file **out, lac_error *err);
 
 /// `path: cannot read NAME: why`, from what netCDF returned. @return LAC_EIO
-lac_status lac_input_fail(const lac_input *in, int code, lac_error *err, const char *name);
+lac_status lac_input_fail(const lac_stored_file *in, int code, lac_error *err, const char *name);
 
 /// Whether a file of this size can hold that many doubles, deflated.
-bool lac_input_may_hold(const lac_input *in, size_t values);
-
-/// What a variable holds where nothing was written, as a double.
-double lac_input_fill(const lac_input *in, int id, nc_type type);
+bool lac_input_may_hold(const lac_stored_file *in, size_t values);
 
 /// Whether a global attribute is this text, of at most 15 bytes.
-bool lac_input_says(const lac_input *in, const char *name, const char *expected);
+bool lac_input_says(const lac_stored_file *in, const char *name, const char *expected);
 
-/// Numbers of a variable; nothing where there is none of that name.
-/// @param row  one place along its first dimension, or all
-/// @param out  empty; cleared by the caller
-/// @return LAC_OK; LAC_EINPUT (no such row); LAC_EIO; LAC_ENOMEM
+/// As the row of lac_stored_file_row: all of them.
 enum { LAC_INPUT_ALL = -1 };
-lac_status lac_input_values(const lac_input *in, const char *name, ptrdiff_t row,
-                            lac_stored_values *out, lac_error *err);
-
-/// The same of a variable over time, of the records that are whole.
-lac_status lac_input_series(const lac_input *in, const char *name, lac_stored_values *out,
-                            lac_error *err);

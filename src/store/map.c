@@ -24,7 +24,7 @@ typedef struct field {
 typedef struct map_file {
     const lac_map_def *def;
     const lac_domain *domain;
-    lac_input in;
+    lac_stored_file *in;
     int id;
 } map_file;
 
@@ -189,8 +189,8 @@ lac_status lac_map_read(const lac_map_def *def, const lac_domain *domain, double
     double *stored = NULL;
     size_t length;
     lac_status status;
-    LAC_TRY(lac_input_open_any(&file.in, def->path, err));
-    file.id = file.in.id;
+    LAC_TRY(lac_stored_file_open_any(def->path, &file.in, err));
+    file.id = file.in->id;
     LAC_TRY(find_field(&file, &at, err));
     LAC_TRY(check_axes(&file, &at, err));
     // no more than the cells of the grid, whatever the file says
@@ -204,6 +204,6 @@ lac_status lac_map_read(const lac_map_def *def, const lac_domain *domain, double
     LAC_TRY(pick(&file, &at, stored, values, err));
 out:
     free(stored);
-    lac_input_close(&file.in);
+    lac_stored_file_close(file.in);
     return status;
 }

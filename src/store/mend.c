@@ -298,7 +298,7 @@ out:
 
 lac_status lac_store_mend(const char *path, bool *mended, lac_error *err)
 {
-    lac_input in = {.open = false};
+    lac_stored_file *in = NULL;
     lac_store_loss loss;
     char *copy = NULL;
     lac_status status = LAC_OK;
@@ -313,9 +313,9 @@ lac_status lac_store_mend(const char *path, bool *mended, lac_error *err)
         LAC_TRY(put_in_place(path, copy, journal && !loss.damaged, err));
         *mended = true;
     }
-    LAC_TRY(lac_input_open(&in, path, err));
+    LAC_TRY(lac_stored_file_open(path, &in, err));
 out:
-    lac_input_close(&in);
+    lac_stored_file_close(in);
     if (copy != NULL && !*mended) {
         (void)unlink(copy);
     }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Reading back. Nothing a file says is believed before it is bounded by the size of the file.
+// Reading back, from a file or from a run that is still in memory. Nothing a file says is believed
+// before it is bounded by the size of the file.
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
@@ -18,13 +19,13 @@
 // deflate packs at most this many bytes into one.
 enum { DEFLATE_MAX = 1032 };
 
-lac_status lac_input_fail(const lac_input *in, int code, lac_error *err, const char *name)
+lac_status lac_input_fail(const lac_stored_file *in, int code, lac_error *err, const char *name)
 {
     return lac_fail(err, LAC_EIO, "%s: cannot read %s: %s", in->path, name,
                     code == NC_EHDFERR ? "the file is damaged" : nc_strerror(code));
 }
 
-static lac_status fail_open(const lac_input *in, int code, lac_error *err)
+static lac_status fail_open(const lac_stored_file *in, int code, lac_error *err)
 {
     LAC_FAIL_IF(code == NC_ENOTNC, err, LAC_EIO, "%s: is not a netCDF file", in->path);
     const char *why = code == NC_EHDFERR ? "is damaged" : nc_strerror(code);
@@ -33,7 +34,7 @@ static lac_status fail_open(const lac_input *in, int code, lac_error *err)
 
 // What can be said of a file before HDF5 opens it.
 // @param copy  of a file that was not closed, to be opened in its place and removed
-static lac_status inspect(lac_input *in, char **copy, lac_error *err)
+static lac_status inspect(lac_stored_file *in, char **copy, lac_error *err)
 {
     struct stat info = {0};
     bool exists = false;
@@ -69,63 +70,68 @@ out:
     return status;
 }
 
-lac_status lac_input_open_any(lac_input *in, const char *path, lac_error *err)
+lac_status lac_stored_file_open_any(const char *path, lac_stored_file **out, lac_error *err)
 {
     char *copy = NULL;
-    int code = NC_NOERR;
-    *in = (lac_input){.path = path};
-    lac_status status = inspect(in, &copy, err);
-    if (status == LAC_OK) {
-        code = nc_open(copy != NULL ? copy : path, NC_NOWRITE, &in->id);
-    }
+    lac_stored_file *in = calloc(1, sizeof *in);
+    lac_status status;
+    *out = NULL;
+    LAC_FAIL_MEMORY_IF(in == NULL, err);
+    in->path = path != NULL ? strdup(path) : NULL;
+    LAC_TRY(in->path != NULL || path == NULL ? LAC_OK : lac_fail_memory(err));
+    LAC_TRY(inspect(in, &copy, err));
+    const int code = nc_open(copy != NULL ? copy : path, NC_NOWRITE, &in->id);
+    LAC_TRY(code == NC_NOERR ? LAC_OK : fail_open(in, code, err));
+    in->open = true;
+    *out = in;
+    in = NULL;
+out:
     if (copy != NULL) {
         (void)unlink(copy); // it lasts while it is open
         free(copy);
     }
-    if (status != LAC_OK) {
-        return status;
+    lac_stored_file_close(in);
+    return status;
+}
+
+lac_status lac_stored_file_open(const char *path, lac_stored_file **out, lac_error *err)
+{
+    int id = 0;
+    LAC_TRY_RETURN(lac_stored_file_open_any(path, out, err));
+    if (nc_inq_attid((*out)->id, NC_GLOBAL, "lacuna_format_version", &id) == NC_NOERR) {
+        return LAC_OK;
     }
-    if (code != NC_NOERR) {
-        return fail_open(in, code, err);
-    }
-    in->open = true;
+    lac_stored_file_close(*out);
+    *out = NULL;
+    return lac_fail(err, LAC_EIO, "%s: is not a file of Lacuna", path);
+}
+
+lac_status lac_stored_file_of(const lac_recording *recording, lac_stored_file **out, lac_error *err)
+{
+    *out = calloc(1, sizeof **out);
+    LAC_FAIL_MEMORY_IF(*out == NULL, err);
+    (*out)->recording = recording;
     return LAC_OK;
 }
 
-lac_status lac_input_open(lac_input *in, const char *path, lac_error *err)
+void lac_stored_file_close(lac_stored_file *in)
 {
-    int id = 0;
-    const lac_status status = lac_input_open_any(in, path, err);
-    return status != LAC_OK ||
-                   nc_inq_attid(in->id, NC_GLOBAL, "lacuna_format_version", &id) == NC_NOERR
-               ? status
-               : lac_fail(err, LAC_EIO, "%s: is not a file of Lacuna", path);
+    if (in != NULL) {
+        if (in->open) {
+            (void)nc_close(in->id);
+        }
+        free(in->path);
+        free(in);
+    }
 }
 
-bool lac_input_may_hold(const lac_input *in, size_t values)
+bool lac_input_may_hold(const lac_stored_file *in, size_t values)
 {
     return values / DEFLATE_MAX <= in->size / sizeof(double);
 }
 
-void lac_input_close(lac_input *in)
-{
-    if (in->open) {
-        (void)nc_close(in->id);
-        in->open = false;
-    }
-}
-
-double lac_input_fill(const lac_input *in, int id, nc_type type)
-{
-    return lac_netcdf_number(in->id, id, "_FillValue",
-                             type == NC_DOUBLE  ? NC_FILL_DOUBLE
-                             : type == NC_FLOAT ? (double)NC_FILL_FLOAT
-                             : type == NC_INT   ? (double)NC_FILL_INT
-                                                : (double)NC_FILL_INT64);
-}
-
 // Lengths of a variable's dimensions, and how many values there are in all.
-static lac_status measure(const lac_input *in, int id, const char *name, size_t *length,
+static lac_status measure(const lac_stored_file *in, int id, const char *name, size_t *length,
                           lac_stored_values *out, lac_error *err)
 {
     int rank = 0;
@@ -149,14 +155,36 @@ static lac_status measure(const lac_input *in, int id, const char *name, size_t 
     return code == NC_NOERR ? LAC_OK : lac_input_fail(in, code, err, name);
 }
 
-lac_status lac_input_values(const lac_input *in, const char *name, ptrdiff_t row,
-                            lac_stored_values *out, lac_error *err)
+// A variable of a run in memory, or one place of it.
+static lac_status copy_values(const lac_dataset *kept, const char *variable, ptrdiff_t row,
+                              lac_stored_values *out, lac_error *err)
+{
+    const double *values = lac_dataset_array(kept, variable);
+    const size_t count = lac_dataset_count(kept, variable);
+    size_t n = 0;
+    if (count == 0) {
+        return LAC_OK;
+    }
+    n = lac_dataset_dim(kept, variable, 0, &n) != NULL ? n : 1;
+    LAC_FAIL_IF(row >= 0 && (size_t)row >= n, err, LAC_EINPUT, "%s has no row %td", variable, row);
+    const size_t width = count / n, first = row >= 0 ? (size_t)row : 0, rows = row >= 0 ? 1 : n;
+    double *value = malloc(rows * width * sizeof *value);
+    LAC_FAIL_MEMORY_IF(value == NULL, err);
+    memcpy(value, values + first * width, rows * width * sizeof *value);
+    *out = (lac_stored_values){value, rows, width};
+    return LAC_OK;
+}
+
+lac_status lac_stored_file_row(const lac_stored_file *in, const char *name, ptrdiff_t row,
+                               lac_stored_values *out, lac_error *err)
 {
     size_t start[NC_MAX_VAR_DIMS] = {0}, length[NC_MAX_VAR_DIMS] = {0};
     lac_stored_values read = {0};
     int id = 0;
-    nc_type type = NC_NAT;
     *out = read;
+    if (in->recording != NULL) {
+        return copy_values(lac_recording_dataset(in->recording), name, row, out, err);
+    }
     if (nc_inq_varid(in->id, name, &id) != NC_NOERR) {
         return LAC_OK;
     }
@@ -170,20 +198,24 @@ lac_status lac_input_values(const lac_input *in, const char *name, ptrdiff_t row
     const size_t count = read.n * read.width;
     read.value = malloc((count > 0 ? count : 1) * sizeof *read.value);
     LAC_FAIL_MEMORY_IF(read.value == NULL, err);
-    int code = nc_inq_vartype(in->id, id, &type);
-    if (code == NC_NOERR && count > 0) {
-        code = nc_get_vara_double(in->id, id, start, length, read.value);
-    }
+    const int code =
+        count > 0 ? nc_get_vara_double(in->id, id, start, length, read.value) : NC_NOERR;
     if (code != NC_NOERR) {
         free(read.value);
         return lac_input_fail(in, code, err, name);
     }
-    const double fill = lac_input_fill(in, id, type);
+    const double fill = lac_netcdf_fill(in->id, id);
     for (size_t i = 0; i < count; i++) {
         read.value[i] = read.value[i] == fill ? NAN : read.value[i];
     }
     *out = read;
     return LAC_OK;
+}
+
+lac_status lac_stored_file_values(const lac_stored_file *in, const char *name,
+                                  lac_stored_values *out, lac_error *err)
+{
+    return lac_stored_file_row(in, name, LAC_INPUT_ALL, out, err);
 }
 
 void lac_stored_values_clear(lac_stored_values *values)
@@ -193,8 +225,8 @@ void lac_stored_values_clear(lac_stored_values *values)
 }
 
 // The values of a variable over a dimension, NaN where missing.
-static lac_status read_over(const lac_input *in, int time, const char *name, lac_stored_values *out,
-                            lac_error *err)
+static lac_status read_over(const lac_stored_file *in, int time, const char *name,
+                            lac_stored_values *out, lac_error *err)
 {
     int id = 0, rank = 0, dim = -1;
     LAC_FAIL_IF(nc_inq_varid(in->id, name, &id) != NC_NOERR, err, LAC_EIO, "%s: has no variable %s",
@@ -202,10 +234,10 @@ static lac_status read_over(const lac_input *in, int time, const char *name, lac
     LAC_FAIL_IF(nc_inq_varndims(in->id, id, &rank) != NC_NOERR || rank != 1 ||
                     nc_inq_vardimid(in->id, id, &dim) != NC_NOERR || dim != time,
                 err, LAC_EIO, "%s: %s does not run over time", in->path, name);
-    return lac_input_values(in, name, LAC_INPUT_ALL, out, err);
+    return lac_stored_file_values(in, name, out, err);
 }
 
-bool lac_input_says(const lac_input *in, const char *name, const char *expected)
+bool lac_input_says(const lac_stored_file *in, const char *name, const char *expected)
 {
     char text[16];
     return lac_netcdf_text(in->id, NC_GLOBAL, name, text, sizeof text) &&
@@ -214,7 +246,7 @@ bool lac_input_says(const lac_input *in, const char *name, const char *expected)
 
 // The last batch of a run that was killed may be torn, some variables without their values:
 // shortens the series to the records of which everything is there.
-static lac_status drop_torn(const lac_input *in, int time, size_t *records, lac_error *err)
+static lac_status drop_torn(const lac_stored_file *in, int time, size_t *records, lac_error *err)
 {
     lac_status status = LAC_OK;
     const bool running = lac_input_says(in, "status", "running");
@@ -237,12 +269,16 @@ out:
     return status;
 }
 
-lac_status lac_input_series(const lac_input *in, const char *name, lac_stored_values *out,
-                            lac_error *err)
+lac_status lac_stored_file_series(const lac_stored_file *in, const char *name,
+                                  lac_stored_values *out, lac_error *err)
 {
     size_t records = 0;
     int time = 0;
     lac_status status;
+    *out = (lac_stored_values){0};
+    if (in->recording != NULL) {
+        return lac_stored_file_values(in, name, out, err);
+    }
     LAC_FAIL_IF(nc_inq_dimid(in->id, "time", &time) != NC_NOERR ||
                     nc_inq_dimlen(in->id, time, &records) != NC_NOERR,
                 err, LAC_EIO, "%s: holds no time series", in->path);
@@ -255,14 +291,75 @@ out:
     return status;
 }
 
+// An attribute of what is in memory; NULL where there is none.
+static const char *text_of(const lac_recording *recording, const char *variable,
+                           const char *attribute)
+{
+    lac_item item;
+    if (variable == NULL) {
+        return lac_recording_text_of(recording, attribute);
+    }
+    if (!lac_dataset_find(lac_recording_dataset(recording), variable, &item)) {
+        return NULL;
+    }
+    return strcmp(attribute, "units") == 0       ? (item.unit != NULL ? item.unit : "1")
+           : strcmp(attribute, "long_name") == 0 ? item.long_name
+           : strcmp(attribute, "comment") == 0   ? item.comment
+                                                 : NULL;
+}
+
+static bool fits(const char *found, char *text, size_t size)
+{
+    const bool whole = found != NULL && strlen(found) < size;
+    (void)memcpy(text, whole ? found : "", whole ? strlen(found) + 1 : 1);
+    return whole;
+}
+
+bool lac_stored_file_text(const lac_stored_file *in, const char *variable, const char *attribute,
+                          char *text, size_t size)
+{
+    int id = NC_GLOBAL;
+    text[0] = '\0';
+    if (in->recording != NULL) {
+        return fits(text_of(in->recording, variable, attribute), text, size);
+    }
+    return (variable == NULL || nc_inq_varid(in->id, variable, &id) == NC_NOERR) &&
+           lac_netcdf_text(in->id, id, attribute, text, size);
+}
+
+double lac_stored_file_number(const lac_stored_file *in, const char *variable,
+                              const char *attribute)
+{
+    int id = NC_GLOBAL;
+    if (in->recording != NULL) {
+        const char *text = text_of(in->recording, variable, attribute);
+        return text != NULL ? strtod(text, NULL) : NAN;
+    }
+    return variable == NULL || nc_inq_varid(in->id, variable, &id) == NC_NOERR
+               ? lac_netcdf_number(in->id, id, attribute, NAN)
+               : NAN;
+}
+
+bool lac_stored_file_variable(const lac_stored_file *in, size_t index, char *name, size_t size)
+{
+    char own[NC_MAX_NAME + 1];
+    const char *found = own;
+    if (in->recording != NULL) {
+        found = lac_dataset_name(lac_recording_dataset(in->recording), index);
+    } else if (index > INT_MAX || nc_inq_varname(in->id, (int)index, own) != NC_NOERR) {
+        return false;
+    }
+    return fits(found, name, size);
+}
+
 lac_status lac_store_read_attribute(const char *path, const char *name, char *text, size_t size,
                                     lac_error *err)
 {
-    lac_input in;
-    lac_status status = lac_input_open(&in, path, err);
+    lac_stored_file *in = NULL;
+    lac_status status = lac_stored_file_open(path, &in, err);
     text[0] = '\0';
-    if (status == LAC_OK && !lac_netcdf_text(in.id, NC_GLOBAL, name, text, size)) {
-        const double value = lac_netcdf_number(in.id, NC_GLOBAL, name, NAN);
+    if (status == LAC_OK && !lac_stored_file_text(in, NULL, name, text, size)) {
+        const double value = lac_stored_file_number(in, NULL, name);
         status = isnan(value)
                      ? lac_fail(err, LAC_EIO,
                                 "%s: has no attribute %s of one number or at most %zu bytes", path,
@@ -272,7 +369,7 @@ lac_status lac_store_read_attribute(const char *path, const char *name, char *te
             (void)snprintf(text, size, "%.17g", value);
         }
     }
-    lac_input_close(&in);
+    lac_stored_file_close(in);
     return status;
 }
 

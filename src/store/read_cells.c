@@ -19,13 +19,13 @@ void lac_stored_cells_clear(lac_stored_cells *cells)
     *cells = (lac_stored_cells){0};
 }
 
-static lac_status fail_damaged(const lac_input *in, const char *name, lac_error *err)
+static lac_status fail_damaged(const lac_stored_file *in, const char *name, lac_error *err)
 {
     return lac_fail(err, LAC_EIO, "%s: is damaged: its %s makes no sense", in->path, name);
 }
 
 // Length of a dimension; 0 where there is none, or more than the file can hold.
-static size_t length_of(const lac_input *in, const char *name)
+static size_t length_of(const lac_stored_file *in, const char *name)
 {
     int id = 0;
     size_t length = 0;
@@ -34,7 +34,7 @@ static size_t length_of(const lac_input *in, const char *name)
     return there && lac_input_may_hold(in, length) ? length : 0;
 }
 
-static bool has_variable(const lac_input *in, const char *name)
+static bool has_variable(const lac_stored_file *in, const char *name)
 {
     int id = 0;
     return nc_inq_varid(in->id, name, &id) == NC_NOERR;
@@ -42,8 +42,8 @@ static bool has_variable(const lac_input *in, const char *name)
 
 // The reals of a variable, or of one place along its first dimension; NaN where nothing was
 // written. @param count  that there must be  @param out  the caller frees
-static lac_status read_reals(const lac_input *in, const char *name, ptrdiff_t row, size_t count,
-                             double **out, lac_error *err)
+static lac_status read_reals(const lac_stored_file *in, const char *name, ptrdiff_t row,
+                             size_t count, double **out, lac_error *err)
 {
     lac_stored_values values = {0};
     int id = 0;
@@ -53,7 +53,7 @@ static lac_status read_reals(const lac_input *in, const char *name, ptrdiff_t ro
     if (code != NC_NOERR) {
         return lac_input_fail(in, code, err, name);
     }
-    lac_status status = lac_input_values(in, name, row, &values, err);
+    lac_status status = lac_stored_file_row(in, name, row, &values, err);
     if (status == LAC_OK &&
         (values.n * values.width != count || (type != NC_DOUBLE && type != NC_FLOAT))) {
         status = fail_damaged(in, name, err);
@@ -67,7 +67,7 @@ static lac_status read_reals(const lac_input *in, const char *name, ptrdiff_t ro
 }
 
 // Refuses pressures that do not say the unit that files of ours have them in.
-static lac_status check_unit(const lac_input *in, const char *name, lac_error *err)
+static lac_status check_unit(const lac_stored_file *in, const char *name, lac_error *err)
 {
     char found[32];
     int id = 0;
@@ -80,7 +80,7 @@ static lac_status check_unit(const lac_input *in, const char *name, lac_error *e
     return LAC_OK;
 }
 
-static lac_status read_provenance(const lac_input *in, lac_stored_cells *out, lac_error *err)
+static lac_status read_provenance(const lac_stored_file *in, lac_stored_cells *out, lac_error *err)
 {
     size_t length = 0;
     (void)lac_netcdf_text(in->id, NC_GLOBAL, "status", out->status, sizeof out->status);
@@ -95,7 +95,7 @@ static lac_status read_provenance(const lac_input *in, lac_stored_cells *out, la
 
 // --- The file of a run: cells listed in hierarchy order on a grid that the attributes give.
 
-static lac_status read_grid(const lac_input *in, lac_grid *grid, lac_error *err)
+static lac_status read_grid(const lac_stored_file *in, lac_grid *grid, lac_error *err)
 {
     const double nx = lac_netcdf_number(in->id, NC_GLOBAL, "grid_nx", NAN);
     const double ny = lac_netcdf_number(in->id, NC_GLOBAL, "grid_ny", NAN);
@@ -142,7 +142,7 @@ static bool all_pressed(const lac_domain *domain)
     return true;
 }
 
-static lac_status read_domain(const lac_input *in, lac_domain **out, lac_error *err)
+static lac_status read_domain(const lac_stored_file *in, lac_domain **out, lac_error *err)
 {
     double *x = NULL, *y = NULL;
     lac_status status;
@@ -174,7 +174,7 @@ out:
 }
 
 // The tractions of one snapshot; `whole` false where something is missing.
-static lac_status read_tractions(const lac_input *in, size_t index, lac_stored_cells *out,
+static lac_status read_tractions(const lac_stored_file *in, size_t index, lac_stored_cells *out,
                                  bool *whole, lac_error *err)
 {
     const ptrdiff_t row = (ptrdiff_t)index;
@@ -193,7 +193,7 @@ out:
     return status;
 }
 
-static lac_status fail_choice(const lac_input *in, size_t snapshots, lac_error *err)
+static lac_status fail_choice(const lac_stored_file *in, size_t snapshots, lac_error *err)
 {
     return snapshots == 0 ? lac_fail(err, LAC_EINPUT, "%s: holds no snapshot yet", in->path)
                           : lac_fail(err, LAC_EINPUT, "%s: has no such snapshot: they are 0 to %zu",
@@ -201,7 +201,7 @@ static lac_status fail_choice(const lac_input *in, size_t snapshots, lac_error *
 }
 
 // The last of the whole snapshots that is not later than a time.
-static lac_status find_time(const lac_input *in, size_t snapshots, double time, size_t *index,
+static lac_status find_time(const lac_stored_file *in, size_t snapshots, double time, size_t *index,
                             lac_error *err)
 {
     double *times = NULL;
@@ -221,7 +221,7 @@ out:
     return status;
 }
 
-static lac_status read_run(const lac_input *in, const lac_snapshot_choice *choice,
+static lac_status read_run(const lac_stored_file *in, const lac_snapshot_choice *choice,
                            lac_stored_cells *out, lac_error *err)
 {
     bool whole = false;
@@ -261,8 +261,8 @@ out:
 // --- The file of a contact: maps over the interface.
 
 // A map, or that of a step where it has steps.
-static lac_status read_map(const lac_input *in, const char *name, size_t step, const lac_grid *grid,
-                           double **map, lac_error *err)
+static lac_status read_map(const lac_stored_file *in, const char *name, size_t step,
+                           const lac_grid *grid, double **map, lac_error *err)
 {
     int id = 0, rank = 0;
     const bool steps = nc_inq_varid(in->id, name, &id) == NC_NOERR &&
@@ -280,7 +280,7 @@ static lac_status read_map(const lac_input *in, const char *name, size_t step, c
     return status;
 }
 
-static lac_status read_axis(const lac_input *in, const char *name, size_t *n, double *side,
+static lac_status read_axis(const lac_stored_file *in, const char *name, size_t *n, double *side,
                             lac_error *err)
 {
     double *first = NULL;
@@ -293,7 +293,7 @@ static lac_status read_axis(const lac_input *in, const char *name, size_t *n, do
     return status;
 }
 
-static lac_status read_axes(const lac_input *in, lac_grid *grid, lac_error *err)
+static lac_status read_axes(const lac_stored_file *in, lac_grid *grid, lac_error *err)
 {
     lac_status status;
     *grid = (lac_grid){.periodic = lac_input_says(in, "boundary", "periodic")};
@@ -307,7 +307,7 @@ out:
 }
 
 // Which step; the maps of a history that kept only its last one have no steps.
-static lac_status choose_step(const lac_input *in, const lac_snapshot_choice *choice,
+static lac_status choose_step(const lac_stored_file *in, const lac_snapshot_choice *choice,
                               lac_stored_cells *out, lac_error *err)
 {
     int id = 0;
@@ -326,8 +326,8 @@ static lac_status choose_step(const lac_input *in, const lac_snapshot_choice *ch
 }
 
 // The cascade knows the shear along x alone; a y force of 1e-3 of the normal force is none.
-static lac_status check_along_x(const lac_input *in, double **map, const lac_stored_cells *out,
-                                lac_error *err)
+static lac_status check_along_x(const lac_stored_file *in, double **map,
+                                const lac_stored_cells *out, lac_error *err)
 {
     const lac_domain *domain = out->domain;
     double across = 0.0;
@@ -348,7 +348,7 @@ out:
     return status;
 }
 
-static lac_status read_shear(const lac_input *in, lac_stored_cells *out, lac_error *err)
+static lac_status read_shear(const lac_stored_file *in, lac_stored_cells *out, lac_error *err)
 {
     const lac_domain *domain = out->domain;
     double *map = NULL;
@@ -368,7 +368,7 @@ out:
 }
 
 // The cells that are pressed in the map of a contact, or of a step where steps kept theirs.
-static lac_status read_pressed(const lac_input *in, size_t step, lac_domain **domain,
+static lac_status read_pressed(const lac_stored_file *in, size_t step, lac_domain **domain,
                                lac_error *err)
 {
     lac_grid grid;
@@ -387,7 +387,7 @@ out:
     return status;
 }
 
-static lac_status read_contact(const lac_input *in, const lac_snapshot_choice *choice,
+static lac_status read_contact(const lac_stored_file *in, const lac_snapshot_choice *choice,
                                lac_stored_cells *out, lac_error *err)
 {
     lac_status status = LAC_OK;
@@ -405,38 +405,38 @@ out:
     return status;
 }
 
-static bool is_run(const lac_input *in)
+static bool is_run(const lac_stored_file *in)
 {
     int grid = 0;
     return nc_inq_attid(in->id, NC_GLOBAL, "grid_nx", &grid) == NC_NOERR;
 }
 
-static bool is_contact(const lac_input *in)
+static bool is_contact(const lac_stored_file *in)
 {
     return length_of(in, "x") > 0 && length_of(in, "y") > 0;
 }
 
-static lac_status fail_other(const lac_input *in, lac_error *err)
+static lac_status fail_other(const lac_stored_file *in, lac_error *err)
 {
     return lac_fail(err, LAC_EIO, "%s: is neither a run nor a contact", in->path);
 }
 
 lac_status lac_stored_domain_read(const char *path, lac_domain **domain, lac_error *err)
 {
-    lac_input in;
+    lac_stored_file *in = NULL;
     lac_status status;
     *domain = NULL;
-    LAC_TRY(lac_input_open(&in, path, err));
-    if (is_run(&in)) {
-        LAC_TRY(read_domain(&in, domain, err));
-    } else if (is_contact(&in)) {
-        size_t steps = has_variable(&in, "step_pressure") ? length_of(&in, "step") : 0;
-        LAC_TRY(read_pressed(&in, steps > 0 ? steps - 1 : 0, domain, err));
+    LAC_TRY(lac_stored_file_open(path, &in, err));
+    if (is_run(in)) {
+        LAC_TRY(read_domain(in, domain, err));
+    } else if (is_contact(in)) {
+        size_t steps = has_variable(in, "step_pressure") ? length_of(in, "step") : 0;
+        LAC_TRY(read_pressed(in, steps > 0 ? steps - 1 : 0, domain, err));
     } else {
-        LAC_TRY(fail_other(&in, err));
+        LAC_TRY(fail_other(in, err));
     }
 out:
-    lac_input_close(&in);
+    lac_stored_file_close(in);
     if (status != LAC_OK) {
         lac_domain_free(*domain);
         *domain = NULL;
@@ -447,19 +447,19 @@ out:
 lac_status lac_stored_cells_read(const char *path, const lac_snapshot_choice *choice,
                                  lac_stored_cells *out, lac_error *err)
 {
-    lac_input in;
+    lac_stored_file *in = NULL;
     lac_status status = LAC_OK;
     *out = (lac_stored_cells){0};
-    LAC_TRY(lac_input_open(&in, path, err));
-    LAC_TRY(read_provenance(&in, out, err));
-    if (is_run(&in)) {
-        LAC_TRY(read_run(&in, choice, out, err));
-    } else if (is_contact(&in)) {
-        LAC_TRY(read_contact(&in, choice, out, err));
+    LAC_TRY(lac_stored_file_open(path, &in, err));
+    LAC_TRY(read_provenance(in, out, err));
+    if (is_run(in)) {
+        LAC_TRY(read_run(in, choice, out, err));
+    } else if (is_contact(in)) {
+        LAC_TRY(read_contact(in, choice, out, err));
     } else {
-        LAC_TRY(fail_other(&in, err));
+        LAC_TRY(fail_other(in, err));
     }
 out:
-    lac_input_close(&in);
+    lac_stored_file_close(in);
     return status;
 }

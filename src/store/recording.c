@@ -2,6 +2,7 @@
 // A run kept in memory. Its variables are those that a file would have, from the same tables.
 #include "store/recording.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,6 +22,7 @@ struct lac_recording {
     lac_run_place place; // what is put out now
     lac_dataset *dataset;
     lac_columns columns;
+    lac_dataset *kept; // laid on the columns; NULL: handed out
     bool has_last;
     double last_origin, last_local;
     size_t texts;
@@ -37,6 +39,7 @@ void lac_recording_free(lac_recording *recording)
         free(recording->text[i].text);
     }
     free(recording->text);
+    lac_dataset_free(recording->kept);
     lac_columns_clear(&recording->columns);
     lac_dataset_free(recording->dataset);
     free(recording);
@@ -59,11 +62,47 @@ static lac_status append(lac_column *c, const double *values, size_t n, lac_erro
     return status;
 }
 
+// The dimensions that grow are as long as what there is along them.
+static void measure(lac_recording *r)
+{
+    for (lac_extent *dim = r->kept->dim; dim < r->kept->dim + r->kept->dims; dim++) {
+        const size_t along = lac_columns_along(&r->columns, dim->name);
+        dim->length = along != LAC_ONCE          ? r->columns.growth[along].places
+                      : dim->length == LAC_GROWS ? 0
+                                                 : dim->length;
+    }
+}
+
 // What is put out now joins what there is, if the run has such a dimension.
 static lac_status put(lac_recording *r, const char *dim, lac_error *err)
 {
     const size_t along = lac_columns_along(&r->columns, dim);
-    return along != LAC_ONCE ? lac_columns_put(&r->columns, along, 0, err) : LAC_OK;
+    const lac_status status =
+        along != LAC_ONCE ? lac_columns_put(&r->columns, along, 0, err) : LAC_OK;
+    measure(r);
+    return status;
+}
+
+// A column as a variable that is read.
+static lac_status show(lac_recording *r, lac_column *c, lac_error *err)
+{
+    const lac_laid laid = {{.row = &c->row, .rows = 1, .over = ""}, c};
+    int used = snprintf(c->json, sizeof c->json, "%s", c->item.name);
+    for (size_t d = 0; d < c->item.rank; d++) {
+        used += snprintf(c->json + used, sizeof c->json - (size_t)used, "[]");
+    }
+    c->row = (lac_variable){.name = c->item.name,
+                            .json = c->json,
+                            .unit = c->item.unit,
+                            .long_name = c->item.long_name,
+                            .comment = c->item.comment,
+                            .dims = c->item.dims,
+                            .held = LAC_HELD_REALS,
+                            .offset = offsetof(lac_column, values),
+                            .flags = LAC_MISSING | LAC_EMPTY};
+    LAC_TRY_RETURN(lac_column_reserve(c, 1, err)); // an array also where it is empty
+    c->values[0] = NAN;
+    return lac_dataset_add(r->kept, &laid, 1, err);
 }
 
 // All that the dataset holds now of a variable that does not grow.
@@ -132,10 +171,17 @@ lac_status lac_recording_create(const lac_recording_def *def, lac_recording **ou
     LAC_FAIL_MEMORY_IF(r == NULL, err);
     r->place.of = *def;
     LAC_TRY(lac_run_describe(&r->place, &r->dataset, err));
-    LAC_TRY(lac_columns_create(r->dataset, &r->columns, err));
+    LAC_TRY(lac_columns_create(r->dataset, LAC_MORE_VALUES, &r->columns, err));
+    LAC_TRY(lac_dataset_create("A run of a creeping joint.", &r->kept, err));
+    LAC_TRY(lac_dataset_dims(r->kept, r->dataset->dim, r->dataset->dims, err));
+    measure(r);
     if (def->passing) {
         drop_others(&r->columns);
-    } else {
+    }
+    for (size_t i = 0; i < r->columns.n; i++) {
+        LAC_TRY(show(r, &r->columns.column[i], err));
+    }
+    if (!def->passing) {
         LAC_TRY(take_fixed(r, err));
         LAC_TRY(take_texts(r, err));
     }
@@ -152,9 +198,9 @@ lac_status lac_recording_add(lac_recording *recording, const char *name, const c
     static const lac_variable one = {.flags = LAC_SINGLE};
     const lac_item item = {
         .row = &one, .name = name, .unit = unit, .long_name = long_name, .dims = "", .count = 1};
-    lac_status status = lac_columns_add(&recording->columns, &item, err);
-    lac_column *c = &recording->columns.column[recording->columns.n - 1];
-    return status == LAC_OK ? append(c, &value, 1, err) : status;
+    lac_column *c = lac_columns_add(&recording->columns, &item);
+    LAC_TRY_RETURN(show(recording, c, err));
+    return append(c, &value, 1, err);
 }
 
 static lac_status put_record(void *context, const lac_record *record, lac_error *err)
@@ -215,35 +261,16 @@ lac_sink lac_recording_sink(lac_recording *recording)
                       .once = put_once};
 }
 
-bool lac_recording_get(const lac_recording *recording, size_t index, lac_recorded *out)
-{
-    if (index >= recording->columns.n) {
-        return false;
-    }
-    const lac_column *c = &recording->columns.column[index];
-    const lac_item *item = &c->item;
-    *out =
-        (lac_recorded){.name = item->name,
-                       .unit = item->unit != NULL ? item->unit : "1",
-                       .long_name = item->long_name,
-                       .dimensions = item->dims,
-                       .values = c->values,
-                       .count = c->count,
-                       .comment = item->comment,
-                       .places = c->along != LAC_ONCE ? recording->columns.growth[c->along].places
-                                 : item->rank > 0     ? item->length[0]
-                                                      : 1};
-    return true;
-}
+const lac_dataset *lac_recording_dataset(const lac_recording *recording) { return recording->kept; }
 
-bool lac_recording_find(const lac_recording *recording, const char *name, lac_recorded *out)
+static void release(void *recording) { lac_recording_free(recording); }
+
+lac_dataset *lac_recording_hand_out(lac_recording *recording)
 {
-    for (size_t i = 0; lac_recording_get(recording, i, out); i++) {
-        if (strcmp(out->name, name) == 0) {
-            return true;
-        }
-    }
-    return false;
+    lac_dataset *kept = recording->kept;
+    recording->kept = NULL;
+    lac_dataset_keep(kept, recording, release, NULL);
+    return kept;
 }
 
 static named_text *find_text(const lac_recording *recording, const char *name)
@@ -311,6 +338,7 @@ void lac_recording_thin(lac_recording *recording, const char *dimension, const u
             c->count = all->growth[along].places * c->item.count;
         }
     }
+    measure(recording);
 }
 
 // The next variable that grows; of recordings of one def they stand in the same order.
@@ -322,23 +350,19 @@ static lac_column *next_growing(const lac_columns *columns, size_t *at)
     return *at < columns->n ? &columns->column[(*at)++] : NULL;
 }
 
-// Moves values behind those of another; where there are none, the array.
+// Moves values behind those of another; where there are none, the arrays change places.
 static void pour(lac_column *to, lac_column *from)
 {
-    if (to->count > 0 && from->count > 0) {
-        memcpy(to->values + to->count, from->values, from->count * sizeof *from->values);
-        free(from->values);
-        to->count += from->count;
-    } else if (from->count > 0) {
-        free(to->values);
-        to->values = from->values;
-        to->count = from->count;
-        to->room = from->room;
+    const lac_column own = *to;
+    if (own.count > 0) {
+        memcpy(to->values + own.count, from->values, from->count * sizeof *from->values);
     } else {
-        return;
+        to->values = from->values;
+        to->room = from->room;
+        from->values = own.values;
+        from->room = own.room;
     }
-    from->values = NULL;
-    from->count = from->room = 0;
+    to->count += from->count;
 }
 
 lac_status lac_recording_move(lac_recording *recording, lac_recording *from, lac_error *err)
@@ -361,6 +385,8 @@ lac_status lac_recording_move(lac_recording *recording, lac_recording *from, lac
         into->growth[along].places += status == LAC_OK ? of->growth[along].places : 0;
         of->growth[along].places = 0;
     }
+    measure(recording);
+    measure(from);
     return status;
 }
 
@@ -407,16 +433,17 @@ lac_status lac_recording_load(lac_recording *recording, const char *path,
 {
     lac_columns *all = &recording->columns;
     lac_stored_file *file = NULL;
-    lac_recorded origin, local;
     lac_status status;
     LAC_TRY(lac_stored_file_open(path, &file, err));
     LAC_TRY(load_axis(all, "time", (size_t)checkpoint->records, 0, file, err));
     // All snapshots could be more than there is memory.
     LAC_TRY(load_axis(all, "snapshot", (size_t)checkpoint->snapshots, LOADED_SNAPSHOTS, file, err));
     LAC_TRY(load_axis(all, "event", (size_t)checkpoint->events, 0, file, err));
-    if (lac_recording_find(recording, "time_origin", &origin) && origin.count > 0 &&
-        lac_recording_find(recording, "time_local", &local)) {
-        resume(recording, origin.values[origin.count - 1], local.values[local.count - 1]);
+    measure(recording);
+    const size_t n = lac_dataset_count(recording->kept, "time_origin");
+    if (n > 0) {
+        resume(recording, lac_dataset_array(recording->kept, "time_origin")[n - 1],
+               lac_dataset_array(recording->kept, "time_local")[n - 1]);
     }
 out:
     lac_stored_file_close(file);

@@ -9,16 +9,6 @@ typedef struct lac_recording lac_recording;
 /// What it keeps. Only lac_recording_create looks at what this points to.
 typedef lac_run_output lac_recording_def;
 
-/// One variable. What it points to holds until the recording is written to or freed.
-typedef struct lac_recorded {
-    const char *name, *unit, *long_name; ///< as in a file; times are seconds since the start
-    const char *dimensions; ///< in order, between spaces: "time", "snapshot cell"; "": one value
-    const double *values;   ///< [count] the last dimension fastest; NaN: missing
-    size_t count;
-    const char *comment; ///< NULL: none
-    size_t places;       ///< along the first dimension; 1 where there is none
-} lac_recorded;
-
 /// @return LAC_OK; LAC_ENOMEM
 lac_status lac_recording_create(const lac_recording_def *def, lac_recording **out, lac_error *err);
 
@@ -33,8 +23,9 @@ lac_sink lac_recording_sink(lac_recording *recording);
 /// @return LAC_OK; LAC_ENOMEM
 lac_status lac_recording_once(lac_recording *recording, const double *once, lac_error *err);
 
-/// Adds one value that runs over nothing. The texts must outlive the recording.
-/// @return LAC_OK; LAC_ENOMEM
+/// Adds one value that runs over nothing, at most LAC_MORE_VALUES. The texts must outlive the
+/// recording.
+enum { LAC_MORE_VALUES = 4 };
 lac_status lac_recording_add(lac_recording *recording, const char *name, const char *unit,
                              const char *long_name, double value, lac_error *err);
 
@@ -70,10 +61,9 @@ void lac_recording_thin(lac_recording *recording, const char *dimension, const u
 lac_status lac_recording_load(lac_recording *recording, const char *path,
                               const lac_checkpoint_file *checkpoint, lac_error *err);
 
-/// The index-th variable.
-/// @return false past the end
-bool lac_recording_get(const lac_recording *recording, size_t index, lac_recorded *out);
+/// Its variables, named as in a file; times are seconds since the start. What is read of them holds
+/// until the recording is written to or freed.
+const lac_dataset *lac_recording_dataset(const lac_recording *recording);
 
-/// The variable of a name.
-/// @return false where there is none
-bool lac_recording_find(const lac_recording *recording, const char *name, lac_recorded *out);
+/// The same for good: the dataset frees the recording with itself.
+lac_dataset *lac_recording_hand_out(lac_recording *recording);

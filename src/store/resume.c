@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "base/date.h"
+#include "base/netcdf.h"
 #include "store/input.h"
 #include "store/internal.h"
 
@@ -22,7 +23,7 @@ typedef struct series {
     bool never_missing;
 } series;
 
-static lac_status fail_damaged(const lac_input *in, const char *name, lac_error *err)
+static lac_status fail_damaged(const lac_stored_file *in, const char *name, lac_error *err)
 {
     return lac_fail(err, LAC_EIO,
                     "%s: is damaged: lacks values of %s that the checkpoint counts on", in->path,
@@ -30,7 +31,8 @@ static lac_status fail_damaged(const lac_input *in, const char *name, lac_error 
 }
 
 // Where a variable stands in the old file, which must have it as the new one does.
-static lac_status find_series(const lac_store *s, const lac_input *in, series *v, lac_error *err)
+static lac_status find_series(const lac_store *s, const lac_stored_file *in, series *v,
+                              lac_error *err)
 {
     const lac_item *item = &v->to->item;
     int dims[NC_MAX_VAR_DIMS] = {0};
@@ -53,13 +55,13 @@ static lac_status find_series(const lac_store *s, const lac_input *in, series *v
     return fits ? LAC_OK : fail_damaged(in, item->name, err);
 }
 
-static lac_status copy_rows(const lac_store *s, const lac_input *in, const series *v, size_t first,
-                            size_t rows, double *values, lac_error *err)
+static lac_status copy_rows(const lac_store *s, const lac_stored_file *in, const series *v,
+                            size_t first, size_t rows, double *values, lac_error *err)
 {
     const char *name = v->to->item.name;
     const size_t start[2] = {first, 0};
     const size_t count[2] = {rows, v->to->item.count};
-    const double missing = lac_input_fill(in, v->from, v->type);
+    const double missing = lac_netcdf_fill(in->id, v->from);
     int code = nc_get_vara_double(in->id, v->from, start, count, values);
     if (code != NC_NOERR) {
         return lac_input_fail(in, code, err, name);
@@ -74,7 +76,7 @@ static lac_status copy_rows(const lac_store *s, const lac_input *in, const serie
     return lac_nc_check(s->file.path, code, err, "write", name);
 }
 
-static lac_status copy_series(const lac_store *s, const lac_input *in, const series *v,
+static lac_status copy_series(const lac_store *s, const lac_stored_file *in, const series *v,
                               lac_error *err)
 {
     const size_t width = v->to->item.count;
@@ -91,7 +93,7 @@ out:
     return status;
 }
 
-static lac_status copy_all(lac_store *s, const lac_input *in, const lac_checkpoint_file *from,
+static lac_status copy_all(lac_store *s, const lac_stored_file *in, const lac_checkpoint_file *from,
                            lac_error *err)
 {
     const lac_columns *all = &s->writer.columns;
@@ -118,7 +120,7 @@ out:
 }
 
 // Puts what an attribute of the old file says before `more`.
-static lac_status extend(const lac_store *s, const lac_input *in, const char *name,
+static lac_status extend(const lac_store *s, const lac_stored_file *in, const char *name,
                          const char *between, const char *more, lac_error *err)
 {
     char *old = lac_nc_text_of(in->id, name, in->size);
@@ -137,8 +139,8 @@ static lac_status extend(const lac_store *s, const lac_input *in, const char *na
     return status;
 }
 
-static lac_status put_past(const lac_store *s, const lac_input *in, const lac_checkpoint_file *from,
-                           lac_error *err)
+static lac_status put_past(const lac_store *s, const lac_stored_file *in,
+                           const lac_checkpoint_file *from, lac_error *err)
 {
     char resumed[96];
     lac_status status = LAC_OK;
@@ -155,7 +157,8 @@ out:
 }
 
 // Whether the file is the one that the checkpoint was made beside. It may have grown since.
-static lac_status check_pair(const lac_input *in, const lac_checkpoint_file *from, lac_error *err)
+static lac_status check_pair(const lac_stored_file *in, const lac_checkpoint_file *from,
+                             lac_error *err)
 {
     char date[32];
     double last = NAN;
@@ -188,15 +191,15 @@ static lac_status check_pair(const lac_input *in, const lac_checkpoint_file *fro
 
 lac_status lac_store_take_over(lac_store *s, const lac_checkpoint_file *from, lac_error *err)
 {
-    lac_input in = {.open = false};
+    lac_stored_file *in = NULL;
     lac_status status = LAC_OK;
-    LAC_TRY(lac_input_open(&in, s->file.path, err));
-    LAC_TRY(check_pair(&in, from, err));
-    LAC_TRY(lac_nc_reserve(&s->file, in.size, err));
-    LAC_TRY(copy_all(s, &in, from, err));
-    LAC_TRY(put_past(s, &in, from, err));
+    LAC_TRY(lac_stored_file_open(s->file.path, &in, err));
+    LAC_TRY(check_pair(in, from, err));
+    LAC_TRY(lac_nc_reserve(&s->file, in->size, err));
+    LAC_TRY(copy_all(s, in, from, err));
+    LAC_TRY(put_past(s, in, from, err));
     s->has_checkpoint = true;
 out:
-    lac_input_close(&in);
+    lac_stored_file_close(in);
     return status;
 }

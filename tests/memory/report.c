@@ -126,13 +126,13 @@ static lac_status begin(lac_recording **recording, lac_error *err)
 static lac_status put(lac_recording *recording, size_t i, lac_error *err)
 {
     const lac_sink sink = lac_recording_sink(recording);
-    const double own = 1.0, field[CELLS] = {1.0, 2.0};
+    const double own = (double)i, field[CELLS] = {own, own};
     const lac_record record = {
-        .time_local = (double)i,
+        .time_local = own,
         .observation = {.mean_rate = 1.0, .max_rate = 1.0, .normal_force = 1.0},
         .extra = &own};
-    const lac_snapshot snapshot = {.time = (double)i, .slip = field, .slip_rate = field};
-    const lac_event event = {.time_local = (double)i};
+    const lac_snapshot snapshot = {.time = own, .slip = field, .slip_rate = field};
+    const lac_event event = {.time_local = own, .x = own, .size = own};
     lac_status status;
     LAC_TRY(sink.record(sink.context, &record, err));
     LAC_TRY(sink.snapshot(sink.context, &snapshot, err));
@@ -143,24 +143,30 @@ out:
 
 static size_t count_of(const lac_recording *recording, const char *name)
 {
-    lac_recorded observation;
-    assert_true(lac_recording_find(recording, name, &observation));
-    return observation.count;
+    assert_non_null(lac_dataset_unit(lac_recording_dataset(recording), name));
+    return lac_dataset_count(lac_recording_dataset(recording), name);
 }
 
-// All columns along a dimension are as long as its first one.
+// All columns along a dimension have the values of the same places.
 static void check_whole(const lac_recording *recording)
 {
-    static const char *const first[][2] = {
-        {"time", "time"}, {"snapshot", "snapshot_time"}, {"event", "event_time"}};
-    lac_recorded observation;
-    for (size_t v = 0; lac_recording_get(recording, v, &observation); v++) {
-        for (size_t d = 0; d < 3; d++) {
-            const bool fields = strcmp(observation.dimensions, "snapshot cell") == 0;
-            if (strncmp(observation.dimensions, first[d][0], strlen(first[d][0])) == 0) {
-                assert_int_equal(observation.count,
-                                 (fields ? CELLS : 1) * count_of(recording, first[d][1]));
-            }
+    static const struct {
+        const char *first, *other;
+        size_t width;
+    } pairs[] = {{"time", "time_local", 1},
+                 {"time", "own", 1},
+                 {"snapshot_time", "cell_slip", CELLS},
+                 {"snapshot_time", "cell_slip_rate", CELLS},
+                 {"event_time", "event_x", 1},
+                 {"event_time", "event_size", 1}};
+    const lac_dataset *all = lac_recording_dataset(recording);
+    for (size_t k = 0; k < sizeof pairs / sizeof *pairs; k++) {
+        const double *first = lac_dataset_array(all, pairs[k].first);
+        const double *other = lac_dataset_array(all, pairs[k].other);
+        const size_t n = count_of(recording, pairs[k].first);
+        assert_int_equal(count_of(recording, pairs[k].other), n * pairs[k].width);
+        for (size_t i = 0; i < n * pairs[k].width; i++) {
+            assert_true(other[i] == first[i / pairs[k].width]);
         }
     }
 }

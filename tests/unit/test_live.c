@@ -56,11 +56,16 @@ static void put_snapshot(lac_recording *recording, double time)
     assert_int_equal(sink.snapshot(sink.context, &snapshot, NULL), LAC_OK);
 }
 
-static lac_recorded find(const lac_recording *recording, const char *name)
+typedef struct variable {
+    size_t count;
+    const double *values;
+} variable;
+
+static variable find(const lac_recording *recording, const char *name)
 {
-    lac_recorded observation = {0};
-    assert_true(lac_recording_find(recording, name, &observation));
-    return observation;
+    const lac_dataset *all = lac_recording_dataset(recording);
+    assert_non_null(lac_dataset_unit(all, name));
+    return (variable){lac_dataset_count(all, name), lac_dataset_array(all, name)};
 }
 
 static void test_read_as_a_file(void **state)
@@ -120,9 +125,7 @@ static void test_variables_as_of_a_file(void **state)
     assert_string_equal(text, "");
     assert_true(isnan(lac_stored_file_number(file, "slip_rate", "best_fit")));
     for (; lac_stored_file_variable(file, count, text, sizeof text); count++) {
-        lac_recorded observation;
-        assert_true(lac_recording_get(recording, count, &observation));
-        assert_string_equal(text, observation.name);
+        assert_string_equal(text, lac_dataset_name(lac_recording_dataset(recording), count));
     }
     assert_true(count > 10);
     assert_false(lac_stored_file_variable(file, 0, text, 1));
@@ -139,9 +142,9 @@ static void put_event(lac_recording *recording, double time)
 
 static void expect_same(const lac_recording *a, const lac_recording *b)
 {
-    lac_recorded observation;
-    for (size_t v = 0; lac_recording_get(a, v, &observation); v++) {
-        const lac_recorded other = find(b, observation.name);
+    const char *name;
+    for (size_t v = 0; (name = lac_dataset_name(lac_recording_dataset(a), v)) != NULL; v++) {
+        const variable observation = find(a, name), other = find(b, name);
         assert_int_equal(observation.count, other.count);
         if (observation.count > 0) {
             assert_memory_equal(observation.values, other.values,
@@ -157,8 +160,7 @@ static void test_handed_on(void **state)
     lac_domain domain;
     lac_recording *direct = begin(&domain), *whole = begin(&domain);
     lac_recording *coming = begin_as(&domain, true), *taken = begin_as(&domain, true);
-    lac_recorded observation;
-    assert_false(lac_recording_find(coming, "pressure", &observation));
+    assert_null(lac_dataset_unit(lac_recording_dataset(coming), "pressure"));
     for (size_t part = 0; part < 3; part++) {
         lac_recording *const both[] = {direct, coming};
         for (size_t i = 0; i < 2; i++) {
@@ -222,7 +224,7 @@ static void test_memory_stays_bounded(void **state)
         most_records = n > most_records ? n : most_records;
         most_shots = s > most_shots ? s : most_shots;
     }
-    const lac_recorded time = find(recording, "time"), rate = find(recording, "slip_rate");
+    const variable time = find(recording, "time"), rate = find(recording, "slip_rate");
     assert_in_range(most_records, 40000, 60000);
     assert_in_range(most_shots, 60, 80);
     assert_true(time.values[0] == 0.0 && time.values[time.count - 1] == 199999.0);
@@ -232,8 +234,7 @@ static void test_memory_stays_bounded(void **state)
         assert_true(i == 0 || time.values[i] > time.values[i - 1]);
     }
     assert_true(peak == 1.0);
-    const lac_recorded shots = find(recording, "snapshot_time"),
-                       slip = find(recording, "cell_slip");
+    const variable shots = find(recording, "snapshot_time"), slip = find(recording, "cell_slip");
     assert_int_equal(slip.count, CELLS * shots.count);
     for (size_t i = 0; i < shots.count; i++) {
         assert_true(slip.values[CELLS * i] == shots.values[i]);
