@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A case and a series to the dataset of a fit, in one call.
+// A case and a series to the dataset of a fit, and a series to that of its forecasts and
+// indicators, in one call each.
+#include <math.h>
 #include <stdlib.h>
 
 #include "base/ask.h"
 #include "data/dataset.h"
-#include "fit/fit.h"
+#include "fit/model_forecast.h"
+#include "lacuna/forecast.h"
+#include "precursor/precursor.h"
 
 // What a dataset is of, which it keeps.
 typedef struct fit_made {
@@ -25,10 +29,9 @@ static void fit_made_free(void *result)
 lac_status lac_fit_series(const lac_case *c, const char *path, lac_series **out, lac_error *err)
 {
     lac_series_def def = lac_series_def_default();
-    lac_status status;
-    LAC_TRY(LAC_NEED(err, c, path, out));
+    LAC_TRY_RETURN(LAC_NEED(err, c, path, out));
     *out = NULL;
-    LAC_TRY(lac_case_serves(c, LAC_FOR_FIT, err));
+    LAC_TRY_RETURN(lac_case_serves(c, LAC_FOR_FIT, err));
     def.path = path;
     def.time = c->fit.time;
     def.time_format = c->fit.time_format;
@@ -39,9 +42,7 @@ lac_status lac_fit_series(const lac_case *c, const char *path, lac_series **out,
     def.value = c->fit.sigma;
     def.value_unit = c->fit.sigma_unit;
     def.value_si = "m";
-    status = lac_series_create(&def, out, err);
-out:
-    return status;
+    return lac_series_create(&def, out, err);
 }
 
 // What was computed is handed out whole, also where it was interrupted.
@@ -77,6 +78,131 @@ lac_status lac_fit_compute(const lac_case *c, const lac_series *series,
 out:
     if (f != NULL) {
         fit_made_free(f);
+    }
+    return status;
+}
+
+// What a dataset is of, which it keeps.
+typedef struct forecast_made {
+    lac_forecast_options options;
+    lac_fit_watch watch;
+    lac_model_forecast how;
+    lac_forecast_model model;
+    lac_indicator_inputs evidence;
+    lac_readings readings;
+    lac_forecast_set *forecasts;
+    lac_rolling *rolling;
+    lac_indicator_series *indicator_series;
+    lac_precursor indicator[LAC_PRECURSORS_MAX];
+    lac_forecast_outcome outcome;
+    lac_made_from made;
+} forecast_made;
+
+static void forecast_free(void *result)
+{
+    forecast_made *f = result;
+    lac_indicator_series_free(f->indicator_series);
+    lac_rolling_free(f->rolling);
+    lac_forecast_set_free(f->forecasts);
+    free(f->made.case_text);
+    free(f);
+}
+
+static lac_status take_case(forecast_made *f, bool dated, lac_error *err)
+{
+    const lac_forecast_options *o = &f->options;
+    f->made.provenance.seed = INT64_MIN;
+    if (o->source == NULL) {
+        return LAC_OK;
+    }
+    LAC_TRY_RETURN(lac_case_serves(o->source, LAC_FOR_FIT, err));
+    LAC_TRY_RETURN(lac_made_from_case(o->source, &f->made, err));
+    f->made.provenance.seed = o->source->fit.seed;
+    f->how = (lac_model_forecast){
+        .source = o->source, .dated = dated, .threads = o->threads > 0 ? o->threads : 1};
+    f->model = lac_model_forecast_method(&f->how);
+    return LAC_OK;
+}
+
+static lac_forecast_def plan(const forecast_made *f)
+{
+    const lac_forecast_options *o = &f->options;
+    lac_forecast_def def = lac_forecast_default();
+    def.motion = (lac_motion_def){o->smoothing, o->points, o->order, o->window, o->raw};
+    def.since = o->since;
+    def.short_run = o->short_run > 0 ? o->short_run : def.short_run;
+    def.long_run = o->long_run > 0 ? o->long_run : def.long_run;
+    def.model = o->source != NULL ? &f->model : NULL;
+    return def;
+}
+
+// Each issue time from what was known then.
+static lac_status roll(forecast_made *f, const lac_forecast_def *def, const lac_readings *readings,
+                       lac_error *err)
+{
+    const lac_forecast_options *o = &f->options;
+    const size_t most = o->issues < readings->n ? o->issues : readings->n;
+    LAC_TRY_RETURN(lac_indicator_series_create(&f->evidence, most, &f->indicator_series, err));
+    const lac_rolling_watch watch = {.context = o->context,
+                                     .go_on = o->go_on,
+                                     .seer = f->indicator_series,
+                                     .see = lac_indicator_series_see};
+    return lac_rolling_create(def, readings, o->issues, &watch, &f->rolling, err);
+}
+
+static lac_status look(forecast_made *f, const lac_series *s, lac_error *err)
+{
+    const lac_forecast_def def = plan(f);
+    lac_readings readings = lac_series_readings(s);
+    while (readings.n > 0 && readings.time[readings.n - 1] > f->options.until) {
+        readings.n--;
+    }
+    size_t indicators = 0;
+    LAC_FAIL_IF(readings.n == 0, err, LAC_EINPUT, "no reading until %g s", f->options.until);
+    LAC_TRY_RETURN(lac_forecast_set_create(&def, &readings, &f->forecasts, err));
+    f->evidence = lac_evidence_default();
+    f->readings = readings;
+    LAC_TRY_RETURN(lac_precursors_at(&f->evidence, f->forecasts, f->indicator, &indicators, err));
+    const lac_status status = f->options.issues > 0 ? roll(f, &def, &readings, err) : LAC_OK;
+    f->outcome = (lac_forecast_outcome){
+        .series = s,
+        .readings = &f->readings,
+        .dated = s->dated,
+        .failed_at = f->options.failed_at,
+        .forecasts = f->forecasts,
+        .rolling = f->rolling,
+        .interrupted = status == LAC_EINTERRUPT,
+        .indicators = indicators,
+        .indicator = f->indicator,
+        .indicator_series = f->indicator_series,
+    };
+    return status;
+}
+
+lac_status lac_forecast_compute(const lac_series *series, const lac_forecast_options *options,
+                                lac_dataset **out, lac_error *err)
+{
+    forecast_made *f = NULL;
+    lac_status status;
+    LAC_TRY(LAC_NEED(err, series, out));
+    *out = NULL;
+    f = calloc(1, sizeof *f);
+    LAC_TRY(f != NULL ? LAC_OK : lac_fail_memory(err));
+    f->options = lac_forecast_options_default();
+    LAC_TRY(lac_take_options("lac_forecast_options", options, &f->options, sizeof f->options, err));
+    LAC_TRY(take_case(f, series->dated, err));
+    status = look(f, series, err);
+    if (status == LAC_OK || (status == LAC_EINTERRUPT && f->rolling != NULL)) {
+        const lac_status told = lac_forecast_describe(&f->outcome, out, err);
+        if (told == LAC_OK) {
+            lac_dataset_keep(*out, f, forecast_free, &f->made.provenance);
+            f = NULL;
+        }
+        status = told == LAC_OK ? status : told;
+    }
+out:
+    if (f != NULL) {
+        forecast_free(f);
     }
     return status;
 }

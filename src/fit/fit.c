@@ -1,27 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The readings of a series on the clock of a run.
+// A fit from its start to its result: the readings on the clock of a run, unknowns from the case,
+// least squares, sampler, predictions; and whether it is to be relied on.
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "fit/fit.h"
 #include "fit/internal.h"
-
-void lac_fit_data_clear(lac_fit_data *data)
-{
-    free(data->time);
-    *data = (lac_fit_data){0};
-}
-
-static lac_status check_reading(const lac_case *c, const lac_series *series, size_t i, double sigma,
-                                lac_error *err)
-{
-    LAC_FAIL_IF(c->fit.sigma != NULL && !isnan(series->displacement[i]) && !(sigma > 0.0), err,
-                LAC_EINPUT, "line %zu: %s: the standard error of a displacement must be > 0",
-                series->line[i], c->fit.sigma);
-    return LAC_OK;
-}
 
 static lac_status keep(const lac_case *c, const lac_series *series, lac_fit_data *out,
                        lac_error *err)
@@ -32,7 +17,9 @@ static lac_status keep(const lac_case *c, const lac_series *series, lac_fit_data
         double slip = series->displacement != NULL ? series->displacement[i] : NAN;
         double rate = series->velocity != NULL ? series->velocity[i] : NAN;
         double sigma = c->fit.sigma != NULL ? series->value[i] : 1.0;
-        LAC_TRY_RETURN(check_reading(c, series, i, sigma, err));
+        LAC_FAIL_IF(c->fit.sigma != NULL && !isnan(slip) && !(sigma > 0.0), err, LAC_EINPUT,
+                    "line %zu: %s: the standard error of a displacement must be > 0",
+                    series->line[i], c->fit.sigma);
         out->not_positive += rate <= 0.0 ? 1 : 0;
         rate = rate > 0.0 ? rate : NAN;
         if (!(t >= 0.0) || t > c->run.end) {
@@ -53,8 +40,8 @@ static lac_status keep(const lac_case *c, const lac_series *series, lac_fit_data
     return LAC_OK;
 }
 
-lac_status lac_fit_data_read(const lac_case *c, const lac_series *series, lac_fit_data *out,
-                             lac_error *err)
+static lac_status read_data(const lac_case *c, const lac_series *series, lac_fit_data *out,
+                            lac_error *err)
 {
     *out = (lac_fit_data){.missing = series->missing};
     LAC_FAIL_IF(series->dated && !c->dated, err, LAC_EINPUT,
@@ -64,19 +51,15 @@ lac_status lac_fit_data_read(const lac_case *c, const lac_series *series, lac_fi
     out->displacement = out->time + series->n + 1;
     out->log_rate = out->displacement + series->n + 1;
     out->sigma = out->log_rate + series->n + 1;
-    lac_status status = keep(c, series, out, err);
+    LAC_TRY_RETURN(keep(c, series, out, err));
     size_t readings = out->displacements + out->velocities;
     size_t least = c->fit.count + 3;
-    if (status == LAC_OK && readings < least) {
-        status = lac_fail(err, LAC_EINPUT,
-                          "%zu readings between time.start and time.end (%zu lie outside) are too "
-                          "few for %zu parameters: at least %zu",
-                          readings, out->outside, c->fit.count, least);
-    }
-    return status;
+    LAC_FAIL_IF(readings < least, err, LAC_EINPUT,
+                "%zu readings between time.start and time.end (%zu lie outside) are too few for "
+                "%zu parameters: at least %zu",
+                readings, out->outside, c->fit.count, least);
+    return LAC_OK;
 }
-
-// A fit from its start to its result: unknowns from the case, least squares, sampler, predictions.
 
 static bool begins(const char *key, const char *part)
 {
@@ -170,7 +153,7 @@ lac_status lac_fit_create(const lac_case *c, const lac_series *series, int threa
     if (fit->text == NULL) {
         LAC_TRY(lac_fail_memory(err));
     }
-    LAC_TRY(lac_fit_data_read(c, series, &fit->data, err));
+    LAC_TRY(read_data(c, series, &fit->data, err));
     sort_parameters(fit);
     LAC_TRY(create_models(fit, threads, err));
     LAC_TRY(set_parameters(fit, fit->model[0].base.c, err));
@@ -193,10 +176,9 @@ void lac_fit_free(lac_fit *fit)
         }
     }
     free(fit->model);
-    lac_fit_data_clear(&fit->data);
+    free(fit->data.time);
     lac_chain_free(fit->chain);
     free(fit->kept);
-    free(fit->draws);
     free(fit->text);
     free(fit);
 }
@@ -281,8 +263,6 @@ void lac_fit_apply(const lac_fit_result *result, lac_case *c)
         }
     }
 }
-
-// Whether a fit is to be relied on.
 
 // The unknown with the largest R-hat, and the parameter most correlated with it; itself if none is.
 static void find_worst(const lac_fit_result *r, size_t *worst, size_t *partner)

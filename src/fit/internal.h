@@ -6,6 +6,11 @@
 #include "fit/fit.h"
 #include "run/sensitivity.h"
 
+// Of derivatives, and of everything else: what a run's error moves the slip by is far below what is
+// read.
+#define LAC_FIT_TIGHT 1e-8
+#define LAC_FIT_LOOSE 1e-7
+
 // A copy of the case that can take other values, and the scene made of it.
 typedef struct lac_fit_variant {
     lac_case *c;
@@ -19,7 +24,7 @@ typedef struct lac_fit_model {
     lac_load_files *files;
     lac_fit_variant base;
     lac_fit_variant *nudged; // [2 parameters] a little less, a little more of each; NULL: not made
-    double rtol;             // of its runs
+    double rtol;             // of its runs: LAC_FIT_TIGHT or LAC_FIT_LOOSE
     double *scratch;         // [5 readings] of the likelihood
 } lac_fit_model;
 
@@ -39,15 +44,6 @@ typedef struct lac_fit_errors_at {
     double velocity;     // of ln v
     double time;         // over which errors of displacements are correlated [s]; 0: not
 } lac_fit_errors_at;
-
-// What the model says at the readings, and its derivatives by the coordinates.
-typedef struct lac_fit_seen {
-    double *slip, *log_rate;       // [n]
-    double *slip_by, *log_rate_by; // [n][parameters]; NULL: not wanted
-    double failure_by[LAC_MOST_FITTED];
-    bool failed;
-    double failure_time;
-} lac_fit_seen;
 
 // What the readings' errors come to.
 typedef struct lac_fit_misfit {
@@ -81,13 +77,7 @@ struct lac_fit {
     lac_fit_straight straight;
     lac_chain *chain;
     double *kept; // arrays of the result
-    double *draws;
 };
-
-// data.c
-lac_status lac_fit_data_read(const lac_case *c, const lac_series *series, lac_fit_data *out,
-                             lac_error *err);
-void lac_fit_data_clear(lac_fit_data *data);
 
 // model.c: a case with other values, run.
 lac_status lac_fit_model_create(const lac_fit *fit, lac_fit_model *model, lac_error *err);
@@ -104,12 +94,9 @@ lac_status lac_fit_model_run(lac_fit_model *model, const double *u, double end, 
 lac_status lac_fit_model_read(lac_fit_model *model, const double *u, double *slip, double *log_rate,
                               lac_error *err);
 
-// Whether its runs are as exact as derivatives need them, or as exact as readings do.
-void lac_fit_model_tighten(lac_fit_model *model, bool exact);
-
 // The readings with derivatives by every coordinate. @param by  [parameters] set: how
 // @return LAC_OK; LAC_ENUMERIC where the run fails before the last reading; as above
-lac_status lac_fit_model_differentiate(lac_fit_model *model, const double *u, lac_fit_seen *out,
+lac_status lac_fit_model_differentiate(lac_fit_model *model, const double *u, lac_sensitivity *out,
                                        int *by, lac_error *err);
 
 // The time of failure, to time.end, with derivatives; NaN by parameters that the run cannot be
@@ -137,13 +124,16 @@ lac_fit_misfit lac_fit_likelihood(const lac_fit *fit, const lac_fit_errors_at *e
 // Errors at the unknowns x.
 lac_fit_errors_at lac_fit_errors_of(const lac_fit *fit, const double *x);
 
-// errors.c: sets the unknown errors among the coordinates x to those for which residuals are
+// Sets the unknown errors among the coordinates x to those for which residuals are
 // likeliest.
 // @param r            [n] of displacements, before the offset
 // @param by_log_rate  [n] of ln v; NaN where not given
 // @param scratch      [2 n]
 void lac_fit_likeliest_errors(const lac_fit *fit, const double *r, const double *by_log_rate,
                               double *scratch, double *x);
+
+// Off the centre of a normal prior, in its widths; 0 where the prior is none.
+double lac_fit_prior_residual(const lac_fit_parameter *p, double u);
 
 // ln of the prior, up to a constant; -INFINITY outside the ranges.
 double lac_fit_log_prior(const lac_fit *fit, const double *x);
@@ -159,7 +149,7 @@ void lac_fit_draw_prior(const lac_fit *fit, uint64_t which, double *x);
 // judge.c: residuals and time of failure of the best fit.
 lac_status lac_fit_judge(lac_fit *fit, lac_fit_result *result, lac_error *err);
 
-// identify.c: correlations, principal axes and the shape of one block.
+// Correlations, principal axes and the shape of one block.
 lac_status lac_fit_identify(lac_fit *fit, lac_fit_result *result, lac_error *err);
 
 // line.c: the coordinates that walkers live in, z, all of them over the whole line.
@@ -177,6 +167,11 @@ lac_status lac_fit_sample(lac_fit *fit, const lac_fit_watch *watch, lac_fit_resu
 // predict.c
 lac_status lac_fit_predict(lac_fit *fit, const lac_fit_watch *watch, lac_fit_result *result,
                            lac_error *err);
+
+static inline bool lac_fit_bounded(const lac_fit *fit, size_t k)
+{
+    return isfinite(fit->high[k] - fit->low[k]);
+}
 
 // The value of a coordinate.
 static inline double lac_fit_value(bool log_scale, double u) { return log_scale ? exp(u) : u; }

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How good the best fit is.
+// How good the best fit is, and what the data tell of the parameters together: correlations,
+// principal axes, and the number that one block under the aging law shows.
+#include <gsl/gsl_eigen.h>
+#include <gsl/gsl_statistics_double.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -133,16 +136,13 @@ lac_status lac_fit_judge(lac_fit *fit, lac_fit_result *result, lac_error *err)
     double *log_rate = slip + data->n;
     lac_sensitivity seen = {.slip = slip, .log_rate = log_rate};
     // As exact as it was found: it may fail close behind the last reading.
-    lac_fit_model_tighten(&fit->model[0], true);
-    lac_status status = lac_fit_model_run(&fit->model[0], fit->best, data->time[data->n - 1],
-                                          data->n, data->time, &seen, err);
-    lac_fit_model_tighten(&fit->model[0], false);
-    if (status == LAC_OK && seen.reached < data->n) {
-        status = lac_fail(err, LAC_ENUMERIC, "the best fit fails before the last reading");
-    }
-    if (status != LAC_OK) {
-        return status;
-    }
+    fit->model[0].rtol = LAC_FIT_TIGHT;
+    const lac_status status = lac_fit_model_run(&fit->model[0], fit->best, data->time[data->n - 1],
+                                                data->n, data->time, &seen, err);
+    fit->model[0].rtol = LAC_FIT_LOOSE;
+    LAC_TRY_RETURN(status);
+    LAC_FAIL_IF(seen.reached < data->n, err, LAC_ENUMERIC,
+                "the best fit fails before the last reading");
     measure(fit, slip, log_rate, result);
     for (size_t k = 0; k < fit->unknowns; k++) {
         lac_fit_unknown *x = &result->unknown[k];
@@ -153,4 +153,111 @@ lac_status lac_fit_judge(lac_fit *fit, lac_fit_result *result, lac_error *err)
         x->error = parameter ? sqrt(fit->covariance[k][k]) : NAN;
     }
     return find_failure(fit, result, err);
+}
+
+// Covariance of the coordinates: of the draws, or of the least squares.
+static void find_covariance(const lac_fit *fit, double c[LAC_MOST_FITTED][LAC_MOST_FITTED])
+{
+    const lac_chain *chain = fit->chain;
+    for (size_t k = 0; k < fit->def->count; k++) {
+        for (size_t l = 0; l < fit->def->count; l++) {
+            c[k][l] = chain == NULL || chain->steps < 8
+                          ? fit->covariance[k][l]
+                          : gsl_stats_covariance(chain->x + k, chain->dimension, chain->x + l,
+                                                 chain->dimension, chain->walkers * chain->steps);
+        }
+    }
+}
+
+// An axis as powers, the largest 1: a change of the combination prod p^w.
+static void put_axis(const gsl_matrix *vectors, size_t column, double variance, size_t n,
+                     lac_fit_combination *axis)
+{
+    double largest = 0.0;
+    for (size_t k = 0; k < n; k++) {
+        double w = gsl_matrix_get(vectors, k, column);
+        largest = fabs(w) > fabs(largest) ? w : largest;
+    }
+    for (size_t k = 0; k < n; k++) {
+        axis->power[k] = gsl_matrix_get(vectors, k, column) / largest;
+    }
+    axis->sigma = sqrt(fmax(variance, 0.0)) / fabs(largest);
+}
+
+// Principal axes of the relative changes: of a coordinate that is no logarithm over its value.
+static lac_status find_axes(const lac_fit *fit, double c[LAC_MOST_FITTED][LAC_MOST_FITTED],
+                            lac_fit_result *result, lac_error *err)
+{
+    size_t n = fit->def->count;
+    double room[LAC_MOST_FITTED * (2 * LAC_MOST_FITTED + 1)];
+    gsl_matrix_view m = gsl_matrix_view_array(room, n, n);
+    gsl_matrix_view vectors = gsl_matrix_view_array(room + n * n, n, n);
+    gsl_vector_view values = gsl_vector_view_array(room + 2 * n * n, n);
+    gsl_eigen_symmv_workspace *w = gsl_eigen_symmv_alloc(n);
+    LAC_FAIL_MEMORY_IF(w == NULL, err);
+    for (size_t k = 0; k < n; k++) {
+        for (size_t l = 0; l < n; l++) {
+            double unit_k = result->unknown[k].log ? 1.0 : fabs(result->unknown[k].best);
+            double unit_l = result->unknown[l].log ? 1.0 : fabs(result->unknown[l].best);
+            gsl_matrix_set(&m.matrix, k, l, c[k][l] / (unit_k * unit_l));
+        }
+    }
+    (void)gsl_eigen_symmv(&m.matrix, &values.vector, &vectors.matrix, w);
+    (void)gsl_eigen_symmv_sort(&values.vector, &vectors.matrix, GSL_EIGEN_SORT_VAL_DESC);
+    for (size_t i = 0; i < n; i++) {
+        put_axis(&vectors.matrix, i, gsl_vector_get(&values.vector, i), n, &result->axis[i]);
+    }
+    gsl_eigen_symmv_free(w);
+    return LAC_OK;
+}
+
+// (m/dc)(1 - x^(m-1)) of the case at coordinates u.
+static double shape_at(const lac_fit *fit, const double *u)
+{
+    lac_fit_variant *v = &fit->model[0].base;
+    const lac_friction_params *law = v->c->friction.params;
+    lac_fit_put(fit->def, u, v->at);
+    double m = law->b / law->a;
+    return m / law->dc * (1.0 - pow(v->c->initial.state_value, m - 1.0));
+}
+
+static lac_status find_shape(const lac_fit *fit, lac_fit_result *result, lac_error *err)
+{
+    const lac_chain *chain = fit->chain;
+    result->one_block = lac_fit_is_one_block(fit->source);
+    if (!result->one_block) {
+        return LAC_OK;
+    }
+    if (chain == NULL || chain->steps < 8) {
+        result->shape.quantile[2] = shape_at(fit, fit->best);
+        return LAC_OK;
+    }
+    size_t n = chain->walkers * chain->steps;
+    double *shape = calloc(n, sizeof *shape);
+    LAC_FAIL_MEMORY_IF(shape == NULL, err);
+    for (size_t i = 0; i < n; i++) {
+        shape[i] = shape_at(fit, chain->x + i * chain->dimension);
+    }
+    double mean = gsl_stats_mean(shape, 1, n);
+    result->shape_sigma = gsl_stats_sd_m(shape, 1, n, mean) / fabs(mean);
+    lac_fit_quantiles(n, shape, result->shape.quantile);
+    free(shape);
+    return LAC_OK;
+}
+
+lac_status lac_fit_identify(lac_fit *fit, lac_fit_result *result, lac_error *err)
+{
+    double c[LAC_MOST_FITTED][LAC_MOST_FITTED];
+    size_t n = fit->def->count;
+    find_covariance(fit, c);
+    for (size_t k = 0; k < n; k++) {
+        for (size_t l = 0; l < n; l++) {
+            double product = c[k][k] * c[l][l];
+            result->correlation[k][l] = product > 0.0 ? c[k][l] / sqrt(product)
+                                        : k == l      ? 1.0
+                                                      : 0.0;
+        }
+    }
+    LAC_TRY_RETURN(find_axes(fit, c, result, err));
+    return find_shape(fit, result, err);
 }

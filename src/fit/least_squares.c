@@ -20,7 +20,7 @@ static const double nowhere = 1e8;
 typedef struct search {
     lac_fit *fit;
     lac_fit_errors_at errors;
-    lac_fit_seen seen;
+    lac_sensitivity seen;
     double *room;                 // what seen points into
     double *r, *by, *white, *one; // white and one lie side by side
     size_t rows;
@@ -29,28 +29,16 @@ typedef struct search {
     size_t done, total;
 } search;
 
-static void begin(search *s, const char *stage, size_t total)
-{
-    s->stage = stage;
-    s->done = 0;
-    s->total = total;
-}
-
-static bool bounded(const lac_fit *fit, size_t k)
-{
-    return isfinite(fit->low[k]) && isfinite(fit->high[k]);
-}
-
 static double from_line(const lac_fit *fit, size_t k, double z)
 {
     double width = fit->high[k] - fit->low[k];
-    return bounded(fit, k) ? fit->low[k] + width / (1.0 + exp(-z)) : z;
+    return lac_fit_bounded(fit, k) ? fit->low[k] + width / (1.0 + exp(-z)) : z;
 }
 
 static double to_line(const lac_fit *fit, size_t k, double u)
 {
     double width = fit->high[k] - fit->low[k];
-    if (!bounded(fit, k)) {
+    if (!lac_fit_bounded(fit, k)) {
         return u;
     }
     double share = fmin(fmax((u - fit->low[k]) / width, 1e-6), 1.0 - 1e-6);
@@ -61,7 +49,7 @@ static double to_line(const lac_fit *fit, size_t k, double u)
 static double slope_of(const lac_fit *fit, size_t k, double u)
 {
     double width = fit->high[k] - fit->low[k];
-    return bounded(fit, k) ? (u - fit->low[k]) * (fit->high[k] - u) / width : 1.0;
+    return lac_fit_bounded(fit, k) ? (u - fit->low[k]) * (fit->high[k] - u) / width : 1.0;
 }
 
 static void read_line(const lac_fit *fit, const gsl_vector *z, double *u)
@@ -108,12 +96,6 @@ static void put_column(const search *s, const double *displacement, const double
     }
 }
 
-static double prior_residual(const lac_fit_parameter *p, double u)
-{
-    return p->prior == LAC_PRIOR_NORMAL ? (u - (p->log ? log(p->centre) : p->centre)) / p->sigma
-                                        : 0.0;
-}
-
 static int residuals(const gsl_vector *z, void *context, gsl_vector *f)
 {
     search *s = context;
@@ -137,7 +119,7 @@ static int residuals(const gsl_vector *z, void *context, gsl_vector *f)
         log_rate[i] -= data->log_rate[i];
     }
     for (size_t k = 0; k < fit->def->count; k++) {
-        prior[k] = prior_residual(&fit->def->parameter[k], u[k]);
+        prior[k] = lac_fit_prior_residual(&fit->def->parameter[k], u[k]);
     }
     put_column(s, s->r, log_rate, prior, f);
     return GSL_SUCCESS;
@@ -199,12 +181,6 @@ static lac_status search_create(lac_fit *fit, const lac_fit_watch *watch, search
     return LAC_OK;
 }
 
-static void set_errors(search *s, const double *x)
-{
-    s->errors = lac_fit_errors_of(s->fit, x);
-    lac_fit_whiten_one(&s->fit->data, &s->errors, s->one);
-}
-
 // Unknown errors as the residuals of a run have them.
 static void estimate_errors(search *s, const double *slip, const double *log_rate, double *x)
 {
@@ -214,7 +190,8 @@ static void estimate_errors(search *s, const double *slip, const double *log_rat
         s->by[i] = data->log_rate[i] - log_rate[i];
     }
     lac_fit_likeliest_errors(s->fit, s->r, s->by, s->white, x);
-    set_errors(s, x);
+    s->errors = lac_fit_errors_of(s->fit, x);
+    lac_fit_whiten_one(data, &s->errors, s->one);
 }
 
 void lac_fit_draw_prior(const lac_fit *fit, uint64_t which, double *x)
@@ -264,22 +241,18 @@ static bool descend(search *s, double *x)
         .f = residuals, .df = jacobian, .n = s->rows, .p = count, .params = s};
     gsl_multifit_nlinear_workspace *w =
         gsl_multifit_nlinear_alloc(gsl_multifit_nlinear_trust, &how, s->rows, count);
-    gsl_vector *z = gsl_vector_alloc(count);
+    double place[LAC_MOST_FITTED];
     int info = 0;
-    if (w != NULL && z != NULL) {
+    if (w != NULL) {
         for (size_t k = 0; k < count; k++) {
-            gsl_vector_set(z, k, to_line(fit, k, x[k]));
+            place[k] = to_line(fit, k, x[k]);
         }
-        if (gsl_multifit_nlinear_init(z, &fdf, w) == GSL_SUCCESS) {
+        gsl_vector_const_view z = gsl_vector_const_view_array(place, count);
+        if (gsl_multifit_nlinear_init(&z.vector, &fdf, w) == GSL_SUCCESS) {
             (void)gsl_multifit_nlinear_driver(MOST_ITERATIONS, 1e-8, 1e-10, 0.0, NULL, NULL, &info,
                                               w);
             read_line(fit, gsl_multifit_nlinear_position(w), x);
         }
-    }
-    if (z != NULL) {
-        gsl_vector_free(z);
-    }
-    if (w != NULL) {
         gsl_multifit_nlinear_free(w);
     }
     return !lac_fit_interrupted(s->watch);
@@ -317,7 +290,8 @@ static size_t find_starts(search *s, double start[BEST_STARTS][LAC_FIT_UNKNOWNS]
     double value[BEST_STARTS];
     size_t kept = 0;
     *alive = 0;
-    begin(s, "starts tried", (size_t)fit->def->starts);
+    s->stage = "starts tried";
+    s->total = (size_t)fit->def->starts;
     for (int64_t i = 0; i < fit->def->starts && !lac_fit_interrupted(s->watch); i++, s->done++) {
         double x[LAC_FIT_UNKNOWNS];
         memcpy(x, fit->best, sizeof x);
@@ -365,34 +339,23 @@ static lac_status find_covariance(search *s, lac_error *err)
 {
     lac_fit *fit = s->fit;
     size_t count = fit->def->count;
-    lac_status status =
-        lac_fit_model_differentiate(&fit->model[0], fit->best, &s->seen, fit->by, err);
-    if (status != LAC_OK) {
-        return status;
-    }
+    double room[LAC_MOST_FITTED * (LAC_MOST_FITTED + 2)];
+    gsl_matrix_view v = gsl_matrix_view_array(room, count, count);
+    gsl_vector_view sigma = gsl_vector_view_array(room + count * count, count);
+    gsl_vector_view work = gsl_vector_view_array(room + count * (count + 1), count);
+    LAC_TRY_RETURN(lac_fit_model_differentiate(&fit->model[0], fit->best, &s->seen, fit->by, err));
     gsl_matrix *j = gsl_matrix_alloc(s->rows, count);
-    gsl_matrix *v = gsl_matrix_alloc(count, count);
-    gsl_vector *sigma = gsl_vector_alloc(count);
-    gsl_vector *work = gsl_vector_alloc(count);
-    if (j == NULL || v == NULL || sigma == NULL || work == NULL) {
-        status = lac_fail_memory(err);
-        goto out;
-    }
+    LAC_FAIL_MEMORY_IF(j == NULL, err);
     for (size_t k = 0; k < count; k++) {
         gsl_vector_view column = gsl_matrix_column(j, k);
         derivative(s, k, &column.vector);
     }
-    if (gsl_linalg_SV_decomp(j, v, sigma, work) != GSL_SUCCESS) {
-        status = lac_fail(err, LAC_ENUMERIC, "the least squares have no normal equations");
-        goto out;
-    }
-    invert(v, sigma, fit->covariance);
-out:
+    const int failed = gsl_linalg_SV_decomp(j, &v.matrix, &sigma.vector, &work.vector);
     gsl_matrix_free(j);
-    gsl_matrix_free(v);
-    gsl_vector_free(sigma);
-    gsl_vector_free(work);
-    return status;
+    LAC_FAIL_IF(failed != GSL_SUCCESS, err, LAC_ENUMERIC,
+                "the least squares have no normal equations");
+    invert(&v.matrix, &sigma.vector, fit->covariance);
+    return LAC_OK;
 }
 
 lac_status lac_fit_least_squares(lac_fit *fit, const lac_fit_watch *watch, lac_fit_result *result,
@@ -401,14 +364,14 @@ lac_status lac_fit_least_squares(lac_fit *fit, const lac_fit_watch *watch, lac_f
     search s;
     double start[BEST_STARTS][LAC_FIT_UNKNOWNS];
     double best = -INFINITY;
-    lac_status status = search_create(fit, watch, &s, err);
-    if (status != LAC_OK) {
-        return status;
-    }
+    lac_status status = LAC_OK;
+    LAC_TRY_RETURN(search_create(fit, watch, &s, err));
     size_t kept = find_starts(&s, start, &result->alive);
     result->tried = (size_t)fit->def->starts;
-    lac_fit_model_tighten(&fit->model[0], true);
-    begin(&s, "least-squares descents", kept);
+    fit->model[0].rtol = LAC_FIT_TIGHT;
+    s.stage = "least-squares descents";
+    s.total = kept;
+    s.done = 0;
     for (size_t i = 0; i < kept && !lac_fit_interrupted(watch); i++, s.done++) {
         double found = refine(&s, start[i]);
         if (found > best) {
@@ -428,7 +391,7 @@ lac_status lac_fit_least_squares(lac_fit *fit, const lac_fit_watch *watch, lac_f
         (void)rate_start(&s, fit->best);
         status = find_covariance(&s, err);
     }
-    lac_fit_model_tighten(&fit->model[0], false);
+    fit->model[0].rtol = LAC_FIT_LOOSE;
     free(s.room);
     return status;
 }

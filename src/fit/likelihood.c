@@ -18,6 +18,12 @@ lac_fit_errors_at lac_fit_errors_of(const lac_fit *fit, const double *x)
     };
 }
 
+double lac_fit_prior_residual(const lac_fit_parameter *p, double u)
+{
+    return p->prior == LAC_PRIOR_NORMAL ? (u - (p->log ? log(p->centre) : p->centre)) / p->sigma
+                                        : 0.0;
+}
+
 double lac_fit_log_prior(const lac_fit *fit, const double *x)
 {
     double sum = 0.0;
@@ -27,11 +33,8 @@ double lac_fit_log_prior(const lac_fit *fit, const double *x)
         }
     }
     for (size_t k = 0; k < fit->def->count; k++) {
-        const lac_fit_parameter *p = &fit->def->parameter[k];
-        if (p->prior == LAC_PRIOR_NORMAL) {
-            double z = (x[k] - (p->log ? log(p->centre) : p->centre)) / p->sigma;
-            sum -= 0.5 * z * z;
-        }
+        double z = lac_fit_prior_residual(&fit->def->parameter[k], x[k]);
+        sum -= 0.5 * z * z;
     }
     return sum;
 }

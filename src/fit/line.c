@@ -16,8 +16,6 @@
 
 #include "fit/internal.h"
 
-static bool bounded(const lac_fit *fit, size_t k) { return isfinite(fit->high[k] - fit->low[k]); }
-
 // A parameter's index among the unknowns; -1: it is none.
 static int index_of(const lac_fit *fit, const char *section, const char *name)
 {
@@ -96,7 +94,7 @@ double lac_fit_from_line(const lac_fit *fit, const double *z, double *u)
     double log_slope = 0.0;
     for (size_t k = 0; k < fit->unknowns; k++) {
         u[k] = z[k];
-        if (bounded(fit, k) && !(s->used && ((int)k == s->dc || (int)k == s->x))) {
+        if (lac_fit_bounded(fit, k) && !(s->used && ((int)k == s->dc || (int)k == s->x))) {
             double width = fit->high[k] - fit->low[k];
             double e = exp(-fabs(z[k]));
             double share = (z[k] > 0.0 ? 1.0 : e) / (1.0 + e);
@@ -112,7 +110,7 @@ void lac_fit_to_line(const lac_fit *fit, const double *u, double *z)
     const lac_fit_straight *s = &fit->straight;
     const lac_fit_parameter *p = fit->def->parameter;
     for (size_t k = 0; k < fit->unknowns; k++) {
-        z[k] = bounded(fit, k) ? log((u[k] - fit->low[k]) / (fit->high[k] - u[k])) : u[k];
+        z[k] = lac_fit_bounded(fit, k) ? log((u[k] - fit->low[k]) / (fit->high[k] - u[k])) : u[k];
     }
     if (s->used) {
         double more = excess(fit, u);

@@ -9,11 +9,6 @@
 
 enum { MOST_STEPS = 200000, MOST_BREAKS = 100000 };
 
-// Of derivatives, and of everything else: what a run's error moves the slip by is far below what is
-// read.
-static const double tight = 1e-8;
-static const double loose = 1e-7;
-
 // Half differences of a coordinate: between nudged problems, and between runs, whose own errors
 // are larger.
 static const double small = 1e-5;
@@ -44,16 +39,11 @@ static lac_status variant_create(const lac_fit *fit, lac_fit_variant *v, lac_err
 
 lac_status lac_fit_model_create(const lac_fit *fit, lac_fit_model *model, lac_error *err)
 {
-    *model = (lac_fit_model){.fit = fit, .rtol = loose};
+    *model = (lac_fit_model){.fit = fit, .rtol = LAC_FIT_LOOSE};
     model->scratch = malloc(5 * (fit->data.n + 1) * sizeof *model->scratch);
     LAC_FAIL_MEMORY_IF(model->scratch == NULL, err);
     lac_status status = lac_load_files_create(&model->files, err);
     return status == LAC_OK ? variant_create(fit, &model->base, err) : status;
-}
-
-void lac_fit_model_tighten(lac_fit_model *model, bool exact)
-{
-    model->rtol = exact ? tight : loose;
 }
 
 void lac_fit_model_clear(lac_fit_model *model)
@@ -100,27 +90,22 @@ static lac_status bring(lac_fit_model *model, lac_fit_variant *v, const double *
 static lac_sensitivity_def follow_of(const lac_fit_model *model, double end, size_t n,
                                      const double *time)
 {
-    return (lac_sensitivity_def){.problem = model->base.scene->problem,
-                                 .rtol = fmin(model->rtol, model->fit->source->run.rtol),
-                                 .end = end,
-                                 .failure_rate = model->fit->source->run.failure_rate,
-                                 .failure_slip = model->fit->source->run.failure_slip,
-                                 .max_steps = MOST_STEPS,
-                                 .n = n,
-                                 .time = time};
+    return (lac_sensitivity_def){
+        .problem = model->base.scene->problem,
+        .rtol = fmin(model->rtol, model->fit->source->run.rtol),
+        .end = end > 0.0 ? end : 1e-9, // a run of no length has nothing to integrate
+        .failure_rate = model->fit->source->run.failure_rate,
+        .failure_slip = model->fit->source->run.failure_slip,
+        .max_steps = MOST_STEPS,
+        .n = n,
+        .time = time};
 }
 
 lac_status lac_fit_model_run(lac_fit_model *model, const double *u, double end, size_t n,
                              const double *time, lac_sensitivity *out, lac_error *err)
 {
-    lac_status status = bring(model, &model->base, u, err);
-    if (status != LAC_OK) {
-        out->reached = 0;
-        out->failed = false;
-        return status;
-    }
-    // A run of no length has nothing to integrate.
-    lac_sensitivity_def def = follow_of(model, end > 0.0 ? end : 1e-9, n, time);
+    LAC_TRY_RETURN(bring(model, &model->base, u, err));
+    lac_sensitivity_def def = follow_of(model, end, n, time);
     return lac_sensitivity_run(&def, out, err);
 }
 
@@ -185,60 +170,69 @@ static bool comparable(const lac_fit_model *model, const lac_perturbation *pertu
            breaks_agree(base, perturbation->high, end);
 }
 
-// Which parameters the run can be differentiated by, with the problems for it.
+// Which parameters the run can be differentiated by, with the problems for these.
 static lac_status nudge_all(lac_fit_model *model, const double *u, double end,
                             lac_perturbation *perturbation, int *by, lac_error *err)
 {
     size_t count = model->fit->def->count;
     double moved[LAC_MOST_FITTED];
-    lac_status status = LAC_OK;
-    LAC_TRY(make_nudged(model, err));
+    LAC_TRY_RETURN(make_nudged(model, err));
     for (size_t k = 0; k < count; k++) {
         double step = small * unit_of(model->fit, k, u[k]);
         memcpy(moved, u, count * sizeof *moved);
         moved[k] = u[k] - step;
-        LAC_TRY(bring(model, &model->nudged[2 * k], moved, err));
+        LAC_TRY_RETURN(bring(model, &model->nudged[2 * k], moved, err));
         moved[k] = u[k] + step;
-        LAC_TRY(bring(model, &model->nudged[2 * k + 1], moved, err));
-        perturbation[k] = (lac_perturbation){.low = model->nudged[2 * k].scene->problem,
-                                             .high = model->nudged[2 * k + 1].scene->problem,
-                                             .step = step};
-        by[k] = comparable(model, &perturbation[k], end) ? LAC_BY_SENSITIVITY : LAC_BY_RUNS;
+        LAC_TRY_RETURN(bring(model, &model->nudged[2 * k + 1], moved, err));
+        *perturbation = (lac_perturbation){.low = model->nudged[2 * k].scene->problem,
+                                           .high = model->nudged[2 * k + 1].scene->problem,
+                                           .step = step};
+        by[k] = comparable(model, perturbation, end) ? LAC_BY_SENSITIVITY : LAC_BY_RUNS;
+        perturbation += by[k] == LAC_BY_SENSITIVITY ? 1 : 0;
     }
-out:
-    return status;
+    return LAC_OK;
+}
+
+// Puts the columns of the sensitivities where they belong among all; NaN in the others.
+static void spread_columns(size_t n, size_t count, const int *by, double *x)
+{
+    size_t from = 0;
+    for (size_t k = 0; k < count; k++) {
+        from += by[k] == LAC_BY_SENSITIVITY ? n : 0;
+    }
+    for (size_t at = n * count; at-- > 0;) {
+        x[at] = by[at % count] == LAC_BY_SENSITIVITY ? x[--from] : NAN;
+    }
+}
+
+// A run with the derivatives that it can be differentiated by. @param by  [parameters] set
+static lac_status follow(lac_fit_model *model, const double *u, double end, size_t n,
+                         lac_sensitivity *out, int *by, lac_error *err)
+{
+    lac_perturbation perturbation[LAC_MOST_FITTED];
+    size_t count = model->fit->def->count;
+    LAC_TRY_RETURN(bring(model, &model->base, u, err));
+    LAC_TRY_RETURN(nudge_all(model, u, end, perturbation, by, err));
+    lac_sensitivity_def def = follow_of(model, end, n, model->fit->data.time);
+    for (size_t k = 0; k < count; k++) {
+        def.perturbations += by[k] == LAC_BY_SENSITIVITY ? 1 : 0;
+    }
+    def.rtol = fmin(LAC_FIT_TIGHT, def.rtol);
+    def.perturbation = perturbation;
+    LAC_TRY_RETURN(lac_sensitivity_run(&def, out, err));
+    spread_columns(1, count, by, out->failure_by);
+    return LAC_OK;
 }
 
 lac_status lac_fit_model_failure(lac_fit_model *model, const double *u, lac_sensitivity *out,
                                  lac_error *err)
 {
-    lac_perturbation perturbation[LAC_MOST_FITTED];
     int by[LAC_MOST_FITTED];
-    size_t count = model->fit->def->count;
-    double end = model->fit->source->run.end;
-    size_t sensitive = 0;
-    lac_status status = LAC_OK;
-    LAC_TRY(bring(model, &model->base, u, err));
-    LAC_TRY(nudge_all(model, u, end, perturbation, by, err));
-    for (size_t k = 0; k < count; k++) {
-        if (by[k] == LAC_BY_SENSITIVITY) {
-            perturbation[sensitive++] = perturbation[k];
-        }
-    }
-    lac_sensitivity_def def = follow_of(model, end, 0, NULL);
-    def.rtol = fmin(tight, def.rtol);
-    def.perturbations = sensitive;
-    def.perturbation = perturbation;
-    LAC_TRY(lac_sensitivity_run(&def, out, err));
-    for (size_t k = count, from = sensitive; k-- > 0;) {
-        out->failure_by[k] = by[k] == LAC_BY_SENSITIVITY ? out->failure_by[--from] : NAN;
-    }
-out:
-    return status;
+    return follow(model, u, model->fit->source->run.end, 0, out, by, err);
 }
 
 // One column of the derivatives by two runs.
-static lac_status difference(lac_fit_model *model, const double *u, size_t k, lac_fit_seen *out,
+static lac_status difference(lac_fit_model *model, const double *u, size_t k, lac_sensitivity *out,
                              lac_error *err)
 {
     const lac_fit_data *data = &model->fit->data;
@@ -247,7 +241,7 @@ static lac_status difference(lac_fit_model *model, const double *u, size_t k, la
     double step = large * unit_of(model->fit, k, u[k]);
     lac_status status = LAC_OK;
     const double before = model->rtol;
-    model->rtol = tight;
+    model->rtol = LAC_FIT_TIGHT;
     double *slip = model->scratch, *log_rate = slip + data->n;
     for (int side = -1; side <= 1; side += 2) {
         memcpy(moved, u, count * sizeof *moved);
@@ -260,58 +254,27 @@ static lac_status difference(lac_fit_model *model, const double *u, size_t k, la
             out->log_rate_by[at] = (side < 0 ? 0.0 : out->log_rate_by[at]) + share * log_rate[i];
         }
     }
-    out->failure_by[k] = NAN;
 out:
     model->rtol = before;
     return status;
 }
 
-// Puts the columns of the sensitivities where they belong among all.
-static void spread_columns(size_t n, size_t count, size_t sensitive, const int *by, double *x)
-{
-    for (size_t row = n; row-- > 0;) {
-        size_t from = sensitive;
-        for (size_t k = count; k-- > 0;) {
-            bool has = by[k] == LAC_BY_SENSITIVITY;
-            x[row * count + k] = has ? x[row * sensitive + --from] : 0.0;
-        }
-    }
-}
-
-lac_status lac_fit_model_differentiate(lac_fit_model *model, const double *u, lac_fit_seen *out,
+lac_status lac_fit_model_differentiate(lac_fit_model *model, const double *u, lac_sensitivity *out,
                                        int *by, lac_error *err)
 {
     const lac_fit_data *data = &model->fit->data;
     size_t count = model->fit->def->count;
-    double end = data->time[data->n - 1];
-    lac_perturbation perturbation[LAC_MOST_FITTED];
-    size_t sensitive = 0;
-    lac_status status = LAC_OK;
-    lac_sensitivity seen = {.slip = out->slip,
-                            .log_rate = out->log_rate,
-                            .slip_by = out->slip_by,
-                            .log_rate_by = out->log_rate_by,
-                            .failure_by = out->failure_by};
-    LAC_TRY(bring(model, &model->base, u, err));
-    LAC_TRY(nudge_all(model, u, end, perturbation, by, err));
-    for (size_t k = 0; k < count; k++) {
-        if (by[k] == LAC_BY_SENSITIVITY) {
-            perturbation[sensitive++] = perturbation[k];
-        }
-    }
-    lac_sensitivity_def def = follow_of(model, end > 0.0 ? end : 1e-9, data->n, data->time);
-    def.rtol = fmin(tight, def.rtol);
-    def.perturbations = sensitive;
-    def.perturbation = perturbation;
-    LAC_TRY(lac_sensitivity_run(&def, &seen, err));
-    LAC_FAIL_IF(seen.reached < data->n, err, LAC_ENUMERIC, "fails before the last reading");
-    spread_columns(data->n, count, sensitive, by, out->slip_by);
-    spread_columns(data->n, count, sensitive, by, out->log_rate_by);
+    double failure_by[LAC_MOST_FITTED] = {0};
+    out->failure_by = failure_by;
+    LAC_TRY_RETURN(follow(model, u, data->time[data->n - 1], data->n, out, by, err));
+    out->failure_by = NULL;
+    LAC_FAIL_IF(out->reached < data->n, err, LAC_ENUMERIC, "fails before the last reading");
+    spread_columns(data->n, count, by, out->slip_by);
+    spread_columns(data->n, count, by, out->log_rate_by);
     for (size_t k = 0; k < count; k++) {
         if (by[k] == LAC_BY_RUNS) {
-            LAC_TRY(difference(model, u, k, out, err));
+            LAC_TRY_RETURN(difference(model, u, k, out, err));
         }
     }
-out:
-    return status;
+    return LAC_OK;
 }

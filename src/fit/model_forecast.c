@@ -3,7 +3,6 @@
 #include "fit/model_forecast.h"
 
 #include <math.h>
-#include <string.h>
 
 static const double far_from_converged = 1.2; // R-hat
 static const double most_fail = 0.95;

@@ -4,7 +4,6 @@
 #include <math.h>
 #include <omp.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "fit/internal.h"
 
@@ -18,6 +17,7 @@ typedef struct prediction {
     double *displacement; // [draws][TIMES]; INFINITY beyond the failure
     double *rate;         // [draws][TIMES]
     double *failure;      // [draws]; NaN: not by time.end
+    double *column;       // [draws] work
     double *room;         // [threads][2 readings + 2 TIMES]
 } prediction;
 
@@ -68,17 +68,17 @@ static lac_status allocate(prediction *p, lac_error *err)
 {
     lac_fit *fit = p->fit;
     size_t n = fit->data.n;
-    size_t kept = TIMES * (2 + 2 * LAC_FIT_QUANTILES) + 3 * n;
-    fit->kept = calloc(kept, sizeof *fit->kept);
-    fit->draws = calloc(p->draws + 1, sizeof *fit->draws);
-    p->displacement = malloc((p->draws + 1) * TIMES * sizeof *p->displacement);
-    p->rate = malloc((p->draws + 1) * TIMES * sizeof *p->rate);
-    p->room = malloc((size_t)fit->threads * (2 * n + 2 * TIMES) * sizeof *p->room);
-    LAC_FAIL_MEMORY_IF(fit->kept == NULL || fit->draws == NULL || p->displacement == NULL ||
-                           p->rate == NULL || p->room == NULL,
-                       err);
+    size_t kept = TIMES * (2 + 2 * LAC_FIT_QUANTILES) + n;
+    size_t whole = (p->draws + 1) * TIMES;
+    fit->kept = calloc(kept + p->draws, sizeof *fit->kept);
+    p->displacement = malloc((2 * whole + p->draws + (size_t)fit->threads * (2 * n + 2 * TIMES)) *
+                             sizeof(double));
+    LAC_FAIL_MEMORY_IF(fit->kept == NULL || p->displacement == NULL, err);
+    p->rate = p->displacement + whole;
+    p->column = p->rate + whole;
+    p->room = p->column + p->draws;
     p->time = fit->kept;
-    p->failure = fit->draws;
+    p->failure = fit->kept + kept;
     return LAC_OK;
 }
 
@@ -105,70 +105,57 @@ static void run_draws(prediction *p, const lac_fit_watch *watch)
 }
 
 // Quantiles of the failure times, INFINITY for draws that do not fail.
-static lac_status sum_failures(const prediction *p, lac_fit_result *result, lac_error *err)
+static void sum_failures(const prediction *p, lac_fit_result *result)
 {
     size_t failing = 0;
-    double *t = malloc(p->draws * sizeof *t);
-    LAC_FAIL_MEMORY_IF(t == NULL, err);
     for (size_t i = 0; i < p->draws; i++) {
         bool fails = !isnan(p->failure[i]);
         failing += fails ? 1 : 0;
-        t[i] = fails ? p->failure[i] : INFINITY;
+        p->column[i] = fails ? p->failure[i] : INFINITY;
     }
-    lac_fit_quantiles(p->draws, t, result->failures.quantile);
+    lac_fit_quantiles(p->draws, p->column, result->failures.quantile);
     result->failing = (double)failing / (double)p->draws;
-    free(t);
-    return LAC_OK;
 }
 
 // Quantiles over the draws at every time. @param out  [LAC_FIT_QUANTILES][TIMES]
-static lac_status sum_series(const prediction *p, const double *of, double *out, lac_error *err)
+static void sum_series(const prediction *p, const double *of, double *out)
 {
     double quantile[LAC_FIT_QUANTILES];
-    double *column = malloc(p->draws * sizeof *column);
-    LAC_FAIL_MEMORY_IF(column == NULL, err);
     for (size_t i = 0; i < TIMES; i++) {
         for (size_t k = 0; k < p->draws; k++) {
-            column[k] = of[k * TIMES + i];
+            p->column[k] = of[k * TIMES + i];
         }
-        lac_fit_quantiles(p->draws, column, quantile);
+        lac_fit_quantiles(p->draws, p->column, quantile);
         for (size_t q = 0; q < LAC_FIT_QUANTILES; q++) {
             out[q * TIMES + i] = quantile[q];
         }
     }
-    free(column);
-    return LAC_OK;
 }
 
 static void keep_readings(const lac_fit *fit, double *to, lac_fit_result *result)
 {
     const lac_fit_data *data = &fit->data;
     size_t n = data->n;
-    memcpy(to, data->time, n * sizeof *to);
-    memcpy(to + n, data->displacement, n * sizeof *to);
     for (size_t i = 0; i < n; i++) {
-        to[2 * n + i] = exp(data->log_rate[i]);
+        to[i] = exp(data->log_rate[i]);
     }
     result->readings = n;
-    result->reading_time = to;
-    result->observed = to + n;
-    result->observed_rate = to + 2 * n;
+    result->reading_time = data->time;
+    result->observed = data->displacement;
+    result->observed_rate = to;
 }
 
-static lac_status sum_up(const prediction *p, lac_fit_result *result, lac_error *err)
+static void sum_up(const prediction *p, lac_fit_result *result)
 {
     double *displacement = p->time + 2 * TIMES;
     double *rate = displacement + LAC_FIT_QUANTILES * TIMES;
-    lac_status status = LAC_OK;
-    LAC_TRY(sum_failures(p, result, err));
-    LAC_TRY(sum_series(p, p->displacement, displacement, err));
-    LAC_TRY(sum_series(p, p->rate, rate, err));
+    sum_failures(p, result);
+    sum_series(p, p->displacement, displacement);
+    sum_series(p, p->rate, rate);
     result->displacement = displacement;
     result->rate = rate;
     result->draws = p->draws;
     result->draw_failure = p->failure;
-out:
-    return status;
 }
 
 lac_status lac_fit_predict(lac_fit *fit, const lac_fit_watch *watch, lac_fit_result *result,
@@ -193,11 +180,9 @@ lac_status lac_fit_predict(lac_fit *fit, const lac_fit_watch *watch, lac_fit_res
     keep_readings(fit, p.time + TIMES * (2 + 2 * LAC_FIT_QUANTILES), result);
     if (p.draws > 0) {
         run_draws(&p, watch);
-        LAC_TRY(sum_up(&p, result, err));
+        sum_up(&p, result);
     }
 out:
     free(p.displacement);
-    free(p.rate);
-    free(p.room);
     return status;
 }

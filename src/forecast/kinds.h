@@ -13,22 +13,6 @@ extern const lac_forecast_kind lac_forecast_inv8, lac_forecast_inv, lac_forecast
 size_t lac_forecast_count(const lac_forecast_def *def);
 const lac_forecast_kind *lac_forecast_kind_of(const lac_forecast_def *def, size_t index);
 
-/// What stands before any method: whether the slope moves, beyond its noise, and accelerates.
-/// @param start         where the acceleration begins, or def->since, which asks for none [s]; set
-///                      where there is a window
-/// @param accelerating  whether it does, and nothing else keeps the methods from being asked
-/// @param reason        [LAC_FORECAST_TEXT] why no method is asked; "": all are
-void lac_window_gate(const lac_forecast_def *def, const lac_motion *motion, double *start,
-                     bool *accelerating, char *reason);
-
-/// The motion since `start`, thinned to LAC_WINDOW_READINGS displacements by means of consecutive
-/// ones, the first and the last apart.
-lac_status lac_window_create(const lac_motion *motion, double start, lac_window **out,
-                             lac_error *err);
-void lac_window_free(lac_window *window);
-
-enum { LAC_WINDOW_READINGS = 200 };
-
 enum { LAC_SHAPES_MAX = 3 };
 
 /// A curve d = sum of c_j column_j(t; p) fitted to the displacements of a window. The c_j follow

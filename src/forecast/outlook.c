@@ -1,13 +1,293 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// All methods asked at the last reading, and which of their answers are good enough as forecasts.
+// What keeps methods from being asked, the readings that they are fitted to, all methods asked at
+// the last reading, and which of their answers are good enough as forecasts.
+#include <float.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/statistics.h"
 #include "forecast/kinds.h"
 
-enum { LONGEST_RUN = 1000, INTEGRABLE = 20 };
-static const double vaguest = 1.5; // standard error of ln remaining that still is a forecast
+enum { BRIDGED = 3, LAST_INTERVALS = 3, LINE = 3, LONGEST_RUN = 1000, INTEGRABLE = 20 };
+enum { WINDOW_READINGS = 200 };
+static const double above_noise = 3.0; // errors of the last displacement
+static const double beyond = 1e150;    // what is not computed with, nor its inverse
+static const double vaguest = 1.5;     // standard error of ln remaining that still is a forecast
+
+static double mean_velocity(const lac_motion *m, size_t last, size_t count)
+{
+    double sum = 0.0;
+    for (size_t i = last + 1 - count; i <= last; i++) {
+        sum += m->velocity[i];
+    }
+    return sum / (double)count;
+}
+
+// By more than the last digits of the numbers could.
+static bool accelerates(const lac_forecast_def *def, const lac_motion *m, size_t at)
+{
+    double squares = 0.0;
+    for (size_t i = 0; i < def->long_run; i++) {
+        const double part =
+            (i < def->short_run ? 1.0 / (double)def->short_run : 0.0) - 1.0 / (double)def->long_run;
+        const double rounding = part * m->rounding[at - i];
+        squares += rounding * rounding;
+    }
+    return mean_velocity(m, at, def->short_run) - mean_velocity(m, at, def->long_run) >
+           sqrt(squares);
+}
+
+// The first velocity of the long mean that the short one rose above, and stayed but for
+// interruptions shorter than BRIDGED.
+static size_t find_onset(const lac_forecast_def *def, const lac_motion *m)
+{
+    size_t onset = m->velocities - 1;
+    size_t below = 0;
+    for (size_t i = m->velocities; i-- > def->long_run - 1 && below < BRIDGED;) {
+        bool above = accelerates(def, m, i);
+        below = above ? 0 : below + 1;
+        onset = above ? i : onset;
+    }
+    return onset + 1 - def->long_run;
+}
+
+// Of the noise gate: the last three, or those that the last velocity is smoothed over where more.
+static size_t last_intervals(const lac_forecast_def *def, const lac_motion *m)
+{
+    const lac_motion_def *how = &def->motion;
+    size_t n = how->smoothing == LAC_SMOOTH_AVERAGE  ? how->points
+               : how->smoothing == LAC_SMOOTH_SAVGOL ? how->points - 1
+                                                     : 0;
+    while (how->smoothing == LAC_SMOOTH_WINDOW && n + 1 < m->n &&
+           m->time[m->n - 2 - n] >= m->time[m->n - 1] - how->window) {
+        n++;
+    }
+    return n > LAST_INTERVALS ? n : LAST_INTERVALS;
+}
+
+// Whether the last intervals moved the slope by more than the noise of two readings.
+static bool is_lost_in_noise(const lac_motion *m, size_t intervals)
+{
+    if (!(m->noise > 0.0) || m->n <= intervals) {
+        return false;
+    }
+    const double moved = m->displacement[m->n - 1] - m->displacement[m->n - 1 - intervals];
+    return !(moved > above_noise * sqrt(2.0) * m->noise);
+}
+
+static double largest(size_t n, const double *value, double from)
+{
+    double most = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        most = fmax(most, fabs(value[i] - from));
+    }
+    return most;
+}
+
+// Whether squares of what the methods fit, or of its inverse, are beyond all numbers.
+static bool is_out_of_range(const lac_motion *m)
+{
+    const double v = largest(m->velocities, m->velocity, 0.0);
+    const double d = m->n > 0 ? largest(m->n, m->displacement, m->displacement[0]) : 0.0;
+    return !(v <= beyond && d <= beyond) || (v > 0.0 && v < 1.0 / beyond) ||
+           (d > 0.0 && d < 1.0 / beyond);
+}
+
+// The gate that --since replaces: an onset of acceleration.
+static bool has_onset(const lac_forecast_def *def, const lac_motion *m, char *reason)
+{
+    const size_t last = m->velocities - 1;
+    if (m->velocities < def->long_run) {
+        (void)snprintf(reason, LAC_FORECAST_TEXT, "too few readings: %zu velocities, at least %zu",
+                       m->velocities, def->long_run);
+    } else if (!accelerates(def, m, last)) {
+        (void)snprintf(reason, LAC_FORECAST_TEXT,
+                       "no acceleration: the mean of %zu velocities, %.3g m/s, is not above that "
+                       "of %zu, %.3g m/s%s",
+                       def->short_run, mean_velocity(m, last, def->short_run), def->long_run,
+                       mean_velocity(m, last, def->long_run),
+                       mean_velocity(m, last, def->short_run) >
+                               mean_velocity(m, last, def->long_run)
+                           ? ", by more than the last digits"
+                           : "");
+    }
+    return reason[0] == '\0';
+}
+
+static size_t first_at(size_t n, const double *time, double start)
+{
+    size_t i = 0;
+    while (i < n && time[i] < start) {
+        i++;
+    }
+    return i;
+}
+
+// Off the least-squares line of x over t, or off the mean of x where it must be level.
+static double rms_off_line(size_t n, const double *t, const double *x, bool level, double *slope)
+{
+    lac_line line = {0};
+    for (size_t i = 0; i < n; i++) {
+        lac_line_add(&line, level ? 0.0 : t[i], x[i]);
+    }
+    *slope = level ? 0.0 : lac_line_slope(&line);
+    return sqrt(line.rest / line.n);
+}
+
+// The gate that takes the onset's place with --since: more than a line, rounded to the last digit.
+static bool is_curved(const lac_motion *m, double since, char *reason)
+{
+    const size_t size = m->integrated ? m->velocities : m->n;
+    const double *time = m->integrated ? m->velocity_time : m->time;
+    const size_t first = first_at(size, time, since);
+    const size_t n = size - first;
+    double slope = 0.0;
+    if (n < LINE) {
+        (void)snprintf(reason, LAC_FORECAST_TEXT,
+                       "too few readings: %zu since --since, at least %d", n, (int)LINE);
+        return false;
+    }
+    const double off =
+        rms_off_line(n, time + first, (m->integrated ? m->velocity : m->displacement) + first,
+                     m->integrated, &slope);
+    const double digit = m->integrated ? m->rounding[size - 1] : m->resolution;
+    if (off <= 0.5 * digit + 2.0 * DBL_EPSILON * fabs(slope * time[size - 1])) {
+        (void)snprintf(reason, LAC_FORECAST_TEXT,
+                       "no acceleration: the %zu readings since --since are those of a steady "
+                       "motion, but for the last digits",
+                       n);
+    }
+    return reason[0] == '\0';
+}
+
+// The reading that the onset's first interval begins with.
+static double start_of(const lac_forecast_def *def, const lac_motion *m)
+{
+    const double onset = m->velocity_time[find_onset(def, m)];
+    double start = onset;
+    for (size_t i = 0; i < m->n && m->time[i] <= onset; i++) {
+        start = m->time[i];
+    }
+    return start;
+}
+
+// What stands before any method: whether the slope moves, beyond its noise, and accelerates.
+// @param reason  [LAC_FORECAST_TEXT] why no method is asked; "": all are
+static void pass_gates(const lac_forecast_def *def, lac_forecast_set *o, char *reason)
+{
+    const lac_motion *m = o->motion;
+    char no_onset[LAC_FORECAST_TEXT] = "";
+    const size_t intervals = last_intervals(def, m);
+    const bool onset = has_onset(def, m, no_onset);
+    reason[0] = '\0';
+    o->window_start = def->since;
+    if (m->disbelieved > 0) {
+        (void)snprintf(reason, LAC_FORECAST_TEXT,
+                       "falls and rises: %zu of %zu readings would be resets of the sensor, too "
+                       "many to believe: --raw takes the readings as they are",
+                       m->disbelieved, m->n);
+    } else if (is_out_of_range(m)) {
+        (void)snprintf(reason, LAC_FORECAST_TEXT,
+                       "out of range: velocities or displacements come above %.0e m/s or m, or all "
+                       "stay below %.0e",
+                       beyond, 1.0 / beyond);
+    } else if (!onset && (isnan(def->since) || m->velocities == 0)) {
+        (void)snprintf(reason, LAC_FORECAST_TEXT, "%s", no_onset);
+    } else if (!onset && !is_curved(m, def->since, reason)) {
+        // it says why
+    } else if (is_lost_in_noise(m, intervals)) {
+        (void)snprintf(reason, LAC_FORECAST_TEXT,
+                       "noise floor: the last %zu intervals moved it by no more than %.0f times "
+                       "the error, %.3g m",
+                       intervals, above_noise, sqrt(2.0) * m->noise);
+    } else if (isnan(def->since)) {
+        o->window_start = start_of(def, m);
+    }
+    o->asked = reason[0] == '\0';
+    o->accelerating = onset && o->asked;
+}
+
+// How many groups n readings make, and where group g begins: the first and the last are alone.
+static size_t group_start(size_t n, size_t groups, size_t g)
+{
+    if (g == 0 || g >= groups) {
+        return g == 0 ? 0 : n;
+    }
+    return 1 + (size_t)((double)(n - 2) * ((double)(g - 1) / (double)(groups - 2)) + 0.5);
+}
+
+static void take_group(const lac_motion *m, size_t first, size_t last, lac_window *w)
+{
+    const double count = (double)(last - first);
+    const size_t k = w->n++;
+    w->time[k] = 0.0;
+    w->displacement[k] = 0.0;
+    w->weight[k] = 0.0;
+    for (size_t i = first; i < last; i++) {
+        const double sigma = m->sigma[i] > 0.0 ? m->sigma[i] : m->noise;
+        w->time[k] += (m->time[i] - w->now) / count;
+        w->displacement[k] += m->displacement[i] / count;
+        w->weight[k] += (sigma > 0.0 ? 1.0 / sigma : 1.0) / sqrt(count);
+    }
+}
+
+// Displacements count from the first; weights have a mean of 1, so that residuals stay metres.
+static void normalise(lac_window *w)
+{
+    double mean = 0.0;
+    const size_t n = w->n;
+    for (size_t i = n; i-- > 0;) {
+        w->displacement[i] -= w->displacement[0];
+        mean += w->weight[i] / (double)n;
+    }
+    for (size_t i = 0; i < n; i++) {
+        w->weight[i] /= mean;
+    }
+}
+
+static void fill(const lac_motion *m, double start, lac_window *w)
+{
+    const size_t first = first_at(m->n, m->time, start);
+    const size_t n = m->n - first;
+    const size_t groups = n > WINDOW_READINGS ? WINDOW_READINGS : n;
+    for (size_t g = 0; g < groups; g++) {
+        const bool all = groups == n;
+        take_group(m, first + (all ? g : group_start(n, groups, g)),
+                   first + (all ? g + 1 : group_start(n, groups, g + 1)), w);
+    }
+    if (n > 0) {
+        normalise(w);
+    }
+    for (size_t i = first_at(m->velocities, m->velocity_time, start); i < m->velocities; i++) {
+        w->velocity_time[w->velocities] = m->velocity_time[i] - w->now;
+        w->velocity[w->velocities++] = m->velocity[i];
+    }
+}
+
+// The motion since `start`, thinned to WINDOW_READINGS displacements by means of consecutive ones,
+// the first and the last apart.
+static lac_status create_window(const lac_motion *m, double start, lac_window **out, lac_error *err)
+{
+    lac_window *w =
+        calloc(1, sizeof *w + (3 * (WINDOW_READINGS + 1) + 2 * m->velocities) * sizeof *w->time);
+    *out = w;
+    LAC_FAIL_MEMORY_IF(w == NULL, err);
+    *w = (lac_window){.start = start,
+                      .noise = m->noise,
+                      .resolution = m->resolution,
+                      .integrated = m->integrated,
+                      .time = (double *)(w + 1)};
+    w->now = fmax(m->n > 0 ? m->time[m->n - 1] : -INFINITY,
+                  m->velocities > 0 ? m->velocity_time[m->velocities - 1] : -INFINITY);
+    w->displacement = w->time + WINDOW_READINGS + 1;
+    w->weight = w->displacement + WINDOW_READINGS + 1;
+    w->velocity_time = w->weight + WINDOW_READINGS + 1;
+    w->velocity = w->velocity_time + m->velocities;
+    fill(m, start, w);
+    return LAC_OK;
+}
 
 lac_forecast_def lac_forecast_default(void)
 {
@@ -104,10 +384,9 @@ static lac_status forecast(lac_forecast_set *o, const lac_forecast_def *def, lac
     char reason[LAC_FORECAST_TEXT] = "";
     lac_window *w = NULL;
     lac_status status = LAC_OK;
-    lac_window_gate(def, o->motion, &o->window_start, &o->accelerating, reason);
-    o->asked = reason[0] == '\0';
+    pass_gates(def, o, reason);
     if (o->asked) {
-        LAC_TRY(lac_window_create(o->motion, o->window_start, &w, err));
+        LAC_TRY(create_window(o->motion, o->window_start, &w, err));
     }
     for (size_t k = 0; k < o->count; k++) {
         lac_forecast *f = &o->forecast[k];
@@ -126,7 +405,7 @@ static lac_status forecast(lac_forecast_set *o, const lac_forecast_def *def, lac
         }
     }
 out:
-    lac_window_free(w);
+    free(w);
     return status;
 }
 

@@ -3,6 +3,7 @@
 // linear parameters follow from them; and the posterior of its time of failure, where every shape
 // counts by its weight.
 #include <gsl/gsl_multifit_nlinear.h>
+#include <gsl/gsl_statistics_double.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -27,19 +28,7 @@ static double rounding_of(const lac_window *window)
     return window->resolution * window->resolution / 12.0;
 }
 
-static lac_status allocate(lac_projection *self, lac_error *err)
-{
-    const size_t n = self->window->n;
-    self->column = malloc(self->columns * n * sizeof *self->column);
-    self->residual = malloc(n * sizeof *self->residual);
-    return self->column != NULL && self->residual != NULL ? LAC_OK : lac_fail_memory(err);
-}
-
-void lac_projection_clear(lac_projection *self)
-{
-    free(self->column);
-    free(self->residual);
-}
+void lac_projection_clear(lac_projection *self) { free(self->column); }
 
 double lac_projection_eval(lac_projection *self, const double *p)
 {
@@ -138,12 +127,8 @@ static void judge(lac_projection *self, const gsl_multifit_nlinear_workspace *wo
     const double sum = lac_projection_eval(self, p);
     const double free = fmax(1.0, (double)w->n - (double)(self->shapes + self->columns));
     const double r = alike(self);
-    double low = w->displacement[0];
-    double high = low;
-    for (size_t i = 0; i < w->n; i++) {
-        low = fmin(low, w->displacement[i]);
-        high = fmax(high, w->displacement[i]);
-    }
+    double low, high;
+    gsl_stats_minmax(&low, &high, w->displacement, 1, w->n);
     (void)gsl_multifit_nlinear_covar(gsl_multifit_nlinear_jac(work), at_an_end, covariance);
     self->effective = (double)w->n * (1.0 - r) / (1.0 + r);
     const double variance = fmax(sum / free, rounding_of(w)) * (1.0 + r) / (1.0 - r);
@@ -166,12 +151,8 @@ static void judge(lac_projection *self, const gsl_multifit_nlinear_workspace *wo
 
 static double cost(const gsl_multifit_nlinear_workspace *work)
 {
-    double sum = 0.0;
     const gsl_vector *f = gsl_multifit_nlinear_residual(work);
-    for (size_t i = 0; i < f->size; i++) {
-        sum += gsl_vector_get(f, i) * gsl_vector_get(f, i);
-    }
-    return sum;
+    return lac_dot(f->size, f->data, f->data);
 }
 
 // From one start; the workspace is at the minimum afterwards.
@@ -227,7 +208,9 @@ lac_status lac_projection_fit(lac_projection *self, double *p, lac_forecast_fit 
 {
     const lac_window *w = self->window;
     places best = {0};
-    LAC_TRY_RETURN(allocate(self, err));
+    self->column = malloc((self->columns + 1) * w->n * sizeof *self->column);
+    LAC_FAIL_MEMORY_IF(self->column == NULL, err);
+    self->residual = self->column + self->columns * w->n;
     look_around(self, &best);
     if (self->width != NULL) {
         const double free = (double)w->n - (double)(self->shapes + self->columns);

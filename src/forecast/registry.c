@@ -5,7 +5,6 @@
 #include <stdio.h>
 
 #include "base/rows.h"
-#include "forecast/forecast.h"
 #include "forecast/kinds.h"
 
 static const lac_forecast_kind *const kinds[] = {
@@ -30,8 +29,6 @@ const lac_forecast_kind *lac_forecast_kind_of(const lac_forecast_def *def, size_
     }
     return index == KINDS - 1 ? def->model->kind : lac_forecast_kind_get(KINDS - 1);
 }
-
-// What a method says of its fit: numbers, how well they fit, or why there is no forecast.
 
 lac_status lac_forecast_fit_refuse(lac_forecast_fit *fit, const char *format, ...)
 {
@@ -61,7 +58,6 @@ void lac_forecast_fit_add_within(lac_forecast_fit *fit, const char *key, double 
 
 // The row of the method whose fit is lac_model_forecast_method's: it stands here for whoever lists
 // the methods.
-
 const lac_forecast_kind lac_forecast_case = {
     .info = LAC_ABOUT("case", "the slope's own model, fitted and run on (--case)",
                       "Borri-Brunetto, Carpinteri & Chiaia (2004), Rock Mech. Rock Eng. 37, 117; "
@@ -77,7 +73,6 @@ const lac_forecast_kind lac_forecast_case = {
 
 // The baseline that any method must beat: what has lasted t lasts a further r with the chance
 // t/(t + r), which knows nothing of the motion.
-
 static lac_status fit_nothing(const lac_window *w, lac_forecast_fit *fit, lac_error *err)
 {
     (void)err;
@@ -102,9 +97,7 @@ const lac_forecast_kind lac_forecast_persistence = {
     .fit = fit_nothing,
 };
 
-// What keeps a forecast from being issued, in the order in which it is asked: window.c and
-// set of forecasts.c.
-
+// What keeps a forecast from being issued, in the order in which it is asked (outlook.c).
 static const lac_forecast_gate gates[] = {
     {"resets", "of any method: more than one reading in twenty would be a reset of the sensor "
                "(--raw takes them as they are)"},

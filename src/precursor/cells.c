@@ -13,27 +13,17 @@ enum { BEFORE_LEVELS = 4 };
     {                                                                \
         "level_" #k, "1", "slipping part of the blocks of level " #k \
     }
+#define LEVELS                                                                                \
+    LEVEL(1), LEVEL(2), LEVEL(3), LEVEL(4), LEVEL(5), LEVEL(6), LEVEL(7), LEVEL(8), LEVEL(9), \
+        LEVEL(10), LEVEL(11), LEVEL(12), LEVEL(13), LEVEL(14), LEVEL(15)
+
 static const lac_precursor_value numbers[] = {
     {"slip_fraction", "1", "slipping part of the cells"},
     {"critical_fraction", "1", "fixed point of the cascade"},
     {"distance", "1", "fixed point less the slipping part of the cells"},
     {"rise_p", "1", "chance of as much in the last twentieth of the time, if time did not matter"},
     {"level_0", "1", "slipping part of the blocks of level 0, the cells"},
-    LEVEL(1),
-    LEVEL(2),
-    LEVEL(3),
-    LEVEL(4),
-    LEVEL(5),
-    LEVEL(6),
-    LEVEL(7),
-    LEVEL(8),
-    LEVEL(9),
-    LEVEL(10),
-    LEVEL(11),
-    LEVEL(12),
-    LEVEL(13),
-    LEVEL(14),
-    LEVEL(15),
+    LEVELS,
 };
 static const size_t named = sizeof numbers / sizeof *numbers - BEFORE_LEVELS;
 
@@ -45,10 +35,9 @@ static void add_rise(const lac_slip_history *s, const double *values, lac_foreca
     }
 }
 
-static lac_status look(const lac_precursor_inputs *observation, lac_forecast_fit *found,
-                       lac_error *err)
+static lac_status look(const lac_precursor_inputs *in, lac_forecast_fit *found, lac_error *err)
 {
-    const lac_slip_history *s = observation->slip;
+    const lac_slip_history *s = in->slip;
     if (s->n == 0) {
         return lac_forecast_fit_refuse(found, "no record holds slipping blocks");
     }
@@ -109,17 +98,17 @@ static lac_line fit_growth(const lac_slip_history *s, double tc)
     return line;
 }
 
-static lac_status look_at_length(const lac_precursor_inputs *observation, lac_forecast_fit *found,
+static lac_status look_at_length(const lac_precursor_inputs *in, lac_forecast_fit *found,
                                  lac_error *err)
 {
-    const lac_slip_history *s = observation->slip;
+    const lac_slip_history *s = in->slip;
     (void)err;
     if (s->n == 0) {
         return lac_forecast_fit_refuse(found, "no record holds slipping blocks");
     }
     lac_forecast_fit_add(found, "length_m", s->length[s->n - 1]);
     add_rise(s, s->length, found);
-    const lac_line growth = fit_growth(s, observation->tc);
+    const lac_line growth = fit_growth(s, in->tc);
     found->points = (size_t)growth.n;
     if (found->points >= FEW && isfinite(lac_line_slope(&growth))) {
         lac_forecast_fit_add(found, "growth_exponent", lac_line_slope(&growth));

@@ -63,11 +63,10 @@ static void add_exponent(const lac_event_list *e, double tc, double now, lac_for
     }
 }
 
-static lac_status look(const lac_precursor_inputs *observation, lac_forecast_fit *found,
-                       lac_error *err)
+static lac_status look(const lac_precursor_inputs *in, lac_forecast_fit *found, lac_error *err)
 {
-    const lac_event_list *e = observation->events;
-    const lac_motion *m = observation->motion;
+    const lac_event_list *e = in->events;
+    const lac_motion *m = in->motion;
     const double first = m->time[0];
     const double now = m->time[m->n - 1];
     size_t late = 0;
@@ -85,8 +84,8 @@ static lac_status look(const lac_precursor_inputs *observation, lac_forecast_fit
     lac_forecast_fit_add(found, "rate_1_s", (double)e->n / (now - first));
     lac_forecast_fit_add(found, "share_of_the_last_half", (double)late / (double)e->n);
     lac_forecast_fit_add(found, "rise_p", lac_half_p(e->n, late));
-    if (observation->tc > now && e->n >= FEW_TO_FIT) {
-        add_exponent(e, observation->tc, now, found);
+    if (in->tc > now && e->n >= FEW_TO_FIT) {
+        add_exponent(e, in->tc, now, found);
     }
     return LAC_OK;
 }
@@ -130,20 +129,20 @@ static double toss(const lac_event_list *e, uint64_t seed, size_t index)
 }
 
 // Share of catalogues with the same moments at a constant rate whose last half has as much.
-static double significance(const lac_precursor_inputs *observation, double late)
+static double significance(const lac_precursor_inputs *in, double late)
 {
     size_t above = 0;
-    for (size_t s = 0; s < observation->surrogates; s++) {
-        above += toss(observation->events, observation->seed, s) >= late ? 1 : 0;
+    for (size_t s = 0; s < in->surrogates; s++) {
+        above += toss(in->events, in->seed, s) >= late ? 1 : 0;
     }
-    return (double)(1 + above) / (double)(1 + observation->surrogates);
+    return (double)(1 + above) / (double)(1 + in->surrogates);
 }
 
-static lac_status look_at_moments(const lac_precursor_inputs *observation, lac_forecast_fit *found,
+static lac_status look_at_moments(const lac_precursor_inputs *in, lac_forecast_fit *found,
                                   lac_error *err)
 {
-    const lac_event_list *e = observation->events;
-    const lac_motion *m = observation->motion;
+    const lac_event_list *e = in->events;
+    const lac_motion *m = in->motion;
     const double middle = 0.5 * (m->time[0] + m->time[m->n - 1]);
     double sum = 0.0;
     double late = 0.0;
@@ -167,7 +166,7 @@ static lac_status look_at_moments(const lac_precursor_inputs *observation, lac_f
     lac_forecast_fit_add(found, "moment_N_m", sum);
     lac_forecast_fit_add(found, "largest_N_m", largest);
     lac_forecast_fit_add(found, "share_of_the_last_half", late / sum);
-    lac_forecast_fit_add(found, "rise_p", significance(observation, late));
+    lac_forecast_fit_add(found, "rise_p", significance(in, late));
     return LAC_OK;
 }
 

@@ -99,48 +99,46 @@ static double autocorrelation(const lomb *l)
     return square > 0.0 ? fmin(0.99, fmax(-0.99, lagged / square)) : 0.0;
 }
 
-static double significance(lomb *l, const lac_precursor_inputs *observation, double power)
+static double significance(lomb *l, const lac_precursor_inputs *in, double power)
 {
     const double phi = autocorrelation(l);
-    const size_t surrogates =
-        observation->surrogates < SURROGATES ? observation->surrogates : SURROGATES;
+    const size_t surrogates = in->surrogates < SURROGATES ? in->surrogates : SURROGATES;
     size_t above = 0;
     double omega;
     for (size_t s = 0; s < surrogates; s++) {
-        lac_surrogate_red(l->n, phi, observation->seed, first_surrogate + s, l->d);
+        lac_surrogate_red(l->n, phi, in->seed, first_surrogate + s, l->d);
         above += peak(l, l->d, &omega) >= power ? 1 : 0;
     }
     return (double)(1 + above) / (double)(1 + surrogates);
 }
 
-static void gather(lomb *l, const lac_precursor_inputs *observation)
+static void gather(lomb *l, const lac_precursor_inputs *in)
 {
-    const lac_motion *m = observation->motion;
+    const lac_motion *m = in->motion;
     size_t first = 0;
-    while (first < m->n && m->time[first] < observation->start) {
+    while (first < m->n && m->time[first] < in->start) {
         first++;
     }
     const size_t all = m->n - first;
     const size_t n = all < MOST ? all : MOST;
     for (size_t k = 0; k < n; k++) {
         const size_t i = first + (n > 1 ? k * (all - 1) / (n - 1) : 0);
-        if (m->time[i] < observation->tc) {
-            l->u[l->n] = log(observation->tc - m->time[i]);
+        if (m->time[i] < in->tc) {
+            l->u[l->n] = log(in->tc - m->time[i]);
             l->d[l->n++] = m->displacement[i];
         }
     }
 }
 
-static lac_status look(const lac_precursor_inputs *observation, lac_forecast_fit *found,
-                       lac_error *err)
+static lac_status look(const lac_precursor_inputs *in, lac_forecast_fit *found, lac_error *err)
 {
     double omega = NAN;
-    if (!isfinite(observation->tc)) {
+    if (!isfinite(in->tc)) {
         return lac_forecast_fit_refuse(found, "the log law has no time of failure to count from");
     }
     lomb *l = calloc(1, sizeof *l);
     LAC_FAIL_MEMORY_IF(l == NULL, err);
-    gather(l, observation);
+    gather(l, in);
     found->points = l->n;
     const double span = l->n > 1 ? l->u[0] - l->u[l->n - 1] : 0.0;
     l->low = 2.0 * pi * turns / span;
@@ -154,7 +152,7 @@ static lac_status look(const lac_precursor_inputs *observation, lac_forecast_fit
         lac_forecast_fit_add(found, "omega", omega);
         lac_forecast_fit_add(found, "lambda", exp(2.0 * pi / omega));
         lac_forecast_fit_add(found, "power", power);
-        lac_forecast_fit_add(found, "p", significance(l, observation, power));
+        lac_forecast_fit_add(found, "p", significance(l, in, power));
     }
     free(l);
     return LAC_OK;

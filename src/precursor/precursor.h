@@ -62,8 +62,7 @@ typedef struct lac_precursor_kind {
     bool page; ///< the page of a run tells it of the whole catalogue, of which it needs no more
     /// Looks at what there is; needs are met.
     /// @return LAC_OK; LAC_ENOMEM
-    lac_status (*evaluate)(const lac_precursor_inputs *observation, lac_forecast_fit *found,
-                           lac_error *err);
+    lac_status (*evaluate)(const lac_precursor_inputs *in, lac_forecast_fit *found, lac_error *err);
 } lac_precursor_kind;
 
 /// The index-th indicator in the registry, NULL past the end.
@@ -77,7 +76,7 @@ double lac_precursor_find(const lac_precursor *found, const char *key);
 
 /// All indicators.
 enum { LAC_PRECURSORS_MAX = 16 };
-lac_status lac_precursors_evaluate(const lac_precursor_inputs *observation, lac_precursor *out,
+lac_status lac_precursors_evaluate(const lac_precursor_inputs *in, lac_precursor *out,
                                    size_t *count, lac_error *err);
 
 /// What a source holds besides its motion, all of it: the past of each time is cut from it.

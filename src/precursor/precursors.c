@@ -32,22 +32,22 @@ double lac_precursor_find(const lac_precursor *found, const char *key)
     return NAN;
 }
 
-lac_status lac_precursors_evaluate(const lac_precursor_inputs *observation, lac_precursor *out,
+lac_status lac_precursors_evaluate(const lac_precursor_inputs *in, lac_precursor *out,
                                    size_t *count, lac_error *err)
 {
     const lac_precursor_kind *kind;
     for (*count = 0; (kind = lac_precursor_kind_get(*count)) != NULL; (*count)++) {
         lac_precursor *p = &out[*count];
         *p = (lac_precursor){.kind = kind};
-        if (kind->needs == LAC_NEEDS_EVENTS && observation->events == NULL) {
+        if (kind->needs == LAC_NEEDS_EVENTS && in->events == NULL) {
             (void)lac_forecast_fit_refuse(
                 &p->found,
                 "needs a catalogue of events: a run of a case with analysis: {events: ...}");
-        } else if (kind->needs == LAC_NEEDS_CELLS && observation->slip == NULL) {
+        } else if (kind->needs == LAC_NEEDS_CELLS && in->slip == NULL) {
             (void)lac_forecast_fit_refuse(&p->found,
                                           "needs cells: a run of a case with analysis: {rg: ...}");
         } else {
-            LAC_TRY_RETURN(kind->evaluate(observation, &p->found, err));
+            LAC_TRY_RETURN(kind->evaluate(in, &p->found, err));
         }
     }
     return LAC_OK;
@@ -76,13 +76,13 @@ static lac_slip_history keep_slip(const lac_slip_history *all, double now)
     return past;
 }
 
-static void set_time_of_failure(const lac_forecast_set *o, lac_precursor_inputs *observation)
+static void set_time_of_failure(const lac_forecast_set *o, lac_precursor_inputs *in)
 {
     for (size_t k = 0; k < o->count; k++) {
         const lac_forecast *f = &o->forecast[k];
         if (f->kind->dates && f->issued) {
-            observation->tc = f->time;
-            observation->start = f->window_start;
+            in->tc = f->time;
+            in->start = f->window_start;
         }
     }
 }
@@ -98,23 +98,23 @@ lac_status lac_precursors_at(const lac_indicator_inputs *inputs, const lac_forec
     double *room = NULL;
     lac_event_list events;
     lac_slip_history slip;
-    lac_precursor_inputs observation = {.motion = forecasts->motion,
-                                        .tc = NAN,
-                                        .start = NAN,
-                                        .seed = inputs->seed,
-                                        .surrogates = inputs->surrogates};
-    set_time_of_failure(forecasts, &observation);
+    lac_precursor_inputs in = {.motion = forecasts->motion,
+                               .tc = NAN,
+                               .start = NAN,
+                               .seed = inputs->seed,
+                               .surrogates = inputs->surrogates};
+    set_time_of_failure(forecasts, &in);
     if (inputs->events != NULL) {
         room = malloc((2 * inputs->events->n + 1) * sizeof *room);
         LAC_FAIL_MEMORY_IF(room == NULL, err);
         events = keep_events(inputs->events, forecasts->issue_time, room);
-        observation.events = &events;
+        in.events = &events;
     }
     if (inputs->slip != NULL) {
         slip = keep_slip(inputs->slip, forecasts->issue_time);
-        observation.slip = &slip;
+        in.slip = &slip;
     }
-    const lac_status status = lac_precursors_evaluate(&observation, out, count, err);
+    const lac_status status = lac_precursors_evaluate(&in, out, count, err);
     free(room);
     return status;
 }

@@ -121,12 +121,11 @@ static void measure(size_t n, double *magnitude, lac_forecast_fit *found)
     add_change(n, magnitude, mc, found);
 }
 
-static lac_status look(const lac_precursor_inputs *observation, lac_forecast_fit *found,
-                       lac_error *err)
+static lac_status look(const lac_precursor_inputs *in, lac_forecast_fit *found, lac_error *err)
 {
     double *magnitude = NULL;
     size_t n = 0;
-    LAC_TRY_RETURN(find_magnitudes(observation->events, &magnitude, &n, err));
+    LAC_TRY_RETURN(find_magnitudes(in->events, &magnitude, &n, err));
     if (n < FEW) {
         (void)lac_forecast_fit_refuse(found, "too few events with a moment: %zu, at least %d", n,
                                       (int)FEW);
@@ -151,13 +150,13 @@ const lac_precursor_kind lac_precursor_b_value = {
     .evaluate = look,
 };
 
-static lac_status look_at_steps(const lac_precursor_inputs *observation, lac_forecast_fit *found,
+static lac_status look_at_steps(const lac_precursor_inputs *in, lac_forecast_fit *found,
                                 lac_error *err)
 {
     double *magnitude = NULL;
     double error = NAN;
     size_t n = 0;
-    LAC_TRY_RETURN(find_magnitudes(observation->events, &magnitude, &n, err));
+    LAC_TRY_RETURN(find_magnitudes(in->events, &magnitude, &n, err));
     n = n > 0 ? keep_from(n, magnitude, complete_from(n, magnitude)) : 0;
     const double b = lac_b_positive(n, magnitude, least_step, &error, &found->points);
     if (found->points < FEW) {

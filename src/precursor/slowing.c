@@ -246,10 +246,9 @@ static void resample(const lac_motion *m, size_t n, double *even)
     }
 }
 
-static lac_status look(const lac_precursor_inputs *observation, lac_forecast_fit *found,
-                       lac_error *err)
+static lac_status look(const lac_precursor_inputs *in, lac_forecast_fit *found, lac_error *err)
 {
-    const lac_motion *m = observation->motion;
+    const lac_motion *m = in->motion;
     double even[MOST];
     lac_slowing slowing;
     if (m->velocities < LEAST) {
@@ -258,8 +257,8 @@ static lac_status look(const lac_precursor_inputs *observation, lac_forecast_fit
     }
     found->points = m->velocities < MOST ? m->velocities : MOST;
     resample(m, found->points, even);
-    lac_status status = lac_slowing_measure(found->points, even, observation->seed,
-                                            observation->surrogates, &slowing, err);
+    lac_status status =
+        lac_slowing_measure(found->points, even, in->seed, in->surrogates, &slowing, err);
     if (status == LAC_OK) {
         lac_forecast_fit_add(found, "variance_m2_s2", slowing.variance);
         lac_forecast_fit_add(found, "variance_tau", slowing.variance_tau);

@@ -3,7 +3,6 @@
 #include <limits.h>
 #include <locale.h>
 #include <math.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -40,7 +39,7 @@ typedef struct lac_parser {
     const struct lac_units *units;
     locale_t plain, callers; ///< the "C" locale, and the one of the thread before
     lac_row *readings;
-    size_t count, capacity, missing, disordered;
+    size_t count, capacity, missing;
     char *attribution;
     size_t attribution_length;
 } lac_parser;
@@ -57,20 +56,21 @@ static lac_status prepare_units(lac_parser *p, const lac_series_def *def,
                                 const struct lac_units *units, lac_error *err)
 {
     const struct {
-        const char *unit, *si;
-    } table[COLUMNS] = {{NULL, "s"},
-                        {def->displacement_unit, "m"},
-                        {def->velocity_unit, "m/s"},
-                        {def->value_unit, def->value_si},
-                        {def->sigma_unit, "m"}};
+        const char *name, *unit, *si;
+    } table[COLUMNS] = {{def->time, NULL, "s"},
+                        {def->displacement, def->displacement_unit, "m"},
+                        {def->velocity, def->velocity_unit, "m/s"},
+                        {def->value, def->value_unit, def->value_si},
+                        {def->sigma, def->sigma_unit, "m"}};
     lac_status read = lac_time_format_read(def->time_format, units, &p->format, err);
     if (read != LAC_OK) {
         return lac_fail_within(err, read, "%s", def->path);
     }
     for (size_t c = 0; c < COLUMNS; c++) {
-        p->wanted[c].scale = 1.0;
-        p->wanted[c].digit = INT_MAX;
-        p->wanted[c].taken = table[c].unit == NULL ? table[c].si : NULL;
+        p->wanted[c] = (lac_wanted){.name = table[c].name,
+                                    .taken = table[c].unit == NULL ? table[c].si : NULL,
+                                    .scale = 1.0,
+                                    .digit = INT_MAX};
         if (p->wanted[c].name == NULL || table[c].unit == NULL) {
             continue;
         }
@@ -89,11 +89,6 @@ static lac_status prepare(lac_parser *p, FILE *stream, const lac_series_def *def
 {
     p->lines = (lac_lines){.stream = stream, .path = def->path};
     p->units = units;
-    p->wanted[0].name = def->time;
-    p->wanted[1].name = def->displacement;
-    p->wanted[2].name = def->velocity;
-    p->wanted[3].name = def->value;
-    p->wanted[4].name = def->sigma;
     p->plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
     LAC_FAIL_MEMORY_IF(p->plain == (locale_t)0, err);
     p->callers = uselocale(p->plain);
@@ -123,19 +118,13 @@ static lac_status find_header(lac_parser *p, char **header, lac_error *err)
     *header = NULL;
     while (*header == NULL) {
         bool more = false;
-        lac_status status = lac_lines_next(&p->lines, &more, err);
-        if (status != LAC_OK) {
-            return status;
-        }
+        LAC_TRY_RETURN(lac_lines_next(&p->lines, &more, err));
         LAC_FAIL_IF(!more, err, LAC_EINPUT, "%s: has no header line", p->lines.path);
         char *line = lac_text_trim(p->lines.text);
         if (*line == '#') {
-            status = add_attribution(p, lac_text_trim(line + strspn(line, "#")), err);
+            LAC_TRY_RETURN(add_attribution(p, lac_text_trim(line + strspn(line, "#")), err));
         } else if (*line != '\0') {
             *header = p->lines.text;
-        }
-        if (status != LAC_OK) {
-            return status;
         }
     }
     return LAC_OK;
@@ -185,10 +174,7 @@ static lac_status read_header(lac_parser *p, lac_error *err)
     char *rest = NULL;
     char list[512] = "";
     bool found[COLUMNS] = {false};
-    lac_status status = find_header(p, &rest, err);
-    if (status != LAC_OK) {
-        return status;
-    }
+    LAC_TRY_RETURN(find_header(p, &rest, err));
     p->separator = lac_text_separator(rest);
     while (rest != NULL) {
         char *name = lac_text_field(&rest, p->separator);
@@ -210,9 +196,11 @@ static lac_status read_header(lac_parser *p, lac_error *err)
         LAC_FAIL_IF(p->wanted[c].name != NULL && !found[c], err, LAC_EINPUT,
                     "%s:%zu: has no column \"%s\"; its columns are %s", p->lines.path,
                     p->lines.number, p->wanted[c].name, list);
-        status = c > 0 && status == LAC_OK ? ask(p, c, err) : status;
     }
-    return status;
+    for (size_t c = 1; c < COLUMNS; c++) {
+        LAC_TRY_RETURN(ask(p, c, err));
+    }
+    return LAC_OK;
 }
 
 static lac_status parse_time(lac_parser *p, const char *field, double *time, lac_error *err)
@@ -314,40 +302,33 @@ static lac_status read_row(lac_parser *p, lac_error *err)
     const char *fields[COLUMNS];
     lac_row reading = {.value = {NAN, NAN, NAN, NAN}, .line = p->lines.number};
     bool blank = false;
-    lac_status status = LAC_OK;
-    LAC_TRY(split_row(p, fields, &blank, err));
+    LAC_TRY_RETURN(split_row(p, fields, &blank, err));
     if (blank) {
-        goto out;
+        return LAC_OK;
     }
-    LAC_TRY(parse_time(p, fields[0], &reading.time, err));
+    LAC_TRY_RETURN(parse_time(p, fields[0], &reading.time, err));
     for (size_t c = 1; c < COLUMNS; c++) {
         if (p->wanted[c].name != NULL) {
-            LAC_TRY(parse_value(p, c, fields[c], &reading.value[c - 1], err));
+            LAC_TRY_RETURN(parse_value(p, c, fields[c], &reading.value[c - 1], err));
         }
     }
-    LAC_TRY(add_reading(p, &reading, err));
-out:
-    return status;
+    return add_reading(p, &reading, err);
 }
 
 static lac_status read_rows(lac_parser *p, lac_error *err)
 {
-    lac_status status = LAC_OK;
     bool more = true;
-    LAC_TRY(lac_lines_next(&p->lines, &more, err));
+    LAC_TRY_RETURN(lac_lines_next(&p->lines, &more, err));
     while (more) {
         const char *line = p->lines.text;
         line += strspn(line, " \t");
         if (*line != '#') {
-            LAC_TRY(read_row(p, err));
+            LAC_TRY_RETURN(read_row(p, err));
         }
-        LAC_TRY(lac_lines_next(&p->lines, &more, err));
+        LAC_TRY_RETURN(lac_lines_next(&p->lines, &more, err));
     }
-    if (p->count == 0) {
-        LAC_TRY(lac_fail(err, LAC_EINPUT, "%s: has no readings", p->lines.path));
-    }
-out:
-    return status;
+    LAC_FAIL_IF(p->count == 0, err, LAC_EINPUT, "%s: has no readings", p->lines.path);
+    return LAC_OK;
 }
 
 static lac_status check_any_value(const lac_parser *p, lac_error *err)
@@ -360,36 +341,6 @@ static lac_status check_any_value(const lac_parser *p, lac_error *err)
         }
     }
     return lac_fail(err, LAC_EINPUT, "%s: every reading is missing", p->lines.path);
-}
-
-// One column of values over the readings kept.
-static double *copy_values(const lac_parser *p, size_t column)
-{
-    double *values = malloc(p->count * sizeof *values);
-    for (size_t i = 0; values != NULL && i < p->count; i++) {
-        values[i] = p->readings[i].value[column];
-    }
-    return values;
-}
-
-static lac_status fill_series(lac_series *s, const lac_parser *p)
-{
-    double **const target[VALUES] = {&s->displacement, &s->velocity, &s->value, &s->sigma};
-    s->time = malloc(p->count * sizeof *s->time);
-    s->line = malloc(p->count * sizeof *s->line);
-    s->attribution = strdup(p->attribution != NULL ? p->attribution : "");
-    bool whole = s->time != NULL && s->line != NULL && s->attribution != NULL;
-    for (size_t c = 0; c < VALUES; c++) {
-        if (p->wanted[c + 1].name != NULL) {
-            *target[c] = copy_values(p, c);
-            whole = whole && *target[c] != NULL;
-        }
-    }
-    for (size_t i = 0; whole && i < p->count; i++) {
-        s->time[i] = p->readings[i].time;
-        s->line[i] = p->readings[i].line;
-    }
-    return whole ? LAC_OK : LAC_ENOMEM;
 }
 
 // Several instruments in one file, or a column that is not the time, are no repeated rows.
@@ -431,21 +382,28 @@ static void describe(const lac_parser *p, lac_series *s)
     }
 }
 
-static lac_status build(lac_parser *p, lac_series **out, lac_error *err)
+static lac_status build(lac_parser *p, const lac_series_def *def, lac_series **out, lac_error *err)
 {
     const size_t rows = p->count;
+    const size_t disordered = lac_rows_sort(rows, p->readings);
     size_t conflicts = 0;
-    p->disordered = lac_rows_sort(rows, p->readings);
-    lac_status status = merge_rows(p, &conflicts, err);
-    LAC_TRY_RETURN(status == LAC_OK ? check_any_value(p, err) : status);
-    lac_series *s = calloc(1, sizeof *s);
-    if (s == NULL || fill_series(s, p) != LAC_OK) {
-        lac_series_free(s);
-        return lac_fail_memory(err);
+    lac_series *s;
+    LAC_TRY_RETURN(merge_rows(p, &conflicts, err));
+    LAC_TRY_RETURN(check_any_value(p, err));
+    LAC_TRY_RETURN(
+        lac_series_new(def, p->count, p->attribution != NULL ? p->attribution : "", &s, err));
+    double *const column[VALUES] = {s->displacement, s->velocity, s->value, s->sigma};
+    for (size_t i = 0; i < s->n; i++) {
+        s->time[i] = p->readings[i].time;
+        s->line[i] = p->readings[i].line;
+        for (size_t c = 0; c < VALUES; c++) {
+            if (column[c] != NULL) {
+                column[c][i] = p->readings[i].value[c];
+            }
+        }
     }
-    s->n = p->count;
     s->duplicates = rows - p->count;
-    s->disordered = p->disordered;
+    s->disordered = disordered;
     s->conflicts = conflicts;
     describe(p, s);
     *out = s;
@@ -461,7 +419,7 @@ lac_status lac_series_read_stream(FILE *stream, const lac_series_def *def,
     LAC_TRY(prepare(&p, stream, def, units, err));
     LAC_TRY(read_header(&p, err));
     LAC_TRY(read_rows(&p, err));
-    LAC_TRY(build(&p, out, err));
+    LAC_TRY(build(&p, def, out, err));
 out:
     if (p.plain != (locale_t)0) {
         (void)uselocale(p.callers);

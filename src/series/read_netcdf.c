@@ -3,7 +3,6 @@
 #include <float.h>
 #include <math.h>
 #include <netcdf.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/netcdf.h"
@@ -50,18 +49,11 @@ static lac_status find_column(series_file *file, const char *name, int *var, lac
 }
 
 // The numbers of a variable, missing ones NaN, packed ones unpacked.
-static lac_status read_numbers(const series_file *file, int var, const char *name, double **out,
+static lac_status read_numbers(const series_file *file, int var, const char *name, double *x,
                                lac_error *err)
 {
-    double *x = malloc((file->n > 0 ? file->n : 1) * sizeof *x);
-    LAC_FAIL_MEMORY_IF(x == NULL, err);
-    lac_status status = check(file, nc_get_var_double(file->id, var, x), name, err);
-    if (status != LAC_OK) {
-        free(x);
-        return status;
-    }
+    LAC_TRY_RETURN(check(file, nc_get_var_double(file->id, var, x), name, err));
     lac_netcdf_unpack(file->id, var, x, file->n);
-    *out = x;
     return LAC_OK;
 }
 
@@ -93,52 +85,38 @@ static double last_bit(const series_file *file, int var, const double *x)
                             : fabs(lac_netcdf_number(file->id, var, "scale_factor", 1.0));
 }
 
-static lac_status read_time(series_file *file, const lac_series_def *def,
+static lac_status read_time(const series_file *file, int var, const char *name,
                             const struct lac_units *units, lac_series *s, lac_error *err)
 {
     char unit[LONGEST_UNIT];
-    int var = -1;
     double scale = 1.0;
     double offset = 0.0;
-    lac_status status;
-    const char *name = def->time != NULL ? def->time : "time";
-    LAC_TRY(find_column(file, name, &var, err));
-    LAC_TRY(check(file, nc_inq_dimlen(file->id, file->dim, &file->n), name, err));
-    if (file->n == 0 || file->n > MOST_READINGS) {
-        LAC_TRY(lac_fail(err, LAC_EINPUT, "%s: has %zu readings; must have 1 to %d", file->path,
-                         file->n, MOST_READINGS));
-    }
     (void)lac_netcdf_text(file->id, var, "units", unit, sizeof unit);
     if (unit[0] == '\0') {
-        LAC_TRY(ask(file, name, "s", units, s, err));
+        LAC_TRY_RETURN(ask(file, name, "s", units, s, err));
     } else {
-        status = lac_units_time(units, unit, &scale, &offset, &s->dated, err);
-        if (status != LAC_OK) {
-            (void)lac_fail_within(err, status, "%s: %s: units \"%s\"", file->path, name, unit);
-            goto out;
+        const lac_status read = lac_units_time(units, unit, &scale, &offset, &s->dated, err);
+        if (read != LAC_OK) {
+            return lac_fail_within(err, read, "%s: %s: units \"%s\"", file->path, name, unit);
         }
     }
     s->time_unit = s->dated ? 0.0 : scale;
-    lac_time_unit_name(s->dated          ? ""
-                       : unit[0] == '\0' ? "s"
-                                         : unit,
-                       s->time_name, sizeof s->time_name);
-    LAC_TRY(read_numbers(file, var, name, &s->time, err));
+    if (!s->dated && strlen(unit) < sizeof s->time_name) {
+        (void)snprintf(s->time_name, sizeof s->time_name, "%s", unit[0] == '\0' ? "s" : unit);
+    }
+    LAC_TRY_RETURN(read_numbers(file, var, name, s->time, err));
     for (size_t i = 0; i < file->n; i++) {
         s->time[i] = scale * s->time[i] + offset;
-        if (!isfinite(s->time[i]) || (i > 0 && !(s->time[i] > s->time[i - 1]))) {
-            LAC_TRY(lac_fail(err, LAC_EINPUT,
-                             "%s: %s[%zu] = %.17g s; must be later than the one before", file->path,
-                             name, i, s->time[i]));
-        }
+        LAC_FAIL_IF(!isfinite(s->time[i]) || (i > 0 && !(s->time[i] > s->time[i - 1])), err,
+                    LAC_EINPUT, "%s: %s[%zu] = %.17g s; must be later than the one before",
+                    file->path, name, i, s->time[i]);
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 typedef struct column {
     const char *name, *unit, *si;
-    double **values, *digit;
+    double *values, *digit;
 } column;
 
 static lac_status read_column(series_file *file, const column *c, const struct lac_units *units,
@@ -148,61 +126,57 @@ static lac_status read_column(series_file *file, const column *c, const struct l
     int var = -1;
     double scale = 1.0;
     double offset = 0.0;
-    lac_status status;
-    LAC_TRY(find_column(file, c->name, &var, err));
+    LAC_TRY_RETURN(find_column(file, c->name, &var, err));
     (void)lac_netcdf_text(file->id, var, "units", unit, sizeof unit);
     const char *from = unit[0] != '\0' ? unit : c->unit;
     if (from == NULL) {
-        LAC_TRY(ask(file, c->name, c->si, units, s, err));
+        LAC_TRY_RETURN(ask(file, c->name, c->si, units, s, err));
     } else {
-        status = lac_units_convert(units, from, c->si, &scale, &offset, err);
-        if (status != LAC_OK) {
-            (void)lac_fail_within(err, status, "%s: %s: unit \"%s\"", file->path, c->name, from);
-            goto out;
+        const lac_status read = lac_units_convert(units, from, c->si, &scale, &offset, err);
+        if (read != LAC_OK) {
+            return lac_fail_within(err, read, "%s: %s: unit \"%s\"", file->path, c->name, from);
         }
     }
-    LAC_TRY(read_numbers(file, var, c->name, c->values, err));
-    double *x = *c->values;
+    double *x = c->values;
+    LAC_TRY_RETURN(read_numbers(file, var, c->name, x, err));
     *c->digit = fabs(scale) * last_bit(file, var, x);
     for (size_t i = 0; i < file->n; i++) {
         x[i] = scale * x[i] + offset;
         s->missing += isnan(x[i]) ? 1 : 0;
-        if (isinf(x[i])) {
-            LAC_TRY(lac_fail(err, LAC_EINPUT, "%s: %s[%zu] is infinite", file->path, c->name, i));
-        }
+        LAC_FAIL_IF(isinf(x[i]), err, LAC_EINPUT, "%s: %s[%zu] is infinite", file->path, c->name,
+                    i);
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 static lac_status read_all(series_file *file, const lac_series_def *def,
-                           const struct lac_units *units, lac_series *s, lac_error *err)
+                           const struct lac_units *units, lac_series **out, lac_error *err)
 {
+    const char *name = def->time != NULL ? def->time : "time";
     double unused = 0.0;
+    int var = -1;
+    LAC_TRY_RETURN(find_column(file, name, &var, err));
+    LAC_TRY_RETURN(check(file, nc_inq_dimlen(file->id, file->dim, &file->n), name, err));
+    LAC_FAIL_IF(file->n == 0 || file->n > MOST_READINGS, err, LAC_EINPUT,
+                "%s: has %zu readings; must have 1 to %d", file->path, file->n, MOST_READINGS);
+    LAC_TRY_RETURN(lac_series_new(def, file->n, "", out, err));
+    lac_series *s = *out;
     const column columns[] = {
-        {def->displacement, def->displacement_unit, "m", &s->displacement, &s->displacement_digit},
-        {def->velocity, def->velocity_unit, "m/s", &s->velocity, &s->velocity_digit},
-        {def->value, def->value_unit, def->value_si, &s->value, &unused},
-        {def->sigma, def->sigma_unit, "m", &s->sigma, &unused},
+        {def->displacement, def->displacement_unit, "m", s->displacement, &s->displacement_digit},
+        {def->velocity, def->velocity_unit, "m/s", s->velocity, &s->velocity_digit},
+        {def->value, def->value_unit, def->value_si, s->value, &unused},
+        {def->sigma, def->sigma_unit, "m", s->sigma, &unused},
     };
-    lac_status status;
-    LAC_TRY(read_time(file, def, units, s, err));
-    s->n = file->n;
-    s->line = malloc(s->n * sizeof *s->line);
-    s->attribution = strdup("");
-    if (s->line == NULL || s->attribution == NULL) {
-        LAC_TRY(lac_fail_memory(err));
-    }
+    LAC_TRY_RETURN(read_time(file, var, name, units, s, err));
     for (size_t i = 0; i < s->n; i++) {
         s->line[i] = i + 1;
     }
     for (size_t c = 0; c < sizeof columns / sizeof columns[0]; c++) {
         if (columns[c].name != NULL) {
-            LAC_TRY(read_column(file, &columns[c], units, s, err));
+            LAC_TRY_RETURN(read_column(file, &columns[c], units, s, err));
         }
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 lac_status lac_series_read_netcdf(const lac_series_def *def, const struct lac_units *units,
@@ -210,13 +184,7 @@ lac_status lac_series_read_netcdf(const lac_series_def *def, const struct lac_un
 {
     series_file file = {.path = def->path, .id = -1, .dim = -1};
     LAC_TRY_RETURN(check(&file, nc_open(def->path, NC_NOWRITE, &file.id), "the file", err));
-    lac_series *s = calloc(1, sizeof *s);
-    lac_status status = s == NULL ? lac_fail_memory(err) : read_all(&file, def, units, s, err);
+    const lac_status status = read_all(&file, def, units, out, err);
     (void)nc_close(file.id);
-    if (status != LAC_OK) {
-        lac_series_free(s);
-        return status;
-    }
-    *out = s;
-    return LAC_OK;
+    return status;
 }

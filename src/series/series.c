@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Monitoring files, text or netCDF as their first bytes say; how fine their numbers are.
+// Monitoring files, text or netCDF as their first bytes say; how fine their numbers are, and how
+// far a modelled motion is from them.
 #include <errno.h>
 #include <float.h>
+#include <gsl/gsl_interp.h>
 #include <gsl/gsl_sort.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/ask.h"
+#include "base/statistics.h"
 #include "base/units.h"
 #include "base/vsum.h"
 #include "series/text.h"
@@ -175,17 +178,87 @@ out:
     return status;
 }
 
-void lac_series_free(lac_series *series)
+lac_status lac_series_new(const lac_series_def *def, size_t n, const char *attribution,
+                          lac_series **out, lac_error *err)
 {
-    if (series == NULL) {
-        return;
+    const char *const name[] = {def->displacement, def->velocity, def->value, def->sigma};
+    const size_t length = strlen(attribution) + 1;
+    size_t columns = 1;
+    for (size_t c = 0; c < LAC_SERIES_VALUES; c++) {
+        columns += name[c] != NULL ? 1 : 0;
     }
-    free(series->time);
-    free(series->displacement);
-    free(series->velocity);
-    free(series->value);
-    free(series->sigma);
-    free(series->line);
-    free(series->attribution);
-    free(series);
+    lac_series *s =
+        calloc(1, sizeof *s + n * (columns * sizeof *s->time + sizeof *s->line) + length);
+    LAC_FAIL_MEMORY_IF(s == NULL, err);
+    double **const column[] = {&s->displacement, &s->velocity, &s->value, &s->sigma};
+    double *at = s->time = (double *)(s + 1);
+    for (size_t c = 0; c < LAC_SERIES_VALUES; c++) {
+        *column[c] = name[c] != NULL ? at += n : NULL;
+    }
+    s->n = n;
+    s->line = (size_t *)(at + n);
+    s->attribution = memcpy(s->line + n, attribution, length);
+    *out = s;
+    return LAC_OK;
+}
+
+void lac_series_free(lac_series *series) { free(series); }
+
+// v = v0^(1-w) v1^w, or linear where a rate is not positive.
+static double between_rates(double v0, double v1, double w)
+{
+    if (v0 > 0 && v1 > 0) {
+        return exp((1.0 - w) * log(v0) + w * log(v1));
+    }
+    return (1.0 - w) * v0 + w * v1;
+}
+
+bool lac_history_eval(const lac_history *h, double t, double *slip, double *rate)
+{
+    if (h->n == 0 || !(t >= h->time[0] && t <= h->time[h->n - 1])) {
+        return false;
+    }
+    size_t i = gsl_interp_bsearch(h->time, t, 0, h->n);
+    *slip = h->slip[i];
+    *rate = h->rate[i];
+    if (t > h->time[i]) {
+        double w = (t - h->time[i]) / (h->time[i + 1] - h->time[i]);
+        *slip = (1.0 - w) * h->slip[i] + w * h->slip[i + 1];
+        *rate = between_rates(h->rate[i], h->rate[i + 1], w);
+    }
+    return true;
+}
+
+void lac_series_compare(const lac_series *series, const lac_history *history, lac_misfit *misfit)
+{
+    lac_line offset = {0}; // level
+    size_t rates = 0;
+    double squares = 0.0;
+    *misfit = (lac_misfit){0};
+    for (size_t i = 0; i < series->n; i++) {
+        double slip = 0.0;
+        double rate = 0.0;
+        double d = series->displacement != NULL ? series->displacement[i] : NAN;
+        double v = series->velocity != NULL ? series->velocity[i] : NAN;
+        if (isnan(d) && isnan(v)) {
+            continue;
+        }
+        if (!lac_history_eval(history, series->time[i], &slip, &rate)) {
+            misfit->outside++;
+            continue;
+        }
+        if (!isnan(d)) {
+            lac_line_add(&offset, 0.0, d - slip);
+        }
+        if (v > 0 && rate > 0) {
+            double decades = log10(v / rate);
+            squares += decades * decades;
+            rates++;
+        }
+    }
+    misfit->displacement_count = (size_t)offset.n;
+    misfit->velocity_count = rates;
+    misfit->displacement_offset = offset.n > 0 ? lac_line_at(&offset, 0.0) : NAN;
+    misfit->displacement_rms = sqrt(offset.rest / offset.n);
+    misfit->log_rate_rms = rates > 0 ? sqrt(squares / (double)rates) : NAN;
 }

@@ -50,7 +50,6 @@ static void strip_mark(lac_lines *lines)
 
 lac_status lac_lines_next(lac_lines *lines, bool *more, lac_error *err)
 {
-    lac_status status = LAC_OK;
     int byte = 0;
     lines->number++;
     lines->length = 0;
@@ -59,12 +58,11 @@ lac_status lac_lines_next(lac_lines *lines, bool *more, lac_error *err)
         if (byte == EOF || byte == '\n' || byte == '\r') {
             break;
         }
-        LAC_TRY(check_byte(lines, byte, err));
-        LAC_TRY(append(lines, byte, err));
+        LAC_TRY_RETURN(check_byte(lines, byte, err));
+        LAC_TRY_RETURN(append(lines, byte, err));
     }
-    if (byte == EOF && ferror(lines->stream)) {
-        LAC_TRY(lac_fail(err, LAC_EIO, "%s: %s", lines->path, strerror(errno)));
-    }
+    LAC_FAIL_IF(byte == EOF && ferror(lines->stream), err, LAC_EIO, "%s: %s", lines->path,
+                strerror(errno));
     *more = byte != EOF || lines->length > 0;
     if (byte == '\r') {
         int next = getc_unlocked(lines->stream);
@@ -73,10 +71,9 @@ lac_status lac_lines_next(lac_lines *lines, bool *more, lac_error *err)
         }
     }
     strip_mark(lines);
-    LAC_TRY(append(lines, '\0', err));
+    LAC_TRY_RETURN(append(lines, '\0', err));
     lines->length--;
-out:
-    return status;
+    return LAC_OK;
 }
 
 static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\f'; }

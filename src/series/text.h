@@ -9,10 +9,14 @@
 lac_status lac_series_read_stream(FILE *stream, const lac_series_def *def,
                                   const struct lac_units *units, lac_series **out, lac_error *err);
 
+/// One with room for n readings of the columns asked for, in one piece.
+lac_status lac_series_new(const lac_series_def *def, size_t n, const char *attribution,
+                          lac_series **out, lac_error *err);
+
 /// Whether a file begins as netCDF does; the stream is at its beginning before and after.
 bool lac_series_is_netcdf(FILE *stream);
 
-/// Reads as lac_series_read from a netCDF file.
+/// Reads as lac_series_read from a netCDF file; *out is to be freed in any case.
 lac_status lac_series_read_netcdf(const lac_series_def *def, const struct lac_units *units,
                                   lac_series **out, lac_error *err);
 
@@ -105,10 +109,6 @@ typedef struct lac_time_format {
 /// @return LAC_OK; LAC_EINPUT
 lac_status lac_time_format_read(const char *text, const struct lac_units *units,
                                 lac_time_format *out, lac_error *err);
-
-/// The name of a unit of time, to stand behind a number.
-/// @param name  "" where the unit is longer
-void lac_time_unit_name(const char *unit, char *name, size_t size);
 
 /// Reads one time.
 /// @param mark     decimal mark of numbers

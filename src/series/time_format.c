@@ -48,11 +48,6 @@ static const char *pattern_fault(const char *pattern)
                                                       : "must have a year, a month and a day";
 }
 
-void lac_time_unit_name(const char *unit, char *name, size_t size)
-{
-    (void)snprintf(name, size, "%s", strlen(unit) < size ? unit : "");
-}
-
 static lac_status read_numeric(const char *text, const struct lac_units *units,
                                lac_time_format *out, lac_error *err)
 {
@@ -60,7 +55,7 @@ static lac_status read_numeric(const char *text, const struct lac_units *units,
                        : strcasecmp(text, "excel") == 0 ? "days since 1899-12-30 00:00:00 UTC"
                                                         : text;
     (void)snprintf(out->allowed, sizeof out->allowed, "must be a number (%.40s)", unit);
-    lac_time_unit_name(unit, out->unit, sizeof out->unit);
+    (void)snprintf(out->unit, sizeof out->unit, "%s", strlen(unit) < sizeof out->unit ? unit : "");
     lac_status status = lac_units_time(units, unit, &out->scale, &out->offset, &out->dated, err);
     LAC_FAIL_IF(status == LAC_EINPUT, err, LAC_EINPUT,
                 "time format \"%s\" must be iso, unix, excel, a pattern like \"%%d/%%m/%%Y "
