@@ -38,3 +38,12 @@
             return lac_fail_memory(err);   \
         }                                  \
     } while (0)
+
+/// Leaves through `out:` with a message where a condition holds; arguments as of LAC_FAIL_IF.
+#define LAC_LEAVE_IF(condition, err, code, ...)            \
+    do {                                                   \
+        if (condition) {                                   \
+            status = lac_fail((err), (code), __VA_ARGS__); \
+            goto out;                                      \
+        }                                                  \
+    } while (0)

@@ -118,17 +118,19 @@ bool lac_temp_file_hold(const char *path, int *held)
         }
     }
     if (!free_now) {
-        lac_temp_file_let_go(*held);
+        lac_temp_file_close(*held);
         *held = -1;
     }
     return free_now;
 }
 
-void lac_temp_file_let_go(int held)
+void lac_temp_file_close(int fd)
 {
-    if (held >= 0) {
-        (void)close(held);
+    const int reason = errno;
+    if (fd >= 0) {
+        (void)close(fd);
     }
+    errno = reason;
 }
 
 bool lac_temp_file_locked(int folder, const char *path)

@@ -23,9 +23,11 @@ void lac_temp_file_sync_folder(const char *path);
 
 /// Holds a file whose name is to be taken, so that one process at a time does so; no lock that
 /// readers or writers would see. Another that holds it is waited for, at most a second; false where
-/// it goes on.
+/// it goes on. @param held  to be closed
 bool lac_temp_file_hold(const char *path, int *held);
-void lac_temp_file_let_go(int held);
+
+/// Closes what is open (-1: nothing); errno stays.
+void lac_temp_file_close(int fd);
 
 /// Removes what processes that are no more have left of files for that path: their number is not
 /// in use and nobody holds HDF5's lock on the file, as one on another machine would.

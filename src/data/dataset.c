@@ -81,20 +81,6 @@ static lac_extent *find_dim(const lac_dataset *dataset, const char *name, size_t
     return NULL;
 }
 
-void lac_dataset_set_clock(lac_dataset *dataset, lac_clock clock, double start)
-{
-    dataset->clock = clock;
-    dataset->start = start;
-}
-
-lac_clock lac_dataset_clock(const lac_dataset *dataset, double *start)
-{
-    *start = dataset->start;
-    return dataset->clock;
-}
-
-const char *lac_dataset_summary(const lac_dataset *dataset) { return dataset->summary; }
-
 static const char *dims_of(const lac_entry *entry)
 {
     return entry->row->dims != NULL ? entry->row->dims : entry->over;
@@ -124,10 +110,7 @@ static lac_status check_row(const lac_dataset *dataset, const lac_entry *entry, 
 
 static lac_status add_entry(lac_dataset *dataset, const lac_entry *entry, lac_error *err)
 {
-    const lac_status status = check_row(dataset, entry, err);
-    if (status != LAC_OK) {
-        return status;
-    }
+    LAC_TRY_RETURN(check_row(dataset, entry, err));
     if (dataset->entries == dataset->room) {
         const size_t room = 2 * dataset->room + 32;
         lac_entry *grown = realloc(dataset->entry, room * sizeof *grown);

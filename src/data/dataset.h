@@ -108,14 +108,6 @@ typedef enum lac_clock {
     LAC_CLOCK_DATE      ///< from LAC_CLOCK_START's date to the microsecond, as CF has time
 } lac_clock;
 
-/// Sets the clock of its times in a file.
-/// @param start  [s] since 1970 of the results' time 0; for LAC_CLOCK_START and _DATE
-void lac_dataset_set_clock(lac_dataset *dataset, lac_clock clock, double start);
-
-/// That clock, and what the dataset is.
-lac_clock lac_dataset_clock(const lac_dataset *dataset, double *start);
-const char *lac_dataset_summary(const lac_dataset *dataset);
-
 /// A table and the result that it is laid on, which must outlive the dataset.
 typedef struct lac_laid {
     lac_variables table;
@@ -205,8 +197,8 @@ typedef struct lac_entry {
 
 struct lac_dataset {
     const char *summary;
-    lac_clock clock;
-    double start;
+    lac_clock clock; ///< of its times in a file
+    double start;    ///< [s] since 1970 of the results' time 0; for LAC_CLOCK_START and _DATE
     size_t dims, entries, room;
     lac_extent *dim;
     lac_entry *entry;

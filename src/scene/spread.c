@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "scene/internal.h"
-#include "store/store_map.h"
+#include "store/store_cells.h"
 
 // Tries of a truncated factor; fewer than one in a hundred kept is refused as good as always.
 enum { MOST_DRAWS = 1000 };

@@ -23,13 +23,11 @@ static lac_status add_outcome(lac_recording *recording, const lac_case *c,
         {"steps", "1", "steps of the integrator", (double)result->steps},
         {"start_date", "s", "start of the run, since 1970", c->dated ? c->start_date : NAN},
     };
-    lac_status status = LAC_OK;
     for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
-        LAC_TRY(lac_recording_add(recording, table[i].name, table[i].unit, table[i].long_name,
+        LAC_TRY_RETURN(lac_recording_add(recording, table[i].name, table[i].unit, table[i].long_name,
                                   table[i].value, err));
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 lac_run_output lac_outcome_output(const lac_outcome *of)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Fields over the cells of an interface, made elsewhere.
-#include "store/store_map.h"
+#include "store/store_cells.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -196,9 +196,7 @@ lac_status lac_map_read(const lac_map_def *def, const lac_domain *domain, double
     // no more than the cells of the grid, whatever the file says
     length = at.length[0] * (at.rank == 2 ? at.length[1] : 1);
     stored = malloc(length * sizeof *stored);
-    if (stored == NULL) {
-        LAC_TRY(lac_fail_memory(err));
-    }
+    LAC_TRY(stored != NULL ? LAC_OK : lac_fail_memory(err));
     LAC_TRY(check(&file, nc_get_var_double(file.id, at.var, stored), at.name, err));
     lac_netcdf_unpack(file.id, at.var, stored, length);
     LAC_TRY(pick(&file, &at, stored, values, err));

@@ -85,13 +85,12 @@ lac_status lac_nc_close(lac_nc *file, lac_error *err);
 /// Closes what is open, removes what was not published, frees the names.
 void lac_nc_clear(lac_nc *file);
 
-/// Attributes of a variable or, with NC_GLOBAL, of the file; a text that is NULL or empty is left
-/// out.
+/// Attributes of a variable or, with NC_GLOBAL, of the file; a text that is NULL or empty and a
+/// number that is not finite are left out.
 lac_status lac_nc_text(const lac_nc *file, int var, const char *name, const char *text,
                        lac_error *err);
-lac_status lac_nc_real(const lac_nc *file, int var, const char *name, double value, lac_error *err);
-lac_status lac_nc_integer(const lac_nc *file, int var, const char *name, long long value,
-                          lac_error *err);
+lac_status lac_nc_number(const lac_nc *file, int var, const char *name, double value, bool whole,
+                         lac_error *err);
 
 /// The text of a global attribute, to be freed; "" where there is none or it is longer than
 /// `bound`; NULL where memory is short. @param file  open in netCDF

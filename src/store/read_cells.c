@@ -390,19 +390,18 @@ out:
 static lac_status read_contact(const lac_stored_file *in, const lac_snapshot_choice *choice,
                                lac_stored_cells *out, lac_error *err)
 {
-    lac_status status = LAC_OK;
     out->kind = LAC_STORED_CONTACT;
     out->snapshots = 1;
     out->time = NAN;
     if (has_variable(in, "step")) {
-        LAC_TRY(choose_step(in, choice, out, err));
+        LAC_TRY_RETURN(choose_step(in, choice, out, err));
     } else if (choice->by != LAC_SNAPSHOT_LAST) {
-        LAC_TRY(lac_fail(err, LAC_EINPUT, "%s: is a contact, which has no snapshots", in->path));
+        LAC_TRY_RETURN(
+            lac_fail(err, LAC_EINPUT, "%s: is a contact, which has no snapshots", in->path));
     }
-    LAC_TRY(read_pressed(in, out->index, &out->domain, err));
-    LAC_TRY(read_shear(in, out, err));
-out:
-    return status;
+    LAC_TRY_RETURN(read_pressed(in, out->index, &out->domain, err));
+    LAC_TRY_RETURN(read_shear(in, out, err));
+    return LAC_OK;
 }
 
 static bool is_run(const lac_stored_file *in)

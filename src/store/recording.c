@@ -8,8 +8,8 @@
 #include <string.h>
 
 #include "run/describe.h"
-#include "store/columns.h"
 #include "store/store_file.h"
+#include "store/writer.h"
 
 enum { LOADED_SNAPSHOTS = 40 };
 
@@ -402,9 +402,8 @@ static lac_status load(lac_column *c, size_t n, size_t stride, const lac_stored_
         lac_stored_values_clear(&from);
         LAC_TRY(all ? lac_stored_file_values(file, name, &from, err)
                     : lac_stored_file_row(file, name, (ptrdiff_t)i, &from, err));
-        if (from.value == NULL || (all && from.n < n)) {
-            LAC_TRY(lac_fail(err, LAC_EIO, "%s is missing or shorter than its dimension", name));
-        }
+        LAC_LEAVE_IF(from.value == NULL || (all && from.n < n), err, LAC_EIO,
+                     "%s is missing or shorter than its dimension", name);
         LAC_TRY(append(c, from.value, (all ? n : 1) * from.width, err));
     }
 out:
@@ -417,15 +416,13 @@ static lac_status load_axis(lac_columns *all, const char *dim, size_t n, size_t 
 {
     const size_t along = lac_columns_along(all, dim);
     const size_t stride = most > 0 ? n / most + 1 : 1;
-    lac_status status = LAC_OK;
     for (lac_column *c = all->column; n > 0 && c < all->column + all->n; c++) {
         if (along != LAC_ONCE && c->along == along) {
-            LAC_TRY(load(c, n, stride, file, err));
+            LAC_TRY_RETURN(load(c, n, stride, file, err));
             all->growth[along].places = c->count / c->item.count;
         }
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 lac_status lac_recording_load(lac_recording *recording, const char *path,
