@@ -63,14 +63,14 @@ static pid_t maker_of(const char *part, const char *name)
 
 static bool is_dead(pid_t pid) { return kill(pid, 0) != 0 && errno == ESRCH; }
 
-char *lac_temp_file_beside(const char *path, const char *name_ending)
+char *lac_text_join(const char *first, const char *between, const char *second)
 {
-    size_t size = strlen(path) + strlen(name_ending) + 1;
-    char *name = malloc(size);
-    if (name != NULL) {
-        (void)snprintf(name, size, "%s%s", path, name_ending);
+    const size_t size = strlen(first) + strlen(between) + strlen(second) + 1;
+    char *text = malloc(size);
+    if (text != NULL) {
+        (void)snprintf(text, size, "%s%s%s", first, *first != '\0' ? between : "", second);
     }
-    return name;
+    return text;
 }
 
 bool lac_temp_file_write(int fd, const void *bytes, size_t size)

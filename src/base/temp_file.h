@@ -11,12 +11,15 @@
 /// @return to be freed; NULL where memory is short
 char *lac_temp_file_name(const char *path);
 
-/// The name of what is kept beside a file: its own and an ending.
+/// Texts one behind the other, what is between them left out where the first is empty.
 /// @return to be freed; NULL where memory is short
-char *lac_temp_file_beside(const char *path, const char *name_ending);
+char *lac_text_join(const char *first, const char *between, const char *second);
 
 /// Writes all of it. @return false with errno
 bool lac_temp_file_write(int fd, const void *bytes, size_t size);
+
+/// Makes a file of bytes, which are on the disk then, where none is. @return false with errno
+bool lac_temp_file_fill(const char *part, const void *bytes, size_t size);
 
 /// Makes names that were given or taken in the folder of `path` last.
 void lac_temp_file_sync_folder(const char *path);

@@ -20,7 +20,10 @@ lac_status lac_dataset_create(const char *summary, lac_dataset **out, lac_error 
 
 void lac_dataset_free(lac_dataset *dataset)
 {
-    for (size_t i = 0; dataset != NULL && i < dataset->entries; i++) {
+    if (dataset == NULL) {
+        return;
+    }
+    for (size_t i = 0; i < dataset->entries; i++) {
         const lac_named *own = &dataset->entry[i].named;
         const char *const texts[] = {own->name, own->long_name, own->unit, own->comment,
                                      own->cell_methods};
@@ -28,11 +31,9 @@ void lac_dataset_free(lac_dataset *dataset)
             free((char *)texts[k]);
         }
     }
-    if (dataset != NULL) {
-        free(dataset->entry);
-        free(dataset->dim);
-    }
-    if (dataset != NULL && dataset->release != NULL) {
+    free(dataset->entry);
+    free(dataset->dim);
+    if (dataset->release != NULL) {
         dataset->release(dataset->result);
     }
     free(dataset);
@@ -124,19 +125,18 @@ static lac_status add_entry(lac_dataset *dataset, const lac_entry *entry, lac_er
 
 lac_status lac_dataset_add(lac_dataset *dataset, const lac_laid *laid, size_t n, lac_error *err)
 {
-    lac_status status = LAC_OK;
     for (size_t k = 0; k < n; k++) {
         const lac_variables *table = &laid[k].table;
-        for (size_t i = 0; i < table->rows && status == LAC_OK; i++) {
+        for (size_t i = 0; i < table->rows; i++) {
             const lac_entry entry = {.row = &table->row[i],
                                      .over = table->over,
                                      .stride = table->stride,
                                      .pointers = table->pointers,
                                      .of = laid[k].of};
-            status = add_entry(dataset, &entry, err);
+            LAC_TRY_RETURN(add_entry(dataset, &entry, err));
         }
     }
-    return status;
+    return LAC_OK;
 }
 
 static const char *copy(const char *text, bool *good)
@@ -204,24 +204,16 @@ static const void *array(const lac_entry *entry, const size_t *at)
 
 static double held_number(const lac_entry *entry, const size_t *at, size_t place)
 {
-    double real;
-    size_t count;
-    int64_t integer;
-    bool truth;
-    const char *from = held(entry, at);
+    const void *from = held(entry, at);
     switch (entry->row->held) {
     case LAC_HELD_REAL:
-        memcpy(&real, from, sizeof real);
-        return real;
+        return *(const double *)from;
     case LAC_HELD_COUNT:
-        memcpy(&count, from, sizeof count);
-        return count != SIZE_MAX ? (double)count : NAN;
+        return *(const size_t *)from != SIZE_MAX ? (double)*(const size_t *)from : NAN;
     case LAC_HELD_INT64:
-        memcpy(&integer, from, sizeof integer);
-        return integer != INT64_MIN ? (double)integer : NAN;
+        return *(const int64_t *)from != INT64_MIN ? (double)*(const int64_t *)from : NAN;
     case LAC_HELD_BOOL:
-        memcpy(&truth, from, sizeof truth);
-        return truth ? 1.0 : 0.0;
+        return *(const bool *)from ? 1.0 : 0.0;
     case LAC_HELD_REALS:
         return ((const double *)array(entry, at))[place];
     case LAC_HELD_BYTES:

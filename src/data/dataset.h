@@ -82,7 +82,6 @@ typedef struct lac_variables {
 } lac_variables;
 
 /// @param summary  one sentence on what it is, for a file
-/// @return LAC_OK; LAC_ENOMEM
 lac_status lac_dataset_create(const char *summary, lac_dataset **out, lac_error *err);
 
 /// Length of a dimension that grows: variables over it, the first of theirs, have at any time the
@@ -96,7 +95,6 @@ typedef struct lac_extent {
 } lac_extent;
 
 /// Adds dimensions, before the variables over them.
-/// @return LAC_OK; LAC_ENOMEM
 lac_status lac_dataset_dims(lac_dataset *dataset, const lac_extent *extent, size_t n,
                             lac_error *err);
 
@@ -127,7 +125,6 @@ typedef struct lac_named {
 } lac_named;
 
 /// Adds one. @param row  all else that is told of it
-/// @return as lac_dataset_add
 lac_status lac_dataset_add_named(lac_dataset *dataset, const lac_variable *row,
                                  const lac_named *named, const void *of, lac_error *err);
 

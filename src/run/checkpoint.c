@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/archive.h"
 #include "run/run_state.h"
 
 bool lac_run_state_plans(const lac_run_def *def)
@@ -24,19 +25,8 @@ bool lac_run_state_checkpoint_due(lac_run_state *r)
     return due;
 }
 
-// FNV-1a on the values that the problem starts from: another scene has others.
-static uint64_t sum_start(const lac_problem *problem, const double *y)
-{
-    const unsigned char *bytes = (const unsigned char *)y;
-    size_t size = lac_problem_unknowns(problem) * sizeof *y;
-    uint64_t sum = UINT64_C(0xcbf29ce484222325);
-    for (size_t i = 0; i < size; i++) {
-        sum = (sum ^ bytes[i]) * UINT64_C(0x100000001b3);
-    }
-    return sum;
-}
-
-// Sum of the start; 0 where memory is short, which is no sum of anything.
+// Sum of the values that the problem starts from, as another scene has others; 0 where memory is
+// short, which is no sum of anything.
 static uint64_t identify(const lac_problem *problem)
 {
     double *y = calloc(lac_problem_unknowns(problem), sizeof *y);
@@ -44,7 +34,8 @@ static uint64_t identify(const lac_problem *problem)
         return 0;
     }
     lac_problem_initial(problem, y);
-    uint64_t sum = sum_start(problem, y);
+    const size_t size = lac_problem_unknowns(problem) * sizeof *y;
+    const uint64_t sum = lac_sum_bytes(LAC_SUM_OF_NOTHING, y, size);
     free(y);
     return sum | 1;
 }

@@ -265,21 +265,16 @@ out:
 
 lac_status lac_run_describe(const lac_run_place *place, lac_dataset **out, lac_error *err)
 {
-    lac_dataset *d = NULL;
     lac_status status;
-    *out = NULL;
     LAC_TRY(lac_dataset_create(
         "Creep of a rough rock joint under rate-and-state friction: means over its contact cells "
         "against time, one record per line of the time series; fields of every cell where "
         "snapshots were asked for. The attribute `case` is the whole input; `status` says whether "
         "the file is whole.",
-        &d, err));
-    LAC_TRY(add_all(d, place, err));
-    *out = d;
-    d = NULL;
+        out, err));
+    LAC_TRY(add_all(*out, place, err));
 out:
-    lac_dataset_free(d);
-    return status;
+    return lac_dataset_described(out, status);
 }
 
 void lac_run_place_record(lac_run_place *place, const lac_record *record)
@@ -369,9 +364,5 @@ lac_status lac_run_ending_describe(const lac_run_ending *ending, lac_dataset **o
     LAC_TRY(lac_dataset_create("", out, err));
     LAC_TRY(lac_dataset_add(*out, laid, sizeof laid / sizeof *laid, err));
 out:
-    if (status != LAC_OK) {
-        lac_dataset_free(*out);
-        *out = NULL;
-    }
-    return status;
+    return lac_dataset_described(out, status);
 }

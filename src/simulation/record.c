@@ -24,8 +24,8 @@ static lac_status add_outcome(lac_recording *recording, const lac_case *c,
         {"start_date", "s", "start of the run, since 1970", c->dated ? c->start_date : NAN},
     };
     for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
-        LAC_TRY_RETURN(lac_recording_add(recording, table[i].name, table[i].unit, table[i].long_name,
-                                  table[i].value, err));
+        LAC_TRY_RETURN(lac_recording_add(recording, table[i].name, table[i].unit,
+                                         table[i].long_name, table[i].value, err));
     }
     return LAC_OK;
 }

@@ -43,13 +43,12 @@ static size_t find_growth(lac_columns *columns, const lac_item *item)
     if (item->rank == 0 || item->length[0] != LAC_GROWS) {
         return LAC_ONCE;
     }
-    const size_t known = lac_columns_along(columns, item->dim[0]);
     size_t along = 0;
-    while (known == LAC_ONCE && columns->growth[along].name != NULL) {
-        assert(along + 1 < LAC_MOST_GROWING);
+    while (columns->growth[along].name != NULL &&
+           strcmp(columns->growth[along].name, item->dim[0]) != 0) {
         along++;
+        assert(along < LAC_MOST_GROWING);
     }
-    along = known != LAC_ONCE ? known : along;
     columns->growth[along].name = item->dim[0];
     return along;
 }
@@ -90,14 +89,10 @@ lac_status lac_column_reserve(lac_column *column, size_t n, lac_error *err)
 lac_status lac_columns_put(lac_columns *columns, size_t along, unsigned but, lac_error *err)
 {
     lac_column *end = columns->column + columns->n;
-    lac_status status = LAC_OK;
-    for (lac_column *c = columns->column; c < end && status == LAC_OK; c++) {
+    for (lac_column *c = columns->column; c < end; c++) {
         if (c->along == along && (c->item.row->flags & but) == 0) {
-            status = lac_column_reserve(c, c->item.count, err);
+            LAC_TRY_RETURN(lac_column_reserve(c, c->item.count, err));
         }
-    }
-    if (status != LAC_OK || along == LAC_ONCE) {
-        return status;
     }
     for (lac_column *c = columns->column; c < end; c++) {
         if (c->along == along && (c->item.row->flags & but) == 0) {
@@ -271,7 +266,8 @@ lac_status lac_writer_begin(lac_writer *w, lac_error *err)
     const lac_columns *all = &w->columns;
     LAC_TRY_RETURN(set_clock(w, err));
     LAC_TRY_RETURN(lac_columns_create(w->dataset, 0, &w->columns, err));
-    LAC_TRY_RETURN(lac_nc_attributes(w->file, w->dataset, false, err));
+    LAC_TRY_RETURN(
+        lac_dataset_put_attributes(w->dataset, false, lac_nc_put_attribute, (void *)w->file, err));
     for (lac_column *c = all->column; c < all->column + all->n; c++) {
         LAC_TRY_RETURN(lac_writer_define(w, c, err));
         if (c->along != LAC_ONCE && (c->item.row->flags & LAC_CELLS) == 0) {
@@ -361,18 +357,17 @@ size_t lac_writer_places(const lac_writer *w, const char *dim)
 
 lac_status lac_writer_flush(lac_writer *w, lac_error *err)
 {
-    lac_status status = LAC_OK;
-    for (size_t along = 0; along < LAC_MOST_GROWING && status == LAC_OK; along++) {
-        status = flush(w, along, err);
+    for (size_t along = 0; along < LAC_MOST_GROWING; along++) {
+        LAC_TRY_RETURN(flush(w, along, err));
     }
-    return status;
+    return LAC_OK;
 }
 
 lac_status lac_writer_sync(lac_writer *w, lac_error *err)
 {
-    lac_status status = lac_writer_flush(w, err);
-    w->pending = status == LAC_OK ? 0 : w->pending;
-    return status == LAC_OK ? lac_nc_sync(w->file, err) : status;
+    LAC_TRY_RETURN(lac_writer_flush(w, err));
+    w->pending = 0;
+    return lac_nc_sync(w->file, err);
 }
 
 void lac_writer_clear(lac_writer *w) { lac_columns_clear(&w->columns); }

@@ -253,8 +253,8 @@ lac_status lac_writer_define(const lac_writer *w, lac_column *column, lac_error 
     return LAC_OK;
 }
 
-lac_status lac_nc_attributes(const lac_nc *file, const lac_dataset *dataset, bool late,
-                             lac_error *err)
+lac_status lac_dataset_put_attributes(const lac_dataset *dataset, bool late, lac_put_attribute *put,
+                                      void *to, lac_error *err)
 {
     lac_item item = {0};
     lac_status status = LAC_OK;
@@ -264,13 +264,11 @@ lac_status lac_nc_attributes(const lac_nc *file, const lac_dataset *dataset, boo
         if (!lac_item_is_global(&item) || late != ((item.row->flags & LAC_LATE) != 0)) {
             continue;
         }
-        if (item.is_text) {
-            status = lac_nc_text(file, NC_GLOBAL, item.name, lac_item_text(&item, 0, room), err);
-        } else {
+        if (!item.is_text) {
             lac_item_values(&item, &number);
-            status = lac_nc_number(file, NC_GLOBAL, item.name, number,
-                                   (item.row->flags & LAC_WHOLE) != 0, err);
         }
+        status = put(to, item.name, item.is_text ? lac_item_text(&item, 0, room) : NULL, number,
+                     (item.row->flags & LAC_WHOLE) != 0, err);
     }
     return status;
 }

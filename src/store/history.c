@@ -178,7 +178,8 @@ lac_status lac_history_store_maps(lac_history_store *store, const lac_history_ma
 lac_status lac_history_store_finish(lac_history_store *store, const char *status, lac_error *err)
 {
     assert(store->file.open);
-    lac_status first = lac_nc_attributes(&store->file, store->writer.dataset, true, err);
+    lac_status first = lac_dataset_put_attributes(store->writer.dataset, true, lac_nc_put_attribute,
+                                                  (void *)&store->file, err);
     const char *said = first == LAC_OK ? status : "failed";
     lac_error *later = first == LAC_OK ? err : NULL;
     lac_status second = lac_nc_text(&store->file, NC_GLOBAL, "status", said, later);

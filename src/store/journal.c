@@ -363,7 +363,7 @@ struct lac_journal *lac_journal_create(const lac_nc *file, lac_status *out, lac_
     lac_status status = LAC_OK;
     LAC_TRY(j != NULL ? LAC_OK : lac_fail_memory(err));
     *j = (struct lac_journal){.fd = -1};
-    j->name = lac_temp_file_beside(file->path, ending);
+    j->name = lac_text_join(file->path, "", ending);
     j->part = j->name != NULL ? lac_temp_file_name(j->name) : NULL;
     LAC_TRY(j->part != NULL && owner != NULL ? LAC_OK : lac_fail_memory(err));
     LAC_LEAVE_IF(!may_take(j->name), err, LAC_EINPUT,

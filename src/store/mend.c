@@ -106,7 +106,7 @@ static bool pad(const char *path, int to)
 // A new file, its owner's only as the file may be: `FOLDER/.NAME.mended.lacuna-PID.part`.
 static int open_copy(const char *path, char **copy)
 {
-    char *name = lac_temp_file_beside(path, ".mended");
+    char *name = lac_text_join(path, "", ".mended");
     *copy = name != NULL ? lac_temp_file_name(name) : NULL;
     int fd = -1;
     if (*copy != NULL) {
@@ -122,7 +122,7 @@ static int open_copy(const char *path, char **copy)
 static int open_copy_elsewhere(const char *path, char **copy)
 {
     const char *slash = strrchr(path, '/');
-    char *name = lac_temp_file_beside("/tmp/", slash != NULL ? slash + 1 : path);
+    char *name = lac_text_join("/tmp/", "", slash != NULL ? slash + 1 : path);
     free(*copy);
     *copy = NULL;
     int fd = name != NULL ? open_copy(name, copy) : -1;

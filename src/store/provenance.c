@@ -6,28 +6,22 @@
 #include <string.h>
 
 #include "base/date.h"
+#include "base/temp_file.h"
 #include "lacuna/version.h"
-#include "store/nc.h"
-#include "store/recording.h"
-
-// Where a text goes or, where it is NULL, a number; NaN: there is none.
-typedef lac_status put_one(void *to, const char *name, const char *text, double number, bool whole,
-                           lac_error *err);
+#include "store/writer.h"
 
 static lac_status put_joined(const char *name, const char *first, const char *between,
-                             const char *second, put_one *put, void *to, lac_error *err)
+                             const char *second, lac_put_attribute *put, void *to, lac_error *err)
 {
-    const size_t size = strlen(first) + strlen(between) + strlen(second) + 1;
-    char *text = malloc(size);
+    char *text = lac_text_join(first, between, second);
     LAC_FAIL_MEMORY_IF(text == NULL, err);
-    (void)snprintf(text, size, "%s%s%s", first, *first != '\0' ? between : "", second);
     lac_status status = put(to, name, text, NAN, false, err);
     free(text);
     return status;
 }
 
-static lac_status put_all(const lac_provenance *of, const char *summary, put_one *put, void *to,
-                          lac_error *err)
+static lac_status put_all(const lac_provenance *of, const char *summary, lac_put_attribute *put,
+                          void *to, lac_error *err)
 {
     char date[32], version[32], netcdf[40];
     const bool picked = of->accuracy != NULL;
@@ -66,8 +60,8 @@ static lac_status put_all(const lac_provenance *of, const char *summary, put_one
     return LAC_OK;
 }
 
-static lac_status put_in_file(void *to, const char *name, const char *text, double number,
-                              bool whole, lac_error *err)
+lac_status lac_nc_put_attribute(void *to, const char *name, const char *text, double number,
+                                bool whole, lac_error *err)
 {
     return isnan(number) ? lac_nc_text(to, NC_GLOBAL, name, text, err)
                          : lac_nc_number(to, NC_GLOBAL, name, number, whole, err);
@@ -76,11 +70,11 @@ static lac_status put_in_file(void *to, const char *name, const char *text, doub
 lac_status lac_nc_provenance(const lac_nc *file, const lac_provenance *provenance,
                              const char *summary, lac_error *err)
 {
-    return put_all(provenance, summary, put_in_file, (void *)file, err); // only read
+    return put_all(provenance, summary, lac_nc_put_attribute, (void *)file, err); // only read
 }
 
-static lac_status put_in_memory(void *to, const char *name, const char *text, double number,
-                                bool whole, lac_error *err)
+lac_status lac_recording_put_attribute(void *to, const char *name, const char *text, double number,
+                                       bool whole, lac_error *err)
 {
     char digits[32];
     (void)whole;
@@ -92,5 +86,5 @@ static lac_status put_in_memory(void *to, const char *name, const char *text, do
 lac_status lac_recording_sign(lac_recording *recording, const lac_provenance *provenance,
                               lac_error *err)
 {
-    return put_all(provenance, NULL, put_in_memory, recording, err);
+    return put_all(provenance, NULL, lac_recording_put_attribute, recording, err);
 }

@@ -57,13 +57,13 @@ static void pass_text(lac_archive *archive, char **text)
 
 static void pass_about(lac_archive *archive, lac_checkpoint_file *c)
 {
-    lac_archive_pass(archive, &c->from.planned, sizeof c->from.planned);
-    lac_archive_pass(archive, &c->from.time, sizeof c->from.time);
-    lac_archive_pass(archive, &c->records, sizeof c->records);
-    lac_archive_pass(archive, &c->snapshots, sizeof c->snapshots);
-    lac_archive_pass(archive, &c->events, sizeof c->events);
-    lac_archive_pass(archive, &c->begun, sizeof c->begun);
-    lac_archive_pass(archive, &c->last_time, sizeof c->last_time);
+    LAC_PASS(archive, c->from.planned);
+    LAC_PASS(archive, c->from.time);
+    LAC_PASS(archive, c->records);
+    LAC_PASS(archive, c->snapshots);
+    LAC_PASS(archive, c->events);
+    LAC_PASS(archive, c->begun);
+    LAC_PASS(archive, c->last_time);
     pass_text(archive, &c->program);
     pass_text(archive, &c->libraries);
     pass_text(archive, &c->case_text);
@@ -72,21 +72,13 @@ static void pass_about(lac_archive *archive, lac_checkpoint_file *c)
 static lac_status write_file(const char *name, const char *part, const lac_archive *archive,
                              lac_error *err)
 {
-    head h = {.size = archive->size, .sum = sum_of(archive->bytes, archive->size)};
+    head h = {.size = archive->size - sizeof h};
+    h.sum = sum_of(archive->bytes + sizeof h, h.size);
     memcpy(h.mark, mark, sizeof mark);
-    int fd = open(part, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-    bool good = fd >= 0 && lac_temp_file_write(fd, &h, sizeof h) &&
-                lac_temp_file_write(fd, archive->bytes, archive->size) && fsync(fd) == 0;
-    int reason = errno;
-    if (fd >= 0 && close(fd) != 0 && good) {
-        good = false;
-        reason = errno;
-    }
-    if (good && rename(part, name) != 0) {
-        good = false;
-        reason = errno;
-    }
-    if (!good) {
+    memcpy(archive->bytes, &h, sizeof h);
+    (void)unlink(part);
+    if (!lac_temp_file_fill(part, archive->bytes, archive->size) || rename(part, name) != 0) {
+        const int reason = errno;
         (void)unlink(part);
         return lac_fail(err, LAC_EIO, "%s: cannot write: %s", name, strerror(reason));
     }
@@ -108,8 +100,10 @@ lac_status lac_store_put_checkpoint(const lac_store *s, const lac_checkpoint *ch
                                 .case_text = s->case_text};
     lac_archive archive = {.loading = false};
     lac_status status = LAC_OK;
-    char *name = lac_temp_file_beside(s->file.path, ".checkpoint");
-    char *part = lac_temp_file_beside(s->file.path, ".checkpoint.part");
+    head later = {.size = 0};
+    char *name = lac_text_join(s->file.path, "", ".checkpoint");
+    char *part = lac_text_join(s->file.path, "", ".checkpoint.part");
+    LAC_PASS(&archive, later);
     pass_about(&archive, &info);
     lac_archive_pass(&archive, (void *)checkpoint->state, checkpoint->size); // only read
     if (name == NULL || part == NULL || archive.no_memory) {
@@ -181,7 +175,7 @@ lac_status lac_checkpoint_file_read(const char *path, lac_checkpoint_file *out, 
     size_t size = 0;
     *out = (lac_checkpoint_file){.records = 0};
     char *place = realpath(path, NULL); // through the links, as the file itself is written
-    char *name = lac_temp_file_beside(place != NULL ? place : path, ".checkpoint");
+    char *name = lac_text_join(place != NULL ? place : path, "", ".checkpoint");
     int fd = name != NULL ? open(name, O_RDONLY | O_CLOEXEC) : -1;
     LAC_TRY(name != NULL ? LAC_OK : lac_fail_memory(err));
     LAC_LEAVE_IF(fd < 0 && errno == ENOENT, err, LAC_EINPUT, "%s: has no checkpoint to go on from",
@@ -287,16 +281,9 @@ static lac_status extend(const lac_store *s, const lac_stored_file *in, const ch
                          const char *between, const char *more, lac_error *err)
 {
     char *old = lac_nc_text_of(in->id, name, in->size);
-    size_t size = old != NULL ? strlen(old) + strlen(between) + strlen(more) + 1 : 0;
-    char *text = old != NULL ? malloc(size) : NULL;
-    lac_status status = LAC_OK;
-    if (text == NULL) {
-        status = lac_fail_memory(err);
-    } else {
-        bool both = *old != '\0' && *more != '\0';
-        (void)snprintf(text, size, "%s%s%s", old, both ? between : "", more);
-        status = lac_nc_text(&s->file, NC_GLOBAL, name, text, err);
-    }
+    char *text = old != NULL ? lac_text_join(old, between, more) : NULL;
+    const lac_status status =
+        text != NULL ? lac_nc_text(&s->file, NC_GLOBAL, name, text, err) : lac_fail_memory(err);
     free(old);
     free(text);
     return status;

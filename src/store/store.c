@@ -8,6 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/temp_file.h"
+
 enum {
     BATCH_MAX = 512, // records kept in memory at most
     CHUNK = 512      // records a chunk: 4 kB, what a sync rewrites of each variable
@@ -15,23 +17,19 @@ enum {
 
 static lac_status sync_file(lac_store *s, lac_error *err)
 {
-    lac_status status = lac_writer_sync(&s->writer, err);
-    s->unsynced = status == LAC_OK ? 0 : s->unsynced;
-    return status;
+    LAC_TRY_RETURN(lac_writer_sync(&s->writer, err));
+    s->unsynced = 0;
+    return LAC_OK;
 }
 
 // What a checkpoint says of who made it.
 static lac_status keep_provenance(lac_store *s, const lac_store_def *def, lac_error *err)
 {
     const lac_provenance *from = &def->provenance;
-    const char *parts[] = {from->case_text != NULL ? from->case_text : "",
-                           def->inputs != NULL ? def->inputs : ""};
-    size_t size = strlen(parts[0]) + strlen(parts[1]) + 1;
     s->libraries = strdup(from->libraries != NULL ? from->libraries : "");
-    s->case_text = malloc(size);
-    LAC_FAIL_MEMORY_IF(s->libraries == NULL || s->case_text == NULL, err);
-    (void)snprintf(s->case_text, size, "%s%s", parts[0], parts[1]);
-    return LAC_OK;
+    s->case_text = lac_text_join(from->case_text != NULL ? from->case_text : "", "",
+                                 def->inputs != NULL ? def->inputs : "");
+    return s->libraries != NULL && s->case_text != NULL ? LAC_OK : lac_fail_memory(err);
 }
 
 // A new file, or the one that is there up to its checkpoint.
@@ -195,7 +193,9 @@ static lac_status put_ending(const lac_store *s, const lac_run_ending *ending, l
 {
     lac_dataset *dataset = NULL;
     lac_status status = lac_run_ending_describe(ending, &dataset, err);
-    status = status == LAC_OK ? lac_nc_attributes(&s->file, dataset, false, err) : status;
+    status = status == LAC_OK ? lac_dataset_put_attributes(dataset, false, lac_nc_put_attribute,
+                                                           (void *)&s->file, err)
+                              : status;
     lac_dataset_free(dataset);
     return status;
 }

@@ -79,7 +79,6 @@ lac_status lac_store_finish(lac_store *store, const char *status, const lac_run_
 void lac_store_free(lac_store *store);
 
 /// Writes a dataset to a netCDF-4 file of its own; docs/format.md.
-/// @return as lac_store_create
 lac_status lac_store_dataset(const char *path, bool force, const lac_provenance *provenance,
                              const lac_dataset *dataset, lac_error *err);
 
@@ -122,18 +121,15 @@ typedef struct lac_history_store_def {
 typedef struct lac_history_store lac_history_store;
 
 /// Creates the file with the contact and status `running`.
-/// @return as lac_store_create
 lac_status lac_history_store_create(const lac_history_store_def *def, lac_history_store **out,
                                     lac_error *err);
 
 /// Adds a step and has it written to disk; with LAC_KEEP_ALL its maps must follow, with which it is
 /// written.
-/// @return LAC_OK; LAC_EIO
 lac_status lac_history_store_step(lac_history_store *store, const lac_history_record *record,
                                   lac_error *err);
 
 /// Writes the cells of the step added last.
-/// @return LAC_OK; LAC_EIO
 lac_status lac_history_store_maps(lac_history_store *store, const lac_history_maps *maps,
                                   lac_error *err);
 
@@ -150,6 +146,5 @@ lac_status lac_history_store_finish(lac_history_store *store, const char *status
 void lac_history_store_free(lac_history_store *store);
 
 /// Reads a global text attribute.
-/// @return LAC_OK; LAC_EIO
 lac_status lac_store_read_attribute(const char *path, const char *name, char *text, size_t size,
                                     lac_error *err);

@@ -74,7 +74,7 @@ typedef struct lac_writer {
 lac_status lac_writer_begin(lac_writer *writer, lac_error *err);
 
 /// Adds what the dataset holds now along a dimension that grows; nothing where it has none of that
-/// name. @return LAC_OK; LAC_EIO; LAC_ENOMEM
+/// name.
 lac_status lac_writer_put(lac_writer *writer, const char *dim, lac_error *err);
 
 /// Writes values of places along the dimension of a column at once; what is missing is filled in.
@@ -98,13 +98,20 @@ void lac_writer_clear(lac_writer *writer);
 /// The netCDF type of an item.
 nc_type lac_writer_type(const lac_writer *writer, const lac_item *item);
 
-/// Defines one variable with its attributes. @return LAC_OK; LAC_EIO
+/// Defines one variable with its attributes.
 lac_status lac_writer_define(const lac_writer *writer, lac_column *column, lac_error *err);
 
 /// The longest of the texts of an item, at least 1 [bytes].
 size_t lac_item_longest_text(const lac_item *item);
 
-/// Writes the attributes that a dataset has for its file. @param late  those of LAC_LATE, or all
-/// others @return LAC_OK; LAC_EIO
-lac_status lac_nc_attributes(const lac_nc *file, const lac_dataset *dataset, bool late,
-                             lac_error *err);
+/// Where an attribute of the whole goes: a text or, where that is NULL, a number; NaN: it is
+/// missing.
+typedef lac_status lac_put_attribute(void *to, const char *name, const char *text, double number,
+                                     bool whole, lac_error *err);
+lac_put_attribute lac_nc_put_attribute;        ///< into a lac_nc
+lac_put_attribute lac_recording_put_attribute; ///< into a lac_recording, as a text
+
+/// Puts the attributes that a dataset has for its file. @param late  those of LAC_LATE, or all
+/// others
+lac_status lac_dataset_put_attributes(const lac_dataset *dataset, bool late, lac_put_attribute *put,
+                                      void *to, lac_error *err);

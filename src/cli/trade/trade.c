@@ -7,6 +7,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/archive.h"
 #include "base/units.h"
 #include "cli/common/command.h"
 #include "cli/common/inputs.h"
@@ -195,13 +196,9 @@ lac_status cli_trade_case(const cli_trade_job *job, size_t run, lac_case **c, la
     return status;
 }
 
-// FNV-1a
 static uint64_t add(uint64_t sum, const char *text)
 {
-    for (; *text != '\0'; text++) {
-        sum = (sum ^ (unsigned char)*text) * UINT64_C(0x100000001b3);
-    }
-    return sum;
+    return lac_sum_bytes(sum, text, strlen(text));
 }
 
 static lac_status describe(const cli_trade_job *job, const lac_case *c, lac_trade_settings *out,
@@ -212,7 +209,7 @@ static lac_status describe(const cli_trade_job *job, const lac_case *c, lac_trad
     lac_status status = text == NULL || sums == NULL ? lac_fail_memory(err) : LAC_OK;
     if (status == LAC_OK) {
         (void)snprintf(end, sizeof end, "%a", c->run.end);
-        out->key = add(UINT64_C(0xcbf29ce484222325), text);
+        out->key = add(LAC_SUM_OF_NOTHING, text);
         out->key = add(add(out->key, sums), end);
         out->key = add(add(out->key, LACUNA_VERSION), cli_libraries(libraries, sizeof libraries));
         for (size_t d = 0; d < job->plan.settings; d++) {
