@@ -28,7 +28,8 @@ typedef struct lac_error {
 lac_status lac_fail(lac_error *err, lac_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/// Puts "text: " before the message in `err`, to say on the way up where it happened.
+/// Puts "text: " before the message in `err`, to say on the way up where it happened; LAC_OK has
+/// none.
 /// @return status, unchanged
 lac_status lac_fail_within(lac_error *err, lac_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));

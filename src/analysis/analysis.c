@@ -6,10 +6,12 @@
 #include "lacuna/simulation.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 struct lac_analysis {
+    lac_sink next; // first, as lac_sink_before wants it
     size_t n;
     lac_indicator *indicator; // [n]
     size_t *first;            // [n] value of each indicator in a record
@@ -18,7 +20,6 @@ struct lac_analysis {
     lac_extra *extra; // [extras] of all indicators
     double *once;     // [extras] gathered on request
     double *values;   // of the last record
-    lac_sink next;
 };
 
 lac_analysis_rg *lac_analysis_cascade(const lac_model *indicator)
@@ -108,27 +109,19 @@ static lac_status on_record(void *context, const lac_record *record, lac_error *
     return a->next.record != NULL ? a->next.record(a->next.context, &line, err) : LAC_OK;
 }
 
-static lac_status on_snapshot(void *context, const lac_snapshot *snapshot, lac_error *err)
-{
-    lac_analysis *a = context;
-    return a->next.snapshot != NULL ? a->next.snapshot(a->next.context, snapshot, err) : LAC_OK;
-}
-
 static lac_status on_step(void *context, const lac_step *step, lac_error *err)
 {
     lac_analysis *a = context;
-    lac_status status = LAC_OK;
     for (size_t i = 0; i < a->n; i++) {
         lac_indicator *indicator = &a->indicator[i];
         if (indicator->kind->step != NULL) {
-            LAC_TRY(indicator->kind->step(indicator, step, &a->next, err));
+            LAC_TRY_RETURN(indicator->kind->step(indicator, step, &a->next, err));
         }
     }
     if (a->next.step != NULL) {
-        LAC_TRY(a->next.step(a->next.context, step, err));
+        LAC_TRY_RETURN(a->next.step(a->next.context, step, err));
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 static void on_keep(void *context, lac_archive *archive)
@@ -147,23 +140,14 @@ static void on_keep(void *context, lac_archive *archive)
     }
 }
 
-static lac_status on_checkpoint(void *context, const lac_checkpoint *checkpoint, lac_error *err)
-{
-    lac_analysis *a = context;
-    return a->next.checkpoint(a->next.context, checkpoint, err);
-}
-
 lac_sink lac_analysis_sink(lac_analysis *analysis, const lac_sink *next)
 {
-    const bool steps = lac_analysis_has_events(analysis) || next->step != NULL;
     analysis->next = *next;
-    return (lac_sink){.size = sizeof(lac_sink),
-                      .context = analysis,
-                      .record = on_record,
-                      .snapshot = on_snapshot,
-                      .step = steps ? on_step : NULL,
-                      .serialize = on_keep,
-                      .checkpoint = next->checkpoint != NULL ? on_checkpoint : NULL};
+    lac_sink sink = lac_sink_before(&analysis->next);
+    sink.record = on_record;
+    sink.step = lac_analysis_has_events(analysis) || next->step != NULL ? on_step : NULL;
+    sink.serialize = on_keep;
+    return sink;
 }
 
 bool lac_analysis_has_events(const lac_analysis *analysis)
@@ -194,16 +178,42 @@ size_t lac_analysis_extras(const lac_analysis *analysis, const lac_extra **extra
 
 lac_status lac_analysis_finish(lac_analysis *analysis, const lac_run_result *result, lac_error *err)
 {
-    lac_status status = LAC_OK;
     for (size_t i = 0; i < analysis->n; i++) {
         lac_indicator *indicator = &analysis->indicator[i];
-        LAC_TRY(indicator->kind->finish(indicator, result, &analysis->next, err));
+        LAC_TRY_RETURN(indicator->kind->finish(indicator, result, &analysis->next, err));
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 const lac_indicator *lac_analysis_get(const lac_analysis *analysis, size_t index)
 {
     return analysis != NULL && index < analysis->n ? &analysis->indicator[index] : NULL;
+}
+
+lac_critical_fraction lac_critical_fraction_of(const lac_rg_result *result, const char *how,
+                                               double beta)
+{
+    const double lowest = 0.05; // the map's own range of fit
+    const lac_rg_estimate *c = &result->fixed_point;
+    lac_critical_fraction out = {.value = NAN, .low = NAN, .high = NAN, .beta = beta};
+    if (isnan(result->map.lambda)) {
+        (void)snprintf(out.source, sizeof out.source,
+                       "none: %zu pairs of slipped fractions are too few for a map (%s)",
+                       result->map.points, how);
+    } else if (isnan(c->value)) {
+        (void)snprintf(out.source, sizeof out.source,
+                       "none: the map does not cross the diagonal, lambda = %.4g (%s)",
+                       result->map.lambda, how);
+    } else if (!(c->value > lowest && c->value < 1.0 - lowest)) {
+        (void)snprintf(out.source, sizeof out.source,
+                       "none: the map crosses the diagonal at %.3g only, beyond the range from %g "
+                       "to %g it was fitted to (%s)",
+                       c->value, lowest, 1.0 - lowest, how);
+    } else {
+        out.value = c->value;
+        out.low = c->low;
+        out.high = c->high;
+        (void)snprintf(out.source, sizeof out.source, "static cascade: %s", how);
+    }
+    return out;
 }

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "analysis/neighbours.h"
+#include "analysis/slipping.h"
 #include "lacuna/simulation.h"
 
 static const uint32_t none = UINT32_MAX;
@@ -148,7 +148,6 @@ static lac_status merge(lac_catalogue *c, uint32_t *into, uint32_t from, lac_err
 // The one event of a cell's moving neighbours; none where none moves.
 static lac_status join_neighbours(lac_catalogue *c, uint32_t cell, uint32_t *place, lac_error *err)
 {
-    lac_status status = LAC_OK;
     *place = none;
     for (size_t k = 0; k < LAC_NEIGHBOURS; k++) {
         uint32_t j = c->neighbour[LAC_NEIGHBOURS * cell + k];
@@ -158,25 +157,23 @@ static lac_status join_neighbours(lac_catalogue *c, uint32_t cell, uint32_t *pla
         if (*place == none) {
             *place = c->event[j];
         } else {
-            LAC_TRY(merge(c, place, c->event[j], err));
+            LAC_TRY_RETURN(merge(c, place, c->event[j], err));
         }
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 static lac_status begin_motion(lac_catalogue *c, uint32_t cell, double local, double slip,
                                lac_error *err)
 {
     uint32_t place;
-    lac_status status = LAC_OK;
-    LAC_TRY(join_neighbours(c, cell, &place, err));
+    LAC_TRY_RETURN(join_neighbours(c, cell, &place, err));
     if (place == none) {
-        LAC_TRY(open_event(c, cell, local, &place, err));
+        LAC_TRY_RETURN(open_event(c, cell, local, &place, err));
     }
     lac_open_event *e = &c->open[place];
     if (c->event[cell] != place) {
-        LAC_TRY(make_room(e, 1, err));
+        LAC_TRY_RETURN(make_room(e, 1, err));
         e->cells[e->count++] = cell;
         c->event[cell] = place;
     }
@@ -185,8 +182,7 @@ static lac_status begin_motion(lac_catalogue *c, uint32_t cell, double local, do
     c->slip_at_rise[cell] = slip;
     c->place[cell] = (uint32_t)c->actives;
     c->active[c->actives++] = cell;
-out:
-    return status;
+    return LAC_OK;
 }
 
 static void end_motion(lac_catalogue *c, uint32_t cell, double slip)
@@ -217,9 +213,7 @@ static void survey(lac_catalogue *c, const lac_open_event *e, lac_event *event)
         rows += c->y_mark[y] != c->mark;
         c->cell_mark[cell] = c->x_mark[x] = c->y_mark[y] = c->mark;
     }
-    double along = (double)columns * grid->dx;
-    // The width of a line is no extent.
-    event->size = grid->ny > 1 ? fmax(along, (double)rows * grid->dy) : along;
+    event->size = lac_grid_extent(grid, (double)columns, (double)rows);
 }
 
 // Puts out an event none of whose cells move any more, or that the run's end cuts off.
@@ -325,32 +319,29 @@ static double slip_at(const lac_catalogue *c, const lac_step *step, const lac_mo
 static lac_status apply(lac_catalogue *c, const lac_step *step, const lac_motion_change *change,
                         const lac_sink *sink, lac_error *err)
 {
-    lac_status status = LAC_OK;
     double local = step->time_local - (1.0 - change->share) * step->step;
     double slip = slip_at(c, step, change);
     if (change->rises) {
-        LAC_TRY(begin_motion(c, change->cell, local, slip, err));
+        LAC_TRY_RETURN(begin_motion(c, change->cell, local, slip, err));
         c->open[c->event[change->cell]].before |= !c->begun;
     } else {
         end_motion(c, change->cell, slip);
         if (c->open[c->event[change->cell]].moving == 0) {
-            LAC_TRY(put_out(c, c->event[change->cell], local, sink, err));
+            LAC_TRY_RETURN(put_out(c, c->event[change->cell], local, sink, err));
         }
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 lac_status lac_catalogue_step(lac_catalogue *c, const lac_step *step, const lac_sink *sink,
                               lac_error *err)
 {
-    lac_status status = LAC_OK;
     c->origin = step->time_origin;
     c->local = step->time_local;
     if (c->actives > 0 || step->max_rate >= c->rise) {
         size_t changes = collect(c, step);
         for (size_t k = 0; k < changes; k++) {
-            LAC_TRY(apply(c, step, &c->change[k], sink, err));
+            LAC_TRY_RETURN(apply(c, step, &c->change[k], sink, err));
         }
     }
     for (size_t k = 0; k < moved_on(c, step); k++) {
@@ -363,13 +354,11 @@ lac_status lac_catalogue_step(lac_catalogue *c, const lac_step *step, const lac_
         }
     }
     c->begun = true;
-out:
-    return status;
+    return LAC_OK;
 }
 
 lac_status lac_catalogue_close(lac_catalogue *c, const lac_sink *sink, lac_error *err)
 {
-    lac_status status = LAC_OK;
     for (size_t k = 0; k < c->actives; k++) {
         uint32_t cell = c->active[k];
         c->open[c->event[cell]].slip += fabs(c->slip[cell] - c->slip_at_rise[cell]);
@@ -378,9 +367,133 @@ lac_status lac_catalogue_close(lac_catalogue *c, const lac_sink *sink, lac_error
     c->actives = 0;
     for (size_t i = 0; i < c->places; i++) {
         if (c->open[i].open) {
-            LAC_TRY(put_out(c, (uint32_t)i, c->local, sink, err));
+            LAC_TRY_RETURN(put_out(c, (uint32_t)i, c->local, sink, err));
         }
     }
-out:
-    return status;
+    return LAC_OK;
+}
+
+// Zeroed room for `count` things that take at least `least` bytes each on the archive; NULL where
+// it cannot hold as many.
+static void *room_for(lac_archive *archive, size_t count, size_t least, size_t size)
+{
+    if (!lac_archive_good(archive) || count > (archive->size - archive->at) / least) {
+        archive->short_of |= lac_archive_good(archive);
+        return NULL;
+    }
+    void *room = calloc(count + 1, size);
+    archive->no_memory = room == NULL;
+    return room;
+}
+
+// As a byte: not every byte is a bool.
+static void pass_bool(lac_archive *archive, bool *value)
+{
+    uint8_t byte = *value ? 1 : 0;
+    LAC_PASS(archive, byte);
+    *value = byte != 0;
+}
+
+static void pass_event(lac_archive *archive, lac_open_event *e)
+{
+    LAC_PASS(archive, e->origin);
+    LAC_PASS(archive, e->local);
+    LAC_PASS(archive, e->first);
+    LAC_PASS(archive, e->slip);
+    LAC_PASS(archive, e->max_rate);
+    LAC_PASS(archive, e->moving);
+    LAC_PASS(archive, e->count);
+    pass_bool(archive, &e->open);
+    pass_bool(archive, &e->before);
+    size_t count = e->open ? e->count : 0; // of a vacant place there is but the next one
+    if (archive->loading) {
+        e->cells = room_for(archive, count, sizeof *e->cells, sizeof *e->cells);
+        e->room = e->count = e->cells != NULL ? count : 0;
+    }
+    lac_archive_pass(archive, e->cells, count * sizeof *e->cells);
+}
+
+static void pass_open(lac_catalogue *c, lac_archive *archive)
+{
+    size_t places = c->places;
+    LAC_PASS(archive, c->vacant);
+    LAC_PASS(archive, places);
+    if (archive->loading) {
+        c->open = room_for(archive, places, sizeof c->open->origin, sizeof *c->open);
+        c->places = c->open != NULL ? places : 0;
+    }
+    for (size_t i = 0; i < c->places; i++) {
+        pass_event(archive, &c->open[i]);
+    }
+}
+
+// The cells that move, in their order, with their slip when they began to.
+static void pass_moving(lac_catalogue *c, lac_archive *archive)
+{
+    LAC_PASS(archive, c->actives);
+    if (c->actives > c->domain->n) {
+        archive->short_of = true;
+        c->actives = 0;
+    }
+    lac_archive_pass(archive, c->active, c->actives * sizeof *c->active);
+    for (size_t k = 0; k < c->actives && lac_archive_good(archive); k++) {
+        uint32_t cell = c->active[k];
+        if (cell >= c->domain->n || (archive->loading && c->moves[cell])) {
+            archive->short_of = true;
+            return;
+        }
+        LAC_PASS(archive, c->slip_at_rise[cell]);
+        c->moves[cell] = 1;
+        c->place[cell] = (uint32_t)k;
+    }
+}
+
+// Whether every number that is used as an index is one.
+static bool is_sound(const lac_catalogue *c)
+{
+    const size_t n = c->domain->n;
+    bool sound = c->vacant == none || c->vacant < c->places;
+    for (size_t i = 0; i < n; i++) {
+        sound &= c->event[i] == none || c->event[i] < c->places;
+        sound &= !c->moves[i] || c->event[i] != none;
+    }
+    for (size_t i = 0; i < c->places; i++) {
+        const lac_open_event *e = &c->open[i];
+        sound &= e->open ? e->first < n : e->first == none || e->first < c->places;
+        for (size_t k = 0; k < e->count; k++) {
+            sound &= e->cells[k] < n;
+        }
+    }
+    return sound;
+}
+
+// A run that cannot go on from what came is summed up all the same: nothing of it is under way.
+static void forget(lac_catalogue *c)
+{
+    c->actives = 0;
+    for (size_t i = 0; i < c->places; i++) {
+        c->open[i].open = false;
+    }
+}
+
+void lac_catalogue_serialize(lac_catalogue *c, lac_archive *archive)
+{
+    const size_t n = c->domain->n;
+    pass_bool(archive, &c->begun);
+    LAC_PASS(archive, c->origin);
+    LAC_PASS(archive, c->local);
+    lac_archive_pass(archive, c->rate, n * sizeof *c->rate);
+    lac_archive_pass(archive, c->slip, n * sizeof *c->slip);
+    lac_archive_pass(archive, c->event, n * sizeof *c->event);
+    pass_moving(c, archive);
+    pass_open(c, archive);
+    LAC_PASS(archive, c->events);
+    LAC_PASS(archive, c->cut);
+    LAC_PASS(archive, c->largest_slip);
+    LAC_PASS(archive, c->largest_size);
+    LAC_PASS(archive, c->slip_sum);
+    if (archive->loading && !(lac_archive_good(archive) && is_sound(c))) {
+        archive->short_of |= lac_archive_good(archive);
+        forget(c);
+    }
 }

@@ -7,9 +7,6 @@
 #include <string.h>
 
 #include "analysis/kinds.h"
-#include "analysis/run_map.h"
-#include "analysis/slip_blocks.h"
-#include "analysis/slip_clusters.h"
 #include "analysis/slipping.h"
 #include "base/rg_rows.h"
 #include "base/rows.h"
@@ -54,12 +51,21 @@ static const char *fault(const void *p)
 enum { N_SLIP, FRACTION, CRITICALITY, XI, ONCE, EXTRAS = ONCE + 9 };
 enum { CRITICAL, CRITICAL_LOW, CRITICAL_HIGH, RUN_C, RUN_C_LOW, RUN_C_HIGH, RUN_L };
 enum { RESULTS = 18, LINES = 4 };
+enum { STATES = 64, STRETCH = 4, LEAST_BLOCKS = 8, RESAMPLINGS = 400 };
+
+// Pairs (s_l, s_{l+1}) of a run, taken when the slip fraction first comes to each 1/64.
+typedef struct run_map {
+    size_t states;            // taken so far
+    size_t reached;           // 64ths that have been
+    size_t first[STATES + 1]; // pair of each state
+    double *s, *s_next;       // [64 levels]
+} run_map;
 
 typedef struct rg {
     lac_slipping slipping;
     lac_slip_blocks blocks;
     lac_slip_clusters clusters;
-    lac_run_map map;
+    run_map map;
     lac_critical_fraction critical;
     size_t cells;
     double fraction, longest; // at the last record; longest xi of any [m]
@@ -114,7 +120,7 @@ static void destroy(lac_indicator *self)
         lac_slipping_clear(&r->slipping);
         lac_slip_blocks_clear(&r->blocks);
         lac_slip_clusters_clear(&r->clusters);
-        lac_run_map_clear(&r->map);
+        free(r->map.s);
     }
     free(r);
     self->state = NULL;
@@ -122,7 +128,7 @@ static void destroy(lac_indicator *self)
 
 static void describe(rg *r, lac_indicator *self)
 {
-    (void)lac_slipping_describe(&r->slipping, r->definition, sizeof r->definition);
+    lac_slipping_describe(&r->slipping, r->definition, sizeof r->definition);
     memcpy(r->extra, table, sizeof table);
     for (size_t i = 0; i < EXTRAS - ONCE; i++) {
         r->once[i] = NAN;
@@ -154,13 +160,53 @@ static lac_status create(const lac_analysis_scene *scene, const void *p, lac_ind
                                 def->slipping_rate_ratio, &r->slipping, err));
     LAC_TRY(lac_slip_blocks_create(scene->hierarchy, &r->blocks, err));
     LAC_TRY(lac_slip_clusters_create(scene->domain, &r->clusters, err));
-    LAC_TRY(lac_run_map_create(scene->hierarchy, &r->map, err));
+    const size_t pairs = STATES * r->blocks.levels;
+    r->map.s = malloc((2 * pairs + 1) * sizeof *r->map.s);
+    LAC_TRY(r->map.s != NULL ? LAC_OK : lac_fail_memory(err));
+    r->map.s_next = r->map.s + pairs;
     describe(r, self);
 out:
     if (status != LAC_OK) {
         destroy(self);
     }
     return status;
+}
+
+// The share of a level's blocks that slip.
+static double slipped(const lac_slip_blocks *b, size_t level)
+{
+    return (double)b->slipping[level] / (double)lac_hierarchy_blocks(b->h, level);
+}
+
+// Takes the pairs of levels with 8 blocks at least, where it is time to.
+static void take_pairs(run_map *map, const lac_slip_blocks *b)
+{
+    size_t now = (size_t)(STATES * slipped(b, 0));
+    if (now <= map->reached) {
+        return;
+    }
+    map->reached = now;
+    size_t n = map->first[map->states];
+    for (size_t level = 0; level < b->levels; level++) {
+        if (lac_hierarchy_blocks(b->h, level + 1) >= LEAST_BLOCKS) {
+            map->s[n] = slipped(b, level);
+            map->s_next[n++] = slipped(b, level + 1);
+        }
+    }
+    map->first[++map->states] = n;
+}
+
+// The map and its intervals, by resampling stretches of four states: neighbouring states of one run
+// hang together.
+static lac_status fit_map(const run_map *map, lac_rg_fit *fit, lac_error *err)
+{
+    size_t first[STATES / STRETCH + 2];
+    size_t groups = 0;
+    for (size_t state = 0; state < map->states; state += STRETCH) {
+        first[groups++] = map->first[state];
+    }
+    first[groups] = map->first[map->states];
+    return lac_rg_map_resample(groups, first, map->s, map->s_next, RESAMPLINGS, 1, fit, err);
 }
 
 static void follow(rg *r, const lac_record *record, double criticality)
@@ -183,13 +229,12 @@ static void observe(lac_indicator *self, const lac_record *record, double *value
     for (size_t k = 0; k < s->changes; k++) {
         lac_slip_blocks_change(&r->blocks, s->changed[k], s->slips[s->changed[k]]);
     }
-    lac_slip_clusters_update(&r->clusters, s->slips, lac_slip_blocks_at(&r->blocks, 0), s->changed,
-                             s->changes);
+    lac_slip_clusters_update(&r->clusters, s->slips, r->blocks.slipping[0], s->changed, s->changes);
     if (s->changes > 0) {
-        lac_run_map_evaluate(&r->map, &r->blocks);
+        take_pairs(&r->map, &r->blocks);
     }
     for (size_t level = 0; level < levels; level++) {
-        values[level] = (double)lac_slip_blocks_at(&r->blocks, level);
+        values[level] = (double)r->blocks.slipping[level];
     }
     r->fraction = values[0] / (double)r->cells;
     double criticality = r->fraction / r->critical.value;
@@ -236,7 +281,7 @@ static lac_status finish(lac_indicator *self, const lac_run_result *result, cons
     (void)next;
     rg *r = self->state;
     lac_rg_fit fit;
-    LAC_TRY_RETURN(lac_run_map_fit(&r->map, &fit, err));
+    LAC_TRY_RETURN(fit_map(&r->map, &fit, err));
     const lac_rg_estimate *estimates[] = {&fit.fixed_point, &fit.lambda};
     for (size_t i = 0; i < 2; i++) {
         r->once[RUN_C + 3 * i] = estimates[i]->value;
@@ -276,6 +321,20 @@ static lac_status finish(lac_indicator *self, const lac_run_result *result, cons
     return LAC_OK;
 }
 
+static void keep_map(run_map *map, size_t levels, lac_archive *archive)
+{
+    LAC_PASS(archive, map->states);
+    LAC_PASS(archive, map->reached);
+    LAC_PASS(archive, map->first);
+    size_t pairs = map->states <= STATES ? map->first[map->states] : SIZE_MAX;
+    if (pairs > STATES * levels) {
+        archive->short_of = true;
+        return;
+    }
+    lac_archive_pass(archive, map->s, pairs * sizeof *map->s);
+    lac_archive_pass(archive, map->s_next, pairs * sizeof *map->s_next);
+}
+
 static void keep(lac_indicator *self, lac_archive *archive)
 {
     rg *r = self->state;
@@ -289,13 +348,13 @@ static void keep(lac_indicator *self, lac_archive *archive)
         }
     }
     lac_slip_clusters_serialize(&r->clusters, archive);
-    lac_run_map_serialize(&r->map, archive);
-    lac_archive_pass(archive, &r->fraction, sizeof r->fraction);
-    lac_archive_pass(archive, &r->longest, sizeof r->longest);
-    lac_archive_pass(archive, &r->most, sizeof r->most);
-    lac_archive_pass(archive, &r->reached, sizeof r->reached);
-    lac_archive_pass(archive, &r->origin, sizeof r->origin);
-    lac_archive_pass(archive, &r->local, sizeof r->local);
+    keep_map(&r->map, r->blocks.levels, archive);
+    LAC_PASS(archive, r->fraction);
+    LAC_PASS(archive, r->longest);
+    LAC_PASS(archive, r->most);
+    LAC_PASS(archive, r->reached);
+    LAC_PASS(archive, r->origin);
+    LAC_PASS(archive, r->local);
 }
 
 const lac_indicator_kind lac_indicator_rg = {

@@ -2,16 +2,42 @@
 // Union-find on a torus: each cell keeps its place relative to the root of its cluster, as if the
 // interface were unrolled. A connected set leaves no line out between its first and its last there,
 // so that it occupies as many lines of the interface as lie between them, or all.
-#include "analysis/slip_clusters.h"
+#include "analysis/slipping.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "analysis/neighbours.h"
-
-enum { NEIGHBOURS = LAC_NEIGHBOURS, AHEAD = 4 };
+enum { AHEAD = 4 };
 enum { SHARE = 8, MOST_CREDIT = 2 }; // of all cells: joined anew a record, saved up at most
+
+// Where each neighbour lies [cells]. The first four are ahead: with them each pair comes up once.
+static const int32_t neighbour_x[LAC_NEIGHBOURS] = {1, -1, 0, 1, -1, 1, 0, -1};
+static const int32_t neighbour_y[LAC_NEIGHBOURS] = {0, 1, 1, 1, 0, -1, -1, -1};
+
+uint32_t *lac_neighbours_find(const lac_domain *domain)
+{
+    const size_t cells = lac_grid_cells(&domain->grid);
+    uint32_t *at = malloc(cells * sizeof *at);
+    uint32_t *neighbour = malloc(LAC_NEIGHBOURS * domain->n * sizeof *neighbour);
+    if (at == NULL || neighbour == NULL) {
+        free(at);
+        free(neighbour);
+        return NULL;
+    }
+    memset(at, 0xff, cells * sizeof *at);
+    for (size_t i = 0; i < domain->n; i++) {
+        at[domain->index[i]] = (uint32_t)i;
+    }
+    for (size_t i = 0; i < LAC_NEIGHBOURS * domain->n; i++) {
+        size_t k = i % LAC_NEIGHBOURS;
+        size_t there = lac_grid_beside(&domain->grid, domain->index[i / LAC_NEIGHBOURS],
+                                       neighbour_x[k], neighbour_y[k]);
+        neighbour[i] = there != SIZE_MAX ? at[there] : UINT32_MAX;
+    }
+    free(at);
+    return neighbour;
+}
 
 lac_status lac_slip_clusters_create(const lac_domain *domain, lac_slip_clusters *out,
                                     lac_error *err)
@@ -96,8 +122,8 @@ static void join(lac_slip_clusters *c, uint32_t i, uint32_t j, size_t k)
         return;
     }
     // Where the second root lies from the first.
-    int32_t x = xi + lac_neighbour_x[k] - xj;
-    int32_t y = yi + lac_neighbour_y[k] - yj;
+    int32_t x = xi + neighbour_x[k] - xj;
+    int32_t y = yi + neighbour_y[k] - yj;
     bool swap = c->box[a].size < c->box[b].size;
     merge(c, swap ? a : b, swap ? b : a, swap ? -x : x, swap ? -y : y);
 }
@@ -112,7 +138,7 @@ static void enter(lac_slip_clusters *c, uint32_t i)
 static void join_all(lac_slip_clusters *c, uint32_t i, size_t neighbours)
 {
     for (size_t k = 0; k < neighbours; k++) {
-        uint32_t j = c->neighbour[NEIGHBOURS * i + k];
+        uint32_t j = c->neighbour[LAC_NEIGHBOURS * i + k];
         if (j != UINT32_MAX && c->in[j]) {
             join(c, i, j, k);
         }
@@ -149,7 +175,7 @@ void lac_slip_clusters_update(lac_slip_clusters *c, const uint8_t *slips, size_t
         for (size_t k = 0; k < changes; k++) {
             enter(c, changed[k]);
             measure(c, &c->box[changed[k]]);
-            join_all(c, changed[k], NEIGHBOURS);
+            join_all(c, changed[k], LAC_NEIGHBOURS);
         }
     } else if (c->credit >= cost) {
         c->credit -= cost;
@@ -165,7 +191,7 @@ void lac_slip_clusters_serialize(lac_slip_clusters *c, lac_archive *archive)
     lac_archive_pass(archive, c->node, c->n * sizeof *c->node);
     lac_archive_pass(archive, c->box, c->n * sizeof *c->box);
     lac_archive_pass(archive, c->in, c->n * sizeof *c->in);
-    lac_archive_pass(archive, &c->credit, sizeof c->credit);
-    lac_archive_pass(archive, &c->stale, sizeof c->stale);
-    lac_archive_pass(archive, &c->extent, sizeof c->extent);
+    LAC_PASS(archive, c->credit);
+    LAC_PASS(archive, c->stale);
+    LAC_PASS(archive, c->extent);
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Which cells slip: told by the strength that is left of that at the start, or by the slip rate.
+// Which cells slip: told by the strength that is left of that at the start, or by the slip rate;
+// and the blocks that slip as a whole, counted at every level while cells begin and cease to slip.
 #include "analysis/slipping.h"
 
 #include "lacuna/simulation.h"
@@ -52,51 +53,35 @@ static void begin(lac_slipping *s, const lac_record *record)
     }
 }
 
-// changed[] takes every cell; only one that did change moves on.
-static size_t look_at_states(lac_slipping *s, const double *w)
-{
-    size_t changes = 0;
-    for (size_t i = 0; i < s->n; i++) {
-        uint8_t now = w[i] <= s->most_state[i];
-        s->changed[changes] = (uint32_t)i;
-        changes += now ^ s->slips[i];
-        s->slips[i] = now;
-    }
-    return changes;
-}
-
-static size_t look_at_rates(lac_slipping *s, const double *v)
-{
-    size_t changes = 0;
-    for (size_t i = 0; i < s->n; i++) {
-        uint8_t now = fabs(v[i]) >= s->rate;
-        s->changed[changes] = (uint32_t)i;
-        changes += now ^ s->slips[i];
-        s->slips[i] = now;
-    }
-    return changes;
-}
-
 void lac_slipping_evaluate(lac_slipping *s, const lac_record *record)
 {
     if (!s->begun) {
         begin(s, record);
     }
-    s->changes = s->by_rate ? look_at_rates(s, record->cells.slip_rate)
-                            : look_at_states(s, record->cells.log_state);
+    const bool by_rate = s->by_rate;
+    const double *v = record->cells.slip_rate;
+    const double *w = record->cells.log_state;
+    size_t changes = 0;
+    for (size_t i = 0; i < s->n; i++) {
+        uint8_t now = by_rate ? fabs(v[i]) >= s->rate : w[i] <= s->most_state[i];
+        s->changed[changes] = (uint32_t)i; // every cell; only one that did change moves on
+        changes += now ^ s->slips[i];
+        s->slips[i] = now;
+    }
+    s->changes = changes;
 }
 
 void lac_slipping_serialize(lac_slipping *s, lac_archive *archive)
 {
-    lac_archive_pass(archive, &s->begun, sizeof s->begun);
-    lac_archive_pass(archive, &s->rate, sizeof s->rate);
+    LAC_PASS(archive, s->begun);
+    LAC_PASS(archive, s->rate);
     lac_archive_pass(archive, s->slips, s->n * sizeof *s->slips);
     if (!s->by_rate) {
         lac_archive_pass(archive, s->most_state, s->n * sizeof *s->most_state);
     }
 }
 
-const char *lac_slipping_describe(const lac_slipping *s, char *text, size_t size)
+void lac_slipping_describe(const lac_slipping *s, char *text, size_t size)
 {
     if (!s->by_rate) {
         (void)snprintf(text, size,
@@ -112,5 +97,56 @@ const char *lac_slipping_describe(const lac_slipping *s, char *text, size_t size
             "a cell slips while its slip rate is at least %.6g times the mean rate at the start",
             s->ratio);
     }
-    return text;
+}
+
+lac_status lac_slip_blocks_create(const lac_hierarchy *h, lac_slip_blocks *out, lac_error *err)
+{
+    const size_t levels = lac_hierarchy_levels(h);
+    size_t entries = 1;
+    for (size_t level = 1; level <= levels; level++) {
+        entries += lac_hierarchy_blocks(h, level);
+    }
+    *out = (lac_slip_blocks){.h = h, .levels = levels};
+    out->slipping = calloc(levels + 1, sizeof *out->slipping);
+    out->sticking = calloc(levels + 1, sizeof *out->sticking);
+    out->memory = calloc(entries, sizeof *out->memory);
+    if (out->slipping == NULL || out->sticking == NULL || out->memory == NULL) {
+        lac_slip_blocks_clear(out);
+        return lac_fail_memory(err);
+    }
+    uint32_t *next = out->memory;
+    for (size_t level = 0; level < levels; level++) {
+        if (lac_hierarchy_rank(h, level) > 0) {
+            out->sticking[level] = next;
+            next += lac_hierarchy_blocks(h, level + 1);
+            for (size_t b = 0; b < lac_hierarchy_blocks(h, level); b++) {
+                out->sticking[level][lac_hierarchy_parents(h, level)[b]]++;
+            }
+        }
+    }
+    return LAC_OK;
+}
+
+void lac_slip_blocks_clear(lac_slip_blocks *b)
+{
+    free(b->slipping);
+    free(b->sticking);
+    free(b->memory);
+    *b = (lac_slip_blocks){0};
+}
+
+void lac_slip_blocks_change(lac_slip_blocks *b, uint32_t cell, bool slips)
+{
+    uint32_t block = cell;
+    for (size_t level = 0; level <= b->levels; level++) {
+        b->slipping[level] += slips ? 1 : (size_t)-1;
+        if (level < b->levels && b->sticking[level] != NULL) {
+            block = lac_hierarchy_parents(b->h, level)[block];
+            uint32_t *sticking = &b->sticking[level][block];
+            // Only the last child that joins, or the first that leaves, changes the block itself.
+            if (slips ? --*sticking > 0 : (*sticking)++ > 0) {
+                return;
+            }
+        }
+    }
 }

@@ -70,9 +70,8 @@ static void fill_cells(lac_async *m, const lac_async_def *def)
 
 lac_status lac_async_create(const lac_async_def *def, lac_async **out, lac_error *err)
 {
-    lac_status status = LAC_OK;
     *out = NULL;
-    LAC_TRY(lac_async_supports(def->friction, err));
+    LAC_TRY_RETURN(lac_async_supports(def->friction, err));
     lac_async *m = calloc(1, sizeof *m);
     LAC_FAIL_MEMORY_IF(m == NULL, err);
     m->damping = def->damping;
@@ -81,15 +80,14 @@ lac_status lac_async_create(const lac_async_def *def, lac_async **out, lac_error
                                  .regularised = def->friction->form == LAC_FORM_REGULARISED,
                                  .tolerance = def->tolerance,
                                  .wake = def->wake};
-    status = lac_async_tree_create(def->hierarchy, def->k, &m->tree, err);
+    lac_status status = lac_async_tree_create(def->hierarchy, def->k, &m->tree, err);
     if (status != LAC_OK) {
         free(m);
         return status;
     }
     fill_cells(m, def);
     *out = m;
-out:
-    return status;
+    return LAC_OK;
 }
 
 void lac_async_free(lac_async *m)
@@ -304,18 +302,16 @@ static lac_status proceed(lac_async *m, const lac_async_limits *limits, double s
 
 lac_status lac_async_advance(lac_async *m, const lac_async_limits *limits, lac_error *err)
 {
-    lac_status status = LAC_OK;
     int64_t last = m->counts.updates + m->tree.openings + limits->updates;
     m->at_limit = false;
     while (m->counts.updates + m->tree.openings < last && !m->at_limit && m->t < limits->stop &&
            !lac_async_wants_shift(m)) {
         double slipped =
             isnan(limits->mean_slip) ? INFINITY : fmax(time_of_slip(m, limits->mean_slip), m->t);
-        LAC_TRY(proceed(m, limits, fmin(limits->stop, slipped), err));
+        LAC_TRY_RETURN(proceed(m, limits, fmin(limits->stop, slipped), err));
         m->at_limit = m->at_limit || m->t >= slipped;
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 bool lac_async_wants_shift(const lac_async *m)

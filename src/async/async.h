@@ -58,8 +58,7 @@ typedef struct lac_async_counts {
     int64_t wakings;  ///< of cells before their step was over
 } lac_async_counts;
 
-/// Whether friction of this law can be followed, whatever its parameters.
-/// @param cut_off  some cell has a v1, v2 or alpha
+/// Whether friction of this law can be followed; with cut_off some cell has a v1, v2 or alpha.
 lac_status lac_async_follows(const lac_model_info *law, bool cut_off, lac_error *err);
 
 /// Whether the cells' friction is one that this can follow: its law, and a > 0 everywhere.
@@ -68,7 +67,7 @@ lac_status lac_async_supports(const lac_friction *friction, lac_error *err);
 lac_status lac_async_create(const lac_async_def *def, lac_async **out, lac_error *err);
 void lac_async_free(lac_async *micro);
 
-/// Begins at t = 0 from a state. @param traction  [n] [Pa]
+/// Begins at t = 0 from a state and the cells' traction [Pa].
 void lac_async_start(lac_async *micro, const lac_async_load *load, const double *traction,
                      const lac_async_state *state);
 

@@ -58,7 +58,6 @@ typedef struct lac_async_push {
 } lac_async_push;
 
 // Plans the next step of a cell from its state: its length, the rate that others are told, and the
-// change of E that wakes it.
-// @return length of the step [s]; may be INFINITY
+// change of E that wakes it. Gives back its length [s]; may be INFINITY.
 double lac_async_cell_plan(const lac_async_rules *rules, const lac_async_push *push,
                            lac_async_cell *cell);

@@ -4,7 +4,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 // Each block keeps half of what the one below it has left.
 #define KEEPS 0.5

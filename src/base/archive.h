@@ -24,6 +24,10 @@ void lac_archive_pass(lac_archive *archive, void *piece, size_t size);
 /// A whole thing as a piece.
 #define LAC_PASS(archive, thing) lac_archive_pass(archive, &(thing), sizeof(thing))
 
+/// The members of a struct from one to another, which no padding parts.
+#define LAC_PASS_RUN(archive, first, last) \
+    lac_archive_pass(archive, &(first), (size_t)((char *)(&(last) + 1) - (char *)&(first)))
+
 /// Whether everything went well so far.
 static inline bool lac_archive_good(const lac_archive *archive)
 {

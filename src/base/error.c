@@ -19,7 +19,7 @@ lac_status lac_fail(lac_error *err, lac_status status, const char *format, ...)
 
 lac_status lac_fail_within(lac_error *err, lac_status status, const char *format, ...)
 {
-    if (err == NULL) {
+    if (err == NULL || status == LAC_OK) {
         return status;
     }
     char where[sizeof err->message];

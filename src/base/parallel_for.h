@@ -14,6 +14,5 @@ typedef void lac_parallel_body(void *context, size_t part, size_t first, size_t 
 
 /// Runs a loop over n elements, in as many threads as omp_get_max_threads says where it is long.
 /// The parts depend on n alone: what is summed up by parts, in their order, has the same bits for
-/// any number of threads.
-/// @return how many parts there were
+/// any number of threads. Gives back how many there were.
 size_t lac_parallel_for(size_t n, lac_parallel_body *body, void *context);

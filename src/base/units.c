@@ -17,14 +17,9 @@
 
 enum { MAX_QUANTITY = 128, MAX_UNIT = 64, MAX_NAME = 32, MAX_EXPONENT_DIGITS = 2 };
 
-// UDUNITS' database, read where a unit is not among the usual ones.
-typedef struct database {
-    ut_system *system; ///< NULL: not read yet
-} database;
-
 struct lac_units {
-    database *database;
-    locale_t c_locale; ///< numbers are read alike whatever LC_NUMERIC says
+    ut_system **system; ///< UDUNITS' database, read where a unit is not usual; NULL: not yet
+    locale_t c_locale;  ///< numbers are read alike whatever LC_NUMERIC says
 };
 
 static const struct {
@@ -206,7 +201,7 @@ static bool scan_unit(const char *text, scan *found)
 static ut_unit *parse_unit(const lac_units *units, const char *text)
 {
     locale_t before = uselocale(units->c_locale);
-    ut_unit *unit = ut_parse(units->database->system, text, UT_UTF8);
+    ut_unit *unit = ut_parse(*units->system, text, UT_UTF8);
     (void)uselocale(before);
     return unit;
 }
@@ -222,9 +217,9 @@ lac_status lac_units_create(lac_units **out, lac_error *err)
     lac_status status = LAC_OK;
     lac_units *units = calloc(1, sizeof *units);
     LAC_FAIL_MEMORY_IF(units == NULL, err);
-    units->database = calloc(1, sizeof *units->database);
+    units->system = calloc(1, sizeof *units->system);
     units->c_locale = newlocale(LC_ALL_MASK, "C", (locale_t)0);
-    if (units->database == NULL || units->c_locale == (locale_t)0) {
+    if (units->system == NULL || units->c_locale == (locale_t)0) {
         LAC_TRY(lac_fail_memory(err));
     }
     (void)ut_set_error_message_handler(ut_ignore);
@@ -242,13 +237,13 @@ out:
 
 static lac_status read_database(const lac_units *units, lac_error *err)
 {
-    if (units->database->system != NULL) {
+    if (*units->system != NULL) {
         return LAC_OK;
     }
     locale_t before = uselocale(units->c_locale);
-    units->database->system = ut_read_xml(NULL);
+    *units->system = ut_read_xml(NULL);
     (void)uselocale(before);
-    return units->database->system != NULL ? LAC_OK : fail_database(err);
+    return *units->system != NULL ? LAC_OK : fail_database(err);
 }
 
 void lac_units_free(lac_units *units)
@@ -256,13 +251,13 @@ void lac_units_free(lac_units *units)
     if (units == NULL) {
         return;
     }
-    if (units->database != NULL && units->database->system != NULL) {
-        ut_free_system(units->database->system);
+    if (units->system != NULL && *units->system != NULL) {
+        ut_free_system(*units->system);
     }
     if (units->c_locale != (locale_t)0) {
         freelocale(units->c_locale);
     }
-    free(units->database);
+    free(units->system);
     free(units);
 }
 
@@ -339,32 +334,19 @@ lac_status lac_units_time(const lac_units *units, const char *text, double *scal
     return status;
 }
 
-// End of a decimal number; `text` itself where there is none. No hex, no nan, no inf.
-static const char *number_end(const char *text)
+// A decimal number, read in the C locale: no hex, no nan, no inf. NULL where there is none.
+static const char *read_number(const lac_units *units, const char *text, double *number)
 {
-    const char *p = text + (*text == '-' || *text == '+' ? 1 : 0);
-    size_t digits = 0;
-    for (; isdigit((unsigned char)*p); p++) {
-        digits++;
+    const char *first = text + (*text == '-' || *text == '+' ? 1 : 0);
+    char *end = NULL;
+    if (!isdigit((unsigned char)first[*first == '.' ? 1 : 0])) {
+        return NULL;
     }
-    if (*p == '.') {
-        for (p++; isdigit((unsigned char)*p); p++) {
-            digits++;
-        }
-    }
-    if (digits == 0) {
-        return text;
-    }
-    if (*p == 'e' || *p == 'E') {
-        const char *q = p + 1 + (p[1] == '-' || p[1] == '+' ? 1 : 0);
-        if (isdigit((unsigned char)*q)) {
-            while (isdigit((unsigned char)*q)) {
-                q++;
-            }
-            p = q;
-        }
-    }
-    return p;
+    locale_t before = uselocale(units->c_locale);
+    *number = strtod(text, &end);
+    (void)uselocale(before);
+    const bool hex = first[0] == '0' && (first[1] | 0x20) == 'x' && end > first + 1;
+    return hex ? NULL : end;
 }
 
 lac_status lac_units_parse(const lac_units *units, const char *text, const char *unit,
@@ -382,20 +364,13 @@ lac_status lac_units_parse(const lac_units *units, const char *text, const char 
     memcpy(copy, text, n);
     copy[n] = '\0';
 
-    const char *end = number_end(copy);
-    if (end == copy) {
-        return refuse(err, unit, "");
-    }
+    double number = NAN;
     errno = 0;
-    char *read = NULL;
-    locale_t before = uselocale(units->c_locale);
-    double number = strtod(copy, &read);
-    int range = errno;
-    (void)uselocale(before);
-    if (read != end) {
+    const char *end = read_number(units, copy, &number);
+    if (end == NULL) {
         return refuse(err, unit, "");
     }
-    if (range == ERANGE || !isfinite(number)) {
+    if (errno == ERANGE || !isfinite(number)) {
         return refuse(err, unit, "the number cannot be represented");
     }
     const char *tail = end + strspn(end, " ");

@@ -46,12 +46,16 @@ const char *lac_number_exact(double value, int fewest, char *text, size_t size);
 /// ("0.0001 m"; the number alone where the unit is "1").
 const char *lac_units_exact(double value, const char *unit, char *text, size_t size);
 
+/// When a usual unit is written: never, where it suits, where that makes a short number.
+enum { LAC_READ, LAC_SHOWN, LAC_IF_ROUND };
+
 /// A unit that most cases are written in, and what takes it to SI: the factor that UDUNITS-2
 /// gives, to the last bit. It is there because reading UDUNITS' database costs as much as a small
 /// run.
 typedef struct lac_usual_unit {
     const char *from, *to;
     double scale;
+    int show; ///< LAC_READ ...
 } lac_usual_unit;
 
 /// All of them. @param count  how many

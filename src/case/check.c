@@ -273,6 +273,128 @@ static void check_initial(lac_reader *reader, const lac_case *c)
     }
 }
 
+double lac_inertia_mass(const lac_case *c)
+{
+    if (!isnan(c->inertia.mass_per_area)) {
+        return c->inertia.mass_per_area;
+    }
+    double mass = c->inertia.thickness * c->material.density;
+    return isnan(mass) ? 0.0 : mass;
+}
+
+// An explicit method follows the time m v/(a p) in which a massive cell comes into balance.
+static void warn_explicit(lac_reader *reader, const lac_case *c, double pressure)
+{
+    const double many = 1e6;
+    const lac_friction_params *law = c->friction.params;
+    if (c->friction.info == NULL || c->run.method == LAC_BDF || isnan(c->initial.slip_rate)) {
+        return;
+    }
+    double time = lac_inertia_mass(c) * c->initial.slip_rate / (law->a * pressure);
+    if (time > 0.0 && c->run.end > many * time) {
+        lac_warn(reader, "solver.method",
+                 "takes steps of about m v/(a p) = %.2g s while the block creeps; bdf does not",
+                 time);
+    }
+}
+
+// What is wrong with the mass of the block, which chooses the formulation.
+// @param pressure  mean normal stress [Pa]; NaN where the case is wrong about it
+static void check_inertia(lac_reader *reader, lac_case *c, double pressure)
+{
+    bool named = HAS("inertia");
+    bool thick = !isnan(c->inertia.thickness), given = !isnan(c->inertia.mass_per_area);
+    bool chosen = c->formulation == LAC_FORMULATION_INERTIA;
+    if (!lac_clean(reader, "inertia")) {
+        return;
+    }
+    (void)(lac_refuse(reader, named && thick == given, "inertia",
+                      "needs either thickness (with material.density) or mass_per_area%s",
+                      thick ? ", not both" : "") ||
+           lac_refuse(reader, thick && lac_clean(reader, "material") && isnan(c->material.density),
+                      "material.density",
+                      "is missing: needed by inertia.thickness; must be a density such as \"2700 "
+                      "kg/m3\""));
+    (void)lac_refuse(reader, named && !chosen && c->formulation != LAC_FORMULATION_AUTO,
+                     "solver.formulation", "knows no inertia: leave it out, or leave out inertia");
+    (void)lac_refuse(reader, !named && chosen, "solver.formulation",
+                     "needs inertia, such as inertia: {mass_per_area: \"5e5 kg/m2\"}");
+    if (named) {
+        c->formulation = LAC_FORMULATION_INERTIA;
+        warn_explicit(reader, c, pressure);
+    }
+}
+
+// Cells at steps of their own have one formulation and no method to choose.
+enum { EVENTS_REFUSE = 5 };
+static const struct {
+    const char *key, *why;
+} events_refuse[EVENTS_REFUSE] = {
+    {"solver.fidelity", "knows no inertia: leave one of them out"},
+    {"solver.formulation", "must be auto or rate with fidelity events"},
+    {"solver.method", "goes with fidelity ode, not with events"},
+    {"solver.max_order", "goes with fidelity ode, not with events"},
+    {"solver.first_step", "goes with fidelity ode, not with events"},
+};
+
+// Which of these the case asks for.
+static void ask_events(const lac_case *c, bool asked[EVENTS_REFUSE])
+{
+    asked[0] = lac_inertia_mass(c) > 0;
+    asked[1] = c->formulation_given && c->formulation != LAC_FORMULATION_RATE;
+    asked[2] = c->run.method != LAC_BDF;
+    asked[3] = c->run.max_order != 0;
+    asked[4] = !isnan(c->run.first_step);
+}
+
+bool lac_case_admits_events(const lac_case *c)
+{
+    bool asked[EVENTS_REFUSE];
+    ask_events(c, asked);
+    return !(asked[0] || asked[1] || asked[2] || asked[3] || asked[4]);
+}
+
+static void check_events(lac_reader *reader, lac_case *c)
+{
+    const bool clean = lac_clean(reader, "solver");
+    bool asked[EVENTS_REFUSE];
+    ask_events(c, asked);
+    for (size_t i = 0; i < EVENTS_REFUSE; i++) {
+        (void)lac_refuse(reader, clean && asked[i], events_refuse[i].key, "%s",
+                         events_refuse[i].why);
+    }
+    c->formulation = LAC_FORMULATION_RATE;
+}
+
+// Chooses the formulation where the case leaves it open.
+static void check_solver(lac_reader *reader, lac_case *c)
+{
+    c->method_given = HAS("solver.method");
+    c->formulation_given = c->formulation != LAC_FORMULATION_AUTO;
+    static const struct {
+        const char *name;
+        int lowest, highest;
+    } orders[] = {
+        [LAC_BDF] = {"bdf", 1, 5}, [LAC_ADAMS] = {"adams", 1, 12}, [LAC_ERK] = {"erk", 2, 8}};
+    const lac_friction_params *friction = c->friction.params;
+    lac_friction_form form = c->friction.info == NULL || friction->form == LAC_FORM_PLAIN
+                                 ? LAC_FORM_PLAIN
+                                 : LAC_FORM_REGULARISED;
+    (void)lac_refuse(reader, !isnan(c->accuracy) && reader->purpose == LAC_FOR_FIT,
+                     "solver.accuracy", "is picked for by lacuna run; here rtol counts");
+    if (c->run.fidelity == LAC_FIDELITY_ASYNC) {
+        check_events(reader, c);
+        return;
+    }
+    c->formulation = (int)lac_formulation_choose(c->formulation, c->run.method, form);
+    int64_t order = c->run.max_order;
+    const int low = orders[c->run.method].lowest, high = orders[c->run.method].highest;
+    (void)lac_refuse(reader,
+                     lac_clean(reader, "solver") && order != 0 && (order < low || order > high),
+                     "solver.max_order", "must be from %d to %d with method %s", low, high,
+                     orders[c->run.method].name);
+}
+
 // Outputs closer in time than numbers near the end of the run are would all be at one time.
 static void check_cadences(lac_reader *reader, const lac_case *c)
 {
@@ -329,8 +451,8 @@ void lac_check_case(lac_reader *reader, lac_case *c)
         lac_check_history(reader, c, normal_stress(reader, c));
     }
     check_initial(reader, c);
-    lac_check_inertia(reader, c, normal_stress(reader, c));
-    lac_check_solver(reader, c);
+    check_inertia(reader, c, normal_stress(reader, c));
+    check_solver(reader, c);
     lac_check_rg(reader, c);
     lac_check_analysis(reader, c);
     lac_check_fit(reader, c);

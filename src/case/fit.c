@@ -165,12 +165,8 @@ static void read_parameters(lac_reader *reader, const lac_node *node, lac_case *
         lac_add_error(reader, node, "has %zu parameters; at most %d", node->count, LAC_MOST_FITTED);
         return;
     }
-    c->fit.parameter = calloc(node->count + 1, sizeof *c->fit.parameter);
-    if (c->fit.parameter == NULL) {
-        reader->no_memory = true;
-        return;
-    }
-    for (size_t i = 0; i < node->count; i++) {
+    c->fit.parameter = lac_reader_array(reader, node->count, sizeof *c->fit.parameter);
+    for (size_t i = 0; c->fit.parameter != NULL && i < node->count; i++) {
         lac_fit_parameter *p = &c->fit.parameter[c->fit.count];
         if (!node->child[i]->ignored && !node->child[i]->bad) {
             read_parameter(reader, node->child[i], c, p);

@@ -6,7 +6,7 @@
 
 #include "base/rng.h"
 #include "base/rows.h"
-#include "case/schema.h"
+#include "case/sections.h"
 
 #define COUNT(array) (sizeof(array) / sizeof(array)[0])
 #define RANDOM(name) offsetof(lac_heterogeneity_random, name)
@@ -202,7 +202,7 @@ static void read_parameter(lac_reader *reader, const lac_node *node, bool given,
 // Spreads that a mapping can come to.
 static size_t count_models(const lac_node *node)
 {
-    size_t count = 1;
+    size_t count = 0;
     for (size_t i = 0; i < node->count; i++) {
         const lac_node *child = node->child[i];
         count += child->kind == LAC_NODE_LIST ? child->count : 1;
@@ -227,15 +227,12 @@ static size_t list_known(const lac_model *law, const char *const *known,
     return n;
 }
 
-// Whether a parameter has a nominal value to multiply.
+// Whether a parameter, one of those that may vary, has a nominal value to multiply.
 static bool is_given(const lac_model *law, const char *key)
 {
-    bool given = law == NULL;
-    for (size_t i = 0; law != NULL && i < law->info->param_count; i++) {
-        const lac_param *param = &law->info->params[i];
-        given = given || (strcmp(param->key, key) == 0 && lac_param_given(param, law->params));
-    }
-    return given;
+    return law == NULL ||
+           lac_param_given(lac_param_find(law->info->params, law->info->param_count, key),
+                           law->params);
 }
 
 void lac_read_spreads(lac_reader *reader, const lac_node *node, const lac_model *law,
@@ -246,12 +243,8 @@ void lac_read_spreads(lac_reader *reader, const lac_node *node, const lac_model 
     if (!lac_expect_map(reader, node, "a mapping such as {PARAMETER: {lognormal: {sigma: 0.5}}}")) {
         return;
     }
-    list->item = calloc(count_models(node), sizeof *list->item);
-    if (list->item == NULL) {
-        reader->no_memory = true;
-        return;
-    }
-    for (size_t i = 0; i < node->count; i++) {
+    list->item = lac_reader_array(reader, count_models(node), sizeof *list->item);
+    for (size_t i = 0; list->item != NULL && i < node->count; i++) {
         const lac_node *child = node->child[i];
         size_t k = 0;
         while (k < count && strcmp(keys[k], child->key) != 0) {

@@ -28,13 +28,13 @@ static void check_axis(lac_reader *reader, const lac_node *node, char axis)
 
 static void read_step(lac_reader *reader, const lac_node *node, lac_history_step *step)
 {
-    lac_table table = lac_section_table("load.history.steps");
+    const lac_section *table = lac_section_find("load.history.steps");
     size_t errors = reader->report->errors;
-    lac_table_reset(&table, step);
+    lac_table_reset(table, step);
     if (!lac_expect_map(reader, node, "a mapping such as {ratio_x: 0.3}")) {
         return;
     }
-    lac_read_table(reader, node, &table, step);
+    lac_read_table(reader, node, table, NULL, step);
     check_axis(reader, node, 'x');
     check_axis(reader, node, 'y');
     bool nothing = isnan(step->pressure);
@@ -56,13 +56,9 @@ void lac_read_steps(lac_reader *reader, const lac_node *node, lac_case *c)
                       "must be a list of steps such as [{ratio_x: 0.3}, {ratio_x: 0}]");
         return;
     }
-    history->step = calloc(node->count, sizeof *history->step);
-    if (history->step == NULL) {
-        reader->no_memory = true;
-        return;
-    }
-    history->count = node->count;
-    for (size_t i = 0; i < node->count; i++) {
+    history->step = lac_reader_array(reader, node->count, sizeof *history->step);
+    history->count = history->step != NULL ? node->count : 0;
+    for (size_t i = 0; i < history->count; i++) {
         read_step(reader, node->child[i], &history->step[i]);
         total += history->step[i].count;
     }

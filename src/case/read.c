@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A case from a file or from memory: made, read, checked, freed.
+// A case from a file or from memory: made, read, checked, freed; and as users of the library have
+// it, with its numbers by their keys.
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/ask.h"
 #include "case/sections.h"
 
 enum { LARGEST_FILE = 4 * 1024 * 1024 };
@@ -24,9 +26,8 @@ static lac_case *new_case(lac_reader *reader)
     c->run = lac_run_default();
     const lac_part *part;
     for (size_t i = 0; (part = lac_part_get(i)) != NULL; i++) {
-        lac_table table = lac_part_table(&part->info);
         if (part->kind == LAC_PART_RECORD) {
-            lac_table_reset(&table, c);
+            lac_table_reset(&part->info, c);
         }
     }
     c->rg.betas = 1;
@@ -47,9 +48,8 @@ static void clear_slots(lac_model_list *list)
 static void clear_part(const lac_part *part, lac_case *c)
 {
     void *at = (char *)c + part->at;
-    const lac_table table = lac_part_table(&part->info);
     if (part->kind == LAC_PART_RECORD) {
-        lac_table_clear(&table, c);
+        lac_table_clear(&part->info, c);
     } else if (part->kind == LAC_PART_SLOT) {
         lac_model_clear(at);
     } else if (part->kind == LAC_PART_SLOTS) {
@@ -74,9 +74,8 @@ void lac_case_free(lac_case *c)
         free(c->use);
     }
     clear_slots(&c->analysis);
-    const lac_table table = lac_section_table("compare");
     for (size_t i = 0; i < c->compare_count; i++) {
-        lac_table_clear(&table, &c->compare[i]);
+        lac_table_clear(lac_section_find("compare"), &c->compare[i]);
     }
     free(c->compare);
     for (size_t i = 0; i < c->fit.count; i++) {
@@ -130,17 +129,17 @@ static void summarise(const lac_reader *reader, lac_error *err)
     }
 }
 
-lac_status lac_case_build(const lac_units *units, const lac_case_source *from, lac_case **out,
-                          lac_case_issues *report, lac_error *err)
+lac_status lac_case_build(const lac_units *units, const char *name, const char *text, size_t size,
+                          const lac_case_request *how, lac_case **out, lac_case_issues *report,
+                          lac_error *err)
 {
     *out = NULL;
     *report = (lac_case_issues){0};
-    lac_reader reader = {
-        .name = from->name, .purpose = from->purpose, .units = units, .report = report};
+    lac_reader reader = {.name = name, .purpose = how->purpose, .units = units, .report = report};
     lac_case *c = NULL;
-    lac_node *root = parse_file(&reader, from->text, from->size);
-    for (size_t i = 0; root != NULL && i < from->count; i++) {
-        lac_apply_override(&reader, &root, &from->overrides[i]);
+    lac_node *root = parse_file(&reader, text, size);
+    for (size_t i = 0; root != NULL && i < how->count; i++) {
+        lac_apply_override(&reader, root, &how->overrides[i]);
     }
     if (root != NULL) {
         reader.root = root;
@@ -173,8 +172,7 @@ lac_status lac_case_read_text(const char *name, const char *text, size_t size,
     *report = (lac_case_issues){0};
     lac_status status = lac_units_create(&units, err);
     if (status == LAC_OK) {
-        lac_case_source from = {name, text, size, how->overrides, how->count, how->purpose};
-        status = lac_case_build(units, &from, out, report, err);
+        status = lac_case_build(units, name, text, size, how, out, report, err);
     }
     if (status == LAC_OK) {
         (*out)->purpose = how->purpose;
@@ -231,4 +229,124 @@ lac_status lac_case_read(const char *path, const lac_case_request *request, lac_
     }
     free(text);
     return status;
+}
+
+static lac_status read_case(const char *name, const char *text, size_t size,
+                            const lac_case_options *given, lac_case **out, lac_error *err)
+{
+    lac_case_options options = lac_case_options_default();
+    lac_case_issues report = {0};
+    lac_status status;
+    *out = NULL;
+    LAC_TRY(lac_take_options("lac_case_options", given, &options, sizeof options, err));
+    const lac_case_request how = {options.purpose, options.overrides, options.count};
+    LAC_TRY(options.purpose >= LAC_FOR_RUN && options.purpose <= LAC_FOR_CHECK
+                ? LAC_OK
+                : lac_fail(err, LAC_EINPUT, "no case is read for purpose %d", options.purpose));
+    for (size_t i = 0; i < options.count; i++) {
+        const lac_override *set = options.overrides;
+        LAC_TRY(set != NULL && set[i].key != NULL && set[i].key[0] != '\0' && set[i].value != NULL
+                    ? LAC_OK
+                    : lac_fail(err, LAC_EINPUT, "override %zu must be key.path=value", i));
+    }
+    status = text == NULL ? lac_case_read(name, &how, out, &report, err)
+                          : lac_case_read_text(name, text, size, &how, out, &report, err);
+    if (status == LAC_OK && ((*out)->use = calloc(1, sizeof *(*out)->use)) == NULL) {
+        lac_case_free(*out);
+        *out = NULL;
+        status = lac_fail_memory(err);
+    }
+    for (size_t i = 0; i < report.count && options.issue != NULL; i++) {
+        options.issue(options.context, &report.issue[i]);
+    }
+out:
+    lac_case_issues_clear(&report);
+    return status;
+}
+
+lac_status lac_case_load(const char *path, const lac_case_options *options, lac_case **out,
+                         lac_error *err)
+{
+    lac_status status = LAC_NEED(err, path, out);
+    return status == LAC_OK ? read_case(path, NULL, 0, options, out, err) : status;
+}
+
+lac_status lac_case_parse(const char *name, const char *text, size_t size,
+                          const lac_case_options *options, lac_case **out, lac_error *err)
+{
+    lac_status status = LAC_NEED(err, name, text, out);
+    return status == LAC_OK ? read_case(name, text, size, options, out, err) : status;
+}
+
+lac_status lac_case_serves(const lac_case *c, lac_case_purpose purpose, lac_error *err)
+{
+    static const char *const names[] = {[LAC_FOR_RUN] = "LAC_FOR_RUN",
+                                        [LAC_FOR_CONTACT] = "LAC_FOR_CONTACT",
+                                        [LAC_FOR_RG] = "LAC_FOR_RG",
+                                        [LAC_FOR_FIT] = "LAC_FOR_FIT"};
+    const bool runs = c->purpose == LAC_FOR_RUN || c->purpose == LAC_FOR_FIT;
+    const bool serves = c->purpose == purpose || (purpose == LAC_FOR_RUN && runs) ||
+                        (purpose == LAC_FOR_CONTACT && (runs || c->purpose == LAC_FOR_RG)) ||
+                        (purpose == LAC_FOR_RG && runs && c->rg.named) ||
+                        (purpose == LAC_FOR_FIT && runs && c->fit.named);
+    return serves ? LAC_OK
+                  : lac_fail(err, LAC_EINPUT, "%s: must be read with %s", c->path, names[purpose]);
+}
+
+static lac_status find_number(const lac_case *c, const char *key, lac_case_value *out,
+                              lac_error *err)
+{
+    return lac_case_find((lac_case *)c, key, out)
+               ? LAC_OK
+               : lac_fail(err, LAC_EINPUT, "%s: has no number \"%s\"", c->path, key);
+}
+
+lac_status lac_case_get(const lac_case *c, const char *key, double *value, lac_error *err)
+{
+    lac_case_value found;
+    LAC_TRY_RETURN(LAC_NEED(err, c, key, value));
+    LAC_TRY_RETURN(find_number(c, key, &found, err));
+    *value = *found.at;
+    return LAC_OK;
+}
+
+lac_status lac_case_set(lac_case *c, const char *key, double value, lac_error *err)
+{
+    char why[200];
+    lac_case_value found;
+    lac_status status;
+    LAC_TRY(LAC_NEED(err, c, key));
+    LAC_TRY(find_number(c, key, &found, err));
+    LAC_FAIL_IF(c->use != NULL && c->use->simulations > 0, err, LAC_EINPUT,
+                "%s: %s: a simulation of the case is not freed yet", c->path, key);
+    const double before = *found.at;
+    LAC_FAIL_IF(!lac_param_allows(found.param, value, why, sizeof why), err, LAC_EINPUT,
+                "%s: %s: %g %s", c->path, key, value, why);
+    *found.at = value;
+    const char *fault = lac_case_validate(c);
+    if (fault != NULL) {
+        *found.at = before;
+        status = lac_fail(err, LAC_EINPUT, "%s: %s: %g: %s", c->path, key, value, fault);
+    }
+out:
+    return status;
+}
+
+const lac_model_info *lac_model_find(const char *kind, const char *name)
+{
+    const lac_kind *of = NULL;
+    for (size_t i = 0; kind != NULL && name != NULL && (of = lac_kind_get(i)) != NULL; i++) {
+        const lac_model_info *model = NULL;
+        for (size_t k = 0; strcmp(of->name, kind) == 0 && (model = of->at(k)) != NULL; k++) {
+            if (strcmp(model->name, name) == 0) {
+                return model;
+            }
+        }
+    }
+    return NULL;
+}
+
+const lac_param *lac_model_param(const lac_model_info *model, size_t index)
+{
+    return model != NULL && index < model->param_count ? &model->params[index] : NULL;
 }

@@ -2,7 +2,6 @@
 // The kinds of models that a case can choose or that a command has, a row each.
 #include "analysis/analysis.h"
 #include "base/rows.h"
-#include "case/schema.h"
 #include "case/sections.h"
 #include "precursor/precursor.h"
 #include "surface/surface.h"

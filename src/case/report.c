@@ -12,14 +12,16 @@ enum { LONGEST_VALUE = 60, LONGEST_MESSAGE = 400 };
 
 char *lac_reader_copy(lac_reader *reader, const char *text, size_t size)
 {
-    char *copy = malloc(size + 1);
-    if (copy == NULL) {
-        reader->no_memory = true;
-        return NULL;
-    }
-    memcpy(copy, text, size);
-    copy[size] = '\0';
+    char *copy = strndup(text, size);
+    reader->no_memory = reader->no_memory || copy == NULL;
     return copy;
+}
+
+void *lac_reader_array(lac_reader *reader, size_t count, size_t size)
+{
+    void *array = calloc(count + 1, size);
+    reader->no_memory = reader->no_memory || array == NULL;
+    return array;
 }
 
 // A message is one line: control characters become '?', and what is cut ends in "..." between
@@ -64,9 +66,9 @@ static lac_case_issue *new_issue(lac_reader *reader)
 
 // What an issue is said of.
 typedef struct subject {
-    size_t line;
+    size_t line; // 0: of --set
     const char *key, *value;
-    bool from_set, warning;
+    bool warning;
 } subject;
 
 static void add_issue(lac_reader *reader, const subject *of, const char *format, va_list args)
@@ -87,7 +89,7 @@ static void add_issue(lac_reader *reader, const subject *of, const char *format,
     issue->line = of->line;
     issue->warning = of->warning && !full;
     reader->report->errors += issue->warning ? 0 : 1;
-    issue->file = one_line(reader, of->from_set ? "--set" : reader->name, 4096);
+    issue->file = one_line(reader, of->line == 0 ? "--set" : reader->name, 4096);
     issue->key = one_line(reader, full ? "" : of->key, LAC_KEY_LENGTH);
     issue->value = one_line(reader, full ? "" : of->value, LONGEST_VALUE);
     issue->message =
@@ -100,8 +102,7 @@ void lac_add_error(lac_reader *reader, const lac_node *node, const char *format,
     bool scalar = node->kind == LAC_NODE_SCALAR && node->text != NULL;
     subject of = {.line = node->line,
                   .key = lac_node_path(node, key, sizeof key),
-                  .value = scalar ? node->text : "",
-                  .from_set = node->line == 0};
+                  .value = scalar ? node->text : ""};
     va_list args;
     va_start(args, format);
     if (!node->bad) {
@@ -128,7 +129,6 @@ static subject of_key(const lac_reader *reader, const char *key, bool warning)
     return (subject){.line = node->line,
                      .key = key,
                      .value = exact && node->kind == LAC_NODE_SCALAR ? node->text : "",
-                     .from_set = node->line == 0,
                      .warning = warning};
 }
 
@@ -155,8 +155,7 @@ void lac_warn(lac_reader *reader, const char *key, const char *format, ...)
 
 void lac_add_error_text(lac_reader *reader, size_t line, const char *place, const char *format, ...)
 {
-    subject of = {
-        .line = line, .key = place != NULL ? place : "", .value = "", .from_set = place != NULL};
+    subject of = {.line = line, .key = place != NULL ? place : "", .value = ""};
     va_list args;
     va_start(args, format);
     add_issue(reader, &of, format, args);
@@ -171,34 +170,20 @@ void lac_append_names(char *list, size_t size, const char *const *names, size_t 
     }
 }
 
-static void say(lac_reader *reader, const subject *of, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
-
-static void say(lac_reader *reader, const subject *of, const char *format, ...)
-{
-    va_list args;
-    va_start(args, format);
-    add_issue(reader, of, format, args);
-    va_end(args);
-}
-
 void lac_add_error_unknown(lac_reader *reader, const lac_node *node, const char *what,
                            const char *const *known, size_t count)
 {
     char list[LONGEST_MESSAGE] = "";
-    char key[LAC_KEY_LENGTH];
     const char *near = lac_nearest(node->key, known, count);
-    const subject of = {.line = node->line,
-                        .key = lac_node_path(node, key, sizeof key),
-                        .value = "",
-                        .from_set = node->line == 0};
+    lac_node named = *node; // its key is to blame, not its value
+    named.text = NULL;
+    named.bad = false;
     if (near != NULL) {
-        say(reader, &of, "is no %s here; did you mean \"%s\"?", what, near);
+        lac_add_error(reader, &named, "is no %s here; did you mean \"%s\"?", what, near);
         return;
     }
-    (void)snprintf(list, sizeof list, "is no %s here; known:%s", what, count > 0 ? " " : "");
     lac_append_names(list, sizeof list, known, count);
-    say(reader, &of, "%s", list);
+    lac_add_error(reader, &named, "is no %s here; known:%s%s", what, count > 0 ? " " : "", list);
 }
 
 // Insertion keeps issues of one line in the order they were found; there are few.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// rg: its keys, how they are read and what is wrong with them.
+// rg, and analysis, the indicators that a run follows: how they are read and what is wrong with
+// them.
 #include <math.h>
 #include <string.h>
 
@@ -9,7 +10,8 @@
 
 static const char from_friction[] = "from-friction";
 
-bool lac_read_beta(lac_reader *reader, const lac_node *node, double *beta)
+// A strength left after slip; false where it is wrong, which is then reported.
+static bool read_residual(lac_reader *reader, const lac_node *node, double *beta)
 {
     static const lac_param row = LAC_RG_BETA_ROW(0, 0, "");
     char why[80];
@@ -28,7 +30,7 @@ static void read_beta(lac_reader *reader, const lac_node *node, lac_rg_def *rg)
     double beta = NAN;
     if (rg->betas == LAC_MOST_BETAS) {
         lac_add_error(reader, node, "is one too many: at most %d values", LAC_MOST_BETAS);
-    } else if (lac_read_beta(reader, node, &beta)) {
+    } else if (read_residual(reader, node, &beta)) {
         rg->beta[rg->betas++] = beta;
     }
 }
@@ -66,7 +68,8 @@ static void check_interface(lac_reader *reader, const lac_case *c)
                      "must be 1: the interface does not depend on a seed");
 }
 
-void lac_warn_nominal_beta(lac_reader *reader, const lac_case *c, const char *key)
+// Warns that a beta from the friction law is that of the nominal b and v0 where these vary.
+static void warn_nominal_beta(lac_reader *reader, const lac_case *c, const char *key)
 {
     for (size_t i = 0; i < c->friction_spread.count; i++) {
         const char *varies = c->friction_spread.item[i].key;
@@ -78,6 +81,14 @@ void lac_warn_nominal_beta(lac_reader *reader, const lac_case *c, const char *ke
     }
 }
 
+// Refuses a material that has no wave resistance, which a beta from the friction law needs.
+static void check_waves(lac_reader *reader, const lac_material_def *m, const char *key)
+{
+    (void)lac_refuse(reader,
+                     isnan(m->shear_modulus) || (isnan(m->shear_speed) && isnan(m->density)), key,
+                     "needs material.shear_modulus and shear_speed or density");
+}
+
 static void check_law(lac_reader *reader, const lac_case *c)
 {
     const lac_material_def *m = &c->material;
@@ -85,19 +96,12 @@ static void check_law(lac_reader *reader, const lac_case *c)
         return;
     }
     const lac_friction_params *law = c->friction.params;
-    lac_warn_nominal_beta(reader, c, "rg.beta");
+    warn_nominal_beta(reader, c, "rg.beta");
     if (!lac_refuse(reader, !HAS("friction"), "rg.beta", "needs a friction law") && law != NULL &&
         (!isnan(law->v1) || !isnan(law->v2))) {
         lac_warn(reader, "rg.beta", "takes the friction law without its cut-offs v1 and v2");
     }
-    lac_check_waves(reader, m, "rg.beta");
-}
-
-void lac_check_waves(lac_reader *reader, const lac_material_def *m, const char *key)
-{
-    (void)lac_refuse(reader,
-                     isnan(m->shear_modulus) || (isnan(m->shear_speed) && isnan(m->density)), key,
-                     "needs material.shear_modulus and shear_speed or density");
+    check_waves(reader, m, "rg.beta");
 }
 
 void lac_check_rg(lac_reader *reader, lac_case *c)
@@ -116,4 +120,135 @@ void lac_check_rg(lac_reader *reader, lac_case *c)
         check_interface(reader, c);
     }
     check_law(reader, c);
+}
+
+static void read_followed_beta(lac_reader *reader, const lac_node *node, lac_analysis_rg *rg)
+{
+    if (node->kind == LAC_NODE_SCALAR && strcmp(node->text, from_friction) == 0) {
+        rg->beta_from_friction = true;
+    } else if (node->kind != LAC_NODE_SCALAR) {
+        lac_add_error(reader, node, "must be a number or %s", from_friction);
+    } else {
+        (void)read_residual(reader, node, &rg->beta);
+    }
+}
+
+static void read_indicator(lac_reader *reader, const lac_node *node, lac_model *model)
+{
+    const lac_model_info *info = lac_find_model(reader, node, LAC_KIND_ANALYSIS, "indicator");
+    size_t errors = reader->report->errors;
+    bool nothing = lac_node_is_null(node);
+    if (info == NULL ||
+        (!nothing && !lac_expect_map(reader, node, "a mapping such as {slipping_strength: 0.8}"))) {
+        return;
+    }
+    if (lac_model_create(info, model, NULL) != LAC_OK) {
+        reader->no_memory = true;
+        return;
+    }
+    lac_analysis_rg *rg = lac_analysis_cascade(model);
+    const lac_node *beta = rg != NULL ? lac_node_child(node, "beta") : NULL;
+    if (!nothing) {
+        lac_read_table(reader, node, info, rg != NULL ? "beta" : NULL, model->params);
+    }
+    if (beta != NULL) {
+        read_followed_beta(reader, beta, rg);
+    }
+    bool sound = reader->report->errors == errors;
+    const char *fault = sound && info->validate != NULL ? info->validate(model->params) : NULL;
+    if (fault != NULL) {
+        lac_add_error(reader, node, "%s", fault);
+    }
+}
+
+void lac_read_analysis(lac_reader *reader, const lac_node *node, lac_case *c)
+{
+    if (node->bad || !lac_expect_map(reader, node, "a mapping of indicators such as {rg: {}}")) {
+        return;
+    }
+    c->analysis.item = lac_reader_array(reader, node->count, sizeof *c->analysis.item);
+    for (size_t i = 0; c->analysis.item != NULL && i < node->count; i++) {
+        lac_model *model = &c->analysis.item[c->analysis.count];
+        if (!node->child[i]->ignored && !node->child[i]->bad) {
+            read_indicator(reader, node->child[i], model);
+            c->analysis.count += model->info != NULL ? 1 : 0;
+        }
+    }
+}
+
+// What the cascade does not name is as in the section rg.
+static void fill_in(const lac_case *c, lac_analysis_rg *rg)
+{
+    if (isnan(rg->beta) && !rg->beta_from_friction) {
+        rg->beta_from_friction = c->rg.betas == 0;
+        rg->beta = c->rg.betas > 0 ? c->rg.beta[0] : NAN;
+    }
+    if (isnan(rg->critical_fraction)) {
+        rg->rule = rg->rule < 0 ? c->rg.rule : rg->rule;
+        rg->field = rg->field < 0 ? c->rg.field : rg->field;
+        rg->shifts = rg->shifts < 0 ? c->rg.shifts : rg->shifts;
+        rg->loads = rg->loads < 0 ? c->rg.loads : rg->loads;
+    }
+    bool told = !isnan(rg->slipping_rate) || !isnan(rg->slipping_rate_ratio);
+    if (isnan(rg->slipping_strength) && !told && !rg->beta_from_friction) {
+        rg->slipping_strength = 0.5 * (1.0 + rg->beta);
+    }
+}
+
+static void check_slipping(lac_reader *reader, const lac_case *c, const lac_analysis_rg *rg)
+{
+    const lac_friction_params *law = c->friction.info != NULL ? c->friction.params : NULL;
+    char key[] = "analysis.rg.slipping_strength";
+    if (!isnan(rg->slipping_rate) || !isnan(rg->slipping_rate_ratio)) {
+        return;
+    }
+    (void)lac_refuse(reader, rg->slipping_strength >= 1.0 || rg->slipping_strength <= rg->beta,
+                     HAS(key) ? key : "analysis.rg.beta",
+                     "leaves no room for slip: must be beta = %g < slipping_strength < 1",
+                     rg->beta);
+    (void)lac_refuse(
+        reader, law != NULL && !lac_heterogeneity_has(&c->friction_spread, "b") && !(law->b > 0.0),
+        "analysis.rg",
+        "can't tell slip by the strength, which never drops with b = 0 in the friction law: give "
+        "slipping_rate or slipping_rate_ratio");
+    (void)lac_refuse(reader,
+                     rg->beta_from_friction && isnan(rg->slipping_strength) &&
+                         !isnan(rg->critical_fraction),
+                     key, "is missing: no cascade tells beta where critical_fraction is given");
+}
+
+// The static cascade of the case's own interface; a single block has none, which is no error.
+static void check_cascade(lac_reader *reader, const lac_case *c, lac_analysis_rg *rg)
+{
+    double friction = c->rg.friction;
+    bool domain = HAS("interface.domain");
+    if (!isnan(rg->critical_fraction) || (!domain && !HAS("interface.surface"))) {
+        return;
+    }
+    (void)lac_refuse(reader, rg->field == LAC_RG_ELASTIC && domain, "analysis.rg.field",
+                     "needs interface.surface to press; a domain goes with equal or uniform (or "
+                     "give critical_fraction)");
+    if (rg->beta_from_friction) {
+        warn_nominal_beta(reader, c, "analysis.rg.beta");
+        check_waves(reader, &c->material, "analysis.rg.beta");
+    }
+    if (isnan(friction)) {
+        lac_find_coulomb(reader, c, "rg", &friction);
+    }
+}
+
+void lac_check_analysis(lac_reader *reader, lac_case *c)
+{
+    if (!lac_clean(reader, "analysis") || !lac_clean(reader, "rg") ||
+        !lac_clean(reader, "friction") || !lac_clean(reader, "interface")) {
+        return;
+    }
+    for (size_t i = 0; i < c->analysis.count; i++) {
+        lac_analysis_rg *rg = lac_analysis_cascade(&c->analysis.item[i]);
+        if (rg != NULL) {
+            fill_in(c, rg);
+            check_slipping(reader, c, rg);
+            check_cascade(reader, c, rg);
+        }
+    }
 }

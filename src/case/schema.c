@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/nearest.h"
-#include "case/schema.h"
+#include "case/sections.h"
 
 enum { MAX_KNOWN = 64 };
 
@@ -161,27 +161,9 @@ static void read_column(lac_reader *reader, const lac_node *node, const char *si
     }
 }
 
-// The index-th key that a table's caller reads beside its rows, NULL past the end.
-static const char *more_key(const lac_table *table, size_t index)
+void lac_table_clear(const lac_model_info *table, void *params)
 {
-    return table->more != NULL ? table->more(index) : NULL;
-}
-
-bool lac_table_owns(const lac_table *table, const char *key)
-{
-    const lac_param *param = lac_param_find(table->params, table->count, key);
-    const unsigned mine = LAC_OWN_FLAG | LAC_COLUMN_FLAG;
-    bool owns = (param != NULL && (param->flags & mine) != 0) ||
-                (table->own != NULL && strcmp(table->own, key) == 0);
-    for (size_t i = 0; !owns && more_key(table, i) != NULL; i++) {
-        owns = strcmp(more_key(table, i), key) == 0;
-    }
-    return owns;
-}
-
-void lac_table_clear(const lac_table *table, void *params)
-{
-    for (size_t i = 0; i < table->count; i++) {
+    for (size_t i = 0; i < table->param_count; i++) {
         const lac_param *param = &table->params[i];
         char **at = (char **)(void *)((char *)params + param->offset);
         bool text = param->type == LAC_TEXT || param->type == LAC_PATH;
@@ -192,34 +174,46 @@ void lac_table_clear(const lac_table *table, void *params)
     }
 }
 
-void lac_table_reset(const lac_table *table, void *params)
+void lac_table_reset(const lac_model_info *table, void *params)
 {
-    for (size_t i = 0; i < table->count; i++) {
-        if (!lac_table_owns(table, table->params[i].key)) {
+    for (size_t i = 0; i < table->param_count; i++) {
+        if (!lac_param_owned(&table->params[i])) {
             lac_param_reset(&table->params[i], params);
         }
     }
 }
 
-static void blame_unknown_key(lac_reader *reader, const lac_node *node, const lac_table *table)
+static void blame_unknown_key(lac_reader *reader, const lac_node *node, const lac_model_info *table)
 {
     const char *known[MAX_KNOWN];
+    const char *section;
     size_t n = 0;
-    for (size_t i = 0; i < table->count && n < MAX_KNOWN; i++) {
+    for (size_t i = 0; i < table->param_count && n < MAX_KNOWN; i++) {
         known[n++] = table->params[i].key;
     }
-    for (size_t i = 0; n < MAX_KNOWN && more_key(table, i) != NULL; i++) {
-        known[n++] = more_key(table, i);
+    for (size_t i = 0; n < MAX_KNOWN && (section = lac_section_key(table, i)) != NULL; i++) {
+        known[n++] = section;
     }
     lac_add_error_unknown(reader, node, "key", known, n);
 }
 
-bool lac_key_misspelt(const lac_node *map, const lac_table *table, const char *key)
+// Whether a key has no row but is that of a section.
+static bool is_section(const lac_model_info *table, const char *key)
+{
+    const char *section;
+    bool found = false;
+    for (size_t i = 0; !found && (section = lac_section_key(table, i)) != NULL; i++) {
+        found = strcmp(section, key) == 0;
+    }
+    return found;
+}
+
+bool lac_key_misspelt(const lac_node *map, const lac_model_info *table, const char *key)
 {
     for (size_t i = 0; i < map->count; i++) {
         const char *given = map->child[i]->key;
-        bool known = lac_param_find(table->params, table->count, given) != NULL ||
-                     lac_table_owns(table, given);
+        bool known = lac_param_find(table->params, table->param_count, given) != NULL ||
+                     is_section(table, given);
         if (!known && lac_nearest(given, &key, 1) != NULL) {
             return true;
         }
@@ -242,12 +236,14 @@ static void blame_missing(lac_reader *reader, const lac_node *map, const lac_par
                      err.message);
 }
 
-void lac_read_table(lac_reader *reader, const lac_node *map, const lac_table *table, void *params)
+void lac_read_table(lac_reader *reader, const lac_node *map, const lac_model_info *table,
+                    const char *own, void *params)
 {
     for (size_t i = 0; i < map->count; i++) {
         const lac_node *node = map->child[i];
-        const lac_param *param = lac_param_find(table->params, table->count, node->key);
-        if (node->ignored || node->bad || lac_table_owns(table, node->key)) {
+        const lac_param *param = lac_param_find(table->params, table->param_count, node->key);
+        bool mine = param != NULL ? lac_param_owned(param) : is_section(table, node->key);
+        if (node->ignored || node->bad || mine || (own != NULL && strcmp(own, node->key) == 0)) {
             continue;
         }
         if (param == NULL) {
@@ -256,14 +252,14 @@ void lac_read_table(lac_reader *reader, const lac_node *map, const lac_table *ta
             (void)lac_read_param(reader, node, param, params);
         }
     }
-    for (size_t i = 0; i < table->count; i++) {
+    for (size_t i = 0; i < table->param_count; i++) {
         const lac_param *param = &table->params[i];
-        if (lac_param_required(param) && !lac_table_owns(table, param->key) &&
-            lac_node_child(map, param->key) == NULL && !lac_key_misspelt(map, table, param->key)) {
+        if (lac_param_required(param) && lac_node_child(map, param->key) == NULL &&
+            !lac_key_misspelt(map, table, param->key)) {
             blame_missing(reader, map, param);
         }
     }
-    for (size_t i = 0; i < table->count; i++) {
+    for (size_t i = 0; i < table->param_count; i++) {
         const lac_param *param = &table->params[i];
         const lac_node *node = lac_node_child(map, param->key);
         if ((param->flags & LAC_COLUMN_FLAG) != 0 && node != NULL) {

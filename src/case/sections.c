@@ -386,10 +386,9 @@ const lac_section *lac_section_get(size_t index)
     return NULL;
 }
 
-// The index-th key of a case that holds a section, NULL past the end.
-static const char *section_key(size_t index)
+const char *lac_section_key(const lac_section *table, size_t index)
 {
-    for (size_t i = 1; i < COUNT(parts); i++) {
+    for (size_t i = 1; table == &parts[0].info && i < COUNT(parts); i++) {
         if (strchr(parts[i].info.name, '.') == NULL && index-- == 0) {
             return parts[i].info.name;
         }
@@ -397,20 +396,13 @@ static const char *section_key(size_t index)
     return NULL;
 }
 
-lac_table lac_section_table(const char *name)
+const lac_section *lac_section_find(const char *name)
 {
     const lac_section *section = lac_section_get(0);
     for (size_t i = 1; strcmp(section->name, name) != 0; i++) {
         section = lac_section_get(i);
     }
-    return lac_part_table(section);
-}
-
-lac_table lac_part_table(const lac_section *info)
-{
-    return (lac_table){.params = info->params,
-                       .count = info->param_count,
-                       .more = info == &parts[0].info ? section_key : NULL};
+    return section;
 }
 
 const lac_param *lac_case_row(const char *key)

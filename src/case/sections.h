@@ -1,7 +1,108 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include "case/schema.h"
+#include "base/rows.h"
+#include "case/reader.h"
+
+enum { LAC_OWN_FLAG = 1 << 8, LAC_COLUMN_FLAG = 1 << 9 };
+
+/// A row that is only described: the reader has a function for its key.
+#define LAC_OWN(name, text) LAC_TEXT(name, 0, LAC_OPTIONAL | LAC_OWN_FLAG, text)
+
+/// "column:unit", a char * each, one behind the other; read and written after the other rows.
+#define LAC_COLUMN(name, where, si, text)                                               \
+    {                                                                                   \
+        .key = (name), .unit = (si), .fallback = NAN, .offset = (where), .doc = (text), \
+        .flags = LAC_OPTIONAL | LAC_COLUMN_FLAG, .type = LAC_TEXT                       \
+    }
+
+/// Whether a row's field is its reader's own.
+static inline bool lac_param_owned(const lac_param *param)
+{
+    return (param->flags & (LAC_OWN_FLAG | LAC_COLUMN_FLAG)) != 0;
+}
+
+/// Reads the value of one parameter into its field.
+/// @return false where it is wrong, which is then reported
+bool lac_read_param(lac_reader *reader, const lac_node *node, const lac_param *param, void *params);
+
+/// Reads a number of the dimension of `unit`; the range is the caller's.
+bool lac_read_number(lac_reader *reader, const lac_node *node, const char *unit, double *value);
+
+/// Frees the texts that rows hold but the caller's own.
+void lac_table_clear(const lac_model_info *table, void *params);
+
+/// Sets every field of rows but the caller's own to its default.
+void lac_table_reset(const lac_model_info *table, void *params);
+
+/// Reads a mapping by rows: unknown keys, wrong values and missing ones are reported.
+/// @param own  an optional key that the caller reads itself beside those of LAC_OWN; NULL: none
+void lac_read_table(lac_reader *reader, const lac_node *map, const lac_model_info *table,
+                    const char *own, void *params);
+
+/// Whether a node is a mapping; reported where not.
+bool lac_expect_map(lac_reader *reader, const lac_node *node, const char *allowed);
+
+/// Whether an unknown key of a mapping, reported as such, is near a key that it lacks: that the
+/// key is missing need not be said too.
+bool lac_key_misspelt(const lac_node *map, const lac_model_info *table, const char *key);
+
+/// Whether a parameter must be given.
+bool lac_param_required(const lac_param *param);
+
+/// Whether a value is in a row's range; reported where not.
+bool lac_in_range(lac_reader *reader, const lac_node *node, const lac_param *param, double value);
+
+/// A path below a folder, whose first `length` characters count; the caller frees.
+/// @return NULL where memory is short
+char *lac_path_below(const char *folder, size_t length, const char *path);
+
+/// Length of the folder that a case's relative paths start from, with its last slash.
+size_t lac_folder_length(const char *name);
+
+enum {
+    LAC_KIND_SURFACE = 0, ///< indices of lac_kind_get
+    LAC_KIND_DOMAIN,
+    LAC_KIND_NORMAL,
+    LAC_KIND_SHEAR,
+    LAC_KIND_PORE,
+    LAC_KIND_FRICTION,
+    LAC_KIND_TRANSFER,
+    LAC_KIND_SPREAD,
+    LAC_KIND_ANALYSIS,
+    LAC_KIND_STRENGTH, ///< from here on options, which no model holds
+    LAC_KIND_MOMENTUM,
+    LAC_KIND_FIDELITY,
+    LAC_KIND_METHOD,
+    LAC_KIND_FORMULATION,
+    LAC_KIND_RULE,
+    LAC_KIND_PRECURSOR, ///< from here on what commands have
+    LAC_KIND_FORECAST,
+    LAC_KINDS,
+};
+
+/// The model of a kind that a node's key names.
+/// @param what  "model", "indicator": what there is none of by this name
+/// @return NULL where there is none, which is then reported
+const lac_model_info *lac_find_model(lac_reader *reader, const lac_node *node, int kind,
+                                     const char *what);
+
+/// Reads `{MODEL: {parameters}}`: exactly one model.
+/// @param own   a key beside the model that the caller reads itself; NULL
+/// @param model  empty where the node is wrong
+void lac_read_slot(lac_reader *reader, const lac_node *node, int kind, const char *own,
+                   lac_model *model);
+
+/// Reads `[{MODEL: ...}, ...]`.
+void lac_read_slots(lac_reader *reader, const lac_node *node, int kind, lac_model_list *list);
+
+/// Reads `{PARAMETER: {MODEL: ...}, ...}`, or a list of models for a parameter.
+/// @param law    whose cell-wise parameters may vary; NULL: `known` may
+/// @param known  NULL at its end
+void lac_read_spreads(lac_reader *reader, const lac_node *node, const lac_model *law,
+                      const char *const *known, lac_heterogeneity_list *list);
+
+void lac_heterogeneity_clear(lac_heterogeneity_list *list);
 
 struct lac_writer;
 
@@ -40,9 +141,12 @@ typedef struct lac_part {
 /// The index-th part in the order of a resolved case, NULL past the end.
 const lac_part *lac_part_get(size_t index);
 
-/// The keys of a section that lac_section_get has, by its name or by itself.
-lac_table lac_section_table(const char *name);
-lac_table lac_part_table(const lac_section *info);
+/// A section that lac_section_get has.
+const lac_section *lac_section_find(const char *name);
+
+/// The index-th key of a case that holds a section, where the table is that of the whole case; NULL
+/// past the end.
+const char *lac_section_key(const lac_section *table, size_t index);
 
 typedef void lac_part_read(lac_reader *reader, const lac_node *node, lac_case *c);
 typedef void lac_part_put(struct lac_writer *w, const lac_case *c);
@@ -72,17 +176,6 @@ void lac_read_sections(lac_reader *reader, lac_case *c);
 /// What `initial.state` may hold: a time, or a ratio to the steady state; of lac_initial_def.
 extern const lac_param lac_state_row, lac_ratio_row;
 
-/// What is wrong with the solver; chooses the formulation where the case leaves it open.
-void lac_check_solver(lac_reader *reader, lac_case *c);
-
-/// What is wrong with the mass of the block; it chooses the formulation.
-/// @param pressure  mean normal stress [Pa]; NaN where the case is wrong about it
-void lac_check_inertia(lac_reader *reader, lac_case *c, double pressure);
-
-/// Reads a strength left after slip.
-/// @return false where it is wrong, which is then reported
-bool lac_read_beta(lac_reader *reader, const lac_node *node, double *beta);
-
 /// What is wrong with the cascade, and the friction it takes from the law.
 void lac_check_rg(lac_reader *reader, lac_case *c);
 
@@ -106,12 +199,6 @@ bool lac_needs_run(const lac_reader *reader);
 bool lac_present(const lac_reader *reader, const char *key);
 #define HAS(key) lac_present(reader, (key))
 
-/// Refuses a material that has no wave resistance, which a beta from the friction law needs.
-void lac_check_waves(lac_reader *reader, const lac_material_def *m, const char *key);
-
-/// Warns that a beta from the friction law is that of the nominal b and v0 where these vary.
-void lac_warn_nominal_beta(lac_reader *reader, const lac_case *c, const char *key);
-
 /// Coulomb's coefficient where `key`.friction does not give it: f0 of the friction law.
 /// @param friction  set; NaN where there is none, which is then reported
 void lac_find_coulomb(lac_reader *reader, const lac_case *c, const char *key, double *friction);
@@ -129,19 +216,9 @@ void lac_check_interface(lac_reader *reader, lac_interface_def *def);
 void lac_check_case(lac_reader *reader, lac_case *c);
 
 /// Applies one --set to the tree.
-/// @param root  may come to hold another node
-void lac_apply_override(lac_reader *reader, lac_node **root, const lac_override *override);
-
-/// A case in memory and what changes it.
-typedef struct lac_case_source {
-    const char *name; ///< stands for the path
-    const char *text; ///< [size]
-    size_t size;
-    const lac_override *overrides; ///< [count]
-    size_t count;
-    lac_case_purpose purpose;
-} lac_case_source;
+void lac_apply_override(lac_reader *reader, lac_node *root, const lac_override *override);
 
 /// lac_case_read_text with a units database that is there already.
-lac_status lac_case_build(const lac_units *units, const lac_case_source *from, lac_case **out,
-                          lac_case_issues *report, lac_error *err);
+lac_status lac_case_build(const lac_units *units, const char *name, const char *text, size_t size,
+                          const lac_case_request *how, lac_case **out, lac_case_issues *report,
+                          lac_error *err);

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "case/schema.h"
+#include "case/sections.h"
 
 enum { MAX_MODELS = 64 };
 
@@ -24,14 +24,11 @@ const lac_model_info *lac_find_model(lac_reader *reader, const lac_node *node, i
 {
     const char *names[MAX_MODELS];
     const lac_kind *models = lac_kind_get((size_t)kind);
-    size_t n = model_names(models, names);
-    for (size_t i = 0; i < n; i++) {
-        if (strcmp(names[i], node->key) == 0) {
-            return models->at(i);
-        }
+    const lac_model_info *found = lac_model_find(models->name, node->key);
+    if (found == NULL) {
+        lac_add_error_unknown(reader, node, what, names, model_names(models, names));
     }
-    lac_add_error_unknown(reader, node, what, names, n);
-    return NULL;
+    return found;
 }
 
 // "must be {MODEL: {...}} with one model of: a, b"
@@ -39,11 +36,7 @@ static void blame_shape(lac_reader *reader, const lac_node *node, int kind)
 {
     const char *names[MAX_MODELS];
     char list[300] = "";
-    size_t n = model_names(lac_kind_get((size_t)kind), names);
-    for (size_t i = 0; i < n; i++) {
-        size_t used = strlen(list);
-        (void)snprintf(list + used, sizeof list - used, "%s%s", i == 0 ? "" : ", ", names[i]);
-    }
+    lac_append_names(list, sizeof list, names, model_names(lac_kind_get((size_t)kind), names));
     lac_add_error(reader, node, "must be {MODEL: {...}} where MODEL is one of: %s", list);
 }
 
@@ -93,19 +86,15 @@ static const lac_param *single_required(const lac_model_info *info)
 
 static void read_params(lac_reader *reader, const lac_node *node, const lac_model *model)
 {
-    static const lac_node nothing = {.kind = LAC_NODE_MAP};
-    const lac_table table = {.params = model->info->params, .count = model->info->param_count};
     const lac_param *single = single_required(model->info);
     if (node->kind == LAC_NODE_MAP) {
-        lac_read_table(reader, node, &table, model->params);
+        lac_read_table(reader, node, model->info, NULL, model->params);
     } else if (node->kind == LAC_NODE_SCALAR && single != NULL) {
         (void)lac_read_param(reader, node, single, model->params);
     } else if (lac_node_is_null(node) && single == NULL) {
-        lac_node empty = nothing;
-        empty.parent = node->parent;
-        empty.key = node->key;
-        empty.line = node->line;
-        lac_read_table(reader, &empty, &table, model->params);
+        const lac_node empty = {
+            .kind = LAC_NODE_MAP, .parent = node->parent, .key = node->key, .line = node->line};
+        lac_read_table(reader, &empty, model->info, NULL, model->params);
     } else {
         lac_add_error(reader, node, "must be a mapping of the parameters of %s", model->info->name);
     }
@@ -143,12 +132,8 @@ void lac_read_slots(lac_reader *reader, const lac_node *node, int kind, lac_mode
         lac_add_error(reader, node, "must be a list such as [{%s: {...}}]", models->at(0)->name);
         return;
     }
-    list->item = calloc(node->count > 0 ? node->count : 1, sizeof *list->item);
-    if (list->item == NULL) {
-        reader->no_memory = true;
-        return;
-    }
-    for (size_t i = 0; i < node->count; i++) {
+    list->item = lac_reader_array(reader, node->count, sizeof *list->item);
+    for (size_t i = 0; list->item != NULL && i < node->count; i++) {
         lac_model *model = &list->item[list->count];
         lac_read_slot(reader, node->child[i], kind, NULL, model);
         list->count += model->info != NULL ? 1 : 0;

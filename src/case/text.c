@@ -153,15 +153,15 @@ static void put_column(lac_writer *w, int depth, const lac_param *param, const v
 }
 
 // The values of a table that were given or have a default.
-static void put_table(lac_writer *w, int depth, const lac_table *table, const void *params)
+static void put_table(lac_writer *w, int depth, const lac_section *table, const void *params)
 {
-    for (size_t i = 0; i < table->count; i++) {
+    for (size_t i = 0; i < table->param_count; i++) {
         const lac_param *param = &table->params[i];
-        if (!lac_table_owns(table, param->key) && lac_param_given(param, params)) {
+        if (!lac_param_owned(param) && lac_param_given(param, params)) {
             put_param(w, depth, param, params);
         }
     }
-    for (size_t i = 0; i < table->count; i++) {
+    for (size_t i = 0; i < table->param_count; i++) {
         const lac_param *param = &table->params[i];
         if ((param->flags & LAC_COLUMN_FLAG) != 0 && lac_param_given(param, params)) {
             put_column(w, depth, param, params);
@@ -172,11 +172,10 @@ static void put_table(lac_writer *w, int depth, const lac_table *table, const vo
 // "MODEL:" and its parameters below; the caller has written the indentation.
 static void put_model(lac_writer *w, int depth, const lac_model *model)
 {
-    const lac_table table = {.params = model->info->params, .count = model->info->param_count};
     put(w, "%s:", model->info->name);
     size_t before = w->used;
     put(w, "\n");
-    put_table(w, depth + 1, &table, model->params);
+    put_table(w, depth + 1, model->info, model->params);
     if (w->used == before + 1 && !w->failed) {
         w->used = before;
         put(w, " {}\n");
@@ -281,25 +280,23 @@ void lac_put_fields(lac_writer *w, const lac_case *c)
 // A step holds only what it names, so that the longest history stays within what is read.
 void lac_put_steps(lac_writer *w, const lac_case *c)
 {
-    const lac_table table = lac_section_table("load.history.steps");
     put(w, "    steps:\n");
     for (size_t i = 0; i < c->history.count; i++) {
         lac_history_step step = c->history.step[i];
         step.count = step.count == 1 ? INT64_MIN : step.count;
         put(w, "      -\n");
-        put_table(w, 4, &table, &step);
+        put_table(w, 4, lac_section_find("load.history.steps"), &step);
     }
 }
 
 void lac_put_compare(lac_writer *w, const lac_case *c)
 {
-    const lac_table table = lac_section_table("compare");
     if (c->compare_count > 0) {
         put(w, "compare:\n");
     }
     for (size_t i = 0; i < c->compare_count; i++) {
         put(w, "  -\n");
-        put_table(w, 2, &table, &c->compare[i]);
+        put_table(w, 2, lac_section_find("compare"), &c->compare[i]);
     }
 }
 
@@ -368,12 +365,11 @@ static void put_part(lac_writer *w, const lac_part *part, const lac_case *c)
 {
     const char *key = part->info.name;
     const void *at = (const char *)c + part->at;
-    const lac_table table = lac_part_table(&part->info);
     int depth = 0;
     for (const char *dot = strchr(key, '.'); dot != NULL; dot = strchr(key, '.'), depth++) {
         key = dot + 1;
     }
-    if (part->kind == LAC_PART_RECORD && table.more == NULL) {
+    if (part->kind == LAC_PART_RECORD && lac_section_key(&part->info, 0) == NULL) {
         put_key(w, depth++, key);
         put(w, "\n");
     }
@@ -381,7 +377,7 @@ static void put_part(lac_writer *w, const lac_part *part, const lac_case *c)
         part->put(w, c);
     }
     if (part->kind == LAC_PART_RECORD) {
-        put_table(w, depth, &table, c);
+        put_table(w, depth, &part->info, c);
     } else if (part->kind == LAC_PART_SLOT) {
         put_slot(w, depth, key, at);
     } else if (part->kind == LAC_PART_SLOTS) {
@@ -389,10 +385,9 @@ static void put_part(lac_writer *w, const lac_part *part, const lac_case *c)
     } else if (part->kind == LAC_PART_SPREADS) {
         put_spreads(w, at);
     } else if (part->kind == LAC_PART_CADENCE) {
-        const lac_table cadence = lac_section_table("output.every");
         put_key(w, depth, key);
         put(w, "\n");
-        put_table(w, depth + 1, &cadence, at);
+        put_table(w, depth + 1, lac_section_find("output.every"), at);
     }
 }
 

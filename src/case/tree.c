@@ -1,20 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The values of a case file as a tree, in which each knows its line and its dotted key.
-#include "case/tree.h"
+// The values of a case file as a tree, in which each knows its line and its dotted key; and a
+// `--set KEY=VALUE`, whose value is put into the tree as if the file had held it.
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-static char *copy(const char *text, size_t size)
-{
-    char *to = malloc(size + 1);
-    if (to != NULL) {
-        memcpy(to, text, size);
-        to[size] = '\0';
-    }
-    return to;
-}
+#include "case/sections.h"
 
 // The array grows whenever its count is a power of two.
 static bool append(lac_node *parent, lac_node *node)
@@ -41,8 +33,8 @@ lac_node *lac_node_create(lac_node *parent, lac_node_kind kind, const char *key,
     }
     node->kind = kind;
     node->plain = true;
-    node->key = key == NULL ? NULL : copy(key, strlen(key));
-    node->text = text == NULL ? NULL : copy(text, text_size);
+    node->key = key == NULL ? NULL : strdup(key);
+    node->text = text == NULL ? NULL : strndup(text, text_size);
     bool whole = (key == NULL || node->key != NULL) && (text == NULL || node->text != NULL);
     if (!whole || (parent != NULL && !append(parent, node))) {
         lac_node_free(node);
@@ -135,4 +127,142 @@ const char *lac_node_path(const lac_node *node, char *text, size_t size)
         used += wrote > 0 ? (size_t)wrote : 0;
     }
     return text;
+}
+
+// The next part of a dotted key; false where it is empty or too long.
+static bool next_part(const char **path, char *part, size_t size)
+{
+    size_t n = strcspn(*path, ".");
+    if (n == 0 || n >= size) {
+        return false;
+    }
+    memcpy(part, *path, n);
+    part[n] = '\0';
+    *path += n;
+    return true;
+}
+
+static bool is_index(const char *part)
+{
+    size_t n = strspn(part, "0123456789");
+    return n > 0 && n < 6 && part[n] == '\0';
+}
+
+// A node that had no value becomes what its next key needs.
+static void make_container(lac_node *node, const char *part)
+{
+    if (lac_node_is_null(node)) {
+        node->kind = is_index(part) ? LAC_NODE_LIST : LAC_NODE_MAP;
+    }
+}
+
+// Where in its parent a part of the key points: an existing node, or one past the last.
+// Returns false, reported, where it can point nowhere.
+static bool locate(lac_reader *reader, const lac_override *override, const lac_node *parent,
+                   const char *part, size_t *at)
+{
+    if (parent->kind == LAC_NODE_MAP) {
+        for (*at = 0; *at < parent->count; (*at)++) {
+            if (!parent->child[*at]->ignored && strcmp(parent->child[*at]->key, part) == 0) {
+                return true;
+            }
+        }
+        if (parent->count < LAC_TREE_KEYS) {
+            return true;
+        }
+    } else if (parent->kind == LAC_NODE_LIST && is_index(part)) {
+        *at = (size_t)strtoul(part, NULL, 10);
+        if (*at <= parent->count) {
+            return true;
+        }
+        lac_add_error_text(reader, 0, override->key, "names item %s of a list of %zu", part,
+                           parent->count);
+        return false;
+    }
+    lac_add_error_text(reader, 0, override->key, "names \"%.60s\" below %s", part,
+                       parent->kind == LAC_NODE_LIST ? "a list, whose items are numbers from 0"
+                                                     : "a value, which has no keys");
+    return false;
+}
+
+// The child that a part of the key names, made where it is missing.
+static lac_node *descend(lac_reader *reader, const lac_override *override, lac_node *parent,
+                         const char *part)
+{
+    size_t at;
+    make_container(parent, part);
+    if (!locate(reader, override, parent, part, &at)) {
+        return NULL;
+    }
+    if (at < parent->count) {
+        return parent->child[at];
+    }
+    const char *key = parent->kind == LAC_NODE_MAP ? part : NULL;
+    lac_node *node = lac_node_create(parent, LAC_NODE_SCALAR, key, "", 0);
+    reader->no_memory = reader->no_memory || node == NULL;
+    return node;
+}
+
+// Gives a node the contents of another, which is freed; key and place stay.
+static void replace(lac_node *node, lac_node *by)
+{
+    lac_node old = *node;
+    node->kind = by->kind;
+    node->text = by->text;
+    node->plain = by->plain;
+    node->bad = by->bad;
+    node->line = 0;
+    node->count = by->count;
+    node->child = by->child;
+    for (size_t i = 0; i < node->count; i++) {
+        node->child[i]->parent = node;
+    }
+    by->text = old.text;
+    by->count = old.count;
+    by->child = old.child;
+    lac_node_free(by);
+}
+
+static size_t depth_below(const lac_node *node)
+{
+    size_t deepest = 0;
+    for (size_t i = 0; i < node->count; i++) {
+        size_t depth = 1 + depth_below(node->child[i]);
+        deepest = depth > deepest ? depth : deepest;
+    }
+    return deepest;
+}
+
+void lac_apply_override(lac_reader *reader, lac_node *root, const lac_override *override)
+{
+    size_t errors = reader->report->errors;
+    const char *path = override->key;
+    char part[64];
+    lac_node *value =
+        lac_tree_parse(reader, override->value, strlen(override->value), override->key);
+    if (value == NULL && reader->report->errors == errors && !reader->no_memory) {
+        value = lac_node_create(NULL, LAC_NODE_SCALAR, NULL, "", 0);
+        reader->no_memory = value == NULL;
+    }
+    if (value == NULL) {
+        return;
+    }
+    lac_node *at = root;
+    size_t depth = depth_below(value);
+    do {
+        if (!next_part(&path, part, sizeof part) || (*path == '.' && path[1] == '\0') ||
+            ++depth >= LAC_TREE_DEPTH) {
+            lac_add_error_text(reader, 0, override->key,
+                               "is no dotted key such as friction.aging.dc");
+            at = NULL;
+            break;
+        }
+        at = descend(reader, override, at, part);
+        path += *path == '.' ? 1 : 0;
+    } while (at != NULL && *path != '\0');
+    if (at == NULL) {
+        lac_node_free(value);
+        return;
+    }
+    replace(at, value);
 }

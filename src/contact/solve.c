@@ -111,19 +111,15 @@ static lac_status scale_problem(const lac_contact_def *def, problem *p, lac_erro
     double ly = (double)grid->ny * grid->dy;
     double longest = fmax(lx, ly);
     p->at = (lac_extent){grid->nx, grid->ny, longest / lx, longest / ly, grid->periodic};
-    lac_status status;
-    LAC_TRY(scale_heights(def, grid->periodic ? 0.0 : dent(def, longest), p, err));
+    LAC_TRY_RETURN(scale_heights(def, grid->periodic ? 0.0 : dent(def, longest), p, err));
     p->unit = 0.5 * (2.0 * M_PI) * def->e_star * (p->h_rms / longest);
     double load = def->mean_pressure / p->unit;
     bool too_little = def->control == LAC_CONTROL_LOAD && p->h_rms > 0.0 && load == 0.0;
-    if (!isfinite(p->unit) || too_little) {
-        status = lac_fail(err, LAC_EINPUT,
-                          "a mean pressure of %g Pa is beyond what can be solved for E* = %g Pa "
-                          "and an rms height of %g m",
-                          def->mean_pressure, def->e_star, p->h_rms);
-    }
-out:
-    return status;
+    LAC_FAIL_IF(!isfinite(p->unit) || too_little, err, LAC_EINPUT,
+                "a mean pressure of %g Pa is beyond what can be solved for E* = %g Pa and an rms "
+                "height of %g m",
+                def->mean_pressure, def->e_star, p->h_rms);
+    return LAC_OK;
 }
 
 // Full contact, row by row
@@ -231,11 +227,10 @@ static lac_status partial_contact(const lac_contact_def *def, const problem *p, 
                      .approach = load_given ? 0.0 : def->approach / p->h_rms,
                      .tolerance = def->tolerance,
                      .max_iterations = def->max_iterations};
-    lac_status status;
     if (!warm_guess(def, p, &d, pressure)) {
-        LAC_TRY(lac_coarse_guess(&p->at, p->h, &d, pressure, err));
+        LAC_TRY_RETURN(lac_coarse_guess(&p->at, p->h, &d, pressure, err));
     }
-    LAC_TRY(lac_descend(s, &d, pressure, gap, err));
+    LAC_TRY_RETURN(lac_descend(s, &d, pressure, gap, err));
     for (size_t i = 0; i < n; i++) {
         pressure[i] *= p->unit;
     }
@@ -248,15 +243,12 @@ static lac_status partial_contact(const lac_contact_def *def, const problem *p, 
                                   .penetration = d.residual.penetration * p->h_rms,
                                   .load_error = d.residual.load,
                                   .approach = d.closest * p->h_rms};
-    if (!lac_residual_holds(&d.residual, def->tolerance)) {
-        status = lac_fail(err, LAC_ENUMERIC,
-                          "no convergence to %g after %lld iterations: complementarity %.3g, "
-                          "penetration %.3g of the rms height, load %.3g",
-                          def->tolerance, (long long)d.iterations, d.residual.complementarity,
-                          d.residual.penetration, d.residual.load);
-    }
-out:
-    return status;
+    LAC_FAIL_IF(!lac_residual_holds(&d.residual, def->tolerance), err, LAC_ENUMERIC,
+                "no convergence to %g after %lld iterations: complementarity %.3g, penetration "
+                "%.3g of the rms height, load %.3g",
+                def->tolerance, (long long)d.iterations, d.residual.complementarity,
+                d.residual.penetration, d.residual.load);
+    return LAC_OK;
 }
 
 static void count_contact(const lac_contact_def *def, const double *pressure,

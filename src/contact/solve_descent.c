@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "contact/solve_rows.h"
+#include "contact/solve.h"
 
 // Minimises p.Sp/2 - h.p over p >= 0 with a given mean. The gradient S p - h, less its mean over
 // the contact I = {p > 0}, is the gap g. docs/theory/contact.md, "Solver".
@@ -18,18 +18,285 @@
 // kept row by row and added in order, so that they do not depend on threads.
 
 enum { MOST_UPDATES = 64 };
+enum { PIECE = 512 }; // cells of a row whose sums are taken in single precision
 
 // What the error of a single-precision product is at most, of its rms.
 static const double single_error = 2e-7;
 
-// The rows' sums, in order
-static lac_sums total(const lac_iteration *it)
+typedef struct sums {
+    double a, b, c, d, e, f;
+} sums;
+
+static void add(sums *all, sums more)
 {
-    lac_sums all = {0};
+    all->a += more.a;
+    all->b += more.b;
+    all->c += more.c;
+    all->d += more.d;
+    all->e += more.e;
+    all->f += more.f;
+}
+
+typedef struct iteration iteration;
+
+// The sums of n cells of a row, from `at` of the grid on.
+typedef sums piece_sums(const iteration *it, size_t n, size_t at, float *row);
+
+// State of the iterations. I are the cells in contact, p > 0.
+struct iteration {
+    lac_half_space *s;
+    size_t nx, ny;
+    const double *h;      // [ny * nx]
+    const float *h_short; // [ny * nx] the same
+    double *p;            // [ny * nx] pressure over scale
+    double *gap;          // [ny * nx] of the last fresh product; or NULL
+    float *g;             // [ny * nx] gap plus g_mean
+    float *dg;            // [ny * nx] last change of the gap plus g_mean, on I
+    float *t;             // [ny * nx] search direction, 0 outside I
+    piece_sums *piece;    // of the sweep under way
+    sums *rows;           // [ny]
+    double level;         // gap = S p - h - level
+    double g_mean;        // of g over I
+    double cells;         // in I
+    double sum_p;         // over all cells
+    double sum_g, g2;     // sums over I of the gap and its square
+    double G_old;         // z.g of the step before; 0 to start afresh
+    double z_mean, beta;  // of the direction
+    double t_mean;        // over I, of the direction before
+    double tau, tau_ov;   // step along t; step of the cells that open or close
+    double scale;         // brings p back to the load
+    double keep;          // 1 where a fresh product goes with the same step, 0 with a new one
+    double error;         // of g, about, from updates since the last fresh product
+    int updates;          // since then
+    bool held;            // the load is given: directions keep it, and the gap has mean 0 over I
+};
+
+// Sweeps: what is done to one row each, on its way into or out of a transform. Those of pieces
+// write the sums they name, a, b ... in order.
+
+static void sum_row(void *context, size_t j, void *row)
+{
+    const iteration *it = context;
+    sums all = {0};
+    for (size_t i = 0; i < it->nx; i += PIECE) {
+        size_t n = it->nx - i < PIECE ? it->nx - i : PIECE;
+        add(&all, it->piece(it, n, j * it->nx + i, (float *)row + i));
+    }
+    it->rows[j] = all;
+}
+
+// p <- scale p, and into the transform (double).
+static void pressure_row(void *context, size_t j, void *row)
+{
+    const iteration *it = context;
+    double *restrict p = &it->p[j * it->nx];
+    double *restrict into = row;
+    double scale = it->scale;
+    for (size_t i = 0; i < it->nx; i++) {
+        p[i] *= scale;
+        into[i] = p[i];
+    }
+}
+
+// Takes u (double); sums: cells of I, u - h over I, p.
+static void level_row(void *context, size_t j, void *row)
+{
+    const iteration *it = context;
+    const double *restrict u = row;
+    const double *restrict p = &it->p[j * it->nx];
+    const double *restrict h = &it->h[j * it->nx];
+    const size_t n = it->nx;
+    sums all = {0};
+    // One after the other, as without blends of SSE 4; below with safelen, as many partial sums as
+    // the least instruction set has lanes: the same bits whatever this is compiled for.
+    for (size_t i = 0; i < n; i++) {
+        all.a += p[i] > 0.0 ? 1.0 : 0.0;
+        all.b += p[i] > 0.0 ? u[i] - h[i] : 0.0;
+        all.c += p[i];
+    }
+    it->rows[j] = all;
+}
+
+// Takes u (double): g = u - h - level; and into gap.
+static void fresh_row(void *context, size_t j, void *row)
+{
+    const iteration *it = context;
+    const double *restrict u = row;
+    const double *restrict h = &it->h[j * it->nx];
+    float *restrict g = &it->g[j * it->nx];
+    float *restrict dg = &it->dg[j * it->nx];
+    float keep = (float)it->keep;
+    float offset = (float)((1.0 - it->keep) * it->g_mean);
+    double level = it->level;
+    for (size_t i = 0; i < it->nx; i++) {
+        float gap = (float)(u[i] - h[i] - level);
+        dg[i] = keep * dg[i] + (gap - g[i] + offset);
+        g[i] = gap;
+    }
+    for (size_t i = 0; i < it->nx && it->gap != NULL; i++) {
+        it->gap[j * it->nx + i] = u[i] - h[i] - level;
+    }
+}
+
+// Takes S d, d the change of p: g <- g + S d + (scale - 1) (u + S d); sums: cells of I, g over I,
+// -, square of S d.
+static sums update_piece(const iteration *it, size_t n, size_t at, float *restrict du)
+{
+    const double *restrict p = &it->p[at];
+    const float *restrict h = &it->h_short[at];
+    float *restrict g = &it->g[at];
+    float *restrict dg = &it->dg[at];
+    float g_mean = (float)it->g_mean;
+    float level = (float)it->level;
+    float more = (float)(it->scale - 1.0);
+    float cells = 0.0F;
+    float sum_g = 0.0F;
+    float du2 = 0.0F;
+#pragma omp simd safelen(4) reduction(+ : cells, sum_g, du2)
+    for (size_t i = 0; i < n; i++) {
+        float gap = g[i] - g_mean;
+        float change = du[i] + more * (du[i] + (gap + (h[i] + level)));
+        float in = p[i] > 0.0 ? 1.0F : 0.0F;
+        g[i] = gap + change;
+        dg[i] = change;
+        cells += in;
+        sum_g += in * (gap + change);
+        du2 += du[i] * du[i];
+    }
+    return (sums){.a = (double)cells, .b = (double)sum_g, .d = (double)du2};
+}
+
+// The gap of the contact into the transform; sums: p |g|, g^2, g over I.
+static sums gap_piece(const iteration *it, size_t n, size_t at, float *restrict into)
+{
+    const double *restrict p = &it->p[at];
+    const float *restrict g = &it->g[at];
+    float g_mean = (float)it->g_mean;
+    double pg = 0.0;
+    float g2 = 0.0F;
+    float sum_g = 0.0F;
+#pragma omp simd safelen(4) reduction(+ : pg, g2, sum_g)
+    for (size_t i = 0; i < n; i++) {
+        float in = p[i] > 0.0 ? 1.0F : 0.0F;
+        float gap = in * (g[i] - g_mean);
+        into[i] = gap;
+        pg += p[i] * (double)fabsf(gap);
+        g2 += gap * gap;
+        sum_g += gap;
+    }
+    return (sums){.a = pg, .b = (double)g2, .c = (double)sum_g};
+}
+
+// Takes z; sums over I: z, z.g, z.dg, dg, t, g.t.
+static sums overlap_piece(const iteration *it, size_t n, size_t at, float *restrict z)
+{
+    const double *restrict p = &it->p[at];
+    const float *restrict g = &it->g[at];
+    const float *restrict dg = &it->dg[at];
+    const float *restrict t = &it->t[at];
+    float g_mean = (float)it->g_mean;
+    float sz = 0.0F;
+    float zg = 0.0F;
+    float zd = 0.0F;
+    float sd = 0.0F;
+    float st = 0.0F;
+    float gt = 0.0F;
+#pragma omp simd safelen(4) reduction(+ : sz, zg, zd, sd, st, gt)
+    for (size_t i = 0; i < n; i++) {
+        float in = p[i] > 0.0 ? 1.0F : 0.0F;
+        float zi = in * z[i];
+        float ti = in * t[i];
+        float gi = g[i] - g_mean;
+        float di = dg[i] - g_mean;
+        sz += zi;
+        zg += zi * gi;
+        zd += zi * di;
+        sd += in * di;
+        st += ti;
+        gt += ti * gi;
+    }
+    return (sums){(double)sz, (double)zg, (double)zd, (double)sd, (double)st, (double)gt};
+}
+
+// t = z - z_mean + beta (t - t_mean) on I, 0 elsewhere, also into the transform in place of z.
+static void direction_row(void *context, size_t j, void *row)
+{
+    const iteration *it = context;
+    const double *restrict p = &it->p[j * it->nx];
+    float *restrict t = &it->t[j * it->nx];
+    float *restrict z = row;
+    float beta = (float)it->beta;
+    float offset = (float)(-it->z_mean - it->beta * it->t_mean);
+    for (size_t i = 0; i < it->nx; i++) {
+        float ti = z[i] + beta * t[i] + offset;
+        t[i] = p[i] > 0.0 ? ti : 0.0F;
+        z[i] = t[i];
+    }
+}
+
+// 1 on I, 0 elsewhere, into the transform.
+static void ones_row(void *context, size_t j, void *row)
+{
+    const iteration *it = context;
+    const double *restrict p = &it->p[j * it->nx];
+    float *restrict into = row;
+    for (size_t i = 0; i < it->nx; i++) {
+        into[i] = p[i] > 0.0 ? 1.0F : 0.0F;
+    }
+}
+
+// p = max(0, p - tau t) on I, -tau_ov g where the bodies overlap outside; the change of p into the
+// transform; sums: p, and g^2 of the cells that close.
+static sums step_piece(const iteration *it, size_t n, size_t at, float *restrict into)
+{
+    double *restrict p = &it->p[at];
+    const float *restrict g = &it->g[at];
+    const float *restrict t = &it->t[at];
+    float tau = (float)it->tau;
+    float tau_ov = (float)it->tau_ov;
+    double scale = it->scale;
+    float g_mean = (float)it->g_mean;
+    double sum = 0.0;
+    float closing = 0.0F;
+#pragma omp simd safelen(4) reduction(+ : sum, closing)
+    for (size_t i = 0; i < n; i++) {
+        float out = p[i] > 0.0 ? 0.0F : 1.0F;
+        float gap = g[i] - g_mean;
+        float overlap = out * (gap < 0.0F ? gap : 0.0F);
+        double before = scale * p[i];
+        double moved = before - (double)(tau * t[i] + tau_ov * overlap);
+        moved = moved > 0.0 ? moved : 0.0;
+        into[i] = (float)(moved - before);
+        p[i] = moved;
+        sum += moved;
+        closing += overlap * overlap;
+    }
+    return (sums){.a = sum, .b = (double)closing};
+}
+
+// The rows' sums, in order
+static sums total(const iteration *it)
+{
+    sums all = {0};
     for (size_t j = 0; j < it->ny; j++) {
-        lac_sums_add(&all, it->rows[j]);
+        add(&all, it->rows[j]);
     }
     return all;
+}
+
+// A sweep of rows into the transform, in single precision, or out of it, by pieces.
+static sums fill(iteration *it, piece_sums *piece)
+{
+    it->piece = piece;
+    lac_filter_fill(it->s->filter, LAC_SINGLE, sum_row, it);
+    return total(it);
+}
+
+static sums take(iteration *it, piece_sums *piece)
+{
+    it->piece = piece;
+    lac_filter_take(it->s->filter, sum_row, it);
+    return total(it);
 }
 
 bool lac_residual_holds(const lac_residual *r, double tolerance)
@@ -38,17 +305,17 @@ bool lac_residual_holds(const lac_residual *r, double tolerance)
 }
 
 // The gap in double precision.
-static void refresh(lac_iteration *it, bool same_step)
+static void refresh(iteration *it, bool same_step)
 {
     it->keep = same_step ? 1.0 : 0.0;
-    lac_filter_fill(it->s->filter, LAC_DOUBLE, lac_pressure_row, it);
+    lac_filter_fill(it->s->filter, LAC_DOUBLE, pressure_row, it);
     lac_half_space_displace(it->s);
-    lac_filter_take(it->s->filter, lac_level_row, it);
-    lac_sums all = total(it);
+    lac_filter_take(it->s->filter, level_row, it);
+    sums all = total(it);
     it->cells = all.a;
     it->sum_p = all.c;
     it->level = it->held ? all.b / all.a : it->level;
-    lac_filter_take(it->s->filter, lac_fresh_row, it);
+    lac_filter_take(it->s->filter, fresh_row, it);
     it->g_mean = 0.0;
     it->scale = 1.0;
     it->error = 0.0;
@@ -56,23 +323,21 @@ static void refresh(lac_iteration *it, bool same_step)
 }
 
 // The gap from the change of p in the transform, in single precision.
-static void update(lac_iteration *it)
+static void update(iteration *it)
 {
     lac_half_space_displace(it->s);
-    lac_filter_take(it->s->filter, lac_update_row, it);
-    lac_sums all = total(it);
+    sums all = take(it, update_piece);
     it->cells = all.a;
-    it->level += it->g_mean; // which lac_update_row took off
+    it->level += it->g_mean; // which update_piece took off
     it->g_mean = it->held ? all.b / all.a : 0.0;
     it->error += single_error * sqrt(all.d / ((double)it->nx * (double)it->ny));
     it->updates++;
 }
 
 // How far from the solution p is, by the g at hand; leaves the gap in the transform.
-static void measure(lac_iteration *it, lac_descent *d)
+static void measure(iteration *it, lac_descent *d)
 {
-    lac_filter_fill(it->s->filter, LAC_SINGLE, lac_gap_row, it);
-    lac_sums all = total(it);
+    sums all = fill(it, gap_piece);
     double n = (double)it->nx * (double)it->ny;
     it->g2 = all.b;
     it->sum_g = all.c;
@@ -82,7 +347,7 @@ static void measure(lac_iteration *it, lac_descent *d)
 }
 
 // Deepest negative gap where p = 0.
-static double penetration(const lac_iteration *it)
+static double penetration(const iteration *it)
 {
     double least = 0.0;
     for (size_t i = 0; i < it->nx * it->ny; i++) {
@@ -92,6 +357,7 @@ static double penetration(const lac_iteration *it)
     return -least;
 }
 
+// Whether all but the penetration, which is still that of another p, is within the tolerance.
 static bool balanced(const lac_descent *d)
 {
     return d->residual.complementarity < d->tolerance && d->residual.load < d->tolerance;
@@ -99,57 +365,50 @@ static bool balanced(const lac_descent *d)
 
 // Whether the solution is reached, which only a fresh product tells. The penetration costs a
 // sweep: only where the rest holds.
-static bool settled(lac_iteration *it, lac_descent *d)
+static bool settled(iteration *it, lac_descent *d)
 {
     if (balanced(d) && it->updates > 0) {
         refresh(it, true);
         measure(it, d);
     }
-    if (!balanced(d)) {
-        return false;
-    }
-    d->residual.penetration = penetration(it);
+    d->residual.penetration = balanced(d) ? penetration(it) : INFINITY;
     return d->residual.penetration < d->tolerance;
 }
 
 // |q| hardly sees the mean over I, which nothing holds under a given approach; without it contacts
 // nearly complete converge badly. Its own step: sum of g / 1.S1, the two over I.
-static double mean_step(lac_iteration *it)
+static double mean_step(iteration *it)
 {
     if (it->held) {
         return 0.0;
     }
-    lac_filter_fill(it->s->filter, LAC_SINGLE, lac_ones_row, it);
+    lac_filter_fill(it->s->filter, LAC_SINGLE, ones_row, it);
     double compliance = lac_half_space_energy(it->s);
-    lac_filter_fill(it->s->filter, LAC_SINGLE, lac_gap_row, it);
+    (void)fill(it, gap_piece);
     return compliance > 0.0 ? it->sum_g / compliance : 0.0;
 }
 
 // The search direction: |q| preconditioner and PR+; returns g.t
-static double direction(lac_iteration *it)
+static double direction(iteration *it)
 {
     double shift = mean_step(it);
     lac_half_space_unload(it->s);
-    lac_filter_take(it->s->filter, lac_overlap_row, it);
-    lac_sums all = total(it);
+    sums all = take(it, overlap_piece);
     it->z_mean = it->held ? all.a / it->cells : -shift;
     it->t_mean = it->held ? all.e / it->cells : 0.0;
     double G = all.b + shift * it->sum_g;
-    it->beta = 0.0;
-    if (it->G_old > 0.0) {
-        it->beta = fmax(0.0, (all.c - it->z_mean * all.d) / it->G_old);
-    }
+    it->beta = it->G_old > 0.0 ? fmax(0.0, (all.c - it->z_mean * all.d) / it->G_old) : 0.0;
     // beta > 2 or a direction that does not descend: start afresh
     if (!(it->beta <= 2.0) || !(G + it->beta * all.f > 0.0)) {
         it->beta = 0.0;
     }
-    lac_filter_refill(it->s->filter, lac_direction_row, it);
+    lac_filter_refill(it->s->filter, direction_row, it);
     it->G_old = G;
     return G + it->beta * all.f;
 }
 
 // Step tau = g.t / t.St, and tau_ov = (g.t)^2 / (t.St g.g) for the cells that close
-static void choose_step(lac_iteration *it, double gt)
+static void choose_step(iteration *it, double gt)
 {
     double tst = lac_half_space_energy(it->s);
     it->tau = gt / tst;
@@ -162,16 +421,15 @@ static void choose_step(lac_iteration *it, double gt)
 }
 
 // Whether the error of g would show: in the residual, or in the stop test that is near.
-static bool stale(const lac_iteration *it, const lac_descent *d)
+static bool stale(const iteration *it, const lac_descent *d)
 {
     return it->updates >= MOST_UPDATES || d->residual.complementarity < 30.0 * it->error ||
            d->residual.complementarity < 3.0 * d->tolerance;
 }
 
-static void step(lac_iteration *it, const lac_descent *d)
+static void step(iteration *it, const lac_descent *d)
 {
-    lac_filter_fill(it->s->filter, LAC_SINGLE, lac_step_row, it);
-    lac_sums all = total(it);
+    sums all = fill(it, step_piece);
     it->scale = it->held ? d->mean_pressure * (double)it->nx * (double)it->ny / all.a : 1.0;
     it->sum_p = it->scale * all.a;
     // New cells change the problem: the directions so far are conjugate no more.
@@ -185,7 +443,7 @@ static void step(lac_iteration *it, const lac_descent *d)
     }
 }
 
-static void iterate(lac_iteration *it, lac_descent *d)
+static void iterate(iteration *it, lac_descent *d)
 {
     refresh(it, false);
     measure(it, d);
@@ -210,26 +468,26 @@ lac_status lac_descend(lac_half_space *s, lac_descent *d, double *pressure, doub
 {
     size_t n = s->nx * s->ny;
     float *work = calloc(4 * n, sizeof *work);
-    lac_sums *rows = malloc(s->ny * sizeof *rows);
-    lac_status status = work != NULL && rows != NULL ? LAC_OK : lac_fail_memory(err);
-    LAC_TRY(status);
+    sums *rows = malloc(s->ny * sizeof *rows);
+    lac_status status;
+    LAC_TRY(work != NULL && rows != NULL ? LAC_OK : lac_fail_memory(err));
     for (size_t i = 0; i < n; i++) {
         work[i] = (float)d->heights[i];
     }
-    lac_iteration it = {.s = s,
-                        .nx = s->nx,
-                        .ny = s->ny,
-                        .h = d->heights,
-                        .h_short = work,
-                        .p = pressure,
-                        .gap = gap,
-                        .g = &work[n],
-                        .dg = &work[2 * n],
-                        .t = &work[3 * n],
-                        .rows = rows,
-                        .scale = 1.0,
-                        .level = -d->approach,
-                        .held = d->control == LAC_CONTROL_LOAD};
+    iteration it = {.s = s,
+                    .nx = s->nx,
+                    .ny = s->ny,
+                    .h = d->heights,
+                    .h_short = work,
+                    .p = pressure,
+                    .gap = gap,
+                    .g = &work[n],
+                    .dg = &work[2 * n],
+                    .t = &work[3 * n],
+                    .rows = rows,
+                    .scale = 1.0,
+                    .level = -d->approach,
+                    .held = d->control == LAC_CONTROL_LOAD};
     iterate(&it, d);
 out:
     free(work);

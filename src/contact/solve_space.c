@@ -116,19 +116,17 @@ static lac_status fill_kernel(lac_half_space *s, double dx, double dy, lac_error
 // directions, so that a quarter of it and of its transform are all there is.
 static lac_status fill_free(lac_half_space *s, const lac_extent *extent, lac_error *err)
 {
-    lac_status status;
     size_t n = s->nkx * (s->my / 2 + 1);
     s->compliance = malloc(n * sizeof *s->compliance);
-    LAC_TRY(s->compliance != NULL ? LAC_OK : lac_fail_memory(err));
-    LAC_TRY(fill_kernel(s, 1.0 / (extent->dqx * (double)s->nx), 1.0 / (extent->dqy * (double)s->ny),
-                        err));
+    LAC_TRY_RETURN(s->compliance != NULL ? LAC_OK : lac_fail_memory(err));
+    LAC_TRY_RETURN(fill_kernel(s, 1.0 / (extent->dqx * (double)s->nx),
+                               1.0 / (extent->dqy * (double)s->ny), err));
     s->self = s->compliance[0];
-    LAC_TRY(lac_fft_even(s->nkx, s->my / 2 + 1, s->compliance, err));
+    LAC_TRY_RETURN(lac_fft_even(s->nkx, s->my / 2 + 1, s->compliance, err));
     for (size_t i = 0; i < n; i++) {
         s->compliance[i] /= cells_of(s);
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 static lac_status fill_wavenumbers(lac_half_space *s, const lac_extent *extent, lac_error *err)

@@ -10,14 +10,36 @@
 
 #include "contact/tangential_solve.h"
 
-typedef lac_shear_step step;
+// One step on the contact cells, in tractions of order one.
+typedef struct step {
+    lac_shear_problem p;
+    double unit; // of tractions, a power of two [Pa]
+    uint32_t *cell;
+    double *work; // limit, before, tau, u
+    uint8_t *limited;
+} step;
+
+// The pressures of a contact: how many press, their mean and the highest.
+typedef struct pressure_sums {
+    size_t n;
+    double mean, most;
+} pressure_sums;
 
 lac_tangential_def lac_tangential_default(void)
 {
     return (lac_tangential_def){.tolerance = 1e-8, .max_iterations = 2000};
 }
 
-lac_status lac_tangential_check(const lac_tangential_def *def, lac_error *err)
+// Displacements in the unit of lac_shear_space to metres [m/Pa].
+static double softness_of(const lac_tangential_def *def)
+{
+    const lac_grid *grid = &def->grid;
+    double length = fmax((double)grid->nx * grid->dx, (double)grid->ny * grid->dy);
+    return length / (M_PI * (1.0 - def->poisson) * def->e_star);
+}
+
+// What all that shears demands of a def.
+static lac_status check(const lac_tangential_def *def, lac_error *err)
 {
     const lac_grid *grid = &def->grid;
     LAC_FAIL_IF(grid->nx == 0 || grid->ny == 0 || !(grid->dx > 0.0 && grid->dy > 0.0) ||
@@ -33,38 +55,33 @@ lac_status lac_tangential_check(const lac_tangential_def *def, lac_error *err)
     LAC_FAIL_IF(!(def->tolerance > 0.0 && def->tolerance < 1.0), err, LAC_EINPUT,
                 "the tolerance must lie between 0 and 1, not %g", def->tolerance);
     LAC_FAIL_IF(def->max_iterations < 1, err, LAC_EINPUT, "at least one iteration must be allowed");
-    double softness = lac_tangential_softness(def);
+    double softness = softness_of(def);
     LAC_FAIL_IF(!(softness > 0.0 && isfinite(softness)), err, LAC_EINPUT,
                 "cells of %g x %g m of a modulus of %g Pa are beyond numbers", grid->dx, grid->dy,
                 def->e_star);
     return LAC_OK;
 }
 
-double lac_tangential_softness(const lac_tangential_def *def)
-{
-    const lac_grid *grid = &def->grid;
-    double length = fmax((double)grid->nx * grid->dx, (double)grid->ny * grid->dy);
-    return length / (M_PI * (1.0 - def->poisson) * def->e_star);
-}
-
 lac_status lac_tangential_create(const lac_tangential_def *def, lac_tangential **out,
                                  lac_error *err)
 {
     lac_status status;
-    lac_tangential *t = NULL;
     *out = NULL;
-    LAC_TRY(lac_tangential_check(def, err));
-    t = calloc(1, sizeof *t);
+    LAC_TRY_RETURN(check(def, err));
+    lac_tangential *t = calloc(1, sizeof *t);
     LAC_FAIL_MEMORY_IF(t == NULL, err);
     const size_t cells = lac_grid_cells(&def->grid);
     t->def = *def;
-    t->softness = lac_tangential_softness(def);
+    t->softness = softness_of(def);
     t->used[0] = t->used[1] = def->poisson > 0.0;
-    t->tau = calloc(6 * cells, sizeof *t->tau);
+    t->traction[0] = calloc(6 * cells, sizeof *t->traction[0]);
     t->state = calloc(cells, sizeof *t->state);
-    LAC_TRY(t->tau != NULL && t->state != NULL ? LAC_OK : lac_fail_memory(err));
-    t->u = t->tau + 2 * cells;
-    t->slip = t->u + 2 * cells;
+    LAC_TRY(t->traction[0] != NULL && t->state != NULL ? LAC_OK : lac_fail_memory(err));
+    t->traction[1] = t->traction[0] + cells;
+    for (size_t axis = 0; axis < 2; axis++) {
+        t->slip[axis] = t->traction[axis] + 2 * cells;
+        t->u[axis] = t->slip[axis] + 2 * cells;
+    }
     LAC_TRY(lac_shear_space_create(&def->grid, def->poisson, &t->space, err));
     *out = t;
     return LAC_OK;
@@ -79,17 +96,17 @@ void lac_tangential_free(lac_tangential *t)
         return;
     }
     lac_shear_space_free(t->space);
-    free(t->tau);
+    free(t->traction[0]);
     free(t->state);
     free(t);
 }
 
-lac_status lac_tangential_check_pressure(const lac_tangential_def *def, const double *pressure,
-                                         lac_pressed *pressed, lac_error *err)
+static lac_status check_pressure(const lac_tangential_def *def, const double *pressure,
+                                 pressure_sums *pressed, lac_error *err)
 {
     const lac_grid *grid = &def->grid;
     const size_t cells = lac_grid_cells(grid);
-    *pressed = (lac_pressed){0};
+    *pressed = (pressure_sums){0};
     for (size_t i = 0; i < cells; i++) {
         LAC_FAIL_IF(!(pressure[i] >= 0.0 && isfinite(pressure[i])), err, LAC_EINPUT,
                     "the pressure of cell (%zu, %zu) must be finite and >= 0, not %g", i % grid->nx,
@@ -136,14 +153,15 @@ static lac_status check_strength(const lac_tangential_def *def, const lac_tangen
     return LAC_OK;
 }
 
-void lac_shear_step_clear(lac_shear_step *s)
+static void clear_step(step *s)
 {
     free(s->cell);
     free(s->work);
     free(s->limited);
 }
 
-lac_status lac_shear_step_create(lac_shear_step *s, size_t n, lac_error *err)
+// Room for n cells, to be cleared whatever the status.
+static lac_status create_step(step *s, size_t n, lac_error *err)
 {
     s->p.n = n;
     s->cell = malloc((n + 1) * sizeof *s->cell); // an empty contact has no cells
@@ -177,8 +195,8 @@ static void fill_step(const lac_tangential *t, const double *pressure, double mo
             // so far below the rest that it makes no difference, but still to be divided by
             limit[k] = fmax(t->def.friction * (pressure[i] / s->unit), 1e-150);
             for (size_t axis = 0; axis < 2; axis++) {
-                before[axis * n + k] = t->u[axis * cells + i] / s->unit;
-                tau[axis * n + k] = t->tau[axis * cells + i] / s->unit;
+                before[axis * n + k] = t->u[axis][i] / s->unit;
+                tau[axis * n + k] = t->traction[axis][i] / s->unit;
             }
             k++;
         }
@@ -213,7 +231,7 @@ static void take_displacements(lac_tangential *t, double unit)
         const lac_fft *fft = t->space->fft[axis];
         for (size_t j = 0; j < ny && t->space->used[axis]; j++) {
             for (size_t i = 0; i < nx; i++) {
-                t->u[(axis * ny + j) * nx + i] = fft->real[j * fft->nx + i] * unit;
+                t->u[axis][j * nx + i] = fft->real[j * fft->nx + i] * unit;
             }
         }
     }
@@ -257,8 +275,8 @@ static void keep_step(lac_tangential *t, const step *s, lac_tangential_stats *re
     for (size_t i = 0; i < cells; i++) {
         if (k == p->n || s->cell[k] != i) {
             t->state[i] = LAC_CELL_OPEN;
-            t->tau[i] = t->tau[cells + i] = 0.0;
-            t->slip[i] = t->slip[cells + i] = 0.0;
+            t->traction[0][i] = t->traction[1][i] = 0.0;
+            t->slip[0][i] = t->slip[1][i] = 0.0;
             continue;
         }
         double slip[2];
@@ -267,8 +285,8 @@ static void keep_step(lac_tangential *t, const step *s, lac_tangential_stats *re
         for (size_t axis = 0; axis < 2; axis++) {
             double tau = p->tau[axis * p->n + k] * s->unit;
             double moved = state == LAC_CELL_SLIP ? slip[axis] : 0.0;
-            t->tau[axis * cells + i] = tau;
-            t->slip[axis * cells + i] += moved;
+            t->traction[axis][i] = tau;
+            t->slip[axis][i] += moved;
             report->traction[axis] += tau / (double)cells;
             report->dissipation += area * tau * moved;
         }
@@ -292,32 +310,34 @@ static void keep_shift(lac_tangential *t, const step *s, const lac_tangential_ta
     }
 }
 
-static lac_status solve_step(lac_tangential *t, const double *pressure, const lac_pressed *pressed,
-                             const lac_tangential_target *target, lac_tangential_stats *report,
-                             lac_error *err)
+static lac_status check_converged(const lac_shear_problem *p, const char *what, lac_error *err)
+{
+    LAC_FAIL_IF(!(p->residual <= p->tolerance), err, LAC_ENUMERIC,
+                "no convergence of the %s to %g after %lld iterations: %.3g of the displacements",
+                what, p->tolerance, (long long)p->iterations, p->residual);
+    return LAC_OK;
+}
+
+static lac_status solve_step(lac_tangential *t, const double *pressure,
+                             const pressure_sums *pressed, const lac_tangential_target *target,
+                             lac_tangential_stats *report, lac_error *err)
 {
     lac_status status;
     step s = {0};
     LAC_TRY(check_strength(&t->def, target, pressed->mean, err));
-    LAC_TRY(lac_shear_step_create(&s, pressed->n, err));
+    LAC_TRY(create_step(&s, pressed->n, err));
     fill_step(t, pressure, pressed->most, &s);
     LAC_TRY(fill_target(t, target, &s, err));
     LAC_TRY(lac_shear_solve(&s.p, err));
     report->residual = s.p.residual;
     report->iterations = s.p.iterations;
     report->products = s.p.products;
-    if (!(s.p.residual <= t->def.tolerance)) {
-        status = lac_fail(err, LAC_ENUMERIC,
-                          "no convergence of the shear tractions to %g after %lld iterations: %.3g "
-                          "of the displacements",
-                          t->def.tolerance, (long long)s.p.iterations, s.p.residual);
-        goto out;
-    }
+    LAC_TRY(check_converged(&s.p, "shear tractions", err));
     take_displacements(t, s.unit);
     keep_step(t, &s, report);
     keep_shift(t, &s, target, report);
 out:
-    lac_shear_step_clear(&s);
+    clear_step(&s);
     return status;
 }
 
@@ -326,9 +346,9 @@ lac_status lac_tangential_step(lac_tangential *t, const double *pressure,
                                lac_error *err)
 {
     lac_status status;
-    lac_pressed pressed;
+    pressure_sums pressed;
     lac_tangential_stats r = {.highest_ratio = -1.0, .highest_cell = SIZE_MAX};
-    LAC_TRY(lac_tangential_check_pressure(&t->def, pressure, &pressed, err));
+    LAC_TRY(check_pressure(&t->def, pressure, &pressed, err));
     LAC_TRY(check_target(target, err));
     LAC_TRY(solve_step(t, pressure, &pressed, target, &r, err));
 out:
@@ -339,14 +359,81 @@ out:
     return status;
 }
 
-const double *lac_tangential_traction(const lac_tangential *t, int axis)
+// The contact cells of one problem without limits
+static lac_status gather_contact(const lac_tangential_def *def, const double *pressure, size_t n,
+                                 step *b, lac_error *err)
 {
-    return &t->tau[(size_t)axis * lac_grid_cells(&t->def.grid)];
+    lac_status status = create_step(b, n, err);
+    size_t k = 0;
+    for (size_t i = 0; i < lac_grid_cells(&def->grid) && status == LAC_OK; i++) {
+        if (pressure[i] > 0.0) {
+            b->work[k] = INFINITY;
+            b->cell[k++] = (uint32_t)i;
+        }
+    }
+    b->p.held[0] = b->p.held[1] = true;
+    b->p.tolerance = def->tolerance;
+    b->p.max_iterations = def->max_iterations;
+    return status;
 }
 
-const double *lac_tangential_slip(const lac_tangential *t, int axis)
+// The smallest f p / |tau|: what the tractions have to be multiplied by
+static double first_limit(const lac_tangential_def *def, const double *pressure, const step *b,
+                          size_t *cell)
 {
-    return &t->slip[(size_t)axis * lac_grid_cells(&t->def.grid)];
+    double least = INFINITY;
+    for (size_t k = 0; k < b->p.n; k++) {
+        size_t i = b->p.cell[k];
+        double tau = hypot(b->p.tau[k], b->p.tau[b->p.n + k]);
+        double factor = def->friction * pressure[i] / tau;
+        if (factor < least) {
+            least = factor;
+            *cell = i;
+        }
+    }
+    return least;
 }
 
-const uint8_t *lac_tangential_state(const lac_tangential *t) { return t->state; }
+static void fill_result(const lac_tangential_def *def, const double *pressure,
+                        const pressure_sums *pressed, const step *b, lac_first_slip *result)
+{
+    const double cells = (double)lac_grid_cells(&def->grid);
+    double scale = first_limit(def, pressure, b, &result->cell);
+    result->load = scale * (double)b->p.n / cells;
+    result->factor = result->load / (def->friction * pressed->mean);
+    for (int axis = 0; axis < 2; axis++) {
+        result->shift[axis] = b->p.shift[axis] * scale * softness_of(def);
+    }
+    result->residual = b->p.residual;
+    result->iterations = b->p.iterations;
+    result->products = b->p.products;
+}
+
+lac_status lac_tangential_first_slip(const lac_tangential_def *def, const double *pressure,
+                                     const double direction[2], lac_first_slip *result,
+                                     lac_error *err)
+{
+    lac_status status;
+    pressure_sums pressed;
+    lac_shear_space *space = NULL;
+    step b = {0};
+    *result = (lac_first_slip){0};
+    LAC_TRY_RETURN(check(def, err));
+    LAC_TRY_RETURN(check_pressure(def, pressure, &pressed, err));
+    double length = hypot(direction[0], direction[1]);
+    LAC_FAIL_IF(!(length > 0.0 && isfinite(length)), err, LAC_EINPUT,
+                "a shear along (%g, %g) has no direction", direction[0], direction[1]);
+    LAC_TRY(gather_contact(def, pressure, pressed.n, &b, err));
+    LAC_TRY(lac_shear_space_create(&def->grid, def->poisson, &space, err));
+    b.p.space = space;
+    for (int axis = 0; axis < 2; axis++) {
+        b.p.load[axis] = direction[axis] / length * (double)pressed.n;
+    }
+    LAC_TRY(lac_shear_solve(&b.p, err));
+    fill_result(def, pressure, &pressed, &b, result);
+    LAC_TRY(check_converged(&b.p, "tractions without slip", err));
+out:
+    lac_shear_space_free(space);
+    clear_step(&b);
+    return status;
+}

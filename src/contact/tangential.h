@@ -44,8 +44,19 @@ typedef struct lac_tangential_stats {
     int64_t products; ///< applications of the elastic operator
 } lac_tangential_stats;
 
-/// The solver with its memory: the tractions and elastic displacements of the step before.
-typedef struct lac_tangential lac_tangential;
+/// The solver with its memory: what a step left, vectors along x and along y [ny * nx] each.
+typedef struct lac_tangential {
+    lac_tangential_def def;
+    struct lac_shear_space *space;
+    double softness;     ///< displacements in the unit of space to metres [m/Pa]
+    double *traction[2]; ///< [Pa]; the first owns all vectors
+    double *slip[2]; ///< since the history began [m]: 0 where a cell has always stuck, and where
+                     ///< it is open
+    double *u[2];    ///< displacements, in the unit of space
+    uint8_t *state;  ///< [ny * nx] lac_cell_state
+    double shift[2]; ///< [m]
+    bool used[2];    ///< axes that have ever been loaded, or are coupled to one that has
+} lac_tangential;
 
 /// A def with tolerance 1e-8 and 2000 iterations; the rest is the caller's.
 lac_tangential_def lac_tangential_default(void);
@@ -63,16 +74,6 @@ lac_status lac_tangential_step(lac_tangential *t, const double *pressure,
                                const lac_tangential_target *target, lac_tangential_stats *report,
                                lac_error *err);
 
-/// Tractions along an axis, 0 (x) or 1 (y) [ny * nx] [Pa]; valid until the next step.
-const double *lac_tangential_traction(const lac_tangential *t, int axis);
-
-/// Slip along an axis since the history began [ny * nx] [m]: 0 where a cell has always stuck, and
-/// where it is open.
-const double *lac_tangential_slip(const lac_tangential *t, int axis);
-
-/// lac_cell_state of every cell [ny * nx].
-const uint8_t *lac_tangential_state(const lac_tangential *t);
-
 /// Where a joint without any slip would first slip.
 typedef struct lac_first_slip {
     size_t cell;     ///< the cell with the highest q/(f p), by its index in the grid
@@ -88,8 +89,6 @@ typedef struct lac_first_slip {
 /// edge of the contact, and slip begins at once: the factor belongs to the cells, and falls with
 /// their size.
 /// @param direction  of the load; any length but 0
-/// @param traction   [2 * ny * nx] tractions at first slip, all x then all y [Pa]; NULL if not
-/// wanted
 lac_status lac_tangential_first_slip(const lac_tangential_def *def, const double *pressure,
-                                     const double direction[2], double *traction,
-                                     lac_first_slip *result, lac_error *err);
+                                     const double direction[2], lac_first_slip *result,
+                                     lac_error *err);

@@ -21,7 +21,7 @@ typedef struct spacing {
     double dx, dy; // of cells, in units of the longest side
 } spacing;
 
-static void fill_periodic(lac_shear_space *s, spacing d, double nu)
+static void fill_waves(lac_shear_space *s, bool periodic, spacing d, double nu)
 {
     const lac_fft *fft = s->fft[0];
     const double cells = (double)fft->nx * (double)fft->ny;
@@ -32,26 +32,16 @@ static void fill_periodic(lac_shear_space *s, spacing d, double nu)
             double kappa = hypot(qx, qy);
             double w = i + j > 0 ? 1.0 / kappa : 0.0;
             size_t at = place(fft, s->xy == NULL, i, j);
-            s->xx[at] = w * (1.0 - nu * qx * qx * w * w) / cells;
-            if (s->xy != NULL) {
+            s->stiffness[i * fft->ny + j] = kappa / cells;
+            if (periodic) {
+                s->xx[at] = w * (1.0 - nu * qx * qx * w * w) / cells;
+            }
+            if (periodic && s->xy != NULL) {
                 // odd in both wavenumbers: the Nyquist lines, their own mirror images, have none
                 bool nyquist = 2 * i == fft->nx || 2 * j == fft->ny;
                 s->yy[at] = w * (1.0 - nu * qy * qy * w * w) / cells;
                 s->xy[at] = nyquist ? 0.0 : -nu * qx * qy * w * w * w / cells;
             }
-        }
-    }
-}
-
-static void fill_stiffness(lac_shear_space *s, spacing d)
-{
-    const lac_fft *fft = s->fft[0];
-    const double cells = (double)fft->nx * (double)fft->ny;
-    for (size_t i = 0; i < fft->nkx; i++) {
-        for (size_t j = 0; j < fft->ny; j++) {
-            double qx = (double)i / (d.dx * (double)fft->nx);
-            double qy = lac_fft_frequency(j, fft->ny) / (d.dy * (double)fft->ny);
-            s->stiffness[i * fft->ny + j] = hypot(qx, qy) / cells;
         }
     }
     // where the shift is given the mean counts, too: as stiff as half a wave
@@ -121,15 +111,13 @@ static void fill_free(lac_shear_space *s, part which, double nu, spacing d, doub
 static void fill_tables(lac_shear_space *s, const lac_grid *grid, double nu)
 {
     spacing d = {grid->dx / s->length, grid->dy / s->length};
-    fill_stiffness(s, d);
-    if (grid->periodic) {
-        fill_periodic(s, d, nu);
-    } else {
+    fill_waves(s, grid->periodic, d, nu);
+    if (!grid->periodic) {
         fill_free(s, WHOLE_X, nu, d, s->xx);
-        if (s->xy != NULL) {
-            fill_free(s, WHOLE_Y, nu, d, s->yy);
-            fill_free(s, CROSS, nu, d, s->xy);
-        }
+    }
+    if (!grid->periodic && s->xy != NULL) {
+        fill_free(s, WHOLE_Y, nu, d, s->yy);
+        fill_free(s, CROSS, nu, d, s->xy);
     }
 }
 
@@ -156,16 +144,14 @@ static void measure(lac_shear_space *s)
 
 static lac_status plan(lac_shear_space *s, bool periodic, lac_error *err)
 {
-    lac_status status = LAC_OK;
     size_t mx = periodic || s->nx == 1 ? 1 : 2;
     size_t my = periodic || s->ny == 1 ? 1 : 2;
     for (int axis = 0; axis < 2; axis++) {
-        LAC_TRY(lac_fft_create(mx * s->nx, my * s->ny, &s->fft[axis], err));
-        LAC_TRY(lac_fft_plan_filter(s->fft[axis], s->ny, err));
+        LAC_TRY_RETURN(lac_fft_create(mx * s->nx, my * s->ny, &s->fft[axis], err));
+        LAC_TRY_RETURN(lac_fft_plan_filter(s->fft[axis], s->ny, err));
         s->used[axis] = true;
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 lac_status lac_shear_space_create(const lac_grid *grid, double poisson, lac_shear_space **out,

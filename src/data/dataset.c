@@ -128,11 +128,22 @@ lac_status lac_dataset_add(lac_dataset *dataset, const lac_laid *laid, size_t n,
     for (size_t k = 0; k < n; k++) {
         const lac_variables *table = &laid[k].table;
         for (size_t i = 0; i < table->rows; i++) {
+            const size_t first = strcspn(table->over, " ");
+            const bool two = table->over[first] != '\0';
+            const lac_extent *second =
+                two ? find_dim(dataset, table->over + first + 1, strlen(table->over + first + 1))
+                    : NULL;
+            const bool many = table->stride > 0 || table->pointers;
             const lac_entry entry = {.row = &table->row[i],
                                      .over = table->over,
                                      .stride = table->stride,
                                      .pointers = table->pointers,
-                                     .of = laid[k].of};
+                                     .of = laid[k].of,
+                                     .dataset = dataset,
+                                     .own = !many ? 0
+                                            : two ? 2
+                                                  : 1,
+                                     .second = second != NULL ? second->length : 0};
             LAC_TRY_RETURN(add_entry(dataset, &entry, err));
         }
     }
@@ -149,7 +160,7 @@ static const char *copy(const char *text, bool *good)
 lac_status lac_dataset_add_named(lac_dataset *dataset, const lac_variable *row,
                                  const lac_named *named, const void *of, lac_error *err)
 {
-    const lac_entry entry = {.row = row, .over = "", .of = of};
+    const lac_entry entry = {.row = row, .over = "", .of = of, .dataset = dataset};
     bool good = true;
     LAC_TRY_RETURN(add_entry(dataset, &entry, err));
     dataset->entry[dataset->entries - 1].named =
@@ -182,14 +193,22 @@ size_t lac_entry_dims(const lac_dataset *dataset, const lac_entry *entry,
     return rank;
 }
 
-// What is held along the first dimension, or that one of `which`.
-static const char *held(const lac_entry *entry, const size_t *at)
+// What a value is of: that one of many.
+static const void *one_of(const lac_entry *entry, const size_t *at)
 {
     const void *from = entry->of;
+    const size_t index = entry->own == 0   ? 0
+                         : entry->own == 1 ? at[0]
+                                           : at[0] * entry->second + at[1];
     if (entry->pointers) {
-        memcpy(&from, (const char *)entry->of + at[0] * sizeof from, sizeof from);
+        memcpy(&from, (const char *)entry->of + index * sizeof from, sizeof from);
     }
-    return (const char *)from + at[0] * entry->stride + entry->row->offset;
+    return (const char *)from + index * entry->stride;
+}
+
+static const char *held(const lac_entry *entry, const size_t *at)
+{
+    return (const char *)one_of(entry, at) + entry->row->offset;
 }
 
 // Where the values are that are held as one array; NULL: there is none.
@@ -207,13 +226,19 @@ static double held_number(const lac_entry *entry, const size_t *at, size_t place
     const void *from = held(entry, at);
     switch (entry->row->held) {
     case LAC_HELD_REAL:
-        return *(const double *)from;
-    case LAC_HELD_COUNT:
-        return *(const size_t *)from != SIZE_MAX ? (double)*(const size_t *)from : NAN;
-    case LAC_HELD_INT64:
-        return *(const int64_t *)from != INT64_MIN ? (double)*(const int64_t *)from : NAN;
+        return ((const double *)from)[place];
+    case LAC_HELD_COUNT: {
+        const size_t count = ((const size_t *)from)[place];
+        return count != SIZE_MAX ? (double)count : NAN;
+    }
+    case LAC_HELD_INT64: {
+        const int64_t integer = ((const int64_t *)from)[place];
+        return integer != INT64_MIN ? (double)integer : NAN;
+    }
+    case LAC_HELD_INT:
+        return ((const int *)from)[place];
     case LAC_HELD_BOOL:
-        return *(const bool *)from ? 1.0 : 0.0;
+        return ((const bool *)from)[place] ? 1.0 : 0.0;
     case LAC_HELD_REALS:
         return ((const double *)array(entry, at))[place];
     case LAC_HELD_BYTES:
@@ -228,26 +253,50 @@ double lac_entry_number(const lac_entry *entry, const size_t *at, size_t place)
     if (entry->of == NULL) {
         return NAN;
     }
-    return entry->row->value != NULL ? entry->row->value(entry->of, at)
+    return entry->row->value != NULL ? entry->row->value(one_of(entry, at), at + entry->own)
                                      : held_number(entry, at, place);
 }
 
 bool lac_entry_is_text(const lac_entry *entry)
 {
-    return entry->row->text != NULL || entry->row->held == LAC_HELD_TEXT;
+    const lac_variable *row = entry->row;
+    return row->text != NULL || row->held == LAC_HELD_TEXT || row->held == LAC_HELD_CHARS ||
+           row->names != NULL || (row->flags & LAC_DATE) != 0;
+}
+
+static const char *date_text(const lac_dataset *d, double time, char room[LAC_TEXT_ROOM])
+{
+    const bool dated = d->clock != LAC_CLOCK_NONE && isfinite(time);
+    const char *text = dated ? lac_date_format(d->start + time, room, LAC_TEXT_ROOM) : "";
+    return text[0] != '\0' ? text : NULL;
 }
 
 const char *lac_entry_text(const lac_entry *entry, const size_t *at, char room[LAC_TEXT_ROOM])
 {
+    const lac_variable *row = entry->row;
     const char *text = NULL;
     if (entry->of == NULL) {
         return NULL;
     }
-    if (entry->row->text != NULL) {
-        return entry->row->text(entry->of, at, room);
+    if (row->text != NULL) {
+        return row->text(one_of(entry, at), at + entry->own, room);
+    }
+    if (row->names != NULL || (row->flags & LAC_DATE) != 0) {
+        const double number = lac_entry_number(entry, at, 0);
+        return row->names != NULL ? row->names[(size_t)number]
+                                  : date_text(entry->dataset, number, room);
+    }
+    if (row->held == LAC_HELD_CHARS) {
+        text = held(entry, at);
+        return (row->flags & LAC_MISSING) != 0 && text[0] == '\0' ? NULL : text;
     }
     memcpy(&text, held(entry, at), sizeof text);
     return text;
+}
+
+const char *lac_entry_label(const lac_entry *entry, const size_t *at, char room[LAC_TEXT_ROOM])
+{
+    return entry->row->label(one_of(entry, at), at + entry->own, room);
 }
 
 static bool is_array(const lac_variable *row)
@@ -258,7 +307,8 @@ static bool is_array(const lac_variable *row)
 bool lac_entry_has(const lac_entry *entry, const size_t *at)
 {
     const lac_variable *row = entry->row;
-    return entry->of != NULL && (row->has == NULL || row->has(entry->of, at)) &&
+    return entry->of != NULL &&
+           (row->has == NULL || row->has(one_of(entry, at), at + entry->own)) &&
            (!is_array(row) || (row->flags & LAC_LATE) != 0 || array(entry, at) != NULL);
 }
 
@@ -332,8 +382,10 @@ void lac_item_values(const lac_item *item, double *out)
 {
     size_t at[LAC_MOST_DIMS + 1] = {0};
     at[item->rank] = item->entry->named.which;
-    const bool many = item->entry->stride > 0 || item->entry->pointers;
-    const size_t each = many && item->rank > 0 ? item->count / item->length[0] : item->count;
+    size_t each = 1; // values of one of many
+    for (size_t d = item->entry->own; d < item->rank; d++) {
+        each *= item->length[d] != LAC_GROWS ? item->length[d] : 1;
+    }
     for (size_t i = 0; i < item->count; i++) {
         out[i] = lac_entry_number(item->entry, at, i % each);
         step(item, at);
@@ -343,8 +395,7 @@ void lac_item_values(const lac_item *item, double *out)
 const void *lac_item_array(const lac_item *item)
 {
     const size_t first[] = {0};
-    const bool one = item->entry->stride == 0 && !item->entry->pointers;
-    return is_array(item->row) && one ? array(item->entry, first) : NULL;
+    return is_array(item->row) && item->entry->own == 0 ? array(item->entry, first) : NULL;
 }
 
 const char *lac_item_text(const lac_item *item, size_t place, char room[LAC_TEXT_ROOM])
@@ -364,6 +415,7 @@ bool lac_item_next_attribute(const lac_item *item, lac_attribute *attribute)
     while (laid->of != NULL && attribute->next < laid->table.rows) {
         const lac_entry own = {.row = &laid->table.row[attribute->next++],
                                .stride = laid->table.stride,
+                               .own = laid->table.stride > 0 ? 1 : 0,
                                .of = laid->of};
         const bool is_text = lac_entry_is_text(&own);
         attribute->name = own.row->name;

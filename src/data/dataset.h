@@ -13,42 +13,45 @@ enum {
 };
 
 /// One value of a result. NaN and infinity are missing.
-/// @param of  what the table was laid on
-/// @param at  [rank + 1] its place along each dimension; behind them `which` of lac_named
+/// @param of  what the table was laid on; where that is many, the one that the value is of
+/// @param at  [rank + 1] its place along each dimension but those that many are along; behind them
+///            `which` of lac_named
 typedef double (*lac_getter)(const void *of, const size_t *at);
 
 /// The same of a text. @param room  for one that is made here @return NULL: missing
 typedef const char *(*lac_text_getter)(const void *of, const size_t *at, char room[LAC_TEXT_ROOM]);
 
-/// Where a value stands, if no getter gives it.
+/// Where a value stands, if no getter gives it; of a row over dimensions the first of an array.
 typedef enum lac_held {
     LAC_HELD_NOT = 0,
     LAC_HELD_REAL,  ///< a double
     LAC_HELD_COUNT, ///< a size_t; SIZE_MAX: missing
     LAC_HELD_INT64, ///< an int64_t; INT64_MIN: missing
+    LAC_HELD_INT,   ///< an int, an enum
     LAC_HELD_BOOL,  ///< a bool
     LAC_HELD_TEXT,  ///< a const char *
-    LAC_HELD_REALS, ///< a const double * to all values (of one place along the first dimension, if
-                    ///< there is a stride or pointers, or if that grows); NULL: the variable is
-                    ///< left out
+    LAC_HELD_CHARS, ///< an array of char; with LAC_MISSING "" is missing
+    LAC_HELD_REALS, ///< a const double * to all values (of one of many, or of one place of what
+                    ///< grows); NULL: the variable is left out
     LAC_HELD_BYTES, ///< the same, a const uint8_t *, bytes in a file
 } lac_held;
 
 enum {
-    LAC_MISSING = 1,   ///< may be missing: has a _FillValue in a file
-    LAC_TIME = 2,      ///< a time: in a file on the clock of the dataset
-    LAC_WHOLE = 4,     ///< an integer in a file
-    LAC_SINGLE = 8,    ///< of one value and yet a variable of a file; else a global attribute
-    LAC_CHARS = 16,    ///< texts as rows of characters, which old readers take
-    LAC_MEANINGS = 32, ///< texts as the meanings of the numbers 0, 1 ...
-    LAC_TRUTH = 64,    ///< 0 or 1, in JSON false or true
-    LAC_EMPTY = 128,   ///< in a file also without values, its dimension without end
-    LAC_FILLED = 256,  ///< never missing, and yet has a _FillValue in a file
-    LAC_LONG = 512,    ///< with LAC_WHOLE: of 64 bits
-    LAC_ROUGH = 1024,  ///< may be written as floats
-    LAC_CELLS = 2048,  ///< over many cells: compressed, and written place by place, not in batches
-    LAC_LATE = 4096,   ///< its values are known only after it is defined
-    LAC_NUMERAL = 8192 ///< texts that may be numbers, and are written as such in JSON
+    LAC_MISSING = 1,    ///< may be missing: has a _FillValue in a file
+    LAC_TIME = 2,       ///< a time: in a file on the clock of the dataset
+    LAC_WHOLE = 4,      ///< an integer in a file
+    LAC_SINGLE = 8,     ///< of one value and yet a variable of a file; else a global attribute
+    LAC_CHARS = 16,     ///< texts as rows of characters, which old readers take
+    LAC_MEANINGS = 32,  ///< texts as the meanings of the numbers 0, 1 ...
+    LAC_TRUTH = 64,     ///< 0 or 1, in JSON false or true
+    LAC_EMPTY = 128,    ///< in a file also without values, its dimension without end
+    LAC_FILLED = 256,   ///< never missing, and yet has a _FillValue in a file
+    LAC_LONG = 512,     ///< with LAC_WHOLE: of 64 bits
+    LAC_ROUGH = 1024,   ///< may be written as floats
+    LAC_CELLS = 2048,   ///< over many cells: compressed, and written place by place, not in batches
+    LAC_LATE = 4096,    ///< its values are known only after it is defined
+    LAC_NUMERAL = 8192, ///< texts that may be numbers, and are written as such in JSON
+    LAC_DATE = 16384 ///< a time, told as a date on the dataset's clock; missing where it has none
 };
 
 /// One variable of a result, all that is told of it: a row of a const table.
@@ -59,15 +62,16 @@ typedef struct lac_variable {
                       ///< rows of the same path make a list; NULL: it stands in none
     const char *unit; ///< SI; NULL: 1
     const char *long_name, *comment, *coordinates;
-    const char *cell_methods, *cell_measures, *standard_name; ///< as CF has them; NULL: none
+    const char *cell_methods, *cell_measures, *standard_name, *axis; ///< as CF has them; NULL: none
     const char *meanings; ///< what its values 0, 1 ... mean, a word each; NULL: they are numbers
     const char *dims;     ///< in order, between spaces, the last fastest; NULL: the table's
     lac_getter value;     ///< either of these, or what is held
     lac_text_getter text; ///< of a text
     lac_held held;
-    unsigned flags;        ///< LAC_MISSING | ...
-    size_t offset;         ///< of what is held [bytes]
-    lac_text_getter label; ///< names the places of its last dimension, where `json` ends in {}
+    unsigned flags;           ///< LAC_MISSING | ...
+    size_t offset;            ///< of what is held [bytes]
+    const char *const *names; ///< what its values 0, 1 ... are told as; NULL: they are numbers
+    lac_text_getter label;    ///< names the places of its last dimension, where `json` ends in {}
     bool (*has)(const void *of, const size_t *at); ///< false: it is left out, and null where it is
                                                    ///< the first of an object in JSON; NULL: true
 } lac_variable;
@@ -77,8 +81,9 @@ typedef struct lac_variables {
     const lac_variable *row;
     size_t rows;
     const char *over; ///< dimensions of rows that name none; "": one value
-    size_t stride;    ///< of what is held along the first dimension [bytes]; 0: it is held once
-    bool pointers;    ///< along the first dimension stand pointers to what holds
+    size_t stride;    ///< of many that it is laid on, along `over`, at least one dimension and at
+                      ///< most two [bytes]; 0: it is laid on one
+    bool pointers;    ///< it is laid on pointers to many
 } lac_variables;
 
 /// @param summary  one sentence on what it is, for a file
@@ -188,7 +193,9 @@ typedef struct lac_entry {
     size_t stride;
     bool pointers;
     const void *of;
-    lac_named named; ///< owned texts; without a name: the row's
+    const lac_dataset *dataset;
+    size_t own, second; ///< dimensions that many are along; length of the second of them
+    lac_named named;    ///< owned texts; without a name: the row's
     lac_laid attributes;
 } lac_entry;
 
@@ -217,6 +224,7 @@ size_t lac_entry_dims(const lac_dataset *dataset, const lac_entry *entry,
 double lac_entry_number(const lac_entry *entry, const size_t *at, size_t place);
 const char *lac_entry_text(const lac_entry *entry, const size_t *at, char room[LAC_TEXT_ROOM]);
 bool lac_entry_is_text(const lac_entry *entry);
+const char *lac_entry_label(const lac_entry *entry, const size_t *at, char room[LAC_TEXT_ROOM]);
 bool lac_entry_has(const lac_entry *entry, const size_t *at);
 
 /// Writes the members that have a place in JSON into an object that is open.

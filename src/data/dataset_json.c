@@ -56,9 +56,8 @@ static const lac_extent *next_dim(const group *g)
 static size_t place_of(const group *g, const lac_entry *entry)
 {
     const lac_extent *dim[LAC_MOST_DIMS];
-    const size_t own = entry->stride > 0 || entry->pointers ? 1 : 0; // not of the array
     size_t place = 0;
-    for (size_t d = own, rank = lac_entry_dims(g->dataset, entry, dim); d < rank; d++) {
+    for (size_t d = entry->own, rank = lac_entry_dims(g->dataset, entry, dim); d < rank; d++) {
         place = place * dim[d]->length + g->at[d];
     }
     return place;
@@ -115,7 +114,7 @@ static void write_labelled(group *g, const char *key, lac_json *json)
     for (size_t i = 0; i < length; i++) {
         g->at[g->rank] = i;
         if (lac_entry_has(entry, g->at)) {
-            write_value(g, entry, entry->row->label(entry->of, g->at, room), json);
+            write_value(g, entry, lac_entry_label(entry, g->at, room), json);
         }
     }
     lac_json_close(json, '}');

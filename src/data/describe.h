@@ -27,6 +27,10 @@
         return (expression);                                                            \
     }
 
+/// How a row has its values: a number by its getter, a text by its own.
+#define G(getter) .value = (getter)
+#define T(getter) .text = (getter)
+
 /// A row of a file.
 #define LAC_ROW(name_, dims_, unit_, long_name_, ...)                                             \
     {                                                                                             \

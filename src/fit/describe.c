@@ -3,14 +3,13 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "base/date.h"
 #include "data/describe.h"
 #include "fit/fit.h"
 
 enum { NAME = 256, TITLE = 300 };
 
 #define RESULT const lac_fit_result *r = of
-#define UNKNOWN const lac_fit_unknown *x = (const lac_fit_unknown *)of + at[0]
+#define UNKNOWN const lac_fit_unknown *x = of
 #define OUTCOME const lac_fit_outcome *o = of
 
 // The draws of one unknown.
@@ -32,8 +31,6 @@ LAC_GETTER(bool, is_one_block, RESULT, r->one_block)
 LAC_GETTER(double, correlation, RESULT, r->correlation[at[0]][at[1]])
 LAC_GETTER(double, best_power, RESULT, r->axis[r->parameters - 1].power[at[0]])
 LAC_GETTER(double, best_sigma, RESULT, r->axis[r->parameters - 1].sigma)
-LAC_GETTER(double, least_power, RESULT, r->axis[0].power[at[0]])
-LAC_GETTER(double, least_sigma, RESULT, r->axis[0].sigma)
 LAC_TEXT_GETTER(key_of, RESULT, r->unknown[at[0]].key)
 LAC_TEXT_GETTER(formula, RESULT; (void)r, "(m/dc)(1 - x^(m-1))")
 
@@ -43,19 +40,8 @@ LAC_GETTER(double, error, UNKNOWN, x->log ? NAN : x->error)
 LAC_GETTER(double, log_error, UNKNOWN, x->log ? x->error : NAN)
 LAC_TEXT_GETTER(end, UNKNOWN, x->end == 0 ? NULL : x->end < 0 ? "low" : "high")
 
-static const char *derivatives_by(int by)
-{
-    static const char *const names[] = {"sensitivities", "runs", NULL};
-    return names[by];
-}
-LAC_TEXT_GETTER(derivatives, UNKNOWN, derivatives_by(x->by))
+static const char *const derivatives[] = {"sensitivities", "runs", NULL};
 
-static const char *date_of(const lac_case *c, double t, char room[LAC_TEXT_ROOM])
-{
-    return c->dated && isfinite(t) ? lac_date_format(c->start_date + t, room, LAC_TEXT_ROOM) : NULL;
-}
-LAC_TEXT_GETTER(best_date, OUTCOME, date_of(o->source, o->result->failure, room))
-LAC_TEXT_GETTER(middle_date, OUTCOME, date_of(o->source, o->result->failures.quantile[2], room))
 LAC_GETTER(double, seed, OUTCOME, (double)o->source->fit.seed)
 
 static double share(const void *of, const size_t *at)
@@ -87,7 +73,7 @@ static const lac_variable of_unknowns[] = {
     {.json = "parameters[]/end_of_range", X(REAL, limit)},
     {.json = "parameters[]/error_of_logarithm", X(REAL, error), .has = is_log},
     {.json = "parameters[]/error", X(REAL, error), .has = is_plain},
-    {.json = "parameters[]/derivatives", .text = derivatives},
+    {.json = "parameters[]/derivatives", X(INT, by), .names = derivatives},
     {.json = "parameters[]/median", X(REAL, quantile[2])},
     {.json = "parameters[]/interval50", X(REAL, quantile[1])},
     {.json = "parameters[]/interval50", X(REAL, quantile[3])},
@@ -118,8 +104,8 @@ static const lac_variable of_result[] = {
     {.json = "correlation[][]", .dims = "parameter parameter", .value = correlation},
     {.json = "known_best/powers{}", .dims = "parameter", .value = best_power, .label = key_of},
     {.json = "known_best/sigma_of_logarithm", .value = best_sigma},
-    {.json = "known_least/powers{}", .dims = "parameter", .value = least_power, .label = key_of},
-    {.json = "known_least/sigma_of_logarithm", .value = least_sigma},
+    {.json = "known_least/powers{}", .dims = "parameter", R(REAL, axis[0].power), .label = key_of},
+    {.json = "known_least/sigma_of_logarithm", R(REAL, axis[0].sigma)},
     {.json = "shape/formula", .text = formula, .has = is_one_block},
     {.json = "shape/median_1_m", R(REAL, shape.quantile[2])},
     {.json = "shape/interval50_1_m", R(REAL, shape.quantile[1])},
@@ -141,6 +127,8 @@ static const lac_variable of_result[] = {
     {.json = "sampler/converged", R(BOOL, converged)},
     {.json = "sampler/acceptance", R(REAL, acceptance)},
     {.json = "runs", R(INT64, runs)},
+    {.json = "best_failure_date", R(REAL, failure), .flags = LAC_DATE},
+    {.json = "tc_date", R(REAL, failures.quantile[2]), .flags = LAC_DATE},
     LAC_ROW("log_posterior", "chain draw", "1",
             "logarithm of the posterior density of the coordinates, up to a constant",
             .value = log_density),
@@ -170,13 +158,8 @@ static const lac_variable of_result[] = {
 };
 
 static const lac_variable of_outcome[] = {
-    {.json = "best_failure_date", .text = best_date},
-    {.json = "tc_date", .text = middle_date},
     {.json = "sampler/seed", .value = seed},
-    {.name = "status",
-     .json = "status",
-     .held = LAC_HELD_TEXT,
-     .offset = offsetof(lac_fit_outcome, status)},
+    {.name = "status", .json = "status", LAC_HELD(TEXT, lac_fit_outcome, status)},
 };
 
 // "friction.aging.dc" as a name that every tool takes.

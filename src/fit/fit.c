@@ -1,10 +1,82 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A fit from its start to its result: unknowns from the case, least squares, sampler, predictions.
+// The readings of a series on the clock of a run.
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "fit/fit.h"
 #include "fit/internal.h"
+
+void lac_fit_data_clear(lac_fit_data *data)
+{
+    free(data->time);
+    *data = (lac_fit_data){0};
+}
+
+static lac_status check_reading(const lac_case *c, const lac_series *series, size_t i, double sigma,
+                                lac_error *err)
+{
+    LAC_FAIL_IF(c->fit.sigma != NULL && !isnan(series->displacement[i]) && !(sigma > 0.0), err,
+                LAC_EINPUT, "line %zu: %s: the standard error of a displacement must be > 0",
+                series->line[i], c->fit.sigma);
+    return LAC_OK;
+}
+
+static lac_status keep(const lac_case *c, const lac_series *series, lac_fit_data *out,
+                       lac_error *err)
+{
+    double shift = series->dated ? c->start_date : 0.0;
+    for (size_t i = 0; i < series->n; i++) {
+        double t = series->time[i] - shift;
+        double slip = series->displacement != NULL ? series->displacement[i] : NAN;
+        double rate = series->velocity != NULL ? series->velocity[i] : NAN;
+        double sigma = c->fit.sigma != NULL ? series->value[i] : 1.0;
+        LAC_TRY_RETURN(check_reading(c, series, i, sigma, err));
+        out->not_positive += rate <= 0.0 ? 1 : 0;
+        rate = rate > 0.0 ? rate : NAN;
+        if (!(t >= 0.0) || t > c->run.end) {
+            out->outside++;
+            continue;
+        }
+        if (isnan(slip) && isnan(rate)) {
+            continue;
+        }
+        out->time[out->n] = t;
+        out->displacement[out->n] = slip;
+        out->log_rate[out->n] = log(rate);
+        out->sigma[out->n] = sigma;
+        out->displacements += isnan(slip) ? 0 : 1;
+        out->velocities += isnan(rate) ? 0 : 1;
+        out->n++;
+    }
+    return LAC_OK;
+}
+
+lac_status lac_fit_data_read(const lac_case *c, const lac_series *series, lac_fit_data *out,
+                             lac_error *err)
+{
+    *out = (lac_fit_data){.missing = series->missing};
+    LAC_FAIL_IF(series->dated && !c->dated, err, LAC_EINPUT,
+                "the series has dates, so time.start of %s must be a date", c->path);
+    out->time = malloc(4 * (series->n + 1) * sizeof *out->time);
+    LAC_FAIL_MEMORY_IF(out->time == NULL, err);
+    out->displacement = out->time + series->n + 1;
+    out->log_rate = out->displacement + series->n + 1;
+    out->sigma = out->log_rate + series->n + 1;
+    lac_status status = keep(c, series, out, err);
+    size_t readings = out->displacements + out->velocities;
+    size_t least = c->fit.count + 3;
+    if (status == LAC_OK && readings < least) {
+        status = lac_fail(err, LAC_EINPUT,
+                          "%zu readings between time.start and time.end (%zu lie outside) are too "
+                          "few for %zu parameters: at least %zu",
+                          readings, out->outside, c->fit.count, least);
+    }
+    return status;
+}
+
+// A fit from its start to its result: unknowns from the case, least squares, sampler, predictions.
 
 static bool begins(const char *key, const char *part)
 {
@@ -174,8 +246,6 @@ static void blank(lac_fit_result *result)
 lac_status lac_fit_run(lac_fit *fit, const lac_fit_watch *watch, lac_fit_result *result,
                        lac_error *err)
 {
-    static const lac_fit_watch nobody = {0};
-    const lac_fit_watch *by = watch != NULL ? watch : &nobody;
     const lac_fit_data *data = &fit->data;
     lac_status status = LAC_OK;
     blank(result);
@@ -185,15 +255,15 @@ lac_status lac_fit_run(lac_fit *fit, const lac_fit_watch *watch, lac_fit_result 
     result->outside = data->outside;
     result->missing = data->missing;
     result->not_positive = data->not_positive;
-    LAC_TRY(lac_fit_least_squares(fit, by, result, err));
+    LAC_TRY(lac_fit_least_squares(fit, watch, result, err));
     LAC_TRY(lac_fit_judge(fit, result, err));
-    lac_status sampled = fit->def->steps > 0 ? lac_fit_sample(fit, by, result, err) : LAC_OK;
+    lac_status sampled = fit->def->steps > 0 ? lac_fit_sample(fit, watch, result, err) : LAC_OK;
     bool whole = sampled == LAC_OK || (sampled == LAC_EINTERRUPT && result->sampled);
     lac_error *late = sampled == LAC_OK ? err : NULL; // the draws up to an interrupt are whole
     status = sampled;
     if (whole) {
         LAC_TRY(lac_fit_identify(fit, result, late));
-        LAC_TRY(lac_fit_predict(fit, by, result, late));
+        LAC_TRY(lac_fit_predict(fit, watch, result, late));
         status = sampled;
     }
 out:
@@ -210,4 +280,43 @@ void lac_fit_apply(const lac_fit_result *result, lac_case *c)
             *value.at = fmin(fmax(result->unknown[k].best, value.param->min), value.param->max);
         }
     }
+}
+
+// Whether a fit is to be relied on.
+
+// The unknown with the largest R-hat, and the parameter most correlated with it; itself if none is.
+static void find_worst(const lac_fit_result *r, size_t *worst, size_t *partner)
+{
+    *worst = 0;
+    for (size_t k = 1; k < r->unknowns; k++) {
+        *worst = r->unknown[k].converged.rhat > r->unknown[*worst].converged.rhat ? k : *worst;
+    }
+    *partner = *worst;
+    double most = 0.0;
+    for (size_t k = 0; *worst < r->parameters && k < r->parameters; k++) {
+        double c = fabs(r->correlation[*worst][k]);
+        if (k != *worst && c > most) {
+            most = c;
+            *partner = k;
+        }
+    }
+}
+
+lac_status lac_fit_trust(const lac_fit_result *r, lac_error *err)
+{
+    size_t worst, partner;
+    char with[200] = "";
+    if (!r->sampled || r->converged) {
+        return LAC_OK;
+    }
+    find_worst(r, &worst, &partner);
+    if (partner != worst) {
+        (void)snprintf(with, sizeof with, ", whose correlation with %s is %.3f",
+                       r->unknown[partner].key, r->correlation[worst][partner]);
+    }
+    return lac_fail(
+        err, LAC_ENUMERIC,
+        "the sampler has not converged: R-hat %.2f (wanted: below %.2f) of %s%s; its intervals are "
+        "not to be relied on: take more fit.rounds, or hold what trades off",
+        r->unknown[worst].converged.rhat, LAC_FIT_RHAT, r->unknown[worst].key, with);
 }

@@ -105,13 +105,6 @@ typedef struct lac_fit_outcome {
 /// @param outcome  with all that it points to must outlive the dataset
 lac_status lac_fit_describe(const lac_fit_outcome *outcome, lac_dataset **out, lac_error *err);
 
-/// Who watches a fit. Members may be NULL.
-typedef struct lac_fit_watch {
-    bool (*interrupted)(void *context);
-    void (*progress)(void *context, const char *stage, size_t done, size_t total);
-    void *context;
-} lac_fit_watch;
-
 /// Lays a series on a case that has a section `fit`.
 /// @param c        must outlive the fit; its own values are the first start
 /// @param series   its times on the run's clock: seconds since 1970 where both are dated, else

@@ -29,19 +29,6 @@ typedef struct search {
     size_t done, total;
 } search;
 
-static bool interrupted(const lac_fit_watch *watch)
-{
-    return watch->interrupted != NULL && watch->interrupted(watch->context);
-}
-
-// Asked before every run, which may take long where readings are many.
-static void tell(const search *s)
-{
-    if (s->watch->progress != NULL) {
-        s->watch->progress(s->watch->context, s->stage, s->done, s->total);
-    }
-}
-
 static void begin(search *s, const char *stage, size_t total)
 {
     s->stage = stage;
@@ -134,10 +121,10 @@ static int residuals(const gsl_vector *z, void *context, gsl_vector *f)
     const lac_fit_data *data = &fit->data;
     double u[LAC_MOST_FITTED];
     double prior[LAC_MOST_FITTED];
-    if (interrupted(s->watch)) {
+    if (lac_fit_interrupted(s->watch)) {
         return GSL_EFAILED;
     }
-    tell(s);
+    lac_fit_tell(s->watch, s->stage, s->done, s->total);
     read_line(fit, z, u);
     double *slip = s->seen.slip, *log_rate = s->seen.log_rate;
     fit->runs++;
@@ -177,7 +164,7 @@ static int jacobian(const gsl_vector *z, void *context, gsl_matrix *out)
     search *s = context;
     lac_fit *fit = s->fit;
     double u[LAC_MOST_FITTED];
-    tell(s);
+    lac_fit_tell(s->watch, s->stage, s->done, s->total);
     read_line(fit, z, u);
     fit->runs++;
     if (lac_fit_model_differentiate(&fit->model[0], u, &s->seen, fit->by, NULL) != LAC_OK) {
@@ -254,7 +241,7 @@ static double rate_start(search *s, double *x)
     lac_fit *fit = s->fit;
     const lac_fit_data *data = &fit->data;
     double *slip = s->seen.slip, *log_rate = s->seen.log_rate;
-    tell(s);
+    lac_fit_tell(s->watch, s->stage, s->done, s->total);
     fit->runs++;
     if (lac_fit_model_read(&fit->model[0], x, slip, log_rate, NULL) != LAC_OK) {
         return -INFINITY;
@@ -295,7 +282,7 @@ static bool descend(search *s, double *x)
     if (w != NULL) {
         gsl_multifit_nlinear_free(w);
     }
-    return !interrupted(s->watch);
+    return !lac_fit_interrupted(s->watch);
 }
 
 // Errors and parameters in turn: what the errors are changes the weight of displacements against
@@ -331,7 +318,7 @@ static size_t find_starts(search *s, double start[BEST_STARTS][LAC_FIT_UNKNOWNS]
     size_t kept = 0;
     *alive = 0;
     begin(s, "starts tried", (size_t)fit->def->starts);
-    for (int64_t i = 0; i < fit->def->starts && !interrupted(s->watch); i++, s->done++) {
+    for (int64_t i = 0; i < fit->def->starts && !lac_fit_interrupted(s->watch); i++, s->done++) {
         double x[LAC_FIT_UNKNOWNS];
         memcpy(x, fit->best, sizeof x);
         if (i > 0) {
@@ -422,14 +409,14 @@ lac_status lac_fit_least_squares(lac_fit *fit, const lac_fit_watch *watch, lac_f
     result->tried = (size_t)fit->def->starts;
     lac_fit_model_tighten(&fit->model[0], true);
     begin(&s, "least-squares descents", kept);
-    for (size_t i = 0; i < kept && !interrupted(watch); i++, s.done++) {
+    for (size_t i = 0; i < kept && !lac_fit_interrupted(watch); i++, s.done++) {
         double found = refine(&s, start[i]);
         if (found > best) {
             best = found;
             memcpy(fit->best, start[i], sizeof start[i]);
         }
     }
-    if (interrupted(watch)) {
+    if (lac_fit_interrupted(watch)) {
         status = lac_fail(err, LAC_EINTERRUPT, "interrupted in the least squares");
     } else if (kept == 0) {
         status = lac_fail(

@@ -87,7 +87,7 @@ static lac_status bring(lac_fit_model *model, lac_fit_variant *v, const double *
         v->scene = NULL;
     }
     if (v->scene == NULL) {
-        return lac_scene_create_with(v->c, model->files, &v->scene, err);
+        return lac_scene_create(v->c, model->files, &v->scene, err);
     }
     lac_status status = lac_scene_renew(v->scene, model->files, fit->moves_loads, err);
     if (status != LAC_OK) {

@@ -9,7 +9,6 @@
 #include "base/rng.h"
 #include "base/statistics.h"
 #include "fit/internal.h"
-#include "fit/kernel.h"
 
 enum { TRIES = 200 };
 
@@ -93,16 +92,10 @@ static lac_status find_starts(lac_fit *fit, double *start, lac_error *err)
     return LAC_OK;
 }
 
-// What the sampler's callbacks pass on.
-typedef struct relay {
-    lac_fit *fit;
-    const lac_fit_watch *watch;
-} relay;
-
-static double relay_density(void *context, int thread, const double *z)
+static double density(void *context, int thread, const double *z)
 {
     double u[LAC_FIT_UNKNOWNS];
-    lac_fit *fit = ((relay *)context)->fit;
+    lac_fit *fit = context;
     double log_slope = lac_fit_from_line(fit, z, u);
     return lac_fit_log_posterior(fit, thread, u) + log_slope;
 }
@@ -116,20 +109,6 @@ static void return_chain(const lac_fit *fit)
         double *x = chain->x + i * chain->dimension;
         chain->log_density[i] -= lac_fit_from_line(fit, x, u);
         memcpy(x, u, chain->dimension * sizeof *x);
-    }
-}
-
-static bool relay_interrupted(void *context)
-{
-    const lac_fit_watch *watch = ((relay *)context)->watch;
-    return watch->interrupted != NULL && watch->interrupted(watch->context);
-}
-
-static void relay_progress(void *context, size_t done, size_t total)
-{
-    const lac_fit_watch *watch = ((relay *)context)->watch;
-    if (watch->progress != NULL) {
-        watch->progress(watch->context, "steps of the sampler", done, total);
     }
 }
 
@@ -220,7 +199,6 @@ lac_status lac_fit_sample(lac_fit *fit, const lac_fit_watch *watch, lac_fit_resu
                           lac_error *err)
 {
     lac_status status = LAC_OK;
-    relay context = {fit, watch};
     lac_sampler_def def = {.dimension = fit->unknowns,
                            .walkers = (size_t)fit->def->walkers,
                            .steps = (size_t)fit->def->steps,
@@ -229,10 +207,9 @@ lac_status lac_fit_sample(lac_fit *fit, const lac_fit_watch *watch, lac_fit_resu
                            .drawing = 0.7,
                            .stretching = 0.15,
                            .threads = fit->threads,
-                           .log_density = relay_density,
-                           .interrupted = relay_interrupted,
-                           .progress = relay_progress,
-                           .context = &context};
+                           .log_density = density,
+                           .context = fit,
+                           .watch = watch};
     double *start = malloc(def.walkers * def.dimension * sizeof *start);
     LAC_FAIL_MEMORY_IF(start == NULL, err);
     fit->straight = lac_fit_straighten(fit);

@@ -95,8 +95,8 @@ static void run_draws(prediction *p, const lac_fit_watch *watch)
         size_t now;
 #pragma omp atomic capture
         now = done++;
-        if (omp_get_thread_num() == 0 && watch->progress != NULL) {
-            watch->progress(watch->context, "draws run on", now, p->draws);
+        if (omp_get_thread_num() == 0) {
+            lac_fit_tell(watch, "draws run on", now, p->draws);
         }
         look(p, omp_get_thread_num(), chain->x + which * chain->dimension,
              p->displacement + (size_t)i * TIMES, p->rate + (size_t)i * TIMES, &p->failure[i]);

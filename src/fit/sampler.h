@@ -7,6 +7,26 @@
 
 #include "base/fail.h"
 
+/// Who watches a fit. Members may be NULL.
+typedef struct lac_fit_watch {
+    bool (*interrupted)(void *context);
+    void (*progress)(void *context, const char *stage, size_t done, size_t total);
+    void *context;
+} lac_fit_watch;
+
+static inline bool lac_fit_interrupted(const lac_fit_watch *watch)
+{
+    return watch != NULL && watch->interrupted != NULL && watch->interrupted(watch->context);
+}
+
+static inline void lac_fit_tell(const lac_fit_watch *watch, const char *stage, size_t done,
+                                size_t total)
+{
+    if (watch != NULL && watch->progress != NULL) {
+        watch->progress(watch->context, stage, done, total);
+    }
+}
+
 /// What is sampled, and how.
 typedef struct lac_sampler_def {
     size_t dimension;
@@ -22,9 +42,8 @@ typedef struct lac_sampler_def {
     /// on x alone.
     /// @param thread  below `threads`: whose scratch is free
     double (*log_density)(void *context, int thread, const double *x);
-    bool (*interrupted)(void *context); ///< asked after every step; NULL: never
-    void (*progress)(void *context, size_t done, size_t total); ///< after every step; NULL
     void *context;
+    const lac_fit_watch *watch; ///< asked and told after every step; NULL: nobody
 } lac_sampler_def;
 
 /// The draws.
@@ -64,3 +83,9 @@ typedef struct lac_convergence {
 /// @return LAC_OK; LAC_EINPUT (fewer than 8 steps); LAC_ENOMEM
 lac_status lac_chain_converged(const lac_chain *chain, size_t coordinate, lac_convergence *out,
                                lac_error *err);
+
+/// Cholesky's lower triangle in the place of a matrix; GSL's own ends the program where there is
+/// none. What depends on the rows before it gets 0.
+/// @param stride  from row to row
+/// @return whether the matrix is positive definite, with twelve digits
+bool lac_fit_factor(size_t d, size_t stride, double *a);

@@ -9,7 +9,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "forecast/project.h"
+#include "forecast/kinds.h"
 
 enum { POINTS = 400, STRENGTHS = 6, GRID = 24, STATES = 10 };
 static const double first_s = -12.0, last_s = 12.0;

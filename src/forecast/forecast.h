@@ -15,15 +15,15 @@ enum {
 typedef struct lac_window {
     double now, start; ///< on the series' clock [s]
     size_t n;
-    const double *time;         ///< [n] [s]
-    const double *displacement; ///< [n] [m] from the first one
-    const double *weight;       ///< [n] 1/sigma over its mean; 1 where sigma is not known
+    double *time;         ///< [n] [s]
+    double *displacement; ///< [n] [m] from the first one
+    double *weight;       ///< [n] 1/sigma over its mean; 1 where sigma is not known
     size_t velocities;
-    const double *velocity_time; ///< [velocities] [s]
-    const double *velocity;      ///< [velocities] [m/s]
-    double noise;                ///< of one displacement [m]; NaN: not known
-    double resolution;           ///< last digit of one [m]; 0: not known
-    bool integrated;             ///< the displacements are integrals of the velocities
+    double *velocity_time; ///< [velocities] [s]
+    double *velocity;      ///< [velocities] [m/s]
+    double noise;          ///< of one displacement [m]; NaN: not known
+    double resolution;     ///< last digit of one [m]; 0: not known
+    bool integrated;       ///< the displacements are integrals of the velocities
 } lac_window;
 
 /// A number that a method fitted.
@@ -143,7 +143,7 @@ typedef struct lac_forecast_set {
     bool accelerating;  ///< and the slope accelerates; else `since` was given
     double issue_time, window_start;
     size_t count;
-    lac_forecast *forecast; ///< [count] in the order of the registry, a model last but one; owned
+    lac_forecast *forecast; ///< [count] in the order of the registry, a model last but one
 } lac_forecast_set;
 
 /// Forecasts from readings up to the present; nothing else is known to it, so that it is causal.

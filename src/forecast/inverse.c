@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Inverse velocity falls along a straight line to zero at the time of failure: 1/v = (tc - t)/B,
-// the case alpha = 2 of Voight's law.
+// Methods that read v (tc - t) = B, the case alpha = 2 of Voight's law, as a straight line: inverse
+// velocity falls to zero at the time of failure; or, as t v = tc v - B, the slope of t v against v
+// is the time of failure.
 #include <math.h>
 #include <stdlib.h>
 
@@ -9,19 +10,50 @@
 
 enum { LAST = 8 };
 
-static lac_status fit_last(const lac_window *w, size_t n, lac_forecast_fit *fit, lac_error *err)
+// The line of 1/v over t, or of t v over v, of velocities above 0; it ends before one that is not.
+static lac_status fit_line(size_t n, const double *t, const double *v, bool inverse, lac_line *line,
+                           lac_error *err)
 {
-    const double *t = w->velocity_time + (w->velocities - n);
-    const double *v = w->velocity + (w->velocities - n);
     size_t known = 0;
     double *y = calloc(n, sizeof *y);
     LAC_FAIL_MEMORY_IF(y == NULL, err);
     for (; known < n && v[known] > 0.0; known++) {
-        y[known] = 1.0 / v[known];
+        y[known] = inverse ? 1.0 / v[known] : t[known] * v[known];
     }
-    const lac_line l = lac_line_fit(known, t, y);
+    *line = lac_line_fit(known, inverse ? t : v, y);
     free(y);
-    if (known < n) {
+    return LAC_OK;
+}
+
+// Misfit of v = B/(remaining - t) to velocities as inverse velocities.
+static void judge(size_t n, const double *time, const double *velocity, double scale,
+                  lac_forecast_fit *fit)
+{
+    double mean = 0.0;
+    double all = 0.0;
+    double left = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        mean += 1.0 / velocity[i] / (double)n;
+    }
+    for (size_t i = 0; i < n; i++) {
+        const double inverse = 1.0 / velocity[i];
+        const double residual = inverse - (fit->remaining - time[i]) / scale;
+        left += residual * residual;
+        all += (inverse - mean) * (inverse - mean);
+    }
+    fit->points = n;
+    fit->rms = sqrt(left / (double)n);
+    fit->rms_unit = "s/m";
+    fit->misfit = all > 0.0 ? sqrt(left / all) : NAN;
+}
+
+static lac_status fit_last(const lac_window *w, size_t n, lac_forecast_fit *fit, lac_error *err)
+{
+    const double *t = w->velocity_time + (w->velocities - n);
+    const double *v = w->velocity + (w->velocities - n);
+    lac_line l;
+    LAC_TRY_RETURN(fit_line(n, t, v, true, &l, err));
+    if ((size_t)l.n < n) {
         return lac_forecast_fit_refuse(fit, "a velocity of the %zu is not above 0", n);
     }
     const double a = lac_line_at(&l, 0.0);
@@ -32,7 +64,7 @@ static lac_status fit_last(const lac_window *w, size_t n, lac_forecast_fit *fit,
     fit->remaining = -a / b;
     // of ln(a/b), to first order: the line is off at the mean, and turned about it
     fit->error = sqrt(l.rest / (l.n - 2.0) / l.xx) * hypot(sqrt(l.xx / l.n) / a, l.x / a + 1.0 / b);
-    lac_forecast_fit_judge_inverse(n, t, v, -1.0 / b, fit);
+    judge(n, t, v, -1.0 / b, fit);
     lac_forecast_fit_add(fit, "scale_m", -1.0 / b);
     return LAC_OK;
 }
@@ -68,4 +100,38 @@ const lac_forecast_kind lac_forecast_inv = {
     .worst = 0.6,
     .calibration = {1.2, -1.631, -1.031, -0.344, -0.016},
     .fit = fit_all,
+};
+
+static lac_status fit_slope(const lac_window *w, lac_forecast_fit *fit, lac_error *err)
+{
+    const size_t n = w->velocities;
+    const double *t = w->velocity_time;
+    const double *v = w->velocity;
+    lac_line line;
+    LAC_TRY_RETURN(fit_line(n, t, v, false, &line, err));
+    if ((size_t)line.n < n) {
+        return lac_forecast_fit_refuse(fit, "a velocity of the window is not above 0");
+    }
+    const double intercept = lac_line_at(&line, 0.0);
+    fit->remaining = lac_line_slope(&line);
+    if (!(intercept < 0.0)) {
+        return lac_forecast_fit_refuse(fit,
+                                       "t v does not fall with v as that of a finite time does");
+    }
+    fit->error = sqrt(line.rest / (line.n - 2.0) / line.xx) / fabs(fit->remaining);
+    judge(n, t, v, -intercept, fit);
+    lac_forecast_fit_add(fit, "scale_m", -intercept);
+    return LAC_OK;
+}
+
+const lac_forecast_kind lac_forecast_slo = {
+    .info = LAC_ABOUT("slo", "slope of t v against v",
+                      "Mufundirwa, Fujii & Kodama (2010), Int. J. Rock Mech. Min. Sci. 47, "
+                      "1065-1073, doi 10.1016/j.ijrmms.2010.06.004"),
+    .estimator =
+        "t v on v by ordinary least squares over all velocities of the window; tc is the slope",
+    .least = 5,
+    .worst = 0.6,
+    .calibration = {0.3, -3.954, -2.496, -0.764, 0.146},
+    .fit = fit_slope,
 };

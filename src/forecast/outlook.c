@@ -133,15 +133,14 @@ out:
 lac_status lac_forecast_set_create(const lac_forecast_def *def, const lac_readings *readings,
                                    lac_forecast_set **out, lac_error *err)
 {
+    const size_t count = lac_forecast_count(def);
+    lac_status status;
     *out = NULL;
-    lac_forecast_set *o = NULL;
-    lac_status status = LAC_OK;
-    LAC_TRY(check(def, readings, err));
-    o = calloc(1, sizeof *o);
-    LAC_TRY(o != NULL ? LAC_OK : lac_fail_memory(err));
-    o->count = lac_forecast_count(def);
-    o->forecast = calloc(o->count, sizeof *o->forecast);
-    LAC_TRY(o->forecast != NULL ? LAC_OK : lac_fail_memory(err));
+    LAC_TRY_RETURN(check(def, readings, err));
+    lac_forecast_set *o = calloc(1, sizeof *o + count * sizeof *o->forecast);
+    LAC_FAIL_MEMORY_IF(o == NULL, err);
+    o->count = count;
+    o->forecast = (lac_forecast *)(o + 1);
     LAC_TRY(lac_motion_create(&def->motion, readings, &o->motion, err));
     o->issue_time = readings->time[readings->n - 1];
     LAC_TRY(forecast(o, def, err));
@@ -154,10 +153,8 @@ out:
 
 void lac_forecast_set_free(lac_forecast_set *forecasts)
 {
-    if (forecasts == NULL) {
-        return;
+    if (forecasts != NULL) {
+        lac_motion_free(forecasts->motion);
+        free(forecasts);
     }
-    lac_motion_free(forecasts->motion);
-    free(forecasts->forecast);
-    free(forecasts);
 }

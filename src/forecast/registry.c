@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The methods of forecasting in their order: a case's own comes before the baseline, which is last.
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+
 #include "base/rows.h"
+#include "forecast/forecast.h"
 #include "forecast/kinds.h"
 
 static const lac_forecast_kind *const kinds[] = {
@@ -25,3 +30,98 @@ const lac_forecast_kind *lac_forecast_kind_of(const lac_forecast_def *def, size_
     }
     return index == KINDS - 1 ? def->model->kind : lac_forecast_kind_get(KINDS - 1);
 }
+
+// What a method says of its fit: numbers, how well they fit, or why there is no forecast.
+
+lac_status lac_forecast_fit_refuse(lac_forecast_fit *fit, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    (void)vsnprintf(fit->reason, sizeof fit->reason, format, args);
+    va_end(args);
+    return LAC_OK;
+}
+
+void lac_forecast_fit_add(lac_forecast_fit *fit, const char *key, double value)
+{
+    if (fit->count < LAC_FORECAST_VALUES) {
+        fit->value[fit->count++] = (lac_fitted){key, value};
+    }
+}
+
+void lac_forecast_fit_add_within(lac_forecast_fit *fit, const char *key, double value, double low,
+                                 double high)
+{
+    const double near = 0.01 * (high - low);
+    lac_forecast_fit_add(fit, key, value);
+    if (fit->ends < LAC_FORECAST_VALUES && (value <= low + near || value >= high - near)) {
+        fit->end[fit->ends++] = key;
+    }
+}
+
+// The row of the method whose fit is lac_model_forecast_method's: it stands here for whoever lists
+// the methods.
+
+const lac_forecast_kind lac_forecast_case = {
+    .info = LAC_ABOUT("case", "the slope's own model, fitted and run on (--case)",
+                      "Borri-Brunetto, Carpinteri & Chiaia (2004), Rock Mech. Rock Eng. 37, 117; "
+                      "docs/theory/fitting.md"),
+    .estimator = "the case of --case, its section fit's parameters fitted to all readings between "
+                 "time.start and the time of issue by least squares (and sampled where fit.steps > "
+                 "0), run on to failure",
+    .least = 5,
+    .worst = 0.04,
+    .calibration = {0.01, -1.6448536269514722, -0.6744897501960817, 0.6744897501960817,
+                    1.6448536269514722},
+};
+
+// The baseline that any method must beat: what has lasted t lasts a further r with the chance
+// t/(t + r), which knows nothing of the motion.
+
+static lac_status fit_nothing(const lac_window *w, lac_forecast_fit *fit, lac_error *err)
+{
+    (void)err;
+    fit->remaining = -w->time[0];
+    fit->error = 0.0;
+    fit->rms = NAN;
+    fit->misfit = 0.0;
+    fit->points = w->n;
+    return LAC_OK;
+}
+
+// ln of 1/19, 1/3, 3, 19
+const lac_forecast_kind lac_forecast_persistence = {
+    .info = LAC_ABOUT("persistence", "baseline: goes on as long as it has",
+                      "Gott (1993), Nature 363, 315-319, doi 10.1038/363315a0"),
+    .estimator = "as long again as the window has lasted; below r with the chance r/(t + r)",
+    .least = 1,
+    .baseline = true,
+    .worst = 1.0,
+    .calibration = {1.0, -2.9444389791664403, -1.0986122886681098, 1.0986122886681098,
+                    2.9444389791664403},
+    .fit = fit_nothing,
+};
+
+// What keeps a forecast from being issued, in the order in which it is asked: window.c and
+// set of forecasts.c.
+
+static const lac_forecast_gate gates[] = {
+    {"resets", "of any method: more than one reading in twenty would be a reset of the sensor "
+               "(--raw takes them as they are)"},
+    {"range",
+     "of any method: a velocity or displacement above 1e150 m/s or m, or all below 1e-150"},
+    {"readings",
+     "of any method: fewer velocities than the long mean of the onset is of (7); not with --since"},
+    {"acceleration", "of any method: the mean of the last 3 velocities is not above that of the "
+                     "last 7 (--onset) by more than the numbers' last digits; with --since: nor "
+                     "are the readings since then off a steady motion by more than these"},
+    {"noise", "of any method: the last 3 intervals, or those that --smooth takes where more, moved "
+              "the slope by no more than 3 errors of a difference of two readings"},
+    {"points", "fewer readings or velocities since the onset than the method needs"},
+    {"fit", "no time of failure follows from the fit, or one that is over"},
+    {"misfit",
+     "rms of the residuals over the range of what was fitted above what the method may have"},
+    {"vagueness", "standard error of ln(tc - t) above 1.5"},
+};
+
+LAC_ROWS_AT(lac_forecast_gate, lac_forecast_gate_get, gates)

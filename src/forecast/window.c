@@ -213,103 +213,73 @@ static size_t group_start(size_t n, size_t groups, size_t g)
     return 1 + (size_t)((double)(n - 2) * ((double)(g - 1) / (double)(groups - 2)) + 0.5);
 }
 
-typedef struct arrays {
-    lac_window window; // first: it is what is given away
-    double *time, *displacement, *weight, *velocity_time, *velocity;
-} arrays;
-
-static void take_group(const lac_motion *m, size_t first, size_t last, double now, arrays *a)
+static void take_group(const lac_motion *m, size_t first, size_t last, lac_window *w)
 {
     const double count = (double)(last - first);
-    const size_t k = a->window.n++;
-    a->time[k] = 0.0;
-    a->displacement[k] = 0.0;
-    a->weight[k] = 0.0;
+    const size_t k = w->n++;
+    w->time[k] = 0.0;
+    w->displacement[k] = 0.0;
+    w->weight[k] = 0.0;
     for (size_t i = first; i < last; i++) {
         const double sigma = m->sigma[i] > 0.0 ? m->sigma[i] : m->noise;
-        a->time[k] += (m->time[i] - now) / count;
-        a->displacement[k] += m->displacement[i] / count;
-        a->weight[k] += (sigma > 0.0 ? 1.0 / sigma : 1.0) / sqrt(count);
+        w->time[k] += (m->time[i] - w->now) / count;
+        w->displacement[k] += m->displacement[i] / count;
+        w->weight[k] += (sigma > 0.0 ? 1.0 / sigma : 1.0) / sqrt(count);
     }
 }
 
 // Displacements count from the first; weights have a mean of 1, so that residuals stay metres.
-static void normalise(arrays *a)
+static void normalise(lac_window *w)
 {
     double mean = 0.0;
-    const size_t n = a->window.n;
+    const size_t n = w->n;
     for (size_t i = n; i-- > 0;) {
-        a->displacement[i] -= a->displacement[0];
-        mean += a->weight[i] / (double)n;
+        w->displacement[i] -= w->displacement[0];
+        mean += w->weight[i] / (double)n;
     }
     for (size_t i = 0; i < n; i++) {
-        a->weight[i] /= mean;
+        w->weight[i] /= mean;
     }
 }
 
-static void fill(const lac_motion *m, double start, arrays *a)
+static void fill(const lac_motion *m, double start, lac_window *w)
 {
-    lac_window *w = &a->window;
     const size_t first = first_at(m->n, m->time, start);
     const size_t n = m->n - first;
     const size_t groups = n > LAC_WINDOW_READINGS ? LAC_WINDOW_READINGS : n;
     for (size_t g = 0; g < groups; g++) {
         const bool all = groups == n;
         take_group(m, first + (all ? g : group_start(n, groups, g)),
-                   first + (all ? g + 1 : group_start(n, groups, g + 1)), w->now, a);
+                   first + (all ? g + 1 : group_start(n, groups, g + 1)), w);
     }
     if (n > 0) {
-        normalise(a);
+        normalise(w);
     }
     for (size_t i = first_at(m->velocities, m->velocity_time, start); i < m->velocities; i++) {
-        a->velocity_time[w->velocities] = m->velocity_time[i] - w->now;
-        a->velocity[w->velocities++] = m->velocity[i];
+        w->velocity_time[w->velocities] = m->velocity_time[i] - w->now;
+        w->velocity[w->velocities++] = m->velocity[i];
     }
 }
 
 lac_status lac_window_create(const lac_motion *m, double start, lac_window **out, lac_error *err)
 {
-    arrays *a = calloc(1, sizeof *a);
-    lac_status status = a != NULL ? LAC_OK : lac_fail_memory(err);
-    LAC_TRY(status);
-    a->window = (lac_window){.start = start,
-                             .noise = m->noise,
-                             .resolution = m->resolution,
-                             .integrated = m->integrated};
-    a->window.now = fmax(m->n > 0 ? m->time[m->n - 1] : -INFINITY,
-                         m->velocities > 0 ? m->velocity_time[m->velocities - 1] : -INFINITY);
-    a->time = malloc((LAC_WINDOW_READINGS + 1) * sizeof *a->time);
-    a->displacement = malloc((LAC_WINDOW_READINGS + 1) * sizeof *a->displacement);
-    a->weight = malloc((LAC_WINDOW_READINGS + 1) * sizeof *a->weight);
-    a->velocity_time = malloc((m->velocities + 1) * sizeof *a->velocity_time);
-    a->velocity = malloc((m->velocities + 1) * sizeof *a->velocity);
-    if (a->time == NULL || a->displacement == NULL || a->weight == NULL ||
-        a->velocity_time == NULL || a->velocity == NULL) {
-        LAC_TRY(lac_fail_memory(err));
-    }
-    fill(m, start, a);
-    a->window.time = a->time;
-    a->window.displacement = a->displacement;
-    a->window.weight = a->weight;
-    a->window.velocity_time = a->velocity_time;
-    a->window.velocity = a->velocity;
-    *out = &a->window;
-    a = NULL;
-out:
-    lac_window_free(a != NULL ? &a->window : NULL);
-    return status;
+    lac_window *w = calloc(1, sizeof *w + (3 * (LAC_WINDOW_READINGS + 1) + 2 * m->velocities) *
+                                              sizeof *w->time);
+    *out = w;
+    LAC_FAIL_MEMORY_IF(w == NULL, err);
+    *w = (lac_window){.start = start,
+                      .noise = m->noise,
+                      .resolution = m->resolution,
+                      .integrated = m->integrated,
+                      .time = (double *)(w + 1)};
+    w->now = fmax(m->n > 0 ? m->time[m->n - 1] : -INFINITY,
+                  m->velocities > 0 ? m->velocity_time[m->velocities - 1] : -INFINITY);
+    w->displacement = w->time + LAC_WINDOW_READINGS + 1;
+    w->weight = w->displacement + LAC_WINDOW_READINGS + 1;
+    w->velocity_time = w->weight + LAC_WINDOW_READINGS + 1;
+    w->velocity = w->velocity_time + m->velocities;
+    fill(m, start, w);
+    return LAC_OK;
 }
 
-void lac_window_free(lac_window *window)
-{
-    arrays *a = (arrays *)window;
-    if (a == NULL) {
-        return;
-    }
-    free(a->time);
-    free(a->displacement);
-    free(a->weight);
-    free(a->velocity_time);
-    free(a->velocity);
-    free(a);
-}
+void lac_window_free(lac_window *window) { free(window); }

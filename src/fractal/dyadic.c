@@ -111,8 +111,7 @@ static lac_status bracket(search *s, probe *low, probe *high, lac_error *err)
     const double lightest = log(1e-12);
     const double heaviest = log(1e6);
     probe at;
-    lac_status status;
-    LAC_TRY(try_load(s, log(0.03), &at, err));
+    LAC_TRY_RETURN(try_load(s, log(0.03), &at, err));
     *low = at;
     *high = at;
     while (high->dimension < s->target) {
@@ -120,47 +119,39 @@ static lac_status bracket(search *s, probe *low, probe *high, lac_error *err)
             return fail_outside(s, high, true, err);
         }
         *low = *high;
-        LAC_TRY(try_load(s, high->load + step, high, err));
+        LAC_TRY_RETURN(try_load(s, high->load + step, high, err));
     }
     while (low->dimension >= s->target) {
         if (low->load < lightest) {
             return fail_outside(s, low, false, err);
         }
         *high = *low;
-        LAC_TRY(try_load(s, low->load - step, low, err));
+        LAC_TRY_RETURN(try_load(s, low->load - step, low, err));
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 // Halves the interval every third time, else follows the straight line through its ends.
 static lac_status narrow(search *s, probe low, probe high, lac_error *err)
 {
     const double finest = 1e-8; // of the load: single cells decide
-    lac_status status = LAC_OK;
-    for (int i = 1; high.load - low.load > finest; i++) {
-        if (fabs(s->best.dimension - s->target) <= close_enough) {
-            break;
-        }
+    for (int i = 1;
+         high.load - low.load > finest && fabs(s->best.dimension - s->target) > close_enough; i++) {
         double x = (s->target - low.dimension) / (high.dimension - low.dimension);
         x = i % 3 == 0 ? 0.5 : fmin(fmax(x, 0.02), 0.98);
         probe at;
-        LAC_TRY(try_load(s, low.load + x * (high.load - low.load), &at, err));
+        LAC_TRY_RETURN(try_load(s, low.load + x * (high.load - low.load), &at, err));
         if (at.dimension < s->target) {
             low = at;
         } else {
             high = at;
         }
     }
-    if (fabs(s->best.dimension - s->target) > too_far) {
-        status = lac_fail(err, LAC_EINPUT,
-                          "no load gives a dimension of %g: it jumps from %.4g (%zu cells) to %.4g "
-                          "(%zu cells) at %.4g Pa",
-                          s->target, low.dimension, low.cells, high.dimension, high.cells,
-                          load_of(s, &high));
-    }
-out:
-    return status;
+    LAC_FAIL_IF(fabs(s->best.dimension - s->target) > too_far, err, LAC_EINPUT,
+                "no load gives a dimension of %g: it jumps from %.4g (%zu cells) to %.4g (%zu "
+                "cells) at %.4g Pa",
+                s->target, low.dimension, low.cells, high.dimension, high.cells, load_of(s, &high));
+    return LAC_OK;
 }
 
 lac_status lac_dimension_solve(const lac_contact_def *def, double dimension, double *pressure,
@@ -169,7 +160,6 @@ lac_status lac_dimension_solve(const lac_contact_def *def, double dimension, dou
     search s = {.def = *def, .target = dimension, .pressure = pressure, .best = {.dimension = -9}};
     probe low;
     probe high;
-    lac_status status;
     LAC_FAIL_IF(!(dimension > 0.0 && dimension < 2.0), err, LAC_EINPUT,
                 "the dimension must be > 0 and < 2, not %g", dimension);
     s.def.control = LAC_CONTROL_LOAD;
@@ -182,12 +172,11 @@ lac_status lac_dimension_solve(const lac_contact_def *def, double dimension, dou
     if (!(s.unit > 0.0 && isfinite(s.unit))) {
         s.unit = 1.0; // a wrong height or modulus, which the contact names
     }
-    LAC_TRY(bracket(&s, &low, &high, err));
-    LAC_TRY(narrow(&s, low, high, err));
+    LAC_TRY_RETURN(bracket(&s, &low, &high, err));
+    LAC_TRY_RETURN(narrow(&s, low, high, err));
     // afresh, so that the load alone tells the contact
     s.def.start = NULL;
     s.def.mean_pressure = load_of(&s, &s.best);
-    LAC_TRY(lac_contact_solve(&s.def, pressure, gap, report, err));
-out:
-    return status;
+    LAC_TRY_RETURN(lac_contact_solve(&s.def, pressure, gap, report, err));
+    return LAC_OK;
 }

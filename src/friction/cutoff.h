@@ -5,30 +5,11 @@
 
 #include "friction/friction.h"
 
-/// One variable, u or w, as the strength sees it beyond a cut-off.
-typedef struct lac_softened {
-    double value[LAC_FRICTION_BLOCK]; ///< U or W
-    double slope[LAC_FRICTION_BLOCK]; ///< dU/du or dW/dw, in (0, 1]
-    double bend[LAC_FRICTION_BLOCK];  ///< d2U/du2 or d2W/dw2
-} lac_softened;
-
-typedef struct lac_cutoff {
-    lac_softened rate, state;
-} lac_cutoff;
-
 /// Whether any cell has a cut-off slip rate.
 static inline bool lac_cutoff_any(const lac_friction *friction)
 {
     return friction->ln_v1.value != NULL || friction->ln_cut.value != NULL;
 }
-
-/// U(u) = u - ln(1 + v/v1) and W(w) = ln(theta + dc/v2) over cells first ... first + n - 1.
-void lac_cutoff_map(const lac_friction *friction, size_t first, size_t n, const double *u,
-                    const double *w, lac_cutoff *cutoff);
-
-/// Turns derivatives by U and W into derivatives by u and w.
-void lac_cutoff_chain(const lac_cutoff *cutoff, size_t n, const lac_friction_values *values,
-                      const lac_friction_slopes *slopes);
 
 /// U and W of one cell.
 double lac_cutoff_rate(const lac_friction *friction, size_t cell, double u);

@@ -238,12 +238,9 @@ lac_status lac_friction_set(lac_friction *friction, const char *key, const doubl
         LAC_FAIL_IF(!lac_param_allows(param, values[i], why, sizeof why), err, LAC_EINPUT,
                     "%s.%s of cell %zu: %g %s", info->name, key, i, values[i], why);
     }
-    lac_status status;
-    LAC_TRY(allocate_column(friction, false, &friction->column[column], err));
+    LAC_TRY_RETURN(allocate_column(friction, false, &friction->column[column], err));
     memcpy(friction->column[column].value, values, friction->n * sizeof *values);
-    LAC_TRY(derive(friction, err));
-out:
-    return status;
+    return derive(friction, err);
 }
 
 const lac_cellwise *lac_friction_values_of(const lac_friction *friction, const char *key)

@@ -115,7 +115,7 @@ typedef struct lac_friction_law {
     bool block_form; ///< a block by itself moves by (O2) of docs/theory/creep.md, a closed form
 } lac_friction_law;
 
-/// The index-th law in the registry, NULL past the end.
+/// The index-th law, NULL past the end.
 const lac_friction_law *lac_friction_law_get(size_t index);
 
 /// The index-th thing that any law can have besides (cut-off ...), with those of the common
@@ -125,19 +125,14 @@ const lac_model_info *lac_friction_option_get(size_t index);
 /// Cells that all have the parameters of the model.
 lac_status lac_friction_create(const lac_model *model, size_t n, lac_friction **out,
                                lac_error *err);
-
 void lac_friction_free(lac_friction *friction);
 
-/// Gives the cells values of their own for one parameter, checked against its range.
-/// @param key     a LAC_CELLWISE parameter of the law, given before or not
-/// @return LAC_OK; LAC_EINPUT (no such parameter, a value out of range: says which cell);
-/// LAC_ENOMEM
+/// Gives the cells values of their own for one LAC_CELLWISE parameter of the law, checked against
+/// its range.
 lac_status lac_friction_set(lac_friction *friction, const char *key, const double *values,
                             lac_error *err);
 
-/// What the cells have of one parameter.
-/// @return SI, one or one a cell; NULL where the law has no such cell-wise parameter or no cell has
-/// it
+/// What the cells have of one parameter; NULL where the law has no such cell-wise one, or no cell.
 const lac_cellwise *lac_friction_values_of(const lac_friction *friction, const char *key);
 
 /// Whether the parameters of every cell go together: alpha > 0 needs b > 0.
@@ -149,17 +144,14 @@ lac_status lac_friction_check(const lac_friction *friction, lac_error *err);
 /// without damping, and f is not convex in u. f rises with w where b > 0.
 /// @param values  [n] arrays; overwritten; f NULL: g alone, no strength is worked out
 /// @param slopes  [n] arrays; overwritten; NULL where not wanted, as it must be where f is
-/// @return nothing; cannot fail, but the results may be infinite where u or w are
 void lac_friction_evaluate(const lac_friction *friction, const lac_friction_cells *cells,
                            const lac_friction_values *values, const lac_friction_slopes *slopes);
 
-/// Friction coefficient of one cell.
+/// Friction coefficient of one cell; and the plain one, F = constant + a U + b W, whatever the
+/// form.
 double lac_friction_coefficient(const lac_friction *friction, size_t cell, double u, double w);
-
-/// The plain coefficient F = constant + a U + b W of one cell, whatever the form.
 double lac_friction_plain(const lac_friction *friction, size_t cell, double u, double w);
 
-/// ln theta in steady state at ln v = u.
 double lac_friction_steady_state(const lac_friction *friction, size_t cell, double u);
 
 /// ln theta of a cell that slides at ln v = u and whose state is x times the one that would be
@@ -173,12 +165,11 @@ double lac_friction_state_at_ratio(const lac_friction *friction, size_t cell, do
 double lac_friction_state_after(const lac_friction *friction, size_t cell, double w,
                                 double pressure_ratio);
 
-/// ln theta at which the cell has coefficient f at ln v = u.
-/// @return NaN where there is none (b = 0; f below what v2 leaves)
+/// ln theta at which the cell has coefficient f at ln v = u; NaN where there is none (b = 0; f
+/// below what v2 leaves).
 double lac_friction_state_for(const lac_friction *friction, size_t cell, double u, double f);
 
 /// ln v at which the cell in state w carries traction tau: p f(u, w) + eta e^u = tau.
-/// @param tau, pressure, eta  [Pa], [Pa], [Pa s/m]
 /// @return NaN where there is none (a = 0 and eta = 0, tau <= 0 regularised, tau beyond what v1
 ///         lets friction reach and eta = 0)
 double lac_friction_rate_for(const lac_friction *friction, size_t cell, double w, double tau,

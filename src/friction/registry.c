@@ -1,8 +1,38 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The table of the friction laws that a case can name, from the list of law.h.
+// The tables of the laws that a case can name, and of what any law can have besides, by the
+// parameters that every law shares.
 #include "base/rows.h"
 #include "friction/law.h"
 
 static const lac_friction_law *const laws[] = {LAC_FRICTION_LAWS(LAC_ROW_ADDRESS)};
 
 LAC_KINDS_AT(lac_friction_law, lac_friction_law_get, laws)
+
+static const lac_param rows[] = {LAC_FRICTION_COMMON_ROWS};
+
+enum { FORM = 5, V1, V2, ALPHA }; // their places in the rows
+
+static const lac_model_info options[] = {
+    {.name = "regularised",
+     .summary = "strength a asinh(...) that vanishes at rest and lets slip reverse, instead of the "
+                "plain logarithm: form",
+     .reference = LAC_RICE_BEN_ZION "; " LAC_LAPUSTA "; docs/theory/friction.md, \"Strength\"",
+     .params = &rows[FORM],
+     .param_count = 1},
+    {.name = "cut-off",
+     .summary = "slip rates beyond which the direct effect (v1) and the evolution effect (v2) end: "
+                "v/(1 + v/v1) stands in the place of v, theta + dc/v2 in that of theta",
+     .reference = "Dieterich (1979) J. Geophys. Res. 84, 2161, doi 10.1029/JB084iB05p02161; Okubo "
+                  "(1989) J. Geophys. Res. 94, 12321, doi 10.1029/JB094iB09p12321; "
+                  "docs/theory/friction.md, \"Cut-off slip rates\"",
+     .params = &rows[V1],
+     .param_count = 2},
+    {.name = "normal-stress",
+     .summary = "state that answers to the effective normal pressure at once: alpha",
+     .reference = "Linker & Dieterich (1992) J. Geophys. Res. 97, 4923, doi 10.1029/92JB00017; "
+                  "docs/theory/friction.md, \"Normal stress\"",
+     .params = &rows[ALPHA],
+     .param_count = 1},
+};
+
+LAC_ROWS_AT(lac_model_info, lac_friction_option_get, options)

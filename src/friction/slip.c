@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Ruina's slip law: contacts change only while they slip, so that nothing heals at rest.
+// Ruina's slip law: contacts change only while they slip, so that nothing heals at rest. And that
+// law without its healing: strength that slip has taken never comes back.
+#include <stdbool.h>
+
 #include "base/phi.h"
 #include "friction/law.h"
 
@@ -53,4 +56,30 @@ const lac_friction_law lac_friction_slip = {
     .evolve = evolve,
     .steady_state = lac_law_steady_renewal,
     .lone = &lone,
+};
+
+// The slip law above steady state, phi = u + w - ln dc > 0, nothing below it.
+static void evolve_above(const lac_friction *friction, const lac_friction_cells *cells, double *g,
+                         double *g_u, double *g_w)
+{
+    const double *ln_dc = lac_cellwise_from(&friction->ln_dc, cells->first);
+    evolve(friction, cells, g, g_u, g_w);
+    for (size_t i = 0; i < cells->n; i++) {
+        bool weakens = cells->u[i] + cells->w[i] > ln_dc[i];
+        g[i] = weakens ? g[i] : 0;
+        if (g_u != NULL) {
+            g_u[i] = weakens ? g_u[i] : 0;
+            g_w[i] = weakens ? g_w[i] : 0;
+        }
+    }
+}
+
+const lac_friction_law lac_friction_weakening = {
+    .info = LAC_ABOUT("weakening",
+                      "as slip where v theta > dc, and no change where not: strength that slip "
+                      "takes never comes back",
+                      "docs/theory/bridge.md", LAC_ROWS(params, lac_friction_params),
+                      .validate = lac_law_validate),
+    .evolve = evolve_above,
+    .steady_state = lac_law_steady_renewal,
 };

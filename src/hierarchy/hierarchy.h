@@ -12,16 +12,11 @@ typedef struct lac_hierarchy lac_hierarchy;
 lac_status lac_hierarchy_create(const lac_domain *domain, lac_hierarchy **out, lac_error *err);
 void lac_hierarchy_free(lac_hierarchy *h);
 
-/// Contact cells n.
+/// Contact cells n; m, the number of stiffnesses k_0 ... k_{m-1}, 0 for a single block; occupied
+/// blocks of a level, 0 <= level <= m; and the rank of P_l - P_{l+1}, blocks(l) - blocks(l+1).
 size_t lac_hierarchy_cells(const lac_hierarchy *h);
-
-/// m: the number of stiffnesses k_0 ... k_{m-1}; 0 for a single block.
 size_t lac_hierarchy_levels(const lac_hierarchy *h);
-
-/// Occupied blocks of a level, 0 <= level <= m.
 size_t lac_hierarchy_blocks(const lac_hierarchy *h, size_t level);
-
-/// Rank of P_l - P_{l+1}: blocks(l) - blocks(l+1).
 size_t lac_hierarchy_rank(const lac_hierarchy *h, size_t level);
 
 /// First contact cell of each block of a level, and n at the end: [blocks(level) + 1].
@@ -39,8 +34,7 @@ void lac_hierarchy_apply(const lac_hierarchy *h, const double *k, const double *
                          double *work);
 
 /// Solves (D + K + k_mean P_m) x = y exactly; x may be y, D negative where K makes up for it.
-/// @return false where a pivot is not finite and positive. Where true, the matrix is positive
-/// definite;
-///         the converse holds where k falls with the level down to k_mean
+/// False where a pivot is not finite and positive. Where true, the matrix is positive definite; the
+/// converse holds where k falls with the level down to k_mean.
 bool lac_hierarchy_solve(const lac_hierarchy *h, const double *k, double k_mean,
                          const double *diagonal, const double *y, double *x, double *work);

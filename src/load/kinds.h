@@ -46,10 +46,6 @@ extern const char *const lac_share_names[];
     .params = (rows), .param_count = sizeof(rows) / sizeof(rows)[0] - 1, \
     .params_size = sizeof(holder)
 
-/// The first end of the window [start, end), end NaN: never, after t; INFINITY where none is, or
-/// where the window is empty.
-double lac_window_break(double start, double end, double t);
-
 // The loads that a case can name: a new one is one more line here.
 // clang-format off
 #define LAC_NORMAL_LOADS(_)  \
@@ -119,8 +115,7 @@ lac_status lac_load_files_note(lac_load_files *files, const char *path, const ch
 
 void lac_readings_clear(lac_readings *readings);
 
-/// Index of the last reading at or before t; SIZE_MAX before the first.
+/// Index of the last reading at or before `at`, SIZE_MAX before the first; and the first time after
+/// it, INFINITY beyond the last.
 size_t lac_readings_before(const double *t, size_t n, double at);
-
-/// First of the times after `at`; INFINITY beyond the last.
 double lac_readings_next(const double *t, size_t n, double at);

@@ -16,6 +16,15 @@ static const lac_load_kind *kind_of(const lac_model *model)
     return (const lac_load_kind *)(const void *)model->info;
 }
 
+// The index-th of the loads, shear before pore; NULL past the end.
+static const lac_model *model_at(const lac_load_models *models, size_t index)
+{
+    const size_t pore = index - models->shear_count;
+    return index < models->shear_count ? &models->shear[index]
+           : pore < models->pore_count ? &models->pore[pore]
+                                       : NULL;
+}
+
 // Adds shear stress over the nominal area [Pa], [Pa/s], to what the load is shared as. A spring's
 // stress is the same on all cells; here it has no stiffness.
 static void add_stress(const lac_load *load, lac_load_state *sum, lac_signal s)
@@ -28,40 +37,27 @@ static void add_stress(const lac_load *load, lac_load_state *sum, lac_signal s)
 void lac_load_evaluate(const lac_load_set *set, double t, lac_load_state *sum)
 {
     *sum = (lac_load_state){0};
-    for (size_t i = 0; i < set->shear_count; i++) {
-        const lac_load *load = &set->shear[i];
-        if (load->kind->signal != NULL) {
-            add_stress(load, sum, load->kind->signal(load, t));
-        } else {
+    for (size_t i = 0; i < set->count; i++) {
+        const lac_load *load = &set->load[i];
+        if (load->kind->signal == NULL) {
             load->kind->add(load, t, sum);
+            continue;
+        }
+        const lac_signal signal = load->kind->signal(load, t);
+        if (i < set->shear) {
+            add_stress(load, sum, signal);
+        } else {
+            sum->pore += signal.value;
+            sum->pore_rate += signal.rate;
         }
     }
-    for (size_t i = 0; i < set->pore_count; i++) {
-        const lac_load *load = &set->pore[i];
-        if (load->kind->signal != NULL) {
-            const lac_signal pore = load->kind->signal(load, t);
-            sum->pore += pore.value;
-            sum->pore_rate += pore.rate;
-        } else {
-            load->kind->add(load, t, sum);
-        }
-    }
-}
-
-// The index-th load of a set, shear before pore; NULL past the end.
-static const lac_load *load_at(const lac_load_set *set, size_t index)
-{
-    const size_t pore = index - set->shear_count;
-    return index < set->shear_count ? &set->shear[index]
-           : pore < set->pore_count ? &set->pore[pore]
-                                    : NULL;
 }
 
 double lac_load_next_break(const lac_load_set *set, double t)
 {
-    const lac_load *load;
     double first = INFINITY;
-    for (size_t i = 0; (load = load_at(set, i)) != NULL; i++) {
+    for (size_t i = 0; i < set->count; i++) {
+        const lac_load *load = &set->load[i];
         first =
             load->kind->next_break != NULL ? fmin(first, load->kind->next_break(load, t)) : first;
     }
@@ -70,9 +66,9 @@ double lac_load_next_break(const lac_load_set *set, double t)
 
 double lac_load_longest_step(const lac_load_set *set, double t)
 {
-    const lac_load *load;
     double longest = INFINITY;
-    for (size_t i = 0; (load = load_at(set, i)) != NULL; i++) {
+    for (size_t i = 0; i < set->count; i++) {
+        const lac_load *load = &set->load[i];
         longest = load->kind->longest_step != NULL
                       ? fmin(longest, load->kind->longest_step(load, t))
                       : longest;
@@ -80,10 +76,13 @@ double lac_load_longest_step(const lac_load_set *set, double t)
     return longest;
 }
 
-double lac_window_break(double start, double end, double t)
+bool lac_load_set_is_linear(const lac_load_set *set)
 {
-    double next = t < start ? start : isnan(end) || t >= end ? INFINITY : end;
-    return end <= start ? INFINITY : next;
+    bool linear = true;
+    for (size_t i = 0; i < set->count; i++) {
+        linear = linear && set->load[i].kind->linear;
+    }
+    return linear;
 }
 
 lac_share lac_load_models_share(const lac_model *model)
@@ -101,12 +100,11 @@ lac_share lac_load_models_share(const lac_model *model)
 
 bool lac_load_set_is_shaped(const lac_load_set *set)
 {
-    for (size_t i = 0; i < set->shear_count; i++) {
-        if (set->shear[i].share == LAC_SHARE_ELASTIC) {
-            return true;
-        }
+    bool shaped = false;
+    for (size_t i = 0; i < set->count; i++) {
+        shaped = shaped || set->load[i].share == LAC_SHARE_ELASTIC;
     }
-    return false;
+    return shaped;
 }
 
 double lac_load_shear(const lac_load_state *state, double pressure)
@@ -115,92 +113,61 @@ double lac_load_shear(const lac_load_state *state, double pressure)
     return ratio * pressure + state->stress + state->elastic + state->spring_stress;
 }
 
-// Whether all loads are constant in time, or any reads a file.
-static bool all_constant(const lac_model *models, size_t count)
-{
-    bool constant = true;
-    for (size_t i = 0; i < count; i++) {
-        constant = constant && kind_of(&models[i])->constant;
-    }
-    return constant;
-}
-
-static bool any_reads(const lac_model *models, size_t count)
-{
-    bool reads = false;
-    for (size_t i = 0; i < count; i++) {
-        reads = reads || kind_of(&models[i])->prepare != NULL;
-    }
-    return reads;
-}
-
 bool lac_load_models_need_files(const lac_load_models *models)
 {
-    return any_reads(models->shear, models->shear_count) ||
-           any_reads(models->pore, models->pore_count);
+    const lac_model *model;
+    for (size_t i = 0; (model = model_at(models, i)) != NULL; i++) {
+        if (kind_of(model)->prepare != NULL) {
+            return true;
+        }
+    }
+    return false;
 }
 
 bool lac_load_models_constant(const lac_load_models *models)
 {
-    return all_constant(models->shear, models->shear_count) &&
-           all_constant(models->pore, models->pore_count);
-}
-
-// Makes the loads of one list ready, up to the first that cannot be.
-static lac_status prepare_all(const lac_model *models, size_t count, const char *list,
-                              const lac_load_clock *clock, lac_load **out, size_t *ready,
-                              lac_error *err)
-{
-    if (count == 0) {
-        return LAC_OK;
-    }
-    *out = calloc(count, sizeof **out);
-    LAC_FAIL_MEMORY_IF(*out == NULL, err);
-    for (size_t i = 0; i < count; i++) {
-        lac_load *load = &(*out)[i];
-        load->kind = kind_of(&models[i]);
-        load->params = models[i].params;
-        load->share = lac_load_models_share(&models[i]);
-        lac_status status = load->kind->prepare == NULL
-                                ? LAC_OK
-                                : load->kind->prepare(load->params, clock, &load->state, err);
-        if (status != LAC_OK) {
-            return lac_fail_within(err, status, "%s.%zu.%s", list, i, load->kind->info.name);
-        }
-        (*ready)++;
-    }
-    return LAC_OK;
-}
-
-static void release_all(lac_load *loads, size_t count)
-{
-    for (size_t i = 0; i < count; i++) {
-        if (loads[i].kind->release != NULL && loads[i].state != NULL) {
-            loads[i].kind->release(loads[i].state);
+    const lac_model *model;
+    for (size_t i = 0; (model = model_at(models, i)) != NULL; i++) {
+        if (!kind_of(model)->constant) {
+            return false;
         }
     }
-    free(loads);
+    return true;
 }
 
 lac_status lac_load_set_create(const lac_load_models *models, const lac_load_clock *clock,
                                lac_load_set *set, lac_error *err)
 {
-    lac_status status = LAC_OK;
-    *set = (lac_load_set){0};
-    LAC_TRY(prepare_all(models->shear, models->shear_count, "load.shear", clock, &set->shear,
-                        &set->shear_count, err));
-    LAC_TRY(prepare_all(models->pore, models->pore_count, "load.pore_pressure", clock, &set->pore,
-                        &set->pore_count, err));
+    const lac_model *model;
+    const size_t count = models->shear_count + models->pore_count;
+    *set =
+        (lac_load_set){.shear = models->shear_count, .load = calloc(count + 1, sizeof *set->load)};
+    LAC_FAIL_MEMORY_IF(set->load == NULL, err);
+    for (size_t i = 0; (model = model_at(models, i)) != NULL; i++) {
+        const lac_load_kind *kind = kind_of(model);
+        lac_load *load = &set->load[set->count++];
+        *load = (lac_load){kind, model->params, lac_load_models_share(model), NULL};
+        lac_status status =
+            kind->prepare == NULL ? LAC_OK : kind->prepare(load->params, clock, &load->state, err);
+        if (status != LAC_OK) {
+            const bool pore = i >= set->shear;
+            const size_t place = pore ? i - set->shear : i;
+            lac_load_set_clear(set);
+            return lac_fail_within(err, status, "load.%s.%zu.%s", pore ? "pore_pressure" : "shear",
+                                   place, kind->info.name);
+        }
+    }
     return LAC_OK;
-out:
-    lac_load_set_clear(set);
-    return status;
 }
 
 void lac_load_set_clear(lac_load_set *set)
 {
-    release_all(set->shear, set->shear_count);
-    release_all(set->pore, set->pore_count);
+    for (size_t i = 0; i < set->count; i++) {
+        if (set->load[i].state != NULL) {
+            set->load[i].kind->release(set->load[i].state);
+        }
+    }
+    free(set->load);
     free(set->shape);
     *set = (lac_load_set){0};
 }

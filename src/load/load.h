@@ -101,10 +101,8 @@ typedef struct lac_load_kind {
 
 /// The loads of a scene.
 typedef struct lac_load_set {
-    lac_load *shear; ///< [shear_count]
-    size_t shear_count;
-    lac_load *pore; ///< [pore_count]
-    size_t pore_count;
+    lac_load *load; ///< [count] of which the first `shear` are forces, the others pore pressures
+    size_t count, shear;
     double *shape; ///< [contact cells] C^-1 1, its mean 1, owned; NULL where lac_load_set_is_shaped
                    ///< is false. Whoever knows the contact fills it: lac_transfer_tied
 } lac_load_set;
@@ -117,28 +115,27 @@ typedef struct lac_load_models {
     size_t pore_count;
 } lac_load_models;
 
-/// Makes loads ready: reads the files that they name.
-/// @param models  must outlive the set
-/// @return LAC_EINPUT (data that do not fit the run ...) or LAC_EIO with the load: "load.shear.0:
-/// ..."
+/// Makes loads ready: reads the files that they name. The models must outlive the set. An error
+/// says which load: "load.shear.0: ...".
 lac_status lac_load_set_create(const lac_load_models *models, const lac_load_clock *clock,
                                lac_load_set *set, lac_error *err);
 
 /// How the force of a load that a case names is shared by the cells.
 lac_share lac_load_models_share(const lac_model *model);
 
+/// Whether all are linear in time between their breaks.
+bool lac_load_set_is_linear(const lac_load_set *set);
+
 /// Whether a load of the set is shared as C^-1 1, so that it needs `shape`.
 bool lac_load_set_is_shaped(const lac_load_set *set);
 
-/// Q over the nominal area, springs' slip apart. @param pressure  mean normal stress [Pa]
+/// Q over the nominal area, springs' slip apart, under the mean normal stress `pressure` [Pa].
 double lac_load_shear(const lac_load_state *state, double pressure);
 
 void lac_load_set_clear(lac_load_set *set);
 
-/// Whether all of these loads are constant in time.
+/// Whether all of these loads are constant in time; whether any reads a file.
 bool lac_load_models_constant(const lac_load_models *models);
-
-/// Whether any of these loads reads a file.
 bool lac_load_models_need_files(const lac_load_models *models);
 
 /// The index-th row of each registry, NULL past the end.

@@ -127,11 +127,8 @@ static lac_status begin(const water_params *s, const lac_load_clock *clock, cons
 {
     const lac_readings_def def = {
         .path = s->file, .time = s->time, .column = s->column, .si = "m", .offset = s->offset};
-    lac_status status =
-        lac_readings_read(&def, clock, s->outside == REFUSE ? remedy : NULL, readings, err);
-    if (status != LAC_OK) {
-        return status;
-    }
+    LAC_TRY_RETURN(
+        lac_readings_read(&def, clock, s->outside == REFUSE ? remedy : NULL, readings, err));
     const size_t room = 2 * readings->n + 1;
     water *w = calloc(1, sizeof *w);
     *out = w;

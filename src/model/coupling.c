@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The force that slip puts on cells through the rock, less that of far motion and far loads.
+// What couples the cells: the force that slip puts on them through the rock, less that of far
+// motion and far loads; and damping of their mean rate.
+#include <math.h>
 #include <stdlib.h>
 
+#include "base/vsum.h"
 #include "model/internal.h"
 
 lac_status lac_problem_anchor(lac_problem *problem, lac_error *err)
@@ -75,4 +78,173 @@ const char *lac_problem_lost_transfer(const lac_problem *problem, const double *
         found += ws.kv[i] * 0.0;
     }
     return given == 0.0 && found != 0.0 ? transfer->kind->info.name : NULL;
+}
+
+lac_damping lac_damping_over(const lac_domain *domain, double eta, bool massive)
+{
+    double cells = (double)lac_grid_cells(&domain->grid);
+    double n = (double)domain->n;
+    if (massive) {
+        return domain->n == 1 ? (lac_damping){0} : (lac_damping){.cell = eta, .mean = -eta};
+    }
+    double pressure = lac_vsum(domain->n, domain->pressure) / n;
+    return (lac_damping){.cell = eta, .shared = eta * ((cells - n) / n) / pressure};
+}
+
+// In between, by digits where the two are of one sign.
+static double middle(double low, double high)
+{
+    if (low > 0.0 && high > 4.0 * low) {
+        return sqrt(low) * sqrt(high);
+    }
+    if (high < 0.0 && low < 4.0 * high) {
+        return -sqrt(-low) * sqrt(-high);
+    }
+    return 0.5 * low + 0.5 * high;
+}
+
+// What is found falls as what is taken rises, so the root lies between the two. Newton's method,
+// kept there.
+double lac_mean_search_on(lac_mean_search *search, double found, double slope)
+{
+    double from = search->mean;
+    search->low = fmax(search->low, fmin(from, found));
+    search->high = fmin(search->high, fmax(from, found));
+    double next = from + (found - from) / (1.0 + slope);
+    if (!(next >= search->low && next <= search->high)) {
+        next = middle(search->low, search->high);
+    }
+    search->mean = next;
+    return next - from;
+}
+
+void lac_block_ease(const lac_problem *problem, double share, const lac_friction_cells *cells,
+                    double *ease)
+{
+    lac_block s;
+    const lac_friction_values values = lac_block_values(&s);
+    lac_friction_evaluate(problem->friction, cells, &values, NULL);
+    for (size_t i = 0; i < cells->n; i++) {
+        double held = problem->pressure[cells->first + i] * share * s.f_u[i];
+        double drag = lac_problem_drag(problem, cells->first + i);
+        ease[i] = drag * cells->v[i] / (held + problem->damping * cells->v[i]);
+    }
+}
+
+// Means over the cells of row x and of x.
+static void weigh(size_t n, const double *row, const double *x, double means[2])
+{
+    means[0] = means[1] = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        means[0] += row[i] * x[i];
+        means[1] += x[i];
+    }
+    means[0] /= (double)n;
+    means[1] /= (double)n;
+}
+
+// Where the row is 1: what s is besides 1 acts on the mean.
+static bool share_evenly(const lac_problem *problem, double mean, const double *diagonal,
+                         const lac_sharing *on, double *b, double *scratch)
+{
+    size_t n = problem->n;
+    const lac_transfer *transfer = &problem->transfer;
+    double *x = on->shares;
+    for (size_t i = 0; i < n; i++) {
+        x[i] = lac_problem_share(problem, i) - 1.0;
+    }
+    if (!transfer->kind->solve(transfer->state, mean, diagonal, x, x, scratch)) {
+        return false;
+    }
+    double pivot = 1.0 + on->kappa * (lac_vsum(n, x) / (double)n);
+    double by = on->kappa * (lac_vsum(n, b) / (double)n) / pivot;
+    for (size_t i = 0; i < n; i++) {
+        b[i] -= by * x[i];
+    }
+    return pivot > 0.0 && isfinite(pivot);
+}
+
+// What a row other than 1 is solved with.
+typedef struct row_terms {
+    double by_share, by_one; // x loses by_share M^-1 s - by_one M^-1 1
+} row_terms;
+
+// By Woodbury's formula. @param r, s, e  means of row x and of x, for b, s and 1
+static bool find_terms(double kappa, const double r[2], const double s[2], const double e[2],
+                       row_terms *out)
+{
+    double a00 = 1.0 + kappa * s[0];
+    double a01 = -kappa * e[0];
+    double a10 = kappa * s[1];
+    double a11 = 1.0 - kappa * e[1];
+    double pivot = a00 * a11 - a01 * a10;
+    out->by_share = kappa * (r[0] * a11 - a01 * r[1]) / pivot;
+    out->by_one = kappa * (a00 * r[1] - a10 * r[0]) / pivot;
+    return pivot > 0.0 && isfinite(pivot);
+}
+
+static void fill_shares(const lac_problem *problem, double *shares)
+{
+    for (size_t i = 0; i < problem->n; i++) {
+        shares[i] = lac_problem_share(problem, i);
+    }
+}
+
+static bool share_by_row(const lac_problem *problem, double mean, const double *diagonal,
+                         const lac_sharing *on, double *b, double *scratch)
+{
+    size_t n = problem->n;
+    const lac_transfer *transfer = &problem->transfer;
+    double *shares = on->shares;
+    double *ones = on->ones != NULL ? on->ones : shares; // one after the other
+    double r[2], s[2], e[2];
+    row_terms terms;
+    weigh(n, on->row, b, r);
+    fill_shares(problem, shares);
+    if (!transfer->kind->solve(transfer->state, mean, diagonal, shares, shares, scratch)) {
+        return false;
+    }
+    weigh(n, on->row, shares, s);
+    for (size_t i = 0; i < n; i++) {
+        ones[i] = 1.0;
+    }
+    if (!transfer->kind->solve(transfer->state, mean, diagonal, ones, ones, scratch)) {
+        return false;
+    }
+    weigh(n, on->row, ones, e);
+    if (!find_terms(on->kappa, r, s, e, &terms)) {
+        return false;
+    }
+    if (on->ones != NULL) {
+        for (size_t i = 0; i < n; i++) {
+            b[i] += terms.by_one * ones[i] - terms.by_share * shares[i];
+        }
+        return true;
+    }
+    for (size_t i = 0; i < n; i++) {
+        shares[i] = terms.by_one - terms.by_share * lac_problem_share(problem, i);
+    }
+    if (!transfer->kind->solve(transfer->state, mean, diagonal, shares, shares, scratch)) {
+        return false;
+    }
+    for (size_t i = 0; i < n; i++) {
+        b[i] += shares[i];
+    }
+    return true;
+}
+
+// The transfer's solve takes kappa 11^T/n along as a stiffness of the mean slip, which holds a mean
+// that weakens; Woodbury's formula puts right what s and the row are besides 1.
+bool lac_problem_solve_sharing(const lac_problem *problem, double mean, const double *diagonal,
+                               const lac_sharing *on, double *b, double *scratch)
+{
+    const lac_transfer *transfer = &problem->transfer;
+    if (!transfer->kind->solve(transfer->state, mean, diagonal, b, b, scratch)) {
+        return false;
+    }
+    if (on->kappa == 0.0) {
+        return true;
+    }
+    return on->row == NULL ? share_evenly(problem, mean, diagonal, on, b, scratch)
+                           : share_by_row(problem, mean, diagonal, on, b, scratch);
 }

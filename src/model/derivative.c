@@ -5,22 +5,30 @@
 
 #include "model/internal.h"
 
+// A state whose rates the next solve begins from; false where the loads are none.
+static bool begin(const lac_problem *problem, double t, const double *y, double *work, lac_look *at)
+{
+    *at = (lac_look){
+        .problem = problem, .y = y, .w = y + problem->n, .ws = lac_problem_split(problem, work)};
+    if (!lac_problem_drive(problem, t, &at->drive)) {
+        return false;
+    }
+    at->motion = problem->kind->move(at, true);
+    return true;
+}
+
 bool lac_problem_derivative(const lac_problem *problem, double t, const double *y, double *ydot,
                             double *work)
 {
-    lac_workspace ws = lac_problem_split(problem, work);
-    lac_problem_loads_at drive;
-    return lac_problem_drive(problem, t, &drive) &&
-           problem->kind->derivative(problem, &drive, y, ydot, &ws);
+    lac_look at;
+    return begin(problem, t, y, work, &at) && problem->kind->derivative(&at, ydot);
 }
 
 bool lac_problem_newton(const lac_problem *problem, double t, const double *y, double gamma,
                         double *b, double *work)
 {
-    lac_workspace ws = lac_problem_split(problem, work);
-    lac_problem_loads_at drive;
-    return lac_problem_drive(problem, t, &drive) &&
-           problem->kind->newton(problem, &drive, y, gamma, b, &ws);
+    lac_look at;
+    return begin(problem, t, y, work, &at) && problem->kind->newton(&at, gamma, b);
 }
 
 // What ln theta is worth in ln v under constant traction is b/a. Up to this it passes for one, so
@@ -76,11 +84,10 @@ static double fastest(const lac_problem *problem, double t, const double *y, boo
 {
     const lac_look at = lac_problem_look(problem, t, y, work);
     double stiffness = held_back ? stiffest(problem, &at.drive) : 0.0;
-    double most = problem->mass > 0.0 ? lac_inertia_fastest(problem, &at.drive, y, &at.ws) : 0.0;
+    double most = problem->mass > 0.0 ? lac_inertia_fastest(&at) : 0.0;
     for (size_t first = 0; first < problem->n; first += LAC_FRICTION_BLOCK) {
         lac_block s;
-        size_t length =
-            lac_block_friction(problem, &at.drive, &at.motion, y + problem->n, first, &s, NULL);
+        size_t length = lac_block_friction(&at, first, &s, NULL);
         for (size_t i = 0; i < length; i++) {
             double p = problem->pressure[first + i] * at.drive.share;
             double slip = s.speed[i] * lac_cellwise_of(&problem->friction->inv_dc, first + i);

@@ -59,16 +59,18 @@ lac_failure lac_problem_failure(const lac_problem *problem, double rate, double 
 
 // What all cells would be past the rate of failure if they slid as one: the load that they carry
 // against what would hold them then, in e-folds of that rate.
-static double past_as_one(const lac_problem *problem, const lac_problem_loads_at *drive,
-                          const lac_motion *motion, const double *w, double rate)
+static double past_as_one(const lac_look *at, double rate)
 {
+    const lac_problem *problem = at->problem;
+    const lac_motion *motion = &at->motion;
     const lac_friction *friction = problem->friction;
+    const double *w = at->w;
     double eta = damped_together(problem);
     double load = eta * (fabs(motion->mean) - rate);
     double held = eta * rate;
     double u = log(rate);
     for (size_t i = 0; i < problem->n; i++) {
-        double p = problem->pressure[i] * drive->share;
+        double p = problem->pressure[i] * at->drive.share;
         double f = lac_friction_coefficient(friction, i, motion->u[i], w[i]);
         double along = (motion->v[i] < 0.0) == (motion->mean < 0.0) ? f : -f;
         load += p * (along - lac_friction_coefficient(friction, i, u, w[i]));
@@ -85,6 +87,6 @@ double lac_problem_past_failure(const lac_problem *problem, const lac_failure *f
     if (!failure->lowered || !(past >= 0.0)) {
         return past;
     }
-    double as_one = past_as_one(problem, &at.drive, &at.motion, y + problem->n, failure->rate);
+    double as_one = past_as_one(&at, failure->rate);
     return as_one < past ? as_one : past;
 }

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The table of formulations, and what those that solve for the rate have in common.
+// The table of formulations, and what those that solve for the rate have in common: rates that
+// carry given tractions (docs/theory/creep.md eq. 6), and Newton's system with ln theta and the
+// balance eliminated beforehand (eq. 8).
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -65,42 +68,45 @@ void lac_problem_forget(const lac_problem *problem, double *work)
     }
 }
 
-size_t lac_block_friction(const lac_problem *problem, const lac_problem_loads_at *drive,
-                          const lac_motion *motion, const double *w, size_t first, lac_block *s,
-                          lac_block_slopes *d)
+// A block of cells from `first` on, their sizes of v put into `speed`.
+static lac_friction_cells cells_from(const lac_look *at, size_t first, double *speed)
 {
-    size_t length = lac_block_length(problem->n, first);
-    lac_vabs(length, motion->v + first, s->speed);
-    lac_friction_cells cells = {.first = first,
+    size_t length = lac_block_length(at->problem->n, first);
+    lac_vabs(length, at->motion.v + first, speed);
+    return (lac_friction_cells){.first = first,
                                 .n = length,
-                                .u = motion->u + first,
-                                .w = w + first,
-                                .v = s->speed,
-                                .normal_rate = drive->share_rate / drive->share};
+                                .u = at->motion.u + first,
+                                .w = at->w + first,
+                                .v = speed,
+                                .normal_rate = at->drive.share_rate / at->drive.share};
+}
+
+size_t lac_block_friction(const lac_look *at, size_t first, lac_block *s, lac_block_slopes *d)
+{
+    const lac_friction_cells cells = cells_from(at, first, s->speed);
     lac_friction_values values = lac_block_values(s);
     lac_friction_slopes slopes = {0};
     if (d != NULL) {
         slopes = (lac_friction_slopes){
             .f_uu = d->f_uu, .f_uw = d->f_uw, .f_ww = d->f_ww, .g_u = d->g_u, .g_w = d->g_w};
     }
-    lac_friction_evaluate(problem->friction, &cells, &values, d != NULL ? &slopes : NULL);
-    return length;
+    lac_friction_evaluate(at->problem->friction, &cells, &values, d != NULL ? &slopes : NULL);
+    return cells.n;
 }
 
-double lac_problem_unbalanced(const lac_problem *problem, const lac_problem_loads_at *drive,
-                              const lac_motion *motion, const double *w, double *traction,
-                              double *wdot)
+double lac_problem_unbalanced(const lac_look *at, double *traction, double *wdot)
 {
+    const lac_problem *problem = at->problem;
     double total = 0.0;
     for (size_t first = 0; first < problem->n; first += LAC_FRICTION_BLOCK) {
         lac_block s;
-        size_t length = lac_block_friction(problem, drive, motion, w, first, &s, NULL);
+        size_t length = lac_block_friction(at, first, &s, NULL);
         double part = 0.0;
         for (size_t i = 0; i < length; i++) {
             size_t k = first + i;
-            double v = motion->v[k];
-            double held = copysign(problem->pressure[k] * drive->share * s.f[i], v);
-            double common = lac_problem_drag(problem, k) * motion->mean;
+            double v = at->motion.v[k];
+            double held = copysign(problem->pressure[k] * at->drive.share * s.f[i], v);
+            double common = lac_problem_drag(problem, k) * at->motion.mean;
             traction[k] -= held + problem->damping * v + common;
             part += traction[k];
         }
@@ -112,21 +118,181 @@ double lac_problem_unbalanced(const lac_problem *problem, const lac_problem_load
     return total;
 }
 
-bool lac_problem_evolve(const lac_problem *problem, const lac_problem_loads_at *drive,
-                        const lac_motion *motion, const double *w, double *wdot)
+bool lac_problem_evolve(const lac_look *at, double *wdot)
 {
-    for (size_t first = 0; first < problem->n; first += LAC_FRICTION_BLOCK) {
+    size_t n = at->problem->n;
+    for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
         double speed[LAC_FRICTION_BLOCK];
-        size_t length = lac_block_length(problem->n, first);
-        lac_vabs(length, motion->v + first, speed);
-        lac_friction_cells cells = {.first = first,
-                                    .n = length,
-                                    .u = motion->u + first,
-                                    .w = w + first,
-                                    .v = speed,
-                                    .normal_rate = drive->share_rate / drive->share};
-        lac_friction_evaluate(problem->friction, &cells, &(lac_friction_values){.g = wdot + first},
-                              NULL);
+        const lac_friction_cells cells = cells_from(at, first, speed);
+        lac_friction_evaluate(at->problem->friction, &cells,
+                              &(lac_friction_values){.g = wdot + first}, NULL);
     }
-    return lac_vfinite(problem->n, wdot);
+    return lac_vfinite(n, wdot);
+}
+
+// dtau/dv where v is as good as nothing.
+#define STIFFEST 1e250
+
+// tau = s p f(ln|v|, w) + eta v, s the sign of v, gives with Z = p f_u/|v| + eta
+//   x_tau = Z dv + s p f_w x_w,   x_w = back (b_w + gamma (g_u/v) dv),   back = 1/(1 - gamma g_w)
+static bool reduce_block(const lac_look *at, double gamma, double *b_w, size_t first)
+{
+    lac_block s;
+    lac_block_slopes d;
+    const lac_problem *problem = at->problem;
+    const lac_workspace *ws = &at->ws;
+    size_t length = lac_block_friction(at, first, &s, &d);
+    bool good = true;
+    for (size_t i = 0; i < length; i++) {
+        size_t k = first + i;
+        double p = problem->pressure[k] * at->drive.share;
+        double v = at->motion.v[k];
+        double z = p * s.f_u[i] / s.speed[i] + problem->damping;
+        z = z < STIFFEST ? z : STIFFEST;
+        double f_w = copysign(p * s.f_w[i], v);
+        double back = 1.0 / (1.0 - gamma * d.g_w[i]);
+        double slope = back * (d.g_u[i] / v);
+        good = good && back > 0.0;
+        b_w[k] *= back;
+        ws->diagonal[k] = z / gamma + f_w * slope;
+        ws->kv[k] = f_w * b_w[k];
+        ws->v[k] = gamma * slope;
+    }
+    return good;
+}
+
+bool lac_implicit_reduce(const lac_look *at, double gamma, double *b_w)
+{
+    bool good = true;
+    for (size_t first = 0; first < at->problem->n; first += LAC_FRICTION_BLOCK) {
+        good = reduce_block(at, gamma, b_w, first) && good;
+    }
+    return good;
+}
+
+bool lac_implicit_solve(const lac_look *at, double gamma, double *b)
+{
+    const lac_problem *problem = at->problem;
+    double kappa = problem->drag * (problem->sum_pressure / (double)problem->n) / gamma;
+    double mean = at->drive.spring_stiffness + kappa;
+    bool felt = lac_problem_feels_drag(problem, at->drive.share, at->motion.mean);
+    const lac_sharing on = {.kappa = felt ? kappa : 0.0, .shares = at->ws.u};
+    return lac_problem_solve_sharing(problem, mean, at->ws.diagonal, &on, b, at->ws.scratch);
+}
+
+double lac_implicit_traction_scale(const lac_problem *problem, size_t cell)
+{
+    double a = lac_cellwise_of(&problem->friction->column[LAC_A], cell);
+    double b = lac_cellwise_of(&problem->friction->column[LAC_B], cell);
+    double effect = a > 0.0 ? a : b;
+    return (effect > 0.0 ? effect : 1.0) * problem->pressure[cell];
+}
+
+// Rates where the mean rate `taken` damps them; gives back their mean.
+static double rates_under(const lac_look *at, const double *tractions, double taken, double *u)
+{
+    double left[LAC_FRICTION_BLOCK];
+    const lac_problem *problem = at->problem;
+    double *v = at->ws.v;
+    size_t n = problem->n;
+    double total = 0.0;
+    for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
+        size_t length = lac_block_length(n, first);
+        const double *traction = tractions + first;
+        for (size_t i = 0; taken != 0.0 && i < length; i++) {
+            left[i] = traction[i] - lac_problem_drag(problem, first + i) * taken;
+        }
+        lac_friction_balance balance = {.first = first,
+                                        .n = length,
+                                        .w = at->w + first,
+                                        .traction = taken != 0.0 ? left : traction,
+                                        .pressure = problem->pressure + first,
+                                        .share = at->drive.share,
+                                        .damping = problem->damping};
+        lac_friction_rates(problem->friction, &balance, u + first, v + first);
+        total += lac_vsum(length, v + first);
+    }
+    return total / (double)n;
+}
+
+static void find_ease(const lac_look *at, const double *u, double *ease)
+{
+    double speed[LAC_FRICTION_BLOCK];
+    const lac_problem *problem = at->problem;
+    for (size_t first = 0; first < problem->n; first += LAC_FRICTION_BLOCK) {
+        size_t length = lac_block_length(problem->n, first);
+        lac_vabs(length, at->ws.v + first, speed);
+        const lac_friction_cells cells = {
+            .first = first, .n = length, .u = u + first, .w = at->w + first, .v = speed};
+        lac_block_ease(problem, at->drive.share, &cells, ease + first);
+    }
+}
+
+// Largest part of a rate that a mean rate greater by `moved` would take off it.
+static double part_taken(size_t n, double moved, const double *ease, const double *v)
+{
+    double most = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        double part = fabs(moved * ease[i] / v[i]);
+        most = part > most ? part : most;
+    }
+    return most;
+}
+
+static void take_off(size_t n, double moved, const double *ease, double *u, double *v)
+{
+    for (size_t i = 0; i < n; i++) {
+        double part = moved * ease[i] / v[i];
+        u[i] -= part;
+        v[i] -= part * v[i];
+    }
+}
+
+// The rates whose own mean is the one that damps them: one unknown, found by Newton's method. Its
+// last step, so small that it is linear, is taken by the rates themselves.
+static double rates_together(const lac_look *at, const double *tractions, double *u)
+{
+    const lac_workspace *ws = &at->ws;
+    const double linear = 2e-8; // its square is rounding
+    const double near = 0.3;    // a better place to begin the next
+    size_t n = at->problem->n;
+    double *ease = ws->diagonal;
+    lac_mean_search search = lac_mean_search_from(*ws->mean);
+    for (int k = 0; k < 200; k++) {
+        double found = rates_under(at, tractions, search.mean, u);
+        if (!isfinite(found)) {
+            return found;
+        }
+        find_ease(at, u, ease);
+        double slope = lac_vsum(n, ease) / (double)n;
+        double moved = lac_mean_search_on(&search, found, slope);
+        double part = part_taken(n, moved, ease, ws->v);
+        if (part <= near) {
+            take_off(n, moved, ease, u, ws->v);
+        }
+        if (part <= linear) {
+            break;
+        }
+        if (fabs(moved) <= DBL_EPSILON * fabs(search.mean)) {
+            break;
+        }
+    }
+    return lac_vsum(n, ws->v) / (double)n;
+}
+
+lac_motion lac_problem_solve_rates(const lac_look *at, const double *traction, bool keep)
+{
+    const lac_workspace *ws = &at->ws;
+    double *u = keep ? ws->guess : ws->u;
+    double mean;
+    if (!keep) {
+        memcpy(u, ws->guess, at->problem->n * sizeof *u);
+    }
+    if (at->problem->drag == 0.0) {
+        mean = rates_under(at, traction, 0.0, u);
+    } else {
+        mean = rates_together(at, traction, u);
+        *ws->mean = keep && isfinite(mean) ? mean : *ws->mean;
+    }
+    return (lac_motion){.u = u, .v = ws->v, .mean = mean};
 }

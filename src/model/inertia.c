@@ -81,11 +81,12 @@ static void turn_back(double slow, size_t n, const double *x, double *u, double 
     lac_vlog(n, u, u);
 }
 
-static lac_motion move(const lac_problem *problem, const lac_problem_loads_at *drive,
-                       const double *y, const lac_workspace *ws, bool keep)
+static lac_motion move(const lac_look *at, bool keep)
 {
-    (void)drive;
     (void)keep;
+    const lac_problem *problem = at->problem;
+    const lac_workspace *ws = &at->ws;
+    const double *y = at->y;
     size_t n = problem->n;
     if (problem->slow == 0.0) {
         double total = lac_problem_exp_sum(n, y, ws->v);
@@ -106,40 +107,39 @@ static double slope(const lac_problem *problem, double v)
     return problem->slow == 0.0 ? v : hypot(v, 2.0 * problem->slow);
 }
 
-// q - K slip - p f - damping of every cell, in ws->kv; gives back the mean. What is left of a
+// q - K slip - p f - damping of every cell, in ws.kv; gives back the mean. What is left of a
 // balance is rounding and taken for none: over a small mass it would be an acceleration without
 // bounds.
 // @param wdot  [n] d ln theta/dt; NULL where not wanted
-static double find_forces(const lac_problem *problem, const lac_problem_loads_at *drive,
-                          const lac_motion *motion, const double *y, double *wdot,
-                          const lac_workspace *ws)
+static double find_forces(const lac_look *at, double *wdot)
 {
+    const lac_problem *problem = at->problem;
     size_t n = problem->n;
-    const double *slip = y + 2 * n;
+    const double *slip = at->y + 2 * n;
+    double *force = at->ws.kv;
     double total = 0.0;
-    lac_problem_elastic_traction(problem, drive, slip, ws->kv, ws->scratch);
-    (void)lac_problem_unbalanced(problem, drive, motion, y + n, ws->kv, wdot);
+    lac_problem_elastic_traction(at, slip, force);
+    (void)lac_problem_unbalanced(at, force, wdot);
     for (size_t i = 0; i < n; i++) {
         double size =
             problem->pressure[i] + fabs(problem->traction0[i]) + problem->stiffness * fabs(slip[i]);
-        if (fabs(ws->kv[i]) <= 2.0 * DBL_EPSILON * size) {
-            ws->kv[i] = 0.0;
+        if (fabs(force[i]) <= 2.0 * DBL_EPSILON * size) {
+            force[i] = 0.0;
         }
-        total += ws->kv[i];
+        total += force[i];
     }
     return total / (double)n;
 }
 
-static bool derivative(const lac_problem *problem, const lac_problem_loads_at *drive,
-                       const double *y, double *ydot, const lac_workspace *ws)
+static bool derivative(const lac_look *at, double *ydot)
 {
+    const lac_problem *problem = at->problem;
     size_t n = problem->n;
-    lac_motion motion = move(problem, drive, y, ws, true);
-    double mean = find_forces(problem, drive, &motion, y, ydot + n, ws);
+    double mean = find_forces(at, ydot + n);
     double check = 0.0;
     for (size_t i = 0; i < n; i++) {
-        double v = motion.v[i];
-        ydot[i] = acceleration(problem, i, ws->kv[i], mean) / slope(problem, v);
+        double v = at->motion.v[i];
+        ydot[i] = acceleration(problem, i, at->ws.kv[i], mean) / slope(problem, v);
         ydot[2 * n + i] = v;
         check += ydot[i] * 0.0 + ydot[n + i] * 0.0 + v * 0.0;
     }
@@ -147,33 +147,34 @@ static bool derivative(const lac_problem *problem, const lac_problem_loads_at *d
 }
 
 // slope = dv/dx and bend = 1 + gamma (dx/dt) (d2v/dx2)/(dv/dx) at the state.
-static void linearise(const lac_problem *problem, const lac_implicit *at, const double *y,
-                      const lac_workspace *ws)
+static void linearise(const lac_look *at, double gamma)
 {
-    double mean = find_forces(problem, at->drive, at->motion, y, NULL, ws);
+    const lac_problem *problem = at->problem;
+    const lac_workspace *ws = &at->ws;
+    double mean = find_forces(at, NULL);
     for (size_t i = 0; i < problem->n; i++) {
-        double v = at->motion->v[i];
+        double v = at->motion.v[i];
         ws->slope[i] = slope(problem, v);
         double rate = acceleration(problem, i, ws->kv[i], mean) / ws->slope[i];
-        ws->bend[i] = 1.0 + at->gamma * rate * (v / ws->slope[i]);
+        ws->bend[i] = 1.0 + gamma * rate * (v / ws->slope[i]);
     }
 }
 
 // The system for dv, in ws->diagonal and b; eq. 5 of docs/theory/momentum.md.
 // @return false where ln theta cannot be eliminated
-static bool reduce(const lac_problem *problem, const lac_implicit *at, double *b,
-                   const lac_workspace *ws)
+static bool reduce(const lac_look *at, double gamma, double *b)
 {
+    const lac_problem *problem = at->problem;
+    const lac_workspace *ws = &at->ws;
     size_t n = problem->n;
     const lac_transfer *transfer = &problem->transfer;
-    double gamma = at->gamma;
     double own = problem->columns * problem->mass / gamma / gamma;
     double common = (1.0 - problem->columns) * problem->mass / gamma / gamma;
-    if (!lac_implicit_reduce(problem, at, b + n, ws)) {
+    if (!lac_implicit_reduce(at, gamma, b + n)) {
         return false;
     }
     // ln|v| has been used: its place holds K b_slip.
-    double held = at->drive->spring_stiffness * lac_vsum(n, b + 2 * n) / (double)n;
+    double held = at->drive.spring_stiffness * lac_vsum(n, b + 2 * n) / (double)n;
     transfer->kind->apply(transfer->state, b + 2 * n, ws->u, ws->scratch);
     double push = 0.0;
     for (size_t i = 0; i < n; i++) {
@@ -190,11 +191,12 @@ static bool reduce(const lac_problem *problem, const lac_implicit *at, double *b
 }
 
 // (D + K + kappa s (s bend)^T/n) dv = b
-static bool solve(const lac_problem *problem, const lac_implicit *at, double *b,
-                  const lac_workspace *ws)
+static bool solve(const lac_look *at, double gamma, double *b)
 {
-    double kappa = (1.0 - problem->columns) * problem->mass / at->gamma / at->gamma;
-    double mean = at->drive->spring_stiffness + kappa + problem->mean_damping / at->gamma;
+    const lac_problem *problem = at->problem;
+    const lac_workspace *ws = &at->ws;
+    double kappa = (1.0 - problem->columns) * problem->mass / gamma / gamma;
+    double mean = at->drive.spring_stiffness + kappa + problem->mean_damping / gamma;
     for (size_t i = 0; i < problem->n; i++) {
         ws->bend[i] *= lac_problem_share(problem, i);
     }
@@ -203,14 +205,12 @@ static bool solve(const lac_problem *problem, const lac_implicit *at, double *b,
     return lac_problem_solve_sharing(problem, mean, ws->diagonal, &on, b, ws->scratch);
 }
 
-static bool newton(const lac_problem *problem, const lac_problem_loads_at *drive, const double *y,
-                   double gamma, double *b, const lac_workspace *ws)
+static bool newton(const lac_look *at, double gamma, double *b)
 {
-    size_t n = problem->n;
-    lac_motion motion = move(problem, drive, y, ws, true);
-    lac_implicit at = {.drive = drive, .motion = &motion, .w = y + n, .gamma = gamma};
-    linearise(problem, &at, y, ws);
-    if (!reduce(problem, &at, b, ws) || !solve(problem, &at, b, ws)) {
+    const lac_workspace *ws = &at->ws;
+    size_t n = at->problem->n;
+    linearise(at, gamma);
+    if (!reduce(at, gamma, b) || !solve(at, gamma, b)) {
         return false;
     }
     for (size_t i = 0; i < n; i++) {
@@ -237,17 +237,17 @@ void lac_inertia_weigh_slip(const lac_problem *problem, const double *slip, doub
     }
 }
 
-double lac_inertia_fastest(const lac_problem *problem, const lac_problem_loads_at *drive,
-                           const double *y, const lac_workspace *ws)
+double lac_inertia_fastest(const lac_look *at)
 {
+    const lac_problem *problem = at->problem;
+    const double *force = at->ws.kv;
     const double felt = 1e-3; // of an e-fold of v that balances
     double fastest = 0.0;
-    lac_motion motion = move(problem, drive, y, ws, false);
-    double mean = find_forces(problem, drive, &motion, y, NULL, ws);
+    double mean = find_forces(at, NULL);
     for (size_t i = 0; i < problem->n; i++) {
-        double rate = acceleration(problem, i, ws->kv[i], mean);
-        if (fabs(ws->kv[i]) > felt * lac_implicit_traction_scale(problem, i)) {
-            fastest = fmax(fastest, fabs(rate) / slope(problem, motion.v[i]));
+        double rate = acceleration(problem, i, force[i], mean);
+        if (fabs(force[i]) > felt * lac_implicit_traction_scale(problem, i)) {
+            fastest = fmax(fastest, fabs(rate) / slope(problem, at->motion.v[i]));
         }
     }
     return fastest;
@@ -257,27 +257,26 @@ bool lac_problem_rests(const lac_problem *problem, double t, const double *y, si
                        double *work)
 {
     const double nothing = 1e-25; // m/s
-    lac_workspace ws = lac_problem_split(problem, work);
     lac_problem_loads_at drive;
     if (problem->mass == 0.0 || !lac_problem_drive(problem, t, &drive)) {
         return false;
     }
-    lac_motion motion = move(problem, &drive, y, &ws, false);
+    const lac_look at = lac_problem_look(problem, t, y, work);
     size_t i = 0;
-    while (i < problem->n && !(fabs(motion.v[i]) < nothing)) {
+    while (i < problem->n && !(fabs(at.motion.v[i]) < nothing)) {
         i++;
     }
     if (i == problem->n) {
         return false;
     }
     // What drives the cell besides its friction: traction, and the block that it is part of.
-    const double *w = y + problem->n;
+    const double *w = at.w;
     double p = problem->pressure[i] * drive.share;
-    double mean = find_forces(problem, &drive, &motion, y, NULL, &ws);
-    double held = copysign(p * lac_friction_coefficient(problem->friction, i, motion.u[i], w[i]),
-                           motion.v[i]);
+    double mean = find_forces(&at, NULL);
+    double f = lac_friction_coefficient(problem->friction, i, at.motion.u[i], w[i]);
+    double held = copysign(p * f, at.motion.v[i]);
     double driven =
-        ws.kv[i] + held - (1.0 - problem->columns) * lac_problem_share(problem, i) * mean;
+        at.ws.kv[i] + held - (1.0 - problem->columns) * lac_problem_share(problem, i) * mean;
     if (!(fabs(driven) < p * lac_friction_coefficient(problem->friction, i, LAC_AT_REST, w[i]))) {
         return false;
     }

@@ -47,10 +47,6 @@ static inline bool lac_problem_feels_drag(const lac_problem *problem, double sha
     return problem->drag * fabs(mean) > felt * share * problem->least_direct;
 }
 
-// q - K slip of every cell, the springs' part included. @param scratch  of the transfer
-void lac_problem_elastic_traction(const lac_problem *problem, const lac_problem_loads_at *drive,
-                                  const double *slip, double *traction, double *scratch);
-
 // The parts of lac_problem_work, [n] each but the last.
 typedef struct lac_workspace {
     double *v, *kv, *diagonal;
@@ -71,13 +67,16 @@ typedef struct lac_motion {
     double mean;         // of v [m/s]
 } lac_motion;
 
-// A state looked at. @param work  the rates are in its first n afterwards
+// A state looked at: all that is made of it is made from this.
 typedef struct lac_look {
+    const lac_problem *problem;
+    const double *y, *w; // [n] w: ln theta
     lac_workspace ws;
     lac_problem_loads_at drive;
     lac_motion motion;
 } lac_look;
 
+// @param work  the rates are in its first n afterwards
 lac_look lac_problem_look(const lac_problem *problem, double t, const double *y, double *work);
 
 // What a jump of the loads puts on the cells.
@@ -105,15 +104,12 @@ typedef struct lac_formulation_kind {
     bool either_sign;    // v may have either sign
     bool has_slip;       // slip is an unknown: x, or the third
     void (*start)(const lac_problem *problem, double *x);
-    // Rates of all cells, in ws->v and ws->u or y. @param keep  the next solve begins from these
-    lac_motion (*move)(const lac_problem *problem, const lac_problem_loads_at *drive,
-                       const double *y, const lac_workspace *ws, bool keep);
+    // Rates of all cells, in ws.v and ws.u or y. @param keep  the next solve begins from these
+    lac_motion (*move)(const lac_look *at, bool keep);
     // dy/dt; false where it is not finite
-    bool (*derivative)(const lac_problem *problem, const lac_problem_loads_at *drive,
-                       const double *y, double *ydot, const lac_workspace *ws);
+    bool (*derivative)(const lac_look *at, double *ydot);
     // (1 - gamma J) x = b; false where the step is too long
-    bool (*newton)(const lac_problem *problem, const lac_problem_loads_at *drive, const double *y,
-                   double gamma, double *b, const lac_workspace *ws);
+    bool (*newton)(const lac_look *at, double gamma, double *b);
     // Change of x that weighs as much as one e-fold of v; NULL: 1
     double (*scale)(const lac_problem *problem, size_t cell);
     // Takes x across a jump of the loads, theta still as before it; false where no rate balances
@@ -134,9 +130,7 @@ void lac_inertia_weigh_slip(const lac_problem *problem, const double *slip, doub
                             double *weight);
 
 // The fastest e-folding of v that forces out of balance bring about [1/s].
-// @param ws  u and v hold the motion
-double lac_inertia_fastest(const lac_problem *problem, const lac_problem_loads_at *drive,
-                           const double *y, const lac_workspace *ws);
+double lac_inertia_fastest(const lac_look *at);
 
 // What a force out of balance leaves beside the inertia of the cells that it accelerates: rounding.
 // @param force  [n] of every cell [Pa]; overwritten
@@ -144,9 +138,10 @@ void lac_inertia_unexplained(const lac_problem *problem, double *force);
 
 // force = traction - p f - damping of every cell: the traction is overwritten. Gives back the sum.
 // @param wdot  [n] d ln theta/dt; NULL where not wanted
-double lac_problem_unbalanced(const lac_problem *problem, const lac_problem_loads_at *drive,
-                              const lac_motion *motion, const double *w, double *traction,
-                              double *wdot);
+double lac_problem_unbalanced(const lac_look *at, double *traction, double *wdot);
+
+// q - K slip of every cell, the springs' part included.
+void lac_problem_elastic_traction(const lac_look *at, const double *slip, double *traction);
 
 // Finds out what the transfer does to uniform slip.
 lac_status lac_problem_anchor(lac_problem *problem, lac_error *err);
@@ -205,14 +200,12 @@ static inline double lac_problem_share(const lac_problem *problem, size_t i)
 bool lac_problem_solve_sharing(const lac_problem *problem, double mean, const double *diagonal,
                                const lac_sharing *on, double *b, double *scratch);
 
-// Solves for the rates that carry the tractions, into ws->v and ws->guess, or ws->u where they are
-// not kept.
-lac_motion lac_problem_solve_rates(const lac_problem *problem, double share, const double *traction,
-                                   const double *w, const lac_workspace *ws, bool keep);
+// Solves for the rates that carry the tractions, into ws.v and ws.guess, or ws.u where they are not
+// kept.
+lac_motion lac_problem_solve_rates(const lac_look *at, const double *traction, bool keep);
 
 // dw/dt of every cell; false where one is not finite.
-bool lac_problem_evolve(const lac_problem *problem, const lac_problem_loads_at *drive,
-                        const lac_motion *motion, const double *w, double *wdot);
+bool lac_problem_evolve(const lac_look *at, double *wdot);
 
 // Scratch of one block of cells for the friction kernels, on the caller's stack.
 typedef struct lac_block {
@@ -237,29 +230,17 @@ static inline size_t lac_block_length(size_t n, size_t first)
 }
 
 // Friction of the block of cells from `first` on, in s and d; d may be NULL. Gives back how many.
-size_t lac_block_friction(const lac_problem *problem, const lac_problem_loads_at *drive,
-                          const lac_motion *motion, const double *w, size_t first, lac_block *s,
-                          lac_block_slopes *d);
+size_t lac_block_friction(const lac_look *at, size_t first, lac_block *s, lac_block_slopes *d);
 
-// The state at which (1 - gamma J) is taken, for formulations that solve for v.
-typedef struct lac_implicit {
-    const lac_problem_loads_at *drive;
-    const lac_motion *motion;
-    const double *w;
-    double gamma;
-} lac_implicit;
-
-// Eliminates ln theta and the balance from the Newton system; docs/theory/creep.md eq. 8:
-// ws->diagonal is D then, kv p f_w back b_w, v d ln theta/dv: x_w = back b_w + v dv. False where it
-// cannot be.
-bool lac_implicit_reduce(const lac_problem *problem, const lac_implicit *at, double *b_w,
-                         const lac_workspace *ws);
+// Where v is solved for: eliminates ln theta and the balance from the Newton system;
+// docs/theory/creep.md eq. 8: ws.diagonal is D then, kv p f_w back b_w, v d ln theta/dv: x_w = back
+// b_w + v dv. False where it cannot be.
+bool lac_implicit_reduce(const lac_look *at, double gamma, double *b_w);
 
 // (D + K + stiffness of the mean, that of its damping included) dv = b, once they are eliminated.
-// ws->u is used up.
+// ws.u is used up.
 // @return false where the transfer's solve fails
-bool lac_implicit_solve(const lac_problem *problem, const lac_implicit *at, double *b,
-                        const lac_workspace *ws);
+bool lac_implicit_solve(const lac_look *at, double gamma, double *b);
 
 // Traction that is worth an e-fold of slip rate: a p, and b p where a = 0 [Pa].
 double lac_implicit_traction_scale(const lac_problem *problem, size_t cell);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a state means in rates and forces, how well it balances, and what a jump of loads does.
+// What a state means in rates and forces, how well it balances, what a jump of loads does, and the
+// state moved onto the balance before it is put out.
 #include <math.h>
 #include <string.h>
 
@@ -9,9 +10,10 @@
 
 lac_look lac_problem_look(const lac_problem *problem, double t, const double *y, double *work)
 {
-    lac_look at = {.ws = lac_problem_split(problem, work)};
+    lac_look at = {
+        .problem = problem, .y = y, .w = y + problem->n, .ws = lac_problem_split(problem, work)};
     (void)lac_problem_drive(problem, t, &at.drive);
-    at.motion = problem->kind->move(problem, &at.drive, y, &at.ws, false);
+    at.motion = problem->kind->move(&at, false);
     return at;
 }
 
@@ -29,12 +31,13 @@ void lac_problem_speed(const lac_problem *problem, double t, const double *y, do
     *max = lac_vmost(problem->n, motion.v);
 }
 
-void lac_problem_elastic_traction(const lac_problem *problem, const lac_problem_loads_at *drive,
-                                  const double *slip, double *traction, double *scratch)
+void lac_problem_elastic_traction(const lac_look *at, const double *slip, double *traction)
 {
+    const lac_problem *problem = at->problem;
+    const lac_problem_loads_at *drive = &at->drive;
     double mean = lac_vsum(problem->n, slip) / (double)problem->n;
     double common = drive->spring - drive->spring_stiffness * mean;
-    lac_problem_couple(problem, drive->far, slip, traction, scratch);
+    lac_problem_couple(problem, drive->far, slip, traction, at->ws.scratch);
     for (size_t i = 0; i < problem->n; i++) {
         double q = problem->traction0[i] + problem->pressure[i] * drive->ratio + common;
         traction[i] = q - traction[i];
@@ -44,35 +47,33 @@ void lac_problem_elastic_traction(const lac_problem *problem, const lac_problem_
 void lac_problem_traction(const lac_problem *problem, double t, const double *slip,
                           double *traction, double *work)
 {
-    lac_problem_loads_at drive;
-    (void)lac_problem_drive(problem, t, &drive);
-    lac_problem_elastic_traction(problem, &drive, slip, traction,
-                                 lac_problem_split(problem, work).scratch);
+    lac_look at = {.problem = problem, .ws = lac_problem_split(problem, work)};
+    (void)lac_problem_drive(problem, t, &at.drive);
+    lac_problem_elastic_traction(&at, slip, traction);
 }
 
 // How far the cells are off their balance, each and together.
 // @param traction  q - K slip; overwritten
-static void measure_balance(const lac_problem *problem, const lac_problem_loads_at *drive,
-                            const lac_motion *motion, const double *w, double *traction,
-                            lac_observation *observation)
+static void measure_balance(const lac_look *at, double *traction, lac_observation *observation)
 {
+    const lac_problem *problem = at->problem;
     double worst = 0.0;
     double sum = 0.0;
     double held = 0.0;
-    (void)lac_problem_unbalanced(problem, drive, motion, w, traction, NULL);
+    (void)lac_problem_unbalanced(at, traction, NULL);
     if (problem->mass > 0.0) {
         lac_inertia_unexplained(problem, traction);
     }
     for (size_t i = 0; i < problem->n; i++) {
-        double p = problem->pressure[i] * drive->share;
+        double p = problem->pressure[i] * at->drive.share;
         double f0 = lac_cellwise_of(&problem->friction->column[LAC_F0], i);
         double scale = p * (f0 != 0.0 ? fabs(f0) : 1.0);
         double relative = fabs(traction[i]) / scale;
         worst = relative > worst || isnan(relative) ? relative : worst;
         sum += traction[i];
         double a = lac_cellwise_of(&problem->friction->column[LAC_A], i);
-        held += a * p + problem->damping * fabs(motion->v[i]) +
-                lac_problem_drag(problem, i) * fabs(motion->mean);
+        held += a * p + problem->damping * fabs(at->motion.v[i]) +
+                lac_problem_drag(problem, i) * fabs(at->motion.mean);
     }
     observation->balance_residual = worst;
     observation->rate_drift = held > 0.0 ? fabs(sum) / held : 0.0;
@@ -103,8 +104,8 @@ void lac_problem_observe(const lac_problem *problem, double t, const double *y, 
     observation->normal_force = problem->cell_area * problem->sum_pressure;
     observation->effective_force = observation->normal_force * drive->share;
 
-    lac_problem_elastic_traction(problem, drive, slip, at.ws.kv, at.ws.scratch);
-    measure_balance(problem, drive, &motion, y + n, at.ws.kv, observation);
+    lac_problem_elastic_traction(&at, slip, at.ws.kv);
+    measure_balance(&at, at.ws.kv, observation);
 }
 
 bool lac_problem_slips(const lac_problem *problem, double t, const double *y, size_t *cell,
@@ -115,21 +116,19 @@ bool lac_problem_slips(const lac_problem *problem, double t, const double *y, si
     if (problem->kind->either_sign && regularised) {
         return true;
     }
-    lac_workspace ws = lac_problem_split(problem, work);
-    lac_problem_loads_at drive;
-    (void)lac_problem_drive(problem, t, &drive);
     // ln v is y itself where the rate is not solved for
-    const double *u = y;
+    lac_motion motion = {.u = y};
     if (problem->kind->solved) {
-        u = problem->kind->move(problem, &drive, y, &ws, false).u;
+        motion = lac_problem_look(problem, t, y, work).motion;
     }
     // Regularised, f falls to nothing as exp of F over a; plain, f is F.
     const lac_cellwise *a = &friction->column[LAC_A];
     const double *w = y + problem->n;
     double folds = regularised ? -20.0 : 0.0;
     for (size_t i = 0; i < problem->n; i++) {
-        bool back = problem->kind->solved && ws.v[i] < 0.0;
-        if (back || lac_friction_plain(friction, i, u[i], w[i]) <= folds * lac_cellwise_of(a, i)) {
+        bool back = problem->kind->solved && motion.v[i] < 0.0;
+        double plain = lac_friction_plain(friction, i, motion.u[i], w[i]);
+        if (back || plain <= folds * lac_cellwise_of(a, i)) {
             *cell = i;
             return false;
         }
@@ -168,6 +167,96 @@ bool lac_problem_jump(const lac_problem *problem, double t, double *y)
         if (!isfinite(exp(*w))) {
             return false; // alpha/b makes e-folds of theta without bounds
         }
+    }
+    return true;
+}
+
+// The slip that a cell's correction is relative to.
+static double gone_of(const lac_problem *problem, const double *slip, size_t i)
+{
+    return fabs(slip[i]) + lac_cellwise_of(&problem->friction->column[LAC_DC], i);
+}
+
+// With r = q - K slip - p f - damping, E = p f_u + eta |v|, D = E/(|slip| + dc) and, where the mean
+// is damped by g a cell, c = v/(|slip| + dc), the linear system
+//   (D + K + g c^T/n) dslip = r,   E dln v = D dslip
+// moves both sides of the balance together: what stiffly tied cells are off by goes into the small
+// differences of their slip, what they are off by in common into the rates.
+static void residual_block(const lac_look *at, const double *slip, size_t first)
+{
+    lac_block s;
+    const lac_problem *problem = at->problem;
+    const lac_workspace *ws = &at->ws;
+    const lac_motion *motion = &at->motion;
+    bool damped = problem->drag != 0.0;
+    size_t length = lac_block_friction(at, first, &s, NULL);
+    for (size_t i = 0; i < length; i++) {
+        size_t k = first + i;
+        double p = problem->pressure[k] * at->drive.share;
+        double e = p * s.f_u[i] + problem->damping * s.speed[i];
+        double held = copysign(p * s.f[i], motion->v[k]) + problem->damping * motion->v[k];
+        double gone = gone_of(problem, slip, k);
+        ws->kv[k] -= held;
+        ws->diagonal[k] = e / gone;
+        if (damped) {
+            ws->kv[k] -= problem->drag * problem->pressure[k] * motion->mean;
+            ws->row[k] = motion->v[k] / gone;
+        }
+    }
+}
+
+// dslip, in the place of r. @param rise  of the mean slip rate that it makes [m/s]
+static bool solve(const lac_look *at, double *rise)
+{
+    const lac_problem *problem = at->problem;
+    const lac_workspace *ws = &at->ws;
+    size_t n = problem->n;
+    double *row = ws->row;
+    bool damped = problem->drag != 0.0;
+    double even = 0.0;
+    for (size_t i = 0; damped && i < n; i++) {
+        even += fabs(row[i]) / (double)n;
+    }
+    double kappa = problem->drag * (problem->sum_pressure / (double)n) * even;
+    lac_sharing on = {0};
+    if (even > 0.0) {
+        on = (lac_sharing){.kappa = kappa, .row = row, .shares = ws->v}; // v has been used
+        for (size_t i = 0; i < n; i++) {
+            row[i] /= even;
+        }
+    }
+    if (!lac_problem_solve_sharing(problem, at->drive.spring_stiffness + kappa, ws->diagonal, &on,
+                                   ws->kv, ws->scratch)) {
+        return false;
+    }
+    for (size_t i = 0; on.row != NULL && i < n; i++) {
+        *rise += row[i] * ws->kv[i] * (even / (double)n);
+    }
+    return true;
+}
+
+bool lac_problem_project(const lac_problem *problem, double t, double *y, double *slip,
+                         double *work)
+{
+    size_t n = problem->n;
+    if (problem->kind->has_slip) {
+        return true;
+    }
+    const lac_look at = lac_problem_look(problem, t, y, work);
+    const lac_workspace ws = at.ws;
+    lac_problem_elastic_traction(&at, slip, ws.kv);
+    for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
+        residual_block(&at, slip, first);
+    }
+    double rise = 0.0;
+    if (!solve(&at, &rise)) {
+        return false;
+    }
+    for (size_t i = 0; i < n; i++) {
+        double gone = gone_of(problem, slip, i);
+        double common = problem->drag * problem->pressure[i] * rise;
+        y[i] += problem->kind->solved ? ws.diagonal[i] * ws.kv[i] + common : ws.kv[i] / gone;
+        slip[i] += ws.kv[i];
     }
     return true;
 }

@@ -222,19 +222,8 @@ bool lac_problem_drive(const lac_problem *problem, double t, lac_problem_loads_a
     return drive->share > 0.0 && isfinite(drive->share) && isfinite(drive->ratio);
 }
 
-static bool all_linear(const lac_load *loads, size_t count)
-{
-    for (size_t i = 0; i < count; i++) {
-        if (!loads[i].kind->linear) {
-            return false;
-        }
-    }
-    return true;
-}
-
 lac_problem_parts lac_problem_parts_of(const lac_problem *problem)
 {
-    const lac_load_set *loads = &problem->loads;
     return (lac_problem_parts){.pressure = problem->pressure,
                                .traction = problem->traction0,
                                .friction = problem->friction,
@@ -242,6 +231,5 @@ lac_problem_parts lac_problem_parts_of(const lac_problem *problem)
                                .damping = {.cell = problem->damping,
                                            .mean = problem->mean_damping,
                                            .shared = problem->drag},
-                               .linear = all_linear(loads->shear, loads->shear_count) &&
-                                         all_linear(loads->pore, loads->pore_count)};
+                               .linear = lac_load_set_is_linear(&problem->loads)};
 }

@@ -52,29 +52,22 @@ typedef struct lac_problem_def {
 /// Immutable.
 typedef struct lac_problem lac_problem;
 
-/// @return LAC_OK; LAC_EINPUT (initial values not finite, effective pressure not positive, no rate
-///         to be solved for where a = 0 and there is no damping, a mass and a formulation that
-///         knows none); LAC_ENOMEM
 lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac_error *err);
 void lac_problem_free(lac_problem *problem);
 
-/// Contact cells n.
+/// Contact cells n, and components of y: 2n, x of every cell, then ln theta; with a mass 3n, then
+/// slip.
 size_t lac_problem_cells(const lac_problem *problem);
-
-/// Components of y: 2n, x of every cell, then ln theta; with a mass 3n, then slip.
 size_t lac_problem_unknowns(const lac_problem *problem);
 
-/// What a formulation is called in a case: "rate" ...
+/// What a formulation is called in a case; the one in use, never AUTO, and what its x is called.
 const char *lac_formulation_name(lac_formulation formulation);
-
-/// The formulation in use, never AUTO, and what its x is called.
 lac_formulation lac_problem_formulation(const lac_problem *problem);
 const char *lac_problem_unknown(const lac_problem *problem);
 
-/// Whether slip is among the unknowns: it need not be integrated beside y then.
+/// Whether slip is among the unknowns, so that it need not be integrated beside y, and where it
+/// begins there: 0, or 2n after x and ln theta.
 bool lac_problem_has_slip(const lac_problem *problem);
-
-/// Where slip begins in y, if it is there: 0, or 2n after x and ln theta.
 size_t lac_problem_slip_place(const lac_problem *problem);
 
 /// Doubles of scratch that the functions below need. Its contents carry over from call to call:
@@ -85,7 +78,7 @@ size_t lac_problem_work(const lac_problem *problem);
 /// Makes the next solve begin afresh, so that what follows depends on y alone to the last bit.
 void lac_problem_forget(const lac_problem *problem, double *work);
 
-/// y at the start. @param y  [unknowns], as below
+/// y at the start.
 void lac_problem_initial(const lac_problem *problem, double *y);
 
 /// Error weights: 1/(rtol * what of each unknown is worth an e-fold of v or theta).
@@ -99,43 +92,37 @@ void lac_problem_weights(const lac_problem *problem, const double *y, double rto
 /// under a given load is known whatever the rate, and where ln v and ln theta follow straight lines
 /// a step may be many e-folds of v. rtol dc, and where ln v is the unknown rtol of the slip
 /// besides.
-/// @param tolerance  [n] absolute [m]; overwritten
+/// @param tolerance  [n] absolute [m]
 double lac_problem_slip_tolerance(const lac_problem *problem, double rtol, double *tolerance);
 
-/// dy/dt.
-/// @param work  [lac_problem_work]; its first n doubles are then the slip rates
-/// @return true; false where a rate is not finite or the effective pressure not positive
+/// dy/dt; false where it is not finite or the effective pressure not positive.
+/// @param work  its first n doubles are then the slip rates
 bool lac_problem_derivative(const lac_problem *problem, double t, const double *y, double *ydot,
                             double *work);
 
 /// Solves (1 - gamma J) x = b for the Newton iteration, J = d(dy/dt)/dy at (t, y), in O(n) where
 /// the transfer's solve is; exactly, but that damping of the mean is left out where it is below a
-/// thousandth of what friction holds.
-/// @param b  [unknowns]; overwritten by x
-/// @return false where the matrix is not positive definite: the step is too long
+/// thousandth of what friction holds. False where the matrix is not positive definite: the step is
+/// too long.
 bool lac_problem_newton(const lac_problem *problem, double t, const double *y, double gamma,
                         double *b, double *work);
 
 /// Takes y across a jump of the loads at time t: the traction jumps, slip does not, nor the rate of
 /// what has mass, and the state only where it responds to the normal pressure (alpha) and that
-/// jumps.
-/// @return true; false where no rate balances the traction
+/// jumps. False where no rate balances the traction.
 bool lac_problem_jump(const lac_problem *problem, double t, double *y);
 
 /// Moves y and slip onto the traction balance, which holds but for the drift of the integration:
 /// a cell's slip and slip rate change by the same fraction, docs/theory/creep.md eq. 10.
-/// Nothing where slip is an unknown: the balance holds.
-/// @param slip  [n] since the start [m]
-/// @return true; false where the transfer's solve fails
+/// Nothing where slip is an unknown: the balance holds. False where the transfer's solve fails.
 bool lac_problem_project(const lac_problem *problem, double t, double *y, double *slip,
                          double *work);
 
-/// What a run that came to no end asks: does the transfer find what the slip takes off the cells?
-/// @param slip  [n] [m], or slip rates [m/s]
-/// @return NULL: it does; the transfer's name where a finite slip has no finite stress
+/// The transfer's name where a finite slip [m], or slip rate [m/s], has no finite stress; else
+/// NULL.
 const char *lac_problem_lost_transfer(const lac_problem *problem, const double *slip, double *work);
 
-/// Slip rate of every cell. @param v  [n] [m/s]
+/// Slip rate v of every cell [m/s].
 void lac_problem_rates(const lac_problem *problem, double t, const double *y, double *v,
                        double *work);
 
@@ -143,9 +130,7 @@ void lac_problem_rates(const lac_problem *problem, double t, const double *y, do
 void lac_problem_speed(const lac_problem *problem, double t, const double *y, double *mean,
                        double *max, double *work);
 
-/// Traction of every cell from the balance's elastic side, q - K slip.
-/// @param slip      [n] since the start [m]
-/// @param traction  [n] [Pa]
+/// Traction of every cell from the balance's elastic side, q - K slip [Pa].
 void lac_problem_traction(const lac_problem *problem, double t, const double *slip,
                           double *traction, double *work);
 
@@ -154,11 +139,9 @@ void lac_problem_traction(const lac_problem *problem, double t, const double *sl
 void lac_problem_observe(const lac_problem *problem, double t, const double *y, const double *slip,
                          lac_observation *observation, double *work);
 
-/// The first time after t at which a load jumps or bends; INFINITY if none.
+/// As lac_load_next_break, and lac_load_longest_step: a cell at rest does not feel a swing that a
+/// step leaps over.
 double lac_problem_next_break(const lac_problem *problem, double t);
-
-/// The longest step from t to the next break [s]; INFINITY if any will do. A cell at rest does not
-/// feel a swing that a step leaps over.
 double lac_problem_longest_step(const lac_problem *problem, double t);
 
 /// A thousandth of the fastest cell's own time scale: that of its state, which counts b/(10 a)

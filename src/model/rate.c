@@ -41,48 +41,44 @@ static void start(const lac_problem *problem, double *x)
     memcpy(x, problem->log_rate0, problem->n * sizeof *x);
 }
 
-static lac_motion move(const lac_problem *problem, const lac_problem_loads_at *drive,
-                       const double *y, const lac_workspace *ws, bool keep)
+static lac_motion move(const lac_look *at, bool keep)
 {
-    (void)drive;
     (void)keep;
-    double mean = lac_problem_exp_sum(problem->n, y, ws->v) / (double)problem->n;
-    return (lac_motion){.u = y, .v = ws->v, .mean = mean};
+    size_t n = at->problem->n;
+    double mean = lac_problem_exp_sum(n, at->y, at->ws.v) / (double)n;
+    return (lac_motion){.u = at->y, .v = at->ws.v, .mean = mean};
 }
 
 // What the rates of every block are made from.
 typedef struct rate_field {
-    const lac_motion *motion;
-    const double *w, *kv; // [n] ln theta, K v
-    double loading;       // dq/dt that all cells have in common [Pa/s]
-    double *du, *dw;      // [n]; dw NULL: not wanted
-    double *ease; // [n] by how much du/dt falls as the mean cell speeds up; NULL: not wanted
-    double rise;  // dv/dt of the mean cell
-    const lac_problem *problem;
-    const lac_problem_loads_at *drive;
+    const lac_look *at; // ws.kv holds K v
+    double loading;     // dq/dt that all cells have in common [Pa/s]
+    double *du, *dw;    // [n]; dw NULL: not wanted
+    double *ease;       // [n] by how much du/dt falls as the mean cell speeds up; NULL: not wanted
+    double rise;        // dv/dt of the mean cell
     bool good[LAC_PARTS];
     double gain[LAC_PARTS], loss[LAC_PARTS]; // sums of v du/dt and of v ease
 } rate_field;
 
 // (p f_u + eta v) du/dt = dq/dt - f dp/dt - K v - p f_w dw/dt
 // @param held  p f_u + eta v; overwritten
-LAC_CLONES static void lac_rate_rates(const lac_problem *problem, const lac_problem_loads_at *drive,
-                                      const rate_field *field, size_t first, size_t length,
+LAC_CLONES static void lac_rate_rates(const rate_field *field, size_t first, size_t length,
                                       const lac_block *s, double *held)
 {
-    const double *p = problem->pressure + first;
-    const double *kv = field->kv + first;
+    const lac_problem_loads_at *drive = &field->at->drive;
+    const double *p = field->at->problem->pressure + first;
+    const double *kv = field->at->ws.kv + first;
     double *du = field->du + first;
     double share = drive->share;
     double share_rate = drive->share_rate;
     double ratio_rate = drive->ratio_rate;
-    double loading = field->loading;
-    double eta = problem->damping;
+    double common = field->loading;
+    double eta = field->at->problem->damping;
     LAC_INDEPENDENT
     for (size_t i = 0; i < length; i++) {
         double pe = p[i] * share;
         double drop = s->f[i] * p[i] * share_rate + kv[i] + pe * s->f_w[i] * s->g[i];
-        double force = p[i] * ratio_rate + loading - drop;
+        double force = p[i] * ratio_rate + common - drop;
         held[i] = pe * s->f_u[i] + eta * s->speed[i];
         du[i] = force / held[i];
     }
@@ -92,11 +88,11 @@ LAC_CLONES static void lac_rate_rates(const lac_problem *problem, const lac_prob
 LAC_CLONES static void lac_rate_ease(const rate_field *field, size_t first, size_t length,
                                      const double *held, double gained[], double lost[])
 {
-    const double *p = field->problem->pressure + first;
-    const double *v = field->motion->v + first;
+    const double *p = field->at->problem->pressure + first;
+    const double *v = field->at->motion.v + first;
     const double *du = field->du + first;
     double *ease = field->ease + first;
-    double drag = field->problem->drag;
+    double drag = field->at->problem->drag;
     LAC_INDEPENDENT
     for (size_t i = 0; i < length; i++) {
         ease[i] = drag * p[i] / held[i];
@@ -110,11 +106,9 @@ static bool block_rates(rate_field *field, size_t part, size_t first)
 {
     lac_block s;
     double held[LAC_FRICTION_BLOCK];
-    const lac_problem *problem = field->problem;
-    size_t length =
-        lac_block_friction(problem, field->drive, field->motion, field->w, first, &s, NULL);
+    size_t length = lac_block_friction(field->at, first, &s, NULL);
     double *du = field->du + first;
-    lac_rate_rates(problem, field->drive, field, first, length, &s, held);
+    lac_rate_rates(field, first, length, &s, held);
     if (field->dw != NULL) {
         memcpy(field->dw + first, s.g, length * sizeof *du);
     }
@@ -159,25 +153,31 @@ LAC_CLONES static void lac_rate_take_off(void *context, size_t part, size_t firs
     field->good[part] = lac_vfinite(end - first, du + first);
 }
 
+// K v of all cells.
+static void couple(const lac_look *at)
+{
+    lac_problem_couple(at->problem, at->drive.far_rate, at->motion.v, at->ws.kv, at->ws.scratch);
+}
+
+static double loading(const lac_look *at)
+{
+    return at->drive.spring_rate - at->drive.spring_stiffness * at->motion.mean;
+}
+
 // d(ln v, ln theta)/dt of all cells; false where it is not finite. Damping of the mean takes g A
 // off E du/dt, g the drag of a cell and A = dv/dt of the mean cell, which is the mean of v du/dt
 // itself: with the du/dt that there are without,
 //   A = sum of v du/dt/(n + sum of v g/E)
 // @param rise  A where damping of the mean counts; else untouched
-static bool find_rates(const lac_problem *problem, const lac_problem_loads_at *drive,
-                       const lac_motion *motion, const double *w, const lac_workspace *ws,
-                       double *du, double *dw, double *rise)
+static bool find_rates(const lac_look *at, double *du, double *dw, double *rise)
 {
-    lac_problem_couple(problem, drive->far_rate, motion->v, ws->kv, ws->scratch);
-    rate_field field = {.motion = motion,
-                        .w = w,
-                        .kv = ws->kv,
-                        .loading = drive->spring_rate - drive->spring_stiffness * motion->mean,
+    const lac_problem *problem = at->problem;
+    rate_field field = {.at = at,
+                        .loading = loading(at),
                         .du = du,
                         .dw = dw,
-                        .ease = problem->drag != 0.0 ? ws->diagonal : NULL,
-                        .problem = problem,
-                        .drive = drive};
+                        .ease = problem->drag != 0.0 ? at->ws.diagonal : NULL};
+    couple(at);
     size_t parts = lac_parallel_for(problem->n, part_rates, &field);
     if (!all_good(parts, field.good)) {
         return false;
@@ -191,23 +191,17 @@ static bool find_rates(const lac_problem *problem, const lac_problem_loads_at *d
     return all_good(parts, field.good);
 }
 
-static bool derivative(const lac_problem *problem, const lac_problem_loads_at *drive,
-                       const double *y, double *ydot, const lac_workspace *ws)
+static bool derivative(const lac_look *at, double *ydot)
 {
     double rise;
-    lac_motion motion = move(problem, drive, y, ws, true);
-    return find_rates(problem, drive, &motion, y + problem->n, ws, ydot, ydot + problem->n, &rise);
+    return find_rates(at, ydot, ydot + at->problem->n, &rise);
 }
 
 // What one solve works on.
 typedef struct solve_field {
-    const lac_motion *motion;
-    const double *w;
-    const lac_workspace *ws;
+    const lac_look *at;
     double *b;
     double loading, gamma;
-    const lac_problem *problem;
-    const lac_problem_loads_at *drive;
     bool good[LAC_PARTS];
 } solve_field;
 
@@ -215,21 +209,21 @@ typedef struct solve_field {
 // dv = v x_u:  (D + K) dv = rhs,  x_w = back (b_w + gamma g_u x_u). D goes to ws->diagonal, the
 // right-hand side and back b_w to b; and for the way back 1/v and back gamma g_u to ws->kv and
 // ws->v, whose K v and v are used up. Gives back how many rows have back <= 0.
-LAC_CLONES static size_t lac_rate_reduce(const lac_problem *problem,
-                                         const lac_problem_loads_at *drive,
-                                         const solve_field *field, size_t first, size_t length,
+LAC_CLONES static size_t lac_rate_reduce(const solve_field *field, size_t first, size_t length,
                                          const lac_block *s, const lac_block_slopes *d)
 {
+    const lac_problem *problem = field->at->problem;
+    const lac_problem_loads_at *drive = &field->at->drive;
     const double *pressure = problem->pressure + first;
-    double *kv = field->ws->kv + first;
-    double *v_out = field->ws->v + first;
-    double *diagonal = field->ws->diagonal + first;
+    double *kv = field->at->ws.kv + first;
+    double *v_out = field->at->ws.v + first;
+    double *diagonal = field->at->ws.diagonal + first;
     double *b_u = field->b + first;
     double *b_w = field->b + problem->n + first;
     double share = drive->share;
     double share_rate = drive->share_rate;
     double ratio_rate = drive->ratio_rate;
-    double loading = field->loading;
+    double common = field->loading;
     double gamma = field->gamma;
     double inv_gamma = 1 / gamma;
     double eta = problem->damping;
@@ -240,7 +234,7 @@ LAC_CLONES static size_t lac_rate_reduce(const lac_problem *problem,
         double p_rate = pressure[i] * share_rate;
         double damped = eta * s->speed[i];
         double e = p * s->f_u[i] + damped;
-        double force = pressure[i] * ratio_rate + loading - kv[i];
+        double force = pressure[i] * ratio_rate + common - kv[i];
         double du = (force - s->f[i] * p_rate - p * s->f_w[i] * s->g[i]) / e;
         double n_u = -s->f_u[i] * p_rate - p * (d->f_uw[i] * s->g[i] + s->f_w[i] * d->g_u[i]);
         double n_w = -s->f_w[i] * p_rate - p * (d->f_ww[i] * s->g[i] + s->f_w[i] * d->g_w[i]);
@@ -264,10 +258,10 @@ LAC_CLONES static size_t lac_rate_reduce(const lac_problem *problem,
 LAC_CLONES static void lac_rate_bring_back(void *context, size_t part, size_t first, size_t end)
 {
     const solve_field *field = context;
-    const double *inv_v = field->ws->kv;
-    const double *slope = field->ws->v;
+    const double *inv_v = field->at->ws.kv;
+    const double *slope = field->at->ws.v;
     double *b = field->b;
-    double *b_w = b + field->problem->n;
+    double *b_w = b + field->at->problem->n;
     (void)part;
     LAC_INDEPENDENT
     for (size_t i = first; i < end; i++) {
@@ -277,13 +271,12 @@ LAC_CLONES static void lac_rate_bring_back(void *context, size_t part, size_t fi
 }
 
 // Fills D and the right-hand side of one block. False where ln theta cannot be eliminated.
-static bool reduce_block(const lac_problem *problem, const lac_problem_loads_at *drive,
-                         const solve_field *field, size_t first)
+static bool reduce_block(const solve_field *field, size_t first)
 {
     lac_block s;
     lac_block_slopes d;
-    size_t length = lac_block_friction(problem, drive, field->motion, field->w, first, &s, &d);
-    return lac_rate_reduce(problem, drive, field, first, length, &s, &d) == 0;
+    size_t length = lac_block_friction(field->at, first, &s, &d);
+    return lac_rate_reduce(field, first, length, &s, &d) == 0;
 }
 
 static void reduce_part(void *context, size_t part, size_t from, size_t end)
@@ -291,7 +284,7 @@ static void reduce_part(void *context, size_t part, size_t from, size_t end)
     solve_field *field = context;
     field->good[part] = true;
     for (size_t first = from; first < end; first += LAC_FRICTION_BLOCK) {
-        bool good = reduce_block(field->problem, field->drive, field, first);
+        bool good = reduce_block(field, first);
         field->good[part] = good && field->good[part];
     }
 }
@@ -302,16 +295,15 @@ static void reduce_part(void *context, size_t part, size_t from, size_t end)
 // @param rise  A
 static bool damp_solve(const solve_field *field, double *rise, double *push)
 {
-    const lac_motion *motion = field->motion;
-    const lac_problem *problem = field->problem;
-    double *row = field->ws->row;
+    const lac_problem *problem = field->at->problem;
+    double *row = field->at->ws.row;
     double given = 0.0;
-    if (!find_rates(problem, field->drive, motion, field->w, field->ws, row, NULL, rise)) {
+    if (!find_rates(field->at, row, NULL, rise)) {
         return false;
     }
     for (size_t i = 0; i < problem->n; i++) {
         row[i] = 1.0 + field->gamma * row[i];
-        given += motion->v[i] * field->b[i];
+        given += field->at->motion.v[i] * field->b[i];
     }
     *push = problem->drag * given / (double)problem->n / field->gamma;
     return isfinite(*push);
@@ -321,8 +313,8 @@ static bool damp_solve(const solve_field *field, double *rise, double *push)
 // its place for as long.
 static bool solve(const solve_field *field, bool felt, double push)
 {
-    const lac_problem *problem = field->problem;
-    const lac_workspace *ws = field->ws;
+    const lac_problem *problem = field->at->problem;
+    const lac_workspace *ws = &field->at->ws;
     size_t n = problem->n;
     lac_sharing on = {0};
     if (felt) {
@@ -333,12 +325,12 @@ static bool solve(const solve_field *field, bool felt, double push)
     for (size_t i = 0; felt && i < n; i++) {
         field->b[i] += problem->pressure[i] * push;
     }
-    double mean = field->drive->spring_stiffness + on.kappa;
+    double mean = field->at->drive.spring_stiffness + on.kappa;
     if (!lac_problem_solve_sharing(problem, mean, ws->diagonal, &on, field->b, ws->scratch)) {
         return false;
     }
     if (felt) {
-        lac_vexp(n, field->motion->u, ws->kv);
+        lac_vexp(n, field->at->motion.u, ws->kv);
     }
     for (size_t i = 0; felt && i < n; i++) {
         ws->kv[i] = 1.0 / ws->kv[i];
@@ -346,29 +338,21 @@ static bool solve(const solve_field *field, bool felt, double push)
     return true;
 }
 
-static bool newton(const lac_problem *problem, const lac_problem_loads_at *drive, const double *y,
-                   double gamma, double *b, const lac_workspace *ws)
+static bool newton(const lac_look *at, double gamma, double *b)
 {
-    size_t n = problem->n;
-    lac_motion motion = move(problem, drive, y, ws, true);
-    lac_problem_loads_at held = *drive;
-    solve_field field = {.motion = &motion,
-                         .w = y + n,
-                         .ws = ws,
-                         .b = b,
-                         .gamma = gamma,
-                         .problem = problem,
-                         .drive = &held};
-    bool felt = lac_problem_feels_drag(problem, drive->share, motion.mean);
+    size_t n = at->problem->n;
+    lac_look held = *at;
+    solve_field field = {.at = &held, .b = b, .gamma = gamma};
+    bool felt = lac_problem_feels_drag(at->problem, at->drive.share, at->motion.mean);
     double rise = 0.0;
     double push = 0.0;
     if (!felt) {
-        lac_problem_couple(problem, drive->far_rate, motion.v, ws->kv, ws->scratch);
+        couple(at);
     } else if (!damp_solve(&field, &rise, &push)) {
         return false;
     }
-    held.ratio_rate -= problem->drag * rise; // it is shared as a force is
-    field.loading = drive->spring_rate - drive->spring_stiffness * motion.mean;
+    field.loading = loading(at);
+    held.drive.ratio_rate -= at->problem->drag * rise; // it is shared as a force is
 
     size_t parts = lac_parallel_for(n, reduce_part, &field);
     if (!all_good(parts, field.good) || !solve(&field, felt, push)) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Unknowns (slip, ln theta): the traction is the loads' less K slip, v is solved from the balance,
 // which holds by construction; docs/theory/creep.md eqs. 6, 7 and 9.
-#include <math.h>
 #include <string.h>
 
 #include "base/vsum.h"
@@ -9,43 +8,39 @@
 
 static void start(const lac_problem *problem, double *x) { memset(x, 0, problem->n * sizeof *x); }
 
-static lac_motion move(const lac_problem *problem, const lac_problem_loads_at *drive,
-                       const double *y, const lac_workspace *ws, bool keep)
+static lac_motion move(const lac_look *at, bool keep)
 {
-    lac_problem_elastic_traction(problem, drive, y, ws->kv, ws->scratch);
-    return lac_problem_solve_rates(problem, drive->share, ws->kv, y + problem->n, ws, keep);
+    lac_problem_elastic_traction(at, at->y, at->ws.kv);
+    return lac_problem_solve_rates(at, at->ws.kv, keep);
 }
 
-static bool derivative(const lac_problem *problem, const lac_problem_loads_at *drive,
-                       const double *y, double *ydot, const lac_workspace *ws)
+static bool derivative(const lac_look *at, double *ydot)
 {
-    size_t n = problem->n;
-    lac_motion motion = move(problem, drive, y, ws, true);
-    bool good = lac_problem_evolve(problem, drive, &motion, y + n, ydot + n);
-    memcpy(ydot, motion.v, n * sizeof *ydot);
+    size_t n = at->problem->n;
+    bool good = lac_problem_evolve(at, ydot + n);
+    memcpy(ydot, at->motion.v, n * sizeof *ydot);
     return lac_vfinite(n, ydot) && good;
 }
 
 // x_slip = b_slip + gamma dv
-static bool newton(const lac_problem *problem, const lac_problem_loads_at *drive, const double *y,
-                   double gamma, double *b, const lac_workspace *ws)
+static bool newton(const lac_look *at, double gamma, double *b)
 {
+    const lac_problem *problem = at->problem;
+    const lac_workspace *ws = &at->ws;
     size_t n = problem->n;
     const lac_transfer *transfer = &problem->transfer;
-    lac_motion motion = move(problem, drive, y, ws, true);
-    lac_implicit implicit = {.drive = drive, .motion = &motion, .w = y + n, .gamma = gamma};
-    if (!lac_implicit_reduce(problem, &implicit, b + n, ws)) {
+    if (!lac_implicit_reduce(at, gamma, b + n)) {
         return false;
     }
     // ws->u is free where rates are kept: K b_slip.
-    double mean = drive->spring_stiffness * lac_vsum(n, b) / (double)n;
+    double mean = at->drive.spring_stiffness * lac_vsum(n, b) / (double)n;
     transfer->kind->apply(transfer->state, b, ws->u, ws->scratch);
     for (size_t i = 0; i < n; i++) {
         double rhs = -(ws->u[i] + mean + ws->kv[i]) / gamma;
         ws->kv[i] = b[i];
         b[i] = rhs;
     }
-    if (!lac_implicit_solve(problem, &implicit, b, ws)) {
+    if (!lac_implicit_solve(at, gamma, b)) {
         return false;
     }
     for (size_t i = 0; i < n; i++) {

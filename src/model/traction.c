@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Unknowns (tau, ln theta), tau = q - K slip: v of either sign is solved from the balance;
 // docs/theory/creep.md eqs. 6 to 8.
-#include <math.h>
 #include <string.h>
 
 #include "base/vsum.h"
@@ -12,41 +11,39 @@ static void start(const lac_problem *problem, double *x)
     memcpy(x, problem->traction0, problem->n * sizeof *x);
 }
 
-static lac_motion move(const lac_problem *problem, const lac_problem_loads_at *drive,
-                       const double *y, const lac_workspace *ws, bool keep)
+static lac_motion move(const lac_look *at, bool keep)
 {
-    return lac_problem_solve_rates(problem, drive->share, y, y + problem->n, ws, keep);
+    return lac_problem_solve_rates(at, at->y, keep);
 }
 
 // dtau/dt = dq/dt - K v
-static bool derivative(const lac_problem *problem, const lac_problem_loads_at *drive,
-                       const double *y, double *ydot, const lac_workspace *ws)
+static bool derivative(const lac_look *at, double *ydot)
 {
+    const lac_problem *problem = at->problem;
+    const lac_problem_loads_at *drive = &at->drive;
     size_t n = problem->n;
-    lac_motion motion = move(problem, drive, y, ws, true);
-    lac_problem_couple(problem, drive->far_rate, motion.v, ws->kv, ws->scratch);
-    double loading = drive->spring_rate - drive->spring_stiffness * motion.mean;
-    bool good = lac_problem_evolve(problem, drive, &motion, y + n, ydot + n);
+    lac_problem_couple(problem, drive->far_rate, at->motion.v, at->ws.kv, at->ws.scratch);
+    double loading = drive->spring_rate - drive->spring_stiffness * at->motion.mean;
+    bool good = lac_problem_evolve(at, ydot + n);
     for (size_t i = 0; i < n; i++) {
-        ydot[i] = problem->pressure[i] * drive->ratio_rate + loading - ws->kv[i];
+        ydot[i] = problem->pressure[i] * drive->ratio_rate + loading - at->ws.kv[i];
     }
     return lac_vfinite(n, ydot) && good;
 }
 
 // x_tau = b_tau - gamma K dv, which is gamma D dv + f_w's part + drag mean dv by the row itself.
-static bool newton(const lac_problem *problem, const lac_problem_loads_at *drive, const double *y,
-                   double gamma, double *b, const lac_workspace *ws)
+static bool newton(const lac_look *at, double gamma, double *b)
 {
+    const lac_problem *problem = at->problem;
+    const lac_workspace *ws = &at->ws;
     size_t n = problem->n;
-    lac_motion motion = move(problem, drive, y, ws, true);
-    lac_implicit implicit = {.drive = drive, .motion = &motion, .w = y + n, .gamma = gamma};
-    if (!lac_implicit_reduce(problem, &implicit, b + n, ws)) {
+    if (!lac_implicit_reduce(at, gamma, b + n)) {
         return false;
     }
     for (size_t i = 0; i < n; i++) {
         b[i] = (b[i] - ws->kv[i]) / gamma;
     }
-    if (!lac_implicit_solve(problem, &implicit, b, ws)) {
+    if (!lac_implicit_solve(at, gamma, b)) {
         return false;
     }
     double rise = lac_vsum(n, b) / (double)n;

@@ -114,12 +114,10 @@ void lac_indicator_series_free(lac_indicator_series *indicator_series);
 lac_status lac_indicator_series_see(void *indicator_series, const lac_forecast_set *forecasts,
                                     lac_error *err);
 
-/// b-value of magnitudes at or above mc (Aki 1965, Utsu 1965), log10(e)/(mean - (mc - dm/2)).
-/// @param dm     width of the bins that the magnitudes were rounded to; 0: none
+/// b-value of magnitudes at or above mc (Aki 1965, Utsu 1965), log10(e)/(mean - mc).
 /// @param error  Shi & Bolt (1982): 2.30 b^2 (variance of the mean)^(1/2)
 /// @return b; NaN where fewer than two magnitudes count
-double lac_b_value(size_t n, const double *magnitude, double mc, double dm, double *error,
-                   size_t *used);
+double lac_b_value(size_t n, const double *magnitude, double mc, double *error, size_t *used);
 
 /// b-value of the positive differences of successive magnitudes, at least `least` (van der Elst
 /// 2021): log10(e)/(mean - least). Knows nothing of a completeness that changes in time.

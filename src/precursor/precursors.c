@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// All indicators of coming failure, looked at together; one that lacks its data says what it needs.
+// All indicators of coming failure, looked at together at one time after the other, each of nothing
+// but what was known then; one that lacks its data says what it needs.
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/rows.h"
 #include "precursor/kinds.h"
 
 static const lac_precursor_kind *const kinds[] = {
@@ -36,7 +36,6 @@ lac_status lac_precursors_evaluate(const lac_precursor_inputs *observation, lac_
                                    size_t *count, lac_error *err)
 {
     const lac_precursor_kind *kind;
-    lac_status status = LAC_OK;
     for (*count = 0; (kind = lac_precursor_kind_get(*count)) != NULL; (*count)++) {
         lac_precursor *p = &out[*count];
         *p = (lac_precursor){.kind = kind};
@@ -48,23 +47,99 @@ lac_status lac_precursors_evaluate(const lac_precursor_inputs *observation, lac_
             (void)lac_forecast_fit_refuse(&p->found,
                                           "needs cells: a run of a case with analysis: {rg: ...}");
         } else {
-            LAC_TRY(kind->evaluate(observation, &p->found, err));
+            LAC_TRY_RETURN(kind->evaluate(observation, &p->found, err));
         }
     }
-out:
+    return LAC_OK;
+}
+
+// The events that had ended by `now`, in the order of their starts. @param room  [2][events]
+static lac_event_list keep_events(const lac_event_list *all, double now, double *room)
+{
+    double *moment = room + all->n;
+    size_t n = 0;
+    for (size_t i = 0; i < all->n; i++) {
+        if ((all->end != NULL ? all->end[i] : all->time[i]) <= now) {
+            room[n] = all->time[i];
+            moment[n++] = all->moment[i];
+        }
+    }
+    return (lac_event_list){.n = n, .time = room, .moment = moment};
+}
+
+static lac_slip_history keep_slip(const lac_slip_history *all, double now)
+{
+    lac_slip_history past = *all;
+    while (past.n > 0 && (!(past.time[past.n - 1] <= now) || isnan(past.length[past.n - 1]))) {
+        past.n--;
+    }
+    return past;
+}
+
+static void set_time_of_failure(const lac_forecast_set *o, lac_precursor_inputs *observation)
+{
+    for (size_t k = 0; k < o->count; k++) {
+        const lac_forecast *f = &o->forecast[k];
+        if (f->kind->dates && f->issued) {
+            observation->tc = f->time;
+            observation->start = f->window_start;
+        }
+    }
+}
+
+lac_indicator_inputs lac_evidence_default(void)
+{
+    return (lac_indicator_inputs){.seed = 1, .surrogates = 199};
+}
+
+lac_status lac_precursors_at(const lac_indicator_inputs *inputs, const lac_forecast_set *forecasts,
+                             lac_precursor *out, size_t *count, lac_error *err)
+{
+    double *room = NULL;
+    lac_event_list events;
+    lac_slip_history slip;
+    lac_precursor_inputs observation = {.motion = forecasts->motion,
+                                        .tc = NAN,
+                                        .start = NAN,
+                                        .seed = inputs->seed,
+                                        .surrogates = inputs->surrogates};
+    set_time_of_failure(forecasts, &observation);
+    if (inputs->events != NULL) {
+        room = malloc((2 * inputs->events->n + 1) * sizeof *room);
+        LAC_FAIL_MEMORY_IF(room == NULL, err);
+        events = keep_events(inputs->events, forecasts->issue_time, room);
+        observation.events = &events;
+    }
+    if (inputs->slip != NULL) {
+        slip = keep_slip(inputs->slip, forecasts->issue_time);
+        observation.slip = &slip;
+    }
+    const lac_status status = lac_precursors_evaluate(&observation, out, count, err);
+    free(room);
     return status;
 }
 
-lac_status lac_precursor_magnitudes(const lac_event_list *events, double **magnitude, size_t *n,
+lac_status lac_indicator_series_create(const lac_indicator_inputs *inputs, size_t most,
+                                       lac_indicator_series **out, lac_error *err)
+{
+    const size_t all = sizeof kinds / sizeof *kinds;
+    lac_indicator_series *s = calloc(1, sizeof *s + most * all * sizeof *s->found);
+    *out = s;
+    LAC_FAIL_MEMORY_IF(s == NULL, err);
+    *s = (lac_indicator_series){.inputs = inputs, .most = most, .kinds = all};
+    s->found = (lac_precursor *)(s + 1);
+    return LAC_OK;
+}
+
+void lac_indicator_series_free(lac_indicator_series *indicator_series) { free(indicator_series); }
+
+lac_status lac_indicator_series_see(void *context, const lac_forecast_set *forecasts,
                                     lac_error *err)
 {
-    *n = 0;
-    *magnitude = malloc((events->n > 0 ? events->n : 1) * sizeof **magnitude);
-    LAC_FAIL_MEMORY_IF(*magnitude == NULL, err);
-    for (size_t i = 0; i < events->n; i++) {
-        if (events->moment[i] > 0.0 && isfinite(events->moment[i])) {
-            (*magnitude)[(*n)++] = 2.0 / 3.0 * (log10(events->moment[i]) - 9.1);
-        }
-    }
+    lac_indicator_series *s = context;
+    size_t count = 0;
+    LAC_TRY_RETURN(
+        lac_precursors_at(s->inputs, forecasts, s->found + s->issues * s->kinds, &count, err));
+    s->issues++;
     return LAC_OK;
 }

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Critical slowing down: variance and autocorrelation of the velocity rise before some transitions.
 // A single block shows none before runaway; what a rise means belongs to many cells.
+#include <complex.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/fft.h"
+#include "base/rng.h"
 #include "base/roots.h"
 #include "base/statistics.h"
 #include "precursor/kinds.h"
@@ -29,6 +32,7 @@ typedef struct passage {
     double *rest;                // [n]
     double *smooth;              // [3][n] orthonormal parabolas
     double *variance, *relation; // [n - window + 1]
+    double *amplitude;           // [n/2 + 1]
 } passage;
 
 // x -= its part along the orthonormal columns
@@ -46,11 +50,12 @@ static void straighten(const passage *p, size_t columns, double *x)
 static lac_status create(passage *p, size_t n, lac_error *err)
 {
     *p = (passage){.n = n, .window = n / 2};
-    p->rest = calloc(6 * n, sizeof *p->rest);
+    p->rest = calloc(7 * n, sizeof *p->rest);
     LAC_FAIL_MEMORY_IF(p->rest == NULL, err);
     p->smooth = p->rest + n;
     p->variance = p->smooth + COLUMNS * n;
     p->relation = p->variance + n;
+    p->amplitude = p->relation + n;
     for (size_t k = 0; k < COLUMNS; k++) { // 1, t, t^2 made orthonormal
         double *q = p->smooth + k * n;
         for (size_t i = 0; i < n; i++) {
@@ -135,6 +140,35 @@ static double without_bias(const passage *p, double relation, double *w)
     return 0.5 * (low + high);
 }
 
+// The second counter of the numbers that phases are made of: none of an autoregression's.
+static const uint64_t phase_counter = 1ULL << 40;
+static const double pi = 3.14159265358979323846;
+
+// Fourier amplitudes of what is left, of which surrogates with other phases are made.
+static void find_amplitudes(const passage *p, lac_fft *fft)
+{
+    memcpy(fft->real, p->rest, p->n * sizeof *p->rest);
+    lac_fft_forward(fft);
+    for (size_t k = 0; k < fft->nkx; k++) {
+        p->amplitude[k] = cabs(fft->spectrum[k]) / (double)p->n;
+    }
+}
+
+// A series with these amplitudes and phases at random.
+static void draw_phases(const passage *p, lac_fft *fft, uint64_t seed, size_t index)
+{
+    for (size_t k = 0; k < fft->nkx; k++) {
+        const double turn =
+            lac_random_uniform(seed, LAC_STREAM_SURROGATE, index, phase_counter + k);
+        fft->spectrum[k] = p->amplitude[k] * cexp(I * 2.0 * pi * turn);
+        if (k == 0 || 2 * k == p->n) { // real ones have a sign for a phase
+            fft->spectrum[k] = p->amplitude[k] * (turn < 0.5 ? -1.0 : 1.0);
+        }
+    }
+    lac_fft_inverse(fft);
+    memcpy(p->rest, fft->real, p->n * sizeof *p->rest);
+}
+
 // How many surrogates have a tau as high, of either indicator.
 typedef struct ranks {
     size_t variance, relation;
@@ -162,39 +196,35 @@ static lac_status rank(passage *p, uint64_t seed, size_t surrogates, lac_slowing
     ranks phase = {0};
     double all = 0.0;
     double relation = 0.0;
-    lac_phases phases;
-    lac_status status = lac_phases_create(p->n, p->rest, &phases, err);
-    LAC_TRY(status);
+    lac_fft *fft = NULL;
+    LAC_TRY_RETURN(lac_fft_create(p->n, 1, &fft, err));
+    find_amplitudes(p, fft);
     relate(p->n, p->rest, &all, &relation);
     const double phi = without_bias(p, relation, p->variance); // as scratch
     for (size_t s = 0; s < surrogates; s++) {
         lac_surrogate_red(p->n, phi, seed, s, p->rest);
         compare(p, out, &red);
-        lac_phases_draw(&phases, seed, s, p->rest);
+        draw_phases(p, fft, seed, s);
         compare(p, out, &phase);
     }
     out->variance_p = share(red.variance, surrogates);
     out->variance_phase_p = share(phase.variance, surrogates);
     out->autocorrelation_p = share(red.relation, surrogates);
     out->autocorrelation_phase_p = share(phase.relation, surrogates);
-out:
-    lac_phases_clear(&phases);
-    return status;
+    lac_fft_free(fft);
+    return LAC_OK;
 }
 
 lac_status lac_slowing_measure(size_t n, const double *values, uint64_t seed, size_t surrogates,
                                lac_slowing *out, lac_error *err)
 {
     passage p;
-    lac_status status = create(&p, n, err);
-    if (status != LAC_OK) {
-        return status;
-    }
+    LAC_TRY_RETURN(create(&p, n, err));
     memcpy(p.rest, values, n * sizeof *values);
     pass(&p, &out->variance_tau, &out->autocorrelation_tau);
     out->variance = p.variance[n - p.window];
     out->autocorrelation = p.relation[n - p.window];
-    status = rank(&p, seed, surrogates, out, err);
+    const lac_status status = rank(&p, seed, surrogates, out, err);
     free(p.rest);
     return status;
 }

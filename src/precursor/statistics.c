@@ -2,7 +2,8 @@
 // Statistics of the indicators: b-values, trends, and how likely chance alone gives as much.
 #include <math.h>
 
-#include "precursor/precursor.h"
+#include "base/rng.h"
+#include "precursor/kinds.h"
 
 static const double log10_e = 0.43429448190325182765, ln_10 = 2.30258509299404568402;
 
@@ -20,22 +21,21 @@ static double from_sums(size_t n, double sum, double squares, double from, doubl
     return b;
 }
 
-double lac_b_value(size_t n, const double *magnitude, double mc, double dm, double *error,
-                   size_t *used)
+double lac_b_value(size_t n, const double *magnitude, double mc, double *error, size_t *used)
 {
     double sum = 0.0;
     double squares = 0.0;
     const double tolerance = 1e-9;
     *used = 0;
     for (size_t i = 0; i < n; i++) {
-        if (magnitude[i] >= mc - 0.5 * dm - tolerance) { // magnitudes count from mc
+        if (magnitude[i] >= mc - tolerance) { // magnitudes count from mc
             const double above = magnitude[i] - mc;
             sum += above;
             squares += above * above;
             (*used)++;
         }
     }
-    return from_sums(*used, sum, squares, -0.5 * dm, error);
+    return from_sums(*used, sum, squares, 0.0, error);
 }
 
 double lac_b_positive(size_t n, const double *magnitude, double least, double *error, size_t *used)
@@ -107,4 +107,17 @@ double lac_half_p(size_t n, size_t late)
         ln_ways += k > 0 ? log((double)k / (double)(n - k + 1)) : 0.0;
     }
     return fmin(1.0, p);
+}
+
+void lac_surrogate_red(size_t n, double phi, uint64_t seed, size_t index, double *x)
+{
+    double before = 0.0;
+    double pair[2];
+    for (size_t i = 0; i < n; i++) {
+        if (i % 2 == 0) {
+            lac_random_normal(seed, LAC_STREAM_SURROGATE, index, i / 2, pair);
+        }
+        before = i == 0 ? pair[0] / sqrt(1.0 - phi * phi) : phi * before + pair[i % 2];
+        x[i] = before;
+    }
 }

@@ -4,7 +4,6 @@
 
 #include <gsl/gsl_interp.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 // Of a line, whose snapshots are rows of one map, as many as a screen has.
@@ -14,17 +13,19 @@ enum { MOST_SQUARES = 12000, SNAPSHOTS = 40, LINE_SNAPSHOTS = 400, LEVELS = 254 
 static const double slipping_ratio = 10.0;
 
 // NaN where nothing moved at the start, so that nothing tells what slips.
-static double slipping_rate(const lac_page_run *run)
+static double slipping_rate(lac_page *page)
 {
-    const double rate = lac_page_run_column(run, "slip_rate")[0];
+    const double rate = lac_page_over_time(page, "slip_rate")[0];
     return rate > 0.0 ? slipping_ratio * rate : NAN;
 }
 
-// Snapshots that the page shows, in time.
+// Snapshots that the page shows.
 typedef struct shots {
     size_t count, most;
     size_t index[LINE_SNAPSHOTS];
-    double time[LINE_SNAPSHOTS], before[LINE_SNAPSHOTS];
+    lac_stored_values time;
+    double *before; // [time.n]
+    uint8_t *keep;  // [time.n]
 } shots;
 
 // A field of the snapshots: what is written of it.
@@ -42,45 +43,37 @@ static const field fields[] = {
 };
 
 // The record nearest to a snapshot's time gives its time before the end.
-static double before_of(const lac_page_run *run, double time)
+static double before_of(const lac_page *page, double time)
 {
-    const size_t low = gsl_interp_bsearch(run->time, time, 0, run->n);
-    return run->before[low] - (time - run->time[low]);
+    const size_t low = gsl_interp_bsearch(page->time, time, 0, page->n);
+    return page->before[low] - (time - page->time[low]);
 }
 
-static lac_status choose_shots(const lac_page_run *run, shots *s, lac_error *err)
+static void choose_shots(lac_page *page, shots *s)
 {
-    lac_stored_values time = {0};
-    uint8_t *keep = NULL;
-    double *before = NULL;
-    lac_status status = lac_stored_file_values(run->file, "snapshot_time", &time, err);
-    LAC_TRY(status);
-    size_t n = time.value != NULL ? time.n : 0;
-    while (n > 0 && isnan(time.value[n - 1])) { // torn
-        n--;
+    s->time = lac_page_values(page, page->file, "snapshot_time");
+    while (s->time.n > 0 && isnan(s->time.value[s->time.n - 1])) { // torn
+        s->time.n--;
     }
-    keep = malloc(n + 1);
-    before = malloc((n + 1) * sizeof *before);
-    LAC_TRY(keep != NULL && before != NULL ? LAC_OK : lac_fail_memory(err));
+    const size_t n = s->time.n;
+    s->keep = lac_page_room(page, n);
+    s->before = lac_page_room(page, n * sizeof *s->before);
+    if (s->keep == NULL || s->before == NULL) {
+        return;
+    }
     for (size_t i = 0; i < n; i++) {
-        before[i] = before_of(run, time.value[i]);
+        s->before[i] = before_of(page, s->time.value[i]);
     }
-    memset(keep, 1, n);
+    memset(s->keep, 1, n);
     if (n > s->most) {
-        lac_page_thin_to(n, time.value, before, s->most, s->most, keep);
+        lac_page_thin_to(n, s->time.value, s->before, s->most, s->most, s->keep);
     }
     for (size_t i = 0; i < n; i++) {
-        if (keep[i] && s->count < s->most) {
-            s->index[s->count] = i;
-            s->time[s->count] = time.value[i];
-            s->before[s->count++] = before[i];
+        s->keep[i] = s->keep[i] && s->count < s->most;
+        if (s->keep[i]) {
+            s->index[s->count++] = i;
         }
     }
-out:
-    lac_stored_values_clear(&time);
-    free(keep);
-    free(before);
-    return status;
 }
 
 // Values to bytes: 0 is missing, or what has no place in the range; 1 to 255 the range.
@@ -153,33 +146,31 @@ typedef struct room {
     uint8_t *bytes; // [squares]
 } room;
 
-static lac_status read_field(const lac_page *page, const lac_page_raster *r, const shots *s,
-                             const field *f, room *to, bool *there, lac_error *err)
+// @return whether the field is there in all of them
+static bool read_field(lac_page *page, const lac_page_raster *r, const shots *s, const field *f,
+                       room *to)
 {
-    const double limit = slipping_rate(page->run);
-    const bool rate = f->how == LAC_PAGE_MOST;
-    lac_status status = LAC_OK;
-    *there = s->count > 0;
-    for (size_t k = 0; k < s->count && *there; k++) {
+    const double limit = slipping_rate(page);
+    bool there = s->count > 0;
+    for (size_t k = 0; k < s->count && there; k++) {
         lac_stored_values row = {0};
         double *out = to->value + k * r->squares;
-        LAC_TRY(
-            lac_stored_file_row(page->run->file, f->variable, (ptrdiff_t)s->index[k], &row, err));
-        *there = row.value != NULL && row.width == r->cells;
-        if (*there) {
+        there = lac_page_good(page, lac_stored_file_row(page->file, f->variable,
+                                                        (ptrdiff_t)s->index[k], &row, page->err)) &&
+                row.value != NULL && row.width == r->cells;
+        if (there) {
             lac_page_raster_summarise(r, f->how, row.value, 0.0, out);
             for (size_t i = 0; f->logarithm && i < r->squares; i++) {
                 out[i] = out[i] > 0.0 ? log10(out[i]) : isnan(out[i]) ? NAN : -INFINITY;
             }
         }
-        if (*there && rate) {
+        if (there && f->how == LAC_PAGE_MOST) {
             lac_page_raster_summarise(r, LAC_PAGE_SHARE_ABOVE, row.value, limit,
                                       to->share + k * r->squares);
         }
         lac_stored_values_clear(&row);
     }
-out:
-    return status;
+    return there;
 }
 
 static void write_shares(lac_json *json, const lac_page_raster *r, size_t count, const room *from)
@@ -198,54 +189,45 @@ static void write_shares(lac_json *json, const lac_page_raster *r, size_t count,
     lac_json_close(json, ']');
 }
 
-static lac_status write_snapshots(const lac_page *page, const lac_page_raster *r, const shots *s,
-                                  room *to, lac_error *err)
+static void write_snapshots(lac_page *page, const lac_page_raster *r, const shots *s, room *to)
 {
-    lac_status status = LAC_OK;
-    lac_page_column(page, "snapshot_time", s->count, s->time, NULL, 12);
-    lac_page_column(page, "snapshot_before", s->count, s->before, NULL, 6);
-    for (size_t f = 0; f < sizeof fields / sizeof *fields; f++) {
-        bool there = false;
-        LAC_TRY(read_field(page, r, s, &fields[f], to, &there, err));
-        maps of = {fields[f].key, s->count, to->value, NAN, NAN};
-        if (there && (fields[f].common || r->ny == 1)) {
+    lac_page_column(page, "snapshot_time", s->time.n, s->time.value, s->keep, 12);
+    lac_page_column(page, "snapshot_before", s->time.n, s->before, s->keep, 6);
+    for (const field *f = fields; f < fields + sizeof fields / sizeof *fields; f++) {
+        maps of = {f->key, s->count, to->value, NAN, NAN};
+        if (!read_field(page, r, s, f, to)) {
+            continue;
+        }
+        if (f->common || r->ny == 1) {
             find_range(s->count * r->squares, to->value, &of.low, &of.high);
         }
-        if (there) {
-            write_maps(page->json, r, &of, to->bytes);
-        }
-        if (there && fields[f].how == LAC_PAGE_MOST) {
-            write_shares(page->json, r, s->count, to);
+        write_maps(&page->json, r, &of, to->bytes);
+        if (f->how == LAC_PAGE_MOST) {
+            write_shares(&page->json, r, s->count, to);
         }
     }
-out:
-    return status;
 }
 
-static lac_status write_pressure(const lac_page *page, const lac_page_raster *r, room *to,
-                                 lac_error *err)
+static void write_pressure(lac_page *page, const lac_page_raster *r, const room *to)
 {
-    lac_stored_values pressure = {0};
-    lac_status status = lac_stored_file_values(page->run->file, "pressure", &pressure, err);
-    if (status == LAC_OK && pressure.value != NULL && pressure.n == r->cells) {
+    const lac_stored_values pressure = lac_page_values(page, page->file, "pressure");
+    if (pressure.value != NULL && pressure.n == r->cells) {
         const maps of = {"pressure", 1, to->value, NAN, NAN};
         lac_page_raster_summarise(r, LAC_PAGE_MEAN, pressure.value, 0.0, to->value);
-        write_maps(page->json, r, &of, to->bytes);
+        write_maps(&page->json, r, &of, to->bytes);
     }
-    lac_stored_values_clear(&pressure);
-    return status;
 }
 
-static void write_raster(const lac_page *page, const lac_page_raster *r)
+static void write_raster(lac_page *page, const lac_page_raster *r)
 {
-    lac_json *json = page->json;
+    lac_json *json = &page->json;
     lac_json_integer(json, "cells", (int64_t)r->cells);
     lac_json_integer(json, "nx", (int64_t)r->nx);
     lac_json_integer(json, "ny", (int64_t)r->ny);
     lac_json_digits(json, "dx", r->dx, 8);
     lac_json_digits(json, "dy", r->dy, 8);
     lac_json_integer(json, "block", (int64_t)r->block);
-    lac_json_digits(json, "slipping_rate", slipping_rate(page->run), 6);
+    lac_json_digits(json, "slipping_rate", slipping_rate(page), 6);
     lac_json_open(json, "place", '[');
     for (size_t k = 0; k < r->squares; k++) {
         lac_json_digits(json, NULL, r->place[k], 17);
@@ -253,32 +235,23 @@ static void write_raster(const lac_page *page, const lac_page_raster *r)
     lac_json_close(json, ']');
 }
 
-lac_status lac_page_cells(const lac_page *page, const char *key, lac_error *err)
+void lac_page_cells(lac_page *page, const char *key)
 {
-    lac_page_raster raster = {0};
+    lac_page_raster raster;
     shots s = {0};
-    room to = {0};
-    lac_status status;
-    LAC_TRY(lac_page_raster_create(page->run->file, MOST_SQUARES, &raster, err));
-    if (raster.cells < 2) {
-        goto out; // a block
+    if (!lac_page_raster_create(page, MOST_SQUARES, &raster)) {
+        return; // a block
     }
     s.most = raster.ny == 1 ? LINE_SNAPSHOTS : SNAPSHOTS;
-    LAC_TRY(choose_shots(page->run, &s, err));
+    choose_shots(page, &s);
     const size_t room_of = (s.count > 0 ? s.count : 1) * raster.squares;
-    to = (room){malloc(room_of * sizeof(double)), malloc(room_of * sizeof(double)),
-                malloc(raster.squares)};
-    LAC_TRY(to.value != NULL && to.share != NULL && to.bytes != NULL ? LAC_OK
-                                                                     : lac_fail_memory(err));
-    lac_json_open(page->json, key, '{');
-    write_raster(page, &raster);
-    LAC_TRY(write_pressure(page, &raster, &to, err));
-    LAC_TRY(write_snapshots(page, &raster, &s, &to, err));
-    lac_json_close(page->json, '}');
-out:
-    free(to.value);
-    free(to.share);
-    free(to.bytes);
-    lac_page_raster_clear(&raster);
-    return status;
+    room to = {lac_page_room(page, room_of * sizeof(double)),
+               lac_page_room(page, room_of * sizeof(double)), lac_page_room(page, raster.squares)};
+    if (page->status == LAC_OK) {
+        lac_json_open(&page->json, key, '{');
+        write_raster(page, &raster);
+        write_pressure(page, &raster, &to);
+        write_snapshots(page, &raster, &s, &to);
+        lac_json_close(&page->json, '}');
+    }
 }

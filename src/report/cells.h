@@ -16,10 +16,9 @@ typedef struct lac_page_raster {
 } lac_page_raster;
 
 /// Lays the cells out, on squares of so many cells that at most `most` of them hold one.
-/// @return LAC_OK, with cells 0 where the file has no cells; LAC_EIO; LAC_ENOMEM
-lac_status lac_page_raster_create(const lac_stored_file *file, size_t most, lac_page_raster *out,
-                                  lac_error *err);
-void lac_page_raster_clear(lac_page_raster *raster);
+/// @param out  owned by the page
+/// @return false: the file has no two cells, or the page has failed
+bool lac_page_raster_create(lac_page *page, size_t most, lac_page_raster *out);
 
 /// What a square shows of its cells.
 typedef enum lac_page_summary {

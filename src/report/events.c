@@ -3,7 +3,6 @@
 #include <gsl/gsl_sort.h>
 #include <gsl/gsl_vector.h>
 #include <math.h>
-#include <stdlib.h>
 
 #include "precursor/precursor.h"
 #include "report/run.h"
@@ -37,7 +36,7 @@ static void choose(size_t n, const double *potency, const double *sorted, uint8_
 }
 
 // N(>= size) at sizes evenly spaced in their logarithm.
-static void write_distribution(const lac_page *page, size_t n, const double *sorted)
+static void write_distribution(lac_page *page, size_t n, const double *sorted)
 {
     size_t known = n;
     while (known > 0 && !(sorted[known - 1] > 0.0)) {
@@ -61,13 +60,13 @@ static void write_distribution(const lac_page *page, size_t n, const double *sor
 }
 
 // What an indicator says of the catalogue.
-static lac_status write_indicator(lac_json *json, const lac_precursor_kind *kind,
-                                  const lac_event_list *events, lac_error *err)
+static void write_indicator(lac_page *page, const lac_precursor_kind *kind,
+                            const lac_event_list *events)
 {
     const lac_precursor_inputs observation = {.events = events, .tc = NAN, .start = NAN};
     lac_forecast_fit found = {0};
-    lac_status status = kind->evaluate(&observation, &found, err);
-    if (status == LAC_OK) {
+    lac_json *json = &page->json;
+    if (lac_page_good(page, kind->evaluate(&observation, &found, page->err))) {
         lac_json_open(json, kind->info.name, '{');
         lac_json_text(json, "reason", found.reason);
         lac_json_integer(json, "points", (int64_t)found.points);
@@ -76,60 +75,48 @@ static lac_status write_indicator(lac_json *json, const lac_precursor_kind *kind
         }
         lac_json_close(json, '}');
     }
-    return status;
 }
 
-static lac_status write_events(const lac_page *page, const char *key, size_t n,
-                               const lac_stored_values *values, lac_error *err)
+static void write_events(lac_page *page, size_t n, const double *const *values)
 {
-    double *sorted = malloc(n * sizeof *sorted);
-    uint8_t *keep = malloc(n);
-    lac_status status = LAC_OK;
-    LAC_TRY(sorted != NULL && keep != NULL ? LAC_OK : lac_fail_memory(err));
+    double *sorted = lac_page_room(page, n * sizeof *sorted);
+    uint8_t *keep = lac_page_room(page, n);
+    if (sorted == NULL || keep == NULL) {
+        return;
+    }
     for (size_t i = 0; i < n; i++) {
-        const double potency = values[POTENCY].value[i];
-        sorted[i] = isfinite(potency) ? potency : 0.0;
+        sorted[i] = isfinite(values[POTENCY][i]) ? values[POTENCY][i] : 0.0;
     }
     gsl_sort(sorted, 1, n);
     gsl_vector_view falling = gsl_vector_view_array(sorted, n);
     gsl_vector_reverse(&falling.vector);
-    choose(n, values[POTENCY].value, sorted, keep);
-    lac_json_open(page->json, key, '{');
-    lac_json_integer(page->json, "all", (int64_t)n);
+    choose(n, values[POTENCY], sorted, keep);
+    lac_json_integer(&page->json, "all", (int64_t)n);
     for (size_t v = 0; v < VARIABLES; v++) {
-        lac_page_column(page, shown[v].key, n, values[v].value, keep, v == TIME ? 12 : 6);
+        lac_page_column(page, shown[v].key, n, values[v], keep, v == TIME ? 12 : 6);
     }
     write_distribution(page, n, sorted);
-    const lac_event_list list = {
-        .n = n, .time = values[TIME].value, .moment = values[MOMENT].value};
+    const lac_event_list list = {.n = n, .time = values[TIME], .moment = values[MOMENT]};
     const lac_precursor_kind *kind;
     for (size_t i = 0; (kind = lac_precursor_kind_get(i)) != NULL; i++) {
         if (kind->page) {
-            LAC_TRY(write_indicator(page->json, kind, &list, err));
+            write_indicator(page, kind, &list);
         }
     }
-    lac_json_close(page->json, '}');
-out:
-    free(sorted);
-    free(keep);
-    return status;
 }
 
-lac_status lac_page_events(const lac_page *page, const char *key, lac_error *err)
+void lac_page_events(lac_page *page, const char *key)
 {
-    lac_stored_values values[VARIABLES] = {{0}};
-    lac_status status = LAC_OK;
+    const double *values[VARIABLES];
     size_t n = SIZE_MAX;
     for (size_t v = 0; v < VARIABLES; v++) {
-        LAC_TRY(lac_stored_file_values(page->run->file, shown[v].name, &values[v], err));
-        n = values[v].value == NULL ? 0 : values[v].n < n ? values[v].n : n;
+        const lac_stored_values all = lac_page_values(page, page->file, shown[v].name);
+        values[v] = all.value;
+        n = all.value == NULL ? 0 : all.n < n ? all.n : n;
     }
     if (n > 0) {
-        LAC_TRY(write_events(page, key, n, values, err));
+        lac_json_open(&page->json, key, '{');
+        write_events(page, n, values);
+        lac_json_close(&page->json, '}');
     }
-out:
-    for (size_t v = 0; v < VARIABLES; v++) {
-        lac_stored_values_clear(&values[v]);
-    }
-    return status;
 }

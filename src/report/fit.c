@@ -29,27 +29,18 @@ typedef struct fitted {
     double shift; // from its clock to the run's [s]
 } fitted;
 
-static void clear(fitted *f)
-{
-    for (size_t v = 0; v < VARIABLES; v++) {
-        lac_stored_values_clear(&f->value[v]);
-    }
-    lac_stored_file_close(f->file);
-}
-
 // Where the fit's clock stands on the run's. Its unit is "s", or "seconds since DATE".
-static lac_status find_shift(const lac_page *page, fitted *f, lac_error *err)
+static lac_status find_shift(const lac_page *page, fitted *f)
 {
     static const char since[] = "seconds since ";
-    const lac_page_run *run = page->run;
     char unit[NAME];
     double start = 0.0;
     (void)lac_stored_file_text(f->file, names[READING], "units", unit, sizeof unit);
     const bool dated = strncmp(unit, since, sizeof since - 1) == 0 &&
                        lac_date_parse(unit + sizeof since - 1, &start);
-    LAC_FAIL_IF(dated != run->dated, err, LAC_EINPUT, "%s: has %s, and the run %s has %s", f->path,
-                dated ? "dates" : "no dates", run->path, dated ? "none" : "some");
-    f->shift = dated ? start - run->start : 0.0;
+    LAC_FAIL_IF(dated != page->dated, page->err, LAC_EINPUT, "%s: has %s, and the run %s has %s",
+                f->path, dated ? "dates" : "no dates", page->def->run, dated ? "none" : "some");
+    f->shift = dated ? start - page->start : 0.0;
     return LAC_OK;
 }
 
@@ -73,33 +64,27 @@ static bool fits_together(const fitted *f)
     return sound && v[READING].value != NULL && v[READING].n > 0 && has_shares(&v[QUANTILE]);
 }
 
-static lac_status open_fit(const lac_page *page, fitted *f, lac_error *err)
+static lac_status open_fit(lac_page *page, fitted *f)
 {
-    lac_status status;
-    f->path = page->def->fit;
-    LAC_TRY(lac_stored_file_open(f->path, &f->file, err));
+    LAC_TRY_RETURN(lac_stored_file_open(f->path, &f->file, page->err));
     for (size_t v = 0; v < VARIABLES; v++) {
-        LAC_TRY(lac_stored_file_values(f->file, names[v], &f->value[v], err));
+        f->value[v] = lac_page_values(page, f->file, names[v]);
     }
-    if (!fits_together(f)) {
-        LAC_TRY(lac_fail(err, LAC_EIO, "%s: is not a file of lacuna fit", f->path));
-    }
-    LAC_TRY(find_shift(page, f, err));
-out:
-    return status;
+    LAC_FAIL_IF(!fits_together(f), page->err, LAC_EIO, "%s: is not a file of lacuna fit", f->path);
+    return find_shift(page, f);
 }
 
-static void write_band(const lac_page *page, const char *key, const lac_stored_values *band)
+static void write_band(lac_page *page, const char *key, const lac_stored_values *band)
 {
-    lac_json_open(page->json, key, '[');
+    lac_json_open(&page->json, key, '[');
     for (size_t q = 0; band->value != NULL && q < band->n; q++) {
         lac_page_column(page, NULL, band->width, band->value + q * band->width, NULL, 7);
     }
-    lac_json_close(page->json, ']');
+    lac_json_close(&page->json, ']');
 }
 
 // Times of failure of the draws that were run on, in order; those that do not fail stand last.
-static void write_failures(const lac_page *page, const fitted *f)
+static void write_failures(lac_page *page, const fitted *f)
 {
     const lac_stored_values *all = &f->value[FAILURE], *share = &f->value[QUANTILE];
     double at[STEPS], part[STEPS];
@@ -109,9 +94,9 @@ static void write_failures(const lac_page *page, const fitted *f)
         all->value[i] = isfinite(all->value[i]) ? all->value[i] + f->shift : INFINITY;
     }
     gsl_sort(all->value, 1, all->n);
-    lac_json_open(page->json, "failure", '{');
-    lac_json_integer(page->json, "draws", (int64_t)all->n);
-    lac_json_integer(page->json, "failing", (int64_t)failing);
+    lac_json_open(&page->json, "failure", '{');
+    lac_json_integer(&page->json, "draws", (int64_t)all->n);
+    lac_json_integer(&page->json, "failing", (int64_t)failing);
     for (size_t q = 0; q < share->n; q++) {
         at[q] = lac_quantile(all->n, all->value, share->value[q]);
     }
@@ -123,11 +108,11 @@ static void write_failures(const lac_page *page, const fitted *f)
     }
     lac_page_column(page, "time", steps, at, NULL, 12);
     lac_page_column(page, "share", steps, part, NULL, 6);
-    lac_json_close(page->json, '}');
+    lac_json_close(&page->json, '}');
 }
 
 // An estimate, if the variable is one.
-static lac_status write_estimate(lac_json *json, const fitted *f, const char *name, lac_error *err)
+static void write_estimate(lac_page *page, const fitted *f, const char *name)
 {
     static const struct {
         const char *key, *attribute;
@@ -142,14 +127,13 @@ static lac_status write_estimate(lac_json *json, const fitted *f, const char *na
         double share;
     } quantiles[] = {{"low90", 0.05}, {"median", 0.5}, {"high90", 0.95}};
     char key[NAME], unit[NAME];
+    lac_json *json = &page->json;
     lac_stored_values draws = {0};
-    lac_status status = LAC_OK;
     (void)lac_stored_file_text(f->file, name, "case_key", key, sizeof key);
-    if (key[0] != '\0') {
-        LAC_TRY(lac_stored_file_values(f->file, name, &draws, err));
-    }
-    if (draws.value == NULL) {
-        return LAC_OK;
+    if (key[0] == '\0' ||
+        !lac_page_good(page, lac_stored_file_values(f->file, name, &draws, page->err)) ||
+        draws.value == NULL) {
+        return;
     }
     const size_t n = draws.n * draws.width;
     gsl_sort(draws.value, 1, n);
@@ -167,18 +151,14 @@ static lac_status write_estimate(lac_json *json, const fitted *f, const char *na
                         5);
     }
     lac_json_close(json, '}');
-out:
     lac_stored_values_clear(&draws);
-    return status;
 }
 
-static lac_status write_fit(const lac_page *page, const char *key, const fitted *f, lac_error *err)
+static void write_fit(lac_page *page, const fitted *f)
 {
-    lac_json *json = page->json;
+    lac_json *json = &page->json;
     const lac_stored_values *v = f->value;
     char text[NAME];
-    lac_status status = LAC_OK;
-    lac_json_open(json, key, '{');
     lac_json_text(json, "name", lac_page_name(f->path));
     if (lac_stored_file_text(f->file, NULL, "title", text, sizeof text)) {
         lac_json_text(json, "title", text);
@@ -198,24 +178,18 @@ static lac_status write_fit(const lac_page *page, const char *key, const fitted 
     }
     lac_json_open(json, "estimates", '[');
     for (size_t i = 0; lac_stored_file_variable(f->file, i, text, sizeof text); i++) {
-        LAC_TRY(write_estimate(json, f, text, err));
+        write_estimate(page, f, text);
     }
     lac_json_close(json, ']');
-    lac_json_close(json, '}');
-out:
-    return status;
 }
 
-lac_status lac_page_fit(const lac_page *page, const char *key, lac_error *err)
+void lac_page_fit(lac_page *page, const char *key)
 {
-    fitted f = {0};
-    lac_status status = LAC_OK;
-    if (page->def->fit == NULL) {
-        return LAC_OK;
+    fitted f = {.path = page->def->fit};
+    if (f.path != NULL && lac_page_good(page, open_fit(page, &f))) {
+        lac_json_open(&page->json, key, '{');
+        write_fit(page, &f);
+        lac_json_close(&page->json, '}');
     }
-    LAC_TRY(open_fit(page, &f, err));
-    LAC_TRY(write_fit(page, key, &f, err));
-out:
-    clear(&f);
-    return status;
+    lac_stored_file_close(f.file);
 }

@@ -2,7 +2,6 @@
 // Forecasts of the time of failure as they would have been issued: of the monitoring series where
 // there is one, else of the run.
 #include <math.h>
-#include <stdlib.h>
 
 #include "forecast/hindcast.h"
 #include "report/run.h"
@@ -11,38 +10,33 @@ enum { ISSUES = 40, BUCKETS = 40, FEWEST = 6 };
 
 // Records of a run as far as a double tells their times apart, thinned: a run has far more than a
 // method of forecasting needs.
-static lac_status see_run(const lac_page_run *run, double **owned, lac_readings *out,
-                          lac_error *err)
+static lac_readings see_run(lac_page *page)
 {
-    const double *slip = lac_page_run_column(run, "slip");
-    const double *rate = lac_page_run_column(run, "slip_rate");
-    uint8_t *keep = malloc(run->n);
-    double *time = *owned = malloc(3 * run->n * sizeof *time);
-    lac_status status = keep != NULL && time != NULL ? LAC_OK : lac_fail_memory(err);
-    LAC_TRY(status);
-    double *displacement = time + run->n, *velocity = displacement + run->n;
-    (void)lac_page_thin(run->n, run->time, run->before, BUCKETS, 0, NULL, keep);
+    const double *slip = lac_page_over_time(page, "slip");
+    const double *rate = lac_page_over_time(page, "slip_rate");
+    uint8_t *keep = lac_page_room(page, page->n);
+    double *time = lac_page_room(page, 3 * page->n * sizeof *time);
+    if (keep == NULL || time == NULL) {
+        return (lac_readings){0};
+    }
+    double *displacement = time + page->n, *velocity = displacement + page->n;
+    (void)lac_page_thin(page->n, page->time, page->before, BUCKETS, 0, NULL, keep);
     size_t n = 0;
-    for (size_t i = 0; i < run->n; i++) {
-        if (keep[i] && isfinite(run->time[i]) && (n == 0 || run->time[i] > time[n - 1])) {
-            time[n] = run->time[i];
+    for (size_t i = 0; i < page->n; i++) {
+        if (keep[i] && isfinite(page->time[i]) && (n == 0 || page->time[i] > time[n - 1])) {
+            time[n] = page->time[i];
             displacement[n] = slip[i];
             velocity[n++] = rate[i];
         }
     }
-    *out = (lac_readings){.n = n, .time = time, .displacement = displacement, .velocity = velocity};
-out:
-    free(keep);
-    return status;
+    return (lac_readings){.n = n, .time = time, .displacement = displacement, .velocity = velocity};
 }
 
-static lac_status see_series(const lac_page *page, double **time, lac_readings *out, lac_error *err)
+static lac_readings see_series(lac_page *page)
 {
-    const lac_series *series = page->def->series;
-    const lac_status status = lac_page_readings(page, time, err);
-    *out = lac_series_readings(series);
-    out->time = *time;
-    return status;
+    lac_readings all = lac_series_readings(page->def->series);
+    all.time = lac_page_readings(page);
+    return all;
 }
 
 // Times of failure count from the time of issue: what remains is told to the last digit.
@@ -63,9 +57,9 @@ static void write_forecast(lac_json *json, const lac_forecast *f)
     lac_json_close(json, ']');
 }
 
-static void write_rolling(const lac_page *page, const lac_rolling *rolling)
+static void write_rolling(lac_page *page, const lac_rolling *rolling)
 {
-    lac_json *json = page->json;
+    lac_json *json = &page->json;
     lac_json_open(json, "methods", '[');
     for (size_t m = 0; m < rolling->methods; m++) {
         const lac_forecast_kind *kind = rolling->forecast[m].kind;
@@ -100,46 +94,34 @@ static bool any_issued(const lac_rolling *rolling)
     return false;
 }
 
-static lac_status forecast(const lac_page *page, const char *key, bool measured, bool *issued,
-                           lac_error *err)
+// @return whether there are any
+static bool forecast(lac_page *page, const char *key, bool measured)
 {
     lac_forecast_def def = lac_forecast_default();
     lac_rolling *rolling = NULL;
-    lac_readings readings;
-    double *owned = NULL;
-    lac_status status = measured ? see_series(page, &owned, &readings, err)
-                                 : see_run(page->run, &owned, &readings, err);
-    LAC_TRY(status);
-    if (readings.n < FEWEST) {
-        goto out;
+    const lac_readings readings = measured ? see_series(page) : see_run(page);
+    if (page->status != LAC_OK || readings.n < FEWEST) {
+        return false;
     }
     def.motion.raw = !measured; // a run has neither outliers nor resets
     const size_t issues = page->def->issues > 0 ? (size_t)page->def->issues : ISSUES;
-    LAC_TRY(lac_rolling_create(&def, &readings, issues, NULL, &rolling, err));
-    *issued = any_issued(rolling);
-    if (*issued) {
-        lac_json_open(page->json, key, '{');
-        lac_json_boolean(page->json, "measured", measured);
-        lac_json_integer(page->json, "readings", (int64_t)readings.n);
+    const bool issued = lac_page_good(page, lac_rolling_create(&def, &readings, issues, NULL,
+                                                               &rolling, page->err)) &&
+                        any_issued(rolling);
+    if (issued) {
+        lac_json_open(&page->json, key, '{');
+        lac_json_boolean(&page->json, "measured", measured);
+        lac_json_integer(&page->json, "readings", (int64_t)readings.n);
         write_rolling(page, rolling);
-        lac_json_close(page->json, '}');
+        lac_json_close(&page->json, '}');
     }
-out:
     lac_rolling_free(rolling);
-    free(owned);
-    return status;
+    return issued;
 }
 
-lac_status lac_page_forecasts(const lac_page *page, const char *key, lac_error *err)
+void lac_page_forecasts(lac_page *page, const char *key)
 {
-    bool issued = false;
-    lac_status status = LAC_OK;
-    if (page->def->issues >= 0 && page->def->series != NULL) {
-        LAC_TRY(forecast(page, key, true, &issued, err));
+    if (page->def->issues >= 0 && !(page->def->series != NULL && forecast(page, key, true))) {
+        (void)forecast(page, key, false);
     }
-    if (page->def->issues >= 0 && !issued) {
-        LAC_TRY(forecast(page, key, false, &issued, err));
-    }
-out:
-    return status;
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The maps of a page: cells gathered into squares, so that the page of a large joint stays small.
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "report/cells.h"
@@ -23,20 +22,16 @@ static bool read_count(const lac_stored_file *file, const char *name, size_t *ou
     return sound;
 }
 
-static lac_status read_grid(const lac_stored_file *file, grid *g, lac_error *err)
+// @return false: nothing that a map could be drawn of
+static bool read_grid(lac_page *page, grid *g)
 {
-    lac_status status;
-    LAC_TRY(lac_stored_file_values(file, "x", &g->x, err));
-    LAC_TRY(lac_stored_file_values(file, "y", &g->y, err));
-    g->dx = lac_stored_file_number(file, NULL, "grid_dx_m");
-    g->dy = lac_stored_file_number(file, NULL, "grid_dy_m");
-    if (!read_count(file, "grid_nx", &g->nx) || !read_count(file, "grid_ny", &g->ny) ||
-        !(g->dx > 0.0) || !(g->dy > 0.0) || g->x.value == NULL || g->y.value == NULL ||
-        g->x.n != g->y.n || g->x.n / g->nx > g->ny) {
-        g->x.n = 0; // nothing that a map could be drawn of
-    }
-out:
-    return status;
+    g->x = lac_page_values(page, page->file, "x");
+    g->y = lac_page_values(page, page->file, "y");
+    g->dx = lac_stored_file_number(page->file, NULL, "grid_dx_m");
+    g->dy = lac_stored_file_number(page->file, NULL, "grid_dy_m");
+    return read_count(page->file, "grid_nx", &g->nx) && read_count(page->file, "grid_ny", &g->ny) &&
+           g->dx > 0.0 && g->dy > 0.0 && g->x.value != NULL && g->y.value != NULL &&
+           g->x.n == g->y.n && g->x.n / g->nx <= g->ny;
 }
 
 static size_t along(double position, double side, size_t n)
@@ -80,50 +75,31 @@ static bool number_squares(const grid *g, size_t most, uint32_t *number, lac_pag
     return true;
 }
 
-static lac_status lay_out(const grid *g, size_t most, lac_page_raster *r, lac_error *err)
-{
-    size_t block = 1;
-    while (g->nx / block > WIDEST || g->ny / block > WIDEST) {
-        block *= 2;
-    }
-    choose_block(g, block, r);
-    uint32_t *number = malloc(r->nx * r->ny * sizeof *number);
-    r->square = malloc(r->cells * sizeof *r->square);
-    r->place = malloc(most * sizeof *r->place);
-    r->count = malloc(most * sizeof *r->count);
-    if (number == NULL || r->square == NULL || r->place == NULL || r->count == NULL) {
-        free(number);
-        return lac_fail_memory(err);
-    }
-    while (!number_squares(g, most, number, r)) {
-        block *= 2;
-        choose_block(g, block, r);
-    }
-    free(number);
-    return LAC_OK;
-}
-
-lac_status lac_page_raster_create(const lac_stored_file *file, size_t most, lac_page_raster *out,
-                                  lac_error *err)
+bool lac_page_raster_create(lac_page *page, size_t most, lac_page_raster *r)
 {
     grid g = {0};
-    *out = (lac_page_raster){0};
-    lac_status status = read_grid(file, &g, err);
-    if (status == LAC_OK && g.x.n > 0) {
-        out->cells = g.x.n;
-        status = lay_out(&g, most, out, err);
+    size_t block = 1;
+    *r = (lac_page_raster){0};
+    if (!read_grid(page, &g) || g.x.n < 2) {
+        return false;
     }
-    lac_stored_values_clear(&g.x);
-    lac_stored_values_clear(&g.y);
-    return status;
-}
-
-void lac_page_raster_clear(lac_page_raster *raster)
-{
-    free(raster->square);
-    free(raster->place);
-    free(raster->count);
-    *raster = (lac_page_raster){0};
+    r->cells = g.x.n;
+    while (g.nx / block > WIDEST || g.ny / block > WIDEST) {
+        block *= 2;
+    }
+    choose_block(&g, block, r);
+    uint32_t *number = lac_page_room(page, r->nx * r->ny * sizeof *number);
+    r->square = lac_page_room(page, r->cells * sizeof *r->square);
+    r->place = lac_page_room(page, most * sizeof *r->place);
+    r->count = lac_page_room(page, most * sizeof *r->count);
+    if (page->status != LAC_OK) {
+        return false;
+    }
+    while (!number_squares(&g, most, number, r)) {
+        block *= 2;
+        choose_block(&g, block, r);
+    }
+    return true;
 }
 
 static void take_in(lac_page_summary how, double value, double limit, double *out)

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The page of a run: HTML in which two marks are replaced by the run's title and data.
+// The page of a run: HTML in which marks are replaced by the run's title and data; what was run,
+// from what, and how it ended.
 #include "report/report.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/date.h"
 #include "base/hidden.h"
 #include "base/temp_file.h"
-#include "report/assets.h"
 #include "report/run.h"
 
 const char *lac_page_name(const char *path)
@@ -17,25 +18,67 @@ const char *lac_page_name(const char *path)
     return slash != NULL ? slash + 1 : path;
 }
 
-static lac_status write_data(const lac_page *page, lac_error *err)
+enum { LONGEST_TEXT = 1 << 18 }; // a case; the history of a run that was resumed often is long too
+
+// Attributes of the file.
+static const char numbers[] =
+    "seed grid_nx grid_ny grid_dx_m grid_dy_m failed failure_time_s time_reached_s mean_slip_m "
+    "max_slip_rate_m_s steps rhs_evaluations restarts newton_iterations linear_solves "
+    "error_test_fails nonlinear_fails balance_residual_max wall_time_s ";
+static const char texts[] =
+    "title institution references source history status libraries date_created date_modified "
+    "failure_date ended_by boundary fidelity resumed case ";
+
+static void write_attributes(lac_page *page, const char *names, char *text)
+{
+    char name[32];
+    for (size_t length; (length = strcspn(names, " ")) > 0; names += length + 1) {
+        (void)snprintf(name, sizeof name, "%.*s", (int)length, names);
+        const double value = lac_stored_file_number(page->file, NULL, name);
+        if (text == NULL && value == value) {
+            lac_json_digits(&page->json, name, value, 12);
+        } else if (text != NULL &&
+                   lac_stored_file_text(page->file, NULL, name, text, LONGEST_TEXT)) {
+            lac_json_text(&page->json, name, text);
+        }
+    }
+}
+
+static void write_about(lac_page *page, const char *key)
+{
+    lac_json *json = &page->json;
+    char date[32], *text = lac_page_room(page, LONGEST_TEXT);
+    if (text == NULL) {
+        return;
+    }
+    lac_json_open(json, key, '{');
+    lac_json_text(json, "file", lac_page_name(page->def->run));
+    lac_json_text(json, "made_by", page->def->made_by);
+    lac_json_text(json, "made", lac_date_format(page->def->now, date, sizeof date));
+    lac_json_boolean(json, "dated", page->dated);
+    lac_json_digits(json, "start", page->start, 17);
+    lac_json_integer(json, "records", (int64_t)page->n);
+    write_attributes(page, numbers, NULL);
+    write_attributes(page, texts, text);
+    lac_json_close(json, '}');
+}
+
+static void write_data(lac_page *page)
 {
     static const struct {
         const char *key;
-        lac_status (*write)(const lac_page *page, const char *key, lac_error *err);
+        void (*write)(lac_page *page, const char *key);
     } sections[] = {
-        {"about", lac_page_about},   {"motion", lac_page_course}, {"forces", lac_page_course},
+        {"about", write_about},      {"motion", lac_page_course}, {"forces", lac_page_course},
         {"solver", lac_page_course}, {"series", lac_page_series}, {"fit", lac_page_fit},
         {"cells", lac_page_cells},   {"levels", lac_page_levels}, {"forecasts", lac_page_forecasts},
         {"events", lac_page_events},
     };
-    lac_status status = LAC_OK;
-    lac_json_open(page->json, NULL, '{');
-    for (size_t i = 0; i < sizeof sections / sizeof *sections; i++) {
-        LAC_TRY(sections[i].write(page, sections[i].key, err));
+    lac_json_open(&page->json, NULL, '{');
+    for (size_t i = 0; i < sizeof sections / sizeof *sections && page->status == LAC_OK; i++) {
+        sections[i].write(page, sections[i].key);
     }
-    lac_json_close(page->json, '}');
-out:
-    return status;
+    lac_json_close(&page->json, '}');
 }
 
 static void put(lac_json *json, const char *text)
@@ -55,69 +98,64 @@ static void put_escaped(lac_json *json, const char *plain)
     }
 }
 
-static bool begins(const char *text, const char *with)
+// Goes past a mark that stands here.
+static bool begins(const char **at, const char *mark)
 {
-    return strncmp(text, with, strlen(with)) == 0;
+    const bool found = strncmp(*at, mark, strlen(mark)) == 0;
+    *at += found ? strlen(mark) : 0;
+    return found;
 }
 
-// The page up to its data, or from there on. @param nonce  of its scripts and styles; NULL: none
-// @return what comes after
-static const char *put_html(lac_json *json, const char *html, const char *title, const char *nonce)
+// The page with what its marks stand for. @param nonce  of its scripts and styles, an attribute
+// @param page  whose data it holds; NULL: it asks for them
+static void put_html(lac_json *json, const char *title, const char *nonce, lac_page *page)
 {
-    const char *at = html;
-    for (; *at != '\0' && !begins(at, "@DATA@"); at++) {
+    for (const char *at = (const char *)lac_page_html; *at != '\0';) {
         const char one[] = {*at, '\0'};
-        if (begins(at, "@TITLE@")) {
+        if (begins(&at, "@TITLE@")) {
             put_escaped(json, title);
-            at += strlen("@TITLE@") - 1;
-            continue;
-        }
-        if (nonce != NULL && *at == '>' &&
-            (begins(at - strlen("<script"), "<script") ||
-             begins(at - strlen("<style"), "<style"))) {
-            put(json, " nonce=\"");
+        } else if (begins(&at, "@NONCE@")) {
             put(json, nonce);
-            put(json, "\"");
+        } else if (!begins(&at, "@DATA@")) {
+            put(json, one);
+            at++;
+        } else if (page != NULL) {
+            write_data(page);
+        } else {
+            put(json, "{\"live\":true}");
         }
-        put(json, one);
     }
-    return *at != '\0' ? at + strlen("@DATA@") : at;
 }
 
 // What was written, or that memory ran out.
 static lac_status finish(const lac_json *json, char **text, lac_status status, lac_error *err)
 {
-    const bool whole = fclose(json->out) == 0 && !json->broken;
-    status = status == LAC_OK && !whole ? lac_fail_memory(err) : status;
-    if (status != LAC_OK) {
+    const bool whole = json->out != NULL && fclose(json->out) == 0 && !json->broken;
+    if (status != LAC_OK || !whole) {
         free(*text);
         *text = NULL;
     }
-    return status;
+    return status == LAC_OK && !whole ? lac_fail_memory(err) : status;
 }
 
 static lac_status make(const lac_page_def *def, bool html, char **out, lac_error *err)
 {
     size_t size = 0;
-    lac_page_run run = {0};
-    lac_json json = {.page = true};
-    const lac_page page = {.def = def, .run = &run, .json = &json};
-    const char *rest = (const char *)lac_page_html;
     char title[512];
-    lac_status status;
     *out = NULL;
-    LAC_TRY(lac_page_run_read(def, &run, err));
-    json.out = open_memstream(out, &size);
-    LAC_TRY(json.out != NULL ? LAC_OK : lac_fail_memory(err));
-    if (html) {
-        const bool titled = lac_stored_file_text(run.file, NULL, "title", title, sizeof title);
-        rest = put_html(&json, rest, titled ? title : run.path, NULL);
+    lac_page page = {
+        .def = def, .err = err, .json = {.page = true, .out = open_memstream(out, &size)}};
+    if (page.json.out != NULL) {
+        lac_page_begin(&page);
     }
-    LAC_TRY(write_data(&page, err));
-    put(&json, html ? rest : "");
-out:
-    lac_page_run_clear(&run);
-    return json.out != NULL ? finish(&json, out, status, err) : status;
+    if (page.file != NULL && page.status == LAC_OK && html) {
+        const bool titled = lac_stored_file_text(page.file, NULL, "title", title, sizeof title);
+        put_html(&page.json, titled ? title : def->run, "", &page);
+    } else if (page.file != NULL && page.status == LAC_OK) {
+        write_data(&page);
+    }
+    lac_page_clear(&page);
+    return finish(&page.json, out, page.status, err);
 }
 
 lac_status lac_page_data(const lac_page_def *def, char **json, lac_error *err)
@@ -139,11 +177,12 @@ lac_status lac_page_write(const lac_page_def *def, const char *path, bool force,
 lac_status lac_page_live_page(const char *nonce, char **html, lac_error *err)
 {
     size_t size = 0;
-    lac_json json = {.out = open_memstream(html, &size)};
+    char attribute[80];
     *html = NULL;
-    LAC_FAIL_MEMORY_IF(json.out == NULL, err);
-    const char *rest = put_html(&json, (const char *)lac_page_html, "Lacuna", nonce);
-    put(&json, "{\"live\":true}");
-    (void)put_html(&json, rest, "", nonce);
+    lac_json json = {.out = open_memstream(html, &size)};
+    (void)snprintf(attribute, sizeof attribute, " nonce=\"%s\"", nonce);
+    if (json.out != NULL) {
+        put_html(&json, "Lacuna", attribute, NULL);
+    }
     return finish(&json, html, LAC_OK, err);
 }

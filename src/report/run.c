@@ -15,7 +15,7 @@ enum { BUCKETS = 500 };
 static const struct {
     const char *section, *key, *name;
     bool aside; // may be missing, and does not say which records are kept
-} shown[LAC_PAGE_COLUMNS] = {
+} shown[] = {
     {"motion", "slip", "slip", false},
     {"motion", "rate", "slip_rate", false},
     {"motion", "max_rate", "max_slip_rate", false},
@@ -31,150 +31,191 @@ static const struct {
     {"levels", "length", "correlation_length", false},
     {"levels", "criticality", "criticality", true},
 };
+enum { SHOWN = sizeof shown / sizeof *shown };
 
-// Time before the last record, from the pair that tells the last milliseconds apart.
-static lac_status read_before(lac_page_run *run, lac_error *err)
+static bool is_in(size_t c, const char *section) { return strcmp(shown[c].section, section) == 0; }
+
+// What the page owns: values that were read, or room.
+typedef struct lac_page_owned {
+    struct lac_page_owned *next;
+    const lac_stored_file *file; // NULL: room
+    const char *name;
+    lac_stored_values values;
+} owned;
+
+bool lac_page_good(lac_page *page, lac_status status)
 {
-    lac_stored_values origin = {0}, local = {0};
-    lac_status status;
-    run->before = malloc(run->n * sizeof *run->before);
-    LAC_TRY(run->before != NULL ? LAC_OK : lac_fail_memory(err));
-    LAC_TRY(lac_stored_file_values(run->file, "time_origin", &origin, err));
-    LAC_TRY(lac_stored_file_values(run->file, "time_local", &local, err));
-    const size_t last = run->n - 1;
-    const bool pair =
-        origin.value != NULL && local.value != NULL && origin.n >= run->n && local.n >= run->n;
-    for (size_t i = 0; i < run->n; i++) {
-        run->before[i] =
-            pair ? (origin.value[last] - origin.value[i]) + (local.value[last] - local.value[i])
-                 : run->time[last] - run->time[i];
+    if (status != LAC_OK && page->status == LAC_OK) {
+        page->status = status;
+        page->err = NULL;
     }
-out:
-    lac_stored_values_clear(&origin);
-    lac_stored_values_clear(&local);
-    return status;
+    return status == LAC_OK;
 }
 
-static lac_status read_columns(lac_page_run *run, lac_error *err)
+static owned *own(lac_page *page)
 {
-    lac_status status = LAC_OK;
-    for (size_t c = 0; c < LAC_PAGE_COLUMNS; c++) {
-        lac_stored_values *column = &run->column[c];
-        LAC_TRY(lac_stored_file_values(run->file, shown[c].name, column, err));
-        if (column->value != NULL && (column->n < run->n || column->width != 1)) {
-            LAC_TRY(
-                lac_fail(err, LAC_EIO, "%s: %s does not run over time", run->path, shown[c].name));
+    owned *one = calloc(1, sizeof *one);
+    if (lac_page_good(page, one != NULL ? LAC_OK : lac_fail_memory(page->err))) {
+        one->next = page->owned;
+        page->owned = one;
+    }
+    return one;
+}
+
+void *lac_page_room(lac_page *page, size_t bytes)
+{
+    owned *one = own(page);
+    void *room = one != NULL ? malloc(bytes + 1) : NULL;
+    if (one != NULL) {
+        one->values.value = room;
+        (void)lac_page_good(page, room != NULL ? LAC_OK : lac_fail_memory(page->err));
+    }
+    return room;
+}
+
+lac_stored_values lac_page_values(lac_page *page, const lac_stored_file *file, const char *name)
+{
+    for (const owned *o = page->owned; o != NULL; o = o->next) {
+        if (o->file == file && strcmp(o->name, name) == 0) {
+            return o->values;
         }
     }
-    for (size_t c = 0; c < LAC_PAGE_COLUMNS; c++) {
-        if (strcmp(shown[c].section, "motion") == 0 && run->column[c].value == NULL) {
-            LAC_TRY(lac_fail(err, LAC_EIO, "%s: is not the file of a run: has no %s", run->path,
-                             shown[c].name));
+    owned *one = own(page);
+    if (one == NULL) {
+        return (lac_stored_values){0};
+    }
+    (void)lac_page_good(page, lac_stored_file_values(file, name, &one->values, page->err));
+    one->file = file;
+    one->name = name;
+    return one->values;
+}
+
+const double *lac_page_over_time(lac_page *page, const char *name)
+{
+    const lac_stored_values column = lac_page_values(page, page->file, name);
+    const bool over = column.n >= page->n && column.width == 1;
+    if (column.value != NULL && !over) {
+        (void)lac_page_good(page, lac_fail(page->err, LAC_EIO, "%s: %s does not run over time",
+                                           page->def->run, name));
+    }
+    return over ? column.value : NULL;
+}
+
+// Time before the last record, from the pair that tells the last milliseconds apart.
+static void find_before(lac_page *page)
+{
+    const lac_stored_values origin = lac_page_values(page, page->file, "time_origin");
+    const lac_stored_values local = lac_page_values(page, page->file, "time_local");
+    const size_t last = page->n - 1;
+    const bool pair =
+        origin.value != NULL && local.value != NULL && origin.n >= page->n && local.n >= page->n;
+    page->before = lac_page_room(page, page->n * sizeof *page->before);
+    for (size_t i = 0; page->before != NULL && i < page->n; i++) {
+        page->before[i] =
+            pair ? (origin.value[last] - origin.value[i]) + (local.value[last] - local.value[i])
+                 : page->time[last] - page->time[i];
+    }
+}
+
+static void check_columns(lac_page *page)
+{
+    for (size_t c = 0; c < SHOWN; c++) {
+        (void)lac_page_over_time(page, shown[c].name);
+    }
+    for (size_t c = 0; c < SHOWN && page->status == LAC_OK; c++) {
+        if (is_in(c, "motion") && lac_page_over_time(page, shown[c].name) == NULL) {
+            (void)lac_page_good(page, lac_fail(page->err, LAC_EIO,
+                                               "%s: is not the file of a run: has no %s",
+                                               page->def->run, shown[c].name));
         }
     }
-out:
-    return status;
 }
 
 // Times of the file's records, or of those that are in memory.
-static lac_status open_run(const lac_page_def *def, lac_page_run *out, lac_error *err)
+static lac_status open_run(lac_page *page)
 {
-    lac_stored_values time = {0};
-    lac_status status;
-    status = def->recording == NULL ? lac_stored_file_open(def->run, &out->file, err)
-                                    : lac_stored_file_of(def->recording, &out->file, err);
-    LAC_TRY(status);
-    LAC_TRY(lac_stored_file_series(out->file, "time", &time, err));
-    out->time = time.value;
-    out->n = time.n;
-out:
-    return status;
-}
-
-lac_status lac_page_run_read(const lac_page_def *def, lac_page_run *out, lac_error *err)
-{
-    char text[64];
-    lac_status status;
-    *out = (lac_page_run){.path = def->run};
-    LAC_TRY(open_run(def, out, err));
-    if (out->n == 0) {
-        LAC_TRY(lac_fail(err, LAC_EINPUT, "%s: holds no record", def->run));
-    }
-    LAC_TRY(read_before(out, err));
-    LAC_TRY(read_columns(out, err));
-    out->dated = lac_stored_file_text(out->file, NULL, "time_coverage_start", text, sizeof text) &&
-                 lac_date_parse(text, &out->start);
-out:
-    return status;
-}
-
-void lac_page_run_clear(lac_page_run *run)
-{
-    lac_stored_file_close(run->file);
-    free(run->time);
-    free(run->before);
-    for (size_t c = 0; c < LAC_PAGE_COLUMNS; c++) {
-        lac_stored_values_clear(&run->column[c]);
-    }
-}
-
-const double *lac_page_run_column(const lac_page_run *run, const char *name)
-{
-    for (size_t c = 0; c < LAC_PAGE_COLUMNS; c++) {
-        if (strcmp(shown[c].name, name) == 0) {
-            return run->column[c].value;
-        }
-    }
-    return NULL;
-}
-
-void lac_page_column(const lac_page *page, const char *key, size_t n, const double *value,
-                     const uint8_t *keep, int digits)
-{
-    lac_json_open(page->json, key, '[');
-    for (size_t i = 0; value != NULL && i < n; i++) {
-        if (keep == NULL || keep[i]) {
-            lac_json_digits(page->json, NULL, value[i], digits);
-        }
-    }
-    lac_json_close(page->json, ']');
-}
-
-lac_status lac_page_keep(const lac_page *page, const char *section, size_t buckets, uint8_t **keep,
-                         lac_error *err)
-{
-    const lac_page_run *run = page->run;
-    const double *column[LAC_PAGE_COLUMNS];
-    size_t columns = 0;
-    for (size_t c = 0; c < LAC_PAGE_COLUMNS; c++) {
-        if (strcmp(shown[c].section, section) == 0 && !shown[c].aside) {
-            column[columns++] = run->column[c].value;
-        }
-    }
-    *keep = malloc(run->n);
-    LAC_FAIL_MEMORY_IF(*keep == NULL, err);
-    (void)lac_page_thin(run->n, run->time, run->before, buckets, columns, column, *keep);
+    const lac_page_def *def = page->def;
+    owned *one = own(page);
+    LAC_FAIL_MEMORY_IF(one == NULL, page->err);
+    LAC_TRY_RETURN(def->recording == NULL
+                       ? lac_stored_file_open(def->run, &page->file, page->err)
+                       : lac_stored_file_of(def->recording, &page->file, page->err));
+    LAC_TRY_RETURN(lac_stored_file_series(page->file, "time", &one->values, page->err));
+    page->time = one->values.value;
+    page->n = one->values.n;
+    LAC_FAIL_IF(page->n == 0, page->err, LAC_EINPUT, "%s: holds no record", def->run);
     return LAC_OK;
 }
 
-void lac_page_records(const lac_page *page, const char *section, const uint8_t *keep)
+void lac_page_begin(lac_page *page)
 {
-    const lac_page_run *run = page->run;
-    lac_page_column(page, "time", run->n, run->time, keep, 12);
-    lac_page_column(page, "before", run->n, run->before, keep, 6);
-    for (size_t c = 0; c < LAC_PAGE_COLUMNS; c++) {
-        if (strcmp(shown[c].section, section) == 0 && run->column[c].value != NULL) {
-            lac_page_column(page, shown[c].key, run->n, run->column[c].value, keep, 6);
+    char text[64];
+    if (lac_page_good(page, open_run(page))) {
+        find_before(page);
+        check_columns(page);
+        page->dated =
+            lac_stored_file_text(page->file, NULL, "time_coverage_start", text, sizeof text) &&
+            lac_date_parse(text, &page->start);
+    }
+}
+
+void lac_page_clear(lac_page *page)
+{
+    while (page->owned != NULL) {
+        owned *first = page->owned;
+        page->owned = first->next;
+        lac_stored_values_clear(&first->values);
+        free(first);
+    }
+    lac_stored_file_close(page->file);
+}
+
+void lac_page_column(lac_page *page, const char *key, size_t n, const double *value,
+                     const uint8_t *keep, int digits)
+{
+    lac_json_open(&page->json, key, '[');
+    for (size_t i = 0; value != NULL && i < n; i++) {
+        if (keep == NULL || keep[i]) {
+            lac_json_digits(&page->json, NULL, value[i], digits);
+        }
+    }
+    lac_json_close(&page->json, ']');
+}
+
+uint8_t *lac_page_keep(lac_page *page, const char *section, size_t buckets)
+{
+    const double *column[SHOWN];
+    size_t columns = 0;
+    for (size_t c = 0; c < SHOWN; c++) {
+        if (is_in(c, section) && !shown[c].aside) {
+            column[columns++] = lac_page_over_time(page, shown[c].name);
+        }
+    }
+    uint8_t *keep = lac_page_room(page, page->n);
+    if (keep != NULL) {
+        (void)lac_page_thin(page->n, page->time, page->before, buckets, columns, column, keep);
+    }
+    return keep;
+}
+
+void lac_page_records(lac_page *page, const char *section, const uint8_t *keep)
+{
+    lac_page_column(page, "time", page->n, page->time, keep, 12);
+    lac_page_column(page, "before", page->n, page->before, keep, 6);
+    for (size_t c = 0; c < SHOWN; c++) {
+        const double *value = is_in(c, section) ? lac_page_over_time(page, shown[c].name) : NULL;
+        if (value != NULL) {
+            lac_page_column(page, shown[c].key, page->n, value, keep, 6);
         }
     }
 }
 
 // Whether a column changes by more than what its digits are worth.
-static bool varies(const lac_page_run *run, const char *name)
+static bool varies(lac_page *page, const char *name)
 {
-    const double *v = lac_page_run_column(run, name);
+    const double *v = lac_page_over_time(page, name);
     double least = INFINITY, most = -INFINITY;
-    for (size_t i = 0; v != NULL && i < run->n; i++) {
+    for (size_t i = 0; v != NULL && i < page->n; i++) {
         least = fmin(least, v[i]);
         most = fmax(most, v[i]);
     }
@@ -182,30 +223,24 @@ static bool varies(const lac_page_run *run, const char *name)
 }
 
 // Not of a file that some tool took a column from, nor of constant loads, which the case tells.
-static bool is_there(const lac_page_run *run, const char *section)
+static bool is_there(lac_page *page, const char *section)
 {
-    for (size_t c = 0; c < LAC_PAGE_COLUMNS; c++) {
-        if (strcmp(shown[c].section, section) == 0 && run->column[c].value == NULL) {
+    for (size_t c = 0; c < SHOWN; c++) {
+        if (is_in(c, section) && lac_page_over_time(page, shown[c].name) == NULL) {
             return false;
         }
     }
-    return strcmp(section, "forces") != 0 || varies(run, "apparent_friction") ||
-           varies(run, "shear_force") || varies(run, "effective_normal_force");
+    return strcmp(section, "forces") != 0 || varies(page, "apparent_friction") ||
+           varies(page, "shear_force") || varies(page, "effective_normal_force");
 }
 
-lac_status lac_page_course(const lac_page *page, const char *key, lac_error *err)
+void lac_page_course(lac_page *page, const char *key)
 {
-    uint8_t *keep = NULL;
-    lac_status status = LAC_OK;
-    if (!is_there(page->run, key)) {
-        return LAC_OK;
+    const uint8_t *keep = is_there(page, key) ? lac_page_keep(page, key, BUCKETS) : NULL;
+    if (keep != NULL) {
+        lac_json_open(&page->json, key, '{');
+        lac_json_integer(&page->json, "records", (int64_t)page->n);
+        lac_page_records(page, key, keep);
+        lac_json_close(&page->json, '}');
     }
-    LAC_TRY(lac_page_keep(page, key, BUCKETS, &keep, err));
-    lac_json_open(page->json, key, '{');
-    lac_json_integer(page->json, "records", (int64_t)page->run->n);
-    lac_page_records(page, key, keep);
-    lac_json_close(page->json, '}');
-out:
-    free(keep);
-    return status;
 }

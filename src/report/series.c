@@ -1,54 +1,33 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The monitoring series beside a run.
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "report/run.h"
 #include "series/motion.h"
 
 enum { MOST_READINGS = 3000 };
 
-lac_status lac_page_readings(const lac_page *page, double **time, lac_error *err)
+double *lac_page_readings(lac_page *page)
 {
     const lac_series *series = page->def->series;
-    *time = malloc((series->n + 1) * sizeof **time);
-    LAC_FAIL_MEMORY_IF(*time == NULL, err);
-    for (size_t i = 0; i < series->n; i++) {
-        (*time)[i] = series->time[i] - (series->dated ? page->run->start : 0.0);
+    double *time = lac_page_room(page, series->n * sizeof *time);
+    for (size_t i = 0; time != NULL && i < series->n; i++) {
+        time[i] = series->time[i] - (series->dated ? page->start : 0.0);
     }
-    return LAC_OK;
+    return time;
 }
 
-// Readings on the run's clock and the run on the same, seconds since its start.
-typedef struct beside {
-    lac_series view; // times are owned, the rest is the series'
-    lac_misfit misfit;
-    lac_motion *motion; // NULL: nothing to derive velocities from
-} beside;
-
-static lac_status lay(const lac_page *page, beside *b, lac_error *err)
+// Velocities of a series that has none. @return NULL: nothing to derive them from
+static lac_motion *derive(lac_page *page, const lac_series *view)
 {
-    const lac_page_run *run = page->run;
-    const lac_history history = {.n = run->n,
-                                 .time = run->time,
-                                 .slip = lac_page_run_column(run, "slip"),
-                                 .rate = lac_page_run_column(run, "slip_rate")};
-    b->view = *page->def->series;
-    const lac_status status = lac_page_readings(page, &b->view.time, err);
-    if (status != LAC_OK) {
-        return status;
+    const lac_readings readings = {
+        .n = view->n, .time = view->time, .displacement = view->displacement, .sigma = view->sigma};
+    const lac_motion_def plain = {.smoothing = LAC_SMOOTH_NONE};
+    lac_motion *motion = NULL;
+    if (view->velocity == NULL && view->displacement != NULL) {
+        (void)lac_page_good(page, lac_motion_create(&plain, &readings, &motion, page->err));
     }
-    lac_series_compare(&b->view, &history, &b->misfit);
-    if (b->view.velocity == NULL && b->view.displacement != NULL) {
-        const lac_readings readings = {.n = b->view.n,
-                                       .time = b->view.time,
-                                       .displacement = b->view.displacement,
-                                       .sigma = b->view.sigma};
-        const lac_motion_def plain = {.smoothing = LAC_SMOOTH_NONE};
-        return lac_motion_create(&plain, &readings, &b->motion, err);
-    }
-    return LAC_OK;
+    return motion;
 }
 
 // Every `stride`th reading and the last, so that at most about MOST_READINGS stand on the page.
@@ -75,42 +54,45 @@ static void write_misfit(lac_json *json, const lac_misfit *misfit)
     lac_json_integer(json, "outside", (int64_t)misfit->outside);
 }
 
-static void write_series(const lac_page *page, const char *key, const beside *b)
+// Readings on the run's clock.
+static void write_series(lac_page *page, const lac_series *view, const lac_motion *derived)
 {
-    lac_json *json = page->json;
-    const bool derived = b->motion != NULL;
-    lac_json_open(json, key, '{');
+    const lac_history history = {.n = page->n,
+                                 .time = page->time,
+                                 .slip = lac_page_over_time(page, "slip"),
+                                 .rate = lac_page_over_time(page, "slip_rate")};
+    lac_json *json = &page->json;
+    lac_misfit misfit = {0};
+    lac_series_compare(view, &history, &misfit);
     lac_json_text(json, "name", page->def->series_name);
-    lac_json_text(json, "attribution", b->view.attribution);
-    lac_json_integer(json, "readings", (int64_t)b->view.n);
-    write_column(json, "time", b->view.n, b->view.time);
-    write_column(json, "displacement", b->view.n, b->view.displacement);
-    lac_json_boolean(json, "derived", derived);
-    lac_json_boolean(json, "falling", derived && b->motion->falling);
-    if (derived) {
-        write_column(json, "rate_time", b->motion->velocities, b->motion->velocity_time);
-        write_column(json, "rate", b->motion->velocities, b->motion->velocity);
-    } else {
-        write_column(json, "rate_time", b->view.n, b->view.time);
-        write_column(json, "rate", b->view.n, b->view.velocity);
-    }
-    write_misfit(json, &b->misfit);
-    lac_json_close(json, '}');
+    lac_json_text(json, "attribution", view->attribution);
+    lac_json_integer(json, "readings", (int64_t)view->n);
+    write_column(json, "time", view->n, view->time);
+    write_column(json, "displacement", view->n, view->displacement);
+    lac_json_boolean(json, "derived", derived != NULL);
+    lac_json_boolean(json, "falling", derived != NULL && derived->falling);
+    const size_t rates = derived != NULL ? derived->velocities : view->n;
+    write_column(json, "rate_time", rates, derived != NULL ? derived->velocity_time : view->time);
+    write_column(json, "rate", rates, derived != NULL ? derived->velocity : view->velocity);
+    write_misfit(json, &misfit);
 }
 
-lac_status lac_page_series(const lac_page *page, const char *key, lac_error *err)
+void lac_page_series(lac_page *page, const char *key)
 {
-    beside b = {0};
-    lac_status status = LAC_OK;
-    if (page->def->series == NULL) {
-        return LAC_OK;
+    const lac_series *series = page->def->series;
+    if (series != NULL && series->dated && !page->dated) {
+        (void)lac_page_good(page, lac_fail(page->err, LAC_EINPUT,
+                                           "%s: has dates, and the run %s has none",
+                                           page->def->series_name, page->def->run));
+    } else if (series != NULL) {
+        lac_series view = *series;
+        view.time = lac_page_readings(page);
+        lac_motion *derived = view.time != NULL ? derive(page, &view) : NULL;
+        if (page->status == LAC_OK) {
+            lac_json_open(&page->json, key, '{');
+            write_series(page, &view, derived);
+            lac_json_close(&page->json, '}');
+        }
+        lac_motion_free(derived);
     }
-    LAC_FAIL_IF(page->def->series->dated && !page->run->dated, err, LAC_EINPUT,
-                "%s: has dates, and the run %s has none", page->def->series_name, page->def->run);
-    LAC_TRY(lay(page, &b, err));
-    write_series(page, key, &b);
-out:
-    lac_motion_free(b.motion);
-    free(b.view.time);
-    return status;
 }

@@ -1,47 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The records that a page draws: extremes in equal spans of time, and of its log before the end.
+// The records that a page draws: extremes in equal spans of time, and of its log before the end;
+// and by these memory that stays bounded while a run goes on and its page is open.
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "report/run.h"
 
-enum { FEW = 1500, MOST_COLUMNS = 8 };
-
-// Where each column is least and greatest among the records of a bucket.
-typedef struct extremes {
-    size_t columns;
-    const double *const *column;
-    size_t least[MOST_COLUMNS], greatest[MOST_COLUMNS];
-} extremes;
-
-static void begin(extremes *e)
-{
-    for (size_t c = 0; c < e->columns; c++) {
-        e->least[c] = e->greatest[c] = SIZE_MAX;
-    }
-}
-
-static void look(extremes *e, size_t i)
-{
-    for (size_t c = 0; c < e->columns; c++) {
-        const double *v = e->column[c];
-        if (v == NULL || isnan(v[i])) {
-            continue;
-        }
-        e->least[c] = e->least[c] == SIZE_MAX || v[i] < v[e->least[c]] ? i : e->least[c];
-        e->greatest[c] =
-            e->greatest[c] == SIZE_MAX || v[i] > v[e->greatest[c]] ? i : e->greatest[c];
-    }
-}
-
-static void mark(const extremes *e, uint8_t *keep)
-{
-    for (size_t c = 0; c < e->columns; c++) {
-        if (e->least[c] != SIZE_MAX) {
-            keep[e->least[c]] = keep[e->greatest[c]] = 1;
-        }
-    }
-}
+enum { FEW = 1500 };
 
 // An axis: times, or the logarithm of the times before the end, turned round.
 typedef struct axis {
@@ -59,24 +25,36 @@ static double bucket_of(const axis *a, size_t i)
     return a->width > 0.0 ? floor(place / a->width) : 0.0;
 }
 
-static void mark_axis(size_t n, const axis *a, extremes *e, uint8_t *keep)
+// Where a column is least and greatest from one record up to another.
+static void mark_extremes(const double *v, size_t from, size_t to, uint8_t *keep)
 {
-    double bucket = -INFINITY;
-    for (size_t i = 0; i < n; i++) {
-        double now = bucket_of(a, i);
-        if (now > bucket) {
-            if (i > 0) {
-                mark(e, keep);
-                keep[i - 1] = 1;
-            }
-            keep[i] = 1;
-            begin(e);
-            bucket = now;
+    size_t least = SIZE_MAX, greatest = SIZE_MAX;
+    for (size_t i = from; i < to; i++) {
+        if (!isnan(v[i])) {
+            least = least == SIZE_MAX || v[i] < v[least] ? i : least;
+            greatest = greatest == SIZE_MAX || v[i] > v[greatest] ? i : greatest;
         }
-        look(e, i);
     }
-    mark(e, keep);
-    keep[n - 1] = 1;
+    if (least != SIZE_MAX) {
+        keep[least] = keep[greatest] = 1;
+    }
+}
+
+static void mark_axis(size_t n, const axis *a, size_t columns, const double *const *column,
+                      uint8_t *keep)
+{
+    for (size_t from = 0, to; from < n; from = to) {
+        const double bucket = bucket_of(a, from);
+        for (to = from + 1; to < n && !(bucket_of(a, to) > bucket);) {
+            to++;
+        }
+        keep[from] = keep[to - 1] = 1;
+        for (size_t c = 0; c < columns; c++) {
+            if (column[c] != NULL) {
+                mark_extremes(column[c], from, to, keep);
+            }
+        }
+    }
 }
 
 static axis even_times(size_t n, const double *time, size_t buckets)
@@ -108,11 +86,10 @@ size_t lac_page_thin(size_t n, const double *time, const double *before, size_t 
     size_t kept = 0;
     memset(keep, n <= few, n);
     if (n > few) {
-        extremes e = {.columns = columns < MOST_COLUMNS ? columns : MOST_COLUMNS, .column = column};
         const axis times = even_times(n, time, buckets);
         const axis decades = even_decades(n, before, buckets);
-        mark_axis(n, &times, &e, keep);
-        mark_axis(n, &decades, &e, keep);
+        mark_axis(n, &times, columns, column, keep);
+        mark_axis(n, &decades, columns, column, keep);
     }
     for (size_t i = 0; i < n; i++) {
         kept += keep[i];
@@ -127,4 +104,84 @@ void lac_page_thin_to(size_t n, const double *time, const double *before, size_t
     while (lac_page_thin(n, time, before, buckets, 0, NULL, keep) > goal && buckets > 1) {
         buckets--;
     }
+}
+
+enum {
+    MOST_RECORDS = 60000,
+    LIVE_BUCKETS = 1000, // leaves 36 000 records at most
+    MOST_SHOTS = 80,
+    FEWEST_SHOTS = 6,
+    SHOT_BYTES = 1 << 28
+};
+
+static const double *values_of(const lac_recording *recording, const char *name, size_t *n)
+{
+    *n = lac_dataset_count(lac_recording_dataset(recording), name);
+    return lac_dataset_array(lac_recording_dataset(recording), name);
+}
+
+// Snapshots that are kept at most: of large joints fewer.
+static size_t most_shots(const lac_recording *recording)
+{
+    static const char *const fields[] = {"cell_slip", "cell_slip_rate", "cell_state",
+                                         "cell_traction"};
+    size_t values = 0, n, shots;
+    (void)values_of(recording, "snapshot_time", &shots);
+    for (size_t f = 0; f < sizeof fields / sizeof *fields; f++) {
+        (void)values_of(recording, fields[f], &n);
+        values += n;
+    }
+    const size_t each = shots > 0 ? values / shots * sizeof(double) : 0;
+    const size_t most = each > 0 ? SHOT_BYTES / each : MOST_SHOTS;
+    return most < FEWEST_SHOTS ? FEWEST_SHOTS : most < MOST_SHOTS ? most : MOST_SHOTS;
+}
+
+static void mark_records(const lac_recording *recording, size_t n, const double *time,
+                         const double *before, uint8_t *keep)
+{
+    static const char *const watched[] = {
+        "slip_rate",        "max_slip_rate",          "apparent_friction",
+        "shear_force",      "effective_normal_force", "step_size",
+        "balance_residual", "slip_fraction"};
+    enum { WATCHED = sizeof watched / sizeof *watched };
+    const double *column[WATCHED];
+    for (size_t c = 0, same; c < WATCHED; c++) {
+        column[c] = values_of(recording, watched[c], &same);
+    }
+    (void)lac_page_thin(n, time, before, LIVE_BUCKETS, WATCHED, column, keep);
+}
+
+// Keeps about so many of the snapshots, or of the records where that is 0.
+static lac_status thin_along(lac_recording *recording, size_t shots, lac_error *err)
+{
+    size_t n, same;
+    const double *time = values_of(recording, shots > 0 ? "snapshot_time" : "time", &n);
+    const double *origin = shots > 0 ? time : values_of(recording, "time_origin", &same);
+    const double *local = shots > 0 ? NULL : values_of(recording, "time_local", &same);
+    if (n <= (shots > 0 ? shots : MOST_RECORDS)) {
+        return LAC_OK;
+    }
+    double *before = malloc(n * sizeof *before);
+    uint8_t *keep = malloc(n);
+    const bool room = before != NULL && keep != NULL;
+    for (size_t i = 0; room && i < n; i++) {
+        before[i] = (origin[n - 1] - origin[i]) + (local != NULL ? local[n - 1] - local[i] : 0.0);
+    }
+    if (room && shots > 0) { // down to two thirds, so that not every new one costs this
+        lac_page_thin_to(n, time, before, shots, 2 * shots / 3, keep);
+    } else if (room) {
+        mark_records(recording, n, time, before, keep);
+    }
+    if (room) {
+        lac_recording_thin(recording, shots > 0 ? "snapshot" : "time", keep);
+    }
+    free(before);
+    free(keep);
+    return room ? LAC_OK : lac_fail_memory(err);
+}
+
+lac_status lac_page_thin_recording(lac_recording *recording, lac_error *err)
+{
+    const lac_status status = thin_along(recording, 0, err);
+    return status == LAC_OK ? thin_along(recording, most_shots(recording), err) : status;
 }

@@ -9,6 +9,28 @@
 #include "rg/study.h"
 #include "rg/tree.h"
 
+bool lac_rg_bracket_note(lac_rg_bracket *b, const lac_rg_tree *tree, double load, double root)
+{
+    const bool stuck = !lac_rg_slips(tree, root);
+    *(stuck ? &b->low : &b->high) = load;
+    *(stuck ? &b->at_low : &b->at_high) = root;
+    return stuck;
+}
+
+// Where to look next inside a bracket, to close it to `within`, after `step` loads: twice a little
+// beyond the chord through the thresholds, on the side that was not seen last, then in the middle.
+// LUMP has no thresholds to draw a chord through.
+static double next_load(const lac_rg_bracket *b, int step, bool stuck, double within)
+{
+    const double width = b->high - b->low;
+    double x = b->low + width * b->at_low / (b->at_low - b->at_high);
+    if (step > 0) {
+        double beyond = fmax(0.4 * within, 0.02 * width);
+        x += stuck ? beyond : -beyond;
+    }
+    return step % 3 < 2 && x > b->low && x < b->high ? x : 0.5 * (b->low + b->high);
+}
+
 // One search: the contact that was solved last, and what follows from it.
 typedef struct search {
     const lac_rg_resolve_def *press;
@@ -43,9 +65,7 @@ static lac_status narrow(search *s, double load, lac_rg_bracket *b, bool *stuck,
 {
     double root = NAN;
     lac_status status = root_at(s, load, &root, err);
-    *stuck = !lac_rg_slips(s->tree, root);
-    *(*stuck ? &b->low : &b->high) = load;
-    *(*stuck ? &b->at_low : &b->at_high) = root;
+    *stuck = lac_rg_bracket_note(b, s->tree, load, root);
     return status;
 }
 
@@ -91,7 +111,7 @@ lac_status lac_rg_critical_solved(lac_rg_tree *tree, lac_rg_rule rule,
     start_at(&s, path, guess);
     LAC_TRY(find(&s, guess, &b, err));
     for (int step = 0; b.high - b.low > LAC_RG_WITHIN_SOLVED || step == 0; step++) {
-        double load = lac_rg_next_load(&b, step, stuck, LAC_RG_WITHIN_SOLVED);
+        double load = next_load(&b, step, stuck, LAC_RG_WITHIN_SOLVED);
         LAC_TRY(narrow(&s, load, &b, &stuck, err));
     }
     LAC_TRY(narrow(&s, b.low, &b, &stuck, err)); // leaves the tree just before the joint slides
@@ -111,19 +131,6 @@ double lac_rg_root(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path,
     return lac_rg_pass(tree, rule, shear, gap);
 }
 
-// Twice a little beyond the chord through the thresholds, on the side that was not seen last, then
-// in the middle. LUMP has no thresholds to draw a chord through.
-double lac_rg_next_load(const lac_rg_bracket *b, int step, bool stuck, double within)
-{
-    const double width = b->high - b->low;
-    double x = b->low + width * b->at_low / (b->at_low - b->at_high);
-    if (step > 0) {
-        double beyond = fmax(0.4 * within, 0.02 * width);
-        x += stuck ? beyond : -beyond;
-    }
-    return step % 3 < 2 && x > b->low && x < b->high ? x : 0.5 * (b->low + b->high);
-}
-
 double lac_rg_close(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path, lac_rg_bracket b,
                     double *work)
 {
@@ -131,16 +138,8 @@ double lac_rg_close(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path
     const double within = fmax(1e-9, 4 * DBL_EPSILON * fmax(fabs(b.low), fabs(b.high)));
     bool stuck = false;
     for (int step = 0; b.high - b.low > within; step++) {
-        double load = lac_rg_next_load(&b, step, stuck, within);
-        double at = lac_rg_root(tree, rule, path, load, work);
-        stuck = !lac_rg_slips(tree, at);
-        if (stuck) {
-            b.low = load;
-            b.at_low = at;
-        } else {
-            b.high = load;
-            b.at_high = at;
-        }
+        double load = next_load(&b, step, stuck, within);
+        stuck = lac_rg_bracket_note(&b, tree, load, lac_rg_root(tree, rule, path, load, work));
     }
     return b.high;
 }
@@ -148,7 +147,7 @@ double lac_rg_close(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path
 double lac_rg_critical(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path, double *work)
 {
     // a joint may slide, stick and slide again as its tractions rearrange
-    lac_rg_bracket b = {.low = lac_rg_path_load(path, 0.0), .at_low = INFINITY};
+    lac_rg_bracket b = {lac_rg_path_load(path, 0.0), lac_rg_path_load(path, 1.0), INFINITY, 0.0};
     if (lac_rg_path_is_preloaded(path)) {
         b.at_low = lac_rg_root(tree, rule, path, b.low, work);
         if (lac_rg_slips(tree, b.at_low)) {
@@ -156,13 +155,10 @@ double lac_rg_critical(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *p
         }
     }
     for (int i = 1; i <= LAC_RG_SCAN; i++) {
-        b.high = lac_rg_path_load(path, (double)i / LAC_RG_SCAN);
-        b.at_high = lac_rg_root(tree, rule, path, b.high, work);
-        if (lac_rg_slips(tree, b.at_high)) {
+        double load = lac_rg_path_load(path, (double)i / LAC_RG_SCAN);
+        if (!lac_rg_bracket_note(&b, tree, load, lac_rg_root(tree, rule, path, load, work))) {
             break;
         }
-        b.low = b.high;
-        b.at_low = b.at_high;
     }
     return lac_rg_close(tree, rule, path, b, work);
 }

@@ -21,30 +21,10 @@ struct lac_rg_path {
     size_t loads;     // 0: equal
     double *load;     // [loads] elastic: Q/Q_nom, ascending
     double *left;     // [loads * n] elastic: f p(P - Q/f)
+    double memory[];  // of all these
 };
 
-void lac_rg_path_free(lac_rg_path *path)
-{
-    if (path == NULL) {
-        return;
-    }
-    free(path->strength);
-    free(path->shear);
-    free(path->sorted);
-    free(path->below);
-    free(path->load);
-    free(path->left);
-    free(path);
-}
-
-static lac_status check_tractions(size_t n, const double *shear, lac_error *err)
-{
-    for (size_t i = 0; i < n; i++) {
-        LAC_FAIL_IF(!isfinite(shear[i]), err, LAC_EINPUT, "the traction of cell %zu is %g Pa", i,
-                    shear[i]);
-    }
-    return LAC_OK;
-}
+void lac_rg_path_free(lac_rg_path *path) { free(path); }
 
 // Copies the cells, and sorts what each can still take up.
 static void fill_equal(lac_rg_path *path, const double *strength, const double *shear)
@@ -73,42 +53,32 @@ static void fill_equal(lac_rg_path *path, const double *strength, const double *
 lac_status lac_rg_path_further(size_t n, const double *strength, const double *shear,
                                lac_rg_path **out, lac_error *err)
 {
-    lac_rg_path *path = NULL;
-    lac_status status;
     *out = NULL;
-    LAC_TRY(lac_rg_check_strengths(n, strength, err));
-    LAC_TRY(shear != NULL ? check_tractions(n, shear, err) : LAC_OK);
-    path = calloc(1, sizeof *path);
-    LAC_TRY(path != NULL ? LAC_OK : lac_fail_memory(err));
+    LAC_TRY_RETURN(lac_rg_check_strengths(n, strength, err));
+    for (size_t i = 0; shear != NULL && i < n; i++) {
+        LAC_FAIL_IF(!isfinite(shear[i]), err, LAC_EINPUT, "the traction of cell %zu is %g Pa", i,
+                    shear[i]);
+    }
+    lac_rg_path *path = calloc(1, sizeof *path + (4 * n + 1) * sizeof *path->memory);
+    LAC_FAIL_MEMORY_IF(path == NULL, err);
     path->n = n;
-    path->strength = malloc(n * sizeof *path->strength);
-    path->shear = shear != NULL ? malloc(n * sizeof *path->shear) : NULL;
-    path->sorted = malloc(n * sizeof *path->sorted);
-    path->below = malloc((n + 1) * sizeof *path->below);
-    bool made = path->strength != NULL && path->sorted != NULL && path->below != NULL &&
-                (path->shear != NULL || shear == NULL);
-    LAC_TRY(made ? LAC_OK : lac_fail_memory(err));
+    path->strength = path->memory;
+    path->sorted = path->strength + n;
+    path->below = path->sorted + n;
+    path->shear = shear != NULL ? path->below + n + 1 : NULL;
     fill_equal(path, strength, shear);
     if (!isfinite(path->from) || !isfinite(path->to)) {
-        status =
-            lac_fail(err, LAC_EINPUT, "the tractions are too large beside the strengths to add up");
-        goto out;
+        free(path);
+        return lac_fail(err, LAC_EINPUT,
+                        "the tractions are too large beside the strengths to add up");
     }
     *out = path;
     return LAC_OK;
-out:
-    lac_rg_path_free(path);
-    return status;
-}
-
-lac_status lac_rg_path_equal(size_t n, const double *strength, lac_rg_path **out, lac_error *err)
-{
-    return lac_rg_path_further(n, strength, NULL, out, err);
 }
 
 lac_status lac_rg_path_uniform(size_t n, const double *strength, lac_rg_path **out, lac_error *err)
 {
-    lac_status status = lac_rg_path_equal(n, strength, out, err);
+    lac_status status = lac_rg_path_further(n, strength, NULL, out, err);
     if (status == LAC_OK) {
         (*out)->uniform = true;
     }
@@ -136,18 +106,15 @@ lac_status lac_rg_path_elastic(const lac_rg_series *series, lac_rg_path **out, l
 {
     const size_t n = series->n;
     const size_t loads = series->loads;
-    lac_rg_path *path = NULL;
-    lac_status status;
     *out = NULL;
-    LAC_TRY(check_series(series, err));
-    path = calloc(1, sizeof *path);
-    LAC_TRY(path != NULL ? LAC_OK : lac_fail_memory(err));
+    LAC_TRY_RETURN(check_series(series, err));
+    lac_rg_path *path = calloc(1, sizeof *path + loads * (n + 1) * sizeof *path->memory);
+    LAC_FAIL_MEMORY_IF(path == NULL, err);
     path->n = n;
     path->loads = loads;
     path->to = 1.0;
-    path->load = malloc(loads * sizeof *path->load);
-    path->left = malloc(loads * n * sizeof *path->left);
-    LAC_TRY(path->load != NULL && path->left != NULL ? LAC_OK : lac_fail_memory(err));
+    path->load = path->memory;
+    path->left = path->load + loads;
     for (size_t k = 0; k < loads; k++) {
         path->load[k] = 1.0 - series->part[k];
         for (size_t i = 0; i < n; i++) {
@@ -156,9 +123,6 @@ lac_status lac_rg_path_elastic(const lac_rg_series *series, lac_rg_path **out, l
     }
     *out = path;
     return LAC_OK;
-out:
-    lac_rg_path_free(path);
-    return status;
 }
 
 bool lac_rg_path_is_preloaded(const lac_rg_path *path) { return path->shear != NULL; }
@@ -168,7 +132,9 @@ double lac_rg_path_load(const lac_rg_path *path, double part)
     return part == 1.0 ? path->to : path->from + part * (path->to - path->from);
 }
 
-double lac_rg_path_stress(const lac_rg_path *path, double load)
+// The stress added to every cell [Pa]: sum min(tau, what a cell can take up) is the load less the
+// one that the path begins at.
+static double stress_at(const lac_rg_path *path, double load)
 {
     const size_t n = path->n;
     double force =
@@ -192,7 +158,7 @@ double lac_rg_path_stress(const lac_rg_path *path, double load)
 
 static void equal_at(const lac_rg_path *path, double load, double *shear, double *gap)
 {
-    double tau = lac_rg_path_stress(path, load);
+    double tau = stress_at(path, load);
     for (size_t i = 0; i < path->n; i++) {
         double q = path->shear != NULL ? path->shear[i] : 0.0;
         shear[i] = path->uniform ? tau : fmax(q, fmin(q + tau, path->strength[i]));

@@ -13,20 +13,15 @@ bool lac_rg_path_is_preloaded(const lac_rg_path *path);
 /// Q/Q_nom at a part of the path, 0 to 1.
 double lac_rg_path_load(const lac_rg_path *path, double part);
 
-/// The stress added to every cell [Pa]: sum min(tau, what a cell can take up) is the load less the
-/// one that the path begins at.
-double lac_rg_path_stress(const lac_rg_path *path, double load);
-
 /// Two loads of a path, the joint sticking at the lower and sliding at the higher one.
 typedef struct lac_rg_bracket {
     double low, high;       ///< Q/Q_nom
     double at_low, at_high; ///< threshold of the root there [Pa]; INFINITY: not known
 } lac_rg_bracket;
 
-/// Where to look next inside a bracket, to close it to `within`.
-/// @param step   how many loads have been looked at
-/// @param stuck  whether the joint stuck at the last of them
-double lac_rg_next_load(const lac_rg_bracket *bracket, int step, bool stuck, double within);
+/// Takes note of the threshold of the root at a load. @return whether the joint sticks there
+bool lac_rg_bracket_note(lac_rg_bracket *bracket, const lac_rg_tree *tree, double load,
+                         double root);
 
 /// Threshold of the root at a load. @param work  [2 cells]
 double lac_rg_root(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path, double load,

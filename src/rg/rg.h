@@ -70,13 +70,11 @@ void lac_rg_resolve(lac_rg_tree *tree, uint8_t *slipped, double *stress);
 /// How the shear force spreads over the cells as it grows from 0 to f P. Immutable.
 typedef struct lac_rg_path lac_rg_path;
 
-/// Springs of equal stiffness with caps: q = min(tau, f p); the map sees the gap f p - tau.
+/// Springs of equal stiffness with caps, `equal`: q = min(tau, f p); the map sees the gap f p -
+/// tau. Under a joint that is loaded already each cell carries max(q, min(q + tau, f p)), tau the
+/// further stress, the same on all; the map sees the gap f p - q - tau, and the load runs from
+/// Q/Q_nom, the sum of the q over f P, to where no cell can take up more.
 /// @param strength  [n] f p of each contact cell [Pa], > 0
-lac_status lac_rg_path_equal(size_t n, const double *strength, lac_rg_path **out, lac_error *err);
-
-/// The same springs under a joint that is loaded already: each cell carries max(q, min(q + tau,
-/// f p)), tau the further stress, the same on all; the map sees the gap f p - q - tau. The load
-/// runs from Q/Q_nom, the sum of the q over f P, to where no cell can take up more.
 /// @param shear  [n] q, the traction of each cell [Pa]; may be beyond f p; NULL: none
 lac_status lac_rg_path_further(size_t n, const double *strength, const double *shear,
                                lac_rg_path **out, lac_error *err);

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "rg/rg.h"
-#include "rg/rg_map.h"
 
 /// A joint as the cascade needs it.
 typedef struct lac_rg_joint {
@@ -34,17 +33,32 @@ typedef struct lac_rg_estimate {
     double value, error, low, high;
 } lac_rg_estimate;
 
+/// The renormalization map s' = S(s) of the slipped fraction from a level to the next, fitted by
+/// logit s' = lambda logit s + g, so that S(0) = 0 and S(1) = 1.
+typedef struct lac_rg_map {
+    size_t points;      ///< pairs (s, s') with both between 0.05 and 0.95
+    double lambda;      ///< slope at the fixed point, in logits as in s [1]
+    double g;           ///< [1]
+    double fixed_point; ///< C, the unstable one [1]; NaN where lambda is not > 1
+    double nu;          ///< exponent of the correlation length, ln 2 / ln lambda; NaN likewise
+    double residual;    ///< rms of the fit, in logits
+} lac_rg_map;
+
+/// Fits the map to pairs (s, s').
+lac_status lac_rg_map_fit(size_t n, const double *s, const double *s_next, lac_rg_map *map,
+                          lac_error *err);
+
 /// A map fitted to groups of pairs, with the intervals that resampling the groups gives.
 typedef struct lac_rg_fit {
     lac_rg_map map;
     lac_rg_estimate fixed_point, lambda, nu;
 } lac_rg_fit;
 
-/// Fits the map of rg_map.h to pairs in groups, group i from first[i] to first[i + 1]; groups are
-/// resampled.
+/// Fits the map to pairs in groups, group i from first[i] to first[i + 1]; groups are resampled.
+/// Too few pairs give NaN.
 lac_status lac_rg_map_resample(size_t groups, const size_t *first, const double *s,
-                               const double *s_next, size_t resamplings, lac_rg_fit *fit,
-                               lac_error *err);
+                               const double *s_next, size_t resamplings, uint64_t seed,
+                               lac_rg_fit *fit, lac_error *err);
 
 /// A power law xi ~ (1 - Q/Q_crit)^-exponent, or none.
 typedef struct lac_rg_power {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One joint with its blocks at one place, loaded along the path: what slips at every load.
+// One joint with its blocks at one place, loaded along the path: what slips at every load,
+// when each block does, and what it carries then: the strength of blocks by their size.
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,6 +9,102 @@
 #include "rg/path.h"
 #include "rg/study.h"
 #include "rg/tree.h"
+
+lac_status lac_rg_states_create(const lac_rg_tree *tree, lac_rg_block_state **states,
+                                lac_error *err)
+{
+    size_t total = 0;
+    for (size_t k = 0; k < tree->layers; k++) {
+        total += tree->layer[k].count;
+    }
+    *states = calloc(total + 1, sizeof **states);
+    for (size_t i = 0; *states != NULL && i < total; i++) {
+        (*states)[i].gap = INFINITY; // nothing is known before the first load
+        (*states)[i].fall = NAN;
+    }
+    return *states != NULL ? LAC_OK : lac_fail_memory(err);
+}
+
+// Part of the step to `gap` after which the block slipped. Under `elastic` a threshold ends at 0,
+// that of its cells that have slipped long before, and does not tell how far beyond it the load is.
+static double part_of_step(const lac_rg_block_state *s, double gap, double step, double tolerance)
+{
+    if (!isfinite(s->gap) || step <= 0.0) {
+        return step > 0.0 && isinf(gap - s->gap) ? 0.5 : 1.0;
+    }
+    double fall = gap < -tolerance || !(s->fall > 0.0) ? s->gap - gap : s->fall * step;
+    double x = fall > 0.0 ? s->gap / fall : 1.0;
+    return fmin(fmax(x, 0.0), 1.0);
+}
+
+void lac_rg_states_note(const lac_rg_tree *tree, double before, double load, lac_rg_block_state *s)
+{
+    for (size_t k = 0; k < tree->layers; k++) {
+        const lac_rg_layer *layer = &tree->layer[k];
+        for (size_t b = 0; b < layer->count; b++, s++) {
+            double gap = layer->gap[b];
+            if (!s->slipped && gap <= tree->tolerance) {
+                s->slipped = true;
+                double x = part_of_step(s, gap, load - before, tree->tolerance);
+                s->load = before + x * (load - before);
+                s->carried = k == 0 && isfinite(s->gap)
+                                 ? s->force + s->gap // a cell: its strength
+                                 : s->force + x * (layer->shear[b] - s->force);
+            }
+            s->fall = (s->gap - gap) / (load - before);
+            s->gap = gap;
+            s->force = layer->shear[b];
+        }
+    }
+}
+
+static void summarise(size_t count, const lac_rg_block_state *s, double cells, lac_rg_sizes *out)
+{
+    double load = 0.0;
+    double sum = 0.0;
+    double square = 0.0;
+    *out = (lac_rg_sizes){0};
+    for (size_t b = 0; b < count; b++) {
+        if (s[b].slipped) {
+            double q = s[b].carried / cells;
+            out->blocks++;
+            load += s[b].load;
+            sum += q;
+            square += q * q;
+        }
+    }
+    double n = (double)out->blocks;
+    out->load = load / n;
+    out->strength = sum / n;
+    out->spread = sqrt(fmax(0.0, square / n - out->strength * out->strength));
+}
+
+void lac_rg_states_summarise(const lac_rg_tree *tree, const lac_rg_block_state *s, bool line,
+                             lac_rg_sizes *sizes)
+{
+    for (size_t level = 0; level <= tree->levels; level++) {
+        size_t k = tree->of_level[level];
+        const lac_rg_block_state *of_layer = s;
+        for (size_t below = 0; below < k; below++) {
+            of_layer += tree->layer[below].count;
+        }
+        double cells = pow(line ? 2.0 : 4.0, (double)level);
+        summarise(tree->layer[k].count, of_layer, cells, &sizes[level]);
+    }
+}
+
+// The block that is the whole joint slips at its critical load, whatever the scan saw.
+static void close_sizes(const lac_rg_tree *tree, bool line, double critical, lac_rg_sizes *sizes)
+{
+    const size_t top = tree->layers - 1;
+    for (size_t level = 0; level <= tree->levels; level++) {
+        if (tree->of_level[level] == top && sizes[level].blocks > 0) {
+            sizes[level].load = critical;
+            sizes[level].strength =
+                critical * tree->layer[top].strength[0] / pow(line ? 2.0 : 4.0, (double)level);
+        }
+    }
+}
 
 size_t lac_rg_sample_levels(const lac_grid *grid)
 {
@@ -56,33 +153,25 @@ lac_status lac_rg_order_create(const lac_domain *domain, size_t loads, lac_rg_or
                                lac_error *err)
 {
     *order = (lac_rg_order){.domain = domain};
-    order->cluster = malloc(loads * sizeof *order->cluster);
-    order->cell_load = malloc(domain->n * sizeof *order->cell_load);
-    order->own_level = malloc(domain->n * sizeof *order->own_level);
+    order->part.grid = domain->grid;
+    order->part.index = malloc(domain->n * sizeof *order->part.index);
     order->slipped = malloc(domain->n);
-    order->part = calloc(1, sizeof *order->part);
-    if (order->part != NULL) {
-        order->part->grid = domain->grid;
-        order->part->index = malloc(domain->n * sizeof *order->part->index);
-    }
-    LAC_FAIL_MEMORY_IF(order->cluster == NULL || order->cell_load == NULL ||
-                           order->own_level == NULL || order->slipped == NULL ||
-                           order->part == NULL || order->part->index == NULL,
-                       err);
-    for (size_t c = 0; c < domain->n; c++) {
+    order->cell_load = malloc((2 * domain->n + loads) * sizeof *order->cell_load);
+    LAC_FAIL_MEMORY_IF(
+        order->part.index == NULL || order->slipped == NULL || order->cell_load == NULL, err);
+    order->own_level = order->cell_load + domain->n;
+    order->cluster = order->own_level + domain->n;
+    for (size_t c = 0; c < 2 * domain->n; c++) {
         order->cell_load[c] = NAN;
-        order->own_level[c] = NAN;
     }
     return LAC_OK;
 }
 
 void lac_rg_order_clear(lac_rg_order *order)
 {
-    lac_domain_free(order->part);
+    free(order->part.index);
     free(order->slipped);
-    free(order->own_level);
     free(order->cell_load);
-    free(order->cluster);
     *order = (lac_rg_order){0};
 }
 
@@ -110,7 +199,7 @@ static lac_status note_order(lac_rg_order *order, lac_rg_tree *tree, size_t i, d
                              lac_error *err)
 {
     const lac_domain *domain = order->domain;
-    const bool was_whole = i > 0 && order->part->n == domain->n;
+    const bool was_whole = i > 0 && order->part.n == domain->n;
     size_t count = 0;
     lac_rg_resolve(tree, order->slipped, NULL);
     for (size_t c = 0; c < domain->n; c++) {
@@ -122,7 +211,7 @@ static lac_status note_order(lac_rg_order *order, lac_rg_tree *tree, size_t i, d
         order->cluster[i] = order->cluster[i - 1];
         return LAC_OK;
     }
-    return largest_cluster(domain, order->slipped, order->part, &order->cluster[i], err);
+    return largest_cluster(domain, order->slipped, &order->part, &order->cluster[i], err);
 }
 
 // Along a path: every pass tells of the blocks that slip, and one of them that the joint does.
@@ -142,11 +231,7 @@ static void scan_to(scan *s, double load)
 {
     double root = lac_rg_root(s->tree, s->rule, s->path, load, s->work);
     lac_rg_states_note(s->tree, s->at, load, s->states);
-    if (!s->slides) {
-        s->slides = lac_rg_slips(s->tree, root);
-        *(s->slides ? &s->bracket.high : &s->bracket.low) = load;
-        *(s->slides ? &s->bracket.at_high : &s->bracket.at_low) = root;
-    }
+    s->slides = s->slides || !lac_rg_bracket_note(&s->bracket, s->tree, load, root);
     s->at = load;
 }
 
@@ -155,7 +240,6 @@ static void scan_to(scan *s, double load)
 static lac_status scan_path(scan *s, size_t loads, const double *load, lac_rg_sample *out,
                             lac_error *err)
 {
-    lac_status status = LAC_OK;
     const size_t levels = lac_rg_levels(s->tree) + 1;
     const size_t parts = (LAC_RG_SCAN + loads - 1) / loads;
     scan_to(s, s->at);
@@ -175,10 +259,9 @@ static lac_status scan_path(scan *s, size_t loads, const double *load, lac_rg_sa
             out->fraction[i * levels + level] =
                 (double)lac_rg_slipping(s->tree, level) / (double)lac_rg_blocks_at(s->tree, level);
         }
-        LAC_TRY(s->order != NULL ? note_order(s->order, s->tree, i, load[i], err) : LAC_OK);
+        LAC_TRY_RETURN(s->order != NULL ? note_order(s->order, s->tree, i, load[i], err) : LAC_OK);
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 lac_status lac_rg_sample_take(const lac_rg_joint *joint, const lac_rg_study_def *def, size_t dx,
@@ -199,7 +282,7 @@ lac_status lac_rg_sample_take(const lac_rg_joint *joint, const lac_rg_study_def 
     LAC_TRY(scan_path(&s, def->loads, load, out, err));
     lac_rg_states_summarise(s.tree, s.states, domain->grid.ny == 1, out->size);
     out->critical = s.slides ? lac_rg_close(s.tree, s.rule, s.path, s.bracket, s.work) : s.at;
-    lac_rg_sizes_close(s.tree, domain->grid.ny == 1, out->critical, out->size);
+    close_sizes(s.tree, domain->grid.ny == 1, out->critical, out->size);
     largest_block(s.tree, &domain->grid, def->loads, out);
     count_at_critical(s.tree, def->rule, joint->path, s.work, out);
 out:
@@ -220,7 +303,7 @@ lac_status lac_rg_sample_solve(const lac_rg_joint *joint, const lac_rg_study_def
     for (size_t level = 0; level <= lac_rg_levels(tree); level++) {
         sample->slipping[level] = (double)lac_rg_slipping(tree, level);
     }
-    lac_rg_sizes_close(tree, joint->domain->grid.ny == 1, sample->critical, sample->size);
+    close_sizes(tree, joint->domain->grid.ny == 1, sample->critical, sample->size);
 out:
     lac_rg_tree_free(tree);
     return status;

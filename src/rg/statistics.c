@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Errors by resampling, and the power law of the correlation length near the critical load.
+// The slipped fraction of a level from that of the finer one: the map fitted, its fixed point and
+// errors by resampling; and the power law of the correlation length near the critical load.
 #include <math.h>
 #include <stdlib.h>
 
@@ -11,15 +12,43 @@
 #include "rg/study.h"
 
 enum { ESTIMATES = 3 };
+static const double lowest = 0.05; // below, and above 1 - lowest, counts are too few to tell
+static const double ln2 = 0.69314718055994530941723212145818;
+
+static double logit(double s) { return log(s / (1.0 - s)); }
+
+static bool in_range(double s) { return s > lowest && s < 1.0 - lowest; }
+
+lac_status lac_rg_map_fit(size_t n, const double *s, const double *s_next, lac_rg_map *map,
+                          lac_error *err)
+{
+    lac_line line = {0};
+    for (size_t i = 0; i < n; i++) {
+        if (in_range(s[i]) && in_range(s_next[i])) {
+            lac_line_add(&line, logit(s[i]), logit(s_next[i]));
+        }
+    }
+    *map = (lac_rg_map){.points = (size_t)line.n, .fixed_point = NAN, .nu = NAN};
+    LAC_FAIL_IF(map->points < 3 || !(line.xx > 1e-12 * line.n), err, LAC_EINPUT,
+                "a map needs three pairs of slipped fractions between %g and %g, not %zu", lowest,
+                1.0 - lowest, map->points);
+    map->lambda = lac_line_slope(&line);
+    map->g = lac_line_at(&line, 0.0);
+    map->residual = sqrt(line.rest / line.n);
+    if (map->lambda > 1.0) {
+        map->fixed_point = 1.0 / (1.0 + exp(map->g / (map->lambda - 1.0)));
+        map->nu = ln2 / log(map->lambda);
+    }
+    return LAC_OK;
+}
 
 // One resampling: as many groups as there are, drawn with repetition. Returns the pairs drawn.
-static size_t resample(const lac_rg_study_def *def, uint64_t draw, size_t groups,
-                       const size_t *first, const double *s, const double *s_next, double *out,
-                       double *next)
+static size_t resample(uint64_t seed, uint64_t draw, size_t groups, const size_t *first,
+                       const double *s, const double *s_next, double *out, double *next)
 {
     size_t n = 0;
     for (size_t i = 0; i < groups; i++) {
-        double u = lac_random_uniform(def->seed, LAC_STREAM_BOOTSTRAP, draw, i);
+        double u = lac_random_uniform(seed, LAC_STREAM_BOOTSTRAP, draw, i);
         size_t g = (size_t)(u * (double)groups);
         g = g < groups ? g : groups - 1;
         for (size_t k = first[g]; k < first[g + 1]; k++, n++) {
@@ -49,15 +78,15 @@ static lac_rg_estimate estimate(double value, size_t draws, double *drawn)
     return e;
 }
 
-lac_status lac_rg_bootstrap(const lac_rg_study_def *def, size_t groups, const size_t *first,
-                            const double *s, const double *s_next, lac_rg_result *result,
-                            lac_error *err)
+lac_status lac_rg_map_resample(size_t groups, const size_t *first, const double *s,
+                               const double *s_next, size_t resamplings, uint64_t seed,
+                               lac_rg_fit *fit, lac_error *err)
 {
     size_t most = 0;
     for (size_t i = 0; i < groups; i++) {
         most = first[i + 1] - first[i] > most ? first[i + 1] - first[i] : most;
     }
-    const size_t draws = groups > 1 ? def->resamplings : 0;
+    const size_t draws = groups > 1 ? resamplings : 0;
     double *pairs = malloc((2 * groups * most + 1) * sizeof *pairs);
     double *drawn = malloc((ESTIMATES * draws + 1) * sizeof *drawn);
     if (pairs == NULL || drawn == NULL) {
@@ -66,22 +95,20 @@ lac_status lac_rg_bootstrap(const lac_rg_study_def *def, size_t groups, const si
         return lac_fail_memory(err);
     }
     // Too few pairs for a map is a result, not an error.
-    lac_rg_map none = {.lambda = NAN, .g = NAN, .fixed_point = NAN, .nu = NAN, .residual = NAN};
-    if (lac_rg_map_fit(first[groups], s, s_next, &result->map, NULL) != LAC_OK) {
-        none.points = result->map.points;
-        result->map = none;
+    if (lac_rg_map_fit(first[groups], s, s_next, &fit->map, NULL) != LAC_OK) {
+        fit->map.lambda = fit->map.g = fit->map.residual = NAN;
     }
     for (size_t d = 0; d < draws; d++) {
         lac_rg_map map;
-        size_t n = resample(def, d, groups, first, s, s_next, pairs, pairs + groups * most);
+        size_t n = resample(seed, d, groups, first, s, s_next, pairs, pairs + groups * most);
         bool fits = lac_rg_map_fit(n, pairs, pairs + groups * most, &map, NULL) == LAC_OK;
         drawn[d] = fits ? map.fixed_point : NAN;
         drawn[draws + d] = fits ? map.lambda : NAN;
         drawn[2 * draws + d] = fits ? map.nu : NAN;
     }
-    result->fixed_point = estimate(result->map.fixed_point, draws, drawn);
-    result->lambda = estimate(result->map.lambda, draws, drawn + draws);
-    result->nu = estimate(result->map.nu, draws, drawn + 2 * draws);
+    fit->fixed_point = estimate(fit->map.fixed_point, draws, drawn);
+    fit->lambda = estimate(fit->map.lambda, draws, drawn + draws);
+    fit->nu = estimate(fit->map.nu, draws, drawn + 2 * draws);
     free(pairs);
     free(drawn);
     return LAC_OK;
@@ -140,19 +167,4 @@ lac_rg_power lac_rg_power_fit(size_t n, const double *load, const double *xi, do
     law.curvature = curvature(n, load, xi, critical, &line);
     law.holds = most >= 4.0 * least && law.exponent > 2.0 * law.error && fabs(law.curvature) < 2.0;
     return law;
-}
-
-// For pairs that do not come from a study, such as those of a run.
-lac_status lac_rg_map_resample(size_t groups, const size_t *first, const double *s,
-                               const double *s_next, size_t resamplings, lac_rg_fit *fit,
-                               lac_error *err)
-{
-    const lac_rg_study_def def = {.resamplings = resamplings, .seed = 1};
-    lac_rg_result result = {0};
-    lac_status status = lac_rg_bootstrap(&def, groups, first, s, s_next, &result, err);
-    *fit = (lac_rg_fit){.map = result.map,
-                        .fixed_point = result.fixed_point,
-                        .lambda = result.lambda,
-                        .nu = result.nu};
-    return status;
 }

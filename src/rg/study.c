@@ -60,11 +60,11 @@ static void set_loads(lac_rg_study *study, const lac_rg_path *path)
     }
 }
 
-static void free_samples(const lac_rg_study *study, lac_rg_sample *samples)
+static void free_samples(lac_rg_sample *samples)
 {
-    for (size_t i = 0; samples != NULL && i < study->def.places; i++) {
-        free(samples[i].fraction);
-        free(samples[i].size);
+    if (samples != NULL) {
+        free(samples->fraction); // those of all places
+        free(samples->size);
     }
     free(samples);
 }
@@ -75,7 +75,6 @@ static void free_result(lac_rg_result *result)
         free(result->fraction);
         free(result->of_joint);
         free(result->cell_load);
-        free(result->own_level);
         free(result->size);
     }
     free(result);
@@ -87,7 +86,7 @@ void lac_rg_study_free(lac_rg_study *study)
         return;
     }
     for (size_t j = 0; j < study->joints; j++) {
-        free_samples(study, study->of_joint[j]);
+        free_samples(study->of_joint[j]);
     }
     free(study->of_joint);
     free_result(study->result);
@@ -106,25 +105,21 @@ static lac_status create_samples(const lac_rg_study *study, lac_rg_sample **out,
 {
     const size_t loads = study->def.loads;
     const size_t levels = study->levels + 1;
-    lac_rg_sample *samples = calloc(study->def.places, sizeof *samples);
-    bool made = samples != NULL;
-    for (size_t i = 0; made && i < study->def.places; i++) {
+    const size_t places = study->def.places;
+    lac_rg_sample *samples = *out = calloc(places, sizeof *samples);
+    LAC_FAIL_MEMORY_IF(samples == NULL, err);
+    samples->fraction = malloc(places * length_of(study) * sizeof *samples->fraction);
+    samples->size = malloc(places * levels * sizeof *samples->size);
+    LAC_FAIL_MEMORY_IF(samples->fraction == NULL || samples->size == NULL, err);
+    for (size_t i = 0; i < places; i++) {
         lac_rg_sample *s = &samples[i];
-        s->fraction = malloc(length_of(study) * sizeof *s->fraction);
-        s->size = malloc(levels * sizeof *s->size);
-        made = s->fraction != NULL && s->size != NULL;
-        if (made) {
-            s->block = s->fraction + loads * levels;
-            s->blocks = s->block + loads;
-            s->slipping = s->blocks + levels;
-            s->begin = s->slipping + levels;
-        }
+        s->size = samples->size + i * levels;
+        s->fraction = samples->fraction + i * length_of(study);
+        s->block = s->fraction + loads * levels;
+        s->blocks = s->block + loads;
+        s->slipping = s->blocks + levels;
+        s->begin = s->slipping + levels;
     }
-    if (!made) {
-        free_samples(study, samples);
-        return lac_fail_memory(err);
-    }
-    *out = samples;
     return LAC_OK;
 }
 
@@ -168,15 +163,13 @@ static lac_status take_samples(const lac_rg_study *study, const lac_rg_joint *jo
 static lac_status solve_samples(const lac_rg_study *study, const lac_rg_joint *joint,
                                 lac_rg_sample *samples, lac_error *err)
 {
-    lac_status status = LAC_OK;
     for (size_t i = 0; joint->press != NULL && i < study->def.places; i++) {
         size_t dx;
         size_t dy;
         draw_place(study, &joint->domain->grid, i, &dx, &dy);
-        LAC_TRY(lac_rg_sample_solve(joint, &study->def, dx, dy, &samples[i], err));
+        LAC_TRY_RETURN(lac_rg_sample_solve(joint, &study->def, dx, dy, &samples[i], err));
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 // Clusters and the order of slipping, at the grid's own place.
@@ -187,12 +180,10 @@ static void keep_order(lac_rg_study *study, lac_rg_order *order)
         study->cluster[i] += order->cluster[i];
     }
     free(r->cell_load);
-    free(r->own_level);
     r->cell_load = order->cell_load;
     r->own_level = order->own_level;
     r->last_n = order->domain->n;
     order->cell_load = NULL;
-    order->own_level = NULL;
 }
 
 lac_status lac_rg_study_add(lac_rg_study *study, const lac_rg_joint *joint, lac_error *err)
@@ -222,7 +213,7 @@ lac_status lac_rg_study_add(lac_rg_study *study, const lac_rg_joint *joint, lac_
     samples = NULL;
 out:
     lac_rg_order_clear(&order);
-    free_samples(study, samples);
+    free_samples(samples);
     return status;
 }
 
@@ -349,6 +340,7 @@ static lac_status fit_map(const lac_rg_study *study, lac_rg_result *r, lac_error
 {
     const size_t samples = study->joints * study->def.places;
     const size_t most = samples * study->def.loads * (study->levels + 1);
+    lac_rg_fit fit;
     double *s = malloc((2 * most + 1) * sizeof *s);
     size_t *first = malloc((samples + 1) * sizeof *first);
     lac_status status = s != NULL && first != NULL ? LAC_OK : lac_fail_memory(err);
@@ -364,7 +356,14 @@ static lac_status fit_map(const lac_rg_study *study, lac_rg_result *r, lac_error
                           s + most + n);
         }
         first[groups] = n;
-        status = lac_rg_bootstrap(&study->def, groups, first, s, s + most, r, err);
+        status = lac_rg_map_resample(groups, first, s, s + most, study->def.resamplings,
+                                     study->def.seed, &fit, err);
+    }
+    if (status == LAC_OK) {
+        r->map = fit.map;
+        r->fixed_point = fit.fixed_point;
+        r->lambda = fit.lambda;
+        r->nu = fit.nu;
     }
     free(first);
     free(s);
@@ -374,19 +373,17 @@ static lac_status fit_map(const lac_rg_study *study, lac_rg_result *r, lac_error
 lac_status lac_rg_study_finish(lac_rg_study *study, const lac_rg_result **result, lac_error *err)
 {
     lac_rg_result *r = study->result;
-    lac_status status;
     LAC_FAIL_IF(study->joints == 0, err, LAC_EINPUT, "no joint was added to the study");
     r->joints = study->joints;
     r->places = study->def.places;
     r->levels = study->levels;
     r->loads = study->def.loads;
-    LAC_TRY(create_means(study, r, err));
+    LAC_TRY_RETURN(create_means(study, r, err));
     means(study, r);
-    LAC_TRY(critical_force(study, r, err));
-    LAC_TRY(fit_map(study, r, err));
+    LAC_TRY_RETURN(critical_force(study, r, err));
+    LAC_TRY_RETURN(fit_map(study, r, err));
     r->cluster_law = lac_rg_power_fit(r->loads, r->load, r->cluster, r->critical);
     r->block_law = lac_rg_power_fit(r->loads, r->load, r->block, r->critical);
     *result = r;
-out:
-    return status;
+    return LAC_OK;
 }

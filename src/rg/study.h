@@ -17,12 +17,13 @@ typedef struct lac_rg_sample {
 /// What one joint gave at its own place only.
 typedef struct lac_rg_order {
     const lac_domain *domain;
-    double *cluster;   ///< [loads] longer side of the largest cluster of slipped cells [m]
-    double *cell_load; ///< [n] the first load at which each cell has slipped in the end; NaN
+    double *cell_load; ///< [n] the first load at which each cell has slipped in the end; NaN;
+                       ///< holds the two below, too
     double *own_level; ///< [n] of the largest block around it that slips by itself where a loaded
                        ///< path begins; NaN
+    double *cluster;   ///< [loads] longer side of the largest cluster of slipped cells [m]
     uint8_t *slipped;  ///< [n] scratch
-    lac_domain *part;  ///< scratch
+    lac_domain part;   ///< scratch
 } lac_rg_order;
 
 lac_status lac_rg_order_create(const lac_domain *domain, size_t loads, lac_rg_order *order,
@@ -41,13 +42,6 @@ lac_status lac_rg_sample_solve(const lac_rg_joint *joint, const lac_rg_study_def
 
 /// Levels of the trees of a grid; one that is not periodic is laid into one twice as long.
 size_t lac_rg_sample_levels(const lac_grid *grid);
-
-/// Bootstrap of the map over groups of pairs.
-/// @param groups  of pairs; group i is pairs first[i] ... first[i + 1]
-/// @param result  map and the three estimates are set
-lac_status lac_rg_bootstrap(const lac_rg_study_def *def, size_t groups, const size_t *first,
-                            const double *s, const double *s_next, lac_rg_result *result,
-                            lac_error *err);
 
 /// Fits xi ~ (1 - load/critical)^-exponent below the critical load.
 lac_rg_power lac_rg_power_fit(size_t n, const double *load, const double *xi, double critical);

@@ -42,9 +42,6 @@ lac_status lac_rg_check_strengths(size_t n, const double *strength, lac_error *e
 /// where none does.
 void lac_rg_own_levels(lac_rg_tree *tree, double *level);
 
-/// The pass up with rule LUMP, over the layers above the cells.
-void lac_rg_lump(lac_rg_tree *tree);
-
 /// What is known of a block on the way along a path.
 typedef struct lac_rg_block_state {
     double gap, force; ///< at the load before [Pa], sum of its cells' tractions [Pa]
@@ -67,7 +64,3 @@ void lac_rg_states_note(const lac_rg_tree *tree, double before, double load,
 /// The size effect that follows.
 void lac_rg_states_summarise(const lac_rg_tree *tree, const lac_rg_block_state *states, bool line,
                              lac_rg_sizes *sizes);
-
-/// The block that is the whole joint slips at its critical load, whatever the scan saw.
-/// @param critical  Q/Q_nom
-void lac_rg_sizes_close(const lac_rg_tree *tree, bool line, double critical, lac_rg_sizes *sizes);

@@ -3,6 +3,7 @@
 // that nothing of its past counts; docs/theory/restart.md.
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/archive.h"
 #include "run/run_state.h"
@@ -25,56 +26,32 @@ bool lac_run_state_checkpoint_due(lac_run_state *r)
     return due;
 }
 
-// Sum of the values that the problem starts from, as another scene has others; 0 where memory is
-// short, which is no sum of anything.
-static uint64_t identify(const lac_problem *problem)
+// What tells a scene from another.
+typedef struct identity {
+    uint64_t cells, formulation, start;
+} identity;
+
+// `start` sums the values that the problem starts from; 0 where memory is short, which is no sum of
+// anything.
+static identity identify(const lac_problem *problem)
 {
+    identity scene = {.cells = lac_problem_cells(problem),
+                      .formulation = (uint64_t)lac_problem_formulation(problem)};
     double *y = calloc(lac_problem_unknowns(problem), sizeof *y);
-    if (y == NULL) {
-        return 0;
+    if (y != NULL) {
+        lac_problem_initial(problem, y);
+        const size_t size = lac_problem_unknowns(problem) * sizeof *y;
+        scene.start = lac_sum_bytes(LAC_SUM_OF_NOTHING, y, size) | 1;
     }
-    lac_problem_initial(problem, y);
-    const size_t size = lac_problem_unknowns(problem) * sizeof *y;
-    const uint64_t sum = lac_sum_bytes(LAC_SUM_OF_NOTHING, y, size);
     free(y);
-    return sum | 1;
-}
-
-static void pass_instant(lac_archive *archive, lac_instant *instant)
-{
-    LAC_PASS(archive, instant->set);
-    LAC_PASS(archive, instant->origin);
-    LAC_PASS(archive, instant->local);
-}
-
-static void pass_clock(lac_archive *archive, lac_clock *clock)
-{
-    LAC_PASS(archive, clock->count);
-    LAC_PASS(archive, clock->steps);
-    LAC_PASS(archive, clock->last_log_rate);
-}
-
-static void pass_counts(lac_archive *archive, lac_run_result *counts)
-{
-    LAC_PASS(archive, counts->steps);
-    LAC_PASS(archive, counts->rhs_evaluations);
-    LAC_PASS(archive, counts->newton_iterations);
-    LAC_PASS(archive, counts->linear_solves);
-    LAC_PASS(archive, counts->error_test_fails);
-    LAC_PASS(archive, counts->nonlinear_fails);
-    LAC_PASS(archive, counts->restarts);
+    return scene;
 }
 
 static void pass_engine(lac_archive *archive, lac_engine *engine)
 {
-    LAC_PASS(archive, engine->origin);
-    LAC_PASS(archive, engine->base);
-    LAC_PASS(archive, engine->t);
-    LAC_PASS(archive, engine->limit);
-    LAC_PASS(archive, engine->step);
-    LAC_PASS(archive, engine->order);
+    LAC_PASS_RUN(archive, engine->origin, engine->order);
     LAC_PASS(archive, engine->beginnings);
-    pass_counts(archive, &engine->counts);
+    LAC_PASS_RUN(archive, engine->counts.steps, engine->counts.restarts);
     lac_archive_pass(archive, engine->y, engine->unknowns * sizeof *engine->y);
     lac_archive_pass(archive, engine->slip, engine->n * sizeof *engine->slip);
 }
@@ -82,47 +59,35 @@ static void pass_engine(lac_archive *archive, lac_engine *engine)
 // Everything in one order, both ways.
 static void pass_course(lac_archive *archive, lac_run_state *r)
 {
+    lac_clock *clocks[] = {&r->record_clock, &r->snapshot_clock, &r->checkpoint_clock};
+    lac_instant *instants[] = {&r->last_record, &r->last_snapshot, &r->looked};
     pass_engine(archive, r->engine);
-    pass_clock(archive, &r->record_clock);
-    pass_clock(archive, &r->snapshot_clock);
-    pass_clock(archive, &r->checkpoint_clock);
-    pass_instant(archive, &r->last_record);
-    pass_instant(archive, &r->last_snapshot);
-    pass_instant(archive, &r->looked);
-    LAC_PASS(archive, r->next_break);
-    LAC_PASS(archive, r->mean_rate);
-    LAC_PASS(archive, r->max_rate);
-    LAC_PASS(archive, r->first_step);
-    LAC_PASS(archive, r->steps);
-    LAC_PASS(archive, r->result->restarts);
-    LAC_PASS(archive, r->result->max_slip_rate);
-    LAC_PASS(archive, r->result->balance_residual);
-    LAC_PASS(archive, r->result->rate_drift);
+    for (size_t i = 0; i < 3; i++) {
+        LAC_PASS_RUN(archive, clocks[i]->count, clocks[i]->last_log_rate);
+    }
+    for (size_t i = 0; i < 3; i++) {
+        LAC_PASS(archive, instants[i]->set);
+        LAC_PASS_RUN(archive, instants[i]->origin, instants[i]->local);
+    }
+    LAC_PASS_RUN(archive, r->next_break, r->steps);
+    LAC_PASS_RUN(archive, r->result->restarts, r->result->max_slip_rate);
+    LAC_PASS_RUN(archive, r->result->balance_residual, r->result->rate_drift);
     if (r->sink != NULL && r->sink->serialize != NULL) {
         r->sink->serialize(r->sink->context, archive);
     }
 }
 
-static void pass_identity(lac_archive *archive, uint64_t *n, uint64_t *formulation, uint64_t *start)
-{
-    LAC_PASS(archive, *n);
-    LAC_PASS(archive, *formulation);
-    LAC_PASS(archive, *start);
-}
-
 lac_status lac_run_state_checkpoint(lac_run_state *r, bool planned, lac_error *err)
 {
     lac_archive archive = {.loading = false};
-    uint64_t n = r->engine->n;
-    uint64_t formulation = (uint64_t)lac_problem_formulation(r->problem);
-    uint64_t start = identify(r->problem);
     if (r->sink == NULL || r->sink->checkpoint == NULL) {
         return LAC_OK;
     }
-    pass_identity(&archive, &n, &formulation, &start);
+    identity scene = identify(r->problem);
+    LAC_PASS(&archive, scene);
     pass_course(&archive, r);
     lac_status status = LAC_OK;
-    if (start == 0 || archive.no_memory) {
+    if (scene.start == 0 || archive.no_memory) {
         status = lac_fail_memory(err);
     } else if (archive.refused != NULL && planned) {
         status = lac_fail(
@@ -142,15 +107,11 @@ lac_status lac_run_state_checkpoint(lac_run_state *r, bool planned, lac_error *e
 
 static lac_status check_identity(const lac_run_state *r, lac_archive *archive, lac_error *err)
 {
-    uint64_t n = 0;
-    uint64_t formulation = 0;
-    uint64_t start = 0;
-    uint64_t now = identify(r->problem);
-    LAC_FAIL_MEMORY_IF(now == 0, err);
-    pass_identity(archive, &n, &formulation, &start);
-    LAC_FAIL_IF(!lac_archive_good(archive) || n != r->engine->n ||
-                    formulation != (uint64_t)lac_problem_formulation(r->problem) || start != now,
-                err, LAC_EINPUT,
+    identity kept = {0}, scene = identify(r->problem);
+    LAC_FAIL_MEMORY_IF(scene.start == 0, err);
+    LAC_PASS(archive, kept);
+    LAC_FAIL_IF(!lac_archive_good(archive) || memcmp(&kept, &scene, sizeof kept) != 0, err,
+                LAC_EINPUT,
                 "the checkpoint is of another scene: its cells or what they start from have "
                 "changed, perhaps a file that the case reads");
     return LAC_OK;
@@ -160,12 +121,11 @@ lac_status lac_run_state_resume(lac_run_state *r, lac_error *err)
 {
     const lac_checkpoint *from = r->def->resume;
     lac_archive archive = {.loading = true, .size = from->size};
-    lac_status status = LAC_OK;
     archive.bytes = (unsigned char *)from->state; // only read
     r->record_clock.every = r->def->record;
     r->snapshot_clock.every = r->def->snapshot;
     r->checkpoint_clock.every = r->def->checkpoint;
-    LAC_TRY(check_identity(r, &archive, err));
+    LAC_TRY_RETURN(check_identity(r, &archive, err));
     pass_course(&archive, r);
     LAC_FAIL_MEMORY_IF(archive.no_memory, err);
     LAC_FAIL_IF(!lac_archive_good(&archive) || archive.at != archive.size, err, LAC_EINPUT,
@@ -174,6 +134,5 @@ lac_status lac_run_state_resume(lac_run_state *r, lac_error *err)
                 "the checkpoint is at t = %.9g s, not before the end of the run, %.9g s",
                 lac_engine_time(r->engine), r->def->end);
     r->engine->before = r->engine->counts;
-out:
-    return status;
+    return LAC_OK;
 }

@@ -10,8 +10,6 @@
 
 #define PLACE const lac_run_place *p = of
 #define GRID const lac_grid *g = &((const lac_run_place *)of)->of.domain->grid
-#define G(getter) .value = (getter)
-#define T(getter) .text = (getter)
 #define P(kind, field) LAC_HELD(kind, lac_run_place, field)
 
 LAC_GETTER(double, time_of_record, PLACE, p->record.time_origin + p->record.time_local)
@@ -22,7 +20,7 @@ LAC_GETTER(double, order, PLACE, p->record.order != 0 ? (double)p->record.order 
 #define POINT .cell_methods = "time: point"
 // Held, though never missing in fact.
 #define SEEN(field) P(REAL, record.observation.field), .flags = LAC_FILLED | LAC_ROUGH
-#define COUNT .flags = (LAC_WHOLE | LAC_LONG)
+#define WHOLE .flags = (LAC_WHOLE | LAC_LONG)
 
 static const lac_variable of_record[] = {
     LAC_ROW("time", NULL, "s", "time since the start of the run", G(time_of_record),
@@ -63,7 +61,7 @@ static const lac_variable of_record[] = {
             .flags = LAC_MISSING | LAC_WHOLE,
             .comment = "missing at the start, where no step has been made"),
     LAC_ROW("rhs_evaluations", NULL, "1", "evaluations of the right-hand side since the start",
-            P(INT64, record.rhs_evaluations), POINT, COUNT),
+            P(INT64, record.rhs_evaluations), POINT, WHOLE),
 };
 
 static const lac_variable of_snapshot[] = {
@@ -94,7 +92,7 @@ static const lac_variable of_event[] = {
     LAC_ROW("event_duration", NULL, "s",
             "time from the start of the event to the fall of its last cell", E(REAL, duration)),
     LAC_ROW("event_cells", NULL, "1", "different cells that moved in the event", E(INT64, cells),
-            COUNT),
+            WHOLE),
     LAC_ROW("event_potency", NULL, "m3",
             "sum over the event's cells of area times slip while moving", E(REAL, potency)),
     LAC_ROW("event_moment", NULL, "N m", "shear modulus times potency of the event",
@@ -109,30 +107,22 @@ static const lac_variable of_event[] = {
     LAC_ROW("event_max_slip_rate", NULL, "m s-1",
             "largest slip rate of a cell of the event at the end of a step", E(REAL, max_rate)),
     LAC_ROW("event_cut", NULL, "1", "ends of the event that lie outside the run", E(INT64, cut),
-            COUNT, .meanings = "whole begun_before unended both",
+            WHOLE, .meanings = "whole begun_before unended both",
             .comment = "where any do, duration, cells, moment and size are at least what is given"),
 };
 
-// The date of a time since the start; NULL: there is none.
-static const char *date_of(bool dated, double seconds, char room[LAC_TEXT_ROOM])
-{
-    return dated ? lac_date_format(seconds, room, LAC_TEXT_ROOM) : NULL;
-}
+LAC_GETTER(double, start, (void)of, 0.0)
+static const lac_variable of_start[] = {
+    {.name = "time_coverage_start", G(start), .flags = LAC_DATE}};
 
-LAC_TEXT_GETTER(start_date, PLACE, date_of(p->of.dated, p->of.start_date, room))
-static const lac_variable of_start[] = {{.name = "time_coverage_start", T(start_date)}};
-
-LAC_TEXT_GETTER(boundary, GRID, g->periodic ? "periodic" : "free")
-LAC_GETTER(double, grid_nx, GRID, (double)g->nx)
-LAC_GETTER(double, grid_ny, GRID, (double)g->ny)
-LAC_GETTER(double, grid_dx, GRID, g->dx)
-LAC_GETTER(double, grid_dy, GRID, g->dy)
+static const char *const boundaries[] = {"free", "periodic"};
+#define OF_GRID(kind, field) LAC_HELD(kind, lac_grid, field)
 static const lac_variable of_grid[] = {
-    {.name = "grid_nx", G(grid_nx), .flags = LAC_WHOLE},
-    {.name = "grid_ny", G(grid_ny), .flags = LAC_WHOLE},
-    {.name = "grid_dx_m", .unit = "m", G(grid_dx)},
-    {.name = "grid_dy_m", .unit = "m", G(grid_dy)},
-    {.name = "boundary", T(boundary)},
+    {.name = "grid_nx", OF_GRID(COUNT, nx), .flags = LAC_WHOLE},
+    {.name = "grid_ny", OF_GRID(COUNT, ny), .flags = LAC_WHOLE},
+    {.name = "grid_dx_m", .unit = "m", OF_GRID(REAL, dx)},
+    {.name = "grid_dy_m", .unit = "m", OF_GRID(REAL, dy)},
+    {.name = "boundary", OF_GRID(BOOL, periodic), .names = boundaries},
 };
 
 static double cell_column(const lac_domain *domain, size_t cell)
@@ -180,7 +170,7 @@ static const lac_variable of_levels[] = {
                        "one holds everything"),
     LAC_ROW("block_size", NULL, "m", "side of a block of this level along x", G(block_size)),
     LAC_ROW("block_width", NULL, "m", "side of a block of this level along y", G(block_width)),
-    LAC_ROW("n_tot", NULL, "1", "blocks of this level that hold a contact cell", G(blocks), COUNT,
+    LAC_ROW("n_tot", NULL, "1", "blocks of this level that hold a contact cell", G(blocks), WHOLE,
             .coordinates = "block_size"),
     LAC_ROW("hierarchy_stiffness", NULL, "Pa m-1", "stiffness k_l of the hierarchy at this level",
             G(stiffness), .has = has_stiffness, .flags = LAC_MISSING, .coordinates = "block_size",
@@ -245,8 +235,9 @@ static lac_status add_all(lac_dataset *d, const lac_run_place *p, lac_error *err
                                {"event", LAC_GROWS}};
     const lac_laid start[] = {{LAC_VARIABLES(of_start, "", 0), p},
                               {LAC_VARIABLES(of_record, "time", 0), p}};
-    const lac_laid cells[] = {{LAC_VARIABLES(of_grid, "", 0), p},
-                              {LAC_VARIABLES(of_cells, "cell", 0), p}};
+    const lac_laid cells[] = {
+        {LAC_VARIABLES(of_grid, "", 0), of->domain != NULL ? &of->domain->grid : NULL},
+        {LAC_VARIABLES(of_cells, "cell", 0), p}};
     const lac_laid level = {LAC_VARIABLES(of_levels, "level", 0), p};
     const lac_laid events = {LAC_VARIABLES(of_event, "event", 0), p};
     lac_status status;
@@ -297,11 +288,6 @@ static double failure_time(const lac_run_result *r)
     return r->failed && r->end != LAC_END_ERROR ? r->failure_origin + r->failure_local : NAN;
 }
 
-static const char *failure_day(const lac_run_ending *e, char room[LAC_TEXT_ROOM])
-{
-    const double time = e->result != NULL ? failure_time(e->result) : NAN;
-    return date_of(e->dated && !isnan(time), e->start_date + time, room);
-}
 // After an error nobody knows.
 LAC_GETTER(double, failed, RESULT, r->end != LAC_END_ERROR ? r->failed : NAN)
 LAC_GETTER(double, failure_rate, RESULT, r->end != LAC_END_ERROR ? r->failure.rate : NAN)
@@ -313,10 +299,6 @@ LAC_TEXT_GETTER(lowered, RESULT,
                       "time.failure.mean_slip_rate; judged by all cells as one"
                     : NULL)
 LAC_TEXT_GETTER(ended_by, RESULT, lac_end_name(r->end))
-LAC_TEXT_GETTER(failure_date, ENDING, failure_day(e, room))
-LAC_TEXT_GETTER(end_date, ENDING,
-                date_of(e->dated && e->result != NULL,
-                        e->start_date + (e->result != NULL ? e->result->time : 0.0), room))
 LAC_TEXT_GETTER(modified, ENDING,
                 lac_date_format(e->now + (isnan(e->wall_time) ? 0.0 : e->wall_time), room,
                                 LAC_TEXT_ROOM))
@@ -325,15 +307,13 @@ LAC_TEXT_GETTER(modified, ENDING,
     {                                                        \
         .name = (name_), R(INT64, field), .flags = LAC_WHOLE \
     }
-static const lac_variable of_failure[] = {
+static const lac_variable of_result[] = {
     {.name = "failed", G(failed), .flags = LAC_WHOLE},
     {.name = "failure_rate_m_s", .unit = "m s-1", G(failure_rate)},
     {.name = "failure_rate_comment", T(lowered)},
     {.name = "failure_slip_m", .unit = "m", G(failure_slip)},
     {.name = "failure_time_s", .unit = "s", G(failed_at)},
-};
-static const lac_variable of_failure_date[] = {{.name = "failure_date", T(failure_date)}};
-static const lac_variable of_result[] = {
+    {.name = "failure_date", G(failed_at), .flags = LAC_DATE},
     {.name = "ended_by", T(ended_by)},
     {.name = "time_reached_s", .unit = "s", R(REAL, time)},
     {.name = "max_slip_rate_m_s", .unit = "m s-1", R(REAL, max_slip_rate)},
@@ -346,9 +326,9 @@ static const lac_variable of_result[] = {
     SUM("error_test_fails", error_test_fails),
     SUM("nonlinear_fails", nonlinear_fails),
     SUM("restarts", restarts),
+    {.name = "time_coverage_end", R(REAL, time), .flags = LAC_DATE},
 };
 static const lac_variable of_end[] = {
-    {.name = "time_coverage_end", T(end_date)},
     {.name = "wall_time_s", .unit = "s", LAC_HELD(REAL, lac_run_ending, wall_time)},
     {.name = "date_modified", T(modified)},
     {.name = "status", LAC_HELD(TEXT, lac_run_ending, status)},
@@ -356,12 +336,12 @@ static const lac_variable of_end[] = {
 
 lac_status lac_run_ending_describe(const lac_run_ending *ending, lac_dataset **out, lac_error *err)
 {
-    const lac_laid laid[] = {{LAC_VARIABLES(of_failure, "", 0), ending->result},
-                             {LAC_VARIABLES(of_failure_date, "", 0), ending},
-                             {LAC_VARIABLES(of_result, "", 0), ending->result},
+    const lac_laid laid[] = {{LAC_VARIABLES(of_result, "", 0), ending->result},
                              {LAC_VARIABLES(of_end, "", 0), ending}};
     lac_status status;
     LAC_TRY(lac_dataset_create("", out, err));
+    (*out)->clock = ending->dated ? LAC_CLOCK_DATE : LAC_CLOCK_NONE;
+    (*out)->start = ending->start_date;
     LAC_TRY(lac_dataset_add(*out, laid, sizeof laid / sizeof *laid, err));
 out:
     return lac_dataset_described(out, status);

@@ -54,9 +54,7 @@ void lac_engine_free(lac_engine *engine)
     }
     lac_engine_free(engine->brief);
     engine->kind->free(engine);
-    if (engine->sun != NULL) {
-        SUNContext_Free(&engine->sun);
-    }
+    SUNContext_Free(&engine->sun);
     free(engine->work);
     free(engine);
 }
@@ -104,9 +102,8 @@ static bool is_brief(const lac_engine *engine, double *h)
 // Hands the state over to the other method.
 static lac_status begin_brief(lac_engine *engine, double h, lac_error *err)
 {
-    lac_status status = LAC_OK;
     if (engine->brief == NULL) {
-        LAC_TRY(create(&lac_engine_erk, engine->problem, engine->def, &engine->brief, err));
+        LAC_TRY_RETURN(create(&lac_engine_erk, engine->problem, engine->def, &engine->brief, err));
     }
     lac_engine *brief = engine->brief;
     memcpy(brief->y, engine->y, engine->unknowns * sizeof *brief->y);
@@ -117,9 +114,7 @@ static lac_status begin_brief(lac_engine *engine, double h, lac_error *err)
     brief->limit = engine->limit;
     brief->before = brief->counts = engine->counts;
     lac_problem_forget(brief->problem, brief->work);
-    LAC_TRY(brief->kind->restart(brief, h, err));
-out:
-    return status;
+    return brief->kind->restart(brief, h, err);
 }
 
 lac_status lac_engine_restart(lac_engine *engine, double h, lac_error *err)
@@ -173,8 +168,8 @@ lac_status lac_engine_advance(lac_engine *engine, double stop, lac_error *err)
         return advance_brief(engine, stop, err);
     }
     stop -= engine->t;
-    lac_status status = give_up_brief(engine, err);
-    return status == LAC_OK ? engine->kind->advance(engine, stop, err) : status;
+    LAC_TRY_RETURN(give_up_brief(engine, err));
+    return engine->kind->advance(engine, stop, err);
 }
 
 bool lac_engine_at(lac_engine *engine, double t, double *observation)
@@ -192,12 +187,6 @@ void lac_engine_count(lac_engine *engine)
     engine->brief->kind->count(engine->brief);
     engine->counts = engine->brief->counts;
     engine->order = engine->brief->order;
-}
-
-const char *lac_engine_unknown(const lac_engine *engine, size_t component)
-{
-    const char *names[] = {lac_problem_unknown(engine->problem), "ln theta", "slip"};
-    return names[component / engine->n];
 }
 
 lac_status lac_engine_cannot_restart(const lac_engine *engine, lac_error *err)

@@ -69,7 +69,7 @@ lac_status lac_engine_create(const lac_problem *problem, const lac_run_def *def,
                              lac_error *err);
 void lac_engine_free(lac_engine *engine);
 
-/// The longest step that the loads allow from where the engine stands [s]; INFINITY if any.
+/// As lac_problem_longest_step, from where the engine stands.
 double lac_engine_longest_step(const lac_engine *engine);
 
 // Begins anew from y and slip alone, at t = 0 with first step h: nothing of the way there carries
@@ -97,9 +97,6 @@ static inline double lac_engine_time(const lac_engine *engine)
 {
     return engine->origin + (engine->base + engine->t);
 }
-
-// What a component of y is called, for messages.
-const char *lac_engine_unknown(const lac_engine *engine, size_t component);
 
 // Errors of the kinds. @param name  of SUNDIALS' status, freed; with the transfer, where that
 // failed

@@ -54,8 +54,8 @@ lac_status lac_engine_events_check(const lac_problem *problem, lac_error *err)
                                    .law = &parts.friction->law->info,
                                    .linear = parts.linear,
                                    .formulation = lac_problem_formulation(problem)};
-    lac_status status = lac_run_async_follows(&scene, err);
-    return status == LAC_OK ? lac_async_supports(parts.friction, err) : status;
+    LAC_TRY_RETURN(lac_run_async_follows(&scene, err));
+    return lac_async_supports(parts.friction, err);
 }
 
 static lac_status make(lac_engine *engine, cells *c, lac_error *err)
@@ -223,7 +223,6 @@ static lac_status cells_advance(lac_engine *engine, double stop, lac_error *err)
 {
     cells *c = engine->inner;
     lac_async *micro = c->micro;
-    lac_status status = LAC_OK;
     double before = lac_async_time(micro);
     double passed = 0.0;
     if (lac_async_wants_shift(micro)) {
@@ -232,17 +231,16 @@ static lac_status cells_advance(lac_engine *engine, double stop, lac_error *err)
         stop -= by;
     }
     const lac_async_limits limits = limits_of(engine, stop);
-    LAC_TRY(lac_async_advance(micro, &limits, err));
+    LAC_TRY_RETURN(lac_async_advance(micro, &limits, err));
     const lac_async_state state = state_of(engine);
-    LAC_TRY(lac_async_evaluate(micro, &state, err));
+    LAC_TRY_RETURN(lac_async_evaluate(micro, &state, err));
     engine->t = lac_async_time(micro);
     engine->step = engine->t + passed - before;
     engine->peak = lac_async_peak(micro);
     engine->order = ORDER;
     c->looks++;
     c->too_early = lac_async_at_limit(micro) && too_early(engine, &limits);
-out:
-    return status;
+    return LAC_OK;
 }
 
 static bool cells_at(lac_engine *engine, double t, double *observation)

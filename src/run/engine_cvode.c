@@ -13,12 +13,14 @@
 typedef struct cvode {
     void *mem;
     N_Vector y, slip;
-    N_Vector seen_y, seen_slip;             // over what is asked for
-    SUNNonlinearSolver newton, fixed_point; // one of them
-    int64_t evaluations;                    // of dy/dt by newton since the last restart
-    double held_to;                         // rtol of the slip's tolerance
-    bool coarse;                            // slip is held to what a double resolves of it
+    N_Vector seen_y, seen_slip; // over what is asked for
+    SUNNonlinearSolver solver;  // Newton's iteration, or with Adams the fixed point's
+    int64_t evaluations;        // of dy/dt by Newton's since the last restart
+    double held_to;             // rtol of the slip's tolerance
+    bool coarse;                // slip is held to what a double resolves of it
 } cvode;
+
+static bool is_adams(const lac_engine *engine) { return engine->def->method == LAC_ADAMS; }
 
 static int rates(sunrealtype t, N_Vector y, N_Vector ydot, void *user)
 {
@@ -50,35 +52,22 @@ static void cvode_free(lac_engine *engine)
     if (c == NULL) {
         return;
     }
-    if (c->mem != NULL) {
-        CVodeFree(&c->mem);
-    }
-    if (c->newton != NULL) {
-        (void)SUNNonlinSolFree(c->newton);
-    }
-    if (c->fixed_point != NULL) {
-        SUNNonlinSolFree(c->fixed_point);
-    }
-    N_Vector vectors[] = {c->y, c->slip, c->seen_y, c->seen_slip};
-    for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++) {
-        if (vectors[i] != NULL) {
-            N_VDestroy(vectors[i]);
-        }
-    }
+    CVodeFree(&c->mem);
+    (void)SUNNonlinSolFree(c->solver);
+    N_VDestroy(c->y);
+    N_VDestroy(c->slip);
+    N_VDestroy(c->seen_y);
+    N_VDestroy(c->seen_slip);
     free(c);
     engine->inner = NULL;
 }
 
 static lac_status attach_solver(lac_engine *engine, cvode *c, lac_error *err)
 {
-    SUNNonlinearSolver solver;
-    if (engine->def->method == LAC_ADAMS) {
-        // Three vectors of Anderson acceleration: plain fixed-point iteration is poor here.
-        solver = c->fixed_point = SUNNonlinSol_FixedPoint(c->y, 3, engine->sun);
-    } else {
-        solver = c->newton = lac_newton_create(engine, c->mem);
-    }
-    bool good = solver != NULL && CVodeSetNonlinearSolver(c->mem, solver) == CV_SUCCESS;
+    // Three vectors of Anderson acceleration: plain fixed-point iteration is poor here.
+    c->solver = is_adams(engine) ? SUNNonlinSol_FixedPoint(c->y, 3, engine->sun)
+                                 : lac_newton_create(engine, c->mem);
+    bool good = c->solver != NULL && CVodeSetNonlinearSolver(c->mem, c->solver) == CV_SUCCESS;
     return good ? LAC_OK : lac_fail_memory(err);
 }
 
@@ -160,7 +149,7 @@ static bool lacks_memory(const cvode *c)
 
 static lac_status set_up(lac_engine *engine, cvode *c, lac_error *err)
 {
-    c->mem = CVodeCreate(engine->def->method == LAC_ADAMS ? CV_ADAMS : CV_BDF, engine->sun);
+    c->mem = CVodeCreate(is_adams(engine) ? CV_ADAMS : CV_BDF, engine->sun);
     LAC_FAIL_MEMORY_IF(c->mem == NULL, err);
     LAC_SUN_SILENCE_CVODE(c->mem);
     bool good =
@@ -172,16 +161,14 @@ static lac_status set_up(lac_engine *engine, cvode *c, lac_error *err)
 
 static lac_status cvode_create(lac_engine *engine, lac_error *err)
 {
-    lac_status status = LAC_OK;
     cvode *c = calloc(1, sizeof *c);
     LAC_FAIL_MEMORY_IF(c == NULL, err);
     engine->inner = c;
-    LAC_TRY(make_vectors(engine, c, err));
+    LAC_TRY_RETURN(make_vectors(engine, c, err));
     lac_problem_initial(engine->problem, engine->y);
-    LAC_TRY(set_up(engine, c, err));
+    LAC_TRY_RETURN(set_up(engine, c, err));
     settle(c);
-out:
-    return status;
+    return LAC_OK;
 }
 
 static void cvode_count(lac_engine *engine)
@@ -193,7 +180,7 @@ static void cvode_count(lac_engine *engine)
     (void)CVodeGetNumNonlinSolvIters(c->mem, &now[2]);
     (void)CVodeGetNumErrTestFails(c->mem, &now[3]);
     (void)CVodeGetNumNonlinSolvConvFails(c->mem, &now[4]);
-    c->evaluations += c->newton != NULL ? lac_newton_evaluations(c->newton) : 0;
+    c->evaluations += is_adams(engine) ? 0 : lac_newton_evaluations(c->solver);
     engine->counts.steps = engine->before.steps + now[0];
     engine->counts.rhs_evaluations = engine->before.rhs_evaluations + now[1] + c->evaluations;
     engine->counts.newton_iterations = engine->before.newton_iterations + now[2];
@@ -243,9 +230,10 @@ static lac_status gave_up(lac_engine *engine, int flag, lac_error *err)
     bool known = order > 0 && find_worst(engine, &worst);
     lac_status status = lac_engine_gave_up(engine, CVodeGetReturnFlagName(flag), h, order, err);
     if (known && err != NULL) {
+        const char *names[] = {lac_problem_unknown(engine->problem), "ln theta", "slip"};
         size_t used = strlen(err->message);
         (void)snprintf(err->message + used, sizeof err->message - used,
-                       "; worst unknown: %s of cell %zu", lac_engine_unknown(engine, worst),
+                       "; worst unknown: %s of cell %zu", names[worst / engine->n],
                        worst % engine->n);
     }
     return status;

@@ -71,16 +71,10 @@ static void erk_free(lac_engine *engine)
     if (c == NULL) {
         return;
     }
-    if (c->mem != NULL) {
-        LAC_SUN_ERK(Free)(&c->mem);
-    }
+    LAC_SUN_ERK(Free)(&c->mem);
     LAC_SUN_ERK_CONTROL_FREE(c->control);
-    if (c->y != NULL) {
-        N_VDestroy(c->y);
-    }
-    if (c->scratch != NULL) {
-        N_VDestroy(c->scratch);
-    }
+    N_VDestroy(c->y);
+    N_VDestroy(c->scratch);
     free(c->saved);
     free(c->aside);
     free(c);
@@ -127,20 +121,17 @@ static int set_options(lac_engine *engine, erk *c)
 
 static lac_status erk_create(lac_engine *engine, lac_error *err)
 {
-    lac_status status = LAC_OK;
     erk *c = calloc(1, sizeof *c);
     LAC_FAIL_MEMORY_IF(c == NULL, err);
     engine->inner = c;
-    LAC_TRY(make_vectors(engine, c, err));
+    LAC_TRY_RETURN(make_vectors(engine, c, err));
     lac_problem_initial(engine->problem, engine->y);
     c->mem = ERKStepCreate(rates, 0.0, c->y, engine->sun);
     LAC_FAIL_MEMORY_IF(c->mem == NULL || lac_vector_lacks(c->y), err);
     LAC_SUN_SILENCE_ERK(c->mem);
-    if (set_options(engine, c) != ARK_SUCCESS) {
-        status = lac_fail(err, LAC_ENUMERIC, "the integrator cannot be set up");
-    }
-out:
-    return status;
+    LAC_FAIL_IF(set_options(engine, c) != ARK_SUCCESS, err, LAC_ENUMERIC,
+                "the integrator cannot be set up");
+    return LAC_OK;
 }
 
 static void erk_count(lac_engine *engine)

@@ -126,15 +126,13 @@ static lac_status take_back(lac_engine *engine, const lac_run_def *def, lac_cros
 lac_status lac_crossing_find(lac_engine *engine, const lac_run_def *def, lac_crossing_kind *found,
                              lac_error *err)
 {
-    lac_status status = LAC_OK;
     *found = LAC_CROSSING_NONE;
     // Several limits in one step: each is located in what the last one left of the step.
     for (lac_crossing_kind kind = LAC_CROSSING_FAILURE; kind <= LAC_CROSSING_GONE; kind++) {
         if (crossed(engine, def, kind)) {
             *found = kind;
-            LAC_TRY(take_back(engine, def, kind, err));
+            LAC_TRY_RETURN(take_back(engine, def, kind, err));
         }
     }
-out:
-    return status;
+    return LAC_OK;
 }

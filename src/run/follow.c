@@ -7,7 +7,6 @@
 #include <cvodes/cvodes.h>
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "run/engine.h"
 
@@ -92,27 +91,13 @@ static int solve(SUNLinearSolver solver, SUNMatrix none, N_Vector x, N_Vector b,
 static void follower_clear(lac_sensitivity_state *f)
 {
     int count = (int)f->def->perturbations;
-    if (f->mem != NULL) {
-        CVodeFree(&f->mem);
-    }
-    if (f->linear != NULL) {
-        SUNLinSolFreeEmpty(f->linear);
-    }
-    N_Vector *lists[] = {f->s, f->seen_s};
-    for (size_t i = 0; i < 2; i++) {
-        if (lists[i] != NULL) {
-            N_VDestroyVectorArray(lists[i], count);
-        }
-    }
-    N_Vector vectors[] = {f->y, f->observation};
-    for (size_t i = 0; i < 2; i++) {
-        if (vectors[i] != NULL) {
-            N_VDestroy(vectors[i]);
-        }
-    }
-    if (f->sun != NULL) {
-        SUNContext_Free(&f->sun);
-    }
+    CVodeFree(&f->mem);
+    SUNLinSolFreeEmpty(f->linear);
+    N_VDestroyVectorArray(f->s, count);
+    N_VDestroyVectorArray(f->seen_s, count);
+    N_VDestroy(f->y);
+    N_VDestroy(f->observation);
+    SUNContext_Free(&f->sun);
     free(f->work);
     free(f->probe);
 }
@@ -221,56 +206,45 @@ static lac_status set_up(lac_sensitivity_state *f, lac_error *err)
     return lac_vector_lacks(f->y) ? lac_fail_memory(err) : LAC_OK;
 }
 
-// Puts what is seen at an integrator's time into row i of the output.
-static lac_status look(lac_sensitivity_state *f, double t, size_t i, lac_error *err)
+// Puts a state and its derivatives into row i of the output.
+static void put(lac_sensitivity_state *f, double t, size_t i, N_Vector state, N_Vector *by)
 {
     lac_sensitivity *out = f->out;
     size_t count = f->def->perturbations;
-    const double *y = lac_vector_data(f->observation);
-    LAC_FAIL_IF(CVodeGetDky(f->mem, t, 0, f->observation) != CV_SUCCESS ||
-                    (count > 0 && CVodeGetSensDky(f->mem, t, 0, f->seen_s) != CV_SUCCESS),
-                err, LAC_ENUMERIC, "no state at t = %.17g s", f->origin + t);
+    const double *y = lac_vector_data(state);
     out->slip[i] = y[f->m - 1];
     out->log_rate[i] = lac_sensitivity_state_log_rate(f, f->def->problem, t, y);
     for (size_t k = 0; k < count; k++) {
-        const double *s = lac_vector_data(f->seen_s[k]);
+        const double *s = lac_vector_data(by[k]);
         out->slip_by[i * count + k] = s[f->m - 1];
         out->log_rate_by[i * count + k] =
             lac_sensitivity_state_by(f, lac_sensitivity_state_log_rate, k, t, y, s);
     }
-    return LAC_OK;
 }
 
-// What is seen at the start, before any step.
-static void look_at_start(lac_sensitivity_state *f)
+// The state at an integrator's time within the last step, in f->observation.
+static bool look(lac_sensitivity_state *f, double t)
 {
-    lac_sensitivity *out = f->out;
-    size_t count = f->def->perturbations;
-    const double *y = lac_vector_data(f->y);
-    for (; out->reached < f->def->n && f->def->time[out->reached] <= 0.0; out->reached++) {
-        size_t i = out->reached;
-        out->slip[i] = 0.0;
-        out->log_rate[i] = lac_sensitivity_state_log_rate(f, f->def->problem, 0.0, y);
-        for (size_t k = 0; k < count; k++) {
-            out->slip_by[i * count + k] = 0.0;
-            out->log_rate_by[i * count + k] = lac_sensitivity_state_by(
-                f, lac_sensitivity_state_log_rate, k, 0.0, y, lac_vector_data(f->s[k]));
-        }
-    }
+    return CVodeGetDky(f->mem, t, 0, f->observation) == CV_SUCCESS;
+}
+
+// And its derivatives, in f->seen_s.
+static bool look_at_all(lac_sensitivity_state *f, double t)
+{
+    return look(f, t) &&
+           (f->def->perturbations == 0 || CVodeGetSensDky(f->mem, t, 0, f->seen_s) == CV_SUCCESS);
 }
 
 static double past_at(lac_sensitivity_state *f, double t)
 {
-    return CVodeGetDky(f->mem, t, 0, f->observation) != CV_SUCCESS
+    return !look(f, t)
                ? NAN
                : lac_sensitivity_state_past(f, f->def->problem, t, lac_vector_data(f->observation));
 }
 
 static double slip_at(lac_sensitivity_state *f, double t)
 {
-    return CVodeGetDky(f->mem, t, 0, f->observation) != CV_SUCCESS
-               ? NAN
-               : fabs(lac_vector_data(f->observation)[f->m - 1]);
+    return !look(f, t) ? NAN : fabs(lac_vector_data(f->observation)[f->m - 1]);
 }
 
 // The crossing of the failure rate, or slip, between two times of the last step, by bisection: both
@@ -301,9 +275,8 @@ static lac_status find_failure(lac_sensitivity_state *f, bool by_slip, double t,
     }
     double h = 1e-3 * step;
     double growth = (past_at(f, t) - past_at(f, t - h)) / h;
-    LAC_FAIL_IF(CVodeGetDky(f->mem, t, 0, f->observation) != CV_SUCCESS ||
-                    CVodeGetSensDky(f->mem, t, 0, f->seen_s) != CV_SUCCESS,
-                err, LAC_ENUMERIC, "no state at the failure, t = %.17g s", out->failure_time);
+    LAC_FAIL_IF(!look_at_all(f, t), err, LAC_ENUMERIC, "no state at the failure, t = %.17g s",
+                out->failure_time);
     const double *y = lac_vector_data(f->observation);
     double rate = lac_sensitivity_state_rate(f, f->def->problem, t, y);
     for (size_t k = 0; k < f->def->perturbations; k++) {
@@ -319,7 +292,6 @@ static lac_status find_failure(lac_sensitivity_state *f, bool by_slip, double t,
 static lac_status look_back(lac_sensitivity_state *f, double t, bool *done, lac_error *err)
 {
     const lac_sensitivity_def *def = f->def;
-    lac_status status = LAC_OK;
     sunrealtype step = 0.0;
     (void)CVodeGetLastStep(f->mem, &step);
     double now = past_at(f, t);
@@ -330,16 +302,16 @@ static lac_status look_back(lac_sensitivity_state *f, double t, bool *done, lac_
         double gone = by_slip ? find_crossing(f, true, t - step, t) : INFINITY;
         double fast = by_rate ? find_crossing(f, false, t - step, t) : INFINITY;
         t = fmin(gone, fast);
-        LAC_TRY(find_failure(f, gone < fast, t, step, err));
+        LAC_TRY_RETURN(find_failure(f, gone < fast, t, step, err));
         *done = true;
     }
     while (f->out->reached < def->n && def->time[f->out->reached] - f->origin <= t) {
         double at = fmax(def->time[f->out->reached] - f->origin, t - step);
-        LAC_TRY(look(f, at, f->out->reached, err));
-        f->out->reached++;
+        LAC_FAIL_IF(!look_at_all(f, at), err, LAC_ENUMERIC, "no state at t = %.17g s",
+                    f->origin + at);
+        put(f, at, f->out->reached++, f->observation, f->seen_s);
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 // Begins anew where the loads jump or bend.
@@ -389,14 +361,15 @@ static bool fell(lac_sensitivity_state *f, double at)
 static lac_status integrate(lac_sensitivity_state *f, lac_error *err)
 {
     const lac_sensitivity_def *def = f->def;
-    lac_status status = LAC_OK;
     double *y = lac_vector_data(f->y);
     bool done = false;
     double next = lac_problem_next_break(def->problem, 0.0);
     f->limit = nextafter(next, -INFINITY);
     double h = lac_problem_first_step(def->problem, 0.0, y, f->work);
     (void)CVodeSetInitStep(f->mem, fmin(h, 0.5 * fmin(def->end, next)));
-    look_at_start(f);
+    for (; f->out->reached < def->n && def->time[f->out->reached] <= 0.0; f->out->reached++) {
+        put(f, 0.0, f->out->reached, f->y, f->s); // before any step
+    }
     while (!done) {
         double stop = fmin(def->end, next) - f->origin;
         sunrealtype t = 0.0;
@@ -406,18 +379,17 @@ static lac_status integrate(lac_sensitivity_state *f, lac_error *err)
         flag = flag < 0 ? flag : CVode(f->mem, stop, f->y, &t, CV_ONE_STEP);
         LAC_FAIL_IF(flag < 0, err, LAC_ENUMERIC, "the integrator gave up (flag %d) at t = %.17g s",
                     flag, f->origin + t);
-        LAC_TRY(look_back(f, t, &done, err));
+        LAC_TRY_RETURN(look_back(f, t, &done, err));
         if (!done && flag == CV_TSTOP_RETURN) {
             done = next >= def->end;
             if (!done) {
-                LAC_TRY(cross_break(f, next, err));
+                LAC_TRY_RETURN(cross_break(f, next, err));
                 done = fell(f, next);
                 next = lac_problem_next_break(def->problem, next);
             }
         }
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 lac_status lac_sensitivity_run(const lac_sensitivity_def *def, lac_sensitivity *out, lac_error *err)

@@ -159,9 +159,7 @@ SUNNonlinearSolver lac_newton_create(lac_engine *engine, void *cvode)
     SUNNonlinearSolver solver = SUNNonlinSolNewEmpty(engine->sun);
     newton *self = calloc(1, sizeof *self);
     if (solver == NULL || self == NULL) {
-        if (solver != NULL) {
-            SUNNonlinSolFreeEmpty(solver);
-        }
+        SUNNonlinSolFreeEmpty(solver);
         free(self);
         return NULL;
     }

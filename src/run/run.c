@@ -126,7 +126,6 @@ static lac_status output_between(run *r, lac_error *err)
 {
     lac_engine *engine = r->engine;
     double now = lac_engine_time(engine);
-    lac_status status = LAC_OK;
     for (;;) {
         double next_record = lac_clock_next(&r->record_clock);
         double next_snapshot = r->fields == NULL ? INFINITY : lac_clock_next(&r->snapshot_clock);
@@ -147,30 +146,27 @@ static lac_status output_between(run *r, lac_error *err)
         }
         if (next_record == next) {
             r->record_clock.count++;
-            LAC_TRY(record(r, t, r->between, slip, err));
+            LAC_TRY_RETURN(record(r, t, r->between, slip, err));
         }
         if (next_snapshot == next) {
             r->snapshot_clock.count++;
-            LAC_TRY(snapshot(r, t, r->between, slip, err));
+            LAC_TRY_RETURN(snapshot(r, t, r->between, slip, err));
         }
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 // What is due at the end of the step; everything at the end of the run.
 static lac_status output_step(run *r, lac_error *err)
 {
     lac_engine *engine = r->engine;
-    lac_status status = LAC_OK;
     if (lac_clock_due(&r->record_clock, r->mean_rate) || r->done) {
-        LAC_TRY(record(r, engine->t, engine->y, engine->slip, err));
+        LAC_TRY_RETURN(record(r, engine->t, engine->y, engine->slip, err));
     }
     if (r->fields != NULL && (lac_clock_due(&r->snapshot_clock, r->mean_rate) || r->done)) {
-        LAC_TRY(snapshot(r, engine->t, engine->y, engine->slip, err));
+        LAC_TRY_RETURN(snapshot(r, engine->t, engine->y, engine->slip, err));
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 // Begins the integrator's time anew: origin + base is the time reached, to the digits of base.
@@ -263,31 +259,28 @@ static lac_status look_for_end(run *r, lac_error *err)
 static lac_status step(run *r, lac_error *err)
 {
     lac_engine *engine = r->engine;
-    lac_status status = LAC_OK;
     double stop = fmin(fmin(r->def->end, r->next_break), lac_run_state_sweep_end(r));
-    LAC_TRY(lac_engine_advance(engine, lac_engine_inner(engine, stop), err));
+    LAC_TRY_RETURN(lac_engine_advance(engine, lac_engine_inner(engine, stop), err));
     measure_speed(r);
     r->max_rate = fmax(r->max_rate, engine->peak);
-    LAC_TRY(lac_check_slipping(r->problem, engine->y, lac_engine_clock(engine, engine->t),
-                               engine->work, err));
-    LAC_TRY(look_for_end(r, err));
+    LAC_TRY_RETURN(lac_check_slipping(r->problem, engine->y, lac_engine_clock(engine, engine->t),
+                                      engine->work, err));
+    LAC_TRY_RETURN(look_for_end(r, err));
     if (!engine->kind->sweeps) {
-        LAC_TRY(lac_run_state_watch(r, engine->step, err));
+        LAC_TRY_RETURN(lac_run_state_watch(r, engine->step, err));
     }
     if (r->between != NULL) {
-        LAC_TRY(output_between(r, err));
+        LAC_TRY_RETURN(output_between(r, err));
     }
     // What is put out at a break is what holds from then on.
     bool goes_on = !r->done || r->end == LAC_END_INTERRUPT;
     if (goes_on && engine->t >= lac_engine_inner(engine, r->next_break)) {
-        LAC_TRY(cross_break(r, err));
-        LAC_TRY(lac_run_state_watch(r, 0.0, err));
+        LAC_TRY_RETURN(cross_break(r, err));
+        LAC_TRY_RETURN(lac_run_state_watch(r, 0.0, err));
     }
-    LAC_TRY(check_rates(r, err));
+    LAC_TRY_RETURN(check_rates(r, err));
     r->result->max_slip_rate = fmax(r->result->max_slip_rate, r->max_rate);
-    LAC_TRY(output_step(r, err));
-out:
-    return status;
+    return output_step(r, err);
 }
 
 // Begins anew at the time reached, from nothing but what a checkpoint holds.
@@ -311,8 +304,8 @@ static lac_status go_on(run *r, lac_error *err)
     lac_engine *engine = r->engine;
     const double digits = 1e-9; // a step has at least 16 - 9 of the 16 digits of a double
     if (lac_run_state_checkpoint_due(r)) {
-        lac_status status = begin_anew(r, err);
-        return status == LAC_OK ? lac_run_state_checkpoint(r, true, err) : status;
+        LAC_TRY_RETURN(begin_anew(r, err));
+        return lac_run_state_checkpoint(r, true, err);
     }
     if (r->broken) {
         return begin_anew(r, err);
@@ -339,32 +332,27 @@ static void report_progress(const run *r)
 
 static lac_status integrate(run *r, lac_error *err)
 {
-    lac_status status = LAC_OK;
     while (!r->done) {
-        LAC_TRY(lac_run_state_check(r, err));
-        LAC_TRY(step(r, err));
+        LAC_TRY_RETURN(lac_run_state_check(r, err));
+        LAC_TRY_RETURN(step(r, err));
         report_progress(r);
         r->steps++;
         if (!r->done) {
-            LAC_TRY(go_on(r, err));
+            LAC_TRY_RETURN(go_on(r, err));
         }
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 // A run that plans checkpoints has one to go back to, exactly; else one is made here.
 static lac_status interrupt(run *r, lac_error *err)
 {
-    lac_status status = LAC_OK;
     double time = lac_engine_time(r->engine);
     if (!lac_run_state_plans(r->def)) {
-        LAC_TRY(begin_anew(r, err));
-        LAC_TRY(lac_run_state_checkpoint(r, false, err));
+        LAC_TRY_RETURN(begin_anew(r, err));
+        LAC_TRY_RETURN(lac_run_state_checkpoint(r, false, err));
     }
-    status = lac_fail(err, LAC_EINTERRUPT, "interrupted at t = %g s", time);
-out:
-    return status;
+    return lac_fail(err, LAC_EINTERRUPT, "interrupted at t = %g s", time);
 }
 
 static lac_status allocate_output(run *r, lac_error *err)
@@ -387,17 +375,17 @@ static lac_status begin(run *r, lac_error *err)
 {
     lac_engine *engine = r->engine;
     const lac_run_def *def = r->def;
-    lac_status status = LAC_OK;
     measure_speed(r);
-    LAC_TRY(lac_check_start(r->problem, def, &engine->failure, engine->y, engine->work, err));
+    LAC_TRY_RETURN(
+        lac_check_start(r->problem, def, &engine->failure, engine->y, engine->work, err));
     r->result->max_slip_rate = r->max_rate;
     r->record_clock = lac_clock_start(def->record, r->mean_rate);
     r->snapshot_clock = lac_clock_start(def->snapshot, r->mean_rate);
-    LAC_TRY(lac_run_state_watch(r, 0.0, err));
+    LAC_TRY_RETURN(lac_run_state_watch(r, 0.0, err));
     r->checkpoint_clock = lac_clock_start(def->checkpoint, r->mean_rate);
-    LAC_TRY(record(r, 0.0, engine->y, engine->slip, err));
+    LAC_TRY_RETURN(record(r, 0.0, engine->y, engine->slip, err));
     if (r->fields != NULL) {
-        LAC_TRY(snapshot(r, 0.0, engine->y, engine->slip, err));
+        LAC_TRY_RETURN(snapshot(r, 0.0, engine->y, engine->slip, err));
     }
     r->next_break = lac_problem_next_break(r->problem, 0.0);
     engine->limit = nextafter(r->next_break, -INFINITY);
@@ -405,28 +393,24 @@ static lac_status begin(run *r, lac_error *err)
     double h = own_step(engine);
     h = isnan(def->first_step) ? h : fmin(def->first_step, 1e3 * h);
     r->first_step = fmin(h, 0.5 * fmin(def->end, r->next_break));
-    LAC_TRY(lac_engine_restart(engine, r->first_step, err));
+    LAC_TRY_RETURN(lac_engine_restart(engine, r->first_step, err));
     if (lac_run_state_plans(def)) {
-        LAC_TRY(lac_run_state_checkpoint(r, true, err));
+        LAC_TRY_RETURN(lac_run_state_checkpoint(r, true, err));
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 // Takes up a run where its checkpoint left it. Times that a forced one already put out are over.
 static lac_status take_up(run *r, lac_error *err)
 {
-    lac_status status = LAC_OK;
     lac_clock *clocks[] = {&r->record_clock, &r->snapshot_clock};
-    LAC_TRY(lac_run_state_resume(r, err));
+    LAC_TRY_RETURN(lac_run_state_resume(r, err));
     for (size_t i = 0; i < 2; i++) {
         while (lac_clock_next(clocks[i]) <= lac_engine_time(r->engine)) {
             clocks[i]->count++;
         }
     }
-    LAC_TRY(lac_engine_restart(r->engine, r->first_step, err));
-out:
-    return status;
+    return lac_engine_restart(r->engine, r->first_step, err);
 }
 
 static void finish(run *r, lac_status status)

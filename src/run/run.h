@@ -95,7 +95,7 @@ typedef struct lac_run_def {
 /// (a case has that of its interface); `end` is the caller's.
 lac_run_def lac_run_default(void);
 
-/// What a fidelity is called in a case: "ode" ...
+/// What it is called in a case.
 const char *lac_fidelity_name(lac_fidelity fidelity);
 
 /// What fidelity EVENTS asks of a scene, besides a > 0 in every cell.
@@ -116,6 +116,10 @@ lac_formulation lac_formulation_choose(int asked, lac_method method, lac_frictio
 
 /// Whether a run can start: what lac_run would refuse before its first step.
 lac_status lac_run_check(const lac_problem *problem, const lac_run_def *def, lac_error *err);
+
+/// A sink that passes all on. Who stands before another one begins its context with that one, and
+/// sets the members that look at something.
+lac_sink lac_sink_before(lac_sink *next);
 
 /// Integrates a problem in time. At planned checkpoints the integrator begins anew from what is
 /// saved. A run without planned ones that is interrupted makes a forced one.

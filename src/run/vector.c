@@ -114,9 +114,7 @@ static N_Vector clone(N_Vector like, size_t bytes)
 {
     N_Vector x = N_VNewEmpty(like->sunctx);
     if (x == NULL || N_VCopyOps(like, x) != 0) {
-        if (x != NULL) {
-            N_VFreeEmpty(x);
-        }
+        N_VFreeEmpty(x);
         return NULL;
     }
     join(x, content_of(like)->family, bytes);

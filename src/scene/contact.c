@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The contact of a case, pressed from its surface or stated without one, with its box dimension.
+// The contact of a case, pressed from its surface or stated without one, and its fractal measures,
+// for which coarser grids are solved under the same load.
 #include <gsl/gsl_statistics_double.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/statistics.h"
 #include "scene/internal.h"
@@ -46,12 +48,9 @@ static lac_status press(const lac_case *c, bool measure, lac_scene_contact *out,
     out->gap = malloc(cells * sizeof *out->gap);
     out->pressure = malloc(cells * sizeof *out->pressure);
     LAC_FAIL_MEMORY_IF(out->heights == NULL || out->gap == NULL || out->pressure == NULL, err);
-    status = measure ? lac_surface_generate_measured(&c->surface, &out->grid, out->heights,
-                                                     &out->surface, err)
-                     : lac_surface_generate(&c->surface, &out->grid, out->heights, err);
-    if (status != LAC_OK) {
-        return lac_fail_within(err, status, "interface.surface");
-    }
+    status = lac_surface_generate(&c->surface, &out->grid, out->heights,
+                                  measure ? &out->surface : NULL, err);
+    LAC_TRY_RETURN(lac_fail_within(err, status, "interface.surface"));
     out->e_star = c->material.shear_modulus / (1.0 - c->material.poisson);
     out->tolerance = c->contact_tolerance;
     lac_contact_def def = lac_scene_contact_def(out);
@@ -68,7 +67,7 @@ static lac_status press(const lac_case *c, bool measure, lac_scene_contact *out,
     if (normal->approach != NULL || normal->dimension != NULL) {
         out->mean_pressure = out->report.mean_pressure;
     }
-    return status == LAC_OK ? LAC_OK : lac_fail_within(err, status, "contact");
+    return lac_fail_within(err, status, "contact");
 }
 
 static void drop_fields(lac_scene_contact *contact)
@@ -95,21 +94,17 @@ static lac_status scatter(lac_scene_contact *out, lac_error *err)
 static lac_status make_domain(const lac_case *c, lac_scene_keep keep, lac_scene_contact *out,
                               lac_error *err)
 {
-    lac_status status = LAC_OK;
     if (c->surface.info != NULL) {
-        LAC_TRY(press(c, keep == LAC_SCENE_MEASURED, out, err));
-        LAC_TRY(lac_domain_create(&out->grid, out->pressure, &out->domain, err));
+        LAC_TRY_RETURN(press(c, keep == LAC_SCENE_MEASURED, out, err));
+        LAC_TRY_RETURN(lac_domain_create(&out->grid, out->pressure, &out->domain, err));
     } else {
-        LAC_TRY(lac_scene_domain_create(c, &out->domain, err));
-    }
-    if (keep != LAC_SCENE_DOMAIN && out->pressure == NULL) {
-        LAC_TRY(scatter(out, err));
+        LAC_TRY_RETURN(lac_scene_domain_create(c, &out->domain, err));
     }
     if (keep == LAC_SCENE_DOMAIN) {
         drop_fields(out);
+        return LAC_OK;
     }
-out:
-    return status;
+    return out->pressure == NULL ? scatter(out, err) : LAC_OK;
 }
 
 // Of a plane; the length of a line or a row. [cells]
@@ -134,8 +129,8 @@ lac_status lac_scene_contact_count(lac_scene_contact *out, lac_error *err)
     return status;
 }
 
-lac_status lac_scene_contact_make(const lac_case *c, lac_scene_keep keep, lac_scene_contact *out,
-                                  lac_error *err)
+lac_status lac_scene_contact_solve(const lac_case *c, lac_scene_keep keep, lac_scene_contact *out,
+                                   lac_error *err)
 {
     lac_status status = LAC_OK;
     *out = (lac_scene_contact){.grid = lac_interface_grid(&c->interface), .e_star = NAN};
@@ -149,15 +144,84 @@ out:
     return status;
 }
 
-lac_status lac_scene_contact_solve(const lac_case *c, bool all, lac_scene_contact *out,
-                                   lac_error *err)
-{
-    return lac_scene_contact_make(c, all ? LAC_SCENE_MEASURED : LAC_SCENE_DOMAIN, out, err);
-}
-
 void lac_scene_contact_clear(lac_scene_contact *contact)
 {
     drop_fields(contact);
     lac_domain_free(contact->domain);
     contact->domain = NULL;
+}
+
+lac_scene_measure_def lac_scene_measure_default(void)
+{
+    static const double sizes[] = {0.05, 0.1, 0.2, 0.4, 1, 10, 100, 1000};
+    lac_scene_measure_def def = {.scaling = lac_scaling_default(),
+                                 .boxes = lac_box_default(),
+                                 .sizes = sizeof sizes / sizeof sizes[0]};
+    memcpy(def.size, sizes, sizeof sizes);
+    return def;
+}
+
+static lac_status measure_clusters(lac_scene_contact *contact, lac_error *err)
+{
+    lac_clusters *clusters = NULL;
+    LAC_TRY_RETURN(lac_clusters_create(contact->domain, &clusters, err));
+    contact->fractal.clusters = lac_clusters_summarise(clusters, &contact->grid);
+    contact->fractal.clustered = true;
+    lac_clusters_free(clusters);
+    return LAC_OK;
+}
+
+// Solves the coarser resolutions under the load of the finest, which is there.
+static lac_status measure_scaling(const lac_scaling_def *how, lac_scene_contact *contact,
+                                  lac_error *err)
+{
+    LAC_FAIL_IF(!contact->solved, err, LAC_EINPUT, "no surface is pressed");
+    const lac_contact_def def = lac_scene_contact_def(contact);
+    lac_scaling_def scaling = *how;
+    scaling.finest = contact->pressure;
+    lac_status status = lac_scaling_measure(&def, &scaling, &contact->fractal.scaling, err);
+    double dimension = contact->fractal.scaling.dimension;
+    LAC_FAIL_IF(status == LAC_OK && !(dimension > 0 && dimension <= 2), err, LAC_EINPUT,
+                "the areas follow no law: it would be %.3g", dimension);
+    return status;
+}
+
+// Strength of specimens beside that of this interface.
+static lac_status measure_sizes(const lac_scene_measure_def *def, lac_scene_contact *contact,
+                                lac_error *err)
+{
+    lac_scene_fractal *fractal = &contact->fractal;
+    const lac_grid *grid = &contact->grid;
+    const lac_size_def size = {.dimension = fractal->scaling.dimension,
+                               .error = fractal->scaling.error,
+                               .size = sqrt(lac_grid_area(grid)),
+                               .pressure = contact->mean_pressure};
+    fractal->sizes = def->sizes;
+    return lac_size_effect(&size, def->sizes, def->size, fractal->size, err);
+}
+
+static bool same_boxes(const lac_box_def *a, const lac_box_def *b)
+{
+    return a->smallest == b->smallest && a->largest == b->largest && a->origins == b->origins &&
+           a->seed == b->seed;
+}
+
+lac_status lac_scene_contact_measure(const lac_scene_measure_def *def, lac_scene_contact *contact,
+                                     lac_error *err)
+{
+    lac_scene_fractal *fractal = &contact->fractal;
+    lac_box_def counted = lac_box_default();
+    *fractal = (lac_scene_fractal){0};
+    LAC_FAIL_IF(def->sizes > LAC_SCENE_SIZES, err, LAC_EINPUT,
+                "size effect: %zu specimens; at most %d", def->sizes, LAC_SCENE_SIZES);
+    if (!same_boxes(&def->boxes, &counted)) {
+        contact->counted = false;
+        LAC_TRY_RETURN(lac_box_dimension(contact->domain, &def->boxes, &contact->boxes, err));
+        contact->counted = true;
+    }
+    LAC_TRY_RETURN(measure_clusters(contact, err));
+    lac_status status = measure_scaling(&def->scaling, contact, &fractal->why);
+    fractal->scaled = status == LAC_OK;
+    LAC_FAIL_MEMORY_IF(status == LAC_ENOMEM, err);
+    return fractal->scaled ? measure_sizes(def, contact, err) : LAC_OK;
 }

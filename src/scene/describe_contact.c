@@ -10,59 +10,29 @@
 #include "scene/internal.h"
 
 #define CONTACT const lac_scene_contact *c = of
-#define OUTCOME const lac_contact_outcome *o = of
-#define FACE const lac_file_report *f = (const lac_file_report *)of + at[0]
+#define FACE const lac_file_report *f = of
 
 LAC_GETTER(double, place_x, CONTACT, ((double)at[0] + 0.5) * c->grid.dx)
 LAC_GETTER(double, place_y, CONTACT, ((double)at[0] + 0.5) * c->grid.dy)
-LAC_TEXT_GETTER(axis_x, (void)of, "X")
-LAC_TEXT_GETTER(axis_y, (void)of, "Y")
 
 LAC_GETTER(double, cells, CONTACT, (double)c->domain->n)
 LAC_GETTER(double, fraction, CONTACT, (double)c->domain->n / (double)lac_grid_cells(&c->grid))
-LAC_TEXT_GETTER(boundary, CONTACT, c->grid.periodic ? "periodic" : "free")
 
 // Over the cells that touch.
 LAC_GETTER(double, real_pressure, CONTACT,
            lac_sum(c->domain->n, c->domain->pressure) / (double)c->domain->n)
 LAC_GETTER(double, max_pressure, CONTACT, lac_vmost(c->domain->n, c->domain->pressure))
 
-LAC_GETTER(bool, solved, CONTACT, c->solved)
-#define SOLVED(name, expression) \
-    LAC_GETTER(double, name, CONTACT, c->solved ? (double)(expression) : NAN)
-SOLVED(report_cells, c->report.n_cells)
-SOLVED(report_fraction, (double)c->report.n_cells / (double)lac_grid_cells(&c->grid))
-SOLVED(complementarity, c->report.complementarity_error)
-SOLVED(penetration, c->report.penetration)
-SOLVED(penetration_size, fabs(c->report.penetration))
-SOLVED(load_error, c->report.load_error)
-SOLVED(report_mean, c->report.mean_pressure)
-SOLVED(report_max, c->report.max_pressure)
-SOLVED(approach, c->report.approach)
-SOLVED(iterations, c->report.iterations)
-SOLVED(products, c->report.products)
-
-static const char *measured_word(lac_measured measured)
-{
-    static const char *const words[] = {"interface", "file", "part", "composite"};
-    return words[measured];
-}
-LAC_TEXT_GETTER(measured, CONTACT, c->solved ? measured_word(c->surface.measured) : NULL)
+LAC_GETTER(double, report_fraction, CONTACT,
+           (double)c->report.n_cells / (double)lac_grid_cells(&c->grid))
+LAC_GETTER(double, penetration_size, CONTACT, fabs(c->report.penetration))
 LAC_GETTER(double, jrc_in_range, CONTACT,
            c->surface.measures.jrc >= 0.0 && c->surface.measures.jrc <= 20.0)
 
-static const char *fit_word(int fit)
-{
-    static const char *const words[] = {"cropped", "padded", "resampled"};
-    return words[fit];
-}
-LAC_TEXT_GETTER(height_unit, FACE, f->height_unit)
-LAC_TEXT_GETTER(lateral_unit, FACE, f->lateral_unit)
-LAC_TEXT_GETTER(fit, FACE, fit_word(f->fit))
-LAC_TEXT_GETTER(status, OUTCOME, o->status)
+static const char *const fit_words[] = {"cropped", "padded", "resampled"};
+static const char *const boundaries[] = {"free", "periodic"};
+static const char *const measured[] = {"interface", "file", "part", "composite"};
 
-#define G(getter) .value = (getter)
-#define T(getter) .text = (getter)
 #define C(kind, field) LAC_HELD(kind, lac_scene_contact, field)
 #define WHOLE .flags = LAC_WHOLE
 
@@ -72,13 +42,16 @@ static const lac_variable of_domain[] = {
     {.json = "grid", C(COUNT, grid.ny)},
     {.json = "cell_size_m", C(REAL, grid.dx)},
     {.json = "cell_width_m", C(REAL, grid.dy)},
-    {.name = "boundary", .json = "boundary", T(boundary)},
+    {.name = "boundary", .json = "boundary", C(BOOL, grid.periodic), .names = boundaries},
     {.json = "contact_fraction", G(fraction)},
     {.json = "max_pressure_Pa", G(max_pressure)},
     {.json = "mean_real_pressure_Pa", G(real_pressure)},
 };
 
 static const lac_variable of_contact[] = {
+    LAC_ROW("y", "y", "m", "position of the cell's centre along y", G(place_y), .axis = "Y"),
+    LAC_ROW("x", "x", "m", "position of the cell's centre along x, the direction of slip",
+            G(place_x), .axis = "X"),
     LAC_ROW("heights", "y x", "m", "composite height of the two surfaces", C(REALS, heights),
             .comment = "peaks up; contact of the sum on a flat"),
     LAC_ROW("gap", "y x", "m", "gap between the surfaces under load", C(REALS, gap),
@@ -86,18 +59,27 @@ static const lac_variable of_contact[] = {
     LAC_ROW("pressure", "y x", "Pa", "normal contact pressure", C(REALS, pressure),
             .comment = "exactly zero outside the contact"),
     {.json = "mean_pressure_Pa", C(REAL, mean_pressure)},
-    {.name = "n_cells", G(report_cells), WHOLE},
+};
+
+#define S(kind, field) LAC_HELD(kind, lac_scene_contact, report.field)
+static const lac_variable of_solved[] = {
+    {.name = "n_cells", S(COUNT, n_cells), WHOLE},
     {.name = "contact_fraction", G(report_fraction)},
-    {.name = "mean_pressure_Pa", .unit = "Pa", G(report_mean)},
-    {.name = "max_pressure_Pa", .unit = "Pa", G(report_max)},
-    {.name = "load_error", G(load_error)},
-    {.name = "penetration_m", .unit = "m", G(penetration)},
-    {.name = "iterations", .json = "iterations", G(iterations), WHOLE},
-    {.name = "operator_products", .json = "products", G(products), WHOLE},
-    {.name = "complementarity_error", .json = "complementarity_error", G(complementarity)},
+    {.name = "mean_pressure_Pa", .unit = "Pa", S(REAL, mean_pressure)},
+    {.name = "max_pressure_Pa", .unit = "Pa", S(REAL, max_pressure)},
+    {.name = "load_error", S(REAL, load_error)},
+    {.name = "penetration_m", .unit = "m", S(REAL, penetration)},
+    {.name = "iterations", .json = "iterations", S(INT64, iterations), WHOLE},
+    {.name = "operator_products", .json = "products", S(INT64, products), WHOLE},
+    {.name = "complementarity_error",
+     .json = "complementarity_error",
+     S(REAL, complementarity_error)},
     {.json = "penetration_m", G(penetration_size)},
-    {.name = "approach_m", .unit = "m", .json = "approach_m", G(approach)},
-    {.name = "surface_measured", .json = "surface/measured", T(measured), .has = solved},
+    {.name = "approach_m", .unit = "m", .json = "approach_m", S(REAL, approach)},
+    {.name = "surface_measured",
+     .json = "surface/measured",
+     C(INT, surface.measured),
+     .names = measured},
 };
 
 #define M(name_, unit_, field)                                               \
@@ -132,13 +114,14 @@ static const lac_variable of_files[] = {
     F("ny", COUNT, ny),
     F("dx_m", REAL, dx),
     F("dy_m", REAL, dy),
-    {.json = "surface/files[]/height_unit", T(height_unit)},
-    {.json = "surface/files[]/lateral_unit", T(lateral_unit)},
+    F("height_unit", CHARS, height_unit),
+    F("lateral_unit", CHARS, lateral_unit),
     F("without_height", COUNT, masked),
-    {.json = "surface/files[]/fit", T(fit)},
+    {.json = "surface/files[]/fit", LAC_HELD(INT, lac_file_report, fit), .names = fit_words},
 };
 
-static const lac_variable of_outcome[] = {{.name = "status", T(status)}};
+static const lac_variable of_outcome[] = {
+    {.name = "status", LAC_HELD(TEXT, lac_contact_outcome, status)}};
 
 #define RESULT const lac_history_result *r = ((const lac_contact_outcome *)of)->result
 #define AREA lac_grid_area(&((const lac_contact_outcome *)of)->contact->grid)
@@ -158,7 +141,7 @@ LAC_TEXT_GETTER(method, (void)of, "direct")
         .flags = LAC_LATE                                                                   \
     }
 static const lac_variable of_history[] = {
-    {.json = "status", T(status)},
+    LAC_JSON("status", TEXT, lac_contact_outcome, status),
     {.name = "friction_coefficient", LAC_HELD(REAL, lac_contact_outcome, friction)},
     {.name = "history_method", .json = "history_method", T(method)},
     {.json = "friction_coefficient", LAC_HELD(REAL, lac_contact_outcome, friction)},
@@ -185,23 +168,6 @@ static lac_status add_history(lac_dataset *d, const lac_contact_outcome *o, lac_
     return status;
 }
 
-static lac_status add_axis(lac_dataset *d, const lac_scene_contact *c, bool along_x, lac_error *err)
-{
-    static const lac_variable x = {.dims = "x", G(place_x)}, y = {.dims = "y", G(place_y)};
-    static const lac_variable axis[] = {{.name = "axis", T(axis_y)}, {.name = "axis", T(axis_x)}};
-    const lac_named named = {
-        .name = along_x ? "x" : "y",
-        .long_name = along_x ? "position of the cell's centre along x, the direction of slip"
-                             : "position of the cell's centre along y",
-        .unit = "m"};
-    const lac_laid beside = {{.row = &axis[along_x], .rows = 1, .over = ""}, c};
-    const lac_status status = lac_dataset_add_named(d, along_x ? &x : &y, &named, c, err);
-    if (status == LAC_OK) {
-        lac_dataset_attributes(d, &beside);
-    }
-    return status;
-}
-
 // A face's file, in words.
 static const char *face_text(const lac_file_report *file, char room[LAC_TEXT_ROOM])
 {
@@ -211,22 +177,23 @@ static const char *face_text(const lac_file_report *file, char room[LAC_TEXT_ROO
     }
     (void)snprintf(room, LAC_TEXT_ROOM,
                    "%s, %zu x %zu samples%s, heights in %s, %zu without height, %s", file->format,
-                   file->nx, file->ny, apart, file->height_unit, file->masked, fit_word(file->fit));
+                   file->nx, file->ny, apart, file->height_unit, file->masked,
+                   fit_words[file->fit]);
     return room;
 }
 LAC_TEXT_GETTER(face, FACE, face_text(f, room))
-LAC_TEXT_GETTER(face_path, FACE, f->path)
 
 static lac_status add_faces(lac_dataset *d, const lac_surface_stats *s, lac_error *err)
 {
-    static const lac_variable rows[] = {{.dims = "", T(face_path)}, {.dims = "", T(face)}};
+    static const lac_variable rows[] = {{.dims = "", LAC_HELD(TEXT, lac_file_report, path)},
+                                        {.dims = "", T(face)}};
     lac_status status = LAC_OK;
     for (size_t i = 0; i < 2 * s->files && status == LAC_OK; i++) {
         const char *which = s->files < 2 ? "file" : i < 2 ? "upper" : "lower";
         char name[40];
         (void)snprintf(name, sizeof name, "surface_%s%s", which, i % 2 == 0 ? "_path" : "");
-        const lac_named named = {.name = name, .long_name = "", .which = i / 2};
-        status = lac_dataset_add_named(d, &rows[i % 2], &named, s->file, err);
+        const lac_named named = {.name = name, .long_name = ""};
+        status = lac_dataset_add_named(d, &rows[i % 2], &named, &s->file[i / 2], err);
     }
     return status;
 }
@@ -242,6 +209,7 @@ lac_status lac_contact_describe(const lac_contact_outcome *o, lac_dataset **out,
     const lac_laid domain = {LAC_VARIABLES(of_domain, "", 0), c};
     const lac_laid laid[] = {
         {LAC_VARIABLES(of_contact, "", 0), c},
+        {LAC_VARIABLES(of_solved, "", 0), c->solved ? c : NULL},
         {LAC_VARIABLES(of_surface, "", 0), s != NULL ? c : NULL},
         {LAC_VARIABLES(of_profiles, "profile", sizeof(lac_profile_measure)),
          s != NULL ? s->measures.profile : NULL},
@@ -257,8 +225,6 @@ lac_status lac_contact_describe(const lac_contact_outcome *o, lac_dataset **out,
     if (o->brief) {
         goto out;
     }
-    LAC_TRY(add_axis(*out, c, false, err));
-    LAC_TRY(add_axis(*out, c, true, err));
     LAC_TRY(lac_dataset_add(*out, laid, sizeof laid / sizeof *laid, err));
     LAC_TRY(s != NULL ? add_faces(*out, s, err) : LAC_OK);
     LAC_TRY(lac_describe_fractal(c, *out, err));

@@ -64,8 +64,6 @@ LAC_GETTER(double, kappa, RESOLUTION,
            r->area * r->slope * ((const lac_scene_contact *)of)->e_star / s->load)
 LAC_GETTER(double, fitted, SCALING, at[0] + s->left_out < s->n)
 
-#define G(getter) .value = (getter)
-#define T(getter) .text = (getter)
 // One value as an attribute and in JSON.
 #define ONE(name_, json_, getter, ...)                           \
     {                                                            \
@@ -123,7 +121,7 @@ static const lac_variable of_scaling[] = {
     {.name = "fractal_area_unit", .json = "fractal_area_unit", T(area_unit)},
 };
 
-// Of each box side and octave; what is an array in the result is held with its elements' stride.
+// Of each box side and octave.
 #define BOX(field) LAC_HELD(REAL, lac_scene_contact, boxes.field)
 #define CLUSTER(field) LAC_HELD(COUNT, lac_scene_contact, fractal.clusters.field)
 static const lac_variable of_boxes[] = {
@@ -253,9 +251,9 @@ lac_status lac_describe_fractal(const lac_scene_contact *c, lac_dataset *d, lac_
         {LAC_VARIABLES(of_scaling, "", 0), scaled},
         {LAC_VARIABLES(of_resolutions, "resolution", sizeof(lac_resolution)), f->scaling.at},
         {LAC_VARIABLES(beside_resolutions, "", 0), c},
-        {LAC_VARIABLES(of_boxes, "", sizeof(double)), c},
+        {LAC_VARIABLES(of_boxes, "", 0), c},
         {LAC_VARIABLES(of_clusters, "", 0), clustered},
-        {LAC_VARIABLES(of_octaves, "", sizeof(size_t)), clustered},
+        {LAC_VARIABLES(of_octaves, "", 0), clustered},
         {LAC_VARIABLES(of_specimens, "specimen", sizeof(lac_size_strength)), f->size},
         {LAC_VARIABLES(of_exponents, "exponent", sizeof(lac_size_exponent)),
          lac_size_exponent_get(0)},

@@ -31,9 +31,6 @@ LAC_GETTER(double, load, FIRST, r->load[at[0]])
 LAC_GETTER(double, blocks, FIRST, r->blocks[at[0]])
 BETA(strength, r->size[at[1]].blocks > 0 ? r->size[at[1]].strength : NAN)
 BETA(spread, r->size[at[1]].blocks > 0 ? r->size[at[1]].spread : NAN)
-BETA(slides_now, r->begin[r->levels])
-BETA(cluster_now, r->cluster[0])
-BETA(block_now, r->block[0])
 
 static double block_side(const lac_scene_rg *s, size_t level)
 {
@@ -83,26 +80,9 @@ LAC_GETTER(double, y, S, place_of(s, at[0], true))
 LAC_GETTER(double, pressure, S, s->domain->pressure[at[0]])
 
 LAC_GETTER(double, nominal, S, s->strength)
-LAC_GETTER(double, now_time, O, o->cells->time)
-LAC_GETTER(double, snapshot, O, (double)o->cells->index)
-LAC_GETTER(double, snapshots, O, (double)o->cells->snapshots)
-LAC_GETTER(double, now_load, S, s->now.load)
-LAC_GETTER(double, now_share, S, s->now.share)
-LAC_GETTER(double, weakest_gap, S, s->now.weakest_gap)
-LAC_GETTER(double, weakest_x, S, s->now.weakest[0])
-LAC_GETTER(double, weakest_y, S, s->now.weakest[1])
-LAC_TEXT_GETTER(file, O, o->file)
-LAC_TEXT_GETTER(source_status, O, o->cells->status)
 
-static const char *kind_of(lac_stored_kind kind)
-{
-    static const char *const kinds[] = {"run", "contact", "history"};
-    return kinds[kind];
-}
-LAC_TEXT_GETTER(kind, O, kind_of(o->cells->kind))
+LAC_GETTER(double, slides_now, const lac_rg_result *r = of, r->begin[r->levels])
 
-#define G(getter) .value = (getter)
-#define T(getter) .text = (getter)
 #define AND(row) .coordinates = (row)
 #define MAYBE .flags = LAC_MISSING
 #define H(kind, field) LAC_HELD(kind, lac_rg_result, field)
@@ -248,22 +228,31 @@ static const lac_variable of_now[] = {
             "level of the largest block around the cell that slips by itself at the snapshot",
             H(REALS, own_level), AND("beta x y"), MAYBE),
 };
-static const lac_variable of_origin[] = {
-    JSON("distance_to_q_crit", "beta", distance),
+static const lac_variable of_distance[] = {JSON("distance_to_q_crit", "beta", distance)};
+static const lac_variable of_slip_now[] = {
     JSON("slides_now", "beta", slides_now),
-    JSON("cluster_length_now_m", "beta", cluster_now),
-    JSON("block_length_now_m", "beta", block_now),
-    {.name = "source_file", .json = "source/file", T(file)},
-    {.json = "source/kind", T(kind)},
-    {.name = "source_status", .json = "source/status", T(source_status)},
-    {.name = "snapshot", .json = "source/snapshot", G(snapshot), .flags = LAC_WHOLE},
-    {.json = "source/snapshots", G(snapshots)},
-    {.name = "snapshot_time_s", .unit = "s", .json = "source/time_s", G(now_time)},
-    {.name = "q_over_q_nom", .json = "q_over_q_nom", G(now_load)},
-    {.name = "effective_share", .json = "source/effective_share", G(now_share)},
-    {.name = "weakest_x_m", .unit = "m", .json = "weakest/x_m", G(weakest_x)},
-    {.name = "weakest_y_m", .unit = "m", .json = "weakest/y_m", G(weakest_y)},
-    {.name = "weakest_gap_Pa", .unit = "Pa", .json = "weakest/gap_Pa", G(weakest_gap)},
+    {RESULT("cluster_length_now_m"), H(REALS, cluster)},
+    {RESULT("block_length_now_m"), H(REALS, block)},
+};
+
+#define C(kind, field) LAC_HELD(kind, lac_stored_cells, field)
+#define NOW(field) LAC_HELD(REAL, lac_scene_rg, now.field)
+static const char *const kinds[] = {"run", "contact", "history"};
+static const lac_variable of_file[] = {
+    {.name = "source_file", .json = "source/file", LAC_HELD(TEXT, lac_rg_outcome, file)}};
+static const lac_variable of_cells[] = {
+    {.json = "source/kind", C(INT, kind), .names = kinds},
+    {.name = "source_status", .json = "source/status", C(CHARS, status)},
+    {.name = "snapshot", .json = "source/snapshot", C(COUNT, index), .flags = LAC_WHOLE},
+    {.json = "source/snapshots", C(COUNT, snapshots)},
+    {.name = "snapshot_time_s", .unit = "s", .json = "source/time_s", C(REAL, time)},
+};
+static const lac_variable of_weakest[] = {
+    {.name = "q_over_q_nom", .json = "q_over_q_nom", NOW(load)},
+    {.name = "effective_share", .json = "source/effective_share", NOW(share)},
+    {.name = "weakest_x_m", .unit = "m", .json = "weakest/x_m", NOW(weakest[0])},
+    {.name = "weakest_y_m", .unit = "m", .json = "weakest/y_m", NOW(weakest[1])},
+    {.name = "weakest_gap_Pa", .unit = "Pa", .json = "weakest/gap_Pa", NOW(weakest_gap)},
 };
 
 #define OF_RESULTS(rows_)                                                                         \
@@ -287,9 +276,13 @@ lac_status lac_scene_rg_describe(const lac_rg_outcome *o, lac_dataset **out, lac
         {OF_RESULTS(of_results), s->result},
         {LAC_VARIABLES(of_joints, "interface", sizeof(lac_rg_interface)), s->interface},
         {OF_RESULTS(of_now), s->result},
-        {LAC_VARIABLES(of_origin, "", 0), o},
+        {LAC_VARIABLES(of_distance, "", 0), o},
+        {OF_RESULTS(of_slip_now), s->result},
+        {LAC_VARIABLES(of_file, "", 0), o},
+        {LAC_VARIABLES(of_cells, "", 0), o->cells},
+        {LAC_VARIABLES(of_weakest, "", 0), s},
     };
-    const size_t tables = sizeof laid / sizeof *laid - (o->cells != NULL ? 0 : 2);
+    const size_t tables = sizeof laid / sizeof *laid - (o->cells != NULL ? 0 : 6);
     lac_status status;
     LAC_TRY(lac_dataset_create("Cascade of slip over the blocks of a rough rock joint: what slips "
                                "at which shear force, scale by scale, and the critical force.",

@@ -16,11 +16,10 @@ static bool nearly(double a, double b) { return fabs(a - b) <= same_load * fabs(
 static lac_status check_size(const char *path, size_t nx, size_t ny, const lac_grid *grid,
                              lac_error *err)
 {
-    if (nx == grid->nx && ny == grid->ny) {
-        return LAC_OK;
-    }
-    return lac_fail(err, LAC_EINPUT, "%s: has %zu x %zu cells, the interface %zu x %zu", path, nx,
-                    ny, grid->nx, grid->ny);
+    LAC_FAIL_IF(nx != grid->nx || ny != grid->ny, err, LAC_EINPUT,
+                "%s: has %zu x %zu cells, the interface %zu x %zu", path, nx, ny, grid->nx,
+                grid->ny);
+    return LAC_OK;
 }
 
 static lac_status read_stored(const char *path, const lac_grid *grid, double *pressure,
@@ -30,11 +29,9 @@ static lac_status read_stored(const char *path, const lac_grid *grid, double *pr
     lac_status status;
     LAC_TRY(lac_stored_domain_read(path, &domain, err));
     LAC_TRY(check_size(path, domain->grid.nx, domain->grid.ny, grid, err));
-    if (!nearly(domain->grid.dx, grid->dx) || !nearly(domain->grid.dy, grid->dy)) {
-        LAC_TRY(lac_fail(err, LAC_EINPUT,
-                         "%s: its cells are %g m x %g m, those of the interface %g m x %g m", path,
-                         domain->grid.dx, domain->grid.dy, grid->dx, grid->dy));
-    }
+    LAC_LEAVE_IF(!nearly(domain->grid.dx, grid->dx) || !nearly(domain->grid.dy, grid->dy), err,
+                 LAC_EINPUT, "%s: its cells are %g m x %g m, those of the interface %g m x %g m",
+                 path, domain->grid.dx, domain->grid.dy, grid->dx, grid->dy);
     for (size_t i = 0; i < domain->n; i++) {
         pressure[domain->index[i]] = domain->pressure[i];
     }
@@ -88,19 +85,15 @@ static lac_status from_file(const lac_case *c, const lac_grid *grid, double mean
 {
     const lac_domain_file *file = c->domain.params;
     double *pressure = calloc(lac_grid_cells(grid), sizeof *pressure);
-    lac_status status = pressure != NULL ? LAC_OK : lac_fail_memory(err);
-    LAC_TRY(status);
+    lac_status status;
+    LAC_TRY(pressure != NULL ? LAC_OK : lac_fail_memory(err));
     LAC_TRY(lac_stored_is_netcdf(file->path) ? read_stored(file->path, grid, pressure, err)
                                              : read_grid(file->path, grid, pressure, err));
-    status = lac_domain_create(grid, pressure, domain, err);
-    if (status != LAC_OK) {
-        status = lac_fail_within(err, status, "%s", file->path);
-        goto out;
-    }
+    LAC_TRY(lac_fail_within(err, lac_domain_create(grid, pressure, domain, err), "%s", file->path));
     LAC_TRY(load_cells(file, mean, *domain, err));
 out:
     free(pressure);
-    return status == LAC_OK ? LAC_OK : lac_fail_within(err, status, "interface.domain");
+    return lac_fail_within(err, status, "interface.domain");
 }
 
 // The pressures of a domain's cells, spread about their mean; the load is held.
@@ -114,9 +107,7 @@ static lac_status spread_pressure(const lac_case *c, const lac_domain *domain, l
     }
     lac_status status =
         lac_heterogeneity_fill(&place, &c->interface_spread, "pressure", "Pa", p[0], p, err);
-    if (status != LAC_OK) {
-        return lac_fail_within(err, status, "interface.spread.pressure");
-    }
+    LAC_TRY_RETURN(lac_fail_within(err, status, "interface.spread.pressure"));
     const double spread_sum = lac_sum(domain->n, p);
     for (size_t i = 0; i < domain->n; i++) {
         p[i] *= sum / spread_sum;

@@ -59,7 +59,7 @@ static lac_status press(history *h, double mean, lac_history_record *record, lac
     lac_status status = lac_contact_solve(&def, h->next, NULL, &report, err);
     record->contact_iterations = report.iterations;
     record->contact_products = report.products;
-    return status == LAC_OK ? LAC_OK : lac_fail_within(err, status, "contact");
+    return lac_fail_within(err, status, "contact");
 }
 
 // Where an axis stands in the terms of another control.
@@ -159,9 +159,9 @@ static lac_status give_maps(const history *h, lac_error *err)
 {
     const lac_history_maps maps = {
         .pressure = h->pressure,
-        .traction = {lac_tangential_traction(h->shear, 0), lac_tangential_traction(h->shear, 1)},
-        .slip = {lac_tangential_slip(h->shear, 0), lac_tangential_slip(h->shear, 1)},
-        .state = lac_tangential_state(h->shear),
+        .traction = {h->shear->traction[0], h->shear->traction[1]},
+        .slip = {h->shear->slip[0], h->shear->slip[1]},
+        .state = h->shear->state,
     };
     return h->sink->maps != NULL ? h->sink->maps(h->sink->context, &maps, err) : LAC_OK;
 }
@@ -178,12 +178,10 @@ static lac_status finish_step(history *h, lac_history_record *record, lac_error 
     record->dissipated = h->state[now].dissipated;
     find_cycle(h, now, record);
     find_place(&h->contact->grid, h->reached.highest_cell, record->highest);
-    lac_status status = LAC_OK;
     if (h->sink->step != NULL) {
-        status = h->sink->step(h->sink->context, record, err);
+        LAC_TRY_RETURN(h->sink->step(h->sink->context, record, err));
     }
-    bool all = h->source->history.fields == LAC_HISTORY_ALL;
-    return status == LAC_OK && all ? give_maps(h, err) : status;
+    return h->source->history.fields == LAC_HISTORY_ALL ? give_maps(h, err) : LAC_OK;
 }
 
 static lac_tangential_def shear_def(const history *h)
@@ -210,7 +208,7 @@ static lac_status find_first_slip(history *h, lac_error *err)
     h->sought_first_slip = true;
     const lac_tangential_def def = shear_def(h);
     lac_first_slip *first = &h->result->first_slip;
-    lac_status status = lac_tangential_first_slip(&def, h->pressure, direction, NULL, first, err);
+    lac_status status = lac_tangential_first_slip(&def, h->pressure, direction, first, err);
     if (status == LAC_OK) {
         h->result->loaded = true;
         find_place(&def.grid, first->cell, h->result->first_place);
@@ -222,19 +220,15 @@ static lac_status solve_step(history *h, double mean, const lac_tangential_targe
                              lac_history_record *record, lac_error *err)
 {
     lac_tangential_stats reached;
-    lac_status status = press(h, mean, record, err);
-    if (status == LAC_OK) {
-        status = lac_tangential_step(h->shear, h->next, target, &reached, err);
-    }
-    if (status == LAC_OK) {
-        double *before = h->pressure;
-        h->pressure = h->next;
-        h->next = before;
-        h->mean = mean;
-        h->target = *target;
-        h->reached = reached;
-    }
-    return status;
+    double *before = h->pressure;
+    LAC_TRY_RETURN(press(h, mean, record, err));
+    LAC_TRY_RETURN(lac_tangential_step(h->shear, h->next, target, &reached, err));
+    h->pressure = h->next;
+    h->next = before;
+    h->mean = mean;
+    h->target = *target;
+    h->reached = reached;
+    return LAC_OK;
 }
 
 // One entry of the case in its equal increments.
@@ -260,17 +254,11 @@ static lac_status follow_entry(history *h, size_t entry, lac_error *err)
                     LAC_EINTERRUPT, "interrupted");
         lac_status status =
             solve_step(h, pressure + left * (start - pressure), &target, &record, err);
-        if (status != LAC_OK) {
-            return lac_fail_within(err, status, "load.history.steps.%zu (increment %lld of %lld)",
-                                   entry, (long long)k, (long long)step->count);
-        }
-        status = finish_step(h, &record, err);
-        if (status == LAC_OK) {
-            status = find_first_slip(h, err);
-        }
-        if (status != LAC_OK) {
-            return status;
-        }
+        LAC_TRY_RETURN(lac_fail_within(err, status,
+                                       "load.history.steps.%zu (increment %lld of %lld)", entry,
+                                       (long long)k, (long long)step->count));
+        LAC_TRY_RETURN(finish_step(h, &record, err));
+        LAC_TRY_RETURN(find_first_slip(h, err));
     }
     return LAC_OK;
 }
@@ -290,15 +278,6 @@ static lac_status begin(history *h, lac_error *err)
     return lac_tangential_create(&def, &h->shear, err);
 }
 
-static lac_status follow(history *h, lac_error *err)
-{
-    lac_status status = LAC_OK;
-    for (size_t i = 0; status == LAC_OK && i < h->source->history.count; i++) {
-        status = follow_entry(h, i, err);
-    }
-    return status;
-}
-
 lac_status lac_scene_history_run(const lac_case *c, const lac_scene_contact *contact,
                                  const lac_history_sink *sink, lac_history_result *result,
                                  lac_error *err)
@@ -307,8 +286,8 @@ lac_status lac_scene_history_run(const lac_case *c, const lac_scene_contact *con
     lac_error late = {""};
     *result = (lac_history_result){.planned = lac_scene_history_steps(c)};
     lac_status status = begin(&h, err);
-    if (status == LAC_OK) {
-        status = follow(&h, err);
+    for (size_t i = 0; status == LAC_OK && i < c->history.count; i++) {
+        status = follow_entry(&h, i, err);
     }
     // What was reached is whole, whatever came after.
     if (result->steps > 0 && c->history.fields == LAC_HISTORY_LAST) {

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include "scene/estimate.h"
 #include "scene/scene.h"
+
+typedef struct lac_estimate lac_estimate;
 
 // The mean normal stress that a case states [Pa]; NaN where it follows from the contact.
 double lac_case_pressure(const lac_case *c);
@@ -10,26 +11,6 @@ double lac_case_pressure(const lac_case *c);
 // The loads that a case names, and these made ready as lac_load_set_create does.
 lac_load_models lac_case_loads(const lac_case *c);
 lac_status lac_scene_loads_create(const lac_case *c, lac_load_files *files, lac_load_set *out,
-                                  lac_error *err);
-
-// Finds out what of an estimate (its cells known) says how cells hold one another.
-void lac_judge_stability(const lac_case *c, lac_estimate *e);
-
-// The other fidelity, where it is known to be the faster one; NULL.
-const char *lac_faster_fidelity(const lac_case *c, const lac_estimate *e);
-
-// Sees whether a case's scene can be made, and what counts as its failure.
-lac_status lac_scene_try(const lac_case *c, lac_load_files *files, lac_estimate *e, lac_error *err);
-
-// What is kept of a contact besides its domain.
-typedef enum lac_scene_keep {
-    LAC_SCENE_DOMAIN,   // nothing
-    LAC_SCENE_FIELDS,   // heights, gaps and pressures
-    LAC_SCENE_MEASURED, // those, and what the surface is like
-} lac_scene_keep;
-
-// lac_scene_contact_solve, with a choice of what is kept.
-lac_status lac_scene_contact_make(const lac_case *c, lac_scene_keep keep, lac_scene_contact *out,
                                   lac_error *err);
 
 // A contact that was solved, to be pressed again.

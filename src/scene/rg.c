@@ -1,21 +1,28 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The cascade of a case: interface by interface, the contact under falling load, then the blocks.
-#include "scene/rg.h"
-
+// The cascade of a case: interface by interface, the contact under falling load, then the blocks;
+// or on cells that are known with their tractions: those of a snapshot.
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/statistics.h"
 #include "scene/internal.h"
+#include "scene/scene_rg.h"
 
-void lac_scene_joint_clear(lac_scene_joint *j)
+// One interface under the cascade.
+typedef struct joint {
+    lac_scene_contact contact;
+    double *strength, *drop; // [n] [Pa]
+    lac_rg_path *path;
+} joint;
+
+static void clear_joint(joint *j)
 {
     lac_scene_contact_clear(&j->contact);
     lac_rg_path_free(j->path);
     free(j->strength);
     free(j->drop);
-    *j = (lac_scene_joint){0};
+    *j = (joint){0};
 }
 
 // Pressures under the falling load, and the gaps that follow.
@@ -27,18 +34,19 @@ static lac_status elastic_path(const lac_case *c, const lac_scene_contact *conta
     const lac_contact_def def = lac_scene_contact_def(contact);
     double part[LAC_RG_MOST_LOADS];
     double *pressure = malloc(loads * n * sizeof *pressure);
-    lac_status status = pressure != NULL ? LAC_OK : lac_fail_memory(err);
-    LAC_TRY(status);
+    lac_status status;
+    LAC_TRY(pressure != NULL ? LAC_OK : lac_fail_memory(err));
     LAC_TRY(lac_rg_series_solve(&def, contact->domain, loads, pressure, err));
     lac_rg_loads(loads, part);
     const lac_rg_series series = {n, loads, part, pressure, c->rg.friction};
     LAC_TRY(lac_rg_path_elastic(&series, path, err));
 out:
     free(pressure);
-    return status == LAC_OK ? LAC_OK : lac_fail_within(err, status, "contact under less load");
+    return lac_fail_within(err, status, "contact under less load");
 }
 
-lac_status lac_scene_joint_strengths(const lac_case *c, lac_scene_joint *j, lac_error *err)
+// Strengths f p of the domain, and room for the drops.
+static lac_status find_strengths(const lac_case *c, joint *j, lac_error *err)
 {
     const lac_domain *domain = j->contact.domain;
     j->strength = malloc(domain->n * sizeof *j->strength);
@@ -50,30 +58,20 @@ lac_status lac_scene_joint_strengths(const lac_case *c, lac_scene_joint *j, lac_
     return LAC_OK;
 }
 
-static lac_status make_joint(const lac_case *c, lac_scene_joint *j, lac_error *err)
+static lac_status make_joint(const lac_case *c, joint *j, lac_error *err)
 {
-    lac_status status;
-    LAC_TRY(lac_scene_contact_make(c, LAC_SCENE_FIELDS, &j->contact, err));
+    LAC_TRY_RETURN(lac_scene_contact_solve(c, LAC_SCENE_FIELDS, &j->contact, err));
     const lac_domain *domain = j->contact.domain;
-    LAC_TRY(lac_scene_joint_strengths(c, j, err));
-    lac_rg_path *path = NULL;
+    LAC_TRY_RETURN(find_strengths(c, j, err));
     switch ((lac_rg_field)c->rg.field) {
     case LAC_RG_ELASTIC:
-        status = elastic_path(c, &j->contact, &path, err);
-        break;
+        return elastic_path(c, &j->contact, &j->path, err);
     case LAC_RG_EQUAL:
-        status = lac_rg_path_equal(domain->n, j->strength, &path, err);
-        break;
+        return lac_rg_path_further(domain->n, j->strength, NULL, &j->path, err);
     case LAC_RG_UNIFORM:
-        status = lac_rg_path_uniform(domain->n, j->strength, &path, err);
         break;
     }
-    j->path = path;
-out:
-    if (status != LAC_OK) {
-        lac_scene_joint_clear(j);
-    }
-    return status;
+    return lac_rg_path_uniform(domain->n, j->strength, &j->path, err);
 }
 
 // 1 - beta after arrest under friction without healing: the larger root of
@@ -97,8 +95,7 @@ static double drop_after_arrest(const lac_friction_params *law, double strength,
     return x;
 }
 
-static lac_status drops_from_friction(const lac_case *c, lac_scene_joint *j, double *sum,
-                                      lac_error *err)
+static lac_status drops_from_friction(const lac_case *c, joint *j, double *sum, lac_error *err)
 {
     const lac_friction_params *law = c->friction.params;
     const double damping = lac_damping_of(&c->material);
@@ -115,43 +112,49 @@ static lac_status drops_from_friction(const lac_case *c, lac_scene_joint *j, dou
     return LAC_OK;
 }
 
-lac_status lac_scene_rg_add(const lac_case *c, lac_scene_joint *j, lac_scene_rg *out,
-                            lac_error *err)
+// Lets all studies run on a joint; sums up what is averaged over joints.
+static lac_status add_joint(const lac_case *c, joint *j, lac_scene_rg *out, lac_error *err)
 {
     const lac_domain *domain = j->contact.domain;
     const lac_contact_def contact = lac_scene_contact_def(&j->contact);
     const lac_rg_resolve_def press = {&contact, domain, c->rg.friction};
     const bool solved = c->rg.path == LAC_RG_SOLVE && c->rg.field == LAC_RG_ELASTIC;
-    lac_status status = LAC_OK;
     for (size_t k = 0; k < out->betas; k++) {
         if (c->rg.betas == 0) {
-            LAC_TRY(drops_from_friction(c, j, &out->beta[k], err));
+            LAC_TRY_RETURN(drops_from_friction(c, j, &out->beta[k], err));
         }
         for (size_t i = 0; i < domain->n && c->rg.betas > 0; i++) {
             j->drop[i] = (1.0 - out->beta[k]) * j->strength[i];
         }
         const lac_rg_joint part = {domain, j->strength, j->drop, j->path, solved ? &press : NULL};
-        LAC_TRY(lac_rg_study_add(out->study[k], &part, err));
+        LAC_TRY_RETURN(lac_rg_study_add(out->study[k], &part, err));
     }
     double total = lac_sum(domain->n, j->strength);
     out->strength += total / (double)lac_grid_cells(&domain->grid) / (double)out->seeds;
-out:
-    return status;
+    return LAC_OK;
 }
 
-// The seed of the interface at hand, else that of its first random spread; INT64_MIN where it has
-// none.
+// What makes the interface: its source, then its spreads; NULL past the end.
+static lac_model *maker(const lac_case *c, size_t k)
+{
+    const lac_model *source = c->surface.info != NULL ? &c->surface : &c->domain;
+    const lac_heterogeneity_list *spreads = &c->interface_spread;
+    return k == 0 ? (lac_model *)source : k <= spreads->count ? &spreads->item[k - 1].model : NULL;
+}
+
+// The first seed of the interface at hand; INT64_MIN where it has none.
 static int64_t seed_now(const lac_case *c)
 {
-    const int64_t *seed = lac_model_seed(c->surface.info != NULL ? &c->surface : &c->domain);
-    const lac_heterogeneity_list *spreads = &c->interface_spread;
-    for (size_t k = 0; seed == NULL && k < spreads->count; k++) {
-        seed = lac_model_seed(&spreads->item[k].model);
+    const int64_t *seed = NULL;
+    const lac_model *model;
+    for (size_t k = 0; seed == NULL && (model = maker(c, k)) != NULL; k++) {
+        seed = lac_model_seed(model);
     }
     return seed != NULL ? *seed : INT64_MIN;
 }
 
-void lac_scene_rg_note(const lac_scene_contact *contact, int64_t seed, size_t i, lac_scene_rg *out)
+// Adds what interface i of the ensemble is like to the list and to the mean.
+static void note(const lac_scene_contact *contact, int64_t seed, size_t i, lac_scene_rg *out)
 {
     const double cells = (double)lac_grid_cells(&contact->grid);
     const double n = (double)out->seeds;
@@ -170,36 +173,31 @@ void lac_scene_rg_note(const lac_scene_contact *contact, int64_t seed, size_t i,
     out->mean.dyadic += one->dyadic / n;
 }
 
-lac_status lac_scene_rg_begin(const lac_case *c, lac_scene_rg *out, lac_error *err)
+// A study for each beta of the case.
+static lac_status begin(const lac_case *c, lac_scene_rg *out, lac_error *err)
 {
     lac_rg_study_def def = lac_rg_study_default();
-    lac_status status = LAC_OK;
     def.rule = (lac_rg_rule)c->rg.rule;
     def.places = (size_t)c->rg.shifts;
     def.loads = (size_t)c->rg.loads;
     out->interface = calloc(out->seeds, sizeof *out->interface);
-    status = out->interface != NULL ? LAC_OK : lac_fail_memory(err);
-    LAC_TRY(status);
+    LAC_FAIL_MEMORY_IF(out->interface == NULL, err);
     out->betas = c->rg.betas > 0 ? c->rg.betas : 1;
     for (size_t k = 0; k < out->betas; k++) {
         out->beta[k] = c->rg.betas > 0 ? c->rg.beta[k] : 0.0;
-        LAC_TRY(lac_rg_study_create(&def, &out->study[k], err));
+        LAC_TRY_RETURN(lac_rg_study_create(&def, &out->study[k], err));
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 // The next interface: of what makes it every seed, one higher.
 static void next_seed(const lac_case *c)
 {
-    int64_t *seed = lac_model_seed(c->surface.info != NULL ? &c->surface : &c->domain);
-    if (seed != NULL) {
-        ++*seed;
-    }
-    for (size_t k = 0; k < c->interface_spread.count; k++) {
-        int64_t *of_spread = lac_model_seed(&c->interface_spread.item[k].model);
-        if (of_spread != NULL) {
-            ++*of_spread;
+    const lac_model *model;
+    for (size_t k = 0; (model = maker(c, k)) != NULL; k++) {
+        int64_t *seed = lac_model_seed(model);
+        if (seed != NULL) {
+            ++*seed;
         }
     }
 }
@@ -208,99 +206,85 @@ static lac_status all_seeds(const lac_case *c, const lac_rg_watch *watch, lac_sc
                             lac_error *err)
 {
     lac_status status = LAC_OK;
-    lac_scene_joint j = {0};
+    joint j = {0};
     for (size_t i = 0; i < out->seeds; i++) {
-        if (watch != NULL && !watch->go_on(watch->context, i, out->seeds)) {
-            status = lac_fail(err, LAC_EINTERRUPT, "interrupted after %zu of %zu interfaces", i,
-                              out->seeds);
-            goto out;
-        }
+        LAC_LEAVE_IF(watch != NULL && !watch->go_on(watch->context, i, out->seeds), err,
+                     LAC_EINTERRUPT, "interrupted after %zu of %zu interfaces", i, out->seeds);
         LAC_TRY(make_joint(c, &j, err));
-        LAC_TRY(lac_scene_rg_add(c, &j, out, err));
-        lac_scene_rg_note(&j.contact, seed_now(c), i, out);
+        LAC_TRY(add_joint(c, &j, out, err));
+        note(&j.contact, seed_now(c), i, out);
         if (i + 1 == out->seeds) {
             out->domain = j.contact.domain;
             j.contact.domain = NULL;
         }
-        lac_scene_joint_clear(&j);
+        clear_joint(&j);
         next_seed(c);
     }
 out:
-    lac_scene_joint_clear(&j);
+    clear_joint(&j);
     return status;
 }
 
-// Parameters of a model's own, so that its seed can be set; their texts stay the case's.
-static lac_status own_params(lac_model *model, lac_error *err)
+static void free_source(const lac_case *own)
 {
-    size_t size = model->info != NULL ? model->info->params_size : 0;
-    const void *given = model->params;
-    model->params = malloc(size + 1);
-    LAC_FAIL_MEMORY_IF(model->params == NULL, err);
-    if (size > 0) {
-        memcpy(model->params, given, size);
-    }
-    return LAC_OK;
-}
-
-static void free_source(const lac_case *own, const lac_model *model)
-{
-    free(model->params);
-    for (size_t k = 0; k < own->interface_spread.count; k++) {
-        free(own->interface_spread.item[k].model.params);
+    const lac_model *model;
+    for (size_t k = 0; (model = maker(own, k)) != NULL; k++) {
+        free(model->params);
     }
     free(own->interface_spread.item);
 }
 
-// The case with parameters of its own for what makes the interface.
-static lac_status own_source(const lac_case *c, lac_case *own, lac_model **model, lac_error *err)
+// The case with parameters of its own for what makes the interface, so that seeds can be set; their
+// texts stay the case's.
+static lac_status own_source(const lac_case *c, lac_case *own, lac_error *err)
 {
     const lac_heterogeneity_list *given = &c->interface_spread;
+    lac_heterogeneity *item = malloc((given->count + 1) * sizeof *item);
+    bool whole = true;
+    LAC_FAIL_MEMORY_IF(item == NULL, err);
+    for (size_t k = 0; k < given->count; k++) {
+        item[k] = given->item[k];
+    }
     *own = *c;
-    *model = c->surface.info != NULL ? &own->surface : &own->domain;
-    lac_heterogeneity_list *list = &own->interface_spread;
-    *list = (lac_heterogeneity_list){.item = malloc((given->count + 1) * sizeof *list->item)};
-    lac_status status = own_params(*model, err);
-    if (status == LAC_OK && list->item == NULL) {
-        status = lac_fail_memory(err);
+    own->interface_spread.item = item;
+    lac_model *model;
+    for (size_t k = 0; (model = maker(own, k)) != NULL; k++) {
+        const size_t size = model->info != NULL ? model->info->params_size : 0;
+        const void *shared = model->params;
+        model->params = malloc(size + 1);
+        whole = whole && model->params != NULL;
+        if (model->params != NULL && size > 0) {
+            memcpy(model->params, shared, size);
+        }
     }
-    for (size_t k = 0; status == LAC_OK && k < given->count; k++) {
-        list->item[k] = given->item[k]; // its key stays the case's
-        list->count++;
-        status = own_params(&list->item[k].model, err);
+    if (!whole) {
+        free_source(own);
     }
-    if (status != LAC_OK) {
-        free_source(own, *model);
-    }
-    return status;
+    return whole ? LAC_OK : lac_fail_memory(err);
 }
 
-lac_status lac_scene_rg_end(const lac_case *c, lac_scene_rg *out, lac_error *err)
+// Means over the joints, and the results of all studies.
+static lac_status finish(const lac_case *c, lac_scene_rg *out, lac_error *err)
 {
-    lac_status status = LAC_OK;
     out->beta[0] /= c->rg.betas == 0 ? (double)out->seeds : 1.0;
     for (size_t k = 0; k < out->betas; k++) {
-        LAC_TRY(lac_rg_study_finish(out->study[k], &out->result[k], err));
+        LAC_TRY_RETURN(lac_rg_study_finish(out->study[k], &out->result[k], err));
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 lac_status lac_scene_rg_run(const lac_case *c, const lac_rg_watch *watch, lac_scene_rg *out,
                             lac_error *err)
 {
     lac_case own;
-    lac_model *model = NULL;
-    lac_status status = own_source(c, &own, &model, err);
+    lac_status status;
     *out = (lac_scene_rg){.grid = lac_interface_grid(&c->interface), .seeds = (size_t)c->rg.seeds};
-    if (status != LAC_OK) {
-        return status;
-    }
-    LAC_TRY(lac_scene_rg_begin(c, out, err));
+    LAC_TRY_RETURN(own_source(c, &own, err));
+    LAC_TRY(begin(c, out, err));
     LAC_TRY(all_seeds(&own, watch, out, err));
-    LAC_TRY(lac_scene_rg_end(c, out, err));
+    LAC_TRY(finish(c, out, err));
 out:
-    free_source(&own, model);
+    free_source(&own);
     if (status != LAC_OK) {
         lac_scene_rg_clear(out);
     }
@@ -315,4 +299,103 @@ void lac_scene_rg_clear(lac_scene_rg *rg)
     lac_domain_free(rg->domain);
     free(rg->interface);
     *rg = (lac_scene_rg){0};
+}
+
+// Effective over total normal pressure at a time, as in the run itself.
+static lac_status find_share(const lac_case *c, double time, double *share, lac_error *err)
+{
+    const lac_load_models models = {.pore = c->pore.item, .pore_count = c->pore.count};
+    const lac_load_clock clock = {.dated = c->dated, .start = c->start_date, .end = time};
+    lac_load_set loads;
+    lac_load_state at;
+    *share = 1.0;
+    if (isnan(time) || c->pore.count == 0) {
+        return LAC_OK;
+    }
+    LAC_TRY_RETURN(lac_load_set_create(&models, &clock, &loads, err));
+    lac_load_evaluate(&loads, time, &at);
+    lac_load_set_clear(&loads);
+    double total = lac_case_pressure(c);
+    *share = 1.0 - at.pore / total;
+    LAC_FAIL_IF(!(*share > 0.0 && isfinite(*share)), err, LAC_EINPUT,
+                "at %g s the pore pressure, %g Pa, is not below the normal stress, %g Pa", time,
+                at.pore, total);
+    return LAC_OK;
+}
+
+static lac_status copy_domain(const lac_domain *from, double share, lac_domain **out,
+                              lac_error *err)
+{
+    lac_domain *domain = calloc(1, sizeof *domain);
+    *out = domain;
+    LAC_FAIL_MEMORY_IF(domain == NULL, err);
+    domain->grid = from->grid;
+    domain->n = from->n;
+    domain->index = malloc(from->n * sizeof *domain->index);
+    domain->pressure = malloc(from->n * sizeof *domain->pressure);
+    LAC_FAIL_MEMORY_IF(domain->index == NULL || domain->pressure == NULL, err);
+    for (size_t i = 0; i < from->n; i++) {
+        domain->index[i] = from->index[i];
+        domain->pressure[i] = share * from->pressure[i];
+    }
+    return LAC_OK;
+}
+
+// Normal force over the nominal area.
+static double mean_pressure(const lac_domain *domain)
+{
+    return lac_sum(domain->n, domain->pressure) / (double)lac_grid_cells(&domain->grid);
+}
+
+// How loaded the joint is, and its weakest cell.
+static void look(const joint *j, const double *shear, double share, lac_scene_rg_now *now)
+{
+    const lac_domain *domain = j->contact.domain;
+    const lac_grid *grid = &domain->grid;
+    size_t weakest = 0;
+    double nominal = 0.0;
+    double carried = 0.0;
+    for (size_t i = 0; i < domain->n; i++) {
+        double gap = j->strength[i] - shear[i];
+        weakest = gap < j->strength[weakest] - shear[weakest] ? i : weakest;
+        nominal += j->strength[i];
+        carried += shear[i];
+    }
+    uint32_t at = domain->index[weakest];
+    *now = (lac_scene_rg_now){
+        .loaded = true,
+        .load = carried / nominal,
+        .share = share,
+        .weakest_gap = j->strength[weakest] - shear[weakest],
+        .weakest = {((double)(at % grid->nx) + 0.5) * grid->dx,
+                    ((double)(at / grid->nx) + 0.5) * grid->dy},
+    };
+}
+
+lac_status lac_scene_rg_cells(const lac_case *c, const lac_rg_cells *cells, lac_scene_rg *out,
+                              lac_error *err)
+{
+    joint j = {.contact = {.grid = cells->domain->grid, .e_star = NAN}};
+    double share = 1.0;
+    lac_status status;
+    *out = (lac_scene_rg){.grid = cells->domain->grid, .seeds = 1};
+    LAC_TRY(find_share(c, cells->time, &share, err));
+    LAC_TRY(copy_domain(cells->domain, share, &j.contact.domain, err));
+    LAC_TRY(lac_scene_contact_count(&j.contact, err));
+    LAC_TRY(find_strengths(c, &j, err));
+    LAC_TRY(lac_rg_path_further(cells->domain->n, j.strength, cells->shear, &j.path, err));
+    LAC_TRY(begin(c, out, err));
+    LAC_TRY(add_joint(c, &j, out, err));
+    j.contact.mean_pressure = mean_pressure(j.contact.domain);
+    note(&j.contact, INT64_MIN, 0, out);
+    LAC_TRY(finish(c, out, err));
+    look(&j, cells->shear, share, &out->now);
+    out->domain = j.contact.domain;
+    j.contact.domain = NULL;
+out:
+    clear_joint(&j);
+    if (status != LAC_OK) {
+        lac_scene_rg_clear(out);
+    }
+    return status;
 }

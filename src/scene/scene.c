@@ -30,8 +30,7 @@ static lac_status spread_friction(const lac_case *c, const lac_heterogeneity_pla
     if (status == LAC_OK) {
         status = lac_friction_set(friction, param->key, values, err);
     }
-    return status == LAC_OK ? status
-                            : lac_fail_within(err, status, "friction.spread.%s", param->key);
+    return lac_fail_within(err, status, "friction.spread.%s", param->key);
 }
 
 static lac_status make_friction(const lac_case *c, const lac_heterogeneity_place *place,
@@ -44,20 +43,14 @@ static lac_status make_friction(const lac_case *c, const lac_heterogeneity_place
     LAC_TRY(lac_friction_create(&c->friction, place->domain->n, &friction, err));
     if (c->friction_spread.count > 0) {
         values = malloc(place->domain->n * sizeof *values);
-        if (values == NULL) {
-            LAC_TRY(lac_fail_memory(err));
-        }
+        LAC_TRY(values != NULL ? LAC_OK : lac_fail_memory(err));
     }
     for (size_t i = 0; i < info->param_count; i++) {
         if (lac_heterogeneity_has(&c->friction_spread, info->params[i].key)) {
             LAC_TRY(spread_friction(c, place, &info->params[i], friction, values, err));
         }
     }
-    status = lac_friction_check(friction, err);
-    if (status != LAC_OK) {
-        (void)lac_fail_within(err, status, "friction.spread");
-        goto out;
-    }
+    LAC_TRY(lac_fail_within(err, lac_friction_check(friction, err), "friction.spread"));
     *out = friction;
     friction = NULL;
 out:
@@ -84,7 +77,7 @@ static lac_status spread_initial(const lac_heterogeneity_list *list,
     LAC_FAIL_MEMORY_IF(of->values == NULL, err);
     lac_status status =
         lac_heterogeneity_fill(place, list, of->key, of->unit, of->nominal, of->values, err);
-    return status == LAC_OK ? status : lac_fail_within(err, status, "initial.spread.%s", of->key);
+    return lac_fail_within(err, status, "initial.spread.%s", of->key);
 }
 
 static lac_status make_problem(lac_scene *scene, const lac_heterogeneity_place *place,
@@ -106,10 +99,7 @@ static lac_status make_problem(lac_scene *scene, const lac_heterogeneity_place *
     status = lac_initial_solve(&initial, domain, scene->friction, &scene->loads,
                                lac_damping_over(domain, scene->damping, lac_inertia_mass(c) > 0.0),
                                start, start + domain->n, err);
-    if (status != LAC_OK) {
-        (void)lac_fail_within(err, status, "initial");
-        goto out;
-    }
+    LAC_TRY(lac_fail_within(err, status, "initial"));
     lac_problem_def def = {.domain = domain,
                            .friction = scene->friction,
                            .transfer = &scene->transfer,
@@ -159,12 +149,11 @@ static lac_status share_loads(const lac_case *c, const lac_transfer_scene *from,
     loads->shape = malloc(from->domain->n * sizeof *loads->shape);
     LAC_FAIL_MEMORY_IF(loads->shape == NULL, err);
     lac_status status = lac_transfer_tied(&c->transfer, from, loads->shape, err);
-    return status == LAC_OK ? status : lac_fail_within(err, status, "load.shear: share: elastic");
+    return lac_fail_within(err, status, "load.shear: share: elastic");
 }
 
 lac_status lac_scene_renew(lac_scene *scene, lac_load_files *files, bool loads, lac_error *err)
 {
-    lac_status status = LAC_OK;
     lac_problem_free(scene->problem);
     scene->problem = NULL;
     lac_friction_free(scene->friction);
@@ -173,22 +162,15 @@ lac_status lac_scene_renew(lac_scene *scene, lac_load_files *files, bool loads, 
         double *shape = scene->loads.shape; // of the contact, which stays
         scene->loads.shape = NULL;
         lac_load_set_clear(&scene->loads);
-        status = lac_scene_loads_create(scene->source, files, &scene->loads, err);
+        lac_status status = lac_scene_loads_create(scene->source, files, &scene->loads, err);
         scene->loads.shape = shape;
-        LAC_TRY(status);
+        LAC_TRY_RETURN(status);
     }
-    LAC_TRY(make_motion(scene, err));
-out:
-    return status;
+    return make_motion(scene, err);
 }
 
-lac_status lac_scene_create(const lac_case *c, lac_scene **out, lac_error *err)
-{
-    return lac_scene_create_with(c, NULL, out, err);
-}
-
-lac_status lac_scene_create_with(const lac_case *c, lac_load_files *files, lac_scene **out,
-                                 lac_error *err)
+lac_status lac_scene_create(const lac_case *c, lac_load_files *files, lac_scene **out,
+                            lac_error *err)
 {
     lac_status status = LAC_OK;
     *out = NULL;
@@ -199,7 +181,7 @@ lac_status lac_scene_create_with(const lac_case *c, lac_load_files *files, lac_s
     scene->source = c;
     scene->damping = lac_damping_of(&c->material);
     LAC_TRY(lac_scene_loads_create(c, files, &scene->loads, err));
-    LAC_TRY(lac_scene_contact_solve(c, false, &scene->contact, err));
+    LAC_TRY(lac_scene_contact_solve(c, LAC_SCENE_DOMAIN, &scene->contact, err));
     LAC_TRY(lac_hierarchy_create(scene->contact.domain, &scene->hierarchy, err));
     lac_transfer_scene from = {.domain = scene->contact.domain,
                                .hierarchy = scene->hierarchy,
@@ -208,10 +190,7 @@ lac_status lac_scene_create_with(const lac_case *c, lac_load_files *files, lac_s
                                .measure = c->fft_planning != 0,
                                .line = c->interface.shape == LAC_LINE};
     status = lac_transfer_create(&c->transfer, &from, &scene->transfer, err);
-    if (status != LAC_OK) {
-        (void)lac_fail_within(err, status, "transfer");
-        goto out;
-    }
+    LAC_TRY(lac_fail_within(err, status, "transfer"));
     LAC_TRY(share_loads(c, &from, &scene->loads, err));
     LAC_TRY(make_motion(scene, err));
     *out = scene;
@@ -233,4 +212,23 @@ void lac_scene_free(lac_scene *scene)
     lac_hierarchy_free(scene->hierarchy);
     lac_scene_contact_clear(&scene->contact);
     free(scene);
+}
+
+lac_provenance lac_case_provenance(const lac_case *c, const char *case_text)
+{
+    const int64_t *seed = lac_model_seed(c->surface.info != NULL ? &c->surface : &c->domain);
+    return (lac_provenance){
+        .title = c->title != NULL ? c->title : c->path,
+        .institution = c->institution,
+        .references = c->references,
+        .case_text = case_text,
+        .seed = seed != NULL ? *seed : INT64_MIN,
+    };
+}
+
+lac_status lac_made_from_case(const lac_case *c, lac_made_from *out, lac_error *err)
+{
+    out->case_text = lac_case_text(c);
+    out->provenance = lac_case_provenance(c, out->case_text);
+    return out->case_text != NULL ? LAC_OK : lac_fail_memory(err);
 }

@@ -91,7 +91,8 @@ size_t lac_scene_history_steps(const lac_case *c);
 /// A step ends a cycle when it comes back to the controls of an earlier one (the latest; or of the
 /// start): the pressure and, of each axis, the load or shift that is controlled, within 1e-6 of the
 /// largest so far, other controls having been in between.
-/// @param contact  of the case, solved with `all`; its pressures are where the history starts
+/// @param contact  of the case, solved with LAC_SCENE_MEASURED; its pressures are where the history
+/// starts
 /// @return LAC_OK; LAC_EINPUT; LAC_ENUMERIC; LAC_EINTERRUPT; LAC_ENOMEM; what the sink returns.
 ///         The steps up to there have gone to the sink.
 lac_status lac_scene_history_run(const lac_case *c, const lac_scene_contact *contact,
@@ -122,19 +123,25 @@ typedef struct lac_scene {
     lac_problem *problem;
 } lac_scene;
 
+/// What is kept of a contact besides its domain.
+typedef enum lac_scene_keep {
+    LAC_SCENE_DOMAIN,   ///< nothing
+    LAC_SCENE_FIELDS,   ///< heights, gaps and pressures
+    LAC_SCENE_MEASURED, ///< those, and what the surface is like
+} lac_scene_keep;
+
 /// Solves the contact of a case.
-/// @param all  keep heights, gap and pressure (for `contact`); else only what a run needs
-lac_status lac_scene_contact_solve(const lac_case *c, bool all, lac_scene_contact *out,
+lac_status lac_scene_contact_solve(const lac_case *c, lac_scene_keep keep, lac_scene_contact *out,
                                    lac_error *err);
 
 /// Area scaling from 64 cells a side where the grid has four resolutions, the finest left out;
 /// boxes as lac_box_default; specimens of 50, 100, 200 and 400 mm, 1, 10, 100 m and 1 km.
 lac_scene_measure_def lac_scene_measure_default(void);
 
-/// Measures the contact that was solved with `all`: clusters, area scaling, size effect; counts the
-/// boxes again where `def` asks for other ones.
-/// A contact whose area has no scaling (grid too small, no surface, coarse grids not solved) is
-/// measured all the same: `fractal.why` says why it has none.
+/// Measures the contact that was solved with LAC_SCENE_MEASURED: clusters, area scaling, size
+/// effect; counts the boxes again where `def` asks for other ones. A contact whose area has no
+/// scaling (grid too small, no surface, coarse grids not solved) is measured all the same:
+/// `fractal.why` says why it has none.
 /// @return LAC_OK; LAC_ENOMEM; LAC_EINPUT (sizes of boxes or specimens)
 /// @cost   the contact once more at 2, 4, 8 ... times its cell: about half of what it took
 lac_status lac_scene_contact_measure(const lac_scene_measure_def *def, lac_scene_contact *contact,
@@ -145,17 +152,14 @@ void lac_scene_contact_clear(lac_scene_contact *contact);
 double lac_damping_of(const lac_material_def *material);
 
 /// Builds the whole scene of a case. The case must outlive it.
-lac_status lac_scene_create(const lac_case *c, lac_scene **out, lac_error *err);
-
-/// The same, with what its loads read kept for scenes made later.
-/// @param files  NULL: nothing is kept
-lac_status lac_scene_create_with(const lac_case *c, lac_load_files *files, lac_scene **out,
-                                 lac_error *err);
+/// @param files  what its loads read, kept for scenes made later; NULL: nothing is kept
+lac_status lac_scene_create(const lac_case *c, lac_load_files *files, lac_scene **out,
+                            lac_error *err);
 
 /// Makes a scene anew after values of friction or initial (or of loads) changed in its case; the
 /// contact, the hierarchy and the transfer stay. After an error the scene has no problem and can
 /// only be renewed or freed.
-/// @param files  as in lac_scene_create_with
+/// @param files  as in lac_scene_create
 lac_status lac_scene_renew(lac_scene *scene, lac_load_files *files, bool loads, lac_error *err);
 
 void lac_scene_free(lac_scene *scene);

@@ -19,7 +19,6 @@ static const uint64_t next_draw = 0xbf58476d1ce4e5b9u;
 typedef struct filling {
     const lac_heterogeneity_place *place;
     const char *key, *unit;
-    double *values; // [n]
     double *factor; // [n]
 } filling;
 
@@ -58,12 +57,12 @@ static lac_status patch_sizes(const lac_domain *domain, double *size, lac_error 
 {
     lac_clusters *clusters = NULL;
     double cell = lac_grid_cell_area(&domain->grid);
-    lac_status status = lac_clusters_create(domain, &clusters, err);
-    for (size_t i = 0; status == LAC_OK && i < domain->n; i++) {
+    LAC_TRY_RETURN(lac_clusters_create(domain, &clusters, err));
+    for (size_t i = 0; i < domain->n; i++) {
         size[i] = sqrt(cell * clusters->size[clusters->label[i]]);
     }
     lac_clusters_free(clusters);
-    return status;
+    return LAC_OK;
 }
 
 // Level by level upwards: a block of 2^l x 2^l cells (2^l on a line) is full where as many touch.
@@ -94,17 +93,13 @@ lac_status lac_heterogeneity_sizes(const lac_heterogeneity_place *place, lac_siz
     if (of == LAC_SIZE_PATCH) {
         return patch_sizes(place->domain, size, err);
     }
-    if (place->hierarchy != NULL) {
-        block_sizes(place->domain, place->hierarchy, size);
-        return LAC_OK;
+    lac_hierarchy *made = NULL;
+    if (place->hierarchy == NULL) {
+        LAC_TRY_RETURN(lac_hierarchy_create(place->domain, &made, err));
     }
-    lac_hierarchy *blocks = NULL;
-    lac_status status = lac_hierarchy_create(place->domain, &blocks, err);
-    if (status == LAC_OK) {
-        block_sizes(place->domain, blocks, size);
-    }
-    lac_hierarchy_free(blocks);
-    return status;
+    block_sizes(place->domain, made != NULL ? made : place->hierarchy, size);
+    lac_hierarchy_free(made);
+    return LAC_OK;
 }
 
 static lac_status scale_by_size(const lac_heterogeneity *spread, const filling *f, lac_error *err)
@@ -129,16 +124,6 @@ static lac_status find_factors(const lac_heterogeneity *spread, uint64_t rank, c
     return draw_factors(spread, rank, f, err);
 }
 
-static lac_status apply(const lac_heterogeneity *spread, uint64_t rank, const filling *f,
-                        lac_error *err)
-{
-    lac_status status = find_factors(spread, rank, f, err);
-    for (size_t i = 0; status == LAC_OK && i < f->place->domain->n; i++) {
-        f->values[i] *= f->factor[i];
-    }
-    return status;
-}
-
 lac_status lac_heterogeneity_fill(const lac_heterogeneity_place *place,
                                   const lac_heterogeneity_list *list, const char *key,
                                   const char *unit, double nominal, double *values, lac_error *err)
@@ -146,7 +131,7 @@ lac_status lac_heterogeneity_fill(const lac_heterogeneity_place *place,
     size_t n = place->domain->n;
     lac_status status = LAC_OK;
     uint64_t rank = 0;
-    filling f = {place, key, unit, values, malloc(n * sizeof(double))};
+    filling f = {place, key, unit, malloc(n * sizeof(double))};
     LAC_FAIL_MEMORY_IF(f.factor == NULL, err);
     for (size_t k = 0; k < list->count; k++) {
         bool outright =
@@ -158,7 +143,10 @@ lac_status lac_heterogeneity_fill(const lac_heterogeneity_place *place,
     }
     for (size_t k = 0; k < list->count; k++) {
         if (strcmp(list->item[k].key, key) == 0) {
-            LAC_TRY(apply(&list->item[k], rank++, &f, err));
+            LAC_TRY(find_factors(&list->item[k], rank++, &f, err));
+            for (size_t i = 0; i < n; i++) {
+                values[i] *= f.factor[i];
+            }
         }
     }
 out:

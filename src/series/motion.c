@@ -1,13 +1,311 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Readings made ready for forecasts: cleaned, turned so that they rise, and differentiated.
-#include "base/fail.h"
-#include "series/clean.h"
-
+// Readings made ready for forecasts: cleaned, turned so that they rise, and differentiated, all
+// with the past alone: whoever passes readings up to the present gets what could be known then.
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/fail.h"
 #include "base/least_squares.h"
+#include "base/statistics.h"
+#include "series/motion.h"
+
+// In noises, unless said.
+static const double gap = 5.0; // median intervals
+static const double outlier = 8.0, fall = 10.0;
+static const double agree = 0.5;     // part of an outlier's distance
+static const double lost = 0.2;      // part of the way so far that a reset takes back
+static const double normal = 1.4826; // standard deviation over the median distance
+static const double step_counts = 5.0, error_counts = 3.0, walk_counts = 2.0;
+
+enum { BELIEVED = 20 }; // of so many readings one may be a reset
+
+// Distance of reading i from the line between readings a and b; the noise of it is `scale` times
+// that of a reading.
+static double off_line(const lac_motion *m, size_t a, size_t i, size_t b, double *scale)
+{
+    const double w = (m->time[i] - m->time[a]) / (m->time[b] - m->time[a]);
+    *scale = sqrt(1.0 + (1.0 - w) * (1.0 - w) + w * w);
+    return m->displacement[i] - (1.0 - w) * m->displacement[a] - w * m->displacement[b];
+}
+
+static double find_noise(const lac_motion *m, double *work)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < m->n; i++) {
+        if (!isnan(m->sigma[i])) {
+            work[n++] = m->sigma[i];
+        }
+    }
+    if (n > 0) {
+        return lac_median(n, work);
+    }
+    for (size_t i = 1; i + 1 < m->n && !m->integrated; i++) {
+        double scale;
+        double off = off_line(m, i - 1, i, i + 1, &scale);
+        work[n++] = fabs(off) / scale;
+    }
+    return normal * lac_median(n, work);
+}
+
+// Noise, intervals and gaps of the readings.
+static void measure(lac_motion *m, double *work)
+{
+    m->noise = find_noise(m, work);
+    m->noise = m->noise < m->resolution ? m->resolution : m->noise;
+    for (size_t i = 1; i < m->n; i++) {
+        work[i - 1] = m->time[i] - m->time[i - 1];
+    }
+    m->interval = m->n > 1 ? lac_median(m->n - 1, work) : NAN;
+    m->longest_gap = m->n > 1 ? work[m->n - 2] : NAN;
+    for (size_t i = 1; i < m->n; i++) {
+        m->gaps += work[i - 1] > gap * m->interval ? 1 : 0;
+    }
+}
+
+// Whether the readings fall by more than their noise.
+// Steps count at most some median ones, so that a reset is no more than a few of them. Errors of
+// displacements cancel in their sum but for the first and the last; those of integrated velocities
+// add up as a random walk does.
+static bool motion_falls(const lac_motion *m, double *work)
+{
+    size_t n = 0;
+    double sum = 0.0;
+    double squares = 0.0;
+    for (size_t i = 1; i < m->n; i++) {
+        const double step = fabs(m->displacement[i] - m->displacement[i - 1]);
+        if (step > 0.0) {
+            work[n++] = step;
+        }
+    }
+    const double most = n > 0 ? step_counts * lac_median(n, work) : 0.0;
+    for (size_t i = 1; i < m->n; i++) {
+        const double step = m->displacement[i] - m->displacement[i - 1];
+        const double counted = fmin(most, fmax(-most, step));
+        sum += counted;
+        squares += counted / most * (counted / most);
+    }
+    return sum < -(m->integrated ? walk_counts * most * sqrt(squares)
+                                 : error_counts * sqrt(2.0) * m->noise);
+}
+
+// Whether reading i leaves the line between its neighbours, which agree with each other.
+static bool is_outlier(const lac_motion *m, size_t before, size_t i)
+{
+    double scale;
+    const double off = fabs(off_line(m, before, i, i + 1, &scale));
+    const double step = fabs(m->displacement[i + 1] - m->displacement[before]);
+    return off > outlier * scale * m->noise && step < agree * off;
+}
+
+// The readings kept are 0 ... kept - 1; i comes next.
+static bool falls(const lac_motion *m, size_t kept, size_t i, double way)
+{
+    const double back = m->displacement[kept - 1] - m->displacement[i];
+    return kept >= 3 && back > fall * m->noise && back > lost * way;
+}
+
+// What the slope would have reached by the time of reading i.
+static double go_on(const lac_motion *m, size_t kept, size_t i)
+{
+    const double *t = m->time;
+    const double *d = m->displacement;
+    const double rate = (d[kept - 1] - d[kept - 2]) / (t[kept - 1] - t[kept - 2]);
+    return d[kept - 1] + rate * (t[i] - t[kept - 1]);
+}
+
+static void keep(lac_motion *m, size_t at, size_t i)
+{
+    m->time[at] = m->time[i];
+    m->displacement[at] = m->displacement[i];
+    m->sigma[at] = m->sigma[i];
+}
+
+// Drops outliers and takes resets out. @return whether so many resets are believed
+static bool clean(lac_motion *m)
+{
+    const size_t all = m->n;
+    size_t kept = 0;
+    double way = 0.0;
+    double shift = 0.0; // by which what follows a reset is moved
+    if (!(m->noise > 0.0)) {
+        return true;
+    }
+    for (size_t i = 0; i < m->n; i++) {
+        const bool last = i + 1 == m->n;
+        if (!last) {
+            m->displacement[i + 1] += shift;
+        }
+        if (kept > 0 && !last && is_outlier(m, kept - 1, i)) {
+            m->outliers++;
+            continue;
+        }
+        if (kept > 0 && falls(m, kept, i, way)) {
+            if (last) { // a reset or an outlier: the next reading will tell
+                m->outliers++;
+                continue;
+            }
+            const double offset = go_on(m, kept, i) - m->displacement[i];
+            m->displacement[i] += offset;
+            m->displacement[i + 1] += offset;
+            shift += offset;
+            m->resets++;
+        }
+        keep(m, kept++, i);
+        way = fmax(way, m->displacement[kept - 1] - m->displacement[0]);
+    }
+    m->n = kept;
+    return m->resets <= 1 || BELIEVED * m->resets <= all;
+}
+
+static void add(lac_motion *m, double time, double velocity, double rounding)
+{
+    m->rounding[m->velocities] = rounding + 4.0 * DBL_EPSILON * fabs(velocity);
+    m->velocity_time[m->velocities] = time;
+    m->velocity[m->velocities++] = velocity;
+}
+
+// Velocities of what falls are turned with it, speeds are not.
+static void take_given(const lac_readings *r, lac_motion *m)
+{
+    double sum = 0.0;
+    for (size_t i = 0; i < r->n; i++) {
+        sum += isnan(r->velocity[i]) ? 0.0 : r->velocity[i];
+    }
+    const double sign = m->falling && sum < 0.0 ? -1.0 : 1.0;
+    for (size_t i = 0; i < r->n; i++) {
+        if (!isnan(r->velocity[i])) {
+            add(m, r->time[i], sign * r->velocity[i], r->velocity_digit);
+        }
+    }
+}
+
+// How far the last digits of two displacements, and the last bits of their times, move their
+// secant.
+static double secant_rounding(const lac_motion *m, size_t from, size_t to)
+{
+    const double *t = m->time;
+    const double late = fmax(fabs(t[from]), fabs(t[to]));
+    const double step = fabs(m->displacement[to] - m->displacement[from]);
+    return (m->resolution + 2.0 * DBL_EPSILON * late * step / (t[to] - t[from])) /
+           (t[to] - t[from]);
+}
+
+// v = (d_i - d_{i-1})/(t_i - t_{i-1}) at (t_i + t_{i-1})/2
+static void take_secants(lac_motion *m)
+{
+    const double *t = m->time;
+    for (size_t i = 1; i < m->n; i++) {
+        add(m, t[i - 1] + 0.5 * (t[i] - t[i - 1]),
+            (m->displacement[i] - m->displacement[i - 1]) / (t[i] - t[i - 1]),
+            secant_rounding(m, i - 1, i));
+    }
+}
+
+// Means of `points` velocities each, in place.
+static void average(size_t points, lac_motion *m)
+{
+    const size_t before = points - 1;
+    if (m->velocities < points) {
+        m->velocities = 0;
+        return;
+    }
+    for (size_t i = 0; i + before < m->velocities; i++) {
+        double time = 0.0;
+        double sum = 0.0;
+        double squares = 0.0;
+        for (size_t j = 0; j < points; j++) {
+            time += m->velocity_time[i + j] - m->velocity_time[i];
+            sum += m->velocity[i + j];
+            squares += m->rounding[i + j] * m->rounding[i + j];
+        }
+        m->velocity_time[i] += time / (double)points;
+        m->velocity[i] = sum / (double)points;
+        m->rounding[i] = sqrt(squares) / (double)points;
+    }
+    m->velocities -= before;
+}
+
+// Slope of the readings first ... last at the mean of their times.
+static void add_slope(lac_motion *m, size_t first, size_t last)
+{
+    const double *t = m->time + first;
+    const double *d = m->displacement + first;
+    const size_t n = last - first + 1;
+    double mean = 0.0;
+    double tt = 0.0;
+    double td = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        mean += (t[i] - t[0]) / (double)n;
+    }
+    for (size_t i = 0; i < n; i++) {
+        const double x = t[i] - t[0] - mean;
+        tt += x * x;
+        td += x * (d[i] - d[0]);
+    }
+    add(m, t[0] + mean, td / tt, secant_rounding(m, first, last));
+}
+
+// Windows reach a whole `window` back, and hold two readings or more.
+static void take_windows(double window, lac_motion *m)
+{
+    size_t first = 0;
+    for (size_t i = 1; i < m->n; i++) {
+        const double start = m->time[i] - window * (1.0 + 1e-9);
+        for (; m->time[first] < start; first++) {
+        }
+        if (m->time[0] <= m->time[i] - window * (1.0 - 1e-9) && first < i) {
+            add_slope(m, first, i);
+        }
+    }
+}
+
+// Slope at its last reading of the polynomial through `points` readings.
+static lac_status take_polynomials(size_t points, size_t order, lac_motion *m, lac_error *err)
+{
+    const size_t k = order + 1;
+    double c[LAC_LEAST_SQUARES_MAX];
+    double *columns = malloc((k + 1) * points * sizeof *columns);
+    LAC_FAIL_MEMORY_IF(columns == NULL, err);
+    double *y = columns + k * points;
+    for (size_t last = points - 1; last < m->n; last++) {
+        const double *t = m->time + (last + 1 - points);
+        const double span = t[points - 1] - t[0];
+        for (size_t i = 0; i < points; i++) {
+            double power = 1.0;
+            for (size_t j = 0; j < k; j++, power *= (t[i] - t[points - 1]) / span) {
+                columns[j * points + i] = power;
+            }
+            y[i] = m->displacement[last + 1 - points + i];
+        }
+        (void)lac_least_squares(points, k, columns, y, c);
+        // |p'| <= 2 k^2 max|p|/span of a polynomial of order k (Markov)
+        add(m, m->time[last], c[1] / span,
+            (double)(order * order) * secant_rounding(m, last + 1 - points, last));
+    }
+    free(columns);
+    return LAC_OK;
+}
+
+// Velocities by secants, means, windows or polynomials; none looks ahead.
+static lac_status differentiate(const lac_motion_def *def, const lac_readings *readings,
+                                lac_motion *m, lac_error *err)
+{
+    if (def->smoothing == LAC_SMOOTH_SAVGOL) {
+        return take_polynomials(def->points, def->order, m, err);
+    }
+    if (def->smoothing == LAC_SMOOTH_WINDOW) {
+        take_windows(def->window, m);
+    } else if (readings->velocity != NULL) {
+        take_given(readings, m);
+    } else {
+        take_secants(m);
+    }
+    if (def->smoothing == LAC_SMOOTH_AVERAGE) {
+        average(def->points, m);
+    }
+    return LAC_OK;
+}
 
 lac_readings lac_series_readings(const lac_series *s)
 {
@@ -81,17 +379,18 @@ static void turn(lac_motion *m)
     }
 }
 
-static void take(const lac_motion_def *def, const lac_readings *r, double *work, lac_motion *m)
+static void take(const lac_motion_def *def, const lac_readings *r, lac_motion *m)
 {
+    double *const work = m->velocity;
     if (r->displacement != NULL) {
         keep_displacements(r, m);
     } else {
         integrate(r, m);
     }
-    lac_motion_measure(m, work);
-    m->falling = lac_motion_falls(m, work);
+    measure(m, work);
+    m->falling = motion_falls(m, work);
     turn(m);
-    if (def->raw || m->integrated || lac_motion_clean(m)) {
+    if (def->raw || m->integrated || clean(m)) {
         return;
     }
     m->disbelieved = m->resets;
@@ -103,42 +402,25 @@ static void take(const lac_motion_def *def, const lac_readings *r, double *work,
 lac_status lac_motion_create(const lac_motion_def *def, const lac_readings *readings,
                              lac_motion **out, lac_error *err)
 {
+    const size_t n = readings->n;
     *out = NULL;
-    lac_status status = check(def, readings, err);
+    LAC_TRY_RETURN(check(def, readings, err));
+    lac_motion *m = calloc(1, sizeof *m + 6 * n * sizeof *m->time);
+    LAC_FAIL_MEMORY_IF(m == NULL, err);
+    m->time = (double *)(m + 1);
+    m->displacement = m->time + n;
+    m->sigma = m->displacement + n;
+    m->velocity_time = m->sigma + n;
+    m->velocity = m->velocity_time + n;
+    m->rounding = m->velocity + n;
+    take(def, readings, m);
+    const lac_status status = differentiate(def, readings, m, err);
     if (status != LAC_OK) {
+        lac_motion_free(m);
         return status;
     }
-    const size_t size = readings->n > 0 ? readings->n : 1;
-    lac_motion *m = calloc(1, sizeof *m);
-    double *work = malloc(size * sizeof *work);
-    status = m != NULL && work != NULL ? LAC_OK : lac_fail_memory(err);
-    LAC_TRY(status);
-    m->time = malloc(size * sizeof *m->time);
-    m->displacement = malloc(size * sizeof *m->displacement);
-    m->sigma = malloc(size * sizeof *m->sigma);
-    if (m->time == NULL || m->displacement == NULL || m->sigma == NULL) {
-        LAC_TRY(lac_fail_memory(err));
-    }
-    take(def, readings, work, m);
-    LAC_TRY(lac_motion_differentiate(def, readings, m, err));
     *out = m;
-    m = NULL;
-out:
-    lac_motion_free(m);
-    free(work);
-    return status;
+    return LAC_OK;
 }
 
-void lac_motion_free(lac_motion *motion)
-{
-    if (motion == NULL) {
-        return;
-    }
-    free(motion->time);
-    free(motion->displacement);
-    free(motion->sigma);
-    free(motion->velocity_time);
-    free(motion->velocity);
-    free(motion->rounding);
-    free(motion);
-}
+void lac_motion_free(lac_motion *motion) { free(motion); }

@@ -27,7 +27,7 @@ lac_readings lac_series_readings(const lac_series *series);
 /// The motion of a slope as forecasts see it.
 typedef struct lac_motion {
     size_t n;
-    double *time;         ///< [n] [s]
+    double *time;         ///< [n] [s]; all arrays lie in one piece with the motion
     double *displacement; ///< [n] [m] outliers dropped, resets taken out, turned where it falls
     double *sigma;        ///< [n] [m], NaN where not known
     size_t velocities;

@@ -9,7 +9,6 @@
 
 #include "base/units.h"
 #include "series/text.h"
-#include "series/time_format.h"
 
 enum {
     VALUES = LAC_SERIES_VALUES,
@@ -95,7 +94,6 @@ static lac_status prepare(lac_parser *p, FILE *stream, const lac_series_def *def
     p->wanted[2].name = def->velocity;
     p->wanted[3].name = def->value;
     p->wanted[4].name = def->sigma;
-    LAC_TRY_RETURN(lac_series_check(def, err));
     p->plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
     LAC_FAIL_MEMORY_IF(p->plain == (locale_t)0, err);
     p->callers = uselocale(p->plain);

@@ -9,7 +9,6 @@
 #include "base/netcdf.h"
 #include "base/units.h"
 #include "series/text.h"
-#include "series/time_format.h"
 
 enum { LONGEST_UNIT = 128, MOST_READINGS = 100000000 };
 
@@ -210,14 +209,9 @@ lac_status lac_series_read_netcdf(const lac_series_def *def, const struct lac_un
                                   lac_series **out, lac_error *err)
 {
     series_file file = {.path = def->path, .id = -1, .dim = -1};
-    lac_series *s = NULL;
-    lac_status status = lac_series_check(def, err);
-    if (status != LAC_OK) {
-        return status;
-    }
     LAC_TRY_RETURN(check(&file, nc_open(def->path, NC_NOWRITE, &file.id), "the file", err));
-    s = calloc(1, sizeof *s);
-    status = s == NULL ? lac_fail_memory(err) : read_all(&file, def, units, s, err);
+    lac_series *s = calloc(1, sizeof *s);
+    lac_status status = s == NULL ? lac_fail_memory(err) : read_all(&file, def, units, s, err);
     (void)nc_close(file.id);
     if (status != LAC_OK) {
         lac_series_free(s);

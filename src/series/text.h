@@ -9,10 +9,6 @@
 lac_status lac_series_read_stream(FILE *stream, const lac_series_def *def,
                                   const struct lac_units *units, lac_series **out, lac_error *err);
 
-/// Whether a column of values is named.
-/// @return LAC_OK; LAC_EINPUT
-lac_status lac_series_check(const lac_series_def *def, lac_error *err);
-
 /// Whether a file begins as netCDF does; the stream is at its beginning before and after.
 bool lac_series_is_netcdf(FILE *stream);
 
@@ -46,19 +42,6 @@ size_t lac_rows_merge(size_t *n, lac_row *rows, size_t *conflicts);
 /// @return LAC_OK; LAC_EINPUT where it says another
 lac_status lac_series_ask(const struct lac_units *units, const char *where, const char *name,
                           const char *si, bool *known, lac_error *err);
-
-/// What a column can tell apart: the greatest step of which all its differences are whole
-/// multiples, within the rounding of doubles, or of single precision. A sensor that counts in 0.5
-/// mm and writes "12.5" has that step, and so have 0.1f and what was written of it. Believed only
-/// of readings of which ten or more are off a parabola through their neighbours by more than half
-/// of it, as a line of equal steps has them too.
-/// @param time   [n] strictly increasing
-/// @param x      [n] NaN: not given
-/// @param digit  what the last digit or bit counts; 0: a double's; never made less
-/// @return LAC_OK; LAC_ENOMEM
-/// @cost  O(n log n)
-lac_status lac_series_resolve(size_t n, const double *time, const double *x, double *digit,
-                              lac_error *err);
 
 /// Notes a doubt about what was read.
 void lac_series_doubt(lac_series *series, const char *format, ...)
@@ -104,3 +87,33 @@ int lac_text_digit(const char *field, char mark);
 
 /// A field fit for a message: cut, and without control characters.
 const char *lac_text_show(const char *field, char *shown, size_t size);
+
+/// How the times of a file are written.
+typedef struct lac_time_format {
+    const char *pattern;  ///< with % marks; NULL: numbers, or ISO 8601 and seconds
+    bool any;             ///< ISO 8601 or seconds, whichever the first row has
+    bool dated;           ///< of numbers: they count from a date
+    double scale, offset; ///< of numbers: seconds = scale x + offset
+    char unit[16];        ///< of numbers, "day"; "" where the name is longer
+    char allowed[96];     ///< for messages: what a time must be
+} lac_time_format;
+
+/// Understands a format: NULL or "iso" (ISO 8601, else seconds), "unix", "excel" (days since
+/// 1899-12-30), a pattern such as "%d/%m/%Y %H:%M" (Y m d y b j H I M S p z), or what CF calls time
+/// units: "day", "hours since 2015-06-07".
+/// @param text  borrowed
+/// @return LAC_OK; LAC_EINPUT
+lac_status lac_time_format_read(const char *text, const struct lac_units *units,
+                                lac_time_format *out, lac_error *err);
+
+/// The name of a unit of time, to stand behind a number.
+/// @param name  "" where the unit is longer
+void lac_time_unit_name(const char *unit, char *name, size_t size);
+
+/// Reads one time.
+/// @param mark     decimal mark of numbers
+/// @param seconds  since 1970 UTC where dated, else as written
+/// @param dated    whether it is a date
+/// @return false where the field is no such time
+bool lac_time_format_take(const lac_time_format *format, const char *field, char mark,
+                          double *seconds, bool *dated);

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Times as files write them, dates by a pattern or numbers since a date, made into seconds.
-#include "series/time_format.h"
-
 #include <ctype.h>
 #include <math.h>
 #include <stdio.h>

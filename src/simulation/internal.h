@@ -19,6 +19,3 @@ lac_status lac_accuracy_choose(lac_scene *scene, lac_case *c, const lac_simulati
 /// @return as lac_scene_rg_run
 /// @cost   that of the cascade where `rg` has no critical_fraction given; else O(n)
 lac_status lac_indicators_create(const lac_scene *scene, lac_analysis **out, lac_error *err);
-
-/// What its run puts out.
-lac_run_output lac_outcome_output(const lac_outcome *of);

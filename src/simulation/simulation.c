@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The one way from a case to what came out of its run.
+// The one way from a case to what came out of its run, which goes into a sink, into memory or into
+// a file.
 #include "simulation/internal.h"
 
 #include <math.h>
@@ -33,7 +34,7 @@ static void prepared(lac_simulation *s, lac_stage stage)
 static lac_status build(lac_simulation *s, lac_error *err)
 {
     lac_status status;
-    LAC_TRY(lac_scene_create(&s->source, &s->scene, err));
+    LAC_TRY(lac_scene_create(&s->source, NULL, &s->scene, err));
     s->outcome.scene = s->scene;
     prepared(s, LAC_STAGE_SCENE);
     if (!isnan(s->source.accuracy)) {
@@ -65,13 +66,10 @@ static int set_threads(int threads)
 lac_status lac_simulation_create(const lac_case *c, const lac_simulation_options *options,
                                  lac_simulation **out, lac_error *err)
 {
-    lac_simulation *s = NULL;
-    lac_status status = LAC_NEED(err, c, out);
-    if (status != LAC_OK) {
-        return status;
-    }
+    lac_status status;
+    LAC_TRY_RETURN(LAC_NEED(err, c, out));
     *out = NULL;
-    s = calloc(1, sizeof *s);
+    lac_simulation *s = calloc(1, sizeof *s);
     LAC_FAIL_MEMORY_IF(s == NULL, err);
     s->source = *c;
     if (c->use != NULL) {
@@ -80,22 +78,18 @@ lac_status lac_simulation_create(const lac_case *c, const lac_simulation_options
     s->source.run.beyond = 0; // all of it is done here
     s->outcome = (lac_outcome){.source = &s->source, .status = "running"};
     s->options = lac_simulation_options_default();
-    status =
-        lac_take_options("lac_simulation_options", options, &s->options, sizeof s->options, err);
-    if (status == LAC_OK) {
-        status = lac_case_serves(c, LAC_FOR_RUN, err);
-    }
-    if (status == LAC_OK) {
-        const int before = set_threads(s->options.threads);
-        status = build(s, err);
-        (void)set_threads(before);
-    }
-    if (status != LAC_OK) {
-        lac_simulation_free(s);
-        return status;
-    }
+    LAC_TRY(
+        lac_take_options("lac_simulation_options", options, &s->options, sizeof s->options, err));
+    LAC_TRY(lac_case_serves(c, LAC_FOR_RUN, err));
+    const int before = set_threads(s->options.threads);
+    status = build(s, err);
+    (void)set_threads(before);
+    LAC_TRY(status);
     *out = s;
-    return LAC_OK;
+    s = NULL;
+out:
+    lac_simulation_free(s);
+    return status;
 }
 
 void lac_simulation_free(lac_simulation *simulation)
@@ -210,6 +204,19 @@ out:
     return status;
 }
 
+static lac_run_output output_of(const lac_outcome *of)
+{
+    return (lac_run_output){.domain = of->scene->contact.domain,
+                            .hierarchy = of->scene->hierarchy,
+                            .transfer = &of->scene->transfer,
+                            .fields = of->source->fields,
+                            .extras = of->extras,
+                            .extra = of->extra,
+                            .events = lac_analysis_has_events(of->analysis),
+                            .dated = of->source->dated,
+                            .start_date = of->source->start_date};
+}
+
 lac_status lac_simulation_file(lac_simulation *simulation, lac_store_def *out, lac_error *err)
 {
     lac_simulation *s = simulation;
@@ -218,7 +225,7 @@ lac_status lac_simulation_file(lac_simulation *simulation, lac_store_def *out, l
     LAC_FAIL_MEMORY_IF(s->case_text == NULL, err);
     *out = (lac_store_def){.path = c->output_file,
                            .provenance = lac_case_provenance(c, s->case_text),
-                           .of = lac_outcome_output(&s->outcome),
+                           .of = output_of(&s->outcome),
                            .compression = c->compression,
                            .single = c->single != 0,
                            .sync_every = RECORDS_BETWEEN_SYNCS};
@@ -229,4 +236,85 @@ lac_status lac_simulation_file(lac_simulation *simulation, lac_store_def *out, l
         out->provenance.accuracy_estimated = s->accuracy.estimated;
     }
     return LAC_OK;
+}
+
+static lac_status add_outcome(lac_recording *recording, const lac_case *c,
+                              const lac_run_result *result, lac_error *err)
+{
+    const struct {
+        const char *name, *unit, *long_name;
+        double value;
+    } table[] = {
+        {"failed", "1", "whether the joint failed, by its mean slip rate or its mean slip",
+         result->failed},
+        {"failure_time", "s", "time of failure since the start of the run",
+         result->failure_origin + result->failure_local},
+        {"steps", "1", "steps of the integrator", (double)result->steps},
+        {"start_date", "s", "start of the run, since 1970", c->dated ? c->start_date : NAN},
+    };
+    lac_status status = LAC_OK;
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        LAC_TRY(lac_recording_add(recording, table[i].name, table[i].unit, table[i].long_name,
+                                  table[i].value, err));
+    }
+out:
+    return status;
+}
+
+lac_status lac_simulation_record(lac_simulation *simulation, lac_dataset **out, lac_error *err)
+{
+    lac_recording *recording = NULL;
+    lac_status status;
+    LAC_TRY(LAC_NEED(err, simulation, out));
+    *out = NULL;
+    const lac_outcome *outcome = lac_simulation_outcome(simulation);
+    const lac_recording_def def = output_of(outcome);
+    LAC_TRY(lac_recording_create(&def, &recording, err));
+    const lac_sink sink = lac_recording_sink(recording);
+    const lac_status ended = lac_simulation_run(simulation, &sink, err);
+    if (ended == LAC_OK || ended == LAC_EINTERRUPT) {
+        LAC_TRY(add_outcome(recording, outcome->source, &outcome->run, err));
+        *out = lac_recording_hand_out(recording);
+        recording = NULL;
+    }
+    status = ended;
+out:
+    lac_recording_free(recording);
+    return status;
+}
+
+static lac_status open_file(lac_simulation *simulation, const char *path,
+                            const lac_write_options *options, lac_store **out, lac_error *err)
+{
+    lac_store_def def;
+    const lac_status status = lac_simulation_file(simulation, &def, err);
+    if (status != LAC_OK) {
+        return status;
+    }
+    lac_provenance_sign(&def.provenance, options);
+    def.path = path != NULL ? path : def.path;
+    def.force = options->force;
+    return def.path != NULL
+               ? lac_store_create(&def, out, err)
+               : lac_fail(err, LAC_EINPUT, "%s: names no output.file, nor does the caller",
+                          lac_simulation_outcome(simulation)->source->path);
+}
+
+lac_status lac_simulation_write(lac_simulation *simulation, const char *path,
+                                const lac_write_options *options, lac_error *err)
+{
+    lac_write_options own = lac_write_options_default();
+    lac_store *store = NULL;
+    lac_status status;
+    LAC_TRY(LAC_NEED(err, simulation));
+    LAC_TRY(lac_take_options("lac_write_options", options, &own, sizeof own, err));
+    LAC_TRY(open_file(simulation, path, &own, &store, err));
+    const lac_outcome *of = lac_simulation_outcome(simulation);
+    const lac_sink sink = lac_store_sink(store);
+    const lac_status ran = lac_simulation_run(simulation, &sink, err);
+    status = lac_store_finish(store, of->status, &of->run, NAN, ran == LAC_OK ? err : NULL);
+    status = ran == LAC_OK ? status : ran;
+out:
+    lac_store_free(store);
+    return status;
 }

@@ -207,7 +207,7 @@ static lac_status put_attributes(const lac_writer *w, const lac_item *item, int 
         {"coordinates", row->coordinates},
         {"comment", item->comment},
         {"calendar", dated ? "proleptic_gregorian" : NULL},
-        {"axis", axis ? "T" : NULL},
+        {"axis", axis ? "T" : row->axis},
         {"cell_measures", row->cell_measures},
         {"_Encoding", type == NC_CHAR ? "utf-8" : NULL},
     };

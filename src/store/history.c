@@ -23,8 +23,7 @@ struct lac_history_store {
     step now;
 };
 
-#define STEP const lac_history_record *r = (const lac_history_record *)of + at[0]
-#define G(getter) .value = (getter)
+#define STEP const lac_history_record *r = of
 #define R(kind, field) LAC_HELD(kind, lac_history_record, field)
 
 LAC_GETTER(double, normal_force, STEP, r->pressure * r->area)

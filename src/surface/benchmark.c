@@ -5,7 +5,7 @@
 
 #include "base/fft.h"
 #include "base/rows.h"
-#include "surface/registry.h"
+#include "surface/surface.h"
 
 // A(|k|) = 1 within the plateau, (|k| / plateau)^-(H+1) beyond, for 1 <= |k| <= most.
 typedef struct recipe {
@@ -106,9 +106,10 @@ static lac_status check(const lac_benchmark *p, const lac_grid *grid, lac_error 
 
 // h(i, j) = L c sum over k of A(|k|) cos(2 pi (kx i + ky j) / N + phi_k), i the row
 static lac_status generate(const void *params, const lac_grid *grid, double *heights,
-                           lac_error *err)
+                           lac_surface_stats *report, lac_error *err)
 {
     const lac_benchmark *p = params;
+    (void)report;
     size_t n = lac_grid_cells(grid);
     lac_fft *fft = NULL;
     lac_status status;

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Measured heights on the grid of the interface: of one file, or of one a face.
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/rows.h"
+#include "base/units.h"
 #include "surface/fit.h"
-#include "surface/registry.h"
 
 // A file on its way onto the grid.
 typedef struct face {
@@ -14,49 +16,145 @@ typedef struct face {
     lac_placement place;
 } face;
 
-static lac_status check_complete(const face *f, const lac_grid *grid, const double *heights,
-                                 lac_error *err)
+// A file of measured heights, and what a case says of it.
+typedef struct face_def {
+    const char *path;
+    const char *unit, *lateral_unit;   ///< NULL, or what the file must not contradict
+    const char *other, *other_lateral; ///< used where the file and those above say nothing; NULL: m
+    double spacing;                    ///< [m]; NaN: not given
+    double other_spacing;              ///< used where the file and `spacing` say nothing
+    int nodata;                        ///< LAC_NODATA_...
+} face_def;
+
+// The unit in force: the file's own, else the case's; both only where they agree.
+static lac_status choose_unit(const face_def *def, const char *key, const char *in_file,
+                              const char *in_case, const char *otherwise, const char **unit,
+                              lac_error *err)
+{
+    LAC_FAIL_IF(in_file[0] != '\0' && in_case != NULL && strcmp(in_file, in_case) != 0, err,
+                LAC_EINPUT, "%s: the file says %s, but %s is %s; leave %s out, or correct the file",
+                def->path, in_file, key, in_case, key);
+    *unit = in_file[0] != '\0' ? in_file : (in_case != NULL ? in_case : otherwise);
+    return LAC_OK;
+}
+
+static lac_status scale_of(const face_def *def, const lac_units *units, const char *what,
+                           const char *unit, double *scale, lac_error *err)
+{
+    double offset = 0.0;
+    *scale = 1.0;
+    if (unit == NULL) {
+        return LAC_OK;
+    }
+    lac_status status = lac_units_convert(units, unit, "m", scale, &offset, err);
+    return status == LAC_OK
+               ? LAC_OK
+               : lac_fail_within(err, status, "%s: %s: unit \"%s\"", def->path, what, unit);
+}
+
+static lac_status scale_heights(const char *path, double scale, lac_height_map *map, lac_error *err)
+{
+    for (size_t i = 0; i < map->nx * map->ny; i++) {
+        map->heights[i] *= scale;
+        LAC_FAIL_IF(fabs(map->heights[i]) > 1e9, err, LAC_EINPUT,
+                    "%s: a height of %g m in column %zu of row %zu (from the smallest y); must be "
+                    "within 1e9 m: a mark for no data, or a wrong unit?",
+                    path, map->heights[i], i % map->nx + 1, i / map->nx + 1);
+    }
+    return LAC_OK;
+}
+
+// Heights and lengths in metres.
+static lac_status convert(const face_def *def, lac_height_map *map, lac_file_report *report,
+                          lac_error *err)
+{
+    lac_status status;
+    lac_units *units = NULL;
+    const char *vertical = NULL;
+    const char *lateral = NULL;
+    double scale = 1.0;
+    bool known = !isnan(map->dx) || !isnan(map->dy);
+    LAC_TRY(choose_unit(def, "unit", map->height_unit, def->unit, def->other, &vertical, err));
+    LAC_TRY(choose_unit(def, "lateral_unit", map->lateral_unit, def->lateral_unit,
+                        def->other_lateral, &lateral, err));
+    lateral = lateral != NULL ? lateral : vertical;
+    LAC_TRY(lac_units_create(&units, err));
+    LAC_TRY(scale_of(def, units, "heights", vertical, &scale, err));
+    LAC_TRY(scale_heights(def->path, scale, map, err));
+    LAC_LEAVE_IF(known && !isnan(def->spacing), err, LAC_EINPUT,
+                 "%s: the file has a spacing of its own, %g by %g; leave spacing out", def->path,
+                 map->dx, map->dy);
+    if (known) {
+        LAC_TRY(scale_of(def, units, "spacing", lateral, &scale, err));
+    }
+    double spacing = isnan(def->spacing) ? def->other_spacing : def->spacing;
+    map->dx = known ? map->dx * scale : spacing;
+    map->dy = known ? map->dy * scale : spacing;
+    map->x *= scale;
+    map->y *= scale;
+    (void)snprintf(report->height_unit, sizeof report->height_unit, "%s",
+                   vertical != NULL ? vertical : "m");
+    (void)snprintf(report->lateral_unit, sizeof report->lateral_unit, "%s",
+                   known && lateral != NULL ? lateral : "m");
+out:
+    lac_units_free(units);
+    return status;
+}
+
+// Lengths and heights in metres; what has no height filled as `nodata` says.
+static lac_status read_face(const face_def *def, face *f, lac_error *err)
+{
+    f->report.path = def->path;
+    LAC_TRY_RETURN(lac_height_map_read(def->path, &f->map, err));
+    f->report.format = f->map->format;
+    f->report.nx = f->map->nx;
+    f->report.ny = f->map->ny;
+    f->report.masked = f->map->masked;
+    LAC_TRY_RETURN(convert(def, f->map, &f->report, err));
+    f->report.dx = f->map->dx;
+    f->report.dy = f->map->dy;
+    if (f->map->masked > 0 && def->nodata == LAC_NODATA_MEAN) {
+        lac_fill_mean(f->map);
+    }
+    const bool nearest = f->map->masked > 0 && def->nodata == LAC_NODATA_NEAREST;
+    return nearest ? lac_fill_nearest(f->map, err) : LAC_OK;
+}
+
+static size_t count_missing(const double *heights, size_t n)
 {
     size_t missing = 0;
-    size_t n = lac_grid_cells(grid);
     for (size_t i = 0; i < n; i++) {
         missing += isnan(heights[i]) ? 1 : 0;
     }
-    return missing == 0 ? LAC_OK
-                        : lac_fail(err, LAC_EINPUT,
-                                   "%s: %zu of the %zu cells of the interface have no height (no "
-                                   "data in %zu samples of the file); choose a smaller interface, "
-                                   "or use `nodata: nearest`, `mean` or `mask`",
-                                   f->report.path, missing, n, f->map->masked);
+    return missing;
 }
 
 // Gaps stay NaN only with `nodata: mask`.
 static lac_status lay(face *f, const lac_grid *grid, int nodata, double *heights, lac_error *err)
 {
-    lac_status status;
     f->report.fit = f->place.fit;
-    LAC_TRY(lac_fit_map(f->report.path, f->map, &f->place, grid, heights, err));
-    if (nodata != LAC_NODATA_MASK) {
-        LAC_TRY(check_complete(f, grid, heights, err));
-    }
-out:
-    return status;
+    LAC_TRY_RETURN(lac_fit_map(f->report.path, f->map, &f->place, grid, heights, err));
+    const size_t n = lac_grid_cells(grid), missing = count_missing(heights, n);
+    LAC_FAIL_IF(nodata != LAC_NODATA_MASK && missing > 0, err, LAC_EINPUT,
+                "%s: %zu of the %zu cells of the interface have no height (no data in %zu samples "
+                "of the file); choose a smaller interface, or use `nodata: nearest`, `mean` or "
+                "`mask`",
+                f->report.path, missing, n, f->map->masked);
+    return LAC_OK;
 }
 
 static lac_status read_upper(const lac_surface_file *p, const lac_grid *grid, face *f,
                              lac_error *err)
 {
-    const lac_face_def def = {.path = p->path,
-                              .unit = p->unit,
-                              .lateral_unit = p->lateral_unit,
-                              .spacing = p->spacing,
-                              .other_spacing = NAN,
-                              .nodata = p->nodata};
-    lac_status status = lac_face_read(&def, &f->map, &f->report, err);
-    if (status == LAC_OK) {
-        f->place = lac_place_centred(f->map, p->fit, grid);
-    }
-    return status;
+    const face_def def = {.path = p->path,
+                          .unit = p->unit,
+                          .lateral_unit = p->lateral_unit,
+                          .spacing = p->spacing,
+                          .other_spacing = NAN,
+                          .nodata = p->nodata};
+    LAC_TRY_RETURN(read_face(&def, f, err));
+    f->place = lac_place_centred(f->map, p->fit, grid);
+    return LAC_OK;
 }
 
 // One direction of a face, for its place beside the other.
@@ -88,16 +186,15 @@ static double lower_centre(span upper, span lower, double centre, bool shared, b
 static lac_status read_lower(const lac_surface_file *p, const lac_grid *grid, const face *upper,
                              face *f, lac_error *err)
 {
-    lac_status status;
-    const lac_face_def def = {.path = p->lower,
-                              .unit = p->lower_unit,
-                              .lateral_unit = p->lower_lateral_unit,
-                              .other = p->unit,
-                              .other_lateral = p->lateral_unit,
-                              .spacing = p->lower_spacing,
-                              .other_spacing = p->spacing,
-                              .nodata = p->nodata};
-    LAC_TRY(lac_face_read(&def, &f->map, &f->report, err));
+    const face_def def = {.path = p->lower,
+                          .unit = p->lower_unit,
+                          .lateral_unit = p->lower_lateral_unit,
+                          .other = p->unit,
+                          .other_lateral = p->lateral_unit,
+                          .spacing = p->lower_spacing,
+                          .other_spacing = p->spacing,
+                          .nodata = p->nodata};
+    LAC_TRY_RETURN(read_face(&def, f, err));
     bool shared = p->lower_view == LAC_LOWER_SAME_FRAME;
     f->place = (lac_placement){.fit = p->fit,
                                .mirror_x = p->lower_view == LAC_LOWER_MIRROR_X,
@@ -109,8 +206,7 @@ static lac_status read_lower(const lac_surface_file *p, const lac_grid *grid, co
                                      upper->place.centre_y, shared, f->place.mirror_y);
     // moved by the offset, the face shows at a place what lay as much before it
     f->place.centre_x += (f->place.mirror_x ? p->offset : -p->offset) / x.spacing;
-out:
-    return status;
+    return LAC_OK;
 }
 
 // Heights of one face become those of both, peaks of the composite touching first.
@@ -132,16 +228,6 @@ out:
     return status;
 }
 
-static bool is_complete(const lac_height_map *map)
-{
-    for (size_t i = 0; map->masked > 0 && i < map->nx * map->ny; i++) {
-        if (isnan(map->heights[i])) {
-            return false;
-        }
-    }
-    return true;
-}
-
 // What the heights look like before anything is taken off: all of a file, or what lies on the
 // interface where there are two, or gaps in one.
 static lac_status measure(const face *one, const lac_grid *grid, const double *heights, bool two,
@@ -151,7 +237,7 @@ static lac_status measure(const face *one, const lac_grid *grid, const double *h
     lac_grid samples = *grid;
     samples.periodic = false;
     report->measured = two ? LAC_MEASURED_COMPOSITE : LAC_MEASURED_PART;
-    if (!two && is_complete(map)) {
+    if (!two && (map->masked == 0 || count_missing(map->heights, map->nx * map->ny) == 0)) {
         samples.nx = map->nx;
         samples.ny = map->ny;
         samples.dx = span_of(one, grid, true).spacing;
@@ -169,11 +255,9 @@ static lac_status bridge(const char *path, const lac_grid *grid, double *heights
                          lac_error *err)
 {
     size_t n = lac_grid_cells(grid);
-    lac_height_map map = {.nx = grid->nx, .ny = grid->ny, .heights = heights};
+    lac_height_map map = {
+        .nx = grid->nx, .ny = grid->ny, .heights = heights, .masked = count_missing(heights, n)};
     *masked = NULL;
-    for (size_t i = 0; i < n; i++) {
-        map.masked += isnan(heights[i]) ? 1 : 0;
-    }
     if (map.masked == 0) {
         return LAC_OK;
     }
@@ -202,8 +286,8 @@ static void sink(const lac_grid *grid, const uint8_t *masked, double *heights)
     }
 }
 
-static lac_status generate_measured(const void *params, const lac_grid *grid, double *heights,
-                                    lac_surface_stats *report, lac_error *err)
+static lac_status generate(const void *params, const lac_grid *grid, double *heights,
+                           lac_surface_stats *report, lac_error *err)
 {
     const lac_surface_file *p = params;
     face faces[2] = {{0}, {0}};
@@ -232,12 +316,6 @@ out:
     lac_height_map_free(faces[0].map);
     lac_height_map_free(faces[1].map);
     return status;
-}
-
-static lac_status generate(const void *params, const lac_grid *grid, double *heights,
-                           lac_error *err)
-{
-    return generate_measured(params, grid, heights, NULL, err);
 }
 
 static const char *fault(const void *params)
@@ -305,5 +383,4 @@ const lac_surface_source lac_surface_from_file = {
              LAC_ROWS(file_params, lac_surface_file),
              .validate = fault},
     .generate = generate,
-    .generate_measured = generate_measured,
 };

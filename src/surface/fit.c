@@ -192,11 +192,10 @@ static double mix(double a, double b, double part)
 lac_status lac_fit_map(const char *path, const lac_height_map *map, const lac_placement *place,
                        const lac_grid *grid, double *heights, lac_error *err)
 {
-    lac_status status;
     const side sides[2] = {side_of('x', map, place, grid), side_of('y', map, place, grid)};
     for (size_t k = 0; k < 2; k++) {
-        LAC_TRY(check_size(path, &sides[k], place->fit, err));
-        LAC_TRY(check_place(path, &sides[k], place->fit, err));
+        LAC_TRY_RETURN(check_size(path, &sides[k], place->fit, err));
+        LAC_TRY_RETURN(check_place(path, &sides[k], place->fit, err));
     }
     for (size_t j = 0; j < grid->ny; j++) {
         weight wy = sample_at(&sides[1], place->fit, j);
@@ -208,8 +207,7 @@ lac_status lac_fit_map(const char *path, const lac_height_map *map, const lac_pl
                                             mix(high[wx.low], high[wx.high], wx.part), wy.part);
         }
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 // h - mean - gx x - gy y; on a regular grid x and y from its centre are orthogonal.

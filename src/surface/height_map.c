@@ -92,9 +92,8 @@ lac_status lac_map_fill(lac_height_map *map, const lac_bytes *bytes, const uint6
                         size_t start, lac_number_type type, bool fortran, const char *what,
                         lac_error *err)
 {
-    lac_status status;
     size_t left = bytes->size > start ? bytes->size - start : 0;
-    LAC_TRY(lac_map_size(map, bytes->path, size[0], size[1], left / type.width, err));
+    LAC_TRY_RETURN(lac_map_size(map, bytes->path, size[0], size[1], left / type.width, err));
     size_t n = map->nx * map->ny;
     LAC_FAIL_IF(left != n * type.width, err, LAC_EINPUT,
                 "%s: byte %zu: the file goes on behind its %zu x %zu %s", bytes->path,
@@ -103,8 +102,7 @@ lac_status lac_map_fill(lac_height_map *map, const lac_bytes *bytes, const uint6
         size_t at = fortran ? i % map->nx * map->ny + i / map->nx : i;
         map->heights[i] = lac_bytes_number(bytes->data + start + at * type.width, type);
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 void lac_map_flip(lac_height_map *map)
@@ -210,17 +208,11 @@ lac_status lac_height_map_read(const char *path, lac_height_map **map, lac_error
     unsigned char *data = NULL;
     size_t size = 0;
     *map = NULL;
-    if (stat(path, &info) != 0) {
-        LAC_TRY(lac_fail(err, LAC_EIO, "%s: %s", path, strerror(errno)));
-    }
+    LAC_LEAVE_IF(stat(path, &info) != 0, err, LAC_EIO, "%s: %s", path, strerror(errno));
     // a pipe could keep us waiting for ever
-    if (!S_ISREG(info.st_mode)) {
-        LAC_TRY(lac_fail(err, LAC_EIO, "%s: is no file", path));
-    }
+    LAC_LEAVE_IF(!S_ISREG(info.st_mode), err, LAC_EIO, "%s: is no file", path);
     stream = fopen(path, "rb");
-    if (stream == NULL) {
-        LAC_TRY(lac_fail(err, LAC_EIO, "%s: %s", path, strerror(errno)));
-    }
+    LAC_LEAVE_IF(stream == NULL, err, LAC_EIO, "%s: %s", path, strerror(errno));
     LAC_TRY(read_stream(stream, path, &data, &size, err));
     LAC_TRY(lac_height_map_parse(&(lac_bytes){path, data, size}, map, err));
 out:

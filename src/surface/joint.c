@@ -3,7 +3,7 @@
 #include <math.h>
 
 #include "base/rows.h"
-#include "surface/registry.h"
+#include "surface/surface.h"
 #include "surface/synthesis.h"
 
 // What the amplitude of a mode depends on.
@@ -30,36 +30,27 @@ static double _Complex mode(const void *of, double kx, double ky)
     return upper - lower * (cos(shift) - sin(shift) * I);
 }
 
-// Faces that mate everywhere and are not offset leave nothing to press.
-static lac_status check(const lac_joint *p, const faces *f, lac_error *err)
-{
-    LAC_FAIL_IF(p->offset == 0.0 && f->q_mating >= f->band.q_shortest, err, LAC_EINPUT,
-                "joint: faces mated down to %g m, with no shorter waves and no offset, fit "
-                "exactly: there is no roughness between them",
-                p->mating);
-    return LAC_OK;
-}
-
 static lac_status generate(const void *params, const lac_grid *grid, double *heights,
-                           lac_error *err)
+                           lac_surface_stats *report, lac_error *err)
 {
     const lac_joint *p = params;
+    (void)report;
     if (lac_grid_cells(grid) == 1) {
         heights[0] = 0.0; // one cell has no roughness
         return LAC_OK;
     }
     faces f = {.seed = (uint64_t)p->seed, .offset = p->offset};
-    lac_waves stated = {"joint", p->hurst, p->rolloff, p->shortest, 1.0, 0.0};
-    lac_status status;
-    const lac_synthesis how = {"joint", p->sampling, p->margin, !isnan(p->shortest), false};
-    LAC_TRY(lac_synthesis_band(&how, &stated, grid, &f.band, err));
+    const lac_synthesis how = {"joint", p->hurst,    p->rolloff, p->shortest, 1.0,
+                               0.0,     p->sampling, p->margin,  false};
+    LAC_TRY_RETURN(lac_synthesis_band(&how, grid, &f.band, err));
     // Lengths carry rounding: a wave as long as `mating` is mated.
     f.q_mating = isnan(p->mating) ? 0.0 : (2.0 * M_PI) / p->mating * (1.0 + 1e-9);
-    LAC_TRY(check(p, &f, err));
+    LAC_FAIL_IF(p->offset == 0.0 && f.q_mating >= f.band.q_shortest, err, LAC_EINPUT,
+                "joint: faces mated down to %g m, with no shorter waves and no offset, fit "
+                "exactly: there is no roughness between them",
+                p->mating);
     f.scale = p->rms_height / sqrt(lac_band_sum(&f.band, 0));
-    LAC_TRY(lac_synthesise(&how, &f.band, grid, mode, &f, heights, err));
-out:
-    return status;
+    return lac_synthesise(&how, &f.band, grid, mode, &f, heights, err);
 }
 
 // Mated waves are left by the offset alone: no power law.

@@ -210,14 +210,11 @@ lac_status lac_surface_measure(const lac_grid *grid, const double *heights,
                                const lac_wave_range *known, lac_surface_measures *out,
                                lac_error *err)
 {
-    lac_status status;
-    LAC_TRY(check(grid, heights, err));
+    LAC_TRY_RETURN(check(grid, heights, err));
     lac_wave_range range = usual_range(grid);
     if (known != NULL) {
         range.longest = fmin(range.longest, known->longest);
         range.shortest = fmax(range.shortest, known->shortest);
     }
-    LAC_TRY(measure(grid, heights, range, out, err));
-out:
-    return status;
+    return measure(grid, heights, range, out, err);
 }

@@ -53,7 +53,3 @@ lac_status lac_map_fill(lac_height_map *map, const lac_bytes *bytes, const uint6
 
 /// Whether the content begins with a word.
 bool lac_bytes_begin(const lac_bytes *bytes, const char *word);
-
-/// Holds every count in the header of a classic netCDF file (CDF-1, 2, 5) against the bytes at
-/// hand: netCDF itself allocates what a count says. (NetCDF Users' Guide, appendix B)
-lac_status lac_classic_check(const lac_bytes *bytes, lac_error *err);

@@ -118,7 +118,6 @@ static lac_status check_header(const asc *file, lac_height_map *map, lac_error *
 // The numbers of one line. Rows need not end where lines end: ncols alone says where they do.
 static lac_status read_line(asc *file, lac_height_map *map, size_t *count, lac_error *err)
 {
-    lac_status status;
     lac_scan *scan = &file->scan;
     lac_word word;
     size_t before = *count;
@@ -128,7 +127,7 @@ static lac_status read_line(asc *file, lac_height_map *map, size_t *count, lac_e
                     "%s:%zu: \"%s\" comes after all ncols x nrows = %zu x %zu numbers", scan->path,
                     scan->line, lac_word_show(word, shown, sizeof shown), map->nx, map->ny);
         double value = NAN;
-        LAC_TRY(lac_scan_number(scan, word, &value, err));
+        LAC_TRY_RETURN(lac_scan_number(scan, word, &value, err));
         map->heights[(*count)++] = value == file->value[NODATA] ? (double)NAN : value;
     }
     if (*count > before) {
@@ -137,8 +136,7 @@ static lac_status read_line(asc *file, lac_height_map *map, size_t *count, lac_e
         file->lines++;
     }
     return LAC_OK;
-out:
-    return status;
+    return LAC_OK;
 }
 
 // Lines of one length that are no rows, nor parts of one, nor several: a wrong header.
@@ -158,34 +156,29 @@ static lac_status check_lines(const asc *file, const lac_height_map *map, lac_er
 
 static lac_status read_asc(const lac_bytes *bytes, lac_height_map *map, lac_error *err)
 {
-    lac_status status;
     size_t count = 0;
     asc file = {.scan = lac_scan_begin(bytes)};
     for (int k = 0; k < KEYS; k++) {
         file.value[k] = (double)NAN;
     }
     lac_scan_decimal(&file.scan, "");
-    LAC_TRY(read_header(&file, err));
+    LAC_TRY_RETURN(read_header(&file, err));
     if (file.line[NODATA] == 0) {
         file.value[NODATA] = usual_nodata;
     }
-    LAC_TRY(check_header(&file, map, err));
+    LAC_TRY_RETURN(check_header(&file, map, err));
     // a number takes two bytes at least, its blank included
     size_t most = (size_t)(file.scan.end - file.scan.at) / 2 + 1;
-    LAC_TRY(lac_map_size(map, bytes->path, file.count[NCOLS], file.count[NROWS], most, err));
+    LAC_TRY_RETURN(lac_map_size(map, bytes->path, file.count[NCOLS], file.count[NROWS], most, err));
     do {
-        LAC_TRY(read_line(&file, map, &count, err));
+        LAC_TRY_RETURN(read_line(&file, map, &count, err));
     } while (lac_scan_line(&file.scan));
-    if (count < map->nx * map->ny) {
-        LAC_TRY(
-            lac_fail(err, LAC_EINPUT,
-                     "%s:%zu: the file ends after %zu numbers; must have ncols x nrows = %zu x %zu",
-                     bytes->path, file.scan.line, count, map->nx, map->ny));
-    }
-    LAC_TRY(check_lines(&file, map, err));
+    LAC_FAIL_IF(count < map->nx * map->ny, err, LAC_EINPUT,
+                "%s:%zu: the file ends after %zu numbers; must have ncols x nrows = %zu x %zu",
+                bytes->path, file.scan.line, count, map->nx, map->ny);
+    LAC_TRY_RETURN(check_lines(&file, map, err));
     lac_map_flip(map);
-out:
-    return status;
+    return LAC_OK;
 }
 
 const lac_map_format lac_map_asc = {"ESRI ASCII grid", is_asc, read_asc};

@@ -17,16 +17,6 @@ typedef struct gsf {
 
 static bool is_gsf(const lac_bytes *bytes) { return lac_bytes_begin(bytes, magic); }
 
-static lac_status take_unit(const gsf *file, const char *key, lac_word value, char *unit,
-                            size_t size, lac_error *err)
-{
-    LAC_FAIL_IF(value.length >= size, err, LAC_EINPUT, "%s:%zu: %s must be shorter than %zu bytes",
-                file->scan.path, file->scan.line, key, size);
-    memcpy(unit, value.text, value.length);
-    unit[value.length] = '\0';
-    return LAC_OK;
-}
-
 // One line of the header; keys that say nothing of the heights pass by.
 static lac_status take_line(gsf *file, lac_word line, lac_height_map *map, lac_error *err)
 {
@@ -45,20 +35,15 @@ static lac_status take_line(gsf *file, lac_word line, lac_height_map *map, lac_e
     part = (lac_scan){.at = equals + 1, .end = line.text + line.length};
     lac_word value = lac_scan_rest(&part);
     const lac_field fields[] = {
-        {"XRes", .count = &file->nx},    {"YRes", .count = &file->ny},
-        {"XReal", .length = &file->lx},  {"YReal", .length = &file->ly},
-        {"XOffset", .number = &file->x}, {"YOffset", .number = &file->y},
+        {"XRes", .count = &file->nx},           {"YRes", .count = &file->ny},
+        {"XReal", .length = &file->lx},         {"YReal", .length = &file->ly},
+        {"XOffset", .number = &file->x},        {"YOffset", .number = &file->y},
+        {"XYUnits", .unit = map->lateral_unit}, {"ZUnits", .unit = map->height_unit},
     };
     for (size_t i = 0; i < sizeof fields / sizeof *fields; i++) {
         if (lac_word_is(key, fields[i].key)) {
             return lac_scan_field(scan, &fields[i], value, err);
         }
-    }
-    if (lac_word_is(key, "XYUnits")) {
-        return take_unit(file, "XYUnits", value, map->lateral_unit, sizeof map->lateral_unit, err);
-    }
-    if (lac_word_is(key, "ZUnits")) {
-        return take_unit(file, "ZUnits", value, map->height_unit, sizeof map->height_unit, err);
     }
     return LAC_OK;
 }
@@ -66,20 +51,17 @@ static lac_status take_line(gsf *file, lac_word line, lac_height_map *map, lac_e
 static lac_status read_header(gsf *file, lac_height_map *map, lac_error *err)
 {
     lac_scan *scan = &file->scan;
-    lac_status status = LAC_OK;
-    while (status == LAC_OK && lac_scan_line(scan)) {
-        status = take_line(file, lac_scan_rest(scan), map, err);
+    while (lac_scan_line(scan)) {
+        LAC_TRY_RETURN(take_line(file, lac_scan_rest(scan), map, err));
     }
-    if (status == LAC_OK && (file->nx == 0 || file->ny == 0)) {
-        status = lac_fail(err, LAC_EINPUT, "%s:%zu: the header ends without %s", scan->path,
-                          scan->line, file->nx == 0 ? "XRes" : "YRes");
-    }
-    return status;
+    LAC_FAIL_IF(file->nx == 0 || file->ny == 0, err, LAC_EINPUT,
+                "%s:%zu: the header ends without %s", scan->path, scan->line,
+                file->nx == 0 ? "XRes" : "YRes");
+    return LAC_OK;
 }
 
 static lac_status read_gsf(const lac_bytes *bytes, lac_height_map *map, lac_error *err)
 {
-    lac_status status;
     static const lac_number_type type = {4, 'f', false};
     gsf file = {.scan = lac_scan_begin(bytes),
                 .lx = (double)NAN,
@@ -91,18 +73,17 @@ static lac_status read_gsf(const lac_bytes *bytes, lac_height_map *map, lac_erro
                 "%s: byte %zu: the file ends without the NUL that closes the header", bytes->path,
                 bytes->size);
     file.scan.end = nul;
-    LAC_TRY(read_header(&file, map, err));
+    LAC_TRY_RETURN(read_header(&file, map, err));
     size_t header = (size_t)(nul - (const char *)bytes->data);
     size_t start = header + 4 - header % 4;
-    LAC_TRY(lac_map_fill(map, bytes, (uint64_t[]){file.nx, file.ny}, start, type, false, "heights",
-                         err));
+    LAC_TRY_RETURN(lac_map_fill(map, bytes, (uint64_t[]){file.nx, file.ny}, start, type, false,
+                                "heights", err));
     lac_map_flip(map);
     map->dx = file.lx / (double)map->nx;
     map->dy = file.ly / (double)map->ny;
     map->x = file.x + 0.5 * map->dx;
     map->y = file.y + 0.5 * map->dy;
-out:
-    return status;
+    return LAC_OK;
 }
 
 const lac_map_format lac_map_gsf = {"Gwyddion Simple Field", is_gsf, read_gsf};

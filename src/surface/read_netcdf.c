@@ -63,19 +63,17 @@ static lac_status find_variable(grid_file *file, lac_error *err)
 
 static lac_status find_dimensions(grid_file *file, lac_error *err)
 {
-    lac_status status;
     char name[2][NC_MAX_NAME + 1];
-    LAC_TRY(check(file, nc_inq_varname(file->id, file->var, file->name), "a name", err));
+    LAC_TRY_RETURN(check(file, nc_inq_varname(file->id, file->var, file->name), "a name", err));
     for (size_t k = 0; k < 2; k++) {
-        LAC_TRY(check(file, nc_inq_dim(file->id, file->dim[k], name[k], &file->length[k]),
-                      file->name, err));
+        LAC_TRY_RETURN(check(file, nc_inq_dim(file->id, file->dim[k], name[k], &file->length[k]),
+                             file->name, err));
     }
     static const char *const along_y[] = {"y", "lat", "latitude"};
     for (size_t i = 0; i < 3; i++) {
         file->transposed = file->transposed || strcasecmp(name[1], along_y[i]) == 0;
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 // CF says units, SurfaceTopography unit or, in old files, length_unit.
@@ -101,19 +99,15 @@ static lac_status take_axis(const grid_file *file, size_t k, double *first, doub
         goto out;
     }
     x = malloc(n * sizeof *x);
-    if (x == NULL) {
-        LAC_TRY(lac_fail_memory(err));
-    }
+    LAC_TRY(x != NULL ? LAC_OK : lac_fail_memory(err));
     LAC_TRY(check(file, nc_get_var_double(file->id, var, x), name, err));
     *spacing = (x[n - 1] - x[0]) / (double)(n - 1);
     *first = fmin(x[0], x[n - 1]);
     for (size_t i = 0; i < n; i++) {
         double off = x[i] - (x[0] + (double)i * *spacing);
-        if (!(fabs(off) <= 0.01 * fabs(*spacing)) || !isnormal(*spacing)) {
-            LAC_TRY(lac_fail(err, LAC_EINPUT,
-                             "%s: %s[%zu] = %g; must be at a regular spacing, here %g", file->path,
-                             name, i, x[i], *spacing));
-        }
+        LAC_LEAVE_IF(!(fabs(off) <= 0.01 * fabs(*spacing)) || !isnormal(*spacing), err, LAC_EINPUT,
+                     "%s: %s[%zu] = %g; must be at a regular spacing, here %g", file->path, name, i,
+                     x[i], *spacing);
     }
     take_unit(file, var, unit, sizeof((lac_height_map *)NULL)->lateral_unit);
 out:
@@ -160,19 +154,18 @@ static lac_status arrange(const grid_file *file, lac_height_map *map, lac_error 
 
 static lac_status read_map(grid_file *file, lac_height_map *map, lac_error *err)
 {
-    lac_status status;
     char other[sizeof map->lateral_unit] = "";
-    LAC_TRY(find_variable(file, err));
-    LAC_TRY(find_dimensions(file, err));
+    LAC_TRY_RETURN(find_variable(file, err));
+    LAC_TRY_RETURN(find_dimensions(file, err));
     size_t x = file->transposed ? 0 : 1;
-    LAC_TRY(lac_map_size(map, file->path, file->length[x], file->length[1 - x], file->most, err));
-    LAC_TRY(take_axis(file, x, &map->x, &map->dx, map->lateral_unit, err));
-    LAC_TRY(take_axis(file, 1 - x, &map->y, &map->dy, other, err));
+    LAC_TRY_RETURN(
+        lac_map_size(map, file->path, file->length[x], file->length[1 - x], file->most, err));
+    LAC_TRY_RETURN(take_axis(file, x, &map->x, &map->dx, map->lateral_unit, err));
+    LAC_TRY_RETURN(take_axis(file, 1 - x, &map->y, &map->dy, other, err));
     bool one = map->lateral_unit[0] == '\0' || other[0] == '\0';
-    if (!one && strcmp(map->lateral_unit, other) != 0 && strncmp(other, "degree", 6) != 0) {
-        LAC_TRY(lac_fail(err, LAC_EINPUT, "%s: x is in %s but y in %s; must be in one unit",
-                         file->path, map->lateral_unit, other));
-    }
+    LAC_FAIL_IF(!one && strcmp(map->lateral_unit, other) != 0 && strncmp(other, "degree", 6) != 0,
+                err, LAC_EINPUT, "%s: x is in %s but y in %s; must be in one unit", file->path,
+                map->lateral_unit, other);
     if (map->lateral_unit[0] == '\0') {
         memcpy(map->lateral_unit, other, sizeof other);
     }
@@ -181,11 +174,110 @@ static lac_status read_map(grid_file *file, lac_height_map *map, lac_error *err)
         // old files of SurfaceTopography: one unit for all lengths, said with the coordinates
         memcpy(map->height_unit, map->lateral_unit, sizeof map->height_unit);
     }
-    LAC_TRY(check(file, nc_get_var_double(file->id, file->var, map->heights), file->name, err));
+    LAC_TRY_RETURN(
+        check(file, nc_get_var_double(file->id, file->var, map->heights), file->name, err));
     lac_netcdf_unpack(file->id, file->var, map->heights, map->nx * map->ny);
-    LAC_TRY(arrange(file, map, err));
-out:
-    return status;
+    return arrange(file, map, err);
+}
+
+// Tags of the lists of a header.
+enum { TAG_NONE = 0, TAG_DIMENSION = 10, TAG_VARIABLE = 11, TAG_ATTRIBUTE = 12 };
+
+// A place in the header. What does not fit sets `bad`; after that nothing moves.
+typedef struct cursor {
+    const lac_bytes *bytes;
+    size_t at;
+    size_t count_width;  // bytes of a count: 4, or 8 in CDF-5
+    size_t offset_width; // of a place in the file: 4 in CDF-1
+    bool bad;
+} cursor;
+
+static uint64_t take(cursor *c, size_t width)
+{
+    if (c->bad || c->bytes->size - c->at < width) {
+        c->bad = true;
+        return 0;
+    }
+    uint64_t value = 0;
+    for (size_t i = 0; i < width; i++) {
+        value = value << 8 | c->bytes->data[c->at + i];
+    }
+    c->at += width;
+    return value;
+}
+
+// Skips `count` things of `width` bytes, filled up to four bytes.
+static void skip(cursor *c, uint64_t count, size_t width)
+{
+    uint64_t left = c->bytes->size - c->at;
+    if (c->bad || count > left / width) {
+        c->bad = true;
+        return;
+    }
+    uint64_t size = (count * width + 3) / 4 * 4;
+    c->bad = size > left;
+    c->at += c->bad ? 0 : (size_t)size;
+}
+
+// The length of a list; each entry takes `least` bytes or more.
+static uint64_t take_list(cursor *c, uint64_t tag, size_t least)
+{
+    uint64_t found = take(c, 4);
+    uint64_t count = take(c, c->count_width);
+    bool fits = (found == tag || (found == TAG_NONE && count == 0)) &&
+                count <= (c->bytes->size - c->at) / least;
+    c->bad = c->bad || !fits;
+    return c->bad ? 0 : count;
+}
+
+static void skip_name(cursor *c) { skip(c, take(c, c->count_width), 1); }
+
+// Bytes of a value of each type: byte, char, short, int, float, double, and those of CDF-5.
+static size_t width_of(cursor *c)
+{
+    static const size_t widths[] = {1, 1, 2, 4, 4, 8, 1, 2, 4, 8, 8};
+    uint64_t type = take(c, 4);
+    c->bad = c->bad || type < 1 || type > sizeof widths / sizeof widths[0];
+    return c->bad ? 1 : widths[type - 1];
+}
+
+static void skip_attributes(cursor *c)
+{
+    for (uint64_t n = take_list(c, TAG_ATTRIBUTE, 12); n > 0 && !c->bad; n--) {
+        skip_name(c);
+        size_t width = width_of(c);
+        skip(c, take(c, c->count_width), width);
+    }
+}
+
+// Holds every count in the header of a classic file (CDF-1, 2, 5) against the bytes at hand:
+// netCDF itself allocates what a count says. (NetCDF Users' Guide, appendix B)
+static lac_status check_classic(const lac_bytes *bytes, lac_error *err)
+{
+    unsigned version = bytes->data[3];
+    cursor c = {.bytes = bytes,
+                .at = 4,
+                .count_width = version == 5 ? 8 : 4,
+                .offset_width = version == 1 ? 4 : 8};
+    (void)take(&c, c.count_width); // records
+    for (uint64_t n = take_list(&c, TAG_DIMENSION, 8); n > 0 && !c.bad; n--) {
+        skip_name(&c);
+        (void)take(&c, c.count_width);
+    }
+    skip_attributes(&c);
+    for (uint64_t n = take_list(&c, TAG_VARIABLE, 24); n > 0 && !c.bad; n--) {
+        skip_name(&c);
+        skip(&c, take(&c, c.count_width), c.count_width); // dimensions
+        skip_attributes(&c);
+        (void)width_of(&c);
+        (void)take(&c, c.count_width);
+        (void)take(&c, c.offset_width);
+    }
+    return c.bad ? lac_fail(err, LAC_EINPUT,
+                            "%s: byte %zu: netCDF cannot read the file: its header says what its "
+                            "%zu bytes cannot hold",
+                            bytes->path, c.at, bytes->size)
+                 : LAC_OK;
 }
 
 static lac_status read_netcdf(const lac_bytes *bytes, lac_height_map *map, lac_error *err)
@@ -194,12 +286,7 @@ static lac_status read_netcdf(const lac_bytes *bytes, lac_height_map *map, lac_e
     // of all files bounds them
     bool classic = lac_bytes_begin(bytes, "CDF");
     grid_file file = {.path = bytes->path, .most = classic ? bytes->size : SIZE_MAX};
-    if (classic) {
-        lac_status sound = lac_classic_check(bytes, err);
-        if (sound != LAC_OK) {
-            return sound;
-        }
-    }
+    LAC_TRY_RETURN(classic ? check_classic(bytes, err) : LAC_OK);
     // netCDF does not write to memory opened for reading; its own name tells it nothing
     int code = nc_open_mem("heights", NC_NOWRITE, bytes->size, (void *)bytes->data, &file.id);
     if (code != NC_NOERR) {

@@ -100,15 +100,11 @@ static lac_status take_shape(const lac_bytes *bytes, npy *file, lac_error *err)
 
 static lac_status read_npy(const lac_bytes *bytes, lac_height_map *map, lac_error *err)
 {
-    lac_status status;
     npy file = {.data = 0};
-    LAC_TRY(take_header(bytes, &file, err));
-    LAC_TRY(take_type(bytes, &file, err));
-    LAC_TRY(take_shape(bytes, &file, err));
-    LAC_TRY(
-        lac_map_fill(map, bytes, file.size, file.data, file.type, file.fortran, "numbers", err));
-out:
-    return status;
+    LAC_TRY_RETURN(take_header(bytes, &file, err));
+    LAC_TRY_RETURN(take_type(bytes, &file, err));
+    LAC_TRY_RETURN(take_shape(bytes, &file, err));
+    return lac_map_fill(map, bytes, file.size, file.data, file.type, file.fortran, "numbers", err);
 }
 
 const lac_map_format lac_map_npy = {"npy", is_npy, read_npy};

@@ -66,7 +66,6 @@ static bool is_invalid(double value, lac_number_type type)
 
 static lac_status read_binary(const lac_bytes *bytes, lac_height_map *map, lac_error *err)
 {
-    lac_status status;
     bool wide = lac_bytes_begin(bytes, "bISO-2");
     size_t header = wide ? BINARY_HEADER + WIDE_COUNTS : BINARY_HEADER;
     LAC_FAIL_IF(bytes->size < header, err, LAC_EINPUT,
@@ -85,10 +84,10 @@ static lac_status read_binary(const lac_bytes *bytes, lac_height_map *map, lac_e
         .type = at[33],
         .check = at[34],
     };
-    LAC_TRY(check_header(bytes, &file, map, err));
+    LAC_TRY_RETURN(check_header(bytes, &file, map, err));
     lac_number_type type = types[file.type];
     size_t most = (bytes->size - header) / type.width;
-    LAC_TRY(lac_map_size(map, bytes->path, file.nx, file.ny, most, err));
+    LAC_TRY_RETURN(lac_map_size(map, bytes->path, file.nx, file.ny, most, err));
     size_t n = map->nx * map->ny;
     bool olympus =
         lac_bytes_begin(bytes, "bISO-1") && bytes->size == header + n * type.width + OLYMPUS;
@@ -97,8 +96,7 @@ static lac_status read_binary(const lac_bytes *bytes, lac_height_map *map, lac_e
         double value = lac_bytes_number(data + i * type.width, type);
         map->heights[i] = is_invalid(value, type) ? (double)NAN : value * file.dz;
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 static lac_status take_value(const lac_scan *scan, lac_word key, lac_word value, sdf *file,
@@ -180,7 +178,6 @@ static bool next_word(lac_scan *scan, lac_word *word)
 
 static lac_status read_text(const lac_bytes *bytes, lac_height_map *map, lac_error *err)
 {
-    lac_status status;
     lac_scan scan = lac_scan_begin(bytes);
     lac_word word;
     sdf file = {.nx = 0};
@@ -188,32 +185,29 @@ static lac_status read_text(const lac_bytes *bytes, lac_height_map *map, lac_err
     (void)lac_scan_line(&body);
     lac_scan_decimal(&body, ";");
     scan.decimal = body.decimal;
-    LAC_TRY(read_header(&scan, &file, err));
-    LAC_TRY(check_header(bytes, &file, map, err));
+    LAC_TRY_RETURN(read_header(&scan, &file, err));
+    LAC_TRY_RETURN(check_header(bytes, &file, map, err));
     size_t most = (size_t)(scan.end - scan.at) / 2 + 1;
-    LAC_TRY(lac_map_size(map, bytes->path, file.nx, file.ny, most, err));
+    LAC_TRY_RETURN(lac_map_size(map, bytes->path, file.nx, file.ny, most, err));
     for (size_t i = 0; i < map->nx * map->ny; i++) {
-        if (!next_word(&scan, &word)) {
-            LAC_TRY(lac_fail(
-                err, LAC_EINPUT,
-                "%s:%zu: the heights end after %zu; must be NumPoints x NumProfiles = %zu x %zu",
-                bytes->path, scan.line, i, map->nx, map->ny));
-        }
+        LAC_FAIL_IF(
+            !next_word(&scan, &word), err, LAC_EINPUT,
+            "%s:%zu: the heights end after %zu; must be NumPoints x NumProfiles = %zu x %zu",
+            bytes->path, scan.line, i, map->nx, map->ny);
         double value = (double)NAN;
         if (!lac_word_is(word, "BAD")) {
-            LAC_TRY(lac_scan_number(&scan, word, &value, err));
+            LAC_TRY_RETURN(lac_scan_number(&scan, word, &value, err));
         }
         map->heights[i] = value * file.dz;
     }
     if (next_word(&scan, &word)) {
         char shown[40];
-        LAC_TRY(lac_fail(
+        LAC_TRY_RETURN(lac_fail(
             err, LAC_EINPUT,
             "%s:%zu: \"%s\" comes after all NumPoints x NumProfiles = %zu x %zu heights; must be *",
             bytes->path, scan.line, lac_word_show(word, shown, sizeof shown), map->nx, map->ny));
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 static lac_status read_sdf(const lac_bytes *bytes, lac_height_map *map, lac_error *err)

@@ -104,7 +104,6 @@ static lac_status add_point(points *p, point new, lac_error *err)
 
 static lac_status read_line(const lac_scan *scan, lac_word line, points *p, lac_error *err)
 {
-    lac_status status;
     lac_word field[4];
     char shown[40];
     size_t n = split(line, field);
@@ -113,15 +112,12 @@ static lac_status read_line(const lac_scan *scan, lac_word line, points *p, lac_
                 scan->path, scan->line, lac_word_show(line, shown, sizeof shown),
                 n > 3 ? "has more than three columns" : "has fewer than three columns");
     for (size_t k = 0; k < 3; k++) {
-        LAC_TRY(lac_scan_number(scan, field[k], &new.x[k], err));
-        if (k < 2 && isnan(new.x[k])) {
-            LAC_TRY(lac_fail(err, LAC_EINPUT, "%s:%zu: %c is nan; only z may be missing",
-                             scan->path, scan->line, k == 0 ? 'x' : 'y'));
-        }
+        LAC_TRY_RETURN(lac_scan_number(scan, field[k], &new.x[k], err));
+        LAC_FAIL_IF(k < 2 && isnan(new.x[k]), err, LAC_EINPUT,
+                    "%s:%zu: %c is nan; only z may be missing", scan->path, scan->line,
+                    k == 0 ? 'x' : 'y');
     }
-    LAC_TRY(add_point(p, new, err));
-out:
-    return status;
+    return add_point(p, new, err);
 }
 
 static lac_status read_points(const lac_bytes *bytes, points *p, lac_error *err)
@@ -195,19 +191,15 @@ static lac_status find_axis(const lac_bytes *bytes, const points *p, size_t k, a
     }
     gsl_sort(x, 1, p->n);
     a->name = k == 0 ? 'x' : 'y';
-    if (!isfinite(x[p->n - 1] - x[0])) {
-        LAC_TRY(lac_fail(err, LAC_EINPUT, "%s: %c goes from %g to %g; no grid is that large",
-                         bytes->path, a->name, x[0], x[p->n - 1]));
-    }
+    LAC_LEAVE_IF(!isfinite(x[p->n - 1] - x[0]), err, LAC_EINPUT,
+                 "%s: %c goes from %g to %g; no grid is that large", bytes->path, a->name, x[0],
+                 x[p->n - 1]);
     find_spacing(a, x, p->n);
     for (size_t i = 0; i < p->n; i++) {
-        if (!node_of(a, p->at[i].x[k], &node)) {
-            LAC_TRY(
-                lac_fail(err, LAC_EINPUT,
-                         "%s:%zu: %c = %g is off the grid from %g in steps of %g; points must be "
-                         "gridded at a regular spacing along x and y (turn a grid that is rotated)",
-                         bytes->path, p->at[i].line, a->name, p->at[i].x[k], a->first, a->spacing));
-        }
+        LAC_LEAVE_IF(!node_of(a, p->at[i].x[k], &node), err, LAC_EINPUT,
+                     "%s:%zu: %c = %g is off the grid from %g in steps of %g; points must be "
+                     "gridded at a regular spacing along x and y (turn a grid that is rotated)",
+                     bytes->path, p->at[i].line, a->name, p->at[i].x[k], a->first, a->spacing);
     }
 out:
     free(x);
@@ -252,19 +244,14 @@ static lac_status read_xyz(const lac_bytes *bytes, lac_height_map *map, lac_erro
     LAC_TRY(find_axis(bytes, &p, 0, &a[0], err));
     LAC_TRY(find_axis(bytes, &p, 1, &a[1], err));
     size_t most = NODES_PER_POINT * p.n;
-    if (a[0].n > most || a[1].n > most || a[0].n * a[1].n > most) {
-        LAC_TRY(lac_fail(
-            err, LAC_EINPUT,
-            "%s: %zu points on %llu x %llu nodes of a regular grid; must be gridded along x and y "
-            "(turn a grid that is rotated), with a point on one node in %d at least",
-            bytes->path, p.n, (unsigned long long)a[0].n, (unsigned long long)a[1].n,
-            NODES_PER_POINT));
-    }
+    LAC_LEAVE_IF(
+        a[0].n > most || a[1].n > most || a[0].n * a[1].n > most, err, LAC_EINPUT,
+        "%s: %zu points on %llu x %llu nodes of a regular grid; must be gridded along x and y "
+        "(turn a grid that is rotated), with a point on one node in %d at least",
+        bytes->path, p.n, (unsigned long long)a[0].n, (unsigned long long)a[1].n, NODES_PER_POINT);
     LAC_TRY(lac_map_size(map, bytes->path, a[0].n, a[1].n, most, err));
     taken = calloc(map->nx * map->ny, sizeof *taken);
-    if (taken == NULL) {
-        LAC_TRY(lac_fail_memory(err));
-    }
+    LAC_TRY(taken != NULL ? LAC_OK : lac_fail_memory(err));
     LAC_TRY(place(bytes, &p, a, taken, map, err));
     map->dx = a[0].n > 1 ? a[0].spacing : (double)NAN;
     map->dy = a[1].n > 1 ? a[1].spacing : (double)NAN;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The table of surfaces that a case can name: a new one needs its row here.
-#include "surface/registry.h"
 #include "base/rows.h"
+#include "surface/surface.h"
 
 static const lac_surface_source *const sources[] = {
     &lac_surface_self_affine,

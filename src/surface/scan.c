@@ -3,6 +3,7 @@
 #include "surface/scan.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -156,6 +157,13 @@ lac_status lac_scan_field(const lac_scan *scan, const lac_field *field, lac_word
 {
     double number = NAN;
     char shown[SHOWN];
+    if (field->unit != NULL) {
+        LAC_FAIL_IF(word.length >= LAC_UNIT_SIZE, err, LAC_EINPUT,
+                    "%s:%zu: %s must be shorter than %d bytes", scan->path, scan->line, field->key,
+                    LAC_UNIT_SIZE);
+        (void)snprintf(field->unit, LAC_UNIT_SIZE, "%.*s", (int)word.length, word.text);
+        return LAC_OK;
+    }
     lac_status status = lac_scan_number(scan, word, &number, err);
     bool whole = number >= 1.0 && number <= 0x1p53 && number == floor(number);
     if (status == LAC_OK &&

@@ -43,12 +43,13 @@ const char *lac_word_show(lac_word word, char *shown, size_t size);
 /// @pre    the thread's locale is "C"
 lac_status lac_scan_number(const lac_scan *scan, lac_word word, double *value, lac_error *err);
 
-/// What a key of a header holds: one of the three is where its value goes.
+/// What a key of a header holds: one of the four is where its value goes.
 typedef struct lac_field {
     const char *key;
     uint64_t *count; ///< a whole number of cells or points, at least 1
     double *length;  ///< finite, above zero
     double *number;
+    char *unit; ///< [LAC_UNIT_SIZE]
 } lac_field;
 
 /// Reads the value of a key; LAC_EINPUT where it is none.

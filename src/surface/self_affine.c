@@ -3,7 +3,7 @@
 #include <math.h>
 
 #include "base/rows.h"
-#include "surface/registry.h"
+#include "surface/surface.h"
 #include "surface/synthesis.h"
 
 // What the amplitude of a mode depends on.
@@ -72,31 +72,29 @@ static void translate(double skewness, double rms, double *heights, size_t n)
 
 // h(x) = sum over k of a_k exp(i q.x), with <|a_k|^2> = rms^2 C(q_k) / sum C.
 static lac_status generate(const void *params, const lac_grid *grid, double *heights,
-                           lac_error *err)
+                           lac_surface_stats *report, lac_error *err)
 {
     const lac_self_affine *p = params;
+    (void)report;
     size_t n = lac_grid_cells(grid);
-    lac_status status;
-    LAC_TRY(check(p, err));
+    LAC_TRY_RETURN(check(p, err));
     if (n == 1) {
         heights[0] = 0.0; // one cell has no roughness
         return LAC_OK;
     }
     synthesis y = {.seed = (uint64_t)p->seed};
-    lac_waves stated = {"self-affine", p->hurst,      p->rolloff,
-                        p->shortest,   p->anisotropy, p->direction};
-    const lac_synthesis how = {"self-affine", p->sampling, p->margin, !isnan(p->shortest),
-                               p->skewness != 0.0};
-    LAC_TRY(lac_synthesis_band(&how, &stated, grid, &y.band, err));
+    const lac_synthesis how = {"self-affine", p->hurst,      p->rolloff,
+                               p->shortest,   p->anisotropy, p->direction,
+                               p->sampling,   p->margin,     p->skewness != 0.0};
+    LAC_TRY_RETURN(lac_synthesis_band(&how, grid, &y.band, err));
     double sum = lac_band_sum(&y.band, 0);
     double rms = rms_of(p, &y.band, sum);
     y.scale = (p->skewness == 0.0 ? rms : 1.0) / sqrt(sum);
-    LAC_TRY(lac_synthesise(&how, &y.band, grid, mode, &y, heights, err));
+    LAC_TRY_RETURN(lac_synthesise(&how, &y.band, grid, mode, &y, heights, err));
     if (p->skewness != 0.0) {
         translate(p->skewness, rms, heights, n);
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 static lac_wave_range waves(const void *params, const lac_grid *grid)

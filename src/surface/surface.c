@@ -3,22 +3,12 @@
 #include "surface/surface.h"
 
 #include <math.h>
-#include <string.h>
 
-// The value of a numeric parameter; NaN where it is absent or not a number.
+// The value of a numeric parameter that is given.
 static double number(const lac_param *param, const void *params)
 {
-    const char *at = (const char *)params + param->offset;
-    if (param->type == LAC_REAL) {
-        double value;
-        memcpy(&value, at, sizeof value);
-        return value;
-    }
-    int64_t value = INT64_MIN;
-    if (param->type == LAC_INTEGER) {
-        memcpy(&value, at, sizeof value);
-    }
-    return value == INT64_MIN ? (double)NAN : (double)value;
+    const void *at = (const char *)params + param->offset;
+    return param->type == LAC_REAL ? *(const double *)at : (double)*(const int64_t *)at;
 }
 
 static lac_status check_params(const lac_model_info *info, const void *params, lac_error *err)
@@ -49,49 +39,28 @@ static lac_status check_grid(const lac_grid *grid, lac_error *err)
 static lac_status check(const lac_model *model, const lac_grid *grid, lac_error *err)
 {
     LAC_FAIL_IF(model->info == NULL, err, LAC_EINPUT, "no surface was chosen");
-    lac_status status;
-    LAC_TRY(check_grid(grid, err));
-    LAC_TRY(check_params(model->info, model->params, err));
+    LAC_TRY_RETURN(check_grid(grid, err));
+    LAC_TRY_RETURN(check_params(model->info, model->params, err));
     const char *fault = model->info->validate != NULL ? model->info->validate(model->params) : NULL;
-    if (fault != NULL) {
-        LAC_TRY(lac_fail(err, LAC_EINPUT, "%s: %s", model->info->name, fault));
-    }
-out:
-    return status;
-}
-
-// The descriptor is the first member of its row.
-static const lac_surface_source *source_of(const lac_model *model)
-{
-    return (const lac_surface_source *)model->info;
+    LAC_FAIL_IF(fault != NULL, err, LAC_EINPUT, "%s: %s", model->info->name, fault);
+    return LAC_OK;
 }
 
 lac_status lac_surface_generate(const lac_model *model, const lac_grid *grid, double *heights,
-                                lac_error *err)
+                                lac_surface_stats *report, lac_error *err)
 {
-    lac_status status;
-    LAC_TRY(check(model, grid, err));
-    LAC_TRY(source_of(model)->generate(model->params, grid, heights, err));
-out:
-    return status;
-}
-
-lac_status lac_surface_generate_measured(const lac_model *model, const lac_grid *grid,
-                                         double *heights, lac_surface_stats *report, lac_error *err)
-{
-    lac_status status;
-    *report = (lac_surface_stats){.measured = LAC_MEASURED_INTERFACE};
-    LAC_TRY(check(model, grid, err));
-    const lac_surface_source *source = source_of(model);
-    if (source->generate_measured != NULL) {
-        return source->generate_measured(model->params, grid, heights, report, err);
-    }
-    LAC_TRY(source->generate(model->params, grid, heights, err));
+    lac_surface_stats stats = {.measured = LAC_MEASURED_INTERFACE};
     lac_wave_range range = {NAN, NAN};
-    if (source->waves != NULL) {
-        range = source->waves(model->params, grid);
+    LAC_TRY_RETURN(check(model, grid, err));
+    const lac_surface_source *source = (const void *)model->info;
+    LAC_TRY_RETURN(
+        source->generate(model->params, grid, heights, report != NULL ? &stats : NULL, err));
+    if (report != NULL && stats.files == 0) {
+        range = source->waves != NULL ? source->waves(model->params, grid) : range;
+        LAC_TRY_RETURN(lac_surface_measure(grid, heights, &range, &stats.measures, err));
     }
-    LAC_TRY(lac_surface_measure(grid, heights, &range, &report->measures, err));
-out:
-    return status;
+    if (report != NULL) {
+        *report = stats;
+    }
+    return LAC_OK;
 }

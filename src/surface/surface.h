@@ -65,14 +65,15 @@ typedef struct lac_surface_stats {
 typedef struct lac_surface_source {
     lac_model_info info;
     /// @param heights  [ny * nx] composite height of each cell [m]; overwritten
+    /// @param report   NULL; left alone by a source without files, whose heights are then measured
     lac_status (*generate)(const void *params, const lac_grid *grid, double *heights,
-                           lac_error *err);
-    /// As generate, with a report; NULL: the heights of the interface are measured.
-    lac_status (*generate_measured)(const void *params, const lac_grid *grid, double *heights,
-                                    lac_surface_stats *report, lac_error *err);
+                           lac_surface_stats *report, lac_error *err);
     /// Where the spectrum is a power law [m], NaN where the grid says; NULL: not known.
     lac_wave_range (*waves)(const void *params, const lac_grid *grid);
 } lac_surface_source;
+
+extern const lac_surface_source lac_surface_self_affine, lac_surface_joint, lac_surface_benchmark,
+    lac_surface_from_file;
 
 /// Parameters of `self-affine`.
 typedef struct lac_self_affine {
@@ -130,31 +131,27 @@ typedef struct lac_surface_file {
     double lower_spacing;                  ///< likewise [m]; NaN
 } lac_surface_file;
 
+enum { LAC_UNIT_SIZE = 32 }; ///< of the units that files say
+
 /// Measured heights as a file holds them. Row 0 is at the smallest y, whatever the file's order.
 typedef struct lac_height_map {
     const char *format; ///< name of the format; static
     size_t nx, ny;
-    double dx, dy;         ///< spacing [lateral_unit]; NaN where the file says none
-    double x, y;           ///< of the first sample [lateral_unit]; NaN where the file says none
-    char lateral_unit[32]; ///< "" where the file says none
-    char height_unit[32];  ///< "" where the file says none
-    size_t masked;         ///< samples without a height
-    double *heights;       ///< [ny * nx], x fastest [height_unit]; NaN where masked, else finite
+    double dx, dy; ///< spacing [lateral_unit]; NaN where the file says none
+    double x, y;   ///< of the first sample [lateral_unit]; NaN where the file says none
+    char lateral_unit[LAC_UNIT_SIZE], height_unit[LAC_UNIT_SIZE]; ///< "" where it says none
+    size_t masked;                                                ///< samples without a height
+    double *heights; ///< [ny * nx], x fastest [height_unit]; NaN where masked, else finite
 } lac_height_map;
 
 /// The index-th source in the registry, NULL past the end.
 const lac_surface_source *lac_surface_source_get(size_t index);
 
 /// Heights of the chosen source on a grid.
-/// @param model     a surface source and its parameters
 /// @param heights  [ny * nx] [m]; overwritten
+/// @param report   what the surface is like; NULL: it is not measured
 lac_status lac_surface_generate(const lac_model *model, const lac_grid *grid, double *heights,
-                                lac_error *err);
-
-/// As lac_surface_generate, and measures the surface.
-lac_status lac_surface_generate_measured(const lac_model *model, const lac_grid *grid,
-                                         double *heights, lac_surface_stats *report,
-                                         lac_error *err);
+                                lac_surface_stats *report, lac_error *err);
 
 /// rms slope between cells `lag` apart along x (or y); 0 where there are none.
 double lac_rms_slope(const lac_grid *grid, const double *heights, bool along_x, size_t lag);

@@ -11,6 +11,203 @@ static const double most_waves = 1e9;
 
 typedef double _Complex (*mode_function)(const void *of, double kx, double ky);
 
+// A wavenumber this close to the edge of the band is inside: lengths carry rounding.
+static const double edge = 1.0 + 1e-9;
+// Modes summed one by one for the variance of the band; those beyond are integrated.
+static const double summed_modes = 1e6;
+
+// Length of the wave vector with lengths along `direction` drawn in by the stretch.
+static double drawn(const lac_band *b, double qx, double qy)
+{
+    if (b->stretch == 1.0) {
+        return hypot(qx, qy);
+    }
+    return hypot(b->stretch * (qx * b->cosine + qy * b->sine), qy * b->cosine - qx * b->sine);
+}
+
+// C(q) up to a factor: flat to the rolloff, a power law to the shortest wave, zero beyond.
+static double density(const lac_band *b, double q)
+{
+    if (q > b->q_shortest * edge) {
+        return 0.0;
+    }
+    return q <= b->q_rolloff ? 1.0 : pow(q / b->q_rolloff, -b->power);
+}
+
+// C |q|^moment of mode (kx, ky)
+static double term(const lac_band *b, double kx, double ky, int moment)
+{
+    double qx = kx * b->dqx;
+    double qy = ky * b->dqy;
+    double c = density(b, drawn(b, qx, qy));
+    return moment == 0 ? c : c * (qx * qx + qy * qy);
+}
+
+// Integral of q^(n-1) from a to c
+static double flat_integral(double a, double c, int n)
+{
+    switch (n) {
+    case 1:
+        return c - a;
+    case 2:
+        return 0.5 * (c * c - a * a);
+    default:
+        return (pow(c, n) - pow(a, n)) / n;
+    }
+}
+
+// Integral of q^(d+moment-1) C(q) from a to the shortest wave, in d dimensions.
+static double integral(const lac_band *b, double a, int d, int moment)
+{
+    int n = d + moment;
+    double sum = 0.0;
+    double q_r = b->q_rolloff;
+    double end = b->q_shortest;
+    double flat = fmin(q_r, end);
+    if (a < flat) {
+        sum += flat_integral(a, flat, n);
+        a = flat;
+    }
+    if (a < end) {
+        double fall = 2.0 * b->hurst - moment;
+        sum += fabs(fall) < 1e-9
+                   ? pow(q_r, n) * log(end / a)
+                   : pow(q_r, n) / fall * (pow(a / q_r, -fall) - pow(end / q_r, -fall));
+    }
+    return sum;
+}
+
+// The integral from |q| = a, averaged over the directions.
+static double mean_integral(const lac_band *b, double a, int moment)
+{
+    enum { ANGLES = 1440 };
+    if (b->stretch == 1.0) {
+        return integral(b, a, 2, moment);
+    }
+    double sum = 0.0;
+    for (int i = 0; i < ANGLES; i++) {
+        double angle = (2.0 * M_PI) * (i + 0.5) / ANGLES;
+        double g = drawn(b, cos(angle), sin(angle));
+        sum += integral(b, a * g, 2, moment) / pow(g, 2 + moment);
+    }
+    return sum / ANGLES;
+}
+
+static double line_sum(const lac_band *b, int moment)
+{
+    double along_x = b->dqx > 0.0 ? 1.0 : 0.0;
+    double dq = fmax(b->dqx, b->dqy);
+    double modes = floor(b->q_shortest * edge / dq);
+    double last = fmin(modes, summed_modes);
+    double sum = 0.0;
+    for (double k = 1.0; k <= last; k += 1.0) {
+        sum += 2.0 * term(b, k * along_x, k * (1.0 - along_x), moment);
+    }
+    double g = drawn(b, along_x, 1.0 - along_x);
+    double rest = integral(b, (last + 0.5) * dq * g, 1, moment) / pow(g, 1 + moment);
+    return modes <= last ? sum : sum + 2.0 / dq * rest;
+}
+
+// From the half plane ky >= 0. Stretched waves are never shorter than q_shortest says.
+static double plane_sum(const lac_band *b, int moment)
+{
+    double q_sum = sqrt(summed_modes * b->dqx * b->dqy * 2.0 / (2.0 * M_PI));
+    bool all = b->q_shortest * edge <= q_sum;
+    double end = all ? b->q_shortest * edge : q_sum;
+    double sum = 0.0;
+    for (double ky = 0.0; ky * b->dqy <= end; ky += 1.0) {
+        double row = 0.0;
+        for (double kx = ky > 0.0 ? 0.0 : 1.0; hypot(kx * b->dqx, ky * b->dqy) <= end; kx += 1.0) {
+            row += term(b, kx, ky, moment) + (kx > 0.0 ? term(b, -kx, ky, moment) : 0.0);
+        }
+        sum += (ky > 0.0 ? 2.0 : 1.0) * row;
+    }
+    return all ? sum : sum + (2.0 * M_PI) / (b->dqx * b->dqy) * mean_integral(b, end, moment);
+}
+
+double lac_band_sum(const lac_band *b, int moment)
+{
+    return b->dqx > 0.0 && b->dqy > 0.0 ? plane_sum(b, moment) : line_sum(b, moment);
+}
+
+static lac_status check_band(const lac_synthesis *how, const lac_band *b, lac_error *err)
+{
+    if (lac_band_sum(b, 0) > 0.0) {
+        return LAC_OK;
+    }
+    return lac_fail(err, LAC_EINPUT,
+                    "%s: no wave fits the interface: with anisotropy %g the shortest wavelength "
+                    "along the direction is %g m",
+                    how->source, how->anisotropy, how->anisotropy * (2.0 * M_PI) / b->q_shortest);
+}
+
+// The band of a grid of more than one cell.
+static lac_status band_of(const lac_synthesis *how, const lac_grid *grid, lac_band *out,
+                          lac_error *err)
+{
+    double lx = grid->nx > 1 ? (double)grid->nx * grid->dx : 0.0;
+    double ly = grid->ny > 1 ? (double)grid->ny * grid->dy : 0.0;
+    double cell = fmax(grid->nx > 1 ? grid->dx : 0.0, grid->ny > 1 ? grid->dy : 0.0);
+    double longest = fmax(lx, ly);
+    double rolloff = isnan(how->rolloff) ? longest : how->rolloff;
+    double shortest = isnan(how->shortest) ? 2.0 * cell : how->shortest;
+    LAC_FAIL_IF(shortest > longest * edge, err, LAC_EINPUT,
+                "%s: the shortest wavelength, %g m, is longer than the interface, %g m",
+                how->source, shortest, longest);
+    LAC_FAIL_IF(rolloff < shortest, err, LAC_EINPUT,
+                "%s: the rolloff, %g m, must not be shorter than the shortest wavelength, %g m%s",
+                how->source, rolloff, shortest,
+                isnan(how->shortest) ? " (two cells, as none is given)" : "");
+    *out = (lac_band){
+        .dqx = lx > 0.0 ? (2.0 * M_PI) / lx : 0.0,
+        .dqy = ly > 0.0 ? (2.0 * M_PI) / ly : 0.0,
+        .q_rolloff = (2.0 * M_PI) / rolloff,
+        .q_shortest = (2.0 * M_PI) / shortest,
+        .hurst = how->hurst,
+        .power = 2.0 * how->hurst + (lx > 0.0 && ly > 0.0 ? 2.0 : 1.0),
+        .stretch = how->anisotropy,
+        .cosine = cos(how->direction),
+        .sine = sin(how->direction),
+    };
+    return how->anisotropy == 1.0 ? LAC_OK : check_band(how, out, err);
+}
+
+double _Complex lac_band_amplitude(const lac_band *b, uint64_t seed, lac_stream stream, double kx,
+                                   double ky, double scale)
+{
+    double c = term(b, kx, ky, 0);
+    if (c == 0.0) {
+        return 0.0;
+    }
+    double n[2];
+    lac_random_normal(seed, stream, (uint64_t)(int64_t)kx, (uint64_t)(int64_t)ky, n);
+    double size = scale * sqrt(0.5 * c);
+    return size * n[0] + size * n[1] * I;
+}
+
+// Fills the spectrum with the modes that the grid resolves; its Nyquist lines stay empty.
+static void fill(lac_fft *fft, mode_function mode, const void *of)
+{
+    ptrdiff_t rows = (ptrdiff_t)fft->ny;
+#pragma omp parallel for schedule(static) if (fft->nkx * fft->ny > 16384)
+    for (ptrdiff_t j = 0; j < rows; j++) {
+        double ky = lac_fft_frequency((size_t)j, fft->ny);
+        bool nyquist = 2 * (size_t)j == fft->ny && j > 0;
+        for (size_t i = 0; i < fft->nkx; i++) {
+            double kx = (double)i;
+            double _Complex a = 0.0;
+            if (nyquist || 2 * i == fft->nx || (i == 0 && j == 0)) {
+                a = 0.0;
+            } else if (i == 0 && ky < 0.0) {
+                a = conj(mode(of, 0.0, -ky)); // the field is real
+            } else {
+                a = mode(of, kx, ky);
+            }
+            fft->spectrum[(size_t)j * fft->nkx + i] = a;
+        }
+    }
+}
+
 // Folds all waves of a band onto the wavenumbers of a grid.
 typedef struct folding {
     mode_function mode;
@@ -35,12 +232,12 @@ static lac_status find_whole(const lac_synthesis *how, const lac_grid *grid, lac
     return LAC_OK;
 }
 
-lac_status lac_synthesis_band(const lac_synthesis *how, const lac_waves *waves,
-                              const lac_grid *grid, lac_band *band, lac_error *err)
+lac_status lac_synthesis_band(const lac_synthesis *how, const lac_grid *grid, lac_band *band,
+                              lac_error *err)
 {
     lac_grid whole;
-    lac_status status = find_whole(how, grid, &whole, err);
-    return status == LAC_OK ? lac_band_of(waves, &whole, band, err) : status;
+    LAC_TRY_RETURN(find_whole(how, grid, &whole, err));
+    return band_of(how, &whole, band, err);
 }
 
 static lac_status check(const lac_synthesis *how, const lac_band *b, lac_error *err)
@@ -48,7 +245,7 @@ static lac_status check(const lac_synthesis *how, const lac_band *b, lac_error *
     if (how->sampling == LAC_SAMPLING_LOW_PASS) {
         return LAC_OK;
     }
-    LAC_FAIL_IF(!how->bounded, err, LAC_EINPUT,
+    LAC_FAIL_IF(isnan(how->shortest), err, LAC_EINPUT,
                 "%s: sampling needs shortest: without it the band ends with the waves of the grid",
                 how->source);
     double waves_x = b->dqx > 0.0 ? 2.0 * b->q_shortest / b->dqx : 1.0;
@@ -98,7 +295,7 @@ static double _Complex folded(const folding *f, double kx, double ky)
     return sum;
 }
 
-static void fill(lac_fft *fft, const folding *f)
+static void fold(lac_fft *fft, const folding *f)
 {
     ptrdiff_t rows = (ptrdiff_t)fft->ny;
 #pragma omp parallel for schedule(static)
@@ -137,9 +334,8 @@ lac_status lac_synthesise(const lac_synthesis *how, const lac_band *band, const 
     LAC_TRY(check(how, band, err));
     LAC_TRY(lac_fft_create(whole.nx, whole.ny, &fft, err));
     if (how->sampling == LAC_SAMPLING_LOW_PASS) {
-        lac_band_fill(fft, mode, of);
+        fill(fft, mode, of);
     } else {
-        const double edge = 1.0 + 1e-9;
         const folding f = {
             .mode = mode,
             .of = of,
@@ -149,7 +345,7 @@ lac_status lac_synthesise(const lac_synthesis *how, const lac_band *band, const 
             .ky_last = band->dqy > 0.0 ? floor(edge * band->q_shortest / band->dqy) : 0.0,
             .mean = how->sampling == LAC_SAMPLING_BLOCK_MEAN,
         };
-        fill(fft, &f);
+        fold(fft, &f);
     }
     lac_fft_inverse(fft);
     take(how, fft, grid, heights);

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
+#include "base/fft.h"
+#include "base/grid.h"
+#include "base/rng.h"
 #include "base/rows.h"
-#include "surface/band.h"
 
 /// What a cell holds of a surface of which the grid may not resolve all waves.
 enum { LAC_SAMPLING_LOW_PASS, LAC_SAMPLING_POINT, LAC_SAMPLING_BLOCK_MEAN };
@@ -22,22 +24,45 @@ extern const char *const lac_sampling_words[];
             "sides by which the surface goes on beyond the interface before it repeats: 1 or " \
             "more makes opposite sides of free boundaries strangers")
 
-/// How heights are taken from a band.
+/// A surface as a source states it.
 typedef struct lac_synthesis {
     const char *source; ///< its name, for messages
+    double hurst;       ///< [1]
+    double rolloff;     ///< [m]; NaN: the longest side
+    double shortest;    ///< [m]; NaN: two cells
+    double anisotropy;  ///< stretch of all lengths along `direction` [1]; 1: isotropic
+    double direction;   ///< from x towards y [rad]
     int sampling;       ///< LAC_SAMPLING_...
     int64_t margin;     ///< sides by which the surface goes on before it repeats
-    bool bounded;       ///< the shortest wave is stated, not that of the grid
     bool with_mean;     ///< leave the heights the mean that they have on this grid
 } lac_synthesis;
 
+/// Spectrum on the modes k of one interface: q = 2 pi (kx/lx, ky/ly).
+typedef struct lac_band {
+    double dqx, dqy;   ///< spacing of the wavenumbers; 0 along a direction of one cell [rad/m]
+    double q_rolloff;  ///< [rad/m]
+    double q_shortest; ///< [rad/m]
+    double hurst;
+    double power; ///< C = (q' / q_rolloff)^-power beyond the rolloff
+    double stretch, cosine, sine;
+} lac_band;
+
 /// The band of the grid after which a surface repeats: the interface and its margin.
-lac_status lac_synthesis_band(const lac_synthesis *how, const lac_waves *waves,
-                              const lac_grid *grid, lac_band *band, lac_error *err);
+lac_status lac_synthesis_band(const lac_synthesis *how, const lac_grid *grid, lac_band *band,
+                              lac_error *err);
+
+/// Sum of C |q|^moment over all modes of the full band, whatever a grid resolves of it.
+/// @param moment  0 (heights) or 2 (slopes)
+double lac_band_sum(const lac_band *b, int moment);
+
+/// Amplitude of mode (kx, ky): complex normal of variance scale^2 C, a function of the seed, the
+/// stream and the mode alone, so that every grid and every thread finds the same.
+double _Complex lac_band_amplitude(const lac_band *b, uint64_t seed, lac_stream stream, double kx,
+                                   double ky, double scale);
 
 /// Heights of the interface: h = sum over k of mode(k) exp(i q_k x).
 /// @param band  of the whole grid
-/// @param mode  as lac_band_fill
+/// @param mode  amplitude of (kx, ky), called from several threads
 lac_status lac_synthesise(const lac_synthesis *how, const lac_band *band, const lac_grid *grid,
                           double _Complex (*mode)(const void *of, double kx, double ky),
                           const void *of, double *heights, lac_error *err);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The settings: a row each.
+// The settings and the quantities: a row each, how a case has the one and a run the other.
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -15,10 +15,12 @@ static void put(lac_setting_value *out, const char *label, const char *yaml)
     (void)snprintf(out->yaml, sizeof out->yaml, "%s", yaml);
 }
 
-static void put_number(lac_setting_value *out, double value)
+lac_setting_value lac_setting_number(double value)
 {
-    (void)snprintf(out->label, sizeof out->label, "%.10g", value);
-    memcpy(out->yaml, out->label, sizeof out->label);
+    lac_setting_value out;
+    (void)snprintf(out.label, sizeof out.label, "%.10g", value);
+    memcpy(out.yaml, out.label, sizeof out.label);
+    return out;
 }
 
 // The names themselves are what the key takes.
@@ -40,16 +42,16 @@ static size_t rtol_values(const lac_case *c, lac_trade_of of, lac_setting_value 
     for (int k = 1; k <= 13 && n + 2 < LAC_SETTING_VALUES; k++) {
         const double decade = pow(10.0, -k);
         if (!seen && own > decade * 1.01) {
-            put_number(&out[n++], own);
+            out[n++] = lac_setting_number(own);
             seen = true;
         }
         seen = seen || fabs(own / decade - 1.0) <= 0.01;
         if (decade <= coarsest * 1.01 && decade >= finest * 0.99) {
-            put_number(&out[n++], fabs(own / decade - 1.0) <= 0.01 ? own : decade);
+            out[n++] = lac_setting_number(fabs(own / decade - 1.0) <= 0.01 ? own : decade);
         }
     }
     if (!seen) {
-        put_number(&out[n++], own);
+        out[n++] = lac_setting_number(own);
     }
     return n;
 }
@@ -92,7 +94,7 @@ static size_t levels_values(const lac_case *c, lac_trade_of of, lac_setting_valu
     size_t n = 0;
     for (int64_t level = own - 2; own > 0 && level <= own; level++) {
         if (level > 0) {
-            put_number(&out[n++], (double)level);
+            out[n++] = lac_setting_number((double)level);
         }
     }
     return n;
@@ -136,7 +138,7 @@ static size_t count_values(int64_t own, int64_t factor, int64_t least, lac_setti
         n++;
     }
     for (size_t i = 0; i <= n; i++) {
-        put_number(&out[i], (double)(i == n ? own : value));
+        out[i] = lac_setting_number((double)(i == n ? own : value));
         value *= factor;
     }
     return n + 1;
@@ -197,13 +199,6 @@ static const lac_setting settings[] = {
 
 LAC_ROWS_AT(lac_setting, lac_setting_get, settings)
 
-void lac_setting_tighten(const lac_setting *setting, const lac_setting_value *last,
-                         lac_setting_value *out)
-{
-    const double next = strtod(last->yaml, NULL) * setting->finer;
-    put_number(out, setting->falls ? fmax(next, setting->finest) : fmin(next, setting->finest));
-}
-
 void lac_setting_current(const lac_setting *setting, const lac_case *c,
                          char label[LAC_SETTING_LABEL])
 {
@@ -221,4 +216,76 @@ void lac_setting_current(const lac_setting *setting, const lac_case *c,
     } else {
         (void)snprintf(label, LAC_SETTING_LABEL, "%.10g", *(const double *)at);
     }
+}
+
+const lac_quantity_about lac_quantities[] = {
+    [LAC_QUANTITY_FAILURE] = {"failure", "s", "time of failure", false},
+    [LAC_QUANTITY_LIMIT] = {"limit", "s", "time of the limit", false},
+    [LAC_QUANTITY_SLIP] = {"slip", "m", "mean slip at the end", false},
+    [LAC_QUANTITY_RATE] = {"rate", "m/s", "mean slip rate at the end", false},
+    [LAC_QUANTITY_PEAK] = {"peak-rate", "m/s", "largest slip rate of a cell", false},
+    [LAC_QUANTITY_CRITICAL] = {"q-crit", "1", "critical shear force over f P", false},
+    [LAC_QUANTITY_EVENTS] = {"events", "1", "events of the catalogue", false},
+    [LAC_QUANTITY_FRACTION] = {"contact-fraction", "1", "fraction in contact", true},
+    [LAC_QUANTITY_PRESSURE] = {"pressure", "Pa", "mean normal pressure", true},
+    [LAC_QUANTITY_DIMENSION] = {"dimension", "1", "box dimension", true},
+    [LAC_QUANTITY_WORK] = {"work", "J", "frictional work", true},
+    [LAC_QUANTITIES] = {NULL},
+};
+
+// f0 of the friction law, unless `rg` has its own.
+static double coulomb(const lac_case *c)
+{
+    char key[64];
+    lac_case_value found;
+    if (c->rg.named && !isnan(c->rg.friction)) {
+        return c->rg.friction;
+    }
+    if (c->friction.info == NULL) {
+        return NAN;
+    }
+    (void)snprintf(key, sizeof key, "friction.%s.f0", c->friction.info->name);
+    // Nothing is changed through what is found.
+    return lac_case_find((lac_case *)c, key, &found) ? *found.at : NAN;
+}
+
+static lac_status on_record(void *context, const lac_record *record, lac_error *err)
+{
+    lac_trade_probe *probe = context;
+    const double load =
+        record->observation.shear_force / (probe->friction * record->observation.effective_force);
+    probe->load = isnan(probe->rate) || load > probe->load ? load : probe->load;
+    probe->rate = record->observation.mean_rate;
+    return probe->next.record != NULL ? probe->next.record(probe->next.context, record, err)
+                                      : LAC_OK;
+}
+
+static lac_status on_event(void *context, const lac_event *event, lac_error *err)
+{
+    lac_trade_probe *probe = context;
+    probe->events++;
+    return probe->next.event != NULL ? probe->next.event(probe->next.context, event, err) : LAC_OK;
+}
+
+lac_sink lac_trade_probe_start(lac_trade_probe *probe, const lac_case *c, const lac_sink *next)
+{
+    *probe = (lac_trade_probe){.next = *next, .friction = coulomb(c), .rate = NAN, .load = NAN};
+    lac_sink sink = lac_sink_before(&probe->next);
+    sink.record = on_record;
+    sink.event = on_event;
+    sink.checkpoint = NULL; // a run of a trade begins anew
+    return sink;
+}
+
+void lac_trade_probe_values(const lac_trade_probe *probe, const lac_run_result *result,
+                            bool catalogue, double *value)
+{
+    value[LAC_QUANTITY_FAILURE] =
+        result->failed ? result->failure_origin + result->failure_local : NAN;
+    value[LAC_QUANTITY_LIMIT] = result->end == LAC_END_STOP ? result->time : NAN;
+    value[LAC_QUANTITY_SLIP] = result->mean_slip;
+    value[LAC_QUANTITY_RATE] = probe->rate;
+    value[LAC_QUANTITY_PEAK] = result->max_slip_rate;
+    value[LAC_QUANTITY_CRITICAL] = probe->load;
+    value[LAC_QUANTITY_EVENTS] = catalogue ? (double)probe->events : NAN;
 }

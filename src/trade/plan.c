@@ -7,27 +7,21 @@
 
 #include "trade/trade.h"
 
-static const lac_setting *find(const char *name, size_t length)
-{
-    const lac_setting *setting;
-    for (size_t i = 0; (setting = lac_setting_get(i)) != NULL; i++) {
-        if (strlen(setting->name) == length && strncmp(setting->name, name, length) == 0) {
-            return setting;
-        }
-    }
-    return NULL;
-}
-
-static lac_status no_dial(const char *name, size_t length, lac_error *err)
+// NULL: there is none of that name, which `err` says.
+static const lac_setting *find(const char *name, size_t length, lac_error *err)
 {
     char known[256] = "";
     const lac_setting *setting;
-    for (size_t i = 0; (setting = lac_setting_get(i)) != NULL; i++) {
-        size_t used = strlen(known);
-        (void)snprintf(known + used, sizeof known - used, "%s%s", i > 0 ? ", " : "", setting->name);
+    for (size_t i = 0, used = 0; (setting = lac_setting_get(i)) != NULL; i++) {
+        if (strlen(setting->name) == length && strncmp(setting->name, name, length) == 0) {
+            return setting;
+        }
+        used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i > 0 ? ", " : "",
+                                 setting->name);
     }
-    return lac_fail(err, LAC_EINPUT, "--dials: \"%.*s\" is no dial; there are %s",
-                    (int)(length < 40 ? length : 40), name, known);
+    (void)lac_fail(err, LAC_EINPUT, "--dials: \"%.*s\" is no dial; there are %s",
+                   (int)(length < 40 ? length : 40), name, known);
+    return NULL;
 }
 
 // A ladder is climbed from coarse to fine: its last rung is what all are compared with.
@@ -80,186 +74,166 @@ static lac_status read_values(const char *text, size_t length, const lac_case *c
 static bool is_of(const lac_setting *setting, unsigned of) { return (setting->use & of) != 0; }
 
 // One word of --settings.
-static lac_status add_word(const char *word, size_t length, const lac_case *c, lac_trade_plan *plan,
+static lac_status add_word(const char *word, size_t length, const lac_case *c, lac_trade *trade,
                            lac_error *err)
 {
     const char *equals = memchr(word, '=', length);
     const size_t name = equals != NULL ? (size_t)(equals - word) : length;
-    const lac_setting *setting = find(word, name);
+    const lac_setting *setting = find(word, name, err);
     if (setting == NULL) {
-        return no_dial(word, name, err);
+        return LAC_EINPUT;
     }
-    for (size_t d = 0; d < plan->settings; d++) {
-        LAC_FAIL_IF(plan->setting[d].setting == setting, err, LAC_EINPUT,
+    for (size_t d = 0; d < trade->settings; d++) {
+        LAC_FAIL_IF(trade->setting[d].setting == setting, err, LAC_EINPUT,
                     "--dials: %s stands there twice", setting->name);
     }
-    lac_trade_setting *added = &plan->setting[plan->settings];
+    lac_trade_setting *added = &trade->setting[trade->settings];
     *added = (lac_trade_setting){.setting = setting, .named = equals != NULL};
     if (equals != NULL) {
-        LAC_TRY_RETURN(read_values(equals + 1, length - name - 1, c, plan->of, added, err));
+        LAC_TRY_RETURN(read_values(equals + 1, length - name - 1, c, trade->of, added, err));
     } else {
-        added->count = added->shown = setting->values(c, plan->of, added->value);
+        added->count = added->shown = setting->values(c, trade->of, added->value);
     }
-    plan->settings++;
+    trade->settings++;
     return LAC_OK;
 }
 
 // What the settings of a trade may belong to: a cascade has those of a run where its fidelity is
 // turned, which makes it one.
-static unsigned turned_of(const lac_trade_plan *plan)
+static unsigned turned_of(const lac_trade *trade)
 {
-    unsigned of = plan->of;
-    for (size_t d = 0; plan->of == LAC_OF_CASCADE && d < plan->settings; d++) {
-        of |= plan->setting[d].setting->cascade != NULL ? LAC_OF_RUN : 0;
+    unsigned of = trade->of;
+    for (size_t d = 0; trade->of == LAC_OF_CASCADE && d < trade->settings; d++) {
+        of |= trade->setting[d].setting->cascade != NULL ? LAC_OF_RUN : 0;
     }
     return of;
 }
 
-static lac_status no_turn(const lac_setting *setting, lac_trade_of of, lac_error *err)
+static lac_status check_turned(const lac_trade *trade, lac_error *err)
 {
-    LAC_FAIL_IF(of == LAC_OF_RUN, err, LAC_EINPUT, "--dials: %s turns nothing but a cascade",
-                setting->name);
-    return lac_fail(err, LAC_EINPUT, "--dials: %s turns nothing in a %s", setting->name,
-                    of == LAC_OF_CONTACT ? "contact" : "cascade, unless fidelity is turned too");
-}
-
-static lac_status check_turned(const lac_trade_plan *plan, lac_error *err)
-{
-    const unsigned of = turned_of(plan);
-    for (size_t d = 0; d < plan->settings; d++) {
-        const lac_setting *setting = plan->setting[d].setting;
-        if (!is_of(setting, of)) {
-            return no_turn(setting, plan->of, err);
-        }
-        LAC_FAIL_IF(plan->setting[d].count == 0, err, LAC_EINPUT,
+    const unsigned of = turned_of(trade);
+    for (size_t d = 0; d < trade->settings; d++) {
+        const lac_setting *setting = trade->setting[d].setting;
+        const bool turns = is_of(setting, of);
+        LAC_FAIL_IF(!turns && trade->of == LAC_OF_RUN, err, LAC_EINPUT,
+                    "--dials: %s turns nothing but a cascade", setting->name);
+        LAC_FAIL_IF(!turns, err, LAC_EINPUT, "--dials: %s turns nothing in a %s", setting->name,
+                    trade->of == LAC_OF_CONTACT ? "contact"
+                                                : "cascade, unless fidelity is turned too");
+        LAC_FAIL_IF(trade->setting[d].count == 0, err, LAC_EINPUT,
                     "--dials: %s has nothing to turn in this case", setting->name);
     }
     return LAC_OK;
 }
 
-static lac_status read_words(const char *words, const lac_case *c, lac_trade_plan *plan,
-                             lac_error *err)
+static lac_status read_words(const char *words, const lac_case *c, lac_trade *trade, lac_error *err)
 {
     for (const char *word = words;; word++) {
         const size_t length = strcspn(word, ",");
-        LAC_TRY_RETURN(add_word(word, length, c, plan, err));
+        LAC_TRY_RETURN(add_word(word, length, c, trade, err));
         if (word[length] == '\0') {
             break;
         }
         word += length;
     }
-    return check_turned(plan, err);
+    return check_turned(trade, err);
 }
 
 // All that need not be asked for.
-static void add_usual(const lac_case *c, lac_trade_plan *plan)
+static void add_usual(const lac_case *c, lac_trade *trade)
 {
     const lac_setting *setting;
     for (size_t i = 0; (setting = lac_setting_get(i)) != NULL; i++) {
-        lac_trade_setting *added = &plan->setting[plan->settings];
-        if ((setting->asked & plan->of) != 0 || !is_of(setting, plan->of)) {
+        lac_trade_setting *added = &trade->setting[trade->settings];
+        if ((setting->asked & trade->of) != 0 || !is_of(setting, trade->of)) {
             continue;
         }
         *added = (lac_trade_setting){.setting = setting};
-        added->count = added->shown = setting->values(c, plan->of, added->value);
-        plan->settings += added->count > 1 ? 1 : 0;
+        added->count = added->shown = setting->values(c, trade->of, added->value);
+        trade->settings += added->count > 1 ? 1 : 0;
     }
 }
 
 // Whether the last position, which the reference has, is a run in time.
-static bool reference_runs(const lac_trade_plan *plan)
+static bool reference_runs(const lac_trade *trade)
 {
-    bool runs = plan->of == LAC_OF_RUN;
-    for (size_t d = 0; d < plan->settings; d++) {
-        const lac_trade_setting *setting = &plan->setting[d];
-        if (plan->of == LAC_OF_CASCADE && setting->setting->cascade != NULL) {
-            runs = strcmp(setting->value[setting->shown - 1].label, setting->setting->cascade) != 0;
-        }
+    lac_trade_run last = {.why = 0};
+    for (size_t d = 0; d < trade->settings; d++) {
+        last.at[d] = (short)((int)trade->setting[d].shown - 1);
     }
-    return runs;
+    return trade->of == LAC_OF_RUN || lac_trade_of_run(trade, &last) == LAC_OF_RUN;
 }
 
 // A run has its tolerance to tell how good its reference is, asked for or not.
-static void add_tolerance(const lac_case *c, lac_trade_plan *plan)
+static void add_tolerance(const lac_case *c, lac_trade *trade)
 {
     const lac_setting *rtol = lac_setting_get(0);
-    for (size_t d = 0; d < plan->settings; d++) {
-        if (plan->setting[d].setting == rtol) {
+    for (size_t d = 0; d < trade->settings; d++) {
+        if (trade->setting[d].setting == rtol) {
             return;
         }
     }
-    lac_trade_setting *added = &plan->setting[plan->settings++];
-    lac_setting_value own = {.label = ""};
-    *added = (lac_trade_setting){.setting = rtol, .count = 2};
-    lac_setting_current(rtol, c, own.label);
-    memcpy(own.yaml, own.label, sizeof own.label);
-    double value = c->run.rtol * 10.0 < 0.1 ? c->run.rtol * 10.0 : 0.1;
-    (void)snprintf(added->value[0].label, LAC_SETTING_LABEL, "%.10g", value);
-    memcpy(added->value[0].yaml, added->value[0].label, LAC_SETTING_LABEL);
-    added->value[1] = own;
+    trade->setting[trade->settings++] =
+        (lac_trade_setting){.setting = rtol,
+                            .count = 2,
+                            .value = {lac_setting_number(fmin(c->run.rtol * 10.0, 0.1)),
+                                      lac_setting_number(c->run.rtol)}};
 }
 
 // The positions that only the reference has.
-static void add_tighter(lac_trade_plan *plan)
+static void add_tighter(lac_trade *trade)
 {
-    for (size_t d = 0; d < plan->settings; d++) {
-        lac_trade_setting *setting = &plan->setting[d];
-        if (setting->setting->finer > 0.0) {
-            lac_setting_tighten(setting->setting, &setting->value[setting->count - 1],
-                                &setting->value[setting->count]);
-            setting->count++;
+    for (size_t d = 0; d < trade->settings; d++) {
+        lac_trade_setting *added = &trade->setting[d];
+        const lac_setting *setting = added->setting;
+        if (setting->finer > 0.0) {
+            const double next = strtod(added->value[added->count - 1].yaml, NULL) * setting->finer;
+            added->value[added->count++] = lac_setting_number(
+                setting->falls ? fmax(next, setting->finest) : fmin(next, setting->finest));
         }
     }
 }
 
-static bool same(const lac_trade_run *a, const short *at, size_t settings)
-{
-    return memcmp(a->at, at, settings * sizeof *at) == 0;
-}
-
 // Adds a combination, or the reason to one that is there.
-static lac_status add_run(lac_trade_plan *plan, const short *at, int why, size_t *index,
-                          lac_error *err)
+static lac_status add_run(lac_trade *trade, const short *at, int why, size_t *index, lac_error *err)
 {
+    const size_t size = trade->settings * sizeof *at;
     size_t i = 0;
-    while (i < plan->runs && !same(&plan->run[i], at, plan->settings)) {
+    while (i < trade->runs && memcmp(trade->run[i].at, at, size) != 0) {
         i++;
     }
-    if (i == plan->runs) {
-        lac_trade_run *grown = realloc(plan->run, (i + 1) * sizeof *grown);
+    if (i == trade->runs) {
+        lac_trade_run *grown = realloc(trade->run, (i + 1) * sizeof *grown);
         LAC_FAIL_MEMORY_IF(grown == NULL, err);
-        plan->run = grown;
-        plan->run[i] = (lac_trade_run){.why = 0};
-        memcpy(plan->run[i].at, at, plan->settings * sizeof *at);
-        plan->runs++;
+        trade->run = grown;
+        trade->run[i] = (lac_trade_run){.why = 0};
+        memcpy(trade->run[i].at, at, size);
+        trade->runs++;
     }
-    plan->run[i].why |= why;
+    trade->run[i].why |= why;
     *index = i;
     return LAC_OK;
 }
 
 // The reference and what tells how good it is; they are run first.
-static lac_status add_reference(lac_trade_plan *plan, lac_error *err)
+static lac_status add_reference(lac_trade *trade, lac_error *err)
 {
     short at[LAC_SETTINGS];
-    const bool runs = reference_runs(plan);
-    for (size_t d = 0; d < plan->settings; d++) {
-        const lac_trade_setting *setting = &plan->setting[d];
-        const bool applies = is_of(setting->setting, runs ? LAC_OF_RUN : plan->of);
+    const bool runs = reference_runs(trade);
+    for (size_t d = 0; d < trade->settings; d++) {
+        const lac_trade_setting *setting = &trade->setting[d];
+        const bool applies = is_of(setting->setting, runs ? LAC_OF_RUN : trade->of);
         const bool finest = applies && (setting->setting->ratio > 0.0 || setting->setting->scene);
         at[d] = (short)(finest ? (int)setting->count - 1 : -1);
     }
-    lac_status status = add_run(plan, at, LAC_TRADE_REFERENCE, &plan->reference, err);
-    for (size_t d = 0; status == LAC_OK && d < plan->settings; d++) {
+    lac_status status = add_run(trade, at, LAC_TRADE_REFERENCE, &trade->finest, err);
+    for (size_t d = 0; status == LAC_OK && d < trade->settings; d++) {
         const short finest = at[d];
-        plan->coarser[d] = plan->coarsest[d] = SIZE_MAX;
-        if (plan->setting[d].setting->ratio > 0.0 && finest >= 1) {
-            at[d] = (short)(finest - 1);
-            status = add_run(plan, at, LAC_TRADE_CHECK, &plan->coarser[d], err);
-        }
-        if (status == LAC_OK && plan->setting[d].setting->ratio > 0.0 && finest >= 2) {
-            at[d] = (short)(finest - 2);
-            status = add_run(plan, at, LAC_TRADE_CHECK, &plan->coarsest[d], err);
+        for (short k = 0; status == LAC_OK && k < 2; k++) {
+            const bool has = trade->setting[d].setting->ratio > 0.0 && finest > k;
+            trade->coarser[d][k] = SIZE_MAX;
+            at[d] = (short)(finest - k - 1);
+            status = has ? add_run(trade, at, LAC_TRADE_CHECK, &trade->coarser[d][k], err) : LAC_OK;
         }
         at[d] = finest;
     }
@@ -267,10 +241,10 @@ static lac_status add_reference(lac_trade_plan *plan, lac_error *err)
 }
 
 // The case's own positions and each other one, on every rung of the first ladder.
-static lac_status add_star(lac_trade_plan *plan, lac_error *err)
+static lac_status add_star(lac_trade *trade, lac_error *err)
 {
-    const size_t ladder = plan->ladder;
-    const size_t rungs = ladder == SIZE_MAX ? 1 : plan->setting[ladder].shown;
+    const size_t ladder = trade->ladder;
+    const size_t rungs = ladder == SIZE_MAX ? 1 : trade->setting[ladder].shown;
     lac_status status = LAC_OK;
     size_t index;
     for (size_t rung = 0; rung < rungs; rung++) {
@@ -279,11 +253,11 @@ static lac_status add_star(lac_trade_plan *plan, lac_error *err)
         if (ladder != SIZE_MAX) {
             at[ladder] = (short)rung;
         }
-        LAC_TRY(add_run(plan, at, LAC_TRADE_TRIED, &index, err));
-        for (size_t d = 0; d < plan->settings; d++) {
-            for (size_t k = 0; d != ladder && k < plan->setting[d].shown; k++) {
+        LAC_TRY(add_run(trade, at, LAC_TRADE_TRIED, &index, err));
+        for (size_t d = 0; d < trade->settings; d++) {
+            for (size_t k = 0; d != ladder && k < trade->setting[d].shown; k++) {
                 at[d] = (short)k;
-                LAC_TRY(add_run(plan, at, LAC_TRADE_TRIED, &index, err));
+                LAC_TRY(add_run(trade, at, LAC_TRADE_TRIED, &index, err));
                 at[d] = -1;
             }
         }
@@ -293,10 +267,10 @@ out:
 }
 
 // The next combination, the first setting turning fastest; false after the last.
-static bool next(const lac_trade_plan *plan, short *at)
+static bool next(const lac_trade *trade, short *at)
 {
-    for (size_t d = 0; d < plan->settings; d++) {
-        const size_t shown = plan->setting[d].shown;
+    for (size_t d = 0; d < trade->settings; d++) {
+        const size_t shown = trade->setting[d].shown;
         if (shown > 0 && (size_t)(at[d] + 1) < shown) {
             at[d]++;
             return true;
@@ -306,39 +280,29 @@ static bool next(const lac_trade_plan *plan, short *at)
     return false;
 }
 
-static lac_status add_all(lac_trade_plan *plan, lac_error *err)
+static lac_status add_all(lac_trade *trade, lac_error *err)
 {
     enum { MOST = 10000 };
     short at[LAC_SETTINGS];
     size_t index, count = 1;
-    for (size_t d = 0; d < plan->settings; d++) {
-        at[d] = plan->setting[d].shown > 0 ? 0 : -1;
-        count *= plan->setting[d].shown > 0 ? plan->setting[d].shown : 1;
+    for (size_t d = 0; d < trade->settings; d++) {
+        at[d] = trade->setting[d].shown > 0 ? 0 : -1;
+        count *= trade->setting[d].shown > 0 ? trade->setting[d].shown : 1;
         LAC_FAIL_IF(count > MOST, err, LAC_EINPUT,
                     "--crossed: more than %d combinations; name fewer positions", MOST);
     }
     lac_status status = LAC_OK;
     do {
-        status = add_run(plan, at, LAC_TRADE_TRIED, &index, err);
-    } while (status == LAC_OK && next(plan, at));
+        status = add_run(trade, at, LAC_TRADE_TRIED, &index, err);
+    } while (status == LAC_OK && next(trade, at));
     return status;
 }
 
-static size_t find_ladder(const lac_trade_plan *plan)
-{
-    for (size_t d = 0; d < plan->settings; d++) {
-        if (plan->setting[d].setting->ratio > 0.0 && plan->setting[d].shown > 0) {
-            return d;
-        }
-    }
-    return SIZE_MAX;
-}
-
-lac_status lac_trade_plan_create(const lac_case *c, lac_trade_of of, const char *words,
-                                 bool crossed, lac_trade_plan *out, lac_error *err)
+lac_status lac_trade_create(const lac_case *c, lac_trade_of of, const char *words, bool crossed,
+                            lac_trade *out, lac_error *err)
 {
     lac_status status = LAC_OK;
-    *out = (lac_trade_plan){.of = of};
+    *out = (lac_trade){.of = of};
     LAC_FAIL_IF(
         of == LAC_OF_RUN && !isnan(c->accuracy), err, LAC_EINPUT,
         "%s: solver.accuracy is picked for by lacuna run; here solver.rtol counts: leave it out",
@@ -355,43 +319,50 @@ lac_status lac_trade_plan_create(const lac_case *c, lac_trade_of of, const char 
         LAC_TRY(lac_fail(err, LAC_EINPUT, "there is no dial to turn: its cells are given"));
     }
     add_tighter(out);
-    out->ladder = find_ladder(out);
+    out->ladder = SIZE_MAX;
+    for (size_t d = out->settings; d-- > 0;) {
+        const bool is_ladder = out->setting[d].setting->ratio > 0.0 && out->setting[d].shown > 0;
+        out->ladder = is_ladder ? d : out->ladder;
+    }
     LAC_TRY(add_reference(out, err));
     LAC_TRY(crossed ? add_all(out, err) : add_star(out, err));
+    for (size_t d = 0; d < out->settings; d++) {
+        lac_setting_current(out->setting[d].setting, c, out->own[d]);
+    }
 out:
     if (status != LAC_OK) {
-        lac_trade_plan_clear(out);
+        lac_trade_clear(out);
     }
     return status;
 }
 
-void lac_trade_plan_clear(lac_trade_plan *plan)
+void lac_trade_clear(lac_trade *trade)
 {
-    free(plan->run);
-    *plan = (lac_trade_plan){0};
+    free(trade->run);
+    free(trade->row);
+    *trade = (lac_trade){0};
 }
 
-lac_trade_of lac_trade_of_run(const lac_trade_plan *plan, size_t run)
+lac_trade_of lac_trade_of_run(const lac_trade *trade, const lac_trade_run *run)
 {
-    lac_trade_of of = plan->of;
-    for (size_t d = 0; d < plan->settings; d++) {
-        const int at = plan->run[run].at[d];
-        const char *cascade = plan->setting[d].setting->cascade;
-        if (at >= 0 && cascade != NULL) {
-            of = strcmp(plan->setting[d].value[at].label, cascade) == 0 ? LAC_OF_CASCADE
-                                                                        : LAC_OF_RUN;
+    lac_trade_of of = trade->of;
+    for (size_t d = 0; d < trade->settings; d++) {
+        const lac_trade_setting *setting = &trade->setting[d];
+        const char *cascade = setting->setting->cascade;
+        if (run->at[d] >= 0 && cascade != NULL) {
+            const bool is_static = strcmp(setting->value[run->at[d]].label, cascade) == 0;
+            of = is_static ? LAC_OF_CASCADE : LAC_OF_RUN;
         }
     }
     return of;
 }
 
-bool lac_trade_is_coarser(const lac_trade_plan *plan, size_t a, size_t b)
+bool lac_trade_is_coarser(const lac_trade *trade, const lac_trade_run *a, const lac_trade_run *b)
 {
-    for (size_t d = 0; d < plan->settings; d++) {
-        if (d != plan->ladder && plan->run[a].at[d] != plan->run[b].at[d]) {
+    for (size_t d = 0; d < trade->settings; d++) {
+        if (d != trade->ladder && a->at[d] != b->at[d]) {
             return false;
         }
     }
-    return plan->ladder != SIZE_MAX &&
-           plan->run[a].at[plan->ladder] < plan->run[b].at[plan->ladder];
+    return trade->ladder != SIZE_MAX && a->at[trade->ladder] < b->at[trade->ladder];
 }

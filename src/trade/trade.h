@@ -46,9 +46,8 @@ typedef struct lac_setting {
 /// The index-th setting, NULL past the end. The first is rtol.
 const lac_setting *lac_setting_get(size_t index);
 
-/// The position that stands after the last one of a ladder, for the reference.
-void lac_setting_tighten(const lac_setting *setting, const lac_setting_value *last,
-                         lac_setting_value *out);
+/// A position that is a number.
+lac_setting_value lac_setting_number(double value);
 
 /// The label of the position that a case has.
 void lac_setting_current(const lac_setting *setting, const lac_case *c,
@@ -76,22 +75,22 @@ typedef struct lac_quantity_about {
     bool contact; ///< of a contact, not of a run
 } lac_quantity_about;
 
-const lac_quantity_about *lac_quantity_about_of(int quantity);
+extern const lac_quantity_about lac_quantities[]; ///< by lac_quantity; the name of the last is NULL
 
-/// A sink that looks at a run for the quantities and passes everything on.
+/// What looks at a run for the quantities and passes everything on.
 typedef struct lac_trade_probe {
     lac_sink next;
-    double friction;         ///< Coulomb's f of Q_nom [1]; NaN: none
-    double rate, load;       ///< at the last record; largest Q/Q_nom so far
-    int64_t records, events; ///< so far
+    double friction;   ///< Coulomb's f of Q_nom [1]; NaN: none
+    double rate, load; ///< at the last record; largest Q/Q_nom so far; NaN: no record
+    int64_t events;    ///< so far
 } lac_trade_probe;
 
-lac_trade_probe lac_trade_probe_create(const lac_case *c, const lac_sink *next);
-lac_sink lac_trade_probe_sink(lac_trade_probe *probe);
+/// The sink of a run of the case. @param probe  must outlive it
+lac_sink lac_trade_probe_start(lac_trade_probe *probe, const lac_case *c, const lac_sink *next);
 
 /// The quantities of a run that is over.
 /// @param catalogue  whether events were looked for
-/// @param value      [LAC_QUANTITIES] NaN: has none
+/// @param value      [LAC_QUANTITIES] gets those of a run; the others stay
 void lac_trade_probe_values(const lac_trade_probe *probe, const lac_run_result *result,
                             bool catalogue, double *value);
 
@@ -107,42 +106,6 @@ typedef struct lac_trade_setting {
 /// Why a run is made.
 enum { LAC_TRADE_TRIED = 1, LAC_TRADE_REFERENCE = 2, LAC_TRADE_CHECK = 4 };
 
-/// A combination of positions.
-typedef struct lac_trade_run {
-    short at[LAC_SETTINGS]; ///< [settings] position; -1: as the case has it
-    int why;                ///< LAC_TRADE_*
-} lac_trade_run;
-
-/// The runs of a trade. The reference has the finest position of every ladder and, of settings that
-/// change the scene, the last one; for each ladder two more runs, one and two rungs coarser, tell
-/// how far it is from its limit.
-typedef struct lac_trade_plan {
-    lac_trade_of of; ///< what is computed; of a cascade, but where the fidelity is another one
-    size_t settings, runs;
-    lac_trade_setting setting[LAC_SETTINGS];
-    lac_trade_run *run; ///< [runs]
-    size_t ladder;      ///< setting whose rungs every other position is tried on; SIZE_MAX
-    size_t reference;   ///< index of a run
-    size_t coarser[LAC_SETTINGS];  ///< index of the run one rung coarser; SIZE_MAX: no ladder
-    size_t coarsest[LAC_SETTINGS]; ///< two rungs coarser; SIZE_MAX
-} lac_trade_plan;
-
-/// Plans a trade.
-/// @param words     "rtol,method" or with positions of one's own, from coarse to fine,
-///                  "rtol=1e-3:1e-6,levels"; NULL: all that do not change the scene
-/// @param crossed   every position with every other; else each with those of the first ladder only
-/// @return LAC_OK; LAC_EINPUT (no such setting, nothing to turn, a case with solver.accuracy ...);
-///         LAC_ENOMEM
-lac_status lac_trade_plan_create(const lac_case *c, lac_trade_of of, const char *words,
-                                 bool crossed, lac_trade_plan *out, lac_error *err);
-void lac_trade_plan_clear(lac_trade_plan *plan);
-
-/// What is computed by a run of the plan.
-lac_trade_of lac_trade_of_run(const lac_trade_plan *plan, size_t run);
-
-/// Whether two runs differ in nothing but the rung of `ladder`, and `a` is coarser.
-bool lac_trade_is_coarser(const lac_trade_plan *plan, size_t a, size_t b);
-
 /// How a run of a trade ended.
 typedef enum lac_trade_end {
     LAC_TRADE_PENDING = 0,
@@ -151,18 +114,75 @@ typedef enum lac_trade_end {
     LAC_TRADE_GIVEN_UP, ///< it took too long
     LAC_TRADE_REFUSED,  ///< the settings do not go together
     LAC_TRADE_TWIN,     ///< the same settings as another run
+    LAC_TRADE_RUNNING,  ///< now
 } lac_trade_end;
 
-/// What was measured of a run.
+/// What was measured of a run: numbers all, so that they are kept as one row.
 typedef struct lac_trade_measure {
-    lac_trade_end end;
-    double value[LAC_QUANTITIES];      ///< NaN: has none
-    double wall_time, cpu_time;        ///< [s]
-    int64_t memory, output;            ///< peak, size of its file [bytes]
-    int64_t steps, evaluations, cells; ///< of the right-hand side; of a contact its solver's
-                                       ///< iterations and elastic products
-    char message[240];                 ///< what went wrong
+    double wall_time, cpu_time;       ///< [s]
+    double memory, output;            ///< peak, size of its file [bytes]
+    double steps, evaluations, cells; ///< of the right-hand side; of a contact its solver's
+                                      ///< iterations and elastic products
+    double value[LAC_QUANTITIES];     ///< NaN: has none
 } lac_trade_measure;
+
+/// A combination of positions, and what came of it.
+typedef struct lac_trade_run {
+    const struct lac_trade *of;                  ///< once it is judged
+    short at[LAC_SETTINGS];                      ///< [settings] position; -1: as the case has it
+    int why;                                     ///< LAC_TRADE_*
+    uint64_t key;                                ///< of the whole resolved case and its files
+    char label[LAC_SETTINGS][LAC_SETTING_LABEL]; ///< of every setting, as its case has it
+    lac_trade_end end;
+    lac_trade_measure m;
+    char message[240];  ///< what went wrong
+    double value;       ///< of the quantity; NaN: has none
+    double error;       ///< from the reference's, relative; NaN
+    double uncertainty; ///< estimated error of the reference itself, relative; NaN: not known
+    bool on_front;      ///< no other run errs and costs less
+} lac_trade_run;
+
+/// A trade. The reference has the finest position of every ladder and, of settings that change the
+/// scene, the last one; for each ladder two more runs, one and two rungs coarser, tell how far it
+/// is from its limit.
+typedef struct lac_trade {
+    lac_trade_of of; ///< what is computed; of a cascade, but where the fidelity is another one
+    size_t settings, runs;
+    lac_trade_setting setting[LAC_SETTINGS];
+    char own[LAC_SETTINGS][LAC_SETTING_LABEL]; ///< their labels in the case as it is
+    lac_trade_run *run;                        ///< [runs]
+    size_t ladder; ///< setting whose rungs every other position is tried on; SIZE_MAX
+    size_t finest; ///< run that is to be the reference
+    size_t coarser[LAC_SETTINGS][2]; ///< those one and two rungs coarser; SIZE_MAX: there is none
+    // What it came to, once it is judged.
+    int quantity;
+    const lac_trade_run *reference;   ///< the tightest that was done
+    const lac_trade_run *recommended; ///< NULL: none does what was asked
+    const lac_trade_run *closest;     ///< what comes closest
+    size_t rows, refusals;
+    const lac_trade_run **row; ///< [rows + refusals] those tried, in the order of a table; refused
+    // What is told beside it.
+    const char *title;   ///< NULL: none
+    char sentence[1024]; ///< what to choose
+    double wall_time;    ///< [s]
+    const char *path;    ///< of its file
+} lac_trade;
+
+/// Plans a trade.
+/// @param words     "rtol,method" or with positions of one's own, from coarse to fine,
+///                  "rtol=1e-3:1e-6,levels"; NULL: all that do not change the scene
+/// @param crossed   every position with every other; else each with those of the first ladder only
+/// @return LAC_OK; LAC_EINPUT (no such setting, nothing to turn, a case with solver.accuracy ...);
+///         LAC_ENOMEM
+lac_status lac_trade_create(const lac_case *c, lac_trade_of of, const char *words, bool crossed,
+                            lac_trade *out, lac_error *err);
+void lac_trade_clear(lac_trade *trade);
+
+/// What is computed by a run of the trade.
+lac_trade_of lac_trade_of_run(const lac_trade *trade, const lac_trade_run *run);
+
+/// Whether two runs differ in nothing but the rung of the ladder, and `a` is coarser.
+bool lac_trade_is_coarser(const lac_trade *trade, const lac_trade_run *a, const lac_trade_run *b);
 
 /// What is asked for.
 typedef struct lac_trade_request {
@@ -174,18 +194,6 @@ typedef struct lac_trade_request {
     const char *unit; ///< SI unit of `within`, to be the quantity's; NULL: it is
 } lac_trade_request;
 
-/// What a trade came to. Errors are relative to the reference's value.
-typedef struct lac_trade_result {
-    int quantity;
-    size_t reference;   ///< run; the tightest that was done
-    double value;       ///< of it, in the quantity's unit
-    double uncertainty; ///< estimated error of the reference, relative; NaN: not known
-    double *error;      ///< [runs] relative; NaN: has no value
-    bool *on_front;     ///< [runs]
-    size_t recommended; ///< run; SIZE_MAX: none does what was asked
-    size_t closest;     ///< run; what comes closest then
-} lac_trade_result;
-
 /// Error of the finest of three values on a ladder, by Richardson's extrapolation, and at least a
 /// twentieth of what the rung before the last changed; where they do not converge, what the last
 /// one did.
@@ -194,61 +202,25 @@ typedef struct lac_trade_result {
 /// @return >= 0; NaN where `middle` or `fine` is
 double lac_richardson_error(double coarse, double middle, double fine, double ratio);
 
-/// Marks what is not beaten: no other costs no more and errs no more, and one of the two less.
-/// Errors below `floor` count as the same. What has a NaN is never on the front.
-void lac_pareto_front(size_t n, const double *cost, const double *error, double floor,
-                      bool *on_front);
+/// Marks the tried runs that are not beaten: no other costs no more CPU time and errs no more, and
+/// one of the two less. Errors below `floor` count as the same.
+void lac_pareto_front(size_t n, lac_trade_run *run, double floor);
 
-/// Judges the runs: CPU time is the cost.
+/// Judges the runs, and lists them.
 /// @return LAC_OK; LAC_EINPUT where the reference has no such quantity, or it has another unit;
 ///         LAC_ENUMERIC where no run that could be the reference was done; LAC_ENOMEM
-lac_status lac_trade_judge(const lac_trade_plan *plan, const lac_trade_measure *measure,
-                           const lac_trade_request *ask, lac_trade_result *out, lac_error *err);
-void lac_trade_result_clear(lac_trade_result *verdict);
-
-/// Settings of a run, as its case has them in the end.
-typedef struct lac_trade_settings {
-    uint64_t key;                                ///< of the whole resolved case and its files
-    char label[LAC_SETTINGS][LAC_SETTING_LABEL]; ///< of every setting
-} lac_trade_settings;
-
-/// One run of it, as it is told.
-typedef struct lac_trade_row {
-    const struct lac_trade_outcome *of;
-    size_t run;
-} lac_trade_row;
-
-/// A trade, as it is told; the texts are the caller's, from `rows` on lac_trade_list fills it.
-typedef struct lac_trade_outcome {
-    const char *title, *sentence; ///< of the case; NULL: none; what to choose
-    const lac_trade_plan *plan;
-    const lac_trade_measure *measure;   ///< [plan->runs]
-    const lac_trade_settings *settings; ///< [plan->runs]
-    const lac_trade_settings *own;      ///< of the case as it is
-    const lac_trade_result *verdict;
-    size_t rows, refusals;
-    lac_trade_row *row;                   ///< [rows] those tried, in the order of a table
-    size_t *refused;                      ///< [refusals] runs
-    lac_trade_row reference, recommended; ///< the second holds where there is one
-} lac_trade_outcome;
-
-/// Lists its runs. The outcome must stay where it is, and is to be cleared whatever the status.
-/// @return LAC_OK; LAC_ENOMEM
-lac_status lac_trade_list(lac_trade_outcome *outcome, lac_error *err);
-void lac_trade_outcome_clear(lac_trade_outcome *outcome);
+lac_status lac_trade_judge(lac_trade *trade, const lac_trade_request *ask, lac_error *err);
 
 /// The command that the settings of a run are for, and one word for how it ended.
-const char *lac_trade_command(const lac_trade_plan *plan, size_t run);
+const char *lac_trade_command(const lac_trade_run *run);
 const char *lac_trade_end_name(lac_trade_end end);
 
 /// All settings of a run, as "solver.rtol=1e-05 solver.method=bdf"; those that differ from the
 /// case's own, as `--set KEY=VALUE --set ...`, "" where none do.
-const char *lac_trade_settings_text(const lac_trade_outcome *outcome, size_t run,
-                                    char text[LAC_TEXT_ROOM]);
-const char *lac_trade_options(const lac_trade_outcome *outcome, size_t run,
-                              char text[LAC_TEXT_ROOM]);
+const char *lac_trade_settings_text(const lac_trade_run *run, char text[LAC_TEXT_ROOM]);
+const char *lac_trade_options(const lac_trade_run *run, char text[LAC_TEXT_ROOM]);
 
-/// Its variables, for a file or JSON; docs/format.md.
-/// @param outcome  with all that it points to must outlive the dataset
+/// The variables of a trade that is judged, for a file or JSON; docs/format.md.
+/// @param trade  must outlive the dataset
 /// @return LAC_OK; LAC_ENOMEM
-lac_status lac_trade_describe(const lac_trade_outcome *outcome, lac_dataset **out, lac_error *err);
+lac_status lac_trade_describe(const lac_trade *trade, lac_dataset **out, lac_error *err);

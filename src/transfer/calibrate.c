@@ -82,55 +82,40 @@ static double standard_error(size_t probes, double mean, double squares, size_t 
 
 // The mean energy of the band's vectors: over a basis, or over random probes of all of it.
 static lac_status calibrate_band(const lac_hierarchy *h, size_t level, uint64_t seed,
-                                 lac_compliance *c, double *vectors, lac_calibration *band,
+                                 lac_compliance *c, double *vectors, double *k, double *error,
                                  lac_error *err)
 {
-    lac_status status = LAC_OK;
     size_t rank = lac_hierarchy_rank(h, level), n = lac_hierarchy_cells(h);
     bool random = rank > EXACT_RANK;
     size_t most = random ? MOST_PROBES : rank;
-    double mean = 0, squares = 0;
-    *band = (lac_calibration){0};
+    double mean = 0, squares = 0, off = 0;
     for (size_t i = 0; i < most; i++) {
         probe p = {.h = h, .level = level, .seed = seed, .number = i, .random = random};
         double energy;
         fill_probe(&p, vectors);
-        LAC_TRY(lac_compliance_invert(c, vectors, energy_tolerance, vectors + n, &energy, err));
+        LAC_TRY_RETURN(
+            lac_compliance_invert(c, vectors, energy_tolerance, vectors + n, &energy, err));
         energy /= random ? (double)rank : 1;
         double change = energy - mean;
         mean += change / (double)(i + 1);
         squares += change * (energy - mean);
-        band->solves = i + 1;
-        band->error = random ? standard_error(i + 1, mean, squares, rank) : 0;
-        if (random && i + 1 >= FEWEST_PROBES && band->error <= probe_error * mean) {
+        off = random ? standard_error(i + 1, mean, squares, rank) : 0;
+        if (random && i + 1 >= FEWEST_PROBES && off <= probe_error * mean) {
             break;
         }
     }
-    band->stiffness = mean;
-out:
-    return status;
-}
-
-static lac_status check_material(const lac_transfer_scene *scene, lac_error *err)
-{
-    double g = scene->shear_modulus, nu = scene->poisson;
-    LAC_FAIL_IF(!isfinite(g) || !isfinite(nu), err, LAC_EINPUT,
-                "stiffness: elastic needs a material (shear_modulus and poisson)");
-    LAC_FAIL_IF(!(g > 0 && nu > -1 && nu <= 0.5), err, LAC_EINPUT,
-                "stiffness: elastic needs a shear modulus > 0 Pa and a Poisson ratio in (-1, 0.5], "
-                "not %g Pa and %g",
-                g, nu);
+    *k = mean;
+    *(error != NULL ? error : &off) = off;
     return LAC_OK;
 }
 
-lac_status lac_calibrate_elastic(const lac_transfer_scene *scene, uint64_t seed,
-                                 lac_calibration *levels, lac_error *err)
+lac_status lac_calibrate_elastic(const lac_transfer_scene *scene, uint64_t seed, double *k,
+                                 double *error, lac_error *err)
 {
     lac_status status = LAC_OK;
     const lac_hierarchy *h = scene->hierarchy;
     lac_compliance *c = NULL;
     double *vectors = NULL;
-    LAC_TRY(check_material(scene, err));
     lac_rock rock = {.shear_modulus = scene->shear_modulus,
                      .poisson = scene->poisson,
                      .thickness = INFINITY,
@@ -139,24 +124,11 @@ lac_status lac_calibrate_elastic(const lac_transfer_scene *scene, uint64_t seed,
     vectors = malloc(2 * lac_hierarchy_cells(h) * sizeof *vectors);
     LAC_TRY(vectors != NULL ? LAC_OK : lac_fail_memory(err));
     for (size_t l = 0; l < lac_hierarchy_levels(h); l++) {
-        LAC_TRY(calibrate_band(h, l, seed, c, vectors, &levels[l], err));
+        LAC_TRY(
+            calibrate_band(h, l, seed, c, vectors, &k[l], error != NULL ? &error[l] : NULL, err));
     }
 out:
     free(vectors);
     lac_compliance_free(c);
-    return status;
-}
-
-lac_status lac_calibrate_stiffness(const lac_transfer_scene *scene, uint64_t seed, double *k,
-                                   lac_error *err)
-{
-    size_t levels = lac_hierarchy_levels(scene->hierarchy);
-    lac_calibration *found = calloc(levels + 1, sizeof *found);
-    LAC_FAIL_MEMORY_IF(found == NULL, err);
-    lac_status status = lac_calibrate_elastic(scene, seed, found, err);
-    for (size_t l = 0; l < levels; l++) {
-        k[l] = found[l].stiffness;
-    }
-    free(found);
     return status;
 }

@@ -22,6 +22,11 @@ lac_status lac_compliance_create(const lac_domain *domain, const lac_rock *rock,
                                  lac_compliance **out, lac_error *err)
 {
     *out = NULL;
+    double g = rock->shear_modulus, nu = rock->poisson;
+    LAC_FAIL_IF(!(g > 0 && isfinite(g)) || !(nu > -1 && nu <= 0.5), err, LAC_EINPUT,
+                "needs a material with a shear modulus > 0 Pa and a Poisson ratio in (-1, 0.5], "
+                "not %g Pa and %g",
+                g, nu);
     const lac_grid *grid = &domain->grid;
     size_t n = domain->n;
     size_t mx = grid->periodic || grid->nx == 1 ? 1 : 2;

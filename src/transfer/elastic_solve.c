@@ -2,12 +2,74 @@
 // The three systems of the elastic transfer; docs/theory/transfer.md, equations 16 to 20.
 #include "transfer/elastic_solve.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
 #include "base/statistics.h"
 #include "base/vsum.h"
-#include "transfer/krylov.h"
+
+// A symmetric positive definite system and what is near its inverse, for conjugate gradients.
+typedef struct krylov {
+    size_t n;
+    void *self; // of the two functions
+    void (*multiply)(void *self, const double *x, double *y);
+    // z = M r. Gives back how large the error is that r stands for, squared: r . z, or another
+    // measure of it; NaN where there is no M.
+    double (*precondition)(void *self, const double *r, double *z);
+} krylov;
+
+enum { KRYLOV_WORK = 3 }; // vectors of scratch
+
+static bool positive(double x) { return x > 0 && x <= DBL_MAX; }
+
+// x += step p, r -= step q
+static void advance(size_t n, double step, const double *restrict p, const double *restrict q,
+                    double *restrict x, double *restrict r)
+{
+    for (size_t i = 0; i < n; i++) {
+        x[i] += step * p[i];
+        r[i] -= step * q[i];
+    }
+}
+
+// Adds to x, to which r belongs, what makes the residual small. @param size  of the error that
+// counts as 1, as precondition measures it; NaN: that of r. @return iterations; -1 where the system
+// is not positive definite, or they do not suffice
+static int iterate(const krylov *a, double *x, double *r, double size, double tolerance,
+                   double *work)
+{
+    size_t n = a->n;
+    double *z = work, *p = z + n, *q = p + n;
+    double error = a->precondition(a->self, r, z);
+    if (isnan(error)) {
+        return -1; // z may hold nothing
+    }
+    double goal = tolerance * tolerance * (isnan(size) ? error : size);
+    double rho = lac_vdot(n, r, z);
+    memcpy(p, z, n * sizeof *p);
+    for (int i = 0; i <= LAC_ELASTIC_ITERATIONS; i++) {
+        if (error <= goal || rho == 0) {
+            return i;
+        }
+        a->multiply(a->self, p, q);
+        double curvature = lac_vdot(n, p, q);
+        if (!positive(curvature) || !positive(rho)) {
+            return -1;
+        }
+        advance(n, rho / curvature, p, q, x, r);
+        error = a->precondition(a->self, r, z);
+        if (isnan(error)) {
+            return -1;
+        }
+        double before = rho;
+        rho = lac_vdot(n, r, z);
+        for (size_t j = 0; j < n; j++) {
+            p[j] = z[j] + rho / before * p[j];
+        }
+    }
+    return -1;
+}
 
 // One system (D + K + k_mean P) x = y while it is solved.
 typedef struct job {
@@ -91,15 +153,7 @@ static void multiply_slip(void *self, const double *x, double *y)
 static double precondition_slip(void *self, const double *r, double *z)
 {
     const job *j = self;
-    const lac_elastic *e = j->e;
-    if (!near_inverse(j, r, z)) {
-        return NAN;
-    }
-    double error = lac_vdot(e->n, r, z);
-    for (size_t i = 0; i < e->n && e->preconditioner != LAC_BY_HIERARCHY; i++) {
-        z[i] = e->preconditioner == LAC_BY_DIAGONAL ? r[i] / (j->d[i] + e->k[0]) : r[i];
-    }
-    return error;
+    return near_inverse(j, r, z) ? lac_vdot(j->e->n, r, z) : (double)NAN;
 }
 
 // From x = M y, whose forces balance, so that those of all that follow do.
@@ -107,7 +161,7 @@ static int solve_slip(job *j, const double *y, double *x, double *work)
 {
     size_t n = j->e->n;
     double *r = work, *start = r + n;
-    lac_krylov system = {n, j, multiply_slip, precondition_slip};
+    krylov system = {n, j, multiply_slip, precondition_slip};
     if (!near_inverse(j, y, start)) {
         return -1;
     }
@@ -117,8 +171,7 @@ static int solve_slip(job *j, const double *y, double *x, double *work)
         r[i] = y[i] - r[i];
     }
     memcpy(x, start, n * sizeof *x);
-    return lac_krylov_solve(&system, x, r, size, j->e->newton_tolerance, LAC_ELASTIC_ITERATIONS,
-                            work + n);
+    return iterate(&system, x, r, size, j->e->newton_tolerance, work + n);
 }
 
 // 2. K is the inverse of C, D > 0: (C + D^-1) tau = D^-1 y, x = C tau + m.
@@ -162,24 +215,16 @@ static double precondition_traction(void *self, const double *r, double *z)
         return NAN;
     }
     stiffen(e, j->w, z, j->scratch);
-    double error = error_left(j, z);
-    if (e->preconditioner != LAC_BY_HIERARCHY) {
-        for (size_t i = 0; i < e->n; i++) {
-            z[i] = e->preconditioner == LAC_BY_DIAGONAL ? r[i] / (1 / j->d[i] + 1 / e->k[0]) : r[i];
-        }
-        take_mean_off(e, z);
-    }
-    return error;
+    return error_left(j, z);
 }
 
 // tau from r, of an error of `size`; x = C tau
-static int find_traction(const job *j, lac_krylov *system, double *r, double size, double *x)
+static int find_traction(const job *j, krylov *system, double *r, double size, double *x)
 {
     const lac_elastic *e = j->e;
     double *tau = r + e->n;
     memset(tau, 0, e->n * sizeof *tau);
-    int iterations = lac_krylov_solve(system, tau, r, size, e->newton_tolerance,
-                                      LAC_ELASTIC_ITERATIONS, tau + e->n);
+    int iterations = iterate(system, tau, r, size, e->newton_tolerance, tau + e->n);
     lac_compliance_slip(e->rock, tau, x);
     return iterations;
 }
@@ -189,7 +234,7 @@ static int solve_traction(job *j, const double *y, double *x, double *work)
     const lac_elastic *e = j->e;
     size_t n = e->n;
     double *r = work, *tau = r + n;
-    lac_krylov system = {n, j, multiply_traction, precondition_traction};
+    krylov system = {n, j, multiply_traction, precondition_traction};
     diagonal_inverse(j, y, r);
     take_mean_off(e, r);
     memset(tau, 0, n * sizeof *tau);
@@ -242,7 +287,7 @@ static int solve_squared(job *j, const double *y, double *x, double *work)
     const lac_elastic *e = j->e;
     size_t n = e->n;
     double *r = work, *tau = r + n;
-    lac_krylov system = {n, j, multiply_squared, precondition_squared};
+    krylov system = {n, j, multiply_squared, precondition_squared};
     double off = e->floating ? lac_sum(n, y) / j->sum_d : 0;
     for (size_t i = 0; i < n; i++) {
         tau[i] = y[i] - (j->d[i] + j->k_mean) * off;
@@ -257,7 +302,7 @@ static int solve_squared(job *j, const double *y, double *x, double *work)
 
 size_t lac_elastic_work(const lac_elastic *e)
 {
-    return (size_t)(LAC_KRYLOV_WORK + 5) * e->n + lac_hierarchy_work(e->h);
+    return (size_t)(KRYLOV_WORK + 5) * e->n + lac_hierarchy_work(e->h);
 }
 
 // The mean slip that balances the forces: sum of (D + k_mean) x = sum of y, to rounding.
@@ -307,13 +352,11 @@ static double precondition_compliance(void *self, const double *r, double *z)
 {
     const job *j = self;
     const lac_elastic *e = j->e;
-    if (e->preconditioner == LAC_BY_HIERARCHY) {
+    if (e->k != NULL) {
         stiffen(e, r, z, j->scratch);
-    } else if (e->preconditioner == LAC_BY_DIAGONAL) {
+    } else {
         lac_compliance_traction(e->rock, r, z);
         take_mean_off(e, z);
-    } else {
-        memcpy(z, r, e->n * sizeof *z);
     }
     return lac_vdot(e->n, r, z);
 }
@@ -331,10 +374,10 @@ int lac_elastic_apply(const lac_elastic *e, const double *slip, double *force, d
         return 0;
     }
     take_mean_off(e, r); // what rounding left: of slips all but alike as much as they differ by
-    lac_krylov system = {n, &j, multiply_compliance, precondition_compliance};
+    krylov system = {n, &j, multiply_compliance, precondition_compliance};
     memset(tau, 0, n * sizeof *tau);
-    int iterations = lac_krylov_solve(&system, tau, r, NAN, e->tolerance, LAC_ELASTIC_ITERATIONS,
-                                      j.scratch + lac_hierarchy_work(e->h));
+    int iterations =
+        iterate(&system, tau, r, NAN, e->tolerance, j.scratch + lac_hierarchy_work(e->h));
     take_mean_off(e, tau);
     for (size_t i = 0; i < n; i++) {
         force[i] = iterations < 0 ? (double)NAN : tau[i];

@@ -30,36 +30,18 @@ static const lac_param params[] = {
              "of the random probes that calibrate the elastic stiffness"),
 };
 
-static lac_status check(const lac_transfer_hierarchy *p, lac_error *err)
-{
-    bool elastic = p->stiffness >= 0;
-    bool given = !isnan(p->k0);
-    LAC_FAIL_IF(elastic && given, err, LAC_EINPUT,
-                "give either stiffness: elastic or k0, not both");
-    LAC_FAIL_IF(!elastic && !given, err, LAC_EINPUT, "give stiffness: elastic, or k0 (and ratio)");
-    LAC_FAIL_IF(elastic && !isnan(p->ratio), err, LAC_EINPUT,
-                "ratio goes with k0, not with stiffness: elastic");
-    LAC_FAIL_IF(given && !(p->k0 >= 0 && isfinite(p->k0)), err, LAC_EINPUT,
-                "k0 %g Pa/m: must be finite and >= 0", p->k0);
-    LAC_FAIL_IF(!isnan(p->ratio) && !(p->ratio >= 0 && p->ratio <= 1e3), err, LAC_EINPUT,
-                "ratio %g: must be >= 0 and <= 1000", p->ratio);
-    return LAC_OK;
-}
-
 static lac_status create(const void *given, const lac_transfer_scene *scene, void **state,
                          lac_error *err)
 {
     const lac_transfer_hierarchy *p = given;
     lac_status status = LAC_OK;
-    hierarchy *self = NULL;
-    LAC_TRY(check(p, err));
     size_t levels = lac_hierarchy_levels(scene->hierarchy);
-    self = calloc(1, sizeof *self + levels * sizeof *self->k);
+    hierarchy *self = calloc(1, sizeof *self + levels * sizeof *self->k);
     LAC_FAIL_MEMORY_IF(self == NULL, err);
     self->h = scene->hierarchy;
     self->levels = levels;
     if (p->stiffness >= 0) {
-        LAC_TRY(lac_calibrate_stiffness(scene, (uint64_t)p->seed, self->k, err));
+        LAC_TRY(lac_calibrate_elastic(scene, (uint64_t)p->seed, self->k, NULL, err));
     }
     for (size_t l = 0; l < levels && p->stiffness < 0; l++) {
         self->k[l] = p->k0 * pow(isnan(p->ratio) ? 0.5 : p->ratio, (double)l);

@@ -91,22 +91,18 @@ typedef struct lac_transfer_elastic {
 /// @return false: cells do not feel each other's slip, and the outline is empty
 bool lac_transfer_outline_of(const lac_model *model, lac_transfer_outline *outline);
 
-/// The index-th kind in the registry, NULL past the end.
+/// The index-th kind, NULL past the end.
 const lac_transfer_kind *lac_transfer_kind_get(size_t index);
 
-/// Makes the chosen transfer for a domain.
-/// @param model  a transfer kind and its parameters; an empty model means `none`
+/// Makes the chosen transfer for a domain; an empty model means `none`.
 lac_status lac_transfer_create(const lac_model *model, const lac_transfer_scene *scene,
                                lac_transfer *transfer, lac_error *err);
 
 /// Tractions of cells tied to one another, which slip alike: C^-1 1, scaled to a mean of 1. How
 /// rock shares a force by the contact cells, gaps free; cells at edges carry more. 1 on full
-/// periodic contact. docs/theory/transfer.md, equation 21.
-/// @param model   the transfer chosen: the rock is that of `elastic`; else half-spaces, slip along
-/// x
-/// @param share  [n] overwritten; its sum is n to rounding
+/// periodic contact. Their sum is n to rounding. The rock is that of an `elastic` model; else
+/// half-spaces, slip along x. docs/theory/transfer.md, equation 21.
 lac_status lac_transfer_tied(const lac_model *model, const lac_transfer_scene *scene, double *share,
                              lac_error *err);
 
-/// Frees what a transfer owns.
 void lac_transfer_clear(lac_transfer *transfer);

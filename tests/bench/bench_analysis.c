@@ -7,8 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "lacuna/simulation.h"
+
 #include "analysis/analysis.h"
-#include "analysis/slip_clusters.h"
+#include "analysis/slipping.h"
 #include "support/cost.h"
 #include "support/tree.h"
 

@@ -10,6 +10,8 @@
 #include <stdlib.h>
 #include <time.h>
 
+#include "lacuna/simulation.h"
+
 #include "base/vmath.h"
 #include "stock_creep.h"
 #include "support/cost.h"

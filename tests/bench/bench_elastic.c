@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The elastic transfer: iterations and times of the stress and of the Newton solve with nothing,
-// the diagonal and the hierarchy as preconditioner; docs/theory/transfer.md, "Measured".
+// The elastic transfer: iterations and times of the stress and of the Newton solve;
+// docs/theory/transfer.md, "Measured".
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -86,22 +86,14 @@ static void scene_free(scene *s)
     free(s->work);
 }
 
-// Iterations with each preconditioner, and what remains of the error and how long it takes with the
-// last.
+// Iterations, what remains of the error and how long it takes.
 static void row(scene *s, const char *name, bool solve)
 {
-    static const int by[] = {LAC_BY_NOTHING, LAC_BY_DIAGONAL, LAC_BY_HIERARCHY};
-    bool soft = solve && !s->e->direct && s->d[0] < 0; // has no other preconditioner
-    double taken = 0;
-    printf("%-30s%s", name, soft ? "          -          -" : "");
-    for (size_t i = soft ? 2 : 0; i < 3; i++) {
-        s->e->preconditioner = by[i];
-        double begin = cpu_seconds();
-        int iterations = solve ? lac_elastic_solve(s->e, 0, s->d, s->y, s->x, s->work)
-                               : lac_elastic_apply(s->e, s->y, s->x, s->work);
-        taken = 1e3 * (cpu_seconds() - begin);
-        printf("  %9d", iterations);
-    }
+    double begin = cpu_seconds();
+    int iterations = solve ? lac_elastic_solve(s->e, 0, s->d, s->y, s->x, s->work)
+                           : lac_elastic_apply(s->e, s->y, s->x, s->work);
+    double taken = 1e3 * (cpu_seconds() - begin);
+    printf("%-30s  %9d", name, iterations);
     double *best = new_doubles(s->n);
     s->e->tolerance = s->e->newton_tolerance = 1e-13;
     (void)(solve ? lac_elastic_solve(s->e, 0, s->d, s->y, best, s->work)
@@ -119,8 +111,7 @@ static void bench(const char *name, lac_domain *domain)
     double k0 = s.e->k[0];
     printf("\n%s: %zu cells, made in %.2f s, k_0 = %.3g G/r\n", name, s.n, cpu_seconds() - begin,
            k0);
-    printf("%-30s  %9s  %9s  %9s  %12s  %s\n", "iterations with", "nothing", "diagonal",
-           "hierarchy", "", "error");
+    printf("%-30s  %9s  %12s  %s\n", "", "iterations", "", "error");
     row(&s, "stress", false);
     static const double level[] = {1e-4, 1e-2, 1, 100};
     for (size_t l = 0; l < 4; l++) {

@@ -9,6 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "lacuna/simulation.h"
+
 #include "scene/scene.h"
 #include "support/cost.h"
 #include "support/slider.h"
@@ -145,7 +147,7 @@ static void bench_vajont(void)
     lac_scene *s;
     must(lac_case_read("cases/vajont.yaml", NULL, &c, &report, &err) == LAC_OK, err.message);
     c->formulation = LAC_FORMULATION_RATE;
-    must(lac_scene_create(c, &s, &err) == LAC_OK, err.message);
+    must(lac_scene_create(c, NULL, &s, &err) == LAC_OK, err.message);
     size_t n = s->contact.domain->n;
     double *start = malloc(2 * n * sizeof *start);
     must(start != NULL, "memory");

@@ -10,6 +10,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "lacuna/simulation.h"
+
 #include "support/cost.h"
 #include "support/tree.h"
 

@@ -8,6 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "lacuna/simulation.h"
+
 #include "support/cost.h"
 #include "support/fault.h"
 

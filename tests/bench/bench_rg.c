@@ -49,7 +49,7 @@ static void press(size_t side, double load, joint *j, lac_error *err)
     lac_model model = {&lac_surface_source_get(0)->info, &params};
     double *heights = get(side * side * sizeof *heights);
     double *pressure = get(side * side * sizeof *pressure);
-    must(lac_surface_generate(&model, &grid, heights, err), err);
+    must(lac_surface_generate(&model, &grid, heights, NULL, err), err);
     lac_contact_def def = lac_contact_default();
     def.grid = grid;
     def.heights = heights;

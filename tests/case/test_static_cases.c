@@ -218,7 +218,7 @@ static void a_static_case_makes_no_scene(void **state)
     lac_error err = {""};
     lac_scene *scene = NULL;
     lac_case *c = read_for(CONTACT, LAC_FOR_CONTACT, first, sizeof first);
-    assert_int_equal(lac_scene_create(c, &scene, &err), LAC_EINPUT);
+    assert_int_equal(lac_scene_create(c, NULL, &scene, &err), LAC_EINPUT);
     assert_string_equal(err.message, "friction: is missing: a static case cannot be run");
     assert_null(scene);
     lac_case_free(c);

@@ -183,10 +183,10 @@ static void same_param(const lac_param *param, const void *a, const void *b)
     }
 }
 
-static void same_table(const lac_table *table, const void *a, const void *b)
+static void same_table(const lac_section *table, const void *a, const void *b)
 {
-    for (size_t i = 0; i < table->count; i++) {
-        if (!lac_table_owns(table, table->params[i].key)) {
+    for (size_t i = 0; i < table->param_count; i++) {
+        if (!lac_param_owned(&table->params[i])) {
             same_param(&table->params[i], a, b);
         }
     }
@@ -196,8 +196,7 @@ static void same_slot(const lac_model *a, const lac_model *b)
 {
     assert_ptr_equal(a->info, b->info);
     if (a->info != NULL) {
-        lac_table table = {.params = a->info->params, .count = a->info->param_count};
-        same_table(&table, a->params, b->params);
+        same_table(a->info, a->params, b->params);
     }
 }
 
@@ -212,8 +211,7 @@ static void same_spreads(const lac_heterogeneity_list *a, const lac_heterogeneit
 
 static void same_section(const char *section, const void *a, const void *b)
 {
-    lac_table table = lac_section_table(section);
-    same_table(&table, a, b);
+    same_table(lac_section_find(section), a, b);
 }
 
 static void same_case(const lac_case *a, const lac_case *b)
@@ -445,8 +443,9 @@ static void cut_and_changed_cases_are_survived(void **state)
         char kept = text[i % size];
         unsigned flipped = (unsigned char)kept ^ (i < size ? 0u : 1u << i % 7);
         text[i % size] = (char)(unsigned char)flipped;
-        lac_case_source from = {.name = "x.yaml", .text = text, .size = i < size ? i : size};
-        lac_status status = lac_case_build(units, &from, &c, &report, &err);
+        const lac_case_request how = {.purpose = LAC_FOR_RUN};
+        lac_status status =
+            lac_case_build(units, "x.yaml", text, i < size ? i : size, &how, &c, &report, &err);
         text[i % size] = kept;
         assert_true((status == LAC_OK) == (c != NULL));
         assert_true((status == LAC_OK) == (report.errors == 0));

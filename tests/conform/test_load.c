@@ -100,7 +100,7 @@ typedef struct ready {
     lac_load_set set;
 } ready;
 
-static const lac_load *load_of(const ready *r) { return r->is_pore ? r->set.pore : r->set.shear; }
+static const lac_load *load_of(const ready *r) { return r->set.load; }
 
 static ready ready_create(const lac_load_kind *kind, bool is_pore, uint64_t trial)
 {
@@ -139,8 +139,7 @@ static sample sample_at(const lac_load *load, double t)
     for (size_t i = 0; lac_pore_load_get(i) != NULL; i++) {
         is_pore = is_pore || lac_pore_load_get(i) == load->kind;
     }
-    const lac_load_set set = {
-        .shear = &one, .shear_count = !is_pore, .pore = &one, .pore_count = is_pore};
+    const lac_load_set set = {.load = &one, .count = 1, .shear = !is_pore};
     lac_load_evaluate(&set, t, &sum);
     return sample_of(&sum);
 }
@@ -250,7 +249,7 @@ static void check_sum(const lac_load_kind *kind, bool is_pore)
                                                             .shear_count = is_pore ? 0 : 2,
                                                             .pore = models,
                                                             .pore_count = is_pore ? 2 : 0});
-        const lac_load *loads = is_pore ? set.pore : set.shear;
+        const lac_load *loads = set.load;
         double t = uniform(trial, 90, t_first, t_last);
         lac_load_state both;
         lac_load_evaluate(&set, t, &both);

@@ -174,7 +174,7 @@ static void newton_solve_is_exact(void **state)
             tree_def def = small(law, (int)(i % 2), 1 + i % 4);
             lac_load load = {.kind = &pull_row, .params = &pulls[i / 6 % 6]};
             def.formulation = formulations[i / 2 % 3];
-            def.loads = (lac_load_set){.shear = &load, .shear_count = 1};
+            def.loads = (lac_load_set){.load = &load, .count = 1, .shear = 1};
             double times = dampings[i / 36].times;
             def.damping *= times;
             check_tree(&def, times > 1.0, dampings[i / 36].left);
@@ -247,7 +247,7 @@ static void newton_solve_is_exact_with_mass(void **state)
         bool back = i % 3 == 2;
         tree_def def = small(lac_friction_law_get(0), i % 3 > 0, 1 + i % 4);
         lac_load load = {.kind = &pull_row, .params = back ? &pulls[1] : &with};
-        def.loads = (lac_load_set){.shear = &load, .shear_count = 1};
+        def.loads = (lac_load_set){.load = &load, .count = 1, .shear = 1};
         def.mass = masses[i / 3 % 3];
         def.columns = parts[i / 9];
         double time = back ? -1.27e5 : 5.0;

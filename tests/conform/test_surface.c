@@ -56,7 +56,7 @@ static lac_status ask(const lac_surface_source *source, request r, const lac_gri
     put(&model, "rolloff", r.rolloff);
     put(&model, "shortest", r.shortest);
     put(&model, "seed", (double)r.seed);
-    lac_status status = lac_surface_generate(&model, grid, h, err);
+    lac_status status = lac_surface_generate(&model, grid, h, NULL, err);
     lac_model_clear(&model);
     return status;
 }
@@ -434,7 +434,7 @@ static void wrong_parameters_are_refused(void **state)
     }
     lac_error err = {""};
     lac_grid grid = square(4);
-    assert_int_equal(lac_surface_generate(&(lac_model){0}, &grid, (double[16]){0}, &err),
+    assert_int_equal(lac_surface_generate(&(lac_model){0}, &grid, (double[16]){0}, NULL, &err),
                      LAC_EINPUT);
 }
 

@@ -49,7 +49,7 @@ static void make(const char *name, void *params, lac_grid grid, double *h)
 {
     lac_error err = {""};
     lac_model model = {&surface_source(name)->info, params};
-    if (lac_surface_generate(&model, &grid, h, &err) != LAC_OK) {
+    if (lac_surface_generate(&model, &grid, h, NULL, &err) != LAC_OK) {
         fail_msg("%s", err.message);
     }
 }
@@ -220,7 +220,7 @@ static void refuse(const char *name, void *params, lac_grid grid, const char *wo
     static double h[MOST];
     lac_error err = {""};
     lac_model model = {&surface_source(name)->info, params};
-    assert_int_equal(lac_surface_generate(&model, &grid, h, &err), LAC_EINPUT);
+    assert_int_equal(lac_surface_generate(&model, &grid, h, NULL, &err), LAC_EINPUT);
     if (strstr(err.message, word) == NULL) {
         fail_msg("\"%s\" does not speak of \"%s\"", err.message, word);
     }

@@ -390,14 +390,14 @@ static void bad_parameters_are_refused(void **state)
 {
     (void)state;
     const double none = NAN;
-    refuse((lac_transfer_hierarchy){-1, none, none, 1}, 1, 0.2, "give stiffness: elastic, or k0");
-    refuse((lac_transfer_hierarchy){-1, none, 0.5, 1}, 1, 0.2, "give stiffness: elastic, or k0");
+    refuse((lac_transfer_hierarchy){-1, none, none, 1}, 1, 0.2, "needs stiffness: elastic, or k0");
+    refuse((lac_transfer_hierarchy){-1, none, 0.5, 1}, 1, 0.2, "needs stiffness: elastic, or k0");
     refuse((lac_transfer_hierarchy){0, 1, none, 1}, 1, 0.2, "not both");
-    refuse((lac_transfer_hierarchy){0, none, 0.5, 1}, 1, 0.2, "ratio goes with k0");
-    refuse((lac_transfer_hierarchy){-1, -1, 0.5, 1}, 1, 0.2, "k0 -1");
+    refuse((lac_transfer_hierarchy){0, none, 0.5, 1}, 1, 0.2, "ratio: goes with k0");
+    refuse((lac_transfer_hierarchy){-1, -1, 0.5, 1}, 1, 0.2, "k0: -1");
     refuse((lac_transfer_hierarchy){-1, INFINITY, 0.5, 1}, 1, 0.2, "finite");
-    refuse((lac_transfer_hierarchy){-1, 1, 1001, 1}, 1, 0.2, "ratio 1001");
-    refuse((lac_transfer_hierarchy){-1, 1, -0.1, 1}, 1, 0.2, "ratio -0.1");
+    refuse((lac_transfer_hierarchy){-1, 1, 1001, 1}, 1, 0.2, "ratio: 1001");
+    refuse((lac_transfer_hierarchy){-1, 1, -0.1, 1}, 1, 0.2, "ratio: -0.1");
     refuse((lac_transfer_hierarchy){0, none, none, 1}, NAN, 0.2, "needs a material");
     refuse((lac_transfer_hierarchy){0, none, none, 1}, 1, NAN, "needs a material");
     refuse((lac_transfer_hierarchy){0, none, none, 1}, -1, 0.2, "> 0 Pa");

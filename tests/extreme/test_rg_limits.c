@@ -43,7 +43,7 @@ static double critical(const lac_rg_blocks *blocks, const double *strength, doub
     lac_error err = {""};
     double *work = new_doubles(2 * blocks->count[0]);
     lac_rg_tree *tree = tree_of(blocks, strength, beta);
-    assert_int_equal(lac_rg_path_equal(blocks->count[0], strength, &path, &err), LAC_OK);
+    assert_int_equal(lac_rg_path_further(blocks->count[0], strength, NULL, &path, &err), LAC_OK);
     double q = lac_rg_critical(tree, rule, path, work);
     lac_rg_path_free(path);
     lac_rg_tree_free(tree);
@@ -177,9 +177,9 @@ static void test_what_cannot_be_added_up_is_refused(void **state)
     lac_error err = {""};
     assert_int_equal(lac_rg_tree_from_blocks(&two, large, drop, &tree, &err), LAC_EINPUT);
     assert_null(tree);
-    assert_int_equal(lac_rg_path_equal(2, large, &path, &err), LAC_EINPUT);
+    assert_int_equal(lac_rg_path_further(2, large, NULL, &path, &err), LAC_EINPUT);
     assert_int_equal(lac_rg_path_further(2, shear, shear, &path, &err), LAC_EINPUT);
-    assert_int_equal(lac_rg_path_equal(0, large, &path, &err), LAC_EINPUT);
+    assert_int_equal(lac_rg_path_further(0, large, NULL, &path, &err), LAC_EINPUT);
     assert_non_null(strstr(err.message, "no cell is in contact"));
     assert_null(path);
     const lac_rg_blocks empty = {1, none, first};

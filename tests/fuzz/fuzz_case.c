@@ -32,6 +32,8 @@ static void check_report(const lac_case_issues *report)
     require(errors == report->errors);
 }
 
+static const char name[] = "folder/fuzz.yaml";
+
 // The text of a case reads back to a case with the same text.
 static void check_text(const lac_units *units, const lac_case *c, lac_case_purpose purpose)
 {
@@ -39,9 +41,8 @@ static void check_text(const lac_units *units, const lac_case *c, lac_case_purpo
     lac_case *again = NULL;
     lac_case_issues report;
     require(text != NULL);
-    lac_case_source from = {
-        .name = "folder/fuzz.yaml", .text = text, .size = strlen(text), .purpose = purpose};
-    require(lac_case_build(units, &from, &again, &report, NULL) == LAC_OK);
+    const lac_case_request how = {.purpose = purpose};
+    require(lac_case_build(units, name, text, strlen(text), &how, &again, &report, NULL) == LAC_OK);
     char *second = lac_case_text(again);
     require(second != NULL && strcmp(text, second) == 0);
     lac_case_issues_clear(&report);
@@ -50,16 +51,17 @@ static void check_text(const lac_units *units, const lac_case *c, lac_case_purpo
     free(text);
 }
 
-static void read_bytes(const lac_units *units, const lac_case_source *from)
+static void read_bytes(const lac_units *units, const char *text, size_t size,
+                       const lac_case_request *how)
 {
     lac_case *c = NULL;
     lac_case_issues report;
     lac_error err = {""};
-    lac_status status = lac_case_build(units, from, &c, &report, &err);
+    lac_status status = lac_case_build(units, name, text, size, how, &c, &report, &err);
     check_report(&report);
     if (status == LAC_OK) {
         require(report.errors == 0);
-        check_text(units, c, from->purpose);
+        check_text(units, c, how->purpose);
     } else {
         require(status == LAC_EINPUT && c == NULL && report.errors > 0 && err.message[0] != '\0');
     }
@@ -84,14 +86,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (value != NULL) {
         *value = '\0';
     }
-    lac_case_source from = {.name = "folder/fuzz.yaml",
-                            .text = text,
-                            .size = set != NULL ? (size_t)(set - text) : size,
-                            .overrides = &override,
-                            .count = set != NULL ? 1 : 0};
-    read_bytes(units, &from);
-    from.purpose = LAC_FOR_CONTACT;
-    read_bytes(units, &from);
+    lac_case_request how = {.overrides = &override, .count = set != NULL ? 1 : 0};
+    const size_t until = set != NULL ? (size_t)(set - text) : size;
+    read_bytes(units, text, until, &how);
+    how.purpose = LAC_FOR_CONTACT;
+    read_bytes(units, text, until, &how);
     free(text);
     return 0;
 }

@@ -47,7 +47,7 @@ static lac_status whole_shear(const char *path, lac_error *err)
         LAC_TRY(lac_contact_solve(&normal, pressure, NULL, NULL, err));
         LAC_TRY(lac_tangential_create(&def, &t, err));
         LAC_TRY(lac_tangential_step(t, pressure, &target, NULL, err));
-        LAC_TRY(lac_tangential_first_slip(&def, pressure, load, NULL, &first, err));
+        LAC_TRY(lac_tangential_first_slip(&def, pressure, load, &first, err));
     }
 out:
     lac_tangential_free(t);
@@ -107,7 +107,7 @@ static lac_status whole_history(const char *path, lac_error *err)
     lac_scene_contact contact = {0};
     const lac_case_request how = {.purpose = LAC_FOR_CONTACT};
     LAC_TRY(lac_case_read_text("case.yaml", sheared, sizeof sheared - 1, &how, &c, &report, err));
-    LAC_TRY(lac_scene_contact_solve(c, true, &contact, err));
+    LAC_TRY(lac_scene_contact_solve(c, LAC_SCENE_MEASURED, &contact, err));
     LAC_TRY(store_history(c, &contact, path, err));
 out:
     lac_scene_contact_clear(&contact);
@@ -172,7 +172,7 @@ static lac_status whole_formulations(const char *path, lac_error *err)
     for (size_t i = 0; i < sizeof choices / sizeof choices[0]; i++) {
         c->formulation = choices[i][0];
         c->run.method = (lac_method)choices[i][1];
-        LAC_TRY(lac_scene_create(c, &scene, err));
+        LAC_TRY(lac_scene_create(c, NULL, &scene, err));
         LAC_TRY(lac_run(scene->problem, &c->run, NULL, &result, err));
         lac_scene_free(scene);
         scene = NULL;
@@ -198,7 +198,7 @@ static lac_status whole_stored_cascade(const char *path, lac_error *err)
     const lac_snapshot_choice last = {0};
     LAC_TRY(
         lac_case_read_text("case.yaml", cascading, sizeof cascading - 1, &how, &c, &report, err));
-    LAC_TRY(lac_scene_contact_solve(c, true, &contact, err));
+    LAC_TRY(lac_scene_contact_solve(c, LAC_SCENE_MEASURED, &contact, err));
     LAC_TRY(contact_file(&contact, path, true, cascading, err));
     LAC_TRY(lac_stored_cells_read(path, &last, &cells, err));
     LAC_TRY(lac_stored_domain_read(path, &domain, err));
@@ -230,7 +230,7 @@ static lac_status whole_dimension(const char *path, lac_error *err)
     lac_scene_contact contact = {0};
     const lac_case_request how = {.purpose = LAC_FOR_CONTACT};
     LAC_TRY(lac_case_read_text("case.yaml", dense, sizeof dense - 1, &how, &c, &report, err));
-    LAC_TRY(lac_scene_contact_solve(c, false, &contact, err));
+    LAC_TRY(lac_scene_contact_solve(c, LAC_SCENE_DOMAIN, &contact, err));
 out:
     lac_scene_contact_clear(&contact);
     lac_case_free(c);
@@ -300,7 +300,7 @@ static lac_status whole_elastic(const char *path, lac_error *err)
     const lac_case_request how = {.purpose = LAC_FOR_RUN};
     (void)path;
     LAC_TRY(lac_case_read_text("case.yaml", loaded, sizeof loaded - 1, &how, &c, &report, err));
-    LAC_TRY(lac_scene_create(c, &scene, err));
+    LAC_TRY(lac_scene_create(c, NULL, &scene, err));
 out:
     lac_scene_free(scene);
     lac_case_free(c);

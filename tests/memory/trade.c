@@ -28,60 +28,27 @@ static lac_status read_block(const char *more, lac_case **c, lac_error *err)
     return status;
 }
 
-static lac_status store(const char *path, const lac_trade_plan *plan,
-                        const lac_trade_measure *measure, const lac_trade_result *v, lac_error *err)
-{
-    const lac_provenance provenance = {.title = "traded", .seed = 1};
-    const lac_trade_settings own = {0};
-    lac_trade_settings *settings = calloc(plan->runs, sizeof *settings);
-    if (settings == NULL) {
-        return lac_fail_memory(err);
-    }
-    lac_trade_outcome outcome = {.sentence = "",
-                                 .plan = plan,
-                                 .measure = measure,
-                                 .settings = settings,
-                                 .own = &own,
-                                 .verdict = v};
-    lac_dataset *dataset = NULL;
-    lac_status status = lac_trade_list(&outcome, err);
-    if (status == LAC_OK) {
-        status = lac_trade_describe(&outcome, &dataset, err);
-    }
-    if (status == LAC_OK) {
-        status = lac_store_dataset(path, true, &provenance, dataset, err);
-    }
-    lac_dataset_free(dataset);
-    lac_trade_outcome_clear(&outcome);
-    free(settings);
-    return status;
-}
-
 lac_status whole_trade(const char *path, lac_error *err)
 {
     lac_status status;
     lac_case *c = NULL;
-    lac_trade_plan plan = {0};
-    lac_trade_result verdict = {0};
-    lac_trade_measure *measure = NULL;
+    lac_trade trade = {0};
+    lac_dataset *dataset = NULL;
+    const lac_provenance provenance = {.title = "traded", .seed = 1};
     const lac_trade_request ask = {.quantity = LAC_QUANTITY_SLIP, NAN, NAN, NAN};
     LAC_TRY(read_block("", &c, err));
-    LAC_TRY(lac_trade_plan_create(c, LAC_OF_RUN, "rtol,method", true, &plan, err));
-    measure = calloc(plan.runs, sizeof *measure);
-    if (measure == NULL) {
-        LAC_TRY(lac_fail_memory(err));
+    LAC_TRY(lac_trade_create(c, LAC_OF_RUN, "rtol,method", true, &trade, err));
+    for (size_t i = 0; i < trade.runs; i++) {
+        trade.run[i].end = LAC_TRADE_DONE;
+        trade.run[i].m.value[LAC_QUANTITY_SLIP] = 1.0 + 0.1 / (double)(i + 1);
+        trade.run[i].m.cpu_time = (double)(i + 1);
     }
-    for (size_t i = 0; i < plan.runs; i++) {
-        measure[i].end = LAC_TRADE_DONE;
-        measure[i].value[LAC_QUANTITY_SLIP] = 1.0 + 0.1 / (double)(i + 1);
-        measure[i].cpu_time = (double)(i + 1);
-    }
-    LAC_TRY(lac_trade_judge(&plan, measure, &ask, &verdict, err));
-    LAC_TRY(store(path, &plan, measure, &verdict, err));
+    LAC_TRY(lac_trade_judge(&trade, &ask, err));
+    LAC_TRY(lac_trade_describe(&trade, &dataset, err));
+    LAC_TRY(lac_store_dataset(path, true, &provenance, dataset, err));
 out:
-    free(measure);
-    lac_trade_result_clear(&verdict);
-    lac_trade_plan_clear(&plan);
+    lac_dataset_free(dataset);
+    lac_trade_clear(&trade);
     lac_case_free(c);
     return status;
 }

@@ -122,7 +122,7 @@ lac_status whole_contact(const char *path, lac_error *err)
     how.scaling.coarsest = 2;
     how.boxes.largest = 4;
     LAC_TRY(lac_case_read_text("case.yaml", measured, sizeof measured - 1, &ask, &c, &report, err));
-    LAC_TRY(lac_scene_contact_solve(c, true, &contact, err));
+    LAC_TRY(lac_scene_contact_solve(c, LAC_SCENE_MEASURED, &contact, err));
     LAC_TRY(lac_scene_contact_measure(&how, &contact, err));
     assert_true(contact.counted && contact.fractal.clustered && contact.fractal.scaled);
     LAC_TRY(contact_file(&contact, path, true, NULL, err));

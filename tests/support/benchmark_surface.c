@@ -14,7 +14,7 @@ static int generate(int name, size_t n, double *heights)
             lac_benchmark params = {name, NAN, NAN, INT64_MIN};
             lac_grid grid = {n, n, 1.0 / (double)n, 1.0 / (double)n, true};
             lac_model model = {info, &params};
-            return lac_surface_generate(&model, &grid, heights, NULL) == LAC_OK ? 0 : -1;
+            return lac_surface_generate(&model, &grid, heights, NULL, NULL) == LAC_OK ? 0 : -1;
         }
     }
     return -1;

@@ -6,8 +6,7 @@
 #include <string.h>
 
 #include "analysis/analysis.h"
-#include "analysis/slip_blocks.h"
-#include "analysis/slip_clusters.h"
+#include "analysis/slipping.h"
 #include "base/rng.h"
 #include "fractal/fractal.h"
 #include "support/test.h"
@@ -115,7 +114,7 @@ static void follow(const place *p, uint64_t seed)
         for (size_t k = 0; k < changes; k++) {
             lac_slip_blocks_change(&blocks, changed[k], slips[changed[k]]);
         }
-        size_t slipping = lac_slip_blocks_at(&blocks, 0);
+        size_t slipping = blocks.slipping[0];
         lac_slip_clusters_update(&clusters, slips, slipping, changed, changes);
         // In every other run of steps without waiting until the clusters are known.
         for (int wait = 0; isnan(clusters.extent) && seed % 2 == 0; wait++) {
@@ -127,7 +126,7 @@ static void follow(const place *p, uint64_t seed)
             known++;
         }
         for (size_t level = 0; level <= lac_hierarchy_levels(h); level++) {
-            assert_int_equal(lac_slip_blocks_at(&blocks, level), whole_blocks(h, level, slips));
+            assert_int_equal(blocks.slipping[level], whole_blocks(h, level, slips));
         }
     }
     assert_true(known >= (seed % 2 == 0 ? 12 : 6));

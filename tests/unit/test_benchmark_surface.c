@@ -33,7 +33,7 @@ static double *heights(lac_benchmark params, lac_grid grid)
     double *h = malloc(lac_grid_cells(&grid) * sizeof *h);
     assert_non_null(h);
     lac_model model = {benchmark(), &params};
-    if (lac_surface_generate(&model, &grid, h, &err) != LAC_OK) {
+    if (lac_surface_generate(&model, &grid, h, NULL, &err) != LAC_OK) {
         fail_msg("%s", err.message);
     }
     return h;
@@ -164,7 +164,7 @@ static void refuse(lac_benchmark params, lac_grid grid, const char *word)
     lac_error err = {""};
     double h[64 * 64];
     lac_model model = {benchmark(), &params};
-    assert_int_equal(lac_surface_generate(&model, &grid, h, &err), LAC_EINPUT);
+    assert_int_equal(lac_surface_generate(&model, &grid, h, NULL, &err), LAC_EINPUT);
     if (strstr(err.message, word) == NULL) {
         fail_msg("\"%s\" does not speak of \"%s\"", err.message, word);
     }

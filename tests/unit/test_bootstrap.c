@@ -27,7 +27,8 @@ static lac_rg_fit resample(size_t groups, size_t empty, size_t resamplings)
         s[i] = none ? 0.99 : at(x);
         next[i] = at(1.5 * x + 0.2 + 0.05 * cos(5.0 * (double)i));
     }
-    assert_int_equal(lac_rg_map_resample(groups, first, s, next, resamplings, &fit, NULL), LAC_OK);
+    assert_int_equal(lac_rg_map_resample(groups, first, s, next, resamplings, 1, &fit, NULL),
+                     LAC_OK);
     return fit;
 }
 

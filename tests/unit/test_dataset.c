@@ -259,10 +259,72 @@ static void test_empty_and_kept(void **state)
     lac_dataset_free(d);
 }
 
+// Laid on many along two dimensions: words, dates and arrays of each.
+static void test_many(void **state)
+{
+    typedef struct cell {
+        char name[4];
+        int kind;
+        double when, pair[2];
+    } cell;
+    static const char *const kinds[] = {"open", NULL};
+    static const cell cells[] = {{"a", 0, 0.0, {1, 2}},
+                                 {"", 1, NAN, {3, 4}},
+                                 {"c", 0, 86400.0, {5, 6}},
+                                 {"d", 0, 1e15, {7, 8}}};
+    static const lac_variable rows[] = {
+        LAC_ROW("name", NULL, NULL, "", .json = "r[]/c[]/name", LAC_HELD(CHARS, cell, name),
+                .flags = LAC_MISSING),
+        {.json = "r[]/c[]/plain", LAC_HELD(CHARS, cell, name)},
+        {.json = "r[]/c[]/kind", LAC_HELD(INT, cell, kind), .names = kinds},
+        {.json = "r[]/c[]/number", LAC_HELD(INT, cell, kind)},
+        {.json = "r[]/c[]/when", LAC_HELD(REAL, cell, when), .flags = LAC_DATE},
+        LAC_ROW("pair", "row column two", "m", "", .json = "r[]/c[]/pair[]",
+                LAC_HELD(REAL, cell, pair)),
+    };
+    static const char wanted[] =
+        "{\"r\":[{\"c\":[{\"name\":\"a\",\"plain\":\"a\",\"kind\":\"open\",\"number\":0,"
+        "\"when\":\"1970-01-02T00:00:00Z\",\"pair\":[1,2]},"
+        "{\"name\":null,\"plain\":\"\",\"kind\":null,\"number\":1,\"when\":null,\"pair\":[3,4]}]},"
+        "{\"c\":[{\"name\":\"c\",\"plain\":\"c\",\"kind\":\"open\",\"number\":0,"
+        "\"when\":\"1970-01-03T00:00:00Z\",\"pair\":[5,6]},"
+        "{\"name\":\"d\",\"plain\":\"d\",\"kind\":\"open\",\"number\":0,\"when\":null,"
+        "\"pair\":[7,8]}]}]}";
+    (void)state;
+    const lac_extent dims[] = {{"row", 2}, {"column", 2}, {"two", 2}};
+    const lac_laid laid = {LAC_VARIABLES(rows, "row column", sizeof(cell)), cells};
+    char *text = NULL;
+    double values[8];
+    size_t size = 0;
+    lac_error err = {""};
+    lac_dataset *d = NULL;
+    lac_item item = {0};
+    assert_int_equal(lac_dataset_create("many", &d, &err), LAC_OK);
+    d->clock = LAC_CLOCK_START;
+    d->start = 86400.0;
+    assert_int_equal(lac_dataset_dims(d, dims, 3, &err), LAC_OK);
+    assert_int_equal(lac_dataset_add(d, &laid, 1, &err), LAC_OK);
+    assert_true(lac_dataset_find(d, "pair", &item));
+    lac_item_values(&item, values);
+    for (size_t i = 0; i < 8; i++) {
+        assert_true(values[i] == (double)i + 1.0);
+    }
+    lac_json json = {.out = open_memstream(&text, &size)};
+    lac_json_open(&json, NULL, '{');
+    lac_dataset_json(d, &json);
+    lac_json_close(&json, '}');
+    (void)fclose(json.out);
+    squeeze(text);
+    assert_string_equal(text, wanted);
+    free(text);
+    lac_dataset_free(d);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_json), cmocka_unit_test(test_items), cmocka_unit_test(test_file),
+        cmocka_unit_test(test_json),           cmocka_unit_test(test_many),
+        cmocka_unit_test(test_items),          cmocka_unit_test(test_file),
         cmocka_unit_test(test_what_cannot_be), cmocka_unit_test(test_empty_and_kept)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -5,7 +5,7 @@
 #include <time.h>
 
 #include "base/date.h"
-#include "series/time_format.h"
+#include "series/text.h"
 #include "support/test.h"
 
 static void known_dates_are_read(void **state)

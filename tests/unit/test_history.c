@@ -67,7 +67,7 @@ static lac_status follow(const char *keys, const char *steps, witness *w, lac_er
     if (status != LAC_OK) {
         fail_msg("%s", err->message);
     }
-    assert_int_equal(lac_scene_contact_solve(c, true, &contact, err), LAC_OK);
+    assert_int_equal(lac_scene_contact_solve(c, LAC_SCENE_MEASURED, &contact, err), LAC_OK);
     const lac_history_sink sink = {
         .context = w, .step = on_step, .maps = on_maps, .interrupted = on_interrupted};
     status = lac_scene_history_run(c, &contact, &sink, &result, err);

@@ -30,7 +30,7 @@ static lac_fft *modes(const char *source, void *params)
     lac_fft *fft = NULL;
     assert_int_equal(lac_fft_create(N, N, &fft, &err), LAC_OK);
     lac_model model = {info(source), params};
-    if (lac_surface_generate(&model, &grid, fft->real, &err) != LAC_OK) {
+    if (lac_surface_generate(&model, &grid, fft->real, NULL, &err) != LAC_OK) {
         fail_msg("%s", err.message);
     }
     lac_fft_forward(fft);
@@ -138,14 +138,14 @@ static void faces_that_fit_exactly_are_refused(void **state)
     lac_error err = {""};
     lac_joint params = joint(5, 2.0, 0.0);
     lac_model model = {info("joint"), &params};
-    assert_int_equal(lac_surface_generate(&model, &grid, h, &err), LAC_EINPUT);
+    assert_int_equal(lac_surface_generate(&model, &grid, h, NULL, &err), LAC_EINPUT);
     assert_non_null(strstr(err.message, "fit exactly"));
     params.offset = 0.5;
-    assert_int_equal(lac_surface_generate(&model, &grid, h, &err), LAC_OK);
+    assert_int_equal(lac_surface_generate(&model, &grid, h, NULL, &err), LAC_OK);
     params.offset = NAN;
-    assert_int_equal(lac_surface_generate(&model, &grid, h, &err), LAC_EINPUT);
+    assert_int_equal(lac_surface_generate(&model, &grid, h, NULL, &err), LAC_EINPUT);
     params = joint(5, 0.0, 0.0);
-    assert_int_equal(lac_surface_generate(&model, &grid, h, &err), LAC_EINPUT);
+    assert_int_equal(lac_surface_generate(&model, &grid, h, NULL, &err), LAC_EINPUT);
     assert_non_null(strstr(err.message, "mating"));
 }
 

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/rng.h"
-#include "forecast/project.h"
+#include "forecast/kinds.h"
 #include "support/test.h"
 
 enum { N = 24, GRID = 160 };

@@ -185,7 +185,7 @@ static lac_status run_by_hand(const char *key, const char *value, lac_error *err
     lac_case_issues_clear(&report);
     assert_true((c->run.beyond & LAC_BEYOND_OUTPUT) != 0);
     c->run.beyond &= ~(unsigned)LAC_BEYOND_OUTPUT;
-    assert_int_equal(lac_scene_create(c, &scene, err), LAC_OK);
+    assert_int_equal(lac_scene_create(c, NULL, &scene, err), LAC_OK);
     lac_status status = lac_run(scene->problem, &c->run, NULL, &result, err);
     lac_scene_free(scene);
     lac_case_free(c);

@@ -77,22 +77,22 @@ static void test_text_is_json_that_ends_no_script(void **state)
     (void)state;
     char *text = NULL;
     size_t size;
-    lac_json json = {.out = open_memstream(&text, &size), .page = true};
-    const lac_page page = {.json = &json};
+    lac_page page = {.json = {.out = open_memstream(&text, &size), .page = true}};
+    lac_json *json = &page.json;
     const double column[] = {1.0, NAN, -INFINITY, 1e-300};
     const uint8_t keep[] = {1, 1, 1, 1};
     const uint8_t bytes[] = {0, 255, 16, 1};
-    assert_non_null(json.out);
-    lac_json_open(&json, NULL, '{');
-    lac_json_text(&json, "a", "</script>\"\\\n\x01\u202e\xff");
-    lac_json_text(&json, "b", NULL);
-    lac_json_boolean(&json, "c", true);
+    assert_non_null(json->out);
+    lac_json_open(json, NULL, '{');
+    lac_json_text(json, "a", "</script>\"\\\n\x01\u202e\xff");
+    lac_json_text(json, "b", NULL);
+    lac_json_boolean(json, "c", true);
     lac_page_column(&page, "d", 4, column, keep, 6);
-    lac_json_bytes(&json, "e", bytes, 4);
-    lac_json_bytes(&json, "f", bytes, 0);
-    lac_json_close(&json, '}');
-    assert_false(json.broken);
-    assert_int_equal(fclose(json.out), 0);
+    lac_json_bytes(json, "e", bytes, 4);
+    lac_json_bytes(json, "f", bytes, 0);
+    lac_json_close(json, '}');
+    assert_false(json->broken);
+    assert_int_equal(fclose(json->out), 0);
     assert_string_equal(text,
                         "{\"a\":\"\\u003c/script>\\u0022\\u005c\\u000a\\u0001?\\ufffd\",\"b\":null,"
                         "\"c\":true,\"d\":[1,null,null,1e-300],\"e\":\"AP8QAQ==\",\"f\":\"\"}");

@@ -220,7 +220,7 @@ static void every_parameter_of_a_law_spreads(void **state)
             }
             lac_scene *scene = NULL;
             lac_case *c = spread_case(law, p->key);
-            assert_int_equal(lac_scene_create(c, &scene, NULL), LAC_OK);
+            assert_int_equal(lac_scene_create(c, NULL, &scene, NULL), LAC_OK);
             const lac_cellwise *has = lac_friction_values_of(scene->friction, p->key);
             for (size_t cell = 0; cell < 16; cell++) {
                 double normal[2], middle = isnan(p->fallback) ? 0.01 : p->fallback;

@@ -48,8 +48,8 @@ static lac_surface_file faces(const char *upper, const char *lower)
 static void make(lac_surface_file p, const lac_grid *grid, double *h)
 {
     lac_error err = {""};
-    if (lac_surface_generate(&(lac_model){&surface_source("file")->info, &p}, grid, h, &err) !=
-        LAC_OK) {
+    if (lac_surface_generate(&(lac_model){&surface_source("file")->info, &p}, grid, h, NULL,
+                             &err) != LAC_OK) {
         fail_msg("%s", err.message);
     }
 }
@@ -59,7 +59,7 @@ static void refuse(lac_surface_file p, const lac_grid *grid, const char *word)
     double h[4096];
     lac_error err = {""};
     assert_int_equal(
-        lac_surface_generate(&(lac_model){&surface_source("file")->info, &p}, grid, h, &err),
+        lac_surface_generate(&(lac_model){&surface_source("file")->info, &p}, grid, h, NULL, &err),
         LAC_EINPUT);
     if (strstr(err.message, word) == NULL) {
         fail_msg("\"%s\" does not speak of \"%s\"", err.message, word);
@@ -229,7 +229,7 @@ static void what_needs_a_lower_face(void **state)
     double h[6];
     lac_error err = {""};
     lac_model model = {&surface_source("file")->info, &p};
-    assert_int_equal(lac_surface_generate(&model, &grid, h, &err), LAC_EIO);
+    assert_int_equal(lac_surface_generate(&model, &grid, h, NULL, &err), LAC_EIO);
     assert_non_null(strstr(err.message, "none"));
 }
 
@@ -244,7 +244,7 @@ static void files_are_reported(void **state)
     lac_surface_file p = faces(write_asc("upper.asc", (scan){12, 10, 0.5, 1.0, 2.0, plane}), NULL);
     p.taper = 0.2;
     lac_model model = {&surface_source("file")->info, &p};
-    assert_int_equal(lac_surface_generate_measured(&model, &grid, h, &report, &err), LAC_OK);
+    assert_int_equal(lac_surface_generate(&model, &grid, h, &report, &err), LAC_OK);
     assert_int_equal(report.measured, LAC_MEASURED_FILE);
     assert_int_equal(report.files, 1);
     assert_string_equal(report.file[0].format, "ESRI ASCII grid");
@@ -252,7 +252,7 @@ static void files_are_reported(void **state)
     assert_true(report.file[0].nx == 12 && report.file[0].ny == 10 && report.file[0].dx == 0.5);
     assert_true(report.measures.rms_height < 1e-12); // its plane is taken off, its taper not seen
     p.lower = (char *)write_asc("lower.asc", (scan){17, 13, 0.5, -0.5, 1.0, lower_face});
-    assert_int_equal(lac_surface_generate_measured(&model, &grid, h, &report, &err), LAC_OK);
+    assert_int_equal(lac_surface_generate(&model, &grid, h, &report, &err), LAC_OK);
     assert_int_equal(report.measured, LAC_MEASURED_COMPOSITE);
     assert_true(report.files == 2 && report.file[1].nx == 17);
     assert_true(report.measures.rms_height > 0.1);
@@ -261,11 +261,11 @@ static void files_are_reported(void **state)
                             sizeof HEIGHTS_ASC "-9999 5 6\n1 2 3\n" - 1),
               NULL);
     const lac_grid small = {1, 1, 0.5, 0.5, true};
-    assert_int_equal(lac_surface_generate_measured(&model, &small, h, &report, &err), LAC_OK);
+    assert_int_equal(lac_surface_generate(&model, &small, h, &report, &err), LAC_OK);
     assert_int_equal(report.measured, LAC_MEASURED_PART);
     assert_int_equal(report.file[0].masked, 1);
     p.nodata = 1;
-    assert_int_equal(lac_surface_generate_measured(&model, &small, h, &report, &err), LAC_OK);
+    assert_int_equal(lac_surface_generate(&model, &small, h, &report, &err), LAC_OK);
     assert_int_equal(report.measured, LAC_MEASURED_FILE);
 }
 

@@ -20,7 +20,7 @@ static lac_status make(const char *text, lac_surface_file options, const lac_gri
     (void)snprintf(path, sizeof path, "%s", scratch_write(&files, "map", text, strlen(text)));
     options.path = path;
     return lac_surface_generate(&(lac_model){&surface_source("file")->info, &options}, grid, h,
-                                err);
+                                NULL, err);
 }
 
 static const lac_surface_file plain = {.spacing = NAN, .lower_spacing = NAN};

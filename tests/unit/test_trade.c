@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "lacuna/simulation.h"
 #include "support/test.h"
 #include "trade/trade.h"
 
@@ -72,35 +73,38 @@ static void front_of_many(void **state)
 {
     (void)state;
     enum { N = 200 };
-    double cost[N], error[N];
-    bool on[N];
+    lac_trade_run run[N] = {0};
     srand(7);
     for (int i = 0; i < N; i++) {
-        cost[i] = i % 17 == 3 ? NAN : (double)(rand() % 40);
-        error[i] = i % 19 == 5 ? NAN : (double)(rand() % 40);
+        run[i].why = i % 17 == 3 ? LAC_TRADE_CHECK : LAC_TRADE_TRIED;
+        run[i].end = LAC_TRADE_DONE;
+        run[i].m.cpu_time = (double)(rand() % 40);
+        run[i].error = i % 19 == 5 ? NAN : (double)(rand() % 40);
     }
     const double floor = 4.0;
-    lac_pareto_front(N, cost, error, floor, on);
+    lac_pareto_front(N, run, floor);
     double least = INFINITY;
     for (int c = 0; c < 40; c++) {
         double best = INFINITY;
         for (int i = 0; i < N; i++) {
-            best = cost[i] == c && !isnan(error[i]) ? fmin(best, fmax(error[i], floor)) : best;
+            const bool counts = run[i].why == LAC_TRADE_TRIED && !isnan(run[i].error);
+            best = run[i].m.cpu_time == c && counts ? fmin(best, fmax(run[i].error, floor)) : best;
         }
         for (int i = 0; i < N; i++) {
-            if (cost[i] == c) {
-                assert_int_equal(on[i],
-                                 best < least && fmax(error[i], floor) == best && !isnan(error[i]));
+            if (run[i].m.cpu_time == c && run[i].why == LAC_TRADE_TRIED) {
+                assert_int_equal(run[i].on_front, best < least &&
+                                                      fmax(run[i].error, floor) == best &&
+                                                      !isnan(run[i].error));
             }
         }
         least = fmin(least, best);
     }
     for (int i = 0; i < N; i++) {
-        assert_true(!on[i] || (!isnan(cost[i]) && !isnan(error[i])));
+        assert_true(!run[i].on_front || (run[i].why == LAC_TRADE_TRIED && !isnan(run[i].error)));
     }
 }
 
-static size_t count_of(const lac_trade_plan *plan, int why)
+static size_t count_of(const lac_trade *plan, int why)
 {
     size_t n = 0;
     for (size_t i = 0; i < plan->runs; i++) {
@@ -113,24 +117,26 @@ static size_t count_of(const lac_trade_plan *plan, int why)
 static void plan_of_a_run(void **state)
 {
     (void)state;
-    lac_trade_plan plan;
+    lac_trade plan;
     lac_case *c = read_text(block, LAC_FOR_RUN);
-    assert_int_equal(lac_trade_plan_create(c, LAC_OF_RUN, NULL, false, &plan, NULL), LAC_OK);
+    assert_int_equal(lac_trade_create(c, LAC_OF_RUN, NULL, false, &plan, NULL), LAC_OK);
     assert_int_equal(plan.settings, 3);
     assert_int_equal(count_of(&plan, LAC_TRADE_TRIED), 5 * (1 + 3 + 3));
-    const lac_trade_run *reference = &plan.run[plan.reference];
+    const lac_trade_run *reference = &plan.run[plan.finest];
     assert_string_equal(plan.setting[0].value[reference->at[0]].label, "1e-08");
     assert_int_equal(reference->at[1], -1);
-    assert_int_equal(plan.run[plan.coarser[0]].at[0], reference->at[0] - 1);
-    assert_int_equal(plan.run[plan.coarsest[0]].at[0], reference->at[0] - 2);
-    assert_int_equal(plan.coarser[1], SIZE_MAX);
-    assert_true(lac_trade_is_coarser(&plan, plan.coarsest[0], plan.coarser[0]));
-    assert_false(lac_trade_is_coarser(&plan, plan.coarser[0], plan.coarsest[0]));
-    lac_trade_plan_clear(&plan);
-    assert_int_equal(
-        lac_trade_plan_create(c, LAC_OF_RUN, "method,rtol=1e-3:1e-5", true, &plan, NULL), LAC_OK);
+    assert_int_equal(plan.run[plan.coarser[0][0]].at[0], reference->at[0] - 1);
+    assert_int_equal(plan.run[plan.coarser[0][1]].at[0], reference->at[0] - 2);
+    assert_int_equal(plan.coarser[1][0], SIZE_MAX);
+    assert_true(
+        lac_trade_is_coarser(&plan, &plan.run[plan.coarser[0][1]], &plan.run[plan.coarser[0][0]]));
+    assert_false(
+        lac_trade_is_coarser(&plan, &plan.run[plan.coarser[0][0]], &plan.run[plan.coarser[0][1]]));
+    lac_trade_clear(&plan);
+    assert_int_equal(lac_trade_create(c, LAC_OF_RUN, "method,rtol=1e-3:1e-5", true, &plan, NULL),
+                     LAC_OK);
     assert_int_equal(count_of(&plan, LAC_TRADE_TRIED), 3 * 2);
-    lac_trade_plan_clear(&plan);
+    lac_trade_clear(&plan);
     lac_case_free(c);
 }
 
@@ -163,23 +169,21 @@ static void own_tolerance(void **state)
 static void plan_of_a_contact(void **state)
 {
     (void)state;
-    lac_trade_plan plan;
+    lac_trade plan;
     lac_error err;
     lac_case *c = read_text(pressed, LAC_FOR_CONTACT);
-    assert_int_equal(lac_trade_plan_create(c, LAC_OF_CONTACT, NULL, false, &plan, NULL), LAC_OK);
+    assert_int_equal(lac_trade_create(c, LAC_OF_CONTACT, NULL, false, &plan, NULL), LAC_OK);
     assert_int_equal(plan.settings, 1);
     assert_string_equal(plan.setting[0].setting->name, "levels");
-    const lac_trade_run *reference = &plan.run[plan.reference];
+    const lac_trade_run *reference = &plan.run[plan.finest];
     assert_string_equal(plan.setting[0].value[reference->at[0]].label, "4");
-    assert_int_equal(lac_trade_of_run(&plan, plan.reference), LAC_OF_CONTACT);
+    assert_int_equal(lac_trade_of_run(&plan, &plan.run[plan.finest]), LAC_OF_CONTACT);
     assert_int_equal(count_of(&plan, LAC_TRADE_TRIED), 3);
-    lac_trade_plan_clear(&plan);
-    assert_int_equal(lac_trade_plan_create(c, LAC_OF_CONTACT, "rtol", false, &plan, &err),
-                     LAC_EINPUT);
+    lac_trade_clear(&plan);
+    assert_int_equal(lac_trade_create(c, LAC_OF_CONTACT, "rtol", false, &plan, &err), LAC_EINPUT);
     assert_non_null(strstr(err.message, "turns nothing in a contact"));
     c->interface.levels = 0;
-    assert_int_equal(lac_trade_plan_create(c, LAC_OF_CONTACT, NULL, false, &plan, &err),
-                     LAC_EINPUT);
+    assert_int_equal(lac_trade_create(c, LAC_OF_CONTACT, NULL, false, &plan, &err), LAC_EINPUT);
     assert_non_null(strstr(err.message, "no dial to turn"));
     c->interface.levels = 4;
     lac_case_free(c);
@@ -190,36 +194,33 @@ static void plan_of_a_contact(void **state)
 static void plan_of_a_scene(void **state)
 {
     (void)state;
-    lac_trade_plan plan;
+    lac_trade plan;
     lac_case *c = read_text(joint, LAC_FOR_RUN);
-    assert_int_equal(lac_trade_plan_create(c, LAC_OF_RUN, "levels,transfer", false, &plan, NULL),
+    assert_int_equal(lac_trade_create(c, LAC_OF_RUN, "levels,transfer", false, &plan, NULL),
                      LAC_OK);
-    const lac_trade_run *reference = &plan.run[plan.reference];
+    const lac_trade_run *reference = &plan.run[plan.finest];
     assert_int_equal(plan.settings, 3); // and rtol, for the reference
     assert_string_equal(plan.setting[0].value[reference->at[0]].label, "4");
     assert_string_equal(plan.setting[1].value[reference->at[1]].label, "elastic");
     assert_string_equal(plan.setting[2].value[reference->at[2]].label, "1e-07");
     assert_int_equal(plan.setting[2].shown, 0);
     assert_int_equal(count_of(&plan, LAC_TRADE_TRIED), 3 * (1 + 2));
-    lac_trade_plan_clear(&plan);
-    assert_int_equal(lac_trade_plan_create(c, LAC_OF_CASCADE, NULL, false, &plan, NULL), LAC_OK);
+    lac_trade_clear(&plan);
+    assert_int_equal(lac_trade_create(c, LAC_OF_CASCADE, NULL, false, &plan, NULL), LAC_OK);
     assert_int_equal(plan.settings, 1); // uniform: no contacts along a path
     assert_string_equal(plan.setting[0].setting->name, "shifts");
-    assert_string_equal(plan.setting[0].value[plan.run[plan.reference].at[0]].label, "16");
-    assert_int_equal(lac_trade_of_run(&plan, plan.reference), LAC_OF_CASCADE);
-    lac_trade_plan_clear(&plan);
-    assert_int_equal(lac_trade_plan_create(c, LAC_OF_CASCADE, "fidelity", false, &plan, NULL),
-                     LAC_OK);
-    assert_int_equal(lac_trade_of_run(&plan, plan.reference), LAC_OF_RUN);
-    lac_trade_plan_clear(&plan);
+    assert_string_equal(plan.setting[0].value[plan.run[plan.finest].at[0]].label, "16");
+    assert_int_equal(lac_trade_of_run(&plan, &plan.run[plan.finest]), LAC_OF_CASCADE);
+    lac_trade_clear(&plan);
+    assert_int_equal(lac_trade_create(c, LAC_OF_CASCADE, "fidelity", false, &plan, NULL), LAC_OK);
+    assert_int_equal(lac_trade_of_run(&plan, &plan.run[plan.finest]), LAC_OF_RUN);
+    lac_trade_clear(&plan);
     // dials of the one turn nothing in the other, but where the cascade may become a run
-    assert_int_equal(lac_trade_plan_create(c, LAC_OF_CASCADE, "rtol", false, &plan, NULL),
-                     LAC_EINPUT);
-    assert_int_equal(lac_trade_plan_create(c, LAC_OF_RUN, "shifts", false, &plan, NULL),
-                     LAC_EINPUT);
-    assert_int_equal(lac_trade_plan_create(c, LAC_OF_CASCADE, "rtol,fidelity", false, &plan, NULL),
+    assert_int_equal(lac_trade_create(c, LAC_OF_CASCADE, "rtol", false, &plan, NULL), LAC_EINPUT);
+    assert_int_equal(lac_trade_create(c, LAC_OF_RUN, "shifts", false, &plan, NULL), LAC_EINPUT);
+    assert_int_equal(lac_trade_create(c, LAC_OF_CASCADE, "rtol,fidelity", false, &plan, NULL),
                      LAC_OK);
-    lac_trade_plan_clear(&plan);
+    lac_trade_clear(&plan);
     lac_case_free(c);
 }
 
@@ -234,74 +235,66 @@ static void wrong_dials(void **state)
         "rtol=abc",       "levels=6:5",      "shifts=-1:4"};
     lac_case *c = read_text(block, LAC_FOR_RUN);
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
-        lac_trade_plan plan;
+        lac_trade plan;
         lac_error err = {""};
-        assert_int_equal(lac_trade_plan_create(c, LAC_OF_RUN, words[i], false, &plan, &err),
-                         LAC_EINPUT);
+        assert_int_equal(lac_trade_create(c, LAC_OF_RUN, words[i], false, &plan, &err), LAC_EINPUT);
         assert_non_null(strstr(err.message, "--dials"));
     }
     lac_case_free(c);
 }
 
 // A made-up trade: errors fall as rtol, times grow as its logarithm; one method is twice as dear.
-static void fill(const lac_trade_plan *plan, lac_trade_measure *m)
+static void fill(lac_trade *plan)
 {
     for (size_t i = 0; i < plan->runs; i++) {
-        const int at = plan->run[i].at[0], method = plan->run[i].at[1];
-        m[i] = (lac_trade_measure){.end = LAC_TRADE_DONE};
+        lac_trade_run *run = &plan->run[i];
+        const int at = run->at[0], method = run->at[1];
+        run->end = LAC_TRADE_DONE;
         for (int q = 0; q < LAC_QUANTITIES; q++) {
-            m[i].value[q] = NAN;
+            run->m.value[q] = NAN;
         }
-        m[i].value[LAC_QUANTITY_SLIP] = 2.0 * (1.0 + pow(10.0, -3.0 - at));
-        m[i].cpu_time = (1.0 + at) * (method > 0 ? 2.0 : 1.0);
+        run->m.value[LAC_QUANTITY_SLIP] = 2.0 * (1.0 + pow(10.0, -3.0 - at));
+        run->m.cpu_time = (1.0 + at) * (method > 0 ? 2.0 : 1.0);
     }
 }
 
 static void verdict(void **state)
 {
     (void)state;
-    lac_trade_plan plan;
-    lac_trade_result v;
-    lac_trade_measure m[64];
+    lac_trade plan;
     lac_case *c = read_text(block, LAC_FOR_RUN);
-    assert_int_equal(lac_trade_plan_create(c, LAC_OF_RUN, "rtol,method", false, &plan, NULL),
-                     LAC_OK);
-    assert_true(plan.runs <= 64);
-    fill(&plan, m);
+    assert_int_equal(lac_trade_create(c, LAC_OF_RUN, "rtol,method", false, &plan, NULL), LAC_OK);
+    fill(&plan);
     lac_trade_request ask = {.quantity = -1, .reach = 2e-5, .within = NAN, .budget = NAN};
-    assert_int_equal(lac_trade_judge(&plan, m, &ask, &v, NULL), LAC_OK);
-    assert_int_equal(v.quantity, LAC_QUANTITY_SLIP); // nothing fails, no limit is reached
-    assert_int_equal(v.reference, plan.reference);
-    assert_near(v.uncertainty, 4.5e-8, 1e-10); // a twentieth of 9e-7, where 1e-8 is left
-    assert_int_equal(plan.run[v.recommended].at[0], 2);
-    assert_near(v.error[v.recommended], 1e-5, 2e-8);
+    assert_int_equal(lac_trade_judge(&plan, &ask, NULL), LAC_OK);
+    assert_int_equal(plan.quantity, LAC_QUANTITY_SLIP); // nothing fails, no limit is reached
+    assert_ptr_equal(plan.reference, &plan.run[plan.finest]);
+    assert_near(plan.reference->uncertainty, 4.5e-8,
+                1e-10); // a twentieth of 9e-7, where 1e-8 is left
+    assert_int_equal(plan.recommended->at[0], 2);
+    assert_near(plan.recommended->error, 1e-5, 2e-8);
     for (size_t i = 0; i < plan.runs; i++) {
         const bool dear = plan.run[i].at[1] > 0;
         const bool tried = (plan.run[i].why & LAC_TRADE_TRIED) != 0;
-        assert_int_equal(v.on_front[i], tried && !dear);
+        assert_int_equal(plan.run[i].on_front, tried && !dear);
     }
-    lac_trade_result_clear(&v);
 
     ask = (lac_trade_request){.quantity = -1, .reach = NAN, .within = 2.5e-3, .budget = NAN};
-    assert_int_equal(lac_trade_judge(&plan, m, &ask, &v, NULL), LAC_OK);
-    assert_int_equal(plan.run[v.recommended].at[0], 0); // 1e-3 of 2 is 2e-3
-    lac_trade_result_clear(&v);
+    assert_int_equal(lac_trade_judge(&plan, &ask, NULL), LAC_OK);
+    assert_int_equal(plan.recommended->at[0], 0); // 1e-3 of 2 is 2e-3
 
     ask.unit = "s"; // of the slip
-    assert_int_equal(lac_trade_judge(&plan, m, &ask, &v, NULL), LAC_EINPUT);
-    lac_trade_result_clear(&v);
+    assert_int_equal(lac_trade_judge(&plan, &ask, NULL), LAC_EINPUT);
 
     ask = (lac_trade_request){.quantity = -1, .reach = NAN, .within = NAN, .budget = 3.5};
-    assert_int_equal(lac_trade_judge(&plan, m, &ask, &v, NULL), LAC_OK);
-    assert_int_equal(plan.run[v.recommended].at[0], 2);
-    lac_trade_result_clear(&v);
+    assert_int_equal(lac_trade_judge(&plan, &ask, NULL), LAC_OK);
+    assert_int_equal(plan.recommended->at[0], 2);
 
     ask = (lac_trade_request){.quantity = -1, .reach = 1e-12, .within = NAN, .budget = NAN};
-    assert_int_equal(lac_trade_judge(&plan, m, &ask, &v, NULL), LAC_OK);
-    assert_int_equal(v.recommended, SIZE_MAX);
-    assert_int_equal(plan.run[v.closest].at[0], 4);
-    lac_trade_result_clear(&v);
-    lac_trade_plan_clear(&plan);
+    assert_int_equal(lac_trade_judge(&plan, &ask, NULL), LAC_OK);
+    assert_null(plan.recommended);
+    assert_int_equal(plan.closest->at[0], 4);
+    lac_trade_clear(&plan);
     lac_case_free(c);
 }
 
@@ -309,45 +302,37 @@ static void verdict(void **state)
 static void poor_references(void **state)
 {
     (void)state;
-    lac_trade_plan plan;
-    lac_trade_result v;
-    lac_trade_measure m[64];
+    lac_trade plan;
     lac_error err = {""};
     lac_case *c = read_text(block, LAC_FOR_RUN);
-    assert_int_equal(lac_trade_plan_create(c, LAC_OF_RUN, "rtol,method", false, &plan, NULL),
-                     LAC_OK);
-    fill(&plan, m);
+    assert_int_equal(lac_trade_create(c, LAC_OF_RUN, "rtol,method", false, &plan, NULL), LAC_OK);
+    fill(&plan);
     lac_trade_request ask = {.quantity = -1, .reach = NAN, .within = NAN, .budget = NAN};
-    m[plan.reference].end = LAC_TRADE_BROKEN;
-    assert_int_equal(lac_trade_judge(&plan, m, &ask, &v, &err), LAC_OK);
-    assert_int_equal(v.reference, plan.coarser[0]);
-    assert_near(v.uncertainty, 9e-7, 1e-9); // the rung before it is the last change
-    lac_trade_result_clear(&v);
-    m[plan.coarser[0]].end = LAC_TRADE_BROKEN;
-    assert_int_equal(lac_trade_judge(&plan, m, &ask, &v, &err), LAC_OK);
-    assert_int_equal(v.reference, plan.coarsest[0]);
-    assert_true(isnan(v.uncertainty));
-    lac_trade_result_clear(&v);
-    m[plan.coarsest[0]].end = LAC_TRADE_GIVEN_UP;
-    assert_int_equal(lac_trade_judge(&plan, m, &ask, &v, &err), LAC_ENUMERIC);
-    lac_trade_result_clear(&v);
-    fill(&plan, m);
+    plan.run[plan.finest].end = LAC_TRADE_BROKEN;
+    assert_int_equal(lac_trade_judge(&plan, &ask, &err), LAC_OK);
+    assert_ptr_equal(plan.reference, &plan.run[plan.coarser[0][0]]);
+    assert_near(plan.reference->uncertainty, 9e-7, 1e-9); // the rung before it is the last change
+    plan.run[plan.coarser[0][0]].end = LAC_TRADE_BROKEN;
+    assert_int_equal(lac_trade_judge(&plan, &ask, &err), LAC_OK);
+    assert_ptr_equal(plan.reference, &plan.run[plan.coarser[0][1]]);
+    assert_true(isnan(plan.reference->uncertainty));
+    plan.run[plan.coarser[0][1]].end = LAC_TRADE_GIVEN_UP;
+    assert_int_equal(lac_trade_judge(&plan, &ask, &err), LAC_ENUMERIC);
+    fill(&plan);
     for (int q = 0; q < LAC_QUANTITIES; q++) {
         ask.quantity = q;
-        assert_int_equal(lac_trade_judge(&plan, m, &ask, &v, &err),
+        assert_int_equal(lac_trade_judge(&plan, &ask, &err),
                          q == LAC_QUANTITY_SLIP ? LAC_OK : LAC_EINPUT);
-        lac_trade_result_clear(&v);
     }
     // Counts that agree are known to one event, no better.
     for (size_t i = 0; i < plan.runs; i++) {
-        m[i].value[LAC_QUANTITY_EVENTS] = 50.0;
+        plan.run[i].m.value[LAC_QUANTITY_EVENTS] = 50.0;
     }
     ask.quantity = LAC_QUANTITY_EVENTS;
-    assert_int_equal(lac_trade_judge(&plan, m, &ask, &v, &err), LAC_OK);
-    assert_near(v.uncertainty, 0.02, 1e-15);
-    assert_int_equal(v.recommended, SIZE_MAX);
-    lac_trade_result_clear(&v);
-    lac_trade_plan_clear(&plan);
+    assert_int_equal(lac_trade_judge(&plan, &ask, &err), LAC_OK);
+    assert_near(plan.reference->uncertainty, 0.02, 1e-15);
+    assert_null(plan.recommended);
+    lac_trade_clear(&plan);
     lac_case_free(c);
 }
 
@@ -366,8 +351,8 @@ static void probe(void **state)
     double value[LAC_QUANTITIES];
     lac_case *c = read_text(block, LAC_FOR_RUN);
     const lac_sink next = {.context = &records, .record = count_records};
-    lac_trade_probe p = lac_trade_probe_create(c, &next);
-    const lac_sink sink = lac_trade_probe_sink(&p);
+    lac_trade_probe p;
+    const lac_sink sink = lac_trade_probe_start(&p, c, &next);
     const double shear[] = {1.0, 3.0, 2.0};
     for (int i = 0; i < 3; i++) {
         const lac_record record = {.observation = {.shear_force = shear[i],
@@ -376,7 +361,7 @@ static void probe(void **state)
         assert_int_equal(sink.record(sink.context, &record, NULL), LAC_OK);
     }
     assert_int_equal(sink.event(sink.context, &(lac_event){.cells = 1}, NULL), LAC_OK);
-    assert_int_equal(sink.snapshot(sink.context, &(lac_snapshot){.time = 1.0}, NULL), LAC_OK);
+    assert_null(sink.snapshot); // what comes next has no use for them
     const lac_run_result result = {.failed = true,
                                    .failure_origin = 4.0,
                                    .failure_local = 0.5,

@@ -45,20 +45,28 @@ static lac_domain *random_mask(lac_grid grid, double fraction, uint64_t seed)
     return domain;
 }
 
+typedef struct calibration {
+    double stiffness, error;
+} calibration;
+
 static void calibrate_rock(const lac_domain *domain, double g, double nu, bool line, uint64_t seed,
-                           lac_calibration *levels)
+                           calibration *levels)
 {
     lac_hierarchy *h = hierarchy_of(domain);
     lac_transfer_scene scene = {domain, h, g, nu, line, false};
     lac_error err = {""};
-    if (lac_calibrate_elastic(&scene, seed, levels, &err) != LAC_OK) {
+    double k[33], error[33];
+    if (lac_calibrate_elastic(&scene, seed, k, error, &err) != LAC_OK) {
         fail_msg("%s", err.message);
+    }
+    for (size_t l = 0; l < lac_hierarchy_levels(h); l++) {
+        levels[l] = (calibration){k[l], error[l]};
     }
     lac_hierarchy_free(h);
 }
 
 static void calibrate(const lac_domain *domain, double g, double nu, uint64_t seed,
-                      lac_calibration *levels)
+                      calibration *levels)
 {
     calibrate_rock(domain, g, nu, false, seed, levels);
 }
@@ -91,7 +99,7 @@ static void check_full(lac_grid grid, size_t levels, double nu)
 {
     lac_domain *domain = random_mask(grid, 2, 1);
     lac_hierarchy *h = hierarchy_of(domain);
-    lac_calibration found[33];
+    calibration found[33];
     calibrate(domain, 3, nu, 1, found);
     for (size_t l = 0; l < levels; l++) {
         double exact = (full_trace(&grid, 3, nu, l) - full_trace(&grid, 3, nu, l + 1)) /
@@ -141,7 +149,7 @@ static void check_dense(lac_grid grid, uint64_t seed, bool line)
     assert_true(fabs(energy / exact_energy - 1) < (grid.periodic ? 1e-12 : 1e-6));
     lac_compliance_free(c);
 
-    lac_calibration found[33];
+    calibration found[33];
     calibrate_rock(domain, 2, 0.25, line, 1, found);
     long double *band = calloc(n * n, sizeof *band);
     assert_non_null(band);
@@ -217,7 +225,7 @@ static void random_masks_agree_with_an_earlier_prototype(void **state)
     double mean[6] = {0};
     for (int i = 0; i < masks; i++) {
         lac_domain *domain = random_mask((lac_grid){64, 64, 1, 1, true}, 0.2, (uint64_t)i);
-        lac_calibration found[33];
+        calibration found[33];
         calibrate(domain, 1, 0, 1, found);
         for (size_t l = 0; l < 6; l++) {
             mean[l] += found[l].stiffness / masks;
@@ -240,7 +248,7 @@ static void standard_error_is_honest(void **state)
     double squares = 0, worst = 0;
     const int seeds = 60;
     for (uint64_t seed = 0; seed < seeds; seed++) {
-        lac_calibration found[33];
+        calibration found[33];
         calibrate(domain, 1, 0, seed, found);
         double off = found[1].stiffness - exact;
         squares += off * off / (found[1].error * found[1].error) / seeds;
@@ -257,7 +265,7 @@ static void stiffness_scales_with_modulus_and_size(void **state)
     (void)state;
     lac_domain *a = random_mask((lac_grid){32, 32, 1, 1, true}, 0.3, 4);
     lac_domain *b = random_mask((lac_grid){32, 32, 5, 5, true}, 0.3, 4);
-    lac_calibration ka[33], kb[33];
+    calibration ka[33], kb[33];
     calibrate(a, 1, 0.2, 1, ka);
     calibrate(b, 30e9, 0.2, 1, kb);
     for (size_t l = 0; l < 5; l++) {
@@ -280,7 +288,7 @@ static void isolated_patches_do_not_feel_the_boundary(void **state)
     lac_domain *periodic = domain_on(grid, pressure);
     grid.periodic = false;
     lac_domain *alone = domain_on(grid, pressure);
-    lac_calibration a[33], b[33];
+    calibration a[33], b[33];
     calibrate(periodic, 1, 0.25, 1, a);
     calibrate(alone, 1, 0.25, 1, b);
     for (size_t l = 0; l < 3; l++) {
@@ -299,9 +307,9 @@ static void one_cell_has_no_stiffness(void **state)
     double pressure[16] = {0};
     pressure[9] = 1;
     lac_domain *domain = domain_on((lac_grid){4, 4, 1, 1, true}, pressure);
-    lac_calibration found[33];
+    calibration found[33];
     calibrate(domain, 1, 0.25, 1, found);
-    assert_true(found[0].stiffness == 0 && found[1].stiffness == 0 && found[1].solves == 0);
+    assert_true(found[0].stiffness == 0 && found[1].stiffness == 0);
     lac_domain_free(domain);
 }
 

@@ -159,7 +159,7 @@ static void alike_cells_are_one_block(void **state)
         course observation[3] = {{0}};
         for (size_t k = 0; k < 3; k++) {
             tree_def def = creeping(chosen(state));
-            def.loads = (lac_load_set){.shear = &load, .shear_count = 1};
+            def.loads = (lac_load_set){.load = &load, .count = 1, .shear = 1};
             lac_run_def how = to_the_end(1e-9, 3e5 + 5.0);
             how.method = methods[m];
             how.record = (lac_cadence){.time = 1e4, .per_decade = NAN};
@@ -288,7 +288,7 @@ static void initial_values_balance(void **state)
         double ratio = f + eta * def.slip_rate / domain->pressure[0];
         const lac_load_kind row = {.info = {.name = "ratio"}, .add = hold};
         lac_load load = {.kind = &row, .params = &ratio};
-        const lac_load_set loads = {.shear = &load, .shear_count = 1};
+        const lac_load_set loads = {.load = &load, .count = 1, .shear = 1};
         bool from_load = ways[i % 2] == LAC_STATE_FROM_LOAD;
         const lac_initial_def initial = {.slip_rate = from_load ? def.slip_rate : NAN,
                                          .state = ways[i % 2],
@@ -333,7 +333,7 @@ static void failure_is_within_reach(void **state)
         assert_true(!failure.lowered && isinf(failure.rate));
     }
     tree_def other = def;
-    other.loads = (lac_load_set){.shear = &load, .shear_count = 1};
+    other.loads = (lac_load_set){.load = &load, .count = 1, .shear = 1};
     assert_true(failure_of(&other, 8, 1.0).rate == 1.0);
     other = def;
     other.mass = 1e5;

@@ -50,7 +50,7 @@ static void drag_is_shared_by_pressure(void **state)
     def.slip_rate = 0.3;
     def.state = def.dc / def.slip_rate;
     def.formulation = chosen(state);
-    def.loads = (lac_load_set){.shear = &load, .shear_count = 1};
+    def.loads = (lac_load_set){.load = &load, .count = 1, .shear = 1};
     tree t;
     tree_create(&def, &t);
     size_t n = t.domain->n;

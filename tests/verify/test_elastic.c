@@ -456,11 +456,15 @@ static void bad_parameters_are_refused(void **state)
 {
     (void)state;
     const lac_grid torus = {8, 8, 1, 1, true}, alone = {8, 8, 1, 1, false};
-    const lac_transfer_elastic slab = {.thickness = 3}, creeping = {.outside = 1, .thickness = NAN};
+    lac_transfer_elastic slab = {.thickness = 3, .tolerance = 1e-9, .newton_tolerance = 1e-3};
+    lac_transfer_elastic creeping = slab, thin = slab;
+    creeping.outside = 1;
+    creeping.thickness = NAN;
+    thin.thickness = -3;
     refuse(torus, 2, creeping, 0.2, "needs interface.boundary: free");
-    refuse(alone, 0.5, creeping, 0.2, "needs full contact");
+    refuse(alone, 0.5, creeping, 0.2, "{full: {}}");
     refuse(alone, 2, slab, 0.2, "periodic");
-    refuse(torus, 2, (lac_transfer_elastic){.thickness = -3}, 0.2, "thickness -3");
+    refuse(torus, 2, thin, 0.2, "thickness: -3");
     refuse(torus, 2, slab, 0.7, "Poisson");
     refuse(torus, 2, slab, NAN, "material");
 }

@@ -228,7 +228,7 @@ static void scene_create(const joint *j, lac_formulation formulation, scene *s)
     const lac_problem_def problem = {.domain = s->made.domain,
                                      .friction = s->made.friction,
                                      .transfer = &s->made.transfer,
-                                     .loads = {.shear = &s->load, .shear_count = 1},
+                                     .loads = {.load = &s->load, .count = 1, .shear = 1},
                                      .damping = j->def.damping,
                                      .log_rate = start,
                                      .log_state = start + N,

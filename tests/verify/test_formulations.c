@@ -214,7 +214,7 @@ static void shaken_cells(void **state)
     def.b = 0.005; // strengthening with rate: no runaway
     def.dc = 1e-4;
     def.k0 = 1e11;
-    def.loads = (lac_load_set){.shear = &signal, .shear_count = 1};
+    def.loads = (lac_load_set){.load = &signal, .count = 1, .shear = 1};
     double want = NAN;
     for (size_t f = 1; f < 3; f++) {
         for (size_t m = 0; m < 3; m++) {
@@ -288,7 +288,7 @@ static void pore_pressure_drives(void **state)
         lac_problem_def problem = {.domain = b.domain,
                                    .friction = b.friction,
                                    .transfer = &b.transfer,
-                                   .loads = {.pore = &signal, .pore_count = 1},
+                                   .loads = {.load = &signal, .count = 1},
                                    .log_rate = &u,
                                    .log_state = &w,
                                    .formulation = chosen(state)};
@@ -330,7 +330,7 @@ static void pore_pressure_jumps(void **state)
     lac_problem_def problem = {.domain = b.domain,
                                .friction = b.friction,
                                .transfer = &b.transfer,
-                               .loads = {.pore = &signal, .pore_count = 1},
+                               .loads = {.load = &signal, .count = 1},
                                .log_rate = &y[0],
                                .log_state = &y[1]};
     lac_run_def how = lac_run_default();

@@ -38,7 +38,7 @@ static tree_def sliding(double columns)
     def.state = 1e-2;
     def.mass = 1e5;
     def.columns = columns;
-    def.loads = (lac_load_set){.shear = (lac_load *)&pulled, .shear_count = 1};
+    def.loads = (lac_load_set){.load = (lac_load *)&pulled, .count = 1, .shear = 1};
     return def;
 }
 

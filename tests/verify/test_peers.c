@@ -82,7 +82,7 @@ static void same_start(const char *path, void (*create)(lac_formulation, fault *
     fault f;
     create(LAC_FORMULATION_TRACTION, &f);
     assert_int_equal(lac_case_read(path, NULL, &c, &report, &err), LAC_OK);
-    assert_int_equal(lac_scene_create(c, &scene, &err), LAC_OK);
+    assert_int_equal(lac_scene_create(c, NULL, &scene, &err), LAC_OK);
     assert_int_equal(lac_problem_formulation(scene->problem), LAC_FORMULATION_TRACTION);
     size_t n = f.parts.domain->n;
     assert_int_equal(scene->contact.domain->n, n);

@@ -39,7 +39,7 @@ static void b_values_are_found(void **state)
             double error = 0.0;
             size_t used = 0;
             draw(c, N, known[k], 2.0);
-            const double b = lac_b_value(N, magnitude, 2.0, 0.0, &error, &used);
+            const double b = lac_b_value(N, magnitude, 2.0, &error, &used);
             assert_int_equal(used, N);
             mean += b / CATALOGUES;
             square += (b - known[k]) * (b - known[k]) / CATALOGUES;
@@ -51,27 +51,6 @@ static void b_values_are_found(void **state)
         assert_true(fabs(positive - known[k]) < 0.02);
         assert_true(fabs(sqrt(square) / errors - 1.0) < 0.3); // the error is what is scattered
     }
-}
-
-// Rounded to tenths, as catalogues are: the correction of half a bin.
-static void rounding_is_corrected(void **state)
-{
-    (void)state;
-    double mean = 0.0;
-    double plain = 0.0;
-    for (uint64_t c = 0; c < CATALOGUES; c++) {
-        double error = 0.0;
-        size_t used = 0;
-        draw(c, N, 1.0, 1.95);
-        for (size_t i = 0; i < N; i++) {
-            magnitude[i] = 0.1 * floor(10.0 * magnitude[i] + 0.5);
-        }
-        mean += lac_b_value(N, magnitude, 2.0, 0.1, &error, &used) / CATALOGUES;
-        plain += lac_b_value(N, magnitude, 2.0, 0.0, &error, &used) / CATALOGUES;
-    }
-    print_message("rounded: %.4f, without the correction %.4f\n", mean, plain);
-    assert_true(fabs(mean - 1.0) < 0.02);
-    assert_true(fabs(plain - 1.0) > 0.05);
 }
 
 // Differences 0.5, -0.3, 1: two count, by their mean; what comes after the n-th is not looked at.
@@ -108,7 +87,7 @@ static void incompleteness_is_borne(void **state)
                 veil = fmax(veil, m - 0.2);
             }
         }
-        plain += lac_b_value(n, seen, 0.0, 0.0, &error, &used) / CATALOGUES;
+        plain += lac_b_value(n, seen, 0.0, &error, &used) / CATALOGUES;
         positive += lac_b_positive(n, seen, 0.2, &error, &used) / CATALOGUES;
     }
     print_message("hidden after large ones: %.4f, %.4f\n", plain, positive);
@@ -375,7 +354,6 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(b_values_are_found),
-        cmocka_unit_test(rounding_is_corrected),
         cmocka_unit_test(positive_differences_are_counted),
         cmocka_unit_test(incompleteness_is_borne),
         cmocka_unit_test(incomplete_catalogues_are_cut),

@@ -39,7 +39,8 @@ static void joint_create(joint *j, int64_t seed, double beta)
     j->contact.heights = j->heights;
     j->contact.e_star = 1.0;
     j->contact.mean_pressure = 0.05;
-    assert_int_equal(lac_surface_generate(&model, &j->contact.grid, j->heights, &err), LAC_OK);
+    assert_int_equal(lac_surface_generate(&model, &j->contact.grid, j->heights, NULL, &err),
+                     LAC_OK);
     assert_int_equal(lac_contact_solve(&j->contact, j->pressure, NULL, NULL, &err), LAC_OK);
     assert_int_equal(lac_domain_create(&j->contact.grid, j->pressure, &j->domain, &err), LAC_OK);
     j->h = hierarchy_of(j->domain);

@@ -136,9 +136,9 @@ static void any_number_of_threads(void **state)
 static lac_chain *autoregressive(double apart, double wider)
 {
     enum { WALKERS = 8, STEPS = 6000 };
-    lac_chain *chain = calloc(1, sizeof *chain);
+    lac_chain *chain = malloc(sizeof *chain + WALKERS * STEPS * sizeof *chain->x);
     *chain = (lac_chain){.dimension = 1, .walkers = WALKERS, .steps = STEPS};
-    chain->x = malloc(WALKERS * STEPS * sizeof *chain->x);
+    chain->x = (double *)(chain + 1);
     for (size_t k = 0; k < WALKERS; k++) {
         double x = 0.0;
         for (size_t i = 0; i < STEPS; i++) {
@@ -179,8 +179,7 @@ static void refusals(void **state)
     lac_error err;
     int asked = 0;
     double start[12] = {0.1, 0.2, 0.3, 0.1, 0.5, 0.9, 0.2, 0.8, 0.7, 0.4, 0.6, 0.35};
-    lac_sampler_def def = {
-        .dimension = 2, .walkers = 5, .steps = 20, .log_density = banana, .context = &asked};
+    lac_sampler_def def = {.dimension = 2, .walkers = 5, .steps = 20, .log_density = banana};
     assert_int_equal(lac_sampler_run(&def, start, &chain, &err), LAC_EINPUT);
     assert_null(chain);
     def.walkers = 4;
@@ -191,7 +190,7 @@ static void refusals(void **state)
     assert_int_equal(lac_sampler_run(&def, start, &chain, &err), LAC_EINPUT);
     assert_non_null(strstr(err.message, "walker 2"));
     def.log_density = banana;
-    def.interrupted = stop;
+    def.watch = &(lac_fit_watch){.interrupted = stop, .context = &asked};
     assert_int_equal(lac_sampler_run(&def, start, &chain, &err), LAC_EINTERRUPT);
     assert_int_equal(chain->steps, 11);
     lac_chain_free(chain);

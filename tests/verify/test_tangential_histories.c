@@ -19,8 +19,8 @@ static double *copy_tractions(const sheared *s)
     const size_t cells = s->n * s->n;
     double *tau = malloc(2 * cells * sizeof *tau);
     assert_non_null(tau);
-    memcpy(tau, lac_tangential_traction(s->t, 0), cells * sizeof *tau);
-    memcpy(tau + cells, lac_tangential_traction(s->t, 1), cells * sizeof *tau);
+    memcpy(tau, s->t->traction[0], cells * sizeof *tau);
+    memcpy(tau + cells, s->t->traction[1], cells * sizeof *tau);
     return tau;
 }
 
@@ -46,7 +46,7 @@ static void pressed_harder(void **state)
     double *tau = copy_tractions(&s);
     press(&s, 2.0 * 4.9e-3);
     lac_tangential_stats after = shear(&s, 0.5 * strength, 0.2 * strength);
-    double off = difference(&s, lac_tangential_traction(s.t, 0), tau, 1.0);
+    double off = difference(&s, s.t->traction[0], tau, 1.0);
     print_message("P doubled: tractions %.1e, shift %.1e, %zu slip\n", off,
                   after.shift[0] / before.shift[0] - 1.0, after.slip_cells);
     assert_int_equal(after.slip_cells, 0);
@@ -70,7 +70,7 @@ static void pressed_less(void **state)
     double *tau = copy_tractions(&s);
     start_again(&s);
     lac_tangential_stats virgin = shear(&s, 0.4 * strength, 0.0);
-    double off = difference(&s, lac_tangential_traction(s.t, 0), tau, 1.0);
+    double off = difference(&s, s.t->traction[0], tau, 1.0);
     print_message("P down: tractions %.1e, shift %.1e\n", off,
                   after.shift[0] / virgin.shift[0] - 1.0);
     assert_true(off < 1e-7);
@@ -96,7 +96,7 @@ static double grown_together(sheared *s, int steps, double part)
     for (size_t i = 0; i < s->n * s->n; i++) {
         q[i] = part * 0.5 * s->p[i];
     }
-    double off = difference(s, lac_tangential_traction(s->t, 0), q, 1.0);
+    double off = difference(s, s->t->traction[0], q, 1.0);
     print_message("Q = %.1f f P in %2d steps: tractions %.2e, %zu of %zu slip at the end\n", part,
                   steps, off, r.slip_cells, r.contact_cells);
     free(q);
@@ -128,7 +128,7 @@ static double elastic_energy(const sheared *s)
         lac_fft *fft = space->fft[axis];
         memset(fft->real, 0, fft->nx * fft->ny * sizeof *fft->real);
         for (size_t i = 0; i < cells; i++) {
-            fft->real[i / s->n * fft->nx + i % s->n] = lac_tangential_traction(s->t, axis)[i];
+            fft->real[i / s->n * fft->nx + i % s->n] = s->t->traction[axis][i];
         }
     }
     double softness = 1.0 / (pi * (1.0 - s->def.poisson) * s->def.e_star);
@@ -245,13 +245,10 @@ static double turned_difference(const sheared *s, const sheared *turned)
         for (size_t i = 0; i < n; i++) {
             size_t at = j * n + i;
             size_t to = i * n + (n - 1 - j);
-            double dx =
-                lac_tangential_traction(turned->t, 0)[to] + lac_tangential_traction(s->t, 1)[at];
-            double dy =
-                lac_tangential_traction(turned->t, 1)[to] - lac_tangential_traction(s->t, 0)[at];
+            double dx = turned->t->traction[0][to] + s->t->traction[1][at];
+            double dy = turned->t->traction[1][to] - s->t->traction[0][at];
             sum += dx * dx + dy * dy;
-            size += pow(lac_tangential_traction(s->t, 0)[at], 2) +
-                    pow(lac_tangential_traction(s->t, 1)[at], 2);
+            size += pow(s->t->traction[0][at], 2) + pow(s->t->traction[1][at], 2);
         }
     }
     return sqrt(sum / size);
@@ -290,8 +287,8 @@ static void any_direction(void **state)
     lac_tangential_stats oblique = shear(&s, 0.6 * strength * 0.6, -0.6 * strength * 0.8);
     double most = 0.0;
     for (size_t i = 0; i < s.n * s.n; i++) {
-        most = fmax(most, fabs(lac_tangential_traction(s.t, 0)[i] - 0.6 * tau[i]));
-        most = fmax(most, fabs(lac_tangential_traction(s.t, 1)[i] + 0.8 * tau[i]));
+        most = fmax(most, fabs(s.t->traction[0][i] - 0.6 * tau[i]));
+        most = fmax(most, fabs(s.t->traction[1][i] + 0.8 * tau[i]));
     }
     assert_true(most < 1e-7 * s.contact.max_pressure);
     assert_int_equal(oblique.stick_cells, straight.stick_cells);

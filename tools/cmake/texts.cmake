@@ -3,7 +3,7 @@
 # file: @NAME@ on a line of a case stands for NAME.part.
 set(texts_folder ${PROJECT_SOURCE_DIR}/src/cli/common/texts)
 set(texts_source ${PROJECT_BINARY_DIR}/generated/texts.c)
-set(texts "#include \"cli/common/texts.h\"\n")
+set(texts "#include \"cli/common/command.h\"\n")
 
 # Adds a table of texts to the C file.
 function(add_texts table ending)

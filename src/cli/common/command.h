@@ -24,3 +24,12 @@ cli_action cli_run, cli_check, cli_contact, cli_rg, cli_precursors, cli_fit, cli
 /// @param word  [count] the words after the program's name, up to the cursor; also as bash cuts
 ///              them at = and :, and with the quotes that were typed
 void cli_complete(int count, char **word);
+
+/// A text that the program writes as it is, made from the files in `texts/` when Lacuna is built.
+typedef struct cli_named_text {
+    const char *name;
+    const char *text;
+} cli_named_text;
+
+/// Cases to start from by their kind, and what shells read by the shell; the last name is NULL.
+extern const cli_named_text cli_templates[], cli_shells[];

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What may stand at the cursor of a command line, for all shells: commands, options, kinds, models
-// and keys of a case, each from the table that the program itself reads.
+// and keys of a case, each from the table that the program itself reads. The scripts that shells
+// read ask for it, and complete names of files themselves. Bash cuts words at = and :, so what it
+// is told begins behind those.
 #include <stdlib.h>
 #include <string.h>
 
 #include "cli/common/command.h"
-#include "cli/common/texts.h"
+#include "cli/common/words.h"
+#include "data/json.h"
 #include "friction/friction.h"
 
 enum { LINE_SIZE = 256 };
@@ -366,4 +369,20 @@ void cli_complete(int count, char **word)
     cli_request_clear(&request);
     free(all.text);
     free(text);
+}
+
+lac_status cli_completion(const cli_request *request, lac_error *err)
+{
+    const cli_named_text *shell = cli_find("completion: ", request->argument[0], "shell",
+                                           cli_shells, sizeof *cli_shells, err);
+    if (shell == NULL) {
+        return LAC_EINPUT;
+    }
+    if (cli_given(request, CLI_OPT_JSON)) {
+        lac_json json = {.out = stdout};
+        LAC_JSON_TEXTS(&json, "shell", shell->name, "script", shell->text);
+    } else {
+        (void)fputs(shell->text, stdout);
+    }
+    return LAC_OK;
 }

@@ -2,7 +2,7 @@
 // The versions of the libraries in use, as they tell them themselves at run time: the one file
 // besides each library's home that includes its header, and for nothing else. UDUNITS and
 // Random123 do not tell theirs.
-#include "cli/common/libraries.h"
+#include "cli/common/output.h"
 
 #include <fftw3.h>
 #include <gsl/gsl_version.h>
@@ -12,7 +12,7 @@
 #include <sundials/sundials_version.h>
 #include <yaml.h>
 
-const char *cli_libraries(char *text, size_t size)
+void cli_libraries(char *text, size_t size)
 {
     char sundials[32] = "";
     (void)SUNDIALSGetVersion(sundials, (int)sizeof sundials);
@@ -20,7 +20,6 @@ const char *cli_libraries(char *text, size_t size)
     fftw = fftw == NULL ? fftw_version : fftw + 1;
     (void)snprintf(text, size, "SUNDIALS %s, FFTW %.*s, GSL %s, libyaml %s, UDUNITS 2, Random123",
                    sundials, (int)strcspn(fftw, "-"), fftw, gsl_version, yaml_get_version_string());
-    return text;
 }
 
 const char *cli_netcdf_version(char *text, size_t size)

@@ -8,10 +8,9 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "cli/common/clean.h"
 #include "cli/common/command.h"
-#include "cli/common/libraries.h"
-#include "cli/common/signals.h"
+#include "cli/common/output.h"
+#include "cli/common/progress.h"
 #include "cli/common/words.h"
 #include "data/json.h"
 #include "lacuna/version.h"
@@ -52,12 +51,12 @@ static void print_command_help(const cli_command *command)
            command->example);
 }
 
-static void print_version(bool as_json)
+static void print_version(const cli_request *request)
 {
-    char text[256], netcdf[32];
-    (void)cli_libraries(text, sizeof text);
+    char netcdf[32];
+    const char *text = request->libraries;
     (void)cli_netcdf_version(netcdf, sizeof netcdf);
-    if (!as_json) {
+    if (!cli_given(request, CLI_OPT_JSON)) {
         printf("lacuna %s\n%s, netCDF %s\n", LACUNA_VERSION, text, netcdf);
         return;
     }
@@ -89,7 +88,7 @@ static void say_what_is_cut(const cli_request *request)
 static lac_status dispatch(const cli_request *request, lac_error *err)
 {
     if (cli_given(request, CLI_OPT_VERSION)) {
-        print_version(cli_given(request, CLI_OPT_JSON));
+        print_version(request);
         return LAC_OK;
     }
     if (cli_given(request, CLI_OPT_HELP)) {

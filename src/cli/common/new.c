@@ -5,7 +5,6 @@
 
 #include "base/temp_file.h"
 #include "cli/common/command.h"
-#include "cli/common/texts.h"
 #include "cli/common/words.h"
 #include "data/json.h"
 

@@ -293,6 +293,7 @@ lac_status cli_request_read(int argc, char **argv, cli_request *request, lac_err
 {
     *request = (cli_request){.command_line = join(argc, argv)};
     LAC_FAIL_MEMORY_IF(request->command_line == NULL, err);
+    cli_libraries(request->libraries, sizeof request->libraries);
     cursor c = {.argc = argc, .at = 1, .argv = argv};
     while (c.at < c.argc) {
         LAC_TRY_RETURN(read_word(&c, request, err));

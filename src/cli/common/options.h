@@ -104,7 +104,12 @@ struct cli_request {
     size_t set_count;        ///< --set, in order
     lac_override *overrides; ///< [set_count]; keys owned, values borrowed from argv
     char *command_line;      ///< owned
+    char libraries[256];     ///< that the program runs with, their versions
 };
+
+/// The libraries that the program runs with and their versions, on one line; without netCDF, whose
+/// version stands in every file anyway.
+void cli_libraries(char *text, size_t size);
 
 /// Reads the command line; options may stand before or after the command and its arguments.
 /// @return LAC_OK; LAC_EINPUT (unknown, missing value ...); LAC_ENOMEM

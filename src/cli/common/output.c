@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The file that a command writes: chosen and checked before the work, signed with what made it.
+// The file that a command writes: chosen and checked before the work, signed with what made it; and
+// the files that a case reads.
 #include "cli/common/output.h"
 
 #include <errno.h>
+#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
-#include "cli/common/inputs.h"
-#include "cli/common/libraries.h"
+#include "base/archive.h"
 #include "cli/common/progress.h"
-#include "cli/common/signals.h"
 #include "data/dataset.h"
 #include "scene/scene.h"
 
@@ -31,6 +31,74 @@ static char *name_after(const char *case_path, const char *ending)
     return path;
 }
 
+static bool is_same(const char *path, const struct stat *file)
+{
+    struct stat one;
+    return path != NULL && stat(path, &one) == 0 && one.st_dev == file->st_dev &&
+           one.st_ino == file->st_ino;
+}
+
+// Whether a command reads a file: one that its words name, the case, or one that the case names.
+// @param c  NULL: the command reads no case
+static bool is_read(const cli_request *request, const lac_case *c, const struct stat *file)
+{
+    const char *const named[] = {
+        request->argument[0], request->argument[1],        request->compare,
+        request->fit,         request->forecast.case_file, c != NULL ? c->path : NULL};
+    char **path;
+    bool found = false;
+    for (size_t i = 0; i < sizeof named / sizeof *named; i++) {
+        found |= is_same(named[i], file);
+    }
+    for (size_t i = 0; c != NULL && (path = lac_case_file(c, i)) != NULL; i++) {
+        found |= is_same(*path, file);
+    }
+    return found;
+}
+
+// FNV-1a; 0 where the file cannot be read, which the run then says, or is a pipe, whose content
+// would be gone.
+static uint64_t sum_file(const char *path)
+{
+    struct stat info;
+    if (stat(path, &info) != 0 || !S_ISREG(info.st_mode)) {
+        return 0;
+    }
+    unsigned char block[1 << 14];
+    uint64_t sum = LAC_SUM_OF_NOTHING;
+    size_t got = 0;
+    FILE *file = fopen(path, "rb");
+    while (file != NULL && (got = fread(block, 1, sizeof block, file)) > 0) {
+        sum = lac_sum_bytes(sum, block, got);
+    }
+    bool whole = file != NULL && ferror(file) == 0;
+    if (file != NULL) {
+        (void)fclose(file);
+    }
+    return whole ? sum : 0;
+}
+
+char *cli_inputs_sums(const lac_case *c)
+{
+    char *sums = NULL, **path;
+    size_t size = 0;
+    FILE *text = open_memstream(&sums, &size);
+    if (text == NULL) {
+        return NULL;
+    }
+    for (size_t i = 0; (path = lac_case_file(c, i)) != NULL; i++) {
+        const char *slash = strrchr(*path, '/');
+        (void)fprintf(text, "%s  %s: %016" PRIx64 "\n", i == 0 ? "files:\n" : "",
+                      slash != NULL ? slash + 1 : *path, sum_file(*path));
+    }
+    bool good = ferror(text) == 0;
+    if (fclose(text) != 0 || !good) {
+        free(sums);
+        return NULL;
+    }
+    return sums;
+}
+
 static lac_status check_existing(const cli_request *request, const lac_case *c, const char *path,
                                  const struct stat *file, lac_error *err)
 {
@@ -38,7 +106,7 @@ static lac_status check_existing(const cli_request *request, const lac_case *c, 
     if (!S_ISREG(file->st_mode)) { // said before the work, not after it
         return lac_fail(err, LAC_EIO, "%s: is not a regular file", path);
     }
-    if (cli_inputs_has(request, c, file)) { // --force must not destroy what the command reads
+    if (is_read(request, c, file)) { // --force must not destroy what the command reads
         return lac_fail(err, LAC_EINPUT, "%s: is read by this %s, must not be the output", path,
                         c != NULL ? "case" : "command");
     }
@@ -86,29 +154,26 @@ lac_status cli_output_path(const cli_request *request, const lac_case *c, const 
     return *path != NULL ? cli_output_check(request, c, *path, err) : lac_fail_memory(err);
 }
 
-void cli_sign(const cli_request *request, const char *libraries, lac_provenance *provenance)
+void cli_sign(const cli_request *request, lac_provenance *provenance)
 {
     provenance->command_line = request->command_line;
-    provenance->libraries = libraries;
+    provenance->libraries = request->libraries;
     provenance->now = (double)time(NULL);
 }
 
-lac_provenance cli_provenance(const cli_request *request, const lac_case *c, const char *case_text,
-                              const char *libraries)
+lac_provenance cli_provenance(const cli_request *request, const lac_case *c, const char *case_text)
 {
     lac_provenance provenance = lac_case_provenance(c, case_text);
-    cli_sign(request, libraries, &provenance);
+    cli_sign(request, &provenance);
     return provenance;
 }
 
 lac_status cli_store_dataset(const cli_request *request, const lac_case *c, int64_t seed,
                              const char *path, const lac_dataset *dataset, lac_error *err)
 {
-    char libraries[256];
     char *text = lac_case_text(c);
     LAC_FAIL_MEMORY_IF(text == NULL, err);
-    lac_provenance provenance =
-        cli_provenance(request, c, text, cli_libraries(libraries, sizeof libraries));
+    lac_provenance provenance = cli_provenance(request, c, text);
     provenance.seed = seed != INT64_MIN ? seed : provenance.seed;
     lac_status status =
         lac_store_dataset(path, cli_given(request, CLI_OPT_FORCE), &provenance, dataset, err);

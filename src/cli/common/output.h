@@ -20,14 +20,12 @@ lac_status cli_output_path(const cli_request *request, const lac_case *c, const 
 lac_status cli_output_check(const cli_request *request, const lac_case *c, const char *path,
                             lac_error *err);
 
-/// Says who makes a file, when, with what.
-/// @param libraries  borrowed
-void cli_sign(const cli_request *request, const char *libraries, lac_provenance *provenance);
+/// Says who makes a file, when, with what: texts of the request.
+void cli_sign(const cli_request *request, lac_provenance *provenance);
 
 /// What a file says of its case and who made it.
-/// @param case_text, libraries  borrowed
-lac_provenance cli_provenance(const cli_request *request, const lac_case *c, const char *case_text,
-                              const char *libraries);
+/// @param case_text  borrowed
+lac_provenance cli_provenance(const cli_request *request, const lac_case *c, const char *case_text);
 
 /// Writes the file of a case's result; --force replaces one that is there.
 /// @param seed  of the result; INT64_MIN: the case's own
@@ -37,3 +35,10 @@ lac_status cli_store_dataset(const cli_request *request, const lac_case *c, int6
 
 /// Prints a result as one JSON object on stdout, behind it CPU time and the file.
 void cli_print_json(const lac_dataset *dataset, const char *path);
+
+/// What the files that a case names hold: a section `files:` with a line `NAME: CHECKSUM` for each,
+/// "" where it names none. To be freed; NULL where memory is short.
+char *cli_inputs_sums(const lac_case *c);
+
+/// Version of netCDF.
+const char *cli_netcdf_version(char *text, size_t size);

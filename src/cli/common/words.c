@@ -1,18 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How the program talks: notes on stderr, rows on stdout, the nearest word to an unknown one.
+// How the program talks: notes on stderr, rows on stdout, the nearest word to an unknown one; and
+// nothing that it prints holds control characters, wherever a text comes from.
+#define _GNU_SOURCE // fopencookie
 #include "cli/common/words.h"
 
+#include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/date.h"
+#include "base/hidden.h"
 #include "base/nearest.h"
 #include "base/units.h"
-#include "cli/common/clean.h"
 
-enum { MOST_ROWS = 64 }; // of a table that words are looked up in
+enum { MOST_ROWS = 64, BLOCK = 4096, HELD = 4 }; // rows: of a table that words are looked up in
 
 lac_status cli_unknown(const char *where, const char *word, const char *what,
                        const char *const *known, size_t count, lac_error *err)
@@ -43,6 +47,71 @@ const void *cli_find(const char *where, const char *word, const char *what, cons
     return NULL;
 }
 
+// The first bytes of a character whose others have not come.
+typedef struct held {
+    char bytes[HELD];
+    size_t count;
+} held;
+
+// Puts '?' in the place of control characters in UTF-8 (C0 but tab and newline, DEL) and of hidden
+// ones (lac_hidden_length): those of a title, a column or a file's name are no commands to a
+// terminal, and turn no line around. @return characters that are left
+static size_t clean(char *text, size_t n)
+{
+    size_t kept = 0;
+    for (size_t i = 0; i < n;) {
+        const unsigned char c = (unsigned char)text[i];
+        const size_t hidden = c < 0x80 ? 0 : lac_hidden_length(text + i, n - i);
+        const bool control = (c < 0x20 && c != '\n' && c != '\t') || c == 0x7f;
+        text[kept++] = control || hidden > 0 ? '?' : text[i];
+        i += hidden > 0 ? hidden : 1;
+    }
+    return kept;
+}
+
+static bool write_all(const char *text, size_t n)
+{
+    while (n > 0) {
+        const ssize_t done = write(STDOUT_FILENO, text, n);
+        if (done < 0 && errno != EINTR) {
+            return false;
+        }
+        text += done > 0 ? done : 0;
+        n -= done > 0 ? (size_t)done : 0;
+    }
+    return true;
+}
+
+static ssize_t write_clean(void *context, const char *text, size_t n)
+{
+    held *h = context;
+    char block[BLOCK + HELD];
+    for (size_t done = 0; done < n;) {
+        const size_t more = n - done < BLOCK ? n - done : BLOCK;
+        memcpy(block, h->bytes, h->count);
+        memcpy(block + h->count, text + done, more);
+        const size_t filled = clean(block, h->count + more);
+        h->count = lac_hidden_begun(block, filled);
+        memcpy(h->bytes, block + filled - h->count, h->count);
+        if (!write_all(block, filled - h->count)) {
+            return 0;
+        }
+        done += more;
+    }
+    return (ssize_t)n;
+}
+
+void cli_clean_stdout(void)
+{
+    static held begun;
+    const cookie_io_functions_t functions = {.write = write_clean};
+    FILE *cleaned = fopencookie(&begun, "w", functions);
+    if (cleaned != NULL) {
+        (void)setvbuf(cleaned, NULL, isatty(STDOUT_FILENO) == 1 ? _IOLBF : _IOFBF, BUFSIZ);
+        stdout = cleaned;
+    }
+}
+
 void cli_note_list(const char *format, va_list args)
 {
     char text[2048];
@@ -50,7 +119,7 @@ void cli_note_list(const char *format, va_list args)
     for (char *c = text; *c != '\0'; c++) {
         *c = *c == '\n' || *c == '\t' ? '?' : *c; // a note is one line
     }
-    text[cli_clean(text, strlen(text))] = '\0';
+    text[clean(text, strlen(text))] = '\0';
     (void)fprintf(stderr, "lacuna: %s\n", text);
 }
 

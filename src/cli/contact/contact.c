@@ -8,10 +8,8 @@
 
 #include "base/units.h"
 #include "cli/common/command.h"
-#include "cli/common/libraries.h"
 #include "cli/common/output.h"
 #include "cli/common/progress.h"
-#include "cli/common/signals.h"
 #include "cli/common/words.h"
 #include "cli/report/report.h"
 
@@ -26,29 +24,17 @@ typedef struct contact_job {
     lac_history_store *store;
     size_t done;
     cli_progress progress;
-    char *path, *case_text;
+    char *path;
 } contact_job;
-
-static void job_clear(contact_job *job)
-{
-    free(job->record);
-    lac_scene_contact_clear(&job->contact);
-    lac_case_free(job->source);
-    free(job->case_text);
-    free(job->path);
-}
-
-static const char *const coarsenings[] = {[LAC_SAMPLE] = "sample", [LAC_BLOCK_MEAN] = "block-mean"};
 
 static lac_status read_coarsening(const char *text, lac_coarsening *coarsening, lac_error *err)
 {
-    for (int i = LAC_SAMPLE; i <= LAC_BLOCK_MEAN; i++) {
-        if (strcmp(text, coarsenings[i]) == 0) {
-            *coarsening = (lac_coarsening)i;
-            return LAC_OK;
-        }
-    }
-    return lac_fail(err, LAC_EINPUT, "--coarsening: \"%.60s\" must be sample or block-mean", text);
+    const bool sample = strcmp(text, "sample") == 0;
+    *coarsening = sample ? LAC_SAMPLE : LAC_BLOCK_MEAN;
+    return sample || strcmp(text, "block-mean") == 0
+               ? LAC_OK
+               : lac_fail(err, LAC_EINPUT, "--coarsening: \"%.60s\" must be sample or block-mean",
+                          text);
 }
 
 static bool is_power_of_two(unsigned long n) { return n != 0 && (n & (n - 1)) == 0; }
@@ -88,21 +74,20 @@ static lac_status read_sizes(const char *text, lac_scene_measure_def *def, lac_e
     LAC_FAIL_MEMORY_IF(copy == NULL, err);
     LAC_TRY(lac_units_create(&units, err));
     def->sizes = 0;
-    while (rest != NULL) {
+    while (rest != NULL && status == LAC_OK) {
         const char *word = strsep(&rest, ",");
         double size = 0;
         status = lac_units_parse(units, word + strspn(word, " "), "m", &size, err);
         if (status == LAC_OK && !(size > 0)) {
             status = lac_fail(err, LAC_EINPUT, "must be > 0");
-        }
-        if (status == LAC_OK && def->sizes == LAC_SCENE_SIZES) {
+        } else if (status == LAC_OK && def->sizes == LAC_SCENE_SIZES) {
             status = lac_fail(err, LAC_EINPUT, "is one more than %d", LAC_SCENE_SIZES);
+        } else if (status == LAC_OK) {
+            def->size[def->sizes++] = size;
         }
         if (status != LAC_OK) {
-            status = lac_fail_within(err, status, "--sizes: \"%.60s\"", word);
-            goto out;
+            (void)lac_fail_within(err, status, "--sizes: \"%.60s\"", word);
         }
-        def->size[def->sizes++] = size;
     }
 out:
     lac_units_free(units);
@@ -113,22 +98,17 @@ out:
 static lac_status read_measures(const cli_request *request, lac_scene_measure_def *def,
                                 lac_error *err)
 {
-    lac_status status = LAC_OK;
     *def = lac_scene_measure_default();
     if (request->boxes != NULL) {
-        LAC_TRY(read_boxes(request->boxes, &def->boxes, err));
+        LAC_TRY_RETURN(read_boxes(request->boxes, &def->boxes, err));
     }
     if (request->coarsest != NULL) {
-        LAC_TRY(read_coarsest(request->coarsest, &def->scaling.coarsest, err));
+        LAC_TRY_RETURN(read_coarsest(request->coarsest, &def->scaling.coarsest, err));
     }
     if (request->coarsening != NULL) {
-        LAC_TRY(read_coarsening(request->coarsening, &def->scaling.coarsening, err));
+        LAC_TRY_RETURN(read_coarsening(request->coarsening, &def->scaling.coarsening, err));
     }
-    if (request->sizes != NULL) {
-        LAC_TRY(read_sizes(request->sizes, def, err));
-    }
-out:
-    return status;
+    return request->sizes != NULL ? read_sizes(request->sizes, def, err) : LAC_OK;
 }
 
 static lac_status on_step(void *context, const lac_history_record *record, lac_error *err)
@@ -157,21 +137,17 @@ static lac_status follow(contact_job *job, const lac_history_store_def *def, lac
     const lac_history_sink sink = {
         .context = job, .step = on_step, .maps = on_maps, .interrupted = on_interrupted};
     lac_error late = {""};
+    job->outcome.status = "failed";
     cli_signals_hold();
-    lac_status status = lac_history_store_create(def, &job->store, err);
-    if (status != LAC_OK) {
-        job->outcome.status = "failed";
-        return status;
-    }
+    LAC_TRY_RETURN(lac_history_store_create(def, &job->store, err));
     cli_progress_start(&job->progress, job->request);
-    status = lac_scene_history_run(job->source, &job->contact, &sink, &job->result, err);
+    lac_status status = lac_scene_history_run(job->source, &job->contact, &sink, &job->result, err);
     cli_progress_clear(&job->progress);
-    job->outcome.status = status == LAC_OK           ? "complete"
-                          : status == LAC_EINTERRUPT ? "interrupted"
-                                                     : "failed";
+    const bool whole = status == LAC_OK || status == LAC_EINTERRUPT;
+    job->outcome.status = status == LAC_OK ? "complete" : whole ? "interrupted" : "failed";
     const lac_status finished = lac_history_store_finish(job->store, job->outcome.status, &late);
     lac_history_store_free(job->store);
-    if (finished != LAC_OK && (status == LAC_OK || status == LAC_EINTERRUPT)) {
+    if (finished != LAC_OK && whole) {
         job->outcome.status = "failed"; // the file is not whole
         *err = late;
         return finished;
@@ -182,49 +158,34 @@ static lac_status follow(contact_job *job, const lac_history_store_def *def, lac
                : status;
 }
 
-static bool changes_pressure(const lac_history_def *history)
-{
-    for (size_t i = 0; i < history->count; i++) {
-        if (!isnan(history->step[i].pressure)) {
-            return true;
-        }
-    }
-    return false;
-}
-
 // The history's file is that of the contact too.
-static lac_status follow_history(contact_job *job, const lac_provenance *provenance,
-                                 lac_dataset *dataset, lac_error *err)
+static lac_status follow_history(contact_job *job, lac_dataset *dataset, lac_error *err)
 {
-    static const lac_history_keep keeps[] = {[LAC_HISTORY_ALL] = LAC_KEEP_ALL,
-                                             [LAC_HISTORY_LAST] = LAC_KEEP_LAST,
-                                             [LAC_HISTORY_NONE] = LAC_KEEP_NONE};
+    char *text = lac_case_text(job->source);
     const lac_history_def *history = &job->source->history;
     const size_t steps = lac_scene_history_steps(job->source);
-    const lac_history_store_def def = {
+    lac_history_store_def def = {
         .path = job->path,
         .force = cli_given(job->request, CLI_OPT_FORCE),
-        .provenance = *provenance,
+        .provenance = cli_provenance(job->request, job->source, text),
         .contact = dataset,
-        .keep = keeps[history->fields],
-        .pressed = changes_pressure(history),
+        .keep = (lac_history_keep)history->fields, // the same in the same order
     };
+    for (size_t i = 0; i < history->count; i++) {
+        def.pressed = def.pressed || !isnan(history->step[i].pressure);
+    }
     cli_say(job->request, "following %zu steps", steps);
-    job->record = calloc(steps, sizeof *job->record);
-    job->outcome.result = job->record != NULL ? &job->result : NULL;
-    job->outcome.record = job->record;
-    const lac_status status = job->record != NULL ? follow(job, &def, err) : lac_fail_memory(err);
+    job->outcome.record = job->record = calloc(steps, sizeof *job->record);
+    const bool good = text != NULL && job->record != NULL;
+    job->outcome.result = good ? &job->result : NULL;
+    const lac_status status = good ? follow(job, &def, err) : lac_fail_memory(err);
+    free(text);
     const bool said = status == LAC_EINTERRUPT || status == LAC_EIO; // names its file already
     return said ? status : cli_blame(job->source, status, err);
 }
 
 static lac_status write_file(contact_job *job, lac_error *err)
 {
-    char libraries[256];
-    job->case_text = lac_case_text(job->source);
-    LAC_FAIL_MEMORY_IF(job->case_text == NULL, err);
-    const lac_provenance provenance = cli_provenance(job->request, job->source, job->case_text,
-                                                     cli_libraries(libraries, sizeof libraries));
     const bool history = job->source->history.count > 0;
     lac_dataset *dataset = NULL;
     job->outcome = (lac_contact_outcome){.contact = &job->contact,
@@ -233,11 +194,10 @@ static lac_status write_file(contact_job *job, lac_error *err)
                                          .result = history ? &job->result : NULL};
     lac_status status = lac_contact_describe(&job->outcome, &dataset, err);
     if (status == LAC_OK && history) {
-        status = follow_history(job, &provenance, dataset, err);
+        status = follow_history(job, dataset, err);
     } else if (status == LAC_OK) {
         cli_signals_hold();
-        status = lac_store_dataset(job->path, cli_given(job->request, CLI_OPT_FORCE), &provenance,
-                                   dataset, err);
+        status = cli_store_dataset(job->request, job->source, INT64_MIN, job->path, dataset, err);
     }
     lac_dataset_free(dataset);
     return status;
@@ -273,11 +233,14 @@ lac_status cli_contact(const cli_request *request, lac_error *err)
     LAC_TRY(cli_case_read(request, LAC_FOR_CONTACT, &job.source, NULL, err));
     LAC_TRY(cli_output_path(request, job.source, NULL, "-contact.nc", &job.path, err));
     cli_say(request, "solving the contact of %s", request->argument[0]);
-    LAC_TRY(
-        cli_blame(job.source, lac_scene_contact_solve(job.source, true, &job.contact, err), err));
+    status = lac_scene_contact_solve(job.source, LAC_SCENE_MEASURED, &job.contact, err);
+    LAC_TRY(cli_blame(job.source, status, err));
     LAC_TRY(cli_blame(job.source, lac_scene_contact_measure(&measure, &job.contact, err), err));
     status = show_result(&job, write_file(&job, err), err);
 out:
-    job_clear(&job);
+    free(job.record);
+    lac_scene_contact_clear(&job.contact);
+    lac_case_free(job.source);
+    free(job.path);
     return status;
 }

@@ -9,6 +9,3 @@ void cli_measures_print(const lac_scene_contact *contact);
 /// All that was measured, in rows and, if `tables`, the whole series.
 void cli_contact_print(const lac_case *c, const lac_contact_outcome *outcome, const char *path,
                        bool tables);
-
-/// A table of the steps of the history.
-void cli_steps_print(const lac_contact_outcome *outcome);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A contact in words: its surface, its measures, and with -v the tables of what was fitted.
+// A contact in words: its surface, its measures, its history of loads, and with -v the tables of
+// what was fitted.
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -42,19 +43,14 @@ static void print_hurst(const lac_surface_measures *m)
                 : "");
 }
 
-static const char *range_words(double jrc)
-{
-    if (isnan(jrc)) {
-        return "none: flat";
-    }
-    return jrc < 0.0 ? " (below 0: smoother than it was found for)"
-                     : (jrc > 20.0 ? " (above 20: rougher than it was found for)" : "");
-}
-
 static void print_jrc(double z2, double step, double jrc)
 {
+    const char *range = isnan(jrc)   ? "none: flat"
+                        : jrc < 0.0  ? " (below 0: smoother than it was found for)"
+                        : jrc > 20.0 ? " (above 20: rougher than it was found for)"
+                                     : "";
     cli_row("Z2, JRC", "%.4g at %s: %s%s", z2, cli_amount(step, "m").s,
-            isnan(jrc) ? "" : cli_format("%.1f", jrc).s, range_words(jrc));
+            isnan(jrc) ? "" : cli_format("%.1f", jrc).s, range);
 }
 
 static void print_surface(const lac_surface_stats *surface)
@@ -76,35 +72,26 @@ static void print_surface(const lac_surface_stats *surface)
     }
 }
 
-static const char *weakness(const lac_box_count *boxes)
-{
-    if (boxes->few_cells) {
-        return " (weak: fewer than 500 cells)";
-    }
-    return boxes->dense ? " (more than 30 % of the area: not a fractal set)" : "";
-}
-
-static void print_grid(const lac_grid *grid)
-{
-    const bool oblong = grid->ny > 1 && fabs(grid->dy / grid->dx - 1) > 1e-9;
-    cli_row("grid", "%zu x %zu cells of %s%s%s%s", grid->nx, grid->ny, cli_amount(grid->dx, "m").s,
-            oblong ? " x " : "", oblong ? cli_amount(grid->dy, "m").s : "",
-            grid->periodic ? "" : ", free at its border");
-}
-
 void cli_measures_print(const lac_scene_contact *contact)
 {
     const lac_grid *grid = &contact->grid;
     const size_t cells = contact->domain->n;
     const double *pressure = contact->domain->pressure;
-    print_grid(grid);
+    const bool oblong = grid->ny > 1 && fabs(grid->dy / grid->dx - 1) > 1e-9;
+    const char *weakness = contact->boxes.few_cells ? " (weak: fewer than 500 cells)"
+                           : contact->boxes.dense
+                               ? " (more than 30 % of the area: not a fractal set)"
+                               : "";
+    cli_row("grid", "%zu x %zu cells of %s%s%s%s", grid->nx, grid->ny, cli_amount(grid->dx, "m").s,
+            oblong ? " x " : "", oblong ? cli_amount(grid->dy, "m").s : "",
+            grid->periodic ? "" : ", free at its border");
     cli_row("contact cells", "%zu (%.3g %% of the area)", cells,
             100 * ((double)cells / (double)lac_grid_cells(grid)));
     cli_row_quantity("mean real pressure", lac_sum(cells, pressure) / (double)cells, "Pa");
     cli_row_quantity("largest pressure", lac_vmost(cells, pressure), "Pa");
     if (contact->counted) {
         cli_row("D_box", "%.3f +/- %.3f%s", contact->boxes.dimension, contact->boxes.error,
-                weakness(&contact->boxes));
+                weakness);
     } else if (lac_grid_cells(grid) > 1) {
         cli_row("D_box", "none: the grid or the contact is too small to count boxes");
     }
@@ -128,14 +115,6 @@ static void print_fit(const lac_scaling *s)
     cli_row("fractal pressure", "%.4g N m^-%.3f", s->fractal_pressure, s->dimension);
 }
 
-static void print_size_effect(const lac_scene_fractal *f)
-{
-    const lac_size_strength *last = &f->size[f->sizes - 1];
-    cli_row("size effect", "strength ~ b^-%.3f: at %s %.3g (%.3g to %.3g) of what it is here",
-            2 - f->scaling.dimension, cli_amount(last->size, "m").s, last->relative, last->low,
-            last->high);
-}
-
 static void print_fractal(const lac_scene_contact *contact)
 {
     const lac_scene_fractal *f = &contact->fractal;
@@ -150,7 +129,10 @@ static void print_fractal(const lac_scene_contact *contact)
         cli_row("Delta_S", "none: %s", f->why.message);
     }
     if (f->sizes > 0) {
-        print_size_effect(f);
+        const lac_size_strength *last = &f->size[f->sizes - 1];
+        cli_row("size effect", "strength ~ b^-%.3f: at %s %.3g (%.3g to %.3g) of what it is here",
+                2 - f->scaling.dimension, cli_amount(last->size, "m").s, last->relative, last->low,
+                last->high);
     }
 }
 
@@ -222,21 +204,168 @@ static void print_sizes(const lac_scene_fractal *f)
     print_published();
 }
 
-static void print_tables(const lac_scene_contact *contact)
+// The history of loads, as a table in units that suit the largest values.
+enum { WIDTH = 12 };
+enum { P, Q_X, Q_Y, SHIFT_X, SHIFT_Y, STICK, WORK, HIGHEST, HIGHEST_X, HIGHEST_Y, COLUMNS };
+
+// One column of the table of steps: a value of each, shown in a unit that suits the largest.
+typedef struct column {
+    const char *name, *unit;
+    double largest, scale;
+    const char *prefix;
+    bool shown;
+} column;
+
+// Sticking is of the contact cells.
+static double value_of(const lac_contact_outcome *o, size_t step, size_t at)
 {
-    const lac_scene_fractal *f = &contact->fractal;
-    if (f->scaled) {
-        print_resolutions(contact);
+    const lac_history_record *r = &o->record[step];
+    const lac_tangential_stats *shear = &r->shear;
+    const double area = lac_grid_area(&o->contact->grid);
+    const double value[COLUMNS] = {
+        [P] = r->pressure * area,
+        [Q_X] = shear->traction[0] * area,
+        [Q_Y] = shear->traction[1] * area,
+        [SHIFT_X] = shear->shift[0],
+        [SHIFT_Y] = shear->shift[1],
+        [STICK] = 100.0 * (double)shear->stick_cells / (double)shear->contact_cells,
+        [WORK] = shear->dissipation,
+        [HIGHEST] = isnan(r->highest[0]) ? (double)NAN : shear->highest_ratio,
+        [HIGHEST_X] = r->highest[0],
+        [HIGHEST_Y] = r->highest[1],
+    };
+    return value[at];
+}
+
+// The unit with the prefix in which the largest value is at least 1.
+static void choose_unit(const lac_contact_outcome *o, size_t at, column *c)
+{
+    static const char prefixes[][2] = {"G", "M", "k", "", "m", "u", "n"};
+    static const double scales[] = {1e9, 1e6, 1e3, 1, 1e-3, 1e-6, 1e-9};
+    enum { UNITS = sizeof scales / sizeof *scales, METRE = 3 };
+    const bool bare = c->unit[0] == '%' || c->unit[0] == '\0';
+    c->shown = true;
+    c->scale = 1;
+    c->prefix = "";
+    for (size_t i = 0; i < o->result->steps; i++) {
+        c->largest = fmax(c->largest, fabs(value_of(o, i, at)));
     }
-    if (contact->counted) {
-        print_boxes(contact);
+    for (size_t i = c->unit[0] == 'm' ? METRE : 0; !bare && c->largest > 0 && i < UNITS; i++) {
+        c->scale = scales[i];
+        c->prefix = prefixes[i];
+        if (c->largest >= c->scale) {
+            break;
+        }
     }
-    if (f->clustered) {
-        print_clusters(&f->clusters);
+}
+
+// Two columns that belong together are read in one unit.
+static void share_unit(column *a, column *b)
+{
+    column *smaller = a->largest >= b->largest ? b : a;
+    const column *larger = smaller == a ? b : a;
+    smaller->scale = larger->scale;
+    smaller->prefix = larger->prefix;
+}
+
+// An axis that is not loaded and hardly moves takes no room.
+static void hide_idle_axis(column *columns)
+{
+    const double idle_load = 1e-6, idle_shift = 0.01;
+    for (int i = 1; i >= 0; i--) {
+        int other = 1 - i;
+        if (columns[Q_X + i].largest <= idle_load * columns[Q_X + other].largest &&
+            columns[SHIFT_X + i].largest <= idle_shift * columns[SHIFT_X + other].largest &&
+            columns[Q_X + other].shown) {
+            columns[Q_X + i].shown = false;
+            columns[SHIFT_X + i].shown = false;
+        }
     }
-    if (f->sizes > 0) {
-        print_sizes(f);
+}
+
+static void print_step(const lac_contact_outcome *o, size_t step, const column *columns)
+{
+    const double noise = 1e-9;
+    printf("  %5zu", step + 1);
+    for (size_t i = 0; i < COLUMNS; i++) {
+        const column *c = &columns[i];
+        const double value = value_of(o, step, i);
+        if (c->shown && isnan(value)) {
+            printf(" %*s", WIDTH, "-");
+        } else if (c->shown) {
+            printf(" %*.5g", WIDTH, fabs(value) > noise * c->largest ? value / c->scale : 0.0);
+        }
     }
+    putchar('\n');
+}
+
+// The closed ones; a history of thousands of increments may close as many.
+static void print_cycles(const lac_contact_outcome *o, const column *work)
+{
+    enum { MOST = 20 };
+    double longest = 0;
+    size_t printed = 0;
+    for (size_t i = 0; i < o->result->steps; i++) {
+        const double *shift = o->record[i].shear.shift;
+        longest = fmax(longest, hypot(shift[0], shift[1]));
+    }
+    for (size_t i = 0; i < o->result->steps; i++) {
+        const lac_history_record *r = &o->record[i];
+        if (r->cycle_start == SIZE_MAX || r->cycle_shift > 0.01 * longest) {
+            continue;
+        }
+        if (printed++ == MOST) {
+            cli_row("more cycles", "in the file and with --json");
+            return;
+        }
+        cli_row(cli_format("cycle %zu to %zu", r->cycle_start, i + 1).s,
+                "%.5g %sJ of frictional work", r->cycle_dissipation / work->scale, work->prefix);
+    }
+}
+
+static void print_history(const lac_contact_outcome *o)
+{
+    const lac_history_result *r = o->result;
+    column columns[COLUMNS] = {
+        [P] = {"P", "N"},
+        [Q_X] = {"Q_x", "N"},
+        [Q_Y] = {"Q_y", "N"},
+        [SHIFT_X] = {"shift_x", "m"},
+        [SHIFT_Y] = {"shift_y", "m"},
+        [STICK] = {"stick", "%"},
+        [WORK] = {"work", "J"},
+        [HIGHEST] = {"q/(f p)", ""},
+        [HIGHEST_X] = {"at x", "m"},
+        [HIGHEST_Y] = {"y", "m"},
+    };
+    for (size_t i = 0; i < COLUMNS; i++) {
+        choose_unit(o, i, &columns[i]);
+    }
+    share_unit(&columns[Q_X], &columns[Q_Y]);
+    share_unit(&columns[SHIFT_X], &columns[SHIFT_Y]);
+    share_unit(&columns[HIGHEST_X], &columns[HIGHEST_Y]);
+    hide_idle_axis(columns);
+    cli_row("friction", "%.4g, direct", o->friction);
+    cli_row("steps", "%zu of %zu (%s)", r->steps, r->planned, o->status);
+    if (r->loaded) {
+        cli_row("first slip", "at %.4g f P if nothing slipped before, at x = %s, y = %s",
+                r->first_slip.factor, cli_amount(r->first_place[0], "m").s,
+                cli_amount(r->first_place[1], "m").s);
+    }
+    printf("\n  %5s", "step");
+    for (const column *c = columns; c < columns + COLUMNS; c++) {
+        if (c->shown) {
+            printf(
+                " %*s", WIDTH,
+                cli_format(*c->unit == '\0' ? "%s" : "%s (%s%s)", c->name, c->prefix, c->unit).s);
+        }
+    }
+    putchar('\n');
+    for (size_t i = 0; i < r->steps; i++) {
+        print_step(o, i, columns);
+    }
+    putchar('\n');
+    print_cycles(o, &columns[WORK]);
 }
 
 void cli_contact_print(const lac_case *c, const lac_contact_outcome *outcome, const char *path,
@@ -261,11 +390,20 @@ void cli_contact_print(const lac_case *c, const lac_contact_outcome *outcome, co
         cli_row_quantity("approach", report->approach, "m");
     }
     if (outcome->result != NULL) {
-        cli_steps_print(outcome);
+        print_history(outcome);
     }
     cli_row("time taken", "CPU %s", cli_amount(cli_cpu_time(), "s").s);
     cli_row("file", "%s", path);
-    if (tables) {
-        print_tables(contact);
+    if (tables && contact->fractal.scaled) {
+        print_resolutions(contact);
+    }
+    if (tables && contact->counted) {
+        print_boxes(contact);
+    }
+    if (tables && contact->fractal.clustered) {
+        print_clusters(&contact->fractal.clusters);
+    }
+    if (tables && contact->fractal.sizes > 0) {
+        print_sizes(&contact->fractal);
     }
 }

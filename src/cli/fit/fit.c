@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// lacuna fit CASE SERIES.csv: the fit, its file and the fitted case.
-#include "cli/fit/fit.h"
+// lacuna fit CASE SERIES.csv: the fit, its file and the fitted case, and what it came to in words.
 
 #include <errno.h>
+#include <inttypes.h>
 #include <limits.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -13,11 +14,11 @@
 #include "cli/common/command.h"
 #include "cli/common/output.h"
 #include "cli/common/progress.h"
-#include "cli/common/signals.h"
 #include "cli/common/words.h"
 #include "cli/precursors/series.h"
 #include "cli/report/report.h"
 #include "data/dataset.h"
+#include "fit/fit.h"
 
 enum { COLUMNS = 5 };
 
@@ -52,20 +53,17 @@ static void job_clear(fit_job *job)
 // A word as a YAML text in single quotes, within which only they themselves are doubled.
 static char *quote(const char *word)
 {
-    char *text = malloc(2 * strlen(word) + 3);
-    char *at = text;
-    if (text == NULL) {
-        return NULL;
-    }
-    *at++ = '\'';
-    for (; *word != '\0'; word++) {
-        *at++ = *word;
-        if (*word == '\'') {
-            *at++ = '\'';
+    char *text = calloc(2 * strlen(word) + 3, 1), *at = text;
+    if (text != NULL) {
+        *at++ = '\'';
+        for (; *word != '\0'; word++) {
+            *at++ = *word;
+            if (*word == '\'') {
+                *at++ = '\'';
+            }
         }
+        *at = '\'';
     }
-    *at++ = '\'';
-    *at = '\0';
     return text;
 }
 
@@ -99,28 +97,14 @@ static lac_status set_columns(fit_job *job, lac_error *err)
     return LAC_OK;
 }
 
-static lac_status read_series(fit_job *job, lac_error *err)
-{
-    const char *path = job->request.argument[1];
-    const lac_status status = lac_fit_series(job->source, path, &job->series, err);
-    if (status == LAC_OK) {
-        cli_series_warn(&job->request, path, job->series);
-    }
-    return status;
-}
-
 // OUT.yaml beside OUT.nc.
 static lac_status name_case(fit_job *job, lac_error *err)
 {
-    size_t n = strlen(job->path);
-    const char ending[] = ".yaml";
-    if (n > 3 && strcmp(job->path + n - 3, ".nc") == 0) {
-        n -= 3;
-    }
-    job->case_path = malloc(n + sizeof ending);
+    const size_t n = strlen(job->path), size = n + sizeof ".yaml";
+    const bool netcdf = n > 3 && strcmp(job->path + n - 3, ".nc") == 0;
+    job->case_path = malloc(size);
     LAC_FAIL_MEMORY_IF(job->case_path == NULL, err);
-    memcpy(job->case_path, job->path, n);
-    memcpy(job->case_path + n, ending, sizeof ending);
+    (void)snprintf(job->case_path, size, "%.*s.yaml", (int)(netcdf ? n - 3 : n), job->path);
     return cli_output_check(&job->request, job->source, job->case_path, err);
 }
 
@@ -134,7 +118,8 @@ static lac_status prepare(fit_job *job, lac_error *err)
     LAC_TRY(cli_case_read(request, LAC_FOR_FIT, &job->source, NULL, err));
     LAC_TRY(cli_output_path(request, job->source, NULL, "-fit.nc", &job->path, err));
     LAC_TRY(name_case(job, err));
-    LAC_TRY(read_series(job, err));
+    LAC_TRY(lac_fit_series(job->source, request->argument[1], &job->series, err));
+    cli_series_warn(request, request->argument[1], job->series);
     status = lac_fit_create(job->source, job->series, threads, &job->fit, err);
     if (status != LAC_OK) {
         (void)lac_fail_within(err, status, "%s", request->argument[1]);
@@ -189,36 +174,17 @@ static lac_status move_case(const char *path, lac_case *c, lac_error *err)
     return lac_case_rebase(c, folder, err);
 }
 
-static lac_status write_whole(const char *path, const char *head, const char *text, lac_error *err)
-{
-    const size_t size = strlen(head) + strlen(text) + sizeof "\n";
-    char *whole = malloc(size);
-    LAC_FAIL_MEMORY_IF(whole == NULL, err);
-    (void)snprintf(whole, size, "%s\n%s", head, text);
-    const lac_status status = lac_write_text(path, whole, true, err); // asked for before the fit
-    free(whole);
-    return status;
-}
-
-// Whether YAML takes the character of so many bytes in the line of a comment.
-static bool is_plain(const unsigned char *s, size_t length)
-{
-    const bool none = length == 3 && memcmp(s, "\xef\xbf", 2) == 0 && s[2] >= 0xbe; // of Unicode
-    const bool plain = length > 1 ? !none && lac_hidden_length((const char *)s, length) == 0
-                                  : length == 1 && *s >= 0x20 && *s < 0x7f;
-    return plain;
-}
-
-// A file's name may hold what would end the comment: '?' instead.
+// A file's name may hold what would end the comment, or what YAML does not take: '?' instead.
 static void make_plain(char *text)
 {
-    for (unsigned char *s = (unsigned char *)text; *s != '\0';) {
-        const size_t length = lac_utf8_length(s);
-        const size_t step = length > 0 ? length : 1;
-        if (!is_plain(s, length)) {
-            memset(s, '?', step);
+    for (size_t step; *text != '\0'; text += step) {
+        const unsigned char *s = (const unsigned char *)text;
+        const size_t n = lac_utf8_length(s);
+        const bool none = n == 3 && memcmp(s, "\xef\xbf", 2) == 0 && s[2] >= 0xbe; // of Unicode
+        step = n > 0 ? n : 1;
+        if (n > 1 ? none || lac_hidden_length(text, n) > 0 : n < 1 || *s < 0x20 || *s >= 0x7f) {
+            memset(text, '?', step);
         }
-        s += step;
     }
 }
 
@@ -226,21 +192,202 @@ static void make_plain(char *text)
 // it stands in, or in full where that is another than the working folder.
 static lac_status write_case(const fit_job *job, lac_error *err)
 {
-    char head[4 * PATH_MAX];
+    enum { HEAD = 4 * PATH_MAX };
     lac_fit_apply(&job->result, job->fitted);
-    lac_status status = move_case(job->case_path, job->fitted, err);
-    if (status != LAC_OK) {
-        return status;
-    }
+    LAC_TRY_RETURN(move_case(job->case_path, job->fitted, err));
     char *text = lac_case_text(job->fitted);
-    LAC_FAIL_MEMORY_IF(text == NULL, err);
-    (void)snprintf(head, sizeof head,
-                   "# %s fitted to %s by lacuna fit: the best fit; its uncertainty is in %s",
-                   job->source->path, job->request.argument[1], job->path);
-    make_plain(head);
-    status = write_whole(job->case_path, head, text, err);
+    const size_t room = HEAD + (text != NULL ? strlen(text) : 0) + sizeof "\n";
+    char *whole = malloc(room);
+    lac_status status = text == NULL || whole == NULL ? lac_fail_memory(err) : LAC_OK;
+    if (status == LAC_OK) {
+        (void)snprintf(whole, HEAD,
+                       "# %s fitted to %s by lacuna fit: the best fit; its uncertainty is in %s",
+                       job->source->path, job->request.argument[1], job->path);
+        make_plain(whole);
+        const size_t head = strlen(whole);
+        (void)snprintf(whole + head, room - head, "\n%s", text);
+        status = lac_write_text(job->case_path, whole, true, err); // asked for before the fit
+    }
     free(text);
+    free(whole);
     return status;
+}
+
+static cli_text when(const lac_case *c, double t)
+{
+    if (!isfinite(t)) {
+        return cli_format(isnan(t) ? "-" : "not by time.end");
+    }
+    return c->dated ? cli_date(c->start_date + t) : cli_amount(t, "s");
+}
+
+static void print_data(const lac_fit_result *r)
+{
+    cli_row("readings",
+            "%zu displacements, %zu velocities; left out: %zu outside the run, %zu missing",
+            r->displacements, r->velocities, r->outside, r->missing);
+    if (r->not_positive > 0) {
+        cli_row("", "%zu velocities <= 0 left out: they have no logarithm", r->not_positive);
+    }
+}
+
+static void print_best(const lac_case *c, const lac_fit_result *r)
+{
+    if (r->displacements > 0) {
+        cli_row("misfit", "rms %s after an offset of %s", cli_amount(r->displacement_rms, "m").s,
+                cli_amount(r->offset, "m").s);
+        cli_row("residuals",
+                "%s: correlation of successive ones %.2f; the readings' own scatter %s",
+                r->poor ? "the model fits badly, they are not noise" : "like noise",
+                r->autocorrelation, cli_amount(r->scatter, "m").s);
+    }
+    if (r->velocities > 0) {
+        cli_row("misfit of rates", "rms of ln %.3g (a factor of %.2f)", r->log_rate_rms,
+                exp(r->log_rate_rms));
+    }
+    if (isnan(r->failure)) {
+        cli_row("failure, best fit", "not by time.end");
+        return;
+    }
+    cli_row("failure, best fit", "%s +- %s", when(c, r->failure).s,
+            cli_amount(r->failure_error, "s").s);
+}
+
+// The standard error of the least squares and how the derivatives were had.
+static void print_error(const lac_fit_unknown *x)
+{
+    static const char *const by[] = {"sensitivities", "differences of runs", "-"};
+    const double nothing = 10.0; // e-folds
+    if (isnan(x->error)) {
+        puts("-");
+    } else if (x->log && !(x->error < nothing)) {
+        printf("not told by the data; by %s\n", by[x->by]);
+    } else {
+        printf("%s %.3g; by %s\n", x->log ? "a factor of" : "+-", x->log ? exp(x->error) : x->error,
+               by[x->by]);
+    }
+}
+
+static void print_unknowns(const lac_fit_result *r)
+{
+    printf("\n  %-36s %-12s %-12s %s\n", "estimate", "best", "median",
+           "90 % of the posterior; R-hat, ESS");
+    for (size_t k = 0; k < r->unknowns; k++) {
+        const lac_fit_unknown *x = &r->unknown[k];
+        printf("  %-36s %-12s ", x->key, cli_amount(x->best, x->unit).s);
+        if (!r->sampled) {
+            print_error(x);
+            continue;
+        }
+        printf("%-12s %s to %s; %.3f, %.0f\n", cli_amount(x->quantile[2], x->unit).s,
+               cli_amount(x->quantile[0], x->unit).s, cli_amount(x->quantile[4], x->unit).s,
+               x->converged.rhat, x->converged.ess);
+    }
+}
+
+// What stands at the end of what was allowed is no estimate: the data want more of it.
+static void print_ends(const lac_fit_result *r)
+{
+    for (size_t k = 0; k < r->unknowns; k++) {
+        const lac_fit_unknown *x = &r->unknown[k];
+        if (x->end != 0) {
+            cli_row("at its end", "the best fit of %s stands at the %s end of its range, %s",
+                    x->key, x->end < 0 ? "lower" : "upper", cli_amount(x->limit, x->unit).s);
+        }
+    }
+}
+
+static void print_axis(const char *label, const lac_fit_result *r, const lac_fit_combination *axis)
+{
+    char text[600] = "";
+    for (size_t k = 0; k < r->parameters; k++) {
+        size_t used = strlen(text);
+        if (fabs(axis->power[k]) >= 0.1) {
+            (void)snprintf(text + used, sizeof text - used, "%s%s^%.2f", used > 0 ? " " : "",
+                           r->unknown[k].key, axis->power[k]);
+        }
+    }
+    if (axis->sigma < 10.0) {
+        cli_row(label, "%s, to a factor of %.4g", text, exp(axis->sigma));
+    } else {
+        cli_row(label, "%s, not told by the data", text);
+    }
+}
+
+static void print_pairs(const lac_fit_result *r, bool all)
+{
+    for (size_t k = 0; k < r->parameters; k++) {
+        for (size_t l = 0; l < k; l++) {
+            double c = r->correlation[k][l];
+            if (all || fabs(c) > 0.9) {
+                cli_row(fabs(c) > 0.9 ? "trade off" : "", "%s and %s: correlation %.3f",
+                        r->unknown[l].key, r->unknown[k].key, c);
+            }
+        }
+    }
+}
+
+static void print_identifiability(const lac_fit_result *r, bool verbose)
+{
+    puts("\n  what the data tell, and what not");
+    print_pairs(r, verbose);
+    if (r->parameters > 1) {
+        print_axis("known best", r, &r->axis[r->parameters - 1]);
+        print_axis("known least", r, &r->axis[0]);
+    }
+    if (r->one_block && r->sampled) {
+        cli_row("(m/dc)(1-x^(m-1))", "%s, 90 %%: %s to %s, to a factor of %.3g",
+                cli_amount(r->shape.quantile[2], "m-1").s,
+                cli_amount(r->shape.quantile[0], "m-1").s,
+                cli_amount(r->shape.quantile[4], "m-1").s, exp(r->shape_sigma));
+    }
+}
+
+// From one time of failure to a later one; where the first is beyond the end, so is the second.
+static void print_range(const char *share, const lac_case *c, double from, double to)
+{
+    if (isinf(from)) {
+        cli_row("", "%s: not by time.end", share);
+    } else {
+        cli_row("", "%s: %s to %s", share, when(c, from).s, when(c, to).s);
+    }
+}
+
+static void print_posterior(const lac_case *c, const lac_fit_result *r)
+{
+    const double *failure = r->failures.quantile;
+    if (!r->sampled) {
+        return;
+    }
+    cli_row("sampler", "%zu walkers, %zu steps kept after %zu, acceptance %.2f", r->chain->walkers,
+            r->chain->steps, r->dropped, r->acceptance);
+    if (!r->converged) {
+        cli_row("", "has not converged (R-hat above %.2f): do not rely on the intervals",
+                LAC_FIT_RHAT);
+    }
+    cli_row("failure", "median %s; %.3g %% of %zu draws fail by time.end", when(c, failure[2]).s,
+            100.0 * r->failing, r->draws);
+    print_range("50 %", c, failure[1], failure[3]);
+    print_range("90 %", c, failure[0], failure[4]);
+}
+
+static void print_text(const lac_fit_outcome *outcome, const char *series, double wall_time,
+                       bool verbose)
+{
+    const lac_fit_result *r = outcome->result;
+    const lac_case *source = outcome->source;
+    if (source->title != NULL) {
+        puts(source->title);
+    }
+    cli_row("series", "%s", series);
+    print_data(r);
+    print_best(source, r);
+    print_unknowns(r);
+    print_ends(r);
+    print_identifiability(r, verbose);
+    puts("");
+    print_posterior(source, r);
+    cli_row("cost", "%" PRId64 " runs in %.3g s", r->runs, wall_time);
 }
 
 static void print_json(const fit_job *job, const lac_dataset *dataset, double wall_time)
@@ -272,8 +419,7 @@ static lac_status put_out(fit_job *job, lac_status computed, lac_error *err)
     if (cli_given(request, CLI_OPT_JSON)) {
         print_json(job, dataset, wall_time);
     } else {
-        cli_fit_print(&outcome, request->argument[1], wall_time,
-                      cli_given(request, CLI_OPT_VERBOSE));
+        print_text(&outcome, request->argument[1], wall_time, cli_given(request, CLI_OPT_VERBOSE));
         cli_row("file", "%s", job->path);
         cli_row("fitted case", "%s", job->case_path);
     }

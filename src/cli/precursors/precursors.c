@@ -7,10 +7,8 @@
 
 #include "base/statistics.h"
 #include "cli/common/command.h"
-#include "cli/common/libraries.h"
 #include "cli/common/output.h"
 #include "cli/common/progress.h"
-#include "cli/common/signals.h"
 #include "cli/common/words.h"
 #include "cli/report/report.h"
 #include "data/dataset.h"
@@ -111,7 +109,7 @@ static lac_status read_cells(const cli_watched *watched, cells *out, lac_error *
     if (!watched->run) {
         return LAC_OK;
     }
-    LAC_TRY(read_values(watched->path, out, err));
+    LAC_TRY(read_values(watched->of.source, out, err));
     if (has_all(out, EVENT_TIME, EVENT_MOMENT)) {
         LAC_TRY(sort_events(out, watched->start, err));
         out->inputs.events = &out->events;
@@ -188,11 +186,11 @@ static lac_status roll(precursors_job *job, lac_error *err)
                                 &job->rolling, err);
     job->interrupted = status == LAC_EINTERRUPT && job->rolling != NULL;
     LAC_TRY(job->interrupted ? LAC_OK : status);
-    if (!isnan(w->failed_at)) {
+    if (!isnan(w->of.failed_at)) {
         job->skill = calloc(job->rolling->methods, sizeof *job->skill);
         LAC_TRY(job->skill != NULL ? LAC_OK : lac_fail_memory(err));
         LAC_TRY(
-            lac_rolling_measure(job->rolling, w->failed_at, job->plan.horizon, job->skill, err));
+            lac_rolling_measure(job->rolling, w->of.failed_at, job->plan.horizon, job->skill, err));
     }
 out:
     return status;
@@ -200,13 +198,13 @@ out:
 
 static lac_status write_file(const precursors_job *job, const lac_dataset *dataset, lac_error *err)
 {
-    char libraries[256];
     const lac_case *c = job->source;
     char *text = c != NULL ? lac_case_text(c) : NULL;
     LAC_FAIL_MEMORY_IF(c != NULL && text == NULL, err);
-    lac_provenance provenance = {
-        .title = job->watched.path, .case_text = text, .seed = c != NULL ? c->fit.seed : INT64_MIN};
-    cli_sign(job->request, cli_libraries(libraries, sizeof libraries), &provenance);
+    lac_provenance provenance = {.title = job->watched.of.source,
+                                 .case_text = text,
+                                 .seed = c != NULL ? c->fit.seed : INT64_MIN};
+    cli_sign(job->request, &provenance);
     const lac_status status = lac_store_dataset(
         job->request->output, cli_given(job->request, CLI_OPT_FORCE), &provenance, dataset, err);
     free(text);
@@ -216,19 +214,15 @@ static lac_status write_file(const precursors_job *job, const lac_dataset *datas
 static lac_status put_out(const precursors_job *job, lac_error *err)
 {
     const cli_request *request = job->request;
-    const lac_forecast_outcome outcome = {.source = job->watched.path,
-                                          .series = job->watched.series,
-                                          .readings = &job->watched.readings,
-                                          .dated = job->watched.dated,
-                                          .failed_at = job->watched.failed_at,
-                                          .horizon = job->plan.horizon,
-                                          .forecasts = job->forecasts,
-                                          .indicators = job->indicators,
-                                          .indicator = job->indicator,
-                                          .rolling = job->rolling,
-                                          .interrupted = job->interrupted,
-                                          .indicator_series = job->indicator_series,
-                                          .skill = job->skill};
+    lac_forecast_outcome outcome = job->watched.of;
+    outcome.horizon = job->plan.horizon;
+    outcome.forecasts = job->forecasts;
+    outcome.indicators = job->indicators;
+    outcome.indicator = job->indicator;
+    outcome.rolling = job->rolling;
+    outcome.interrupted = job->interrupted;
+    outcome.indicator_series = job->indicator_series;
+    outcome.skill = job->skill;
     lac_dataset *dataset = NULL;
     lac_status status;
     LAC_TRY(lac_forecast_describe(&outcome, &dataset, err));
@@ -242,7 +236,7 @@ static lac_status put_out(const precursors_job *job, lac_error *err)
         lac_json_text(&json, "output", request->output);
         lac_json_close(&json, '}');
     } else {
-        cli_precursors_print(&outcome, &job->watched, cli_given(request, CLI_OPT_VERBOSE));
+        cli_precursors_print(&outcome, cli_given(request, CLI_OPT_VERBOSE));
         if (request->output != NULL) {
             printf("\n");
             cli_row("file", "%s", request->output);
@@ -263,12 +257,12 @@ lac_status cli_precursors(const cli_request *request, lac_error *err)
         LAC_TRY(cli_output_check(request, job.source, request->output, err));
     }
     LAC_TRY(cli_watched_read(request, job.source, job.units, &job.watched, err));
-    LAC_TRY(cli_forecast_plan_read(request, job.watched.dated, job.units, &job.plan, err));
+    LAC_TRY(cli_forecast_plan_read(request, job.watched.of.dated, job.units, &job.plan, err));
     if (job.watched.run) { // a run has neither outliers nor resets
         job.plan.def.motion.raw = true;
     }
     if (job.source != NULL) {
-        job.how.dated = job.watched.dated;
+        job.how.dated = job.watched.of.dated;
         job.plan.def.model = &job.model;
         cli_signals_hold();
         cli_say(request, "fitting %s to %zu readings", job.source->path, job.watched.readings.n);

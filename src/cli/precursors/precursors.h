@@ -8,14 +8,11 @@
 
 /// What precursors are looked for in: a monitoring file or a run.
 typedef struct cli_watched {
-    const char *path;
+    lac_forecast_outcome of;                ///< as far as the input says it; its series is owned
     bool run;                               ///< the file of a run
-    bool dated;                             ///< times are seconds since 1970 UTC
-    lac_series *series;                     ///< owned; NULL: a run
     double *time, *displacement, *velocity; ///< owned; of a run
     lac_readings readings;                  ///< up to --until
     double start;                           ///< of a run's clock on the series' [s]
-    double failed_at;                       ///< [s]; NaN: not known; INFINITY: never
 } cli_watched;
 
 /// Reads it, and --until and --failed-at.
@@ -27,7 +24,7 @@ void cli_watched_clear(cli_watched *watched);
 
 /// A time of its clock: "2015-07-05 09:54", or a number in the unit that the file counts in, of a
 /// run in the unit that reads best; "-" where there is none.
-cli_text cli_watched_time(const cli_watched *watched, double t);
+cli_text cli_watched_time(const lac_forecast_outcome *of, double t);
 
 /// The rest of what the options say.
 typedef struct cli_forecast_plan {
@@ -38,5 +35,4 @@ typedef struct cli_forecast_plan {
 lac_status cli_forecast_plan_read(const cli_request *request, bool dated, const lac_units *units,
                                   cli_forecast_plan *plan, lac_error *err);
 
-void cli_precursors_print(const lac_forecast_outcome *outcome, const cli_watched *watched,
-                          bool verbose);
+void cli_precursors_print(const lac_forecast_outcome *outcome, bool verbose);

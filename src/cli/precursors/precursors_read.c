@@ -45,16 +45,16 @@ static lac_status read_run(cli_watched *w, lac_error *err)
     size_t n = 0;
     double start = 0.0;
     lac_status status;
-    LAC_TRY(lac_stored_file_open(w->path, &file, err));
+    LAC_TRY(lac_stored_file_open(w->of.source, &file, err));
     for (size_t i = 0; i < 3; i++) {
         LAC_TRY(lac_stored_file_series(file, names[i], &read, err));
         *to[i] = read.value;
         n = read.n;
     }
-    w->dated = lac_stored_file_text(file, NULL, "time_coverage_start", text, sizeof text) &&
-               lac_date_parse(text, &start);
+    w->of.dated = lac_stored_file_text(file, NULL, "time_coverage_start", text, sizeof text) &&
+                  lac_date_parse(text, &start);
     w->start = start;
-    w->failed_at = lac_stored_file_number(file, NULL, "failure_time_s") + start;
+    w->of.failed_at = lac_stored_file_number(file, NULL, "failure_time_s") + start;
     for (size_t i = 0; i < n; i++) {
         w->time[i] += start;
     }
@@ -82,12 +82,12 @@ static lac_status read_series(const cli_request *request, const lac_case *known,
                                .sigma = fit->sigma,
                                .sigma_unit = fit->sigma_unit};
     }
-    lac_status status = cli_series_read(request, &def, w->path, units, &w->series, err);
-    if (status == LAC_OK) {
-        w->dated = w->series->dated;
-        w->readings = lac_series_readings(w->series);
-    }
-    return status;
+    lac_series *series = NULL;
+    LAC_TRY_RETURN(cli_series_read(request, &def, w->of.source, units, &series, err));
+    w->of.series = series;
+    w->of.dated = series->dated;
+    w->readings = lac_series_readings(series);
+    return LAC_OK;
 }
 
 static lac_status cut(const cli_request *request, const lac_units *units, cli_watched *w,
@@ -95,12 +95,12 @@ static lac_status cut(const cli_request *request, const lac_units *units, cli_wa
 {
     double until = INFINITY;
     if (request->until != NULL) {
-        LAC_TRY_RETURN(cli_series_time("until", request->until, w->dated, units, &until, err));
+        LAC_TRY_RETURN(cli_series_time("until", request->until, w->of.dated, units, &until, err));
     }
     while (w->readings.n > 0 && w->readings.time[w->readings.n - 1] > until) {
         w->readings.n--;
     }
-    LAC_FAIL_IF(w->readings.n == 0, err, LAC_EINPUT, "%s: has no reading%s%s", w->path,
+    LAC_FAIL_IF(w->readings.n == 0, err, LAC_EINPUT, "%s: has no reading%s%s", w->of.source,
                 request->until != NULL ? " until " : "",
                 request->until != NULL ? request->until : "");
     return LAC_OK;
@@ -110,18 +110,20 @@ lac_status cli_watched_read(const cli_request *request, const lac_case *known,
                             const lac_units *units, cli_watched *out, lac_error *err)
 {
     const char *failed_at = request->forecast.failed_at;
-    *out = (cli_watched){.path = request->argument[0], .failed_at = NAN};
+    *out = (cli_watched){
+        .of = {.source = request->argument[0], .readings = &out->readings, .failed_at = NAN}};
     out->run = is_run(request);
     lac_status status =
         out->run ? read_run(out, err) : read_series(request, known, units, out, err);
     LAC_TRY(status);
     LAC_TRY(cut(request, units, out, err));
     if (failed_at != NULL && strcmp(failed_at, "never") == 0) {
-        out->failed_at = INFINITY;
+        out->of.failed_at = INFINITY;
     } else if (failed_at != NULL) {
-        LAC_TRY(cli_series_time("failed-at", failed_at, out->dated, units, &out->failed_at, err));
+        LAC_TRY(
+            cli_series_time("failed-at", failed_at, out->of.dated, units, &out->of.failed_at, err));
     }
-    if (failed_at != NULL && !(out->failed_at > out->readings.time[0])) {
+    if (failed_at != NULL && !(out->of.failed_at > out->readings.time[0])) {
         LAC_TRY(lac_fail(err, LAC_EINPUT,
                          "--failed-at: \"%s\" must be later than the first reading", failed_at));
     }
@@ -131,7 +133,7 @@ out:
 
 void cli_watched_clear(cli_watched *watched)
 {
-    lac_series_free(watched->series);
+    lac_series_free((lac_series *)watched->of.series);
     free(watched->time);
     free(watched->displacement);
     free(watched->velocity);
@@ -235,13 +237,13 @@ static cli_text clock_text(const lac_series *series, double t)
     return cli_format(long_number ? "%.0f %s" : "%.6g %s", x, series->time_name);
 }
 
-cli_text cli_watched_time(const cli_watched *watched, double t)
+cli_text cli_watched_time(const lac_forecast_outcome *of, double t)
 {
     if (!isfinite(t)) {
         return cli_format("-");
     }
-    if (!watched->dated) {
-        return clock_text(watched->series, t);
+    if (!of->dated) {
+        return clock_text(of->series, t);
     }
     cli_text text = cli_date(t);
     if (strlen(text.s) != 20) {

@@ -27,23 +27,15 @@ static const unit *unit_of(const lac_rolling *roll)
     return u;
 }
 
-// What is printed.
-typedef struct result {
-    const lac_forecast_outcome *of;
-    const cli_watched *watched; // which is its clock
-} result;
-
-static cli_text when(const result *r, double t) { return cli_watched_time(r->watched, t); }
-
-static void print_input(const result *r)
+static void print_input(const lac_forecast_outcome *of)
 {
-    const lac_readings *in = r->of->readings;
-    const lac_forecast_set *o = r->of->forecasts;
+    const lac_readings *in = of->readings;
+    const lac_forecast_set *o = of->forecasts;
     const lac_motion *m = o->motion;
-    const lac_series *s = r->of->series;
-    printf("%s\n", r->of->source);
-    cli_row("readings", "%zu from %s to %s", in->n, when(r, in->time[0]).s,
-            when(r, in->time[in->n - 1]).s);
+    const lac_series *s = of->series;
+    printf("%s\n", of->source);
+    cli_row("readings", "%zu from %s to %s", in->n, cli_watched_time(of, in->time[0]).s,
+            cli_watched_time(of, in->time[in->n - 1]).s);
     if (s != NULL) {
         cli_row("  of which", "%zu missing, %zu duplicates dropped, %zu out of order", s->missing,
                 s->duplicates, s->disordered);
@@ -61,24 +53,28 @@ static void print_input(const result *r)
     if (isfinite(m->noise)) {
         cli_row_quantity("  noise", m->noise, "m");
     }
-    cli_row("issued", "%s", when(r, o->issue_time).s);
+    cli_row("issued", "%s", cli_watched_time(of, o->issue_time).s);
     if (o->asked && !o->accelerating) {
         cli_row("", "it does not accelerate: --since has the methods asked all the same");
     }
     if (o->asked) {
-        cli_row("fitted since", "%s", when(r, o->window_start).s);
+        cli_row("fitted since", "%s", cli_watched_time(of, o->window_start).s);
     }
 }
 
-static void print_forecast(const result *r, const lac_forecast *f)
+static void print_forecast(const lac_forecast_outcome *of, const lac_forecast *f)
 {
-    printf("  %-12s %-17s ", f->kind->info.name, when(r, f->time).s);
+    printf("  %-12s %-17s ", f->kind->info.name, cli_watched_time(of, f->time).s);
     if (!f->issued) {
         printf("not issued: %s\n", f->fit.reason);
         return;
     }
-    printf("%-36s %-36s ", cli_format("%s to %s", when(r, f->low50).s, when(r, f->high50).s).s,
-           cli_format("%s to %s", when(r, f->low90).s, when(r, f->high90).s).s);
+    printf(
+        "%-36s %-36s ",
+        cli_format("%s to %s", cli_watched_time(of, f->low50).s, cli_watched_time(of, f->high50).s)
+            .s,
+        cli_format("%s to %s", cli_watched_time(of, f->low90).s, cli_watched_time(of, f->high90).s)
+            .s);
     if (f->fit.rms_unit == NULL) {
         puts("-");
     } else {
@@ -171,11 +167,11 @@ static void print_indicators(size_t count, const lac_precursor *indicator)
 }
 
 // Time left by each method at each issue time; "." where none was issued.
-static void print_lives(const result *r)
+static void print_lives(const lac_forecast_outcome *of)
 {
-    const lac_rolling *roll = r->of->rolling;
+    const lac_rolling *roll = of->rolling;
     const unit *u = unit_of(roll);
-    const double failed_at = r->of->failed_at;
+    const double failed_at = of->failed_at;
     printf("\n  %-22s %s", cli_format("life expectancy (%s)", u->head).s,
            isfinite(failed_at) ? "     true" : "");
     for (size_t k = 0; k < roll->methods; k++) {
@@ -192,7 +188,7 @@ static void print_lives(const result *r)
         if (!any) {
             continue;
         }
-        printf("  %-22s", when(r, now).s);
+        printf("  %-22s", cli_watched_time(of, now).s);
         if (isfinite(failed_at)) {
             printf(" %9.3g", (failed_at - now) / u->seconds);
         }
@@ -212,9 +208,9 @@ static double headline(const lac_indicator_series *indicator_series, size_t issu
 }
 
 // One number of each indicator at each time of issue at which any has one.
-static void print_course(const result *r)
+static void print_course(const lac_forecast_outcome *of)
 {
-    const lac_indicator_series *indicator_series = r->of->indicator_series;
+    const lac_indicator_series *indicator_series = of->indicator_series;
     size_t shown[LAC_PRECURSORS_MAX], count = 0;
     for (size_t k = 0; k < indicator_series->kinds; k++) {
         size_t i = 0;
@@ -244,7 +240,7 @@ static void print_course(const result *r)
             any = any || !isnan(headline(indicator_series, i, shown[k]));
         }
         if (any) {
-            printf("  %-22s", when(r, r->of->rolling->issue_time[i]).s);
+            printf("  %-22s", cli_watched_time(of, of->rolling->issue_time[i]).s);
         }
         for (size_t k = 0; k < count && any; k++) {
             const double value = headline(indicator_series, i, shown[k]);
@@ -264,13 +260,13 @@ static cli_text share(size_t part, const lac_skill *s)
 
 static cli_text number(double value) { return cli_format(isnan(value) ? "-" : "%.3g", value); }
 
-static void print_skill(const result *r)
+static void print_skill(const lac_forecast_outcome *of)
 {
-    const unit *u = unit_of(r->of->rolling);
+    const unit *u = unit_of(of->rolling);
     printf("\n  %-12s %7s %12s %10s %10s %10s %10s   %s\n", "skill", "issued",
            cli_format("error (%s)", u->name).s, "in 50 %", "in 90 %",
            cli_format("CRPS (%s)", u->name).s, "baseline", "alarms: hits, false, missed");
-    for (const lac_skill *s = r->of->skill; s < r->of->skill + r->of->rolling->methods; s++) {
+    for (const lac_skill *s = of->skill; s < of->skill + of->rolling->methods; s++) {
         printf("  %-12s %3zu/%-3zu %12s %10s %10s %10s %10s   %zu: %zu, %zu, %zu\n",
                s->kind->info.name, s->issued, s->asked, number(s->error / u->seconds).s,
                share(s->inside50, s).s, share(s->inside90, s).s, number(s->crps / u->seconds).s,
@@ -278,14 +274,13 @@ static void print_skill(const result *r)
                s->misses);
     }
     printf("  An alarm: failure within %s with a chance of three in four.\n",
-           cli_amount(r->of->horizon, "s").s);
+           cli_amount(of->horizon, "s").s);
 }
 
-void cli_precursors_print(const lac_forecast_outcome *of, const cli_watched *watched, bool verbose)
+void cli_precursors_print(const lac_forecast_outcome *of, bool verbose)
 {
-    const result all = {of, watched}, *r = &all;
     const lac_forecast_set *o = of->forecasts;
-    print_input(r);
+    print_input(of);
     if (o->asked) {
         printf("\n  %-12s %-17s %-36s %-36s %s\n", "method", "failure", "50 % interval",
                "90 % interval", "rms");
@@ -293,7 +288,7 @@ void cli_precursors_print(const lac_forecast_outcome *of, const cli_watched *wat
         cli_row("no forecast", "%s", o->forecast[0].fit.reason);
     }
     for (size_t k = 0; o->asked && k < o->count; k++) {
-        print_forecast(r, &o->forecast[k]);
+        print_forecast(of, &o->forecast[k]);
     }
     print_beside(o);
     print_ends(o);
@@ -303,10 +298,10 @@ void cli_precursors_print(const lac_forecast_outcome *of, const cli_watched *wat
     }
     print_indicators(of->indicators, of->indicator);
     if (of->rolling != NULL) {
-        print_lives(r);
-        print_course(r);
+        print_lives(of);
+        print_course(of);
     }
     if (of->skill != NULL) {
-        print_skill(r);
+        print_skill(of);
     }
 }

@@ -10,11 +10,6 @@
 #include "base/units.h"
 #include "cli/common/words.h"
 
-void cli_report_print(const lac_case_issues *report, const cli_request *request)
-{
-    cli_report_print_of(report, request, "");
-}
-
 // The issue as it was asked for: --accuracy sets a key that the user did not name.
 static lac_case_issue as_given(const lac_case_issue *issue, const cli_request *request)
 {
@@ -150,7 +145,7 @@ lac_status cli_case_read(const cli_request *request, lac_case_purpose purpose, l
     const bool runs = purpose == LAC_FOR_RUN || purpose == LAC_FOR_FIT || purpose == LAC_FOR_CHECK;
     status = status == LAC_OK && runs ? ask_loads(*c, all, err) : status;
     status = status == LAC_OK && purpose == LAC_FOR_FIT ? ask_fit(*c, all, err) : status;
-    cli_report_print(all, request);
+    cli_report_print_of(all, request, "");
     if (all->errors > 0) {
         err->message[0] = '\0'; // said already, line by line
     }

@@ -4,10 +4,8 @@
 #include "cli/common/options.h"
 #include "data/json.h"
 
-/// Prints the errors of a case on stderr, one line each, and its warnings unless --quiet.
-void cli_report_print(const lac_case_issues *report, const cli_request *request);
-
-/// The same with the warnings of keys that begin with `section` only.
+/// Prints the errors of a case on stderr, one line each, and unless --quiet its warnings of keys
+/// that begin with `section`.
 void cli_report_print_of(const lac_case_issues *report, const cli_request *request,
                          const char *section);
 

@@ -19,19 +19,13 @@
 
 enum { LONGEST_CASE = 1 << 18 };
 
-static const char *base_name(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash != NULL ? slash + 1 : path;
-}
-
 // -o, else RUN.html in this folder.
 static char *output_path(const cli_request *request)
 {
     if (request->output != NULL) {
         return strdup(request->output);
     }
-    const char *name = base_name(request->argument[0]);
+    const char *name = lac_page_name(request->argument[0]);
     const size_t length = strlen(name);
     const size_t stem = length > 3 && strcmp(name + length - 3, ".nc") == 0 ? length - 3 : length;
     char *path = malloc(stem + sizeof ".html");
@@ -64,7 +58,7 @@ static lac_case *read_case(const char *run)
 static const lac_compare_def *find_compare(const lac_case *c, const char *path)
 {
     for (size_t i = 0; c != NULL && i < c->compare_count; i++) {
-        if (strcmp(base_name(c->compare[i].path), base_name(path)) == 0) {
+        if (strcmp(lac_page_name(c->compare[i].path), lac_page_name(path)) == 0) {
             return &c->compare[i];
         }
     }
@@ -185,7 +179,7 @@ lac_status cli_report_page(const cli_request *request, lac_error *err)
     const char *name = request->compare != NULL ? request->compare : request->fit;
     const lac_page_def def = {.run = request->argument[0],
                               .series = series,
-                              .series_name = series != NULL ? base_name(name) : NULL,
+                              .series_name = series != NULL ? lac_page_name(name) : NULL,
                               .fit = request->fit,
                               .made_by = "lacuna " LACUNA_VERSION,
                               .now = (double)time(NULL)};

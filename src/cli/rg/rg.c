@@ -9,7 +9,6 @@
 #include "cli/common/command.h"
 #include "cli/common/output.h"
 #include "cli/common/progress.h"
-#include "cli/common/signals.h"
 #include "cli/common/words.h"
 #include "cli/report/report.h"
 #include "scene/scene_rg.h"
@@ -24,12 +23,6 @@ typedef struct rg_job {
     lac_scene_rg rg;
     char *path;
 } rg_job;
-
-static bool is_file(const char *path)
-{
-    const size_t length = strlen(path);
-    return (length > 3 && strcmp(path + length - 3, ".nc") == 0) || lac_stored_is_netcdf(path);
-}
 
 // A file holds one interface with its tractions: only rg's own keys can differ, and not all.
 static lac_status check_override(const lac_override *set, lac_error *err)
@@ -59,10 +52,7 @@ static lac_status read_case(const cli_request *request, const char *text, lac_ca
     lac_case_issues report = {0};
     const lac_case_request how = {LAC_FOR_CELLS, request->overrides, request->set_count};
     for (size_t i = 0; i < request->set_count; i++) {
-        lac_status status = check_override(&request->overrides[i], err);
-        if (status != LAC_OK) {
-            return status;
-        }
+        LAC_TRY_RETURN(check_override(&request->overrides[i], err));
     }
     lac_status status =
         lac_case_read_text(request->argument[0], text, strlen(text), &how, c, &report, err);
@@ -74,42 +64,31 @@ static lac_status read_case(const cli_request *request, const char *text, lac_ca
     return status;
 }
 
-static lac_status parse_time(const char *text, const lac_case *c, double *time, lac_error *err)
-{
-    lac_status status = cli_parse_time(text, c, time, err);
-    return status == LAC_EINPUT ? lac_fail(err, status,
-                                           "--snapshot: \"%s\" must be last, a number from 0, or a "
-                                           "time such as \"10 day\"%s",
-                                           text, c->dated ? " or a date" : "")
-                                : status;
-}
-
-// The last, or a number; a time only when the case is known, which says from when it counts.
-static lac_snapshot_choice choose(const char *text)
-{
-    lac_snapshot_choice choice = {.by = LAC_SNAPSHOT_LAST};
-    if (text == NULL || strcmp(text, "last") == 0) {
-        return choice;
-    }
-    bool number = text[strspn(text, "0123456789")] == '\0';
-    choice.by = number ? LAC_SNAPSHOT_INDEX : LAC_SNAPSHOT_TIME;
-    choice.index = number ? (size_t)strtoull(text, NULL, 10) : 0; // the largest where too large
-    return choice;
-}
-
 // The case that a file holds, and its cells at the snapshot asked for.
 static lac_status read_file(rg_job *job, lac_error *err)
 {
-    const char *path = job->request->argument[0];
-    lac_snapshot_choice choice = choose(job->request->snapshot);
-    const lac_snapshot_choice any = {.by = LAC_SNAPSHOT_LAST};
-    const bool by_time = choice.by == LAC_SNAPSHOT_TIME;
+    const char *path = job->request->argument[0], *text = job->request->snapshot;
+    const bool last = text == NULL || strcmp(text, "last") == 0;
+    // a time only when the case is known, which says from when it counts
+    const bool by_time = !last && text[strspn(text, "0123456789")] != '\0';
+    lac_snapshot_choice choice = {.by = last || by_time ? LAC_SNAPSHOT_LAST : LAC_SNAPSHOT_INDEX};
     lac_status status;
-    LAC_TRY(lac_stored_cells_read(path, by_time ? &any : &choice, &job->cells, err));
+    if (choice.by == LAC_SNAPSHOT_INDEX) {
+        choice.index = (size_t)strtoull(text, NULL, 10); // the largest where too large
+    }
+    LAC_TRY(lac_stored_cells_read(path, &choice, &job->cells, err));
     LAC_TRY(read_case(job->request, job->cells.case_text, &job->source, err));
     if (by_time) {
-        LAC_TRY(parse_time(job->request->snapshot, job->source, &choice.time, err));
+        status = cli_parse_time(text, job->source, &choice.time, err);
+        if (status == LAC_EINPUT) {
+            (void)lac_fail(err, status,
+                           "--snapshot: \"%s\" must be last, a number from 0, or a time such as "
+                           "\"10 day\"%s",
+                           text, job->source->dated ? " or a date" : "");
+        }
+        LAC_TRY(status);
         lac_stored_cells_clear(&job->cells);
+        choice.by = LAC_SNAPSHOT_TIME;
         LAC_TRY(lac_stored_cells_read(path, &choice, &job->cells, err));
     }
     job->source->rg.field = LAC_RG_EQUAL; // of the further load, whatever the case says
@@ -118,34 +97,12 @@ out:
     return status;
 }
 
-static lac_status read_source(rg_job *job, lac_error *err)
-{
-    const char *name = job->request->argument[0];
-    job->stored = is_file(name);
-    if (job->stored) {
-        return read_file(job, err);
-    }
-    LAC_FAIL_IF(job->request->snapshot != NULL, err, LAC_EINPUT,
-                "--snapshot: %s is a case; only files have snapshots", name);
-    return cli_case_read(job->request, LAC_FOR_RG, &job->source, NULL, err);
-}
-
 static bool go_on(void *context, size_t done, size_t seeds)
 {
     if (seeds > 1) {
         cli_say(((const rg_job *)context)->request, "interface %zu of %zu", done + 1, seeds);
     }
     return !cli_signals_stop();
-}
-
-static lac_status follow(rg_job *job, lac_error *err)
-{
-    const lac_rg_watch watch = {job, go_on};
-    const lac_rg_cells cells = {job->cells.domain, job->cells.shear, job->cells.time};
-    cli_say(job->request, "following the cascade of %s", job->request->argument[0]);
-    cli_signals_hold();
-    return job->stored ? lac_scene_rg_cells(job->source, &cells, &job->rg, err)
-                       : lac_scene_rg_run(job->source, &watch, &job->rg, err);
 }
 
 static void print_file(const lac_stored_cells *cells, const lac_scene_rg *rg)
@@ -236,16 +193,6 @@ static void print_now(const lac_rg_result *r, const lac_scene_rg_now *now)
             r->block[0]);
 }
 
-static void print_first(const lac_scene_rg *rg, const lac_rg_result *r)
-{
-    double place[2];
-    const size_t first = lac_scene_rg_first(rg, r, place);
-    if (first != SIZE_MAX) {
-        cli_row("slips first", "the cell at (%.4g, %.4g) m%s, by Q/Q_nom = %.4g", place[0],
-                place[1], rg->seeds > 1 ? " of the last interface" : "", r->cell_load[first]);
-    }
-}
-
 static void print_beta(const lac_scene_rg *rg, size_t k, bool from_law, bool verbose)
 {
     const lac_rg_result *r = rg->result[k];
@@ -265,7 +212,12 @@ static void print_beta(const lac_scene_rg *rg, size_t k, bool from_law, bool ver
     if (rg->now.loaded) {
         print_now(r, &rg->now);
     } else {
-        print_first(rg, r);
+        double place[2];
+        const size_t first = lac_scene_rg_first(rg, r, place);
+        if (first != SIZE_MAX) {
+            cli_row("slips first", "the cell at (%.4g, %.4g) m%s, by Q/Q_nom = %.4g", place[0],
+                    place[1], rg->seeds > 1 ? " of the last interface" : "", r->cell_load[first]);
+        }
     }
     cli_row("fixed point C", "%s", with_interval(&r->fixed_point).s);
     cli_row("lambda", "%s", with_interval(&r->lambda).s);
@@ -278,8 +230,16 @@ static void print_beta(const lac_scene_rg *rg, size_t k, bool from_law, bool ver
     }
 }
 
-static void print_rg(const lac_case *c, const lac_scene_rg *rg, bool verbose)
+static void print_rg(const rg_job *job)
 {
+    const lac_case *c = job->source;
+    const lac_scene_rg *rg = &job->rg;
+    if (c->title != NULL) {
+        puts(c->title);
+    }
+    if (job->stored) {
+        print_file(&job->cells, rg);
+    }
     cli_row("rule, field", "%s, %s", lac_scene_rg_rule(c), lac_scene_rg_field(c));
     cli_row("interfaces", "%zu of %zu x %zu cells, the blocks at %zu places of each", rg->seeds,
             rg->grid.nx, rg->grid.ny, rg->result[0]->places);
@@ -293,40 +253,44 @@ static void print_rg(const lac_case *c, const lac_scene_rg *rg, bool verbose)
     }
     cli_row_quantity("f p", rg->strength, "Pa");
     for (size_t k = 0; k < rg->betas; k++) {
-        print_beta(rg, k, c->rg.betas == 0, verbose);
+        print_beta(rg, k, c->rg.betas == 0, cli_given(job->request, CLI_OPT_VERBOSE));
     }
-}
-
-static void print_result(const rg_job *job)
-{
-    if (job->source->title != NULL) {
-        puts(job->source->title);
-    }
-    if (job->stored) {
-        print_file(&job->cells, &job->rg);
-    }
-    print_rg(job->source, &job->rg, cli_given(job->request, CLI_OPT_VERBOSE));
     cli_row("file", "%s", job->path);
 }
 
 lac_status cli_rg(const cli_request *request, lac_error *err)
 {
     rg_job job = {.request = request};
+    const lac_rg_watch watch = {&job, go_on};
     lac_dataset *dataset = NULL;
     lac_status status;
-    LAC_TRY(read_source(&job, err));
+    const char *name = request->argument[0];
+    const size_t length = strlen(name);
+    job.stored =
+        (length > 3 && strcmp(name + length - 3, ".nc") == 0) || lac_stored_is_netcdf(name);
+    if (job.stored) {
+        LAC_TRY(read_file(&job, err));
+    } else if (request->snapshot != NULL) {
+        LAC_TRY(
+            lac_fail(err, LAC_EINPUT, "--snapshot: %s is a case; only files have snapshots", name));
+    } else {
+        LAC_TRY(cli_case_read(request, LAC_FOR_RG, &job.source, NULL, err));
+    }
     LAC_TRY(cli_output_path(request, job.source, NULL, "-rg.nc", &job.path, err));
-    LAC_TRY(cli_blame(job.source, follow(&job, err), err));
-    const lac_rg_outcome outcome = {.source = job.source,
-                                    .rg = &job.rg,
-                                    .file = request->argument[0],
-                                    .cells = job.stored ? &job.cells : NULL};
+    const lac_rg_cells cells = {job.cells.domain, job.cells.shear, job.cells.time};
+    cli_say(request, "following the cascade of %s", name);
+    cli_signals_hold();
+    status = job.stored ? lac_scene_rg_cells(job.source, &cells, &job.rg, err)
+                        : lac_scene_rg_run(job.source, &watch, &job.rg, err);
+    LAC_TRY(cli_blame(job.source, status, err));
+    const lac_rg_outcome outcome = {
+        .source = job.source, .rg = &job.rg, .file = name, .cells = job.stored ? &job.cells : NULL};
     LAC_TRY(lac_scene_rg_describe(&outcome, &dataset, err));
     LAC_TRY(cli_store_dataset(request, job.source, INT64_MIN, job.path, dataset, err));
     if (cli_given(request, CLI_OPT_JSON)) {
         cli_print_json(dataset, job.path);
     } else {
-        print_result(&job);
+        print_rg(&job);
     }
 out:
     lac_dataset_free(dataset);

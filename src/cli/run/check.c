@@ -7,10 +7,10 @@
 #include <unistd.h>
 
 #include "cli/common/command.h"
-#include "cli/common/failure.h"
 #include "cli/common/words.h"
 #include "cli/report/compare.h"
 #include "cli/report/report.h"
+#include "cli/run/run_outcome.h"
 #include "scene/estimate.h"
 
 // What `check` has found beyond the text of the case.

@@ -1,17 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // lacuna run: a simulation with its file, its page and its progress.
+#define _GNU_SOURCE // asprintf
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/units.h"
 #include "cli/common/command.h"
-#include "cli/common/failure.h"
-#include "cli/common/inputs.h"
-#include "cli/common/libraries.h"
 #include "cli/common/output.h"
 #include "cli/common/progress.h"
-#include "cli/common/signals.h"
 #include "cli/common/words.h"
 #include "cli/report/report.h"
 #include "cli/run/run_outcome.h"
@@ -30,7 +27,7 @@ typedef struct run_job {
     cli_progress progress;
     cli_view *view; // with --view
     char *path, *inputs;
-    char libraries[256];
+    const char *libraries;
     lac_checkpoint_file resume; // with --resume
     double started;
 } run_job;
@@ -50,70 +47,55 @@ static void job_clear(run_job *job)
 
 static bool goes_on(const run_job *job) { return cli_given(job->request, CLI_OPT_RESUME); }
 
-enum { LINE = 200 };
+enum { LINE = 199 }; // bytes of a line that messages show
 
-// A resolved case, line by line, without what may differ.
-typedef struct lines {
-    const char *at;
-    const char *rest;               // follows where `at` ends; NULL
-    char section[LINE], line[LINE]; // as much of them as messages show
-    size_t length;                  // of the whole line
-    const char *start;
-} lines;
-
-static bool may_differ(const lines *l)
+// Whether a line of a resolved case may differ.
+static bool may_differ(const char *section, const char *line)
 {
     static const char *const free_lines[][2] = {
-        {"time:", "  end:"}, {"solver:", "  max_steps:"}, {"output:", "  file:"}};
+        {"time:\n", "  end:"}, {"solver:\n", "  max_steps:"}, {"output:\n", "  file:"}};
     bool differs = false;
-    for (size_t i = 0; i < sizeof free_lines / sizeof free_lines[0]; i++) {
-        differs |= strcmp(l->section, free_lines[i][0]) == 0 &&
-                   strncmp(l->line, free_lines[i][1], strlen(free_lines[i][1])) == 0;
+    for (size_t i = 0; i < sizeof free_lines / sizeof *free_lines; i++) {
+        differs |= strncmp(section, free_lines[i][0], strlen(free_lines[i][0])) == 0 &&
+                   strncmp(line, free_lines[i][1], strlen(free_lines[i][1])) == 0;
     }
     return differs;
 }
 
-// The next line; "" at the end.
-static void next(lines *l)
+// The line here, or the next that may not differ; "" at the end. @param section  that it is of
+static const char *find_line(const char *at, const char **section)
 {
-    do {
-        if (*l->at == '\0' && l->rest != NULL) {
-            l->at = l->rest;
-            l->rest = NULL;
+    for (;;) {
+        *section = *at != ' ' ? at : *section;
+        if (!may_differ(*section, at)) {
+            return at;
         }
-        l->start = l->at;
-        l->length = strcspn(l->at, "\n");
-        (void)snprintf(l->line, sizeof l->line, "%.*s", (int)(l->length < LINE ? l->length : LINE),
-                       l->at);
-        l->at += l->length + (l->at[l->length] == '\n');
-        if (l->line[0] != ' ') {
-            memcpy(l->section, l->line, sizeof l->section);
-        }
-    } while (l->length > 0 && may_differ(l));
+        at += strcspn(at, "\n");
+        at += *at == '\n';
+    }
 }
 
-static bool is_same(const lines *a, const lines *b)
+static cli_text shown(const char *line, const char *nothing)
 {
-    return a->length == b->length && memcmp(a->start, b->start, a->length) == 0;
+    const int length = (int)strcspn(line, "\n"), indent = (int)strspn(line, " ");
+    return length == 0
+               ? cli_format("%s", nothing)
+               : cli_format("%.*s", (length < LINE ? length : LINE) - indent, line + indent);
 }
 
-static const char *shown(const lines *l)
+static lac_status compare_cases(const char *path, const char *then, const char *now, lac_error *err)
 {
-    return l->length == 0 ? "(nothing)" : l->line + strspn(l->line, " ");
-}
-
-static lac_status compare_cases(const char *path, const char *then, const char *now,
-                                const char *inputs, lac_error *err)
-{
-    lines a = {.at = then};
-    lines b = {.at = now, .rest = inputs};
+    const char *section[] = {then, now};
+    size_t length = 0;
     do {
-        next(&a);
-        next(&b);
-        LAC_FAIL_IF(!is_same(&a, &b), err, LAC_EINPUT,
+        then = find_line(then + length, &section[0]);
+        now = find_line(now + length, &section[1]);
+        length = strcspn(then, "\n") + 1; // with its end
+        LAC_FAIL_IF(strncmp(then, now, length) != 0, err, LAC_EINPUT,
                     "--resume: %s was begun with another case: it said %s %s, now %s %s", path,
-                    a.section, shown(&a), b.section, shown(&b));
-    } while (a.length > 0);
+                    shown(section[0], "").s, shown(then, "(nothing)").s, shown(section[1], "").s,
+                    shown(now, "(nothing)").s);
+    } while (then[length - 1] != '\0');
     return LAC_OK;
 }
 
@@ -131,8 +113,8 @@ static lac_status compare_programs(const char *path, const lac_checkpoint_file *
 
 // Reads the checkpoint of a run's file and sees that this program and this case can go on from it.
 // What may differ: time.end, solver.max_steps, and the name of the file.
-static lac_status read_resumed(const char *path, const char *case_text, const char *inputs,
-                               const char *libraries, lac_checkpoint_file *out, lac_error *err)
+static lac_status read_resumed(const char *path, const char *case_text, const char *libraries,
+                               lac_checkpoint_file *out, lac_error *err)
 {
     char status_word[32];
     lac_status status;
@@ -147,7 +129,7 @@ static lac_status read_resumed(const char *path, const char *case_text, const ch
     }
     LAC_TRY(lac_checkpoint_file_read(path, out, err));
     LAC_TRY(compare_programs(path, out, libraries, err));
-    LAC_TRY(compare_cases(path, out->case_text, case_text, inputs, err));
+    LAC_TRY(compare_cases(path, out->case_text, case_text, err));
 out:
     return status;
 }
@@ -155,11 +137,12 @@ out:
 // Reads what --resume goes on from, of the case as it is run.
 static lac_status read_checkpoint(run_job *job, const lac_case *c, lac_error *err)
 {
-    char *text = lac_case_text(c);
-    lac_status status = text == NULL ? lac_fail_memory(err)
-                                     : read_resumed(job->path, text, job->inputs, job->libraries,
-                                                    &job->resume, err);
+    char *text = lac_case_text(c), *whole = NULL;
+    const bool there = text != NULL && asprintf(&whole, "%s%s", text, job->inputs) >= 0;
+    lac_status status = there ? read_resumed(job->path, whole, job->libraries, &job->resume, err)
+                              : lac_fail_memory(err);
     free(text);
+    free(there ? whole : NULL);
     LAC_FAIL_IF(status == LAC_OK && job->resume.from.time >= job->source->run.end, err, LAC_EINPUT,
                 "--resume: the checkpoint of %s is at %s, not before the end of the run", job->path,
                 cli_exact(job->resume.from.time, "s").s);
@@ -181,7 +164,7 @@ static lac_status prepare(run_job *job, lac_error *err)
     LAC_TRY(cli_output_path(job->request, job->source, job->source->output_file, ".nc", &job->path,
                             err));
     LAC_TRY(cli_compare_read(job->request, job->source, &job->compare, err));
-    (void)cli_libraries(job->libraries, sizeof job->libraries);
+    job->libraries = job->request->libraries;
     job->inputs = cli_inputs_sums(job->source);
     LAC_TRY(job->inputs != NULL ? LAC_OK : lac_fail_memory(err));
     if (goes_on(job) && isnan(job->source->accuracy)) {
@@ -246,7 +229,7 @@ static lac_status open_store(run_job *job, const lac_outcome *so_far, lac_error 
 {
     lac_store_def def;
     LAC_TRY_RETURN(lac_simulation_file(job->simulation, &def, err));
-    cli_sign(job->request, job->libraries, &def.provenance);
+    cli_sign(job->request, &def.provenance);
     def.path = job->path;
     def.force = cli_given(job->request, CLI_OPT_FORCE);
     def.inputs = job->inputs;

@@ -9,11 +9,31 @@
 #include <sys/resource.h>
 
 #include "base/units.h"
-#include "cli/common/failure.h"
 #include "cli/common/progress.h"
 #include "cli/common/words.h"
 #include "cli/contact/contact.h"
 #include "data/dataset.h"
+
+const char *const cli_failure_lowered =
+    "a p/eta: damping holds the joint below that of the case; judged by all cells as one";
+
+void cli_failure_warn(const lac_failure *failure)
+{
+    // a decade: what accelerates by less has hardly left creep
+    const double clear = 10.0;
+    const cli_text reach = cli_amount(failure->reach, "m/s");
+    const cli_text rate = cli_amount(failure->rate, "m/s");
+    if (failure->lowered && failure->rate < clear * failure->start) {
+        cli_note("warning: the failure rate, %s, is only %.2g times the slip rate at the start: "
+                 "radiation damping holds so light a joint at some %s; give it its mass (inertia)",
+                 rate.s, failure->rate / failure->start, reach.s);
+    } else if (!failure->lowered && failure->reach > 0.0 && failure->reach < failure->rate) {
+        cli_note("warning: time.failure.mean_slip_rate: %s is out of reach, radiation damping "
+                 "holds the joint at some %s from the start; only time.failure.mean_slip counts, "
+                 "or give it its mass (inertia)",
+                 rate.s, reach.s);
+    }
+}
 
 // Linux counts in KiB.
 static int64_t peak_memory(void)
@@ -23,32 +43,27 @@ static int64_t peak_memory(void)
     return (int64_t)usage.ru_maxrss * 1024;
 }
 
-// What a sink that stands before the file's keeps of a run.
-static bool grow(double **array, size_t room)
+// What a sink that stands before the file's keeps of a run: three series in one array.
+static lac_status make_room(cli_history *h, size_t n, lac_error *err)
 {
-    double *grown = realloc(*array, room * sizeof *grown);
-    if (grown == NULL) {
-        return false;
-    }
-    *array = grown;
-    return true;
-}
-
-static lac_status make_room(cli_history *h, lac_error *err)
-{
-    if (h->n < h->room) {
+    const size_t least = h->room > 0 ? 2 * h->room : 1024, room = n > least ? n : least;
+    if (n <= h->room) {
         return LAC_OK;
     }
-    size_t room = h->room > 0 ? 2 * h->room : 1024;
-    LAC_FAIL_MEMORY_IF(!grow(&h->time, room) || !grow(&h->slip, room) || !grow(&h->rate, room),
-                       err);
+    double *grown = realloc(h->time, 3 * room * sizeof *grown);
+    LAC_FAIL_MEMORY_IF(grown == NULL, err);
+    memmove(grown + 2 * room, grown + 2 * h->room, h->n * sizeof *grown);
+    memmove(grown + room, grown + h->room, h->n * sizeof *grown);
     h->room = room;
+    h->time = grown;
+    h->slip = grown + room;
+    h->rate = grown + 2 * room;
     return LAC_OK;
 }
 
 static lac_status keep_record(cli_history *h, const lac_record *record, lac_error *err)
 {
-    lac_status status = make_room(h, err);
+    lac_status status = make_room(h, h->n + 1, err);
     if (status == LAC_OK) {
         h->time[h->n] = h->clock + record->time_origin + record->time_local;
         h->slip[h->n] = record->observation.mean_slip;
@@ -73,18 +88,6 @@ static lac_status on_record(void *context, const lac_record *record, lac_error *
     return status;
 }
 
-static lac_status on_snapshot(void *context, const lac_snapshot *snapshot, lac_error *err)
-{
-    cli_history *h = context;
-    return h->next.snapshot != NULL ? h->next.snapshot(h->next.context, snapshot, err) : LAC_OK;
-}
-
-static lac_status on_event(void *context, const lac_event *event, lac_error *err)
-{
-    cli_history *h = context;
-    return h->next.event != NULL ? h->next.event(h->next.context, event, err) : LAC_OK;
-}
-
 // The kept series, as long as it is.
 static void pass_series(cli_history *h, lac_archive *archive)
 {
@@ -92,10 +95,7 @@ static void pass_series(cli_history *h, lac_archive *archive)
     lac_archive_pass(archive, &n, sizeof n);
     if (n > h->room && lac_archive_good(archive)) {
         archive->short_of = n > archive->size / sizeof(double);
-        bool room =
-            !archive->short_of && grow(&h->time, n) && grow(&h->slip, n) && grow(&h->rate, n);
-        archive->no_memory = !room && !archive->short_of;
-        h->room = room ? n : h->room;
+        archive->no_memory = !archive->short_of && make_room(h, n, NULL) != LAC_OK;
     }
     if (!lac_archive_good(archive)) {
         return;
@@ -127,29 +127,18 @@ static lac_status on_checkpoint(void *context, const lac_checkpoint *checkpoint,
     return status;
 }
 
-static lac_status on_once(void *context, const double *values, lac_error *err)
-{
-    cli_history *h = context;
-    return h->next.once != NULL ? h->next.once(h->next.context, values, err) : LAC_OK;
-}
-
 lac_sink cli_history_sink(cli_history *history)
 {
-    return (lac_sink){.size = sizeof(lac_sink),
-                      .context = history,
-                      .record = on_record,
-                      .snapshot = on_snapshot,
-                      .event = on_event,
-                      .serialize = on_keep,
-                      .checkpoint = history->next.checkpoint != NULL ? on_checkpoint : NULL,
-                      .once = on_once};
+    lac_sink sink = lac_sink_before(&history->next);
+    sink.record = on_record;
+    sink.serialize = on_keep;
+    sink.checkpoint = sink.checkpoint != NULL ? on_checkpoint : NULL;
+    return sink;
 }
 
 void cli_history_clear(cli_history *history)
 {
     free(history->time);
-    free(history->slip);
-    free(history->rate);
     *history = (cli_history){0};
 }
 

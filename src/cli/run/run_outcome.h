@@ -10,7 +10,7 @@ typedef struct cli_history {
     bool keep;                  ///< keep time, slip and rate of every record
     double clock;               ///< added to the kept times [s]
     size_t n, room;             ///< records kept
-    double *time, *slip, *rate; ///< [room]
+    double *time, *slip, *rate; ///< [room] in one allocation
     bool begun;
     lac_record first, last;
     bool saved; ///< a checkpoint was made
@@ -41,3 +41,9 @@ void cli_outcome_print(const cli_outcome *outcome);
 
 /// The same as one JSON object.
 lac_status cli_outcome_json(const cli_outcome *outcome, lac_error *err);
+
+/// Why a failure rate that is lowered counts in the place of the case's, and how it is judged.
+extern const char *const cli_failure_lowered;
+
+/// Warns where damping leaves little or nothing between the slip rate at the start and failure.
+void cli_failure_warn(const lac_failure *failure);

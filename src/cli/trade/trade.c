@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// lacuna trade CASE: what is asked for, the case of each run, and what comes out.
+// lacuna trade CASE: what is asked for, the case of each run, and what comes out, in words.
 #include "cli/trade/trade.h"
 
 #include <math.h>
@@ -10,38 +10,21 @@
 #include "base/archive.h"
 #include "base/units.h"
 #include "cli/common/command.h"
-#include "cli/common/inputs.h"
-#include "cli/common/libraries.h"
 #include "cli/common/output.h"
-#include "cli/common/signals.h"
+#include "cli/common/progress.h"
 #include "cli/common/words.h"
 #include "cli/report/report.h"
 #include "data/dataset.h"
 #include "lacuna/version.h"
 
-static void job_clear(cli_trade_job *job)
-{
-    lac_trade_plan_clear(&job->plan);
-    lac_case_free(job->source);
-    free(job->measure);
-    free(job->settings);
-    free(job->path);
-    free(job->folder);
-}
-
 static lac_status read_quantity(const char *text, lac_trade_request *ask, lac_error *err)
 {
-    const char *names[LAC_QUANTITIES];
-    ask->quantity = -1;
-    for (int q = 0; text != NULL && q < LAC_QUANTITIES; q++) {
-        names[q] = lac_quantity_about_of(q)->name;
-        if (strcmp(text, names[q]) == 0) {
-            ask->quantity = q;
-        }
+    const lac_quantity_about *found = NULL;
+    if (text != NULL) {
+        found = cli_find("--quantity: ", text, "quantity", lac_quantities, sizeof *found, err);
     }
-    return text == NULL || ask->quantity >= 0
-               ? LAC_OK
-               : cli_unknown("--quantity: ", text, "quantity", names, LAC_QUANTITIES, err);
+    ask->quantity = found != NULL ? (int)(found - lac_quantities) : -1;
+    return text == NULL || found != NULL ? LAC_OK : LAC_EINPUT;
 }
 
 static lac_status wrong(const char *option, const char *text, const char *allowed, lac_error *err)
@@ -62,7 +45,7 @@ static lac_status read_reach(const lac_units *units, const char *text, lac_trade
         ask->reach = value;
     }
     for (size_t i = 0; isnan(value) && i < (named ? 1 : sizeof usual / sizeof *usual); i++) {
-        ask->unit = lac_quantity_about_of(quantity[i])->unit;
+        ask->unit = lac_quantities[quantity[i]].unit;
         (void)lac_units_parse(units, text, ask->unit, &value, NULL);
         ask->within = value;
     }
@@ -119,7 +102,7 @@ static lac_status find_out(const cli_trade_job *job, lac_trade_of *of, lac_error
 {
     const int quantity = job->ask.quantity;
     if (quantity >= 0 && quantity != LAC_QUANTITY_CRITICAL) {
-        *of = lac_quantity_about_of(quantity)->contact ? LAC_OF_CONTACT : LAC_OF_RUN;
+        *of = lac_quantities[quantity].contact ? LAC_OF_CONTACT : LAC_OF_RUN;
         return LAC_OK;
     }
     lac_case *c = NULL;
@@ -137,59 +120,47 @@ static lac_status find_out(const cli_trade_job *job, lac_trade_of *of, lac_error
     return status;
 }
 
-static lac_status read_source(cli_trade_job *job, lac_trade_of *of, lac_error *err)
-{
-    lac_status status = find_out(job, of, err);
-    return status == LAC_OK ? cli_case_read(job->request, purpose_of(*of), &job->source, NULL, err)
-                            : status;
-}
-
 // What the user sets, then what the settings set, which goes before it.
-static size_t gather(const cli_trade_job *job, size_t run, lac_override *out)
+static size_t gather(const cli_trade_job *job, const lac_trade_run *run, lac_override *out)
 {
     const cli_request *request = job->request;
-    const lac_trade_plan *plan = &job->plan;
+    const lac_trade *trade = &job->trade;
     size_t n = request->set_count;
     if (n > 0) {
         memcpy(out, request->overrides, n * sizeof *out);
     }
-    if (lac_trade_of_run(plan, run) == LAC_OF_CASCADE) {
+    if (lac_trade_of_run(trade, run) == LAC_OF_CASCADE) {
         out[n++] = (lac_override){"solver.fidelity", "static"};
     }
-    for (size_t d = 0; d < plan->settings; d++) {
-        const int at = plan->run[run].at[d];
-        if (at >= 0) {
-            out[n++] =
-                (lac_override){plan->setting[d].setting->key, plan->setting[d].value[at].yaml};
+    for (size_t d = 0; d < job->trade.settings; d++) {
+        const lac_trade_setting *setting = &trade->setting[d];
+        if (run->at[d] >= 0) {
+            out[n++] = (lac_override){setting->setting->key, setting->value[run->at[d]].yaml};
         }
     }
     return n;
 }
 
-static lac_status first_issue(const lac_case_issues *report, lac_status status, lac_error *err)
-{
-    char text[512];
-    for (size_t i = 0; i < report->count; i++) {
-        LAC_FAIL_IF(!report->issue[i].warning, err, status, "%s",
-                    lac_case_issue_format(&report->issue[i], text, sizeof text));
-    }
-    return status;
-}
-
-lac_status cli_trade_case(const cli_trade_job *job, size_t run, lac_case **c, lac_error *err)
+lac_status cli_trade_case(const cli_trade_job *job, const lac_trade_run *run, lac_case **c,
+                          lac_error *err)
 {
     const cli_request *request = job->request;
-    const lac_trade_of of = lac_trade_of_run(&job->plan, run);
+    const lac_trade_of of = lac_trade_of_run(&job->trade, run);
+    char text[512];
     lac_case_issues report = {0};
     *c = NULL;
     lac_override *set = malloc((request->set_count + LAC_SETTINGS + 1) * sizeof *set);
     LAC_FAIL_MEMORY_IF(set == NULL, err);
     const lac_case_request how = {purpose_of(of), set, gather(job, run, set)};
     lac_status status = lac_case_read(request->argument[0], &how, c, &report, err);
-    if (status != LAC_OK) {
-        (void)first_issue(&report, status, err);
-    } else {
-        status = of == LAC_OF_RUN ? cli_until(request, *c, &(*c)->run.end, err) : LAC_OK;
+    for (size_t i = report.count; status != LAC_OK && i-- > 0;) {
+        if (!report.issue[i].warning) { // the first one stays
+            (void)lac_fail(err, status, "%s",
+                           lac_case_issue_format(&report.issue[i], text, sizeof text));
+        }
+    }
+    if (status == LAC_OK && of == LAC_OF_RUN) {
+        status = cli_until(request, *c, &(*c)->run.end, err);
     }
     lac_case_issues_clear(&report);
     free(set);
@@ -201,19 +172,17 @@ static uint64_t add(uint64_t sum, const char *text)
     return lac_sum_bytes(sum, text, strlen(text));
 }
 
-static lac_status describe(const cli_trade_job *job, const lac_case *c, lac_trade_settings *out,
+static lac_status describe(const cli_trade_job *job, const lac_case *c, lac_trade_run *run,
                            lac_error *err)
 {
-    char libraries[256], end[32];
     char *text = lac_case_text(c), *sums = cli_inputs_sums(c);
-    lac_status status = text == NULL || sums == NULL ? lac_fail_memory(err) : LAC_OK;
+    const lac_status status = text == NULL || sums == NULL ? lac_fail_memory(err) : LAC_OK;
     if (status == LAC_OK) {
-        (void)snprintf(end, sizeof end, "%a", c->run.end);
-        out->key = add(LAC_SUM_OF_NOTHING, text);
-        out->key = add(add(out->key, sums), end);
-        out->key = add(add(out->key, LACUNA_VERSION), cli_libraries(libraries, sizeof libraries));
-        for (size_t d = 0; d < job->plan.settings; d++) {
-            lac_setting_current(job->plan.setting[d].setting, c, out->label[d]);
+        run->key = add(LAC_SUM_OF_NOTHING, text);
+        run->key = add(add(run->key, sums), cli_format("%a", c->run.end).s);
+        run->key = add(add(run->key, LACUNA_VERSION), job->request->libraries);
+        for (size_t d = 0; d < job->trade.settings; d++) {
+            lac_setting_current(job->trade.setting[d].setting, c, run->label[d]);
         }
     }
     free(text);
@@ -222,82 +191,78 @@ static lac_status describe(const cli_trade_job *job, const lac_case *c, lac_trad
 }
 
 // Settings that are another run's make no run of their own; what it is for goes over to that one.
-static void find_twin(cli_trade_job *job, size_t run)
+static void find_twin(lac_trade *trade, size_t run)
 {
-    lac_trade_plan *plan = &job->plan;
-    for (size_t i = 0; i < run; i++) {
-        if (job->measure[i].end == LAC_TRADE_PENDING &&
-            job->settings[i].key == job->settings[run].key) {
-            job->measure[run].end = LAC_TRADE_TWIN;
-            plan->run[i].why |= plan->run[run].why;
-            plan->reference = plan->reference == run ? i : plan->reference;
-            for (size_t d = 0; d < plan->settings; d++) {
-                plan->coarser[d] = plan->coarser[d] == run ? i : plan->coarser[d];
-                plan->coarsest[d] = plan->coarsest[d] == run ? i : plan->coarsest[d];
-            }
-            return;
-        }
+    size_t i = 0;
+    while (i < run &&
+           (trade->run[i].end != LAC_TRADE_PENDING || trade->run[i].key != trade->run[run].key)) {
+        i++;
+    }
+    if (i == run) {
+        return;
+    }
+    trade->run[run].end = LAC_TRADE_TWIN;
+    trade->run[i].why |= trade->run[run].why;
+    trade->finest = trade->finest == run ? i : trade->finest;
+    for (size_t k = 0; k < 2 * trade->settings; k++) {
+        size_t *rung = &trade->coarser[k / 2][k % 2];
+        *rung = *rung == run ? i : *rung;
     }
 }
 
 // Why no run may have a position; NULL: one may.
-static const char *refusal(const cli_trade_job *job, size_t setting, size_t position)
+static const char *refusal(const lac_trade *trade, size_t setting, size_t position)
 {
     const char *why = NULL;
-    for (size_t run = 0; run < job->plan.runs; run++) {
-        if (job->plan.run[run].at[setting] != (short)position) {
-            continue;
+    for (size_t i = trade->runs; i-- > 0;) {
+        const lac_trade_run *run = &trade->run[i];
+        if (run->at[setting] == (short)position) {
+            if (run->end != LAC_TRADE_REFUSED) {
+                return NULL;
+            }
+            why = run->message;
         }
-        if (job->measure[run].end != LAC_TRADE_REFUSED) {
-            return NULL;
-        }
-        why = why != NULL ? why : job->measure[run].message;
     }
     return why;
 }
 
 // Settings that do not go together are left out, but not a position that was asked for and goes
 // with nothing: most likely it is misspelt.
-static lac_status check_named(const cli_trade_job *job, lac_error *err)
+static lac_status check_named(const lac_trade *trade, lac_error *err)
 {
     static const char set[] = "--set: ";
-    const lac_trade_plan *plan = &job->plan;
-    for (size_t d = 0; d < plan->settings; d++) {
-        for (size_t p = 0; plan->setting[d].named && p < plan->setting[d].shown; p++) {
-            const char *why = refusal(job, d, p);
-            if (why != NULL) {
-                why += strncmp(why, set, sizeof set - 1) == 0 ? sizeof set - 1 : 0;
-                return lac_fail(err, LAC_EINPUT, "--dials: %s=%s: %s",
-                                plan->setting[d].setting->name, plan->setting[d].value[p].label,
-                                why);
-            }
+    for (size_t d = 0; d < trade->settings; d++) {
+        const lac_trade_setting *setting = &trade->setting[d];
+        for (size_t p = 0; setting->named && p < setting->shown; p++) {
+            const char *why = refusal(trade, d, p);
+            const bool own = why != NULL && strncmp(why, set, sizeof set - 1) == 0;
+            LAC_FAIL_IF(why != NULL, err, LAC_EINPUT, "--dials: %s=%s: %s", setting->setting->name,
+                        setting->value[p].label, own ? why + sizeof set - 1 : why);
         }
     }
     return LAC_OK;
 }
 
 // Looks up the settings of all runs; those that are refused or twice there are marked.
-static lac_status resolve(cli_trade_job *job, lac_error *err)
+static lac_status resolve(const cli_trade_job *job, lac_trade *trade, lac_error *err)
 {
-    lac_status status = describe(job, job->source, &job->own, err);
-    for (size_t run = 0; run < job->plan.runs && status == LAC_OK; run++) {
+    for (size_t i = 0; i < trade->runs; i++) {
         lac_case *c = NULL;
         lac_error why = {""};
-        lac_trade_measure *m = &job->measure[run];
-        status = cli_trade_case(job, run, &c, &why);
+        lac_trade_run *run = &trade->run[i];
+        lac_status status = cli_trade_case(job, run, &c, &why);
         if (status == LAC_OK) {
-            status = describe(job, c, &job->settings[run], err);
-            find_twin(job, run);
+            status = describe(job, c, run, &why);
+            find_twin(trade, i);
         } else if (status == LAC_EINPUT) {
-            m->end = LAC_TRADE_REFUSED;
-            (void)snprintf(m->message, sizeof m->message, "%s", why.message);
+            run->end = LAC_TRADE_REFUSED;
+            (void)snprintf(run->message, sizeof run->message, "%s", why.message);
             status = LAC_OK;
-        } else {
-            *err = why;
         }
         lac_case_free(c);
+        LAC_FAIL_IF(status != LAC_OK, err, status, "%s", why.message);
     }
-    return status == LAC_OK ? check_named(job, err) : status;
+    return check_named(trade, err);
 }
 
 static lac_status name_files(cli_trade_job *job, lac_error *err)
@@ -317,31 +282,24 @@ static lac_status prepare(cli_trade_job *job, lac_error *err)
     const cli_request *request = job->request;
     lac_trade_of of = LAC_OF_RUN;
     double end;
-    lac_status status;
-    LAC_TRY(read_quantity(request->trade.quantity, &job->ask, err));
-    LAC_TRY(read_amounts(&request->trade, &job->ask, err));
-    LAC_TRY(read_jobs(request->trade.jobs, &job->jobs, err));
-    LAC_TRY(read_source(job, &of, err));
+    LAC_TRY_RETURN(read_quantity(request->trade.quantity, &job->ask, err));
+    LAC_TRY_RETURN(read_amounts(&request->trade, &job->ask, err));
+    LAC_TRY_RETURN(read_jobs(request->trade.jobs, &job->jobs, err));
+    LAC_TRY_RETURN(find_out(job, &of, err));
+    LAC_TRY_RETURN(cli_case_read(request, purpose_of(of), &job->source, NULL, err));
     if (request->until != NULL && isnan(job->source->run.end)) {
-        LAC_TRY(wrong("until", request->until, "left out: the case has no time", err));
+        return wrong("until", request->until, "left out: the case has no time", err);
     }
-    LAC_TRY(cli_until(request, job->source, &end, err));
-    LAC_TRY(name_files(job, err));
-    LAC_TRY(lac_trade_plan_create(job->source, of, request->trade.settings,
-                                  request->trade.crossed != NULL, &job->plan, err));
-    job->measure = calloc(job->plan.runs, sizeof *job->measure);
-    job->settings = calloc(job->plan.runs, sizeof *job->settings);
-    if (job->measure == NULL || job->settings == NULL) {
-        LAC_TRY(lac_fail_memory(err));
-    }
-    LAC_TRY(resolve(job, err));
-out:
-    return status;
+    LAC_TRY_RETURN(cli_until(request, job->source, &end, err));
+    LAC_TRY_RETURN(name_files(job, err));
+    LAC_TRY_RETURN(lac_trade_create(job->source, of, request->trade.settings,
+                                    request->trade.crossed != NULL, &job->trade, err));
+    return resolve(job, &job->trade, err);
 }
 
 static lac_status measure(cli_trade_job *job, lac_error *err)
 {
-    cli_say(job->request, "%zu combinations, %d at a time", job->plan.runs, job->jobs);
+    cli_say(job->request, "%zu combinations, %d at a time", job->trade.runs, job->jobs);
     cli_signals_hold();
     cli_progress_start(&job->progress, job->request);
     lac_status status = cli_trade_run(job, err);
@@ -349,44 +307,142 @@ static lac_status measure(cli_trade_job *job, lac_error *err)
     return status;
 }
 
-static void print_json(const cli_trade_job *job, const lac_dataset *dataset)
+// "0.12 %", "3e-07"
+static cli_text error_text(double error)
 {
-    lac_json json = {.out = stdout};
-    lac_json_open(&json, NULL, '{');
-    lac_dataset_json(dataset, &json);
-    lac_json_number(&json, "wall_time_s", cli_clock() - job->started);
-    lac_json_text(&json, "output", job->path);
-    lac_json_close(&json, '}');
+    return isnan(error)        ? cli_format("-")
+           : error >= 9.995e-4 ? cli_format("%.2g %%", 100.0 * error)
+                               : cli_format("%.1e", error);
 }
 
-static lac_status put_out(const cli_trade_job *job, lac_error *err)
+static cli_text asked_text(const lac_trade_request *ask, const char *unit)
 {
-    char sentence[1024];
-    lac_trade_result verdict = {0};
-    lac_trade_outcome outcome = {.title = job->source->title,
-                                 .sentence = sentence,
-                                 .plan = &job->plan,
-                                 .measure = job->measure,
-                                 .settings = job->settings,
-                                 .own = &job->own,
-                                 .verdict = &verdict};
+    cli_text error = {""};
+    if (!isnan(ask->within)) {
+        error = cli_exact(ask->within, unit);
+    } else if (!isnan(ask->reach) || isnan(ask->budget)) {
+        error = cli_format("%.3g %%", 100.0 * (isnan(ask->reach) ? 0.01 : ask->reach));
+    }
+    const bool both = error.s[0] != '\0' && !isnan(ask->budget);
+    return cli_format("%s%s%s", error.s, both ? " within " : "",
+                      isnan(ask->budget) ? "" : cli_amount(ask->budget, "s").s);
+}
+
+// "error 0.05 % +- 1e-07, 0.12 s of CPU, 24 MB"
+static cli_text run_text(const lac_trade_run *run)
+{
+    return cli_format("error %s +- %s, %s of CPU, %.3g MB", error_text(run->error).s,
+                      error_text(run->uncertainty).s, cli_amount(run->m.cpu_time, "s").s,
+                      run->m.memory / 1e6);
+}
+
+// "--set solver.rtol=0.001"; what is no run in time has its command named.
+static cli_text choice_text(const lac_trade_run *run)
+{
+    char options[LAC_TEXT_ROOM];
+    const char *command = lac_trade_command(run);
+    if (*lac_trade_options(run, options) == '\0') {
+        return cli_format("the case as it is");
+    }
+    return strcmp(command, "run") == 0 ? cli_format("%s", options)
+                                       : cli_format("lacuna %s with %s", command, options);
+}
+
+static void write_sentence(lac_trade *t, const lac_trade_request *ask)
+{
+    const size_t size = sizeof t->sentence;
+    const cli_text asked = asked_text(ask, lac_quantities[t->quantity].unit);
+    const lac_trade_run *run = t->recommended != NULL ? t->recommended : t->closest;
+    int used = run == NULL ? snprintf(t->sentence, size, "Nothing tried has this quantity.")
+                           : snprintf(t->sentence, size,
+                                      run == t->recommended
+                                          ? "For %s: %s (%s)."
+                                          : "Nothing tried does for %s; the closest is %s (%s).",
+                                      asked.s, choice_text(run).s, run_text(run).s);
+    if (isnan(t->reference->uncertainty)) {
+        (void)snprintf(t->sentence + used, size - (size_t)used,
+                       " The reference's own error is not known: no coarser run was done.");
+    }
+}
+
+// The settings of a run, or their names, as wide as the widest of the table.
+static void print_dials(const lac_trade *t, const lac_trade_run *run)
+{
+    for (size_t d = 0; d < t->settings; d++) {
+        const char *name = t->setting[d].setting->name;
+        size_t width = strlen(name);
+        for (size_t i = 0; i < t->rows; i++) {
+            const size_t n = strlen(t->row[i]->label[d]);
+            width = n > width ? n : width;
+        }
+        if (t->setting[d].shown > 0) {
+            printf(" %-*s", (int)width, run != NULL ? run->label[d] : name);
+        }
+    }
+}
+
+static void print_row(const lac_trade *t, const lac_trade_run *run)
+{
+    const bool none = lac_trade_of_run(t, run) == LAC_OF_CASCADE; // it has no steps
+    printf("%c ", run->on_front ? '*' : ' ');
+    print_dials(t, run);
+    if (run->end != LAC_TRADE_DONE) {
+        printf("  %s: %s\n", lac_trade_end_name(run->end), run->message);
+        return;
+    }
+    printf(" %9s +- %-7s %10s %10s %8.3g %9s\n", error_text(run->error).s,
+           error_text(run->uncertainty).s, cli_amount(run->m.cpu_time, "s").s,
+           cli_amount(run->m.wall_time, "s").s, run->m.memory / 1e6,
+           none ? "-" : cli_format("%.0f", run->m.steps).s);
+}
+
+static void print_text(const lac_trade *t, const cli_request *request)
+{
+    char settings[LAC_TEXT_ROOM];
+    const lac_quantity_about *info = &lac_quantities[t->quantity];
+    if (t->title != NULL) {
+        puts(t->title);
+    }
+    cli_row(info->doc, "%s +- %s", cli_amount(t->reference->value, info->unit).s,
+            error_text(t->reference->uncertainty).s);
+    cli_row("reference", "%s", lac_trade_settings_text(t->reference, settings));
+    printf("\n  ");
+    print_dials(t, NULL);
+    printf(" %9s    %-7s %10s %10s %8s %9s\n", "error", "", "CPU", "wall", "MB", "steps");
+    for (size_t i = 0; i < t->rows; i++) {
+        print_row(t, t->row[i]);
+    }
+    for (size_t i = 0; i < t->refusals; i++) {
+        cli_say(request, "refused: %s", t->row[t->rows + i]->message);
+    }
+    printf("  * on the front: no other errs and costs less%s\n\n",
+           t->refusals > 0 ? "; settings that do not go together were left out (-v)" : "");
+    cli_wrap("", t->sentence);
+    cli_row("file", "%s", t->path);
+}
+
+static lac_status put_out(cli_trade_job *job, lac_error *err)
+{
+    lac_trade *trade = &job->trade;
     lac_dataset *dataset = NULL;
-    lac_status status = lac_trade_judge(&job->plan, job->measure, &job->ask, &verdict, err);
-    LAC_TRY(cli_blame(job->source, status, err));
-    LAC_TRY(lac_trade_list(&outcome, err));
-    cli_trade_sentence(&outcome, &job->ask, sentence, sizeof sentence);
-    LAC_TRY(lac_trade_describe(&outcome, &dataset, err));
+    lac_status status;
+    LAC_TRY(cli_blame(job->source, lac_trade_judge(trade, &job->ask, err), err));
+    trade->title = job->source->title;
+    trade->path = job->path;
+    write_sentence(trade, &job->ask);
+    LAC_TRY(lac_trade_describe(trade, &dataset, err));
     LAC_TRY(cli_store_dataset(job->request, job->source, INT64_MIN, job->path, dataset, err));
     if (cli_given(job->request, CLI_OPT_JSON)) {
-        print_json(job, dataset);
+        lac_json json = {.out = stdout};
+        trade->wall_time = cli_clock() - job->started;
+        lac_json_open(&json, NULL, '{');
+        lac_dataset_json(dataset, &json);
+        lac_json_close(&json, '}');
     } else {
-        cli_trade_print(&outcome, job->request);
-        cli_row("file", "%s", job->path);
+        print_text(trade, job->request);
     }
 out:
     lac_dataset_free(dataset);
-    lac_trade_outcome_clear(&outcome);
-    lac_trade_result_clear(&verdict);
     return status;
 }
 
@@ -401,6 +457,9 @@ lac_status cli_trade(const cli_request *request, lac_error *err)
 out:
     // A question that had no answer can be put again without the runs being made again.
     cli_trade_keep_close(&job, status == LAC_OK);
-    job_clear(&job);
+    lac_trade_clear(&job.trade);
+    lac_case_free(job.source);
+    free(job.path);
+    free(job.folder);
     return status;
 }

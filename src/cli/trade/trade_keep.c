@@ -19,16 +19,12 @@ static const char heading[] = "lacuna trade 1\n";
 static bool is_of_run(const char *name)
 {
     static const char *const endings[] = {".checkpoint", ".journal", ".lacuna-", ".mended.lacuna-"};
+    int n = 0;
     name += *name == '.';
-    if (strncmp(name, "run-", 4) != 0) {
-        return false;
-    }
-    const size_t digits = strspn(name + 4, "0123456789");
-    const char *rest = name + 4 + digits;
-    bool known = digits > 0 && strncmp(rest, ".nc", 3) == 0;
-    bool fits = known && rest[3] == '\0';
-    for (size_t i = 0; known && i < sizeof endings / sizeof endings[0]; i++) {
-        fits |= strncmp(rest + 3, endings[i], strlen(endings[i])) == 0;
+    (void)sscanf(name, "run-%*[0-9].nc%n", &n);
+    bool fits = n > 0 && name[n] == '\0';
+    for (size_t i = 0; n > 0 && i < sizeof endings / sizeof endings[0]; i++) {
+        fits |= strncmp(name + n, endings[i], strlen(endings[i])) == 0;
     }
     return fits;
 }
@@ -88,43 +84,25 @@ static lac_status check_folder(const char *folder, bool resume, lac_error *err)
     return status;
 }
 
-// One line: the key, how the run ended, its numbers, its message.
-static bool read_line(char *line, uint64_t *key, lac_trade_measure *m)
+// A line: the key, how the run ended, its numbers, its message.
+static void take_over(cli_trade_job *job, const char *line)
 {
-    double number[8 + LAC_QUANTITIES];
     char *at, *end;
-    *m = (lac_trade_measure){.end = LAC_TRADE_PENDING};
-    *key = strtoull(line, &at, 16);
-    bool good = at == line + 16;
-    for (size_t i = 0; good && i < sizeof number / sizeof number[0]; i++, at = end) {
-        number[i] = strtod(at, &end);
+    lac_trade_measure m;
+    double number[sizeof m / sizeof(double)];
+    const uint64_t key = strtoull(line, &at, 16);
+    const long how = strtol(at, &end, 10);
+    bool good = at == line + 16 && end != at && how >= LAC_TRADE_DONE && how <= LAC_TRADE_GIVEN_UP;
+    for (size_t i = 0; good && i < sizeof number / sizeof number[0]; i++) {
+        number[i] = strtod(at = end, &end);
         good = end != at;
     }
-    if (!good || !(number[0] >= LAC_TRADE_DONE && number[0] <= LAC_TRADE_GIVEN_UP)) {
-        return false;
-    }
-    (void)snprintf(m->message, sizeof m->message, "%s", *at == ' ' ? at + 1 : at);
-    m->end = (lac_trade_end)(int)number[0];
-    m->wall_time = number[1];
-    m->cpu_time = number[2];
-    int64_t *const counts[] = {&m->memory, &m->output, &m->steps, &m->evaluations, &m->cells};
-    for (size_t i = 0; i < sizeof counts / sizeof counts[0]; i++) {
-        *counts[i] = (int64_t)number[3 + i];
-    }
-    memcpy(m->value, number + 8, sizeof m->value);
-    return true;
-}
-
-static void take_over(cli_trade_job *job, char *line)
-{
-    uint64_t key;
-    lac_trade_measure m;
-    if (!read_line(line, &key, &m)) {
-        return;
-    }
-    for (size_t i = 0; i < job->plan.runs; i++) {
-        if (job->measure[i].end == LAC_TRADE_PENDING && job->settings[i].key == key) {
-            job->measure[i] = m;
+    for (size_t i = 0; good && i < job->trade.runs; i++) {
+        lac_trade_run *run = &job->trade.run[i];
+        if (run->end == LAC_TRADE_PENDING && run->key == key) {
+            run->end = (lac_trade_end)how;
+            memcpy(&run->m, number, sizeof number);
+            (void)snprintf(run->message, sizeof run->message, "%s", end + (*end == ' '));
         }
     }
 }
@@ -153,7 +131,7 @@ static lac_status read_kept(cli_trade_job *job, const char *path, lac_error *err
                : lac_fail(err, LAC_EIO, "%s: %s", path, strerror(errno));
 }
 
-static lac_status put(cli_trade_job *job, const char *text, lac_error *err)
+static lac_status put(const cli_trade_job *job, const char *text, lac_error *err)
 {
     const size_t n = strlen(text);
     errno = 0;
@@ -190,27 +168,21 @@ lac_status cli_trade_keep_open(cli_trade_job *job, lac_error *err)
     if (resume || mkdir(job->folder, 0777) != 0) {
         LAC_FAIL_IF(!resume && errno != EEXIST, err, LAC_EIO, "%s: %s", job->folder,
                     strerror(errno));
-        lac_status found = check_folder(job->folder, resume, err);
-        if (found != LAC_OK) {
-            return found;
-        }
+        LAC_TRY_RETURN(check_folder(job->folder, resume, err));
     }
     return open_done(job, err);
 }
 
-lac_status cli_trade_keep(cli_trade_job *job, size_t run, lac_error *err)
+lac_status cli_trade_keep(const cli_trade_job *job, const lac_trade_run *run, lac_error *err)
 {
     char line[1024];
-    const lac_trade_measure *m = &job->measure[run];
-    int n = snprintf(line, sizeof line,
-                     "%016" PRIx64 " %d %.6f %.6f %" PRId64 " %" PRId64 " %" PRId64 " %" PRId64
-                     " %" PRId64,
-                     job->settings[run].key, (int)m->end, m->wall_time, m->cpu_time, m->memory,
-                     m->output, m->steps, m->evaluations, m->cells);
-    for (int q = 0; q < LAC_QUANTITIES; q++) {
-        n += snprintf(line + n, sizeof line - (size_t)n, " %.17g", m->value[q]);
+    double number[sizeof run->m / sizeof(double)];
+    memcpy(number, &run->m, sizeof number);
+    int n = snprintf(line, sizeof line, "%016" PRIx64 " %d", run->key, (int)run->end);
+    for (size_t i = 0; i < sizeof number / sizeof number[0]; i++) {
+        n += snprintf(line + n, sizeof line - (size_t)n, " %.17g", number[i]);
     }
-    (void)snprintf(line + n, sizeof line - (size_t)n, " %s\n", m->message);
+    (void)snprintf(line + n, sizeof line - (size_t)n, " %s\n", run->message);
     return put(job, line, err);
 }
 

@@ -13,7 +13,6 @@
 #include <unistd.h>
 
 #include "cli/common/progress.h"
-#include "cli/common/signals.h"
 #include "cli/common/words.h"
 #include "cli/view/view_http.h"
 #include "data/json.h"
@@ -52,6 +51,7 @@ typedef struct standing {
 } standing;
 
 struct cli_view {
+    lac_sink next;       // where records go first; the run's thread alone
     atomic_size_t pages; // that have not been sent the last data
     pthread_mutex_t lock;
     // Under the lock:
@@ -68,8 +68,8 @@ struct cli_view {
     pace data, issue;             // without forecasts, with them
     // The run's thread alone:
     cli_http *http;
-    lac_sink next, into; // where records go first, and then
-    const char *path;    // of the run's file; NULL: not begun
+    lac_sink into;    // where records go then
+    const char *path; // of the run's file; NULL: not begun
     bool ended, stay;
 };
 
@@ -306,36 +306,17 @@ SHOWN(record, lac_record)
 SHOWN(snapshot, lac_snapshot)
 SHOWN(event, lac_event)
 
-// What is passed on alone; the page is no part of what a checkpoint keeps.
-#define PASSED(what, type)                                                         \
-    static lac_status on_##what(void *context, const type *values, lac_error *err) \
-    {                                                                              \
-        const cli_view *view = context;                                            \
-        return view->next.what(view->next.context, values, err);                   \
-    }
-PASSED(checkpoint, lac_checkpoint)
-PASSED(once, double)
-
-static void on_keep(void *context, lac_archive *archive)
-{
-    const cli_view *view = context;
-    view->next.serialize(view->next.context, archive);
-}
-
 lac_sink cli_view_sink(cli_view *view, const lac_sink *next)
 {
     if (view == NULL || !view->is.begun) {
         return *next;
     }
     view->next = *next;
-    return (lac_sink){.size = sizeof(lac_sink),
-                      .context = view,
-                      .once = next->once != NULL ? on_once : NULL,
-                      .record = on_record,
-                      .snapshot = next->snapshot != NULL ? on_snapshot : NULL,
-                      .event = next->event != NULL ? on_event : NULL,
-                      .serialize = next->serialize != NULL ? on_keep : NULL,
-                      .checkpoint = next->checkpoint != NULL ? on_checkpoint : NULL};
+    lac_sink sink = lac_sink_before(&view->next);
+    sink.record = on_record;
+    sink.snapshot = sink.snapshot != NULL ? on_snapshot : NULL;
+    sink.event = sink.event != NULL ? on_event : NULL;
+    return sink;
 }
 
 void cli_view_progress(cli_view *view, const lac_progress *now)

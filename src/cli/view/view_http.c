@@ -3,7 +3,6 @@
 // One thread, which never waits for a connection: a slow one costs its place alone.
 #include "cli/view/view_http.h"
 
-#include <arpa/inet.h>
 #include <dlfcn.h>
 #include <errno.h>
 #include <microhttpd.h>
@@ -15,7 +14,6 @@
 #include <strings.h>
 #include <sys/random.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
 #include "report/report.h"
 
@@ -32,6 +30,7 @@ enum { GUESTS = 32, ROOM = 2 * GUESTS, IDLE = 10, NONCE = 16 };
     X(queue, queue_response)                    \
     X(destroy, destroy_response)                \
     X(lookup, lookup_connection_value)          \
+    X(daemon_info, get_daemon_info)             \
     X(info, get_connection_info)
 
 typedef struct functions {
@@ -53,8 +52,6 @@ struct cli_http {
     functions mhd;
     void *library;
     struct MHD_Daemon *daemon;
-    int socket;
-    unsigned port;
     // The server's thread alone:
     uint64_t next;
     guest guest[ROOM];
@@ -89,22 +86,9 @@ static lac_status fail_port(unsigned port, lac_error *err)
                : lac_fail(err, LAC_EIO, "--view: 127.0.0.1: %s", strerror(errno));
 }
 
-static lac_status listen_at(cli_http *http, unsigned port, lac_error *err)
+static unsigned port_of(const cli_http *http, struct MHD_Daemon *daemon)
 {
-    struct sockaddr_in here = {.sin_family = AF_INET, .sin_port = htons((uint16_t)port)};
-    socklen_t size = sizeof here;
-    const int yes = 1;
-    here.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    http->socket = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    if (http->socket < 0 ||
-        setsockopt(http->socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes) != 0 ||
-        bind(http->socket, (const struct sockaddr *)&here, sizeof here) != 0 ||
-        listen(http->socket, ROOM) != 0 ||
-        getsockname(http->socket, (struct sockaddr *)&here, &size) != 0) {
-        return fail_port(port, err);
-    }
-    http->port = ntohs(here.sin_port);
-    return LAC_OK;
+    return http->mhd.daemon_info(daemon, MHD_DAEMON_INFO_BIND_PORT)->port;
 }
 
 // Only names of this machine: a page from elsewhere whose name is made to point here sends its own.
@@ -112,10 +96,12 @@ static bool is_local(const cli_http *http, struct MHD_Connection *connection)
 {
     static const char *const names[] = {"127.0.0.1", "localhost"};
     const char *host = http->mhd.lookup(connection, MHD_HEADER_KIND, "Host");
+    const unsigned port =
+        port_of(http, http->mhd.info(connection, MHD_CONNECTION_INFO_DAEMON)->daemon);
     char whole[32];
     for (size_t i = 0; host != NULL && i < sizeof names / sizeof *names; i++) {
-        (void)snprintf(whole, sizeof whole, "%s:%u", names[i], http->port);
-        if (strcasecmp(host, whole) == 0 || (http->port == 80 && strcasecmp(host, names[i]) == 0)) {
+        (void)snprintf(whole, sizeof whole, "%s:%u", names[i], port);
+        if (strcasecmp(host, whole) == 0 || (port == 80 && strcasecmp(host, names[i]) == 0)) {
             return true;
         }
     }
@@ -299,19 +285,21 @@ static size_t leave_as_it_is(void *context, struct MHD_Connection *connection, c
 }
 
 // Its thread takes no signals: those are the run's.
-static struct MHD_Daemon *start_daemon(cli_http *http)
+static lac_status start(cli_http *http, unsigned port, lac_error *err)
 {
+    struct sockaddr_in here = {.sin_family = AF_INET, .sin_port = htons((uint16_t)port)};
     sigset_t all, before;
+    here.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     (void)sigfillset(&all);
     (void)pthread_sigmask(SIG_SETMASK, &all, &before);
-    struct MHD_Daemon *daemon = http->mhd.start(
+    http->daemon = http->mhd.start(
         MHD_USE_INTERNAL_POLLING_THREAD | MHD_USE_POLL | MHD_USE_ITC, 0, NULL, NULL, answer, http,
-        MHD_OPTION_LISTEN_SOCKET, http->socket, MHD_OPTION_CONNECTION_LIMIT, (unsigned)ROOM,
-        MHD_OPTION_CONNECTION_TIMEOUT, (unsigned)IDLE, MHD_OPTION_NOTIFY_CONNECTION, on_connection,
-        http, MHD_OPTION_NOTIFY_COMPLETED, on_completed, http, MHD_OPTION_UNESCAPE_CALLBACK,
-        leave_as_it_is, NULL, MHD_OPTION_END);
+        MHD_OPTION_SOCK_ADDR, (const struct sockaddr *)&here, MHD_OPTION_CONNECTION_LIMIT,
+        (unsigned)ROOM, MHD_OPTION_CONNECTION_TIMEOUT, (unsigned)IDLE, MHD_OPTION_NOTIFY_CONNECTION,
+        on_connection, http, MHD_OPTION_NOTIFY_COMPLETED, on_completed, http,
+        MHD_OPTION_UNESCAPE_CALLBACK, leave_as_it_is, NULL, MHD_OPTION_END);
     (void)pthread_sigmask(SIG_SETMASK, &before, NULL);
-    return daemon;
+    return http->daemon != NULL ? LAC_OK : fail_port(port, err);
 }
 
 lac_status cli_http_start(unsigned port, const cli_http_def *def, cli_http **out, lac_error *err)
@@ -321,14 +309,9 @@ lac_status cli_http_start(unsigned port, const cli_http_def *def, cli_http **out
     *out = http;
     LAC_FAIL_MEMORY_IF(http == NULL, err);
     http->def = *def;
-    http->socket = -1;
     LAC_TRY(load(http, err));
     LAC_TRY(http->mhd.start != NULL ? LAC_OK : LAC_EIO); // load() found them all
-    LAC_TRY(listen_at(http, port, err));
-    http->daemon = start_daemon(http);
-    LAC_TRY(http->daemon != NULL
-                ? LAC_OK
-                : lac_fail(err, LAC_EIO, "--view: no server: %s", strerror(errno)));
+    LAC_TRY(start(http, port, err));
 out:
     if (status != LAC_OK) {
         cli_http_stop(http);
@@ -337,7 +320,7 @@ out:
     return status;
 }
 
-unsigned cli_http_port(const cli_http *http) { return http->port; }
+unsigned cli_http_port(const cli_http *http) { return port_of(http, http->daemon); }
 
 void cli_http_stop(cli_http *http)
 {
@@ -345,9 +328,7 @@ void cli_http_stop(cli_http *http)
         return;
     }
     if (http->daemon != NULL) {
-        http->mhd.stop(http->daemon); // closes the socket too
-    } else if (http->socket >= 0) {
-        (void)close(http->socket);
+        http->mhd.stop(http->daemon);
     }
     if (http->library != NULL) {
         (void)dlclose(http->library);

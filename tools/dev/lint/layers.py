@@ -51,7 +51,7 @@ SHARED = {
     "fit": {"model_forecast.h", "sampler.h"},
     "forecast": {"hindcast.h"},
     "model": {"problem.h"},
-    "rg": {"rg_map.h", "rg_study.h"},
+    "rg": {"rg_study.h"},
     "run": {"describe.h", "sensitivity.h"},
     "scene": {"estimate.h", "scene_rg.h"},
     "series": {"motion.h"},

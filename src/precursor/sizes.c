@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Size distribution of events: N(>= M) ~ 10^(-b M), and whether it changes.
+// Size distribution of events: N(>= M) ~ 10^(-b M), and whether it changes; by all magnitudes, and
+// by the differences of successive ones, which a completeness that changes does not touch.
 #include <gsl/gsl_statistics_double.h>
 #include <math.h>
 #include <stdlib.h>
@@ -7,7 +8,7 @@
 #include "precursor/kinds.h"
 
 enum { FEW = 20, BINS = 400, STABLE = 5, ENOUGH = 50, HIGHER = 20 };
-static const double bin = 0.1, beyond = 0.2;
+static const double bin = 0.1, beyond = 0.2, least_step = 0.2;
 
 static const lac_precursor_value numbers[] = {
     {"b", "1", "b-value of N(>= M) ~ 10^(-b M)"},
@@ -16,6 +17,21 @@ static const lac_precursor_value numbers[] = {
     {"change", "1", "b of the later half of these events less that of the earlier"},
     {"fall_p", "1", "chance of a fall as large, if b did not change"},
 };
+
+// Moment magnitudes (Hanks & Kanamori 1979) of the events that have a moment; the caller frees.
+static lac_status find_magnitudes(const lac_event_list *events, double **magnitude, size_t *n,
+                                  lac_error *err)
+{
+    *n = 0;
+    *magnitude = malloc((events->n + 1) * sizeof **magnitude);
+    LAC_FAIL_MEMORY_IF(*magnitude == NULL, err);
+    for (size_t i = 0; i < events->n; i++) {
+        if (events->moment[i] > 0.0 && isfinite(events->moment[i])) {
+            (*magnitude)[(*n)++] = 2.0 / 3.0 * (log10(events->moment[i]) - 9.1);
+        }
+    }
+    return LAC_OK;
+}
 
 // Lower edge of the fullest bin.
 static double fullest_bin(size_t n, const double *magnitude)
@@ -40,14 +56,17 @@ static bool is_stable(size_t n, const double *magnitude, double mc)
     double other_error;
     double mean = 0.0;
     size_t used;
-    const double b = lac_b_value(n, magnitude, mc, 0.0, &error, &used);
+    const double b = lac_b_value(n, magnitude, mc, &error, &used);
     for (size_t k = 0; k < STABLE; k++) {
-        mean += lac_b_value(n, magnitude, mc + bin * (double)k, 0.0, &other_error, &used) / STABLE;
+        mean += lac_b_value(n, magnitude, mc + bin * (double)k, &other_error, &used) / STABLE;
     }
     return used >= ENOUGH && fabs(mean - b) <= error;
 }
 
-double lac_precursor_complete_from(size_t n, const double *magnitude)
+// From which magnitude on a catalogue is complete: 0.2 above the fullest bin of 0.1 (Woessner &
+// Wiemer 2005), and on from there until b is stable within its error over half a magnitude (Cao &
+// Gao 2002); where it never is, the first. @param n  at least 1
+static double complete_from(size_t n, const double *magnitude)
 {
     const double first = fullest_bin(n, magnitude) + beyond;
     for (size_t k = 0; k < HIGHER; k++) {
@@ -58,20 +77,27 @@ double lac_precursor_complete_from(size_t n, const double *magnitude)
     return first;
 }
 
-// b of the later half of the magnitudes from mc on, against the earlier half's.
-static void add_change(size_t n, double *magnitude, double mc, lac_forecast_fit *found)
+// Puts the magnitudes from mc on in front, in their order. @return how many
+static size_t keep_from(size_t n, double *magnitude, double mc)
 {
-    double error[2];
-    size_t used[2];
     size_t kept = 0;
     for (size_t i = 0; i < n; i++) {
         if (magnitude[i] >= mc) {
             magnitude[kept++] = magnitude[i];
         }
     }
+    return kept;
+}
+
+// b of the later half of the magnitudes from mc on, against the earlier half's.
+static void add_change(size_t n, double *magnitude, double mc, lac_forecast_fit *found)
+{
+    double error[2];
+    size_t used[2];
+    const size_t kept = keep_from(n, magnitude, mc);
     const size_t half = kept / 2;
-    const double early = lac_b_value(half, magnitude, mc, 0.0, &error[0], &used[0]);
-    const double late = lac_b_value(kept - half, magnitude + half, mc, 0.0, &error[1], &used[1]);
+    const double early = lac_b_value(half, magnitude, mc, &error[0], &used[0]);
+    const double late = lac_b_value(kept - half, magnitude + half, mc, &error[1], &used[1]);
     const double both = hypot(error[0], error[1]);
     if (half >= FEW && both > 0.0) {
         lac_forecast_fit_add(found, "change", late - early);
@@ -82,8 +108,8 @@ static void add_change(size_t n, double *magnitude, double mc, lac_forecast_fit 
 static void measure(size_t n, double *magnitude, lac_forecast_fit *found)
 {
     double error = NAN;
-    const double mc = lac_precursor_complete_from(n, magnitude);
-    const double b = lac_b_value(n, magnitude, mc, 0.0, &error, &found->points);
+    const double mc = complete_from(n, magnitude);
+    const double b = lac_b_value(n, magnitude, mc, &error, &found->points);
     if (found->points < FEW) {
         (void)lac_forecast_fit_refuse(found, "too few events above %.2f: %zu, at least %d", mc,
                                       found->points, (int)FEW);
@@ -100,7 +126,7 @@ static lac_status look(const lac_precursor_inputs *observation, lac_forecast_fit
 {
     double *magnitude = NULL;
     size_t n = 0;
-    LAC_TRY_RETURN(lac_precursor_magnitudes(observation->events, &magnitude, &n, err));
+    LAC_TRY_RETURN(find_magnitudes(observation->events, &magnitude, &n, err));
     if (n < FEW) {
         (void)lac_forecast_fit_refuse(found, "too few events with a moment: %zu, at least %d", n,
                                       (int)FEW);
@@ -123,4 +149,37 @@ const lac_precursor_kind lac_precursor_b_value = {
                  "the earlier, normal errors",
     LAC_PRECURSOR_VALUES(numbers),
     .evaluate = look,
+};
+
+static lac_status look_at_steps(const lac_precursor_inputs *observation, lac_forecast_fit *found,
+                                lac_error *err)
+{
+    double *magnitude = NULL;
+    double error = NAN;
+    size_t n = 0;
+    LAC_TRY_RETURN(find_magnitudes(observation->events, &magnitude, &n, err));
+    n = n > 0 ? keep_from(n, magnitude, complete_from(n, magnitude)) : 0;
+    const double b = lac_b_positive(n, magnitude, least_step, &error, &found->points);
+    if (found->points < FEW) {
+        (void)lac_forecast_fit_refuse(
+            found, "too few events larger by %.1f than the one before: %zu, at least %d",
+            least_step, found->points, (int)FEW);
+    } else {
+        lac_forecast_fit_add(found, "b", b);
+        lac_forecast_fit_add(found, "error", error);
+    }
+    free(magnitude);
+    return LAC_OK;
+}
+
+const lac_precursor_kind lac_precursor_b_positive = {
+    .info = LAC_ABOUT(
+        "b_positive", "the same from positive differences of successive magnitudes",
+        "van der Elst (2021), J. Geophys. Res. 126, e2020JB021027, doi 10.1029/2020JB021027"),
+    .needs = LAC_NEEDS_EVENTS,
+    .estimator = "b = log10(e)/(mean - 0.2) over the differences of 0.2 or more of successive "
+                 "magnitudes from mc, that of b_value",
+    .value_count = 2,
+    .value = numbers,
+    .evaluate = look_at_steps,
 };

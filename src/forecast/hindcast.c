@@ -1,10 +1,71 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How good rolling forecasts were, where the time of failure is known: errors, alarms, scores.
+// Forecasts as they would have been made in the past, each from the readings up to its own time,
+// and how good they were, where the time of failure is known: errors, alarms, scores.
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/statistics.h"
 #include "forecast/hindcast.h"
+#include "forecast/kinds.h"
+
+// Readings that issue k of `issues` <= n may see; the last sees all.
+static size_t seen(size_t n, size_t issues, size_t k)
+{
+    return issues == n ? k + 1 : (size_t)((double)n * ((double)(k + 1) / (double)issues) + 0.5);
+}
+
+static lac_status issue(lac_rolling *r, const lac_forecast_def *def, const lac_readings *readings,
+                        size_t k, const lac_rolling_watch *watch, lac_error *err)
+{
+    lac_readings past = *readings;
+    lac_forecast_set *forecasts = NULL;
+    past.n = seen(readings->n, r->issues, k);
+    lac_status status = lac_forecast_set_create(def, &past, &forecasts, err);
+    if (status == LAC_OK) {
+        r->issue_time[k] = forecasts->issue_time;
+        memcpy(&r->forecast[k * r->methods], forecasts->forecast, r->methods * sizeof *r->forecast);
+        if (watch != NULL && watch->see != NULL) {
+            status = watch->see(watch->seer, forecasts, err);
+        }
+    }
+    lac_forecast_set_free(forecasts);
+    return status;
+}
+
+lac_status lac_rolling_create(const lac_forecast_def *def, const lac_readings *readings,
+                              size_t most, const lac_rolling_watch *watch, lac_rolling **out,
+                              lac_error *err)
+{
+    const size_t planned = readings->n < most ? readings->n : most;
+    const size_t methods = lac_forecast_count(def);
+    lac_status status = LAC_OK;
+    *out = NULL;
+    LAC_FAIL_IF(planned == 0, err, LAC_EINPUT, "there is no reading to forecast from");
+    lac_rolling *r =
+        malloc(sizeof *r + planned * (methods * sizeof *r->forecast + sizeof *r->issue_time));
+    LAC_FAIL_MEMORY_IF(r == NULL, err);
+    *r = (lac_rolling){.issues = planned, .methods = methods, .start = readings->time[0]};
+    r->forecast = (lac_forecast *)(r + 1);
+    r->issue_time = (double *)(r->forecast + planned * methods);
+    for (size_t k = 0; k < planned && status == LAC_OK; k++) {
+        const bool go_on =
+            watch == NULL || watch->go_on == NULL || watch->go_on(watch->context, k, planned);
+        status = go_on ? issue(r, def, readings, k, watch, err) : LAC_EINTERRUPT;
+        if (status == LAC_EINTERRUPT) {
+            r->issues = k;
+            (void)lac_fail(err, status, "interrupted after %zu of %zu issue times", k, planned);
+        }
+    }
+    if (status == LAC_OK || (status == LAC_EINTERRUPT && r->issues > 0)) {
+        *out = r;
+    } else {
+        lac_rolling_free(r);
+    }
+    return status;
+}
+
+void lac_rolling_free(lac_rolling *rolling) { free(rolling); }
 
 enum { LEVELS = 5 };
 
