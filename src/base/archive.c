@@ -39,3 +39,12 @@ void lac_archive_pass(lac_archive *archive, void *piece, size_t size)
         archive->at += size;
     }
 }
+
+uint64_t lac_sum_bytes(uint64_t sum, const void *bytes, size_t size)
+{
+    const unsigned char *byte = bytes;
+    for (size_t i = 0; i < size; i++) {
+        sum = (sum ^ byte[i]) * UINT64_C(0x100000001b3);
+    }
+    return sum;
+}

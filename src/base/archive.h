@@ -3,6 +3,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 /// A state written to memory or read back: one function that passes every piece of it, in one
 /// order, serves both ways.
@@ -32,3 +33,7 @@ static inline bool lac_archive_good(const lac_archive *archive)
 {
     return !archive->no_memory && !archive->short_of && archive->refused == NULL;
 }
+
+/// FNV-1a of bytes. @param sum  to go on from, LAC_SUM_OF_NOTHING at first
+uint64_t lac_sum_bytes(uint64_t sum, const void *bytes, size_t size);
+#define LAC_SUM_OF_NOTHING UINT64_C(0xcbf29ce484222325)

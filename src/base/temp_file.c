@@ -63,14 +63,14 @@ static pid_t maker_of(const char *part, const char *name)
 
 static bool is_dead(pid_t pid) { return kill(pid, 0) != 0 && errno == ESRCH; }
 
-char *lac_temp_file_beside(const char *path, const char *name_ending)
+char *lac_text_join(const char *first, const char *between, const char *second)
 {
-    size_t size = strlen(path) + strlen(name_ending) + 1;
-    char *name = malloc(size);
-    if (name != NULL) {
-        (void)snprintf(name, size, "%s%s", path, name_ending);
+    const size_t size = strlen(first) + strlen(between) + strlen(second) + 1;
+    char *text = malloc(size);
+    if (text != NULL) {
+        (void)snprintf(text, size, "%s%s%s", first, *first != '\0' ? between : "", second);
     }
-    return name;
+    return text;
 }
 
 bool lac_temp_file_write(int fd, const void *bytes, size_t size)
@@ -118,17 +118,19 @@ bool lac_temp_file_hold(const char *path, int *held)
         }
     }
     if (!free_now) {
-        lac_temp_file_let_go(*held);
+        lac_temp_file_close(*held);
         *held = -1;
     }
     return free_now;
 }
 
-void lac_temp_file_let_go(int held)
+void lac_temp_file_close(int fd)
 {
-    if (held >= 0) {
-        (void)close(held);
+    const int reason = errno;
+    if (fd >= 0) {
+        (void)close(fd);
     }
+    errno = reason;
 }
 
 bool lac_temp_file_locked(int folder, const char *path)

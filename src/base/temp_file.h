@@ -11,21 +11,26 @@
 /// @return to be freed; NULL where memory is short
 char *lac_temp_file_name(const char *path);
 
-/// The name of what is kept beside a file: its own and an ending.
+/// Texts one behind the other, what is between them left out where the first is empty.
 /// @return to be freed; NULL where memory is short
-char *lac_temp_file_beside(const char *path, const char *name_ending);
+char *lac_text_join(const char *first, const char *between, const char *second);
 
 /// Writes all of it. @return false with errno
 bool lac_temp_file_write(int fd, const void *bytes, size_t size);
+
+/// Makes a file of bytes, which are on the disk then, where none is. @return false with errno
+bool lac_temp_file_fill(const char *part, const void *bytes, size_t size);
 
 /// Makes names that were given or taken in the folder of `path` last.
 void lac_temp_file_sync_folder(const char *path);
 
 /// Holds a file whose name is to be taken, so that one process at a time does so; no lock that
 /// readers or writers would see. Another that holds it is waited for, at most a second; false where
-/// it goes on.
+/// it goes on. @param held  to be closed
 bool lac_temp_file_hold(const char *path, int *held);
-void lac_temp_file_let_go(int held);
+
+/// Closes what is open (-1: nothing); errno stays.
+void lac_temp_file_close(int fd);
 
 /// Removes what processes that are no more have left of files for that path: their number is not
 /// in use and nobody holds HDF5's lock on the file, as one on another machine would.

@@ -24,14 +24,14 @@ static lac_status find_place(const char *path, char **place, lac_error *err)
 }
 
 // A lock tells that the part is being written, also to who sees no process of that number.
-static bool write_part(const char *part, const char *text)
+bool lac_temp_file_fill(const char *part, const void *bytes, size_t size)
 {
     const int fd = open(part, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (fd < 0) {
         return false;
     }
     (void)flock(fd, LOCK_EX | LOCK_NB);
-    const bool good = lac_temp_file_write(fd, text, strlen(text)) && fsync(fd) == 0;
+    const bool good = lac_temp_file_write(fd, bytes, size) && fsync(fd) == 0;
     const int why = errno;
     const bool closed = close(fd) == 0;
     errno = good ? errno : why;
@@ -47,7 +47,8 @@ lac_status lac_write_text(const char *path, const char *text, bool force, lac_er
     LAC_TRY(part != NULL ? LAC_OK : lac_fail_memory(err));
     lac_temp_file_sweep(place);
     (void)unlink(part); // of a process of this number that is no more
-    if (!write_part(part, text) || lac_temp_file_publish(part, place, force) != 0) {
+    if (!lac_temp_file_fill(part, text, strlen(text)) ||
+        lac_temp_file_publish(part, place, force) != 0) {
         const int why = errno;
         (void)unlink(part);
         status = why == EEXIST

@@ -20,7 +20,10 @@ lac_status lac_dataset_create(const char *summary, lac_dataset **out, lac_error 
 
 void lac_dataset_free(lac_dataset *dataset)
 {
-    for (size_t i = 0; dataset != NULL && i < dataset->entries; i++) {
+    if (dataset == NULL) {
+        return;
+    }
+    for (size_t i = 0; i < dataset->entries; i++) {
         const lac_named *own = &dataset->entry[i].named;
         const char *const texts[] = {own->name, own->long_name, own->unit, own->comment,
                                      own->cell_methods};
@@ -28,11 +31,9 @@ void lac_dataset_free(lac_dataset *dataset)
             free((char *)texts[k]);
         }
     }
-    if (dataset != NULL) {
-        free(dataset->entry);
-        free(dataset->dim);
-    }
-    if (dataset != NULL && dataset->release != NULL) {
+    free(dataset->entry);
+    free(dataset->dim);
+    if (dataset->release != NULL) {
         dataset->release(dataset->result);
     }
     free(dataset);
@@ -81,20 +82,6 @@ static lac_extent *find_dim(const lac_dataset *dataset, const char *name, size_t
     return NULL;
 }
 
-void lac_dataset_set_clock(lac_dataset *dataset, lac_clock clock, double start)
-{
-    dataset->clock = clock;
-    dataset->start = start;
-}
-
-lac_clock lac_dataset_clock(const lac_dataset *dataset, double *start)
-{
-    *start = dataset->start;
-    return dataset->clock;
-}
-
-const char *lac_dataset_summary(const lac_dataset *dataset) { return dataset->summary; }
-
 static const char *dims_of(const lac_entry *entry)
 {
     return entry->row->dims != NULL ? entry->row->dims : entry->over;
@@ -124,10 +111,7 @@ static lac_status check_row(const lac_dataset *dataset, const lac_entry *entry, 
 
 static lac_status add_entry(lac_dataset *dataset, const lac_entry *entry, lac_error *err)
 {
-    const lac_status status = check_row(dataset, entry, err);
-    if (status != LAC_OK) {
-        return status;
-    }
+    LAC_TRY_RETURN(check_row(dataset, entry, err));
     if (dataset->entries == dataset->room) {
         const size_t room = 2 * dataset->room + 32;
         lac_entry *grown = realloc(dataset->entry, room * sizeof *grown);
@@ -141,10 +125,9 @@ static lac_status add_entry(lac_dataset *dataset, const lac_entry *entry, lac_er
 
 lac_status lac_dataset_add(lac_dataset *dataset, const lac_laid *laid, size_t n, lac_error *err)
 {
-    lac_status status = LAC_OK;
     for (size_t k = 0; k < n; k++) {
         const lac_variables *table = &laid[k].table;
-        for (size_t i = 0; i < table->rows && status == LAC_OK; i++) {
+        for (size_t i = 0; i < table->rows; i++) {
             const size_t first = strcspn(table->over, " ");
             const bool two = table->over[first] != '\0';
             const lac_extent *second =
@@ -161,10 +144,10 @@ lac_status lac_dataset_add(lac_dataset *dataset, const lac_laid *laid, size_t n,
                                             : two ? 2
                                                   : 1,
                                      .second = second != NULL ? second->length : 0};
-            status = add_entry(dataset, &entry, err);
+            LAC_TRY_RETURN(add_entry(dataset, &entry, err));
         }
     }
-    return status;
+    return LAC_OK;
 }
 
 static const char *copy(const char *text, bool *good)
@@ -240,28 +223,22 @@ static const void *array(const lac_entry *entry, const size_t *at)
 
 static double held_number(const lac_entry *entry, const size_t *at, size_t place)
 {
-    double real;
-    size_t count;
-    int64_t integer;
-    int number;
-    bool truth;
-    const char *from = held(entry, at);
+    const void *from = held(entry, at);
     switch (entry->row->held) {
     case LAC_HELD_REAL:
-        memcpy(&real, from + place * sizeof real, sizeof real);
-        return real;
-    case LAC_HELD_COUNT:
-        memcpy(&count, from + place * sizeof count, sizeof count);
+        return ((const double *)from)[place];
+    case LAC_HELD_COUNT: {
+        const size_t count = ((const size_t *)from)[place];
         return count != SIZE_MAX ? (double)count : NAN;
-    case LAC_HELD_INT64:
-        memcpy(&integer, from + place * sizeof integer, sizeof integer);
+    }
+    case LAC_HELD_INT64: {
+        const int64_t integer = ((const int64_t *)from)[place];
         return integer != INT64_MIN ? (double)integer : NAN;
+    }
     case LAC_HELD_INT:
-        memcpy(&number, from + place * sizeof number, sizeof number);
-        return number;
+        return ((const int *)from)[place];
     case LAC_HELD_BOOL:
-        memcpy(&truth, from + place * sizeof truth, sizeof truth);
-        return truth ? 1.0 : 0.0;
+        return ((const bool *)from)[place] ? 1.0 : 0.0;
     case LAC_HELD_REALS:
         return ((const double *)array(entry, at))[place];
     case LAC_HELD_BYTES:

@@ -87,7 +87,6 @@ typedef struct lac_variables {
 } lac_variables;
 
 /// @param summary  one sentence on what it is, for a file
-/// @return LAC_OK; LAC_ENOMEM
 lac_status lac_dataset_create(const char *summary, lac_dataset **out, lac_error *err);
 
 /// Length of a dimension that grows: variables over it, the first of theirs, have at any time the
@@ -101,7 +100,6 @@ typedef struct lac_extent {
 } lac_extent;
 
 /// Adds dimensions, before the variables over them.
-/// @return LAC_OK; LAC_ENOMEM
 lac_status lac_dataset_dims(lac_dataset *dataset, const lac_extent *extent, size_t n,
                             lac_error *err);
 
@@ -112,14 +110,6 @@ typedef enum lac_clock {
     LAC_CLOCK_1970,     ///< results and file count from 1970
     LAC_CLOCK_DATE      ///< from LAC_CLOCK_START's date to the microsecond, as CF has time
 } lac_clock;
-
-/// Sets the clock of its times in a file.
-/// @param start  [s] since 1970 of the results' time 0; for LAC_CLOCK_START and _DATE
-void lac_dataset_set_clock(lac_dataset *dataset, lac_clock clock, double start);
-
-/// That clock, and what the dataset is.
-lac_clock lac_dataset_clock(const lac_dataset *dataset, double *start);
-const char *lac_dataset_summary(const lac_dataset *dataset);
 
 /// A table and the result that it is laid on, which must outlive the dataset.
 typedef struct lac_laid {
@@ -140,7 +130,6 @@ typedef struct lac_named {
 } lac_named;
 
 /// Adds one. @param row  all else that is told of it
-/// @return as lac_dataset_add
 lac_status lac_dataset_add_named(lac_dataset *dataset, const lac_variable *row,
                                  const lac_named *named, const void *of, lac_error *err);
 
@@ -212,8 +201,8 @@ typedef struct lac_entry {
 
 struct lac_dataset {
     const char *summary;
-    lac_clock clock;
-    double start;
+    lac_clock clock; ///< of its times in a file
+    double start;    ///< [s] since 1970 of the results' time 0; for LAC_CLOCK_START and _DATE
     size_t dims, entries, room;
     lac_extent *dim;
     lac_entry *entry;

@@ -10,32 +10,31 @@
 #include "base/hidden.h"
 #include "base/units.h"
 
-size_t lac_utf8_length(const unsigned char *s)
+// Length and number of the character at `s`; length 0: it is none.
+static size_t decode(const unsigned char *s, uint32_t *code)
 {
-    static const struct {
-        unsigned char first, last, low, high; // first byte; range of the second
-        size_t length;
-    } forms[] = {
-        {0x00, 0x7f, 0, 0, 1},       {0xc2, 0xdf, 0x80, 0xbf, 2}, {0xe0, 0xe0, 0xa0, 0xbf, 3},
-        {0xe1, 0xec, 0x80, 0xbf, 3}, {0xed, 0xed, 0x80, 0x9f, 3}, {0xee, 0xef, 0x80, 0xbf, 3},
-        {0xf0, 0xf0, 0x90, 0xbf, 4}, {0xf1, 0xf3, 0x80, 0xbf, 4}, {0xf4, 0xf4, 0x80, 0x8f, 4},
-    };
-    for (size_t i = 0; i < sizeof forms / sizeof *forms; i++) {
-        if (s[0] < forms[i].first || s[0] > forms[i].last) {
-            continue;
-        }
-        size_t length = forms[i].length;
-        if (length > 1 && (s[1] < forms[i].low || s[1] > forms[i].high)) {
+    static const uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
+    const unsigned c = *s;
+    const size_t length = c < 0x80         ? 1
+                          : c >> 5 == 0x6  ? 2
+                          : c >> 4 == 0xe  ? 3
+                          : c >> 3 == 0x1e ? 4
+                                           : 0;
+    *code = length > 1 ? c & (0xffu >> (length + 1)) : c;
+    for (size_t i = 1; i < length; i++) {
+        if ((s[i] & 0xc0) != 0x80) {
             return 0;
         }
-        for (size_t k = 2; k < length; k++) {
-            if ((s[k] & 0xc0) != 0x80) {
-                return 0;
-            }
-        }
-        return length;
+        *code = *code << 6 | (s[i] & 0x3fu);
     }
-    return 0;
+    const bool surrogate = *code >= 0xd800 && *code <= 0xdfff;
+    return *code >= least[length] && *code <= 0x10ffff && !surrogate ? length : 0;
+}
+
+size_t lac_utf8_length(const unsigned char *s)
+{
+    uint32_t code;
+    return decode(s, &code);
 }
 
 // Text goes through here.
@@ -50,22 +49,20 @@ static void put(lac_json *json, const char *format, ...)
 }
 
 // By its number, in two halves where it is beyond 16 bits.
-static void write_escaped(lac_json *json, const unsigned char *s, size_t length)
+static void write_escaped(lac_json *json, uint32_t code)
 {
-    unsigned c = length == 1 ? *s : *s & (0xffu >> (length + 1));
-    for (size_t i = 1; i < length; i++) {
-        c = (c << 6) | (s[i] & 0x3fu);
+    if (code > 0xffff) {
+        put(json, "\\u%04x", 0xd7c0u + (code >> 10));
+        code = 0xdc00u + (code & 0x3ffu);
     }
-    if (c > 0xffff) {
-        put(json, "\\u%04x", 0xd7c0u + (c >> 10));
-        c = 0xdc00u + (c & 0x3ffu);
-    }
-    put(json, "\\u%04x", c);
+    put(json, "\\u%04x", code);
 }
 
-// In a page a '<' is escaped too, and hidden characters are '?'.
-static void write_character(lac_json *json, const unsigned char *s, size_t length)
+// In a page a '<' is escaped too, and hidden characters are '?'. @return bytes of it
+static size_t write_character(lac_json *json, const unsigned char *s)
 {
+    uint32_t code;
+    const size_t length = decode(s, &code);
     const bool hidden = lac_hidden_length((const char *)s, length) > 0;
     const bool quote = *s == '"' || *s == '\\';
     if (length == 0) {
@@ -77,19 +74,18 @@ static void write_character(lac_json *json, const unsigned char *s, size_t lengt
     } else if (*s == '\n' && !json->page) {
         put(json, "\\n");
     } else if (*s < 0x20 || *s == 0x7f || hidden || quote || (*s == '<' && json->page)) {
-        write_escaped(json, s, length);
+        write_escaped(json, code);
     } else {
         json->broken = fwrite(s, 1, length, json->out) != length || json->broken;
     }
+    return length > 0 ? length : 1;
 }
 
 static void write_string(lac_json *json, const char *text)
 {
     put(json, "\"");
     for (const unsigned char *s = (const unsigned char *)text; *s != '\0';) {
-        size_t length = lac_utf8_length(s);
-        write_character(json, s, length);
-        s += length > 0 ? length : 1;
+        s += write_character(json, s);
     }
     put(json, "\"");
 }

@@ -79,14 +79,12 @@ lac_status lac_dataset_values(const lac_dataset *dataset, const char *name, size
                               lac_error *err)
 {
     lac_item item;
-    lac_status status;
-    LAC_TRY(LAC_NEED(err, dataset, name, out));
-    LAC_TRY(ask(dataset, name, false, &item, err));
+    LAC_TRY_RETURN(LAC_NEED(err, dataset, name, out));
+    LAC_TRY_RETURN(ask(dataset, name, false, &item, err));
     LAC_FAIL_IF(item.count != n, err, LAC_EINPUT, "dataset: %s: has %zu values, asked for %zu",
                 name, item.count, n);
     lac_item_values(&item, out);
-out:
-    return status;
+    return LAC_OK;
 }
 
 lac_status lac_dataset_text(const lac_dataset *dataset, const char *name, size_t place, char *text,
@@ -94,9 +92,8 @@ lac_status lac_dataset_text(const lac_dataset *dataset, const char *name, size_t
 {
     char room[LAC_TEXT_ROOM];
     lac_item item;
-    lac_status status;
-    LAC_TRY(LAC_NEED(err, dataset, name, text));
-    LAC_TRY(ask(dataset, name, true, &item, err));
+    LAC_TRY_RETURN(LAC_NEED(err, dataset, name, text));
+    LAC_TRY_RETURN(ask(dataset, name, true, &item, err));
     LAC_FAIL_IF(place >= item.count, err, LAC_EINPUT, "dataset: %s: has %zu texts, none at %zu",
                 name, item.count, place);
     const char *found = lac_item_text(&item, place, room);
@@ -104,8 +101,7 @@ lac_status lac_dataset_text(const lac_dataset *dataset, const char *name, size_t
     LAC_FAIL_IF(length >= size, err, LAC_EINPUT, "dataset: %s: takes %zu bytes, not %zu", name,
                 length + 1, size);
     memcpy(text, found != NULL ? found : "", length + 1);
-out:
-    return status;
+    return LAC_OK;
 }
 
 lac_status lac_dataset_to_json(const lac_dataset *dataset, char **text, lac_error *err)

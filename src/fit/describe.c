@@ -214,8 +214,8 @@ lac_status lac_fit_describe(const lac_fit_outcome *o, lac_dataset **out, lac_err
     LAC_TRY(lac_dataset_create("Parameters of a creep model fitted to a monitoring series: draws "
                                "of the posterior, predicted series and times of failure.",
                                out, err));
-    lac_dataset_set_clock(*out, o->source->dated ? LAC_CLOCK_START : LAC_CLOCK_NONE,
-                          o->source->start_date);
+    (*out)->clock = o->source->dated ? LAC_CLOCK_START : LAC_CLOCK_NONE;
+    (*out)->start = o->source->start_date;
     LAC_TRY(lac_dataset_dims(*out, dims, sizeof dims / sizeof *dims, err));
     LAC_TRY(add_draws(*out, r, err));
     LAC_TRY(lac_dataset_add(*out, laid, sizeof laid / sizeof *laid, err));

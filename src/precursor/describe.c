@@ -334,7 +334,7 @@ lac_status lac_forecast_describe(const lac_forecast_outcome *o, lac_dataset **ou
     LAC_TRY(lac_dataset_create("Forecasts of the time of failure of a slope, by several methods, "
                                "and indicators of it, from what was known at each issue time.",
                                out, err));
-    lac_dataset_set_clock(*out, o->dated ? LAC_CLOCK_1970 : LAC_CLOCK_NONE, 0.0);
+    (*out)->clock = o->dated ? LAC_CLOCK_1970 : LAC_CLOCK_NONE;
     LAC_TRY(lac_dataset_dims(*out, dims, sizeof dims / sizeof *dims, err));
     LAC_TRY(lac_dataset_add(*out, in_file, sizeof in_file / sizeof *in_file, err));
     for (size_t k = 0; k < o->indicators; k++) {

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/archive.h"
 #include "run/run_state.h"
 
 bool lac_run_state_plans(const lac_run_def *def)
@@ -25,24 +26,13 @@ bool lac_run_state_checkpoint_due(lac_run_state *r)
     return due;
 }
 
-// FNV-1a on the values that the problem starts from: another scene has others.
-static uint64_t sum_start(const lac_problem *problem, const double *y)
-{
-    const unsigned char *bytes = (const unsigned char *)y;
-    size_t size = lac_problem_unknowns(problem) * sizeof *y;
-    uint64_t sum = UINT64_C(0xcbf29ce484222325);
-    for (size_t i = 0; i < size; i++) {
-        sum = (sum ^ bytes[i]) * UINT64_C(0x100000001b3);
-    }
-    return sum;
-}
-
 // What tells a scene from another.
 typedef struct identity {
     uint64_t cells, formulation, start;
 } identity;
 
-// `start` is 0 where memory is short, which is no sum of anything.
+// `start` sums the values that the problem starts from; 0 where memory is short, which is no sum of
+// anything.
 static identity identify(const lac_problem *problem)
 {
     identity scene = {.cells = lac_problem_cells(problem),
@@ -50,7 +40,8 @@ static identity identify(const lac_problem *problem)
     double *y = calloc(lac_problem_unknowns(problem), sizeof *y);
     if (y != NULL) {
         lac_problem_initial(problem, y);
-        scene.start = sum_start(problem, y) | 1;
+        const size_t size = lac_problem_unknowns(problem) * sizeof *y;
+        scene.start = lac_sum_bytes(LAC_SUM_OF_NOTHING, y, size) | 1;
     }
     free(y);
     return scene;

@@ -232,7 +232,8 @@ static lac_status add_all(lac_dataset *d, const lac_run_place *p, lac_error *err
     const lac_laid level = {LAC_VARIABLES(of_levels, "level", 0), p};
     const lac_laid events = {LAC_VARIABLES(of_event, "event", 0), p};
     lac_status status;
-    lac_dataset_set_clock(d, of->dated ? LAC_CLOCK_DATE : LAC_CLOCK_NONE, of->start_date);
+    d->clock = of->dated ? LAC_CLOCK_DATE : LAC_CLOCK_NONE;
+    d->start = of->start_date;
     LAC_TRY(lac_dataset_dims(d, dims, sizeof dims / sizeof *dims, err));
     LAC_TRY(lac_dataset_add(d, start, 2, err));
     LAC_TRY(of->domain != NULL ? lac_dataset_add(d, cells, 2, err) : LAC_OK);

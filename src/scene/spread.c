@@ -4,8 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/archive.h"
 #include "scene/internal.h"
-#include "store/store_map.h"
+#include "store/store_cells.h"
 
 // Tries of a truncated factor; fewer than one in a hundred kept is refused as good as always.
 enum { MOST_DRAWS = 1000 };
@@ -21,23 +22,14 @@ typedef struct filling {
     double *factor; // [n]
 } filling;
 
-// FNV-1a: parameters that share a seed still get numbers of their own.
-static uint64_t hash(const char *text)
-{
-    uint64_t h = 14695981039346656037u;
-    for (; *text != '\0'; text++) {
-        h = (h ^ (unsigned char)*text) * 1099511628211u;
-    }
-    return h;
-}
-
 static lac_status draw_factors(const lac_heterogeneity *spread, uint64_t rank, const filling *f,
                                lac_error *err)
 {
     const lac_heterogeneity_kind *kind = (const void *)spread->model.info;
     const lac_heterogeneity_random *p = spread->model.params;
     const lac_domain *domain = f->place->domain;
-    uint64_t stream = hash(f->key) + rank * next_rank;
+    // Parameters that share a seed still get numbers of their own.
+    uint64_t stream = lac_sum_bytes(LAC_SUM_OF_NOTHING, f->key, strlen(f->key)) + rank * next_rank;
     for (size_t i = 0; i < domain->n; i++) {
         double factor = kind->draw(p, domain->index[i], stream);
         for (uint64_t again = 1; factor < p->lowest || factor > p->highest; again++) {

@@ -1,21 +1,115 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A dataset as a netCDF-4 file, in one go or place by place.
+// A dataset as a netCDF-4 file, in one go or place by place; its variables as arrays in memory that
+// grow by places, of which a run that is kept in memory is made too.
+#include <assert.h>
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/ask.h"
 #include "base/date.h"
 #include "data/dataset.h"
 #include "store/writer.h"
+
+void lac_columns_clear(lac_columns *columns)
+{
+    for (size_t i = 0; i < columns->n; i++) {
+        free(columns->column[i].values);
+    }
+    free(columns->column);
+    *columns = (lac_columns){0};
+}
+
+bool lac_item_is_global(const lac_item *item)
+{
+    return item->rank == 0 && (item->row->flags & LAC_SINGLE) == 0;
+}
+
+size_t lac_columns_along(const lac_columns *columns, const char *dim)
+{
+    size_t along = 0;
+    while (along < LAC_MOST_GROWING &&
+           (columns->growth[along].name == NULL || strcmp(columns->growth[along].name, dim) != 0)) {
+        along++;
+    }
+    return along;
+}
+
+// The dimension along which an item grows, noted where it is new.
+static size_t find_growth(lac_columns *columns, const lac_item *item)
+{
+    if (item->rank == 0 || item->length[0] != LAC_GROWS) {
+        return LAC_ONCE;
+    }
+    size_t along = 0;
+    while (columns->growth[along].name != NULL &&
+           strcmp(columns->growth[along].name, item->dim[0]) != 0) {
+        along++;
+        assert(along < LAC_MOST_GROWING);
+    }
+    columns->growth[along].name = item->dim[0];
+    return along;
+}
+
+lac_column *lac_columns_add(lac_columns *columns, const lac_item *item)
+{
+    lac_column *column = &columns->column[columns->n++];
+    *column = (lac_column){.item = *item, .along = find_growth(columns, item)};
+    return column;
+}
+
+lac_status lac_columns_create(const lac_dataset *dataset, size_t more, lac_columns *columns,
+                              lac_error *err)
+{
+    lac_item item = {0};
+    columns->column = calloc(dataset->entries + more + 1, sizeof *columns->column);
+    LAC_FAIL_MEMORY_IF(columns->column == NULL, err);
+    while (lac_dataset_next(dataset, &item)) {
+        if (!lac_item_is_global(&item)) {
+            (void)lac_columns_add(columns, &item);
+        }
+    }
+    return LAC_OK;
+}
+
+lac_status lac_column_reserve(lac_column *column, size_t n, lac_error *err)
+{
+    if (column->room - column->count < n) {
+        const size_t room = column->count + n + column->room; // at least doubled
+        double *grown = realloc(column->values, room * sizeof *grown);
+        LAC_FAIL_MEMORY_IF(grown == NULL, err);
+        column->values = grown;
+        column->room = room;
+    }
+    return LAC_OK;
+}
+
+lac_status lac_columns_put(lac_columns *columns, size_t along, unsigned but, lac_error *err)
+{
+    lac_column *end = columns->column + columns->n;
+    for (lac_column *c = columns->column; c < end; c++) {
+        if (c->along == along && (c->item.row->flags & but) == 0) {
+            LAC_TRY_RETURN(lac_column_reserve(c, c->item.count, err));
+        }
+    }
+    for (lac_column *c = columns->column; c < end; c++) {
+        if (c->along == along && (c->item.row->flags & but) == 0) {
+            lac_item_values(&c->item, c->values + c->count);
+            c->count += c->item.count;
+        }
+    }
+    columns->growth[along].places++;
+    return LAC_OK;
+}
 
 // A date counts from a whole second, or in the unit to the microsecond.
 static lac_status set_clock(lac_writer *w, lac_error *err)
 {
     char date[32] = "", fraction[16] = "";
-    double start = 0.0;
-    w->clock = lac_dataset_clock(w->dataset, &start);
+    const double start = w->dataset->start;
+    w->clock = w->dataset->clock;
     (void)snprintf(w->unit, sizeof w->unit, "%s",
                    w->clock == LAC_CLOCK_1970 ? "seconds since 1970-01-01 00:00:00" : "s");
     if (w->clock == LAC_CLOCK_NONE || w->clock == LAC_CLOCK_1970) {
@@ -83,6 +177,13 @@ static lac_status put(const lac_writer *w, const lac_column *c, size_t first, si
                         err, "write", c->item.name);
 }
 
+lac_status lac_writer_put_values(const lac_writer *w, const lac_column *c, size_t first, size_t n,
+                                 double *values, lac_error *err)
+{
+    fill(w, c, values, n * c->item.count);
+    return put(w, c, first, n, values, err);
+}
+
 // All that the dataset holds of a variable now. Large maps are not copied.
 static lac_status put_now(const lac_writer *w, const lac_column *c, size_t place, lac_error *err)
 {
@@ -93,8 +194,7 @@ static lac_status put_now(const lac_writer *w, const lac_column *c, size_t place
     double *values = malloc((c->item.count + 1) * sizeof *values);
     LAC_FAIL_MEMORY_IF(values == NULL, err);
     lac_item_values(&c->item, values);
-    fill(w, c, values, c->item.count);
-    lac_status status = put(w, c, place, 1, values, err);
+    lac_status status = lac_writer_put_values(w, c, place, 1, values, err);
     free(values);
     return status;
 }
@@ -164,22 +264,21 @@ static lac_status put_fixed(const lac_writer *w, const lac_column *c, lac_error 
 lac_status lac_writer_begin(lac_writer *w, lac_error *err)
 {
     const lac_columns *all = &w->columns;
-    lac_status status;
-    LAC_TRY(set_clock(w, err));
-    LAC_TRY(lac_columns_create(w->dataset, 0, &w->columns, err));
-    LAC_TRY(lac_nc_attributes(w->file, w->dataset, false, err));
+    LAC_TRY_RETURN(set_clock(w, err));
+    LAC_TRY_RETURN(lac_columns_create(w->dataset, 0, &w->columns, err));
+    LAC_TRY_RETURN(
+        lac_dataset_put_attributes(w->dataset, false, lac_nc_put_attribute, (void *)w->file, err));
     for (lac_column *c = all->column; c < all->column + all->n; c++) {
-        LAC_TRY(lac_writer_define(w, c, err));
+        LAC_TRY_RETURN(lac_writer_define(w, c, err));
         if (c->along != LAC_ONCE && (c->item.row->flags & LAC_CELLS) == 0) {
-            LAC_TRY(lac_column_reserve(c, w->batch * c->item.count, err));
+            LAC_TRY_RETURN(lac_column_reserve(c, w->batch * c->item.count, err));
         }
     }
     for (const lac_column *c = all->column; c < all->column + all->n; c++) {
         const bool fixed = c->along == LAC_ONCE && (c->item.row->flags & LAC_LATE) == 0;
-        LAC_TRY(fixed ? put_fixed(w, c, err) : LAC_OK);
+        LAC_TRY_RETURN(fixed ? put_fixed(w, c, err) : LAC_OK);
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 static lac_status flush(lac_writer *w, size_t along, lac_error *err)
@@ -187,18 +286,16 @@ static lac_status flush(lac_writer *w, size_t along, lac_error *err)
     lac_growth *g = &w->columns.growth[along];
     lac_column *end = w->columns.column + w->columns.n;
     size_t bytes = 0;
-    lac_status status = LAC_OK;
     if (g->places == 0) {
         return LAC_OK;
     }
     for (const lac_column *c = w->columns.column; c < end; c++) {
         bytes += c->along == along ? c->count * sizeof *c->values : 0;
     }
-    LAC_TRY(reserve(w, bytes, err));
+    LAC_TRY_RETURN(reserve(w, bytes, err));
     for (lac_column *c = w->columns.column; c < end; c++) {
         if (c->along == along && c->count > 0) {
-            fill(w, c, c->values, c->count);
-            LAC_TRY(put(w, c, g->written, g->places, c->values, err));
+            LAC_TRY_RETURN(lac_writer_put_values(w, c, g->written, g->places, c->values, err));
         }
     }
     for (lac_column *c = w->columns.column; c < end; c++) {
@@ -206,8 +303,7 @@ static lac_status flush(lac_writer *w, size_t along, lac_error *err)
     }
     g->written += g->places;
     g->places = 0;
-out:
-    return status;
+    return LAC_OK;
 }
 
 // Those that are not kept in memory. Incompressible at worst.
@@ -234,18 +330,16 @@ lac_status lac_writer_put(lac_writer *w, const char *dim, lac_error *err)
 {
     const size_t along = lac_columns_along(&w->columns, dim);
     bool cells = false;
-    lac_status status = LAC_OK;
     if (along == LAC_ONCE) {
         return LAC_OK;
     }
     if (w->columns.growth[along].places == w->batch) {
-        LAC_TRY(flush(w, along, err));
+        LAC_TRY_RETURN(flush(w, along, err));
     }
-    LAC_TRY(put_cells(w, along, LAC_CELLS, &cells, err));
-    LAC_TRY(lac_columns_put(&w->columns, along, LAC_CELLS, err));
-    LAC_TRY(cells || w->batch == 1 ? flush(w, along, err) : LAC_OK);
-out:
-    return status;
+    LAC_TRY_RETURN(put_cells(w, along, LAC_CELLS, &cells, err));
+    LAC_TRY_RETURN(lac_columns_put(&w->columns, along, LAC_CELLS, err));
+    LAC_TRY_RETURN(cells || w->batch == 1 ? flush(w, along, err) : LAC_OK);
+    return LAC_OK;
 }
 
 lac_status lac_writer_put_late(lac_writer *w, lac_error *err)
@@ -263,18 +357,17 @@ size_t lac_writer_places(const lac_writer *w, const char *dim)
 
 lac_status lac_writer_flush(lac_writer *w, lac_error *err)
 {
-    lac_status status = LAC_OK;
-    for (size_t along = 0; along < LAC_MOST_GROWING && status == LAC_OK; along++) {
-        status = flush(w, along, err);
+    for (size_t along = 0; along < LAC_MOST_GROWING; along++) {
+        LAC_TRY_RETURN(flush(w, along, err));
     }
-    return status;
+    return LAC_OK;
 }
 
 lac_status lac_writer_sync(lac_writer *w, lac_error *err)
 {
-    lac_status status = lac_writer_flush(w, err);
-    w->pending = status == LAC_OK ? 0 : w->pending;
-    return status == LAC_OK ? lac_nc_sync(w->file, err) : status;
+    LAC_TRY_RETURN(lac_writer_flush(w, err));
+    w->pending = 0;
+    return lac_nc_sync(w->file, err);
 }
 
 void lac_writer_clear(lac_writer *w) { lac_columns_clear(&w->columns); }
@@ -287,7 +380,7 @@ lac_status lac_store_dataset(const char *path, bool force, const lac_provenance 
     lac_writer w = {.file = &file, .dataset = dataset};
     lac_status status;
     LAC_TRY(lac_nc_create(&file, path, force, err));
-    LAC_TRY(lac_nc_provenance(&file, provenance, lac_dataset_summary(dataset), err));
+    LAC_TRY(lac_nc_provenance(&file, provenance, dataset->summary, err));
     LAC_TRY(lac_writer_begin(&w, err));
     LAC_TRY(lac_nc_close(&file, err));
     LAC_TRY(lac_nc_publish(&file, err));
@@ -295,4 +388,23 @@ out:
     lac_writer_clear(&w);
     lac_nc_clear(&file);
     return status;
+}
+
+void lac_provenance_sign(lac_provenance *provenance, const lac_write_options *options)
+{
+    provenance->now = options->now != 0.0 ? options->now : NAN;
+    provenance->command_line = options->command_line;
+    provenance->libraries = options->libraries;
+}
+
+lac_status lac_dataset_write(const lac_dataset *dataset, const char *path,
+                             const lac_write_options *options, lac_error *err)
+{
+    lac_write_options own = lac_write_options_default();
+    LAC_TRY_RETURN(LAC_NEED(err, dataset, path));
+    LAC_TRY_RETURN(lac_take_options("lac_write_options", options, &own, sizeof own, err));
+    lac_provenance made =
+        dataset->made != NULL ? *dataset->made : (lac_provenance){.seed = INT64_MIN};
+    lac_provenance_sign(&made, &own);
+    return lac_store_dataset(path, own.force, &made, dataset, err);
 }

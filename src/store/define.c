@@ -191,14 +191,6 @@ static lac_status put_meanings(const lac_writer *w, const lac_item *item, int id
     return put_flags(w, id, NC_INT, meanings, err);
 }
 
-static lac_status put_number(const lac_nc *file, int id, const char *name, double number,
-                             bool whole, lac_error *err)
-{
-    return !isfinite(number) ? LAC_OK
-           : whole           ? lac_nc_integer(file, id, name, (long long)number, err)
-                             : lac_nc_real(file, id, name, number, err);
-}
-
 static lac_status put_attributes(const lac_writer *w, const lac_item *item, int id, nc_type type,
                                  lac_error *err)
 {
@@ -229,7 +221,7 @@ static lac_status put_attributes(const lac_writer *w, const lac_item *item, int 
     while (status == LAC_OK && lac_item_next_attribute(item, &attribute)) {
         status = attribute.text != NULL
                      ? lac_nc_text(w->file, id, attribute.name, attribute.text, err)
-                     : put_number(w->file, id, attribute.name, attribute.number, false, err);
+                     : lac_nc_number(w->file, id, attribute.name, attribute.number, false, err);
     }
 out:
     return status;
@@ -241,14 +233,13 @@ lac_status lac_writer_define(const lac_writer *w, lac_column *column, lac_error 
     const nc_type type = lac_writer_type(w, item);
     int dims[MAX_RANK] = {0};
     int rank = (int)item->rank;
-    lac_status status = LAC_OK;
     for (int d = 0; d < rank; d++) {
-        LAC_TRY(find_dim(w, item->dim[d], item->length[d], &dims[d], err));
+        LAC_TRY_RETURN(find_dim(w, item->dim[d], item->length[d], &dims[d], err));
     }
     if (type == NC_CHAR) { // rows of characters, as long as the longest text needs
         char name[NC_MAX_NAME];
         (void)snprintf(name, sizeof name, "%s_length", item->name);
-        LAC_TRY(find_dim(w, name, lac_item_longest_text(item), &dims[rank++], err));
+        LAC_TRY_RETURN(find_dim(w, name, lac_item_longest_text(item), &dims[rank++], err));
     }
     int code = nc_def_var(w->file->id, item->name, type, rank, dims, &column->id);
     if (code == NC_NOERR && rank > 0) {
@@ -257,14 +248,13 @@ lac_status lac_writer_define(const lac_writer *w, lac_column *column, lac_error 
     if (code == NC_NOERR && (item->row->flags & (LAC_MISSING | LAC_FILLED)) != 0) {
         code = define_fill(w->file->id, column->id, type);
     }
-    LAC_TRY(lac_nc_check(w->file->path, code, err, "define", item->name));
-    LAC_TRY(put_attributes(w, item, column->id, type, err));
-out:
-    return status;
+    LAC_TRY_RETURN(lac_nc_check(w->file->path, code, err, "define", item->name));
+    LAC_TRY_RETURN(put_attributes(w, item, column->id, type, err));
+    return LAC_OK;
 }
 
-lac_status lac_nc_attributes(const lac_nc *file, const lac_dataset *dataset, bool late,
-                             lac_error *err)
+lac_status lac_dataset_put_attributes(const lac_dataset *dataset, bool late, lac_put_attribute *put,
+                                      void *to, lac_error *err)
 {
     lac_item item = {0};
     lac_status status = LAC_OK;
@@ -274,13 +264,11 @@ lac_status lac_nc_attributes(const lac_nc *file, const lac_dataset *dataset, boo
         if (!lac_item_is_global(&item) || late != ((item.row->flags & LAC_LATE) != 0)) {
             continue;
         }
-        if (item.is_text) {
-            status = lac_nc_text(file, NC_GLOBAL, item.name, lac_item_text(&item, 0, room), err);
-        } else {
+        if (!item.is_text) {
             lac_item_values(&item, &number);
-            status = put_number(file, NC_GLOBAL, item.name, number,
-                                (item.row->flags & LAC_WHOLE) != 0, err);
         }
+        status = put(to, item.name, item.is_text ? lac_item_text(&item, 0, room) : NULL, number,
+                     (item.row->flags & LAC_WHOLE) != 0, err);
     }
     return status;
 }

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The life of a file: made under a temporary name, published, closed.
+// The life of a file: made under a temporary name, filled with values and attributes, published,
+// closed; its errors in words.
 #define _GNU_SOURCE // fallocate
 #include <errno.h>
 #include <fcntl.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,6 +16,71 @@
 #include "store/nc.h"
 
 enum { RESERVE = 1 << 20 }; // for HDF5's own records [bytes]
+
+static bool is_disk_error(int code)
+{
+    return code == ENOSPC || code == EDQUOT || code == EFBIG || code == EIO || code == EROFS ||
+           code == ENOENT || code == EACCES;
+}
+
+lac_status lac_nc_check(const char *path, int code, lac_error *err, const char *what,
+                        const char *name)
+{
+    // HDF5 says no more than "HDF error"; what the system said is still in errno.
+    int reason = errno;
+    if (code == NC_NOERR) {
+        return LAC_OK;
+    }
+    LAC_FAIL_MEMORY_IF(code == NC_ENOMEM || code == ENOMEM, err);
+    const char *why = nc_strerror(code);
+    if (code == NC_EHDFERR) {
+        why = is_disk_error(reason) ? strerror(reason) : "the disk is full or the file is damaged";
+    }
+    return lac_fail(err, LAC_EIO, "%s: cannot %s%s%s: %s", path, what, *name != '\0' ? " " : "",
+                    name, why);
+}
+
+int lac_nc_put_values(int file, nc_type type, int id, const size_t *start, const size_t *count,
+                      const void *values)
+{
+    return type == NC_UBYTE   ? nc_put_vara_uchar(file, id, start, count, values)
+           : type == NC_INT64 ? nc_put_vara_longlong(file, id, start, count, values)
+                              : nc_put_vara_double(file, id, start, count, values);
+}
+
+lac_status lac_nc_text(const lac_nc *file, int var, const char *name, const char *text,
+                       lac_error *err)
+{
+    if (text == NULL || *text == '\0') {
+        return LAC_OK;
+    }
+    return lac_nc_check(file->path, nc_put_att_text(file->id, var, name, strlen(text), text), err,
+                        "write the attribute", name);
+}
+
+lac_status lac_nc_number(const lac_nc *file, int var, const char *name, double value, bool whole,
+                         lac_error *err)
+{
+    const bool narrow = value >= INT32_MIN && value <= INT32_MAX;
+    const nc_type type = !whole ? NC_DOUBLE : narrow ? NC_INT : NC_INT64;
+    return isfinite(value)
+               ? lac_nc_check(file->path, nc_put_att_double(file->id, var, name, type, 1, &value),
+                              err, "write the attribute", name)
+               : LAC_OK;
+}
+
+char *lac_nc_text_of(int file, const char *name, size_t bound)
+{
+    size_t length = 0;
+    nc_type type = NC_NAT;
+    bool there = nc_inq_att(file, NC_GLOBAL, name, &type, &length) == NC_NOERR && type == NC_CHAR &&
+                 length <= bound;
+    char *text = calloc((there ? length : 0) + 1, 1);
+    if (text != NULL && there && nc_get_att_text(file, NC_GLOBAL, name, text) != NC_NOERR) {
+        text[0] = '\0';
+    }
+    return text;
+}
 
 lac_status lac_nc_path(const char *path, bool *exists, lac_error *err)
 {
@@ -101,10 +168,8 @@ lac_status lac_nc_create(lac_nc *file, const char *path, bool force, lac_error *
 {
     *file = (lac_nc){.force = force, .fd = -1};
     bool exists = false;
-    lac_status status = lac_nc_path(path, &exists, err);
-    if (status != LAC_OK) {
-        return status;
-    }
+    lac_status status;
+    LAC_TRY_RETURN(lac_nc_path(path, &exists, err));
     LAC_FAIL_IF(exists && !force, err, LAC_EINPUT, "%s: exists", path);
     LAC_FAIL_IF(exists && access(path, W_OK) != 0, err, LAC_EIO, "%s: cannot replace: %s", path,
                 strerror(errno));
@@ -112,9 +177,7 @@ lac_status lac_nc_create(lac_nc *file, const char *path, bool force, lac_error *
                 "%s: cannot replace: another process is writing it", path);
     file->path = resolve(path, exists);
     file->part = file->path != NULL ? lac_temp_file_name(file->path) : NULL;
-    if (file->part == NULL) {
-        LAC_TRY(lac_fail_memory(err));
-    }
+    LAC_TRY(file->part != NULL ? LAC_OK : lac_fail_memory(err));
     LAC_TRY(exists ? pin_old(file, err) : LAC_OK);
     LAC_TRY(take_part(file, err));
     errno = 0;
@@ -169,9 +232,7 @@ static int take_place(const lac_nc *file)
     if (stands_at(file->path, file->old_dev, file->old_inode)) {
         failed = lac_temp_file_publish(file->part, file->path, true);
     }
-    int reason = errno;
-    lac_temp_file_let_go(held);
-    errno = reason;
+    lac_temp_file_close(held);
     return failed;
 }
 
@@ -257,10 +318,8 @@ lac_status lac_nc_close(lac_nc *file, lac_error *err)
     }
     lac_journal_free(file->journal, whole);
     file->journal = NULL;
-    if (file->fd >= 0) {
-        (void)close(file->fd);
-        file->fd = -1;
-    }
+    lac_temp_file_close(file->fd);
+    file->fd = -1;
     return written != LAC_OK ? written : closed != LAC_OK ? closed : kept;
 }
 
@@ -269,11 +328,9 @@ void lac_nc_clear(lac_nc *file)
     if (file->open) {
         (void)lac_nc_close(file, NULL);
     }
-    if (file->fd >= 0) {
-        end_reserve(file);
-        (void)close(file->fd);
-        file->fd = -1;
-    }
+    end_reserve(file);
+    lac_temp_file_close(file->fd);
+    file->fd = -1;
     if (file->part != NULL && !file->published) {
         (void)unlink(file->part);
     }

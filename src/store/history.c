@@ -114,20 +114,18 @@ static lac_status describe(const lac_history_store_def *def, const step *now, la
 
 static lac_status begin_file(lac_history_store *s, const lac_history_store_def *def, lac_error *err)
 {
-    lac_status status;
-    LAC_TRY(lac_nc_create(&s->file, def->path, def->force, err));
-    LAC_TRY(lac_nc_provenance(
+    LAC_TRY_RETURN(lac_nc_create(&s->file, def->path, def->force, err));
+    LAC_TRY_RETURN(lac_nc_provenance(
         &s->file, &def->provenance,
         "Contact of a rough rock joint through a history of normal and shear load: forces, shifts "
         "and frictional work of each step, and which cells stick or slip.",
         err));
-    LAC_TRY(lac_writer_begin(&s->writer, err));
-    LAC_TRY(lac_nc_text(&s->file, NC_GLOBAL, "status", "running", err));
-    LAC_TRY(lac_nc_sync(&s->file, err));
-    LAC_TRY(lac_nc_keep_journal(&s->file, err));
-    LAC_TRY(lac_nc_publish(&s->file, err));
-out:
-    return status;
+    LAC_TRY_RETURN(lac_writer_begin(&s->writer, err));
+    LAC_TRY_RETURN(lac_nc_text(&s->file, NC_GLOBAL, "status", "running", err));
+    LAC_TRY_RETURN(lac_nc_sync(&s->file, err));
+    LAC_TRY_RETURN(lac_nc_keep_journal(&s->file, err));
+    LAC_TRY_RETURN(lac_nc_publish(&s->file, err));
+    return LAC_OK;
 }
 
 lac_status lac_history_store_create(const lac_history_store_def *def, lac_history_store **out,
@@ -179,7 +177,8 @@ lac_status lac_history_store_maps(lac_history_store *store, const lac_history_ma
 lac_status lac_history_store_finish(lac_history_store *store, const char *status, lac_error *err)
 {
     assert(store->file.open);
-    lac_status first = lac_nc_attributes(&store->file, store->writer.dataset, true, err);
+    lac_status first = lac_dataset_put_attributes(store->writer.dataset, true, lac_nc_put_attribute,
+                                                  (void *)&store->file, err);
     const char *said = first == LAC_OK ? status : "failed";
     lac_error *later = first == LAC_OK ? err : NULL;
     lac_status second = lac_nc_text(&store->file, NC_GLOBAL, "status", said, later);

@@ -24,7 +24,6 @@ struct lac_store {
 lac_status lac_store_take_over(lac_store *store, const lac_checkpoint_file *from, lac_error *err);
 
 /// Writes the checkpoint beside the file, whole or not at all: one that is there stays until then.
-/// @return LAC_OK; LAC_EIO; LAC_ENOMEM
 lac_status lac_store_put_checkpoint(const lac_store *store, const lac_checkpoint *checkpoint,
                                     lac_error *err);
 

@@ -73,11 +73,14 @@ static bool open_view(const char *path, view *v)
     return v->size > 0;
 }
 
+// errno stays.
 static void close_view(view *v)
 {
+    const int reason = errno;
     if (v->size > 0) {
         (void)munmap((void *)v->bytes, v->size);
     }
+    errno = reason;
 }
 
 static uint64_t sum_of_both(const void *owner, const head *h, const void *base)
@@ -248,9 +251,7 @@ bool lac_journal_copy_base(const char *path, int to)
         return false;
     }
     const bool good = lac_temp_file_write(to, v.bytes + sizeof h + h.owner, (size_t)h.base);
-    const int reason = errno;
     close_view(&v);
-    errno = reason;
     return good;
 }
 
@@ -266,9 +267,7 @@ static bool open_unclosed(const char *path, view *file)
         close_view(file);
         good = false;
     }
-    if (fd >= 0) {
-        (void)close(fd);
-    }
+    lac_temp_file_close(fd);
     return good;
 }
 
@@ -332,9 +331,7 @@ static bool may_take(const char *name)
     int fd = S_ISREG(info.st_mode) ? open(name, O_RDONLY | O_CLOEXEC) : -1;
     bool good = fd >= 0 && pread(fd, found, sizeof found, 0) == (ssize_t)sizeof found &&
                 memcmp(found, mark, sizeof mark - 1) == 0;
-    if (fd >= 0) {
-        (void)close(fd);
-    }
+    lac_temp_file_close(fd);
     return good;
 }
 
@@ -364,30 +361,21 @@ struct lac_journal *lac_journal_create(const lac_nc *file, lac_status *out, lac_
     // It names the command and the time.
     char *owner = lac_nc_text_of(file->id, "history", SIZE_MAX);
     lac_status status = LAC_OK;
-    if (j == NULL) {
-        LAC_TRY(lac_fail_memory(err));
-    }
+    LAC_TRY(j != NULL ? LAC_OK : lac_fail_memory(err));
     *j = (struct lac_journal){.fd = -1};
-    j->name = lac_temp_file_beside(file->path, ending);
+    j->name = lac_text_join(file->path, "", ending);
     j->part = j->name != NULL ? lac_temp_file_name(j->name) : NULL;
-    if (j->part == NULL || owner == NULL) {
-        LAC_TRY(lac_fail_memory(err));
-    }
-    if (!may_take(j->name)) {
-        LAC_TRY(lac_fail(err, LAC_EINPUT,
-                         "%s: is not a journal of Lacuna, whose name it has; move it away",
-                         j->name));
-    }
+    LAC_TRY(j->part != NULL && owner != NULL ? LAC_OK : lac_fail_memory(err));
+    LAC_LEAVE_IF(!may_take(j->name), err, LAC_EINPUT,
+                 "%s: is not a journal of Lacuna, whose name it has; move it away", j->name);
     lac_temp_file_sweep(j->name);
     (void)unlink(j->part);
     j->fd = open(j->part, O_RDWR | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0666);
     // Where the file system has no locks, nobody else is told.
-    if (j->fd >= 0 && flock(j->fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-        LAC_TRY(lac_fail(err, LAC_EIO, "%s: another process is writing it", j->name));
-    }
-    if (j->fd < 0 || !write_base(j, file->part, owner)) {
-        LAC_TRY(lac_fail(err, LAC_EIO, "%s: cannot write: %s", j->name, strerror(errno)));
-    }
+    LAC_LEAVE_IF(j->fd >= 0 && flock(j->fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK, err,
+                 LAC_EIO, "%s: another process is writing it", j->name);
+    LAC_LEAVE_IF(j->fd < 0 || !write_base(j, file->part, owner), err, LAC_EIO,
+                 "%s: cannot write: %s", j->name, strerror(errno));
 out:
     free(owner);
     *out = status;
@@ -465,9 +453,7 @@ void lac_journal_free(struct lac_journal *j, bool remove)
         own.st_dev == there.st_dev && own.st_ino == there.st_ino) {
         (void)unlink(name);
     }
-    if (j->fd >= 0) {
-        (void)close(j->fd);
-    }
+    lac_temp_file_close(j->fd);
     free(j->ahead.bytes);
     free(j->name);
     free(j->part);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Fields over the cells of an interface, made elsewhere.
-#include "store/store_map.h"
+#include "store/store_cells.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -25,7 +25,6 @@ typedef struct map_file {
     const lac_map_def *def;
     const lac_domain *domain;
     lac_stored_file *in;
-    int id;
 } map_file;
 
 static lac_status check(const map_file *file, int code, const char *what, lac_error *err)
@@ -37,20 +36,20 @@ static lac_status check(const map_file *file, int code, const char *what, lac_er
 static bool named(const map_file *file, const field *at, int k, const char *name)
 {
     char dim[NC_MAX_NAME + 1] = "";
-    return nc_inq_dimname(file->id, at->dim[k], dim) == NC_NOERR && strcasecmp(dim, name) == 0;
+    return nc_inq_dimname(file->in->id, at->dim[k], dim) == NC_NOERR && strcasecmp(dim, name) == 0;
 }
 
 // Whether a variable is numbers over the cells.
 static bool fits(const map_file *file, field *at)
 {
     const lac_grid *grid = &file->domain->grid;
-    at->rank = lac_netcdf_runs_over(file->id, at->var, 1, at->dim) ? 1 : 2;
-    if ((at->rank == 2 && !lac_netcdf_runs_over(file->id, at->var, 2, at->dim)) ||
-        nc_inq_varname(file->id, at->var, at->name) != NC_NOERR) {
+    at->rank = lac_netcdf_runs_over(file->in->id, at->var, 1, at->dim) ? 1 : 2;
+    if ((at->rank == 2 && !lac_netcdf_runs_over(file->in->id, at->var, 2, at->dim)) ||
+        nc_inq_varname(file->in->id, at->var, at->name) != NC_NOERR) {
         return false;
     }
     for (int k = 0; k < at->rank; k++) {
-        if (nc_inq_dimlen(file->id, at->dim[k], &at->length[k]) != NC_NOERR) {
+        if (nc_inq_dimlen(file->in->id, at->dim[k], &at->length[k]) != NC_NOERR) {
             return false;
         }
     }
@@ -87,12 +86,12 @@ static lac_status find_field(const map_file *file, field *at, lac_error *err)
     size_t found = 0;
     *at = (field){0};
     if (name != NULL) {
-        LAC_FAIL_IF(nc_inq_varid(file->id, name, &at->var) != NC_NOERR, err, LAC_EINPUT,
+        LAC_FAIL_IF(nc_inq_varid(file->in->id, name, &at->var) != NC_NOERR, err, LAC_EINPUT,
                     "%s: has no variable %s", file->def->path, name);
-        (void)nc_inq_varname(file->id, at->var, at->name);
+        (void)nc_inq_varname(file->in->id, at->var, at->name);
         return fits(file, at) ? LAC_OK : misfit(file, at, err);
     }
-    lac_status status = check(file, nc_inq_nvars(file->id, &vars), "the variables", err);
+    lac_status status = check(file, nc_inq_nvars(file->in->id, &vars), "the variables", err);
     for (int v = 0; status == LAC_OK && v < vars; v++) {
         field candidate = {.var = v};
         if (fits(file, &candidate) && !is_coordinate(file, &candidate)) {
@@ -119,9 +118,9 @@ static lac_status check_axes(const map_file *file, const field *at, lac_error *e
         int var = -1;
         double first, last;
         size_t end = at->length[k] - 1;
-        if (!lac_netcdf_axis(file->id, at->dim[k], name, &var) ||
-            nc_get_var1_double(file->id, var, &(size_t){0}, &first) != NC_NOERR ||
-            nc_get_var1_double(file->id, var, &end, &last) != NC_NOERR) {
+        if (!lac_netcdf_axis(file->in->id, at->dim[k], name, &var) ||
+            nc_get_var1_double(file->in->id, var, &(size_t){0}, &first) != NC_NOERR ||
+            nc_get_var1_double(file->in->id, var, &end, &last) != NC_NOERR) {
             continue; // no coordinates
         }
         LAC_FAIL_IF(end > 0 && !(last > first), err, LAC_EINPUT,
@@ -136,7 +135,7 @@ static lac_status find_unit(const map_file *file, const field *at, double *scale
     char unit[100];
     lac_units *units = NULL;
     lac_error why = {""};
-    (void)lac_netcdf_text(file->id, at->var, "units", unit, sizeof unit);
+    (void)lac_netcdf_text(file->in->id, at->var, "units", unit, sizeof unit);
     *scale = 1.0;
     *offset = 0.0;
     if (unit[0] == '\0') {
@@ -190,17 +189,14 @@ lac_status lac_map_read(const lac_map_def *def, const lac_domain *domain, double
     size_t length;
     lac_status status;
     LAC_TRY(lac_stored_file_open_any(def->path, &file.in, err));
-    file.id = file.in->id;
     LAC_TRY(find_field(&file, &at, err));
     LAC_TRY(check_axes(&file, &at, err));
     // no more than the cells of the grid, whatever the file says
     length = at.length[0] * (at.rank == 2 ? at.length[1] : 1);
     stored = malloc(length * sizeof *stored);
-    if (stored == NULL) {
-        LAC_TRY(lac_fail_memory(err));
-    }
-    LAC_TRY(check(&file, nc_get_var_double(file.id, at.var, stored), at.name, err));
-    lac_netcdf_unpack(file.id, at.var, stored, length);
+    LAC_TRY(stored != NULL ? LAC_OK : lac_fail_memory(err));
+    LAC_TRY(check(&file, nc_get_var_double(file.in->id, at.var, stored), at.name, err));
+    lac_netcdf_unpack(file.in->id, at.var, stored, length);
     LAC_TRY(pick(&file, &at, stored, values, err));
 out:
     free(stored);

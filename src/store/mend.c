@@ -99,18 +99,14 @@ static bool pad(const char *path, int to)
     int from = open(path, O_RDONLY | O_CLOEXEC);
     uint64_t length = from >= 0 ? length_of_cut(from) : 0;
     bool good = length > 0 && copy_bytes(from, to) && ftruncate(to, (off_t)length) == 0;
-    int reason = errno;
-    if (from >= 0) {
-        (void)close(from);
-    }
-    errno = reason;
+    lac_temp_file_close(from);
     return good;
 }
 
 // A new file, its owner's only as the file may be: `FOLDER/.NAME.mended.lacuna-PID.part`.
 static int open_copy(const char *path, char **copy)
 {
-    char *name = lac_temp_file_beside(path, ".mended");
+    char *name = lac_text_join(path, "", ".mended");
     *copy = name != NULL ? lac_temp_file_name(name) : NULL;
     int fd = -1;
     if (*copy != NULL) {
@@ -126,7 +122,7 @@ static int open_copy(const char *path, char **copy)
 static int open_copy_elsewhere(const char *path, char **copy)
 {
     const char *slash = strrchr(path, '/');
-    char *name = lac_temp_file_beside("/tmp/", slash != NULL ? slash + 1 : path);
+    char *name = lac_text_join("/tmp/", "", slash != NULL ? slash + 1 : path);
     free(*copy);
     *copy = NULL;
     int fd = name != NULL ? open_copy(name, copy) : -1;
@@ -165,9 +161,7 @@ static int64_t own_records(const char *path)
         records = (int64_t)records_of(id);
         (void)nc_close(id);
     }
-    if (fd >= 0) {
-        (void)close(fd);
-    }
+    lac_temp_file_close(fd);
     return records;
 }
 
@@ -189,18 +183,14 @@ static lac_status fill_copy(const char *path, lac_cut cut, int fd, const char *c
                             uint64_t *records, lac_error *err)
 {
     struct stat info;
-    lac_status status = LAC_OK;
-    if (!(cut == LAC_CUT_JOURNAL ? lac_journal_copy_base(path, fd) : pad(path, fd)) ||
-        fstat(fd, &info) != 0) {
-        LAC_TRY(lac_fail(err, LAC_EIO,
-                         "%s: was not closed, and a copy to read cannot be written: %s", path,
-                         strerror(errno)));
-    }
-    LAC_TRY(lac_nc_heap(path, fd, (size_t)info.st_size, err));
-    LAC_TRY(lac_nc_check(path, close_well(path, cut, copy, records), err, "mend", "it"));
+    LAC_FAIL_IF(!(cut == LAC_CUT_JOURNAL ? lac_journal_copy_base(path, fd) : pad(path, fd)) ||
+                    fstat(fd, &info) != 0,
+                err, LAC_EIO, "%s: was not closed, and a copy to read cannot be written: %s", path,
+                strerror(errno));
+    LAC_TRY_RETURN(lac_nc_heap(path, fd, (size_t)info.st_size, err));
+    LAC_TRY_RETURN(lac_nc_check(path, close_well(path, cut, copy, records), err, "mend", "it"));
     lac_nc_seal(fd);
-out:
-    return status;
+    return LAC_OK;
 }
 
 lac_status lac_nc_mended_copy(const char *path, bool beside, char **copy, lac_store_loss *loss,
@@ -216,18 +206,14 @@ lac_status lac_nc_mended_copy(const char *path, bool beside, char **copy, lac_st
     char *place = realpath(path, NULL);
     int fd = place != NULL ? open_copy(place, copy) : -1;
     fd = fd < 0 && *copy != NULL && !beside ? open_copy_elsewhere(place, copy) : fd;
-    if (fd < 0) {
-        LAC_TRY(lac_fail(err, LAC_EIO, "%s: was not closed, and a copy to read cannot be made: %s",
-                         path, strerror(errno)));
-    }
+    LAC_LEAVE_IF(fd < 0, err, LAC_EIO, "%s: was not closed, and a copy to read cannot be made: %s",
+                 path, strerror(errno));
     LAC_TRY(fill_copy(place, cut, fd, *copy, &loss->records, err));
 out:
     if (status != LAC_OK && fd >= 0) {
         (void)unlink(*copy);
     }
-    if (fd >= 0) {
-        (void)close(fd);
-    }
+    lac_temp_file_close(fd);
     if (status != LAC_OK) {
         free(*copy);
         *copy = NULL;
@@ -280,18 +266,16 @@ static lac_status put_in_place(const char *path, const char *copy, bool replayed
     char journal[LAC_JOURNAL_NAME];
     char *place = realpath(path, NULL);
     int fd = open(copy, O_RDONLY | O_CLOEXEC);
-    if (place == NULL || !lac_journal_name(path, journal) || fd < 0 || stat(place, &info) != 0 ||
-        fchmod(fd, info.st_mode & 07777) != 0 || fsync(fd) != 0 || rename(copy, place) != 0) {
-        LAC_TRY(lac_fail(err, LAC_EIO, "%s: cannot be mended: %s", path, strerror(errno)));
-    }
+    LAC_LEAVE_IF(place == NULL || !lac_journal_name(path, journal) || fd < 0 ||
+                     stat(place, &info) != 0 || fchmod(fd, info.st_mode & 07777) != 0 ||
+                     fsync(fd) != 0 || rename(copy, place) != 0,
+                 err, LAC_EIO, "%s: cannot be mended: %s", path, strerror(errno));
     lac_temp_file_sync_folder(place);
     if (replayed) {
         (void)unlink(journal);
     }
 out:
-    if (fd >= 0) {
-        (void)close(fd);
-    }
+    lac_temp_file_close(fd);
     free(place);
     return status;
 }
@@ -303,9 +287,7 @@ lac_status lac_store_mend(const char *path, bool *mended, lac_error *err)
     char *copy = NULL;
     lac_status status = LAC_OK;
     *mended = false;
-    if (lac_nc_is_written(path)) {
-        LAC_TRY(lac_fail(err, LAC_EIO, "%s: another process is writing it", path));
-    }
+    LAC_LEAVE_IF(lac_nc_is_written(path), err, LAC_EIO, "%s: another process is writing it", path);
     const bool journal = lac_nc_cut(path, &loss) == LAC_CUT_JOURNAL;
     LAC_TRY(lac_nc_mended_copy(path, true, &copy, &loss, err));
     LAC_TRY(check_loss(path, copy, &loss, err));

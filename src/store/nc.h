@@ -31,7 +31,6 @@ lac_status lac_nc_check(const char *path, int code, lac_error *err, const char *
 /// Refuses a path that is no file name: empty, a folder, a device, an address (netCDF would open
 /// a connection).
 /// @param exists  set where a file is there
-/// @return LAC_OK; LAC_EIO
 lac_status lac_nc_path(const char *path, bool *exists, lac_error *err);
 
 /// Creates the file under its temporary name.
@@ -62,7 +61,6 @@ int lac_nc_put_values(int file, nc_type type, int id, const size_t *start, const
 lac_status lac_nc_sync(const lac_nc *file, lac_error *err);
 
 /// Brings what was synced from the system's memory to the disk.
-/// @return LAC_OK; LAC_EIO
 lac_status lac_nc_to_disk(const lac_nc *file, lac_error *err);
 
 /// Gives the file its name; it may be open.
@@ -85,13 +83,12 @@ lac_status lac_nc_close(lac_nc *file, lac_error *err);
 /// Closes what is open, removes what was not published, frees the names.
 void lac_nc_clear(lac_nc *file);
 
-/// Attributes of a variable or, with NC_GLOBAL, of the file; a text that is NULL or empty is left
-/// out.
+/// Attributes of a variable or, with NC_GLOBAL, of the file; a text that is NULL or empty and a
+/// number that is not finite are left out.
 lac_status lac_nc_text(const lac_nc *file, int var, const char *name, const char *text,
                        lac_error *err);
-lac_status lac_nc_real(const lac_nc *file, int var, const char *name, double value, lac_error *err);
-lac_status lac_nc_integer(const lac_nc *file, int var, const char *name, long long value,
-                          lac_error *err);
+lac_status lac_nc_number(const lac_nc *file, int var, const char *name, double value, bool whole,
+                         lac_error *err);
 
 /// The text of a global attribute, to be freed; "" where there is none or it is longer than
 /// `bound`; NULL where memory is short. @param file  open in netCDF
@@ -103,7 +100,6 @@ lac_status lac_journal_publish(struct lac_journal *journal, const char *path, la
 
 /// Adds values, or with `values` NULL the mark that all before it was synced.
 /// @param rank  at most 4
-/// @return 0; errno
 int lac_journal_put(struct lac_journal *journal, const char *name, nc_type type, int rank,
                     const size_t *start, const size_t *count, const void *values);
 int lac_journal_to_disk(const struct lac_journal *journal);
@@ -133,7 +129,6 @@ bool lac_journal_copy_base(const char *path, int to);
 
 /// Puts into that file all that was synced since.
 /// @param id  the copy, open in netCDF
-/// @return as netCDF
 int lac_journal_replay(const char *path, int id);
 
 /// Why a file cannot be read as it is although all that was synced is there.
@@ -147,7 +142,6 @@ bool lac_nc_is_written(const char *path);
 /// @param beside  it must be in the folder of the file; else /tmp is tried too
 /// @param copy    its name, to be freed, and the file to be removed; NULL: there is nothing to mend
 /// @param loss    what is not in it
-/// @return LAC_OK; LAC_EIO; LAC_ENOMEM
 lac_status lac_nc_mended_copy(const char *path, bool beside, char **copy, lac_store_loss *loss,
                               lac_error *err);
 

@@ -6,30 +6,23 @@
 #include <string.h>
 
 #include "base/date.h"
+#include "base/temp_file.h"
 #include "lacuna/version.h"
-#include "store/nc.h"
-#include "store/recording.h"
-
-// Where a text goes or, where it is NULL, a number; NaN: there is none.
-typedef lac_status put_one(void *to, const char *name, const char *text, double number,
-                           lac_error *err);
+#include "store/writer.h"
 
 static lac_status put_joined(const char *name, const char *first, const char *between,
-                             const char *second, put_one *put, void *to, lac_error *err)
+                             const char *second, lac_put_attribute *put, void *to, lac_error *err)
 {
-    const size_t size = strlen(first) + strlen(between) + strlen(second) + 1;
-    char *text = malloc(size);
+    char *text = lac_text_join(first, between, second);
     LAC_FAIL_MEMORY_IF(text == NULL, err);
-    (void)snprintf(text, size, "%s%s%s", first, *first != '\0' ? between : "", second);
-    lac_status status = put(to, name, text, NAN, err);
+    lac_status status = put(to, name, text, NAN, false, err);
     free(text);
     return status;
 }
 
-static lac_status put_all(const lac_provenance *of, const char *summary, put_one *put, void *to,
-                          lac_error *err)
+static lac_status put_all(const lac_provenance *of, const char *summary, lac_put_attribute *put,
+                          void *to, lac_error *err)
 {
-    lac_status status = LAC_OK;
     char date[32], version[32], netcdf[40];
     const bool picked = of->accuracy != NULL;
     const struct {
@@ -51,40 +44,40 @@ static lac_status put_all(const lac_provenance *of, const char *summary, put_one
         {"accuracy_estimated", NULL, picked ? of->accuracy_estimated : NAN},
     };
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
-        LAC_TRY(put(to, all[i].name, all[i].text, all[i].number, err));
+        LAC_TRY_RETURN(put(to, all[i].name, all[i].text, all[i].number, false, err));
     }
     if (of->command_line != NULL) { // a line of the form that NCO and CDO add to
-        LAC_TRY(put_joined("history", date, ": ", of->command_line, put, to, err));
+        LAC_TRY_RETURN(put_joined("history", date, ": ", of->command_line, put, to, err));
     }
     (void)snprintf(version, sizeof version, "%s", nc_inq_libvers());
     version[strcspn(version, " ")] = '\0';
     (void)snprintf(netcdf, sizeof netcdf, "netCDF %s", version); // known only here
-    LAC_TRY(put_joined("libraries", of->libraries != NULL ? of->libraries : "", ", ", netcdf, put,
-                       to, err));
-out:
-    return status;
+    LAC_TRY_RETURN(put_joined("libraries", of->libraries != NULL ? of->libraries : "", ", ", netcdf,
+                              put, to, err));
+    if (of->seed != INT64_MIN) {
+        LAC_TRY_RETURN(put(to, "seed", NULL, (double)of->seed, true, err));
+    }
+    return LAC_OK;
 }
 
-static lac_status put_in_file(void *to, const char *name, const char *text, double number,
-                              lac_error *err)
+lac_status lac_nc_put_attribute(void *to, const char *name, const char *text, double number,
+                                bool whole, lac_error *err)
 {
     return isnan(number) ? lac_nc_text(to, NC_GLOBAL, name, text, err)
-                         : lac_nc_real(to, NC_GLOBAL, name, number, err);
+                         : lac_nc_number(to, NC_GLOBAL, name, number, whole, err);
 }
 
 lac_status lac_nc_provenance(const lac_nc *file, const lac_provenance *provenance,
                              const char *summary, lac_error *err)
 {
-    lac_status status = put_all(provenance, summary, put_in_file, (void *)file, err); // only read
-    return status == LAC_OK && provenance->seed != INT64_MIN
-               ? lac_nc_integer(file, NC_GLOBAL, "seed", provenance->seed, err)
-               : status;
+    return put_all(provenance, summary, lac_nc_put_attribute, (void *)file, err); // only read
 }
 
-static lac_status put_in_memory(void *to, const char *name, const char *text, double number,
-                                lac_error *err)
+lac_status lac_recording_put_attribute(void *to, const char *name, const char *text, double number,
+                                       bool whole, lac_error *err)
 {
     char digits[32];
+    (void)whole;
     (void)snprintf(digits, sizeof digits, "%.17g", number);
     text = isnan(number) ? text : digits;
     return text != NULL && *text != '\0' ? lac_recording_text(to, name, text, err) : LAC_OK;
@@ -93,7 +86,5 @@ static lac_status put_in_memory(void *to, const char *name, const char *text, do
 lac_status lac_recording_sign(lac_recording *recording, const lac_provenance *provenance,
                               lac_error *err)
 {
-    const double seed = provenance->seed != INT64_MIN ? (double)provenance->seed : NAN;
-    lac_status status = put_all(provenance, NULL, put_in_memory, recording, err);
-    return status == LAC_OK ? put_in_memory(recording, "seed", NULL, seed, err) : status;
+    return put_all(provenance, NULL, lac_recording_put_attribute, recording, err);
 }

@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "base/netcdf.h"
+#include "base/temp_file.h"
 #include "run/describe.h"
 #include "store/input.h"
 #include "store/store_cells.h"
@@ -39,10 +40,8 @@ static lac_status inspect(lac_stored_file *in, char **copy, lac_error *err)
     struct stat info = {0};
     bool exists = false;
     int fd = -1;
-    lac_status status = lac_nc_path(in->path, &exists, err);
-    if (status != LAC_OK) {
-        return status;
-    }
+    lac_status status;
+    LAC_TRY_RETURN(lac_nc_path(in->path, &exists, err));
     // What is half written would seem damaged.
     LAC_FAIL_IF(exists && lac_nc_is_written(in->path), err, LAC_EIO,
                 "%s: another process is writing it", in->path);
@@ -53,9 +52,8 @@ static lac_status inspect(lac_stored_file *in, char **copy, lac_error *err)
         *copy = NULL;
     }
     fd = open(*copy != NULL ? *copy : in->path, O_RDONLY | O_CLOEXEC);
-    if (fd < 0 || fstat(fd, &info) != 0) {
-        LAC_TRY(lac_fail(err, LAC_EIO, "%s: %s", in->path, strerror(errno)));
-    }
+    LAC_LEAVE_IF(fd < 0 || fstat(fd, &info) != 0, err, LAC_EIO, "%s: %s", in->path,
+                 strerror(errno));
     in->size = (size_t)info.st_size;
     lac_seal seal = lac_nc_seal_state(fd, in->size);
     if (seal == LAC_SEAL_BROKEN) {
@@ -64,9 +62,7 @@ static lac_status inspect(lac_stored_file *in, char **copy, lac_error *err)
         LAC_TRY(lac_nc_heap(in->path, fd, in->size, err));
     }
 out:
-    if (fd >= 0) {
-        (void)close(fd);
-    }
+    lac_temp_file_close(fd);
     return status;
 }
 
@@ -274,7 +270,6 @@ lac_status lac_stored_file_series(const lac_stored_file *in, const char *name,
 {
     size_t records = 0;
     int time = 0;
-    lac_status status;
     *out = (lac_stored_values){0};
     if (in->recording != NULL) {
         return lac_stored_file_values(in, name, out, err);
@@ -284,11 +279,10 @@ lac_status lac_stored_file_series(const lac_stored_file *in, const char *name,
                 err, LAC_EIO, "%s: holds no time series", in->path);
     LAC_FAIL_IF(!lac_input_may_hold(in, records), err, LAC_EIO,
                 "%s: is damaged: %zu records in %zu bytes", in->path, records, in->size);
-    LAC_TRY(drop_torn(in, time, &records, err));
-    LAC_TRY(read_over(in, time, name, out, err));
+    LAC_TRY_RETURN(drop_torn(in, time, &records, err));
+    LAC_TRY_RETURN(read_over(in, time, name, out, err));
     out->n = records;
-out:
-    return status;
+    return LAC_OK;
 }
 
 // An attribute of what is in memory; NULL where there is none.

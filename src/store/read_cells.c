@@ -48,11 +48,11 @@ static lac_status read_reals(const lac_stored_file *in, const char *name, ptrdif
     lac_stored_values values = {0};
     int id = 0;
     nc_type type = NC_NAT;
-    int code = nc_inq_varid(in->id, name, &id);
-    code = code == NC_NOERR ? nc_inq_vartype(in->id, id, &type) : code;
+    const int code = nc_inq_varid(in->id, name, &id);
     if (code != NC_NOERR) {
         return lac_input_fail(in, code, err, name);
     }
+    (void)nc_inq_vartype(in->id, id, &type);
     lac_status status = lac_stored_file_row(in, name, row, &values, err);
     if (status == LAC_OK &&
         (values.n * values.width != count || (type != NC_DOUBLE && type != NC_FLOAT))) {
@@ -82,15 +82,11 @@ static lac_status check_unit(const lac_stored_file *in, const char *name, lac_er
 
 static lac_status read_provenance(const lac_stored_file *in, lac_stored_cells *out, lac_error *err)
 {
-    size_t length = 0;
     (void)lac_netcdf_text(in->id, NC_GLOBAL, "status", out->status, sizeof out->status);
-    LAC_FAIL_IF(nc_inq_attlen(in->id, NC_GLOBAL, "case", &length) != NC_NOERR || length > in->size,
-                err, LAC_EIO, "%s: holds no case", in->path);
-    out->case_text = malloc(length + 1);
+    out->case_text = lac_nc_text_of(in->id, "case", in->size);
     LAC_FAIL_MEMORY_IF(out->case_text == NULL, err);
-    return lac_netcdf_text(in->id, NC_GLOBAL, "case", out->case_text, length + 1)
-               ? LAC_OK
-               : lac_fail(err, LAC_EIO, "%s: holds no case", in->path);
+    LAC_FAIL_IF(*out->case_text == '\0', err, LAC_EIO, "%s: holds no case", in->path);
+    return LAC_OK;
 }
 
 // --- The file of a run: cells listed in hierarchy order on a grid that the attributes give.
@@ -151,9 +147,8 @@ static lac_status read_domain(const lac_stored_file *in, lac_domain **out, lac_e
     *out = domain;
     LAC_FAIL_MEMORY_IF(domain == NULL, err);
     LAC_TRY(read_grid(in, &domain->grid, err));
-    if (n == 0 || n > lac_grid_cells(&domain->grid)) {
-        LAC_TRY(fail_damaged(in, "number of cells", err));
-    }
+    LAC_TRY(n == 0 || n > lac_grid_cells(&domain->grid) ? fail_damaged(in, "number of cells", err)
+                                                        : LAC_OK);
     domain->n = n;
     domain->index = malloc(n * sizeof *domain->index);
     LAC_TRY(domain->index != NULL ? LAC_OK : lac_fail_memory(err));
@@ -161,12 +156,8 @@ static lac_status read_domain(const lac_stored_file *in, lac_domain **out, lac_e
     LAC_TRY(read_reals(in, "y", LAC_INPUT_ALL, n, &y, err));
     LAC_TRY(check_unit(in, "pressure", err));
     LAC_TRY(read_reals(in, "pressure", LAC_INPUT_ALL, n, &domain->pressure, err));
-    if (!place_cells(domain, x, y)) {
-        LAC_TRY(fail_damaged(in, "list of cells", err));
-    }
-    if (!all_pressed(domain)) {
-        LAC_TRY(fail_damaged(in, "pressure", err));
-    }
+    LAC_TRY(place_cells(domain, x, y) ? LAC_OK : fail_damaged(in, "list of cells", err));
+    LAC_TRY(all_pressed(domain) ? LAC_OK : fail_damaged(in, "pressure", err));
 out:
     free(x);
     free(y);
@@ -236,24 +227,21 @@ static lac_status read_run(const lac_stored_file *in, const lac_snapshot_choice 
     // The last ones of a run that was killed may be torn.
     while (out->snapshots > 0 && !whole) {
         LAC_TRY(read_tractions(in, out->snapshots - 1, out, &whole, err));
-        if (!whole && !lac_input_says(in, "status", "running")) {
-            LAC_TRY(fail_damaged(in, "last snapshot", err));
-        }
+        LAC_TRY(whole || lac_input_says(in, "status", "running")
+                    ? LAC_OK
+                    : fail_damaged(in, "last snapshot", err));
         out->snapshots -= whole ? 0 : 1;
     }
     index = choice->by == LAC_SNAPSHOT_INDEX ? choice->index : out->snapshots - 1;
-    if (out->snapshots == 0 || index >= out->snapshots) {
-        LAC_TRY(fail_choice(in, out->snapshots, err));
-    }
+    LAC_TRY(out->snapshots == 0 || index >= out->snapshots ? fail_choice(in, out->snapshots, err)
+                                                           : LAC_OK);
     if (choice->by == LAC_SNAPSHOT_TIME) {
         LAC_TRY(find_time(in, out->snapshots, choice->time, &index, err));
     }
     if (index + 1 < out->snapshots) {
         LAC_TRY(read_tractions(in, index, out, &whole, err));
     }
-    if (!whole) {
-        LAC_TRY(fail_damaged(in, "snapshot", err));
-    }
+    LAC_TRY(whole ? LAC_OK : fail_damaged(in, "snapshot", err));
 out:
     return status;
 }
@@ -390,19 +378,18 @@ out:
 static lac_status read_contact(const lac_stored_file *in, const lac_snapshot_choice *choice,
                                lac_stored_cells *out, lac_error *err)
 {
-    lac_status status = LAC_OK;
     out->kind = LAC_STORED_CONTACT;
     out->snapshots = 1;
     out->time = NAN;
     if (has_variable(in, "step")) {
-        LAC_TRY(choose_step(in, choice, out, err));
+        LAC_TRY_RETURN(choose_step(in, choice, out, err));
     } else if (choice->by != LAC_SNAPSHOT_LAST) {
-        LAC_TRY(lac_fail(err, LAC_EINPUT, "%s: is a contact, which has no snapshots", in->path));
+        LAC_TRY_RETURN(
+            lac_fail(err, LAC_EINPUT, "%s: is a contact, which has no snapshots", in->path));
     }
-    LAC_TRY(read_pressed(in, out->index, &out->domain, err));
-    LAC_TRY(read_shear(in, out, err));
-out:
-    return status;
+    LAC_TRY_RETURN(read_pressed(in, out->index, &out->domain, err));
+    LAC_TRY_RETURN(read_shear(in, out, err));
+    return LAC_OK;
 }
 
 static bool is_run(const lac_stored_file *in)

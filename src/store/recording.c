@@ -8,14 +8,16 @@
 #include <string.h>
 
 #include "run/describe.h"
-#include "store/columns.h"
 #include "store/store_file.h"
+#include "store/writer.h"
 
 enum { LOADED_SNAPSHOTS = 40 };
 
-// A text of the whole.
+// A text of the whole, with what it replaced.
 typedef struct named_text {
-    char *name, *text; // owned
+    struct named_text *older;
+    const char *text; // behind the name
+    char name[];
 } named_text;
 
 struct lac_recording {
@@ -25,8 +27,7 @@ struct lac_recording {
     lac_dataset *kept; // laid on the columns; NULL: handed out
     bool has_last;
     double last_origin, last_local;
-    size_t texts;
-    named_text *text; // [texts]
+    named_text *newest;
 };
 
 void lac_recording_free(lac_recording *recording)
@@ -34,11 +35,10 @@ void lac_recording_free(lac_recording *recording)
     if (recording == NULL) {
         return;
     }
-    for (size_t i = 0; i < recording->texts; i++) {
-        free(recording->text[i].name);
-        free(recording->text[i].text);
+    for (named_text *at = recording->newest, *older; at != NULL; at = older) {
+        older = at->older;
+        free(at);
     }
-    free(recording->text);
     lac_dataset_free(recording->kept);
     lac_columns_clear(&recording->columns);
     lac_dataset_free(recording->dataset);
@@ -54,12 +54,10 @@ static void resume(lac_recording *r, double origin, double local)
 
 static lac_status append(lac_column *c, const double *values, size_t n, lac_error *err)
 {
-    const lac_status status = lac_column_reserve(c, n, err);
-    if (status == LAC_OK) {
-        memcpy(c->values + c->count, values, n * sizeof *values);
-        c->count += n;
-    }
-    return status;
+    LAC_TRY_RETURN(lac_column_reserve(c, n, err));
+    memcpy(c->values + c->count, values, n * sizeof *values);
+    c->count += n;
+    return LAC_OK;
 }
 
 // The dimensions that grow are as long as what there is along them.
@@ -109,58 +107,21 @@ static lac_status show(lac_recording *r, lac_column *c, lac_error *err)
 static lac_status take(lac_column *c, lac_error *err)
 {
     c->count = 0;
-    const lac_status status = lac_column_reserve(c, c->item.count, err);
-    if (status == LAC_OK) {
-        lac_item_values(&c->item, c->values);
-        c->count = c->item.count;
-    }
-    return status;
+    LAC_TRY_RETURN(lac_column_reserve(c, c->item.count, err));
+    lac_item_values(&c->item, c->values);
+    c->count = c->item.count;
+    return LAC_OK;
 }
 
-// What is handed on: what grows.
-static void drop_others(lac_columns *columns)
+// Those that do not grow, known at the beginning or late.
+static lac_status take_fixed(lac_recording *r, unsigned late, lac_error *err)
 {
-    size_t kept = 0;
-    for (size_t i = 0; i < columns->n; i++) {
-        if (columns->column[i].along != LAC_ONCE) {
-            columns->column[kept++] = columns->column[i];
+    for (lac_column *c = r->columns.column; c < r->columns.column + r->columns.n; c++) {
+        if (c->along == LAC_ONCE && (c->item.row->flags & LAC_LATE) == late) {
+            LAC_TRY_RETURN(take(c, err));
         }
     }
-    columns->n = kept;
-}
-
-static lac_status take_fixed(lac_recording *r, lac_error *err)
-{
-    lac_status status = LAC_OK;
-    for (size_t i = 0; i < r->columns.n && status == LAC_OK; i++) {
-        lac_column *c = &r->columns.column[i];
-        const bool fixed = c->along == LAC_ONCE && (c->item.row->flags & LAC_LATE) == 0;
-        status = fixed ? take(c, err) : LAC_OK;
-    }
-    return status;
-}
-
-// What a file has among its global attributes.
-static lac_status take_texts(lac_recording *r, lac_error *err)
-{
-    lac_item item = {0};
-    lac_status status = LAC_OK;
-    while (status == LAC_OK && lac_dataset_next(r->dataset, &item)) {
-        char room[LAC_TEXT_ROOM];
-        const char *text = room;
-        double number;
-        if (!lac_item_is_global(&item)) {
-            continue;
-        }
-        if (item.is_text) {
-            text = lac_item_text(&item, 0, room);
-        } else {
-            lac_item_values(&item, &number);
-            (void)snprintf(room, sizeof room, "%.17g", number);
-        }
-        status = text != NULL ? lac_recording_text(r, item.name, text, err) : LAC_OK;
-    }
-    return status;
+    return LAC_OK;
 }
 
 lac_status lac_recording_create(const lac_recording_def *def, lac_recording **out, lac_error *err)
@@ -175,15 +136,13 @@ lac_status lac_recording_create(const lac_recording_def *def, lac_recording **ou
     LAC_TRY(lac_dataset_create("A run of a creeping joint.", &r->kept, err));
     LAC_TRY(lac_dataset_dims(r->kept, r->dataset->dim, r->dataset->dims, err));
     measure(r);
-    if (def->passing) {
-        drop_others(&r->columns);
-    }
-    for (size_t i = 0; i < r->columns.n; i++) {
-        LAC_TRY(show(r, &r->columns.column[i], err));
+    for (lac_column *c = r->columns.column; c < r->columns.column + r->columns.n; c++) {
+        const bool shown = !def->passing || c->along != LAC_ONCE; // what is handed on grows
+        LAC_TRY(shown ? show(r, c, err) : LAC_OK);
     }
     if (!def->passing) {
-        LAC_TRY(take_fixed(r, err));
-        LAC_TRY(take_texts(r, err));
+        LAC_TRY(take_fixed(r, 0, err));
+        LAC_TRY(lac_dataset_put_attributes(r->dataset, false, lac_recording_put_attribute, r, err));
     }
     *out = r;
     r = NULL;
@@ -235,13 +194,8 @@ static lac_status put_event(void *context, const lac_event *event, lac_error *er
 
 lac_status lac_recording_once(lac_recording *recording, const double *once, lac_error *err)
 {
-    lac_status status = LAC_OK;
     recording->place.once = once;
-    for (size_t i = 0; i < recording->columns.n && status == LAC_OK; i++) {
-        lac_column *c = &recording->columns.column[i];
-        const bool late = c->along == LAC_ONCE && (c->item.row->flags & LAC_LATE) != 0;
-        status = late ? take(c, err) : LAC_OK;
-    }
+    const lac_status status = take_fixed(recording, LAC_LATE, err);
     recording->place.once = NULL;
     return status;
 }
@@ -273,47 +227,26 @@ lac_dataset *lac_recording_hand_out(lac_recording *recording)
     return kept;
 }
 
-static named_text *find_text(const lac_recording *recording, const char *name)
-{
-    for (size_t i = 0; i < recording->texts; i++) {
-        if (strcmp(recording->text[i].name, name) == 0) {
-            return &recording->text[i];
-        }
-    }
-    return NULL;
-}
-
-static named_text *add_text(lac_recording *recording, const char *name)
-{
-    const size_t n = recording->texts;
-    named_text *grown = realloc(recording->text, (n + 1) * sizeof *grown);
-    char *own = strdup(name);
-    recording->text = grown != NULL ? grown : recording->text;
-    if (grown == NULL || own == NULL) {
-        free(own);
-        return NULL;
-    }
-    grown[n] = (named_text){.name = own};
-    recording->texts = n + 1;
-    return &grown[n];
-}
-
 lac_status lac_recording_text(lac_recording *recording, const char *name, const char *text,
                               lac_error *err)
 {
-    named_text *place = find_text(recording, name);
-    place = place != NULL ? place : add_text(recording, name);
-    char *copy = place != NULL ? strdup(text) : NULL;
-    LAC_FAIL_MEMORY_IF(copy == NULL, err);
-    free(place->text);
-    place->text = copy;
+    const size_t size = strlen(name) + 1;
+    named_text *own = malloc(sizeof *own + size + strlen(text) + 1);
+    LAC_FAIL_MEMORY_IF(own == NULL, err);
+    own->older = recording->newest;
+    own->text = memcpy(own->name + size, text, strlen(text) + 1);
+    memcpy(own->name, name, size);
+    recording->newest = own;
     return LAC_OK;
 }
 
 const char *lac_recording_text_of(const lac_recording *recording, const char *name)
 {
-    const named_text *found = find_text(recording, name);
-    return found != NULL ? found->text : NULL;
+    const named_text *at = recording->newest;
+    while (at != NULL && strcmp(at->name, name) != 0) {
+        at = at->older;
+    }
+    return at != NULL ? at->text : NULL;
 }
 
 static size_t compact(double *values, size_t n, size_t width, const uint8_t *keep)
@@ -402,9 +335,8 @@ static lac_status load(lac_column *c, size_t n, size_t stride, const lac_stored_
         lac_stored_values_clear(&from);
         LAC_TRY(all ? lac_stored_file_values(file, name, &from, err)
                     : lac_stored_file_row(file, name, (ptrdiff_t)i, &from, err));
-        if (from.value == NULL || (all && from.n < n)) {
-            LAC_TRY(lac_fail(err, LAC_EIO, "%s is missing or shorter than its dimension", name));
-        }
+        LAC_LEAVE_IF(from.value == NULL || (all && from.n < n), err, LAC_EIO,
+                     "%s is missing or shorter than its dimension", name);
         LAC_TRY(append(c, from.value, (all ? n : 1) * from.width, err));
     }
 out:
@@ -417,15 +349,13 @@ static lac_status load_axis(lac_columns *all, const char *dim, size_t n, size_t 
 {
     const size_t along = lac_columns_along(all, dim);
     const size_t stride = most > 0 ? n / most + 1 : 1;
-    lac_status status = LAC_OK;
     for (lac_column *c = all->column; n > 0 && c < all->column + all->n; c++) {
         if (along != LAC_ONCE && c->along == along) {
-            LAC_TRY(load(c, n, stride, file, err));
+            LAC_TRY_RETURN(load(c, n, stride, file, err));
             all->growth[along].places = c->count / c->item.count;
         }
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 lac_status lac_recording_load(lac_recording *recording, const char *path,

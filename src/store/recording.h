@@ -9,7 +9,6 @@ typedef struct lac_recording lac_recording;
 /// What it keeps. Only lac_recording_create looks at what this points to.
 typedef lac_run_output lac_recording_def;
 
-/// @return LAC_OK; LAC_ENOMEM
 lac_status lac_recording_create(const lac_recording_def *def, lac_recording **out, lac_error *err);
 
 /// Frees a recording; NULL is fine.
@@ -20,7 +19,6 @@ lac_sink lac_recording_sink(lac_recording *recording);
 
 /// Sets the extra quantities that run over nothing.
 /// @param once  values in their order; NaN: missing
-/// @return LAC_OK; LAC_ENOMEM
 lac_status lac_recording_once(lac_recording *recording, const double *once, lac_error *err);
 
 /// Adds one value that runs over nothing, at most LAC_MORE_VALUES. The texts must outlive the
@@ -30,12 +28,10 @@ lac_status lac_recording_add(lac_recording *recording, const char *name, const c
                              const char *long_name, double value, lac_error *err);
 
 /// Sets a text that a file has among its global attributes; one of that name is replaced.
-/// @return LAC_OK; LAC_ENOMEM
 lac_status lac_recording_text(lac_recording *recording, const char *name, const char *text,
                               lac_error *err);
 
 /// Sets all that a file has of where it comes from.
-/// @return LAC_OK; LAC_ENOMEM
 lac_status lac_recording_sign(lac_recording *recording, const lac_provenance *provenance,
                               lac_error *err);
 

@@ -1,27 +1,210 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A file that goes on: netCDF cannot take records back, so that those up to the checkpoint are
-// copied into a new file, which then takes the old one's name.
+// What a run goes on from. The checkpoint beside its file: mark, size and checksum of what follows,
+// then who made it of what, how much of the file it counts on, and the state. And the file: netCDF
+// cannot take records back, so that those up to the checkpoint are copied into a new one, which
+// then takes the old one's name.
+#include <ctype.h>
 #include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "base/date.h"
-#include "base/netcdf.h"
+#include "base/temp_file.h"
+#include "lacuna/version.h"
 #include "store/input.h"
 #include "store/internal.h"
 
-enum { BLOCK = 1 << 16 }; // values copied at once, or one row
+enum { AT_ONCE = 1 << 20 }; // values of cells that are copied in one piece, else place by place
 
-// One variable over time, snapshots or events.
-typedef struct series {
-    const lac_column *to;
-    int from; // its number in the old file
-    nc_type type;
-    size_t rows; // to copy
-    bool never_missing;
-} series;
+typedef struct head {
+    char mark[8];
+    uint64_t size, sum; // of what follows
+} head;
+
+static const char mark[8] = {'L', 'A', 'C', 'C', 'K', 'P', 'T', '2'};
+
+const char *lac_checkpoint_file_program(void) { return "Lacuna " LACUNA_VERSION; }
+
+// FNV-1a, the high half folded in.
+static uint64_t sum_of(const unsigned char *bytes, size_t size)
+{
+    uint64_t sum = size;
+    for (size_t i = 0; i < size; i++) {
+        sum = (sum ^ bytes[i]) * UINT64_C(0x100000001b3);
+        sum ^= sum >> 32;
+    }
+    return sum;
+}
+
+// A length and its bytes; `*text` is allocated while loading.
+static void pass_text(lac_archive *archive, char **text)
+{
+    uint64_t length = archive->loading ? 0 : strlen(*text);
+    lac_archive_pass(archive, &length, sizeof length);
+    if (archive->loading && lac_archive_good(archive)) {
+        archive->short_of = length > archive->size - archive->at;
+        *text = archive->short_of ? NULL : calloc(length + 1, 1);
+        archive->no_memory = *text == NULL && !archive->short_of;
+    }
+    lac_archive_pass(archive, *text, length);
+}
+
+static void pass_about(lac_archive *archive, lac_checkpoint_file *c)
+{
+    LAC_PASS(archive, c->from.planned);
+    LAC_PASS(archive, c->from.time);
+    LAC_PASS(archive, c->records);
+    LAC_PASS(archive, c->snapshots);
+    LAC_PASS(archive, c->events);
+    LAC_PASS(archive, c->begun);
+    LAC_PASS(archive, c->last_time);
+    pass_text(archive, &c->program);
+    pass_text(archive, &c->libraries);
+    pass_text(archive, &c->case_text);
+}
+
+static lac_status write_file(const char *name, const char *part, const lac_archive *archive,
+                             lac_error *err)
+{
+    head h = {.size = archive->size - sizeof h};
+    h.sum = sum_of(archive->bytes + sizeof h, h.size);
+    memcpy(h.mark, mark, sizeof mark);
+    memcpy(archive->bytes, &h, sizeof h);
+    (void)unlink(part);
+    if (!lac_temp_file_fill(part, archive->bytes, archive->size) || rename(part, name) != 0) {
+        const int reason = errno;
+        (void)unlink(part);
+        return lac_fail(err, LAC_EIO, "%s: cannot write: %s", name, strerror(reason));
+    }
+    lac_temp_file_sync_folder(name);
+    return LAC_OK;
+}
+
+lac_status lac_store_put_checkpoint(const lac_store *s, const lac_checkpoint *checkpoint,
+                                    lac_error *err)
+{
+    lac_checkpoint_file info = {.from = *checkpoint,
+                                .records = lac_writer_places(&s->writer, "time"),
+                                .snapshots = lac_writer_places(&s->writer, "snapshot"),
+                                .events = lac_writer_places(&s->writer, "event"),
+                                .begun = s->begun,
+                                .last_time = s->last_origin + s->last_local,
+                                .program = (char *)lac_checkpoint_file_program(),
+                                .libraries = s->libraries,
+                                .case_text = s->case_text};
+    lac_archive archive = {.loading = false};
+    lac_status status = LAC_OK;
+    head later = {.size = 0};
+    char *name = lac_text_join(s->file.path, "", ".checkpoint");
+    char *part = lac_text_join(s->file.path, "", ".checkpoint.part");
+    LAC_PASS(&archive, later);
+    pass_about(&archive, &info);
+    lac_archive_pass(&archive, (void *)checkpoint->state, checkpoint->size); // only read
+    if (name == NULL || part == NULL || archive.no_memory) {
+        status = lac_fail_memory(err);
+        goto out;
+    }
+    LAC_TRY(write_file(name, part, &archive, err));
+out:
+    free(name);
+    free(part);
+    free(archive.bytes);
+    return status;
+}
+
+void lac_store_remove_checkpoint(const char *path)
+{
+    static const char *const endings[] = {".checkpoint", ".checkpoint.part"};
+    char name[PATH_MAX + 32]; // no allocation: nothing here may fail unsaid
+    for (size_t i = 0; i < 2; i++) {
+        int length = snprintf(name, sizeof name, "%s%s", path, endings[i]);
+        if (length > 0 && (size_t)length < sizeof name) {
+            (void)unlink(name);
+        }
+    }
+}
+
+// Whether the head is one, and of a format that is read here.
+static lac_status check_head(const char *name, const head *h, lac_error *err)
+{
+    const size_t word = sizeof mark - 1;
+    LAC_FAIL_IF(memcmp(h->mark, mark, word) != 0, err, LAC_EIO, "%s: is not a checkpoint of Lacuna",
+                name);
+    LAC_FAIL_IF(
+        h->mark[word] != mark[word], err, LAC_EINPUT,
+        "%s: is a checkpoint of another version of Lacuna: its format is '%c', '%c' is read here",
+        name, isprint((unsigned char)h->mark[word]) ? h->mark[word] : '?', mark[word]);
+    return LAC_OK;
+}
+
+// The bytes after the head, sound or not at all.
+static lac_status read_bytes(const char *name, int fd, lac_checkpoint_file *out, size_t *size,
+                             lac_error *err)
+{
+    struct stat info = {0};
+    head h;
+    LAC_FAIL_IF(fstat(fd, &info) != 0, err, LAC_EIO, "%s: %s", name, strerror(errno));
+    LAC_FAIL_IF(!S_ISREG(info.st_mode) || pread(fd, &h, sizeof h, 0) != (ssize_t)sizeof h, err,
+                LAC_EIO, "%s: is not a checkpoint of Lacuna", name);
+    LAC_TRY_RETURN(check_head(name, &h, err));
+    *size = (size_t)info.st_size - sizeof h;
+    out->bytes = malloc(*size + 1);
+    LAC_FAIL_MEMORY_IF(out->bytes == NULL, err);
+    bool whole = h.size == *size;
+    for (size_t at = 0; whole && at < *size;) {
+        ssize_t got = pread(fd, out->bytes + at, *size - at, (off_t)(sizeof h + at));
+        whole = got > 0;
+        at += whole ? (size_t)got : 0;
+    }
+    LAC_FAIL_IF(!whole, err, LAC_EIO, "%s: is damaged: %zu bytes of %llu", name, sizeof h + *size,
+                (unsigned long long)h.size + sizeof h);
+    LAC_FAIL_IF(sum_of(out->bytes, *size) != h.sum, err, LAC_EIO,
+                "%s: is damaged: differs from its checksum", name);
+    return LAC_OK;
+}
+
+lac_status lac_checkpoint_file_read(const char *path, lac_checkpoint_file *out, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    size_t size = 0;
+    *out = (lac_checkpoint_file){.records = 0};
+    char *place = realpath(path, NULL); // through the links, as the file itself is written
+    char *name = lac_text_join(place != NULL ? place : path, "", ".checkpoint");
+    int fd = name != NULL ? open(name, O_RDONLY | O_CLOEXEC) : -1;
+    LAC_TRY(name != NULL ? LAC_OK : lac_fail_memory(err));
+    LAC_LEAVE_IF(fd < 0 && errno == ENOENT, err, LAC_EINPUT, "%s: has no checkpoint to go on from",
+                 path);
+    LAC_LEAVE_IF(fd < 0, err, LAC_EIO, "%s: %s", name, strerror(errno));
+    LAC_TRY(read_bytes(name, fd, out, &size, err));
+    lac_archive archive = {.loading = true, .bytes = out->bytes, .size = size};
+    pass_about(&archive, out);
+    if (!lac_archive_good(&archive)) {
+        status = archive.no_memory ? lac_fail_memory(err)
+                                   : lac_fail(err, LAC_EIO, "%s: is damaged", name);
+    }
+    out->from.state = out->bytes + archive.at;
+    out->from.size = size - archive.at;
+out:
+    lac_temp_file_close(fd);
+    free(place);
+    free(name);
+    return status;
+}
+
+void lac_checkpoint_file_clear(lac_checkpoint_file *checkpoint)
+{
+    free(checkpoint->program);
+    free(checkpoint->libraries);
+    free(checkpoint->case_text);
+    free(checkpoint->bytes);
+    *checkpoint = (lac_checkpoint_file){.records = 0};
+}
 
 static lac_status fail_damaged(const lac_stored_file *in, const char *name, lac_error *err)
 {
@@ -30,66 +213,44 @@ static lac_status fail_damaged(const lac_stored_file *in, const char *name, lac_
                     name);
 }
 
-// Where a variable stands in the old file, which must have it as the new one does.
-static lac_status find_series(const lac_store *s, const lac_stored_file *in, series *v,
-                              lac_error *err)
+// Copies the first places of a variable, or that of a row.
+static lac_status copy_places(const lac_store *s, const lac_stored_file *in, const lac_column *c,
+                              ptrdiff_t row, size_t n, bool never_missing, lac_error *err)
 {
-    const lac_item *item = &v->to->item;
-    int dims[NC_MAX_VAR_DIMS] = {0};
-    int rank = 0;
+    const char *name = c->item.name;
+    const size_t first = row != LAC_INPUT_ALL ? (size_t)row : 0;
+    lac_stored_values old;
+    lac_status status = lac_stored_file_row(in, name, row, &old, err);
+    if (status == LAC_OK || status == LAC_EINPUT) { // no such row
+        bool whole = status == LAC_OK && old.n >= n && old.width == c->item.count;
+        for (size_t i = 0; never_missing && whole && i < n * old.width; i++) {
+            whole = !isnan(old.value[i]);
+        }
+        status = whole ? lac_writer_put_values(&s->writer, c, first, n, old.value, err)
+                       : fail_damaged(in, name, err);
+    }
+    lac_stored_values_clear(&old);
+    return status;
+}
+
+// The old file must have the variable as the new one does.
+static lac_status copy_series(const lac_store *s, const lac_stored_file *in, const lac_column *c,
+                              size_t n, bool never_missing, lac_error *err)
+{
+    const lac_item *item = &c->item;
+    const bool by_row = (item->row->flags & LAC_CELLS) != 0 && n * item->count > AT_ONCE;
+    int id = 0, rank = 0;
     nc_type type = NC_NAT;
-    size_t length = 0, width = 1;
-    int code = nc_inq_varid(in->id, item->name, &v->from);
-    code = code == NC_NOERR ? nc_inq_varndims(in->id, v->from, &rank) : code;
-    if (code != NC_NOERR || (size_t)rank != item->rank) {
+    lac_status status = LAC_OK;
+    if (nc_inq_varid(in->id, item->name, &id) != NC_NOERR ||
+        nc_inq_var(in->id, id, NULL, &type, &rank, NULL, NULL) != NC_NOERR ||
+        (size_t)rank != item->rank || type != lac_writer_type(&s->writer, item)) {
         return fail_damaged(in, item->name, err);
     }
-    code = nc_inq_var(in->id, v->from, NULL, &type, NULL, dims, NULL);
-    code = code == NC_NOERR ? nc_inq_dimlen(in->id, dims[0], &length) : code;
-    if (rank == 2 && code == NC_NOERR) {
-        code = nc_inq_dimlen(in->id, dims[1], &width);
+    for (size_t i = 0; i < n && status == LAC_OK; i += by_row ? 1 : n) {
+        status = copy_places(s, in, c, by_row ? (ptrdiff_t)i : LAC_INPUT_ALL, by_row ? 1 : n,
+                             never_missing, err);
     }
-    v->type = lac_writer_type(&s->writer, item);
-    bool fits = code == NC_NOERR && type == v->type && length >= v->rows && width == item->count &&
-                lac_input_may_hold(in, v->rows * width);
-    return fits ? LAC_OK : fail_damaged(in, item->name, err);
-}
-
-static lac_status copy_rows(const lac_store *s, const lac_stored_file *in, const series *v,
-                            size_t first, size_t rows, double *values, lac_error *err)
-{
-    const char *name = v->to->item.name;
-    const size_t start[2] = {first, 0};
-    const size_t count[2] = {rows, v->to->item.count};
-    const double missing = lac_netcdf_fill(in->id, v->from);
-    int code = nc_get_vara_double(in->id, v->from, start, count, values);
-    if (code != NC_NOERR) {
-        return lac_input_fail(in, code, err, name);
-    }
-    for (size_t i = 0; v->never_missing && i < rows; i++) {
-        if (values[i] == missing) {
-            return fail_damaged(in, name, err);
-        }
-    }
-    errno = 0;
-    code = lac_nc_append(&s->file, NC_DOUBLE, v->to->id, start, count, values);
-    return lac_nc_check(s->file.path, code, err, "write", name);
-}
-
-static lac_status copy_series(const lac_store *s, const lac_stored_file *in, const series *v,
-                              lac_error *err)
-{
-    const size_t width = v->to->item.count;
-    size_t most = width < BLOCK ? BLOCK / width : 1;
-    lac_status status = LAC_OK;
-    double *values = malloc(most * width * sizeof *values);
-    LAC_FAIL_MEMORY_IF(values == NULL, err);
-    for (size_t first = 0; first < v->rows; first += most) {
-        size_t rows = v->rows - first < most ? v->rows - first : most;
-        LAC_TRY(copy_rows(s, in, v, first, rows, values, err));
-    }
-out:
-    free(values);
     return status;
 }
 
@@ -98,7 +259,6 @@ static lac_status copy_all(lac_store *s, const lac_stored_file *in, const lac_ch
 {
     const lac_columns *all = &s->writer.columns;
     const size_t time = lac_columns_along(all, "time");
-    lac_status status = LAC_OK;
     for (size_t along = 0; along < LAC_MOST_GROWING; along++) {
         const char *name = all->growth[along].name != NULL ? all->growth[along].name : "";
         s->writer.columns.growth[along].written = (size_t)(along == time  ? from->records
@@ -108,15 +268,12 @@ static lac_status copy_all(lac_store *s, const lac_stored_file *in, const lac_ch
     }
     for (const lac_column *c = all->column; c < all->column + all->n; c++) {
         const bool real = (c->item.row->flags & (LAC_WHOLE | LAC_MISSING)) == 0;
-        series v = {.to = c, .never_missing = c->along == time && real};
         if (c->along != LAC_ONCE) {
-            v.rows = all->growth[c->along].written;
-            LAC_TRY(find_series(s, in, &v, err));
-            LAC_TRY(copy_series(s, in, &v, err));
+            LAC_TRY_RETURN(copy_series(s, in, c, all->growth[c->along].written,
+                                       c->along == time && real, err));
         }
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 // Puts what an attribute of the old file says before `more`.
@@ -124,16 +281,9 @@ static lac_status extend(const lac_store *s, const lac_stored_file *in, const ch
                          const char *between, const char *more, lac_error *err)
 {
     char *old = lac_nc_text_of(in->id, name, in->size);
-    size_t size = old != NULL ? strlen(old) + strlen(between) + strlen(more) + 1 : 0;
-    char *text = old != NULL ? malloc(size) : NULL;
-    lac_status status = LAC_OK;
-    if (text == NULL) {
-        status = lac_fail_memory(err);
-    } else {
-        bool both = *old != '\0' && *more != '\0';
-        (void)snprintf(text, size, "%s%s%s", old, both ? between : "", more);
-        status = lac_nc_text(&s->file, NC_GLOBAL, name, text, err);
-    }
+    char *text = old != NULL ? lac_text_join(old, between, more) : NULL;
+    const lac_status status =
+        text != NULL ? lac_nc_text(&s->file, NC_GLOBAL, name, text, err) : lac_fail_memory(err);
     free(old);
     free(text);
     return status;

@@ -8,6 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/temp_file.h"
+
 enum {
     BATCH_MAX = 512, // records kept in memory at most
     CHUNK = 512      // records a chunk: 4 kB, what a sync rewrites of each variable
@@ -15,45 +17,39 @@ enum {
 
 static lac_status sync_file(lac_store *s, lac_error *err)
 {
-    lac_status status = lac_writer_sync(&s->writer, err);
-    s->unsynced = status == LAC_OK ? 0 : s->unsynced;
-    return status;
+    LAC_TRY_RETURN(lac_writer_sync(&s->writer, err));
+    s->unsynced = 0;
+    return LAC_OK;
 }
 
 // What a checkpoint says of who made it.
 static lac_status keep_provenance(lac_store *s, const lac_store_def *def, lac_error *err)
 {
     const lac_provenance *from = &def->provenance;
-    const char *parts[] = {from->case_text != NULL ? from->case_text : "",
-                           def->inputs != NULL ? def->inputs : ""};
-    size_t size = strlen(parts[0]) + strlen(parts[1]) + 1;
     s->libraries = strdup(from->libraries != NULL ? from->libraries : "");
-    s->case_text = malloc(size);
-    LAC_FAIL_MEMORY_IF(s->libraries == NULL || s->case_text == NULL, err);
-    (void)snprintf(s->case_text, size, "%s%s", parts[0], parts[1]);
-    return LAC_OK;
+    s->case_text = lac_text_join(from->case_text != NULL ? from->case_text : "", "",
+                                 def->inputs != NULL ? def->inputs : "");
+    return s->libraries != NULL && s->case_text != NULL ? LAC_OK : lac_fail_memory(err);
 }
 
 // A new file, or the one that is there up to its checkpoint.
 static lac_status begin_file(lac_store *s, const lac_store_def *def, lac_error *err)
 {
-    lac_status status = LAC_OK;
-    LAC_TRY(lac_nc_create(&s->file, def->path, def->force || def->resume != NULL, err));
-    LAC_TRY(lac_nc_provenance(&s->file, &def->provenance, lac_dataset_summary(s->dataset), err));
-    LAC_TRY(lac_nc_text(&s->file, NC_GLOBAL, "status", "running", err));
-    LAC_TRY(lac_writer_begin(&s->writer, err));
+    LAC_TRY_RETURN(lac_nc_create(&s->file, def->path, def->force || def->resume != NULL, err));
+    LAC_TRY_RETURN(lac_nc_provenance(&s->file, &def->provenance, s->dataset->summary, err));
+    LAC_TRY_RETURN(lac_nc_text(&s->file, NC_GLOBAL, "status", "running", err));
+    LAC_TRY_RETURN(lac_writer_begin(&s->writer, err));
     if (def->resume != NULL) {
-        LAC_TRY(lac_store_take_over(s, def->resume, err));
+        LAC_TRY_RETURN(lac_store_take_over(s, def->resume, err));
     }
-    LAC_TRY(sync_file(s, err));
-    LAC_TRY(lac_nc_keep_journal(&s->file, err));
-    LAC_TRY(def->resume != NULL ? lac_nc_to_disk(&s->file, err) : LAC_OK);
-    LAC_TRY(lac_nc_publish(&s->file, err));
+    LAC_TRY_RETURN(sync_file(s, err));
+    LAC_TRY_RETURN(lac_nc_keep_journal(&s->file, err));
+    LAC_TRY_RETURN(def->resume != NULL ? lac_nc_to_disk(&s->file, err) : LAC_OK);
+    LAC_TRY_RETURN(lac_nc_publish(&s->file, err));
     if (def->resume == NULL) {
         lac_store_remove_checkpoint(s->file.path); // of the file that was replaced
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 lac_status lac_store_create(const lac_store_def *def, lac_store **out, lac_error *err)
@@ -113,10 +109,7 @@ static lac_status put_record(void *context, const lac_record *record, lac_error 
 {
     lac_store *s = context;
     lac_run_place_record(&s->place, record);
-    lac_status status = check_record(s, err);
-    if (status != LAC_OK) {
-        return status;
-    }
+    LAC_TRY_RETURN(check_record(s, err));
     double ahead = record->time_origin - s->last_origin + (record->time_local - s->last_local);
     if (s->has_last && ahead <= 0) {
         // The same instant again says nothing new; the series stays strictly increasing.
@@ -127,8 +120,8 @@ static lac_status put_record(void *context, const lac_record *record, lac_error 
     s->has_last = true;
     s->last_origin = record->time_origin;
     s->last_local = record->time_local;
-    status = lac_writer_put(&s->writer, "time", err);
-    return status == LAC_OK ? count(s, err) : status;
+    LAC_TRY_RETURN(lac_writer_put(&s->writer, "time", err));
+    return count(s, err);
 }
 
 static lac_status put_snapshot(void *context, const lac_snapshot *snapshot, lac_error *err)
@@ -175,14 +168,12 @@ static void keep(void *context, lac_archive *archive)
 static lac_status put_checkpoint(void *context, const lac_checkpoint *checkpoint, lac_error *err)
 {
     lac_store *s = context;
-    lac_status status = LAC_OK;
-    LAC_TRY(sync_file(s, err));
-    LAC_TRY(lac_nc_check_place(&s->file, err));
-    LAC_TRY(lac_nc_to_disk(&s->file, err));
-    LAC_TRY(lac_store_put_checkpoint(s, checkpoint, err));
+    LAC_TRY_RETURN(sync_file(s, err));
+    LAC_TRY_RETURN(lac_nc_check_place(&s->file, err));
+    LAC_TRY_RETURN(lac_nc_to_disk(&s->file, err));
+    LAC_TRY_RETURN(lac_store_put_checkpoint(s, checkpoint, err));
     s->has_checkpoint = true;
-out:
-    return status;
+    return LAC_OK;
 }
 
 lac_sink lac_store_sink(lac_store *store)
@@ -202,7 +193,9 @@ static lac_status put_ending(const lac_store *s, const lac_run_ending *ending, l
 {
     lac_dataset *dataset = NULL;
     lac_status status = lac_run_ending_describe(ending, &dataset, err);
-    status = status == LAC_OK ? lac_nc_attributes(&s->file, dataset, false, err) : status;
+    status = status == LAC_OK ? lac_dataset_put_attributes(dataset, false, lac_nc_put_attribute,
+                                                           (void *)&s->file, err)
+                              : status;
     lac_dataset_free(dataset);
     return status;
 }

@@ -4,7 +4,7 @@
 #include "contact/tangential.h"
 #include "data/dataset.h"
 #include "fractal/fractal.h"
-#include "store/store_checkpoint.h"
+#include "run/run.h"
 #include "surface/surface.h"
 
 /// Who made a file, from what. Texts may be NULL: the attribute is then left out.
@@ -22,6 +22,28 @@ typedef struct lac_provenance {
 
 /// Says who writes, when.
 void lac_provenance_sign(lac_provenance *provenance, const lac_write_options *options);
+
+/// A checkpoint as it is kept beside the file of its run, in FILE.checkpoint; docs/format.md.
+typedef struct lac_checkpoint_file {
+    lac_checkpoint from;
+    uint64_t records, snapshots, events; ///< in the file by then
+    double begun;                        ///< when the file was made first, seconds since 1970
+    double last_time;                    ///< of the last of the records [s]
+    char *program, *libraries;           ///< that made it, with their versions
+    char *case_text;      ///< the whole resolved case, and what the files hold that it names
+    unsigned char *bytes; ///< `from` points into them
+} lac_checkpoint_file;
+
+/// Reads the checkpoint of a run's file.
+/// @param path  of the run's file
+/// @param out   to be cleared whatever the status
+/// @return LAC_OK; LAC_EINPUT where there is none; LAC_EIO (cannot be read, damaged); LAC_ENOMEM
+lac_status lac_checkpoint_file_read(const char *path, lac_checkpoint_file *out, lac_error *err);
+
+void lac_checkpoint_file_clear(lac_checkpoint_file *checkpoint);
+
+/// What this program calls itself in a checkpoint: its name and version.
+const char *lac_checkpoint_file_program(void);
 
 typedef struct lac_store_def {
     const char *path;
@@ -60,7 +82,6 @@ bool lac_store_has_checkpoint(const lac_store *store);
 void lac_store_free(lac_store *store);
 
 /// Writes a dataset to a netCDF-4 file of its own; docs/format.md.
-/// @return as lac_store_create
 lac_status lac_store_dataset(const char *path, bool force, const lac_provenance *provenance,
                              const lac_dataset *dataset, lac_error *err);
 
@@ -103,18 +124,15 @@ typedef struct lac_history_store_def {
 typedef struct lac_history_store lac_history_store;
 
 /// Creates the file with the contact and status `running`.
-/// @return as lac_store_create
 lac_status lac_history_store_create(const lac_history_store_def *def, lac_history_store **out,
                                     lac_error *err);
 
 /// Adds a step and has it written to disk; with LAC_KEEP_ALL its maps must follow, with which it is
 /// written.
-/// @return LAC_OK; LAC_EIO
 lac_status lac_history_store_step(lac_history_store *store, const lac_history_record *record,
                                   lac_error *err);
 
 /// Writes the cells of the step added last.
-/// @return LAC_OK; LAC_EIO
 lac_status lac_history_store_maps(lac_history_store *store, const lac_history_maps *maps,
                                   lac_error *err);
 
@@ -131,6 +149,5 @@ lac_status lac_history_store_finish(lac_history_store *store, const char *status
 void lac_history_store_free(lac_history_store *store);
 
 /// Reads a global text attribute.
-/// @return LAC_OK; LAC_EIO
 lac_status lac_store_read_attribute(const char *path, const char *name, char *text, size_t size,
                                     lac_error *err);

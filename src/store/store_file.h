@@ -21,7 +21,6 @@ lac_status lac_stored_file_open(const char *path, lac_stored_file **out, lac_err
 
 /// A run that is kept in memory, read as its file would be. It must outlive what is opened here,
 /// and not change while it is read.
-/// @return LAC_OK; LAC_ENOMEM
 lac_status lac_stored_file_of(const lac_recording *recording, lac_stored_file **out,
                               lac_error *err);
 

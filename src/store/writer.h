@@ -1,8 +1,58 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include "store/columns.h"
+#include "data/dataset.h"
 #include "store/nc.h"
+
+enum { LAC_MOST_GROWING = 3, LAC_ONCE = LAC_MOST_GROWING };
+
+/// A variable of a dataset, and the values of it that are in memory.
+typedef struct lac_column {
+    lac_item item;
+    size_t along; ///< which of the dimensions that grow; LAC_ONCE: none
+    double *values;
+    size_t count, room;
+    int id;           ///< in a file
+    lac_variable row; ///< in a recording: how it is read, and its path in JSON
+    char json[80];
+} lac_column;
+
+/// A dimension that grows.
+typedef struct lac_growth {
+    const char *name;
+    size_t places;  ///< in memory
+    size_t written; ///< in a file
+} lac_growth;
+
+/// The variables of a dataset, those of one value that are attributes in a file left out, in its
+/// order; memory for what is put into them place by place.
+typedef struct lac_columns {
+    size_t n;
+    lac_column *column;
+    lac_growth growth[LAC_MOST_GROWING];
+} lac_columns;
+
+/// @param more     room for so many that lac_columns_add adds
+/// @param columns  {0}; to be cleared whatever the status
+lac_status lac_columns_create(const lac_dataset *dataset, size_t more, lac_columns *columns,
+                              lac_error *err);
+void lac_columns_clear(lac_columns *columns);
+
+/// Whether an item is an attribute of a file.
+bool lac_item_is_global(const lac_item *item);
+
+/// One more, for which there is room.
+lac_column *lac_columns_add(lac_columns *columns, const lac_item *item);
+
+/// The dimension of a name that grows; LAC_ONCE: none.
+size_t lac_columns_along(const lac_columns *columns, const char *dim);
+
+/// Room for `n` values more.
+lac_status lac_column_reserve(lac_column *column, size_t n, lac_error *err);
+
+/// Adds what the dataset holds now to all variables along a dimension, or to none.
+/// @param but  flags of those that are left out
+lac_status lac_columns_put(lac_columns *columns, size_t along, unsigned but, lac_error *err);
 
 /// A dataset on its way into a file: what does not grow at once, the rest place by place.
 typedef struct lac_writer {
@@ -24,8 +74,12 @@ typedef struct lac_writer {
 lac_status lac_writer_begin(lac_writer *writer, lac_error *err);
 
 /// Adds what the dataset holds now along a dimension that grows; nothing where it has none of that
-/// name. @return LAC_OK; LAC_EIO; LAC_ENOMEM
+/// name.
 lac_status lac_writer_put(lac_writer *writer, const char *dim, lac_error *err);
+
+/// Writes values of places along the dimension of a column at once; what is missing is filled in.
+lac_status lac_writer_put_values(const lac_writer *writer, const lac_column *column, size_t first,
+                                 size_t n, double *values, lac_error *err);
 
 /// Writes those of LAC_LATE that do not grow.
 lac_status lac_writer_put_late(lac_writer *writer, lac_error *err);
@@ -44,13 +98,20 @@ void lac_writer_clear(lac_writer *writer);
 /// The netCDF type of an item.
 nc_type lac_writer_type(const lac_writer *writer, const lac_item *item);
 
-/// Defines one variable with its attributes. @return LAC_OK; LAC_EIO
+/// Defines one variable with its attributes.
 lac_status lac_writer_define(const lac_writer *writer, lac_column *column, lac_error *err);
 
 /// The longest of the texts of an item, at least 1 [bytes].
 size_t lac_item_longest_text(const lac_item *item);
 
-/// Writes the attributes that a dataset has for its file. @param late  those of LAC_LATE, or all
-/// others @return LAC_OK; LAC_EIO
-lac_status lac_nc_attributes(const lac_nc *file, const lac_dataset *dataset, bool late,
-                             lac_error *err);
+/// Where an attribute of the whole goes: a text or, where that is NULL, a number; NaN: it is
+/// missing.
+typedef lac_status lac_put_attribute(void *to, const char *name, const char *text, double number,
+                                     bool whole, lac_error *err);
+lac_put_attribute lac_nc_put_attribute;        ///< into a lac_nc
+lac_put_attribute lac_recording_put_attribute; ///< into a lac_recording, as a text
+
+/// Puts the attributes that a dataset has for its file. @param late  those of LAC_LATE, or all
+/// others
+lac_status lac_dataset_put_attributes(const lac_dataset *dataset, bool late, lac_put_attribute *put,
+                                      void *to, lac_error *err);

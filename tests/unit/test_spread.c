@@ -10,7 +10,7 @@
 
 #include "base/rng.h"
 #include "scene/internal.h"
-#include "store/store_map.h"
+#include "store/store_cells.h"
 #include "support/slot.h"
 #include "support/test.h"
 

@@ -11,6 +11,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "base/archive.h"
 #include "cli/common/progress.h"
 #include "data/dataset.h"
 #include "scene/scene.h"
@@ -64,13 +65,11 @@ static uint64_t sum_file(const char *path)
         return 0;
     }
     unsigned char block[1 << 14];
-    uint64_t sum = UINT64_C(0xcbf29ce484222325);
+    uint64_t sum = LAC_SUM_OF_NOTHING;
     size_t got = 0;
     FILE *file = fopen(path, "rb");
     while (file != NULL && (got = fread(block, 1, sizeof block, file)) > 0) {
-        for (size_t i = 0; i < got; i++) {
-            sum = (sum ^ block[i]) * UINT64_C(0x100000001b3);
-        }
+        sum = lac_sum_bytes(sum, block, got);
     }
     bool whole = file != NULL && ferror(file) == 0;
     if (file != NULL) {

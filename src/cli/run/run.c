@@ -13,7 +13,7 @@
 #include "cli/report/report.h"
 #include "cli/run/run_outcome.h"
 #include "cli/view/view.h"
-#include "store/store_checkpoint.h"
+#include "store/store.h"
 #include "store/store_file.h"
 
 // Everything that a run holds.

@@ -7,6 +7,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/archive.h"
 #include "base/units.h"
 #include "cli/common/command.h"
 #include "cli/common/output.h"
@@ -166,13 +167,9 @@ lac_status cli_trade_case(const cli_trade_job *job, const lac_trade_run *run, la
     return status;
 }
 
-// FNV-1a
 static uint64_t add(uint64_t sum, const char *text)
 {
-    for (; *text != '\0'; text++) {
-        sum = (sum ^ (unsigned char)*text) * UINT64_C(0x100000001b3);
-    }
-    return sum;
+    return lac_sum_bytes(sum, text, strlen(text));
 }
 
 static lac_status describe(const cli_trade_job *job, const lac_case *c, lac_trade_run *run,
@@ -181,7 +178,7 @@ static lac_status describe(const cli_trade_job *job, const lac_case *c, lac_trad
     char *text = lac_case_text(c), *sums = cli_inputs_sums(c);
     const lac_status status = text == NULL || sums == NULL ? lac_fail_memory(err) : LAC_OK;
     if (status == LAC_OK) {
-        run->key = add(UINT64_C(0xcbf29ce484222325), text);
+        run->key = add(LAC_SUM_OF_NOTHING, text);
         run->key = add(add(run->key, sums), cli_format("%a", c->run.end).s);
         run->key = add(add(run->key, LACUNA_VERSION), job->request->libraries);
         for (size_t d = 0; d < job->trade.settings; d++) {

@@ -55,7 +55,7 @@ SHARED = {
     "run": {"describe.h", "sensitivity.h"},
     "scene": {"estimate.h", "scene_rg.h"},
     "series": {"motion.h"},
-    "store": {"recording.h", "store_cells.h", "store_checkpoint.h", "store_file.h", "store_map.h"},
+    "store": {"recording.h", "store_cells.h", "store_file.h"},
     "trade": {"probe.h"},
 }
 
