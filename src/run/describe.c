@@ -231,18 +231,15 @@ static lac_status add_all(lac_dataset *d, const lac_run_place *p, lac_error *err
         {LAC_VARIABLES(of_cells, "cell", 0), p}};
     const lac_laid level = {LAC_VARIABLES(of_levels, "level", 0), p};
     const lac_laid events = {LAC_VARIABLES(of_event, "event", 0), p};
-    lac_status status;
     d->clock = of->dated ? LAC_CLOCK_DATE : LAC_CLOCK_NONE;
     d->start = of->start_date;
-    LAC_TRY(lac_dataset_dims(d, dims, sizeof dims / sizeof *dims, err));
-    LAC_TRY(lac_dataset_add(d, start, 2, err));
-    LAC_TRY(of->domain != NULL ? lac_dataset_add(d, cells, 2, err) : LAC_OK);
-    LAC_TRY(of->domain != NULL ? add_fields(d, p, err) : LAC_OK);
-    LAC_TRY(has_levels ? lac_dataset_add(d, &level, 1, err) : LAC_OK);
-    LAC_TRY(add_extras(d, p, levels, err));
-    LAC_TRY(of->events ? lac_dataset_add(d, &events, 1, err) : LAC_OK);
-out:
-    return status;
+    LAC_TRY_RETURN(lac_dataset_dims(d, dims, sizeof dims / sizeof *dims, err));
+    LAC_TRY_RETURN(lac_dataset_add(d, start, 2, err));
+    LAC_TRY_RETURN(of->domain != NULL ? lac_dataset_add(d, cells, 2, err) : LAC_OK);
+    LAC_TRY_RETURN(of->domain != NULL ? add_fields(d, p, err) : LAC_OK);
+    LAC_TRY_RETURN(has_levels ? lac_dataset_add(d, &level, 1, err) : LAC_OK);
+    LAC_TRY_RETURN(add_extras(d, p, levels, err));
+    return of->events ? lac_dataset_add(d, &events, 1, err) : LAC_OK;
 }
 
 lac_status lac_run_describe(const lac_run_place *place, lac_dataset **out, lac_error *err)

@@ -375,7 +375,7 @@ static void integrate(const lac_readings *r, lac_motion *m)
 static void turn(lac_motion *m)
 {
     for (size_t i = 0; i < m->n && m->falling; i++) {
-        m->displacement[i] = -m->displacement[i];
+        m->displacement[i] = 0.0 - m->displacement[i]; // no -0
     }
 }
 

@@ -216,34 +216,32 @@ static lac_status read_run(const lac_stored_file *in, const lac_snapshot_choice 
                            lac_stored_cells *out, lac_error *err)
 {
     bool whole = false;
-    lac_status status = LAC_OK;
     size_t index = 0;
     out->kind = LAC_STORED_RUN;
     LAC_FAIL_IF(!has_variable(in, "cell_traction"), err, LAC_EINPUT,
                 "%s: holds no tractions of cells: run the case with output.fields: [traction]",
                 in->path);
-    LAC_TRY(read_domain(in, &out->domain, err));
+    LAC_TRY_RETURN(read_domain(in, &out->domain, err));
     out->snapshots = length_of(in, "snapshot");
     // The last ones of a run that was killed may be torn.
     while (out->snapshots > 0 && !whole) {
-        LAC_TRY(read_tractions(in, out->snapshots - 1, out, &whole, err));
-        LAC_TRY(whole || lac_input_says(in, "status", "running")
-                    ? LAC_OK
-                    : fail_damaged(in, "last snapshot", err));
+        LAC_TRY_RETURN(read_tractions(in, out->snapshots - 1, out, &whole, err));
+        LAC_TRY_RETURN(whole || lac_input_says(in, "status", "running")
+                           ? LAC_OK
+                           : fail_damaged(in, "last snapshot", err));
         out->snapshots -= whole ? 0 : 1;
     }
     index = choice->by == LAC_SNAPSHOT_INDEX ? choice->index : out->snapshots - 1;
-    LAC_TRY(out->snapshots == 0 || index >= out->snapshots ? fail_choice(in, out->snapshots, err)
-                                                           : LAC_OK);
+    LAC_TRY_RETURN(out->snapshots == 0 || index >= out->snapshots
+                       ? fail_choice(in, out->snapshots, err)
+                       : LAC_OK);
     if (choice->by == LAC_SNAPSHOT_TIME) {
-        LAC_TRY(find_time(in, out->snapshots, choice->time, &index, err));
+        LAC_TRY_RETURN(find_time(in, out->snapshots, choice->time, &index, err));
     }
     if (index + 1 < out->snapshots) {
-        LAC_TRY(read_tractions(in, index, out, &whole, err));
+        LAC_TRY_RETURN(read_tractions(in, index, out, &whole, err));
     }
-    LAC_TRY(whole ? LAC_OK : fail_damaged(in, "snapshot", err));
-out:
-    return status;
+    return whole ? LAC_OK : fail_damaged(in, "snapshot", err);
 }
 
 // --- The file of a contact: maps over the interface.

@@ -235,7 +235,6 @@ static lac_status add_star(lac_trade *trade, lac_error *err)
 {
     const size_t ladder = trade->ladder;
     const size_t rungs = ladder == SIZE_MAX ? 1 : trade->setting[ladder].shown;
-    lac_status status = LAC_OK;
     size_t index;
     for (size_t rung = 0; rung < rungs; rung++) {
         short at[LAC_SETTINGS];
@@ -243,17 +242,16 @@ static lac_status add_star(lac_trade *trade, lac_error *err)
         if (ladder != SIZE_MAX) {
             at[ladder] = (short)rung;
         }
-        LAC_TRY(add_run(trade, at, LAC_TRADE_TRIED, &index, err));
+        LAC_TRY_RETURN(add_run(trade, at, LAC_TRADE_TRIED, &index, err));
         for (size_t d = 0; d < trade->settings; d++) {
             for (size_t k = 0; d != ladder && k < trade->setting[d].shown; k++) {
                 at[d] = (short)k;
-                LAC_TRY(add_run(trade, at, LAC_TRADE_TRIED, &index, err));
+                LAC_TRY_RETURN(add_run(trade, at, LAC_TRADE_TRIED, &index, err));
                 at[d] = -1;
             }
         }
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 // The next combination, the first setting turning fastest; false after the last.
@@ -305,9 +303,8 @@ lac_status lac_trade_create(const lac_case *c, lac_trade_of of, const char *word
     if (reference_runs(out)) {
         add_tolerance(c, out);
     }
-    if (out->settings == 0) {
-        LAC_TRY(lac_fail(err, LAC_EINPUT, "there is no dial to turn: its cells are given"));
-    }
+    LAC_LEAVE_IF(out->settings == 0, err, LAC_EINPUT,
+                 "there is no dial to turn: its cells are given");
     add_tighter(out);
     out->ladder = SIZE_MAX;
     for (size_t d = out->settings; d-- > 0;) {

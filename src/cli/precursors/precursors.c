@@ -261,10 +261,8 @@ lac_status cli_precursors(const cli_request *request, lac_error *err)
         LAC_TRY(roll(&job, err));
     }
     LAC_TRY(put_out(&job, err));
-    if (job.interrupted) {
-        LAC_TRY(lac_fail(err, LAC_EINTERRUPT, "interrupted after %zu issue times",
-                         job.rolling->issues));
-    }
+    LAC_LEAVE_IF(job.interrupted, err, LAC_EINTERRUPT, "interrupted after %zu issue times",
+                 job.rolling->issues);
 out:
     free(job.skill);
     lac_rolling_free(job.rolling);

@@ -123,10 +123,8 @@ lac_status cli_watched_read(const cli_request *request, const lac_case *known,
         LAC_TRY(
             cli_series_time("failed-at", failed_at, out->of.dated, units, &out->of.failed_at, err));
     }
-    if (failed_at != NULL && !(out->of.failed_at > out->readings.time[0])) {
-        LAC_TRY(lac_fail(err, LAC_EINPUT,
-                         "--failed-at: \"%s\" must be later than the first reading", failed_at));
-    }
+    LAC_LEAVE_IF(failed_at != NULL && !(out->of.failed_at > out->readings.time[0]), err, LAC_EINPUT,
+                 "--failed-at: \"%s\" must be later than the first reading", failed_at);
 out:
     return status;
 }
@@ -209,10 +207,9 @@ lac_status cli_forecast_plan_read(const cli_request *request, bool dated, const 
     if (words->issues != NULL) {
         const char *end = "";
         plan->issues = read_count(words->issues, &end);
-        if (plan->issues == 0 || *end != '\0') {
-            LAC_TRY(lac_fail(err, LAC_EINPUT, "--issues: \"%s\" must be a number from 1 to %d",
-                             words->issues, (int)MOST_ISSUES));
-        }
+        LAC_LEAVE_IF(plan->issues == 0 || *end != '\0', err, LAC_EINPUT,
+                     "--issues: \"%s\" must be a number from 1 to %d", words->issues,
+                     (int)MOST_ISSUES);
     }
     if (words->horizon != NULL) {
         status = lac_units_parse(units, words->horizon, "s", &plan->horizon, err);

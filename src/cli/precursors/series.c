@@ -68,9 +68,8 @@ lac_status cli_series_read(const cli_request *request, const lac_series_def *kno
     if (def.displacement == NULL && def.velocity == NULL) {
         LAC_TRY(ask_for_columns(path, err));
     }
-    if (words->sigma != NULL && def.displacement == NULL) {
-        LAC_TRY(lac_fail(err, LAC_EINPUT, "--sigma: is of displacements: name --displacement too"));
-    }
+    LAC_LEAVE_IF(words->sigma != NULL && def.displacement == NULL, err, LAC_EINPUT,
+                 "--sigma: is of displacements: name --displacement too");
     LAC_TRY(split("sigma", words->sigma, &owned[2], &def.sigma, &def.sigma_unit, err));
     LAC_TRY(lac_series_read(&def, units, out, err));
     cli_series_warn(request, path, *out);

@@ -109,9 +109,8 @@ static lac_status read_fitted(const char *path, lac_series **out, lac_error *err
     LAC_TRY(find_column(file, "reading_time", &def.time, err));
     LAC_TRY(find_column(file, "observed_displacement", &def.displacement, err));
     LAC_TRY(find_column(file, "observed_slip_rate", &def.velocity, err));
-    if (def.time == NULL || (def.displacement == NULL && def.velocity == NULL)) {
-        LAC_TRY(lac_fail(err, LAC_EIO, "%s: is not a file of lacuna fit", path));
-    }
+    LAC_LEAVE_IF(def.time == NULL || (def.displacement == NULL && def.velocity == NULL), err,
+                 LAC_EIO, "%s: is not a file of lacuna fit", path);
     LAC_TRY(lac_units_create(&units, err));
     LAC_TRY(lac_series_read(&def, units, out, err));
 out:
