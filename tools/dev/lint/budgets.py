@@ -16,8 +16,8 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 70489,
-    "lines that only present results": 19936,
+    "lines of src and include": 66541,
+    "lines that only present results": 18553,
     "public headers": 13,
     "exported names": 43,
     "circles of includes": 0,
