@@ -4,6 +4,7 @@
 #include "analysis/analysis.h"
 #include "case/heterogeneity.h"
 #include "lacuna/case.h"
+#include "lacuna/series.h"
 #include "run/run.h"
 
 /// All that is wrong with a case, in the order of the file.
@@ -52,11 +53,9 @@ typedef struct lac_model_list {
 } lac_model_list;
 
 typedef struct lac_compare_def {
-    char *path;                             ///< already relative to the working folder
-    char *time;                             ///< column
-    char *displacement, *displacement_unit; ///< NULL: none
-    char *velocity, *velocity_unit;
-    char *label; ///< what to call it; NULL
+    char *path;             ///< already relative to the working folder
+    lac_series_def columns; ///< texts owned
+    char *label;            ///< what to call it; NULL
 } lac_compare_def;
 
 /// How the shear force spreads over the cells in `rg`.
@@ -95,14 +94,10 @@ typedef struct lac_fit_def {
     bool named; ///< the case has the section
     size_t count;
     lac_fit_parameter *parameter; ///< [count]
-    char *time;                   ///< column
-    char *time_format;            ///< as lac_series_def has it; NULL
-    char *displacement, *displacement_unit;
-    char *velocity, *velocity_unit;
-    char *sigma, *sigma_unit;  ///< standard error of each displacement; NULL: none
-    double displacement_error; ///< [m]; NaN: estimated (with a column sigma: its factor is)
-    double velocity_error;     ///< of ln(velocity) [1]; NaN: estimated
-    int errors;                ///< lac_fit_errors, of displacements
+    lac_series_def columns;       ///< texts owned
+    double displacement_error;    ///< [m]; NaN: estimated (with a column sigma: its factor is)
+    double velocity_error;        ///< of ln(velocity) [1]; NaN: estimated
+    int errors;                   ///< lac_fit_errors, of displacements
     int offset;     ///< 1: displacements have an unknown zero; 0: they start with the run
     int64_t starts; ///< places at which the least squares begin
     int64_t walkers, steps, burn, rounds, seed;
@@ -123,13 +118,6 @@ typedef struct lac_rg_def {
     double beta[LAC_MOST_BETAS];
 } lac_rg_def;
 
-/// Steps of a history whose fields are kept.
-typedef enum lac_history_fields {
-    LAC_HISTORY_ALL = 0,
-    LAC_HISTORY_LAST,
-    LAC_HISTORY_NONE
-} lac_history_fields;
-
 /// One entry of a history; NaN: stays as it was. Of each axis (0: x, 1: y) at most one is given.
 typedef struct lac_history_step {
     double pressure; ///< mean over the nominal area [Pa]
@@ -142,7 +130,7 @@ typedef struct lac_history_step {
 /// A static history of normal and shear load.
 typedef struct lac_history_def {
     int method;      ///< 0: direct, the only one
-    int fields;      ///< lac_history_fields
+    int fields;      ///< lac_history_keep
     double friction; ///< Coulomb's coefficient f [1]
     size_t count;    ///< 0: no history
     lac_history_step *step;

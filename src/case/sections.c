@@ -4,6 +4,7 @@
 #include "base/rg_rows.h"
 #include "base/rows.h"
 #include "rg/rg.h"
+#include "store/store.h"
 
 #include <math.h>
 #include <string.h>
@@ -73,7 +74,7 @@ static const lac_param history_rows[] = {
     LAC_CHOICE("method", FIELD(history.method), 0, history_methods, 0,
                "direct: any history, exact; the only one"),
     COULOMB_ROW(FIELD(history.friction)),
-    LAC_CHOICE("fields", FIELD(history.fields), LAC_HISTORY_ALL, history_fields, 0,
+    LAC_CHOICE("fields", FIELD(history.fields), LAC_KEEP_ALL, history_fields, 0,
                "steps whose tractions, slips and states are written cell by cell"),
     LAC_OWN("steps", "[{...}, ...]: each goes on from the one before; must be given"),
 };
@@ -158,10 +159,10 @@ static const lac_param cadence_rows[] = {
 static const lac_param compare_rows[] = {
     LAC_PATH("file", offsetof(lac_compare_def, path), 0,
              "monitoring series (CSV), from the case's folder"),
-    LAC_TEXT("time", offsetof(lac_compare_def, time), 0, "its column of times"),
-    LAC_COLUMN("displacement", offsetof(lac_compare_def, displacement), "m",
+    LAC_TEXT("time", offsetof(lac_compare_def, columns.time), 0, "its column of times"),
+    LAC_COLUMN("displacement", offsetof(lac_compare_def, columns.displacement), "m",
                "its column of displacements, as \"column:unit\""),
-    LAC_COLUMN("velocity", offsetof(lac_compare_def, velocity), "m/s",
+    LAC_COLUMN("velocity", offsetof(lac_compare_def, columns.velocity), "m/s",
                "its column of velocities, as \"column:unit\""),
     LAC_TEXT("label", offsetof(lac_compare_def, label), LAC_OPTIONAL, "what to call it"),
 };
@@ -249,13 +250,14 @@ static const char *const errors_names[] = {"white", "ar1", NULL};
 static const lac_param fit_rows[] = {
     LAC_OWN("parameters",
             "{KEY: {range: [low, high], prior: {lognormal: {median, sigma}}}}: what is estimated"),
-    LAC_TEXT("time", FIT(time), LAC_OPTIONAL, "column of times"),
-    LAC_TEXT("time_format", FIT(time_format), LAC_OPTIONAL,
+    LAC_TEXT("time", FIT(columns.time), LAC_OPTIONAL, "column of times"),
+    LAC_TEXT("time_format", FIT(columns.time_format), LAC_OPTIONAL,
              "how times are written: iso, unix, excel, day, \"%d/%m/%Y %H:%M\" ..."),
-    LAC_COLUMN("displacement", FIT(displacement), "m",
+    LAC_COLUMN("displacement", FIT(columns.displacement), "m",
                "column of displacements, as \"column:unit\""),
-    LAC_COLUMN("velocity", FIT(velocity), "m/s", "column of velocities, as \"column:unit\""),
-    LAC_COLUMN("sigma", FIT(sigma), "m",
+    LAC_COLUMN("velocity", FIT(columns.velocity), "m/s",
+               "column of velocities, as \"column:unit\""),
+    LAC_COLUMN("sigma", FIT(columns.sigma), "m",
                "column of the displacements' standard errors, as \"column:unit\""),
     LAC_REAL("displacement_error", "m", FIT(displacement_error), NAN, 0, 1e6,
              LAC_OPTIONAL | LAC_ABOVE_MIN,

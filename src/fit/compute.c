@@ -28,19 +28,15 @@ static void fit_made_free(void *result)
 
 lac_status lac_fit_series(const lac_case *c, const char *path, lac_series **out, lac_error *err)
 {
-    lac_series_def def = lac_series_def_default();
     LAC_TRY_RETURN(LAC_NEED(err, c, path, out));
     *out = NULL;
     LAC_TRY_RETURN(lac_case_serves(c, LAC_FOR_FIT, err));
+    lac_series_def def = c->fit.columns;
+    def.size = sizeof def;
     def.path = path;
-    def.time = c->fit.time;
-    def.time_format = c->fit.time_format;
-    def.displacement = c->fit.displacement;
-    def.displacement_unit = c->fit.displacement_unit;
-    def.velocity = c->fit.velocity;
-    def.velocity_unit = c->fit.velocity_unit;
-    def.value = c->fit.sigma;
-    def.value_unit = c->fit.sigma_unit;
+    def.value = def.sigma;
+    def.value_unit = def.sigma_unit;
+    def.sigma = def.sigma_unit = NULL;
     def.value_si = "m";
     return lac_series_create(&def, out, err);
 }

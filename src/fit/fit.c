@@ -16,10 +16,10 @@ static lac_status keep(const lac_case *c, const lac_series *series, lac_fit_data
         double t = series->time[i] - shift;
         double slip = series->displacement != NULL ? series->displacement[i] : NAN;
         double rate = series->velocity != NULL ? series->velocity[i] : NAN;
-        double sigma = c->fit.sigma != NULL ? series->value[i] : 1.0;
-        LAC_FAIL_IF(c->fit.sigma != NULL && !isnan(slip) && !(sigma > 0.0), err, LAC_EINPUT,
+        double sigma = c->fit.columns.sigma != NULL ? series->value[i] : 1.0;
+        LAC_FAIL_IF(c->fit.columns.sigma != NULL && !isnan(slip) && !(sigma > 0.0), err, LAC_EINPUT,
                     "line %zu: %s: the standard error of a displacement must be > 0",
-                    series->line[i], c->fit.sigma);
+                    series->line[i], c->fit.columns.sigma);
         out->not_positive += rate <= 0.0 ? 1 : 0;
         rate = rate > 0.0 ? rate : NAN;
         if (!(t >= 0.0) || t > c->run.end) {
@@ -115,7 +115,7 @@ static void set_errors(lac_fit *fit)
         low = fmin(low, data->displacement[i]);
         high = fmax(high, data->displacement[i]);
     }
-    double span = fit->def->sigma != NULL ? 10.0 : high > low ? high - low : 1e-3;
+    double span = fit->def->columns.sigma != NULL ? 10.0 : high > low ? high - low : 1e-3;
     if (data->displacements > 0 && isnan(fit->def->displacement_error)) {
         fit->unknown_displacement = add_unknown(fit, 1e-5 * span, 10.0 * span);
     }
@@ -198,7 +198,10 @@ static void name_unknowns(const lac_fit *fit, lac_fit_result *result)
                  : displacement ? "error.displacement"
                  : time         ? "error.time"
                                 : "error.velocity";
-        x->unit = p != NULL ? p->unit : displacement && def->sigma == NULL ? "m" : time ? "s" : "1";
+        x->unit = p != NULL                                    ? p->unit
+                  : displacement && def->columns.sigma == NULL ? "m"
+                  : time                                       ? "s"
+                                                               : "1";
         x->log = p == NULL || p->log;
         x->by = LAC_BY_NOTHING;
         x->best = x->error = x->limit = NAN;

@@ -19,8 +19,8 @@ static size_t readings_within(const lac_case *c, const lac_motion *m, double shi
 
 static bool lacks_sigma(const lac_case *c, const lac_motion *m)
 {
-    bool lacks = c->fit.sigma != NULL && m->integrated;
-    for (size_t i = 0; c->fit.sigma != NULL && !m->integrated && i < m->n; i++) {
+    bool lacks = c->fit.columns.sigma != NULL && m->integrated;
+    for (size_t i = 0; c->fit.columns.sigma != NULL && !m->integrated && i < m->n; i++) {
         lacks = lacks || !(m->sigma[i] > 0.0);
     }
     return lacks;

@@ -181,7 +181,7 @@ static lac_status finish_step(history *h, lac_history_record *record, lac_error 
     if (h->sink->step != NULL) {
         LAC_TRY_RETURN(h->sink->step(h->sink->context, record, err));
     }
-    return h->source->history.fields == LAC_HISTORY_ALL ? give_maps(h, err) : LAC_OK;
+    return h->source->history.fields == LAC_KEEP_ALL ? give_maps(h, err) : LAC_OK;
 }
 
 static lac_tangential_def shear_def(const history *h)
@@ -290,7 +290,7 @@ lac_status lac_scene_history_run(const lac_case *c, const lac_scene_contact *con
         status = follow_entry(&h, i, err);
     }
     // What was reached is whole, whatever came after.
-    if (result->steps > 0 && c->history.fields == LAC_HISTORY_LAST) {
+    if (result->steps > 0 && c->history.fields == LAC_KEEP_LAST) {
         lac_status kept = give_maps(&h, &late);
         if (kept != LAC_OK && (status == LAC_OK || status == LAC_EINTERRUPT)) {
             *err = late;

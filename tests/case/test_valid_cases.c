@@ -130,13 +130,13 @@ static void every_key_reads(void **state)
     assert_true(c->run.snapshot.steps == 0 && isnan(c->run.snapshot.per_decade));
     assert_int_equal(c->compare_count, 2);
     assert_string_equal(c->compare[0].path, VALID "/data/prisms.csv");
-    assert_string_equal(c->compare[0].displacement, "disp: down");
-    assert_string_equal(c->compare[0].displacement_unit, "mm");
-    assert_string_equal(c->compare[0].velocity_unit, "cm/day");
+    assert_string_equal(c->compare[0].columns.displacement, "disp: down");
+    assert_string_equal(c->compare[0].columns.displacement_unit, "mm");
+    assert_string_equal(c->compare[0].columns.velocity_unit, "cm/day");
     assert_string_equal(c->compare[0].label, "Prism 7");
     assert_string_equal(c->compare[1].path, "/absolute/path.csv");
-    assert_null(c->compare[1].displacement);
-    assert_null(c->compare[1].velocity_unit);
+    assert_null(c->compare[1].columns.displacement);
+    assert_null(c->compare[1].columns.velocity_unit);
     lac_case_free(c);
 }
 
@@ -148,7 +148,7 @@ static void a_history_reads(void **state)
                                       {"load.history.fields", "none"}};
     lac_case *c = read_or_fail(VALID "/history.yaml", NULL, 0);
     const lac_history_step *step = c->history.step;
-    assert_int_equal(c->history.fields, LAC_HISTORY_LAST);
+    assert_int_equal(c->history.fields, LAC_KEEP_LAST);
     assert_true(c->history.friction == 0.7); // f0 of the friction law
     assert_int_equal(c->history.count, 4);
     is_nearly(step[0].ratio[0], 0.3);
@@ -163,7 +163,7 @@ static void a_history_reads(void **state)
 
     c = read_or_fail(VALID "/history.yaml", overrides, 3);
     assert_true(c->history.step[0].ratio[0] == 0.4 && c->history.step[4].pressure == 5e3);
-    assert_true(c->history.count == 5 && c->history.fields == LAC_HISTORY_NONE);
+    assert_true(c->history.count == 5 && c->history.fields == LAC_KEEP_NONE);
     lac_case_free(c);
 }
 
@@ -253,8 +253,10 @@ static void same_case(const lac_case *a, const lac_case *b)
     assert_int_equal(a->compare_count, b->compare_count);
     for (size_t i = 0; i < a->compare_count; i++) {
         same_section("compare", &a->compare[i], &b->compare[i]);
-        assert_true((a->compare[i].velocity == NULL) == (b->compare[i].velocity == NULL));
-        assert_true((a->compare[i].displacement == NULL) == (b->compare[i].displacement == NULL));
+        assert_true((a->compare[i].columns.velocity == NULL) ==
+                    (b->compare[i].columns.velocity == NULL));
+        assert_true((a->compare[i].columns.displacement == NULL) ==
+                    (b->compare[i].columns.displacement == NULL));
     }
 }
 

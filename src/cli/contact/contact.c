@@ -169,7 +169,7 @@ static lac_status follow_history(contact_job *job, lac_dataset *dataset, lac_err
         .force = cli_given(job->request, CLI_OPT_FORCE),
         .provenance = cli_provenance(job->request, job->source, text),
         .contact = dataset,
-        .keep = (lac_history_keep)history->fields, // the same in the same order
+        .keep = (lac_history_keep)history->fields,
     };
     for (size_t i = 0; i < history->count; i++) {
         def.pressed = def.pressed || !isnan(history->step[i].pressure);

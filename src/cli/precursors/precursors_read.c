@@ -70,20 +70,9 @@ out:
 static lac_status read_series(const cli_request *request, const lac_case *known,
                               const lac_units *units, cli_watched *w, lac_error *err)
 {
-    lac_series_def def = {0};
-    if (known != NULL) {
-        const lac_fit_def *fit = &known->fit;
-        def = (lac_series_def){.time = fit->time,
-                               .time_format = fit->time_format,
-                               .displacement = fit->displacement,
-                               .displacement_unit = fit->displacement_unit,
-                               .velocity = fit->velocity,
-                               .velocity_unit = fit->velocity_unit,
-                               .sigma = fit->sigma,
-                               .sigma_unit = fit->sigma_unit};
-    }
     lac_series *series = NULL;
-    LAC_TRY_RETURN(cli_series_read(request, &def, w->of.source, units, &series, err));
+    LAC_TRY_RETURN(cli_series_read(request, known != NULL ? &known->fit.columns : NULL,
+                                   w->of.source, units, &series, err));
     w->of.series = series;
     w->of.dated = series->dated;
     w->readings = lac_series_readings(series);

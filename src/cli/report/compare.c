@@ -11,22 +11,13 @@
 
 enum { FEW_READINGS = 30 };
 
-lac_series_def cli_compare_columns(const lac_compare_def *def, const char *path)
-{
-    return (lac_series_def){.path = path,
-                            .time = def->time,
-                            .displacement = def->displacement,
-                            .displacement_unit = def->displacement_unit,
-                            .velocity = def->velocity,
-                            .velocity_unit = def->velocity_unit};
-}
-
 // A series on the run's clock: seconds as written count from the start of the run.
 static lac_status read_one(const lac_case *c, size_t i, const lac_units *units, lac_series **out,
                            lac_error *err)
 {
     const char *path = c->compare[i].path;
-    const lac_series_def def = cli_compare_columns(&c->compare[i], path);
+    lac_series_def def = c->compare[i].columns;
+    def.path = path;
     const lac_status status = lac_series_read(&def, units, out, err);
     LAC_FAIL_IF(status == LAC_OK && (*out)->dated && !c->dated, err, LAC_EINPUT,
                 "%s: has dates, so time.start of %s must be a date to compare", path, c->path);

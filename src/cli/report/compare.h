@@ -13,9 +13,6 @@ typedef struct cli_compare {
     lac_series **series; ///< [count] on the run's clock
 } cli_compare;
 
-/// How a series is read that a case lays beside its run, from this file.
-lac_series_def cli_compare_columns(const lac_compare_def *def, const char *path);
-
 /// Reads the case's series, before anything is computed, and warns of doubts.
 /// @return LAC_OK; LAC_EIO; LAC_EINPUT (a wrong file; dates beside a run without a date);
 ///         LAC_ENOMEM
