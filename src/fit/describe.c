@@ -54,6 +54,14 @@ static double share(const void *of, const size_t *at)
 #define X(kind, field) LAC_HELD(kind, lac_fit_unknown, field)
 #define R(kind, field) LAC_HELD(kind, lac_fit_result, field)
 
+// Five quantiles of a posterior.
+#define QUANTILES(median, in50, in90, held, q)                                  \
+    {.json = (median), held(REAL, q[2])}, {.json = (in50), held(REAL, q[1])},   \
+        {.json = (in50), held(REAL, q[3])}, {.json = (in90), held(REAL, q[0])}, \
+    {                                                                           \
+        .json = (in90), held(REAL, q[4])                                        \
+    }
+
 // What a file says of an unknown beside its draws.
 static const lac_variable beside_draws[] = {
     {.name = "best_fit", X(REAL, best)},
@@ -74,11 +82,8 @@ static const lac_variable of_unknowns[] = {
     {.json = "parameters[]/error_of_logarithm", X(REAL, error), .has = is_log},
     {.json = "parameters[]/error", X(REAL, error), .has = is_plain},
     {.json = "parameters[]/derivatives", X(INT, by), .names = derivatives},
-    {.json = "parameters[]/median", X(REAL, quantile[2])},
-    {.json = "parameters[]/interval50", X(REAL, quantile[1])},
-    {.json = "parameters[]/interval50", X(REAL, quantile[3])},
-    {.json = "parameters[]/interval90", X(REAL, quantile[0])},
-    {.json = "parameters[]/interval90", X(REAL, quantile[4])},
+    QUANTILES("parameters[]/median", "parameters[]/interval50", "parameters[]/interval90", X,
+              quantile),
     {.json = "parameters[]/rhat", X(REAL, converged.rhat)},
     {.json = "parameters[]/ess", X(REAL, converged.ess)},
     {.json = "parameters[]/autocorrelation_steps", X(REAL, converged.time)},
@@ -107,19 +112,12 @@ static const lac_variable of_result[] = {
     {.json = "known_least/powers{}", .dims = "parameter", R(REAL, axis[0].power), .label = key_of},
     {.json = "known_least/sigma_of_logarithm", R(REAL, axis[0].sigma)},
     {.json = "shape/formula", .text = formula, .has = is_one_block},
-    {.json = "shape/median_1_m", R(REAL, shape.quantile[2])},
-    {.json = "shape/interval50_1_m", R(REAL, shape.quantile[1])},
-    {.json = "shape/interval50_1_m", R(REAL, shape.quantile[3])},
-    {.json = "shape/interval90_1_m", R(REAL, shape.quantile[0])},
-    {.json = "shape/interval90_1_m", R(REAL, shape.quantile[4])},
+    QUANTILES("shape/median_1_m", "shape/interval50_1_m", "shape/interval90_1_m", R,
+              shape.quantile),
     {.json = "shape/sigma_of_logarithm", R(REAL, shape_sigma)},
     {.json = "best_failure_time_s", R(REAL, failure)},
     {.json = "best_failure_error_s", R(REAL, failure_error)},
-    {.json = "tc_s", R(REAL, failures.quantile[2])},
-    {.json = "interval50_s", R(REAL, failures.quantile[1])},
-    {.json = "interval50_s", R(REAL, failures.quantile[3])},
-    {.json = "interval90_s", R(REAL, failures.quantile[0])},
-    {.json = "interval90_s", R(REAL, failures.quantile[4])},
+    QUANTILES("tc_s", "interval50_s", "interval90_s", R, failures.quantile),
     {.json = "share_failing", R(REAL, failing)},
     {.json = "sampler/walkers", .value = walkers, .has = is_sampled},
     {.json = "sampler/steps", .value = steps},

@@ -157,20 +157,19 @@ lac_status lac_slowing_measure(size_t n, const double *values, uint64_t seed, si
 
 /// Forecasts and indicators as they are told.
 typedef struct lac_forecast_outcome {
-    const char *source;                ///< the file that they are of
-    const lac_series *series;          ///< NULL: the file is a run's
-    const lac_readings *readings;      ///< NULL: there is no JSON
-    bool dated;                        ///< times are seconds since 1970 UTC
-    double failed_at;                  ///< [s]; NaN: not known; INFINITY: never
-    double horizon;                    ///< of alarms [s]
-    const lac_forecast_set *forecasts; ///< at the last reading
-    size_t indicators;                 ///< kinds of them; 0: none
-    const lac_precursor *indicator;    ///< [indicators] at the last reading
-    const lac_rolling *rolling;        ///< NULL: the last forecasts alone are told
-    bool interrupted;                  ///< rolling has not all issue times that it should have
-    const lac_indicator_series
-        *indicator_series;  ///< of the same issue times; NULL: as rolling, or none
-    const lac_skill *skill; ///< [methods]; NULL: no time of failure
+    const char *source;                     ///< the file that they are of
+    const lac_series *series;               ///< NULL: the file is a run's
+    const lac_readings *readings;           ///< NULL: there is no JSON
+    bool dated;                             ///< times are seconds since 1970 UTC
+    double failed_at;                       ///< [s]; NaN: not known; INFINITY: never
+    double horizon;                         ///< of alarms [s]
+    lac_forecast_set *forecasts;            ///< at the last reading
+    size_t indicators;                      ///< kinds of them; 0: none
+    const lac_precursor *indicator;         ///< [indicators] at the last reading
+    lac_rolling *rolling;                   ///< NULL: the last forecasts alone are told
+    bool interrupted;                       ///< rolling has not all issue times that it should have
+    lac_indicator_series *indicator_series; ///< of the same issue times; NULL: as rolling, or none
+    lac_skill *skill;                       ///< [methods]; NULL: no time of failure
 } lac_forecast_outcome;
 
 /// Their variables, for a file or JSON; docs/format.md.

@@ -62,6 +62,11 @@ static const lac_variable of_contact[] = {
 };
 
 #define S(kind, field) LAC_HELD(kind, lac_scene_contact, report.field)
+#define M(name_, unit_, field)                                               \
+    {                                                                        \
+        .name = "surface_" name_, .json = "surface/" name_, .unit = (unit_), \
+        LAC_HELD(REAL, lac_scene_contact, surface.measures.field)            \
+    }
 static const lac_variable of_solved[] = {
     {.name = "n_cells", S(COUNT, n_cells), WHOLE},
     {.name = "contact_fraction", G(report_fraction)},
@@ -80,14 +85,6 @@ static const lac_variable of_solved[] = {
      .json = "surface/measured",
      C(INT, surface.measured),
      .names = measured},
-};
-
-#define M(name_, unit_, field)                                               \
-    {                                                                        \
-        .name = "surface_" name_, .json = "surface/" name_, .unit = (unit_), \
-        LAC_HELD(REAL, lac_scene_contact, surface.measures.field)            \
-    }
-static const lac_variable of_surface[] = {
     M("rms_height_m", "m", rms_height),
     M("rms_slope_x", NULL, rms_slope_x),
     M("rms_slope_y", NULL, rms_slope_y),
@@ -210,7 +207,6 @@ lac_status lac_contact_describe(const lac_contact_outcome *o, lac_dataset **out,
     const lac_laid laid[] = {
         {LAC_VARIABLES(of_contact, "", 0), c},
         {LAC_VARIABLES(of_solved, "", 0), c->solved ? c : NULL},
-        {LAC_VARIABLES(of_surface, "", 0), s != NULL ? c : NULL},
         {LAC_VARIABLES(of_profiles, "profile", sizeof(lac_profile_measure)),
          s != NULL ? s->measures.profile : NULL},
         {LAC_VARIABLES(of_files, "face", sizeof(lac_file_report)), s != NULL ? s->file : NULL},

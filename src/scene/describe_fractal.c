@@ -124,23 +124,6 @@ static const lac_variable of_scaling[] = {
 // Of each box side and octave.
 #define BOX(field) LAC_HELD(REAL, lac_scene_contact, boxes.field)
 #define CLUSTER(field) LAC_HELD(COUNT, lac_scene_contact, fractal.clusters.field)
-static const lac_variable of_boxes[] = {
-    LAC_ROW("box_side", "box", NULL, "side of a box, in cells", .json = "boxes[]/side_cells",
-            BOX(side)),
-    {.json = "boxes[]/side_m", .dims = "box", G(box_side_m)},
-    LAC_ROW("box_count", "box", NULL, "boxes that hold a contact cell", .json = "boxes[]/count",
-            BOX(count), .coordinates = "box_side",
-            .comment = "mean over random origins of the boxes"),
-    LAC_ROW("box_minimum", "box", NULL, "least number of boxes that hold a contact cell",
-            .json = "boxes[]/minimum", BOX(minimum), .coordinates = "box_side",
-            .comment = "least over random origins of the boxes"),
-    LAC_ROW("box_local_dimension", "box", NULL,
-            "box-counting dimension between this side and the next larger one", G(box_local),
-            .coordinates = "box_side", .flags = LAC_MISSING),
-    {.json = "boxes[]/local_d_box", .dims = "box", G(box_local_json)},
-    {.json = "boxes[]/fitted", .dims = "box", G(box_fitted), TRUTH},
-};
-
 static const lac_variable of_clusters[] = {
     HELD("clusters", "clusters/number", COUNT, fractal.clusters.n, WHOLE),
     HELD("largest_cluster_cells", "clusters/largest_cells", COUNT, fractal.clusters.largest, WHOLE),
@@ -150,8 +133,6 @@ static const lac_variable of_clusters[] = {
     HELD("mean_cluster_cells", "clusters/mean_cells", REAL, fractal.clusters.mean),
     HELD("weighted_mean_cluster_cells", "clusters/weighted_mean_cells", REAL,
          fractal.clusters.weighted),
-};
-static const lac_variable of_octaves[] = {
     LAC_ROW("cluster_size", "cluster_octave", NULL, "cells of a cluster, least of its octave",
             .json = "clusters/octaves[]/from_cells", G(octave_size),
             .comment = "an octave reaches from this size to one less than twice this size"),
@@ -185,10 +166,26 @@ static const lac_variable of_resolutions[] = {
     AT("resolution_local_dimension", NULL, "Delta_S between this resolution and the next finer one",
        "local_delta_s", REAL, local, .flags = LAC_MISSING),
 };
-static const lac_variable beside_resolutions[] = {
-    ALSO("area_fraction", area_fraction), ALSO("load_N", resolution_load),
-    ALSO("smooth_area_m2", smooth_area),  ALSO("kappa", kappa),
+static const lac_variable of_places[] = {
+    ALSO("area_fraction", area_fraction),
+    ALSO("load_N", resolution_load),
+    ALSO("smooth_area_m2", smooth_area),
+    ALSO("kappa", kappa),
     ALSO("fitted", fitted, TRUTH),
+    LAC_ROW("box_side", "box", NULL, "side of a box, in cells", .json = "boxes[]/side_cells",
+            BOX(side)),
+    {.json = "boxes[]/side_m", .dims = "box", G(box_side_m)},
+    LAC_ROW("box_count", "box", NULL, "boxes that hold a contact cell", .json = "boxes[]/count",
+            BOX(count), .coordinates = "box_side",
+            .comment = "mean over random origins of the boxes"),
+    LAC_ROW("box_minimum", "box", NULL, "least number of boxes that hold a contact cell",
+            .json = "boxes[]/minimum", BOX(minimum), .coordinates = "box_side",
+            .comment = "least over random origins of the boxes"),
+    LAC_ROW("box_local_dimension", "box", NULL,
+            "box-counting dimension between this side and the next larger one", G(box_local),
+            .coordinates = "box_side", .flags = LAC_MISSING),
+    {.json = "boxes[]/local_d_box", .dims = "box", G(box_local_json)},
+    {.json = "boxes[]/fitted", .dims = "box", G(box_fitted), TRUTH},
 };
 
 #define SPECIMEN(name, unit, long_name, json_, field, ...)               \
@@ -237,7 +234,7 @@ lac_status lac_describe_dimension(const lac_scene_contact *c, lac_dataset *d, la
 lac_status lac_describe_fractal(const lac_scene_contact *c, lac_dataset *d, lac_error *err)
 {
     const lac_scene_fractal *f = &c->fractal;
-    const lac_scene_contact *clustered = f->clustered ? c : NULL, *scaled = f->scaled ? c : NULL;
+    const lac_scene_contact *scaled = f->scaled ? c : NULL;
     const lac_extent dims[] = {{"box", c->counted ? c->boxes.sizes : 0},
                                {"cluster_octave", f->clustered ? f->clusters.octaves : 0},
                                {"resolution", f->scaled ? f->scaling.n : 0},
@@ -250,10 +247,8 @@ lac_status lac_describe_fractal(const lac_scene_contact *c, lac_dataset *d, lac_
         {LAC_VARIABLES(of_stiffness, "", 0), c},
         {LAC_VARIABLES(of_scaling, "", 0), scaled},
         {LAC_VARIABLES(of_resolutions, "resolution", sizeof(lac_resolution)), f->scaling.at},
-        {LAC_VARIABLES(beside_resolutions, "", 0), c},
-        {LAC_VARIABLES(of_boxes, "", 0), c},
-        {LAC_VARIABLES(of_clusters, "", 0), clustered},
-        {LAC_VARIABLES(of_octaves, "", 0), clustered},
+        {LAC_VARIABLES(of_places, "", 0), c},
+        {LAC_VARIABLES(of_clusters, "", 0), f->clustered ? c : NULL},
         {LAC_VARIABLES(of_specimens, "specimen", sizeof(lac_size_strength)), f->size},
         {LAC_VARIABLES(of_exponents, "exponent", sizeof(lac_size_exponent)),
          lac_size_exponent_get(0)},

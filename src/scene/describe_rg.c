@@ -84,6 +84,15 @@ LAC_GETTER(double, slides_now, const lac_rg_result *r = of, r->begin[r->levels])
 #define EACH(name, path, field, long_name, ...) \
     LAC_ROW(name, NULL, NULL, long_name, RESULT(path), H(REAL, field), AND("beta"), __VA_ARGS__)
 #define ALSO(path, kind, field) LAC_JSON("results[]/" path, kind, lac_rg_result, field)
+// The same of an estimate by bootstrap.
+#define BOOTSTRAPPED(name, path, field, long_name)                                          \
+    EACH(name, path, field.value, long_name, MAYBE),                                        \
+        EACH(name "_error", path "_error", field.error, "its standard error, by bootstrap", \
+             MAYBE),                                                                        \
+        EACH(name "_low", path "_interval95", field.low,                                    \
+             "lower end of its 95 % interval, by bootstrap", MAYBE),                        \
+        EACH(name "_high", path "_interval95", field.high,                                  \
+             "upper end of its 95 % interval, by bootstrap", MAYBE)
 // In JSON alone, by a getter.
 #define JSON(path, dims_, getter) LAC_JSON_BY("results[]/" path, dims_, getter)
 
@@ -138,30 +147,12 @@ static const lac_variable of_results[] = {
          .comment = "among places of the blocks where there is one interface"),
     EACH("q_crit_sd_of_places", "q_crit_sd_of_places", place_sd,
          "its standard deviation among places of the blocks", MAYBE),
-    EACH("critical_fraction", "critical_fraction", fixed_point.value,
-         "unstable fixed point of the map of slipped fractions", MAYBE),
-    EACH("critical_fraction_error", "critical_fraction_error", fixed_point.error,
-         "its standard error, by bootstrap", MAYBE),
-    EACH("critical_fraction_low", "critical_fraction_interval95", fixed_point.low,
-         "lower end of its 95 % interval, by bootstrap", MAYBE),
-    EACH("critical_fraction_high", "critical_fraction_interval95", fixed_point.high,
-         "upper end of its 95 % interval, by bootstrap", MAYBE),
-    EACH("map_slope", "lambda", lambda.value, "slope of the map in logits", MAYBE),
-    EACH("map_slope_error", "lambda_error", lambda.error, "its standard error, by bootstrap",
-         MAYBE),
-    EACH("map_slope_low", "lambda_interval95", lambda.low,
-         "lower end of its 95 % interval, by bootstrap", MAYBE),
-    EACH("map_slope_high", "lambda_interval95", lambda.high,
-         "upper end of its 95 % interval, by bootstrap", MAYBE),
+    BOOTSTRAPPED("critical_fraction", "critical_fraction", fixed_point,
+                 "unstable fixed point of the map of slipped fractions"),
+    BOOTSTRAPPED("map_slope", "lambda", lambda, "slope of the map in logits"),
     LAC_ROW("map_intercept", NULL, NULL, "intercept of the map in logits", H(REAL, map.g),
             AND("beta"), MAYBE),
-    EACH("exponent", "exponent", nu.value, "exponent of the correlation length, ln 2 / ln slope",
-         MAYBE),
-    EACH("exponent_error", "exponent_error", nu.error, "its standard error, by bootstrap", MAYBE),
-    EACH("exponent_low", "exponent_interval95", nu.low,
-         "lower end of its 95 % interval, by bootstrap", MAYBE),
-    EACH("exponent_high", "exponent_interval95", nu.high,
-         "upper end of its 95 % interval, by bootstrap", MAYBE),
+    BOOTSTRAPPED("exponent", "exponent", nu, "exponent of the correlation length, ln 2 / ln slope"),
     ALSO("map_points", COUNT, map.points),
     LAC_ROW("cluster_power_law", NULL, NULL, "1 where cluster_length follows a power law",
             RESULT("cluster_length/power_law"), H(BOOL, cluster_law.holds), AND("beta")),

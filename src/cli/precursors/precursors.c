@@ -123,14 +123,8 @@ typedef struct precursors_job {
     lac_forecast_model model;
     cli_watched watched;
     cli_forecast_plan plan;
-    lac_forecast_set *forecasts;
     cells cells;
-    size_t indicators;
     lac_precursor indicator[LAC_PRECURSORS_MAX];
-    lac_rolling *rolling;
-    bool interrupted;
-    lac_indicator_series *indicator_series;
-    lac_skill *skill;
 } precursors_job;
 
 // The case that forecasts beside the methods that know only the motion.
@@ -160,23 +154,23 @@ static bool go_on(void *context, size_t done, size_t all)
 
 static lac_status roll(precursors_job *job, lac_error *err)
 {
-    const cli_watched *w = &job->watched;
+    cli_watched *w = &job->watched;
+    lac_forecast_outcome *of = &w->of;
     const size_t most = job->plan.issues < w->readings.n ? job->plan.issues : w->readings.n;
     lac_status status;
-    LAC_TRY(lac_indicator_series_create(&job->cells.inputs, most, &job->indicator_series, err));
+    LAC_TRY(lac_indicator_series_create(&job->cells.inputs, most, &of->indicator_series, err));
     const lac_rolling_watch watch = {
-        .go_on = go_on, .seer = job->indicator_series, .see = lac_indicator_series_see};
+        .go_on = go_on, .seer = of->indicator_series, .see = lac_indicator_series_see};
     cli_say(job->request, "forecasting at %zu readings", w->readings.n);
     cli_signals_hold();
     status = lac_rolling_create(&job->plan.def, &w->readings, job->plan.issues, &watch,
-                                &job->rolling, err);
-    job->interrupted = status == LAC_EINTERRUPT && job->rolling != NULL;
-    LAC_TRY(job->interrupted ? LAC_OK : status);
-    if (!isnan(w->of.failed_at)) {
-        job->skill = calloc(job->rolling->methods, sizeof *job->skill);
-        LAC_TRY(job->skill != NULL ? LAC_OK : lac_fail_memory(err));
-        LAC_TRY(
-            lac_rolling_measure(job->rolling, w->of.failed_at, job->plan.horizon, job->skill, err));
+                                &of->rolling, err);
+    of->interrupted = status == LAC_EINTERRUPT && of->rolling != NULL;
+    LAC_TRY(of->interrupted ? LAC_OK : status);
+    if (!isnan(of->failed_at)) {
+        of->skill = calloc(of->rolling->methods, sizeof *of->skill);
+        LAC_TRY(of->skill != NULL ? LAC_OK : lac_fail_memory(err));
+        LAC_TRY(lac_rolling_measure(of->rolling, of->failed_at, job->plan.horizon, of->skill, err));
     }
 out:
     return status;
@@ -200,18 +194,10 @@ static lac_status write_file(const precursors_job *job, const lac_dataset *datas
 static lac_status put_out(const precursors_job *job, lac_error *err)
 {
     const cli_request *request = job->request;
-    lac_forecast_outcome outcome = job->watched.of;
-    outcome.horizon = job->plan.horizon;
-    outcome.forecasts = job->forecasts;
-    outcome.indicators = job->indicators;
-    outcome.indicator = job->indicator;
-    outcome.rolling = job->rolling;
-    outcome.interrupted = job->interrupted;
-    outcome.indicator_series = job->indicator_series;
-    outcome.skill = job->skill;
+    const lac_forecast_outcome *of = &job->watched.of;
     lac_dataset *dataset = NULL;
     lac_status status;
-    LAC_TRY(lac_forecast_describe(&outcome, &dataset, err));
+    LAC_TRY(lac_forecast_describe(of, &dataset, err));
     if (request->output != NULL) {
         LAC_TRY(write_file(job, dataset, err));
     }
@@ -222,7 +208,7 @@ static lac_status put_out(const precursors_job *job, lac_error *err)
         lac_json_text(&json, "output", request->output);
         lac_json_close(&json, '}');
     } else {
-        cli_precursors_print(&outcome, cli_given(request, CLI_OPT_VERBOSE));
+        cli_precursors_print(of, cli_given(request, CLI_OPT_VERBOSE));
         if (request->output != NULL) {
             printf("\n");
             cli_row("file", "%s", request->output);
@@ -236,6 +222,7 @@ out:
 lac_status cli_precursors(const cli_request *request, lac_error *err)
 {
     precursors_job job = {.request = request};
+    lac_forecast_outcome *of = &job.watched.of;
     lac_status status;
     LAC_TRY(lac_units_create(&job.units, err));
     LAC_TRY(read_case(&job, err));
@@ -243,34 +230,36 @@ lac_status cli_precursors(const cli_request *request, lac_error *err)
         LAC_TRY(cli_output_check(request, job.source, request->output, err));
     }
     LAC_TRY(cli_watched_read(request, job.source, job.units, &job.watched, err));
-    LAC_TRY(cli_forecast_plan_read(request, job.watched.of.dated, job.units, &job.plan, err));
+    LAC_TRY(cli_forecast_plan_read(request, of->dated, job.units, &job.plan, err));
+    of->horizon = job.plan.horizon;
+    of->indicator = job.indicator;
     if (job.watched.run) { // a run has neither outliers nor resets
         job.plan.def.motion.raw = true;
     }
     if (job.source != NULL) {
-        job.how.dated = job.watched.of.dated;
+        job.how.dated = of->dated;
         job.plan.def.model = &job.model;
         cli_signals_hold();
         cli_say(request, "fitting %s to %zu readings", job.source->path, job.watched.readings.n);
     }
-    LAC_TRY(lac_forecast_set_create(&job.plan.def, &job.watched.readings, &job.forecasts, err));
+    LAC_TRY(lac_forecast_set_create(&job.plan.def, &job.watched.readings, &of->forecasts, err));
     LAC_TRY(read_cells(&job.watched, &job.cells, err));
     LAC_TRY(
-        lac_precursors_at(&job.cells.inputs, job.forecasts, job.indicator, &job.indicators, err));
+        lac_precursors_at(&job.cells.inputs, of->forecasts, job.indicator, &of->indicators, err));
     if (request->forecast.rolling != NULL) {
         LAC_TRY(roll(&job, err));
     }
     LAC_TRY(put_out(&job, err));
-    LAC_LEAVE_IF(job.interrupted, err, LAC_EINTERRUPT, "interrupted after %zu issue times",
-                 job.rolling->issues);
+    LAC_LEAVE_IF(of->interrupted, err, LAC_EINTERRUPT, "interrupted after %zu issue times",
+                 of->rolling->issues);
 out:
-    free(job.skill);
-    lac_rolling_free(job.rolling);
-    lac_indicator_series_free(job.indicator_series);
+    free(of->skill);
+    lac_rolling_free(of->rolling);
+    lac_indicator_series_free(of->indicator_series);
     for (size_t i = 0; i < VALUES; i++) {
         lac_stored_values_clear(&job.cells.value[i]);
     }
-    lac_forecast_set_free(job.forecasts);
+    lac_forecast_set_free(of->forecasts);
     cli_watched_clear(&job.watched);
     lac_case_free(job.source);
     lac_units_free(job.units);
