@@ -296,10 +296,8 @@ static lac_status flush(lac_writer *w, size_t along, lac_error *err)
     for (lac_column *c = w->columns.column; c < end; c++) {
         if (c->along == along && c->count > 0) {
             LAC_TRY_RETURN(lac_writer_put_values(w, c, g->written, g->places, c->values, err));
+            c->count = 0;
         }
-    }
-    for (lac_column *c = w->columns.column; c < end; c++) {
-        c->count = c->along == along ? 0 : c->count;
     }
     g->written += g->places;
     g->places = 0;

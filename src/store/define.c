@@ -48,23 +48,6 @@ size_t lac_item_longest_text(const lac_item *item)
     return longest;
 }
 
-static int define_fill(int file, int id, nc_type type)
-{
-    const double real = NC_FILL_DOUBLE;
-    const float single = NC_FILL_FLOAT;
-    const int integer = NC_FILL_INT;
-    switch (type) {
-    case NC_DOUBLE:
-        return nc_def_var_fill(file, id, NC_FILL, &real);
-    case NC_FLOAT:
-        return nc_def_var_fill(file, id, NC_FILL, &single);
-    case NC_INT:
-        return nc_def_var_fill(file, id, NC_FILL, &integer);
-    default:
-        return NC_EBADTYPE;
-    }
-}
-
 // Chunks are written whole, once, or grow at their end, so the cache holds one: netCDF's own table
 // of 4133 places for them takes 33 kB a variable.
 // @param appended  grows by parts of a chunk
@@ -246,7 +229,8 @@ lac_status lac_writer_define(const lac_writer *w, lac_column *column, lac_error 
         code = define_storage(w, item, column->id, type, rank, dims);
     }
     if (code == NC_NOERR && (item->row->flags & (LAC_MISSING | LAC_FILLED)) != 0) {
-        code = define_fill(w->file->id, column->id, type);
+        const double fill = type == NC_INT ? NC_FILL_INT : NC_FILL_DOUBLE;
+        code = nc_put_att_double(w->file->id, column->id, "_FillValue", type, 1, &fill);
     }
     LAC_TRY_RETURN(lac_nc_check(w->file->path, code, err, "define", item->name));
     LAC_TRY_RETURN(put_attributes(w, item, column->id, type, err));

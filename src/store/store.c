@@ -159,9 +159,8 @@ static void keep(void *context, lac_archive *archive)
         lac_archive_pass(archive, &places, sizeof places);
         archive->short_of |= places != own;
     }
-    lac_archive_pass(archive, &s->has_last, sizeof s->has_last);
-    lac_archive_pass(archive, &s->last_origin, sizeof s->last_origin);
-    lac_archive_pass(archive, &s->last_local, sizeof s->last_local);
+    LAC_PASS(archive, s->has_last);
+    LAC_PASS_RUN(archive, s->last_origin, s->last_local);
 }
 
 // What was put out before is on disk before the checkpoint counts on it.
