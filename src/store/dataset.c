@@ -378,7 +378,7 @@ lac_status lac_store_dataset(const char *path, bool force, const lac_provenance 
     lac_writer w = {.file = &file, .dataset = dataset};
     lac_status status;
     LAC_TRY(lac_nc_create(&file, path, force, err));
-    LAC_TRY(lac_nc_provenance(&file, provenance, dataset->summary, err));
+    LAC_TRY(lac_provenance_put(provenance, dataset->summary, lac_nc_put_attribute, &file, err));
     LAC_TRY(lac_writer_begin(&w, err));
     LAC_TRY(lac_nc_close(&file, err));
     LAC_TRY(lac_nc_publish(&file, err));

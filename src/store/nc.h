@@ -148,7 +148,3 @@ lac_seal lac_nc_seal_state(int fd, size_t size);
 
 /// Looks at the part of an unsealed file that HDF5 would believe unseen. LAC_EIO: it is damaged.
 lac_status lac_nc_heap(const char *path, int fd, size_t size, lac_error *err);
-
-/// The global attributes that every file of Lacuna carries.
-lac_status lac_nc_provenance(const lac_nc *file, const lac_provenance *provenance,
-                             const char *summary, lac_error *err);

@@ -86,7 +86,7 @@ static lac_status show(lac_recording *r, lac_column *c, lac_error *err)
                             .json = c->json,
                             .unit = c->item.unit,
                             .long_name = c->item.long_name,
-                            .comment = c->item.comment,
+                            .comment = c->item.row->comment,
                             .dims = c->item.dims,
                             .held = LAC_HELD_REALS,
                             .offset = offsetof(lac_column, values),
@@ -178,17 +178,13 @@ static lac_status put_event(void *context, const lac_event *event, lac_error *er
     return put(r, "event", err);
 }
 
-lac_status lac_recording_once(lac_recording *recording, const double *once, lac_error *err)
+static lac_status put_once(void *context, const double *once, lac_error *err)
 {
+    lac_recording *recording = context;
     recording->place.once = once;
     const lac_status status = take_fixed(recording, LAC_LATE, err);
     recording->place.once = NULL;
     return status;
-}
-
-static lac_status put_once(void *context, const double *once, lac_error *err)
-{
-    return lac_recording_once(context, once, err);
 }
 
 lac_sink lac_recording_sink(lac_recording *recording)
