@@ -30,11 +30,10 @@ bool lac_item_is_global(const lac_item *item)
 size_t lac_columns_along(const lac_columns *columns, const char *dim)
 {
     size_t along = 0;
-    while (along < LAC_MOST_GROWING &&
-           (columns->growth[along].name == NULL || strcmp(columns->growth[along].name, dim) != 0)) {
+    while (along < columns->growing && strcmp(columns->growth[along].name, dim) != 0) {
         along++;
     }
-    return along;
+    return along < columns->growing ? along : LAC_ONCE;
 }
 
 // The dimension along which an item grows, noted where it is new.
@@ -43,12 +42,9 @@ static size_t find_growth(lac_columns *columns, const lac_item *item)
     if (item->rank == 0 || item->length[0] != LAC_GROWS) {
         return LAC_ONCE;
     }
-    size_t along = 0;
-    while (columns->growth[along].name != NULL &&
-           strcmp(columns->growth[along].name, item->dim[0]) != 0) {
-        along++;
-        assert(along < LAC_MOST_GROWING);
-    }
+    const size_t known = lac_columns_along(columns, item->dim[0]);
+    const size_t along = known != LAC_ONCE ? known : columns->growing++;
+    assert(along < LAC_MOST_GROWING);
     columns->growth[along].name = item->dim[0];
     return along;
 }

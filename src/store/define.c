@@ -154,10 +154,10 @@ static lac_status put_flags(const lac_writer *w, int id, nc_type type, const cha
         at = strchr(at, ' ');
         at = at != NULL ? at + 1 : NULL;
     }
-    lac_status status = lac_nc_check(
+    LAC_TRY_RETURN(lac_nc_check(
         w->file->path, nc_put_att_longlong(w->file->id, id, "flag_values", type, n, values), err,
-        "write the attribute", "flag_values");
-    return status == LAC_OK ? lac_nc_text(w->file, id, "flag_meanings", meanings, err) : status;
+        "write the attribute", "flag_values"));
+    return lac_nc_text(w->file, id, "flag_meanings", meanings, err);
 }
 
 // The places of a dimension as flags: readers of netCDF-3 and -4 alike take them.
@@ -195,19 +195,16 @@ static lac_status put_attributes(const lac_writer *w, const lac_item *item, int 
         {"_Encoding", type == NC_CHAR ? "utf-8" : NULL},
     };
     lac_attribute attribute = {0};
-    lac_status status = LAC_OK;
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
-        LAC_TRY(lac_nc_text(w->file, id, texts[i][0], texts[i][1], err));
+        LAC_TRY_RETURN(lac_nc_text(w->file, id, texts[i][0], texts[i][1], err));
     }
-    LAC_TRY(row->meanings != NULL ? put_flags(w, id, type, row->meanings, err) : LAC_OK);
-    LAC_TRY((row->flags & LAC_MEANINGS) != 0 ? put_meanings(w, item, id, err) : LAC_OK);
-    while (status == LAC_OK && lac_item_next_attribute(item, &attribute)) {
-        status = attribute.text != NULL
-                     ? lac_nc_text(w->file, id, attribute.name, attribute.text, err)
-                     : lac_nc_number(w->file, id, attribute.name, attribute.number, false, err);
+    LAC_TRY_RETURN(row->meanings != NULL ? put_flags(w, id, type, row->meanings, err) : LAC_OK);
+    LAC_TRY_RETURN((row->flags & LAC_MEANINGS) != 0 ? put_meanings(w, item, id, err) : LAC_OK);
+    while (lac_item_next_attribute(item, &attribute)) {
+        LAC_TRY_RETURN(lac_nc_text(w->file, id, attribute.name, attribute.text, err));
+        LAC_TRY_RETURN(lac_nc_number(w->file, id, attribute.name, attribute.number, false, err));
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 lac_status lac_writer_define(const lac_writer *w, lac_column *column, lac_error *err)

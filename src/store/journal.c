@@ -145,15 +145,10 @@ static bool read_beginning(const view *v, size_t at, entry *e)
     return e->size - e->name == (e->name > 0 ? values * width_of(e->type) : 0);
 }
 
-static bool has_room(const view *v, size_t at, const entry *e)
-{
-    return e->size <= v->size - at - sizeof *e;
-}
-
 // The entry at a place; false where what is there is none, or torn.
 static bool read_entry(const view *v, size_t at, entry *e)
 {
-    if (!read_beginning(v, at, e) || !has_room(v, at, e)) {
+    if (!read_beginning(v, at, e) || e->size > v->size - at - sizeof *e) {
         return false;
     }
     const unsigned char *name = v->bytes + at + sizeof *e;
@@ -177,7 +172,8 @@ static size_t walk(const view *v, const head *h, size_t *synced)
 static bool is_torn(const view *v, size_t at)
 {
     entry e;
-    if (v->size - at >= sizeof e && (!read_beginning(v, at, &e) || has_room(v, at, &e))) {
+    if (v->size - at >= sizeof e &&
+        (!read_beginning(v, at, &e) || e.size <= v->size - at - sizeof e)) {
         return false;
     }
     do {

@@ -29,6 +29,7 @@ typedef struct lac_growth {
 typedef struct lac_columns {
     size_t n;
     lac_column *column;
+    size_t growing;
     lac_growth growth[LAC_MOST_GROWING];
 } lac_columns;
 
