@@ -121,14 +121,10 @@ bool lac_journal_copy_base(const char *path, int to);
 /// Puts into that copy, open in netCDF, all that was synced since.
 int lac_journal_replay(const char *path, int id);
 
-/// Why a file cannot be read as it is although all that was synced is there.
-typedef enum lac_cut { LAC_CUT_NONE = 0, LAC_CUT_SHORT, LAC_CUT_JOURNAL } lac_cut;
-lac_cut lac_nc_cut(const char *path, lac_store_loss *loss);
-
 /// Whether somebody is writing a file, or has not yet done with its journal.
 bool lac_nc_is_written(const char *path);
 
-/// A whole copy of a file that lac_nc_cut says something of.
+/// A whole copy of a file whose journal waits.
 /// @param beside  it must be in the folder of the file; else /tmp is tried too
 /// @param copy    its name, to be freed, and the file to be removed; NULL: there is nothing to mend
 /// @param loss    what is not in it

@@ -24,10 +24,9 @@ lac_status lac_stored_file_open(const char *path, lac_stored_file **out, lac_err
 lac_status lac_stored_file_of(const lac_recording *recording, lac_stored_file **out,
                               lac_error *err);
 
-/// Whether the writer of a file was stopped before it had closed it, and all that was synced is
-/// there all the same: in FILE.journal, or, of a file of an older version that HDF5 has cut by at
-/// most 4 kB, in the file. The readers here then read a copy that is whole, made beside the file,
-/// or in /tmp where that folder cannot be written; other programs cannot. The file does not change.
+/// Whether the writer of a file was stopped before it had closed it, and FILE.journal has all that
+/// was synced. The readers here then read a copy that is whole, made beside the file, or in /tmp
+/// where that folder cannot be written; other programs cannot. The file does not change.
 /// @return false also where somebody is writing it
 bool lac_store_is_cut(const char *path);
 

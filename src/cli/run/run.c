@@ -119,11 +119,8 @@ static lac_status read_resumed(const char *path, const char *case_text, const ch
     char status_word[32];
     *out = (lac_checkpoint_file){.records = 0};
     LAC_TRY_RETURN(lac_store_read_attribute(path, "status", status_word, sizeof status_word, err));
-    LAC_FAIL_IF(strcmp(status_word, "complete") == 0, err, LAC_EINPUT,
-                lac_store_is_cut(path)
-                    ? "--resume: %s is complete but was not closed; lacuna mend %s"
-                    : "--resume: %s is complete",
-                path, path);
+    LAC_FAIL_IF(strcmp(status_word, "complete") == 0, err, LAC_EINPUT, "--resume: %s is complete",
+                path);
     LAC_TRY_RETURN(lac_checkpoint_file_read(path, out, err));
     LAC_TRY_RETURN(compare_programs(path, out, libraries, err));
     return compare_cases(path, out->case_text, case_text, err);
