@@ -81,7 +81,7 @@ static const lac_variable of_issues[] = {
 #define EACH(name, field, long_name, ...) \
     LAC_ROW(name, NULL, NULL, long_name, field, .coordinates = "issue_time method", __VA_ARGS__)
 #define MAYBE .flags = LAC_MISSING
-#define MAYBE_TIME .flags = LAC_TIME | LAC_MISSING
+#define MAYBE_TIME .flags = (LAC_TIME | LAC_MISSING)
 static const lac_variable of_each[] = {
     EACH("failure_time", F(REAL, time), "forecast time of failure", MAYBE_TIME,
          .comment = "also where it is not issued, as far as the fit went"),
