@@ -11,14 +11,9 @@ typedef struct lac_page_raster {
     double dx, dy;    ///< sides of a square [m]
     size_t squares;   ///< that hold a contact cell
     uint32_t *square; ///< [cells] number of the square that a cell lies in
-    uint32_t *place;  ///< [squares] row * nx + column
+    double *place;    ///< [squares] row * nx + column
     uint32_t *count;  ///< [squares] contact cells in it
 } lac_page_raster;
-
-/// Lays the cells out, on squares of so many cells that at most `most` of them hold one.
-/// @param out  owned by the page
-/// @return false: the file has no two cells, or the page has failed
-bool lac_page_raster_create(lac_page *page, size_t most, lac_page_raster *out);
 
 /// What a square shows of its cells.
 typedef enum lac_page_summary {

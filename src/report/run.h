@@ -61,15 +61,6 @@ void lac_page_thin_to(size_t n, const double *time, const double *before, size_t
 void lac_page_column(lac_page *page, const char *key, size_t n, const double *value,
                      const uint8_t *keep, int digits);
 
-/// The records that the charts of a section's columns need. @return [n] NULL: no memory
-uint8_t *lac_page_keep(lac_page *page, const char *section, size_t buckets);
-
-/// Times and the columns of a section, at the records that are kept.
-void lac_page_records(lac_page *page, const char *section, const uint8_t *keep);
-
-/// Times of the series' readings on the run's clock. @return [n] NULL: no memory
-double *lac_page_readings(lac_page *page);
-
 /// The sections: each writes an object under its key, or nothing where the run has no data for it.
 void lac_page_course(lac_page *page, const char *key);
 void lac_page_series(lac_page *page, const char *key);

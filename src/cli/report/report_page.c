@@ -10,7 +10,7 @@
 #include "cli/common/output.h"
 #include "cli/common/words.h"
 #include "cli/precursors/series.h"
-#include "cli/report/compare.h"
+#include "cli/report/report.h"
 #include "data/json.h"
 #include "lacuna/version.h"
 #include "report/report.h"

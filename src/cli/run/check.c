@@ -8,7 +8,6 @@
 
 #include "cli/common/command.h"
 #include "cli/common/words.h"
-#include "cli/report/compare.h"
 #include "cli/report/report.h"
 #include "cli/run/run_outcome.h"
 #include "scene/estimate.h"

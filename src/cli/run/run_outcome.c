@@ -43,34 +43,32 @@ static int64_t peak_memory(void)
     return (int64_t)usage.ru_maxrss * 1024;
 }
 
-// What a sink that stands before the file's keeps of a run: three series in one array.
+// Room for so many records: three series in one array.
 static lac_status make_room(cli_history *h, size_t n, lac_error *err)
 {
     const size_t least = h->room > 0 ? 2 * h->room : 1024, room = n > least ? n : least;
     if (n <= h->room) {
         return LAC_OK;
     }
-    double *grown = realloc(h->time, 3 * room * sizeof *grown);
+    double *grown = realloc(h->values, 3 * room * sizeof *grown);
     LAC_FAIL_MEMORY_IF(grown == NULL, err);
-    memmove(grown + 2 * room, grown + 2 * h->room, h->n * sizeof *grown);
-    memmove(grown + room, grown + h->room, h->n * sizeof *grown);
+    for (size_t k = 3; k-- > 1;) {
+        memmove(grown + k * room, grown + k * h->room, h->kept.n * sizeof *grown);
+    }
     h->room = room;
-    h->time = grown;
-    h->slip = grown + room;
-    h->rate = grown + 2 * room;
+    h->values = grown;
+    h->kept = (lac_history){h->kept.n, grown, grown + room, grown + 2 * room};
     return LAC_OK;
 }
 
 static lac_status keep_record(cli_history *h, const lac_record *record, lac_error *err)
 {
-    lac_status status = make_room(h, h->n + 1, err);
-    if (status == LAC_OK) {
-        h->time[h->n] = h->clock + record->time_origin + record->time_local;
-        h->slip[h->n] = record->observation.mean_slip;
-        h->rate[h->n] = record->observation.mean_rate;
-        h->n++;
-    }
-    return status;
+    LAC_TRY_RETURN(make_room(h, h->kept.n + 1, err));
+    double *to = h->values + h->kept.n++;
+    to[0] = h->clock + record->time_origin + record->time_local;
+    to[h->room] = record->observation.mean_slip;
+    to[2 * h->room] = record->observation.mean_rate;
+    return LAC_OK;
 }
 
 static lac_status on_record(void *context, const lac_record *record, lac_error *err)
@@ -91,19 +89,18 @@ static lac_status on_record(void *context, const lac_record *record, lac_error *
 // The kept series, as long as it is.
 static void pass_series(cli_history *h, lac_archive *archive)
 {
-    size_t n = h->n;
+    size_t n = h->kept.n;
     lac_archive_pass(archive, &n, sizeof n);
     if (n > h->room && lac_archive_good(archive)) {
         archive->short_of = n > archive->size / sizeof(double);
         archive->no_memory = !archive->short_of && make_room(h, n, NULL) != LAC_OK;
     }
-    if (!lac_archive_good(archive)) {
-        return;
+    if (lac_archive_good(archive)) {
+        h->kept.n = n;
+        for (size_t k = 0; n > 0 && k < 3; k++) {
+            lac_archive_pass(archive, h->values + k * h->room, n * sizeof *h->values);
+        }
     }
-    h->n = n;
-    lac_archive_pass(archive, h->time, n * sizeof *h->time);
-    lac_archive_pass(archive, h->slip, n * sizeof *h->slip);
-    lac_archive_pass(archive, h->rate, n * sizeof *h->rate);
 }
 
 // Of the first and the last record only what is seen is told.
@@ -125,18 +122,6 @@ lac_sink cli_history_sink(cli_history *history)
     sink.record = on_record;
     sink.serialize = on_keep;
     return sink;
-}
-
-void cli_history_clear(cli_history *history)
-{
-    free(history->time);
-    *history = (cli_history){0};
-}
-
-static lac_history view_of(const cli_history *history)
-{
-    return (lac_history){
-        .n = history->n, .time = history->time, .slip = history->slip, .rate = history->rate};
 }
 
 static double apparent_friction(const lac_record *record)
@@ -245,18 +230,17 @@ static void print_analysis(const lac_analysis *analysis)
 
 void cli_outcome_print(const cli_outcome *outcome)
 {
-    lac_history run = view_of(outcome->history);
     if (outcome->of->source->title != NULL) {
         puts(outcome->of->source->title);
     }
     cli_measures_print(&outcome->of->scene->contact);
-    print_friction(outcome->history);
+    print_friction(&outcome->history);
     print_failure(outcome);
     cli_row_quantity("mean slip", outcome->of->run.mean_slip, "m");
     cli_row_quantity("largest slip rate", outcome->of->run.max_slip_rate, "m/s");
     print_analysis(outcome->of->analysis);
     print_cost(outcome);
-    cli_compare_print(outcome->compare, &run);
+    cli_compare_print(&outcome->compare, &outcome->history.kept);
 }
 
 static void write_failure(lac_json *json, const cli_outcome *outcome)
@@ -277,7 +261,7 @@ static void write_failure(lac_json *json, const cli_outcome *outcome)
 
 static void write_results(lac_json *json, const cli_outcome *outcome)
 {
-    const cli_history *history = outcome->history;
+    const cli_history *history = &outcome->history;
     const lac_run_result *result = &outcome->of->run;
     lac_json_number(json, "max_slip_rate_m_s", result->max_slip_rate);
     lac_json_number(json, "mean_slip_m", result->mean_slip);
@@ -346,7 +330,6 @@ static void write_analysis(lac_json *json, const lac_analysis *analysis)
 lac_status cli_outcome_json(const cli_outcome *outcome, lac_error *err)
 {
     lac_json json = {.out = stdout};
-    lac_history run = view_of(outcome->history);
     lac_json_open(&json, NULL, '{');
     lac_json_text(&json, "title", outcome->of->source->title);
     lac_json_text(&json, "status", outcome->status);
@@ -367,7 +350,7 @@ lac_status cli_outcome_json(const cli_outcome *outcome, lac_error *err)
         lac_json_text(&json, "resumed_from", outcome->resumed->planned ? "planned" : "forced");
     }
     lac_json_text(&json, "output", outcome->path);
-    cli_compare_json(&json, outcome->compare, &run);
+    cli_compare_json(&json, &outcome->compare, &outcome->history.kept);
     lac_json_close(&json, '}');
     return status;
 }
