@@ -25,8 +25,7 @@ typedef struct lac_page {
     double start; ///< of the run's clock, seconds since 1970; 0: not dated
 } lac_page;
 
-/// Reads of the run what is needed before anything is written: LAC_EINPUT (no record); LAC_EIO (not
-/// a run of Lacuna, damaged); LAC_ENOMEM.
+/// Reads of the run what is needed before anything is written.
 void lac_page_begin(lac_page *page);
 void lac_page_clear(lac_page *page);
 
@@ -55,9 +54,7 @@ size_t lac_page_thin(size_t n, const double *time, const double *before, size_t 
 void lac_page_thin_to(size_t n, const double *time, const double *before, size_t most, size_t goal,
                       uint8_t *keep);
 
-/// The numbers of a column at the records that are kept.
-/// @param value  [n] NULL: none
-/// @param keep   [n] NULL: all
+/// The numbers of a column [n], NULL: none, at the records that are kept, NULL: all.
 void lac_page_column(lac_page *page, const char *key, size_t n, const double *value,
                      const uint8_t *keep, int digits);
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // lacuna report: a run as one page to look at.
+#define _GNU_SOURCE // asprintf
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -28,11 +29,8 @@ static char *output_path(const cli_request *request)
     const char *name = lac_page_name(request->argument[0]);
     const size_t length = strlen(name);
     const size_t stem = length > 3 && strcmp(name + length - 3, ".nc") == 0 ? length - 3 : length;
-    char *path = malloc(stem + sizeof ".html");
-    if (path != NULL) {
-        (void)sprintf(path, "%.*s.html", (int)stem, name);
-    }
-    return path;
+    char *path;
+    return asprintf(&path, "%.*s.html", (int)stem, name) >= 0 ? path : NULL;
 }
 
 // The case that a run's file holds; NULL where it holds none that can be read.

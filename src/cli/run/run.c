@@ -96,32 +96,29 @@ static lac_status compare_cases(const char *path, const char *then, const char *
     return LAC_OK;
 }
 
-static lac_status compare_programs(const char *path, const lac_checkpoint_file *from,
-                                   const char *libraries, lac_error *err)
-{
-    const char *program = lac_checkpoint_file_program();
-    LAC_FAIL_IF(strcmp(from->program, program) != 0 || strcmp(from->libraries, libraries) != 0, err,
-                LAC_EINPUT, "--resume: the checkpoint of %s is of %s with %s; this is %s with %s",
-                path, from->program, from->libraries, program, libraries);
-    return LAC_OK;
-}
-
 // Reads the checkpoint of a run's file and sees that this program and this case can go on from it.
 // What may differ: time.end, solver.max_steps, and the name of the file.
-static lac_status read_resumed(const char *path, const char *case_text, const char *libraries,
-                               lac_checkpoint_file *out, lac_error *err)
+static lac_status read_resumed(run_job *job, const char *case_text, lac_error *err)
 {
     char status_word[32];
-    *out = (lac_checkpoint_file){.records = 0};
+    const char *path = job->outcome.path, *libraries = job->request->libraries;
+    const char *program = lac_checkpoint_file_program();
+    lac_checkpoint_file *from = &job->resume;
     LAC_TRY_RETURN(lac_store_read_attribute(path, "status", status_word, sizeof status_word, err));
     LAC_FAIL_IF(strcmp(status_word, "complete") == 0, err, LAC_EINPUT,
                 lac_store_is_cut(path)
                     ? "--resume: %s is complete but was not closed; lacuna mend %s"
                     : "--resume: %s is complete",
                 path, path);
-    LAC_TRY_RETURN(lac_checkpoint_file_read(path, out, err));
-    LAC_TRY_RETURN(compare_programs(path, out, libraries, err));
-    return compare_cases(path, out->case_text, case_text, err);
+    LAC_TRY_RETURN(lac_checkpoint_file_read(path, from, err));
+    LAC_FAIL_IF(strcmp(from->program, program) != 0 || strcmp(from->libraries, libraries) != 0, err,
+                LAC_EINPUT, "--resume: the checkpoint of %s is of %s with %s; this is %s with %s",
+                path, from->program, from->libraries, program, libraries);
+    LAC_TRY_RETURN(compare_cases(path, from->case_text, case_text, err));
+    LAC_FAIL_IF(from->from.time >= job->source->run.end, err, LAC_EINPUT,
+                "--resume: the checkpoint of %s is at %s, not before the end of the run", path,
+                cli_exact(from->from.time, "s").s);
+    return LAC_OK;
 }
 
 // Reads what --resume goes on from, of the case as it is run.
@@ -129,14 +126,9 @@ static lac_status read_checkpoint(run_job *job, const lac_case *c, lac_error *er
 {
     char *text = lac_case_text(c), *whole = NULL;
     const bool there = text != NULL && asprintf(&whole, "%s%s", text, job->inputs) >= 0;
-    lac_status status =
-        there ? read_resumed(job->outcome.path, whole, job->request->libraries, &job->resume, err)
-              : lac_fail_memory(err);
+    const lac_status status = there ? read_resumed(job, whole, err) : lac_fail_memory(err);
     free(text);
     free(there ? whole : NULL);
-    LAC_FAIL_IF(status == LAC_OK && job->resume.from.time >= job->source->run.end, err, LAC_EINPUT,
-                "--resume: the checkpoint of %s is at %s, not before the end of the run",
-                job->outcome.path, cli_exact(job->resume.from.time, "s").s);
     return status;
 }
 

@@ -160,11 +160,6 @@ static const char *fidelity(const cli_outcome *outcome)
     return lac_fidelity_name(outcome->of->source->run.fidelity);
 }
 
-static const char *end_reason(const cli_outcome *outcome)
-{
-    return lac_end_name(broke(outcome) ? LAC_END_ERROR : outcome->of->run.end);
-}
-
 static void print_failure(const cli_outcome *outcome)
 {
     const lac_run_result *result = &outcome->of->run;
@@ -184,14 +179,6 @@ static void print_failure(const cli_outcome *outcome)
     if (result->failure.lowered) {
         cli_row("failure rate", "%s, %s", cli_exact(result->failure.rate, "m/s").s,
                 cli_failure_lowered);
-    }
-}
-
-static void print_friction(const cli_history *history)
-{
-    if (history->begun) {
-        cli_row("apparent friction", "%.4g at the start, %.4g at the end",
-                apparent_friction(&history->first), apparent_friction(&history->last));
     }
 }
 
@@ -234,7 +221,11 @@ void cli_outcome_print(const cli_outcome *outcome)
         puts(outcome->of->source->title);
     }
     cli_measures_print(&outcome->of->scene->contact);
-    print_friction(&outcome->history);
+    if (outcome->history.begun) {
+        cli_row("apparent friction", "%.4g at the start, %.4g at the end",
+                apparent_friction(&outcome->history.first),
+                apparent_friction(&outcome->history.last));
+    }
     print_failure(outcome);
     cli_row_quantity("mean slip", outcome->of->run.mean_slip, "m");
     cli_row_quantity("largest slip rate", outcome->of->run.max_slip_rate, "m/s");
@@ -253,7 +244,8 @@ static void write_failure(lac_json *json, const cli_outcome *outcome)
     }
     lac_json_number(json, "failure_time_s", failure_time(outcome));
     lac_json_text(json, "failure_date", date.s[0] != '\0' ? date.s : NULL);
-    lac_json_text(json, "ended_by", end_reason(outcome));
+    lac_json_text(json, "ended_by",
+                  lac_end_name(broke(outcome) ? LAC_END_ERROR : outcome->of->run.end));
     lac_json_number(json, "failure_rate_m_s", outcome->of->run.failure.rate);
     lac_json_number(json, "failure_slip_m", outcome->of->run.failure.slip);
     lac_json_number(json, "time_s", outcome->of->run.time);

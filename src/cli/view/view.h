@@ -16,7 +16,7 @@ lac_status cli_view_open(const cli_request *request, cli_view **out, lac_error *
 
 /// Begins to show a run. Before its file is opened for writing: what a run that goes on has put out
 /// already is read from there.
-/// @param def   as the store is made from; what it points to outlives the view
+/// @param def  outlives the view with what it points to
 /// @param once  values of its extra quantities over nothing; NULL: none
 void cli_view_begin(cli_view *view, const lac_store_def *def, const double *once);
 
@@ -28,9 +28,8 @@ void cli_view_progress(cli_view *view, const lac_progress *now);
 
 /// Shows how the run ended, from its file, which is closed; then, on a terminal, stays until
 /// Ctrl-C, else for as long as the pages that are open take to fetch it, 10 seconds at most.
-/// @param status   "complete", "interrupted" or "failed"
-/// @param failed   the slope did
-/// @param message  what went wrong; "": nothing
+/// @param failed  the slope did
+/// @param message  what went wrong; ""
 void cli_view_end(cli_view *view, const char *status, bool failed, const char *message);
 
 /// Ends the server; a run that has not ended on the page is shown as broken off.
