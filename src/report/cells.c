@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The contact domain: its pressure, and what its cells do in the snapshots that were kept. Cells
 // are gathered into squares, so that the page of a large joint stays small.
-#include "report/cells.h"
+#include "report/run.h"
 
 #include <gsl/gsl_interp.h>
 #include <math.h>
@@ -172,13 +172,6 @@ static const field fields[] = {
     {"traction", "cell_traction", LAC_PAGE_MEAN, false, true},
 };
 
-// The record nearest to a snapshot's time gives its time before the end.
-static double before_of(const lac_page *page, double time)
-{
-    const size_t low = gsl_interp_bsearch(page->time, time, 0, page->n);
-    return page->before[low] - (time - page->time[low]);
-}
-
 static void choose_shots(lac_page *page, shots *s)
 {
     s->time = lac_page_values(page, page->file, "snapshot_time");
@@ -192,7 +185,8 @@ static void choose_shots(lac_page *page, shots *s)
         return;
     }
     for (size_t i = 0; i < n; i++) {
-        s->before[i] = before_of(page, s->time.value[i]);
+        const size_t low = gsl_interp_bsearch(page->time, s->time.value[i], 0, page->n);
+        s->before[i] = page->before[low] - (s->time.value[i] - page->time[low]); // its record's
     }
     memset(s->keep, 1, n);
     if (n > s->most) {

@@ -46,17 +46,6 @@ static void write_column(lac_json *json, const char *key, size_t n, const double
     lac_json_close(json, ']');
 }
 
-static void write_misfit(lac_json *json, const lac_misfit *misfit)
-{
-    const bool slips = misfit->displacement_count > 0, rates = misfit->velocity_count > 0;
-    lac_json_digits(json, "offset", slips ? misfit->displacement_offset : NAN, 8);
-    lac_json_digits(json, "slip_rms", slips ? misfit->displacement_rms : NAN, 4);
-    lac_json_integer(json, "slip_readings", (int64_t)misfit->displacement_count);
-    lac_json_digits(json, "rate_rms_log10", rates ? misfit->log_rate_rms : NAN, 4);
-    lac_json_integer(json, "rate_readings", (int64_t)misfit->velocity_count);
-    lac_json_integer(json, "outside", (int64_t)misfit->outside);
-}
-
 // Readings on the run's clock.
 static void write_series(lac_page *page, const lac_series *view, const lac_motion *derived)
 {
@@ -67,6 +56,7 @@ static void write_series(lac_page *page, const lac_series *view, const lac_motio
     lac_json *json = &page->json;
     lac_misfit misfit = {0};
     lac_series_compare(view, &history, &misfit);
+    const bool slips = misfit.displacement_count > 0, speeds = misfit.velocity_count > 0;
     lac_json_text(json, "name", page->def->series_name);
     lac_json_text(json, "attribution", view->attribution);
     lac_json_integer(json, "readings", (int64_t)view->n);
@@ -77,7 +67,12 @@ static void write_series(lac_page *page, const lac_series *view, const lac_motio
     const size_t rates = derived != NULL ? derived->velocities : view->n;
     write_column(json, "rate_time", rates, derived != NULL ? derived->velocity_time : view->time);
     write_column(json, "rate", rates, derived != NULL ? derived->velocity : view->velocity);
-    write_misfit(json, &misfit);
+    lac_json_digits(json, "offset", slips ? misfit.displacement_offset : NAN, 8);
+    lac_json_digits(json, "slip_rms", slips ? misfit.displacement_rms : NAN, 4);
+    lac_json_integer(json, "slip_readings", (int64_t)misfit.displacement_count);
+    lac_json_digits(json, "rate_rms_log10", speeds ? misfit.log_rate_rms : NAN, 4);
+    lac_json_integer(json, "rate_readings", (int64_t)misfit.velocity_count);
+    lac_json_integer(json, "outside", (int64_t)misfit.outside);
 }
 
 void lac_page_series(lac_page *page, const char *key)
@@ -124,13 +119,6 @@ static lac_readings see_run(lac_page *page)
         }
     }
     return (lac_readings){.n = n, .time = time, .displacement = displacement, .velocity = velocity};
-}
-
-static lac_readings see_series(lac_page *page)
-{
-    lac_readings all = lac_series_readings(page->def->series);
-    all.time = readings_of(page);
-    return all;
 }
 
 // Times of failure count from the time of issue: what remains is told to the last digit.
@@ -193,7 +181,8 @@ static bool forecast(lac_page *page, const char *key, bool measured)
 {
     lac_forecast_def def = lac_forecast_default();
     lac_rolling *rolling = NULL;
-    const lac_readings readings = measured ? see_series(page) : see_run(page);
+    lac_readings readings = measured ? lac_series_readings(page->def->series) : see_run(page);
+    readings.time = measured ? readings_of(page) : readings.time;
     if (page->status != LAC_OK || readings.n < FEWEST) {
         return false;
     }

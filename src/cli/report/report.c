@@ -201,7 +201,8 @@ enum { FEW_READINGS = 30 };
 
 lac_series_def cli_compare_columns(const lac_compare_def *def, const char *path)
 {
-    return (lac_series_def){.path = path,
+    return (lac_series_def){.size = sizeof(lac_series_def),
+                            .path = path,
                             .time = def->time,
                             .displacement = def->displacement,
                             .displacement_unit = def->displacement_unit,
@@ -210,12 +211,11 @@ lac_series_def cli_compare_columns(const lac_compare_def *def, const char *path)
 }
 
 // A series on the run's clock: seconds as written count from the start of the run.
-static lac_status read_one(const lac_case *c, size_t i, const lac_units *units, lac_series **out,
-                           lac_error *err)
+static lac_status read_one(const lac_case *c, size_t i, lac_series **out, lac_error *err)
 {
     const char *path = c->compare[i].path;
     const lac_series_def def = cli_compare_columns(&c->compare[i], path);
-    const lac_status status = lac_series_read(&def, units, out, err);
+    const lac_status status = lac_series_create(&def, out, err);
     LAC_FAIL_IF(status == LAC_OK && (*out)->dated && !c->dated, err, LAC_EINPUT,
                 "%s: has dates, so time.start of %s must be a date to compare", path, c->path);
     for (size_t k = 0; status == LAC_OK && k < (*out)->n; k++) {
@@ -227,8 +227,6 @@ static lac_status read_one(const lac_case *c, size_t i, const lac_units *units, 
 lac_status cli_compare_read(const cli_request *request, const lac_case *c, cli_compare *compare,
                             lac_error *err)
 {
-    lac_units *units = NULL;
-    lac_status status = LAC_OK;
     *compare = (cli_compare){.source = c};
     if (c->compare_count == 0) {
         return LAC_OK;
@@ -236,14 +234,11 @@ lac_status cli_compare_read(const cli_request *request, const lac_case *c, cli_c
     compare->series = calloc(c->compare_count, sizeof(lac_series *));
     LAC_FAIL_MEMORY_IF(compare->series == NULL, err);
     compare->count = c->compare_count;
-    LAC_TRY(lac_units_create(&units, err));
     for (size_t i = 0; i < compare->count; i++) {
-        LAC_TRY(read_one(c, i, units, &compare->series[i], err));
+        LAC_TRY_RETURN(read_one(c, i, &compare->series[i], err));
         cli_series_warn(request, c->compare[i].path, compare->series[i]);
     }
-out:
-    lac_units_free(units);
-    return status;
+    return LAC_OK;
 }
 
 void cli_compare_clear(cli_compare *compare)
@@ -309,25 +304,20 @@ static void print_misfit(const lac_series *series, const lac_misfit *misfit)
             series->missing, series->duplicates);
 }
 
-static void print_one(const cli_compare *compare, size_t i, const lac_history *run)
-{
-    const lac_series *series = compare->series[i];
-    lac_misfit misfit = {0};
-    lac_series_compare(series, run, &misfit);
-    printf("\n  beside %s%s\n", name_of(&compare->source->compare[i]),
-           compare->source->fit.named ? "" : ": a scene with stated assumptions, not a fit");
-    print_column(compare, series, run, series->displacement, misfit.displacement_offset);
-    print_column(compare, series, run, series->velocity, 0.0);
-    print_misfit(series, &misfit);
-    if (series->attribution != NULL && series->attribution[0] != '\0') {
-        cli_wrap("    ", series->attribution);
-    }
-}
-
 void cli_compare_print(const cli_compare *compare, const lac_history *run)
 {
     for (size_t i = 0; i < compare->count; i++) {
-        print_one(compare, i, run);
+        const lac_series *series = compare->series[i];
+        lac_misfit misfit = {0};
+        lac_series_compare(series, run, &misfit);
+        printf("\n  beside %s%s\n", name_of(&compare->source->compare[i]),
+               compare->source->fit.named ? "" : ": a scene with stated assumptions, not a fit");
+        print_column(compare, series, run, series->displacement, misfit.displacement_offset);
+        print_column(compare, series, run, series->velocity, 0.0);
+        print_misfit(series, &misfit);
+        if (series->attribution != NULL && series->attribution[0] != '\0') {
+            cli_wrap("    ", series->attribution);
+        }
     }
 }
 
@@ -354,40 +344,30 @@ static void write_readings(lac_json *json, const cli_compare *compare, const lac
     lac_json_close(json, ']');
 }
 
-static void write_misfit(lac_json *json, const lac_misfit *misfit)
-{
-    bool slips = misfit->displacement_count > 0, rates = misfit->velocity_count > 0;
-    lac_json_integer(json, "slip_readings", (int64_t)misfit->displacement_count);
-    lac_json_number(json, "slip_rms_m", slips ? misfit->displacement_rms : NAN);
-    lac_json_number(json, "slip_offset_m", slips ? misfit->displacement_offset : NAN);
-    lac_json_integer(json, "rate_readings", (int64_t)misfit->velocity_count);
-    lac_json_number(json, "rate_rms_log10", rates ? misfit->log_rate_rms : NAN);
-    lac_json_integer(json, "outside", (int64_t)misfit->outside);
-}
-
-static void write_one(lac_json *json, const cli_compare *compare, size_t i, const lac_history *run)
-{
-    const lac_compare_def *def = &compare->source->compare[i];
-    const lac_series *series = compare->series[i];
-    lac_misfit misfit = {0};
-    lac_series_compare(series, run, &misfit);
-    lac_json_open(json, NULL, '{');
-    lac_json_text(json, "label", name_of(def));
-    lac_json_text(json, "path", def->path);
-    write_misfit(json, &misfit);
-    lac_json_integer(json, "missing", (int64_t)series->missing);
-    lac_json_integer(json, "duplicates", (int64_t)series->duplicates);
-    cli_series_warnings(json, series);
-    write_readings(json, compare, series, run);
-    lac_json_text(json, "attribution", series->attribution);
-    lac_json_close(json, '}');
-}
-
 void cli_compare_json(lac_json *json, const cli_compare *compare, const lac_history *run)
 {
     lac_json_open(json, "compare", '[');
     for (size_t i = 0; i < compare->count; i++) {
-        write_one(json, compare, i, run);
+        const lac_compare_def *def = &compare->source->compare[i];
+        const lac_series *series = compare->series[i];
+        lac_misfit misfit = {0};
+        lac_series_compare(series, run, &misfit);
+        lac_json_open(json, NULL, '{');
+        lac_json_text(json, "label", name_of(def));
+        lac_json_text(json, "path", def->path);
+        bool slips = misfit.displacement_count > 0, rates = misfit.velocity_count > 0;
+        lac_json_integer(json, "slip_readings", (int64_t)misfit.displacement_count);
+        lac_json_number(json, "slip_rms_m", slips ? misfit.displacement_rms : NAN);
+        lac_json_number(json, "slip_offset_m", slips ? misfit.displacement_offset : NAN);
+        lac_json_integer(json, "rate_readings", (int64_t)misfit.velocity_count);
+        lac_json_number(json, "rate_rms_log10", rates ? misfit.log_rate_rms : NAN);
+        lac_json_integer(json, "outside", (int64_t)misfit.outside);
+        lac_json_integer(json, "missing", (int64_t)series->missing);
+        lac_json_integer(json, "duplicates", (int64_t)series->duplicates);
+        cli_series_warnings(json, series);
+        write_readings(json, compare, series, run);
+        lac_json_text(json, "attribution", series->attribution);
+        lac_json_close(json, '}');
     }
     lac_json_close(json, ']');
 }

@@ -124,6 +124,7 @@ lac_sink cli_history_sink(cli_history *history)
     return sink;
 }
 
+// NaN: there is no record.
 static double apparent_friction(const lac_record *record)
 {
     return record->observation.shear_force / record->observation.normal_force;
@@ -264,24 +265,8 @@ static void write_results(lac_json *json, const cli_outcome *outcome)
     lac_json_number(json, "rate_drift", result->rate_drift);
     lac_json_text(json, "fidelity", fidelity(outcome));
     lac_json_text(json, "formulation", formulation(outcome));
-    lac_json_number(json, "initial_apparent_friction",
-                    history->begun ? apparent_friction(&history->first) : NAN);
-    lac_json_number(json, "apparent_friction",
-                    history->begun ? apparent_friction(&history->last) : NAN);
-}
-
-static void write_cost(lac_json *json, const cli_outcome *outcome)
-{
-    const lac_run_result *result = &outcome->of->run;
-    lac_json_integer(json, "steps", result->steps);
-    lac_json_integer(json, "rhs_evaluations", result->rhs_evaluations);
-    lac_json_integer(json, "newton_iterations", result->newton_iterations);
-    lac_json_integer(json, "linear_solves", result->linear_solves);
-    lac_json_integer(json, "error_test_fails", result->error_test_fails);
-    lac_json_integer(json, "nonlinear_fails", result->nonlinear_fails);
-    lac_json_number(json, "wall_time_s", outcome->wall_time);
-    lac_json_number(json, "cpu_time_s", cli_cpu_time());
-    lac_json_integer(json, "peak_memory_bytes", peak_memory());
+    lac_json_number(json, "initial_apparent_friction", apparent_friction(&history->first));
+    lac_json_number(json, "apparent_friction", apparent_friction(&history->last));
 }
 
 static void write_accuracy(lac_json *json, const lac_accuracy_pick *pick)
@@ -322,6 +307,7 @@ static void write_analysis(lac_json *json, const lac_analysis *analysis)
 lac_status cli_outcome_json(const cli_outcome *outcome, lac_error *err)
 {
     lac_json json = {.out = stdout};
+    const lac_run_result *result = &outcome->of->run;
     lac_json_open(&json, NULL, '{');
     lac_json_text(&json, "title", outcome->of->source->title);
     lac_json_text(&json, "status", outcome->status);
@@ -336,7 +322,15 @@ lac_status cli_outcome_json(const cli_outcome *outcome, lac_error *err)
     write_results(&json, outcome);
     write_accuracy(&json, outcome->of->accuracy);
     write_analysis(&json, outcome->of->analysis);
-    write_cost(&json, outcome);
+    lac_json_integer(&json, "steps", result->steps);
+    lac_json_integer(&json, "rhs_evaluations", result->rhs_evaluations);
+    lac_json_integer(&json, "newton_iterations", result->newton_iterations);
+    lac_json_integer(&json, "linear_solves", result->linear_solves);
+    lac_json_integer(&json, "error_test_fails", result->error_test_fails);
+    lac_json_integer(&json, "nonlinear_fails", result->nonlinear_fails);
+    lac_json_number(&json, "wall_time_s", outcome->wall_time);
+    lac_json_number(&json, "cpu_time_s", cli_cpu_time());
+    lac_json_integer(&json, "peak_memory_bytes", peak_memory());
     if (outcome->resumed != NULL) {
         lac_json_number(&json, "resumed_at_s", outcome->resumed->time);
         lac_json_text(&json, "resumed_from", outcome->resumed->planned ? "planned" : "forced");

@@ -13,7 +13,6 @@
 
 #include "cli/common/progress.h"
 #include "cli/common/words.h"
-#include "cli/view/view_http.h"
 #include "data/json.h"
 #include "lacuna/version.h"
 #include "report/report.h"

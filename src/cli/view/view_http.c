@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The server of `lacuna run --view`: two resources, both made in memory. No request names a file.
 // One thread, which never waits for a connection: a slow one costs its place alone.
-#include "cli/view/view_http.h"
+#include "cli/view/view.h"
 
 #include <dlfcn.h>
 #include <errno.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // In the place of view_http.c where libmicrohttpd's headers were not there to build it.
-#include "cli/view/view_http.h"
+#include "cli/view/view.h"
 
 lac_status cli_http_start(unsigned port, cli_http_data *data, void *context, cli_http **out,
                           lac_error *err)
