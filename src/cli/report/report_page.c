@@ -68,12 +68,10 @@ static lac_status read_series(const cli_request *request, lac_series **out, lac_
     const bool named = request->series.displacement != NULL || request->series.velocity != NULL;
     lac_case *c = named ? NULL : read_case(request->argument[0]);
     const lac_compare_def *known = find_compare(c, request->compare);
-    lac_series_def def = {0};
+    const lac_compare_def none = {.path = NULL};
+    const lac_series_def def = cli_compare_columns(known != NULL ? known : &none, request->compare);
     lac_units *units = NULL;
     lac_status status = lac_units_create(&units, err);
-    if (known != NULL) {
-        def = cli_compare_columns(known, request->compare);
-    }
     if (status == LAC_OK) {
         status = cli_series_read(request, &def, request->compare, units, out, err);
     }

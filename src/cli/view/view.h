@@ -40,17 +40,13 @@ void cli_view_close(cli_view *view);
 /// A server of pages on 127.0.0.1: `/` and `/data`, for reading only. docs/report.md
 typedef struct cli_http cli_http;
 
-/// In the place of a version: who asks names none, and is given the newest data.
-#define CLI_HTTP_NEWEST UINT64_MAX
-
 /// Makes JSON for who has the data of a version already, 0: none; NULL without memory; the server
 /// frees it. Called on the server's one thread alone. @param last  nothing new will follow
 typedef char *cli_http_data(void *context, uint64_t since, bool *last);
 
 /// Loads libmicrohttpd, which nothing else needs, and serves from a thread of its own.
 /// @param port  0: one that is free
-/// @return LAC_OK; LAC_EINPUT (the port is taken); LAC_EIO (no library, built without it, no
-/// socket); LAC_ENOMEM
+/// @return LAC_OK; LAC_EINPUT (the port is taken); LAC_EIO (no library, no socket); LAC_ENOMEM
 lac_status cli_http_start(unsigned port, cli_http_data *data, void *context, cli_http **out,
                           lac_error *err);
 

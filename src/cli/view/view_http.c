@@ -225,12 +225,12 @@ static void on_completed(void *context, struct MHD_Connection *connection, void 
     count_waiting(http);
 }
 
-// The version that a page says it has.
+// The version that a page says it has; a page that names none is given the newest data.
 static uint64_t version_of(const char *since)
 {
     const bool number =
         since != NULL && *since != '\0' && since[strspn(since, "0123456789")] == '\0';
-    return number ? strtoull(since, NULL, 10) : CLI_HTTP_NEWEST;
+    return number ? strtoull(since, NULL, 10) : UINT64_MAX;
 }
 
 static enum MHD_Result send_data(cli_http *http, struct MHD_Connection *connection, bool head)
