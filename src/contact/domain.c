@@ -270,7 +270,7 @@ lac_status lac_domain_from_source(const lac_model *model, const lac_grid *grid,
                 "domain %s: its cells are the scene's to read", source->info.name);
     size_t cells = lac_grid_cells(grid);
     occupied = calloc(cells, sizeof *occupied);
-    pressure = malloc(cells * sizeof *pressure);
+    pressure = calloc(cells, sizeof *pressure);
     LAC_TRY(occupied != NULL && pressure != NULL ? LAC_OK : lac_fail_memory(err));
     LAC_TRY(source->fill(model->params, grid, occupied, err));
     spread_load(cells, occupied, mean_pressure, pressure);

@@ -24,12 +24,7 @@ void lac_dataset_free(lac_dataset *dataset)
         return;
     }
     for (size_t i = 0; i < dataset->entries; i++) {
-        const lac_named *own = &dataset->entry[i].named;
-        const char *const texts[] = {own->name, own->long_name, own->unit, own->comment,
-                                     own->cell_methods};
-        for (size_t k = 0; k < sizeof texts / sizeof *texts; k++) {
-            free((char *)texts[k]);
-        }
+        free(dataset->entry[i].named);
     }
     free(dataset->entry);
     free(dataset->dim);
@@ -150,27 +145,37 @@ lac_status lac_dataset_add(lac_dataset *dataset, const lac_laid *laid, size_t n,
     return LAC_OK;
 }
 
-static const char *copy(const char *text, bool *good)
+static size_t size_of(const char *text) { return text != NULL ? strlen(text) + 1 : 0; }
+
+// Puts a text behind those that are there.
+static const char *add_text(char **end, const char *text)
 {
-    char *own = text != NULL ? strdup(text) : NULL;
-    *good = *good && (text == NULL || own != NULL);
+    const char *own = text != NULL ? memcpy(*end, text, size_of(text)) : NULL;
+    *end += size_of(text);
     return own;
 }
 
 lac_status lac_dataset_add_named(lac_dataset *dataset, const lac_variable *row,
                                  const lac_named *named, const void *of, lac_error *err)
 {
-    const lac_entry entry = {.row = row, .over = "", .of = of, .dataset = dataset};
-    bool good = true;
-    LAC_TRY_RETURN(add_entry(dataset, &entry, err));
-    dataset->entry[dataset->entries - 1].named =
-        (lac_named){.name = copy(named->name, &good),
-                    .long_name = copy(named->long_name, &good),
-                    .unit = copy(named->unit, &good),
-                    .comment = copy(named->comment, &good),
-                    .which = named->which,
-                    .cell_methods = copy(named->cell_methods, &good)};
-    return good ? LAC_OK : lac_fail_memory(err);
+    lac_variable *own =
+        malloc(sizeof *own + size_of(named->name) + size_of(named->long_name) +
+               size_of(named->unit) + size_of(named->comment) + size_of(named->cell_methods));
+    LAC_FAIL_MEMORY_IF(own == NULL, err);
+    char *end = (char *)(own + 1);
+    *own = *row;
+    own->name = add_text(&end, named->name);
+    own->long_name = add_text(&end, named->long_name);
+    own->unit = add_text(&end, named->unit);
+    own->comment = add_text(&end, named->comment);
+    own->cell_methods = add_text(&end, named->cell_methods);
+    const lac_entry entry = {
+        .row = own, .over = "", .of = of, .dataset = dataset, .named = own, .which = named->which};
+    const lac_status status = add_entry(dataset, &entry, err);
+    if (status != LAC_OK) {
+        free(own);
+    }
+    return status;
 }
 
 void lac_dataset_attributes(lac_dataset *dataset, const lac_laid *laid)
@@ -330,16 +335,11 @@ static bool describe(const lac_dataset *dataset, const lac_entry *entry, lac_ite
     size_t first[LAC_MOST_DIMS + 1] = {0};
     const size_t next = out->next;
     const lac_variable *row = entry->row;
-    const lac_named own = {row->name, row->long_name,   row->unit, row->comment,
-                           0,         row->cell_methods};
-    const lac_named *told = entry->named.name != NULL ? &entry->named : &own;
     bool there = true;
     *out = (lac_item){.row = row,
-                      .name = told->name,
-                      .long_name = told->long_name,
-                      .unit = told->unit,
-                      .comment = told->comment,
-                      .cell_methods = told->cell_methods,
+                      .name = row->name,
+                      .long_name = row->long_name,
+                      .unit = row->unit,
                       .rank = lac_entry_dims(dataset, entry, dim),
                       .count = 1,
                       .dims = dims_of(entry),
@@ -352,7 +352,7 @@ static bool describe(const lac_dataset *dataset, const lac_entry *entry, lac_ite
         out->count *= dim[d]->length != LAC_GROWS ? dim[d]->length : 1;
         there = there && (dim[d]->length > 0 || (row->flags & LAC_EMPTY) != 0);
     }
-    first[out->rank] = entry->named.which;
+    first[out->rank] = entry->which;
     return out->name != NULL && there && lac_entry_has(entry, first);
 }
 
@@ -381,7 +381,7 @@ bool lac_dataset_find(const lac_dataset *dataset, const char *name, lac_item *it
 void lac_item_values(const lac_item *item, double *out)
 {
     size_t at[LAC_MOST_DIMS + 1] = {0};
-    at[item->rank] = item->entry->named.which;
+    at[item->rank] = item->entry->which;
     size_t each = 1; // values of one of many
     for (size_t d = item->entry->own; d < item->rank; d++) {
         each *= item->length[d] != LAC_GROWS ? item->length[d] : 1;
@@ -404,14 +404,14 @@ const char *lac_item_text(const lac_item *item, size_t place, char room[LAC_TEXT
     for (size_t d = item->rank; d-- > 0; place /= item->length[d]) {
         at[d] = place % item->length[d];
     }
-    at[item->rank] = item->entry->named.which;
+    at[item->rank] = item->entry->which;
     return lac_entry_text(item->entry, at, room);
 }
 
 bool lac_item_next_attribute(const lac_item *item, lac_attribute *attribute)
 {
     const lac_laid *laid = &item->entry->attributes;
-    const size_t at[] = {item->entry->named.which};
+    const size_t at[] = {item->entry->which};
     while (laid->of != NULL && attribute->next < laid->table.rows) {
         const lac_entry own = {.row = &laid->table.row[attribute->next++],
                                .stride = laid->table.stride,

@@ -140,7 +140,7 @@ void lac_dataset_attributes(lac_dataset *dataset, const lac_laid *laid);
 /// One variable as it is asked for. It holds until the dataset is freed or added to.
 typedef struct lac_item {
     const lac_variable *row;
-    const char *name, *long_name, *unit, *comment, *cell_methods;
+    const char *name, *long_name, *unit;       ///< the row's
     size_t rank, length[LAC_MOST_DIMS], count; ///< count: values in all, or of one place
     const char *dim[LAC_MOST_DIMS];            ///< names
     const char *dims;                          ///< all of them, between spaces
@@ -194,8 +194,9 @@ typedef struct lac_entry {
     bool pointers;
     const void *of;
     const lac_dataset *dataset;
-    size_t own, second; ///< dimensions that many are along; length of the second of them
-    lac_named named;    ///< owned texts; without a name: the row's
+    size_t own, second;  ///< dimensions that many are along; length of the second of them
+    lac_variable *named; ///< the row, owned, the result giving its texts; NULL: the table's
+    size_t which;
     lac_laid attributes;
 } lac_entry;
 

@@ -41,11 +41,6 @@ static part read_part(const char *path)
     return p;
 }
 
-static bool shares(const char *path, const char *with, const part *p)
-{
-    return strncmp(path, with, p->length) == 0 && path[p->length] == with[p->length];
-}
-
 static const lac_extent *next_dim(const group *g)
 {
     const lac_extent *dim[LAC_MOST_DIMS] = {NULL};
@@ -122,17 +117,6 @@ static void write_labelled(group *g, const char *key, lac_json *json)
 
 static void write_members(const group *g, lac_json *json);
 
-static void write_object(const group *g, const char *key, lac_json *json)
-{
-    if (!lac_entry_has(g->entry[0], g->at)) {
-        lac_json_null(json, key);
-        return;
-    }
-    lac_json_open(json, key, '{');
-    write_members(g, json);
-    lac_json_close(json, '}');
-}
-
 // As many lists in one another as there are brackets, then what stands in them.
 static void write_part(const group *g, const part *p, size_t lists, const char *key, lac_json *json)
 {
@@ -150,9 +134,13 @@ static void write_part(const group *g, const part *p, size_t lists, const char *
         write_labelled(&inner, key, json);
     } else if (p->last) {
         write_leaf(g, key, json);
+    } else if (!lac_entry_has(g->entry[0], g->at)) {
+        lac_json_null(json, key);
     } else {
         inner.from += p->length + 1;
-        write_object(&inner, key, json);
+        lac_json_open(json, key, '{');
+        write_members(&inner, json);
+        lac_json_close(json, '}');
     }
 }
 
@@ -166,7 +154,8 @@ static size_t take(const group *g, const part *p, const lac_entry **rest, group 
     own->entry = taken;
     own->count = 0;
     for (size_t i = 0; i < g->count; i++) {
-        if (shares(path_of(g, i), with, p)) {
+        const char *path = path_of(g, i);
+        if (strncmp(path, with, p->length) == 0 && path[p->length] == with[p->length]) {
             taken[own->count++] = g->entry[i];
         } else {
             rest[left++] = g->entry[i];

@@ -10,8 +10,7 @@
 #include "base/hidden.h"
 #include "base/units.h"
 
-// Length and number of the character at `s`; length 0: it is none.
-static size_t decode(const unsigned char *s, uint32_t *code)
+size_t lac_utf8_length(const unsigned char *s, uint32_t *code)
 {
     static const uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
     const unsigned c = *s;
@@ -29,12 +28,6 @@ static size_t decode(const unsigned char *s, uint32_t *code)
     }
     const bool surrogate = *code >= 0xd800 && *code <= 0xdfff;
     return *code >= least[length] && *code <= 0x10ffff && !surrogate ? length : 0;
-}
-
-size_t lac_utf8_length(const unsigned char *s)
-{
-    uint32_t code;
-    return decode(s, &code);
 }
 
 // Text goes through here.
@@ -62,7 +55,7 @@ static void write_escaped(lac_json *json, uint32_t code)
 static size_t write_character(lac_json *json, const unsigned char *s)
 {
     uint32_t code;
-    const size_t length = decode(s, &code);
+    const size_t length = lac_utf8_length(s, &code);
     const bool hidden = lac_hidden_length((const char *)s, length) > 0;
     const bool quote = *s == '"' || *s == '\\';
     if (length == 0) {
@@ -134,16 +127,12 @@ void lac_json_close(lac_json *json, char bracket)
 void lac_json_number(lac_json *json, const char *key, double value)
 {
     start_value(json, key);
-    if (!isfinite(value)) {
-        put(json, "null");
-        return;
-    }
-    if (value == rint(value) && fabs(value) < 0x1p53) {
+    char text[40] = "null";
+    if (isfinite(value) && value == rint(value) && fabs(value) < 0x1p53) {
         put(json, "%.0f", value); // 80, not 8e+01
-        return;
+    } else {
+        put(json, "%s", isfinite(value) ? lac_number_exact(value, 1, text, sizeof text) : text);
     }
-    char text[40];
-    put(json, "%s", lac_number_exact(value, 1, text, sizeof text));
 }
 
 void lac_json_digits(lac_json *json, const char *key, double value, int digits)

@@ -185,18 +185,18 @@ const char *lac_fidelity_name(lac_fidelity fidelity)
     return names[fidelity];
 }
 
-#define PASS(what, type)                                                           \
-    static lac_status pass_##what(void *context, const type *what, lac_error *err) \
-    {                                                                              \
-        const lac_sink *next = context;                                            \
-        return next->what(next->context, what, err);                               \
+#define PASS(what, type)                                                    \
+    static lac_status pass_##what(void *context, type what, lac_error *err) \
+    {                                                                       \
+        const lac_sink *next = context;                                     \
+        return next->what(next->context, what, err);                        \
     }
-PASS(record, lac_record)
-PASS(snapshot, lac_snapshot)
-PASS(step, lac_step)
-PASS(event, lac_event)
-PASS(once, double)
-PASS(checkpoint, lac_checkpoint)
+PASS(record, const lac_record *)
+PASS(snapshot, const lac_snapshot *)
+PASS(step, const lac_step *)
+PASS(event, const lac_event *)
+PASS(once, const double *)
+PASS(checkpoint, const lac_checkpoint *)
 
 static void pass_serialize(void *context, lac_archive *archive)
 {

@@ -2,6 +2,7 @@
 // The cascade of a case: interface by interface, the contact under falling load, then the blocks;
 // or on cells that are known with their tractions: those of a snapshot.
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -21,7 +22,6 @@ static void clear_joint(joint *j)
     lac_scene_contact_clear(&j->contact);
     lac_rg_path_free(j->path);
     free(j->strength);
-    free(j->drop);
     *j = (joint){0};
 }
 
@@ -49,9 +49,9 @@ out:
 static lac_status find_strengths(const lac_case *c, joint *j, lac_error *err)
 {
     const lac_domain *domain = j->contact.domain;
-    j->strength = malloc(domain->n * sizeof *j->strength);
-    j->drop = malloc(domain->n * sizeof *j->drop);
-    LAC_FAIL_MEMORY_IF(j->strength == NULL || j->drop == NULL, err);
+    j->strength = malloc(2 * domain->n * sizeof *j->strength);
+    LAC_FAIL_MEMORY_IF(j->strength == NULL, err);
+    j->drop = j->strength + domain->n;
     for (size_t i = 0; i < domain->n; i++) {
         j->strength[i] = c->rg.friction * domain->pressure[i];
     }
@@ -225,42 +225,38 @@ out:
     return status;
 }
 
-static void free_source(const lac_case *own)
+static size_t room_for(const lac_model *model)
 {
-    const lac_model *model;
-    for (size_t k = 0; (model = maker(own, k)) != NULL; k++) {
-        free(model->params);
-    }
-    free(own->interface_spread.item);
+    const size_t size = model->info != NULL ? model->info->params_size : 0;
+    return (size / sizeof(max_align_t) + 1) * sizeof(max_align_t);
 }
 
 // The case with parameters of its own for what makes the interface, so that seeds can be set; their
 // texts stay the case's.
-static lac_status own_source(const lac_case *c, lac_case *own, lac_error *err)
+// @return what holds them, to be freed; NULL: no memory
+static void *own_source(const lac_case *c, lac_case *own)
 {
     const lac_heterogeneity_list *given = &c->interface_spread;
-    lac_heterogeneity *item = malloc((given->count + 1) * sizeof *item);
-    bool whole = true;
-    LAC_FAIL_MEMORY_IF(item == NULL, err);
-    for (size_t k = 0; k < given->count; k++) {
-        item[k] = given->item[k];
+    const lac_model *from;
+    size_t size = (given->count + 1) * sizeof *given->item;
+    size_t at = size += -size % sizeof(max_align_t);
+    for (size_t k = 0; (from = maker(c, k)) != NULL; k++) {
+        size += room_for(from);
     }
+    char *room = calloc(1, size);
     *own = *c;
-    own->interface_spread.item = item;
-    lac_model *model;
-    for (size_t k = 0; (model = maker(own, k)) != NULL; k++) {
-        const size_t size = model->info != NULL ? model->info->params_size : 0;
-        const void *shared = model->params;
-        model->params = malloc(size + 1);
-        whole = whole && model->params != NULL;
-        if (model->params != NULL && size > 0) {
-            memcpy(model->params, shared, size);
+    own->interface_spread.item = (void *)room;
+    for (size_t k = 0; room != NULL && (from = maker(c, k)) != NULL; k++) {
+        if (k > 0) {
+            own->interface_spread.item[k - 1] = given->item[k - 1];
         }
+        if (from->params != NULL && from->info != NULL) {
+            memcpy(room + at, from->params, from->info->params_size);
+        }
+        maker(own, k)->params = room + at;
+        at += room_for(from);
     }
-    if (!whole) {
-        free_source(own);
-    }
-    return whole ? LAC_OK : lac_fail_memory(err);
+    return room;
 }
 
 // Means over the joints, and the results of all studies.
@@ -279,12 +275,13 @@ lac_status lac_scene_rg_run(const lac_case *c, const lac_rg_watch *watch, lac_sc
     lac_case own;
     lac_status status;
     *out = (lac_scene_rg){.grid = lac_interface_grid(&c->interface), .seeds = (size_t)c->rg.seeds};
-    LAC_TRY_RETURN(own_source(c, &own, err));
+    void *room = own_source(c, &own);
+    LAC_FAIL_MEMORY_IF(room == NULL, err);
     LAC_TRY(begin(c, out, err));
     LAC_TRY(all_seeds(&own, watch, out, err));
     LAC_TRY(finish(c, out, err));
 out:
-    free_source(&own);
+    free(room);
     if (status != LAC_OK) {
         lac_scene_rg_clear(out);
     }
@@ -375,6 +372,7 @@ lac_status lac_scene_rg_cells(const lac_case *c, const lac_rg_cells *cells, lac_
                               lac_error *err)
 {
     joint j = {.contact = {.grid = cells->domain->grid, .e_star = NAN}};
+    lac_rg_path *path = NULL;
     double share = 1.0;
     lac_status status;
     *out = (lac_scene_rg){.grid = cells->domain->grid, .seeds = 1};
@@ -382,7 +380,8 @@ lac_status lac_scene_rg_cells(const lac_case *c, const lac_rg_cells *cells, lac_
     LAC_TRY(copy_domain(cells->domain, share, &j.contact.domain, err));
     LAC_TRY(lac_scene_contact_count(&j.contact, err));
     LAC_TRY(find_strengths(c, &j, err));
-    LAC_TRY(lac_rg_path_further(cells->domain->n, j.strength, cells->shear, &j.path, err));
+    LAC_TRY(lac_rg_path_further(cells->domain->n, j.strength, cells->shear, &path, err));
+    j.path = path;
     LAC_TRY(begin(c, out, err));
     LAC_TRY(add_joint(c, &j, out, err));
     j.contact.mean_pressure = mean_pressure(j.contact.domain);

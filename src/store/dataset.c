@@ -30,11 +30,10 @@ bool lac_item_is_global(const lac_item *item)
 size_t lac_columns_along(const lac_columns *columns, const char *dim)
 {
     size_t along = 0;
-    while (along < LAC_MOST_GROWING &&
-           (columns->growth[along].name == NULL || strcmp(columns->growth[along].name, dim) != 0)) {
+    while (along < columns->growing && strcmp(columns->growth[along].name, dim) != 0) {
         along++;
     }
-    return along;
+    return along < columns->growing ? along : LAC_ONCE;
 }
 
 // The dimension along which an item grows, noted where it is new.
@@ -43,12 +42,9 @@ static size_t find_growth(lac_columns *columns, const lac_item *item)
     if (item->rank == 0 || item->length[0] != LAC_GROWS) {
         return LAC_ONCE;
     }
-    size_t along = 0;
-    while (columns->growth[along].name != NULL &&
-           strcmp(columns->growth[along].name, item->dim[0]) != 0) {
-        along++;
-        assert(along < LAC_MOST_GROWING);
-    }
+    const size_t known = lac_columns_along(columns, item->dim[0]);
+    const size_t along = known != LAC_ONCE ? known : columns->growing++;
+    assert(along < LAC_MOST_GROWING);
     columns->growth[along].name = item->dim[0];
     return along;
 }
@@ -296,10 +292,8 @@ static lac_status flush(lac_writer *w, size_t along, lac_error *err)
     for (lac_column *c = w->columns.column; c < end; c++) {
         if (c->along == along && c->count > 0) {
             LAC_TRY_RETURN(lac_writer_put_values(w, c, g->written, g->places, c->values, err));
+            c->count = 0;
         }
-    }
-    for (lac_column *c = w->columns.column; c < end; c++) {
-        c->count = c->along == along ? 0 : c->count;
     }
     g->written += g->places;
     g->places = 0;
@@ -380,7 +374,7 @@ lac_status lac_store_dataset(const char *path, bool force, const lac_provenance 
     lac_writer w = {.file = &file, .dataset = dataset};
     lac_status status;
     LAC_TRY(lac_nc_create(&file, path, force, err));
-    LAC_TRY(lac_nc_provenance(&file, provenance, dataset->summary, err));
+    LAC_TRY(lac_provenance_put(provenance, dataset->summary, lac_nc_put_attribute, &file, err));
     LAC_TRY(lac_writer_begin(&w, err));
     LAC_TRY(lac_nc_close(&file, err));
     LAC_TRY(lac_nc_publish(&file, err));

@@ -48,23 +48,6 @@ size_t lac_item_longest_text(const lac_item *item)
     return longest;
 }
 
-static int define_fill(int file, int id, nc_type type)
-{
-    const double real = NC_FILL_DOUBLE;
-    const float single = NC_FILL_FLOAT;
-    const int integer = NC_FILL_INT;
-    switch (type) {
-    case NC_DOUBLE:
-        return nc_def_var_fill(file, id, NC_FILL, &real);
-    case NC_FLOAT:
-        return nc_def_var_fill(file, id, NC_FILL, &single);
-    case NC_INT:
-        return nc_def_var_fill(file, id, NC_FILL, &integer);
-    default:
-        return NC_EBADTYPE;
-    }
-}
-
 // Chunks are written whole, once, or grow at their end, so the cache holds one: netCDF's own table
 // of 4133 places for them takes 33 kB a variable.
 // @param appended  grows by parts of a chunk
@@ -171,10 +154,10 @@ static lac_status put_flags(const lac_writer *w, int id, nc_type type, const cha
         at = strchr(at, ' ');
         at = at != NULL ? at + 1 : NULL;
     }
-    lac_status status = lac_nc_check(
+    LAC_TRY_RETURN(lac_nc_check(
         w->file->path, nc_put_att_longlong(w->file->id, id, "flag_values", type, n, values), err,
-        "write the attribute", "flag_values");
-    return status == LAC_OK ? lac_nc_text(w->file, id, "flag_meanings", meanings, err) : status;
+        "write the attribute", "flag_values"));
+    return lac_nc_text(w->file, id, "flag_meanings", meanings, err);
 }
 
 // The places of a dimension as flags: readers of netCDF-3 and -4 alike take them.
@@ -203,28 +186,25 @@ static lac_status put_attributes(const lac_writer *w, const lac_item *item, int 
         {"long_name", item->long_name},
         {"units", type != NC_CHAR && type != NC_STRING ? unit : NULL},
         {"standard_name", dated ? "time" : row->standard_name},
-        {"cell_methods", item->cell_methods},
+        {"cell_methods", row->cell_methods},
         {"coordinates", row->coordinates},
-        {"comment", item->comment},
+        {"comment", row->comment},
         {"calendar", dated ? "proleptic_gregorian" : NULL},
         {"axis", axis ? "T" : row->axis},
         {"cell_measures", row->cell_measures},
         {"_Encoding", type == NC_CHAR ? "utf-8" : NULL},
     };
     lac_attribute attribute = {0};
-    lac_status status = LAC_OK;
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
-        LAC_TRY(lac_nc_text(w->file, id, texts[i][0], texts[i][1], err));
+        LAC_TRY_RETURN(lac_nc_text(w->file, id, texts[i][0], texts[i][1], err));
     }
-    LAC_TRY(row->meanings != NULL ? put_flags(w, id, type, row->meanings, err) : LAC_OK);
-    LAC_TRY((row->flags & LAC_MEANINGS) != 0 ? put_meanings(w, item, id, err) : LAC_OK);
-    while (status == LAC_OK && lac_item_next_attribute(item, &attribute)) {
-        status = attribute.text != NULL
-                     ? lac_nc_text(w->file, id, attribute.name, attribute.text, err)
-                     : lac_nc_number(w->file, id, attribute.name, attribute.number, false, err);
+    LAC_TRY_RETURN(row->meanings != NULL ? put_flags(w, id, type, row->meanings, err) : LAC_OK);
+    LAC_TRY_RETURN((row->flags & LAC_MEANINGS) != 0 ? put_meanings(w, item, id, err) : LAC_OK);
+    while (lac_item_next_attribute(item, &attribute)) {
+        LAC_TRY_RETURN(lac_nc_text(w->file, id, attribute.name, attribute.text, err));
+        LAC_TRY_RETURN(lac_nc_number(w->file, id, attribute.name, attribute.number, false, err));
     }
-out:
-    return status;
+    return LAC_OK;
 }
 
 lac_status lac_writer_define(const lac_writer *w, lac_column *column, lac_error *err)
@@ -246,7 +226,8 @@ lac_status lac_writer_define(const lac_writer *w, lac_column *column, lac_error 
         code = define_storage(w, item, column->id, type, rank, dims);
     }
     if (code == NC_NOERR && (item->row->flags & (LAC_MISSING | LAC_FILLED)) != 0) {
-        code = define_fill(w->file->id, column->id, type);
+        const double fill = type == NC_INT ? NC_FILL_INT : NC_FILL_DOUBLE;
+        code = nc_put_att_double(w->file->id, column->id, "_FillValue", type, 1, &fill);
     }
     LAC_TRY_RETURN(lac_nc_check(w->file->path, code, err, "define", item->name));
     LAC_TRY_RETURN(put_attributes(w, item, column->id, type, err));

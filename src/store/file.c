@@ -86,9 +86,7 @@ lac_status lac_nc_path(const char *path, bool *exists, lac_error *err)
 {
     *exists = false;
     LAC_FAIL_IF(path == NULL || *path == '\0', err, LAC_EIO, "the path of a netCDF file is empty");
-    if (strstr(path, "://") != NULL) {
-        return lac_fail(err, LAC_EIO, "%s: is an address, not a file", path);
-    }
+    LAC_FAIL_IF(strstr(path, "://") != NULL, err, LAC_EIO, "%s: is an address, not a file", path);
     struct stat info;
     if (stat(path, &info) != 0) {
         int reason = errno;
@@ -100,23 +98,6 @@ lac_status lac_nc_path(const char *path, bool *exists, lac_error *err)
                 S_ISDIR(info.st_mode) ? "a folder" : "not a regular file");
     *exists = true;
     return LAC_OK;
-}
-
-// The place a path leads to, through its links where the file exists.
-static char *resolve(const char *path, bool exists)
-{
-    return exists ? realpath(path, NULL) : strdup(path);
-}
-
-// Takes the temporary name for this process; what killed ones left of this file is removed.
-static lac_status take_part(lac_nc *file, lac_error *err)
-{
-    lac_temp_file_sweep(file->path);
-    (void)unlink(file->part);
-    file->fd = open(file->part, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    return file->fd >= 0
-               ? LAC_OK
-               : lac_fail(err, LAC_EIO, "%s: cannot create: %s", file->path, strerror(errno));
 }
 
 static off_t size_of(int fd)
@@ -153,17 +134,6 @@ static void end_reserve(const lac_nc *file)
     (void)wasted;
 }
 
-// The file that stands there now is the only one whose place this one will take.
-static lac_status pin_old(lac_nc *file, lac_error *err)
-{
-    struct stat info;
-    LAC_FAIL_IF(stat(file->path, &info) != 0, err, LAC_EIO, "%s: %s", file->path, strerror(errno));
-    file->replaces = true;
-    file->old_dev = info.st_dev;
-    file->old_inode = info.st_ino;
-    return LAC_OK;
-}
-
 lac_status lac_nc_create(lac_nc *file, const char *path, bool force, lac_error *err)
 {
     *file = (lac_nc){.force = force, .fd = -1};
@@ -175,11 +145,16 @@ lac_status lac_nc_create(lac_nc *file, const char *path, bool force, lac_error *
                 strerror(errno));
     LAC_FAIL_IF(exists && lac_nc_is_written(path), err, LAC_EIO,
                 "%s: cannot replace: another process is writing it", path);
-    file->path = resolve(path, exists);
+    file->path = exists ? realpath(path, NULL) : strdup(path); // through its links
     file->part = file->path != NULL ? lac_temp_file_name(file->path) : NULL;
     LAC_TRY(file->part != NULL ? LAC_OK : lac_fail_memory(err));
-    LAC_TRY(exists ? pin_old(file, err) : LAC_OK);
-    LAC_TRY(take_part(file, err));
+    file->replaces = exists;
+    LAC_LEAVE_IF(exists && stat(file->path, &file->old) != 0, err, LAC_EIO, "%s: %s", file->path,
+                 strerror(errno));
+    lac_temp_file_sweep(file->path); // what killed ones left of this file
+    (void)unlink(file->part);
+    file->fd = open(file->part, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    LAC_LEAVE_IF(file->fd < 0, err, LAC_EIO, "%s: cannot create: %s", file->path, strerror(errno));
     errno = 0;
     int code = nc_create(file->part, NC_NETCDF4 | NC_CLOBBER, &file->id);
     file->open = code == NC_NOERR;
@@ -191,28 +166,18 @@ out:
     return status;
 }
 
-static bool stands_at(const char *path, dev_t dev, ino_t inode)
+static bool stands_at(const char *path, const struct stat *own)
 {
     struct stat info;
-    return stat(path, &info) == 0 && info.st_dev == dev && info.st_ino == inode;
+    return stat(path, &info) == 0 && info.st_dev == own->st_dev && info.st_ino == own->st_ino;
 }
 
 lac_status lac_nc_check_place(const lac_nc *file, lac_error *err)
 {
     struct stat own;
-    if (file->fd < 0 || fstat(file->fd, &own) != 0 ||
-        stands_at(file->path, own.st_dev, own.st_ino)) {
-        return LAC_OK;
-    }
-    return lac_fail(err, LAC_EIO, "%s: was replaced or removed while it was being written",
-                    file->path);
-}
-
-lac_status lac_nc_keep_journal(lac_nc *file, lac_error *err)
-{
-    lac_status status = LAC_OK;
-    file->journal = lac_journal_create(file, &status, err);
-    return status;
+    LAC_FAIL_IF(file->fd >= 0 && fstat(file->fd, &own) == 0 && !stands_at(file->path, &own), err,
+                LAC_EIO, "%s: was replaced or removed while it was being written", file->path);
+    return LAC_OK;
 }
 
 // Takes the place of the one file that was there, or of none.
@@ -229,7 +194,7 @@ static int take_place(const lac_nc *file)
         return failed;
     }
     errno = EEXIST;
-    if (stands_at(file->path, file->old_dev, file->old_inode)) {
+    if (stands_at(file->path, &file->old)) {
         failed = lac_temp_file_publish(file->part, file->path, true);
     }
     lac_temp_file_close(held);
@@ -249,6 +214,15 @@ lac_status lac_nc_publish(lac_nc *file, lac_error *err)
     return file->journal != NULL ? lac_journal_publish(file->journal, file->path, err) : LAC_OK;
 }
 
+// Where HDF5 fails to write the journal must stay.
+static int written(const lac_nc *file, int code)
+{
+    if (code != NC_NOERR && file->journal != NULL) {
+        file->journal->needed = true;
+    }
+    return code;
+}
+
 int lac_nc_append(const lac_nc *file, nc_type type, int id, const size_t *start,
                   const size_t *count, const void *values)
 {
@@ -261,24 +235,15 @@ int lac_nc_append(const lac_nc *file, nc_type type, int id, const size_t *start,
                    ? lac_journal_put(file->journal, name, type, rank, start, count, values)
                    : code;
     }
-    if (code != NC_NOERR) {
-        return code;
-    }
-    code = lac_nc_put_values(file->id, type, id, start, count, values);
-    if (code != NC_NOERR) {
-        lac_journal_need(file->journal);
-    }
-    return code;
+    return code != NC_NOERR
+               ? code
+               : written(file, lac_nc_put_values(file->id, type, id, start, count, values));
 }
 
 static lac_status flush(const lac_nc *file, lac_error *err)
 {
     errno = 0;
-    lac_status status = lac_nc_check(file->path, nc_sync(file->id), err, "write", "");
-    if (status != LAC_OK) {
-        lac_journal_need(file->journal);
-    }
-    return status;
+    return lac_nc_check(file->path, written(file, nc_sync(file->id)), err, "write", "");
 }
 
 lac_status lac_nc_sync(const lac_nc *file, lac_error *err)
@@ -291,12 +256,10 @@ lac_status lac_nc_sync(const lac_nc *file, lac_error *err)
 
 lac_status lac_nc_to_disk(const lac_nc *file, lac_error *err)
 {
-    int code = file->journal != NULL ? lac_journal_to_disk(file->journal) : 0;
-    if (code == 0 && file->fd >= 0 && fsync(file->fd) != 0) {
-        code = errno;
-    }
-    return code == 0 ? LAC_OK
-                     : lac_fail(err, LAC_EIO, "%s: cannot write: %s", file->path, strerror(code));
+    LAC_FAIL_IF((file->journal != NULL && fsync(file->journal->fd) != 0) ||
+                    (file->fd >= 0 && fsync(file->fd) != 0),
+                err, LAC_EIO, "%s: cannot write: %s", file->path, strerror(errno));
+    return LAC_OK;
 }
 
 // The values are written and synced. Now the reserve is given back, by us: in HDF5's hands, which
@@ -304,12 +267,13 @@ lac_status lac_nc_to_disk(const lac_nc *file, lac_error *err)
 lac_status lac_nc_close(lac_nc *file, lac_error *err)
 {
     end_reserve(file);
-    lac_status written = flush(file, err);
+    lac_status flushed = flush(file, err);
     file->open = false;
     errno = 0;
     lac_status closed =
-        lac_nc_check(file->path, nc_close(file->id), written == LAC_OK ? err : NULL, "close", "");
-    bool whole = written == LAC_OK && closed == LAC_OK && !lac_journal_is_needed(file->journal);
+        lac_nc_check(file->path, nc_close(file->id), flushed == LAC_OK ? err : NULL, "close", "");
+    bool whole =
+        flushed == LAC_OK && closed == LAC_OK && (file->journal == NULL || !file->journal->needed);
     lac_status kept = whole ? lac_nc_to_disk(file, err) : LAC_OK;
     kept = whole && kept == LAC_OK && file->published ? lac_nc_check_place(file, err) : kept;
     whole = whole && kept == LAC_OK;
@@ -320,7 +284,7 @@ lac_status lac_nc_close(lac_nc *file, lac_error *err)
     file->journal = NULL;
     lac_temp_file_close(file->fd);
     file->fd = -1;
-    return written != LAC_OK ? written : closed != LAC_OK ? closed : kept;
+    return flushed != LAC_OK ? flushed : closed != LAC_OK ? closed : kept;
 }
 
 void lac_nc_clear(lac_nc *file)
@@ -330,14 +294,11 @@ void lac_nc_clear(lac_nc *file)
     }
     end_reserve(file);
     lac_temp_file_close(file->fd);
-    file->fd = -1;
     if (file->part != NULL && !file->published) {
         (void)unlink(file->part);
     }
     lac_journal_free(file->journal, !file->published);
-    file->journal = NULL;
     free(file->part);
     free(file->path);
-    file->part = NULL;
-    file->path = NULL;
+    *file = (lac_nc){.fd = -1};
 }

@@ -106,20 +106,18 @@ static lac_status describe(const lac_history_store_def *def, const step *now, la
     const lac_laid laid[] = {
         {lac_history_steps(0), &now->record},
         {LAC_VARIABLES(of_maps, def->keep == LAC_KEEP_ALL ? "step y x" : "y x", 0), now}};
-    lac_status status = lac_dataset_dims(def->contact, &dim, 1, err);
-    return status == LAC_OK
-               ? lac_dataset_add(def->contact, laid, def->keep == LAC_KEEP_NONE ? 1 : 2, err)
-               : status;
+    LAC_TRY_RETURN(lac_dataset_dims(def->contact, &dim, 1, err));
+    return lac_dataset_add(def->contact, laid, def->keep == LAC_KEEP_NONE ? 1 : 2, err);
 }
 
 static lac_status begin_file(lac_history_store *s, const lac_history_store_def *def, lac_error *err)
 {
     LAC_TRY_RETURN(lac_nc_create(&s->file, def->path, def->force, err));
-    LAC_TRY_RETURN(lac_nc_provenance(
-        &s->file, &def->provenance,
+    LAC_TRY_RETURN(lac_provenance_put(
+        &def->provenance,
         "Contact of a rough rock joint through a history of normal and shear load: forces, shifts "
         "and frictional work of each step, and which cells stick or slip.",
-        err));
+        lac_nc_put_attribute, &s->file, err));
     LAC_TRY_RETURN(lac_writer_begin(&s->writer, err));
     LAC_TRY_RETURN(lac_nc_text(&s->file, NC_GLOBAL, "status", "running", err));
     LAC_TRY_RETURN(lac_nc_sync(&s->file, err));
@@ -135,6 +133,7 @@ lac_status lac_history_store_create(const lac_history_store_def *def, lac_histor
     *out = NULL;
     lac_history_store *s = calloc(1, sizeof *s);
     LAC_FAIL_MEMORY_IF(s == NULL, err);
+    s->file.fd = -1;
     s->keep = def->keep;
     s->now.pressed = def->pressed;
     s->writer = (lac_writer){
@@ -150,8 +149,8 @@ out:
 
 static lac_status put(lac_history_store *store, lac_error *err)
 {
-    lac_status status = lac_writer_put(&store->writer, "step", err);
-    return status == LAC_OK ? lac_writer_sync(&store->writer, err) : status;
+    LAC_TRY_RETURN(lac_writer_put(&store->writer, "step", err));
+    return lac_writer_sync(&store->writer, err);
 }
 
 // Where its maps come next both are written together: no step without its maps is left by a kill.
@@ -170,8 +169,8 @@ lac_status lac_history_store_maps(lac_history_store *store, const lac_history_ma
     if (store->keep == LAC_KEEP_ALL) {
         return put(store, err);
     }
-    lac_status status = lac_writer_put_late(&store->writer, err);
-    return status == LAC_OK ? lac_writer_sync(&store->writer, err) : status;
+    LAC_TRY_RETURN(lac_writer_put_late(&store->writer, err));
+    return lac_writer_sync(&store->writer, err);
 }
 
 lac_status lac_history_store_finish(lac_history_store *store, const char *status, lac_error *err)

@@ -20,7 +20,6 @@ struct lac_store {
 
 /// Makes the store the continuation of the file at its path; what it holds up to the checkpoint is
 /// copied.
-/// @return LAC_OK; LAC_EIO (not a file of Lacuna, damaged, full disk); LAC_ENOMEM
 lac_status lac_store_take_over(lac_store *store, const lac_checkpoint_file *from, lac_error *err);
 
 /// Writes the checkpoint beside the file, whole or not at all: one that is there stays until then.

@@ -10,10 +10,8 @@
 #include <string.h>
 #include <sys/file.h>
 #include <sys/mman.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
-#include "base/archive.h"
 #include "base/temp_file.h"
 #include "store/nc.h"
 
@@ -39,15 +37,6 @@ typedef struct entry {
 
 static const char ending[] = ".journal";
 static const char mark[8] = {'L', 'A', 'C', 'J', 'R', 'N', 'L', '1'};
-
-struct lac_journal {
-    int fd;
-    off_t size;        // of what is good in it
-    lac_archive ahead; // what comes after that, not yet written
-    char *name, *part;
-    bool published;
-    bool needed; // HDF5 failed to write: what it loses then it does not say
-};
 
 // A file seen as memory.
 typedef struct view {
@@ -156,15 +145,10 @@ static bool read_beginning(const view *v, size_t at, entry *e)
     return e->size - e->name == (e->name > 0 ? values * width_of(e->type) : 0);
 }
 
-static bool has_room(const view *v, size_t at, const entry *e)
-{
-    return e->size <= v->size - at - sizeof *e;
-}
-
 // The entry at a place; false where what is there is none, or torn.
 static bool read_entry(const view *v, size_t at, entry *e)
 {
-    if (!read_beginning(v, at, e) || !has_room(v, at, e)) {
+    if (!read_beginning(v, at, e) || e->size > v->size - at - sizeof *e) {
         return false;
     }
     const unsigned char *name = v->bytes + at + sizeof *e;
@@ -188,7 +172,8 @@ static size_t walk(const view *v, const head *h, size_t *synced)
 static bool is_torn(const view *v, size_t at)
 {
     entry e;
-    if (v->size - at >= sizeof e && (!read_beginning(v, at, &e) || has_room(v, at, &e))) {
+    if (v->size - at >= sizeof e &&
+        (!read_beginning(v, at, &e) || e.size <= v->size - at - sizeof e)) {
         return false;
     }
     do {
@@ -355,7 +340,7 @@ static bool write_base(struct lac_journal *j, const char *part, const char *owne
     return good;
 }
 
-struct lac_journal *lac_journal_create(const lac_nc *file, lac_status *out, lac_error *err)
+lac_status lac_nc_keep_journal(lac_nc *file, lac_error *err)
 {
     struct lac_journal *j = malloc(sizeof *j);
     // It names the command and the time.
@@ -378,12 +363,12 @@ struct lac_journal *lac_journal_create(const lac_nc *file, lac_status *out, lac_
                  "%s: cannot write: %s", j->name, strerror(errno));
 out:
     free(owner);
-    *out = status;
     if (status != LAC_OK) {
         lac_journal_free(j, true);
-        return NULL;
+        j = NULL;
     }
-    return j;
+    file->journal = j;
+    return status;
 }
 
 lac_status lac_journal_publish(struct lac_journal *j, const char *path, lac_error *err)
@@ -429,17 +414,6 @@ int lac_journal_put(struct lac_journal *j, const char *name, nc_type type, int r
     lac_archive_pass(&j->ahead, (void *)values, size);
     return values == NULL || j->ahead.no_memory || j->ahead.size > AHEAD_MAX ? write_ahead(j) : 0;
 }
-
-void lac_journal_need(struct lac_journal *j)
-{
-    if (j != NULL) {
-        j->needed = true;
-    }
-}
-
-bool lac_journal_is_needed(const struct lac_journal *j) { return j != NULL && j->needed; }
-
-int lac_journal_to_disk(const struct lac_journal *j) { return fsync(j->fd) == 0 ? 0 : errno; }
 
 void lac_journal_free(struct lac_journal *j, bool remove)
 {

@@ -27,11 +27,6 @@ typedef struct map_file {
     lac_stored_file *in;
 } map_file;
 
-static lac_status check(const map_file *file, int code, const char *what, lac_error *err)
-{
-    return lac_nc_check(file->def->path, code, err, "read", what);
-}
-
 // Whether the dimension of `k` is named so.
 static bool named(const map_file *file, const field *at, int k, const char *name)
 {
@@ -73,12 +68,6 @@ static lac_status misfit(const map_file *file, const field *at, lac_error *err)
         file->def->path, at->name, grid->ny, grid->nx, file->domain->n);
 }
 
-// A variable named like one of its dimensions holds coordinates.
-static bool is_coordinate(const map_file *file, const field *at)
-{
-    return at->rank == 1 && named(file, at, 0, at->name);
-}
-
 static lac_status find_field(const map_file *file, field *at, lac_error *err)
 {
     const char *name = file->def->variable;
@@ -91,10 +80,13 @@ static lac_status find_field(const map_file *file, field *at, lac_error *err)
         (void)nc_inq_varname(file->in->id, at->var, at->name);
         return fits(file, at) ? LAC_OK : misfit(file, at, err);
     }
-    lac_status status = check(file, nc_inq_nvars(file->in->id, &vars), "the variables", err);
+    lac_status status = lac_nc_check(file->def->path, nc_inq_nvars(file->in->id, &vars), err,
+                                     "read", "the variables");
     for (int v = 0; status == LAC_OK && v < vars; v++) {
         field candidate = {.var = v};
-        if (fits(file, &candidate) && !is_coordinate(file, &candidate)) {
+        // One that is named like its dimension holds coordinates.
+        if (fits(file, &candidate) &&
+            !(candidate.rank == 1 && named(file, &candidate, 0, candidate.name))) {
             *at = candidate;
             found++;
         }
@@ -195,7 +187,8 @@ lac_status lac_map_read(const lac_map_def *def, const lac_domain *domain, double
     length = at.length[0] * (at.rank == 2 ? at.length[1] : 1);
     stored = malloc(length * sizeof *stored);
     LAC_TRY(stored != NULL ? LAC_OK : lac_fail_memory(err));
-    LAC_TRY(check(&file, nc_get_var_double(file.in->id, at.var, stored), at.name, err));
+    LAC_TRY(lac_nc_check(def->path, nc_get_var_double(file.in->id, at.var, stored), err, "read",
+                         at.name));
     lac_netcdf_unpack(file.in->id, at.var, stored, length);
     LAC_TRY(pick(&file, &at, stored, values, err));
 out:

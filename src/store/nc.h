@@ -3,8 +3,9 @@
 
 #include <limits.h>
 #include <netcdf.h>
-#include <sys/types.h>
+#include <sys/stat.h>
 
+#include "base/archive.h"
 #include "store/store.h"
 #include "store/store_file.h"
 
@@ -18,13 +19,11 @@ typedef struct lac_nc {
     struct lac_journal *journal; ///< of a file that grows; NULL: none
     char *path;                  ///< where it will be
     char *part;                  ///< where it is built
-    bool replaces;               ///< takes the place of one file only, which is:
-    dev_t old_dev;
-    ino_t old_inode;
+    bool replaces;               ///< takes the place of one file only
+    struct stat old;             ///< which is this
 } lac_nc;
 
-/// Turns what netCDF returned into an error: `path: cannot WHAT: why`.
-/// @return LAC_OK where `code` is NC_NOERR; LAC_ENOMEM; else LAC_EIO
+/// Turns what netCDF returned into an error: `path: cannot WHAT: why`; LAC_OK where it is none.
 lac_status lac_nc_check(const char *path, int code, lac_error *err, const char *what,
                         const char *name);
 
@@ -33,22 +32,11 @@ lac_status lac_nc_check(const char *path, int code, lac_error *err, const char *
 /// @param exists  set where a file is there
 lac_status lac_nc_path(const char *path, bool *exists, lac_error *err);
 
-/// Creates the file under its temporary name.
-/// @return LAC_OK; LAC_EINPUT where `path` exists and `force` is not set; LAC_EIO; LAC_ENOMEM
+/// Creates the file under its temporary name; LAC_EINPUT where `path` exists without `force`.
 lac_status lac_nc_create(lac_nc *file, const char *path, bool force, lac_error *err);
 
-/// Begins a journal of a file that goes on growing once it is published: all that it holds by now,
-/// and from here on what lac_nc_append is given. HDF5 writes over its own structure at each sync,
-/// so a kill in there can lose the whole file; the journal is only added to. It gets the name
-/// FILE.journal with the file's, and is removed when the file is closed well.
-/// @pre   all is synced
-/// @return LAC_OK; LAC_EINPUT where another's file has that name; LAC_EIO; LAC_ENOMEM
-lac_status lac_nc_keep_journal(lac_nc *file, lac_error *err);
-
-/// Puts values into a variable, the journal first.
+/// Puts values into a variable, the journal first. @return as netCDF, or what the system said
 /// @param type  of the values: NC_DOUBLE or NC_UBYTE (of older versions also NC_INT64: long long)
-/// @param start, count  [rank of the variable]
-/// @return as netCDF, or what the system said
 int lac_nc_append(const lac_nc *file, nc_type type, int id, const size_t *start,
                   const size_t *count, const void *values);
 
@@ -56,28 +44,25 @@ int lac_nc_append(const lac_nc *file, nc_type type, int id, const size_t *start,
 int lac_nc_put_values(int file, nc_type type, int id, const size_t *start, const size_t *count,
                       const void *values);
 
-/// Brings all that was put into the file, and marks it so in the journal.
-/// @return LAC_OK; LAC_EIO (a full disk shows up here)
+/// Brings all that was put into the file, and marks it so in the journal. A full disk shows up
+/// here.
 lac_status lac_nc_sync(const lac_nc *file, lac_error *err);
 
 /// Brings what was synced from the system's memory to the disk.
 lac_status lac_nc_to_disk(const lac_nc *file, lac_error *err);
 
-/// Gives the file its name; it may be open.
-/// @return LAC_OK; LAC_EINPUT where another file has appeared there meanwhile; LAC_EIO
+/// Gives the file its name; it may be open. LAC_EINPUT: another file has appeared there meanwhile.
 lac_status lac_nc_publish(lac_nc *file, lac_error *err);
 
-/// Whether a file that was published still stands at its path.
-/// @return LAC_OK, also where nothing can be said; LAC_EIO
+/// LAC_EIO where a file that was published surely stands at its path no more.
 lac_status lac_nc_check_place(const lac_nc *file, lac_error *err);
 
 /// Reserves disk space for `bytes` more, and some for what HDF5 needs besides: a disk that fills up
-/// under HDF5's hands leaves a file that cannot be opened.
-/// @return LAC_OK, also where the file system cannot reserve; LAC_EIO where there is no space
+/// under HDF5's hands leaves a file that cannot be opened. LAC_EIO where there surely is no space.
 lac_status lac_nc_reserve(const lac_nc *file, size_t bytes, lac_error *err);
 
-/// Closes and seals the file, and removes its journal.
-/// @return LAC_OK; LAC_EIO (a full disk shows up here; what was published is gone from its place)
+/// Closes and seals the file, and removes its journal. LAC_EIO: the disk is full, or what was
+/// published is gone from its place.
 lac_status lac_nc_close(lac_nc *file, lac_error *err);
 
 /// Closes what is open, removes what was not published, frees the names.
@@ -94,20 +79,28 @@ lac_status lac_nc_number(const lac_nc *file, int var, const char *name, double v
 /// `bound`; NULL where memory is short. @param file  open in netCDF
 char *lac_nc_text_of(int file, const char *name, size_t bound);
 
-/// What is kept of a file in FILE.journal; `base/temp_file.h` says what `part` and `path` are.
-struct lac_journal *lac_journal_create(const lac_nc *file, lac_status *status, lac_error *err);
+/// What is kept of a file in FILE.journal.
+struct lac_journal {
+    int fd;
+    off_t size;        ///< of what is good in it
+    lac_archive ahead; ///< what comes after that, not yet written
+    char *name, *part; ///< `base/temp_file.h`
+    bool published;
+    bool needed; ///< HDF5 failed to write: it then may have dropped values of earlier syncs and
+                 ///< closes all the same, so that the journal must stay
+};
+
+/// Begins a journal of a file that goes on growing once it is published: all that it holds by now,
+/// which is synced, and from here on what lac_nc_append is given. HDF5 writes over its own
+/// structure at each sync, so a kill in there can lose the whole file; the journal is only added
+/// to. It gets its name with the file, and is removed when the file is closed well.
+/// @return LAC_OK; LAC_EINPUT where another's file has that name; LAC_EIO; LAC_ENOMEM
+lac_status lac_nc_keep_journal(lac_nc *file, lac_error *err);
 lac_status lac_journal_publish(struct lac_journal *journal, const char *path, lac_error *err);
 
 /// Adds values, or with `values` NULL the mark that all before it was synced.
-/// @param rank  at most 4
 int lac_journal_put(struct lac_journal *journal, const char *name, nc_type type, int rank,
                     const size_t *start, const size_t *count, const void *values);
-int lac_journal_to_disk(const struct lac_journal *journal);
-
-/// Says that HDF5 failed to write: it then may have dropped values of earlier syncs and closes all
-/// the same, so that the journal must stay. @param journal  may be NULL
-void lac_journal_need(struct lac_journal *journal);
-bool lac_journal_is_needed(const struct lac_journal *journal);
 
 /// Ends it. @param remove  its file too, if it still is this journal's
 void lac_journal_free(struct lac_journal *journal, bool remove);
@@ -122,23 +115,16 @@ bool lac_journal_name(const char *path, char name[LAC_JOURNAL_NAME]);
 ///              of records are not looked at
 bool lac_journal_waits(const char *path, lac_store_loss *loss);
 
-/// Writes what a file held when its journal was begun.
-/// @param to  empty, open for writing
-/// @return whether it could be; else errno says why
+/// Writes what a file held when its journal was begun. @return false: errno says why
 bool lac_journal_copy_base(const char *path, int to);
 
-/// Puts into that file all that was synced since.
-/// @param id  the copy, open in netCDF
+/// Puts into that copy, open in netCDF, all that was synced since.
 int lac_journal_replay(const char *path, int id);
-
-/// Why a file cannot be read as it is although all that was synced is there.
-typedef enum lac_cut { LAC_CUT_NONE = 0, LAC_CUT_SHORT, LAC_CUT_JOURNAL } lac_cut;
-lac_cut lac_nc_cut(const char *path, lac_store_loss *loss);
 
 /// Whether somebody is writing a file, or has not yet done with its journal.
 bool lac_nc_is_written(const char *path);
 
-/// A whole copy of a file that lac_nc_cut says something of.
+/// A whole copy of a file whose journal waits.
 /// @param beside  it must be in the folder of the file; else /tmp is tried too
 /// @param copy    its name, to be freed, and the file to be removed; NULL: there is nothing to mend
 /// @param loss    what is not in it
@@ -149,21 +135,12 @@ lac_status lac_nc_mended_copy(const char *path, bool beside, char **copy, lac_st
 uint64_t lac_nc_sum(uint64_t sum, const void *bytes, size_t size);
 
 /// Puts a checksum behind the end of a closed file; where it cannot, the file stays without.
-/// @param fd  open for reading and writing
 void lac_nc_seal(int fd);
 
 typedef enum lac_seal { LAC_SEAL_NONE = 0, LAC_SEAL_SOUND, LAC_SEAL_BROKEN } lac_seal;
 
-/// Whether a file is as it was sealed.
-/// @param size  of the file [bytes]
+/// Whether a file of so many bytes is as it was sealed.
 lac_seal lac_nc_seal_state(int fd, size_t size);
 
-/// Looks at the part of an unsealed file that HDF5 would believe unseen.
-/// @param fd    open for reading
-/// @param size  of the file [bytes]
-/// @return LAC_OK; LAC_EIO where the file is damaged; LAC_ENOMEM
+/// Looks at the part of an unsealed file that HDF5 would believe unseen. LAC_EIO: it is damaged.
 lac_status lac_nc_heap(const char *path, int fd, size_t size, lac_error *err);
-
-/// The global attributes that every file of Lacuna carries.
-lac_status lac_nc_provenance(const lac_nc *file, const lac_provenance *provenance,
-                             const char *summary, lac_error *err);

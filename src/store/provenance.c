@@ -20,8 +20,8 @@ static lac_status put_joined(const char *name, const char *first, const char *be
     return status;
 }
 
-static lac_status put_all(const lac_provenance *of, const char *summary, lac_put_attribute *put,
-                          void *to, lac_error *err)
+lac_status lac_provenance_put(const lac_provenance *of, const char *summary, lac_put_attribute *put,
+                              void *to, lac_error *err)
 {
     char date[32], version[32], netcdf[40];
     const bool picked = of->accuracy != NULL;
@@ -67,12 +67,6 @@ lac_status lac_nc_put_attribute(void *to, const char *name, const char *text, do
                          : lac_nc_number(to, NC_GLOBAL, name, number, whole, err);
 }
 
-lac_status lac_nc_provenance(const lac_nc *file, const lac_provenance *provenance,
-                             const char *summary, lac_error *err)
-{
-    return put_all(provenance, summary, lac_nc_put_attribute, (void *)file, err); // only read
-}
-
 lac_status lac_recording_put_attribute(void *to, const char *name, const char *text, double number,
                                        bool whole, lac_error *err)
 {
@@ -86,5 +80,5 @@ lac_status lac_recording_put_attribute(void *to, const char *name, const char *t
 lac_status lac_recording_sign(lac_recording *recording, const lac_provenance *provenance,
                               lac_error *err)
 {
-    return put_all(provenance, NULL, lac_recording_put_attribute, recording, err);
+    return lac_provenance_put(provenance, NULL, lac_recording_put_attribute, recording, err);
 }

@@ -26,13 +26,6 @@ lac_status lac_input_fail(const lac_stored_file *in, int code, lac_error *err, c
                     code == NC_EHDFERR ? "the file is damaged" : nc_strerror(code));
 }
 
-static lac_status fail_open(const lac_stored_file *in, int code, lac_error *err)
-{
-    LAC_FAIL_IF(code == NC_ENOTNC, err, LAC_EIO, "%s: is not a netCDF file", in->path);
-    const char *why = code == NC_EHDFERR ? "is damaged" : nc_strerror(code);
-    return lac_fail(err, LAC_EIO, "%s: %s", in->path, why);
-}
-
 // What can be said of a file before HDF5 opens it.
 // @param copy  of a file that was not closed, to be opened in its place and removed
 static lac_status inspect(lac_stored_file *in, char **copy, lac_error *err)
@@ -77,7 +70,10 @@ lac_status lac_stored_file_open_any(const char *path, lac_stored_file **out, lac
     LAC_TRY(in->path != NULL || path == NULL ? LAC_OK : lac_fail_memory(err));
     LAC_TRY(inspect(in, &copy, err));
     const int code = nc_open(copy != NULL ? copy : path, NC_NOWRITE, &in->id);
-    LAC_TRY(code == NC_NOERR ? LAC_OK : fail_open(in, code, err));
+    LAC_LEAVE_IF(code != NC_NOERR, err, LAC_EIO, "%s: %s", path,
+                 code == NC_ENOTNC    ? "is not a netCDF file"
+                 : code == NC_EHDFERR ? "is damaged"
+                                      : nc_strerror(code));
     in->open = true;
     *out = in;
     in = NULL;
@@ -298,7 +294,7 @@ static const char *text_of(const lac_recording *recording, const char *variable,
     }
     return strcmp(attribute, "units") == 0       ? (item.unit != NULL ? item.unit : "1")
            : strcmp(attribute, "long_name") == 0 ? item.long_name
-           : strcmp(attribute, "comment") == 0   ? item.comment
+           : strcmp(attribute, "comment") == 0   ? item.row->comment
                                                  : NULL;
 }
 
@@ -354,15 +350,12 @@ lac_status lac_store_read_attribute(const char *path, const char *name, char *te
     text[0] = '\0';
     if (status == LAC_OK && !lac_stored_file_text(in, NULL, name, text, size)) {
         const double value = lac_stored_file_number(in, NULL, name);
-        status = isnan(value)
-                     ? lac_fail(err, LAC_EIO,
-                                "%s: has no attribute %s of one number or at most %zu bytes", path,
-                                name, size - 1)
-                     : LAC_OK;
-        if (status == LAC_OK) {
-            (void)snprintf(text, size, "%.17g", value);
-        }
+        LAC_LEAVE_IF(isnan(value), err, LAC_EIO,
+                     "%s: has no attribute %s of one number or at most %zu bytes", path, name,
+                     size - 1);
+        (void)snprintf(text, size, "%.17g", value);
     }
+out:
     lac_stored_file_close(in);
     return status;
 }

@@ -80,15 +80,6 @@ static lac_status check_unit(const lac_stored_file *in, const char *name, lac_er
     return LAC_OK;
 }
 
-static lac_status read_provenance(const lac_stored_file *in, lac_stored_cells *out, lac_error *err)
-{
-    (void)lac_netcdf_text(in->id, NC_GLOBAL, "status", out->status, sizeof out->status);
-    out->case_text = lac_nc_text_of(in->id, "case", in->size);
-    LAC_FAIL_MEMORY_IF(out->case_text == NULL, err);
-    LAC_FAIL_IF(*out->case_text == '\0', err, LAC_EIO, "%s: holds no case", in->path);
-    return LAC_OK;
-}
-
 // --- The file of a run: cells listed in hierarchy order on a grid that the attributes give.
 
 static lac_status read_grid(const lac_stored_file *in, lac_grid *grid, lac_error *err)
@@ -128,16 +119,6 @@ static bool place_cells(lac_domain *domain, const double *x, const double *y)
     return true;
 }
 
-static bool all_pressed(const lac_domain *domain)
-{
-    for (size_t i = 0; i < domain->n; i++) {
-        if (!(domain->pressure[i] > 0.0 && isfinite(domain->pressure[i]))) {
-            return false;
-        }
-    }
-    return true;
-}
-
 static lac_status read_domain(const lac_stored_file *in, lac_domain **out, lac_error *err)
 {
     double *x = NULL, *y = NULL;
@@ -157,7 +138,10 @@ static lac_status read_domain(const lac_stored_file *in, lac_domain **out, lac_e
     LAC_TRY(check_unit(in, "pressure", err));
     LAC_TRY(read_reals(in, "pressure", LAC_INPUT_ALL, n, &domain->pressure, err));
     LAC_TRY(place_cells(domain, x, y) ? LAC_OK : fail_damaged(in, "list of cells", err));
-    LAC_TRY(all_pressed(domain) ? LAC_OK : fail_damaged(in, "pressure", err));
+    for (size_t i = 0; i < n; i++) {
+        const bool pressed = domain->pressure[i] > 0.0 && isfinite(domain->pressure[i]);
+        LAC_TRY(pressed ? LAC_OK : fail_damaged(in, "pressure", err));
+    }
 out:
     free(x);
     free(y);
@@ -279,19 +263,6 @@ static lac_status read_axis(const lac_stored_file *in, const char *name, size_t 
     return status;
 }
 
-static lac_status read_axes(const lac_stored_file *in, lac_grid *grid, lac_error *err)
-{
-    lac_status status;
-    *grid = (lac_grid){.periodic = lac_input_says(in, "boundary", "periodic")};
-    LAC_TRY(read_axis(in, "x", &grid->nx, &grid->dx, err));
-    LAC_TRY(read_axis(in, "y", &grid->ny, &grid->dy, err));
-    if (grid->nx == 0 || grid->ny == 0 || !lac_input_may_hold(in, grid->nx * grid->ny)) {
-        status = fail_damaged(in, "grid", err);
-    }
-out:
-    return status;
-}
-
 // Which step; the maps of a history that kept only its last one have no steps.
 static lac_status choose_step(const lac_stored_file *in, const lac_snapshot_choice *choice,
                               lac_stored_cells *out, lac_error *err)
@@ -357,11 +328,15 @@ out:
 static lac_status read_pressed(const lac_stored_file *in, size_t step, lac_domain **domain,
                                lac_error *err)
 {
-    lac_grid grid;
+    lac_grid grid = {.periodic = lac_input_says(in, "boundary", "periodic")};
     double *map = NULL;
     const char *name = has_variable(in, "step_pressure") ? "step_pressure" : "pressure";
     lac_status status;
-    LAC_TRY(read_axes(in, &grid, err));
+    LAC_TRY(read_axis(in, "x", &grid.nx, &grid.dx, err));
+    LAC_TRY(read_axis(in, "y", &grid.ny, &grid.dy, err));
+    LAC_TRY(grid.nx == 0 || grid.ny == 0 || !lac_input_may_hold(in, grid.nx * grid.ny)
+                ? fail_damaged(in, "grid", err)
+                : LAC_OK);
     LAC_TRY(check_unit(in, name, err));
     LAC_TRY(read_map(in, name, step, &grid, &map, err));
     status = lac_domain_create(&grid, map, domain, err);
@@ -381,45 +356,37 @@ static lac_status read_contact(const lac_stored_file *in, const lac_snapshot_cho
     out->time = NAN;
     if (has_variable(in, "step")) {
         LAC_TRY_RETURN(choose_step(in, choice, out, err));
-    } else if (choice->by != LAC_SNAPSHOT_LAST) {
-        LAC_TRY_RETURN(
-            lac_fail(err, LAC_EINPUT, "%s: is a contact, which has no snapshots", in->path));
+    } else {
+        LAC_FAIL_IF(choice->by != LAC_SNAPSHOT_LAST, err, LAC_EINPUT,
+                    "%s: is a contact, which has no snapshots", in->path);
     }
     LAC_TRY_RETURN(read_pressed(in, out->index, &out->domain, err));
     LAC_TRY_RETURN(read_shear(in, out, err));
     return LAC_OK;
 }
 
-static bool is_run(const lac_stored_file *in)
+// Whether it is a run, else a contact.
+static lac_status tell_run(const lac_stored_file *in, bool *run, lac_error *err)
 {
     int grid = 0;
-    return nc_inq_attid(in->id, NC_GLOBAL, "grid_nx", &grid) == NC_NOERR;
-}
-
-static bool is_contact(const lac_stored_file *in)
-{
-    return length_of(in, "x") > 0 && length_of(in, "y") > 0;
-}
-
-static lac_status fail_other(const lac_stored_file *in, lac_error *err)
-{
-    return lac_fail(err, LAC_EIO, "%s: is neither a run nor a contact", in->path);
+    *run = nc_inq_attid(in->id, NC_GLOBAL, "grid_nx", &grid) == NC_NOERR;
+    LAC_FAIL_IF(!*run && (length_of(in, "x") == 0 || length_of(in, "y") == 0), err, LAC_EIO,
+                "%s: is neither a run nor a contact", in->path);
+    return LAC_OK;
 }
 
 lac_status lac_stored_domain_read(const char *path, lac_domain **domain, lac_error *err)
 {
     lac_stored_file *in = NULL;
     lac_status status;
+    size_t steps;
+    bool run;
     *domain = NULL;
     LAC_TRY(lac_stored_file_open(path, &in, err));
-    if (is_run(in)) {
-        LAC_TRY(read_domain(in, domain, err));
-    } else if (is_contact(in)) {
-        size_t steps = has_variable(in, "step_pressure") ? length_of(in, "step") : 0;
-        LAC_TRY(read_pressed(in, steps > 0 ? steps - 1 : 0, domain, err));
-    } else {
-        LAC_TRY(fail_other(in, err));
-    }
+    LAC_TRY(tell_run(in, &run, err));
+    steps = has_variable(in, "step_pressure") ? length_of(in, "step") : 0;
+    LAC_TRY(run ? read_domain(in, domain, err)
+                : read_pressed(in, steps > 0 ? steps - 1 : 0, domain, err));
 out:
     lac_stored_file_close(in);
     if (status != LAC_OK) {
@@ -433,17 +400,16 @@ lac_status lac_stored_cells_read(const char *path, const lac_snapshot_choice *ch
                                  lac_stored_cells *out, lac_error *err)
 {
     lac_stored_file *in = NULL;
-    lac_status status = LAC_OK;
+    lac_status status;
+    bool run;
     *out = (lac_stored_cells){0};
     LAC_TRY(lac_stored_file_open(path, &in, err));
-    LAC_TRY(read_provenance(in, out, err));
-    if (is_run(in)) {
-        LAC_TRY(read_run(in, choice, out, err));
-    } else if (is_contact(in)) {
-        LAC_TRY(read_contact(in, choice, out, err));
-    } else {
-        LAC_TRY(fail_other(in, err));
-    }
+    (void)lac_netcdf_text(in->id, NC_GLOBAL, "status", out->status, sizeof out->status);
+    out->case_text = lac_nc_text_of(in->id, "case", in->size);
+    LAC_TRY(out->case_text != NULL ? LAC_OK : lac_fail_memory(err));
+    LAC_LEAVE_IF(*out->case_text == '\0', err, LAC_EIO, "%s: holds no case", in->path);
+    LAC_TRY(tell_run(in, &run, err));
+    LAC_TRY(run ? read_run(in, choice, out, err) : read_contact(in, choice, out, err));
 out:
     lac_stored_file_close(in);
     return status;

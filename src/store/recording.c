@@ -45,13 +45,6 @@ void lac_recording_free(lac_recording *recording)
     free(recording);
 }
 
-static void resume(lac_recording *r, double origin, double local)
-{
-    r->has_last = true;
-    r->last_origin = origin;
-    r->last_local = local;
-}
-
 static lac_status append(lac_column *c, const double *values, size_t n, lac_error *err)
 {
     LAC_TRY_RETURN(lac_column_reserve(c, n, err));
@@ -93,7 +86,7 @@ static lac_status show(lac_recording *r, lac_column *c, lac_error *err)
                             .json = c->json,
                             .unit = c->item.unit,
                             .long_name = c->item.long_name,
-                            .comment = c->item.comment,
+                            .comment = c->item.row->comment,
                             .dims = c->item.dims,
                             .held = LAC_HELD_REALS,
                             .offset = offsetof(lac_column, values),
@@ -103,22 +96,15 @@ static lac_status show(lac_recording *r, lac_column *c, lac_error *err)
     return lac_dataset_add(r->kept, &laid, 1, err);
 }
 
-// All that the dataset holds now of a variable that does not grow.
-static lac_status take(lac_column *c, lac_error *err)
-{
-    c->count = 0;
-    LAC_TRY_RETURN(lac_column_reserve(c, c->item.count, err));
-    lac_item_values(&c->item, c->values);
-    c->count = c->item.count;
-    return LAC_OK;
-}
-
-// Those that do not grow, known at the beginning or late.
+// All that the dataset holds now of what does not grow, known at the beginning or late.
 static lac_status take_fixed(lac_recording *r, unsigned late, lac_error *err)
 {
     for (lac_column *c = r->columns.column; c < r->columns.column + r->columns.n; c++) {
         if (c->along == LAC_ONCE && (c->item.row->flags & LAC_LATE) == late) {
-            LAC_TRY_RETURN(take(c, err));
+            c->count = 0;
+            LAC_TRY_RETURN(lac_column_reserve(c, c->item.count, err));
+            lac_item_values(&c->item, c->values);
+            c->count = c->item.count;
         }
     }
     return LAC_OK;
@@ -171,11 +157,11 @@ static lac_status put_record(void *context, const lac_record *record, lac_error 
         return LAC_OK;
     }
     lac_run_place_record(&r->place, record);
-    const lac_status status = put(r, "time", err);
-    if (status == LAC_OK) {
-        resume(r, record->time_origin, record->time_local);
-    }
-    return status;
+    LAC_TRY_RETURN(put(r, "time", err));
+    r->has_last = true;
+    r->last_origin = record->time_origin;
+    r->last_local = record->time_local;
+    return LAC_OK;
 }
 
 static lac_status put_snapshot(void *context, const lac_snapshot *snapshot, lac_error *err)
@@ -192,17 +178,13 @@ static lac_status put_event(void *context, const lac_event *event, lac_error *er
     return put(r, "event", err);
 }
 
-lac_status lac_recording_once(lac_recording *recording, const double *once, lac_error *err)
+static lac_status put_once(void *context, const double *once, lac_error *err)
 {
+    lac_recording *recording = context;
     recording->place.once = once;
     const lac_status status = take_fixed(recording, LAC_LATE, err);
     recording->place.once = NULL;
     return status;
-}
-
-static lac_status put_once(void *context, const double *once, lac_error *err)
-{
-    return lac_recording_once(context, once, err);
 }
 
 lac_sink lac_recording_sink(lac_recording *recording)
@@ -274,15 +256,6 @@ void lac_recording_thin(lac_recording *recording, const char *dimension, const u
     measure(recording);
 }
 
-// The next variable that grows; of recordings of one def they stand in the same order.
-static lac_column *next_growing(const lac_columns *columns, size_t *at)
-{
-    while (*at < columns->n && columns->column[*at].along == LAC_ONCE) {
-        (*at)++;
-    }
-    return *at < columns->n ? &columns->column[(*at)++] : NULL;
-}
-
 // Moves values behind those of another; where there are none, the arrays change places.
 static void pour(lac_column *to, lac_column *from)
 {
@@ -301,18 +274,19 @@ static void pour(lac_column *to, lac_column *from)
 lac_status lac_recording_move(lac_recording *recording, lac_recording *from, lac_error *err)
 {
     lac_columns *into = &recording->columns, *of = &from->columns;
-    lac_column *to, *own;
+    lac_column *to = into->column, *end = of->column + of->n;
     lac_status status = LAC_OK;
-    for (size_t i = 0, k = 0; status == LAC_OK && (own = next_growing(of, &k)) != NULL;) {
-        to = next_growing(into, &i);
-        status = to->count > 0 ? lac_column_reserve(to, own->count, err) : LAC_OK;
+    // Of recordings of one def all that grows stands at the same places.
+    for (lac_column *own = of->column; status == LAC_OK && own < end; own++, to++) {
+        const bool both = own->along != LAC_ONCE && to->count > 0;
+        status = both ? lac_column_reserve(to, own->count, err) : LAC_OK;
     }
-    for (size_t i = 0, k = 0; (own = next_growing(of, &k)) != NULL;) {
-        to = next_growing(into, &i);
-        if (status == LAC_OK) {
+    to = into->column;
+    for (lac_column *own = of->column; own < end; own++, to++) {
+        if (own->along != LAC_ONCE && status == LAC_OK) {
             pour(to, own);
         }
-        own->count = 0;
+        own->count = own->along != LAC_ONCE ? 0 : own->count;
     }
     for (size_t along = 0; along < LAC_MOST_GROWING; along++) {
         into->growth[along].places += status == LAC_OK ? of->growth[along].places : 0;
@@ -371,9 +345,10 @@ lac_status lac_recording_load(lac_recording *recording, const char *path,
     LAC_TRY(load_axis(all, "event", (size_t)checkpoint->events, 0, file, err));
     measure(recording);
     const size_t n = lac_dataset_count(recording->kept, "time_origin");
+    recording->has_last = n > 0;
     if (n > 0) {
-        resume(recording, lac_dataset_array(recording->kept, "time_origin")[n - 1],
-               lac_dataset_array(recording->kept, "time_local")[n - 1]);
+        recording->last_origin = lac_dataset_array(recording->kept, "time_origin")[n - 1];
+        recording->last_local = lac_dataset_array(recording->kept, "time_local")[n - 1];
     }
 out:
     lac_stored_file_close(file);

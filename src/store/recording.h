@@ -8,7 +8,6 @@ typedef struct lac_recording lac_recording;
 
 /// What it keeps. Only lac_recording_create looks at what this points to.
 typedef lac_run_output lac_recording_def;
-
 lac_status lac_recording_create(const lac_recording_def *def, lac_recording **out, lac_error *err);
 
 /// Frees a recording; NULL is fine.
@@ -16,10 +15,6 @@ void lac_recording_free(lac_recording *recording);
 
 /// The sink that fills it; it makes no checkpoints.
 lac_sink lac_recording_sink(lac_recording *recording);
-
-/// Sets the extra quantities that run over nothing.
-/// @param once  values in their order; NaN: missing
-lac_status lac_recording_once(lac_recording *recording, const double *once, lac_error *err);
 
 /// Adds one value that runs over nothing, at most LAC_MORE_VALUES. The texts must outlive the
 /// recording.
@@ -51,9 +46,7 @@ lac_status lac_recording_move(lac_recording *recording, lac_recording *from, lac
 void lac_recording_thin(lac_recording *recording, const char *dimension, const uint8_t *keep);
 
 /// Puts what the file of a run holds up to its checkpoint before all that comes, of the snapshots
-/// about 40: for a run that goes on.
-/// @param recording  without a record yet
-/// @return LAC_OK; LAC_EIO (not the file of a run, damaged); LAC_ENOMEM
+/// about 40: for a run that goes on, without a record yet.
 lac_status lac_recording_load(lac_recording *recording, const char *path,
                               const lac_checkpoint_file *checkpoint, lac_error *err);
 

@@ -59,11 +59,7 @@ static void pass_about(lac_archive *archive, lac_checkpoint_file *c)
 {
     LAC_PASS(archive, c->from.planned);
     LAC_PASS(archive, c->from.time);
-    LAC_PASS(archive, c->records);
-    LAC_PASS(archive, c->snapshots);
-    LAC_PASS(archive, c->events);
-    LAC_PASS(archive, c->begun);
-    LAC_PASS(archive, c->last_time);
+    LAC_PASS_RUN(archive, c->records, c->last_time);
     pass_text(archive, &c->program);
     pass_text(archive, &c->libraries);
     pass_text(archive, &c->case_text);
@@ -99,19 +95,14 @@ lac_status lac_store_put_checkpoint(const lac_store *s, const lac_checkpoint *ch
                                 .libraries = s->libraries,
                                 .case_text = s->case_text};
     lac_archive archive = {.loading = false};
-    lac_status status = LAC_OK;
     head later = {.size = 0};
     char *name = lac_text_join(s->file.path, "", ".checkpoint");
     char *part = lac_text_join(s->file.path, "", ".checkpoint.part");
     LAC_PASS(&archive, later);
     pass_about(&archive, &info);
     lac_archive_pass(&archive, (void *)checkpoint->state, checkpoint->size); // only read
-    if (name == NULL || part == NULL || archive.no_memory) {
-        status = lac_fail_memory(err);
-        goto out;
-    }
-    LAC_TRY(write_file(name, part, &archive, err));
-out:
+    const bool good = name != NULL && part != NULL && !archive.no_memory;
+    const lac_status status = good ? write_file(name, part, &archive, err) : lac_fail_memory(err);
     free(name);
     free(part);
     free(archive.bytes);
@@ -130,29 +121,21 @@ void lac_store_remove_checkpoint(const char *path)
     }
 }
 
-// Whether the head is one, and of a format that is read here.
-static lac_status check_head(const char *name, const head *h, lac_error *err)
-{
-    const size_t word = sizeof mark - 1;
-    LAC_FAIL_IF(memcmp(h->mark, mark, word) != 0, err, LAC_EIO, "%s: is not a checkpoint of Lacuna",
-                name);
-    LAC_FAIL_IF(
-        h->mark[word] != mark[word], err, LAC_EINPUT,
-        "%s: is a checkpoint of another version of Lacuna: its format is '%c', '%c' is read here",
-        name, isprint((unsigned char)h->mark[word]) ? h->mark[word] : '?', mark[word]);
-    return LAC_OK;
-}
-
 // The bytes after the head, sound or not at all.
 static lac_status read_bytes(const char *name, int fd, lac_checkpoint_file *out, size_t *size,
                              lac_error *err)
 {
     struct stat info = {0};
     head h;
+    const size_t word = sizeof mark - 1; // then the format
     LAC_FAIL_IF(fstat(fd, &info) != 0, err, LAC_EIO, "%s: %s", name, strerror(errno));
-    LAC_FAIL_IF(!S_ISREG(info.st_mode) || pread(fd, &h, sizeof h, 0) != (ssize_t)sizeof h, err,
-                LAC_EIO, "%s: is not a checkpoint of Lacuna", name);
-    LAC_TRY_RETURN(check_head(name, &h, err));
+    LAC_FAIL_IF(!S_ISREG(info.st_mode) || pread(fd, &h, sizeof h, 0) != (ssize_t)sizeof h ||
+                    memcmp(h.mark, mark, word) != 0,
+                err, LAC_EIO, "%s: is not a checkpoint of Lacuna", name);
+    LAC_FAIL_IF(
+        h.mark[word] != mark[word], err, LAC_EINPUT,
+        "%s: is a checkpoint of another version of Lacuna: its format is '%c', '%c' is read here",
+        name, isprint((unsigned char)h.mark[word]) ? h.mark[word] : '?', mark[word]);
     *size = (size_t)info.st_size - sizeof h;
     out->bytes = malloc(*size + 1);
     LAC_FAIL_MEMORY_IF(out->bytes == NULL, err);

@@ -22,21 +22,12 @@ static lac_status sync_file(lac_store *s, lac_error *err)
     return LAC_OK;
 }
 
-// What a checkpoint says of who made it.
-static lac_status keep_provenance(lac_store *s, const lac_store_def *def, lac_error *err)
-{
-    const lac_provenance *from = &def->provenance;
-    s->libraries = strdup(from->libraries != NULL ? from->libraries : "");
-    s->case_text = lac_text_join(from->case_text != NULL ? from->case_text : "", "",
-                                 def->inputs != NULL ? def->inputs : "");
-    return s->libraries != NULL && s->case_text != NULL ? LAC_OK : lac_fail_memory(err);
-}
-
 // A new file, or the one that is there up to its checkpoint.
 static lac_status begin_file(lac_store *s, const lac_store_def *def, lac_error *err)
 {
     LAC_TRY_RETURN(lac_nc_create(&s->file, def->path, def->force || def->resume != NULL, err));
-    LAC_TRY_RETURN(lac_nc_provenance(&s->file, &def->provenance, s->dataset->summary, err));
+    LAC_TRY_RETURN(lac_provenance_put(&def->provenance, s->dataset->summary, lac_nc_put_attribute,
+                                      &s->file, err));
     LAC_TRY_RETURN(lac_nc_text(&s->file, NC_GLOBAL, "status", "running", err));
     LAC_TRY_RETURN(lac_writer_begin(&s->writer, err));
     if (def->resume != NULL) {
@@ -54,6 +45,7 @@ static lac_status begin_file(lac_store *s, const lac_store_def *def, lac_error *
 
 lac_status lac_store_create(const lac_store_def *def, lac_store **out, lac_error *err)
 {
+    const lac_provenance *from = &def->provenance;
     assert(def->of.fields == 0 || def->of.domain != NULL);
     *out = NULL;
     lac_status status = LAC_OK;
@@ -71,7 +63,10 @@ lac_status lac_store_create(const lac_store_def *def, lac_store **out, lac_error
                              .deflate = (int)def->compression,
                              .chunk = CHUNK,
                              .batch = s->sync_every < BATCH_MAX ? s->sync_every : BATCH_MAX};
-    LAC_TRY(keep_provenance(s, def, err));
+    s->libraries = lac_text_join("", "", from->libraries != NULL ? from->libraries : "");
+    s->case_text = lac_text_join(from->case_text != NULL ? from->case_text : "", "",
+                                 def->inputs != NULL ? def->inputs : "");
+    LAC_TRY(s->libraries != NULL && s->case_text != NULL ? LAC_OK : lac_fail_memory(err));
     LAC_TRY(begin_file(s, def, err));
     *out = s;
     s = NULL;
@@ -159,9 +154,8 @@ static void keep(void *context, lac_archive *archive)
         lac_archive_pass(archive, &places, sizeof places);
         archive->short_of |= places != own;
     }
-    lac_archive_pass(archive, &s->has_last, sizeof s->has_last);
-    lac_archive_pass(archive, &s->last_origin, sizeof s->last_origin);
-    lac_archive_pass(archive, &s->last_local, sizeof s->last_local);
+    LAC_PASS(archive, s->has_last);
+    LAC_PASS_RUN(archive, s->last_origin, s->last_local);
 }
 
 // What was put out before is on disk before the checkpoint counts on it.

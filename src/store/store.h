@@ -34,10 +34,8 @@ typedef struct lac_checkpoint_file {
     unsigned char *bytes; ///< `from` points into them
 } lac_checkpoint_file;
 
-/// Reads the checkpoint of a run's file.
-/// @param path  of the run's file
-/// @param out   to be cleared whatever the status
-/// @return LAC_OK; LAC_EINPUT where there is none; LAC_EIO (cannot be read, damaged); LAC_ENOMEM
+/// Reads the checkpoint of a run's file; LAC_EINPUT where there is none.
+/// @param out  to be cleared whatever the status
 lac_status lac_checkpoint_file_read(const char *path, lac_checkpoint_file *out, lac_error *err);
 
 void lac_checkpoint_file_clear(lac_checkpoint_file *checkpoint);
@@ -60,9 +58,9 @@ typedef struct lac_store_def {
 /// A netCDF-4 file being written; docs/format.md.
 typedef struct lac_store lac_store;
 
-/// Creates the file with its metadata and status `running`. With `resume` it takes the place of
-/// the one that is there once it holds that one's records and snapshots up to the checkpoint.
-/// @return LAC_OK; LAC_EINPUT where the file exists and `force` is not set; LAC_EIO; LAC_ENOMEM
+/// Creates the file with its metadata and status `running`; LAC_EINPUT where one exists without
+/// `force`. With `resume` it takes the place of the one that is there once it holds that one's
+/// records and snapshots up to the checkpoint.
 lac_status lac_store_create(const lac_store_def *def, lac_store **out, lac_error *err);
 
 /// The sink that writes into the store; valid until the store is finished or freed.
@@ -70,8 +68,7 @@ lac_sink lac_store_sink(lac_store *store);
 
 /// Writes what is still buffered, `status` ("complete", "failed", "interrupted"), the result and
 /// the wall time, and closes the file. A complete one needs its checkpoint no more, which is
-/// removed. The store still has to be freed.
-/// @return LAC_OK; LAC_EIO (a full disk shows up here)
+/// removed. The store still has to be freed. A full disk shows up here.
 lac_status lac_store_finish(lac_store *store, const char *status, const lac_run_result *result,
                             double wall_time, lac_error *err);
 
@@ -140,9 +137,8 @@ lac_status lac_history_store_maps(lac_history_store *store, const lac_history_ma
 /// @param stride  between records that stand one behind the other
 lac_variables lac_history_steps(size_t stride);
 
-/// Writes what attributes of the contact are LAC_LATE, `status` ("complete", "failed",
-/// "interrupted") and closes the file. The store still has to be freed.
-/// @return LAC_OK; LAC_EIO (a full disk shows up here)
+/// Writes what attributes of the contact are LAC_LATE and `status`, and closes the file, as
+/// lac_store_finish does.
 lac_status lac_history_store_finish(lac_history_store *store, const char *status, lac_error *err);
 
 /// Frees a store; one that was not finished is closed with status `running`. NULL is fine.

@@ -30,17 +30,14 @@ typedef struct lac_stored_cells {
 } lac_stored_cells;
 
 /// Reads the cells of a file of a run or a contact. The last snapshot of a run that was killed is
-/// passed over where it is torn.
+/// passed over where it is torn. LAC_EINPUT: no such snapshot, no tractions kept, a force along y.
 /// @param out  cleared by the caller, whatever the status
-/// @return LAC_OK; LAC_EINPUT (no such snapshot, no tractions kept, a force along y); LAC_EIO (not
-///         such a file, damaged); LAC_ENOMEM
 lac_status lac_stored_cells_read(const char *path, const lac_snapshot_choice *choice,
                                  lac_stored_cells *out, lac_error *err);
 
 /// The contact cells alone: of a run, of a contact, or of the last step of a history that kept its
-/// pressures.
+/// pressures. LAC_EINPUT: there is no contact cell.
 /// @param domain  pressures before pore pressure; NULL where it fails
-/// @return LAC_OK; LAC_EINPUT (no contact cell); LAC_EIO (not such a file, damaged); LAC_ENOMEM
 lac_status lac_stored_domain_read(const char *path, lac_domain **domain, lac_error *err);
 
 /// Whether what a file holds begins as a netCDF file does; false where it cannot be read.
@@ -59,10 +56,8 @@ typedef struct lac_map_def {
 /// Reads a field at the contact cells of a domain: over the grid, (y, x) or with its dimensions
 /// named x and y in any order, coordinates rising; over its points where the grid is a line; or
 /// over the contact cells in the order of the domain. Packed values are unpacked; `units` must
-/// convert to the unit asked for, and may be missing only where that is "1".
+/// convert to the unit asked for, and may be missing only where that is "1". LAC_EINPUT: no such
+/// variable, another shape or dimension, a contact cell without a value.
 /// @param values  [domain->n] SI; overwritten
-/// @return LAC_OK; LAC_EIO (no netCDF file, damaged); LAC_EINPUT (no such variable, another shape
-/// or
-///         dimension, a contact cell without a value); LAC_ENOMEM
 lac_status lac_map_read(const lac_map_def *def, const lac_domain *domain, double *values,
                         lac_error *err);

@@ -16,7 +16,7 @@ void lac_stored_values_clear(lac_stored_values *values);
 /// A file of Lacuna that is read piece by piece: looked through and opened once.
 typedef struct lac_stored_file lac_stored_file;
 
-/// @return LAC_OK; LAC_EIO (not a Lacuna file, damaged, being written); LAC_ENOMEM
+/// LAC_EIO: not a Lacuna file, damaged, or being written.
 lac_status lac_stored_file_open(const char *path, lac_stored_file **out, lac_error *err);
 
 /// A run that is kept in memory, read as its file would be. It must outlive what is opened here,
@@ -24,10 +24,9 @@ lac_status lac_stored_file_open(const char *path, lac_stored_file **out, lac_err
 lac_status lac_stored_file_of(const lac_recording *recording, lac_stored_file **out,
                               lac_error *err);
 
-/// Whether the writer of a file was stopped before it had closed it, and all that was synced is
-/// there all the same: in FILE.journal, or, of a file of an older version that HDF5 has cut by at
-/// most 4 kB, in the file. The readers here then read a copy that is whole, made beside the file,
-/// or in /tmp where that folder cannot be written; other programs cannot. The file does not change.
+/// Whether the writer of a file was stopped before it had closed it, and FILE.journal has all that
+/// was synced. The readers here then read a copy that is whole, made beside the file, or in /tmp
+/// where that folder cannot be written; other programs cannot. The file does not change.
 /// @return false also where somebody is writing it
 bool lac_store_is_cut(const char *path);
 
@@ -56,16 +55,12 @@ lac_status lac_store_mend(const char *path, bool *mended, lac_error *err);
 /// Closes it; NULL is fine.
 void lac_stored_file_close(lac_stored_file *file);
 
-/// A whole variable of any dimensions; one that is not there is no error.
-/// @param out  cleared by the caller
-/// @return LAC_OK; LAC_EIO (damaged); LAC_ENOMEM
+/// A whole variable of any dimensions; one that is not there is no error. The caller clears `out`.
 lac_status lac_stored_file_values(const lac_stored_file *file, const char *variable,
                                   lac_stored_values *out, lac_error *err);
 
-/// The same of one place along the first dimension: the cells of a snapshot.
-/// @param row  from 0
-/// @param out  n is 1; cleared by the caller
-/// @return as lac_stored_file_values; LAC_EINPUT (no such row)
+/// The same of one place along the first dimension, the cells of a snapshot; LAC_EINPUT: there is
+/// none.
 lac_status lac_stored_file_row(const lac_stored_file *file, const char *variable, ptrdiff_t row,
                                lac_stored_values *out, lac_error *err);
 

@@ -29,6 +29,7 @@ typedef struct lac_growth {
 typedef struct lac_columns {
     size_t n;
     lac_column *column;
+    size_t growing;
     lac_growth growth[LAC_MOST_GROWING];
 } lac_columns;
 
@@ -69,8 +70,8 @@ typedef struct lac_writer {
     size_t pending; ///< given to netCDF and not yet synced [bytes]
 } lac_writer;
 
-/// Defines all variables, and writes those that neither grow nor come late.
-/// @return LAC_OK; LAC_EINPUT (a start that no date can be); LAC_EIO; LAC_ENOMEM
+/// Defines all variables, and writes those that neither grow nor come late. LAC_EINPUT: no date can
+/// be the start.
 lac_status lac_writer_begin(lac_writer *writer, lac_error *err);
 
 /// Adds what the dataset holds now along a dimension that grows; nothing where it has none of that
@@ -110,6 +111,10 @@ typedef lac_status lac_put_attribute(void *to, const char *name, const char *tex
                                      bool whole, lac_error *err);
 lac_put_attribute lac_nc_put_attribute;        ///< into a lac_nc
 lac_put_attribute lac_recording_put_attribute; ///< into a lac_recording, as a text
+
+/// Puts the attributes that every file of Lacuna carries.
+lac_status lac_provenance_put(const lac_provenance *of, const char *summary, lac_put_attribute *put,
+                              void *to, lac_error *err);
 
 /// Puts the attributes that a dataset has for its file. @param late  those of LAC_LATE, or all
 /// others

@@ -213,7 +213,7 @@ const lac_quantity_about lac_quantities[] = {
     [LAC_QUANTITY_PRESSURE] = {"pressure", "Pa", "mean normal pressure", true},
     [LAC_QUANTITY_DIMENSION] = {"dimension", "1", "box dimension", true},
     [LAC_QUANTITY_WORK] = {"work", "J", "frictional work", true},
-    [LAC_QUANTITIES] = {NULL},
+    [LAC_QUANTITIES] = {.name = NULL},
 };
 
 // f0 of the friction law, unless `rg` has its own.

@@ -172,7 +172,7 @@ static void test_items(void **state)
     assert_true(lac_dataset_find(d, "key", &item));
     assert_string_equal(lac_item_text(&item, 1, room), "c");
     assert_true(lac_dataset_find(d, "drawn", &item));
-    assert_string_equal(item.comment, "its comment");
+    assert_string_equal(item.row->comment, "its comment");
     lac_item_values(&item, values);
     assert_true(values[0] == 0.5 * 11 && values[2] == 0.5 * 31); // at[1] is `which`
     assert_true(lac_item_next_attribute(&item, &attribute));

@@ -207,7 +207,7 @@ static void print_sizes(const lac_scene_fractal *f)
 
 // The history of loads, as a table in units that suit the largest values.
 enum { WIDTH = 12 };
-#define OF(field) offsetof(lac_history_record, field)
+#define OF(field) .at = offsetof(lac_history_record, field)
 enum { P, Q_X, Q_Y, SHIFT_X, SHIFT_Y, STICK, WORK, HIGHEST, HIGHEST_X, HIGHEST_Y, COLUMNS };
 
 // One column of the table of steps: a value of each, shown in a unit that suits the largest.
@@ -327,7 +327,7 @@ static void print_history(const lac_contact_outcome *o)
         [Q_Y] = {"Q_y", "N", OF(shear.traction[1])},
         [SHIFT_X] = {"shift_x", "m", OF(shear.shift[0])},
         [SHIFT_Y] = {"shift_y", "m", OF(shear.shift[1])},
-        [STICK] = {"stick", "%"},
+        [STICK] = {.name = "stick", .unit = "%"},
         [WORK] = {"work", "J", OF(shear.dissipation)},
         [HIGHEST] = {"q/(f p)", "", OF(shear.highest_ratio)},
         [HIGHEST_X] = {"at x", "m", OF(highest[0])},

@@ -146,8 +146,9 @@ static void make_plain(char *text)
 {
     for (size_t step; *text != '\0'; text += step) {
         const unsigned char *s = (const unsigned char *)text;
-        const size_t n = lac_utf8_length(s);
-        const bool none = n == 3 && memcmp(s, "\xef\xbf", 2) == 0 && s[2] >= 0xbe; // of Unicode
+        uint32_t code;
+        const size_t n = lac_utf8_length(s, &code);
+        const bool none = n == 3 && code >= 0xfffe; // of Unicode
         step = n > 0 ? n : 1;
         if (n > 1 ? none || lac_hidden_length(text, n) > 0 : n < 1 || *s < 0x20 || *s >= 0x7f) {
             memset(text, '?', step);

@@ -105,11 +105,8 @@ static lac_status read_resumed(run_job *job, const char *case_text, lac_error *e
     const char *program = lac_checkpoint_file_program();
     lac_checkpoint_file *from = &job->resume;
     LAC_TRY_RETURN(lac_store_read_attribute(path, "status", status_word, sizeof status_word, err));
-    LAC_FAIL_IF(strcmp(status_word, "complete") == 0, err, LAC_EINPUT,
-                lac_store_is_cut(path)
-                    ? "--resume: %s is complete but was not closed; lacuna mend %s"
-                    : "--resume: %s is complete",
-                path, path);
+    LAC_FAIL_IF(strcmp(status_word, "complete") == 0, err, LAC_EINPUT, "--resume: %s is complete",
+                path);
     LAC_TRY_RETURN(lac_checkpoint_file_read(path, from, err));
     LAC_FAIL_IF(strcmp(from->program, program) != 0 || strcmp(from->libraries, libraries) != 0, err,
                 LAC_EINPUT, "--resume: the checkpoint of %s is of %s with %s; this is %s with %s",

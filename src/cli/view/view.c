@@ -244,7 +244,7 @@ static lac_status record(cli_view *view, const lac_store_def *def, const double 
         LAC_TRY_RETURN(lac_recording_load(view->coming, def->path, def->resume, err));
     }
     if (once != NULL) {
-        LAC_TRY_RETURN(lac_recording_once(view->whole, once, err));
+        LAC_TRY_RETURN(lac_recording_sink(view->whole).once(view->whole, once, err));
     }
     return LAC_OK;
 }
