@@ -127,46 +127,44 @@ static void put_html(lac_json *json, const char *title, const char *nonce, lac_p
     }
 }
 
-// What was written, or that memory ran out.
-static lac_status finish(const lac_json *json, char **text, lac_status status, lac_error *err)
-{
-    const bool whole = json->out != NULL && fclose(json->out) == 0 && !json->broken;
-    if (status != LAC_OK || !whole) {
-        free(*text);
-        *text = NULL;
-    }
-    return status == LAC_OK && !whole ? lac_fail_memory(err) : status;
-}
-
-static lac_status make(const lac_page_def *def, bool html, char **out, lac_error *err)
+// @param nonce  NULL: the data alone. @param live  a page that asks for its data
+static lac_status make(const lac_page_def *def, const char *nonce, bool live, char **out,
+                       lac_error *err)
 {
     size_t size = 0;
     char title[512];
     *out = NULL;
     lac_page page = {
         .def = def, .err = err, .json = {.page = true, .out = open_memstream(out, &size)}};
-    if (page.json.out != NULL) {
+    if (page.json.out != NULL && !live) {
         lac_page_begin(&page);
     }
-    if (page.file != NULL && page.status == LAC_OK && html) {
+    if (live && page.json.out != NULL) {
+        put_html(&page.json, def->run, nonce, NULL);
+    } else if (page.file != NULL && page.status == LAC_OK && nonce != NULL) {
         const bool titled = lac_stored_file_text(page.file, NULL, "title", title, sizeof title);
-        put_html(&page.json, titled ? title : def->run, "", &page);
+        put_html(&page.json, titled ? title : def->run, nonce, &page);
     } else if (page.file != NULL && page.status == LAC_OK) {
         write_data(&page);
     }
     lac_page_clear(&page);
-    return finish(&page.json, out, page.status, err);
+    const bool whole = page.json.out != NULL && fclose(page.json.out) == 0 && !page.json.broken;
+    if (page.status != LAC_OK || !whole) {
+        free(*out);
+        *out = NULL;
+    }
+    return page.status == LAC_OK && !whole ? lac_fail_memory(err) : page.status;
 }
 
 lac_status lac_page_data(const lac_page_def *def, char **json, lac_error *err)
 {
-    return make(def, false, json, err);
+    return make(def, NULL, false, json, err);
 }
 
 lac_status lac_page_write(const lac_page_def *def, const char *path, bool force, lac_error *err)
 {
     char *html = NULL;
-    lac_status status = make(def, true, &html, err);
+    lac_status status = make(def, "", false, &html, err);
     if (status == LAC_OK) {
         status = lac_write_text(path, html, force, err);
     }
@@ -176,13 +174,8 @@ lac_status lac_page_write(const lac_page_def *def, const char *path, bool force,
 
 lac_status lac_page_live_page(const char *nonce, char **html, lac_error *err)
 {
-    size_t size = 0;
+    const lac_page_def def = {.run = "Lacuna"};
     char attribute[80];
-    *html = NULL;
-    lac_json json = {.out = open_memstream(html, &size)};
     (void)snprintf(attribute, sizeof attribute, " nonce=\"%s\"", nonce);
-    if (json.out != NULL) {
-        put_html(&json, "Lacuna", attribute, NULL);
-    }
-    return finish(&json, html, LAC_OK, err);
+    return make(&def, attribute, true, html, err);
 }

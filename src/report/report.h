@@ -9,15 +9,13 @@
 /// What a page shows. Texts are borrowed.
 typedef struct lac_page_def {
     const char *run;                ///< file of a run
-    const lac_recording *recording; ///< read instead of the file, whose name is then only shown;
-                                    ///< with the texts that are the file's attributes; NULL: none
+    const lac_recording *recording; ///< read instead of the file, with its attributes; NULL
     const lac_series *series;       ///< laid beside it; NULL: none
     const char *series_name;        ///< what it is called
     const char *fit;                ///< file of lacuna fit, whose forecast is drawn; NULL: none
     const char *made_by;            ///< program and version
     double now;                     ///< seconds since 1970 UTC: the library reads no clock
-    int issues; ///< times at which forecasts are issued, at most: they cost more than all else; 0:
-                ///< 40, -1: none
+    int issues; ///< times of forecasts, which cost more than all else; 0: 40, -1: none
 } lac_page_def;
 
 /// The data of a page as one JSON object, which a page's script draws: every section that the file
@@ -30,17 +28,14 @@ typedef struct lac_page_def {
 /// @cost  memory of all records of one column set, and of 12 000 numbers for each of 40 snapshots
 lac_status lac_page_data(const lac_page_def *def, char **json, lac_error *err);
 
-/// Writes the page.
-/// @param path   taken only once the page is whole
-/// @param force  replace a file that exists
+/// Writes the page. @param path  taken only once the page is whole
 /// @return as lac_page_data; LAC_EINPUT where the file exists and `force` is not set
 lac_status lac_page_write(const lac_page_def *def, const char *path, bool force, lac_error *err);
 
 /// The page of a run that goes on: without data, which its script asks for at `data` again and
 /// again. docs/report.md
 /// @param nonce  of the Content-Security-Policy that it is sent with
-/// @param html   ends in '\0'; the caller frees it; NULL where it fails
-/// @return LAC_OK; LAC_ENOMEM
+/// @param html   as the data; LAC_ENOMEM
 lac_status lac_page_live_page(const char *nonce, char **html, lac_error *err);
 
 /// The file's name without its folder.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a page reads of a run, from its file or from memory: the columns of its sections over time,
-// and the time to the end.
+// and the time to the end; and what slips at each scale, against the fixed points of the cascade
+// and of the run's own map.
 #include "report/run.h"
 
 #include <math.h>
@@ -9,7 +10,7 @@
 
 #include "base/date.h"
 
-enum { BUCKETS = 500 };
+enum { BUCKETS = 500, LEVEL_BUCKETS = 300, COMMENT = 600 };
 
 // Columns over time: where the page shows them, and under which key.
 static const struct {
@@ -182,7 +183,8 @@ void lac_page_column(lac_page *page, const char *key, size_t n, const double *va
     lac_json_close(&page->json, ']');
 }
 
-uint8_t *lac_page_keep(lac_page *page, const char *section, size_t buckets)
+// The records that the charts of a section's columns need. @return [n] NULL: no memory
+static uint8_t *keep_of(lac_page *page, const char *section, size_t buckets)
 {
     const double *column[SHOWN];
     size_t columns = 0;
@@ -198,7 +200,8 @@ uint8_t *lac_page_keep(lac_page *page, const char *section, size_t buckets)
     return keep;
 }
 
-void lac_page_records(lac_page *page, const char *section, const uint8_t *keep)
+// Times and the columns of a section, at the records that are kept.
+static void write_records(lac_page *page, const char *section, const uint8_t *keep)
 {
     lac_page_column(page, "time", page->n, page->time, keep, 12);
     lac_page_column(page, "before", page->n, page->before, keep, 6);
@@ -236,11 +239,76 @@ static bool is_there(lac_page *page, const char *section)
 
 void lac_page_course(lac_page *page, const char *key)
 {
-    const uint8_t *keep = is_there(page, key) ? lac_page_keep(page, key, BUCKETS) : NULL;
+    const uint8_t *keep = is_there(page, key) ? keep_of(page, key, BUCKETS) : NULL;
     if (keep != NULL) {
         lac_json_open(&page->json, key, '{');
         lac_json_integer(&page->json, "records", (int64_t)page->n);
-        lac_page_records(page, key, keep);
+        write_records(page, key, keep);
+        lac_json_close(&page->json, '}');
+    }
+}
+
+// Variables of one number; null on the page where the file has none.
+static void write_fixed_points(lac_page *page)
+{
+    static const char *const scalars[] = {
+        "critical_fraction",
+        "critical_fraction_low",
+        "critical_fraction_high",
+        "run_critical_fraction",
+        "run_critical_fraction_low",
+        "run_critical_fraction_high",
+        "run_lambda",
+        "run_lambda_low",
+        "run_lambda_high",
+    };
+    static const char *const comments[][2] = {{"source", "critical_fraction"},
+                                              {"definition", "n_slip"}};
+    char comment[COMMENT];
+    for (size_t i = 0; i < sizeof scalars / sizeof *scalars; i++) {
+        const lac_stored_values value = lac_page_values(page, page->file, scalars[i]);
+        lac_json_digits(&page->json, scalars[i], value.n == 1 ? value.value[0] : NAN, 6);
+    }
+    for (size_t i = 0; i < 2; i++) {
+        (void)lac_stored_file_text(page->file, comments[i][1], "comment", comment, sizeof comment);
+        lac_json_text(&page->json, comments[i][0], comment);
+    }
+}
+
+static void write_counts(lac_page *page, const lac_stored_values *n_slip, const uint8_t *keep)
+{
+    lac_json_open(&page->json, "slipping", '[');
+    for (size_t level = 0; level < n_slip->width; level++) {
+        lac_json_open(&page->json, NULL, '[');
+        for (size_t i = 0; i < page->n; i++) {
+            if (keep[i]) {
+                lac_json_digits(&page->json, NULL, n_slip->value[i * n_slip->width + level], 17);
+            }
+        }
+        lac_json_close(&page->json, ']');
+    }
+    lac_json_close(&page->json, ']');
+}
+
+void lac_page_levels(lac_page *page, const char *key)
+{
+    const lac_stored_values n_slip = lac_page_values(page, page->file, "n_slip");
+    const lac_stored_values size = lac_page_values(page, page->file, "block_size");
+    const lac_stored_values total = lac_page_values(page, page->file, "n_tot");
+    if (n_slip.value == NULL || n_slip.n < page->n || n_slip.width < 2 ||
+        lac_page_over_time(page, "slip_fraction") == NULL ||
+        lac_page_over_time(page, "correlation_length") == NULL || size.n != n_slip.width ||
+        total.n != n_slip.width) {
+        return; // the case did not ask for it, or it is a block
+    }
+    const uint8_t *keep = keep_of(page, key, LEVEL_BUCKETS);
+    if (keep != NULL) {
+        lac_json_open(&page->json, key, '{');
+        lac_page_column(page, "size", size.n, size.value, NULL, 8);
+        lac_page_column(page, "total", total.n, total.value, NULL, 17);
+        write_records(page, key, keep);
+        write_counts(page, &n_slip, keep);
+        write_fixed_points(page);
         lac_json_close(&page->json, '}');
     }
 }

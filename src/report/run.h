@@ -25,8 +25,7 @@ typedef struct lac_page {
     double start; ///< of the run's clock, seconds since 1970; 0: not dated
 } lac_page;
 
-/// Reads of the run what is needed before anything is written: LAC_EINPUT (no record); LAC_EIO (not
-/// a run of Lacuna, damaged); LAC_ENOMEM.
+/// Reads of the run what is needed before anything is written.
 void lac_page_begin(lac_page *page);
 void lac_page_clear(lac_page *page);
 
@@ -55,20 +54,34 @@ size_t lac_page_thin(size_t n, const double *time, const double *before, size_t 
 void lac_page_thin_to(size_t n, const double *time, const double *before, size_t most, size_t goal,
                       uint8_t *keep);
 
-/// The numbers of a column at the records that are kept.
-/// @param value  [n] NULL: none
-/// @param keep   [n] NULL: all
+/// The numbers of a column [n], NULL: none, at the records that are kept, NULL: all.
 void lac_page_column(lac_page *page, const char *key, size_t n, const double *value,
                      const uint8_t *keep, int digits);
 
-/// The records that the charts of a section's columns need. @return [n] NULL: no memory
-uint8_t *lac_page_keep(lac_page *page, const char *section, size_t buckets);
+/// The contact cells as the page draws them: squares of `block` x `block` cells each.
+typedef struct lac_page_raster {
+    size_t cells;
+    size_t nx, ny;    ///< squares of the whole interface
+    size_t block;     ///< cells along the side of a square
+    double dx, dy;    ///< sides of a square [m]
+    size_t squares;   ///< that hold a contact cell
+    uint32_t *square; ///< [cells] number of the square that a cell lies in
+    double *place;    ///< [squares] row * nx + column
+    uint32_t *count;  ///< [squares] contact cells in it
+} lac_page_raster;
 
-/// Times and the columns of a section, at the records that are kept.
-void lac_page_records(lac_page *page, const char *section, const uint8_t *keep);
+/// What a square shows of its cells.
+typedef enum lac_page_summary {
+    LAC_PAGE_MEAN,
+    LAC_PAGE_MOST,
+    LAC_PAGE_SHARE_ABOVE
+} lac_page_summary;
 
-/// Times of the series' readings on the run's clock. @return [n] NULL: no memory
-double *lac_page_readings(lac_page *page);
+/// @param value  [cells] NaN: missing
+/// @param limit  of LAC_PAGE_SHARE_ABOVE
+/// @param out    [squares]
+void lac_page_raster_summarise(const lac_page_raster *raster, lac_page_summary how,
+                               const double *value, double limit, double *out);
 
 /// The sections: each writes an object under its key, or nothing where the run has no data for it.
 void lac_page_course(lac_page *page, const char *key);

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The monitoring series beside a run.
+// The monitoring series beside a run, and forecasts of the time of failure as they would have been
+// issued: of the series where there is one, else of the run.
 #include <math.h>
 
+#include "forecast/hindcast.h"
 #include "report/run.h"
 #include "series/motion.h"
 
 enum { MOST_READINGS = 3000 };
 
-double *lac_page_readings(lac_page *page)
+// Times of the readings on the run's clock. @return [n] NULL: no memory
+static double *readings_of(lac_page *page)
 {
     const lac_series *series = page->def->series;
     double *time = lac_page_room(page, series->n * sizeof *time);
@@ -43,17 +46,6 @@ static void write_column(lac_json *json, const char *key, size_t n, const double
     lac_json_close(json, ']');
 }
 
-static void write_misfit(lac_json *json, const lac_misfit *misfit)
-{
-    const bool slips = misfit->displacement_count > 0, rates = misfit->velocity_count > 0;
-    lac_json_digits(json, "offset", slips ? misfit->displacement_offset : NAN, 8);
-    lac_json_digits(json, "slip_rms", slips ? misfit->displacement_rms : NAN, 4);
-    lac_json_integer(json, "slip_readings", (int64_t)misfit->displacement_count);
-    lac_json_digits(json, "rate_rms_log10", rates ? misfit->log_rate_rms : NAN, 4);
-    lac_json_integer(json, "rate_readings", (int64_t)misfit->velocity_count);
-    lac_json_integer(json, "outside", (int64_t)misfit->outside);
-}
-
 // Readings on the run's clock.
 static void write_series(lac_page *page, const lac_series *view, const lac_motion *derived)
 {
@@ -64,6 +56,7 @@ static void write_series(lac_page *page, const lac_series *view, const lac_motio
     lac_json *json = &page->json;
     lac_misfit misfit = {0};
     lac_series_compare(view, &history, &misfit);
+    const bool slips = misfit.displacement_count > 0, speeds = misfit.velocity_count > 0;
     lac_json_text(json, "name", page->def->series_name);
     lac_json_text(json, "attribution", view->attribution);
     lac_json_integer(json, "readings", (int64_t)view->n);
@@ -74,7 +67,12 @@ static void write_series(lac_page *page, const lac_series *view, const lac_motio
     const size_t rates = derived != NULL ? derived->velocities : view->n;
     write_column(json, "rate_time", rates, derived != NULL ? derived->velocity_time : view->time);
     write_column(json, "rate", rates, derived != NULL ? derived->velocity : view->velocity);
-    write_misfit(json, &misfit);
+    lac_json_digits(json, "offset", slips ? misfit.displacement_offset : NAN, 8);
+    lac_json_digits(json, "slip_rms", slips ? misfit.displacement_rms : NAN, 4);
+    lac_json_integer(json, "slip_readings", (int64_t)misfit.displacement_count);
+    lac_json_digits(json, "rate_rms_log10", speeds ? misfit.log_rate_rms : NAN, 4);
+    lac_json_integer(json, "rate_readings", (int64_t)misfit.velocity_count);
+    lac_json_integer(json, "outside", (int64_t)misfit.outside);
 }
 
 void lac_page_series(lac_page *page, const char *key)
@@ -86,7 +84,7 @@ void lac_page_series(lac_page *page, const char *key)
                                            page->def->series_name, page->def->run));
     } else if (series != NULL) {
         lac_series view = *series;
-        view.time = lac_page_readings(page);
+        view.time = readings_of(page);
         lac_motion *derived = view.time != NULL ? derive(page, &view) : NULL;
         if (page->status == LAC_OK) {
             lac_json_open(&page->json, key, '{');
@@ -94,5 +92,119 @@ void lac_page_series(lac_page *page, const char *key)
             lac_json_close(&page->json, '}');
         }
         lac_motion_free(derived);
+    }
+}
+
+enum { ISSUES = 40, BUCKETS = 40, FEWEST = 6 };
+
+// Records of a run as far as a double tells their times apart, thinned: a run has far more than a
+// method of forecasting needs.
+static lac_readings see_run(lac_page *page)
+{
+    const double *slip = lac_page_over_time(page, "slip");
+    const double *rate = lac_page_over_time(page, "slip_rate");
+    uint8_t *keep = lac_page_room(page, page->n);
+    double *time = lac_page_room(page, 3 * page->n * sizeof *time);
+    if (keep == NULL || time == NULL) {
+        return (lac_readings){0};
+    }
+    double *displacement = time + page->n, *velocity = displacement + page->n;
+    (void)lac_page_thin(page->n, page->time, page->before, BUCKETS, 0, NULL, keep);
+    size_t n = 0;
+    for (size_t i = 0; i < page->n; i++) {
+        if (keep[i] && isfinite(page->time[i]) && (n == 0 || page->time[i] > time[n - 1])) {
+            time[n] = page->time[i];
+            displacement[n] = slip[i];
+            velocity[n++] = rate[i];
+        }
+    }
+    return (lac_readings){.n = n, .time = time, .displacement = displacement, .velocity = velocity};
+}
+
+// Times of failure count from the time of issue: what remains is told to the last digit.
+static void write_forecast(lac_json *json, const lac_forecast *f)
+{
+    const double after[] = {f->time, f->low90, f->low50, f->high50, f->high90};
+    lac_json_open(json, NULL, '[');
+    lac_json_boolean(json, NULL, f->issued);
+    for (size_t i = 0; i < sizeof after / sizeof *after; i++) {
+        lac_json_digits(json, NULL, after[i] - f->issue_time, 6);
+    }
+    lac_json_text(json, NULL, f->issued ? "" : f->fit.reason);
+    lac_json_open(json, NULL, '[');
+    for (size_t i = 0; i < f->fit.ends; i++) {
+        lac_json_text(json, NULL, f->fit.end[i]);
+    }
+    lac_json_close(json, ']');
+    lac_json_close(json, ']');
+}
+
+static void write_rolling(lac_page *page, const lac_rolling *rolling)
+{
+    lac_json *json = &page->json;
+    lac_json_open(json, "methods", '[');
+    for (size_t m = 0; m < rolling->methods; m++) {
+        const lac_forecast_kind *kind = rolling->forecast[m].kind;
+        lac_json_open(json, NULL, '{');
+        lac_json_text(json, "name", kind->info.name);
+        lac_json_text(json, "summary", kind->info.summary);
+        lac_json_text(json, "reference", kind->info.reference);
+        lac_json_boolean(json, "baseline", kind->baseline);
+        lac_json_close(json, '}');
+    }
+    lac_json_close(json, ']');
+    lac_page_column(page, "issue", rolling->issues, rolling->issue_time, NULL, 17);
+    lac_json_open(json, "forecast", '[');
+    for (size_t i = 0; i < rolling->issues; i++) {
+        lac_json_open(json, NULL, '[');
+        for (size_t m = 0; m < rolling->methods; m++) {
+            write_forecast(json, &rolling->forecast[i * rolling->methods + m]);
+        }
+        lac_json_close(json, ']');
+    }
+    lac_json_close(json, ']');
+}
+
+// Whether any method but the baseline issued a forecast.
+static bool any_issued(const lac_rolling *rolling)
+{
+    for (size_t i = 0; i < rolling->issues * rolling->methods; i++) {
+        if (rolling->forecast[i].issued && !rolling->forecast[i].kind->baseline) {
+            return true;
+        }
+    }
+    return false;
+}
+
+// @return whether there are any
+static bool forecast(lac_page *page, const char *key, bool measured)
+{
+    lac_forecast_def def = lac_forecast_default();
+    lac_rolling *rolling = NULL;
+    lac_readings readings = measured ? lac_series_readings(page->def->series) : see_run(page);
+    readings.time = measured ? readings_of(page) : readings.time;
+    if (page->status != LAC_OK || readings.n < FEWEST) {
+        return false;
+    }
+    def.motion.raw = !measured; // a run has neither outliers nor resets
+    const size_t issues = page->def->issues > 0 ? (size_t)page->def->issues : ISSUES;
+    const bool issued = lac_page_good(page, lac_rolling_create(&def, &readings, issues, NULL,
+                                                               &rolling, page->err)) &&
+                        any_issued(rolling);
+    if (issued) {
+        lac_json_open(&page->json, key, '{');
+        lac_json_boolean(&page->json, "measured", measured);
+        lac_json_integer(&page->json, "readings", (int64_t)readings.n);
+        write_rolling(page, rolling);
+        lac_json_close(&page->json, '}');
+    }
+    lac_rolling_free(rolling);
+    return issued;
+}
+
+void lac_page_forecasts(lac_page *page, const char *key)
+{
+    if (page->def->issues >= 0 && !(page->def->series != NULL && forecast(page, key, true))) {
+        (void)forecast(page, key, false);
     }
 }

@@ -57,20 +57,12 @@ static void mark_axis(size_t n, const axis *a, size_t columns, const double *con
     }
 }
 
-static axis even_times(size_t n, const double *time, size_t buckets)
-{
-    return (axis){.value = time, .width = (time[n - 1] - time[0]) / (double)buckets};
-}
-
 static axis even_decades(size_t n, const double *before, size_t buckets)
 {
-    double least = 1.0;
-    for (size_t i = n; i-- > 0;) {
-        if (before[i] > 0.0) {
-            least = before[i];
-            break;
-        }
+    while (n > 1 && !(before[n - 1] > 0.0)) {
+        n--;
     }
+    const double least = before[n - 1] > 0.0 ? before[n - 1] : 1.0;
     const double most = before[0] > least ? before[0] : least;
     return (axis){.value = before,
                   .logarithm = true,
@@ -86,7 +78,7 @@ size_t lac_page_thin(size_t n, const double *time, const double *before, size_t 
     size_t kept = 0;
     memset(keep, n <= few, n);
     if (n > few) {
-        const axis times = even_times(n, time, buckets);
+        const axis times = {.value = time, .width = (time[n - 1] - time[0]) / (double)buckets};
         const axis decades = even_decades(n, before, buckets);
         mark_axis(n, &times, columns, column, keep);
         mark_axis(n, &decades, columns, column, keep);

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "data/dataset.h"
-#include "lacuna/simulation.h"
 #include "scene/scene.h"
 
 /// Error against cost of a case under the settings that trade one for the other; docs/trade.md.

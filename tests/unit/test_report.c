@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "report/cells.h"
+#include "report/run.h"
 #include "support/test.h"
 
 enum { N = 20000, BUCKETS = 50 };

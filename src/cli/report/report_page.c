@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // lacuna report: a run as one page to look at.
+#define _GNU_SOURCE // asprintf
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,7 +11,7 @@
 #include "cli/common/output.h"
 #include "cli/common/words.h"
 #include "cli/precursors/series.h"
-#include "cli/report/compare.h"
+#include "cli/report/report.h"
 #include "data/json.h"
 #include "lacuna/version.h"
 #include "report/report.h"
@@ -28,11 +29,8 @@ static char *output_path(const cli_request *request)
     const char *name = lac_page_name(request->argument[0]);
     const size_t length = strlen(name);
     const size_t stem = length > 3 && strcmp(name + length - 3, ".nc") == 0 ? length - 3 : length;
-    char *path = malloc(stem + sizeof ".html");
-    if (path != NULL) {
-        (void)sprintf(path, "%.*s.html", (int)stem, name);
-    }
-    return path;
+    char *path;
+    return asprintf(&path, "%.*s.html", (int)stem, name) >= 0 ? path : NULL;
 }
 
 // The case that a run's file holds; NULL where it holds none that can be read.
@@ -98,9 +96,8 @@ static lac_status find_column(const lac_stored_file *file, const char *name, con
 // The readings that a fit was made from, of the file that it left.
 static lac_status read_fitted(const char *path, lac_series **out, lac_error *err)
 {
-    lac_series_def def = {.path = path};
+    lac_series_def def = {.size = sizeof def, .path = path};
     lac_stored_file *file = NULL;
-    lac_units *units = NULL;
     lac_status status;
     LAC_TRY(lac_stored_file_open(path, &file, err));
     LAC_TRY(find_column(file, "reading_time", &def.time, err));
@@ -108,10 +105,8 @@ static lac_status read_fitted(const char *path, lac_series **out, lac_error *err
     LAC_TRY(find_column(file, "observed_slip_rate", &def.velocity, err));
     LAC_LEAVE_IF(def.time == NULL || (def.displacement == NULL && def.velocity == NULL), err,
                  LAC_EIO, "%s: is not a file of lacuna fit", path);
-    LAC_TRY(lac_units_create(&units, err));
-    LAC_TRY(lac_series_read(&def, units, out, err));
+    LAC_TRY(lac_series_create(&def, out, err));
 out:
-    lac_units_free(units);
     lac_stored_file_close(file);
     return status;
 }
@@ -148,16 +143,6 @@ static lac_status read_beside(const cli_request *request, lac_series **out, lac_
     return request->fit != NULL ? read_fitted(request->fit, out, err) : LAC_OK;
 }
 
-static void print_result(const cli_request *request, const char *path)
-{
-    if (cli_given(request, CLI_OPT_JSON)) {
-        lac_json json = {.out = stdout};
-        LAC_JSON_TEXTS(&json, "output", path);
-    } else {
-        cli_row("page", "%s", path);
-    }
-}
-
 lac_status cli_report_page(const cli_request *request, lac_error *err)
 {
     lac_series *series = NULL;
@@ -174,7 +159,11 @@ lac_status cli_report_page(const cli_request *request, lac_error *err)
                               .made_by = "lacuna " LACUNA_VERSION,
                               .now = (double)time(NULL)};
     LAC_TRY(lac_page_write(&def, path, cli_given(request, CLI_OPT_FORCE), err));
-    print_result(request, path);
+    if (cli_given(request, CLI_OPT_JSON)) {
+        LAC_JSON_TEXTS(&(lac_json){.out = stdout}, "output", path);
+    } else {
+        cli_row("page", "%s", path);
+    }
 out:
     lac_series_free(series);
     free(path);

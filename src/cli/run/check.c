@@ -8,7 +8,6 @@
 
 #include "cli/common/command.h"
 #include "cli/common/words.h"
-#include "cli/report/compare.h"
 #include "cli/report/report.h"
 #include "cli/run/run_outcome.h"
 #include "scene/estimate.h"
@@ -72,22 +71,6 @@ static lac_status try_maps(findings *f, const char *section, const lac_heterogen
             status = add_finding(f, key, &why, LAC_EIO, err);
         }
     }
-    return status;
-}
-
-// Opens all files that the case names beside its surface and domain, which the estimate needs.
-static lac_status try_files(findings *f, lac_load_files *files, lac_error *err)
-{
-    const lac_case *c = f->source;
-    const lac_load_clock clock = {c->dated, c->start_date, c->run.end, files};
-    lac_status status;
-    LAC_TRY(try_loads(f, "shear", &c->shear, &clock, err));
-    LAC_TRY(try_loads(f, "pore_pressure", &c->pore, &clock, err));
-    LAC_TRY(try_maps(f, "interface", &c->interface_spread, err));
-    LAC_TRY(try_maps(f, "friction", &c->friction_spread, err));
-    LAC_TRY(try_maps(f, "initial", &c->initial_spread, err));
-    status = f->status;
-out:
     return status;
 }
 
@@ -206,24 +189,18 @@ static void write_estimate(lac_json *json, const lac_estimate *e)
     lac_json_close(json, '}');
 }
 
-// What is wrong with the scene as a whole stands at no line of the case.
-static void write_errors(lac_json *json, const lac_case_issues *report, const char *path,
-                         lac_error *err)
-{
-    lac_case_issue issue = {
-        .file = (char *)path, .key = (char *)"", .value = (char *)"", .message = err->message};
-    lac_case_issues whole = {.count = 1, .errors = 1, .issue = &issue};
-    bool late = report->errors == 0 && err->message[0] != '\0';
-    cli_report_json(json, "errors", late ? &whole : report, false);
-}
-
 static void write_json(const lac_case_issues *report, const char *path, const char *scene,
                        const lac_estimate *estimate, lac_error *err)
 {
     lac_json json = {.out = stdout};
+    // what is wrong with the scene as a whole stands at no line of the case
+    lac_case_issue issue = {
+        .file = (char *)path, .key = (char *)"", .value = (char *)"", .message = err->message};
+    const lac_case_issues whole = {.count = 1, .errors = 1, .issue = &issue};
     lac_json_open(&json, NULL, '{');
     lac_json_boolean(&json, "ok", estimate != NULL);
-    write_errors(&json, report, path, err);
+    cli_report_json(&json, "errors",
+                    report->errors > 0 || err->message[0] == '\0' ? report : &whole, false);
     cli_report_json(&json, "warnings", report, true);
     lac_json_text(&json, "scene", scene);
     if (estimate != NULL) {
@@ -238,13 +215,21 @@ static lac_status examine(const cli_request *request, const lac_case *c, lac_cas
                           char **scene, lac_estimate *estimate, lac_error *err)
 {
     findings f = {.source = c, .report = report};
+    lac_load_clock clock = {c->dated, c->start_date, c->run.end, NULL};
     lac_load_files *files = NULL;
     cli_compare compare = {0};
     lac_status status;
     *scene = lac_case_text(c);
     LAC_FAIL_MEMORY_IF(*scene == NULL, err);
     LAC_TRY(lac_load_files_create(&files, err));
-    LAC_TRY(try_files(&f, files, err));
+    clock.files = files;
+    // all files beside the surface and the domain, which the estimate opens
+    LAC_TRY(try_loads(&f, "shear", &c->shear, &clock, err));
+    LAC_TRY(try_loads(&f, "pore_pressure", &c->pore, &clock, err));
+    LAC_TRY(try_maps(&f, "interface", &c->interface_spread, err));
+    LAC_TRY(try_maps(&f, "friction", &c->friction_spread, err));
+    LAC_TRY(try_maps(&f, "initial", &c->initial_spread, err));
+    LAC_TRY(f.status);
     LAC_TRY(cli_compare_read(request, c, &compare, err));
     LAC_TRY(lac_estimate_make(c, files, estimate, err));
 out:

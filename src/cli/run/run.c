@@ -10,7 +10,6 @@
 #include "cli/common/output.h"
 #include "cli/common/progress.h"
 #include "cli/common/words.h"
-#include "cli/report/report.h"
 #include "cli/run/run_outcome.h"
 #include "cli/view/view.h"
 #include "store/store.h"
@@ -20,14 +19,12 @@
 typedef struct run_job {
     const cli_request *request;
     lac_case *source;
-    cli_compare compare;
+    cli_outcome outcome;
     lac_simulation *simulation;
     lac_store *store; // NULL: not begun to write
-    cli_history history;
     cli_progress progress;
     cli_view *view; // with --view
-    char *path, *inputs;
-    const char *libraries;
+    char *inputs;
     lac_checkpoint_file resume; // with --resume
     double started;
 } run_job;
@@ -37,10 +34,10 @@ static void job_clear(run_job *job)
     cli_view_close(job->view);
     lac_store_free(job->store);
     lac_simulation_free(job->simulation);
-    cli_history_clear(&job->history);
-    cli_compare_clear(&job->compare);
+    cli_compare_clear(&job->outcome.compare);
     lac_checkpoint_file_clear(&job->resume);
-    free(job->path);
+    free(job->outcome.history.values);
+    free(job->outcome.path);
     free(job->inputs);
     lac_case_free(job->source);
 }
@@ -99,31 +96,26 @@ static lac_status compare_cases(const char *path, const char *then, const char *
     return LAC_OK;
 }
 
-static lac_status compare_programs(const char *path, const lac_checkpoint_file *from,
-                                   const char *libraries, lac_error *err)
-{
-    const char *program = lac_checkpoint_file_program();
-    if (strcmp(from->program, program) == 0 && strcmp(from->libraries, libraries) == 0) {
-        return LAC_OK;
-    }
-    return lac_fail(err, LAC_EINPUT,
-                    "--resume: the checkpoint of %s is of %s with %s; this is %s with %s", path,
-                    from->program, from->libraries, program, libraries);
-}
-
 // Reads the checkpoint of a run's file and sees that this program and this case can go on from it.
 // What may differ: time.end, solver.max_steps, and the name of the file.
-static lac_status read_resumed(const char *path, const char *case_text, const char *libraries,
-                               lac_checkpoint_file *out, lac_error *err)
+static lac_status read_resumed(run_job *job, const char *case_text, lac_error *err)
 {
     char status_word[32];
-    *out = (lac_checkpoint_file){.records = 0};
+    const char *path = job->outcome.path, *libraries = job->request->libraries;
+    const char *program = lac_checkpoint_file_program();
+    lac_checkpoint_file *from = &job->resume;
     LAC_TRY_RETURN(lac_store_read_attribute(path, "status", status_word, sizeof status_word, err));
     LAC_FAIL_IF(strcmp(status_word, "complete") == 0, err, LAC_EINPUT, "--resume: %s is complete",
                 path);
-    LAC_TRY_RETURN(lac_checkpoint_file_read(path, out, err));
-    LAC_TRY_RETURN(compare_programs(path, out, libraries, err));
-    return compare_cases(path, out->case_text, case_text, err);
+    LAC_TRY_RETURN(lac_checkpoint_file_read(path, from, err));
+    LAC_FAIL_IF(strcmp(from->program, program) != 0 || strcmp(from->libraries, libraries) != 0, err,
+                LAC_EINPUT, "--resume: the checkpoint of %s is of %s with %s; this is %s with %s",
+                path, from->program, from->libraries, program, libraries);
+    LAC_TRY_RETURN(compare_cases(path, from->case_text, case_text, err));
+    LAC_FAIL_IF(from->from.time >= job->source->run.end, err, LAC_EINPUT,
+                "--resume: the checkpoint of %s is at %s, not before the end of the run", path,
+                cli_exact(from->from.time, "s").s);
+    return LAC_OK;
 }
 
 // Reads what --resume goes on from, of the case as it is run.
@@ -131,13 +123,9 @@ static lac_status read_checkpoint(run_job *job, const lac_case *c, lac_error *er
 {
     char *text = lac_case_text(c), *whole = NULL;
     const bool there = text != NULL && asprintf(&whole, "%s%s", text, job->inputs) >= 0;
-    lac_status status = there ? read_resumed(job->path, whole, job->libraries, &job->resume, err)
-                              : lac_fail_memory(err);
+    const lac_status status = there ? read_resumed(job, whole, err) : lac_fail_memory(err);
     free(text);
     free(there ? whole : NULL);
-    LAC_FAIL_IF(status == LAC_OK && job->resume.from.time >= job->source->run.end, err, LAC_EINPUT,
-                "--resume: the checkpoint of %s is at %s, not before the end of the run", job->path,
-                cli_exact(job->resume.from.time, "s").s);
     return status;
 }
 
@@ -153,11 +141,10 @@ static lac_status prepare(run_job *job, lac_error *err)
     }
     LAC_TRY_RETURN(cli_until(job->request, job->source, &job->source->run.end, err));
     LAC_TRY_RETURN(cli_output_path(job->request, job->source, job->source->output_file, ".nc",
-                                   &job->path, err));
-    LAC_TRY_RETURN(cli_compare_read(job->request, job->source, &job->compare, err));
-    job->libraries = job->request->libraries;
+                                   &job->outcome.path, err));
+    LAC_TRY_RETURN(cli_compare_read(job->request, job->source, &job->outcome.compare, err));
     job->inputs = cli_inputs_sums(job->source);
-    LAC_TRY_RETURN(job->inputs != NULL ? LAC_OK : lac_fail_memory(err));
+    LAC_FAIL_MEMORY_IF(job->inputs == NULL, err);
     if (goes_on(job) && isnan(job->source->accuracy)) {
         LAC_TRY_RETURN(read_checkpoint(job, job->source, err));
     }
@@ -214,7 +201,7 @@ static lac_status open_store(run_job *job, const lac_outcome *so_far, lac_error 
     lac_store_def def;
     LAC_TRY_RETURN(lac_simulation_file(job->simulation, &def, err));
     cli_sign(job->request, &def.provenance);
-    def.path = job->path;
+    def.path = job->outcome.path;
     def.force = cli_given(job->request, CLI_OPT_FORCE);
     def.inputs = job->inputs;
     if (goes_on(job)) {
@@ -228,22 +215,22 @@ static lac_status open_store(run_job *job, const lac_outcome *so_far, lac_error 
 static lac_status integrate(run_job *job, lac_error *err)
 {
     const lac_sink stored = lac_store_sink(job->store);
-    job->history = (cli_history){
+    job->outcome.history = (cli_history){
         .next = cli_view_sink(job->view, &stored),
-        .keep = job->compare.count > 0,
+        .keep = job->outcome.compare.count > 0,
         .clock = job->source->dated ? job->source->start_date : 0,
     };
-    const lac_sink sink = cli_history_sink(&job->history);
+    const lac_sink sink = cli_history_sink(&job->outcome.history);
     cli_progress_start(&job->progress, job->request);
     lac_status status = lac_simulation_run(job->simulation, &sink, err);
     cli_progress_clear(&job->progress);
     return status;
 }
 
-static lac_status close_store(run_job *job, lac_status status, const cli_outcome *outcome,
-                              lac_error *err)
+static lac_status close_store(run_job *job, lac_status status, lac_error *err)
 {
     lac_error late = {0};
+    const cli_outcome *outcome = &job->outcome;
     const lac_run_result *run = &outcome->of->run;
     lac_status finished =
         lac_store_finish(job->store, outcome->status, run, outcome->wall_time, &late);
@@ -254,20 +241,20 @@ static lac_status close_store(run_job *job, lac_status status, const cli_outcome
     if (status == LAC_EINTERRUPT) {
         const bool saved = lac_store_has_checkpoint(job->store);
         return lac_fail(err, status, "interrupted at %s; %s holds the run up to there%s",
-                        cli_exact(run->time, "s").s, job->path,
+                        cli_exact(run->time, "s").s, outcome->path,
                         saved ? ", and --resume goes on" : "");
     }
     return status;
 }
 
 // What mends a balance that is off.
-static const char *remedy(const run_job *job, const cli_outcome *outcome, bool integrated)
+static const char *remedy(const lac_outcome *of, bool integrated)
 {
-    if (outcome->of->accuracy != NULL) {
+    if (of->accuracy != NULL) {
         return "the accuracy asked for is kept, but single cells are further off: ask for a "
                "smaller one";
     }
-    if (job->source->run.fidelity == LAC_FIDELITY_ASYNC) {
+    if (of->source->run.fidelity == LAC_FIDELITY_ASYNC) {
         return "tighten solver.rtol; a spring far stiffer than k_crit = p (b - a)/dc, or damping "
                "where few cells touch on little of the area, needs solver.fidelity: ode";
     }
@@ -277,14 +264,13 @@ static const char *remedy(const run_job *job, const cli_outcome *outcome, bool i
 
 // A hundredth of the strength: it then shows in what is drawn from the run. Slip is off by some
 // five times the drift, which grows as the steps do that a load's swings ask for.
-static void warn_of_balance(const run_job *job, const cli_outcome *outcome)
+static void warn_of_balance(const lac_outcome *of)
 {
-    double residual = outcome->of->run.balance_residual;
-    double drift = outcome->of->run.rate_drift;
-    double most = fmin(0.01, fmax(1e-4, 300.0 * outcome->of->source->run.rtol));
-    bool all_at_once = job->source->run.fidelity == LAC_FIDELITY_ODE;
-    bool integrated = lac_problem_formulation(outcome->of->scene->problem) != LAC_FORMULATION_SLIP;
-    const char *mend = remedy(job, outcome, integrated);
+    double residual = of->run.balance_residual, drift = of->run.rate_drift;
+    double most = fmin(0.01, fmax(1e-4, 300.0 * of->source->run.rtol));
+    bool all_at_once = of->source->run.fidelity == LAC_FIDELITY_ODE;
+    bool integrated = lac_problem_formulation(of->scene->problem) != LAC_FORMULATION_SLIP;
+    const char *mend = remedy(of, integrated);
     if (!(residual <= 0.01)) {
         cli_note("warning: the traction balance %s by %.2g of the strength; %s",
                  integrated ? "drifted" : "is off", residual, mend);
@@ -295,17 +281,18 @@ static void warn_of_balance(const run_job *job, const cli_outcome *outcome)
     }
 }
 
-static lac_status print_outcome(const run_job *job, const cli_outcome *outcome, lac_status status,
-                                lac_error *err)
+static lac_status print_outcome(const run_job *job, lac_status status, lac_error *err)
 {
+    const cli_outcome *outcome = &job->outcome;
     if (!cli_given(job->request, CLI_OPT_QUIET)) {
-        warn_of_balance(job, outcome);
+        warn_of_balance(outcome->of);
         cli_failure_warn(&outcome->of->run.failure);
     }
     if (cli_given(job->request, CLI_OPT_JSON)) {
         const lac_status shown = cli_outcome_json(outcome, status == LAC_OK ? err : NULL);
-        status = status == LAC_OK ? shown : status;
-    } else if (status == LAC_OK || status == LAC_EINTERRUPT) {
+        return status == LAC_OK ? shown : status;
+    }
+    if (status == LAC_OK || status == LAC_EINTERRUPT) {
         cli_outcome_print(outcome);
     }
     return status;
@@ -313,28 +300,21 @@ static lac_status print_outcome(const run_job *job, const cli_outcome *outcome, 
 
 static lac_status compute(run_job *job, lac_error *err)
 {
-    cli_outcome outcome = {
-        .of = lac_simulation_outcome(job->simulation),
-        .history = &job->history,
-        .compare = &job->compare,
-        .path = job->path,
-        .resumed = goes_on(job) ? &job->resume.from : NULL,
-    };
+    cli_outcome *outcome = &job->outcome;
+    outcome->of = lac_simulation_outcome(job->simulation);
+    outcome->resumed = goes_on(job) ? &job->resume.from : NULL;
     cli_signals_hold();
-    lac_status status = open_store(job, outcome.of, err);
-    if (status != LAC_OK) {
-        return status;
-    }
+    LAC_TRY_RETURN(open_store(job, outcome->of, err));
     cli_say(job->request, "integrating to %g s", job->source->run.end);
-    status = integrate(job, err);
-    outcome.status = outcome.of->status;
-    outcome.wall_time = cli_clock() - job->started;
-    status = close_store(job, status, &outcome, err);
+    lac_status status = integrate(job, err);
+    outcome->status = outcome->of->status;
+    outcome->wall_time = cli_clock() - job->started;
+    status = close_store(job, status, err);
     if (status == LAC_EIO) {
-        outcome.status = "failed"; // the file is not whole
+        outcome->status = "failed"; // the file is not whole
     }
-    status = print_outcome(job, &outcome, status, err);
-    cli_view_end(job->view, outcome.status, cli_outcome_failed(&outcome),
+    status = print_outcome(job, status, err);
+    cli_view_end(job->view, outcome->status, cli_outcome_failed(outcome),
                  status != LAC_OK ? err->message : "");
     return status;
 }

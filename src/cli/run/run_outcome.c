@@ -43,34 +43,32 @@ static int64_t peak_memory(void)
     return (int64_t)usage.ru_maxrss * 1024;
 }
 
-// What a sink that stands before the file's keeps of a run: three series in one array.
+// Room for so many records: three series in one array.
 static lac_status make_room(cli_history *h, size_t n, lac_error *err)
 {
     const size_t least = h->room > 0 ? 2 * h->room : 1024, room = n > least ? n : least;
     if (n <= h->room) {
         return LAC_OK;
     }
-    double *grown = realloc(h->time, 3 * room * sizeof *grown);
+    double *grown = realloc(h->values, 3 * room * sizeof *grown);
     LAC_FAIL_MEMORY_IF(grown == NULL, err);
-    memmove(grown + 2 * room, grown + 2 * h->room, h->n * sizeof *grown);
-    memmove(grown + room, grown + h->room, h->n * sizeof *grown);
+    for (size_t k = 3; k-- > 1;) {
+        memmove(grown + k * room, grown + k * h->room, h->kept.n * sizeof *grown);
+    }
     h->room = room;
-    h->time = grown;
-    h->slip = grown + room;
-    h->rate = grown + 2 * room;
+    h->values = grown;
+    h->kept = (lac_history){h->kept.n, grown, grown + room, grown + 2 * room};
     return LAC_OK;
 }
 
 static lac_status keep_record(cli_history *h, const lac_record *record, lac_error *err)
 {
-    lac_status status = make_room(h, h->n + 1, err);
-    if (status == LAC_OK) {
-        h->time[h->n] = h->clock + record->time_origin + record->time_local;
-        h->slip[h->n] = record->observation.mean_slip;
-        h->rate[h->n] = record->observation.mean_rate;
-        h->n++;
-    }
-    return status;
+    LAC_TRY_RETURN(make_room(h, h->kept.n + 1, err));
+    double *to = h->values + h->kept.n++;
+    to[0] = h->clock + record->time_origin + record->time_local;
+    to[h->room] = record->observation.mean_slip;
+    to[2 * h->room] = record->observation.mean_rate;
+    return LAC_OK;
 }
 
 static lac_status on_record(void *context, const lac_record *record, lac_error *err)
@@ -91,19 +89,18 @@ static lac_status on_record(void *context, const lac_record *record, lac_error *
 // The kept series, as long as it is.
 static void pass_series(cli_history *h, lac_archive *archive)
 {
-    size_t n = h->n;
+    size_t n = h->kept.n;
     lac_archive_pass(archive, &n, sizeof n);
     if (n > h->room && lac_archive_good(archive)) {
         archive->short_of = n > archive->size / sizeof(double);
         archive->no_memory = !archive->short_of && make_room(h, n, NULL) != LAC_OK;
     }
-    if (!lac_archive_good(archive)) {
-        return;
+    if (lac_archive_good(archive)) {
+        h->kept.n = n;
+        for (size_t k = 0; n > 0 && k < 3; k++) {
+            lac_archive_pass(archive, h->values + k * h->room, n * sizeof *h->values);
+        }
     }
-    h->n = n;
-    lac_archive_pass(archive, h->time, n * sizeof *h->time);
-    lac_archive_pass(archive, h->slip, n * sizeof *h->slip);
-    lac_archive_pass(archive, h->rate, n * sizeof *h->rate);
 }
 
 // Of the first and the last record only what is seen is told.
@@ -127,18 +124,7 @@ lac_sink cli_history_sink(cli_history *history)
     return sink;
 }
 
-void cli_history_clear(cli_history *history)
-{
-    free(history->time);
-    *history = (cli_history){0};
-}
-
-static lac_history view_of(const cli_history *history)
-{
-    return (lac_history){
-        .n = history->n, .time = history->time, .slip = history->slip, .rate = history->rate};
-}
-
+// NaN: there is no record.
 static double apparent_friction(const lac_record *record)
 {
     return record->observation.shear_force / record->observation.normal_force;
@@ -175,11 +161,6 @@ static const char *fidelity(const cli_outcome *outcome)
     return lac_fidelity_name(outcome->of->source->run.fidelity);
 }
 
-static const char *end_reason(const cli_outcome *outcome)
-{
-    return lac_end_name(broke(outcome) ? LAC_END_ERROR : outcome->of->run.end);
-}
-
 static void print_failure(const cli_outcome *outcome)
 {
     const lac_run_result *result = &outcome->of->run;
@@ -199,14 +180,6 @@ static void print_failure(const cli_outcome *outcome)
     if (result->failure.lowered) {
         cli_row("failure rate", "%s, %s", cli_exact(result->failure.rate, "m/s").s,
                 cli_failure_lowered);
-    }
-}
-
-static void print_friction(const cli_history *history)
-{
-    if (history->begun) {
-        cli_row("apparent friction", "%.4g at the start, %.4g at the end",
-                apparent_friction(&history->first), apparent_friction(&history->last));
     }
 }
 
@@ -245,18 +218,21 @@ static void print_analysis(const lac_analysis *analysis)
 
 void cli_outcome_print(const cli_outcome *outcome)
 {
-    lac_history run = view_of(outcome->history);
     if (outcome->of->source->title != NULL) {
         puts(outcome->of->source->title);
     }
     cli_measures_print(&outcome->of->scene->contact);
-    print_friction(outcome->history);
+    if (outcome->history.begun) {
+        cli_row("apparent friction", "%.4g at the start, %.4g at the end",
+                apparent_friction(&outcome->history.first),
+                apparent_friction(&outcome->history.last));
+    }
     print_failure(outcome);
     cli_row_quantity("mean slip", outcome->of->run.mean_slip, "m");
     cli_row_quantity("largest slip rate", outcome->of->run.max_slip_rate, "m/s");
     print_analysis(outcome->of->analysis);
     print_cost(outcome);
-    cli_compare_print(outcome->compare, &run);
+    cli_compare_print(&outcome->compare, &outcome->history.kept);
 }
 
 static void write_failure(lac_json *json, const cli_outcome *outcome)
@@ -269,7 +245,8 @@ static void write_failure(lac_json *json, const cli_outcome *outcome)
     }
     lac_json_number(json, "failure_time_s", failure_time(outcome));
     lac_json_text(json, "failure_date", date.s[0] != '\0' ? date.s : NULL);
-    lac_json_text(json, "ended_by", end_reason(outcome));
+    lac_json_text(json, "ended_by",
+                  lac_end_name(broke(outcome) ? LAC_END_ERROR : outcome->of->run.end));
     lac_json_number(json, "failure_rate_m_s", outcome->of->run.failure.rate);
     lac_json_number(json, "failure_slip_m", outcome->of->run.failure.slip);
     lac_json_number(json, "time_s", outcome->of->run.time);
@@ -277,7 +254,7 @@ static void write_failure(lac_json *json, const cli_outcome *outcome)
 
 static void write_results(lac_json *json, const cli_outcome *outcome)
 {
-    const cli_history *history = outcome->history;
+    const cli_history *history = &outcome->history;
     const lac_run_result *result = &outcome->of->run;
     lac_json_number(json, "max_slip_rate_m_s", result->max_slip_rate);
     lac_json_number(json, "mean_slip_m", result->mean_slip);
@@ -288,24 +265,8 @@ static void write_results(lac_json *json, const cli_outcome *outcome)
     lac_json_number(json, "rate_drift", result->rate_drift);
     lac_json_text(json, "fidelity", fidelity(outcome));
     lac_json_text(json, "formulation", formulation(outcome));
-    lac_json_number(json, "initial_apparent_friction",
-                    history->begun ? apparent_friction(&history->first) : NAN);
-    lac_json_number(json, "apparent_friction",
-                    history->begun ? apparent_friction(&history->last) : NAN);
-}
-
-static void write_cost(lac_json *json, const cli_outcome *outcome)
-{
-    const lac_run_result *result = &outcome->of->run;
-    lac_json_integer(json, "steps", result->steps);
-    lac_json_integer(json, "rhs_evaluations", result->rhs_evaluations);
-    lac_json_integer(json, "newton_iterations", result->newton_iterations);
-    lac_json_integer(json, "linear_solves", result->linear_solves);
-    lac_json_integer(json, "error_test_fails", result->error_test_fails);
-    lac_json_integer(json, "nonlinear_fails", result->nonlinear_fails);
-    lac_json_number(json, "wall_time_s", outcome->wall_time);
-    lac_json_number(json, "cpu_time_s", cli_cpu_time());
-    lac_json_integer(json, "peak_memory_bytes", peak_memory());
+    lac_json_number(json, "initial_apparent_friction", apparent_friction(&history->first));
+    lac_json_number(json, "apparent_friction", apparent_friction(&history->last));
 }
 
 static void write_accuracy(lac_json *json, const lac_accuracy_pick *pick)
@@ -346,7 +307,7 @@ static void write_analysis(lac_json *json, const lac_analysis *analysis)
 lac_status cli_outcome_json(const cli_outcome *outcome, lac_error *err)
 {
     lac_json json = {.out = stdout};
-    lac_history run = view_of(outcome->history);
+    const lac_run_result *result = &outcome->of->run;
     lac_json_open(&json, NULL, '{');
     lac_json_text(&json, "title", outcome->of->source->title);
     lac_json_text(&json, "status", outcome->status);
@@ -361,13 +322,21 @@ lac_status cli_outcome_json(const cli_outcome *outcome, lac_error *err)
     write_results(&json, outcome);
     write_accuracy(&json, outcome->of->accuracy);
     write_analysis(&json, outcome->of->analysis);
-    write_cost(&json, outcome);
+    lac_json_integer(&json, "steps", result->steps);
+    lac_json_integer(&json, "rhs_evaluations", result->rhs_evaluations);
+    lac_json_integer(&json, "newton_iterations", result->newton_iterations);
+    lac_json_integer(&json, "linear_solves", result->linear_solves);
+    lac_json_integer(&json, "error_test_fails", result->error_test_fails);
+    lac_json_integer(&json, "nonlinear_fails", result->nonlinear_fails);
+    lac_json_number(&json, "wall_time_s", outcome->wall_time);
+    lac_json_number(&json, "cpu_time_s", cli_cpu_time());
+    lac_json_integer(&json, "peak_memory_bytes", peak_memory());
     if (outcome->resumed != NULL) {
         lac_json_number(&json, "resumed_at_s", outcome->resumed->time);
         lac_json_text(&json, "resumed_from", outcome->resumed->planned ? "planned" : "forced");
     }
     lac_json_text(&json, "output", outcome->path);
-    cli_compare_json(&json, outcome->compare, &run);
+    cli_compare_json(&json, &outcome->compare, &outcome->history.kept);
     lac_json_close(&json, '}');
     return status;
 }

@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include "cli/report/compare.h"
+#include "cli/report/report.h"
 #include "simulation/simulation.h"
 
 /// A sink that passes everything on and keeps what the summary and the comparison need.
 typedef struct cli_history {
     lac_sink next;
-    bool keep;                  ///< keep time, slip and rate of every record
-    double clock;               ///< added to the kept times [s]
-    size_t n, room;             ///< records kept
-    double *time, *slip, *rate; ///< [room] in one allocation
+    bool keep;        ///< keep time, slip and rate of every record
+    double clock;     ///< added to the kept times [s]
+    lac_history kept; ///< within `values`
+    size_t room;
+    double *values; ///< [3][room] time, slip, rate
     bool begun;
     lac_record first, last;
 } cli_history;
@@ -18,16 +19,14 @@ typedef struct cli_history {
 /// The sink; valid while `history` stays where it is.
 lac_sink cli_history_sink(cli_history *history);
 
-void cli_history_clear(cli_history *history);
-
 /// Everything that is said about a run when it is over.
 typedef struct cli_outcome {
     const lac_outcome *of;
-    const cli_history *history;
-    const cli_compare *compare;
+    cli_history history;
+    cli_compare compare;
     const char *status; ///< complete, interrupted; failed also where the file is not whole
     const lac_checkpoint *resumed; ///< what the run went on from; NULL: from the start
-    const char *path;              ///< of the file
+    char *path;                    ///< of the file
     double wall_time;              ///< [s]
 } cli_outcome;
 

@@ -6,7 +6,6 @@
 
 #include <math.h>
 #include <pthread.h>
-#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -14,7 +13,6 @@
 
 #include "cli/common/progress.h"
 #include "cli/common/words.h"
-#include "cli/view/view_http.h"
 #include "data/json.h"
 #include "lacuna/version.h"
 #include "report/report.h"
@@ -51,8 +49,7 @@ typedef struct standing {
 } standing;
 
 struct cli_view {
-    lac_sink next;       // where records go first; the run's thread alone
-    atomic_size_t pages; // that have not been sent the last data
+    lac_sink next; // where records go first; the run's thread alone
     pthread_mutex_t lock;
     // Under the lock:
     lac_recording *coming; // what the run has put out since the server looked
@@ -208,12 +205,6 @@ static char *answer(void *context, uint64_t since, bool *last)
     return write_answer(view, &is, data, data->json == NULL || since == data->version, *last);
 }
 
-static void note_waiting(void *context, size_t pages)
-{
-    cli_view *view = context;
-    atomic_store(&view->pages, pages);
-}
-
 lac_status cli_view_open(const cli_request *request, cli_view **out, lac_error *err)
 {
     unsigned port = 0;
@@ -228,9 +219,7 @@ lac_status cli_view_open(const cli_request *request, cli_view **out, lac_error *
     view->is.state = "preparing";
     view->data.at = view->issue.at = -INFINITY;
     LAC_TRY(read_port(request->view, &port, err));
-    LAC_TRY(cli_http_start(
-        port, &(cli_http_def){.context = view, .data = answer, .waiting = note_waiting},
-        &view->http, err));
+    LAC_TRY(cli_http_start(port, answer, view, &view->http, err));
     view->stay = isatty(STDERR_FILENO) == 1;
     cli_note("the run is to be seen at http://127.0.0.1:%u/", cli_http_port(view->http));
     *out = view;
@@ -347,7 +336,7 @@ static void linger(cli_view *view, bool stay)
 {
     const struct timespec look_again = {.tv_nsec = 50000000};
     const double end = cli_clock() + last_wait;
-    while (stay ? !cli_signals_stop(NULL) : atomic_load(&view->pages) > 0 && cli_clock() < end) {
+    while (stay ? !cli_signals_stop(NULL) : cli_http_waiting(view->http) > 0 && cli_clock() < end) {
         (void)nanosleep(&look_again, NULL);
     }
 }
@@ -362,7 +351,7 @@ void cli_view_end(cli_view *view, const char *status, bool failed, const char *m
     page_data data = {0};
     view->ended = true;
     if (view->path != NULL &&
-        (stay || atomic_load(&view->pages) > 0)) { // at once, then with all forecasts
+        (stay || cli_http_waiting(view->http) > 0)) { // at once, then with all forecasts
         data = make_data(view, NULL, NO_FORECASTS);
         if (data.json != NULL) {
             say_end(view, state, message, data, false);

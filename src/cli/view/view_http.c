@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The server of `lacuna run --view`: two resources, both made in memory. No request names a file.
 // One thread, which never waits for a connection: a slow one costs its place alone.
-#include "cli/view/view_http.h"
+#include "cli/view/view.h"
 
 #include <dlfcn.h>
 #include <errno.h>
 #include <microhttpd.h>
 #include <netinet/in.h>
 #include <signal.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -48,10 +49,12 @@ typedef struct guest {
 } guest;
 
 struct cli_http {
-    cli_http_def def;
+    cli_http_data *data;
+    void *context;
     functions mhd;
     void *library;
     struct MHD_Daemon *daemon;
+    atomic_size_t waiting; // of the guests
     // The server's thread alone:
     uint64_t next;
     guest guest[ROOM];
@@ -59,17 +62,14 @@ struct cli_http {
 
 static lac_status load(cli_http *http, lac_error *err)
 {
-    static const struct {
-        const char *name;
-        size_t offset;
-    } wanted[] = {
-#define WANTED(name, function) {"MHD_" #function, offsetof(functions, name)},
+    static const char *const wanted[] = {
+#define WANTED(name, function) "MHD_" #function,
         FUNCTIONS(WANTED)};
     http->library = dlopen("libmicrohttpd.so.12", RTLD_NOW | RTLD_LOCAL);
     for (size_t i = 0; http->library != NULL && i < sizeof wanted / sizeof *wanted; i++) {
-        void *found = dlsym(http->library, wanted[i].name);
+        void *found = dlsym(http->library, wanted[i]);
         LAC_FAIL_IF(found == NULL, err, LAC_EIO, "--view: %s", dlerror());
-        memcpy((char *)&http->mhd + wanted[i].offset, &found, sizeof found);
+        memcpy((char *)&http->mhd + i * sizeof found, &found, sizeof found);
     }
     return http->library != NULL
                ? LAC_OK
@@ -171,7 +171,7 @@ static void make_room(cli_http *http)
     guest *out = NULL;
     for (guest *g = http->guest; g < http->guest + ROOM; g++) {
         const bool stays = g->here && !g->out;
-        count += stays ? 1 : 0;
+        count += stays;
         out = stays && (out == NULL || g->order < out->order) ? g : out;
     }
     if (count > GUESTS) {
@@ -180,13 +180,13 @@ static void make_room(cli_http *http)
     }
 }
 
-static void tell_waiting(const cli_http *http)
+static void count_waiting(cli_http *http)
 {
     size_t pages = 0;
     for (const guest *g = http->guest; g < http->guest + ROOM; g++) {
         pages += g->waits ? 1 : 0;
     }
-    http->def.waiting(http->def.context, pages);
+    atomic_store(&http->waiting, pages);
 }
 
 static void on_connection(void *context, struct MHD_Connection *connection, void **place,
@@ -205,7 +205,7 @@ static void on_connection(void *context, struct MHD_Connection *connection, void
         make_room(http);
     } else if (g != NULL) {
         *g = (guest){0};
-        tell_waiting(http);
+        count_waiting(http);
     }
 }
 
@@ -217,20 +217,20 @@ static guest *guest_of(const cli_http *http, struct MHD_Connection *connection)
 static void on_completed(void *context, struct MHD_Connection *connection, void **memory,
                          enum MHD_RequestTerminationCode how)
 {
-    const cli_http *http = context;
+    cli_http *http = context;
     guest *g = guest_of(http, connection);
     (void)memory;
     g->waits = g->waits && !(g->told && how == MHD_REQUEST_TERMINATED_COMPLETED_OK);
     g->told = false;
-    tell_waiting(http);
+    count_waiting(http);
 }
 
-// The version that a page says it has.
+// The version that a page says it has; a page that names none is given the newest data.
 static uint64_t version_of(const char *since)
 {
     const bool number =
         since != NULL && *since != '\0' && since[strspn(since, "0123456789")] == '\0';
-    return number ? strtoull(since, NULL, 10) : CLI_HTTP_NEWEST;
+    return number ? strtoull(since, NULL, 10) : UINT64_MAX;
 }
 
 static enum MHD_Result send_data(cli_http *http, struct MHD_Connection *connection, bool head)
@@ -238,8 +238,8 @@ static enum MHD_Result send_data(cli_http *http, struct MHD_Connection *connecti
     const char *since = http->mhd.lookup(connection, MHD_GET_ARGUMENT_KIND, "since");
     guest *g = guest_of(http, connection);
     g->waits = g->waits || (since != NULL && !head);
-    tell_waiting(http);
-    char *json = http->def.data(http->def.context, version_of(since), &g->told);
+    count_waiting(http);
+    char *json = http->data(http->context, version_of(since), &g->told);
     g->told = g->told && !head;
     return deliver(http, connection, MHD_HTTP_OK, "application/json", CLOSED_POLICY, json);
 }
@@ -268,10 +268,8 @@ static enum MHD_Result answer(void *context, struct MHD_Connection *connection, 
         *upload_size = 0;
         return MHD_YES;
     }
-    if (strcmp(url, "/") == 0) {
-        return send_page(http, connection);
-    }
-    return strcmp(url, "/data") == 0
+    return strcmp(url, "/") == 0 ? send_page(http, connection)
+           : strcmp(url, "/data") == 0
                ? send_data(http, connection, head)
                : refuse(http, connection, MHD_HTTP_NOT_FOUND, "There is / and /data.\n");
 }
@@ -302,13 +300,15 @@ static lac_status start(cli_http *http, unsigned port, lac_error *err)
     return http->daemon != NULL ? LAC_OK : fail_port(port, err);
 }
 
-lac_status cli_http_start(unsigned port, const cli_http_def *def, cli_http **out, lac_error *err)
+lac_status cli_http_start(unsigned port, cli_http_data *data, void *context, cli_http **out,
+                          lac_error *err)
 {
     lac_status status;
     cli_http *http = calloc(1, sizeof *http);
     *out = http;
     LAC_FAIL_MEMORY_IF(http == NULL, err);
-    http->def = *def;
+    http->data = data;
+    http->context = context;
     LAC_TRY(load(http, err));
     LAC_TRY(http->mhd.start != NULL ? LAC_OK : LAC_EIO); // load() found them all
     LAC_TRY(start(http, port, err));
@@ -321,6 +321,8 @@ out:
 }
 
 unsigned cli_http_port(const cli_http *http) { return port_of(http, http->daemon); }
+
+size_t cli_http_waiting(const cli_http *http) { return atomic_load(&http->waiting); }
 
 void cli_http_stop(cli_http *http)
 {
