@@ -16,13 +16,13 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 66541,
-    "lines that only present results": 18553,
+    "lines of src and include": 65918,
+    "lines that only present results": 17944,
     "public headers": 13,
     "exported names": 43,
     "circles of includes": 0,
     "files without an opening comment": 0,
-    "objects that one field more in a record compiles anew": 56,
+    "objects that one field more in a record compiles anew": 36,
 }
 
 PRESENTING = re.compile(r"src/(cli|store|report|data)/|src/\w+/describe\w*\.[ch]$")
