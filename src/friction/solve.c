@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Slip rates of many cells, begun at their last ones: by settle.c where it can, else by Newton's
-// method on the cells that are left.
+// Slip rates of many cells, begun at their last ones: by solve_rates.c where it can, else by
+// Newton's method on the cells that are left.
 #include <assert.h>
 #include <math.h>
 

@@ -273,6 +273,7 @@ static void create_driven(const lac_model *model, double start_drive, lac_formul
     lac_error err;
     block_create(&def, b);
     lac_problem_free(b->problem);
+    lac_load_set_clear(&b->loads);
     b->loads = test_load_set(&(lac_load_models){.shear = model, .shear_count = 1});
     double u = log(start_drive / 2.0);
     double w = log(2.0);
