@@ -186,11 +186,17 @@ static lac_status read_file(const char *path, char **text, size_t *size, lac_err
 {
     FILE *file = fopen(path, "rb");
     LAC_FAIL_IF(file == NULL, err, LAC_EIO, "%s: cannot be opened: %s", path, strerror(errno));
-    *text = malloc(LARGEST_FILE + 1); // a byte more shows that the file is larger
-    *size = *text != NULL ? fread(*text, 1, LARGEST_FILE + 1, file) : 0;
+    char *grown = NULL;
+    size_t room = 8 * 1024;
+    do { // up to a byte more than a case may have
+        room = 2 * room < LARGEST_FILE ? 2 * room : LARGEST_FILE + 1;
+        grown = realloc(*text, room);
+        *text = grown != NULL ? grown : *text;
+        *size += grown != NULL ? fread(*text + *size, 1, room - *size, file) : 0;
+    } while (grown != NULL && *size == room && room <= LARGEST_FILE);
     const int broken = ferror(file) != 0 ? errno : 0;
     (void)fclose(file);
-    LAC_FAIL_MEMORY_IF(*text == NULL, err);
+    LAC_FAIL_MEMORY_IF(grown == NULL, err);
     LAC_FAIL_IF(broken != 0, err, LAC_EIO, "%s: cannot be read: %s", path, strerror(broken));
     return LAC_OK;
 }
