@@ -104,21 +104,21 @@ static const lac_model_info rules[] = {
                   "10.1029/JB090iB02p01894; docs/theory/rg.md, \"Pass\""},
 };
 
-static LAC_ROWS_AT(lac_model_info, momentum_at, momenta) static LAC_ROWS_AT(
-    lac_model_info, fidelity_at,
-    fidelities) static LAC_ROWS_AT(lac_model_info, method_at,
-                                   methods) static LAC_ROWS_AT(lac_model_info, formulation_at,
-                                                               formulations) static LAC_ROWS_AT(lac_model_info,
-                                                                                                rule_at,
-                                                                                                rules)
-
-    // Behind those of the registry the one that a case is.
-    static const lac_model_info *forecast_at(size_t index)
+// Behind those of the registry the one that a case is.
+static const lac_model_info *forecast_at(size_t index)
 {
     const lac_forecast_kind *kind = lac_forecast_kind_get(index);
     const bool next = kind == NULL && index > 0 && lac_forecast_kind_get(index - 1) != NULL;
     return (const void *)(next ? &lac_forecast_case : kind);
 }
+
+// clang-format off
+static LAC_ROWS_AT(lac_model_info, momentum_at, momenta)
+static LAC_ROWS_AT(lac_model_info, fidelity_at, fidelities)
+static LAC_ROWS_AT(lac_model_info, method_at, methods)
+static LAC_ROWS_AT(lac_model_info, formulation_at, formulations)
+static LAC_ROWS_AT(lac_model_info, rule_at, rules)
+// clang-format on
 
 #define ROW(called, where, models, text) \
     .name = (called), .section = (where), .summary = (text), .at = (models)
@@ -127,34 +127,35 @@ static LAC_ROWS_AT(lac_model_info, momentum_at, momenta) static LAC_ROWS_AT(
 #define COMMAND(of, called, where, models, text) \
     [LAC_KIND_##of] = {ROW(called, where, models, text), .command = (where)}
 
-static const lac_kind kinds[] = {
-    KIND(SURFACE, "surface", "interface.surface", surface_at,
-         "heights of the rough interface, which are pressed together"),
-    KIND(DOMAIN, "domain", "interface.domain", domain_at,
-         "contact cells given outright, instead of a surface"),
-    KIND(NORMAL, "normal", "load.normal", normal_at, "total normal stress on the interface"),
-    KIND(SHEAR, "shear", "load.shear", shear_at, "shear loads, a list that adds up"),
-    KIND(PORE, "pore_pressure", "load.pore_pressure", pore_at,
-         "pore pressures, a list that adds up"),
-    KIND(FRICTION, "friction", "friction", friction_at, "rate-and-state friction laws"),
-    KIND(TRANSFER, "transfer", "transfer", transfer_at, "how the slip of a cell loads the others"),
-    KIND(SPREAD, "spread", "friction.spread", spread_at,
-         "how a parameter varies from cell to cell (also initial.spread and interface.spread)"),
-    KIND(ANALYSIS, "analysis", "analysis", analysis_at,
-         "what a run follows beside its own quantities"),
-    OPTION(STRENGTH, "strength", "friction.LAW", lac_friction_option_get,
-           "what any friction law can have besides"),
-    OPTION(MOMENTUM, "momentum", "material", momentum_at,
-           "what a cell that is out of balance is held back by"),
-    OPTION(FIDELITY, "fidelity", "solver.fidelity", fidelity_at, "what is resolved in time"),
-    OPTION(METHOD, "method", "solver.method", method_at, "of integration in time"),
-    OPTION(FORMULATION, "formulation", "solver.formulation", formulation_at,
-           "the unknown of a cell besides ln theta"),
-    OPTION(RULE, "rule", "rg.rule", rule_at, "what a block that slips hands on in the cascade"),
-    COMMAND(PRECURSOR, "indicator", "precursors", precursor_at,
-            "what a motion, events and slipping cells say of a failure to come"),
-    COMMAND(FORECAST, "forecast", "precursors", forecast_at,
-            "methods of forecasting the time of failure"),
+    static const lac_kind kinds[] = {
+        KIND(SURFACE, "surface", "interface.surface", surface_at,
+             "heights of the rough interface, which are pressed together"),
+        KIND(DOMAIN, "domain", "interface.domain", domain_at,
+             "contact cells given outright, instead of a surface"),
+        KIND(NORMAL, "normal", "load.normal", normal_at, "total normal stress on the interface"),
+        KIND(SHEAR, "shear", "load.shear", shear_at, "shear loads, a list that adds up"),
+        KIND(PORE, "pore_pressure", "load.pore_pressure", pore_at,
+             "pore pressures, a list that adds up"),
+        KIND(FRICTION, "friction", "friction", friction_at, "rate-and-state friction laws"),
+        KIND(TRANSFER, "transfer", "transfer", transfer_at,
+             "how the slip of a cell loads the others"),
+        KIND(SPREAD, "spread", "friction.spread", spread_at,
+             "how a parameter varies from cell to cell (also initial.spread and interface.spread)"),
+        KIND(ANALYSIS, "analysis", "analysis", analysis_at,
+             "what a run follows beside its own quantities"),
+        OPTION(STRENGTH, "strength", "friction.LAW", lac_friction_option_get,
+               "what any friction law can have besides"),
+        OPTION(MOMENTUM, "momentum", "material", momentum_at,
+               "what a cell that is out of balance is held back by"),
+        OPTION(FIDELITY, "fidelity", "solver.fidelity", fidelity_at, "what is resolved in time"),
+        OPTION(METHOD, "method", "solver.method", method_at, "of integration in time"),
+        OPTION(FORMULATION, "formulation", "solver.formulation", formulation_at,
+               "the unknown of a cell besides ln theta"),
+        OPTION(RULE, "rule", "rg.rule", rule_at, "what a block that slips hands on in the cascade"),
+        COMMAND(PRECURSOR, "indicator", "precursors", precursor_at,
+                "what a motion, events and slipping cells say of a failure to come"),
+        COMMAND(FORECAST, "forecast", "precursors", forecast_at,
+                "methods of forecasting the time of failure"),
 };
 
 LAC_ROWS_AT(lac_kind, lac_kind_get, kinds)

@@ -136,7 +136,6 @@ static lac_status read_line(asc *file, lac_height_map *map, size_t *count, lac_e
         file->lines++;
     }
     return LAC_OK;
-    return LAC_OK;
 }
 
 // Lines of one length that are no rows, nor parts of one, nor several: a wrong header.

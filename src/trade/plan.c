@@ -12,7 +12,8 @@ static const lac_setting *find(const char *name, size_t length, lac_error *err)
 {
     char known[256] = "";
     const lac_setting *setting;
-    for (size_t i = 0, used = 0; (setting = lac_setting_get(i)) != NULL; i++) {
+    for (size_t i = 0, used = 0; used < sizeof known && (setting = lac_setting_get(i)) != NULL;
+         i++) {
         if (strlen(setting->name) == length && strncmp(setting->name, name, length) == 0) {
             return setting;
         }
@@ -73,7 +74,7 @@ static lac_status read_values(const char *text, size_t length, const lac_case *c
 
 static bool is_of(const lac_setting *setting, unsigned of) { return (setting->use & of) != 0; }
 
-// One word of --settings.
+// One word of --dials.
 static lac_status add_word(const char *word, size_t length, const lac_case *c, lac_trade *trade,
                            lac_error *err)
 {

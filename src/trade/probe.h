@@ -6,7 +6,7 @@
 
 /// What looks at a run for the quantities and passes everything on.
 typedef struct lac_trade_probe {
-    lac_sink next;
+    lac_sink next;     ///< first: its address is the probe's
     double friction;   ///< Coulomb's f of Q_nom [1]; NaN: none
     double rate, load; ///< at the last record; largest Q/Q_nom so far; NaN: no record
     int64_t events;    ///< so far

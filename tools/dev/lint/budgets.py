@@ -16,7 +16,7 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 65924,
+    "lines of src and include": 65925,
     "lines that only present results": 17944,
     "public headers": 13,
     "exported names": 43,
