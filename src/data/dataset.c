@@ -411,11 +411,12 @@ const char *lac_item_text(const lac_item *item, size_t place, char room[LAC_TEXT
 bool lac_item_next_attribute(const lac_item *item, lac_attribute *attribute)
 {
     const lac_laid *laid = &item->entry->attributes;
-    const size_t at[] = {item->entry->which};
+    const size_t at[] = {item->entry->which, 0};
     while (laid->of != NULL && attribute->next < laid->table.rows) {
         const lac_entry own = {.row = &laid->table.row[attribute->next++],
                                .stride = laid->table.stride,
                                .own = laid->table.stride > 0 ? 1 : 0,
+                               .dataset = item->entry->dataset,
                                .of = laid->of};
         const bool is_text = lac_entry_is_text(&own);
         attribute->name = own.row->name;

@@ -149,6 +149,9 @@ static void fill(const lac_writer *w, const lac_column *c, double *values, size_
                            : (flags & LAC_LONG) != 0 ? (double)NC_FILL_INT64
                                                      : NC_FILL_INT;
     const bool fixed = c->along == LAC_ONCE && (flags & LAC_LATE) == 0;
+    if ((flags & LAC_CELLS) != 0 && c->along != LAC_ONCE) {
+        return; // put as they are, to the bit
+    }
     for (size_t i = 0; i < n; i++) {
         const bool none = fixed ? !isfinite(values[i]) : isnan(values[i]);
         values[i] = none ? missing : values[i] + shift;

@@ -72,8 +72,8 @@ static lac_status write_file(const char *name, const char *part, const lac_archi
     h.sum = sum_of(archive->bytes + sizeof h, h.size);
     memcpy(h.mark, mark, sizeof mark);
     memcpy(archive->bytes, &h, sizeof h);
-    (void)unlink(part);
-    if (!lac_temp_file_fill(part, archive->bytes, archive->size) || rename(part, name) != 0) {
+    if ((unlink(part) != 0 && errno != ENOENT) ||
+        !lac_temp_file_fill(part, archive->bytes, archive->size) || rename(part, name) != 0) {
         const int reason = errno;
         (void)unlink(part);
         return lac_fail(err, LAC_EIO, "%s: cannot write: %s", name, strerror(reason));

@@ -16,8 +16,8 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 65925,
-    "lines that only present results": 17944,
+    "lines of src and include": 65929,
+    "lines that only present results": 17948,
     "public headers": 13,
     "exported names": 43,
     "circles of includes": 0,
