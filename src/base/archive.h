@@ -24,7 +24,8 @@ void lac_archive_pass(lac_archive *archive, void *piece, size_t size);
 /// A whole thing as a piece.
 #define LAC_PASS(archive, thing) lac_archive_pass(archive, &(thing), sizeof(thing))
 
-/// The members of a struct from one to another, which no padding parts.
+/// The members of a struct from one to another, which no padding parts: one put between them is in
+/// the archive too.
 #define LAC_PASS_RUN(archive, first, last) \
     lac_archive_pass(archive, &(first), (size_t)((char *)(&(last) + 1) - (char *)&(first)))
 

@@ -35,7 +35,8 @@
 #define LAC_FAIL_MEMORY_IF(condition, err) \
     do {                                   \
         if (condition) {                   \
-            return lac_fail_memory(err);   \
+            (void)lac_fail_memory(err);    \
+            return LAC_ENOMEM;             \
         }                                  \
     } while (0)
 

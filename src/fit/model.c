@@ -104,6 +104,8 @@ static lac_sensitivity_def follow_of(const lac_fit_model *model, double end, siz
 lac_status lac_fit_model_run(lac_fit_model *model, const double *u, double end, size_t n,
                              const double *time, lac_sensitivity *out, lac_error *err)
 {
+    out->reached = 0;
+    out->failed = false;
     LAC_TRY_RETURN(bring(model, &model->base, u, err));
     lac_sensitivity_def def = follow_of(model, end, n, time);
     return lac_sensitivity_run(&def, out, err);
@@ -266,8 +268,9 @@ lac_status lac_fit_model_differentiate(lac_fit_model *model, const double *u, la
     size_t count = model->fit->def->count;
     double failure_by[LAC_MOST_FITTED] = {0};
     out->failure_by = failure_by;
-    LAC_TRY_RETURN(follow(model, u, data->time[data->n - 1], data->n, out, by, err));
+    const lac_status status = follow(model, u, data->time[data->n - 1], data->n, out, by, err);
     out->failure_by = NULL;
+    LAC_TRY_RETURN(status);
     LAC_FAIL_IF(out->reached < data->n, err, LAC_ENUMERIC, "fails before the last reading");
     spread_columns(data->n, count, by, out->slip_by);
     spread_columns(data->n, count, by, out->log_rate_by);

@@ -175,7 +175,7 @@ static void take_given(const lac_readings *r, lac_motion *m)
     const double sign = m->falling && sum < 0.0 ? -1.0 : 1.0;
     for (size_t i = 0; i < r->n; i++) {
         if (!isnan(r->velocity[i])) {
-            add(m, r->time[i], sign * r->velocity[i], r->velocity_digit);
+            add(m, r->time[i], sign * r->velocity[i] + 0.0, r->velocity_digit); // no -0
         }
     }
 }

@@ -16,7 +16,7 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 65929,
+    "lines of src and include": 65934,
     "lines that only present results": 17948,
     "public headers": 13,
     "exported names": 43,
