@@ -54,13 +54,15 @@ static double share(const void *of, const size_t *at)
 #define X(kind, field) LAC_HELD(kind, lac_fit_unknown, field)
 #define R(kind, field) LAC_HELD(kind, lac_fit_result, field)
 
-// Five quantiles of a posterior.
+// Five quantiles of a posterior. A member of a struct cannot stand in parentheses.
+// NOLINTBEGIN(bugprone-macro-parentheses)
 #define QUANTILES(median, in50, in90, held, q)                                  \
     {.json = (median), held(REAL, q[2])}, {.json = (in50), held(REAL, q[1])},   \
         {.json = (in50), held(REAL, q[3])}, {.json = (in90), held(REAL, q[0])}, \
     {                                                                           \
         .json = (in90), held(REAL, q[4])                                        \
     }
+// NOLINTEND(bugprone-macro-parentheses)
 
 // What a file says of an unknown beside its draws.
 static const lac_variable beside_draws[] = {

@@ -145,7 +145,7 @@ static int jacobian(const gsl_vector *z, void *context, gsl_matrix *out)
 {
     search *s = context;
     lac_fit *fit = s->fit;
-    double u[LAC_MOST_FITTED];
+    double u[LAC_MOST_FITTED] = {0};
     lac_fit_tell(s->watch, s->stage, s->done, s->total);
     read_line(fit, z, u);
     fit->runs++;

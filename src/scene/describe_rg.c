@@ -84,7 +84,8 @@ LAC_GETTER(double, slides_now, const lac_rg_result *r = of, r->begin[r->levels])
 #define EACH(name, path, field, long_name, ...) \
     LAC_ROW(name, NULL, NULL, long_name, RESULT(path), H(REAL, field), AND("beta"), __VA_ARGS__)
 #define ALSO(path, kind, field) LAC_JSON("results[]/" path, kind, lac_rg_result, field)
-// The same of an estimate by bootstrap.
+// The same of an estimate by bootstrap. A member of a struct cannot stand in parentheses.
+// NOLINTBEGIN(bugprone-macro-parentheses)
 #define BOOTSTRAPPED(name, path, field, long_name)                                          \
     EACH(name, path, field.value, long_name, MAYBE),                                        \
         EACH(name "_error", path "_error", field.error, "its standard error, by bootstrap", \
@@ -93,6 +94,7 @@ LAC_GETTER(double, slides_now, const lac_rg_result *r = of, r->begin[r->levels])
              "lower end of its 95 % interval, by bootstrap", MAYBE),                        \
         EACH(name "_high", path "_interval95", field.high,                                  \
              "upper end of its 95 % interval, by bootstrap", MAYBE)
+// NOLINTEND(bugprone-macro-parentheses)
 // In JSON alone, by a getter.
 #define JSON(path, dims_, getter) LAC_JSON_BY("results[]/" path, dims_, getter)
 
