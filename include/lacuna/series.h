@@ -4,13 +4,14 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 #include "lacuna/error.h"
 #include "lacuna/linkage.h"
 
 LAC_BEGIN_C
 
-enum { LAC_SERIES_DOUBTS = 6, LAC_SERIES_DOUBT_TEXT = 160 };
+enum { LAC_SERIES_DOUBTS = 10, LAC_SERIES_DOUBT_TEXT = 160 };
 
 /// How a monitoring file is read; from lac_series_def_default. Texts are borrowed.
 typedef struct lac_series_def {
@@ -27,6 +28,10 @@ typedef struct lac_series_def {
     const char *value;             ///< column of any other quantity; NULL: none
     const char *value_unit;        ///< NULL: value_si
     const char *value_si;          ///< SI unit of what is kept
+    const char *clock;             ///< column of the time of day where dates have their own; NULL
+    const char *components;        ///< "e:mm,n:mm,u:mm", instead of displacement; NULL: none
+    const char *line_of_sight; ///< "E,N,U", that they are projected on; NULL: the main direction
+    int64_t skip;              ///< lines before the header that are read over; 0: it is found
 } lac_series_def;
 
 /// The first column as time; the others are the caller's.
@@ -59,17 +64,30 @@ typedef struct lac_series {
     char time_name[16];        ///< its name, "day"; "" where dates or not known
     size_t doubts;             ///< what was taken for want of a word, and should be asked about
     char doubt[LAC_SERIES_DOUBTS][LAC_SERIES_DOUBT_TEXT];
+    double *component[3];        ///< [n] that the displacement was made of [m]; NULL: none
+    double direction[3];         ///< that they were projected on
+    bool sighted;                ///< that was named; else it is the main direction of the motion
+    bool projected;              ///< the last doubt says so
+    size_t first;                ///< reading that the displacement counts from
+    double *displacement_digits; ///< [n] what the last digit of each counts [m]; NULL: not known
+    double *velocity_digits;     ///< [n] the same [m/s]
 } lac_series;
 
-/// Reads a CSV file with a header: comma or semicolon, decimal comma with semicolons, BOM, CRLF,
-/// `#` comments, quoted fields, NA / NaN / empty / - for a missing value. Times are ISO 8601
-/// (without zone: UTC) or seconds, unless `time_format` says otherwise: "unix", "excel", a pattern
-/// such as "%d/%m/%Y %H:%M", or a unit of time ("day", "hours since 2015-06-07"). Or a netCDF file
+/// Reads a CSV file with a header: comma, semicolon, tab or blanks, decimal comma where these are
+/// no commas, BOM, CRLF, Latin-1, `#` comments, quoted fields, NA / NaN / empty / - for a missing
+/// value. The header is the first line that names all columns asked for, with their names or these
+/// without the unit in brackets that they end in, which is theirs where none is named; rows of
+/// units may follow. Times are ISO 8601 (without zone: UTC) or seconds, unless `time_format` says
+/// otherwise: "unix", "excel", "decimal-year", a pattern such as "%d/%m/%Y %H:%M" (without a day:
+/// the middle of the month), or a unit of time ("day", "hours since 2015-06-07"). Components make
+/// one displacement, from the first reading that has all: along a line of sight, or along the
+/// direction in which they spread most. Or a netCDF file
 /// (known by its first bytes): columns are variables of one dimension that they share, times CF
 /// ("days since 2015-06-07") or a time unit; `units` of the file go before those given here,
 /// `_FillValue` and NaN are missing. Refused, since it is not what it seems: a column without a
 /// unit whose name ends in another one than would be taken ("disp_mm" as metres, "day" as seconds);
-/// a file of which more than a tenth of the rows (and more than one) repeat a time with another
+/// bare numbers that seem to be years, days of Excel or numbers of rows; thousands with marks; a
+/// file of which more than a tenth of the rows (and more than one) repeat a time with another
 /// value.
 /// @return LAC_OK; LAC_EIO; LAC_EINPUT with file, line, column, the value, what is allowed;
 ///         LAC_ENOMEM

@@ -315,7 +315,9 @@ lac_readings lac_series_readings(const lac_series *s)
                           .velocity = s->velocity,
                           .sigma = s->sigma,
                           .displacement_digit = s->displacement_digit,
-                          .velocity_digit = s->velocity_digit};
+                          .velocity_digit = s->velocity_digit,
+                          .displacement_digits = s->displacement_digits,
+                          .velocity_digits = s->velocity_digits};
 }
 
 static lac_status check(const lac_motion_def *def, const lac_readings *readings, lac_error *err)

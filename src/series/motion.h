@@ -19,10 +19,21 @@ typedef struct lac_readings {
     const double *sigma;        ///< [n] standard error of the displacement [m]; NULL: not known
     double displacement_digit;  ///< what the last digit of a displacement counts [m]; 0: a double's
     double velocity_digit;      ///< the same of a velocity [m/s]
+    const double *displacement_digits; ///< [n] what the last digit of each counts [m]; NULL: not
+                                       ///< known, displacement_digit holds for all
+    const double *velocity_digits;     ///< [n] the same [m/s]
 } lac_readings;
 
 /// All that a series holds of them.
 lac_readings lac_series_readings(const lac_series *series);
+
+/// Of readings the last `count` (0: all), and of these what lies within `time` [s] before the last
+/// one (INFINITY: all). Where the digits of each are known, how fine they are is told from those
+/// that are left, so that nothing else is known of what was before.
+/// @param out  borrows from `all`
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_readings_recent(const lac_readings *all, size_t count, double time,
+                               lac_readings *out, lac_error *err);
 
 /// The motion of a slope as forecasts see it.
 typedef struct lac_motion {

@@ -1,85 +1,63 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A monitoring file: comments, a header, rows; then sorted, with repeated times taken once.
 #include <limits.h>
-#include <locale.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/date.h"
 #include "base/units.h"
-#include "series/text.h"
+#include "series/parser.h"
 
 enum {
-    VALUES = LAC_SERIES_VALUES,
-    COLUMNS = 1 + VALUES,
-    SIGMA = 4,
-    SHOWN = 48,
-    ATTRIBUTION_MAX = 1 << 16,
     BELIEVED = 10, ///< of so many rows one may repeat a time with another value; one always
+    UNIT_ROWS = 3, ///< that may stand between the header and the first reading
 };
 
-// Of time, displacement, velocity, any other value, and the error of a displacement: 0 ... 4.
-typedef struct lac_wanted {
-    const char *name;  ///< NULL: not asked for
-    const char *taken; ///< the SI unit, for want of another; NULL: one was named
-    size_t index;      ///< in the header
-    double scale, offset;
-    int digit; ///< smallest exponent of a last digit
-} lac_wanted;
-
-typedef struct lac_parser {
-    lac_lines lines;
-    lac_wanted wanted[COLUMNS];
-    char separator;
-    size_t fields; ///< of the header
-    char first_name[SHOWN];
-    char mark; ///< decimal mark: '.', ',' or 0 while none has been seen
-    lac_time_format format;
-    bool time_known, dated;
-    const struct lac_units *units;
-    locale_t plain, callers; ///< the "C" locale, and the one of the thread before
-    lac_row *readings;
-    size_t count, capacity, missing;
-    char *attribution;
-    size_t attribution_length;
-} lac_parser;
-
-static lac_status fail_at(const lac_parser *p, lac_error *err, const char *column,
-                          const char *value, const char *allowed)
+static lac_status prepare_column(lac_parser *p, lac_wanted *w, lac_error *err)
 {
-    char shown[SHOWN];
-    return lac_fail(err, LAC_EINPUT, "%s:%zu: %s: \"%s\" %s", p->lines.path, p->lines.number,
-                    column, lac_text_show(value, shown, sizeof shown), allowed);
+    *w = (lac_wanted){.name = w->name,
+                      .unit = w->unit,
+                      .si = w->si,
+                      .taken = w->unit == NULL ? w->si : NULL,
+                      .scale = 1.0,
+                      .digit = INT_MAX};
+    if (w->name == NULL || w->unit == NULL) {
+        return LAC_OK;
+    }
+    const lac_status status =
+        lac_units_convert(p->units, w->unit, w->si, &w->scale, &w->offset, err);
+    return status == LAC_OK ? status
+                            : lac_fail_within(err, status, "%s: %s: unit \"%s\"", p->lines.path,
+                                              w->name, w->unit);
 }
 
-static lac_status prepare_units(lac_parser *p, const lac_series_def *def,
-                                const struct lac_units *units, lac_error *err)
+static lac_status prepare_columns(lac_parser *p, const lac_series_def *def, lac_error *err)
 {
-    const struct {
-        const char *name, *unit, *si;
-    } table[COLUMNS] = {{def->time, NULL, "s"},
-                        {def->displacement, def->displacement_unit, "m"},
-                        {def->velocity, def->velocity_unit, "m/s"},
-                        {def->value, def->value_unit, def->value_si},
-                        {def->sigma, def->sigma_unit, "m"}};
-    lac_status read = lac_time_format_read(def->time_format, units, &p->format, err);
+    const lac_components *axes = &p->components;
+    const lac_wanted table[COLUMNS] = {
+        {.name = def->time, .si = "s"},
+        {.name = def->displacement, .unit = def->displacement_unit, .si = "m"},
+        {.name = def->velocity, .unit = def->velocity_unit, .si = "m/s"},
+        {.name = def->value, .unit = def->value_unit, .si = def->value_si},
+        {.name = def->sigma, .unit = def->sigma_unit, .si = "m"},
+        {.name = axes->name[0], .unit = axes->unit[0], .si = "m"},
+        {.name = axes->name[1], .unit = axes->unit[1], .si = "m"},
+        {.name = axes->name[2], .unit = axes->unit[2], .si = "m"},
+        {.name = def->clock}};
+    const lac_status read = lac_time_format_read(def->time_format, p->units, &p->format, err);
     if (read != LAC_OK) {
         return lac_fail_within(err, read, "%s", def->path);
     }
     for (size_t c = 0; c < COLUMNS; c++) {
-        p->wanted[c] = (lac_wanted){.name = table[c].name,
-                                    .taken = table[c].unit == NULL ? table[c].si : NULL,
-                                    .scale = 1.0,
-                                    .digit = INT_MAX};
-        if (p->wanted[c].name == NULL || table[c].unit == NULL) {
-            continue;
-        }
-        lac_status status = lac_units_convert(units, table[c].unit, table[c].si,
-                                              &p->wanted[c].scale, &p->wanted[c].offset, err);
-        if (status != LAC_OK) {
-            return lac_fail_within(err, status, "%s: %s: unit \"%s\"", def->path, p->wanted[c].name,
-                                   table[c].unit);
-        }
+        p->wanted[c] = table[c];
+        LAC_TRY_RETURN(prepare_column(p, &p->wanted[c], err));
+    }
+    p->time_named = def->time != NULL;
+    if (!p->format.any && p->format.pattern == NULL && !p->format.decimal_year) {
+        p->wanted[0].unit = def->time_format;
+        p->wanted[0].scale = p->format.scale;
+        p->wanted[0].taken = NULL;
     }
     return LAC_OK;
 }
@@ -89,147 +67,107 @@ static lac_status prepare(lac_parser *p, FILE *stream, const lac_series_def *def
 {
     p->lines = (lac_lines){.stream = stream, .path = def->path};
     p->units = units;
+    p->skip = def->skip > 0 ? (size_t)def->skip : 0;
     p->plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
     LAC_FAIL_MEMORY_IF(p->plain == (locale_t)0, err);
     p->callers = uselocale(p->plain);
-    return prepare_units(p, def, units, err);
+    LAC_TRY_RETURN(lac_components_read(def, &p->components, err));
+    return prepare_columns(p, def, err);
 }
 
-static lac_status add_attribution(lac_parser *p, const char *comment, lac_error *err)
-{
-    size_t length = strlen(comment);
-    if (length == 0 || p->attribution_length + length + 2 > ATTRIBUTION_MAX) {
-        return LAC_OK;
-    }
-    char *text = realloc(p->attribution, p->attribution_length + length + 2);
-    LAC_FAIL_MEMORY_IF(text == NULL, err);
-    if (p->attribution_length > 0) {
-        text[p->attribution_length++] = ' ';
-    }
-    memcpy(text + p->attribution_length, comment, length + 1);
-    p->attribution = text;
-    p->attribution_length += length;
-    return LAC_OK;
-}
-
-// The first line that is neither blank nor a comment; comments before it are the attribution.
-static lac_status find_header(lac_parser *p, char **header, lac_error *err)
-{
-    *header = NULL;
-    while (*header == NULL) {
-        bool more = false;
-        LAC_TRY_RETURN(lac_lines_next(&p->lines, &more, err));
-        LAC_FAIL_IF(!more, err, LAC_EINPUT, "%s: has no header line", p->lines.path);
-        char *line = lac_text_trim(p->lines.text);
-        if (*line == '#') {
-            LAC_TRY_RETURN(add_attribution(p, lac_text_trim(line + strspn(line, "#")), err));
-        } else if (*line != '\0') {
-            *header = p->lines.text;
-        }
-    }
-    return LAC_OK;
-}
-
-// Adds `, name` to the list of the columns there are, while it fits.
-static void list_column(char *list, size_t size, const char *name)
-{
-    char shown[SHOWN];
-    size_t used = strlen(list);
-    (void)snprintf(list + used, size - used, "%s%s", used > 0 ? ", " : "",
-                   lac_text_show(name, shown, sizeof shown));
-}
-
-static lac_status match_column(lac_parser *p, bool found[COLUMNS], const char *name, lac_error *err)
-{
-    for (size_t c = 0; c < COLUMNS; c++) {
-        if (p->wanted[c].name == NULL || strcmp(p->wanted[c].name, name) != 0) {
-            continue;
-        }
-        if (found[c]) {
-            return fail_at(p, err, "header", name, "names two columns");
-        }
-        found[c] = true;
-        p->wanted[c].index = p->fields;
-    }
-    return LAC_OK;
-}
-
-// Whether a column without a unit may be SI.
-static lac_status ask(lac_parser *p, size_t column, lac_error *err)
+// What unit a column has that none was named for: that of its brackets, or perhaps SI.
+static lac_status settle(lac_parser *p, size_t column, lac_error *err)
 {
     char where[4096];
     bool known = false;
     lac_wanted *w = &p->wanted[column];
-    if (w->name == NULL || w->taken == NULL) {
+    const bool bracket = w->bracket[0] != '\0' && column != OTHER;
+    if (w->name == NULL) {
         return LAC_OK;
     }
-    (void)snprintf(where, sizeof where, "%s:%zu", p->lines.path, p->lines.number);
-    const lac_status status = lac_series_ask(p->units, where, w->name, w->taken, &known, err);
+    if (bracket) {
+        LAC_TRY_RETURN(lac_parser_unit(p, column, w->bracket, false, err));
+    }
+    if (w->taken == NULL) {
+        return LAC_OK;
+    }
+    (void)snprintf(where, sizeof where, "%s:%zu", p->lines.path,
+                   column > 0 ? p->header_line : p->lines.number);
+    LAC_TRY_RETURN(lac_series_ask(p->units, where, w->name, w->taken, &known, err));
     w->taken = known ? NULL : w->taken;
-    return status;
+    return bracket ? lac_parser_unit(p, column, w->bracket, true, err) : LAC_OK;
 }
 
-static lac_status read_header(lac_parser *p, lac_error *err)
+// Says what a time must be, and by which other formats this one would be.
+static lac_status refuse_time(const lac_parser *p, const char *field, lac_error *err)
 {
-    char *rest = NULL;
-    char list[512] = "";
-    bool found[COLUMNS] = {false};
-    LAC_TRY_RETURN(find_header(p, &rest, err));
-    p->separator = lac_text_separator(rest);
-    while (rest != NULL) {
-        char *name = lac_text_field(&rest, p->separator);
-        if (name == NULL) {
-            return fail_at(p, err, "header", p->lines.text, "has a quoted name that does not end");
-        }
-        if (p->fields == 0) {
-            (void)lac_text_show(name, p->first_name, sizeof p->first_name);
-        }
-        LAC_TRY_RETURN(match_column(p, found, name, err));
-        list_column(list, sizeof list, name);
-        p->fields++;
-    }
-    if (p->wanted[0].name == NULL) { // the first column is the time then
-        p->wanted[0].name = p->first_name;
-        found[0] = true;
-    }
-    for (size_t c = 0; c < COLUMNS; c++) {
-        LAC_FAIL_IF(p->wanted[c].name != NULL && !found[c], err, LAC_EINPUT,
-                    "%s:%zu: has no column \"%s\"; its columns are %s", p->lines.path,
-                    p->lines.number, p->wanted[c].name, list);
-    }
-    for (size_t c = 1; c < COLUMNS; c++) {
-        LAC_TRY_RETURN(ask(p, c, err));
-    }
-    return LAC_OK;
+    char guess[2][LAC_TIME_GUESS], allowed[256];
+    const size_t n = lac_time_format_guess(field, 2, guess);
+    (void)snprintf(allowed, sizeof allowed, "%s%s%s%s%s%s%s", p->format.allowed,
+                   n > 0 ? "; perhaps --time-format \"" : "", n > 0 ? guess[0] : "",
+                   n > 0 ? "\"" : "", n > 1 ? " or \"" : "", n > 1 ? guess[1] : "",
+                   n > 1 ? "\"" : "");
+    return lac_parser_fail(p, err, p->wanted[0].name, field, allowed);
 }
 
 static lac_status parse_time(lac_parser *p, const char *field, double *time, lac_error *err)
 {
-    const char *name = p->wanted[0].name;
+    lac_wanted *w = &p->wanted[0];
     if (lac_text_missing(field)) {
-        return fail_at(p, err, name, field, "must be a time: a row with values has none");
+        return lac_parser_fail(p, err, w->name, field,
+                               "must be a time: a row with values has none");
     }
     bool comma = p->separator != ',' && strchr(field, ',') != NULL;
     bool dated = false;
     if (!lac_time_format_take(&p->format, field, comma ? ',' : '.', time, &dated)) {
-        return fail_at(p, err, name, field, p->format.allowed);
+        return refuse_time(p, field, err);
     }
     if (p->time_known && dated != p->dated) {
-        return fail_at(p, err, name, field,
-                       p->dated ? "must be a date, as in the rows above"
-                                : "must be seconds, as in the rows above");
+        return lac_parser_fail(p, err, w->name, field,
+                               p->dated ? "must be a date, as in the rows above"
+                                        : "must be seconds, as in the rows above");
     }
-    const bool first = !p->time_known;
+    if (p->time_known) {
+        return LAC_OK;
+    }
     p->time_known = true;
     p->dated = dated;
-    p->wanted[0].taken = p->format.any && !dated ? p->wanted[0].taken : NULL;
-    return first ? ask(p, 0, err) : LAC_OK;
+    w->taken = p->format.any && !dated ? w->taken : NULL;
+    if (dated && w->unit == NULL) {
+        return LAC_OK;
+    }
+    const bool open = w->taken != NULL;
+    LAC_TRY_RETURN(settle(p, 0, err));
+    if (open && w->taken == NULL && w->scale != 1.0) { // the header's unit
+        p->format.scale = w->scale;
+        (void)snprintf(p->format.unit, sizeof p->format.unit, "%s",
+                       strlen(w->bracket) < sizeof p->format.unit ? w->bracket : "");
+        *time *= w->scale;
+    }
+    return LAC_OK;
+}
+
+static lac_status check_form(const lac_parser *p, const char *name, const char *field, char mark,
+                             double *value, lac_error *err)
+{
+    char plain[SHOWN], allowed[2 * SHOWN];
+    const bool alien = mark == ',' && p->separator == ',';
+    const bool number = !alien && lac_text_number(field, mark, value);
+    if (!number && lac_text_thousands(field, plain, sizeof plain)) {
+        (void)snprintf(allowed, sizeof allowed,
+                       "has marks of thousands: export it without them, as %s", plain);
+        return lac_parser_fail(p, err, name, field, allowed);
+    }
+    return number ? LAC_OK
+                  : lac_parser_fail(p, err, name, field,
+                                    alien ? "must have a decimal point in a file with commas"
+                                          : "must be a number, or NA where there is none");
 }
 
 static lac_status parse_value(lac_parser *p, size_t column, const char *field, double *value,
-                              lac_error *err)
+                              double *last, lac_error *err)
 {
-    const lac_wanted *w = &p->wanted[column];
+    lac_wanted *w = &p->wanted[column];
     *value = NAN;
     if (lac_text_missing(field)) {
         p->missing++;
@@ -237,23 +175,22 @@ static lac_status parse_value(lac_parser *p, size_t column, const char *field, d
     }
     const char *used = strpbrk(field, ".,");
     char mark = (char)(used != NULL ? *used : '.');
-    if (used != NULL && mark == ',' && p->separator == ',') {
-        return fail_at(p, err, w->name, field, "must have a decimal point in a file with commas");
-    }
-    if (!lac_text_number(field, mark, value)) {
-        return fail_at(p, err, w->name, field, "must be a number, or NA where there is none");
-    }
+    LAC_TRY_RETURN(check_form(p, w->name, field, mark, value, err));
     if (used != NULL && p->mark != '\0' && mark != p->mark) {
-        return fail_at(p, err, w->name, field, "must have the decimal mark of the rows above");
+        return lac_parser_fail(p, err, w->name, field,
+                               "must have the decimal mark of the rows above");
     }
     p->mark = used != NULL ? mark : p->mark;
+    lac_parser_suspect(p, column, field, mark);
     const int digit = lac_text_digit(field, mark);
-    p->wanted[column].digit = digit < p->wanted[column].digit ? digit : p->wanted[column].digit;
+    *last = fabs(w->scale) * pow(10.0, digit);
+    w->digit = digit < w->digit ? digit : w->digit;
     if (column == SIGMA && !(*value > 0.0)) {
-        return fail_at(p, err, w->name, field, "must be > 0: the standard error of a reading");
+        return lac_parser_fail(p, err, w->name, field,
+                               "must be > 0: the standard error of a reading");
     }
     *value = *value * w->scale + w->offset;
-    return isfinite(*value) ? LAC_OK : fail_at(p, err, w->name, field, "is too large");
+    return isfinite(*value) ? LAC_OK : lac_parser_fail(p, err, w->name, field, "is too large");
 }
 
 static lac_status add_reading(lac_parser *p, const lac_row *reading, lac_error *err)
@@ -269,6 +206,19 @@ static lac_status add_reading(lac_parser *p, const lac_row *reading, lac_error *
     return LAC_OK;
 }
 
+// A column of dates is remembered, in case that what is taken for the time is none.
+static void note_date(lac_parser *p, size_t index, const char *field)
+{
+    char guess[1][LAC_TIME_GUESS];
+    double ignored;
+    const bool first = p->count == 0 && p->dated_name[0] == '\0';
+    if (first && index != p->wanted[0].index && index < p->fields &&
+        !lac_text_number(field, '.', &ignored) &&
+        (lac_date_parse(field, &ignored) || lac_time_format_guess(field, 1, guess) > 0)) {
+        (void)lac_text_show(p->column[index], p->dated_name, sizeof p->dated_name);
+    }
+}
+
 // The wanted fields of a row; a row that ends early lacks its last values.
 static lac_status split_row(lac_parser *p, const char *fields[COLUMNS], bool *blank, lac_error *err)
 {
@@ -281,13 +231,15 @@ static lac_status split_row(lac_parser *p, const char *fields[COLUMNS], bool *bl
     for (; rest != NULL; index++) {
         const char *field = lac_text_field(&rest, p->separator);
         if (field == NULL) {
-            return fail_at(p, err, "row", p->lines.text,
-                           "has a quote that does not end, or ends within a field");
+            return lac_parser_fail(p, err, "row", p->lines.text,
+                                   "has a quote that does not end, or ends within a field");
         }
         if (index >= p->fields && *field != '\0') {
-            return fail_at(p, err, "row", field, "stands beyond the last column of the header");
+            return lac_parser_fail(p, err, "row", field,
+                                   "stands beyond the last column of the header");
         }
         *blank = *blank && *field == '\0';
+        note_date(p, index, field);
         for (size_t c = 0; c < COLUMNS; c++) {
             if (p->wanted[c].name != NULL && p->wanted[c].index == index) {
                 fields[c] = field;
@@ -297,22 +249,90 @@ static lac_status split_row(lac_parser *p, const char *fields[COLUMNS], bool *bl
     return LAC_OK;
 }
 
+// Loggers write units below the header, and how they averaged: words without a digit.
+static bool is_units(lac_parser *p, const char *const fields[COLUMNS])
+{
+    bool words = false;
+    if (p->count > 0 || p->lines.number > p->header_line + UNIT_ROWS) {
+        return false;
+    }
+    for (size_t c = 0; c < COLUMNS; c++) {
+        if (strpbrk(fields[c], "0123456789") != NULL) {
+            return false;
+        }
+        words = words || !lac_text_missing(fields[c]);
+    }
+    return words;
+}
+
+static void take_units(lac_parser *p, const char *const fields[COLUMNS])
+{
+    p->unit_line = p->lines.number;
+    for (size_t c = 0; c < COLUMNS; c++) {
+        lac_wanted *w = &p->wanted[c];
+        const char *unit = fields[c] + strspn(fields[c], "([");
+        const size_t n = strcspn(unit, ")]");
+        double scale, offset;
+        char text[SHOWN];
+        if (w->name == NULL || w->si == NULL || w->bracket[0] != '\0' || n >= sizeof text) {
+            continue;
+        }
+        (void)snprintf(text, sizeof text, "%.*s", (int)n, unit);
+        if (n > 0 && lac_units_convert(p->units, text, w->si, &scale, &offset, NULL) == LAC_OK) {
+            (void)snprintf(w->bracket, sizeof w->bracket, "%s", text);
+        }
+    }
+}
+
+static lac_status parse_row(lac_parser *p, const char *const fields[COLUMNS], lac_error *err)
+{
+    lac_row reading = {.digit = {NAN, NAN}, .line = p->lines.number};
+    double digit[1 + VALUES];
+    const char *time = fields[0];
+    char joined[2 * SHOWN];
+    if (p->wanted[CLOCK].name != NULL && !lac_text_missing(fields[0])) {
+        if (lac_text_missing(fields[CLOCK])) {
+            return lac_parser_fail(p, err, p->wanted[CLOCK].name, fields[CLOCK],
+                                   "must be a time of day: its row has a date");
+        }
+        (void)snprintf(joined, sizeof joined, "%.40s %.40s", fields[0], fields[CLOCK]);
+        time = joined;
+    }
+    for (size_t c = 1; c <= VALUES && p->count == 0; c++) {
+        LAC_TRY_RETURN(settle(p, c, err));
+    }
+    LAC_TRY_RETURN(parse_time(p, time, &reading.time, err));
+    for (size_t c = 1; c <= VALUES; c++) {
+        reading.value[c - 1] = digit[c] = NAN;
+        if (p->wanted[c].name != NULL) {
+            LAC_TRY_RETURN(parse_value(p, c, fields[c], &reading.value[c - 1], &digit[c], err));
+        }
+    }
+    reading.digit[1] = digit[2];
+    reading.digit[0] = digit[1]; // of components the coarsest
+    for (size_t k = 0; k < p->components.count; k++) {
+        reading.digit[0] = fmax(reading.digit[0], digit[COMPONENT + k]);
+    }
+    return add_reading(p, &reading, err);
+}
+
 static lac_status read_row(lac_parser *p, lac_error *err)
 {
     const char *fields[COLUMNS];
-    lac_row reading = {.value = {NAN, NAN, NAN, NAN}, .line = p->lines.number};
-    bool blank = false;
-    LAC_TRY_RETURN(split_row(p, fields, &blank, err));
-    if (blank) {
+    bool over = false;
+    LAC_TRY_RETURN(lac_parser_again(p, &over, err));
+    if (over) {
         return LAC_OK;
     }
-    LAC_TRY_RETURN(parse_time(p, fields[0], &reading.time, err));
-    for (size_t c = 1; c < COLUMNS; c++) {
-        if (p->wanted[c].name != NULL) {
-            LAC_TRY_RETURN(parse_value(p, c, fields[c], &reading.value[c - 1], err));
-        }
+    LAC_TRY_RETURN(split_row(p, fields, &over, err));
+    if (over) {
+        return LAC_OK;
     }
-    return add_reading(p, &reading, err);
+    if (is_units(p, fields)) {
+        take_units(p, fields);
+        return LAC_OK;
+    }
+    return parse_row(p, fields, err);
 }
 
 static lac_status read_rows(lac_parser *p, lac_error *err)
@@ -361,15 +381,27 @@ static double digit_of(const lac_wanted *w)
     return w->name != NULL && w->digit < INT_MAX ? fabs(w->scale) * pow(10.0, w->digit) : 0.0;
 }
 
-// What is not a column of numbers.
-static void describe(const lac_parser *p, lac_series *s)
+// What was taken for want of a word.
+static void note_doubts(const lac_parser *p, lac_series *s)
 {
-    s->dated = p->dated;
-    s->missing = p->missing;
-    s->displacement_digit = digit_of(&p->wanted[1]);
-    s->velocity_digit = digit_of(&p->wanted[2]);
-    s->time_unit = p->dated ? 0.0 : p->format.scale;
-    (void)snprintf(s->time_name, sizeof s->time_name, "%s", p->dated ? "" : p->format.unit);
+    if (p->skip == 0 && p->header_line != p->first_line) {
+        lac_series_doubt(s, "line %zu is taken as the header", p->header_line);
+    }
+    if (p->header_latin) {
+        lac_series_doubt(s, "the header is not UTF-8: taken as Latin-1 (Windows-1252)");
+    }
+    if (p->unit_line > 0) {
+        lac_series_doubt(s, "what stands below the header down to line %zu is taken as units",
+                         p->unit_line);
+    }
+    if (p->headers_again > 0) {
+        lac_series_doubt(s, "the header stands again in line %zu%s: taken as no reading",
+                         p->again_line, p->headers_again > 1 ? " and others" : "");
+    }
+    if (p->format.monthly) {
+        lac_series_doubt(s, "%.48s: months without a day: taken as their middle",
+                         p->wanted[0].name);
+    }
     for (size_t c = 0; c < COLUMNS; c++) {
         const lac_wanted *w = &p->wanted[c];
         if (w->name != NULL && w->taken != NULL) {
@@ -382,17 +414,26 @@ static void describe(const lac_parser *p, lac_series *s)
     }
 }
 
-static lac_status build(lac_parser *p, const lac_series_def *def, lac_series **out, lac_error *err)
+// What is not a column of numbers.
+static void describe(const lac_parser *p, lac_series *s)
 {
-    const size_t rows = p->count;
-    const size_t disordered = lac_rows_sort(rows, p->readings);
-    size_t conflicts = 0;
-    lac_series *s;
-    LAC_TRY_RETURN(merge_rows(p, &conflicts, err));
-    LAC_TRY_RETURN(check_any_value(p, err));
-    LAC_TRY_RETURN(
-        lac_series_new(def, p->count, p->attribution != NULL ? p->attribution : "", &s, err));
-    double *const column[VALUES] = {s->displacement, s->velocity, s->value, s->sigma};
+    s->dated = p->dated;
+    s->missing = p->missing;
+    s->displacement_digit = digit_of(&p->wanted[1]);
+    for (size_t k = 0; k < p->components.count; k++) {
+        s->displacement_digit = fmax(s->displacement_digit, digit_of(&p->wanted[COMPONENT + k]));
+    }
+    s->velocity_digit = digit_of(&p->wanted[2]);
+    s->time_unit = p->dated ? 0.0 : p->format.scale;
+    (void)snprintf(s->time_name, sizeof s->time_name, "%s", p->dated ? "" : p->format.unit);
+    note_doubts(p, s);
+}
+
+static void fill(const lac_parser *p, lac_series *s)
+{
+    double *const column[VALUES] = {s->displacement, s->velocity,     s->value,       s->sigma,
+                                    s->component[0], s->component[1], s->component[2]};
+    double *const digits[] = {s->displacement_digits, s->velocity_digits};
     for (size_t i = 0; i < s->n; i++) {
         s->time[i] = p->readings[i].time;
         s->line[i] = p->readings[i].line;
@@ -401,7 +442,26 @@ static lac_status build(lac_parser *p, const lac_series_def *def, lac_series **o
                 column[c][i] = p->readings[i].value[c];
             }
         }
+        for (size_t c = 0; c < 2; c++) {
+            if (digits[c] != NULL) {
+                digits[c][i] = p->readings[i].digit[c];
+            }
+        }
     }
+}
+
+static lac_status build(lac_parser *p, const lac_series_def *def, lac_series **out, lac_error *err)
+{
+    const size_t rows = p->count;
+    const size_t disordered = lac_rows_sort(rows, p->readings);
+    size_t conflicts = 0;
+    lac_series *s;
+    LAC_TRY_RETURN(lac_parser_check(p, err));
+    LAC_TRY_RETURN(merge_rows(p, &conflicts, err));
+    LAC_TRY_RETURN(check_any_value(p, err));
+    LAC_TRY_RETURN(lac_series_new(def, &p->components, p->count,
+                                  p->attribution != NULL ? p->attribution : "", &s, err));
+    fill(p, s);
     s->duplicates = rows - p->count;
     s->disordered = disordered;
     s->conflicts = conflicts;
@@ -417,7 +477,7 @@ lac_status lac_series_read_stream(FILE *stream, const lac_series_def *def,
     lac_parser p = {.plain = (locale_t)0};
     lac_status status = LAC_OK;
     LAC_TRY(prepare(&p, stream, def, units, err));
-    LAC_TRY(read_header(&p, err));
+    LAC_TRY(lac_parser_header(&p, err));
     LAC_TRY(read_rows(&p, err));
     LAC_TRY(build(&p, def, out, err));
 out:
@@ -425,6 +485,9 @@ out:
         (void)uselocale(p.callers);
         freelocale(p.plain);
     }
+    free(p.column);
+    free(p.header);
+    free(p.components.owned);
     free(p.attribution);
     free(p.readings);
     free(p.lines.text);

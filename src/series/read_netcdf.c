@@ -3,6 +3,7 @@
 #include <float.h>
 #include <math.h>
 #include <netcdf.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/netcdf.h"
@@ -149,23 +150,27 @@ static lac_status read_column(series_file *file, const column *c, const struct l
     return LAC_OK;
 }
 
-static lac_status read_all(series_file *file, const lac_series_def *def,
+static lac_status read_all(series_file *file, const lac_series_def *def, const lac_components *axes,
                            const struct lac_units *units, lac_series **out, lac_error *err)
 {
     const char *name = def->time != NULL ? def->time : "time";
-    double unused = 0.0;
+    double unused = 0.0, finest[LAC_SERIES_AXES] = {0.0};
     int var = -1;
     LAC_TRY_RETURN(find_column(file, name, &var, err));
     LAC_TRY_RETURN(check(file, nc_inq_dimlen(file->id, file->dim, &file->n), name, err));
     LAC_FAIL_IF(file->n == 0 || file->n > MOST_READINGS, err, LAC_EINPUT,
                 "%s: has %zu readings; must have 1 to %d", file->path, file->n, MOST_READINGS);
-    LAC_TRY_RETURN(lac_series_new(def, file->n, "", out, err));
+    LAC_TRY_RETURN(lac_series_new(def, axes, file->n, "", out, err));
     lac_series *s = *out;
+    s->displacement_digits = s->velocity_digits = NULL; // a type's are all the same
     const column columns[] = {
         {def->displacement, def->displacement_unit, "m", s->displacement, &s->displacement_digit},
         {def->velocity, def->velocity_unit, "m/s", s->velocity, &s->velocity_digit},
         {def->value, def->value_unit, def->value_si, s->value, &unused},
         {def->sigma, def->sigma_unit, "m", s->sigma, &unused},
+        {axes->name[0], axes->unit[0], "m", s->component[0], &finest[0]},
+        {axes->name[1], axes->unit[1], "m", s->component[1], &finest[1]},
+        {axes->name[2], axes->unit[2], "m", s->component[2], &finest[2]},
     };
     LAC_TRY_RETURN(read_time(file, var, name, units, s, err));
     for (size_t i = 0; i < s->n; i++) {
@@ -176,6 +181,9 @@ static lac_status read_all(series_file *file, const lac_series_def *def,
             LAC_TRY_RETURN(read_column(file, &columns[c], units, s, err));
         }
     }
+    for (size_t k = 0; k < axes->count; k++) {
+        s->displacement_digit = fmax(s->displacement_digit, finest[k]);
+    }
     return LAC_OK;
 }
 
@@ -184,7 +192,12 @@ lac_status lac_series_read_netcdf(const lac_series_def *def, const struct lac_un
 {
     series_file file = {.path = def->path, .id = -1, .dim = -1};
     LAC_TRY_RETURN(check(&file, nc_open(def->path, NC_NOWRITE, &file.id), "the file", err));
-    const lac_status status = read_all(&file, def, units, out, err);
+    lac_components axes;
+    lac_status status = lac_components_read(def, &axes, err);
+    if (status == LAC_OK) {
+        status = read_all(&file, def, &axes, units, out, err);
+    }
+    free(axes.owned);
     (void)nc_close(file.id);
     return status;
 }

@@ -19,6 +19,7 @@
 
 enum {
     TELLING = 10, // readings that no smooth curve explains, and as many that are whole steps apart
+    DIGITS = 2,   // columns of which the digits are kept
     SKIPPED = 20, // of so many gaps one may be too long to tell anything
 };
 static const double bits = 4.0;  // errors of a value, in last bits
@@ -103,21 +104,22 @@ static size_t count_rough(size_t n, const double *t, const double *x, double ste
 // mm and writes "12.5" has that step, and so have 0.1f and what was written of it. Believed only
 // of readings of which ten or more are off a parabola through their neighbours by more than half
 // of it, as a line of equal steps has them too. The digit is never made less.
-static lac_status resolve(const lac_series *s, const double *x, double *digit, lac_error *err)
+lac_status lac_series_resolve(size_t n, const double *time, const double *x, double *digit,
+                              lac_error *err)
 {
     static const double type[] = {DBL_EPSILON, FLT_EPSILON};
     if (x == NULL) {
         return LAC_OK;
     }
-    const double most = lac_vmost(s->n, x);
-    double *gap = malloc(s->n * sizeof *gap);
+    const double most = lac_vmost(n, x);
+    double *gap = malloc(n * sizeof *gap);
     LAC_FAIL_MEMORY_IF(gap == NULL, err);
     for (size_t k = 0; k < sizeof type / sizeof *type; k++) {
         const double error = bits * type[k] * most;
         size_t again;
-        const size_t gaps = find_gaps(s->n, x, error, gap, &again);
+        const size_t gaps = find_gaps(n, x, error, gap, &again);
         const double step = divide(gaps, gap, error, again);
-        if (step > coarser * *digit && count_rough(s->n, s->time, x, step) >= TELLING) {
+        if (step > coarser * *digit && count_rough(n, time, x, step) >= TELLING) {
             *digit = *digit > 0.0 ? *digit * rint(step / *digit) : step;
             break;
         }
@@ -128,8 +130,9 @@ static lac_status resolve(const lac_series *s, const double *x, double *digit, l
 
 static lac_status check(const lac_series_def *def, lac_error *err)
 {
-    LAC_FAIL_IF(def->displacement == NULL && def->velocity == NULL && def->value == NULL, err,
-                LAC_EINPUT, "%s: no column of values was named", def->path);
+    LAC_FAIL_IF(def->displacement == NULL && def->velocity == NULL && def->value == NULL &&
+                    def->components == NULL,
+                err, LAC_EINPUT, "%s: no column of values was named", def->path);
     return LAC_OK;
 }
 
@@ -147,8 +150,12 @@ lac_status lac_series_read(const lac_series_def *def, const struct lac_units *un
     }
     (void)fclose(stream);
     LAC_TRY(status);
-    LAC_TRY(resolve(*out, (*out)->displacement, &(*out)->displacement_digit, err));
-    LAC_TRY(resolve(*out, (*out)->velocity, &(*out)->velocity_digit, err));
+    if ((*out)->component[0] != NULL) {
+        lac_series_project(*out, (*out)->n);
+    }
+    const lac_series *s = *out;
+    LAC_TRY(lac_series_resolve(s->n, s->time, s->displacement, &(*out)->displacement_digit, err));
+    LAC_TRY(lac_series_resolve(s->n, s->time, s->velocity, &(*out)->velocity_digit, err));
 out:
     if (status != LAC_OK) {
         lac_series_free(*out);
@@ -178,24 +185,40 @@ out:
     return status;
 }
 
-lac_status lac_series_new(const lac_series_def *def, size_t n, const char *attribution,
-                          lac_series **out, lac_error *err)
+lac_status lac_series_new(const lac_series_def *def, const lac_components *components, size_t n,
+                          const char *attribution, lac_series **out, lac_error *err)
 {
-    const char *const name[] = {def->displacement, def->velocity, def->value, def->sigma};
+    const char *const *const axis = components->name;
+    const char *const name[LAC_SERIES_VALUES] = {components->count > 0 ? axis[0]
+                                                                       : def->displacement,
+                                                 def->velocity,
+                                                 def->value,
+                                                 def->sigma,
+                                                 axis[0],
+                                                 axis[1],
+                                                 axis[2]};
     const size_t length = strlen(attribution) + 1;
     size_t columns = 1;
     for (size_t c = 0; c < LAC_SERIES_VALUES; c++) {
-        columns += name[c] != NULL ? 1 : 0;
+        columns += name[c] == NULL ? 0 : c < DIGITS ? 2 : 1; // two of which have digits
     }
     lac_series *s =
         calloc(1, sizeof *s + n * (columns * sizeof *s->time + sizeof *s->line) + length);
     LAC_FAIL_MEMORY_IF(s == NULL, err);
-    double **const column[] = {&s->displacement, &s->velocity, &s->value, &s->sigma};
+    double **const column[LAC_SERIES_VALUES] = {
+        &s->displacement, &s->velocity,     &s->value,       &s->sigma,
+        &s->component[0], &s->component[1], &s->component[2]};
     double *at = s->time = (double *)(s + 1);
     for (size_t c = 0; c < LAC_SERIES_VALUES; c++) {
         *column[c] = name[c] != NULL ? at += n : NULL;
     }
+    double **const digits[DIGITS] = {&s->displacement_digits, &s->velocity_digits};
+    for (size_t c = 0; c < DIGITS; c++) {
+        *digits[c] = name[c] != NULL ? at += n : NULL;
+    }
     s->n = n;
+    s->sighted = components->sighted;
+    memcpy(s->direction, components->direction, sizeof s->direction);
     s->line = (size_t *)(at + n);
     s->attribution = memcpy(s->line + n, attribution, length);
     *out = s;

@@ -10,6 +10,16 @@ struct lac_units;
 lac_status lac_series_read(const lac_series_def *def, const struct lac_units *units,
                            lac_series **out, lac_error *err);
 
+/// Makes the displacement of its components, which it has; the main direction, where it is taken,
+/// by the first n readings.
+void lac_series_project(lac_series *series, size_t n);
+
+enum { LAC_SERIES_DIRECTION = 32 };
+
+/// The direction that components were projected on, as def->line_of_sight takes it.
+/// @param text  [size] LAC_SERIES_DIRECTION
+const char *lac_series_direction(const lac_series *series, char *text, size_t size);
+
 /// A modelled history to lay beside a series.
 typedef struct lac_history {
     size_t n;

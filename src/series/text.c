@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Lines, fields and numbers of text files, in the forms that loggers and spreadsheets write.
-#include <errno.h>
+// Fields and numbers of text files, in the forms that loggers and spreadsheets write.
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -12,69 +11,8 @@
 #include "base/units.h"
 #include "series/text.h"
 
-enum { LINE_MAX_BYTES = 1 << 24, NUMBER_MAX = 64 };
+enum { NUMBER_MAX = 64 };
 enum { POWER_MAX = 400 }; // beyond what a double holds
-
-static lac_status append(lac_lines *lines, int byte, lac_error *err)
-{
-    if (lines->length + 1 >= lines->capacity) {
-        size_t capacity = lines->capacity > 0 ? lines->capacity * 2 : 256;
-        char *text = realloc(lines->text, capacity);
-        LAC_FAIL_MEMORY_IF(text == NULL, err);
-        lines->text = text;
-        lines->capacity = capacity;
-    }
-    lines->text[lines->length++] = (char)byte;
-    return LAC_OK;
-}
-
-static lac_status check_byte(const lac_lines *lines, int byte, lac_error *err)
-{
-    LAC_FAIL_IF((byte < ' ' && byte != '\t' && byte != '\f') || byte == 0x7f, err, LAC_EINPUT,
-                "%s:%zu: byte 0x%02x is not text; must be CSV in UTF-8", lines->path, lines->number,
-                (unsigned)byte);
-    LAC_FAIL_IF(lines->length >= LINE_MAX_BYTES, err, LAC_EINPUT,
-                "%s:%zu: the line is longer than %d bytes", lines->path, lines->number,
-                LINE_MAX_BYTES);
-    return LAC_OK;
-}
-
-// What a line says after the marks that editors put before it.
-static void strip_mark(lac_lines *lines)
-{
-    if (lines->number == 1 && lines->length >= 3 && memcmp(lines->text, "\xef\xbb\xbf", 3) == 0) {
-        lines->length -= 3;
-        memmove(lines->text, lines->text + 3, lines->length);
-    }
-}
-
-lac_status lac_lines_next(lac_lines *lines, bool *more, lac_error *err)
-{
-    int byte = 0;
-    lines->number++;
-    lines->length = 0;
-    for (;;) {
-        byte = getc_unlocked(lines->stream);
-        if (byte == EOF || byte == '\n' || byte == '\r') {
-            break;
-        }
-        LAC_TRY_RETURN(check_byte(lines, byte, err));
-        LAC_TRY_RETURN(append(lines, byte, err));
-    }
-    LAC_FAIL_IF(byte == EOF && ferror(lines->stream), err, LAC_EIO, "%s: %s", lines->path,
-                strerror(errno));
-    *more = byte != EOF || lines->length > 0;
-    if (byte == '\r') {
-        int next = getc_unlocked(lines->stream);
-        if (next != '\n' && next != EOF) {
-            (void)ungetc(next, lines->stream);
-        }
-    }
-    strip_mark(lines);
-    LAC_TRY_RETURN(append(lines, '\0', err));
-    lines->length--;
-    return LAC_OK;
-}
 
 static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\f'; }
 
@@ -141,7 +79,19 @@ char lac_text_separator(const char *header)
             best = choices[i];
         }
     }
-    return best;
+    header += strspn(header, " ");
+    return (char)(most == 0 && strchr(header, ' ') != NULL ? ' ' : best);
+}
+
+// Any number of blanks is one separator, and none stands at the ends.
+static char *blank_field(char **rest)
+{
+    char *field = *rest + strspn(*rest, " \t\f");
+    char *end = field + strcspn(field, " \t\f");
+    char *next = end + strspn(end, " \t\f");
+    *rest = *next != '\0' ? next : NULL;
+    *end = '\0';
+    return field;
 }
 
 char *lac_text_field(char **rest, char separator)
@@ -152,6 +102,9 @@ char *lac_text_field(char **rest, char separator)
     }
     if (*field == '"') {
         return quoted_field(field, rest, separator);
+    }
+    if (separator == ' ') {
+        return blank_field(rest);
     }
     char *end = strchr(field, separator);
     *rest = end != NULL ? end + 1 : NULL;
@@ -202,8 +155,55 @@ int lac_text_digit(const char *field, char mark)
     return (int)clamped - decimals;
 }
 
-// Bytes of the UTF-8 character that begins a text; 0 where there is none.
-static size_t character_length(const unsigned char *text)
+// The marks that stand between thousands: blanks of three widths, points, commas, apostrophes.
+static size_t take_group_mark(const char *at, const char **mark)
+{
+    static const char *const marks[] = {" ", "\xc2\xa0", "\xe2\x80\xaf", "\xe2\x80\x89", ".",
+                                        ",", "'",        "\xe2\x80\x99"};
+    for (size_t i = 0; i < sizeof marks / sizeof *marks; i++) {
+        if (strncmp(at, marks[i], strlen(marks[i])) == 0) {
+            *mark = marks[i];
+            return strlen(marks[i]);
+        }
+    }
+    return 0;
+}
+
+// Digits, of which three stand behind each mark, then other decimals.
+bool lac_text_thousands(const char *field, char *plain, size_t size)
+{
+    const char *at = field, *mark = NULL, *other = NULL;
+    size_t used = 0, groups = 0;
+    size_t digits = 0, length = 0;
+    used += *at == '-' || *at == '+' ? 1 : 0;
+    memcpy(plain, at, used);
+    at += used;
+    for (;;) {
+        digits = strspn(at, "0123456789");
+        if (digits == 0 || used + digits + 2 > size || (groups > 0 && digits != 3) || digits > 3) {
+            return false;
+        }
+        memcpy(plain + used, at, digits);
+        used += digits;
+        at += digits;
+        length = take_group_mark(at, &other);
+        if (length == 0 || (mark != NULL && mark != other)) {
+            break;
+        }
+        mark = other;
+        at += length;
+        groups++;
+    }
+    const bool decimals = length == 1 && (*at == '.' || *at == ',');
+    digits = decimals ? strspn(at + 1, "0123456789") + 1 : 0;
+    if (groups == 0 || at[digits] != '\0' || used + digits + 1 > size) {
+        return false;
+    }
+    memcpy(plain + used, at, digits + 1);
+    return true;
+}
+
+size_t lac_text_character(const unsigned char *text)
 {
     size_t length = *text < 0x80   ? 1
                     : *text < 0xc2 ? 0
@@ -223,7 +223,7 @@ const char *lac_text_show(const char *field, char *shown, size_t size)
 {
     size_t used = 0;
     while (*field != '\0' && used + 8 < size) {
-        size_t length = character_length((const unsigned char *)field);
+        size_t length = lac_text_character((const unsigned char *)field);
         if (length == 0 || (unsigned char)*field < ' ') {
             shown[used++] = '?';
             field++;
@@ -268,6 +268,9 @@ static bool merge(lac_row *first, const lac_row *later)
     for (size_t c = 0; c < LAC_SERIES_VALUES; c++) {
         if (isnan(first->value[c])) {
             first->value[c] = later->value[c];
+            if (c < 2) {
+                first->digit[c] = later->digit[c];
+            }
         }
         differs = differs || (!isnan(later->value[c]) && later->value[c] != first->value[c]);
     }

@@ -9,9 +9,33 @@
 lac_status lac_series_read_stream(FILE *stream, const lac_series_def *def,
                                   const struct lac_units *units, lac_series **out, lac_error *err);
 
+enum { LAC_SERIES_AXES = 3 };
+
+/// Columns of the components of a displacement: two or three, and what they are projected on.
+typedef struct lac_components {
+    size_t count;                      ///< 0: none was asked for
+    const char *name[LAC_SERIES_AXES]; ///< NULL beyond count
+    const char *unit[LAC_SERIES_AXES]; ///< NULL: not named
+    bool sighted;                      ///< on the line of sight; else on the main direction
+    double direction[LAC_SERIES_AXES]; ///< of it, of length 1
+    char *owned;
+} lac_components;
+
+/// Understands def->components and def->line_of_sight.
+/// @param out  owned->owned is to be freed in any case
+/// @return LAC_OK; LAC_EINPUT; LAC_ENOMEM
+lac_status lac_components_read(const lac_series_def *def, lac_components *out, lac_error *err);
+
 /// One with room for n readings of the columns asked for, in one piece.
-lac_status lac_series_new(const lac_series_def *def, size_t n, const char *attribution,
-                          lac_series **out, lac_error *err);
+lac_status lac_series_new(const lac_series_def *def, const lac_components *components, size_t n,
+                          const char *attribution, lac_series **out, lac_error *err);
+
+/// The step that values count in, where it is coarser than their last digit.
+/// @param time   [n]
+/// @param x      [n] NULL: nothing is done
+/// @param digit  the last digit; on return that step, never less
+lac_status lac_series_resolve(size_t n, const double *time, const double *x, double *digit,
+                              lac_error *err);
 
 /// Whether a file begins as netCDF does; the stream is at its beginning before and after.
 bool lac_series_is_netcdf(FILE *stream);
@@ -20,11 +44,13 @@ bool lac_series_is_netcdf(FILE *stream);
 lac_status lac_series_read_netcdf(const lac_series_def *def, const struct lac_units *units,
                                   lac_series **out, lac_error *err);
 
-enum { LAC_SERIES_VALUES = 4 }; ///< displacement, velocity, any other, error of a displacement
+/// Displacement, velocity, any other, error of a displacement; its components.
+enum { LAC_SERIES_VALUES = 4 + LAC_SERIES_AXES };
 
 /// A row of a file: time, values (NaN: not given), line.
 typedef struct lac_row {
     double time, value[LAC_SERIES_VALUES];
+    double digit[2]; ///< what the last digit of displacement and velocity counts, in SI
     size_t line;
 } lac_row;
 
@@ -58,17 +84,21 @@ typedef struct lac_lines {
     char *text; ///< the line, without its end; owned
     size_t length, capacity;
     size_t number; ///< 1-based
+    bool latin;    ///< the line was no UTF-8, and was taken for Windows-1252
 } lac_lines;
 
-/// Reads the next line.
+/// Reads the next line, made UTF-8 where it is not: then it is taken for Windows-1252, of which
+/// Latin-1 is a part.
 /// @param more  false at the end of the text
-/// @return LAC_OK; LAC_EINPUT where the bytes are not text; LAC_EIO; LAC_ENOMEM
+/// @return LAC_OK; LAC_EINPUT where the bytes are not text (a workbook, UTF-16 ...); LAC_EIO;
+/// LAC_ENOMEM
 lac_status lac_lines_next(lac_lines *lines, bool *more, lac_error *err);
 
 /// Text without blanks at its ends; in place.
 char *lac_text_trim(char *text);
 
-/// What separates the fields of a header: the most frequent of ; , and tab outside quotes.
+/// What separates the fields of a header: the most frequent of ; , and tab outside quotes; blanks
+/// where it has none of them.
 char lac_text_separator(const char *header);
 
 /// Takes the next field off a line, in place: quotes removed, blanks trimmed.
@@ -89,6 +119,13 @@ bool lac_text_number(const char *field, char mark, double *value);
 /// Decimal exponent of the last digit of what lac_text_number takes: -2 of "1,70", 2 of "3e2".
 int lac_text_digit(const char *field, char mark);
 
+/// Whether a field is a number with marks between its thousands: "1,234.5", "1 234,5".
+/// @param plain  [size] the number without them
+bool lac_text_thousands(const char *field, char *plain, size_t size);
+
+/// Bytes of the UTF-8 character that begins a text; 0 where there is none.
+size_t lac_text_character(const unsigned char *text);
+
 /// A field fit for a message: cut, and without control characters.
 const char *lac_text_show(const char *field, char *shown, size_t size);
 
@@ -97,18 +134,26 @@ typedef struct lac_time_format {
     const char *pattern;  ///< with % marks; NULL: numbers, or ISO 8601 and seconds
     bool any;             ///< ISO 8601 or seconds, whichever the first row has
     bool dated;           ///< of numbers: they count from a date
+    bool decimal_year;    ///< of numbers: years, with the part that is over
+    bool monthly;         ///< of patterns: no day, so the middle of the month
     double scale, offset; ///< of numbers: seconds = scale x + offset
     char unit[16];        ///< of numbers, "day"; "" where the name is longer
-    char allowed[96];     ///< for messages: what a time must be
+    char allowed[128];    ///< for messages: what a time must be
 } lac_time_format;
 
 /// Understands a format: NULL or "iso" (ISO 8601, else seconds), "unix", "excel" (days since
-/// 1899-12-30), a pattern such as "%d/%m/%Y %H:%M" (Y m d y b j H I M S p z), or what CF calls time
-/// units: "day", "hours since 2015-06-07".
+/// 1899-12-30), "decimal-year" (2015.4932), a pattern such as "%d/%m/%Y %H:%M" (Y m d y b j H I M S
+/// p z), or what CF calls time units: "day", "hours since 2015-06-07".
 /// @param text  borrowed
 /// @return LAC_OK; LAC_EINPUT
 lac_status lac_time_format_read(const char *text, const struct lac_units *units,
                                 lac_time_format *out, lac_error *err);
+
+enum { LAC_TIME_GUESS = 24 };
+
+/// Patterns by which a field would be a date, the usual ones.
+/// @return how many there are, at most `most`
+size_t lac_time_format_guess(const char *field, size_t most, char guess[][LAC_TIME_GUESS]);
 
 /// Reads one time.
 /// @param mark     decimal mark of numbers

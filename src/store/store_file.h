@@ -83,3 +83,37 @@ double lac_stored_file_number(const lac_stored_file *file, const char *variable,
 /// @param index  from 0
 /// @return false past the last one, or where the name is longer than the room for it
 bool lac_stored_file_variable(const lac_stored_file *file, size_t index, char *name, size_t size);
+
+enum { LAC_STORED_RANK = 4, LAC_STORED_NAME = 64 };
+
+/// A dimension of a variable.
+typedef struct lac_stored_dim {
+    char name[LAC_STORED_NAME];
+    size_t length;
+} lac_stored_dim;
+
+/// What a variable of a file runs over.
+typedef struct lac_stored_shape {
+    size_t rank;
+    lac_stored_dim dim[LAC_STORED_RANK]; ///< [rank]; of characters without their number
+    size_t count;                        ///< values in all
+    bool text, strings;                  ///< texts: rows of characters, or strings
+    size_t width;                        ///< of such a row
+} lac_stored_shape;
+
+/// The shape of a variable of a file (not of a run in memory).
+/// @return LAC_OK; LAC_EIO (no such variable, more dimensions or longer names than these, damaged)
+lac_status lac_stored_file_shape(const lac_stored_file *file, const char *variable,
+                                 lac_stored_shape *out, lac_error *err);
+
+/// The values of a variable of texts. @param out  [shape->count] to be freed, as one piece
+/// @return LAC_OK; LAC_EIO (damaged); LAC_ENOMEM
+lac_status lac_stored_file_texts(const lac_stored_file *file, const char *variable,
+                                 const lac_stored_shape *shape, char ***out, lac_error *err);
+
+/// Name of an attribute of a variable, or with NULL of the file, in the order of the file.
+/// @param index  from 0
+/// @return false past the last one, where the name is longer than the room for it, and of a run in
+///         memory
+bool lac_stored_file_attribute(const lac_stored_file *file, const char *variable, size_t index,
+                               char *name, size_t size);
