@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/param.h"
+#include "forecast/driver.h"
 #include "series/motion.h"
 
 enum {
@@ -119,9 +120,14 @@ typedef struct lac_forecast_def {
     size_t short_run; ///< velocities in the short mean of the onset
     size_t long_run;  ///< in the long one
     const lac_forecast_model *model; ///< asked before the baseline; NULL: none
+    size_t drivers;
+    const lac_driver *driver; ///< [drivers] what may explain the rate
+    size_t window_count;      ///< nothing is known but the last so many readings; 0: all
+    double window_time;       ///< nor what is so long before the last one [s]; INFINITY: all
 } lac_forecast_def;
 
-/// Velocities as given, from the onset, by means of 3 over 7 velocities (Carla et al. 2017).
+/// Velocities as given, from the onset, by means of 3 over 7 velocities (Carla et al. 2017), of all
+/// readings.
 lac_forecast_def lac_forecast_default(void);
 
 /// A forecast of one method at one time.
@@ -144,6 +150,8 @@ typedef struct lac_forecast_set {
     double issue_time, window_start;
     size_t count;
     lac_forecast *forecast; ///< [count] in the order of the registry, a model last but one
+    size_t effects;
+    lac_driver_effect *effect; ///< [effects] of the drivers; theirs is owned
 } lac_forecast_set;
 
 /// Forecasts from readings up to the present; nothing else is known to it, so that it is causal.

@@ -291,7 +291,7 @@ static lac_status create_window(const lac_motion *m, double start, lac_window **
 
 lac_forecast_def lac_forecast_default(void)
 {
-    return (lac_forecast_def){.since = NAN, .short_run = 3, .long_run = 7};
+    return (lac_forecast_def){.since = NAN, .short_run = 3, .long_run = 7, .window_time = INFINITY};
 }
 
 static lac_status check(const lac_forecast_def *def, const lac_readings *readings, lac_error *err)
@@ -302,6 +302,7 @@ static lac_status check(const lac_forecast_def *def, const lac_readings *reading
                 err, LAC_EINPUT,
                 "the means of the onset must be of 1 or more velocities, and of more, at most %d",
                 (int)LONGEST_RUN);
+    LAC_FAIL_IF(!(def->window_time > 0.0), err, LAC_EINPUT, "the window must be longer than 0 s");
     return LAC_OK;
 }
 
@@ -402,6 +403,7 @@ static lac_status forecast(lac_forecast_set *o, const lac_forecast_def *def, lac
         memcpy(f->fit.reason, reason, sizeof reason);
         if (o->asked) {
             LAC_TRY(ask(def, o->motion, w, f, err));
+            lac_driver_temper(o, f);
         }
     }
 out:
@@ -413,15 +415,18 @@ lac_status lac_forecast_set_create(const lac_forecast_def *def, const lac_readin
                                    lac_forecast_set **out, lac_error *err)
 {
     const size_t count = lac_forecast_count(def);
+    lac_readings seen;
     lac_status status;
     *out = NULL;
     LAC_TRY_RETURN(check(def, readings, err));
+    LAC_TRY_RETURN(lac_readings_recent(readings, def->window_count, def->window_time, &seen, err));
     lac_forecast_set *o = calloc(1, sizeof *o + count * sizeof *o->forecast);
     LAC_FAIL_MEMORY_IF(o == NULL, err);
     o->count = count;
     o->forecast = (lac_forecast *)(o + 1);
-    LAC_TRY(lac_motion_create(&def->motion, readings, &o->motion, err));
-    o->issue_time = readings->time[readings->n - 1];
+    LAC_TRY(lac_motion_create(&def->motion, &seen, &o->motion, err));
+    o->issue_time = seen.time[seen.n - 1];
+    LAC_TRY(lac_driver_explain_all(def, o, err));
     LAC_TRY(forecast(o, def, err));
     *out = o;
     o = NULL;
@@ -434,6 +439,7 @@ void lac_forecast_set_free(lac_forecast_set *forecasts)
 {
     if (forecasts != NULL) {
         lac_motion_free(forecasts->motion);
+        lac_driver_effects_free(forecasts);
         free(forecasts);
     }
 }

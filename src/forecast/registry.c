@@ -115,6 +115,8 @@ static const lac_forecast_gate gates[] = {
     {"misfit",
      "rms of the residuals over the range of what was fitted above what the method may have"},
     {"vagueness", "standard error of ln(tc - t) above 1.5"},
+    {"driver", "of any method but the baseline and --case: a --driver explains the rate, "
+               "and what remains does not accelerate"},
 };
 
 LAC_ROWS_AT(lac_forecast_gate, lac_forecast_gate_get, gates)

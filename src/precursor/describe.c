@@ -5,7 +5,7 @@
 
 #include "base/fail.h"
 #include "data/describe.h"
-#include "precursor/precursor.h"
+#include "precursor/kinds.h"
 
 enum { NAME = 80, LONG_NAME = 160, MOST_VALUES = 64 };
 
@@ -341,7 +341,24 @@ lac_status lac_forecast_describe(const lac_forecast_outcome *o, lac_dataset **ou
         LAC_TRY(add_indicator(*out, o, k, issues, err));
     }
     LAC_TRY(lac_dataset_add(*out, laid, sizeof laid / sizeof *laid, err));
+    LAC_TRY(lac_drivers_describe(o->forecasts, o->readings != NULL, *out, err));
     LAC_TRY(o->readings != NULL ? add_json(*out, o, err) : LAC_OK);
+out:
+    return lac_dataset_described(out, status);
+}
+
+lac_status lac_issue_describe(const lac_forecast_set *forecasts, bool dated, lac_dataset **out,
+                              lac_error *err)
+{
+    const lac_extent dims[] = {{"method", forecasts->count}, {"value", LAC_FORECAST_VALUES}};
+    const lac_laid laid[] = {
+        {LAC_VARIABLES(of_set, "", 0), forecasts},
+        {LAC_VARIABLES(of_forecasts, "method", sizeof *forecasts->forecast), forecasts->forecast}};
+    lac_status status;
+    LAC_TRY(lac_dataset_create("Forecasts of the time of failure at one time.", out, err));
+    (*out)->clock = dated ? LAC_CLOCK_1970 : LAC_CLOCK_NONE;
+    LAC_TRY(lac_dataset_dims(*out, dims, sizeof dims / sizeof *dims, err));
+    LAC_TRY(lac_dataset_add(*out, laid, sizeof laid / sizeof *laid, err));
 out:
     return lac_dataset_described(out, status);
 }

@@ -13,3 +13,7 @@ extern const lac_precursor_kind lac_precursor_slowing, lac_precursor_log_periodi
 
 /// A stationary first-order autoregression with coefficient phi and innovations of variance 1.
 void lac_surrogate_red(size_t n, double phi, uint64_t seed, size_t index, double *x);
+
+/// Adds what the drivers of a set of forecasts explain: variables over `reading`, and JSON.
+lac_status lac_drivers_describe(const lac_forecast_set *forecasts, bool json, lac_dataset *dataset,
+                                lac_error *err);

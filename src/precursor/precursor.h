@@ -176,3 +176,9 @@ typedef struct lac_forecast_outcome {
 /// @param outcome  with all that it points to must outlive the dataset
 lac_status lac_forecast_describe(const lac_forecast_outcome *outcome, lac_dataset **out,
                                  lac_error *err);
+
+/// What is told of one time of issue, for JSON: when it was, and each method's answer with its
+/// reason. A line of `precursors --rolling --jsonl` and one of `watch` are both this.
+/// @param forecasts  must outlive the dataset
+lac_status lac_issue_describe(const lac_forecast_set *forecasts, bool dated, lac_dataset **out,
+                              lac_error *err);

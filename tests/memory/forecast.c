@@ -12,17 +12,19 @@ enum { N = 16, EVENTS = 30 };
 
 lac_status whole_forecast(const char *path, lac_error *err)
 {
-    double time[N], displacement[N], moment[EVENTS];
+    double time[N], displacement[N], rain[N], moment[EVENTS];
     for (size_t i = 0; i < N; i++) {
         time[i] = (double)i;
         displacement[i] = -log(18.0 - time[i]);
+        rain[i] = (double)(i * i % 7);
     }
     for (size_t i = 0; i < EVENTS; i++) {
         moment[i] = 1e9 * (double)(1 + i % 7);
     }
     const lac_readings readings = {.n = N, .time = time, .displacement = displacement};
     const lac_event_list events = {.n = N, .time = time, .moment = moment};
-    const lac_forecast_def def = lac_forecast_default();
+    const lac_driver driver = {.name = "rain", .unit = "mm", .n = N, .time = time, .value = rain};
+    lac_forecast_def def = lac_forecast_default();
     lac_forecast_set *forecasts = NULL;
     lac_rolling *rolling = NULL;
     lac_skill skill[16];
@@ -30,6 +32,8 @@ lac_status whole_forecast(const char *path, lac_error *err)
     lac_slowing slowing;
     lac_dataset *dataset = NULL;
     lac_status status;
+    def.driver = &driver;
+    def.drivers = 1;
     LAC_TRY(lac_forecast_set_create(&def, &readings, &forecasts, err));
     const lac_indicator_inputs evidence = {.events = &events, .seed = 1, .surrogates = 3};
     LAC_TRY(lac_indicator_series_create(&evidence, 1, &indicator_series, err));

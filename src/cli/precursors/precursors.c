@@ -4,6 +4,8 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
 
 #include "base/statistics.h"
 #include "cli/common/command.h"
@@ -116,6 +118,8 @@ out:
 
 typedef struct precursors_job {
     const cli_request *request;
+    lac_json *json;      // that results go to; NULL: to the file alone
+    const char *station; // the column, where there are several; NULL
     lac_units *units;
     lac_case *source; // the slope's own model, with --case
     lac_fit_watch watch;
@@ -124,6 +128,7 @@ typedef struct precursors_job {
     cli_watched watched;
     cli_forecast_plan plan;
     cells cells;
+    cli_drivers drivers;
     lac_precursor indicator[LAC_PRECURSORS_MAX];
 } precursors_job;
 
@@ -152,15 +157,34 @@ static bool go_on(void *context, size_t done, size_t all)
     return !cli_signals_stop(NULL);
 }
 
+// As lac_indicator_series_see, and with --jsonl its line.
+static lac_status see(void *seer, const lac_forecast_set *forecasts, lac_error *err)
+{
+    const precursors_job *job = seer;
+    const lac_forecast_outcome *of = &job->watched.of;
+    lac_json json = {.out = stdout, .line = true};
+    lac_dataset *issue = NULL;
+    if (job->request->forecast.lines == NULL) {
+        return lac_indicator_series_see(of->indicator_series, forecasts, err);
+    }
+    LAC_TRY_RETURN(lac_issue_describe(forecasts, of->dated, &issue, err));
+    lac_json_open(&json, NULL, '{');
+    lac_dataset_json(issue, &json);
+    lac_json_close(&json, '}');
+    lac_dataset_free(issue);
+    return LAC_OK;
+}
+
 static lac_status roll(precursors_job *job, lac_error *err)
 {
     cli_watched *w = &job->watched;
     lac_forecast_outcome *of = &w->of;
     const size_t most = job->plan.issues < w->readings.n ? job->plan.issues : w->readings.n;
     lac_status status;
-    LAC_TRY(lac_indicator_series_create(&job->cells.inputs, most, &of->indicator_series, err));
-    const lac_rolling_watch watch = {
-        .go_on = go_on, .seer = of->indicator_series, .see = lac_indicator_series_see};
+    if (job->request->forecast.lines == NULL) {
+        LAC_TRY(lac_indicator_series_create(&job->cells.inputs, most, &of->indicator_series, err));
+    }
+    const lac_rolling_watch watch = {.go_on = go_on, .seer = job, .see = see};
     cli_say(job->request, "forecasting at %zu readings", w->readings.n);
     cli_signals_hold();
     status = lac_rolling_create(&job->plan.def, &w->readings, job->plan.issues, &watch,
@@ -197,16 +221,24 @@ static lac_status put_out(const precursors_job *job, lac_error *err)
     const lac_forecast_outcome *of = &job->watched.of;
     lac_dataset *dataset = NULL;
     lac_status status;
+    if (request->forecast.lines != NULL) { // they are out
+        return LAC_OK;
+    }
     LAC_TRY(lac_forecast_describe(of, &dataset, err));
     if (request->output != NULL) {
         LAC_TRY(write_file(job, dataset, err));
     }
+    if (job->json == NULL) {
+        goto out;
+    }
     if (cli_given(request, CLI_OPT_JSON)) {
-        lac_json json = {.out = stdout};
-        lac_json_open(&json, NULL, '{');
-        lac_dataset_json(dataset, &json);
-        lac_json_text(&json, "output", request->output);
-        lac_json_close(&json, '}');
+        lac_json_open(job->json, NULL, '{');
+        if (job->station != NULL) {
+            lac_json_text(job->json, "station", job->station);
+        }
+        lac_dataset_json(dataset, job->json);
+        lac_json_text(job->json, "output", request->output);
+        lac_json_close(job->json, '}');
     } else {
         cli_precursors_print(of, cli_given(request, CLI_OPT_VERBOSE));
         if (request->output != NULL) {
@@ -219,11 +251,16 @@ out:
     return status;
 }
 
-lac_status cli_precursors(const cli_request *request, lac_error *err)
+static lac_status answer(const cli_request *request, const char *station, lac_json *json,
+                         lac_error *err)
 {
-    precursors_job job = {.request = request};
+    precursors_job job = {.request = request, .station = station, .json = json};
     lac_forecast_outcome *of = &job.watched.of;
     lac_status status;
+    const bool lines = request->forecast.lines != NULL;
+    LAC_LEAVE_IF(lines && (request->forecast.rolling == NULL || request->output != NULL ||
+                           cli_given(request, CLI_OPT_JSON)),
+                 err, LAC_EINPUT, "--jsonl: is of --rolling, without -o and --json");
     LAC_TRY(lac_units_create(&job.units, err));
     LAC_TRY(read_case(&job, err));
     if (request->output != NULL) {
@@ -231,6 +268,9 @@ lac_status cli_precursors(const cli_request *request, lac_error *err)
     }
     LAC_TRY(cli_watched_read(request, job.source, job.units, &job.watched, err));
     LAC_TRY(cli_forecast_plan_read(request, of->dated, job.units, &job.plan, err));
+    LAC_TRY(cli_drivers_read(request, job.source, &job.watched, job.units, &job.drivers, err));
+    job.plan.def.drivers = job.drivers.n;
+    job.plan.def.driver = job.drivers.driver;
     of->horizon = job.plan.horizon;
     of->indicator = job.indicator;
     if (job.watched.run) { // a run has neither outliers nor resets
@@ -260,8 +300,102 @@ out:
         lac_stored_values_clear(&job.cells.value[i]);
     }
     lac_forecast_set_free(of->forecasts);
+    cli_drivers_clear(&job.drivers);
     cli_watched_clear(&job.watched);
     lac_case_free(job.source);
     lac_units_free(job.units);
     return status;
+}
+
+// What is asked of several columns cannot be one file, nor read twice from a pipe.
+static lac_status check_several(const cli_request *request, lac_error *err)
+{
+    struct stat file;
+    const char *path = request->argument[0];
+    LAC_FAIL_IF(request->output != NULL, err, LAC_EINPUT,
+                "-o: a file holds one column of displacements, and %zu were named: run lacuna once "
+                "for each",
+                request->displacements.n);
+    const char *alone = request->series.velocity != NULL     ? "velocity"
+                        : request->series.components != NULL ? "components"
+                        : request->forecast.lines != NULL    ? "jsonl"
+                                                             : NULL;
+    LAC_FAIL_IF(alone != NULL, err, LAC_EINPUT,
+                "--%s: goes with one column of displacements, and %zu were named", alone,
+                request->displacements.n);
+    LAC_FAIL_IF(stat(path, &file) == 0 && !S_ISREG(file.st_mode), err, LAC_EINPUT,
+                "%s: is no file, and each of %zu columns reads it anew: save it first", path,
+                request->displacements.n);
+    return LAC_OK;
+}
+
+// A column as if it were the only one; why it has no answer is said in its place.
+static lac_status answer_one(const cli_request *request, const char *column, lac_json *json,
+                             lac_error *err)
+{
+    cli_request one = *request;
+    const bool as_json = cli_given(request, CLI_OPT_JSON);
+    const char *colon = strrchr(column, ':');
+    char *station = strndup(column, colon != NULL ? (size_t)(colon - column) : strlen(column));
+    LAC_FAIL_MEMORY_IF(station == NULL, err);
+    one.series.displacement = column;
+    if (!as_json) {
+        printf("station %s\n", station);
+        (void)fflush(stdout);
+    }
+    const lac_status status = answer(&one, station, json, err);
+    if (status == LAC_EINPUT || status == LAC_ENUMERIC) {
+        if (as_json) {
+            LAC_JSON_TEXTS(json, "station", station, "error", err->message);
+        }
+        cli_note("%s", err->message);
+    }
+    free(station);
+    return status;
+}
+
+// One that has no answer, a prism that was lost, does not silence the others.
+static lac_status answer_each(const cli_request *request, lac_json *json, lac_error *err)
+{
+    const size_t n = request->displacements.n;
+    const bool as_json = cli_given(request, CLI_OPT_JSON);
+    lac_status worst = LAC_OK;
+    size_t lost = 0;
+    LAC_TRY_RETURN(check_several(request, err));
+    if (as_json) {
+        lac_json_open(json, NULL, '{');
+        lac_json_open(json, "stations", '[');
+    }
+    for (size_t i = 0; i < n; i++) {
+        const lac_status status = answer_one(request, request->displacements.word[i], json, err);
+        if (status != LAC_OK && status != LAC_EINPUT && status != LAC_ENUMERIC) {
+            return status;
+        }
+        worst = worst == LAC_OK ? status : worst;
+        lost += status != LAC_OK ? 1 : 0;
+        if (!as_json && i + 1 < n) {
+            printf("\n");
+        }
+    }
+    if (as_json) {
+        lac_json_close(json, ']');
+        lac_json_close(json, '}');
+    }
+    return worst == LAC_OK ? worst
+                           : lac_fail(err, worst, "%zu of %zu columns have no answer", lost, n);
+}
+
+lac_status cli_precursors(const cli_request *request, lac_error *err)
+{
+    lac_json json = {.out = stdout};
+    return request->displacements.n > 1 ? answer_each(request, &json, err)
+                                        : answer(request, NULL, &json, err);
+}
+
+lac_status cli_precursors_file(const cli_request *request, const char *output, lac_error *err)
+{
+    cli_request rolling = *request;
+    rolling.output = output;
+    rolling.forecast.rolling = "--rolling";
+    return answer(&rolling, NULL, NULL, err);
 }

@@ -35,4 +35,26 @@ typedef struct cli_forecast_plan {
 lac_status cli_forecast_plan_read(const cli_request *request, bool dated, const lac_units *units,
                                   cli_forecast_plan *plan, lac_error *err);
 
+/// Does what `lacuna precursors --rolling` does of its argument, to a file alone: prints no result.
+/// @param output  instead of the request's
+lac_status cli_precursors_file(const cli_request *request, const char *output, lac_error *err);
+
 void cli_precursors_print(const lac_forecast_outcome *outcome, bool verbose);
+
+/// The drivers that --driver names, read.
+typedef struct cli_drivers {
+    size_t n;
+    lac_driver driver[LAC_DRIVERS_MAX]; ///< point into what follows
+    lac_series *series[LAC_DRIVERS_MAX];
+    char *text[LAC_DRIVERS_MAX]; ///< copies that names point into
+} cli_drivers;
+
+/// Reads them: columns of the readings' file, or of files of their own.
+/// @return LAC_OK; LAC_EINPUT; LAC_EIO; LAC_ENOMEM
+lac_status cli_drivers_read(const cli_request *request, const lac_case *known,
+                            const cli_watched *watched, const lac_units *units, cli_drivers *out,
+                            lac_error *err);
+void cli_drivers_clear(cli_drivers *drivers);
+
+/// What they explain, a line each.
+void cli_drivers_print(const lac_forecast_set *forecasts);

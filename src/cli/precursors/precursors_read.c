@@ -17,6 +17,7 @@ static bool is_run(const cli_request *request)
 {
     char text[32];
     return request->series.displacement == NULL && request->series.velocity == NULL &&
+           request->series.components == NULL &&
            lac_store_read_attribute(request->argument[0], "lacuna_format_version", text,
                                     sizeof text, NULL) == LAC_OK;
 }
@@ -177,6 +178,26 @@ static lac_status read_onset(const char *text, lac_forecast_def *def, lac_error 
                      text);
 }
 
+// "2000", "90 day", "2000,90 day": a number without a unit is one of readings.
+static lac_status read_window(const char *text, const lac_units *units, lac_forecast_def *def,
+                              lac_error *err)
+{
+    const char *end = "";
+    const size_t count = read_count(text, &end);
+    const bool both = count > 0 && *end == ',';
+    const bool counted = count > 0 && (both || *end == '\0');
+    def->window_count = counted ? count : 0;
+    if (both || !counted) {
+        const lac_status status =
+            lac_units_parse(units, both ? end + 1 : text, "s", &def->window_time, err);
+        LAC_FAIL_IF(status != LAC_OK || !(def->window_time > 0.0), err, LAC_EINPUT,
+                    "--window: \"%s\" must be a number of readings, a time or both: 2000, \"90 "
+                    "day\", \"2000,90 day\"",
+                    text);
+    }
+    return LAC_OK;
+}
+
 lac_status cli_forecast_plan_read(const cli_request *request, bool dated, const lac_units *units,
                                   cli_forecast_plan *plan, lac_error *err)
 {
@@ -192,6 +213,9 @@ lac_status cli_forecast_plan_read(const cli_request *request, bool dated, const 
     }
     if (words->onset != NULL) {
         LAC_TRY(read_onset(words->onset, &plan->def, err));
+    }
+    if (words->window != NULL) {
+        LAC_TRY(read_window(words->window, units, &plan->def, err));
     }
     if (words->issues != NULL) {
         const char *end = "";

@@ -292,6 +292,7 @@ void cli_precursors_print(const lac_forecast_outcome *of, bool verbose)
     }
     print_beside(o);
     print_ends(o);
+    cli_drivers_print(o);
     if (verbose) {
         print_values(o);
         print_methods(o);

@@ -3,6 +3,7 @@
 #include "cli/precursors/series.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -11,6 +12,8 @@
 #include "cli/common/words.h"
 #include "store/store_cells.h"
 #include "store/store_file.h"
+
+enum { MOST_SKIPPED = 1000000 };
 
 // Splits "column:unit", if given, at its last colon, in a copy.
 static lac_status split(const char *option, const char *text, char **owned, const char **column,
@@ -49,33 +52,89 @@ static lac_status ask_for_columns(const char *path, lac_error *err)
                             : status;
 }
 
+static lac_status read_skip(const char *text, int64_t *skip, lac_error *err)
+{
+    char *end = NULL;
+    *skip = text != NULL ? strtoll(text, &end, 10) : *skip;
+    return text == NULL || (end != text && *end == '\0' && *skip >= 0 && *skip <= MOST_SKIPPED)
+               ? LAC_OK
+               : lac_fail(err, LAC_EINPUT, "--skip: \"%s\" must be a number of lines, 0 to %d",
+                          text, (int)MOST_SKIPPED);
+}
+
+// The words that are no columns of values.
+static lac_status take_words(const cli_series_words *words, lac_series_def *def, lac_error *err)
+{
+    const struct {
+        const char *word, **to;
+    } texts[] = {{words->time, &def->time},
+                 {words->time_format, &def->time_format},
+                 {words->clock, &def->clock},
+                 {words->components, &def->components},
+                 {words->line_of_sight, &def->line_of_sight}};
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        *texts[i].to = texts[i].word != NULL ? texts[i].word : *texts[i].to;
+    }
+    return read_skip(words->skip, &def->skip, err);
+}
+
+// The main direction of motion is that of the readings that are used.
+static lac_status project(const cli_request *request, const lac_units *units, lac_series *series,
+                          lac_error *err)
+{
+    char sight[LAC_SERIES_DIRECTION];
+    double until = INFINITY;
+    size_t n = 0;
+    if (series->component[0] == NULL || series->sighted) {
+        return LAC_OK;
+    }
+    LAC_FAIL_IF(
+        request->forecast.rolling != NULL, err, LAC_EINPUT,
+        "--rolling: the main direction of motion is that of all readings, which is not known "
+        "at each: --line-of-sight \"%s\" takes it as known",
+        lac_series_direction(series, sight, sizeof sight));
+    if (request->until != NULL) {
+        LAC_TRY_RETURN(cli_series_time("until", request->until, series->dated, units, &until, err));
+    }
+    while (n < series->n && series->time[n] <= until) {
+        n++;
+    }
+    lac_series_project(series, n);
+    return LAC_OK;
+}
+
 lac_status cli_series_read(const cli_request *request, const lac_series_def *known,
                            const char *path, const lac_units *units, lac_series **out,
                            lac_error *err)
 {
     const cli_series_words *words = &request->series;
-    const bool named = words->displacement != NULL || words->velocity != NULL;
+    const bool named =
+        words->displacement != NULL || words->velocity != NULL || words->components != NULL;
     lac_series_def def = !named && known != NULL ? *known : (lac_series_def){0};
     char *owned[3] = {NULL};
     lac_status status;
     *out = NULL;
     def.path = path;
-    def.time = words->time != NULL ? words->time : def.time;
-    def.time_format = words->time_format != NULL ? words->time_format : def.time_format;
+    LAC_TRY(take_words(words, &def, err));
     LAC_TRY(split("displacement", words->displacement, &owned[0], &def.displacement,
                   &def.displacement_unit, err));
     LAC_TRY(split("velocity", words->velocity, &owned[1], &def.velocity, &def.velocity_unit, err));
-    if (def.displacement == NULL && def.velocity == NULL) {
+    if (def.displacement == NULL && def.velocity == NULL && def.components == NULL) {
         LAC_TRY(ask_for_columns(path, err));
     }
-    LAC_LEAVE_IF(words->sigma != NULL && def.displacement == NULL, err, LAC_EINPUT,
-                 "--sigma: is of displacements: name --displacement too");
+    LAC_LEAVE_IF(words->sigma != NULL && def.displacement == NULL && def.components == NULL, err,
+                 LAC_EINPUT, "--sigma: is of displacements: name --displacement too");
     LAC_TRY(split("sigma", words->sigma, &owned[2], &def.sigma, &def.sigma_unit, err));
     LAC_TRY(lac_series_read(&def, units, out, err));
+    LAC_TRY(project(request, units, *out, err));
     cli_series_warn(request, path, *out);
 out:
     for (size_t i = 0; i < sizeof owned / sizeof *owned; i++) {
         free(owned[i]);
+    }
+    if (status != LAC_OK) {
+        lac_series_free(*out);
+        *out = NULL;
     }
     return status;
 }
