@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The file of `lacuna watch`, read by tables of rows as a case is.
+#include "case/fleet.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "case/sections.h"
+
+#define FLEET(field) offsetof(lac_fleet, field)
+
+static const char *const unknown_names[] = {"accept", "refuse", NULL};
+static const char *const stream_names[] = {"live", "replayed", NULL};
+static const char *const truth[] = {"false", "true", NULL};
+
+static const lac_param fleet_rows[] = {
+    LAC_TEXT("station", FLEET(station), LAC_OPTIONAL, "column of stations: station"),
+    LAC_TEXT("time", FLEET(time), LAC_OPTIONAL, "column of times: time"),
+    LAC_TEXT("time_format", FLEET(time_format), LAC_OPTIONAL,
+             "how times are written: iso, unix, excel, day, \"%d/%m/%Y %H:%M\" ..."),
+    LAC_COLUMN("displacement", FLEET(displacement), "m",
+               "column of displacements, as \"column:unit\""),
+    LAC_COLUMN("sigma", FLEET(sigma), "m",
+               "column of the displacements' standard errors, as \"column:unit\""),
+    LAC_OWN("columns", "[station, time, ...]: names in the order of lines that have no header"),
+    LAC_OWN("stations", "[P1, P2], or a pattern such as \"P*\": which there are"),
+    LAC_CHOICE("unknown", FLEET(unknown), 0, unknown_names, 0,
+               "stations that `stations` does not name: accept, or refuse"),
+    LAC_INTEGER("most_stations", FLEET(most), 1000, 1, 1e6, 0,
+                "so many stations at most: what memory is for"),
+    LAC_OWN("window", "{count: 2000, time: 90 day}: what is known of a station"),
+    LAC_TEXT("smooth", FLEET(smooth), LAC_OPTIONAL, "as --smooth of precursors"),
+    LAC_TEXT("onset", FLEET(onset), LAC_OPTIONAL, "as --onset of precursors"),
+    LAC_CHOICE("raw", FLEET(raw), 0, truth, 0, "true: as --raw of precursors"),
+    LAC_REAL("horizon", "s", FLEET(horizon), 604800, 0, 1e12, LAC_ABOVE_MIN,
+             "of alarms, as --horizon of precursors"),
+    LAC_PATH("prometheus", FLEET(prometheus), LAC_OPTIONAL,
+             "FILE.prom, written anew as stations change"),
+    LAC_OWN("checkpoint", "{lines: 1000, time: 10 s}: how often the state is kept"),
+    LAC_CHOICE("stream", FLEET(stream), LAC_STREAM_LIVE, stream_names, 0,
+               "standard input after a restart: live, what is new; replayed, from its beginning"),
+    LAC_OWN("files", "{P1: p1.csv}, or \"prisms/*.csv\": files that grow, one a station"),
+};
+static const lac_param window_rows[] = {
+    LAC_INTEGER("count", FLEET(window_count), 2000, 2, 1e6, 0, "the last so many readings"),
+    LAC_REAL("time", "s", FLEET(window_time), NAN, 0, 1e12, LAC_OPTIONAL | LAC_ABOVE_MIN,
+             "what is within so long before the last reading"),
+};
+static const lac_param checkpoint_rows[] = {
+    LAC_INTEGER("lines", FLEET(checkpoint_lines), 1000, 1, 1e9, 0, "after so many lines"),
+    LAC_REAL("time", "s", FLEET(checkpoint_time), 10, 0, 1e9, LAC_ABOVE_MIN,
+             "and after so long, where there was a line"),
+};
+
+#define TABLE(title, text, rows) LAC_ABOUT(title, text, "", LAC_ROWS(rows, lac_fleet))
+static const lac_model_info fleet_table = TABLE("fleet", "stations to watch", fleet_rows);
+static const lac_model_info window_table = TABLE("window", "what is known", window_rows);
+static const lac_model_info checkpoint_table = TABLE("checkpoint", "how often", checkpoint_rows);
+
+static void read_map(lac_reader *reader, const char *key, const char *allowed,
+                     const lac_model_info *table, lac_fleet *f)
+{
+    const lac_node *node = lac_node_child(reader->root, key);
+    if (node != NULL && !node->bad && lac_expect_map(reader, node, allowed)) {
+        lac_read_table(reader, node, table, NULL, f);
+    }
+}
+
+// A list of names.
+static size_t read_names(lac_reader *reader, const lac_node *node, const char *allowed,
+                         char ***names)
+{
+    if (node->kind != LAC_NODE_LIST || node->count == 0) {
+        lac_add_error(reader, node, "must be %s", allowed);
+        return 0;
+    }
+    *names = lac_reader_array(reader, node->count, sizeof **names);
+    for (size_t i = 0; *names != NULL && i < node->count; i++) {
+        const lac_node *item = node->child[i];
+        if (item->kind != LAC_NODE_SCALAR || item->text[0] == '\0') {
+            lac_add_error(reader, item, "must be a name");
+        } else {
+            (*names)[i] = lac_reader_copy(reader, item->text, strlen(item->text));
+        }
+    }
+    return *names != NULL ? node->count : 0;
+}
+
+static bool is_pattern(const char *text)
+{
+    const char *star = strchr(text, '*');
+    return star != NULL && strchr(star + 1, '*') == NULL;
+}
+
+static void read_stations(lac_reader *reader, lac_fleet *f)
+{
+    static const char allowed[] = "a list such as [P1, P2], or a pattern with one * such as \"P*\"";
+    const lac_node *node = lac_node_child(reader->root, "stations");
+    if (node == NULL || node->bad) {
+        return;
+    }
+    if (node->kind == LAC_NODE_SCALAR && is_pattern(node->text)) {
+        f->pattern = lac_reader_copy(reader, node->text, strlen(node->text));
+    } else {
+        f->stations = read_names(reader, node, allowed, &f->name);
+    }
+}
+
+// A relative path is taken from the file's folder, as that of any row.
+static void read_path(lac_reader *reader, const lac_node *node, char **path)
+{
+    const lac_param row = LAC_PATH("files", 0, LAC_OPTIONAL, "");
+    (void)lac_read_param(reader, node, &row, path);
+}
+
+static void read_files(lac_reader *reader, lac_fleet *f)
+{
+    const lac_node *node = lac_node_child(reader->root, "files");
+    if (node == NULL || node->bad) {
+        return;
+    }
+    if (node->kind == LAC_NODE_SCALAR && is_pattern(node->text)) {
+        read_path(reader, node, &f->files_pattern);
+        (void)lac_refuse(reader,
+                         f->files_pattern != NULL && strchr(strchr(f->files_pattern, '*'), '/'),
+                         "files", "must have its * in the name of the file");
+        return;
+    }
+    if (!lac_expect_map(reader, node,
+                        "a mapping such as {P1: p1.csv}, or a path with one * for the station")) {
+        return;
+    }
+    f->file = lac_reader_array(reader, node->count, sizeof *f->file);
+    f->files = f->file != NULL ? node->count : 0;
+    for (size_t i = 0; i < f->files; i++) {
+        const lac_node *item = node->child[i];
+        f->file[i].station = lac_reader_copy(reader, item->key, strlen(item->key));
+        read_path(reader, item, &f->file[i].path);
+    }
+}
+
+static bool has(const lac_fleet *f, const char *column)
+{
+    for (size_t i = 0; i < f->columns; i++) {
+        if (f->column[i] != NULL && strcmp(f->column[i], column) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+// What no key sees alone.
+static void check(lac_reader *reader, const lac_fleet *f)
+{
+    const bool followed = f->files > 0 || f->files_pattern != NULL;
+    (void)lac_refuse(
+        reader, f->displacement == NULL && lac_node_child(reader->root, "displacement") == NULL,
+        "displacement", "is missing: the column and its unit, such as \"disp:mm\"");
+    (void)lac_refuse(reader, f->unknown == 1 && f->stations == 0 && f->pattern == NULL, "unknown",
+                     "needs stations, which says which are known");
+    (void)lac_refuse(reader, f->stations > (size_t)f->most, "stations",
+                     "has %zu names, more than most_stations, %lld", f->stations,
+                     (long long)f->most);
+    (void)lac_refuse(reader, followed && f->stream == LAC_STREAM_REPLAYED, "stream",
+                     "is of standard input, which is not read where files are followed");
+    (void)lac_refuse(reader, followed && f->station != NULL, "station",
+                     "is a column of standard input; each of files is of one station");
+    if (f->columns > 0) {
+        const char *const need[] = {followed             ? NULL
+                                    : f->station != NULL ? f->station
+                                                         : "station",
+                                    f->time != NULL ? f->time : "time", f->displacement, f->sigma};
+        for (size_t i = 0; i < sizeof need / sizeof *need; i++) {
+            (void)lac_refuse(reader, need[i] != NULL && !has(f, need[i]), "columns", "lacks \"%s\"",
+                             need[i]);
+        }
+    }
+}
+
+static void read_fleet(lac_reader *reader, lac_fleet *f)
+{
+    const lac_node *columns = lac_node_child(reader->root, "columns");
+    const lac_node *smooth = lac_node_child(reader->root, "smooth");
+    const lac_node *onset = lac_node_child(reader->root, "onset");
+    lac_read_table(reader, reader->root, &fleet_table, NULL, f);
+    read_map(reader, "window", "a mapping such as {count: 2000, time: 90 day}", &window_table, f);
+    read_map(reader, "checkpoint", "a mapping such as {lines: 1000, time: 10 s}", &checkpoint_table,
+             f);
+    if (columns != NULL && !columns->bad) {
+        f->columns =
+            read_names(reader, columns, "a list such as [station, time, disp]", &f->column);
+    }
+    f->window_time = isnan(f->window_time) ? INFINITY : f->window_time;
+    f->smooth_line = smooth != NULL ? smooth->line : 0;
+    f->onset_line = onset != NULL ? onset->line : 0;
+    read_stations(reader, f);
+    read_files(reader, f);
+    if (reader->report->errors == 0) {
+        check(reader, f);
+    }
+}
+
+static lac_status build(lac_reader *reader, const char *text, size_t size, lac_fleet *f,
+                        lac_error *err)
+{
+    lac_node *root = lac_tree_parse(reader, text, size, NULL);
+    if (root == NULL || root->kind != LAC_NODE_MAP) {
+        if (reader->report->errors == 0 && !reader->no_memory) {
+            lac_add_error_text(reader, 1, NULL,
+                               "must be a mapping of keys, such as displacement: \"disp:mm\"");
+        }
+    } else {
+        reader->root = root;
+        read_fleet(reader, f);
+    }
+    lac_node_free(root);
+    lac_case_issues_sort(reader->report);
+    LAC_FAIL_MEMORY_IF(reader->no_memory, err);
+    if (reader->report->errors > 0) {
+        lac_case_summarise(reader->report, err);
+        return LAC_EINPUT;
+    }
+    return LAC_OK;
+}
+
+lac_status lac_fleet_read(const char *path, const lac_units *units, lac_fleet **out, lac_error *err)
+{
+    char *text = NULL;
+    size_t size = 0;
+    lac_case_issues report = {0};
+    lac_reader reader = {.name = path, .units = units, .report = &report};
+    lac_status status;
+    *out = NULL;
+    lac_fleet *f = calloc(1, sizeof *f);
+    LAC_FAIL_MEMORY_IF(f == NULL, err);
+    lac_table_reset(&fleet_table, f);
+    lac_table_reset(&window_table, f);
+    lac_table_reset(&checkpoint_table, f);
+    LAC_TRY((f->path = strdup(path)) != NULL ? LAC_OK : lac_fail_memory(err));
+    LAC_TRY(lac_case_read_file(path, &text, &size, err));
+    LAC_TRY(build(&reader, text, size, f, err));
+    *out = f;
+    f = NULL;
+out:
+    lac_case_issues_clear(&report);
+    lac_fleet_free(f);
+    free(text);
+    return status;
+}
+
+static void free_names(size_t n, char **names)
+{
+    for (size_t i = 0; i < n; i++) {
+        free(names[i]);
+    }
+    free(names);
+}
+
+void lac_fleet_free(lac_fleet *f)
+{
+    if (f == NULL) {
+        return;
+    }
+    lac_table_clear(&fleet_table, f);
+    free_names(f->columns, f->column);
+    free_names(f->stations, f->name);
+    for (size_t i = 0; i < f->files; i++) {
+        free(f->file[i].station);
+        free(f->file[i].path);
+    }
+    free(f->file);
+    free(f->pattern);
+    free(f->files_pattern);
+    free(f->path);
+    free(f);
+}
+
+bool lac_fleet_matches(const char *pattern, const char *name, size_t *star, size_t *length)
+{
+    const size_t before = strcspn(pattern, "*");
+    const char *after = pattern + before + 1;
+    const size_t n = strlen(name), behind = strlen(after);
+    if (n < before + behind || strncmp(pattern, name, before) != 0 ||
+        strcmp(name + n - behind, after) != 0) {
+        return false;
+    }
+    if (star != NULL) {
+        *star = before;
+        *length = n - before - behind;
+    }
+    return true;
+}
