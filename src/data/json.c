@@ -85,7 +85,7 @@ static void write_string(lac_json *json, const char *text)
 
 static void start_line(lac_json *json)
 {
-    if (!json->page) {
+    if (!json->page && !json->line) {
         put(json, "\n%*s", 2 * json->depth, "");
     }
 }
@@ -93,7 +93,7 @@ static void start_line(lac_json *json)
 static void start_value(lac_json *json, const char *key)
 {
     if (json->depth > 0) {
-        put(json, "%s", json->filled ? "," : "");
+        put(json, "%s%s", json->filled ? "," : "", json->filled && json->line ? " " : "");
         start_line(json);
     }
     if (key != NULL) {
@@ -118,8 +118,8 @@ void lac_json_close(lac_json *json, char bracket)
         start_line(json);
     }
     put(json, "%c", bracket);
-    if (json->depth == 0) {
-        start_line(json);
+    if (json->depth == 0 && !json->page) {
+        put(json, "\n");
     }
     json->filled = true;
 }

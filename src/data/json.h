@@ -10,6 +10,7 @@ typedef struct lac_json {
     FILE *out;
     int depth;
     bool filled; ///< something stands before on this level
+    bool line;   ///< in one line, which ends with the outermost value
     bool page;   ///< in one line, and so that no text in it can end the script it stands in
     bool broken; ///< something could not be written
 } lac_json;

@@ -3,6 +3,7 @@
 // from what, and how it ended.
 #include "report/report.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,6 +17,12 @@ const char *lac_page_name(const char *path)
 {
     const char *slash = strrchr(path, '/');
     return slash != NULL ? slash + 1 : path;
+}
+
+// What the page says that it was made from.
+static const char *source_of(const lac_page_def *def)
+{
+    return def->name != NULL ? def->name : def->run;
 }
 
 enum { LONGEST_TEXT = 1 << 18 }; // a case; the history of a run that was resumed often is long too
@@ -52,7 +59,7 @@ static void write_about(lac_page *page, const char *key)
         return;
     }
     lac_json_open(json, key, '{');
-    lac_json_text(json, "file", lac_page_name(page->def->run));
+    lac_json_text(json, "file", lac_page_name(source_of(page->def)));
     lac_json_text(json, "made_by", page->def->made_by);
     lac_json_text(json, "made", lac_date_format(page->def->now, date, sizeof date));
     lac_json_boolean(json, "dated", page->dated);
@@ -60,23 +67,47 @@ static void write_about(lac_page *page, const char *key)
     lac_json_integer(json, "records", (int64_t)page->n);
     write_attributes(page, numbers, NULL);
     write_attributes(page, texts, text);
+    if (page->readings) { // on the clock of the readings, as the time of a run's failure is on its
+                          // own
+        const double failed = lac_stored_file_number(page->file, NULL, "failed_at_s") - page->start;
+        lac_json_boolean(json, "failed", isfinite(failed));
+        lac_json_digits(json, "failure_time_s", failed, 14);
+    }
     lac_json_close(json, '}');
 }
 
+typedef struct section {
+    const char *key;
+    void (*write)(lac_page *page, const char *key);
+} section;
+
 static void write_data(lac_page *page)
 {
-    static const struct {
-        const char *key;
-        void (*write)(lac_page *page, const char *key);
-    } sections[] = {
-        {"about", write_about},      {"motion", lac_page_course}, {"forces", lac_page_course},
-        {"solver", lac_page_course}, {"series", lac_page_series}, {"fit", lac_page_fit},
-        {"cells", lac_page_cells},   {"levels", lac_page_levels}, {"forecasts", lac_page_forecasts},
+    static const section of_run[] = {
+        {"about", write_about},
+        {"motion", lac_page_course},
+        {"forces", lac_page_course},
+        {"solver", lac_page_course},
+        {"series", lac_page_series},
+        {"fit", lac_page_fit},
+        {"cells", lac_page_cells},
+        {"levels", lac_page_levels},
+        {"forecasts", lac_page_forecasts},
         {"events", lac_page_events},
+        {0},
+    };
+    static const section of_readings[] = {
+        {"about", write_about},
+        {"verdict", lac_page_verdict},
+        {"readings", lac_page_readings},
+        {"alarm", lac_page_alarm},
+        {"forecasts", lac_page_stored_forecasts},
+        {0},
     };
     lac_json_open(&page->json, NULL, '{');
-    for (size_t i = 0; i < sizeof sections / sizeof *sections && page->status == LAC_OK; i++) {
-        sections[i].write(page, sections[i].key);
+    for (const section *s = page->readings ? of_readings : of_run;
+         s->key != NULL && page->status == LAC_OK; s++) {
+        s->write(page, s->key);
     }
     lac_json_close(&page->json, '}');
 }
@@ -143,7 +174,11 @@ static lac_status make(const lac_page_def *def, const char *nonce, bool live, ch
         put_html(&page.json, def->run, nonce, NULL);
     } else if (page.file != NULL && page.status == LAC_OK && nonce != NULL) {
         const bool titled = lac_stored_file_text(page.file, NULL, "title", title, sizeof title);
-        put_html(&page.json, titled ? title : def->run, nonce, &page);
+        put_html(&page.json,
+                 !titled         ? def->run
+                 : page.readings ? lac_page_name(title)
+                                 : title,
+                 nonce, &page);
     } else if (page.file != NULL && page.status == LAC_OK) {
         write_data(&page);
     }

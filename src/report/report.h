@@ -8,7 +8,8 @@
 
 /// What a page shows. Texts are borrowed.
 typedef struct lac_page_def {
-    const char *run;                ///< file of a run
+    const char *run;                ///< file of a run, or of lacuna precursors
+    const char *name;               ///< what the page says that it was made from; NULL: the file
     const lac_recording *recording; ///< read instead of the file, with its attributes; NULL
     const lac_series *series;       ///< laid beside it; NULL: none
     const char *series_name;        ///< what it is called
@@ -22,6 +23,8 @@ typedef struct lac_page_def {
 /// holds something for, its series thinned to what can be told apart on a screen. A reading of a
 /// series without dates counts from the start of the run.
 /// @param json  ends in '\0'; the caller frees it; NULL where it fails
+/// Of the file of lacuna precursors what it holds of readings and forecasts; `recording`, `series`,
+/// `fit` and `issues` say nothing then.
 /// @return LAC_OK; LAC_EINPUT (no record; a series or fit with dates beside a run without, or the
 ///         other way round a fit); LAC_EIO (not the file of a run, or of a fit; damaged);
 ///         LAC_ENOMEM

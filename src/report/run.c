@@ -141,6 +141,10 @@ static lac_status open_run(lac_page *page)
     LAC_TRY_RETURN(def->recording == NULL
                        ? lac_stored_file_open(def->run, &page->file, page->err)
                        : lac_stored_file_of(def->recording, &page->file, page->err));
+    page->readings = def->recording == NULL && lac_page_holds_readings(page->file);
+    if (page->readings) {
+        return lac_page_open_readings(page);
+    }
     LAC_TRY_RETURN(lac_stored_file_series(page->file, "time", &one->values, page->err));
     page->time = one->values.value;
     page->n = one->values.n;
@@ -151,7 +155,7 @@ static lac_status open_run(lac_page *page)
 void lac_page_begin(lac_page *page)
 {
     char text[64];
-    if (lac_page_good(page, open_run(page))) {
+    if (lac_page_good(page, open_run(page)) && !page->readings) {
         find_before(page);
         check_columns(page);
         page->dated =

@@ -21,6 +21,7 @@ typedef struct lac_page {
     size_t n;                     ///< records that are whole
     const double *time;           ///< [n] since the start [s]
     double *before;               ///< [n] to the last record, exact where time is not
+    bool readings;                ///< of the file of lacuna precursors, not of a run
     bool dated;
     double start; ///< of the run's clock, seconds since 1970; 0: not dated
 } lac_page;
@@ -91,3 +92,11 @@ void lac_page_forecasts(lac_page *page, const char *key);
 void lac_page_cells(lac_page *page, const char *key);
 void lac_page_levels(lac_page *page, const char *key);
 void lac_page_events(lac_page *page, const char *key);
+
+/// The same of the file of lacuna precursors.
+bool lac_page_holds_readings(const lac_stored_file *file);
+lac_status lac_page_open_readings(lac_page *page);
+void lac_page_verdict(lac_page *page, const char *key);
+void lac_page_readings(lac_page *page, const char *key);
+void lac_page_alarm(lac_page *page, const char *key);
+void lac_page_stored_forecasts(lac_page *page, const char *key);

@@ -3,8 +3,12 @@
 
 import datetime
 import json
+import os
 import re
 import subprocess
+
+import netCDF4
+import numpy
 
 JOINT = """lacuna: 1
 title: A joint & its <b>page</b></script><script>alert(1)</script>
@@ -104,6 +108,37 @@ def readings(path, time, slip):
         for t, d in zip(time, slip):
             day, second = divmod(int(t), 86400)
             file.write(f"{datetime.date(2020, 1, 1) + datetime.timedelta(day)}T{second // 3600:02}:{second // 60 % 60:02}:{second % 60:02},{1e3 * d + 7:.9f}\n")
+
+
+def forecasts(program, source, path, *words):
+    """The forecasts of the made-up readings of a block, to path (.nc)."""
+    series = os.path.join(source, "cases", "data", "creep.csv")
+    subprocess.run([program, "precursors", series, "--displacement", "disp_mm:mm", "--rolling", "--issues", "20",
+                    "--failed-at", "2020-08-12", "-o", path, "--force", *words], check=True, stdout=subprocess.DEVNULL,
+                   stderr=subprocess.DEVNULL)
+
+
+def driven(path):
+    """Adds to a file of forecasts what drives the slope, the level and words, where the program has written none."""
+    with netCDF4.Dataset(path, "a") as file:
+        for name in [name for name in file.ncattrs() if name.startswith("verdict")]:
+            file.delncattr(name)
+        if "alarm_level" not in file.variables:
+            level = file.createVariable("alarm_level", "i4", ("issue",))
+            level.flag_values, level.flag_meanings = numpy.arange(4, dtype="i4"), "quiet watch warning alarm"
+        n = file.dimensions["issue"].size
+        file["alarm_level"][:] = numpy.minimum(3, numpy.arange(n) // 5)
+        file.createDimension("driver_reading", 50)
+        time = file.createVariable("driver_time", "f8", ("driver_reading",))
+        time.units = file["reading_time"].units
+        time[:] = file["reading_time"][0] + 86400 * numpy.arange(50)
+        rain = file.createVariable("driver_rain", "f8", ("driver_reading",))
+        rain.units, rain.long_name = "mm", "rain"
+        rain[:] = numpy.where(numpy.arange(50) % 4 == 0, 3.5 * numpy.arange(50), 0)
+        lake = file.createVariable("driver_lake", "f8", ("driver_reading",))
+        lake.units, lake[:] = "m", 640 + numpy.arange(50) / 7
+        file.verdict = "Alarm: <b>it</b> accelerates, and most methods agree."
+        file.verdict_p = 0.25
 
 
 def run(program, text, path):

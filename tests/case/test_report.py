@@ -305,6 +305,100 @@ class Fit(unittest.TestCase):
         self.assertNotIn("median", fit["estimates"][0])
 
 
+class Readings(unittest.TestCase):
+    """The page of readings: of the file of forecasts, and of a series."""
+
+    series = ""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.series = os.path.join(SOURCE, "cases", "data", "creep.csv")
+        cls.path = os.path.join(FOLDER, "readings.nc")
+        scenes.forecasts(PROGRAM, SOURCE, cls.path)
+        cls.plain = page_of(cls.path)
+        scenes.driven(cls.path)
+        cls.page = page_of(cls.path)
+        cls.file = netCDF4.Dataset(cls.path)
+        cls.addClassCleanup(cls.file.close)
+
+    def same(self, shown, values, digits=8):
+        values = numpy.ma.filled(numpy.ma.asarray(values).astype(float), numpy.nan)
+        shown = numpy.array([numpy.nan if v is None else v for v in shown], float)
+        numpy.testing.assert_allclose(shown, values, rtol=10.0 ** (1 - digits))
+
+    def test_motion_and_drivers_are_of_the_file(self):
+        r, file = self.page["readings"], self.file
+        for key, time, value in (("moved", "reading_time", "displacement"), ("rate", "velocity_time", "velocity")):
+            self.same(r[key]["time"], file[time][:], 14)
+            self.same(r[key]["value"], file[value][:])
+        self.assertEqual([(d["name"], d["unit"]) for d in r["drivers"]], [("rain", "mm"), ("lake", "m")])
+        for driver in r["drivers"]:
+            self.same(driver["series"]["time"], file["driver_time"][:], 14)
+            self.same(driver["series"]["value"], file["driver_" + driver["name"]][:])
+
+    def test_forecasts_are_of_the_file(self):
+        f, file = self.page["forecasts"], self.file
+        self.assertEqual([m["name"] for m in f["methods"]], file["method"].flag_meanings.split())
+        self.assertEqual([m["name"] for m in f["methods"] if m["baseline"]], ["persistence"])
+        self.same(f["issue"], file["issue_time"][:], 14)
+        self.assertEqual([[one[0] for one in rows] for rows in f["forecast"]], (file["issued"][:] > 0).tolist())
+        self.assertTrue((file["issued"][:, :-1] > 0).any())
+        for k, name in enumerate(("", "_low90", "_low50", "_high50", "_high90")):
+            left = file["failure_time" + name][:] - file["issue_time"][:][:, None]
+            self.same(numpy.array([[one[1 + k] for one in rows] for rows in f["forecast"]]).ravel(), left.ravel(), 6)
+        self.assertEqual([[one[6] for one in rows] for rows in f["forecast"]], file["reason"][:].tolist())
+        about = self.page["about"]
+        self.assertTrue(about["failed"])
+        self.assertEqual(about["failure_time_s"], file.failed_at_s)
+
+    def test_level_and_verdict_are_shown_as_they_stand(self):
+        self.assertEqual(self.page["alarm"]["level"], self.file["alarm_level"][:].tolist())
+        self.assertEqual(self.page["alarm"]["meanings"], "quiet watch warning alarm")
+        self.assertEqual(self.page["verdict"], [["verdict", self.file.verdict], ["verdict_p", "0.25"]])
+        self.assertEqual(self.plain["readings"]["drivers"], [])
+
+    def test_a_series_is_forecast_as_precursors_does(self):
+        html = os.path.join(FOLDER, "series.html")
+        before = set(os.listdir(FOLDER))
+        status, said, wrong = scenes.report(PROGRAM, self.series, "--displacement", "disp_mm:mm", "--issues", "20",
+                                            "--failed-at", "2020-08-12", "-o", html)
+        self.assertEqual((status, said, wrong), (0, f"  page                 {html}\n", ""))
+        self.assertEqual(set(os.listdir(FOLDER)) - before, {"series.html"})
+        page = scenes.data_of(html)
+        for key in set(self.plain) | set(page):
+            if key != "about":
+                self.assertEqual(page[key], self.plain[key], key)
+        self.assertEqual(page["about"]["file"], "creep.csv")
+
+    def test_no_failure_is_known(self):
+        html = os.path.join(FOLDER, "never.html")
+        for words in ((), ("--failed-at", "never")):
+            status, _, wrong = scenes.report(PROGRAM, self.series, "--displacement", "disp_mm:mm", "--issues", "3", "-o", html,
+                                             "--force", *words)
+            self.assertEqual(status, 0, wrong)
+            self.assertEqual(scenes.data_of(html)["about"]["failed"], False)
+
+    def test_refused(self):
+        run = made("block", scenes.BLOCK)
+        html = os.path.join(FOLDER, "not-readings.html")
+        damaged = os.path.join(FOLDER, "damaged-forecasts.nc")
+        shutil.copy(self.path, damaged)
+        with open(damaged, "r+b") as file:
+            file.truncate(os.path.getsize(damaged) // 2)
+        for status, message, *words in ((2, "--failed-at", run, "--failed-at", "2020-08-12"),
+                                        (2, "beside a run", self.path, "--compare", self.series),
+                                        (2, "how a series is read", self.path, "--displacement", "disp_mm:mm"),
+                                        (2, "is no series", self.path, "--until", "2020-06-01"),
+                                        (2, "which column is what", self.series),
+                                        (2, "is read by this command", self.series, "-o", self.series, "--force"),
+                                        (3, "damaged", damaged),
+                                        (3, "No such file", os.path.join(FOLDER, "none.csv"), "--displacement", "a:mm")):
+            got, said, wrong = scenes.report(PROGRAM, *words, *(() if "-o" in words else ("-o", html)))
+            self.assertEqual((got, said, wrong.count("\n")), (status, "", 1), (words, wrong))
+            self.assertIn(message, wrong)
+        self.assertFalse(os.path.exists(html))
+
+
 class Refused(unittest.TestCase):
     def refused(self, status, message, *words):
         got, said, wrong = scenes.report(PROGRAM, *words)
@@ -369,7 +463,7 @@ class Refused(unittest.TestCase):
         self.refused(2, "is the file of a fit", Fit.fit, "-o", html)
         forecasts = os.path.join(FOLDER, "forecasts.nc")
         subprocess.run([PROGRAM, "precursors", run, "-o", forecasts], check=True, capture_output=True)
-        self.refused(2, "forecasts.nc: holds forecasts, not a run", forecasts, "-o", html)
+        self.refused(2, "lay something beside a run", forecasts, "--fit", Fit.fit, "-o", html)
         self.refused(3, "is not a file of lacuna fit", run, "--fit", made("joint", scenes.JOINT), "-o", html)
         self.refused(3, "No such file", run, "--fit", os.path.join(FOLDER, "nothing.nc"), "-o", html)
         self.refused(2, "has dates", made("joint", scenes.JOINT), "--fit", Fit.fit, "-o", html)

@@ -29,7 +29,7 @@ from selenium.webdriver.support.ui import WebDriverWait
 
 import report_scenes as scenes
 
-PROGRAM, FOLDER = "", ""
+PROGRAM, SOURCE, FOLDER = "", "", ""
 DESK, PHONE = (1280, 900), (390, 844)
 
 DRAWN = """
@@ -109,6 +109,9 @@ class Page(unittest.TestCase):
                            ("line", scenes.LINE), ("turned", scenes.TURNED)):
             scenes.run(PROGRAM, text, os.path.join(FOLDER, name + ".nc"))
             cls.make(name, name)
+        scenes.forecasts(PROGRAM, SOURCE, os.path.join(FOLDER, "readings.nc"))
+        scenes.driven(os.path.join(FOLDER, "readings.nc"))
+        cls.make("readings", "readings")
         cls.make_fitted()
         cls.make_wild()
 
@@ -174,7 +177,8 @@ class Page(unittest.TestCase):
         return matplotlib.image.imread(io.BytesIO(data), format="png")[..., :3]
 
     def test_every_chart_is_drawn(self):
-        for name, least in (("joint", 17), ("block", 7), ("bare", 8), ("brief", 3), ("far", 3), ("line", 11), ("fitted", 8), ("absurd", 8)):
+        for name, least in (("joint", 17), ("block", 7), ("bare", 8), ("brief", 3), ("far", 3), ("line", 11), ("fitted", 8), ("absurd", 8),
+                            ("readings", 7)):
             self.show(name)
             for axis in ("time", "before"):
                 self.driver.find_element(By.CSS_SELECTOR, f"#axis input[value={axis}]").send_keys(Keys.SPACE)
@@ -195,6 +199,20 @@ class Page(unittest.TestCase):
         self.assertEqual(heads, ["Motion", "Forecasts", "Integration", "Case and provenance"])
         links = [link.text for link in self.driver.find_elements(By.CSS_SELECTOR, "nav a")]
         self.assertEqual(links, heads)
+
+    def test_readings(self):
+        self.show("readings")
+        heads = [head.text for head in self.driver.find_elements(By.TAG_NAME, "h2")]
+        self.assertEqual(heads, ["Readings", "Forecasts", "Provenance"])
+        self.assertEqual(self.driver.find_element(By.ID, "verdict").text, "Alarm: <b>it</b> accelerates, and most methods agree.")
+        facts = self.driver.find_element(By.ID, "facts").text
+        for word in ("Level", "alarm", "Failed", "2020-08-12", "p\n0.25"):
+            self.assertIn(word, facts)
+        strips = "return [...document.querySelectorAll('figure')].map((f) => new Set([...f.querySelectorAll('.frame .level')].map((b) => b.getAttribute('class'))).size)"
+        self.assertEqual(self.driver.execute_script(strips), [4] * 7)  # four levels in each chart
+        legend = [one.text for one in self.driver.find_elements(By.CSS_SELECTOR, "#readings .legend li")]
+        for name in ("quiet", "watch", "warning", "alarm"):
+            self.assertIn(f"level: {name}", legend)
 
     def test_title_is_text(self):
         self.show("joint")
@@ -532,7 +550,7 @@ class Page(unittest.TestCase):
         for label, size in (("desk", DESK), ("phone", PHONE)):
             brightness = []
             for scheme in ("light", "dark"):
-                for name in ("line", "fitted", "joint"):
+                for name in ("line", "fitted", "readings", "joint"):
                     self.show(name, size, scheme)
                     self.assertEqual(self.driver.execute_script(WIDE), [], (name, label))
                     self.assertEqual(self.driver.execute_script("return document.documentElement.scrollWidth"), size[0])
@@ -552,7 +570,7 @@ class Page(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    PROGRAM = sys.argv[1]
+    PROGRAM, SOURCE = sys.argv[1:3]
     FOLDER = tempfile.mkdtemp(prefix="lacuna-page-")
     try:
         unittest.main(argv=[sys.argv[0], *sys.argv[3:]])

@@ -4,19 +4,19 @@
 
     plot_precursors.py FORECASTS.nc [-o PICTURE.png]
 
-Displacement and inverse velocity; life expectancy against the time of issue, with the 50 % intervals and, where the time
-of failure is known, the 45 degree line of the truth; the failure windows of all methods at the last
-issue, 50 % and 90 %; the indicators at each time of issue, and the chance that each rises as much without a cause,
-against the time left where it is known.
+Displacement, rate and inverse rate, with the level at each time of issue as a band above them; what drives the slope,
+where the file holds it; the time left as forecast against the time of issue, with the 50 % intervals of each method, their
+90 % intervals together and, where the time of failure is known, the line of the truth; the failure windows of all methods
+at the last issue, 50 % and 90 %; the indicators at each time of issue, and the chance that each rises as much without a
+cause, against the time left where it is known. `lacuna report` makes the same as a page.
 """
 
 import argparse
-import datetime
 import os
 import sys
 
 # first: it says what is missing
-from figures import COLOURS, DAY, np as numpy, open_file, plt, save, stop
+from figures import COLOURS, DAY, QUIET, date_ticks, np as numpy, open_file, plain_ticks, plt, save, stop, use_screen_style
 
 # what is drawn of an indicator, if the file has it
 SIZES = {"slipping fraction": "slip_fraction_slip_fraction", "fixed point C": "slip_fraction_critical_fraction",
@@ -30,16 +30,34 @@ CHANCES = {"slip fraction": "slip_fraction_rise_p", "correlation length": "corre
            "autocorrelation, phases": "slowing_autocorrelation_phase_p", "log-periodicity": "log_periodicity_p"}
 
 
+LEVELS = ("#c3cad1", "#f0d050", "#e07b00", "#7a1f5c")  # as on the page: each darker than the one before
+NINTHS = 0.9  # of the inverse rates stand on their axis: slow times would press the last ones together
+
+
+def drivers_of(data, start):
+    """Variables driver_* with their times: [(label, days, values)]."""
+    found = []
+    for name, variable in data.variables.items():
+        if not name.startswith("driver_") or name.endswith("time") or len(variable.dims) != 1:
+            continue
+        times = [other for other, v in data.variables.items() if v.dims == variable.dims and other.endswith("time")]
+        if times and numpy.issubdtype(variable.dtype, numpy.number):
+            unit = variable.attrs.get("units", "1")
+            label = name[len("driver_"):] + ("" if unit == "1" else f" ({unit})")
+            found.append((label, (data[times[0]].values.astype(float) - start) / DAY, variable.values.astype(float)))
+    return found
+
+
 class Forecasts:
-    """The file's variables in days from the first reading, missing ones NaN."""
+    """The file's variables, missing ones NaN; times in days from 1970, or without dates from the first reading."""
 
     def __init__(self, path):
         with open_file(path, "reading_time", "issue_time", "failure_time") as data:
             take = lambda name: data[name].values.astype(float)  # noqa: E731
             if not data.sizes["reading"]:
                 stop(f"{path}: no readings in it")
-            self.start = take("reading_time")[0]
             self.dated = "since" in data["reading_time"].attrs["units"]
+            self.start = 0.0 if self.dated else take("reading_time")[0]
             for name in ("reading_time", "velocity_time", "issue_time", "failure_time",
                          "failure_time_low50", "failure_time_high50", "failure_time_low90",
                          "failure_time_high90"):
@@ -50,31 +68,107 @@ class Forecasts:
             failed = data.attrs.get("failed_at_s")
             self.failed = None if failed is None else (failed - self.start) / DAY
             self.source = data.attrs["source_file"]
+            self.level = take("alarm_level") if "alarm_level" in data.variables else None
+            self.levels = data["alarm_level"].attrs["flag_meanings"].split() if self.level is not None else []
+            self.drivers = drivers_of(data, self.start)
             self.sizes, self.chances = ({label: take(name) for label, name in names.items() if name in data.variables}
                                         for names in (SIZES, CHANCES))
 
-    def axis(self):
-        if not self.dated:
-            return "days since the first reading"
-        at = datetime.datetime.fromtimestamp(self.start, datetime.timezone.utc)
-        return f"days since {at:%Y-%m-%d %H:%M} UTC"
+    def span(self):
+        """What the axes over time show: the readings, and the failure where that is near."""
+        first, last = self.reading_time[0], self.reading_time[-1]
+        near = self.failed is not None and last < self.failed < last + 0.35 * (last - first)
+        last = self.failed if near else last
+        return first - 0.01 * (last - first), last + 0.01 * (last - first)
+
+    def dates(self, axes):
+        """Says what the axis over time counts."""
+        if self.dated:
+            date_ticks(axes.xaxis, 3, 8)
+        axes.set_xlabel("date (UTC)" if self.dated else "days since the first reading")
 
 
-def draw_motion(axes, f):
-    axes.plot(f.reading_time, f.displacement, "k.-", markersize=4, linewidth=0.8)
+def over_time(axes, f):
+    axes.set_xlim(*f.span())
+    f.dates(axes)
+    if f.failed is not None and f.span()[0] <= f.failed <= f.span()[1]:
+        axes.axvline(f.failed, color="k", linewidth=1, linestyle="--")
+        axes.annotate("failure", (f.failed, 1), xycoords=("data", "axes fraction"), xytext=(-3, -10),
+                      textcoords="offset points", ha="right", fontsize=7)
+
+
+def draw_levels(axes, f):
+    """A band above the axes, the level's name in it wherever it changes and there is room."""
+    if f.level is None:
+        return
+    ends = numpy.append(f.issue_time[1:], max(f.issue_time[-1], f.reading_time[-1]))
+    wide, named, shown = f.span()[1] - f.span()[0], -numpy.inf, None
+    for start, end, level in zip(f.issue_time, ends, f.level):
+        if not numpy.isfinite(level):
+            continue
+        axes.axvspan(start, end, ymin=1.01, ymax=1.06, color=LEVELS[int(level) % len(LEVELS)], clip_on=False, linewidth=0)
+        if level != shown and start - named > 0.09 * wide:
+            axes.annotate(f.levels[int(level)], (start, 1.07), xycoords=("data", "axes fraction"), fontsize=7, va="bottom",
+                          annotation_clip=False)
+            named = start
+        shown = level
+
+
+def draw_displacement(axes, f):
+    axes.plot(f.reading_time, f.displacement, "-", color=QUIET, linewidth=0.8)
+    axes.plot(f.reading_time, f.displacement, "o", color=COLOURS[2], markersize=3, markerfacecolor="none")
     axes.set_ylabel("displacement (m)")
-    right = axes.twinx()
+    over_time(axes, f)
+    draw_levels(axes, f)
+
+
+def draw_rate(axes, f):
+    axes.plot(f.velocity_time, 1e3 * f.velocity, "o", color=COLOURS[2], markersize=3, markerfacecolor="none")
+    axes.set_ylabel("rate (mm/day)")
+    over_time(axes, f)
+
+
+def draw_inverse(axes, f):
     rising = f.velocity > 0
-    right.plot(f.velocity_time[rising], 1 / f.velocity[rising], "o", color=COLOURS[0], markersize=3,
-               markerfacecolor="none")
-    right.set_ylabel("1/v (day/m)", color=COLOURS[0])
+    axes.plot(f.velocity_time[rising], 1 / f.velocity[rising], "o", color=COLOURS[2], markersize=3, markerfacecolor="none")
+    axes.set_ylabel("1/rate (day/m)")
     shown = numpy.sort(1 / f.velocity[rising])
     if len(shown):
-        right.set_ylim(0, 1.1 * shown[int(0.9 * (len(shown) - 1))])
+        axes.set_ylim(0, 1.1 * shown[int(NINTHS * (len(shown) - 1))])
+    over_time(axes, f)
+
+
+def draw_driver(which):
+    def draw(axes, f):
+        label, time, values = f.drivers[which]
+        now_and_then = (values == 0).sum() > len(values) / 4 and numpy.nanmin(values) >= 0
+        if now_and_then:  # as rain does
+            axes.vlines(time, 0, values, color=COLOURS[0], linewidth=1.2)
+            axes.set_ylim(0, None)
+        else:
+            axes.plot(time, values, "-", color=COLOURS[0], linewidth=1)
+        axes.set_ylabel(label)
+        over_time(axes, f)
+    return draw
+
+
+def draw_together(axes, f):
+    """The 90 % intervals of all methods but the baseline, as one."""
+    ok = f.issued[:, :-1]
+    low, high = (numpy.where(ok, times[:, :-1], numpy.nan) for times in (f.failure_time_low90, f.failure_time_high90))
+    some = numpy.isfinite(low).any(axis=1)
+    ends = numpy.full((2, len(f.issue_time)), numpy.nan)
+    ends[0, some] = numpy.nanmin(low[some], axis=1) - f.issue_time[some]
+    ends[1, some] = numpy.where(numpy.isnan(high[some]) & ok[some], numpy.inf, high[some]).max(
+        axis=1, initial=-numpy.inf, where=ok[some]) - f.issue_time[some]
+    ends[1] = numpy.where(numpy.isinf(ends[1]), 1e9, ends[1])
+    axes.fill_between(f.issue_time, numpy.maximum(0, ends[0]), ends[1], color=COLOURS[7], alpha=0.15, linewidth=0,
+                      label="90 % intervals together")
 
 
 def draw_life(axes, f):
     lives = []
+    draw_together(axes, f)
     for k, method in enumerate(f.methods[:-1]):
         ok = f.issued[:, k]
         if not ok.any():
@@ -89,16 +183,25 @@ def draw_life(axes, f):
         axes.plot(now, left, ".-", color=COLOURS[k % 8], label=method, markersize=4, linewidth=0.8)
     if f.failed is not None:
         axes.plot([f.issue_time[0], f.failed], [f.failed - f.issue_time[0], 0], "k--", linewidth=1,
-                  label="true (45 degrees)")
+                  label="what was left")
     if lives:
         top = f.failed - f.issue_time[f.issued[:, :-1].any(axis=1)][0] if f.failed is not None else 0
         axes.set_ylim(0, 1.5 * max(top, numpy.median(lives)))
-        axes.legend(fontsize=7, ncol=2)
-    axes.set_ylabel("life expectancy (day)")
+        axes.legend(fontsize=7, ncol=6, loc="lower left", bbox_to_anchor=(0, 1.0), borderaxespad=0.2)
+    else:
+        axes.text(0.5, 0.5, "no method issues a forecast", transform=axes.transAxes, ha="center", color=QUIET)
+    axes.set_ylabel("time left (day)")
+    axes.set_xlabel("time of issue")
+    over_time(axes, f)
 
 
 def draw_windows(axes, f):
     last = len(f.issue_time) - 1
+    if not f.issued[last, :-1].any():
+        axes.text(0.5, 0.5, "no method issues a forecast at the last issue", transform=axes.transAxes, ha="center", color=QUIET)
+        over_time(axes, f)
+        axes.set_yticks([])
+        return
     for k, method in enumerate(f.methods[:-1]):
         if not f.issued[last, k]:
             axes.text(f.issue_time[last], k, " not issued", va="center", fontsize=7)
@@ -120,12 +223,19 @@ def draw_windows(axes, f):
 def issues(axes, f):
     """Where indicators are drawn: the time of issue, or on a logarithmic axis what was left."""
     if f.failed is None:
-        axes.set_xlabel(f.axis())
+        over_time(axes, f)
         return f.issue_time
     axes.set_xscale("log")
-    axes.invert_xaxis()
     axes.set_xlabel("days left")
     return numpy.where(f.issue_time < f.failed, f.failed - f.issue_time, numpy.nan)
+
+
+def turn(axes, f):
+    """Once all is drawn: time left runs to the right."""
+    if f.failed is not None:
+        axes.get_xlim()
+        plain_ticks(axes.xaxis)
+        axes.invert_xaxis()
 
 
 def draw_sizes(axes, f):
@@ -137,6 +247,7 @@ def draw_sizes(axes, f):
             axes.plot(at, values / most, ".-", color=COLOURS[k % 8], markersize=4, linewidth=0.8,
                       label=f"{label}, to {most:.3g}")
     axes.set_ylabel("indicators, over their largest")
+    turn(axes, f)
     axes.legend(fontsize=7, ncol=2)
 
 
@@ -149,6 +260,7 @@ def draw_chances(axes, f):
     axes.set_yscale("log")
     axes.set_ylim(1e-4, 1.3)
     axes.set_ylabel("chance without a cause (p)")
+    turn(axes, f)
     axes.legend(fontsize=7, ncol=2, loc="lower left")
 
 
@@ -158,12 +270,14 @@ def main():
     parser.add_argument("-o", "--output", help="else the file's name with .png")
     arguments = parser.parse_args()
     f = Forecasts(arguments.file)
-    panels = [draw_motion, draw_life, draw_windows] + ([draw_sizes] if f.sizes else []) + ([draw_chances] if f.chances else [])
-    figure, axes = plt.subplots(len(panels), 1, figsize=(8, 10 / 3 * len(panels)), constrained_layout=True)
-    for panel, draw in zip(axes, panels):
-        draw(panel, f)
-    axes[0].set_title(os.path.basename(f.source), fontsize=9)
-    axes[2].set_xlabel(f.axis())
+    use_screen_style()
+    panels = [draw_displacement, draw_rate, draw_inverse, *(draw_driver(k) for k in range(len(f.drivers))), draw_life,
+              draw_windows] + ([draw_sizes] if f.sizes else []) + ([draw_chances] if f.chances else [])
+    figure, axes = plt.subplots(len(panels), 1, figsize=(8, 2.6 * len(panels)), constrained_layout=True)
+    for place, draw in zip(axes, panels):
+        draw(place, f)
+    f.dates(axes[panels.index(draw_windows)])
+    axes[0].set_title(os.path.basename(f.source), pad=20 if f.level is not None else 6)
     output = arguments.output or os.path.splitext(arguments.file)[0] + ".png"
     save(figure, output, 110)
     return 0

@@ -1,34 +1,38 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// lacuna report: a run as one page to look at.
+// lacuna report: a run, or readings and their forecasts, as one page to look at.
 #define _GNU_SOURCE // asprintf
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
+#include <unistd.h>
 
+#include "base/temp_file.h"
 #include "cli/common/command.h"
 #include "cli/common/output.h"
 #include "cli/common/words.h"
+#include "cli/precursors/precursors.h"
 #include "cli/precursors/series.h"
 #include "cli/report/report.h"
 #include "data/json.h"
 #include "lacuna/version.h"
 #include "report/report.h"
 #include "store/store.h"
+#include "store/store_cells.h"
 #include "store/store_file.h"
 
 enum { LONGEST_CASE = 1 << 18 };
 
-// -o, else RUN.html in this folder.
+// -o, else NAME.html in this folder.
 static char *output_path(const cli_request *request)
 {
     if (request->output != NULL) {
         return strdup(request->output);
     }
     const char *name = lac_page_name(request->argument[0]);
-    const size_t length = strlen(name);
-    const size_t stem = length > 3 && strcmp(name + length - 3, ".nc") == 0 ? length - 3 : length;
+    const char *dot = strrchr(name, '.');
+    const size_t stem = dot != NULL && dot > name ? (size_t)(dot - name) : strlen(name);
     char *path;
     return asprintf(&path, "%.*s.html", (int)stem, name) >= 0 ? path : NULL;
 }
@@ -63,10 +67,15 @@ static const lac_compare_def *find_compare(const lac_case *c, const char *path)
     return NULL;
 }
 
+static bool names_columns(const cli_request *request)
+{
+    const cli_series_words *words = &request->series;
+    return words->displacement != NULL || words->velocity != NULL || words->components != NULL;
+}
+
 static lac_status read_series(const cli_request *request, lac_series **out, lac_error *err)
 {
-    const bool named = request->series.displacement != NULL || request->series.velocity != NULL;
-    lac_case *c = named ? NULL : read_case(request->argument[0]);
+    lac_case *c = names_columns(request) ? NULL : read_case(request->argument[0]);
     const lac_compare_def *known = find_compare(c, request->compare);
     lac_units *units = NULL;
     lac_status status = lac_units_create(&units, err);
@@ -111,24 +120,49 @@ out:
     return status;
 }
 
-// A fit or forecasts given in place of a run: what was meant.
-static lac_status check_run(const char *path, lac_error *err)
+typedef enum input { RUN, FORECASTS, SERIES } input;
+
+static bool ends_in(const char *name, const char *ending)
 {
+    const size_t length = strlen(name), of = strlen(ending);
+    return length > of && strcmp(name + length - of, ending) == 0;
+}
+
+// What the argument is, and whether the options go with it; a fit given in place of a run: what was
+// meant.
+static lac_status look_at(const cli_request *request, input *out, lac_error *err)
+{
+    const char *path = request->argument[0], *readings = NULL, *issues = NULL;
+    const bool columns = names_columns(request);
     lac_stored_file *file = NULL;
-    const char *readings = NULL, *issues = NULL;
-    if (lac_stored_file_open(path, &file, NULL) == LAC_OK) {
+    const bool known = lac_stored_file_open(path, &file, NULL) == LAC_OK;
+    if (known) {
         (void)find_column(file, "reading_time", &readings, NULL);
         (void)find_column(file, "issue_time", &issues, NULL);
     }
     lac_stored_file_close(file);
-    LAC_FAIL_IF(readings != NULL && issues != NULL, err, LAC_EINPUT,
-                "%s: holds forecasts, not a run: tools/plot/plot_precursors.py draws them; report "
-                "shows a run, and forecasts of what is laid beside it",
-                path);
-    LAC_FAIL_IF(readings != NULL, err, LAC_EINPUT,
+    const bool netcdf = lac_stored_is_netcdf(path) || ends_in(path, ".nc");
+    *out = known ? (readings != NULL && issues != NULL ? FORECASTS : RUN)
+                 : (netcdf && !columns ? RUN : SERIES);
+    LAC_FAIL_IF(request->displacements.n > 1, err, LAC_EINPUT,
+                "--displacement: report takes one column, and %zu were named",
+                request->displacements.n);
+    LAC_FAIL_IF(*out == RUN && readings != NULL, err, LAC_EINPUT,
                 "%s: is the file of a fit: run the case beside it and lay the fit on that: lacuna "
                 "report RUN.nc --fit %s",
                 path, path);
+    LAC_FAIL_IF(*out != RUN && (request->compare != NULL || request->fit != NULL), err, LAC_EINPUT,
+                "%s: holds readings: --compare and --fit lay something beside a run", path);
+    LAC_FAIL_IF(*out == FORECASTS && cli_given(request, CLI_OPT_SERIES), err, LAC_EINPUT,
+                "%s: holds forecasts, which were made from its readings: --displacement, "
+                "--velocity ... say how a series is read",
+                path);
+    LAC_FAIL_IF(*out != SERIES && cli_given(request, CLI_OPT_FORECAST | CLI_OPT_DRIVER |
+                                                         CLI_OPT_UNTIL | CLI_OPT_SET),
+                err, LAC_EINPUT,
+                "%s: is no series of readings: --failed-at, --since, --until ... say how its "
+                "forecasts are made; lacuna precursors takes them",
+                path);
     return LAC_OK;
 }
 
@@ -143,29 +177,58 @@ static lac_status read_beside(const cli_request *request, lac_series **out, lac_
     return request->fit != NULL ? read_fitted(request->fit, out, err) : LAC_OK;
 }
 
-lac_status cli_report_page(const cli_request *request, lac_error *err)
+// The file of forecasts that the page of a series is made from, beside the page while it is made,
+// by the name of its part: what a killed process leaves is taken away by the next one.
+static lac_status forecast(const cli_request *request, const char *page, char **path,
+                           lac_error *err)
 {
-    lac_series *series = NULL;
-    char *path = output_path(request);
-    lac_status status;
-    LAC_TRY(path != NULL ? cli_output_check(request, NULL, path, err) : lac_fail_memory(err));
-    LAC_TRY(check_run(request->argument[0], err));
-    LAC_TRY(read_beside(request, &series, err));
+    *path = lac_temp_file_name(page);
+    LAC_FAIL_MEMORY_IF(*path == NULL, err);
+    (void)unlink(*path); // of a process of this number that is no more
+    return cli_precursors_file(request, *path, err);
+}
+
+static lac_status write_page(const cli_request *request, input what, const char *path,
+                             lac_error *err)
+{
     const char *name = request->compare != NULL ? request->compare : request->fit;
-    const lac_page_def def = {.run = request->argument[0],
+    lac_series *series = NULL;
+    char *forecasts = NULL;
+    lac_status status;
+    LAC_TRY(what == RUN      ? read_beside(request, &series, err)
+            : what == SERIES ? forecast(request, path, &forecasts, err)
+                             : LAC_OK);
+    const lac_page_def def = {.run = forecasts != NULL ? forecasts : request->argument[0],
+                              .name = request->argument[0],
                               .series = series,
                               .series_name = series != NULL ? lac_page_name(name) : NULL,
                               .fit = request->fit,
                               .made_by = "lacuna " LACUNA_VERSION,
                               .now = (double)time(NULL)};
     LAC_TRY(lac_page_write(&def, path, cli_given(request, CLI_OPT_FORCE), err));
+out:
+    if (forecasts != NULL) {
+        (void)unlink(forecasts);
+    }
+    free(forecasts);
+    lac_series_free(series);
+    return status;
+}
+
+lac_status cli_report_page(const cli_request *request, lac_error *err)
+{
+    char *path = output_path(request);
+    input what = RUN;
+    lac_status status;
+    LAC_TRY(path != NULL ? cli_output_check(request, NULL, path, err) : lac_fail_memory(err));
+    LAC_TRY(look_at(request, &what, err));
+    LAC_TRY(write_page(request, what, path, err));
     if (cli_given(request, CLI_OPT_JSON)) {
         LAC_JSON_TEXTS(&(lac_json){.out = stdout}, "output", path);
     } else {
         cli_row("page", "%s", path);
     }
 out:
-    lac_series_free(series);
     free(path);
     return status;
 }

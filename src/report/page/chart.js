@@ -228,9 +228,18 @@ function drawBands(spec, plot, group) {
   for (const band of spec.bands || []) {
     const [from, to] = bandPlaces(spec, plot, band);
     if (to - from > 0.3) {
-      group.append(svg("rect", { class: band.inner ? "band inner" : "band", x: from, width: to - from,
+      const look = band.level !== undefined ? `level pale l-${band.level}` : band.inner ? "band inner" : "band";
+      group.append(svg("rect", { class: look, x: from, width: to - from,
         y: plot.box.top, height: plot.box.bottom - plot.box.top }));
     }
+  }
+}
+
+// The level as a strip along the upper edge.
+function drawLevels(spec, plot, group) {
+  for (const band of spec.levels || []) {
+    const ends = bandPlaces(spec, plot, band), from = Math.min(...ends), to = Math.max(...ends);
+    if (to - from > 0.3) group.append(svg("rect", { class: `level l-${band.level}`, x: from, width: to - from, y: plot.box.top - 8, height: 6 }));
   }
 }
 
@@ -288,6 +297,7 @@ function draw(chart) {
   const under = svg("g"), over = svg("g", { "clip-path": `url(#${clip})` });
   picture.append(under, over);
   drawBands(spec, plot, under);
+  drawLevels(spec, plot, under);
   drawAxes(spec, plot, under);
   if (spec.image) over.append(spec.image(plot));
   drawLines(chart, plot, over);

@@ -113,6 +113,7 @@ function readForecast(f, dots, i) {
 
 // Where the page opens: the last reading, or of a run the last issue with a fiftieth of it left.
 function firstIssue(f) {
+  if (page.data.readings) return f.issue.length - 1;
   const spanned = page.clock.last - f.issue[0];
   const issued = f.issue.map((_, i) => i).filter((i) => f.forecast[i].some((one) => one[ISSUED]));
   const early = issued.filter((i) => page.clock.last - f.issue[i] > spanned / 50);
@@ -130,10 +131,11 @@ function methodChoice(f, change) {
 function forecastSection(data) {
   const f = data.forecasts;
   const none = data.series && !f.measured ? ` No method issues a forecast from ${data.series.name}.` : "";
-  const what = f.measured ? `of ${data.series.name}` : "of the run itself, as if it were being watched";
-  const section = openSection("forecasts", "Forecasts", `Times of failure forecast from readings ${what}, each from nothing later than its time of issue.${none} The window of the chosen time is shaded in the creep curve and the inverse rate above.`);
+  const above = data.readings ? "displacement" : "creep curve";
+  const what = f.measured ? `of ${(data.readings || data.series).name}` : "of the run itself, as if it were being watched";
+  const section = openSection("forecasts", "Forecasts", `Times of failure forecast from readings ${what}, each from nothing later than its time of issue.${none} The window of the chosen time is shaded in the ${above} and the inverse rate above.`);
   const truthful = !f.measured && data.about.failed;
-  const make = () => figure(truthful ? lifeSpec(f, forecastState.method) : windowSpec(f, forecastState.method));
+  const make = () => figure((data.readings ? leftSpec : truthful ? lifeSpec : windowSpec)(f, forecastState.method));
   let chart = make();
   const plain = element("div", { class: "plain" });
   const update = (issue) => {

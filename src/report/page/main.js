@@ -3,7 +3,7 @@
 "use strict";
 
 const SECTIONS = [
-  ["motion", motionSection], ["forecasts", forecastSection], ["fit", fitSection], ["forces", forcesSection], ["cells", cellsSection], ["levels", levelsSection],
+  ["readings", readingsSection], ["motion", motionSection], ["forecasts", forecastSection], ["fit", fitSection], ["forces", forcesSection], ["cells", cellsSection], ["levels", levelsSection],
   ["events", eventsSection], ["solver", solverSection], ["about", aboutSection],
 ];
 
@@ -14,8 +14,8 @@ function openSection(id, title, lead) {
 }
 
 function makeClock(data) {
-  const a = data.about, m = data.motion, last = m.time[m.time.length - 1];
-  return { dated: a.dated && a.start + last < LAST_DATE, start: a.start, last, failure: a.failure_time_s ?? null, end: a.failed ? "failure" : page.live && a.status === "running" ? "now" : "the end" };
+  const a = data.about, time = (data.motion || data.readings.moved).time, last = time[time.length - 1];
+  return { dated: a.dated && a.start + last < LAST_DATE, start: a.start, last, failure: a.failure_time_s ?? null, end: data.readings ? "the last reading" : a.failed ? "failure" : page.live && a.status === "running" ? "now" : "the end" };
 }
 
 function choice(id, name, options, current, change) {
@@ -63,7 +63,7 @@ function show(data) {
 }
 
 function begin(data) {
-  page.axis = data.about.failed && !data.about.dated ? "before" : "time";
+  page.axis = data.about.failed && !data.about.dated && !data.readings ? "before" : "time";
   show(data);
   fillControls();
   let width = 0;
