@@ -110,6 +110,10 @@ if(LACUNA_SANITIZE)
 endif()
 lacuna_python_test(test_every_call)
 
+# Streams of readings, watched, killed and gone on with.
+set(test_watch_files $<TARGET_FILE:at_call>)
+lacuna_python_test(test_watch)
+
 # Trades, stopped and killed ones among them, and runs that keep an accuracy.
 set(test_trade_files $<TARGET_FILE:at_call>)
 lacuna_python_test(test_trade)
@@ -206,7 +210,17 @@ lacuna_python_test(test_analysis)
 lacuna_python_test(test_events)
 
 # Forecasts of series and runs, wrong series among them.
+lacuna_python_test(test_driver)
 lacuna_python_test(test_precursors)
+
+# Files of readings as they come.
+lacuna_python_test(test_readings)
+
+# The slopes on which verdicts are measured, and the study that does it.
+lacuna_python_test(test_verdicts once)
+
+# Files as tables for a spreadsheet.
+lacuna_python_test(test_export)
 
 # The page of a run: its numbers, and what a browser makes of it. tools/install-packages --test
 # brings the browser; without it the test fails.

@@ -206,10 +206,14 @@ void lac_check_fit(lac_reader *reader, lac_case *c)
     }
     (void)lac_refuse(reader, fit->count == 0, "fit.parameters",
                      "must name at least one number of the case");
-    (void)lac_refuse(reader, fit->columns.displacement == NULL && fit->columns.velocity == NULL,
+    (void)lac_refuse(reader,
+                     fit->columns.displacement == NULL && fit->columns.velocity == NULL &&
+                         fit->columns.components == NULL,
                      "fit", "needs displacement or velocity, such as displacement: \"disp:mm\"");
     (void)lac_refuse(reader, fit->columns.time == NULL, "fit", "needs time, the column of times");
-    (void)lac_refuse(reader, fit->columns.sigma != NULL && fit->columns.displacement == NULL,
+    (void)lac_refuse(reader,
+                     fit->columns.sigma != NULL && fit->columns.displacement == NULL &&
+                         fit->columns.components == NULL,
                      "fit.sigma", "goes with displacement");
     (void)lac_refuse(
         reader, fit->steps > 0 && (fit->walkers % 2 != 0 || (size_t)fit->walkers < least),

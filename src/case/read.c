@@ -114,10 +114,9 @@ static lac_node *parse_file(lac_reader *reader, const char *text, size_t size)
     return NULL;
 }
 
-static void summarise(const lac_reader *reader, lac_error *err)
+void lac_case_summarise(const lac_case_issues *report, lac_error *err)
 {
     char text[900];
-    const lac_case_issues *report = reader->report;
     for (size_t i = 0; i < report->count; i++) {
         if (!report->issue[i].warning) {
             size_t others = report->errors - 1;
@@ -157,7 +156,7 @@ lac_status lac_case_build(const lac_units *units, const char *name, const char *
     }
     lac_case_free(c);
     LAC_FAIL_MEMORY_IF(reader.no_memory, err);
-    summarise(&reader, err);
+    lac_case_summarise(report, err);
     return LAC_EINPUT;
 }
 
@@ -181,8 +180,7 @@ lac_status lac_case_read_text(const char *name, const char *text, size_t size,
     return status;
 }
 
-// @param text  the caller frees it, whatever the status
-static lac_status read_file(const char *path, char **text, size_t *size, lac_error *err)
+lac_status lac_case_read_file(const char *path, char **text, size_t *size, lac_error *err)
 {
     FILE *file = fopen(path, "rb");
     LAC_FAIL_IF(file == NULL, err, LAC_EIO, "%s: cannot be opened: %s", path, strerror(errno));
@@ -208,7 +206,7 @@ lac_status lac_case_read(const char *path, const lac_case_request *request, lac_
     size_t size = 0;
     *out = NULL;
     *report = (lac_case_issues){0};
-    lac_status status = read_file(path, &text, &size, err);
+    lac_status status = lac_case_read_file(path, &text, &size, err);
     if (status == LAC_OK) {
         status = lac_case_read_text(path, text, size, request, out, report, err);
     }

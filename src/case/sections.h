@@ -299,6 +299,12 @@ void lac_check_case(lac_reader *reader, lac_case *c);
 /// Applies one --set to the tree.
 void lac_apply_override(lac_reader *reader, lac_node *root, const lac_override *override);
 
+/// A file of at most 4 MiB and a byte. @param text  the caller frees it, whatever the status
+lac_status lac_case_read_file(const char *path, char **text, size_t *size, lac_error *err);
+
+/// Says the first error of a report, and how many more there are.
+void lac_case_summarise(const lac_case_issues *report, lac_error *err);
+
 /// lac_case_read_text with a units database that is there already.
 lac_status lac_case_build(const lac_units *units, const char *name, const char *text, size_t size,
                           const lac_case_request *how, lac_case **out, lac_case_issues *report,

@@ -48,6 +48,11 @@ LONG = (
 # What changes the machine, does all that CI does, or serves until it is ended.
 OUTSIDE = (r"git clone ", r"sudo ", r"apt ", r"/usr/bin/python3 -m http\.server ")
 PATTERN = re.compile(r"(?<![$\w])[A-Z]{3,}\b|\.\.\.|…")
+# What `lacuna watch` reads, and readings that examples name.
+SMALL = {"fleet.yaml": 'displacement: "way:mm"\n', "readings.csv": "station,time,way\nP1,2024-01-01,0.5\nP2,2024-01-01,1.5\n",
+         "prisms.csv": "time,P1 [mm],P2 [mm]\n2024-01-01,0.5,1.5\n2024-01-02,0.7,1.6\n",
+         "gnss.csv": "time,e,n,u\n2024-01-01,0.5,1.5,0.1\n2024-01-02,0.7,1.6,0.2\n",
+         "rain.csv": "time,rain_mm\n2020-06-01,3\n2020-06-02,0\n"}
 # Files of the reader's own that examples name.
 OWN = {"slope.yaml": "cases/fit/block.yaml", "joint.yaml": "cases/transfer/patch.yaml"}
 
@@ -252,6 +257,9 @@ class Folder:
         os.symlink(os.path.dirname(PROGRAM), os.path.join(path, "build"))
         for name in ("prism.csv", "series.csv"):
             series(os.path.join(path, name))
+        for name, text in SMALL.items():
+            with open(os.path.join(path, name), "w", encoding="utf-8") as file:
+                file.write(text)
 
     def shell(self, text):
         if "completion zsh" in text:

@@ -9,14 +9,16 @@
 #include "cli/common/words.h"
 
 // An option that is told by its bit or that apply() has a line for, and one whose word has a place
-// of its own in the request.
+// of its own in the request, or one behind those of its like.
 #define PLAIN(bit_, letter_, name_, value_, ...)                                           \
     {                                                                                      \
         .name = "--" name_, .bit = CLI_OPT_##bit_, .letter = (letter_), .value = (value_), \
         .doc = __VA_ARGS__                                                                 \
     }
-#define KEPT(bit, letter, name, value, place, doc) \
-    PLAIN(bit, letter, name, value, doc, offsetof(cli_request, place))
+#define KEPT(bit, letter, name, value, place, ...) \
+    PLAIN(bit, letter, name, value, __VA_ARGS__, .at = offsetof(cli_request, place))
+#define LISTED(bit, letter, name, value, place, ...) \
+    PLAIN(bit, letter, name, value, __VA_ARGS__, .words = offsetof(cli_request, place))
 
 const cli_option cli_options[] = {
     KEPT(OUTPUT, 'o', "output", "FILE", output, "where to write the file"),
@@ -34,10 +36,20 @@ const cli_option cli_options[] = {
     KEPT(SERIES, 0, "time", "COLUMN", series.time, "of times; else the first one"),
     KEPT(SERIES, 0, "time-format", "FORMAT", series.time_format,
          "iso, unix, excel, \"%d/%m/%Y %H:%M\", day ..."),
+    KEPT(SERIES, 0, "clock", "COLUMN", series.clock,
+         "of the time of day, where dates have their own"),
+    KEPT(SERIES, 0, "skip", "N", series.skip, "lines before the header; else it is found"),
     KEPT(SERIES, 0, "displacement", "COL:UNIT", series.displacement,
-         "column and unit: \"disp_mm:mm\""),
+         "column and unit: \"disp_mm:mm\"; may be repeated",
+         .words = offsetof(cli_request, displacements)),
+    KEPT(SERIES, 0, "components", "LIST", series.components,
+         "instead, of east, north, up: \"e:mm,n:mm,u:mm\""),
+    KEPT(SERIES, 0, "line-of-sight", "E,N,U", series.line_of_sight,
+         "that they are projected on; else the main direction"),
     KEPT(SERIES, 0, "velocity", "COL:UNIT", series.velocity, "column and unit: \"rate:mm/day\""),
     KEPT(SERIES, 0, "sigma", "COL:UNIT", series.sigma, "standard error of each displacement"),
+    LISTED(DRIVER, 0, "driver", "COL:UNIT", drivers,
+           "what may drive: \"rain.csv/mm:mm:sum\"; may be repeated"),
     KEPT(FORECAST, 0, "smooth", "HOW", forecast.smooth,
          "velocities: average:5, window:\"3 day\", savgol:7,2"),
     KEPT(FORECAST, 0, "raw", NULL, forecast.raw, "keep outliers and sensor resets"),
@@ -45,8 +57,11 @@ const cli_option cli_options[] = {
          "fit from here, not from the onset of acceleration"),
     KEPT(FORECAST, 0, "onset", "S,L", forecast.onset,
          "acceleration: mean of S above that of L: 3,7"),
+    KEPT(FORECAST, 0, "window", "WINDOW", forecast.window,
+         "know no more than: \"2000\" readings, \"90 day\", both"),
     KEPT(FORECAST, 0, "rolling", NULL, forecast.rolling, "forecasts as issued at each reading"),
     KEPT(FORECAST, 0, "issues", "N", forecast.issues, "issue times of --rolling at most: 200"),
+    KEPT(LINES, 0, "jsonl", NULL, forecast.lines, "--rolling as JSON, a line an issue time"),
     KEPT(FORECAST, 0, "failed-at", "TIME", forecast.failed_at, "judge --rolling: a time, or never"),
     KEPT(FORECAST, 0, "horizon", "TIME", forecast.horizon, "of alarms: \"7 day\""),
     KEPT(FORECAST, 0, "case", "CASE", forecast.case_file,
@@ -60,7 +75,10 @@ const cli_option cli_options[] = {
     KEPT(TRADE, 0, "crossed", NULL, trade.crossed, "every position of a dial with every other"),
     KEPT(TRADE, 0, "jobs", "N", trade.jobs, "runs at a time (default: one a processor)"),
     KEPT(ACCURACY, 0, "accuracy", "ERROR", accuracy, "to keep: 1%; pilot runs pick the settings"),
+    KEPT(STATE, 0, "state", "DIR", watch_state, "where to keep what a restart needs"),
     KEPT(VIEW, 0, "view", "[PORT]", view, "its page while it runs, on 127.0.0.1"),
+    KEPT(EXPORT, 0, "csv", NULL, csv, "tables as comma-separated values, the only kind"),
+    LISTED(EXPORT, 0, "variable", "NAME", variables, "this one alone; may be repeated"),
     PLAIN(SET, 0, "set", "KEY=VALUE", "override the case; may be repeated"),
     PLAIN(JSON, 0, "json", NULL, "results as one JSON object, in SI"),
     PLAIN(QUIET, 'q', "quiet", NULL, "no progress, no warnings"),
@@ -116,6 +134,15 @@ static lac_status keep_override(cli_request *request, const char *key, size_t le
     return LAC_OK;
 }
 
+static lac_status keep_word(cli_words *words, const char *value, lac_error *err)
+{
+    const char **grown = realloc((void *)words->word, (words->n + 1) * sizeof *grown);
+    LAC_FAIL_MEMORY_IF(grown == NULL, err);
+    words->word = grown;
+    grown[words->n++] = value;
+    return LAC_OK;
+}
+
 static lac_status set_threads(cli_request *request, const char *text, lac_error *err)
 {
     char *end;
@@ -134,6 +161,9 @@ static lac_status apply(cli_request *request, const cli_option *o, const char *v
     request->given |= o->bit;
     LAC_FAIL_IF(o->value != NULL && value[0] == '\0', err, LAC_EINPUT, "%s: needs a value: %s %s",
                 o->name, o->name, o->value);
+    if (o->words != 0) {
+        LAC_TRY_RETURN(keep_word((cli_words *)((char *)request + o->words), value, err));
+    }
     if (o->at != 0) {
         memcpy((char *)request + o->at, &word, sizeof word);
     }
@@ -253,6 +283,9 @@ static lac_status check_request(const cli_request *request, lac_error *err)
                     "%s: not an option of %s; see lacuna %s --help", o->name, command->name,
                     command->name);
     }
+    LAC_FAIL_IF(request->displacements.n > 1 && (command->options & CLI_OPT_FORECAST) == 0, err,
+                LAC_EINPUT, "--displacement: %s takes one column, and %zu were named",
+                command->name, request->displacements.n);
     LAC_FAIL_IF(request->count < command->least, err, LAC_EINPUT,
                 "%s: %s is missing; see lacuna %s --help", command->name, command->arguments,
                 command->name);
@@ -306,6 +339,11 @@ void cli_request_clear(cli_request *request)
         free((char *)request->overrides[i].key);
     }
     free(request->overrides);
+    for (const cli_option *o = cli_options; o->name != NULL; o++) {
+        if (o->words != 0) {
+            free((void *)((cli_words *)((char *)request + o->words))->word);
+        }
+    }
     free(request->command_line);
     *request = (cli_request){0};
 }

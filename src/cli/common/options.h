@@ -19,7 +19,11 @@ enum {
     CLI_OPT_NO_PROGRESS = 1 << 9,
     CLI_OPT_HELP = 1 << 10,
     CLI_OPT_VERSION = 1 << 11,
+    CLI_OPT_EXPORT = 1 << 12,  ///< which tables
     CLI_OPT_FRACTAL = 1 << 16, ///< how contact is measured
+    CLI_OPT_DRIVER = 1 << 17,
+    CLI_OPT_STATE = 1 << 18, ///< of a watch
+    CLI_OPT_LINES = 1 << 19, ///< forecasts, a line each
     CLI_OPT_SNAPSHOT = 1 << 20,
     CLI_OPT_RESUME = 1 << 21,
     CLI_OPT_SERIES = 1 << 22,   ///< how a monitoring file is read
@@ -41,8 +45,9 @@ typedef struct cli_option {
     char letter;       ///< '\0': none
     const char *value; ///< what its value is called; NULL: takes none; "[...]": only a number is it
     const char *doc;
-    size_t at; ///< of the text in the request that is set to its value, or to its name where it
-               ///< takes none; 0: no such text
+    size_t at;    ///< of the text in the request that is set to its value, or to its name where it
+                  ///< takes none; 0: no such text
+    size_t words; ///< of the cli_words of one that may be repeated; 0: may not
 } cli_option;
 
 /// All of them; the name of the last one is NULL.
@@ -72,11 +77,19 @@ extern const cli_command cli_commands[];
 
 /// Options of monitoring series and of forecasts, as they were written; NULL: not given.
 typedef struct cli_series_words {
-    const char *time, *time_format, *displacement, *velocity, *sigma;
+    const char *time, *time_format, *clock, *skip, *displacement, *velocity, *sigma;
+    const char *components, *line_of_sight;
 } cli_series_words;
 
+/// What an option that may be repeated was given, in order.
+typedef struct cli_words {
+    size_t n;
+    const char **word; ///< [n]; owned, texts borrowed from argv
+} cli_words;
+
 typedef struct cli_forecast_words {
-    const char *smooth, *raw, *since, *onset, *rolling, *issues, *failed_at, *horizon, *case_file;
+    const char *smooth, *raw, *since, *onset, *rolling, *issues, *failed_at, *horizon, *case_file,
+        *window, *lines;
 } cli_forecast_words;
 
 typedef struct cli_trade_words {
@@ -95,14 +108,19 @@ struct cli_request {
     const char *boxes, *coarsest, *coarsening, *sizes; ///< of the fractal measures
     const char *snapshot;                              ///< which one of a file
     const char *compare, *fit;                         ///< a series and a fit laid beside a run
-    const char *accuracy; ///< among the overrides too, as solver.accuracy
-    const char *view;     ///< port of its page, 0 where none is named
-    cli_series_words series;
+    const char *accuracy;    ///< among the overrides too, as solver.accuracy
+    const char *watch_state; ///< folder
+    const char *view;        ///< port of its page, 0 where none is named
+    cli_series_words series; ///< its displacement is the last one
+    cli_words displacements; ///< --displacement
     cli_forecast_words forecast;
     cli_trade_words trade;
     int threads;             ///< 0: not given
     size_t set_count;        ///< --set, in order
     lac_override *overrides; ///< [set_count]; keys owned, values borrowed from argv
+    cli_words variables;     ///< --variable
+    cli_words drivers;       ///< --driver
+    const char *csv;         ///< the only kind of tables so far
     char *command_line;      ///< owned
     char libraries[256];     ///< that the program runs with, their versions
 };

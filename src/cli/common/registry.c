@@ -29,7 +29,8 @@ const cli_command cli_commands[] = {
      CLI_OPT_WRITES | CLI_OPT_SET | CLI_OPT_SNAPSHOT, cli_rg},
     {"precursors", "RUN.nc|SERIES.csv", "indicators and forecasts of the time of failure", "",
      "lacuna precursors series.csv --displacement disp:mm --rolling", 1, 1,
-     CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_SERIES | CLI_OPT_FORECAST | CLI_OPT_SET,
+     CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_SERIES | CLI_OPT_FORECAST | CLI_OPT_DRIVER |
+         CLI_OPT_LINES | CLI_OPT_SET,
      cli_precursors},
     {"fit", "CASE SERIES", "fit a case's parameters to a monitoring series",
      "The case's section fit says what is estimated, from which columns unless options name them. "
@@ -44,12 +45,27 @@ const cli_command cli_commands[] = {
      "CASE-trade.nc here; tools/plot/plot_trade.py draws it.\n",
      "lacuna trade cases/vajont.yaml --reach 1% --dials rtol,method", 1, 1,
      CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_RESUME | CLI_OPT_SET | CLI_OPT_TRADE, cli_trade},
-    {"report", "RUN.nc", "a run as one HTML page to look at",
-     "To -o FILE, else RUN.html in this folder; it needs no network. --compare lays readings "
-     "beside the run; --displacement and --velocity name their columns, unless the run's case "
-     "does. --fit draws what lacuna fit forecasts.\n",
-     "lacuna report vajont.nc --compare cases/data/vajont_anchors.csv", 1, 1,
-     CLI_OPT_WRITES | CLI_OPT_COMPARE | CLI_OPT_SERIES, cli_report_page},
+    {"report", "RUN.nc|SERIES.csv", "a run, or readings, as one HTML page to look at",
+     "To -o FILE, else NAME.html in this folder; it needs no network. Of a series it forecasts as "
+     "precursors --rolling does, with the same options, and of the file that precursors left it "
+     "shows what stands there. Beside a run, --compare lays readings; --displacement and "
+     "--velocity name their columns, unless the run's case does. --fit draws what lacuna fit "
+     "forecasts.\n",
+     "lacuna report series.csv --displacement disp:mm", 1, 1,
+     CLI_OPT_WRITES | CLI_OPT_COMPARE | CLI_OPT_SERIES | CLI_OPT_FORECAST | CLI_OPT_DRIVER |
+         CLI_OPT_UNTIL | CLI_OPT_SET,
+     cli_report_page},
+    {"export", "FILE.nc", "what a file holds as tables for a spreadsheet",
+     "A CSV for each set of dimensions (time.csv, issue-method.csv ...), to the folder -o, else to "
+     "one called after the file. --variable picks some; where they make one table, it goes to "
+     "stdout or to -o FILE.csv. Fields over the cells are written only where they are named.\n",
+     "lacuna export OUT.nc --csv -o tables", 1, 1, CLI_OPT_WRITES | CLI_OPT_EXPORT, cli_export},
+    {"watch", "FLEET.yaml", "forecasts for many stations as readings come",
+     "Reads lines `station,time,displacement` from standard input, or follows files that grow, as "
+     "FLEET.yaml says, and writes a line of JSON for each reading to -o FILE.jsonl, else to "
+     "standard output. With --state DIR it goes on where it was stopped, however that was.\n",
+     "lacuna watch fleet.yaml --state watch -o lines.jsonl < readings.csv", 1, 1,
+     CLI_OPT_WRITES | CLI_OPT_STATE, cli_watch},
     {"mend", "FILE.nc", "make a file readable whose writer was stopped",
      "Of a run that was killed, or of a history of loads, the last values may be in "
      "FILE.nc.journal only, and FILE.nc may not open. All commands here read it all the same; "

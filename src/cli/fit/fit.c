@@ -20,7 +20,7 @@
 #include "data/dataset.h"
 #include "fit/fit.h"
 
-enum { COLUMNS = 5 };
+enum { COLUMNS = 9 };
 
 // Everything that a fit holds.
 typedef struct fit_job {
@@ -63,6 +63,10 @@ static lac_status set_columns(fit_job *job, lac_error *err)
         const char *key, *word;
     } given[COLUMNS] = {{"fit.time", words->time},
                         {"fit.time_format", words->time_format},
+                        {"fit.clock", words->clock},
+                        {"fit.skip", words->skip},
+                        {"fit.components", words->components},
+                        {"fit.line_of_sight", words->line_of_sight},
                         {"fit.displacement", words->displacement},
                         {"fit.velocity", words->velocity},
                         {"fit.sigma", words->sigma}};

@@ -16,8 +16,8 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 65938,
-    "lines that only present results": 17952,
+    "lines of src and include": 72577,
+    "lines that only present results": 20022,
     "public headers": 13,
     "exported names": 43,
     "circles of includes": 0,

@@ -39,14 +39,15 @@ USES = {
     "simulation": ["scene"],
     "trade": ["scene"],
     "report": ["store"],
-    "cli": ["simulation", "fit", "trade", "report"],
+    "watch": ["case"],
+    "cli": ["simulation", "fit", "trade", "report", "watch"],
 }
 
 # What a module shares besides <module>.h; all other headers of src are its own.
 SHARED = {
     "base": None,  # all of it, as of data
     "data": None,
-    "case": {"heterogeneity.h"},
+    "case": {"fleet.h", "heterogeneity.h"},
     "contact": {"tangential.h"},
     "fit": {"model_forecast.h", "sampler.h"},
     "forecast": {"hindcast.h"},
@@ -54,7 +55,7 @@ SHARED = {
     "rg": {"rg_study.h"},
     "run": {"describe.h", "sensitivity.h"},
     "scene": {"estimate.h", "scene_rg.h"},
-    "series": {"motion.h"},
+    "series": {"line.h", "motion.h"},
     "store": {"recording.h", "store_cells.h", "store_file.h"},
     "trade": {"probe.h"},
 }
