@@ -3,6 +3,7 @@
 
 #include "base/param.h"
 #include "forecast/driver.h"
+#include "forecast/verdict.h"
 #include "series/motion.h"
 
 enum {
@@ -123,6 +124,7 @@ typedef struct lac_forecast_def {
     size_t drivers;
     const lac_driver *driver; ///< [drivers] what may explain the rate
     size_t window_count;      ///< nothing is known but the last so many readings; 0: all
+    lac_levels levels;        ///< what gives a level
     double window_time;       ///< nor what is so long before the last one [s]; INFINITY: all
 } lac_forecast_def;
 
@@ -151,6 +153,7 @@ typedef struct lac_forecast_set {
     size_t count;
     lac_forecast *forecast; ///< [count] in the order of the registry, a model last but one
     size_t effects;
+    lac_verdict verdict;
     lac_driver_effect *effect; ///< [effects] of the drivers; theirs is owned
 } lac_forecast_set;
 

@@ -13,6 +13,19 @@ extern const lac_forecast_kind lac_forecast_inv8, lac_forecast_inv, lac_forecast
 size_t lac_forecast_count(const lac_forecast_def *def);
 const lac_forecast_kind *lac_forecast_kind_of(const lac_forecast_def *def, size_t index);
 
+/// The first of n times, in order, that is not before `start`; n: none.
+size_t lac_first_at(size_t n, const double *time, double start);
+
+/// The motion since `start`, thinned to 200 displacements by means of consecutive ones, the first
+/// and the last apart. @param out  one piece, for free
+lac_status lac_window_create(const lac_motion *motion, double start, lac_window **out,
+                             lac_error *err);
+
+/// Asks a method of the window, or of the motion where it is a model of its own: fills in all of
+/// the forecast but its kind.
+lac_status lac_forecast_ask(const lac_forecast_def *def, const lac_motion *motion,
+                            const lac_window *window, lac_forecast *forecast, lac_error *err);
+
 /// Asks the definition's drivers of the set's motion. One of n explains where p is up to 0.05/n.
 lac_status lac_driver_explain_all(const lac_forecast_def *def, lac_forecast_set *o, lac_error *err);
 void lac_driver_effects_free(lac_forecast_set *o);

@@ -10,11 +10,9 @@
 #include "base/statistics.h"
 #include "forecast/kinds.h"
 
-enum { BRIDGED = 3, LAST_INTERVALS = 3, LINE = 3, LONGEST_RUN = 1000, INTEGRABLE = 20 };
-enum { WINDOW_READINGS = 200 };
+enum { BRIDGED = 3, LAST_INTERVALS = 3, LINE = 3, LONGEST_RUN = 1000 };
 static const double above_noise = 3.0; // errors of the last displacement
 static const double beyond = 1e150;    // what is not computed with, nor its inverse
-static const double vaguest = 1.5;     // standard error of ln remaining that still is a forecast
 
 static double mean_velocity(const lac_motion *m, size_t last, size_t count)
 {
@@ -116,15 +114,6 @@ static bool has_onset(const lac_forecast_def *def, const lac_motion *m, char *re
     return reason[0] == '\0';
 }
 
-static size_t first_at(size_t n, const double *time, double start)
-{
-    size_t i = 0;
-    while (i < n && time[i] < start) {
-        i++;
-    }
-    return i;
-}
-
 // Off the least-squares line of x over t, or off the mean of x where it must be level.
 static double rms_off_line(size_t n, const double *t, const double *x, bool level, double *slope)
 {
@@ -141,7 +130,7 @@ static bool is_curved(const lac_motion *m, double since, char *reason)
 {
     const size_t size = m->integrated ? m->velocities : m->n;
     const double *time = m->integrated ? m->velocity_time : m->time;
-    const size_t first = first_at(size, time, since);
+    const size_t first = lac_first_at(size, time, since);
     const size_t n = size - first;
     double slope = 0.0;
     if (n < LINE) {
@@ -209,89 +198,13 @@ static void pass_gates(const lac_forecast_def *def, lac_forecast_set *o, char *r
     o->accelerating = onset && o->asked;
 }
 
-// How many groups n readings make, and where group g begins: the first and the last are alone.
-static size_t group_start(size_t n, size_t groups, size_t g)
-{
-    if (g == 0 || g >= groups) {
-        return g == 0 ? 0 : n;
-    }
-    return 1 + (size_t)((double)(n - 2) * ((double)(g - 1) / (double)(groups - 2)) + 0.5);
-}
-
-static void take_group(const lac_motion *m, size_t first, size_t last, lac_window *w)
-{
-    const double count = (double)(last - first);
-    const size_t k = w->n++;
-    w->time[k] = 0.0;
-    w->displacement[k] = 0.0;
-    w->weight[k] = 0.0;
-    for (size_t i = first; i < last; i++) {
-        const double sigma = m->sigma[i] > 0.0 ? m->sigma[i] : m->noise;
-        w->time[k] += (m->time[i] - w->now) / count;
-        w->displacement[k] += m->displacement[i] / count;
-        w->weight[k] += (sigma > 0.0 ? 1.0 / sigma : 1.0) / sqrt(count);
-    }
-}
-
-// Displacements count from the first; weights have a mean of 1, so that residuals stay metres.
-static void normalise(lac_window *w)
-{
-    double mean = 0.0;
-    const size_t n = w->n;
-    for (size_t i = n; i-- > 0;) {
-        w->displacement[i] -= w->displacement[0];
-        mean += w->weight[i] / (double)n;
-    }
-    for (size_t i = 0; i < n; i++) {
-        w->weight[i] /= mean;
-    }
-}
-
-static void fill(const lac_motion *m, double start, lac_window *w)
-{
-    const size_t first = first_at(m->n, m->time, start);
-    const size_t n = m->n - first;
-    const size_t groups = n > WINDOW_READINGS ? WINDOW_READINGS : n;
-    for (size_t g = 0; g < groups; g++) {
-        const bool all = groups == n;
-        take_group(m, first + (all ? g : group_start(n, groups, g)),
-                   first + (all ? g + 1 : group_start(n, groups, g + 1)), w);
-    }
-    if (n > 0) {
-        normalise(w);
-    }
-    for (size_t i = first_at(m->velocities, m->velocity_time, start); i < m->velocities; i++) {
-        w->velocity_time[w->velocities] = m->velocity_time[i] - w->now;
-        w->velocity[w->velocities++] = m->velocity[i];
-    }
-}
-
-// The motion since `start`, thinned to WINDOW_READINGS displacements by means of consecutive ones,
-// the first and the last apart.
-static lac_status create_window(const lac_motion *m, double start, lac_window **out, lac_error *err)
-{
-    lac_window *w =
-        calloc(1, sizeof *w + (3 * (WINDOW_READINGS + 1) + 2 * m->velocities) * sizeof *w->time);
-    *out = w;
-    LAC_FAIL_MEMORY_IF(w == NULL, err);
-    *w = (lac_window){.start = start,
-                      .noise = m->noise,
-                      .resolution = m->resolution,
-                      .integrated = m->integrated,
-                      .time = (double *)(w + 1)};
-    w->now = fmax(m->n > 0 ? m->time[m->n - 1] : -INFINITY,
-                  m->velocities > 0 ? m->velocity_time[m->velocities - 1] : -INFINITY);
-    w->displacement = w->time + WINDOW_READINGS + 1;
-    w->weight = w->displacement + WINDOW_READINGS + 1;
-    w->velocity_time = w->weight + WINDOW_READINGS + 1;
-    w->velocity = w->velocity_time + m->velocities;
-    fill(m, start, w);
-    return LAC_OK;
-}
-
 lac_forecast_def lac_forecast_default(void)
 {
-    return (lac_forecast_def){.since = NAN, .short_run = 3, .long_run = 7, .window_time = INFINITY};
+    return (lac_forecast_def){.since = NAN,
+                              .short_run = 3,
+                              .long_run = 7,
+                              .levels = lac_levels_default(),
+                              .window_time = INFINITY};
 }
 
 static lac_status check(const lac_forecast_def *def, const lac_readings *readings, lac_error *err)
@@ -306,80 +219,6 @@ static lac_status check(const lac_forecast_def *def, const lac_readings *reading
     return LAC_OK;
 }
 
-// Where an interval ends: q errors from the fit, or from the posterior's median by the error that
-// its quantile at `level` stands for.
-static double end_of(const lac_forecast_fit *fit, double spread, int level, double q)
-{
-    static const double normal[LAC_FORECAST_LEVELS] = {1.6448536269514722, 0.6744897501960817, 1.0,
-                                                       0.6744897501960817, 1.6448536269514722};
-    if (!fit->posterior) {
-        return fit->remaining * exp(hypot(fit->error, spread) * q);
-    }
-    const double e = (fit->quantile[level] - fit->quantile[2]) / normal[level];
-    return exp(fit->quantile[2] + hypot(e, spread) * q);
-}
-
-static void set_interval(const lac_forecast_kind *kind, double now, lac_forecast *f)
-{
-    const lac_calibration *c = &kind->calibration;
-    // what calibration knows of a method's bias may leave its own time beside the interval
-    f->low90 = fmin(f->time, now + end_of(&f->fit, c->spread, 0, c->low90));
-    f->low50 = now + end_of(&f->fit, c->spread, 1, c->low50);
-    f->high50 = now + end_of(&f->fit, c->spread, 3, c->high50);
-    f->high90 = fmax(f->time, now + end_of(&f->fit, c->spread, 4, c->high90));
-    f->issued = isfinite(f->low90) && isfinite(f->high90);
-    if (!f->issued) {
-        (void)lac_forecast_fit_refuse(&f->fit, "its error is not finite");
-    }
-}
-
-static void judge(const lac_forecast_kind *kind, double nearest, lac_forecast *f)
-{
-    lac_forecast_fit *fit = &f->fit;
-    if (fit->reason[0] != '\0') {
-        return;
-    }
-    if (!isfinite(fit->remaining) || !(fit->remaining > nearest)) {
-        (void)lac_forecast_fit_refuse(fit, "points to a time that is over");
-    } else if (!(fit->misfit <= kind->worst)) {
-        (void)lac_forecast_fit_refuse(fit,
-                                      "bad fit: the residuals are %.2g of the range, at most %.2g",
-                                      fit->misfit, kind->worst);
-    } else if (!(fit->error <= vaguest)) {
-        (void)lac_forecast_fit_refuse(fit, "too vague: uncertain by a factor of %.2g, at most %.2g",
-                                      exp(fit->error), exp(vaguest));
-    } else {
-        set_interval(kind, f->issue_time, f);
-    }
-}
-
-static lac_status ask(const lac_forecast_def *def, const lac_motion *m, const lac_window *w,
-                      lac_forecast *f, lac_error *err)
-{
-    const lac_forecast_kind *kind = f->kind;
-    const size_t points = w->n < w->velocities ? w->n : w->velocities;
-    f->issue_time = w->now;
-    f->window_start = w->start;
-    if (points < kind->least) {
-        return lac_forecast_fit_refuse(&f->fit, "too few points: %zu in the window, at least %zu",
-                                       points, kind->least);
-    }
-    if (kind->displacements && w->integrated && w->n < INTEGRABLE) {
-        return lac_forecast_fit_refuse(&f->fit, "too few velocities to integrate: %zu, at least %d",
-                                       w->n, (int)INTEGRABLE);
-    }
-    lac_status status = kind->fit != NULL
-                            ? kind->fit(w, &f->fit, err)
-                            : def->model->fit(def->model->context, m, w->now, &f->fit, err);
-    if (status == LAC_OK) {
-        f->time = w->now + f->fit.remaining;
-        // what is a thousandth of the last interval away, the last reading only just does not
-        // forbid
-        judge(kind, w->n > 1 ? -1e-3 * w->time[w->n - 2] : 0.0, f);
-    }
-    return status;
-}
-
 static lac_status forecast(lac_forecast_set *o, const lac_forecast_def *def, lac_error *err)
 {
     char reason[LAC_FORECAST_TEXT] = "";
@@ -387,7 +226,7 @@ static lac_status forecast(lac_forecast_set *o, const lac_forecast_def *def, lac
     lac_status status = LAC_OK;
     pass_gates(def, o, reason);
     if (o->asked) {
-        LAC_TRY(create_window(o->motion, o->window_start, &w, err));
+        LAC_TRY(lac_window_create(o->motion, o->window_start, &w, err));
     }
     for (size_t k = 0; k < o->count; k++) {
         lac_forecast *f = &o->forecast[k];
@@ -402,7 +241,7 @@ static lac_status forecast(lac_forecast_set *o, const lac_forecast_def *def, lac
                             .fit = {.remaining = NAN, .error = NAN, .rms = NAN, .misfit = NAN}};
         memcpy(f->fit.reason, reason, sizeof reason);
         if (o->asked) {
-            LAC_TRY(ask(def, o->motion, w, f, err));
+            LAC_TRY(lac_forecast_ask(def, o->motion, w, f, err));
             lac_driver_temper(o, f);
         }
     }

@@ -1,0 +1,83 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#pragma once
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "base/fail.h"
+#include "series/motion.h"
+
+enum { LAC_VERDICT_TEXT = 240 };
+
+/// Whether the rate rises: noise may forbid to say.
+typedef enum lac_answer { LAC_CANNOT_TELL = 0, LAC_DOES_NOT, LAC_DOES } lac_answer;
+
+/// "cannot tell", "no", "yes".
+const char *lac_answer_name(lac_answer answer);
+
+/// The rate's trend over the window in which it is clearest.
+typedef struct lac_trend {
+    lac_answer answer;
+    double p;     ///< chance of so clear a rise where the rate is steady; NaN: too few readings
+    double start; ///< of the window [s]; NaN
+    size_t n;     ///< readings in it
+    double rate;  ///< mean over it [m/s]; NaN
+    double rise;  ///< of the rate over it [m/s]; NaN
+    double error; ///< standard error of the rise [m/s]; NaN
+    char reason[LAC_VERDICT_TEXT]; ///< of "cannot tell": why, and what would tell; else ""
+} lac_trend;
+
+typedef enum lac_level { LAC_QUIET = 0, LAC_WATCH, LAC_WARNING, LAC_ALARM } lac_level;
+
+/// "quiet", "watch", "warning", "alarm".
+const char *lac_level_name(lac_level level);
+
+/// What gives a level; docs/theory/forecasting.md says how they were chosen.
+typedef struct lac_levels {
+    double watch_p;      ///< watch: p of a rising rate below it
+    double odds;         ///< warning: ln odds of a law that ends in failure, of 10 days' interval
+    double odds_dense;   ///< and so much more for each e-fold that the interval is shorter
+    double odds_sudden;  ///< and so much more where one reading alone says so
+    double running;      ///< readings in a row that must say so, else
+    double hold;         ///< readings that a level outlasts what gave it
+    double horizon;      ///< alarm: failure within it [s], or within two intervals where longer
+    double chance;       ///< with this chance by the pooled methods
+    double agree;        ///< and by this share of the methods that issue one
+    double watch_rate;   ///< rates of the last day, or step where longer, that give a level by
+    double warning_rate; ///< themselves [m/s]; INFINITY: none does
+    double alarm_rate;
+} lac_levels;
+
+lac_levels lac_levels_default(void);
+
+enum { LAC_SPANS = 4 };
+
+/// A time over which the rate is told. The step is the last interval.
+typedef struct lac_span {
+    const char *name; ///< "step", "day", "week", "month"
+    double length;    ///< [s]; 0: the last interval
+} lac_span;
+extern const lac_span lac_spans[LAC_SPANS];
+
+/// What an engineer is told first.
+typedef struct lac_verdict {
+    double position;          ///< since the first reading [m]
+    double rate[LAC_SPANS];   ///< mean over the last span [m/s]; NaN: not sampled so finely, or
+                              ///< known for so long
+    double change[LAC_SPANS]; ///< from the span before [m/s]; NaN
+    lac_trend trend;
+    double log_odds; ///< of a law that ends in failure over a line, a step, a relaxation; NaN: not
+                     ///< asked, as the rate does not rise
+    double needed;   ///< for a warning
+    size_t issued, near; ///< methods that issue a forecast; whose median lies within the horizon
+    double horizon;      ///< [s]
+    double chance;       ///< of failure within it by the pooled methods; NaN: none issues
+    double pooled[5];    ///< 5, 25, 50, 75 and 95 % of the pooled time of failure [s]; NaN
+    lac_level level;
+    char rule[LAC_VERDICT_TEXT]; ///< what gave it
+} lac_verdict;
+
+/// Whether the rate rises, by a test of its trend in units of its standard error: robust to single
+/// bad readings, for any spacing.
+/// @cost  O(n) for n readings, below 1 ms of 2000
+lac_status lac_trend_find(const lac_motion *motion, lac_trend *out, lac_error *err);
