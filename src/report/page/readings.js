@@ -169,13 +169,14 @@ function leftSpec(f, method) {
   const truth = known ? [{ name: "what was left", kind: "line", colour: "run", time: [...ends, failure], y: [...ends.map((t) => failure - t), 0] }] : [];
   for (const line of truth) line.before = beforeLast(line.time);
   const middles = method < 0 ? f.issue.map((_, i) => pooled(f, i)?.[MIDDLE] ?? null) : [];
-  const lives = [...dots.y, ...middles].filter((v) => v !== null).sort((a, b) => a - b), middle = lives[Math.floor(lives.length / 2)] ?? 0;
+  const middle = { name: "middle of all methods", kind: "line", colour: "fast", time: f.issue, before: beforeLast(f.issue), y: middles };
+  const lives = [...dots.y, ...middles].filter((v) => v !== null).sort((a, b) => a - b), usual = lives[Math.floor(lives.length / 2)] ?? 0;
   const first = known && dots.time.length ? failure - dots.time[0] : 0;
-  const top = 1.6 * Math.max(middle, first) || 1, [unit, scale] = SPANS.find(([, s]) => top >= 2 * s) || SPANS[SPANS.length - 1];
+  const top = 1.6 * Math.max(usual, first) || 1, [unit, scale] = SPANS.find(([, s]) => top >= 2 * s) || SPANS[SPANS.length - 1];
   return {
     title: "Time left, as forecast", x: { clock: true, range: known ? [f.issue[0], Math.max(failure, f.issue[f.issue.length - 1])] : undefined },
     y: { kind: "linear", label: `Time left (${unit})`, range: [0, top], scale, tick: (v, more = 0) => number(v / scale, 4 + more) },
-    lines: [...leftBands(f, method), ...truth, dots], read: 2 + truth.length, marks: marksOf(page.data), levels: levelSpans(page.data),
+    lines: [...leftBands(f, method), ...truth, dots, ...(middles.some((y) => y !== null) ? [middle] : [])], read: 2 + truth.length, marks: marksOf(page.data), levels: levelSpans(page.data),
     caption: `Predicted time of failure less the time of issue. ${known ? "A forecast on the line is right; above it is late. " : ""}${method < 0 ? `Dots: each method. ${f.pooled ? "Shaded: all methods together, darker 50 %, light 90 %." : "Darker: from the first to the last of their times; light: their 90 % intervals together."} Choose a method to see its own.` : "Intervals are calibrated on simulated failures."}`,
     readout: (i) => readForecast(f, dots, i),
   };
