@@ -98,6 +98,15 @@ static void add_percent(const words *w, double chance)
     }
 }
 
+// Without an exponent: it is read aloud.
+static void add_p(const words *w, double p)
+{
+    const double least = 1e-6;
+    const int digits = p < least ? 6 : (int)fmax(2.0, -floor(log10(p)));
+    add(w, "(p %s%.*f, the chance that a steady slope looks so)", p < least ? "below " : "", digits,
+        fmax(p, least));
+}
+
 static void say_level(const lac_forecast_outcome *o, const words *w)
 {
     const lac_verdict *v = &o->forecasts->verdict;
@@ -128,7 +137,8 @@ static void say_acceleration(const lac_forecast_outcome *o, const words *w)
         add(w, "%s", zone(o));
     }
     if (isfinite(t->p)) {
-        add(w, " (p %.2g, the chance that a steady slope looks so)", t->p);
+        add(w, " ");
+        add_p(w, t->p);
     }
 }
 
@@ -198,12 +208,13 @@ static void say_failure(const lac_forecast_outcome *o, const words *w)
         add(w, "%s; ", zone(o));
     }
     if (isfinite(v->chance)) {
+        add(w, "a chance of ");
         add_percent(w, v->chance);
         add(w, " within ");
         add_span(w, v->horizon);
         add(w, "; ");
     }
-    add(w, "%zu of %zu methods that give a time say within ", v->near, v->issued);
+    add(w, "%zu of %zu methods that give a time put it within ", v->near, v->issued);
     add_span(w, v->horizon);
 }
 

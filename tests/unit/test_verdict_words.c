@@ -86,8 +86,8 @@ static void all_of_it_is_said(void **state)
             "last week (3 less than over the week before), 5.1 over the last month; not known "
             "over the last day",
             "with a chance of 50 % from 2015-07-24 00:00 to 2015-07-26 12:00, of 90 % from "
-            "2015-07-23 00:00 to 2015-07-31 00:00 UTC; 62 % within 7 days; 5 of 8 methods that "
-            "give a time say within 7 days"});
+            "2015-07-23 00:00 to 2015-07-31 00:00 UTC; a chance of 62 % within 7 days; 5 of 8 "
+            "methods that give a time put it within 7 days"});
 }
 
 static void what_is_not_known_is_said(void **state)
@@ -106,11 +106,11 @@ static void what_is_not_known_is_said(void **state)
     v.pooled[0] = v.pooled[1] = 200.0 * day;
     check(&v, false,
           (const char *const[]){
-              "QUIET: a steady rate", "no (p 0.4, the chance that a steady slope looks so)",
+              "QUIET: a steady rate", "no (p 0.40, the chance that a steady slope looks so)",
               "-4.2 mm since 45.4685 year", "not known over the last step, day, week, month",
               "with a chance of 50 % from 200 day on, without an end, of 90 % "
               "from 200 day on, without an end; 0 of 1 methods that give a time "
-              "say within 60 minutes"});
+              "put it within 60 minutes"});
 }
 
 static char *json_of(const lac_verdict *verdict)
