@@ -126,6 +126,7 @@ static lac_forecast_def plan(const forecast_made *f)
     lac_forecast_def def = lac_forecast_default();
     def.motion = (lac_motion_def){o->smoothing, o->points, o->order, o->window, o->raw};
     def.since = o->since;
+    def.onset = o->short_run > 0 || o->long_run > 0;
     def.short_run = o->short_run > 0 ? o->short_run : def.short_run;
     def.long_run = o->long_run > 0 ? o->long_run : def.long_run;
     def.model = o->source != NULL ? &f->model : NULL;

@@ -7,7 +7,7 @@
 #include "series/motion.h"
 
 enum {
-    LAC_FORECAST_TEXT = 200,
+    LAC_FORECAST_TEXT = 320,
     LAC_FORECAST_VALUES = 20,
     LAC_FORECAST_LEVELS = 5, ///< 5, 25, 50, 75 and 95 %
 };
@@ -118,6 +118,7 @@ typedef struct lac_forecast_model {
 typedef struct lac_forecast_def {
     lac_motion_def motion;
     double since;     ///< start of what is fitted, accelerating or not [s]; NaN: the onset of it
+    bool onset;       ///< the gate is that of means of velocities, not the trend's
     size_t short_run; ///< velocities in the short mean of the onset
     size_t long_run;  ///< in the long one
     const lac_forecast_model *model; ///< asked before the baseline; NULL: none
@@ -125,6 +126,7 @@ typedef struct lac_forecast_def {
     const lac_driver *driver; ///< [drivers] what may explain the rate
     size_t window_count;      ///< nothing is known but the last so many readings; 0: all
     lac_levels levels;        ///< what gives a level
+    bool all;                 ///< methods are asked also where a gate is closed; it stays so
     double window_time;       ///< nor what is so long before the last one [s]; INFINITY: all
 } lac_forecast_def;
 

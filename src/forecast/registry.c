@@ -103,13 +103,10 @@ static const lac_forecast_gate gates[] = {
                "(--raw takes them as they are)"},
     {"range",
      "of any method: a velocity or displacement above 1e150 m/s or m, or all below 1e-150"},
-    {"readings",
-     "of any method: fewer velocities than the long mean of the onset is of (7); not with --since"},
-    {"acceleration", "of any method: the mean of the last 3 velocities is not above that of the "
-                     "last 7 (--onset) by more than the numbers' last digits; with --since: nor "
-                     "are the readings since then off a steady motion by more than these"},
-    {"noise", "of any method: the last 3 intervals, or those that --smooth takes where more, moved "
-              "the slope by no more than 3 errors of a difference of two readings"},
+    {"acceleration", "of any method: the rate does not rise, or noise forbids to say so, by a test "
+                     "of its trend in units of its error (p 0.01); with --onset S,L: the mean of "
+                     "the last S velocities is not above that of the last L; with --since: all "
+                     "readings since then are those of a steady motion but for the last digits"},
     {"points", "fewer readings or velocities since the onset than the method needs"},
     {"fit", "no time of failure follows from the fit, or one that is over"},
     {"misfit",

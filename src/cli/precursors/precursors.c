@@ -282,7 +282,9 @@ static lac_status answer(const cli_request *request, const char *station, lac_js
         cli_signals_hold();
         cli_say(request, "fitting %s to %zu readings", job.source->path, job.watched.readings.n);
     }
+    job.plan.def.all = true; // what would be forecast without the gate
     LAC_TRY(lac_forecast_set_create(&job.plan.def, &job.watched.readings, &of->forecasts, err));
+    job.plan.def.all = false;
     LAC_TRY(read_cells(&job.watched, &job.cells, err));
     LAC_TRY(
         lac_precursors_at(&job.cells.inputs, of->forecasts, job.indicator, &of->indicators, err));

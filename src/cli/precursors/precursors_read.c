@@ -168,6 +168,7 @@ static lac_status read_smoothing(const char *text, const lac_units *units, lac_m
 static lac_status read_onset(const char *text, lac_forecast_def *def, lac_error *err)
 {
     const char *end = "";
+    def->onset = true;
     def->short_run = read_count(text, &end);
     def->long_run = *end == ',' ? read_count(end + 1, &end) : 0;
     return def->short_run > 0 && def->long_run > def->short_run && *end == '\0'
