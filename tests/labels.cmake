@@ -10,7 +10,7 @@ set(about_physics
   "case\\.test_(analysis|breaks|catalogue|driver|elastic|elastic_limits|events|extremes|fit|fractal|friction|history|loads)"
   "case\\.test_(precursors|readings|rg|small_cases|trade|verdicts|watch)|speed\\..*|case\\.costs")
 set(about_cli
-  "case\\.test_(cli|completion|interface|valid_cases|wrong_cases|static_cases)")
+  "case\\.test_(cli|completion|interface|valid_cases|wrong_cases|static_cases|verdict_levels)")
 set(about_data
   "unit\\.test_(dataset|door|load_files|netcdf|recording|store|store_.*)"
   "case\\.test_(domain_file|every_call|export|resume|rg_file)")
