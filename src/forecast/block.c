@@ -194,7 +194,7 @@ const lac_forecast_kind lac_forecast_block = {
     .least = 8,
     .displacements = true,
     .worst = 0.04,
-    .calibration = {0.01, -1.6448536269514722, -0.6744897501960817, 0.6744897501960817,
+    .calibration = {0.0, 0.01, -1.6448536269514722, -0.6744897501960817, 0.0, 0.6744897501960817,
                     1.6448536269514722},
     .fit = fit_block,
 };

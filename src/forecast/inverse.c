@@ -87,7 +87,7 @@ const lac_forecast_kind lac_forecast_inv8 = {
                  "line meets 0",
     .least = LAST,
     .worst = 0.6,
-    .calibration = {0.8, -0.901, -0.496, -0.120, 0.222},
+    .calibration = {0.0, 0.8, -0.901, -0.496, -0.308, -0.120, 0.222},
     .fit = fit_eight,
 };
 
@@ -98,7 +98,7 @@ const lac_forecast_kind lac_forecast_inv = {
     .estimator = "as inv8 over all velocities of the window",
     .least = 5,
     .worst = 0.6,
-    .calibration = {1.2, -1.631, -1.031, -0.344, -0.016},
+    .calibration = {0.0, 1.2, -1.631, -1.031, -0.6875, -0.344, -0.016},
     .fit = fit_all,
 };
 
@@ -132,6 +132,6 @@ const lac_forecast_kind lac_forecast_slo = {
         "t v on v by ordinary least squares over all velocities of the window; tc is the slope",
     .least = 5,
     .worst = 0.6,
-    .calibration = {0.3, -3.954, -2.496, -0.764, 0.146},
+    .calibration = {0.0, 0.3, -3.954, -2.496, -1.63, -0.764, 0.146},
     .fit = fit_slope,
 };

@@ -234,6 +234,7 @@ static lac_status forecast(lac_forecast_set *o, const lac_forecast_def *def, lac
                             .issue_time = o->issue_time,
                             .window_start = NAN,
                             .time = NAN,
+                            .raw_time = NAN,
                             .low50 = NAN,
                             .high50 = NAN,
                             .low90 = NAN,

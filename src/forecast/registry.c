@@ -67,7 +67,7 @@ const lac_forecast_kind lac_forecast_case = {
                  "0), run on to failure",
     .least = 5,
     .worst = 0.04,
-    .calibration = {0.01, -1.6448536269514722, -0.6744897501960817, 0.6744897501960817,
+    .calibration = {0.0, 0.01, -1.6448536269514722, -0.6744897501960817, 0.0, 0.6744897501960817,
                     1.6448536269514722},
 };
 
@@ -92,7 +92,7 @@ const lac_forecast_kind lac_forecast_persistence = {
     .least = 1,
     .baseline = true,
     .worst = 1.0,
-    .calibration = {1.0, -2.9444389791664403, -1.0986122886681098, 1.0986122886681098,
+    .calibration = {0.0, 1.0, -2.9444389791664403, -1.0986122886681098, 0.0, 1.0986122886681098,
                     2.9444389791664403},
     .fit = fit_nothing,
 };

@@ -103,6 +103,6 @@ const lac_forecast_kind lac_forecast_saito = {
     .least = 5,
     .displacements = true,
     .worst = 0.04,
-    .calibration = {1.2, -1.093, -0.661, -0.210, 0.013},
+    .calibration = {0.0, 1.2, -1.093, -0.661, -0.4355, -0.210, 0.013},
     .fit = fit_three,
 };

@@ -3,9 +3,10 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/statistics.h"
 #include "forecast/kinds.h"
 
-enum { WINDOW_READINGS = 200 };
+enum { WINDOW_READINGS = 200, STEPS = 5 };
 
 size_t lac_first_at(size_t n, const double *time, double start)
 {
@@ -38,6 +39,17 @@ static void take_group(const lac_motion *m, size_t first, size_t last, lac_windo
         w->displacement[k] += m->displacement[i] / count;
         w->weight[k] += (sigma > 0.0 ? 1.0 / sigma : 1.0) / sqrt(count);
     }
+}
+
+// How often readings came of late: those of the motion, not their means.
+static double step_of(size_t n, const double *time)
+{
+    double step[STEPS];
+    size_t k = 0;
+    for (; k < STEPS && k + 1 < n; k++) {
+        step[k] = time[n - 1 - k] - time[n - 2 - k];
+    }
+    return k > 0 ? lac_median(k, step) : 0.0;
 }
 
 // Displacements count from the first; weights have a mean of 1, so that residuals stay metres.
@@ -88,6 +100,7 @@ lac_status lac_window_create(const lac_motion *m, double start, lac_window **out
                       .time = (double *)(w + 1)};
     w->now = fmax(m->n > 0 ? m->time[m->n - 1] : -INFINITY,
                   m->velocities > 0 ? m->velocity_time[m->velocities - 1] : -INFINITY);
+    w->step = m->n > 1 ? step_of(m->n, m->time) : step_of(m->velocities, m->velocity_time);
     w->displacement = w->time + WINDOW_READINGS + 1;
     w->weight = w->displacement + WINDOW_READINGS + 1;
     w->velocity_time = w->weight + WINDOW_READINGS + 1;
