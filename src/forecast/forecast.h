@@ -21,12 +21,14 @@ typedef struct lac_window {
     double *displacement; ///< [n] [m] from the first one
     double *weight;       ///< [n] 1/sigma over its mean; 1 where sigma is not known
     size_t velocities;
-    double *velocity_time; ///< [velocities] [s]
-    double *velocity;      ///< [velocities] [m/s]
-    double noise;          ///< of one displacement [m]; NaN: not known
-    double resolution;     ///< last digit of one [m]; 0: not known
-    double step;           ///< median of the last five intervals between readings [s]; 0: one only
-    bool integrated;       ///< the displacements are integrals of the velocities
+    double *velocity_time;  ///< [velocities] [s]
+    double *velocity;       ///< [velocities] [m/s]
+    double *velocity_error; ///< [velocities] of each by the noise [m/s]; NaN: not known
+    double noise;           ///< of one displacement [m]; NaN: not known
+    double error;           ///< of a displacement of weight 1 by it [m]; NaN: not known
+    double resolution;      ///< last digit of one [m]; 0: not known
+    double step;            ///< median of the last five intervals between readings [s]; 0: one only
+    bool integrated;        ///< the displacements are integrals of the velocities
 } lac_window;
 
 /// A number that a method fitted.
@@ -42,6 +44,7 @@ typedef struct lac_forecast_fit {
     double rms;           ///< of the residuals, in `rms_unit`
     const char *rms_unit; ///< "m", or "s/m" of inverse velocities
     double misfit;        ///< rms over the range of what was fitted: 0 is a perfect fit
+    double excess;        ///< what of it the noise does not explain (lac_unexplained)
     size_t points;        ///< that were fitted
     bool posterior;       ///< the method has a posterior: `quantile` holds
     double quantile[LAC_FORECAST_LEVELS]; ///< of ln remaining by its posterior
@@ -56,6 +59,13 @@ typedef struct lac_forecast_fit {
 /// @return LAC_OK, so that it is one statement
 lac_status lac_forecast_fit_refuse(lac_forecast_fit *fit, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
+
+/// Says how well it fits.
+/// @param range  of what was fitted
+/// @param noise  rms that the readings' noise alone has residuals of; not > 0: not known
+/// @param free   degrees of freedom of the residuals
+void lac_forecast_fit_weigh(lac_forecast_fit *fit, double rms, double range, double noise,
+                            double free);
 
 /// Adds a fitted number.
 void lac_forecast_fit_add(lac_forecast_fit *fit, const char *key, double value);
@@ -84,7 +94,7 @@ typedef struct lac_forecast_kind {
     bool displacements;    ///< it fits displacements, not velocities
     bool baseline;         ///< stands for no knowledge: what the others must beat
     bool dates;            ///< its time of failure is the one that indicators take
-    double worst;          ///< misfit above which its forecast is not issued
+    double worst;          ///< excess above which its forecast is not issued
     lac_calibration calibration;
     /// Fits the window. Whatever is wrong with the data is said in `fit->reason`.
     /// @return LAC_OK; LAC_ENOMEM

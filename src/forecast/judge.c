@@ -68,10 +68,11 @@ static bool passes(const lac_window *w, const lac_forecast_kind *kind, lac_forec
         // it says why
     } else if (!is_to_come(w, fit)) {
         (void)lac_forecast_fit_refuse(fit, "points to a time that is over");
-    } else if (!(fit->misfit <= kind->worst)) {
+    } else if (!(fit->excess <= kind->worst)) {
         (void)lac_forecast_fit_refuse(fit,
-                                      "bad fit: the residuals are %.2g of the range, at most %.2g",
-                                      fit->misfit, kind->worst);
+                                      "bad fit: the residuals are %.2g of the range, %.2g of it "
+                                      "more than the noise explains, at most %.2g",
+                                      fit->misfit, fit->excess, kind->worst);
     } else if (!(fit->error <= vaguest)) {
         (void)lac_forecast_fit_refuse(fit, "too vague: uncertain by a factor of %.2g, at most %.2g",
                                       exp(fit->error), exp(vaguest));

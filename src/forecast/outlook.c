@@ -230,16 +230,17 @@ static lac_status forecast(lac_forecast_set *o, const lac_forecast_def *def, lac
     }
     for (size_t k = 0; k < o->count; k++) {
         lac_forecast *f = &o->forecast[k];
-        *f = (lac_forecast){.kind = lac_forecast_kind_of(def, k),
-                            .issue_time = o->issue_time,
-                            .window_start = NAN,
-                            .time = NAN,
-                            .raw_time = NAN,
-                            .low50 = NAN,
-                            .high50 = NAN,
-                            .low90 = NAN,
-                            .high90 = NAN,
-                            .fit = {.remaining = NAN, .error = NAN, .rms = NAN, .misfit = NAN}};
+        *f = (lac_forecast){
+            .kind = lac_forecast_kind_of(def, k),
+            .issue_time = o->issue_time,
+            .window_start = NAN,
+            .time = NAN,
+            .raw_time = NAN,
+            .low50 = NAN,
+            .high50 = NAN,
+            .low90 = NAN,
+            .high90 = NAN,
+            .fit = {.remaining = NAN, .error = NAN, .rms = NAN, .misfit = NAN, .excess = NAN}};
         memcpy(f->fit.reason, reason, sizeof reason);
         if (o->asked) {
             LAC_TRY(lac_forecast_ask(def, o->motion, w, f, err));

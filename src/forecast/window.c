@@ -52,7 +52,8 @@ static double step_of(size_t n, const double *time)
     return k > 0 ? lac_median(k, step) : 0.0;
 }
 
-// Displacements count from the first; weights have a mean of 1, so that residuals stay metres.
+// Displacements count from the first; weights have a mean of 1, so that residuals stay metres. They
+// are one over the error where the noise is known.
 static void normalise(lac_window *w)
 {
     double mean = 0.0;
@@ -64,6 +65,7 @@ static void normalise(lac_window *w)
     for (size_t i = 0; i < n; i++) {
         w->weight[i] /= mean;
     }
+    w->error = w->noise > 0.0 ? 1.0 / mean : (double)NAN;
 }
 
 static void fill(const lac_motion *m, double start, lac_window *w)
@@ -81,6 +83,7 @@ static void fill(const lac_motion *m, double start, lac_window *w)
     }
     for (size_t i = lac_first_at(m->velocities, m->velocity_time, start); i < m->velocities; i++) {
         w->velocity_time[w->velocities] = m->velocity_time[i] - w->now;
+        w->velocity_error[w->velocities] = m->velocity_error[i];
         w->velocity[w->velocities++] = m->velocity[i];
     }
 }
@@ -90,11 +93,12 @@ static void fill(const lac_motion *m, double start, lac_window *w)
 lac_status lac_window_create(const lac_motion *m, double start, lac_window **out, lac_error *err)
 {
     lac_window *w =
-        calloc(1, sizeof *w + (3 * (WINDOW_READINGS + 1) + 2 * m->velocities) * sizeof *w->time);
+        calloc(1, sizeof *w + (3 * (WINDOW_READINGS + 1) + 3 * m->velocities) * sizeof *w->time);
     *out = w;
     LAC_FAIL_MEMORY_IF(w == NULL, err);
     *w = (lac_window){.start = start,
                       .noise = m->noise,
+                      .error = NAN,
                       .resolution = m->resolution,
                       .integrated = m->integrated,
                       .time = (double *)(w + 1)};
@@ -105,6 +109,7 @@ lac_status lac_window_create(const lac_motion *m, double start, lac_window **out
     w->weight = w->displacement + WINDOW_READINGS + 1;
     w->velocity_time = w->weight + WINDOW_READINGS + 1;
     w->velocity = w->velocity_time + m->velocities;
+    w->velocity_error = w->velocity + m->velocities;
     fill(m, start, w);
     return LAC_OK;
 }

@@ -97,6 +97,8 @@ static const lac_variable of_each[] = {
                     "case fitted to velocities in their logarithm"),
     EACH("misfit", F(REAL, fit.misfit), "rms of the residuals over the range of what was fitted",
          MAYBE),
+    EACH("excess", F(REAL, fit.excess), "what of the misfit the noise of readings does not explain",
+         MAYBE),
     EACH("relative_error", F(REAL, fit.error),
          "standard error of the logarithm of the remaining time, by the fit", MAYBE),
     EACH("reason", F(CHARS, fit.reason), "why the forecast is not issued",
@@ -167,7 +169,7 @@ static const lac_variable of_set[] = {
         {.json = in "posterior_s", G(posterior3)}, {.json = in "posterior_s", G(posterior4)},    \
         {.json = in "issued", F(BOOL, issued)}, {.json = in "reason", T(why)},                   \
         {.json = in "rms", F(REAL, fit.rms)}, {.json = in "rms_unit", F(TEXT, fit.rms_unit)},    \
-        {.json = in "misfit", F(REAL, fit.misfit)},                                              \
+        {.json = in "misfit", F(REAL, fit.misfit)}, {.json = in "excess", F(REAL, fit.excess)},  \
         {.json = in "relative_error", F(REAL, fit.error)},                                       \
         {.json = in "points", F(COUNT, fit.points)},                                             \
         {.json = in "parameters{}",                                                              \

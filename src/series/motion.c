@@ -8,9 +8,9 @@
 
 #include "base/fail.h"
 #include "base/least_squares.h"
+#include "base/noise.h"
 #include "base/statistics.h"
 #include "series/motion.h"
-#include "series/noise.h"
 
 // In noises, unless said.
 static const double gap = 5.0; // median intervals
@@ -185,11 +185,6 @@ static void take_given(const lac_readings *r, lac_motion *m)
     }
 }
 
-static double error_of(const lac_motion *m, size_t i)
-{
-    return m->sigma[i] > 0.0 ? m->sigma[i] : m->noise;
-}
-
 // How far the last digits of two displacements, and the last bits of their times, move their
 // secant.
 static double secant_rounding(const lac_motion *m, size_t from, size_t to)
@@ -208,8 +203,7 @@ static void take_secants(lac_motion *m)
     for (size_t i = 1; i < m->n; i++) {
         add(m, t[i - 1] + 0.5 * (t[i] - t[i - 1]),
             (m->displacement[i] - m->displacement[i - 1]) / (t[i] - t[i - 1]),
-            secant_rounding(m, i - 1, i),
-            hypot(error_of(m, i - 1), error_of(m, i)) / (t[i] - t[i - 1]));
+            secant_rounding(m, i - 1, i), hypot(m->error[i - 1], m->error[i]) / (t[i] - t[i - 1]));
     }
 }
 
@@ -222,7 +216,7 @@ static double mean_error(const lac_motion *m, size_t first, size_t points, bool 
     for (size_t j = 0; j <= points && secants; j++) {
         const double part =
             (j > 0 ? 1.0 / (t[j] - t[j - 1]) : 0.0) - (j < points ? 1.0 / (t[j + 1] - t[j]) : 0.0);
-        squares += part * part * error_of(m, first + j) * error_of(m, first + j);
+        squares += part * part * m->error[first + j] * m->error[first + j];
     }
     return secants ? sqrt(squares) / (double)points
                    : sqrt(lac_dot(points, m->velocity_error + first, m->velocity_error + first)) /
@@ -271,7 +265,7 @@ static void add_slope(lac_motion *m, size_t first, size_t last)
         const double x = t[i] - t[0] - mean;
         tt += x * x;
         td += x * (d[i] - d[0]);
-        squares += x * x * error_of(m, first + i) * error_of(m, first + i);
+        squares += x * x * m->error[first + i] * m->error[first + i];
     }
     add(m, t[0] + mean, td / tt, secant_rounding(m, first, last), sqrt(squares) / tt);
 }
@@ -324,7 +318,7 @@ static lac_status take_polynomials(size_t points, size_t order, lac_motion *m, l
         // |p'| <= 2 k^2 max|p|/span of a polynomial of order k (Markov)
         add(m, m->time[last], c[1] / span,
             (double)(order * order) * secant_rounding(m, first, last),
-            error_of(m, last) / (sqrt(own) * span));
+            m->error[last] / (sqrt(own) * span));
     }
     free(columns);
     return LAC_OK;
@@ -444,13 +438,23 @@ static void take(const lac_motion_def *def, const lac_readings *r, lac_motion *m
     turn(m);
 }
 
+// Of each displacement; a signal over decades has no more where it is weak than it shows there.
+static void find_errors(lac_motion *m)
+{
+    lac_noise_at(m->n, m->time, m->displacement, m->noise, m->error);
+    for (size_t i = 0; i < m->n; i++) {
+        const double least = m->integrated ? 0.0 : m->resolution;
+        m->error[i] = m->sigma[i] > 0.0 ? m->sigma[i] : m->error[i] < least ? least : m->error[i];
+    }
+}
+
 lac_status lac_motion_create(const lac_motion_def *def, const lac_readings *readings,
                              lac_motion **out, lac_error *err)
 {
     const size_t n = readings->n;
     *out = NULL;
     LAC_TRY_RETURN(check(def, readings, err));
-    lac_motion *m = calloc(1, sizeof *m + 7 * n * sizeof *m->time);
+    lac_motion *m = calloc(1, sizeof *m + 8 * n * sizeof *m->time);
     LAC_FAIL_MEMORY_IF(m == NULL, err);
     m->time = (double *)(m + 1);
     m->displacement = m->time + n;
@@ -459,8 +463,10 @@ lac_status lac_motion_create(const lac_motion_def *def, const lac_readings *read
     m->velocity = m->velocity_time + n;
     m->rounding = m->velocity + n;
     m->velocity_error = m->rounding + n;
+    m->error = m->velocity_error + n;
     m->velocity_noise = NAN;
     take(def, readings, m);
+    find_errors(m);
     const lac_status status = differentiate(def, readings, m, err);
     if (status != LAC_OK) {
         lac_motion_free(m);

@@ -41,6 +41,8 @@ typedef struct lac_motion {
     double *time;         ///< [n] [s]; all arrays lie in one piece with the motion
     double *displacement; ///< [n] [m] outliers dropped, resets taken out, turned where it falls
     double *sigma;        ///< [n] [m], NaN where not known
+    double *error; ///< [n] standard error of each: sigma, else the noise there [m]; NaN where it
+                   ///< cannot be told
     size_t velocities;
     double *velocity_time;  ///< [velocities] [s]
     double *velocity;       ///< [velocities] [m/s]
@@ -64,7 +66,7 @@ typedef struct lac_motion {
 /// its neighbours by more than 8 times the noise and they agree with each other; a fall of more
 /// than 10 times the noise and a fifth of the way so far is a reset of the sensor, across which the
 /// slope is taken to have gone on as before, or an outlier while it is the last reading. The noise
-/// is that of `sigma`, else what readings scatter by themselves (noise.h); never less than the
+/// is that of `sigma`, else what readings scatter by themselves (base/noise.h); never less than the
 /// resolution of the numbers. More resets than one reading in twenty (one is always believed) are
 /// not: all stays as it was read.
 /// Readings that fall are turned: where the sum of their steps, none counted as more than five

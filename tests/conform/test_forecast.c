@@ -39,6 +39,7 @@ static lac_status tell_what_is_seen(void *context, const lac_motion *m, double n
     found->remaining = 1e5 + fabs(m->displacement[m->n - 1]);
     found->error = 0.1;
     found->misfit = 0.0;
+    found->excess = 0.0;
     found->points = m->n;
     return m->n > 12 ? LAC_OK : lac_forecast_fit_refuse(found, "%zu readings", m->n);
 }

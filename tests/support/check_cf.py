@@ -41,7 +41,8 @@ MAY_BE_MISSING = {"step_size", "order", "hierarchy_stiffness", "box_local_dimens
                   "run_lambda_low", "run_lambda_high", "event_moment", "failure_time",
                   "failure_time_raw",
                   "failure_time_low50", "failure_time_high50", "failure_time_low90",
-                  "failure_time_high90", "window_start", "rms", "misfit", "relative_error",
+                  "failure_time_high90", "window_start", "rms", "misfit", "excess",
+                  "relative_error",
                   "best_displacement", "predicted_displacement", "predicted_slip_rate",
                   "observed_displacement", "observed_slip_rate"}
 CELL_METHOD = re.compile(

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/rng.h"
+#include "base/statistics.h"
 #include "forecast/forecast.h"
 #include "support/test.h"
 
@@ -195,6 +196,111 @@ static void means_of_readings_have_no_longer_step(void **state)
     lac_forecast_set_free(o);
 }
 
+// 23.209 is the 99 % quantile of chi-square with ten degrees of freedom.
+static void noise_explains_what_it_comes_to(void **state)
+{
+    (void)state;
+    const double most = 0.2 * sqrt(2.32092512);
+    assert_true(lac_unexplained(most * 0.999, 0.2, 10.0) == 0.0);
+    assert_true(near(lac_unexplained(most * 1.001, 0.2, 10.0), 0.2 * sqrt(1.32092512), 1e-3));
+    assert_true(near(lac_unexplained(5.0, 3.0, 1e6), 4.0, 1e-12));
+    assert_true(lac_unexplained(5.0, NAN, 10.0) == 5.0 && lac_unexplained(5.0, 0.0, 10.0) == 5.0);
+    assert_true(lac_unexplained(1.0, 0.99, -3.0) == 0.0); // of one at least
+    assert_true(isnan(lac_unexplained(NAN, 1.0, 10.0)));
+}
+
+static const lac_forecast *of(const lac_forecast_set *o, const char *method)
+{
+    for (size_t k = 0; k < o->count; k++) {
+        if (strcmp(o->forecast[k].kind->info.name, method) == 0) {
+            return &o->forecast[k];
+        }
+    }
+    fail_msg("no method %s", method);
+    return o->forecast;
+}
+
+enum { SEEN = 57, DRAWS = 20 };
+
+// As satellites see a slide: every 15 days for two years, then of 2 to 6 days, to two days before
+// failure; 6.6 m.
+static void fill_slide(size_t draw, double noise)
+{
+    double left = 2.0;
+    for (size_t i = SEEN; i-- > 0; left += i + 8 < SEEN ? 15.0 : 2.0 + (double)(i % 3) * 2.0) {
+        times[i] = 1.4e9 - day * left;
+        displacement[i] = 7.5 - 1.2 * log(left) + noise * normal(draw * MOST + i);
+    }
+}
+
+// Residuals of 3 and 6 % of the range are noise, and do not count against a fit; of a slide that
+// comes in steps they do, and their noise is taken out of them.
+static void noise_is_no_bad_fit(void **state)
+{
+    (void)state;
+    static const char *const methods[] = {"log", "voight", "block", "saito"};
+    static const double noises[] = {0.2, 0.4};
+    size_t bad[4] = {0};
+    size_t asked = 0;
+    for (size_t k = 0; k < DRAWS; k++) {
+        fill_slide(k / 2, noises[k % 2]);
+        lac_forecast_set *o = look(SEEN, NULL, times[0]);
+        for (size_t i = 0; i < 4 && o->asked; i++) {
+            const lac_forecast_fit *fit = &of(o, methods[i])->fit;
+            bad[i] += strstr(fit->reason, "bad fit") != NULL ? 1 : 0;
+            assert_true(fit->excess <= fit->misfit);
+        }
+        asked += o->asked ? 1 : 0;
+        assert_true(!o->asked || of(o, "log")->fit.misfit > noises[k % 2] / 11.0);
+        lac_forecast_set_free(o);
+    }
+    assert_in_range(asked, DRAWS - 2, DRAWS);
+    assert_true(bad[0] + bad[1] + bad[2] == 0);
+    assert_in_range(bad[3], 0, DRAWS / 5); // one of its three readings may be far off
+    fill_slide(0, 0.05);
+    for (size_t i = SEEN / 2; i < SEEN; i++) {
+        displacement[i] += 2.0;
+    }
+    lac_forecast_set *o = look(SEEN, NULL, times[0]);
+    const lac_forecast_fit *fit = &of(o, "log")->fit;
+    assert_non_null(strstr(fit->reason, "more than the noise explains, at most 0.04"));
+    assert_true(fit->excess > 0.04 && fit->excess < fit->misfit);
+    assert_true(near(hypot(fit->excess, 0.05 / 9.0), fit->misfit, 0.02 * fit->misfit));
+    lac_forecast_set_free(o);
+}
+
+// Inverse velocities of v with a noise of a twentieth of the first ones, and exact ones of another
+// law.
+static void noise_is_no_bad_inverse_velocity(void **state)
+{
+    (void)state;
+    size_t explained = 0;
+    for (size_t draw = 0; draw < DRAWS; draw++) {
+        fill_law(40, 0.0, 0.0);
+        for (size_t i = 0; i < 40; i++) {
+            const double left = 1.4e9 + 100.0 * day - times[i];
+            displacement[i] = 1.0 / left + 0.05 / (100.0 * day) * normal(draw * MOST + i);
+        }
+        const lac_readings readings = {.n = 40, .time = times, .velocity = displacement};
+        lac_forecast_def def = lac_forecast_default();
+        def.since = times[0];
+        lac_forecast_set *o = NULL;
+        assert_int_equal(lac_forecast_set_create(&def, &readings, &o, NULL), LAC_OK);
+        const lac_forecast_fit *fit = &of(o, "inv")->fit;
+        explained += fit->excess < 0.5 * fit->misfit ? 1 : 0;
+        assert_true(fit->misfit > 0.05);
+        lac_forecast_set_free(o);
+    }
+    assert_in_range(explained, DRAWS - DRAWS / 5, DRAWS);
+    for (size_t i = 0; i < 40; i++) {
+        displacement[i] = exp((times[i] - times[0]) / (12.0 * day));
+    }
+    lac_forecast_set *o = look(40, NULL, times[0]);
+    const lac_forecast_fit *fit = &of(o, "inv")->fit;
+    assert_true(fit->misfit > 0.3 && fit->excess > 0.9 * fit->misfit);
+    lac_forecast_set_free(o);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -202,6 +308,9 @@ int main(void)
         cmocka_unit_test(the_median_is_calibrated),
         cmocka_unit_test(nothing_is_finer_than_the_step),
         cmocka_unit_test(means_of_readings_have_no_longer_step),
+        cmocka_unit_test(noise_explains_what_it_comes_to),
+        cmocka_unit_test(noise_is_no_bad_fit),
+        cmocka_unit_test(noise_is_no_bad_inverse_velocity),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -285,7 +285,8 @@ static void print_forecast(const lac_forecast_kind *kind)
     const lac_calibration *c = &kind->calibration;
     cli_wrap("  ", kind->estimator);
     printf("  needs at least %zu readings and velocities since the onset\n", kind->least);
-    printf("  not issued above a misfit of %g\n", kind->worst);
+    printf("  not issued where the residuals exceed their noise by more than %g of the range\n",
+           kind->worst);
     (void)snprintf(
         text, sizeof text,
         "time told and intervals: 5, 25, 50, 75 and 95 %% of failures come before t + R (W/R)^%.3g "
@@ -329,7 +330,7 @@ static void write_forecast(lac_json *json, const lac_forecast_kind *kind)
     const lac_calibration *c = &kind->calibration;
     lac_json_text(json, "estimator", kind->estimator);
     lac_json_integer(json, "needs_points", (int64_t)kind->least);
-    lac_json_number(json, "worst_misfit", kind->worst);
+    lac_json_number(json, "worst_excess", kind->worst);
     lac_json_number(json, "pull", c->pull);
     lac_json_number(json, "spread", c->spread);
     lac_json_number(json, "low90", c->low90);

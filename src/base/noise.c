@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What readings scatter by themselves: their differences, so high that the signal is gone from
 // them.
-#include "series/noise.h"
+#include "base/noise.h"
 
 #include <math.h>
 
@@ -45,13 +45,17 @@ double lac_noise_of(size_t n, const double *time, const double *value, double *w
 
 void lac_noise_at(size_t n, const double *time, const double *value, double all, double *out)
 {
+    const size_t count = n < AROUND ? n : AROUND;
     double work[AROUND];
     for (size_t i = 0; i < n; i++) {
-        const size_t before = i < AROUND / 2 ? 0 : i - AROUND / 2;
-        const size_t first = before + AROUND <= n ? before : n < AROUND ? 0 : n - AROUND;
-        const size_t count = n < AROUND ? n : AROUND;
-        const double here = fmin(scatter(count, time + first, value + first, LINE, work),
-                                 scatter(count, time + first, value + first, PARABOLA, work));
-        out[i] = local * here < all ? local * here : all;
+        if (i % AROUND > 0) {
+            out[i] = out[i - 1];
+            continue;
+        }
+        const size_t first = i + AROUND <= n ? i : n - count;
+        const double here =
+            local * fmin(scatter(count, time + first, value + first, LINE, work),
+                         scatter(count, time + first, value + first, PARABOLA, work));
+        out[i] = here < all ? here : all;
     }
 }

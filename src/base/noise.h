@@ -12,7 +12,7 @@
 /// @return NaN of fewer than three readings; the parabola is asked of eleven and more
 double lac_noise_of(size_t n, const double *time, const double *value, double *work);
 
-/// The same of the nine readings about each and twice as much, where it is less than `all`: a
+/// The same of nine readings, each in its nine, and twice as much, where it is less than `all`: a
 /// signal over decades has no noise where it is weak that differences where it is strong tell.
 /// @param out  [n]
 void lac_noise_at(size_t n, const double *time, const double *value, double all, double *out);
