@@ -214,15 +214,17 @@ static lac_status check(const lac_forecast_def *def, const lac_readings *reading
 static lac_status answer(const lac_forecast_def *def, const lac_forecast_set *o,
                          const lac_window *w, const char *reason, lac_forecast *f, lac_error *err)
 {
-    *f = (lac_forecast){.kind = f->kind,
-                        .issue_time = o->issue_time,
-                        .window_start = NAN,
-                        .time = NAN,
-                        .low50 = NAN,
-                        .high50 = NAN,
-                        .low90 = NAN,
-                        .high90 = NAN,
-                        .fit = {.remaining = NAN, .error = NAN, .rms = NAN, .misfit = NAN}};
+    *f = (lac_forecast){
+        .kind = f->kind,
+        .issue_time = o->issue_time,
+        .window_start = NAN,
+        .time = NAN,
+        .raw_time = NAN,
+        .low50 = NAN,
+        .high50 = NAN,
+        .low90 = NAN,
+        .high90 = NAN,
+        .fit = {.remaining = NAN, .error = NAN, .rms = NAN, .misfit = NAN, .excess = NAN}};
     if (w != NULL) {
         LAC_TRY_RETURN(lac_forecast_ask(def, o->motion, w, f, err));
     }

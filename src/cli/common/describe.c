@@ -287,16 +287,18 @@ static void print_precursor(const lac_precursor_kind *kind)
 // intervals.
 static void print_forecast(const lac_forecast_kind *kind)
 {
-    char text[300];
+    char text[400];
     const lac_calibration *c = &kind->calibration;
     cli_wrap("  ", kind->estimator);
     printf("  needs at least %zu readings and velocities since the onset\n", kind->least);
-    printf("  not issued above a misfit of %g\n", kind->worst);
+    printf("  not issued where the residuals exceed their noise by more than %g of the range\n",
+           kind->worst);
     (void)snprintf(
         text, sizeof text,
-        "intervals: 5, 25, 75 and 95 %% of failures come before t + R exp(q E), R = tc - t (of a "
-        "posterior its median), E^2 = error^2 + %.3g^2, q = %.3g, %.3g, %.3g, %.3g",
-        c->spread, c->low90, c->low50, c->high50, c->high90);
+        "time told and intervals: 5, 25, 50, 75 and 95 %% of failures come before t + R (W/R)^%.3g "
+        "exp(q E), R the method's tc - t (of a posterior its median), W the window's length, E^2 = "
+        "error^2 + %.3g^2, q = %.3g, %.3g, %.3g, %.3g, %.3g",
+        c->pull, c->spread, c->low90, c->low50, c->median, c->high50, c->high90);
     cli_wrap("  ", text);
 }
 
@@ -334,10 +336,12 @@ static void write_forecast(lac_json *json, const lac_forecast_kind *kind)
     const lac_calibration *c = &kind->calibration;
     lac_json_text(json, "estimator", kind->estimator);
     lac_json_integer(json, "needs_points", (int64_t)kind->least);
-    lac_json_number(json, "worst_misfit", kind->worst);
+    lac_json_number(json, "worst_excess", kind->worst);
+    lac_json_number(json, "pull", c->pull);
     lac_json_number(json, "spread", c->spread);
     lac_json_number(json, "low90", c->low90);
     lac_json_number(json, "low50", c->low50);
+    lac_json_number(json, "median", c->median);
     lac_json_number(json, "high50", c->high50);
     lac_json_number(json, "high90", c->high90);
 }
