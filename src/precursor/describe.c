@@ -320,7 +320,9 @@ lac_status lac_forecast_describe(const lac_forecast_outcome *o, lac_dataset **ou
         {"kind", o->indicator_series != NULL ? o->indicator_series->kinds : 0},
         {"value", LAC_FORECAST_VALUES},
         {"doubt", o->series != NULL ? o->series->doubts : 0},
-        {"lead", LAC_LEADS}};
+        {"lead", LAC_LEADS},
+        {"span", LAC_SPANS},
+        {"quantile", LAC_FORECAST_LEVELS}};
     const lac_laid in_file[] = {
         {LAC_VARIABLES(of_methods, "method", size), first},
         {LAC_VARIABLES(of_readings, "reading", 0), m},
@@ -344,9 +346,11 @@ lac_status lac_forecast_describe(const lac_forecast_outcome *o, lac_dataset **ou
     for (size_t k = 0; k < o->indicators; k++) {
         LAC_TRY(add_indicator(*out, o, k, issues, err));
     }
+    LAC_TRY(o->readings != NULL ? lac_verdict_describe(&o->forecasts->verdict, *out, err) : LAC_OK);
     LAC_TRY(lac_dataset_add(*out, laid, sizeof laid / sizeof *laid, err));
     LAC_TRY(lac_drivers_describe(o->forecasts, o->readings != NULL, *out, err));
     LAC_TRY(o->readings != NULL ? add_json(*out, o, err) : LAC_OK);
+    LAC_TRY(lac_verdicts_describe(o, *out, err));
 out:
     return lac_dataset_described(out, status);
 }
@@ -354,15 +358,18 @@ out:
 lac_status lac_issue_describe(const lac_forecast_set *forecasts, bool dated, lac_dataset **out,
                               lac_error *err)
 {
-    const lac_extent dims[] = {{"method", forecasts->count}, {"value", LAC_FORECAST_VALUES}};
-    const lac_laid laid[] = {
-        {LAC_VARIABLES(of_set, "", 0), forecasts},
-        {LAC_VARIABLES(of_forecasts, "method", sizeof *forecasts->forecast), forecasts->forecast}};
+    const lac_extent dims[] = {
+        {"method", forecasts->count}, {"value", LAC_FORECAST_VALUES}, {"span", LAC_SPANS}};
+    const lac_laid when = {LAC_VARIABLES(of_set, "", 0), forecasts};
+    const lac_laid each = {LAC_VARIABLES(of_forecasts, "method", sizeof *forecasts->forecast),
+                           forecasts->forecast};
     lac_status status;
     LAC_TRY(lac_dataset_create("Forecasts of the time of failure at one time.", out, err));
     (*out)->clock = dated ? LAC_CLOCK_1970 : LAC_CLOCK_NONE;
     LAC_TRY(lac_dataset_dims(*out, dims, sizeof dims / sizeof *dims, err));
-    LAC_TRY(lac_dataset_add(*out, laid, sizeof laid / sizeof *laid, err));
+    LAC_TRY(lac_dataset_add(*out, &when, 1, err));
+    LAC_TRY(lac_verdict_describe(&forecasts->verdict, *out, err));
+    LAC_TRY(lac_dataset_add(*out, &each, 1, err));
 out:
     return lac_dataset_described(out, status);
 }

@@ -241,30 +241,9 @@ out:
     return status;
 }
 
-// In the unit that the file counts time in, where it is known.
-static cli_text clock_text(const lac_series *series, double t)
-{
-    if (series == NULL || series->time_name[0] == '\0') {
-        return cli_exact(t, "s");
-    }
-    const double x = t / series->time_unit;
-    const bool long_number = fabs(x) >= 1e6 && fabs(x) < 1e15;
-    return cli_format(long_number ? "%.0f %s" : "%.6g %s", x, series->time_name);
-}
-
 cli_text cli_watched_time(const lac_forecast_outcome *of, double t)
 {
-    if (!isfinite(t)) {
-        return cli_format("-");
-    }
-    if (!of->dated) {
-        return clock_text(of->series, t);
-    }
-    cli_text text = cli_date(t);
-    if (strlen(text.s) != 20) {
-        return cli_format("%s", t > 0.0 ? "after year 9999" : "before year 0");
-    }
-    text.s[10] = ' ';
-    text.s[16] = '\0';
+    cli_text text;
+    (void)lac_outcome_time(of, t, text.s, sizeof text.s);
     return text;
 }
