@@ -211,6 +211,7 @@ lacuna_python_test(test_events)
 
 # Forecasts of series and runs, wrong series among them.
 lacuna_python_test(test_driver)
+lacuna_python_test(test_verdict_levels)
 lacuna_python_test(test_precursors)
 
 # Files of readings as they come.

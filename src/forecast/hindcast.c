@@ -71,15 +71,12 @@ void lac_rolling_free(lac_rolling *rolling) { free(rolling); }
 
 enum { LEVELS = 5 };
 
-// Twice the mean quantile loss over five levels, the middle one between those of the 50 % interval
-// in logarithms: the CRPS, which is that over all levels, by five.
+// Twice the mean quantile loss over five levels: the CRPS, which is that over all levels, by five.
 static double ranked_score(const lac_forecast *f, double failed_at)
 {
     static const double level[LEVELS] = {0.05, 0.25, 0.5, 0.75, 0.95};
     static const double weight[LEVELS] = {0.15, 0.225, 0.25, 0.225, 0.15};
-    const double middle =
-        f->issue_time + sqrt((f->low50 - f->issue_time) * (f->high50 - f->issue_time));
-    const double quantile[LEVELS] = {f->low90, f->low50, middle, f->high50, f->high90};
+    const double quantile[LEVELS] = {f->low90, f->low50, f->time, f->high50, f->high90};
     double sum = 0.0;
     for (int i = 0; i < LEVELS; i++) {
         const double off = failed_at - quantile[i];

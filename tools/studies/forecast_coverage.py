@@ -157,7 +157,7 @@ def gather(answers):
 def centre_and_errors(now, forecast):
     """What an interval is about, and the error that each of its four ends counts in."""
     if forecast["posterior_s"] is None:
-        return forecast["tc_s"] - now, numpy.full(4, forecast["relative_error"])
+        return forecast["tc_raw_s"] - now, numpy.full(4, forecast["relative_error"])
     left = numpy.log(numpy.array(forecast["posterior_s"]) - now)
     return numpy.exp(left[2]), (left[[0, 1, 3, 4]] - left[2]) / NORMAL
 
@@ -229,7 +229,7 @@ def late(program):
                                   capture_output=True, text=True, check=True)
         found = next(f for f in json.loads(done.stdout)["forecasts"] if f["method"] == "inv8")
         theory = x ** m / (m * (1 - y)) / now
-        ratio = (found["tc_s"] - 1e6 * (left[0] - now)) / (1e6 * now)
+        ratio = (found["tc_raw_s"] - 1e6 * (left[0] - now)) / (1e6 * now)
         print(f"| {x} | {theory:.3f} | {ratio:.3f} | {100 * (ratio / theory - 1):+.2f} % |")
     print()
 
@@ -245,8 +245,8 @@ def exact(program):
             out.flush()
             done = subprocess.run([program, "precursors", out.name, "--displacement", "d:m", "--json", "--since",
                                    "0 s"], capture_output=True, text=True, check=True)
-        columns.append({f["method"]: (f["tc_s"] - 1e6) / 1e5 for f in json.loads(done.stdout)["forecasts"]
-                        if f["tc_s"] is not None and f["method"] != "persistence"})
+        columns.append({f["method"]: (f["tc_raw_s"] - 1e6) / 1e5 for f in json.loads(done.stdout)["forecasts"]
+                        if f["tc_raw_s"] is not None and f["method"] != "persistence"})
     print("| readings | " + " | ".join(columns[0]) + " |\n|" + " --- |" * (len(columns[0]) + 1))
     for n, column in zip((15, 30, 60, 120), columns):
         print(f"| {n} | " + " | ".join(f"{100 * column[name]:+.2g} %" if abs(column[name]) > 1e-6 else "0"

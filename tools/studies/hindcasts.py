@@ -70,9 +70,9 @@ def print_forecasts(answer, references=None, reference_rms=None):
           "|" + " --- |" * 8)
     for f in answer["forecasts"]:
         reference = references.get(f["method"])
-        off = (f"{(f['tc_s'] - seconds(reference)) / 86400:+.2f} day" if reference else "")
+        off = (f"{(f['tc_raw_s'] - seconds(reference)) / 86400:+.2f} day" if reference else "")
         known = reference_rms.get(f["method"])
-        print(f"| {f['method']} | {date(f['tc_s'])} | {date(seconds(reference)) if reference else ''} | "
+        print(f"| {f['method']} | {date(f['tc_raw_s'])} | {date(seconds(reference)) if reference else ''} | "
               f"{off} | {rms(f)} | {f'{known} mm' if known else ''} | "
               f"{interval(f['interval50_s'])} | "
               f"{interval(f['interval90_s']) if f['issued'] else f['reason']} |")
@@ -93,8 +93,8 @@ def chambon(program, folder):
     print("| issued | failure | reference | difference |\n| --- | --- | --- | --- |")
     for day, reference in INV8.items():
         f = of_method(program.ask(data, *column, "--until", day + "T23:59"), "inv8")
-        print(f"| {day} | {date(f['tc_s'])} | {date(seconds(reference))} | "
-              f"{(f['tc_s'] - seconds(reference)) / 86400:+.2f} day |")
+        print(f"| {day} | {date(f['tc_raw_s'])} | {date(seconds(reference))} | "
+              f"{(f['tc_raw_s'] - seconds(reference)) / 86400:+.2f} day |")
     print()
 
 
@@ -109,7 +109,7 @@ def century(program):
     for name, case, settings in (("constant load", "century-undriven.yaml", ()), ("rain", "century.yaml", ())):
         path = os.path.join(CASES, "..", "fit", case)
         f = of_method(program.ask(data, "--case", path, "--set", "fit.steps=0", *settings), "case")
-        print(f"| {name} | {rms(f)} | {f['misfit']:.3f} | {date(f['tc_s'])} | {f['reason'] or ''} |")
+        print(f"| {name} | {rms(f)} | {f['misfit']:.3f} | {date(f['tc_raw_s'])} | {f['reason'] or ''} |")
     print()
 
 

@@ -29,7 +29,6 @@ cli_text cli_watched_time(const lac_forecast_outcome *of, double t);
 typedef struct cli_forecast_plan {
     lac_forecast_def def;
     size_t issues;
-    double horizon; ///< [s]
 } cli_forecast_plan;
 lac_status cli_forecast_plan_read(const cli_request *request, bool dated, const lac_units *units,
                                   cli_forecast_plan *plan, lac_error *err);

@@ -113,20 +113,6 @@ static void print_ends(const lac_forecast_set *o)
     }
 }
 
-// Calibrated intervals know how late or early a method is.
-static void print_beside(const lac_forecast_set *o)
-{
-    bool beside = false;
-    for (size_t k = 0; k < o->count; k++) {
-        const lac_forecast *f = &o->forecast[k];
-        beside = beside || (f->issued && !(f->low50 <= f->time && f->time <= f->high50));
-    }
-    if (beside) {
-        printf("  A time beside its 50 %% interval: by so much the method is late, or early, where "
-               "it was calibrated.\n");
-    }
-}
-
 static void print_values(const lac_forecast_set *o)
 {
     printf("\n");
@@ -315,7 +301,6 @@ void cli_precursors_print(const lac_forecast_outcome *of, bool verbose)
     for (size_t k = 0; o->asked && k < o->count; k++) {
         print_forecast(of, &o->forecast[k]);
     }
-    print_beside(o);
     print_ends(o);
     cli_drivers_print(o);
     if (verbose) {
