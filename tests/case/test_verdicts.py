@@ -173,7 +173,7 @@ class Calibration(unittest.TestCase):
         numpy.testing.assert_allclose(places[:, 2], self.median, atol=0.1)
         below = (self.truth[:, None] <= places).mean(axis=0)
         numpy.testing.assert_allclose(below, calibration.SHARES, atol=2 / self.n)
-        self.assertRegex(calibration.row(pull, spread, q), r"^\{\.pull = 0\.4, \.spread = 0\.\d, \.low90 = -1\.\d+, .*\.high90 = 2\.\d+\}$")
+        self.assertRegex(calibration.row(pull, spread, q), r"^\{\.pull = 0\.4, \.spread = 0\.\d, \.low90 = -\d\.\d+, .*\.high90 = \d\.\d+\}$")
 
     def test_what_weighs_nothing_counts_for_nothing(self):
         self.truth[::2] += 9
