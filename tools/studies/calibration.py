@@ -43,8 +43,11 @@ def places(x, window, errors, pull, spread, q):
 
 
 def best(truth, x, window, errors, weights, pulls=PULLS, spreads=SPREADS):
-    """(loss, pull, spread, the five q) of the least mean loss; `truth` is ln R."""
+    """(loss, pull, spread, the five q) of the least mean loss; `truth` is ln R. Of a method without errors of its own, the
+    baseline, any spread does as well."""
     found = None
+    if not errors.any():
+        spreads = (1.0,)
     for pull in pulls:
         off = truth - x - pull * (window - x)
         for spread in spreads:

@@ -77,7 +77,7 @@ def cannot_tell(issue):
 
 def has_none(issue):
     """No forecast: no method but the baseline issues one."""
-    return not (set(issue["forecasts"]) - {"persistence"} or issue["pooled"])
+    return not set(issue["forecasts"]) - {"persistence"}
 
 
 def plain_within(reach):
