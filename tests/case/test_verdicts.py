@@ -221,6 +221,27 @@ class Study(unittest.TestCase):
             self.assertEqual([row[2:4] for row in rows], [["2", f"{years:.3g}"]])
             self.assertIn("of another program, generator or options", self.run_it(folder, "--horizon", "3", status=1).stderr)
 
+    def test_a_level_is_the_same_asked_at_its_time_and_in_the_course_of_all(self):
+        """So that failing slopes may be asked at few times."""
+        slope = slopes.draw("survey", "log", 2)
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "slope.csv")
+            with open(path, "w", encoding="utf-8") as out:
+                out.write(slopes.csv(slope))
+            course = verdicts.ask_rolling(PROGRAM, [], path, len(slope["time"]), True)
+            self.assertEqual([issue["time"] for issue in course], list(slope["time"]))
+            for issue in course[-1::-6]:
+                self.assertEqual(verdicts.ask_at(PROGRAM, [], path, issue["time"], True), issue)
+
+    def test_slopes_may_come_from_another_generator(self):
+        with tempfile.TemporaryDirectory() as folder:
+            other = os.path.join(folder, "other.py")
+            with open(other, "w", encoding="utf-8") as out:
+                out.write("from slopes import csv, draw\nINSTRUMENTS, FAILING, LASTING = ['survey'], ['log'], []\n")
+            printed = self.run_it(os.path.join(folder, "rows"), "--generator", other).stdout
+            self.assertIn("| survey | log | 2 |", printed)
+            self.assertNotIn("never fail", printed)
+
     def test_rows_of_the_table_of_methods_are_printed(self):
         with tempfile.TemporaryDirectory() as folder:
             self.run_it(folder)

@@ -195,13 +195,14 @@ def coverage(found, seed):
         else:
             by_instrument.append([method, instrument, n, *cells])
         if lead is not None and n >= ENOUGH:
-            kept.setdefault(method, []).append([low <= mean <= high for (mean, _), (low, high) in zip(both, WITHIN)])
+            kept.setdefault(method, []).append([low - more * error <= mean <= high + more * error
+                                                for (mean, error), (low, high) in zip(both, WITHIN) for more in (0, 2)])
     title = "Slopes that fail: true times inside the intervals, %"
     table(f"{title}, by the forecast's own lead (issue to printed median), one of each slope in a class",
           ["method", "lead", "slopes", "in 50 %", "in 90 %"], by_lead)
     table(f"{title}, by instrument", ["method", "instrument", "slopes", "in 50 %", "in 90 %"], by_instrument)
     table(f"Classes of lead of at least {ENOUGH} slopes, and of them those inside the bounds", ["method", "classes",
-          *(f"{low} to {high} %" for low, high in WITHIN)],
+          *(f"{low} to {high} %{more}" for low, high in WITHIN for more in ("", ", or within two errors"))],
           [[method, len(of), *(sum(column) for column in zip(*of))] for method, of in kept.items()])
 
 

@@ -5,7 +5,7 @@
     verdicts.py [--slopes 50] [--years 100] [--seed 1] [--cache FOLDER] [--only satellite,prism/log] [--program build/lacuna]
     verdicts.py --calibrate [--slopes 50] [--seed 1] [--cache FOLDER] ...
 
-Slopes are drawn by slopes.py: --slopes for each instrument and failing kind; of each kind that never fails as many,
+Slopes are drawn by slopes.py, or by --generator: --slopes for each instrument and failing kind; of each other kind as many,
 or more, until they have --years. Failing slopes are asked at chosen shares of life left, a call each; the others at all
 readings (radar hourly, extensometers daily) in one call. Beside the program stands plain inverse velocity, computed here.
 With --calibrate only failing slopes are drawn, and the rows of src/forecast that fit their forecasts best are printed,
@@ -16,7 +16,9 @@ program; what another program or other options wrote there is refused. The same 
 import argparse
 import concurrent.futures
 import copy
+import functools
 import hashlib
+import importlib.util
 import json
 import math
 import os
@@ -56,6 +58,9 @@ def issue_of(answer, failing):
              "accelerates": need(verdict, "accelerates"), "p": need(verdict, "p"), "odds": need(verdict, "log_odds"),
              "needed": need(verdict, "log_odds_needed"), "horizon": need(verdict, "horizon_s"),
              "chance": need(verdict, "chance_within_horizon"), "pooled": need(verdict, "pooled_s"), "forecasts": {}}
+    for key in ("level", "horizon"):
+        if not isinstance(issue[key], (int, float)):
+            raise Missing(f"the program's JSON has no number as a verdict's {key}")
     if issue["pooled"] is not None and None in issue["pooled"]:
         issue["pooled"] = None
     if failing:
@@ -117,10 +122,20 @@ def plain(time, displacement, every=None):
 
 # ---- one slope
 
+@functools.lru_cache
+def generator_of(path):
+    """slopes.py, or what takes its place: a module with its INSTRUMENTS, FAILING, LASTING, draw and csv."""
+    found = importlib.util.spec_from_file_location("generator", path)
+    module = importlib.util.module_from_spec(found)
+    found.loader.exec_module(module)
+    return module
+
+
 def follow(job):
     """The row of one slope: what was issued when, by the program and by plain inverse velocity."""
-    program, options, instrument, kind, seed, every_reading = job
-    slope = slopes.draw(instrument, kind, seed)
+    program, options, generator, instrument, kind, seed, every_reading = job
+    slopes_of = generator_of(generator)
+    slope = slopes_of.draw(instrument, kind, seed)
     time, displacement, failure = slope["time"], slope["displacement"], slope["failure"]
     words = [word for word in options if word != "--driver"]
     if "--driver" in options:
@@ -128,7 +143,7 @@ def follow(job):
     with tempfile.TemporaryDirectory(prefix="lacuna-verdicts-") as folder:
         path = os.path.join(folder, "slope.csv")
         with open(path, "w", encoding="utf-8") as out:
-            out.write(slopes.csv(slope))
+            out.write(slopes_of.csv(slope))
         if failure is None or every_reading:
             span = time[-1] - time[0]
             number = math.ceil(span / EVERY[instrument]) if instrument in EVERY else len(time)
@@ -195,10 +210,10 @@ def digest(path):
 def population(arguments, pool, cache, instrument, kind):
     """Rows of all slopes of a kind, in the order of their seeds."""
     known, wanted, rows = cache.read(instrument, kind), arguments.slopes, []
-    years = arguments.years if kind in slopes.LASTING else 0
+    years = arguments.years if kind in generator_of(arguments.generator).LASTING else 0
     while True:
         seeds = [arguments.seed * 1000000 + k for k in range(len(rows), wanted)]
-        jobs = [(arguments.program, arguments.options, instrument, kind, seed, arguments.every_reading)
+        jobs = [(arguments.program, arguments.options, arguments.generator, instrument, kind, seed, arguments.every_reading)
                 for seed in seeds if seed not in known]
         for row in pool.map(follow, jobs):
             cache.add(instrument, kind, row)
@@ -273,6 +288,7 @@ def arguments_of():
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--calibrate", action="store_true", help="print the rows of src/forecast that fit this population")
     parser.add_argument("--only", help="instruments, kinds, or INSTRUMENT/KIND, with commas")
+    parser.add_argument("--generator", default=slopes.__file__, help="another module that draws slopes, as slopes.py does")
     parser.add_argument("--cache", help="folder of JSON lines from which a study goes on")
     parser.add_argument("--every-reading", action="store_true", help="follow failing slopes reading by reading too, so that "
                         "levels have their whole history")
@@ -284,7 +300,7 @@ def arguments_of():
     arguments = parser.parse_args()
     if arguments.slopes < 1:
         parser.error("--slopes: at least 1")
-    arguments.program = os.path.abspath(arguments.program)
+    arguments.program, arguments.generator = os.path.abspath(arguments.program), os.path.abspath(arguments.generator)
     arguments.options = options_of(arguments)
     return arguments
 
@@ -292,13 +308,14 @@ def arguments_of():
 def draw_all(arguments):
     """{(instrument, kind): rows}"""
     levels = [digest(arguments.levels)] if arguments.levels else []
-    made_by = {"program": digest(arguments.program), "slopes": digest(slopes.__file__), "study": digest(__file__),
+    made_by = {"program": digest(arguments.program), "slopes": digest(arguments.generator), "study": digest(__file__),
                "options": [os.path.basename(word) for word in arguments.options] + levels,
                "every_reading": arguments.every_reading}
     cache, found = Cache(arguments.cache, made_by), {}
-    kinds = slopes.FAILING if arguments.calibrate else (*slopes.FAILING, *slopes.LASTING)
+    drawn = generator_of(arguments.generator)
+    kinds = drawn.FAILING if arguments.calibrate else (*drawn.FAILING, *drawn.LASTING)
     with concurrent.futures.ProcessPoolExecutor(arguments.processes) as pool:
-        for instrument in slopes.INSTRUMENTS:
+        for instrument in drawn.INSTRUMENTS:
             for kind in kinds:
                 if wanted(arguments.only, instrument, kind):
                     found[instrument, kind] = population(arguments, pool, cache, instrument, kind)
@@ -312,8 +329,8 @@ def main():
         found = draw_all(arguments)
     except Missing as missing:
         sys.exit(f"verdicts.py: {missing}")
-    failing = {name: of for name, of in found.items() if name[1] in slopes.FAILING}
-    lasting = {name: of for name, of in found.items() if name[1] in slopes.LASTING and name[1] != "arrest"}
+    failing = {name: of for name, of in found.items() if name[1] in generator_of(arguments.generator).FAILING}
+    lasting = {name: of for name, of in found.items() if name not in failing and name[1] != "arrest"}
     arrests = {name: of for name, of in found.items() if name[1] == "arrest"}
     if arguments.calibrate:
         tables.coverage(calibrate(failing), arguments.seed)
