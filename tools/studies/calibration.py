@@ -54,7 +54,7 @@ def best(truth, x, window, errors, weights, pulls=PULLS, spreads=SPREADS):
             scale = numpy.hypot(errors, spread)
             q = numpy.array([weighted_quantile(off / scale[:, k], weights, share) for k, share in enumerate(SHARES)])
             loss = sum(pinball(off - scale[:, k] * q[k], weights, share) for k, share in enumerate(SHARES)) / 5
-            if found is None or loss < found[0]:
+            if found is None or loss < found[0] - 1e-9:
                 found = loss, float(pull), spread, q
     return found
 

@@ -13,7 +13,9 @@ import numpy
 import slopes
 
 LEFT = (0.20, 0.10, 0.05, 0.02)  # shares of life left at which levels are asked
-STEPS = (0.30, 0.20, 0.14, 0.10, 0.07, 0.05, 0.035, 0.025)  # and forecasts judged: equal steps of log time left
+# and forecasts judged: equal steps of log time left, from before most forecasts to after most. A narrow range would have only
+# its own leads: whatever else is forecast is wrong, and coverage by lead is that of the range
+STEPS = tuple(round(0.6 / 1.5 ** k, 4) for k in range(12))
 LEVELS = ("quiet", "watch", "warning", "alarm")
 WARNING, ALARM = 2, 3
 PLAIN = "plain inverse velocity"

@@ -147,7 +147,7 @@ def follow(job):
         if failure is None or every_reading:
             span = time[-1] - time[0]
             number = math.ceil(span / EVERY[instrument]) if instrument in EVERY else len(time)
-            until = [] if failure is None else ["--until", f"{failure * (1 - min(tables.LEFT)):.3f} s"]
+            until = [] if failure is None else ["--until", f"{failure * (1 - min(tables.STEPS)):.3f} s"]
             issues = ask_rolling(program, words, path, min(number, len(time)), failure is not None, *until)
         else:
             ends = {time[time <= failure * (1 - left)][-1] for left in (*tables.LEFT, *tables.STEPS)}
@@ -242,15 +242,15 @@ def gather(failing):
 
 
 def calibrate(failing):
-    """Prints each method's row: instruments weigh the same, and in each of them slopes. Returns the same population with
-    the intervals that these rows give."""
+    """Prints each method's row: instruments with enough slopes weigh the same, others as they have slopes, and so do slopes in
+    each of them. Returns the same population with the intervals that these rows give."""
     failing = copy.deepcopy(failing)
     found = gather(failing)
     for of in failing.values():
         for issue in (issue for row in of for issue in row["issues"]):
             issue.update(forecasts={}, pooled=None, plain=None)
     for method, instruments in found.items():
-        samples = [(sample, 1 / (len(of) * len(samples))) for of in instruments.values() for samples in of.values()
+        samples = [(sample, min(1, tables.ENOUGH / len(of)) / len(samples)) for of in instruments.values() for samples in of.values()
                    for sample in samples]
         rows, issues, x, window, errors = zip(*(sample for sample, _ in samples))
         x, window, errors = numpy.array(x), numpy.array(window), numpy.array(errors)
