@@ -211,10 +211,14 @@ lacuna_python_test(test_events)
 
 # Forecasts of series and runs, wrong series among them.
 lacuna_python_test(test_driver)
+lacuna_python_test(test_verdict_levels)
 lacuna_python_test(test_precursors)
 
 # Files of readings as they come.
 lacuna_python_test(test_readings)
+
+# What an engineer is told first.
+lacuna_python_test(test_verdict)
 
 # The slopes on which verdicts are measured, and the study that does it.
 lacuna_python_test(test_verdicts once)

@@ -29,6 +29,8 @@ typedef struct lac_forecast_options {
     /// Asked before each issue time; false: ends here. NULL: never asked.
     bool (*go_on)(void *context, size_t done, size_t all);
     void *context;
+    const char *levels; ///< file of thresholds of the level, as `lacuna describe levels` prints the
+                        ///< default; NULL: the default
 } lac_forecast_options;
 
 /// As of the last reading, from the onset of acceleration.

@@ -61,7 +61,7 @@ typedef struct lac_series {
                                ///< counts or the step that the sensor counts in [m]; 0: not known
     double velocity_digit;     ///< the same of a velocity [m/s]
     double time_unit;          ///< of what the file counts time in [s]; 0: dates
-    char time_name[16];        ///< its name, "day"; "" where dates or not known
+    char time_name[16];        ///< its name, "day"; of dates "UTC" if they say a zone; else ""
     size_t doubts;             ///< what was taken for want of a word, and should be asked about
     char doubt[LAC_SERIES_DOUBTS][LAC_SERIES_DOUBT_TEXT];
     double *component[3];        ///< [n] that the displacement was made of [m]; NULL: none

@@ -40,6 +40,25 @@ double lac_median(size_t n, double *values)
     return n > 0 ? gsl_stats_median_from_sorted_data(values, 1, n) : (double)NAN;
 }
 
+// The 99 % quantile of chi-square over its degrees of freedom, to 1 % (Wilson & Hilferty 1931):
+// GSL's does not converge for many.
+static double chi_square(double degrees)
+{
+    static const double normal = 2.3263478740408408;
+    const double variance = 2.0 / (9.0 * degrees);
+    return pow(1.0 - variance + normal * sqrt(variance), 3.0);
+}
+
+double lac_unexplained(double rms, double noise, double free)
+{
+    const double degrees = fmax(1.0, free);
+    if (!(noise > 0.0)) {
+        return rms;
+    }
+    const double most = noise * sqrt(chi_square(degrees));
+    return rms <= most ? 0.0 : sqrt(rms * rms - noise * noise);
+}
+
 double lac_quantile(size_t n, const double *sorted, double share)
 {
     const double at = share * (double)(n - 1);

@@ -16,6 +16,13 @@ double lac_median(size_t n, double *values);
 /// @pre   n > 0, 0 <= share <= 1
 double lac_quantile(size_t n, const double *sorted, double share);
 
+/// What of an rms of residuals their noise does not explain: sqrt(rms^2 - noise^2), but 0 where
+/// noise comes to so much once in a hundred fits or more: where rms^2 is up to noise^2 times the 99
+/// % quantile of chi-square over its degrees of freedom.
+/// @param noise  not > 0: not known, and explains nothing
+/// @param free   degrees of freedom of the residuals, at least 1 is taken
+double lac_unexplained(double rms, double noise, double free);
+
 /// For qsort: elements that begin with a double, smallest first.
 int lac_by_first(const void *left, const void *right);
 

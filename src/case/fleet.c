@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "case/levels.h"
 #include "case/sections.h"
 
 #define FLEET(field) offsetof(lac_fleet, field)
@@ -33,7 +34,8 @@ static const lac_param fleet_rows[] = {
     LAC_TEXT("smooth", FLEET(smooth), LAC_OPTIONAL, "as --smooth of precursors"),
     LAC_TEXT("onset", FLEET(onset), LAC_OPTIONAL, "as --onset of precursors"),
     LAC_CHOICE("raw", FLEET(raw), 0, truth, 0, "true: as --raw of precursors"),
-    LAC_REAL("horizon", "s", FLEET(horizon), 604800, 0, 1e12, LAC_ABOVE_MIN,
+    LAC_OWN("levels", "FILE.yaml, or a mapping of its keys: as --levels of precursors"),
+    LAC_REAL("horizon", "s", FLEET(levels.horizon), NAN, 0, 1e12, LAC_OPTIONAL | LAC_ABOVE_MIN,
              "of alarms, as --horizon of precursors"),
     LAC_PATH("prometheus", FLEET(prometheus), LAC_OPTIONAL,
              "FILE.prom, written anew as stations change"),
@@ -178,11 +180,33 @@ static void check(lac_reader *reader, const lac_fleet *f)
     }
 }
 
-static void read_fleet(lac_reader *reader, lac_fleet *f)
+// A file of its own, or its mapping.
+static void read_levels(lac_reader *reader, lac_fleet *f)
 {
+    const lac_node *node = lac_node_child(reader->root, "levels");
+    lac_error err = {""};
+    char *path = NULL;
+    if (node == NULL || node->bad) {
+        return;
+    }
+    if (node->kind == LAC_NODE_SCALAR) {
+        read_path(reader, node, &path);
+        if (path != NULL && lac_levels_read(path, reader->units, &f->levels, &err) != LAC_OK) {
+            lac_add_error(reader, node, "is wrong: %s", err.message);
+        }
+        free(path);
+    } else if (lac_expect_map(reader, node, "a file name, or a mapping such as {watch_p: 0.01}")) {
+        lac_read_levels(reader, node, &f->levels);
+    }
+}
+
+static void read_fleet(lac_reader *reader, void *out)
+{
+    lac_fleet *f = out;
     const lac_node *columns = lac_node_child(reader->root, "columns");
     const lac_node *smooth = lac_node_child(reader->root, "smooth");
     const lac_node *onset = lac_node_child(reader->root, "onset");
+    read_levels(reader, f); // before `horizon`, which wins
     lac_read_table(reader, reader->root, &fleet_table, NULL, f);
     read_map(reader, "window", "a mapping such as {count: 2000, time: 90 day}", &window_table, f);
     read_map(reader, "checkpoint", "a mapping such as {lines: 1000, time: 10 s}", &checkpoint_table,
@@ -201,35 +225,8 @@ static void read_fleet(lac_reader *reader, lac_fleet *f)
     }
 }
 
-static lac_status build(lac_reader *reader, const char *text, size_t size, lac_fleet *f,
-                        lac_error *err)
-{
-    lac_node *root = lac_tree_parse(reader, text, size, NULL);
-    if (root == NULL || root->kind != LAC_NODE_MAP) {
-        if (reader->report->errors == 0 && !reader->no_memory) {
-            lac_add_error_text(reader, 1, NULL,
-                               "must be a mapping of keys, such as displacement: \"disp:mm\"");
-        }
-    } else {
-        reader->root = root;
-        read_fleet(reader, f);
-    }
-    lac_node_free(root);
-    lac_case_issues_sort(reader->report);
-    LAC_FAIL_MEMORY_IF(reader->no_memory, err);
-    if (reader->report->errors > 0) {
-        lac_case_summarise(reader->report, err);
-        return LAC_EINPUT;
-    }
-    return LAC_OK;
-}
-
 lac_status lac_fleet_read(const char *path, const lac_units *units, lac_fleet **out, lac_error *err)
 {
-    char *text = NULL;
-    size_t size = 0;
-    lac_case_issues report = {0};
-    lac_reader reader = {.name = path, .units = units, .report = &report};
     lac_status status;
     *out = NULL;
     lac_fleet *f = calloc(1, sizeof *f);
@@ -237,15 +234,13 @@ lac_status lac_fleet_read(const char *path, const lac_units *units, lac_fleet **
     lac_table_reset(&fleet_table, f);
     lac_table_reset(&window_table, f);
     lac_table_reset(&checkpoint_table, f);
+    f->levels = lac_levels_default();
     LAC_TRY((f->path = strdup(path)) != NULL ? LAC_OK : lac_fail_memory(err));
-    LAC_TRY(lac_case_read_file(path, &text, &size, err));
-    LAC_TRY(build(&reader, text, size, f, err));
+    LAC_TRY(lac_map_file_read(path, units, "displacement: \"disp:mm\"", read_fleet, f, err));
     *out = f;
     f = NULL;
 out:
-    lac_case_issues_clear(&report);
     lac_fleet_free(f);
-    free(text);
     return status;
 }
 

@@ -4,6 +4,7 @@
 #include <stdint.h>
 
 #include "base/units.h"
+#include "forecast/verdict.h"
 #include "lacuna/error.h"
 
 // What `lacuna watch` is told of its stations: a small file in the manner of a case.
@@ -36,7 +37,7 @@ typedef struct lac_fleet {
     char *smooth, *onset;
     size_t smooth_line, onset_line;
     int raw;
-    double horizon; ///< [s]
+    lac_levels levels; ///< its horizon is that of alarms
     char *prometheus;
     int64_t checkpoint_lines;
     double checkpoint_time; ///< [s]

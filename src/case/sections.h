@@ -5,6 +5,7 @@
 #include "base/rows.h"
 #include "base/units.h"
 #include "case/case.h"
+#include "forecast/verdict.h"
 
 enum {
     LAC_TREE_DEPTH = 32,    ///< no case is deeper
@@ -301,6 +302,17 @@ void lac_apply_override(lac_reader *reader, lac_node *root, const lac_override *
 
 /// A file of at most 4 MiB and a byte. @param text  the caller frees it, whatever the status
 lac_status lac_case_read_file(const char *path, char **text, size_t *size, lac_error *err);
+
+/// Reads a small file that is one mapping of keys, which is the reader's root.
+/// @param such  a key and its value, for messages
+/// @param read  reports what is wrong with it
+/// @return LAC_OK; LAC_EINPUT (the first error with its line and key); LAC_EIO; LAC_ENOMEM
+lac_status lac_map_file_read(const char *path, const lac_units *units, const char *such,
+                             void (*read)(lac_reader *reader, void *out), void *out,
+                             lac_error *err);
+
+/// Reads a mapping of thresholds over those that are there.
+void lac_read_levels(lac_reader *reader, const lac_node *map, lac_levels *out);
 
 /// Says the first error of a report, and how many more there are.
 void lac_case_summarise(const lac_case_issues *report, lac_error *err);

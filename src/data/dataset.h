@@ -119,7 +119,7 @@ typedef struct lac_laid {
 
 /// Adds the variables of tables.
 /// @return LAC_OK; LAC_EINPUT (a row names a dimension that was not added, or too many; a name in
-///         JSON is longer than 63 bytes; more than 256 variables in all); LAC_ENOMEM
+///         JSON is longer than 63 bytes; more than 320 variables in all); LAC_ENOMEM
 lac_status lac_dataset_add(lac_dataset *dataset, const lac_laid *laid, size_t n, lac_error *err);
 
 /// A variable whose name the result gives.
@@ -182,7 +182,7 @@ typedef struct lac_attribute {
 bool lac_item_next_attribute(const lac_item *item, lac_attribute *attribute);
 
 enum {
-    LAC_MOST_ROWS = 256, ///< of a dataset
+    LAC_MOST_ROWS = 320, ///< of a dataset
     LAC_JSON_NAME = 64   ///< bytes of a part of a path in JSON
 };
 

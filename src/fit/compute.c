@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "base/ask.h"
+#include "case/levels.h"
 #include "data/dataset.h"
 #include "fit/model_forecast.h"
 #include "lacuna/forecast.h"
@@ -81,6 +82,7 @@ out:
 // What a dataset is of, which it keeps.
 typedef struct forecast_made {
     lac_forecast_options options;
+    lac_levels levels;
     lac_fit_watch watch;
     lac_model_forecast how;
     lac_forecast_model model;
@@ -120,14 +122,29 @@ static lac_status take_case(forecast_made *f, bool dated, lac_error *err)
     return LAC_OK;
 }
 
+static lac_status take_levels(forecast_made *f, lac_error *err)
+{
+    lac_units *units = NULL;
+    f->levels = lac_levels_default();
+    if (f->options.levels == NULL) {
+        return LAC_OK;
+    }
+    LAC_TRY_RETURN(lac_units_create(&units, err));
+    const lac_status status = lac_levels_read(f->options.levels, units, &f->levels, err);
+    lac_units_free(units);
+    return status;
+}
+
 static lac_forecast_def plan(const forecast_made *f)
 {
     const lac_forecast_options *o = &f->options;
     lac_forecast_def def = lac_forecast_default();
     def.motion = (lac_motion_def){o->smoothing, o->points, o->order, o->window, o->raw};
     def.since = o->since;
+    def.onset = o->short_run > 0 || o->long_run > 0;
     def.short_run = o->short_run > 0 ? o->short_run : def.short_run;
     def.long_run = o->long_run > 0 ? o->long_run : def.long_run;
+    def.levels = f->levels;
     def.model = o->source != NULL ? &f->model : NULL;
     return def;
 }
@@ -186,6 +203,7 @@ lac_status lac_forecast_compute(const lac_series *series, const lac_forecast_opt
     LAC_TRY(f != NULL ? LAC_OK : lac_fail_memory(err));
     f->options = lac_forecast_options_default();
     LAC_TRY(lac_take_options("lac_forecast_options", options, &f->options, sizeof f->options, err));
+    LAC_TRY(take_levels(f, err));
     LAC_TRY(take_case(f, series->dated, err));
     status = look(f, series, err);
     if (status == LAC_OK || (status == LAC_EINTERRUPT && f->rolling != NULL)) {

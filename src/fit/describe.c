@@ -104,6 +104,8 @@ static const lac_variable of_data[] = {
     {.json = "bic", R(REAL, bic)},
     {.json = "residual_autocorrelation", R(REAL, autocorrelation)},
     {.json = "scatter_m", R(REAL, scatter)},
+    {.json = "misfit", R(REAL, misfit)},
+    {.json = "excess", R(REAL, excess)},
     {.json = "fits_badly", R(BOOL, poor)},
 };
 

@@ -43,7 +43,7 @@ static lac_status keep(const lac_case *c, const lac_series *series, lac_fit_data
 static lac_status read_data(const lac_case *c, const lac_series *series, lac_fit_data *out,
                             lac_error *err)
 {
-    *out = (lac_fit_data){.missing = series->missing};
+    *out = (lac_fit_data){.missing = series->missing, .digit = series->displacement_digit};
     LAC_FAIL_IF(series->dated && !c->dated, err, LAC_EINPUT,
                 "the series has dates, so time.start of %s must be a date", c->path);
     out->time = malloc(4 * (series->n + 1) * sizeof *out->time);
@@ -219,7 +219,8 @@ static void blank(lac_fit_result *result)
     double *numbers[] = {&result->displacement_rms, &result->log_rate_rms, &result->offset,
                          &result->autocorrelation,  &result->failure,      &result->failure_error,
                          &result->log_likelihood,   &result->acceptance,   &result->shape_sigma,
-                         &result->failing,          &result->scatter,      &result->bic};
+                         &result->failing,          &result->scatter,      &result->bic,
+                         &result->misfit,           &result->excess};
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
         *numbers[i] = NAN;
     }

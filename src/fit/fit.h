@@ -61,6 +61,8 @@ typedef struct lac_fit_result {
     double log_rate_rms;                       ///< of the best fit, of ln v [1]; NaN
     double offset;                             ///< zero of the displacements [m]
     double autocorrelation; ///< of successive residuals of displacements, whitened if ar1 [1]
+    double misfit;          ///< rms over the range of the displacements; of velocities that of ln v
+    double excess;          ///< what of it the noise does not explain: lac_unexplained
     double scatter;         ///< of displacements about the line between their neighbours [m]; NaN
     bool poor; ///< they hang together or (white ones) exceed that scatter as noise does 1 in 100
     double log_likelihood; ///< of the best fit, offset integrated out

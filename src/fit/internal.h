@@ -35,6 +35,7 @@ typedef struct lac_fit_data {
     double *displacement; // [n] [m]; NaN
     double *log_rate;     // [n] of m/s; NaN
     double *sigma;        // [n] what a displacement's error counts in [m]: 1 without a column
+    double digit;         // what the last of a displacement counts [m]; 0: not known
     size_t displacements, velocities, outside, missing, not_positive;
 } lac_fit_data;
 

@@ -6,6 +6,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/noise.h"
+#include "base/statistics.h"
 #include "fit/internal.h"
 
 // Correlation of successive residuals.
@@ -71,6 +73,36 @@ static void judge_residuals(const lac_fit_data *data, const lac_fit_errors_at *e
         result->autocorrelation > spread || (!related && ratio * ratio > 1.0 + 2.0 * spread);
 }
 
+// How far the rms goes beyond the noise: that of the column of standard errors, else what readings
+// scatter by themselves. Displacements first, else logarithms of velocities. @param room  [3 n]
+static void weigh(const lac_fit *fit, double *room, lac_fit_result *result)
+{
+    const lac_fit_data *data = &fit->data;
+    const bool slips = data->displacements > 0;
+    const bool known = slips && fit->def->columns.sigma != NULL;
+    const double *of = slips ? data->displacement : data->log_rate;
+    const double rms = slips ? result->displacement_rms : result->log_rate_rms;
+    double *value = room + data->n, *work = value + data->n;
+    double low = INFINITY, high = -INFINITY;
+    size_t n = 0;
+    for (size_t i = 0; i < data->n; i++) {
+        if (!isnan(of[i])) {
+            low = fmin(low, of[i]);
+            high = fmax(high, of[i]);
+            room[n] = data->time[i];
+            value[n] = of[i];
+            work[n++] = data->sigma[i];
+        }
+    }
+    const double noise = known ? lac_median(n, work) : lac_noise_of(n, room, value, work);
+    const double range = slips ? high - low : 1.0;
+    const double free =
+        (double)n - (double)fit->def->count - (slips && fit->def->offset ? 1.0 : 0.0);
+    result->misfit = rms / range;
+    result->excess =
+        lac_unexplained(rms, slips && noise < data->digit ? data->digit : noise, free) / range;
+}
+
 static void measure(lac_fit *fit, double *slip, double *log_rate, lac_fit_result *result)
 {
     const lac_fit_data *data = &fit->data;
@@ -96,6 +128,7 @@ static void measure(lac_fit *fit, double *slip, double *log_rate, lac_fit_result
     if (data->velocities > 0) {
         result->log_rate_rms = sqrt(log_squares / (double)data->velocities);
     }
+    weigh(fit, fit->model[0].scratch + 2 * data->n, result);
 }
 
 // When the best fit fails, and how far that is known from the least squares alone.

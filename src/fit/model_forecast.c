@@ -35,28 +35,14 @@ static double worst_rhat(const lac_fit_result *r)
     return worst;
 }
 
-static double range_of(const lac_fit_result *r)
-{
-    double low = INFINITY;
-    double high = -INFINITY;
-    for (size_t i = 0; i < r->readings; i++) {
-        low = fmin(low, r->observed[i]);
-        high = fmax(high, r->observed[i]);
-    }
-    return high - low;
-}
-
-// How well it fits: the rms, and what of it the readings' own scatter does not explain.
 static void judge(const lac_fit_result *r, lac_forecast_fit *found)
 {
     const bool velocities = !(r->displacements > 0);
-    const double scatter = isnan(r->scatter) ? 0.0 : r->scatter;
     found->points = r->displacements + r->velocities;
     found->rms = velocities ? r->log_rate_rms : r->displacement_rms;
     found->rms_unit = velocities ? "1" : "m";
-    found->misfit =
-        velocities ? found->rms
-                   : sqrt(fmax(0.0, found->rms * found->rms - scatter * scatter)) / range_of(r);
+    found->misfit = r->misfit;
+    found->excess = r->excess;
 }
 
 // The draws' times of failure.
@@ -133,7 +119,8 @@ static lac_status foresee(void *context, const lac_motion *m, double now, lac_fo
                                .time = v ? m->velocity_time : m->time,
                                .displacement = v ? NULL : m->displacement,
                                .velocity = v ? m->velocity : NULL,
-                               .value = m->sigma};
+                               .value = m->sigma,
+                               .displacement_digit = m->resolution};
     LAC_FAIL_IF(how->dated && !c->dated, err, LAC_EINPUT,
                 "the series has dates, so time.start of %s must be a date", c->path);
     const size_t inside = readings_within(c, m, shift);

@@ -15,7 +15,7 @@ typedef struct lac_model_forecast {
 /// Fits the case to the motion up to the time of issue (lac_fit_run) and runs it on: the time of
 /// failure is that of the best fit, its error the least squares' or, where the case samples, its
 /// posterior the draws'. The displacements are fitted, or the velocities where there are no others;
-/// misfit is the rms beyond the readings' own scatter. No forecast where the best fit, or one draw
+/// what counts against it is the rms beyond the noise. No forecast where the best fit, or one draw
 /// in twenty, does not fail by time.end, where the case cannot be fitted, or where its chain is far
 /// from converged. Ends the set of forecasts with LAC_EINPUT where the motion has dates and the
 /// case none, with LAC_EINTERRUPT, LAC_ENOMEM.

@@ -121,7 +121,8 @@ static void describe(block *b)
 static lac_status fit_strength(const lac_window *w, double m, block *b, lac_error *err)
 {
     fill(&b->law, m);
-    b->fit = (lac_forecast_fit){.remaining = NAN, .error = NAN, .rms = INFINITY, .misfit = NAN};
+    b->fit = (lac_forecast_fit){
+        .remaining = NAN, .error = NAN, .rms = INFINITY, .misfit = NAN, .excess = NAN};
     b->centre[1] = log(-w->time[0]);
     b->width[0] = INFINITY;
     b->width[1] = width_of_state;
@@ -194,7 +195,7 @@ const lac_forecast_kind lac_forecast_block = {
     .least = 8,
     .displacements = true,
     .worst = 0.04,
-    .calibration = {0.01, -1.6448536269514722, -0.6744897501960817, 0.6744897501960817,
+    .calibration = {0.0, 0.01, -1.6448536269514722, -0.6744897501960817, 0.0, 0.6744897501960817,
                     1.6448536269514722},
     .fit = fit_block,
 };

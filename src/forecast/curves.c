@@ -48,7 +48,7 @@ const lac_forecast_kind lac_forecast_log = {
     .displacements = true,
     .dates = true,
     .worst = 0.04,
-    .calibration = {1.2, -1.153, -0.676, -0.211, 0.016},
+    .calibration = {0.0, 1.2, -1.153, -0.676, -0.4435, -0.211, 0.016},
     .fit = fit_log,
 };
 
@@ -122,7 +122,7 @@ const lac_forecast_kind lac_forecast_voight = {
     .least = 8,
     .displacements = true,
     .worst = 0.04,
-    .calibration = {0.8, -0.384, 0.134, 0.736, 1.448},
+    .calibration = {0.0, 0.8, -0.384, 0.134, 0.435, 0.736, 1.448},
     .fit = fit_voight,
 };
 
@@ -185,6 +185,6 @@ const lac_forecast_kind lac_forecast_lppls = {
     .least = 15,
     .displacements = true,
     .worst = 0.04,
-    .calibration = {0.6, -0.392, 0.186, 0.988, 1.993},
+    .calibration = {0.0, 0.6, -0.392, 0.186, 0.587, 0.988, 1.993},
     .fit = fit_lppls,
 };

@@ -30,13 +30,12 @@ void lac_driver_effects_free(lac_forecast_set *o)
     free(o->effect);
 }
 
-// In ln of the remaining time, about the middle of the 50 % interval; not those of calibration,
-// which say how late or early a method is.
+// In ln of the remaining time, about the median.
 static void widen(lac_forecast *f)
 {
     static const double normal50 = 0.6744897501960817, normal90 = 1.6448536269514722;
     const double now = f->issue_time;
-    const double middle = 0.5 * (log(f->low50 - now) + log(f->high50 - now));
+    const double middle = log(f->time - now);
     double *const end[] = {&f->low90, &f->low50, &f->high50, &f->high90};
     for (size_t k = 0; k < sizeof end / sizeof *end && isfinite(middle); k++) {
         const double off = log(*end[k] - now) - middle;

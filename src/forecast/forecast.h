@@ -7,7 +7,7 @@
 #include "series/motion.h"
 
 enum {
-    LAC_FORECAST_TEXT = 200,
+    LAC_FORECAST_TEXT = 320,
     LAC_FORECAST_VALUES = 20,
     LAC_FORECAST_LEVELS = 5, ///< 5, 25, 50, 75 and 95 %
 };
@@ -21,11 +21,14 @@ typedef struct lac_window {
     double *displacement; ///< [n] [m] from the first one
     double *weight;       ///< [n] 1/sigma over its mean; 1 where sigma is not known
     size_t velocities;
-    double *velocity_time; ///< [velocities] [s]
-    double *velocity;      ///< [velocities] [m/s]
-    double noise;          ///< of one displacement [m]; NaN: not known
-    double resolution;     ///< last digit of one [m]; 0: not known
-    bool integrated;       ///< the displacements are integrals of the velocities
+    double *velocity_time;  ///< [velocities] [s]
+    double *velocity;       ///< [velocities] [m/s]
+    double *velocity_error; ///< [velocities] of each by the noise [m/s]; NaN: not known
+    double noise;           ///< of one displacement [m]; NaN: not known
+    double error;           ///< of a displacement of weight 1 by it [m]; NaN: not known
+    double resolution;      ///< last digit of one [m]; 0: not known
+    double step;            ///< median of the last five intervals between readings [s]; 0: one only
+    bool integrated;        ///< the displacements are integrals of the velocities
 } lac_window;
 
 /// A number that a method fitted.
@@ -41,6 +44,7 @@ typedef struct lac_forecast_fit {
     double rms;           ///< of the residuals, in `rms_unit`
     const char *rms_unit; ///< "m", or "s/m" of inverse velocities
     double misfit;        ///< rms over the range of what was fitted: 0 is a perfect fit
+    double excess;        ///< what of it the noise does not explain (lac_unexplained)
     size_t points;        ///< that were fitted
     bool posterior;       ///< the method has a posterior: `quantile` holds
     double quantile[LAC_FORECAST_LEVELS]; ///< of ln remaining by its posterior
@@ -56,6 +60,13 @@ typedef struct lac_forecast_fit {
 lac_status lac_forecast_fit_refuse(lac_forecast_fit *fit, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
+/// Says how well it fits.
+/// @param range  of what was fitted
+/// @param noise  rms that the readings' noise alone has residuals of; not > 0: not known
+/// @param free   degrees of freedom of the residuals
+void lac_forecast_fit_weigh(lac_forecast_fit *fit, double rms, double range, double noise,
+                            double free);
+
 /// Adds a fitted number.
 void lac_forecast_fit_add(lac_forecast_fit *fit, const char *key, double value);
 
@@ -64,13 +75,15 @@ void lac_forecast_fit_add(lac_forecast_fit *fit, const char *key, double value);
 void lac_forecast_fit_add_within(lac_forecast_fit *fit, const char *key, double value, double low,
                                  double high);
 
-/// From the fit's error to intervals. With E = sqrt(error^2 + spread^2) the remaining time lies
-/// below remaining exp(E q) for q = low90, low50, high50, high90 in 5, 25, 75 and 95 of 100
-/// simulated failures (docs/theory/forecasting.md says which). Of a method with a posterior
-/// `remaining` is its median there, and `error` each quantile's distance from it over that of a
-/// standard normal distribution: a posterior that is right has the q of that distribution.
+/// From a fit to the time that is told, and its intervals. About c = ln R + pull (ln W - ln R), R
+/// the remaining time that the method finds and W the length of its window, ln of the remaining
+/// time lies below c + E q, E = sqrt(error^2 + spread^2), q = low90, low50, median, high50, high90,
+/// in 5, 25, 50, 75 and 95 of 100 simulated failures (docs/theory/forecasting.md says which). Of a
+/// method with a posterior R is its median there, and `error` each quantile's distance from it over
+/// that of a standard normal distribution, its 90 % interval's half of the median: a posterior that
+/// is right has the q of that distribution.
 typedef struct lac_calibration {
-    double spread, low90, low50, high50, high90;
+    double pull, spread, low90, low50, median, high50, high90;
 } lac_calibration;
 
 /// A method of forecasting: a row of a table.
@@ -81,7 +94,7 @@ typedef struct lac_forecast_kind {
     bool displacements;    ///< it fits displacements, not velocities
     bool baseline;         ///< stands for no knowledge: what the others must beat
     bool dates;            ///< its time of failure is the one that indicators take
-    double worst;          ///< misfit above which its forecast is not issued
+    double worst;          ///< excess above which its forecast is not issued
     lac_calibration calibration;
     /// Fits the window. Whatever is wrong with the data is said in `fit->reason`.
     /// @return LAC_OK; LAC_ENOMEM
@@ -118,6 +131,7 @@ typedef struct lac_forecast_model {
 typedef struct lac_forecast_def {
     lac_motion_def motion;
     double since;     ///< start of what is fitted, accelerating or not [s]; NaN: the onset of it
+    bool onset;       ///< the gate is that of means of velocities, not the trend's
     size_t short_run; ///< velocities in the short mean of the onset
     size_t long_run;  ///< in the long one
     const lac_forecast_model *model; ///< asked before the baseline; NULL: none
@@ -125,6 +139,7 @@ typedef struct lac_forecast_def {
     const lac_driver *driver; ///< [drivers] what may explain the rate
     size_t window_count;      ///< nothing is known but the last so many readings; 0: all
     lac_levels levels;        ///< what gives a level
+    bool all;                 ///< methods are asked also where a gate is closed; it stays so
     double window_time;       ///< nor what is so long before the last one [s]; INFINITY: all
 } lac_forecast_def;
 
@@ -136,11 +151,11 @@ lac_forecast_def lac_forecast_default(void);
 typedef struct lac_forecast {
     const lac_forecast_kind *kind;
     bool issued;
-    double issue_time;                   ///< the last reading it could see [s]
-    double window_start;                 ///< [s]
-    double time;                         ///< of failure [s]; NaN: none
-    double low50, high50, low90, high90; ///< [s]; NaN: none. That of 90 % holds `time`, that of 50
-                                         ///< % may lie beside it: the method's bias
+    double issue_time;   ///< the last reading it could see [s]
+    double window_start; ///< [s]
+    double time;         ///< of failure: the calibrated median [s]; NaN: none, or it would be over
+    double raw_time;     ///< that the method itself finds [s]; NaN: none
+    double low50, high50, low90, high90; ///< about `time` [s]; NaN: none
     lac_forecast_fit fit;                ///< also where it is not issued, as far as it went
 } lac_forecast;
 

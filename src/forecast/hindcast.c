@@ -24,6 +24,7 @@ static lac_status issue(lac_rolling *r, const lac_forecast_def *def, const lac_r
     lac_status status = lac_forecast_set_create(def, &past, &forecasts, err);
     if (status == LAC_OK) {
         r->issue_time[k] = forecasts->issue_time;
+        r->verdict[k] = forecasts->verdict;
         memcpy(&r->forecast[k * r->methods], forecasts->forecast, r->methods * sizeof *r->forecast);
         if (watch != NULL && watch->see != NULL) {
             status = watch->see(watch->seer, forecasts, err);
@@ -42,12 +43,13 @@ lac_status lac_rolling_create(const lac_forecast_def *def, const lac_readings *r
     lac_status status = LAC_OK;
     *out = NULL;
     LAC_FAIL_IF(planned == 0, err, LAC_EINPUT, "there is no reading to forecast from");
-    lac_rolling *r =
-        malloc(sizeof *r + planned * (methods * sizeof *r->forecast + sizeof *r->issue_time));
+    lac_rolling *r = malloc(sizeof *r + planned * (methods * sizeof *r->forecast +
+                                                   sizeof *r->verdict + sizeof *r->issue_time));
     LAC_FAIL_MEMORY_IF(r == NULL, err);
     *r = (lac_rolling){.issues = planned, .methods = methods, .start = readings->time[0]};
     r->forecast = (lac_forecast *)(r + 1);
-    r->issue_time = (double *)(r->forecast + planned * methods);
+    r->verdict = (lac_verdict *)(r->forecast + planned * methods);
+    r->issue_time = (double *)(r->verdict + planned);
     for (size_t k = 0; k < planned && status == LAC_OK; k++) {
         const bool go_on =
             watch == NULL || watch->go_on == NULL || watch->go_on(watch->context, k, planned);
@@ -69,15 +71,12 @@ void lac_rolling_free(lac_rolling *rolling) { free(rolling); }
 
 enum { LEVELS = 5 };
 
-// Twice the mean quantile loss over five levels, the middle one between those of the 50 % interval
-// in logarithms: the CRPS, which is that over all levels, by five.
+// Twice the mean quantile loss over five levels: the CRPS, which is that over all levels, by five.
 static double ranked_score(const lac_forecast *f, double failed_at)
 {
     static const double level[LEVELS] = {0.05, 0.25, 0.5, 0.75, 0.95};
     static const double weight[LEVELS] = {0.15, 0.225, 0.25, 0.225, 0.15};
-    const double middle =
-        f->issue_time + sqrt((f->low50 - f->issue_time) * (f->high50 - f->issue_time));
-    const double quantile[LEVELS] = {f->low90, f->low50, middle, f->high50, f->high90};
+    const double quantile[LEVELS] = {f->low90, f->low50, f->time, f->high50, f->high90};
     double sum = 0.0;
     for (int i = 0; i < LEVELS; i++) {
         const double off = failed_at - quantile[i];

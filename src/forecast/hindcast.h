@@ -11,6 +11,7 @@ typedef struct lac_rolling {
     double start;           ///< the first reading [s]
     double *issue_time;     ///< [issues] [s]
     lac_forecast *forecast; ///< [issues][methods]
+    lac_verdict *verdict;   ///< [issues]
 } lac_rolling;
 
 /// What a caller may stop a long hindcast by, and see of it.

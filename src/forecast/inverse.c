@@ -25,26 +25,31 @@ static lac_status fit_line(size_t n, const double *t, const double *v, bool inve
     return LAC_OK;
 }
 
-// Misfit of v = B/(remaining - t) to velocities as inverse velocities.
-static void judge(size_t n, const double *time, const double *velocity, double scale,
-                  lac_forecast_fit *fit)
+// Misfit of v = B/(remaining - t) to n velocities from `first` on, as inverse velocities. The noise
+// of each is that of v over v^2, v of the law: where noise makes it low, it is not more certain. It
+// has as many degrees of freedom as a chi-square with its mean and variance.
+static void judge(const lac_window *w, size_t first, double scale, lac_forecast_fit *fit)
 {
-    double mean = 0.0;
-    double all = 0.0;
-    double left = 0.0;
+    const double *v = w->velocity + first;
+    const size_t n = w->velocities - first;
+    double mean = 0.0, all = 0.0, left = 0.0, noise = 0.0, fourth = 0.0;
     for (size_t i = 0; i < n; i++) {
-        mean += 1.0 / velocity[i] / (double)n;
+        mean += 1.0 / v[i] / (double)n;
     }
     for (size_t i = 0; i < n; i++) {
-        const double inverse = 1.0 / velocity[i];
-        const double residual = inverse - (fit->remaining - time[i]) / scale;
-        left += residual * residual;
+        const double inverse = 1.0 / v[i];
+        const double law = (fit->remaining - w->velocity_time[first + i]) / scale;
+        const double error = w->velocity_error[first + i] * law * law;
+        left += (inverse - law) * (inverse - law);
         all += (inverse - mean) * (inverse - mean);
+        noise += error * error;
+        fourth += error * error * error * error;
     }
+    const double count = (double)n;
     fit->points = n;
-    fit->rms = sqrt(left / (double)n);
     fit->rms_unit = "s/m";
-    fit->misfit = all > 0.0 ? sqrt(left / all) : NAN;
+    lac_forecast_fit_weigh(fit, sqrt(left / count), sqrt(all / count), sqrt(noise / count),
+                           noise * noise / fourth - 2.0);
 }
 
 static lac_status fit_last(const lac_window *w, size_t n, lac_forecast_fit *fit, lac_error *err)
@@ -64,7 +69,7 @@ static lac_status fit_last(const lac_window *w, size_t n, lac_forecast_fit *fit,
     fit->remaining = -a / b;
     // of ln(a/b), to first order: the line is off at the mean, and turned about it
     fit->error = sqrt(l.rest / (l.n - 2.0) / l.xx) * hypot(sqrt(l.xx / l.n) / a, l.x / a + 1.0 / b);
-    judge(n, t, v, -1.0 / b, fit);
+    judge(w, w->velocities - n, -1.0 / b, fit);
     lac_forecast_fit_add(fit, "scale_m", -1.0 / b);
     return LAC_OK;
 }
@@ -87,7 +92,7 @@ const lac_forecast_kind lac_forecast_inv8 = {
                  "line meets 0",
     .least = LAST,
     .worst = 0.6,
-    .calibration = {0.8, -0.901, -0.496, -0.120, 0.222},
+    .calibration = {0.0, 0.8, -0.901, -0.496, -0.308, -0.120, 0.222},
     .fit = fit_eight,
 };
 
@@ -98,7 +103,7 @@ const lac_forecast_kind lac_forecast_inv = {
     .estimator = "as inv8 over all velocities of the window",
     .least = 5,
     .worst = 0.6,
-    .calibration = {1.2, -1.631, -1.031, -0.344, -0.016},
+    .calibration = {0.0, 1.2, -1.631, -1.031, -0.6875, -0.344, -0.016},
     .fit = fit_all,
 };
 
@@ -119,7 +124,7 @@ static lac_status fit_slope(const lac_window *w, lac_forecast_fit *fit, lac_erro
                                        "t v does not fall with v as that of a finite time does");
     }
     fit->error = sqrt(line.rest / (line.n - 2.0) / line.xx) / fabs(fit->remaining);
-    judge(n, t, v, -intercept, fit);
+    judge(w, 0, -intercept, fit);
     lac_forecast_fit_add(fit, "scale_m", -intercept);
     return LAC_OK;
 }
@@ -132,6 +137,6 @@ const lac_forecast_kind lac_forecast_slo = {
         "t v on v by ordinary least squares over all velocities of the window; tc is the slope",
     .least = 5,
     .worst = 0.6,
-    .calibration = {0.3, -3.954, -2.496, -0.764, 0.146},
+    .calibration = {0.0, 0.3, -3.954, -2.496, -1.63, -0.764, 0.146},
     .fit = fit_slope,
 };

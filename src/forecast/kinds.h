@@ -26,6 +26,9 @@ lac_status lac_window_create(const lac_motion *motion, double start, lac_window 
 lac_status lac_forecast_ask(const lac_forecast_def *def, const lac_motion *motion,
                             const lac_window *window, lac_forecast *forecast, lac_error *err);
 
+/// The verdict on a set whose motion, trend, drivers and forecasts are there.
+void lac_verdict_find(const lac_forecast_def *def, lac_forecast_set *o);
+
 /// Asks the definition's drivers of the set's motion. One of n explains where p is up to 0.05/n.
 lac_status lac_driver_explain_all(const lac_forecast_def *def, lac_forecast_set *o, lac_error *err);
 void lac_driver_effects_free(lac_forecast_set *o);

@@ -10,9 +10,8 @@
 #include "base/statistics.h"
 #include "forecast/kinds.h"
 
-enum { BRIDGED = 3, LAST_INTERVALS = 3, LINE = 3, LONGEST_RUN = 1000 };
-static const double above_noise = 3.0; // errors of the last displacement
-static const double beyond = 1e150;    // what is not computed with, nor its inverse
+enum { BRIDGED = 3, LINE = 3, LONGEST_RUN = 1000 };
+static const double beyond = 1e150; // what is not computed with, nor its inverse
 
 static double mean_velocity(const lac_motion *m, size_t last, size_t count)
 {
@@ -51,30 +50,6 @@ static size_t find_onset(const lac_forecast_def *def, const lac_motion *m)
     return onset + 1 - def->long_run;
 }
 
-// Of the noise gate: the last three, or those that the last velocity is smoothed over where more.
-static size_t last_intervals(const lac_forecast_def *def, const lac_motion *m)
-{
-    const lac_motion_def *how = &def->motion;
-    size_t n = how->smoothing == LAC_SMOOTH_AVERAGE  ? how->points
-               : how->smoothing == LAC_SMOOTH_SAVGOL ? how->points - 1
-                                                     : 0;
-    while (how->smoothing == LAC_SMOOTH_WINDOW && n + 1 < m->n &&
-           m->time[m->n - 2 - n] >= m->time[m->n - 1] - how->window) {
-        n++;
-    }
-    return n > LAST_INTERVALS ? n : LAST_INTERVALS;
-}
-
-// Whether the last intervals moved the slope by more than the noise of two readings.
-static bool is_lost_in_noise(const lac_motion *m, size_t intervals)
-{
-    if (!(m->noise > 0.0) || m->n <= intervals) {
-        return false;
-    }
-    const double moved = m->displacement[m->n - 1] - m->displacement[m->n - 1 - intervals];
-    return !(moved > above_noise * sqrt(2.0) * m->noise);
-}
-
 static double largest(size_t n, const double *value, double from)
 {
     double most = 0.0;
@@ -93,7 +68,7 @@ static bool is_out_of_range(const lac_motion *m)
            (d > 0.0 && d < 1.0 / beyond);
 }
 
-// The gate that --since replaces: an onset of acceleration.
+// The gate of --onset: an onset of acceleration by means.
 static bool has_onset(const lac_forecast_def *def, const lac_motion *m, char *reason)
 {
     const size_t last = m->velocities - 1;
@@ -162,16 +137,35 @@ static double start_of(const lac_forecast_def *def, const lac_motion *m)
     return start;
 }
 
-// What stands before any method: whether the slope moves, beyond its noise, and accelerates.
+// The gate that knows the noise.
+static bool rises(const lac_trend *t, char *reason)
+{
+    const double mm_day = 1e3 * 86400.0;
+    if (t->answer == LAC_CANNOT_TELL) {
+        (void)snprintf(reason, LAC_FORECAST_TEXT, "cannot tell whether it accelerates: %s",
+                       t->reason);
+    } else if (t->answer == LAC_DOES_NOT) {
+        (void)snprintf(reason, LAC_FORECAST_TEXT,
+                       "no acceleration: over the last %zu readings the rate, %.3g mm/day, rose by "
+                       "%.2g with an error of %.2g mm/day (p %.2g)",
+                       t->n, mm_day * t->rate, mm_day * t->rise, mm_day * t->error, t->p);
+    }
+    return t->answer == LAC_DOES;
+}
+
+// What stands before any method: whether the readings make sense, and the slope accelerates.
 // @param reason  [LAC_FORECAST_TEXT] why no method is asked; "": all are
-static void pass_gates(const lac_forecast_def *def, lac_forecast_set *o, char *reason)
+// @return whether methods can be asked, were there not the reason
+static bool pass_gates(const lac_forecast_def *def, lac_forecast_set *o, char *reason)
 {
     const lac_motion *m = o->motion;
-    char no_onset[LAC_FORECAST_TEXT] = "";
-    const size_t intervals = last_intervals(def, m);
-    const bool onset = has_onset(def, m, no_onset);
-    reason[0] = '\0';
-    o->window_start = def->since;
+    char none[LAC_FORECAST_TEXT] = "";
+    const bool rising = def->onset ? has_onset(def, m, none) : rises(&o->verdict.trend, none);
+    bool sound = false;
+    o->window_start = !isnan(def->since) ? def->since
+                      : !def->onset      ? o->verdict.trend.start
+                      : rising           ? start_of(def, m)
+                                         : NAN;
     if (m->disbelieved > 0) {
         (void)snprintf(reason, LAC_FORECAST_TEXT,
                        "falls and rises: %zu of %zu readings would be resets of the sensor, too "
@@ -182,20 +176,17 @@ static void pass_gates(const lac_forecast_def *def, lac_forecast_set *o, char *r
                        "out of range: velocities or displacements come above %.0e m/s or m, or all "
                        "stay below %.0e",
                        beyond, 1.0 / beyond);
-    } else if (!onset && (isnan(def->since) || m->velocities == 0)) {
-        (void)snprintf(reason, LAC_FORECAST_TEXT, "%s", no_onset);
-    } else if (!onset && !is_curved(m, def->since, reason)) {
-        // it says why
-    } else if (is_lost_in_noise(m, intervals)) {
-        (void)snprintf(reason, LAC_FORECAST_TEXT,
-                       "noise floor: the last %zu intervals moved it by no more than %.0f times "
-                       "the error, %.3g m",
-                       intervals, above_noise, sqrt(2.0) * m->noise);
-    } else if (isnan(def->since)) {
-        o->window_start = start_of(def, m);
+    } else {
+        sound = m->velocities > 0;
+        if (!rising && (isnan(def->since) || !sound)) {
+            (void)snprintf(reason, LAC_FORECAST_TEXT, "%s", none);
+        } else if (!rising) {
+            (void)is_curved(m, def->since, reason);
+        }
     }
     o->asked = reason[0] == '\0';
-    o->accelerating = onset && o->asked;
+    o->accelerating = rising && o->asked;
+    return sound && !isnan(o->window_start);
 }
 
 lac_forecast_def lac_forecast_default(void)
@@ -219,32 +210,47 @@ static lac_status check(const lac_forecast_def *def, const lac_readings *reading
     return LAC_OK;
 }
 
+// A method's answer, kept back where there is a reason.
+static lac_status answer(const lac_forecast_def *def, const lac_forecast_set *o,
+                         const lac_window *w, const char *reason, lac_forecast *f, lac_error *err)
+{
+    *f = (lac_forecast){
+        .kind = f->kind,
+        .issue_time = o->issue_time,
+        .window_start = NAN,
+        .time = NAN,
+        .raw_time = NAN,
+        .low50 = NAN,
+        .high50 = NAN,
+        .low90 = NAN,
+        .high90 = NAN,
+        .fit = {.remaining = NAN, .error = NAN, .rms = NAN, .misfit = NAN, .excess = NAN}};
+    if (w != NULL) {
+        LAC_TRY_RETURN(lac_forecast_ask(def, o->motion, w, f, err));
+    }
+    if (reason[0] != '\0') {
+        f->issued = false;
+        return lac_forecast_fit_refuse(&f->fit, "%s", reason);
+    }
+    lac_driver_temper(o, f);
+    return LAC_OK;
+}
+
 static lac_status forecast(lac_forecast_set *o, const lac_forecast_def *def, lac_error *err)
 {
     char reason[LAC_FORECAST_TEXT] = "";
     lac_window *w = NULL;
     lac_status status = LAC_OK;
-    pass_gates(def, o, reason);
-    if (o->asked) {
+    o->verdict.trend = lac_trend_find(o->motion);
+    const bool sound = pass_gates(def, o, reason);
+    if (o->asked || (def->all && sound)) {
         LAC_TRY(lac_window_create(o->motion, o->window_start, &w, err));
     }
     for (size_t k = 0; k < o->count; k++) {
-        lac_forecast *f = &o->forecast[k];
-        *f = (lac_forecast){.kind = lac_forecast_kind_of(def, k),
-                            .issue_time = o->issue_time,
-                            .window_start = NAN,
-                            .time = NAN,
-                            .low50 = NAN,
-                            .high50 = NAN,
-                            .low90 = NAN,
-                            .high90 = NAN,
-                            .fit = {.remaining = NAN, .error = NAN, .rms = NAN, .misfit = NAN}};
-        memcpy(f->fit.reason, reason, sizeof reason);
-        if (o->asked) {
-            LAC_TRY(lac_forecast_ask(def, o->motion, w, f, err));
-            lac_driver_temper(o, f);
-        }
+        o->forecast[k].kind = lac_forecast_kind_of(def, k);
+        LAC_TRY(answer(def, o, w, reason, &o->forecast[k], err));
     }
+    lac_verdict_find(def, o);
 out:
     free(w);
     return status;

@@ -140,9 +140,8 @@ static void judge(lac_projection *self, const gsl_multifit_nlinear_workspace *wo
     fit->remaining = exp(p[0]);
     fit->error = sqrt(fmax(0.0, self->covariance[0][0]));
     fit->points = w->n;
-    fit->rms = sqrt(sum / (double)w->n);
     fit->rms_unit = "m";
-    fit->misfit = fit->rms / (high - low);
+    lac_forecast_fit_weigh(fit, sqrt(sum / (double)w->n), high - low, w->error, free);
     if (fit->remaining > -farthest * w->time[0]) {
         (void)lac_forecast_fit_refuse(fit, "no finite time fits better than one %.0f windows away",
                                       farthest);

@@ -5,6 +5,7 @@
 #include <stdio.h>
 
 #include "base/rows.h"
+#include "base/statistics.h"
 #include "forecast/kinds.h"
 
 static const lac_forecast_kind *const kinds[] = {
@@ -39,6 +40,14 @@ lac_status lac_forecast_fit_refuse(lac_forecast_fit *fit, const char *format, ..
     return LAC_OK;
 }
 
+void lac_forecast_fit_weigh(lac_forecast_fit *fit, double rms, double range, double noise,
+                            double free)
+{
+    fit->rms = rms;
+    fit->misfit = rms / range;
+    fit->excess = lac_unexplained(rms, noise, free) / range;
+}
+
 void lac_forecast_fit_add(lac_forecast_fit *fit, const char *key, double value)
 {
     if (fit->count < LAC_FORECAST_VALUES) {
@@ -67,7 +76,7 @@ const lac_forecast_kind lac_forecast_case = {
                  "0), run on to failure",
     .least = 5,
     .worst = 0.04,
-    .calibration = {0.01, -1.6448536269514722, -0.6744897501960817, 0.6744897501960817,
+    .calibration = {0.0, 0.01, -1.6448536269514722, -0.6744897501960817, 0.0, 0.6744897501960817,
                     1.6448536269514722},
 };
 
@@ -80,6 +89,7 @@ static lac_status fit_nothing(const lac_window *w, lac_forecast_fit *fit, lac_er
     fit->error = 0.0;
     fit->rms = NAN;
     fit->misfit = 0.0;
+    fit->excess = 0.0;
     fit->points = w->n;
     return LAC_OK;
 }
@@ -92,7 +102,7 @@ const lac_forecast_kind lac_forecast_persistence = {
     .least = 1,
     .baseline = true,
     .worst = 1.0,
-    .calibration = {1.0, -2.9444389791664403, -1.0986122886681098, 1.0986122886681098,
+    .calibration = {0.0, 1.0, -2.9444389791664403, -1.0986122886681098, 0.0, 1.0986122886681098,
                     2.9444389791664403},
     .fit = fit_nothing,
 };
@@ -103,17 +113,16 @@ static const lac_forecast_gate gates[] = {
                "(--raw takes them as they are)"},
     {"range",
      "of any method: a velocity or displacement above 1e150 m/s or m, or all below 1e-150"},
-    {"readings",
-     "of any method: fewer velocities than the long mean of the onset is of (7); not with --since"},
-    {"acceleration", "of any method: the mean of the last 3 velocities is not above that of the "
-                     "last 7 (--onset) by more than the numbers' last digits; with --since: nor "
-                     "are the readings since then off a steady motion by more than these"},
-    {"noise", "of any method: the last 3 intervals, or those that --smooth takes where more, moved "
-              "the slope by no more than 3 errors of a difference of two readings"},
+    {"acceleration", "of any method: the rate does not rise, or noise forbids to say so, by a test "
+                     "of its trend in units of its error (p 0.01); with --onset S,L: the mean of "
+                     "the last S velocities is not above that of the last L; with --since: all "
+                     "readings since then are those of a steady motion but for the last digits"},
     {"points", "fewer readings or velocities since the onset than the method needs"},
     {"fit", "no time of failure follows from the fit, or one that is over"},
     {"misfit",
-     "rms of the residuals over the range of what was fitted above what the method may have"},
+     "what of the rms of the residuals the measured noise does not explain (sqrt(rms^2 - noise^2), "
+     "0 where chi-square allows it) over the range of what was fitted above what the method may "
+     "have"},
     {"vagueness", "standard error of ln(tc - t) above 1.5"},
     {"driver", "of any method but the baseline and --case: a --driver explains the rate, "
                "and what remains does not accelerate"},

@@ -9,7 +9,7 @@
 #include "base/roots.h"
 #include "forecast/kinds.h"
 
-enum { HALVINGS = 200 };
+enum { HALVINGS = 200, POINTS = 3 };
 static const double widest = 1e6; // remaining time over the window's length
 
 // The left side less the right; t3 = 0. Falls as tc grows.
@@ -45,52 +45,94 @@ static size_t middle_reading(const lac_window *w)
     return best;
 }
 
-// Rms of all readings of the window about the curve through the three.
-static void judge(const lac_window *w, double scale, lac_forecast_fit *fit)
+// The log law through three readings.
+typedef struct curve {
+    double start, rest; // first time, last displacement
+    double remaining, scale;
+} curve;
+
+// Through them as they are, or with one of them, `which` of POINTS, moved.
+static curve curve_of(const lac_window *w, int which, double by)
 {
-    const double *d = w->displacement;
-    double squares = 0.0;
+    const size_t middle = middle_reading(w);
+    const double d[POINTS] = {w->displacement[0] + (which == 0 ? by : 0.0),
+                              w->displacement[middle] + (which == 1 ? by : 0.0),
+                              w->displacement[w->n - 1] - (which == 2 ? by : 0.0)};
+    curve c = {.start = w->time[0],
+               .rest = d[2],
+               .remaining = solve(w->time[0], w->time[middle], d[0], d[1], d[2])};
+    c.scale = (d[2] - d[0]) / log1p(-c.start / c.remaining);
+    return c;
+}
+
+static double value_at(const curve *c, double t)
+{
+    return c->rest - c->scale * log1p(-t / c->remaining);
+}
+
+// Mean square between two of them; 0 where one cannot be had.
+static double square_off(const lac_window *w, const curve *a, const curve *b)
+{
+    double square = 0.0;
     for (size_t i = 0; i < w->n; i++) {
-        const double model =
-            d[0] + scale * log((fit->remaining - w->time[0]) / (fit->remaining - w->time[i]));
-        squares += (d[i] - model) * (d[i] - model);
+        const double off = value_at(a, w->time[i]) - value_at(b, w->time[i]);
+        square += off * off / (double)w->n;
     }
-    fit->points = 3;
-    fit->rms = sqrt(squares / (double)w->n);
+    return isfinite(square) ? square : 0.0;
+}
+
+// All readings of the window about the curve. Their noise is in what they are off it, and in the
+// three that it goes through, each of which counts as one degree of freedom.
+static void judge(const lac_window *w, const curve *c, lac_forecast_fit *fit)
+{
+    const double n = (double)w->n;
+    double squares = 0.0;
+    double noise = 0.0;
+    double spread = 0.0; // variance of `noise`, halved
+    curve moved[POINTS];
+    for (int k = 0; k < POINTS; k++) {
+        moved[k] = curve_of(w, k, w->noise);
+    }
+    for (size_t i = 0; i < w->n; i++) {
+        const double off = w->displacement[i] - value_at(c, w->time[i]);
+        const double error = w->error / w->weight[i];
+        squares += off * off / n;
+        noise += error * error / n;
+    }
+    spread = noise * noise / (n - POINTS);
+    for (int k = 0; k < POINTS; k++) {
+        const double part = square_off(w, c, &moved[k]);
+        noise += part;
+        spread += part * part;
+    }
+    fit->points = POINTS;
     fit->rms_unit = "m";
-    fit->misfit = fit->rms / fabs(d[w->n - 1] - d[0]);
+    lac_forecast_fit_weigh(fit, sqrt(squares), fabs(c->rest - w->displacement[0]), sqrt(noise),
+                           noise * noise / spread);
 }
 
 static lac_status fit_three(const lac_window *w, lac_forecast_fit *fit, lac_error *err)
 {
-    const double *t = w->time;
-    const double *d = w->displacement;
-    const size_t k = middle_reading(w);
-    const double end = d[w->n - 1];
     (void)err;
-    if (!(t[w->n - 1] == 0.0)) {
+    if (!(w->time[w->n - 1] == 0.0)) {
         return lac_forecast_fit_refuse(fit, "the last reading has no displacement");
     }
-    fit->remaining = solve(t[0], t[k], d[0], d[k], end);
+    const curve c = curve_of(w, POINTS, 0.0);
+    fit->remaining = c.remaining;
     if (isnan(fit->remaining)) {
         return lac_forecast_fit_refuse(
             fit, "the second half of the displacement took longer than the first");
     }
-    const double scale = (end - d[0]) / log1p(-t[0] / fit->remaining);
-    judge(w, scale, fit);
+    judge(w, &c, fit);
     // each of the three readings moved by the noise, or by the curve's misfit where that is larger
-    const double noise = fmax(isnan(w->noise) ? 0.0 : w->noise, fit->rms);
-    const double at = log(fit->remaining);
-    const double moved[3] = {log(solve(t[0], t[k], d[0] + noise, d[k], end)),
-                             log(solve(t[0], t[k], d[0], d[k] + noise, end)),
-                             log(solve(t[0], t[k], d[0], d[k], end - noise))};
+    const double by = fmax(isnan(w->noise) ? 0.0 : w->noise, fit->rms);
     double variance = 0.0;
-    for (int i = 0; i < 3; i++) {
-        const double step = isfinite(moved[i]) ? moved[i] - at : 1.0;
-        variance += step * step;
+    for (int k = 0; k < POINTS; k++) {
+        const double step = log(curve_of(w, k, by).remaining) - log(c.remaining);
+        variance += isfinite(step) ? step * step : 1.0;
     }
     fit->error = sqrt(variance);
-    lac_forecast_fit_add(fit, "scale_m", scale);
+    lac_forecast_fit_add(fit, "scale_m", c.scale);
     return LAC_OK;
 }
 
@@ -103,6 +145,6 @@ const lac_forecast_kind lac_forecast_saito = {
     .least = 5,
     .displacements = true,
     .worst = 0.04,
-    .calibration = {1.2, -1.093, -0.661, -0.210, 0.013},
+    .calibration = {0.0, 1.2, -1.093, -0.661, -0.4355, -0.210, 0.013},
     .fit = fit_three,
 };

@@ -1,11 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What an engineer is told first: where the slope is, whether it accelerates, what the methods
-// agree on, and the level that follows.
+// agree on, and the level that follows. It knows the motion and the forecasts of one time alone,
+// so that it is the same whatever was asked before.
+#include <gsl/gsl_cdf.h>
 #include <math.h>
+#include <stdio.h>
 
+#include "base/statistics.h"
 #include "forecast/kinds.h"
 
 static const double day = 86400.0;
+static const double sparse = 10.0;       // days: intervals from which odds count alone
+static const double asked_below = 0.05;  // p of a rise above which the odds are not asked
+static const double stretched = 1.5;     // a span's length at most, over what it should be
+static const double few_intervals = 2.0; // that a horizon is of at least
 
 const lac_span lac_spans[LAC_SPANS] = {
     {"step", 0.0}, {"day", 86400.0}, {"week", 7.0 * 86400.0}, {"month", 30.0 * 86400.0}};
@@ -26,7 +34,7 @@ lac_levels lac_levels_default(void)
 {
     return (lac_levels){.watch_p = 0.01,
                         .odds = 1.0,
-                        .odds_dense = 1.3,
+                        .odds_dense = 2.0,
                         .odds_sudden = 3.0,
                         .running = 2.0,
                         .hold = 2.0,
@@ -36,4 +44,212 @@ lac_levels lac_levels_default(void)
                         .watch_rate = INFINITY,
                         .warning_rate = INFINITY,
                         .alarm_rate = INFINITY};
+}
+
+// The last reading at or before a time, of n that begin before it.
+static size_t reading_at(const lac_motion *m, size_t n, double time)
+{
+    size_t low = 0, high = n - 1;
+    while (low < high) {
+        const size_t middle = low + (high - low + 1) / 2;
+        low = m->time[middle] <= time ? middle : low;
+        high = m->time[middle] <= time ? high : middle - 1;
+    }
+    return low;
+}
+
+// Mean rate over a span that ends with reading `last`; NaN where readings are too far apart.
+// @param first  the reading that it begins with
+static double rate_over(const lac_motion *m, size_t last, double length, size_t *first)
+{
+    const double end = m->time[last];
+    *first = last;
+    if (last == 0 || m->time[0] > end - length * (1.0 - 1e-9)) {
+        return NAN;
+    }
+    *first = length > 0.0 ? reading_at(m, last, end - length * (1.0 - 1e-9)) : last - 1;
+    const double took = end - m->time[*first];
+    return length > 0.0 && took > stretched * length
+               ? (double)NAN
+               : (m->displacement[last] - m->displacement[*first]) / took;
+}
+
+static void tell_rates(const lac_motion *m, lac_verdict *v)
+{
+    v->position = m->n > 0 ? m->displacement[m->n - 1] - m->displacement[0] : (double)NAN;
+    for (size_t k = 0; k < LAC_SPANS; k++) {
+        size_t first = 0, before = 0;
+        v->rate[k] = m->n > 0 ? rate_over(m, m->n - 1, lac_spans[k].length, &first) : (double)NAN;
+        v->change[k] = isnan(v->rate[k])
+                           ? (double)NAN
+                           : v->rate[k] - rate_over(m, first, lac_spans[k].length, &before);
+    }
+}
+
+// Chance of failure before `time`: through the quantiles, normal in ln of the remaining time.
+static double chance_before(const double *quantile, double now, double time)
+{
+    static const double normal[] = {-1.6448536269514722, -0.6744897501960817, 0.0,
+                                    0.6744897501960817, 1.6448536269514722};
+    const double x = log(time - now);
+    size_t k = 0;
+    while (k < 3 && x > log(quantile[k + 1] - now)) {
+        k++;
+    }
+    const double a = log(quantile[k] - now), b = log(quantile[k + 1] - now);
+    const double part = b > a ? (x - a) / (b - a) : x > a ? INFINITY : -INFINITY;
+    return gsl_cdf_ugaussian_P(normal[k] + part * (normal[k + 1] - normal[k]));
+}
+
+// Each quantile of the pool is the median of the methods' own.
+static void pool(const lac_forecast_set *o, lac_verdict *v)
+{
+    enum { QUANTILES = 5, MOST = 32 };
+    for (int q = 0; q < QUANTILES; q++) {
+        double one[MOST];
+        size_t n = 0;
+        for (size_t k = 0; k < o->count && n < MOST; k++) {
+            const lac_forecast *f = &o->forecast[k];
+            const double own[QUANTILES] = {f->low90, f->low50, f->time, f->high50, f->high90};
+            if (f->issued && !f->kind->baseline) {
+                one[n++] = own[q];
+            }
+        }
+        v->issued = n;
+        v->pooled[q] = lac_median(n, one);
+    }
+    for (size_t k = 0; k < o->count; k++) {
+        const lac_forecast *f = &o->forecast[k];
+        v->near += f->issued && !f->kind->baseline && f->time <= o->issue_time + v->horizon ? 1 : 0;
+    }
+    v->chance = v->issued > 0 ? chance_before(v->pooled, o->issue_time, o->issue_time + v->horizon)
+                              : (double)NAN;
+}
+
+// From odds_dense at a day and less to nothing at ten.
+static double needed(const lac_levels *l, double interval)
+{
+    const double days = fmax(1.0, fmin(sparse, interval / day));
+    return l->odds + l->odds_dense * (1.0 - log(days) / log(sparse));
+}
+
+// Odds as of `back` readings ago; NaN where the rate did not rise then.
+static double odds_of(const lac_motion *m, size_t back)
+{
+    lac_motion past = *m;
+    if (m->n <= back) {
+        return NAN;
+    }
+    past.n -= back;
+    past.velocities = m->velocities > back ? m->velocities - back : 0;
+    return lac_trend_find(&past).p < asked_below ? lac_evidence_find(&past, past.n) : (double)NAN;
+}
+
+// How many readings ago the odds were high enough last, for as long as that holds.
+// @return whether they were
+static bool warns(const lac_levels *l, const lac_motion *m, lac_verdict *v, size_t *ago)
+{
+    const size_t running = (size_t)l->running, hold = (size_t)l->hold;
+    size_t run = 0;
+    for (size_t back = 0; back < hold + running && back - run <= hold; back++) {
+        const double odds = odds_of(m, back);
+        v->log_odds = back == 0 ? odds : v->log_odds;
+        if (odds >= v->needed + l->odds_sudden) {
+            *ago = back - run;
+            return true;
+        }
+        run = odds >= v->needed ? run + 1 : 0;
+        if (run == running) {
+            *ago = back + 1 - run;
+            return true;
+        }
+    }
+    return false;
+}
+
+#define RULE(v, ...) (void)snprintf((v)->rule, sizeof(v)->rule, __VA_ARGS__)
+
+// By the rate alone, where levels name one.
+static lac_level level_of_rate(const lac_levels *l, lac_verdict *v)
+{
+    const double limit[] = {l->watch_rate, l->warning_rate, l->alarm_rate};
+    const double rate = isnan(v->rate[1]) ? v->rate[0] : v->rate[1];
+    int level = 0;
+    for (int k = 1; k <= 3; k++) {
+        level = rate >= limit[k - 1] ? k : level;
+    }
+    if (level > 0) {
+        RULE(v, "the rate over the last %s, %.3g mm/day, is at least %.3g mm/day",
+             isnan(v->rate[1]) ? "step" : "day", 1e3 * day * rate, 1e3 * day * limit[level - 1]);
+    }
+    return (lac_level)level;
+}
+
+// By the odds and the methods.
+static lac_level level_of_motion(const lac_levels *l, const lac_motion *m, lac_verdict *v)
+{
+    size_t ago = 0;
+    if (warns(l, m, v, &ago)) {
+        const bool alarm = v->issued > 0 && v->chance >= l->chance &&
+                           (double)v->near >= l->agree * (double)v->issued;
+        char when[64] = "";
+        if (ago > 0) {
+            (void)snprintf(when, sizeof when, " until %zu reading%s ago", ago, ago > 1 ? "s" : "");
+        }
+        if (alarm) {
+            RULE(
+                v,
+                "the motion follows a law that ends in failure%s, and %zu of %zu methods expect it "
+                "within %.3g days (chance %.0f %%)",
+                when, v->near, v->issued, v->horizon / day, 100.0 * v->chance);
+        } else {
+            RULE(v,
+                 "the motion follows a law that ends in failure%s rather than a line, a step or a "
+                 "new steady rate (ln odds at least %.2g)",
+                 when, v->needed);
+        }
+        return alarm ? LAC_ALARM : LAC_WARNING;
+    }
+    if (v->trend.p < l->watch_p) {
+        RULE(v,
+             "the rate rises (p %.1g), but a law that ends in failure is not yet told from a step "
+             "or a new steady rate",
+             v->trend.p);
+        return LAC_WATCH;
+    }
+    RULE(v, v->trend.answer == LAC_CANNOT_TELL ? "noise forbids to say whether the rate rises"
+                                               : "the rate does not rise");
+    return LAC_QUIET;
+}
+
+// A driver that explains the rate: what remains is no warning.
+static void heed_drivers(const lac_forecast_set *o, lac_verdict *v)
+{
+    for (size_t k = 0; k < o->effects && v->level > LAC_WATCH; k++) {
+        if (lac_driver_withholds(&o->effect[k])) {
+            v->level = LAC_WATCH;
+            RULE(v, "%.60s explains %.0f %% of the rate, and what remains does not accelerate",
+                 o->effect[k].driver->name, 100.0 * o->effect[k].share);
+        }
+    }
+}
+
+void lac_verdict_find(const lac_forecast_def *def, lac_forecast_set *o)
+{
+    const lac_levels *l = &def->levels;
+    const lac_motion *m = o->motion;
+    lac_verdict *v = &o->verdict;
+    const lac_trend trend = v->trend;
+    *v = (lac_verdict){.trend = trend,
+                       .log_odds = NAN,
+                       .needed = needed(l, m->interval),
+                       .horizon = fmax(l->horizon, m->n > 1 ? few_intervals * m->interval : 0.0)};
+    tell_rates(m, v);
+    pool(o, v);
+    v->level = level_of_motion(l, m, v);
+    heed_drivers(o, v);
+    lac_verdict by_rate = *v;
+    if (level_of_rate(l, &by_rate) > v->level) {
+        v->level = level_of_rate(l, v);
+    }
 }

@@ -35,8 +35,8 @@ const char *lac_level_name(lac_level level);
 /// What gives a level; docs/theory/forecasting.md says how they were chosen.
 typedef struct lac_levels {
     double watch_p;      ///< watch: p of a rising rate below it
-    double odds;         ///< warning: ln odds of a law that ends in failure, of 10 days' interval
-    double odds_dense;   ///< and so much more for each e-fold that the interval is shorter
+    double odds;         ///< warning: ln odds of a law that ends in failure
+    double odds_dense;   ///< and so much more where the interval is a day or less; of 10 days none
     double odds_sudden;  ///< and so much more where one reading alone says so
     double running;      ///< readings in a row that must say so, else
     double hold;         ///< readings that a level outlasts what gave it
@@ -80,4 +80,12 @@ typedef struct lac_verdict {
 /// Whether the rate rises, by a test of its trend in units of its standard error: robust to single
 /// bad readings, for any spacing.
 /// @cost  O(n) for n readings, below 1 ms of 2000
-lac_status lac_trend_find(const lac_motion *motion, lac_trend *out, lac_error *err);
+lac_trend lac_trend_find(const lac_motion *motion);
+
+/// ln odds that the first n readings of a motion follow a law that ends in failure within a quarter
+/// of the window, over the strongest of a line, a step that relaxes and a rate that goes over to
+/// another; in the window, of a third of the other in length each, in which they are highest. Mean
+/// likelihoods over grids of shapes, Voight's law (1988) with alpha from 1.3 to 3. NaN of fewer
+/// than 6 readings.
+/// @cost  some 5 ms
+double lac_evidence_find(const lac_motion *motion, size_t n);

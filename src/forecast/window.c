@@ -3,9 +3,10 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/statistics.h"
 #include "forecast/kinds.h"
 
-enum { WINDOW_READINGS = 200 };
+enum { WINDOW_READINGS = 200, STEPS = 5 };
 
 size_t lac_first_at(size_t n, const double *time, double start)
 {
@@ -40,7 +41,19 @@ static void take_group(const lac_motion *m, size_t first, size_t last, lac_windo
     }
 }
 
-// Displacements count from the first; weights have a mean of 1, so that residuals stay metres.
+// How often readings came of late: those of the motion, not their means.
+static double step_of(size_t n, const double *time)
+{
+    double step[STEPS];
+    size_t k = 0;
+    for (; k < STEPS && k + 1 < n; k++) {
+        step[k] = time[n - 1 - k] - time[n - 2 - k];
+    }
+    return k > 0 ? lac_median(k, step) : 0.0;
+}
+
+// Displacements count from the first; weights have a mean of 1, so that residuals stay metres. They
+// are one over the error where the noise is known.
 static void normalise(lac_window *w)
 {
     double mean = 0.0;
@@ -52,6 +65,7 @@ static void normalise(lac_window *w)
     for (size_t i = 0; i < n; i++) {
         w->weight[i] /= mean;
     }
+    w->error = w->noise > 0.0 ? 1.0 / mean : (double)NAN;
 }
 
 static void fill(const lac_motion *m, double start, lac_window *w)
@@ -69,6 +83,7 @@ static void fill(const lac_motion *m, double start, lac_window *w)
     }
     for (size_t i = lac_first_at(m->velocities, m->velocity_time, start); i < m->velocities; i++) {
         w->velocity_time[w->velocities] = m->velocity_time[i] - w->now;
+        w->velocity_error[w->velocities] = m->velocity_error[i];
         w->velocity[w->velocities++] = m->velocity[i];
     }
 }
@@ -78,20 +93,23 @@ static void fill(const lac_motion *m, double start, lac_window *w)
 lac_status lac_window_create(const lac_motion *m, double start, lac_window **out, lac_error *err)
 {
     lac_window *w =
-        calloc(1, sizeof *w + (3 * (WINDOW_READINGS + 1) + 2 * m->velocities) * sizeof *w->time);
+        calloc(1, sizeof *w + (3 * (WINDOW_READINGS + 1) + 3 * m->velocities) * sizeof *w->time);
     *out = w;
     LAC_FAIL_MEMORY_IF(w == NULL, err);
     *w = (lac_window){.start = start,
                       .noise = m->noise,
+                      .error = NAN,
                       .resolution = m->resolution,
                       .integrated = m->integrated,
                       .time = (double *)(w + 1)};
     w->now = fmax(m->n > 0 ? m->time[m->n - 1] : -INFINITY,
                   m->velocities > 0 ? m->velocity_time[m->velocities - 1] : -INFINITY);
+    w->step = m->n > 1 ? step_of(m->n, m->time) : step_of(m->velocities, m->velocity_time);
     w->displacement = w->time + WINDOW_READINGS + 1;
     w->weight = w->displacement + WINDOW_READINGS + 1;
     w->velocity_time = w->weight + WINDOW_READINGS + 1;
     w->velocity = w->velocity_time + m->velocities;
+    w->velocity_error = w->velocity + m->velocities;
     fill(m, start, w);
     return LAC_OK;
 }

@@ -83,8 +83,10 @@ static const lac_variable of_issues[] = {
 #define MAYBE .flags = LAC_MISSING
 #define MAYBE_TIME .flags = (LAC_TIME | LAC_MISSING)
 static const lac_variable of_each[] = {
-    EACH("failure_time", F(REAL, time), "forecast time of failure", MAYBE_TIME,
-         .comment = "also where it is not issued, as far as the fit went"),
+    EACH("failure_time", F(REAL, time), "forecast time of failure: the calibrated median",
+         MAYBE_TIME, .comment = "also where it is not issued, as far as the fit went"),
+    EACH("failure_time_raw", F(REAL, raw_time), "time of failure that the method itself finds",
+         MAYBE_TIME, .comment = "also where it is not issued, as far as the fit went"),
     EACH("failure_time_low50", F(REAL, low50), "lower end of the 50 % interval", MAYBE_TIME),
     EACH("failure_time_high50", F(REAL, high50), "upper end of the 50 % interval", MAYBE_TIME),
     EACH("failure_time_low90", F(REAL, low90), "lower end of the 90 % interval", MAYBE_TIME),
@@ -94,6 +96,8 @@ static const lac_variable of_each[] = {
          .comment = "in m, of inv8, inv and slo in s/m: the residuals of inverse velocity; of a "
                     "case fitted to velocities in their logarithm"),
     EACH("misfit", F(REAL, fit.misfit), "rms of the residuals over the range of what was fitted",
+         MAYBE),
+    EACH("excess", F(REAL, fit.excess), "what of the misfit the noise of readings does not explain",
          MAYBE),
     EACH("relative_error", F(REAL, fit.error),
          "standard error of the logarithm of the remaining time, by the fit", MAYBE),
@@ -153,28 +157,28 @@ static const lac_variable of_set[] = {
 };
 
 // What is told of a forecast and of an indicator, at the last reading and at issue times.
-#define OF_FORECAST(in, over)                                                                 \
-    {.json = in "method", T(method)}, {.json = in "tc_s", F(REAL, time)},                     \
-        {.json = in "tc_date", F(REAL, time), DATE},                                          \
-        {.json = in "interval50_s", F(REAL, low50), .has = has50},                            \
-        {.json = in "interval50_s", F(REAL, high50)},                                         \
-        {.json = in "interval90_s", F(REAL, low90), .has = has90},                            \
-        {.json = in "interval90_s", F(REAL, high90)},                                         \
-        {.json = in "posterior_s", G(posterior0), .has = has_posterior},                      \
-        {.json = in "posterior_s", G(posterior1)}, {.json = in "posterior_s", G(posterior2)}, \
-        {.json = in "posterior_s", G(posterior3)}, {.json = in "posterior_s", G(posterior4)}, \
-        {.json = in "issued", F(BOOL, issued)}, {.json = in "reason", T(why)},                \
-        {.json = in "rms", F(REAL, fit.rms)}, {.json = in "rms_unit", F(TEXT, fit.rms_unit)}, \
-        {.json = in "misfit", F(REAL, fit.misfit)},                                           \
-        {.json = in "relative_error", F(REAL, fit.error)},                                    \
-        {.json = in "points", F(COUNT, fit.points)},                                          \
-        {.json = in "parameters{}",                                                           \
-         .dims = over " value",                                                               \
-         G(value),                                                                            \
-         .label = key,                                                                        \
-         .has = has_value},                                                                   \
-    {                                                                                         \
-        .json = in "at_end_of_range[]", .dims = over " value", T(end), .has = has_end         \
+#define OF_FORECAST(in, over)                                                                    \
+    {.json = in "method", T(method)}, {.json = in "tc_s", F(REAL, time)},                        \
+        {.json = in "tc_date", F(REAL, time), DATE}, {.json = in "tc_raw_s", F(REAL, raw_time)}, \
+        {.json = in "interval50_s", F(REAL, low50), .has = has50},                               \
+        {.json = in "interval50_s", F(REAL, high50)},                                            \
+        {.json = in "interval90_s", F(REAL, low90), .has = has90},                               \
+        {.json = in "interval90_s", F(REAL, high90)},                                            \
+        {.json = in "posterior_s", G(posterior0), .has = has_posterior},                         \
+        {.json = in "posterior_s", G(posterior1)}, {.json = in "posterior_s", G(posterior2)},    \
+        {.json = in "posterior_s", G(posterior3)}, {.json = in "posterior_s", G(posterior4)},    \
+        {.json = in "issued", F(BOOL, issued)}, {.json = in "reason", T(why)},                   \
+        {.json = in "rms", F(REAL, fit.rms)}, {.json = in "rms_unit", F(TEXT, fit.rms_unit)},    \
+        {.json = in "misfit", F(REAL, fit.misfit)}, {.json = in "excess", F(REAL, fit.excess)},  \
+        {.json = in "relative_error", F(REAL, fit.error)},                                       \
+        {.json = in "points", F(COUNT, fit.points)},                                             \
+        {.json = in "parameters{}",                                                              \
+         .dims = over " value",                                                                  \
+         G(value),                                                                               \
+         .label = key,                                                                           \
+         .has = has_value},                                                                      \
+    {                                                                                            \
+        .json = in "at_end_of_range[]", .dims = over " value", T(end), .has = has_end            \
     }
 #define P(kind_, field) LAC_HELD(kind_, lac_precursor, field)
 #define OF_INDICATOR(in, over)                                                            \
@@ -316,7 +320,9 @@ lac_status lac_forecast_describe(const lac_forecast_outcome *o, lac_dataset **ou
         {"kind", o->indicator_series != NULL ? o->indicator_series->kinds : 0},
         {"value", LAC_FORECAST_VALUES},
         {"doubt", o->series != NULL ? o->series->doubts : 0},
-        {"lead", LAC_LEADS}};
+        {"lead", LAC_LEADS},
+        {"span", LAC_SPANS},
+        {"quantile", LAC_FORECAST_LEVELS}};
     const lac_laid in_file[] = {
         {LAC_VARIABLES(of_methods, "method", size), first},
         {LAC_VARIABLES(of_readings, "reading", 0), m},
@@ -340,9 +346,11 @@ lac_status lac_forecast_describe(const lac_forecast_outcome *o, lac_dataset **ou
     for (size_t k = 0; k < o->indicators; k++) {
         LAC_TRY(add_indicator(*out, o, k, issues, err));
     }
+    LAC_TRY(o->readings != NULL ? lac_verdict_describe(&o->forecasts->verdict, *out, err) : LAC_OK);
     LAC_TRY(lac_dataset_add(*out, laid, sizeof laid / sizeof *laid, err));
     LAC_TRY(lac_drivers_describe(o->forecasts, o->readings != NULL, *out, err));
     LAC_TRY(o->readings != NULL ? add_json(*out, o, err) : LAC_OK);
+    LAC_TRY(lac_verdicts_describe(o, *out, err));
 out:
     return lac_dataset_described(out, status);
 }
@@ -350,15 +358,18 @@ out:
 lac_status lac_issue_describe(const lac_forecast_set *forecasts, bool dated, lac_dataset **out,
                               lac_error *err)
 {
-    const lac_extent dims[] = {{"method", forecasts->count}, {"value", LAC_FORECAST_VALUES}};
-    const lac_laid laid[] = {
-        {LAC_VARIABLES(of_set, "", 0), forecasts},
-        {LAC_VARIABLES(of_forecasts, "method", sizeof *forecasts->forecast), forecasts->forecast}};
+    const lac_extent dims[] = {
+        {"method", forecasts->count}, {"value", LAC_FORECAST_VALUES}, {"span", LAC_SPANS}};
+    const lac_laid when = {LAC_VARIABLES(of_set, "", 0), forecasts};
+    const lac_laid each = {LAC_VARIABLES(of_forecasts, "method", sizeof *forecasts->forecast),
+                           forecasts->forecast};
     lac_status status;
     LAC_TRY(lac_dataset_create("Forecasts of the time of failure at one time.", out, err));
     (*out)->clock = dated ? LAC_CLOCK_1970 : LAC_CLOCK_NONE;
     LAC_TRY(lac_dataset_dims(*out, dims, sizeof dims / sizeof *dims, err));
-    LAC_TRY(lac_dataset_add(*out, laid, sizeof laid / sizeof *laid, err));
+    LAC_TRY(lac_dataset_add(*out, &when, 1, err));
+    LAC_TRY(lac_verdict_describe(&forecasts->verdict, *out, err));
+    LAC_TRY(lac_dataset_add(*out, &each, 1, err));
 out:
     return lac_dataset_described(out, status);
 }

@@ -17,3 +17,11 @@ void lac_surrogate_red(size_t n, double phi, uint64_t seed, size_t index, double
 /// Adds what the drivers of a set of forecasts explain: variables over `reading`, and JSON.
 lac_status lac_drivers_describe(const lac_forecast_set *forecasts, bool json, lac_dataset *dataset,
                                 lac_error *err);
+
+/// Adds the JSON of one verdict, over `span`.
+lac_status lac_verdict_describe(const lac_verdict *verdict, lac_dataset *dataset, lac_error *err);
+
+/// Adds those of all issue times: variables over `issue`, `span` and `quantile`, the words of the
+/// last one, and JSON under `rolling`.
+lac_status lac_verdicts_describe(const lac_forecast_outcome *outcome, lac_dataset *dataset,
+                                 lac_error *err);

@@ -172,6 +172,24 @@ typedef struct lac_forecast_outcome {
     lac_skill *skill;                       ///< [methods]; NULL: no time of failure
 } lac_forecast_outcome;
 
+/// A time of its clock: "2015-07-05 09:54", or a number in the unit that the file counts in, of a
+/// run in the unit that reads best; "-" where there is none.
+/// @return text
+const char *lac_outcome_time(const lac_forecast_outcome *outcome, double t, char *text,
+                             size_t size);
+
+/// The verdict in words: the level and its rule, whether it accelerates, how far it moved, its rate
+/// over each span, when it fails; and bytes that hold any of these lines.
+enum { LAC_VERDICT_LINES = 5, LAC_VERDICT_LONGEST = 512 };
+
+/// What a line is about: "level" ...
+extern const char *const lac_verdict_about[LAC_VERDICT_LINES];
+
+/// One line of it, of the verdict at the last reading. Its dates say their zone.
+/// @return text
+const char *lac_verdict_line(const lac_forecast_outcome *outcome, size_t line, char *text,
+                             size_t size);
+
 /// Their variables, for a file or JSON; docs/format.md.
 /// @param outcome  with all that it points to must outlive the dataset
 lac_status lac_forecast_describe(const lac_forecast_outcome *outcome, lac_dataset **out,

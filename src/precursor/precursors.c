@@ -81,7 +81,7 @@ static void set_time_of_failure(const lac_forecast_set *o, lac_precursor_inputs 
     for (size_t k = 0; k < o->count; k++) {
         const lac_forecast *f = &o->forecast[k];
         if (f->kind->dates && f->issued) {
-            in->tc = f->time;
+            in->tc = f->raw_time; // what the law itself fits
             in->start = f->window_start;
         }
     }

@@ -251,6 +251,7 @@ static void write_issues(lac_page *page, const lac_stored_values *issue, char **
     static const char *const names[] = {"failure_time", "failure_time_low90", "failure_time_low50",
                                         "failure_time_high50", "failure_time_high90"};
     const lac_stored_values issued = lac_page_values(page, page->file, "issued");
+    const lac_stored_values raw = lac_page_values(page, page->file, "failure_time_raw");
     lac_stored_values time[sizeof names / sizeof *names];
     lac_json *json = &page->json;
     for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
@@ -270,10 +271,32 @@ static void write_issues(lac_page *page, const lac_stored_values *issue, char **
             lac_json_text(json, NULL, reason[at]);
             lac_json_open(json, NULL, '[');
             lac_json_close(json, ']');
+            if (raw.n == issue->n && raw.width == methods) {
+                lac_json_digits(json, NULL, raw.value[at] - issue->value[i], 6);
+            }
             lac_json_close(json, ']');
         }
         lac_json_close(json, ']');
     }
+}
+
+// When it fails by all methods together, from the time of issue.
+static void write_pooled(lac_page *page, const lac_stored_values *issue)
+{
+    const lac_stored_values pooled = lac_page_values(page, page->file, "pooled_time");
+    if (pooled.value == NULL || pooled.n != issue->n || pooled.width != LAC_FORECAST_LEVELS) {
+        return; // a file of an earlier version
+    }
+    lac_json_open(&page->json, "pooled", '[');
+    for (size_t i = 0; i < issue->n; i++) {
+        lac_json_open(&page->json, NULL, '[');
+        for (size_t k = 0; k < pooled.width; k++) {
+            lac_json_digits(&page->json, NULL, pooled.value[i * pooled.width + k] - issue->value[i],
+                            6);
+        }
+        lac_json_close(&page->json, ']');
+    }
+    lac_json_close(&page->json, ']');
 }
 
 void lac_page_stored_forecasts(lac_page *page, const char *key)
@@ -303,6 +326,7 @@ void lac_page_stored_forecasts(lac_page *page, const char *key)
         lac_json_open(&page->json, "forecast", '[');
         write_issues(page, &issue, reason, issued.width);
         lac_json_close(&page->json, ']');
+        write_pooled(page, &issue);
         lac_json_close(&page->json, '}');
     }
     free((void *)reason);

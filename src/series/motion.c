@@ -4,18 +4,19 @@
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/fail.h"
 #include "base/least_squares.h"
+#include "base/noise.h"
 #include "base/statistics.h"
 #include "series/motion.h"
 
 // In noises, unless said.
 static const double gap = 5.0; // median intervals
 static const double outlier = 8.0, fall = 10.0;
-static const double agree = 0.5;     // part of an outlier's distance
-static const double lost = 0.2;      // part of the way so far that a reset takes back
-static const double normal = 1.4826; // standard deviation over the median distance
+static const double agree = 0.5; // part of an outlier's distance
+static const double lost = 0.2;  // part of the way so far that a reset takes back
 static const double step_counts = 5.0, error_counts = 3.0, walk_counts = 2.0;
 
 enum { BELIEVED = 20 }; // of so many readings one may be a reset
@@ -37,15 +38,9 @@ static double find_noise(const lac_motion *m, double *work)
             work[n++] = m->sigma[i];
         }
     }
-    if (n > 0) {
-        return lac_median(n, work);
-    }
-    for (size_t i = 1; i + 1 < m->n && !m->integrated; i++) {
-        double scale;
-        double off = off_line(m, i - 1, i, i + 1, &scale);
-        work[n++] = fabs(off) / scale;
-    }
-    return normal * lac_median(n, work);
+    return n > 0           ? lac_median(n, work)
+           : m->integrated ? (double)NAN
+                           : lac_noise_of(m->n, m->time, m->displacement, work);
 }
 
 // Noise, intervals and gaps of the readings.
@@ -158,8 +153,9 @@ static bool clean(lac_motion *m)
     return m->resets <= 1 || BELIEVED * m->resets <= all;
 }
 
-static void add(lac_motion *m, double time, double velocity, double rounding)
+static void add(lac_motion *m, double time, double velocity, double rounding, double error)
 {
+    m->velocity_error[m->velocities] = error;
     m->rounding[m->velocities] = rounding + 4.0 * DBL_EPSILON * fabs(velocity);
     m->velocity_time[m->velocities] = time;
     m->velocity[m->velocities++] = velocity;
@@ -175,8 +171,17 @@ static void take_given(const lac_readings *r, lac_motion *m)
     const double sign = m->falling && sum < 0.0 ? -1.0 : 1.0;
     for (size_t i = 0; i < r->n; i++) {
         if (!isnan(r->velocity[i])) {
-            add(m, r->time[i], sign * r->velocity[i] + 0.0, r->velocity_digit); // no -0
+            add(m, r->time[i], sign * r->velocity[i] + 0.0, r->velocity_digit, NAN); // no -0
         }
+    }
+    const double noise =
+        lac_noise_of(m->velocities, m->velocity_time, m->velocity, m->velocity_error);
+    m->velocity_noise = noise < r->velocity_digit ? r->velocity_digit : noise;
+    lac_noise_at(m->velocities, m->velocity_time, m->velocity, m->velocity_noise,
+                 m->velocity_error);
+    for (size_t i = 0; i < m->velocities; i++) {
+        m->velocity_error[i] =
+            m->velocity_error[i] < r->velocity_digit ? r->velocity_digit : m->velocity_error[i];
     }
 }
 
@@ -198,12 +203,28 @@ static void take_secants(lac_motion *m)
     for (size_t i = 1; i < m->n; i++) {
         add(m, t[i - 1] + 0.5 * (t[i] - t[i - 1]),
             (m->displacement[i] - m->displacement[i - 1]) / (t[i] - t[i - 1]),
-            secant_rounding(m, i - 1, i));
+            secant_rounding(m, i - 1, i), hypot(m->error[i - 1], m->error[i]) / (t[i] - t[i - 1]));
     }
 }
 
+// Of the mean of velocities from `first` on. That of a reading which ends a secant and begins the
+// next one cancels where both are as long.
+static double mean_error(const lac_motion *m, size_t first, size_t points, bool secants)
+{
+    const double *t = m->time + first;
+    double squares = 0.0;
+    for (size_t j = 0; j <= points && secants; j++) {
+        const double part =
+            (j > 0 ? 1.0 / (t[j] - t[j - 1]) : 0.0) - (j < points ? 1.0 / (t[j + 1] - t[j]) : 0.0);
+        squares += part * part * m->error[first + j] * m->error[first + j];
+    }
+    return secants ? sqrt(squares) / (double)points
+                   : sqrt(lac_dot(points, m->velocity_error + first, m->velocity_error + first)) /
+                         (double)points;
+}
+
 // Means of `points` velocities each, in place.
-static void average(size_t points, lac_motion *m)
+static void average(size_t points, bool secants, lac_motion *m)
 {
     const size_t before = points - 1;
     if (m->velocities < points) {
@@ -222,6 +243,7 @@ static void average(size_t points, lac_motion *m)
         m->velocity_time[i] += time / (double)points;
         m->velocity[i] = sum / (double)points;
         m->rounding[i] = sqrt(squares) / (double)points;
+        m->velocity_error[i] = mean_error(m, i, points, secants);
     }
     m->velocities -= before;
 }
@@ -235,6 +257,7 @@ static void add_slope(lac_motion *m, size_t first, size_t last)
     double mean = 0.0;
     double tt = 0.0;
     double td = 0.0;
+    double squares = 0.0;
     for (size_t i = 0; i < n; i++) {
         mean += (t[i] - t[0]) / (double)n;
     }
@@ -242,8 +265,9 @@ static void add_slope(lac_motion *m, size_t first, size_t last)
         const double x = t[i] - t[0] - mean;
         tt += x * x;
         td += x * (d[i] - d[0]);
+        squares += x * x * m->error[first + i] * m->error[first + i];
     }
-    add(m, t[0] + mean, td / tt, secant_rounding(m, first, last));
+    add(m, t[0] + mean, td / tt, secant_rounding(m, first, last), sqrt(squares) / tt);
 }
 
 // Windows reach a whole `window` back, and hold two readings or more.
@@ -260,7 +284,21 @@ static void take_windows(double window, lac_motion *m)
     }
 }
 
-// Slope at its last reading of the polynomial through `points` readings.
+// Powers of the time before the last of `points` readings, in spans of them. @return the span
+static double fill_powers(size_t points, size_t k, const double *t, double *columns)
+{
+    const double span = t[points - 1] - t[0];
+    for (size_t i = 0; i < points; i++) {
+        double power = 1.0;
+        for (size_t j = 0; j < k; j++, power *= (t[i] - t[points - 1]) / span) {
+            columns[j * points + i] = power;
+        }
+    }
+    return span;
+}
+
+// Slope at its last reading of the polynomial through `points` readings. Its error is that of a
+// reading over the part of its column that the others do not explain.
 static lac_status take_polynomials(size_t points, size_t order, lac_motion *m, lac_error *err)
 {
     const size_t k = order + 1;
@@ -269,19 +307,18 @@ static lac_status take_polynomials(size_t points, size_t order, lac_motion *m, l
     LAC_FAIL_MEMORY_IF(columns == NULL, err);
     double *y = columns + k * points;
     for (size_t last = points - 1; last < m->n; last++) {
-        const double *t = m->time + (last + 1 - points);
-        const double span = t[points - 1] - t[0];
-        for (size_t i = 0; i < points; i++) {
-            double power = 1.0;
-            for (size_t j = 0; j < k; j++, power *= (t[i] - t[points - 1]) / span) {
-                columns[j * points + i] = power;
-            }
-            y[i] = m->displacement[last + 1 - points + i];
-        }
+        const size_t first = last + 1 - points;
+        const double span = fill_powers(points, k, m->time + first, columns);
+        memcpy(y, columns + points, points * sizeof *y);
+        memmove(columns + points, columns + 2 * points, (k - 2) * points * sizeof *columns);
+        const double own = lac_least_squares(points, k - 1, columns, y, c);
+        (void)fill_powers(points, k, m->time + first, columns);
+        memcpy(y, m->displacement + first, points * sizeof *y);
         (void)lac_least_squares(points, k, columns, y, c);
         // |p'| <= 2 k^2 max|p|/span of a polynomial of order k (Markov)
         add(m, m->time[last], c[1] / span,
-            (double)(order * order) * secant_rounding(m, last + 1 - points, last));
+            (double)(order * order) * secant_rounding(m, first, last),
+            m->error[last] / (sqrt(own) * span));
     }
     free(columns);
     return LAC_OK;
@@ -302,7 +339,7 @@ static lac_status differentiate(const lac_motion_def *def, const lac_readings *r
         take_secants(m);
     }
     if (def->smoothing == LAC_SMOOTH_AVERAGE) {
-        average(def->points, m);
+        average(def->points, readings->velocity == NULL, m);
     }
     return LAC_OK;
 }
@@ -401,13 +438,23 @@ static void take(const lac_motion_def *def, const lac_readings *r, lac_motion *m
     turn(m);
 }
 
+// Of each displacement; a signal over decades has no more where it is weak than it shows there.
+static void find_errors(lac_motion *m)
+{
+    lac_noise_at(m->n, m->time, m->displacement, m->noise, m->error);
+    for (size_t i = 0; i < m->n; i++) {
+        const double least = m->integrated ? 0.0 : m->resolution;
+        m->error[i] = m->sigma[i] > 0.0 ? m->sigma[i] : m->error[i] < least ? least : m->error[i];
+    }
+}
+
 lac_status lac_motion_create(const lac_motion_def *def, const lac_readings *readings,
                              lac_motion **out, lac_error *err)
 {
     const size_t n = readings->n;
     *out = NULL;
     LAC_TRY_RETURN(check(def, readings, err));
-    lac_motion *m = calloc(1, sizeof *m + 6 * n * sizeof *m->time);
+    lac_motion *m = calloc(1, sizeof *m + 8 * n * sizeof *m->time);
     LAC_FAIL_MEMORY_IF(m == NULL, err);
     m->time = (double *)(m + 1);
     m->displacement = m->time + n;
@@ -415,7 +462,11 @@ lac_status lac_motion_create(const lac_motion_def *def, const lac_readings *read
     m->velocity_time = m->sigma + n;
     m->velocity = m->velocity_time + n;
     m->rounding = m->velocity + n;
+    m->velocity_error = m->rounding + n;
+    m->error = m->velocity_error + n;
+    m->velocity_noise = NAN;
     take(def, readings, m);
+    find_errors(m);
     const lac_status status = differentiate(def, readings, m, err);
     if (status != LAC_OK) {
         lac_motion_free(m);

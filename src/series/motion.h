@@ -41,10 +41,16 @@ typedef struct lac_motion {
     double *time;         ///< [n] [s]; all arrays lie in one piece with the motion
     double *displacement; ///< [n] [m] outliers dropped, resets taken out, turned where it falls
     double *sigma;        ///< [n] [m], NaN where not known
+    double *error; ///< [n] standard error of each: sigma, else the noise there [m]; NaN where it
+                   ///< cannot be told
     size_t velocities;
-    double *velocity_time; ///< [velocities] [s]
-    double *velocity;      ///< [velocities] [m/s]
-    double *rounding;      ///< [velocities] how far the last digits may move each [m/s]
+    double *velocity_time;  ///< [velocities] [s]
+    double *velocity;       ///< [velocities] [m/s]
+    double *rounding;       ///< [velocities] how far the last digits may move each [m/s]
+    double *velocity_error; ///< [velocities] standard error of each by the noise of what it is of
+                            ///< [m/s]; NaN where that cannot be told
+    double velocity_noise; ///< standard deviation of one velocity as given, at least its last digit
+                           ///< [m/s]; NaN: they are of displacements, or it cannot be told
     double noise;      ///< standard deviation of one displacement, at least its resolution [m]; NaN
                        ///< where it cannot be told
     double resolution; ///< last digit of a displacement, or of a double [m]
@@ -60,9 +66,9 @@ typedef struct lac_motion {
 /// its neighbours by more than 8 times the noise and they agree with each other; a fall of more
 /// than 10 times the noise and a fifth of the way so far is a reset of the sensor, across which the
 /// slope is taken to have gone on as before, or an outlier while it is the last reading. The noise
-/// is that of `sigma`, else 1.4826 times the median distance of readings from the line between
-/// their neighbours, each over its own error; never less than the resolution of the numbers. More
-/// resets than one reading in twenty (one is always believed) are not: all stays as it was read.
+/// is that of `sigma`, else what readings scatter by themselves (base/noise.h); never less than the
+/// resolution of the numbers. More resets than one reading in twenty (one is always believed) are
+/// not: all stays as it was read.
 /// Readings that fall are turned: where the sum of their steps, none counted as more than five
 /// median ones, is below 0 by more than 3 errors of a difference of two readings.
 /// @return LAC_OK; LAC_EINPUT where the definition makes no sense; LAC_ENOMEM

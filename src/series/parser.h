@@ -51,7 +51,7 @@ typedef struct lac_parser {
     char dated_name[SHOWN]; ///< a column that has a date in the first row, and is not the time; ""
     char mark;              ///< decimal mark: '.', ',' or 0 while none has been seen
     lac_time_format format;
-    bool time_named, time_known, dated;
+    bool time_named, time_known, dated, zoned;
     size_t unit_line;                 ///< of the last row of units; 0: none
     size_t headers_again, again_line; ///< rows that repeat the header, and the first one's line
     const struct lac_units *units;

@@ -132,6 +132,7 @@ static lac_status parse_time(lac_parser *p, const char *field, double *time, lac
     }
     p->time_known = true;
     p->dated = dated;
+    p->zoned = dated && lac_time_format_zoned(&p->format, field);
     w->taken = p->format.any && !dated ? w->taken : NULL;
     if (dated && w->unit == NULL) {
         return LAC_OK;
@@ -425,7 +426,10 @@ static void describe(const lac_parser *p, lac_series *s)
     }
     s->velocity_digit = digit_of(&p->wanted[2]);
     s->time_unit = p->dated ? 0.0 : p->format.scale;
-    (void)snprintf(s->time_name, sizeof s->time_name, "%s", p->dated ? "" : p->format.unit);
+    (void)snprintf(s->time_name, sizeof s->time_name, "%s",
+                   p->zoned   ? "UTC"
+                   : p->dated ? ""
+                              : p->format.unit);
     note_doubts(p, s);
 }
 

@@ -102,8 +102,11 @@ static lac_status read_time(const series_file *file, int var, const char *name,
         }
     }
     s->time_unit = s->dated ? 0.0 : scale;
-    if (!s->dated && strlen(unit) < sizeof s->time_name) {
-        (void)snprintf(s->time_name, sizeof s->time_name, "%s", unit[0] == '\0' ? "s" : unit);
+    if (s->dated || strlen(unit) < sizeof s->time_name) {
+        (void)snprintf(s->time_name, sizeof s->time_name, "%s",
+                       s->dated          ? "UTC"
+                       : unit[0] == '\0' ? "s"
+                                         : unit);
     }
     LAC_TRY_RETURN(read_numbers(file, var, name, s->time, err));
     for (size_t i = 0; i < file->n; i++) {

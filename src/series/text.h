@@ -162,3 +162,6 @@ size_t lac_time_format_guess(const char *field, size_t most, char guess[][LAC_TI
 /// @return false where the field is no such time
 bool lac_time_format_take(const lac_time_format *format, const char *field, char mark,
                           double *seconds, bool *dated);
+
+/// Whether a date says its zone, so that it is not taken to be UTC for want of one.
+bool lac_time_format_zoned(const lac_time_format *format, const char *field);

@@ -329,6 +329,20 @@ size_t lac_time_format_guess(const char *field, size_t most, char guess[][LAC_TI
     return found;
 }
 
+bool lac_time_format_zoned(const lac_time_format *format, const char *field)
+{
+    enum { LONG = 6, SHORT = 3 }; // of "+01:00"
+    const size_t n = strlen(field);
+    if (format->pattern != NULL) {
+        return strstr(format->pattern, "%z") != NULL;
+    }
+    if (!format->any) { // numbers since long ago are a spreadsheet's, whose zone nobody knows
+        return format->offset >= 0.0 && !format->decimal_year;
+    }
+    return n > LONG && (field[n - 1] == 'Z' || (field[n - SHORT] == ':' && field[n - LONG] != 'T' &&
+                                                field[n - LONG] != ' ' && field[n - LONG] != ':'));
+}
+
 bool lac_time_format_take(const lac_time_format *format, const char *field, char mark,
                           double *seconds, bool *dated)
 {

@@ -17,6 +17,8 @@ typedef struct lac_station {
     uint64_t readings, late, doubled, old;
     double rate; ///< the last velocity [m/s]; NaN
     int issued, alarms;
+    lac_level level;
+    double chance; ///< of failure within the horizon; NaN
     bool accelerating;
 } lac_station;
 

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "base/temp_file.h"
+#include "case/levels.h"
 #include "watch/internal.h"
 
 enum { COLUMNS = 4, LONGEST = 1 << 20 };
@@ -77,6 +78,11 @@ static char *settings(const lac_watch *w)
     put_word(out, "onset", f->onset);
     (void)fprintf(out, "window.count: %" PRId64 "\nwindow.time: %.17g\nraw: %d\nstream: %d\n",
                   f->window_count, f->window_time, f->raw, f->stream);
+    for (size_t i = 0; i < lac_levels_table.param_count; i++) {
+        const lac_param *row = &lac_levels_table.params[i];
+        const double *value = (const void *)((const char *)&w->def.forecast.levels + row->offset);
+        (void)fprintf(out, "levels.%s: %.17g\n", row->key, *value);
+    }
     const bool failed = ferror(out) != 0;
     if (fclose(out) != 0 || failed) {
         free(made);
@@ -118,6 +124,8 @@ static lac_status put_station(archive *a, lac_watch *w, size_t i, lac_error *err
     PUT(a, s->rate);
     PUT(a, s->issued);
     PUT(a, s->alarms);
+    PUT(a, s->level);
+    PUT(a, s->chance);
     PUT(a, s->accelerating);
     return LAC_OK;
 }

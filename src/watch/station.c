@@ -58,7 +58,7 @@ lac_status lac_stations_find(lac_stations *s, const char *name, size_t most, lac
         free(made);
         return lac_fail_memory(err);
     }
-    made->rate = NAN;
+    made->rate = made->chance = NAN;
     memmove(s->at + at + 1, s->at + at, (s->n - at) * sizeof(lac_station *));
     s->at[at] = *out = made;
     s->n++;

@@ -19,6 +19,8 @@ static double rate(const lac_station *s) { return s->rate; }
 static double accelerating(const lac_station *s) { return s->accelerating ? 1.0 : 0.0; }
 static double issued(const lac_station *s) { return s->issued; }
 static double alarms(const lac_station *s) { return s->alarms; }
+static double level(const lac_station *s) { return s->level; }
+static double chance(const lac_station *s) { return s->chance; }
 static double readings(const lac_station *s) { return (double)s->readings; }
 static double late(const lac_station *s) { return (double)s->late; }
 static double doubled(const lac_station *s) { return (double)s->doubled; }
@@ -29,7 +31,10 @@ static const family families[] = {
     {"rate_meters_per_second", "gauge", "Last velocity.", rate},
     {"accelerating", "gauge", "1 where the slope accelerates.", accelerating},
     {"forecasts", "gauge", "Methods that issue a time of failure.", issued},
-    {"alarms", "gauge", "Methods whose 50 % interval ends within the horizon.", alarms},
+    {"alarms", "gauge", "Methods whose median lies within the horizon.", alarms},
+    {"level", "gauge", "0 quiet, 1 watch, 2 warning, 3 alarm.", level},
+    {"chance_within_horizon", "gauge", "Chance of failure within the horizon, of all methods.",
+     chance},
     {"readings_total", "counter", "Readings taken.", readings},
     {"late_total", "counter", "Of which came behind a later one.", late},
     {"doubled_total", "counter", "Dropped: there was one of that time.", doubled},

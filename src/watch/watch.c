@@ -79,20 +79,16 @@ static void say_dropped(lac_watch *w, const lac_station *s, const lac_line *l, b
     lac_json_close(&json, '}');
 }
 
-// What Prometheus is told. A method alarms where its 50 % interval ends within the horizon.
-static void note(lac_watch *w, const lac_forecast_set *set, lac_station *s)
+// What Prometheus is told.
+static void note(const lac_forecast_set *set, lac_station *s)
 {
     const lac_motion *m = set->motion;
     s->rate = m->velocities > 0 ? m->velocity[m->velocities - 1] : NAN;
     s->accelerating = set->accelerating;
-    s->issued = s->alarms = 0;
-    for (size_t k = 0; k < set->count; k++) {
-        const lac_forecast *f = &set->forecast[k];
-        if (f->issued && !f->kind->baseline) {
-            s->issued++;
-            s->alarms += f->high50 <= f->issue_time + w->def.fleet->horizon ? 1 : 0;
-        }
-    }
+    s->issued = (int)set->verdict.issued;
+    s->alarms = (int)set->verdict.near;
+    s->level = set->verdict.level;
+    s->chance = set->verdict.chance;
 }
 
 static lac_status forecast(lac_watch *w, lac_station *s, const lac_line *l, bool late,
@@ -109,7 +105,7 @@ static lac_status forecast(lac_watch *w, lac_station *s, const lac_line *l, bool
     lac_status status;
     LAC_TRY(lac_forecast_set_create(&w->def.forecast, &readings, &set, err));
     LAC_TRY(lac_issue_describe(set, w->dated, &issue, err));
-    note(w, set, s);
+    note(set, s);
     open_line(&json, s, l);
     if (late) {
         lac_json_boolean(&json, "late", true);

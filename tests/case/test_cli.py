@@ -829,7 +829,7 @@ class Describe(Case):
             self.assertLess(model["low90"], model["low50"])
             text = self.expect(0, "describe", "forecast", model["name"]).stdout
             self.assertIn(f"needs at least {model['needs_points']} readings", text)
-            self.assertIn(f"misfit of {model['worst_misfit']:g}", text)
+            self.assertIn(f"by more than {model['worst_excess']:g} of the range", text)
 
     def test_unknown(self):
         done = self.expect(2, "describe", "frction")

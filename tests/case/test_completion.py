@@ -115,7 +115,7 @@ class Completion(unittest.TestCase):
     def test_every_model(self):
         kinds = {kind["name"] for kind in self.models["kinds"]}
         sections = {section["name"] for section in self.models["sections"]}
-        self.assertEqual(self.offered("describe", ""), kinds | sections)
+        self.assertEqual(self.offered("describe", ""), kinds | sections | {"levels"})
         for kind in self.models["kinds"]:
             names = {model["name"] for model in kind["models"]}
             self.assertEqual(self.offered("describe", kind["name"], ""), names)

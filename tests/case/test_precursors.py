@@ -158,8 +158,8 @@ class Precursors(unittest.TestCase):
         found, fit = self.of(answer, "case"), self.fitted("--set", "fit.steps=0")
         start = seconds("2020-05-01T09:00")
         self.assertTrue(found["issued"], found["reason"])
-        self.assertAlmostEqual(found["tc_s"], start + fit["best_failure_time_s"], delta=1.0)
-        self.assertAlmostEqual(found["relative_error"] * (found["tc_s"] - answer["issue_time_s"]),
+        self.assertAlmostEqual(found["tc_raw_s"], start + fit["best_failure_time_s"], delta=1.0)
+        self.assertAlmostEqual(found["relative_error"] * (found["tc_raw_s"] - answer["issue_time_s"]),
                                fit["best_failure_error_s"], delta=1.0)
         low, high = found["interval90_s"]
         self.assertTrue(low < seconds("2020-08-12") < high)  # when it did fail
@@ -215,9 +215,10 @@ class Precursors(unittest.TestCase):
         for method in ("saito", "log", "voight", "block"):
             f = self.of(answer, method)
             self.assertTrue(f["issued"], f["reason"])
-            self.assertAlmostEqual(f["tc_s"] / 86400, 40, delta=0.3)
+            self.assertAlmostEqual(f["tc_raw_s"] / 86400, 40, delta=0.3)
             low, high = f["interval90_s"]
-            self.assertTrue(35 * 86400 < low < f["interval50_s"][0] < f["interval50_s"][1] < high)
+            told = [35 * 86400, low, f["interval50_s"][0], f["tc_s"], f["interval50_s"][1], high]
+            self.assertEqual(told, sorted(set(told)))
             self.assertIsNone(f["tc_date"])
         self.assertAlmostEqual(self.of(answer, "log")["parameters"]["scale_m"], 0.3, delta=1e-3)
         self.assertEqual(len(answer["rolling"]["issues"]), 36)
@@ -245,7 +246,7 @@ class Precursors(unittest.TestCase):
             self.assertEqual((answer["series"]["resets"], answer["series"]["resets_disbelieved"]), (0, 0))
             f = self.of(answer, "log")
             self.assertTrue(f["issued"], f["reason"])
-            self.assertAlmostEqual(f["tc_s"] / 86400, 120, delta=0.001 if noise == 0 else 2)
+            self.assertAlmostEqual(f["tc_raw_s"] / 86400, 120, delta=0.001 if noise == 0 else 2)
             self.assertIn("falls (settlement, line of sight)", self.call(*words).stdout)
         self.call(*words, "-o", "falls.nc")
         with netCDF4.Dataset(os.path.join(self.folder, "falls.nc")) as data:
@@ -279,7 +280,7 @@ class Precursors(unittest.TestCase):
         answer = self.ask("law.csv", "--displacement", "d:mm", "--time-format", "hour", "--since", "20 hour")
         for method in ("log", "block", "voight", "persistence"):
             self.assertTrue(self.of(answer, method)["issued"], method)
-        self.assertAlmostEqual(self.of(answer, "log")["tc_s"] / 3600, 240, delta=0.1)
+        self.assertAlmostEqual(self.of(answer, "log")["tc_raw_s"] / 3600, 240, delta=0.1)
 
     def test_numbers_of_netcdf_have_a_last_digit_too(self):
         law = numpy.array([float(row.split(",")[1]) for row in LOG_LAW[1:]])
@@ -326,7 +327,7 @@ class Precursors(unittest.TestCase):
         answer = self.ask(*words, "--since", "0 s")
         self.assertFalse(answer["accelerating"])
         self.assertEqual(answer["window_start_s"], 0)
-        self.assertAlmostEqual(self.of(answer, "log")["tc_s"] / 86400, 40, delta=1)
+        self.assertAlmostEqual(self.of(answer, "log")["tc_raw_s"] / 86400, 40, delta=1)
         self.assertIn("it does not accelerate", self.call(*words, "--since", "0 s").stdout)
 
     def test_times_are_in_the_unit_of_the_file(self):
@@ -370,9 +371,9 @@ class Precursors(unittest.TestCase):
                 for k, f in enumerate(issue["forecasts"]):
                     self.assertEqual(data["issued"][i, k], f["issued"])
                     self.assertEqual(data["reason"][i, k], f["reason"] or "")
-                    stored = data["failure_time"][i, k]
-                    self.assertEqual(None if numpy.ma.is_masked(stored) else float(stored),
-                                     f["tc_s"])
+                    for variable, key in (("failure_time", "tc_s"), ("failure_time_raw", "tc_raw_s")):
+                        stored = data[variable][i, k]
+                        self.assertEqual(None if numpy.ma.is_masked(stored) else float(stored), f[key])
             self.check_indicators(data, answer)
         done = subprocess.run([sys.executable, os.path.join(SOURCE, "tests/support/check_cf.py"),
                                "--status", "complete", path], text=True, capture_output=True,
@@ -429,7 +430,10 @@ class Precursors(unittest.TestCase):
         )
         for text, words in others:
             for a, b in zip(plain, written(text, *words)):
-                self.assertEqual((a["issued"], a["tc_date"]), (b["issued"], b["tc_date"]))
+                self.assertEqual(a["issued"], b["issued"])
+                self.assertEqual(a["tc_date"] is None, b["tc_date"] is None)
+                if a["tc_date"] is not None:  # an error of a fit knows fewer digits than its time
+                    self.assertLess(abs(seconds(a["tc_date"].strip("Z")) - seconds(b["tc_date"].strip("Z"))), 5)
 
     def test_a_run(self):
         case = os.path.join(SOURCE, "cases/block.yaml")
@@ -544,14 +548,20 @@ class Precursors(unittest.TestCase):
             at_once = [row for row in rows if len(row) > 4 and row[2] == "most methods that alarm at once"]
             self.assertTrue(all(int(row[4]) <= 1 for row in at_once))
 
-    def test_a_wall_that_rain_drove_is_no_undriven_one(self):
+    def test_eight_readings_of_a_wall_that_rain_drove(self):
+        """Their noise is a twelfth of the way since: it explains what a law is off, and is said."""
         data = os.path.join(SOURCE, "cases/data/century_prism_31-2008.csv")
         words = (data, "--displacement", "displacement_mm:mm", "--since", "2014-02-08T12:54")
         answer = self.ask(*words)
-        self.assertIn("bad fit", self.of(answer, "log")["reason"])
-        self.assertEqual(self.of(answer, "log")["tc_date"][:10], "2014-02-20")
+        log = self.of(answer, "log")
+        self.assertGreater(log["misfit"], 0.04)
+        self.assertEqual(log["excess"], 0)
+        self.assertEqual(log["tc_date"][:10], "2014-02-20")
+        step = numpy.median(numpy.diff([seconds(row.split(",")[0].strip("Z")) for row in open(data, encoding="utf-8")
+                                        if row[0] == "2"])[-5:])
+        self.assertGreaterEqual(log["interval90_s"][1] - log["interval90_s"][0], 0.999 * step)
         for f in answer["forecasts"]:
-            self.assertEqual(f["issued"], f["method"] == "persistence")
+            self.assertEqual(f["issued"], f["method"] in ("log", "persistence"))
 
 
 if __name__ == "__main__":

@@ -258,7 +258,7 @@ class Page(unittest.TestCase):
         select.send_keys(Keys.ARROW_DOWN)
         after = len(self.driver.find_elements(By.CSS_SELECTOR, "#forecasts circle.dot"))
         self.assertLess(after, before)
-        self.assertIn("may lie beside its method's time", self.driver.find_element(By.ID, "forecasts").text)
+        self.assertIn("calibrated on simulated failures", self.driver.find_element(By.ID, "forecasts").text)
         self.assertEqual(len(self.driver.find_elements(By.CSS_SELECTOR, "#forecasts tbody tr")), self.driver.execute_script("return page.data.forecasts.methods.length"))
 
     def test_nothing_strikes_out_a_label(self):

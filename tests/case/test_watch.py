@@ -412,8 +412,14 @@ class Watch(unittest.TestCase):
         issued = [f for f in last["forecasts"] if f["issued"] and f["method"] != "persistence"]
         self.assertGreater(len(issued), 2)
         self.assertEqual(int(value["lacuna_forecasts" + label]), len(issued))
-        near = [f for f in issued if f["interval50_s"][1] <= (39 + 20) * DAY]
+        near = [f for f in issued if f["tc_s"] <= (39 + 20) * DAY]
         self.assertEqual(int(value["lacuna_alarms" + label]), len(near))
+        level = ("quiet", "watch", "warning", "alarm").index(last["verdict"]["level"])
+        self.assertEqual(value["lacuna_level" + label], str(level))
+        self.assertGreater(level, 0)
+        self.assertTrue(0 <= float(value["lacuna_chance_within_horizon" + label]) <= 1)
+        self.assertEqual(value['lacuna_level{station="idle"}'], "0")
+        self.assertEqual(value['lacuna_chance_within_horizon{station="idle"}'], "NaN")
         self.assertEqual(value["lacuna_accelerating" + label], "1")
         at, moved = [r[1] for r in series[-4::2]], [round(r[2], 1) for r in series[-4::2]]
         self.assertAlmostEqual(float(value["lacuna_rate_meters_per_second" + label]),

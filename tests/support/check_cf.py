@@ -39,8 +39,10 @@ MAY_BE_MISSING = {"step_size", "order", "hierarchy_stiffness", "box_local_dimens
                   "critical_fraction_low", "critical_fraction_high", "run_critical_fraction",
                   "run_critical_fraction_low", "run_critical_fraction_high", "run_lambda",
                   "run_lambda_low", "run_lambda_high", "event_moment", "failure_time",
+                  "failure_time_raw",
                   "failure_time_low50", "failure_time_high50", "failure_time_low90",
-                  "failure_time_high90", "window_start", "rms", "misfit", "relative_error",
+                  "failure_time_high90", "window_start", "rms", "misfit", "excess",
+                  "relative_error",
                   "best_displacement", "predicted_displacement", "predicted_slip_rate",
                   "observed_displacement", "observed_slip_rate"}
 CELL_METHOD = re.compile(

@@ -77,6 +77,9 @@ static void test_null(void **state)
     REFUSES(lac_forecast_compute(NULL, NULL, &dataset, &err), "\"series\"");
     REFUSES(lac_forecast_compute(&none, NULL, NULL, &err), "\"out\"");
     REFUSES(lac_forecast_compute(&none, NULL, &dataset, &err), "no reading");
+    lac_forecast_options thresholds = lac_forecast_options_default();
+    thresholds.levels = BLOCK;
+    REFUSES(lac_forecast_compute(&none, &thresholds, &dataset, &err), "is no key here");
     REFUSES(lac_fit_series(NULL, "x.csv", &series, &err), "\"c\"");
     REFUSES(lac_fit_series(c, NULL, &series, &err), "\"path\"");
     REFUSES(lac_fit_compute(c, NULL, NULL, &dataset, &err), "\"series\"");

@@ -54,7 +54,7 @@ static void each_level_stands_for_those_near_it(void **state)
 {
     (void)state;
     static const double level[5] = {0.05, 0.25, 0.5, 0.75, 0.95};
-    const double quantile[5] = {1.0, 2.0, 6.0, 18.0, 40.0}; // 6 is between 2 and 18 in logarithms
+    const double quantile[5] = {1.0, 2.0, 7.0, 18.0, 40.0};
     issue(0, 100.0, quantile);
     for (size_t k = 0; k < 5; k++) {
         const double from = k > 0 ? 0.5 * (level[k - 1] + level[k]) : 0.0;

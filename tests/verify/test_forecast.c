@@ -47,7 +47,7 @@ static double off(const lac_forecast_set *o, const char *method)
     if (!f->issued) {
         fail_msg("%s: %s", method, f->fit.reason);
     }
-    return (f->time - tc) / (tc - f->issue_time);
+    return (f->raw_time - tc) / (tc - f->issue_time);
 }
 
 static void fill_times(size_t n)

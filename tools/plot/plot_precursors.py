@@ -5,15 +5,16 @@
     plot_precursors.py FORECASTS.nc [-o PICTURE.png]
 
 Displacement, rate and inverse rate, with the level at each time of issue as a band above them; what drives the slope,
-where the file holds it; the time left as forecast against the time of issue, with the 50 % intervals of each method, their
-90 % intervals together and, where the time of failure is known, the line of the truth; the failure windows of all methods
-at the last issue, 50 % and 90 %; the indicators at each time of issue, and the chance that each rises as much without a
+where the file holds it; the time left as forecast against the time of issue, with the 50 % intervals of each method, that
+of 90 % of all together and, where the time of failure is known, the line of the truth; the failure windows of all methods
+at the last issue, 50 % and 90 %, and theirs together; the indicators at each time of issue, and the chance that each rises as much without a
 cause, against the time left where it is known. `lacuna report` makes the same as a page.
 """
 
 import argparse
 import os
 import sys
+import textwrap
 
 # first: it says what is missing
 from figures import COLOURS, DAY, QUIET, date_ticks, np as numpy, open_file, plain_ticks, plt, save, stop, use_screen_style
@@ -70,6 +71,9 @@ class Forecasts:
             self.source = data.attrs["source_file"]
             self.level = take("alarm_level") if "alarm_level" in data.variables else None
             self.levels = data["alarm_level"].attrs["flag_meanings"].split() if self.level is not None else []
+            self.pooled = (take("pooled_time") - self.start) / DAY if "pooled_time" in data.variables else None
+            self.raw = (take("failure_time_raw") - self.start) / DAY if "failure_time_raw" in data.variables else None
+            self.verdict = data.attrs.get("verdict", "")
             self.drivers = drivers_of(data, self.start)
             self.sizes, self.chances = ({label: take(name) for label, name in names.items() if name in data.variables}
                                         for names in (SIZES, CHANCES))
@@ -153,7 +157,14 @@ def draw_driver(which):
 
 
 def draw_together(axes, f):
-    """The 90 % intervals of all methods but the baseline, as one."""
+    """The 90 % interval of all methods but the baseline: pooled, or of an older file all that theirs take in."""
+    if f.pooled is not None:
+        left = f.pooled - f.issue_time[:, None]
+        high = numpy.where(numpy.isnan(left[:, 4]) & numpy.isfinite(left[:, 0]), 1e9, left[:, 4])
+        axes.fill_between(f.issue_time, numpy.maximum(0, left[:, 0]), high, color=COLOURS[7], alpha=0.15, linewidth=0,
+                          label="90 %, all methods")
+        axes.plot(f.issue_time, left[:, 2], "-", color="k", linewidth=1.4, label="middle, all methods")
+        return
     ok = f.issued[:, :-1]
     low, high = (numpy.where(ok, times[:, :-1], numpy.nan) for times in (f.failure_time_low90, f.failure_time_high90))
     some = numpy.isfinite(low).any(axis=1)
@@ -202,6 +213,12 @@ def draw_windows(axes, f):
         over_time(axes, f)
         axes.set_yticks([])
         return
+    rows = list(f.methods[:-1])
+    if f.pooled is not None and numpy.isfinite(f.pooled[last, 2]):
+        rows.append("all")
+        for low, high, width in ((0, 4, 1), (1, 3, 5)):
+            axes.plot(f.pooled[last, [low, high]], [len(rows) - 1] * 2, color="k", linewidth=width, solid_capstyle="butt")
+        axes.plot(f.pooled[last, 2], len(rows) - 1, "w|", markersize=5)
     for k, method in enumerate(f.methods[:-1]):
         if not f.issued[last, k]:
             axes.text(f.issue_time[last], k, " not issued", va="center", fontsize=7)
@@ -212,12 +229,15 @@ def draw_windows(axes, f):
         axes.plot([f.failure_time_low50[last, k], f.failure_time_high50[last, k]], [k, k], color=colour,
                   linewidth=5, solid_capstyle="butt")
         axes.plot(f.failure_time[last, k], k, "k|", markersize=9)
+        if f.raw is not None:
+            axes.plot(f.raw[last, k], k, "kx", markersize=4)
     axes.axvline(f.issue_time[last], color="k", linewidth=0.8, linestyle=":")
     if f.failed is not None:
         axes.axvline(f.failed, color="k", linewidth=1, linestyle="--")
-    axes.set_yticks(range(len(f.methods) - 1), f.methods[:-1])
-    axes.set_ylim(len(f.methods) - 1.5, -0.5)
-    axes.set_title("failure windows at the last issue: 50 % (thick), 90 % (thin), | the fit", fontsize=9)
+    axes.set_yticks(range(len(rows)), rows)
+    axes.set_ylim(len(rows) - 0.5, -0.5)
+    raw = "" if f.raw is None else ", x by the fit itself"
+    axes.set_title(f"failure windows at the last issue: 50 % (thick), 90 % (thin), | the time{raw}", fontsize=9)
 
 
 def issues(axes, f):
@@ -277,7 +297,8 @@ def main():
     for place, draw in zip(axes, panels):
         draw(place, f)
     f.dates(axes[panels.index(draw_windows)])
-    axes[0].set_title(os.path.basename(f.source), pad=20 if f.level is not None else 6)
+    said = "\n" + textwrap.fill(f.verdict, 100) if f.verdict else ""
+    axes[0].set_title(os.path.basename(f.source) + said, pad=20 if f.level is not None else 6)
     output = arguments.output or os.path.splitext(arguments.file)[0] + ".png"
     save(figure, output, 110)
     return 0

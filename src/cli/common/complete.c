@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "case/levels.h"
 #include "cli/common/command.h"
 #include "cli/common/words.h"
 #include "data/json.h"
@@ -106,6 +107,9 @@ static void offer_kinds(const offers *all, const char *of)
     }
     for (size_t i = 0; of == NULL && (section = lac_section_get(i)) != NULL; i++) {
         offer(all, section->name, section->summary);
+    }
+    if (of == NULL) {
+        offer(all, lac_levels_table.name, lac_levels_table.summary);
     }
 }
 

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "case/levels.h"
 #include "cli/common/command.h"
 #include "cli/common/words.h"
 #include "data/json.h"
@@ -127,6 +128,7 @@ typedef struct subject {
     const lac_kind *kind;
     const lac_model_info *model;
     const lac_section *section;
+    bool levels; ///< thresholds, which are of no case
 } subject;
 
 static const lac_model_info *find_model(const lac_kind *kind, const char *name, lac_error *err)
@@ -157,10 +159,12 @@ static lac_status find_subject(const char *name, subject *s, lac_error *err)
     for (; (kind = lac_kind_get(kinds)) != NULL; kinds++) {
         names[n++] = kind->name;
     }
-    for (size_t i = 0; n < MAX_NAMES && (section = lac_section_get(i)) != NULL; i++) {
+    for (size_t i = 0; n < MAX_NAMES - 1 && (section = lac_section_get(i)) != NULL; i++) {
         names[n++] = section->name;
         s->section = strcmp(section->name, name) == 0 ? section : s->section;
     }
+    names[n++] = lac_levels_table.name;
+    s->levels = strcmp(names[n - 1], name) == 0;
     for (size_t i = kinds; i-- > 0;) { // of several the first
         kind = lac_kind_get(i);
         bool stands_there = s->section == NULL && kind->command == NULL;
@@ -168,13 +172,13 @@ static lac_status find_subject(const char *name, subject *s, lac_error *err)
             s->kind = kind;
         }
     }
-    for (size_t i = 0; s->kind == NULL && s->section == NULL && i < kinds; i++) {
+    for (size_t i = 0; s->kind == NULL && s->section == NULL && !s->levels && i < kinds; i++) {
         kind = lac_kind_get(i);
         LAC_FAIL_IF(find_model(kind, name, NULL) != NULL, err, LAC_EINPUT,
                     "describe: \"%s\" is a %s: lacuna describe %s %s", name, kind->name, kind->name,
                     name);
     }
-    return s->kind != NULL || s->section != NULL
+    return s->kind != NULL || s->section != NULL || s->levels
                ? LAC_OK
                : cli_unknown("describe: ", name, "kind or section", names, n, err);
 }
@@ -243,6 +247,8 @@ static void print_overview(void)
     for (size_t i = 0; (section = lac_section_get(i)) != NULL; i++) {
         cli_row_wrap(section->name, section->summary);
     }
+    puts("\nThe file of lacuna precursors --levels, as it is by default:");
+    cli_row_wrap(lac_levels_table.name, lac_levels_table.summary);
 }
 
 // How a case names it: a model, the value of a key, or the keys that say it.
@@ -281,16 +287,18 @@ static void print_precursor(const lac_precursor_kind *kind)
 // intervals.
 static void print_forecast(const lac_forecast_kind *kind)
 {
-    char text[300];
+    char text[400];
     const lac_calibration *c = &kind->calibration;
     cli_wrap("  ", kind->estimator);
     printf("  needs at least %zu readings and velocities since the onset\n", kind->least);
-    printf("  not issued above a misfit of %g\n", kind->worst);
+    printf("  not issued where the residuals exceed their noise by more than %g of the range\n",
+           kind->worst);
     (void)snprintf(
         text, sizeof text,
-        "intervals: 5, 25, 75 and 95 %% of failures come before t + R exp(q E), R = tc - t (of a "
-        "posterior its median), E^2 = error^2 + %.3g^2, q = %.3g, %.3g, %.3g, %.3g",
-        c->spread, c->low90, c->low50, c->high50, c->high90);
+        "time told and intervals: 5, 25, 50, 75 and 95 %% of failures come before t + R (W/R)^%.3g "
+        "exp(q E), R the method's tc - t (of a posterior its median), W the window's length, E^2 = "
+        "error^2 + %.3g^2, q = %.3g, %.3g, %.3g, %.3g, %.3g",
+        c->pull, c->spread, c->low90, c->low50, c->median, c->high50, c->high90);
     cli_wrap("  ", text);
 }
 
@@ -328,10 +336,12 @@ static void write_forecast(lac_json *json, const lac_forecast_kind *kind)
     const lac_calibration *c = &kind->calibration;
     lac_json_text(json, "estimator", kind->estimator);
     lac_json_integer(json, "needs_points", (int64_t)kind->least);
-    lac_json_number(json, "worst_misfit", kind->worst);
+    lac_json_number(json, "worst_excess", kind->worst);
+    lac_json_number(json, "pull", c->pull);
     lac_json_number(json, "spread", c->spread);
     lac_json_number(json, "low90", c->low90);
     lac_json_number(json, "low50", c->low50);
+    lac_json_number(json, "median", c->median);
     lac_json_number(json, "high50", c->high50);
     lac_json_number(json, "high90", c->high90);
 }
@@ -394,10 +404,23 @@ static void write_section(lac_json *json, const lac_section *section)
     lac_json_close(json, '}');
 }
 
+static void write_levels(lac_json *json)
+{
+    const lac_levels usual = lac_levels_default();
+    lac_section table = lac_levels_table;
+    lac_param rows[MAX_NAMES];
+    for (size_t i = 0; i < table.param_count; i++) {
+        rows[i] = table.params[i];
+        memcpy(&rows[i].fallback, (const char *)&usual + rows[i].offset, sizeof rows[i].fallback);
+    }
+    table.params = rows;
+    write_section(json, &table);
+}
+
 static void write_json(const subject *s)
 {
     lac_json json = {.out = stdout};
-    bool all = s->kind == NULL && s->section == NULL;
+    bool all = s->kind == NULL && s->section == NULL && !s->levels;
     const lac_kind *kind;
     const lac_section *section;
     lac_json_open(&json, NULL, '{');
@@ -413,6 +436,9 @@ static void write_json(const subject *s)
         if (all || section == s->section) {
             write_section(&json, section);
         }
+    }
+    if (s->levels) {
+        write_levels(&json);
     }
     lac_json_close(&json, ']');
     lac_json_close(&json, '}');
@@ -434,7 +460,9 @@ static void print_text(const subject *s)
         printf("%s: %s\n", s->section->name, s->section->summary);
         print_parameters(s->section->params, s->section->param_count);
     }
-    if (s->kind == NULL && s->section == NULL) {
+    if (s->levels) {
+        lac_levels_put_default(stdout);
+    } else if (s->kind == NULL && s->section == NULL) {
         print_overview();
     }
 }
@@ -448,7 +476,7 @@ static lac_status find(const cli_request *request, subject *s, lac_error *err)
     if (request->count < 2 || status != LAC_OK) {
         return status;
     }
-    LAC_FAIL_IF(s->kind == NULL, err, LAC_EINPUT, "describe: %s is a section, it has no models",
+    LAC_FAIL_IF(s->kind == NULL, err, LAC_EINPUT, "describe: %s has no models",
                 request->argument[0]);
     s->section = NULL;
     s->model = find_model(s->kind, request->argument[1], err);

@@ -63,6 +63,8 @@ const cli_option cli_options[] = {
     KEPT(FORECAST, 0, "issues", "N", forecast.issues, "issue times of --rolling at most: 200"),
     KEPT(LINES, 0, "jsonl", NULL, forecast.lines, "--rolling as JSON, a line an issue time"),
     KEPT(FORECAST, 0, "failed-at", "TIME", forecast.failed_at, "judge --rolling: a time, or never"),
+    KEPT(FORECAST, 0, "levels", "FILE", forecast.levels,
+         "thresholds of the level: see describe levels"),
     KEPT(FORECAST, 0, "horizon", "TIME", forecast.horizon, "of alarms: \"7 day\""),
     KEPT(FORECAST, 0, "case", "CASE", forecast.case_file,
          "forecast by this case too, fitted to the series"),

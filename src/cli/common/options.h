@@ -89,7 +89,7 @@ typedef struct cli_words {
 
 typedef struct cli_forecast_words {
     const char *smooth, *raw, *since, *onset, *rolling, *issues, *failed_at, *horizon, *case_file,
-        *window, *lines;
+        *window, *lines, *levels;
 } cli_forecast_words;
 
 typedef struct cli_trade_words {

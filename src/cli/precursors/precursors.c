@@ -194,7 +194,8 @@ static lac_status roll(precursors_job *job, lac_error *err)
     if (!isnan(of->failed_at)) {
         of->skill = calloc(of->rolling->methods, sizeof *of->skill);
         LAC_TRY(of->skill != NULL ? LAC_OK : lac_fail_memory(err));
-        LAC_TRY(lac_rolling_measure(of->rolling, of->failed_at, job->plan.horizon, of->skill, err));
+        LAC_TRY(lac_rolling_measure(of->rolling, of->failed_at, job->plan.def.levels.horizon,
+                                    of->skill, err));
     }
 out:
     return status;
@@ -271,7 +272,7 @@ static lac_status answer(const cli_request *request, const char *station, lac_js
     LAC_TRY(cli_drivers_read(request, job.source, &job.watched, job.units, &job.drivers, err));
     job.plan.def.drivers = job.drivers.n;
     job.plan.def.driver = job.drivers.driver;
-    of->horizon = job.plan.horizon;
+    of->horizon = job.plan.def.levels.horizon;
     of->indicator = job.indicator;
     if (job.watched.run) { // a run has neither outliers nor resets
         job.plan.def.motion.raw = true;
@@ -282,7 +283,9 @@ static lac_status answer(const cli_request *request, const char *station, lac_js
         cli_signals_hold();
         cli_say(request, "fitting %s to %zu readings", job.source->path, job.watched.readings.n);
     }
+    job.plan.def.all = true; // what would be forecast without the gate
     LAC_TRY(lac_forecast_set_create(&job.plan.def, &job.watched.readings, &of->forecasts, err));
+    job.plan.def.all = false;
     LAC_TRY(read_cells(&job.watched, &job.cells, err));
     LAC_TRY(
         lac_precursors_at(&job.cells.inputs, of->forecasts, job.indicator, &of->indicators, err));

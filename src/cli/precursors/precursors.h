@@ -22,15 +22,13 @@ lac_status cli_watched_read(const cli_request *request, const lac_case *known,
                             const lac_units *units, cli_watched *out, lac_error *err);
 void cli_watched_clear(cli_watched *watched);
 
-/// A time of its clock: "2015-07-05 09:54", or a number in the unit that the file counts in, of a
-/// run in the unit that reads best; "-" where there is none.
+/// As lac_outcome_time has it.
 cli_text cli_watched_time(const lac_forecast_outcome *of, double t);
 
 /// The rest of what the options say.
 typedef struct cli_forecast_plan {
     lac_forecast_def def;
     size_t issues;
-    double horizon; ///< [s]
 } cli_forecast_plan;
 lac_status cli_forecast_plan_read(const cli_request *request, bool dated, const lac_units *units,
                                   cli_forecast_plan *plan, lac_error *err);

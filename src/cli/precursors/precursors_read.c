@@ -6,12 +6,12 @@
 #include <string.h>
 
 #include "base/date.h"
+#include "case/levels.h"
 #include "cli/precursors/precursors.h"
 #include "store/store.h"
 #include "store/store_file.h"
 
 enum { ISSUES = 200, MOST_ISSUES = 1000000 };
-static const double week = 604800.0;
 
 static bool is_run(const cli_request *request)
 {
@@ -168,6 +168,7 @@ static lac_status read_smoothing(const char *text, const lac_units *units, lac_m
 static lac_status read_onset(const char *text, lac_forecast_def *def, lac_error *err)
 {
     const char *end = "";
+    def->onset = true;
     def->short_run = read_count(text, &end);
     def->long_run = *end == ',' ? read_count(end + 1, &end) : 0;
     return def->short_run > 0 && def->long_run > def->short_run && *end == '\0'
@@ -203,7 +204,7 @@ lac_status cli_forecast_plan_read(const cli_request *request, bool dated, const 
 {
     const cli_forecast_words *words = &request->forecast;
     lac_status status = LAC_OK;
-    *plan = (cli_forecast_plan){.def = lac_forecast_default(), .issues = ISSUES, .horizon = week};
+    *plan = (cli_forecast_plan){.def = lac_forecast_default(), .issues = ISSUES};
     plan->def.motion.raw = words->raw != NULL;
     if (words->smooth != NULL) {
         LAC_TRY(read_smoothing(words->smooth, units, &plan->def.motion, err));
@@ -224,9 +225,13 @@ lac_status cli_forecast_plan_read(const cli_request *request, bool dated, const 
                      "--issues: \"%s\" must be a number from 1 to %d", words->issues,
                      (int)MOST_ISSUES);
     }
+    if (words->levels != NULL) {
+        LAC_TRY(lac_levels_read(words->levels, units, &plan->def.levels, err));
+    }
     if (words->horizon != NULL) {
-        status = lac_units_parse(units, words->horizon, "s", &plan->horizon, err);
-        if (status != LAC_OK || !(plan->horizon > 0.0)) {
+        double *horizon = &plan->def.levels.horizon;
+        status = lac_units_parse(units, words->horizon, "s", horizon, err);
+        if (status != LAC_OK || !(*horizon > 0.0)) {
             status = lac_fail(err, LAC_EINPUT,
                               "--horizon: \"%s\" must be a time > 0 s, such as \"7 day\"",
                               words->horizon);
@@ -236,30 +241,9 @@ out:
     return status;
 }
 
-// In the unit that the file counts time in, where it is known.
-static cli_text clock_text(const lac_series *series, double t)
-{
-    if (series == NULL || series->time_name[0] == '\0') {
-        return cli_exact(t, "s");
-    }
-    const double x = t / series->time_unit;
-    const bool long_number = fabs(x) >= 1e6 && fabs(x) < 1e15;
-    return cli_format(long_number ? "%.0f %s" : "%.6g %s", x, series->time_name);
-}
-
 cli_text cli_watched_time(const lac_forecast_outcome *of, double t)
 {
-    if (!isfinite(t)) {
-        return cli_format("-");
-    }
-    if (!of->dated) {
-        return clock_text(of->series, t);
-    }
-    cli_text text = cli_date(t);
-    if (strlen(text.s) != 20) {
-        return cli_format("%s", t > 0.0 ? "after year 9999" : "before year 0");
-    }
-    text.s[10] = ' ';
-    text.s[16] = '\0';
+    cli_text text;
+    (void)lac_outcome_time(of, t, text.s, sizeof text.s);
     return text;
 }

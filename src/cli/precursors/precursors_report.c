@@ -27,13 +27,22 @@ static const unit *unit_of(const lac_rolling *roll)
     return u;
 }
 
+// What an engineer is told first.
+static void print_verdict(const lac_forecast_outcome *of)
+{
+    char text[LAC_VERDICT_LONGEST];
+    for (size_t k = 0; k < LAC_VERDICT_LINES; k++) {
+        cli_row_wrap(lac_verdict_about[k], lac_verdict_line(of, k, text, sizeof text));
+    }
+    putchar('\n');
+}
+
 static void print_input(const lac_forecast_outcome *of)
 {
     const lac_readings *in = of->readings;
     const lac_forecast_set *o = of->forecasts;
     const lac_motion *m = o->motion;
     const lac_series *s = of->series;
-    printf("%s\n", of->source);
     cli_row("readings", "%zu from %s to %s", in->n, cli_watched_time(of, in->time[0]).s,
             cli_watched_time(of, in->time[in->n - 1]).s);
     if (s != NULL) {
@@ -101,20 +110,6 @@ static void print_ends(const lac_forecast_set *o)
                    i == 0 ? o->forecast[k].kind->info.name : "", fit->end[i],
                    value_of(fit, fit->end[i]));
         }
-    }
-}
-
-// Calibrated intervals know how late or early a method is.
-static void print_beside(const lac_forecast_set *o)
-{
-    bool beside = false;
-    for (size_t k = 0; k < o->count; k++) {
-        const lac_forecast *f = &o->forecast[k];
-        beside = beside || (f->issued && !(f->low50 <= f->time && f->time <= f->high50));
-    }
-    if (beside) {
-        printf("  A time beside its 50 %% interval: by so much the method is late, or early, where "
-               "it was calibrated.\n");
     }
 }
 
@@ -200,6 +195,20 @@ static void print_lives(const lac_forecast_outcome *of)
     }
 }
 
+// The level wherever it changes.
+static void print_levels(const lac_forecast_outcome *of)
+{
+    const lac_rolling *roll = of->rolling;
+    printf("\n  %-22s %-8s rule\n", "levels", "level");
+    for (size_t i = 0; i < roll->issues; i++) {
+        const lac_verdict *v = &roll->verdict[i];
+        if (i == 0 || v->level != roll->verdict[i - 1].level) {
+            printf("  %-22s %-8s %s\n", cli_watched_time(of, roll->issue_time[i]).s,
+                   lac_level_name(v->level), v->rule);
+        }
+    }
+}
+
 // What the table shows of an indicator at an issue time; NaN: it has nothing to say.
 static double headline(const lac_indicator_series *indicator_series, size_t issue, size_t kind)
 {
@@ -280,6 +289,8 @@ static void print_skill(const lac_forecast_outcome *of)
 void cli_precursors_print(const lac_forecast_outcome *of, bool verbose)
 {
     const lac_forecast_set *o = of->forecasts;
+    printf("%s\n", of->source);
+    print_verdict(of);
     print_input(of);
     if (o->asked) {
         printf("\n  %-12s %-17s %-36s %-36s %s\n", "method", "failure", "50 % interval",
@@ -290,7 +301,6 @@ void cli_precursors_print(const lac_forecast_outcome *of, bool verbose)
     for (size_t k = 0; o->asked && k < o->count; k++) {
         print_forecast(of, &o->forecast[k]);
     }
-    print_beside(o);
     print_ends(o);
     cli_drivers_print(o);
     if (verbose) {
@@ -299,6 +309,7 @@ void cli_precursors_print(const lac_forecast_outcome *of, bool verbose)
     }
     print_indicators(of->indicators, of->indicator);
     if (of->rolling != NULL) {
+        print_levels(of);
         print_lives(of);
         print_course(of);
     }

@@ -48,11 +48,13 @@ static lac_status read_plan(const watch_job *job, lac_forecast_def *def, lac_err
             *def = plan.def;
         }
     }
+    def->onset = plan.def.onset;
     def->short_run = plan.def.short_run;
     def->long_run = plan.def.long_run;
     def->motion.raw = f->raw == 1;
     def->window_count = (size_t)f->window_count;
     def->window_time = f->window_time;
+    def->levels = f->levels;
     return LAC_OK;
 }
 

@@ -3,7 +3,11 @@
 "use strict";
 
 // One method at one time of issue, as the data hold it.
-const ISSUED = 0, LEFT = 1, LOW90 = 2, LOW50 = 3, HIGH50 = 4, HIGH90 = 5, REASON = 6, ENDS = 7;
+const ISSUED = 0, LEFT = 1, LOW90 = 2, LOW50 = 3, HIGH50 = 4, HIGH90 = 5, REASON = 6, ENDS = 7, RAW = 8;
+
+// Of all methods together, where the file has it: the chances of its times, and the middle one.
+const EARLY = 0, SOON = 1, MIDDLE = 2, LATE = 3, LAST = 4;
+const pooled = (f, i) => (f.pooled && f.pooled[i][MIDDLE] !== null ? f.pooled[i] : null);
 
 const forecastState = { issue: 0, method: -1 };
 
@@ -12,16 +16,17 @@ function chosen(f) {
   return all.filter((one, m) => one[ISSUED] && (forecastState.method < 0 ? !f.methods[m].baseline : m === forecastState.method));
 }
 
-// Bands of the chosen forecasts: of all methods the span of their times and of their 90 % intervals;
-// of one its 50 % and 90 % intervals.
+// Bands of the chosen forecasts: of all methods those of the pooled time, else the span of their times and of their 90 %
+// intervals; of one its 50 % and 90 % intervals.
 function windowBands(f) {
-  const from = f.issue[forecastState.issue], issued = chosen(f);
+  const from = f.issue[forecastState.issue], issued = chosen(f), all = forecastState.method < 0 && pooled(f, forecastState.issue);
   if (!issued.length) return [];
+  const at = (v) => (v === null ? null : from + v);
+  if (all) return [{ from: at(all[EARLY]), to: at(all[LAST]) }, { from: at(all[SOON]), to: at(all[LATE]), inner: true }];
   const least = (k) => Math.min(...issued.map((one) => one[k] ?? 0));
   const most = (k) => (issued.some((one) => one[k] === null) ? null : Math.max(...issued.map((one) => one[k])));
-  const after = (v) => (v === null ? null : from + v);
   const inner = forecastState.method < 0 ? [least(LEFT), most(LEFT)] : [least(LOW50), most(HIGH50)];
-  return [{ from: after(least(LOW90)), to: after(most(HIGH90)) }, { from: after(inner[0]), to: after(inner[1]), inner: true }];
+  return [{ from: at(least(LOW90)), to: at(most(HIGH90)) }, { from: at(inner[0]), to: at(inner[1]), inner: true }];
 }
 
 function showWindow(f) {
@@ -47,13 +52,13 @@ function methodRows(f) {
   const words = `Forecasts issued ${moment(page.clock, f.issue[forecastState.issue])}${page.clock.dated ? "; dates in UTC" : "; times after issue"}`;
   const table = bareTable(words, rows.length, [["Method", (m) => f.methods[m].name],
     ["Failure", cell((one) => leftWords(f, one, LEFT))], ["50 % interval", between(LOW50, HIGH50)], ["90 % interval", between(LOW90, HIGH90)],
+    ...(rows.some((one) => one[RAW] !== undefined) ? [["By the fit itself", cell((one) => leftWords(f, one, RAW))]] : []),
     ["What it is, or why it issues none", (m) => `${rows[m][ISSUED] ? f.methods[m].summary : rows[m][REASON]}${atEnds(rows[m][ENDS])}`, "text"]]);
   table.querySelectorAll("tbody tr").forEach((row, m) => row.classList.toggle("refused", !rows[m][ISSUED]));
   return table;
 }
 
-// An interval corrects for what its method makes of slopes of rate-and-state friction.
-const BARS = "Bars: 90 % intervals, of one method, calibrated on simulated failures and wide enough to hold its time; one of 50 % may lie beside its method's time.";
+const BARS = "Bars: 90 % intervals, of one method, calibrated on simulated failures.";
 
 // All forecasts of a method (or of all) over the times of issue, as dots with 90 % bars.
 function issuedDots(f, method, value) {

@@ -28,7 +28,8 @@ function marksOf(data) {
 }
 
 // What the shades of the window mean, where there is one.
-const windowLegend = (data) => (data.forecasts ? [["window of the forecasts", "band inner"], ["their 90 % intervals", "band"]] : []);
+const windowWords = (f) => (f.pooled ? ["failure with a chance of 50 %", "of 90 %"] : ["window of the forecasts", "their 90 % intervals"]);
+const windowLegend = (data) => (data.forecasts ? [[windowWords(data.forecasts)[0], "band inner"], [windowWords(data.forecasts)[1], "band"]] : []);
 
 function scaledLengths(high) {
   const [unit, scale] = LENGTHS.find(([, s]) => high >= s) || LENGTHS[LENGTHS.length - 1];

@@ -134,11 +134,20 @@ function readingsSection(data) {
   return section;
 }
 
-// Of all methods the span of their times and of their 90 % intervals, of one its intervals.
+// Of all methods the intervals of their pooled time, else the span of their times and of their 90 % intervals; of one its own.
 function leftBands(f, method) {
-  const outer = { kind: "area", colour: "fast", name: method < 0 ? "their 90 % intervals" : "90 % interval", time: [], low: [], high: [], y: [] };
-  const inner = { ...outer, inner: true, name: method < 0 ? "from the first to the last" : "50 % interval", time: [], low: [], high: [], y: [] };
+  const spanned = method < 0 && !f.pooled, of = method < 0 ? ", all methods" : "";
+  const outer = { kind: "area", colour: "fast", name: spanned ? "their 90 % intervals" : `90 % interval${of}`, time: [], low: [], high: [], y: [] };
+  const inner = { ...outer, inner: true, name: spanned ? "from the first to the last" : `50 % interval${of}`, time: [], low: [], high: [], y: [] };
   f.issue.forEach((from, i) => {
+    if (method < 0 && f.pooled) {
+      for (const [band, low, high] of [[outer, EARLY, LAST], [inner, SOON, LATE]]) {
+        band.time.push(from);
+        band.low.push(pooled(f, i)?.[low] ?? null);
+        band.high.push(pooled(f, i)?.[high] ?? null);
+      }
+      return;
+    }
     const rows = f.forecast[i].filter((one, m) => one[ISSUED] && one[LOW90] !== null && (method < 0 ? !f.methods[m].baseline : m === method));
     for (const [band, low, high] of [[outer, LOW90, HIGH90], [inner, method < 0 ? LEFT : LOW50, method < 0 ? LEFT : HIGH50]]) {
       const never = rows.some((one) => one[high] === null);
@@ -159,14 +168,16 @@ function leftSpec(f, method) {
   const ends = f.issue.filter((t) => t < failure);
   const truth = known ? [{ name: "what was left", kind: "line", colour: "run", time: [...ends, failure], y: [...ends.map((t) => failure - t), 0] }] : [];
   for (const line of truth) line.before = beforeLast(line.time);
-  const lives = dots.y.filter((v) => v !== null).sort((a, b) => a - b), middle = lives[Math.floor(lives.length / 2)] ?? 0;
+  const middles = method < 0 ? f.issue.map((_, i) => pooled(f, i)?.[MIDDLE] ?? null) : [];
+  const middle = { name: "middle of all methods", kind: "line", colour: "fast", time: f.issue, before: beforeLast(f.issue), y: middles };
+  const lives = [...dots.y, ...middles].filter((v) => v !== null).sort((a, b) => a - b), usual = lives[Math.floor(lives.length / 2)] ?? 0;
   const first = known && dots.time.length ? failure - dots.time[0] : 0;
-  const top = 1.6 * Math.max(middle, first) || 1, [unit, scale] = SPANS.find(([, s]) => top >= 2 * s) || SPANS[SPANS.length - 1];
+  const top = 1.6 * Math.max(usual, first) || 1, [unit, scale] = SPANS.find(([, s]) => top >= 2 * s) || SPANS[SPANS.length - 1];
   return {
     title: "Time left, as forecast", x: { clock: true, range: known ? [f.issue[0], Math.max(failure, f.issue[f.issue.length - 1])] : undefined },
     y: { kind: "linear", label: `Time left (${unit})`, range: [0, top], scale, tick: (v, more = 0) => number(v / scale, 4 + more) },
-    lines: [...leftBands(f, method), ...truth, dots], read: 2 + truth.length, marks: marksOf(page.data), levels: levelSpans(page.data),
-    caption: `Predicted time of failure less the time of issue. ${known ? "A forecast on the line is right; above it is late. " : ""}${method < 0 ? "Dots: each method. Darker: from the first to the last of their times; light: their 90 % intervals together. Choose a method to see its own." : "An interval of 50 % may lie beside its method's time: it is calibrated on simulated failures."}`,
+    lines: [...leftBands(f, method), ...truth, dots, ...(middles.some((y) => y !== null) ? [middle] : [])], read: 2 + truth.length, marks: marksOf(page.data), levels: levelSpans(page.data),
+    caption: `Predicted time of failure less the time of issue. ${known ? "A forecast on the line is right; above it is late. " : ""}${method < 0 ? `Dots: each method. ${f.pooled ? "Shaded: all methods together, darker 50 %, light 90 %." : "Darker: from the first to the last of their times; light: their 90 % intervals together."} Choose a method to see its own.` : "Intervals are calibrated on simulated failures."}`,
     readout: (i) => readForecast(f, dots, i),
   };
 }
@@ -185,6 +196,8 @@ function readingsVerdict(data) {
   return `It moved ${length(moved.value[n - 1] - moved.value[0], 3)} in ${span(moved.time[n - 1] - moved.time[0], 3)}${now}. At ${moment(page.clock, f.issue[f.issue.length - 1])} ${forecast}.`;
 }
 
+const isNumber = (text) => text !== "" && Number.isFinite(Number(text));
+
 const spaced = (name) => name.replace(/^verdict_?/, "").replace(/_/g, " ");
 
 function readingsFacts(data) {
@@ -194,7 +207,7 @@ function readingsFacts(data) {
   list.push(["Displacement", length(moved.value[moved.value.length - 1], 4)]);
   if (speed?.value.length) list.push(["Rate", rate(speed.value[speed.value.length - 1]), "over the last step"]);
   if (a.failed) list.push(["Failed", moment(page.clock, a.failure_time_s), "as known afterwards"]);
-  for (const [name, text] of besides(data)) if (text.length <= 24) list.push([spaced(name) || name, text]);
+  for (const [name, text] of besides(data)) if (isNumber(text)) list.push([spaced(name) || name, text]);
   return list;
 }
 
@@ -202,7 +215,7 @@ function readingsFacts(data) {
 function verdictLines(data) {
   const list = element("ul", { class: "said" });
   for (const [name, text] of besides(data)) {
-    if (text.length > 24) list.append(element("li", {}, element("strong", {}, `${spaced(name) || name}: `), text));
+    if (!isNumber(text)) list.append(element("li", {}, element("strong", {}, `${spaced(name) || name}: `), text));
   }
   return list;
 }

@@ -17,7 +17,7 @@ import source
 
 BUDGETS = {
     "lines of src and include": 72577,
-    "lines that only present results": 20022,
+    "lines that only present results": 20170,
     "public headers": 13,
     "exported names": 43,
     "circles of includes": 0,

@@ -47,10 +47,10 @@ USES = {
 SHARED = {
     "base": None,  # all of it, as of data
     "data": None,
-    "case": {"fleet.h", "heterogeneity.h"},
+    "case": {"fleet.h", "heterogeneity.h", "levels.h"},
     "contact": {"tangential.h"},
     "fit": {"model_forecast.h", "sampler.h"},
-    "forecast": {"hindcast.h"},
+    "forecast": {"hindcast.h", "verdict.h"},
     "model": {"problem.h"},
     "rg": {"rg_study.h"},
     "run": {"describe.h", "sensitivity.h"},

@@ -1,0 +1,327 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Whether the rate of a slope rises: a robust parabola over windows that all end now, the chance
+// that its bend is noise, and what to say where noise forbids an answer.
+#include <gsl/gsl_cdf.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/statistics.h"
+#include "forecast/kinds.h"
+
+enum { LEAST = 6, GROUPS = 48, HUBER_STEPS = 3, TERMS = 3 };
+static const double huber = 1.345;     // standard deviations (Huber 1964: 95 % efficient)
+static const double normal = 1.4826;   // standard deviation over the median distance
+static const double longer = 1.5;      // from one window to the next
+static const double model = 0.01;      // of a window's range: what a parabola need not explain
+static const double own_noise = 0.5;   // of the motion's: what residuals count at least
+static const double most_alike = 0.95; // neighbouring residuals
+static const double sure = 0.01;       // p of "yes"
+static const double hint = 0.05;       // p below which "no" is not said
+static const double as_clear = 0.7;    // of the clearest window: the longest such is taken
+static const double noticed = 0.5;     // rise of the rate over its mean that "no" excludes
+static const double normal95 = 1.6448536269514722;
+
+// How a rate may rise over a window, of displacements and of velocities.
+typedef struct shape {
+    double (*moved)(double t), (*rate)(double t); // t from -1 to 1
+} shape;
+
+static double square(double t) { return t * t; }
+static double straight(double t) { return 2.0 * t; }
+// of a failure a tenth of the window after its end
+static double late(double t) { return -log(1.2 - t); }
+static double late_rate(double t) { return 1.0 / (1.2 - t); }
+
+static const shape shapes[] = {{square, straight}, {late, late_rate}};
+enum { SHAPES = sizeof shapes / sizeof *shapes };
+
+// Means of consecutive readings of a window, times from -1 to 1.
+typedef struct sample {
+    const shape *bent;
+    size_t n, terms;                // groups; columns
+    double half;                    // of the window's length [s]
+    double t[GROUPS], x[GROUPS];    // x from the first reading
+    double weight[GROUPS];          // as many as readings of the usual noise
+    double trust[GROUPS];           // Huber's weight
+    double column[TERMS][GROUPS];   // orthogonal and of length 1, by weight and trust
+    double length[TERMS], c[TERMS]; // of each column before that; coefficient of it
+    double residual[GROUPS], floor; // variance that those of weight 1 have at least
+} sample;
+
+// What the polynomial tells.
+typedef struct bend {
+    double rise, error, rate; // of the rate over the window, and its mean [m/s]
+    double p;
+    double z; // least over the deletion of any one group
+} bend;
+
+// Displacements, or velocities where these were read.
+typedef struct readings {
+    size_t n;
+    const double *time, *value;
+    double digit, noise; // NaN: not known
+    const double *sigma; // NULL: none
+} readings;
+
+static readings readings_of(const lac_motion *m)
+{
+    return m->integrated
+               ? (readings){.n = m->velocities,
+                            .time = m->velocity_time,
+                            .value = m->velocity,
+                            .digit = m->velocities > 0 ? m->rounding[m->velocities - 1] : 0.0,
+                            .noise = NAN}
+               : (readings){.n = m->n,
+                            .time = m->time,
+                            .value = m->displacement,
+                            .digit = m->resolution,
+                            .noise = m->noise,
+                            .sigma = m->sigma};
+}
+
+static double weight_of(const readings *r, size_t i)
+{
+    const double ratio = r->sigma != NULL && r->sigma[i] > 0.0 ? r->noise / r->sigma[i] : 1.0;
+    return ratio > 0.0 ? ratio * ratio : 1.0;
+}
+
+static void take(const readings *r, size_t first, size_t terms, sample *s)
+{
+    const double *time = r->time + first, *value = r->value + first;
+    const size_t n = r->n - first;
+    double low = 0.0, high = 0.0;
+    s->n = n < GROUPS ? n : GROUPS;
+    s->terms = terms;
+    s->half = 0.5 * (time[n - 1] - time[0]);
+    for (size_t g = 0; g < s->n; g++) {
+        s->weight[g] = s->t[g] = s->x[g] = 0.0;
+        s->trust[g] = 1.0;
+        for (size_t i = g * n / s->n; i < (g + 1) * n / s->n; i++) {
+            const double w = weight_of(r, first + i);
+            const double x = value[i] - value[0];
+            s->weight[g] += w;
+            s->t[g] += w * ((time[i] - time[0]) / s->half - 1.0);
+            s->x[g] += w * x;
+            low = fmin(low, x);
+            high = fmax(high, x);
+        }
+        s->t[g] /= s->weight[g];
+        s->x[g] /= s->weight[g];
+    }
+    const double off = model * (high - low);
+    s->floor = fmax(r->digit * r->digit / 12.0, off * off);
+    s->floor =
+        r->noise > 0.0 ? fmax(s->floor, own_noise * own_noise * r->noise * r->noise) : s->floor;
+}
+
+static double product(const sample *s, const double *x, const double *y)
+{
+    double sum = 0.0;
+    for (size_t g = 0; g < s->n; g++) {
+        sum += s->weight[g] * s->trust[g] * x[g] * y[g];
+    }
+    return sum;
+}
+
+// Weighted least squares, by columns that are orthogonal. @return whether all of them count
+static bool fit(sample *s)
+{
+    memcpy(s->residual, s->x, s->n * sizeof *s->x);
+    for (size_t j = 0; j < s->terms; j++) {
+        double *q = s->column[j];
+        for (size_t g = 0; g < s->n; g++) {
+            q[g] = j + 1 < s->terms || s->terms < 2 ? (j == 0 ? 1.0 : s->t[g])
+                   : s->terms == 2                  ? s->bent->rate(s->t[g])
+                                                    : s->bent->moved(s->t[g]);
+        }
+        for (size_t i = 0; i < j; i++) {
+            const double along = product(s, q, s->column[i]);
+            for (size_t g = 0; g < s->n; g++) {
+                q[g] -= along * s->column[i][g];
+            }
+        }
+        s->length[j] = sqrt(product(s, q, q));
+        if (!(s->length[j] > 1e-12)) {
+            return false;
+        }
+        for (size_t g = 0; g < s->n; g++) {
+            q[g] /= s->length[j];
+        }
+        s->c[j] = product(s, q, s->residual);
+        for (size_t g = 0; g < s->n; g++) {
+            s->residual[g] -= s->c[j] * q[g];
+        }
+    }
+    return true;
+}
+
+static void trust(sample *s)
+{
+    double off[GROUPS];
+    for (size_t g = 0; g < s->n; g++) {
+        off[g] = fabs(s->residual[g]) * sqrt(s->weight[g]);
+    }
+    const double scale = fmax(normal * lac_median(s->n, off), sqrt(s->floor));
+    for (size_t g = 0; g < s->n; g++) {
+        const double far = fabs(s->residual[g]) * sqrt(s->weight[g]);
+        s->trust[g] = far > huber * scale ? huber * scale / far : 1.0;
+    }
+}
+
+// First-order autocorrelation of the residuals, from 0.
+// What is below the floor is not counted.
+static double alike(const sample *s)
+{
+    const double square = lac_dot(s->n, s->residual, s->residual) + (double)s->n * s->floor;
+    return square > 0.0 ? fmin(most_alike,
+                               fmax(0.0, lac_dot(s->n - 1, s->residual, s->residual + 1) / square))
+                        : 0.0;
+}
+
+// Variance of a group of weight 1, without the group `but`, whose share of the squares is taken
+// out.
+static double variance(const sample *s, double squares, double freedom, double out)
+{
+    return fmax((squares - out) / fmax(1.0, freedom), s->floor);
+}
+
+static void judge(const sample *s, size_t windows, bend *b)
+{
+    const size_t last = s->terms - 1;
+    const double *e = s->column[last];
+    const double r = alike(s), widened = (1.0 + r) / (1.0 - r);
+    const double freedom = (double)(s->n - s->terms);
+    const double kept = lac_sum(s->n, s->trust) / (double)s->n;
+    double squares = 0.0, least = INFINITY;
+    for (size_t g = 0; g < s->n; g++) {
+        squares += s->weight[g] * s->trust[g] * s->trust[g] * s->residual[g] * s->residual[g] /
+                   (kept * kept);
+    }
+    for (size_t g = 0; g < s->n; g++) {
+        const double w = s->weight[g] * s->trust[g];
+        double lever = 0.0;
+        for (size_t j = 0; j < s->terms; j++) {
+            lever += w * s->column[j][g] * s->column[j][g];
+        }
+        const double rest = fmax(1e-9, 1.0 - lever);
+        const double c = s->c[last] - w * e[g] * s->residual[g] / rest;
+        const double spread = 1.0 + w * e[g] * e[g] / rest;
+        const double out = w * s->residual[g] * s->residual[g] / rest;
+        least = fmin(least, c / sqrt(spread * widened * variance(s, squares, freedom - 1.0, out)));
+    }
+    const double whole = s->bent->rate(1.0) - s->bent->rate(-1.0);
+    const double scale = whole / (last == 2 ? s->half : 1.0) / s->length[last];
+    b->rise = scale * s->c[last];
+    b->error = scale * sqrt(widened * variance(s, squares, freedom, 0.0));
+    b->rate = s->c[last - 1] / s->length[last - 1] / (last == 2 ? s->half : 1.0);
+    b->z = least;
+    b->p =
+        fmin(1.0, (double)windows * gsl_cdf_tdist_Q(least, fmax(1.0, (double)s->n / widened -
+                                                                         (double)s->terms - 1.0)));
+}
+
+// @return whether the window tells anything
+static bool look(const readings *r, size_t first, size_t terms, size_t windows, bend *b)
+{
+    sample s;
+    bool found = false;
+    take(r, first, terms, &s);
+    for (size_t k = 0; k < SHAPES && s.half > 0.0; k++) {
+        bend one;
+        s.bent = &shapes[k];
+        bool fits = fit(&s);
+        for (int i = 0; i < HUBER_STEPS && fits; i++) {
+            trust(&s);
+            fits = fit(&s);
+        }
+        if (fits) {
+            judge(&s, SHAPES * windows, &one);
+            if (isfinite(one.z) && isfinite(one.error) && (!found || one.z > b->z)) {
+                *b = one;
+                found = true;
+            }
+        }
+        for (size_t g = 0; g < s.n; g++) {
+            s.trust[g] = 1.0;
+        }
+    }
+    return found;
+}
+
+static size_t next_window(size_t n, size_t all)
+{
+    const size_t next = (size_t)ceil(longer * (double)n);
+    return n == all ? all + 1 : next < all ? next : all;
+}
+
+// What noise hides in the window that sees best, and how many more readings would show it.
+static void explain(const readings *r, size_t n, const bend *b, lac_trend *out)
+{
+    const double days = (r->time[r->n - 1] - r->time[r->n - n]) / 86400.0;
+    const double to_mm_day = 1e3 * 86400.0;
+    const double hidden = normal95 * b->error;
+    int at =
+        snprintf(out->reason, sizeof out->reason,
+                 "over the last %zu readings (%.3g days) noise hides a rise of the rate of less "
+                 "than %.2g mm/day; the rate is %.2g mm/day",
+                 n, days, to_mm_day * hidden, to_mm_day * b->rate);
+    const double more = (double)n * (cbrt(pow(hidden / (noticed * b->rate), 2.0)) - 1.0);
+    if (b->rate > 0.0 && more >= 0.5 && more < 1000.0 && at > 0 &&
+        (size_t)at < sizeof out->reason) {
+        (void)snprintf(out->reason + at, sizeof out->reason - (size_t)at,
+                       "; some %.0f more readings would show whether it rises by half", ceil(more));
+    }
+}
+
+static double upper_rise(const bend *b) { return (b->rise + normal95 * b->error) / fabs(b->rate); }
+
+lac_trend lac_trend_find(const lac_motion *motion)
+{
+    enum { MOST = 64 };
+    const readings r = readings_of(motion);
+    const size_t terms = motion->integrated ? 2 : 3;
+    lac_trend out = {.p = NAN, .start = NAN, .rate = NAN, .rise = NAN, .error = NAN};
+    bend found[MOST];
+    size_t size[MOST], windows = 0, count = 0, best = 0, clearest = 0;
+    if (r.n < LEAST) {
+        (void)snprintf(out.reason, sizeof out.reason, "too few readings: %zu, at least %d", r.n,
+                       (int)LEAST);
+        return out;
+    }
+    for (size_t n = LEAST; n <= r.n; n = next_window(n, r.n)) {
+        windows++;
+    }
+    for (size_t n = LEAST; n <= r.n && count < MOST; n = next_window(n, r.n)) {
+        if (look(&r, r.n - n, terms, windows, &found[count])) {
+            size[count++] = n;
+        }
+    }
+    if (count == 0) {
+        (void)snprintf(out.reason, sizeof out.reason, "all readings are of one time");
+        return out;
+    }
+    for (size_t k = 1; k < count; k++) {
+        best = found[k].p < found[best].p ? k : best;
+        clearest = upper_rise(&found[k]) < upper_rise(&found[clearest]) ? k : clearest;
+    }
+    const bool yes = found[best].p < sure;
+    size_t chosen = best;
+    for (size_t k = best; k < count; k++) {
+        chosen = found[k].z >= as_clear * found[best].z && found[k].p < sure ? k : chosen;
+    }
+    const bool no = !yes && !(found[best].p < hint) && found[clearest].rate > 0.0 &&
+                    upper_rise(&found[clearest]) < noticed;
+    chosen = yes ? chosen : no ? clearest : best;
+    out.answer = yes ? LAC_DOES : no ? LAC_DOES_NOT : LAC_CANNOT_TELL;
+    out.p = found[best].p;
+    out.n = size[chosen];
+    out.start = r.time[r.n - out.n];
+    out.rate = found[chosen].rate;
+    out.rise = found[chosen].rise;
+    out.error = found[chosen].error;
+    if (out.answer == LAC_CANNOT_TELL) {
+        explain(&r, size[clearest], &found[clearest], &out);
+    }
+    return out;
+}
