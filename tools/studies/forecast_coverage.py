@@ -24,6 +24,8 @@ import tempfile
 import netCDF4
 import numpy
 
+import calibration
+
 TREE = """lacuna: 1
 interface:
   size: "{size} m"
@@ -51,7 +53,6 @@ UNKNOWN = """fit:
   time: t
   steps: 0
 """
-NORMAL = numpy.array([-1.6448536269514722, -0.6744897501960817, 0.6744897501960817, 1.6448536269514722])
 
 
 def whole_block(m, x):
@@ -130,7 +131,10 @@ def ask(job):
             out.write("t,d\n" + "".join(f"{t:.6f},{d:.12g}\n" for t, d in zip(times, displacement)))
         done = subprocess.run([program, "precursors", path, "--displacement", "d:m", "--json", *model],
                               capture_output=True, text=True, check=True)
-        answers.append((failure, times[-1], json.loads(done.stdout)["forecasts"], trees))
+        answer = json.loads(done.stdout)
+        for f in answer["forecasts"]:
+            f["window_start_s"] = answer["window_start_s"] or 0.0  # the first reading
+        answers.append((failure, times[-1], answer["forecasts"], trees))
     return answers
 
 
@@ -154,28 +158,16 @@ def gather(answers):
     return found, asked
 
 
-def centre_and_errors(now, forecast):
-    """What an interval is about, and the error that each of its four ends counts in."""
-    if forecast["posterior_s"] is None:
-        return forecast["tc_raw_s"] - now, numpy.full(4, forecast["relative_error"])
-    left = numpy.log(numpy.array(forecast["posterior_s"]) - now)
-    return numpy.exp(left[2]), (left[[0, 1, 3, 4]] - left[2]) / NORMAL
-
-
 def calibrate(answers):
     for method, rows in gather(answers)[0].items():
-        true = numpy.array([row[0] for row in rows])
-        both = [centre_and_errors(row[1], row[2]) for row in rows]
-        off, best = numpy.log(true / numpy.array([b[0] for b in both])), None
-        errors = numpy.array([b[1] for b in both])
-        for spread in (0.02, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.6, 0.8, 1.2):
-            scale = numpy.hypot(errors, spread)
-            q = [numpy.quantile(off / scale[:, k], share) for k, share in enumerate((0.05, 0.25, 0.75, 0.95))]
-            width = numpy.mean(scale[:, 3] * q[3] - scale[:, 0] * q[0])
-            if best is None or width < best[0]:
-                best = width, spread, q
-        print(f"{method:12s} n {len(rows):5d}  {{{best[1]}, "
-              + ", ".join(f"{v:.3f}" for v in best[2]) + "}")
+        seen = [(remaining, calibration.seen(now, f["window_start_s"], f["tc_raw_s"], f["relative_error"], f["posterior_s"]))
+                for remaining, now, f in rows]
+        truth = numpy.log([remaining for remaining, found in seen if found is not None])
+        x, window, errors = (numpy.array(part) for part in zip(*(found for _, found in seen if found is not None)))
+        # the case knows more than the window's length
+        pulls = (0.0,) if method == "case" else calibration.PULLS
+        loss, *values = calibration.best(truth, x, window, errors, numpy.ones(len(truth)), pulls)
+        print(f"{method:12s} n {len(truth):5d}, loss {loss:.3f}  {calibration.row(*values)}")
 
 
 def within(rows, interval):
