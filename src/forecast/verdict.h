@@ -37,7 +37,7 @@ typedef struct lac_levels {
     double watch_p;      ///< watch: p of a rising rate below it
     double odds;         ///< warning: ln odds of a law that ends in failure
     double odds_dense;   ///< and so much more where the interval is a day or less; of 10 days none
-    double odds_sudden;  ///< and so much more where one reading alone says so
+    double odds_sudden;  ///< and so much more, likewise, where one reading alone says so
     double running;      ///< readings in a row that must say so, else
     double hold;         ///< readings that a level outlasts what gave it
     double horizon;      ///< alarm: failure within it [s], or within two intervals where longer
@@ -71,7 +71,7 @@ typedef struct lac_verdict {
     double needed;   ///< for a warning
     size_t issued, near; ///< methods that issue a forecast; whose median lies within the horizon
     double horizon;      ///< [s]
-    double chance;       ///< of failure within it by the pooled methods; NaN: none issues
+    double chance;       ///< of failure within it by the pooled methods; NaN: fewer than 3 issue
     double pooled[5];    ///< 5, 25, 50, 75 and 95 % of the pooled time of failure [s]; NaN
     lac_level level;
     char rule[LAC_VERDICT_TEXT]; ///< what gave it
