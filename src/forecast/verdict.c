@@ -217,8 +217,10 @@ static lac_level level_of_motion(const lac_levels *l, const lac_motion *m, lac_v
              v->trend.p);
         return LAC_WATCH;
     }
-    RULE(v, v->trend.answer == LAC_CANNOT_TELL ? "noise forbids to say whether the rate rises"
-                                               : "the rate does not rise");
+    RULE(v, "%s",
+         v->trend.answer != LAC_CANNOT_TELL ? "the rate does not rise"
+         : isnan(v->trend.p)                ? v->trend.reason
+                                            : "noise forbids to say whether the rate rises");
     return LAC_QUIET;
 }
 
