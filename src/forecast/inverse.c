@@ -9,6 +9,7 @@
 #include "forecast/kinds.h"
 
 enum { LAST = 8 };
+static const double least_signal = 1e-3; // of the variance of velocities
 
 // The line of 1/v over t, or of t v over v, of velocities above 0; it ends before one that is not.
 static lac_status fit_line(size_t n, const double *t, const double *v, bool inverse, lac_line *line,
@@ -107,6 +108,17 @@ const lac_forecast_kind lac_forecast_inv = {
     .fit = fit_all,
 };
 
+// Noise of v is in both t v and v, and draws their slope to the mean time by the share that it has
+// in the variance of v. @return how far it is drawn [s]
+static double drawn_by_noise(const lac_window *w, const lac_line *line)
+{
+    const double count = (double)w->velocities;
+    const double noise = lac_dot(w->velocities, w->velocity_error, w->velocity_error) / count;
+    const double part = noise > 0.0 ? noise / (line->xx / count) : 0.0;
+    return part / fmax(least_signal, 1.0 - part) *
+           (lac_line_slope(line) - lac_mean(w->velocities, w->velocity_time));
+}
+
 static lac_status fit_slope(const lac_window *w, lac_forecast_fit *fit, lac_error *err)
 {
     const size_t n = w->velocities;
@@ -123,7 +135,8 @@ static lac_status fit_slope(const lac_window *w, lac_forecast_fit *fit, lac_erro
         return lac_forecast_fit_refuse(fit,
                                        "t v does not fall with v as that of a finite time does");
     }
-    fit->error = sqrt(line.rest / (line.n - 2.0) / line.xx) / fabs(fit->remaining);
+    fit->error = hypot(sqrt(line.rest / (line.n - 2.0) / line.xx), drawn_by_noise(w, &line)) /
+                 fabs(fit->remaining);
     judge(w, 0, -intercept, fit);
     lac_forecast_fit_add(fit, "scale_m", -intercept);
     return LAC_OK;

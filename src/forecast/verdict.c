@@ -12,6 +12,7 @@
 static const double day = 86400.0;
 static const double sparse = 10.0;       // days: intervals from which odds count alone
 static const double asked_below = 0.05;  // p of a rise above which the odds are not asked
+static const double held_below = 0.5;    // and from which on no level is held
 static const double stretched = 1.5;     // a span's length at most, over what it should be
 static const double few_intervals = 2.0; // that a horizon is of at least
 
@@ -101,10 +102,10 @@ static double chance_before(const double *quantile, double now, double time)
     return gsl_cdf_ugaussian_P(normal[k] + part * (normal[k + 1] - normal[k]));
 }
 
-// Each quantile of the pool is the median of the methods' own.
+// Each quantile of the pool is the median of the methods' own; fewer than three are none.
 static void pool(const lac_forecast_set *o, lac_verdict *v)
 {
-    enum { QUANTILES = 5, MOST = 32 };
+    enum { QUANTILES = 5, MOST = 32, LEAST = 3 };
     for (int q = 0; q < QUANTILES; q++) {
         double one[MOST];
         size_t n = 0;
@@ -116,7 +117,7 @@ static void pool(const lac_forecast_set *o, lac_verdict *v)
             }
         }
         v->issued = n;
-        v->pooled[q] = lac_median(n, one);
+        v->pooled[q] = n >= LEAST ? lac_median(n, one) : (double)NAN;
     }
     for (size_t k = 0; k < o->count; k++) {
         const lac_forecast *f = &o->forecast[k];
@@ -134,7 +135,7 @@ static double needed(const lac_levels *l, double interval)
 }
 
 // Odds as of `back` readings ago; NaN where the rate did not rise then.
-static double odds_of(const lac_motion *m, size_t back)
+static double odds_of(const lac_motion *m, const lac_trend *now, size_t back)
 {
     lac_motion past = *m;
     if (m->n <= back) {
@@ -142,7 +143,8 @@ static double odds_of(const lac_motion *m, size_t back)
     }
     past.n -= back;
     past.velocities = m->velocities > back ? m->velocities - back : 0;
-    return lac_trend_find(&past).p < asked_below ? lac_evidence_find(&past, past.n) : (double)NAN;
+    const double p = back == 0 ? now->p : lac_trend_find(&past).p;
+    return p < asked_below ? lac_evidence_find(&past, past.n) : (double)NAN;
 }
 
 // How many readings ago the odds were high enough last, for as long as that holds.
@@ -151,8 +153,11 @@ static bool warns(const lac_levels *l, const lac_motion *m, lac_verdict *v, size
 {
     const size_t running = (size_t)l->running, hold = (size_t)l->hold;
     size_t run = 0;
+    if (!(v->trend.p < held_below)) {
+        return false;
+    }
     for (size_t back = 0; back < hold + running && back - run <= hold; back++) {
-        const double odds = odds_of(m, back);
+        const double odds = odds_of(m, &v->trend, back);
         v->log_odds = back == 0 ? odds : v->log_odds;
         if (odds >= v->needed + l->odds_sudden) {
             *ago = back - run;
@@ -190,8 +195,8 @@ static lac_level level_of_motion(const lac_levels *l, const lac_motion *m, lac_v
 {
     size_t ago = 0;
     if (warns(l, m, v, &ago)) {
-        const bool alarm = v->issued > 0 && v->chance >= l->chance &&
-                           (double)v->near >= l->agree * (double)v->issued;
+        const bool alarm =
+            v->chance >= l->chance && (double)v->near >= l->agree * (double)v->issued;
         char when[64] = "";
         if (ago > 0) {
             (void)snprintf(when, sizeof when, " until %zu reading%s ago", ago, ago > 1 ? "s" : "");

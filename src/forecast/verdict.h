@@ -71,7 +71,7 @@ typedef struct lac_verdict {
     double needed;   ///< for a warning
     size_t issued, near; ///< methods that issue a forecast; whose median lies within the horizon
     double horizon;      ///< [s]
-    double chance;       ///< of failure within it by the pooled methods; NaN: none issues
+    double chance;       ///< of failure within it by the pooled methods; NaN: fewer than 3 issue
     double pooled[5];    ///< 5, 25, 50, 75 and 95 % of the pooled time of failure [s]; NaN
     lac_level level;
     char rule[LAC_VERDICT_TEXT]; ///< what gave it

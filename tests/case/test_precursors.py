@@ -557,8 +557,9 @@ class Precursors(unittest.TestCase):
         self.assertGreater(log["misfit"], 0.04)
         self.assertEqual(log["excess"], 0)
         self.assertEqual(log["tc_date"][:10], "2014-02-20")
-        step = numpy.median(numpy.diff([seconds(row.split(",")[0].strip("Z")) for row in open(data, encoding="utf-8")
-                                        if row[0] == "2"])[-5:])
+        with open(data, encoding="utf-8") as rows:
+            times = [seconds(row.split(",")[0]) for row in rows if row[0] == "2"]
+        step = numpy.median(numpy.diff(times)[-5:])
         self.assertGreaterEqual(log["interval90_s"][1] - log["interval90_s"][0], 0.999 * step)
         for f in answer["forecasts"]:
             self.assertEqual(f["issued"], f["method"] in ("log", "persistence"))

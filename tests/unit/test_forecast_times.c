@@ -301,6 +301,32 @@ static void noise_is_no_bad_inverse_velocity(void **state)
     lac_forecast_set_free(o);
 }
 
+// Noise in v, here a third of its variance, draws the slope of t v on v to the middle of the
+// window: the time that it finds is early by more than the scatter about the line tells, and its
+// error knows it.
+static void noise_that_draws_a_slope_is_in_its_error(void **state)
+{
+    (void)state;
+    size_t early = 0, known = 0;
+    for (size_t draw = 0; draw < DRAWS; draw++) {
+        for (size_t i = 0; i < 40; i++) {
+            times[i] = day * (double)i;
+            displacement[i] = 1e-6 / (80.0 - (double)i) + 2.5e-9 * normal(draw * MOST + i);
+        }
+        const lac_readings readings = {.n = 40, .time = times, .velocity = displacement};
+        lac_forecast_def def = lac_forecast_default();
+        def.since = times[0];
+        lac_forecast_set *o = NULL;
+        assert_int_equal(lac_forecast_set_create(&def, &readings, &o, NULL), LAC_OK);
+        const lac_forecast_fit *fit = &of(o, "slo")->fit;
+        early += o->asked && fit->remaining < 41.0 * day ? 1 : 0;
+        known += o->asked && fabs(fit->remaining - 41.0 * day) < 2.0 * fit->error * fit->remaining;
+        lac_forecast_set_free(o);
+    }
+    assert_in_range(early, DRAWS - 3, DRAWS);
+    assert_in_range(known, DRAWS - 3, DRAWS);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -311,6 +337,7 @@ int main(void)
         cmocka_unit_test(noise_explains_what_it_comes_to),
         cmocka_unit_test(noise_is_no_bad_fit),
         cmocka_unit_test(noise_is_no_bad_inverse_velocity),
+        cmocka_unit_test(noise_that_draws_a_slope_is_in_its_error),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
