@@ -9,9 +9,11 @@
 #include "base/statistics.h"
 #include "forecast/kinds.h"
 
+enum { QUANTILES = LAC_FORECAST_LEVELS };
 static const double day = 86400.0;
 static const double sparse = 10.0;       // days: intervals from which odds count alone
 static const double asked_below = 0.05;  // p of a rise above which the odds are not asked
+static const double nearly = 1e-6;       // of the farthest quantile: no time is nearer
 static const double held_below = 0.5;    // and from which on no level is held
 static const double stretched = 1.5;     // a span's length at most, over what it should be
 static const double few_intervals = 2.0; // that a horizon is of at least
@@ -34,9 +36,9 @@ const char *lac_level_name(lac_level level)
 lac_levels lac_levels_default(void)
 {
     return (lac_levels){.watch_p = 0.01,
-                        .odds = 1.0,
+                        .odds = 0.75,
                         .odds_dense = 2.0,
-                        .odds_sudden = 3.0,
+                        .odds_sudden = 2.0,
                         .running = 2.0,
                         .hold = 2.0,
                         .horizon = 7.0 * day,
@@ -93,19 +95,24 @@ static double chance_before(const double *quantile, double now, double time)
     static const double normal[] = {-1.6448536269514722, -0.6744897501960817, 0.0,
                                     0.6744897501960817, 1.6448536269514722};
     const double x = log(time - now);
+    double left[QUANTILES];
     size_t k = 0;
-    while (k < 3 && x > log(quantile[k + 1] - now)) {
+    for (int i = 0; i < QUANTILES; i++) { // the first may be now itself
+        left[i] = log(fmax(quantile[i] - now, nearly * (quantile[QUANTILES - 1] - now)));
+    }
+    while (k < QUANTILES - 2 && x > left[k + 1]) {
         k++;
     }
-    const double a = log(quantile[k] - now), b = log(quantile[k + 1] - now);
-    const double part = b > a ? (x - a) / (b - a) : x > a ? INFINITY : -INFINITY;
+    const double part = left[k + 1] > left[k] ? (x - left[k]) / (left[k + 1] - left[k])
+                        : x > left[k]         ? INFINITY
+                                              : -INFINITY;
     return gsl_cdf_ugaussian_P(normal[k] + part * (normal[k + 1] - normal[k]));
 }
 
 // Each quantile of the pool is the median of the methods' own; fewer than three are none.
 static void pool(const lac_forecast_set *o, lac_verdict *v)
 {
-    enum { QUANTILES = 5, MOST = 32, LEAST = 3 };
+    enum { MOST = 32, LEAST = 3 };
     for (int q = 0; q < QUANTILES; q++) {
         double one[MOST];
         size_t n = 0;
@@ -128,11 +135,11 @@ static void pool(const lac_forecast_set *o, lac_verdict *v)
                     : chance_before(v->pooled, o->issue_time, o->issue_time + v->horizon);
 }
 
-// From odds_dense at a day and less to nothing at ten.
-static double needed(const lac_levels *l, double interval)
+// How dense readings are: 1 at a day and less, 0 at ten and more.
+static double density(double interval)
 {
     const double days = fmax(1.0, fmin(sparse, interval / day));
-    return l->odds + l->odds_dense * (1.0 - log(days) / log(sparse));
+    return 1.0 - log(days) / log(sparse);
 }
 
 // Odds as of `back` readings ago; NaN where the rate did not rise then.
@@ -153,6 +160,7 @@ static double odds_of(const lac_motion *m, const lac_trend *now, size_t back)
 static bool warns(const lac_levels *l, const lac_motion *m, lac_verdict *v, size_t *ago)
 {
     const size_t running = (size_t)l->running, hold = (size_t)l->hold;
+    const double at_once = v->needed + l->odds_sudden * density(m->interval);
     size_t run = 0;
     if (!(v->trend.p < held_below)) {
         return false;
@@ -160,7 +168,7 @@ static bool warns(const lac_levels *l, const lac_motion *m, lac_verdict *v, size
     for (size_t back = 0; back < hold + running && back - run <= hold; back++) {
         const double odds = odds_of(m, &v->trend, back);
         v->log_odds = back == 0 ? odds : v->log_odds;
-        if (odds >= v->needed + l->odds_sudden) {
+        if (odds >= at_once) {
             *ago = back - run;
             return true;
         }
@@ -249,7 +257,7 @@ void lac_verdict_find(const lac_forecast_def *def, lac_forecast_set *o)
     const lac_trend trend = v->trend;
     *v = (lac_verdict){.trend = trend,
                        .log_odds = NAN,
-                       .needed = needed(l, m->interval),
+                       .needed = l->odds + l->odds_dense * density(m->interval),
                        .horizon = fmax(l->horizon, m->n > 1 ? few_intervals * m->interval : 0.0)};
     tell_rates(m, v);
     pool(o, v);

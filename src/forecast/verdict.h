@@ -37,7 +37,7 @@ typedef struct lac_levels {
     double watch_p;      ///< watch: p of a rising rate below it
     double odds;         ///< warning: ln odds of a law that ends in failure
     double odds_dense;   ///< and so much more where the interval is a day or less; of 10 days none
-    double odds_sudden;  ///< and so much more where one reading alone says so
+    double odds_sudden;  ///< and so much more, likewise, where one reading alone says so
     double running;      ///< readings in a row that must say so, else
     double hold;         ///< readings that a level outlasts what gave it
     double horizon;      ///< alarm: failure within it [s], or within two intervals where longer
