@@ -27,10 +27,10 @@ static const lac_param rows[] = {
                        "watch: chance, below 1, of so clear a rise where the rate is steady"),
     [ODDS] = NUMBER(odds, -50, 1000, 0,
                     "warning: ln odds of a law that ends in failure, at readings 10 days apart"),
-    [ODDS_DENSE] = NUMBER(odds_dense, -50, 1000, 0,
-                          "and so much more for each e-fold that readings are closer"),
-    [ODDS_SUDDEN] =
-        NUMBER(odds_sudden, -50, 1000, 0, "and so much more where one reading alone says so"),
+    [ODDS_DENSE] =
+        NUMBER(odds_dense, -50, 1000, 0, "and so much more at readings a day apart or closer"),
+    [ODDS_SUDDEN] = NUMBER(odds_sudden, -50, 1000, 0,
+                           "and so much more, likewise, where one reading alone says so"),
     [RUNNING] = NUMBER(running, 1, 50, 0, "readings in a row that must say so"),
     [HOLD] = NUMBER(hold, 0, 50, 0, "readings that a level outlasts what gave it"),
     [HORIZON] =

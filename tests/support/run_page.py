@@ -8,7 +8,7 @@ Every block marked ```sh is run by a shell, in a folder of its own that holds li
 and tools/ and to the program's folder as build/, with the program as `lacuna`. A block marked ```text
 that follows is what it prints on stdout: numbers may differ by 1 %, a line `...` stands for any
 lines, times and paths are not looked at where the page has `...` within a line. --update writes what
-is printed into the page instead, but where a block has `...`. Blocks marked ```python are one program,
+is printed into the page instead, but where a line of a block ends in `...`. Blocks marked ```python are one program,
 run at the end of the page. Blocks marked otherwise are not run.
 
 Of a page without such blocks, as README.md is, the lines indented by four that begin with one of
@@ -102,7 +102,7 @@ def updated(text, program, folder):
         kind, block = match.groups()
         if kind == "sh":
             printed[0] = run_block(block, folder, program).stdout
-        elif kind == "text" and "..." not in block and printed[0]:
+        elif kind == "text" and not re.search(r"\.\.\.[ \t]*$", block, re.MULTILINE) and printed[0]:
             return f"```text\n{printed[0].rstrip()}\n```"
         return match.group()
     return BLOCK.sub(renew, text)
