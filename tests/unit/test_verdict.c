@@ -86,18 +86,23 @@ static void failure_is_warned_of(void **state)
     }
 }
 
-// Three days before, and with methods that agree: within the horizon.
+// A day before, with methods that agree; not where the chance or their share is less than asked.
 static void failure_within_the_horizon_is_an_alarm(void **state)
 {
     (void)state;
     lac_forecast_def def = default_def();
-    fill(voight_2, 0.97, 0, 1e-3);
+    fill(voight_2, 0.99, 0, 1e-3);
     const lac_verdict v = judge_first(&def, N);
     assert_int_equal(v.level, LAC_ALARM);
     assert_non_null(strstr(v.rule, "methods expect it within"));
     assert_true(v.chance >= def.levels.chance);
     assert_true((double)v.near >= def.levels.agree * (double)v.issued);
-    def.levels.chance = 2.0; // which none has
+    def.levels.chance = v.chance;
+    assert_int_equal(judge_first(&def, N).level, LAC_ALARM);
+    def.levels.chance = 1.0 + v.chance;
+    assert_int_equal(judge_first(&def, N).level, LAC_WARNING);
+    def.levels.chance = 0.0;
+    def.levels.agree = 1.0 + (double)v.near / (double)v.issued;
     assert_int_equal(judge_first(&def, N).level, LAC_WARNING);
 }
 
