@@ -224,7 +224,8 @@ class Precursors(unittest.TestCase):
         self.assertEqual(len(answer["rolling"]["issues"]), 36)
         skill = {s["method"]: s for s in answer["rolling"]["skill"]}
         self.assertLess(skill["log"]["crps_s"], skill["log"]["persistence_crps_s"])
-        self.assertGreater(skill["log"]["hits"], 0)
+        self.assertGreater(skill["log"]["hits"] + skill["log"]["misses"], 0)
+        self.assertEqual(skill["log"]["alarms"], skill["log"]["hits"] + skill["log"]["false_alarms"])
         self.check_file("log.nc", answer)
         text = self.call("log.csv", "--displacement", "d:m", "--time-format", "day", "--rolling",
                          "-v", "--failed-at", "40 day").stdout
@@ -454,7 +455,7 @@ class Precursors(unittest.TestCase):
         self.assertEqual(answer["rolling"]["failed_at_s"], failure)
         f = self.of(answer, "block")
         self.assertTrue(f["issued"], f["reason"])
-        self.assertAlmostEqual(f["tc_s"] / failure, 1, delta=0.005)
+        self.assertAlmostEqual(f["tc_raw_s"] / failure, 1, delta=0.005)
 
     def test_indicators_of_a_run(self):
         case = os.path.join(SOURCE, "cases/events.yaml")
