@@ -48,7 +48,13 @@ const lac_forecast_kind lac_forecast_log = {
     .displacements = true,
     .dates = true,
     .worst = 0.04,
-    .calibration = {0.0, 1.2, -1.153, -0.676, -0.4435, -0.211, 0.016},
+    .calibration = {.pull = 0.4,
+                    .spread = 1.6,
+                    .low90 = -2.022,
+                    .low50 = -1.242,
+                    .median = -0.725,
+                    .high50 = -0.196,
+                    .high90 = 0.84},
     .fit = fit_log,
 };
 
@@ -122,7 +128,13 @@ const lac_forecast_kind lac_forecast_voight = {
     .least = 8,
     .displacements = true,
     .worst = 0.04,
-    .calibration = {0.0, 0.8, -0.384, 0.134, 0.435, 0.736, 1.448},
+    .calibration = {.pull = 0.4,
+                    .spread = 1.3,
+                    .low90 = -1.647,
+                    .low50 = -0.977,
+                    .median = -0.583,
+                    .high50 = -0.196,
+                    .high90 = 0.461},
     .fit = fit_voight,
 };
 
@@ -185,6 +197,12 @@ const lac_forecast_kind lac_forecast_lppls = {
     .least = 15,
     .displacements = true,
     .worst = 0.04,
-    .calibration = {0.0, 0.6, -0.392, 0.186, 0.587, 0.988, 1.993},
+    .calibration = {.pull = 0.4,
+                    .spread = 1.6,
+                    .low90 = -1.218,
+                    .low50 = -0.722,
+                    .median = -0.405,
+                    .high50 = 0.022,
+                    .high90 = 0.792},
     .fit = fit_lppls,
 };

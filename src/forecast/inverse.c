@@ -93,7 +93,13 @@ const lac_forecast_kind lac_forecast_inv8 = {
                  "line meets 0",
     .least = LAST,
     .worst = 0.6,
-    .calibration = {0.0, 0.8, -0.901, -0.496, -0.308, -0.120, 0.222},
+    .calibration = {.pull = 0.2,
+                    .spread = 1.6,
+                    .low90 = -0.975,
+                    .low50 = -0.503,
+                    .median = -0.224,
+                    .high50 = 0.273,
+                    .high90 = 0.943},
     .fit = fit_eight,
 };
 
@@ -104,7 +110,13 @@ const lac_forecast_kind lac_forecast_inv = {
     .estimator = "as inv8 over all velocities of the window",
     .least = 5,
     .worst = 0.6,
-    .calibration = {0.0, 1.2, -1.631, -1.031, -0.6875, -0.344, -0.016},
+    .calibration = {.pull = 0.1,
+                    .spread = 1.6,
+                    .low90 = -1.98,
+                    .low50 = -0.904,
+                    .median = -0.446,
+                    .high50 = -0.103,
+                    .high90 = 0.541},
     .fit = fit_all,
 };
 
@@ -150,6 +162,12 @@ const lac_forecast_kind lac_forecast_slo = {
         "t v on v by ordinary least squares over all velocities of the window; tc is the slope",
     .least = 5,
     .worst = 0.6,
-    .calibration = {0.0, 0.3, -3.954, -2.496, -1.63, -0.764, 0.146},
+    .calibration = {.pull = 0.4,
+                    .spread = 1.6,
+                    .low90 = -1.75,
+                    .low50 = -0.89,
+                    .median = 0.012,
+                    .high50 = 0.655,
+                    .high90 = 0.806},
     .fit = fit_slope,
 };

@@ -145,6 +145,12 @@ const lac_forecast_kind lac_forecast_saito = {
     .least = 5,
     .displacements = true,
     .worst = 0.04,
-    .calibration = {0.0, 1.2, -1.093, -0.661, -0.4355, -0.210, 0.013},
+    .calibration = {.pull = 0.4,
+                    .spread = 1.6,
+                    .low90 = -1.877,
+                    .low50 = -1.169,
+                    .median = -0.72,
+                    .high50 = -0.249,
+                    .high90 = 0.318},
     .fit = fit_three,
 };

@@ -130,8 +130,9 @@ static void pool(const lac_forecast_set *o, lac_verdict *v)
         const lac_forecast *f = &o->forecast[k];
         v->near += f->issued && !f->kind->baseline && f->time <= o->issue_time + v->horizon ? 1 : 0;
     }
-    v->chance = v->issued > 0 ? chance_before(v->pooled, o->issue_time, o->issue_time + v->horizon)
-                              : (double)NAN;
+    v->chance = isnan(v->pooled[2])
+                    ? (double)NAN
+                    : chance_before(v->pooled, o->issue_time, o->issue_time + v->horizon);
 }
 
 // How dense readings are: 1 at a day and less, 0 at ten and more.
@@ -225,13 +226,14 @@ static lac_level level_of_motion(const lac_levels *l, const lac_motion *m, lac_v
     }
     if (v->trend.p < l->watch_p) {
         RULE(v,
-             "the rate rises (p %.1g), but a law that ends in failure is not yet told from a step "
-             "or a new steady rate",
-             v->trend.p);
+             "the rate rises, but a law that ends in failure is not yet told from a step or a new "
+             "steady rate");
         return LAC_WATCH;
     }
-    RULE(v, v->trend.answer == LAC_CANNOT_TELL ? "noise forbids to say whether the rate rises"
-                                               : "the rate does not rise");
+    RULE(v, "%s",
+         v->trend.answer != LAC_CANNOT_TELL ? "the rate does not rise"
+         : isnan(v->trend.p)                ? v->trend.reason
+                                            : "noise forbids to say whether the rate rises");
     return LAC_QUIET;
 }
 

@@ -822,7 +822,7 @@ class Describe(Case):
         kind = json.loads(self.expect(0, "describe", "forecast", "--json").stdout)["kinds"][0]
         text = self.expect(0, "describe", "forecast").stdout
         self.assertIn("case", [model["name"] for model in kind["models"]])
-        for gate in ("readings", "range", "acceleration", "noise", "points", "fit", "misfit", "vagueness"):
+        for gate in ("resets", "range", "acceleration", "points", "fit", "misfit", "vagueness", "driver"):
             self.assertIn(gate, [g["name"] for g in kind["gates"]])
             self.assertIn(f"\n  {gate} ", text)
         for model in kind["models"]:
