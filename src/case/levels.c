@@ -30,7 +30,7 @@ static const lac_param rows[] = {
     [ODDS_DENSE] =
         NUMBER(odds_dense, -50, 1000, 0, "and so much more at readings a day apart or closer"),
     [ODDS_SUDDEN] = NUMBER(odds_sudden, -50, 1000, 0,
-                           "and so much more, likewise, where one reading alone says so"),
+                           "and so much more, likewise, where one reading alone does"),
     [RUNNING] = NUMBER(running, 1, 50, 0, "readings in a row that must say so"),
     [HOLD] = NUMBER(hold, 0, 50, 0, "readings that a level outlasts what gave it"),
     [HORIZON] =
