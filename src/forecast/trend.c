@@ -9,7 +9,7 @@
 #include "base/statistics.h"
 #include "forecast/kinds.h"
 
-enum { LEAST = 6, GROUPS = 48, HUBER_STEPS = 3, TERMS = 3 };
+enum { LEAST = 6, GROUPS = 48, HUBER_STEPS = 3, TERMS = 3, WINDOWS = 64 };
 static const double huber = 1.345;     // standard deviations (Huber 1964: 95 % efficient)
 static const double normal = 1.4826;   // standard deviation over the median distance
 static const double longer = 1.5;      // from one window to the next
@@ -127,13 +127,12 @@ static double product(const sample *s, const double *x, const double *y)
 // Weighted least squares, by columns that are orthogonal. @return whether all of them count
 static bool fit(sample *s)
 {
+    double (*const last)(double) = s->terms == 2 ? s->bent->rate : s->bent->moved;
     memcpy(s->residual, s->x, s->n * sizeof *s->x);
     for (size_t j = 0; j < s->terms; j++) {
         double *q = s->column[j];
         for (size_t g = 0; g < s->n; g++) {
-            q[g] = j + 1 < s->terms || s->terms < 2 ? (j == 0 ? 1.0 : s->t[g])
-                   : s->terms == 2                  ? s->bent->rate(s->t[g])
-                                                    : s->bent->moved(s->t[g]);
+            q[g] = j + 1 == s->terms ? last(s->t[g]) : j == 0 ? 1.0 : s->t[g];
         }
         for (size_t i = 0; i < j; i++) {
             const double along = product(s, q, s->column[i]);
@@ -169,18 +168,20 @@ static void trust(sample *s)
     }
 }
 
-// First-order autocorrelation of the residuals, from 0.
-// What is below the floor is not counted.
+// First-order autocorrelation of the residuals, from 0; what is below the floor does not count.
 static double alike(const sample *s)
 {
-    const double square = lac_dot(s->n, s->residual, s->residual) + (double)s->n * s->floor;
-    return square > 0.0 ? fmin(most_alike,
-                               fmax(0.0, lac_dot(s->n - 1, s->residual, s->residual + 1) / square))
-                        : 0.0;
+    double square = (double)s->n * s->floor, product_of = 0.0, before = 0.0;
+    for (size_t g = 0; g < s->n; g++) {
+        const double off = s->residual[g] * sqrt(s->weight[g] * s->trust[g]);
+        square += off * off;
+        product_of += off * before;
+        before = off;
+    }
+    return square > 0.0 ? fmin(most_alike, fmax(0.0, product_of / square)) : 0.0;
 }
 
-// Variance of a group of weight 1, without the group `but`, whose share of the squares is taken
-// out.
+// Variance of a group of weight 1; `out` of the squares is that of a group left out.
 static double variance(const sample *s, double squares, double freedom, double out)
 {
     return fmax((squares - out) / fmax(1.0, freedom), s->floor);
@@ -276,52 +277,69 @@ static void explain(const readings *r, size_t n, const bend *b, lac_trend *out)
 
 static double upper_rise(const bend *b) { return (b->rise + normal95 * b->error) / fabs(b->rate); }
 
-lac_trend lac_trend_find(const lac_motion *motion)
+// What all windows tell, shortest first.
+typedef struct windows {
+    size_t count, size[WINDOWS];
+    bend found[WINDOWS];
+} windows;
+
+static windows look_back(const readings *r, size_t terms)
 {
-    enum { MOST = 64 };
-    const readings r = readings_of(motion);
-    const size_t terms = motion->integrated ? 2 : 3;
-    lac_trend out = {.p = NAN, .start = NAN, .rate = NAN, .rise = NAN, .error = NAN};
-    bend found[MOST];
-    size_t size[MOST], windows = 0, count = 0, best = 0, clearest = 0;
-    if (r.n < LEAST) {
-        (void)snprintf(out.reason, sizeof out.reason, "too few readings: %zu, at least %d", r.n,
-                       (int)LEAST);
-        return out;
+    windows w = {0};
+    size_t all = 0;
+    for (size_t n = LEAST; n <= r->n; n = next_window(n, r->n)) {
+        all++;
     }
-    for (size_t n = LEAST; n <= r.n; n = next_window(n, r.n)) {
-        windows++;
-    }
-    for (size_t n = LEAST; n <= r.n && count < MOST; n = next_window(n, r.n)) {
-        if (look(&r, r.n - n, terms, windows, &found[count])) {
-            size[count++] = n;
+    for (size_t n = LEAST; n <= r->n && w.count < WINDOWS; n = next_window(n, r->n)) {
+        if (look(r, r->n - n, terms, all, &w.found[w.count])) {
+            w.size[w.count++] = n;
         }
     }
-    if (count == 0) {
-        (void)snprintf(out.reason, sizeof out.reason, "all readings are of one time");
-        return out;
-    }
-    for (size_t k = 1; k < count; k++) {
+    return w;
+}
+
+static void answer(const readings *r, const windows *w, lac_trend *out)
+{
+    const bend *found = w->found;
+    size_t best = 0, widest = 0, chosen;
+    for (size_t k = 1; k < w->count; k++) {
         best = found[k].p < found[best].p ? k : best;
-        clearest = upper_rise(&found[k]) < upper_rise(&found[clearest]) ? k : clearest;
+        widest = upper_rise(&found[k]) < upper_rise(&found[widest]) ? k : widest;
     }
-    const bool yes = found[best].p < sure;
-    size_t chosen = best;
-    for (size_t k = best; k < count; k++) {
-        chosen = found[k].z >= as_clear * found[best].z && found[k].p < sure ? k : chosen;
+    chosen = best;
+    if (found[best].p < sure) {
+        out->answer = LAC_DOES;
+        for (size_t k = best; k < w->count; k++) {
+            const bool clear = found[k].z >= as_clear * found[best].z && found[k].p < sure;
+            chosen = clear ? k : chosen;
+        }
+    } else if (found[best].p >= hint && found[widest].rate > 0.0 &&
+               upper_rise(&found[widest]) < noticed) {
+        out->answer = LAC_DOES_NOT;
+        chosen = widest;
+    } else {
+        explain(r, w->size[widest], &found[widest], out);
     }
-    const bool no = !yes && !(found[best].p < hint) && found[clearest].rate > 0.0 &&
-                    upper_rise(&found[clearest]) < noticed;
-    chosen = yes ? chosen : no ? clearest : best;
-    out.answer = yes ? LAC_DOES : no ? LAC_DOES_NOT : LAC_CANNOT_TELL;
-    out.p = found[best].p;
-    out.n = size[chosen];
-    out.start = r.time[r.n - out.n];
-    out.rate = found[chosen].rate;
-    out.rise = found[chosen].rise;
-    out.error = found[chosen].error;
-    if (out.answer == LAC_CANNOT_TELL) {
-        explain(&r, size[clearest], &found[clearest], &out);
+    out->p = found[best].p;
+    out->n = w->size[chosen];
+    out->start = r->time[r->n - out->n];
+    out->rate = found[chosen].rate;
+    out->rise = found[chosen].rise;
+    out->error = found[chosen].error;
+}
+
+lac_trend lac_trend_find(const lac_motion *motion)
+{
+    const readings r = readings_of(motion);
+    lac_trend out = {.p = NAN, .start = NAN, .rate = NAN, .rise = NAN, .error = NAN};
+    const windows w = look_back(&r, motion->integrated ? 2 : 3);
+    if (w.count > 0) {
+        answer(&r, &w, &out);
+    } else if (r.n < LEAST) {
+        (void)snprintf(out.reason, sizeof out.reason, "too few readings: %zu, at least %d", r.n,
+                       (int)LEAST);
+    } else {
+        (void)snprintf(out.reason, sizeof out.reason, "all readings are of one time");
     }
     return out;
 }
