@@ -15,8 +15,9 @@
 // In noises, unless said.
 static const double gap = 5.0; // median intervals
 static const double outlier = 8.0, fall = 10.0;
-static const double agree = 0.5; // part of an outlier's distance
-static const double lost = 0.2;  // part of the way so far that a reset takes back
+static const double agree = 0.5;   // part of an outlier's distance
+static const double lost = 0.2;    // part of the way so far that a reset takes back
+static const double unusual = 4.0; // of the steps that nine of ten do not exceed
 static const double step_counts = 5.0, error_counts = 3.0, walk_counts = 2.0;
 
 enum { BELIEVED = 20 }; // of so many readings one may be a reset
@@ -93,11 +94,27 @@ static bool is_outlier(const lac_motion *m, size_t before, size_t i)
     return off > outlier * scale * m->noise && step < agree * off;
 }
 
-// The readings kept are 0 ... kept - 1; i comes next.
-static bool falls(const lac_motion *m, size_t kept, size_t i, double way)
+// Nine of ten steps are no larger.
+static double usual_step(const lac_motion *m, double *work)
+{
+    for (size_t i = 1; i < m->n; i++) {
+        work[i - 1] = fabs(m->displacement[i] - m->displacement[i - 1]);
+    }
+    if (m->n < 2) {
+        return NAN;
+    }
+    qsort(work, m->n - 1, sizeof *work, lac_by_first);
+    return lac_quantile(m->n - 1, work, 0.9);
+}
+
+// The readings kept are 0 ... kept - 1; i comes next, and has been moved by `shift`.
+static bool falls(const lac_motion *m, size_t kept, size_t i, double way, double shift,
+                  double usual)
 {
     const double back = m->displacement[kept - 1] - m->displacement[i];
-    return kept >= 3 && back > fall * m->noise && back > lost * way;
+    const double zero = fabs(m->displacement[i] - shift - m->displacement[0]);
+    return kept >= 3 && back > fmax(fall * m->noise, unusual * usual) &&
+           (back > lost * way || zero < fmax(fall * m->noise, usual));
 }
 
 // What the slope would have reached by the time of reading i.
@@ -117,8 +134,9 @@ static void keep(lac_motion *m, size_t at, size_t i)
 }
 
 // Drops outliers and takes resets out. @return whether so many resets are believed
-static bool clean(lac_motion *m)
+static bool clean(lac_motion *m, double *work)
 {
+    const double usual = usual_step(m, work);
     const size_t all = m->n;
     size_t kept = 0;
     double way = 0.0;
@@ -135,7 +153,7 @@ static bool clean(lac_motion *m)
             m->outliers++;
             continue;
         }
-        if (kept > 0 && falls(m, kept, i, way)) {
+        if (kept > 0 && falls(m, kept, i, way, shift, usual)) {
             if (last) { // a reset or an outlier: the next reading will tell
                 m->outliers++;
                 continue;
@@ -429,7 +447,7 @@ static void take(const lac_motion_def *def, const lac_readings *r, lac_motion *m
     measure(m, work);
     m->falling = motion_falls(m, work);
     turn(m);
-    if (def->raw || m->integrated || clean(m)) {
+    if (def->raw || m->integrated || clean(m, work)) {
         return;
     }
     m->disbelieved = m->resets;
