@@ -26,6 +26,8 @@ lac_status lac_window_create(const lac_motion *motion, double start, lac_window 
 lac_status lac_forecast_ask(const lac_forecast_def *def, const lac_motion *motion,
                             const lac_window *window, lac_forecast *forecast, lac_error *err);
 
+enum { LAC_POOLED = 3 }; ///< methods that a pooled window needs
+
 /// The verdict on a set whose motion, trend, drivers and forecasts are there.
 void lac_verdict_find(const lac_forecast_def *def, lac_forecast_set *o);
 

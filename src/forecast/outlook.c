@@ -10,7 +10,7 @@
 #include "base/statistics.h"
 #include "forecast/kinds.h"
 
-enum { BRIDGED = 3, LINE = 3, LONGEST_RUN = 1000 };
+enum { LEAST_LATER = 10, BRIDGED = 3, LINE = 3, LONGEST_RUN = 1000 };
 static const double beyond = 1e150; // what is not computed with, nor its inverse
 
 static double mean_velocity(const lac_motion *m, size_t last, size_t count)
@@ -167,10 +167,7 @@ static bool pass_gates(const lac_forecast_def *def, lac_forecast_set *o, char *r
                       : rising           ? start_of(def, m)
                                          : NAN;
     if (m->disbelieved > 0) {
-        (void)snprintf(reason, LAC_FORECAST_TEXT,
-                       "falls and rises: %zu of %zu readings would be resets of the sensor, too "
-                       "many to believe: --raw takes the readings as they are",
-                       m->disbelieved, m->n);
+        (void)snprintf(reason, LAC_FORECAST_TEXT, "%s", o->verdict.trend.reason);
     } else if (is_out_of_range(m)) {
         (void)snprintf(reason, LAC_FORECAST_TEXT,
                        "out of range: velocities or displacements come above %.0e m/s or m, or all "
@@ -236,24 +233,87 @@ static lac_status answer(const lac_forecast_def *def, const lac_forecast_set *o,
     return LAC_OK;
 }
 
+// Asks the methods of what came since `start`; a second time a model of its own, which knows no
+// window, is not asked again.
+static lac_status ask_all(const lac_forecast_def *def, lac_forecast_set *o, double start,
+                          bool again, const char *reason, lac_error *err)
+{
+    lac_window *w = NULL;
+    lac_status status = LAC_OK;
+    if (!isnan(start)) {
+        LAC_TRY_RETURN(lac_window_create(o->motion, start, &w, err));
+    }
+    for (size_t k = 0; k < o->count && status == LAC_OK; k++) {
+        o->forecast[k].kind = lac_forecast_kind_of(def, k);
+        if (!again || o->forecast[k].kind->fit != NULL) {
+            status = answer(def, o, w, reason, &o->forecast[k], err);
+        }
+    }
+    free(w);
+    return status;
+}
+
+static size_t issued(const lac_forecast_set *o)
+{
+    size_t n = 0;
+    for (size_t k = 0; k < o->count; k++) {
+        n += o->forecast[k].issued && !o->forecast[k].kind->baseline ? 1 : 0;
+    }
+    return n;
+}
+
+// Near failure a window that begins long before is a bad fit: its last half is asked, and half of
+// that, until as many methods issue as a pool needs; the first of those of which most do stays.
+static lac_status ask_later(const lac_forecast_def *def, lac_forecast_set *o, lac_error *err)
+{
+    const lac_motion *m = o->motion;
+    const size_t size = o->count * sizeof *o->forecast;
+    size_t first = lac_first_at(m->n, m->time, o->window_start);
+    size_t most = issued(o);
+    lac_status status = LAC_OK;
+    lac_forecast *best = malloc(size);
+    LAC_FAIL_MEMORY_IF(best == NULL, err);
+    memcpy(best, o->forecast, size);
+    while (status == LAC_OK && most < LAC_POOLED && m->n - first >= 2 * LEAST_LATER) {
+        first += (m->n - first) / 2;
+        status = ask_all(def, o, m->time[first], true, "", err);
+        if (status == LAC_OK && issued(o) > most) {
+            most = issued(o);
+            o->window_start = m->time[first];
+            memcpy(best, o->forecast, size);
+        }
+    }
+    memcpy(o->forecast, best, size);
+    free(best);
+    return status;
+}
+
+// Readings that fall and rise say nothing of a rate.
+static lac_trend trend_of(const lac_motion *m)
+{
+    lac_trend t = lac_trend_find(m);
+    if (m->disbelieved > 0) {
+        t = (lac_trend){.p = NAN, .start = NAN, .rate = NAN, .rise = NAN, .error = NAN};
+        (void)snprintf(t.reason, sizeof t.reason,
+                       "falls and rises: %zu of %zu readings would be resets of the sensor, too "
+                       "many to believe: --raw takes the readings as they are",
+                       m->disbelieved, m->n);
+    }
+    return t;
+}
+
 static lac_status forecast(lac_forecast_set *o, const lac_forecast_def *def, lac_error *err)
 {
     char reason[LAC_FORECAST_TEXT] = "";
-    lac_window *w = NULL;
-    lac_status status = LAC_OK;
-    o->verdict.trend = lac_trend_find(o->motion);
+    o->verdict.trend = trend_of(o->motion);
     const bool sound = pass_gates(def, o, reason);
-    if (o->asked || (def->all && sound)) {
-        LAC_TRY(lac_window_create(o->motion, o->window_start, &w, err));
-    }
-    for (size_t k = 0; k < o->count; k++) {
-        o->forecast[k].kind = lac_forecast_kind_of(def, k);
-        LAC_TRY(answer(def, o, w, reason, &o->forecast[k], err));
+    const bool ask = o->asked || (def->all && sound);
+    LAC_TRY_RETURN(ask_all(def, o, ask ? o->window_start : (double)NAN, false, reason, err));
+    if (o->asked && isnan(def->since) && !def->onset) {
+        LAC_TRY_RETURN(ask_later(def, o, err));
     }
     lac_verdict_find(def, o);
-out:
-    free(w);
-    return status;
+    return LAC_OK;
 }
 
 lac_status lac_forecast_set_create(const lac_forecast_def *def, const lac_readings *readings,

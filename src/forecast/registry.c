@@ -109,7 +109,7 @@ const lac_forecast_kind lac_forecast_persistence = {
 
 // What keeps a forecast from being issued, in the order in which it is asked (outlook.c).
 static const lac_forecast_gate gates[] = {
-    {"resets", "of any method: more than one reading in twenty would be a reset of the sensor "
+    {"resets", "of any method: more than one reading in ten would be a reset of the sensor "
                "(--raw takes them as they are)"},
     {"range",
      "of any method: a velocity or displacement above 1e150 m/s or m, or all below 1e-150"},

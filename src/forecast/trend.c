@@ -40,7 +40,7 @@ enum { SHAPES = sizeof shapes / sizeof *shapes };
 typedef struct sample {
     const shape *bent;
     size_t n, terms;                // groups; columns
-    double half;                    // of the window's length [s]
+    double half, first;             // of the window's length [s]; its first value
     double t[GROUPS], x[GROUPS];    // x from the first reading
     double weight[GROUPS];          // as many as readings of the usual noise
     double trust[GROUPS];           // Huber's weight
@@ -94,6 +94,7 @@ static void take(const readings *r, size_t first, size_t terms, sample *s)
     s->n = n < GROUPS ? n : GROUPS;
     s->terms = terms;
     s->half = 0.5 * (time[n - 1] - time[0]);
+    s->first = value[0];
     for (size_t g = 0; g < s->n; g++) {
         s->weight[g] = s->t[g] = s->x[g] = 0.0;
         s->trust[g] = 1.0;
@@ -215,7 +216,8 @@ static void judge(const sample *s, size_t windows, bend *b)
     const double scale = whole / (last == 2 ? s->half : 1.0) / s->length[last];
     b->rise = scale * s->c[last];
     b->error = scale * sqrt(widened * variance(s, squares, freedom, 0.0));
-    b->rate = s->c[last - 1] / s->length[last - 1] / (last == 2 ? s->half : 1.0);
+    b->rate = s->c[last - 1] / s->length[last - 1];
+    b->rate = last == 2 ? b->rate / s->half : b->rate + s->first;
     b->z = least;
     b->p =
         fmin(1.0, (double)windows * gsl_cdf_tdist_Q(least, fmax(1.0, (double)s->n / widened -
@@ -262,11 +264,11 @@ static void explain(const readings *r, size_t n, const bend *b, lac_trend *out)
     const double days = (r->time[r->n - 1] - r->time[r->n - n]) / 86400.0;
     const double to_mm_day = 1e3 * 86400.0;
     const double hidden = normal95 * b->error;
-    int at =
-        snprintf(out->reason, sizeof out->reason,
-                 "over the last %zu readings (%.3g days) noise hides a rise of the rate of less "
-                 "than %.2g mm/day; the rate is %.2g mm/day",
-                 n, days, to_mm_day * hidden, to_mm_day * b->rate);
+    int at = snprintf(
+        out->reason, sizeof out->reason,
+        "over the last %zu readings (%.3g days) a rise of the rate by less than %.3g mm/day "
+        "would not be seen in the noise; the rate is %.3g mm/day",
+        n, days, to_mm_day * hidden, to_mm_day * b->rate);
     const double more = (double)n * (cbrt(pow(hidden / (noticed * b->rate), 2.0)) - 1.0);
     if (b->rate > 0.0 && more >= 0.5 && more < 1000.0 && at > 0 &&
         (size_t)at < sizeof out->reason) {

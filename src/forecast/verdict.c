@@ -11,11 +11,12 @@
 
 enum { QUANTILES = LAC_FORECAST_LEVELS };
 static const double day = 86400.0;
-static const double sparse = 10.0;       // days: intervals from which odds count alone
-static const double asked_below = 0.05;  // p of a rise above which the odds are not asked
-static const double nearly = 1e-6;       // of the farthest quantile: no time is nearer
+static const double sparse = 10.0;      // days: intervals from which odds count alone
+static const double asked_below = 0.05; // p of a rise above which the odds are not asked
+static const double nearly = 1e-6;      // of the farthest quantile: no time is nearer
+static const double most_said = 0.99;
 static const double held_below = 0.5;    // and from which on no level is held
-static const double stretched = 1.5;     // a span's length at most, over what it should be
+static const double stretched = 1.5;     // what a span may be longer or shorter by
 static const double few_intervals = 2.0; // that a horizon is of at least
 
 const lac_span lac_spans[LAC_SPANS] = {
@@ -42,39 +43,37 @@ lac_levels lac_levels_default(void)
                         .running = 2.0,
                         .hold = 2.0,
                         .horizon = 7.0 * day,
-                        .chance = 0.75,
+                        .chance = 0.5,
                         .agree = 0.5,
                         .watch_rate = INFINITY,
                         .warning_rate = INFINITY,
                         .alarm_rate = INFINITY};
 }
 
-// The last reading at or before a time, of n that begin before it.
-static size_t reading_at(const lac_motion *m, size_t n, double time)
+// Of the first n readings the one nearest to a time.
+static size_t reading_near(const lac_motion *m, size_t n, double time)
 {
     size_t low = 0, high = n - 1;
-    while (low < high) {
-        const size_t middle = low + (high - low + 1) / 2;
+    while (high - low > 1) {
+        const size_t middle = low + (high - low) / 2;
         low = m->time[middle] <= time ? middle : low;
-        high = m->time[middle] <= time ? high : middle - 1;
+        high = m->time[middle] <= time ? high : middle;
     }
-    return low;
+    return time - m->time[low] <= m->time[high] - time ? low : high;
 }
 
-// Mean rate over a span that ends with reading `last`; NaN where readings are too far apart.
+// Mean rate over a span that ends with reading `last`; NaN where no reading is near its begin.
 // @param first  the reading that it begins with
 static double rate_over(const lac_motion *m, size_t last, double length, size_t *first)
 {
-    const double end = m->time[last];
     *first = last;
-    if (last == 0 || m->time[0] > end - length * (1.0 - 1e-9)) {
+    if (last == 0) {
         return NAN;
     }
-    *first = length > 0.0 ? reading_at(m, last, end - length * (1.0 - 1e-9)) : last - 1;
-    const double took = end - m->time[*first];
-    return length > 0.0 && took > stretched * length
-               ? (double)NAN
-               : (m->displacement[last] - m->displacement[*first]) / took;
+    *first = length > 0.0 ? reading_near(m, last, m->time[last] - length) : last - 1;
+    const double took = m->time[last] - m->time[*first];
+    const bool off = length > 0.0 && (took > stretched * length || took < length / stretched);
+    return off ? (double)NAN : (m->displacement[last] - m->displacement[*first]) / took;
 }
 
 static void tell_rates(const lac_motion *m, lac_verdict *v)
@@ -112,7 +111,7 @@ static double chance_before(const double *quantile, double now, double time)
 // Each quantile of the pool is the median of the methods' own; fewer than three are none.
 static void pool(const lac_forecast_set *o, lac_verdict *v)
 {
-    enum { MOST = 32, LEAST = 3 };
+    enum { MOST = 32 };
     for (int q = 0; q < QUANTILES; q++) {
         double one[MOST];
         size_t n = 0;
@@ -124,7 +123,7 @@ static void pool(const lac_forecast_set *o, lac_verdict *v)
             }
         }
         v->issued = n;
-        v->pooled[q] = n >= LEAST ? lac_median(n, one) : (double)NAN;
+        v->pooled[q] = n >= LAC_POOLED ? lac_median(n, one) : (double)NAN;
     }
     for (size_t k = 0; k < o->count; k++) {
         const lac_forecast *f = &o->forecast[k];
@@ -169,11 +168,13 @@ static bool warns(const lac_levels *l, const lac_motion *m, lac_verdict *v, size
         const double odds = odds_of(m, &v->trend, back);
         v->log_odds = back == 0 ? odds : v->log_odds;
         if (odds >= at_once) {
+            v->found = odds;
             *ago = back - run;
             return true;
         }
         run = odds >= v->needed ? run + 1 : 0;
         if (run == running) {
+            v->found = odds;
             *ago = back + 1 - run;
             return true;
         }
@@ -214,13 +215,14 @@ static lac_level level_of_motion(const lac_levels *l, const lac_motion *m, lac_v
             RULE(
                 v,
                 "the motion follows a law that ends in failure%s, and %zu of %zu methods expect it "
-                "within %.3g days (chance %.0f %%)",
-                when, v->near, v->issued, v->horizon / day, 100.0 * v->chance);
+                "within %.3g days (chance %s%.0f %%)",
+                when, v->near, v->issued, v->horizon / day, v->chance > most_said ? "above " : "",
+                100.0 * fmin(v->chance, most_said));
         } else {
             RULE(v,
                  "the motion follows a law that ends in failure%s rather than a line, a step or a "
-                 "new steady rate (ln odds at least %.2g)",
-                 when, v->needed);
+                 "new steady rate (evidence %.2g, needed %.2g)",
+                 when, v->found, v->needed);
         }
         return alarm ? LAC_ALARM : LAC_WARNING;
     }

@@ -68,7 +68,8 @@ typedef struct lac_verdict {
     lac_trend trend;
     double log_odds; ///< of a law that ends in failure over a line, a step, a relaxation; NaN: not
                      ///< asked, as the rate does not rise
-    double needed;   ///< for a warning
+    double found;    ///< odds that gave a warning
+    double needed;   ///< for one
     size_t issued, near; ///< methods that issue a forecast; whose median lies within the horizon
     double horizon;      ///< [s]
     double chance;       ///< of failure within it by the pooled methods; NaN: fewer than 3 issue

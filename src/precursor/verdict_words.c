@@ -11,6 +11,7 @@
 #include "precursor/precursor.h"
 
 static const double day = 86400.0;
+static const double unchanged = 1e-9; // of a rate: what rounding makes of none
 
 enum { TIME = 40 };
 
@@ -110,10 +111,13 @@ static void add_p(const words *w, double p)
 static void say_level(const lac_forecast_outcome *o, const words *w)
 {
     const lac_verdict *v = &o->forecasts->verdict;
-    for (const char *c = lac_level_name(v->level); *c != '\0'; c++) {
+    const bool unknown = v->level == LAC_QUIET && v->trend.answer == LAC_CANNOT_TELL;
+    const char *name = unknown ? lac_answer_name(LAC_CANNOT_TELL) : lac_level_name(v->level);
+    for (const char *c = name; *c != '\0'; c++) {
         add(w, "%c", toupper((unsigned char)*c));
     }
-    add(w, ": %s", v->rule[0] != '\0' ? v->rule : "nothing gives another level");
+    add_time(w, o, " as of ", o->forecasts->issue_time);
+    add(w, "%s: %s", zone(o), v->rule[0] != '\0' ? v->rule : "nothing gives another level");
 }
 
 static void say_acceleration(const lac_forecast_outcome *o, const words *w)
@@ -131,12 +135,12 @@ static void say_acceleration(const lac_forecast_outcome *o, const words *w)
         }
     }
     if (isfinite(t->start)) {
-        add(w, ", over ");
+        add(w, t->answer == LAC_DOES ? ", over " : ": a rise by half would have been seen, over ");
         add_span(w, o->forecasts->issue_time - t->start);
         add_time(w, o, " since ", t->start);
         add(w, "%s", zone(o));
     }
-    if (isfinite(t->p)) {
+    if (t->answer == LAC_DOES && isfinite(t->p)) {
         add(w, " ");
         add_p(w, t->p);
     }
@@ -168,7 +172,9 @@ static void say_rates(const lac_forecast_outcome *o, const words *w)
             continue;
         }
         add(w, known ? ", %.3g over the last %s" : "%.3g mm/day over the last %s", rate, name);
-        if (isfinite(change)) {
+        if (fabs(change) <= unchanged * fabs(rate)) {
+            add(w, " (unchanged)");
+        } else if (isfinite(change)) {
             add(w, " (%.3g %s than over the %s before)", fabs(change),
                 change < 0.0 ? "less" : "more", name);
         }
@@ -200,6 +206,14 @@ static void say_failure(const lac_forecast_outcome *o, const words *w)
         add(w, "no method gives a time of failure");
         return;
     }
+    if (!isfinite(v->chance)) {
+        add(w, v->issued == 1 ? "one method gives a time, too few for a chance"
+                              : "two methods give a time, too few for a chance");
+        return;
+    }
+    if (v->level < LAC_WARNING) {
+        add(w, "if it is heading for failure: ");
+    }
     if (isfinite(v->pooled[0])) {
         add(w, "with a chance of 50 %% from ");
         add_window(w, o, v->pooled[1], v->pooled[3]);
@@ -207,13 +221,11 @@ static void say_failure(const lac_forecast_outcome *o, const words *w)
         add_window(w, o, v->pooled[0], v->pooled[4]);
         add(w, "%s; ", zone(o));
     }
-    if (isfinite(v->chance)) {
-        add(w, "a chance of ");
-        add_percent(w, v->chance);
-        add(w, " within ");
-        add_span(w, v->horizon);
-        add(w, "; ");
-    }
+    add(w, "a chance of ");
+    add_percent(w, v->chance);
+    add(w, " within ");
+    add_span(w, v->horizon);
+    add(w, "; ");
     add(w, "%zu of %zu methods that give a time put it within ", v->near, v->issued);
     add_span(w, v->horizon);
 }

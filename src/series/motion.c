@@ -17,10 +17,10 @@ static const double gap = 5.0; // median intervals
 static const double outlier = 8.0, fall = 10.0;
 static const double agree = 0.5;   // part of an outlier's distance
 static const double lost = 0.2;    // part of the way so far that a reset takes back
-static const double unusual = 4.0; // of the steps that nine of ten do not exceed
+static const double unusual = 2.5; // times the rise that nine of ten do not exceed
 static const double step_counts = 5.0, error_counts = 3.0, walk_counts = 2.0;
 
-enum { BELIEVED = 20 }; // of so many readings one may be a reset
+enum { BELIEVED = 10 }; // of so many readings one may be a reset
 
 // Distance of reading i from the line between readings a and b; the noise of it is `scale` times
 // that of a reading.
@@ -94,17 +94,18 @@ static bool is_outlier(const lac_motion *m, size_t before, size_t i)
     return off > outlier * scale * m->noise && step < agree * off;
 }
 
-// Nine of ten steps are no larger.
-static double usual_step(const lac_motion *m, double *work)
+// What nine of ten rises do not exceed: noise rises as often as it falls, a reset does not.
+static double usual_rise(const lac_motion *m, double *work)
 {
+    size_t n = 0;
     for (size_t i = 1; i < m->n; i++) {
-        work[i - 1] = fabs(m->displacement[i] - m->displacement[i - 1]);
+        const double step = m->displacement[i] - m->displacement[i - 1];
+        if (step > 0.0) {
+            work[n++] = step;
+        }
     }
-    if (m->n < 2) {
-        return NAN;
-    }
-    qsort(work, m->n - 1, sizeof *work, lac_by_first);
-    return lac_quantile(m->n - 1, work, 0.9);
+    qsort(work, n, sizeof *work, lac_by_first);
+    return n > 0 ? lac_quantile(n, work, 0.9) : 0.0;
 }
 
 // The readings kept are 0 ... kept - 1; i comes next, and has been moved by `shift`.
@@ -136,7 +137,7 @@ static void keep(lac_motion *m, size_t at, size_t i)
 // Drops outliers and takes resets out. @return whether so many resets are believed
 static bool clean(lac_motion *m, double *work)
 {
-    const double usual = usual_step(m, work);
+    const double usual = usual_rise(m, work);
     const size_t all = m->n;
     size_t kept = 0;
     double way = 0.0;

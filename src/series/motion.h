@@ -64,11 +64,11 @@ typedef struct lac_motion {
 
 /// Cleans readings and derives velocities. A reading is an outlier where it leaves the line between
 /// its neighbours by more than 8 times the noise and they agree with each other; a fall of more
-/// than 10 times the noise and 4 times what nine of ten steps do not exceed, by a fifth of the way
-/// so far or back to the first reading, is a reset of the sensor, across which the slope is taken
-/// to have gone on as before, or an outlier while it is the last reading. The noise
-/// is that of `sigma`, else what readings scatter by themselves (base/noise.h); never less than the
-/// resolution of the numbers. More resets than one reading in twenty (one is always believed) are
+/// than 10 times the noise and 2.5 times what nine of ten rises do not exceed, by a fifth of the
+/// way so far or back to the first reading, is a reset of the sensor, across which the slope is
+/// taken to have gone on as before, or an outlier while it is the last reading. The noise is that
+/// of `sigma`, else what readings scatter by themselves (base/noise.h); never less than the
+/// resolution of the numbers. More resets than one reading in ten (one is always believed) are
 /// not: all stays as it was read.
 /// Readings that fall are turned: where the sum of their steps, none counted as more than five
 /// median ones, is below 0 by more than 3 errors of a difference of two readings.

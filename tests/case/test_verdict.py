@@ -124,7 +124,9 @@ class Verdict(unittest.TestCase):
                 head, rest = text.split("\n\n", 1)
                 rows = [line.split()[0] for line in head.split("\n")[1:] if line[2] != " "]
                 self.assertEqual(rows, ["level", "accelerates", "moved", "rate", "failure"])
-                self.assertIn(f"  level                {verdict['level'].upper()}: ", head)
+                unknown = verdict["level"] == "quiet" and verdict["accelerates"] == "cannot tell"
+                word = "CANNOT TELL" if unknown else verdict["level"].upper()
+                self.assertIn(f"  level                {word} as of ", head)
                 self.assertIn(f"  accelerates          {verdict['accelerates']}", head)
                 self.assertNotIn("nan", head)
                 self.assertNotIn("inf", head)

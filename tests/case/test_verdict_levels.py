@@ -28,7 +28,7 @@ WRONG = (  # a line of a file, what is said of it
     ("running: 2.5", 'running: "2.5" must be a whole number'),
     ("hold: -1", 'hold: "-1" must be >= 0'),
     ("hold: 51", 'hold: "51" must be <= 50'),
-    ("horizon: 0 day", 'horizon: "0 day" must be > 0 s'),
+    ("horizon: 0 day", 'horizon: "0 day" must be >= 600 s'),
     ("horizon: 7 mm", 'horizon: "7 mm" must be a time'),
     ("chance: 1.01", 'chance: "1.01" must be <= 1'),
     ("agree: [1]", "agree: must be"),

@@ -78,7 +78,8 @@ static void all_of_it_is_said(void **state)
     check(
         &v, true,
         (const char *const[]){
-            "WARNING: it accelerates, and a law that ends in failure is likelier",
+            "WARNING as of 2015-07-22 00:00 UTC: it accelerates, and a law that ends in failure is "
+            "likelier",
             "yes, by 7.25 mm/day with an error of 1.5, over 21 days since 2015-07-01 00:00 UTC (p "
             "0.0004, the chance that a steady slope looks so)",
             "1235 mm since 2015-06-21 00:00 UTC",
@@ -95,22 +96,32 @@ static void what_is_not_known_is_said(void **state)
     (void)state;
     lac_verdict v = unsure();
     check(&v, true,
-          (const char *const[]){"QUIET: nothing gives another level", "cannot tell", "not known",
-                                "not known over the last step, day, week, month",
-                                "no method gives a time of failure"});
+          (const char *const[]){
+              "CANNOT TELL as of 2015-07-22 00:00 UTC: nothing gives another level", "cannot tell",
+              "not known", "not known over the last step, day, week, month",
+              "no method gives a time of failure"});
     v.trend = (lac_trend){.answer = LAC_DOES_NOT, .p = 0.4, .start = NAN};
     (void)snprintf(v.rule, sizeof v.rule, "a steady rate");
     v.position = -0.0042;
-    v.issued = 1;
+    v.issued = 3;
+    v.chance = 0.1;
     v.horizon = 3600.0;
     v.pooled[0] = v.pooled[1] = 200.0 * day;
+    check(
+        &v, false,
+        (const char *const[]){
+            "QUIET as of 45.5533 year: a steady rate", "no", "-4.2 mm since 45.4685 year",
+            "not known over the last step, day, week, month",
+            "if it is heading for failure: with a chance of 50 % from 200 day on, without an end, "
+            "of 90 % from 200 day on, without an end; a chance of 10 % within 60 minutes; 0 of "
+            "3 methods that give a time put it within 60 minutes"});
+    v.issued = 1;
+    v.chance = NAN;
     check(&v, false,
-          (const char *const[]){
-              "QUIET: a steady rate", "no (p 0.40, the chance that a steady slope looks so)",
-              "-4.2 mm since 45.4685 year", "not known over the last step, day, week, month",
-              "with a chance of 50 % from 200 day on, without an end, of 90 % "
-              "from 200 day on, without an end; 0 of 1 methods that give a time "
-              "put it within 60 minutes"});
+          (const char *const[]){"QUIET as of 45.5533 year: a steady rate", "no",
+                                "-4.2 mm since 45.4685 year",
+                                "not known over the last step, day, week, month",
+                                "one method gives a time, too few for a chance"});
 }
 
 static char *json_of(const lac_verdict *verdict)

@@ -252,6 +252,16 @@ out:
     return status;
 }
 
+static lac_status check_since(const precursors_job *job, lac_error *err)
+{
+    const lac_readings *r = &job->watched.readings;
+    return job->plan.def.since > r->time[r->n - 1]
+               ? lac_fail(err, LAC_EINPUT, "--since: \"%s\" is after the last reading, %s",
+                          job->request->forecast.since,
+                          cli_watched_time(&job->watched.of, r->time[r->n - 1]).s)
+               : LAC_OK;
+}
+
 static lac_status answer(const cli_request *request, const char *station, lac_json *json,
                          lac_error *err)
 {
@@ -269,6 +279,7 @@ static lac_status answer(const cli_request *request, const char *station, lac_js
     }
     LAC_TRY(cli_watched_read(request, job.source, job.units, &job.watched, err));
     LAC_TRY(cli_forecast_plan_read(request, of->dated, job.units, &job.plan, err));
+    LAC_TRY(check_since(&job, err));
     LAC_TRY(cli_drivers_read(request, job.source, &job.watched, job.units, &job.drivers, err));
     job.plan.def.drivers = job.drivers.n;
     job.plan.def.driver = job.drivers.driver;
