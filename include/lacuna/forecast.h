@@ -20,7 +20,8 @@ typedef struct lac_forecast_options {
     double since;               ///< start of what is fitted, accelerating or not [s]; NaN: the
                                 ///< onset of acceleration
     double until;               ///< nothing later is looked at [s]
-    size_t short_run, long_run; ///< velocities in the means that tell the onset; 0: 3 over 7
+    size_t short_run, long_run; ///< velocities in the means that tell the onset; 0: the trend's
+                                ///< test tells it, which knows the noise
     size_t issues;              ///< forecasts as of so many readings, at most; 0: of the last one
     double failed_at;           ///< when it failed [s]; NaN: not known; INFINITY: never
     const lac_case *source;     ///< one more method: the slope's own model, read with LAC_FOR_FIT;

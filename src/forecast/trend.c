@@ -303,8 +303,8 @@ static windows look_back(const readings *r, size_t terms)
 static void answer(const readings *r, const windows *w, lac_trend *out)
 {
     const bend *found = w->found;
-    size_t best = 0, widest = 0, chosen;
-    for (size_t k = 1; k < w->count; k++) {
+    size_t best = 0, widest = w->count - 1, chosen;
+    for (size_t k = 0; k < w->count; k++) {
         best = found[k].p < found[best].p ? k : best;
         widest = upper_rise(&found[k]) < upper_rise(&found[widest]) ? k : widest;
     }

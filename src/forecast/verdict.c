@@ -14,6 +14,7 @@ static const double day = 86400.0;
 static const double sparse = 10.0;      // days: intervals from which odds count alone
 static const double asked_below = 0.05; // p of a rise above which the odds are not asked
 static const double nearly = 1e-6;      // of the farthest quantile: no time is nearer
+static const double far_off = 10.0;     // noises, and times what readings before were off
 static const double most_said = 0.99;
 static const double held_below = 0.5;    // and from which on no level is held
 static const double stretched = 1.5;     // what a span may be longer or shorter by
@@ -200,6 +201,29 @@ static lac_level level_of_rate(const lac_levels *l, lac_verdict *v)
     return (lac_level)level;
 }
 
+// How far reading i is off the line through the two before it.
+static double off_before(const lac_motion *m, size_t i)
+{
+    const double *t = m->time + i, *d = m->displacement + i;
+    return d[0] - d[-1] - (d[-1] - d[-2]) / (t[-1] - t[-2]) * (t[0] - t[-1]);
+}
+
+// How far the last reading is off, if by far more than noise and than those before it; else 0. A
+// failure or a bad reading: the next one tells, and nobody should wait for it in quiet.
+static double jump_of(const lac_motion *m)
+{
+    enum { BEFORE = 8, LEAST = 5 };
+    const size_t last = m->n - 1;
+    double most = far_off * m->noise;
+    if (m->n < LEAST || !(m->noise > 0.0)) {
+        return 0.0;
+    }
+    for (size_t i = m->n > BEFORE + 3 ? m->n - BEFORE - 1 : 2; i < last; i++) {
+        most = fmax(most, far_off * fabs(off_before(m, i)));
+    }
+    return fabs(off_before(m, last)) > most ? off_before(m, last) : 0.0;
+}
+
 // By the odds and the methods.
 static lac_level level_of_motion(const lac_levels *l, const lac_motion *m, lac_verdict *v)
 {
@@ -230,6 +254,13 @@ static lac_level level_of_motion(const lac_levels *l, const lac_motion *m, lac_v
         RULE(v,
              "the rate rises, but a law that ends in failure is not yet told from a step or a new "
              "steady rate");
+        return LAC_WATCH;
+    }
+    if (jump_of(m) != 0.0) {
+        RULE(v,
+             "the last reading is %.3g mm off the way before it: read again, it is a bad "
+             "reading or a failure",
+             1e3 * jump_of(m));
         return LAC_WATCH;
     }
     RULE(v, "%s",

@@ -158,6 +158,9 @@ static void say_position(const lac_forecast_outcome *o, const words *w)
     if (m != NULL && m->n > 0) {
         add_time(w, o, " since ", m->time[0]);
         add(w, "%s%s", zone(o), m->falling ? ", falling" : "");
+        if (m->resets > 0) {
+            add(w, ", with %zu resets of the sensor taken out", m->resets);
+        }
     }
 }
 

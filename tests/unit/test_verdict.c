@@ -13,6 +13,9 @@
 enum { N = 100, SEEDS = 50, SLOPES = 10 };
 static const double day = 86400.0;
 
+// Of so many draws a fifth where LACUNA_FEW is set, as under valgrind.
+static size_t some(size_t many) { return getenv("LACUNA_FEW") == NULL ? many : (many + 4) / 5; }
+
 static double times[N], displacement[N];
 
 static double random_normal(size_t draw, size_t i)
@@ -65,6 +68,35 @@ static double step(double part)
     return 0.3 * part + (part > 0.6 ? -expm1((0.6 - part) / 0.08) : 0.0);
 }
 
+static double slowing(double part) { return log1p(20.0 * part); }
+
+// A last reading far off is no quiet, up or down; a smooth curve without noise has none.
+static void jump_of_the_last_reading_is_watched(void **state)
+{
+    (void)state;
+    const lac_forecast_def def = default_def();
+    for (int way = -1; way <= 1; way++) {
+        fill(line, 1.0, 3, 0.002);
+        displacement[N - 1] += 0.3 * way;
+        const lac_verdict found = judge_first(&def, N);
+        assert_int_equal(found.level, way != 0 ? LAC_WATCH : LAC_QUIET);
+        assert_int_equal(strstr(found.rule, "read again") != NULL, way != 0);
+    }
+    fill(slowing, 1.0, 0, 0.0);
+    assert_int_equal(judge_first(&def, N).level, LAC_QUIET);
+}
+
+// An alarm does not go out as failure nears, where most methods no longer fit the whole of it.
+static void alarm_stays_to_the_end(void **state)
+{
+    (void)state;
+    const lac_forecast_def def = default_def();
+    for (size_t left = 1; left <= 4; left++) {
+        fill(voight_15, 1.0 - (double)left / N, left, 0.003);
+        assert_int_equal(judge_first(&def, N).level, LAC_ALARM);
+    }
+}
+
 // At 3 % of its life left, in noise of 0.3 % of the way.
 static void failure_is_warned_of(void **state)
 {
@@ -72,7 +104,7 @@ static void failure_is_warned_of(void **state)
     static double (*const laws[])(double) = {voight_2, voight_15};
     const lac_forecast_def def = default_def();
     for (size_t k = 0; k < 2; k++) {
-        for (size_t draw = 0; draw < SEEDS / 5; draw++) {
+        for (size_t draw = 0; draw < some(SEEDS / 5); draw++) {
             fill(laws[k], 0.97, draw, 3e-3);
             const lac_verdict v = judge_first(&def, N);
             assert_true(v.level >= LAC_WARNING);
@@ -114,7 +146,7 @@ static void new_rates_and_steps_are_not_warned_of(void **state)
     const lac_forecast_def def = default_def();
     for (size_t k = 0; k < 3; k++) {
         size_t warned = 0;
-        for (size_t draw = 0; draw < SEEDS; draw++) {
+        for (size_t draw = 0; draw < some(SEEDS); draw++) {
             fill(laws[k], 1.0, draw, 3e-3);
             warned += judge_first(&def, N).level > LAC_WATCH;
         }
@@ -186,7 +218,7 @@ static void rain_that_explains_is_watched(void **state)
 {
     (void)state;
     size_t fewer = 0;
-    for (size_t k = 0; k < SLOPES; k++) {
+    for (size_t k = 0; k < some(SLOPES); k++) {
         const driven_def wet = {.days = 120,
                                 .seed = k + 1,
                                 .weather = DRIVEN_WET,
@@ -208,7 +240,7 @@ static void rain_that_explains_is_watched(void **state)
             assert_non_null(strstr(v.rule, "rain explains"));
         }
     }
-    assert_in_range(fewer, 1, SLOPES);
+    assert_in_range(fewer, some(SLOPES) == SLOPES ? 1 : 0, SLOPES);
 }
 
 // What few readings do not tell is not there; the level is quiet and says why.
@@ -234,6 +266,8 @@ int main(void)
         cmocka_unit_test(failure_within_the_horizon_is_an_alarm),
         cmocka_unit_test(new_rates_and_steps_are_not_warned_of),
         cmocka_unit_test(a_warning_holds),
+        cmocka_unit_test(jump_of_the_last_reading_is_watched),
+        cmocka_unit_test(alarm_stays_to_the_end),
         cmocka_unit_test(rates_give_a_level_where_named),
         cmocka_unit_test(rain_that_explains_is_watched),
         cmocka_unit_test(few_readings_are_quiet),

@@ -16,7 +16,7 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 74760,
+    "lines of src and include": 74780,
     "lines that only present results": 20210,
     "public headers": 13,
     "exported names": 43,
