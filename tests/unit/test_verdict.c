@@ -169,10 +169,10 @@ static void a_warning_holds(void **state)
         times[i] = 1.4e9 + day * (double)i;
         displacement[i] = voight_2(part) + 1e-2 * random_normal(0, i);
     }
-    for (size_t n = REST - 20; n <= N; n++) {
+    for (size_t n = REST - 3; n <= REST + 12; n++) {
         def.levels.hold = 0.0;
         bare[n - 1] = judge_first(&def, n).level >= LAC_WARNING;
-        if (n < REST - 20 + hold) {
+        if (n < REST - 3 + hold) {
             continue;
         }
         bool expected = false;
