@@ -159,7 +159,8 @@ static void say_position(const lac_forecast_outcome *o, const words *w)
         add_time(w, o, " since ", m->time[0]);
         add(w, "%s%s", zone(o), m->falling ? ", falling" : "");
         if (m->resets > 0) {
-            add(w, ", with %zu resets of the sensor taken out", m->resets);
+            add(w, ", with %zu reset%s of the sensor taken out", m->resets,
+                m->resets > 1 ? "s" : "");
         }
     }
 }
