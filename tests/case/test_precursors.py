@@ -554,8 +554,11 @@ class Precursors(unittest.TestCase):
         self.assertTrue(all(abs(off) < 0.1 for off in differences), differences)
         if len(differences) > 1:
             self.assertEqual(len(differences), 14)
-            at_once = [row for row in rows if len(row) > 4 and row[2] == "most methods that alarm at once"]
-            self.assertTrue(all(int(row[4]) <= 1 for row in at_once))
+            said = {row[1]: row for row in rows if len(row) == 12}
+            for name in ("Baijiabao", "Lamosano"):  # which did not fail
+                self.assertEqual(said[name][8], "-", said[name])
+                self.assertTrue(said[name][10].startswith("0 ("), said[name])
+            self.assertEqual(said["Chambon, crisis"][4], "alarm")
 
     def test_eight_readings_of_a_wall_that_rain_drove(self):
         """Their noise is a twelfth of the way since: it explains what a law is off, and is said."""
