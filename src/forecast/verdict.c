@@ -224,6 +224,17 @@ static double jump_of(const lac_motion *m)
     return fabs(off_before(m, last)) > most ? off_before(m, last) : 0.0;
 }
 
+static const char *odds_text(double log_odds, char text[static 32])
+{
+    const double most = 1000.0, odds = exp(log_odds);
+    (void)snprintf(text, 32,
+                   odds > most   ? "above %.0f"
+                   : odds < 10.0 ? "%.1f"
+                                 : "%.0f",
+                   fmin(odds, most));
+    return text;
+}
+
 // By the odds and the methods.
 static lac_level level_of_motion(const lac_levels *l, const lac_motion *m, lac_verdict *v)
 {
@@ -243,10 +254,11 @@ static lac_level level_of_motion(const lac_levels *l, const lac_motion *m, lac_v
                 when, v->near, v->issued, v->horizon / day, v->chance > most_said ? "above " : "",
                 100.0 * fmin(v->chance, most_said));
         } else {
+            char odds[32], needed[32];
             RULE(v,
                  "the motion follows a law that ends in failure%s rather than a line, a step or a "
-                 "new steady rate (evidence %.2g, needed %.2g)",
-                 when, v->found, v->needed);
+                 "new steady rate (odds %s to 1, %s to 1 needed)",
+                 when, odds_text(v->found, odds), odds_text(v->needed, needed));
         }
         return alarm ? LAC_ALARM : LAC_WARNING;
     }

@@ -19,6 +19,7 @@ enum { NAME = 80, LONG_NAME = 160, MOST_VALUES = 64 };
 
 LAC_TEXT_GETTER(kind, OUTCOME, o->series == NULL ? "run" : "series")
 LAC_TEXT_GETTER(doubt, OUTCOME, o->series->doubt[at[0]])
+LAC_TEXT_GETTER(time_zone, OUTCOME, !o->dated ? NULL : lac_outcome_zoned(o) ? "UTC" : "not stated")
 LAC_TEXT_GETTER(attribution, OUTCOME, o->series != NULL ? o->series->attribution : NULL)
 LAC_TEXT_GETTER(status, OUTCOME, o->interrupted ? "interrupted" : "complete")
 LAC_GETTER(double, last_time, READINGS, in->time[in->n - 1])
@@ -109,6 +110,7 @@ static const lac_variable of_source[] = {
     {.name = "source_file", .json = "series/path", O(TEXT, source)},
     {.json = "series/kind", T(kind)},
     {.name = "source_attribution", T(attribution)},
+    {.name = "time_zone", .json = "series/time_zone", T(time_zone)},
     {.name = "failed_at_s", .unit = "s", O(REAL, failed_at)},
     {.name = "failed_at_date", O(REAL, failed_at), DATE},
 };

@@ -178,6 +178,9 @@ typedef struct lac_forecast_outcome {
 const char *lac_outcome_time(const lac_forecast_outcome *outcome, double t, char *text,
                              size_t size);
 
+/// Whether its dates are of a known zone, UTC; those that say none are taken as they are.
+bool lac_outcome_zoned(const lac_forecast_outcome *outcome);
+
 /// The verdict in words: the level and its rule, whether it accelerates, how far it moved, its rate
 /// over each span, when it fails; and bytes that hold any of these lines.
 enum { LAC_VERDICT_LINES = 5, LAC_VERDICT_LONGEST = 512 };

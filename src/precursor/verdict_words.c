@@ -65,11 +65,15 @@ static void add_time(const words *w, const lac_forecast_outcome *o, const char *
     add(w, "%s%s", before, lac_outcome_time(o, t, text, sizeof text));
 }
 
-// What a person must know of a date that was just told: those that say no zone are taken as UTC.
+bool lac_outcome_zoned(const lac_forecast_outcome *o)
+{
+    return o->series == NULL || o->series->time_name[0] != '\0';
+}
+
+// What a person must know of a date that was just told.
 static const char *zone(const lac_forecast_outcome *o)
 {
-    const bool unsaid = o->series != NULL && o->series->time_name[0] == '\0';
-    return !o->dated ? "" : unsaid ? " on the file's clock" : " UTC";
+    return !o->dated ? "" : lac_outcome_zoned(o) ? " UTC" : " on the file's clock";
 }
 
 // "21 days"; a unit of which there are two at least.

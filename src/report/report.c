@@ -34,7 +34,7 @@ static const char numbers[] =
     "error_test_fails nonlinear_fails balance_residual_max wall_time_s ";
 static const char texts[] =
     "title institution references source history status libraries date_created date_modified "
-    "failure_date ended_by boundary fidelity resumed case ";
+    "time_zone failure_date ended_by boundary fidelity resumed case ";
 
 static void write_attributes(lac_page *page, const char *names, char *text)
 {

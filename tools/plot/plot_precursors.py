@@ -57,6 +57,7 @@ class Forecasts:
             take = lambda name: data[name].values.astype(float)  # noqa: E731
             if not data.sizes["reading"]:
                 stop(f"{path}: no readings in it")
+            self.zone = "the file's clock" if data.attrs.get("time_zone") == "not stated" else "UTC"
             self.dated = "since" in data["reading_time"].attrs["units"]
             self.start = 0.0 if self.dated else take("reading_time")[0]
             for name in ("reading_time", "velocity_time", "issue_time", "failure_time",
@@ -89,7 +90,7 @@ class Forecasts:
         """Says what the axis over time counts."""
         if self.dated:
             date_ticks(axes.xaxis, 3, 8)
-        axes.set_xlabel("date (UTC)" if self.dated else "days since the first reading")
+        axes.set_xlabel(f"date ({self.zone})" if self.dated else "days since the first reading")
 
 
 def over_time(axes, f):

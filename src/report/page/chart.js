@@ -107,7 +107,7 @@ function clockLabel(spec, scale) {
   if (turned(spec)) return `time before ${page.clock.end}`;
   if (page.clock.dated && !scale.unit) {
     const [first, last] = [scale.low, scale.high].map((t) => date(page.clock.start + t, "day"));
-    return `date (UTC), ${first === last ? first : `${first} to ${last}`}`;
+    return `date (${page.clock.zone || FILES_CLOCK}), ${first === last ? first : `${first} to ${last}`}`;
   }
   return `time since the start (${scale.unit})`;
 }

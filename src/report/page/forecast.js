@@ -49,7 +49,7 @@ function methodRows(f) {
   const rows = f.forecast[forecastState.issue];
   const cell = (words) => (m) => (rows[m][ISSUED] ? words(rows[m]) : "–");
   const between = (low, high) => cell((one) => (one[low] === null ? "–" : `${leftWords(f, one, low)} to ${leftWords(f, one, high)}`));
-  const words = `Forecasts issued ${moment(page.clock, f.issue[forecastState.issue])}${page.clock.dated ? "; dates in UTC" : "; times after issue"}`;
+  const words = `Forecasts issued ${moment(page.clock, f.issue[forecastState.issue])}${page.clock.dated ? `; dates in ${page.clock.zone || FILES_CLOCK}` : "; times after issue"}`;
   const table = bareTable(words, rows.length, [["Method", (m) => f.methods[m].name],
     ["Failure", cell((one) => leftWords(f, one, LEFT))], ["50 % interval", between(LOW50, HIGH50)], ["90 % interval", between(LOW90, HIGH90)],
     ...(rows.some((one) => one[RAW] !== undefined) ? [["By the fit itself", cell((one) => leftWords(f, one, RAW))]] : []),

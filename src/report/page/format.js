@@ -81,6 +81,9 @@ const plain = (digits) => (value, more = 0) => number(value, digits + more);
 // Beyond the year 9999 no date is written, and soon none is known: there time counts from the start.
 const LAST_DATE = Date.UTC(10000, 0) / 1000;
 
+// Of dates that say no zone.
+const FILES_CLOCK = "the file's clock";
+
 // A time of the run: a date where it has one.
 function date(seconds, detail = "minute") {
   const at = new Date(seconds * 1000);
@@ -92,7 +95,7 @@ function date(seconds, detail = "minute") {
 
 function moment(clock, seconds) {
   if (seconds === null || !Number.isFinite(seconds)) return "–";
-  return clock.dated ? `${date(clock.start + seconds)}${THIN}UTC` : span(seconds, 6);
+  return clock.dated ? `${date(clock.start + seconds)}${clock.zone && THIN + clock.zone}` : span(seconds, 6);
 }
 
 function beforeEnd(clock, before) {

@@ -38,7 +38,7 @@ function strata(cells, rows, colours, plot) {
 function upright(data) {
   const { cells } = data, ends = page.axis === "before" ? extentPositive([cells.snapshot_before]) : extent([cells.snapshot_time]);
   return { kind: page.axis === "before" ? "remaining" : "clock", range: ends,
-    label: page.axis === "before" ? `Time before ${page.clock.end}` : page.clock.dated ? "Date (UTC)" : `Time since the start (${elapsed(ends, 6).unit})` };
+    label: page.axis === "before" ? `Time before ${page.clock.end}` : page.clock.dated ? `Date (${page.clock.zone || FILES_CLOCK})` : `Time since the start (${elapsed(ends, 6).unit})` };
 }
 
 const linePlaces = (cells) => Array.from({ length: cells.nx }, (_, i) => (i + 0.5) * cells.dx);

@@ -15,7 +15,7 @@ function openSection(id, title, lead) {
 
 function makeClock(data) {
   const a = data.about, time = (data.motion || data.readings.moved).time, last = time[time.length - 1];
-  return { dated: a.dated && a.start + last < LAST_DATE, start: a.start, last, failure: a.failure_time_s ?? null, end: data.readings ? "the last reading" : a.failed ? "failure" : page.live && a.status === "running" ? "now" : "the end" };
+  return { dated: a.dated && a.start + last < LAST_DATE, zone: a.time_zone === "not stated" ? "" : "UTC", start: a.start, last, failure: a.failure_time_s ?? null, end: data.readings ? "the last reading" : a.failed ? "failure" : page.live && a.status === "running" ? "now" : "the end" };
 }
 
 function choice(id, name, options, current, change) {
