@@ -16,8 +16,8 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 74764,
-    "lines that only present results": 20209,
+    "lines of src and include": 74990,
+    "lines that only present results": 20290,
     "public headers": 13,
     "exported names": 43,
     "circles of includes": 0,
