@@ -22,7 +22,7 @@ BUDGETS = {
     "exported names": 43,
     "circles of includes": 0,
     "files without an opening comment": 0,
-    "objects that one field more in a record compiles anew": 36,
+    "objects that one field more in a record compiles anew": 37,
 }
 
 PRESENTING = re.compile(r"src/(cli|store|report|data)/|src/\w+/describe\w*\.[ch]$")
