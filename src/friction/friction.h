@@ -105,6 +105,7 @@ typedef struct lac_friction {
     const struct lac_friction_law *law;
     int form;
     size_t n;              ///< cells
+    double cohesion;       ///< over the nominal area, whatever the pressure [Pa]; 0: none
     size_t columns;        ///< cell-wise parameters of the law, in the order of its table
     lac_cellwise *column;  ///< [columns] SI; without values: optional, and no cell has it
     lac_cellwise constant; ///< f0 + (b - a) ln v0 - b ln dc: F = constant + a U + b W

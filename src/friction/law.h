@@ -74,8 +74,7 @@ extern const char *const lac_friction_form_names[];
              "state response to normal stress: friction lost per e-fold of effective normal "     \
              "pressure, at once (Linker & Dieterich 1992); none if absent"),                      \
     LAC_CHOICE("rock", LAC_COMMON(rock), NAN, lac_rock_names, LAC_OPTIONAL | LAC_TELLS,           \
-               "gives those of f0, a, b and dc that its source states and the case does not name: " \
-               "lacuna describe rock"),                                                           \
+               "gives those of f0, a, b and dc that its source states and the case does not name"), \
     LAC_REAL("friction_angle", "rad", LAC_COMMON(friction_angle), NAN, 0, LAC_STEEPEST,           \
              LAC_OPTIONAL, "f0 as the angle whose tangent it is"),                                \
     LAC_REAL("cohesion", "Pa", LAC_COMMON(cohesion), NAN, 0, 1e12, LAC_OPTIONAL,                  \

@@ -17,6 +17,7 @@ import sys
 
 BLOCK = re.compile(r"(<!-- lacuna describe ([\w.-]+) -->\n).*?(<!-- -->)", re.DOTALL)
 HEAD = "| key | unit | range | default | meaning |\n| --- | --- | --- | --- | --- |\n"
+LISTED = 12  # choices; of more the program has a list of its own
 COMMON = 3  # models that share a row before it is listed for all of them at once
 
 
@@ -27,6 +28,8 @@ def number(value):
 
 def limits(row):
     """ "> 0, ≤ 1e+09"; the choices; nothing where anything goes."""
+    if row["type"] == "choice" and len(row["choices"]) > LISTED:
+        return f"one of `lacuna describe {row['key']}`"
     if row["type"] == "choice":
         return ", ".join(row["choices"])
     if row["type"] == "path":

@@ -45,7 +45,11 @@ static void print_range(const lac_param *param)
 {
     const bool bare = strcmp(param->unit, "1") == 0;
     const char *gap = bare ? "" : " ", *unit = bare ? "" : param->unit, *mark = ";";
-    for (size_t i = 0; param->type == LAC_CHOICE && param->choices[i] != NULL; i++) {
+    const bool listed = (param->flags & LAC_TELLS) != 0; // they are many
+    if (listed) {
+        printf("; one of lacuna describe %s", param->key);
+    }
+    for (size_t i = 0; !listed && param->type == LAC_CHOICE && param->choices[i] != NULL; i++) {
         printf("%s %s", i > 0 ? " or" : mark, param->choices[i]);
     }
     if (param->type == LAC_PATH) {
