@@ -55,8 +55,8 @@
       GIACOMEL_AT,                                                                                \
       "20 MPa, room temperature, 3 to 10 um/s; the values are those of the aging law, the ranges " \
       "hold those of the slip law and a standard error",                                          \
-      F0 = IS(0.608, 0.607, 0.609), A = IS(0.0091, 0.009, 0.0096), B = IS(0.009, 0.0089, 0.0096), \
-      DC = IS(6.1e-6, 5.9e-6, 8.3e-6), AB = IS(0.0001, 0, 0.0002))                                \
+      F0 = IS(0.608, 0.607, 0.609), A = IS(0.00913, 0.009, 0.0096),                               \
+      B = IS(0.00907, 0.0089, 0.0096), DC = IS(6.2e-6, 6.1e-6, 8.5e-6))                           \
     _("brucite-gouge", "crushed brucite",                                                         \
       "Moore, Lockner, Iwata, Tanaka & Byerlee (2001) USGS Open-File Report 01-320, doi "         \
       "10.3133/ofr01320, abstract",                                                               \
@@ -146,7 +146,7 @@
       GIACOMEL_AT,                                                                                \
       "30 MPa; 0.455 at 0.2 um/s, 0.500 to 0.502 over 0.25-2 mm of slip at 2 um/s; the value is " \
       "that of 1 um/s",                                                                           \
-      F0 = IS(0.487, 0.455, 0.502), AB = IS(0.02, 0.0197, 0.0208))                                \
+      F0 = IS(0.487, 0.455, 0.502), AB = IS(0.0202, 0.0197, 0.0208))                                \
     _("serpentinite-gouge", "natural serpentinite beside the San Andreas fault",                  \
       "Carpenter, Marone & Saffer (2009) Geophys. Res. Lett., L05302, abstract",                  \
       "https://pure.psu.edu/en/publications/frictional-behavior-of-materials-in-the-3d-safod-"    \

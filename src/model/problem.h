@@ -135,7 +135,7 @@ void lac_problem_traction(const lac_problem *problem, double t, const double *sl
                           double *traction, double *work);
 
 /// What a cell carries at friction coefficient f, damping apart: p_i share f + c_i [Pa], c_i the
-/// cohesion, shared as pressures are; docs/theory/friction.md, eq. 9.
+/// cohesion, shared as pressures are; docs/theory/friction.md, eq. 10.
 /// @param share  effective over total normal pressure
 double lac_problem_strength(const lac_problem *problem, size_t cell, double share, double f);
 
