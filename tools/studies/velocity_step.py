@@ -82,8 +82,9 @@ def fit(times, mu, at, law, before, after):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("file")
-    for name in ("before", "after", "at"):
-        parser.add_argument("--" + name, type=float, required=True)
+    parser.add_argument("--before", type=float, required=True)
+    parser.add_argument("--after", type=float, required=True)
+    parser.add_argument("--at", type=float, required=True)
     parser.add_argument("--span", type=float, default=16.0)
     parser.add_argument("--steady", type=float, nargs=2)
     given = parser.parse_args()
