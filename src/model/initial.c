@@ -106,9 +106,10 @@ static lac_status cannot_start(const start_cell *c, double rate, double value, d
                 "the state of cell %zu that carries its load, e^%.4g s, is beyond numbers", c->cell,
                 w);
     return lac_fail(err, LAC_EINPUT,
-                    "no rate and state of cell %zu carry its load: traction %g Pa, effective "
+                    "no rate and state of cell %zu carry its load: traction %g Pa%s, effective "
                     "normal pressure %g Pa, ratio %g",
-                    c->cell, c->traction, c->pressure, c->traction / c->pressure);
+                    c->cell, c->traction, c->friction->cohesion > 0.0 ? " beyond cohesion" : "",
+                    c->pressure, c->traction / c->pressure);
 }
 
 // What the loads at t = 0 put on the cells.
