@@ -200,6 +200,30 @@ class Stated(Case):
 transfer: {hierarchy: {k0: "1 GPa/m", ratio: 0.5}}
 """
 
+    def describe(self, *words):
+        return subprocess.run([PROGRAM, "describe", "rock", *words], check=True, stdout=subprocess.PIPE,
+                              universal_newlines=True).stdout
+
+    def test_every_rock_names_what_was_read(self):
+        rocks, listed = json.loads(self.describe("--json"))["rocks"], self.describe()
+        names = [rock["name"] for rock in rocks]
+        self.assertEqual(names, sorted(set(names)))
+        self.assertGreaterEqual(len(names), 12)
+        for rock in rocks:
+            self.assertEqual(json.loads(self.describe(rock["name"], "--json"))["rocks"], [rock])
+            self.assertIn(f"\n  {rock['name']} ", listed)
+            self.assertRegex(rock["read_at"], r"^https?://\S+$")
+            self.assertRegex(rock["source"], r"(19|20)\d\d|doi 10\.")
+            self.assertTrue(rock["summary"] and rock["conditions"])
+            self.assertIn(rock["found"], ("laboratory", "back-analysed in the field"))
+            told = [rock[key] for key in ("f0", "a", "b", "dc", "a_minus_b") if rock[key]["value"] is not None]
+            self.assertIn(rock["f0"], told)
+            for number in told:
+                self.assertTrue(number["low"] <= number["value"] <= number["high"], rock)
+        limestone = rocks[names.index("limestone")]["f0"]  # 31 degree, between 27 wet and 37 dry
+        for key, angle in (("value", 31), ("low", 27), ("high", 37)):
+            self.near(limestone[key], math.tan(math.radians(angle)), 1e-12)
+
     def test_angle_is_f0(self):
         self.run_law('friction_angle: "30 degree", a: 0.02, b: 0.01, dc: "1 mm"', self.RATIO)
         angle = self.everything()
