@@ -16,6 +16,7 @@ struct lac_problem {
     double mean_damping;  // what the mean slip rate takes off every cell besides [Pa s/m]
     double drag;          // what it takes off per pressure [s/m]: lac_damping.shared
     double least_direct;  // least a of the cells
+    double bond;          // cohesion over the mean pressure: it carries p_i bond of q_i [1]
     double cell_area;     // r^2 [m2]
     double nominal_area;  // L^2 [m2]
     double length;        // a slip that is long gone: the longer side; of one block 10 m

@@ -50,6 +50,9 @@ void lac_problem_traction(const lac_problem *problem, double t, const double *sl
     lac_look at = {.problem = problem, .ws = lac_problem_split(problem, work)};
     (void)lac_problem_drive(problem, t, &at.drive);
     lac_problem_elastic_traction(&at, slip, traction);
+    for (size_t i = 0; problem->bond > 0.0 && i < problem->n; i++) {
+        traction[i] += problem->pressure[i] * problem->bond;
+    }
 }
 
 // How far the cells are off their balance, each and together.
@@ -97,8 +100,8 @@ void lac_problem_observe(const lac_problem *problem, double t, const double *y, 
 
     double spring = drive->spring - drive->spring_stiffness * observation->mean_slip;
     double alike = spring + drive->far.elastic; // the mean of the shape is 1
-    double total =
-        problem->sum_traction0 + problem->sum_pressure * drive->ratio + (double)n * alike;
+    double total = problem->sum_traction0 + problem->sum_pressure * (drive->ratio + problem->bond) +
+                   (double)n * alike;
     total -= lac_problem_held(problem, drive->far.back, slip);
     observation->shear_force = problem->cell_area * total;
     observation->normal_force = problem->cell_area * problem->sum_pressure;
@@ -113,8 +116,9 @@ bool lac_problem_slips(const lac_problem *problem, double t, const double *y, si
 {
     const lac_friction *friction = problem->friction;
     bool regularised = friction->form == LAC_FORM_REGULARISED;
-    if (problem->kind->either_sign && regularised) {
-        return true;
+    bool reverses = problem->kind->either_sign && regularised;
+    if (reverses && !(problem->bond > 0.0)) {
+        return true; // cohesion would have to hold the other way then
     }
     // ln v is y itself where the rate is not solved for
     lac_motion motion = {.u = y};
