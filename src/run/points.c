@@ -71,6 +71,7 @@ static lac_status find(const lac_domain *domain, const lac_point_def *def, lac_p
             p->cell[p->cells++] = i;
         }
     }
+    p->beside = p->cells == 0 && p->distance > 0.0;
     if (p->cells == 0) {
         p->cell[p->cells++] = nearest;
     }

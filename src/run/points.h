@@ -17,6 +17,7 @@ typedef struct lac_point {
     double x, y;           ///< as named [m]
     double cell_x, cell_y; ///< centre of the nearest contact cell [m]
     double distance;       ///< from the place to the edge of that cell [m]; 0: it lies within
+    bool beside;           ///< out of contact, as is all within its radius
     size_t cells, *cell;   ///< [cells] that the values are means over
 } lac_point;
 
