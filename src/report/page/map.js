@@ -119,10 +119,10 @@ function scaleBar(wide, oblique) {
   return [bar, element("span", {}, `${length(size)}${oblique ? " along x" : ""}`)];
 }
 
-// Numbers along a side of a map; those at its ends stand within it.
-function ticksOf(side, long, unit, most) {
-  const { ticks } = linear([0, long], most, unit.tick, unit.scale);
-  return ticks.map(({ value, label }) => {
+// Numbers along a side of a map; those at its ends stand within it. A low side has room for its ends, or one of them.
+function ticksOf(side, long, unit, room) {
+  const low = room < 0.3 ? [...(room > 0.15 ? [0] : []), long].map((value) => ({ value, label: unit.tick(value) })) : null;
+  return (low || linear([0, long], 4, unit.tick, unit.scale).ticks).map(({ value, label }) => {
     const place = value / long, mark = element("span", { class: place > 0.95 ? "last" : place < 0.05 ? "first" : "" }, label);
     mark.style[side] = `${100 * place}%`;
     return mark;
@@ -134,8 +134,8 @@ function planOf(data, canvas) {
   const { cells } = data, wide = cells.nx * cells.dx, high = cells.ny * cells.dy, unit = scaledLengths(Math.max(wide, high));
   const oblique = high < wide / 12, tall = oblique ? 1 / 12 : high / wide;
   canvas.style.aspectRatio = String(1 / tall);
-  return element("div", { class: "plan" }, element("div", { class: "up" }, ...ticksOf("bottom", high, unit, tall < 0.3 ? 1 : 4)),
-    element("div", { class: "field" }, canvas, ...pointMarks(data, wide, high)), element("div", { class: "across" }, ...ticksOf("left", wide, unit, 4)),
+  return element("div", { class: "plan" }, element("div", { class: "up" }, ...ticksOf("bottom", high, unit, tall)),
+    element("div", { class: "field" }, canvas, ...pointMarks(data, wide, high)), element("div", { class: "across" }, ...ticksOf("left", wide, unit, 1)),
     element("div", { class: "under" }, ...scaleBar(wide, oblique), element("span", { class: "axes" }, `x, y in ${unit.unit}`)));
 }
 
