@@ -96,6 +96,7 @@ typedef struct lac_fit_def {
     size_t count;
     lac_fit_parameter *parameter; ///< [count]
     lac_series_def columns;       ///< texts owned
+    char *point;                  ///< of output.points that they are of; NULL: of the whole joint
     double displacement_error;    ///< [m]; NaN: estimated (with a column sigma: its factor is)
     double velocity_error;        ///< of ln(velocity) [1]; NaN: estimated
     int errors;                   ///< lac_fit_errors, of displacements

@@ -119,7 +119,11 @@ static void check_named(lac_reader *reader, const lac_case *c, const char *key, 
 
 void lac_check_point_names(lac_reader *reader, const lac_case *c)
 {
-    for (size_t i = 0; lac_clean(reader, "output.points") && i < c->compare_count; i++) {
+    if (!lac_clean(reader, "output.points")) {
+        return;
+    }
+    check_named(reader, c, "fit.point", c->fit.point);
+    for (size_t i = 0; i < c->compare_count; i++) {
         char key[LAC_KEY_LENGTH];
         (void)snprintf(key, sizeof key, "compare.%zu.point", i);
         check_named(reader, c, key, c->compare[i].point);

@@ -283,6 +283,9 @@ static const lac_param fit_rows[] = {
                "column of velocities, as \"column:unit\""),
     LAC_COLUMN("sigma", FIT(columns.sigma), "m",
                "column of the displacements' standard errors, as \"column:unit\""),
+    LAC_TEXT("point", FIT(point), LAC_OPTIONAL,
+             "the name in output.points of the place that the readings are of; else the mean of "
+             "the joint"),
     LAC_REAL("displacement_error", "m", FIT(displacement_error), NAN, 0, 1e6,
              LAC_OPTIONAL | LAC_ABOVE_MIN,
              "standard error of a displacement; estimated if absent (with sigma: a factor on it)"),

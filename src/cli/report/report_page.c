@@ -111,8 +111,10 @@ static lac_status find_column(const lac_stored_file *file, const char *name, con
 }
 
 // The readings that a fit was made from, of the file that it left.
-static lac_status read_fitted(const char *path, lac_series **out, lac_error *err)
+// @param point  as in read_series
+static lac_status read_fitted(const char *path, lac_series **out, char **point, lac_error *err)
 {
+    char name[100];
     lac_series_def def = {.size = sizeof def, .path = path};
     lac_stored_file *file = NULL;
     lac_status status;
@@ -122,6 +124,10 @@ static lac_status read_fitted(const char *path, lac_series **out, lac_error *err
     LAC_TRY(find_column(file, "observed_slip_rate", &def.velocity, err));
     LAC_LEAVE_IF(def.time == NULL || (def.displacement == NULL && def.velocity == NULL), err,
                  LAC_EIO, "%s: is not a file of lacuna fit", path);
+    if (lac_stored_file_text(file, NULL, "point", name, sizeof name)) {
+        *point = strdup(name);
+        LAC_TRY(*point != NULL ? LAC_OK : lac_fail_memory(err));
+    }
     LAC_TRY(lac_series_create(&def, out, err));
 out:
     lac_stored_file_close(file);
@@ -187,7 +193,7 @@ static lac_status read_beside(const cli_request *request, lac_series **out, char
     LAC_FAIL_IF(cli_given(request, CLI_OPT_SERIES), err, LAC_EINPUT,
                 "--displacement, --velocity ... say how a series is read: name it with --compare "
                 "SERIES.csv");
-    return request->fit != NULL ? read_fitted(request->fit, out, err) : LAC_OK;
+    return request->fit != NULL ? read_fitted(request->fit, out, point, err) : LAC_OK;
 }
 
 // The file of forecasts that the page of a series is made from, beside the page while it is made,

@@ -55,7 +55,7 @@ function creepChart(data) {
   const unit = scaledLengths(creepRange(data, seen)[1]);
   const beside = seen.length && data.series.offset !== null
     ? ` Readings are moved by ${length(-data.series.offset, 3)}, their best constant offset; they leave the run by ${length(data.series.slip_rms, 3)} rms.` : "";
-  const fitted = data.fit ? ` ${fitWords(data.fit)}` : "";
+  const fitted = fitOf(data) ? ` ${fitWords(data.fit)}` : "";
   return figure({
     title: "Creep curve", caption: `Mean slip since the start.${data.about.failed ? " Over time the axis ends just before the slip of the failure itself." : ""}${beside}${fitted}`,
     x: { clock: true, reach: fitReach(data) }, y: { kind: "linear", label: `Slip (${unit.unit})`, tick: unit.tick, scale: unit.scale, range: () => creepRange(data, seen) },

@@ -19,27 +19,29 @@ function pointTable(points, key, caption, words) {
 
 const pointReadout = (points, key, words) => (i) => `${moment(page.clock, points.time[i])}, ${beforeEnd(page.clock, points.before[i])}: ${pointWords(points, key, words, i)}`;
 
-// Which point the series beside the run is of; null: none.
-const seenPoint = (data) => data.series?.point ?? null;
+// Which point the series or fit beside the run is of; null: none.
+const seenPoint = (data) => data.series?.point ?? data.fit?.point ?? null;
 
 function pointSlip(data) {
-  const { points } = data, seen = readings(data, seenPoint(data)), lists = points.slip.map((y) => ({ time: points.time, y }));
+  const { points } = data, of = seenPoint(data), seen = readings(data, of), fit = fitSlip(data, of);
+  const lists = [...points.slip.map((y) => ({ time: points.time, y })), ...fitCore(data, of).map((y) => ({ y, follows: true }))];
   const ends = () => slipRange(data, [...lists, ...seen]), unit = scaledLengths(ends()[1]);
   const beside = seen.length && data.series.offset !== null
     ? ` Readings are of ${data.series.point}, moved by ${length(-data.series.offset, 3)}, their best constant offset; they leave the run by ${length(data.series.slip_rms, 3)} rms.` : "";
   return figure({
-    title: "Slip at the points", caption: `Since the start.${beside}`, x: { clock: true },
+    title: "Slip at the points", caption: `Since the start.${beside}${fit.length ? ` ${fitWords(data.fit)}` : ""}`,
+    x: { clock: true, reach: fit.length ? fitReach(data) : [] }, read: fit.length,
     y: { kind: "linear", label: `Slip (${unit.unit})`, tick: unit.tick, scale: unit.scale, range: ends },
-    lines: [...pointLines(points, "slip"), jointLine(data, "slip"), ...seen], marks: marksOf(data),
+    lines: [...fit, ...pointLines(points, "slip"), jointLine(data, "slip"), ...seen], marks: marksOf(data),
     readout: pointReadout(points, "slip", length), table: pointTable(points, "slip", "slip at the points", length),
   });
 }
 
 function pointRate(data) {
-  const { points } = data;
+  const { points } = data, of = seenPoint(data), fit = fitRates(data, of);
   return figure({
-    title: "Slip rate at the points", caption: "Logarithmic.", x: { clock: true }, y: { kind: "log", label: "Slip rate (m/s)", tick: powerTick },
-    lines: [...pointLines(points, "rate"), jointLine(data, "rate"), ...seenRates(data, seenPoint(data))], marks: marksOf(data),
+    title: "Slip rate at the points", caption: "Logarithmic.", x: { clock: true, reach: fit.length ? fitReach(data) : [] }, read: fit.length, y: { kind: "log", label: "Slip rate (m/s)", tick: powerTick },
+    lines: [...fit, ...pointLines(points, "rate"), jointLine(data, "rate"), ...seenRates(data, of)], marks: marksOf(data),
     readout: pointReadout(points, "rate", rate), table: pointTable(points, "rate", "slip rate at the points", rate),
   });
 }
