@@ -59,8 +59,9 @@ static lac_status find(const lac_domain *domain, const lac_point_def *def, lac_p
     const offset d = offset_of(domain, p, nearest);
     p->cell_x = lac_grid_x(g, domain->index[nearest]);
     p->cell_y = lac_grid_y(g, domain->index[nearest]);
-    // The rounding of a cell's edge is no distance.
-    const double least = 1e-9 * fmin(g->dx, g->dy);
+    // The rounding of a cell's edge is no distance, nor is anything from a block, which is its
+    // points.
+    const double least = lac_grid_cells(g) > 1 ? 1e-9 * fmin(g->dx, g->dy) : INFINITY;
     p->distance = hypot(fmax(0.0, d.x - 0.5 * g->dx), fmax(0.0, d.y - 0.5 * g->dy));
     p->distance = p->distance > least ? p->distance : 0.0;
     p->cell = malloc((within + 1) * sizeof *p->cell);
