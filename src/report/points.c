@@ -87,9 +87,8 @@ static void write_columns(lac_page *page, const char *key, size_t n, const doubl
 static void write_places(lac_page *page, size_t n)
 {
     static const char *const names[][2] = {
-        {"x", "point_x"},           {"y", "point_y"},
-        {"cell_x", "point_cell_x"}, {"cell_y", "point_cell_y"},
-        {"cells", "point_cells"},   {"distance", "point_distance"},
+        {"x", "point_x"},           {"y", "point_y"},         {"cell_x", "point_cell_x"},
+        {"cell_y", "point_cell_y"}, {"cells", "point_cells"}, {"distance", "point_distance"},
     };
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         const lac_stored_values v = lac_page_values(page, page->file, names[i][1]);
