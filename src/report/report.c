@@ -90,6 +90,7 @@ static void write_data(lac_page *page)
         {"solver", lac_page_course},
         {"series", lac_page_series},
         {"fit", lac_page_fit},
+        {"points", lac_page_points_section},
         {"cells", lac_page_cells},
         {"levels", lac_page_levels},
         {"forecasts", lac_page_forecasts},

@@ -3,6 +3,7 @@
 
 #include "base/archive.h"
 #include "model/problem.h"
+#include "run/points.h"
 
 // Of lacuna/simulation.h, which only those include who look inside.
 typedef struct lac_sink lac_sink;
@@ -24,11 +25,12 @@ typedef struct lac_run_output {
     const lac_transfer *transfer;   ///< of the run, for the stiffness of its levels; NULL: not said
     unsigned fields;                ///< LAC_FIELD_*, of snapshots; 0: there are none
     size_t extras;
-    const lac_extra *extra; ///< [extras] what records carry beyond
-    bool events;            ///< a catalogue of events comes along
-    bool dated;             ///< the run starts at a date
-    double start_date;      ///< seconds since 1970 of t = 0
-    bool passing;           ///< kept in memory for lac_recording_move alone: only what grows
+    const lac_extra *extra;   ///< [extras] what records carry beyond
+    const lac_points *points; ///< that records tell of; NULL: none
+    bool events;              ///< a catalogue of events comes along
+    bool dated;               ///< the run starts at a date
+    double start_date;        ///< seconds since 1970 of t = 0
+    bool passing;             ///< kept in memory for lac_recording_move alone: only what grows
 } lac_run_output;
 
 typedef enum lac_method { LAC_BDF = 0, LAC_ADAMS, LAC_ERK } lac_method;
@@ -80,6 +82,7 @@ typedef struct lac_run_def {
     double stop_slip;    ///< end the run at this mean slip [m]; NaN: no
     double stop_rate;    ///< end the run at this largest slip rate of a cell [m/s]; NaN: no
     lac_cadence record;
+    const lac_points *points; ///< that records tell of, in cells of the problem; NULL: none
     bool snapshots;
     lac_cadence snapshot;
     lac_cadence checkpoint;             ///< planned ones, at the ends of steps; nothing set: none
