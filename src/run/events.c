@@ -20,6 +20,9 @@ static double past(const lac_engine *engine, const lac_run_def *def, lac_crossin
         return fabs(lac_engine_mean_slip(engine, slip)) - engine->failure.slip;
     }
     double clock = lac_engine_clock(engine, t);
+    if (kind == LAC_CROSSING_SAFETY) {
+        return def->stop_safety - lac_problem_safety(engine->problem, clock, y, slip, engine->work);
+    }
     if (kind == LAC_CROSSING_FAILURE) {
         return lac_problem_past_failure(engine->problem, &engine->failure, clock, y, engine->work);
     }
@@ -93,6 +96,9 @@ static bool crossed(const lac_engine *engine, const lac_run_def *def, lac_crossi
     case LAC_CROSSING_SLIP:
         return !isnan(def->stop_slip) &&
                past(engine, def, kind, engine->t, NULL, engine->slip) >= 0.0;
+    case LAC_CROSSING_SAFETY:
+        return !isnan(def->stop_safety) &&
+               past(engine, def, kind, engine->t, engine->y, engine->slip) >= 0.0;
     case LAC_CROSSING_GONE:
         return past(engine, def, kind, engine->t, NULL, engine->slip) >= 0.0;
     case LAC_CROSSING_NONE:

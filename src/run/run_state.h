@@ -56,9 +56,10 @@ typedef struct lac_run_state {
     lac_run_result *result;
     lac_clock record_clock, snapshot_clock, checkpoint_clock;
     lac_instant last_record, last_snapshot;
+    double safety_time; // of the last record whose factor of safety is known [s]
     lac_instant looked; // whether time goes on; `local`: time gone since
     double *between;    // [3n] state and slip within a step, where records fall there; or NULL
-    double *fields;     // [3n] of a snapshot, where snapshots are kept; or NULL
+    double *fields;     // [3n], or [4n], of a snapshot, where snapshots are kept; or NULL
     double *onto; // [3n] state and slip on the balance, where projection is asked for; or NULL
     double next_break;
     double mean_rate, max_rate; // at the time reached [m/s]
@@ -97,6 +98,7 @@ typedef enum lac_crossing_kind {
     LAC_CROSSING_FAILURE, // mean slip rate, lac_problem_past_failure
     LAC_CROSSING_RATE,    // largest slip rate
     LAC_CROSSING_SLIP,    // mean slip
+    LAC_CROSSING_SAFETY,  // factor of safety, downwards
     LAC_CROSSING_GONE,    // mean slip, of failure
 } lac_crossing_kind;
 

@@ -204,6 +204,8 @@ static lac_run_output output_of(const lac_outcome *of)
                             .hierarchy = of->scene->hierarchy,
                             .transfer = &of->scene->transfer,
                             .fields = of->source->fields,
+                            .loads = &of->scene->loads,
+                            .safety = of->source->safety,
                             .extras = of->extras,
                             .extra = of->extra,
                             .events = lac_analysis_has_events(of->analysis),
