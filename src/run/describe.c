@@ -368,7 +368,7 @@ static const lac_variable of_result[] = {
     {.name = "factor_of_safety_start", R(REAL, safety.start)},
     {.name = "factor_of_safety_least", R(REAL, safety.least)},
     {.name = "factor_of_safety_end", R(REAL, safety.end)},
-    {.name = "factor_of_safety_below_1_s", .unit = "s", R(REAL, safety.below_time)},
+    {.name = "factor_of_safety_below_1_time_s", .unit = "s", R(REAL, safety.below_time)},
     SUM("steps", steps),
     SUM("rhs_evaluations", rhs_evaluations),
     SUM("newton_iterations", newton_iterations),
