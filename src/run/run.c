@@ -44,12 +44,13 @@ static void keep_safety(run *r, double t, double now)
 {
     lac_safety_summary *s = &r->result->safety;
     const double before = s->end;
+    const double rounding = 1e-6; // and damping, at the reference rate itself
     if (isnan(now)) {
         return;
     }
-    if (isnan(s->below_time) && now < 1.0) {
-        const bool slides_there = before >= 1.0 && !r->broken;
-        const double gone = slides_there ? (before - 1.0) / (before - now) : 1.0;
+    if (isnan(s->below_time) && now < 1.0 - rounding) {
+        const bool slides_there = !isnan(before) && !r->broken;
+        const double gone = slides_there ? fmax(before - 1.0, 0.0) / (before - now) : 1.0;
         s->below_time = t - (1.0 - gone) * (t - r->safety_time);
     }
     if (!(s->least <= now)) {
