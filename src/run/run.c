@@ -38,30 +38,6 @@ static void project(run *r, double t, const double **y, const double **slip)
     }
 }
 
-// Takes the factor of safety of a record into what is summed up of it. Where the loads jump it has
-// come to its value at once.
-static void keep_safety(run *r, double t, double now)
-{
-    lac_safety_summary *s = &r->result->safety;
-    const double before = s->end;
-    const double rounding = 1e-6; // and damping, at the reference rate itself
-    if (isnan(now)) {
-        return;
-    }
-    if (isnan(s->below_time) && now < 1.0 - rounding) {
-        const bool slides_there = !isnan(before) && !r->broken;
-        const double gone = slides_there ? fmax(before - 1.0, 0.0) / (before - now) : 1.0;
-        s->below_time = t - (1.0 - gone) * (t - r->safety_time);
-    }
-    if (!(s->least <= now)) {
-        s->least = now;
-        s->least_time = t;
-    }
-    s->start = isnan(s->start) ? now : s->start;
-    s->end = now;
-    r->safety_time = t;
-}
-
 // Hands one line of the time series to the sink; a time already recorded is passed over.
 static lac_status record(run *r, double t, const double *y, const double *slip, lac_error *err)
 {
@@ -85,7 +61,7 @@ static lac_status record(run *r, double t, const double *y, const double *slip, 
         r->result->balance_residual = line.observation.balance_residual; // a NaN stays
     }
     r->result->rate_drift = fmax(r->result->rate_drift, line.observation.rate_drift);
-    keep_safety(r, engine->origin + local, line.observation.factor_of_safety);
+    lac_run_state_keep_safety(r, engine->origin + local, line.observation.factor_of_safety);
     if (r->sink == NULL || r->sink->record == NULL) {
         return LAC_OK;
     }
@@ -236,17 +212,6 @@ static double own_step(lac_engine *engine)
                                   engine->work);
 }
 
-// Whether a jump of the loads has come to a limit of time.stop_when.
-static bool stops_at(const run *r, double t)
-{
-    const lac_run_def *def = r->def;
-    const lac_engine *engine = r->engine;
-    const bool unsafe = !isnan(def->stop_safety) &&
-                        lac_problem_safety(r->problem, t, engine->y, engine->slip, engine->work) <=
-                            def->stop_safety;
-    return unsafe || r->max_rate >= def->stop_rate;
-}
-
 // Takes the state across a jump or bend of the loads. A jump can be the failure itself.
 static lac_status cross_break(run *r, lac_error *err)
 {
@@ -266,7 +231,7 @@ static lac_status cross_break(run *r, lac_error *err)
     measure_speed(r);
     bool failed =
         lac_problem_past_failure(r->problem, &engine->failure, t, engine->y, engine->work) >= 0.0;
-    if (failed || stops_at(r, t)) {
+    if (failed || lac_run_state_stops(r, t)) {
         r->done = true;
         r->end = failed ? LAC_END_FAILURE : LAC_END_STOP;
     }

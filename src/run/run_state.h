@@ -77,6 +77,13 @@ lac_status lac_run_state_check(lac_run_state *r, lac_error *err);
 // @param step  length of the step that ended here; 0 at the start and beyond a jump [s]
 lac_status lac_run_state_watch(const lac_run_state *r, double step, lac_error *err);
 
+// Takes the factor of safety of a record at time t, NaN where there is none, into the result. Where
+// the loads jump it has come to its value at once.
+void lac_run_state_keep_safety(lac_run_state *r, double t, double now);
+
+// Whether a jump of the loads at time t has come to a limit of time.stop_when.
+bool lac_run_state_stops(const lac_run_state *r, double t);
+
 // Where a sweep has to end for what is put out at stated times; INFINITY for engines that know all
 // of a step.
 double lac_run_state_sweep_end(const lac_run_state *r);
