@@ -5,7 +5,7 @@
 const millimetresADay = (v) => v * DAY * 1e3;
 
 // Whether a column changes by more than its digits are worth: what stays is told by the case.
-function moves(column) {
+function isChanging(column) {
   const [low, high] = extent([column || [0]]);
   return high - low > 1e-5 * Math.abs(high);
 }
@@ -47,13 +47,13 @@ function rainChart(s, key, title) {
 }
 
 function safetySection(data) {
-  const s = data.safety, wet = Boolean(moves(s.pore) || s.lake || s.rain);
+  const s = data.safety, wet = Boolean(isChanging(s.pore) || s.lake || s.rain);
   const section = openSection("safety", !s.factor ? "Water" : wet ? "Safety and water" : "Safety",
     wet ? "How far the load is from the strength, and the water that takes strength away." : "How far the load is from the strength.");
   const row = element("div", { class: "pair" });
   if (s.factor) section.append(factorChart(data));
-  if (moves(s.ratio)) row.append(safetyChart(s, "ratio", { title: "Effective ratio", caption: "Shear force over the normal force that pore pressure leaves.", label: "Q/(P − U)", tick: plain(5), words: plain(5) }));
-  if (moves(s.pore)) row.append(pressureChart(s));
+  if (isChanging(s.ratio)) row.append(safetyChart(s, "ratio", { title: "Effective ratio", caption: "Shear force over the normal force that pore pressure leaves.", label: "Q/(P − U)", tick: plain(5), words: plain(5) }));
+  if (isChanging(s.pore)) row.append(pressureChart(s));
   if (row.children.length) section.append(row);
   if (s.lake) section.append(levelOfLake(s, "lake", "Lake level"));
   if (s.lake2) section.append(levelOfLake(s, "lake2", "Lake level, second load"));
