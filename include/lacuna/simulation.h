@@ -240,7 +240,8 @@ lac_status lac_simulation_run(lac_simulation *simulation, const lac_sink *sink, 
 
 /// Runs it and keeps everything in memory. Beside the variables of a run's file (docs/format.md;
 /// times are seconds since the start) there are, each one value: `failed` (0 or 1), `failure_time`
-/// [s], `steps`, and where the case has a date `start_date` [s since 1970].
+/// [s], `steps`, where the case has a date `start_date` [s since 1970], and where the factor of
+/// safety is worked out `factor_of_safety_start`, `_least` and `_below_1_time` [s].
 /// @param out  outlives the simulation; NULL unless LAC_OK or LAC_EINTERRUPT, which keeps what was
 ///             computed
 /// @return as lac_simulation_run

@@ -196,7 +196,7 @@ class Stop(Safety):
 
     def test_a_jump_ends_it_where_it_comes(self):
         text = (BLOCK % {"law": "aging", "form": "plain", "end": "60 day"}).replace(
-            "{ramp: {rate: \"2 kPa/day\"}}", "{step: {value: 0.2 MPa, at: 1 day}}")
+            "{ramp: {rate: \"2 kPa/day\"}}", "{step: {value: 1 kPa, at: 0.5 day}}, {step: {value: 0.2 MPa, at: 1 day}}")
         summary, run = self.follow(text, "--set", "time.stop_when.factor_of_safety=0.95",
                                    "--set", "output.factor_of_safety.reference_rate=3 cm/week")
         self.assertEqual((summary["ended_by"], summary["time_s"]), ("stop_when", DAY))
@@ -326,10 +326,12 @@ class Water(Safety):
         self.write("rain.csv", "s,mm\n86400,10\n172800,0\n259200,5\n345600,0\n")
         text = (BLOCK % {"law": "aging", "form": "plain", "end": "4 day"}).replace(
             "{ramp: {rate: \"2 kPa/day\"}}",
-            "{rain: {file: rain.csv, time: s, rain: \"mm:mm\", rise: 0 Pa/m, drain: 3 day, interval: 1 day, outside: dry}}")
+            "{rain: {file: rain.csv, time: s, rain: \"mm:mm\", rise: 0 Pa/m, drain: 3 day, interval: 1 day, offset: 0.5 day, "
+            "outside: dry}}")
         _, run = self.follow(text)
-        day = numpy.minimum(numpy.floor(run["time"] / DAY), 3).astype(int)
-        numpy.testing.assert_allclose(run["rain"], numpy.array([10, 0, 5, 0])[day] * 1e-3 / DAY, rtol=1e-12)
+        self.assertTrue((run["time"] < 0.5 * DAY).any())
+        day = numpy.minimum(numpy.floor(run["time"] / DAY - 0.5), 3).astype(int)
+        numpy.testing.assert_allclose(run["rain"], numpy.array([10, 0, 5, 0, 0])[day] * 1e-3 / DAY, rtol=1e-12)
         self.assertEqual(self.units["rain"], "m s-1")
 
 
