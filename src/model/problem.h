@@ -110,7 +110,7 @@ bool lac_problem_newton(const lac_problem *problem, double t, const double *y, d
 /// Takes y across a jump of the loads at time t: the traction jumps, slip does not, nor the rate of
 /// what has mass, and the state only where it responds to the normal pressure (alpha) and that
 /// jumps. False where no rate balances the traction.
-bool lac_problem_jump(const lac_problem *problem, double t, double *y);
+bool lac_problem_jump(const lac_problem *problem, double t, double *y, double *work);
 
 /// Moves y and slip onto the traction balance, which holds but for the drift of the integration:
 /// a cell's slip and slip rate change by the same fraction, docs/theory/creep.md eq. 10.
@@ -179,12 +179,33 @@ typedef struct lac_problem_loads_at {
     double spring_rate;          ///< [Pa/s]
     double spring_stiffness;     ///< traction lost per metre of mean slip [Pa/m]
     lac_far_field far, far_rate; ///< and its rate
-    double share;                ///< effective over total normal pressure: p_i -> p_i share
-    double share_rate;           ///< [1/s]
+    double share;      ///< effective over total normal force: p_i -> p_i share where all are alike
+    double share_rate; ///< [1/s]
+    double least;      ///< share of the cell that has the least of its pressure left
+    const double *shares, *share_rates; ///< [n] of each cell, in the work; NULL: all are alike
 } lac_problem_loads_at;
 
-/// Evaluates the loads; false where the effective normal pressure is not positive.
-bool lac_problem_drive(const lac_problem *problem, double t, lac_problem_loads_at *drive);
+/// What a cell has of its total normal pressure.
+static inline double lac_problem_share_of(const lac_problem_loads_at *drive, size_t i)
+{
+    return drive->shares != NULL ? drive->shares[i] : drive->share;
+}
+
+/// Evaluates the loads; false where the effective normal pressure of a cell is not positive.
+/// @param work  as of the functions above; holds what differs from cell to cell, until it is used
+///              again. Of no other part of it is anything used
+bool lac_problem_drive(const lac_problem *problem, double t, double *work,
+                       lac_problem_loads_at *drive);
+
+/// The loads of t = 0, which stay.
+const lac_problem_loads_at *lac_problem_drive_at_start(const lac_problem *problem);
+
+/// Where the loads are such that lac_problem_drive says false: what to tell, in one line.
+/// @return LAC_ENUMERIC
+lac_status lac_problem_lifted(const lac_problem *problem, double t, double *work, lac_error *err);
+
+/// Whether what the loads take off the normal pressure differs from cell to cell.
+bool lac_problem_varies(const lac_problem *problem);
 
 /// A mean slip rate that rock does not come to: whoever names it, or more, wants none to be
 /// failure.

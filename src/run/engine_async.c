@@ -125,8 +125,9 @@ static lac_status cells_restart(lac_engine *engine, double h, lac_error *err)
     // A cell that a jump has let go would not be looked at for years.
     LAC_TRY_RETURN(lac_check_slipping(engine->problem, engine->y,
                                       lac_engine_clock(engine, engine->t), engine->work, err));
-    LAC_FAIL_IF(!lac_problem_drive(engine->problem, lac_engine_clock(engine, engine->t), &now), err,
-                LAC_ENUMERIC, "no effective normal pressure at t = %.17g s",
+    LAC_FAIL_IF(!lac_problem_drive(engine->problem, lac_engine_clock(engine, engine->t),
+                                   engine->work, &now),
+                err, LAC_ENUMERIC, "no effective normal pressure at t = %.17g s",
                 lac_engine_time(engine));
     if (engine->sink != NULL && engine->sink->step != NULL && c->rate == NULL) {
         c->rate = calloc(2 * engine->n, sizeof *c->rate);

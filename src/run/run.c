@@ -219,9 +219,10 @@ static lac_status cross_break(run *r, lac_error *err)
     engine->t = 0.0;
     r->next_break = lac_problem_next_break(r->problem, t);
     engine->limit = nextafter(r->next_break, -INFINITY);
-    LAC_FAIL_IF(!lac_problem_drive(r->problem, t, &now), err, LAC_ENUMERIC,
-                "the pore pressure reaches the normal pressure at t = %g s", t);
-    LAC_FAIL_IF(!lac_problem_jump(r->problem, t, engine->y), err, LAC_ENUMERIC,
+    if (!lac_problem_drive(r->problem, t, engine->work, &now)) {
+        return lac_problem_lifted(r->problem, t, engine->work, err);
+    }
+    LAC_FAIL_IF(!lac_problem_jump(r->problem, t, engine->y, engine->work), err, LAC_ENUMERIC,
                 "no slip rate and state balance the load that jumps at t = %g s", t);
     measure_speed(r);
     bool failed =
