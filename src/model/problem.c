@@ -277,24 +277,23 @@ bool lac_problem_drive(const lac_problem *problem, double t, double *work,
     return lac_problem_drive_into(problem, t, lac_problem_split(problem, work).shares, drive);
 }
 
-lac_status lac_problem_lifted(const lac_problem *problem, double t, double *work, lac_error *err)
+lac_status lac_problem_lifted(const lac_problem *problem, double t, double near, double *work,
+                              lac_error *err)
 {
     lac_problem_loads_at at;
-    (void)lac_problem_drive(problem, t, work, &at);
+    double normal = problem->mean_pressure;
+    bool good = lac_problem_drive(problem, t, work, &at);
+    if (good && at.least > near) {
+        return LAC_OK;
+    }
     for (size_t i = 0; at.shares != NULL && i < problem->n; i++) {
-        if (!(at.shares[i] > 0.0)) {
-            double pore = problem->mean_pressure * (1.0 - at.shares[i]);
-            return lac_load_blame_cell(&problem->loads, i, pore, problem->mean_pressure, t,
+        if (!(at.shares[i] > near)) {
+            return lac_load_blame_cell(&problem->loads, i, normal * (1.0 - at.shares[i]), normal, t,
                                        LAC_ENUMERIC, err);
         }
     }
     return lac_fail(err, LAC_ENUMERIC, "the pore pressure reaches the normal pressure at t = %g s",
                     t);
-}
-
-const lac_problem_loads_at *lac_problem_drive_at_start(const lac_problem *problem)
-{
-    return &problem->drive0;
 }
 
 bool lac_problem_varies(const lac_problem *problem) { return problem->varies; }

@@ -197,12 +197,11 @@ static inline double lac_problem_share_of(const lac_problem_loads_at *drive, siz
 bool lac_problem_drive(const lac_problem *problem, double t, double *work,
                        lac_problem_loads_at *drive);
 
-/// The loads of t = 0, which stay.
-const lac_problem_loads_at *lac_problem_drive_at_start(const lac_problem *problem);
-
-/// Where the loads are such that lac_problem_drive says false: what to tell, in one line.
-/// @return LAC_ENUMERIC
-lac_status lac_problem_lifted(const lac_problem *problem, double t, double *work, lac_error *err);
+/// Says when, and of which cell, pore pressure leaves no more than `near` of the normal pressure.
+/// @param near  part of the total normal pressure; 0: where lac_problem_drive says false
+/// @return LAC_OK where more is left; LAC_ENUMERIC
+lac_status lac_problem_lifted(const lac_problem *problem, double t, double near, double *work,
+                              lac_error *err);
 
 /// Whether what the loads take off the normal pressure differs from cell to cell.
 bool lac_problem_varies(const lac_problem *problem);
