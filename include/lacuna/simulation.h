@@ -71,6 +71,7 @@ typedef struct lac_snapshot {
     const double *state;     ///< [n] [s]
     const double *traction;  ///< [n] [Pa]
     size_t n;                ///< contact cells
+    const double *pore;      ///< [n] pore pressure [Pa]
 } lac_snapshot;
 
 /// The state after a step of the integrator; the arrays hold until the sink returns.

@@ -108,7 +108,9 @@ static void read_cadence(lac_reader *reader, const lac_node *node, lac_cadence *
 void lac_read_fields(lac_reader *reader, const lac_node *node, lac_case *c)
 {
     if (node->kind != LAC_NODE_LIST) {
-        lac_add_error(reader, node, "must be a list of: slip, slip_rate, state, traction");
+        lac_add_error(reader, node,
+                      "must be a list of: slip, slip_rate, state, traction, "
+                      "pore_pressure");
         return;
     }
     for (size_t i = 0; i < node->count; i++) {
@@ -118,7 +120,9 @@ void lac_read_fields(lac_reader *reader, const lac_node *node, lac_case *c)
             bit |= strcmp(lac_field_names[k], item->text) == 0 ? 1u << k : 0u;
         }
         if (bit == 0) {
-            lac_add_error(reader, item, "must be one of: slip, slip_rate, state, traction");
+            lac_add_error(reader, item,
+                          "must be one of: slip, slip_rate, state, traction, "
+                          "pore_pressure");
         }
         c->fields |= bit;
     }

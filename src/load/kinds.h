@@ -66,15 +66,18 @@ extern const char *const lac_share_names[];
     _(lac_shear_series),    \
     _(lac_shear_back_slip)
 
-#define LAC_PORE_LOADS(_)   \
-    _(lac_pore_constant),   \
-    _(lac_pore_ramp),       \
-    _(lac_pore_step),       \
-    _(lac_pore_sine),       \
-    _(lac_pore_series),     \
-    _(lac_pore_reservoir),  \
-    _(lac_pore_rain),       \
-    _(lac_pore_field)
+#define LAC_PORE_LOADS(_)       \
+    _(lac_pore_constant),       \
+    _(lac_pore_ramp),           \
+    _(lac_pore_step),           \
+    _(lac_pore_sine),           \
+    _(lac_pore_series),         \
+    _(lac_pore_reservoir),      \
+    _(lac_pore_rain),           \
+    _(lac_pore_field),          \
+    _(lac_pore_injection),      \
+    _(lac_pore_line_injection), \
+    _(lac_pore_water_table)
 // clang-format on
 
 extern const lac_normal_load LAC_NORMAL_LOADS(LAC_ROW_ITSELF);

@@ -296,6 +296,19 @@ lac_status lac_problem_lifted(const lac_problem *problem, double t, double near,
                     t);
 }
 
+void lac_problem_pore(const lac_problem *problem, double t, double *pore, double *work)
+{
+    lac_load_state now;
+    lac_load_evaluate(&problem->loads, t, &now);
+    for (size_t i = 0; i < problem->n; i++) {
+        pore[i] = now.pore;
+    }
+    if (problem->varies) {
+        double *rates = lac_problem_split(problem, work).shares;
+        lac_load_evaluate_cells(&problem->loads, t, &now, pore, rates);
+    }
+}
+
 bool lac_problem_varies(const lac_problem *problem) { return problem->varies; }
 
 lac_problem_parts lac_problem_parts_of(const lac_problem *problem)

@@ -134,6 +134,9 @@ void lac_problem_speed(const lac_problem *problem, double t, const double *y, do
 void lac_problem_traction(const lac_problem *problem, double t, const double *slip,
                           double *traction, double *work);
 
+/// Pore pressure of every cell [Pa].
+void lac_problem_pore(const lac_problem *problem, double t, double *pore, double *work);
+
 /// Means, extremes, forces and the balance residual.
 /// @param work  its first n hold the cells' slip rates afterwards [m/s]
 void lac_problem_observe(const lac_problem *problem, double t, const double *y, const double *slip,

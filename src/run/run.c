@@ -73,6 +73,7 @@ static lac_status snapshot(run *r, double t, const double *y, const double *slip
     double *v = r->fields;
     double *theta = v + n;
     double *traction = theta + n;
+    double *pore = traction + n;
     double local = r->engine->base + t;
     if (!moves_on(&r->last_snapshot, r->engine->origin, local) || r->sink == NULL ||
         r->sink->snapshot == NULL) {
@@ -85,12 +86,14 @@ static lac_status snapshot(run *r, double t, const double *y, const double *slip
         theta[i] = exp(y[n + i]);
     }
     lac_problem_traction(r->problem, now, slip, traction, r->engine->work);
+    lac_problem_pore(r->problem, now, pore, r->engine->work);
     lac_snapshot fields = {.time = r->engine->origin + local,
                            .slip = slip,
                            .slip_rate = v,
                            .state = theta,
                            .traction = traction,
-                           .n = n};
+                           .n = n,
+                           .pore = pore};
     return r->sink->snapshot(r->sink->context, &fields, err);
 }
 
@@ -358,7 +361,7 @@ static lac_status allocate_output(run *r, lac_error *err)
     bool by_time = !isnan(r->def->record.time) || !isnan(r->def->snapshot.time);
     size_t bytes = 3 * r->engine->n * sizeof(double);
     r->between = by_time ? malloc(bytes) : NULL;
-    r->fields = r->def->snapshots ? malloc(bytes) : NULL;
+    r->fields = r->def->snapshots ? malloc(bytes + bytes / 3) : NULL;
     // Where slip is the unknown the balance holds as it is.
     bool drifts = r->def->projection != 0 && !lac_problem_has_slip(r->problem);
     r->onto = drifts ? malloc(bytes) : NULL;

@@ -51,8 +51,9 @@ static lac_status find_axis(const source *file, int dim, const char *what, size_
 {
     bool found = lac_netcdf_axis(file->id, dim, name, var);
     LAC_FAIL_IF(!found || nc_inq_dimlen(file->id, dim, n) != NC_NOERR, err, LAC_EINPUT,
-                "%s: has no coordinates of the dimension \"%s\", which must be the %s", file->path,
-                name, what);
+                "%s: the dimension \"%s\" has no coordinates: must have a variable of its name, "
+                "the %s",
+                file->path, name, what);
     LAC_FAIL_IF(*n == 0, err, LAC_EINPUT, "%s: %s is empty", file->path, name);
     *x = *n <= MOST_VALUES ? malloc(*n * sizeof **x) : NULL;
     return *x != NULL ? LAC_OK : lac_fail_memory(err);
