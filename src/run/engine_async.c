@@ -41,7 +41,7 @@ lac_status lac_run_async_follows(const lac_async_scene *scene, lac_error *err)
                 scene->transfer->info.name);
     LAC_FAIL_IF(!scene->linear, err, LAC_EINPUT,
                 "solver.fidelity events follows loads that are linear in time between jumps and "
-                "bends: ratio, slope, ramp, step, spring, constant, field");
+                "bends: ratio, slope, ramp, step, spring, constant, field, water_table");
     LAC_FAIL_IF(scene->formulation != LAC_FORMULATION_RATE, err, LAC_EINPUT,
                 "solver.fidelity events needs formulation rate");
     return lac_async_follows(scene->law, scene->cut_off, err);
