@@ -18,7 +18,8 @@ static const char *const history_methods[] = {"direct", NULL};
 static const char *const precisions[] = {"double", "float", NULL};
 static const char *const history_fields[] = {"all", "last", "none", NULL};
 
-const char *const lac_field_names[] = {"slip", "slip_rate", "state", "traction", "pore_pressure", NULL};
+const char *const lac_field_names[] = {"slip",     "slip_rate",     "state",
+                                       "traction", "pore_pressure", NULL};
 
 static const lac_param case_rows[] = {
     LAC_OWN("lacuna", "version of the format: 1"),

@@ -82,7 +82,8 @@ static const lac_variable of_fields[] = {
     LAC_ROW("cell_traction", NULL, "Pa", "shear traction on each contact cell", CELLS(traction),
             .comment = "the elastic side of the balance, q - K slip"),
     LAC_ROW("cell_pore_pressure", NULL, "Pa", "pore pressure of each contact cell", CELLS(pore),
-            .comment = "over the nominal area: takes the part u A/P off the cell's normal pressure"),
+            .comment =
+                "over the nominal area: takes the part u A/P off the cell's normal pressure"),
 };
 
 #define E(kind, field) P(kind, event.field), .coordinates = "event_time event_x event_y"

@@ -15,7 +15,13 @@ typedef struct lac_progress lac_progress;
 typedef struct lac_run_result lac_run_result;
 
 /// Per-cell fields that a run may keep.
-enum { LAC_FIELD_SLIP = 1, LAC_FIELD_RATE = 2, LAC_FIELD_STATE = 4, LAC_FIELD_TRACTION = 8, LAC_FIELD_PORE = 16 };
+enum {
+    LAC_FIELD_SLIP = 1,
+    LAC_FIELD_RATE = 2,
+    LAC_FIELD_STATE = 4,
+    LAC_FIELD_TRACTION = 8,
+    LAC_FIELD_PORE = 16
+};
 
 /// What a run puts out.
 typedef struct lac_run_output {

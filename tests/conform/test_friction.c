@@ -335,9 +335,9 @@ static void check_normal_stress(const variant *kind)
             double f, f_u, f_w, rate = pow(10, laws_uniform(cell, 30, -9, 3));
             draw(friction, cell, cell, &still.u[0], &still.w[0]);
             laws_evaluate(friction, cell, 1, &still);
-            lac_friction_evaluate(friction,
-                                  &(lac_friction_cells){cell, 1, still.u, still.w, still.v, rate, NULL},
-                                  &(lac_friction_values){&f, &f_u, &f_w, moving.out[G]}, NULL);
+            lac_friction_evaluate(
+                friction, &(lac_friction_cells){cell, 1, still.u, still.w, still.v, rate, NULL},
+                &(lac_friction_values){&f, &f_u, &f_w, moving.out[G]}, NULL);
             double response = with ? alpha[cell] / friction->column[LAC_B].value[cell] : 0;
             double want = still.out[G][0] - response * rate;
             assert_true(fabs(moving.out[G][0] - want) <= 1e-15 * (fabs(want) + response * rate));

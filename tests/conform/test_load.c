@@ -4,13 +4,13 @@
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_integration.h>
 #include <math.h>
-#include <netcdf.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/rng.h"
 #include "load/load.h"
+#include "support/field_file.h"
 #include "support/scratch.h"
 #include "support/slot.h"
 #include "support/test.h"
@@ -21,7 +21,7 @@ static scratch folder;
 static char data_file[128];
 static char field_file[2][128]; // with times, and without
 
-// The grid of loads that differ from cell to cell, one of whose cells stands for the load.
+// Where loads differ from cell to cell, one cell stands for the load.
 static const lac_grid grid = {.nx = 3, .ny = 2, .dx = 4, .dy = 5};
 static const uint32_t index_of[] = {0, 1, 2, 3, 4, 5};
 static const lac_load_places places = {&grid, index_of, 6};
@@ -42,10 +42,9 @@ static double draw(const lac_param *param, uint64_t trial, uint64_t what)
     static const struct {
         const char *key;
         double low, high;
-    } gentle[] = {{"period", 2, 20},     {"frequency", 0.01, 0.5}, {"lag", 0.5, 20},
-                  {"drain", 0.5, 20},    {"distance", 5, 20},      {"diffusivity", 0.1, 5},
-                  {"interval", 0.1, 0.3},
-                  {"radius", 2, 20}};
+    } gentle[] = {{"period", 2, 20},      {"frequency", 0.01, 0.5}, {"lag", 0.5, 20},
+                  {"drain", 0.5, 20},     {"distance", 5, 20},      {"diffusivity", 0.1, 5},
+                  {"interval", 0.1, 0.3}, {"radius", 2, 20}};
     double low = fmax(param->min, -20);
     double high = fmin(param->max, 20);
     if ((param->flags & LAC_OPTIONAL) != 0 && uniform(trial, what + 50, 0, 1) < 0.3) {
@@ -70,11 +69,10 @@ static bool is_text(const lac_param *param)
     return param->type == LAC_PATH || param->type == LAC_TEXT;
 }
 
-// Optional files and their columns come together in every other trial; `per` is for none.
+// Optional files and their columns come together in every other trial; `per` never does.
 static bool is_wanted(const lac_param *param, uint64_t trial)
 {
-    bool optional = (param->flags & LAC_OPTIONAL) != 0;
-    return !optional || (trial % 2 == 1 && strcmp(param->key, "per") != 0);
+    return (param->flags & LAC_OPTIONAL) == 0 || (trial % 2 == 1 && strcmp(param->key, "per") != 0);
 }
 
 // Random parameters; whatever names a file or its columns gets the one of this test.
@@ -453,36 +451,6 @@ static void normal_loads_press(void **state)
     assert_true(i >= 3);
 }
 
-// A map for each of some times, or one without times, that covers all cells but the uppermost.
-static void write_field(const char *path, bool timed)
-{
-    static const double place[2][3] = {{0, 4, 13}, {-1, 3, 12}};
-    double t[7], values[7 * 9];
-    int id, dim[3], var[3], value;
-    static const char *const names[] = {"t", "y", "x"};
-    assert_int_equal(nc_create(path, NC_CLOBBER, &id), NC_NOERR);
-    for (size_t k = timed ? 0 : 1; k < 3; k++) {
-        assert_int_equal(nc_def_dim(id, names[k], k == 0 ? 7 : 3, &dim[k]), NC_NOERR);
-        assert_int_equal(nc_def_var(id, names[k], NC_DOUBLE, 1, &dim[k], &var[k]), NC_NOERR);
-        (void)nc_put_att_text(id, var[k], "units", 1, k == 0 ? "s" : "m");
-    }
-    assert_int_equal(nc_def_var(id, "v", NC_DOUBLE, timed ? 3 : 2, timed ? dim : dim + 1, &value),
-                     NC_NOERR);
-    (void)nc_put_att_text(id, value, "units", 3, "kPa");
-    assert_int_equal(nc_enddef(id), NC_NOERR);
-    for (size_t i = 0; i < 7; i++) {
-        t[i] = -5 + 4.3 * (double)i;
-    }
-    for (size_t i = 0; i < 7 * 9; i++) {
-        values[i] = uniform(i, 9, 0, 0.02);
-    }
-    assert_true(!timed || nc_put_var_double(id, var[0], t) == NC_NOERR);
-    assert_int_equal(nc_put_var_double(id, var[1], place[0]), NC_NOERR);
-    assert_int_equal(nc_put_var_double(id, var[2], place[1]), NC_NOERR);
-    assert_int_equal(nc_put_var_double(id, value, values), NC_NOERR);
-    assert_int_equal(nc_close(id), NC_NOERR);
-}
-
 // Readings some seconds apart, a gap among them, from before the probes to well within them.
 static int write_data(void **state)
 {
@@ -502,7 +470,11 @@ static int write_data(void **state)
     for (size_t k = 0; k < 2; k++) {
         (void)snprintf(field_file[k], sizeof field_file[k], "%s",
                        scratch_write(&folder, k == 0 ? "a.nc" : "b.nc", "", 0));
-        write_field(field_file[k], k == 0);
+        double values[7 * 9];
+        for (size_t i = 0; i < 7 * 9; i++) {
+            values[i] = uniform(i, 9, 0, 0.02);
+        }
+        field_file_write(field_file[k], k == 0 ? 7 : 0, values);
     }
     return 0;
 }
