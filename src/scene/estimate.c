@@ -265,12 +265,18 @@ static bool spreads(const lac_case *c, const char *const keys[])
     return *keys != NULL;
 }
 
-// Of the finest level [Pa/m].
-static double finest_stiffness(const lac_case *c, const lac_grid *grid)
+// k_0/k_crit, k_0 of the finest level, and from which width on a patch slips by itself: the rock's
+// stiffness falls by half as the width doubles.
+static void compare_stiffness(const lac_case *c, lac_estimate *e)
 {
     lac_transfer_outline outline;
     (void)lac_transfer_outline_of(&c->transfer, &outline);
-    return outline.rock != NULL ? c->material.shear_modulus / grid->dx : outline.k0;
+    const double k0 = outline.rock != NULL ? c->material.shear_modulus / e->grid.dx : outline.k0;
+    const double finer = isnan(outline.ratio) ? 2.0 : 1.0 / outline.ratio;
+    e->stiffness_ratio = k0 / e->critical;
+    e->patch = e->stiffness_ratio <= 1.0 ? e->grid.dx
+               : finer <= 1.0            ? INFINITY
+                                         : e->grid.dx * exp2(log(e->stiffness_ratio) / log(finer));
 }
 
 // Finds out how cells hold one another; the cells are known.
@@ -287,7 +293,7 @@ static void judge_stability(const lac_case *c, lac_estimate *e)
     double real_pressure = e->pressure * e->grid_cells / e->contact_cells;
     e->critical = real_pressure * (law->b - law->a) / law->dc;
     if (e->critical > 0 && several) {
-        e->stiffness_ratio = finest_stiffness(c, &e->grid) / e->critical;
+        compare_stiffness(c, e);
     }
     double safe = spreads(c, holding) ? safe_spread_ratio : safe_ratio;
     e->stable = !several || !(e->stiffness_ratio < safe);
@@ -363,13 +369,13 @@ static lac_failure failure_about(const lac_case *c, const lac_load_state *start,
     const double force = e->pressure - start->pore;
     lac_transfer_outline outline;
     (void)lac_transfer_outline_of(&c->transfer, &outline);
-    const lac_failure_start at = {
-        .rate = c->initial.slip_rate,
-        .direct = law->a * force,
-        .excess = (law->b - law->a) * force,
-        .eta = lac_inertia_mass(c) > 0.0 ? 0.0 : lac_damping_of(&c->material),
-        .held = start->spring_stiffness > 0.0 || outline.anchored,
-        .length = fmax((double)e->grid.nx * e->grid.dx, (double)e->grid.ny * e->grid.dy)};
+    const lac_failure_start at = {.rate = c->initial.slip_rate,
+                                  .direct = law->a * force,
+                                  .excess = (law->b - law->a) * force,
+                                  .eta = lac_inertia_mass(c) > 0.0 ? 0.0
+                                                                   : lac_damping_of(&c->material),
+                                  .held = start->spring_stiffness > 0.0 || outline.anchored,
+                                  .length = e->length};
     return lac_failure_from(&at, c->run.failure_rate, c->run.failure_slip);
 }
 
@@ -377,7 +383,7 @@ static lac_failure failure_about(const lac_case *c, const lac_load_state *start,
 static lac_status try_start(const lac_case *c, lac_load_files *files, lac_estimate *e,
                             lac_error *err)
 {
-    const bool by_load = isnan(c->initial.slip_rate) || c->initial.state == LAC_STATE_FROM_LOAD;
+    const bool by_load = lac_scene_load_given(c);
     lac_load_set loads;
     lac_load_state sum;
     LAC_TRY_RETURN(lac_scene_loads_create(c, files, &loads, err));
@@ -428,6 +434,8 @@ lac_status lac_estimate_make(const lac_case *c, lac_load_files *files, lac_estim
                         .grid_cells = (double)lac_grid_cells(&grid),
                         .contact_cells = NAN,
                         .critical = NAN,
+                        .patch = NAN,
+                        .length = fmax((double)grid.nx * grid.dx, (double)grid.ny * grid.dy),
                         .stiffness_ratio = NAN,
                         .unknowns = lac_inertia_mass(c) > 0 ? 3 : 2};
     LAC_TRY_RETURN(count_cells(c, e, err));

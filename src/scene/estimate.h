@@ -24,6 +24,9 @@ typedef struct lac_estimate {
     bool exact;             ///< contact_cells is a count, not an estimate
     double critical;        ///< k_crit = p (b - a)/dc [Pa/m]; NaN: nothing is integrated
     double stiffness_ratio; ///< k_0/k_crit of the finest level [1]; NaN: does not apply
+    double patch;           ///< width from which on one slips by itself, whose level's stiffness is
+                            ///< k_crit [m]; INFINITY: none; NaN: does not apply
+    double length;          ///< of the joint, its longer side [m]
     bool stable;        ///< one block, b <= a, or k_0 well above k_crit everywhere: no cell fails
                         ///< on its own
     bool integrated;    ///< else statics: no steps
@@ -40,6 +43,30 @@ typedef struct lac_estimate {
                                 ///< the times above then [s]; NaN: none
     lac_failure failure;        ///< what counts as it; rate 0: not known before the run
 } lac_estimate;
+
+/// In which regime a scene moves.
+typedef enum lac_regime {
+    LAC_REGIME_NONE = 0, ///< nothing is integrated
+    LAC_REGIME_BLOCK,    ///< one cell
+    LAC_REGIME_CREEP,    ///< b <= a: nothing runs away by itself
+    LAC_REGIME_TOGETHER, ///< all cells as one
+    LAC_REGIME_PATCHES,  ///< patches narrower than the joint slip by themselves
+    LAC_REGIME_SINGLE,   ///< cells do
+} lac_regime;
+
+lac_regime lac_regime_of(const lac_estimate *estimate);
+
+/// "one block", "creep", "together", "patches", "one by one"; NULL: none.
+const char *lac_regime_name(lac_regime regime);
+
+enum { LAC_REGIME_ROOM = 800 };
+
+/// What roughness, size, load and water can and cannot do there; "" where nothing is integrated.
+void lac_regime_words(const lac_case *c, const lac_estimate *estimate,
+                      char text[static LAC_REGIME_ROOM]);
+
+/// Whether the load at the start is given, and no rate with a state that it follows from.
+bool lac_scene_load_given(const lac_case *c);
 
 /// Estimates them, and is a check too: the surface is generated, not its contact; a small scene is
 /// built whole, of a large one the loads at the start are looked at.

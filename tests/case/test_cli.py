@@ -738,9 +738,60 @@ class Contact(Case):
         self.assertIsNone(done["d_box"])
 
 
+class Regime(Case):
+    SCENE = """\
+lacuna: 1
+title: cells of 4 m on a joint of 64 m
+interface: {size: "64 m", levels: 4, domain: {full: {}}}
+material: {shear_modulus: "10 GPa", poisson: 0.25}
+load: {normal: {pressure: "1 MPa"}, shear: [{ratio: {value: 0.6}}]}
+friction: {aging: {f0: 0.6, a: 0.010, b: 0.015, dc: "1 mm", v0: "1 um/s"}}
+transfer: {hierarchy: {stiffness: elastic}}
+initial: {state: "1 hour"}
+time: {end: "1 day"}
+"""
+
+    def regime(self, *sets):
+        words = [word for one in sets for word in ("--set", one)]
+        return json.loads(self.expect(0, "check", "scene.yaml", "--json", *words).stdout)["estimate"]
+
+    def test_the_width_of_a_patch_that_slips_by_itself_decides(self):
+        self.write("scene.yaml", self.SCENE)
+        for width, regime in ((1000, "together"), (65, "together"), (63, "patches"), (5, "patches"), (3, "one by one")):
+            dc = width * 1e6 * 0.005 / 1e10  # G dc/(p (b - a))
+            with self.subTest(width):
+                found = self.regime(f"friction.aging.dc={dc!r}")
+                self.assertEqual(found["regime"], regime)
+                if width >= 4:
+                    self.assertAlmostEqual(found["patch_width_m"], width, delta=1e-9 * width)
+
+    def test_what_does_not_run_away_and_one_block(self):
+        self.write("scene.yaml", self.SCENE)
+        self.assertEqual(self.regime("friction.aging.b=0.005")["regime"], "creep")
+        self.write("scene.yaml", BLOCK)
+        found = self.regime()
+        self.assertEqual(found["regime"], "one block")
+        self.assertIn("follows from initial.slip_rate", found["regime_words"])
+
+    def test_the_words_are_true(self):
+        """The stock slope feels its roughness by friction.spread alone."""
+        self.expect(0, "new", "slope", "--kind", "slope")
+        with open(os.path.join(self.folder, "slope.yaml"), encoding="utf-8") as file:
+            lines = [line for line in file if not line.lstrip().startswith("spread:")]
+        self.write("even.yaml", "".join(lines))
+        for name, feels, f0 in (("slope", True, 0.567), ("even", False, 0.55)):
+            words = json.loads(self.expect(0, "check", name + ".yaml", "--json").stdout)["estimate"]["regime_words"]
+            self.assertIn("only through friction.spread" if feels else "Name friction.spread", words)
+            smooth, rough = (json.loads(self.expect(0, "run", name + ".yaml", "--json", "--force", "--set", f"friction.aging.f0={f0}", "--set",
+                                                    f"interface.surface.self-affine.rms_height={height} cm").stdout)
+                             for height in (0.5, 1))
+            change = rough["failure_time_s"] / smooth["failure_time_s"] - 1
+            (self.assertGreater if feels else self.assertLess)(abs(change), 0.1 if feels else 1e-3)
+
+
 class New(Case):
     def test_new_check_run(self):
-        for kind in ("block", "joint", "slope"):
+        for kind in ("block", "fit", "joint", "laboratory", "reservoir", "slope"):
             with self.subTest(kind):
                 self.expect(0, "new", "my-" + kind, "--kind", kind)
                 self.assertEqual(self.expect(0, "check", f"my-{kind}.yaml").stderr, "")
@@ -762,13 +813,23 @@ class New(Case):
         done = json.loads(self.expect(0, "new", "x", "--json").stdout)
         self.assertEqual(done["output"], "x.yaml")
 
+    def test_a_case_to_fit_comes_with_readings(self):
+        done = json.loads(self.expect(0, "new", "x", "--kind", "fit", "--json").stdout)
+        self.assertEqual((done["output"], done["readings"]), ("x.yaml", "x.csv"))
+        read = json.loads(self.expect(0, "precursors", "x.csv", "--displacement", "disp_mm:mm", "--json").stdout)
+        with open(self.path("x.yaml"), encoding="utf-8") as file:  # what the readings are of, as their first line says
+            self.assertIn('start: "' + read["series"]["first_date"][:16], file.read())
+        self.write("y.yaml", "kept\n")
+        self.expect_line(2, "y.yaml: exists already; --force replaces it", "new", "y", "--kind", "fit")
+        self.assertFalse(self.exists("y.csv"))
+
     def test_wrong(self):
         self.expect(3, "new", "absent/x")
         for name in ("", ".", "..", "absent/", "./.."):
             self.expect_line(2, f'"{name}" is no name for a file', "new", name)
         self.expect_line(2, '--kind: "blok" is no kind of case; did you mean "block"?', "new",
                          "--kind", "blok")
-        self.expect_line(2, '--kind: "dam" is no kind of case; known: block, joint, slope', "new",
+        self.expect_line(2, '--kind: "dam" is no kind of case; known: block, fit, joint, laboratory, reservoir, slope', "new",
                          "--kind", "dam")
 
 

@@ -32,4 +32,4 @@ typedef struct cli_named_text {
 } cli_named_text;
 
 /// Cases to start from by their kind, and what shells read by the shell; the last name is NULL.
-extern const cli_named_text cli_templates[], cli_shells[];
+extern const cli_named_text cli_templates[], cli_template_readings[], cli_shells[];

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// lacuna new [NAME]: writes a commented case of the wanted kind, for the user to start from.
+// lacuna new [NAME]: writes a commented case of the wanted kind, for the user to start from, and
+// the readings that it is about where it is to be fitted.
 #include <stdlib.h>
 #include <string.h>
 
@@ -8,18 +9,49 @@
 #include "cli/common/words.h"
 #include "data/json.h"
 
-// NAME, with .yaml where it has no such ending; the caller frees.
-static char *file_name(const char *name)
+// NAME with this ending, ".yaml" unless it has one of its kind already; the caller frees.
+static char *file_name(const char *name, const char *ending)
 {
-    const char *ending = strrchr(name, '.');
-    bool whole = ending != NULL && ending > name &&
-                 (strcmp(ending, ".yaml") == 0 || strcmp(ending, ".yml") == 0);
-    size_t size = strlen(name) + sizeof ".yaml";
+    const char *dot = strrchr(name, '.');
+    const bool whole =
+        dot != NULL && dot > name && (strcmp(dot, ".yaml") == 0 || strcmp(dot, ".yml") == 0);
+    const int stem = (int)(whole ? (size_t)(dot - name) : strlen(name));
+    const size_t size = strlen(name) + sizeof ".yaml";
     char *path = malloc(size);
     if (path != NULL) {
-        (void)snprintf(path, size, "%s%s", name, whole ? "" : ".yaml");
+        (void)snprintf(path, size, "%.*s%s", stem, name,
+                       whole && strcmp(ending, ".yaml") == 0 ? dot : ending);
     }
     return path;
+}
+
+// The readings that a kind of case is about; NULL.
+static const char *readings_of(const char *kind)
+{
+    const cli_named_text *row = cli_template_readings;
+    while (row->name != NULL && strcmp(row->name, kind) != 0) {
+        row++;
+    }
+    return row->text;
+}
+
+static void tell(const cli_request *request, const char *kind, const char *path,
+                 const char *readings)
+{
+    if (cli_given(request, CLI_OPT_JSON)) {
+        lac_json json = {.out = stdout};
+        lac_json_open(&json, NULL, '{');
+        lac_json_text(&json, "output", path);
+        lac_json_text(&json, "kind", kind);
+        if (readings != NULL) {
+            lac_json_text(&json, "readings", readings);
+        }
+        lac_json_close(&json, '}');
+    } else if (readings != NULL) {
+        printf("%s and %s written; next: lacuna fit %s %s\n", path, readings, path, readings);
+    } else {
+        printf("%s written; next: lacuna run %s\n", path, path);
+    }
 }
 
 // A folder's name would make a hidden file in it: "." the file "..yaml".
@@ -40,15 +72,20 @@ lac_status cli_new(const cli_request *request, lac_error *err)
     }
     const char *given = request->count > 0 ? request->argument[0] : "case";
     LAC_FAIL_IF(!names_file(given), err, LAC_EINPUT, "\"%s\" is no name for a file", given);
-    char *path = file_name(given);
-    LAC_FAIL_MEMORY_IF(path == NULL, err);
-    lac_status status = lac_write_text(path, chosen->text, cli_given(request, CLI_OPT_FORCE), err);
-    if (status == LAC_OK && cli_given(request, CLI_OPT_JSON)) {
-        lac_json json = {.out = stdout};
-        LAC_JSON_TEXTS(&json, "output", path, "kind", chosen->name);
-    } else if (status == LAC_OK) {
-        printf("%s written; next: lacuna run %s\n", path, path);
+    const bool replace = cli_given(request, CLI_OPT_FORCE);
+    const char *rows = readings_of(chosen->name);
+    char *path = file_name(given, ".yaml"), *readings = file_name(given, ".csv");
+    lac_status status = path != NULL && readings != NULL ? LAC_OK : lac_fail_memory(err);
+    LAC_TRY(status);
+    LAC_TRY(rows != NULL ? lac_write_text(readings, rows, replace, err) : LAC_OK);
+    status = lac_write_text(path, chosen->text, replace, err);
+    if (status == LAC_OK) {
+        tell(request, chosen->name, path, rows != NULL ? readings : NULL);
+    } else if (rows != NULL && !replace) {
+        (void)remove(readings);
     }
+out:
     free(path);
+    free(readings);
     return status;
 }

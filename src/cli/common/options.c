@@ -25,7 +25,7 @@ const cli_option cli_options[] = {
     PLAIN(FORCE, 0, "force", NULL, "replace a file that exists"),
     PLAIN(RESUME, 0, "resume", NULL, "go on from what was kept when it was stopped"),
     KEPT(UNTIL, 0, "until", "TIME", until, "end earlier: \"10 day\", or a date"),
-    KEPT(KIND, 0, "kind", "KIND", kind, "block, joint (default) or slope"),
+    KEPT(KIND, 0, "kind", "KIND", kind, "block, fit, joint, laboratory, reservoir, slope"),
     KEPT(FRACTAL, 0, "boxes", "S:S", boxes, "sides of boxes that D_box is fitted to: 2:32"),
     KEPT(FRACTAL, 0, "coarsest", "N", coarsest, "cells a side of the coarsest resolution: 64"),
     KEPT(FRACTAL, 0, "coarsening", "HOW", coarsening, "coarser grids by sample or block-mean"),

@@ -72,7 +72,8 @@ const cli_command cli_commands[] = {
      "mended, in place, every program does. A run then still goes on by --resume.\n",
      "lacuna mend OUT.nc", 1, 1, 0, cli_mend},
     {"new", "[NAME]", "write a commented case file to start from",
-     "NAME.yaml, or case.yaml. It runs as it stands, in seconds.\n",
+     "NAME.yaml, or case.yaml; of a joint unless --kind says otherwise. It runs as it stands, in "
+     "seconds.\n",
      "lacuna new slope --kind slope", 0, 1, CLI_OPT_FORCE | CLI_OPT_KIND, cli_new},
     {"describe", "[KIND [NAME]]", "models: parameters, units, ranges, references",
      "KIND is a kind of model (friction, transfer ...), a section of a case (time ...), or levels: "

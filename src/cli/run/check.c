@@ -142,8 +142,18 @@ static void print_steps(const lac_estimate *e)
     }
 }
 
+static void print_regime(const lac_case *c, const lac_estimate *e)
+{
+    char words[LAC_REGIME_ROOM];
+    lac_regime_words(c, e, words);
+    if (words[0] != '\0') {
+        printf("#   regime          %s\n", lac_regime_name(lac_regime_of(e)));
+        cli_wrap("#     ", words);
+    }
+}
+
 // As comment lines of YAML.
-static void print_estimate(const lac_estimate *e)
+static void print_estimate(const lac_case *c, const lac_estimate *e)
 {
     printf("\n# What it will cost%s, roughly\n", e->own_steps ? " with each cell at its own steps"
                                                  : e->integrated ? " with bdf"
@@ -157,6 +167,7 @@ static void print_estimate(const lac_estimate *e)
     if (!isnan(e->stiffness_ratio)) {
         printf("#   k_0/k_crit      %.2g\n", e->stiffness_ratio);
     }
+    print_regime(c, e);
     if (e->failure.lowered) {
         printf("#   failure rate    %s\n", cli_amount(e->failure.rate, "m/s").s);
         cli_wrap("#     ", cli_failure_lowered);
@@ -166,8 +177,10 @@ static void print_estimate(const lac_estimate *e)
     }
 }
 
-static void write_estimate(lac_json *json, const lac_estimate *e)
+static void write_estimate(lac_json *json, const lac_case *c, const lac_estimate *e)
 {
+    char words[LAC_REGIME_ROOM];
+    lac_regime_words(c, e, words);
     lac_json_open(json, "estimate", '{');
     lac_json_number(json, "grid_cells", e->grid_cells);
     lac_json_number(json, "contact_cells", round(e->contact_cells));
@@ -180,6 +193,9 @@ static void write_estimate(lac_json *json, const lac_estimate *e)
     lac_json_number(json, "records_at_times", e->integrated ? e->records : NAN);
     lac_json_number(json, "file_most_bytes", e->integrated ? e->file_bytes : NAN);
     lac_json_number(json, "stiffness_over_critical", e->stiffness_ratio);
+    lac_json_number(json, "patch_width_m", e->patch);
+    lac_json_text(json, "regime", lac_regime_name(lac_regime_of(e)));
+    lac_json_text(json, "regime_words", words);
     lac_json_text(json, "faster_fidelity", e->faster);
     lac_json_number(json, "failure_rate_m_s", e->failure.rate > 0.0 ? e->failure.rate : NAN);
     lac_json_boolean(json, "failure_rate_lowered", e->failure.lowered);
@@ -189,8 +205,8 @@ static void write_estimate(lac_json *json, const lac_estimate *e)
     lac_json_close(json, '}');
 }
 
-static void write_json(const lac_case_issues *report, const char *path, const char *scene,
-                       const lac_estimate *estimate, lac_error *err)
+static void write_json(const lac_case_issues *report, const char *path, const lac_case *c,
+                       const char *scene, const lac_estimate *estimate, lac_error *err)
 {
     lac_json json = {.out = stdout};
     // what is wrong with the scene as a whole stands at no line of the case
@@ -204,7 +220,7 @@ static void write_json(const lac_case_issues *report, const char *path, const ch
     cli_report_json(&json, "warnings", report, true);
     lac_json_text(&json, "scene", scene);
     if (estimate != NULL) {
-        write_estimate(&json, estimate);
+        write_estimate(&json, c, estimate);
     } else {
         lac_json_null(&json, "estimate");
     }
@@ -250,10 +266,11 @@ lac_status cli_check(const cli_request *request, lac_error *err)
         status = examine(request, c, &report, &scene, &estimate, err);
     }
     if (json && (status == LAC_OK || status == LAC_EINPUT || report.errors > 0)) {
-        write_json(&report, request->argument[0], scene, status == LAC_OK ? &estimate : NULL, err);
+        write_json(&report, request->argument[0], c, scene, status == LAC_OK ? &estimate : NULL,
+                   err);
     } else if (status == LAC_OK) {
         printf("%s", scene);
-        print_estimate(&estimate);
+        print_estimate(c, &estimate);
     }
     if (status == LAC_OK) {
         cli_failure_warn(&estimate.failure);

@@ -16,13 +16,13 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 74764,
-    "lines that only present results": 20209,
+    "lines of src and include": 74990,
+    "lines that only present results": 20290,
     "public headers": 13,
     "exported names": 43,
     "circles of includes": 0,
     "files without an opening comment": 0,
-    "objects that one field more in a record compiles anew": 36,
+    "objects that one field more in a record compiles anew": 37,
 }
 
 PRESENTING = re.compile(r"src/(cli|store|report|data)/|src/\w+/describe\w*\.[ch]$")

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// In which regime a scene moves, in words for who set it up: whether its cells go as one, and with
+// that what roughness, size, load and water can and cannot do in it.
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "friction/friction.h"
+#include "scene/estimate.h"
+#include "scene/internal.h"
+
+const char *lac_regime_name(lac_regime regime)
+{
+    static const char *const names[] = {NULL,       "one block", "creep",
+                                        "together", "patches",   "one by one"};
+    return names[regime];
+}
+
+lac_regime lac_regime_of(const lac_estimate *e)
+{
+    return !e->integrated            ? LAC_REGIME_NONE
+           : e->cells <= 1           ? LAC_REGIME_BLOCK
+           : !(e->critical > 0)      ? LAC_REGIME_CREEP
+           : e->stiffness_ratio <= 1 ? LAC_REGIME_SINGLE
+           : e->patch < e->length    ? LAC_REGIME_PATCHES
+                                     : LAC_REGIME_TOGETHER;
+}
+
+bool lac_scene_load_given(const lac_case *c)
+{
+    return isnan(c->initial.slip_rate) || c->initial.state == LAC_STATE_FROM_LOAD;
+}
+
+typedef struct words {
+    char *text;
+    size_t size, used;
+} words;
+
+static void __attribute__((format(printf, 2, 3))) add(words *w, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    const int more = vsnprintf(w->text + w->used, w->size - w->used, format, arguments);
+    va_end(arguments);
+    w->used = more < 0 || (size_t)more >= w->size - w->used ? w->size - 1 : w->used + (size_t)more;
+}
+
+// What roughness and size do where all cells move alike.
+static void say_together(const lac_case *c, const lac_estimate *e, words *w)
+{
+    if (isfinite(e->patch)) {
+        add(w, "A patch slips by itself from a width of some %.2g m on, and the joint is %.4g m: ",
+            e->patch, e->length);
+    }
+    add(w, "all cells creep as one. Roughness and size act %s",
+        c->friction_spread.count > 0
+            ? "only through friction.spread, by what it makes of the patches."
+            : "on nothing that decides when it fails. Name friction.spread, such as a dc by the "
+              "size of the patch, and they do.");
+    if (isfinite(e->patch)) {
+        add(w, " With a dc below %.2g of this one, patches would slip by themselves.",
+            e->length / e->patch);
+    }
+}
+
+void lac_regime_words(const lac_case *c, const lac_estimate *e, char text[static LAC_REGIME_ROOM])
+{
+    words w = {text, LAC_REGIME_ROOM, 0};
+    const lac_regime regime = lac_regime_of(e);
+    text[0] = '\0';
+    if (regime == LAC_REGIME_BLOCK) {
+        add(&w, "One cell has no roughness: load, water, friction and its state set the time.");
+    } else if (regime == LAC_REGIME_CREEP) {
+        add(&w, "b <= a: what slips faster is held more. The joint follows its load and does not "
+                "run away by itself.");
+    } else if (regime == LAC_REGIME_TOGETHER) {
+        say_together(c, e, &w);
+    } else if (regime == LAC_REGIME_PATCHES) {
+        add(&w,
+            "Patches wider than some %.2g m slip by themselves before the joint of %.4g m fails: "
+            "roughness, size and dc set when.",
+            e->patch, e->length);
+    } else if (regime == LAC_REGIME_SINGLE) {
+        add(&w, "Neighbours hold a cell less than it weakens: cells slip one by one before the "
+                "joint fails. Roughness, size, dc and the size of cells set when.");
+    }
+    if (regime != LAC_REGIME_NONE && !lac_scene_load_given(c)) {
+        add(&w, " The load at the start follows from initial.slip_rate and the state: what is "
+                "there from the start (angle, weight, water) does not change when it fails. With a "
+                "load.shear of kind slope or ratio in the place of initial.slip_rate it does.");
+    }
+}
