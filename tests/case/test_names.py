@@ -32,7 +32,7 @@ CALLS = (
     ("run", "cases/block.yaml -o block.nc --set institution=Somewhere"),
     ("run", "cases/block.yaml -o picked.nc --accuracy 1%"),
     ("run", "cases/transfer/micro-slips.yaml -o run.nc --set analysis.rg.field=equal --set "
-            "output.fields=[slip,slip_rate,state,traction] --set output.fields_every.steps=200"),
+            "output.fields=[slip,slip_rate,state,traction,pore_pressure] --set output.fields_every.steps=200"),
     ("contact", "cases/surface/joint.yaml -o joint.nc"),
     ("contact", "cases/surface/file.yaml -o file.nc"),
     ("contact", "cases/contact/self-affine.yaml -o contact.nc"),
