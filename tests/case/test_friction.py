@@ -62,6 +62,17 @@ class Friction(Case):
         week = 7 * 86400.0
         self.near(done["failure_time_s"], (-0.9 - math.log(0.1)) * 0.7 * week / 0.81, 1e-6)
 
+    def test_rock(self):
+        self.assertFalse(self.run_case("rock", "--set", "solver.rtol=1e-9")["failed"])
+        # steady: f0 + (a - b) ln(v/v0) is the load
+        self.near(self.variable("slip_rate")[-1], 1e-6 * math.exp((0.6082 - 0.608) / (0.00913 - 0.00907)), 1e-6)
+
+    def test_cohesion(self):
+        self.run_case("cohesion", "--set", "solver.rtol=1e-9", "--set", "time.end=100 day")
+        # steady again after ten days of rising water: (0.57 P - C)/(P - u) = f0 + (a - b) ln(v/v0)
+        f = (0.57 * 5e6 - 1e5) / (5e6 - 1e5)
+        self.near(self.variable("slip_rate")[-1], 1e-6 * math.exp((f - math.tan(math.pi / 6)) / 0.002), 1e-6)
+
     def test_slip(self):
         done = self.run_case("slip", "--set", "solver.rtol=1e-9")
         low = -2 * math.log(0.9)
