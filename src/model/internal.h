@@ -16,6 +16,7 @@ struct lac_problem {
     double mean_damping;  // what the mean slip rate takes off every cell besides [Pa s/m]
     double drag;          // what it takes off per pressure [s/m]: lac_damping.shared
     double least_direct;  // least a of the cells
+    double bond;          // cohesion over the mean pressure: it carries p_i bond of q_i [1]
     double cell_area;     // r^2 [m2]
     double nominal_area;  // L^2 [m2]
     double length;        // a slip that is long gone: the longer side; of one block 10 m
@@ -33,13 +34,6 @@ struct lac_problem {
     double *anchor;                 // [n] K 1: what holds uniform slip [Pa/m]; NULL: nothing does
     double *log_rate0, *log_state0; // [n]
 };
-
-// Effective normal pressure of cell i [Pa]: the one place where it is made of what the loads leave.
-static inline double lac_problem_effective(const lac_problem *problem,
-                                           const lac_problem_loads_at *drive, size_t i)
-{
-    return problem->pressure[i] * drive->share;
-}
 
 // What the mean slip rate takes off the traction of cell i, per metre per second [Pa s/m].
 static inline double lac_problem_drag(const lac_problem *problem, size_t i)

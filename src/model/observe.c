@@ -50,6 +50,9 @@ void lac_problem_traction(const lac_problem *problem, double t, const double *sl
     lac_look at = {.problem = problem, .ws = lac_problem_split(problem, work)};
     (void)lac_problem_drive(problem, t, &at.drive);
     lac_problem_elastic_traction(&at, slip, traction);
+    for (size_t i = 0; problem->bond > 0.0 && i < problem->n; i++) {
+        traction[i] += problem->pressure[i] * problem->bond;
+    }
 }
 
 // How far the cells are off their balance, each and together.
@@ -85,8 +88,8 @@ double lac_look_sheared(const lac_look *at, const double *slip, double mean)
     const lac_problem_loads_at *drive = &at->drive;
     double spring = drive->spring - drive->spring_stiffness * mean;
     double alike = spring + drive->far.elastic; // the mean of the shape is 1
-    double total =
-        problem->sum_traction0 + problem->sum_pressure * drive->ratio + (double)problem->n * alike;
+    double total = problem->sum_traction0 + problem->sum_pressure * (drive->ratio + problem->bond) +
+                   (double)problem->n * alike;
     return total - lac_problem_held(problem, drive->far.back, slip);
 }
 
@@ -122,8 +125,9 @@ bool lac_problem_slips(const lac_problem *problem, double t, const double *y, si
 {
     const lac_friction *friction = problem->friction;
     bool regularised = friction->form == LAC_FORM_REGULARISED;
-    if (problem->kind->either_sign && regularised) {
-        return true;
+    bool reverses = problem->kind->either_sign && regularised;
+    if (reverses && !(problem->bond > 0.0)) {
+        return true; // cohesion would have to hold the other way then
     }
     // ln v is y itself where the rate is not solved for
     lac_motion motion = {.u = y};

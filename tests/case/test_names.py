@@ -56,6 +56,7 @@ CALLS = (
     ("export", "run.nc"),
     ("new", "slope"),
     ("describe", ""),
+    ("describe", "rock limestone"),
     ("completion", "bash"),
 )
 
