@@ -105,6 +105,7 @@ target_compile_options(at_call PRIVATE ${warnings})
 target_link_libraries(at_call PRIVATE ${CMAKE_DL_LIBS})
 set(test_resume_files $<TARGET_FILE:at_call>)
 lacuna_python_test(test_resume)
+lacuna_python_test(test_points)
 
 # What is left where a program is killed, or a file call fails, at each of them in turn.
 set(test_every_call_files $<TARGET_FILE:at_call>)

@@ -27,6 +27,8 @@ typedef struct lac_observation {
     double rate_drift; ///< |sum (q - K slip - p f - damping - inertia)| / sum (a p + eta |v|): how
                        ///< far the mean slip rate is off the balance, relative to itself [1]
     size_t fastest;    ///< cell with the largest rate
+    const double *points; ///< [points][4] slip [m], slip rate [m/s], traction [Pa] and state [s] at
+                          ///< the case's output.points, until the sink returns; NULL: none
     double factor_of_safety; ///< strength at the reference rate over Q [1]; NaN: not asked, or
                              ///< nothing drives
 } lac_observation;

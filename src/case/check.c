@@ -435,8 +435,9 @@ static void ask_safety(lac_case *c)
 // What lac_run leaves to its caller.
 static unsigned beyond_run(const lac_reader *reader, const lac_case *c)
 {
-    static const char *const written[] = {"output.file", "output.fields", "output.checkpoint",
-                                          "output.compression", "output.precision"};
+    static const char *const written[] = {"output.file",       "output.fields",
+                                          "output.checkpoint", "output.compression",
+                                          "output.precision",  "output.points"};
     unsigned beyond = (isnan(c->accuracy) ? 0U : (unsigned)LAC_BEYOND_ACCURACY) |
                       (c->analysis.count > 0 ? (unsigned)LAC_BEYOND_ANALYSIS : 0U);
     for (size_t i = 0; i < sizeof written / sizeof written[0]; i++) {
@@ -474,6 +475,8 @@ void lac_check_case(lac_reader *reader, lac_case *c)
     lac_check_rg(reader, c);
     lac_check_analysis(reader, c);
     lac_check_fit(reader, c);
+    lac_check_points(reader, c);
+    lac_check_point_names(reader, c);
     check_cadences(reader, c);
     ask_safety(c);
     c->run.beyond = beyond_run(reader, c);

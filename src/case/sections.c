@@ -144,6 +144,8 @@ static const lac_param output_rows[] = {
             "of every cell to keep: [slip, slip_rate, state, traction, factor_of_safety]"),
     LAC_OWN("fields_every", "how often the fields are kept, as `every`; once per decade of the "
                             "mean slip rate if absent"),
+    LAC_OWN("points", "[{name: P1, x: 12 m, y: 3 m}, ...]: places whose motion is kept at every "
+                      "record"),
     LAC_OWN("checkpoint", "how often the run saves what --resume goes on from, as `every`; only "
                           "when a signal ends it if absent"),
     LAC_OWN("factor_of_safety", "{reference_rate: ...}: strength at a slip rate over what drives; "
@@ -170,6 +172,18 @@ static const lac_param cadence_rows[] = {
              LAC_OPTIONAL | LAC_ABOVE_MIN, "records per decade of the mean slip rate"),
 };
 
+static const lac_param point_rows[] = {
+    LAC_TEXT("name", offsetof(lac_point_def, name), 0, "what to call it"),
+    LAC_REAL("x", "m", offsetof(lac_point_def, x), NAN, -1e9, 1e9, LAC_OPTIONAL,
+             "its place along x, from 0 at the edge to interface.size; may be absent only for a "
+             "single block"),
+    LAC_REAL("y", "m", offsetof(lac_point_def, y), NAN, -1e9, 1e9, LAC_OPTIONAL,
+             "the same along y; none on a line"),
+    LAC_REAL("radius", "m", offsetof(lac_point_def, radius), 0, 0, 1e9, 0,
+             "the mean over the contact cells whose centres lie as near is kept; the nearest cell "
+             "alone where none does"),
+};
+
 static const lac_param compare_rows[] = {
     LAC_PATH("file", offsetof(lac_compare_def, path), 0,
              "monitoring series (CSV), from the case's folder"),
@@ -179,6 +193,8 @@ static const lac_param compare_rows[] = {
     LAC_COLUMN("velocity", offsetof(lac_compare_def, columns.velocity), "m/s",
                "its column of velocities, as \"column:unit\""),
     LAC_TEXT("label", offsetof(lac_compare_def, label), LAC_OPTIONAL, "what to call it"),
+    LAC_TEXT("point", offsetof(lac_compare_def, point), LAC_OPTIONAL,
+             "the name in output.points of the place that it is of; else the mean of the joint"),
 };
 
 const lac_param lac_inertia_rows[LAC_INERTIA_ROWS] = {
@@ -281,6 +297,9 @@ static const lac_param fit_rows[] = {
                "column of velocities, as \"column:unit\""),
     LAC_COLUMN("sigma", FIT(columns.sigma), "m",
                "column of the displacements' standard errors, as \"column:unit\""),
+    LAC_TEXT("point", FIT(point), LAC_OPTIONAL,
+             "the name in output.points of the place that the readings are of; else the mean of "
+             "the joint"),
     LAC_REAL("displacement_error", "m", FIT(displacement_error), NAN, 0, 1e6,
              LAC_OPTIONAL | LAC_ABOVE_MIN,
              "standard error of a displacement; estimated if absent (with sigma: a factor on it)"),
@@ -334,6 +353,8 @@ static bool has_checkpoint(const lac_case *c)
 }
 
 static bool has_fields(const lac_case *c) { return c->fields != 0; }
+
+static bool has_points(const lac_case *c) { return c->points > 0; }
 
 static bool has_rg(const lac_case *c) { return c->rg.named; }
 
@@ -390,6 +411,7 @@ static const lac_part parts[] = {
     {OWN("output.fields"), .read = lac_read_fields, .given = has_fields, .put = lac_put_fields},
     {PART(CADENCE, "output.fields_every", run.snapshot), .read = lac_read_fields_every,
      .given = has_fields},
+    {OWN("output.points"), .read = lac_read_points, .given = has_points, .put = lac_put_points},
     {RECORD("output.factor_of_safety", "strength at a slip rate over what drives", safety_rows),
      .such = "{reference_rate: \"1 um/s\"}", .given = has_safety, .read = lac_read_safety,
      .put = lac_put_safety},
@@ -401,6 +423,7 @@ static const lac_part parts[] = {
      .such = "{parameters: {...}, time: date, ...}", .given = has_fit, .put = lac_put_fitted},
     {OWN("fit.parameters"), .read = lac_read_fitted},
     {ITEMS("output.every", "how often something is kept; the tightest counts", cadence_rows)},
+    {ITEMS("output.points", "a list of places at which the run is watched", point_rows)},
     {ITEMS("compare", "a list of monitoring series to lay beside the run", compare_rows),
      .read = lac_read_compare, .put = lac_put_compare},
     {ITEMS("load.history.steps", "a list; what a step does not name stays as it was", step_rows)},

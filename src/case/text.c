@@ -274,6 +274,15 @@ void lac_put_compare(lac_writer *w, const lac_case *c)
     }
 }
 
+void lac_put_points(lac_writer *w, const lac_case *c)
+{
+    PRINT(w, "  points:\n");
+    for (size_t i = 0; i < c->points; i++) {
+        PRINT(w, "    -\n");
+        put_table(w, 3, lac_section_find("output.points"), &c->point[i]);
+    }
+}
+
 void lac_put_betas(lac_writer *w, const lac_case *c)
 {
     put_key(w, 1, "beta");

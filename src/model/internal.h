@@ -35,6 +35,13 @@ struct lac_problem {
     double *log_rate0, *log_state0; // [n]
 };
 
+// Effective normal pressure of cell i [Pa]: the one place where it is made of what the loads leave.
+static inline double lac_problem_effective(const lac_problem *problem,
+                                           const lac_problem_loads_at *drive, size_t i)
+{
+    return problem->pressure[i] * drive->share;
+}
+
 // What the mean slip rate takes off the traction of cell i, per metre per second [Pa s/m].
 static inline double lac_problem_drag(const lac_problem *problem, size_t i)
 {

@@ -215,13 +215,6 @@ typedef struct lac_problem_loads_at {
     double share_rate;           ///< [1/s]
 } lac_problem_loads_at;
 
-/// What a cell has of its total normal pressure.
-static inline double lac_problem_share_of(const lac_problem_loads_at *drive, size_t i)
-{
-    (void)i; // all are alike
-    return drive->share;
-}
-
 /// Evaluates the loads; false where the effective normal pressure is not positive.
 bool lac_problem_drive(const lac_problem *problem, double t, lac_problem_loads_at *drive);
 

@@ -17,7 +17,7 @@ static lac_look look_at(const lac_problem *problem, double t, const double *y, d
     return at;
 }
 
-// p_e,i f(v_ref, theta_i) + c_i of the cells from `first` on [Pa]. Gives back how many.
+// p_i f(v_ref, theta_i), and cohesion, of the cells from `first` on [Pa]. Gives back how many.
 static size_t hold(const lac_look *at, size_t first, double *strength)
 {
     const lac_problem *problem = at->problem;
@@ -35,8 +35,8 @@ static size_t hold(const lac_look *at, size_t first, double *strength)
         .first = first, .n = length, .u = u, .w = at->w + first, .v = v};
     lac_friction_evaluate(friction, &cells, &values, NULL);
     for (size_t i = 0; i < length; i++) {
-        const double share = lac_problem_share_of(&at->drive, first + i);
-        strength[i] = lac_problem_strength(problem, first + i, share, s.f[i]);
+        strength[i] = lac_problem_effective(problem, &at->drive, first + i) * s.f[i] +
+                      problem->pressure[first + i] * problem->bond;
     }
     return length;
 }

@@ -85,12 +85,19 @@ typedef struct section {
 static void write_data(lac_page *page)
 {
     static const section of_run[] = {
-        {"about", write_about},      {"motion", lac_page_course},
-        {"safety", lac_page_course}, {"forces", lac_page_course},
-        {"solver", lac_page_course}, {"series", lac_page_series},
-        {"fit", lac_page_fit},       {"cells", lac_page_cells},
-        {"levels", lac_page_levels}, {"forecasts", lac_page_forecasts},
-        {"events", lac_page_events}, {0},
+        {"about", write_about},
+        {"motion", lac_page_course},
+        {"safety", lac_page_course},
+        {"forces", lac_page_course},
+        {"solver", lac_page_course},
+        {"series", lac_page_series},
+        {"fit", lac_page_fit},
+        {"points", lac_page_points_section},
+        {"cells", lac_page_cells},
+        {"levels", lac_page_levels},
+        {"forecasts", lac_page_forecasts},
+        {"events", lac_page_events},
+        {0},
     };
     static const section of_readings[] = {
         {"about", write_about},

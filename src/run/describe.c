@@ -73,7 +73,7 @@ static const lac_variable of_record[] = {
             .has = has_safety,
             .comment =
                 "what friction would hold if all cells slid at the reference rate in their "
-                "present states, sum of [p f(v_ref, theta) + cohesion] r^2 with effective p, over "
+                "present states, sum of (p f(v_ref, theta) + cohesion) r^2, p effective, over "
                 "shear_force; missing where nothing drives. v_ref is v0 of the friction, "
                 "or factor_of_safety_reference_rate_m_s"),
     LAC_ROW("balance_residual", NULL, "1", "worst relative error of the traction balance",
@@ -107,12 +107,10 @@ static const lac_variable of_fields[] = {
             .comment = "rate-and-state friction: the age of the contacts"),
     LAC_ROW("cell_traction", NULL, "Pa", "shear traction on each contact cell", CELLS(traction),
             .comment = "the elastic side of the balance, q - K slip"),
-    LAC_ROW(
-        "cell_factor_of_safety", NULL, "1", "factor of safety of each contact cell by itself",
-        CELLS(factor_of_safety),
-        .comment =
-            "[p f(v_ref, theta) + cohesion] / |traction|, p the effective pressure of the cell; "
-            "missing where it carries nothing"),
+    LAC_ROW("cell_factor_of_safety", NULL, "1", "factor of safety of each contact cell by itself",
+            CELLS(factor_of_safety),
+            .comment = "(p f(v_ref, theta) + cohesion) / |traction|, p the effective pressure; "
+                       "missing where it carries nothing"),
 };
 
 #define E(kind, field) P(kind, event.field), .coordinates = "event_time event_x event_y"
@@ -206,6 +204,53 @@ static const lac_variable of_levels[] = {
                 "over the contact cells of a block; missing for the block that holds all"),
 };
 
+// Where a run is watched, and what is seen there: each value in its part of the record's.
+#define AT_POINT const lac_point *p = &((const lac_run_place *)of)->of.points->point[at[0]]
+static double at_point(const lac_run_place *p, lac_point_value which, size_t point)
+{
+    const double *values = p->record.observation.points;
+    return values != NULL ? values[point * LAC_POINT_VALUES + which] : NAN;
+}
+LAC_TEXT_GETTER(point_name, AT_POINT, p->name)
+LAC_GETTER(double, point_x, AT_POINT, p->x)
+LAC_GETTER(double, point_y, AT_POINT, p->y)
+LAC_GETTER(double, point_cell_x, AT_POINT, p->cell_x)
+LAC_GETTER(double, point_cell_y, AT_POINT, p->cell_y)
+LAC_GETTER(double, point_distance, AT_POINT, p->distance)
+LAC_GETTER(double, point_cells, AT_POINT, (double)p->cells)
+LAC_GETTER(double, point_slip, PLACE, at_point(p, LAC_POINT_SLIP, at[1]))
+LAC_GETTER(double, point_rate, PLACE, at_point(p, LAC_POINT_RATE, at[1]))
+LAC_GETTER(double, point_traction, PLACE, at_point(p, LAC_POINT_TRACTION, at[1]))
+LAC_GETTER(double, point_state, PLACE, at_point(p, LAC_POINT_STATE, at[1]))
+static const lac_variable of_points[] = {
+    LAC_ROW("point_name", NULL, "1", "name of the point in the case", T(point_name),
+            .flags = LAC_CHARS),
+    LAC_ROW("point_x", NULL, "m", "position of the point along x", G(point_x)),
+    LAC_ROW("point_y", NULL, "m", "position of the point along y", G(point_y)),
+    LAC_ROW("point_cell_x", NULL, "m", "position along x of the nearest contact cell's centre",
+            G(point_cell_x)),
+    LAC_ROW("point_cell_y", NULL, "m", "position along y of the nearest contact cell's centre",
+            G(point_cell_y)),
+    LAC_ROW("point_distance", NULL, "m", "distance from the point to the nearest contact cell",
+            G(point_distance), .comment = "to its edge: 0 where the point itself is in contact"),
+    LAC_ROW("point_cells", NULL, "1", "contact cells that the values of the point are means over",
+            G(point_cells), WHOLE,
+            .comment = "those with their centre within the point's radius, or the nearest one"),
+};
+#define WATCHED(getter)                                                                    \
+    G(getter), .coordinates = "point_name point_x point_y", .cell_methods = "time: point", \
+               .flags = LAC_FILLED | LAC_ROUGH
+static const lac_variable of_watched[] = {
+    LAC_ROW("point_slip", "time point", "m", "slip at the point since the start",
+            WATCHED(point_slip)),
+    LAC_ROW("point_slip_rate", "time point", "m s-1", "slip rate v at the point",
+            WATCHED(point_rate)),
+    LAC_ROW("point_traction", "time point", "Pa", "shear traction at the point",
+            WATCHED(point_traction), .comment = "the elastic side of the balance, q - K slip"),
+    LAC_ROW("point_state", "time point", "s", "frictional state theta at the point",
+            WATCHED(point_state)),
+};
+
 // What an analysis adds: `which` is the place of its first value among those of its kind.
 LAC_GETTER(double, once, PLACE, p->once != NULL ? p->once[at[0]] : NAN)
 LAC_GETTER(double, in_time, PLACE, p->record.extra != NULL ? p->record.extra[at[1]] : NAN)
@@ -279,16 +324,17 @@ static lac_status add_all(lac_dataset *d, const lac_run_place *p, lac_error *err
     const lac_run_output *of = &p->of;
     const bool has_levels = of->hierarchy != NULL && of->domain != NULL;
     const size_t levels = of->hierarchy != NULL ? lac_hierarchy_levels(of->hierarchy) + 1 : 0;
-    const lac_extent dims[] = {{"time", LAC_GROWS},
-                               {"cell", of->domain != NULL ? of->domain->n : 0},
-                               {"snapshot", LAC_GROWS},
-                               {"level", levels},
-                               {"event", LAC_GROWS}};
+    const lac_extent dims[] = {
+        {"time", LAC_GROWS},     {"cell", of->domain != NULL ? of->domain->n : 0},
+        {"snapshot", LAC_GROWS}, {"level", levels},
+        {"event", LAC_GROWS},    {"point", of->points != NULL ? of->points->n : 0}};
     const lac_laid start[] = {{LAC_VARIABLES(of_start, "", 0), p},
                               {LAC_VARIABLES(of_record, "time", 0), p}};
     const lac_laid cells[] = {
         {LAC_VARIABLES(of_grid, "", 0), of->domain != NULL ? &of->domain->grid : NULL},
         {LAC_VARIABLES(of_cells, "cell", 0), p}};
+    const lac_laid points[] = {{LAC_VARIABLES(of_points, "point", 0), p},
+                               {LAC_VARIABLES(of_watched, "", 0), p}};
     const lac_laid level = {LAC_VARIABLES(of_levels, "level", 0), p};
     const lac_laid events = {LAC_VARIABLES(of_event, "event", 0), p};
     d->clock = of->dated ? LAC_CLOCK_DATE : LAC_CLOCK_NONE;
@@ -298,6 +344,7 @@ static lac_status add_all(lac_dataset *d, const lac_run_place *p, lac_error *err
     LAC_TRY_RETURN(of->domain != NULL ? lac_dataset_add(d, cells, 2, err) : LAC_OK);
     LAC_TRY_RETURN(of->domain != NULL ? add_fields(d, p, err) : LAC_OK);
     LAC_TRY_RETURN(has_levels ? lac_dataset_add(d, &level, 1, err) : LAC_OK);
+    LAC_TRY_RETURN(of->points != NULL ? lac_dataset_add(d, points, 2, err) : LAC_OK);
     LAC_TRY_RETURN(of->loads != NULL ? add_drivers(d, p, err) : LAC_OK);
     LAC_TRY_RETURN(add_extras(d, p, levels, err));
     return of->events ? lac_dataset_add(d, &events, 1, err) : LAC_OK;

@@ -38,6 +38,22 @@ static void project(run *r, double t, const double **y, const double **slip)
     }
 }
 
+// What is told of the points at a record, whose cells are known.
+static void watch_points(run *r, double now, const double *slip, lac_record *line)
+{
+    const lac_points *points = r->def->points;
+    double *value = r->watched, *traction = value + LAC_POINT_VALUES * points->n;
+    lac_problem_traction(r->problem, now, slip, traction, r->engine->work);
+    for (size_t i = 0; i < points->n; i++, value += LAC_POINT_VALUES) {
+        const lac_point *point = &points->point[i];
+        value[LAC_POINT_SLIP] = lac_point_mean(point, slip);
+        value[LAC_POINT_RATE] = lac_point_mean(point, line->cells.slip_rate);
+        value[LAC_POINT_TRACTION] = lac_point_mean(point, traction);
+        value[LAC_POINT_STATE] = lac_point_mean_exp(point, line->cells.log_state);
+    }
+    line->observation.points = r->watched;
+}
+
 // Hands one line of the time series to the sink; a time already recorded is passed over.
 static lac_status record(run *r, double t, const double *y, const double *slip, lac_error *err)
 {
@@ -64,6 +80,9 @@ static lac_status record(run *r, double t, const double *y, const double *slip, 
     lac_run_state_keep_safety(r, engine->origin + local, line.observation.factor_of_safety);
     if (r->sink == NULL || r->sink->record == NULL) {
         return LAC_OK;
+    }
+    if (r->watched != NULL) {
+        watch_points(r, lac_engine_clock(engine, t), slip, &line);
     }
     return r->sink->record(r->sink->context, &line, err);
 }
@@ -369,8 +388,12 @@ static lac_status allocate_output(run *r, lac_error *err)
     // Where slip is the unknown the balance holds as it is.
     bool drifts = r->def->projection != 0 && !lac_problem_has_slip(r->problem);
     r->onto = drifts ? malloc(bytes) : NULL;
+    const lac_points *points = r->def->points;
+    const size_t watched = points != NULL ? LAC_POINT_VALUES * points->n + r->engine->n : 0;
+    r->watched = watched > 0 ? malloc(watched * sizeof *r->watched) : NULL;
     LAC_FAIL_MEMORY_IF((by_time && r->between == NULL) ||
-                           (r->def->snapshots && r->fields == NULL) || (drifts && r->onto == NULL),
+                           (r->def->snapshots && r->fields == NULL) ||
+                           (drifts && r->onto == NULL) || (watched > 0 && r->watched == NULL),
                        err);
     return LAC_OK;
 }
@@ -468,6 +491,7 @@ out:
     free(r.between);
     free(r.fields);
     free(r.onto);
+    free(r.watched);
     lac_engine_free(r.engine);
     return status;
 }

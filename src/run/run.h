@@ -3,6 +3,7 @@
 
 #include "base/archive.h"
 #include "model/problem.h"
+#include "run/points.h"
 
 // Of lacuna/simulation.h, which only those include who look inside.
 typedef struct lac_sink lac_sink;
@@ -32,11 +33,12 @@ typedef struct lac_run_output {
     const lac_load_set *loads;      ///< what they read, and whether there is water; NULL: not said
     lac_safety safety;              ///< asked: the factor of safety comes along
     size_t extras;
-    const lac_extra *extra; ///< [extras] what records carry beyond
-    bool events;            ///< a catalogue of events comes along
-    bool dated;             ///< the run starts at a date
-    double start_date;      ///< seconds since 1970 of t = 0
-    bool passing;           ///< kept in memory for lac_recording_move alone: only what grows
+    const lac_extra *extra;   ///< [extras] what records carry beyond
+    const lac_points *points; ///< that records tell of; NULL: none
+    bool events;              ///< a catalogue of events comes along
+    bool dated;               ///< the run starts at a date
+    double start_date;        ///< seconds since 1970 of t = 0
+    bool passing;             ///< kept in memory for lac_recording_move alone: only what grows
 } lac_run_output;
 
 typedef enum lac_method { LAC_BDF = 0, LAC_ADAMS, LAC_ERK } lac_method;
@@ -89,6 +91,7 @@ typedef struct lac_run_def {
     double stop_rate;    ///< end the run at this largest slip rate of a cell [m/s]; NaN: no
     double stop_safety;  ///< end the run where the factor of safety falls to this [1]; NaN: no
     lac_cadence record;
+    const lac_points *points; ///< that records tell of, in cells of the problem; NULL: none
     bool snapshots;
     bool cell_safety; ///< with the factor of safety of every cell
     lac_cadence snapshot;

@@ -60,6 +60,7 @@ typedef struct lac_run_state {
     lac_instant looked; // whether time goes on; `local`: time gone since
     double *between;    // [3n] state and slip within a step, where records fall there; or NULL
     double *fields;     // [3n], or [4n], of a snapshot, where snapshots are kept; or NULL
+    double *watched;    // [points][LAC_POINT_VALUES], behind it [n] tractions; NULL: no points
     double *onto; // [3n] state and slip on the balance, where projection is asked for; or NULL
     double next_break;
     double mean_rate, max_rate; // at the time reached [m/s]

@@ -53,7 +53,7 @@ SHARED = {
     "forecast": {"hindcast.h", "verdict.h"},
     "model": {"problem.h"},
     "rg": {"rg_study.h"},
-    "run": {"describe.h", "sensitivity.h"},
+    "run": {"describe.h", "points.h", "sensitivity.h"},
     "scene": {"estimate.h", "scene_rg.h"},
     "series": {"line.h", "motion.h"},
     "store": {"recording.h", "store_cells.h", "store_file.h"},
