@@ -176,6 +176,7 @@ struct lac_case {
     unsigned fields;          ///< LAC_FIELD_* of store.h
     size_t points;
     lac_point_def *point; ///< [points] at which a run is watched
+    lac_safety safety;    ///< asked for, by name or by what lac_case_implies_safety says
     int64_t compression;
     int single; ///< 1: what is written of slips, rates, forces is of single precision
     lac_rg_def rg;
@@ -209,6 +210,10 @@ lac_status lac_case_read_text(const char *name, const char *text, size_t size,
 
 /// Mass of the sliding block per nominal area [kg/m2]; 0: the case names no inertia.
 double lac_inertia_mass(const lac_case *c);
+
+/// Whether a case asks for the factor of safety without naming it in `output`: its loads are
+/// gravity on a slope, or a limit of the run or a map of the cells is one.
+bool lac_case_implies_safety(const lac_case *c);
 
 /// Whether nothing that the case names of solver and inertia is against solver.fidelity events; of
 /// its law, loads and transfer lac_run_async_follows tells.

@@ -250,9 +250,9 @@ typedef void lac_part_put(struct lac_writer *w, const lac_case *c);
 
 lac_part_read lac_read_version, lac_read_steps, lac_read_state, lac_read_start, lac_read_fields,
     lac_read_fields_every, lac_read_betas, lac_read_analysis, lac_read_fitted, lac_read_compare,
-    lac_read_points;
+    lac_read_points, lac_read_safety;
 lac_part_put lac_put_steps, lac_put_state, lac_put_start, lac_put_fields, lac_put_betas,
-    lac_put_analysis, lac_put_fitted, lac_put_compare, lac_put_points;
+    lac_put_analysis, lac_put_fitted, lac_put_compare, lac_put_points, lac_put_safety;
 
 /// Names of LAC_FIELD_*, in the order of their bits; NULL at the end.
 extern const char *const lac_field_names[];

@@ -192,6 +192,7 @@ lac_status lac_friction_create(const lac_model *model, size_t n, lac_friction **
     // The descriptor is the first member of the law's row.
     friction->law = (const lac_friction_law *)(const void *)model->info;
     friction->form = common->form;
+    friction->cohesion = common->cohesion > 0 ? common->cohesion : 0;
     friction->n = n;
     friction->columns = count_columns(model->info);
 

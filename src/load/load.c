@@ -135,6 +135,42 @@ bool lac_load_models_constant(const lac_load_models *models)
     return true;
 }
 
+bool lac_load_models_slope(const lac_load_models *models)
+{
+    const lac_model *model;
+    for (size_t i = 0; (model = model_at(models, i)) != NULL; i++) {
+        if (kind_of(model)->slope) {
+            return true;
+        }
+    }
+    return false;
+}
+
+bool lac_load_set_has_pore(const lac_load_set *set) { return set->count > set->shear; }
+
+// The index-th load that reads something; NULL: there are fewer.
+static const lac_load *driven(const lac_load_set *set, size_t index)
+{
+    for (size_t i = 0; i < set->count; i++) {
+        if (set->load[i].kind->driver != NULL && index-- == 0) {
+            return &set->load[i];
+        }
+    }
+    return NULL;
+}
+
+const lac_load_driver *lac_load_set_driver(const lac_load_set *set, size_t index)
+{
+    const lac_load *load = driven(set, index);
+    return load != NULL ? load->kind->driver : NULL;
+}
+
+double lac_load_set_driver_at(const lac_load_set *set, size_t index, double t)
+{
+    const lac_load *load = driven(set, index);
+    return load->kind->driver->value(load, t);
+}
+
 lac_status lac_load_set_create(const lac_load_models *models, const lac_load_clock *clock,
                                lac_load_set *set, lac_error *err)
 {

@@ -31,6 +31,7 @@ typedef struct lac_load_state {
 typedef struct lac_normal_load {
     lac_model_info info;
     bool needs_density;
+    bool slope; ///< the weight of a slope, whose factor of safety is asked for
     /// @param density  of the rock [kg/m3]; NaN where the case names none
     /// @return mean normal stress over the nominal area [Pa]; NaN where it follows from the contact
     double (*pressure)(const void *params, double density);
@@ -74,6 +75,13 @@ typedef struct lac_load_clock {
     lac_load_files *files; ///< keeps what is read, which is then not read again; NULL: nothing kept
 } lac_load_clock;
 
+/// What a load reads that is no stress itself: the level of a lake, rain.
+typedef struct lac_load_driver {
+    const char *name, *unit; ///< in a run's file; SI
+    const char *long_name, *comment;
+    double (*value)(const lac_load *load, double t);
+} lac_load_driver;
+
 /// A shear load or a pore-pressure load: adds its part to the sum.
 typedef struct lac_load_kind {
     lac_model_info info;
@@ -81,6 +89,8 @@ typedef struct lac_load_kind {
     bool needs_anchor; ///< acts through a transfer that holds uniform slip
     bool linear;       ///< linear in time between its breaks
     bool constant;     ///< the same at all times
+    bool slope;        ///< gravity on a slope, whose factor of safety is asked for
+    const lac_load_driver *driver; ///< what it reads; NULL: no such thing
     /// Of the mean slip, which it brings [Pa/m]. NULL: none.
     double (*stiffness)(const void *params);
     /// Makes what the load needs besides its parameters, such as the data of a file. NULL: nothing.
@@ -132,7 +142,18 @@ bool lac_load_set_is_shaped(const lac_load_set *set);
 /// Q over the nominal area, springs' slip apart, under the mean normal stress `pressure` [Pa].
 double lac_load_shear(const lac_load_state *state, double pressure);
 
+/// Whether the set holds a pore pressure.
+bool lac_load_set_has_pore(const lac_load_set *set);
+
+/// What the index-th of the loads that read something reads, NULL past the end; and its value at
+/// time t [unit].
+const lac_load_driver *lac_load_set_driver(const lac_load_set *set, size_t index);
+double lac_load_set_driver_at(const lac_load_set *set, size_t index, double t);
+
 void lac_load_set_clear(lac_load_set *set);
+
+/// Whether one of these loads is gravity on a slope.
+bool lac_load_models_slope(const lac_load_models *models);
 
 /// Whether all of these loads are constant in time; whether any reads a file.
 bool lac_load_models_constant(const lac_load_models *models);

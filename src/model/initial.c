@@ -106,21 +106,23 @@ static lac_status cannot_start(const start_cell *c, double rate, double value, d
                 "the state of cell %zu that carries its load, e^%.4g s, is beyond numbers", c->cell,
                 w);
     return lac_fail(err, LAC_EINPUT,
-                    "no rate and state of cell %zu carry its load: traction %g Pa, effective "
+                    "no rate and state of cell %zu carry its load: traction %g Pa%s, effective "
                     "normal pressure %g Pa, ratio %g",
-                    c->cell, c->traction, c->pressure, c->traction / c->pressure);
+                    c->cell, c->traction, c->friction->cohesion > 0.0 ? " beyond cohesion" : "",
+                    c->pressure, c->traction / c->pressure);
 }
 
 // What the loads at t = 0 put on the cells.
 typedef struct start_load {
-    double ratio;        // q_i = p_i ratio + spring + shape_i elastic
+    double ratio;        // q_i = p_i ratio + spring + shape_i elastic, less cohesion
     double spring;       // [Pa]
     double elastic;      // [Pa]
     const double *shape; // [n]; NULL: 0
     double share;        // effective over total normal pressure
 } start_load;
 
-static lac_status load_at_start(const lac_load_set *loads, const lac_domain *domain, start_load *at,
+static lac_status load_at_start(const lac_initial_def *initial, const lac_load_set *loads,
+                                const lac_domain *domain, double cohesion, start_load *at,
                                 lac_error *err)
 {
     double sum = lac_vsum(domain->n, domain->pressure);
@@ -129,7 +131,7 @@ static lac_status load_at_start(const lac_load_set *loads, const lac_domain *dom
     double mean = sum * cell / area;
     lac_load_state load;
     lac_load_evaluate(loads, 0.0, &load);
-    at->ratio = load.ratio + load.stress / mean;
+    at->ratio = load.ratio + (load.stress - cohesion) / mean;
     double to_cells = area / ((double)domain->n * cell);
     at->spring = (load.spring_stress + load.equal_ratio * mean) * to_cells;
     at->elastic = (load.elastic + load.elastic_ratio * mean) * to_cells;
@@ -138,6 +140,13 @@ static lac_status load_at_start(const lac_load_set *loads, const lac_domain *dom
     LAC_FAIL_IF(!(at->share > 0.0), err, LAC_EINPUT,
                 "pore pressure %g Pa is not below the normal pressure %g Pa at the start",
                 load.pore, mean);
+    const bool by_load = initial->state == LAC_STATE_FROM_LOAD ||
+                         (initial->rates == NULL && isnan(initial->slip_rate));
+    const double left = at->ratio * mean + (at->spring + at->elastic) / to_cells;
+    LAC_FAIL_IF(cohesion > 0.0 && by_load && !(left > 0.0), err, LAC_EINPUT,
+                "cohesion %g Pa holds the shear load of %g Pa over the nominal area at the start: "
+                "nothing slides",
+                cohesion, left + cohesion);
     return LAC_OK;
 }
 
@@ -229,7 +238,7 @@ lac_status lac_initial_solve(const lac_initial_def *initial, const lac_domain *d
                      .damping = damping,
                      .log_rate = log_rate,
                      .log_state = log_state};
-    LAC_TRY_RETURN(load_at_start(loads, domain, &s.load, err));
+    LAC_TRY_RETURN(load_at_start(initial, loads, domain, friction->cohesion, &s.load, err));
     double off = start_together(&s);
     double fastest = 0.0;
     for (size_t i = 0; i < domain->n; i++) {

@@ -16,6 +16,7 @@ struct lac_problem {
     double mean_damping;  // what the mean slip rate takes off every cell besides [Pa s/m]
     double drag;          // what it takes off per pressure [s/m]: lac_damping.shared
     double least_direct;  // least a of the cells
+    double bond;          // cohesion over the mean pressure: it carries p_i bond of q_i [1]
     double cell_area;     // r^2 [m2]
     double nominal_area;  // L^2 [m2]
     double length;        // a slip that is long gone: the longer side; of one block 10 m
@@ -28,10 +29,18 @@ struct lac_problem {
     double slow;          // v_s: v = 2 v_s sinh x where a massive cell may turn back [m/s]
     double sum_traction0; // sum of the tractions at t = 0 [Pa]
     lac_load_state at_start;
+    lac_safety safety;
     double *traction0;              // [n] q_i at t = 0 [Pa]; owns the two last
     double *anchor;                 // [n] K 1: what holds uniform slip [Pa/m]; NULL: nothing does
     double *log_rate0, *log_state0; // [n]
 };
+
+// Effective normal pressure of cell i [Pa]: the one place where it is made of what the loads leave.
+static inline double lac_problem_effective(const lac_problem *problem,
+                                           const lac_problem_loads_at *drive, size_t i)
+{
+    return problem->pressure[i] * drive->share;
+}
 
 // What the mean slip rate takes off the traction of cell i, per metre per second [Pa s/m].
 static inline double lac_problem_drag(const lac_problem *problem, size_t i)
@@ -142,6 +151,13 @@ double lac_problem_unbalanced(const lac_look *at, double *traction, double *wdot
 
 // q - K slip of every cell, the springs' part included.
 void lac_problem_elastic_traction(const lac_look *at, const double *slip, double *traction);
+
+// Shear force Q on the interface over the area of a cell: the sum of the cells' tractions [Pa].
+// @param mean  of the slip
+double lac_look_sheared(const lac_look *at, const double *slip, double mean);
+
+// lac_problem_safety of a state that is looked at; its rates do not count.
+double lac_look_safety(const lac_look *at, const double *slip);
 
 // Finds out what the transfer does to uniform slip.
 lac_status lac_problem_anchor(lac_problem *problem, lac_error *err);

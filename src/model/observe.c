@@ -50,6 +50,9 @@ void lac_problem_traction(const lac_problem *problem, double t, const double *sl
     lac_look at = {.problem = problem, .ws = lac_problem_split(problem, work)};
     (void)lac_problem_drive(problem, t, &at.drive);
     lac_problem_elastic_traction(&at, slip, traction);
+    for (size_t i = 0; problem->bond > 0.0 && i < problem->n; i++) {
+        traction[i] += problem->pressure[i] * problem->bond;
+    }
 }
 
 // How far the cells are off their balance, each and together.
@@ -79,6 +82,17 @@ static void measure_balance(const lac_look *at, double *traction, lac_observatio
     observation->rate_drift = held > 0.0 ? fabs(sum) / held : 0.0;
 }
 
+double lac_look_sheared(const lac_look *at, const double *slip, double mean)
+{
+    const lac_problem *problem = at->problem;
+    const lac_problem_loads_at *drive = &at->drive;
+    double spring = drive->spring - drive->spring_stiffness * mean;
+    double alike = spring + drive->far.elastic; // the mean of the shape is 1
+    double total = problem->sum_traction0 + problem->sum_pressure * (drive->ratio + problem->bond) +
+                   (double)problem->n * alike;
+    return total - lac_problem_held(problem, drive->far.back, slip);
+}
+
 void lac_problem_observe(const lac_problem *problem, double t, const double *y, const double *slip,
                          lac_observation *observation, double *work)
 {
@@ -95,14 +109,12 @@ void lac_problem_observe(const lac_problem *problem, double t, const double *y, 
     observation->max_rate = fabs(motion.v[observation->fastest]);
     observation->mean_slip = lac_vsum(n, slip) / (double)n;
 
-    double spring = drive->spring - drive->spring_stiffness * observation->mean_slip;
-    double alike = spring + drive->far.elastic; // the mean of the shape is 1
-    double total =
-        problem->sum_traction0 + problem->sum_pressure * drive->ratio + (double)n * alike;
-    total -= lac_problem_held(problem, drive->far.back, slip);
+    double total = lac_look_sheared(&at, slip, observation->mean_slip);
     observation->shear_force = problem->cell_area * total;
     observation->normal_force = problem->cell_area * problem->sum_pressure;
     observation->effective_force = observation->normal_force * drive->share;
+
+    observation->factor_of_safety = problem->safety.asked ? lac_look_safety(&at, slip) : NAN;
 
     lac_problem_elastic_traction(&at, slip, at.ws.kv);
     measure_balance(&at, at.ws.kv, observation);
@@ -113,8 +125,9 @@ bool lac_problem_slips(const lac_problem *problem, double t, const double *y, si
 {
     const lac_friction *friction = problem->friction;
     bool regularised = friction->form == LAC_FORM_REGULARISED;
-    if (problem->kind->either_sign && regularised) {
-        return true;
+    bool reverses = problem->kind->either_sign && regularised;
+    if (reverses && !(problem->bond > 0.0)) {
+        return true; // cohesion would have to hold the other way then
     }
     // ln v is y itself where the rate is not solved for
     lac_motion motion = {.u = y};

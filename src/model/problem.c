@@ -35,7 +35,8 @@ static lac_status check_initial(const lac_problem_def *def, lac_error *err)
     return LAC_OK;
 }
 
-// The traction that the initial rate and state carry is the load at t = 0.
+// The traction that the initial rate and state carry is the load at t = 0, less what cohesion
+// carries of it at all times: so neither rates nor Newton's matrix know of cohesion.
 static void fill_traction(lac_problem *problem, double share)
 {
     for (size_t i = 0; i < problem->n; i++) {
@@ -130,7 +131,9 @@ lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac
     problem->mean_damping = damping.mean;
     problem->drag = damping.shared;
     problem->least_direct = least_of(&problem->friction->column[LAC_A], problem->n);
+    problem->bond = problem->friction->cohesion / problem->mean_pressure;
     problem->kind = lac_formulation_kind_of(def->formulation);
+    problem->safety = def->safety;
     lac_load_evaluate(&problem->loads, 0.0, &problem->at_start);
 
     LAC_TRY(check_initial(def, err));
@@ -165,6 +168,11 @@ void lac_problem_free(lac_problem *problem)
     free(problem->traction0);
     free(problem->anchor);
     free(problem);
+}
+
+double lac_problem_strength(const lac_problem *problem, size_t cell, double share, double f)
+{
+    return problem->pressure[cell] * (share * f + problem->bond);
 }
 
 size_t lac_problem_cells(const lac_problem *problem) { return problem->n; }

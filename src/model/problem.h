@@ -32,6 +32,12 @@ typedef struct lac_damping {
 /// @source Rice (1993), doi 10.1029/93JB00191, for a cell; the mean: docs/theory/momentum.md
 lac_damping lac_damping_over(const lac_domain *domain, double eta, bool massive);
 
+/// The factor of safety that is asked of a problem; docs/theory/safety.md.
+typedef struct lac_safety {
+    bool asked;            ///< lac_problem_observe works it out
+    double reference_rate; ///< v_ref, whatever is asked [m/s]; NaN or 0: v0 of each cell's friction
+} lac_safety;
+
 /// What a creep problem is made from; everything pointed at must outlive the problem, except the
 /// initial arrays, which are copied.
 typedef struct lac_problem_def {
@@ -45,6 +51,7 @@ typedef struct lac_problem_def {
     const double *log_rate;  ///< [n] ln v at the start
     const double *log_state; ///< [n] ln theta at the start
     lac_formulation formulation;
+    lac_safety safety;
 } lac_problem_def;
 
 /// Rate-and-state creep of the contact cells, unknowns y = (x, ln theta), x as the formulation
@@ -134,10 +141,35 @@ void lac_problem_speed(const lac_problem *problem, double t, const double *y, do
 void lac_problem_traction(const lac_problem *problem, double t, const double *slip,
                           double *traction, double *work);
 
+/// What a cell carries at friction coefficient f, damping apart: p_i share f + c_i [Pa], c_i the
+/// cohesion, shared as pressures are; docs/theory/friction.md, eq. 10.
+/// @param share  effective over total normal pressure
+double lac_problem_strength(const lac_problem *problem, size_t cell, double share, double f);
+
 /// Means, extremes, forces and the balance residual.
 /// @param work  its first n hold the cells' slip rates afterwards [m/s]
 void lac_problem_observe(const lac_problem *problem, double t, const double *y, const double *slip,
                          lac_observation *observation, double *work);
+
+/// What is asked of it: lac_problem_def.safety.
+lac_safety lac_problem_safety_asked(const lac_problem *problem);
+
+/// Factor of safety of the joint: what friction would hold if all cells slid at the reference rate
+/// in the states that they are in, over the shear force Q that drives,
+///     F = sum of p_i (1 - u L^2/P) f(v_ref, theta_i) r^2 / |Q|;
+/// Q is lac_observation.shear_force. Where v_ref is the slip rate of every cell the balance makes
+/// it 1, but for damping and inertia. @return NaN where nothing drives
+/// @cost  that of one evaluation of friction
+/// @source docs/theory/safety.md, eq. 1
+double lac_problem_safety(const lac_problem *problem, double t, const double *y, const double *slip,
+                          double *work);
+
+/// The same of every cell by itself: p_i (1 - u L^2/P) f(v_ref, theta_i) / |tau_i|.
+/// @param traction  [n] of lac_problem_traction [Pa]
+/// @param safety    [n] NaN where a cell carries nothing; overwritten
+/// @source docs/theory/safety.md, eq. 2
+void lac_problem_safety_cells(const lac_problem *problem, double t, const double *y,
+                              const double *traction, double *safety, double *work);
 
 /// As lac_load_next_break, and lac_load_longest_step: a cell at rest does not feel a swing that a
 /// step leaps over.

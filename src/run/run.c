@@ -77,6 +77,7 @@ static lac_status record(run *r, double t, const double *y, const double *slip, 
         r->result->balance_residual = line.observation.balance_residual; // a NaN stays
     }
     r->result->rate_drift = fmax(r->result->rate_drift, line.observation.rate_drift);
+    lac_run_state_keep_safety(r, engine->origin + local, line.observation.factor_of_safety);
     if (r->sink == NULL || r->sink->record == NULL) {
         return LAC_OK;
     }
@@ -104,12 +105,17 @@ static lac_status snapshot(run *r, double t, const double *y, const double *slip
         theta[i] = exp(y[n + i]);
     }
     lac_problem_traction(r->problem, now, slip, traction, r->engine->work);
+    double *safety = r->def->cell_safety ? traction + n : NULL;
+    if (safety != NULL) {
+        lac_problem_safety_cells(r->problem, now, y, traction, safety, r->engine->work);
+    }
     lac_snapshot fields = {.time = r->engine->origin + local,
                            .slip = slip,
                            .slip_rate = v,
                            .state = theta,
                            .traction = traction,
-                           .n = n};
+                           .n = n,
+                           .factor_of_safety = safety};
     return r->sink->snapshot(r->sink->context, &fields, err);
 }
 
@@ -229,7 +235,6 @@ static double own_step(lac_engine *engine)
 static lac_status cross_break(run *r, lac_error *err)
 {
     lac_engine *engine = r->engine;
-    const lac_run_def *def = r->def;
     double t = r->next_break;
     lac_problem_loads_at now;
     r->broken = true;
@@ -245,7 +250,7 @@ static lac_status cross_break(run *r, lac_error *err)
     measure_speed(r);
     bool failed =
         lac_problem_past_failure(r->problem, &engine->failure, t, engine->y, engine->work) >= 0.0;
-    if (failed || r->max_rate >= def->stop_rate) {
+    if (failed || lac_run_state_stops(r, t)) {
         r->done = true;
         r->end = failed ? LAC_END_FAILURE : LAC_END_STOP;
     }
@@ -379,7 +384,7 @@ static lac_status allocate_output(run *r, lac_error *err)
     bool by_time = !isnan(r->def->record.time) || !isnan(r->def->snapshot.time);
     size_t bytes = 3 * r->engine->n * sizeof(double);
     r->between = by_time ? malloc(bytes) : NULL;
-    r->fields = r->def->snapshots ? malloc(bytes) : NULL;
+    r->fields = r->def->snapshots ? malloc(bytes / 3 * (r->def->cell_safety ? 4 : 3)) : NULL;
     // Where slip is the unknown the balance holds as it is.
     bool drifts = r->def->projection != 0 && !lac_problem_has_slip(r->problem);
     r->onto = drifts ? malloc(bytes) : NULL;
@@ -463,7 +468,10 @@ lac_status lac_run(const lac_problem *problem, const lac_run_def *def, const lac
                    lac_run_result *result, lac_error *err)
 {
     lac_status status = LAC_OK;
-    *result = (lac_run_result){.end = LAC_END_ERROR, .failure_origin = NAN, .failure_local = NAN};
+    *result = (lac_run_result){.end = LAC_END_ERROR,
+                               .failure_origin = NAN,
+                               .failure_local = NAN,
+                               .safety = {NAN, NAN, NAN, NAN, NAN}};
     run r = {.problem = problem, .def = def, .sink = sink, .result = result};
     LAC_TRY(lac_check_def(def, err));
     result->failure = lac_problem_failure(problem, def->failure_rate, def->failure_slip);

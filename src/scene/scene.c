@@ -109,7 +109,8 @@ static lac_status make_problem(lac_scene *scene, const lac_heterogeneity_place *
                            .columns = c->inertia.columns,
                            .log_rate = start,
                            .log_state = start + domain->n,
-                           .formulation = (lac_formulation)c->formulation};
+                           .formulation = (lac_formulation)c->formulation,
+                           .safety = c->safety};
     LAC_TRY(lac_problem_create(&def, &scene->problem, err));
 out:
     free(start);

@@ -212,6 +212,8 @@ static lac_run_output output_of(const lac_outcome *of)
                             .hierarchy = of->scene->hierarchy,
                             .transfer = &of->scene->transfer,
                             .fields = of->source->fields,
+                            .loads = &of->scene->loads,
+                            .safety = of->source->safety,
                             .extras = of->extras,
                             .extra = of->extra,
                             .points = of->points,
@@ -244,6 +246,7 @@ lac_status lac_simulation_file(lac_simulation *simulation, lac_store_def *out, l
 static lac_status add_outcome(lac_recording *recording, const lac_case *c,
                               const lac_run_result *result, lac_error *err)
 {
+    const lac_safety_summary *safety = &result->safety;
     const struct {
         const char *name, *unit, *long_name;
         double value;
@@ -254,8 +257,13 @@ static lac_status add_outcome(lac_recording *recording, const lac_case *c,
          result->failure_origin + result->failure_local},
         {"steps", "1", "steps of the integrator", (double)result->steps},
         {"start_date", "s", "start of the run, since 1970", c->dated ? c->start_date : NAN},
+        {"factor_of_safety_start", "1", "factor of safety at the start", safety->start},
+        {"factor_of_safety_least", "1", "least factor of safety of all records", safety->least},
+        {"factor_of_safety_below_1_time", "s", "when the factor of safety first was below 1",
+         safety->below_time},
     };
-    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+    const size_t of_safety = 3, all = sizeof table / sizeof table[0];
+    for (size_t i = 0; i < (c->safety.asked ? all : all - of_safety); i++) {
         LAC_TRY_RETURN(lac_recording_add(recording, table[i].name, table[i].unit,
                                          table[i].long_name, table[i].value, err));
     }

@@ -34,6 +34,9 @@ CALLS = (
     ("run", "cases/transfer/micro-slips.yaml -o run.nc --set analysis.rg.field=equal --set "
             "output.fields=[slip,slip_rate,state,traction] --set output.fields_every.steps=200 "
             "--set 'output.points=[{name: A, x: 1 mm, y: 1 mm}]'"),
+    ("run", "cases/load/reservoir.yaml -o lake.nc --set output.fields=[factor_of_safety] --set "
+            "'output.factor_of_safety.reference_rate=0.5 mm/day'"),
+    ("run", "cases/load/rain.yaml -o rain.nc"),
     ("contact", "cases/surface/joint.yaml -o joint.nc"),
     ("contact", "cases/surface/file.yaml -o file.nc"),
     ("contact", "cases/contact/self-affine.yaml -o contact.nc"),
@@ -54,6 +57,7 @@ CALLS = (
     ("export", "run.nc"),
     ("new", "slope"),
     ("describe", ""),
+    ("describe", "rock limestone"),
     ("completion", "bash"),
 )
 

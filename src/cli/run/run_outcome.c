@@ -145,6 +145,13 @@ static double apparent_friction(const lac_record *record)
     return record->observation.shear_force / record->observation.normal_force;
 }
 
+// NaN: there is no water, or no record.
+static double effective_ratio(const cli_outcome *outcome, const lac_record *record)
+{
+    const bool wet = lac_load_set_has_pore(&outcome->of->scene->loads);
+    return wet ? record->observation.shear_force / record->observation.effective_force : NAN;
+}
+
 // Whether the computation broke, or its file is not whole.
 static bool broke(const cli_outcome *outcome) { return strcmp(outcome->status, "failed") == 0; }
 
@@ -159,11 +166,51 @@ static double failure_time(const cli_outcome *outcome)
     return cli_outcome_failed(outcome) ? result->failure_origin + result->failure_local : NAN;
 }
 
-// "" where the run has no date or no failure.
-static cli_text failure_date(const cli_outcome *outcome)
+// "" where the run has no date or there is no such time.
+static cli_text date_of(const cli_outcome *outcome, double time)
 {
     const lac_case *c = outcome->of->source;
-    return c->dated ? cli_date(c->start_date + failure_time(outcome)) : cli_format("%s", "");
+    return c->dated ? cli_date(c->start_date + time) : cli_format("%s", "");
+}
+
+static cli_text failure_date(const cli_outcome *outcome)
+{
+    return date_of(outcome, failure_time(outcome));
+}
+
+// "after 3.2 day, on 1963-..."
+static cli_text moment(const cli_outcome *outcome, double time)
+{
+    const cli_text date = date_of(outcome, time);
+    return cli_format("after %s%s%s", cli_exact(time, "s").s, date.s[0] != '\0' ? ", on " : "",
+                      date.s);
+}
+
+// At which slip rate the strength counts.
+static cli_text reference(const cli_outcome *outcome)
+{
+    const double rate = outcome->of->source->safety.reference_rate;
+    return rate > 0.0 ? cli_amount(rate, "m/s") : cli_format("%s", "v0 of the friction");
+}
+
+static void print_safety(const cli_outcome *outcome)
+{
+    const lac_safety_summary *s = &outcome->of->run.safety;
+    if (isnan(s->start)) {
+        return;
+    }
+    cli_row("factor of safety", "%.4g at the start, %.4g at the end, strength at %s", s->start,
+            s->end, reference(outcome).s);
+    if (s->least_time > 0.0) {
+        cli_row("  least", "%.4g, %s", s->least, moment(outcome, s->least_time).s);
+    }
+    if (isnan(s->below_time)) {
+        cli_row("  below 1", "never");
+    } else if (s->below_time > 0.0) {
+        cli_row("  below 1", "first %s", moment(outcome, s->below_time).s);
+    } else {
+        cli_row("  below 1", "from the start");
+    }
 }
 
 static const char *formulation(const cli_outcome *outcome)
@@ -242,6 +289,12 @@ void cli_outcome_print(const cli_outcome *outcome)
                 apparent_friction(&outcome->history.first),
                 apparent_friction(&outcome->history.last));
     }
+    if (outcome->history.begun && lac_load_set_has_pore(&outcome->of->scene->loads)) {
+        cli_row("effective ratio", "%.4g at the start, %.4g at the end",
+                effective_ratio(outcome, &outcome->history.first),
+                effective_ratio(outcome, &outcome->history.last));
+    }
+    print_safety(outcome);
     print_failure(outcome);
     cli_row_quantity("mean slip", outcome->of->run.mean_slip, "m");
     cli_row_quantity("largest slip rate", outcome->of->run.max_slip_rate, "m/s");
@@ -267,6 +320,24 @@ static void write_failure(lac_json *json, const cli_outcome *outcome)
     lac_json_number(json, "time_s", outcome->of->run.time);
 }
 
+// What only a slope or who asks for it has, and only who has water.
+static void write_safety(lac_json *json, const cli_outcome *outcome)
+{
+    const lac_safety_summary *s = &outcome->of->run.safety;
+    const cli_history *history = &outcome->history;
+    if (lac_load_set_has_pore(&outcome->of->scene->loads)) {
+        lac_json_number(json, "initial_effective_ratio", effective_ratio(outcome, &history->first));
+        lac_json_number(json, "effective_ratio", effective_ratio(outcome, &history->last));
+    }
+    if (outcome->of->source->safety.asked) {
+        lac_json_number(json, "initial_factor_of_safety", s->start);
+        lac_json_number(json, "least_factor_of_safety", s->least);
+        lac_json_number(json, "least_factor_of_safety_time_s", s->least_time);
+        lac_json_number(json, "factor_of_safety", s->end);
+        lac_json_number(json, "factor_of_safety_below_1_time_s", s->below_time);
+    }
+}
+
 static void write_results(lac_json *json, const cli_outcome *outcome)
 {
     const cli_history *history = &outcome->history;
@@ -282,6 +353,7 @@ static void write_results(lac_json *json, const cli_outcome *outcome)
     lac_json_text(json, "formulation", formulation(outcome));
     lac_json_number(json, "initial_apparent_friction", apparent_friction(&history->first));
     lac_json_number(json, "apparent_friction", apparent_friction(&history->last));
+    write_safety(json, outcome);
 }
 
 static void write_accuracy(lac_json *json, const lac_accuracy_pick *pick)

@@ -107,6 +107,7 @@ function mapKinds(cells) {
   if (cells.rate) kinds.push({ key: "rate", title: "Slip rate", colours: RAMP, words: (v) => rate(10 ** v), caption: "Logarithmic, one range for all times; of squares of several cells their fastest." });
   if (cells.slip) kinds.push({ key: "slip", title: "Slip", colours: RAMP, words: (v) => length(v), caption: cells.ny === 1 ? "Since the start." : "Since the start, each time in its own range." });
   if (cells.traction) kinds.push({ key: "traction", title: "Shear traction", colours: RAMP, words: (v) => pressure(v), caption: "The elastic side of the balance, q − Kδ, one range for all times." });
+  if (cells.safety) kinds.push({ key: "safety", title: "Factor of safety", colours: RAMP, words: (v) => number(10 ** v, 3), caption: "Strength of each cell at the reference rate over the traction that it carries; logarithmic, one range for all times." });
   if (cells.pressure) kinds.push({ key: "pressure", title: "Normal pressure", colours: RAMP, words: (v, digits) => pressure(v, digits), still: true, caption: "Of the contact, before pore pressure." });
   return kinds;
 }
@@ -209,7 +210,7 @@ function lineBody(data, kinds, moving) {
 
 function cellsSection(data) {
   const { cells } = data, line = cells.ny === 1;
-  const moving = cells.snapshot_time.length > 0 && Boolean(cells.rate || cells.slip || cells.traction);
+  const moving = cells.snapshot_time.length > 0 && Boolean(cells.rate || cells.slip || cells.traction || cells.safety);
   const kinds = mapKinds(cells);
   const squares = cells.block > 1 ? ` Each square stands for ${line ? cells.block : `${cells.block} × ${cells.block}`} cells of the grid.` : "";
   const where = line ? `along ${length(cells.nx * cells.dx)}` : `${length(cells.nx * cells.dx)} by ${length(cells.ny * cells.dy)}; slip is along x, to the right`;
