@@ -279,7 +279,8 @@ static void take_units(lac_parser *p, const char *const fields[COLUMNS])
             continue;
         }
         (void)snprintf(text, sizeof text, "%.*s", (int)n, unit);
-        if (n > 0 && lac_units_convert(p->units, text, w->si, &scale, &offset, NULL) == LAC_OK) {
+        if ((n > 0 && lac_units_convert(p->units, text, w->si, &scale, &offset, NULL) == LAC_OK) ||
+            (c > 0 && lac_parser_is_unit(p, text))) {
             (void)snprintf(w->bracket, sizeof w->bracket, "%s", text);
         }
     }

@@ -4,7 +4,25 @@
 #include <string.h>
 #include <strings.h>
 
+#include "base/units.h"
 #include "series/parser.h"
+
+// To UDUNITS a newton, a volume, a minute, a megainch, a calorie: to a reader which column it is.
+bool lac_parser_is_unit(const lac_parser *p, const char *text)
+{
+    static const char *const labels[] = {"min", "Min", "cal", "dN", "TS", "PS"};
+    const size_t digits = text[0] != '\0' ? strspn(text + 1, "0123456789") : 0;
+    double scale, offset;
+    for (size_t i = 0; i < sizeof labels / sizeof *labels; i++) {
+        if (strcmp(text, labels[i]) == 0) {
+            return false;
+        }
+    }
+    if (text[0] == '\0' || (text[1 + digits] == '\0' && strchr("mshdVK%", text[0]) == NULL)) {
+        return false;
+    }
+    return lac_units_convert(p->units, text, text, &scale, &offset, NULL) == LAC_OK;
+}
 
 // 1.234 may be 1234 where thousands have a mark.
 void lac_parser_suspect(lac_parser *p, size_t column, const char *field, char mark)
