@@ -7,6 +7,8 @@
 #include "base/units.h"
 #include "series/parser.h"
 
+static const double whole_column = 900.0; // what stands alone in one is a code from here on
+
 // To UDUNITS a newton, a volume, a minute, a megainch, a calorie: to a reader which column it is.
 bool lac_parser_is_unit(const lac_parser *p, const char *text)
 {
@@ -55,6 +57,70 @@ static lac_status check_thousands(const lac_parser *p, const lac_wanted *w, lac_
         "%s:%zu: %s: \"%s\" is %s or one with three decimals: no other number of the column "
         "tells; export it without marks of thousands, or with decimals everywhere",
         p->lines.path, w->doubtful_line, w->name, w->doubtful, plain);
+    return LAC_OK;
+}
+
+// Numbers by which a logger may mean that there is none.
+
+enum { TENS = 7, LASTS = 3, CODES = 2 * TENS * LASTS };
+
+// Which of -99 ... -99999999.99, 99 ... a number is, nines and nothing else; CODES: none.
+static size_t code_of(double x)
+{
+    double ten = 100.0, last = 1.0;
+    size_t k = x < 0.0 ? 0 : TENS * LASTS;
+    for (size_t i = 0; i + 1 < TENS && fabs(x) >= ten; i++, k += LASTS) {
+        ten *= 10.0;
+    }
+    for (size_t i = 0; i < LASTS && fabs(x) < ten; i++, last *= 0.1) {
+        if (fabs(ten - last - fabs(x)) <=
+            fmin(1e-7 * ten, 0.1 * last)) { // 1e-7: in single precision
+            return k + i;
+        }
+    }
+    return CODES;
+}
+
+size_t lac_series_find_code(const lac_column *c, double *code, size_t *count)
+{
+    size_t times[CODES + 1] = {0}, first[CODES + 1];
+    double least = INFINITY, most = -INFINITY, step = 0.0, before = NAN, away = 0.0;
+    for (size_t i = 0; i < c->n; i++) {
+        const double x = lac_column_at(c, i);
+        const size_t k = isfinite(x) ? code_of(x) : CODES;
+        first[k] = times[k]++ == 0 ? i : first[k];
+        if (k == CODES && isfinite(x)) {
+            least = fmin(least, x);
+            most = fmax(most, x);
+            step = fmax(step, fabs(x - before));
+            before = x;
+        }
+    }
+    for (size_t k = 0; k < CODES; k++) {
+        const double x = times[k] > 1 ? lac_column_at(c, first[k]) : NAN;
+        away = isnan(before) ? fabs(x) - whole_column : fmax(least - x, x - most);
+        if (away > step && away > 0.1 * fabs(x)) {
+            *code = x;
+            *count = times[k];
+            return first[k];
+        }
+    }
+    return c->n;
+}
+
+static lac_status check_codes(const lac_parser *p, size_t column, lac_error *err)
+{
+    const lac_wanted *w = &p->wanted[column];
+    const lac_column c = {.n = p->count,
+                          .first = &p->readings->value[column - 1],
+                          .stride = sizeof *p->readings,
+                          .scale = w->scale,
+                          .offset = w->offset};
+    double code = 0.0;
+    size_t count = 0;
+    const size_t at = w->name != NULL ? lac_series_find_code(&c, &code, &count) : p->count;
+    LAC_FAIL_IF(at < p->count, err, LAC_EINPUT, "%s:%zu: %s: %.9g " LAC_CODE_IS, p->lines.path,
+                p->readings[at].line, w->name, code, count, p->count);
     return LAC_OK;
 }
 
@@ -137,6 +203,7 @@ lac_status lac_parser_check(const lac_parser *p, lac_error *err)
 {
     for (size_t c = 1; c <= VALUES; c++) {
         LAC_TRY_RETURN(check_thousands(p, &p->wanted[c], err));
+        LAC_TRY_RETURN(check_codes(p, c, err));
     }
     if (p->dated || !p->format.any || p->wanted[0].taken == NULL) {
         return LAC_OK;

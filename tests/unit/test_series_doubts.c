@@ -262,19 +262,73 @@ static void steps_of_numbers_are_found(void **state)
         assert_int_equal(lac_series_read(&def, units, &s, NULL), LAC_OK);
         assert_true(fabs(s->displacement_digit - columns[k].digit) <= 0.1 * columns[k].digit);
         lac_series_free(s);
+        s = NULL;
+        d[3] = d[9] = -9999.9; // a fill that no attribute names
+        assert_int_equal(nc_open(path, NC_WRITE, &id), NC_NOERR);
+        assert_int_equal(nc_put_var_double(id, var, d), NC_NOERR);
+        assert_int_equal(nc_close(id), NC_NOERR);
+        lac_error err = {""};
+        assert_int_equal(lac_series_read(&def, units, &s, &err), LAC_EINPUT);
+        assert_non_null(strstr(err.message, "d[3] = -9999.9"));
+        assert_non_null(strstr(err.message, "stands in 2 of 60 rows"));
+    }
+}
+
+// A slope in millimetres of which every so many rows hold another text.
+static void write_slope(char *text, size_t size, double rate, const char *code, int every)
+{
+    (void)snprintf(text, size, "t,d\n");
+    for (int i = 0; i < HOURS; i++) {
+        const size_t used = strlen(text);
+        if (i % every == every - 1) {
+            (void)snprintf(text + used, size - used, "%d,%s\n", 3600 * i, code);
+        } else {
+            (void)snprintf(text + used, size - used, "%d,%.2f\n", 3600 * i,
+                           3.0 + rate * i + 0.5 * sin(i * i));
+        }
+    }
+}
+
+// Nines for "no value" are asked about wherever they cannot be readings; where they can, not.
+static void nines_are_asked_about(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *code;
+        double rate; // mm an hour
+        int every;
+        bool asked;
+    } columns[] = {
+        {"-9999", 0.1, 5, true},      {"-9999.0", 0.1, 7, true},  {"-999", 0.1, 5, true},
+        {"9999", 0.1, 5, true},       {"-99999", 100.0, 5, true}, {"99999", 0.1, 30, true},
+        {"-9999.9", 0.1, 5, true},    {"-99.99", 0.1, 5, true},   {"9999999", 0.1, 5, true},
+        {"-9.999E+03", 0.1, 5, true}, {"-9999", 0.1, 60, false}, // once
+        {"-9990", 0.1, 5, false},     {"NA", 0.1, 5, false},      {"99.9", 2.0, 10, false},
+        {"-9999", 0.1, 1, true},      {"99.9", 0.1, 1, false},    {"999", 17.0, 10, false}};
+    for (size_t k = 0; k < sizeof columns / sizeof *columns; k++) {
+        char text[4096], says[96];
+        lac_series *s = NULL;
+        lac_error err = {""};
+        write_slope(text, sizeof text, columns[k].rate, columns[k].code, columns[k].every);
+        const lac_status status = read_text(text, strlen(text), &s, &err);
+        (void)snprintf(says, sizeof says, ":%d: d: %.9g stands in %d of %d rows",
+                       columns[k].every + 1, atof(columns[k].code), HOURS / columns[k].every,
+                       HOURS);
+        assert_int_equal(status, columns[k].asked ? LAC_EINPUT : LAC_OK);
+        if (columns[k].asked && strstr(err.message, says) == NULL) {
+            fail_msg("%s: %s", says, err.message);
+        }
+        lac_series_free(s);
     }
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(doubts_are_told),
-        cmocka_unit_test(rows_that_contradict_are_counted),
-        cmocka_unit_test(last_digit_of_any_power),
-        cmocka_unit_test(last_digits_are_known),
-        cmocka_unit_test(steps_of_the_sensor_are_found),
-        cmocka_unit_test(noise_has_no_steps),
-        cmocka_unit_test(steps_of_numbers_are_found),
+        cmocka_unit_test(doubts_are_told),       cmocka_unit_test(rows_that_contradict_are_counted),
+        cmocka_unit_test(nines_are_asked_about), cmocka_unit_test(last_digit_of_any_power),
+        cmocka_unit_test(last_digits_are_known), cmocka_unit_test(steps_of_the_sensor_are_found),
+        cmocka_unit_test(noise_has_no_steps),    cmocka_unit_test(steps_of_numbers_are_found),
     };
     return cmocka_run_group_tests(tests, open_all, close_all);
 }
