@@ -62,6 +62,8 @@ static lac_status check_thousands(const lac_parser *p, const lac_wanted *w, lac_
 
 // Numbers by which a logger may mean that there is none.
 
+enum { COUNTED = 5 }; // rows from which on 1, 2, 3 ... is no accident
+
 enum { TENS = 7, LASTS = 3, CODES = 2 * TENS * LASTS };
 
 // Which of -99 ... -99999999.99, 99 ... a number is, nines and nothing else; CODES: none.
@@ -178,6 +180,7 @@ static bool is_called_a_number(const char *name)
     return name[0] == '\0';
 }
 
+// Whatever the column is called: numbers of rows, or of days, and hardly ever of seconds.
 static lac_status check_rows(const lac_parser *p, lac_error *err)
 {
     const char *name = p->wanted[0].name;
@@ -185,17 +188,22 @@ static lac_status check_rows(const lac_parser *p, lac_error *err)
     for (size_t i = 1; i < p->count && counts; i++) {
         counts = p->readings[i].time == p->readings[i - 1].time + 1.0;
     }
-    if (!counts || (p->time_named && p->dated_name[0] == '\0')) {
+    if (!counts) {
         return LAC_OK;
     }
     LAC_FAIL_IF(p->dated_name[0] != '\0', err, LAC_EINPUT,
                 "%s:%zu: %s: counts 1, 2, 3 ..., and \"%s\" holds dates: which one is the time? "
                 "--time \"%s\", or --time-format s",
                 p->lines.path, p->readings[0].line, name, p->dated_name, p->dated_name);
-    LAC_FAIL_IF(is_called_a_number(name), err, LAC_EINPUT,
+    LAC_FAIL_IF(!p->time_named && is_called_a_number(name), err, LAC_EINPUT,
                 "%s:%zu: %s: counts rows: which column is the time? --time COLUMN; of this one "
                 "--time-format says the unit",
                 p->lines.path, p->readings[0].line, name);
+    LAC_FAIL_IF(p->count >= COUNTED, err, LAC_EINPUT,
+                "%s:%zu: %s: counts %.0f, %.0f, %.0f ..., and has no unit: which is it? "
+                "--time-format day, hour, or s if these are seconds",
+                p->lines.path, p->readings[0].line, name, p->readings[0].time, p->readings[1].time,
+                p->readings[2].time);
     return LAC_OK;
 }
 

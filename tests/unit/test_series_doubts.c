@@ -322,6 +322,45 @@ static void nines_are_asked_about(void **state)
     }
 }
 
+// Numbers of rows are asked about whatever their column is called, unless a format says what they
+// count.
+static void counts_of_rows_are_asked_about(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name, *format;
+        int first, step, rows;
+        bool asked;
+    } columns[] = {{"t", NULL, 0, 1, 12, true},        {"time", NULL, 1, 1, 12, true},
+                   {"nr", NULL, 1, 1, 12, true},       {"t", NULL, 2, 1, 12, false},
+                   {"t", NULL, 0, 2, 12, false},       {"t", NULL, 0, 1, 4, false},
+                   {"t", "s", 0, 1, 12, false},        {"t", "day", 0, 1, 12, false},
+                   {"t [day]", NULL, 0, 1, 12, false}, {"time_s", NULL, 0, 1, 12, false}};
+    for (size_t k = 0; k < sizeof columns / sizeof *columns; k++) {
+        for (int named = 0; named < 2; named++) {
+            char text[512], says[64];
+            lac_series *s = NULL;
+            lac_error err = {""};
+            (void)snprintf(text, sizeof text, "%s,d\n", columns[k].name);
+            for (int i = 0; i < columns[k].rows; i++) {
+                (void)snprintf(text + strlen(text), sizeof text - strlen(text), "%d,%.1f\n",
+                               columns[k].first + i * columns[k].step, 0.3 * i);
+            }
+            const lac_series_def def = {.path =
+                                            scratch_write(&folder, "rows.csv", text, strlen(text)),
+                                        .time = named != 0 ? columns[k].name : NULL,
+                                        .time_format = columns[k].format,
+                                        .displacement = "d",
+                                        .displacement_unit = "mm"};
+            (void)snprintf(says, sizeof says, "rows.csv:2: %s: counts", columns[k].name);
+            assert_int_equal(lac_series_read(&def, units, &s, &err),
+                             columns[k].asked ? LAC_EINPUT : LAC_OK);
+            assert_true(!columns[k].asked || strstr(err.message, says) != NULL);
+            lac_series_free(s);
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
