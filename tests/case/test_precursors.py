@@ -301,10 +301,14 @@ class Precursors(unittest.TestCase):
             self.assertEqual(answer["series"]["warnings"], [] if kind == "f4" else ["d: no unit is named: taken as m"])
 
     def test_what_is_taken_is_said(self):
-        data = ("log.csv", "--displacement", "d")
+        with open(os.path.join(self.folder, "log.csv"), encoding="utf-8") as file:
+            head, *rows = file.read().split()
+        with open(os.path.join(self.folder, "log10.csv"), "w", encoding="utf-8") as file:
+            file.write("\n".join([head, *(row.split(",")[0] + "0," + row.split(",")[1] for row in rows), ""]))
+        data = ("log10.csv", "--displacement", "d")
         done = self.call(*data, "--json")
-        self.assertEqual(done.stderr, "lacuna: warning: log.csv: t: no unit is named: taken as s\n"
-                                      "lacuna: warning: log.csv: d: no unit is named: taken as m\n")
+        self.assertEqual(done.stderr, "lacuna: warning: log10.csv: t: no unit is named: taken as s\n"
+                                      "lacuna: warning: log10.csv: d: no unit is named: taken as m\n")
         self.assertEqual(json.loads(done.stdout)["series"]["warnings"],
                          ["t: no unit is named: taken as s", "d: no unit is named: taken as m"])
         self.assertEqual(self.call(*data, "-q").stderr, "")
@@ -345,7 +349,7 @@ class Precursors(unittest.TestCase):
         self.assertNotRegex(text, r"\d (year|hour|week)")
         text = self.call("log.csv", "--displacement", "d:m", "--time-format", "hour").stdout
         self.assertRegex(text, r"readings +36 from 0 hour to 35 hour\n")
-        self.assertRegex(self.call("log.csv", "--displacement", "d:m").stdout, "from 0 s to 35 s")
+        self.assertRegex(self.call("log.csv", "--displacement", "d:m", "--time-format", "s").stdout, "from 0 s to 35 s")
         self.assertRegex(self.call("log.csv", "--displacement", "d:m", "--time-format", "day.second/second").stdout,
                          "from 0 s to 5 week")  # too long a name to stand behind a number
 
