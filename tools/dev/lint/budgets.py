@@ -16,7 +16,7 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 75130,
+    "lines of src and include": 75192,
     "lines that only present results": 20290,
     "public headers": 13,
     "exported names": 43,
