@@ -36,7 +36,7 @@ static const lac_param fleet_rows[] = {
     LAC_TEXT("onset", FLEET(onset), LAC_OPTIONAL, "as --onset of precursors"),
     LAC_CHOICE("raw", FLEET(raw), 0, truth, 0, "true: as --raw of precursors"),
     LAC_OWN("levels", "FILE.yaml, or a mapping of its keys: as --levels of precursors"),
-    LAC_REAL("horizon", "s", FLEET(levels.horizon), NAN, 0, 1e12, LAC_OPTIONAL | LAC_ABOVE_MIN,
+    LAC_REAL("horizon", "s", FLEET(levels.horizon), NAN, LAC_LEAST_HORIZON, 1e12, LAC_OPTIONAL,
              "of alarms, as --horizon of precursors"),
     LAC_PATH("prometheus", FLEET(prometheus), LAC_OPTIONAL,
              "FILE.prom, written anew as stations change"),

@@ -155,6 +155,9 @@ static lac_status read_column(series_file *file, const column *c, const struct l
         s->missing += isnan(x[i]) ? 1 : 0;
         LAC_FAIL_IF(isinf(x[i]), err, LAC_EINPUT, "%s: %s[%zu] is infinite", file->path, c->name,
                     i);
+        LAC_FAIL_IF(c->si[0] == 'm' && fabs(x[i]) > LAC_SERIES_MOST, err, LAC_EINPUT,
+                    "%s: %s[%zu] = %g %s is too large: at most 1e9 %s", file->path, c->name, i,
+                    x[i], c->si, c->si);
     }
     return LAC_OK;
 }

@@ -219,3 +219,30 @@ lac_status lac_parser_check(const lac_parser *p, lac_error *err)
     LAC_TRY_RETURN(check_rows(p, err));
     return check_range(p, err);
 }
+
+lac_status lac_parser_check_size(const lac_parser *p, size_t column, const char *field,
+                                 double value, lac_error *err)
+{
+    char allowed[2 * SHOWN];
+    const lac_wanted *w = &p->wanted[column];
+    if (isfinite(value) && (column == OTHER || fabs(value) <= LAC_SERIES_MOST)) {
+        return LAC_OK;
+    }
+    (void)snprintf(allowed, sizeof allowed, "is too large: at most 1e9 %s; NA where there is none",
+                   w->si);
+    return lac_parser_fail(p, err, w->name, field, column == OTHER ? "is too large" : allowed);
+}
+
+lac_status lac_parser_fail_empty(const lac_parser *p, lac_error *err)
+{
+    char names[4 * SHOWN] = "";
+    for (size_t c = 1; c <= VALUES; c++) {
+        const size_t used = strlen(names);
+        char shown[SHOWN];
+        if (p->wanted[c].name != NULL) {
+            (void)snprintf(names + used, sizeof names - used, "%s%s", used > 0 ? ", " : "",
+                           lac_text_show(p->wanted[c].name, shown, sizeof shown));
+        }
+    }
+    return lac_fail(err, LAC_EINPUT, "%s: %s: every reading is missing", p->lines.path, names);
+}

@@ -92,6 +92,9 @@ static inline double lac_column_at(const lac_column *c, size_t i)
 /// @return its first place; n: there is none
 size_t lac_series_find_code(const lac_column *column, double *code, size_t *count);
 
+/// Further than any slope moves [m], faster [m/s]: numbers beyond are marks, or of another unit.
+#define LAC_SERIES_MOST 1e9
+
 /// How such a column is refused, behind the number: count and n.
 #define LAC_CODE_IS                                                                           \
     "stands in %zu of %zu rows, far from all others: where it means that there is no value, " \
@@ -117,6 +120,12 @@ typedef struct lac_lines {
 /// @return LAC_OK; LAC_EINPUT where the bytes are not text (a workbook, UTF-16 ...); LAC_EIO;
 /// LAC_ENOMEM
 lac_status lac_lines_next(lac_lines *lines, bool *more, lac_error *err);
+
+/// A text in Windows-1252 as UTF-8; to be freed. NULL where memory is short.
+char *lac_text_decode(const char *text);
+
+/// Whether a text is UTF-8.
+bool lac_text_is_utf8(const char *text);
 
 /// Text without blanks at its ends; in place.
 char *lac_text_trim(char *text);

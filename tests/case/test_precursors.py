@@ -300,6 +300,16 @@ class Precursors(unittest.TestCase):
             self.assertAlmostEqual(answer["series"]["resolution_m"] / digit, 1, places=5)
             self.assertEqual(answer["series"]["warnings"], [] if kind == "f4" else ["d: no unit is named: taken as m"])
 
+    def test_what_would_be_left_out_in_silence(self):
+        self.write("doors.csv", "date,d,r\n2024-01-01,1,NA\n2024-01-02,2,NA\n2024-01-03,1e10,NA\n")
+        for words, says in ((("d:mm", "--horizon", "3"), '--horizon: "3" must be a time >= 600 s'),
+                            (("d:um", "--smooth", "window:3"), '"window:3" is 3 s, shorter than every interval'),
+                            (("d:um", "--failed-at", "never"), "--failed-at: judges the forecasts of --rolling"),
+                            (("d:um", "--driver", "d:mm"), '--driver: "d:mm" is the motion itself'),
+                            (("d:um", "--driver", "r:mm"), "doors.csv: r: every reading is missing"),
+                            (("d:m",), 'doors.csv:4: d: "1e10" is too large: at most 1e9 m')):
+            self.assertIn(says, self.call("doors.csv", "--displacement", *words, status=2).stderr)
+
     def test_what_is_taken_is_said(self):
         with open(os.path.join(self.folder, "log.csv"), encoding="utf-8") as file:
             head, *rows = file.read().split()

@@ -158,6 +158,16 @@ class Watch(unittest.TestCase):
         for line, known in expected[-15:]:  # the late ones are among them
             self.assertEqual(line, self.rolling(known, "--window", "25")[-1])
 
+    def test_names_in_latin_1_stay_different(self):
+        self.fleet("prometheus: all.prom\n")
+        lines = b"station,time,displacement\nP\xe9,0,1\nP\xe8,0,2\nP\xc3\xa9,5,3\nP\x81,0,2\n"
+        done = subprocess.run([PROGRAM, "watch", "fleet.yaml"], input=lines, capture_output=True, cwd=self.folder, check=True)
+        said = [json.loads(line) for line in done.stdout.decode().splitlines()]
+        self.assertEqual([line.get("station") for line in said], ["P\u00e9", "P\u00e8", "P\u00e9", None])
+        self.assertIn("must be a name in UTF-8 or Latin-1", said[3]["error"])
+        self.assertIn('lacuna_readings_total{station="P\u00e8"} 1\n', self.read("all.prom"))
+        self.assertIn('lacuna_readings_total{station="P\u00e9"} 2\n', self.read("all.prom"))
+
     def test_dates_ahead_of_the_clock(self):
         """One in the future is dropped and said, and the readings that follow are taken; a day more or `.inf` takes it."""
         now = time.time()
