@@ -18,8 +18,8 @@ static const char *const history_methods[] = {"direct", NULL};
 static const char *const precisions[] = {"double", "float", NULL};
 static const char *const history_fields[] = {"all", "last", "none", NULL};
 
-const char *const lac_field_names[] = {"slip",     "slip_rate",        "state",
-                                       "traction", "factor_of_safety", NULL};
+const char *const lac_field_names[] = {"slip",          "slip_rate",        "state", "traction",
+                                       "pore_pressure", "factor_of_safety", NULL};
 
 static const lac_param case_rows[] = {
     LAC_OWN("lacuna", "version of the format: 1"),
@@ -140,8 +140,8 @@ static const lac_param output_rows[] = {
              "to write, from the folder one works in; named after the case if absent"),
     LAC_OWN("every", "how often a line of the time series is kept: a time, {steps: N}, "
                      "{per_decade: N} of the mean slip rate; each step if absent"),
-    LAC_OWN("fields",
-            "of every cell to keep: [slip, slip_rate, state, traction, factor_of_safety]"),
+    LAC_OWN("fields", "of every cell to keep: [slip, slip_rate, state, traction, pore_pressure, "
+                      "factor_of_safety]"),
     LAC_OWN("fields_every", "how often the fields are kept, as `every`; once per decade of the "
                             "mean slip rate if absent"),
     LAC_OWN("points", "[{name: P1, x: 12 m, y: 3 m}, ...]: places whose motion is kept at every "

@@ -282,11 +282,12 @@ void lac_friction_evaluate(const lac_friction *friction, const lac_friction_cell
     }
     friction->law->evolve(friction, cells, values->g, slopes == NULL ? NULL : slopes->g_u,
                           slopes == NULL ? NULL : slopes->g_w);
-    if (friction->response.value != NULL && cells->normal_rate != 0) {
+    const double *each = cells->normal_rates;
+    if (friction->response.value != NULL && (cells->normal_rate != 0 || each != NULL)) {
         // dtheta/dt -= (alpha/b) theta d ln(pressure)/dt
         const double *response = lac_cellwise_from(&friction->response, cells->first);
         for (size_t i = 0; i < cells->n; i++) {
-            values->g[i] -= response[i] * cells->normal_rate;
+            values->g[i] -= response[i] * (each != NULL ? each[i] : cells->normal_rate);
         }
     }
 }

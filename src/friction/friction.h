@@ -62,9 +62,10 @@ typedef enum lac_friction_form {
 
 /// A stretch of cells and the state they are in.
 typedef struct lac_friction_cells {
-    size_t first, n;         ///< cells first ... first + n - 1, n <= LAC_FRICTION_BLOCK
-    const double *u, *w, *v; ///< [n] ln v, ln theta and v of these cells; v = exp(u)
-    double normal_rate;      ///< d ln(effective normal pressure)/dt, the same for all [1/s]
+    size_t first, n;            ///< cells first ... first + n - 1, n <= LAC_FRICTION_BLOCK
+    const double *u, *w, *v;    ///< [n] ln v, ln theta and v of these cells; v = exp(u)
+    double normal_rate;         ///< d ln(effective normal pressure)/dt, the same for all [1/s]
+    const double *normal_rates; ///< [n] or of each of these cells instead; NULL
 } lac_friction_cells;
 
 /// Friction coefficient and state evolution over a block of cells.

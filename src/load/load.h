@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
+#include "base/grid.h"
 #include "base/param.h"
 
 #define LAC_GRAVITY 9.80665 /* standard gravity [m/s2] */
@@ -81,6 +82,12 @@ typedef struct lac_load_driver {
     const char *long_name, *comment;
     double (*value)(const lac_load *load, double t);
 } lac_load_driver;
+/// The cells that loads act on. All is borrowed, and must outlive the loads.
+typedef struct lac_load_places {
+    const lac_grid *grid;
+    const uint32_t *index; ///< [n] grid index of each cell
+    size_t n;
+} lac_load_places;
 
 /// A shear load or a pore-pressure load: adds its part to the sum.
 typedef struct lac_load_kind {
@@ -102,6 +109,15 @@ typedef struct lac_load_kind {
     lac_signal (*signal)(const lac_load *load, double t);
     /// Adds what is no such stress.
     void (*add)(const lac_load *load, double t, lac_load_state *sum);
+    /// Adds what differs from cell to cell, a pore pressure and its rate at time t; neither
+    /// `signal` nor `add` is there then. NULL: all cells feel it alike.
+    /// @param value, rate  [places->n] [Pa], [Pa/s]
+    void (*cells)(const lac_load *load, const lac_load_places *places, double t, double *value,
+                  double *rate);
+    /// Readies its state for the cells, before `cells` is asked. NULL: nothing to be done.
+    /// @return LAC_OK; LAC_EINPUT (what it has does not cover the cells); LAC_ENOMEM
+    lac_status (*place)(const void *params, const lac_load_places *places, void *state,
+                        lac_error *err);
     /// The first time after t at which the load or its rate jumps; INFINITY if none. NULL: none.
     double (*next_break)(const lac_load *load, double t);
     /// The longest step from t to the next break that cannot miss a swing [s]; INFINITY where it
@@ -115,6 +131,7 @@ typedef struct lac_load_set {
     size_t count, shear;
     double *shape; ///< [contact cells] C^-1 1, its mean 1, owned; NULL where lac_load_set_is_shaped
                    ///< is false. Whoever knows the contact fills it: lac_transfer_tied
+    lac_load_places places; ///< of the cells where a load differs between them: lac_load_set_place
 } lac_load_set;
 
 /// The loads that a case names.
@@ -138,6 +155,14 @@ bool lac_load_set_is_linear(const lac_load_set *set);
 
 /// Whether a load of the set is shared as C^-1 1, so that it needs `shape`.
 bool lac_load_set_is_shaped(const lac_load_set *set);
+
+/// Whether a load of the set differs from cell to cell, so that it needs `places`.
+bool lac_load_set_varies(const lac_load_set *set);
+
+/// Tells the loads where the cells are; nothing to do where none differs between them. An error
+/// says which load.
+/// @return LAC_OK; LAC_EINPUT; LAC_ENOMEM
+lac_status lac_load_set_place(lac_load_set *set, const lac_load_places *places, lac_error *err);
 
 /// Q over the nominal area, springs' slip apart, under the mean normal stress `pressure` [Pa].
 double lac_load_shear(const lac_load_state *state, double pressure);
@@ -164,8 +189,20 @@ const lac_normal_load *lac_normal_load_get(size_t index);
 const lac_load_kind *lac_shear_load_get(size_t index);
 const lac_load_kind *lac_pore_load_get(size_t index);
 
-/// All loads at time t.
+/// All loads at time t, but for those that differ from cell to cell.
 void lac_load_evaluate(const lac_load_set *set, double t, lac_load_state *sum);
+
+/// The pore pressure of every cell at time t, of a set whose cells have their places.
+/// @param sum          of lac_load_evaluate: what all cells feel alike is part of each
+/// @param value, rate  [places.n] [Pa], [Pa/s]; overwritten
+void lac_load_evaluate_cells(const lac_load_set *set, double t, const lac_load_state *sum,
+                             double *value, double *rate);
+
+/// Says which cell the water lifts off, where it is, and when.
+/// @param pore, normal  of that cell, and the mean normal stress [Pa]
+/// @return the status
+lac_status lac_load_blame_cell(const lac_load_set *set, size_t cell, double pore, double normal,
+                               double t, lac_status status, lac_error *err);
 
 /// The first time after t at which any load or its rate jumps; INFINITY if none.
 double lac_load_next_break(const lac_load_set *set, double t);

@@ -28,18 +28,21 @@ struct lac_problem {
     double columns;       // part of it that stands on the cells as columns of their own
     double slow;          // v_s: v = 2 v_s sinh x where a massive cell may turn back [m/s]
     double sum_traction0; // sum of the tractions at t = 0 [Pa]
+    bool varies;          // what the loads take off the pressure differs from cell to cell
     lac_load_state at_start;
     lac_safety safety;
+    lac_problem_loads_at drive0;    // at t = 0
     double *traction0;              // [n] q_i at t = 0 [Pa]; owns the two last
     double *anchor;                 // [n] K 1: what holds uniform slip [Pa/m]; NULL: nothing does
     double *log_rate0, *log_state0; // [n]
+    double *shares0;                // [2n] of drive0; NULL where all cells are alike
 };
 
 // Effective normal pressure of cell i [Pa]: the one place where it is made of what the loads leave.
 static inline double lac_problem_effective(const lac_problem *problem,
                                            const lac_problem_loads_at *drive, size_t i)
 {
-    return problem->pressure[i] * drive->share;
+    return problem->pressure[i] * lac_problem_share_of(drive, i);
 }
 
 // What the mean slip rate takes off the traction of cell i, per metre per second [Pa s/m].
@@ -66,7 +69,12 @@ typedef struct lac_workspace {
     double *row;   // [n] where damping of the mean counts, and slip is no unknown
     double *mean;  // [1] where rates are solved for: the mean rate that the next solve begins from
     double *scratch; // of the transfer
+    double *shares;  // [4n] where cells have shares of their own: shares and rates; before a jump
 } lac_workspace;
+
+// lac_problem_drive. @param shares  [2n] where the cells differ
+bool lac_problem_drive_into(const lac_problem *problem, double t, double *shares,
+                            lac_problem_loads_at *drive);
 
 lac_workspace lac_problem_split(const lac_problem *problem, double *work);
 
@@ -91,7 +99,7 @@ lac_look lac_problem_look(const lac_problem *problem, double t, const double *y,
 // What a jump of the loads puts on the cells.
 typedef struct lac_jump {
     double ratio, spring, elastic; // lac_problem_gain
-    double share_before, share_after;
+    const lac_problem_loads_at *before, *after;
 } lac_jump;
 
 // What q_i gains by it [Pa].
@@ -192,8 +200,8 @@ double lac_mean_search_on(lac_mean_search *search, double found, double slope);
 
 // By how much the rates of a block of cells fall as the mean rate rises that damps them, where
 // friction and their own damping hold them: drag/(p f_u/|v| + eta).
-void lac_block_ease(const lac_problem *problem, double share, const lac_friction_cells *cells,
-                    double *ease);
+void lac_block_ease(const lac_problem *problem, const lac_problem_loads_at *drive,
+                    const lac_friction_cells *cells, double *ease);
 
 // What acts on the mean of the cells, and as their pressures do: kappa s row^T/n, s the share of a
 // cell's pressure, whose mean is 1.

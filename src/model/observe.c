@@ -12,7 +12,7 @@ lac_look lac_problem_look(const lac_problem *problem, double t, const double *y,
 {
     lac_look at = {
         .problem = problem, .y = y, .w = y + problem->n, .ws = lac_problem_split(problem, work)};
-    (void)lac_problem_drive(problem, t, &at.drive);
+    (void)lac_problem_drive_into(problem, t, at.ws.shares, &at.drive);
     at.motion = problem->kind->move(&at, false);
     return at;
 }
@@ -48,7 +48,7 @@ void lac_problem_traction(const lac_problem *problem, double t, const double *sl
                           double *traction, double *work)
 {
     lac_look at = {.problem = problem, .ws = lac_problem_split(problem, work)};
-    (void)lac_problem_drive(problem, t, &at.drive);
+    (void)lac_problem_drive_into(problem, t, at.ws.shares, &at.drive);
     lac_problem_elastic_traction(&at, slip, traction);
     for (size_t i = 0; problem->bond > 0.0 && i < problem->n; i++) {
         traction[i] += problem->pressure[i] * problem->bond;
@@ -68,7 +68,7 @@ static void measure_balance(const lac_look *at, double *traction, lac_observatio
         lac_inertia_unexplained(problem, traction);
     }
     for (size_t i = 0; i < problem->n; i++) {
-        double p = problem->pressure[i] * at->drive.share;
+        double p = lac_problem_effective(problem, &at->drive, i);
         double f0 = lac_cellwise_of(&problem->friction->column[LAC_F0], i);
         double scale = p * (f0 != 0.0 ? fabs(f0) : 1.0);
         double relative = fabs(traction[i]) / scale;
@@ -149,25 +149,43 @@ bool lac_problem_slips(const lac_problem *problem, double t, const double *y, si
     return true;
 }
 
-bool lac_problem_jump(const lac_problem *problem, double t, double *y)
+// Whether the share of a cell jumps: one that only bends has changed by no more than its rate times
+// one rounding of t, which is `slack`.
+static bool shares_jump(const lac_problem *problem, const lac_problem_loads_at *before,
+                        const lac_problem_loads_at *after, double slack)
+{
+    if (!problem->varies) {
+        return fabs(after->share - before->share) > slack * fabs(before->share_rate);
+    }
+    bool jumps = false;
+    for (size_t i = 0; i < problem->n; i++) {
+        double moved = fabs(after->shares[i] - before->shares[i]);
+        jumps = jumps || moved > slack * fabs(before->share_rates[i]);
+    }
+    return jumps;
+}
+
+bool lac_problem_jump(const lac_problem *problem, double t, double *y, double *work)
 {
     lac_problem_loads_at before;
     lac_problem_loads_at after;
-    if (!lac_problem_drive(problem, nextafter(t, -INFINITY), &before) ||
-        !lac_problem_drive(problem, t, &after)) {
+    const lac_workspace ws = lac_problem_split(problem, work);
+    double *shares_before = problem->varies ? ws.shares + 2 * problem->n : NULL;
+    if (!lac_problem_drive_into(problem, nextafter(t, -INFINITY), shares_before, &before) ||
+        !lac_problem_drive_into(problem, t, ws.shares, &after)) {
         return false;
     }
     lac_jump jump = {.ratio = after.ratio - before.ratio,
                      .spring = after.spring - before.spring,
                      .elastic = after.far.elastic - before.far.elastic,
-                     .share_before = before.share,
-                     .share_after = after.share};
+                     .before = &before,
+                     .after = &after};
     // A load that only bends has changed by no more than its rate times one rounding of t.
     double slack = 16.0 * (nextafter(fabs(t), INFINITY) - fabs(t));
     bool jumps = fabs(jump.ratio) > slack * fabs(before.ratio_rate) ||
                  fabs(jump.spring) > slack * fabs(before.spring_rate) ||
                  fabs(jump.elastic) > slack * fabs(before.far_rate.elastic) ||
-                 fabs(after.share - before.share) > slack * fabs(before.share_rate);
+                 shares_jump(problem, &before, &after, slack);
     if (!jumps) {
         return true;
     }
@@ -176,7 +194,8 @@ bool lac_problem_jump(const lac_problem *problem, double t, double *y)
     }
     for (size_t i = 0; i < problem->n; i++) {
         double *w = &y[problem->n + i];
-        *w = lac_friction_state_after(problem->friction, i, *w, after.share / before.share);
+        double change = lac_problem_share_of(&after, i) / lac_problem_share_of(&before, i);
+        *w = lac_friction_state_after(problem->friction, i, *w, change);
         if (!isfinite(exp(*w))) {
             return false; // alpha/b makes e-folds of theta without bounds
         }
@@ -205,7 +224,7 @@ static void residual_block(const lac_look *at, const double *slip, size_t first)
     size_t length = lac_block_friction(at, first, &s, NULL);
     for (size_t i = 0; i < length; i++) {
         size_t k = first + i;
-        double p = problem->pressure[k] * at->drive.share;
+        double p = lac_problem_effective(problem, &at->drive, k);
         double e = p * s.f_u[i] + problem->damping * s.speed[i];
         double held = copysign(p * s.f[i], motion->v[k]) + problem->damping * motion->v[k];
         double gone = gone_of(problem, slip, k);

@@ -117,7 +117,7 @@ bool lac_problem_newton(const lac_problem *problem, double t, const double *y, d
 /// Takes y across a jump of the loads at time t: the traction jumps, slip does not, nor the rate of
 /// what has mass, and the state only where it responds to the normal pressure (alpha) and that
 /// jumps. False where no rate balances the traction.
-bool lac_problem_jump(const lac_problem *problem, double t, double *y);
+bool lac_problem_jump(const lac_problem *problem, double t, double *y, double *work);
 
 /// Moves y and slip onto the traction balance, which holds but for the drift of the integration:
 /// a cell's slip and slip rate change by the same fraction, docs/theory/creep.md eq. 10.
@@ -145,6 +145,8 @@ void lac_problem_traction(const lac_problem *problem, double t, const double *sl
 /// cohesion, shared as pressures are; docs/theory/friction.md, eq. 10.
 /// @param share  effective over total normal pressure
 double lac_problem_strength(const lac_problem *problem, size_t cell, double share, double f);
+/// Pore pressure of every cell [Pa].
+void lac_problem_pore(const lac_problem *problem, double t, double *pore, double *work);
 
 /// Means, extremes, forces and the balance residual.
 /// @param work  its first n hold the cells' slip rates afterwards [m/s]
@@ -211,12 +213,32 @@ typedef struct lac_problem_loads_at {
     double spring_rate;          ///< [Pa/s]
     double spring_stiffness;     ///< traction lost per metre of mean slip [Pa/m]
     lac_far_field far, far_rate; ///< and its rate
-    double share;                ///< effective over total normal pressure: p_i -> p_i share
-    double share_rate;           ///< [1/s]
+    double share;      ///< effective over total normal force: p_i -> p_i share where all are alike
+    double share_rate; ///< [1/s]
+    double least;      ///< share of the cell that has the least of its pressure left
+    const double *shares, *share_rates; ///< [n] of each cell, in the work; NULL: all are alike
 } lac_problem_loads_at;
 
-/// Evaluates the loads; false where the effective normal pressure is not positive.
-bool lac_problem_drive(const lac_problem *problem, double t, lac_problem_loads_at *drive);
+/// What a cell has of its total normal pressure.
+static inline double lac_problem_share_of(const lac_problem_loads_at *drive, size_t i)
+{
+    return drive->shares != NULL ? drive->shares[i] : drive->share;
+}
+
+/// Evaluates the loads; false where the effective normal pressure of a cell is not positive.
+/// @param work  as of the functions above; holds what differs from cell to cell, until it is used
+///              again. Of no other part of it is anything used
+bool lac_problem_drive(const lac_problem *problem, double t, double *work,
+                       lac_problem_loads_at *drive);
+
+/// Says when, and of which cell, pore pressure leaves no more than `near` of the normal pressure.
+/// @param near  part of the total normal pressure; 0: where lac_problem_drive says false
+/// @return LAC_OK where more is left; LAC_ENUMERIC
+lac_status lac_problem_lifted(const lac_problem *problem, double t, double near, double *work,
+                              lac_error *err);
+
+/// Whether what the loads take off the normal pressure differs from cell to cell.
+bool lac_problem_varies(const lac_problem *problem);
 
 /// A mean slip rate that rock does not come to: whoever names it, or more, wants none to be
 /// failure.

@@ -107,6 +107,9 @@ static const lac_variable of_fields[] = {
             .comment = "rate-and-state friction: the age of the contacts"),
     LAC_ROW("cell_traction", NULL, "Pa", "shear traction on each contact cell", CELLS(traction),
             .comment = "the elastic side of the balance, q - K slip"),
+    LAC_ROW("cell_pore_pressure", NULL, "Pa", "pore pressure of each contact cell", CELLS(pore),
+            .comment =
+                "over the nominal area: takes the part u A/P off the cell's normal pressure"),
     LAC_ROW("cell_factor_of_safety", NULL, "1", "factor of safety of each contact cell by itself",
             CELLS(factor_of_safety),
             .comment = "(p f(v_ref, theta) + cohesion) / |traction|, p the effective pressure; "

@@ -124,13 +124,14 @@ static bool jump_sensitivity(lac_sensitivity_state *f, size_t k, double t, const
     for (int side = -1; side <= 1; side += 2) {
         if (by > 0.0) {
             move(f, y, side * by, s, there);
-            if (!lac_problem_jump(f->def->problem, t, there)) {
+            if (!lac_problem_jump(f->def->problem, t, there, f->work)) {
                 return false;
             }
             move(f, sum, side / (2.0 * by), there, sum);
         }
         memcpy(there, y, f->m * sizeof *there);
-        if (!lac_problem_jump(side < 0 ? perturbation->low : perturbation->high, t, there)) {
+        if (!lac_problem_jump(side < 0 ? perturbation->low : perturbation->high, t, there,
+                              f->work)) {
             return false;
         }
         move(f, sum, side / (2.0 * perturbation->step), there, sum);
@@ -150,5 +151,5 @@ bool lac_sensitivity_state_jump(lac_sensitivity_state *f, double t)
             return false;
         }
     }
-    return lac_problem_jump(f->def->problem, t, y);
+    return lac_problem_jump(f->def->problem, t, y, f->work);
 }

@@ -93,6 +93,7 @@ static lac_status snapshot(run *r, double t, const double *y, const double *slip
     double *v = r->fields;
     double *theta = v + n;
     double *traction = theta + n;
+    double *pore = traction + n;
     double local = r->engine->base + t;
     if (!moves_on(&r->last_snapshot, r->engine->origin, local) || r->sink == NULL ||
         r->sink->snapshot == NULL) {
@@ -105,7 +106,8 @@ static lac_status snapshot(run *r, double t, const double *y, const double *slip
         theta[i] = exp(y[n + i]);
     }
     lac_problem_traction(r->problem, now, slip, traction, r->engine->work);
-    double *safety = r->def->cell_safety ? traction + n : NULL;
+    lac_problem_pore(r->problem, now, pore, r->engine->work);
+    double *safety = r->def->cell_safety ? pore + n : NULL;
     if (safety != NULL) {
         lac_problem_safety_cells(r->problem, now, y, traction, safety, r->engine->work);
     }
@@ -115,6 +117,7 @@ static lac_status snapshot(run *r, double t, const double *y, const double *slip
                            .state = theta,
                            .traction = traction,
                            .n = n,
+                           .pore = pore,
                            .factor_of_safety = safety};
     return r->sink->snapshot(r->sink->context, &fields, err);
 }
@@ -236,16 +239,14 @@ static lac_status cross_break(run *r, lac_error *err)
 {
     lac_engine *engine = r->engine;
     double t = r->next_break;
-    lac_problem_loads_at now;
     r->broken = true;
     engine->origin = t;
     engine->base = 0.0;
     engine->t = 0.0;
     r->next_break = lac_problem_next_break(r->problem, t);
     engine->limit = nextafter(r->next_break, -INFINITY);
-    LAC_FAIL_IF(!lac_problem_drive(r->problem, t, &now), err, LAC_ENUMERIC,
-                "the pore pressure reaches the normal pressure at t = %g s", t);
-    LAC_FAIL_IF(!lac_problem_jump(r->problem, t, engine->y), err, LAC_ENUMERIC,
+    LAC_TRY_RETURN(lac_problem_lifted(r->problem, t, 0.0, engine->work, err));
+    LAC_FAIL_IF(!lac_problem_jump(r->problem, t, engine->y, engine->work), err, LAC_ENUMERIC,
                 "no slip rate and state balance the load that jumps at t = %g s", t);
     measure_speed(r);
     bool failed =
@@ -384,7 +385,7 @@ static lac_status allocate_output(run *r, lac_error *err)
     bool by_time = !isnan(r->def->record.time) || !isnan(r->def->snapshot.time);
     size_t bytes = 3 * r->engine->n * sizeof(double);
     r->between = by_time ? malloc(bytes) : NULL;
-    r->fields = r->def->snapshots ? malloc(bytes / 3 * (r->def->cell_safety ? 4 : 3)) : NULL;
+    r->fields = r->def->snapshots ? malloc(bytes / 3 * (r->def->cell_safety ? 5 : 4)) : NULL;
     // Where slip is the unknown the balance holds as it is.
     bool drifts = r->def->projection != 0 && !lac_problem_has_slip(r->problem);
     r->onto = drifts ? malloc(bytes) : NULL;

@@ -21,7 +21,8 @@ enum {
     LAC_FIELD_RATE = 2,
     LAC_FIELD_STATE = 4,
     LAC_FIELD_TRACTION = 8,
-    LAC_FIELD_SAFETY = 16
+    LAC_FIELD_PORE = 16,
+    LAC_FIELD_SAFETY = 32
 };
 
 /// What a run puts out.
