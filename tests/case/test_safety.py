@@ -146,6 +146,7 @@ class Balance(Safety):
         text = ROUGH % {"law": "aging", "form": "plain", "formulation": "rate", "spread": "", "more": "", "reference": "1 cm/week"}
         text = text.replace('{ramp: {rate: "2 kPa/day"}}', "{water_table: {level: 0 m, elevation: 5 m, angle: 20 degree}}")
         _, run = self.follow(text)
+        self.assertTrue((run["water_level"] == 0).all())
         self.assertLess(numpy.abs(run["cell_factor_of_safety"][0] - 1).max(), 1e-14)
         self.assertLess(abs(run["factor_of_safety"][0] - 1), 1e-14)
         u = 0.4e6 + 9806.65 * numpy.maximum(0, run["x"] * math.sin(math.radians(20)) - 5)
