@@ -37,6 +37,7 @@ CALLS = (
     ("run", "cases/load/reservoir.yaml -o lake.nc --set output.fields=[factor_of_safety] --set "
             "'output.factor_of_safety.reference_rate=0.5 mm/day'"),
     ("run", "cases/load/rain.yaml -o rain.nc"),
+    ("run", "cases/load/water-table.yaml -o table.nc"),
     ("contact", "cases/surface/joint.yaml -o joint.nc"),
     ("contact", "cases/surface/file.yaml -o file.nc"),
     ("contact", "cases/contact/self-affine.yaml -o contact.nc"),
