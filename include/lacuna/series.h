@@ -86,9 +86,10 @@ typedef struct lac_series {
 /// ("days since 2015-06-07") or a time unit; `units` of the file go before those given here,
 /// `_FillValue` and NaN are missing. Refused, since it is not what it seems: a column without a
 /// unit whose name ends in another one than would be taken ("disp_mm" as metres, "day" as seconds);
-/// bare numbers that seem to be years, days of Excel or numbers of rows; thousands with marks; a
-/// file of which more than a tenth of the rows (and more than one) repeat a time with another
-/// value.
+/// bare numbers that seem to be years, days of Excel or numbers of rows; thousands with marks;
+/// numbers made of nines that stand more than once, further from all others than these are from
+/// one another (-9999: a logger's word for no value); a file of which more than a tenth of the rows
+/// (and more than one) repeat a time with another value.
 /// @return LAC_OK; LAC_EIO; LAC_EINPUT with file, line, column, the value, what is allowed;
 ///         LAC_ENOMEM
 lac_status lac_series_create(const lac_series_def *def, lac_series **out, lac_error *err);

@@ -31,11 +31,12 @@ static const lac_param fleet_rows[] = {
     LAC_INTEGER("most_stations", FLEET(most), 1000, 1, 1e6, 0,
                 "so many stations at most: what memory is for"),
     LAC_OWN("window", "{count: 2000, time: 90 day}: what is known of a station"),
+    LAC_OWN("ahead", "1 day: dates further ahead of the computer's clock are dropped; .inf: none"),
     LAC_TEXT("smooth", FLEET(smooth), LAC_OPTIONAL, "as --smooth of precursors"),
     LAC_TEXT("onset", FLEET(onset), LAC_OPTIONAL, "as --onset of precursors"),
     LAC_CHOICE("raw", FLEET(raw), 0, truth, 0, "true: as --raw of precursors"),
     LAC_OWN("levels", "FILE.yaml, or a mapping of its keys: as --levels of precursors"),
-    LAC_REAL("horizon", "s", FLEET(levels.horizon), NAN, 0, 1e12, LAC_OPTIONAL | LAC_ABOVE_MIN,
+    LAC_REAL("horizon", "s", FLEET(levels.horizon), NAN, LAC_LEAST_HORIZON, 1e12, LAC_OPTIONAL,
              "of alarms, as --horizon of precursors"),
     LAC_PATH("prometheus", FLEET(prometheus), LAC_OPTIONAL,
              "FILE.prom, written anew as stations change"),
@@ -142,6 +143,19 @@ static void read_files(lac_reader *reader, lac_fleet *f)
     }
 }
 
+static void read_ahead(lac_reader *reader, lac_fleet *f)
+{
+    const lac_param row =
+        LAC_REAL("ahead", "s", 0, 86400, 0, 1e12, 0, "ahead of the clock, that a date may be");
+    const lac_node *node = lac_node_child(reader->root, "ahead");
+    f->ahead = row.fallback;
+    if (node != NULL && node->kind == LAC_NODE_SCALAR && strcmp(node->text, ".inf") == 0) {
+        f->ahead = INFINITY;
+    } else if (node != NULL && !node->bad) {
+        (void)lac_read_param(reader, node, &row, &f->ahead);
+    }
+}
+
 static bool has(const lac_fleet *f, const char *column)
 {
     for (size_t i = 0; i < f->columns; i++) {
@@ -218,6 +232,7 @@ static void read_fleet(lac_reader *reader, void *out)
     f->window_time = isnan(f->window_time) ? INFINITY : f->window_time;
     f->smooth_line = smooth != NULL ? smooth->line : 0;
     f->onset_line = onset != NULL ? onset->line : 0;
+    read_ahead(reader, f);
     read_stations(reader, f);
     read_files(reader, f);
     if (reader->report->errors == 0) {

@@ -34,6 +34,7 @@ typedef struct lac_fleet {
     int64_t most;  ///< stations at most
     int64_t window_count;
     double window_time; ///< [s]; INFINITY
+    double ahead;       ///< of the clock, that a date may be [s]; INFINITY
     char *smooth, *onset;
     size_t smooth_line, onset_line;
     int raw;

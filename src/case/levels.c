@@ -47,8 +47,9 @@ static const lac_param rows[] = {
                            "and so much more, likewise, where one reading alone does"),
     [RUNNING] = NUMBER(running, 1, 50, 0, "readings in a row that must say so"),
     [HOLD] = NUMBER(hold, 0, 50, 0, "readings that a level outlasts what gave it"),
-    [HORIZON] = LAC_REAL("horizon", "s", LEVELS(horizon), NAN, 600, 1e12, LAC_OPTIONAL,
-                         "alarm: failure within it, or within two intervals where longer"),
+    [HORIZON] =
+        LAC_REAL("horizon", "s", LEVELS(horizon), NAN, LAC_LEAST_HORIZON, 1e12, LAC_OPTIONAL,
+                 "alarm: failure within it, or within two intervals where longer"),
     [CHANCE] = NUMBER(chance, 0, 1, LAC_ABOVE_MIN, "with this chance by the pooled methods"),
     [AGREE] =
         NUMBER(agree, 0, 1, LAC_ABOVE_MIN, "and by this share of the methods that issue a time"),

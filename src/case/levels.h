@@ -7,6 +7,9 @@
 #include "base/units.h"
 #include "forecast/verdict.h"
 
+/// Least horizon of alarms [s]: a bare number is of seconds, and "3" was hardly meant so.
+#define LAC_LEAST_HORIZON 600.0
+
 // The thresholds of a verdict's level in a small file in the manner of a case.
 
 /// The keys, a row of lac_levels each. Defaults are those of lac_levels_default, not of the rows.

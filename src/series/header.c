@@ -163,9 +163,10 @@ static bool is_whole(const lac_parser *p, const lac_candidate *c)
     return !c->open;
 }
 
-// Of several brackets in a name the one that is a unit, else the last.
+// Of several brackets in a name the one that is a unit, else one of another kind, else the last.
 static void take_bracket(const lac_parser *p, lac_wanted *w, const char *name)
 {
+    char other[SHOWN] = "";
     double scale, offset;
     w->bracket[0] = '\0';
     for (const char *at = name; (at = strpbrk(at, "[(")) != NULL; at++) {
@@ -177,6 +178,12 @@ static void take_bracket(const lac_parser *p, lac_wanted *w, const char *name)
         if (lac_units_convert(p->units, w->bracket, w->si, &scale, &offset, NULL) == LAC_OK) {
             return;
         }
+        if (lac_parser_is_unit(p, w->bracket)) {
+            memcpy(other, w->bracket, sizeof other);
+        }
+    }
+    if (other[0] != '\0') {
+        memcpy(w->bracket, other, sizeof other);
     }
 }
 
@@ -335,6 +342,11 @@ lac_status lac_parser_unit(lac_parser *p, size_t column, const char *text, bool 
                 "%s:%zu: %s: the file says %s, and %s was named: which is it? name the file's, or "
                 "mend its header",
                 path, p->header_line, w->name, text, w->unit);
+    LAC_FAIL_IF(!known && w->unit != NULL && column > 0 && lac_parser_is_unit(p, text), err,
+                LAC_EINPUT,
+                "%s:%zu: %s: the file says %s, and %s was named, a unit of another kind: name a "
+                "column in %s, or mend its header",
+                path, p->header_line, w->name, text, w->unit, w->unit);
     if (known && w->taken != NULL) {
         w->scale = scale;
         w->offset = offset;

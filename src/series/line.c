@@ -25,6 +25,7 @@ struct lac_line_reader {
     bool ready;                // the columns are known
     bool headed;               // by a line of the stream
     char *header;              // it, owned
+    char *decoded;             // the last line that was no UTF-8; owned
     size_t fields;             // of it
     char separator;
     const struct lac_units *units;
@@ -144,6 +145,7 @@ void lac_line_reader_free(lac_line_reader *r)
 {
     if (r != NULL) {
         free(r->header);
+        free(r->decoded);
         free(r);
     }
 }
@@ -186,7 +188,7 @@ static bool read_value(const lac_line_reader *r, size_t c, const char *field, do
     }
     *value = *value * r->scale[c] + r->offset[c];
     *digit = fabs(r->scale[c]) * pow(10.0, lac_text_digit(field, mark));
-    return isfinite(*value) && (c != SIGMA || *value > 0.0);
+    return fabs(*value) <= LAC_SERIES_MOST && (c != SIGMA || *value > 0.0);
 }
 
 static lac_line_kind read_fields(const lac_line_reader *r, const char *field[COLUMNS],
@@ -197,6 +199,9 @@ static lac_line_kind read_fields(const lac_line_reader *r, const char *field[COL
     const bool comma = r->separator != ',' && strchr(field[TIME], ',') != NULL;
     if (r->name[STATION] != NULL && (*station == '\0' || strlen(station) >= LAC_LINE_STATION)) {
         return blame(out, r->name[STATION], station, "must be a name of 1 to 63 bytes");
+    }
+    if (strstr(station, "\xef\xbf\xbd") != NULL) { // what was lost once may be of two names
+        return blame(out, r->name[STATION], station, "must be a name in UTF-8 or Latin-1");
     }
     (void)snprintf(out->station, sizeof out->station, "%s", station);
     if (lac_text_missing(field[TIME]) ||
@@ -242,6 +247,13 @@ lac_line_kind lac_line_read(lac_line_reader *r, char *text, lac_line *out)
     }
     if (!is_text(text)) {
         return say(out, LAC_LINE_WRONG, "the line holds bytes that are not text");
+    }
+    if (!lac_text_is_utf8(text)) {
+        free(r->decoded);
+        text = r->decoded = lac_text_decode(text);
+        if (text == NULL) {
+            return say(out, LAC_LINE_WRONG, "out of memory");
+        }
     }
     if (!r->ready) {
         return read_header(r, text, out);

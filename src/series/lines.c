@@ -67,9 +67,9 @@ static void strip_mark(lac_lines *lines)
     }
 }
 
-static bool is_utf8(const lac_lines *lines)
+bool lac_text_is_utf8(const char *text)
 {
-    const unsigned char *at = (const unsigned char *)lines->text;
+    const unsigned char *at = (const unsigned char *)text;
     while (*at != '\0') {
         const size_t length = lac_text_character(at);
         if (length == 0) {
@@ -104,20 +104,27 @@ static size_t encode(unsigned byte, char *to)
     return 3;
 }
 
+char *lac_text_decode(const char *from)
+{
+    char *text = malloc(LONGEST_CHARACTER * strlen(from) + 1);
+    size_t length = 0;
+    for (; text != NULL && *from != '\0'; from++) {
+        length += encode((unsigned char)*from, text + length);
+    }
+    if (text != NULL) {
+        text[length] = '\0';
+    }
+    return text;
+}
+
 static lac_status decode(lac_lines *lines, lac_error *err)
 {
-    const size_t capacity = LONGEST_CHARACTER * lines->length + 1;
-    char *text = malloc(capacity);
-    size_t length = 0;
+    char *text = lac_text_decode(lines->text);
     LAC_FAIL_MEMORY_IF(text == NULL, err);
-    for (size_t i = 0; i < lines->length; i++) {
-        length += encode((unsigned char)lines->text[i], text + length);
-    }
-    text[length] = '\0';
     free(lines->text);
     lines->text = text;
-    lines->length = length;
-    lines->capacity = capacity;
+    lines->length = strlen(text);
+    lines->capacity = lines->length + 1;
     lines->latin = true;
     return LAC_OK;
 }
@@ -147,5 +154,5 @@ lac_status lac_lines_next(lac_lines *lines, bool *more, lac_error *err)
     strip_mark(lines);
     LAC_TRY_RETURN(append(lines, '\0', err));
     lines->length--;
-    return is_utf8(lines) ? LAC_OK : decode(lines, err);
+    return lac_text_is_utf8(lines->text) ? LAC_OK : decode(lines, err);
 }

@@ -79,8 +79,19 @@ lac_status lac_parser_again(lac_parser *p, bool *found, lac_error *err);
 lac_status lac_parser_unit(lac_parser *p, size_t column, const char *text, bool strict,
                            lac_error *err);
 
+/// Whether text that stands where a unit may is one, of any kind: no label such as (N), (P1),
+/// (min).
+bool lac_parser_is_unit(const lac_parser *p, const char *text);
+
 /// Notes what a number may mean besides what it was taken for.
 void lac_parser_suspect(lac_parser *p, size_t column, const char *field, char mark);
+
+/// Refuses a value that no slope has: a length or speed beyond LAC_SERIES_MOST.
+lac_status lac_parser_check_size(const lac_parser *p, size_t column, const char *field,
+                                 double value, lac_error *err);
+
+/// Says of which columns every reading is missing.
+lac_status lac_parser_fail_empty(const lac_parser *p, lac_error *err);
 
 /// Refuses what its numbers do not seem to be: thousands as decimals, and as seconds days of Excel,
 /// years, dates written in digits, numbers of rows.

@@ -191,7 +191,7 @@ static lac_status parse_value(lac_parser *p, size_t column, const char *field, d
                                "must be > 0: the standard error of a reading");
     }
     *value = *value * w->scale + w->offset;
-    return isfinite(*value) ? LAC_OK : lac_parser_fail(p, err, w->name, field, "is too large");
+    return lac_parser_check_size(p, column, field, *value, err);
 }
 
 static lac_status add_reading(lac_parser *p, const lac_row *reading, lac_error *err)
@@ -279,7 +279,8 @@ static void take_units(lac_parser *p, const char *const fields[COLUMNS])
             continue;
         }
         (void)snprintf(text, sizeof text, "%.*s", (int)n, unit);
-        if (n > 0 && lac_units_convert(p->units, text, w->si, &scale, &offset, NULL) == LAC_OK) {
+        if ((n > 0 && lac_units_convert(p->units, text, w->si, &scale, &offset, NULL) == LAC_OK) ||
+            (c > 0 && lac_parser_is_unit(p, text))) {
             (void)snprintf(w->bracket, sizeof w->bracket, "%s", text);
         }
     }
@@ -361,7 +362,7 @@ static lac_status check_any_value(const lac_parser *p, lac_error *err)
             }
         }
     }
-    return lac_fail(err, LAC_EINPUT, "%s: every reading is missing", p->lines.path);
+    return lac_parser_fail_empty(p, err);
 }
 
 // Several instruments in one file, or a column that is not the time, are no repeated rows.

@@ -144,11 +144,20 @@ static lac_status read_column(series_file *file, const column *c, const struct l
     double *x = c->values;
     LAC_TRY_RETURN(read_numbers(file, var, c->name, x, err));
     *c->digit = fabs(scale) * last_bit(file, var, x);
+    const lac_column all = {.n = file->n, .first = x, .stride = sizeof *x, .scale = 1.0};
+    double code = 0.0;
+    size_t count = 0;
+    const size_t at = lac_series_find_code(&all, &code, &count);
+    LAC_FAIL_IF(at < file->n, err, LAC_EINPUT, "%s: %s[%zu] = %.9g " LAC_CODE_IS, file->path,
+                c->name, at, code, count, file->n);
     for (size_t i = 0; i < file->n; i++) {
         x[i] = scale * x[i] + offset;
         s->missing += isnan(x[i]) ? 1 : 0;
         LAC_FAIL_IF(isinf(x[i]), err, LAC_EINPUT, "%s: %s[%zu] is infinite", file->path, c->name,
                     i);
+        LAC_FAIL_IF(c->si[0] == 'm' && fabs(x[i]) > LAC_SERIES_MOST, err, LAC_EINPUT,
+                    "%s: %s[%zu] = %g %s is too large: at most 1e9 %s", file->path, c->name, i,
+                    x[i], c->si, c->si);
     }
     return LAC_OK;
 }

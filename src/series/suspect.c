@@ -4,7 +4,27 @@
 #include <string.h>
 #include <strings.h>
 
+#include "base/units.h"
 #include "series/parser.h"
+
+static const double whole_column = 900.0; // what stands alone in one is a code from here on
+
+// To UDUNITS a newton, a volume, a minute, a megainch, a calorie: to a reader which column it is.
+bool lac_parser_is_unit(const lac_parser *p, const char *text)
+{
+    static const char *const labels[] = {"min", "Min", "cal", "dN", "TS", "PS"};
+    const size_t digits = text[0] != '\0' ? strspn(text + 1, "0123456789") : 0;
+    double scale, offset;
+    for (size_t i = 0; i < sizeof labels / sizeof *labels; i++) {
+        if (strcmp(text, labels[i]) == 0) {
+            return false;
+        }
+    }
+    if (text[0] == '\0' || (text[1 + digits] == '\0' && strchr("mshdVK%", text[0]) == NULL)) {
+        return false;
+    }
+    return lac_units_convert(p->units, text, text, &scale, &offset, NULL) == LAC_OK;
+}
 
 // 1.234 may be 1234 where thousands have a mark.
 void lac_parser_suspect(lac_parser *p, size_t column, const char *field, char mark)
@@ -37,6 +57,72 @@ static lac_status check_thousands(const lac_parser *p, const lac_wanted *w, lac_
         "%s:%zu: %s: \"%s\" is %s or one with three decimals: no other number of the column "
         "tells; export it without marks of thousands, or with decimals everywhere",
         p->lines.path, w->doubtful_line, w->name, w->doubtful, plain);
+    return LAC_OK;
+}
+
+// Numbers by which a logger may mean that there is none.
+
+enum { COUNTED = 5 }; // rows from which on 1, 2, 3 ... is no accident
+
+enum { TENS = 7, LASTS = 3, CODES = 2 * TENS * LASTS };
+
+// Which of -99 ... -99999999.99, 99 ... a number is, nines and nothing else; CODES: none.
+static size_t code_of(double x)
+{
+    double ten = 100.0, last = 1.0;
+    size_t k = x < 0.0 ? 0 : TENS * LASTS;
+    for (size_t i = 0; i + 1 < TENS && fabs(x) >= ten; i++, k += LASTS) {
+        ten *= 10.0;
+    }
+    for (size_t i = 0; i < LASTS && fabs(x) < ten; i++, last *= 0.1) {
+        if (fabs(ten - last - fabs(x)) <=
+            fmin(1e-7 * ten, 0.1 * last)) { // 1e-7: in single precision
+            return k + i;
+        }
+    }
+    return CODES;
+}
+
+size_t lac_series_find_code(const lac_column *c, double *code, size_t *count)
+{
+    size_t times[CODES + 1] = {0}, first[CODES + 1];
+    double least = INFINITY, most = -INFINITY, step = 0.0, before = NAN, away = 0.0;
+    for (size_t i = 0; i < c->n; i++) {
+        const double x = lac_column_at(c, i);
+        const size_t k = isfinite(x) ? code_of(x) : CODES;
+        first[k] = times[k]++ == 0 ? i : first[k];
+        if (k == CODES && isfinite(x)) {
+            least = fmin(least, x);
+            most = fmax(most, x);
+            step = fmax(step, fabs(x - before));
+            before = x;
+        }
+    }
+    for (size_t k = 0; k < CODES; k++) {
+        const double x = times[k] > 1 ? lac_column_at(c, first[k]) : NAN;
+        away = isnan(before) ? fabs(x) - whole_column : fmax(least - x, x - most);
+        if (away > step && away > 0.1 * fabs(x)) {
+            *code = x;
+            *count = times[k];
+            return first[k];
+        }
+    }
+    return c->n;
+}
+
+static lac_status check_codes(const lac_parser *p, size_t column, lac_error *err)
+{
+    const lac_wanted *w = &p->wanted[column];
+    const lac_column c = {.n = p->count,
+                          .first = &p->readings->value[column - 1],
+                          .stride = sizeof *p->readings,
+                          .scale = w->scale,
+                          .offset = w->offset};
+    double code = 0.0;
+    size_t count = 0;
+    const size_t at = w->name != NULL ? lac_series_find_code(&c, &code, &count) : p->count;
+    LAC_FAIL_IF(at < p->count, err, LAC_EINPUT, "%s:%zu: %s: %.9g " LAC_CODE_IS, p->lines.path,
+                p->readings[at].line, w->name, code, count, p->count);
     return LAC_OK;
 }
 
@@ -94,6 +180,7 @@ static bool is_called_a_number(const char *name)
     return name[0] == '\0';
 }
 
+// Whatever the column is called: numbers of rows, or of days, and hardly ever of seconds.
 static lac_status check_rows(const lac_parser *p, lac_error *err)
 {
     const char *name = p->wanted[0].name;
@@ -101,17 +188,22 @@ static lac_status check_rows(const lac_parser *p, lac_error *err)
     for (size_t i = 1; i < p->count && counts; i++) {
         counts = p->readings[i].time == p->readings[i - 1].time + 1.0;
     }
-    if (!counts || (p->time_named && p->dated_name[0] == '\0')) {
+    if (!counts) {
         return LAC_OK;
     }
     LAC_FAIL_IF(p->dated_name[0] != '\0', err, LAC_EINPUT,
                 "%s:%zu: %s: counts 1, 2, 3 ..., and \"%s\" holds dates: which one is the time? "
                 "--time \"%s\", or --time-format s",
                 p->lines.path, p->readings[0].line, name, p->dated_name, p->dated_name);
-    LAC_FAIL_IF(is_called_a_number(name), err, LAC_EINPUT,
+    LAC_FAIL_IF(!p->time_named && is_called_a_number(name), err, LAC_EINPUT,
                 "%s:%zu: %s: counts rows: which column is the time? --time COLUMN; of this one "
                 "--time-format says the unit",
                 p->lines.path, p->readings[0].line, name);
+    LAC_FAIL_IF(p->count >= COUNTED, err, LAC_EINPUT,
+                "%s:%zu: %s: counts %.0f, %.0f, %.0f ..., and has no unit: which is it? "
+                "--time-format day, hour, or s if these are seconds",
+                p->lines.path, p->readings[0].line, name, p->readings[0].time, p->readings[1].time,
+                p->readings[2].time);
     return LAC_OK;
 }
 
@@ -119,10 +211,38 @@ lac_status lac_parser_check(const lac_parser *p, lac_error *err)
 {
     for (size_t c = 1; c <= VALUES; c++) {
         LAC_TRY_RETURN(check_thousands(p, &p->wanted[c], err));
+        LAC_TRY_RETURN(check_codes(p, c, err));
     }
     if (p->dated || !p->format.any || p->wanted[0].taken == NULL) {
         return LAC_OK;
     }
     LAC_TRY_RETURN(check_rows(p, err));
     return check_range(p, err);
+}
+
+lac_status lac_parser_check_size(const lac_parser *p, size_t column, const char *field,
+                                 double value, lac_error *err)
+{
+    char allowed[2 * SHOWN];
+    const lac_wanted *w = &p->wanted[column];
+    if (isfinite(value) && (column == OTHER || fabs(value) <= LAC_SERIES_MOST)) {
+        return LAC_OK;
+    }
+    (void)snprintf(allowed, sizeof allowed, "is too large: at most 1e9 %s; NA where there is none",
+                   w->si);
+    return lac_parser_fail(p, err, w->name, field, column == OTHER ? "is too large" : allowed);
+}
+
+lac_status lac_parser_fail_empty(const lac_parser *p, lac_error *err)
+{
+    char names[4 * SHOWN] = "";
+    for (size_t c = 1; c <= VALUES; c++) {
+        const size_t used = strlen(names);
+        char shown[SHOWN];
+        if (p->wanted[c].name != NULL) {
+            (void)snprintf(names + used, sizeof names - used, "%s%s", used > 0 ? ", " : "",
+                           lac_text_show(p->wanted[c].name, shown, sizeof shown));
+        }
+    }
+    return lac_fail(err, LAC_EINPUT, "%s: %s: every reading is missing", p->lines.path, names);
 }

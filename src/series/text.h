@@ -73,6 +73,33 @@ size_t lac_rows_merge(size_t *n, lac_row *rows, size_t *conflicts);
 lac_status lac_series_ask(const struct lac_units *units, const char *where, const char *name,
                           const char *si, bool *known, lac_error *err);
 
+/// A column of numbers as the file has them: (x - offset) / scale.
+typedef struct lac_column {
+    size_t n;
+    const double *first;
+    size_t stride; ///< from one to the next [bytes]
+    double scale, offset;
+} lac_column;
+
+static inline double lac_column_at(const lac_column *c, size_t i)
+{
+    const double *x = (const void *)((const char *)c->first + i * c->stride);
+    return (*x - c->offset) / c->scale;
+}
+
+/// Looks for a number made of nines (-9999, 999.9) that stands more than once in a column and
+/// further from all others than these are from one another: a logger's word for "no value".
+/// @return its first place; n: there is none
+size_t lac_series_find_code(const lac_column *column, double *code, size_t *count);
+
+/// Further than any slope moves [m], faster [m/s]: numbers beyond are marks, or of another unit.
+#define LAC_SERIES_MOST 1e9
+
+/// How such a column is refused, behind the number: count and n.
+#define LAC_CODE_IS                                                                           \
+    "stands in %zu of %zu rows, far from all others: where it means that there is no value, " \
+    "write NA or leave the field empty"
+
 /// Notes a doubt about what was read.
 void lac_series_doubt(lac_series *series, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
@@ -93,6 +120,12 @@ typedef struct lac_lines {
 /// @return LAC_OK; LAC_EINPUT where the bytes are not text (a workbook, UTF-16 ...); LAC_EIO;
 /// LAC_ENOMEM
 lac_status lac_lines_next(lac_lines *lines, bool *more, lac_error *err);
+
+/// A text in Windows-1252 as UTF-8; to be freed. NULL where memory is short.
+char *lac_text_decode(const char *text);
+
+/// Whether a text is UTF-8.
+bool lac_text_is_utf8(const char *text);
 
 /// Text without blanks at its ends; in place.
 char *lac_text_trim(char *text);

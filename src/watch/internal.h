@@ -14,7 +14,7 @@ typedef struct lac_station {
     char *name;
     size_t n, room;
     double *time, *displacement, *sigma, *digit; ///< [room], in one piece from `time`
-    uint64_t readings, late, doubled, old;
+    uint64_t readings, late, doubled, old, ahead;
     double rate; ///< the last velocity [m/s]; NaN
     int issued, alarms;
     lac_level level;
@@ -33,6 +33,7 @@ typedef enum lac_taken {
     LAC_TAKEN_LATE,    ///< put before others, or the value of a reading that had none
     LAC_TAKEN_DOUBLED, ///< not: there is one of that time
     LAC_TAKEN_OLD,     ///< not: what is known begins later
+    LAC_TAKEN_AHEAD,   ///< not: the clock is not as far
 } lac_taken;
 
 /// The station of a name, made where there is none; NULL where `most` are there.
@@ -41,8 +42,9 @@ lac_status lac_stations_find(lac_stations *stations, const char *name, size_t mo
 void lac_stations_clear(lac_stations *stations);
 
 /// Puts a reading in its place, and drops what is out of the window then.
-lac_status lac_station_take(lac_station *station, const lac_line *line, size_t count, double time,
-                            lac_taken *out, lac_error *err);
+/// @param latest  a date that is later is not taken; NaN: none is too late
+lac_status lac_station_take(lac_station *station, const lac_line *line, const lac_fleet *fleet,
+                            double latest, lac_taken *out, lac_error *err);
 
 /// Room for so many readings, at most `count`.
 lac_status lac_station_reserve(lac_station *station, size_t n, size_t count, lac_error *err);
@@ -69,6 +71,7 @@ struct lac_watch {
     bool opened;    ///< a file began: the state must know which
     bool told;      ///< the file for Prometheus knows all
     bool known, dated;
+    double now; ///< seconds since 1970 UTC; NaN: not told
     lac_stations stations;
     lac_watch_counts counts;
     lac_line_reader *reader; ///< of standard input
@@ -102,7 +105,7 @@ uint64_t lac_watch_sum(uint64_t sum, const void *bytes, size_t n);
 
 /// Opens what is kept: lock, output, state and journal.
 lac_status lac_watch_open(lac_watch *watch, lac_error *err);
-/// Adds whole lines to the journal, before they are looked at.
+/// Adds whole lines to the journal, before they are looked at, with the time that it is.
 lac_status lac_watch_note(lac_watch *watch, const char *bytes, size_t n, lac_error *err);
 /// Empties the journal: what is in it was not taken.
 void lac_watch_forget(lac_watch *watch);

@@ -6,6 +6,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
@@ -98,33 +99,49 @@ static void remove_journal(const lac_watch *w, uint64_t generation)
     free(name);
 }
 
-// Does the lines of the journal again; what a kill left of the last one is cut off.
+// What stands in the journal before lines: their bytes, and the time that it was when they came.
+typedef struct piece {
+    double now;
+    uint64_t left;
+} piece;
+
+// Does the lines of the journal again, each at its time; what a kill left of the last one is not
+// taken.
 static lac_status replay(lac_watch *w, lac_error *err)
 {
     char bytes[4096];
-    int64_t read_so_far = 0;
+    piece p;
+    int64_t at = 0;
     ssize_t n = 0;
     const int journal = w->journal;
     const uint64_t before = w->counts.lines;
     lac_status status = LAC_OK;
     w->journal = -1; // what is in it is not noted again
-    while (status == LAC_OK && (n = pread(journal, bytes, sizeof bytes, read_so_far)) > 0) {
-        read_so_far += n;
-        status = lac_watch_stream(w, bytes, (size_t)n, err);
+    while (status == LAC_OK && (n = pread(journal, &p, sizeof p, at)) == (ssize_t)sizeof p) {
+        w->now = p.now;
+        at += n;
+        while (status == LAC_OK && p.left > 0 &&
+               (n = pread(journal, bytes, p.left < sizeof bytes ? p.left : sizeof bytes, at)) > 0) {
+            p.left -= (uint64_t)n;
+            at += n;
+            status = lac_watch_stream(w, bytes, (size_t)n, err);
+        }
     }
     w->journal = journal;
-    if (status == LAC_OK && (n < 0 || ftruncate(journal, read_so_far - (int64_t)w->waiting) != 0)) {
-        status = refuse_file(w->def.state, err);
-    }
+    w->now = NAN;
     w->waiting = 0;
     w->counts.restored = w->counts.lines - before;
-    return status;
+    return status == LAC_OK && n < 0 ? refuse_file(w->def.state, err) : status;
 }
 
 lac_status lac_watch_note(lac_watch *w, const char *bytes, size_t n, lac_error *err)
 {
-    LAC_FAIL_IF(w->journal >= 0 && !lac_temp_file_write(w->journal, bytes, n), err, LAC_EIO,
-                "%s/journal-%" PRIu64 ": %s", w->def.state, w->generation, strerror(errno));
+    const piece p = {.now = w->now, .left = n};
+    LAC_FAIL_IF(w->journal >= 0 && n > 0 &&
+                    !(lac_temp_file_write(w->journal, (const void *)&p, sizeof p) &&
+                      lac_temp_file_write(w->journal, bytes, n)),
+                err, LAC_EIO, "%s/journal-%" PRIu64 ": %s", w->def.state, w->generation,
+                strerror(errno));
     return LAC_OK;
 }
 

@@ -13,7 +13,7 @@
 #include "watch/internal.h"
 
 enum { COLUMNS = 4, LONGEST = 1 << 20 };
-static const char mark[8] = {'L', 'A', 'C', 'W', 'A', 'T', 'C', '1'};
+static const char mark[8] = {'L', 'A', 'C', 'W', 'A', 'T', 'C', '2'};
 
 // Writes and reads alike: each thing is named once.
 typedef struct archive {
@@ -76,8 +76,9 @@ static char *settings(const lac_watch *w)
     }
     put_word(out, "smooth", f->smooth);
     put_word(out, "onset", f->onset);
-    (void)fprintf(out, "window.count: %" PRId64 "\nwindow.time: %.17g\nraw: %d\nstream: %d\n",
-                  f->window_count, f->window_time, f->raw, f->stream);
+    (void)fprintf(
+        out, "window.count: %" PRId64 "\nwindow.time: %.17g\nahead: %.17g\nraw: %d\nstream: %d\n",
+        f->window_count, f->window_time, f->ahead, f->raw, f->stream);
     for (size_t i = 0; i < lac_levels_table.param_count; i++) {
         const lac_param *row = &lac_levels_table.params[i];
         const double *value = (const void *)((const char *)&w->def.forecast.levels + row->offset);
@@ -121,6 +122,7 @@ static lac_status put_station(archive *a, lac_watch *w, size_t i, lac_error *err
     PUT(a, s->late);
     PUT(a, s->doubled);
     PUT(a, s->old);
+    PUT(a, s->ahead);
     PUT(a, s->rate);
     PUT(a, s->issued);
     PUT(a, s->alarms);

@@ -141,13 +141,20 @@ static lac_taken count(lac_station *s, lac_taken taken)
     s->late += taken == LAC_TAKEN_LATE ? 1 : 0;
     s->doubled += taken == LAC_TAKEN_DOUBLED ? 1 : 0;
     s->old += taken == LAC_TAKEN_OLD ? 1 : 0;
+    s->ahead += taken == LAC_TAKEN_AHEAD ? 1 : 0;
     return taken;
 }
 
-lac_status lac_station_take(lac_station *s, const lac_line *l, size_t most, double time,
-                            lac_taken *out, lac_error *err)
+lac_status lac_station_take(lac_station *s, const lac_line *l, const lac_fleet *fleet,
+                            double latest, lac_taken *out, lac_error *err)
 {
+    const size_t most = (size_t)fleet->window_count;
+    const double time = fleet->window_time;
     size_t at = s->n, over = 0;
+    if (l->dated && l->time > latest) { // one would make all that follow old
+        *out = count(s, LAC_TAKEN_AHEAD);
+        return LAC_OK;
+    }
     while (at > 0 && s->time[at - 1] > l->time) {
         at--;
     }

@@ -25,6 +25,7 @@ static double readings(const lac_station *s) { return (double)s->readings; }
 static double late(const lac_station *s) { return (double)s->late; }
 static double doubled(const lac_station *s) { return (double)s->doubled; }
 static double old(const lac_station *s) { return (double)s->old; }
+static double ahead(const lac_station *s) { return (double)s->ahead; }
 
 static const family families[] = {
     {"last_reading_seconds", "gauge", "Time of the last reading, of dates since 1970.", last_time},
@@ -39,6 +40,7 @@ static const family families[] = {
     {"late_total", "counter", "Of which came behind a later one.", late},
     {"doubled_total", "counter", "Dropped: there was one of that time.", doubled},
     {"old_total", "counter", "Dropped: older than the window.", old},
+    {"ahead_total", "counter", "Dropped: too far ahead of the clock.", ahead},
 };
 
 // A label as the format escapes it.

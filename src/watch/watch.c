@@ -68,14 +68,19 @@ static void open_line(lac_json *json, const lac_station *s, const lac_line *l)
 }
 
 // A reading that changes nothing is said too.
-static void say_dropped(lac_watch *w, const lac_station *s, const lac_line *l, bool doubled)
+static void say_dropped(lac_watch *w, const lac_station *s, const lac_line *l, lac_taken taken)
 {
+    const struct {
+        const char *name;
+        uint64_t *all, one;
+    } row[] = {[LAC_TAKEN_DOUBLED] = {"doubled", &w->counts.doubled, s->doubled},
+               [LAC_TAKEN_OLD] = {"old", &w->counts.old, s->old},
+               [LAC_TAKEN_AHEAD] = {"ahead", &w->counts.ahead, s->ahead}};
     lac_json json = {.out = w->out, .line = true};
-    w->counts.doubled += doubled ? 1 : 0;
-    w->counts.old += doubled ? 0 : 1;
+    (*row[taken].all)++;
     open_line(&json, s, l);
-    lac_json_text(&json, "dropped", doubled ? "doubled" : "old");
-    lac_json_integer(&json, doubled ? "doubled" : "old", (int64_t)(doubled ? s->doubled : s->old));
+    lac_json_text(&json, "dropped", row[taken].name);
+    lac_json_integer(&json, row[taken].name, (int64_t)row[taken].one);
     lac_json_close(&json, '}');
 }
 
@@ -153,10 +158,9 @@ static lac_status take(lac_watch *w, const lac_line *l, const char *name, const 
     }
     w->known = true;
     w->dated = l->dated;
-    LAC_TRY_RETURN(lac_station_take(s, l, (size_t)w->def.fleet->window_count,
-                                    w->def.fleet->window_time, &taken, err));
+    LAC_TRY_RETURN(lac_station_take(s, l, w->def.fleet, w->now + w->def.fleet->ahead, &taken, err));
     if (taken > LAC_TAKEN_LATE) {
-        say_dropped(w, s, l, taken == LAC_TAKEN_DOUBLED);
+        say_dropped(w, s, l, taken);
         return LAC_OK;
     }
     w->counts.readings++;
@@ -186,6 +190,8 @@ lac_status lac_watch_line(lac_watch *w, lac_line_reader *reader, const char *sta
                ? take(w, &line, station != NULL ? station : line.station, where, number, err)
                : LAC_OK;
 }
+
+void lac_watch_clock(lac_watch *w, double now) { w->now = now; }
 
 lac_watch_counts lac_watch_count(const lac_watch *w)
 {
@@ -236,6 +242,7 @@ lac_status lac_watch_create(const lac_watch_def *def, lac_watch **out, lac_error
     LAC_FAIL_MEMORY_IF(w == NULL, err);
     w->def = *def;
     w->out = def->out;
+    w->now = NAN;
     w->lock = w->journal = -1;
     w->sum = w->skipped = 0xcbf29ce484222325u;
     const lac_status status = begin(w, err);

@@ -7,7 +7,8 @@
 #include "forecast/forecast.h"
 
 // Readings of many stations as they come, and a line of JSON for each: the forecasts of
-// lac_forecast_set_create from what is known of its station by then. Nothing here reads a clock.
+// lac_forecast_set_create from what is known of its station by then. Nothing here reads a clock:
+// lac_watch_clock tells it.
 
 typedef struct lac_watch_def {
     const lac_fleet *fleet; ///< outlives the watch
@@ -25,7 +26,7 @@ typedef struct lac_watch_counts {
     uint64_t lines;    ///< of standard input
     uint64_t readings; ///< that were new to a station
     uint64_t late;     ///< of which came behind a later one
-    uint64_t doubled, old, bad;
+    uint64_t doubled, old, ahead, bad;
     size_t stations;
     uint64_t restored; ///< lines that were done again from the journal
     double memory;     ///< that the stations may take at most [bytes]
@@ -40,6 +41,10 @@ typedef struct lac_watch lac_watch;
 ///         LAC_ENOMEM
 lac_status lac_watch_create(const lac_watch_def *def, lac_watch **out, lac_error *err);
 void lac_watch_free(lac_watch *watch);
+
+/// Tells what the time is, in seconds since 1970 UTC: of what is taken from here on, dates that are
+/// further ahead than the fleet says are dropped. Until it is told none is.
+void lac_watch_clock(lac_watch *watch, double now);
 
 /// Takes bytes of standard input, cut anywhere; a line without its end waits.
 /// @return LAC_OK; LAC_EINPUT (no line can be read; not the stream that the state is of); LAC_EIO;

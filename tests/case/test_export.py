@@ -168,6 +168,19 @@ class Tables(unittest.TestCase):
             self.assertIn(said, wrong)
 
 
+    def test_its_own_input_is_kept(self):
+        """--force replaces tables, not the file that they are made of, by whatever name it is called."""
+        with open(os.path.join(FOLDER, "series.nc"), "rb") as file:
+            before = file.read()
+        for link in ("series-link.csv", "series-hard.csv"):
+            (os.symlink if "link" in link else os.link)(os.path.join(FOLDER, "series.nc"), os.path.join(FOLDER, link))
+        for output in ("series.nc", "./series.nc", "series-link.csv", "series-hard.csv"):
+            error = export("series.nc", "--variable", "alarm_level", "-o", output, "--force", status=2)
+            self.assertEqual(error, f"lacuna: {output}: is read by this command, must not be the output\n")
+        with open(os.path.join(FOLDER, "series.nc"), "rb") as file:
+            self.assertEqual(file.read(), before)
+
+
 def main():
     global PROGRAM, SOURCE, FOLDER
     PROGRAM, SOURCE = map(os.path.abspath, sys.argv[1:3])

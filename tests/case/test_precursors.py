@@ -300,11 +300,25 @@ class Precursors(unittest.TestCase):
             self.assertAlmostEqual(answer["series"]["resolution_m"] / digit, 1, places=5)
             self.assertEqual(answer["series"]["warnings"], [] if kind == "f4" else ["d: no unit is named: taken as m"])
 
+    def test_what_would_be_left_out_in_silence(self):
+        self.write("doors.csv", "date,d,r\n2024-01-01,1,NA\n2024-01-02,2,NA\n2024-01-03,1e10,NA\n")
+        for words, says in ((("d:mm", "--horizon", "3"), '--horizon: "3" must be a time >= 600 s'),
+                            (("d:um", "--smooth", "window:3"), '"window:3" is 3 s, shorter than every interval'),
+                            (("d:um", "--failed-at", "never"), "--failed-at: judges the forecasts of --rolling"),
+                            (("d:um", "--driver", "d:mm"), '--driver: "d:mm" is the motion itself'),
+                            (("d:um", "--driver", "r:mm"), "doors.csv: r: every reading is missing"),
+                            (("d:m",), 'doors.csv:4: d: "1e10" is too large: at most 1e9 m')):
+            self.assertIn(says, self.call("doors.csv", "--displacement", *words, status=2).stderr)
+
     def test_what_is_taken_is_said(self):
-        data = ("log.csv", "--displacement", "d")
+        with open(os.path.join(self.folder, "log.csv"), encoding="utf-8") as file:
+            head, *rows = file.read().split()
+        with open(os.path.join(self.folder, "log10.csv"), "w", encoding="utf-8") as file:
+            file.write("\n".join([head, *(row.split(",")[0] + "0," + row.split(",")[1] for row in rows), ""]))
+        data = ("log10.csv", "--displacement", "d")
         done = self.call(*data, "--json")
-        self.assertEqual(done.stderr, "lacuna: warning: log.csv: t: no unit is named: taken as s\n"
-                                      "lacuna: warning: log.csv: d: no unit is named: taken as m\n")
+        self.assertEqual(done.stderr, "lacuna: warning: log10.csv: t: no unit is named: taken as s\n"
+                                      "lacuna: warning: log10.csv: d: no unit is named: taken as m\n")
         self.assertEqual(json.loads(done.stdout)["series"]["warnings"],
                          ["t: no unit is named: taken as s", "d: no unit is named: taken as m"])
         self.assertEqual(self.call(*data, "-q").stderr, "")
@@ -345,7 +359,7 @@ class Precursors(unittest.TestCase):
         self.assertNotRegex(text, r"\d (year|hour|week)")
         text = self.call("log.csv", "--displacement", "d:m", "--time-format", "hour").stdout
         self.assertRegex(text, r"readings +36 from 0 hour to 35 hour\n")
-        self.assertRegex(self.call("log.csv", "--displacement", "d:m").stdout, "from 0 s to 35 s")
+        self.assertRegex(self.call("log.csv", "--displacement", "d:m", "--time-format", "s").stdout, "from 0 s to 35 s")
         self.assertRegex(self.call("log.csv", "--displacement", "d:m", "--time-format", "day.second/second").stdout,
                          "from 0 s to 5 week")  # too long a name to stand behind a number
 

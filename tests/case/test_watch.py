@@ -158,6 +158,53 @@ class Watch(unittest.TestCase):
         for line, known in expected[-15:]:  # the late ones are among them
             self.assertEqual(line, self.rolling(known, "--window", "25")[-1])
 
+    def test_names_in_latin_1_stay_different(self):
+        self.fleet("prometheus: all.prom\n")
+        lines = b"station,time,displacement\nP\xe9,0,1\nP\xe8,0,2\nP\xc3\xa9,5,3\nP\x81,0,2\n"
+        done = subprocess.run([PROGRAM, "watch", "fleet.yaml"], input=lines, capture_output=True, cwd=self.folder, check=True)
+        said = [json.loads(line) for line in done.stdout.decode().splitlines()]
+        self.assertEqual([line.get("station") for line in said], ["P\u00e9", "P\u00e8", "P\u00e9", None])
+        self.assertIn("must be a name in UTF-8 or Latin-1", said[3]["error"])
+        self.assertIn('lacuna_readings_total{station="P\u00e8"} 1\n', self.read("all.prom"))
+        self.assertIn('lacuna_readings_total{station="P\u00e9"} 2\n', self.read("all.prom"))
+
+    def test_dates_ahead_of_the_clock(self):
+        """One in the future is dropped and said, and the readings that follow are taken; a day more or `.inf` takes it."""
+        now = time.time()
+        at = [now - 5 * DAY + k * DAY / 2 for k in range(8)]
+
+        rows_of = [f"P1,{time.strftime('%Y-%m-%dT%H:%M:%SZ', time.gmtime(t))},{k * k}\n" for k, t in enumerate(at)]
+        future = f"P1,{time.strftime('%Y-%m-%dT%H:%M:%SZ', time.gmtime(now + 1.5 * DAY))},99\n"
+        stream = HEADER + "".join([*rows_of[:4], future, *rows_of[4:]])
+        self.fleet("prometheus: all.prom\n")
+        lines = self.watch(stream)
+        self.assertEqual({key: json.loads(lines[4])[key] for key in ("dropped", "ahead")}, {"dropped": "ahead", "ahead": 1})
+        self.assertEqual(lines[:4] + lines[5:], self.watch(HEADER + "".join(rows_of)))
+        self.watch(stream)
+        self.assertIn('lacuna_ahead_total{station="P1"} 1\n', self.read("all.prom"))
+        self.assertIn('lacuna_readings_total{station="P1"} 8\n', self.read("all.prom"))
+        for ahead in ('ahead: "2 day"\n', "ahead: .inf\n"):
+            self.fleet(ahead)
+            self.assertEqual(sum("dropped" in line for line in self.watch(stream)), 0, ahead)
+        self.assertIn("ahead", self.call("watch", self.fleet("ahead: 3 mm\n"), status=2).stderr)
+
+    def test_what_was_ahead_stays_so_after_a_kill(self):
+        """The journal has the clock at which its lines came: done again when a date is no more ahead, they say the same."""
+        self.fleet('ahead: "1 s"\n')
+        process = self.start("--state", "state", "-o", "out.jsonl")
+        late = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(time.time() + 5))
+        process.stdin.write((HEADER + f"P1,2024-01-01,1\nP1,{late},2\nP1,2024-01-02,3\n").encode())
+        process.stdin.flush()
+        self.wait_for(lambda: self.lines("out.jsonl") == 3)
+        before = self.read("out.jsonl")
+        process.kill()
+        process.communicate()
+        time.sleep(6)
+        again = self.call("watch", "fleet.yaml", "--state", "state", "-o", "out.jsonl", "--json")
+        self.assertEqual(json.loads(again.stdout)["ahead"], 1)
+        self.assertEqual(self.read("out.jsonl"), before)
+        self.assertIn('"dropped": "ahead"', before)
+
     def test_values_that_come_later(self):
         """A reading of a time that has no value yet is taken, as in a file."""
         self.fleet()

@@ -56,6 +56,14 @@ static void doubts_are_told(void **state)
         {"t,Weg (cm)", "t", "Weg", NULL, "day", NULL, 0},
         {"t,Weg (cm)", "t", "Weg", "centimeter", "day", NULL, 0},
         {"t,Weg (cm)", "t", "Weg", "mm", "day", ":1: Weg: the file says cm, and mm was named", 9},
+        {"t,Weg [mm/day]", "t", "Weg", "mm", "day",
+         ":1: Weg: the file says mm/day, and mm was named, a unit of another kind", 9},
+        {"t,Weg (mm/day)", "t", "Weg", "mm", "day", "the file says mm/day, and mm was named", 9},
+        {"t,Weg [mm/day] (Ost)", "t", "Weg [mm/day] (Ost)", "mm", "day", "says mm/day, and mm", 9},
+        {"t,Weg [mV]", "t", "Weg", "mm", "day", "says mV, and mm was named", 9},
+        {"t,Weg\n,[mm/day]", "t", "Weg", "mm", "day", "says mm/day, and mm was named", 9},
+        {"t,Weg [N]", "t", "Weg", "mm", "day", NULL, 0},
+        {"t,Weg (min)", "t", "Weg", "mm", "day", NULL, 0},
         {"t,Weg (Ost) [cm]", "t", "Weg (Ost)", NULL, "day", NULL, 0},
         {"t,Weg [Ost]", "t", "Weg", NULL, "day", "\"Ost\" is no unit of this kind (m)", 9},
         {"t [h],d", "t", "d", "mm", NULL, NULL, 0},
@@ -211,7 +219,8 @@ static void noise_has_no_steps(void **state)
         for (int i = 0; i < n; i++) {
             const size_t used = strlen(text);
             const double u = fmod(1e4 * fabs(sin(12.9898 * i + 78.233 * seed)), 1.0);
-            (void)snprintf(text + used, sizeof text - used, "%d,%.14f\n", i, 1.0 + u + 0.01 * i);
+            (void)snprintf(text + used, sizeof text - used, "%d,%.14f\n", 10 * i,
+                           1.0 + u + 0.01 * i);
         }
         lac_series *s = NULL;
         assert_int_equal(read_text(text, strlen(text), &s, NULL), LAC_OK);
@@ -254,18 +263,112 @@ static void steps_of_numbers_are_found(void **state)
         assert_int_equal(lac_series_read(&def, units, &s, NULL), LAC_OK);
         assert_true(fabs(s->displacement_digit - columns[k].digit) <= 0.1 * columns[k].digit);
         lac_series_free(s);
+        s = NULL;
+        d[3] = d[9] = -9999.9; // a fill that no attribute names
+        assert_int_equal(nc_open(path, NC_WRITE, &id), NC_NOERR);
+        assert_int_equal(nc_put_var_double(id, var, d), NC_NOERR);
+        assert_int_equal(nc_close(id), NC_NOERR);
+        lac_error err = {""};
+        assert_int_equal(lac_series_read(&def, units, &s, &err), LAC_EINPUT);
+        assert_non_null(strstr(err.message, "d[3] = -9999.9"));
+        assert_non_null(strstr(err.message, "stands in 2 of 60 rows"));
+    }
+}
+
+// A slope in millimetres of which every so many rows hold another text.
+static void write_slope(char *text, size_t size, double rate, const char *code, int every)
+{
+    (void)snprintf(text, size, "t,d\n");
+    for (int i = 0; i < HOURS; i++) {
+        const size_t used = strlen(text);
+        if (i % every == every - 1) {
+            (void)snprintf(text + used, size - used, "%d,%s\n", 3600 * i, code);
+        } else {
+            (void)snprintf(text + used, size - used, "%d,%.2f\n", 3600 * i,
+                           3.0 + rate * i + 0.5 * sin(i * i));
+        }
+    }
+}
+
+// Nines for "no value" are asked about wherever they cannot be readings; where they can, not.
+static void nines_are_asked_about(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *code;
+        double rate; // mm an hour
+        int every;
+        bool asked;
+    } columns[] = {
+        {"-9999", 0.1, 5, true},      {"-9999.0", 0.1, 7, true},  {"-999", 0.1, 5, true},
+        {"9999", 0.1, 5, true},       {"-99999", 100.0, 5, true}, {"99999", 0.1, 30, true},
+        {"-9999.9", 0.1, 5, true},    {"-99.99", 0.1, 5, true},   {"9999999", 0.1, 5, true},
+        {"-9.999E+03", 0.1, 5, true}, {"-9999", 0.1, 60, false}, // once
+        {"-9990", 0.1, 5, false},     {"NA", 0.1, 5, false},      {"99.9", 2.0, 10, false},
+        {"-9999", 0.1, 1, true},      {"99.9", 0.1, 1, false},    {"999", 17.0, 10, false}};
+    for (size_t k = 0; k < sizeof columns / sizeof *columns; k++) {
+        char text[4096], says[96];
+        lac_series *s = NULL;
+        lac_error err = {""};
+        write_slope(text, sizeof text, columns[k].rate, columns[k].code, columns[k].every);
+        const lac_status status = read_text(text, strlen(text), &s, &err);
+        (void)snprintf(says, sizeof says, ":%d: d: %.9g stands in %d of %d rows",
+                       columns[k].every + 1, atof(columns[k].code), HOURS / columns[k].every,
+                       HOURS);
+        assert_int_equal(status, columns[k].asked ? LAC_EINPUT : LAC_OK);
+        if (columns[k].asked && strstr(err.message, says) == NULL) {
+            fail_msg("%s: %s", says, err.message);
+        }
+        lac_series_free(s);
+    }
+}
+
+// Numbers of rows are asked about whatever their column is called, unless a format says what they
+// count.
+static void counts_of_rows_are_asked_about(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name, *format;
+        int first, step, rows;
+        bool asked;
+    } columns[] = {{"t", NULL, 0, 1, 12, true},        {"time", NULL, 1, 1, 12, true},
+                   {"nr", NULL, 1, 1, 12, true},       {"t", NULL, 2, 1, 12, false},
+                   {"t", NULL, 0, 2, 12, false},       {"t", NULL, 0, 1, 4, false},
+                   {"t", "s", 0, 1, 12, false},        {"t", "day", 0, 1, 12, false},
+                   {"t [day]", NULL, 0, 1, 12, false}, {"time_s", NULL, 0, 1, 12, false}};
+    for (size_t k = 0; k < sizeof columns / sizeof *columns; k++) {
+        for (int named = 0; named < 2; named++) {
+            char text[512], says[64];
+            lac_series *s = NULL;
+            lac_error err = {""};
+            (void)snprintf(text, sizeof text, "%s,d\n", columns[k].name);
+            for (int i = 0; i < columns[k].rows; i++) {
+                (void)snprintf(text + strlen(text), sizeof text - strlen(text), "%d,%.1f\n",
+                               columns[k].first + i * columns[k].step, 0.3 * i);
+            }
+            const lac_series_def def = {.path =
+                                            scratch_write(&folder, "rows.csv", text, strlen(text)),
+                                        .time = named != 0 ? columns[k].name : NULL,
+                                        .time_format = columns[k].format,
+                                        .displacement = "d",
+                                        .displacement_unit = "mm"};
+            (void)snprintf(says, sizeof says, "rows.csv:2: %s: counts", columns[k].name);
+            assert_int_equal(lac_series_read(&def, units, &s, &err),
+                             columns[k].asked ? LAC_EINPUT : LAC_OK);
+            assert_true(!columns[k].asked || strstr(err.message, says) != NULL);
+            lac_series_free(s);
+        }
     }
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(doubts_are_told),
-        cmocka_unit_test(rows_that_contradict_are_counted),
-        cmocka_unit_test(last_digit_of_any_power),
-        cmocka_unit_test(last_digits_are_known),
-        cmocka_unit_test(steps_of_the_sensor_are_found),
-        cmocka_unit_test(noise_has_no_steps),
+        cmocka_unit_test(counts_of_rows_are_asked_about),   cmocka_unit_test(doubts_are_told),
+        cmocka_unit_test(rows_that_contradict_are_counted), cmocka_unit_test(nines_are_asked_about),
+        cmocka_unit_test(last_digit_of_any_power),          cmocka_unit_test(last_digits_are_known),
+        cmocka_unit_test(steps_of_the_sensor_are_found),    cmocka_unit_test(noise_has_no_steps),
         cmocka_unit_test(steps_of_numbers_are_found),
     };
     return cmocka_run_group_tests(tests, open_all, close_all);

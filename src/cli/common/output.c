@@ -38,17 +38,38 @@ static bool is_same(const char *path, const struct stat *file)
            one.st_ino == file->st_ino;
 }
 
+// Whether --driver takes its column from a file: from FILE of FILE/COLUMN.
+static bool is_driver(const char *driver, const struct stat *file)
+{
+    bool found = false;
+    char *path = strdup(driver);
+    for (char *slash = path != NULL ? strrchr(path, '/') : NULL; slash != NULL && !found;
+         slash = strrchr(path, '/')) {
+        *slash = '\0';
+        found = is_same(path, file);
+    }
+    free(path);
+    return found;
+}
+
 // Whether a command reads a file: one that its words name, the case, or one that the case names.
 // @param c  NULL: the command reads no case
 static bool is_read(const cli_request *request, const lac_case *c, const struct stat *file)
 {
-    const char *const named[] = {
-        request->argument[0], request->argument[1],        request->compare,
-        request->fit,         request->forecast.case_file, c != NULL ? c->path : NULL};
+    const char *const named[] = {request->argument[0],
+                                 request->argument[1],
+                                 request->compare,
+                                 request->fit,
+                                 request->forecast.case_file,
+                                 request->forecast.levels,
+                                 c != NULL ? c->path : NULL};
     char **path;
     bool found = false;
     for (size_t i = 0; i < sizeof named / sizeof *named; i++) {
         found |= is_same(named[i], file);
+    }
+    for (size_t i = 0; i < request->drivers.n; i++) {
+        found |= is_driver(request->drivers.word[i], file);
     }
     for (size_t i = 0; c != NULL && (path = lac_case_file(c, i)) != NULL; i++) {
         found |= is_same(*path, file);

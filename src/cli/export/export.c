@@ -196,7 +196,7 @@ static lac_status write_table(export_job *job, const lac_stored_shape *shape, la
         }
         path = lac_text_join(job->folder, "/", "attributes.csv");
     }
-    LAC_TRY(path != NULL ? LAC_OK : lac_fail_memory(err));
+    LAC_TRY(path != NULL ? cli_output_check(job->request, NULL, path, err) : lac_fail_memory(err));
     const bool whole = fclose(out) == 0;
     out = NULL;
     LAC_TRY(whole ? LAC_OK : lac_fail_memory(err));

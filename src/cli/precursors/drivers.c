@@ -119,6 +119,24 @@ static lac_status check_times(const cli_watched *w, const char *given, const lac
     return LAC_OK;
 }
 
+static bool is_called(const char *words, const char *column)
+{
+    const char *colon = words != NULL ? strrchr(words, ':') : NULL;
+    const size_t n = words == NULL ? 0 : colon != NULL ? (size_t)(colon - words) : strlen(words);
+    return words != NULL && strlen(column) == n && strncmp(words, column, n) == 0;
+}
+
+// Whether a column is what is to be explained.
+static bool is_motion(const cli_request *request, const lac_case *known, const char *column)
+{
+    const cli_series_words *words = &request->series;
+    const bool named = words->displacement != NULL || words->velocity != NULL;
+    return is_called(words->displacement, column) || is_called(words->velocity, column) ||
+           (!named && known != NULL &&
+            (is_called(known->fit.columns.displacement, column) ||
+             is_called(known->fit.columns.velocity, column)));
+}
+
 static lac_status read_one(const cli_request *request, const lac_case *known, const char *given,
                            const cli_watched *w, const lac_units *units, cli_drivers *out,
                            lac_error *err)
@@ -138,6 +156,10 @@ static lac_status read_one(const cli_request *request, const lac_case *known, co
     if (def.time_format == NULL && known != NULL) {
         def.time_format = known->fit.columns.time_format;
     }
+    LAC_FAIL_IF(p.path == NULL && is_motion(request, known, p.column), err, LAC_EINPUT,
+                "--driver: \"%s\" is the motion itself, and would explain it whatever drives the "
+                "slope",
+                given);
     def.path = p.path != NULL ? p.path : w->of.source;
     def.value = p.column;
     def.value_unit = def.value_si = p.unit; // of any dimension: kept as it is

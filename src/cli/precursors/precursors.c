@@ -262,6 +262,23 @@ static lac_status check_since(const precursors_job *job, lac_error *err)
                : LAC_OK;
 }
 
+// A window in which no two readings lie gives no velocity, and no method an answer.
+static lac_status check_window(const precursors_job *job, lac_error *err)
+{
+    const lac_readings *r = &job->watched.readings;
+    const lac_motion_def *motion = &job->plan.def.motion;
+    double least = INFINITY;
+    for (size_t i = 1; i < r->n; i++) {
+        least = fmin(least, r->time[i] - r->time[i - 1]);
+    }
+    return motion->smoothing == LAC_SMOOTH_WINDOW && r->n > 1 && motion->window < least
+               ? lac_fail(err, LAC_EINPUT,
+                          "--smooth: \"%s\" is %g s, shorter than every interval of the readings, "
+                          "%g s or more: such as \"window:7 day\"",
+                          job->request->forecast.smooth, motion->window, least)
+               : LAC_OK;
+}
+
 static lac_status answer(const cli_request *request, const char *station, lac_json *json,
                          lac_error *err)
 {
@@ -272,6 +289,8 @@ static lac_status answer(const cli_request *request, const char *station, lac_js
     LAC_LEAVE_IF(lines && (request->forecast.rolling == NULL || request->output != NULL ||
                            cli_given(request, CLI_OPT_JSON)),
                  err, LAC_EINPUT, "--jsonl: is of --rolling, without -o and --json");
+    LAC_LEAVE_IF(request->forecast.failed_at != NULL && request->forecast.rolling == NULL, err,
+                 LAC_EINPUT, "--failed-at: judges the forecasts of --rolling: give both");
     LAC_TRY(lac_units_create(&job.units, err));
     LAC_TRY(read_case(&job, err));
     if (request->output != NULL) {
@@ -280,6 +299,7 @@ static lac_status answer(const cli_request *request, const char *station, lac_js
     LAC_TRY(cli_watched_read(request, job.source, job.units, &job.watched, err));
     LAC_TRY(cli_forecast_plan_read(request, of->dated, job.units, &job.plan, err));
     LAC_TRY(check_since(&job, err));
+    LAC_TRY(check_window(&job, err));
     LAC_TRY(cli_drivers_read(request, job.source, &job.watched, job.units, &job.drivers, err));
     job.plan.def.drivers = job.drivers.n;
     job.plan.def.driver = job.drivers.driver;

@@ -231,10 +231,10 @@ lac_status cli_forecast_plan_read(const cli_request *request, bool dated, const 
     if (words->horizon != NULL) {
         double *horizon = &plan->def.levels.horizon;
         status = lac_units_parse(units, words->horizon, "s", horizon, err);
-        if (status != LAC_OK || !(*horizon > 0.0)) {
+        if (status != LAC_OK || !(*horizon >= LAC_LEAST_HORIZON)) { // "3" is three seconds
             status = lac_fail(err, LAC_EINPUT,
-                              "--horizon: \"%s\" must be a time > 0 s, such as \"7 day\"",
-                              words->horizon);
+                              "--horizon: \"%s\" must be a time >= %g s, such as \"7 day\"",
+                              words->horizon, LAC_LEAST_HORIZON);
         }
     }
 out:

@@ -9,6 +9,7 @@
 #include <poll.h>
 #include <string.h>
 #include <sys/resource.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "cli/common/command.h"
@@ -89,6 +90,7 @@ static lac_status read_stream(watch_job *job, lac_error *err)
             if (n == 0) {
                 return LAC_OK;
             }
+            lac_watch_clock(job->watch, (double)time(NULL));
             LAC_TRY_RETURN(n > 0 ? lac_watch_stream(job->watch, bytes, (size_t)n, err) : LAC_OK);
         }
         LAC_TRY_RETURN(keep(job, ready == 0, err));
@@ -111,6 +113,7 @@ static lac_status follow(watch_job *job, lac_error *err)
     allow_files();
     while (!cli_signals_stop(NULL)) {
         bool more = false;
+        lac_watch_clock(job->watch, (double)time(NULL));
         LAC_TRY_RETURN(lac_watch_poll(job->watch, &more, err));
         LAC_TRY_RETURN(keep(job, !more, err));
         if (!more && !cli_signals_stop(NULL)) {
@@ -125,9 +128,9 @@ static void print(const watch_job *job, const lac_watch_counts *c)
     const struct {
         const char *name;
         uint64_t value;
-    } row[] = {{"stations", c->stations}, {"lines", c->lines},      {"readings", c->readings},
-               {"late", c->late},         {"doubled", c->doubled},  {"old", c->old},
-               {"bad", c->bad},           {"restored", c->restored}};
+    } row[] = {{"stations", c->stations}, {"lines", c->lines},     {"readings", c->readings},
+               {"late", c->late},         {"doubled", c->doubled}, {"old", c->old},
+               {"ahead", c->ahead},       {"bad", c->bad},         {"restored", c->restored}};
     struct rusage use;
     const int64_t peak = getrusage(RUSAGE_SELF, &use) == 0 ? (int64_t)use.ru_maxrss * 1024 : 0;
     lac_json json = {.out = stdout};
