@@ -51,10 +51,12 @@ lacuna_cases(rg rg --set interface.levels=7)
 list(TRANSFORM groups PREPEND outputs_ OUTPUT_VARIABLE case_outputs)
 list(APPEND case_outputs outputs_contact outputs_rg)
 
-# The tables of docs/case.md are the program's.
+# The tables of docs/case.md and docs/rocks.md are the program's.
 add_test(NAME case.tables COMMAND ${LACUNA_PYTHON} ${PROJECT_SOURCE_DIR}/tools/dev/case_tables.py --check
          --program $<TARGET_FILE:lacuna_program> --page ${PROJECT_SOURCE_DIR}/docs/case.md)
-set_tests_properties(case.tables PROPERTIES LABELS case ENVIRONMENT ${case_environment})
+add_test(NAME case.rocks COMMAND ${LACUNA_PYTHON} ${PROJECT_SOURCE_DIR}/tools/dev/case_tables.py --check --rocks
+         --program $<TARGET_FILE:lacuna_program> --page ${PROJECT_SOURCE_DIR}/docs/rocks.md)
+set_tests_properties(case.tables case.rocks PROPERTIES LABELS case ENVIRONMENT ${case_environment})
 
 # lacuna_python_test(NAME [LABEL...]): case/NAME.py, called with the program and the source folder.
 # These are the long ones, so they begin. The label `once` says that sanitizers show nothing more: what is
@@ -79,6 +81,8 @@ lacuna_python_test(test_breaks extreme)
 
 # Loads that change in time, and the files that they come from.
 lacuna_python_test(test_loads)
+lacuna_python_test(test_safety)
+lacuna_python_test(test_loads_over_joint)
 
 # Elastic rock: what slip takes off the cells and how loads reach them.
 add_test(NAME case.test_elastic
@@ -102,6 +106,7 @@ target_compile_options(at_call PRIVATE ${warnings})
 target_link_libraries(at_call PRIVATE ${CMAKE_DL_LIBS})
 set(test_resume_files $<TARGET_FILE:at_call>)
 lacuna_python_test(test_resume)
+lacuna_python_test(test_points)
 
 # What is left where a program is killed, or a file call fails, at each of them in turn.
 set(test_every_call_files $<TARGET_FILE:at_call>)

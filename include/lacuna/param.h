@@ -24,6 +24,7 @@ enum {
     LAC_OPTIONAL = 1,  ///< may be absent without a default: NaN, INT64_MIN, -1 or NULL then
     LAC_ABOVE_MIN = 2, ///< `min` itself is excluded (a strictly positive quantity)
     LAC_CELLWISE = 4,  ///< may vary from cell to cell (`spread`)
+    LAC_TELLS = 8,     ///< a choice that gives other parameters their values where a case does not
 };
 
 /// One parameter of a model: schema, unit, default, range and documentation in one row.
@@ -50,6 +51,9 @@ typedef struct lac_model_info {
     size_t params_size; ///< size of the struct that the offsets refer to [bytes]
     /// What is wrong with the parameters taken together; NULL where nothing is. NULL: no such check
     const char *(*validate)(const void *params);
+    /// Gives parameters that a case does not name what follows from those that it does, bit i of
+    /// `given` the i-th. @return what is wrong; NULL where nothing is. NULL: nothing follows
+    const char *(*complete)(void *params, uint64_t given);
 } lac_model_info;
 
 /// A kind of model that a case can choose, or that a command has. Only the library makes it: it may

@@ -27,6 +27,10 @@ typedef struct lac_observation {
     double rate_drift; ///< |sum (q - K slip - p f - damping - inertia)| / sum (a p + eta |v|): how
                        ///< far the mean slip rate is off the balance, relative to itself [1]
     size_t fastest;    ///< cell with the largest rate
+    const double *points; ///< [points][4] slip [m], slip rate [m/s], traction [Pa] and state [s] at
+                          ///< the case's output.points, until the sink returns; NULL: none
+    double factor_of_safety; ///< strength at the reference rate over Q [1]; NaN: not asked, or
+                             ///< nothing drives
 } lac_observation;
 
 /// The contact cells at a record; the arrays hold until the sink returns. It does not grow.
@@ -65,12 +69,15 @@ typedef struct lac_extra {
 
 /// Fields of every cell at one time.
 typedef struct lac_snapshot {
-    double time;             ///< [s]
-    const double *slip;      ///< [n] [m]
-    const double *slip_rate; ///< [n] [m/s]
-    const double *state;     ///< [n] [s]
-    const double *traction;  ///< [n] [Pa]
-    size_t n;                ///< contact cells
+    double time;                    ///< [s]
+    const double *slip;             ///< [n] [m]
+    const double *slip_rate;        ///< [n] [m/s]
+    const double *state;            ///< [n] [s]
+    const double *traction;         ///< [n] [Pa]
+    size_t n;                       ///< contact cells
+    const double *pore;             ///< [n] pore pressure [Pa]
+    const double *factor_of_safety; ///< [n] of each cell [1], NaN where it carries nothing; NULL:
+                                    ///< not asked
 } lac_snapshot;
 
 /// The state after a step of the integrator; the arrays hold until the sink returns.
@@ -135,6 +142,13 @@ typedef struct lac_failure {
                   ///< for [m/s]; INFINITY: nothing is in the way
 } lac_failure;
 
+/// The factor of safety over the records of a run. NaN: it was not asked for. It does not grow.
+typedef struct lac_safety_summary {
+    double start, end, least; ///< [1]
+    double least_time;        ///< of the record where it was least [s]
+    double below_time; ///< when it first was below 1, between records along a line [s]; NaN: never
+} lac_safety_summary;
+
 /// How a run ended and what it took.
 typedef struct lac_run_result {
     lac_end end;
@@ -148,6 +162,7 @@ typedef struct lac_run_result {
     double mean_slip;        ///< at the end [m]
     double balance_residual; ///< worst over the records
     double rate_drift;       ///< worst over the records
+    lac_safety_summary safety;
 } lac_run_result;
 
 /// A part of the preparation.
@@ -228,7 +243,8 @@ lac_status lac_simulation_run(lac_simulation *simulation, const lac_sink *sink, 
 
 /// Runs it and keeps everything in memory. Beside the variables of a run's file (docs/format.md;
 /// times are seconds since the start) there are, each one value: `failed` (0 or 1), `failure_time`
-/// [s], `steps`, and where the case has a date `start_date` [s since 1970].
+/// [s], `steps`, where the case has a date `start_date` [s since 1970], and where the factor of
+/// safety is worked out `factor_of_safety_start`, `_least` and `_below_1_time` [s].
 /// @param out  outlives the simulation; NULL unless LAC_OK or LAC_EINTERRUPT, which keeps what was
 ///             computed
 /// @return as lac_simulation_run

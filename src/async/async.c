@@ -124,9 +124,9 @@ static double traction_at(const lac_async *m, const lac_async_cell *c, double t)
            load->common_rate * t;
 }
 
-static double pressure_at(const lac_async *m, const lac_async_cell *c, double t)
+static double pressure_at(const lac_async_cell *c, double t)
 {
-    return c->pressure * (m->load.share + m->load.share_rate * t);
+    return c->pressure * (c->share + c->share_rate * t);
 }
 
 // Plans a cell's next step from time t; E changes at `rate`, the cell's own part left out.
@@ -134,8 +134,8 @@ static void plan(const lac_async *m, lac_async_cell *c, double rate, double self
 {
     const lac_async_push push = {.pull_rate =
                                      c->pressure * m->load.ratio_rate + m->load.common_rate + rate,
-                                 .pressure = pressure_at(m, c, c->t),
-                                 .pressure_rate = c->pressure * m->load.share_rate,
+                                 .pressure = pressure_at(c, c->t),
+                                 .pressure_rate = c->pressure * c->share_rate,
                                  .own = c->stiffness - self};
     double h = lac_async_cell_plan(&m->rules, &push, c);
     c->due = c->t + h;
@@ -173,8 +173,8 @@ static lac_async_span span_to(const lac_async *m, const lac_async_cell *c,
                             .pull0 = traction_at(m, c, c->t) + c->outer - self * c->slip + damped,
                             .pull1 = traction_at(m, c, t) + outer - self * (c->slip + c->told * h) +
                                      damped,
-                            .pressure0 = pressure_at(m, c, c->t),
-                            .pressure1 = pressure_at(m, c, t),
+                            .pressure0 = pressure_at(c, c->t),
+                            .pressure1 = pressure_at(c, t),
                             .own = c->stiffness - self};
 }
 
@@ -199,6 +199,8 @@ void lac_async_start(lac_async *m, const lac_async_load *load, const double *tra
     for (uint32_t i = 0; i < tree->n; i++) {
         lac_async_cell *c = &tree->cell[i];
         c->traction = traction[i];
+        c->share = load->shares != NULL ? load->shares[i] : load->share;
+        c->share_rate = load->shares != NULL ? load->share_rates[i] : load->share_rate;
         c->u = state->log_rate[i];
         c->w = state->log_state[i];
         c->v = c->told = exp(c->u);
@@ -326,7 +328,9 @@ double lac_async_shift(lac_async *m)
     lac_async_load *load = &m->load;
     load->ratio += load->ratio_rate * by;
     load->common += load->common_rate * by;
-    load->share += load->share_rate * by;
+    for (uint32_t i = 0; i < m->tree.n; i++) {
+        m->tree.cell[i].share += m->tree.cell[i].share_rate * by;
+    }
     lac_async_tree_shift(&m->tree, by);
     m->age += by;
     m->t = 0.0;

@@ -23,10 +23,11 @@ typedef struct lac_async_def {
 /// Loads that are linear in time: q_i = traction_i + p_i ratio + common - k_mean mean slip, and
 /// effective normal pressure p_i share.
 typedef struct lac_async_load {
-    double ratio, ratio_rate;   ///< at t = 0 [1], [1/s]
-    double common, common_rate; ///< [Pa], [Pa/s]
-    double share, share_rate;   ///< [1], [1/s]
-    double k_mean;              ///< [Pa/m]
+    double ratio, ratio_rate;           ///< at t = 0 [1], [1/s]
+    double common, common_rate;         ///< [Pa], [Pa/s]
+    double share, share_rate;           ///< [1], [1/s]
+    const double *shares, *share_rates; ///< [n] of each cell instead; NULL: all are alike
+    double k_mean;                      ///< [Pa/m]
 } lac_async_load;
 
 /// The state of all cells at one time.

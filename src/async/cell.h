@@ -10,6 +10,7 @@
 typedef struct lac_async_cell {
     double a, b, constant, dc, ln_dc; // friction: f = constant + a u + b w
     double pressure;                  // total [Pa]
+    double share, share_rate;         // effective over total at t = 0 of the loads [1], [1/s]
     double damping;                   // of its own rate [Pa s/m]
     double traction;                  // q at t = 0 of the loads [Pa]
     double stiffness;                 // ties it to its parent block: K_i of eq. 2 [Pa/m]

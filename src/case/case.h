@@ -56,6 +56,7 @@ typedef struct lac_compare_def {
     char *path;             ///< already relative to the working folder
     lac_series_def columns; ///< texts owned
     char *label;            ///< what to call it; NULL
+    char *point;            ///< of output.points that it is of; NULL: of the whole joint
 } lac_compare_def;
 
 /// How the shear force spreads over the cells in `rg`.
@@ -95,6 +96,7 @@ typedef struct lac_fit_def {
     size_t count;
     lac_fit_parameter *parameter; ///< [count]
     lac_series_def columns;       ///< texts owned
+    char *point;                  ///< of output.points that they are of; NULL: of the whole joint
     double displacement_error;    ///< [m]; NaN: estimated (with a column sigma: its factor is)
     double velocity_error;        ///< of ln(velocity) [1]; NaN: estimated
     int errors;                   ///< lac_fit_errors, of displacements
@@ -172,6 +174,9 @@ struct lac_case {
     int fft_planning;         ///< 0: estimate, reproducible to the bit; 1: measure
     char *output_file;        ///< NULL: named after the case
     unsigned fields;          ///< LAC_FIELD_* of store.h
+    size_t points;
+    lac_point_def *point; ///< [points] at which a run is watched
+    lac_safety safety;    ///< asked for, by name or by what lac_case_implies_safety says
     int64_t compression;
     int single; ///< 1: what is written of slips, rates, forces is of single precision
     lac_rg_def rg;
@@ -206,6 +211,10 @@ lac_status lac_case_read_text(const char *name, const char *text, size_t size,
 /// Mass of the sliding block per nominal area [kg/m2]; 0: the case names no inertia.
 double lac_inertia_mass(const lac_case *c);
 
+/// Whether a case asks for the factor of safety without naming it in `output`: its loads are
+/// gravity on a slope, or a limit of the run or a map of the cells is one.
+bool lac_case_implies_safety(const lac_case *c);
+
 /// Whether nothing that the case names of solver and inertia is against solver.fidelity events; of
 /// its law, loads and transfer lac_run_async_follows tells.
 bool lac_case_admits_events(const lac_case *c);
@@ -215,6 +224,9 @@ typedef struct lac_case_value {
     double *at;
     const lac_param *param;
 } lac_case_value;
+
+/// Which of a case's points has a name; c->points: none.
+size_t lac_case_point(const lac_case *c, const char *name);
 
 /// Finds a real parameter that the case holds by its dotted key: of the models it names (list items
 /// by index), of interface and material, initial.slip_rate, initial.state (where a time) and

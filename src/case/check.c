@@ -326,7 +326,7 @@ static void check_inertia(lac_reader *reader, lac_case *c, double pressure)
 }
 
 // Cells at steps of their own have one formulation and no method to choose.
-enum { EVENTS_REFUSE = 5 };
+enum { EVENTS_REFUSE = 6 };
 static const struct {
     const char *key, *why;
 } events_refuse[EVENTS_REFUSE] = {
@@ -335,6 +335,7 @@ static const struct {
     {"solver.method", "goes with fidelity ode, not with events"},
     {"solver.max_order", "goes with fidelity ode, not with events"},
     {"solver.first_step", "goes with fidelity ode, not with events"},
+    {"time.stop_when.factor_of_safety", "goes with fidelity ode, not with events"},
 };
 
 // Which of these the case asks for.
@@ -345,13 +346,14 @@ static void ask_events(const lac_case *c, bool asked[EVENTS_REFUSE])
     asked[2] = c->run.method != LAC_BDF;
     asked[3] = c->run.max_order != 0;
     asked[4] = !isnan(c->run.first_step);
+    asked[5] = !isnan(c->run.stop_safety);
 }
 
 bool lac_case_admits_events(const lac_case *c)
 {
     bool asked[EVENTS_REFUSE];
     ask_events(c, asked);
-    return !(asked[0] || asked[1] || asked[2] || asked[3] || asked[4]);
+    return !(asked[0] || asked[1] || asked[2] || asked[3] || asked[4] || asked[5]);
 }
 
 static void check_events(lac_reader *reader, lac_case *c)
@@ -414,11 +416,28 @@ static void check_cadences(lac_reader *reader, const lac_case *c)
     }
 }
 
+bool lac_case_implies_safety(const lac_case *c)
+{
+    const lac_normal_load *normal = (const void *)c->normal.info;
+    const lac_load_models loads = {c->shear.item, c->shear.count, c->pore.item, c->pore.count};
+    return (normal != NULL && normal->slope) || lac_load_models_slope(&loads) ||
+           !isnan(c->run.stop_safety) || (c->fields & (unsigned)LAC_FIELD_SAFETY) != 0;
+}
+
+// Where it is written, maps of the cells have it too.
+static void ask_safety(lac_case *c)
+{
+    c->safety.asked = c->safety.asked || lac_case_implies_safety(c);
+    c->fields |= c->safety.asked && c->fields != 0 ? (unsigned)LAC_FIELD_SAFETY : 0U;
+    c->run.cell_safety = (c->fields & (unsigned)LAC_FIELD_SAFETY) != 0;
+}
+
 // What lac_run leaves to its caller.
 static unsigned beyond_run(const lac_reader *reader, const lac_case *c)
 {
-    static const char *const written[] = {"output.file", "output.fields", "output.checkpoint",
-                                          "output.compression", "output.precision"};
+    static const char *const written[] = {"output.file",       "output.fields",
+                                          "output.checkpoint", "output.compression",
+                                          "output.precision",  "output.points"};
     unsigned beyond = (isnan(c->accuracy) ? 0U : (unsigned)LAC_BEYOND_ACCURACY) |
                       (c->analysis.count > 0 ? (unsigned)LAC_BEYOND_ANALYSIS : 0U);
     for (size_t i = 0; i < sizeof written / sizeof written[0]; i++) {
@@ -456,6 +475,9 @@ void lac_check_case(lac_reader *reader, lac_case *c)
     lac_check_rg(reader, c);
     lac_check_analysis(reader, c);
     lac_check_fit(reader, c);
+    lac_check_points(reader, c);
+    lac_check_point_names(reader, c);
     check_cadences(reader, c);
+    ask_safety(c);
     c->run.beyond = beyond_run(reader, c);
 }

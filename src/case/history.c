@@ -99,6 +99,9 @@ void lac_find_coulomb(lac_reader *reader, const lac_case *c, const char *key, do
                    "is missing, and f0 of the friction law is %g; must be > 0", *friction)) {
         *friction = NAN;
     }
+    if (((const lac_friction_params *)c->friction.params)->cohesion > 0) {
+        lac_warn(reader, key, "takes f0 alone; the friction law's cohesion has no effect on it");
+    }
     if (lac_heterogeneity_has(&c->friction_spread, "f0")) {
         lac_warn(reader, key,
                  "takes the nominal f0 for every cell; friction.spread.f0 has no effect on it");

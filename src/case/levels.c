@@ -20,11 +20,25 @@
              "rate of the last day, or step where longer, that gives " text \
              " by itself: \"5 mm/day\"; .inf: none")
 
-enum { WATCH_P, ODDS, ODDS_DENSE, ODDS_SUDDEN, RUNNING, HOLD, HORIZON, CHANCE, AGREE, RATES };
+enum {
+    WATCH_P,
+    SURGE,
+    ODDS,
+    ODDS_DENSE,
+    ODDS_SUDDEN,
+    RUNNING,
+    HOLD,
+    HORIZON,
+    CHANCE,
+    AGREE,
+    RATES
+};
 
 static const lac_param rows[] = {
     [WATCH_P] = NUMBER(watch_p, 0, 1, LAC_ABOVE_MIN,
                        "watch: chance, below 1, of so clear a rise where the rate is steady"),
+    [SURGE] = NUMBER(surge, 1, 1e300, LAC_ABOVE_MIN,
+                     "or the last readings go at so many times the rate that was usual before"),
     [ODDS] = NUMBER(odds, -50, 1000, 0,
                     "warning: ln odds of a law that ends in failure, at readings 10 days apart"),
     [ODDS_DENSE] =

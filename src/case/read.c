@@ -78,6 +78,10 @@ void lac_case_free(lac_case *c)
         lac_table_clear(lac_section_find("compare"), &c->compare[i]);
     }
     free(c->compare);
+    for (size_t i = 0; i < c->points; i++) {
+        lac_table_clear(lac_section_find("output.points"), &c->point[i]);
+    }
+    free(c->point);
     for (size_t i = 0; i < c->fit.count; i++) {
         free(c->fit.parameter[i].key);
     }

@@ -105,10 +105,23 @@ static void read_cadence(lac_reader *reader, const lac_node *node, lac_cadence *
     }
 }
 
+void lac_read_safety(lac_reader *reader, const lac_node *node, lac_case *c)
+{
+    (void)reader;
+    (void)node;
+    c->safety.asked = true;
+}
+
 void lac_read_fields(lac_reader *reader, const lac_node *node, lac_case *c)
 {
+    char known[80] = "";
+    size_t names = 0;
+    while (lac_field_names[names] != NULL) {
+        names++;
+    }
+    lac_append_names(known, sizeof known, lac_field_names, names);
     if (node->kind != LAC_NODE_LIST) {
-        lac_add_error(reader, node, "must be a list of: slip, slip_rate, state, traction");
+        lac_add_error(reader, node, "must be a list of: %s", known);
         return;
     }
     for (size_t i = 0; i < node->count; i++) {
@@ -118,7 +131,7 @@ void lac_read_fields(lac_reader *reader, const lac_node *node, lac_case *c)
             bit |= strcmp(lac_field_names[k], item->text) == 0 ? 1u << k : 0u;
         }
         if (bit == 0) {
-            lac_add_error(reader, item, "must be one of: slip, slip_rate, state, traction");
+            lac_add_error(reader, item, "must be one of: %s", known);
         }
         c->fields |= bit;
     }

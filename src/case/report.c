@@ -8,7 +8,7 @@
 
 #include "case/sections.h"
 
-enum { LONGEST_VALUE = 60, LONGEST_MESSAGE = 400 };
+enum { LONGEST_VALUE = 60, LONGEST_MESSAGE = 500 };
 
 char *lac_reader_copy(lac_reader *reader, const char *text, size_t size)
 {

@@ -8,7 +8,10 @@
 #include "base/nearest.h"
 #include "case/sections.h"
 
-enum { MAX_KNOWN = 64 };
+enum {
+    MAX_KNOWN = 64,
+    MOST_LISTED = 12, // choices of which the nearest is not named besides
+};
 
 static const double largest_whole = 0x1p53 - 1.0; // beyond it doubles stand for several
 
@@ -72,7 +75,7 @@ static bool read_integer(lac_reader *reader, const lac_node *node, const lac_par
 static bool read_choice(lac_reader *reader, const lac_node *node, const lac_param *param,
                         int *value)
 {
-    char text[200];
+    char text[500];
     size_t n = 0;
     for (; param->choices[n] != NULL; n++) {
         if (node->kind == LAC_NODE_SCALAR && strcmp(param->choices[n], node->text) == 0) {
@@ -80,7 +83,16 @@ static bool read_choice(lac_reader *reader, const lac_node *node, const lac_para
             return true;
         }
     }
-    (void)snprintf(text, sizeof text, "must be %s", n > 1 ? "one of: " : "");
+    // a word that is near one of many is not easily found among them
+    const bool scalar = node->kind == LAC_NODE_SCALAR;
+    const char *near =
+        scalar && n > MOST_LISTED ? lac_nearest(node->text, param->choices, n) : NULL;
+    if (near != NULL) {
+        (void)snprintf(text, sizeof text,
+                       "is unknown; did you mean \"%s\"? It must be one of: ", near);
+    } else {
+        (void)snprintf(text, sizeof text, "must be %s", n > 1 ? "one of: " : "");
+    }
     lac_append_names(text, sizeof text, param->choices, n);
     lac_add_error(reader, node, "%s", text);
     return false;
@@ -221,8 +233,30 @@ bool lac_key_misspelt(const lac_node *map, const lac_model_info *table, const ch
     return false;
 }
 
+// What might have told a value and does not: " (rock talc-gouge does not tell it)"; NULL: it is
+// wrong, which is reported, and nobody knows what it would tell.
+static const char *not_told(const lac_node *map, const lac_model_info *table, const void *params,
+                            char *text, size_t size)
+{
+    text[0] = '\0';
+    for (size_t i = 0; i < table->param_count; i++) {
+        const lac_param *param = &table->params[i];
+        if ((param->flags & LAC_TELLS) == 0 || lac_node_child(map, param->key) == NULL) {
+            continue;
+        }
+        if (!lac_param_given(param, params)) {
+            return NULL;
+        }
+        const int *chosen = (const void *)((const char *)params + param->offset);
+        (void)snprintf(text, size, " (%s %s does not tell it)", param->key,
+                       param->choices[*chosen]);
+    }
+    return text;
+}
+
 // Says what is wanted in the words of the error that another value would get.
-static void blame_missing(lac_reader *reader, const lac_node *map, const lac_param *param)
+static void blame_missing(lac_reader *reader, const lac_node *map, const lac_param *param,
+                          const char *why)
 {
     lac_error err = {""};
     double ignored;
@@ -232,8 +266,38 @@ static void blame_missing(lac_reader *reader, const lac_node *map, const lac_par
     if (param->type == LAC_REAL) {
         (void)lac_units_parse(reader->units, "", param->unit, &ignored, &err);
     }
-    (void)lac_refuse(reader, true, path, "is missing%s%s", err.message[0] == '\0' ? "" : ": ",
-                     err.message);
+    (void)lac_refuse(reader, true, path, "is missing%s%s%s", why,
+                     err.message[0] == '\0' ? "" : ": ", err.message);
+}
+
+static void blame_all_missing(lac_reader *reader, const lac_node *map, const lac_model_info *table,
+                              const void *params)
+{
+    char text[100];
+    const char *why = not_told(map, table, params, text, sizeof text);
+    for (size_t i = 0; why != NULL && i < table->param_count; i++) {
+        const lac_param *param = &table->params[i];
+        const bool follows = table->complete != NULL && lac_param_given(param, params);
+        if (lac_param_required(param) && lac_node_child(map, param->key) == NULL && !follows &&
+            !lac_key_misspelt(map, table, param->key)) {
+            blame_missing(reader, map, param, why);
+        }
+    }
+}
+
+// Lets values follow from those that were given.
+static void complete(lac_reader *reader, const lac_node *map, const lac_model_info *table,
+                     void *params)
+{
+    uint64_t given = 0;
+    for (size_t i = 0; i < table->param_count && i < 64; i++) {
+        const lac_node *node = lac_node_child(map, table->params[i].key);
+        given |= (uint64_t)(node != NULL) << i;
+    }
+    const char *fault = table->complete != NULL ? table->complete(params, given) : NULL;
+    if (fault != NULL) {
+        lac_add_error(reader, map, "%s", fault);
+    }
 }
 
 void lac_read_table(lac_reader *reader, const lac_node *map, const lac_model_info *table,
@@ -252,13 +316,8 @@ void lac_read_table(lac_reader *reader, const lac_node *map, const lac_model_inf
             (void)lac_read_param(reader, node, param, params);
         }
     }
-    for (size_t i = 0; i < table->param_count; i++) {
-        const lac_param *param = &table->params[i];
-        if (lac_param_required(param) && lac_node_child(map, param->key) == NULL &&
-            !lac_key_misspelt(map, table, param->key)) {
-            blame_missing(reader, map, param);
-        }
-    }
+    complete(reader, map, table, params);
+    blame_all_missing(reader, map, table, params);
     for (size_t i = 0; i < table->param_count; i++) {
         const lac_param *param = &table->params[i];
         const lac_node *node = lac_node_child(map, param->key);

@@ -18,7 +18,8 @@ static const char *const history_methods[] = {"direct", NULL};
 static const char *const precisions[] = {"double", "float", NULL};
 static const char *const history_fields[] = {"all", "last", "none", NULL};
 
-const char *const lac_field_names[] = {"slip", "slip_rate", "state", "traction", NULL};
+const char *const lac_field_names[] = {"slip",          "slip_rate",        "state", "traction",
+                                       "pore_pressure", "factor_of_safety", NULL};
 
 static const lac_param case_rows[] = {
     LAC_OWN("lacuna", "version of the format: 1"),
@@ -111,7 +112,8 @@ static const lac_param time_rows[] = {
     LAC_REAL("end", "s", FIELD(run.end), NAN, 1e-9, 1e15, 0, "of the run, since its start"),
     LAC_OWN("failure",
             "{mean_slip_rate: ..., mean_slip: ...}: what counts as failure, the first of them"),
-    LAC_OWN("stop_when", "{mean_slip: ..., max_slip_rate: ...}: other limits"),
+    LAC_OWN("stop_when",
+            "{mean_slip: ..., max_slip_rate: ..., factor_of_safety: ...}: other limits"),
 };
 
 static const lac_param failure_rows[] = {
@@ -128,6 +130,9 @@ static const lac_param stop_rows[] = {
              "mean slip at which the run ends"),
     LAC_REAL("max_slip_rate", "m/s", FIELD(run.stop_rate), NAN, 0, 1e4,
              LAC_OPTIONAL | LAC_ABOVE_MIN, "slip rate of any cell at which the run ends"),
+    LAC_REAL("factor_of_safety", "1", FIELD(run.stop_safety), NAN, 0, 1e3,
+             LAC_OPTIONAL | LAC_ABOVE_MIN,
+             "factor of safety of the joint at which the run ends as it falls; with fidelity ode"),
 };
 
 static const lac_param output_rows[] = {
@@ -135,15 +140,26 @@ static const lac_param output_rows[] = {
              "to write, from the folder one works in; named after the case if absent"),
     LAC_OWN("every", "how often a line of the time series is kept: a time, {steps: N}, "
                      "{per_decade: N} of the mean slip rate; each step if absent"),
-    LAC_OWN("fields", "of every cell to keep: [slip, slip_rate, state, traction]"),
+    LAC_OWN("fields", "of every cell to keep: [slip, slip_rate, state, traction, pore_pressure, "
+                      "factor_of_safety]"),
     LAC_OWN("fields_every", "how often the fields are kept, as `every`; once per decade of the "
                             "mean slip rate if absent"),
+    LAC_OWN("points", "[{name: P1, x: 12 m, y: 3 m}, ...]: places whose motion is kept at every "
+                      "record"),
     LAC_OWN("checkpoint", "how often the run saves what --resume goes on from, as `every`; only "
                           "when a signal ends it if absent"),
+    LAC_OWN("factor_of_safety", "{reference_rate: ...}: strength at a slip rate over what drives; "
+                                "written where named, and where a load is the model slope"),
     LAC_INTEGER("compression", FIELD(compression), 1, 0, 9, 0, "deflate level of the fields"),
     LAC_CHOICE("precision", FIELD(single), 0, precisions, 0,
                "of records and fields but times; a float has seven digits, takes half the space "
                "and holds nothing below 1e-38"),
+};
+
+static const lac_param safety_rows[] = {
+    LAC_REAL("reference_rate", "m/s", FIELD(safety.reference_rate), NAN, 0, 1e4,
+             LAC_OPTIONAL | LAC_ABOVE_MIN,
+             "slip rate at which the strength counts; v0 of the friction if absent"),
 };
 
 static const lac_param cadence_rows[] = {
@@ -156,6 +172,18 @@ static const lac_param cadence_rows[] = {
              LAC_OPTIONAL | LAC_ABOVE_MIN, "records per decade of the mean slip rate"),
 };
 
+static const lac_param point_rows[] = {
+    LAC_TEXT("name", offsetof(lac_point_def, name), 0, "what to call it"),
+    LAC_REAL("x", "m", offsetof(lac_point_def, x), NAN, -1e9, 1e9, LAC_OPTIONAL,
+             "its place along x, from 0 at the edge to interface.size; may be absent only for a "
+             "single block"),
+    LAC_REAL("y", "m", offsetof(lac_point_def, y), NAN, -1e9, 1e9, LAC_OPTIONAL,
+             "the same along y; none on a line"),
+    LAC_REAL("radius", "m", offsetof(lac_point_def, radius), 0, 0, 1e9, 0,
+             "the mean over the contact cells whose centres lie as near is kept; the nearest cell "
+             "alone where none does"),
+};
+
 static const lac_param compare_rows[] = {
     LAC_PATH("file", offsetof(lac_compare_def, path), 0,
              "monitoring series (CSV), from the case's folder"),
@@ -165,6 +193,8 @@ static const lac_param compare_rows[] = {
     LAC_COLUMN("velocity", offsetof(lac_compare_def, columns.velocity), "m/s",
                "its column of velocities, as \"column:unit\""),
     LAC_TEXT("label", offsetof(lac_compare_def, label), LAC_OPTIONAL, "what to call it"),
+    LAC_TEXT("point", offsetof(lac_compare_def, point), LAC_OPTIONAL,
+             "the name in output.points of the place that it is of; else the mean of the joint"),
 };
 
 const lac_param lac_inertia_rows[LAC_INERTIA_ROWS] = {
@@ -267,6 +297,9 @@ static const lac_param fit_rows[] = {
                "column of velocities, as \"column:unit\""),
     LAC_COLUMN("sigma", FIT(columns.sigma), "m",
                "column of the displacements' standard errors, as \"column:unit\""),
+    LAC_TEXT("point", FIT(point), LAC_OPTIONAL,
+             "the name in output.points of the place that the readings are of; else the mean of "
+             "the joint"),
     LAC_REAL("displacement_error", "m", FIT(displacement_error), NAN, 0, 1e6,
              LAC_OPTIONAL | LAC_ABOVE_MIN,
              "standard error of a displacement; estimated if absent (with sigma: a factor on it)"),
@@ -305,7 +338,12 @@ static bool has_initial(const lac_case *c)
 
 static bool has_stop(const lac_case *c)
 {
-    return !isnan(c->run.stop_slip) || !isnan(c->run.stop_rate);
+    return !isnan(c->run.stop_slip) || !isnan(c->run.stop_rate) || !isnan(c->run.stop_safety);
+}
+
+static bool has_safety(const lac_case *c)
+{
+    return c->safety.reference_rate > 0.0 || (c->safety.asked && !lac_case_implies_safety(c));
 }
 
 static bool has_checkpoint(const lac_case *c)
@@ -315,6 +353,8 @@ static bool has_checkpoint(const lac_case *c)
 }
 
 static bool has_fields(const lac_case *c) { return c->fields != 0; }
+
+static bool has_points(const lac_case *c) { return c->points > 0; }
 
 static bool has_rg(const lac_case *c) { return c->rg.named; }
 
@@ -371,6 +411,10 @@ static const lac_part parts[] = {
     {OWN("output.fields"), .read = lac_read_fields, .given = has_fields, .put = lac_put_fields},
     {PART(CADENCE, "output.fields_every", run.snapshot), .read = lac_read_fields_every,
      .given = has_fields},
+    {OWN("output.points"), .read = lac_read_points, .given = has_points, .put = lac_put_points},
+    {RECORD("output.factor_of_safety", "strength at a slip rate over what drives", safety_rows),
+     .such = "{reference_rate: \"1 um/s\"}", .given = has_safety, .read = lac_read_safety,
+     .put = lac_put_safety},
     {RECORD("rg", "the cascade of slip and its renormalization (lacuna rg)", rg_rows),
      .such = "{rule: fix, beta: [0.8, 0.7, 0.6]}", .given = has_rg},
     {OWN("rg.beta"), .read = lac_read_betas, .put = lac_put_betas},
@@ -379,6 +423,7 @@ static const lac_part parts[] = {
      .such = "{parameters: {...}, time: date, ...}", .given = has_fit, .put = lac_put_fitted},
     {OWN("fit.parameters"), .read = lac_read_fitted},
     {ITEMS("output.every", "how often something is kept; the tightest counts", cadence_rows)},
+    {ITEMS("output.points", "a list of places at which the run is watched", point_rows)},
     {ITEMS("compare", "a list of monitoring series to lay beside the run", compare_rows),
      .read = lac_read_compare, .put = lac_put_compare},
     {ITEMS("load.history.steps", "a list; what a step does not name stays as it was", step_rows)},

@@ -249,9 +249,10 @@ typedef void lac_part_read(lac_reader *reader, const lac_node *node, lac_case *c
 typedef void lac_part_put(struct lac_writer *w, const lac_case *c);
 
 lac_part_read lac_read_version, lac_read_steps, lac_read_state, lac_read_start, lac_read_fields,
-    lac_read_fields_every, lac_read_betas, lac_read_analysis, lac_read_fitted, lac_read_compare;
+    lac_read_fields_every, lac_read_betas, lac_read_analysis, lac_read_fitted, lac_read_compare,
+    lac_read_points, lac_read_safety;
 lac_part_put lac_put_steps, lac_put_state, lac_put_start, lac_put_fields, lac_put_betas,
-    lac_put_analysis, lac_put_fitted, lac_put_compare;
+    lac_put_analysis, lac_put_fitted, lac_put_compare, lac_put_points, lac_put_safety;
 
 /// Names of LAC_FIELD_*, in the order of their bits; NULL at the end.
 extern const char *const lac_field_names[];
@@ -273,6 +274,8 @@ void lac_check_history(lac_reader *reader, lac_case *c, double pressure);
 void lac_check_rg(lac_reader *reader, lac_case *c);
 void lac_check_analysis(lac_reader *reader, lac_case *c);
 void lac_check_fit(lac_reader *reader, lac_case *c);
+void lac_check_points(lac_reader *reader, const lac_case *c);
+void lac_check_point_names(lac_reader *reader, const lac_case *c);
 
 /// The rest of a dotted key behind that of a part; NULL where it is not below it.
 const char *lac_key_behind(const char *key, const char *part);

@@ -243,6 +243,14 @@ void lac_put_fields(lac_writer *w, const lac_case *c)
     PRINT(w, "]\n");
 }
 
+// Without a rate an empty mapping, in the line of its key.
+void lac_put_safety(lac_writer *w, const lac_case *c)
+{
+    if (!(c->safety.reference_rate > 0.0) && fseek(w->out, -1, SEEK_CUR) == 0) {
+        PRINT(w, " {}\n");
+    }
+}
+
 // A step holds only what it names, so that the longest history stays within what is read.
 void lac_put_steps(lac_writer *w, const lac_case *c)
 {
@@ -263,6 +271,15 @@ void lac_put_compare(lac_writer *w, const lac_case *c)
     for (size_t i = 0; i < c->compare_count; i++) {
         PRINT(w, "  -\n");
         put_table(w, 2, lac_section_find("compare"), &c->compare[i]);
+    }
+}
+
+void lac_put_points(lac_writer *w, const lac_case *c)
+{
+    PRINT(w, "  points:\n");
+    for (size_t i = 0; i < c->points; i++) {
+        PRINT(w, "    -\n");
+        put_table(w, 3, lac_section_find("output.points"), &c->point[i]);
     }
 }
 

@@ -42,6 +42,8 @@ LAC_TEXT_GETTER(end, UNKNOWN, x->end == 0 ? NULL : x->end < 0 ? "low" : "high")
 
 static const char *const derivatives[] = {"sensitivities", "runs", NULL};
 
+LAC_TEXT_GETTER(point, OUTCOME, o->source->fit.point)
+LAC_GETTER(bool, has_point, OUTCOME, o->source->fit.point != NULL)
 LAC_GETTER(double, seed, OUTCOME, (double)o->source->fit.seed)
 
 static double share(const void *of, const size_t *at)
@@ -161,6 +163,7 @@ static const lac_variable of_result[] = {
 
 static const lac_variable of_outcome[] = {
     {.json = "sampler/seed", .value = seed},
+    {.name = "point", .json = "point", .text = point, .has = has_point},
     {.name = "status", .json = "status", LAC_HELD(TEXT, lac_fit_outcome, status)},
 };
 

@@ -23,6 +23,7 @@ typedef struct lac_fit_model {
     const struct lac_fit *fit;
     lac_load_files *files;
     lac_fit_variant base;
+    lac_points *points;      // of the base, the one that the readings are of; NULL: none named
     lac_fit_variant *nudged; // [2 parameters] a little less, a little more of each; NULL: not made
     double rtol;             // of its runs: LAC_FIT_TIGHT or LAC_FIT_LOOSE
     double *scratch;         // [5 readings] of the likelihood

@@ -49,6 +49,7 @@ lac_status lac_fit_model_create(const lac_fit *fit, lac_fit_model *model, lac_er
 void lac_fit_model_clear(lac_fit_model *model)
 {
     variant_clear(&model->base);
+    lac_points_free(model->points);
     for (size_t i = 0; model->nudged != NULL && i < 2 * model->fit->def->count; i++) {
         variant_clear(&model->nudged[i]);
     }
@@ -87,11 +88,26 @@ static lac_status bring(lac_fit_model *model, lac_fit_variant *v, const double *
     return status;
 }
 
+// The same of the base, and the cells of the point that the readings are of: they stay while the
+// contact does.
+static lac_status bring_base(lac_fit_model *model, const double *u, lac_error *err)
+{
+    const lac_case *c = model->fit->source;
+    LAC_TRY_RETURN(bring(model, &model->base, u, err));
+    if (c->fit.point == NULL || (model->points != NULL && !model->fit->moves_all)) {
+        return LAC_OK;
+    }
+    lac_points_free(model->points);
+    return lac_points_create(model->base.scene->contact.domain, 1,
+                             &c->point[lac_case_point(c, c->fit.point)], &model->points, err);
+}
+
 static lac_sensitivity_def follow_of(const lac_fit_model *model, double end, size_t n,
                                      const double *time)
 {
     return (lac_sensitivity_def){
         .problem = model->base.scene->problem,
+        .point = model->points != NULL ? model->points->point : NULL,
         .rtol = fmin(model->rtol, model->fit->source->run.rtol),
         .end = end > 0.0 ? end : 1e-9, // a run of no length has nothing to integrate
         .failure_rate = model->fit->source->run.failure_rate,
@@ -106,7 +122,7 @@ lac_status lac_fit_model_run(lac_fit_model *model, const double *u, double end, 
 {
     out->reached = 0;
     out->failed = false;
-    LAC_TRY_RETURN(bring(model, &model->base, u, err));
+    LAC_TRY_RETURN(bring_base(model, u, err));
     lac_sensitivity_def def = follow_of(model, end, n, time);
     return lac_sensitivity_run(&def, out, err);
 }
@@ -213,7 +229,7 @@ static lac_status follow(lac_fit_model *model, const double *u, double end, size
 {
     lac_perturbation perturbation[LAC_MOST_FITTED];
     size_t count = model->fit->def->count;
-    LAC_TRY_RETURN(bring(model, &model->base, u, err));
+    LAC_TRY_RETURN(bring_base(model, u, err));
     LAC_TRY_RETURN(nudge_all(model, u, end, perturbation, by, err));
     lac_sensitivity_def def = follow_of(model, end, n, model->fit->data.time);
     for (size_t k = 0; k < count; k++) {

@@ -229,6 +229,11 @@ static lac_status answer(const lac_forecast_def *def, const lac_forecast_set *o,
         f->issued = false;
         return lac_forecast_fit_refuse(&f->fit, "%s", reason);
     }
+    if (f->issued && f->time <= o->issue_time) { // the last value is older than the time of issue
+        f->issued = false;
+        return lac_forecast_fit_refuse(
+            &f->fit, "the time that it gives is over: no failure has come, or no value");
+    }
     lac_driver_temper(o, f);
     return LAC_OK;
 }

@@ -267,7 +267,7 @@ static void explain(const readings *r, size_t n, const bend *b, lac_trend *out)
     int at = snprintf(
         out->reason, sizeof out->reason,
         "over the last %zu readings (%.3g days) a rise of the rate by less than %.3g mm/day "
-        "would not be seen in the noise; the rate is %.3g mm/day",
+        "would not be seen in the noise; the mean rate is %.3g mm/day",
         n, days, to_mm_day * hidden, to_mm_day * b->rate);
     const double more = (double)n * (cbrt(pow(hidden / (noticed * b->rate), 2.0)) - 1.0);
     if (b->rate > 0.0 && more >= 0.5 && more < 1000.0 && at > 0 &&

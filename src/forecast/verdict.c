@@ -19,6 +19,8 @@ static const double most_said = 0.99;
 static const double held_below = 0.5;    // and from which on no level is held
 static const double stretched = 1.5;     // what a span may be longer or shorter by
 static const double few_intervals = 2.0; // that a horizon is of at least
+static const double much_faster = 2.0;   // a surge, times that of a watch: one reading is enough
+static const double silent_after = 3.5;  // intervals
 
 const lac_span lac_spans[LAC_SPANS] = {
     {"step", 0.0}, {"day", 86400.0}, {"week", 7.0 * 86400.0}, {"month", 30.0 * 86400.0}};
@@ -38,6 +40,7 @@ const char *lac_level_name(lac_level level)
 lac_levels lac_levels_default(void)
 {
     return (lac_levels){.watch_p = 0.01,
+                        .surge = 5.0,
                         .odds = 0.75,
                         .odds_dense = 2.0,
                         .odds_sudden = 2.0,
@@ -155,12 +158,22 @@ static double odds_of(const lac_motion *m, const lac_trend *now, size_t back)
     return p < asked_below ? lac_evidence_find(&past, past.n) : (double)NAN;
 }
 
+// Whether odds as of one reading, so many ago, are enough by themselves: high, or of a rate that
+// has surged.
+static bool is_sudden(const lac_levels *l, const lac_motion *m, const lac_verdict *v, size_t back,
+                      double odds)
+{
+    lac_motion past = *m;
+    past.n -= back;
+    return odds >= v->needed + l->odds_sudden * density(m->interval) ||
+           (odds >= v->needed && lac_surge_find(&past).factor >= much_faster * l->surge);
+}
+
 // How many readings ago the odds were high enough last, for as long as that holds.
 // @return whether they were
 static bool warns(const lac_levels *l, const lac_motion *m, lac_verdict *v, size_t *ago)
 {
     const size_t running = (size_t)l->running, hold = (size_t)l->hold;
-    const double at_once = v->needed + l->odds_sudden * density(m->interval);
     size_t run = 0;
     if (!(v->trend.p < held_below)) {
         return false;
@@ -168,7 +181,7 @@ static bool warns(const lac_levels *l, const lac_motion *m, lac_verdict *v, size
     for (size_t back = 0; back < hold + running && back - run <= hold; back++) {
         const double odds = odds_of(m, &v->trend, back);
         v->log_odds = back == 0 ? odds : v->log_odds;
-        if (odds >= at_once) {
+        if (is_sudden(l, m, v, back, odds)) {
             v->found = odds;
             *ago = back - run;
             return true;
@@ -235,13 +248,45 @@ static const char *odds_text(double log_odds, char text[static 32])
     return text;
 }
 
-// By the odds and the methods.
-static lac_level level_of_motion(const lac_levels *l, const lac_motion *m, lac_verdict *v)
+static void say_surge(lac_verdict *v, double now)
 {
+    const double mm_day = 1e3 * day;
+    RULE(v,
+         "over the last %.3g days it went%s at %.3g mm/day or more, against %.3g mm/day that were "
+         "usual before",
+         (now - v->surge.since) / day, v->surge.rate < 0.0 ? " back" : "",
+         mm_day * fabs(v->surge.rate), mm_day * v->surge.before);
+}
+
+static void say_rise(const lac_levels *l, const lac_motion *m, lac_verdict *v)
+{
+    char odds[32], alone[32];
+    if (v->log_odds >= v->needed) {
+        RULE(v,
+             "the rate rises, and odds of a law that ends in failure are %s to 1 at this reading: "
+             "%.0f readings in a row, or %s to 1, make a warning",
+             odds_text(v->log_odds, odds), l->running,
+             odds_text(v->needed + l->odds_sudden * density(m->interval), alone));
+        return;
+    }
+    RULE(v, "the rate rises, but a law that ends in failure is not yet told from a step or a new "
+            "steady rate");
+}
+
+// Readings whose values are missing say nothing of the slope.
+static bool is_silent(const lac_motion *m, double now)
+{
+    return m->n > 1 && now - m->time[m->n - 1] > silent_after * m->interval;
+}
+
+// By the odds and the methods, of the last values.
+static lac_level level_of_values(const lac_levels *l, const lac_forecast_set *o, lac_verdict *v)
+{
+    const lac_motion *m = o->motion;
     size_t ago = 0;
     if (warns(l, m, v, &ago)) {
-        const bool alarm =
-            v->chance >= l->chance && (double)v->near >= l->agree * (double)v->issued;
+        const bool alarm = v->chance >= l->chance && v->near >= LAC_POOLED &&
+                           (double)v->near >= l->agree * (double)v->issued;
         char when[64] = "";
         if (ago > 0) {
             (void)snprintf(when, sizeof when, " until %zu reading%s ago", ago, ago > 1 ? "s" : "");
@@ -262,10 +307,12 @@ static lac_level level_of_motion(const lac_levels *l, const lac_motion *m, lac_v
         }
         return alarm ? LAC_ALARM : LAC_WARNING;
     }
+    if (v->surge.factor >= l->surge) {
+        say_surge(v, o->issue_time);
+        return LAC_WATCH;
+    }
     if (v->trend.p < l->watch_p) {
-        RULE(v,
-             "the rate rises, but a law that ends in failure is not yet told from a step or a new "
-             "steady rate");
+        say_rise(l, m, v);
         return LAC_WATCH;
     }
     if (jump_of(m) != 0.0) {
@@ -280,6 +327,20 @@ static lac_level level_of_motion(const lac_levels *l, const lac_motion *m, lac_v
          : isnan(v->trend.p)                ? v->trend.reason
                                             : "noise forbids to say whether the rate rises");
     return LAC_QUIET;
+}
+
+// Nobody should wait in quiet for a sensor that has gone silent.
+static lac_level level_of_motion(const lac_levels *l, const lac_forecast_set *o, lac_verdict *v)
+{
+    const lac_level level = level_of_values(l, o, v);
+    if (!is_silent(o->motion, o->issue_time)) {
+        return level;
+    }
+    char then[LAC_VERDICT_TEXT];
+    (void)snprintf(then, sizeof then, "%s", v->rule);
+    RULE(v, "no value has come for %.3g days; at the last one %.*s",
+         (o->issue_time - o->motion->time[o->motion->n - 1]) / day, (int)sizeof then - 64, then);
+    return level > LAC_WATCH ? level : LAC_WATCH;
 }
 
 // A driver that explains the rate: what remains is no warning.
@@ -306,7 +367,15 @@ void lac_verdict_find(const lac_forecast_def *def, lac_forecast_set *o)
                        .horizon = fmax(l->horizon, m->n > 1 ? few_intervals * m->interval : 0.0)};
     tell_rates(m, v);
     pool(o, v);
-    v->level = level_of_motion(l, m, v);
+    v->surge = lac_surge_find(m);
+    if (v->surge.factor >= l->surge && trend.answer == LAC_DOES_NOT &&
+        trend.start < v->surge.since) {
+        v->trend.answer = LAC_CANNOT_TELL;
+        (void)snprintf(v->trend.reason, sizeof v->trend.reason,
+                       "the rate changed at once, in the last %.3g days: too few readings since",
+                       (o->issue_time - v->surge.since) / day);
+    }
+    v->level = level_of_motion(l, o, v);
     heed_drivers(o, v);
     lac_verdict by_rate = *v;
     if (level_of_rate(l, &by_rate) > v->level) {

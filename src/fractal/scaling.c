@@ -203,13 +203,15 @@ lac_status lac_scaling_measure(const lac_contact_def *contact, const lac_scaling
     size_t cells = lac_grid_cells(&contact->grid);
     size_t coarser = halvings(&contact->grid, def->coarsest);
     *scaling = (lac_scaling){.n = coarser + 1, .coarsening = def->coarsening};
+    const size_t needed = LEAST_POINTS + def->left_out - 1;
     LAC_FAIL_IF(cells == 0 || def->coarsest == 0 || coarser >= LAC_SCALING_POINTS ||
-                    coarser + 1 < LEAST_POINTS + def->left_out,
+                    coarser < needed,
                 err, LAC_EINPUT,
-                "area scaling: %zu x %zu cells halve %zu times on the way to %zu a side; %zu times "
-                "are needed",
-                contact->grid.nx, contact->grid.ny, coarser, def->coarsest,
-                LEAST_POINTS + def->left_out - 1);
+                "area scaling: too few cells to see how the real area grows with resolution: %zu x "
+                "%zu halve %zu times on the way to %zu a side, and %zu times are needed; take %zu "
+                "a side, or that times 2, 4 ...",
+                contact->grid.nx, contact->grid.ny, coarser, def->coarsest, needed,
+                def->coarsest << needed);
     // Where the finest is known, the next one needs a quarter of the room.
     size_t room = def->finest != NULL && coarser > 0 ? cells / 4 : cells;
     double *heights = malloc(room * sizeof *heights);

@@ -75,7 +75,8 @@ const lac_friction_law lac_friction_aging = {
         "Dieterich (1979) J. Geophys. Res. 84, 2161, doi 10.1029/JB084iB05p02161; Ruina (1983) J. "
         "Geophys. Res. 88, 10359, doi 10.1029/JB088iB12p10359; regularised: " LAC_RICE_BEN_ZION
         "; " LAC_LAPUSTA,
-        LAC_ROWS(params, lac_friction_params), .validate = lac_law_validate),
+        LAC_ROWS(params, lac_friction_params), .validate = lac_law_validate,
+        .complete = lac_law_complete),
     .evolve = evolve,
     .steady_state = lac_law_steady_renewal,
     .lone = &lone,

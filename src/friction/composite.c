@@ -77,7 +77,8 @@ const lac_friction_law lac_friction_composite = {
                       "theta/dc) ln(v theta/dc)",
                       "Kato & Tullis (2001) Geophys. Res. Lett. 28, 1103, doi "
                       "10.1029/2000GL012060; regularised: " LAC_RICE_BEN_ZION,
-                      LAC_ROWS(params, composite_params), .validate = lac_law_validate),
+                      LAC_ROWS(params, composite_params), .validate = lac_law_validate,
+                      .complete = lac_law_complete),
     .evolve = evolve,
     .steady_state = steady_state,
 };

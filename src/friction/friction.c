@@ -192,6 +192,7 @@ lac_status lac_friction_create(const lac_model *model, size_t n, lac_friction **
     // The descriptor is the first member of the law's row.
     friction->law = (const lac_friction_law *)(const void *)model->info;
     friction->form = common->form;
+    friction->cohesion = common->cohesion > 0 ? common->cohesion : 0;
     friction->n = n;
     friction->columns = count_columns(model->info);
 
@@ -281,11 +282,12 @@ void lac_friction_evaluate(const lac_friction *friction, const lac_friction_cell
     }
     friction->law->evolve(friction, cells, values->g, slopes == NULL ? NULL : slopes->g_u,
                           slopes == NULL ? NULL : slopes->g_w);
-    if (friction->response.value != NULL && cells->normal_rate != 0) {
+    const double *each = cells->normal_rates;
+    if (friction->response.value != NULL && (cells->normal_rate != 0 || each != NULL)) {
         // dtheta/dt -= (alpha/b) theta d ln(pressure)/dt
         const double *response = lac_cellwise_from(&friction->response, cells->first);
         for (size_t i = 0; i < cells->n; i++) {
-            values->g[i] -= response[i] * cells->normal_rate;
+            values->g[i] -= response[i] * (each != NULL ? each[i] : cells->normal_rate);
         }
     }
 }

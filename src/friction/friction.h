@@ -8,16 +8,50 @@ enum { LAC_FRICTION_BLOCK = 256 };
 
 /// Every law's parameter struct starts with these, in this order.
 typedef struct lac_friction_params {
-    double f0;    ///< friction coefficient at v0 in steady state [1]
-    double a;     ///< direct effect [1]
-    double b;     ///< evolution effect [1]
-    double dc;    ///< slip to renew the contacts [m]
-    double v0;    ///< reference slip rate [m/s]
-    int form;     ///< lac_friction_form
-    double v1;    ///< cut-off slip rate of the direct effect [m/s]; NaN: none
-    double v2;    ///< cut-off slip rate of the evolution effect [m/s]; NaN: none
-    double alpha; ///< response of the state to normal stress [1]; NaN: none
+    double f0;             ///< friction coefficient at v0 in steady state [1]
+    double a;              ///< direct effect [1]
+    double b;              ///< evolution effect [1]
+    double dc;             ///< slip to renew the contacts [m]
+    double v0;             ///< reference slip rate [m/s]
+    int form;              ///< lac_friction_form
+    double v1;             ///< cut-off slip rate of the direct effect [m/s]; NaN: none
+    double v2;             ///< cut-off slip rate of the evolution effect [m/s]; NaN: none
+    double alpha;          ///< response of the state to normal stress [1]; NaN: none
+    int rock;              ///< index of lac_rock_get that f0, a, b and dc were taken from; -1: none
+    double friction_angle; ///< read into f0, then NaN [rad]
+    double cohesion;       ///< strength over the nominal area whatever the pressure [Pa]; NaN: none
 } lac_friction_params;
+
+/// Numbers that a source may state of a rock; the first four as in lac_friction_params.
+enum { LAC_ROCK_F0, LAC_ROCK_A, LAC_ROCK_B, LAC_ROCK_DC, LAC_ROCK_A_B, LAC_ROCK_VALUES };
+
+typedef struct lac_rock_quantity {
+    const char *key, *unit; ///< SI
+} lac_rock_quantity;
+extern const lac_rock_quantity lac_rock_quantities[LAC_ROCK_VALUES];
+
+/// What is taken for a number, and between what it lies by the source.
+typedef struct lac_rock_value {
+    double value, low, high;
+} lac_rock_value;
+
+/// A rock or gouge, and what a source states of its friction.
+typedef struct lac_rock {
+    const char *name, *summary;
+    const char *source;     ///< authors, year, journal, doi, table
+    const char *read_at;    ///< address of what was opened
+    const char *conditions; ///< stress, temperature, slip rate, water; and which value is taken
+    bool in_field;          ///< found from a slope that failed, not measured in a laboratory
+    bool degrees;           ///< f0 stands as an angle; lac_rock_value_of gives its tangent
+    lac_rock_value stated[LAC_ROCK_VALUES];
+} lac_rock;
+
+/// The index-th rock, NULL past the end.
+const lac_rock *lac_rock_get(size_t index);
+
+/// A number of a rock, SI; NaN where its source does not state it.
+/// @param which  LAC_ROCK_F0 ...
+lac_rock_value lac_rock_value_of(const lac_rock *rock, int which);
 
 /// How the friction coefficient depends on u = ln v and w = ln theta. Cut-off slip rates put
 /// v/(1 + v/v1) in the place of v and theta + dc/v2 in the place of theta, in either form.
@@ -28,9 +62,10 @@ typedef enum lac_friction_form {
 
 /// A stretch of cells and the state they are in.
 typedef struct lac_friction_cells {
-    size_t first, n;         ///< cells first ... first + n - 1, n <= LAC_FRICTION_BLOCK
-    const double *u, *w, *v; ///< [n] ln v, ln theta and v of these cells; v = exp(u)
-    double normal_rate;      ///< d ln(effective normal pressure)/dt, the same for all [1/s]
+    size_t first, n;            ///< cells first ... first + n - 1, n <= LAC_FRICTION_BLOCK
+    const double *u, *w, *v;    ///< [n] ln v, ln theta and v of these cells; v = exp(u)
+    double normal_rate;         ///< d ln(effective normal pressure)/dt, the same for all [1/s]
+    const double *normal_rates; ///< [n] or of each of these cells instead; NULL
 } lac_friction_cells;
 
 /// Friction coefficient and state evolution over a block of cells.
@@ -71,6 +106,7 @@ typedef struct lac_friction {
     const struct lac_friction_law *law;
     int form;
     size_t n;              ///< cells
+    double cohesion;       ///< over the nominal area, whatever the pressure [Pa]; 0: none
     size_t columns;        ///< cell-wise parameters of the law, in the order of its table
     lac_cellwise *column;  ///< [columns] SI; without values: optional, and no cell has it
     lac_cellwise constant; ///< f0 + (b - a) ln v0 - b ln dc: F = constant + a U + b W

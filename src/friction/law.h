@@ -21,12 +21,24 @@ double lac_law_steady_renewal(const lac_friction *friction, size_t cell, double 
 /// What is wrong with the common parameters taken together; NULL where nothing is.
 const char *lac_law_validate(const void *params);
 
+/// Turns friction_angle into f0, and fills in what a rock tells and the case does not name.
+const char *lac_law_complete(void *params, uint64_t given);
+
+/// Row of friction_angle in every law's table, as LAC_F0 to LAC_DC are those of f0 to dc.
+enum { LAC_ROW_ANGLE = 10 };
+
+/// Names of the rocks, in the order of lac_rock_get; NULL at the end.
+extern const char *const lac_rock_names[];
+
 /// Names of lac_friction_form, in its order.
 extern const char *const lac_friction_form_names[];
 
 // A thousandth of a proton [m], far below any contact: as far down as runs were measured to be
 // right (docs/limits.md).
 #define LAC_LEAST_DC 1e-18
+
+// Steepest angle of friction [rad], as of slopes: beyond, its tangent is no coefficient.
+#define LAC_STEEPEST 1.55
 
 // Of the regularised form, which any law may have.
 #define LAC_RICE_BEN_ZION \
@@ -60,5 +72,12 @@ extern const char *const lac_friction_form_names[];
              "v2 < v1 turns weakening into strengthening at speed; no cut-off if absent"),        \
     LAC_REAL("alpha", "1", LAC_COMMON(alpha), NAN, 0, 1e3, LAC_CELLWISE | LAC_OPTIONAL,           \
              "state response to normal stress: friction lost per e-fold of effective normal "     \
-             "pressure, at once (Linker & Dieterich 1992); none if absent")
+             "pressure, at once (Linker & Dieterich 1992); none if absent"),                      \
+    LAC_CHOICE("rock", LAC_COMMON(rock), NAN, lac_rock_names, LAC_OPTIONAL | LAC_TELLS,           \
+               "gives those of f0, a, b and dc that its source states and the case does not name"), \
+    LAC_REAL("friction_angle", "rad", LAC_COMMON(friction_angle), NAN, 0, LAC_STEEPEST,           \
+             LAC_OPTIONAL, "f0 as the angle whose tangent it is"),                                \
+    LAC_REAL("cohesion", "Pa", LAC_COMMON(cohesion), NAN, 0, 1e12, LAC_OPTIONAL,                  \
+             "strength over the nominal area that no pressure changes, while cells slide forward; " \
+             "none if absent")
 // clang-format on

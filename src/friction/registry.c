@@ -10,7 +10,7 @@ LAC_KINDS_AT(lac_friction_law, lac_friction_law_get, laws)
 
 static const lac_param rows[] = {LAC_FRICTION_COMMON_ROWS};
 
-enum { FORM = 5, V1, V2, ALPHA }; // their places in the rows
+enum { FORM = 5, V1, V2, ALPHA, ROCK, ANGLE, COHESION }; // their places in the rows
 
 static const lac_model_info options[] = {
     {.name = "regularised",
@@ -32,6 +32,18 @@ static const lac_model_info options[] = {
      .reference = "Linker & Dieterich (1992) J. Geophys. Res. 97, 4923, doi 10.1029/92JB00017; "
                   "docs/theory/friction.md, \"Normal stress\"",
      .params = &rows[ALPHA],
+     .param_count = 1},
+    {.name = "rock",
+     .summary = "numbers taken from a rock, where a source states them, and f0 as an angle: rock, "
+                "friction_angle",
+     .reference = "docs/rocks.md",
+     .params = &rows[ROCK],
+     .param_count = 2},
+    {.name = "cohesion",
+     .summary = "strength over the nominal area that no pressure changes, of what slides forward: "
+                "cohesion",
+     .reference = "Coulomb's law; docs/theory/friction.md, \"Cohesion\"",
+     .params = &rows[COHESION],
      .param_count = 1},
 };
 

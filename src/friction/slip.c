@@ -52,7 +52,8 @@ const lac_friction_law lac_friction_slip = {
         LAC_ABOUT("slip", "state changes only with slip: dtheta/dt = -(v theta/dc) ln(v theta/dc)",
                   "Ruina (1983) J. Geophys. Res. 88, 10359, doi 10.1029/JB088iB12p10359; "
                   "regularised: " LAC_RICE_BEN_ZION "; " LAC_LAPUSTA,
-                  LAC_ROWS(params, lac_friction_params), .validate = lac_law_validate),
+                  LAC_ROWS(params, lac_friction_params), .validate = lac_law_validate,
+                  .complete = lac_law_complete),
     .evolve = evolve,
     .steady_state = lac_law_steady_renewal,
     .lone = &lone,
@@ -79,7 +80,7 @@ const lac_friction_law lac_friction_weakening = {
                       "as slip where v theta > dc, and no change where not: strength that slip "
                       "takes never comes back",
                       "docs/theory/bridge.md", LAC_ROWS(params, lac_friction_params),
-                      .validate = lac_law_validate),
+                      .validate = lac_law_validate, .complete = lac_law_complete),
     .evolve = evolve_above,
     .steady_state = lac_law_steady_renewal,
 };

@@ -65,6 +65,7 @@ const lac_load_kind lac_shear_slope = {
     .fixes_shear = true,
     .linear = true,
     .constant = true,
+    .slope = true,
     .add = slope,
 };
 

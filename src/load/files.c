@@ -141,9 +141,8 @@ static lac_status look_up(const lac_readings_def *def, const lac_load_clock *clo
     return status == LAC_OK ? copy(&entry->readings, def->offset, out, err) : status;
 }
 
-// Refuses readings that do not cover the run from its start to its end.
-static lac_status cover(const lac_readings *readings, const char *path, const lac_load_clock *clock,
-                        const char *remedy, lac_error *err)
+lac_status lac_readings_cover(const lac_readings *readings, const char *path,
+                              const lac_load_clock *clock, const char *remedy, lac_error *err)
 {
     double last = readings->t[readings->n - 1];
     LAC_FAIL_IF(readings->t[0] > 0.0, err, LAC_EINPUT,
@@ -163,7 +162,7 @@ lac_status lac_readings_read(const lac_readings_def *def, const lac_load_clock *
     LAC_TRY(clock->files == NULL ? lac_readings_load(def, clock, out, err)
                                  : look_up(def, clock, out, err));
     if (remedy != NULL) {
-        LAC_TRY(cover(out, def->path, clock, remedy, err));
+        LAC_TRY(lac_readings_cover(out, def->path, clock, remedy, err));
     }
     return LAC_OK;
 out:

@@ -66,14 +66,18 @@ extern const char *const lac_share_names[];
     _(lac_shear_series),    \
     _(lac_shear_back_slip)
 
-#define LAC_PORE_LOADS(_)   \
-    _(lac_pore_constant),   \
-    _(lac_pore_ramp),       \
-    _(lac_pore_step),       \
-    _(lac_pore_sine),       \
-    _(lac_pore_series),     \
-    _(lac_pore_reservoir),  \
-    _(lac_pore_rain)
+#define LAC_PORE_LOADS(_)       \
+    _(lac_pore_constant),       \
+    _(lac_pore_ramp),           \
+    _(lac_pore_step),           \
+    _(lac_pore_sine),           \
+    _(lac_pore_series),         \
+    _(lac_pore_reservoir),      \
+    _(lac_pore_rain),           \
+    _(lac_pore_field),          \
+    _(lac_pore_injection),      \
+    _(lac_pore_line_injection), \
+    _(lac_pore_water_table)
 // clang-format on
 
 extern const lac_normal_load LAC_NORMAL_LOADS(LAC_ROW_ITSELF);
@@ -112,6 +116,10 @@ lac_status lac_readings_load(const lac_readings_def *def, const lac_load_clock *
 /// Keeps a doubt about a file that was read: lac_load_files_doubt.
 lac_status lac_load_files_note(lac_load_files *files, const char *path, const char *text,
                                lac_error *err);
+
+/// Refuses readings of a file that do not cover the run, whose message ends with the remedy.
+lac_status lac_readings_cover(const lac_readings *readings, const char *path,
+                              const lac_load_clock *clock, const char *remedy, lac_error *err);
 
 void lac_readings_clear(lac_readings *readings);
 

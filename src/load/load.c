@@ -40,7 +40,9 @@ void lac_load_evaluate(const lac_load_set *set, double t, lac_load_state *sum)
     for (size_t i = 0; i < set->count; i++) {
         const lac_load *load = &set->load[i];
         if (load->kind->signal == NULL) {
-            load->kind->add(load, t, sum);
+            if (load->kind->add != NULL) {
+                load->kind->add(load, t, sum);
+            }
             continue;
         }
         const lac_signal signal = load->kind->signal(load, t);
@@ -49,6 +51,21 @@ void lac_load_evaluate(const lac_load_set *set, double t, lac_load_state *sum)
         } else {
             sum->pore += signal.value;
             sum->pore_rate += signal.rate;
+        }
+    }
+}
+
+void lac_load_evaluate_cells(const lac_load_set *set, double t, const lac_load_state *sum,
+                             double *value, double *rate)
+{
+    for (size_t i = 0; i < set->places.n; i++) {
+        value[i] = sum->pore;
+        rate[i] = sum->pore_rate;
+    }
+    for (size_t i = 0; i < set->count; i++) {
+        const lac_load *load = &set->load[i];
+        if (load->kind->cells != NULL) {
+            load->kind->cells(load, &set->places, t, value, rate);
         }
     }
 }
@@ -107,6 +124,15 @@ bool lac_load_set_is_shaped(const lac_load_set *set)
     return shaped;
 }
 
+bool lac_load_set_varies(const lac_load_set *set)
+{
+    bool varies = false;
+    for (size_t i = 0; i < set->count; i++) {
+        varies = varies || set->load[i].kind->cells != NULL;
+    }
+    return varies;
+}
+
 double lac_load_shear(const lac_load_state *state, double pressure)
 {
     double ratio = state->ratio + state->equal_ratio + state->elastic_ratio;
@@ -135,6 +161,61 @@ bool lac_load_models_constant(const lac_load_models *models)
     return true;
 }
 
+bool lac_load_models_slope(const lac_load_models *models)
+{
+    const lac_model *model;
+    for (size_t i = 0; (model = model_at(models, i)) != NULL; i++) {
+        if (kind_of(model)->slope) {
+            return true;
+        }
+    }
+    return false;
+}
+
+bool lac_load_set_has_pore(const lac_load_set *set) { return set->count > set->shear; }
+
+// The index-th load that reads something; NULL: there are fewer.
+static const lac_load *driven(const lac_load_set *set, size_t index)
+{
+    for (size_t i = 0; i < set->count; i++) {
+        if (set->load[i].kind->driver != NULL && index-- == 0) {
+            return &set->load[i];
+        }
+    }
+    return NULL;
+}
+
+const lac_load_driver *lac_load_set_driver(const lac_load_set *set, size_t index)
+{
+    const lac_load *load = driven(set, index);
+    return load != NULL ? load->kind->driver : NULL;
+}
+
+double lac_load_set_driver_at(const lac_load_set *set, size_t index, double t)
+{
+    const lac_load *load = driven(set, index);
+    return load->kind->driver->value(load, t);
+}
+
+lac_status lac_load_blame_cell(const lac_load_set *set, size_t cell, double pore, double normal,
+                               double t, lac_status status, lac_error *err)
+{
+    const lac_load_places *places = &set->places;
+    return lac_fail(err, status,
+                    "the pore pressure of cell %zu, at x = %g m, y = %g m, is %g Pa at t = %g s; "
+                    "must be below the mean normal stress, %g Pa",
+                    cell, lac_grid_x(places->grid, places->index[cell]),
+                    lac_grid_y(places->grid, places->index[cell]), pore, t, normal);
+}
+
+// Says which of the loads an error is of.
+static lac_status blame(const lac_load_set *set, size_t i, lac_status status, lac_error *err)
+{
+    const bool pore = i >= set->shear;
+    return lac_fail_within(err, status, "load.%s.%zu.%s", pore ? "pore_pressure" : "shear",
+                           pore ? i - set->shear : i, set->load[i].kind->info.name);
+}
+
 lac_status lac_load_set_create(const lac_load_models *models, const lac_load_clock *clock,
                                lac_load_set *set, lac_error *err)
 {
@@ -150,11 +231,25 @@ lac_status lac_load_set_create(const lac_load_models *models, const lac_load_clo
         lac_status status =
             kind->prepare == NULL ? LAC_OK : kind->prepare(load->params, clock, &load->state, err);
         if (status != LAC_OK) {
-            const bool pore = i >= set->shear;
-            const size_t place = pore ? i - set->shear : i;
+            status = blame(set, i, status, err);
             lac_load_set_clear(set);
-            return lac_fail_within(err, status, "load.%s.%zu.%s", pore ? "pore_pressure" : "shear",
-                                   place, kind->info.name);
+            return status;
+        }
+    }
+    return LAC_OK;
+}
+
+lac_status lac_load_set_place(lac_load_set *set, const lac_load_places *places, lac_error *err)
+{
+    if (!lac_load_set_varies(set)) {
+        return LAC_OK;
+    }
+    set->places = *places;
+    for (size_t i = 0; i < set->count; i++) {
+        const lac_load *load = &set->load[i];
+        if (load->kind->place != NULL) {
+            lac_status status = load->kind->place(load->params, places, load->state, err);
+            LAC_TRY_RETURN(blame(set, i, status, err));
         }
     }
     return LAC_OK;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
+#include "base/grid.h"
 #include "base/param.h"
 
 #define LAC_GRAVITY 9.80665 /* standard gravity [m/s2] */
@@ -31,6 +32,7 @@ typedef struct lac_load_state {
 typedef struct lac_normal_load {
     lac_model_info info;
     bool needs_density;
+    bool slope; ///< the weight of a slope, whose factor of safety is asked for
     /// @param density  of the rock [kg/m3]; NaN where the case names none
     /// @return mean normal stress over the nominal area [Pa]; NaN where it follows from the contact
     double (*pressure)(const void *params, double density);
@@ -74,6 +76,19 @@ typedef struct lac_load_clock {
     lac_load_files *files; ///< keeps what is read, which is then not read again; NULL: nothing kept
 } lac_load_clock;
 
+/// What a load reads that is no stress itself: the level of a lake, rain.
+typedef struct lac_load_driver {
+    const char *name, *unit; ///< in a run's file; SI
+    const char *long_name, *comment;
+    double (*value)(const lac_load *load, double t);
+} lac_load_driver;
+/// The cells that loads act on. All is borrowed, and must outlive the loads.
+typedef struct lac_load_places {
+    const lac_grid *grid;
+    const uint32_t *index; ///< [n] grid index of each cell
+    size_t n;
+} lac_load_places;
+
 /// A shear load or a pore-pressure load: adds its part to the sum.
 typedef struct lac_load_kind {
     lac_model_info info;
@@ -81,6 +96,8 @@ typedef struct lac_load_kind {
     bool needs_anchor; ///< acts through a transfer that holds uniform slip
     bool linear;       ///< linear in time between its breaks
     bool constant;     ///< the same at all times
+    bool slope;        ///< gravity on a slope, whose factor of safety is asked for
+    const lac_load_driver *driver; ///< what it reads; NULL: no such thing
     /// Of the mean slip, which it brings [Pa/m]. NULL: none.
     double (*stiffness)(const void *params);
     /// Makes what the load needs besides its parameters, such as the data of a file. NULL: nothing.
@@ -92,6 +109,15 @@ typedef struct lac_load_kind {
     lac_signal (*signal)(const lac_load *load, double t);
     /// Adds what is no such stress.
     void (*add)(const lac_load *load, double t, lac_load_state *sum);
+    /// Adds what differs from cell to cell, a pore pressure and its rate at time t; neither
+    /// `signal` nor `add` is there then. NULL: all cells feel it alike.
+    /// @param value, rate  [places->n] [Pa], [Pa/s]
+    void (*cells)(const lac_load *load, const lac_load_places *places, double t, double *value,
+                  double *rate);
+    /// Readies its state for the cells, before `cells` is asked. NULL: nothing to be done.
+    /// @return LAC_OK; LAC_EINPUT (what it has does not cover the cells); LAC_ENOMEM
+    lac_status (*place)(const void *params, const lac_load_places *places, void *state,
+                        lac_error *err);
     /// The first time after t at which the load or its rate jumps; INFINITY if none. NULL: none.
     double (*next_break)(const lac_load *load, double t);
     /// The longest step from t to the next break that cannot miss a swing [s]; INFINITY where it
@@ -105,6 +131,7 @@ typedef struct lac_load_set {
     size_t count, shear;
     double *shape; ///< [contact cells] C^-1 1, its mean 1, owned; NULL where lac_load_set_is_shaped
                    ///< is false. Whoever knows the contact fills it: lac_transfer_tied
+    lac_load_places places; ///< of the cells where a load differs between them: lac_load_set_place
 } lac_load_set;
 
 /// The loads that a case names.
@@ -129,10 +156,29 @@ bool lac_load_set_is_linear(const lac_load_set *set);
 /// Whether a load of the set is shared as C^-1 1, so that it needs `shape`.
 bool lac_load_set_is_shaped(const lac_load_set *set);
 
+/// Whether a load of the set differs from cell to cell, so that it needs `places`.
+bool lac_load_set_varies(const lac_load_set *set);
+
+/// Tells the loads where the cells are; nothing to do where none differs between them. An error
+/// says which load.
+/// @return LAC_OK; LAC_EINPUT; LAC_ENOMEM
+lac_status lac_load_set_place(lac_load_set *set, const lac_load_places *places, lac_error *err);
+
 /// Q over the nominal area, springs' slip apart, under the mean normal stress `pressure` [Pa].
 double lac_load_shear(const lac_load_state *state, double pressure);
 
+/// Whether the set holds a pore pressure.
+bool lac_load_set_has_pore(const lac_load_set *set);
+
+/// What the index-th of the loads that read something reads, NULL past the end; and its value at
+/// time t [unit].
+const lac_load_driver *lac_load_set_driver(const lac_load_set *set, size_t index);
+double lac_load_set_driver_at(const lac_load_set *set, size_t index, double t);
+
 void lac_load_set_clear(lac_load_set *set);
+
+/// Whether one of these loads is gravity on a slope.
+bool lac_load_models_slope(const lac_load_models *models);
 
 /// Whether all of these loads are constant in time; whether any reads a file.
 bool lac_load_models_constant(const lac_load_models *models);
@@ -143,8 +189,20 @@ const lac_normal_load *lac_normal_load_get(size_t index);
 const lac_load_kind *lac_shear_load_get(size_t index);
 const lac_load_kind *lac_pore_load_get(size_t index);
 
-/// All loads at time t.
+/// All loads at time t, but for those that differ from cell to cell.
 void lac_load_evaluate(const lac_load_set *set, double t, lac_load_state *sum);
+
+/// The pore pressure of every cell at time t, of a set whose cells have their places.
+/// @param sum          of lac_load_evaluate: what all cells feel alike is part of each
+/// @param value, rate  [places.n] [Pa], [Pa/s]; overwritten
+void lac_load_evaluate_cells(const lac_load_set *set, double t, const lac_load_state *sum,
+                             double *value, double *rate);
+
+/// Says which cell the water lifts off, where it is, and when.
+/// @param pore, normal  of that cell, and the mean normal stress [Pa]
+/// @return the status
+lac_status lac_load_blame_cell(const lac_load_set *set, size_t cell, double pore, double normal,
+                               double t, lac_status status, lac_error *err);
 
 /// The first time after t at which any load or its rate jumps; INFINITY if none.
 double lac_load_next_break(const lac_load_set *set, double t);

@@ -73,6 +73,7 @@ const lac_normal_load lac_normal_slope = {
                       "Skempton & DeLory (1957) Proc. 4th Int. Conf. Soil Mech. 2, 378",
                       LAC_ROWS(slope_rows, slope_params)),
     .needs_density = true,
+    .slope = true,
     .pressure = slope_weight,
 };
 

@@ -40,6 +40,8 @@ typedef struct water {
     double *drive; // [n] p there [Pa]
     double *slope; // [n] of p on the piece [Pa/s]
     double *u;     // [n] response there [Pa]
+    double *seen;  // [n] what is read there, a level [m] or rain [m/s]
+    double *trend; // [n] its rate on the piece
     double lag;    // T: T du/dt = p - u; 0: u = p [s]
     double time;   // or by diffusion: distance^2/(4 diffusivity) [s]; NaN: not
 } water;
@@ -50,13 +52,15 @@ static void release(void *p)
     free(p);
 }
 
-// Appends a piece that begins at t, later than the one before.
-static void add_piece(water *w, double t, double drive, double slope)
+// Appends a piece that begins at t, later than the one before. @param seen  what is read
+static void add_piece(water *w, double t, lac_signal drive, lac_signal seen)
 {
     size_t k = w->n++;
     w->t[k] = t;
-    w->drive[k] = drive;
-    w->slope[k] = slope;
+    w->drive[k] = drive.value;
+    w->slope[k] = drive.rate;
+    w->seen[k] = seen.value;
+    w->trend[k] = seen.rate;
 }
 
 // Response tau after the beginning of piece k: u -> p with exp(-tau/T), behind a rising p by T.
@@ -115,6 +119,20 @@ static lac_signal water_at(const lac_load *load, double t)
     return k == SIZE_MAX ? (lac_signal){w->u[0], 0.0} : response(w, k, t - w->t[k]);
 }
 
+static double level_at(const lac_load *load, double t)
+{
+    const water *w = load->state;
+    size_t k = lac_readings_before(w->t, w->n, t);
+    return k == SIZE_MAX ? w->seen[0] : w->seen[k] + w->trend[k] * (t - w->t[k]);
+}
+
+// Before the first reading nothing is known to have fallen.
+static double rain_at(const lac_load *load, double t)
+{
+    const water *w = load->state;
+    return t < w->t[0] ? 0.0 : level_at(load, t);
+}
+
 static double next_break(const lac_load *load, double t)
 {
     const water *w = load->state;
@@ -132,10 +150,12 @@ static lac_status begin(const water_params *s, const lac_load_clock *clock, cons
     const size_t room = 2 * readings->n + 1;
     water *w = calloc(1, sizeof *w);
     *out = w;
-    LAC_FAIL_MEMORY_IF(w == NULL || (w->t = malloc(4 * room * sizeof *w->t)) == NULL, err);
+    LAC_FAIL_MEMORY_IF(w == NULL || (w->t = malloc(6 * room * sizeof *w->t)) == NULL, err);
     w->drive = w->t + room;
     w->slope = w->drive + room;
     w->u = w->slope + room;
+    w->seen = w->u + room;
+    w->trend = w->seen + room;
     w->lag = lag;
     w->time = NAN;
     return LAC_OK;
@@ -169,18 +189,23 @@ static void add_levels(const reservoir_params *s, const lac_readings *r, water *
         double rate = s->share * s->unit_weight * (to - from) / h;
         double crossing = r->t[i] + h * (from / (from - to));
         bool crosses = crossing > r->t[i] && crossing < r->t[i + 1];
+        const lac_signal dry = {0.0, 0.0}, level = {r->value[i], (to - from) / h};
+        const lac_signal at_crossing = {s->elevation, level.rate};
         if (from < 0.0 && to > 0.0 && crosses) {
-            add_piece(out, r->t[i], 0.0, 0.0);
-            add_piece(out, crossing, 0.0, rate);
+            add_piece(out, r->t[i], dry, level);
+            add_piece(out, crossing, (lac_signal){0.0, rate}, at_crossing);
         } else if (from > 0.0 && to < 0.0 && crosses) {
-            add_piece(out, r->t[i], pressure_of(s, r->value[i]), rate);
-            add_piece(out, crossing, 0.0, 0.0);
+            add_piece(out, r->t[i], (lac_signal){pressure_of(s, r->value[i]), rate}, level);
+            add_piece(out, crossing, dry, at_crossing);
         } else {
             bool wet = from >= 0.0 && to >= 0.0;
-            add_piece(out, r->t[i], pressure_of(s, r->value[i]), wet ? rate : 0.0);
+            const lac_signal drive = {pressure_of(s, r->value[i]), wet ? rate : 0.0};
+            add_piece(out, r->t[i], drive, level);
         }
     }
-    add_piece(out, r->t[r->n - 1], pressure_of(s, r->value[r->n - 1]), 0.0);
+    const double last = r->value[r->n - 1];
+    add_piece(out, r->t[r->n - 1], (lac_signal){pressure_of(s, last), 0.0},
+              (lac_signal){last, 0.0});
     settle(out, pressure_of(s, r->value[0]));
 }
 
@@ -217,6 +242,7 @@ static bool span_of(const rain_params *s, const lac_readings *r, size_t i, doubl
 static lac_status add_rains(const rain_params *s, const lac_readings *r, water *out, lac_error *err)
 {
     const char *file = s->water.file;
+    const lac_signal dry = {0.0, 0.0};
     double dry_from = -INFINITY; // end of the rain so far
     for (size_t i = 0; i < r->n; i++) {
         double from, to;
@@ -230,15 +256,16 @@ static lac_status add_rains(const rain_params *s, const lac_readings *r, water *
                     "%s: readings %g s apart; interval must not be longer, or be absent", file,
                     r->t[i] - r->t[i - 1]);
         if (from > dry_from + slack && out->n > 0) {
-            add_piece(out, dry_from, 0.0, 0.0);
+            add_piece(out, dry_from, dry, dry);
         }
         from = from > dry_from + slack ? from : dry_from;
-        add_piece(out, from, s->rise * r->value[i] / (to - from) * s->drain, 0.0);
+        add_piece(out, from, (lac_signal){s->rise * r->value[i] / (to - from) * s->drain, 0.0},
+                  (lac_signal){r->value[i] / (to - from), 0.0});
         dry_from = to;
     }
     LAC_FAIL_IF(out->n == 0, err, LAC_EINPUT, "%s: one reading without interval tells no rain",
                 file);
-    add_piece(out, dry_from, 0.0, 0.0);
+    add_piece(out, dry_from, dry, dry);
     settle(out, 0.0);
     return LAC_OK;
 }
@@ -298,6 +325,15 @@ static const lac_param reservoir_rows[] = {
                "before the first reading and after the last: refuse, or hold the level"),
 };
 
+static const lac_load_driver lake_level = {
+    "lake_level", "m", "level of the lake whose water the load is",
+    "as read: along lines between readings, on the scale of load.pore_pressure.reservoir.elevation",
+    level_at};
+
+static const lac_load_driver rain_fall = {"rain", "m s-1", "rain that the load is made from",
+                                          "as read: what fell over the time in which it fell",
+                                          rain_at};
+
 const lac_load_kind lac_pore_reservoir = {
     .info = LAC_ABOUT("reservoir",
                       "water of a lake, at once, with a lag, or diffusing through the rock",
@@ -305,6 +341,7 @@ const lac_load_kind lac_pore_reservoir = {
                       LAC_ROWS(reservoir_rows, reservoir_params), .validate = fault),
     .prepare = fill_reservoir,
     .release = release,
+    .driver = &lake_level,
     .signal = water_at,
     .next_break = next_break,
 };
@@ -335,6 +372,7 @@ const lac_load_kind lac_pore_rain = {
                       "docs/theory/loads.md, \"Pore pressure\"", LAC_ROWS(rain_rows, rain_params)),
     .prepare = fill_rain,
     .release = release,
+    .driver = &rain_fall,
     .signal = water_at,
     .next_break = next_break,
 };

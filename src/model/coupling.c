@@ -118,14 +118,14 @@ double lac_mean_search_on(lac_mean_search *search, double found, double slope)
     return next - from;
 }
 
-void lac_block_ease(const lac_problem *problem, double share, const lac_friction_cells *cells,
-                    double *ease)
+void lac_block_ease(const lac_problem *problem, const lac_problem_loads_at *drive,
+                    const lac_friction_cells *cells, double *ease)
 {
     lac_block s;
     const lac_friction_values values = lac_block_values(&s);
     lac_friction_evaluate(problem->friction, cells, &values, NULL);
     for (size_t i = 0; i < cells->n; i++) {
-        double held = problem->pressure[cells->first + i] * share * s.f_u[i];
+        double held = lac_problem_effective(problem, drive, cells->first + i) * s.f_u[i];
         double drag = lac_problem_drag(problem, cells->first + i);
         ease[i] = drag * cells->v[i] / (held + problem->damping * cells->v[i]);
     }

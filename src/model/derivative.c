@@ -10,7 +10,7 @@ static bool begin(const lac_problem *problem, double t, const double *y, double 
 {
     *at = (lac_look){
         .problem = problem, .y = y, .w = y + problem->n, .ws = lac_problem_split(problem, work)};
-    if (!lac_problem_drive(problem, t, &at->drive)) {
+    if (!lac_problem_drive_into(problem, t, at->ws.shares, &at->drive)) {
         return false;
     }
     at->motion = problem->kind->move(at, true);
@@ -89,7 +89,7 @@ static double fastest(const lac_problem *problem, double t, const double *y, boo
         lac_block s;
         size_t length = lac_block_friction(&at, first, &s, NULL);
         for (size_t i = 0; i < length; i++) {
-            double p = problem->pressure[first + i] * at.drive.share;
+            double p = lac_problem_effective(problem, &at.drive, first + i);
             double slip = s.speed[i] * lac_cellwise_of(&problem->friction->inv_dc, first + i);
             double held = fmax(p * s.f_u[i] + problem->damping * s.speed[i], DBL_MIN);
             double worth = fmin(fmax(p * s.f_w[i] / (MOST_WORTH * held), 1.0), 1e12);

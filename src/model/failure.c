@@ -20,10 +20,8 @@ static lac_failure_start look_at_start(const lac_problem *problem)
                            .held =
                                problem->at_start.spring_stiffness > 0.0 || problem->anchor != NULL,
                            .length = problem->length};
-    lac_problem_loads_at drive;
-    (void)lac_problem_drive(problem, 0.0, &drive);
     for (size_t i = 0; i < problem->n; i++) {
-        double p = problem->pressure[i] * drive.share * to_nominal;
+        double p = lac_problem_effective(problem, &problem->drive0, i) * to_nominal;
         double a = lac_cellwise_of(&problem->friction->column[LAC_A], i);
         double b = lac_cellwise_of(&problem->friction->column[LAC_B], i);
         s.rate += exp(problem->log_rate0[i]) / n;
@@ -70,7 +68,7 @@ static double past_as_one(const lac_look *at, double rate)
     double held = eta * rate;
     double u = log(rate);
     for (size_t i = 0; i < problem->n; i++) {
-        double p = problem->pressure[i] * at->drive.share;
+        double p = lac_problem_effective(problem, &at->drive, i);
         double f = lac_friction_coefficient(friction, i, motion->u[i], w[i]);
         double along = (motion->v[i] < 0.0) == (motion->mean < 0.0) ? f : -f;
         load += p * (along - lac_friction_coefficient(friction, i, u, w[i]));

@@ -50,13 +50,16 @@ lac_workspace lac_problem_split(const lac_problem *problem, double *work)
                            .slope = work + 5 * n,
                            .row = work + problem->kind->arrays * n,
                            .scratch = scratch,
-                           .mean = scratch + problem->transfer.kind->work(problem->transfer.state)};
+                           .mean = scratch + problem->transfer.kind->work(problem->transfer.state),
+                           .shares =
+                               scratch + problem->transfer.kind->work(problem->transfer.state) + 1};
 }
 
 size_t lac_problem_work(const lac_problem *problem)
 {
     return (problem->kind->arrays + leaning(problem)) * problem->n +
-           problem->transfer.kind->work(problem->transfer.state) + 1;
+           problem->transfer.kind->work(problem->transfer.state) + 1 +
+           (problem->varies ? 4 * problem->n : 0);
 }
 
 void lac_problem_forget(const lac_problem *problem, double *work)
@@ -69,21 +72,29 @@ void lac_problem_forget(const lac_problem *problem, double *work)
 }
 
 // A block of cells from `first` on, their sizes of v put into `speed`.
-static lac_friction_cells cells_from(const lac_look *at, size_t first, double *speed)
+// @param rates  [LAC_FRICTION_BLOCK] d ln(pressure)/dt of these cells, where each has its own
+static lac_friction_cells cells_from(const lac_look *at, size_t first, double *speed, double *rates)
 {
+    const lac_problem_loads_at *drive = &at->drive;
     size_t length = lac_block_length(at->problem->n, first);
+    bool apart = drive->shares != NULL && at->problem->friction->response.value != NULL;
+    for (size_t i = 0; apart && i < length; i++) {
+        rates[i] = drive->share_rates[first + i] / drive->shares[first + i];
+    }
     lac_vabs(length, at->motion.v + first, speed);
     return (lac_friction_cells){.first = first,
                                 .n = length,
                                 .u = at->motion.u + first,
                                 .w = at->w + first,
                                 .v = speed,
-                                .normal_rate = at->drive.share_rate / at->drive.share};
+                                .normal_rate = drive->share_rate / drive->share,
+                                .normal_rates = apart ? rates : NULL};
 }
 
 size_t lac_block_friction(const lac_look *at, size_t first, lac_block *s, lac_block_slopes *d)
 {
-    const lac_friction_cells cells = cells_from(at, first, s->speed);
+    double rates[LAC_FRICTION_BLOCK];
+    const lac_friction_cells cells = cells_from(at, first, s->speed, rates);
     lac_friction_values values = lac_block_values(s);
     lac_friction_slopes slopes = {0};
     if (d != NULL) {
@@ -105,7 +116,7 @@ double lac_problem_unbalanced(const lac_look *at, double *traction, double *wdot
         for (size_t i = 0; i < length; i++) {
             size_t k = first + i;
             double v = at->motion.v[k];
-            double held = copysign(problem->pressure[k] * at->drive.share * s.f[i], v);
+            double held = copysign(lac_problem_effective(problem, &at->drive, k) * s.f[i], v);
             double common = lac_problem_drag(problem, k) * at->motion.mean;
             traction[k] -= held + problem->damping * v + common;
             part += traction[k];
@@ -123,7 +134,8 @@ bool lac_problem_evolve(const lac_look *at, double *wdot)
     size_t n = at->problem->n;
     for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
         double speed[LAC_FRICTION_BLOCK];
-        const lac_friction_cells cells = cells_from(at, first, speed);
+        double rates[LAC_FRICTION_BLOCK];
+        const lac_friction_cells cells = cells_from(at, first, speed, rates);
         lac_friction_evaluate(at->problem->friction, &cells,
                               &(lac_friction_values){.g = wdot + first}, NULL);
     }
@@ -145,7 +157,7 @@ static bool reduce_block(const lac_look *at, double gamma, double *b_w, size_t f
     bool good = true;
     for (size_t i = 0; i < length; i++) {
         size_t k = first + i;
-        double p = problem->pressure[k] * at->drive.share;
+        double p = lac_problem_effective(problem, &at->drive, k);
         double v = at->motion.v[k];
         double z = p * s.f_u[i] / s.speed[i] + problem->damping;
         z = z < STIFFEST ? z : STIFFEST;
@@ -175,7 +187,7 @@ bool lac_implicit_solve(const lac_look *at, double gamma, double *b)
     const lac_problem *problem = at->problem;
     double kappa = problem->drag * (problem->sum_pressure / (double)problem->n) / gamma;
     double mean = at->drive.spring_stiffness + kappa;
-    bool felt = lac_problem_feels_drag(problem, at->drive.share, at->motion.mean);
+    bool felt = lac_problem_feels_drag(problem, at->drive.least, at->motion.mean);
     const lac_sharing on = {.kappa = felt ? kappa : 0.0, .shares = at->ws.u};
     return lac_problem_solve_sharing(problem, mean, at->ws.diagonal, &on, b, at->ws.scratch);
 }
@@ -188,10 +200,24 @@ double lac_implicit_traction_scale(const lac_problem *problem, size_t cell)
     return (effect > 0.0 ? effect : 1.0) * problem->pressure[cell];
 }
 
+// What presses the cells from `first` on: the total pressures, of which all have the same share,
+// or in `room` what each has left.
+static const double *pressures_from(const lac_look *at, size_t first, size_t length, double *room)
+{
+    if (at->drive.shares == NULL) {
+        return at->problem->pressure + first;
+    }
+    for (size_t i = 0; i < length; i++) {
+        room[i] = lac_problem_effective(at->problem, &at->drive, first + i);
+    }
+    return room;
+}
+
 // Rates where the mean rate `taken` damps them; gives back their mean.
 static double rates_under(const lac_look *at, const double *tractions, double taken, double *u)
 {
     double left[LAC_FRICTION_BLOCK];
+    double room[LAC_FRICTION_BLOCK];
     const lac_problem *problem = at->problem;
     double *v = at->ws.v;
     size_t n = problem->n;
@@ -206,8 +232,8 @@ static double rates_under(const lac_look *at, const double *tractions, double ta
                                         .n = length,
                                         .w = at->w + first,
                                         .traction = taken != 0.0 ? left : traction,
-                                        .pressure = problem->pressure + first,
-                                        .share = at->drive.share,
+                                        .pressure = pressures_from(at, first, length, room),
+                                        .share = at->drive.shares == NULL ? at->drive.share : 1.0,
                                         .damping = problem->damping};
         lac_friction_rates(problem->friction, &balance, u + first, v + first);
         total += lac_vsum(length, v + first);
@@ -224,7 +250,7 @@ static void find_ease(const lac_look *at, const double *u, double *ease)
         lac_vabs(length, at->ws.v + first, speed);
         const lac_friction_cells cells = {
             .first = first, .n = length, .u = u + first, .w = at->w + first, .v = speed};
-        lac_block_ease(problem, at->drive.share, &cells, ease + first);
+        lac_block_ease(problem, &at->drive, &cells, ease + first);
     }
 }
 

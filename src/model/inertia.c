@@ -258,7 +258,7 @@ bool lac_problem_rests(const lac_problem *problem, double t, const double *y, si
 {
     const double nothing = 1e-25; // m/s
     lac_problem_loads_at drive;
-    if (problem->mass == 0.0 || !lac_problem_drive(problem, t, &drive)) {
+    if (problem->mass == 0.0 || !lac_problem_drive(problem, t, work, &drive)) {
         return false;
     }
     const lac_look at = lac_problem_look(problem, t, y, work);
@@ -271,7 +271,7 @@ bool lac_problem_rests(const lac_problem *problem, double t, const double *y, si
     }
     // What drives the cell besides its friction: traction, and the block that it is part of.
     const double *w = at.w;
-    double p = problem->pressure[i] * drive.share;
+    double p = lac_problem_effective(problem, &at.drive, i);
     double mean = find_forces(&at, NULL);
     double f = lac_friction_coefficient(problem->friction, i, at.motion.u[i], w[i]);
     double held = copysign(p * f, at.motion.v[i]);

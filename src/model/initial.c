@@ -2,6 +2,7 @@
 // Rate and state of every cell at the start, from what the case gives of them and from the loads.
 #include <float.h>
 #include <math.h>
+#include <stdlib.h>
 
 #include "base/roots.h"
 #include "base/vsum.h"
@@ -106,21 +107,42 @@ static lac_status cannot_start(const start_cell *c, double rate, double value, d
                 "the state of cell %zu that carries its load, e^%.4g s, is beyond numbers", c->cell,
                 w);
     return lac_fail(err, LAC_EINPUT,
-                    "no rate and state of cell %zu carry its load: traction %g Pa, effective "
+                    "no rate and state of cell %zu carry its load: traction %g Pa%s, effective "
                     "normal pressure %g Pa, ratio %g",
-                    c->cell, c->traction, c->pressure, c->traction / c->pressure);
+                    c->cell, c->traction, c->friction->cohesion > 0.0 ? " beyond cohesion" : "",
+                    c->pressure, c->traction / c->pressure);
 }
 
 // What the loads at t = 0 put on the cells.
 typedef struct start_load {
-    double ratio;        // q_i = p_i ratio + spring + shape_i elastic
+    double ratio;        // q_i = p_i ratio + spring + shape_i elastic, less cohesion
     double spring;       // [Pa]
     double elastic;      // [Pa]
     const double *shape; // [n]; NULL: 0
     double share;        // effective over total normal pressure
+    double *shares;      // [n] of each cell, owned; NULL: all have the same
 } start_load;
 
-static lac_status load_at_start(const lac_load_set *loads, const lac_domain *domain, start_load *at,
+// The share of each cell where the loads differ between them.
+static lac_status shares_at_start(const lac_load_set *loads, const lac_load_state *load,
+                                  double mean, start_load *at, lac_error *err)
+{
+    const size_t n = loads->places.n;
+    at->shares = malloc(2 * n * sizeof *at->shares);
+    LAC_FAIL_MEMORY_IF(at->shares == NULL, err);
+    lac_load_evaluate_cells(loads, 0.0, load, at->shares, at->shares + n);
+    for (size_t i = 0; i < n; i++) {
+        const double pore = at->shares[i];
+        at->shares[i] = 1.0 - pore / mean;
+        if (!(at->shares[i] > 0.0)) {
+            return lac_load_blame_cell(loads, i, pore, mean, 0.0, LAC_EINPUT, err);
+        }
+    }
+    return LAC_OK;
+}
+
+static lac_status load_at_start(const lac_initial_def *initial, const lac_load_set *loads,
+                                const lac_domain *domain, double cohesion, start_load *at,
                                 lac_error *err)
 {
     double sum = lac_vsum(domain->n, domain->pressure);
@@ -129,15 +151,25 @@ static lac_status load_at_start(const lac_load_set *loads, const lac_domain *dom
     double mean = sum * cell / area;
     lac_load_state load;
     lac_load_evaluate(loads, 0.0, &load);
-    at->ratio = load.ratio + load.stress / mean;
+    at->ratio = load.ratio + (load.stress - cohesion) / mean;
     double to_cells = area / ((double)domain->n * cell);
     at->spring = (load.spring_stress + load.equal_ratio * mean) * to_cells;
     at->elastic = (load.elastic + load.elastic_ratio * mean) * to_cells;
     at->shape = loads->shape;
     at->share = 1.0 - load.pore / mean;
+    if (lac_load_set_varies(loads)) {
+        return shares_at_start(loads, &load, mean, at, err);
+    }
     LAC_FAIL_IF(!(at->share > 0.0), err, LAC_EINPUT,
                 "pore pressure %g Pa is not below the normal pressure %g Pa at the start",
                 load.pore, mean);
+    const bool by_load = initial->state == LAC_STATE_FROM_LOAD ||
+                         (initial->rates == NULL && isnan(initial->slip_rate));
+    const double left = at->ratio * mean + (at->spring + at->elastic) / to_cells;
+    LAC_FAIL_IF(cohesion > 0.0 && by_load && !(left > 0.0), err, LAC_EINPUT,
+                "cohesion %g Pa holds the shear load of %g Pa over the nominal area at the start: "
+                "nothing slides",
+                cohesion, left + cohesion);
     return LAC_OK;
 }
 
@@ -169,7 +201,8 @@ static start_cell cell_at(const start_cells *s, size_t i, double mean)
     double shaped = load->shape == NULL ? 0.0 : load->shape[i] * load->elastic;
     double q = p * load->ratio + load->spring + shaped;
     double drag = (s->damping.mean + s->damping.shared * p) * mean;
-    return (start_cell){s->friction, i, p * load->share, q - drag, s->damping.cell};
+    double share = load->shares != NULL ? load->shares[i] : load->share;
+    return (start_cell){s->friction, i, p * share, q - drag, s->damping.cell};
 }
 
 // Every cell's rate and state; gives back the mean rate.
@@ -218,6 +251,26 @@ static double start_together(const start_cells *s)
     return damped ? found - mean : 0.0;
 }
 
+static lac_status start_cells_of(start_cells *s, lac_error *err)
+{
+    const double *log_rate = s->log_rate;
+    const double *log_state = s->log_state;
+    double off = start_together(s);
+    double fastest = 0.0;
+    for (size_t i = 0; i < s->domain->n; i++) {
+        if (!isfinite(log_rate[i]) || !isfinite(log_state[i]) || !isfinite(exp(log_state[i]))) {
+            start_cell c = cell_at(s, i, 0.0);
+            return cannot_start(&c, given_rate(s, i), given_state(s, i), log_state[i], err);
+        }
+        fastest = fmax(fastest, exp(log_rate[i]));
+    }
+    LAC_FAIL_IF(!(fabs(off) <= 1e-9 * fastest), err, LAC_EINPUT,
+                "no slip rate of the cells carries the load with the damping of their mean: it "
+                "would be above %g m/s",
+                fastest);
+    return LAC_OK;
+}
+
 lac_status lac_initial_solve(const lac_initial_def *initial, const lac_domain *domain,
                              const lac_friction *friction, const lac_load_set *loads,
                              lac_damping damping, double *log_rate, double *log_state,
@@ -229,19 +282,10 @@ lac_status lac_initial_solve(const lac_initial_def *initial, const lac_domain *d
                      .damping = damping,
                      .log_rate = log_rate,
                      .log_state = log_state};
-    LAC_TRY_RETURN(load_at_start(loads, domain, &s.load, err));
-    double off = start_together(&s);
-    double fastest = 0.0;
-    for (size_t i = 0; i < domain->n; i++) {
-        if (!isfinite(log_rate[i]) || !isfinite(log_state[i]) || !isfinite(exp(log_state[i]))) {
-            start_cell c = cell_at(&s, i, 0.0);
-            return cannot_start(&c, given_rate(&s, i), given_state(&s, i), log_state[i], err);
-        }
-        fastest = fmax(fastest, exp(log_rate[i]));
+    lac_status status = load_at_start(initial, loads, domain, friction->cohesion, &s.load, err);
+    if (status == LAC_OK) {
+        status = start_cells_of(&s, err);
     }
-    LAC_FAIL_IF(!(fabs(off) <= 1e-9 * fastest), err, LAC_EINPUT,
-                "no slip rate of the cells carries the load with the damping of their mean: it "
-                "would be above %g m/s",
-                fastest);
-    return LAC_OK;
+    free(s.load.shares);
+    return status;
 }

@@ -16,6 +16,7 @@ struct lac_problem {
     double mean_damping;  // what the mean slip rate takes off every cell besides [Pa s/m]
     double drag;          // what it takes off per pressure [s/m]: lac_damping.shared
     double least_direct;  // least a of the cells
+    double bond;          // cohesion over the mean pressure: it carries p_i bond of q_i [1]
     double cell_area;     // r^2 [m2]
     double nominal_area;  // L^2 [m2]
     double length;        // a slip that is long gone: the longer side; of one block 10 m
@@ -27,11 +28,22 @@ struct lac_problem {
     double columns;       // part of it that stands on the cells as columns of their own
     double slow;          // v_s: v = 2 v_s sinh x where a massive cell may turn back [m/s]
     double sum_traction0; // sum of the tractions at t = 0 [Pa]
+    bool varies;          // what the loads take off the pressure differs from cell to cell
     lac_load_state at_start;
+    lac_safety safety;
+    lac_problem_loads_at drive0;    // at t = 0
     double *traction0;              // [n] q_i at t = 0 [Pa]; owns the two last
     double *anchor;                 // [n] K 1: what holds uniform slip [Pa/m]; NULL: nothing does
     double *log_rate0, *log_state0; // [n]
+    double *shares0;                // [2n] of drive0; NULL where all cells are alike
 };
+
+// Effective normal pressure of cell i [Pa]: the one place where it is made of what the loads leave.
+static inline double lac_problem_effective(const lac_problem *problem,
+                                           const lac_problem_loads_at *drive, size_t i)
+{
+    return problem->pressure[i] * lac_problem_share_of(drive, i);
+}
 
 // What the mean slip rate takes off the traction of cell i, per metre per second [Pa s/m].
 static inline double lac_problem_drag(const lac_problem *problem, size_t i)
@@ -57,7 +69,12 @@ typedef struct lac_workspace {
     double *row;   // [n] where damping of the mean counts, and slip is no unknown
     double *mean;  // [1] where rates are solved for: the mean rate that the next solve begins from
     double *scratch; // of the transfer
+    double *shares;  // [4n] where cells have shares of their own: shares and rates; before a jump
 } lac_workspace;
+
+// lac_problem_drive. @param shares  [2n] where the cells differ
+bool lac_problem_drive_into(const lac_problem *problem, double t, double *shares,
+                            lac_problem_loads_at *drive);
 
 lac_workspace lac_problem_split(const lac_problem *problem, double *work);
 
@@ -82,7 +99,7 @@ lac_look lac_problem_look(const lac_problem *problem, double t, const double *y,
 // What a jump of the loads puts on the cells.
 typedef struct lac_jump {
     double ratio, spring, elastic; // lac_problem_gain
-    double share_before, share_after;
+    const lac_problem_loads_at *before, *after;
 } lac_jump;
 
 // What q_i gains by it [Pa].
@@ -143,6 +160,13 @@ double lac_problem_unbalanced(const lac_look *at, double *traction, double *wdot
 // q - K slip of every cell, the springs' part included.
 void lac_problem_elastic_traction(const lac_look *at, const double *slip, double *traction);
 
+// Shear force Q on the interface over the area of a cell: the sum of the cells' tractions [Pa].
+// @param mean  of the slip
+double lac_look_sheared(const lac_look *at, const double *slip, double mean);
+
+// lac_problem_safety of a state that is looked at; its rates do not count.
+double lac_look_safety(const lac_look *at, const double *slip);
+
 // Finds out what the transfer does to uniform slip.
 lac_status lac_problem_anchor(lac_problem *problem, lac_error *err);
 
@@ -176,8 +200,8 @@ double lac_mean_search_on(lac_mean_search *search, double found, double slope);
 
 // By how much the rates of a block of cells fall as the mean rate rises that damps them, where
 // friction and their own damping hold them: drag/(p f_u/|v| + eta).
-void lac_block_ease(const lac_problem *problem, double share, const lac_friction_cells *cells,
-                    double *ease);
+void lac_block_ease(const lac_problem *problem, const lac_problem_loads_at *drive,
+                    const lac_friction_cells *cells, double *ease);
 
 // What acts on the mean of the cells, and as their pressures do: kappa s row^T/n, s the share of a
 // cell's pressure, whose mean is 1.

@@ -12,7 +12,7 @@ lac_look lac_problem_look(const lac_problem *problem, double t, const double *y,
 {
     lac_look at = {
         .problem = problem, .y = y, .w = y + problem->n, .ws = lac_problem_split(problem, work)};
-    (void)lac_problem_drive(problem, t, &at.drive);
+    (void)lac_problem_drive_into(problem, t, at.ws.shares, &at.drive);
     at.motion = problem->kind->move(&at, false);
     return at;
 }
@@ -48,8 +48,11 @@ void lac_problem_traction(const lac_problem *problem, double t, const double *sl
                           double *traction, double *work)
 {
     lac_look at = {.problem = problem, .ws = lac_problem_split(problem, work)};
-    (void)lac_problem_drive(problem, t, &at.drive);
+    (void)lac_problem_drive_into(problem, t, at.ws.shares, &at.drive);
     lac_problem_elastic_traction(&at, slip, traction);
+    for (size_t i = 0; problem->bond > 0.0 && i < problem->n; i++) {
+        traction[i] += problem->pressure[i] * problem->bond;
+    }
 }
 
 // How far the cells are off their balance, each and together.
@@ -65,7 +68,7 @@ static void measure_balance(const lac_look *at, double *traction, lac_observatio
         lac_inertia_unexplained(problem, traction);
     }
     for (size_t i = 0; i < problem->n; i++) {
-        double p = problem->pressure[i] * at->drive.share;
+        double p = lac_problem_effective(problem, &at->drive, i);
         double f0 = lac_cellwise_of(&problem->friction->column[LAC_F0], i);
         double scale = p * (f0 != 0.0 ? fabs(f0) : 1.0);
         double relative = fabs(traction[i]) / scale;
@@ -77,6 +80,17 @@ static void measure_balance(const lac_look *at, double *traction, lac_observatio
     }
     observation->balance_residual = worst;
     observation->rate_drift = held > 0.0 ? fabs(sum) / held : 0.0;
+}
+
+double lac_look_sheared(const lac_look *at, const double *slip, double mean)
+{
+    const lac_problem *problem = at->problem;
+    const lac_problem_loads_at *drive = &at->drive;
+    double spring = drive->spring - drive->spring_stiffness * mean;
+    double alike = spring + drive->far.elastic; // the mean of the shape is 1
+    double total = problem->sum_traction0 + problem->sum_pressure * (drive->ratio + problem->bond) +
+                   (double)problem->n * alike;
+    return total - lac_problem_held(problem, drive->far.back, slip);
 }
 
 void lac_problem_observe(const lac_problem *problem, double t, const double *y, const double *slip,
@@ -95,14 +109,12 @@ void lac_problem_observe(const lac_problem *problem, double t, const double *y, 
     observation->max_rate = fabs(motion.v[observation->fastest]);
     observation->mean_slip = lac_vsum(n, slip) / (double)n;
 
-    double spring = drive->spring - drive->spring_stiffness * observation->mean_slip;
-    double alike = spring + drive->far.elastic; // the mean of the shape is 1
-    double total =
-        problem->sum_traction0 + problem->sum_pressure * drive->ratio + (double)n * alike;
-    total -= lac_problem_held(problem, drive->far.back, slip);
+    double total = lac_look_sheared(&at, slip, observation->mean_slip);
     observation->shear_force = problem->cell_area * total;
     observation->normal_force = problem->cell_area * problem->sum_pressure;
     observation->effective_force = observation->normal_force * drive->share;
+
+    observation->factor_of_safety = problem->safety.asked ? lac_look_safety(&at, slip) : NAN;
 
     lac_problem_elastic_traction(&at, slip, at.ws.kv);
     measure_balance(&at, at.ws.kv, observation);
@@ -113,8 +125,9 @@ bool lac_problem_slips(const lac_problem *problem, double t, const double *y, si
 {
     const lac_friction *friction = problem->friction;
     bool regularised = friction->form == LAC_FORM_REGULARISED;
-    if (problem->kind->either_sign && regularised) {
-        return true;
+    bool reverses = problem->kind->either_sign && regularised;
+    if (reverses && !(problem->bond > 0.0)) {
+        return true; // cohesion would have to hold the other way then
     }
     // ln v is y itself where the rate is not solved for
     lac_motion motion = {.u = y};
@@ -136,25 +149,43 @@ bool lac_problem_slips(const lac_problem *problem, double t, const double *y, si
     return true;
 }
 
-bool lac_problem_jump(const lac_problem *problem, double t, double *y)
+// Whether the share of a cell jumps: one that only bends has changed by no more than its rate times
+// one rounding of t, which is `slack`.
+static bool shares_jump(const lac_problem *problem, const lac_problem_loads_at *before,
+                        const lac_problem_loads_at *after, double slack)
+{
+    if (!problem->varies) {
+        return fabs(after->share - before->share) > slack * fabs(before->share_rate);
+    }
+    bool jumps = false;
+    for (size_t i = 0; i < problem->n; i++) {
+        double moved = fabs(after->shares[i] - before->shares[i]);
+        jumps = jumps || moved > slack * fabs(before->share_rates[i]);
+    }
+    return jumps;
+}
+
+bool lac_problem_jump(const lac_problem *problem, double t, double *y, double *work)
 {
     lac_problem_loads_at before;
     lac_problem_loads_at after;
-    if (!lac_problem_drive(problem, nextafter(t, -INFINITY), &before) ||
-        !lac_problem_drive(problem, t, &after)) {
+    const lac_workspace ws = lac_problem_split(problem, work);
+    double *shares_before = problem->varies ? ws.shares + 2 * problem->n : NULL;
+    if (!lac_problem_drive_into(problem, nextafter(t, -INFINITY), shares_before, &before) ||
+        !lac_problem_drive_into(problem, t, ws.shares, &after)) {
         return false;
     }
     lac_jump jump = {.ratio = after.ratio - before.ratio,
                      .spring = after.spring - before.spring,
                      .elastic = after.far.elastic - before.far.elastic,
-                     .share_before = before.share,
-                     .share_after = after.share};
+                     .before = &before,
+                     .after = &after};
     // A load that only bends has changed by no more than its rate times one rounding of t.
     double slack = 16.0 * (nextafter(fabs(t), INFINITY) - fabs(t));
     bool jumps = fabs(jump.ratio) > slack * fabs(before.ratio_rate) ||
                  fabs(jump.spring) > slack * fabs(before.spring_rate) ||
                  fabs(jump.elastic) > slack * fabs(before.far_rate.elastic) ||
-                 fabs(after.share - before.share) > slack * fabs(before.share_rate);
+                 shares_jump(problem, &before, &after, slack);
     if (!jumps) {
         return true;
     }
@@ -163,7 +194,8 @@ bool lac_problem_jump(const lac_problem *problem, double t, double *y)
     }
     for (size_t i = 0; i < problem->n; i++) {
         double *w = &y[problem->n + i];
-        *w = lac_friction_state_after(problem->friction, i, *w, after.share / before.share);
+        double change = lac_problem_share_of(&after, i) / lac_problem_share_of(&before, i);
+        *w = lac_friction_state_after(problem->friction, i, *w, change);
         if (!isfinite(exp(*w))) {
             return false; // alpha/b makes e-folds of theta without bounds
         }
@@ -192,7 +224,7 @@ static void residual_block(const lac_look *at, const double *slip, size_t first)
     size_t length = lac_block_friction(at, first, &s, NULL);
     for (size_t i = 0; i < length; i++) {
         size_t k = first + i;
-        double p = problem->pressure[k] * at->drive.share;
+        double p = lac_problem_effective(problem, &at->drive, k);
         double e = p * s.f_u[i] + problem->damping * s.speed[i];
         double held = copysign(p * s.f[i], motion->v[k]) + problem->damping * motion->v[k];
         double gone = gone_of(problem, slip, k);

@@ -35,13 +35,15 @@ static lac_status check_initial(const lac_problem_def *def, lac_error *err)
     return LAC_OK;
 }
 
-// The traction that the initial rate and state carry is the load at t = 0.
-static void fill_traction(lac_problem *problem, double share)
+// The traction that the initial rate and state carry is the load at t = 0, less what cohesion
+// carries of it at all times: so neither rates nor Newton's matrix know of cohesion.
+static void fill_traction(lac_problem *problem)
 {
     for (size_t i = 0; i < problem->n; i++) {
         double u = problem->log_rate0[i];
         double f = lac_friction_coefficient(problem->friction, i, u, problem->log_state0[i]);
-        problem->traction0[i] = problem->pressure[i] * share * f + problem->damping * exp(u);
+        problem->traction0[i] =
+            lac_problem_effective(problem, &problem->drive0, i) * f + problem->damping * exp(u);
     }
     double total = 0.0;
     for (size_t i = 0; i < problem->n; i++) {
@@ -86,6 +88,14 @@ static lac_status check_shape(const lac_problem *problem, lac_error *err)
     return LAC_OK;
 }
 
+// Nor do they know the cells by themselves.
+static lac_status check_places(const lac_problem *problem, lac_error *err)
+{
+    LAC_FAIL_IF(problem->varies && problem->loads.places.n != problem->n, err, LAC_EINPUT,
+                "a load differs from cell to cell, but the places of the cells are not given");
+    return LAC_OK;
+}
+
 // How much traction a metre of slip takes off a cell whose neighbours slip the other way.
 static lac_status measure_stiffness(lac_problem *problem, lac_error *err)
 {
@@ -112,6 +122,10 @@ static lac_status allocate(lac_problem *problem, const lac_problem_def *def, lac
     problem->log_state0 = problem->log_rate0 + problem->n;
     memcpy(problem->log_rate0, def->log_rate, bytes);
     memcpy(problem->log_state0, def->log_state, bytes);
+    if (problem->varies) {
+        problem->shares0 = malloc(2 * bytes);
+        LAC_FAIL_MEMORY_IF(problem->shares0 == NULL, err);
+    }
     return LAC_OK;
 }
 
@@ -130,23 +144,26 @@ lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac
     problem->mean_damping = damping.mean;
     problem->drag = damping.shared;
     problem->least_direct = least_of(&problem->friction->column[LAC_A], problem->n);
+    problem->bond = problem->friction->cohesion / problem->mean_pressure;
     problem->kind = lac_formulation_kind_of(def->formulation);
+    problem->safety = def->safety;
+    problem->varies = lac_load_set_varies(&problem->loads);
     lac_load_evaluate(&problem->loads, 0.0, &problem->at_start);
 
     LAC_TRY(check_initial(def, err));
     LAC_TRY(lac_inertia_init(problem, def, err));
     LAC_TRY(check_solvable(problem, err));
     LAC_TRY(check_shape(problem, err));
+    LAC_TRY(check_places(problem, err));
     LAC_TRY(allocate(problem, def, err));
     LAC_TRY(lac_problem_anchor(problem, err));
-    lac_problem_loads_at drive;
-    if (!lac_problem_drive(problem, 0.0, &drive)) {
+    if (!lac_problem_drive_into(problem, 0.0, problem->shares0, &problem->drive0)) {
         status = lac_fail(err, LAC_EINPUT,
                           "pore pressure %g Pa is not below the normal pressure %g Pa at the start",
                           problem->at_start.pore, problem->mean_pressure);
         goto out;
     }
-    fill_traction(problem, drive.share);
+    fill_traction(problem);
     if (problem->kind->has_slip) {
         LAC_TRY(measure_stiffness(problem, err));
     }
@@ -164,7 +181,13 @@ void lac_problem_free(lac_problem *problem)
     }
     free(problem->traction0);
     free(problem->anchor);
+    free(problem->shares0);
     free(problem);
+}
+
+double lac_problem_strength(const lac_problem *problem, size_t cell, double share, double f)
+{
+    return problem->pressure[cell] * (share * f + problem->bond);
 }
 
 size_t lac_problem_cells(const lac_problem *problem) { return problem->n; }
@@ -201,7 +224,36 @@ double lac_problem_longest_step(const lac_problem *problem, double t)
     return lac_load_longest_step(&problem->loads, t);
 }
 
-bool lac_problem_drive(const lac_problem *problem, double t, lac_problem_loads_at *drive)
+// What each cell has left of its pressure; false where one has nothing left. Together they have
+// the mean by the force that they carry, which is that of all where they are alike, to the bit.
+static bool find_shares(const lac_problem *problem, double t, const lac_load_state *now,
+                        double *shares, lac_problem_loads_at *drive)
+{
+    size_t n = problem->n;
+    double mean = problem->mean_pressure;
+    double *rates = shares + n;
+    double off = 0.0;
+    double off_rate = 0.0;
+    bool good = true;
+    lac_load_evaluate_cells(&problem->loads, t, now, shares, rates);
+    drive->least = INFINITY;
+    for (size_t i = 0; i < n; i++) {
+        shares[i] = 1.0 - shares[i] / mean;
+        rates[i] = -rates[i] / mean;
+        off += problem->pressure[i] * (shares[i] - shares[0]);
+        off_rate += problem->pressure[i] * (rates[i] - rates[0]);
+        drive->least = fmin(drive->least, shares[i]);
+        good = good && shares[i] > 0.0 && isfinite(shares[i]) && isfinite(rates[i]);
+    }
+    drive->share = shares[0] + off / problem->sum_pressure;
+    drive->share_rate = rates[0] + off_rate / problem->sum_pressure;
+    drive->shares = shares;
+    drive->share_rates = rates;
+    return good;
+}
+
+bool lac_problem_drive_into(const lac_problem *problem, double t, double *shares,
+                            lac_problem_loads_at *drive)
 {
     const lac_load_state *start = &problem->at_start;
     double mean = problem->mean_pressure;
@@ -219,8 +271,53 @@ bool lac_problem_drive(const lac_problem *problem, double t, lac_problem_loads_a
     drive->far_rate.elastic = problem->spring_share * now.elastic_rate;
     drive->share = 1.0 - now.pore / mean;
     drive->share_rate = -now.pore_rate / mean;
+    drive->least = drive->share;
+    drive->shares = drive->share_rates = NULL;
+    if (problem->varies) {
+        return find_shares(problem, t, &now, shares, drive) && isfinite(drive->ratio);
+    }
     return drive->share > 0.0 && isfinite(drive->share) && isfinite(drive->ratio);
 }
+
+bool lac_problem_drive(const lac_problem *problem, double t, double *work,
+                       lac_problem_loads_at *drive)
+{
+    return lac_problem_drive_into(problem, t, lac_problem_split(problem, work).shares, drive);
+}
+
+lac_status lac_problem_lifted(const lac_problem *problem, double t, double near, double *work,
+                              lac_error *err)
+{
+    lac_problem_loads_at at;
+    double normal = problem->mean_pressure;
+    bool good = lac_problem_drive(problem, t, work, &at);
+    if (good && at.least > near) {
+        return LAC_OK;
+    }
+    for (size_t i = 0; at.shares != NULL && i < problem->n; i++) {
+        if (!(at.shares[i] > near)) {
+            return lac_load_blame_cell(&problem->loads, i, normal * (1.0 - at.shares[i]), normal, t,
+                                       LAC_ENUMERIC, err);
+        }
+    }
+    return lac_fail(err, LAC_ENUMERIC, "the pore pressure reaches the normal pressure at t = %g s",
+                    t);
+}
+
+void lac_problem_pore(const lac_problem *problem, double t, double *pore, double *work)
+{
+    lac_load_state now;
+    lac_load_evaluate(&problem->loads, t, &now);
+    for (size_t i = 0; i < problem->n; i++) {
+        pore[i] = now.pore;
+    }
+    if (problem->varies) {
+        double *rates = lac_problem_split(problem, work).shares;
+        lac_load_evaluate_cells(&problem->loads, t, &now, pore, rates);
+    }
+}
+
+bool lac_problem_varies(const lac_problem *problem) { return problem->varies; }
 
 lac_problem_parts lac_problem_parts_of(const lac_problem *problem)
 {

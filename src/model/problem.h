@@ -32,6 +32,12 @@ typedef struct lac_damping {
 /// @source Rice (1993), doi 10.1029/93JB00191, for a cell; the mean: docs/theory/momentum.md
 lac_damping lac_damping_over(const lac_domain *domain, double eta, bool massive);
 
+/// The factor of safety that is asked of a problem; docs/theory/safety.md.
+typedef struct lac_safety {
+    bool asked;            ///< lac_problem_observe works it out
+    double reference_rate; ///< v_ref, whatever is asked [m/s]; NaN or 0: v0 of each cell's friction
+} lac_safety;
+
 /// What a creep problem is made from; everything pointed at must outlive the problem, except the
 /// initial arrays, which are copied.
 typedef struct lac_problem_def {
@@ -45,6 +51,7 @@ typedef struct lac_problem_def {
     const double *log_rate;  ///< [n] ln v at the start
     const double *log_state; ///< [n] ln theta at the start
     lac_formulation formulation;
+    lac_safety safety;
 } lac_problem_def;
 
 /// Rate-and-state creep of the contact cells, unknowns y = (x, ln theta), x as the formulation
@@ -110,7 +117,7 @@ bool lac_problem_newton(const lac_problem *problem, double t, const double *y, d
 /// Takes y across a jump of the loads at time t: the traction jumps, slip does not, nor the rate of
 /// what has mass, and the state only where it responds to the normal pressure (alpha) and that
 /// jumps. False where no rate balances the traction.
-bool lac_problem_jump(const lac_problem *problem, double t, double *y);
+bool lac_problem_jump(const lac_problem *problem, double t, double *y, double *work);
 
 /// Moves y and slip onto the traction balance, which holds but for the drift of the integration:
 /// a cell's slip and slip rate change by the same fraction, docs/theory/creep.md eq. 10.
@@ -134,10 +141,37 @@ void lac_problem_speed(const lac_problem *problem, double t, const double *y, do
 void lac_problem_traction(const lac_problem *problem, double t, const double *slip,
                           double *traction, double *work);
 
+/// What a cell carries at friction coefficient f, damping apart: p_i share f + c_i [Pa], c_i the
+/// cohesion, shared as pressures are; docs/theory/friction.md, eq. 10.
+/// @param share  effective over total normal pressure
+double lac_problem_strength(const lac_problem *problem, size_t cell, double share, double f);
+/// Pore pressure of every cell [Pa].
+void lac_problem_pore(const lac_problem *problem, double t, double *pore, double *work);
+
 /// Means, extremes, forces and the balance residual.
 /// @param work  its first n hold the cells' slip rates afterwards [m/s]
 void lac_problem_observe(const lac_problem *problem, double t, const double *y, const double *slip,
                          lac_observation *observation, double *work);
+
+/// What is asked of it: lac_problem_def.safety.
+lac_safety lac_problem_safety_asked(const lac_problem *problem);
+
+/// Factor of safety of the joint: what friction would hold if all cells slid at the reference rate
+/// in the states that they are in, over the shear force Q that drives,
+///     F = sum of p_i (1 - u L^2/P) f(v_ref, theta_i) r^2 / |Q|;
+/// Q is lac_observation.shear_force. Where v_ref is the slip rate of every cell the balance makes
+/// it 1, but for damping and inertia. @return NaN where nothing drives
+/// @cost  that of one evaluation of friction
+/// @source docs/theory/safety.md, eq. 1
+double lac_problem_safety(const lac_problem *problem, double t, const double *y, const double *slip,
+                          double *work);
+
+/// The same of every cell by itself: p_i (1 - u L^2/P) f(v_ref, theta_i) / |tau_i|.
+/// @param traction  [n] of lac_problem_traction [Pa]
+/// @param safety    [n] NaN where a cell carries nothing; overwritten
+/// @source docs/theory/safety.md, eq. 2
+void lac_problem_safety_cells(const lac_problem *problem, double t, const double *y,
+                              const double *traction, double *safety, double *work);
 
 /// As lac_load_next_break, and lac_load_longest_step: a cell at rest does not feel a swing that a
 /// step leaps over.
@@ -179,12 +213,32 @@ typedef struct lac_problem_loads_at {
     double spring_rate;          ///< [Pa/s]
     double spring_stiffness;     ///< traction lost per metre of mean slip [Pa/m]
     lac_far_field far, far_rate; ///< and its rate
-    double share;                ///< effective over total normal pressure: p_i -> p_i share
-    double share_rate;           ///< [1/s]
+    double share;      ///< effective over total normal force: p_i -> p_i share where all are alike
+    double share_rate; ///< [1/s]
+    double least;      ///< share of the cell that has the least of its pressure left
+    const double *shares, *share_rates; ///< [n] of each cell, in the work; NULL: all are alike
 } lac_problem_loads_at;
 
-/// Evaluates the loads; false where the effective normal pressure is not positive.
-bool lac_problem_drive(const lac_problem *problem, double t, lac_problem_loads_at *drive);
+/// What a cell has of its total normal pressure.
+static inline double lac_problem_share_of(const lac_problem_loads_at *drive, size_t i)
+{
+    return drive->shares != NULL ? drive->shares[i] : drive->share;
+}
+
+/// Evaluates the loads; false where the effective normal pressure of a cell is not positive.
+/// @param work  as of the functions above; holds what differs from cell to cell, until it is used
+///              again. Of no other part of it is anything used
+bool lac_problem_drive(const lac_problem *problem, double t, double *work,
+                       lac_problem_loads_at *drive);
+
+/// Says when, and of which cell, pore pressure leaves no more than `near` of the normal pressure.
+/// @param near  part of the total normal pressure; 0: where lac_problem_drive says false
+/// @return LAC_OK where more is left; LAC_ENUMERIC
+lac_status lac_problem_lifted(const lac_problem *problem, double t, double near, double *work,
+                              lac_error *err);
+
+/// Whether what the loads take off the normal pressure differs from cell to cell.
+bool lac_problem_varies(const lac_problem *problem);
 
 /// A mean slip rate that rock does not come to: whoever names it, or more, wants none to be
 /// failure.

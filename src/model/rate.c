@@ -61,14 +61,18 @@ typedef struct rate_field {
 } rate_field;
 
 // (p f_u + eta v) du/dt = dq/dt - f dp/dt - K v - p f_w dw/dt
-// @param held  p f_u + eta v; overwritten
-LAC_CLONES static void lac_rate_rates(const rate_field *field, size_t first, size_t length,
-                                      const lac_block *s, double *held)
+// @param alike  whether all cells have the same share of their pressure left
+// @param held   p f_u + eta v; overwritten
+static inline __attribute__((always_inline)) void rates_of(const rate_field *field, size_t first,
+                                                           size_t length, const lac_block *s,
+                                                           bool alike, double *held)
 {
     const lac_problem_loads_at *drive = &field->at->drive;
     const double *p = field->at->problem->pressure + first;
     const double *kv = field->at->ws.kv + first;
     double *du = field->du + first;
+    const double *shares = alike ? &drive->share : drive->shares + first;
+    const double *share_rates = alike ? &drive->share_rate : drive->share_rates + first;
     double share = drive->share;
     double share_rate = drive->share_rate;
     double ratio_rate = drive->ratio_rate;
@@ -76,12 +80,25 @@ LAC_CLONES static void lac_rate_rates(const rate_field *field, size_t first, siz
     double eta = field->at->problem->damping;
     LAC_INDEPENDENT
     for (size_t i = 0; i < length; i++) {
-        double pe = p[i] * share;
-        double drop = s->f[i] * p[i] * share_rate + kv[i] + pe * s->f_w[i] * s->g[i];
+        double pe = p[i] * (alike ? share : shares[i]);
+        double p_rate = alike ? share_rate : share_rates[i];
+        double drop = s->f[i] * p[i] * p_rate + kv[i] + pe * s->f_w[i] * s->g[i];
         double force = p[i] * ratio_rate + common - drop;
         held[i] = pe * s->f_u[i] + eta * s->speed[i];
         du[i] = force / held[i];
     }
+}
+
+LAC_CLONES static void lac_rate_rates(const rate_field *field, size_t first, size_t length,
+                                      const lac_block *s, double *held)
+{
+    rates_of(field, first, length, s, true, held);
+}
+
+LAC_CLONES static void lac_rate_rates_apart(const rate_field *field, size_t first, size_t length,
+                                            const lac_block *s, double *held)
+{
+    rates_of(field, first, length, s, false, held);
 }
 
 // What damping of the mean takes off the rates of a block, and what it comes from.
@@ -108,7 +125,11 @@ static bool block_rates(rate_field *field, size_t part, size_t first)
     double held[LAC_FRICTION_BLOCK];
     size_t length = lac_block_friction(field->at, first, &s, NULL);
     double *du = field->du + first;
-    lac_rate_rates(field, first, length, &s, held);
+    if (field->at->drive.shares == NULL) {
+        lac_rate_rates(field, first, length, &s, held);
+    } else {
+        lac_rate_rates_apart(field, first, length, &s, held);
+    }
     if (field->dw != NULL) {
         memcpy(field->dw + first, s.g, length * sizeof *du);
     }
@@ -209,8 +230,9 @@ typedef struct solve_field {
 // dv = v x_u:  (D + K) dv = rhs,  x_w = back (b_w + gamma g_u x_u). D goes to ws->diagonal, the
 // right-hand side and back b_w to b; and for the way back 1/v and back gamma g_u to ws->kv and
 // ws->v, whose K v and v are used up. Gives back how many rows have back <= 0.
-LAC_CLONES static size_t lac_rate_reduce(const solve_field *field, size_t first, size_t length,
-                                         const lac_block *s, const lac_block_slopes *d)
+static inline __attribute__((always_inline)) size_t
+reduce_cells(const solve_field *field, size_t first, size_t length, const lac_block *s,
+             const lac_block_slopes *d, bool alike)
 {
     const lac_problem *problem = field->at->problem;
     const lac_problem_loads_at *drive = &field->at->drive;
@@ -220,6 +242,8 @@ LAC_CLONES static size_t lac_rate_reduce(const solve_field *field, size_t first,
     double *diagonal = field->at->ws.diagonal + first;
     double *b_u = field->b + first;
     double *b_w = field->b + problem->n + first;
+    const double *shares = alike ? &drive->share : drive->shares + first;
+    const double *share_rates = alike ? &drive->share_rate : drive->share_rates + first;
     double share = drive->share;
     double share_rate = drive->share_rate;
     double ratio_rate = drive->ratio_rate;
@@ -230,8 +254,8 @@ LAC_CLONES static size_t lac_rate_reduce(const solve_field *field, size_t first,
     size_t bad = 0;
     LAC_INDEPENDENT
     for (size_t i = 0; i < length; i++) {
-        double p = pressure[i] * share;
-        double p_rate = pressure[i] * share_rate;
+        double p = pressure[i] * (alike ? share : shares[i]);
+        double p_rate = pressure[i] * (alike ? share_rate : share_rates[i]);
         double damped = eta * s->speed[i];
         double e = p * s->f_u[i] + damped;
         double force = pressure[i] * ratio_rate + common - kv[i];
@@ -252,6 +276,19 @@ LAC_CLONES static size_t lac_rate_reduce(const solve_field *field, size_t first,
         bad += back > 0 ? 0 : 1;
     }
     return bad;
+}
+
+LAC_CLONES static size_t lac_rate_reduce(const solve_field *field, size_t first, size_t length,
+                                         const lac_block *s, const lac_block_slopes *d)
+{
+    return reduce_cells(field, first, length, s, d, true);
+}
+
+LAC_CLONES static size_t lac_rate_reduce_apart(const solve_field *field, size_t first,
+                                               size_t length, const lac_block *s,
+                                               const lac_block_slopes *d)
+{
+    return reduce_cells(field, first, length, s, d, false);
 }
 
 // x_u = dv/v, x_w = b_w + slope x_u
@@ -276,7 +313,9 @@ static bool reduce_block(const solve_field *field, size_t first)
     lac_block s;
     lac_block_slopes d;
     size_t length = lac_block_friction(field->at, first, &s, &d);
-    return lac_rate_reduce(field, first, length, &s, &d) == 0;
+    return field->at->drive.shares == NULL
+               ? lac_rate_reduce(field, first, length, &s, &d) == 0
+               : lac_rate_reduce_apart(field, first, length, &s, &d) == 0;
 }
 
 static void reduce_part(void *context, size_t part, size_t from, size_t end)
@@ -343,7 +382,7 @@ static bool newton(const lac_look *at, double gamma, double *b)
     size_t n = at->problem->n;
     lac_look held = *at;
     solve_field field = {.at = &held, .b = b, .gamma = gamma};
-    bool felt = lac_problem_feels_drag(at->problem, at->drive.share, at->motion.mean);
+    bool felt = lac_problem_feels_drag(at->problem, at->drive.least, at->motion.mean);
     double rise = 0.0;
     double push = 0.0;
     if (!felt) {
@@ -377,13 +416,15 @@ static double rate_behind(const lac_problem *problem, const leap *at, size_t i, 
     double p = problem->pressure[i];
     double u = at->y[i];
     double f = lac_friction_coefficient(problem->friction, i, u, at->y[problem->n + i]);
-    double held = p * jump->share_before * f + problem->damping * exp(u);
+    double share_before = lac_problem_share_of(jump->before, i);
+    double share_after = lac_problem_share_of(jump->after, i);
+    double held = p * share_before * f + problem->damping * exp(u);
     double drag = lac_problem_drag(problem, i) * (mean - at->before);
     *w = lac_friction_state_after(problem->friction, i, at->y[problem->n + i],
-                                  jump->share_after / jump->share_before);
+                                  share_after / share_before);
     return lac_friction_rate_for(problem->friction, i, *w,
-                                 held + lac_problem_gain(problem, jump, i) - drag,
-                                 p * jump->share_after, problem->damping);
+                                 held + lac_problem_gain(problem, jump, i) - drag, p * share_after,
+                                 problem->damping);
 }
 
 // Sums over a block of v behind the jump and of its ease. A cell that finds no rate under so much
@@ -400,7 +441,7 @@ static void sum_behind(const lac_problem *problem, const leap *at, double mean, 
         v[i] = exp(u[i]);
     }
     const lac_friction_cells cells = {.first = first, .n = length, .u = u, .w = w, .v = v};
-    lac_block_ease(problem, at->jump->share_after, &cells, ease);
+    lac_block_ease(problem, at->jump->after, &cells, ease);
     sums[0] += lac_vsum(length, v);
     sums[1] += lac_vsum(length, ease);
 }

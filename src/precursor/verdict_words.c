@@ -132,14 +132,9 @@ static void say_acceleration(const lac_forecast_outcome *o, const words *w)
         add(w, "%s%s", t->reason[0] != '\0' ? ": " : "", t->reason);
         return;
     }
-    if (t->answer == LAC_DOES && isfinite(t->rise)) {
-        add(w, ", by %.3g mm/day", t->rise * day * 1e3);
-        if (isfinite(t->error)) {
-            add(w, " with an error of %.2g", t->error * day * 1e3);
-        }
-    }
     if (isfinite(t->start)) {
-        add(w, t->answer == LAC_DOES ? ", over " : ": a rise by half would have been seen, over ");
+        add(w,
+            t->answer == LAC_DOES ? ", over " : ": a rise by half is excluded (19 of 20), over ");
         add_span(w, o->forecasts->issue_time - t->start);
         add_time(w, o, " since ", t->start);
         add(w, "%s", zone(o));

@@ -170,6 +170,7 @@ static const field fields[] = {
     {"rate", "cell_slip_rate", LAC_PAGE_MOST, true, true},
     {"slip", "cell_slip", LAC_PAGE_MEAN, false, false},
     {"traction", "cell_traction", LAC_PAGE_MEAN, false, true},
+    {"safety", "cell_factor_of_safety", LAC_PAGE_MEAN, true, true},
 };
 
 static void choose_shots(lac_page *page, shots *s)

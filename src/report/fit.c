@@ -163,6 +163,9 @@ static void write_fit(lac_page *page, const fitted *f)
     if (lac_stored_file_text(f->file, NULL, "title", text, sizeof text)) {
         lac_json_text(json, "title", text);
     }
+    if (lac_stored_file_text(f->file, NULL, "point", text, sizeof text)) {
+        lac_json_text(json, "point", text);
+    }
     lac_json_integer(json, "readings", (int64_t)v[READING].n);
     lac_json_digits(json, "from", v[READING].value[0] + f->shift, 12);
     lac_json_digits(json, "until", v[READING].value[v[READING].n - 1] + f->shift, 12);

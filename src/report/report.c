@@ -31,7 +31,8 @@ enum { LONGEST_TEXT = 1 << 18 }; // a case; the history of a run that was resume
 static const char numbers[] =
     "seed grid_nx grid_ny grid_dx_m grid_dy_m failed failure_time_s time_reached_s mean_slip_m "
     "max_slip_rate_m_s steps rhs_evaluations restarts newton_iterations linear_solves "
-    "error_test_fails nonlinear_fails balance_residual_max wall_time_s ";
+    "error_test_fails nonlinear_fails balance_residual_max wall_time_s factor_of_safety_least "
+    "factor_of_safety_below_1_time_s factor_of_safety_reference_rate_m_s ";
 static const char texts[] =
     "title institution references source history status libraries date_created date_modified "
     "time_zone failure_date ended_by boundary fidelity resumed case ";
@@ -86,10 +87,12 @@ static void write_data(lac_page *page)
     static const section of_run[] = {
         {"about", write_about},
         {"motion", lac_page_course},
+        {"safety", lac_page_course},
         {"forces", lac_page_course},
         {"solver", lac_page_course},
         {"series", lac_page_series},
         {"fit", lac_page_fit},
+        {"points", lac_page_points_section},
         {"cells", lac_page_cells},
         {"levels", lac_page_levels},
         {"forecasts", lac_page_forecasts},

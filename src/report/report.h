@@ -13,6 +13,7 @@ typedef struct lac_page_def {
     const lac_recording *recording; ///< read instead of the file, with its attributes; NULL
     const lac_series *series;       ///< laid beside it; NULL: none
     const char *series_name;        ///< what it is called
+    const char *point;              ///< of the run that it is of; NULL: of the whole joint
     const char *fit;                ///< file of lacuna fit, whose forecast is drawn; NULL: none
     const char *made_by;            ///< program and version
     double now;                     ///< seconds since 1970 UTC: the library reads no clock

@@ -20,6 +20,13 @@ static const struct {
     {"motion", "slip", "slip", false},
     {"motion", "rate", "slip_rate", false},
     {"motion", "max_rate", "max_slip_rate", false},
+    {"safety", "factor", "factor_of_safety", false},
+    {"safety", "ratio", "effective_ratio", false},
+    {"safety", "pore", "pore_pressure", false},
+    {"safety", "lake", "lake_level", false},
+    {"safety", "lake2", "lake_level_2", false},
+    {"safety", "rain", "rain", false},
+    {"safety", "rain2", "rain_2", false},
     {"forces", "friction", "apparent_friction", false},
     {"forces", "shear", "shear_force", false},
     {"forces", "normal", "normal_force", false},
@@ -229,16 +236,21 @@ static bool varies(lac_page *page, const char *name)
     return most - least > 1e-6 * fmax(fabs(most), fabs(least));
 }
 
-// Not of a file that some tool took a column from, nor of constant loads, which the case tells.
+// Not of a file that some tool took a column from, nor of constant loads, which the case tells. Of
+// safety and water a case may name any part.
 static bool is_there(lac_page *page, const char *section)
 {
+    bool any = false, all = true;
     for (size_t c = 0; c < SHOWN; c++) {
-        if (is_in(c, section) && lac_page_over_time(page, shown[c].name) == NULL) {
-            return false;
-        }
+        const bool has = is_in(c, section) && lac_page_over_time(page, shown[c].name) != NULL;
+        any = any || (has && varies(page, shown[c].name));
+        all = all && (has || !is_in(c, section));
     }
-    return strcmp(section, "forces") != 0 || varies(page, "apparent_friction") ||
-           varies(page, "shear_force") || varies(page, "effective_normal_force");
+    if (strcmp(section, "safety") == 0) {
+        return any;
+    }
+    return all && (strcmp(section, "forces") != 0 || varies(page, "apparent_friction") ||
+                   varies(page, "shear_force") || varies(page, "effective_normal_force"));
 }
 
 void lac_page_course(lac_page *page, const char *key)

@@ -84,6 +84,19 @@ typedef enum lac_page_summary {
 void lac_page_raster_summarise(const lac_page_raster *raster, lac_page_summary how,
                                const double *value, double limit, double *out);
 
+/// The points of a run by their names.
+typedef struct lac_page_points {
+    size_t all;
+    char (*name)[64]; ///< [all]
+} lac_page_points;
+
+/// @return false: the run has none
+bool lac_page_read_points(lac_page *page, lac_page_points *out);
+
+/// What a variable over time and the points says of one. @return [n] NULL: nothing
+const double *lac_page_point_column(lac_page *page, const lac_page_points *points, const char *name,
+                                    size_t point);
+
 /// The sections: each writes an object under its key, or nothing where the run has no data for it.
 void lac_page_course(lac_page *page, const char *key);
 void lac_page_series(lac_page *page, const char *key);
@@ -92,6 +105,7 @@ void lac_page_forecasts(lac_page *page, const char *key);
 void lac_page_cells(lac_page *page, const char *key);
 void lac_page_levels(lac_page *page, const char *key);
 void lac_page_events(lac_page *page, const char *key);
+void lac_page_points_section(lac_page *page, const char *key);
 
 /// The same of the file of lacuna precursors.
 bool lac_page_holds_readings(const lac_stored_file *file);

@@ -2,6 +2,7 @@
 // The monitoring series beside a run, and forecasts of the time of failure as they would have been
 // issued: of the series where there is one, else of the run.
 #include <math.h>
+#include <string.h>
 
 #include "forecast/hindcast.h"
 #include "report/run.h"
@@ -46,18 +47,45 @@ static void write_column(lac_json *json, const char *key, size_t n, const double
     lac_json_close(json, ']');
 }
 
+// What a series is laid beside: the motion of the joint, or of a point of that name.
+static lac_history history_of(lac_page *page)
+{
+    const char *name = page->def->point;
+    lac_page_points points = {0};
+    if (name == NULL) {
+        return (lac_history){.n = page->n,
+                             .time = page->time,
+                             .slip = lac_page_over_time(page, "slip"),
+                             .rate = lac_page_over_time(page, "slip_rate")};
+    }
+    (void)lac_page_read_points(page, &points);
+    size_t k = 0;
+    while (k < points.all && strcmp(points.name[k], name) != 0) {
+        k++;
+    }
+    const bool there = k < points.all;
+    const double *slip = there ? lac_page_point_column(page, &points, "point_slip", k) : NULL;
+    const double *rate = there ? lac_page_point_column(page, &points, "point_slip_rate", k) : NULL;
+    if (slip == NULL || rate == NULL) {
+        (void)lac_page_good(
+            page, lac_fail(page->err, LAC_EINPUT, "%s: has no point \"%s\"", page->def->run, name));
+        return (lac_history){0};
+    }
+    return (lac_history){page->n, page->time, slip, rate};
+}
+
 // Readings on the run's clock.
 static void write_series(lac_page *page, const lac_series *view, const lac_motion *derived)
 {
-    const lac_history history = {.n = page->n,
-                                 .time = page->time,
-                                 .slip = lac_page_over_time(page, "slip"),
-                                 .rate = lac_page_over_time(page, "slip_rate")};
+    const lac_history history = history_of(page);
     lac_json *json = &page->json;
     lac_misfit misfit = {0};
     lac_series_compare(view, &history, &misfit);
     const bool slips = misfit.displacement_count > 0, speeds = misfit.velocity_count > 0;
     lac_json_text(json, "name", page->def->series_name);
+    if (page->def->point != NULL) {
+        lac_json_text(json, "point", page->def->point);
+    }
     lac_json_text(json, "attribution", view->attribution);
     lac_json_integer(json, "readings", (int64_t)view->n);
     write_column(json, "time", view->n, view->time);

@@ -116,7 +116,7 @@ static const double *values_of(const lac_recording *recording, const char *name,
 static size_t most_shots(const lac_recording *recording)
 {
     static const char *const fields[] = {"cell_slip", "cell_slip_rate", "cell_state",
-                                         "cell_traction"};
+                                         "cell_traction", "cell_factor_of_safety"};
     size_t values = 0, n, shots;
     (void)values_of(recording, "snapshot_time", &shots);
     for (size_t f = 0; f < sizeof fields / sizeof *fields; f++) {
@@ -131,10 +131,18 @@ static size_t most_shots(const lac_recording *recording)
 static void mark_records(const lac_recording *recording, size_t n, const double *time,
                          const double *before, uint8_t *keep)
 {
-    static const char *const watched[] = {
-        "slip_rate",        "max_slip_rate",          "apparent_friction",
-        "shear_force",      "effective_normal_force", "step_size",
-        "balance_residual", "slip_fraction"};
+    static const char *const watched[] = {"slip_rate",
+                                          "max_slip_rate",
+                                          "apparent_friction",
+                                          "shear_force",
+                                          "effective_normal_force",
+                                          "step_size",
+                                          "balance_residual",
+                                          "slip_fraction",
+                                          "factor_of_safety",
+                                          "pore_pressure",
+                                          "lake_level",
+                                          "rain"};
     enum { WATCHED = sizeof watched / sizeof *watched };
     const double *column[WATCHED];
     for (size_t c = 0, same; c < WATCHED; c++) {

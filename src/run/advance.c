@@ -32,6 +32,7 @@ static lac_status check_advance(lac_run_state *r, lac_error *err)
     if (!stalled) {
         return LAC_OK;
     }
+    LAC_TRY_RETURN(lac_engine_lifted(engine, err));
     return lac_fail(err, LAC_ENUMERIC,
                     "time no longer advances: %lld steps of %.3g s at t = %.17g s, mean slip rate "
                     "%g m/s; nothing holds the cells back there (no direct effect, no damping?)",

@@ -25,6 +25,10 @@ lac_status lac_check_slipping(const lac_problem *problem, const double *y, doubl
             : lac_problem_lost_transfer(problem, y + lac_problem_slip_place(problem), work);
     LAC_FAIL_IF(lost != NULL, err, LAC_ENUMERIC,
                 "the transfer %s finds no stress for the slip at t = %.17g s", lost, t);
+    LAC_FAIL_IF(lac_problem_strength(problem, cell, 0.0, 0.0) > 0.0, err, LAC_ENUMERIC,
+                "the shear traction of cell %zu falls to its cohesion at t = %.17g s: cohesion "
+                "holds what slides forward only, and slip that stops or turns back is not followed",
+                cell, t);
     lac_formulation formulation = lac_problem_formulation(problem);
     bool log_rate = formulation == LAC_FORMULATION_RATE;
     bool massive = formulation == LAC_FORMULATION_INERTIA;
@@ -101,6 +105,32 @@ lac_status lac_check_def(const lac_run_def *def, lac_error *err)
     return LAC_OK;
 }
 
+// The slip at the start is 0, whatever the unknowns are.
+static lac_status check_safety(const lac_problem *problem, const lac_run_def *def, const double *y,
+                               double *work, lac_error *err)
+{
+    const lac_safety asked = lac_problem_safety_asked(problem);
+    if (isnan(def->stop_safety) && !(asked.reference_rate > 0.0)) {
+        return LAC_OK;
+    }
+    LAC_FAIL_IF(!isnan(def->stop_safety) && def->fidelity == LAC_FIDELITY_ASYNC, err, LAC_EINPUT,
+                "time.stop_when.factor_of_safety goes with solver.fidelity ode: with events the "
+                "cells are together only at the ends of sweeps");
+    double *slip = calloc(lac_problem_cells(problem), sizeof *slip);
+    LAC_FAIL_MEMORY_IF(slip == NULL, err);
+    const double safety = lac_problem_safety(problem, 0.0, y, slip, work);
+    free(slip);
+    LAC_FAIL_IF(safety <= 0.0, err, LAC_EINPUT,
+                "the factor of safety at the start is %g: at so slow a reference rate the plain "
+                "form of friction has no strength; "
+                "output.factor_of_safety.reference_rate must be faster",
+                safety);
+    LAC_FAIL_IF(safety <= def->stop_safety, err, LAC_EINPUT,
+                "the factor of safety at the start, %g, is not above the one to stop at, %g",
+                safety, def->stop_safety);
+    return LAC_OK;
+}
+
 lac_status lac_check_start(const lac_problem *problem, const lac_run_def *def,
                            const lac_failure *failure, const double *y, double *work,
                            lac_error *err)
@@ -116,6 +146,7 @@ lac_status lac_check_start(const lac_problem *problem, const lac_run_def *def,
         max >= def->stop_rate, err, LAC_EINPUT,
         "the largest slip rate at the start, %g m/s, is not below the one to stop at, %g m/s", max,
         def->stop_rate);
+    LAC_TRY_RETURN(check_safety(problem, def, y, work, err));
     return lac_check_slipping(problem, y, 0.0, work, err);
 }
 
@@ -149,6 +180,7 @@ lac_run_def lac_run_default(void)
                          .failure_slip = INFINITY,
                          .stop_slip = NAN,
                          .stop_rate = NAN,
+                         .stop_safety = NAN,
                          .record = {.time = NAN, .steps = 1, .per_decade = NAN},
                          .snapshot = {.time = NAN, .steps = 0, .per_decade = 1.0},
                          .checkpoint = {.time = NAN, .steps = 0, .per_decade = NAN}};

@@ -72,6 +72,10 @@ static void pass_course(lac_archive *archive, lac_run_state *r)
     LAC_PASS_RUN(archive, r->next_break, r->steps);
     LAC_PASS_RUN(archive, r->result->restarts, r->result->max_slip_rate);
     LAC_PASS_RUN(archive, r->result->balance_residual, r->result->rate_drift);
+    if (lac_problem_safety_asked(r->problem).asked) {
+        LAC_PASS(archive, r->result->safety);
+        LAC_PASS(archive, r->safety_time);
+    }
     if (r->sink != NULL && r->sink->serialize != NULL) {
         r->sink->serialize(r->sink->context, archive);
     }

@@ -4,6 +4,7 @@
 #include "run/describe.h"
 
 #include <math.h>
+#include <stdio.h>
 
 #include "base/date.h"
 #include "data/describe.h"
@@ -14,6 +15,16 @@
 
 LAC_GETTER(double, time_of_record, PLACE, p->record.time_origin + p->record.time_local)
 LAC_GETTER(double, time_of_event, PLACE, p->event.time_origin + p->event.time_local)
+LAC_GETTER(double, effective_ratio, PLACE,
+           p->record.observation.shear_force / p->record.observation.effective_force)
+// That of the total force which the effective one lacks, over the nominal area: so also where the
+// pressure differs from cell to cell.
+LAC_GETTER(double, pore_pressure, PLACE,
+           (p->record.observation.normal_force - p->record.observation.effective_force) /
+               lac_grid_area(&p->of.domain->grid))
+LAC_GETTER(bool, has_pore_pressure, PLACE,
+           p->of.loads != NULL && lac_load_set_has_pore(p->of.loads))
+LAC_GETTER(bool, has_safety, PLACE, p->of.safety.asked)
 LAC_GETTER(double, order, PLACE, p->record.order != 0 ? (double)p->record.order : NAN)
 
 #define MEAN .cell_methods = "time: point area: mean"
@@ -50,6 +61,20 @@ static const lac_variable of_record[] = {
     LAC_ROW("apparent_friction", NULL, "1", "apparent friction coefficient Q/P",
             P(REAL, apparent_friction), POINT, .flags = LAC_FILLED | LAC_ROUGH,
             .comment = "shear_force / normal_force, with the total normal force"),
+    LAC_ROW("effective_ratio", NULL, "1", "effective ratio of shear to normal force, Q/(P - U)",
+            G(effective_ratio), POINT, .flags = LAC_FILLED | LAC_ROUGH, .has = has_pore_pressure,
+            .comment = "shear_force / effective_normal_force"),
+    LAC_ROW("pore_pressure", NULL, "Pa", "pore pressure in the interface", G(pore_pressure), POINT,
+            .flags = LAC_FILLED | LAC_ROUGH, .has = has_pore_pressure,
+            .comment = "(normal_force - effective_normal_force) / A: that of all cells, or their "
+                       "mean by the normal force that each carries"),
+    LAC_ROW("factor_of_safety", NULL, "1", "factor of safety at the reference slip rate",
+            P(REAL, record.observation.factor_of_safety), POINT, .flags = LAC_MISSING | LAC_ROUGH,
+            .has = has_safety,
+            .comment = "what friction would hold if all cells slid at the reference rate in their "
+                       "present states, sum of p f(v_ref, theta) r^2 with effective p, over "
+                       "shear_force; missing where nothing drives. v_ref is v0 of the friction, "
+                       "or factor_of_safety_reference_rate_m_s"),
     LAC_ROW("balance_residual", NULL, "1", "worst relative error of the traction balance",
             SEEN(balance_residual), POINT,
             .comment = "max over cells of |q - K slip - p f - eta v| / (f0 p): how far integration "
@@ -81,6 +106,13 @@ static const lac_variable of_fields[] = {
             .comment = "rate-and-state friction: the age of the contacts"),
     LAC_ROW("cell_traction", NULL, "Pa", "shear traction on each contact cell", CELLS(traction),
             .comment = "the elastic side of the balance, q - K slip"),
+    LAC_ROW("cell_pore_pressure", NULL, "Pa", "pore pressure of each contact cell", CELLS(pore),
+            .comment =
+                "over the nominal area: takes the part u A/P off the cell's normal pressure"),
+    LAC_ROW("cell_factor_of_safety", NULL, "1", "factor of safety of each contact cell by itself",
+            CELLS(factor_of_safety),
+            .comment = "p f(v_ref, theta) / |traction|, p the effective pressure of the cell; "
+                       "missing where it carries nothing"),
 };
 
 #define E(kind, field) P(kind, event.field), .coordinates = "event_time event_x event_y"
@@ -112,8 +144,12 @@ static const lac_variable of_event[] = {
 };
 
 LAC_GETTER(double, start, (void)of, 0.0)
+LAC_GETTER(double, reference_rate, PLACE,
+           p->of.safety.asked && p->of.safety.reference_rate > 0.0 ? p->of.safety.reference_rate
+                                                                   : NAN)
 static const lac_variable of_start[] = {
-    {.name = "time_coverage_start", G(start), .flags = LAC_DATE}};
+    {.name = "time_coverage_start", G(start), .flags = LAC_DATE},
+    {.name = "factor_of_safety_reference_rate_m_s", .unit = "m s-1", G(reference_rate)}};
 
 static const char *const boundaries[] = {"free", "periodic"};
 #define OF_GRID(kind, field) LAC_HELD(kind, lac_grid, field)
@@ -170,6 +206,53 @@ static const lac_variable of_levels[] = {
                 "over the contact cells of a block; missing for the block that holds all"),
 };
 
+// Where a run is watched, and what is seen there: each value in its part of the record's.
+#define AT_POINT const lac_point *p = &((const lac_run_place *)of)->of.points->point[at[0]]
+static double at_point(const lac_run_place *p, lac_point_value which, size_t point)
+{
+    const double *values = p->record.observation.points;
+    return values != NULL ? values[point * LAC_POINT_VALUES + which] : NAN;
+}
+LAC_TEXT_GETTER(point_name, AT_POINT, p->name)
+LAC_GETTER(double, point_x, AT_POINT, p->x)
+LAC_GETTER(double, point_y, AT_POINT, p->y)
+LAC_GETTER(double, point_cell_x, AT_POINT, p->cell_x)
+LAC_GETTER(double, point_cell_y, AT_POINT, p->cell_y)
+LAC_GETTER(double, point_distance, AT_POINT, p->distance)
+LAC_GETTER(double, point_cells, AT_POINT, (double)p->cells)
+LAC_GETTER(double, point_slip, PLACE, at_point(p, LAC_POINT_SLIP, at[1]))
+LAC_GETTER(double, point_rate, PLACE, at_point(p, LAC_POINT_RATE, at[1]))
+LAC_GETTER(double, point_traction, PLACE, at_point(p, LAC_POINT_TRACTION, at[1]))
+LAC_GETTER(double, point_state, PLACE, at_point(p, LAC_POINT_STATE, at[1]))
+static const lac_variable of_points[] = {
+    LAC_ROW("point_name", NULL, "1", "name of the point in the case", T(point_name),
+            .flags = LAC_CHARS),
+    LAC_ROW("point_x", NULL, "m", "position of the point along x", G(point_x)),
+    LAC_ROW("point_y", NULL, "m", "position of the point along y", G(point_y)),
+    LAC_ROW("point_cell_x", NULL, "m", "position along x of the nearest contact cell's centre",
+            G(point_cell_x)),
+    LAC_ROW("point_cell_y", NULL, "m", "position along y of the nearest contact cell's centre",
+            G(point_cell_y)),
+    LAC_ROW("point_distance", NULL, "m", "distance from the point to the nearest contact cell",
+            G(point_distance), .comment = "to its edge: 0 where the point itself is in contact"),
+    LAC_ROW("point_cells", NULL, "1", "contact cells that the values of the point are means over",
+            G(point_cells), WHOLE,
+            .comment = "those with their centre within the point's radius, or the nearest one"),
+};
+#define WATCHED(getter)                                                                    \
+    G(getter), .coordinates = "point_name point_x point_y", .cell_methods = "time: point", \
+               .flags = LAC_FILLED | LAC_ROUGH
+static const lac_variable of_watched[] = {
+    LAC_ROW("point_slip", "time point", "m", "slip at the point since the start",
+            WATCHED(point_slip)),
+    LAC_ROW("point_slip_rate", "time point", "m s-1", "slip rate v at the point",
+            WATCHED(point_rate)),
+    LAC_ROW("point_traction", "time point", "Pa", "shear traction at the point",
+            WATCHED(point_traction), .comment = "the elastic side of the balance, q - K slip"),
+    LAC_ROW("point_state", "time point", "s", "frictional state theta at the point",
+            WATCHED(point_state)),
+};
+
 // What an analysis adds: `which` is the place of its first value among those of its kind.
 LAC_GETTER(double, once, PLACE, p->once != NULL ? p->once[at[0]] : NAN)
 LAC_GETTER(double, in_time, PLACE, p->record.extra != NULL ? p->record.extra[at[1]] : NAN)
@@ -203,6 +286,30 @@ static lac_status add_extras(lac_dataset *d, const lac_run_place *p, size_t leve
     return status;
 }
 
+LAC_GETTER(double, driver, PLACE,
+           lac_load_set_driver_at(p->of.loads, at[1], p->record.time_origin + p->record.time_local))
+static const lac_variable of_driver = {.dims = "time", G(driver), POINT, .flags = LAC_MISSING};
+
+// What the loads read; a second one of a kind is numbered.
+static lac_status add_drivers(lac_dataset *d, const lac_run_place *p, lac_error *err)
+{
+    const lac_load_driver *driver;
+    lac_status status = LAC_OK;
+    for (size_t i = 0; (driver = lac_load_set_driver(p->of.loads, i)) != NULL && status == LAC_OK;
+         i++) {
+        char name[64];
+        size_t alike = 1;
+        for (size_t j = 0; j < i; j++) {
+            alike += lac_load_set_driver(p->of.loads, j) == driver ? 1 : 0;
+        }
+        (void)snprintf(name, sizeof name, alike > 1 ? "%s_%zu" : "%s", driver->name, alike);
+        const lac_named named = {name, driver->long_name, driver->unit, driver->comment,
+                                 i,    "time: point"};
+        status = lac_dataset_add_named(d, &of_driver, &named, p, err);
+    }
+    return status;
+}
+
 static lac_status add_fields(lac_dataset *d, const lac_run_place *p, lac_error *err)
 {
     const lac_laid time = {LAC_VARIABLES(of_snapshot, "snapshot", 0), p};
@@ -219,16 +326,17 @@ static lac_status add_all(lac_dataset *d, const lac_run_place *p, lac_error *err
     const lac_run_output *of = &p->of;
     const bool has_levels = of->hierarchy != NULL && of->domain != NULL;
     const size_t levels = of->hierarchy != NULL ? lac_hierarchy_levels(of->hierarchy) + 1 : 0;
-    const lac_extent dims[] = {{"time", LAC_GROWS},
-                               {"cell", of->domain != NULL ? of->domain->n : 0},
-                               {"snapshot", LAC_GROWS},
-                               {"level", levels},
-                               {"event", LAC_GROWS}};
+    const lac_extent dims[] = {
+        {"time", LAC_GROWS},     {"cell", of->domain != NULL ? of->domain->n : 0},
+        {"snapshot", LAC_GROWS}, {"level", levels},
+        {"event", LAC_GROWS},    {"point", of->points != NULL ? of->points->n : 0}};
     const lac_laid start[] = {{LAC_VARIABLES(of_start, "", 0), p},
                               {LAC_VARIABLES(of_record, "time", 0), p}};
     const lac_laid cells[] = {
         {LAC_VARIABLES(of_grid, "", 0), of->domain != NULL ? &of->domain->grid : NULL},
         {LAC_VARIABLES(of_cells, "cell", 0), p}};
+    const lac_laid points[] = {{LAC_VARIABLES(of_points, "point", 0), p},
+                               {LAC_VARIABLES(of_watched, "", 0), p}};
     const lac_laid level = {LAC_VARIABLES(of_levels, "level", 0), p};
     const lac_laid events = {LAC_VARIABLES(of_event, "event", 0), p};
     d->clock = of->dated ? LAC_CLOCK_DATE : LAC_CLOCK_NONE;
@@ -238,6 +346,8 @@ static lac_status add_all(lac_dataset *d, const lac_run_place *p, lac_error *err
     LAC_TRY_RETURN(of->domain != NULL ? lac_dataset_add(d, cells, 2, err) : LAC_OK);
     LAC_TRY_RETURN(of->domain != NULL ? add_fields(d, p, err) : LAC_OK);
     LAC_TRY_RETURN(has_levels ? lac_dataset_add(d, &level, 1, err) : LAC_OK);
+    LAC_TRY_RETURN(of->points != NULL ? lac_dataset_add(d, points, 2, err) : LAC_OK);
+    LAC_TRY_RETURN(of->loads != NULL ? add_drivers(d, p, err) : LAC_OK);
     LAC_TRY_RETURN(add_extras(d, p, levels, err));
     return of->events ? lac_dataset_add(d, &events, 1, err) : LAC_OK;
 }
@@ -307,6 +417,10 @@ static const lac_variable of_result[] = {
     {.name = "max_slip_rate_m_s", .unit = "m s-1", R(REAL, max_slip_rate)},
     {.name = "mean_slip_m", .unit = "m", R(REAL, mean_slip)},
     {.name = "balance_residual_max", R(REAL, balance_residual)},
+    {.name = "factor_of_safety_start", R(REAL, safety.start)},
+    {.name = "factor_of_safety_least", R(REAL, safety.least)},
+    {.name = "factor_of_safety_end", R(REAL, safety.end)},
+    {.name = "factor_of_safety_below_1_time_s", .unit = "s", R(REAL, safety.below_time)},
     SUM("steps", steps),
     SUM("rhs_evaluations", rhs_evaluations),
     SUM("newton_iterations", newton_iterations),

@@ -195,12 +195,24 @@ lac_status lac_engine_cannot_restart(const lac_engine *engine, lac_error *err)
                     lac_engine_time(engine));
 }
 
-lac_status lac_engine_gave_up(const lac_engine *engine, char *name, double step, int64_t order,
+lac_status lac_engine_lifted(lac_engine *engine, lac_error *err)
+{
+    const double near = 1e-6; // of the total: what is left holds nothing
+    return lac_problem_lifted(engine->problem, lac_engine_clock(engine, engine->t), near,
+                              engine->work, err);
+}
+
+lac_status lac_engine_gave_up(lac_engine *engine, char *name, double step, int64_t order,
                               lac_error *err)
 {
-    lac_status status = lac_fail(
-        err, LAC_ENUMERIC, "the integrator gave up (%s) at t = %.17g s, step %.3g s, order %lld",
-        name != NULL ? name : "?", lac_engine_time(engine), step, (long long)order);
+    lac_status status = lac_engine_lifted(engine, err);
+    if (status != LAC_OK) {
+        free(name);
+        return status;
+    }
+    status = lac_fail(err, LAC_ENUMERIC,
+                      "the integrator gave up (%s) at t = %.17g s, step %.3g s, order %lld",
+                      name != NULL ? name : "?", lac_engine_time(engine), step, (long long)order);
     free(name);
     const char *lost = lac_problem_lost_transfer(engine->problem, engine->slip, engine->work);
     if (lost != NULL && err != NULL) {

@@ -98,9 +98,12 @@ static inline double lac_engine_time(const lac_engine *engine)
     return engine->origin + (engine->base + engine->t);
 }
 
+// Whether all but nothing of a cell's normal pressure is left: then that is what ends the run.
+lac_status lac_engine_lifted(lac_engine *engine, lac_error *err);
+
 // Errors of the kinds. @param name  of SUNDIALS' status, freed; with the transfer, where that
 // failed
-lac_status lac_engine_gave_up(const lac_engine *engine, char *name, double step, int64_t order,
+lac_status lac_engine_gave_up(lac_engine *engine, char *name, double step, int64_t order,
                               lac_error *err);
 lac_status lac_engine_cannot_restart(const lac_engine *engine, lac_error *err);
 

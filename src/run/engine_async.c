@@ -41,7 +41,7 @@ lac_status lac_run_async_follows(const lac_async_scene *scene, lac_error *err)
                 scene->transfer->info.name);
     LAC_FAIL_IF(!scene->linear, err, LAC_EINPUT,
                 "solver.fidelity events follows loads that are linear in time between jumps and "
-                "bends: ratio, slope, ramp, step, spring, constant");
+                "bends: ratio, slope, ramp, step, spring, constant, field, water_table");
     LAC_FAIL_IF(scene->formulation != LAC_FORMULATION_RATE, err, LAC_EINPUT,
                 "solver.fidelity events needs formulation rate");
     return lac_async_follows(scene->law, scene->cut_off, err);
@@ -122,12 +122,12 @@ static lac_status cells_restart(lac_engine *engine, double h, lac_error *err)
     (void)h;
     cells *c = engine->inner;
     lac_problem_loads_at now;
+    const double clock = lac_engine_clock(engine, engine->t);
     // A cell that a jump has let go would not be looked at for years.
     LAC_TRY_RETURN(lac_check_slipping(engine->problem, engine->y,
                                       lac_engine_clock(engine, engine->t), engine->work, err));
-    LAC_FAIL_IF(!lac_problem_drive(engine->problem, lac_engine_clock(engine, engine->t), &now), err,
-                LAC_ENUMERIC, "no effective normal pressure at t = %.17g s",
-                lac_engine_time(engine));
+    LAC_TRY_RETURN(lac_problem_lifted(engine->problem, clock, 0.0, engine->work, err));
+    (void)lac_problem_drive(engine->problem, clock, engine->work, &now);
     if (engine->sink != NULL && engine->sink->step != NULL && c->rate == NULL) {
         c->rate = calloc(2 * engine->n, sizeof *c->rate);
         LAC_FAIL_MEMORY_IF(c->rate == NULL, err);
@@ -139,6 +139,8 @@ static lac_status cells_restart(lac_engine *engine, double h, lac_error *err)
                                  .common_rate = now.spring_rate,
                                  .share = now.share,
                                  .share_rate = now.share_rate,
+                                 .shares = now.shares,
+                                 .share_rates = now.share_rates,
                                  .k_mean = now.spring_stiffness};
     const lac_problem_parts parts = lac_problem_parts_of(engine->problem);
     const lac_async_state state = state_of(engine);
@@ -231,9 +233,16 @@ static lac_status cells_advance(lac_engine *engine, double stop, lac_error *err)
         stop -= by;
     }
     const lac_async_limits limits = limits_of(engine, stop);
-    LAC_TRY_RETURN(lac_async_advance(micro, &limits, err));
     const lac_async_state state = state_of(engine);
-    LAC_TRY_RETURN(lac_async_evaluate(micro, &state, err));
+    lac_status status = lac_async_advance(micro, &limits, err);
+    if (status == LAC_OK) {
+        status = lac_async_evaluate(micro, &state, err);
+    }
+    if (status == LAC_ENUMERIC) {
+        engine->t = lac_async_time(micro);
+        LAC_TRY_RETURN(lac_engine_lifted(engine, err));
+    }
+    LAC_TRY_RETURN(status);
     engine->t = lac_async_time(micro);
     engine->step = engine->t + passed - before;
     engine->peak = lac_async_peak(micro);

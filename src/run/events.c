@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Limits crossed within a step: the first is found, and time and state are taken back to it.
+// Limits crossed within a step: the first is found, and time and state are taken back to it. Those
+// that a jump of the loads comes to; and how near its own the factor of safety comes.
 #include "run/run_state.h"
 
 #include <math.h>
@@ -20,6 +21,9 @@ static double past(const lac_engine *engine, const lac_run_def *def, lac_crossin
         return fabs(lac_engine_mean_slip(engine, slip)) - engine->failure.slip;
     }
     double clock = lac_engine_clock(engine, t);
+    if (kind == LAC_CROSSING_SAFETY) {
+        return def->stop_safety - lac_problem_safety(engine->problem, clock, y, slip, engine->work);
+    }
     if (kind == LAC_CROSSING_FAILURE) {
         return lac_problem_past_failure(engine->problem, &engine->failure, clock, y, engine->work);
     }
@@ -93,6 +97,9 @@ static bool crossed(const lac_engine *engine, const lac_run_def *def, lac_crossi
     case LAC_CROSSING_SLIP:
         return !isnan(def->stop_slip) &&
                past(engine, def, kind, engine->t, NULL, engine->slip) >= 0.0;
+    case LAC_CROSSING_SAFETY:
+        return !isnan(def->stop_safety) &&
+               past(engine, def, kind, engine->t, engine->y, engine->slip) >= 0.0;
     case LAC_CROSSING_GONE:
         return past(engine, def, kind, engine->t, NULL, engine->slip) >= 0.0;
     case LAC_CROSSING_NONE:
@@ -135,4 +142,36 @@ lac_status lac_crossing_find(lac_engine *engine, const lac_run_def *def, lac_cro
         }
     }
     return LAC_OK;
+}
+
+void lac_run_state_keep_safety(lac_run_state *r, double t, double now)
+{
+    lac_safety_summary *s = &r->result->safety;
+    const double before = s->end;
+    const double rounding = 1e-6; // and damping, at the reference rate itself
+    if (isnan(now)) {
+        return;
+    }
+    if (isnan(s->below_time) && now < 1.0 - rounding) {
+        const bool slides_there = !isnan(before) && !r->broken;
+        const double gone = slides_there ? fmax(before - 1.0, 0.0) / (before - now) : 1.0;
+        s->below_time = t - (1.0 - gone) * (t - r->safety_time);
+    }
+    if (!(s->least <= now)) {
+        s->least = now;
+        s->least_time = t;
+    }
+    s->start = isnan(s->start) ? now : s->start;
+    s->end = now;
+    r->safety_time = t;
+}
+
+bool lac_run_state_stops(const lac_run_state *r, double t)
+{
+    const lac_run_def *def = r->def;
+    const lac_engine *engine = r->engine;
+    const bool unsafe = !isnan(def->stop_safety) &&
+                        lac_problem_safety(r->problem, t, engine->y, engine->slip, engine->work) <=
+                            def->stop_safety;
+    return unsafe || r->max_rate >= def->stop_rate;
 }

@@ -40,7 +40,9 @@ static int weights(N_Vector y, N_Vector w, void *user)
     double *weight = lac_vector_data(w);
     double rtol = f->rtol;
     lac_problem_weights(f->def->problem, at, rtol, weight);
-    weight[f->m - 1] = 1.0 / (rtol * (fabs(at[f->m - 1]) + f->slip_scale));
+    for (size_t i = f->mean; i <= f->seen; i++) {
+        weight[i] = 1.0 / (rtol * (fabs(at[i]) + f->slip_scale));
+    }
     return 0;
 }
 
@@ -70,21 +72,25 @@ static int solve(SUNLinearSolver solver, SUNMatrix none, N_Vector x, N_Vector b,
                             f->work)) {
         return SUNLS_LUFACT_FAIL;
     }
-    double slip = found[f->m - 1];
-    found[f->m - 1] = 0.0;
+    double slip[2] = {found[f->mean], found[f->seen]}; // one of them where no point is seen
+    found[f->mean] = found[f->seen] = 0.0;
     double by = lac_sensitivity_state_reach(f, found);
     if (by > 0.0) {
         double *there = f->probe;
-        double change = 0.0;
+        double change[2] = {0.0, 0.0}, speed[2] = {0.0, 0.0};
         for (int side = -1; side <= 1; side += 2) {
             for (size_t i = 0; i < f->m; i++) {
                 there[i] = at[i] + side * by * found[i];
             }
-            change += side * lac_sensitivity_state_rate(f, problem, t, there);
+            (void)lac_sensitivity_state_rates(f, problem, t, there, speed);
+            change[0] += side * speed[0];
+            change[1] += side * speed[1];
         }
-        slip += gamma * change / (2.0 * by);
+        slip[0] += gamma * change[0] / (2.0 * by);
+        slip[1] += gamma * change[1] / (2.0 * by);
     }
-    found[f->m - 1] = slip;
+    found[f->seen] = slip[1];
+    found[f->mean] = slip[0];
     return 0;
 }
 
@@ -107,7 +113,9 @@ static lac_status allocate(lac_sensitivity_state *f, lac_error *err)
     const lac_sensitivity_def *def = f->def;
     size_t work = lac_problem_work(def->problem);
     f->n = lac_problem_cells(def->problem);
-    f->m = lac_problem_unknowns(def->problem) + 1;
+    f->mean = lac_problem_unknowns(def->problem);
+    f->seen = f->mean + (def->point != NULL ? 1 : 0);
+    f->m = f->seen + 1;
     for (size_t k = 0; k < def->perturbations; k++) {
         size_t low = lac_problem_work(def->perturbation[k].low);
         size_t high = lac_problem_work(def->perturbation[k].high);
@@ -137,27 +145,29 @@ static lac_status start(lac_sensitivity_state *f, lac_error *err)
     const lac_sensitivity_def *def = f->def;
     double *y = lac_vector_data(f->y);
     lac_problem_initial(def->problem, y);
-    y[f->m - 1] = 0.0;
-    double mean = lac_sensitivity_state_rate(f, def->problem, 0.0, y);
+    y[f->mean] = y[f->seen] = 0.0;
+    double rate[2];
+    (void)lac_sensitivity_state_rates(f, def->problem, 0.0, y, rate);
+    const double mean = rate[0];
     LAC_FAIL_IF(!(fabs(mean) > 0.0) || !isfinite(mean), err, LAC_EINPUT,
                 "the mean slip rate at the start is %g m/s", mean);
     lac_problem_weights(def->problem, y, 1.0, f->scale);
-    for (size_t i = 0; i + 1 < f->m; i++) {
+    for (size_t i = 0; i < f->mean; i++) {
         f->scale[i] = 1.0 / f->scale[i];
     }
     // The first step is a thousandth of dc/v, or of the state's own time.
     double time_scale = 1e3 * lac_problem_first_step(def->problem, 0.0, y, f->work);
     f->slip_scale = fabs(mean) * time_scale;
-    f->scale[f->m - 1] = f->slip_scale;
+    f->scale[f->mean] = f->scale[f->seen] = f->slip_scale;
     for (size_t k = 0; k < def->perturbations; k++) {
         double *s = lac_vector_data(f->s[k]);
         const lac_perturbation *perturbation = &def->perturbation[k];
         lac_problem_initial(perturbation->low, f->probe);
         lac_problem_initial(perturbation->high, s);
-        for (size_t i = 0; i + 1 < f->m; i++) {
+        for (size_t i = 0; i < f->mean; i++) {
             s[i] = (s[i] - f->probe[i]) / (2.0 * perturbation->step);
         }
-        s[f->m - 1] = 0.0;
+        s[f->mean] = s[f->seen] = 0.0;
     }
     return LAC_OK;
 }
@@ -212,11 +222,11 @@ static void put(lac_sensitivity_state *f, double t, size_t i, N_Vector state, N_
     lac_sensitivity *out = f->out;
     size_t count = f->def->perturbations;
     const double *y = lac_vector_data(state);
-    out->slip[i] = y[f->m - 1];
+    out->slip[i] = y[f->seen];
     out->log_rate[i] = lac_sensitivity_state_log_rate(f, f->def->problem, t, y);
     for (size_t k = 0; k < count; k++) {
         const double *s = lac_vector_data(by[k]);
-        out->slip_by[i * count + k] = s[f->m - 1];
+        out->slip_by[i * count + k] = s[f->seen];
         out->log_rate_by[i * count + k] =
             lac_sensitivity_state_by(f, lac_sensitivity_state_log_rate, k, t, y, s);
     }
@@ -244,7 +254,7 @@ static double past_at(lac_sensitivity_state *f, double t)
 
 static double slip_at(lac_sensitivity_state *f, double t)
 {
-    return !look(f, t) ? NAN : fabs(lac_vector_data(f->observation)[f->m - 1]);
+    return !look(f, t) ? NAN : fabs(lac_vector_data(f->observation)[f->mean]);
 }
 
 // The crossing of the failure rate, or slip, between two times of the last step, by bisection: both
@@ -278,11 +288,12 @@ static lac_status find_failure(lac_sensitivity_state *f, bool by_slip, double t,
     LAC_FAIL_IF(!look_at_all(f, t), err, LAC_ENUMERIC, "no state at the failure, t = %.17g s",
                 out->failure_time);
     const double *y = lac_vector_data(f->observation);
-    double rate = lac_sensitivity_state_rate(f, f->def->problem, t, y);
+    double rate[2];
+    (void)lac_sensitivity_state_rates(f, f->def->problem, t, y, rate);
     for (size_t k = 0; k < f->def->perturbations; k++) {
         const double *s = lac_vector_data(f->seen_s[k]);
         out->failure_by[k] =
-            by_slip ? -s[f->m - 1] / rate
+            by_slip ? -s[f->mean] / rate[0]
                     : -lac_sensitivity_state_by(f, lac_sensitivity_state_past, k, t, y, s) / growth;
     }
     return LAC_OK;
@@ -326,8 +337,9 @@ static lac_status cross_break(lac_sensitivity_state *f, double at, lac_error *er
     f->limit = nextafter(lac_problem_next_break(problem, at), -INFINITY);
     f->rtol = lac_engine_rtol(f->def->rtol, ++f->beginnings); // derivatives need no more digits
     lac_problem_loads_at now;
-    LAC_FAIL_IF(!lac_problem_drive(problem, at, &now) || !lac_sensitivity_state_jump(f, at), err,
-                LAC_ENUMERIC, "no slip rate balances the load at t = %g s", at);
+    LAC_FAIL_IF(!lac_problem_drive(problem, at, f->work, &now) ||
+                    !lac_sensitivity_state_jump(f, at),
+                err, LAC_ENUMERIC, "no slip rate balances the load at t = %g s", at);
     double *y = lac_vector_data(f->y);
     lac_problem_forget(problem, f->work);
     double h = lac_problem_first_step(problem, at, y, f->work);

@@ -18,22 +18,30 @@ bool lac_sensitivity_state_derivative(lac_sensitivity_state *f, const lac_proble
         return false;
     }
     const double sum = lac_sum(f->n, f->work);
-    ydot[f->m - 1] = sum / (double)f->n;
+    ydot[f->mean] = sum / (double)f->n;
+    if (f->seen > f->mean) {
+        ydot[f->seen] = lac_point_mean(f->def->point, f->work);
+    }
     return isfinite(sum);
 }
 
-double lac_sensitivity_state_rate(lac_sensitivity_state *f, const lac_problem *problem, double t,
-                                  const double *y)
+double lac_sensitivity_state_rates(lac_sensitivity_state *f, const lac_problem *problem, double t,
+                                   const double *y, double *rate)
 {
     double *v = f->probe + 2 * f->m;
     lac_problem_rates(problem, lac_sensitivity_state_clock(f, t), y, v, f->work);
-    return lac_sum(f->n, v) / (double)f->n;
+    rate[0] = lac_sum(f->n, v) / (double)f->n;
+    if (f->seen > f->mean) {
+        rate[1] = lac_point_mean(f->def->point, v);
+    }
+    return rate[f->seen - f->mean];
 }
 
 double lac_sensitivity_state_log_rate(lac_sensitivity_state *f, const lac_problem *problem,
                                       double t, const double *y)
 {
-    return log(fabs(lac_sensitivity_state_rate(f, problem, t, y)));
+    double rate[2];
+    return log(fabs(lac_sensitivity_state_rates(f, problem, t, y, rate)));
 }
 
 // A parameter moves what counts as failure where that is a p/eta.
@@ -116,18 +124,21 @@ static bool jump_sensitivity(lac_sensitivity_state *f, size_t k, double t, const
     for (int side = -1; side <= 1; side += 2) {
         if (by > 0.0) {
             move(f, y, side * by, s, there);
-            if (!lac_problem_jump(f->def->problem, t, there)) {
+            if (!lac_problem_jump(f->def->problem, t, there, f->work)) {
                 return false;
             }
             move(f, sum, side / (2.0 * by), there, sum);
         }
         memcpy(there, y, f->m * sizeof *there);
-        if (!lac_problem_jump(side < 0 ? perturbation->low : perturbation->high, t, there)) {
+        if (!lac_problem_jump(side < 0 ? perturbation->low : perturbation->high, t, there,
+                              f->work)) {
             return false;
         }
         move(f, sum, side / (2.0 * perturbation->step), there, sum);
     }
-    sum[f->m - 1] = s[f->m - 1]; // slip does not jump
+    for (size_t i = f->mean; i <= f->seen; i++) {
+        sum[i] = s[i]; // slip does not jump
+    }
     memcpy(s, sum, f->m * sizeof *s);
     return true;
 }
@@ -140,5 +151,5 @@ bool lac_sensitivity_state_jump(lac_sensitivity_state *f, double t)
             return false;
         }
     }
-    return lac_problem_jump(f->def->problem, t, y);
+    return lac_problem_jump(f->def->problem, t, y, f->work);
 }

@@ -38,6 +38,22 @@ static void project(run *r, double t, const double **y, const double **slip)
     }
 }
 
+// What is told of the points at a record, whose cells are known.
+static void watch_points(run *r, double now, const double *slip, lac_record *line)
+{
+    const lac_points *points = r->def->points;
+    double *value = r->watched, *traction = value + LAC_POINT_VALUES * points->n;
+    lac_problem_traction(r->problem, now, slip, traction, r->engine->work);
+    for (size_t i = 0; i < points->n; i++, value += LAC_POINT_VALUES) {
+        const lac_point *point = &points->point[i];
+        value[LAC_POINT_SLIP] = lac_point_mean(point, slip);
+        value[LAC_POINT_RATE] = lac_point_mean(point, line->cells.slip_rate);
+        value[LAC_POINT_TRACTION] = lac_point_mean(point, traction);
+        value[LAC_POINT_STATE] = lac_point_mean_exp(point, line->cells.log_state);
+    }
+    line->observation.points = r->watched;
+}
+
 // Hands one line of the time series to the sink; a time already recorded is passed over.
 static lac_status record(run *r, double t, const double *y, const double *slip, lac_error *err)
 {
@@ -61,8 +77,12 @@ static lac_status record(run *r, double t, const double *y, const double *slip, 
         r->result->balance_residual = line.observation.balance_residual; // a NaN stays
     }
     r->result->rate_drift = fmax(r->result->rate_drift, line.observation.rate_drift);
+    lac_run_state_keep_safety(r, engine->origin + local, line.observation.factor_of_safety);
     if (r->sink == NULL || r->sink->record == NULL) {
         return LAC_OK;
+    }
+    if (r->watched != NULL) {
+        watch_points(r, lac_engine_clock(engine, t), slip, &line);
     }
     return r->sink->record(r->sink->context, &line, err);
 }
@@ -73,6 +93,7 @@ static lac_status snapshot(run *r, double t, const double *y, const double *slip
     double *v = r->fields;
     double *theta = v + n;
     double *traction = theta + n;
+    double *pore = traction + n;
     double local = r->engine->base + t;
     if (!moves_on(&r->last_snapshot, r->engine->origin, local) || r->sink == NULL ||
         r->sink->snapshot == NULL) {
@@ -85,12 +106,19 @@ static lac_status snapshot(run *r, double t, const double *y, const double *slip
         theta[i] = exp(y[n + i]);
     }
     lac_problem_traction(r->problem, now, slip, traction, r->engine->work);
+    lac_problem_pore(r->problem, now, pore, r->engine->work);
+    double *safety = r->def->cell_safety ? pore + n : NULL;
+    if (safety != NULL) {
+        lac_problem_safety_cells(r->problem, now, y, traction, safety, r->engine->work);
+    }
     lac_snapshot fields = {.time = r->engine->origin + local,
                            .slip = slip,
                            .slip_rate = v,
                            .state = theta,
                            .traction = traction,
-                           .n = n};
+                           .n = n,
+                           .pore = pore,
+                           .factor_of_safety = safety};
     return r->sink->snapshot(r->sink->context, &fields, err);
 }
 
@@ -210,23 +238,20 @@ static double own_step(lac_engine *engine)
 static lac_status cross_break(run *r, lac_error *err)
 {
     lac_engine *engine = r->engine;
-    const lac_run_def *def = r->def;
     double t = r->next_break;
-    lac_problem_loads_at now;
     r->broken = true;
     engine->origin = t;
     engine->base = 0.0;
     engine->t = 0.0;
     r->next_break = lac_problem_next_break(r->problem, t);
     engine->limit = nextafter(r->next_break, -INFINITY);
-    LAC_FAIL_IF(!lac_problem_drive(r->problem, t, &now), err, LAC_ENUMERIC,
-                "the pore pressure reaches the normal pressure at t = %g s", t);
-    LAC_FAIL_IF(!lac_problem_jump(r->problem, t, engine->y), err, LAC_ENUMERIC,
+    LAC_TRY_RETURN(lac_problem_lifted(r->problem, t, 0.0, engine->work, err));
+    LAC_FAIL_IF(!lac_problem_jump(r->problem, t, engine->y, engine->work), err, LAC_ENUMERIC,
                 "no slip rate and state balance the load that jumps at t = %g s", t);
     measure_speed(r);
     bool failed =
         lac_problem_past_failure(r->problem, &engine->failure, t, engine->y, engine->work) >= 0.0;
-    if (failed || r->max_rate >= def->stop_rate) {
+    if (failed || lac_run_state_stops(r, t)) {
         r->done = true;
         r->end = failed ? LAC_END_FAILURE : LAC_END_STOP;
     }
@@ -360,12 +385,16 @@ static lac_status allocate_output(run *r, lac_error *err)
     bool by_time = !isnan(r->def->record.time) || !isnan(r->def->snapshot.time);
     size_t bytes = 3 * r->engine->n * sizeof(double);
     r->between = by_time ? malloc(bytes) : NULL;
-    r->fields = r->def->snapshots ? malloc(bytes) : NULL;
+    r->fields = r->def->snapshots ? malloc(bytes / 3 * (r->def->cell_safety ? 5 : 4)) : NULL;
     // Where slip is the unknown the balance holds as it is.
     bool drifts = r->def->projection != 0 && !lac_problem_has_slip(r->problem);
     r->onto = drifts ? malloc(bytes) : NULL;
+    const lac_points *points = r->def->points;
+    const size_t watched = points != NULL ? LAC_POINT_VALUES * points->n + r->engine->n : 0;
+    r->watched = watched > 0 ? malloc(watched * sizeof *r->watched) : NULL;
     LAC_FAIL_MEMORY_IF((by_time && r->between == NULL) ||
-                           (r->def->snapshots && r->fields == NULL) || (drifts && r->onto == NULL),
+                           (r->def->snapshots && r->fields == NULL) ||
+                           (drifts && r->onto == NULL) || (watched > 0 && r->watched == NULL),
                        err);
     return LAC_OK;
 }
@@ -440,7 +469,10 @@ lac_status lac_run(const lac_problem *problem, const lac_run_def *def, const lac
                    lac_run_result *result, lac_error *err)
 {
     lac_status status = LAC_OK;
-    *result = (lac_run_result){.end = LAC_END_ERROR, .failure_origin = NAN, .failure_local = NAN};
+    *result = (lac_run_result){.end = LAC_END_ERROR,
+                               .failure_origin = NAN,
+                               .failure_local = NAN,
+                               .safety = {NAN, NAN, NAN, NAN, NAN}};
     run r = {.problem = problem, .def = def, .sink = sink, .result = result};
     LAC_TRY(lac_check_def(def, err));
     result->failure = lac_problem_failure(problem, def->failure_rate, def->failure_slip);
@@ -460,6 +492,7 @@ out:
     free(r.between);
     free(r.fields);
     free(r.onto);
+    free(r.watched);
     lac_engine_free(r.engine);
     return status;
 }

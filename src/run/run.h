@@ -3,6 +3,7 @@
 
 #include "base/archive.h"
 #include "model/problem.h"
+#include "run/points.h"
 
 // Of lacuna/simulation.h, which only those include who look inside.
 typedef struct lac_sink lac_sink;
@@ -15,7 +16,14 @@ typedef struct lac_progress lac_progress;
 typedef struct lac_run_result lac_run_result;
 
 /// Per-cell fields that a run may keep.
-enum { LAC_FIELD_SLIP = 1, LAC_FIELD_RATE = 2, LAC_FIELD_STATE = 4, LAC_FIELD_TRACTION = 8 };
+enum {
+    LAC_FIELD_SLIP = 1,
+    LAC_FIELD_RATE = 2,
+    LAC_FIELD_STATE = 4,
+    LAC_FIELD_TRACTION = 8,
+    LAC_FIELD_PORE = 16,
+    LAC_FIELD_SAFETY = 32
+};
 
 /// What a run puts out.
 typedef struct lac_run_output {
@@ -23,12 +31,15 @@ typedef struct lac_run_output {
     const lac_hierarchy *hierarchy; ///< NULL: no levels
     const lac_transfer *transfer;   ///< of the run, for the stiffness of its levels; NULL: not said
     unsigned fields;                ///< LAC_FIELD_*, of snapshots; 0: there are none
+    const lac_load_set *loads;      ///< what they read, and whether there is water; NULL: not said
+    lac_safety safety;              ///< asked: the factor of safety comes along
     size_t extras;
-    const lac_extra *extra; ///< [extras] what records carry beyond
-    bool events;            ///< a catalogue of events comes along
-    bool dated;             ///< the run starts at a date
-    double start_date;      ///< seconds since 1970 of t = 0
-    bool passing;           ///< kept in memory for lac_recording_move alone: only what grows
+    const lac_extra *extra;   ///< [extras] what records carry beyond
+    const lac_points *points; ///< that records tell of; NULL: none
+    bool events;              ///< a catalogue of events comes along
+    bool dated;               ///< the run starts at a date
+    double start_date;        ///< seconds since 1970 of t = 0
+    bool passing;             ///< kept in memory for lac_recording_move alone: only what grows
 } lac_run_output;
 
 typedef enum lac_method { LAC_BDF = 0, LAC_ADAMS, LAC_ERK } lac_method;
@@ -79,8 +90,11 @@ typedef struct lac_run_def {
     double failure_slip; ///< mean slip that is failure [m]; both as lac_problem_failure takes them
     double stop_slip;    ///< end the run at this mean slip [m]; NaN: no
     double stop_rate;    ///< end the run at this largest slip rate of a cell [m/s]; NaN: no
+    double stop_safety;  ///< end the run where the factor of safety falls to this [1]; NaN: no
     lac_cadence record;
+    const lac_points *points; ///< that records tell of, in cells of the problem; NULL: none
     bool snapshots;
+    bool cell_safety; ///< with the factor of safety of every cell
     lac_cadence snapshot;
     lac_cadence checkpoint;             ///< planned ones, at the ends of steps; nothing set: none
     const lac_checkpoint *resume;       ///< go on from it; NULL: from the start

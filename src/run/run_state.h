@@ -56,9 +56,11 @@ typedef struct lac_run_state {
     lac_run_result *result;
     lac_clock record_clock, snapshot_clock, checkpoint_clock;
     lac_instant last_record, last_snapshot;
+    double safety_time; // of the last record whose factor of safety is known [s]
     lac_instant looked; // whether time goes on; `local`: time gone since
     double *between;    // [3n] state and slip within a step, where records fall there; or NULL
-    double *fields;     // [3n] of a snapshot, where snapshots are kept; or NULL
+    double *fields;     // [4n], or [5n], of a snapshot, where snapshots are kept; or NULL
+    double *watched;    // [points][LAC_POINT_VALUES], behind it [n] tractions; NULL: no points
     double *onto; // [3n] state and slip on the balance, where projection is asked for; or NULL
     double next_break;
     double mean_rate, max_rate; // at the time reached [m/s]
@@ -75,6 +77,13 @@ lac_status lac_run_state_check(lac_run_state *r, lac_error *err);
 // Shows a sink that asks for every step the state reached; its rates are those in engine->work.
 // @param step  length of the step that ended here; 0 at the start and beyond a jump [s]
 lac_status lac_run_state_watch(const lac_run_state *r, double step, lac_error *err);
+
+// Takes the factor of safety of a record at time t, NaN where there is none, into the result. Where
+// the loads jump it has come to its value at once.
+void lac_run_state_keep_safety(lac_run_state *r, double t, double now);
+
+// Whether a jump of the loads at time t has come to a limit of time.stop_when.
+bool lac_run_state_stops(const lac_run_state *r, double t);
 
 // Where a sweep has to end for what is put out at stated times; INFINITY for engines that know all
 // of a step.
@@ -97,6 +106,7 @@ typedef enum lac_crossing_kind {
     LAC_CROSSING_FAILURE, // mean slip rate, lac_problem_past_failure
     LAC_CROSSING_RATE,    // largest slip rate
     LAC_CROSSING_SLIP,    // mean slip
+    LAC_CROSSING_SAFETY,  // factor of safety, downwards
     LAC_CROSSING_GONE,    // mean slip, of failure
 } lac_crossing_kind;
 

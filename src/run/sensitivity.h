@@ -2,6 +2,7 @@
 #pragma once
 
 #include "model/problem.h"
+#include "run/points.h"
 
 /// A parameter that a run is differentiated by: the same problem made with a little less and a
 /// little more of it. The three problems have the same cells and formulation, and their loads break
@@ -16,11 +17,12 @@ typedef struct lac_sensitivity_def {
     const lac_problem *problem;
     size_t perturbations;
     const lac_perturbation *perturbation; ///< [perturbations]; NULL: none
-    double rtol;                          ///< on slip rate, state and their sensitivities
-    double end;                           ///< [s]
-    double failure_rate;                  ///< mean slip rate and
-    double failure_slip; ///< mean slip that count as failure, which ends it [m/s], [m]; both as
-                         ///< lac_problem_failure takes them
+    const lac_point *point; ///< whose slip and rate are seen; NULL: the means over all cells
+    double rtol;            ///< on slip rate, state and their sensitivities
+    double end;             ///< [s]
+    double failure_rate;    ///< mean slip rate and
+    double failure_slip;    ///< mean slip that count as failure, which ends it [m/s], [m]; both as
+                            ///< lac_problem_failure takes them
     int64_t max_steps;
     size_t n;
     const double *time; ///< [n] rising, within [0, end] [s]
@@ -29,8 +31,8 @@ typedef struct lac_sensitivity_def {
 /// What is seen at the wanted times. The arrays are the caller's; entries from `reached` on are not
 /// set.
 typedef struct lac_sensitivity {
-    double *slip;        ///< [n] mean [m]
-    double *log_rate;    ///< [n] ln of the size of the mean slip rate [m/s]
+    double *slip;        ///< [n] mean, or of the point [m]
+    double *log_rate;    ///< [n] ln of the size of its rate [m/s]
     double *slip_by;     ///< [n][perturbations] derivatives; NULL where there are no perturbations
     double *log_rate_by; ///< [n][perturbations]
     double *failure_by;  ///< [perturbations] of the time of failure [s]

@@ -5,12 +5,14 @@
 #include "run/engine.h"
 #include "run/sensitivity.h"
 
-// A problem on its way with its sensitivities. The state is y and, behind it, the mean slip; time
+// A problem on its way with its sensitivities. The state is y and, behind it, the mean slip and,
+// where a point is seen, that of the point; time
 // is origin + t, t the integrator's own, which begins anew where the loads break.
 typedef struct lac_sensitivity_state {
     const lac_sensitivity_def *def;
     lac_sensitivity *out;
-    size_t n, m; // cells; components: unknowns and the mean slip
+    size_t n, m;       // cells; components
+    size_t mean, seen; // places of the mean slip, and of the slip that is seen, the last one
     SUNContext sun;
     void *mem; // CVODES
     SUNLinearSolver linear;
@@ -37,16 +39,17 @@ static inline double lac_sensitivity_state_clock(const lac_sensitivity_state *f,
 bool lac_sensitivity_state_derivative(lac_sensitivity_state *f, const lac_problem *problem,
                                       double t, const double *y, double *ydot);
 
-// Mean slip rate, signed [m/s].
-double lac_sensitivity_state_rate(lac_sensitivity_state *f, const lac_problem *problem, double t,
-                                  const double *y);
+// Slip rates of the components from `mean` to `seen`, signed [m/s]. @param rate  [2]
+// @return that of the last one
+double lac_sensitivity_state_rates(lac_sensitivity_state *f, const lac_problem *problem, double t,
+                                   const double *y, double *rate);
 
 // What is seen of a state whose derivatives are wanted.
 typedef double (*lac_sensitivity_state_measure)(lac_sensitivity_state *f,
                                                 const lac_problem *problem, double t,
                                                 const double *y);
 
-// ln of the size of the mean slip rate, and lac_problem_past_failure.
+// ln of the size of the slip rate that is seen, and lac_problem_past_failure.
 double lac_sensitivity_state_log_rate(lac_sensitivity_state *f, const lac_problem *problem,
                                       double t, const double *y);
 double lac_sensitivity_state_past(lac_sensitivity_state *f, const lac_problem *problem, double t,

@@ -379,6 +379,25 @@ static lac_failure failure_about(const lac_case *c, const lac_load_state *start,
     return lac_failure_from(&at, c->run.failure_rate, c->run.failure_slip);
 }
 
+// Adds the least pore pressure of the grid's corners, which stand for the cells where loads differ
+// between them; an error where such a load does not cover them.
+static lac_status add_corners(const lac_grid *grid, lac_load_set *loads, lac_load_state *sum,
+                              lac_error *err)
+{
+    const uint32_t last = (uint32_t)(lac_grid_cells(grid) - 1);
+    const uint32_t row = (uint32_t)(grid->nx - 1);
+    const uint32_t corners[] = {0, row, last - row, last};
+    const lac_load_places places = {grid, corners, 4};
+    double value[4], rate[4];
+    if (!lac_load_set_varies(loads)) {
+        return LAC_OK;
+    }
+    LAC_TRY_RETURN(lac_load_set_place(loads, &places, err));
+    lac_load_evaluate_cells(loads, 0.0, sum, value, rate);
+    sum->pore = fmin(fmin(value[0], value[1]), fmin(value[2], value[3]));
+    return LAC_OK;
+}
+
 // What the loads come to at the start of a run whose scene is too large to be built.
 static lac_status try_start(const lac_case *c, lac_load_files *files, lac_estimate *e,
                             lac_error *err)
@@ -388,7 +407,9 @@ static lac_status try_start(const lac_case *c, lac_load_files *files, lac_estima
     lac_load_state sum;
     LAC_TRY_RETURN(lac_scene_loads_create(c, files, &loads, err));
     lac_load_evaluate(&loads, 0.0, &sum);
+    lac_status status = add_corners(&e->grid, &loads, &sum, err);
     lac_load_set_clear(&loads);
+    LAC_TRY_RETURN(status);
     LAC_FAIL_IF(!(sum.pore < e->pressure), err, LAC_EINPUT,
                 "initial: pore pressure %g Pa is not below the normal pressure %g Pa at the start",
                 sum.pore, e->pressure);

@@ -311,7 +311,10 @@ static lac_status find_share(const lac_case *c, double time, double *share, lac_
     }
     LAC_TRY_RETURN(lac_load_set_create(&models, &clock, &loads, err));
     lac_load_evaluate(&loads, time, &at);
+    const bool varies = lac_load_set_varies(&loads);
     lac_load_set_clear(&loads);
+    LAC_FAIL_IF(varies, err, LAC_EINPUT,
+                "load.pore_pressure: differs from cell to cell, which rg does not follow");
     double total = lac_case_pressure(c);
     *share = 1.0 - at.pore / total;
     LAC_FAIL_IF(!(*share > 0.0 && isfinite(*share)), err, LAC_EINPUT,

@@ -109,7 +109,8 @@ static lac_status make_problem(lac_scene *scene, const lac_heterogeneity_place *
                            .columns = c->inertia.columns,
                            .log_rate = start,
                            .log_state = start + domain->n,
-                           .formulation = (lac_formulation)c->formulation};
+                           .formulation = (lac_formulation)c->formulation,
+                           .safety = c->safety};
     LAC_TRY(lac_problem_create(&def, &scene->problem, err));
 out:
     free(start);
@@ -152,6 +153,14 @@ static lac_status share_loads(const lac_case *c, const lac_transfer_scene *from,
     return lac_fail_within(err, status, "load.shear: share: elastic");
 }
 
+// Where the cells are, for loads that differ between them.
+static lac_status place_loads(lac_scene *scene, lac_error *err)
+{
+    const lac_domain *domain = scene->contact.domain;
+    const lac_load_places places = {&domain->grid, domain->index, domain->n};
+    return lac_load_set_place(&scene->loads, &places, err);
+}
+
 lac_status lac_scene_renew(lac_scene *scene, lac_load_files *files, bool loads, lac_error *err)
 {
     lac_problem_free(scene->problem);
@@ -165,6 +174,7 @@ lac_status lac_scene_renew(lac_scene *scene, lac_load_files *files, bool loads, 
         lac_status status = lac_scene_loads_create(scene->source, files, &scene->loads, err);
         scene->loads.shape = shape;
         LAC_TRY_RETURN(status);
+        LAC_TRY_RETURN(place_loads(scene, err));
     }
     return make_motion(scene, err);
 }
@@ -182,6 +192,7 @@ lac_status lac_scene_create(const lac_case *c, lac_load_files *files, lac_scene 
     scene->damping = lac_damping_of(&c->material);
     LAC_TRY(lac_scene_loads_create(c, files, &scene->loads, err));
     LAC_TRY(lac_scene_contact_solve(c, LAC_SCENE_DOMAIN, &scene->contact, err));
+    LAC_TRY(place_loads(scene, err));
     LAC_TRY(lac_hierarchy_create(scene->contact.domain, &scene->hierarchy, err));
     lac_transfer_scene from = {.domain = scene->contact.domain,
                                .hierarchy = scene->hierarchy,

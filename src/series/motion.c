@@ -118,6 +118,14 @@ static bool falls(const lac_motion *m, size_t kept, size_t i, double way, double
            (back > lost * way || zero < fmax(fall * m->noise, usual));
 }
 
+// Whether the next reading falls as far once more: a slope that goes back, and no reset, after
+// which it would go on.
+static bool falls_on(const lac_motion *m, size_t i, double usual)
+{
+    return i + 1 < m->n &&
+           m->displacement[i] - m->displacement[i + 1] > fmax(fall * m->noise, unusual * usual);
+}
+
 // What the slope would have reached by the time of reading i.
 static double go_on(const lac_motion *m, size_t kept, size_t i)
 {
@@ -142,6 +150,7 @@ static bool clean(lac_motion *m, double *work)
     size_t kept = 0;
     double way = 0.0;
     double shift = 0.0; // by which what follows a reset is moved
+    bool back = false;  // the reading before went back, as a slope does
     if (!(m->noise > 0.0)) {
         return true;
     }
@@ -154,7 +163,9 @@ static bool clean(lac_motion *m, double *work)
             m->outliers++;
             continue;
         }
-        if (kept > 0 && falls(m, kept, i, way, shift, usual)) {
+        const bool fell = kept > 0 && falls(m, kept, i, way, shift, usual);
+        back = fell && (back || falls_on(m, i, usual));
+        if (fell && !back) {
             if (last) { // a reset or an outlier: the next reading will tell
                 m->outliers++;
                 continue;

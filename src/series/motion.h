@@ -66,7 +66,8 @@ typedef struct lac_motion {
 /// its neighbours by more than 8 times the noise and they agree with each other; a fall of more
 /// than 10 times the noise and 2.5 times what nine of ten rises do not exceed, by a fifth of the
 /// way so far or back to the first reading, is a reset of the sensor, across which the slope is
-/// taken to have gone on as before, or an outlier while it is the last reading. The noise is that
+/// taken to have gone on as before, or an outlier while it is the last reading; but where the next
+/// falls as far again, it is the slope that goes back. The noise is that
 /// of `sigma`, else what readings scatter by themselves (base/noise.h); never less than the
 /// resolution of the numbers. More resets than one reading in ten (one is always believed) are
 /// not: all stays as it was read.

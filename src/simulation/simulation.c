@@ -16,6 +16,7 @@ struct lac_simulation {
     lac_case source; // the caller's, which owns all, but for what pilot runs picked
     lac_simulation_options options;
     lac_scene *scene;
+    lac_points *points;     // NULL where the case names none
     lac_analysis *analysis; // NULL where the case names no indicator
     lac_accuracy_pick accuracy;
     const lac_checkpoint *resume;
@@ -35,6 +36,11 @@ static lac_status build(lac_simulation *s, lac_error *err)
 {
     LAC_TRY_RETURN(lac_scene_create(&s->source, NULL, &s->scene, err));
     s->outcome.scene = s->scene;
+    if (s->source.points > 0) {
+        LAC_TRY_RETURN(lac_points_create(s->scene->contact.domain, s->source.points,
+                                         s->source.point, &s->points, err));
+        s->outcome.points = s->points;
+    }
     prepared(s, LAC_STAGE_SCENE);
     if (!isnan(s->source.accuracy)) {
         LAC_TRY_RETURN(lac_accuracy_choose(s->scene, &s->source, &s->options, &s->accuracy, err));
@@ -95,6 +101,7 @@ void lac_simulation_free(lac_simulation *simulation)
         return;
     }
     lac_analysis_free(simulation->analysis);
+    lac_points_free(simulation->points);
     lac_scene_free(simulation->scene);
     lac_case_use *use = simulation->source.use;
     if (use != NULL && --use->simulations == 0 && use->freed) {
@@ -159,6 +166,7 @@ static lac_status integrate(lac_simulation *s, const lac_sink *sink, lac_error *
     def.progress = s->options.progress;
     def.context = s->options.context;
     def.resume = s->resume;
+    def.points = s->points;
     if (s->analysis != NULL) {
         through = lac_analysis_sink(s->analysis, sink != NULL ? sink : &nowhere);
     }
@@ -204,8 +212,11 @@ static lac_run_output output_of(const lac_outcome *of)
                             .hierarchy = of->scene->hierarchy,
                             .transfer = &of->scene->transfer,
                             .fields = of->source->fields,
+                            .loads = &of->scene->loads,
+                            .safety = of->source->safety,
                             .extras = of->extras,
                             .extra = of->extra,
+                            .points = of->points,
                             .events = lac_analysis_has_events(of->analysis),
                             .dated = of->source->dated,
                             .start_date = of->source->start_date};
@@ -235,6 +246,7 @@ lac_status lac_simulation_file(lac_simulation *simulation, lac_store_def *out, l
 static lac_status add_outcome(lac_recording *recording, const lac_case *c,
                               const lac_run_result *result, lac_error *err)
 {
+    const lac_safety_summary *safety = &result->safety;
     const struct {
         const char *name, *unit, *long_name;
         double value;
@@ -245,8 +257,13 @@ static lac_status add_outcome(lac_recording *recording, const lac_case *c,
          result->failure_origin + result->failure_local},
         {"steps", "1", "steps of the integrator", (double)result->steps},
         {"start_date", "s", "start of the run, since 1970", c->dated ? c->start_date : NAN},
+        {"factor_of_safety_start", "1", "factor of safety at the start", safety->start},
+        {"factor_of_safety_least", "1", "least factor of safety of all records", safety->least},
+        {"factor_of_safety_below_1_time", "s", "when the factor of safety first was below 1",
+         safety->below_time},
     };
-    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+    const size_t of_safety = 3, all = sizeof table / sizeof table[0];
+    for (size_t i = 0; i < (c->safety.asked ? all : all - of_safety); i++) {
         LAC_TRY_RETURN(lac_recording_add(recording, table[i].name, table[i].unit,
                                          table[i].long_name, table[i].value, err));
     }

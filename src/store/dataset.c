@@ -17,6 +17,7 @@ void lac_columns_clear(lac_columns *columns)
 {
     for (size_t i = 0; i < columns->n; i++) {
         free(columns->column[i].values);
+        free((void *)columns->column[i].text);
     }
     free(columns->column);
     *columns = (lac_columns){0};

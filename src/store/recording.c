@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "data/describe.h"
 #include "run/describe.h"
 #include "store/store_file.h"
 #include "store/writer.h"
@@ -74,6 +75,23 @@ static lac_status put(lac_recording *r, const char *dim, lac_error *err)
     return status;
 }
 
+// Copies of the texts of a column, which the result that they are of need not outlive.
+static lac_status keep_texts(lac_column *c, lac_error *err)
+{
+    const size_t width = lac_item_longest_text(&c->item) + 1;
+    char room[LAC_TEXT_ROOM];
+    c->text = malloc(c->item.count * (sizeof *c->text + width));
+    LAC_FAIL_MEMORY_IF(c->text == NULL, err);
+    for (size_t i = 0; i < c->item.count; i++) {
+        const char *text = lac_item_text(&c->item, i, room);
+        c->text[i] = (char *)(c->text + c->item.count) + i * width;
+        (void)snprintf(c->text[i], width, "%s", text != NULL ? text : "");
+    }
+    return LAC_OK;
+}
+
+LAC_TEXT_GETTER(kept_text, const lac_column *c = of, c->text[at[0]])
+
 // A column as a variable that is read.
 static lac_status show(lac_recording *r, lac_column *c, lac_error *err)
 {
@@ -91,6 +109,11 @@ static lac_status show(lac_recording *r, lac_column *c, lac_error *err)
                             .held = LAC_HELD_REALS,
                             .offset = offsetof(lac_column, values),
                             .flags = LAC_MISSING | LAC_EMPTY};
+    if (c->item.is_text) {
+        c->row.held = LAC_HELD_NOT;
+        c->row.text = kept_text;
+        LAC_TRY_RETURN(keep_texts(c, err));
+    }
     LAC_TRY_RETURN(lac_column_reserve(c, 1, err)); // an array also where it is empty
     c->values[0] = NAN;
     return lac_dataset_add(r->kept, &laid, 1, err);

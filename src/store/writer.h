@@ -12,6 +12,7 @@ typedef struct lac_column {
     size_t along; ///< which of the dimensions that grow; LAC_ONCE: none
     double *values;
     size_t count, room;
+    char **text;      ///< [item.count] of texts, in a recording; owned, as one piece
     int id;           ///< in a file
     lac_variable row; ///< in a recording: how it is read, and its path in JSON
     char json[80];

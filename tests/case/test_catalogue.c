@@ -104,7 +104,8 @@ static bool is_set(const lac_param *row, const void *params)
 {
     const char *field = (const char *)params + row->offset;
     if (row->type == LAC_CHOICE) {
-        return *(const int *)(const void *)field != (int)row->fallback;
+        int chosen = *(const int *)(const void *)field;
+        return isnan(row->fallback) ? chosen >= 0 : chosen != (int)row->fallback;
     }
     assert_int_equal(row->type, LAC_REAL);
     double value = *(const double *)(const void *)field;

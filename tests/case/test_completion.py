@@ -115,11 +115,16 @@ class Completion(unittest.TestCase):
     def test_every_model(self):
         kinds = {kind["name"] for kind in self.models["kinds"]}
         sections = {section["name"] for section in self.models["sections"]}
-        self.assertEqual(self.offered("describe", ""), kinds | sections | {"levels"})
+        self.assertEqual(self.offered("describe", ""), kinds | sections | {"levels", "rock"})
         for kind in self.models["kinds"]:
             names = {model["name"] for model in kind["models"]}
             self.assertEqual(self.offered("describe", kind["name"], ""), names)
         self.assertEqual(self.offered("describe", "friction", "aging", ""), set())
+        rocks = {r["name"] for r in json.loads(call(PROGRAM, "describe", "rock", "--json"))["rocks"]}
+        self.assertGreaterEqual(len(rocks), 12)
+        self.assertEqual(self.offered("describe", "rock", ""), rocks)
+        self.assertEqual(self.offered("describe", "rock", "limestone", ""), set())
+        self.assertEqual(self.offered("check", "--set", "friction.aging.rock=lim"), {"friction.aging.rock=limestone"})
 
     def test_values(self):
         """Of files a line says what stands before them in the word, and their endings."""

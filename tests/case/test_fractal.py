@@ -240,7 +240,7 @@ class Options(Case):
         for key in ("resolutions", "size_effect", "published_exponents"):
             self.assertEqual(done[key], [])
         self.assertGreater(done["clusters"]["number"], 0)
-        self.assertIn("halve 0 times", self.contact("cases/measured.yaml"))
+        self.assertIn("take 512", self.contact("cases/measured.yaml"))
 
     def test_weak_and_lawless_areas(self):
         self.assertTrue(self.scaling("0.5 MPa")["delta_s_weak"])

@@ -32,7 +32,7 @@ def integral(f, low, high, pieces=400):
     return total
 
 
-class Friction(unittest.TestCase):
+class Case(unittest.TestCase):
     def setUp(self):
         self.folder = tempfile.mkdtemp()
         self.addCleanup(shutil.rmtree, self.folder)
@@ -53,6 +53,8 @@ class Friction(unittest.TestCase):
     def near(self, value, exact, part):
         self.assertLess(abs(value / exact - 1), part, f"{value}, not {exact}")
 
+
+class Friction(Case):
     def test_aging(self):
         done = self.run_case("aging", "--set", "solver.rtol=1e-9")
         self.assertTrue(done["failed"])
@@ -167,6 +169,144 @@ class Friction(unittest.TestCase):
         self.assertTrue(done["failed"])
         slip = self.variable("cell_slip")[-1]
         self.assertGreater(float(slip.max() / slip.min()), 1.0001)
+
+
+
+
+class Stated(Case):
+    """Strength as an engineer states it, against the same stated otherwise and a slider of its own."""
+
+    def setUp(self):
+        super().setUp()
+        self.case = os.path.join(self.folder, "case.yaml")
+        self.output = os.path.join(self.folder, "out.nc")
+
+    def run_law(self, law, loads, *words, status=0):
+        with open(self.case, "w", encoding="utf-8") as file:
+            file.write('lacuna: 1\nload:\n  normal: {pressure: "5 MPa"}\n' + loads + "friction: {aging: {" + law +
+                       '}}\ninitial: {slip_rate: "1 nm/s"}\ntime: {end: "20 day"}\nsolver: {rtol: 1e-9}\n')
+        done = subprocess.run([PROGRAM, "run", self.case, "-o", self.output, "--force", "--no-progress", *words],
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True)
+        self.assertEqual(done.returncode, status, done.stderr)
+        return done.stderr
+
+    def everything(self):
+        return {name: self.variable(name) for name in ("time", "slip", "slip_rate", "shear_force")}
+
+    RATIO = "  shear: [{ratio: {value: 0.57}}]\n"
+    RAMP = RATIO + '  pore_pressure: [{ramp: {rate: "10 kPa/day", end: "10 day"}}]\n'
+    JOINT = """interface: {size: "8 m", levels: 3, domain: {cascade: {dimension: 1.7, seed: 3}},
+  spread: {pressure: {lognormal: {sigma: 0.5, seed: 4}}}}
+transfer: {hierarchy: {k0: "1 GPa/m", ratio: 0.5}}
+"""
+
+    def describe(self, *words):
+        return subprocess.run([PROGRAM, "describe", "rock", *words], check=True, stdout=subprocess.PIPE,
+                              universal_newlines=True).stdout
+
+    def test_every_rock_names_what_was_read(self):
+        rocks, listed = json.loads(self.describe("--json"))["rocks"], self.describe()
+        names = [rock["name"] for rock in rocks]
+        self.assertEqual(names, sorted(set(names)))
+        self.assertGreaterEqual(len(names), 12)
+        for rock in rocks:
+            self.assertEqual(json.loads(self.describe(rock["name"], "--json"))["rocks"], [rock])
+            self.assertIn(f"\n  {rock['name']} ", listed)
+            self.assertRegex(rock["read_at"], r"^https?://\S+$")
+            self.assertRegex(rock["source"], r"(19|20)\d\d|doi 10\.")
+            self.assertTrue(rock["summary"] and rock["conditions"])
+            self.assertIn(rock["found"], ("laboratory", "back-analysed in the field"))
+            told = [rock[key] for key in ("f0", "a", "b", "dc", "a_minus_b") if rock[key]["value"] is not None]
+            self.assertIn(rock["f0"], told)
+            for number in told:
+                self.assertTrue(number["low"] <= number["value"] <= number["high"], rock)
+        limestone = rocks[names.index("limestone")]["f0"]  # 31 degree, between 27 wet and 37 dry
+        for key, angle in (("value", 31), ("low", 27), ("high", 37)):
+            self.near(limestone[key], math.tan(math.radians(angle)), 1e-12)
+
+    def test_angle_is_f0(self):
+        self.run_law('friction_angle: "30 degree", a: 0.02, b: 0.01, dc: "1 mm"', self.RATIO)
+        angle = self.everything()
+        self.run_law(f'f0: {math.tan(math.pi / 6):.17g}, a: 0.02, b: 0.01, dc: "1 mm"', self.RATIO)
+        for name, values in self.everything().items():
+            numpy.testing.assert_allclose(values, angle[name], rtol=1e-9, err_msg=name)
+
+    def test_rock_tells_what_the_case_does_not(self):
+        self.run_law("rock: basalt-fault, b: 0.008", self.RATIO)
+        with netCDF4.Dataset(self.output) as file:
+            text = file.case
+        told = json.loads(subprocess.run([PROGRAM, "describe", "rock", "basalt-fault", "--json"], check=True,
+                                         stdout=subprocess.PIPE).stdout)["rocks"][0]
+        for line in ("rock: basalt-fault", f"f0: {told['f0']['value']!r}", f"a: {told['a']['value']!r}", "b: 0.008"):
+            self.assertIn("    " + line + "\n", text)
+        self.assertIn(f"dc: \"{told['dc']['value']!r} m\"\n", text)
+
+    def test_rock_tells_the_other_of_a_and_b(self):
+        self.run_law('rock: talc-gouge, a: 0.03, dc: "1 mm"', "  shear: [{ratio: {value: 0.2}}]\n")
+        with netCDF4.Dataset(self.output) as file:
+            text = file.case
+        self.near(float(text.split("    b: ")[1].split()[0]), 0.03 - 0.025, 1e-12)
+        self.run_law('rock: talc-gouge, b: 0.03, dc: "1 mm"', "  shear: [{ratio: {value: 0.2}}]\n")
+        with netCDF4.Dataset(self.output) as file:
+            text = file.case
+        self.near(float(text.split("    a: ")[1].split()[0]), 0.03 + 0.025, 1e-12)
+
+    # Under a constant normal load cohesion is friction: C/p more of f0, also of cells whose pressures differ.
+    def test_cohesion_is_friction_under_constant_load(self):
+        for joint in ("", self.JOINT):
+            self.run_law('f0: 0.55, cohesion: "100 kPa", a: 0.02, b: 0.01, dc: "1 mm"', self.RATIO + joint)
+            with_cohesion = self.everything()
+            self.run_law('f0: 0.57, a: 0.02, b: 0.01, dc: "1 mm"', self.RATIO + joint)
+            for name, values in self.everything().items():
+                numpy.testing.assert_allclose(with_cohesion[name][-1], values[-1], rtol=1e-7, err_msg=name)
+
+    # Pore pressure takes off friction, not cohesion: a slider of one unknown, theta.
+    def test_cohesion_does_not_feel_pore_pressure(self):
+        f0, a, b, dc, v0, cohesion, sigma = 0.55, 0.02, 0.01, 1e-3, 1e-6, 1e5, 5e6
+        for formulation in ("rate", "traction", "slip"):
+            self.run_law('f0: 0.55, cohesion: "100 kPa", a: 0.02, b: 0.01, dc: "1 mm", v0: "1 um/s"' +
+                         (", form: regularised" if formulation != "rate" else ""), self.RAMP,
+                         "--set", "solver.formulation=" + formulation)
+            time, slip = self.variable("time"), self.variable("slip")
+            numpy.testing.assert_allclose(self.variable("shear_force"), 0.57 * sigma, rtol=1e-9)  # of 1 m2
+
+            def rate(t, log_theta):
+                effective = sigma - 1e4 * min(t, 864e3) / 86400
+                f = (0.57 * sigma - cohesion) / effective
+                return v0 * math.exp((f - f0 - b * (math.log(v0 / dc) + log_theta)) / a)
+
+            def change(t, y):
+                v = rate(t, y[0])
+                return numpy.array([math.exp(-y[0]) - v / dc, v])
+
+            y = numpy.array([((0.57 * sigma - cohesion) / sigma - f0 - a * math.log(1e-9 / v0)) / b -
+                             math.log(v0 / dc), 0.0])
+            steps, t = 20000, 0.0
+            pace = time[-1] / steps
+            for _ in range(steps):
+                k1 = change(t, y)
+                k2 = change(t + pace / 2, y + pace / 2 * k1)
+                k3 = change(t + pace / 2, y + pace / 2 * k2)
+                k4 = change(t + pace, y + pace * k3)
+                y, t = y + pace / 6 * (k1 + 2 * k2 + 2 * k3 + k4), t + pace
+            self.near(slip[-1], y[1], 1e-6)
+
+    def test_tractions_add_up_to_the_force(self):
+        self.run_law('f0: 0.55, cohesion: "100 kPa", a: 0.02, b: 0.01, dc: "1 mm"', self.RAMP + self.JOINT,
+                     "--set", "output.fields=[traction]")
+        force, area = self.variable("shear_force"), self.variable("cell_area")
+        sums = (self.variable("cell_traction") * area).sum(axis=1)
+        numpy.testing.assert_allclose(sums[[0, -1]], force[[0, -1]], rtol=1e-8)
+        numpy.testing.assert_allclose(force, 0.57 * 5e6 * 64, rtol=1e-8)
+
+    def test_what_cohesion_holds_is_said(self):
+        said = self.run_law('f0: 0.55, cohesion: "3 MPa", a: 0.02, b: 0.01, dc: "1 mm"', self.RATIO, status=2)
+        self.assertIn("cohesion 3e+06 Pa holds the shear load of 2.85e+06 Pa", said)
+        falls = '  shear: [{ratio: {value: 0.4}}, {ramp: {rate: "-1 MPa/day"}}]\n'
+        for form, formulation in (("plain", "rate"), ("regularised", "traction"), ("regularised", "slip")):
+            said = self.run_law(f'f0: 0.4, cohesion: "1 MPa", a: 0.02, b: 0.01, dc: "1 mm", form: {form}', falls,
+                                "--set", "solver.formulation=" + formulation, status=1)
+            self.assertIn("falls to its cohesion", said)
 
 
 if __name__ == "__main__":

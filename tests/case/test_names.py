@@ -32,7 +32,10 @@ CALLS = (
     ("run", "cases/block.yaml -o block.nc --set institution=Somewhere"),
     ("run", "cases/block.yaml -o picked.nc --accuracy 1%"),
     ("run", "cases/transfer/micro-slips.yaml -o run.nc --set analysis.rg.field=equal --set "
-            "output.fields=[slip,slip_rate,state,traction] --set output.fields_every.steps=200"),
+            "output.fields=[slip,slip_rate,state,traction,pore_pressure] --set output.fields_every.steps=200"),
+    ("run", "cases/load/reservoir.yaml -o lake.nc --set output.fields=[factor_of_safety] --set "
+            "'output.factor_of_safety.reference_rate=0.5 mm/day'"),
+    ("run", "cases/load/rain.yaml -o rain.nc"),
     ("contact", "cases/surface/joint.yaml -o joint.nc"),
     ("contact", "cases/surface/file.yaml -o file.nc"),
     ("contact", "cases/contact/self-affine.yaml -o contact.nc"),
@@ -53,6 +56,7 @@ CALLS = (
     ("export", "run.nc"),
     ("new", "slope"),
     ("describe", ""),
+    ("describe", "rock limestone"),
     ("completion", "bash"),
 )
 

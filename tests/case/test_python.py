@@ -94,6 +94,13 @@ class Python(unittest.TestCase):
         self.assertAlmostEqual(mine.attrs["failure_time_s"] / said["failure_time_s"], 1, 12)
         self.assertEqual(mine.attrs["steps"], said["steps"])
 
+    def test_factor_of_safety(self):
+        mine, said = self.compare("load/reservoir.yaml", **{"output.fields": "[slip]"})
+        self.assertEqual(mine.attrs["factor_of_safety_least"], said["least_factor_of_safety"])
+        self.assertEqual(mine.attrs["factor_of_safety_start"], said["initial_factor_of_safety"])
+        self.assertTrue(numpy.isnan(mine.attrs["factor_of_safety_below_1_time_s"]))
+        self.assertTrue({"cell_factor_of_safety", "lake_level", "effective_ratio"} <= set(mine.variables))
+
     def test_events(self):
         mine, said = self.compare("events.yaml")
         self.assertEqual(mine.sizes["event"], said["events"])

@@ -169,7 +169,7 @@ class Block(unittest.TestCase):
             for status in ("complete", "running"):
                 with netCDF4.Dataset(path, "a") as file:
                     file.status = status
-                self.assertEqual(set(page_of(path)), {"about", "motion", "solver", "forces", "forecasts"} - {section})
+                self.assertEqual(set(page_of(path)), {"about", "motion", "safety", "solver", "forces", "forecasts"} - {section})
 
     def test_cells_without_snapshots(self):
         cells = page_of(made("bare", scenes.BARE))["cells"]

@@ -47,9 +47,10 @@ solver: {rtol: 1e-7}
 analysis: {rg: {critical_fraction: 0.5}}
 output:
   every: {time: 10 min, steps: 3}
-  fields: [slip, slip_rate, state, traction]
+  fields: [slip, slip_rate, state, traction, factor_of_safety]
   fields_every: {time: 30 min, per_decade: 2}
   checkpoint: {steps: 40, time: 1 hour}
+  points: [{name: A, x: 10 cm, y: 90 cm}, {name: B, x: 50 cm, y: 50 cm, radius: 30 cm}]
 """
 
 # Shipped cases made small, and what is set in them: every kind of load with a memory or a file,

@@ -216,7 +216,7 @@ static void check_blocks(const variant *kind)
     draw(friction, 5, 5, &e.u[0], &e.w[0]);
     laws_evaluate(friction, 5, 1, &e);
     lac_friction_evaluate(
-        friction, &(lac_friction_cells){5, 1, e.u, e.w, e.v, 0},
+        friction, &(lac_friction_cells){5, 1, e.u, e.w, e.v, 0, NULL},
         &(lac_friction_values){
             .f = bare.out[F], .f_u = bare.out[F_U], .f_w = bare.out[F_W], .g = bare.out[G]},
         NULL);
@@ -335,9 +335,9 @@ static void check_normal_stress(const variant *kind)
             double f, f_u, f_w, rate = pow(10, laws_uniform(cell, 30, -9, 3));
             draw(friction, cell, cell, &still.u[0], &still.w[0]);
             laws_evaluate(friction, cell, 1, &still);
-            lac_friction_evaluate(friction,
-                                  &(lac_friction_cells){cell, 1, still.u, still.w, still.v, rate},
-                                  &(lac_friction_values){&f, &f_u, &f_w, moving.out[G]}, NULL);
+            lac_friction_evaluate(
+                friction, &(lac_friction_cells){cell, 1, still.u, still.w, still.v, rate, NULL},
+                &(lac_friction_values){&f, &f_u, &f_w, moving.out[G]}, NULL);
             double response = with ? alpha[cell] / friction->column[LAC_B].value[cell] : 0;
             double want = still.out[G][0] - response * rate;
             assert_true(fabs(moving.out[G][0] - want) <= 1e-15 * (fabs(want) + response * rate));

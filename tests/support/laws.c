@@ -92,7 +92,7 @@ void laws_evaluate(const lac_friction *friction, size_t first, size_t n, evaluat
 {
     lac_vexp(n, e->u, e->v);
     lac_friction_evaluate(
-        friction, &(lac_friction_cells){first, n, e->u, e->w, e->v, 0},
+        friction, &(lac_friction_cells){first, n, e->u, e->w, e->v, 0, NULL},
         &(lac_friction_values){
             .f = e->out[F], .f_u = e->out[F_U], .f_w = e->out[F_W], .g = e->out[G]},
         &(lac_friction_slopes){.f_uu = e->out[F_UU],

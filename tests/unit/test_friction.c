@@ -193,7 +193,7 @@ static void weakening_never_heals(void **state)
     for (double w = -5; w <= 25; w += 0.5) {
         double u = -20, v = exp(u), f[2], f_u[2], f_w[2], g[2], none[3], g_u[2], g_w[2];
         for (size_t k = 0; k < 2; k++) {
-            lac_friction_cells cell = {0, 1, &u, &w, &v, 0};
+            lac_friction_cells cell = {0, 1, &u, &w, &v, 0, NULL};
             lac_friction_values values = {&f[k], &f_u[k], &f_w[k], &g[k]};
             lac_friction_slopes slopes = {&none[0], &none[1], &none[2], &g_u[k], &g_w[k]};
             lac_friction_evaluate(pair[k], &cell, &values, &slopes);

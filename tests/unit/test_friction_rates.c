@@ -85,7 +85,7 @@ static void check_block(const lac_friction *friction, uint64_t seed, double eta)
             double f_w;
             double g;
             double speed = exp(u[i]);
-            lac_friction_cells cell = {i, 1, &u[i], &k.w[i], &speed, 0.0};
+            lac_friction_cells cell = {i, 1, &u[i], &k.w[i], &speed, 0.0, NULL};
             lac_friction_evaluate(friction, &cell, &(lac_friction_values){&f, &f_u, &f_w, &g},
                                   NULL);
             double p = k.pressure[i];

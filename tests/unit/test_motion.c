@@ -195,6 +195,22 @@ static void outliers_and_resets_are_taken_out(void **state)
     lac_motion_free(m);
 }
 
+// Falls one after the other are the slope's, not the sensor's.
+static void a_slope_that_goes_back_is_no_reset(void **state)
+{
+    (void)state;
+    for (size_t days = 2; days <= 4; days++) {
+        fill_noisy(MOST, 1e-3);
+        for (size_t k = 1; k <= days; k++) {
+            values[MOST - 1 - days + k] = values[MOST - 1 - days] - 0.5 * (double)k;
+        }
+        lac_motion *m = move((lac_motion_def){0}, MOST);
+        assert_true(m->resets == 0 && m->outliers == 0 && m->n == MOST);
+        assert_true(m->displacement[MOST - 1] == values[MOST - 1]);
+        lac_motion_free(m);
+    }
+}
+
 // The last reading fell: nobody knows yet why; a rise may be the failure.
 static void the_last_reading_is_judged_by_the_past(void **state)
 {
@@ -379,6 +395,7 @@ int main(void)
         cmocka_unit_test(noise_is_measured),
         cmocka_unit_test(resets_are_found_on_steep_curves),
         cmocka_unit_test(outliers_and_resets_are_taken_out),
+        cmocka_unit_test(a_slope_that_goes_back_is_no_reset),
         cmocka_unit_test(the_last_reading_is_judged_by_the_past),
         cmocka_unit_test(what_falls_is_turned),
         cmocka_unit_test(velocities_of_what_falls_are_turned),

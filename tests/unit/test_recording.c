@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A run kept in memory: what it holds, what is refused, and a stop.
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <math.h>
@@ -221,12 +222,43 @@ static void test_beyond_a_run(void **state)
     lac_dataset_free(recording);
 }
 
+// Names of points are kept as texts, though what they are of is gone; a sink has the same values.
+static void test_points(void **state)
+{
+    (void)state;
+    const lac_override sets[] = {{"output.points", "[{name: north}, {name: \"P 2\"}]"},
+                                 {"time.end", "1 day"}};
+    const lac_case_options how = overriding(2, sets);
+    lac_dataset *recording = NULL;
+    lac_error err = {0};
+    char name[16];
+    size_t points = 0;
+    assert_int_equal(record(BLOCK, NULL, 0, &how, NULL, &recording, &err), LAC_OK);
+    assert_true(lac_dataset_is_text(recording, "point_name"));
+    assert_int_equal(lac_dataset_count(recording, "point_name"), 2);
+    assert_int_equal(lac_dataset_text(recording, "point_name", 1, name, sizeof name, &err), LAC_OK);
+    assert_string_equal(name, "P 2");
+    const variable slip = find(recording, "slip"), at = find(recording, "point_slip");
+    assert_string_equal(lac_dataset_dim(recording, "point_slip", 1, &points), "point");
+    assert_int_equal(points, 2);
+    assert_int_equal(at.count, 2 * slip.count);
+    for (size_t i = 0; i < at.count; i++) {
+        assert_true(at.values[i] == slip.values[i / 2]);
+    }
+    char *json = NULL;
+    assert_int_equal(lac_dataset_to_json(recording, &json, &err), LAC_OK);
+    assert_non_null(strstr(json, "\"north\""));
+    free(json);
+    lac_dataset_free(recording);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_a_block),     cmocka_unit_test(test_refused),
         cmocka_unit_test(test_from_memory), cmocka_unit_test(test_cells),
         cmocka_unit_test(test_stopped),     cmocka_unit_test(test_beyond_a_run),
+        cmocka_unit_test(test_points),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -83,6 +83,62 @@ static void jump_of_the_last_reading_is_watched(void **state)
     assert_int_equal(judge_first(&def, N).level, LAC_QUIET);
 }
 
+// 0.5 mm/day, and so many times that in the last days, in noise of 1 mm.
+static lac_verdict change(size_t days, double times_faster)
+{
+    lac_forecast_def def = lac_forecast_default();
+    for (size_t i = 0; i < N; i++) {
+        const double fast = i + days < N ? 0.0 : (double)(i + days + 1 - N);
+        times[i] = 1.4e9 + day * (double)i;
+        displacement[i] =
+            5e-4 * ((double)i + (times_faster - 1.0) * fast) + 1e-3 * random_normal(days, i);
+    }
+    return judge_first(&def, N);
+}
+
+// A rate that changes at once is watched for as long as it lasts, forward and back.
+static void new_rate_is_watched(void **state)
+{
+    (void)state;
+    for (size_t days = 2; days <= 12; days += 5) {
+        for (int way = -1; way <= 1; way += 2) {
+            const lac_verdict v = change(days, 120.0 * way);
+            assert_int_equal(v.level, LAC_WATCH);
+            assert_true(fabs(v.surge.rate) > 0.04 / day && fabs(v.surge.rate) < 0.065 / day);
+            assert_true(fabs(fabs(v.surge.before) - 5e-4 / day) < 4e-4 / day);
+            assert_true(times[N - 1] - v.surge.since >= 2.0 * day);
+            assert_non_null(strstr(v.rule, "usual before"));
+            const bool turned = way < 0 && days == 12; // it fell by more than it had risen
+            assert_int_equal(strstr(v.rule, "went back") != NULL, way < 0 && !turned);
+            assert_true(v.trend.answer != LAC_DOES_NOT || v.trend.start >= v.surge.since);
+        }
+    }
+    assert_null(strstr(change(12, 1.0).rule, "usual before"));
+    assert_true(change(12, 4.0).surge.factor < lac_levels_default().surge);
+}
+
+// Where values have stopped nothing is quiet, and no time that is over is told.
+static void silence_is_watched(void **state)
+{
+    (void)state;
+    const lac_forecast_def def = default_def();
+    for (size_t missing = 0; missing <= 20; missing += 10) {
+        lac_forecast_set *o = NULL;
+        fill(voight_2, 0.99, 1, 1e-3);
+        for (size_t i = N - missing; i < N; i++) {
+            displacement[i] = NAN;
+        }
+        const lac_readings readings = {.n = N, .time = times, .displacement = displacement};
+        assert_int_equal(lac_forecast_set_create(&def, &readings, &o, NULL), LAC_OK);
+        assert_true(o->verdict.level >= LAC_WATCH);
+        assert_int_equal(strstr(o->verdict.rule, "no value has come") != NULL, missing > 0);
+        for (size_t k = 0; k < o->count; k++) {
+            assert_true(!o->forecast[k].issued || o->forecast[k].time > o->issue_time);
+        }
+        lac_forecast_set_free(o);
+    }
+}
+
 // An alarm does not go out as failure nears, where most methods no longer fit the whole of it.
 static void alarm_stays_to_the_end(void **state)
 {
@@ -265,6 +321,8 @@ int main(void)
         cmocka_unit_test(a_warning_holds),
         cmocka_unit_test(jump_of_the_last_reading_is_watched),
         cmocka_unit_test(alarm_stays_to_the_end),
+        cmocka_unit_test(new_rate_is_watched),
+        cmocka_unit_test(silence_is_watched),
         cmocka_unit_test(rates_give_a_level_where_named),
         cmocka_unit_test(rain_that_explains_is_watched),
         cmocka_unit_test(few_readings_are_quiet),

@@ -64,7 +64,7 @@ static long double regularised(const rock *r, double u, double w)
 static double evolution(const lac_friction *friction, double u, double w)
 {
     double f, f_u, f_w, g, v = exp(u);
-    lac_friction_evaluate(friction, &(lac_friction_cells){0, 1, &u, &w, &v, 0},
+    lac_friction_evaluate(friction, &(lac_friction_cells){0, 1, &u, &w, &v, 0, NULL},
                           &(lac_friction_values){&f, &f_u, &f_w, &g}, NULL);
     return g;
 }

@@ -24,6 +24,9 @@ typedef struct observation {
     size_t reached;
 } observation;
 
+// What is seen; NULL: the means.
+static const lac_point *seen;
+
 static observation follow(const lac_problem *problem, const lac_perturbation *perturbation,
                           size_t perturbations, double rtol, const double *time, double end)
 {
@@ -37,6 +40,7 @@ static observation follow(const lac_problem *problem, const lac_perturbation *pe
     const lac_sensitivity_def def = {.problem = problem,
                                      .perturbations = perturbations,
                                      .perturbation = perturbation,
+                                     .point = seen,
                                      .rtol = rtol,
                                      .end = end,
                                      .failure_rate = 1e6,
@@ -215,9 +219,8 @@ static observation follow_tree(double dc, const double *time, double rtol)
 }
 
 // Several cells that hand load on to one another.
-static void small_tree(void **state)
+static void follow_small_tree(void)
 {
-    (void)state;
     tree_def def = tree_default(2, 3);
     double scale = def.dc / def.slip_rate;
     double time[TIMES];
@@ -246,6 +249,51 @@ static void small_tree(void **state)
     tree_clear(&base);
     tree_clear(&low);
     tree_clear(&high);
+}
+
+static void small_tree(void **state)
+{
+    (void)state;
+    follow_small_tree();
+}
+
+// The same of one cell, and of two; of all it is the mean.
+static void points_of_a_tree(void **state)
+{
+    const double time[TIMES] = {1e5, 2e5, 3e5, 4e5, 5e5, 6e5};
+    size_t cell[64];
+    lac_point point = {.cells = 1, .cell = cell};
+    (void)state;
+    tree_def def = tree_default(2, 3);
+    tree base;
+    tree_create(&def, &base);
+    const size_t n = lac_problem_cells(base.problem);
+    assert_in_range(n, 3, 64);
+    for (size_t i = 0; i < n; i++) {
+        cell[i] = i;
+    }
+    const observation mean = follow(base.problem, NULL, 0, 1e-8, time, time[TIMES - 1]);
+    double sum[TIMES] = {0}, rates[TIMES] = {0};
+    seen = &point;
+    for (size_t i = 0; i < n; i++) {
+        cell[0] = i;
+        const observation one = follow(base.problem, NULL, 0, 1e-8, time, time[TIMES - 1]);
+        for (size_t k = 0; k < TIMES; k++) {
+            sum[k] += one.slip[k] / (double)n;
+            rates[k] += exp(one.log_rate[k]) / (double)n;
+        }
+    }
+    for (size_t k = 0; k < TIMES; k++) {
+        assert_near(sum[k] / mean.slip[k], 1.0, 1e-6, "mean of the cells' slips", k);
+        assert_near(rates[k] / exp(mean.log_rate[k]), 1.0, 1e-6, "mean of their rates", k);
+    }
+    cell[0] = n - 1;
+    follow_small_tree();
+    point.cells = 2;
+    cell[1] = 0;
+    follow_small_tree();
+    seen = NULL;
+    tree_clear(&base);
 }
 
 // A stress that goes up and down all the time: every turn begins the integrator anew, which must
@@ -302,7 +350,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(closed_forms), FOR_EACH_FORMULATION(central_differences),
         cmocka_unit_test(small_tree),   cmocka_unit_test(many_breaks),
-        cmocka_unit_test(same_bits),
+        cmocka_unit_test(same_bits),    cmocka_unit_test(points_of_a_tree),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes the tables of docs/case.md from the program's own, between their markers.
+"""Writes the tables of docs/case.md, or docs/rocks.md, from the program's own, between their markers.
 
-    tools/dev/case_tables.py [--check] [--program build/lacuna] [--page docs/case.md]
+    tools/dev/case_tables.py [--check] [--program build/lacuna] [--page docs/case.md] [--rocks]
 
 A marker `<!-- lacuna describe NAME -->` begins a table, `<!-- -->` ends it; NAME is a kind of model or
 a section. What stands outside is written by hand. --check says what would change, and exits 1 then.
@@ -17,6 +17,7 @@ import sys
 
 BLOCK = re.compile(r"(<!-- lacuna describe ([\w.-]+) -->\n).*?(<!-- -->)", re.DOTALL)
 HEAD = "| key | unit | range | default | meaning |\n| --- | --- | --- | --- | --- |\n"
+LISTED = 12  # choices; of more the program has a list of its own
 COMMON = 3  # models that share a row before it is listed for all of them at once
 
 
@@ -27,6 +28,8 @@ def number(value):
 
 def limits(row):
     """ "> 0, ≤ 1e+09"; the choices; nothing where anything goes."""
+    if row["type"] == "choice" and len(row["choices"]) > LISTED:
+        return f"one of `lacuna describe {row['key']}`"
     if row["type"] == "choice":
         return ", ".join(row["choices"])
     if row["type"] == "path":
@@ -99,6 +102,28 @@ def describe(tables):
     return texts
 
 
+def quantity(told):
+    """ "0.601 (0.51–0.754)", "6.1 µm (5.9–8.3)"; nothing where it is not stated."""
+    if told["value"] is None:
+        return ""
+    scale = 1e6 if told["unit"] == "m" else 1
+    value, low, high = (f"{scale * told[key]:.3g}" for key in ("value", "low", "high"))
+    unit = " µm" if told["unit"] == "m" else ""
+    return f"{value}{unit}" + (f" ({low}–{high})" if low != high else "")
+
+
+def rock_table(rocks):
+    text = "| rock | what | f0 | a | b | dc | a - b |\n" + "| --- " * 7 + "|\n"
+    for rock in rocks:
+        numbers = [quantity(rock[key]) for key in ("f0", "a", "b", "dc", "a_minus_b")]
+        text += f"| `{rock['name']}` | " + " | ".join([rock["summary"], *numbers]) + " |\n"
+    text += "\n| rock | found | conditions | source |\n" + "| --- " * 4 + "|\n"
+    for rock in rocks:
+        source = f"{rock['source']} ([read here]({rock['read_at']}))"
+        text += f"| `{rock['name']}` | " + " | ".join([rock["found"], rock["conditions"], source]) + " |\n"
+    return text
+
+
 def fill(page, texts):
     found = BLOCK.findall(page)
     names = [name for _, name, _ in found]
@@ -115,11 +140,14 @@ def main():
     parser.add_argument("--check", action="store_true", help="change nothing; exit 1 if it would")
     parser.add_argument("--program", default="build/lacuna")
     parser.add_argument("--page", default="docs/case.md")
+    parser.add_argument("--rocks", action="store_true", help="the table of rocks")
     given = parser.parse_args()
-    told = subprocess.run([given.program, "describe", "--json"], check=True, capture_output=True)
+    what = ["rock"] if given.rocks else []
+    told = subprocess.run([given.program, "describe", *what, "--json"], check=True, capture_output=True)
+    tables = json.loads(told.stdout)
     with open(given.page, encoding="utf-8") as file:
         page = file.read()
-    filled = fill(page, describe(json.loads(told.stdout)))
+    filled = fill(page, {"rock": rock_table(tables["rocks"])} if given.rocks else describe(tables))
     if given.check:
         changes = difflib.unified_diff(page.splitlines(), filled.splitlines(), given.page,
                                        "tools/dev/case_tables.py", lineterm="", n=0)

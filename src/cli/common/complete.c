@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "case/levels.h"
-#include "cli/common/command.h"
+#include "cli/common/describe.h"
 #include "cli/common/words.h"
 #include "data/json.h"
 #include "friction/friction.h"
@@ -109,7 +109,13 @@ static void offer_kinds(const offers *all, const char *of)
         offer(all, section->name, section->summary);
     }
     if (of == NULL) {
+        offer(all, CLI_ROCK, CLI_ROCK_SUMMARY);
         offer(all, lac_levels_table.name, lac_levels_table.summary);
+    } else if (strcmp(of, CLI_ROCK) == 0) {
+        const lac_rock *rock;
+        for (size_t i = 0; (rock = lac_rock_get(i)) != NULL; i++) {
+            offer(all, rock->name, rock->summary);
+        }
     }
 }
 

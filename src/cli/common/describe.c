@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "case/levels.h"
-#include "cli/common/command.h"
+#include "cli/common/describe.h"
 #include "cli/common/words.h"
 #include "data/json.h"
 #include "precursor/precursor.h"
@@ -45,7 +45,11 @@ static void print_range(const lac_param *param)
 {
     const bool bare = strcmp(param->unit, "1") == 0;
     const char *gap = bare ? "" : " ", *unit = bare ? "" : param->unit, *mark = ";";
-    for (size_t i = 0; param->type == LAC_CHOICE && param->choices[i] != NULL; i++) {
+    const bool listed = (param->flags & LAC_TELLS) != 0; // they are many
+    if (listed) {
+        printf("; one of lacuna describe %s", param->key);
+    }
+    for (size_t i = 0; !listed && param->type == LAC_CHOICE && param->choices[i] != NULL; i++) {
         printf("%s %s", i > 0 ? " or" : mark, param->choices[i]);
     }
     if (param->type == LAC_PATH) {
@@ -159,10 +163,11 @@ static lac_status find_subject(const char *name, subject *s, lac_error *err)
     for (; (kind = lac_kind_get(kinds)) != NULL; kinds++) {
         names[n++] = kind->name;
     }
-    for (size_t i = 0; n < MAX_NAMES - 1 && (section = lac_section_get(i)) != NULL; i++) {
+    for (size_t i = 0; n < MAX_NAMES - 2 && (section = lac_section_get(i)) != NULL; i++) {
         names[n++] = section->name;
         s->section = strcmp(section->name, name) == 0 ? section : s->section;
     }
+    names[n++] = CLI_ROCK;
     names[n++] = lac_levels_table.name;
     s->levels = strcmp(names[n - 1], name) == 0;
     for (size_t i = kinds; i-- > 0;) { // of several the first
@@ -192,15 +197,6 @@ static const lac_precursor_kind *precursor_of(const lac_kind *kind, const lac_mo
 static const lac_forecast_kind *forecast_of(const lac_kind *kind, const lac_model_info *model)
 {
     return kind->at(0) == &lac_forecast_kind_get(0)->info ? (const void *)model : NULL;
-}
-
-static void print_gates(void)
-{
-    const lac_forecast_gate *gate;
-    puts("  no forecast is issued where a gate is shut:");
-    for (size_t i = 0; (gate = lac_forecast_gate_get(i)) != NULL; i++) {
-        cli_row_wrap(gate->name, gate->text);
-    }
 }
 
 static void print_kind(const lac_kind *kind)
@@ -247,6 +243,8 @@ static void print_overview(void)
     for (size_t i = 0; (section = lac_section_get(i)) != NULL; i++) {
         cli_row_wrap(section->name, section->summary);
     }
+    puts("\nWhat a friction law can take its numbers from (lacuna describe rock):");
+    cli_row_wrap(CLI_ROCK, CLI_ROCK_SUMMARY);
     puts("\nThe file of lacuna precursors --levels, as it is by default:");
     cli_row_wrap(lac_levels_table.name, lac_levels_table.summary);
 }
@@ -346,16 +344,6 @@ static void write_forecast(lac_json *json, const lac_forecast_kind *kind)
     lac_json_number(json, "high90", c->high90);
 }
 
-static void write_gates(lac_json *json)
-{
-    const lac_forecast_gate *gate;
-    lac_json_open(json, "gates", '[');
-    for (size_t i = 0; (gate = lac_forecast_gate_get(i)) != NULL; i++) {
-        LAC_JSON_TEXTS(json, "name", gate->name, "text", gate->text);
-    }
-    lac_json_close(json, ']');
-}
-
 static void write_model(lac_json *json, const lac_kind *kind, const lac_model_info *model)
 {
     lac_json_open(json, NULL, '{');
@@ -390,7 +378,7 @@ static void write_kind(lac_json *json, const lac_kind *kind, const lac_model_inf
     }
     lac_json_close(json, ']');
     if (forecast_of(kind, kind->at(0)) != NULL) {
-        write_gates(json);
+        cli_describe_gates_json(json);
     }
     lac_json_close(json, '}');
 }
@@ -454,7 +442,7 @@ static void print_text(const subject *s)
         print_kind(s->kind);
     }
     if (s->kind != NULL && forecast_of(s->kind, s->kind->at(0)) != NULL) {
-        print_gates();
+        cli_describe_gates();
     }
     if (s->section != NULL) {
         printf("%s: %s\n", s->section->name, s->section->summary);
@@ -486,6 +474,9 @@ static lac_status find(const cli_request *request, subject *s, lac_error *err)
 lac_status cli_describe(const cli_request *request, lac_error *err)
 {
     subject s = {0};
+    if (request->count > 0 && strcmp(request->argument[0], CLI_ROCK) == 0) {
+        return cli_describe_rock(request, err);
+    }
     lac_status status = find(request, &s, err);
     if (status == LAC_OK && cli_given(request, CLI_OPT_JSON)) {
         write_json(&s);

@@ -32,6 +32,7 @@ const cli_option cli_options[] = {
     KEPT(FRACTAL, 0, "sizes", "LIST", sizes, "specimens of the size effect: \"50 mm, 1 m\""),
     KEPT(SNAPSHOT, 0, "snapshot", "WHICH", snapshot, "of a file: last, a number from 0, or a time"),
     KEPT(COMPARE, 0, "compare", "SERIES", compare, "monitoring data to lay beside the run"),
+    KEPT(COMPARE, 0, "point", "NAME", point, "of output.points that the series is of"),
     KEPT(COMPARE, 0, "fit", "FIT", fit, "file of lacuna fit: its forecast beside the run"),
     KEPT(SERIES, 0, "time", "COLUMN", series.time, "of times; else the first one"),
     KEPT(SERIES, 0, "time-format", "FORMAT", series.time_format,

@@ -107,12 +107,12 @@ struct cli_request {
     const char *output, *until, *kind;
     const char *boxes, *coarsest, *coarsening, *sizes; ///< of the fractal measures
     const char *snapshot;                              ///< which one of a file
-    const char *compare, *fit;                         ///< a series and a fit laid beside a run
-    const char *accuracy;    ///< among the overrides too, as solver.accuracy
-    const char *watch_state; ///< folder
-    const char *view;        ///< port of its page, 0 where none is named
-    cli_series_words series; ///< its displacement is the last one
-    cli_words displacements; ///< --displacement
+    const char *compare, *point, *fit; ///< a series, of which point, and a fit laid beside a run
+    const char *accuracy;              ///< among the overrides too, as solver.accuracy
+    const char *watch_state;           ///< folder
+    const char *view;                  ///< port of its page, 0 where none is named
+    cli_series_words series;           ///< its displacement is the last one
+    cli_words displacements;           ///< --displacement
     cli_forecast_words forecast;
     cli_trade_words trade;
     int threads;             ///< 0: not given

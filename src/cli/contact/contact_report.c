@@ -44,14 +44,31 @@ static void print_hurst(const lac_surface_measures *m)
                 : "");
 }
 
+// JRC was found from profiles of 10 cm read every millimetre or so; what it gives of coarser ones
+// is no roughness that anybody has tested.
 static void print_jrc(double z2, double step, double jrc)
 {
-    const char *range = isnan(jrc)   ? "none: flat"
-                        : jrc < 0.0  ? " (below 0: smoother than it was found for)"
-                        : jrc > 20.0 ? " (above 20: rougher than it was found for)"
-                                     : "";
-    cli_row("Z2, JRC", "%.4g at %s: %s%s", z2, cli_amount(step, "m").s,
-            isnan(jrc) ? "" : cli_format("%.1f", jrc).s, range);
+    const double coarsest = 2e-3; // [m]
+    const bool fits = jrc >= 0.0 && jrc <= 20.0;
+    const cli_text at = cli_amount(step, "m");
+    if (isnan(jrc)) {
+        cli_row("Z2, JRC", "%.4g at %s: none: flat", z2, at.s);
+    } else if (step > coarsest) {
+        cli_row_wrap("Z2, JRC",
+                     cli_format("%.4g at %s: no JRC, which is of laboratory profiles read every "
+                                "0.25 to 1 mm: give heights as fine where you need one; a run "
+                                "needs none",
+                                z2, at.s)
+                         .s);
+    } else if (fits) {
+        cli_row("Z2, JRC", "%.4g at %s: %.1f", z2, at.s, jrc);
+    } else {
+        cli_row_wrap("Z2, JRC",
+                     cli_format("%.4g at %s: JRC %.1f is outside of 0 to 20: %s than any profile "
+                                "that it was found from; go by Z2 and the rms slopes",
+                                z2, at.s, jrc, jrc < 0.0 ? "smoother" : "rougher")
+                         .s);
+    }
 }
 
 static void print_surface(const lac_surface_stats *surface)
@@ -127,7 +144,7 @@ static void print_fractal(const lac_scene_contact *contact)
     if (f->scaled) {
         print_fit(&f->scaling);
     } else if (contact->solved) {
-        cli_row("Delta_S", "none: %s", f->why.message);
+        cli_row_wrap("Delta_S", cli_format("none: %s", f->why.message).s);
     }
     if (f->sizes > 0) {
         const lac_size_strength *last = &f->size[f->sizes - 1];

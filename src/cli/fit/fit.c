@@ -341,7 +341,9 @@ static void print_text(const lac_fit_outcome *outcome, const char *series, doubl
     if (source->title != NULL) {
         puts(source->title);
     }
-    cli_row("series", "%s", series);
+    const char *point = source->fit.point;
+    cli_row("series", "%s%s%s", series, point != NULL ? ", at point " : "",
+            point != NULL ? point : "");
     cli_row("readings",
             "%zu displacements, %zu velocities; left out: %zu outside the run, %zu missing",
             r->displacements, r->velocities, r->outside, r->missing);

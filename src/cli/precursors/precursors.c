@@ -289,8 +289,6 @@ static lac_status answer(const cli_request *request, const char *station, lac_js
     LAC_LEAVE_IF(lines && (request->forecast.rolling == NULL || request->output != NULL ||
                            cli_given(request, CLI_OPT_JSON)),
                  err, LAC_EINPUT, "--jsonl: is of --rolling, without -o and --json");
-    LAC_LEAVE_IF(request->forecast.failed_at != NULL && request->forecast.rolling == NULL, err,
-                 LAC_EINPUT, "--failed-at: judges the forecasts of --rolling: give both");
     LAC_TRY(lac_units_create(&job.units, err));
     LAC_TRY(read_case(&job, err));
     if (request->output != NULL) {
@@ -422,6 +420,8 @@ static lac_status answer_each(const cli_request *request, lac_json *json, lac_er
 lac_status cli_precursors(const cli_request *request, lac_error *err)
 {
     lac_json json = {.out = stdout};
+    LAC_FAIL_IF(request->forecast.failed_at != NULL && request->forecast.rolling == NULL, err,
+                LAC_EINPUT, "--failed-at: judges the forecasts of --rolling: give both");
     return request->displacements.n > 1 ? answer_each(request, &json, err)
                                         : answer(request, NULL, &json, err);
 }

@@ -295,13 +295,33 @@ static void print_misfit(const lac_series *series, const lac_misfit *misfit)
             series->missing, series->duplicates);
 }
 
-void cli_compare_print(const cli_compare *compare, const lac_history *run)
+lac_history cli_kept_history(const cli_kept *kept, size_t point)
+{
+    const double *slip = kept->values, *first = kept->values;
+    if (first != NULL) {
+        slip += (point < kept->points ? 3 + 2 * point : 1) * kept->room;
+    }
+    return (lac_history){kept->n, first, slip, first != NULL ? slip + kept->room : NULL};
+}
+
+// What a series is laid beside: the joint, or the point that it is of.
+static lac_history beside(const cli_compare *compare, size_t i, const cli_kept *kept)
+{
+    const char *point = compare->source->compare[i].point;
+    return cli_kept_history(kept,
+                            point != NULL ? lac_case_point(compare->source, point) : SIZE_MAX);
+}
+
+void cli_compare_print(const cli_compare *compare, const cli_kept *kept)
 {
     for (size_t i = 0; i < compare->count; i++) {
         const lac_series *series = compare->series[i];
+        const lac_compare_def *def = &compare->source->compare[i];
+        const lac_history history = beside(compare, i, kept), *run = &history;
         lac_misfit misfit = {0};
         lac_series_compare(series, run, &misfit);
-        printf("\n  beside %s%s\n", name_of(&compare->source->compare[i]),
+        printf("\n  beside %s%s%s%s\n", name_of(def), def->point != NULL ? ", at point " : "",
+               def->point != NULL ? def->point : "",
                compare->source->fit.named ? "" : ": a scene with stated assumptions, not a fit");
         print_column(compare, series, run, series->displacement, misfit.displacement_offset);
         print_column(compare, series, run, series->velocity, 0.0);
@@ -335,16 +355,20 @@ static void write_readings(lac_json *json, const cli_compare *compare, const lac
     lac_json_close(json, ']');
 }
 
-void cli_compare_json(lac_json *json, const cli_compare *compare, const lac_history *run)
+void cli_compare_json(lac_json *json, const cli_compare *compare, const cli_kept *kept)
 {
     lac_json_open(json, "compare", '[');
     for (size_t i = 0; i < compare->count; i++) {
         const lac_compare_def *def = &compare->source->compare[i];
         const lac_series *series = compare->series[i];
+        const lac_history history = beside(compare, i, kept), *run = &history;
         lac_misfit misfit = {0};
         lac_series_compare(series, run, &misfit);
         lac_json_open(json, NULL, '{');
         lac_json_text(json, "label", name_of(def));
+        if (def->point != NULL) {
+            lac_json_text(json, "point", def->point);
+        }
         lac_json_text(json, "path", def->path);
         bool slips = misfit.displacement_count > 0, rates = misfit.velocity_count > 0;
         lac_json_integer(json, "slip_readings", (int64_t)misfit.displacement_count);

@@ -52,9 +52,18 @@ lac_status cli_compare_read(const cli_request *request, const lac_case *c, cli_c
                             lac_error *err);
 void cli_compare_clear(cli_compare *compare);
 
+/// What is kept of the records of a run.
+typedef struct cli_kept {
+    size_t n, points, room;
+    double *values; ///< [3 + 2 points][room] time on the clock of dates where the case has one;
+                    ///< slip and rate of the joint and of each of output.points
+} cli_kept;
+
+/// The joint's motion, or with less than kept->points that of a point.
+lac_history cli_kept_history(const cli_kept *kept, size_t point);
+
 /// Prints one table per series: observed and modelled where there are few readings, and misfits.
-/// @param run  times on the clock of dates where the case has one
-void cli_compare_print(const cli_compare *compare, const lac_history *run);
+void cli_compare_print(const cli_compare *compare, const cli_kept *kept);
 
 /// The same as a list under `compare`.
-void cli_compare_json(lac_json *json, const cli_compare *compare, const lac_history *run);
+void cli_compare_json(lac_json *json, const cli_compare *compare, const cli_kept *kept);

@@ -57,11 +57,14 @@ static lac_case *read_case(const char *run)
 }
 
 // A series that the run's case lays beside it under the same file name: its columns are known.
-static const lac_compare_def *find_compare(const lac_case *c, const char *path)
+// @param point  that it is of; NULL: of any
+static const lac_compare_def *find_compare(const lac_case *c, const char *path, const char *point)
 {
     for (size_t i = 0; c != NULL && i < c->compare_count; i++) {
-        if (strcmp(lac_page_name(c->compare[i].path), lac_page_name(path)) == 0) {
-            return &c->compare[i];
+        const lac_compare_def *def = &c->compare[i];
+        const bool of = point == NULL || (def->point != NULL && strcmp(def->point, point) == 0);
+        if (of && strcmp(lac_page_name(def->path), lac_page_name(path)) == 0) {
+            return def;
         }
     }
     return NULL;
@@ -73,12 +76,17 @@ static bool names_columns(const cli_request *request)
     return words->displacement != NULL || words->velocity != NULL || words->components != NULL;
 }
 
-static lac_status read_series(const cli_request *request, lac_series **out, lac_error *err)
+// @param point  of the run that it is of, to be freed; NULL: of the whole joint
+static lac_status read_series(const cli_request *request, lac_series **out, char **point,
+                              lac_error *err)
 {
     lac_case *c = names_columns(request) ? NULL : read_case(request->argument[0]);
-    const lac_compare_def *known = find_compare(c, request->compare);
+    const lac_compare_def *known = find_compare(c, request->compare, request->point);
+    const char *of = request->point == NULL && known != NULL ? known->point : request->point;
+    *point = of != NULL ? strdup(of) : NULL;
     lac_units *units = NULL;
-    lac_status status = lac_units_create(&units, err);
+    lac_status status = of != NULL && *point == NULL ? lac_fail_memory(err) : LAC_OK;
+    status = status == LAC_OK ? lac_units_create(&units, err) : status;
     if (status == LAC_OK) {
         status = cli_series_read(request, known != NULL ? &known->columns : NULL, request->compare,
                                  units, out, err);
@@ -103,8 +111,10 @@ static lac_status find_column(const lac_stored_file *file, const char *name, con
 }
 
 // The readings that a fit was made from, of the file that it left.
-static lac_status read_fitted(const char *path, lac_series **out, lac_error *err)
+// @param point  as in read_series
+static lac_status read_fitted(const char *path, lac_series **out, char **point, lac_error *err)
 {
+    char name[100];
     lac_series_def def = {.size = sizeof def, .path = path};
     lac_stored_file *file = NULL;
     lac_status status;
@@ -114,6 +124,10 @@ static lac_status read_fitted(const char *path, lac_series **out, lac_error *err
     LAC_TRY(find_column(file, "observed_slip_rate", &def.velocity, err));
     LAC_LEAVE_IF(def.time == NULL || (def.displacement == NULL && def.velocity == NULL), err,
                  LAC_EIO, "%s: is not a file of lacuna fit", path);
+    if (lac_stored_file_text(file, NULL, "point", name, sizeof name)) {
+        *point = strdup(name);
+        LAC_TRY(*point != NULL ? LAC_OK : lac_fail_memory(err));
+    }
     LAC_TRY(lac_series_create(&def, out, err));
 out:
     lac_stored_file_close(file);
@@ -151,8 +165,10 @@ static lac_status look_at(const cli_request *request, input *out, lac_error *err
                 "%s: is the file of a fit: run the case beside it and lay the fit on that: lacuna "
                 "report RUN.nc --fit %s",
                 path, path);
-    LAC_FAIL_IF(*out != RUN && (request->compare != NULL || request->fit != NULL), err, LAC_EINPUT,
-                "%s: holds readings: --compare and --fit lay something beside a run", path);
+    LAC_FAIL_IF(
+        *out != RUN && (request->compare != NULL || request->fit != NULL || request->point != NULL),
+        err, LAC_EINPUT,
+        "%s: holds readings: --compare, --point and --fit lay something beside a run", path);
     LAC_FAIL_IF(*out == FORECASTS && cli_given(request, CLI_OPT_SERIES), err, LAC_EINPUT,
                 "%s: holds forecasts, which were made from its readings: --displacement, "
                 "--velocity ... say how a series is read",
@@ -166,15 +182,18 @@ static lac_status look_at(const cli_request *request, input *out, lac_error *err
     return LAC_OK;
 }
 
-static lac_status read_beside(const cli_request *request, lac_series **out, lac_error *err)
+static lac_status read_beside(const cli_request *request, lac_series **out, char **point,
+                              lac_error *err)
 {
     if (request->compare != NULL) {
-        return read_series(request, out, err);
+        return read_series(request, out, point, err);
     }
+    LAC_FAIL_IF(request->point != NULL, err, LAC_EINPUT,
+                "--point says where a series was read: name it with --compare SERIES.csv");
     LAC_FAIL_IF(cli_given(request, CLI_OPT_SERIES), err, LAC_EINPUT,
                 "--displacement, --velocity ... say how a series is read: name it with --compare "
                 "SERIES.csv");
-    return request->fit != NULL ? read_fitted(request->fit, out, err) : LAC_OK;
+    return request->fit != NULL ? read_fitted(request->fit, out, point, err) : LAC_OK;
 }
 
 // The file of forecasts that the page of a series is made from, beside the page while it is made,
@@ -193,15 +212,16 @@ static lac_status write_page(const cli_request *request, input what, const char 
 {
     const char *name = request->compare != NULL ? request->compare : request->fit;
     lac_series *series = NULL;
-    char *forecasts = NULL;
+    char *forecasts = NULL, *point = NULL;
     lac_status status;
-    LAC_TRY(what == RUN      ? read_beside(request, &series, err)
+    LAC_TRY(what == RUN      ? read_beside(request, &series, &point, err)
             : what == SERIES ? forecast(request, path, &forecasts, err)
                              : LAC_OK);
     const lac_page_def def = {.run = forecasts != NULL ? forecasts : request->argument[0],
                               .name = request->argument[0],
                               .series = series,
                               .series_name = series != NULL ? lac_page_name(name) : NULL,
+                              .point = point,
                               .fit = request->fit,
                               .made_by = "lacuna " LACUNA_VERSION,
                               .now = (double)time(NULL)};
@@ -211,6 +231,7 @@ out:
         (void)unlink(forecasts);
     }
     free(forecasts);
+    free(point);
     lac_series_free(series);
     return status;
 }

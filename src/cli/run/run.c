@@ -36,7 +36,7 @@ static void job_clear(run_job *job)
     lac_simulation_free(job->simulation);
     cli_compare_clear(&job->outcome.compare);
     lac_checkpoint_file_clear(&job->resume);
-    free(job->outcome.history.values);
+    free(job->outcome.history.kept.values);
     free(job->outcome.path);
     free(job->inputs);
     lac_case_free(job->source);
@@ -161,6 +161,27 @@ static void on_progress(void *context, const lac_progress *now)
     }
 }
 
+// Who asks where nothing touches gets the motion of what does.
+static void warn_of_points(const lac_points *points)
+{
+    enum { MOST_TOLD = 5 };
+    size_t beside = 0;
+    for (size_t i = 0; points != NULL && i < points->n; i++) {
+        const lac_point *p = &points->point[i];
+        beside += p->beside ? 1 : 0;
+        if (p->beside && beside <= MOST_TOLD) {
+            cli_note("warning: output.points: %s is not in contact: what is kept is of the nearest "
+                     "contact cell, %s away, at x %s, y %s",
+                     p->name, cli_amount(p->distance, "m").s, cli_amount(p->cell_x, "m").s,
+                     cli_amount(p->cell_y, "m").s);
+        }
+    }
+    if (beside > MOST_TOLD) {
+        cli_note("warning: output.points: so it is with %zu more (point_distance in the file)",
+                 beside - MOST_TOLD);
+    }
+}
+
 static void on_prepared(void *context, lac_stage stage, const lac_simulation *simulation)
 {
     const lac_outcome *so_far = lac_simulation_outcome(simulation);
@@ -169,6 +190,9 @@ static void on_prepared(void *context, lac_stage stage, const lac_simulation *si
     if (stage == LAC_STAGE_SCENE) {
         cli_say(request, "%zu contact cells after %.2f s", so_far->scene->contact.domain->n,
                 cli_clock() - job->started);
+        if (!cli_given(request, CLI_OPT_QUIET)) {
+            warn_of_points(so_far->points);
+        }
         if (!isnan(job->source->accuracy)) {
             cli_say(request, "pilot runs for an error of %g", job->source->accuracy);
             cli_progress_start(&job->progress, request);
@@ -218,6 +242,7 @@ static lac_status integrate(run_job *job, lac_error *err)
     job->outcome.history = (cli_history){
         .next = cli_view_sink(job->view, &stored),
         .keep = job->outcome.compare.count > 0,
+        .kept.points = job->source->points,
         .clock = job->source->dated ? job->source->start_date : 0,
     };
     const lac_sink sink = cli_history_sink(&job->outcome.history);

@@ -43,42 +43,57 @@ static int64_t peak_memory(void)
     return (int64_t)usage.ru_maxrss * 1024;
 }
 
-// Room for so many records: three series in one array.
-static lac_status make_room(cli_history *h, size_t n, lac_error *err)
+static size_t columns_of(const cli_kept *kept) { return 3 + 2 * kept->points; }
+
+// Room for so many records: all series in one array.
+static lac_status make_room(cli_kept *kept, size_t n, lac_error *err)
 {
-    const size_t least = h->room > 0 ? 2 * h->room : 1024, room = n > least ? n : least;
-    if (n <= h->room) {
+    const size_t least = kept->room > 0 ? 2 * kept->room : 1024, room = n > least ? n : least;
+    if (n <= kept->room) {
         return LAC_OK;
     }
-    double *grown = realloc(h->values, 3 * room * sizeof *grown);
+    double *grown = realloc(kept->values, columns_of(kept) * room * sizeof *grown);
     LAC_FAIL_MEMORY_IF(grown == NULL, err);
-    for (size_t k = 3; k-- > 1;) {
-        memmove(grown + k * room, grown + k * h->room, h->kept.n * sizeof *grown);
+    for (size_t k = columns_of(kept); k-- > 1;) {
+        memmove(grown + k * room, grown + k * kept->room, kept->n * sizeof *grown);
     }
-    h->room = room;
-    h->values = grown;
-    h->kept = (lac_history){h->kept.n, grown, grown + room, grown + 2 * room};
+    kept->room = room;
+    kept->values = grown;
     return LAC_OK;
 }
 
 static lac_status keep_record(cli_history *h, const lac_record *record, lac_error *err)
 {
-    LAC_TRY_RETURN(make_room(h, h->kept.n + 1, err));
-    double *to = h->values + h->kept.n++;
+    cli_kept *kept = &h->kept;
+    LAC_TRY_RETURN(make_room(kept, kept->n + 1, err));
+    const double *at_points = record->observation.points;
+    double *to = kept->values + kept->n++;
     to[0] = h->clock + record->time_origin + record->time_local;
-    to[h->room] = record->observation.mean_slip;
-    to[2 * h->room] = record->observation.mean_rate;
+    to[kept->room] = record->observation.mean_slip;
+    to[2 * kept->room] = record->observation.mean_rate;
+    for (size_t i = 0; at_points != NULL && i < kept->points; i++, at_points += LAC_POINT_VALUES) {
+        to[(3 + 2 * i) * kept->room] = at_points[LAC_POINT_SLIP];
+        to[(4 + 2 * i) * kept->room] = at_points[LAC_POINT_RATE];
+    }
     return LAC_OK;
+}
+
+// Of a record without what holds only as long as it does.
+static lac_record lasting(const lac_record *record)
+{
+    lac_record own = *record;
+    own.observation.points = NULL;
+    return own;
 }
 
 static lac_status on_record(void *context, const lac_record *record, lac_error *err)
 {
     cli_history *h = context;
     if (!h->begun) {
-        h->first = *record;
+        h->first = lasting(record);
         h->begun = true;
     }
-    h->last = *record;
+    h->last = lasting(record);
     lac_status status = h->keep ? keep_record(h, record, err) : LAC_OK;
     if (status == LAC_OK && h->next.record != NULL) {
         status = h->next.record(h->next.context, record, err);
@@ -86,19 +101,19 @@ static lac_status on_record(void *context, const lac_record *record, lac_error *
     return status;
 }
 
-// The kept series, as long as it is.
-static void pass_series(cli_history *h, lac_archive *archive)
+// The kept series, as long as they are.
+static void pass_series(cli_kept *kept, lac_archive *archive)
 {
-    size_t n = h->kept.n;
+    size_t n = kept->n;
     lac_archive_pass(archive, &n, sizeof n);
-    if (n > h->room && lac_archive_good(archive)) {
+    if (n > kept->room && lac_archive_good(archive)) {
         archive->short_of = n > archive->size / sizeof(double);
-        archive->no_memory = !archive->short_of && make_room(h, n, NULL) != LAC_OK;
+        archive->no_memory = !archive->short_of && make_room(kept, n, NULL) != LAC_OK;
     }
     if (lac_archive_good(archive)) {
-        h->kept.n = n;
-        for (size_t k = 0; n > 0 && k < 3; k++) {
-            lac_archive_pass(archive, h->values + k * h->room, n * sizeof *h->values);
+        kept->n = n;
+        for (size_t k = 0; n > 0 && k < columns_of(kept); k++) {
+            lac_archive_pass(archive, kept->values + k * kept->room, n * sizeof *kept->values);
         }
     }
 }
@@ -110,7 +125,7 @@ static void on_keep(void *context, lac_archive *archive)
     lac_archive_pass(archive, &h->begun, sizeof h->begun);
     lac_archive_pass(archive, &h->first.observation, sizeof h->first.observation);
     lac_archive_pass(archive, &h->last.observation, sizeof h->last.observation);
-    pass_series(h, archive);
+    pass_series(&h->kept, archive);
     if (h->next.serialize != NULL) {
         h->next.serialize(h->next.context, archive);
     }
@@ -130,6 +145,13 @@ static double apparent_friction(const lac_record *record)
     return record->observation.shear_force / record->observation.normal_force;
 }
 
+// NaN: there is no water, or no record.
+static double effective_ratio(const cli_outcome *outcome, const lac_record *record)
+{
+    const bool wet = lac_load_set_has_pore(&outcome->of->scene->loads);
+    return wet ? record->observation.shear_force / record->observation.effective_force : NAN;
+}
+
 // Whether the computation broke, or its file is not whole.
 static bool broke(const cli_outcome *outcome) { return strcmp(outcome->status, "failed") == 0; }
 
@@ -144,11 +166,51 @@ static double failure_time(const cli_outcome *outcome)
     return cli_outcome_failed(outcome) ? result->failure_origin + result->failure_local : NAN;
 }
 
-// "" where the run has no date or no failure.
-static cli_text failure_date(const cli_outcome *outcome)
+// "" where the run has no date or there is no such time.
+static cli_text date_of(const cli_outcome *outcome, double time)
 {
     const lac_case *c = outcome->of->source;
-    return c->dated ? cli_date(c->start_date + failure_time(outcome)) : cli_format("%s", "");
+    return c->dated ? cli_date(c->start_date + time) : cli_format("%s", "");
+}
+
+static cli_text failure_date(const cli_outcome *outcome)
+{
+    return date_of(outcome, failure_time(outcome));
+}
+
+// "after 3.2 day, on 1963-..."
+static cli_text moment(const cli_outcome *outcome, double time)
+{
+    const cli_text date = date_of(outcome, time);
+    return cli_format("after %s%s%s", cli_exact(time, "s").s, date.s[0] != '\0' ? ", on " : "",
+                      date.s);
+}
+
+// At which slip rate the strength counts.
+static cli_text reference(const cli_outcome *outcome)
+{
+    const double rate = outcome->of->source->safety.reference_rate;
+    return rate > 0.0 ? cli_amount(rate, "m/s") : cli_format("%s", "v0 of the friction");
+}
+
+static void print_safety(const cli_outcome *outcome)
+{
+    const lac_safety_summary *s = &outcome->of->run.safety;
+    if (isnan(s->start)) {
+        return;
+    }
+    cli_row("factor of safety", "%.4g at the start, %.4g at the end, strength at %s", s->start,
+            s->end, reference(outcome).s);
+    if (s->least_time > 0.0) {
+        cli_row("  least", "%.4g, %s", s->least, moment(outcome, s->least_time).s);
+    }
+    if (isnan(s->below_time)) {
+        cli_row("  below 1", "never");
+    } else if (s->below_time > 0.0) {
+        cli_row("  below 1", "first %s", moment(outcome, s->below_time).s);
+    } else {
+        cli_row("  below 1", "from the start");
+    }
 }
 
 static const char *formulation(const cli_outcome *outcome)
@@ -227,6 +289,12 @@ void cli_outcome_print(const cli_outcome *outcome)
                 apparent_friction(&outcome->history.first),
                 apparent_friction(&outcome->history.last));
     }
+    if (outcome->history.begun && lac_load_set_has_pore(&outcome->of->scene->loads)) {
+        cli_row("effective ratio", "%.4g at the start, %.4g at the end",
+                effective_ratio(outcome, &outcome->history.first),
+                effective_ratio(outcome, &outcome->history.last));
+    }
+    print_safety(outcome);
     print_failure(outcome);
     cli_row_quantity("mean slip", outcome->of->run.mean_slip, "m");
     cli_row_quantity("largest slip rate", outcome->of->run.max_slip_rate, "m/s");
@@ -252,6 +320,24 @@ static void write_failure(lac_json *json, const cli_outcome *outcome)
     lac_json_number(json, "time_s", outcome->of->run.time);
 }
 
+// What only a slope or who asks for it has, and only who has water.
+static void write_safety(lac_json *json, const cli_outcome *outcome)
+{
+    const lac_safety_summary *s = &outcome->of->run.safety;
+    const cli_history *history = &outcome->history;
+    if (lac_load_set_has_pore(&outcome->of->scene->loads)) {
+        lac_json_number(json, "initial_effective_ratio", effective_ratio(outcome, &history->first));
+        lac_json_number(json, "effective_ratio", effective_ratio(outcome, &history->last));
+    }
+    if (outcome->of->source->safety.asked) {
+        lac_json_number(json, "initial_factor_of_safety", s->start);
+        lac_json_number(json, "least_factor_of_safety", s->least);
+        lac_json_number(json, "least_factor_of_safety_time_s", s->least_time);
+        lac_json_number(json, "factor_of_safety", s->end);
+        lac_json_number(json, "factor_of_safety_below_1_time_s", s->below_time);
+    }
+}
+
 static void write_results(lac_json *json, const cli_outcome *outcome)
 {
     const cli_history *history = &outcome->history;
@@ -267,6 +353,7 @@ static void write_results(lac_json *json, const cli_outcome *outcome)
     lac_json_text(json, "formulation", formulation(outcome));
     lac_json_number(json, "initial_apparent_friction", apparent_friction(&history->first));
     lac_json_number(json, "apparent_friction", apparent_friction(&history->last));
+    write_safety(json, outcome);
 }
 
 static void write_accuracy(lac_json *json, const lac_accuracy_pick *pick)

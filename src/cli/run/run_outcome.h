@@ -7,11 +7,9 @@
 /// A sink that passes everything on and keeps what the summary and the comparison need.
 typedef struct cli_history {
     lac_sink next;
-    bool keep;        ///< keep time, slip and rate of every record
-    double clock;     ///< added to the kept times [s]
-    lac_history kept; ///< within `values`
-    size_t room;
-    double *values; ///< [3][room] time, slip, rate
+    bool keep;    ///< keep time, slip and rate of every record, and those of the points
+    double clock; ///< added to the kept times [s]
+    cli_kept kept;
     bool begun;
     lac_record first, last;
 } cli_history;

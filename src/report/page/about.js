@@ -23,6 +23,10 @@ function facts(data) {
   else add("Time reached", span(a.time_reached_s ?? m.time[m.time.length - 1], 4), a.ended_by || "");
   add("Mean slip", length(a.mean_slip_m ?? m.slip[m.slip.length - 1], 4));
   add("Largest slip rate", rate(a.max_slip_rate_m_s ?? extent([m.max_rate])[1]), "of any cell");
+  if (a.factor_of_safety_least !== undefined) {
+    const below = a.factor_of_safety_below_1_time_s;
+    add("Least factor of safety", number(a.factor_of_safety_least, 4), below === undefined ? "" : below === 0 ? "below 1 from the start" : `below 1 from ${moment(page.clock, below)} on`);
+  }
   if (data.cells) add("Contact cells", count(data.cells.cells), `of a grid of ${count(a.grid_nx)} × ${count(a.grid_ny)}`);
   if (data.events) add("Events", count(data.events.all));
   if (a.steps !== undefined) add("Steps", count(a.steps), many(a.rhs_evaluations, "evaluation"));

@@ -7,7 +7,7 @@ const Q05 = 0, Q25 = 1, Q50 = 2, Q75 = 3, Q95 = 4;
 
 // A fit's displacements on the run's slip: moved as the readings are.
 function onSlip(data, list) {
-  const offset = data.series?.offset ?? 0;
+  const offset = data.series?.point === data.fit.point ? data.series?.offset ?? 0 : 0;
   return list.map((v) => (v === null ? null : v - offset));
 }
 
@@ -18,22 +18,25 @@ function bandLines(fit, of, words) {
     { ...common, name: "its median", kind: "line", dash: true, y: of[Q50], words: (i) => `fitted model ${words(of[Q05][i])} to ${words(of[Q95][i])} (90 %)` }];
 }
 
-function fitSlip(data) {
-  const fit = data.fit;
+// The fit of readings of a point, or of the whole.
+const fitOf = (data, point) => (data.fit && data.fit.point === point ? data.fit : null);
+
+function fitSlip(data, point) {
+  const fit = fitOf(data, point);
   if (!fit || !fit.time.length) return [];
   if (fit.slip.length) return bandLines(fit, fit.slip.map((list) => onSlip(data, list)), (v) => (v === null ? "failure" : length(v, 3)));
   const y = onSlip(data, fit.best);
   return [{ name: "best fit", kind: "line", dash: true, colour: "fit", time: fit.time, follows: true, ahead: true, y, words: (i) => `best fit ${length(y[i], 3)}` }];
 }
 
-function fitRates(data) {
-  const fit = data.fit;
+function fitRates(data, point) {
+  const fit = fitOf(data, point);
   return fit?.rate.length ? bandLines(fit, fit.rate, (v) => (v === null ? "failure" : rate(v))) : [];
 }
 
 // What the creep curve's axis must hold of a fit: its middle as far as readings go, and a little more.
-function fitCore(data) {
-  const lines = fitSlip(data);
+function fitCore(data, point) {
+  const lines = fitSlip(data, point);
   if (!lines.length) return [];
   const { time, y } = lines[lines.length - 1], fit = data.fit;
   const far = fit.until + 0.1 * (fit.until - fit.from);

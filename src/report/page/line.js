@@ -58,7 +58,7 @@ function strataFigure(data, kind, state) {
     get y() { return { fixed: true, ...upright(data) }; },
     lines: [{ kind: "none", colour: "run", x: places, y: places.map(() => null) }],
     image: (plot) => strata(cells, rows, kind.colours, plot),
-    get marks() { return [{ y: page.axis === "before" ? Math.max(cells.snapshot_before[state.at], upright(data).range[0]) : cells.snapshot_time[state.at] }]; },
+    get marks() { return [...pointPlaces(data), { y: page.axis === "before" ? Math.max(cells.snapshot_before[state.at], upright(data).range[0]) : cells.snapshot_time[state.at] }]; },
     readout: (i) => `${length(places[i], 4)}, ${moment(page.clock, cells.snapshot_time[state.at])}, ${beforeEnd(page.clock, cells.snapshot_before[state.at])}: ${value(i)}`,
     pick: (where, chart) => {
       const { box, y } = chart.plot;
@@ -82,7 +82,7 @@ function profileFigure(data, kind) {
     title: `${kind.title} along the line`, caption: kind.caption,
     x: { kind: "linear", label: `place along the line (${unit.unit})`, tick: unit.tick, scale: unit.scale, range: [0, cells.nx * cells.dx] },
     y: { kind: "linear", label: kind.title, tick: (v, more = 0) => kind.words(v, 4 + more) },
-    lines: [{ kind: "step", colour: "run", x: places, y }],
+    lines: [{ kind: "step", colour: "run", x: places, y }], marks: pointPlaces(data),
     readout: (i) => `${length(places[i], 4)}: ${y[i] === null ? "no contact" : kind.words(y[i], 4)}`,
     table: { n: places.length, caption: kind.title.toLowerCase(), columns: [["Place", (i) => length(places[i], 4)], [kind.title, (i) => (y[i] === null ? "no contact" : kind.words(y[i], 4))]] },
   });

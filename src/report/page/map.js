@@ -107,13 +107,42 @@ function mapKinds(cells) {
   if (cells.rate) kinds.push({ key: "rate", title: "Slip rate", colours: RAMP, words: (v) => rate(10 ** v), caption: "Logarithmic, one range for all times; of squares of several cells their fastest." });
   if (cells.slip) kinds.push({ key: "slip", title: "Slip", colours: RAMP, words: (v) => length(v), caption: cells.ny === 1 ? "Since the start." : "Since the start, each time in its own range." });
   if (cells.traction) kinds.push({ key: "traction", title: "Shear traction", colours: RAMP, words: (v) => pressure(v), caption: "The elastic side of the balance, q − Kδ, one range for all times." });
+  if (cells.safety) kinds.push({ key: "safety", title: "Factor of safety", colours: RAMP, words: (v) => number(10 ** v, 3), caption: "Strength of each cell at the reference rate over the traction that it carries; logarithmic, one range for all times." });
   if (cells.pressure) kinds.push({ key: "pressure", title: "Normal pressure", colours: RAMP, words: (v, digits) => pressure(v, digits), still: true, caption: "Of the contact, before pore pressure." });
   return kinds;
 }
 
-function mapFigure(cells, kind) {
+// A scale bar of a round length, at most a third of the width.
+function scaleBar(wide, oblique) {
+  const size = [5, 2, 1].map((m) => m * 10 ** Math.floor(Math.log10(wide / 3))).find((v) => v <= wide / 3);
+  const bar = element("span", { class: "bar" });
+  bar.style.width = `${(100 * size) / wide}%`;
+  return [bar, element("span", {}, `${length(size)}${oblique ? " along x" : ""}`)];
+}
+
+// Numbers along a side of a map; those at its ends stand within it. A low side has room for its ends, or one of them.
+function ticksOf(side, long, unit, room) {
+  const low = room < 0.3 ? [...(room > 0.15 ? [0] : []), long].map((value) => ({ value, label: unit.tick(value) })) : null;
+  return (low || linear([0, long], 4, unit.tick, unit.scale).ticks).map(({ value, label }) => {
+    const place = value / long, mark = element("span", { class: place > 0.95 ? "last" : place < 0.05 ? "first" : "" }, label);
+    mark.style[side] = `${100 * place}%`;
+    return mark;
+  });
+}
+
+// A map with its axes, a scale bar and the points. A strip narrower than a twelfth of its length is drawn wider than it is.
+function planOf(data, canvas) {
+  const { cells } = data, wide = cells.nx * cells.dx, high = cells.ny * cells.dy, unit = scaledLengths(Math.max(wide, high));
+  const oblique = high < wide / 12, tall = oblique ? 1 / 12 : high / wide;
+  canvas.style.aspectRatio = String(1 / tall);
+  return element("div", { class: "plan" }, element("div", { class: "up" }, ...ticksOf("bottom", high, unit, tall)),
+    element("div", { class: "field" }, canvas, ...pointMarks(data, wide, high)), element("div", { class: "across" }, ...ticksOf("left", wide, unit, 1)),
+    element("div", { class: "under" }, ...scaleBar(wide, oblique), element("span", { class: "axes" }, `x, y in ${unit.unit}`)));
+}
+
+function mapFigure(data, kind) {
+  const { cells } = data;
   const canvas = element("canvas", { class: "map", width: String(cells.nx), height: String(cells.ny), role: "img" });
-  canvas.style.aspectRatio = `${cells.nx * cells.dx} / ${Math.max(cells.ny * cells.dy, (cells.nx * cells.dx) / 12)}`;
   const low = element("span"), high = element("span");
   const show = (k) => {
     const map = cells[kind.key][kind.still ? 0 : k];
@@ -122,7 +151,7 @@ function mapFigure(cells, kind) {
     high.textContent = kind.ends ? kind.ends[1] : kind.words(map.high);
     canvas.setAttribute("aria-label", `${kind.title}, from ${low.textContent} to ${high.textContent}${map.backwards ? ", some backwards" : ""}`);
   };
-  const whole = element("figure", {}, element("h3", {}, kind.title), canvas, rampOf(cells, kind), element("div", { class: "ends" }, low, high), ...backOf(cells, kind), element("figcaption", {}, kind.caption));
+  const whole = element("figure", {}, element("h3", {}, kind.title), planOf(data, canvas), rampOf(cells, kind), element("div", { class: "ends" }, low, high), ...backOf(cells, kind), element("figcaption", {}, kind.caption));
   return { whole, show };
 }
 
@@ -155,8 +184,8 @@ function snapshotSlider(cells, at, change) {
       (cells.slipping ? `, ${many(cells.slipping_cells[k], "cell")} ${cells.slipping_cells[k] === 1 ? "slips" : "slip"}` : "") });
 }
 
-function squaresBody(cells, kinds, moving) {
-  const maps = kinds.map((kind) => mapFigure(cells, kind)), at = moving ? firstSnapshot(cells) : 0;
+function squaresBody(data, kinds, moving) {
+  const { cells } = data, maps = kinds.map((kind) => mapFigure(data, kind)), at = moving ? firstSnapshot(cells) : 0;
   maps.forEach((m) => m.show(at));
   const control = moving ? [snapshotSlider(cells, at, (k) => maps.forEach((m) => m.show(k)))] : [];
   return [...control, element("div", { class: "maps" }, ...maps.map((m) => m.whole))];
@@ -181,12 +210,12 @@ function lineBody(data, kinds, moving) {
 
 function cellsSection(data) {
   const { cells } = data, line = cells.ny === 1;
-  const moving = cells.snapshot_time.length > 0 && Boolean(cells.rate || cells.slip || cells.traction);
+  const moving = cells.snapshot_time.length > 0 && Boolean(cells.rate || cells.slip || cells.traction || cells.safety);
   const kinds = mapKinds(cells);
   const squares = cells.block > 1 ? ` Each square stands for ${line ? cells.block : `${cells.block} × ${cells.block}`} cells of the grid.` : "";
   const where = line ? `along ${length(cells.nx * cells.dx)}` : `${length(cells.nx * cells.dx)} by ${length(cells.ny * cells.dy)}; slip is along x, to the right`;
   const section = openSection("cells", "Contact domain", `${many(cells.cells, "cell")} ${cells.cells === 1 ? "touches" : "touch"}, ${where}. Empty places do not touch.${squares}`);
-  section.append(...(line ? lineBody(data, kinds, moving) : squaresBody(cells, kinds, moving)));
+  section.append(...(line ? lineBody(data, kinds, moving) : squaresBody(data, kinds, moving)));
   if (moving) section.append(snapshotTable(cells));
   return section;
 }

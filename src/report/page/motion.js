@@ -7,17 +7,17 @@ const MOTION_LEAD = "Mean slip and slip rate over the contact cells. The time ax
 // A fit without another series brings its own readings.
 const seriesName = (data) => (data.fit?.name === data.series.name ? "readings fitted" : data.series.name);
 
-// Readings moved onto the run's slip by their best constant offset.
-function readings(data) {
+// Readings moved onto the run's slip by their best constant offset; those of a point, or of the whole.
+function readings(data, point) {
   const s = data.series;
-  if (!s || !s.displacement.some((v) => v !== null)) return [];
+  if (!s || s.point !== point || !s.displacement.some((v) => v !== null)) return [];
   const y = s.displacement.map((v) => (v === null ? null : v - (s.offset ?? 0)));
   return [{ name: seriesName(data), kind: "dots", colour: "seen", time: s.time, y, follows: true, words: (i) => `reading ${length(y[i])}` }];
 }
 
-function seenRates(data) {
+function seenRates(data, point) {
   const s = data.series;
-  if (!s || !s.rate.length) return [];
+  if (!s || s.point !== point || !s.rate.length) return [];
   return [{ name: s.derived ? `${seriesName(data)}, between readings` : seriesName(data), kind: "dots", colour: "seen", time: s.rate_time, y: s.rate, follows: true,
     words: (i) => `reading ${rate(s.rate[i])}` }];
 }
@@ -37,12 +37,17 @@ function scaledLengths(high) {
 }
 
 // In time the slip of the failure itself would flatten the creep: the axis ends just before it.
-function creepRange(data, seen) {
-  const m = data.motion, [low, high] = extent([m.slip, ...seen.map((s) => s.y), ...fitCore(data)]);
+function slipRange(data, lines) {
+  const { time } = data.motion, [low, high] = extent(lines.map((l) => l.y));
   if (page.axis === "before" || !data.about.failed) return [low, high];
-  const end = m.time[0] + 0.997 * (m.time[m.time.length - 1] - m.time[0]);
-  const [, creep] = extent([m.slip.filter((_, i) => m.time[i] <= end), ...seen.map((s) => s.y), ...fitCore(data)]);
+  const end = time[0] + 0.997 * (time[time.length - 1] - time[0]);
+  const [, creep] = extent(lines.map((l) => (l.follows ? l.y : l.y.filter((_, i) => l.time[i] <= end))));
   return [low, creep > low ? low + 1.15 * (creep - low) : high];
+}
+
+function creepRange(data, seen) {
+  const { time, slip } = data.motion;
+  return slipRange(data, [{ time, y: slip }, ...seen, ...fitCore(data).map((y) => ({ y, follows: true }))]);
 }
 
 function creepChart(data) {
@@ -50,7 +55,7 @@ function creepChart(data) {
   const unit = scaledLengths(creepRange(data, seen)[1]);
   const beside = seen.length && data.series.offset !== null
     ? ` Readings are moved by ${length(-data.series.offset, 3)}, their best constant offset; they leave the run by ${length(data.series.slip_rms, 3)} rms.` : "";
-  const fitted = data.fit ? ` ${fitWords(data.fit)}` : "";
+  const fitted = fitOf(data) ? ` ${fitWords(data.fit)}` : "";
   return figure({
     title: "Creep curve", caption: `Mean slip since the start.${data.about.failed ? " Over time the axis ends just before the slip of the failure itself." : ""}${beside}${fitted}`,
     x: { clock: true, reach: fitReach(data) }, y: { kind: "linear", label: `Slip (${unit.unit})`, tick: unit.tick, scale: unit.scale, range: () => creepRange(data, seen) },
@@ -114,7 +119,7 @@ function motionSection(data) {
   const section = openSection("motion", "Motion", MOTION_LEAD);
   section.append(creepChart(data));
   section.append(element("div", { class: "pair" }, rateChart(data), inverseChart(data)));
-  if (data.series) section.append(seriesNote(data.series));
+  if (data.series && !data.series.point) section.append(seriesNote(data.series));
   return section;
 }
 

@@ -53,9 +53,9 @@ SHARED = {
     "forecast": {"hindcast.h", "verdict.h"},
     "model": {"problem.h"},
     "rg": {"rg_study.h"},
-    "run": {"describe.h", "sensitivity.h"},
+    "run": {"describe.h", "points.h", "sensitivity.h"},
     "scene": {"estimate.h", "scene_rg.h"},
-    "series": {"line.h", "motion.h"},
+    "series": {"field.h", "line.h", "motion.h"},
     "store": {"recording.h", "store_cells.h", "store_file.h"},
     "trade": {"probe.h"},
 }
@@ -79,7 +79,7 @@ PUBLIC = {
 HOMES = [
     (r"(cvode|cvodes|arkode|nvector|sundials|sun\w+)/.*", "src/run/"),
     (r"netcdf\w*\.h", ("src/store/", "src/base/netcdf.c", "src/surface/read_netcdf.c",
-                        "src/series/read_netcdf.c")),
+                        "src/series/read_netcdf.c", "src/series/read_field.c")),
     (r"yaml\.h", "src/case/"),
     (r"udunits2\.h", "src/base/units.c"),
     (r"fftw3\.h", ("src/base/fft.c", "src/base/filter.c")),

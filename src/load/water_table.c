@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Water that stands to a level over an inclined joint: each cell feels what is above it, and cells
+// above the level feel none. So it is with a water table, and with the toe of a slope in a lake.
+#include <math.h>
+#include <stdlib.h>
+
+#include "load/kinds.h"
+
+enum { REFUSE, HOLD };
+
+typedef struct table_params {
+    double level; // constant [m]; NaN: of the file
+    char *file, *time, *column;
+    double offset; // [s]
+    int outside;
+    double elevation;   // of the joint at x = 0 [m]
+    double angle;       // dip along x [rad]
+    double unit_weight; // of the water [Pa/m]
+} table_params;
+
+typedef struct table_state {
+    lac_readings level; // n = 0: constant
+    size_t n;
+    double *column; // [n] elevation of each column of the grid, falling [m]
+} table_state;
+
+static void release(void *p)
+{
+    table_state *state = p;
+    lac_readings_clear(&state->level);
+    free(state->column);
+    free(state);
+}
+
+static lac_status prepare(const void *params, const lac_load_clock *clock, void **out,
+                          lac_error *err)
+{
+    const table_params *p = params;
+    const lac_readings_def def = {
+        .path = p->file, .time = p->time, .column = p->column, .si = "m", .offset = p->offset};
+    table_state *state = calloc(1, sizeof *state);
+    LAC_FAIL_MEMORY_IF(state == NULL, err);
+    lac_status status = LAC_OK;
+    if (p->file != NULL) {
+        const char *remedy = p->outside == REFUSE ? ", or say outside: hold" : NULL;
+        status = lac_readings_read(&def, clock, remedy, &state->level, err);
+    }
+    if (status != LAC_OK) {
+        release(state);
+        return status;
+    }
+    *out = state;
+    return LAC_OK;
+}
+
+// Elevations of the columns: slip is along x, downwards.
+static lac_status place(const void *params, const lac_load_places *places, void *at, lac_error *err)
+{
+    const table_params *p = params;
+    table_state *state = at;
+    const size_t n = places->grid->nx;
+    free(state->column);
+    state->column = malloc(n * sizeof *state->column);
+    LAC_FAIL_MEMORY_IF(state->column == NULL, err);
+    state->n = n;
+    for (size_t i = 0; i < n; i++) {
+        state->column[i] = p->elevation - lac_grid_x(places->grid, i) * sin(p->angle);
+    }
+    return LAC_OK;
+}
+
+static lac_signal level_at(const table_params *p, const table_state *state, double t)
+{
+    const lac_readings *r = &state->level;
+    if (r->n == 0) {
+        return (lac_signal){p->level, 0.0};
+    }
+    if (t < r->t[0] || t >= r->t[r->n - 1]) {
+        return (lac_signal){r->value[t < r->t[0] ? 0 : r->n - 1], 0.0};
+    }
+    size_t i = lac_readings_before(r->t, r->n, t);
+    double slope = (r->value[i + 1] - r->value[i]) / (r->t[i + 1] - r->t[i]);
+    return (lac_signal){r->value[i] + (t - r->t[i]) * slope, slope};
+}
+
+static void add_table(const lac_load *load, const lac_load_places *places, double t, double *value,
+                      double *rate)
+{
+    const table_params *p = load->params;
+    const table_state *state = load->state;
+    const lac_signal level = level_at(p, state, t);
+    for (size_t i = 0; i < places->n; i++) {
+        double z = state->column[places->index[i] % state->n];
+        double head = level.value - z;
+        // At the moment of passing, what follows holds, whichever way the moment was rounded.
+        double slack = 1e-13 * (fabs(level.value) + fabs(z) + fabs(level.rate * t));
+        bool passing = level.rate != 0.0 && fabs(head) <= slack;
+        bool wet = passing ? level.rate > 0.0 : head > 0.0;
+        value[i] += wet ? p->unit_weight * head : 0.0;
+        rate[i] += wet ? p->unit_weight * level.rate : 0.0;
+    }
+}
+
+// When the level passes a column after t, on the straight line between readings i and i + 1.
+static double passes(const table_state *state, size_t i, double t)
+{
+    const lac_readings *r = &state->level;
+    double from = r->value[i];
+    double h = r->t[i + 1] - r->t[i];
+    double rise = r->value[i + 1] - from;
+    double first = INFINITY;
+    for (size_t k = 0; k < state->n && rise != 0.0; k++) {
+        double at = r->t[i] + h * ((state->column[k] - from) / rise);
+        first = at > t && at < r->t[i + 1] ? fmin(first, at) : first;
+    }
+    return first;
+}
+
+static double next_break(const lac_load *load, double t)
+{
+    const table_state *state = load->state;
+    const lac_readings *r = &state->level;
+    double next = lac_readings_next(r->t, r->n, t);
+    if (r->n == 0 || t < r->t[0] || t >= r->t[r->n - 1]) {
+        return next;
+    }
+    return fmin(next, passes(state, lac_readings_before(r->t, r->n, t), t));
+}
+
+static const char *fault(const void *params)
+{
+    const table_params *p = params;
+    bool any = p->file != NULL || p->time != NULL || p->column != NULL;
+    bool all = p->file != NULL && p->time != NULL && p->column != NULL;
+    if (any != all) {
+        return "file, time and column belong together";
+    }
+    return any == !isnan(p->level) ? "needs level, or file, time and column, and not both" : NULL;
+}
+
+static const char *const outsides[] = {"refuse", "hold", NULL};
+
+#define TABLE(name) offsetof(table_params, name)
+
+static const lac_param params[] = {
+    LAC_REAL("level", "m", TABLE(level), NAN, -1e6, 1e6, LAC_OPTIONAL,
+             "of the water, where it stays; else a file has it"),
+    LAC_PATH("file", TABLE(file), LAC_OPTIONAL, "CSV with a header, or netCDF: the level in time"),
+    LAC_TEXT("time", TABLE(time), LAC_OPTIONAL,
+             "name of the time column: dates, or seconds since the start of the run"),
+    LAC_TEXT("column", TABLE(column), LAC_OPTIONAL,
+             "column of the level and its unit, such as \"level:m\""),
+    LAC_REAL("elevation", "m", TABLE(elevation), NAN, -1e6, 1e6, 0,
+             "of the joint where x = 0, its upper end, on the scale of the levels"),
+    LAC_REAL("angle", "rad", TABLE(angle), NAN, -LAC_STEEPEST, LAC_STEEPEST, 0,
+             "by which the joint falls along x; negative where it rises"),
+    LAC_REAL("unit_weight", "Pa/m", TABLE(unit_weight), 1000.0 * LAC_GRAVITY, 0, 1e6, LAC_ABOVE_MIN,
+             "pressure under a metre of the water"),
+    LAC_OFFSET_ROW(table_params, "the levels come this much later than their times say"),
+    LAC_CHOICE("outside", TABLE(outside), REFUSE, outsides, 0,
+               "before the first reading and after the last: refuse, or hold the level"),
+};
+
+const lac_load_kind lac_pore_water_table = {
+    .info = LAC_ABOUT("water_table",
+                      "water that stands to a level over an inclined joint, whose lower part alone "
+                      "feels it: a water table, a toe in a lake",
+                      "docs/theory/loads.md, \"Loads over the joint\"",
+                      LAC_ROWS(params, table_params), .validate = fault),
+    .linear = true,
+    .prepare = prepare,
+    .release = release,
+    .cells = add_table,
+    .place = place,
+    .next_break = next_break,
+};

@@ -1,0 +1,326 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pore pressure that differs from cell to cell, from the case to the file, as users meet it.
+
+usage: test_loads_over_joint.py PROGRAM SOURCE_FOLDER [unittest options]
+"""
+
+import json
+import math
+import os
+import sys
+import unittest
+
+import netCDF4
+import numpy
+
+import test_cli
+from test_cli import Case
+
+# A lacunar joint whose cells differ in all, damped by radiation.
+JOINT = """\
+lacuna: 1
+interface: {size: "1 m", levels: 4, domain: {cascade: {dimension: 1.8, seed: 3}}}
+material: {shear_modulus: "15 GPa", poisson: 0.25, shear_speed: "1 km/s"}
+load:
+  normal: {pressure: "3 MPa"}
+  pore_pressure: [{LOAD}]
+friction:
+  aging: {f0: 0.6, a: 0.010, b: 0.015, dc: "1 mm", v0: "1 um/s"}
+  spread: {dc: {lognormal: {sigma: 0.3, seed: 4}}}
+initial:
+  slip_rate: "1 mm/day"
+  state: {ratio_to_steady: 0.9}
+  spread: {slip_rate: {lognormal: {sigma: 1, seed: 2}}}
+transfer: {hierarchy: {k0: "10 GPa/m", ratio: 0.5}}
+time: {end: "1 day"}
+output: {file: out.nc, fields: [slip, slip_rate, traction], fields_every: {steps: 20}}
+"""
+
+# Cells that creep steadily, so much strengthened by rate that no water makes them run.
+STILL = """\
+lacuna: 1
+interface: {INTERFACE, domain: {full: {}}}
+load: {normal: {pressure: "50 MPa"}, pore_pressure: [{LOAD}]}
+friction: {aging: {f0: 0.6, a: 1, b: 0.01, dc: "1 mm", v0: "1 um/day"}}
+initial: {slip_rate: "1 um/day", state: steady}
+transfer: {none: {}}
+time: {end: "END"}
+output: {file: out.nc, fields: [slip, pore_pressure], fields_every: "EVERY"}
+"""
+
+REGULARISED = ("--set", "friction.aging.form=regularised")
+HOW = {
+    "rate": ("--set", "solver.formulation=rate"),
+    "traction": ("--set", "solver.formulation=traction", *REGULARISED),
+    "slip": ("--set", "solver.formulation=slip", *REGULARISED),
+    "inertia": ("--set", "material.density=2700", "--set", "inertia.thickness=100"),
+    "alpha": ("--set", "friction.aging.alpha=0.2"),
+    "erk": ("--set", "solver.method=erk"),
+    "events": ("--set", "solver.fidelity=events"),
+}
+
+OWN = {"wall", "cpu", "memory"}
+
+
+class Fields(Case):
+    def field(self, name, t, y, x, p, units="Pa", time="s"):
+        with netCDF4.Dataset(self.path(name), "w") as data:
+            for axis, values, unit in (("time", t, time), ("y", y, "m"), ("x", x, "m")):
+                if values is not None:
+                    data.createDimension(axis, len(values))
+                    data.createVariable(axis, "f8", (axis,))[:] = values
+                    data[axis].units = unit
+            over = ("y", "x") if t is None else ("time", "y", "x")
+            data.createVariable("p", "f8", over)[:] = p
+            data["p"].units = units
+
+    def follow(self, text, *words):
+        self.write("c.yaml", text)
+        return json.loads(self.expect(0, "run", "c.yaml", "--json", "--force", "-o", "out.nc", *words).stdout)
+
+    def numbers(self):
+        """Every number of the file of a run, but for its costs."""
+        with netCDF4.Dataset(self.path("out.nc")) as data:
+            data.set_auto_mask(False)
+            return {name: data[name][...].tobytes() for name in data.variables
+                    if data[name].dtype != str and not any(word in name for word in OWN)}
+
+    def snapshots(self, *names):
+        with netCDF4.Dataset(self.path("out.nc")) as data:
+            data.set_auto_mask(False)
+            return [data[name][...] for name in names]
+
+
+class Uniform(Fields):
+    def test_a_uniform_field_is_a_scalar_to_the_bit(self):
+        t = numpy.array([0, 1, 2.5, 8, 30]) * 3600.0
+        p = numpy.array([1e5, 1.5e5, 1.2e5, 2.1e5, 2e5])
+        rows = "".join(f"{a!r},{b!r}\n" for a, b in zip(t.tolist(), p.tolist()))
+        self.write("u.csv", "t,p\n" + rows)
+        y, x = numpy.linspace(0, 1, 4), numpy.linspace(0, 1, 6)
+        self.field("u.nc", t, y, x, numpy.broadcast_to(p[:, None, None], (5, 4, 6)))
+        step = "{step: {value: 0.1 MPa, at: 2 hour}}, "
+        scalar = JOINT.replace("{LOAD}", step + "{series: {file: u.csv, time: t, value: 'p:Pa'}}")
+        field = JOINT.replace("{LOAD}", step + "{field: {file: u.nc, variable: p}}")
+        for how, words in HOW.items():
+            if how == "events":  # follows no `series`
+                scalar = JOINT.replace("{LOAD}", "{ramp: {rate: 1.25 Pa/s}}")
+                t, p = numpy.array([0, 65536.0]), numpy.array([0, 81920.0])
+                self.field("u.nc", t, y, x, numpy.broadcast_to(p[:, None, None], (2, 4, 6)))
+                field = JOINT.replace("{LOAD}", "{field: {file: u.nc, variable: p}}")
+                words = (*words, "--set", "time.end=65536")
+            once = self.follow(scalar, *words)
+            numbers = self.numbers()
+            again = self.follow(field, *words)
+            with self.subTest(how):
+                self.assertTrue(once["failed"])
+                self.assertGreater(once["failure_time_s"], 2 * 3600)
+                self.assertEqual(once["failure_time_s"], again["failure_time_s"])
+                self.assertEqual(numbers, self.numbers())
+
+
+class Differing(Fields):
+    def uneven(self):
+        t = numpy.array([0, 0.05, 0.1, 12.0])
+        x, y = numpy.linspace(0, 1, 6), numpy.linspace(0, 1, 4)
+        here = x[None, :] * y[:, None]
+        self.field("n.nc", t, y, x, numpy.array([1e2 + 0 * here, 2e2 + 6e2 * here, 1e2 + 3e2 * here, 2e2 + 8e2 * here]),
+                   "kPa", "hours")
+        return JOINT.replace("{LOAD}", "{field: {file: n.nc, variable: p}}").replace("1 day", "12 hour")
+
+    def test_formulations_agree_and_balance(self):
+        when = {}
+        case = self.uneven()
+        for how in "rate", "traction", "slip", "erk", "events":
+            words = () if how == "events" else ("--set", "solver.rtol=1e-8")
+            done = self.follow(case, *HOW[how], *words)
+            self.assertTrue(done["failed"])
+            when[how] = done["failure_time_s"]
+            residual, = self.snapshots("balance_residual")
+            self.assertLess(residual.max(), {"slip": 1e-13, "events": 1e-3}.get(how, 1e-7))
+        self.assertGreater(when["rate"], 360)  # beyond the bends
+        for how, t in when.items():
+            self.assertAlmostEqual(t / when["rate"], 1, delta=1e-4 if how == "events" else 1e-6, msg=how)
+
+    def test_each_cell_is_a_block_under_its_own_water(self):
+        """Cells that nothing ties follow a block each: pressures are even, so that p_i - u_i is what holds a cell."""
+        y = x = numpy.array([0.25, 0.75])
+        p = 1e3 * numpy.array([[[0, 4], [8, 2]], [[6, 10], [0, 15]], [[6, 10], [0, 15]]])
+        t = numpy.array([0, 5, 10]) * 86400.0
+        self.field("f.nc", t, y, x, p)
+        case = """\
+lacuna: 1
+interface: {size: "1 m", levels: LEVELS, domain: {full: {}}}
+load: {normal: {pressure: "3 MPa"}, pore_pressure: [{LOAD}]}
+friction: {aging: {f0: 0.6, a: 0.012, b: 0.008, dc: "0.1 mm", v0: "1 um/s", alpha: 0.1}}
+initial: {slip_rate: "1 cm/week", state: {ratio_to_steady: 0.9}}
+transfer: {none: {}}
+time: {end: "10 day"}
+solver: {rtol: 1e-9}
+output: {file: out.nc, fields: [slip, pore_pressure], fields_every: "5 day"}
+"""
+        self.follow(case.replace("LEVELS", "1").replace("{LOAD}", "{field: {file: f.nc, variable: p}}"))
+        slip, pore, at_x, at_y = self.snapshots("cell_slip", "cell_pore_pressure", "x", "y")
+        for i, (column, row) in enumerate(zip(numpy.searchsorted(x, at_x), numpy.searchsorted(y, at_y))):
+            own = p[:, row, column]
+            self.assertTrue(numpy.allclose(pore[:3, i], own, rtol=1e-12))
+            self.write("s.csv", "t,p\n" + "".join(f"{a!r},{b!r}\n" for a, b in zip(t.tolist(), own.tolist())))
+            block = case.replace("LEVELS, domain: {full: {}}", "0")
+            self.follow(block.replace("{LOAD}", "{series: {file: s.csv, time: t, value: 'p:Pa'}}"))
+            alone, = self.snapshots("cell_slip")
+            self.assertTrue(numpy.allclose(slip[-1, i], alone[-1, 0], rtol=1e-6))
+        self.assertGreater(slip[-1].max() / slip[-1].min(), 1.2)
+
+    def test_a_map_with_a_factor(self):
+        y, x = numpy.array([0.0, 1.0]), numpy.array([0.0, 0.4, 1.0])
+        p = numpy.array([[1.0, 2.0, 3.0], [2.0, 2.0, 5.0]])
+        self.field("m.nc", None, y, x, p, "MPa")
+        self.write("f.csv", "t,f\n0,0\n86400,2\n172800,1\n")
+        load = "{field: {file: m.nc, variable: p, series: f.csv, time: t, factor: 'f:1', scale: 0.5}}, " \
+               "{constant: {value: 1 MPa}}"
+        case = STILL.replace("INTERFACE", 'size: "1 m", levels: 3')
+        self.follow(case.replace("{LOAD}", load).replace("END", "2 day").replace("EVERY", "0.5 day"))
+        t, pore, at_x, at_y = self.snapshots("snapshot_time", "cell_pore_pressure", "x", "y")
+        factor = 0.5 * numpy.interp(t, [0, 86400, 172800], [0, 2, 1])
+        low, high = numpy.interp(at_x, x, p[0]), numpy.interp(at_x, x, p[1])
+        shape = low + at_y * (high - low)
+        self.assertEqual(len(t), 5)
+        self.assertTrue(numpy.allclose(pore, 1e6 + 1e6 * factor[:, None] * shape[None, :], rtol=1e-12))
+        effective, normal = self.snapshots("effective_normal_force", "normal_force")
+        mean = pore.mean(axis=1)  # pressures are even
+        self.assertAlmostEqual(effective[0] / normal[0], 1 - mean[0] / 50e6, delta=1e-12)
+        self.assertAlmostEqual(effective[-1] / normal[-1], 1 - mean[-1] / 50e6, delta=1e-12)
+
+
+class Sources(Fields):
+    def test_gaussian_source(self):
+        """BP8-QD-GS: 13.06 MPa at the well after 100 h, 7.357, 2.563 and 0.795 at 100, 200 and 300 m; and the sum of
+        Gaussians that were let go one after the other, by quadrature."""
+        load = "{injection: {rate: 0.003 m3/s, x: 750 m, y: 850 m, radius: 50 m, thickness: 1 m, diffusivity: " \
+               "0.05 m2/s, compressibility: 1e-8 Pa-1, porosity: 0.1, start: 20 hour, stop: 120 hour}}"
+        case = STILL.replace("INTERFACE", 'size: "1.6 km", levels: 4').replace("{LOAD}", load)
+        self.follow(case.replace("END", "220 hour").replace("EVERY", "20 hour"))
+        t, pore, x, y = self.snapshots("snapshot_time", "cell_pore_pressure", "x", "y")
+        r = numpy.hypot(x - 750, y - 850)
+        at = {d: pore[:, numpy.abs(r - d) < 1e-6][:, 0] for d in (0, 100, 200, 300)}
+        self.assertTrue((pore[t <= 72000] == 0).all())
+        end = int(numpy.argmin(numpy.abs(t - 432000)))
+        for d, value in ((0, 13.06e6), (100, 7.357e6), (200, 2.563e6), (300, 0.795e6)):
+            self.assertAlmostEqual(at[d][end], value, delta={0: 5e3, 300: 500}.get(d, 500))
+        # at pumping for tau, and when it has ended: Gaussians of variance L^2 + 2 alpha age
+        nodes, weights = numpy.polynomial.legendre.leggauss(200)
+        for k in (end - 3, end, end + 3):
+            first, last = max(0.0, t[k] - 432000), t[k] - 72000
+            age = first + 0.5 * (last - first) * (nodes + 1)
+            s = 2500 + 2 * 0.05 * age
+            for d in at:
+                shape = numpy.exp(-d * d / (2 * s)) / (2 * math.pi * s)
+                exact = 0.003 / (1e-8 * 0.1 * 1) * 0.5 * (last - first) * (weights * shape).sum()
+                self.assertAlmostEqual(at[d][k] / exact, 1, delta=1e-9)
+
+    def test_line_source(self):
+        """BP6-QD: 6.56 MPa at the line when pumping ends after 100 d, and the sum of the sources of all moments."""
+        load = "{line_injection: {flux: 1.25e-6 m/s, x: 2.05 km, diffusivity: 0.1 m2/s, compressibility: 1e-8 Pa-1, " \
+               "porosity: 0.1, stop: 100 day}}"
+        case = STILL.replace("INTERFACE", 'size: "6.4 km", levels: 6, shape: line').replace("{LOAD}", load)
+        for formulation in "rate", "traction":
+            self.follow(case.replace("END", "150 day").replace("EVERY", "50 day"), "--set", "solver.rtol=1e-9",
+                        *HOW[formulation])
+            pore, x, residual = self.snapshots("cell_pore_pressure", "x", "balance_residual")
+            self.assertLess(residual.max(), 1e-5)
+            source = int(numpy.argmin(numpy.abs(x - 2050)))
+            self.assertAlmostEqual(pore[2, source], 6.56e6, delta=5e3)
+            # p = q0/(beta phi) int exp(-z^2/4 alpha s)/sqrt(4 pi alpha s) ds over the ages s = a^2 of what came
+            nodes, weights = numpy.polynomial.legendre.leggauss(300)
+            for k, (young, old) in {1: (0, 50), 2: (0, 100), 3: (50, 150)}.items():
+                low, high = math.sqrt(young * 86400), math.sqrt(old * 86400)
+                a = low + 0.5 * (high - low) * (nodes + 1)
+                for i in (source, source + 1, source + 5, source - 12):
+                    z = x[i] - 2050
+                    shape = 2 * numpy.exp(-z * z / (0.4 * a * a)) / math.sqrt(0.4 * math.pi)
+                    exact = 1.25e-6 / 1e-9 * 0.5 * (high - low) * (weights * shape).sum()
+                    self.assertAlmostEqual(pore[k, i], exact, delta=1e-7 * exact + 1e-3)
+
+
+class WaterTable(Fields):
+    def test_a_lake_over_the_toe(self):
+        """The level rises over a joint that falls by 30 degrees: gamma max(0, level - z) at every place."""
+        self.write("lake.csv", "t,level\n0,80\n10,95\n20,70\n")
+        load = "{water_table: {file: lake.csv, time: t, column: 'level:m', elevation: 100 m, angle: 30 degree}}"
+        case = STILL.replace("INTERFACE", 'size: "64 m", levels: 3').replace("{LOAD}", load)
+        for how in "rate", "events":
+            self.follow(case.replace("END", "20 s").replace("EVERY", "1 s"), *HOW[how],
+                        "--set", "transfer={hierarchy: {k0: 1 GPa/m, ratio: 0.5}}")
+            t, pore, x = self.snapshots("snapshot_time", "cell_pore_pressure", "x")
+            level = numpy.interp(t, [0, 10, 20], [80, 95, 70])
+            z = 100 - 0.5 * x
+            exact = 9806.65 * numpy.maximum(0, level[:, None] - z[None, :])
+            self.assertEqual(len(t), 21)
+            self.assertLess(numpy.abs(pore - exact).max(), 1e-6)
+            self.assertTrue((pore[0] == 0).any() and (pore[0] > 0).any())
+
+    def test_a_constant_level(self):
+        load = "{water_table: {level: 90 m, elevation: 100 m, angle: 30 degree, unit_weight: 10 kPa/m}}"
+        case = STILL.replace("INTERFACE", 'size: "64 m", levels: 3').replace("{LOAD}", load)
+        self.follow(case.replace("END", "20 s").replace("EVERY", "10 s"))
+        pore, x = self.snapshots("cell_pore_pressure", "x")
+        self.assertLess(numpy.abs(pore - 1e4 * numpy.maximum(0, 0.5 * x - 10)).max(), 1e-6)
+
+
+class Refusals(Fields):
+    def refuse(self, status, message, load, *words):
+        self.write("c.yaml", JOINT.replace("{LOAD}", load))
+        self.expect_line(status, "c.yaml: " + message, "run", "c.yaml", "-o", "no.nc", *words)
+        self.assertFalse(self.exists("no.nc"))
+
+    def test_lines(self):
+        x, y, q = numpy.linspace(0, 1, 3), numpy.linspace(0, 1, 2), numpy.full((2, 3), 1e5)
+        field = "{field: {file: %s, variable: p}}"
+        within = "load.pore_pressure.0.field: "
+        self.field("half.nc", None, y, 0.5 * x, q)
+        self.refuse(2, within + "half.nc: covers x = 0 to 0.5 m, y = 0 to 1 m, and not a cell at x = 0.53125 m, y = "
+                    "0.03125 m; must cover the joint, or say outside: hold", field % "half.nc")
+        self.expect(0, "run", "c.yaml", "-o", "out.nc", "--set", "load.pore_pressure.0.field.outside=hold")
+        self.field("short.nc", numpy.array([0, 43200.0]), y, x, [q, q])
+        self.refuse(2, within + "short.nc: ends 43200 s before the run's end; must reach it, or say outside: hold",
+                    field % "short.nc")
+        self.field("metre.nc", None, y, x, q, "m")
+        self.refuse(2, within + 'metre.nc: p: unit "m": must be a pressure such as "1 MPa"', field % "metre.nc")
+        self.field("hole.nc", None, y, x, [[1e5, numpy.nan, 1e5], [1e5, 1e5, 1e5]])
+        self.refuse(2, within + "hole.nc: p has no value around x = 0.03125 m, y = 0.03125 m, where the faces touch",
+                    field % "hole.nc")
+        self.field("down.nc", None, y[::-1], x, q)
+        self.refuse(2, within + "down.nc: y[1] = 0; must be a number, and above the one before", field % "down.nc")
+        self.field("high.nc", None, y, x, 40 * q)
+        self.refuse(2, "initial: the pore pressure of cell 0, at x = 0.03125 m, y = 0.03125 m, is 4e+06 Pa at t = 0 s; "
+                    "must be below the mean normal stress, 3e+06 Pa", field % "high.nc")
+
+    def test_a_cell_that_the_water_lifts_ends_the_run(self):
+        p, x = numpy.zeros((2, 6, 6)), numpy.linspace(0, 1, 6)
+        p[1, 5, 5] = 12e6
+        self.field("l.nc", numpy.array([0, 86400.0]), x, x, p)
+        self.write("c.yaml", JOINT.replace("{LOAD}", "{field: {file: l.nc, variable: p}}").replace("b: 0.015",
+                                                                                                   "b: 0.005"))
+        for how in "rate", "traction", "slip", "events":
+            done = self.expect(1, "run", "c.yaml", "-o", "out.nc", "--force", *HOW[how])
+            self.assertIn("the pore pressure of cell", done.stderr, how)
+            self.assertRegex(done.stderr, r"at x = 0.96875 m, y = 0.96875 m, is 3(.00003)?e\+06 Pa at t = 3034", how)
+
+    def test_what_does_not_follow(self):
+        load = "{injection: {rate: 1e-9, x: 0.5, y: 0.5, radius: 0.1, thickness: 1, diffusivity: 1e-6, " \
+               "compressibility: 1e-8, porosity: 0.1}}"
+        self.write("c.yaml", JOINT.replace("{LOAD}", load))
+        done = self.expect(2, "run", "c.yaml", "-o", "no.nc", *HOW["events"])
+        self.assertIn("solver.fidelity events follows loads that are linear in time", done.stderr)
+
+
+def main():
+    if len(sys.argv) < 3:
+        sys.exit(__doc__)
+    test_cli.PROGRAM, test_cli.SOURCE = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]])
+
+
+if __name__ == "__main__":
+    main()
