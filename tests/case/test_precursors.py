@@ -117,8 +117,8 @@ class Precursors(unittest.TestCase):
                 (data + ["--since", "2015-01-01"], '--since: "2015-01-01"'),
                 (data + ["--onset", "7,3"], '--onset: "7,3" must be two numbers'),
                 (data + ["--issues", "0"], '--issues: "0" must be a number from 1'),
-                (data + ["--horizon", "-1 day"], '--horizon: "-1 day" must be a time > 0 s'),
-                (data + ["--failed-at", "-3 day"], "must be later than the first reading"),
+                (data + ["--horizon", "-1 day"], '--horizon: "-1 day" must be a time >= 600 s'),
+                (data + ["--rolling", "--failed-at", "-3 day"], "must be later than the first reading"),
                 (data + ["--until", "-1 day"], "log.csv: has no reading until -1 day")):
             status = 3 if words[0] in ("none.csv", "none.nc", "damaged.nc") else 2
             done = self.call(*words, status=status)

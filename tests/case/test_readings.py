@@ -64,10 +64,10 @@ class Readings(unittest.TestCase):
         done = self.call(*words, status=2)
         self.assertEqual([line for line in done.stdout.splitlines() if line.startswith("station")],
                          ["station P1", "station P3", "station P2"])
-        self.assertEqual(done.stderr, "lacuna: prisms.csv: every reading is missing\nlacuna: 1 of 3 columns have no answer\n")
+        self.assertEqual(done.stderr, "lacuna: prisms.csv: P3: every reading is missing\nlacuna: 1 of 3 columns have no answer\n")
         stations = json.loads(self.call(*words, "--json", status=2).stdout)["stations"]
         self.assertEqual([one["station"] for one in stations], ["P1", "P3", "P2"])
-        self.assertEqual(stations[1], {"station": "P3", "error": "prisms.csv: every reading is missing"})
+        self.assertEqual(stations[1], {"station": "P3", "error": "prisms.csv: P3: every reading is missing"})
         for k, name in ((0, "P1"), (2, "P2")):  # each as if it were alone
             alone = json.loads(self.call("precursors", "prisms.csv", "--displacement", name, "--json").stdout)
             self.assertEqual({**alone, "station": name}, stations[k])
