@@ -16,8 +16,8 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 77135,
-    "lines that only present results": 20973,
+    "lines of src and include": 78733,
+    "lines that only present results": 21042,
     "public headers": 13,
     "exported names": 43,
     "circles of includes": 0,
