@@ -81,8 +81,8 @@ lacuna_python_test(test_breaks extreme)
 
 # Loads that change in time, and the files that they come from.
 lacuna_python_test(test_loads)
-lacuna_python_test(test_safety)
 lacuna_python_test(test_loads_over_joint)
+lacuna_python_test(test_safety)
 
 # Elastic rock: what slip takes off the cells and how loads reach them.
 add_test(NAME case.test_elastic

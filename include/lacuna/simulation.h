@@ -75,9 +75,9 @@ typedef struct lac_snapshot {
     const double *state;            ///< [n] [s]
     const double *traction;         ///< [n] [Pa]
     size_t n;                       ///< contact cells
-    const double *pore;             ///< [n] pore pressure [Pa]
     const double *factor_of_safety; ///< [n] of each cell [1], NaN where it carries nothing; NULL:
                                     ///< not asked
+    const double *pore;             ///< [n] pore pressure [Pa]; NULL: not asked
 } lac_snapshot;
 
 /// The state after a step of the integrator; the arrays hold until the sink returns.

@@ -161,6 +161,25 @@ bool lac_load_models_constant(const lac_load_models *models)
     return true;
 }
 
+lac_status lac_load_blame_cell(const lac_load_set *set, size_t cell, double pore, double normal,
+                               double t, lac_status status, lac_error *err)
+{
+    const lac_load_places *places = &set->places;
+    return lac_fail(err, status,
+                    "the pore pressure of cell %zu, at x = %g m, y = %g m, is %g Pa at t = %g s; "
+                    "must be below the mean normal stress, %g Pa",
+                    cell, lac_grid_x(places->grid, places->index[cell]),
+                    lac_grid_y(places->grid, places->index[cell]), pore, t, normal);
+}
+
+// Says which of the loads an error is of.
+static lac_status blame(const lac_load_set *set, size_t i, lac_status status, lac_error *err)
+{
+    const bool pore = i >= set->shear;
+    return lac_fail_within(err, status, "load.%s.%zu.%s", pore ? "pore_pressure" : "shear",
+                           pore ? i - set->shear : i, set->load[i].kind->info.name);
+}
+
 bool lac_load_models_slope(const lac_load_models *models)
 {
     const lac_model *model;
@@ -195,25 +214,6 @@ double lac_load_set_driver_at(const lac_load_set *set, size_t index, double t)
 {
     const lac_load *load = driven(set, index);
     return load->kind->driver->value(load, t);
-}
-
-lac_status lac_load_blame_cell(const lac_load_set *set, size_t cell, double pore, double normal,
-                               double t, lac_status status, lac_error *err)
-{
-    const lac_load_places *places = &set->places;
-    return lac_fail(err, status,
-                    "the pore pressure of cell %zu, at x = %g m, y = %g m, is %g Pa at t = %g s; "
-                    "must be below the mean normal stress, %g Pa",
-                    cell, lac_grid_x(places->grid, places->index[cell]),
-                    lac_grid_y(places->grid, places->index[cell]), pore, t, normal);
-}
-
-// Says which of the loads an error is of.
-static lac_status blame(const lac_load_set *set, size_t i, lac_status status, lac_error *err)
-{
-    const bool pore = i >= set->shear;
-    return lac_fail_within(err, status, "load.%s.%zu.%s", pore ? "pore_pressure" : "shear",
-                           pore ? i - set->shear : i, set->load[i].kind->info.name);
 }
 
 lac_status lac_load_set_create(const lac_load_models *models, const lac_load_clock *clock,

@@ -76,18 +76,19 @@ typedef struct lac_load_clock {
     lac_load_files *files; ///< keeps what is read, which is then not read again; NULL: nothing kept
 } lac_load_clock;
 
-/// What a load reads that is no stress itself: the level of a lake, rain.
-typedef struct lac_load_driver {
-    const char *name, *unit; ///< in a run's file; SI
-    const char *long_name, *comment;
-    double (*value)(const lac_load *load, double t);
-} lac_load_driver;
 /// The cells that loads act on. All is borrowed, and must outlive the loads.
 typedef struct lac_load_places {
     const lac_grid *grid;
     const uint32_t *index; ///< [n] grid index of each cell
     size_t n;
 } lac_load_places;
+
+/// What a load reads that is no stress itself: the level of a lake, rain.
+typedef struct lac_load_driver {
+    const char *name, *unit; ///< in a run's file; SI
+    const char *long_name, *comment;
+    double (*value)(const lac_load *load, double t);
+} lac_load_driver;
 
 /// A shear load or a pore-pressure load: adds its part to the sum.
 typedef struct lac_load_kind {

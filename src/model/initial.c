@@ -157,10 +157,9 @@ static lac_status load_at_start(const lac_initial_def *initial, const lac_load_s
     at->elastic = (load.elastic + load.elastic_ratio * mean) * to_cells;
     at->shape = loads->shape;
     at->share = 1.0 - load.pore / mean;
-    if (lac_load_set_varies(loads)) {
-        return shares_at_start(loads, &load, mean, at, err);
-    }
-    LAC_FAIL_IF(!(at->share > 0.0), err, LAC_EINPUT,
+    const bool varies = lac_load_set_varies(loads);
+    LAC_TRY_RETURN(varies ? shares_at_start(loads, &load, mean, at, err) : LAC_OK);
+    LAC_FAIL_IF(!varies && !(at->share > 0.0), err, LAC_EINPUT,
                 "pore pressure %g Pa is not below the normal pressure %g Pa at the start",
                 load.pore, mean);
     const bool by_load = initial->state == LAC_STATE_FROM_LOAD ||

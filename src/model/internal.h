@@ -30,8 +30,8 @@ struct lac_problem {
     double sum_traction0; // sum of the tractions at t = 0 [Pa]
     bool varies;          // what the loads take off the pressure differs from cell to cell
     lac_load_state at_start;
+    lac_problem_loads_at drive0; // at t = 0
     lac_safety safety;
-    lac_problem_loads_at drive0;    // at t = 0
     double *traction0;              // [n] q_i at t = 0 [Pa]; owns the two last
     double *anchor;                 // [n] K 1: what holds uniform slip [Pa/m]; NULL: nothing does
     double *log_rate0, *log_state0; // [n]

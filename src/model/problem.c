@@ -146,8 +146,8 @@ lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac
     problem->least_direct = least_of(&problem->friction->column[LAC_A], problem->n);
     problem->bond = problem->friction->cohesion / problem->mean_pressure;
     problem->kind = lac_formulation_kind_of(def->formulation);
-    problem->safety = def->safety;
     problem->varies = lac_load_set_varies(&problem->loads);
+    problem->safety = def->safety;
     lac_load_evaluate(&problem->loads, 0.0, &problem->at_start);
 
     LAC_TRY(check_initial(def, err));

@@ -141,12 +141,13 @@ void lac_problem_speed(const lac_problem *problem, double t, const double *y, do
 void lac_problem_traction(const lac_problem *problem, double t, const double *slip,
                           double *traction, double *work);
 
+/// Pore pressure of every cell [Pa].
+void lac_problem_pore(const lac_problem *problem, double t, double *pore, double *work);
+
 /// What a cell carries at friction coefficient f, damping apart: p_i share f + c_i [Pa], c_i the
 /// cohesion, shared as pressures are; docs/theory/friction.md, eq. 10.
 /// @param share  effective over total normal pressure
 double lac_problem_strength(const lac_problem *problem, size_t cell, double share, double f);
-/// Pore pressure of every cell [Pa].
-void lac_problem_pore(const lac_problem *problem, double t, double *pore, double *work);
 
 /// Means, extremes, forces and the balance residual.
 /// @param work  its first n hold the cells' slip rates afterwards [m/s]
@@ -158,7 +159,7 @@ lac_safety lac_problem_safety_asked(const lac_problem *problem);
 
 /// Factor of safety of the joint: what friction would hold if all cells slid at the reference rate
 /// in the states that they are in, over the shear force Q that drives,
-///     F = sum of p_i (1 - u L^2/P) f(v_ref, theta_i) r^2 / |Q|;
+///     F = sum of [p_i (1 - u L^2/P) f(v_ref, theta_i) + c_i] r^2 / |Q|, c_i the cohesion;
 /// Q is lac_observation.shear_force. Where v_ref is the slip rate of every cell the balance makes
 /// it 1, but for damping and inertia. @return NaN where nothing drives
 /// @cost  that of one evaluation of friction
@@ -166,7 +167,7 @@ lac_safety lac_problem_safety_asked(const lac_problem *problem);
 double lac_problem_safety(const lac_problem *problem, double t, const double *y, const double *slip,
                           double *work);
 
-/// The same of every cell by itself: p_i (1 - u L^2/P) f(v_ref, theta_i) / |tau_i|.
+/// The same of every cell by itself: [p_i (1 - u L^2/P) f(v_ref, theta_i) + c_i] / |tau_i|.
 /// @param traction  [n] of lac_problem_traction [Pa]
 /// @param safety    [n] NaN where a cell carries nothing; overwritten
 /// @source docs/theory/safety.md, eq. 2

@@ -13,7 +13,7 @@ static lac_look look_at(const lac_problem *problem, double t, const double *y, d
 {
     lac_look at = {
         .problem = problem, .y = y, .w = y + problem->n, .ws = lac_problem_split(problem, work)};
-    (void)lac_problem_drive(problem, t, work, &at.drive);
+    (void)lac_problem_drive_into(problem, t, at.ws.shares, &at.drive);
     return at;
 }
 

@@ -71,10 +71,11 @@ static const lac_variable of_record[] = {
     LAC_ROW("factor_of_safety", NULL, "1", "factor of safety at the reference slip rate",
             P(REAL, record.observation.factor_of_safety), POINT, .flags = LAC_MISSING | LAC_ROUGH,
             .has = has_safety,
-            .comment = "what friction would hold if all cells slid at the reference rate in their "
-                       "present states, sum of p f(v_ref, theta) r^2 with effective p, over "
-                       "shear_force; missing where nothing drives. v_ref is v0 of the friction, "
-                       "or factor_of_safety_reference_rate_m_s"),
+            .comment =
+                "what friction would hold if all cells slid at the reference rate in their "
+                "present states, sum of (p f(v_ref, theta) + cohesion) r^2, p effective, over "
+                "shear_force; missing where nothing drives. v_ref is v0 of the friction, "
+                "or factor_of_safety_reference_rate_m_s"),
     LAC_ROW("balance_residual", NULL, "1", "worst relative error of the traction balance",
             SEEN(balance_residual), POINT,
             .comment = "max over cells of |q - K slip - p f - eta v| / (f0 p): how far integration "
@@ -111,7 +112,7 @@ static const lac_variable of_fields[] = {
                 "over the nominal area: takes the part u A/P off the cell's normal pressure"),
     LAC_ROW("cell_factor_of_safety", NULL, "1", "factor of safety of each contact cell by itself",
             CELLS(factor_of_safety),
-            .comment = "p f(v_ref, theta) / |traction|, p the effective pressure of the cell; "
+            .comment = "(p f(v_ref, theta) + cohesion) / |traction|, p the effective pressure; "
                        "missing where it carries nothing"),
 };
 

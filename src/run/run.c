@@ -117,8 +117,8 @@ static lac_status snapshot(run *r, double t, const double *y, const double *slip
                            .state = theta,
                            .traction = traction,
                            .n = n,
-                           .pore = pore,
-                           .factor_of_safety = safety};
+                           .factor_of_safety = safety,
+                           .pore = pore};
     return r->sink->snapshot(r->sink->context, &fields, err);
 }
 

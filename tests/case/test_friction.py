@@ -62,6 +62,17 @@ class Friction(Case):
         week = 7 * 86400.0
         self.near(done["failure_time_s"], (-0.9 - math.log(0.1)) * 0.7 * week / 0.81, 1e-6)
 
+    def test_rock(self):
+        self.assertFalse(self.run_case("rock", "--set", "solver.rtol=1e-9")["failed"])
+        # steady: f0 + (a - b) ln(v/v0) is the load
+        self.near(self.variable("slip_rate")[-1], 1e-6 * math.exp((0.6082 - 0.608) / (0.00913 - 0.00907)), 1e-6)
+
+    def test_cohesion(self):
+        self.run_case("cohesion", "--set", "solver.rtol=1e-9", "--set", "time.end=100 day")
+        # steady again after ten days of rising water: (0.57 P - C)/(P - u) = f0 + (a - b) ln(v/v0)
+        f = (0.57 * 5e6 - 1e5) / (5e6 - 1e5)
+        self.near(self.variable("slip_rate")[-1], 1e-6 * math.exp((f - math.tan(math.pi / 6)) / 0.002), 1e-6)
+
     def test_slip(self):
         done = self.run_case("slip", "--set", "solver.rtol=1e-9")
         low = -2 * math.log(0.9)
@@ -298,6 +309,17 @@ transfer: {hierarchy: {k0: "1 GPa/m", ratio: 0.5}}
         sums = (self.variable("cell_traction") * area).sum(axis=1)
         numpy.testing.assert_allclose(sums[[0, -1]], force[[0, -1]], rtol=1e-8)
         numpy.testing.assert_allclose(force, 0.57 * 5e6 * 64, rtol=1e-8)
+
+    # Limit equilibrium: ((p - u) f + C)/tau, f at v0 in the state that carries the load at the rate of the start.
+    def test_cohesion_counts_in_the_factor_of_safety(self):
+        self.run_law('f0: 0.55, cohesion: "100 kPa", a: 0.02, b: 0.01, dc: "1 mm", v0: "1 um/s"', self.RAMP,
+                     "--set", "output.factor_of_safety.reference_rate=1 nm/s")
+        safety, rate = self.variable("factor_of_safety"), self.variable("slip_rate")
+        self.near(safety[0], 1.0, 1e-12)
+        self.assertLess(safety[-1], 1.0)
+        effective = self.variable("effective_normal_force")  # friction.md (1): f(v_ref) = f - a ln(v/v_ref)
+        f = (0.57 * 5e6 - 1e5) / effective - 0.02 * numpy.log(rate / 1e-9)
+        numpy.testing.assert_allclose(safety, (effective * f + 1e5) / (0.57 * 5e6), rtol=1e-7)
 
     def test_what_cohesion_holds_is_said(self):
         said = self.run_law('f0: 0.55, cohesion: "3 MPa", a: 0.02, b: 0.01, dc: "1 mm"', self.RATIO, status=2)

@@ -32,7 +32,8 @@ CALLS = (
     ("run", "cases/block.yaml -o block.nc --set institution=Somewhere"),
     ("run", "cases/block.yaml -o picked.nc --accuracy 1%"),
     ("run", "cases/transfer/micro-slips.yaml -o run.nc --set analysis.rg.field=equal --set "
-            "output.fields=[slip,slip_rate,state,traction,pore_pressure] --set output.fields_every.steps=200"),
+            "output.fields=[slip,slip_rate,state,traction,pore_pressure] --set output.fields_every.steps=200 "
+            "--set 'output.points=[{name: A, x: 1 mm, y: 1 mm}]'"),
     ("run", "cases/load/reservoir.yaml -o lake.nc --set output.fields=[factor_of_safety] --set "
             "'output.factor_of_safety.reference_rate=0.5 mm/day'"),
     ("run", "cases/load/rain.yaml -o rain.nc"),
@@ -48,10 +49,10 @@ CALLS = (
     ("precursors", "cases/data/creep.csv --case cases/fit/block.yaml -o fitted.nc --set fit.steps=8 "
                    "--set fit.burn=2 --set fit.starts=2 --onset 5,20"),
     ("fit", "cases/fit/block.yaml cases/data/creep.csv -o fit.nc --set fit.steps=8 --set fit.burn=2 "
-            "--set fit.starts=2"),
+            "--set fit.starts=2 --set 'output.points=[{name: A}]' --set fit.point=A"),
     ("trade", "cases/block.yaml -o trade.nc --dials rtol=1e-3:1e-5 --reach 1%"),
     ("check", "cases/vajont.yaml"),
-    ("run", "cases/century.yaml -o compared.nc"),
+    ("run", "cases/century.yaml -o compared.nc --set 'output.points=[{name: A}]' --set compare.0.point=A"),
     ("report", "block.nc"),
     ("export", "run.nc"),
     ("new", "slope"),

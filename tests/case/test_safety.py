@@ -30,7 +30,7 @@ load:
   shear: [{slope: {angle: "%(beta)r degree"}}]
   pore_pressure: [{constant: {value: "%(u)r Pa"}}]
 material: {density: "%(density)r kg/m3"}
-friction: {%(law)s: {f0: %(f0)r, a: 0.010, b: 0.008, dc: "1 mm", v0: "1 mm/day", form: %(form)s}}
+friction: {%(law)s: {f0: %(f0)r, a: 0.010, b: 0.008, dc: "1 mm", v0: "1 mm/day", form: %(form)s, cohesion: "%(c)r Pa"}}
 initial: {state: "1 day"}
 time: {end: "1 day"}
 """
@@ -84,15 +84,15 @@ class Safety(Case):
 
 class ClosedForm(Safety):
     def test_a_block_under_a_water_table(self):
-        """F = (gamma h cos^2(beta) - u) tan(phi) / (gamma h sin(beta) cos(beta)), u = gamma_w h_w cos^2(beta), where
+        """F = [c + (gamma h cos^2(beta) - u) tan(phi)] / (gamma h sin(beta) cos(beta)), u = gamma_w h_w cos^2(beta), where
         the state at the start is that of steady slip at v0, the reference."""
-        slopes = ((25, 30, 5, 32, 2200), (12.5, 8, 7.5, 20, 1900), (40, 200, 0, 45, 2650))
-        for (law, form), (beta, h, h_w, phi, density) in itertools.product(LAWS, slopes):
+        slopes = ((25, 30, 5, 32, 2200, 0), (12.5, 8, 7.5, 20, 1900, 5e3), (40, 200, 0, 45, 2650, 1e6))
+        for (law, form), (beta, h, h_w, phi, density, c) in itertools.product(LAWS, slopes):
             with self.subTest(law=law, form=form, beta=beta):
                 cos, sin = math.cos(math.radians(beta)), math.sin(math.radians(beta))
                 u, gamma, tan = G * 1000 * h_w * cos**2, density * G, math.tan(math.radians(phi))
-                expected = (gamma * h * cos**2 - u) * tan / (gamma * h * sin * cos)
-                text = SLOPE % {"h": h, "beta": beta, "u": u, "density": density, "law": law, "form": form, "f0": tan}
+                expected = (c + (gamma * h * cos**2 - u) * tan) / (gamma * h * sin * cos)
+                text = SLOPE % {"c": c, "h": h, "beta": beta, "u": u, "density": density, "law": law, "form": form, "f0": tan}
                 summary, run = self.follow(text)
                 for value in (summary["initial_factor_of_safety"], run["factor_of_safety"][0],
                               self.attributes["factor_of_safety_start"]):
@@ -134,6 +134,12 @@ class Balance(Safety):
                 self.assertGreater(run["pressure"].size, 20)
                 self.assertLess(abs(run["factor_of_safety"][0] - 1), 1e-14)
                 self.assertLess(numpy.abs(run["cell_factor_of_safety"][0] - 1).max(), 1e-14)
+
+    def test_with_cohesion_too(self):
+        _, run = self.follow((ROUGH % {"law": "aging", "form": "plain", "formulation": "auto", "spread": "", "more": "",
+                                       "reference": "1 cm/week"}).replace("f0: 0.6", "cohesion: 0.3 MPa, f0: 0.5"))
+        self.assertLess(numpy.abs(run["cell_factor_of_safety"][0] - 1).max(), 1e-14)
+        self.assertLess(abs(run["factor_of_safety"][0] - 1), 1e-14)
 
     def test_of_cells_that_differ(self):
         """Friction at the reference from the traction that each cell carries at its own rate: f grows by
@@ -237,7 +243,7 @@ class Stop(Safety):
 
 
 class Written(Safety):
-    SLOPE = {"h": 30, "beta": 25, "u": 4e4, "density": 2200, "law": "aging", "form": "plain", "f0": 0.62}
+    SLOPE = {"c": 0, "h": 30, "beta": 25, "u": 4e4, "density": 2200, "law": "aging", "form": "plain", "f0": 0.62}
 
     def test_only_where_asked(self):
         plain = re.sub(r"output: .*\n", "", BLOCK % {"law": "aging", "form": "plain", "end": "1 day"})

@@ -125,7 +125,6 @@ static void every_key_reads(void **state)
     assert_true(c->formulation == LAC_FORMULATION_SLIP && c->run.projection == 1);
     is_nearly(c->run.record.time, 3600.0);
     assert_true(c->run.record.steps == 100 && c->run.record.per_decade == 20.0);
-    // of a slope the maps have the factor of safety too
     assert_true(c->run.snapshots &&
                 c->fields == (LAC_FIELD_SLIP | LAC_FIELD_TRACTION | LAC_FIELD_SAFETY));
     assert_true(c->safety.asked && c->run.cell_safety);
