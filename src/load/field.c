@@ -147,6 +147,7 @@ static lac_status place(const void *params, const lac_load_places *places, void 
     const field_params *p = params;
     field_state *state = at;
     const lac_field *field = &state->field;
+    free(state->corner);
     state->corner = malloc(places->n * sizeof *state->corner);
     LAC_FAIL_MEMORY_IF(state->corner == NULL, err);
     state->along = field->nx > 1 ? 1 : 0;

@@ -42,22 +42,63 @@ static const char *fault(const void *params)
     return p->stop <= p->start ? "stop must be later than start" : NULL;
 }
 
-// E1(x); beyond the numbers it is 0.
-static double exponential_integral(double x) { return x < 700.0 ? gsl_sf_expint_E1(x) : 0.0; }
+// E1(x); from 50 on it is below 4e-24, and taken as 0.
+static double exponential_integral(double x) { return x < 50.0 ? gsl_sf_expint_E1(x) : 0.0; }
+
+// What a cell's distance from the well comes to once and for all.
+typedef struct reach {
+    double r2;    // its square [m2]
+    double least; // E1(r^2/(2 L^2)); INFINITY at the well
+} reach;
+
+typedef struct well_state {
+    reach *cell; // [n]
+} well_state;
+
+static void release(void *p)
+{
+    free(((well_state *)p)->cell);
+    free(p);
+}
+
+static lac_status prepare(const void *params, const lac_load_clock *clock, void **state,
+                          lac_error *err)
+{
+    (void)params;
+    (void)clock;
+    *state = calloc(1, sizeof(well_state));
+    return *state != NULL ? LAC_OK : lac_fail_memory(err);
+}
+
+static lac_status place(const void *params, const lac_load_places *places, void *at, lac_error *err)
+{
+    const well_params *p = params;
+    well_state *state = at;
+    free(state->cell);
+    state->cell = malloc(places->n * sizeof *state->cell);
+    LAC_FAIL_MEMORY_IF(state->cell == NULL, err);
+    for (size_t i = 0; i < places->n; i++) {
+        double x = lac_grid_x(places->grid, places->index[i]) - p->pump.x;
+        double y = lac_grid_y(places->grid, places->index[i]) - p->y;
+        double r2 = x * x + y * y;
+        double k = 0.5 * r2 / (p->radius * p->radius);
+        state->cell[i] = (reach){r2, k < 1e-12 ? INFINITY : exponential_integral(k)};
+    }
+    return LAC_OK;
+}
 
 // What a well that has pumped for tau makes at a distance whose square is r2, over
 // Q0/(4 pi alpha beta phi w):
 //   E1(r^2/(2 s)) - E1(r^2/(2 L^2)),   s = L^2 + 2 alpha tau;   ln(s/L^2) at r = 0
-static lac_signal well_at(const well_params *p, double r2, double tau)
+static lac_signal well_at(const well_params *p, const reach *cell, double tau)
 {
     double least = p->radius * p->radius;
     double spread = 2.0 * p->pump.diffusivity * tau;
     double s = least + spread;
-    double rate = 2.0 * p->pump.diffusivity * exp(-0.5 * r2 / s) / s;
-    if (0.5 * r2 / least < 1e-12) {
-        return (lac_signal){log1p(spread / least), rate};
-    }
-    return (lac_signal){exponential_integral(0.5 * r2 / s) - exponential_integral(0.5 * r2 / least),
+    double k = 0.5 * cell->r2 / s;
+    double rate = 2.0 * p->pump.diffusivity * exp(-k) / s;
+    bool inside = isinf(cell->least);
+    return (lac_signal){inside ? log1p(spread / least) : exponential_integral(k) - cell->least,
                         rate};
 }
 
@@ -66,15 +107,13 @@ static void add_well(const lac_load *load, const lac_load_places *places, double
 {
     const well_params *p = load->params;
     const pumping *pump = &p->pump;
+    const reach *cell = ((const well_state *)load->state)->cell;
     const double storage = pump->compressibility * pump->porosity * p->thickness;
     const double scale = p->rate / (4.0 * LAC_PI * pump->diffusivity * storage);
     for (size_t i = 0; t >= pump->start && i < places->n; i++) {
-        double x = lac_grid_x(places->grid, places->index[i]) - pump->x;
-        double y = lac_grid_y(places->grid, places->index[i]) - p->y;
-        double r2 = x * x + y * y;
-        lac_signal here = well_at(p, r2, t - pump->start);
+        lac_signal here = well_at(p, &cell[i], t - pump->start);
         if (t >= pump->stop) {
-            lac_signal gone = well_at(p, r2, t - pump->stop);
+            lac_signal gone = well_at(p, &cell[i], t - pump->stop);
             here.value -= gone.value;
             here.rate -= gone.rate;
         }
@@ -150,7 +189,10 @@ const lac_load_kind lac_pore_injection = {
                       "Carslaw & Jaeger (1959) Conduction of Heat in Solids, 10.3 (line source); "
                       "docs/theory/loads.md, \"Loads over the joint\"",
                       LAC_ROWS(well_rows, well_params), .validate = fault),
+    .prepare = prepare,
+    .release = release,
     .cells = add_well,
+    .place = place,
     .next_break = next_break,
 };
 

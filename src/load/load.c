@@ -143,8 +143,11 @@ bool lac_load_models_need_files(const lac_load_models *models)
 {
     const lac_model *model;
     for (size_t i = 0; (model = model_at(models, i)) != NULL; i++) {
-        if (kind_of(model)->prepare != NULL) {
-            return true;
+        for (size_t k = 0; k < model->info->param_count; k++) {
+            const lac_param *param = &model->info->params[k];
+            if (param->type == LAC_PATH && lac_param_given(param, model->params)) {
+                return true;
+            }
         }
     }
     return false;

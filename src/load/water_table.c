@@ -83,6 +83,11 @@ static lac_signal level_at(const table_params *p, const table_state *state, doub
     return (lac_signal){r->value[i] + (t - r->t[i]) * slope, slope};
 }
 
+static double told_level(const lac_load *load, double t)
+{
+    return level_at(load->params, load->state, t).value;
+}
+
 static void add_table(const lac_load *load, const lac_load_places *places, double t, double *value,
                       double *rate)
 {
@@ -161,6 +166,10 @@ static const lac_param params[] = {
                "before the first reading and after the last: refuse, or hold the level"),
 };
 
+static const lac_load_driver water_level = {
+    "water_level", "m", "level of the water over the joint",
+    "on the scale of load.pore_pressure.water_table.elevation", told_level};
+
 const lac_load_kind lac_pore_water_table = {
     .info = LAC_ABOUT("water_table",
                       "water that stands to a level over an inclined joint, whose lower part alone "
@@ -168,6 +177,7 @@ const lac_load_kind lac_pore_water_table = {
                       "docs/theory/loads.md, \"Loads over the joint\"",
                       LAC_ROWS(params, table_params), .validate = fault),
     .linear = true,
+    .driver = &water_level,
     .prepare = prepare,
     .release = release,
     .cells = add_table,

@@ -25,6 +25,7 @@ static const struct {
     {"safety", "pore", "pore_pressure", false},
     {"safety", "lake", "lake_level", false},
     {"safety", "lake2", "lake_level_2", false},
+    {"safety", "table", "water_level", false},
     {"safety", "rain", "rain", false},
     {"safety", "rain2", "rain_2", false},
     {"forces", "friction", "apparent_friction", false},

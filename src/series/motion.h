@@ -78,5 +78,10 @@ typedef struct lac_motion {
 lac_status lac_motion_create(const lac_motion_def *def, const lac_readings *readings,
                              lac_motion **out, lac_error *err);
 
+/// Drops outliers and takes resets out, as lac_motion_create says; the noise is known.
+/// @param work  [n]
+/// @return whether so many resets are believed
+bool lac_motion_clean(lac_motion *motion, double *work);
+
 /// Frees a motion; NULL is fine.
 void lac_motion_free(lac_motion *motion);

@@ -37,13 +37,14 @@ CALLS = (
     ("run", "cases/load/reservoir.yaml -o lake.nc --set output.fields=[factor_of_safety] --set "
             "'output.factor_of_safety.reference_rate=0.5 mm/day'"),
     ("run", "cases/load/rain.yaml -o rain.nc"),
+    ("run", "cases/load/water-table.yaml -o table.nc"),
     ("contact", "cases/surface/joint.yaml -o joint.nc"),
     ("contact", "cases/surface/file.yaml -o file.nc"),
     ("contact", "cases/contact/self-affine.yaml -o contact.nc"),
     ("contact", "cases/shear-cycle.yaml -o cycle.nc --set interface.levels=6"),
     ("rg", "cases/rg/fix.yaml -o rg.nc"),
     ("rg", "run.nc -o now.nc"),
-    ("precursors", "cases/data/creep.csv --displacement disp_mm:mm --driver disp_mm:mm -o series.nc --rolling --failed-at "
+    ("precursors", "cases/data/creep.csv --displacement disp_mm:mm --driver cases/data/creep.csv/disp_mm:mm -o series.nc --rolling --failed-at "
                    "2020-08-12"),
     ("precursors", "run.nc -o run-precursors.nc"),
     ("precursors", "cases/data/creep.csv --case cases/fit/block.yaml -o fitted.nc --set fit.steps=8 "

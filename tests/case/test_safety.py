@@ -141,6 +141,23 @@ class Balance(Safety):
         self.assertLess(numpy.abs(run["cell_factor_of_safety"][0] - 1).max(), 1e-14)
         self.assertLess(abs(run["factor_of_safety"][0] - 1), 1e-14)
 
+    def test_under_water_that_differs_from_cell_to_cell(self):
+        """A water table over half of the joint: each cell by its own pore pressure, and their mean by what each carries."""
+        text = ROUGH % {"law": "aging", "form": "plain", "formulation": "rate", "spread": "", "more": "", "reference": "1 cm/week"}
+        text = text.replace('{ramp: {rate: "2 kPa/day"}}', "{water_table: {level: 0 m, elevation: 5 m, angle: 20 degree}}")
+        _, run = self.follow(text)
+        self.assertTrue((run["water_level"] == 0).all())
+        self.assertLess(numpy.abs(run["cell_factor_of_safety"][0] - 1).max(), 1e-14)
+        self.assertLess(abs(run["factor_of_safety"][0] - 1), 1e-14)
+        u = 0.4e6 + 9806.65 * numpy.maximum(0, run["x"] * math.sin(math.radians(20)) - 5)
+        self.assertGreater(numpy.ptp(u), 2e4)
+        force = run["pressure"] * run["cell_area"]
+        self.assertLess(abs(run["pore_pressure"][0] / ((force * u).sum() / force.sum()) - 1), 1e-9)
+        pressure = run["pressure"] * (1 - u * 32.0 ** 2 / force.sum())
+        for traction, v, cells in zip(run["cell_traction"], run["cell_slip_rate"], run["cell_factor_of_safety"]):
+            expected = 1 + 0.01 * pressure * numpy.log(0.01 / (7 * DAY) / v) / traction
+            numpy.testing.assert_allclose(cells, expected, rtol=1e-9)
+
     def test_of_cells_that_differ(self):
         """Friction at the reference from the traction that each cell carries at its own rate: f grows by
         a ln(v_ref/v) in the plain form, sinh(f/a) in proportion to v in the regularised one."""

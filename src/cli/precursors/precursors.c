@@ -279,16 +279,25 @@ static lac_status check_window(const precursors_job *job, lac_error *err)
                : LAC_OK;
 }
 
+// What goes with --rolling alone.
+static lac_status check_rolling(const cli_request *request, lac_error *err)
+{
+    const bool rolling = request->forecast.rolling != NULL;
+    LAC_FAIL_IF(request->forecast.lines != NULL &&
+                    (!rolling || request->output != NULL || cli_given(request, CLI_OPT_JSON)),
+                err, LAC_EINPUT, "--jsonl: is of --rolling, without -o and --json");
+    LAC_FAIL_IF(request->forecast.failed_at != NULL && !rolling, err, LAC_EINPUT,
+                "--failed-at: judges the forecasts of --rolling: give both");
+    return LAC_OK;
+}
+
 static lac_status answer(const cli_request *request, const char *station, lac_json *json,
                          lac_error *err)
 {
     precursors_job job = {.request = request, .station = station, .json = json};
     lac_forecast_outcome *of = &job.watched.of;
     lac_status status;
-    const bool lines = request->forecast.lines != NULL;
-    LAC_LEAVE_IF(lines && (request->forecast.rolling == NULL || request->output != NULL ||
-                           cli_given(request, CLI_OPT_JSON)),
-                 err, LAC_EINPUT, "--jsonl: is of --rolling, without -o and --json");
+    LAC_TRY(check_rolling(request, err));
     LAC_TRY(lac_units_create(&job.units, err));
     LAC_TRY(read_case(&job, err));
     if (request->output != NULL) {
@@ -420,8 +429,6 @@ static lac_status answer_each(const cli_request *request, lac_json *json, lac_er
 lac_status cli_precursors(const cli_request *request, lac_error *err)
 {
     lac_json json = {.out = stdout};
-    LAC_FAIL_IF(request->forecast.failed_at != NULL && request->forecast.rolling == NULL, err,
-                LAC_EINPUT, "--failed-at: judges the forecasts of --rolling: give both");
     return request->displacements.n > 1 ? answer_each(request, &json, err)
                                         : answer(request, NULL, &json, err);
 }

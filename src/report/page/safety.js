@@ -57,6 +57,7 @@ function safetySection(data) {
   if (row.children.length) section.append(row);
   if (s.lake) section.append(levelOfLake(s, "lake", "Lake level"));
   if (s.lake2) section.append(levelOfLake(s, "lake2", "Lake level, second load"));
+  if (isChanging(s.table)) section.append(levelOfLake(s, "table", "Water level"));
   if (s.rain) section.append(rainChart(s, "rain", "Rain"));
   if (s.rain2) section.append(rainChart(s, "rain2", "Rain, second load"));
   return section;

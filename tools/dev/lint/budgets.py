@@ -16,8 +16,8 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 78687,
-    "lines that only present results": 21042,
+    "lines of src and include": 78800,
+    "lines that only present results": 21100,
     "public headers": 13,
     "exported names": 43,
     "circles of includes": 0,
