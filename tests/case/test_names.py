@@ -44,7 +44,7 @@ CALLS = (
     ("contact", "cases/shear-cycle.yaml -o cycle.nc --set interface.levels=6"),
     ("rg", "cases/rg/fix.yaml -o rg.nc"),
     ("rg", "run.nc -o now.nc"),
-    ("precursors", "cases/data/creep.csv --displacement disp_mm:mm --driver disp_mm:mm -o series.nc --rolling --failed-at "
+    ("precursors", "cases/data/creep.csv --displacement disp_mm:mm --driver cases/data/creep.csv/disp_mm:mm -o series.nc --rolling --failed-at "
                    "2020-08-12"),
     ("precursors", "run.nc -o run-precursors.nc"),
     ("precursors", "cases/data/creep.csv --case cases/fit/block.yaml -o fitted.nc --set fit.steps=8 "
