@@ -57,6 +57,7 @@ CALLS = (
     ("report", "block.nc"),
     ("export", "run.nc"),
     ("new", "slope"),
+    ("new", "fitted --kind fit"),
     ("describe", ""),
     ("describe", "rock limestone"),
     ("completion", "bash"),
