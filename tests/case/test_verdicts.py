@@ -70,6 +70,27 @@ def read_as_a_number(printed):
     return [float(part) for part in printed.split(" ± ")]
 
 
+class Detectable(unittest.TestCase):
+    def told(self, way, noise=1.0):
+        slope = {"time": numpy.arange(100.0), "failure": 100.0, "meta": {"true": way, "noise": noise}}
+        return detectable.told(slope, 0.05)
+
+    def test_only_what_is_off_its_rivals_can_be_told(self):
+        t = numpy.arange(100.0)
+        numpy.testing.assert_allclose(self.told(3 * t), 0, atol=1e-9)
+        line, rivals = self.told(100 * numpy.log1p(numpy.exp((t - 60) / 5)))  # a rate that goes over to another
+        self.assertGreater(line, 20 * rivals)
+        line, rivals = self.told(-100 * numpy.log(1 - t / 100))
+        self.assertGreater(rivals, 2)
+        self.assertGreaterEqual(line, rivals)
+        self.assertAlmostEqual(self.told(-100 * numpy.log(1 - t / 100), 2.0)[1], rivals / 2)
+
+    def test_a_parabola_is_off_its_line_by_its_own_size(self):
+        t = numpy.arange(96.0)
+        off = t ** 2 - numpy.polyval(numpy.polyfit(t, t ** 2, 1), t)
+        self.assertAlmostEqual(self.told(numpy.arange(100.0) ** 2)[0] / numpy.sqrt(off @ off), 1, places=2)
+
+
 class Answers(unittest.TestCase):
     LINE = {"issue_time_s": 9.0, "window_start_s": 1.0,
             "verdict": {"level_number": 2, "accelerates": "yes", "p": 0.01, "log_odds": 3.0, "log_odds_needed": 1.0, "horizon_s": 7.0,
@@ -255,6 +276,7 @@ if __name__ == "__main__":
     PROGRAM, SOURCE = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
     sys.path.insert(0, os.path.join(SOURCE, "tools", "studies"))
     import calibration
+    import detectable
     import slopes
     import verdict_tables
     import verdicts
