@@ -360,7 +360,7 @@ static bool has_rg(const lac_case *c) { return c->rg.named; }
 
 static bool has_fit(const lac_case *c) { return c->fit.named; }
 
-#define RECORD(key, text, rows) .info = {key, text, "", rows, COUNT(rows), 0, NULL}
+#define RECORD(key, text, rows) .info = {key, text, "", rows, COUNT(rows), 0, NULL, NULL}
 #define ITEMS(key, text, rows) RECORD(key, text, rows), .kind = LAC_PART_ITEMS
 #define OWN(key) .info.name = (key), .kind = LAC_PART_OWN
 #define PART(what, key, member) .info.name = (key), .kind = LAC_PART_##what, .at = FIELD(member)

@@ -85,7 +85,7 @@ static size_t code_of(double x)
 
 size_t lac_series_find_code(const lac_column *c, double *code, size_t *count)
 {
-    size_t times[CODES + 1] = {0}, first[CODES + 1];
+    size_t times[CODES + 1] = {0}, first[CODES + 1] = {0};
     double least = INFINITY, most = -INFINITY, step = 0.0, before = NAN, away = 0.0;
     for (size_t i = 0; i < c->n; i++) {
         const double x = lac_column_at(c, i);
