@@ -8,6 +8,7 @@
 
 enum {
     LEAST = 5,    // readings before the window
+    ENOUGH = 256, // rates before it tell what is usual
     SPACED = 4,   // rates before it that are looked at begin this part of a half apart
     WINDOW = 2000 // readings that are looked at, no more
 };
@@ -24,10 +25,11 @@ static double rate_to(const lac_motion *m, size_t i, size_t h)
 // Median rate over h intervals before reading `end`, and how far rates mostly are from it.
 static double usual_rate(const lac_motion *m, size_t first, size_t end, size_t h, double *spread)
 {
-    double rate[WINDOW];
-    const size_t step = h > SPACED ? h / SPACED : 1;
+    double rate[2 * ENOUGH];
+    const size_t least = h > SPACED ? h / SPACED : 1, few = (end - first) / ENOUGH;
+    const size_t step = least > few ? least : few;
     size_t n = 0;
-    for (size_t i = end; i >= first + h && n < WINDOW; i -= step) {
+    for (size_t i = end; i >= first + h && n < 2 * ENOUGH; i -= step) {
         rate[n++] = rate_to(m, i, h);
         if (i < step) {
             break;

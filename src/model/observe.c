@@ -51,7 +51,7 @@ void lac_problem_traction(const lac_problem *problem, double t, const double *sl
     (void)lac_problem_drive_into(problem, t, at.ws.shares, &at.drive);
     lac_problem_elastic_traction(&at, slip, traction);
     for (size_t i = 0; problem->bond > 0.0 && i < problem->n; i++) {
-        traction[i] += problem->pressure[i] * problem->bond;
+        traction[i] += lac_problem_cohesion(problem, i);
     }
 }
 

@@ -185,9 +185,9 @@ void lac_problem_free(lac_problem *problem)
     free(problem);
 }
 
-double lac_problem_strength(const lac_problem *problem, size_t cell, double share, double f)
+double lac_problem_cohesion(const lac_problem *problem, size_t cell)
 {
-    return problem->pressure[cell] * (share * f + problem->bond);
+    return problem->pressure[cell] * problem->bond;
 }
 
 size_t lac_problem_cells(const lac_problem *problem) { return problem->n; }

@@ -144,10 +144,8 @@ void lac_problem_traction(const lac_problem *problem, double t, const double *sl
 /// Pore pressure of every cell [Pa].
 void lac_problem_pore(const lac_problem *problem, double t, double *pore, double *work);
 
-/// What a cell carries at friction coefficient f, damping apart: p_i share f + c_i [Pa], c_i the
-/// cohesion, shared as pressures are; docs/theory/friction.md, eq. 10.
-/// @param share  effective over total normal pressure
-double lac_problem_strength(const lac_problem *problem, size_t cell, double share, double f);
+/// Cohesion of a cell, c_i [Pa], shared as pressures are; docs/theory/friction.md, eq. 10.
+double lac_problem_cohesion(const lac_problem *problem, size_t cell);
 
 /// Means, extremes, forces and the balance residual.
 /// @param work  its first n hold the cells' slip rates afterwards [m/s]

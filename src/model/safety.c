@@ -36,7 +36,7 @@ static size_t hold(const lac_look *at, size_t first, double *strength)
     lac_friction_evaluate(friction, &cells, &values, NULL);
     for (size_t i = 0; i < length; i++) {
         strength[i] = lac_problem_effective(problem, &at->drive, first + i) * s.f[i] +
-                      problem->pressure[first + i] * problem->bond;
+                      lac_problem_cohesion(problem, first + i);
     }
     return length;
 }

@@ -25,7 +25,7 @@ lac_status lac_check_slipping(const lac_problem *problem, const double *y, doubl
             : lac_problem_lost_transfer(problem, y + lac_problem_slip_place(problem), work);
     LAC_FAIL_IF(lost != NULL, err, LAC_ENUMERIC,
                 "the transfer %s finds no stress for the slip at t = %.17g s", lost, t);
-    LAC_FAIL_IF(lac_problem_strength(problem, cell, 0.0, 0.0) > 0.0, err, LAC_ENUMERIC,
+    LAC_FAIL_IF(lac_problem_cohesion(problem, cell) > 0.0, err, LAC_ENUMERIC,
                 "the shear traction of cell %zu falls to its cohesion at t = %.17g s: cohesion "
                 "holds what slides forward only, and slip that stops or turns back is not followed",
                 cell, t);
