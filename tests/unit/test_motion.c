@@ -202,7 +202,7 @@ static void a_slope_that_goes_back_is_no_reset(void **state)
     for (size_t days = 2; days <= 4; days++) {
         fill_noisy(MOST, 1e-3);
         for (size_t k = 1; k <= days; k++) {
-            values[MOST - 1 - days + k] = values[MOST - 1 - days] - 0.5 * (double)k;
+            values[MOST - 1 - days + k] = values[MOST - 1 - days] - 1.5 * (double)k;
         }
         lac_motion *m = move((lac_motion_def){0}, MOST);
         assert_true(m->resets == 0 && m->outliers == 0 && m->n == MOST);
