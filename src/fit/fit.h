@@ -92,8 +92,13 @@ typedef struct lac_fit_result {
     const double *reading_time;  ///< [readings] [s] since the start
     const double *observed;      ///< [readings] displacement [m]; NaN
     const double *observed_rate; ///< [readings] [m/s]; NaN
-    const double *draw_failure;  ///< [draws] [s]; NaN: not by time.end
-    const lac_chain *chain;      ///< of the coordinates; NULL
+    bool windows; ///< velocities have errors, bounds or windows of their own: what follows holds
+    const double *observed_most;  ///< [readings] that the rate did not exceed [m/s]; NaN
+    const double *reading_within; ///< [readings] half the window of the time [s]
+    const double *rate_rank;      ///< [readings] share of predicted readings of the rate below it
+    const double *most_kept;      ///< [readings] how likely the posterior keeps the bound
+    const double *draw_failure;   ///< [draws] [s]; NaN: not by time.end
+    const lac_chain *chain;       ///< of the coordinates; NULL
 } lac_fit_result;
 
 /// A fit as it is told: what lac_fit_describe lays its tables on.

@@ -44,6 +44,9 @@ static lac_status prepare_columns(lac_parser *p, const lac_series_def *def, lac_
         {.name = axes->name[0], .unit = axes->unit[0], .si = "m"},
         {.name = axes->name[1], .unit = axes->unit[1], .si = "m"},
         {.name = axes->name[2], .unit = axes->unit[2], .si = "m"},
+        {.name = def->velocity_sigma, .unit = def->velocity_sigma_unit, .si = "1"},
+        {.name = def->velocity_most, .unit = def->velocity_most_unit, .si = "m/s"},
+        {.name = def->within, .unit = def->within_unit, .si = "s"},
         {.name = def->clock}};
     const lac_status read = lac_time_format_read(def->time_format, p->units, &p->format, err);
     if (read != LAC_OK) {
@@ -436,8 +439,9 @@ static void describe(const lac_parser *p, lac_series *s)
 
 static void fill(const lac_parser *p, lac_series *s)
 {
-    double *const column[VALUES] = {s->displacement, s->velocity,     s->value,       s->sigma,
-                                    s->component[0], s->component[1], s->component[2]};
+    double *const column[VALUES] = {
+        s->displacement, s->velocity,     s->value,          s->sigma,         s->component[0],
+        s->component[1], s->component[2], s->velocity_sigma, s->velocity_most, s->within};
     double *const digits[] = {s->displacement_digits, s->velocity_digits};
     for (size_t i = 0; i < s->n; i++) {
         s->time[i] = p->readings[i].time;
