@@ -74,6 +74,10 @@ static lac_status read_data(const lac_case *c, const lac_series *series, lac_fit
     *out = (lac_fit_data){.missing = series->missing, .digit = series->displacement_digit};
     LAC_FAIL_IF(series->dated && !c->dated, err, LAC_EINPUT,
                 "the series has dates, so time.start of %s must be a date", c->path);
+    LAC_FAIL_IF((c->fit.columns.velocity_sigma != NULL && series->velocity_sigma == NULL) ||
+                    (c->fit.columns.velocity_most != NULL && series->velocity_most == NULL) ||
+                    (c->fit.columns.within != NULL && series->within == NULL),
+                err, LAC_EINPUT, "the series was read without columns that the case's fit names");
     const size_t looks = lac_fit_has_rates(&c->fit) ? 1 + 2 * LAC_FIT_NODES : 1;
     const size_t room = looks * series->n + 1;
     out->time = malloc(4 * room * sizeof *out->time);

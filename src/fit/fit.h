@@ -64,7 +64,8 @@ typedef struct lac_fit_result {
     double misfit;          ///< rms over the range of the displacements; of velocities that of ln v
     double excess;          ///< what of it the noise does not explain: lac_unexplained
     double scatter;         ///< of displacements about the line between their neighbours [m]; NaN
-    bool poor; ///< they hang together or (white ones) exceed that scatter as noise does 1 in 100
+    bool poor;    ///< they hang together or (white ones) exceed that scatter as noise does 1 in 100
+    bool windows; ///< velocities have errors, bounds or windows of their own
     double log_likelihood; ///< of the best fit, offset integrated out
     double bic;            ///< Bayesian information criterion: k ln n - 2 ln L; less is better
     double failure;        ///< time of failure of the best fit [s]; NaN: none by time.end
@@ -92,8 +93,8 @@ typedef struct lac_fit_result {
     const double *reading_time;  ///< [readings] [s] since the start
     const double *observed;      ///< [readings] displacement [m]; NaN
     const double *observed_rate; ///< [readings] [m/s]; NaN
-    bool windows; ///< velocities have errors, bounds or windows of their own: what follows holds
-    const double *observed_most;  ///< [readings] that the rate did not exceed [m/s]; NaN
+    /// With `windows` only: what the rate did not exceed [m/s]; NaN
+    const double *observed_most;  ///< [readings]
     const double *reading_within; ///< [readings] half the window of the time [s]
     const double *rate_rank;      ///< [readings] share of predicted readings of the rate below it
     const double *most_kept;      ///< [readings] how likely the posterior keeps the bound
