@@ -97,6 +97,7 @@ static const lac_variable of_unknowns[] = {
 static const lac_variable of_data[] = {
     {.json = "displacements", R(COUNT, displacements)},
     {.json = "velocities", R(COUNT, velocities)},
+    {.json = "bounds", R(COUNT, bounds)},
     {.json = "outside", R(COUNT, outside)},
     {.json = "missing", R(COUNT, missing)},
     {.json = "not_positive", R(COUNT, not_positive)},

@@ -53,6 +53,7 @@ static lac_status keep(const lac_case *c, const lac_series *series, lac_fit_data
             continue;
         }
         if (isnan(row.displacement) && isnan(row.velocity) && isnan(row.most)) {
+            out->missing += rates ? 1 : 0; // a row has a rate or a bound
             continue;
         }
         out->time[out->n] = row.time;
@@ -62,6 +63,7 @@ static lac_status keep(const lac_case *c, const lac_series *series, lac_fit_data
         out->displacements += isnan(row.displacement) ? 0 : 1;
         out->velocities += isnan(row.velocity) ? 0 : 1;
         out->velocities += isnan(row.most) ? 0 : 1;
+        out->bounds += isnan(row.most) ? 0 : 1;
         out->seen[out->rows++] = row;
         out->n++;
     }
@@ -71,7 +73,8 @@ static lac_status keep(const lac_case *c, const lac_series *series, lac_fit_data
 static lac_status read_data(const lac_case *c, const lac_series *series, lac_fit_data *out,
                             lac_error *err)
 {
-    *out = (lac_fit_data){.missing = series->missing, .digit = series->displacement_digit};
+    *out = (lac_fit_data){.missing = lac_fit_has_rates(&c->fit) ? 0 : series->missing,
+                          .digit = series->displacement_digit};
     LAC_FAIL_IF(series->dated && !c->dated, err, LAC_EINPUT,
                 "the series has dates, so time.start of %s must be a date", c->path);
     LAC_FAIL_IF((c->fit.columns.velocity_sigma != NULL && series->velocity_sigma == NULL) ||
@@ -275,6 +278,7 @@ lac_status lac_fit_run(lac_fit *fit, const lac_fit_watch *watch, lac_fit_result 
     name_unknowns(fit, result);
     result->displacements = data->displacements;
     result->velocities = data->velocities;
+    result->bounds = data->bounds;
     result->outside = data->outside;
     result->missing = data->missing;
     result->not_positive = data->not_positive;

@@ -55,6 +55,7 @@ typedef struct lac_fit_result {
     size_t parameters, unknowns;
     lac_fit_unknown unknown[LAC_FIT_UNKNOWNS]; ///< [unknowns] parameters first
     size_t displacements, velocities;          ///< readings used
+    size_t bounds;                             ///< of the velocities, that are upper bounds
     size_t outside, missing;                   ///< left out: outside the run, not given
     size_t not_positive;                       ///< velocities left out: they have no logarithm
     double displacement_rms;                   ///< of the best fit [m]; NaN

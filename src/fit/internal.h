@@ -62,7 +62,8 @@ typedef struct lac_fit_data {
     double *sigma;        // [n] what a displacement's error counts in [m]: 1 without a column
     double digit;         // what the last of a displacement counts [m]; 0: not known
     size_t displacements, velocities, outside, missing, not_positive;
-    size_t rows; // of the file that were taken
+    size_t bounds; // of the velocities
+    size_t rows;   // of the file that were taken
     lac_fit_seen *seen;
     size_t rates; // 0: velocities are in log_rate; else in `rate`, and log_rate is NaN
     lac_fit_rate *rate;
