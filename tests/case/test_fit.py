@@ -276,7 +276,8 @@ class Fit(unittest.TestCase):
             done = self.run_program("fit", lake, rates, "-o", self.out, "--force", *[w for word in words for w in ("--set", word)], status=2)
             self.assertIn(message, done.stderr)
             self.assertLessEqual(len(done.stderr.strip().splitlines()), 2, done.stderr)
-        refused = self.run_program("precursors", rates, "--velocity", "cm_per_day:cm/day", "--case", lake, "--json").stdout
+        refused = self.run_program("precursors", SERIES, "--displacement", "disp_mm:mm", "--case", lake, "--json").stdout
+        refused = next(f["reason"] for f in json.loads(refused)["forecasts"] if f["method"] == "case")
         self.assertIn("are of lacuna fit", refused)
 
     def test_wrong_requests(self):
