@@ -345,9 +345,7 @@ static lac_status read_rows(lac_parser *p, lac_error *err)
     bool more = true;
     LAC_TRY_RETURN(lac_lines_next(&p->lines, &more, err));
     while (more) {
-        const char *line = p->lines.text;
-        line += strspn(line, " \t");
-        if (*line != '#') {
+        if (p->lines.text[strspn(p->lines.text, " \t")] != '#') {
             LAC_TRY_RETURN(read_row(p, err));
         }
         LAC_TRY_RETURN(lac_lines_next(&p->lines, &more, err));
@@ -358,11 +356,9 @@ static lac_status read_rows(lac_parser *p, lac_error *err)
 
 static lac_status check_any_value(const lac_parser *p, lac_error *err)
 {
-    for (size_t i = 0; i < p->count; i++) {
-        for (size_t c = 0; c < VALUES; c++) {
-            if (!isnan(p->readings[i].value[c])) {
-                return LAC_OK;
-            }
+    for (size_t i = 0; i < p->count * VALUES; i++) {
+        if (!isnan(p->readings[i / VALUES].value[i % VALUES])) {
+            return LAC_OK;
         }
     }
     return lac_parser_fail_empty(p, err);

@@ -29,8 +29,6 @@ LEVELS = "load.pore_pressure.0.reservoir.file"
 START, FAILED = datetime.datetime(1960, 9, 4), datetime.datetime(1963, 10, 9, 21, 39)  # UTC
 CM_DAY = 1e-2 / DAY
 ISSUES = ("1963-08-20", "1963-09-20", "1963-10-03")
-# Six statements are known at each: for five numbers they are too few, so b and dc are held where texts have them.
-HELD = {"friction.aging.b": 0.0135, "friction.aging.dc": 1.2}
 
 
 def when(text):
@@ -72,9 +70,9 @@ class Runs:
         self.folder = tempfile.TemporaryDirectory(prefix="lacuna-vajont-")
         self.path = os.path.join(self.folder.name, "run.nc")
 
-    def __call__(self, settings, case=CASE):
+    def __call__(self, settings):
         words = [word for key, value in settings.items() for word in ("--set", f"{key}={value}")]
-        call(self.program, "run", case, "-q", "--force", "-o", self.path, *words)
+        call(self.program, "run", CASE, "-q", "--force", "-o", self.path, *words)
         with xarray.open_dataset(self.path, decode_times=False) as data:
             seconds = (data["time_origin"] + data["time_local"]).values
             failed = bool(data.attrs.get("failed", 0))
@@ -90,10 +88,6 @@ def rates_at(grid, runs, draws):
     return out
 
 
-def length(p):
-    return f"{p:.3g}"
-
-
 def fit(arguments):
     print(call(arguments.program, "fit", CASE, RATES, "-o", arguments.fit, "--force", "--threads", arguments.threads))
     with xarray.open_dataset(arguments.fit, decode_times=False) as data:
@@ -101,20 +95,10 @@ def fit(arguments):
     print("| what a text says | rank in the posterior predictive | bound kept with probability |\n| --- | --- | --- |")
     for row, r, k in zip(sorted(rows_of(RATES), key=lambda row: when(row["date"])), rank, kept):
         said = f"{row['cm_per_day']} cm/day" if row["cm_per_day"] else f"at most {row['most_cm_per_day']} cm/day"
-        print(f"| {said}, {row['date'][:10]} ± {row['within_days']} d | {'' if np.isnan(r) else length(r)} | {'' if np.isnan(k) else length(k)} |")
+        print(f"| {said}, {row['date'][:10]} ± {row['within_days']} d | {'' if np.isnan(r) else f'{r:.2f}'} | {'' if np.isnan(k) else f'{k:.2f}'} |")
     read = rank[~np.isnan(rank)]
     for share in (0.5, 0.9):
         print(f"within {share:.0%}: {np.sum(abs(read - 0.5) <= share / 2)} of {len(read)}")
-
-
-def held_case(folder):
-    """The case with two numbers held, its files by their whole paths."""
-    with open(CASE, encoding="utf-8") as file:
-        lines = [line for line in file if not line.strip().startswith(("friction.aging.b:", "friction.aging.dc:"))]
-    path = os.path.join(folder, "held.yaml")
-    with open(path, "w", encoding="utf-8") as file:
-        file.writelines(line.replace("file: data/", f"file: {CASES}/data/") for line in lines)
-    return path
 
 
 def known_lake(folder, issue, later=()):
@@ -126,11 +110,11 @@ def known_lake(folder, issue, later=()):
     return path
 
 
-def failures(runs, draws, case, levels, issue):
+def failures(runs, draws, levels, issue):
     """Of draws that have not failed by the issue: the days to failure, inf beyond 60."""
     left = []
     for draw in draws:
-        end = runs({**draw, **HELD, LEVELS: levels}, case)[2] - days(when(issue))
+        end = runs({**draw, LEVELS: levels})[2] - days(when(issue))
         if end > 0.0:
             left.append(end if end <= 60.0 else np.inf)
     return np.array(left)
@@ -139,20 +123,19 @@ def failures(runs, draws, case, levels, issue):
 def issues(arguments):
     runs = Runs(arguments.program)
     folder = runs.folder.name
-    case = held_case(folder)
     print("| issue | readings | the lake from then on | draws left | fail within 20 days | within 60 days | median, 90 % of those |\n"
           "| --- | --- | --- | --- | --- | --- | --- |")
     for issue in ISSUES:
         path = os.path.join(folder, f"{issue}.nc")
-        words = [word for key, value in {**HELD, LEVELS: known_lake(folder, issue), "fit.until": f"{days(when(issue))} day"}.items()
+        words = [word for key, value in {LEVELS: known_lake(folder, issue), "fit.until": f"{days(when(issue))} day"}.items()
                  for word in ("--set", f"{key}={value}")]
-        call(arguments.program, "fit", case, RATES, "-o", path, "--force", "--threads", arguments.threads, *words)
+        call(arguments.program, "fit", CASE, RATES, "-o", path, "--force", "--threads", arguments.threads, *words)
         known = sum(when(row["date"]) <= when(issue) for row in rows_of(RATES))
         draws = draws_of(path, arguments.draws)
         down = (when(issue) + datetime.timedelta(days=15)).isoformat()
         for name, levels in (("stays", known_lake(folder, issue)), ("falls to 695 m in 15 days", known_lake(folder, issue, [(down, 695)])),
                              ("as it was", LAKE)):
-            left = failures(runs, draws, case, levels, issue)
+            left = failures(runs, draws, levels, issue)
             soon = left[np.isfinite(left)]
             said = "" if len(soon) < 10 else " to ".join(f"{q:.0f}" for q in np.quantile(soon, (0.05, 0.95))) + " days"
             print(f"| {issue} | {known} | {name} | {len(left)} | {np.mean(left <= 20):.0%} | {np.mean(np.isfinite(left)):.0%} | "
@@ -177,11 +160,12 @@ def draw_said(axes, labels):
         if row["cm_per_day"]:
             v = float(row["cm_per_day"])
             axes.errorbar(date, v, xerr=half, yerr=[[v - v * np.exp(-s)], [v * np.exp(s) - v]], color=SEEN, fmt="o", ms=5, lw=1.3, zorder=5,
-                          label=None if labels else "a rate that a text states, ± its taken error and window")
+                          label=None if "read" in labels else "a rate that a text states, ± its taken error and window")
             labels.append("read")
         else:
             most = float(row["most_cm_per_day"])
-            axes.plot([date - half, date + half], [most, most], color=SEEN, lw=2, zorder=5)
+            axes.plot([date - half, date + half], [most, most], color=SEEN, lw=2, zorder=5, label=None if "most" in labels else "what it did not exceed")
+            labels.append("most")
             axes.annotate("", (date, most / 3.2), (date, most), arrowprops={"arrowstyle": "-|>", "color": SEEN, "lw": 1.3}, zorder=5)
 
 
@@ -227,7 +211,7 @@ def picture(arguments):
     axes[1, 1].xaxis.set_major_formatter(matplotlib.dates.DateFormatter("%-d %b"))
     axes[0, 1].annotate("9 October, 22:39", (matplotlib.dates.date2num(FAILED), 0.0016), (-5, 0), textcoords="offset points", ha="right", color=INK, fontsize=8)
     axes[0, 0].legend(loc="upper center", ncols=2, fontsize=8)
-    save(figure, arguments.output)
+    save(figure, arguments.output, small=True)
 
 
 def main():
