@@ -29,7 +29,7 @@ LEVELS = "load.pore_pressure.0.reservoir.file"
 START, FAILED = datetime.datetime(1960, 9, 4), datetime.datetime(1963, 10, 9, 21, 39)  # UTC
 CM_DAY = 1e-2 / DAY
 ISSUES = ("1963-08-20", "1963-09-20", "1963-10-03")
-SHORT = {"fit.walkers": 24, "fit.steps": 300, "fit.burn": 150, "fit.rounds": 1}  # no failure has to be met: few walkers do
+SHORT = {"fit.walkers": 16, "fit.steps": 250, "fit.burn": 100, "fit.rounds": 1}  # no failure has to be met: few walkers do
 
 
 def when(text):
