@@ -323,6 +323,14 @@ static void check_inertia(lac_reader *reader, lac_case *c, double pressure)
         c->formulation = LAC_FORMULATION_INERTIA;
         warn_explicit(reader, c, pressure);
     }
+    const lac_friction_params *law = c->friction.params;
+    if (c->friction.info != NULL && !named && !isnan(law->flash_rate)) {
+        char key[LAC_KEY_LENGTH];
+        (void)snprintf(key, sizeof key, "friction.%s.flash_rate", c->friction.info->name);
+        (void)lac_refuse(reader, true, key,
+                         "needs the section inertia, such as inertia: {mass_per_area: \"5e5 "
+                         "kg/m2\"}: where friction falls at once no slip rate balances the load");
+    }
 }
 
 // Cells at steps of their own have one formulation and no method to choose.

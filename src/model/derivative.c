@@ -91,7 +91,7 @@ static double fastest(const lac_problem *problem, double t, const double *y, boo
         for (size_t i = 0; i < length; i++) {
             double p = lac_problem_effective(problem, &at.drive, first + i);
             double slip = s.speed[i] * lac_cellwise_of(&problem->friction->inv_dc, first + i);
-            double held = fmax(p * s.f_u[i] + problem->damping * s.speed[i], DBL_MIN);
+            double held = fmax(fabs(p * s.f_u[i] + problem->damping * s.speed[i]), DBL_MIN);
             double worth = fmin(fmax(p * s.f_w[i] / (MOST_WORTH * held), 1.0), 1e12);
             double back = stiffness * s.speed[i] / held;
             most = fmax(most, fmax(fmax(fabs(s.g[i]) * worth, slip), back));
