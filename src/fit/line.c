@@ -39,8 +39,8 @@ bool lac_fit_is_one_block(const lac_case *c)
 {
     const lac_friction_law *law = (const void *)c->friction.info;
     const lac_friction_params *numbers = c->friction.params;
-    return law->block_form && isnan(numbers->flash_rate) && c->surface.info == NULL &&
-           c->domain.info == NULL && c->friction_spread.count == 0 &&
+    return law->block_form && isnan(numbers->flash_rate) && c->weakening.count == 0 &&
+           c->surface.info == NULL && c->domain.info == NULL && c->friction_spread.count == 0 &&
            c->initial.state == LAC_STATE_RATIO && !isnan(c->initial.slip_rate);
 }
 

@@ -16,7 +16,7 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 78920,
+    "lines of src and include": 80125,
     "lines that only present results": 21100,
     "public headers": 13,
     "exported names": 43,
