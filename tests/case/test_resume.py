@@ -94,7 +94,7 @@ TABLE = {
                                                          "output.checkpoint={steps: 25}"]),
     "hot water": ("weakening/pressurization.yaml", ["output.fields=[temperature, excess_pore_pressure]",
                                                     "output.checkpoint={steps: 60}"]),
-    "dilatancy, erk": ("weakening/dilatancy.yaml", ["solver.method=erk", "output.checkpoint={steps: 40}"]),
+    "dilatancy, erk": ("weakening/dilatancy.yaml", ["solver.method=erk", "output.checkpoint={steps: 12}"]),
     "anchored block": ("bridge.yaml", ["output.checkpoint={steps: 500}", "output.every=1 day"]),
 }
 
