@@ -31,6 +31,12 @@ typedef struct lac_observation {
                           ///< the case's output.points, until the sink returns; NULL: none
     double factor_of_safety; ///< strength at the reference rate over Q [1]; NaN: not asked, or
                              ///< nothing drives
+    double slip_along[2], rate_along[2], shear_along[2]; ///< with interface.slip: vector, where
+                                                         ///< what is above are sizes, along x and
+                                                         ///< y: mean slip [m], mean rate [m/s],
+                                                         ///< Q [N]; else not set
+    const double *points_along; ///< [points][6] of such slip: slip, slip rate and traction as
+                                ///< above, each along x and y; NULL: none
 } lac_observation;
 
 /// The contact cells at a record; the arrays hold until the sink returns. It does not grow.
@@ -78,6 +84,8 @@ typedef struct lac_snapshot {
     const double *factor_of_safety; ///< [n] of each cell [1], NaN where it carries nothing; NULL:
                                     ///< not asked
     const double *pore;             ///< [n] pore pressure [Pa]; NULL: not asked
+    const double *along[6]; ///< [n] slip, slip rate, traction, each along x and y, where those
+                            ///< above are sizes (interface.slip: vector); NULL: slip is along x
 } lac_snapshot;
 
 /// The state after a step of the integrator; the arrays hold until the sink returns.

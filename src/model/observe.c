@@ -12,6 +12,7 @@ lac_look lac_problem_look(const lac_problem *problem, double t, const double *y,
 {
     lac_look at = {
         .problem = problem, .y = y, .w = y + problem->n, .ws = lac_problem_split(problem, work)};
+    at.t = t;
     (void)lac_problem_drive_into(problem, t, at.ws.shares, &at.drive);
     at.motion = problem->kind->move(&at, false);
     return at;
@@ -47,26 +48,43 @@ void lac_problem_elastic_traction(const lac_look *at, const double *slip, double
 void lac_problem_traction(const lac_problem *problem, double t, const double *slip,
                           double *traction, double *work)
 {
-    lac_look at = {.problem = problem, .ws = lac_problem_split(problem, work)};
+    lac_look at = {.problem = problem, .ws = lac_problem_split(problem, work), .t = t};
     (void)lac_problem_drive_into(problem, t, at.ws.shares, &at.drive);
+    if (problem->across != NULL) {
+        lac_vector_traction(&at, slip, traction);
+        return;
+    }
     lac_problem_elastic_traction(&at, slip, traction);
     for (size_t i = 0; problem->bond > 0.0 && i < problem->n; i++) {
         traction[i] += lac_problem_cohesion(problem, i);
     }
 }
 
+// What every cell is off its balance.
+static void find_residuals(const lac_look *at, const double *slip, double *residual)
+{
+    const lac_problem *problem = at->problem;
+    if (problem->across != NULL) {
+        lac_vector_unbalanced(at, residual);
+        return;
+    }
+    lac_problem_elastic_traction(at, slip, residual);
+    (void)lac_problem_unbalanced(at, residual, NULL);
+    if (problem->mass > 0.0) {
+        lac_inertia_unexplained(problem, residual);
+    }
+}
+
 // How far the cells are off their balance, each and together.
-// @param traction  q - K slip; overwritten
-static void measure_balance(const lac_look *at, double *traction, lac_observation *observation)
+// @param traction  overwritten
+static void measure_balance(const lac_look *at, const double *slip, double *traction,
+                            lac_observation *observation)
 {
     const lac_problem *problem = at->problem;
     double worst = 0.0;
     double sum = 0.0;
     double held = 0.0;
-    (void)lac_problem_unbalanced(at, traction, NULL);
-    if (problem->mass > 0.0) {
-        lac_inertia_unexplained(problem, traction);
-    }
+    find_residuals(at, slip, traction);
     for (size_t i = 0; i < problem->n; i++) {
         double p = lac_problem_effective(problem, &at->drive, i);
         double f0 = lac_cellwise_of(&problem->friction->column[LAC_F0], i);
@@ -107,17 +125,21 @@ void lac_problem_observe(const lac_problem *problem, double t, const double *y, 
             fabs(motion.v[i]) > fabs(motion.v[observation->fastest]) ? i : observation->fastest;
     }
     observation->max_rate = fabs(motion.v[observation->fastest]);
-    observation->mean_slip = lac_vsum(n, slip) / (double)n;
-
-    double total = lac_look_sheared(&at, slip, observation->mean_slip);
-    observation->shear_force = problem->cell_area * total;
+    if (problem->across != NULL) {
+        lac_vector_observe(&at, slip, observation);
+        observation->mean_slip = hypot(observation->slip_along[0], observation->slip_along[1]);
+        observation->shear_force = hypot(observation->shear_along[0], observation->shear_along[1]);
+    } else {
+        observation->mean_slip = lac_vsum(n, slip) / (double)n;
+        double total = lac_look_sheared(&at, slip, observation->mean_slip);
+        observation->shear_force = problem->cell_area * total;
+    }
     observation->normal_force = problem->cell_area * problem->sum_pressure;
     observation->effective_force = observation->normal_force * drive->share;
 
     observation->factor_of_safety = problem->safety.asked ? lac_look_safety(&at, slip) : NAN;
 
-    lac_problem_elastic_traction(&at, slip, at.ws.kv);
-    measure_balance(&at, at.ws.kv, observation);
+    measure_balance(&at, slip, at.ws.kv, observation);
 }
 
 bool lac_problem_slips(const lac_problem *problem, double t, const double *y, size_t *cell,

@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "base/vsum.h"
+#include "lacuna/simulation.h"
 #include "model/internal.h"
 
 lac_safety lac_problem_safety_asked(const lac_problem *problem) { return problem->safety; }
@@ -13,6 +14,7 @@ static lac_look look_at(const lac_problem *problem, double t, const double *y, d
 {
     lac_look at = {
         .problem = problem, .y = y, .w = y + problem->n, .ws = lac_problem_split(problem, work)};
+    at.t = t;
     (void)lac_problem_drive_into(problem, t, at.ws.shares, &at.drive);
     return at;
 }
@@ -55,6 +57,11 @@ double lac_look_safety(const lac_look *at, const double *slip)
     double sum = 0.0;
     for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
         sum += lac_vsum(hold(at, first, strength), strength);
+    }
+    if (at->problem->across != NULL) {
+        lac_observation seen;
+        lac_vector_observe(at, slip, &seen);
+        return over(sum, hypot(seen.shear_along[0], seen.shear_along[1]) / at->problem->cell_area);
     }
     return over(sum, lac_look_sheared(at, slip, lac_vsum(n, slip) / (double)n));
 }

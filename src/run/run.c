@@ -38,12 +38,39 @@ static void project(run *r, double t, const double **y, const double **slip)
     }
 }
 
+// The same of slip in two directions: the components, and of their means the sizes.
+static void watch_along(run *r, const double *slip, lac_record *line)
+{
+    const lac_points *points = r->def->points;
+    const lac_components of = lac_problem_components(r->problem, slip, r->engine->work);
+    const double *const fields[] = {of.slip[0], of.slip[1],     of.rate[0],
+                                    of.rate[1], of.traction[0], of.traction[1]};
+    double *value = r->watched, *along = value + LAC_POINT_VALUES * points->n;
+    line->observation.points = value;
+    line->observation.points_along = along;
+    for (size_t i = 0; i < points->n; i++, value += LAC_POINT_VALUES, along += LAC_POINT_ALONG) {
+        const lac_point *point = &points->point[i];
+        for (size_t k = 0; k < LAC_POINT_ALONG; k++) {
+            along[k] = lac_point_mean(point, fields[k]);
+        }
+        value[LAC_POINT_SLIP] = hypot(along[0], along[1]);
+        value[LAC_POINT_RATE] = hypot(along[2], along[3]);
+        value[LAC_POINT_TRACTION] = hypot(along[4], along[5]);
+        value[LAC_POINT_STATE] = lac_point_mean_exp(point, line->cells.log_state);
+    }
+}
+
 // What is told of the points at a record, whose cells are known.
 static void watch_points(run *r, double now, const double *slip, lac_record *line)
 {
     const lac_points *points = r->def->points;
-    double *value = r->watched, *traction = value + LAC_POINT_VALUES * points->n;
+    double *value = r->watched;
+    double *traction = value + (LAC_POINT_VALUES + LAC_POINT_ALONG) * points->n;
     lac_problem_traction(r->problem, now, slip, traction, r->engine->work);
+    if (lac_problem_is_vector(r->problem)) {
+        watch_along(r, slip, line);
+        return;
+    }
     for (size_t i = 0; i < points->n; i++, value += LAC_POINT_VALUES) {
         const lac_point *point = &points->point[i];
         value[LAC_POINT_SLIP] = lac_point_mean(point, slip);
@@ -87,6 +114,18 @@ static lac_status record(run *r, double t, const double *y, const double *slip, 
     return r->sink->record(r->sink->context, &line, err);
 }
 
+// Of rates and tractions that were found last.
+static void keep_components(run *r, const double *slip, double *along)
+{
+    const size_t n = r->engine->n;
+    const lac_components of = lac_problem_components(r->problem, slip, r->engine->work);
+    for (int c = 0; c < 2; c++) {
+        memcpy(along + (size_t)c * n, of.slip[c], n * sizeof *along);
+        memcpy(along + (size_t)(2 + c) * n, of.rate[c], n * sizeof *along);
+        memcpy(along + (size_t)(4 + c) * n, of.traction[c], n * sizeof *along);
+    }
+}
+
 static lac_status snapshot(run *r, double t, const double *y, const double *slip, lac_error *err)
 {
     size_t n = r->engine->n;
@@ -106,19 +145,26 @@ static lac_status snapshot(run *r, double t, const double *y, const double *slip
         theta[i] = exp(y[n + i]);
     }
     lac_problem_traction(r->problem, now, slip, traction, r->engine->work);
+    double *along = pore + n * (r->def->cell_safety ? 2 : 1);
+    if (lac_problem_is_vector(r->problem)) {
+        keep_components(r, slip, along);
+    }
     lac_problem_pore(r->problem, now, pore, r->engine->work);
     double *safety = r->def->cell_safety ? pore + n : NULL;
     if (safety != NULL) {
         lac_problem_safety_cells(r->problem, now, y, traction, safety, r->engine->work);
     }
     lac_snapshot fields = {.time = r->engine->origin + local,
-                           .slip = slip,
+                           .slip = lac_problem_slip_size(r->problem, slip, r->engine->work),
                            .slip_rate = v,
                            .state = theta,
                            .traction = traction,
                            .n = n,
                            .factor_of_safety = safety,
                            .pore = pore};
+    for (size_t k = 0; k < LAC_POINT_ALONG && lac_problem_is_vector(r->problem); k++) {
+        fields.along[k] = along + k * n;
+    }
     return r->sink->snapshot(r->sink->context, &fields, err);
 }
 
@@ -385,12 +431,15 @@ static lac_status allocate_output(run *r, lac_error *err)
     bool by_time = !isnan(r->def->record.time) || !isnan(r->def->snapshot.time);
     size_t bytes = 3 * r->engine->n * sizeof(double);
     r->between = by_time ? malloc(bytes) : NULL;
-    r->fields = r->def->snapshots ? malloc(bytes / 3 * (r->def->cell_safety ? 5 : 4)) : NULL;
+    const size_t kept = (r->def->cell_safety ? 5U : 4U) +
+                        (lac_problem_is_vector(r->problem) ? (size_t)LAC_POINT_ALONG : 0U);
+    r->fields = r->def->snapshots ? malloc(bytes / 3 * kept) : NULL;
     // Where slip is the unknown the balance holds as it is.
     bool drifts = r->def->projection != 0 && !lac_problem_has_slip(r->problem);
     r->onto = drifts ? malloc(bytes) : NULL;
     const lac_points *points = r->def->points;
-    const size_t watched = points != NULL ? LAC_POINT_VALUES * points->n + r->engine->n : 0;
+    const size_t values = LAC_POINT_VALUES + LAC_POINT_ALONG;
+    const size_t watched = points != NULL ? values * points->n + r->engine->n : 0;
     r->watched = watched > 0 ? malloc(watched * sizeof *r->watched) : NULL;
     LAC_FAIL_MEMORY_IF((by_time && r->between == NULL) ||
                            (r->def->snapshots && r->fields == NULL) ||
