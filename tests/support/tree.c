@@ -151,6 +151,7 @@ void tree_create(const tree_def *def, tree *out)
                                .columns = def->columns,
                                .log_rate = start,
                                .log_state = start + n,
+                               .heading = def->heading,
                                .formulation = def->formulation};
     must(lac_problem_create(&problem, &out->problem, &err) == LAC_OK, err.message);
     free(start);
