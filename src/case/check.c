@@ -325,55 +325,6 @@ static void check_inertia(lac_reader *reader, lac_case *c, double pressure)
     }
 }
 
-// Slip in two directions chooses the formulation; what knows slip along x only is refused, and
-// directions where slip has one.
-static void check_vector(lac_reader *reader, lac_case *c)
-{
-    const bool vector = c->slip == LAC_SLIP_VECTOR;
-    const bool chosen = c->formulation == LAC_FORMULATION_VECTOR;
-    const lac_friction_params *law = c->friction.params;
-    const lac_transfer_kind *transfer = (const void *)c->transfer.info;
-    const char *needs = "needs interface.slip: vector";
-    char key[100];
-    for (size_t i = 0; i < c->shear.count && lac_clean(reader, "load"); i++) {
-        const lac_model *model = &c->shear.item[i];
-        const lac_load_kind *kind = (const void *)model->info;
-        (void)snprintf(key, sizeof key, "load.shear.%zu.%s", i, kind->info.name);
-        const bool shared = lac_load_models_share(model) == LAC_SHARE_ELASTIC;
-        (void)lac_refuse(reader, vector && (shared || kind->needs_anchor), key,
-                         "knows slip along x only%s: leave out interface.slip: vector",
-                         shared ? " with share: elastic" : "");
-        (void)snprintf(key, sizeof key, "load.shear.%zu.%s.azimuth", i, kind->info.name);
-        (void)lac_refuse(reader, !vector && !isnan(lac_load_model_azimuth(model)), key, "%s",
-                         needs);
-    }
-    (void)lac_refuse(reader, !vector && !isnan(c->initial_azimuth), "initial.azimuth", "%s", needs);
-    (void)lac_refuse(reader, !vector && chosen, "solver.formulation", "%s", needs);
-    if (!vector) {
-        return;
-    }
-    (void)lac_refuse(
-        reader, !isnan(c->initial_azimuth) && !(HAS("initial.slip_rate") && HAS("initial.state")),
-        "initial.azimuth",
-        "goes with slip_rate and state both given; else slip starts where the loads "
-        "pull");
-    (void)lac_refuse(reader, !chosen && c->formulation != LAC_FORMULATION_AUTO,
-                     "solver.formulation", "knows slip along x only: leave it out");
-    (void)lac_refuse(reader, c->run.fidelity == LAC_FIDELITY_ASYNC, "solver.fidelity",
-                     "events follows slip along x only: leave out interface.slip: vector");
-    (void)lac_refuse(reader, HAS("inertia"), "inertia",
-                     "knows slip along x only: leave out interface.slip: vector");
-    (void)lac_refuse(reader, c->fit.named, "fit",
-                     "knows slip along x only: leave out interface.slip: vector");
-    (void)lac_refuse(reader, transfer != NULL && transfer->pair == NULL, "transfer",
-                     "%s knows slip along x only; with interface.slip: vector must be hierarchy or "
-                     "none",
-                     transfer != NULL ? transfer->info.name : "");
-    (void)lac_refuse(reader, c->friction.info != NULL && law->cohesion > 0.0, "friction",
-                     "cohesion holds slip along x only: leave out interface.slip: vector");
-    c->formulation = LAC_FORMULATION_VECTOR;
-}
-
 // Cells at steps of their own have one formulation and no method to choose.
 enum { EVENTS_REFUSE = 6 };
 static const struct {
@@ -520,7 +471,7 @@ void lac_check_case(lac_reader *reader, lac_case *c)
     }
     check_initial(reader, c);
     check_inertia(reader, c, normal_stress(reader, c));
-    check_vector(reader, c);
+    lac_check_vector(reader, c);
     check_solver(reader, c);
     lac_check_rg(reader, c);
     lac_check_analysis(reader, c);

@@ -164,8 +164,8 @@ void lac_vector_traction(const lac_look *at, const double *slip, double *tractio
 // Error weights of all unknowns. @param weight  those of slip along x and ln theta are there
 void lac_vector_weigh(const lac_problem *problem, const double *y, double rtol, double *weight);
 
-// The components of means and forces.
-void lac_vector_observe(const lac_look *at, const double *slip, lac_observation *observation);
+// Shear force Q over the area of a cell, as lac_look_sheared [Pa]; gives back its size.
+double lac_vector_sheared(const lac_look *at, const double *slip, double along[2]);
 
 // Size of what every cell of a state is off its balance.
 void lac_vector_unbalanced(const lac_look *at, double *residual);

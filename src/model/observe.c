@@ -111,6 +111,26 @@ double lac_look_sheared(const lac_look *at, const double *slip, double mean)
     return total - lac_problem_held(problem, drive->far.back, slip);
 }
 
+// Mean slip and shear force; of slip in two directions with their components, and the rate's.
+static void observe_slip(const lac_look *at, const double *slip, lac_observation *seen)
+{
+    const lac_problem *problem = at->problem;
+    const double n = (double)problem->n;
+    if (problem->across == NULL) {
+        seen->mean_slip = lac_vsum(problem->n, slip) / n;
+        seen->shear_force = problem->cell_area * lac_look_sheared(at, slip, seen->mean_slip);
+        return;
+    }
+    const lac_components of = lac_problem_components(problem, slip, at->ws.v);
+    seen->shear_force = problem->cell_area * lac_vector_sheared(at, slip, seen->shear_along);
+    for (int c = 0; c < 2; c++) {
+        seen->slip_along[c] = lac_vsum(problem->n, of.slip[c]) / n;
+        seen->rate_along[c] = lac_vsum(problem->n, of.rate[c]) / n;
+        seen->shear_along[c] *= problem->cell_area;
+    }
+    seen->mean_slip = hypot(seen->slip_along[0], seen->slip_along[1]);
+}
+
 void lac_problem_observe(const lac_problem *problem, double t, const double *y, const double *slip,
                          lac_observation *observation, double *work)
 {
@@ -125,15 +145,7 @@ void lac_problem_observe(const lac_problem *problem, double t, const double *y, 
             fabs(motion.v[i]) > fabs(motion.v[observation->fastest]) ? i : observation->fastest;
     }
     observation->max_rate = fabs(motion.v[observation->fastest]);
-    if (problem->across != NULL) {
-        lac_vector_observe(&at, slip, observation);
-        observation->mean_slip = hypot(observation->slip_along[0], observation->slip_along[1]);
-        observation->shear_force = hypot(observation->shear_along[0], observation->shear_along[1]);
-    } else {
-        observation->mean_slip = lac_vsum(n, slip) / (double)n;
-        double total = lac_look_sheared(&at, slip, observation->mean_slip);
-        observation->shear_force = problem->cell_area * total;
-    }
+    observe_slip(&at, slip, observation);
     observation->normal_force = problem->cell_area * problem->sum_pressure;
     observation->effective_force = observation->normal_force * drive->share;
 

@@ -4,7 +4,6 @@
 #include <math.h>
 
 #include "base/vsum.h"
-#include "lacuna/simulation.h"
 #include "model/internal.h"
 
 lac_safety lac_problem_safety_asked(const lac_problem *problem) { return problem->safety; }
@@ -59,9 +58,8 @@ double lac_look_safety(const lac_look *at, const double *slip)
         sum += lac_vsum(hold(at, first, strength), strength);
     }
     if (at->problem->across != NULL) {
-        lac_observation seen;
-        lac_vector_observe(at, slip, &seen);
-        return over(sum, hypot(seen.shear_along[0], seen.shear_along[1]) / at->problem->cell_area);
+        double along[2];
+        return over(sum, lac_vector_sheared(at, slip, along));
     }
     return over(sum, lac_look_sheared(at, slip, lac_vsum(n, slip) / (double)n));
 }

@@ -9,7 +9,6 @@
 
 #include "base/statistics.h"
 #include "base/vsum.h"
-#include "lacuna/simulation.h"
 #include "model/internal.h"
 
 // Behind the parts of the work that all formulations have.
@@ -386,19 +385,15 @@ double lac_problem_mean_slip(const lac_problem *problem, const double *slip)
     return hypot(lac_sum(n, x), lac_sum(n, slip)) / (double)n;
 }
 
-void lac_vector_observe(const lac_look *at, const double *slip, lac_observation *observation)
+double lac_vector_sheared(const lac_look *at, const double *slip, double along[2])
 {
-    const lac_problem *problem = at->problem;
-    const plane p = plane_of(at);
-    const double n = (double)problem->n;
+    const size_t n = at->problem->n;
     for (int c = 0; c < 2; c++) {
         const lac_look side = lac_look_along(at, c);
-        const double *along = lac_vector_slip(problem, slip, c);
-        const double mean = lac_vsum(problem->n, along) / n;
-        observation->slip_along[c] = mean;
-        observation->rate_along[c] = lac_vsum(problem->n, p.v[c]) / n;
-        observation->shear_along[c] = problem->cell_area * lac_look_sheared(&side, along, mean);
+        const double *of = lac_vector_slip(at->problem, slip, c);
+        along[c] = lac_look_sheared(&side, of, lac_vsum(n, of) / (double)n);
     }
+    return hypot(along[0], along[1]);
 }
 
 void lac_vector_unbalanced(const lac_look *at, double *residual)

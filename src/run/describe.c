@@ -25,7 +25,6 @@ LAC_GETTER(double, pore_pressure, PLACE,
 LAC_GETTER(bool, has_pore_pressure, PLACE,
            p->of.loads != NULL && lac_load_set_has_pore(p->of.loads))
 LAC_GETTER(bool, has_safety, PLACE, p->of.safety.asked)
-LAC_GETTER(bool, is_vector, PLACE, p->of.vector)
 LAC_GETTER(double, order, PLACE, p->record.order != 0 ? (double)p->record.order : NAN)
 
 #define MEAN .cell_methods = "time: point area: mean"
@@ -34,10 +33,6 @@ LAC_GETTER(double, order, PLACE, p->record.order != 0 ? (double)p->record.order 
 #define SEEN(field) P(REAL, record.observation.field), .flags = LAC_FILLED | LAC_ROUGH
 #define WHOLE .flags = (LAC_WHOLE | LAC_LONG)
 
-#define ALONG                                              \
-    .flags = LAC_FILLED | LAC_ROUGH, .has = is_vector,     \
-    .comment = "of slip in two directions, whose size is " \
-               "what stands without _x and _y"
 static const lac_variable of_record[] = {
     LAC_ROW("time", NULL, "s", "time since the start of the run", G(time_of_record),
             .flags = LAC_TIME,
@@ -58,18 +53,6 @@ static const lac_variable of_record[] = {
             .cell_methods = "time: point area: maximum"),
     LAC_ROW("shear_force", NULL, "N", "shear force Q on the interface", SEEN(shear_force), POINT,
             .comment = "applied load, along x"),
-    LAC_ROW("slip_x", NULL, "m", "mean slip along x since the start",
-            P(REAL, record.observation.slip_along[0]), MEAN, ALONG),
-    LAC_ROW("slip_y", NULL, "m", "mean slip along y since the start",
-            P(REAL, record.observation.slip_along[1]), MEAN, ALONG),
-    LAC_ROW("slip_rate_x", NULL, "m s-1", "mean slip rate along x",
-            P(REAL, record.observation.rate_along[0]), MEAN, ALONG),
-    LAC_ROW("slip_rate_y", NULL, "m s-1", "mean slip rate along y",
-            P(REAL, record.observation.rate_along[1]), MEAN, ALONG),
-    LAC_ROW("shear_force_x", NULL, "N", "shear force Q on the interface along x",
-            P(REAL, record.observation.shear_along[0]), POINT, ALONG),
-    LAC_ROW("shear_force_y", NULL, "N", "shear force Q on the interface along y",
-            P(REAL, record.observation.shear_along[1]), POINT, ALONG),
     LAC_ROW("normal_force", NULL, "N", "total normal force P on the interface", SEEN(normal_force),
             POINT, .comment = "compression is positive; pore pressure not subtracted"),
     LAC_ROW("effective_normal_force", NULL, "N", "normal force less the force of the pore pressure",
@@ -132,23 +115,6 @@ static const lac_variable of_fields[] = {
             .comment = "(p f(v_ref, theta) + cohesion) / |traction|, p the effective pressure; "
                        "missing where it carries nothing"),
 };
-
-// Those of the field i / 2, where slip has two directions.
-static const lac_variable of_components[] = {
-    LAC_ROW("cell_slip_x", NULL, "m", "slip of each contact cell along x since the start",
-            CELLS(along[0])),
-    LAC_ROW("cell_slip_y", NULL, "m", "slip of each contact cell along y since the start",
-            CELLS(along[1])),
-    LAC_ROW("cell_slip_rate_x", NULL, "m s-1", "slip rate of each contact cell along x",
-            CELLS(along[2])),
-    LAC_ROW("cell_slip_rate_y", NULL, "m s-1", "slip rate of each contact cell along y",
-            CELLS(along[3])),
-    LAC_ROW("cell_traction_x", NULL, "Pa", "shear traction on each contact cell along x",
-            CELLS(along[4])),
-    LAC_ROW("cell_traction_y", NULL, "Pa", "shear traction on each contact cell along y",
-            CELLS(along[5])),
-};
-static const unsigned field_of_component[] = {LAC_FIELD_SLIP, LAC_FIELD_RATE, LAC_FIELD_TRACTION};
 
 #define E(kind, field) P(kind, event.field), .coordinates = "event_time event_x event_y"
 static const lac_variable of_event[] = {
@@ -259,17 +225,6 @@ LAC_GETTER(double, point_slip, PLACE, at_point(p, LAC_POINT_SLIP, at[1]))
 LAC_GETTER(double, point_rate, PLACE, at_point(p, LAC_POINT_RATE, at[1]))
 LAC_GETTER(double, point_traction, PLACE, at_point(p, LAC_POINT_TRACTION, at[1]))
 LAC_GETTER(double, point_state, PLACE, at_point(p, LAC_POINT_STATE, at[1]))
-static double along_at_point(const lac_run_place *p, size_t which, size_t point)
-{
-    const double *values = p->record.observation.points_along;
-    return values != NULL ? values[point * LAC_POINT_ALONG + which] : NAN;
-}
-LAC_GETTER(double, point_slip_x, PLACE, along_at_point(p, 0, at[1]))
-LAC_GETTER(double, point_slip_y, PLACE, along_at_point(p, 1, at[1]))
-LAC_GETTER(double, point_rate_x, PLACE, along_at_point(p, 2, at[1]))
-LAC_GETTER(double, point_rate_y, PLACE, along_at_point(p, 3, at[1]))
-LAC_GETTER(double, point_traction_x, PLACE, along_at_point(p, 4, at[1]))
-LAC_GETTER(double, point_traction_y, PLACE, along_at_point(p, 5, at[1]))
 static const lac_variable of_points[] = {
     LAC_ROW("point_name", NULL, "1", "name of the point in the case", T(point_name),
             .flags = LAC_CHARS),
@@ -297,18 +252,6 @@ static const lac_variable of_watched[] = {
             WATCHED(point_traction), .comment = "the elastic side of the balance, q - K slip"),
     LAC_ROW("point_state", "time point", "s", "frictional state theta at the point",
             WATCHED(point_state)),
-    LAC_ROW("point_slip_x", "time point", "m", "slip at the point along x since the start",
-            WATCHED(point_slip_x), .has = is_vector),
-    LAC_ROW("point_slip_y", "time point", "m", "slip at the point along y since the start",
-            WATCHED(point_slip_y), .has = is_vector),
-    LAC_ROW("point_slip_rate_x", "time point", "m s-1", "slip rate at the point along x",
-            WATCHED(point_rate_x), .has = is_vector),
-    LAC_ROW("point_slip_rate_y", "time point", "m s-1", "slip rate at the point along y",
-            WATCHED(point_rate_y), .has = is_vector),
-    LAC_ROW("point_traction_x", "time point", "Pa", "shear traction at the point along x",
-            WATCHED(point_traction_x), .has = is_vector),
-    LAC_ROW("point_traction_y", "time point", "Pa", "shear traction at the point along y",
-            WATCHED(point_traction_y), .has = is_vector),
 };
 
 // What an analysis adds: `which` is the place of its first value among those of its kind.
@@ -376,11 +319,6 @@ static lac_status add_fields(lac_dataset *d, const lac_run_place *p, lac_error *
         const lac_laid field = {{.row = &of_fields[i], .rows = 1, .over = "snapshot cell"}, p};
         status = (p->of.fields >> i & 1) != 0 ? lac_dataset_add(d, &field, 1, err) : LAC_OK;
     }
-    for (size_t i = 0; p->of.vector && i < LAC_POINT_ALONG && status == LAC_OK; i++) {
-        const lac_laid field = {{.row = &of_components[i], .rows = 1, .over = "snapshot cell"}, p};
-        const bool asked = (p->of.fields & field_of_component[i / 2]) != 0;
-        status = asked ? lac_dataset_add(d, &field, 1, err) : LAC_OK;
-    }
     return status;
 }
 
@@ -411,6 +349,7 @@ static lac_status add_all(lac_dataset *d, const lac_run_place *p, lac_error *err
     LAC_TRY_RETURN(has_levels ? lac_dataset_add(d, &level, 1, err) : LAC_OK);
     LAC_TRY_RETURN(of->points != NULL ? lac_dataset_add(d, points, 2, err) : LAC_OK);
     LAC_TRY_RETURN(of->loads != NULL ? add_drivers(d, p, err) : LAC_OK);
+    LAC_TRY_RETURN(lac_run_describe_components(d, p, err));
     LAC_TRY_RETURN(add_extras(d, p, levels, err));
     return of->events ? lac_dataset_add(d, &events, 1, err) : LAC_OK;
 }

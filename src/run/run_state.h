@@ -73,6 +73,15 @@ typedef struct lac_run_state {
     bool broken; // the step ended where the loads jump or bend
 } lac_run_state;
 
+// Hands one line of the time series to the sink; a time already recorded is passed over.
+// @param t, y, slip  of the engine's own time, its state then
+lac_status lac_run_state_record(lac_run_state *r, double t, const double *y, const double *slip,
+                                lac_error *err);
+
+// The same of the cells.
+lac_status lac_run_state_snapshot(lac_run_state *r, double t, const double *y, const double *slip,
+                                  lac_error *err);
+
 // Before a step: whether another one is allowed, and time still goes on.
 lac_status lac_run_state_check(lac_run_state *r, lac_error *err);
 
