@@ -16,8 +16,8 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 80100,
-    "lines that only present results": 21160,
+    "lines of src and include": 80200,
+    "lines that only present results": 21240,
     "public headers": 13,
     "exported names": 43,
     "circles of includes": 0,
