@@ -30,6 +30,9 @@ void lac_check_vector(lac_reader *reader, lac_case *c)
     const bool turned = !isnan(c->initial_azimuth);
     const lac_friction_params *law = c->friction.params;
     const lac_transfer_kind *transfer = (const void *)c->transfer.info;
+    const lac_domain_source *domain = (const void *)c->domain.info;
+    const bool full = c->surface.info == NULL && (domain == NULL || domain->full);
+    const bool repeats = full && c->interface.boundary == LAC_PERIODIC;
     const struct {
         bool wrong;
         const char *key, *why;
@@ -43,8 +46,9 @@ void lac_check_vector(lac_reader *reader, lac_case *c)
         {vector && c->run.fidelity == LAC_FIDELITY_ASYNC, "solver.fidelity", ALONG_X},
         {vector && HAS("inertia"), "inertia", ALONG_X},
         {vector && c->fit.named, "fit", ALONG_X},
-        {vector && transfer != NULL && transfer->pair == NULL, "transfer",
-         "knows slip along x only: with interface.slip: vector must be hierarchy or none"},
+        {vector && transfer != NULL && transfer->transforms && !repeats, "transfer",
+         "with interface.slip: vector needs interface.boundary: periodic and every cell in "
+         "contact, or must be hierarchy"},
         {vector && c->friction.info != NULL && law->cohesion > 0.0, "friction",
          "has cohesion, which " ALONG_X},
     };

@@ -45,6 +45,19 @@ static double wave_stiffness(const lac_rock *rock, double kx, double ky)
     return rock->shear_modulus / 2 * (across * slab_antiplane(q) + along * slab_in_plane(nu, q));
 }
 
+// Traction along y under slip along x, S = G/2 (1/(1-nu) - 1) kx ky/|k|: odd in each, so that the
+// shortest wave, which stands for both signs, has none.
+static double cross_stiffness(const lac_rock *rock, double kx, double ky)
+{
+    double k = hypot(kx, ky);
+    if (!(k > 0)) {
+        return 0;
+    }
+    double q = k * rock->thickness, nu = rock->poisson;
+    double apart = slab_in_plane(nu, q) / (1 - nu) - slab_antiplane(q);
+    return rock->shear_modulus / 2 * kx * (ky / k) * apart;
+}
+
 static void fill_waves(const lac_fft *fft, const lac_grid *grid, const lac_rock *rock,
                        double *stiffness, double *compliance)
 {
@@ -53,7 +66,10 @@ static void fill_waves(const lac_fft *fft, const lac_grid *grid, const lac_rock 
         double ky = 2 * M_PI * lac_fft_frequency(j, fft->ny) / ((double)fft->ny * grid->dy);
         for (size_t i = 0; i < fft->nkx; i++) {
             double kx = 2 * M_PI * (double)i / ((double)fft->nx * grid->dx);
-            double s = wave_stiffness(rock, kx, ky);
+            bool shortest = 2 * i == fft->nx || 2 * j == fft->ny;
+            double s = !rock->cross ? wave_stiffness(rock, kx, ky)
+                       : shortest   ? 0
+                                    : cross_stiffness(rock, kx, ky);
             stiffness[i * fft->ny + j] = s / cells;
             compliance[i * fft->ny + j] = s > 0 ? 1 / (s * cells) : 0;
         }
