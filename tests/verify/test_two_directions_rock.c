@@ -104,6 +104,25 @@ static void waves_feel_the_tensor_of_the_rock(void **state)
     clear(&t);
 }
 
+// The shortest wave goes both ways along its axis, so that slip along x pulls no more up than down.
+static void the_shortest_wave_pulls_no_way_across(void **state)
+{
+    (void)state;
+    enum { NX = 12, NY = 10 };
+    double x[2 * NX * NY] = {0}, y[2 * NX * NY];
+    ties t;
+    make("elastic", NX, NY, 1.0, NULL, 0.0, &t);
+    for (size_t i = 0; i < NX * NY; i++) {
+        const size_t at = t.domain->index[i];
+        x[i] = cos(2.0 * M_PI * 3.0 / NX * (double)(at % NX)) * (at / NX % 2 == 0 ? 1.0 : -1.0);
+    }
+    apply(&t, x, y);
+    for (size_t i = 0; i < NX * NY; i++) {
+        assert_true(fabs(y[NX * NY + i]) < 1e-12 && y[i] * x[i] > -1e-12);
+    }
+    clear(&t);
+}
+
 // Rock of a thickness holds uniform slip by G/(2 thickness), whichever way.
 static void slabs_hold_uniform_slip(void **state)
 {
@@ -265,6 +284,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(waves_feel_the_tensor_of_the_rock),
+        cmocka_unit_test(the_shortest_wave_pulls_no_way_across),
         cmocka_unit_test(slabs_hold_uniform_slip),
         cmocka_unit_test(blocks_of_a_row_are_stiffer_along_it),
         cmocka_unit_test(solves_are_those_of_the_dense_matrix),
