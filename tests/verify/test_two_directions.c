@@ -99,7 +99,7 @@ static void the_axes_do_not_matter(void **state)
     static const char *const rates[] = {"1e-12 m/s", "1e-30 m/s"};
     (void)state;
     for (size_t k = 0; k < 6; k++) {
-        const double way = atof(azimuths[k / 2]) * M_PI / 180.0;
+        const double way = strtod(azimuths[k / 2], NULL) * M_PI / 180.0;
         const lac_override along[] = {{"initial.slip_rate", rates[k % 2]},
                                       {"load.shear.0.ramp.rate", "100 Pa/s"}};
         const lac_override turned[] = {along[0],
@@ -138,7 +138,7 @@ static void a_stress_that_turns_leads_round_a_circle(void **state)
     static const char *const rates[] = {"1e-28 m/s", "0.01 m/s"};
     (void)state;
     for (size_t k = 0; k < 4; k++) {
-        const double v = atof(rates[k / 2]), w = 2.0 * M_PI / 1000.0;
+        const double v = strtod(rates[k / 2], NULL), w = 2.0 * M_PI / 1000.0;
         const lac_override set[] = {{"friction.aging.v0", rates[k / 2]},
                                     {"friction.aging.form", k % 2 == 0 ? "plain" : "regularised"}};
         lac_dataset *of = run(block, set, 2);
