@@ -68,6 +68,8 @@ static const lac_param load_rows[] = {
     LAC_OWN("normal", "{MODEL: {...}}: total normal stress; must be given"),
     LAC_OWN("shear", "[{MODEL: {...}}, ...]: shear loads, which add up"),
     LAC_OWN("pore_pressure", "[{MODEL: {...}}, ...]: pore pressures, which add up"),
+    LAC_OWN("normal_stress", "[{MODEL: {...}}, ...]: normal stresses on top of normal, which add "
+                             "up"),
     LAC_OWN("history", "{steps: [...], ...}: a static history for `lacuna contact`"),
 };
 
@@ -396,6 +398,7 @@ static const lac_part parts[] = {
     {PART(SLOT, "load.normal", normal), .model = LAC_KIND_NORMAL, .missing = NO_LOAD},
     {PART(SLOTS, "load.shear", shear), .model = LAC_KIND_SHEAR},
     {PART(SLOTS, "load.pore_pressure", pore), .model = LAC_KIND_PORE},
+    {PART(SLOTS, "load.normal_stress", pressing), .model = LAC_KIND_PRESSING},
     {RECORD("load.history", "a static history of normal and shear load, for `lacuna contact`",
             history_rows),
      .such = "{steps: [{ratio_x: 0.3}]}", .given = has_history},

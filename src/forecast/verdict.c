@@ -139,10 +139,10 @@ static void pool(const lac_forecast_set *o, lac_verdict *v)
                     : chance_before(v->pooled, o->issue_time, o->issue_time + v->horizon);
 }
 
-// How dense readings are: 1 at a day and less, 0 at ten and more.
+// How dense readings are: 0 at ten days and more, 1 at one, 2 at a tenth and less.
 static double density(double interval)
 {
-    const double days = fmax(1.0, fmin(sparse, interval / day));
+    const double days = fmax(1.0 / sparse, fmin(sparse, interval / day));
     return 1.0 - log(days) / log(sparse);
 }
 

@@ -131,6 +131,28 @@ static void observe_slip(const lac_look *at, const double *slip, lac_observation
     seen->mean_slip = hypot(seen->slip_along[0], seen->slip_along[1]);
 }
 
+// Normal force over that of the normal load. Where what comes on top differs from cell to cell, it
+// is weighed by pressure, as what is taken off is. @param shares  those of lac_workspace
+static double pressed(const lac_problem *problem, double t, double *shares)
+{
+    const lac_load_set *loads = &problem->loads;
+    lac_load_state now;
+    double off = 0.0;
+    if (!lac_load_set_presses(loads)) {
+        return 1.0;
+    }
+    lac_load_evaluate(loads, t, &now);
+    if (problem->varies) {
+        double *normal = shares + 2 * problem->n; // where a jump would need it
+        lac_load_evaluate_normal(loads, t, &now, normal, normal + problem->n);
+        now.normal = normal[0];
+        for (size_t i = 0; i < problem->n; i++) {
+            off += problem->pressure[i] * (normal[i] - normal[0]);
+        }
+    }
+    return 1.0 + (now.normal + off / problem->sum_pressure) / problem->mean_pressure;
+}
+
 void lac_problem_observe(const lac_problem *problem, double t, const double *y, const double *slip,
                          lac_observation *observation, double *work)
 {
@@ -148,6 +170,7 @@ void lac_problem_observe(const lac_problem *problem, double t, const double *y, 
     observe_slip(&at, slip, observation);
     observation->normal_force = problem->cell_area * problem->sum_pressure;
     observation->effective_force = observation->normal_force * drive->share;
+    observation->normal_force *= pressed(problem, t, at.ws.shares);
 
     observation->factor_of_safety = problem->safety.asked ? lac_look_safety(&at, slip) : NAN;
 

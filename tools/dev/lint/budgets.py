@@ -16,7 +16,7 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 80450,
+    "lines of src and include": 80700,
     "lines that only present results": 21240,
     "public headers": 13,
     "exported names": 43,
