@@ -60,7 +60,8 @@ static const char joint[] =
     "friction: {aging: {f0: 0.6, a: 0.01, b: 0.015, dc: 10 um, v0: 1 um/s, form: regularised}}, "
     "initial: {slip_rate: 1e-12 m/s, state: {ratio_to_steady: 1}}, "
     "transfer: {hierarchy: {k0: 10 GPa/m}}, time: {end: 100 day}, "
-    "solver: {formulation: slip}, output: {fields: [slip, slip_rate, traction, state]}}";
+    "solver: {formulation: slip}, output: {fields: [slip, slip_rate, traction, state], points: "
+    "[{name: A, x: 30 cm, y: 20 cm, radius: 25 cm}]}}";
 
 // All that a run along x has, a run in two directions has too: with loads along x the same steps,
 // and the same numbers but for rounding. Cells that weaken magnify that as they magnify all that
@@ -91,6 +92,23 @@ static void loads_along_x_make_slip_along_x(void **state)
     lac_dataset_free(two);
 }
 
+// What is told of a point has components too.
+static void points_turn_too(const lac_dataset *of, double way)
+{
+    static const char *const names[][3] = {
+        {"point_slip", "point_slip_x", "point_slip_y"},
+        {"point_slip_rate", "point_slip_rate_x", "point_slip_rate_y"},
+        {"point_traction", "point_traction_x", "point_traction_y"}};
+    for (size_t k = 0; k < 3; k++) {
+        const double *size = values(of, names[k][0]);
+        const double *x = values(of, names[k][1]), *y = values(of, names[k][2]);
+        for (size_t i = 0; i < lac_dataset_count(of, names[k][0]); i++) {
+            is_near(names[k][1], x[i], size[i] * cos(way), size[i], 1e-9);
+            is_near(names[k][2], y[i], size[i] * sin(way), size[i], 1e-9);
+        }
+    }
+}
+
 // Loads that pull another way move the same joint that way, over some thirty decades of rate too,
 // where what ties the cells knows no direction.
 static void the_axes_do_not_matter(void **state)
@@ -118,6 +136,7 @@ static void the_axes_do_not_matter(void **state)
             is_near("along x", x[i], v[i] * cos(way), v[i], 1e-9);
             is_near("along y", y[i], v[i] * sin(way), v[i], 1e-9);
         }
+        points_turn_too(two, way);
         lac_dataset_free(one);
         lac_dataset_free(two);
     }
