@@ -46,6 +46,7 @@ void lac_check_vector(lac_reader *reader, lac_case *c)
         {vector && c->run.fidelity == LAC_FIDELITY_ASYNC, "solver.fidelity", ALONG_X},
         {vector && HAS("inertia"), "inertia", ALONG_X},
         {vector && c->fit.named, "fit", ALONG_X},
+        {vector && c->weakening.count > 0, "weakening", ALONG_X},
         {vector && transfer != NULL && transfer->transforms && !repeats, "transfer",
          "with interface.slip: vector needs interface.boundary: periodic and every cell in "
          "contact, or must be hierarchy"},

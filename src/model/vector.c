@@ -72,8 +72,10 @@ lac_status lac_vector_init(lac_problem *problem, double heading, lac_error *err)
 {
     LAC_FAIL_IF(problem->transfer.kind->pair == NULL, err, LAC_EINPUT,
                 "transfer %s: knows slip along x only", problem->transfer.kind->info.name);
-    LAC_FAIL_IF(problem->bond > 0.0 || problem->loads.shape != NULL, err, LAC_EINPUT,
-                "slip in two directions knows no cohesion, and no load that rock shares");
+    LAC_FAIL_IF(
+        problem->bond > 0.0 || problem->loads.shape != NULL || problem->weak != NULL, err,
+        LAC_EINPUT,
+        "slip in two directions knows no cohesion, no load that rock shares and no weakening");
     LAC_TRY_RETURN(make_side(problem, &problem->across, err));
     turn(problem->across, sin(heading));
     turn(problem, cos(heading));

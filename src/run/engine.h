@@ -48,8 +48,8 @@ typedef struct lac_engine_kind {
     lac_status (*restart)(lac_engine *engine, double h, lac_error *err);
     // One step, not beyond the integrator's time `stop`; sets t, step, order; y is current then.
     lac_status (*advance)(lac_engine *engine, double stop, lac_error *err);
-    // State and slip at an integrator's time within the last step; seen [3n]: the first 2n of y,
-    // then slip.
+    // State and slip at an integrator's time within the last step; seen [unknowns + n]: y, then
+    // slip.
     bool (*at)(lac_engine *engine, double t, double *observation);
     // Brings the counters up to date.
     void (*count)(lac_engine *engine);
@@ -61,6 +61,13 @@ typedef struct lac_engine_kind {
 extern const lac_engine_kind lac_engine_cvode; // BDF and Adams
 extern const lac_engine_kind lac_engine_erk;
 extern const lac_engine_kind lac_engine_events; // each cell at steps of its own
+
+// Slip in what `at` gives: where it stands in y, or behind y.
+static inline const double *lac_engine_slip_in(const lac_engine *engine, const double *seen)
+{
+    return seen + (lac_problem_has_slip(engine->problem) ? lac_problem_slip_place(engine->problem)
+                                                         : engine->unknowns);
+}
 
 // Whether lac_engine_events can follow a problem.
 lac_status lac_engine_events_check(const lac_problem *problem, lac_error *err);

@@ -19,20 +19,20 @@ static bool moves_on(lac_instant *last, double origin, double local)
 // What is put out of a state: itself, or its projection onto the balance.
 static void project(lac_run_state *r, double t, const double **y, const double **slip)
 {
-    size_t n = r->engine->n;
+    size_t n = r->engine->n, unknowns = r->engine->unknowns;
     if (r->onto == NULL) {
         return;
     }
-    memcpy(r->onto, *y, 2 * n * sizeof **y);
-    memcpy(r->onto + 2 * n, *slip, n * sizeof **slip);
-    if (lac_problem_project(r->problem, lac_engine_clock(r->engine, t), r->onto, r->onto + 2 * n,
+    memcpy(r->onto, *y, unknowns * sizeof **y);
+    memcpy(r->onto + unknowns, *slip, n * sizeof **slip);
+    if (lac_problem_project(r->problem, lac_engine_clock(r->engine, t), r->onto, r->onto + unknowns,
                             r->engine->work)) {
         *y = r->onto;
-        *slip = r->onto + 2 * n;
+        *slip = r->onto + unknowns;
     }
 }
 
-// The same of slip in two directions: the components, and of their means the sizes.
+// Of slip in two directions the components besides, of whose means the sizes are told.
 static void watch_along(lac_run_state *r, const double *slip, lac_record *line)
 {
     const lac_points *points = r->def->points;
@@ -40,39 +40,29 @@ static void watch_along(lac_run_state *r, const double *slip, lac_record *line)
     const double *const fields[] = {of.slip[0], of.slip[1],     of.rate[0],
                                     of.rate[1], of.traction[0], of.traction[1]};
     double *value = r->watched, *along = value + LAC_POINT_VALUES * points->n;
-    line->observation.points = value;
     line->observation.points_along = along;
     for (size_t i = 0; i < points->n; i++, value += LAC_POINT_VALUES, along += LAC_POINT_ALONG) {
-        const lac_point *point = &points->point[i];
         for (size_t k = 0; k < LAC_POINT_ALONG; k++) {
-            along[k] = lac_point_mean(point, fields[k]);
+            along[k] = lac_point_mean(&points->point[i], fields[k]);
         }
         value[LAC_POINT_SLIP] = hypot(along[0], along[1]);
         value[LAC_POINT_RATE] = hypot(along[2], along[3]);
         value[LAC_POINT_TRACTION] = hypot(along[4], along[5]);
-        value[LAC_POINT_STATE] = lac_point_mean_exp(point, line->cells.log_state);
     }
 }
 
 // What is told of the points at a record, whose cells are known.
 static void watch_points(lac_run_state *r, double now, const double *slip, lac_record *line)
 {
-    const lac_points *points = r->def->points;
-    double *value = r->watched;
-    double *traction = value + (LAC_POINT_VALUES + LAC_POINT_ALONG) * points->n;
+    const size_t values = LAC_POINT_VALUES + LAC_POINT_ALONG;
+    double *traction = r->watched + values * r->def->points->n;
     lac_problem_traction(r->problem, now, slip, traction, r->engine->work);
+    const double *fields[] = {slip, line->cells.slip_rate, traction, line->cells.log_state};
+    lac_points_read(r->def->points, fields, r->watched);
+    line->observation.points = r->watched;
     if (lac_problem_is_vector(r->problem)) {
         watch_along(r, slip, line);
-        return;
     }
-    for (size_t i = 0; i < points->n; i++, value += LAC_POINT_VALUES) {
-        const lac_point *point = &points->point[i];
-        value[LAC_POINT_SLIP] = lac_point_mean(point, slip);
-        value[LAC_POINT_RATE] = lac_point_mean(point, line->cells.slip_rate);
-        value[LAC_POINT_TRACTION] = lac_point_mean(point, traction);
-        value[LAC_POINT_STATE] = lac_point_mean_exp(point, line->cells.log_state);
-    }
-    line->observation.points = r->watched;
 }
 
 lac_status lac_run_state_record(lac_run_state *r, double t, const double *y, const double *slip,
@@ -124,10 +114,7 @@ lac_status lac_run_state_snapshot(lac_run_state *r, double t, const double *y, c
                                   lac_error *err)
 {
     size_t n = r->engine->n;
-    double *v = r->fields;
-    double *theta = v + n;
-    double *traction = theta + n;
-    double *pore = traction + n;
+    double *v = r->fields, *theta = v + n, *traction = theta + n, *pore = traction + n;
     double local = r->engine->base + t;
     if (!moves_on(&r->last_snapshot, r->engine->origin, local) || r->sink == NULL ||
         r->sink->snapshot == NULL) {
@@ -149,6 +136,11 @@ lac_status lac_run_state_snapshot(lac_run_state *r, double t, const double *y, c
     if (safety != NULL) {
         lac_problem_safety_cells(r->problem, now, y, traction, safety, r->engine->work);
     }
+    const bool weakens = lac_problem_weakening(r->problem) != NULL;
+    double *excess = weakens ? (safety != NULL ? safety : pore) + n : NULL;
+    if (weakens) {
+        lac_problem_weakened(r->problem, y, excess, excess + n, excess + 2 * n);
+    }
     lac_snapshot fields = {.time = r->engine->origin + local,
                            .slip = lac_problem_slip_size(r->problem, slip, r->engine->work),
                            .slip_rate = v,
@@ -156,7 +148,10 @@ lac_status lac_run_state_snapshot(lac_run_state *r, double t, const double *y, c
                            .traction = traction,
                            .n = n,
                            .factor_of_safety = safety,
-                           .pore = pore};
+                           .pore = pore,
+                           .excess_pore = excess,
+                           .temperature = excess != NULL ? excess + n : NULL,
+                           .broken = excess != NULL ? excess + 2 * n : NULL};
     for (size_t k = 0; k < LAC_POINT_ALONG && lac_problem_is_vector(r->problem); k++) {
         fields.along[k] = along + k * n;
     }

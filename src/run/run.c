@@ -30,8 +30,8 @@ static void stop_at(run *r, double t)
     lac_engine *engine = r->engine;
     engine->step -= engine->t - t;
     engine->t = t;
-    memcpy(engine->y, r->between, 2 * engine->n * sizeof *engine->y);
-    memcpy(engine->slip, r->between + 2 * engine->n, engine->n * sizeof *engine->slip);
+    memcpy(engine->y, r->between, engine->unknowns * sizeof *engine->y);
+    memcpy(engine->slip, r->between + engine->unknowns, engine->n * sizeof *engine->slip);
     measure_speed(r);
     r->end = LAC_END_INTERRUPT;
     r->done = true;
@@ -51,7 +51,7 @@ static lac_status output_between(run *r, lac_error *err)
             return LAC_OK;
         }
         double t = fmin(lac_engine_inner(engine, next), engine->t);
-        double *slip = r->between + 2 * engine->n;
+        const double *slip = lac_engine_slip_in(engine, r->between);
         LAC_FAIL_IF(!lac_engine_at(engine, t, r->between), err, LAC_ENUMERIC,
                     "no state at t = %.17g s", next);
         bool stops = interrupted(r);
@@ -271,12 +271,15 @@ static lac_status interrupt(run *r, lac_error *err)
 
 static lac_status allocate_output(run *r, lac_error *err)
 {
-    bool by_time = !isnan(r->def->record.time) || !isnan(r->def->snapshot.time);
-    size_t bytes = 3 * r->engine->n * sizeof(double);
+    const bool by_time = !isnan(r->def->record.time) || !isnan(r->def->snapshot.time);
+    const bool weakens = lac_problem_weakening(r->problem) != NULL;
+    const size_t cells = r->engine->n * sizeof(double);
+    const size_t bytes = r->engine->unknowns * sizeof(double) + cells;
+    const bool vector = lac_problem_is_vector(r->problem);
+    const size_t fields = (r->def->cell_safety ? 5U : 4U) + (weakens ? 3U : 0U) +
+                          (vector ? (size_t)LAC_POINT_ALONG : 0U);
     r->between = by_time ? malloc(bytes) : NULL;
-    const size_t kept = (r->def->cell_safety ? 5U : 4U) +
-                        (lac_problem_is_vector(r->problem) ? (size_t)LAC_POINT_ALONG : 0U);
-    r->fields = r->def->snapshots ? malloc(bytes / 3 * kept) : NULL;
+    r->fields = r->def->snapshots ? malloc(fields * cells) : NULL;
     // Where slip is the unknown the balance holds as it is.
     bool drifts = r->def->projection != 0 && !lac_problem_has_slip(r->problem);
     r->onto = drifts ? malloc(bytes) : NULL;

@@ -38,6 +38,8 @@ CALLS = (
             "'output.factor_of_safety.reference_rate=0.5 mm/day'"),
     ("run", "cases/load/turning.yaml -o turned.nc --set interface.levels=3 --set 'output.points=[{name: A, x: 1 m, y: 1 m}]'"),
     ("run", "cases/load/rain.yaml -o rain.nc"),
+    ("run", "cases/weakening/pressurization.yaml -o hot.nc --set output.fields=[excess_pore_pressure,temperature]"),
+    ("run", "cases/weakening/bridges.yaml -o broken.nc --set output.fields=[broken_cohesion]"),
     ("run", "cases/load/water-table.yaml -o table.nc"),
     ("contact", "cases/surface/joint.yaml -o joint.nc"),
     ("contact", "cases/surface/file.yaml -o file.nc"),

@@ -60,7 +60,8 @@ static const char joint[] =
     "friction: {aging: {f0: 0.6, a: 0.01, b: 0.015, dc: 10 um, v0: 1 um/s, form: regularised}}, "
     "initial: {slip_rate: 1e-12 m/s, state: {ratio_to_steady: 1}}, "
     "transfer: {hierarchy: {k0: 10 GPa/m}}, time: {end: 100 day}, "
-    "solver: {formulation: slip}, output: {fields: [slip, slip_rate, traction, state], points: "
+    "solver: {formulation: slip}, output: {every: {time: 6 hour, steps: 1}, fields: [slip, "
+    "slip_rate, traction, state], points: "
     "[{name: A, x: 30 cm, y: 20 cm, radius: 25 cm}]}}";
 
 // All that a run along x has, a run in two directions has too: with loads along x the same steps,
