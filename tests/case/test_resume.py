@@ -88,6 +88,18 @@ TABLE = {
                        ["load.shear.0={series: {file: RECORD, time: t, value: 'a:m/s2', "
                         "per: 1e5 kg/m2, offset: 1 hour, outside: zero}}",
                         "output.every={steps: 7}", "output.checkpoint={steps: 60}"]),
+    "field": ("load/field.yaml", ["output.fields=[slip, pore_pressure]", "output.checkpoint={steps: 12}"]),
+    "field, slip": ("load/field.yaml", ["solver.formulation=slip", "output.checkpoint={steps: 12}"]),
+    "well": ("load/injection.yaml", ["interface.levels=3", "output.fields=[slip, pore_pressure]",
+                                     "output.checkpoint={steps: 15}"]),
+    "well in borders": ("load/injection.yaml", ["interface.levels=3", "load.pore_pressure.0.injection.boundary=no-flux",
+                                                "output.checkpoint={steps: 15}"]),
+    "water table": ("load/water-table.yaml", ["output.checkpoint={time: 60 day}"]),
+    "water table, events": ("load/water-table.yaml", ["solver.fidelity=events", "time.end=200 day",
+                                                      "output.checkpoint={time: 20 day}"]),
+    "fringe": ("load/water-table.yaml", ["load.pore_pressure.0.water_table.fringe=0.5 m",
+                                         "output.checkpoint={time: 60 day}"]),
+    "normal stress": ("load/normal-stress.yaml", ["output.checkpoint={time: 5 day}"]),
     "shaking": ("load/shaking.yaml", ["solver.formulation=rate", "output.checkpoint={steps: 90}"]),
     "anchored block": ("bridge.yaml", ["output.checkpoint={steps: 500}", "output.every=1 day"]),
 }
