@@ -98,7 +98,8 @@ typedef struct lac_fit_def {
     lac_series_def columns;       ///< texts owned
     char *point;                  ///< of output.points that they are of; NULL: of the whole joint
     double displacement_error;    ///< [m]; NaN: estimated (with a column sigma: its factor is)
-    double velocity_error;        ///< of ln(velocity) [1]; NaN: estimated
+    double velocity_error;        ///< of ln(velocity) [1], or a factor; NaN: estimated
+    double until;                 ///< readings later are left out [s]; NaN: none
     int errors;                   ///< lac_fit_errors, of displacements
     int offset;     ///< 1: displacements have an unknown zero; 0: they start with the run
     int64_t starts; ///< places at which the least squares begin

@@ -307,6 +307,16 @@ static const lac_param fit_rows[] = {
                "column of velocities, as \"column:unit\""),
     LAC_COLUMN("sigma", FIT(columns.sigma), "m",
                "column of the displacements' standard errors, as \"column:unit\""),
+    LAC_COLUMN("velocity_sigma", FIT(columns.velocity_sigma), "1",
+               "column of the standard errors of the velocities' logarithms, as \"column:1\""),
+    LAC_COLUMN("velocity_most", FIT(columns.velocity_most), "m/s",
+               "column of upper bounds, which the velocity did not exceed, as \"column:unit\""),
+    LAC_COLUMN(
+        "time_within", FIT(columns.within), "s",
+        "column of how far the time of a velocity may be off, evenly to either side; a bound "
+        "holds as far, as \"column:unit\""),
+    LAC_REAL("until", "s", FIT(until), NAN, 0, 1e15, LAC_OPTIONAL,
+             "readings later than this, since the start, are left out: what was known by then"),
     LAC_TEXT("point", FIT(point), LAC_OPTIONAL,
              "the name in output.points of the place that the readings are of; else the mean of "
              "the joint"),
@@ -314,7 +324,8 @@ static const lac_param fit_rows[] = {
              LAC_OPTIONAL | LAC_ABOVE_MIN,
              "standard error of a displacement; estimated if absent (with sigma: a factor on it)"),
     LAC_REAL("velocity_error", "1", FIT(velocity_error), NAN, 0, 100, LAC_OPTIONAL | LAC_ABOVE_MIN,
-             "standard error of the logarithm of a velocity; estimated if absent"),
+             "standard error of the logarithm of a velocity; estimated if absent (with "
+             "velocity_sigma: a factor on it)"),
     LAC_CHOICE(
         "errors", FIT(errors), LAC_ERRORS_WHITE, errors_names, 0,
         "of displacements: white (independent), or ar1 (correlated over a time that is estimated)"),
