@@ -160,7 +160,8 @@ struct lac_case {
     lac_history_def history;
     lac_model friction; ///< `info` is NULL where a static case names none
     lac_heterogeneity_list friction_spread;
-    lac_initial_def initial; ///< rates and states are NULL: the scene makes them from the spread
+    lac_model_list weakening; ///< besides friction
+    lac_initial_def initial;  ///< rates and states are NULL: the scene makes them from the spread
     lac_heterogeneity_list initial_spread; ///< keys slip_rate and state
     lac_model transfer;
     bool dated;

@@ -18,8 +18,16 @@ static const char *const history_methods[] = {"direct", NULL};
 static const char *const precisions[] = {"double", "float", NULL};
 static const char *const history_fields[] = {"all", "last", "none", NULL};
 
-const char *const lac_field_names[] = {"slip",          "slip_rate",        "state", "traction",
-                                       "pore_pressure", "factor_of_safety", NULL};
+const char *const lac_field_names[] = {"slip",
+                                       "slip_rate",
+                                       "state",
+                                       "traction",
+                                       "pore_pressure",
+                                       "factor_of_safety",
+                                       "excess_pore_pressure",
+                                       "temperature",
+                                       "broken_cohesion",
+                                       NULL};
 
 static const lac_param case_rows[] = {
     LAC_OWN("lacuna", "version of the format: 1"),
@@ -143,7 +151,7 @@ static const lac_param output_rows[] = {
     LAC_OWN("every", "how often a line of the time series is kept: a time, {steps: N}, "
                      "{per_decade: N} of the mean slip rate; each step if absent"),
     LAC_OWN("fields", "of every cell to keep: [slip, slip_rate, state, traction, pore_pressure, "
-                      "factor_of_safety]"),
+                      "factor_of_safety, excess_pore_pressure, temperature, broken_cohesion]"),
     LAC_OWN("fields_every", "how often the fields are kept, as `every`; once per decade of the "
                             "mean slip rate if absent"),
     LAC_OWN("points", "[{name: P1, x: 12 m, y: 3 m}, ...]: places whose motion is kept at every "
@@ -406,6 +414,7 @@ static const lac_part parts[] = {
     {PART(SLOT, "friction", friction), .model = LAC_KIND_FRICTION, .such = "spread",
      .missing = "a friction law such as {aging: {...}}", .of_runs = true},
     {PART(SPREADS, "friction.spread", friction_spread)},
+    {PART(SLOTS, "weakening", weakening), .model = LAC_KIND_WEAKENING},
     {RECORD("initial", "slip rate and state at the start; steady under the load if absent",
             initial_rows),
      .fitted = true, .after = "transfer", .given = has_initial},

@@ -165,6 +165,7 @@ enum {
     LAC_KIND_PORE,
     LAC_KIND_PRESSING,
     LAC_KIND_FRICTION,
+    LAC_KIND_WEAKENING,
     LAC_KIND_TRANSFER,
     LAC_KIND_SPREAD,
     LAC_KIND_ANALYSIS,
@@ -275,6 +276,7 @@ void lac_check_history(lac_reader *reader, lac_case *c, double pressure);
 void lac_check_rg(lac_reader *reader, lac_case *c);
 void lac_check_analysis(lac_reader *reader, lac_case *c);
 void lac_check_fit(lac_reader *reader, lac_case *c);
+void lac_check_weakening(lac_reader *reader, lac_case *c);
 void lac_check_points(lac_reader *reader, const lac_case *c);
 void lac_check_point_names(lac_reader *reader, const lac_case *c);
 

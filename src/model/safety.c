@@ -14,6 +14,7 @@ static lac_look look_at(const lac_problem *problem, double t, const double *y, d
     lac_look at = {
         .problem = problem, .y = y, .w = y + problem->n, .ws = lac_problem_split(problem, work)};
     (void)lac_problem_drive_into(problem, t, at.ws.shares, &at.drive);
+    (void)lac_weaken_look(&at);
     return at;
 }
 
@@ -37,6 +38,7 @@ static size_t hold(const lac_look *at, size_t first, double *strength)
     for (size_t i = 0; i < length; i++) {
         strength[i] = lac_problem_effective(problem, &at->drive, first + i) * s.f[i] +
                       lac_problem_cohesion(problem, first + i);
+        strength[i] -= at->broken != NULL ? lac_look_lost(at, first + i) : 0.0;
     }
     return length;
 }

@@ -89,6 +89,12 @@ TABLE = {
                         "per: 1e5 kg/m2, offset: 1 hour, outside: zero}}",
                         "output.every={steps: 7}", "output.checkpoint={steps: 60}"]),
     "shaking": ("load/shaking.yaml", ["solver.formulation=rate", "output.checkpoint={steps: 90}"]),
+    "bridges": ("weakening/bridges.yaml", ["output.checkpoint={steps: 30}", "output.every=1 day"]),
+    "dilatancy, traction": ("weakening/dilatancy.yaml", ["solver.formulation=traction", *FIELDS,
+                                                         "output.checkpoint={steps: 25}"]),
+    "hot water": ("weakening/pressurization.yaml", ["output.fields=[temperature, excess_pore_pressure]",
+                                                    "output.checkpoint={steps: 60}"]),
+    "dilatancy, erk": ("weakening/dilatancy.yaml", ["solver.method=erk", "output.checkpoint={steps: 12}"]),
     "anchored block": ("bridge.yaml", ["output.checkpoint={steps: 500}", "output.every=1 day"]),
 }
 
