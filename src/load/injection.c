@@ -217,11 +217,17 @@ static lac_signal add_modes(const spread_state *state, const lac_load_places *pl
 typedef lac_signal mirrored(const lac_load *load, const lac_load_places *places, size_t cell,
                             double tau);
 
+// A source within borders.
+typedef struct source {
+    double least;     // variance at its start [m2]
+    double scale;     // of what mirrors make
+    lac_signal by;    // of begin_flow
+    mirrored *mirror; // in a cell
+} source;
+
 // Adds what a source within borders makes, less that of one which began when it stopped.
-// @param least  variance at its start [m2]
-// @param by     of begin_flow
-static void add_within(const lac_load *load, const lac_load_places *places, double t, double least,
-                       lac_signal by, double scale, mirrored *mirror, double *value, double *rate)
+static void add_within(const lac_load *load, const lac_load_places *places, double t,
+                       const source *from, double *value, double *rate)
 {
     const pumping *p = load->params;
     const spread_state *state = load->state;
@@ -229,18 +235,19 @@ static void add_within(const lac_load *load, const lac_load_places *places, doub
     const size_t flows = t >= p->stop ? 2 : t >= p->start ? 1 : 0;
     flow on[2];
     for (size_t k = 0; k < flows; k++) {
-        begin_flow(state, since[k], least + 2.0 * p->diffusivity * since[k], by, &on[k]);
+        begin_flow(state, since[k], from->least + 2.0 * p->diffusivity * since[k], from->by,
+                   &on[k]);
     }
     for (size_t i = 0; flows > 0 && i < places->n; i++) {
         lac_signal sum = {0.0, 0.0};
         for (size_t k = 0; k < flows; k++) {
-            const lac_signal one = on[k].early ? mirror(load, places, i, on[k].tau)
+            const lac_signal one = on[k].early ? from->mirror(load, places, i, on[k].tau)
                                                : add_modes(state, places, i, &on[k]);
             sum.value += k == 0 ? one.value : -one.value;
             sum.rate += k == 0 ? one.rate : -one.rate;
         }
-        value[i] += scale * sum.value;
-        rate[i] += scale * sum.rate;
+        value[i] += from->scale * sum.value;
+        rate[i] += from->scale * sum.rate;
     }
 }
 
@@ -322,8 +329,9 @@ static void add_well(const lac_load *load, const lac_load_places *places, double
         const axis *x = &((const spread_state *)load->state)->x;
         const axis *y = &((const spread_state *)load->state)->y;
         const double by = 4.0 * LAC_PI / (x->length * y->length); // eq. 6
-        add_within(load, places, t, p->radius * p->radius, (lac_signal){by, by * pump->diffusivity},
-                   scale, mirrored_well, value, rate);
+        const source from = {
+            p->radius * p->radius, scale, {by, by * pump->diffusivity}, mirrored_well};
+        add_within(load, places, t, &from, value, rate);
         return;
     }
     for (size_t i = 0; t >= pump->start && i < places->n; i++) {
@@ -386,8 +394,8 @@ static void add_line(const lac_load *load, const lac_load_places *places, double
     if (pump->boundary == NO_FLUX) {
         const double root = sqrt(pump->diffusivity);
         const double by = 1.0 / ((const spread_state *)load->state)->x.length;
-        add_within(load, places, t, 0.0, (lac_signal){by / root, by * root}, scale, mirrored_line,
-                   value, rate);
+        const source from = {0.0, scale, {by / root, by * root}, mirrored_line};
+        add_within(load, places, t, &from, value, rate);
         return;
     }
     for (size_t i = 0; t >= pump->start && i < places->n; i++) {
