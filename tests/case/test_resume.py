@@ -72,6 +72,8 @@ TABLE = {
                         "solver.formulation=traction", "output.checkpoint={steps: 40}"]),
     "elastic, slip": ("transfer/line.yaml", ["solver.formulation=slip", "output.every=1 day",
                                              "output.checkpoint={per_decade: 3}"]),
+    "two directions": ("load/turning.yaml", [*FIELDS, "interface.levels=3",
+                                             "output.checkpoint={steps: 25}"]),
     "map": ("friction/map.yaml", [*FIELDS, "output.checkpoint={per_decade: 2}",
                                   "output.every={per_decade: 10}"]),
     "rain, compared": ("load/rain.yaml", ["output.checkpoint={time: 10 day}",
