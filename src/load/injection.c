@@ -219,15 +219,15 @@ typedef lac_signal mirrored(const lac_load *load, const lac_load_places *places,
 
 // A source within borders.
 typedef struct source {
-    double least;  // its variance at the start [m2]
-    lac_signal by; // of begin_flow
-    double scale;  // of what it makes
-    mirrored *mirror;
+    double least;     // variance at its start [m2]
+    double scale;     // of what mirrors make
+    lac_signal by;    // of begin_flow
+    mirrored *mirror; // in a cell
 } source;
 
-// Adds what it makes, less what one makes that begins when it stops.
+// Adds what a source within borders makes, less that of one which began when it stopped.
 static void add_within(const lac_load *load, const lac_load_places *places, double t,
-                       const source *of, double *value, double *rate)
+                       const source *from, double *value, double *rate)
 {
     const pumping *p = load->params;
     const spread_state *state = load->state;
@@ -235,18 +235,19 @@ static void add_within(const lac_load *load, const lac_load_places *places, doub
     const size_t flows = t >= p->stop ? 2 : t >= p->start ? 1 : 0;
     flow on[2];
     for (size_t k = 0; k < flows; k++) {
-        begin_flow(state, since[k], of->least + 2.0 * p->diffusivity * since[k], of->by, &on[k]);
+        begin_flow(state, since[k], from->least + 2.0 * p->diffusivity * since[k], from->by,
+                   &on[k]);
     }
     for (size_t i = 0; flows > 0 && i < places->n; i++) {
         lac_signal sum = {0.0, 0.0};
         for (size_t k = 0; k < flows; k++) {
-            const lac_signal one = on[k].early ? of->mirror(load, places, i, on[k].tau)
+            const lac_signal one = on[k].early ? from->mirror(load, places, i, on[k].tau)
                                                : add_modes(state, places, i, &on[k]);
             sum.value += k == 0 ? one.value : -one.value;
             sum.rate += k == 0 ? one.rate : -one.rate;
         }
-        value[i] += of->scale * sum.value;
-        rate[i] += of->scale * sum.rate;
+        value[i] += from->scale * sum.value;
+        rate[i] += from->scale * sum.rate;
     }
 }
 
@@ -328,9 +329,9 @@ static void add_well(const lac_load *load, const lac_load_places *places, double
         const axis *x = &((const spread_state *)load->state)->x;
         const axis *y = &((const spread_state *)load->state)->y;
         const double by = 4.0 * LAC_PI / (x->length * y->length); // eq. 6
-        const source well = {
-            p->radius * p->radius, {by, by * pump->diffusivity}, scale, mirrored_well};
-        add_within(load, places, t, &well, value, rate);
+        const source from = {
+            p->radius * p->radius, scale, {by, by * pump->diffusivity}, mirrored_well};
+        add_within(load, places, t, &from, value, rate);
         return;
     }
     for (size_t i = 0; t >= pump->start && i < places->n; i++) {
@@ -393,8 +394,8 @@ static void add_line(const lac_load *load, const lac_load_places *places, double
     if (pump->boundary == NO_FLUX) {
         const double root = sqrt(pump->diffusivity);
         const double by = 1.0 / ((const spread_state *)load->state)->x.length;
-        const source line = {0.0, {by / root, by * root}, scale, mirrored_line};
-        add_within(load, places, t, &line, value, rate);
+        const source from = {0.0, scale, {by / root, by * root}, mirrored_line};
+        add_within(load, places, t, &from, value, rate);
         return;
     }
     for (size_t i = 0; t >= pump->start && i < places->n; i++) {

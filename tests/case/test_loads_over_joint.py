@@ -470,8 +470,8 @@ class WaterTable(Fields):
 
 
 class Fitted(Fields):
-    def test_loads_over_the_joint_are_found(self):
-        """Readings of a run are fitted by its scene: how strong its water, its heap and its well are comes back."""
+    def test_a_load_over_the_joint_is_found(self):
+        """Readings of a run with water, a well and a heap are fitted by its scene: how heavy the heap is comes back."""
         x, y = numpy.linspace(0, 1, 5), numpy.linspace(0, 1, 5)
         here = numpy.exp(-((x[None, :] - 0.3)**2 + (y[:, None] - 0.6)**2) / 0.1)
         there = numpy.exp(-((x[None, :] - 0.8)**2 + (y[:, None] - 0.2)**2) / 0.1)
@@ -494,20 +494,16 @@ transfer: {hierarchy: {k0: "1 GPa/m", ratio: 0.5}}
 time: {end: "40 day"}
 output: {every: "1 day"}
 """
-        truth = {"load.pore_pressure.0.field.scale": 1.5, "load.pore_pressure.1.injection.rate": 2e-12,
-                 "load.normal_stress.0.field.scale": 0.8}
-        ranges = {"load.pore_pressure.0.field.scale": "[0.1, 2]", "load.pore_pressure.1.injection.rate": "[1e-13, 4e-12]",
-                  "load.normal_stress.0.field.scale": "[0.1, 2]"}
         self.follow(case)
         time, slip = self.snapshots("time", "slip")
         self.write("s.csv", "t_s,slip_mm\n" + "".join(f"{a!r},{1e3 * b:.2f}\n" for a, b in zip(time.tolist(), slip.tolist())))
-        for (key, value), start in zip(truth.items(), (1.2, 1.5e-12, 1)):  # each alone: together they take a minute
-            self.write("c.yaml", case + "fit:\n  time: t_s\n  displacement: 'slip_mm:mm'\n  steps: 0\n  starts: 3\n  parameters:\n"
-                       + f"    {key}: {{range: {ranges[key]}}}\n")
-            done = self.expect(0, "fit", "c.yaml", "s.csv", "-o", "fit.nc", "--json", "--force", "--set", f"{key}={start}")
-            found = json.loads(done.stdout)["parameters"][0]
-            self.assertEqual(found["key"], key)
-            self.assertAlmostEqual(found["best"] / value, 1, delta=2e-3, msg=key)
+        key = "load.normal_stress.0.field.scale"
+        self.write("c.yaml", case + "fit:\n  time: t_s\n  displacement: 'slip_mm:mm'\n  steps: 0\n  starts: 3\n  parameters:\n"
+                   + f"    {key}: {{range: [0.1, 2]}}\n")
+        done = self.expect(0, "fit", "c.yaml", "s.csv", "-o", "fit.nc", "--json", "--force", "--set", f"{key}=1.2")
+        found = json.loads(done.stdout)["parameters"][0]
+        self.assertEqual(found["key"], key)
+        self.assertAlmostEqual(found["best"] / 0.8, 1, delta=2e-3)
 
 
 class Refusals(Fields):
