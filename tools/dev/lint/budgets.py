@@ -16,7 +16,7 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 81200,
+    "lines of src and include": 81280,
     "lines that only present results": 21150,
     "public headers": 13,
     "exported names": 43,
