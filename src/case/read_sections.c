@@ -112,6 +112,17 @@ void lac_read_safety(lac_reader *reader, const lac_node *node, lac_case *c)
     c->safety.asked = true;
 }
 
+const char *const lac_field_names[] = {"slip",
+                                       "slip_rate",
+                                       "state",
+                                       "traction",
+                                       "pore_pressure",
+                                       "factor_of_safety",
+                                       "excess_pore_pressure",
+                                       "temperature",
+                                       "broken_cohesion",
+                                       NULL};
+
 void lac_read_fields(lac_reader *reader, const lac_node *node, lac_case *c)
 {
     char known[200] = "";

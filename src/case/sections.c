@@ -19,17 +19,6 @@ static const char *const history_methods[] = {"direct", NULL};
 static const char *const precisions[] = {"double", "float", NULL};
 static const char *const history_fields[] = {"all", "last", "none", NULL};
 
-const char *const lac_field_names[] = {"slip",
-                                       "slip_rate",
-                                       "state",
-                                       "traction",
-                                       "pore_pressure",
-                                       "factor_of_safety",
-                                       "excess_pore_pressure",
-                                       "temperature",
-                                       "broken_cohesion",
-                                       NULL};
-
 static const lac_param case_rows[] = {
     LAC_OWN("lacuna", "version of the format: 1"),
     LAC_TEXT("title", FIELD(title), LAC_OPTIONAL, "what the case is, for the output"),
