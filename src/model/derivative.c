@@ -10,6 +10,7 @@ static bool begin(const lac_problem *problem, double t, const double *y, double 
 {
     *at = (lac_look){
         .problem = problem, .y = y, .w = y + problem->n, .ws = lac_problem_split(problem, work)};
+    at->t = t;
     if (!lac_problem_drive_into(problem, t, at->ws.shares, &at->drive)) {
         return false;
     }
@@ -58,6 +59,9 @@ void lac_problem_weights(const lac_problem *problem, const double *y, double rto
         weight[i] = 1.0 / fmax(error, 8.0 * DBL_EPSILON * fabs(y[i]));
         double state = rtol * state_scale(problem, i);
         weight[problem->n + i] = 1.0 / fmax(state, 8.0 * DBL_EPSILON);
+    }
+    if (problem->across != NULL) {
+        lac_vector_weigh(problem, y, rtol, weight);
     }
     if (problem->mass > 0.0) {
         lac_inertia_weigh_slip(problem, y + 2 * problem->n, rtol, weight + 2 * problem->n);

@@ -375,6 +375,7 @@ static lac_status add_all(lac_dataset *d, const lac_run_place *p, lac_error *err
     LAC_TRY_RETURN(has_levels ? lac_dataset_add(d, &level, 1, err) : LAC_OK);
     LAC_TRY_RETURN(of->points != NULL ? lac_dataset_add(d, points, 2, err) : LAC_OK);
     LAC_TRY_RETURN(of->loads != NULL ? add_drivers(d, p, err) : LAC_OK);
+    LAC_TRY_RETURN(lac_run_describe_components(d, p, err));
     LAC_TRY_RETURN(add_extras(d, p, levels, err));
     return of->events ? lac_dataset_add(d, &events, 1, err) : LAC_OK;
 }
