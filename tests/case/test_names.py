@@ -52,6 +52,8 @@ CALLS = (
     ("precursors", "run.nc -o run-precursors.nc"),
     ("precursors", "cases/data/creep.csv --case cases/fit/block.yaml -o fitted.nc --set fit.steps=8 "
                    "--set fit.burn=2 --set fit.starts=2 --onset 5,20"),
+    ("fit", "cases/vajont-lake.yaml cases/data/vajont_rates.csv -o stated.nc --set fit.steps=8 --set fit.burn=2 "
+            "--set fit.rounds=0 --set fit.starts=2 --set fit.walkers=12"),
     ("fit", "cases/fit/block.yaml cases/data/creep.csv -o fit.nc --set fit.steps=8 --set fit.burn=2 "
             "--set fit.starts=2 --set 'output.points=[{name: A}]' --set fit.point=A"),
     ("trade", "cases/block.yaml -o trade.nc --dials rtol=1e-3:1e-5 --reach 1%"),
