@@ -194,11 +194,21 @@ double lac_load_longest_step(const lac_load_set *set, double t)
     return longest;
 }
 
+static bool is_linear(const lac_load_kind *kind, const void *params)
+{
+    return kind->linear && !(kind->bends != NULL && kind->bends(params));
+}
+
+bool lac_load_model_is_linear(const lac_model *model)
+{
+    return is_linear(kind_of(model), model->params);
+}
+
 bool lac_load_set_is_linear(const lac_load_set *set)
 {
     bool linear = true;
     for (size_t i = 0; i < set->count; i++) {
-        linear = linear && set->load[i].kind->linear;
+        linear = linear && is_linear(set->load[i].kind, set->load[i].params);
     }
     return linear;
 }

@@ -97,10 +97,12 @@ typedef struct lac_load_kind {
     lac_model_info info;
     bool fixes_shear;  ///< gives Q outright (ratio, slope): excluded where `initial` fixes Q
     bool needs_anchor; ///< acts through a transfer that holds uniform slip
-    bool linear;       ///< linear in time between its breaks
+    bool linear;       ///< linear in time between its breaks, but where it `bends`
     bool constant;     ///< the same at all times
     bool slope;        ///< gravity on a slope, whose factor of safety is asked for
     const lac_load_driver *driver; ///< what it reads; NULL: no such thing
+    /// Whether its parameters make a linear one no longer so. NULL: they never do.
+    bool (*bends)(const void *params);
     /// Of the mean slip, which it brings [Pa/m]. NULL: none.
     double (*stiffness)(const void *params);
     /// Makes what the load needs besides its parameters, such as the data of a file. NULL: nothing.
@@ -171,7 +173,8 @@ lac_share lac_load_models_share(const lac_model *model);
 /// The azimuth that a case names of a load [rad]; NaN: none.
 double lac_load_model_azimuth(const lac_model *model);
 
-/// Whether all are linear in time between their breaks.
+/// Whether a load that a case names, or each of a set, is linear in time between its breaks.
+bool lac_load_model_is_linear(const lac_model *model);
 bool lac_load_set_is_linear(const lac_load_set *set);
 
 /// Whether a load of the set is shared as C^-1 1, so that it needs `shape`.

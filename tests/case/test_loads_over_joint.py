@@ -5,6 +5,7 @@
 usage: test_loads_over_joint.py PROGRAM SOURCE_FOLDER [unittest options]
 """
 
+import itertools
 import json
 import math
 import os
@@ -331,6 +332,91 @@ class Sources(Fields):
                     self.assertAlmostEqual(pore[k, i], exact, delta=1e-7 * exact + 1e-3)
 
 
+def spread(source, widths, cells, alpha, times, stop):
+    """Diffusion between closed borders by finite differences of second order, explicit in time; `source` per time and
+    area at the centres of the cells. The pressure at each time."""
+    steps = [w / n for w, n in zip(widths, cells)]
+    longest = 0.2 / sum(2 * alpha / h**2 for h in steps)
+    now, p, seen = 0.0, numpy.zeros(source.shape), []
+    for end in times:
+        for a, b in ((now, min(end, stop)), (max(now, stop), end)):
+            count = math.ceil(max(0.0, b - a) / longest)
+            for _ in range(count):
+                change = source if b <= stop else 0 * source
+                for axis, h in enumerate(steps):
+                    flow = numpy.diff(p, axis=axis) * alpha / h**2
+                    closed = [(0, 0)] * p.ndim
+                    closed[axis] = (1, 1)
+                    change = change + numpy.diff(numpy.pad(flow, closed), axis=axis)
+                p = p + (b - a) / count * change
+        now = end
+        seen.append(p)
+    return numpy.array(seen)
+
+
+class Borders(Fields):
+    """boundary: no-flux, by mirrors early and cosines late."""
+
+    def test_a_well(self):
+        """Against finite differences on two grids; what came in is in the joint; until the border is felt, no border."""
+        well = {"rate": "0.003 m3/s", "x": "200 m", "y": "350 m", "radius": "60 m", "thickness": "1 m", "boundary": "BORDER",
+                "diffusivity": "0.05 m2/s", "compressibility": "1e-8 Pa-1", "porosity": 0.1, "start": "10 hour",
+                "stop": "200 hour"}
+        load = "{injection: {" + ", ".join(f"{k}: {v}" for k, v in well.items()) + "}}"
+        case = STILL.replace("INTERFACE", 'size: "640 m", levels: 5').replace("{LOAD}", load)
+        case = case.replace("END", "610 hour").replace("EVERY", "20 hour")
+        self.follow(case.replace("BORDER", "none"))
+        free, = self.snapshots("cell_pore_pressure")
+        self.follow(case.replace("BORDER", "no-flux"))
+        t, pore, at_x, at_y = self.snapshots("snapshot_time", "cell_pore_pressure", "x", "y")
+        came = 0.003 * (numpy.clip(t, 36000, 720000) - 36000) / (1e-9 * 640**2)
+        self.assertLess(numpy.abs(pore.mean(axis=1) - came).max(), 1e-12 * came.max())
+        near = numpy.hypot(at_x - 200, at_y - 350) < 40
+        felt = numpy.abs(pore[1:, near] / free[1:, near] - 1).max(axis=1)
+        self.assertGreater(felt[-1], 1)
+        self.assertLess(felt[0], 1e-4)  # exp(-360^2/(2 s)) and less of a mirror, s = 60^2 + 2 alpha 10 h
+        grids = []
+        for n in (64, 128):
+            h = 640 / n
+            x = (numpy.arange(n) + 0.5) * h
+            shape = sum(numpy.exp(-((x[None, :] - a)**2 + (x[:, None] - b)**2) / 7200)
+                        for a in (200, -200, 1080) for b in (350, -350, 930)) / (7200 * math.pi)
+            there = spread(0.003 / 1e-9 * shape, (640, 640), (n, n), 0.05, t[1:] - 36000, 684000)
+            fine = n // 32  # the centre of a cell is a corner of these: their mean is off by as much at each refinement
+            grids.append(there.reshape(len(t) - 1, 32, fine, 32, fine))
+        rows, columns = (at_y / 20).astype(int), (at_x / 20).astype(int)
+        centre = [g[:, :, g.shape[2] // 2 - 1:g.shape[2] // 2 + 1, :, g.shape[2] // 2 - 1:g.shape[2] // 2 + 1].mean(axis=(2, 4))
+                  for g in grids]
+        exact = (4 * centre[1] - centre[0])[:, rows, columns] / 3
+        for k in range(len(t) - 1):
+            self.assertLess(numpy.abs(pore[k + 1] - exact[k]).max(), 2e-4 * pore[k + 1].max(), t[k + 1] / 3600)
+
+    def test_a_line(self):
+        line = "{line_injection: {flux: 1.25e-6 m/s, x: 1 km, boundary: no-flux, diffusivity: 0.5 m2/s, compressibility: " \
+               "1e-8 Pa-1, porosity: 0.1, stop: 20 day}}"
+        case = STILL.replace("INTERFACE", 'size: "3.2 km", levels: 6, shape: line').replace("{LOAD}", line)
+        self.follow(case.replace("END", "80 day").replace("EVERY", "4 day"), *HOW["traction"])
+        t, pore, at_x = self.snapshots("snapshot_time", "cell_pore_pressure", "x")
+        grids = []
+        for n in (128, 256):
+            source = numpy.zeros(n)
+            edge = n * 1000 // 3200  # the line is between two cells
+            source[edge - 1:edge + 1] = 0.5 * 1.25e-6 / 1e-9 * n / 3200
+            there = spread(source, (3200,), (n,), 0.5, t[1:], 20 * 86400)
+            middle = there.reshape(len(t) - 1, 64, n // 64)
+            grids.append(middle[:, :, n // 128 - 1:n // 128 + 1].mean(axis=2))
+        exact = (4 * grids[1] - grids[0]) / 3
+        away = numpy.abs(at_x - 1000) > 60
+        for k in range(len(t) - 1):
+            here = exact[k][(at_x / 50).astype(int)]
+            self.assertLess(numpy.abs(pore[k + 1] - here)[away].max(), 5e-4 * pore[k + 1].max(), t[k + 1] / 86400)
+        came = 1.25e-6 * numpy.minimum(t, 20 * 86400) / (1e-9 * 3200)
+        bend = 1.25e-6 / (1e-9 * 0.5)  # of the pressure at the line: centres of cells take it for h^2/24 of it
+        centres = numpy.where((t > 0) & (t <= 20 * 86400), bend * 50**2 / 24 / 3200, 0)
+        self.assertLess(numpy.abs(pore.mean(axis=1) - came + centres).max(), 1e-10 * came[-1])
+        self.assertLess(pore[-1].std() / came[-1], 0.1)
+
+
 class WaterTable(Fields):
     def test_a_lake_over_the_toe(self):
         """The level rises over a joint that falls by 30 degrees: gamma max(0, level - z) at every place."""
@@ -354,6 +440,74 @@ class WaterTable(Fields):
         self.follow(case.replace("END", "20 s").replace("EVERY", "10 s"))
         pore, x = self.snapshots("cell_pore_pressure", "x")
         self.assertLess(numpy.abs(pore - 1e4 * numpy.maximum(0, 0.5 * x - 10)).max(), 1e-6)
+
+
+    def test_a_fringe(self):
+        """u = gamma w ln(1 + exp(head/w)); readings alone are breaks, so that columns cost no steps."""
+        self.write("lake.csv", "t,level\n0,80\n10,95\n20,70\n")
+        load = "{water_table: {file: lake.csv, time: t, column: 'level:m', elevation: 100 m, angle: 30 degree, fringe: 0.5 m}}"
+        case = STILL.replace("INTERFACE", 'size: "64 m", levels: 5').replace("{LOAD}", load)
+        case = case.replace("END", "20 s").replace("EVERY", "1 s")
+        self.follow(case)
+        t, pore, x = self.snapshots("snapshot_time", "cell_pore_pressure", "x")
+        head = numpy.interp(t, [0, 10, 20], [80, 95, 70])[:, None] - (100 - 0.5 * x)[None, :]
+        self.assertLess(numpy.abs(pore - 9806.65 * 0.5 * numpy.logaddexp(0, head / 0.5)).max(), 1e-6)
+        self.assertIn("solver.fidelity events follows loads that are linear in time",
+                      self.expect(2, "run", "c.yaml", "-o", "no.nc", *HOW["events"],
+                                  "--set", "transfer={hierarchy: {k0: 1 GPa/m, ratio: 0.5}}").stderr)
+        bundled = os.path.join(test_cli.SOURCE, "cases/load/water-table.yaml")
+        steps, slip = {}, {}
+        for fringe, levels in itertools.product((0, 0.1, 0.5), (4, 6)):
+            done = json.loads(self.expect(0, "run", bundled, "-o", "out.nc", "--force", "--json", "--set",
+                                          f"interface.levels={levels}", "--set",
+                                          f"load.pore_pressure.0.water_table.fringe={fringe} m").stdout)
+            steps[fringe, levels], slip[fringe, levels] = done["steps"], done["mean_slip_m"]
+        self.assertLess(steps[0.5, 6], 1.3 * steps[0.5, 4])
+        self.assertLess(8 * steps[0.5, 6], steps[0, 6])
+        for levels in 4, 6:
+            self.assertAlmostEqual(slip[0.1, levels] / slip[0, levels], 1, delta=1e-4)
+            self.assertAlmostEqual(slip[0.5, levels] / slip[0, levels], 1, delta=2e-3)
+
+
+class Fitted(Fields):
+    def test_loads_over_the_joint_are_found(self):
+        """Readings of a run are fitted by its scene: how strong its water, its heap and its well are comes back."""
+        x, y = numpy.linspace(0, 1, 5), numpy.linspace(0, 1, 5)
+        here = numpy.exp(-((x[None, :] - 0.3)**2 + (y[:, None] - 0.6)**2) / 0.1)
+        there = numpy.exp(-((x[None, :] - 0.8)**2 + (y[:, None] - 0.2)**2) / 0.1)
+        t = numpy.array([0, 5, 10, 40]) * 86400.0
+        self.field("w.nc", t, y, x, 4e5 * numpy.array([0, 1, 0, 0])[:, None, None] * here)
+        self.field("h.nc", t, y, x, 4e5 * numpy.array([0, 0, 0, 1])[:, None, None] * there)
+        case = """\
+lacuna: 1
+interface: {size: "1 m", levels: 2, domain: {full: {}}}
+load:
+  normal: {pressure: "3 MPa"}
+  pore_pressure:
+    - field: {file: w.nc, variable: p, scale: 1.5}
+    - injection: {rate: 2e-12, x: 0.7, y: 0.7, radius: 0.1, thickness: 0.01, diffusivity: 2e-7, compressibility: 1e-8,
+                  porosity: 0.1, start: 15 day, stop: 20 day, boundary: no-flux}
+  normal_stress: [{field: {file: h.nc, variable: p, scale: 0.8}}]
+friction: {aging: {f0: 0.6, a: 0.015, b: 0.010, dc: "0.1 mm", v0: "1 um/s"}}
+initial: {slip_rate: "0.1 mm/day", state: steady}
+transfer: {hierarchy: {k0: "1 GPa/m", ratio: 0.5}}
+time: {end: "40 day"}
+output: {every: "1 day"}
+"""
+        truth = {"load.pore_pressure.0.field.scale": 1.5, "load.pore_pressure.1.injection.rate": 2e-12,
+                 "load.normal_stress.0.field.scale": 0.8}
+        ranges = {"load.pore_pressure.0.field.scale": "[0.1, 2]", "load.pore_pressure.1.injection.rate": "[1e-13, 4e-12]",
+                  "load.normal_stress.0.field.scale": "[0.1, 2]"}
+        self.follow(case)
+        time, slip = self.snapshots("time", "slip")
+        self.write("s.csv", "t_s,slip_mm\n" + "".join(f"{a!r},{1e3 * b:.2f}\n" for a, b in zip(time.tolist(), slip.tolist())))
+        for (key, value), start in zip(truth.items(), (1.2, 1.5e-12, 1)):  # each alone: together they take a minute
+            self.write("c.yaml", case + "fit:\n  time: t_s\n  displacement: 'slip_mm:mm'\n  steps: 0\n  starts: 3\n  parameters:\n"
+                       + f"    {key}: {{range: {ranges[key]}}}\n")
+            done = self.expect(0, "fit", "c.yaml", "s.csv", "-o", "fit.nc", "--json", "--force", "--set", f"{key}={start}")
+            found = json.loads(done.stdout)["parameters"][0]
+            self.assertEqual(found["key"], key)
+            self.assertAlmostEqual(found["best"] / value, 1, delta=2e-3, msg=key)
 
 
 class Refusals(Fields):
@@ -413,6 +567,17 @@ class Refusals(Fields):
         self.write("c.yaml", dug.replace("{LOAD}", "{field: {file: dug.nc, variable: p, scale: 0.1}}"))
         self.expect(0, "run", "c.yaml", "-o", "out.nc", "--force")
         self.assertIn("differs from cell to cell, which rg does not follow", self.expect(2, "rg", "out.nc").stderr)
+
+    def test_a_source_within_borders(self):
+        load = "{injection: {rate: 1e-9, x: X, y: 0.5, radius: 0.1, thickness: 1, diffusivity: 1e-6, " \
+               "compressibility: 1e-8, porosity: 0.1, boundary: no-flux}}"
+        within = "load.pore_pressure.0.injection: "
+        self.refuse(2, within + "x = 1.5 m lies outside the joint, 0 to 1 m; boundary: no-flux needs it within",
+                    load.replace("X", "1.5"))
+        self.refuse(2, within + "boundary: no-flux is for a joint of shape plane; a line has line_injection",
+                    load.replace("X", "0.5"), "--set", "interface={size: 1 m, levels: 4, shape: line, domain: {full: {}}}")
+        self.write("c.yaml", JOINT.replace("{LOAD}", load.replace("X", "0")))  # at the border
+        self.expect(0, "run", "c.yaml", "-o", "out.nc")
 
     def test_a_cell_that_the_water_lifts_ends_the_run(self):
         p, x = numpy.zeros((2, 6, 6)), numpy.linspace(0, 1, 6)
