@@ -8,6 +8,8 @@
 #define NEEDS "needs interface.slip: vector"
 #define ALONG_X "knows slip along x only: leave out interface.slip: vector"
 
+const char *const lac_slip_names[] = {"scalar", "vector", NULL};
+
 static void check_loads(lac_reader *reader, const lac_case *c, bool vector)
 {
     char key[100];

@@ -13,7 +13,6 @@
 #define FIELD(name) offsetof(lac_case, name)
 
 static const char *const shapes[] = {"plane", "line", NULL};
-static const char *const slips[] = {"scalar", "vector", NULL};
 static const char *const boundaries[] = {"periodic", "free", NULL};
 static const char *const history_methods[] = {"direct", NULL};
 static const char *const precisions[] = {"double", "float", NULL};
@@ -40,9 +39,7 @@ static const lac_param interface_rows[] = {
     LAC_CHOICE("shape", FIELD(interface.shape), LAC_PLANE, shapes, 0, "of the interface"),
     LAC_CHOICE("boundary", FIELD(interface.boundary), LAC_PERIODIC, boundaries, 0,
                "periodic, or free: the faces end at the border, the rock goes on"),
-    LAC_CHOICE("slip", FIELD(slip), NAN, slips, LAC_OPTIONAL,
-               "of a run: scalar, along x, as if absent; vector, along x and y, friction against "
-               "the slip rate"),
+    LAC_SLIP_ROW(FIELD(slip)),
     LAC_OWN("surface", "{MODEL: {...}}: heights to press"),
     LAC_OWN("domain", "{MODEL: {...}}: contact cells, instead of a surface"),
     LAC_OWN("spread", "{pressure: {MODEL: {...}}}: over the cells of a domain"),
@@ -107,11 +104,7 @@ static const lac_param initial_rows[] = {
              LAC_OPTIONAL | LAC_ABOVE_MIN, "at the start; follows from load and state if absent"),
     LAC_OWN("state", "steady, a time, or {ratio_to_steady: x}; follows from load and slip rate if "
                      "absent, steady where neither is given"),
-    LAC_REAL(
-        "azimuth", "rad", FIELD(initial_azimuth), NAN, -6.283185307179586, 6.283185307179586,
-        LAC_OPTIONAL,
-        "of slip rate from x towards y, with interface.slip: vector, where slip_rate and state "
-        "are both given; along x if absent"),
+    LAC_HEADING_ROW(FIELD(initial_azimuth)),
     LAC_OWN("spread", "{slip_rate: {MODEL: {...}}, state: {...}}: from cell to cell"),
 };
 
@@ -354,8 +347,7 @@ static bool has_time(const lac_case *c) { return !isnan(c->run.end); }
 static bool has_initial(const lac_case *c)
 {
     return c->friction.info != NULL || c->initial.state != LAC_STATE_STEADY ||
-           !isnan(c->initial.slip_rate) || !isnan(c->initial_azimuth) ||
-           c->initial_spread.count > 0;
+           !isnan(c->initial.slip_rate) || c->initial_spread.count > 0;
 }
 
 static bool has_stop(const lac_case *c)

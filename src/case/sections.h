@@ -119,6 +119,17 @@ static inline bool lac_param_owned(const lac_param *param)
     return (param->flags & (LAC_OWN_FLAG | LAC_COLUMN_FLAG)) != 0;
 }
 
+/// Rows of slip in two directions, of `interface` and of `initial`.
+extern const char *const lac_slip_names[];
+#define LAC_SLIP_ROW(where)                                                                \
+    LAC_CHOICE("slip", where, NAN, lac_slip_names, LAC_OPTIONAL,                           \
+               "of a run: scalar, along x, as if absent; vector, along x and y, friction " \
+               "against the slip rate")
+#define LAC_HEADING_ROW(where)                                                                  \
+    LAC_REAL("azimuth", "rad", where, NAN, -6.283185307179586, 6.283185307179586, LAC_OPTIONAL, \
+             "of slip rate from x towards y, with interface.slip: vector, where slip_rate and " \
+             "state are both given; along x if absent")
+
 /// Reads the value of one parameter into its field.
 /// @return false where it is wrong, which is then reported
 bool lac_read_param(lac_reader *reader, const lac_node *node, const lac_param *param, void *params);
