@@ -154,11 +154,8 @@ static void check_statics(lac_reader *reader, const lac_case *c)
 // The mean normal stress; NaN where the case is wrong about it.
 static double normal_stress(const lac_reader *reader, const lac_case *c)
 {
-    const lac_normal_load *normal = (const void *)c->normal.info;
-    if (normal == NULL || !lac_clean(reader, "material")) {
-        return NAN;
-    }
-    return normal->pressure(c->normal.params, c->material.density);
+    const bool clean = lac_clean(reader, "material") && lac_clean(reader, "interface.geometry");
+    return clean ? lac_case_pressure(c) : NAN;
 }
 
 static void check_forces(lac_reader *reader, const lac_case *c, double pressure,
@@ -187,6 +184,7 @@ static void check_forces(lac_reader *reader, const lac_case *c, double pressure,
                      lac_units_format(sum.pore, "Pa", high, sizeof high),
                      lac_units_format(pressure, "Pa", low, sizeof low));
     bool wanted = lac_needs_run(reader) && !fixed_by_initial && lac_clean(reader, "initial");
+    sum.ratio += lac_geometry_weigh(&c->geometry, c->material.density).ratio;
     (void)lac_refuse(reader, wanted && !(lac_load_shear(&sum, pressure) > 0.0), "load.shear",
                      "must give a shear load at the start, such as [{ratio: {value: 0.58}}], "
                      "unless initial gives both slip_rate and state");
@@ -219,7 +217,7 @@ static bool starts_unstable(const lac_case *c)
 static bool loads_stay(const lac_case *c)
 {
     const lac_load_models loads = {c->shear.item, c->shear.count, c->pore.item, c->pore.count};
-    return !holds_mean_slip(c) && lac_load_models_constant(&loads);
+    return !holds_mean_slip(c) && c->geometry.angles == 0 && lac_load_models_constant(&loads);
 }
 
 // Whether the state at the start is the same for any ratio to the steady one, as the law has it.
@@ -326,7 +324,7 @@ static void check_inertia(lac_reader *reader, lac_case *c, double pressure)
 }
 
 // Cells at steps of their own have one formulation and no method to choose.
-enum { EVENTS_REFUSE = 6 };
+enum { EVENTS_REFUSE = 7 };
 static const struct {
     const char *key, *why;
 } events_refuse[EVENTS_REFUSE] = {
@@ -336,6 +334,7 @@ static const struct {
     {"solver.max_order", "goes with fidelity ode, not with events"},
     {"solver.first_step", "goes with fidelity ode, not with events"},
     {"time.stop_when.factor_of_safety", "goes with fidelity ode, not with events"},
+    {"solver.fidelity", "knows no interface.geometry: leave one of them out"},
 };
 
 // Which of these the case asks for.
@@ -347,13 +346,14 @@ static void ask_events(const lac_case *c, bool asked[EVENTS_REFUSE])
     asked[3] = c->run.max_order != 0;
     asked[4] = !isnan(c->run.first_step);
     asked[5] = !isnan(c->run.stop_safety);
+    asked[6] = c->geometry.angles > 0;
 }
 
 bool lac_case_admits_events(const lac_case *c)
 {
     bool asked[EVENTS_REFUSE];
     ask_events(c, asked);
-    return !(asked[0] || asked[1] || asked[2] || asked[3] || asked[4] || asked[5]);
+    return !(asked[0] || asked[1] || asked[2] || asked[3] || asked[4] || asked[5] || asked[6]);
 }
 
 static void check_events(lac_reader *reader, lac_case *c)
@@ -421,7 +421,8 @@ bool lac_case_implies_safety(const lac_case *c)
     const lac_normal_load *normal = (const void *)c->normal.info;
     const lac_load_models loads = {c->shear.item, c->shear.count, c->pore.item, c->pore.count};
     return (normal != NULL && normal->slope) || lac_load_models_slope(&loads) ||
-           !isnan(c->run.stop_safety) || (c->fields & (unsigned)LAC_FIELD_SAFETY) != 0;
+           c->geometry.angles > 0 || !isnan(c->run.stop_safety) ||
+           (c->fields & (unsigned)LAC_FIELD_SAFETY) != 0;
 }
 
 // Where it is written, maps of the cells have it too.
@@ -471,6 +472,7 @@ void lac_check_case(lac_reader *reader, lac_case *c)
     }
     check_initial(reader, c);
     check_inertia(reader, c, normal_stress(reader, c));
+    lac_check_geometry(reader, c);
     check_solver(reader, c);
     lac_check_rg(reader, c);
     lac_check_analysis(reader, c);

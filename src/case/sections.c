@@ -45,6 +45,17 @@ static const lac_param interface_rows[] = {
     LAC_OWN("surface", "{MODEL: {...}}: heights to press"),
     LAC_OWN("domain", "{MODEL: {...}}: contact cells, instead of a surface"),
     LAC_OWN("spread", "{pressure: {MODEL: {...}}}: over the cells of a domain"),
+    LAC_OWN("geometry", "{angle: ..., thickness: ..., ...}: a base whose dip follows the slip"),
+};
+
+static const lac_param geometry_rows[] = {
+    LAC_OWN("angle", "dip of the base, an angle, or a list of one for each slip; must be given"),
+    LAC_OWN("thickness", "of the sliding mass, measured vertically: a length at the start, after "
+                         "which its weight stays the same, or a list of one for each slip; if "
+                         "absent load.normal says the weight at the start"),
+    LAC_OWN("slip", "[...]: mean slips, rising, at which the lists have their values"),
+    LAC_REAL("radius", "m", FIELD(geometry.radius), NAN, 0, 1e9, LAC_OPTIONAL | LAC_ABOVE_MIN,
+             "of a circular base: its dip falls by slip/radius from the angle at the start"),
 };
 
 const lac_param lac_material_rows[LAC_MATERIAL_ROWS] = {
@@ -325,6 +336,15 @@ static const lac_param fit_rows[] = {
 
 static bool has_inertia(const lac_case *c) { return lac_inertia_mass(c) > 0.0; }
 
+static bool has_geometry(const lac_case *c) { return c->geometry.angles > 0; }
+
+// The weight on a bent base may be all there is.
+static bool has_load(const lac_case *c)
+{
+    return c->normal.info != NULL || c->shear.count > 0 || c->pore.count > 0 ||
+           c->history.count > 0;
+}
+
 static bool has_history(const lac_case *c) { return c->history.count > 0; }
 
 // A static case names no time, and neither a law nor a start.
@@ -364,6 +384,7 @@ static bool has_fit(const lac_case *c) { return c->fit.named; }
 #define ITEMS(key, text, rows) RECORD(key, text, rows), .kind = LAC_PART_ITEMS
 #define OWN(key) .info.name = (key), .kind = LAC_PART_OWN
 #define PART(what, key, member) .info.name = (key), .kind = LAC_PART_##what, .at = FIELD(member)
+#define ITS_WEIGHT "interface.geometry.thickness"
 #define NO_LOAD "a normal load such as {pressure: \"3 MPa\"}"
 
 static const char *const pressed[] = {"pressure", NULL};
@@ -375,13 +396,18 @@ static const lac_part parts[] = {
     {PART(SLOT, "interface.surface", surface), .model = LAC_KIND_SURFACE},
     {PART(SLOT, "interface.domain", domain), .model = LAC_KIND_DOMAIN},
     {PART(SPREADS, "interface.spread", interface_spread), .varied = pressed},
+    {RECORD("interface.geometry", "base whose dip and thickness follow the mean slip",
+            geometry_rows),
+     .such = "{angle: \"30 degree\", radius: \"500 m\"}", .given = has_geometry,
+     .read = lac_read_geometry, .put = lac_put_geometry},
     {RECORD("material", "the rock on both sides; no elasticity if absent", lac_material_rows),
      .fitted = true},
     {RECORD("inertia", "mass of the block that slides; none if absent", lac_inertia_rows),
      .given = has_inertia},
     {RECORD("load", "what presses and shears the interface", load_rows), .missing = NO_LOAD,
-     .missing_at = "load.normal"},
-    {PART(SLOT, "load.normal", normal), .model = LAC_KIND_NORMAL, .missing = NO_LOAD},
+     .missing_at = "load.normal", .unless = ITS_WEIGHT, .given = has_load},
+    {PART(SLOT, "load.normal", normal), .model = LAC_KIND_NORMAL, .missing = NO_LOAD,
+     .unless = ITS_WEIGHT},
     {PART(SLOTS, "load.shear", shear), .model = LAC_KIND_SHEAR},
     {PART(SLOTS, "load.pore_pressure", pore), .model = LAC_KIND_PORE},
     {RECORD("load.history", "a static history of normal and shear load, for `lacuna contact`",

@@ -226,6 +226,7 @@ typedef struct lac_part {
     const char *const *varied; ///< of spreads: what may vary; NULL: what the friction law says
     const char *missing;    ///< what is said where its section is there but it isn't; NULL: nothing
     const char *missing_at; ///< of which key; NULL: its own
+    const char *unless;     ///< a key that makes up for it; NULL: none
     bool of_runs;           ///< but only where lac_needs_run
     bool fitted;            ///< lac_case_find knows its rows
     /// Called once the rest is read.
@@ -250,9 +251,10 @@ typedef void lac_part_put(struct lac_writer *w, const lac_case *c);
 
 lac_part_read lac_read_version, lac_read_steps, lac_read_state, lac_read_start, lac_read_fields,
     lac_read_fields_every, lac_read_betas, lac_read_analysis, lac_read_fitted, lac_read_compare,
-    lac_read_points, lac_read_safety;
+    lac_read_points, lac_read_safety, lac_read_geometry;
 lac_part_put lac_put_steps, lac_put_state, lac_put_start, lac_put_fields, lac_put_betas,
-    lac_put_analysis, lac_put_fitted, lac_put_compare, lac_put_points, lac_put_safety;
+    lac_put_analysis, lac_put_fitted, lac_put_compare, lac_put_points, lac_put_safety,
+    lac_put_geometry;
 
 /// Names of LAC_FIELD_*, in the order of their bits; NULL at the end.
 extern const char *const lac_field_names[];
@@ -270,12 +272,18 @@ extern const lac_param lac_state_row, lac_ratio_row;
 /// What is wrong with a section as a whole; they fill in what it takes from elsewhere in the case.
 /// @param pressure  that a history starts from [Pa]; NaN where the case is wrong about it
 void lac_check_interface(lac_reader *reader, lac_interface_def *def);
+void lac_check_geometry(lac_reader *reader, lac_case *c);
 void lac_check_history(lac_reader *reader, lac_case *c, double pressure);
 void lac_check_rg(lac_reader *reader, lac_case *c);
 void lac_check_analysis(lac_reader *reader, lac_case *c);
 void lac_check_fit(lac_reader *reader, lac_case *c);
 void lac_check_points(lac_reader *reader, const lac_case *c);
 void lac_check_point_names(lac_reader *reader, const lac_case *c);
+
+/// A list of what stands below a key, as text: "[\"0 m\", \"10 m\"]", of one value without
+/// brackets.
+void lac_put_list(struct lac_writer *w, const char *key, const char *unit, const double *value,
+                  size_t count);
 
 /// The rest of a dotted key behind that of a part; NULL where it is not below it.
 const char *lac_key_behind(const char *key, const char *part);

@@ -3,6 +3,7 @@
 
 #include "base/grid.h"
 #include "base/param.h"
+#include "load/geometry.h"
 
 #define LAC_GRAVITY 9.80665 /* standard gravity [m/s2] */
 
@@ -133,6 +134,7 @@ typedef struct lac_load_set {
     double *shape; ///< [contact cells] C^-1 1, its mean 1, owned; NULL where lac_load_set_is_shaped
                    ///< is false. Whoever knows the contact fills it: lac_transfer_tied
     lac_load_places places; ///< of the cells where a load differs between them: lac_load_set_place
+    lac_geometry *geometry; ///< of a base that bends, owned; NULL: the load follows time alone
 } lac_load_set;
 
 /// The loads that a case names.

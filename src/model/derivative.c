@@ -5,30 +5,20 @@
 
 #include "model/internal.h"
 
-// A state whose rates the next solve begins from; false where the loads are none.
-static bool begin(const lac_problem *problem, double t, const double *y, double *work, lac_look *at)
-{
-    *at = (lac_look){
-        .problem = problem, .y = y, .w = y + problem->n, .ws = lac_problem_split(problem, work)};
-    if (!lac_problem_drive_into(problem, t, at->ws.shares, &at->drive)) {
-        return false;
-    }
-    at->motion = problem->kind->move(at, true);
-    return true;
-}
-
 bool lac_problem_derivative(const lac_problem *problem, double t, const double *y, double *ydot,
                             double *work)
 {
     lac_look at;
-    return begin(problem, t, y, work, &at) && problem->kind->derivative(&at, ydot);
+    return lac_problem_begin(problem, t, y, true, work, &at) &&
+           problem->kind->derivative(&at, ydot);
 }
 
 bool lac_problem_newton(const lac_problem *problem, double t, const double *y, double gamma,
                         double *b, double *work)
 {
     lac_look at;
-    return begin(problem, t, y, work, &at) && problem->kind->newton(&at, gamma, b);
+    return lac_problem_begin(problem, t, y, true, work, &at) &&
+           problem->kind->newton(&at, gamma, b);
 }
 
 // What ln theta is worth in ln v under constant traction is b/a. Up to this it passes for one, so
@@ -75,7 +65,7 @@ static double stiffest(const lac_problem *problem, const lac_problem_loads_at *d
     for (size_t l = 0; l < levels; l++) {
         most = fmax(most, transfer->kind->stiffness(transfer->state, l));
     }
-    return most + drive->spring_stiffness;
+    return most + drive->spring_stiffness + problem->slide;
 }
 
 // Fastest e-folding of a cell [1/s], and with a stiffness the fastest decay of what it is behind.

@@ -152,6 +152,9 @@ static lac_status load_at_start(const lac_initial_def *initial, const lac_load_s
     lac_load_state load;
     lac_load_evaluate(loads, 0.0, &load);
     at->ratio = load.ratio + (load.stress - cohesion) / mean;
+    if (loads->geometry != NULL) {
+        at->ratio += lac_geometry_at(loads->geometry, 0.0).pull;
+    }
     double to_cells = area / ((double)domain->n * cell);
     at->spring = (load.spring_stress + load.equal_ratio * mean) * to_cells;
     at->elastic = (load.elastic + load.elastic_ratio * mean) * to_cells;

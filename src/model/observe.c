@@ -8,12 +8,28 @@
 #include "lacuna/simulation.h"
 #include "model/internal.h"
 
+bool lac_problem_begin(const lac_problem *problem, double t, const double *y, bool keep,
+                       double *work, lac_look *at)
+{
+    *at = (lac_look){
+        .problem = problem, .y = y, .w = y + problem->n, .ws = lac_problem_split(problem, work)};
+    // What has mass moves as it does, and how fast it does presses it on a bent base.
+    const bool moves = problem->mass > 0.0;
+    if (moves) {
+        at->motion = problem->kind->move(at, keep);
+    }
+    const lac_gone gone = lac_problem_gone_in(problem, y, at->motion.mean);
+    const bool good = lac_problem_drive_into(problem, t, gone, at->ws.shares, &at->drive);
+    if (!moves && (good || !keep)) {
+        at->motion = problem->kind->move(at, keep);
+    }
+    return good;
+}
+
 lac_look lac_problem_look(const lac_problem *problem, double t, const double *y, double *work)
 {
-    lac_look at = {
-        .problem = problem, .y = y, .w = y + problem->n, .ws = lac_problem_split(problem, work)};
-    (void)lac_problem_drive_into(problem, t, at.ws.shares, &at.drive);
-    at.motion = problem->kind->move(&at, false);
+    lac_look at;
+    (void)lac_problem_begin(problem, t, y, false, work, &at);
     return at;
 }
 
@@ -48,7 +64,8 @@ void lac_problem_traction(const lac_problem *problem, double t, const double *sl
                           double *traction, double *work)
 {
     lac_look at = {.problem = problem, .ws = lac_problem_split(problem, work)};
-    (void)lac_problem_drive_into(problem, t, at.ws.shares, &at.drive);
+    const lac_gone gone = lac_problem_gone(problem, slip, 0.0);
+    (void)lac_problem_drive_into(problem, t, gone, at.ws.shares, &at.drive);
     lac_problem_elastic_traction(&at, slip, traction);
     for (size_t i = 0; problem->bond > 0.0 && i < problem->n; i++) {
         traction[i] += lac_problem_cohesion(problem, i);
@@ -111,8 +128,9 @@ void lac_problem_observe(const lac_problem *problem, double t, const double *y, 
 
     double total = lac_look_sheared(&at, slip, observation->mean_slip);
     observation->shear_force = problem->cell_area * total;
-    observation->normal_force = problem->cell_area * problem->sum_pressure;
-    observation->effective_force = observation->normal_force * drive->share;
+    const double force = problem->cell_area * problem->sum_pressure;
+    observation->normal_force = force * drive->normal;
+    observation->effective_force = force * drive->share;
 
     observation->factor_of_safety = problem->safety.asked ? lac_look_safety(&at, slip) : NAN;
 
@@ -171,8 +189,9 @@ bool lac_problem_jump(const lac_problem *problem, double t, double *y, double *w
     lac_problem_loads_at after;
     const lac_workspace ws = lac_problem_split(problem, work);
     double *shares_before = problem->varies ? ws.shares + 2 * problem->n : NULL;
-    if (!lac_problem_drive_into(problem, nextafter(t, -INFINITY), shares_before, &before) ||
-        !lac_problem_drive_into(problem, t, ws.shares, &after)) {
+    const lac_gone gone = lac_problem_gone_in(problem, y, 0.0);
+    if (!lac_problem_drive_into(problem, nextafter(t, -INFINITY), gone, shares_before, &before) ||
+        !lac_problem_drive_into(problem, t, gone, ws.shares, &after)) {
         return false;
     }
     lac_jump jump = {.ratio = after.ratio - before.ratio,
