@@ -59,3 +59,16 @@ void lac_problem_bend(const lac_problem *problem, lac_gone gone, lac_problem_loa
         press_round(problem, gone.rate, &slab, drive);
     }
 }
+
+bool lac_problem_bends(const lac_problem *problem) { return problem->loads.geometry != NULL; }
+
+bool lac_problem_settles(const lac_problem *problem, double t, const double *y, double *work)
+{
+    size_t cell;
+    double mean, max;
+    if (!lac_problem_bends(problem) || !lac_problem_rests(problem, t, y, &cell, work)) {
+        return false;
+    }
+    lac_problem_speed(problem, t, y, &mean, &max, work);
+    return max < LAC_NOTHING;
+}

@@ -259,14 +259,13 @@ double lac_inertia_fastest(const lac_look *at)
 bool lac_problem_rests(const lac_problem *problem, double t, const double *y, size_t *cell,
                        double *work)
 {
-    const double nothing = 1e-25; // m/s
     lac_problem_loads_at drive;
     if (problem->mass == 0.0 || !lac_problem_drive(problem, t, y, work, &drive)) {
         return false;
     }
     const lac_look at = lac_problem_look(problem, t, y, work);
     size_t i = 0;
-    while (i < problem->n && !(fabs(at.motion.v[i]) < nothing)) {
+    while (i < problem->n && !(fabs(at.motion.v[i]) < LAC_NOTHING)) {
         i++;
     }
     if (i == problem->n) {

@@ -132,6 +132,8 @@ static inline double lac_problem_gain(const lac_problem *problem, const lac_jump
     return problem->pressure[i] * jump->ratio + jump->spring + shaped;
 }
 
+#define LAC_NOTHING 1e-25 /* slip rate of a cell with mass that may be at rest [m/s] */
+
 // A choice of unknowns y = (x, ln theta), one x a cell, or (x, ln theta, slip);
 // docs/theory/creep.md, docs/theory/momentum.md.
 typedef struct lac_formulation_kind {

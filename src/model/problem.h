@@ -300,6 +300,11 @@ bool lac_problem_slips(const lac_problem *problem, double t, const double *y, si
 bool lac_problem_rests(const lac_problem *problem, double t, const double *y, size_t *cell,
                        double *work);
 
+/// Whether the dip or thickness of the base follows slip; and whether such a joint, which has mass,
+/// rests for good: lac_problem_rests, and no cell moves faster than that means.
+bool lac_problem_bends(const lac_problem *problem);
+bool lac_problem_settles(const lac_problem *problem, double t, const double *y, double *work);
+
 /// What is asked of the initial rate and state (a case's section `initial`).
 typedef enum lac_initial_state {
     LAC_STATE_FROM_LOAD, ///< theta balances the load at the given rate

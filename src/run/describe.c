@@ -25,6 +25,15 @@ LAC_GETTER(double, pore_pressure, PLACE,
 LAC_GETTER(bool, has_pore_pressure, PLACE,
            p->of.loads != NULL && lac_load_set_has_pore(p->of.loads))
 LAC_GETTER(bool, has_safety, PLACE, p->of.safety.asked)
+static lac_slab slab_at(const lac_run_place *p)
+{
+    return lac_geometry_at(p->of.loads->geometry, p->record.observation.mean_slip);
+}
+LAC_GETTER(bool, bends, PLACE, p->of.loads != NULL && p->of.loads->geometry != NULL)
+LAC_GETTER(bool, has_thickness, PLACE,
+           p->of.loads != NULL && p->of.loads->geometry != NULL && !isnan(slab_at(p).thickness))
+LAC_GETTER(double, angle, PLACE, slab_at(p).angle *(180.0 / M_PI))
+LAC_GETTER(double, thickness, PLACE, slab_at(p).thickness)
 LAC_GETTER(double, order, PLACE, p->record.order != 0 ? (double)p->record.order : NAN)
 
 #define MEAN .cell_methods = "time: point area: mean"
@@ -76,6 +85,12 @@ static const lac_variable of_record[] = {
                 "present states, sum of (p f(v_ref, theta) + cohesion) r^2, p effective, over "
                 "shear_force; missing where nothing drives. v_ref is v0 of the friction, "
                 "or factor_of_safety_reference_rate_m_s"),
+    LAC_ROW("angle", NULL, "degree", "dip of the base", G(angle), POINT,
+            .flags = LAC_FILLED | LAC_ROUGH, .has = bends,
+            .comment = "of interface.geometry at the mean slip"),
+    LAC_ROW("thickness", NULL, "m", "thickness of the sliding mass", G(thickness), POINT,
+            .flags = LAC_FILLED | LAC_ROUGH, .has = has_thickness,
+            .comment = "measured vertically; of interface.geometry at the mean slip"),
     LAC_ROW("balance_residual", NULL, "1", "worst relative error of the traction balance",
             SEEN(balance_residual), POINT,
             .comment = "max over cells of |q - K slip - p f - eta v| / (f0 p): how far integration "
@@ -398,6 +413,11 @@ LAC_TEXT_GETTER(lowered, RESULT,
                       "time.failure.mean_slip_rate; judged by all cells as one"
                     : NULL)
 LAC_TEXT_GETTER(ended_by, RESULT, lac_end_name(r->end))
+LAC_TEXT_GETTER(arrested, RESULT,
+                isnan(r->arrest.largest) ? NULL
+                : r->arrest.arrested     ? "arrested: the mean slip rate at the end is below a "
+                                           "tenth of the largest"
+                                         : "not arrested")
 LAC_TEXT_GETTER(modified, ENDING,
                 lac_date_format(e->now + (isnan(e->wall_time) ? 0.0 : e->wall_time), room,
                                 LAC_TEXT_ROOM))
@@ -422,6 +442,9 @@ static const lac_variable of_result[] = {
     {.name = "factor_of_safety_least", R(REAL, safety.least)},
     {.name = "factor_of_safety_end", R(REAL, safety.end)},
     {.name = "factor_of_safety_below_1_time_s", .unit = "s", R(REAL, safety.below_time)},
+    {.name = "largest_mean_slip_rate_m_s", .unit = "m s-1", R(REAL, arrest.largest)},
+    {.name = "largest_mean_slip_rate_time_s", .unit = "s", R(REAL, arrest.largest_time)},
+    {.name = "arrest", T(arrested)},
     SUM("steps", steps),
     SUM("rhs_evaluations", rhs_evaluations),
     SUM("newton_iterations", newton_iterations),

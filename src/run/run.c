@@ -267,9 +267,7 @@ static lac_status look_for_end(run *r, lac_error *err)
     if (crossing != LAC_CROSSING_NONE) {
         measure_speed(r);
         r->done = true;
-        r->end = crossing == LAC_CROSSING_FAILURE ? LAC_END_FAILURE
-                 : crossing == LAC_CROSSING_GONE  ? LAC_END_SLIP
-                                                  : LAC_END_STOP;
+        r->end = lac_crossing_end(crossing);
     } else if (engine->t >= lac_engine_inner(engine, r->def->end)) {
         r->done = true;
         r->end = LAC_END_TIME;
@@ -463,6 +461,7 @@ static void finish(run *r, lac_status status)
         result->failure_origin = engine->origin;
         result->failure_local = engine->base + engine->t;
     }
+    lac_run_state_keep_peak(r);
 }
 
 lac_status lac_run(const lac_problem *problem, const lac_run_def *def, const lac_sink *sink,
@@ -472,7 +471,8 @@ lac_status lac_run(const lac_problem *problem, const lac_run_def *def, const lac
     *result = (lac_run_result){.end = LAC_END_ERROR,
                                .failure_origin = NAN,
                                .failure_local = NAN,
-                               .safety = {NAN, NAN, NAN, NAN, NAN}};
+                               .safety = {NAN, NAN, NAN, NAN, NAN},
+                               .arrest = {false, NAN, NAN, NAN}};
     run r = {.problem = problem, .def = def, .sink = sink, .result = result};
     LAC_TRY(lac_check_def(def, err));
     result->failure = lac_problem_failure(problem, def->failure_rate, def->failure_slip);
