@@ -38,6 +38,7 @@ CALLS = (
             "'output.factor_of_safety.reference_rate=0.5 mm/day'"),
     ("run", "cases/load/rain.yaml -o rain.nc"),
     ("run", "cases/load/water-table.yaml -o table.nc"),
+    ("run", "cases/load/chair.yaml -o chair.nc"),
     ("contact", "cases/surface/joint.yaml -o joint.nc"),
     ("contact", "cases/surface/file.yaml -o file.nc"),
     ("contact", "cases/contact/self-affine.yaml -o contact.nc"),
