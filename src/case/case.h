@@ -156,7 +156,7 @@ struct lac_case {
     lac_material_def material;
     lac_inertia_def inertia; ///< thickness and mass NaN: none
     lac_model normal;
-    lac_model_list shear, pore;
+    lac_model_list shear, pore, pressing; ///< the last: normal stresses on top of the normal load
     lac_history_def history;
     lac_model friction; ///< `info` is NULL where a static case names none
     lac_heterogeneity_list friction_spread;
@@ -186,6 +186,13 @@ struct lac_case {
     size_t compare_count;
     lac_compare_def *compare;
 };
+
+/// The loads that a case names, borrowed from it.
+static inline lac_load_models lac_case_loads(const lac_case *c)
+{
+    return (lac_load_models){c->shear.item, c->shear.count,   c->pore.item,
+                             c->pore.count, c->pressing.item, c->pressing.count};
+}
 
 /// How a case is to be read.
 typedef struct lac_case_request {

@@ -135,9 +135,13 @@ static void check_share(lac_reader *reader, const lac_case *c)
 static void check_statics(lac_reader *reader, const lac_case *c)
 {
     const lac_normal_load *normal = (const void *)c->normal.info;
+    (void)lac_refuse(reader, c->pressing.count > 0 && HAS("load.history"), "load.normal_stress",
+                     "is for runs; a step of load.history names its normal load itself");
     if (normal == NULL || (normal->approach == NULL && normal->dimension == NULL)) {
         return;
     }
+    (void)lac_refuse(reader, c->pressing.count > 0, "load.normal_stress",
+                     "is for runs, whose normal load is pressure, depth or slope");
     const char *key = normal->approach != NULL ? "load.normal.approach" : "load.normal.dimension";
     (void)(lac_refuse(
                reader, lac_needs_run(reader), key,
@@ -161,10 +165,7 @@ static double normal_stress(const lac_reader *reader, const lac_case *c)
 static void check_forces(lac_reader *reader, const lac_case *c, double pressure,
                          bool fixed_by_initial)
 {
-    const lac_load_models models = {.shear = c->shear.item,
-                                    .shear_count = c->shear.count,
-                                    .pore = c->pore.item,
-                                    .pore_count = c->pore.count};
+    const lac_load_models models = lac_case_loads(c);
     lac_load_set loads;
     lac_load_state sum;
     // What files hold is looked at when the scene is built.
@@ -179,10 +180,15 @@ static void check_forces(lac_reader *reader, const lac_case *c, double pressure,
     lac_load_evaluate(&loads, 0.0, &sum);
     lac_load_set_clear(&loads);
     char high[64], low[64];
-    (void)lac_refuse(reader, !(sum.pore < pressure), "load.pore_pressure",
-                     "sums to %s, which must be below the normal stress, %s",
-                     lac_units_format(sum.pore, "Pa", high, sizeof high),
-                     lac_units_format(pressure, "Pa", low, sizeof low));
+    const double pressed = pressure + sum.normal;
+    (void)(lac_refuse(reader, !(pressed > 0.0), "load.normal_stress",
+                      "sums to %s at the start, which must leave some of the normal stress, %s",
+                      lac_units_format(sum.normal, "Pa", high, sizeof high),
+                      lac_units_format(pressure, "Pa", low, sizeof low)) ||
+           lac_refuse(reader, !(sum.pore < pressed), "load.pore_pressure",
+                      "sums to %s, which must be below the normal stress, %s",
+                      lac_units_format(sum.pore, "Pa", high, sizeof high),
+                      lac_units_format(pressed, "Pa", low, sizeof low)));
     bool wanted = lac_needs_run(reader) && !fixed_by_initial && lac_clean(reader, "initial");
     sum.ratio += lac_geometry_weigh(&c->geometry, c->material.density).ratio;
     (void)lac_refuse(reader, wanted && !(lac_load_shear(&sum, pressure) > 0.0), "load.shear",
@@ -216,7 +222,7 @@ static bool starts_unstable(const lac_case *c)
 // Whether nothing but constant loads acts.
 static bool loads_stay(const lac_case *c)
 {
-    const lac_load_models loads = {c->shear.item, c->shear.count, c->pore.item, c->pore.count};
+    const lac_load_models loads = lac_case_loads(c);
     return !holds_mean_slip(c) && c->geometry.angles == 0 && lac_load_models_constant(&loads);
 }
 
@@ -419,7 +425,7 @@ static void check_cadences(lac_reader *reader, const lac_case *c)
 bool lac_case_implies_safety(const lac_case *c)
 {
     const lac_normal_load *normal = (const void *)c->normal.info;
-    const lac_load_models loads = {c->shear.item, c->shear.count, c->pore.item, c->pore.count};
+    const lac_load_models loads = lac_case_loads(c);
     return (normal != NULL && normal->slope) || lac_load_models_slope(&loads) ||
            c->geometry.angles > 0 || !isnan(c->run.stop_safety) ||
            (c->fields & (unsigned)LAC_FIELD_SAFETY) != 0;

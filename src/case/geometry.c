@@ -7,6 +7,17 @@
 #include "base/rows.h"
 #include "case/sections.h"
 
+const lac_param lac_geometry_rows[LAC_GEOMETRY_ROWS] = {
+    LAC_OWN("angle", "dip of the base, an angle, or a list of one for each slip; must be given"),
+    LAC_OWN("thickness", "of the sliding mass, measured vertically: a length at the start, after "
+                         "which its weight stays the same, or a list of one for each slip; if "
+                         "absent load.normal says the weight at the start"),
+    LAC_OWN("slip", "[...]: mean slips, rising, at which the lists have their values"),
+    LAC_REAL("radius", "m", offsetof(lac_case, geometry.radius), NAN, 0, 1e9,
+             LAC_OPTIONAL | LAC_ABOVE_MIN,
+             "of a circular base: its dip falls by slip/radius from the angle at the start"),
+};
+
 // What a value may be; LAC_STEEPEST of the loads, to either side.
 static const lac_param angle_row = LAC_REAL("angle", "rad", 0, NAN, -1.57, 1.57, 0, "");
 static const lac_param thickness_row =

@@ -41,8 +41,8 @@ static const lac_param rows[] = {
                      "or the last readings go at so many times the rate that was usual before"),
     [ODDS] = NUMBER(odds, -50, 1000, 0,
                     "warning: ln odds of a law that ends in failure, at readings 10 days apart"),
-    [ODDS_DENSE] =
-        NUMBER(odds_dense, -50, 1000, 0, "and so much more at readings a day apart or closer"),
+    [ODDS_DENSE] = NUMBER(odds_dense, -50, 1000, 0,
+                          "and so much more at readings a day apart, twice at a tenth of it"),
     [ODDS_SUDDEN] = NUMBER(odds_sudden, -50, 1000, 0,
                            "and so much more, likewise, where one reading alone does"),
     [RUNNING] = NUMBER(running, 1, 50, 0, "readings in a row that must say so"),

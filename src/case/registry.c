@@ -19,6 +19,7 @@ MODELS(domain_at, lac_domain_source_get)
 MODELS(normal_at, lac_normal_load_get)
 MODELS(shear_at, lac_shear_load_get)
 MODELS(pore_at, lac_pore_load_get)
+MODELS(pressing_at, lac_normal_stress_get)
 MODELS(friction_at, lac_friction_law_get)
 MODELS(transfer_at, lac_transfer_kind_get)
 MODELS(spread_at, lac_heterogeneity_kind_get)
@@ -136,6 +137,8 @@ static LAC_ROWS_AT(lac_model_info, rule_at, rules)
         KIND(SHEAR, "shear", "load.shear", shear_at, "shear loads, a list that adds up"),
         KIND(PORE, "pore_pressure", "load.pore_pressure", pore_at,
              "pore pressures, a list that adds up"),
+        KIND(PRESSING, "normal_stress", "load.normal_stress", pressing_at,
+             "normal stresses that come on top of load.normal, a list that adds up"),
         KIND(FRICTION, "friction", "friction", friction_at, "rate-and-state friction laws"),
         KIND(TRANSFER, "transfer", "transfer", transfer_at,
              "how the slip of a cell loads the others"),

@@ -48,16 +48,6 @@ static const lac_param interface_rows[] = {
     LAC_OWN("geometry", "{angle: ..., thickness: ..., ...}: a base whose dip follows the slip"),
 };
 
-static const lac_param geometry_rows[] = {
-    LAC_OWN("angle", "dip of the base, an angle, or a list of one for each slip; must be given"),
-    LAC_OWN("thickness", "of the sliding mass, measured vertically: a length at the start, after "
-                         "which its weight stays the same, or a list of one for each slip; if "
-                         "absent load.normal says the weight at the start"),
-    LAC_OWN("slip", "[...]: mean slips, rising, at which the lists have their values"),
-    LAC_REAL("radius", "m", FIELD(geometry.radius), NAN, 0, 1e9, LAC_OPTIONAL | LAC_ABOVE_MIN,
-             "of a circular base: its dip falls by slip/radius from the angle at the start"),
-};
-
 const lac_param lac_material_rows[LAC_MATERIAL_ROWS] = {
     LAC_REAL("shear_modulus", "Pa", FIELD(material.shear_modulus), NAN, 0, 1e15,
              LAC_OPTIONAL | LAC_ABOVE_MIN,
@@ -75,6 +65,8 @@ static const lac_param load_rows[] = {
     LAC_OWN("normal", "{MODEL: {...}}: total normal stress; must be given"),
     LAC_OWN("shear", "[{MODEL: {...}}, ...]: shear loads, which add up"),
     LAC_OWN("pore_pressure", "[{MODEL: {...}}, ...]: pore pressures, which add up"),
+    LAC_OWN("normal_stress", "[{MODEL: {...}}, ...]: normal stresses on top of normal, which add "
+                             "up"),
     LAC_OWN("history", "{steps: [...], ...}: a static history for `lacuna contact`"),
 };
 
@@ -397,7 +389,7 @@ static const lac_part parts[] = {
     {PART(SLOT, "interface.domain", domain), .model = LAC_KIND_DOMAIN},
     {PART(SPREADS, "interface.spread", interface_spread), .varied = pressed},
     {RECORD("interface.geometry", "base whose dip and thickness follow the mean slip",
-            geometry_rows),
+            lac_geometry_rows),
      .such = "{angle: \"30 degree\", radius: \"500 m\"}", .given = has_geometry,
      .read = lac_read_geometry, .put = lac_put_geometry},
     {RECORD("material", "the rock on both sides; no elasticity if absent", lac_material_rows),
@@ -410,6 +402,7 @@ static const lac_part parts[] = {
      .unless = ITS_WEIGHT},
     {PART(SLOTS, "load.shear", shear), .model = LAC_KIND_SHEAR},
     {PART(SLOTS, "load.pore_pressure", pore), .model = LAC_KIND_PORE},
+    {PART(SLOTS, "load.normal_stress", pressing), .model = LAC_KIND_PRESSING},
     {RECORD("load.history", "a static history of normal and shear load, for `lacuna contact`",
             history_rows),
      .such = "{steps: [{ratio_x: 0.3}]}", .given = has_history},

@@ -163,6 +163,7 @@ enum {
     LAC_KIND_NORMAL,
     LAC_KIND_SHEAR,
     LAC_KIND_PORE,
+    LAC_KIND_PRESSING,
     LAC_KIND_FRICTION,
     LAC_KIND_TRANSFER,
     LAC_KIND_SPREAD,
@@ -259,9 +260,16 @@ lac_part_put lac_put_steps, lac_put_state, lac_put_start, lac_put_fields, lac_pu
 /// Names of LAC_FIELD_*, in the order of their bits; NULL at the end.
 extern const char *const lac_field_names[];
 
-/// The keys of `material`, of which shear_speed and density stand side by side, and of `inertia`.
-enum { LAC_MATERIAL_SHEAR_SPEED = 2, LAC_MATERIAL_ROWS = 4, LAC_INERTIA_ROWS = 3 };
-extern const lac_param lac_material_rows[LAC_MATERIAL_ROWS], lac_inertia_rows[LAC_INERTIA_ROWS];
+/// The keys of `material`, of which shear_speed and density stand side by side, of `inertia` and of
+/// `interface.geometry`.
+enum {
+    LAC_MATERIAL_SHEAR_SPEED = 2,
+    LAC_MATERIAL_ROWS = 4,
+    LAC_INERTIA_ROWS = 3,
+    LAC_GEOMETRY_ROWS = 4
+};
+extern const lac_param lac_material_rows[LAC_MATERIAL_ROWS], lac_inertia_rows[LAC_INERTIA_ROWS],
+    lac_geometry_rows[LAC_GEOMETRY_ROWS];
 
 /// Reads the sections below the root into a case that holds the defaults.
 void lac_read_sections(lac_reader *reader, lac_case *c);

@@ -71,7 +71,8 @@ static void sort_parameters(lac_fit *fit)
 {
     for (size_t k = 0; k < fit->def->count; k++) {
         const char *key = fit->def->parameter[k].key;
-        bool loads = begins(key, "load.shear") || begins(key, "load.pore_pressure");
+        bool loads = begins(key, "load.shear") || begins(key, "load.pore_pressure") ||
+                     begins(key, "load.normal_stress");
         bool motion = begins(key, "friction.") || begins(key, "initial.");
         fit->moves_loads = fit->moves_loads || loads;
         fit->moves_all = fit->moves_all || (!loads && !motion);

@@ -16,11 +16,12 @@ static const double asked_below = 0.05; // p of a rise above which the odds are 
 static const double nearly = 1e-6;      // of the farthest quantile: no time is nearer
 static const double far_off = 10.0;     // noises, and times what readings before were off
 static const double most_said = 0.99;
-static const double held_below = 0.5;    // and from which on no level is held
-static const double stretched = 1.5;     // what a span may be longer or shorter by
-static const double few_intervals = 2.0; // that a horizon is of at least
-static const double much_faster = 2.0;   // a surge, times that of a watch: one reading is enough
-static const double silent_after = 3.5;  // intervals
+static const double held_below = 0.5;      // and from which on no level is held
+static const double stretched = 1.5;       // what a span may be longer or shorter by
+static const double few_intervals = 2.0;   // that a horizon is of at least
+static const double much_faster = 2.0;     // a surge, times that of a watch: one reading is enough
+static const double silent_after = 3.5;    // intervals
+enum { STUCK_LEAST = 6, STUCK_TIMES = 4 }; // equal readings in a row, and times what ever was
 
 const lac_span lac_spans[LAC_SPANS] = {
     {"step", 0.0}, {"day", 86400.0}, {"week", 7.0 * 86400.0}, {"month", 30.0 * 86400.0}};
@@ -138,10 +139,10 @@ static void pool(const lac_forecast_set *o, lac_verdict *v)
                     : chance_before(v->pooled, o->issue_time, o->issue_time + v->horizon);
 }
 
-// How dense readings are: 1 at a day and less, 0 at ten and more.
+// How dense readings are: 0 at ten days and more, 1 at one, 2 at a tenth and less.
 static double density(double interval)
 {
-    const double days = fmax(1.0, fmin(sparse, interval / day));
+    const double days = fmax(1.0 / sparse, fmin(sparse, interval / day));
     return 1.0 - log(days) / log(sparse);
 }
 
@@ -279,6 +280,21 @@ static bool is_silent(const lac_motion *m, double now)
     return m->n > 1 && now - m->time[m->n - 1] > silent_after * m->interval;
 }
 
+// Equal readings at the end, to the last digit: so many, and so many times what was seen before,
+// that the sensor may have stopped. 0: they are fewer.
+static size_t stuck_for(const lac_motion *m)
+{
+    size_t run = m->n > 0, longest = 1;
+    for (size_t i = 1; i < m->n; i++) {
+        if (m->displacement[i] != m->displacement[i - 1]) {
+            longest = run > longest ? run : longest;
+            run = 0;
+        }
+        run++;
+    }
+    return run >= STUCK_LEAST && run >= STUCK_TIMES * longest ? run : 0;
+}
+
 // By the odds and the methods, of the last values.
 static lac_level level_of_values(const lac_levels *l, const lac_forecast_set *o, lac_verdict *v)
 {
@@ -329,17 +345,26 @@ static lac_level level_of_values(const lac_levels *l, const lac_forecast_set *o,
     return LAC_QUIET;
 }
 
-// Nobody should wait in quiet for a sensor that has gone silent.
+// Nobody should wait in quiet for a sensor that has gone silent, or says the same for ever.
 static lac_level level_of_motion(const lac_levels *l, const lac_forecast_set *o, lac_verdict *v)
 {
+    const lac_motion *m = o->motion;
     const lac_level level = level_of_values(l, o, v);
-    if (!is_silent(o->motion, o->issue_time)) {
-        return level;
+    const size_t stuck = level < LAC_WARNING ? stuck_for(m) : 0;
+    if (stuck > 0) {
+        RULE(
+            v,
+            "the last %zu readings are the same to the last digit, %.3g days long: the slope is at "
+            "rest or the sensor has stopped, check it",
+            stuck, (m->time[m->n - 1] - m->time[m->n - stuck]) / day);
+    }
+    if (!is_silent(m, o->issue_time)) {
+        return stuck > 0 ? LAC_WATCH : level;
     }
     char then[LAC_VERDICT_TEXT];
     (void)snprintf(then, sizeof then, "%s", v->rule);
     RULE(v, "no value has come for %.3g days; at the last one %.*s",
-         (o->issue_time - o->motion->time[o->motion->n - 1]) / day, (int)sizeof then - 64, then);
+         (o->issue_time - m->time[m->n - 1]) / day, (int)sizeof then - 64, then);
     return level > LAC_WATCH ? level : LAC_WATCH;
 }
 

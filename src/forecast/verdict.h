@@ -34,10 +34,11 @@ const char *lac_level_name(lac_level level);
 
 /// What gives a level; docs/theory/forecasting.md says how they were chosen.
 typedef struct lac_levels {
-    double watch_p;      ///< watch: p of a rising rate below it
-    double surge;        ///< or the last readings go at so many times the rate before
-    double odds;         ///< warning: ln odds of a law that ends in failure
-    double odds_dense;   ///< and so much more where the interval is a day or less; of 10 days none
+    double watch_p; ///< watch: p of a rising rate below it
+    double surge;   ///< or the last readings go at so many times the rate before
+    double odds;    ///< warning: ln odds of a law that ends in failure
+    double
+        odds_dense; ///< and so much more at readings a day apart, twice at a tenth; of 10 days none
     double odds_sudden;  ///< and so much more, likewise, where one reading alone says so
     double running;      ///< readings in a row that must say so, else
     double hold;         ///< readings that a level outlasts what gave it

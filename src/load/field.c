@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Pore pressure that a file gives over the joint: maps at several times, or one map whose factor
-// changes in time. Between maps and readings straight lines, between the places of a map bilinear.
+// Pore pressure, or normal stress, that a file gives over the joint: maps at several times, or one
+// map whose factor changes in time. Between maps and readings straight lines, between the places of
+// a map bilinear.
 #include <math.h>
 #include <stdlib.h>
 
@@ -265,6 +266,17 @@ const lac_load_kind lac_pore_field = {
     .info = LAC_ABOUT("field", "pore pressure that differs over the joint, read from a file",
                       "docs/theory/loads.md, \"Loads over the joint\"",
                       LAC_ROWS(params, field_params), .validate = fault),
+    .linear = true,
+    .prepare = prepare,
+    .release = release,
+    .cells = add_field,
+    .place = place,
+    .next_break = next_break,
+};
+
+const lac_load_kind lac_pressing_field = {
+    .info = LAC_ABOUT("field", "normal stress that differs over the joint, read from a file",
+                      LAC_PRESSING_SOURCE, LAC_ROWS(params, field_params), .validate = fault),
     .linear = true,
     .prepare = prepare,
     .release = release,

@@ -18,6 +18,9 @@ typedef struct lac_load_value {
 /// Steepest slope that a load takes [rad]: almost vertical, where tan and 1/cos are still finite.
 #define LAC_STEEPEST 1.57
 
+/// Where what normal stresses on top of the normal load do is derived.
+#define LAC_PRESSING_SOURCE "docs/theory/loads.md, \"Normal stress that changes\""
+
 /// What lac_share is called in a case: the choices of a force's key `share`.
 extern const char *const lac_share_names[];
 
@@ -40,8 +43,8 @@ extern const char *const lac_share_names[];
 #define LAC_OFFSET_ROW(holder, text) \
     LAC_REAL("offset", "s", offsetof(holder, offset), 0, -INFINITY, INFINITY, 0, text)
 
-/// LAC_ROWS of a pore pressure that a table shares with a force, whose share comes last: all cells
-/// feel it alike.
+/// LAC_ROWS of a pore pressure or a normal stress that a table shares with a force, whose share
+/// comes last: all cells feel it alike.
 #define LAC_PORE_ROWS(rows, holder)                                      \
     .params = (rows), .param_count = sizeof(rows) / sizeof(rows)[0] - 1, \
     .params_size = sizeof(holder)
@@ -78,10 +81,18 @@ extern const char *const lac_share_names[];
     _(lac_pore_injection),      \
     _(lac_pore_line_injection), \
     _(lac_pore_water_table)
+
+#define LAC_NORMAL_STRESSES(_)  \
+    _(lac_pressing_ramp),       \
+    _(lac_pressing_step),       \
+    _(lac_pressing_sine),       \
+    _(lac_pressing_series),     \
+    _(lac_pressing_field)
 // clang-format on
 
 extern const lac_normal_load LAC_NORMAL_LOADS(LAC_ROW_ITSELF);
-extern const lac_load_kind LAC_SHEAR_LOADS(LAC_ROW_ITSELF), LAC_PORE_LOADS(LAC_ROW_ITSELF);
+extern const lac_load_kind LAC_SHEAR_LOADS(LAC_ROW_ITSELF), LAC_PORE_LOADS(LAC_ROW_ITSELF),
+    LAC_NORMAL_STRESSES(LAC_ROW_ITSELF);
 
 struct lac_units;
 

@@ -16,13 +16,15 @@ static const lac_load_kind *kind_of(const lac_model *model)
     return (const lac_load_kind *)(const void *)model->info;
 }
 
-// The index-th of the loads, shear before pore; NULL past the end.
+// The index-th of the loads, in the order of a set; NULL past the end.
 static const lac_model *model_at(const lac_load_models *models, size_t index)
 {
     const size_t pore = index - models->shear_count;
-    return index < models->shear_count ? &models->shear[index]
-           : pore < models->pore_count ? &models->pore[pore]
-                                       : NULL;
+    const size_t normal = pore - models->pore_count;
+    return index < models->shear_count     ? &models->shear[index]
+           : pore < models->pore_count     ? &models->pore[pore]
+           : normal < models->normal_count ? &models->normal[normal]
+                                           : NULL;
 }
 
 // Adds shear stress over the nominal area [Pa], [Pa/s], to what the load is shared as. A spring's
@@ -49,25 +51,60 @@ void lac_load_evaluate(const lac_load_set *set, double t, lac_load_state *sum)
         if (i < set->shear) {
             add_stress(load, sum, signal);
         } else {
-            sum->pore += signal.value;
-            sum->pore_rate += signal.rate;
+            const bool pore = i < set->shear + set->pore;
+            *(pore ? &sum->pore : &sum->normal) += signal.value;
+            *(pore ? &sum->pore_rate : &sum->normal_rate) += signal.rate;
         }
     }
 }
 
-void lac_load_evaluate_cells(const lac_load_set *set, double t, const lac_load_state *sum,
-                             double *value, double *rate)
+// Adds what the loads from the `first` up to the `end` put on each cell by itself.
+static void add_cells(const lac_load_set *set, size_t first, size_t end, double t, double *value,
+                      double *rate)
 {
-    for (size_t i = 0; i < set->places.n; i++) {
-        value[i] = sum->pore;
-        rate[i] = sum->pore_rate;
-    }
-    for (size_t i = 0; i < set->count; i++) {
+    for (size_t i = first; i < end; i++) {
         const lac_load *load = &set->load[i];
         if (load->kind->cells != NULL) {
             load->kind->cells(load, &set->places, t, value, rate);
         }
     }
+}
+
+static void fill(size_t n, lac_signal with, double *value, double *rate)
+{
+    for (size_t i = 0; i < n; i++) {
+        value[i] = with.value;
+        rate[i] = with.rate;
+    }
+}
+
+void lac_load_evaluate_pore(const lac_load_set *set, double t, const lac_load_state *sum,
+                            double *value, double *rate)
+{
+    fill(set->places.n, (lac_signal){sum->pore, sum->pore_rate}, value, rate);
+    add_cells(set, set->shear, set->shear + set->pore, t, value, rate);
+}
+
+void lac_load_evaluate_normal(const lac_load_set *set, double t, const lac_load_state *sum,
+                              double *value, double *rate)
+{
+    fill(set->places.n, (lac_signal){sum->normal, sum->normal_rate}, value, rate);
+    add_cells(set, set->shear + set->pore, set->count, t, value, rate);
+}
+
+void lac_load_evaluate_cells(const lac_load_set *set, double t, const lac_load_state *sum,
+                             double *value, double *rate)
+{
+    if (!lac_load_set_presses(set)) {
+        lac_load_evaluate_pore(set, t, sum, value, rate);
+        return;
+    }
+    lac_load_evaluate_normal(set, t, sum, value, rate);
+    for (size_t i = 0; i < set->places.n; i++) {
+        value[i] = sum->pore - value[i];
+        rate[i] = sum->pore_rate - rate[i];
+    }
+    add_cells(set, set->shear, set->shear + set->pore, t, value, rate);
 }
 
 double lac_load_next_break(const lac_load_set *set, double t)
@@ -164,23 +201,26 @@ bool lac_load_models_constant(const lac_load_models *models)
     return true;
 }
 
-lac_status lac_load_blame_cell(const lac_load_set *set, size_t cell, double pore, double normal,
+lac_status lac_load_blame_cell(const lac_load_set *set, size_t cell, double taken, double normal,
                                double t, lac_status status, lac_error *err)
 {
     const lac_load_places *places = &set->places;
     return lac_fail(err, status,
-                    "the pore pressure of cell %zu, at x = %g m, y = %g m, is %g Pa at t = %g s; "
+                    "the pore pressure%s of cell %zu, at x = %g m, y = %g m, is %g Pa at t = %g s; "
                     "must be below the mean normal stress, %g Pa",
-                    cell, lac_grid_x(places->grid, places->index[cell]),
-                    lac_grid_y(places->grid, places->index[cell]), pore, t, normal);
+                    lac_load_set_presses(set) ? " less the added normal stress" : "", cell,
+                    lac_grid_x(places->grid, places->index[cell]),
+                    lac_grid_y(places->grid, places->index[cell]), taken, t, normal);
 }
 
 // Says which of the loads an error is of.
 static lac_status blame(const lac_load_set *set, size_t i, lac_status status, lac_error *err)
 {
-    const bool pore = i >= set->shear;
-    return lac_fail_within(err, status, "load.%s.%zu.%s", pore ? "pore_pressure" : "shear",
-                           pore ? i - set->shear : i, set->load[i].kind->info.name);
+    static const char *const lists[] = {"shear", "pore_pressure", "normal_stress"};
+    const size_t of = i < set->shear ? 0 : i < set->shear + set->pore ? 1 : 2;
+    const size_t first[] = {0, set->shear, set->shear + set->pore};
+    return lac_fail_within(err, status, "load.%s.%zu.%s", lists[of], i - first[of],
+                           set->load[i].kind->info.name);
 }
 
 bool lac_load_models_slope(const lac_load_models *models)
@@ -194,7 +234,9 @@ bool lac_load_models_slope(const lac_load_models *models)
     return false;
 }
 
-bool lac_load_set_has_pore(const lac_load_set *set) { return set->count > set->shear; }
+bool lac_load_set_has_pore(const lac_load_set *set) { return set->pore > 0; }
+
+bool lac_load_set_presses(const lac_load_set *set) { return set->count > set->shear + set->pore; }
 
 // The index-th load that reads something; NULL: there are fewer.
 static const lac_load *driven(const lac_load_set *set, size_t index)
@@ -223,9 +265,10 @@ lac_status lac_load_set_create(const lac_load_models *models, const lac_load_clo
                                lac_load_set *set, lac_error *err)
 {
     const lac_model *model;
-    const size_t count = models->shear_count + models->pore_count;
-    *set =
-        (lac_load_set){.shear = models->shear_count, .load = calloc(count + 1, sizeof *set->load)};
+    const size_t count = models->shear_count + models->pore_count + models->normal_count;
+    *set = (lac_load_set){.shear = models->shear_count,
+                          .pore = models->pore_count,
+                          .load = calloc(count + 1, sizeof *set->load)};
     LAC_FAIL_MEMORY_IF(set->load == NULL, err);
     for (size_t i = 0; (model = model_at(models, i)) != NULL; i++) {
         const lac_load_kind *kind = kind_of(model);

@@ -14,7 +14,7 @@ typedef enum lac_share {
     LAC_SHARE_ELASTIC, ///< q in proportion to C^-1 1: as rock that slips as one puts it on them
 } lac_share;
 
-/// The load on the interface at one time, all shear and pore-pressure loads summed.
+/// The load on the interface at one time, all loads but the normal load summed.
 typedef struct lac_load_state {
     double ratio, ratio_rate;   ///< Q/P of the total normal force [1], [1/s]: q_i = p_i Q/P
     double stress, stress_rate; ///< Q over the nominal area [Pa], [Pa/s]: q_i = p_i stress/mean p
@@ -26,6 +26,7 @@ typedef struct lac_load_state {
     double spring_rate;          ///< its rate [Pa/s]
     double back_slip, back_rate; ///< slip of the rock around the interface [m], [m/s]
     double pore, pore_rate;      ///< pore pressure [Pa], [Pa/s]
+    double normal, normal_rate;  ///< normal stress beyond that of the normal load [Pa], [Pa/s]
 } lac_load_state;
 
 /// Normal load: the total mean pressure on the interface, constant in time; or, in statics, how
@@ -91,7 +92,7 @@ typedef struct lac_load_driver {
     double (*value)(const lac_load *load, double t);
 } lac_load_driver;
 
-/// A shear load or a pore-pressure load: adds its part to the sum.
+/// A shear load, a pore pressure or a normal stress: adds its part to the sum.
 typedef struct lac_load_kind {
     lac_model_info info;
     bool fixes_shear;  ///< gives Q outright (ratio, slope): excluded where `initial` fixes Q
@@ -107,12 +108,12 @@ typedef struct lac_load_kind {
     lac_status (*prepare)(const void *params, const lac_load_clock *clock, void **state,
                           lac_error *err);
     void (*release)(void *state);
-    /// Its stress or pore pressure at time t [s since the start of the run]. NULL: `add` tells.
+    /// Its stress or pressure at time t [s since the start of the run]. NULL: `add` tells.
     lac_signal (*signal)(const lac_load *load, double t);
     /// Adds what is no such stress.
     void (*add)(const lac_load *load, double t, lac_load_state *sum);
-    /// Adds what differs from cell to cell, a pore pressure and its rate at time t; neither
-    /// `signal` nor `add` is there then. NULL: all cells feel it alike.
+    /// Adds what differs from cell to cell, a pressure and its rate at time t; neither `signal` nor
+    /// `add` is there then. NULL: all cells feel it alike.
     /// @param value, rate  [places->n] [Pa], [Pa/s]
     void (*cells)(const lac_load *load, const lac_load_places *places, double t, double *value,
                   double *rate);
@@ -129,8 +130,8 @@ typedef struct lac_load_kind {
 
 /// The loads of a scene.
 typedef struct lac_load_set {
-    lac_load *load; ///< [count] of which the first `shear` are forces, the others pore pressures
-    size_t count, shear;
+    lac_load *load; ///< [count]: forces, then pore pressures, then normal stresses
+    size_t count, shear, pore;
     double *shape; ///< [contact cells] C^-1 1, its mean 1, owned; NULL where lac_load_set_is_shaped
                    ///< is false. Whoever knows the contact fills it: lac_transfer_tied
     lac_load_places places; ///< of the cells where a load differs between them: lac_load_set_place
@@ -143,6 +144,8 @@ typedef struct lac_load_models {
     size_t shear_count;
     const lac_model *pore; ///< [pore_count]
     size_t pore_count;
+    const lac_model *normal; ///< [normal_count], on top of the normal load
+    size_t normal_count;
 } lac_load_models;
 
 /// Makes loads ready: reads the files that they name. The models must outlive the set. An error
@@ -170,8 +173,12 @@ lac_status lac_load_set_place(lac_load_set *set, const lac_load_places *places, 
 /// Q over the nominal area, springs' slip apart, under the mean normal stress `pressure` [Pa].
 double lac_load_shear(const lac_load_state *state, double pressure);
 
-/// Whether the set holds a pore pressure.
+/// Whether the set holds a pore pressure; a normal stress.
 bool lac_load_set_has_pore(const lac_load_set *set);
+bool lac_load_set_presses(const lac_load_set *set);
+
+/// What the loads that all cells feel alike take off the normal stress [Pa].
+static inline double lac_load_taken(const lac_load_state *sum) { return sum->pore - sum->normal; }
 
 /// What the index-th of the loads that read something reads, NULL past the end; and its value at
 /// time t [unit].
@@ -191,20 +198,26 @@ bool lac_load_models_need_files(const lac_load_models *models);
 const lac_normal_load *lac_normal_load_get(size_t index);
 const lac_load_kind *lac_shear_load_get(size_t index);
 const lac_load_kind *lac_pore_load_get(size_t index);
+const lac_load_kind *lac_normal_stress_get(size_t index);
 
 /// All loads at time t, but for those that differ from cell to cell.
 void lac_load_evaluate(const lac_load_set *set, double t, lac_load_state *sum);
 
-/// The pore pressure of every cell at time t, of a set whose cells have their places.
+/// What the loads take off the normal stress of every cell at time t, of a set whose cells have
+/// their places: its pore pressure less the normal stress that presses it. And each of the two.
 /// @param sum          of lac_load_evaluate: what all cells feel alike is part of each
 /// @param value, rate  [places.n] [Pa], [Pa/s]; overwritten
 void lac_load_evaluate_cells(const lac_load_set *set, double t, const lac_load_state *sum,
                              double *value, double *rate);
+void lac_load_evaluate_pore(const lac_load_set *set, double t, const lac_load_state *sum,
+                            double *value, double *rate);
+void lac_load_evaluate_normal(const lac_load_set *set, double t, const lac_load_state *sum,
+                              double *value, double *rate);
 
-/// Says which cell the water lifts off, where it is, and when.
-/// @param pore, normal  of that cell, and the mean normal stress [Pa]
+/// Says from which cell the loads take all that presses it, where it is, and when.
+/// @param taken, normal  of that cell, and the mean normal stress [Pa]
 /// @return the status
-lac_status lac_load_blame_cell(const lac_load_set *set, size_t cell, double pore, double normal,
+lac_status lac_load_blame_cell(const lac_load_set *set, size_t cell, double taken, double normal,
                                double t, lac_status status, lac_error *err);
 
 /// The first time after t at which any load or its rate jumps; INFINITY if none.

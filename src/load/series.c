@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Shear stress or pore pressure from readings of a file, by straight lines or a smooth curve.
+// Shear stress, pore pressure or normal stress from readings of a file, by straight lines or a
+// smooth curve.
 #include <math.h>
 #include <stdlib.h>
 
@@ -174,6 +175,17 @@ const lac_load_kind lac_shear_series = {
 
 const lac_load_kind lac_pore_series = {
     .info = LAC_ABOUT("series", "pore pressure read from a file: a piezometer",
+                      "Steffen (1990) Astron. Astrophys. 239, 443 (smooth)",
+                      LAC_PORE_ROWS(params, series_params)),
+    .prepare = prepare,
+    .release = release,
+    .signal = series_at,
+    .next_break = next_break,
+    .longest_step = longest_step,
+};
+
+const lac_load_kind lac_pressing_series = {
+    .info = LAC_ABOUT("series", "normal stress read from a file: a fill, a dig, tides",
                       "Steffen (1990) Astron. Astrophys. 239, 443 (smooth)",
                       LAC_PORE_ROWS(params, series_params)),
     .prepare = prepare,

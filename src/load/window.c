@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Shear stress or pore pressure between two times: a ramp, which then holds what it has come to; a
-// step, for good or for a while, as a trigger; a swing, as tides, machines and seasons make it.
+// Shear stress, pore pressure or normal stress between two times: a ramp, which then holds what it
+// has come to; a step, for good or for a while, as a trigger; a swing, as tides, machines and
+// seasons make it.
 #include "load/kinds.h"
 
 // What all begin with: from start to end; an end of NaN never comes.
@@ -55,9 +56,10 @@ static lac_signal ramp_at(const lac_load *load, double t)
 }
 
 static const lac_param ramp_rows[] = {
-    LAC_REAL("rate", "Pa/s", offsetof(ramp_params, rate), NAN, -INFINITY, INFINITY, 0,
-             "rate of the shear stress over the nominal area, or of the pore pressure; negative "
-             "unloads or drains"),
+    LAC_REAL(
+        "rate", "Pa/s", offsetof(ramp_params, rate), NAN, -INFINITY, INFINITY, 0,
+        "rate of the stress over the nominal area, or of the pore pressure; negative unloads or "
+        "drains"),
     LAC_START_ROW(window),
     LAC_REAL("end", "s", offsetof(window, end), NAN, -INFINITY, INFINITY, LAC_OPTIONAL,
              "when it ends, since the start of the run, what it has come to being held from then "
@@ -84,6 +86,15 @@ const lac_load_kind lac_pore_ramp = {
     .next_break = next_break,
 };
 
+const lac_load_kind lac_pressing_ramp = {
+    .info =
+        LAC_ABOUT("ramp", "normal stress that changes at a constant rate between two times",
+                  LAC_PRESSING_SOURCE, LAC_PORE_ROWS(ramp_rows, ramp_params), .validate = fault),
+    .linear = true,
+    .signal = ramp_at,
+    .next_break = next_break,
+};
+
 // value from `at` to `until`
 static lac_signal step_at(const lac_load *load, double t)
 {
@@ -97,9 +108,8 @@ static const char *step_fault(const void *p)
 }
 
 static const lac_param step_rows[] = {
-    LAC_REAL(
-        "value", "Pa", offsetof(step_params, value), NAN, -INFINITY, INFINITY, 0,
-        "stress that is added, shear over the nominal area or pore pressure; negative takes away"),
+    LAC_REAL("value", "Pa", offsetof(step_params, value), NAN, -INFINITY, INFINITY, 0,
+             "stress over the nominal area, or pore pressure, that is added; negative takes away"),
     LAC_REAL("at", "s", offsetof(window, start), NAN, -INFINITY, INFINITY, 0,
              "when it comes, since the start of the run"),
     LAC_REAL("until", "s", offsetof(window, end), NAN, -INFINITY, INFINITY, LAC_OPTIONAL,
@@ -126,6 +136,15 @@ const lac_load_kind lac_pore_step = {
     .next_break = next_break,
 };
 
+const lac_load_kind lac_pressing_step = {
+    .info = LAC_ABOUT("step", "normal stress that comes at a stated time, for good or for a while",
+                      LAC_PRESSING_SOURCE, LAC_PORE_ROWS(step_rows, step_params),
+                      .validate = step_fault),
+    .linear = true,
+    .signal = step_at,
+    .next_break = next_break,
+};
+
 // amplitude sin(2 pi (t - start)/period + phase) from start to end
 static lac_signal sine_at(const lac_load *load, double t)
 {
@@ -146,7 +165,7 @@ static double longest_step(const lac_load *load, double t)
 
 static const lac_param sine_rows[] = {
     LAC_REAL("amplitude", "Pa", offsetof(sine_params, amplitude), NAN, 0, INFINITY, 0,
-             "half the range, of shear stress over the nominal area or of pore pressure"),
+             "half the range, of stress over the nominal area or of pore pressure"),
     LAC_REAL("period", "s", offsetof(sine_params, period), NAN, 0, INFINITY, LAC_ABOVE_MIN,
              "of one cycle"),
     LAC_REAL("phase", "rad", offsetof(sine_params, phase), 0, -1e6, 1e6, 0,
@@ -170,6 +189,16 @@ const lac_load_kind lac_shear_sine = {
 const lac_load_kind lac_pore_sine = {
     .info =
         LAC_ABOUT("sine", "pore pressure that swings, as the seasons make it",
+                  "Perfettini et al. (2001) J. Geophys. Res. 106, 13455, doi 10.1029/2000JB900366",
+                  LAC_PORE_ROWS(sine_rows, sine_params), .validate = fault),
+    .signal = sine_at,
+    .next_break = next_break,
+    .longest_step = longest_step,
+};
+
+const lac_load_kind lac_pressing_sine = {
+    .info =
+        LAC_ABOUT("sine", "normal stress that swings, as tides make it",
                   "Perfettini et al. (2001) J. Geophys. Res. 106, 13455, doi 10.1029/2000JB900366",
                   LAC_PORE_ROWS(sine_rows, sine_params), .validate = fault),
     .signal = sine_at,

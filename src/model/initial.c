@@ -132,10 +132,10 @@ static lac_status shares_at_start(const lac_load_set *loads, const lac_load_stat
     LAC_FAIL_MEMORY_IF(at->shares == NULL, err);
     lac_load_evaluate_cells(loads, 0.0, load, at->shares, at->shares + n);
     for (size_t i = 0; i < n; i++) {
-        const double pore = at->shares[i];
-        at->shares[i] = 1.0 - pore / mean;
+        const double taken = at->shares[i];
+        at->shares[i] = 1.0 - taken / mean;
         if (!(at->shares[i] > 0.0)) {
-            return lac_load_blame_cell(loads, i, pore, mean, 0.0, LAC_EINPUT, err);
+            return lac_load_blame_cell(loads, i, taken, mean, 0.0, LAC_EINPUT, err);
         }
     }
     return LAC_OK;
@@ -159,12 +159,12 @@ static lac_status load_at_start(const lac_initial_def *initial, const lac_load_s
     at->spring = (load.spring_stress + load.equal_ratio * mean) * to_cells;
     at->elastic = (load.elastic + load.elastic_ratio * mean) * to_cells;
     at->shape = loads->shape;
-    at->share = 1.0 - load.pore / mean;
+    at->share = 1.0 - lac_load_taken(&load) / mean;
     const bool varies = lac_load_set_varies(loads);
     LAC_TRY_RETURN(varies ? shares_at_start(loads, &load, mean, at, err) : LAC_OK);
     LAC_FAIL_IF(!varies && !(at->share > 0.0), err, LAC_EINPUT,
                 "pore pressure %g Pa is not below the normal pressure %g Pa at the start",
-                load.pore, mean);
+                load.pore, mean + load.normal);
     const bool by_load = initial->state == LAC_STATE_FROM_LOAD ||
                          (initial->rates == NULL && isnan(initial->slip_rate));
     const double left = at->ratio * mean + (at->spring + at->elastic) / to_cells;

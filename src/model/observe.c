@@ -110,6 +110,29 @@ double lac_look_sheared(const lac_look *at, const double *slip, double mean)
     return total - lac_problem_held(problem, drive->far.back, slip);
 }
 
+// Normal force over that of the normal load at the start. Where what comes on top differs from cell
+// to cell, it is weighed by pressure, as what is taken off is. @param base  what the base leaves of
+// it, as far as it bends; shares  those of lac_workspace
+static double pressed(const lac_problem *problem, double t, double base, double *shares)
+{
+    const lac_load_set *loads = &problem->loads;
+    lac_load_state now;
+    double off = 0.0;
+    if (!lac_load_set_presses(loads)) {
+        return base;
+    }
+    lac_load_evaluate(loads, t, &now);
+    if (problem->varies) {
+        double *normal = shares + 2 * problem->n; // where a jump would need it
+        lac_load_evaluate_normal(loads, t, &now, normal, normal + problem->n);
+        now.normal = normal[0];
+        for (size_t i = 0; i < problem->n; i++) {
+            off += problem->pressure[i] * (normal[i] - normal[0]);
+        }
+    }
+    return base + (now.normal + off / problem->sum_pressure) / problem->mean_pressure;
+}
+
 void lac_problem_observe(const lac_problem *problem, double t, const double *y, const double *slip,
                          lac_observation *observation, double *work)
 {
@@ -129,7 +152,7 @@ void lac_problem_observe(const lac_problem *problem, double t, const double *y, 
     double total = lac_look_sheared(&at, slip, observation->mean_slip);
     observation->shear_force = problem->cell_area * total;
     const double force = problem->cell_area * problem->sum_pressure;
-    observation->normal_force = force * drive->normal;
+    observation->normal_force = force * pressed(problem, t, drive->normal, at.ws.shares);
     observation->effective_force = force * drive->share;
 
     observation->factor_of_safety = problem->safety.asked ? lac_look_safety(&at, slip) : NAN;

@@ -160,9 +160,10 @@ lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac
     LAC_TRY(allocate(problem, def, err));
     LAC_TRY(lac_problem_anchor(problem, err));
     if (!lac_problem_drive_into(problem, 0.0, (lac_gone){0}, problem->shares0, &problem->drive0)) {
-        status = lac_fail(err, LAC_EINPUT,
-                          "pore pressure %g Pa is not below the normal pressure %g Pa at the start",
-                          problem->at_start.pore, problem->mean_pressure);
+        status =
+            lac_fail(err, LAC_EINPUT,
+                     "pore pressure %g Pa is not below the normal pressure %g Pa at the start",
+                     problem->at_start.pore, problem->mean_pressure + problem->at_start.normal);
         goto out;
     }
     fill_traction(problem);
@@ -276,8 +277,8 @@ bool lac_problem_drive_into(const lac_problem *problem, double t, lac_gone gone,
     if (problem->loads.geometry != NULL) {
         lac_problem_bend(problem, gone, drive);
     }
-    drive->share = drive->normal - now.pore / mean;
-    drive->share_rate = -now.pore_rate / mean;
+    drive->share = drive->normal - lac_load_taken(&now) / mean;
+    drive->share_rate = -(now.pore_rate - now.normal_rate) / mean;
     drive->least = drive->share;
     drive->shares = drive->share_rates = NULL;
     if (problem->varies) {
@@ -304,8 +305,8 @@ lac_status lac_problem_lifted(const lac_problem *problem, double t, const double
     }
     for (size_t i = 0; at.shares != NULL && i < problem->n; i++) {
         if (!(at.shares[i] > near)) {
-            return lac_load_blame_cell(&problem->loads, i, normal * (1.0 - at.shares[i]), normal, t,
-                                       LAC_ENUMERIC, err);
+            return lac_load_blame_cell(&problem->loads, i, normal * (at.normal - at.shares[i]),
+                                       normal * at.normal, t, LAC_ENUMERIC, err);
         }
     }
     return lac_fail(err, LAC_ENUMERIC, "the pore pressure reaches the normal pressure at t = %g s",
@@ -321,7 +322,7 @@ void lac_problem_pore(const lac_problem *problem, double t, double *pore, double
     }
     if (problem->varies) {
         double *rates = lac_problem_split(problem, work).shares;
-        lac_load_evaluate_cells(&problem->loads, t, &now, pore, rates);
+        lac_load_evaluate_pore(&problem->loads, t, &now, pore, rates);
     }
 }
 

@@ -318,8 +318,8 @@ static bool could_have_own_steps(const lac_case *c)
                                         spreads(c, cut_offs),
                              .linear = true,
                              .formulation = (lac_formulation)c->formulation};
-    const lac_model_list *loads[] = {&c->shear, &c->pore};
-    for (size_t k = 0; k < 2; k++) {
+    const lac_model_list *loads[] = {&c->shear, &c->pore, &c->pressing};
+    for (size_t k = 0; k < 3; k++) {
         for (size_t i = 0; i < loads[k]->count; i++) {
             scene.linear &= ((const lac_load_kind *)(const void *)loads[k]->item[i].info)->linear;
         }
@@ -366,7 +366,7 @@ static lac_failure failure_about(const lac_case *c, const lac_load_state *start,
                                  const lac_estimate *e)
 {
     const lac_friction_params *law = c->friction.params;
-    const double force = e->pressure - start->pore;
+    const double force = e->pressure - lac_load_taken(start);
     lac_transfer_outline outline;
     (void)lac_transfer_outline_of(&c->transfer, &outline);
     const lac_failure_start at = {.rate = c->initial.slip_rate,
@@ -379,8 +379,8 @@ static lac_failure failure_about(const lac_case *c, const lac_load_state *start,
     return lac_failure_from(&at, c->run.failure_rate, c->run.failure_slip);
 }
 
-// Adds the least pore pressure of the grid's corners, which stand for the cells where loads differ
-// between them; an error where such a load does not cover them.
+// Takes the least that is taken off at the grid's corners, which stand for the cells where loads
+// differ between them; an error where such a load does not cover them.
 static lac_status add_corners(const lac_grid *grid, lac_load_set *loads, lac_load_state *sum,
                               lac_error *err)
 {
@@ -394,7 +394,7 @@ static lac_status add_corners(const lac_grid *grid, lac_load_set *loads, lac_loa
     }
     LAC_TRY_RETURN(lac_load_set_place(loads, &places, err));
     lac_load_evaluate_cells(loads, 0.0, sum, value, rate);
-    sum->pore = fmin(fmin(value[0], value[1]), fmin(value[2], value[3]));
+    sum->pore = sum->normal + fmin(fmin(value[0], value[1]), fmin(value[2], value[3]));
     return LAC_OK;
 }
 
@@ -410,9 +410,9 @@ static lac_status try_start(const lac_case *c, lac_load_files *files, lac_estima
     lac_status status = add_corners(&e->grid, &loads, &sum, err);
     lac_load_set_clear(&loads);
     LAC_TRY_RETURN(status);
-    LAC_FAIL_IF(!(sum.pore < e->pressure), err, LAC_EINPUT,
+    LAC_FAIL_IF(!(lac_load_taken(&sum) < e->pressure), err, LAC_EINPUT,
                 "initial: pore pressure %g Pa is not below the normal pressure %g Pa at the start",
-                sum.pore, e->pressure);
+                sum.pore, e->pressure + sum.normal);
     LAC_FAIL_IF(by_load && !(lac_load_shear(&sum, e->pressure) > 0.0), err, LAC_EINPUT,
                 "load.shear: comes to %g Pa at the start; must be > 0",
                 lac_load_shear(&sum, e->pressure));

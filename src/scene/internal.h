@@ -5,8 +5,7 @@
 
 typedef struct lac_estimate lac_estimate;
 
-// The loads that a case names, and these made ready as lac_load_set_create does.
-lac_load_models lac_case_loads(const lac_case *c);
+// The loads that a case names made ready as lac_load_set_create does.
 lac_status lac_scene_loads_create(const lac_case *c, lac_load_files *files, lac_load_set *out,
                                   lac_error *err);
 

@@ -301,12 +301,15 @@ void lac_scene_rg_clear(lac_scene_rg *rg)
 // Effective over total normal pressure at a time, as in the run itself.
 static lac_status find_share(const lac_case *c, double time, double *share, lac_error *err)
 {
-    const lac_load_models models = {.pore = c->pore.item, .pore_count = c->pore.count};
+    const lac_load_models models = {.pore = c->pore.item,
+                                    .pore_count = c->pore.count,
+                                    .normal = c->pressing.item,
+                                    .normal_count = c->pressing.count};
     const lac_load_clock clock = {.dated = c->dated, .start = c->start_date, .end = time};
     lac_load_set loads;
     lac_load_state at;
     *share = 1.0;
-    if (isnan(time) || c->pore.count == 0) {
+    if (isnan(time) || c->pore.count + c->pressing.count == 0) {
         return LAC_OK;
     }
     LAC_TRY_RETURN(lac_load_set_create(&models, &clock, &loads, err));
@@ -314,12 +317,13 @@ static lac_status find_share(const lac_case *c, double time, double *share, lac_
     const bool varies = lac_load_set_varies(&loads);
     lac_load_set_clear(&loads);
     LAC_FAIL_IF(varies, err, LAC_EINPUT,
-                "load.pore_pressure: differs from cell to cell, which rg does not follow");
+                "load.%s: differs from cell to cell, which rg does not follow",
+                c->pressing.count == 0 ? "pore_pressure" : "pore_pressure or load.normal_stress");
     double total = lac_case_pressure(c);
-    *share = 1.0 - at.pore / total;
+    *share = 1.0 - lac_load_taken(&at) / total;
     LAC_FAIL_IF(!(*share > 0.0 && isfinite(*share)), err, LAC_EINPUT,
                 "at %g s the pore pressure, %g Pa, is not below the normal stress, %g Pa", time,
-                at.pore, total);
+                at.pore, total + at.normal);
     return LAC_OK;
 }
 

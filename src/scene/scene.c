@@ -119,11 +119,6 @@ out:
     return status;
 }
 
-lac_load_models lac_case_loads(const lac_case *c)
-{
-    return (lac_load_models){c->shear.item, c->shear.count, c->pore.item, c->pore.count};
-}
-
 lac_status lac_scene_loads_create(const lac_case *c, lac_load_files *files, lac_load_set *out,
                                   lac_error *err)
 {

@@ -40,9 +40,19 @@ static void clear(lac_followed *f)
     free(f->path);
 }
 
+// What is written cannot be read as readings too: it would be lost.
+static bool is_output(const lac_watch *w, const char *path)
+{
+    struct stat one, other;
+    return w->def.output != NULL && stat(path, &one) == 0 && stat(w->def.output, &other) == 0 &&
+           one.st_dev == other.st_dev && one.st_ino == other.st_ino;
+}
+
 lac_status lac_watch_add_file(lac_watch *w, const char *station, const char *path,
                               lac_followed **out, lac_error *err)
 {
+    LAC_FAIL_IF(is_output(w, path), err, LAC_EINPUT,
+                "%s: is followed by this watch, and cannot be its output too", path);
     for (size_t i = 0; i < w->files; i++) {
         if (strcmp(w->file[i].path, path) == 0) {
             *out = &w->file[i];

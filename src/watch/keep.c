@@ -202,8 +202,8 @@ lac_status lac_watch_open(lac_watch *w, lac_error *err)
         lac_temp_file_sweep(name);
         LAC_TRY(lac_state_read(w, name, &found, &length, err));
     }
-    LAC_TRY(open_output(w, found, length, err));
     LAC_TRY(lac_watch_find_files(w, err));
+    LAC_TRY(open_output(w, found, length, err));
     if (found) {
         remove_journal(w, w->generation - 1);
         LAC_TRY(open_journal(w, err));

@@ -791,7 +791,7 @@ time: {end: "1 day"}
 
 class New(Case):
     def test_new_check_run(self):
-        for kind in ("block", "fit", "joint", "laboratory", "reservoir", "slope"):
+        for kind in ("block", "fit", "injection", "joint", "laboratory", "reservoir", "slope"):
             with self.subTest(kind):
                 self.expect(0, "new", "my-" + kind, "--kind", kind)
                 self.assertEqual(self.expect(0, "check", f"my-{kind}.yaml").stderr, "")
@@ -800,6 +800,16 @@ class New(Case):
                 self.assertEqual(done["status"], "complete")
                 self.assertIs(done["failed"], True)
                 self.assertLess(done["cpu_time_s"], 10)
+
+    def test_an_injection_fails_or_comes_to_rest_as_its_words_say(self):
+        self.expect(0, "new", "x", "--kind", "injection")
+        well = "load.pore_pressure.1.injection."
+        for change, failed in (("rate=1 l/s", True), ("rate=0.7 l/s", False), ("stop=5 day", False)):
+            done = json.loads(self.expect(0, "run", "x.yaml", "--json", "--force", "--set", well + change).stdout)
+            with self.subTest(change):
+                self.assertIs(done["failed"], failed)
+                self.assertGreater(done["mean_slip_m"], 1e-3)
+                self.assertEqual(failed and int(done["failure_time_s"] / 86400), 5 if failed else False)
 
     def test_default_name_and_overwriting(self):
         self.expect(0, "new")
@@ -829,7 +839,7 @@ class New(Case):
             self.expect_line(2, f'"{name}" is no name for a file', "new", name)
         self.expect_line(2, '--kind: "blok" is no kind of case; did you mean "block"?', "new",
                          "--kind", "blok")
-        self.expect_line(2, '--kind: "dam" is no kind of case; known: block, fit, joint, laboratory, reservoir, slope', "new",
+        self.expect_line(2, '--kind: "dam" is no kind of case; known: block, fit, injection, joint, laboratory, reservoir, slope', "new",
                          "--kind", "dam")
 
 

@@ -148,7 +148,7 @@ class Completion(unittest.TestCase):
                       ["run", "--nothing=1"], ["new", ""], ["run", "--threads", ""], ["run", "-x1"]):
             self.assertEqual(files(*words), {}, words)
         self.assertEqual(files("run", "--view", ""), {":": "yaml"})  # it needs no value
-        self.assertEqual(self.offered("new", "--kind", ""), {"block", "fit", "joint", "laboratory", "reservoir", "slope"})
+        self.assertEqual(self.offered("new", "--kind", ""), {"block", "fit", "injection", "joint", "laboratory", "reservoir", "slope"})
         self.assertEqual(self.offered("new", "--kind=s"), {"--kind=slope"})
         self.assertEqual(self.offered("completion", ""), {"bash", "zsh", "fish"})
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pore pressure that differs from cell to cell, from the case to the file, as users meet it.
+"""Pore pressure and normal stress that differ from cell to cell, from the case to the file, as users meet it.
 
 usage: test_loads_over_joint.py PROGRAM SOURCE_FOLDER [unittest options]
 """
@@ -193,6 +193,94 @@ output: {file: out.nc, fields: [slip, pore_pressure], fields_every: "5 day"}
         self.assertAlmostEqual(effective[-1] / normal[-1], 1 - mean[-1] / 50e6, delta=1e-12)
 
 
+class NormalStress(Fields):
+    """What presses on top of the normal load, or takes from it."""
+
+    # A step for all cells, and what a file says of each: at the start, and in time.
+    UNIFORM = JOINT.replace("pore_pressure: [{LOAD}]", "pore_pressure: [{constant: {value: 0.2 MPa}}]\n"
+                            "  normal_stress: [{step: {value: -0.1 MPa, at: 2 hour}}, {LOAD}]")
+
+    def test_a_uniform_field_is_a_scalar_to_the_bit(self):
+        t = numpy.array([0, 1, 2.5, 8, 30]) * 3600.0
+        p = numpy.array([0, -0.5e5, -0.2e5, -1.1e5, -1e5])
+        self.write("u.csv", "t,p\n" + "".join(f"{a!r},{b!r}\n" for a, b in zip(t.tolist(), p.tolist())))
+        y, x = numpy.linspace(0, 1, 4), numpy.linspace(0, 1, 6)
+        self.field("u.nc", t, y, x, numpy.broadcast_to(p[:, None, None], (5, 4, 6)))
+        for how, words in HOW.items():
+            loads = ["{series: {file: u.csv, time: t, value: 'p:Pa'}}", "{field: {file: u.nc, variable: p}}"]
+            if how == "events":  # follows no `series`
+                loads[0] = "{ramp: {rate: -1.25 Pa/s}}"
+                ends = numpy.array([0, -81920.0])
+                self.field("u.nc", numpy.array([0, 65536.0]), y, x, numpy.broadcast_to(ends[:, None, None], (2, 4, 6)))
+                words = (*words, "--set", "time.end=65536")
+            once = self.follow(self.UNIFORM.replace("{LOAD}", loads[0]), *words)
+            numbers = self.numbers()
+            again = self.follow(self.UNIFORM.replace("{LOAD}", loads[1]), *words)
+            with self.subTest(how):
+                self.assertTrue(once["failed"])
+                self.assertGreater(once["failure_time_s"], 2 * 3600)
+                self.assertEqual(once["failure_time_s"], again["failure_time_s"])
+                self.assertEqual(numbers, self.numbers())
+
+    def test_what_presses_is_water_that_draws(self):
+        """p_i(t) = p_i (1 + (s_i - u_i) L^2/P): a stress is a suction of its size, but for what the file calls it."""
+        x, y = numpy.linspace(0, 1, 6), numpy.linspace(0, 1, 4)
+        here = x[None, :] * y[:, None]
+        self.field("n.nc", numpy.array([0, 1, 24.0]), y, x, numpy.array([1e2 + 0 * here, 2e2 + 6e2 * here, 1e2 - 3e2 * here]),
+                   "kPa", "hours")
+        load = "{field: {file: n.nc, variable: p%s}}"
+        wet = JOINT.replace("{LOAD}", load % ", scale: -1")
+        dry = JOINT.replace("pore_pressure: [{LOAD}]", "normal_stress: [" + load % "" + "]")
+        named = ("normal_force", "apparent_friction", "pore_pressure", "effective_ratio")
+        for how in "rate", "traction", "events":
+            words = (*HOW[how], "--set", "output.fields=[slip, slip_rate, traction, pore_pressure]")
+            self.follow(wet, *words)
+            numbers = self.numbers()
+            self.follow(dry, *words)
+            now = self.numbers()
+            for name in numbers.keys() & now.keys() - {*named, "cell_pore_pressure"}:
+                self.assertEqual(numbers[name], now[name], (how, name))
+            t, normal, effective, ratio, shear, pore, p, at_x, at_y = self.snapshots(
+                "time", "normal_force", "effective_normal_force", "apparent_friction", "shear_force",
+                "cell_pore_pressure", "pressure", "x", "y")
+            self.assertTrue((pore == 0).all() and "pore_pressure" not in now)
+            # the force over the joint, summed here; s follows straight lines
+            shape = at_x * at_y
+            inner, tilt = numpy.interp(t / 3600, [0, 1, 24], [1e5, 2e5, 1e5]), numpy.interp(t / 3600, [0, 1, 24], [0, 6e5, -3e5])
+            added = p[None, :] * (inner[:, None] + tilt[:, None] * shape[None, :]) / 3e6
+            total = ((p[None, :] + added) / 256).sum(axis=1)
+            self.assertLess(numpy.abs(normal / total - 1).max(), 1e-12)
+            self.assertLess(numpy.abs(effective / normal - 1).max(), 1e-12)
+            self.assertLess(numpy.abs(ratio * normal / shear - 1).max(), 1e-12)
+
+    def test_each_cell_is_a_block_under_its_own_stress(self):
+        """Cells that nothing ties follow a block each, whose normal load is what presses them."""
+        y = x = numpy.array([0.25, 0.75])
+        p = 1e3 * numpy.array([[0, 400], [-800, 200]])
+        self.field("f.nc", None, y, x, p)
+        case = """\
+lacuna: 1
+interface: {size: "1 m", levels: LEVELS, domain: {full: {}}}
+load: {normal: {pressure: PRESSURE}, pore_pressure: [{ramp: {rate: "1 kPa/day"}}]STRESS}
+friction: {aging: {f0: 0.6, a: 0.012, b: 0.008, dc: "0.1 mm", v0: "1 um/s", alpha: 0.1}}
+initial: {slip_rate: "1 cm/week", state: {ratio_to_steady: 0.9}}
+transfer: {none: {}}
+time: {end: "10 day"}
+solver: {rtol: 1e-9}
+output: {file: out.nc, fields: [slip, traction], fields_every: "5 day"}
+"""
+        self.follow(case.replace("LEVELS", "1").replace("PRESSURE", "3 MPa")
+                    .replace("STRESS", ", normal_stress: [{field: {file: f.nc, variable: p}}]"))
+        slip, traction, at_x, at_y = self.snapshots("cell_slip", "cell_traction", "x", "y")
+        for i, (column, row) in enumerate(zip(numpy.searchsorted(x, at_x), numpy.searchsorted(y, at_y))):
+            self.follow(case.replace("LEVELS, domain: {full: {}}", "0").replace("STRESS", "")
+                        .replace("PRESSURE", repr(3e6 + p[row, column])))
+            alone, load = self.snapshots("cell_slip", "cell_traction")
+            self.assertTrue(numpy.allclose(slip[-1, i], alone[-1, 0], rtol=1e-6))
+            self.assertTrue(numpy.allclose(traction[0, i], load[0, 0], rtol=1e-12))
+        self.assertGreater(slip[-1].max() / slip[-1].min(), 1.02)
+
+
 class Sources(Fields):
     def test_gaussian_source(self):
         """BP8-QD-GS: 13.06 MPa at the well after 100 h, 7.357, 2.563 and 0.795 at 100, 200 and 300 m; and the sum of
@@ -295,6 +383,36 @@ class Refusals(Fields):
         self.field("high.nc", None, y, x, 40 * q)
         self.refuse(2, "initial: the pore pressure of cell 0, at x = 0.03125 m, y = 0.03125 m, is 4e+06 Pa at t = 0 s; "
                     "must be below the mean normal stress, 3e+06 Pa", field % "high.nc")
+
+    def test_lines_of_normal_stress(self):
+        x = numpy.linspace(0, 1, 3)
+        self.field("dug.nc", None, x, x, numpy.full((3, 3), -4e6))
+        dug = JOINT.replace("pore_pressure: [{LOAD}]", "normal_stress: [{LOAD}]")
+        for status, message, case in (
+                (2, "initial: the pore pressure less the added normal stress of cell 0, at x = 0.03125 m, y = 0.03125 m, is "
+                 "4e+06 Pa at t = 0 s; must be below the mean normal stress, 3e+06 Pa",
+                 dug.replace("{LOAD}", "{field: {file: dug.nc, variable: p}}")),
+                (2, "load.normal_stress.0.field: dug.nc: has no variable \"q\"",
+                 dug.replace("{LOAD}", "{field: {file: dug.nc, variable: q}}"))):
+            with self.subTest(message):
+                self.write("c.yaml", case)
+                done = self.expect(status, "run", "c.yaml", "-o", "no.nc", "--force")
+                self.assertIn(message, done.stderr)
+        for message, case in (
+                ('load.normal_stress: sums to -4 MPa at the start, which must leave some of the normal stress, 3 MPa',
+                 dug.replace("{LOAD}", "{step: {value: -4 MPa, at: 0}}")),
+                ('load.pore_pressure: sums to 1 MPa, which must be below the normal stress, 1 MPa',
+                 dug.replace("{LOAD}", "{step: {value: -2 MPa, at: 0}}").replace(
+                     "  normal_stress", "  pore_pressure: [{constant: {value: 1 MPa}}]\n  normal_stress")),
+                ('load.normal_stress: is for runs; a step of load.history names its normal load itself',
+                 dug.replace("{LOAD}", "{ramp: {rate: 1 Pa/s}}").replace(
+                     "  normal_stress", "  history: {steps: [{ratio_x: 0.3}]}\n  normal_stress"))):
+            with self.subTest(message):
+                self.write("c.yaml", case)
+                self.assertIn(message, self.expect(2, "check", "c.yaml").stderr)
+        self.write("c.yaml", dug.replace("{LOAD}", "{field: {file: dug.nc, variable: p, scale: 0.1}}"))
+        self.expect(0, "run", "c.yaml", "-o", "out.nc", "--force")
+        self.assertIn("differs from cell to cell, which rg does not follow", self.expect(2, "rg", "out.nc").stderr)
 
     def test_a_cell_that_the_water_lifts_ends_the_run(self):
         p, x = numpy.zeros((2, 6, 6)), numpy.linspace(0, 1, 6)

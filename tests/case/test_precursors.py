@@ -100,7 +100,7 @@ class Precursors(unittest.TestCase):
             file.write(b"\x89HDF\r\n\x1a\n" + bytes(90))
         data = ["log.csv", "--displacement", "d:m", "--time-format", "day"]
         for words, says in (
-                (["log.csv"], "which column is what? --displacement"),
+                (["log.csv"], "which column is what? --displacement COLUMN:UNIT and/or --velocity COLUMN:UNIT; its columns are t, d"),
                 (["none.csv", "--displacement", "d:m"], "none.csv: No such file"),
                 (["none.nc"], "none.nc: No such file"),
                 (["damaged.nc"], "damaged.nc: is damaged"),

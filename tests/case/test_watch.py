@@ -398,6 +398,15 @@ class Watch(unittest.TestCase):
     def followed(self, *words):
         return self.start("--state", "state", "-o", "out.jsonl", *words, stdin=subprocess.DEVNULL)
 
+    def test_no_file_is_followed_and_written(self):
+        self.fleet('files: "in/*.csv"\n')
+        os.mkdir(self.path("in"))
+        head = "time,displacement\n0,1.0\n"
+        self.write("in/A.csv", head)
+        process = self.start("-o", "in/A.csv", "--force", stdin=subprocess.DEVNULL)
+        self.assertEqual(process.wait(), 2)
+        self.assertEqual(self.read("in/A.csv"), head)
+
     def test_files_that_grow(self):
         series = {name: rows(name, 14) for name in "AB"}
         self.fleet('files: "in/*.csv"\nwindow: {count: 9}\nprometheus: out.prom\n')

@@ -139,6 +139,26 @@ static void silence_is_watched(void **state)
     }
 }
 
+// A sensor that repeats its last value is no slope at rest; one that was as coarse before is.
+static void repeating_sensor_is_watched(void **state)
+{
+    (void)state;
+    for (size_t stuck = 5; stuck <= 6; stuck++) {
+        for (int coarse = 0; coarse < 2; coarse++) {
+            fill(line, 1.0, 1, 1e-3);
+            for (size_t i = 1; coarse && i <= 8; i++) {
+                displacement[10 + i] = displacement[10];
+            }
+            for (size_t i = N - stuck; i < N; i++) {
+                displacement[i] = displacement[N - stuck];
+            }
+            const lac_forecast_def def = default_def();
+            const lac_verdict v = judge_first(&def, N);
+            assert_int_equal(strstr(v.rule, "sensor has stopped") != NULL, stuck == 6 && !coarse);
+        }
+    }
+}
+
 // An alarm does not go out as failure nears, where most methods no longer fit the whole of it.
 static void alarm_stays_to_the_end(void **state)
 {
@@ -323,6 +343,7 @@ int main(void)
         cmocka_unit_test(alarm_stays_to_the_end),
         cmocka_unit_test(new_rate_is_watched),
         cmocka_unit_test(silence_is_watched),
+        cmocka_unit_test(repeating_sensor_is_watched),
         cmocka_unit_test(rates_give_a_level_where_named),
         cmocka_unit_test(rain_that_explains_is_watched),
         cmocka_unit_test(few_readings_are_quiet),

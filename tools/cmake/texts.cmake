@@ -28,7 +28,7 @@ foreach(part head law touch time creep)
   string(REGEX REPLACE "\n$" "" ${part} "${${part}}")
 endforeach()
 string(CONFIGURE "${creep}" creep @ONLY)
-add_texts(cli_templates .yaml block fit joint laboratory reservoir slope)
+add_texts(cli_templates .yaml block fit injection joint laboratory reservoir slope)
 add_texts(cli_template_readings .csv fit) # what a case of that name comes with
 add_texts(cli_shells "" bash zsh fish)
 file(GENERATE OUTPUT ${texts_source} CONTENT "${texts}")

@@ -35,21 +35,30 @@ static lac_status split(const char *option, const char *text, char **owned, cons
     return LAC_OK;
 }
 
-// A file that is not there, or is a damaged run, has no columns to be asked for.
-static lac_status ask_for_columns(const char *path, lac_error *err)
+// A file that is not there, or is a damaged run, has no columns to be asked for. To ask a table for
+// a column that none has is to be told which there are.
+static lac_status ask_for_columns(const lac_series_def *def, const lac_units *units, lac_error *err)
 {
-    lac_stored_file *file = NULL;
-    lac_status status = LAC_OK;
-    LAC_FAIL_IF(access(path, R_OK) != 0, err, LAC_EIO, "%s: %s", path, strerror(errno));
-    if (lac_stored_is_netcdf(path)) {
-        status = lac_stored_file_open(path, &file, err);
+    static const char before[] = "its columns are ";
+    lac_series_def none = *def;
+    lac_series *series = NULL;
+    lac_error told = {""};
+    LAC_FAIL_IF(access(def->path, R_OK) != 0, err, LAC_EIO, "%s: %s", def->path, strerror(errno));
+    if (lac_stored_is_netcdf(def->path)) {
+        lac_stored_file *file = NULL;
+        LAC_TRY_RETURN(lac_stored_file_open(def->path, &file, err));
         lac_stored_file_close(file);
+    } else {
+        none.displacement = "\n";
+        none.displacement_unit = "m";
+        (void)lac_series_read(&none, units, &series, &told);
+        lac_series_free(series);
     }
-    return status == LAC_OK ? lac_fail(err, LAC_EINPUT,
-                                       "%s: which column is what? --displacement COLUMN:UNIT "
-                                       "and/or --velocity COLUMN:UNIT",
-                                       path)
-                            : status;
+    const char *names = strstr(told.message, before);
+    return lac_fail(err, LAC_EINPUT,
+                    "%s: which column is what? --displacement COLUMN:UNIT and/or --velocity "
+                    "COLUMN:UNIT%s%s",
+                    def->path, names != NULL ? "; " : "", names != NULL ? names : "");
 }
 
 static lac_status read_skip(const char *text, int64_t *skip, lac_error *err)
@@ -120,7 +129,7 @@ lac_status cli_series_read(const cli_request *request, const lac_series_def *kno
                   &def.displacement_unit, err));
     LAC_TRY(split("velocity", words->velocity, &owned[1], &def.velocity, &def.velocity_unit, err));
     if (def.displacement == NULL && def.velocity == NULL && def.components == NULL) {
-        LAC_TRY(ask_for_columns(path, err));
+        LAC_TRY(ask_for_columns(&def, units, err));
     }
     LAC_LEAVE_IF(words->sigma != NULL && def.displacement == NULL && def.components == NULL, err,
                  LAC_EINPUT, "--sigma: is of displacements: name --displacement too");

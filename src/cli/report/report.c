@@ -94,7 +94,7 @@ lac_status cli_report_add(lac_case_issues *report, const lac_case *c, const char
 // Adds what the files of the loads leave open; one that cannot be read is told of by who needs it.
 static lac_status ask_loads(const lac_case *c, lac_case_issues *report, lac_error *err)
 {
-    const lac_load_models models = {c->shear.item, c->shear.count, c->pore.item, c->pore.count};
+    const lac_load_models models = lac_case_loads(c);
     lac_load_files *files = NULL;
     lac_load_set loads;
     lac_status status = LAC_OK;
