@@ -144,6 +144,25 @@ static void check_beside(lac_reader *reader, const lac_case *c)
                      "initial.state: drop one of them");
 }
 
+// A lake at the toe floats what the base carries; where there is none, or no thickness, it cannot.
+static void check_toe(lac_reader *reader, const lac_case *c)
+{
+    const char *lacks = !HAS(OF("thickness")) ? "interface.geometry with a thickness"
+                        : !HAS("interface.size")
+                            ? "interface.size, the length of the mass on its base"
+                            : NULL;
+    char key[LAC_KEY_LENGTH];
+    size_t count = 0;
+    for (size_t i = 0; i < c->pore.count && lac_clean(reader, "load"); i++) {
+        const lac_load_kind *kind = (const void *)c->pore.item[i].info;
+        (void)snprintf(key, sizeof key, "load.pore_pressure.%zu.%s", i, kind->info.name);
+        count += kind->on_base ? 1 : 0;
+        (void)(lac_refuse(reader, kind->on_base && lacks != NULL, key, "needs %s", lacks) ||
+               lac_refuse(reader, kind->on_base && count > 1, key,
+                          "is a second lake at the toe: there is one"));
+    }
+}
+
 // What cannot follow a load that goes with slip.
 static void check_solvers(lac_reader *reader, lac_case *c)
 {
@@ -166,6 +185,9 @@ static void check_solvers(lac_reader *reader, lac_case *c)
 
 void lac_check_geometry(lac_reader *reader, lac_case *c)
 {
+    if (lac_clean(reader, "interface")) {
+        check_toe(reader, c);
+    }
     if (!HAS("interface.geometry") || !lac_clean(reader, "interface.geometry")) {
         return;
     }

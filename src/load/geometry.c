@@ -2,6 +2,7 @@
 // The base of a sliding mass over its slip: dip and thickness, and the forces that follow.
 #include "load/geometry.h"
 
+#include <gsl/gsl_integration.h>
 #include <gsl/gsl_interp.h>
 #include <math.h>
 #include <stdlib.h>
@@ -22,7 +23,8 @@ struct lac_geometry {
     lac_geometry_def def;
     double x[ROOM]; // slip of the nodes, one more before and behind
     curve angle, thickness;
-    lac_slab start; // at slip 0, `normal` and `pull` not yet relative to it
+    gsl_integration_glfixed_table *points; // of quadrature; NULL: the angle is no table
+    lac_slab start;                        // at slip 0, `normal` and `pull` not yet relative to it
 };
 
 // A node beyond each end, of the same value, makes Steffen's slope there 0: the curve goes on level
@@ -121,6 +123,10 @@ lac_status lac_geometry_create(const lac_geometry_def *def, lac_geometry **out, 
     }
     LAC_TRY(draw(g, def->angle, def->angles, &g->angle, err));
     LAC_TRY(draw(g, def->thickness, def->thicknesses, &g->thickness, err));
+    if (g->angle.spline != NULL) {
+        g->points = gsl_integration_glfixed_table_alloc(8);
+        LAC_TRY(g->points != NULL ? LAC_OK : lac_fail_memory(err));
+    }
     double slope, bend;
     g->start.angle = read_curve(g, &g->angle, 0.0, &slope, &bend);
     g->start = slab_at(g, 0.0);
@@ -138,6 +144,9 @@ void lac_geometry_free(lac_geometry *g)
     }
     gsl_interp_free(g->angle.spline);
     gsl_interp_free(g->thickness.spline);
+    if (g->points != NULL) {
+        gsl_integration_glfixed_table_free(g->points);
+    }
     free(g);
 }
 
@@ -170,4 +179,72 @@ double lac_geometry_steepest(const lac_geometry *g)
         }
     }
     return most;
+}
+
+static double sine_at(double slip, void *of)
+{
+    const lac_geometry *g = of;
+    double slope, bend;
+    return sin(read_curve(g, &g->angle, slip, &slope, &bend));
+}
+
+// Integral of sin(alpha) from one slip to a later one; from node to node.
+static double fall_over(const lac_geometry *g, double from, double to)
+{
+    const gsl_function sine = {sine_at, (void *)g};
+    double fall = 0.0;
+    for (size_t i = 0; i <= g->def.nodes; i++) {
+        const double low = i == 0 ? from : fmax(from, g->x[i]);
+        const double high = i == g->def.nodes ? to : fmin(to, g->x[i + 1]);
+        fall += high > low ? gsl_integration_glfixed(&sine, low, high, g->points) : 0.0;
+    }
+    return fall;
+}
+
+static double fall_at(const lac_geometry *g, double slip, double angle)
+{
+    if (!isnan(g->def.radius)) {
+        return g->def.radius * (cos(angle) - cos(g->start.angle));
+    }
+    if (g->points == NULL) {
+        return slip * sin(angle);
+    }
+    return slip > 0.0 ? fall_over(g, 0.0, slip) : -fall_over(g, slip, 0.0);
+}
+
+// Height of water in a column of height H whose foot is y below the level, and its integral over y.
+static double filled(double y, double height) { return fmin(fmax(y, 0.0), height); }
+
+static double filling(double y, double height)
+{
+    const double above = fmax(y, 0.0), over = fmax(y - height, 0.0);
+    return 0.5 * (above * above - over * over);
+}
+
+lac_buoyancy lac_geometry_float(const lac_geometry *g, double slip, double length,
+                                const lac_lake *lake)
+{
+    const lac_slab s = lac_geometry_at(g, slip);
+    const double sine = sin(s.angle), cosine = cos(s.angle), height = s.thickness;
+    const double low = lake->level - lake->foot + fall_at(g, slip, s.angle); // of the lower end
+    const double rise = length * sine, high = low - rise;
+    // Next to level the whole base is as its middle: else digits would be lost.
+    const bool level = !(fabs(rise) > 1e-6 * height);
+    const double middle = low - 0.5 * rise;
+    const double h =
+        level ? filled(middle, height) : (filling(low, height) - filling(high, height)) / rise;
+    const double by_low = level ? (middle > 0.0 && middle < height ? 1.0 : 0.0)
+                                : (filled(low, height) - filled(high, height)) / rise;
+    const double by_height = level ? (middle > height ? 1.0 : 0.0)
+                                   : (fmax(low - height, 0.0) - fmax(high - height, 0.0)) / rise;
+    const double by_rise = level ? -0.5 * by_low : (filled(high, height) - h) / rise;
+    const double h_slope =
+        by_low * sine + by_height * s.thickness_slope + by_rise * length * cosine * s.angle_slope;
+    const double gamma = lake->unit_weight;
+    const bool alike = isnan(lake->angle);
+    const double there = alike ? s.angle : lake->angle, turns = alike ? s.angle_slope : 0.0;
+    const double normal = cos(there) * cos(there), along = sin(there) * cos(there);
+    return (lac_buoyancy){gamma * h * normal, gamma * (h_slope * normal - 2.0 * h * along * turns),
+                          gamma * h * along,
+                          gamma * (h_slope * along + h * (2.0 * normal - 1.0) * turns)};
 }

@@ -48,6 +48,30 @@ void lac_geometry_free(lac_geometry *geometry);
 /// @source      Skempton & DeLory (1957) for the slab; Steffen (1990) for the table
 lac_slab lac_geometry_at(const lac_geometry *geometry, double slip);
 
+/// A lake that the lower end of the mass stands in.
+typedef struct lac_lake {
+    double level;       ///< [m]
+    double foot;        ///< elevation of the base's lower end at slip 0 [m]
+    double unit_weight; ///< of the water [Pa/m]; 0: there is no lake
+    double angle;       ///< alpha_t, dip of the base there [rad]; NaN: alpha, that of all of it
+} lac_lake;
+
+/// What the lake takes off the weight, over the nominal area, and its derivatives with slip.
+typedef struct lac_buoyancy {
+    double lift, lift_slope; ///< off P: gamma h cos^2(alpha_t) [Pa], [Pa/m]
+    double back, back_slope; ///< off Q: gamma h sin(alpha_t) cos(alpha_t) [Pa], [Pa/m]
+} lac_buoyancy;
+
+/// Buoyancy of the part of a slab below the level, h the mean height of it over the base:
+///     h = 1/L int_0^L min(max(level - z(s), 0), H) ds,   z(s) = foot - fall + s sin(alpha)
+/// fall = int sin(alpha) dslip, by which the mass has come down. Water in the rock stands as in the
+/// lake. The slope of h is continuous.
+/// @param length  L, of the slab along its dip [m]
+/// @source        Archimedes' principle; Lambe & Whitman (1969) Soil Mechanics, ch. 24, submerged
+///                infinite slope
+lac_buoyancy lac_geometry_float(const lac_geometry *geometry, double slip, double length,
+                                const lac_lake *lake);
+
 /// What the weight does at the start.
 typedef struct lac_geometry_load {
     double pressure; ///< mean over the nominal area, rho g H cos^2(alpha) [Pa]; NaN: no thickness

@@ -27,6 +27,7 @@ typedef struct lac_load_state {
     double back_slip, back_rate; ///< slip of the rock around the interface [m], [m/s]
     double pore, pore_rate;      ///< pore pressure [Pa], [Pa/s]
     double normal, normal_rate;  ///< normal stress beyond that of the normal load [Pa], [Pa/s]
+    lac_lake lake;               ///< that a base which bends stands in
 } lac_load_state;
 
 /// Normal load: the total mean pressure on the interface, constant in time; or, in statics, how
@@ -100,6 +101,7 @@ typedef struct lac_load_kind {
     bool linear;       ///< linear in time between its breaks
     bool constant;     ///< the same at all times
     bool slope;        ///< gravity on a slope, whose factor of safety is asked for
+    bool on_base;      ///< acts on the weight on a base that bends
     const lac_load_driver *driver; ///< what it reads; NULL: no such thing
     /// Of the mean slip, which it brings [Pa/m]. NULL: none.
     double (*stiffness)(const void *params);
@@ -136,6 +138,7 @@ typedef struct lac_load_set {
                    ///< is false. Whoever knows the contact fills it: lac_transfer_tied
     lac_load_places places; ///< of the cells where a load differs between them: lac_load_set_place
     lac_geometry *geometry; ///< of a base that bends, owned; NULL: the load follows time alone
+    double length;          ///< of the mass on it along its dip [m]
 } lac_load_set;
 
 /// The loads that a case names.

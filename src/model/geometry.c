@@ -19,6 +19,11 @@ lac_status lac_problem_geometry_init(lac_problem *problem, lac_error *err)
                 "interface.geometry: the normal stress changes with slip, and friction's response "
                 "to that (alpha) is not followed");
     problem->pull0 = lac_geometry_at(geometry, 0.0).pull;
+    if (problem->at_start.lake.unit_weight > 0.0) {
+        const lac_buoyancy b =
+            lac_geometry_float(geometry, 0.0, problem->loads.length, &problem->at_start.lake);
+        problem->pull0 -= b.back / problem->mean_pressure;
+    }
     problem->slide =
         problem->mean_pressure * problem->spring_share * lac_geometry_steepest(geometry);
     return LAC_OK;
@@ -48,13 +53,30 @@ static void press_round(const lac_problem *problem, double rate, const lac_slab 
     drive->share_by_rate = -2.0 * by * slab->angle_slope;
 }
 
-void lac_problem_bend(const lac_problem *problem, lac_gone gone, lac_problem_loads_at *drive)
+// A lake takes its part off the weight, of what presses and of what pulls.
+static void let_float(const lac_problem *problem, double slip, lac_load_state *now,
+                      lac_problem_loads_at *drive)
+{
+    const lac_load_set *loads = &problem->loads;
+    const lac_buoyancy b = lac_geometry_float(loads->geometry, slip, loads->length, &now->lake);
+    const double p = problem->mean_pressure;
+    now->pore += b.lift;
+    drive->share_slope -= b.lift_slope / p;
+    drive->ratio -= b.back / p;
+    drive->ratio_slope -= b.back_slope / p;
+}
+
+void lac_problem_bend(const lac_problem *problem, lac_gone gone, lac_load_state *now,
+                      lac_problem_loads_at *drive)
 {
     const lac_slab slab = lac_geometry_at(problem->loads.geometry, gone.slip);
     drive->normal = slab.normal;
     drive->share_slope = slab.normal_slope;
     drive->ratio += slab.pull - problem->pull0;
     drive->ratio_slope = slab.pull_slope;
+    if (now->lake.unit_weight > 0.0) {
+        let_float(problem, gone.slip, now, drive);
+    }
     if (problem->mass > 0.0) {
         press_round(problem, gone.rate, &slab, drive);
     }

@@ -87,8 +87,10 @@ lac_gone lac_problem_gone_in(const lac_problem *problem, const double *y, double
 // Takes the base that bends, where there is one, and says what cannot follow it.
 lac_status lac_problem_geometry_init(lac_problem *problem, lac_error *err);
 
-// What the base has come to: `normal`, its part of ratio, and the slopes.
-void lac_problem_bend(const lac_problem *problem, lac_gone gone, lac_problem_loads_at *drive);
+// What the base has come to, beside the loads of the moment, whose pore pressure a lake raises:
+// `normal`, its part of ratio, and the slopes.
+void lac_problem_bend(const lac_problem *problem, lac_gone gone, lac_load_state *now,
+                      lac_problem_loads_at *drive);
 
 // lac_problem_drive. @param shares  [2n] where the cells differ
 bool lac_problem_drive_into(const lac_problem *problem, double t, lac_gone gone, double *shares,

@@ -275,7 +275,7 @@ bool lac_problem_drive_into(const lac_problem *problem, double t, lac_gone gone,
     drive->normal = 1.0;
     drive->ratio_slope = drive->share_slope = drive->share_by_rate = 0.0;
     if (problem->loads.geometry != NULL) {
-        lac_problem_bend(problem, gone, drive);
+        lac_problem_bend(problem, gone, &now, drive);
     }
     drive->share = drive->normal - lac_load_taken(&now) / mean;
     drive->share_rate = -(now.pore_rate - now.normal_rate) / mean;

@@ -127,6 +127,7 @@ lac_status lac_scene_loads_create(const lac_case *c, lac_load_files *files, lac_
     lac_status status = lac_load_set_create(&models, &clock, out, err);
     if (status == LAC_OK && c->geometry.angles > 0) {
         status = lac_geometry_create(&c->geometry, &out->geometry, err);
+        out->length = c->interface.size;
         if (status != LAC_OK) {
             lac_load_set_clear(out);
         }

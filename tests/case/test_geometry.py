@@ -207,6 +207,84 @@ class Chair(Geometry):
         self.assertRegex(self.attributes["arrest"], "^arrested")
 
 
+TOE = """\
+lacuna: 1
+interface:
+  size: "%(length)r m"
+  geometry: %(geometry)s
+material: {density: "2400 kg/m3"}
+load: {pore_pressure: [{toe: {file: lake.csv, time: time, column: "level:m", elevation: 600 m, outside: hold%(angle)s}}]}
+friction: {aging: {f0: %(f0)r, a: 0.05, b: 0, dc: "5 mm", v0: "1 m/day"}}
+time: {end: "12 day", failure: {mean_slip: "1 km"}}
+solver: {rtol: 1e-7}
+"""
+
+
+class Toe(Geometry):
+    def test_against_columns_added_up(self):
+        """P - U and Q at every record: of 40 000 columns of the mass each its weight, and the buoyancy of what stands in the lake."""
+        self.write("lake.csv", "time,level\n0,590\n86400,690\n432000,605\n864000,640\n")
+        circle = "{angle: 25 degree, radius: 300 m, thickness: 40 m}"
+        chair = "{slip: [0 m, 5 m, 30 m], angle: [25 degree, 20 degree, -4 degree], thickness: [40 m, 38 m, 20 m]}"
+        at = (numpy.arange(40000) + 0.5) / 40000
+        for geometry, length, angle, f0 in ((circle, 100.0, None, 0.40), (chair, 150.0, None, 0.35), (chair, 150.0, 3.0, 0.40)):
+            with self.subTest(geometry=geometry, angle=angle):
+                _, run = self.follow(TOE % {"geometry": geometry, "length": length, "f0": f0,
+                                            "angle": "" if angle is None else f", angle: {angle!r} degree"})
+                self.assertGreater(run["slip"][-1], 3)
+                alpha, h = numpy.radians(run["angle"]), run["thickness"]
+                level = numpy.interp(run["time"], [0, 86400, 432000, 864000], [590, 690, 605, 640])
+                self.assertLess(numpy.abs(run["lake_level"] - level).max(), 1e-9)
+                # how far the mass has come down: on the circle R (cos - cos), on the table by trapezoids of the file's own dip
+                fall = numpy.concatenate([[0], numpy.cumsum(numpy.diff(run["slip"]) * numpy.sin(0.5 * (alpha[1:] + alpha[:-1])))])
+                exact = geometry == circle
+                if exact:
+                    fall = 300 * (numpy.cos(alpha) - math.cos(math.radians(25)))
+                wet = numpy.array([numpy.clip(z + f - 600 - length * s * at, 0, top).mean()
+                                   for z, f, s, top in zip(level, fall, numpy.sin(alpha), h)])
+                there = alpha if angle is None else math.radians(angle)
+                normal = G * (2400 * h * numpy.cos(alpha)**2 - 1000 * wet * numpy.cos(there)**2) * length**2
+                shear = G * (2400 * h * numpy.sin(alpha) * numpy.cos(alpha)
+                             - 1000 * wet * numpy.sin(there) * numpy.cos(there)) * length**2
+                scale = 2400 * G * h * length**2
+                within = 1e-9 if exact else 1e-3
+                self.assertLess((numpy.abs(run["effective_normal_force"] - normal) / scale).max(), within)
+                self.assertLess((numpy.abs(run["shear_force"] - shear) / scale).max(), within)
+                self.assertTrue(wet.min() == 0 and (wet > 0.3 * h).any())
+
+    def test_a_mass_all_under_water(self):
+        """(rho - rho_w) g H in the place of rho g H: the ratio Q/(P - U) is that of the dry slope, tan(alpha)."""
+        self.write("lake.csv", "time,level\n0,900\n86400,900\n")
+        _, run = self.follow(TOE % {"geometry": "{angle: 25 degree, thickness: 40 m}", "length": 100.0, "f0": 0.45, "angle": ""})
+        self.assertLess(numpy.abs(run["effective_ratio"] / math.tan(math.radians(25)) - 1).max(), 1e-12)
+        cos = math.cos(math.radians(25))
+        self.assertLess(numpy.abs(run["effective_normal_force"] / (1400 * G * 40 * cos**2 * 100**2) - 1).max(), 1e-12)
+
+    def test_the_bundled_case(self):
+        """A toe on the flat part floats and takes hold off the slope: creep follows the lake."""
+        path = os.path.join(test_cli.SOURCE, "cases", "load", "toe.yaml")
+        self.expect(0, "run", path, "-o", "toe.nc")
+        with netCDF4.Dataset(self.path("toe.nc")) as data:
+            level, rate = data["lake_level"][:], data["slip_rate"][:]
+            self.assertGreater(rate[level.argmax()], 30 * rate[0])
+            self.assertGreater(numpy.corrcoef(level, numpy.log(rate))[0, 1], 0.9)
+
+    def test_refused(self):
+        self.write("lake.csv", "time,level\n0,900\n86400,900\n")
+        base = TOE % {"geometry": "{angle: 25 degree, thickness: 40 m}", "length": 100.0, "f0": 0.45, "angle": ""}
+        for change, said in (
+                (('  size: "100.0 m"\n', ""), "load.pore_pressure.0.toe: needs interface.size"),
+                (("outside: hold}}", "outside: hold}}, {toe: {level: 3 m, elevation: 1 m}}"), "load.pore_pressure.1.toe: is a second lake")):
+            with self.subTest(said=said):
+                self.assertIn(change[0], base)
+                self.write("case.yaml", base.replace(*change))
+                self.assertIn(said, self.expect(2, "check", "case.yaml").stderr)
+        plain = base.replace(", thickness: 40 m", "").replace("load: {", "load: {normal: {pressure: 1 MPa}, ")
+        for text in (plain, plain.replace("  geometry: {angle: 25 degree}\n", "")):
+            self.write("case.yaml", text)
+            self.assertIn("load.pore_pressure.0.toe: needs interface.geometry with a thickness", self.expect(2, "check", "case.yaml").stderr)
+
+
 class Refused(Geometry):
     def refuse(self, text, *lines):
         self.write("case.yaml", text)

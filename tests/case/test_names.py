@@ -39,6 +39,7 @@ CALLS = (
     ("run", "cases/load/rain.yaml -o rain.nc"),
     ("run", "cases/load/water-table.yaml -o table.nc"),
     ("run", "cases/load/chair.yaml -o chair.nc"),
+    ("run", "cases/load/toe.yaml -o toe.nc"),
     ("contact", "cases/surface/joint.yaml -o joint.nc"),
     ("contact", "cases/surface/file.yaml -o file.nc"),
     ("contact", "cases/contact/self-affine.yaml -o contact.nc"),

@@ -90,6 +90,7 @@ TABLE = {
                         "output.every={steps: 7}", "output.checkpoint={steps: 60}"]),
     "shaking": ("load/shaking.yaml", ["solver.formulation=rate", "output.checkpoint={steps: 90}"]),
     "bent base": ("load/chair.yaml", ["output.checkpoint={steps: 60}", "output.every=1 day"]),
+    "bent base in a lake": ("load/toe.yaml", ["output.checkpoint={steps: 30}"]),
     "bent base, mass": ("load/chair.yaml", ["inertia={thickness: 50 m}", "output.checkpoint={steps: 60}"]),
     "anchored block": ("bridge.yaml", ["output.checkpoint={steps: 500}", "output.every=1 day"]),
 }

@@ -284,8 +284,18 @@ static const lac_geometry_def bases[] = {
      .radius = NAN},
 };
 
+// A lake that covers a part of what lies on them.
+static void flood(const lac_load *load, double t, lac_load_state *sum)
+{
+    (void)load, (void)t;
+    sum->lake = (lac_lake){.level = 15.0, .foot = 1.0, .unit_weight = 1e5, .angle = NAN};
+}
+
+static const lac_load_kind lake_row = {.info = {.name = "lake"}, .add = flood};
+
 static void lay(const lac_geometry_def *base, lac_load_set *loads)
 {
+    loads->length = 40.0;
     lac_error err = {""};
     assert_int_equal(lac_geometry_create(base, &loads->geometry, &err), LAC_OK);
 }
@@ -298,9 +308,10 @@ static void newton_solve_is_exact_on_a_bent_base(void **state)
     for (size_t l = 0; (law = lac_friction_law_get(l)) != NULL; l++) {
         for (uint64_t i = 0; i < 2 * 4 * 3; i++) {
             tree_def def = small(law, (int)(i % 2), 1 + i % 4);
-            lac_load load = {.kind = &pull_row, .params = &pulls[i % 6]};
+            lac_load load[] = {{.kind = &pull_row, .params = &pulls[i % 6]}, {.kind = &lake_row}};
             def.formulation = LAC_FORMULATION_SLIP;
-            def.loads = (lac_load_set){.load = &load, .count = 1, .shear = 1};
+            // the second half of the bases have a thickness
+            def.loads = (lac_load_set){.load = load, .count = 1 + i / 4 % 2, .shear = 1};
             lay(&bases[i / 2 % 4], &def.loads);
             def.damping *= dampings[i / 8].times;
             check_tree(&def, true, dampings[i / 8].left);
