@@ -6,9 +6,9 @@ set(about_physics
   "unit\\.test_(analysis|benchmark_surface|bootstrap|catalogue_keep|components|contact|contact_control|domain|dyadic|events)"
   "unit\\.test_(forecast_times|fractal_.*|friction|friction_rates|history|joint_surface|load|micro|motion|noise|posterior|series|series_doubts)"
   "unit\\.test_(simulation|skill|spread|surface_.*|tangential|tangential_space|trade|trend|verdict)"
-  "case\\.(cases|contact|domain|fit|friction|load|momentum|normal|peers|rg|solver|surface|transfer)\\..*"
+  "case\\.(cases|contact|domain|fit|friction|load|momentum|normal|peers|rg|solver|surface|transfer|weakening)\\..*"
   "case\\.test_(analysis|breaks|catalogue|driver|elastic|elastic_limits|events|extremes|fit|fractal|friction|geometry|history|loads|loads_over_joint)"
-  "case\\.test_(precursors|readings|rg|safety|small_cases|trade|verdicts?|watch)|speed\\..*|case\\.costs")
+  "case\\.test_(precursors|readings|rg|safety|small_cases|trade|verdicts?|watch|weakening)|speed\\..*|case\\.costs")
 set(about_cli
   "case\\.test_(cli|completion|interface|valid_cases|wrong_cases|static_cases|verdict_levels)")
 set(about_data
@@ -16,7 +16,7 @@ set(about_data
   "case\\.test_(domain_file|every_call|export|points|resume|rg_file)")
 set(about_page "unit\\.test_(live|report)" "case\\.test_(pictures|report|report_page|view|view_page)")
 set(about_docs
-  "case\\.(README|format|install|rg-results|tables|rocks|howto-.*|tutorial-.*)"
+  "case\\.(README|format|install|rg-results|tables|rocks|vajont|howto-.*|tutorial-.*)"
   "case\\.test_(commands|howto_law|names|site)")
 set(about_base
   "unit\\.test_(date|error|filter|free_memory|memory|part|units|units_usual|vector|vmath|write_text)")

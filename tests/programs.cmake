@@ -42,7 +42,7 @@ function(lacuna_cases group command)
                        FIXTURES_REQUIRED outputs_${group})
 endfunction()
 
-set(groups cases domain friction load momentum normal peers solver surface transfer)
+set(groups cases domain friction load momentum normal peers solver surface transfer weakening)
 foreach(group ${groups})
   lacuna_cases(${group} run)
 endforeach()
@@ -208,6 +208,7 @@ lacuna_python_test(test_rg_file)
 
 # The cases of friction show what they say.
 lacuna_python_test(test_friction)
+lacuna_python_test(test_weakening)
 
 # The indicators of a run, counted again from the cells' own fields.
 lacuna_python_test(test_analysis)

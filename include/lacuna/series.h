@@ -30,8 +30,14 @@ typedef struct lac_series_def {
     const char *value_si;          ///< SI unit of what is kept
     const char *clock;             ///< column of the time of day where dates have their own; NULL
     const char *components;        ///< "e:mm,n:mm,u:mm", instead of displacement; NULL: none
-    const char *line_of_sight; ///< "E,N,U", that they are projected on; NULL: the main direction
-    int64_t skip;              ///< lines before the header that are read over; 0: it is found
+    const char *line_of_sight;  ///< "E,N,U", that they are projected on; NULL: the main direction
+    int64_t skip;               ///< lines before the header that are read over; 0: it is found
+    const char *velocity_sigma; ///< column of the error of a velocity's logarithm; NULL: none
+    const char *velocity_sigma_unit; ///< NULL: 1
+    const char *velocity_most;       ///< column of what a velocity did not exceed; NULL: none
+    const char *velocity_most_unit;  ///< NULL: m/s
+    const char *within;              ///< column of how far a time may be off; NULL: none
+    const char *within_unit;         ///< NULL: s
 } lac_series_def;
 
 /// The first column as time; the others are the caller's.
@@ -71,6 +77,9 @@ typedef struct lac_series {
     size_t first;                ///< reading that the displacement counts from
     double *displacement_digits; ///< [n] what the last digit of each counts [m]; NULL: not known
     double *velocity_digits;     ///< [n] the same [m/s]
+    double *velocity_sigma;      ///< [n] [1], NaN where not given; NULL where not asked for
+    double *velocity_most;       ///< [n] [m/s], same
+    double *within;              ///< [n] [s], same
 } lac_series;
 
 /// Reads a CSV file with a header: comma, semicolon, tab or blanks, decimal comma where these are

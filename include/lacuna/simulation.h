@@ -31,6 +31,10 @@ typedef struct lac_observation {
                           ///< the case's output.points, until the sink returns; NULL: none
     double factor_of_safety; ///< strength at the reference rate over Q [1]; NaN: not asked, or
                              ///< nothing drives
+    double excess_pore;      ///< pore pressure in excess of that of the loads, mean by the normal
+                             ///< force of the cells [Pa]; NaN: nothing weakens, as below
+    double temperature;      ///< largest rise of a cell's temperature [K]
+    double broken;           ///< part of the cohesion that is broken [1]
 } lac_observation;
 
 /// The contact cells at a record; the arrays hold until the sink returns. It does not grow.
@@ -78,6 +82,9 @@ typedef struct lac_snapshot {
     const double *factor_of_safety; ///< [n] of each cell [1], NaN where it carries nothing; NULL:
                                     ///< not asked
     const double *pore;             ///< [n] pore pressure [Pa]; NULL: not asked
+    const double *excess_pore;      ///< [n] in excess of it [Pa]; NULL: nothing weakens, as below
+    const double *temperature;      ///< [n] its rise [K]
+    const double *broken;           ///< [n] part of the cohesion that is broken [1]
 } lac_snapshot;
 
 /// The state after a step of the integrator; the arrays hold until the sink returns.

@@ -98,7 +98,8 @@ typedef struct lac_fit_def {
     lac_series_def columns;       ///< texts owned
     char *point;                  ///< of output.points that they are of; NULL: of the whole joint
     double displacement_error;    ///< [m]; NaN: estimated (with a column sigma: its factor is)
-    double velocity_error;        ///< of ln(velocity) [1]; NaN: estimated
+    double velocity_error;        ///< of ln(velocity) [1], or a factor; NaN: estimated
+    double until;                 ///< readings later are left out [s]; NaN: none
     int errors;                   ///< lac_fit_errors, of displacements
     int offset;     ///< 1: displacements have an unknown zero; 0: they start with the run
     int64_t starts; ///< places at which the least squares begin
@@ -160,7 +161,8 @@ struct lac_case {
     lac_history_def history;
     lac_model friction; ///< `info` is NULL where a static case names none
     lac_heterogeneity_list friction_spread;
-    lac_initial_def initial; ///< rates and states are NULL: the scene makes them from the spread
+    lac_model_list weakening; ///< besides friction
+    lac_initial_def initial;  ///< rates and states are NULL: the scene makes them from the spread
     lac_heterogeneity_list initial_spread; ///< keys slip_rate and state
     lac_model transfer;
     bool dated;

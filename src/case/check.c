@@ -330,7 +330,7 @@ static void check_inertia(lac_reader *reader, lac_case *c, double pressure)
 }
 
 // Cells at steps of their own have one formulation and no method to choose.
-enum { EVENTS_REFUSE = 7 };
+enum { EVENTS_REFUSE = 8 };
 static const struct {
     const char *key, *why;
 } events_refuse[EVENTS_REFUSE] = {
@@ -341,6 +341,7 @@ static const struct {
     {"solver.first_step", "goes with fidelity ode, not with events"},
     {"time.stop_when.factor_of_safety", "goes with fidelity ode, not with events"},
     {"solver.fidelity", "knows no interface.geometry: leave one of them out"},
+    {"weakening", "goes with fidelity ode, not with events"},
 };
 
 // Which of these the case asks for.
@@ -353,13 +354,18 @@ static void ask_events(const lac_case *c, bool asked[EVENTS_REFUSE])
     asked[4] = !isnan(c->run.first_step);
     asked[5] = !isnan(c->run.stop_safety);
     asked[6] = c->geometry.angles > 0;
+    asked[7] = c->weakening.count > 0;
 }
 
 bool lac_case_admits_events(const lac_case *c)
 {
     bool asked[EVENTS_REFUSE];
     ask_events(c, asked);
-    return !(asked[0] || asked[1] || asked[2] || asked[3] || asked[4] || asked[5] || asked[6]);
+    bool any = false;
+    for (size_t i = 0; i < EVENTS_REFUSE; i++) {
+        any = any || asked[i];
+    }
+    return !any;
 }
 
 static void check_events(lac_reader *reader, lac_case *c)
@@ -480,6 +486,7 @@ void lac_check_case(lac_reader *reader, lac_case *c)
     check_inertia(reader, c, normal_stress(reader, c));
     lac_check_geometry(reader, c);
     check_solver(reader, c);
+    lac_check_weakening(reader, c);
     lac_check_rg(reader, c);
     lac_check_analysis(reader, c);
     lac_check_fit(reader, c);

@@ -208,13 +208,23 @@ void lac_check_fit(lac_reader *reader, lac_case *c)
                      "must name at least one number of the case");
     (void)lac_refuse(reader,
                      fit->columns.displacement == NULL && fit->columns.velocity == NULL &&
-                         fit->columns.components == NULL,
+                         fit->columns.components == NULL && fit->columns.velocity_most == NULL,
                      "fit", "needs displacement or velocity, such as displacement: \"disp:mm\"");
     (void)lac_refuse(reader, fit->columns.time == NULL, "fit", "needs time, the column of times");
     (void)lac_refuse(reader,
                      fit->columns.sigma != NULL && fit->columns.displacement == NULL &&
                          fit->columns.components == NULL,
                      "fit.sigma", "goes with displacement");
+    (void)lac_refuse(reader,
+                     fit->columns.velocity_sigma != NULL && fit->columns.velocity == NULL &&
+                         fit->columns.velocity_most == NULL,
+                     "fit.velocity_sigma", "goes with velocity or velocity_most");
+    (void)lac_refuse(
+        reader,
+        fit->columns.within != NULL &&
+            (fit->columns.displacement != NULL || fit->columns.components != NULL),
+        "fit.time_within",
+        "is for velocities alone: a displacement needs its time; leave out one of them");
     (void)lac_refuse(
         reader, fit->steps > 0 && (fit->walkers % 2 != 0 || (size_t)fit->walkers < least),
         "fit.walkers", "must be even and at least %zu for %zu parameters", least, fit->count);

@@ -177,6 +177,8 @@ static void check_solvers(lac_reader *reader, lac_case *c)
     if (c->formulation == LAC_FORMULATION_AUTO && c->run.fidelity == LAC_FIDELITY_ODE) {
         c->formulation = LAC_FORMULATION_SLIP;
     }
+    (void)lac_refuse(reader, c->weakening.count > 0, "weakening",
+                     "is not followed on a base that bends: leave it or interface.geometry out");
     (void)snprintf(key, sizeof key, "friction.%s.alpha", law != NULL ? c->friction.info->name : "");
     (void)lac_refuse(reader, law != NULL && !isnan(law->alpha), key,
                      "responds to the normal stress, which interface.geometry changes with slip: "

@@ -114,7 +114,7 @@ void lac_read_safety(lac_reader *reader, const lac_node *node, lac_case *c)
 
 void lac_read_fields(lac_reader *reader, const lac_node *node, lac_case *c)
 {
-    char known[80] = "";
+    char known[200] = "";
     size_t names = 0;
     while (lac_field_names[names] != NULL) {
         names++;

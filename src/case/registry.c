@@ -5,6 +5,7 @@
 #include "analysis/analysis.h"
 #include "base/rows.h"
 #include "case/sections.h"
+#include "friction/weakening.h"
 #include "precursor/precursor.h"
 #include "surface/surface.h"
 
@@ -21,6 +22,7 @@ MODELS(shear_at, lac_shear_load_get)
 MODELS(pore_at, lac_pore_load_get)
 MODELS(pressing_at, lac_normal_stress_get)
 MODELS(friction_at, lac_friction_law_get)
+MODELS(weakening_at, lac_weakening_get)
 MODELS(transfer_at, lac_transfer_kind_get)
 MODELS(spread_at, lac_heterogeneity_kind_get)
 MODELS(analysis_at, lac_indicator_kind_get)
@@ -140,6 +142,8 @@ static LAC_ROWS_AT(lac_model_info, rule_at, rules)
         KIND(PRESSING, "normal_stress", "load.normal_stress", pressing_at,
              "normal stresses that come on top of load.normal, a list that adds up"),
         KIND(FRICTION, "friction", "friction", friction_at, "rate-and-state friction laws"),
+        KIND(WEAKENING, "weakening", "weakening", weakening_at,
+             "what weakens the cells besides friction, a list of mechanisms"),
         KIND(TRANSFER, "transfer", "transfer", transfer_at,
              "how the slip of a cell loads the others"),
         KIND(SPREAD, "spread", "friction.spread", spread_at,

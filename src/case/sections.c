@@ -18,8 +18,16 @@ static const char *const history_methods[] = {"direct", NULL};
 static const char *const precisions[] = {"double", "float", NULL};
 static const char *const history_fields[] = {"all", "last", "none", NULL};
 
-const char *const lac_field_names[] = {"slip",          "slip_rate",        "state", "traction",
-                                       "pore_pressure", "factor_of_safety", NULL};
+const char *const lac_field_names[] = {"slip",
+                                       "slip_rate",
+                                       "state",
+                                       "traction",
+                                       "pore_pressure",
+                                       "factor_of_safety",
+                                       "excess_pore_pressure",
+                                       "temperature",
+                                       "broken_cohesion",
+                                       NULL};
 
 static const lac_param case_rows[] = {
     LAC_OWN("lacuna", "version of the format: 1"),
@@ -83,25 +91,6 @@ static const lac_param history_rows[] = {
     LAC_OWN("steps", "[{...}, ...]: each goes on from the one before; must be given"),
 };
 
-#define STEP(name) offsetof(lac_history_step, name)
-
-static const lac_param step_rows[] = {
-    LAC_REAL("pressure", "Pa", STEP(pressure), NAN, 0, 1e15, LAC_OPTIONAL | LAC_ABOVE_MIN,
-             "mean normal stress over the nominal area; as before if absent"),
-    LAC_REAL("ratio_x", "1", STEP(ratio[0]), NAN, -1, 1, LAC_OPTIONAL,
-             "shear load along x as part of f P, what friction holds; of ratio, shear and shift at "
-             "most one along each axis"),
-    LAC_REAL("ratio_y", "1", STEP(ratio[1]), NAN, -1, 1, LAC_OPTIONAL, "the same along y"),
-    LAC_REAL("shear_x", "Pa", STEP(shear[0]), NAN, -1e15, 1e15, LAC_OPTIONAL,
-             "mean shear traction along x over the nominal area"),
-    LAC_REAL("shear_y", "Pa", STEP(shear[1]), NAN, -1e15, 1e15, LAC_OPTIONAL, "the same along y"),
-    LAC_REAL("shift_x", "m", STEP(shift[0]), NAN, -1e9, 1e9, LAC_OPTIONAL,
-             "shift of one body against the other along x since the start"),
-    LAC_REAL("shift_y", "m", STEP(shift[1]), NAN, -1e9, 1e9, LAC_OPTIONAL, "the same along y"),
-    LAC_INTEGER("count", STEP(count), 1, 1, 10000, 0,
-                "equal increments from the state before, each a step of the output"),
-};
-
 static const lac_param initial_rows[] = {
     LAC_REAL("slip_rate", "m/s", FIELD(initial.slip_rate), NAN, 0, 1e3,
              LAC_OPTIONAL | LAC_ABOVE_MIN, "at the start; follows from load and state if absent"),
@@ -144,7 +133,7 @@ static const lac_param output_rows[] = {
     LAC_OWN("every", "how often a line of the time series is kept: a time, {steps: N}, "
                      "{per_decade: N} of the mean slip rate; each step if absent"),
     LAC_OWN("fields", "of every cell to keep: [slip, slip_rate, state, traction, pore_pressure, "
-                      "factor_of_safety]"),
+                      "factor_of_safety, excess_pore_pressure, temperature, broken_cohesion]"),
     LAC_OWN("fields_every", "how often the fields are kept, as `every`; once per decade of the "
                             "mean slip rate if absent"),
     LAC_OWN("points", "[{name: P1, x: 12 m, y: 3 m}, ...]: places whose motion is kept at every "
@@ -300,6 +289,16 @@ static const lac_param fit_rows[] = {
                "column of velocities, as \"column:unit\""),
     LAC_COLUMN("sigma", FIT(columns.sigma), "m",
                "column of the displacements' standard errors, as \"column:unit\""),
+    LAC_COLUMN("velocity_sigma", FIT(columns.velocity_sigma), "1",
+               "column of the standard errors of the velocities' logarithms, as \"column:1\""),
+    LAC_COLUMN("velocity_most", FIT(columns.velocity_most), "m/s",
+               "column of upper bounds, which the velocity did not exceed, as \"column:unit\""),
+    LAC_COLUMN(
+        "time_within", FIT(columns.within), "s",
+        "column of how far the time of a velocity may be off, evenly to either side; a bound "
+        "holds as far, as \"column:unit\""),
+    LAC_REAL("until", "s", FIT(until), NAN, 0, 1e15, LAC_OPTIONAL,
+             "readings later than this, since the start, are left out: what was known by then"),
     LAC_TEXT("point", FIT(point), LAC_OPTIONAL,
              "the name in output.points of the place that the readings are of; else the mean of "
              "the joint"),
@@ -307,7 +306,8 @@ static const lac_param fit_rows[] = {
              LAC_OPTIONAL | LAC_ABOVE_MIN,
              "standard error of a displacement; estimated if absent (with sigma: a factor on it)"),
     LAC_REAL("velocity_error", "1", FIT(velocity_error), NAN, 0, 100, LAC_OPTIONAL | LAC_ABOVE_MIN,
-             "standard error of the logarithm of a velocity; estimated if absent"),
+             "standard error of the logarithm of a velocity; estimated if absent (with "
+             "velocity_sigma: a factor on it)"),
     LAC_CHOICE(
         "errors", FIT(errors), LAC_ERRORS_WHITE, errors_names, 0,
         "of displacements: white (independent), or ar1 (correlated over a time that is estimated)"),
@@ -411,6 +411,7 @@ static const lac_part parts[] = {
     {PART(SLOT, "friction", friction), .model = LAC_KIND_FRICTION, .such = "spread",
      .missing = "a friction law such as {aging: {...}}", .of_runs = true},
     {PART(SPREADS, "friction.spread", friction_spread)},
+    {PART(SLOTS, "weakening", weakening), .model = LAC_KIND_WEAKENING},
     {RECORD("initial", "slip rate and state at the start; steady under the load if absent",
             initial_rows),
      .fitted = true, .after = "transfer", .given = has_initial},
@@ -445,7 +446,8 @@ static const lac_part parts[] = {
     {ITEMS("output.points", "a list of places at which the run is watched", point_rows)},
     {ITEMS("compare", "a list of monitoring series to lay beside the run", compare_rows),
      .read = lac_read_compare, .put = lac_put_compare},
-    {ITEMS("load.history.steps", "a list; what a step does not name stays as it was", step_rows)},
+    {ITEMS("load.history.steps", "a list; what a step does not name stays as it was",
+           lac_step_rows)},
 };
 
 LAC_ROWS_AT(lac_part, lac_part_get, parts)

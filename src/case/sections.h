@@ -165,6 +165,7 @@ enum {
     LAC_KIND_PORE,
     LAC_KIND_PRESSING,
     LAC_KIND_FRICTION,
+    LAC_KIND_WEAKENING,
     LAC_KIND_TRANSFER,
     LAC_KIND_SPREAD,
     LAC_KIND_ANALYSIS,
@@ -260,16 +261,17 @@ lac_part_put lac_put_steps, lac_put_state, lac_put_start, lac_put_fields, lac_pu
 /// Names of LAC_FIELD_*, in the order of their bits; NULL at the end.
 extern const char *const lac_field_names[];
 
-/// The keys of `material`, of which shear_speed and density stand side by side, of `inertia` and of
-/// `interface.geometry`.
+/// The keys of `material`, of which shear_speed and density stand side by side, of `inertia` of
+/// `interface.geometry` and of an entry of `load.history.steps`.
 enum {
     LAC_MATERIAL_SHEAR_SPEED = 2,
     LAC_MATERIAL_ROWS = 4,
     LAC_INERTIA_ROWS = 3,
-    LAC_GEOMETRY_ROWS = 4
+    LAC_GEOMETRY_ROWS = 4,
+    LAC_STEP_ROWS = 8
 };
 extern const lac_param lac_material_rows[LAC_MATERIAL_ROWS], lac_inertia_rows[LAC_INERTIA_ROWS],
-    lac_geometry_rows[LAC_GEOMETRY_ROWS];
+    lac_geometry_rows[LAC_GEOMETRY_ROWS], lac_step_rows[LAC_STEP_ROWS];
 
 /// Reads the sections below the root into a case that holds the defaults.
 void lac_read_sections(lac_reader *reader, lac_case *c);
@@ -285,6 +287,7 @@ void lac_check_history(lac_reader *reader, lac_case *c, double pressure);
 void lac_check_rg(lac_reader *reader, lac_case *c);
 void lac_check_analysis(lac_reader *reader, lac_case *c);
 void lac_check_fit(lac_reader *reader, lac_case *c);
+void lac_check_weakening(lac_reader *reader, lac_case *c);
 void lac_check_points(lac_reader *reader, const lac_case *c);
 void lac_check_point_names(lac_reader *reader, const lac_case *c);
 

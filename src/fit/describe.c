@@ -24,6 +24,7 @@ LAC_GETTER(double, draw, RESULT, draw_of(r, at[0], at[1], at[2]))
 LAC_GETTER(double, best, RESULT, r->unknown[at[0]].best)
 LAC_GETTER(double, log_density, RESULT, r->chain->log_density[at[1] * r->chain->walkers + at[0]])
 LAC_GETTER(double, acceptance, RESULT, r->chain->acceptance[at[0]])
+LAC_GETTER(bool, has_windows, RESULT, r->windows)
 LAC_GETTER(double, walkers, RESULT, (double)r->chain->walkers)
 LAC_GETTER(double, steps, RESULT, (double)r->chain->steps)
 LAC_GETTER(bool, is_sampled, RESULT, r->chain != NULL)
@@ -96,6 +97,7 @@ static const lac_variable of_unknowns[] = {
 static const lac_variable of_data[] = {
     {.json = "displacements", R(COUNT, displacements)},
     {.json = "velocities", R(COUNT, velocities)},
+    {.json = "bounds", R(COUNT, bounds)},
     {.json = "outside", R(COUNT, outside)},
     {.json = "missing", R(COUNT, missing)},
     {.json = "not_positive", R(COUNT, not_positive)},
@@ -156,6 +158,18 @@ static const lac_variable of_result[] = {
             R(REALS, observed), .flags = LAC_MISSING),
     LAC_ROW("observed_slip_rate", "reading", "m s-1", "velocity that was read",
             R(REALS, observed_rate), .flags = LAC_MISSING),
+    LAC_ROW("observed_slip_rate_most", "reading", "m s-1",
+            "upper bound of the velocity that was stated", R(REALS, observed_most),
+            .flags = LAC_MISSING, .has = has_windows),
+    LAC_ROW("reading_time_within", "reading", "s",
+            "how far the time of a reading may be off, to either side", R(REALS, reading_within),
+            .has = has_windows),
+    LAC_ROW("observed_slip_rate_rank", "reading", "1",
+            "share of what the posterior predicts of a reading of the velocity that lies below it",
+            R(REALS, rate_rank), .flags = LAC_MISSING, .has = has_windows),
+    LAC_ROW("observed_slip_rate_most_kept", "reading", "1",
+            "probability under the posterior that the upper bound is kept", R(REALS, most_kept),
+            .flags = LAC_MISSING, .has = has_windows),
     LAC_ROW("failure_time", "sample", NULL,
             "time of failure of draws that were run on; missing where none by the end of the run",
             R(REALS, draw_failure), .flags = LAC_TIME | LAC_MISSING),

@@ -8,49 +8,87 @@
 
 #include "fit/internal.h"
 
+// A row of the file as it is used; what has no logarithm is counted. @return LAC_EINPUT
+static lac_status take_row(const lac_case *c, const lac_series *series, size_t i, lac_fit_data *out,
+                           lac_fit_seen *row, lac_error *err)
+{
+    const lac_series_def *columns = &c->fit.columns;
+    const bool sized = columns->velocity_sigma != NULL, free = columns->within != NULL;
+    *row = (lac_fit_seen){
+        .time = series->time[i] - (series->dated ? c->start_date : 0.0),
+        .displacement = series->displacement != NULL ? series->displacement[i] : NAN,
+        .velocity = series->velocity != NULL ? series->velocity[i] : NAN,
+        .most = columns->velocity_most != NULL ? series->velocity_most[i] : NAN,
+        .sigma = columns->sigma != NULL ? series->value[i] : 1.0,
+        .rate_sigma = sized ? series->velocity_sigma[i] : 1.0,
+        .within = free && !isnan(series->within[i]) ? series->within[i] : 0.0,
+    };
+    const bool rated = !isnan(row->velocity) || !isnan(row->most);
+    LAC_FAIL_IF(columns->sigma != NULL && !isnan(row->displacement) && !(row->sigma > 0.0), err,
+                LAC_EINPUT, "line %zu: %s: the standard error of a displacement must be > 0",
+                series->line[i], columns->sigma);
+    LAC_FAIL_IF(rated && !(row->rate_sigma > 0.0), err, LAC_EINPUT,
+                "line %zu: %s: the standard error of a velocity's logarithm must be > 0",
+                series->line[i], columns->velocity_sigma);
+    LAC_FAIL_IF(!(row->within >= 0.0), err, LAC_EINPUT,
+                "line %zu: %s: how far a time may be off must be >= 0, is %g s", series->line[i],
+                columns->within, row->within);
+    LAC_FAIL_IF(row->most <= 0.0, err, LAC_EINPUT,
+                "line %zu: %s: an upper bound of a velocity must be > 0, is %g m/s",
+                series->line[i], columns->velocity_most, row->most);
+    out->not_positive += row->velocity <= 0.0 ? 1 : 0;
+    row->velocity = row->velocity > 0.0 ? row->velocity : NAN;
+    return LAC_OK;
+}
+
 static lac_status keep(const lac_case *c, const lac_series *series, lac_fit_data *out,
                        lac_error *err)
 {
-    double shift = series->dated ? c->start_date : 0.0;
+    const bool rates = lac_fit_has_rates(&c->fit);
     for (size_t i = 0; i < series->n; i++) {
-        double t = series->time[i] - shift;
-        double slip = series->displacement != NULL ? series->displacement[i] : NAN;
-        double rate = series->velocity != NULL ? series->velocity[i] : NAN;
-        double sigma = c->fit.columns.sigma != NULL ? series->value[i] : 1.0;
-        LAC_FAIL_IF(c->fit.columns.sigma != NULL && !isnan(slip) && !(sigma > 0.0), err, LAC_EINPUT,
-                    "line %zu: %s: the standard error of a displacement must be > 0",
-                    series->line[i], c->fit.columns.sigma);
-        out->not_positive += rate <= 0.0 ? 1 : 0;
-        rate = rate > 0.0 ? rate : NAN;
-        if (!(t >= 0.0) || t > c->run.end) {
+        lac_fit_seen row;
+        LAC_TRY_RETURN(take_row(c, series, i, out, &row, err));
+        if (!(row.time >= 0.0) || row.time > c->run.end || row.time > c->fit.until) {
             out->outside++;
             continue;
         }
-        if (isnan(slip) && isnan(rate)) {
+        if (isnan(row.displacement) && isnan(row.velocity) && isnan(row.most)) {
+            out->missing += rates ? 1 : 0; // a row has a rate or a bound
             continue;
         }
-        out->time[out->n] = t;
-        out->displacement[out->n] = slip;
-        out->log_rate[out->n] = log(rate);
-        out->sigma[out->n] = sigma;
-        out->displacements += isnan(slip) ? 0 : 1;
-        out->velocities += isnan(rate) ? 0 : 1;
+        out->time[out->n] = row.time;
+        out->displacement[out->n] = row.displacement;
+        out->log_rate[out->n] = log(row.velocity);
+        out->sigma[out->n] = row.sigma;
+        out->displacements += isnan(row.displacement) ? 0 : 1;
+        out->velocities += isnan(row.velocity) ? 0 : 1;
+        out->velocities += isnan(row.most) ? 0 : 1;
+        out->bounds += isnan(row.most) ? 0 : 1;
+        out->seen[out->rows++] = row;
         out->n++;
     }
-    return LAC_OK;
+    return rates ? lac_fit_look_at_rates(out, c->run.end, err) : LAC_OK;
 }
 
 static lac_status read_data(const lac_case *c, const lac_series *series, lac_fit_data *out,
                             lac_error *err)
 {
-    *out = (lac_fit_data){.missing = series->missing, .digit = series->displacement_digit};
+    *out = (lac_fit_data){.missing = lac_fit_has_rates(&c->fit) ? 0 : series->missing,
+                          .digit = series->displacement_digit};
     LAC_FAIL_IF(series->dated && !c->dated, err, LAC_EINPUT,
                 "the series has dates, so time.start of %s must be a date", c->path);
-    out->time = malloc(4 * (series->n + 1) * sizeof *out->time);
-    LAC_FAIL_MEMORY_IF(out->time == NULL, err);
-    out->displacement = out->time + series->n + 1;
-    out->log_rate = out->displacement + series->n + 1;
-    out->sigma = out->log_rate + series->n + 1;
+    LAC_FAIL_IF((c->fit.columns.velocity_sigma != NULL && series->velocity_sigma == NULL) ||
+                    (c->fit.columns.velocity_most != NULL && series->velocity_most == NULL) ||
+                    (c->fit.columns.within != NULL && series->within == NULL),
+                err, LAC_EINPUT, "the series was read without columns that the case's fit names");
+    const size_t looks = lac_fit_has_rates(&c->fit) ? 1 + 2 * LAC_FIT_NODES : 1;
+    const size_t room = looks * series->n + 1;
+    out->time = malloc(4 * room * sizeof *out->time);
+    out->seen = malloc((series->n + 1) * sizeof *out->seen);
+    LAC_FAIL_MEMORY_IF(out->time == NULL || out->seen == NULL, err);
+    out->displacement = out->time + room;
+    out->log_rate = out->displacement + room;
+    out->sigma = out->log_rate + room;
     LAC_TRY_RETURN(keep(c, series, out, err));
     size_t readings = out->displacements + out->velocities;
     size_t least = c->fit.count + 3;
@@ -178,6 +216,8 @@ void lac_fit_free(lac_fit *fit)
     }
     free(fit->model);
     free(fit->data.time);
+    free(fit->data.seen);
+    free(fit->data.rate);
     lac_chain_free(fit->chain);
     free(fit->kept);
     free(fit->text);
@@ -239,6 +279,7 @@ lac_status lac_fit_run(lac_fit *fit, const lac_fit_watch *watch, lac_fit_result 
     name_unknowns(fit, result);
     result->displacements = data->displacements;
     result->velocities = data->velocities;
+    result->bounds = data->bounds;
     result->outside = data->outside;
     result->missing = data->missing;
     result->not_positive = data->not_positive;

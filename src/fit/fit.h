@@ -55,6 +55,7 @@ typedef struct lac_fit_result {
     size_t parameters, unknowns;
     lac_fit_unknown unknown[LAC_FIT_UNKNOWNS]; ///< [unknowns] parameters first
     size_t displacements, velocities;          ///< readings used
+    size_t bounds;                             ///< of the velocities, that are upper bounds
     size_t outside, missing;                   ///< left out: outside the run, not given
     size_t not_positive;                       ///< velocities left out: they have no logarithm
     double displacement_rms;                   ///< of the best fit [m]; NaN
@@ -64,7 +65,8 @@ typedef struct lac_fit_result {
     double misfit;          ///< rms over the range of the displacements; of velocities that of ln v
     double excess;          ///< what of it the noise does not explain: lac_unexplained
     double scatter;         ///< of displacements about the line between their neighbours [m]; NaN
-    bool poor; ///< they hang together or (white ones) exceed that scatter as noise does 1 in 100
+    bool poor;    ///< they hang together or (white ones) exceed that scatter as noise does 1 in 100
+    bool windows; ///< velocities have errors, bounds or windows of their own
     double log_likelihood; ///< of the best fit, offset integrated out
     double bic;            ///< Bayesian information criterion: k ln n - 2 ln L; less is better
     double failure;        ///< time of failure of the best fit [s]; NaN: none by time.end
@@ -92,8 +94,13 @@ typedef struct lac_fit_result {
     const double *reading_time;  ///< [readings] [s] since the start
     const double *observed;      ///< [readings] displacement [m]; NaN
     const double *observed_rate; ///< [readings] [m/s]; NaN
-    const double *draw_failure;  ///< [draws] [s]; NaN: not by time.end
-    const lac_chain *chain;      ///< of the coordinates; NULL
+    /// With `windows` only: what the rate did not exceed [m/s]; NaN
+    const double *observed_most;  ///< [readings]
+    const double *reading_within; ///< [readings] half the window of the time [s]
+    const double *rate_rank;      ///< [readings] share of predicted readings of the rate below it
+    const double *most_kept;      ///< [readings] how likely the posterior keeps the bound
+    const double *draw_failure;   ///< [draws] [s]; NaN: not by time.end
+    const lac_chain *chain;       ///< of the coordinates; NULL
 } lac_fit_result;
 
 /// A fit as it is told: what lac_fit_describe lays its tables on.

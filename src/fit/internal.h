@@ -29,7 +29,31 @@ typedef struct lac_fit_model {
     double *scratch;         // [5 readings] of the likelihood
 } lac_fit_model;
 
-// The readings on the clock of the run, rising.
+enum { LAC_FIT_NODES = 24 }; // in the window of a time that is known within it only
+
+// A row of the readings' file that was taken, as it stands there.
+typedef struct lac_fit_seen {
+    double time;         // since the start [s]
+    double displacement; // [m]; NaN
+    double sigma;        // what its error counts in [m]
+    double velocity;     // [m/s]; NaN
+    double most;         // that a velocity did not exceed [m/s]; NaN
+    double rate_sigma;   // what the error of the logarithm of either counts in [1]
+    double within;       // half the window of the time [s]
+} lac_fit_seen;
+
+// A velocity, or what it did not exceed, with an error and a window of its own (rates.c).
+typedef struct lac_fit_rate {
+    double value; // ln of m/s
+    double sigma; // what its error counts in [1]
+    bool bound;   // it was not exceeded anywhere in the window
+    size_t row;   // of the file
+    size_t count; // looks at the run
+    size_t at[LAC_FIT_NODES];
+} lac_fit_rate;
+
+// The readings on the clock of the run, rising: one a look at the run, which sees either one row of
+// the file, or a node of the window of a rate.
 typedef struct lac_fit_data {
     size_t n;
     double *time;         // [n] since the start [s]
@@ -38,6 +62,12 @@ typedef struct lac_fit_data {
     double *sigma;        // [n] what a displacement's error counts in [m]: 1 without a column
     double digit;         // what the last of a displacement counts [m]; 0: not known
     size_t displacements, velocities, outside, missing, not_positive;
+    size_t bounds; // of the velocities
+    size_t rows;   // of the file that were taken
+    lac_fit_seen *seen;
+    size_t rates; // 0: velocities are in log_rate; else in `rate`, and log_rate is NaN
+    lac_fit_rate *rate;
+    double weight[LAC_FIT_NODES]; // of the nodes of a window
 } lac_fit_data;
 
 // Errors of the data. Each is fixed by the case, or one of the unknowns.
@@ -130,9 +160,40 @@ lac_fit_errors_at lac_fit_errors_of(const lac_fit *fit, const double *x);
 // likeliest.
 // @param r            [n] of displacements, before the offset
 // @param by_log_rate  [n] of ln v; NaN where not given
+// @param log_rate     [n] ln v of the run
 // @param scratch      [2 n]
 void lac_fit_likeliest_errors(const lac_fit *fit, const double *r, const double *by_log_rate,
-                              double *scratch, double *x);
+                              const double *log_rate, double *scratch, double *x);
+
+// rates.c
+// Whether a case names what rates need.
+bool lac_fit_has_rates(const lac_fit_def *def);
+
+// Makes rates of the rows, and the looks at a run up to `end` that these and displacements need.
+lac_status lac_fit_look_at_rates(lac_fit_data *data, double end, lac_error *err);
+
+// ln of their likelihood. @param error  factor on their sigmas  @param log_rate  [n] of a run
+double lac_fit_rates_likelihood(const lac_fit_data *data, double error, const double *log_rate);
+
+// What least squares see of one: its square is -2 ln of the likelihood but for the constant of a
+// normal density; and its derivative from those of log_rate, by[i stride].
+double lac_fit_rate_residual(const lac_fit_data *data, const lac_fit_rate *rate, double error,
+                             const double *log_rate);
+double lac_fit_rate_slope(const lac_fit_data *data, const lac_fit_rate *rate, double error,
+                          const double *log_rate, const double *by, size_t stride);
+
+// ln(read/run) where in the window it is likeliest to have been read; of a bound what it is
+// exceeded by, <= 0.
+double lac_fit_rate_off(const lac_fit_data *data, const lac_fit_rate *rate, double error,
+                        const double *log_rate);
+
+// The share of readings that would lie below this one; of a bound, how likely it is kept.
+double lac_fit_rate_rank(const lac_fit_data *data, const lac_fit_rate *rate, double error,
+                         const double *log_rate);
+
+// ln of the likeliest error between ln low and ln high.
+double lac_fit_likeliest_rate_error(const lac_fit_data *data, const double *log_rate, double low,
+                                    double high);
 
 // Off the centre of a normal prior, in its widths; 0 where the prior is none.
 double lac_fit_prior_residual(const lac_fit_parameter *p, double u);

@@ -82,6 +82,10 @@ static void weigh(const lac_fit *fit, double *room, lac_fit_result *result)
     const bool known = slips && fit->def->columns.sigma != NULL;
     const double *of = slips ? data->displacement : data->log_rate;
     const double rms = slips ? result->displacement_rms : result->log_rate_rms;
+    if (!slips && data->rates > 0) { // their errors are stated, and bounds have none
+        result->misfit = rms;
+        return;
+    }
     double *value = room + data->n, *work = value + data->n;
     double low = INFINITY, high = -INFINITY;
     size_t n = 0;
@@ -124,6 +128,10 @@ static void measure(lac_fit *fit, double *slip, double *log_rate, lac_fit_result
     if (data->displacements > 0) {
         result->displacement_rms = sqrt(squares / (double)data->displacements);
         judge_residuals(data, &errors, slip, result);
+    }
+    for (size_t k = 0; k < data->rates; k++) {
+        const double by = lac_fit_rate_off(data, &data->rate[k], errors.velocity, log_rate);
+        log_squares += by * by;
     }
     if (data->velocities > 0) {
         result->log_rate_rms = sqrt(log_squares / (double)data->velocities);

@@ -23,6 +23,7 @@ typedef struct search {
     lac_sensitivity seen;
     double *room;                 // what seen points into
     double *r, *by, *white, *one; // white and one lie side by side
+    double *rate;                 // [readings] ln v of the last run
     size_t rows;
     const lac_fit_watch *watch;
     const char *stage; // what is being done, and how much of it is
@@ -71,9 +72,23 @@ static void project(const search *s, const double *r, double *white)
     }
 }
 
+// The rates of rates.c, or where `by` is given their derivatives by what that is of ln v.
+static void put_rates(const search *s, const double *by, size_t *row, gsl_vector *out)
+{
+    const lac_fit_data *data = &s->fit->data;
+    const double error = s->errors.velocity;
+    for (size_t k = 0; k < data->rates; k++) {
+        const lac_fit_rate *rate = &data->rate[k];
+        const double value = by == NULL ? lac_fit_rate_residual(data, rate, error, s->rate)
+                                        : lac_fit_rate_slope(data, rate, error, s->rate, by, 1);
+        gsl_vector_set(out, (*row)++, value);
+    }
+}
+
 // One column over all rows: displacements, velocities, priors.
+// @param by  of ln v, where it is a column of derivatives; else NULL
 static void put_column(const search *s, const double *displacement, const double *log_rate,
-                       const double *prior, gsl_vector *out)
+                       const double *by, const double *prior, gsl_vector *out)
 {
     const lac_fit *fit = s->fit;
     const lac_fit_data *data = &fit->data;
@@ -89,6 +104,7 @@ static void put_column(const search *s, const double *displacement, const double
             gsl_vector_set(out, row++, log_rate[i] / s->errors.velocity);
         }
     }
+    put_rates(s, by, &row, out);
     for (size_t k = 0; k < fit->def->count; k++) {
         if (fit->def->parameter[k].prior == LAC_PRIOR_NORMAL) {
             gsl_vector_set(out, row++, prior[k]);
@@ -116,12 +132,13 @@ static int residuals(const gsl_vector *z, void *context, gsl_vector *f)
     }
     for (size_t i = 0; i < data->n; i++) {
         s->r[i] = slip[i] - data->displacement[i];
+        s->rate[i] = log_rate[i];
         log_rate[i] -= data->log_rate[i];
     }
     for (size_t k = 0; k < fit->def->count; k++) {
         prior[k] = lac_fit_prior_residual(&fit->def->parameter[k], u[k]);
     }
-    put_column(s, s->r, log_rate, prior, f);
+    put_column(s, s->r, log_rate, NULL, prior, f);
     return GSL_SUCCESS;
 }
 
@@ -136,9 +153,9 @@ static void derivative(search *s, size_t k, gsl_vector *out)
         fit->def->parameter[k].prior == LAC_PRIOR_NORMAL ? 1.0 / fit->def->parameter[k].sigma : 0.0;
     for (size_t i = 0; i < n; i++) {
         s->r[i] = s->seen.slip_by[i * count + k];
-        s->seen.log_rate[i] = s->seen.log_rate_by[i * count + k];
+        s->by[i] = s->seen.log_rate_by[i * count + k];
     }
-    put_column(s, s->r, s->seen.log_rate, prior, out);
+    put_column(s, s->r, s->by, s->by, prior, out);
 }
 
 static int jacobian(const gsl_vector *z, void *context, gsl_matrix *out)
@@ -152,6 +169,7 @@ static int jacobian(const gsl_vector *z, void *context, gsl_matrix *out)
     if (lac_fit_model_differentiate(&fit->model[0], u, &s->seen, fit->by, NULL) != LAC_OK) {
         return GSL_EFAILED;
     }
+    memcpy(s->rate, s->seen.log_rate, fit->data.n * sizeof *s->rate);
     for (size_t k = 0; k < fit->def->count; k++) {
         gsl_vector_view column = gsl_matrix_column(out, k);
         derivative(s, k, &column.vector);
@@ -165,10 +183,11 @@ static lac_status search_create(lac_fit *fit, const lac_fit_watch *watch, search
     size_t n = fit->data.n;
     size_t count = fit->def->count;
     *s = (search){.fit = fit, .watch = watch};
-    s->room = calloc((6 + 2 * count) * n, sizeof *s->room);
+    s->room = calloc((7 + 2 * count) * n, sizeof *s->room);
     LAC_FAIL_MEMORY_IF(s->room == NULL, err);
     double *at = s->room;
-    double **parts[] = {&s->seen.slip, &s->seen.log_rate, &s->r, &s->by, &s->white, &s->one};
+    double **parts[] = {&s->seen.slip, &s->seen.log_rate, &s->r,   &s->by,
+                        &s->white,     &s->one,           &s->rate};
     for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++, at += n) {
         *parts[i] = at;
     }
@@ -189,7 +208,7 @@ static void estimate_errors(search *s, const double *slip, const double *log_rat
         s->r[i] = data->displacement[i] - slip[i];
         s->by[i] = data->log_rate[i] - log_rate[i];
     }
-    lac_fit_likeliest_errors(s->fit, s->r, s->by, s->white, x);
+    lac_fit_likeliest_errors(s->fit, s->r, s->by, log_rate, s->white, x);
     s->errors = lac_fit_errors_of(s->fit, x);
     lac_fit_whiten_one(data, &s->errors, s->one);
 }
@@ -346,6 +365,7 @@ static lac_status find_covariance(search *s, lac_error *err)
     LAC_TRY_RETURN(lac_fit_model_differentiate(&fit->model[0], fit->best, &s->seen, fit->by, err));
     gsl_matrix *j = gsl_matrix_alloc(s->rows, count);
     LAC_FAIL_MEMORY_IF(j == NULL, err);
+    memcpy(s->rate, s->seen.log_rate, fit->data.n * sizeof *s->rate);
     for (size_t k = 0; k < count; k++) {
         gsl_vector_view column = gsl_matrix_column(j, k);
         derivative(s, k, &column.vector);

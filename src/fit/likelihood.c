@@ -116,6 +116,11 @@ lac_fit_misfit lac_fit_likelihood(const lac_fit *fit, const lac_fit_errors_at *e
     if (data->displacements > 0) {
         out = displacements(fit, errors, slip, scratch);
     }
+    if (data->rates > 0) {
+        const double rates = lac_fit_rates_likelihood(data, errors->velocity, log_rate);
+        out.log_likelihood += rates;
+        out.peak += rates;
+    }
     for (size_t i = 0; i < data->n && data->velocities > 0; i++) {
         if (!isnan(data->log_rate[i])) {
             double z = (data->log_rate[i] - log_rate[i]) / errors->velocity;
@@ -210,7 +215,7 @@ static double within(const lac_fit *fit, int k, double u)
 }
 
 void lac_fit_likeliest_errors(const lac_fit *fit, const double *r, const double *by_log_rate,
-                              double *scratch, double *x)
+                              const double *log_rate, double *scratch, double *x)
 {
     const lac_fit_data *data = &fit->data;
     const int of = fit->unknown_displacement;
@@ -226,7 +231,10 @@ void lac_fit_likeliest_errors(const lac_fit *fit, const double *r, const double 
         (void)likelihood(&g, time);
         x[of] = within(fit, of, log(g.scale));
     }
-    if (fit->unknown_velocity >= 0) {
+    if (fit->unknown_velocity >= 0 && data->rates > 0) {
+        const int k = fit->unknown_velocity;
+        x[k] = lac_fit_likeliest_rate_error(data, log_rate, fit->low[k], fit->high[k]);
+    } else if (fit->unknown_velocity >= 0) {
         double squares = 0.0;
         for (size_t i = 0; i < data->n; i++) {
             squares += isnan(by_log_rate[i]) ? 0.0 : by_log_rate[i] * by_log_rate[i];

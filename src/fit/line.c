@@ -38,9 +38,10 @@ static double end_of(const lac_fit *fit, int k, bool high, double held)
 bool lac_fit_is_one_block(const lac_case *c)
 {
     const lac_friction_law *law = (const void *)c->friction.info;
-    return law->block_form && c->surface.info == NULL && c->domain.info == NULL &&
-           c->friction_spread.count == 0 && c->initial.state == LAC_STATE_RATIO &&
-           !isnan(c->initial.slip_rate);
+    const lac_friction_params *numbers = c->friction.params;
+    return law->block_form && isnan(numbers->flash_rate) && c->weakening.count == 0 &&
+           c->surface.info == NULL && c->domain.info == NULL && c->friction_spread.count == 0 &&
+           c->initial.state == LAC_STATE_RATIO && !isnan(c->initial.slip_rate);
 }
 
 lac_fit_straight lac_fit_straighten(const lac_fit *fit)

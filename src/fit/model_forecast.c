@@ -4,6 +4,8 @@
 
 #include <math.h>
 
+#include "fit/internal.h"
+
 static const double far_from_converged = 1.2; // R-hat
 static const double most_fail = 0.95;
 
@@ -123,6 +125,10 @@ static lac_status foresee(void *context, const lac_motion *m, double now, lac_fo
                                .displacement_digit = m->resolution};
     LAC_FAIL_IF(how->dated && !c->dated, err, LAC_EINPUT,
                 "the series has dates, so time.start of %s must be a date", c->path);
+    if (lac_fit_has_rates(&c->fit)) {
+        return lac_forecast_fit_refuse(found, "fit.velocity_sigma, velocity_most and time_within "
+                                              "are of lacuna fit; with fit.until it forecasts");
+    }
     const size_t inside = readings_within(c, m, shift);
     if (inside < c->fit.count + 3) {
         return lac_forecast_fit_refuse(

@@ -8,6 +8,7 @@
 #include "fit/internal.h"
 
 enum { TIMES = 200, MOST_DRAWS = 1000 };
+enum { COLUMNS = 7 }; // of what is kept of the rows of the file
 
 // What the draws come to.
 typedef struct prediction {
@@ -17,6 +18,7 @@ typedef struct prediction {
     double *displacement; // [draws][TIMES]; INFINITY beyond the failure
     double *rate;         // [draws][TIMES]
     double *failure;      // [draws]; NaN: not by time.end
+    double *rank;         // [draws][rates] of rates.c
     double *column;       // [draws] work
     double *room;         // [threads][2 readings + 2 TIMES]
 } prediction;
@@ -40,7 +42,7 @@ static void choose_times(const prediction *p)
 
 // Displacement [TIMES], rate and time of failure at unknowns x; what cannot be run fails at once.
 static void look(const prediction *p, int thread, const double *x, double *displacement,
-                 double *rate, double *failure)
+                 double *rate, double *failure, double *rank)
 {
     lac_fit *fit = p->fit;
     const lac_fit_data *data = &fit->data;
@@ -55,6 +57,9 @@ static void look(const prediction *p, int thread, const double *x, double *displ
     if (whole && data->displacements > 0) {
         offset = lac_fit_likelihood(fit, &errors, slip, log_rate, model->scratch).offset;
     }
+    for (size_t k = 0; k < data->rates && rank != NULL; k++) {
+        rank[k] = whole ? lac_fit_rate_rank(data, &data->rate[k], errors.velocity, log_rate) : NAN;
+    }
     lac_sensitivity seen = {.slip = later, .log_rate = later_rate};
     (void)lac_fit_model_run(model, x, fit->source->run.end, TIMES, p->time, &seen, NULL);
     for (size_t i = 0; i < TIMES; i++) {
@@ -68,15 +73,18 @@ static lac_status allocate(prediction *p, lac_error *err)
 {
     lac_fit *fit = p->fit;
     size_t n = fit->data.n;
-    size_t kept = TIMES * (2 + 2 * LAC_FIT_QUANTILES) + n;
+    size_t kept = TIMES * (2 + 2 * LAC_FIT_QUANTILES) + COLUMNS * fit->data.rows;
     size_t whole = (p->draws + 1) * TIMES;
     fit->kept = calloc(kept + p->draws, sizeof *fit->kept);
-    p->displacement = malloc((2 * whole + p->draws + (size_t)fit->threads * (2 * n + 2 * TIMES)) *
-                             sizeof(double));
+    const size_t ranks = p->draws * fit->data.rates;
+    p->displacement =
+        malloc((2 * whole + p->draws + ranks + (size_t)fit->threads * (2 * n + 2 * TIMES)) *
+               sizeof(double));
     LAC_FAIL_MEMORY_IF(fit->kept == NULL || p->displacement == NULL, err);
     p->rate = p->displacement + whole;
     p->column = p->rate + whole;
-    p->room = p->column + p->draws;
+    p->rank = p->column + p->draws;
+    p->room = p->rank + ranks;
     p->time = fit->kept;
     p->failure = fit->kept + kept;
     return LAC_OK;
@@ -99,7 +107,8 @@ static void run_draws(prediction *p, const lac_fit_watch *watch)
             lac_fit_tell(watch, "draws run on", now, p->draws);
         }
         look(p, omp_get_thread_num(), chain->x + which * chain->dimension,
-             p->displacement + (size_t)i * TIMES, p->rate + (size_t)i * TIMES, &p->failure[i]);
+             p->displacement + (size_t)i * TIMES, p->rate + (size_t)i * TIMES, &p->failure[i],
+             p->rank + (size_t)i * p->fit->data.rates);
     }
     p->fit->runs += 2 * (int64_t)p->draws;
 }
@@ -132,24 +141,55 @@ static void sum_series(const prediction *p, const double *of, double *out)
     }
 }
 
+// The rows of the file as they stand there. @param to  [COLUMNS][rows]
 static void keep_readings(const lac_fit *fit, double *to, lac_fit_result *result)
 {
     const lac_fit_data *data = &fit->data;
-    size_t n = data->n;
+    const size_t n = data->rows;
     for (size_t i = 0; i < n; i++) {
-        to[i] = exp(data->log_rate[i]);
+        const lac_fit_seen *row = &data->seen[i];
+        to[i] = row->time;
+        to[n + i] = row->displacement;
+        to[2 * n + i] = exp(log(row->velocity)); // to the bit what the fit saw
+        to[3 * n + i] = row->most;
+        to[4 * n + i] = row->within;
+        to[5 * n + i] = NAN;
+        to[6 * n + i] = NAN;
     }
     result->readings = n;
-    result->reading_time = data->time;
-    result->observed = data->displacement;
-    result->observed_rate = to;
+    result->windows = data->rates > 0;
+    result->reading_time = to;
+    result->observed = to + n;
+    result->observed_rate = to + 2 * n;
+    result->observed_most = to + 3 * n;
+    result->reading_within = to + 4 * n;
+    result->rate_rank = to + 5 * n;
+    result->most_kept = to + 6 * n;
+}
+
+// What share of what the posterior predicts lies below each rate, and keeps each bound.
+static void sum_ranks(const prediction *p, double *rate_rank, double *most_kept)
+{
+    const lac_fit_data *data = &p->fit->data;
+    for (size_t k = 0; k < data->rates; k++) {
+        double sum = 0.0, whole = 0.0;
+        for (size_t i = 0; i < p->draws; i++) {
+            const double rank = p->rank[i * data->rates + k];
+            sum += isnan(rank) ? 0.0 : rank;
+            whole += isnan(rank) ? 0.0 : 1.0;
+        }
+        (data->rate[k].bound ? most_kept : rate_rank)[data->rate[k].row] = sum / whole;
+    }
 }
 
 static void sum_up(const prediction *p, lac_fit_result *result)
 {
     double *displacement = p->time + 2 * TIMES;
     double *rate = displacement + LAC_FIT_QUANTILES * TIMES;
+    double *readings = p->time + TIMES * (2 + 2 * LAC_FIT_QUANTILES);
+    const size_t n = p->fit->data.rows;
     sum_failures(p, result);
+    sum_ranks(p, readings + 5 * n, readings + 6 * n);
     sum_series(p, p->displacement, displacement);
     sum_series(p, p->rate, rate);
     result->displacement = displacement;
@@ -170,7 +210,7 @@ lac_status lac_fit_predict(lac_fit *fit, const lac_fit_watch *watch, lac_fit_res
     LAC_TRY(allocate(&p, err));
     choose_times(&p);
     double *fitted = p.time + TIMES;
-    look(&p, 0, fit->best, fitted, p.rate + p.draws * TIMES, &ignored);
+    look(&p, 0, fit->best, fitted, p.rate + p.draws * TIMES, &ignored, NULL);
     for (size_t i = 0; i < TIMES; i++) {
         fitted[i] = isinf(fitted[i]) ? NAN : fitted[i];
     }

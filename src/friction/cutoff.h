@@ -32,6 +32,15 @@ void lac_form_evaluate(const lac_friction *friction, size_t first, size_t n, con
 /// @return a ln(2 sinh(f/a)) where regularised, NaN if f <= 0; f itself where plain
 double lac_form_plain_of(const lac_friction *friction, size_t cell, double f);
 
+/// Flash heating of what the form gives: f becomes f_w + (f - f_w)/(1 + v/v_w), its derivatives
+/// with it; docs/theory/friction.md eq. 11. There must be one.
+void lac_flash_weaken(const lac_friction *friction, const lac_friction_cells *cells,
+                      const lac_friction_values *values, const lac_friction_slopes *slopes);
+
+/// The same of one coefficient, and back.
+double lac_flash_of(const lac_friction *friction, size_t cell, double u, double f);
+double lac_flash_before(const lac_friction *friction, size_t cell, double u, double f);
+
 /// Rates of all cells of a balance at once, where no cell has a cut-off.
 /// @param u       [n] where to begin, then ln|v| of those that settled
 /// @param v       [n] v of those that settled

@@ -252,11 +252,21 @@ const lac_cellwise *lac_friction_values_of(const lac_friction *friction, const c
     return given ? &friction->column[column] : NULL;
 }
 
+bool lac_friction_flashes(const lac_friction *friction)
+{
+    return friction->column[LAC_FLASH_RATE].value != NULL;
+}
+
+static const char flash_needs_both[] =
+    "flash_rate and flash_friction go together: give both or neither";
 static const char alpha_without_b[] = "alpha needs b > 0, through which the state acts on friction";
 
 const char *lac_law_validate(const void *params)
 {
     const lac_friction_params *p = params;
+    if (isnan(p->flash_rate) != isnan(p->flash_friction)) {
+        return flash_needs_both;
+    }
     return p->alpha > 0 && !(p->b > 0) ? alpha_without_b : NULL;
 }
 
@@ -279,6 +289,9 @@ void lac_friction_evaluate(const lac_friction *friction, const lac_friction_cell
     assert(cells->n <= LAC_FRICTION_BLOCK && cells->first + cells->n <= friction->n);
     if (values->f != NULL) {
         lac_form_evaluate(friction, cells->first, cells->n, cells->u, cells->w, values, slopes);
+        if (lac_friction_flashes(friction)) {
+            lac_flash_weaken(friction, cells, values, slopes);
+        }
     }
     friction->law->evolve(friction, cells, values->g, slopes == NULL ? NULL : slopes->g_u,
                           slopes == NULL ? NULL : slopes->g_w);
@@ -297,14 +310,15 @@ double lac_friction_coefficient(const lac_friction *friction, size_t cell, doubl
     double f, f_u, f_w;
     lac_form_evaluate(friction, cell, 1, &u, &w,
                       &(lac_friction_values){.f = &f, .f_u = &f_u, .f_w = &f_w}, NULL);
-    return f;
+    return lac_friction_flashes(friction) ? lac_flash_of(friction, cell, u, f) : f;
 }
 
 double lac_friction_state_for(const lac_friction *friction, size_t cell, double u, double f)
 {
     double a = lac_cellwise_of(&friction->column[LAC_A], cell);
     double b = lac_cellwise_of(&friction->column[LAC_B], cell);
-    double plain = lac_form_plain_of(friction, cell, f);
+    double cold = lac_friction_flashes(friction) ? lac_flash_before(friction, cell, u, f) : f;
+    double plain = lac_form_plain_of(friction, cell, cold);
     if (!(b > 0)) {
         return NAN;
     }

@@ -20,6 +20,8 @@ typedef struct lac_friction_params {
     int rock;              ///< index of lac_rock_get that f0, a, b and dc were taken from; -1: none
     double friction_angle; ///< read into f0, then NaN [rad]
     double cohesion;       ///< strength over the nominal area whatever the pressure [Pa]; NaN: none
+    double flash_rate;     ///< v_w, from which flash heating weakens contacts [m/s]; NaN: none
+    double flash_friction; ///< f_w, what is left far beyond v_w [1]; NaN
 } lac_friction_params;
 
 /// Numbers that a source may state of a rock; the first four as in lac_friction_params.
@@ -118,7 +120,19 @@ typedef struct lac_friction {
 } lac_friction;
 
 /// Columns that every law has.
-enum { LAC_F0, LAC_A, LAC_B, LAC_DC, LAC_V0, LAC_V1, LAC_V2, LAC_ALPHA, LAC_COMMON_COLUMNS };
+enum {
+    LAC_F0,
+    LAC_A,
+    LAC_B,
+    LAC_DC,
+    LAC_V0,
+    LAC_V1,
+    LAC_V2,
+    LAC_ALPHA,
+    LAC_FLASH_RATE,
+    LAC_FLASH_FRICTION,
+    LAC_COMMON_COLUMNS
+};
 
 /// One cell by itself over a step in which ln v is linear in slip; docs/theory/fidelity-events.md,
 /// eqs. 3-6.
@@ -171,13 +185,18 @@ lac_status lac_friction_set(lac_friction *friction, const char *key, const doubl
 /// What the cells have of one parameter; NULL where the law has no such cell-wise one, or no cell.
 const lac_cellwise *lac_friction_values_of(const lac_friction *friction, const char *key);
 
+/// Whether the cells weaken by flash heating, f_w + (f - f_w)/(1 + v/v_w): at a state that stays
+/// their friction then falls with v beyond some rate, so that no balance tells the rate there.
+bool lac_friction_flashes(const lac_friction *friction);
+
 /// Whether the parameters of every cell go together: alpha > 0 needs b > 0.
 lac_status lac_friction_check(const lac_friction *friction, lac_error *err);
 
 /// Evaluates strength and evolution over some cells.
 /// At fixed w, f rises with u without end where a > 0 and there is no v1; with v1 it still rises,
 /// but f_u falls to a v1/v and f stays below its value at v >> v1: no rate carries more than that
-/// without damping, and f is not convex in u. f rises with w where b > 0.
+/// without damping, and f is not convex in u. f rises with w where b > 0. With flash heating f
+/// falls to f_w beyond v_w.
 /// @param values  [n] arrays; overwritten; f NULL: g alone, no strength is worked out
 /// @param slopes  [n] arrays; overwritten; NULL where not wanted, as it must be where f is
 void lac_friction_evaluate(const lac_friction *friction, const lac_friction_cells *cells,
@@ -206,8 +225,9 @@ double lac_friction_state_after(const lac_friction *friction, size_t cell, doubl
 double lac_friction_state_for(const lac_friction *friction, size_t cell, double u, double f);
 
 /// ln v at which the cell in state w carries traction tau: p f(u, w) + eta e^u = tau.
+/// Where flash heating leaves several, the slowest.
 /// @return NaN where there is none (a = 0 and eta = 0, tau <= 0 regularised, tau beyond what v1
-///         lets friction reach and eta = 0)
+///         or flash heating lets friction reach)
 double lac_friction_rate_for(const lac_friction *friction, size_t cell, double w, double tau,
                              double pressure, double eta);
 

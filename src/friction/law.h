@@ -79,5 +79,12 @@ extern const char *const lac_friction_form_names[];
              LAC_OPTIONAL, "f0 as the angle whose tangent it is"),                                \
     LAC_REAL("cohesion", "Pa", LAC_COMMON(cohesion), NAN, 0, 1e12, LAC_OPTIONAL,                  \
              "strength over the nominal area that no pressure changes, while cells slide forward; " \
-             "none if absent")
+             "none if absent"),                                                                    \
+    LAC_REAL("flash_rate", "m/s", LAC_COMMON(flash_rate), NAN, 0, INFINITY,                       \
+             LAC_CELLWISE | LAC_ABOVE_MIN | LAC_OPTIONAL,                                         \
+             "v_w of flash heating, f_w + (f - f_w)/(1 + v/v_w): slip rate at which the contacts " \
+             "are down to the mean of f and f_w; with inertia; none if absent"),                  \
+    LAC_REAL("flash_friction", "1", LAC_COMMON(flash_friction), NAN, 0, 1e3,                      \
+             LAC_CELLWISE | LAC_OPTIONAL,                                                         \
+             "f_w of flash heating: coefficient of contacts that slide much faster than flash_rate")
 // clang-format on

@@ -52,6 +52,31 @@ static double residual(const balance *eq, double u, double *slope)
     return eq->p * f + viscous - eq->tau;
 }
 
+// The slowest rate at which a cell that flash heating weakens balances: from the rate without it,
+// which is slower. Up to where friction begins to fall the residual is concave, so that Newton's
+// method rises onto the root; past that there is none.
+static double flashed_rate(const balance *eq, double start)
+{
+    double u = start;
+    for (int i = 0; i < MOST_ITERATIONS; i++) {
+        double f, f_u, f_w, g = 0, v = exp(u);
+        const lac_friction_values values = {.f = &f, .f_u = &f_u, .f_w = &f_w, .g = &g};
+        const lac_friction_cells one = {.first = eq->cell, .n = 1, .u = &u, .w = &eq->w, .v = &v};
+        lac_form_evaluate(eq->friction, eq->cell, 1, &u, &eq->w, &values, NULL);
+        lac_flash_weaken(eq->friction, &one, &values, NULL);
+        double slope = eq->p * f_u + eq->eta * v;
+        double du = (eq->tau - eq->p * f - eq->eta * v) / slope;
+        if (!(slope > 0)) {
+            return NAN;
+        }
+        u += du;
+        if (!falls(du, u)) {
+            return u;
+        }
+    }
+    return NAN;
+}
+
 static double regularised_rate(const balance *eq, double start)
 {
     double u = start;
@@ -69,7 +94,8 @@ static double regularised_rate(const balance *eq, double start)
 // No direct effect (a p = 0): only damping can tell the rate.
 static double damped_rate(const balance *eq)
 {
-    double f = lac_friction_coefficient(eq->friction, eq->cell, 0, eq->w);
+    double u = lac_friction_flashes(eq->friction) ? LAC_SLOWEST : 0; // cold
+    double f = lac_friction_coefficient(eq->friction, eq->cell, u, eq->w);
     double rest = eq->tau - eq->p * f;
     return rest > 0 && eq->eta > 0 ? log(rest) - log(eq->eta) : NAN;
 }
@@ -134,10 +160,12 @@ static double cut_rate(const balance *eq, double from_state, double above)
     return bracketed_rate(eq, low, isnan(undamped) ? high : fmin(high, undamped));
 }
 
-double lac_friction_rate_for(const lac_friction *friction, size_t cell, double w, double tau,
-                             double pressure, double eta)
+// Whatever flash heating does.
+static double cold_rate(const balance *eq)
 {
-    balance eq = {friction, cell, w, tau, pressure, eta};
+    const lac_friction *friction = eq->friction;
+    const size_t cell = eq->cell;
+    const double w = eq->w, tau = eq->tau, pressure = eq->p, eta = eq->eta;
     double a = lac_cellwise_of(&friction->column[LAC_A], cell);
     bool regularised = friction->form == LAC_FORM_REGULARISED;
     if (!(pressure >= 0 && eta >= 0) || !isfinite(tau) || !isfinite(w) ||
@@ -145,14 +173,22 @@ double lac_friction_rate_for(const lac_friction *friction, size_t cell, double w
         return NAN;
     }
     if (!(a * pressure > 0)) {
-        return damped_rate(&eq);
+        return damped_rate(eq);
     }
     double from_state =
         lac_cellwise_of(&friction->constant, cell) +
         lac_cellwise_of(&friction->column[LAC_B], cell) * lac_cutoff_state(friction, cell, w);
     double above = (lac_form_plain_of(friction, cell, tau / pressure) - from_state) / a;
     if (friction->ln_v1.value != NULL) {
-        return cut_rate(&eq, from_state, above);
+        return cut_rate(eq, from_state, above);
     }
-    return convex_rate(&eq, from_state, above);
+    return convex_rate(eq, from_state, above);
+}
+
+double lac_friction_rate_for(const lac_friction *friction, size_t cell, double w, double tau,
+                             double pressure, double eta)
+{
+    const balance eq = {friction, cell, w, tau, pressure, eta};
+    double u = cold_rate(&eq);
+    return lac_friction_flashes(friction) && isfinite(u) ? flashed_rate(&eq, u) : u;
 }

@@ -10,7 +10,8 @@ LAC_KINDS_AT(lac_friction_law, lac_friction_law_get, laws)
 
 static const lac_param rows[] = {LAC_FRICTION_COMMON_ROWS};
 
-enum { FORM = 5, V1, V2, ALPHA, ROCK, ANGLE, COHESION }; // their places in the rows
+// Their places in the rows.
+enum { FORM = 5, V1, V2, ALPHA, ROCK, ANGLE, COHESION, FLASH_RATE };
 
 static const lac_model_info options[] = {
     {.name = "regularised",
@@ -45,6 +46,13 @@ static const lac_model_info options[] = {
      .reference = "Coulomb's law; docs/theory/friction.md, \"Cohesion\"",
      .params = &rows[COHESION],
      .param_count = 1},
+    {.name = "flash",
+     .summary = "contacts that melt or decay as they slide fast: friction falls to f_w beyond v_w, "
+                "f_w + (f - f_w)/(1 + v/v_w): flash_rate, flash_friction",
+     .reference = "Rice (2006) J. Geophys. Res. 111, B05311, doi 10.1029/2005JB004006; "
+                  "docs/theory/friction.md, \"Flash heating\"",
+     .params = &rows[FLASH_RATE],
+     .param_count = 2},
 };
 
 LAC_ROWS_AT(lac_model_info, lac_friction_option_get, options)

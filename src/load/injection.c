@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Pore pressure of water that is pumped into the joint and spreads in it by diffusion: from a well,
-// as a Gaussian on a plane, and from a line across the joint. Closed forms on a plane without
-// borders; docs/theory/loads.md, eqs. 2 and 3.
+// as a Gaussian on a plane, and from a line across the joint. Closed forms, on a plane without
+// borders or within those of the joint; docs/theory/loads.md, eqs. 3, 4 and 6.
 #include <gsl/gsl_sf_expint.h>
 #include <math.h>
 #include <stdlib.h>
@@ -15,7 +15,10 @@ typedef struct pumping {
     double diffusivity;     // alpha [m2/s]
     double compressibility; // beta [1/Pa]
     double porosity;        // phi [1]
+    int boundary;
 } pumping;
+
+enum { NO_BORDER, NO_FLUX };
 
 typedef struct well_params {
     pumping pump;
@@ -51,13 +54,40 @@ typedef struct reach {
     double least; // E1(r^2/(2 L^2)); INFINITY at the well
 } reach;
 
-typedef struct well_state {
-    reach *cell; // [n]
-} well_state;
+enum { MODES = 12 };  // as many as LEFT_OUT asks for at TURN
+#define TURN 0.2      // of the longer side: where so wide a Gaussian is better known by cosines
+#define LEFT_OUT 28.0 // a mirror that makes e^-28 of its source is left out, and so is a cosine
+
+// One direction between two borders that let nothing through.
+typedef struct axis {
+    double length; // [m]
+    size_t mirrors, modes;
+    double *mirror; // [mirrors] where the source and its mirrors are [m]
+    double *cosine; // [cells along it * modes] of each mode at the source times at the cell,
+                    // doubled but for the first
+} axis;
+
+typedef struct spread_state {
+    reach *cell;  // [n] without borders, of a well
+    axis x, y;    // within borders; y of a well
+    double turn;  // s from which on cosines take over from mirrors [m2]
+    double *then; // [n] what mirrors make up to then
+} spread_state;
+
+static void clear(spread_state *state)
+{
+    free(state->cell);
+    free(state->then);
+    free(state->x.mirror);
+    free(state->x.cosine);
+    free(state->y.mirror);
+    free(state->y.cosine);
+    *state = (spread_state){0};
+}
 
 static void release(void *p)
 {
-    free(((well_state *)p)->cell);
+    clear(p);
     free(p);
 }
 
@@ -66,25 +96,15 @@ static lac_status prepare(const void *params, const lac_load_clock *clock, void 
 {
     (void)params;
     (void)clock;
-    *state = calloc(1, sizeof(well_state));
+    *state = calloc(1, sizeof(spread_state));
     return *state != NULL ? LAC_OK : lac_fail_memory(err);
 }
 
-static lac_status place(const void *params, const lac_load_places *places, void *at, lac_error *err)
+static reach reach_of(double x, double y, double radius)
 {
-    const well_params *p = params;
-    well_state *state = at;
-    free(state->cell);
-    state->cell = malloc(places->n * sizeof *state->cell);
-    LAC_FAIL_MEMORY_IF(state->cell == NULL, err);
-    for (size_t i = 0; i < places->n; i++) {
-        double x = lac_grid_x(places->grid, places->index[i]) - p->pump.x;
-        double y = lac_grid_y(places->grid, places->index[i]) - p->y;
-        double r2 = x * x + y * y;
-        double k = 0.5 * r2 / (p->radius * p->radius);
-        state->cell[i] = (reach){r2, k < 1e-12 ? INFINITY : exponential_integral(k)};
-    }
-    return LAC_OK;
+    double r2 = x * x + y * y;
+    double k = 0.5 * r2 / (radius * radius);
+    return (reach){r2, k < 1e-12 ? INFINITY : exponential_integral(k)};
 }
 
 // What a well that has pumped for tau makes at a distance whose square is r2, over
@@ -102,14 +122,210 @@ static lac_signal well_at(const well_params *p, const reach *cell, double tau)
                         rate};
 }
 
+// Where its source, and its mirrors that are felt until the Gaussian has the variance s, are; and
+// the cosines that are felt from then on.
+static lac_status fill_axis(axis *a, const char *key, double source, size_t cells, double step,
+                            double s, size_t most_modes, lac_error *err)
+{
+    const double length = (double)cells * step;
+    const double far = sqrt(2.0 * LEFT_OUT * s);
+    const double most = ceil(0.5 * far / length) + 1.0;
+    LAC_FAIL_IF(!(source >= 0.0 && source <= length), err, LAC_EINPUT,
+                "%s = %g m lies outside the joint, 0 to %g m; boundary: no-flux needs it within",
+                key, source, length);
+    a->length = length;
+    a->modes = 1 + (size_t)fmin(far / s * length / LAC_PI, (double)most_modes - 1.0);
+    a->mirror = malloc((size_t)(4.0 * most + 2.0) * sizeof *a->mirror);
+    a->cosine = malloc(cells * a->modes * sizeof *a->cosine);
+    LAC_FAIL_MEMORY_IF(a->mirror == NULL || a->cosine == NULL, err);
+    for (double k = -most; k <= most; k++) {
+        const double at[] = {2.0 * k * length + source, 2.0 * k * length - source};
+        for (size_t i = 0; i < 2; i++) {
+            if (fmax(-at[i], at[i] - length) < far) {
+                a->mirror[a->mirrors++] = at[i];
+            }
+        }
+    }
+    for (size_t i = 0; i < cells * a->modes; i++) {
+        double wave = (double)(i % a->modes) * LAC_PI / length;
+        double x = ((double)(i / a->modes) + 0.5) * step;
+        a->cosine[i] = (i % a->modes == 0 ? 1.0 : 2.0) * cos(wave * source) * cos(wave * x);
+    }
+    return LAC_OK;
+}
+
+static double wave2(const axis *a, size_t mode)
+{
+    double wave = (double)mode * LAC_PI / a->length;
+    return wave * wave;
+}
+
+// What a mode gains as its Gaussian widens from the variance `from` to s, and its rate over alpha;
+// k2: its wave number squared.
+static lac_signal widen(double k2, double from, double s)
+{
+    double half = 0.5 * (s - from);
+    return (lac_signal){k2 > 0.0 ? exp(-0.5 * k2 * from) * -expm1(-k2 * half) / k2 : half,
+                        exp(-0.5 * k2 * s)};
+}
+
+// A source within borders that has flowed for tau: until s = s_t mirrors tell what it makes, then
+// each mode of the cosines has gained its part, times `by`.
+typedef struct flow {
+    double tau;
+    bool early;
+    lac_signal mode[MODES * MODES];
+} flow;
+
+// @param s   variance that the Gaussian has come to [m2]
+// @param by  of the value and of the rate
+static void begin_flow(const spread_state *state, double tau, double s, lac_signal by, flow *out)
+{
+    const axis *x = &state->x, *y = &state->y;
+    out->tau = tau;
+    out->early = s <= state->turn;
+    for (size_t m = 0; !out->early && m < x->modes; m++) {
+        for (size_t k = 0; k < y->modes; k++) {
+            const lac_signal gain = widen(wave2(x, m) + wave2(y, k), state->turn, s);
+            out->mode[m * y->modes + k] = (lac_signal){by.value * gain.value, by.rate * gain.rate};
+        }
+    }
+}
+
+static lac_signal add_modes(const spread_state *state, const lac_load_places *places, size_t cell,
+                            const flow *on)
+{
+    const uint32_t at = places->index[cell];
+    const axis *x = &state->x, *y = &state->y;
+    const double *c_x = x->cosine + at % places->grid->nx * x->modes;
+    const double *c_y = y->cosine + at / places->grid->nx * y->modes;
+    lac_signal sum = {state->then[cell], 0.0};
+    for (size_t m = 0; m < x->modes; m++) {
+        const lac_signal *mode = on->mode + m * y->modes;
+        lac_signal across = {0.0, 0.0};
+        for (size_t k = 0; k < y->modes; k++) {
+            across.value += c_y[k] * mode[k].value;
+            across.rate += c_y[k] * mode[k].rate;
+        }
+        sum.value += c_x[m] * across.value;
+        sum.rate += c_x[m] * across.rate;
+    }
+    return sum;
+}
+
+// What mirrors make in a cell. @param tau  since the source began
+typedef lac_signal mirrored(const lac_load *load, const lac_load_places *places, size_t cell,
+                            double tau);
+
+// Adds what a source within borders makes, less that of one which began when it stopped.
+// @param least  variance at its start [m2]
+// @param by     of begin_flow
+static void add_within(const lac_load *load, const lac_load_places *places, double t, double least,
+                       lac_signal by, double scale, mirrored *mirror, double *value, double *rate)
+{
+    const pumping *p = load->params;
+    const spread_state *state = load->state;
+    const double since[] = {t - p->start, t - p->stop};
+    const size_t flows = t >= p->stop ? 2 : t >= p->start ? 1 : 0;
+    flow on[2];
+    for (size_t k = 0; k < flows; k++) {
+        begin_flow(state, since[k], least + 2.0 * p->diffusivity * since[k], by, &on[k]);
+    }
+    for (size_t i = 0; flows > 0 && i < places->n; i++) {
+        lac_signal sum = {0.0, 0.0};
+        for (size_t k = 0; k < flows; k++) {
+            const lac_signal one = on[k].early ? mirror(load, places, i, on[k].tau)
+                                               : add_modes(state, places, i, &on[k]);
+            sum.value += k == 0 ? one.value : -one.value;
+            sum.rate += k == 0 ? one.rate : -one.rate;
+        }
+        value[i] += scale * sum.value;
+        rate[i] += scale * sum.rate;
+    }
+}
+
+static lac_signal mirrored_well(const lac_load *load, const lac_load_places *places, size_t cell,
+                                double tau)
+{
+    const well_params *p = load->params;
+    const spread_state *state = load->state;
+    const double x = lac_grid_x(places->grid, places->index[cell]);
+    const double y = lac_grid_y(places->grid, places->index[cell]);
+    lac_signal sum = {0.0, 0.0};
+    for (size_t i = 0; i < state->x.mirrors; i++) {
+        for (size_t k = 0; k < state->y.mirrors; k++) {
+            const reach from = reach_of(x - state->x.mirror[i], y - state->y.mirror[k], p->radius);
+            const lac_signal one = well_at(p, &from, tau);
+            sum.value += one.value;
+            sum.rate += one.rate;
+        }
+    }
+    return sum;
+}
+
+// What borders ask for: mirrors and cosines along x, and across where the source has a place there,
+// and what the mirrors come to in the end.
+// @param y      NULL: it runs across the joint
+// @param least  variance that the source has [m2]
+static lac_status border(const lac_load *load, const lac_load_places *places, const double *y,
+                         double least, mirrored *mirror, lac_error *err)
+{
+    const pumping *p = load->params;
+    spread_state *state = load->state;
+    const lac_grid *grid = places->grid;
+    const double width =
+        TURN * fmax((double)grid->nx * grid->dx, y != NULL ? (double)grid->ny * grid->dy : 0.0);
+    state->turn = fmax(least, width * width);
+    state->then = calloc(places->n, sizeof *state->then);
+    LAC_FAIL_MEMORY_IF(state->then == NULL, err);
+    LAC_TRY_RETURN(fill_axis(&state->x, "x", p->x, grid->nx, grid->dx, state->turn, MODES, err));
+    LAC_TRY_RETURN(fill_axis(&state->y, "y", y != NULL ? *y : 0.0, grid->ny, grid->dy, state->turn,
+                             y != NULL ? MODES : 1, err));
+    for (size_t i = 0; i < places->n; i++) {
+        state->then[i] =
+            mirror(load, places, i, 0.5 * (state->turn - least) / p->diffusivity).value;
+    }
+    return LAC_OK;
+}
+
+static lac_status place_well(const void *params, const lac_load_places *places, void *at,
+                             lac_error *err)
+{
+    const well_params *p = params;
+    spread_state *state = at;
+    const lac_load load = {.params = params, .state = state};
+    clear(state);
+    if (p->pump.boundary == NO_FLUX) {
+        LAC_FAIL_IF(places->grid->ny == 1 && places->grid->nx > 1, err, LAC_EINPUT,
+                    "boundary: no-flux is for a joint of shape plane; a line has line_injection");
+        return border(&load, places, &p->y, p->radius * p->radius, mirrored_well, err);
+    }
+    state->cell = malloc(places->n * sizeof *state->cell);
+    LAC_FAIL_MEMORY_IF(state->cell == NULL, err);
+    for (size_t i = 0; i < places->n; i++) {
+        double x = lac_grid_x(places->grid, places->index[i]) - p->pump.x;
+        double y = lac_grid_y(places->grid, places->index[i]) - p->y;
+        state->cell[i] = reach_of(x, y, p->radius);
+    }
+    return LAC_OK;
+}
+
 static void add_well(const lac_load *load, const lac_load_places *places, double t, double *value,
                      double *rate)
 {
     const well_params *p = load->params;
     const pumping *pump = &p->pump;
-    const reach *cell = ((const well_state *)load->state)->cell;
+    const reach *cell = ((const spread_state *)load->state)->cell;
     const double storage = pump->compressibility * pump->porosity * p->thickness;
     const double scale = p->rate / (4.0 * LAC_PI * pump->diffusivity * storage);
+    if (pump->boundary == NO_FLUX) {
+        const axis *x = &((const spread_state *)load->state)->x;
+        const axis *y = &((const spread_state *)load->state)->y;
+        const double by = 4.0 * LAC_PI / (x->length * y->length); // eq. 6
+        add_within(load, places, t, p->radius * p->radius, (lac_signal){by, by * pump->diffusivity},
+                   scale, mirrored_well, value, rate);
+        return;
+    }
     for (size_t i = 0; t >= pump->start && i < places->n; i++) {
         lac_signal here = well_at(p, &cell[i], t - pump->start);
         if (t >= pump->stop) {
@@ -136,6 +352,30 @@ static lac_signal line_at(const line_params *p, double z, double tau)
     return (lac_signal){root * (gauss - k * erfc(k)), 0.5 * gauss / root};
 }
 
+static lac_signal mirrored_line(const lac_load *load, const lac_load_places *places, size_t cell,
+                                double tau)
+{
+    const spread_state *state = load->state;
+    const double x = lac_grid_x(places->grid, places->index[cell]);
+    lac_signal sum = {0.0, 0.0};
+    for (size_t i = 0; i < state->x.mirrors; i++) {
+        const lac_signal one = line_at(load->params, x - state->x.mirror[i], tau);
+        sum.value += one.value;
+        sum.rate += one.rate;
+    }
+    return sum;
+}
+
+static lac_status place_line(const void *params, const lac_load_places *places, void *at,
+                             lac_error *err)
+{
+    const line_params *p = params;
+    const lac_load load = {.params = params, .state = at};
+    clear(at);
+    return p->pump.boundary == NO_FLUX ? border(&load, places, NULL, 0.0, mirrored_line, err)
+                                       : LAC_OK;
+}
+
 static void add_line(const lac_load *load, const lac_load_places *places, double t, double *value,
                      double *rate)
 {
@@ -143,6 +383,13 @@ static void add_line(const lac_load *load, const lac_load_places *places, double
     const pumping *pump = &p->pump;
     const double storage = pump->compressibility * pump->porosity;
     const double scale = p->flux / (storage * sqrt(pump->diffusivity));
+    if (pump->boundary == NO_FLUX) {
+        const double root = sqrt(pump->diffusivity);
+        const double by = 1.0 / ((const spread_state *)load->state)->x.length;
+        add_within(load, places, t, 0.0, (lac_signal){by / root, by * root}, scale, mirrored_line,
+                   value, rate);
+        return;
+    }
     for (size_t i = 0; t >= pump->start && i < places->n; i++) {
         double z = lac_grid_x(places->grid, places->index[i]) - pump->x;
         lac_signal here = line_at(p, z, t - pump->start);
@@ -159,6 +406,8 @@ static void add_line(const lac_load *load, const lac_load_places *places, double
 #define PUMP(name) offsetof(pumping, name)
 #define WELL(name) offsetof(well_params, name)
 
+static const char *const boundaries[] = {"none", "no-flux", NULL};
+
 #define PUMP_ROWS                                                                            \
     LAC_REAL("diffusivity", "m2/s", PUMP(diffusivity), NAN, 0, 1e6, LAC_ABOVE_MIN,           \
              "hydraulic diffusivity of the joint"),                                          \
@@ -167,7 +416,9 @@ static void add_line(const lac_load *load, const lac_load_places *places, double
         LAC_REAL("porosity", "1", PUMP(porosity), NAN, 0, 1, LAC_ABOVE_MIN, "of the joint"), \
         LAC_START_ROW(pumping),                                                              \
         LAC_REAL("stop", "s", PUMP(stop), NAN, -INFINITY, INFINITY, LAC_OPTIONAL,            \
-                 "when pumping ends, since the start of the run; never if absent")
+                 "when pumping ends, since the start of the run; never if absent"),          \
+        LAC_CHOICE("boundary", PUMP(boundary), NO_BORDER, boundaries, 0,                     \
+                   "none: the water spreads beyond the joint; no-flux: it stays in it")
 
 static const lac_param well_rows[] = {
     LAC_REAL("rate", "m3/s", WELL(rate), NAN, -1e6, 1e6, 0,
@@ -183,16 +434,15 @@ static const lac_param well_rows[] = {
 };
 
 const lac_load_kind lac_pore_injection = {
-    .info = LAC_ABOUT("injection",
-                      "water pumped into a well that spreads over the joint by diffusion, without "
-                      "borders",
-                      "Carslaw & Jaeger (1959) Conduction of Heat in Solids, 10.3 (line source); "
-                      "docs/theory/loads.md, \"Loads over the joint\"",
-                      LAC_ROWS(well_rows, well_params), .validate = fault),
+    .info =
+        LAC_ABOUT("injection", "water pumped into a well that spreads over the joint by diffusion",
+                  "Carslaw & Jaeger (1959) Conduction of Heat in Solids, 10.3 (line source); "
+                  "docs/theory/loads.md, \"Loads over the joint\"",
+                  LAC_ROWS(well_rows, well_params), .validate = fault),
     .prepare = prepare,
     .release = release,
     .cells = add_well,
-    .place = place,
+    .place = place_well,
     .next_break = next_break,
 };
 
@@ -207,10 +457,12 @@ static const lac_param line_rows[] = {
 
 const lac_load_kind lac_pore_line_injection = {
     .info = LAC_ABOUT("line_injection",
-                      "water pumped in along a line across the joint, that spreads by diffusion, "
-                      "without borders",
+                      "water pumped in along a line across the joint, that spreads by diffusion",
                       "Carslaw & Jaeger (1959) Conduction of Heat in Solids, 2.9",
                       LAC_ROWS(line_rows, line_params), .validate = fault),
+    .prepare = prepare,
+    .release = release,
     .cells = add_line,
+    .place = place_line,
     .next_break = next_break,
 };

@@ -10,6 +10,7 @@ bool lac_problem_derivative(const lac_problem *problem, double t, const double *
 {
     lac_look at;
     return lac_problem_begin(problem, t, y, true, work, &at) &&
+           lac_weaken_rates(&at, ydot + lac_weaken_place(problem)) &&
            problem->kind->derivative(&at, ydot);
 }
 
@@ -17,7 +18,7 @@ bool lac_problem_newton(const lac_problem *problem, double t, const double *y, d
                         double *b, double *work)
 {
     lac_look at;
-    return lac_problem_begin(problem, t, y, true, work, &at) &&
+    return lac_problem_begin(problem, t, y, true, work, &at) && lac_weaken_rates(&at, NULL) &&
            problem->kind->newton(&at, gamma, b);
 }
 
@@ -45,6 +46,9 @@ void lac_problem_weights(const lac_problem *problem, const double *y, double rto
     }
     if (problem->mass > 0.0) {
         lac_inertia_weigh_slip(problem, y + 2 * problem->n, rtol, weight + 2 * problem->n);
+    }
+    if (problem->weak != NULL) {
+        lac_weaken_weigh(problem, y, rtol, weight);
     }
 }
 
@@ -75,13 +79,14 @@ static double fastest(const lac_problem *problem, double t, const double *y, boo
     const lac_look at = lac_problem_look(problem, t, y, work);
     double stiffness = held_back ? stiffest(problem, &at.drive) : 0.0;
     double most = problem->mass > 0.0 ? lac_inertia_fastest(&at) : 0.0;
+    most = held_back ? fmax(most, lac_weaken_fastest(problem)) : most;
     for (size_t first = 0; first < problem->n; first += LAC_FRICTION_BLOCK) {
         lac_block s;
         size_t length = lac_block_friction(&at, first, &s, NULL);
         for (size_t i = 0; i < length; i++) {
             double p = lac_problem_effective(problem, &at.drive, first + i);
             double slip = s.speed[i] * lac_cellwise_of(&problem->friction->inv_dc, first + i);
-            double held = fmax(p * s.f_u[i] + problem->damping * s.speed[i], DBL_MIN);
+            double held = fmax(fabs(p * s.f_u[i] + problem->damping * s.speed[i]), DBL_MIN);
             double worth = fmin(fmax(p * s.f_w[i] / (MOST_WORTH * held), 1.0), 1e12);
             double back = stiffness * s.speed[i] / held;
             most = fmax(most, fmax(fmax(fabs(s.g[i]) * worth, slip), back));

@@ -54,14 +54,16 @@ lac_workspace lac_problem_split(const lac_problem *problem, double *work)
                            .scratch = scratch,
                            .mean = scratch + problem->transfer.kind->work(problem->transfer.state),
                            .shares =
-                               scratch + problem->transfer.kind->work(problem->transfer.state) + 1};
+                               scratch + problem->transfer.kind->work(problem->transfer.state) + 1,
+                           .weak = scratch + problem->transfer.kind->work(problem->transfer.state) +
+                                   1 + (problem->varies ? 4 * n : 0)};
 }
 
 size_t lac_problem_work(const lac_problem *problem)
 {
     return (problem->kind->arrays + leaning(problem)) * problem->n +
            problem->transfer.kind->work(problem->transfer.state) + 1 +
-           (problem->varies ? 4 * problem->n : 0);
+           (problem->varies ? 4 * problem->n : 0) + lac_weaken_work(problem);
 }
 
 void lac_problem_forget(const lac_problem *problem, double *work)
@@ -111,6 +113,7 @@ double lac_problem_unbalanced(const lac_look *at, double *traction, double *wdot
 {
     const lac_problem *problem = at->problem;
     double total = 0.0;
+    lac_look_add_lost(at, traction);
     for (size_t first = 0; first < problem->n; first += LAC_FRICTION_BLOCK) {
         lac_block s;
         size_t length = lac_block_friction(at, first, &s, NULL);
@@ -171,6 +174,11 @@ static bool reduce_block(const lac_look *at, double gamma, const double *gone, d
     const lac_workspace *ws = &at->ws;
     size_t length = lac_block_friction(at, first, &s, &d);
     bool good = true;
+    double diagonal[LAC_FRICTION_BLOCK], rhs[LAC_FRICTION_BLOCK];
+    const lac_weak_block weak = {&s, &d, diagonal, rhs};
+    if (problem->weak != NULL) {
+        good = lac_weaken_reduce(at, gamma, b_w - problem->n, first, &weak);
+    }
     for (size_t i = 0; i < length; i++) {
         size_t k = first + i;
         double p = lac_problem_effective(problem, &at->drive, k);
@@ -188,6 +196,10 @@ static bool reduce_block(const lac_look *at, double gamma, const double *gone, d
         if (gone != NULL) {
             bend_cell(at, gamma, *gone, k, copysign(s.f[i], v));
         }
+    }
+    for (size_t i = 0; problem->weak != NULL && i < length; i++) {
+        ws->diagonal[first + i] += diagonal[i];
+        ws->kv[first + i] += rhs[i];
     }
     return good;
 }
@@ -247,16 +259,18 @@ static double rates_under(const lac_look *at, const double *tractions, double ta
     double *v = at->ws.v;
     size_t n = problem->n;
     double total = 0.0;
+    const bool other = taken != 0.0 || at->broken != NULL;
     for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
         size_t length = lac_block_length(n, first);
         const double *traction = tractions + first;
-        for (size_t i = 0; taken != 0.0 && i < length; i++) {
+        for (size_t i = 0; other && i < length; i++) {
             left[i] = traction[i] - lac_problem_drag(problem, first + i) * taken;
+            left[i] += at->broken != NULL ? lac_look_lost(at, first + i) : 0.0;
         }
         lac_friction_balance balance = {.first = first,
                                         .n = length,
                                         .w = at->w + first,
-                                        .traction = taken != 0.0 ? left : traction,
+                                        .traction = other ? left : traction,
                                         .pressure = pressures_from(at, first, length, room),
                                         .share = at->drive.shares == NULL ? at->drive.share : 1.0,
                                         .damping = problem->damping};

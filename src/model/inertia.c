@@ -29,6 +29,9 @@ static double slow_scale(const lac_problem *problem, const lac_problem_def *def)
 lac_status lac_inertia_init(lac_problem *problem, const lac_problem_def *def, lac_error *err)
 {
     bool named = def->formulation == LAC_FORMULATION_INERTIA;
+    LAC_FAIL_IF(def->mass == 0.0 && lac_friction_flashes(def->friction), err, LAC_EINPUT,
+                "flash_rate of the friction law needs inertia: where friction falls at a given "
+                "state no slip rate balances the load");
     if (def->mass == 0.0 && !named) {
         return LAC_OK;
     }
@@ -216,6 +219,7 @@ static bool newton(const lac_look *at, double gamma, double *b)
     if (!reduce(at, gamma, b) || !solve(at, gamma, b)) {
         return false;
     }
+    lac_weaken_finish(at, gamma, b);
     for (size_t i = 0; i < n; i++) {
         double dv = b[i];
         b[i] = dv / ws->slope[i];

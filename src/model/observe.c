@@ -19,7 +19,8 @@ bool lac_problem_begin(const lac_problem *problem, double t, const double *y, bo
         at->motion = problem->kind->move(at, keep);
     }
     const lac_gone gone = lac_problem_gone_in(problem, y, at->motion.mean);
-    const bool good = lac_problem_drive_into(problem, t, gone, at->ws.shares, &at->drive);
+    bool good = lac_problem_drive_into(problem, t, gone, at->ws.shares, &at->drive);
+    good = lac_weaken_look(at) && good;
     if (!moves && (good || !keep)) {
         at->motion = problem->kind->move(at, keep);
     }
@@ -110,6 +111,30 @@ double lac_look_sheared(const lac_look *at, const double *slip, double mean)
     return total - lac_problem_held(problem, drive->far.back, slip);
 }
 
+// What weakening has come to; NaN where nothing weakens.
+static void observe_weakening(const lac_look *at, lac_observation *observation)
+{
+    const lac_problem *problem = at->problem;
+    observation->excess_pore = observation->temperature = observation->broken = NAN;
+    if (problem->weak == NULL) {
+        return;
+    }
+    const size_t n = problem->n;
+    // Rest and slope are Newton's.
+    const lac_weak_arrays a = lac_weaken_split(problem, at->ws.weak);
+    double *pore = a.rest, *temperature = a.before, *broken = a.slope;
+    double sums[2] = {0.0, 0.0}, hottest = 0.0;
+    lac_problem_weakened(problem, at->y, pore, temperature, broken);
+    for (size_t i = 0; i < n; i++) {
+        sums[0] += problem->pressure[i] * pore[i];
+        sums[1] += problem->pressure[i] * broken[i];
+        hottest = fmax(hottest, temperature[i]);
+    }
+    observation->excess_pore = sums[0] / problem->sum_pressure;
+    observation->temperature = hottest;
+    observation->broken = sums[1] / problem->sum_pressure;
+}
+
 // Normal force over that of the normal load at the start. Where what comes on top differs from cell
 // to cell, it is weighed by pressure, as what is taken off is. @param base  what the base leaves of
 // it, as far as it bends; shares  those of lac_workspace
@@ -159,6 +184,7 @@ void lac_problem_observe(const lac_problem *problem, double t, const double *y, 
 
     lac_problem_elastic_traction(&at, slip, at.ws.kv);
     measure_balance(&at, at.ws.kv, observation);
+    observe_weakening(&at, observation);
 }
 
 bool lac_problem_slips(const lac_problem *problem, double t, const double *y, size_t *cell,
@@ -231,6 +257,7 @@ bool lac_problem_jump(const lac_problem *problem, double t, double *y, double *w
     if (!jumps) {
         return true;
     }
+    lac_weaken_jump(problem, y, &ws, &before, &after);
     if (problem->kind->jump != NULL && !problem->kind->jump(problem, &jump, y)) {
         return false;
     }
@@ -319,6 +346,7 @@ bool lac_problem_project(const lac_problem *problem, double t, double *y, double
     const lac_look at = lac_problem_look(problem, t, y, work);
     const lac_workspace ws = at.ws;
     lac_problem_elastic_traction(&at, slip, ws.kv);
+    lac_look_add_lost(&at, ws.kv);
     for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
         residual_block(&at, slip, first);
     }

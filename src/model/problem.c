@@ -149,11 +149,13 @@ lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac
     problem->kind = lac_formulation_kind_of(def->formulation);
     problem->varies = lac_load_set_varies(&problem->loads);
     problem->safety = def->safety;
+    problem->weak = def->weakening != NULL && def->weakening->count > 0 ? def->weakening : NULL;
     lac_load_evaluate(&problem->loads, 0.0, &problem->at_start);
 
     LAC_TRY(check_initial(def, err));
     LAC_TRY(lac_inertia_init(problem, def, err));
     LAC_TRY(check_solvable(problem, err));
+    LAC_TRY(lac_weaken_check(problem, err));
     LAC_TRY(check_shape(problem, err));
     LAC_TRY(check_places(problem, err));
     LAC_TRY(lac_problem_geometry_init(problem, err));
@@ -203,7 +205,8 @@ bool lac_problem_has_slip(const lac_problem *problem) { return problem->kind->ha
 
 size_t lac_problem_unknowns(const lac_problem *problem)
 {
-    return problem->kind->unknowns * problem->n;
+    return (problem->kind->unknowns + (problem->weak != NULL ? problem->weak->modes : 0)) *
+           problem->n;
 }
 
 size_t lac_problem_slip_place(const lac_problem *problem)
@@ -215,6 +218,9 @@ void lac_problem_initial(const lac_problem *problem, double *y)
 {
     problem->kind->start(problem, y);
     memcpy(y + problem->n, problem->log_state0, problem->n * sizeof *y);
+    for (size_t i = lac_weaken_place(problem); i < lac_problem_unknowns(problem); i++) {
+        y[i] = 0.0;
+    }
 }
 
 double lac_problem_next_break(const lac_problem *problem, double t)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "friction/friction.h"
+#include "friction/weakening.h"
 #include "load/load.h"
 #include "transfer/transfer.h"
 
@@ -52,6 +53,7 @@ typedef struct lac_problem_def {
     const double *log_state; ///< [n] ln theta at the start
     lac_formulation formulation;
     lac_safety safety;
+    const lac_weakening_set *weakening; ///< what weakens the cells besides friction; NULL: nothing
 } lac_problem_def;
 
 /// Rate-and-state creep of the contact cells, unknowns y = (x, ln theta), x as the formulation
@@ -63,7 +65,7 @@ lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac
 void lac_problem_free(lac_problem *problem);
 
 /// Contact cells n, and components of y: 2n, x of every cell, then ln theta; with a mass 3n, then
-/// slip.
+/// slip; then n of every unknown of the weakening.
 size_t lac_problem_cells(const lac_problem *problem);
 size_t lac_problem_unknowns(const lac_problem *problem);
 
@@ -143,6 +145,16 @@ void lac_problem_traction(const lac_problem *problem, double t, const double *sl
 
 /// Pore pressure of every cell [Pa].
 void lac_problem_pore(const lac_problem *problem, double t, double *pore, double *work);
+
+/// What weakens the cells besides friction; NULL: nothing.
+const lac_weakening_set *lac_problem_weakening(const lac_problem *problem);
+
+/// What it has come to in every cell: pore pressure in excess of that of the loads [Pa], rise of
+/// the temperature [K], part of the cohesion that is broken [1]; 0 of what there is not.
+/// @param pore, temperature, broken  [n] overwritten
+/// @source docs/theory/weakening.md, eq. 1
+void lac_problem_weakened(const lac_problem *problem, const double *y, double *pore,
+                          double *temperature, double *broken);
 
 /// Cohesion of a cell, c_i [Pa], shared as pressures are; docs/theory/friction.md, eq. 10.
 double lac_problem_cohesion(const lac_problem *problem, size_t cell);

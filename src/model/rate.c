@@ -174,10 +174,11 @@ LAC_CLONES static void lac_rate_take_off(void *context, size_t part, size_t firs
     field->good[part] = lac_vfinite(end - first, du + first);
 }
 
-// K v of all cells.
+// K v of all cells, less what cohesion loses.
 static void couple(const lac_look *at)
 {
     lac_problem_couple(at->problem, at->drive.far_rate, at->motion.v, at->ws.kv, at->ws.scratch);
+    lac_weaken_take_off(at, at->ws.kv);
 }
 
 static double loading(const lac_look *at)
@@ -307,12 +308,34 @@ LAC_CLONES static void lac_rate_bring_back(void *context, size_t part, size_t fi
     }
 }
 
+// The same where unknowns of the cells' weakening are eliminated besides; what they add is by x_u.
+static bool reduce_weak(const solve_field *field, size_t first, const lac_block *s,
+                        const lac_block_slopes *d)
+{
+    const lac_look *at = field->at;
+    double diagonal[LAC_FRICTION_BLOCK], rhs[LAC_FRICTION_BLOCK];
+    const lac_weak_block weak = {s, d, diagonal, rhs};
+    const size_t length = lac_block_length(at->problem->n, first);
+    bool good = lac_weaken_reduce_rate(at, field->gamma, field->loading, field->b, first, &weak);
+    good = (at->drive.shares == NULL ? lac_rate_reduce(field, first, length, s, d)
+                                     : lac_rate_reduce_apart(field, first, length, s, d)) == 0 &&
+           good;
+    for (size_t i = 0; i < length; i++) {
+        at->ws.diagonal[first + i] += diagonal[i] * at->ws.kv[first + i]; // 1/v
+        field->b[first + i] += rhs[i];
+    }
+    return good;
+}
+
 // Fills D and the right-hand side of one block. False where ln theta cannot be eliminated.
 static bool reduce_block(const solve_field *field, size_t first)
 {
     lac_block s;
     lac_block_slopes d;
     size_t length = lac_block_friction(field->at, first, &s, &d);
+    if (field->at->problem->weak != NULL) {
+        return reduce_weak(field, first, &s, &d);
+    }
     return field->at->drive.shares == NULL
                ? lac_rate_reduce(field, first, length, &s, &d) == 0
                : lac_rate_reduce_apart(field, first, length, &s, &d) == 0;
@@ -398,90 +421,7 @@ static bool newton(const lac_look *at, double gamma, double *b)
         return false;
     }
     (void)lac_parallel_for(n, lac_rate_bring_back, &field);
-    return true;
-}
-
-// A jump of the loads, and the mean rate before it.
-typedef struct leap {
-    const lac_jump *jump;
-    const double *y;
-    double before; // [m/s]; 0 where it does not count
-} leap;
-
-// ln v of cell i behind it, and ln theta, if the mean rate is `mean` then.
-static double rate_behind(const lac_problem *problem, const leap *at, size_t i, double mean,
-                          double *w)
-{
-    const lac_jump *jump = at->jump;
-    double p = problem->pressure[i];
-    double u = at->y[i];
-    double f = lac_friction_coefficient(problem->friction, i, u, at->y[problem->n + i]);
-    double share_before = lac_problem_share_of(jump->before, i);
-    double share_after = lac_problem_share_of(jump->after, i);
-    double held = p * share_before * f + problem->damping * exp(u);
-    double drag = lac_problem_drag(problem, i) * (mean - at->before);
-    *w = lac_friction_state_after(problem->friction, i, at->y[problem->n + i],
-                                  share_after / share_before);
-    return lac_friction_rate_for(problem->friction, i, *w,
-                                 held + lac_problem_gain(problem, jump, i) - drag, p * share_after,
-                                 problem->damping);
-}
-
-// Sums over a block of v behind the jump and of its ease. A cell that finds no rate under so much
-// drag stands still.
-static void sum_behind(const lac_problem *problem, const leap *at, double mean, size_t first,
-                       double sums[2])
-{
-    double u[LAC_FRICTION_BLOCK], w[LAC_FRICTION_BLOCK], v[LAC_FRICTION_BLOCK];
-    double ease[LAC_FRICTION_BLOCK];
-    size_t length = lac_block_length(problem->n, first);
-    for (size_t i = 0; i < length; i++) {
-        u[i] = rate_behind(problem, at, first + i, mean, &w[i]);
-        u[i] = isnan(u[i]) ? LAC_SLOWEST : u[i];
-        v[i] = exp(u[i]);
-    }
-    const lac_friction_cells cells = {.first = first, .n = length, .u = u, .w = w, .v = v};
-    lac_block_ease(problem, at->jump->after, &cells, ease);
-    sums[0] += lac_vsum(length, v);
-    sums[1] += lac_vsum(length, ease);
-}
-
-// The mean rate behind the jump, which damps all cells.
-static double mean_behind(const lac_problem *problem, const leap *at)
-{
-    double n = (double)problem->n;
-    lac_mean_search search = lac_mean_search_from(at->before);
-    for (int k = 0; k < 200; k++) {
-        double sums[2] = {0.0, 0.0};
-        for (size_t first = 0; first < problem->n; first += LAC_FRICTION_BLOCK) {
-            sum_behind(problem, at, search.mean, first, sums);
-        }
-        double moved = lac_mean_search_on(&search, sums[0] / n, sums[1] / n);
-        if (!(fabs(moved) > DBL_EPSILON * fabs(search.mean))) {
-            break;
-        }
-    }
-    return search.mean;
-}
-
-static bool jump(const lac_problem *problem, const lac_jump *jump, double *y)
-{
-    leap at = {.jump = jump, .y = y};
-    double mean = 0.0;
-    if (problem->drag != 0.0) {
-        for (size_t i = 0; i < problem->n; i++) {
-            at.before += exp(y[i]) / (double)problem->n;
-        }
-        mean = mean_behind(problem, &at);
-    }
-    for (size_t i = 0; i < problem->n; i++) {
-        double w;
-        double u = rate_behind(problem, &at, i, mean, &w);
-        if (!isfinite(u)) {
-            return false;
-        }
-        y[i] = u;
-    }
+    lac_weaken_finish(at, gamma, b);
     return true;
 }
 
@@ -494,4 +434,4 @@ const lac_formulation_kind lac_formulation_rate = {.id = LAC_FORMULATION_RATE,
                                                    .move = move,
                                                    .derivative = derivative,
                                                    .newton = newton,
-                                                   .jump = jump};
+                                                   .jump = lac_rate_jump};

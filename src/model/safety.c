@@ -15,6 +15,7 @@ static lac_look look_at(const lac_problem *problem, double t, const double *y, d
         .problem = problem, .y = y, .w = y + problem->n, .ws = lac_problem_split(problem, work)};
     const lac_gone gone = lac_problem_gone_in(problem, y, 0.0);
     (void)lac_problem_drive_into(problem, t, gone, at.ws.shares, &at.drive);
+    (void)lac_weaken_look(&at);
     return at;
 }
 
@@ -38,6 +39,7 @@ static size_t hold(const lac_look *at, size_t first, double *strength)
     for (size_t i = 0; i < length; i++) {
         strength[i] = lac_problem_effective(problem, &at->drive, first + i) * s.f[i] +
                       lac_problem_cohesion(problem, first + i);
+        strength[i] -= at->broken != NULL ? lac_look_lost(at, first + i) : 0.0;
     }
     return length;
 }

@@ -43,6 +43,7 @@ static bool newton(const lac_look *at, double gamma, double *b)
     if (!lac_implicit_solve(at, gamma, b)) {
         return false;
     }
+    lac_weaken_finish(at, gamma, b);
     for (size_t i = 0; i < n; i++) {
         double dv = b[i];
         b[i] = ws->kv[i] + gamma * dv;

@@ -46,6 +46,7 @@ static bool newton(const lac_look *at, double gamma, double *b)
     if (!lac_implicit_solve(at, gamma, b)) {
         return false;
     }
+    lac_weaken_finish(at, gamma, b);
     double rise = lac_vsum(n, b) / (double)n;
     for (size_t i = 0; i < n; i++) {
         double dv = b[i];

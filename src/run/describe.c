@@ -22,8 +22,12 @@ LAC_GETTER(double, effective_ratio, PLACE,
 LAC_GETTER(double, pore_pressure, PLACE,
            (p->record.observation.normal_force - p->record.observation.effective_force) /
                lac_grid_area(&p->of.domain->grid))
+#define WEAKENS(how) (p->of.weakening != NULL && p->of.weakening->how)
 LAC_GETTER(bool, has_pore_pressure, PLACE,
-           p->of.loads != NULL && lac_load_set_has_pore(p->of.loads))
+           (p->of.loads != NULL && lac_load_set_has_pore(p->of.loads)) || WEAKENS(pore))
+LAC_GETTER(bool, has_excess, PLACE, WEAKENS(pore))
+LAC_GETTER(bool, is_warm, PLACE, WEAKENS(warm))
+LAC_GETTER(bool, has_bridges, PLACE, WEAKENS(bridges))
 LAC_GETTER(bool, has_safety, PLACE, p->of.safety.asked)
 static lac_slab slab_at(const lac_run_place *p)
 {
@@ -91,6 +95,19 @@ static const lac_variable of_record[] = {
     LAC_ROW("thickness", NULL, "m", "thickness of the sliding mass", G(thickness), POINT,
             .flags = LAC_FILLED | LAC_ROUGH, .has = has_thickness,
             .comment = "measured vertically; of interface.geometry at the mean slip"),
+    LAC_ROW("excess_pore_pressure", NULL, "Pa", "pore pressure in excess of that of the loads",
+            P(REAL, record.observation.excess_pore), POINT, .flags = LAC_MISSING | LAC_ROUGH,
+            .has = has_excess,
+            .comment = "what slip has made of it (weakening), part of pore_pressure; mean over the "
+                       "contact cells by the normal force that each carries"),
+    LAC_ROW("temperature_rise", NULL, "K", "largest rise of the temperature of any contact cell",
+            P(REAL, record.observation.temperature), .cell_methods = "time: point area: maximum",
+            .flags = LAC_MISSING | LAC_ROUGH, .has = is_warm,
+            .comment = "in the middle of the layer that is sheared"),
+    LAC_ROW("broken_cohesion", NULL, "1", "part of the cohesion that is broken",
+            P(REAL, record.observation.broken), POINT, .flags = LAC_MISSING | LAC_ROUGH,
+            .has = has_bridges,
+            .comment = "0: none, 1: all; mean over the contact cells by the cohesion of each"),
     LAC_ROW("balance_residual", NULL, "1", "worst relative error of the traction balance",
             SEEN(balance_residual), POINT,
             .comment = "max over cells of |q - K slip - p f - eta v| / (f0 p): how far integration "
@@ -129,6 +146,15 @@ static const lac_variable of_fields[] = {
             CELLS(factor_of_safety),
             .comment = "(p f(v_ref, theta) + cohesion) / |traction|, p the effective pressure; "
                        "missing where it carries nothing"),
+    LAC_ROW("cell_excess_pore_pressure", NULL, "Pa",
+            "pore pressure of each contact cell in excess of that of the loads", CELLS(excess_pore),
+            .comment = "what slip has made of it (weakening), beside cell_pore_pressure"),
+    LAC_ROW("cell_temperature", NULL, "K", "rise of the temperature of each contact cell",
+            CELLS(temperature), .comment = "in the middle of the layer that is sheared"),
+    LAC_ROW("cell_broken_cohesion", NULL, "1",
+            "part of the cohesion of each contact cell that is "
+            "broken",
+            CELLS(broken)),
 };
 
 #define E(kind, field) P(kind, event.field), .coordinates = "event_time event_x event_y"

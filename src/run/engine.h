@@ -48,8 +48,8 @@ typedef struct lac_engine_kind {
     lac_status (*restart)(lac_engine *engine, double h, lac_error *err);
     // One step, not beyond the integrator's time `stop`; sets t, step, order; y is current then.
     lac_status (*advance)(lac_engine *engine, double stop, lac_error *err);
-    // State and slip at an integrator's time within the last step; seen [3n]: the first 2n of y,
-    // then slip.
+    // State and slip at an integrator's time within the last step; seen [unknowns + n]: y, then
+    // slip.
     bool (*at)(lac_engine *engine, double t, double *observation);
     // Brings the counters up to date.
     void (*count)(lac_engine *engine);

@@ -54,6 +54,8 @@ lac_status lac_engine_events_check(const lac_problem *problem, lac_error *err)
                                    .law = &parts.friction->law->info,
                                    .linear = parts.linear,
                                    .formulation = lac_problem_formulation(problem)};
+    LAC_FAIL_IF(lac_problem_weakening(problem) != NULL, err, LAC_EINPUT,
+                "solver.fidelity events knows no weakening: leave one of them out");
     LAC_TRY_RETURN(lac_run_async_follows(&scene, err));
     return lac_async_supports(parts.friction, err);
 }

@@ -231,10 +231,12 @@ static lac_status gave_up(lac_engine *engine, int flag, lac_error *err)
     lac_status status = lac_engine_gave_up(engine, CVodeGetReturnFlagName(flag), h, order, err);
     if (known && err != NULL) {
         const char *names[] = {lac_problem_unknown(engine->problem), "ln theta", "slip"};
+        size_t which = worst / engine->n;
+        size_t weak = lac_problem_slip_place(engine->problem) > 0 ? 3 : 2;
         size_t used = strlen(err->message);
         (void)snprintf(err->message + used, sizeof err->message - used,
-                       "; worst unknown: %s of cell %zu", names[worst / engine->n],
-                       worst % engine->n);
+                       "; worst unknown: %s of cell %zu",
+                       which < weak ? names[which] : "of the weakening", worst % engine->n);
     }
     return status;
 }
@@ -273,7 +275,7 @@ static lac_status cvode_advance(lac_engine *engine, double stop, lac_error *err)
 static bool cvode_at(lac_engine *engine, double t, double *observation)
 {
     cvode *c = engine->inner;
-    double *slip = observation + 2 * engine->n;
+    double *slip = observation + engine->unknowns;
     lac_vector_lend(c->seen_y, observation);
     if (CVodeGetDky(c->mem, t, 0, c->seen_y) != CV_SUCCESS) {
         return false;

@@ -38,7 +38,7 @@ static int rates(sunrealtype t, N_Vector y, N_Vector ydot, void *user)
     double *work = c->looking && t < engine->t ? c->aside : engine->work;
     bool good = lac_problem_derivative(engine->problem, lac_engine_clock(engine, t), at, dot, work);
     if (!lac_problem_has_slip(engine->problem)) {
-        memcpy(dot + 2 * n, work, n * sizeof *dot);
+        memcpy(dot + engine->unknowns, work, n * sizeof *dot);
     }
     return good ? 0 : 1;
 }
@@ -55,8 +55,8 @@ static int weights(N_Vector y, N_Vector w, void *user)
     if (lac_problem_has_slip(engine->problem)) {
         return 0;
     }
-    const double *at = lac_vector_data(y) + 2 * n;
-    double *slip = weight + 2 * n;
+    const double *at = lac_vector_data(y) + engine->unknowns;
+    double *slip = weight + engine->unknowns;
     const double relative = lac_problem_slip_tolerance(engine->problem, engine->rtol, slip);
     for (size_t i = 0; i < n; i++) {
         const double error = relative * fabs(at[i]) + slip[i];
@@ -221,8 +221,9 @@ static bool erk_at(lac_engine *engine, double t, double *observation)
         return false;
     }
     const double *data = lac_vector_data(c->scratch);
-    memcpy(observation, data, 2 * n * sizeof *observation);
-    memcpy(observation + 2 * n, data + (engine->slip - engine->y), n * sizeof *observation);
+    memcpy(observation, data, engine->unknowns * sizeof *observation);
+    memcpy(observation + engine->unknowns, data + (engine->slip - engine->y),
+           n * sizeof *observation);
     return true;
 }
 

@@ -36,7 +36,7 @@ typedef struct probe {
     lac_engine *engine;
     const lac_run_def *def;
     lac_crossing_kind kind;
-    double *observation; // [3n] state and slip
+    double *observation; // [unknowns + n] state and slip
 } probe;
 
 static bool look(probe *p, double t, double *value)
@@ -44,7 +44,8 @@ static bool look(probe *p, double t, double *value)
     if (!lac_engine_at(p->engine, t, p->observation)) {
         return false;
     }
-    *value = past(p->engine, p->def, p->kind, t, p->observation, p->observation + 2 * p->engine->n);
+    *value =
+        past(p->engine, p->def, p->kind, t, p->observation, p->observation + p->engine->unknowns);
     return true;
 }
 
@@ -113,7 +114,8 @@ static lac_status take_back(lac_engine *engine, const lac_run_def *def, lac_cros
                             lac_error *err)
 {
     size_t n = engine->n;
-    double *found = malloc(3 * n * sizeof *found);
+    size_t unknowns = engine->unknowns;
+    double *found = malloc((unknowns + n) * sizeof *found);
     LAC_FAIL_MEMORY_IF(found == NULL, err);
     double t = engine->t;
     probe p = {engine, def, kind, found};
@@ -121,8 +123,8 @@ static lac_status take_back(lac_engine *engine, const lac_run_def *def, lac_cros
     if (good) {
         engine->step -= engine->t - t;
         engine->t = t;
-        memcpy(engine->y, found, 2 * n * sizeof *found);
-        memcpy(engine->slip, found + 2 * n, n * sizeof *found);
+        memcpy(engine->y, found, unknowns * sizeof *found);
+        memcpy(engine->slip, found + unknowns, n * sizeof *found);
     }
     free(found);
     return good ? LAC_OK

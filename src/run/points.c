@@ -122,11 +122,22 @@ double lac_point_mean(const lac_point *point, const double *field)
     return sum / (double)point->cells;
 }
 
-double lac_point_mean_exp(const lac_point *point, const double *log_field)
+// A field over the cells, each value its exponential.
+static double mean_exp(const lac_point *point, const double *log_field)
 {
     double sum = 0.0;
     for (size_t k = 0; k < point->cells; k++) {
         sum += exp(log_field[point->cell[k]]);
     }
     return sum / (double)point->cells;
+}
+
+void lac_points_read(const lac_points *points, const double *const *fields, double *value)
+{
+    for (size_t i = 0; i < points->n; i++, value += LAC_POINT_VALUES) {
+        for (size_t k = 0; k < LAC_POINT_VALUES; k++) {
+            value[k] = k == LAC_POINT_STATE ? mean_exp(&points->point[i], fields[k])
+                                            : lac_point_mean(&points->point[i], fields[k]);
+        }
+    }
 }

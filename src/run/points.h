@@ -44,8 +44,10 @@ lac_status lac_points_create(const lac_domain *domain, size_t n, const lac_point
                              lac_points **out, lac_error *err);
 void lac_points_free(lac_points *points);
 
+/// What is told of every point.
+/// @param fields  [LAC_POINT_VALUES] over the cells of the domain, of the state its logarithm
+/// @param value   [n][LAC_POINT_VALUES]; overwritten
+void lac_points_read(const lac_points *points, const double *const *fields, double *value);
+
 /// The mean of a field over the cells of a point. @param field  [cells of the domain]
 double lac_point_mean(const lac_point *point, const double *field);
-
-/// A field over the cells, each value its exponential.
-double lac_point_mean_exp(const lac_point *point, const double *log_field);

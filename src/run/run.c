@@ -25,32 +25,26 @@ static bool moves_on(instant *last, double origin, double local)
 // What is put out of a state: itself, or its projection onto the balance.
 static void project(run *r, double t, const double **y, const double **slip)
 {
-    size_t n = r->engine->n;
+    size_t n = r->engine->n, unknowns = r->engine->unknowns;
     if (r->onto == NULL) {
         return;
     }
-    memcpy(r->onto, *y, 2 * n * sizeof **y);
-    memcpy(r->onto + 2 * n, *slip, n * sizeof **slip);
-    if (lac_problem_project(r->problem, lac_engine_clock(r->engine, t), r->onto, r->onto + 2 * n,
+    memcpy(r->onto, *y, unknowns * sizeof **y);
+    memcpy(r->onto + unknowns, *slip, n * sizeof **slip);
+    if (lac_problem_project(r->problem, lac_engine_clock(r->engine, t), r->onto, r->onto + unknowns,
                             r->engine->work)) {
         *y = r->onto;
-        *slip = r->onto + 2 * n;
+        *slip = r->onto + unknowns;
     }
 }
 
 // What is told of the points at a record, whose cells are known.
 static void watch_points(run *r, double now, const double *slip, lac_record *line)
 {
-    const lac_points *points = r->def->points;
-    double *value = r->watched, *traction = value + LAC_POINT_VALUES * points->n;
+    double *traction = r->watched + LAC_POINT_VALUES * r->def->points->n;
     lac_problem_traction(r->problem, now, slip, traction, r->engine->work);
-    for (size_t i = 0; i < points->n; i++, value += LAC_POINT_VALUES) {
-        const lac_point *point = &points->point[i];
-        value[LAC_POINT_SLIP] = lac_point_mean(point, slip);
-        value[LAC_POINT_RATE] = lac_point_mean(point, line->cells.slip_rate);
-        value[LAC_POINT_TRACTION] = lac_point_mean(point, traction);
-        value[LAC_POINT_STATE] = lac_point_mean_exp(point, line->cells.log_state);
-    }
+    const double *fields[] = {slip, line->cells.slip_rate, traction, line->cells.log_state};
+    lac_points_read(r->def->points, fields, r->watched);
     line->observation.points = r->watched;
 }
 
@@ -90,10 +84,7 @@ static lac_status record(run *r, double t, const double *y, const double *slip, 
 static lac_status snapshot(run *r, double t, const double *y, const double *slip, lac_error *err)
 {
     size_t n = r->engine->n;
-    double *v = r->fields;
-    double *theta = v + n;
-    double *traction = theta + n;
-    double *pore = traction + n;
+    double *v = r->fields, *theta = v + n, *traction = theta + n, *pore = traction + n;
     double local = r->engine->base + t;
     if (!moves_on(&r->last_snapshot, r->engine->origin, local) || r->sink == NULL ||
         r->sink->snapshot == NULL) {
@@ -111,6 +102,11 @@ static lac_status snapshot(run *r, double t, const double *y, const double *slip
     if (safety != NULL) {
         lac_problem_safety_cells(r->problem, now, y, traction, safety, r->engine->work);
     }
+    const bool weakens = lac_problem_weakening(r->problem) != NULL;
+    double *excess = weakens ? (safety != NULL ? safety : pore) + n : NULL;
+    if (weakens) {
+        lac_problem_weakened(r->problem, y, excess, excess + n, excess + 2 * n);
+    }
     lac_snapshot fields = {.time = r->engine->origin + local,
                            .slip = slip,
                            .slip_rate = v,
@@ -118,7 +114,10 @@ static lac_status snapshot(run *r, double t, const double *y, const double *slip
                            .traction = traction,
                            .n = n,
                            .factor_of_safety = safety,
-                           .pore = pore};
+                           .pore = pore,
+                           .excess_pore = excess,
+                           .temperature = excess != NULL ? excess + n : NULL,
+                           .broken = excess != NULL ? excess + 2 * n : NULL};
     return r->sink->snapshot(r->sink->context, &fields, err);
 }
 
@@ -141,8 +140,8 @@ static void stop_at(run *r, double t)
     lac_engine *engine = r->engine;
     engine->step -= engine->t - t;
     engine->t = t;
-    memcpy(engine->y, r->between, 2 * engine->n * sizeof *engine->y);
-    memcpy(engine->slip, r->between + 2 * engine->n, engine->n * sizeof *engine->slip);
+    memcpy(engine->y, r->between, engine->unknowns * sizeof *engine->y);
+    memcpy(engine->slip, r->between + engine->unknowns, engine->n * sizeof *engine->slip);
     measure_speed(r);
     r->end = LAC_END_INTERRUPT;
     r->done = true;
@@ -162,7 +161,7 @@ static lac_status output_between(run *r, lac_error *err)
             return LAC_OK;
         }
         double t = fmin(lac_engine_inner(engine, next), engine->t);
-        double *slip = r->between + 2 * engine->n;
+        double *slip = r->between + engine->unknowns;
         LAC_FAIL_IF(!lac_engine_at(engine, t, r->between), err, LAC_ENUMERIC,
                     "no state at t = %.17g s", next);
         bool stops = interrupted(r);
@@ -380,10 +379,13 @@ static lac_status interrupt(run *r, lac_error *err)
 
 static lac_status allocate_output(run *r, lac_error *err)
 {
-    bool by_time = !isnan(r->def->record.time) || !isnan(r->def->snapshot.time);
-    size_t bytes = 3 * r->engine->n * sizeof(double);
+    const bool by_time = !isnan(r->def->record.time) || !isnan(r->def->snapshot.time);
+    const bool weakens = lac_problem_weakening(r->problem) != NULL;
+    const size_t cells = r->engine->n * sizeof(double);
+    const size_t bytes = r->engine->unknowns * sizeof(double) + cells;
+    const size_t fields = (r->def->cell_safety ? 5U : 4U) + (weakens ? 3U : 0U);
     r->between = by_time ? malloc(bytes) : NULL;
-    r->fields = r->def->snapshots ? malloc(bytes / 3 * (r->def->cell_safety ? 5 : 4)) : NULL;
+    r->fields = r->def->snapshots ? malloc(fields * cells) : NULL;
     // Where slip is the unknown the balance holds as it is.
     bool drifts = r->def->projection != 0 && !lac_problem_has_slip(r->problem);
     r->onto = drifts ? malloc(bytes) : NULL;

@@ -22,7 +22,10 @@ enum {
     LAC_FIELD_STATE = 4,
     LAC_FIELD_TRACTION = 8,
     LAC_FIELD_PORE = 16,
-    LAC_FIELD_SAFETY = 32
+    LAC_FIELD_SAFETY = 32,
+    LAC_FIELD_EXCESS = 64,
+    LAC_FIELD_TEMPERATURE = 128,
+    LAC_FIELD_BROKEN = 256
 };
 
 /// What a run puts out.
@@ -33,6 +36,7 @@ typedef struct lac_run_output {
     unsigned fields;                ///< LAC_FIELD_*, of snapshots; 0: there are none
     const lac_load_set *loads;      ///< what they read, and whether there is water; NULL: not said
     lac_safety safety;              ///< asked: the factor of safety comes along
+    const lac_weakening_set *weakening; ///< what it comes to comes along; NULL: nothing weakens
     size_t extras;
     const lac_extra *extra;   ///< [extras] what records carry beyond
     const lac_points *points; ///< that records tell of; NULL: none

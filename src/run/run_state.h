@@ -58,10 +58,12 @@ typedef struct lac_run_state {
     lac_instant last_record, last_snapshot;
     double safety_time; // of the last record whose factor of safety is known [s]
     lac_instant looked; // whether time goes on; `local`: time gone since
-    double *between;    // [3n] state and slip within a step, where records fall there; or NULL
-    double *fields;     // [4n], or [5n], of a snapshot, where snapshots are kept; or NULL
-    double *watched;    // [points][LAC_POINT_VALUES], behind it [n] tractions; NULL: no points
-    double *onto; // [3n] state and slip on the balance, where projection is asked for; or NULL
+    double
+        *between; // [unknowns + n] state and slip within a step, where records fall there; or NULL
+    double *fields;  // [4n], or up to [8n], of a snapshot, where snapshots are kept; or NULL
+    double *watched; // [points][LAC_POINT_VALUES], behind it [n] tractions; NULL: no points
+    double *onto; // [unknowns + n] state and slip on the balance, where projection is asked for; or
+                  // NULL
     double next_break;
     double mean_rate, max_rate; // at the time reached [m/s]
     double first_step;          // that the integrator last began anew with [s]

@@ -211,7 +211,8 @@ static void count_time(const lac_case *c, lac_estimate *e)
 {
     const lac_normal_load *normal = (const lac_normal_load *)c->normal.info;
     const bool search = normal != NULL && normal->dimension != NULL;
-    const double contact = contact_seconds(c, e), massive = e->unknowns > 2 ? massive_factor : 1;
+    const double contact = contact_seconds(c, e),
+                 massive = lac_inertia_mass(c) > 0 ? massive_factor : 1;
     lac_transfer_outline held;
     (void)lac_transfer_outline_of(&c->transfer, &held);
     double once = base_seconds + history_seconds(c, e) + calibration_seconds(c, &held, e);
@@ -459,6 +460,10 @@ lac_status lac_estimate_make(const lac_case *c, lac_load_files *files, lac_estim
                         .length = fmax((double)grid.nx * grid.dx, (double)grid.ny * grid.dy),
                         .stiffness_ratio = NAN,
                         .unknowns = lac_inertia_mass(c) > 0 ? 3 : 2};
+    lac_weakening_set weakening;
+    LAC_TRY_RETURN(
+        lac_weakening_set_create(c->weakening.item, c->weakening.count, &weakening, err));
+    e->unknowns += (double)weakening.modes;
     LAC_TRY_RETURN(count_cells(c, e, err));
     e->cells = isnan(e->contact_cells) ? e->grid_cells : e->contact_cells;
     judge_stability(c, e);

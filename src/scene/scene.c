@@ -110,7 +110,10 @@ static lac_status make_problem(lac_scene *scene, const lac_heterogeneity_place *
                            .log_rate = start,
                            .log_state = start + domain->n,
                            .formulation = (lac_formulation)c->formulation,
-                           .safety = c->safety};
+                           .safety = c->safety,
+                           .weakening = &scene->weakening};
+    LAC_TRY(
+        lac_weakening_set_create(c->weakening.item, c->weakening.count, &scene->weakening, err));
     LAC_TRY(lac_problem_create(&def, &scene->problem, err));
 out:
     free(start);

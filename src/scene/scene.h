@@ -117,6 +117,7 @@ typedef struct lac_scene {
     lac_scene_contact contact;
     lac_hierarchy *hierarchy;
     lac_transfer transfer;
+    lac_weakening_set weakening; ///< what weakens the cells besides friction
     lac_friction *friction;
     lac_load_set loads;
     double damping; ///< [Pa s/m]

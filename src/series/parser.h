@@ -21,7 +21,7 @@ enum {
 };
 
 /// Of time, displacement, velocity, any other value, the error of a displacement, its components,
-/// the time of day.
+/// error and bound of a velocity, how far a time may be off, the time of day.
 typedef struct lac_wanted {
     const char *name;  ///< NULL: not asked for
     const char *unit;  ///< that was named; NULL: none

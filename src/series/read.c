@@ -44,6 +44,9 @@ static lac_status prepare_columns(lac_parser *p, const lac_series_def *def, lac_
         {.name = axes->name[0], .unit = axes->unit[0], .si = "m"},
         {.name = axes->name[1], .unit = axes->unit[1], .si = "m"},
         {.name = axes->name[2], .unit = axes->unit[2], .si = "m"},
+        {.name = def->velocity_sigma, .unit = def->velocity_sigma_unit, .si = "1"},
+        {.name = def->velocity_most, .unit = def->velocity_most_unit, .si = "m/s"},
+        {.name = def->within, .unit = def->within_unit, .si = "s"},
         {.name = def->clock}};
     const lac_status read = lac_time_format_read(def->time_format, p->units, &p->format, err);
     if (read != LAC_OK) {
@@ -342,9 +345,7 @@ static lac_status read_rows(lac_parser *p, lac_error *err)
     bool more = true;
     LAC_TRY_RETURN(lac_lines_next(&p->lines, &more, err));
     while (more) {
-        const char *line = p->lines.text;
-        line += strspn(line, " \t");
-        if (*line != '#') {
+        if (p->lines.text[strspn(p->lines.text, " \t")] != '#') {
             LAC_TRY_RETURN(read_row(p, err));
         }
         LAC_TRY_RETURN(lac_lines_next(&p->lines, &more, err));
@@ -355,11 +356,9 @@ static lac_status read_rows(lac_parser *p, lac_error *err)
 
 static lac_status check_any_value(const lac_parser *p, lac_error *err)
 {
-    for (size_t i = 0; i < p->count; i++) {
-        for (size_t c = 0; c < VALUES; c++) {
-            if (!isnan(p->readings[i].value[c])) {
-                return LAC_OK;
-            }
+    for (size_t i = 0; i < p->count * VALUES; i++) {
+        if (!isnan(p->readings[i / VALUES].value[i % VALUES])) {
+            return LAC_OK;
         }
     }
     return lac_parser_fail_empty(p, err);
@@ -436,8 +435,9 @@ static void describe(const lac_parser *p, lac_series *s)
 
 static void fill(const lac_parser *p, lac_series *s)
 {
-    double *const column[VALUES] = {s->displacement, s->velocity,     s->value,       s->sigma,
-                                    s->component[0], s->component[1], s->component[2]};
+    double *const column[VALUES] = {
+        s->displacement, s->velocity,     s->value,          s->sigma,         s->component[0],
+        s->component[1], s->component[2], s->velocity_sigma, s->velocity_most, s->within};
     double *const digits[] = {s->displacement_digits, s->velocity_digits};
     for (size_t i = 0; i < s->n; i++) {
         s->time[i] = p->readings[i].time;

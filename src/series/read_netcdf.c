@@ -183,6 +183,9 @@ static lac_status read_all(series_file *file, const lac_series_def *def, const l
         {axes->name[0], axes->unit[0], "m", s->component[0], &finest[0]},
         {axes->name[1], axes->unit[1], "m", s->component[1], &finest[1]},
         {axes->name[2], axes->unit[2], "m", s->component[2], &finest[2]},
+        {def->velocity_sigma, def->velocity_sigma_unit, "1", s->velocity_sigma, &unused},
+        {def->velocity_most, def->velocity_most_unit, "m/s", s->velocity_most, &unused},
+        {def->within, def->within_unit, "s", s->within, &unused},
     };
     LAC_TRY_RETURN(read_time(file, var, name, units, s, err));
     for (size_t i = 0; i < s->n; i++) {

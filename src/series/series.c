@@ -196,7 +196,10 @@ lac_status lac_series_new(const lac_series_def *def, const lac_components *compo
                                                  def->sigma,
                                                  axis[0],
                                                  axis[1],
-                                                 axis[2]};
+                                                 axis[2],
+                                                 def->velocity_sigma,
+                                                 def->velocity_most,
+                                                 def->within};
     const size_t length = strlen(attribution) + 1;
     size_t columns = 1;
     for (size_t c = 0; c < LAC_SERIES_VALUES; c++) {
@@ -206,8 +209,8 @@ lac_status lac_series_new(const lac_series_def *def, const lac_components *compo
         calloc(1, sizeof *s + n * (columns * sizeof *s->time + sizeof *s->line) + length);
     LAC_FAIL_MEMORY_IF(s == NULL, err);
     double **const column[LAC_SERIES_VALUES] = {
-        &s->displacement, &s->velocity,     &s->value,       &s->sigma,
-        &s->component[0], &s->component[1], &s->component[2]};
+        &s->displacement, &s->velocity,     &s->value,          &s->sigma,         &s->component[0],
+        &s->component[1], &s->component[2], &s->velocity_sigma, &s->velocity_most, &s->within};
     double *at = s->time = (double *)(s + 1);
     for (size_t c = 0; c < LAC_SERIES_VALUES; c++) {
         *column[c] = name[c] != NULL ? at += n : NULL;

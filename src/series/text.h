@@ -44,8 +44,9 @@ bool lac_series_is_netcdf(FILE *stream);
 lac_status lac_series_read_netcdf(const lac_series_def *def, const struct lac_units *units,
                                   lac_series **out, lac_error *err);
 
-/// Displacement, velocity, any other, error of a displacement; its components.
-enum { LAC_SERIES_VALUES = 4 + LAC_SERIES_AXES };
+/// Displacement, velocity, any other, error of a displacement; its components; error and upper
+/// bound of a velocity, how far a time may be off.
+enum { LAC_SERIES_VALUES = 7 + LAC_SERIES_AXES };
 
 /// A row of a file: time, values (NaN: not given), line.
 typedef struct lac_row {

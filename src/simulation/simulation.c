@@ -214,6 +214,7 @@ static lac_run_output output_of(const lac_outcome *of)
                             .fields = of->source->fields,
                             .loads = &of->scene->loads,
                             .safety = of->source->safety,
+                            .weakening = &of->scene->weakening,
                             .extras = of->extras,
                             .extra = of->extra,
                             .points = of->points,

@@ -94,9 +94,9 @@ static bool has_model(const lac_case *c, const lac_model_info *info)
 {
     return c->surface.info == info || c->domain.info == info || c->normal.info == info ||
            c->friction.info == info || c->transfer.info == info || among(&c->shear, info) ||
-           among(&c->pore, info) || among(&c->pressing, info) || among(&c->analysis, info) ||
-           spread_among(&c->friction_spread, info) || spread_among(&c->initial_spread, info) ||
-           spread_among(&c->interface_spread, info);
+           among(&c->pore, info) || among(&c->pressing, info) || among(&c->weakening, info) ||
+           among(&c->analysis, info) || spread_among(&c->friction_spread, info) ||
+           spread_among(&c->initial_spread, info) || spread_among(&c->interface_spread, info);
 }
 
 // Whether a field differs from its row's default, or is there without one.

@@ -37,12 +37,12 @@ import run_page  # noqa: E402
 LONG = (
     (r".*\bprz\b", "the law of the how-to: case.test_howto_law adds it"),
     (r"lacuna trade ", "runs a case tens of times: case.test_trade trades small ones"),
-    (r"lacuna fit .*cases/(fit/block|fit/century)", "samples for a minute: case.test_fit, case.fit.*"),
+    (r"lacuna fit .*cases/(fit/block|fit/century|vajont-lake)", "samples for a minute: case.test_fit, case.fit.*"),
     (r"lacuna rg .*rg\.seeds=", "an ensemble: case.test_rg has a small one"),
     (r".*tools/plot/plot_trade\.py", "draws what a long one makes: case.test_trade"),
     (r".*tools/\w+/(bridge|rg_table|forecast_coverage|precursor_ensemble|area_scaling)\.py", "a study"),
     (r".*tools/\w+/(events_statistics|fidelity|fidelity_events|figure1|figure3|accuracy)\.py", "a study"),
-    (r".*tools/\w+/(hindcasts|verdicts|driven_failures|recovery|trade_table|rg_rules|costs)\.py", "a study"),
+    (r".*tools/\w+/(hindcasts|verdicts|driven_failures|recovery|trade_table|rg_rules|costs|vajont)\.py", "a study"),
     (r".*tools/\w+/lacuna_plot\.py .*--paper", "half a minute: case.test_pictures"),
 )
 # What changes the machine, does all that CI does, or serves until it is ended.

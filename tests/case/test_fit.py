@@ -252,6 +252,34 @@ class Fit(unittest.TestCase):
         self.assertEqual((checked["failure_rate_m_s"], checked["failure_rate_lowered"]),
                          (run["failure_rate_m_s"], True))
 
+    def test_what_texts_state(self):
+        """Vajont's three fillings: all rates that texts state to a factor of 2.2, the bounds kept, the failure of 1963; what
+        was known at an issue; and columns that do not go together."""
+        lake, rates = "cases/vajont-lake.yaml", "cases/data/vajont_rates.csv"
+        best = ["--set", "fit.steps=0", "--set", "fit.starts=1"]
+        said = self.fit(lake, rates, *best)
+        self.assertEqual((said["velocities"], said["bounds"], said["outside"], said["missing"]), (9, 2, 0, 0))
+        self.assertLess(said["rms_ln_rate"], numpy.log(2.2))
+        self.assertEqual(said["best_failure_date"][:7], "1963-10")
+        with netCDF4.Dataset(self.out) as file:
+            most = file["observed_slip_rate_most"][:] * 8.64e6
+            numpy.testing.assert_allclose(most.compressed(), [0.2, 0.3])
+            numpy.testing.assert_allclose(file["reading_time_within"][1], 45 * 86400)
+        done = self.run_program("fit", lake, rates, "-o", self.out, "--force", *best)
+        self.assertIn("2 of the velocities are upper bounds", done.stdout)
+        late = self.run_program("fit", lake, rates, "-o", self.out, "--force", *best, "--set", "fit.until=1000 day", status=2).stderr
+        self.assertIn("4 readings between time.start and time.end (5 lie outside)", late)
+        for words, message in ((["fit.displacement=sigma:m"], "fit.time_within"),
+                               (["fit.time_within=within_days:m"], "must be a time"),
+                               (["fit.velocity_sigma=source:1"], "vajont_rates.csv"),
+                               (["fit.until=-1 day"], "fit.until")):
+            done = self.run_program("fit", lake, rates, "-o", self.out, "--force", *[w for word in words for w in ("--set", word)], status=2)
+            self.assertIn(message, done.stderr)
+            self.assertLessEqual(len(done.stderr.strip().splitlines()), 2, done.stderr)
+        refused = self.run_program("precursors", SERIES, "--displacement", "disp_mm:mm", "--case", lake, "--json").stdout
+        refused = next(f["reason"] for f in json.loads(refused)["forecasts"] if f["method"] == "case")
+        self.assertIn("are of lacuna fit", refused)
+
     def test_wrong_requests(self):
         """Each says in one line what is wrong, and leaves no file."""
         wrong = [

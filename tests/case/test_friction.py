@@ -104,6 +104,38 @@ class Friction(Case):
         self.near(seen[0], rate(theta), 1e-9)
         self.near(seen[-1], rate(theta + times[-1]), 1e-5)
 
+    # A block of constant friction f0 that flash heating takes down to f_w, under the load mu of its weight:
+    # m dv/dt = p (mu - f_w - (f0 - f_w)/(1 + v/v_w)), which is integrated in closed form.
+    def test_flash(self):
+        done = self.run_case("flash", "--set", "solver.rtol=1e-7", "--set", "friction.aging.a=1e-5", "--set",
+                             "friction.aging.b=1e-5", "--set", "friction.aging.f0=0.58")
+        self.assertEqual(done["ended_by"], "slip")
+        p, m, v_w, f_w, mu = 2e6, 2.6e5, 0.1, 0.2, 0.58 + 3e5 / 2e6
+        f0 = 0.58
+        strong, lost = mu - f_w, f0 - f_w
+
+        def time(v):
+            x = 1 + v / v_w
+            return m * v_w / (p * strong) * (x + lost / strong * numpy.log(strong * x - lost))
+
+        t, v = self.variable("time_origin") + self.variable("time_local"), self.variable("slip_rate")
+        fast = v > 0.01
+        self.assertGreater(v[-1], 50)
+        self.assertGreater(numpy.count_nonzero(fast), 100)
+        gone, exact = t[fast] - t[fast][0], time(v[fast]) - time(v[fast][0])
+        self.assertLess(numpy.max(numpy.abs(gone - exact)), 1e-4 * gone[-1])
+
+    def test_flash_needs_inertia(self):
+        case = os.path.join(self.folder, "case.yaml")
+        with open(os.path.join(SOURCE, "cases/friction/flash.yaml"), encoding="utf-8") as source:
+            text = "".join(line for line in source if not line.startswith("inertia"))
+        with open(case, "w", encoding="utf-8") as file:
+            file.write(text)
+        done = subprocess.run([PROGRAM, "check", case], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                              universal_newlines=True)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("friction.aging.flash_rate: \"10 cm/s\" needs the section inertia", done.stderr)
+
     def test_cut_off(self):
         done = self.run_case("cut-off", "--set", "solver.rtol=1e-9")
         self.assertFalse(done["failed"])

@@ -331,6 +331,91 @@ class Sources(Fields):
                     self.assertAlmostEqual(pore[k, i], exact, delta=1e-7 * exact + 1e-3)
 
 
+def spread(source, widths, cells, alpha, times, stop):
+    """Diffusion between closed borders by finite differences of second order, explicit in time; `source` per time and
+    area at the centres of the cells. The pressure at each time."""
+    steps = [w / n for w, n in zip(widths, cells)]
+    longest = 0.2 / sum(2 * alpha / h**2 for h in steps)
+    now, p, seen = 0.0, numpy.zeros(source.shape), []
+    for end in times:
+        for a, b in ((now, min(end, stop)), (max(now, stop), end)):
+            count = math.ceil(max(0.0, b - a) / longest)
+            for _ in range(count):
+                change = source if b <= stop else 0 * source
+                for axis, h in enumerate(steps):
+                    flow = numpy.diff(p, axis=axis) * alpha / h**2
+                    closed = [(0, 0)] * p.ndim
+                    closed[axis] = (1, 1)
+                    change = change + numpy.diff(numpy.pad(flow, closed), axis=axis)
+                p = p + (b - a) / count * change
+        now = end
+        seen.append(p)
+    return numpy.array(seen)
+
+
+class Borders(Fields):
+    """boundary: no-flux, by mirrors early and cosines late."""
+
+    def test_a_well(self):
+        """Against finite differences on two grids; what came in is in the joint; until the border is felt, no border."""
+        well = {"rate": "0.003 m3/s", "x": "200 m", "y": "350 m", "radius": "60 m", "thickness": "1 m", "boundary": "BORDER",
+                "diffusivity": "0.05 m2/s", "compressibility": "1e-8 Pa-1", "porosity": 0.1, "start": "10 hour",
+                "stop": "200 hour"}
+        load = "{injection: {" + ", ".join(f"{k}: {v}" for k, v in well.items()) + "}}"
+        case = STILL.replace("INTERFACE", 'size: "640 m", levels: 5').replace("{LOAD}", load)
+        case = case.replace("END", "610 hour").replace("EVERY", "20 hour")
+        self.follow(case.replace("BORDER", "none"))
+        free, = self.snapshots("cell_pore_pressure")
+        self.follow(case.replace("BORDER", "no-flux"))
+        t, pore, at_x, at_y = self.snapshots("snapshot_time", "cell_pore_pressure", "x", "y")
+        came = 0.003 * (numpy.clip(t, 36000, 720000) - 36000) / (1e-9 * 640**2)
+        self.assertLess(numpy.abs(pore.mean(axis=1) - came).max(), 1e-12 * came.max())
+        near = numpy.hypot(at_x - 200, at_y - 350) < 40
+        felt = numpy.abs(pore[1:, near] / free[1:, near] - 1).max(axis=1)
+        self.assertGreater(felt[-1], 1)
+        self.assertLess(felt[0], 1e-4)  # exp(-360^2/(2 s)) and less of a mirror, s = 60^2 + 2 alpha 10 h
+        grids = []
+        for n in (64, 128):
+            h = 640 / n
+            x = (numpy.arange(n) + 0.5) * h
+            shape = sum(numpy.exp(-((x[None, :] - a)**2 + (x[:, None] - b)**2) / 7200)
+                        for a in (200, -200, 1080) for b in (350, -350, 930)) / (7200 * math.pi)
+            there = spread(0.003 / 1e-9 * shape, (640, 640), (n, n), 0.05, t[1:] - 36000, 684000)
+            fine = n // 32  # the centre of a cell is a corner of these: their mean is off by as much at each refinement
+            grids.append(there.reshape(len(t) - 1, 32, fine, 32, fine))
+        rows, columns = (at_y / 20).astype(int), (at_x / 20).astype(int)
+        centre = [g[:, :, g.shape[2] // 2 - 1:g.shape[2] // 2 + 1, :, g.shape[2] // 2 - 1:g.shape[2] // 2 + 1].mean(axis=(2, 4))
+                  for g in grids]
+        exact = (4 * centre[1] - centre[0])[:, rows, columns] / 3
+        for k in range(len(t) - 1):
+            self.assertLess(numpy.abs(pore[k + 1] - exact[k]).max(), 2e-4 * pore[k + 1].max(), t[k + 1] / 3600)
+
+    def test_a_line(self):
+        line = "{line_injection: {flux: 1.25e-6 m/s, x: 1 km, boundary: no-flux, diffusivity: 0.5 m2/s, compressibility: " \
+               "1e-8 Pa-1, porosity: 0.1, stop: 20 day}}"
+        case = STILL.replace("INTERFACE", 'size: "3.2 km", levels: 6, shape: line').replace("{LOAD}", line)
+        self.follow(case.replace("END", "80 day").replace("EVERY", "4 day"), *HOW["traction"])
+        t, pore, at_x = self.snapshots("snapshot_time", "cell_pore_pressure", "x")
+        grids = []
+        for n in (128, 256):
+            source = numpy.zeros(n)
+            edge = n * 1000 // 3200  # the line is between two cells
+            source[edge - 1:edge + 1] = 0.5 * 1.25e-6 / 1e-9 * n / 3200
+            there = spread(source, (3200,), (n,), 0.5, t[1:], 20 * 86400)
+            middle = there.reshape(len(t) - 1, 64, n // 64)
+            grids.append(middle[:, :, n // 128 - 1:n // 128 + 1].mean(axis=2))
+        exact = (4 * grids[1] - grids[0]) / 3
+        away = numpy.abs(at_x - 1000) > 60
+        for k in range(len(t) - 1):
+            here = exact[k][(at_x / 50).astype(int)]
+            self.assertLess(numpy.abs(pore[k + 1] - here)[away].max(), 5e-4 * pore[k + 1].max(), t[k + 1] / 86400)
+        came = 1.25e-6 * numpy.minimum(t, 20 * 86400) / (1e-9 * 3200)
+        bend = 1.25e-6 / (1e-9 * 0.5)  # of the pressure at the line: centres of cells take it for h^2/24 of it
+        centres = numpy.where((t > 0) & (t <= 20 * 86400), bend * 50**2 / 24 / 3200, 0)
+        self.assertLess(numpy.abs(pore.mean(axis=1) - came + centres).max(), 1e-10 * came[-1])
+        self.assertLess(pore[-1].std() / came[-1], 0.1)
+
+
 class WaterTable(Fields):
     def test_a_lake_over_the_toe(self):
         """The level rises over a joint that falls by 30 degrees: gamma max(0, level - z) at every place."""
@@ -413,6 +498,17 @@ class Refusals(Fields):
         self.write("c.yaml", dug.replace("{LOAD}", "{field: {file: dug.nc, variable: p, scale: 0.1}}"))
         self.expect(0, "run", "c.yaml", "-o", "out.nc", "--force")
         self.assertIn("differs from cell to cell, which rg does not follow", self.expect(2, "rg", "out.nc").stderr)
+
+    def test_a_source_within_borders(self):
+        load = "{injection: {rate: 1e-9, x: X, y: 0.5, radius: 0.1, thickness: 1, diffusivity: 1e-6, " \
+               "compressibility: 1e-8, porosity: 0.1, boundary: no-flux}}"
+        within = "load.pore_pressure.0.injection: "
+        self.refuse(2, within + "x = 1.5 m lies outside the joint, 0 to 1 m; boundary: no-flux needs it within",
+                    load.replace("X", "1.5"))
+        self.refuse(2, within + "boundary: no-flux is for a joint of shape plane; a line has line_injection",
+                    load.replace("X", "0.5"), "--set", "interface={size: 1 m, levels: 4, shape: line, domain: {full: {}}}")
+        self.write("c.yaml", JOINT.replace("{LOAD}", load.replace("X", "0")))  # at the border
+        self.expect(0, "run", "c.yaml", "-o", "out.nc")
 
     def test_a_cell_that_the_water_lifts_ends_the_run(self):
         p, x = numpy.zeros((2, 6, 6)), numpy.linspace(0, 1, 6)

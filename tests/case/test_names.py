@@ -37,6 +37,8 @@ CALLS = (
     ("run", "cases/load/reservoir.yaml -o lake.nc --set output.fields=[factor_of_safety] --set "
             "'output.factor_of_safety.reference_rate=0.5 mm/day'"),
     ("run", "cases/load/rain.yaml -o rain.nc"),
+    ("run", "cases/weakening/pressurization.yaml -o hot.nc --set output.fields=[excess_pore_pressure,temperature]"),
+    ("run", "cases/weakening/bridges.yaml -o broken.nc --set output.fields=[broken_cohesion]"),
     ("run", "cases/load/water-table.yaml -o table.nc"),
     ("run", "cases/load/chair.yaml -o chair.nc"),
     ("run", "cases/load/toe.yaml -o toe.nc"),

@@ -92,6 +92,12 @@ TABLE = {
     "bent base": ("load/chair.yaml", ["output.checkpoint={steps: 60}", "output.every=1 day"]),
     "bent base in a lake": ("load/toe.yaml", ["output.checkpoint={steps: 30}"]),
     "bent base, mass": ("load/chair.yaml", ["inertia={thickness: 50 m}", "output.checkpoint={steps: 60}"]),
+    "bridges": ("weakening/bridges.yaml", ["output.checkpoint={steps: 30}", "output.every=1 day"]),
+    "dilatancy, traction": ("weakening/dilatancy.yaml", ["solver.formulation=traction", *FIELDS,
+                                                         "output.checkpoint={steps: 25}"]),
+    "hot water": ("weakening/pressurization.yaml", ["output.fields=[temperature, excess_pore_pressure]",
+                                                    "output.checkpoint={steps: 60}"]),
+    "dilatancy, erk": ("weakening/dilatancy.yaml", ["solver.method=erk", "output.checkpoint={steps: 12}"]),
     "anchored block": ("bridge.yaml", ["output.checkpoint={steps: 500}", "output.every=1 day"]),
 }
 

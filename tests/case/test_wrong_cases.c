@@ -9,7 +9,7 @@
 
 #define WRONG LACUNA_SOURCE_DIR "/tests/case/wrong"
 
-enum { LONGEST = 20000 };
+enum { LONGEST = 24000 };
 
 static void append(char *text, const char *line)
 {

@@ -42,9 +42,11 @@ static double draw(const lac_param *param, uint64_t trial, uint64_t what)
     static const struct {
         const char *key;
         double low, high;
-    } gentle[] = {{"period", 2, 20},      {"frequency", 0.01, 0.5}, {"lag", 0.5, 20},
-                  {"drain", 0.5, 20},     {"distance", 5, 20},      {"diffusivity", 0.1, 5},
-                  {"interval", 0.1, 0.3}, {"radius", 2, 20}};
+    } gentle[] = {{"period", 2, 20},      {"frequency", 0.01, 0.5},
+                  {"lag", 0.5, 20},       {"drain", 0.5, 20},
+                  {"distance", 5, 20},    {"diffusivity", 0.1, 5},
+                  {"interval", 0.1, 0.3}, {"radius", 0.5, 20},
+                  {"x", 0, 12},           {"y", 0, 10}};
     double low = fmax(param->min, -20);
     double high = fmin(param->max, 20);
     if ((param->flags & LAC_OPTIONAL) != 0 && uniform(trial, what + 50, 0, 1) < 0.3) {

@@ -2,7 +2,7 @@
 // The exact Newton solve of the creep problem against a dense solve with a Jacobian by finite
 // differences, for every friction law, form and formulation, with and without cut-offs and the
 // response to normal stress, under every kind of load, one by one and all at once, for cells that
-// slide backwards, for those that carry the mass of a block, and on a base that bends.
+// slide backwards, and for those that carry the mass of a block.
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,6 +10,7 @@
 #include <math.h>
 
 #include "base/rng.h"
+#include "support/slot.h"
 #include "support/test.h"
 #include "support/tree.h"
 
@@ -56,8 +57,9 @@ static double *scales(const lac_problem *problem)
 {
     size_t m = lac_problem_unknowns(problem);
     double *scale = malloc(m * sizeof *scale);
-    const double nothing[192] = {0};
+    double *nothing = calloc(m, sizeof *nothing);
     lac_problem_weights(problem, nothing, 1.0, scale);
+    free(nothing);
     for (size_t i = 0; i < m; i++) {
         scale[i] = 1.0 / scale[i];
     }
@@ -114,7 +116,9 @@ static void check_solve(const lac_problem *problem, const double *y, double t, d
     }
     gsl_linalg_LU_decomp(a, p, &sign);
     gsl_linalg_LU_solve(a, p, b, x);
-    assert_true(lac_problem_newton(problem, t, y, gamma, mine, work));
+    if (!lac_problem_newton(problem, t, y, gamma, mine, work)) {
+        fail_msg("%s, gamma %g: no solution", lac_problem_unknown(problem), gamma);
+    }
     double most = gsl_vector_max(x) > -gsl_vector_min(x) ? gsl_vector_max(x) : -gsl_vector_min(x);
     for (size_t i = 0; i < m; i++) {
         if (!(fabs(mine[i] / scale[i] - gsl_vector_get(x, i)) < left * most)) {
@@ -225,6 +229,7 @@ static void put_near_balance(const tree *t, const tree_def *def, double time, do
     lac_problem_rates(t->problem, time, y, v, work);
     lac_problem_traction(t->problem, time, y + 2 * n, traction, work);
     for (size_t k = 0; k < n; k++) {
+        traction[k] -= lac_problem_cohesion(t->problem, k);
         double u = lac_friction_rate_for(t->friction, k, y[n + k], fabs(traction[k]),
                                          t->domain->pressure[k], def->damping);
         double off = 0.2 * def->columns * (lac_random_uniform(8, LAC_STREAM_TEST, k, 0) - 0.5);
@@ -261,6 +266,99 @@ static void newton_solve_is_exact_with_mass(void **state)
             check_solve(t.problem, y, time, gamma, EXACT);
         }
         tree_clear(&t);
+    }
+}
+
+// Mechanisms of weakening in the middle of their ranges, in numbers that act on cells at 50 MPa.
+static void choose_weakening(lac_model models[LAC_MOST_WEAKENINGS])
+{
+    static const struct {
+        const char *key;
+        double value;
+    } numbers[] = {{"rate", 1e-3},
+                   {"stress", 4e7},
+                   {"exponent", 12},
+                   {"dilatancy", 1e-3},
+                   {"compressibility", 1e-10},
+                   {"drainage_time", 30},
+                   {"thickness", 1e-3},
+                   {"pressurization", 1e9},
+                   {"hydraulic_diffusivity", 3e-6}};
+    for (size_t k = 0; lac_weakening_get(k) != NULL; k++) {
+        assert_true(k < LAC_MOST_WEAKENINGS);
+        assert_int_equal(lac_model_create(&lac_weakening_get(k)->info, &models[k], NULL), LAC_OK);
+        for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
+            if (lac_param_find(models[k].info->params, models[k].info->param_count,
+                               numbers[i].key) != NULL) {
+                test_slot_set(&models[k], numbers[i].key, numbers[i].value);
+            }
+        }
+    }
+}
+
+// Unknowns that have taken up to a tenth of the pressure and broken bridges, of some cells all.
+// @param part  of that
+static void weaken(const tree *t, const lac_weakening_set *set, double part, double *y)
+{
+    const size_t n = t->domain->n;
+    double *x = y + lac_problem_unknowns(t->problem) - set->modes * n;
+    for (size_t k = 0; k < set->count; k++) {
+        const lac_weakening_modes *modes = &set->item[k].modes;
+        for (size_t j = 0; j < modes->n * n; j++, x++) {
+            double random = lac_random_uniform(9, LAC_STREAM_TEST, j, k);
+            *x = part * (set->item[k].kind->pore ? 1e6 * (random - 0.3) / (double)modes->n
+                                                 : (random > 0.7 ? 1.2 : random));
+        }
+    }
+}
+
+static void check_weakened(tree_def *def, const lac_weakening_set *set)
+{
+    tree t;
+    def->weakening = set;
+    tree_create(def, &t);
+    double *y = malloc(lac_problem_unknowns(t.problem) * sizeof *y);
+    lac_problem_initial(t.problem, y);
+    if (def->mass > 0.0) {
+        put_near_balance(&t, def, 5.0, y);
+    }
+    weaken(&t, set, def->mass > 0.0 ? 0.01 : 1.0, y); // near balance, with a mass
+    for (double gamma = 1e-3; gamma < (def->mass > 0.0 ? 20.0 : 200.0); gamma *= 10.0) {
+        check_solve(t.problem, y, 5.0, gamma, EXACT);
+    }
+    free(y);
+    tree_clear(&t);
+}
+
+// Each mechanism by itself, and all together, in every formulation.
+static void newton_solve_is_exact_with_weakening(void **state)
+{
+    (void)state;
+    lac_model models[LAC_MOST_WEAKENINGS];
+    choose_weakening(models);
+    for (size_t i = 0; i < 2 * 4 * (LAC_MOST_WEAKENINGS + 1); i++) {
+        const size_t k = i / 8;
+        const bool all = k == LAC_MOST_WEAKENINGS;
+        lac_weakening_set set;
+        assert_int_equal(lac_weakening_set_create(all ? models : &models[k],
+                                                  all ? LAC_MOST_WEAKENINGS : 1, &set, NULL),
+                         LAC_OK);
+        tree_def def = small(lac_friction_law_get(i % 2), (int)(i / 2 % 2), 1);
+        const bool massive = i % 8 / 2 == 3;
+        const int with = BY_RATIO | (massive ? BY_SPRING : BY_PORE);
+        lac_load load = {.kind = &pull_row, .params = &with};
+        def.loads = (lac_load_set){.load = &load, .count = 1, .shear = 1};
+        def.levels = 2;
+        def.keep = 0.8;
+        def.cohesion = 1e6;
+        def.damping = 0.0;
+        def.mass = massive ? 1e3 : 0.0;
+        def.columns = 0.5;
+        def.formulation = massive ? LAC_FORMULATION_INERTIA : formulations[i % 8 / 2];
+        check_weakened(&def, &set);
+    }
+    for (size_t k = 0; k < LAC_MOST_WEAKENINGS; k++) {
+        lac_model_clear(&models[k]);
     }
 }
 
@@ -373,6 +471,7 @@ int main(void)
         cmocka_unit_test(newton_solve_is_exact),
         cmocka_unit_test(newton_solve_is_exact_backwards),
         cmocka_unit_test(newton_solve_is_exact_with_mass),
+        cmocka_unit_test(newton_solve_is_exact_with_weakening),
         cmocka_unit_test(newton_solve_is_exact_on_a_bent_base),
         cmocka_unit_test(newton_solve_is_exact_round_a_bend),
         cmocka_unit_test(too_long_a_step_is_refused),

@@ -121,6 +121,7 @@ void tree_make_friction(const tree_def *def, tree *out)
     p->v1 = def->v1 > 0 ? def->v1 : NAN;
     p->v2 = def->v2 > 0 ? def->v2 : NAN;
     p->alpha = def->alpha > 0 ? def->alpha : NAN;
+    p->cohesion = def->cohesion > 0 ? def->cohesion : NAN;
     test_slot_fill(&model);
     must(lac_friction_create(&model, out->domain->n, &out->friction, &err) == LAC_OK, err.message);
     lac_model_clear(&model);
@@ -151,7 +152,8 @@ void tree_create(const tree_def *def, tree *out)
                                .columns = def->columns,
                                .log_rate = start,
                                .log_state = start + n,
-                               .formulation = def->formulation};
+                               .formulation = def->formulation,
+                               .weakening = def->weakening};
     must(lac_problem_create(&problem, &out->problem, &err) == LAC_OK, err.message);
     free(start);
 }

@@ -17,9 +17,11 @@ typedef struct tree_def {
     double pressure;      // p_i = pressure * (0.05 + exponential(1))
     double k0, ratio;     // k_l = k0 ratio^l
     double damping;
-    double mass, columns; // [kg/m2], [1]; 0: none
-    double slip_rate;     // ln v uniform within +-1 of it
-    double state;         // theta [s]
+    double mass, columns;               // [kg/m2], [1]; 0: none
+    double cohesion;                    // [Pa]
+    const lac_weakening_set *weakening; // NULL: none
+    double slip_rate;                   // ln v uniform within +-1 of it
+    double state;                       // theta [s]
     lac_load_set loads;
     lac_formulation formulation;
 } tree_def;

@@ -207,9 +207,104 @@ static void weakening_never_heals(void **state)
     lac_friction_free(pair[1]);
 }
 
+static lac_friction *flashing(double v_w, double f_w, int form)
+{
+    lac_model model = aging_slot();
+    lac_friction *friction;
+    test_slot_set(&model, "a", 0.01);
+    test_slot_set(&model, "b", 0.015);
+    test_slot_set(&model, "dc", 1e-4);
+    test_slot_set(&model, "form", form);
+    test_slot_set(&model, "flash_rate", v_w);
+    test_slot_set(&model, "flash_friction", f_w);
+    assert_int_equal(lac_friction_create(&model, 1, &friction, NULL), LAC_OK);
+    lac_model_clear(&model);
+    return friction;
+}
+
+// f, f_u, f_w, f_uu, f_uw, f_ww of one cell.
+static void strength_at(const lac_friction *friction, double u, double w, double out[6])
+{
+    double v = exp(u), g, g_u, g_w;
+    const lac_friction_cells cell = {.first = 0, .n = 1, .u = &u, .w = &w, .v = &v};
+    const lac_friction_values values = {&out[0], &out[1], &out[2], &g};
+    const lac_friction_slopes slopes = {&out[3], &out[4], &out[5], &g_u, &g_w};
+    lac_friction_evaluate(friction, &cell, &values, &slopes);
+}
+
+// Down to the mean of f and f_w at v_w, to f_w far beyond, with derivatives that are those of it.
+static void flash_heating_takes_friction_down(void **state)
+{
+    (void)state;
+    const double v_w = 0.1, f_w = 0.2;
+    for (int form = LAC_FORM_PLAIN; form <= LAC_FORM_REGULARISED; form++) {
+        lac_friction *flash = flashing(v_w, f_w, form), *cold = flashing(1e300, f_w, form);
+        for (double u = -25; u <= 6; u += 0.61) {
+            const double w = 3 - u / 3, h = 1e-5;
+            double at[6], whole[6], up[6], down[6], above[6], below[6];
+            strength_at(flash, u, w, at);
+            strength_at(cold, u, w, whole);
+            double exact = f_w + (whole[0] - f_w) / (1 + exp(u) / v_w);
+            assert_true(fabs(at[0] - exact) <= 1e-14);
+            assert_true(at[0] == lac_friction_coefficient(flash, 0, u, w));
+            strength_at(flash, u + h, w, up);
+            strength_at(flash, u - h, w, down);
+            strength_at(flash, u, w + h, above);
+            strength_at(flash, u, w - h, below);
+            for (int k = 0; k < 2; k++) { // f by u, f_u by u; f by w, f_u by w
+                const int by_u[] = {1, 3}, by_w[] = {2, 4};
+                assert_true(fabs((up[k] - down[k]) / (2 * h) - at[by_u[k]]) <= 1e-9);
+                assert_true(fabs((above[k] - below[k]) / (2 * h) - at[by_w[k]]) <= 1e-9);
+            }
+            assert_true(fabs((above[2] - below[2]) / (2 * h) - at[5]) <= 1e-9);
+            double back = lac_friction_state_for(flash, 0, u, at[0]);
+            assert_true(fabs(back - w) <= 1e-9 * (1 + exp(u) / v_w));
+        }
+        assert_true(fabs(lac_friction_coefficient(flash, 0, log(1e9), 0) - f_w) <= 1e-8);
+        lac_friction_free(flash);
+        lac_friction_free(cold);
+    }
+}
+
+// The slowest root, and none where no rate carries so much.
+static void flash_heating_leaves_the_slow_rate(void **state)
+{
+    (void)state;
+    lac_friction *flash = flashing(0.1, 0.2, LAC_FORM_PLAIN);
+    const double w = log(1.0), p = 2e6;
+    for (double u = -30; u <= -4; u += 1.3) {
+        double tau = p * lac_friction_coefficient(flash, 0, u, w);
+        double slope[6];
+        strength_at(flash, u, w, slope);
+        double found = lac_friction_rate_for(flash, 0, w, tau, p, 0);
+        assert_true(slope[1] <= 0 || fabs(found - u) <= 1e-10 / slope[1]);
+    }
+    assert_true(isnan(lac_friction_rate_for(flash, 0, w, p * 0.9, p, 0)));
+    lac_friction_free(flash);
+}
+
+static void flash_heating_is_given_whole(void **state)
+{
+    (void)state;
+    lac_model model = aging_slot();
+    lac_friction *friction;
+    lac_error err;
+    test_slot_set(&model, "a", 0.01);
+    test_slot_set(&model, "b", 0.01);
+    test_slot_set(&model, "dc", 1e-4);
+    test_slot_set(&model, "flash_rate", 0.1);
+    assert_int_equal(lac_friction_create(&model, 1, &friction, &err), LAC_EINPUT);
+    assert_string_equal(err.message, "aging: flash_rate and flash_friction go together: give both "
+                                     "or neither");
+    lac_model_clear(&model);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(flash_heating_takes_friction_down),
+        cmocka_unit_test(flash_heating_leaves_the_slow_rate),
+        cmocka_unit_test(flash_heating_is_given_whole),
         cmocka_unit_test(required_parameters_have_no_default),
         cmocka_unit_test(nonsense_is_refused),
         cmocka_unit_test(optional_parameters_may_be_absent),

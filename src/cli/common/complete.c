@@ -216,7 +216,9 @@ static const struct {
     {"compare", {"compare.0"}},
     {"load.history.steps", {"load.history.steps.0"}},
     {"load.shear", {"load.shear.0"}},
+    {"load.normal_stress", {"load.normal_stress.0"}},
     {"load.pore_pressure", {"load.pore_pressure.0"}},
+    {"weakening", {"weakening.0"}},
     {"friction.spread",
      {"interface.spread.pressure", "initial.spread.slip_rate", "initial.spread.state"}},
 };

@@ -347,6 +347,9 @@ static void print_text(const lac_fit_outcome *outcome, const char *series, doubl
     cli_row("readings",
             "%zu displacements, %zu velocities; left out: %zu outside the run, %zu missing",
             r->displacements, r->velocities, r->outside, r->missing);
+    if (r->bounds > 0) {
+        cli_row("", "%zu of the velocities are upper bounds", r->bounds);
+    }
     if (r->not_positive > 0) {
         cli_row("", "%zu velocities <= 0 left out: they have no logarithm", r->not_positive);
     }

@@ -16,8 +16,8 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 79800,
-    "lines that only present results": 21180,
+    "lines of src and include": 82000,
+    "lines that only present results": 21260,
     "public headers": 13,
     "exported names": 43,
     "circles of includes": 0,

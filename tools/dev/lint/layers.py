@@ -52,6 +52,7 @@ SHARED = {
     "fit": {"model_forecast.h", "sampler.h"},
     "forecast": {"hindcast.h", "verdict.h"},
     "load": {"geometry.h"},
+    "friction": {"weakening.h"},
     "model": {"problem.h"},
     "rg": {"rg_study.h"},
     "run": {"describe.h", "points.h", "sensitivity.h"},

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What is wrong with the weakening that a case names, beside its friction law, inertia and fields.
+#include <math.h>
+#include <stdio.h>
+
+#include "case/sections.h"
+#include "friction/weakening.h"
+
+// Friction that falls at once, at a given state.
+static void check_flash(lac_reader *reader, const lac_case *c)
+{
+    const lac_friction_params *law = c->friction.params;
+    char key[LAC_KEY_LENGTH];
+    if (c->friction.info == NULL || HAS("inertia") || isnan(law->flash_rate)) {
+        return;
+    }
+    (void)snprintf(key, sizeof key, "friction.%s.flash_rate", c->friction.info->name);
+    (void)lac_refuse(reader, true, key,
+                     "needs the section inertia, such as inertia: {mass_per_area: \"5e5 kg/m2\"}: "
+                     "where friction falls at once no slip rate balances the load");
+}
+
+static bool stands_before(const lac_case *c, size_t i)
+{
+    bool found = false;
+    for (size_t k = 0; k < i; k++) {
+        found = found || c->weakening.item[k].info == c->weakening.item[i].info;
+    }
+    return found;
+}
+
+// Which fields of the cells there are.
+static void check_fields(lac_reader *reader, const lac_case *c, const lac_weakening_set *set)
+{
+    const struct {
+        bool there;
+        unsigned bit;
+        const char *of;
+    } fields[] = {
+        {set->pore, LAC_FIELD_EXCESS,
+         "excess_pore_pressure needs dilatancy or "
+         "thermal-pressurization in weakening"},
+        {set->warm, LAC_FIELD_TEMPERATURE, "temperature needs thermal-pressurization in weakening"},
+        {set->bridges, LAC_FIELD_BROKEN, "broken_cohesion needs bridges in weakening"},
+    };
+    for (size_t i = 0; i < sizeof fields / sizeof fields[0]; i++) {
+        (void)lac_refuse(reader, (c->fields & fields[i].bit) != 0 && !fields[i].there,
+                         "output.fields", "%s", fields[i].of);
+    }
+}
+
+void lac_check_weakening(lac_reader *reader, lac_case *c)
+{
+    const lac_friction_params *law = c->friction.params;
+    lac_weakening_set set = {.count = 0};
+    check_flash(reader, c);
+    if (!lac_clean(reader, "weakening")) {
+        return;
+    }
+    for (size_t i = 0; i < c->weakening.count; i++) {
+        const lac_weakening_kind *kind = (const void *)c->weakening.item[i].info;
+        char key[LAC_KEY_LENGTH];
+        (void)snprintf(key, sizeof key, "weakening.%zu.%s", i, kind->info.name);
+        set.pore = set.pore || kind->pore;
+        set.warm = set.warm || kind->warm;
+        set.bridges = set.bridges || !kind->pore;
+        (void)lac_refuse(reader, stands_before(c, i), key,
+                         "stands twice: each mechanism acts once");
+        (void)lac_refuse(reader, c->friction.info != NULL && !kind->pore && !(law->cohesion > 0),
+                         key, "needs a cohesion that can break: friction.LAW.cohesion");
+        (void)lac_refuse(reader, c->friction.info != NULL && kind->pore && law->alpha > 0, key,
+                         "does not go with alpha of the friction law: the state would answer at "
+                         "once to a pressure that follows from it");
+    }
+    check_fields(reader, c, &set);
+}
