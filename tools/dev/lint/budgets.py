@@ -16,7 +16,7 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 82000,
+    "lines of src and include": 82150,
     "lines that only present results": 21260,
     "public headers": 13,
     "exported names": 43,
