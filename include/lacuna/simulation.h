@@ -35,6 +35,12 @@ typedef struct lac_observation {
                              ///< force of the cells [Pa]; NaN: nothing weakens, as below
     double temperature;      ///< largest rise of a cell's temperature [K]
     double broken;           ///< part of the cohesion that is broken [1]
+    double slip_along[2], rate_along[2], shear_along[2]; ///< with interface.slip: vector, where
+                                                         ///< what is above are sizes, along x and
+                                                         ///< y: mean slip [m], mean rate [m/s],
+                                                         ///< Q [N]; else not set
+    const double *points_along; ///< [points][6] of such slip: slip, slip rate and traction as
+                                ///< above, each along x and y; NULL: none
 } lac_observation;
 
 /// The contact cells at a record; the arrays hold until the sink returns. It does not grow.
@@ -85,6 +91,8 @@ typedef struct lac_snapshot {
     const double *excess_pore;      ///< [n] in excess of it [Pa]; NULL: nothing weakens, as below
     const double *temperature;      ///< [n] its rise [K]
     const double *broken;           ///< [n] part of the cohesion that is broken [1]
+    const double *along[6]; ///< [n] slip, slip rate, traction, each along x and y, where those
+                            ///< above are sizes (interface.slip: vector); NULL: slip is along x
 } lac_snapshot;
 
 /// The state after a step of the integrator; the arrays hold until the sink returns.

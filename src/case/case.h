@@ -19,6 +19,9 @@ typedef enum lac_shape { LAC_PLANE = 0, LAC_LINE } lac_shape;
 
 typedef enum lac_boundary { LAC_PERIODIC = 0, LAC_FREE } lac_boundary;
 
+/// Along x, or along x and y.
+typedef enum lac_slip { LAC_SLIP_SCALAR = 0, LAC_SLIP_VECTOR } lac_slip;
+
 /// Which grid an interface is: 2^levels cells a side, or cells_x by cells_y.
 typedef struct lac_interface_def {
     double size;              ///< length along x [m]
@@ -151,6 +154,7 @@ struct lac_case {
     lac_case_use *use;                      ///< of a case that its user may change; NULL
     char *title, *references, *institution; ///< NULL where absent
     lac_interface_def interface;
+    int slip;                                ///< lac_slip; -1 where absent
     lac_model surface, domain;               ///< at most one is set
     lac_heterogeneity_list interface_spread; ///< key pressure, of a domain's cells
     lac_geometry_def geometry;               ///< no angles: the base is a plane
@@ -164,6 +168,7 @@ struct lac_case {
     lac_model_list weakening; ///< besides friction
     lac_initial_def initial;  ///< rates and states are NULL: the scene makes them from the spread
     lac_heterogeneity_list initial_spread; ///< keys slip_rate and state
+    double initial_azimuth; ///< of a slip rate given with the state [rad]; NaN: along x
     lac_model transfer;
     bool dated;
     double start_date;        ///< seconds since 1970 of t = 0; 0 where not dated

@@ -85,6 +85,13 @@ void lac_put_geometry(struct lac_writer *w, const lac_case *c)
     }
 }
 
+// The weight on a bent base may be all there is.
+bool lac_case_has_load(const lac_case *c)
+{
+    return c->normal.info != NULL || c->shear.count > 0 || c->pore.count > 0 ||
+           c->history.count > 0;
+}
+
 double lac_case_pressure(const lac_case *c)
 {
     const lac_normal_load *normal = (const void *)c->normal.info;
@@ -177,6 +184,8 @@ static void check_solvers(lac_reader *reader, lac_case *c)
     if (c->formulation == LAC_FORMULATION_AUTO && c->run.fidelity == LAC_FIDELITY_ODE) {
         c->formulation = LAC_FORMULATION_SLIP;
     }
+    (void)lac_refuse(reader, c->slip == LAC_SLIP_VECTOR, "interface.geometry",
+                     "bends one way, and slip goes two: leave it or interface.slip: vector out");
     (void)lac_refuse(reader, c->weakening.count > 0, "weakening",
                      "is not followed on a base that bends: leave it or interface.geometry out");
     (void)snprintf(key, sizeof key, "friction.%s.alpha", law != NULL ? c->friction.info->name : "");

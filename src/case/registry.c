@@ -92,6 +92,10 @@ static const lac_model_info formulations[] = {
     {.name = "inertia",
      .summary = "slip and its rate: momentum in the place of the balance; with the section inertia",
      .reference = "docs/theory/momentum.md, eq. 1-2"},
+    {.name = "vector",
+     .summary = "slip along x and y, which may turn: friction opposes the slip rate; with "
+                "interface.slip: vector",
+     .reference = "docs/theory/vector.md, eq. 1-2"},
 };
 
 static const lac_model_info rules[] = {

@@ -13,6 +13,7 @@
 #define FIELD(name) offsetof(lac_case, name)
 
 static const char *const shapes[] = {"plane", "line", NULL};
+static const char *const slips[] = {"scalar", "vector", NULL};
 static const char *const boundaries[] = {"periodic", "free", NULL};
 static const char *const history_methods[] = {"direct", NULL};
 static const char *const precisions[] = {"double", "float", NULL};
@@ -50,6 +51,9 @@ static const lac_param interface_rows[] = {
     LAC_CHOICE("shape", FIELD(interface.shape), LAC_PLANE, shapes, 0, "of the interface"),
     LAC_CHOICE("boundary", FIELD(interface.boundary), LAC_PERIODIC, boundaries, 0,
                "periodic, or free: the faces end at the border, the rock goes on"),
+    LAC_CHOICE("slip", FIELD(slip), NAN, slips, LAC_OPTIONAL,
+               "of a run: scalar, along x, as if absent; vector, along x and y, friction against "
+               "the slip rate"),
     LAC_OWN("surface", "{MODEL: {...}}: heights to press"),
     LAC_OWN("domain", "{MODEL: {...}}: contact cells, instead of a surface"),
     LAC_OWN("spread", "{pressure: {MODEL: {...}}}: over the cells of a domain"),
@@ -96,6 +100,11 @@ static const lac_param initial_rows[] = {
              LAC_OPTIONAL | LAC_ABOVE_MIN, "at the start; follows from load and state if absent"),
     LAC_OWN("state", "steady, a time, or {ratio_to_steady: x}; follows from load and slip rate if "
                      "absent, steady where neither is given"),
+    LAC_REAL(
+        "azimuth", "rad", FIELD(initial_azimuth), NAN, -6.283185307179586, 6.283185307179586,
+        LAC_OPTIONAL,
+        "of slip rate from x towards y, with interface.slip: vector, where slip_rate and state "
+        "are both given; along x if absent"),
     LAC_OWN("spread", "{slip_rate: {MODEL: {...}}, state: {...}}: from cell to cell"),
 };
 
@@ -203,7 +212,8 @@ const lac_param lac_inertia_rows[LAC_INERTIA_ROWS] = {
 
 static const char *const methods[] = {"bdf", "adams", "erk", NULL};
 static const char *const fidelities[] = {"ode", "events", "static", NULL};
-static const char *const formulations[] = {"auto", "rate", "traction", "slip", "inertia", NULL};
+static const char *const formulations[] = {"auto",    "rate",   "traction", "slip",
+                                           "inertia", "vector", NULL};
 static const char *const answers[] = {"false", "true", NULL};
 static const char *const plannings[] = {"estimate", "measure", NULL};
 
@@ -218,7 +228,8 @@ static const lac_param solver_rows[] = {
                "of integration: bdf (implicit), adams, or erk (explicit Runge-Kutta)"),
     LAC_CHOICE("formulation", FIELD(formulation), LAC_FORMULATION_AUTO, formulations, 0,
                "unknown besides ln theta: rate (ln v), traction, slip; inertia (slip and its rate) "
-               "goes with the section inertia; auto: what was measured to be best for the method"),
+               "goes with the section inertia, vector with interface.slip: vector; auto: what was "
+               "measured to be best for the method"),
     LAC_CHOICE("projection", FIELD(run.projection), 0, answers, 0,
                "whether what is written is first moved onto the traction balance, which drifts "
                "where slip is not the unknown"),
@@ -330,13 +341,6 @@ static bool has_inertia(const lac_case *c) { return lac_inertia_mass(c) > 0.0; }
 
 static bool has_geometry(const lac_case *c) { return c->geometry.angles > 0; }
 
-// The weight on a bent base may be all there is.
-static bool has_load(const lac_case *c)
-{
-    return c->normal.info != NULL || c->shear.count > 0 || c->pore.count > 0 ||
-           c->history.count > 0;
-}
-
 static bool has_history(const lac_case *c) { return c->history.count > 0; }
 
 // A static case names no time, and neither a law nor a start.
@@ -345,7 +349,8 @@ static bool has_time(const lac_case *c) { return !isnan(c->run.end); }
 static bool has_initial(const lac_case *c)
 {
     return c->friction.info != NULL || c->initial.state != LAC_STATE_STEADY ||
-           !isnan(c->initial.slip_rate) || c->initial_spread.count > 0;
+           !isnan(c->initial.slip_rate) || !isnan(c->initial_azimuth) ||
+           c->initial_spread.count > 0;
 }
 
 static bool has_stop(const lac_case *c)
@@ -397,7 +402,7 @@ static const lac_part parts[] = {
     {RECORD("inertia", "mass of the block that slides; none if absent", lac_inertia_rows),
      .given = has_inertia},
     {RECORD("load", "what presses and shears the interface", load_rows), .missing = NO_LOAD,
-     .missing_at = "load.normal", .unless = ITS_WEIGHT, .given = has_load},
+     .missing_at = "load.normal", .unless = ITS_WEIGHT, .given = lac_case_has_load},
     {PART(SLOT, "load.normal", normal), .model = LAC_KIND_NORMAL, .missing = NO_LOAD,
      .unless = ITS_WEIGHT},
     {PART(SLOTS, "load.shear", shear), .model = LAC_KIND_SHEAR},

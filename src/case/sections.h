@@ -282,11 +282,15 @@ extern const lac_param lac_state_row, lac_ratio_row;
 /// What is wrong with a section as a whole; they fill in what it takes from elsewhere in the case.
 /// @param pressure  that a history starts from [Pa]; NaN where the case is wrong about it
 void lac_check_interface(lac_reader *reader, lac_interface_def *def);
+/// Whether the section load holds anything.
+bool lac_case_has_load(const lac_case *c);
+
 void lac_check_geometry(lac_reader *reader, lac_case *c);
 void lac_check_history(lac_reader *reader, lac_case *c, double pressure);
 void lac_check_rg(lac_reader *reader, lac_case *c);
 void lac_check_analysis(lac_reader *reader, lac_case *c);
 void lac_check_fit(lac_reader *reader, lac_case *c);
+void lac_check_vector(lac_reader *reader, lac_case *c);
 void lac_check_weakening(lac_reader *reader, lac_case *c);
 void lac_check_points(lac_reader *reader, const lac_case *c);
 void lac_check_point_names(lac_reader *reader, const lac_case *c);

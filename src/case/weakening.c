@@ -49,6 +49,28 @@ static void check_fields(lac_reader *reader, const lac_case *c, const lac_weaken
     }
 }
 
+// Heat and water that even out across a thin layer hold explicit methods to steps as short.
+static void warn_explicit(lac_reader *reader, const lac_case *c)
+{
+    const double many = 1e5; // steps
+    lac_weakening_set set;
+    double fastest = 0;
+    if (c->run.method == LAC_BDF ||
+        lac_weakening_set_create(c->weakening.item, c->weakening.count, &set, NULL) != LAC_OK) {
+        return;
+    }
+    for (size_t k = 0; k < set.count; k++) {
+        for (size_t j = 0; j < set.item[k].modes.n; j++) {
+            fastest = fmax(fastest, set.item[k].modes.decay[j]);
+        }
+    }
+    if (fastest * c->run.end > 3 * many) {
+        lac_warn(reader, "solver.method",
+                 "takes steps of about %.2g s, in which weakening evens out; bdf does not",
+                 3 / fastest);
+    }
+}
+
 void lac_check_weakening(lac_reader *reader, lac_case *c)
 {
     const lac_friction_params *law = c->friction.params;
@@ -73,4 +95,5 @@ void lac_check_weakening(lac_reader *reader, lac_case *c)
                          "once to a pressure that follows from it");
     }
     check_fields(reader, c, &set);
+    warn_explicit(reader, c);
 }

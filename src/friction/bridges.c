@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Bridges of rock that break under the stress that they help to carry, by which cohesion is lost.
 #include <math.h>
+#include <stdio.h>
 
+#include "base/units.h"
 #include "friction/weakening.h"
 
 typedef struct bridges_params {
@@ -35,6 +37,19 @@ static void source(const void *params, const lac_weakening_cells *c,
     }
 }
 
+static void words(const void *params, const lac_weakening_joint *joint, char *text, size_t size)
+{
+    const bridges_params *p = params;
+    const double tau = joint->f0 * joint->normal + joint->cohesion;
+    char carried[60], lasting[60];
+    (void)snprintf(
+        text, size,
+        "Its bridges last %s under the shear stress that they carry with f0, %s: the "
+        "less of it, the longer, by the power %g.",
+        lac_units_format(pow(p->stress / tau, p->exponent) / p->rate, "s", lasting, sizeof lasting),
+        lac_units_format(tau, "Pa", carried, sizeof carried), p->exponent);
+}
+
 #define AT(name) offsetof(bridges_params, name)
 
 static const lac_param params[] = {
@@ -57,4 +72,5 @@ const lac_weakening_kind lac_weakening_bridges = {
                       LAC_ROWS(params, bridges_params)),
     .modes = modes,
     .source = source,
+    .words = words,
 };

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Gouge that dilates as it slides faster and sucks its pore water thin, until water flows in.
+#include <stdio.h>
 #include <string.h>
 
+#include "base/units.h"
 #include "friction/weakening.h"
 
 typedef struct dilatancy_params {
@@ -30,6 +32,20 @@ static void source(const void *params, const lac_weakening_cells *c,
     }
 }
 
+static void words(const void *params, const lac_weakening_joint *joint, char *text, size_t size)
+{
+    const dilatancy_params *p = params;
+    char sucked[60], drives[60], drained[60];
+    (void)snprintf(text, size,
+                   "Dilatancy holds back f0 epsilon/beta = %s per e-fold of slip rate, against the "
+                   "(b - a) p = %s that weakening gives, in whatever is faster than %s; what is "
+                   "slower drains.",
+                   lac_units_format(joint->f0 * p->dilatancy / p->compressibility, "Pa", sucked,
+                                    sizeof sucked),
+                   lac_units_format(joint->excess * joint->normal, "Pa", drives, sizeof drives),
+                   lac_units_format(p->drainage_time, "s", drained, sizeof drained));
+}
+
 #define AT(name) offsetof(dilatancy_params, name)
 
 static const lac_param params[] = {
@@ -53,4 +69,5 @@ const lac_weakening_kind lac_weakening_dilatancy = {
     .pore = true,
     .modes = modes,
     .source = source,
+    .words = words,
 };

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Pore water of a sheared layer that slip heats: it expands, and heat and water diffuse away.
 #include <math.h>
+#include <stdio.h>
 
+#include "base/units.h"
 #include "friction/weakening.h"
 
 typedef struct pressurization_params {
@@ -64,6 +66,18 @@ static void source(const void *params, const lac_weakening_cells *c,
     }
 }
 
+static void words(const void *params, const lac_weakening_joint *joint, char *text, size_t size)
+{
+    const pressurization_params *p = params;
+    char slip[60];
+    (void)snprintf(
+        text, size,
+        "Where neither heat nor water leaves the layer, each %s of slip takes an e-fold "
+        "off the strength, rho c h/(f0 Lambda).",
+        lac_units_format(p->heat_capacity * p->thickness / (joint->f0 * p->pressurization), "m",
+                         slip, sizeof slip));
+}
+
 static const char *validate(const void *params)
 {
     const pressurization_params *p = params;
@@ -100,4 +114,5 @@ const lac_weakening_kind lac_weakening_pressurization = {
     .warm = true,
     .modes = modes,
     .source = source,
+    .words = words,
 };

@@ -56,6 +56,14 @@ typedef struct lac_weakening_modes {
     double heat[LAC_WEAKENING_MODES]; ///< what it tells of a temperature [K per unit of x]
 } lac_weakening_modes;
 
+/// A joint that a mechanism is told of.
+typedef struct lac_weakening_joint {
+    double normal;   ///< total normal stress over the nominal area [Pa]
+    double f0;       ///< of its friction
+    double excess;   ///< b - a
+    double cohesion; ///< [Pa]
+} lac_weakening_joint;
+
 /// A mechanism that a case can name.
 typedef struct lac_weakening_kind {
     lac_model_info info;
@@ -64,6 +72,8 @@ typedef struct lac_weakening_kind {
     void (*modes)(const void *params, lac_weakening_modes *modes);
     void (*source)(const void *params, const lac_weakening_cells *cells,
                    const lac_weakening_sources *out);
+    /// What it can do to a joint, in a sentence. @param text  [size] set
+    void (*words)(const void *params, const lac_weakening_joint *joint, char *text, size_t size);
 } lac_weakening_kind;
 
 extern const lac_weakening_kind LAC_WEAKENINGS(LAC_ROW_ITSELF);

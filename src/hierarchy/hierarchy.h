@@ -38,3 +38,13 @@ void lac_hierarchy_apply(const lac_hierarchy *h, const double *k, const double *
 /// converse holds where k falls with the level down to k_mean.
 bool lac_hierarchy_solve(const lac_hierarchy *h, const double *k, double k_mean,
                          const double *diagonal, const double *y, double *x, double *work);
+
+/// The same where each cell has two unknowns, along x and y: D has symmetric 2 x 2 blocks, and each
+/// direction stiffnesses k of its own.
+/// @param k         [2] of each direction, [levels]
+/// @param diagonal  [3] D of each cell: xx, xy, yy, [cells]
+/// @param x         [2] the right-hand side, and the solution in its place, [cells]
+/// @param work      of lac_hierarchy_pair_work doubles
+bool lac_hierarchy_solve_pair(const lac_hierarchy *h, const double *const k[2], double k_mean,
+                              const double *const diagonal[3], double *const x[2], double *work);
+size_t lac_hierarchy_pair_work(const lac_hierarchy *h);

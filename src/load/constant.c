@@ -3,13 +3,15 @@
 #include "load/kinds.h"
 
 typedef struct ratio_params {
-    double value; // Q/P [1]
-    int share;    // lac_share
+    double value;   // Q/P [1]
+    double azimuth; // of shear only [rad]; NaN: along x
+    int share;      // lac_share
 } ratio_params;
 
 typedef struct slope_params {
-    double angle; // of the interface with the horizontal [rad]
-    int share;    // lac_share
+    double angle;   // of the interface with the horizontal [rad]
+    double azimuth; // of shear only [rad]; NaN: along x
+    int share;      // lac_share
 } slope_params;
 
 static void add_ratio(const lac_load *load, lac_load_state *sum, double ratio)
@@ -39,6 +41,7 @@ static lac_signal pore(const lac_load *load, double t)
 
 static const lac_param ratio_rows[] = {
     LAC_VALUE_ROW("1", 0, 1e6, 0, "shear force over total normal force, Q/P"),
+    LAC_AZIMUTH_ROW(ratio_params),
     LAC_SHARE_ROW(ratio_params, share),
 };
 
@@ -55,6 +58,7 @@ const lac_load_kind lac_shear_ratio = {
 
 static const lac_param slope_rows[] = {
     LAC_ANGLE_ROW(slope_params),
+    LAC_AZIMUTH_ROW(slope_params),
     LAC_SHARE_ROW(slope_params, share),
 };
 

@@ -30,6 +30,15 @@ extern const char *const lac_share_names[];
                "of each cell: in proportion to its pressure, the same stress on all (equal), or " \
                "as elastic rock puts it on them when all slip alike (elastic; needs a material)")
 
+/// The row of the key `azimuth` of a shear load, for a double of its parameters of that name.
+/// lac_load_set_create reads it.
+#define LAC_AZIMUTH "azimuth"
+#define LAC_AZIMUTH_ROW(holder)                                                                  \
+    LAC_REAL(LAC_AZIMUTH, "rad", offsetof(holder, azimuth), NAN, -2 * LAC_PI, 2 * LAC_PI,        \
+             LAC_OPTIONAL,                                                                       \
+             "direction of the shear from x towards y, with interface.slip: vector; along x if " \
+             "absent")
+
 /// Rows of keys that several loads have, by the member of the same name.
 #define LAC_ANGLE_ROW(holder)                                                  \
     LAC_REAL("angle", "rad", offsetof(holder, angle), NAN, 0, LAC_STEEPEST, 0, \
@@ -43,10 +52,10 @@ extern const char *const lac_share_names[];
 #define LAC_OFFSET_ROW(holder, text) \
     LAC_REAL("offset", "s", offsetof(holder, offset), 0, -INFINITY, INFINITY, 0, text)
 
-/// LAC_ROWS of a pore pressure or a normal stress that a table shares with a force, whose share
-/// comes last: all cells feel it alike.
+/// LAC_ROWS of a pore pressure or a normal stress that a table shares with a force, whose azimuth
+/// and share come last: it has no direction, and all cells feel it alike.
 #define LAC_PORE_ROWS(rows, holder)                                      \
-    .params = (rows), .param_count = sizeof(rows) / sizeof(rows)[0] - 1, \
+    .params = (rows), .param_count = sizeof(rows) / sizeof(rows)[0] - 2, \
     .params_size = sizeof(holder)
 
 // The loads that a case can name: a new one is one more line here.

@@ -36,26 +36,90 @@ static void add_stress(const lac_load *load, lac_load_state *sum, lac_signal s)
     *(equal ? &sum->spring_rate : elastic ? &sum->elastic_rate : &sum->stress_rate) += s.rate;
 }
 
+// What one load adds.
+static void add_load(const lac_load_set *set, size_t i, double t, lac_load_state *sum)
+{
+    const lac_load *load = &set->load[i];
+    if (load->kind->signal == NULL) {
+        if (load->kind->add != NULL) {
+            load->kind->add(load, t, sum);
+        }
+        return;
+    }
+    const lac_signal signal = load->kind->signal(load, t);
+    if (i < set->shear) {
+        add_stress(load, sum, signal);
+    } else {
+        const bool pore = i < set->shear + set->pore;
+        *(pore ? &sum->pore : &sum->normal) += signal.value;
+        *(pore ? &sum->pore_rate : &sum->normal_rate) += signal.rate;
+    }
+}
+
+// What one shear load adds along the unit vector of the set.
+static void add_along(const lac_load_set *set, size_t i, double t, lac_load_state *sum)
+{
+    lac_load_state whole = {0};
+    const double azimuth = set->load[i].azimuth;
+    const double part = set->along[0] * cos(azimuth) + set->along[1] * sin(azimuth);
+    add_load(set, i, t, &whole);
+    sum->ratio += part * whole.ratio;
+    sum->ratio_rate += part * whole.ratio_rate;
+    sum->stress += part * whole.stress;
+    sum->stress_rate += part * whole.stress_rate;
+    sum->equal_ratio += part * whole.equal_ratio;
+    sum->elastic_ratio += part * whole.elastic_ratio;
+    sum->elastic += part * whole.elastic;
+    sum->elastic_rate += part * whole.elastic_rate;
+    sum->spring_stiffness += whole.spring_stiffness;
+    sum->spring_stress += part * whole.spring_stress;
+    sum->spring_rate += part * whole.spring_rate;
+    sum->back_slip += part * whole.back_slip;
+    sum->back_rate += part * whole.back_rate;
+}
+
 void lac_load_evaluate(const lac_load_set *set, double t, lac_load_state *sum)
 {
     *sum = (lac_load_state){0};
     for (size_t i = 0; i < set->count; i++) {
-        const lac_load *load = &set->load[i];
-        if (load->kind->signal == NULL) {
-            if (load->kind->add != NULL) {
-                load->kind->add(load, t, sum);
-            }
-            continue;
-        }
-        const lac_signal signal = load->kind->signal(load, t);
-        if (i < set->shear) {
-            add_stress(load, sum, signal);
+        if (set->directed && i < set->shear) {
+            add_along(set, i, t, sum);
         } else {
-            const bool pore = i < set->shear + set->pore;
-            *(pore ? &sum->pore : &sum->normal) += signal.value;
-            *(pore ? &sum->pore_rate : &sum->normal_rate) += signal.rate;
+            add_load(set, i, t, sum);
         }
     }
+}
+
+lac_load_set lac_load_set_along(const lac_load_set *set, double x, double y)
+{
+    lac_load_set along = *set;
+    along.directed = true;
+    along.along[0] = x;
+    along.along[1] = y;
+    return along;
+}
+
+lac_status lac_load_set_heading(const lac_load_set *set, double pressure, double *heading,
+                                lac_error *err)
+{
+    lac_load_state at[2];
+    for (int c = 0; c < 2; c++) {
+        const lac_load_set along = lac_load_set_along(set, 1.0 - c, c);
+        lac_load_evaluate(&along, 0.0, &at[c]);
+    }
+    // Shared as the pressures are, and alike.
+    const double shared[] = {at[0].ratio * pressure + at[0].stress,
+                             at[1].ratio * pressure + at[1].stress};
+    const double alike[] = {at[0].equal_ratio * pressure + at[0].spring_stress,
+                            at[1].equal_ratio * pressure + at[1].spring_stress};
+    const double across = shared[0] * alike[1] - shared[1] * alike[0];
+    const double size = hypot(shared[0], shared[1]) * hypot(alike[0], alike[1]);
+    const double rounding = 1e-12;
+    LAC_FAIL_IF(fabs(across) > rounding * size, err, LAC_EINPUT,
+                "load.shear: loads that are shared differently (share) pull different ways at the "
+                "start; give them one azimuth or one share");
+    *heading = atan2(shared[1] + alike[1], shared[0] + alike[0]);
+    return LAC_OK;
 }
 
 // Adds what the loads from the `first` up to the `end` put on each cell by itself.
@@ -130,13 +194,34 @@ double lac_load_longest_step(const lac_load_set *set, double t)
     return longest;
 }
 
+static bool is_linear(const lac_load_kind *kind, const void *params)
+{
+    return kind->linear && !(kind->bends != NULL && kind->bends(params));
+}
+
+bool lac_load_model_is_linear(const lac_model *model)
+{
+    return is_linear(kind_of(model), model->params);
+}
+
 bool lac_load_set_is_linear(const lac_load_set *set)
 {
     bool linear = true;
     for (size_t i = 0; i < set->count; i++) {
-        linear = linear && set->load[i].kind->linear;
+        linear = linear && is_linear(set->load[i].kind, set->load[i].params);
     }
     return linear;
+}
+
+double lac_load_model_azimuth(const lac_model *model)
+{
+    const lac_param *row =
+        lac_param_find(model->info->params, model->info->param_count, LAC_AZIMUTH);
+    double azimuth = NAN;
+    if (row != NULL) {
+        memcpy(&azimuth, (const char *)model->params + row->offset, sizeof azimuth);
+    }
+    return azimuth;
 }
 
 lac_share lac_load_models_share(const lac_model *model)
@@ -273,7 +358,11 @@ lac_status lac_load_set_create(const lac_load_models *models, const lac_load_clo
     for (size_t i = 0; (model = model_at(models, i)) != NULL; i++) {
         const lac_load_kind *kind = kind_of(model);
         lac_load *load = &set->load[set->count++];
-        *load = (lac_load){kind, model->params, lac_load_models_share(model), NULL};
+        const double azimuth = lac_load_model_azimuth(model);
+        *load = (lac_load){.kind = kind,
+                           .params = model->params,
+                           .share = lac_load_models_share(model),
+                           .azimuth = isnan(azimuth) ? 0.0 : azimuth};
         lac_status status =
             kind->prepare == NULL ? LAC_OK : kind->prepare(load->params, clock, &load->state, err);
         if (status != LAC_OK) {

@@ -57,6 +57,7 @@ typedef struct lac_load {
     const struct lac_load_kind *kind;
     const void *params; ///< borrowed from the model
     lac_share share;    ///< of a force; LAC_SHARE_PRESSURE where the load has no such key
+    double azimuth;     ///< of its shear, from x towards y [rad]; 0 where not named
     void *state;        ///< what `prepare` made; NULL
 } lac_load;
 
@@ -98,11 +99,13 @@ typedef struct lac_load_kind {
     lac_model_info info;
     bool fixes_shear;  ///< gives Q outright (ratio, slope): excluded where `initial` fixes Q
     bool needs_anchor; ///< acts through a transfer that holds uniform slip
-    bool linear;       ///< linear in time between its breaks
+    bool linear;       ///< linear in time between its breaks, but where it `bends`
     bool constant;     ///< the same at all times
     bool slope;        ///< gravity on a slope, whose factor of safety is asked for
     bool on_base;      ///< acts on the weight on a base that bends
     const lac_load_driver *driver; ///< what it reads; NULL: no such thing
+    /// Whether its parameters make a linear one no longer so. NULL: they never do.
+    bool (*bends)(const void *params);
     /// Of the mean slip, which it brings [Pa/m]. NULL: none.
     double (*stiffness)(const void *params);
     /// Makes what the load needs besides its parameters, such as the data of a file. NULL: nothing.
@@ -139,7 +142,20 @@ typedef struct lac_load_set {
     lac_load_places places; ///< of the cells where a load differs between them: lac_load_set_place
     lac_geometry *geometry; ///< of a base that bends, owned; NULL: the load follows time alone
     double length;          ///< of the mass on it along its dip [m]
+    bool directed;   ///< lac_load_evaluate takes of each shear load what it has along `along`
+    double along[2]; ///< a unit vector
 } lac_load_set;
+
+/// The same loads, borrowed, of which lac_load_evaluate takes what they pull along the unit vector
+/// (x, y): x cos(azimuth) + y sin(azimuth) of each, but the stiffness of a spring, which holds
+/// every way.
+lac_load_set lac_load_set_along(const lac_load_set *set, double x, double y);
+
+/// Where the loads pull at t = 0 on cells of one mean normal stress [Pa], from x towards y [rad];
+/// 0 where nothing pulls.
+/// @return LAC_OK; LAC_EINPUT (loads that the cells share differently pull different ways)
+lac_status lac_load_set_heading(const lac_load_set *set, double pressure, double *heading,
+                                lac_error *err);
 
 /// The loads that a case names.
 typedef struct lac_load_models {
@@ -159,7 +175,11 @@ lac_status lac_load_set_create(const lac_load_models *models, const lac_load_clo
 /// How the force of a load that a case names is shared by the cells.
 lac_share lac_load_models_share(const lac_model *model);
 
-/// Whether all are linear in time between their breaks.
+/// The azimuth that a case names of a load [rad]; NaN: none.
+double lac_load_model_azimuth(const lac_model *model);
+
+/// Whether a load that a case names, or each of a set, is linear in time between its breaks.
+bool lac_load_model_is_linear(const lac_model *model);
 bool lac_load_set_is_linear(const lac_load_set *set);
 
 /// Whether a load of the set is shared as C^-1 1, so that it needs `shape`.

@@ -14,7 +14,8 @@ typedef struct series_params {
     double scale;  // [1]
     double offset; // [s]
     int interpolation, outside;
-    int share; // lac_share; of shear only
+    double azimuth; // of shear only [rad]; NaN: along x
+    int share;      // lac_share; of shear only
 } series_params;
 
 typedef struct series_state {
@@ -159,6 +160,7 @@ static const lac_param params[] = {
                "anew at every reading"),
     LAC_CHOICE("outside", offsetof(series_params, outside), REFUSE, outsides, 0,
                "before the first reading and after the last: refuse, hold them, or zero"),
+    LAC_AZIMUTH_ROW(series_params),
     LAC_SHARE_ROW(series_params, share),
 };
 

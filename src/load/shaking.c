@@ -9,6 +9,7 @@ typedef struct shaking_params {
     double start;        // [s]
     double duration;     // [s]
     double taper;        // of its rise and of its fall [s]
+    double azimuth;      // of shear only [rad]; NaN: along x
     int share;           // lac_share
 } shaking_params;
 
@@ -79,6 +80,7 @@ static const lac_param params[] = {
              "how long it lasts"),
     LAC_REAL("taper", "s", offsetof(shaking_params, taper), 0, 0, INFINITY, 0,
              "time in which it grows at first and fades at last, as half a cosine"),
+    LAC_AZIMUTH_ROW(shaking_params),
     LAC_SHARE_ROW(shaking_params, share),
 };
 

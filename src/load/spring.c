@@ -7,6 +7,7 @@
 typedef struct spring_params {
     double stiffness; // k [Pa/m]
     double speed;     // V of the far end [m/s]
+    double azimuth;   // of that speed [rad]; NaN: along x
 } spring_params;
 
 // tau = k (V t - mean slip); the slip's part is the model's
@@ -26,6 +27,7 @@ static const lac_param spring_rows[] = {
              LAC_ABOVE_MIN, "shear stress over the nominal area for each metre of stretch"),
     LAC_REAL("speed", "m/s", offsetof(spring_params, speed), NAN, -INFINITY, INFINITY, 0,
              "speed of the spring's far end; 0 holds it"),
+    LAC_AZIMUTH_ROW(spring_params),
 };
 
 const lac_load_kind lac_shear_spring = {
@@ -38,7 +40,8 @@ const lac_load_kind lac_shear_spring = {
 };
 
 typedef struct back_slip_params {
-    double rate; // V_pl of the rock that stays behind [m/s]
+    double rate;    // V_pl of the rock that stays behind [m/s]
+    double azimuth; // [rad]; NaN: along x
 } back_slip_params;
 
 // tau = -K (slip - V t): the transfer's part is the model's
@@ -52,6 +55,7 @@ static void add_plate(const lac_load *load, double t, lac_load_state *sum)
 static const lac_param plate_rows[] = {
     LAC_REAL("rate", "m/s", offsetof(back_slip_params, rate), NAN, -INFINITY, INFINITY, 0,
              "slip rate of what surrounds the interface, the plate rate; 0 holds it"),
+    LAC_AZIMUTH_ROW(back_slip_params),
 };
 
 const lac_load_kind lac_shear_back_slip = {

@@ -17,6 +17,7 @@ typedef struct table_params {
     double elevation;   // of the joint at x = 0 [m]
     double angle;       // dip along x [rad]
     double unit_weight; // of the water [Pa/m]
+    double fringe;      // w [m]; 0: a sharp edge
 } table_params;
 
 typedef struct table_state {
@@ -89,12 +90,39 @@ static double told_level(const lac_load *load, double t)
     return level_at(load->params, load->state, t).value;
 }
 
+// Head over a cell whose share below the level is rounded over the fringe w, and what of the
+// level's rate it feels: w ln(1 + exp(head/w)), which is max(head, 0) at w = 0.
+static lac_signal wetted(double head, double w)
+{
+    const double x = head / w;
+    if (fabs(x) > 40.0) { // exp(-40) is lost beside 1
+        return x > 0.0 ? (lac_signal){head, 1.0} : (lac_signal){0.0, 0.0};
+    }
+    const double e = exp(-fabs(x));
+    return (lac_signal){w * (fmax(x, 0.0) + log1p(e)), (x > 0.0 ? 1.0 : e) / (1.0 + e)};
+}
+
+static void add_fringe(const table_params *p, const table_state *state,
+                       const lac_load_places *places, lac_signal level, double *value, double *rate)
+{
+    for (size_t i = 0; i < places->n; i++) {
+        double z = state->column[places->index[i] % state->n];
+        const lac_signal wet = wetted(level.value - z, p->fringe);
+        value[i] += p->unit_weight * wet.value;
+        rate[i] += p->unit_weight * level.rate * wet.rate;
+    }
+}
+
 static void add_table(const lac_load *load, const lac_load_places *places, double t, double *value,
                       double *rate)
 {
     const table_params *p = load->params;
     const table_state *state = load->state;
     const lac_signal level = level_at(p, state, t);
+    if (p->fringe > 0.0) {
+        add_fringe(p, state, places, level, value, rate);
+        return;
+    }
     for (size_t i = 0; i < places->n; i++) {
         double z = state->column[places->index[i] % state->n];
         double head = level.value - z;
@@ -124,10 +152,11 @@ static double passes(const table_state *state, size_t i, double t)
 
 static double next_break(const lac_load *load, double t)
 {
+    const table_params *p = load->params;
     const table_state *state = load->state;
     const lac_readings *r = &state->level;
     double next = lac_readings_next(r->t, r->n, t);
-    if (r->n == 0 || t < r->t[0] || t >= r->t[r->n - 1]) {
+    if (p->fringe > 0.0 || r->n == 0 || t < r->t[0] || t >= r->t[r->n - 1]) {
         return next;
     }
     return fmin(next, passes(state, lac_readings_before(r->t, r->n, t), t));
@@ -144,6 +173,9 @@ static const char *fault(const void *params)
     return any == !isnan(p->level) ? "needs level, or file, time and column, and not both" : NULL;
 }
 
+// In a fringe pressure does not follow a straight line as the level does.
+static bool has_fringe(const void *params) { return ((const table_params *)params)->fringe > 0.0; }
+
 static const char *const outsides[] = {"refuse", "hold", NULL};
 
 #define TABLE(name) offsetof(table_params, name)
@@ -158,11 +190,12 @@ static const char *const outsides[] = {"refuse", "hold", NULL};
         LAC_TEXT("column", TABLE(column), LAC_OPTIONAL,                                    \
                  "column of the level and its unit, such as \"level:m\"")
 
-#define WATER_ROWS                                                                            \
-    LAC_REAL("unit_weight", "Pa/m", TABLE(unit_weight), 1000.0 * LAC_GRAVITY, 0, 1e6,         \
-             LAC_ABOVE_MIN, "pressure under a metre of the water"),                           \
-        LAC_OFFSET_ROW(table_params, "the levels come this much later than their times say"), \
-        LAC_CHOICE("outside", TABLE(outside), REFUSE, outsides, 0,                            \
+#define WATER_ROWS                                                                    \
+    LAC_REAL("unit_weight", "Pa/m", TABLE(unit_weight), 1000.0 * LAC_GRAVITY, 0, 1e6, \
+             LAC_ABOVE_MIN, "pressure under a metre of the water")
+#define TIME_ROWS                                                                         \
+    LAC_OFFSET_ROW(table_params, "the levels come this much later than their times say"), \
+        LAC_CHOICE("outside", TABLE(outside), REFUSE, outsides, 0,                        \
                    "before the first reading and after the last: refuse, or hold the level")
 
 static const lac_param params[] = {
@@ -172,6 +205,11 @@ static const lac_param params[] = {
     LAC_REAL("angle", "rad", TABLE(angle), NAN, -LAC_STEEPEST, LAC_STEEPEST, 0,
              "by which the joint falls along x; negative where it rises"),
     WATER_ROWS,
+    LAC_REAL(
+        "fringe", "m", TABLE(fringe), 0, 0, 1e3, 0,
+        "over which the edge of the water is rounded, as capillary rise does; 0: sharp, so that "
+        "the integrator begins anew at each column of cells that the level passes"),
+    TIME_ROWS,
 };
 
 static const lac_load_driver water_level = {
@@ -185,6 +223,7 @@ const lac_load_kind lac_pore_water_table = {
                       "docs/theory/loads.md, \"Loads over the joint\"",
                       LAC_ROWS(params, table_params), .validate = fault),
     .linear = true,
+    .bends = has_fringe,
     .driver = &water_level,
     .prepare = prepare,
     .release = release,
@@ -213,6 +252,7 @@ static const lac_param toe_rows[] = {
     LAC_REAL("angle", "rad", TABLE(angle), NAN, -LAC_STEEPEST, LAC_STEEPEST, LAC_OPTIONAL,
              "dip of the base under what stands in the lake; that of interface.geometry if absent"),
     WATER_ROWS,
+    TIME_ROWS,
 };
 
 static const lac_load_driver lake_level = {"lake_level", "m", "level of the lake at the toe",

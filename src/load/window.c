@@ -11,14 +11,16 @@ typedef struct window {
 
 typedef struct ramp_params {
     window on;
-    double rate; // [Pa/s]
-    int share;   // lac_share; of shear only
+    double rate;    // [Pa/s]
+    double azimuth; // of shear only [rad]; NaN: along x
+    int share;      // lac_share; of shear only
 } ramp_params;
 
 typedef struct step_params {
     window on;
-    double value; // [Pa]
-    int share;    // lac_share; of shear only
+    double value;   // [Pa]
+    double azimuth; // of shear only [rad]; NaN: along x
+    int share;      // lac_share; of shear only
 } step_params;
 
 typedef struct sine_params {
@@ -26,6 +28,7 @@ typedef struct sine_params {
     double amplitude; // [Pa]
     double period;    // [s]
     double phase;     // [rad]
+    double azimuth;   // of shear only [rad]; NaN: along x
     int share;        // lac_share; of shear only
 } sine_params;
 
@@ -64,6 +67,7 @@ static const lac_param ramp_rows[] = {
     LAC_REAL("end", "s", offsetof(window, end), NAN, -INFINITY, INFINITY, LAC_OPTIONAL,
              "when it ends, since the start of the run, what it has come to being held from then "
              "on; never if absent"),
+    LAC_AZIMUTH_ROW(ramp_params),
     LAC_SHARE_ROW(ramp_params, share),
 };
 
@@ -114,6 +118,7 @@ static const lac_param step_rows[] = {
              "when it comes, since the start of the run"),
     LAC_REAL("until", "s", offsetof(window, end), NAN, -INFINITY, INFINITY, LAC_OPTIONAL,
              "when it goes again, since the start of the run; stays if absent"),
+    LAC_AZIMUTH_ROW(step_params),
     LAC_SHARE_ROW(step_params, share),
 };
 
@@ -173,6 +178,7 @@ static const lac_param sine_rows[] = {
     LAC_START_ROW(window),
     LAC_REAL("end", "s", offsetof(window, end), NAN, -INFINITY, INFINITY, LAC_OPTIONAL,
              "when it ends, since the start of the run; never if absent"),
+    LAC_AZIMUTH_ROW(sine_params),
     LAC_SHARE_ROW(sine_params, share),
 };
 

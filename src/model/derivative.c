@@ -44,6 +44,9 @@ void lac_problem_weights(const lac_problem *problem, const double *y, double rto
         double state = rtol * state_scale(problem, i);
         weight[problem->n + i] = 1.0 / fmax(state, 8.0 * DBL_EPSILON);
     }
+    if (problem->across != NULL) {
+        lac_vector_weigh(problem, y, rtol, weight);
+    }
     if (problem->mass > 0.0) {
         lac_inertia_weigh_slip(problem, y + 2 * problem->n, rtol, weight + 2 * problem->n);
     }

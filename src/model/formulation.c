@@ -10,10 +10,8 @@
 #include "model/internal.h"
 
 static const lac_formulation_kind *const kinds[] = {
-    &lac_formulation_rate,
-    &lac_formulation_traction,
-    &lac_formulation_slip,
-    &lac_formulation_inertia,
+    &lac_formulation_rate,    &lac_formulation_traction, &lac_formulation_slip,
+    &lac_formulation_inertia, &lac_formulation_vector,
 };
 
 const lac_formulation_kind *lac_formulation_kind_of(lac_formulation id)
@@ -52,25 +50,24 @@ lac_workspace lac_problem_split(const lac_problem *problem, double *work)
                            .slope = work + 5 * n,
                            .row = work + problem->kind->arrays * n,
                            .scratch = scratch,
-                           .mean = scratch + problem->transfer.kind->work(problem->transfer.state),
-                           .shares =
-                               scratch + problem->transfer.kind->work(problem->transfer.state) + 1,
-                           .weak = scratch + problem->transfer.kind->work(problem->transfer.state) +
-                                   1 + (problem->varies ? 4 * n : 0)};
+                           .mean = scratch + lac_problem_transfer_work(problem),
+                           .shares = scratch + lac_problem_transfer_work(problem) + 1,
+                           .weak = scratch + lac_problem_transfer_work(problem) + 1 +
+                                   (problem->varies ? 4 * n : 0)};
 }
 
 size_t lac_problem_work(const lac_problem *problem)
 {
     return (problem->kind->arrays + leaning(problem)) * problem->n +
-           problem->transfer.kind->work(problem->transfer.state) + 1 +
-           (problem->varies ? 4 * problem->n : 0) + lac_weaken_work(problem);
+           lac_problem_transfer_work(problem) + 1 + (problem->varies ? 4 * problem->n : 0) +
+           lac_weaken_work(problem);
 }
 
 void lac_problem_forget(const lac_problem *problem, double *work)
 {
     if (problem->kind->solved) {
         lac_workspace ws = lac_problem_split(problem, work);
-        memset(ws.guess, 0, problem->n * sizeof *work);
+        memset(ws.guess, 0, (problem->kind->arrays - 4) * problem->n * sizeof *work);
         *ws.mean = 0.0;
     }
 }
@@ -147,9 +144,6 @@ bool lac_problem_evolve(const lac_look *at, double *wdot)
     return lac_vfinite(n, wdot);
 }
 
-// dtau/dv where v is as good as nothing.
-#define STIFFEST 1e250
-
 // On a bent base a mean slip greater by x puts C x on cell k, and a mean rate so C_v x: C times the
 // mean of b_slip goes to kv, and C + C_v/gamma to row. @param f  what friction takes of p, with its
 // sign
@@ -184,7 +178,7 @@ static bool reduce_block(const lac_look *at, double gamma, const double *gone, d
         double p = lac_problem_effective(problem, &at->drive, k);
         double v = at->motion.v[k];
         double z = p * s.f_u[i] / s.speed[i] + problem->damping;
-        z = z < STIFFEST ? z : STIFFEST;
+        z = z < LAC_STIFFEST ? z : LAC_STIFFEST;
         double f_w = copysign(p * s.f_w[i], v);
         double back = 1.0 / (1.0 - gamma * d.g_w[i]);
         double slope = back * (d.g_u[i] / v);
@@ -250,8 +244,7 @@ static const double *pressures_from(const lac_look *at, size_t first, size_t len
     return room;
 }
 
-// Rates where the mean rate `taken` damps them; gives back their mean.
-static double rates_under(const lac_look *at, const double *tractions, double taken, double *u)
+double lac_problem_rates_under(const lac_look *at, const double *tractions, double taken, double *u)
 {
     double left[LAC_FRICTION_BLOCK];
     double room[LAC_FRICTION_BLOCK];
@@ -280,7 +273,7 @@ static double rates_under(const lac_look *at, const double *tractions, double ta
     return total / (double)n;
 }
 
-static void find_ease(const lac_look *at, const double *u, double *ease)
+void lac_problem_find_ease(const lac_look *at, const double *u, double *ease)
 {
     double speed[LAC_FRICTION_BLOCK];
     const lac_problem *problem = at->problem;
@@ -324,11 +317,11 @@ static double rates_together(const lac_look *at, const double *tractions, double
     double *ease = ws->diagonal;
     lac_mean_search search = lac_mean_search_from(*ws->mean);
     for (int k = 0; k < 200; k++) {
-        double found = rates_under(at, tractions, search.mean, u);
+        double found = lac_problem_rates_under(at, tractions, search.mean, u);
         if (!isfinite(found)) {
             return found;
         }
-        find_ease(at, u, ease);
+        lac_problem_find_ease(at, u, ease);
         double slope = lac_vsum(n, ease) / (double)n;
         double moved = lac_mean_search_on(&search, found, slope);
         double part = part_taken(n, moved, ease, ws->v);
@@ -354,7 +347,7 @@ lac_motion lac_problem_solve_rates(const lac_look *at, const double *traction, b
         memcpy(u, ws->guess, at->problem->n * sizeof *u);
     }
     if (at->problem->drag == 0.0) {
-        mean = rates_under(at, traction, 0.0, u);
+        mean = lac_problem_rates_under(at, traction, 0.0, u);
     } else {
         mean = rates_together(at, traction, u);
         *ws->mean = keep && isfinite(mean) ? mean : *ws->mean;

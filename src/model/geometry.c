@@ -18,6 +18,8 @@ lac_status lac_problem_geometry_init(lac_problem *problem, lac_error *err)
     LAC_FAIL_IF(problem->friction->response.value != NULL, err, LAC_EINPUT,
                 "interface.geometry: the normal stress changes with slip, and friction's response "
                 "to that (alpha) is not followed");
+    LAC_FAIL_IF(problem->across != NULL, err, LAC_EINPUT,
+                "interface.geometry: slip in two directions is not followed on a base that bends");
     LAC_FAIL_IF(problem->weak != NULL, err, LAC_EINPUT,
                 "interface.geometry: weakening is not followed on a base that bends");
     problem->pull0 = lac_geometry_at(geometry, 0.0).pull;

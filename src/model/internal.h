@@ -39,6 +39,8 @@ struct lac_problem {
     double *anchor;                 // [n] K 1: what holds uniform slip [Pa/m]; NULL: nothing does
     double *log_rate0, *log_state0; // [n]
     double *shares0;                // [2n] of drive0; NULL where all cells are alike
+    struct lac_problem *across;     // slip along y, which shares all but what make_side gives it;
+                                    // NULL: slip is along x
 };
 
 // Effective normal pressure of cell i [Pa]: the one place where it is made of what the loads leave.
@@ -113,6 +115,7 @@ typedef struct lac_look {
     lac_workspace ws;
     lac_problem_loads_at drive;
     lac_motion motion;
+    double t;             // [s]
     const double *broken; // [n] part of the cohesion that is broken, 1 or more: all; NULL: none is
 } lac_look;
 
@@ -173,7 +176,45 @@ typedef struct lac_formulation_kind {
 const lac_formulation_kind *lac_formulation_kind_of(lac_formulation id);
 
 extern const lac_formulation_kind lac_formulation_rate, lac_formulation_traction,
-    lac_formulation_slip, lac_formulation_inertia;
+    lac_formulation_slip, lac_formulation_inertia, lac_formulation_vector;
+
+// dtau/dv where v is as good as nothing.
+#define LAC_STIFFEST 1e250
+
+// Slip that counts as much as the state that it renews and the traction that it takes off.
+double lac_slip_scale(const lac_problem *problem, size_t cell);
+
+// Slip in two directions, docs/theory/vector.md: takes the tractions at t = 0 to a heading.
+lac_status lac_vector_init(lac_problem *problem, double heading, lac_error *err);
+void lac_vector_clear(lac_problem *problem);
+
+// A state as one direction has it, 0 along x, 1 along y: its loads, and its tractions at t = 0.
+lac_look lac_look_along(const lac_look *at, int direction);
+
+// Slip along one direction of what stands in y, by where its slip along y begins.
+const double *lac_vector_slip(const lac_problem *problem, const double *slip, int direction);
+
+// Size of q - K slip of every cell; its components are then in the work.
+void lac_vector_traction(const lac_look *at, const double *slip, double *traction);
+
+// Error weights of all unknowns. @param weight  those of slip along x and ln theta are there
+void lac_vector_weigh(const lac_problem *problem, const double *y, double rtol, double *weight);
+
+// Shear force Q over the area of a cell, as lac_look_sheared [Pa]; gives back its size.
+double lac_vector_sheared(const lac_look *at, const double *slip, double along[2]);
+
+// Size of what every cell of a state is off its balance.
+void lac_vector_unbalanced(const lac_look *at, double *residual);
+
+// Doubles of scratch of the transfer.
+size_t lac_problem_transfer_work(const lac_problem *problem);
+
+// Rates where the mean rate `taken` damps them; gives back their mean.
+double lac_problem_rates_under(const lac_look *at, const double *tractions, double taken,
+                               double *u);
+
+// By how much rates fall as the mean rate rises that damps them.
+void lac_problem_find_ease(const lac_look *at, const double *u, double *ease);
 
 // Takes the block's mass: m, how it is spread and the scale of x. Nothing where there is none.
 lac_status lac_inertia_init(lac_problem *problem, const lac_problem_def *def, lac_error *err);

@@ -13,6 +13,7 @@ bool lac_problem_begin(const lac_problem *problem, double t, const double *y, bo
 {
     *at = (lac_look){
         .problem = problem, .y = y, .w = y + problem->n, .ws = lac_problem_split(problem, work)};
+    at->t = t;
     // What has mass moves as it does, and how fast it does presses it on a bent base.
     const bool moves = problem->mass > 0.0;
     if (moves) {
@@ -64,27 +65,44 @@ void lac_problem_elastic_traction(const lac_look *at, const double *slip, double
 void lac_problem_traction(const lac_problem *problem, double t, const double *slip,
                           double *traction, double *work)
 {
-    lac_look at = {.problem = problem, .ws = lac_problem_split(problem, work)};
+    lac_look at = {.problem = problem, .ws = lac_problem_split(problem, work), .t = t};
     const lac_gone gone = lac_problem_gone(problem, slip, 0.0);
     (void)lac_problem_drive_into(problem, t, gone, at.ws.shares, &at.drive);
+    if (problem->across != NULL) {
+        lac_vector_traction(&at, slip, traction);
+        return;
+    }
     lac_problem_elastic_traction(&at, slip, traction);
     for (size_t i = 0; problem->bond > 0.0 && i < problem->n; i++) {
         traction[i] += lac_problem_cohesion(problem, i);
     }
 }
 
+// What every cell is off its balance.
+static void find_residuals(const lac_look *at, const double *slip, double *residual)
+{
+    const lac_problem *problem = at->problem;
+    if (problem->across != NULL) {
+        lac_vector_unbalanced(at, residual);
+        return;
+    }
+    lac_problem_elastic_traction(at, slip, residual);
+    (void)lac_problem_unbalanced(at, residual, NULL);
+    if (problem->mass > 0.0) {
+        lac_inertia_unexplained(problem, residual);
+    }
+}
+
 // How far the cells are off their balance, each and together.
-// @param traction  q - K slip; overwritten
-static void measure_balance(const lac_look *at, double *traction, lac_observation *observation)
+// @param traction  overwritten
+static void measure_balance(const lac_look *at, const double *slip, double *traction,
+                            lac_observation *observation)
 {
     const lac_problem *problem = at->problem;
     double worst = 0.0;
     double sum = 0.0;
     double held = 0.0;
-    (void)lac_problem_unbalanced(at, traction, NULL);
-    if (problem->mass > 0.0) {
-        lac_inertia_unexplained(problem, traction);
-    }
+    find_residuals(at, slip, traction);
     for (size_t i = 0; i < problem->n; i++) {
         double p = lac_problem_effective(problem, &at->drive, i);
         double f0 = lac_cellwise_of(&problem->friction->column[LAC_F0], i);
@@ -109,6 +127,26 @@ double lac_look_sheared(const lac_look *at, const double *slip, double mean)
     double total = problem->sum_traction0 + problem->sum_pressure * (drive->ratio + problem->bond) +
                    (double)problem->n * alike;
     return total - lac_problem_held(problem, drive->far.back, slip);
+}
+
+// Mean slip and shear force; of slip in two directions with their components, and the rate's.
+static void observe_slip(const lac_look *at, const double *slip, lac_observation *seen)
+{
+    const lac_problem *problem = at->problem;
+    const double n = (double)problem->n;
+    if (problem->across == NULL) {
+        seen->mean_slip = lac_vsum(problem->n, slip) / n;
+        seen->shear_force = problem->cell_area * lac_look_sheared(at, slip, seen->mean_slip);
+        return;
+    }
+    const lac_components of = lac_problem_components(problem, slip, at->ws.v);
+    seen->shear_force = problem->cell_area * lac_vector_sheared(at, slip, seen->shear_along);
+    for (int c = 0; c < 2; c++) {
+        seen->slip_along[c] = lac_vsum(problem->n, of.slip[c]) / n;
+        seen->rate_along[c] = lac_vsum(problem->n, of.rate[c]) / n;
+        seen->shear_along[c] *= problem->cell_area;
+    }
+    seen->mean_slip = hypot(seen->slip_along[0], seen->slip_along[1]);
 }
 
 // What weakening has come to; NaN where nothing weakens.
@@ -172,18 +210,14 @@ void lac_problem_observe(const lac_problem *problem, double t, const double *y, 
             fabs(motion.v[i]) > fabs(motion.v[observation->fastest]) ? i : observation->fastest;
     }
     observation->max_rate = fabs(motion.v[observation->fastest]);
-    observation->mean_slip = lac_vsum(n, slip) / (double)n;
-
-    double total = lac_look_sheared(&at, slip, observation->mean_slip);
-    observation->shear_force = problem->cell_area * total;
+    observe_slip(&at, slip, observation);
     const double force = problem->cell_area * problem->sum_pressure;
     observation->normal_force = force * pressed(problem, t, drive->normal, at.ws.shares);
     observation->effective_force = force * drive->share;
 
     observation->factor_of_safety = problem->safety.asked ? lac_look_safety(&at, slip) : NAN;
 
-    lac_problem_elastic_traction(&at, slip, at.ws.kv);
-    measure_balance(&at, at.ws.kv, observation);
+    measure_balance(&at, slip, at.ws.kv, observation);
     observe_weakening(&at, observation);
 }
 

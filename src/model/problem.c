@@ -140,6 +140,9 @@ lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac
     problem->friction = def->friction;
     problem->transfer = *def->transfer;
     problem->loads = def->loads;
+    if (def->formulation == LAC_FORMULATION_VECTOR) {
+        problem->loads = lac_load_set_along(&def->loads, 1.0, 0.0);
+    }
     lac_damping damping = lac_damping_over(def->domain, def->damping, def->mass > 0.0);
     problem->damping = damping.cell;
     problem->mean_damping = damping.mean;
@@ -172,6 +175,9 @@ lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac
     if (problem->kind->has_slip) {
         LAC_TRY(measure_stiffness(problem, err));
     }
+    if (def->formulation == LAC_FORMULATION_VECTOR) {
+        LAC_TRY(lac_vector_init(problem, def->heading, err));
+    }
     *out = problem;
     problem = NULL;
 out:
@@ -184,6 +190,7 @@ void lac_problem_free(lac_problem *problem)
     if (problem == NULL) {
         return;
     }
+    lac_vector_clear(problem);
     free(problem->traction0);
     free(problem->anchor);
     free(problem->shares0);

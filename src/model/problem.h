@@ -17,6 +17,7 @@ typedef enum lac_formulation {
     LAC_FORMULATION_TRACTION, ///< tau = q - K slip, v solved from it, of either sign
     LAC_FORMULATION_SLIP,     ///< slip, v solved from q - K slip, of either sign
     LAC_FORMULATION_INERTIA,  ///< v on a logarithmic scale, and slip, where a block has mass
+    LAC_FORMULATION_VECTOR,   ///< slip in two directions, v solved from q - K slip
 } lac_formulation;
 
 /// What radiation takes off the traction of cell i under the total normal pressure p_i:
@@ -52,6 +53,7 @@ typedef struct lac_problem_def {
     const double *log_rate;  ///< [n] ln v at the start
     const double *log_state; ///< [n] ln theta at the start
     lac_formulation formulation;
+    double heading; ///< of slip in two directions at the start, from x towards y [rad]
     lac_safety safety;
     const lac_weakening_set *weakening; ///< what weakens the cells besides friction; NULL: nothing
 } lac_problem_def;
@@ -142,6 +144,27 @@ void lac_problem_speed(const lac_problem *problem, double t, const double *y, do
 /// Traction of every cell from the balance's elastic side, q - K slip [Pa].
 void lac_problem_traction(const lac_problem *problem, double t, const double *slip,
                           double *traction, double *work);
+
+/// Size of the mean slip over the cells; of slip along x with its sign [m].
+/// @param slip  here and elsewhere what stands in y from lac_problem_slip_place on: of slip in two
+///              directions that along y, and that along x is found in y before it
+double lac_problem_mean_slip(const lac_problem *problem, const double *slip);
+
+/// Whether slip has two directions. Rates, tractions and means are then sizes, never negative.
+bool lac_problem_is_vector(const lac_problem *problem);
+
+/// Components along x [0] and y [1].
+typedef struct lac_components {
+    const double *slip[2], *rate[2], *traction[2]; ///< [n] [m], [m/s], [Pa]
+} lac_components;
+
+/// Those of slip, of the rates found last and of the tractions found last; they hold until `work`
+/// is used again. Only of slip in two directions.
+lac_components lac_problem_components(const lac_problem *problem, const double *slip, double *work);
+
+/// Size of the slip of every cell [m]: `slip` itself where slip is along x, else in the work until
+/// that is used again.
+const double *lac_problem_slip_size(const lac_problem *problem, const double *slip, double *work);
 
 /// Pore pressure of every cell [Pa].
 void lac_problem_pore(const lac_problem *problem, double t, double *pore, double *work);

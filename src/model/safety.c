@@ -13,6 +13,7 @@ static lac_look look_at(const lac_problem *problem, double t, const double *y, d
 {
     lac_look at = {
         .problem = problem, .y = y, .w = y + problem->n, .ws = lac_problem_split(problem, work)};
+    at.t = t;
     const lac_gone gone = lac_problem_gone_in(problem, y, 0.0);
     (void)lac_problem_drive_into(problem, t, gone, at.ws.shares, &at.drive);
     (void)lac_weaken_look(&at);
@@ -58,6 +59,10 @@ double lac_look_safety(const lac_look *at, const double *slip)
     double sum = 0.0;
     for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
         sum += lac_vsum(hold(at, first, strength), strength);
+    }
+    if (at->problem->across != NULL) {
+        double along[2];
+        return over(sum, lac_vector_sheared(at, slip, along));
     }
     return over(sum, lac_look_sheared(at, slip, lac_vsum(n, slip) / (double)n));
 }

@@ -54,7 +54,7 @@ static bool newton(const lac_look *at, double gamma, double *b)
 
 // Slip counts as the state that it renews and the traction that it takes off: dc, or the slip that
 // takes a p off against the cell's stiffness, whichever is less.
-static double scale(const lac_problem *problem, size_t cell)
+double lac_slip_scale(const lac_problem *problem, size_t cell)
 {
     double dc = lac_cellwise_of(&problem->friction->column[LAC_DC], cell);
     double traction = lac_implicit_traction_scale(problem, cell);
@@ -73,4 +73,4 @@ const lac_formulation_kind lac_formulation_slip = {.id = LAC_FORMULATION_SLIP,
                                                    .move = move,
                                                    .derivative = derivative,
                                                    .newton = newton,
-                                                   .scale = scale};
+                                                   .scale = lac_slip_scale};

@@ -87,6 +87,7 @@ static void write_data(lac_page *page)
     static const section of_run[] = {
         {"about", write_about},
         {"motion", lac_page_course},
+        {"direction", lac_page_course},
         {"safety", lac_page_course},
         {"forces", lac_page_course},
         {"solver", lac_page_course},

@@ -60,12 +60,13 @@ lac_status lac_run_state_watch(const lac_run_state *r, double step, lac_error *e
     if (r->sink == NULL || r->sink->step == NULL) {
         return LAC_OK;
     }
-    const lac_step observation = {.time_origin = engine->origin,
-                                  .time_local = engine->base + engine->t,
-                                  .step = step,
-                                  .max_rate = r->max_rate,
-                                  .n = engine->n,
-                                  .slip_rate = engine->work,
-                                  .slip = engine->slip};
+    const lac_step observation = {
+        .time_origin = engine->origin,
+        .time_local = engine->base + engine->t,
+        .step = step,
+        .max_rate = r->max_rate,
+        .n = engine->n,
+        .slip_rate = engine->work,
+        .slip = lac_problem_slip_size(r->problem, engine->slip, engine->work)};
     return r->sink->step(r->sink->context, &observation, err);
 }

@@ -118,10 +118,11 @@ static lac_status check_safety(const lac_problem *problem, const lac_run_def *de
     LAC_FAIL_IF(!isnan(def->stop_safety) && def->fidelity == LAC_FIDELITY_ASYNC, err, LAC_EINPUT,
                 "time.stop_when.factor_of_safety goes with solver.fidelity ode: with events the "
                 "cells are together only at the ends of sweeps");
-    double *slip = calloc(lac_problem_cells(problem), sizeof *slip);
-    LAC_FAIL_MEMORY_IF(slip == NULL, err);
+    double *none = calloc(lac_problem_cells(problem), sizeof *none);
+    LAC_FAIL_MEMORY_IF(none == NULL, err);
+    const double *slip = lac_problem_has_slip(problem) ? y + lac_problem_slip_place(problem) : none;
     const double safety = lac_problem_safety(problem, 0.0, y, slip, work);
-    free(slip);
+    free(none);
     LAC_FAIL_IF(safety <= 0.0, err, LAC_EINPUT,
                 "the factor of safety at the start is %g: at so slow a reference rate the plain "
                 "form of friction has no strength; "

@@ -31,11 +31,12 @@ LAC_GETTER(bool, has_bridges, PLACE, WEAKENS(bridges))
 LAC_GETTER(bool, has_safety, PLACE, p->of.safety.asked)
 static lac_slab slab_at(const lac_run_place *p)
 {
-    return lac_geometry_at(p->of.loads->geometry, p->record.observation.mean_slip);
+    const lac_geometry *g = p->of.loads != NULL ? p->of.loads->geometry : NULL;
+    return g != NULL ? lac_geometry_at(g, p->record.observation.mean_slip)
+                     : (lac_slab){.angle = NAN, .thickness = NAN};
 }
-LAC_GETTER(bool, bends, PLACE, p->of.loads != NULL && p->of.loads->geometry != NULL)
-LAC_GETTER(bool, has_thickness, PLACE,
-           p->of.loads != NULL && p->of.loads->geometry != NULL && !isnan(slab_at(p).thickness))
+LAC_GETTER(bool, bends, PLACE, !isnan(slab_at(p).angle))
+LAC_GETTER(bool, has_thickness, PLACE, !isnan(slab_at(p).thickness))
 LAC_GETTER(double, angle, PLACE, slab_at(p).angle *(180.0 / M_PI))
 LAC_GETTER(double, thickness, PLACE, slab_at(p).thickness)
 LAC_GETTER(double, order, PLACE, p->record.order != 0 ? (double)p->record.order : NAN)
@@ -89,12 +90,10 @@ static const lac_variable of_record[] = {
                 "present states, sum of (p f(v_ref, theta) + cohesion) r^2, p effective, over "
                 "shear_force; missing where nothing drives. v_ref is v0 of the friction, "
                 "or factor_of_safety_reference_rate_m_s"),
-    LAC_ROW("angle", NULL, "degree", "dip of the base", G(angle), POINT,
-            .flags = LAC_FILLED | LAC_ROUGH, .has = bends,
-            .comment = "of interface.geometry at the mean slip"),
-    LAC_ROW("thickness", NULL, "m", "thickness of the sliding mass", G(thickness), POINT,
-            .flags = LAC_FILLED | LAC_ROUGH, .has = has_thickness,
-            .comment = "measured vertically; of interface.geometry at the mean slip"),
+    LAC_ROW("angle", NULL, "degree", "dip of the base at the mean slip", G(angle), POINT,
+            .flags = LAC_FILLED | LAC_ROUGH, .has = bends),
+    LAC_ROW("thickness", NULL, "m", "vertical thickness of the sliding mass", G(thickness), POINT,
+            .flags = LAC_FILLED | LAC_ROUGH, .has = has_thickness),
     LAC_ROW("excess_pore_pressure", NULL, "Pa", "pore pressure in excess of that of the loads",
             P(REAL, record.observation.excess_pore), POINT, .flags = LAC_MISSING | LAC_ROUGH,
             .has = has_excess,
@@ -390,6 +389,7 @@ static lac_status add_all(lac_dataset *d, const lac_run_place *p, lac_error *err
     LAC_TRY_RETURN(has_levels ? lac_dataset_add(d, &level, 1, err) : LAC_OK);
     LAC_TRY_RETURN(of->points != NULL ? lac_dataset_add(d, points, 2, err) : LAC_OK);
     LAC_TRY_RETURN(of->loads != NULL ? add_drivers(d, p, err) : LAC_OK);
+    LAC_TRY_RETURN(lac_run_describe_components(d, p, err));
     LAC_TRY_RETURN(add_extras(d, p, levels, err));
     return of->events ? lac_dataset_add(d, &events, 1, err) : LAC_OK;
 }

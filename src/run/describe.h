@@ -21,6 +21,9 @@ typedef struct lac_run_place {
 /// @return LAC_OK; LAC_ENOMEM
 lac_status lac_run_describe(const lac_run_place *place, lac_dataset **out, lac_error *err);
 
+/// Adds the components that a run of slip in two directions puts out; of others nothing.
+lac_status lac_run_describe_components(lac_dataset *d, const lac_run_place *place, lac_error *err);
+
 /// A record becomes what is put out.
 void lac_run_place_record(lac_run_place *place, const lac_record *record);
 

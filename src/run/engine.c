@@ -225,5 +225,5 @@ lac_status lac_engine_gave_up(lac_engine *engine, char *name, double step, int64
 
 double lac_engine_mean_slip(const lac_engine *engine, const double *slip)
 {
-    return lac_sum(engine->n, slip) / (double)engine->n;
+    return lac_problem_mean_slip(engine->problem, slip);
 }

@@ -62,6 +62,13 @@ extern const lac_engine_kind lac_engine_cvode; // BDF and Adams
 extern const lac_engine_kind lac_engine_erk;
 extern const lac_engine_kind lac_engine_events; // each cell at steps of its own
 
+// Slip in what `at` gives: where it stands in y, or behind y.
+static inline const double *lac_engine_slip_in(const lac_engine *engine, const double *seen)
+{
+    return seen + (lac_problem_has_slip(engine->problem) ? lac_problem_slip_place(engine->problem)
+                                                         : engine->unknowns);
+}
+
 // Whether lac_engine_events can follow a problem.
 lac_status lac_engine_events_check(const lac_problem *problem, lac_error *err);
 

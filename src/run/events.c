@@ -44,8 +44,8 @@ static bool look(probe *p, double t, double *value)
     if (!lac_engine_at(p->engine, t, p->observation)) {
         return false;
     }
-    *value =
-        past(p->engine, p->def, p->kind, t, p->observation, p->observation + p->engine->unknowns);
+    *value = past(p->engine, p->def, p->kind, t, p->observation,
+                  lac_engine_slip_in(p->engine, p->observation));
     return true;
 }
 

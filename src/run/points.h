@@ -35,6 +35,9 @@ typedef enum lac_point_value {
     LAC_POINT_VALUES,
 } lac_point_value;
 
+/// Components of slip, slip rate and traction, in the order of lac_observation.points_along.
+enum { LAC_POINT_ALONG = 6 };
+
 /// Finds the cells of places. Distances go round periodic edges; of cells equally near the first
 /// counts.
 /// @param def  [n] within the interface; copied

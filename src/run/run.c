@@ -10,116 +10,6 @@
 #include "run/run_state.h"
 
 typedef lac_run_state run;
-typedef lac_instant instant;
-
-// Whether a time is later than the last one put out, which it then becomes.
-static bool moves_on(instant *last, double origin, double local)
-{
-    if (last->set && (origin - last->origin) + (local - last->local) <= 0.0) {
-        return false;
-    }
-    *last = (instant){.set = true, .origin = origin, .local = local};
-    return true;
-}
-
-// What is put out of a state: itself, or its projection onto the balance.
-static void project(run *r, double t, const double **y, const double **slip)
-{
-    size_t n = r->engine->n, unknowns = r->engine->unknowns;
-    if (r->onto == NULL) {
-        return;
-    }
-    memcpy(r->onto, *y, unknowns * sizeof **y);
-    memcpy(r->onto + unknowns, *slip, n * sizeof **slip);
-    if (lac_problem_project(r->problem, lac_engine_clock(r->engine, t), r->onto, r->onto + unknowns,
-                            r->engine->work)) {
-        *y = r->onto;
-        *slip = r->onto + unknowns;
-    }
-}
-
-// What is told of the points at a record, whose cells are known.
-static void watch_points(run *r, double now, const double *slip, lac_record *line)
-{
-    double *traction = r->watched + LAC_POINT_VALUES * r->def->points->n;
-    lac_problem_traction(r->problem, now, slip, traction, r->engine->work);
-    const double *fields[] = {slip, line->cells.slip_rate, traction, line->cells.log_state};
-    lac_points_read(r->def->points, fields, r->watched);
-    line->observation.points = r->watched;
-}
-
-// Hands one line of the time series to the sink; a time already recorded is passed over.
-static lac_status record(run *r, double t, const double *y, const double *slip, lac_error *err)
-{
-    lac_engine *engine = r->engine;
-    double local = engine->base + t;
-    if (!moves_on(&r->last_record, engine->origin, local)) {
-        return LAC_OK;
-    }
-    project(r, t, &y, &slip);
-    lac_engine_count(engine);
-    lac_record line = {.time_origin = engine->origin,
-                       .time_local = local,
-                       .step_size = engine->step > 0.0 ? engine->step : NAN,
-                       .order = engine->step > 0.0 ? engine->order : 0,
-                       .rhs_evaluations = engine->counts.rhs_evaluations};
-    lac_problem_observe(r->problem, lac_engine_clock(engine, t), y, slip, &line.observation,
-                        engine->work);
-    line.cells =
-        (lac_record_cells){.n = engine->n, .slip_rate = engine->work, .log_state = y + engine->n};
-    if (!(line.observation.balance_residual <= r->result->balance_residual)) {
-        r->result->balance_residual = line.observation.balance_residual; // a NaN stays
-    }
-    r->result->rate_drift = fmax(r->result->rate_drift, line.observation.rate_drift);
-    lac_run_state_keep_safety(r, engine->origin + local, line.observation.factor_of_safety);
-    if (r->sink == NULL || r->sink->record == NULL) {
-        return LAC_OK;
-    }
-    if (r->watched != NULL) {
-        watch_points(r, lac_engine_clock(engine, t), slip, &line);
-    }
-    return r->sink->record(r->sink->context, &line, err);
-}
-
-static lac_status snapshot(run *r, double t, const double *y, const double *slip, lac_error *err)
-{
-    size_t n = r->engine->n;
-    double *v = r->fields, *theta = v + n, *traction = theta + n, *pore = traction + n;
-    double local = r->engine->base + t;
-    if (!moves_on(&r->last_snapshot, r->engine->origin, local) || r->sink == NULL ||
-        r->sink->snapshot == NULL) {
-        return LAC_OK;
-    }
-    project(r, t, &y, &slip);
-    double now = lac_engine_clock(r->engine, t);
-    lac_problem_rates(r->problem, now, y, v, r->engine->work);
-    for (size_t i = 0; i < n; i++) {
-        theta[i] = exp(y[n + i]);
-    }
-    lac_problem_traction(r->problem, now, slip, traction, r->engine->work);
-    lac_problem_pore(r->problem, now, pore, r->engine->work);
-    double *safety = r->def->cell_safety ? pore + n : NULL;
-    if (safety != NULL) {
-        lac_problem_safety_cells(r->problem, now, y, traction, safety, r->engine->work);
-    }
-    const bool weakens = lac_problem_weakening(r->problem) != NULL;
-    double *excess = weakens ? (safety != NULL ? safety : pore) + n : NULL;
-    if (weakens) {
-        lac_problem_weakened(r->problem, y, excess, excess + n, excess + 2 * n);
-    }
-    lac_snapshot fields = {.time = r->engine->origin + local,
-                           .slip = slip,
-                           .slip_rate = v,
-                           .state = theta,
-                           .traction = traction,
-                           .n = n,
-                           .factor_of_safety = safety,
-                           .pore = pore,
-                           .excess_pore = excess,
-                           .temperature = excess != NULL ? excess + n : NULL,
-                           .broken = excess != NULL ? excess + 2 * n : NULL};
-    return r->sink->snapshot(r->sink->context, &fields, err);
-}
 
 static bool interrupted(const run *r)
 {
@@ -161,7 +51,7 @@ static lac_status output_between(run *r, lac_error *err)
             return LAC_OK;
         }
         double t = fmin(lac_engine_inner(engine, next), engine->t);
-        double *slip = r->between + engine->unknowns;
+        const double *slip = lac_engine_slip_in(engine, r->between);
         LAC_FAIL_IF(!lac_engine_at(engine, t, r->between), err, LAC_ENUMERIC,
                     "no state at t = %.17g s", next);
         bool stops = interrupted(r);
@@ -173,11 +63,11 @@ static lac_status output_between(run *r, lac_error *err)
         }
         if (next_record == next) {
             r->record_clock.count++;
-            LAC_TRY_RETURN(record(r, t, r->between, slip, err));
+            LAC_TRY_RETURN(lac_run_state_record(r, t, r->between, slip, err));
         }
         if (next_snapshot == next) {
             r->snapshot_clock.count++;
-            LAC_TRY_RETURN(snapshot(r, t, r->between, slip, err));
+            LAC_TRY_RETURN(lac_run_state_snapshot(r, t, r->between, slip, err));
         }
     }
     return LAC_OK;
@@ -188,10 +78,10 @@ static lac_status output_step(run *r, lac_error *err)
 {
     lac_engine *engine = r->engine;
     if (lac_clock_due(&r->record_clock, r->mean_rate) || r->done) {
-        LAC_TRY_RETURN(record(r, engine->t, engine->y, engine->slip, err));
+        LAC_TRY_RETURN(lac_run_state_record(r, engine->t, engine->y, engine->slip, err));
     }
     if (r->fields != NULL && (lac_clock_due(&r->snapshot_clock, r->mean_rate) || r->done)) {
-        LAC_TRY_RETURN(snapshot(r, engine->t, engine->y, engine->slip, err));
+        LAC_TRY_RETURN(lac_run_state_snapshot(r, engine->t, engine->y, engine->slip, err));
     }
     return LAC_OK;
 }
@@ -383,14 +273,17 @@ static lac_status allocate_output(run *r, lac_error *err)
     const bool weakens = lac_problem_weakening(r->problem) != NULL;
     const size_t cells = r->engine->n * sizeof(double);
     const size_t bytes = r->engine->unknowns * sizeof(double) + cells;
-    const size_t fields = (r->def->cell_safety ? 5U : 4U) + (weakens ? 3U : 0U);
+    const bool vector = lac_problem_is_vector(r->problem);
+    const size_t fields = (r->def->cell_safety ? 5U : 4U) + (weakens ? 3U : 0U) +
+                          (vector ? (size_t)LAC_POINT_ALONG : 0U);
     r->between = by_time ? malloc(bytes) : NULL;
     r->fields = r->def->snapshots ? malloc(fields * cells) : NULL;
     // Where slip is the unknown the balance holds as it is.
     bool drifts = r->def->projection != 0 && !lac_problem_has_slip(r->problem);
     r->onto = drifts ? malloc(bytes) : NULL;
     const lac_points *points = r->def->points;
-    const size_t watched = points != NULL ? LAC_POINT_VALUES * points->n + r->engine->n : 0;
+    const size_t values = LAC_POINT_VALUES + LAC_POINT_ALONG;
+    const size_t watched = points != NULL ? values * points->n + r->engine->n : 0;
     r->watched = watched > 0 ? malloc(watched * sizeof *r->watched) : NULL;
     LAC_FAIL_MEMORY_IF((by_time && r->between == NULL) ||
                            (r->def->snapshots && r->fields == NULL) ||
@@ -412,9 +305,9 @@ static lac_status begin(run *r, lac_error *err)
     r->snapshot_clock = lac_clock_start(def->snapshot, r->mean_rate);
     LAC_TRY_RETURN(lac_run_state_watch(r, 0.0, err));
     r->checkpoint_clock = lac_clock_start(def->checkpoint, r->mean_rate);
-    LAC_TRY_RETURN(record(r, 0.0, engine->y, engine->slip, err));
+    LAC_TRY_RETURN(lac_run_state_record(r, 0.0, engine->y, engine->slip, err));
     if (r->fields != NULL) {
-        LAC_TRY_RETURN(snapshot(r, 0.0, engine->y, engine->slip, err));
+        LAC_TRY_RETURN(lac_run_state_snapshot(r, 0.0, engine->y, engine->slip, err));
     }
     r->next_break = lac_problem_next_break(r->problem, 0.0);
     engine->limit = nextafter(r->next_break, -INFINITY);

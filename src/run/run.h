@@ -41,6 +41,7 @@ typedef struct lac_run_output {
     const lac_extra *extra;   ///< [extras] what records carry beyond
     const lac_points *points; ///< that records tell of; NULL: none
     bool events;              ///< a catalogue of events comes along
+    bool vector;              ///< slip in two directions: components come along
     bool dated;               ///< the run starts at a date
     double start_date;        ///< seconds since 1970 of t = 0
     bool passing;             ///< kept in memory for lac_recording_move alone: only what grows

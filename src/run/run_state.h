@@ -60,8 +60,10 @@ typedef struct lac_run_state {
     lac_instant looked; // whether time goes on; `local`: time gone since
     double
         *between; // [unknowns + n] state and slip within a step, where records fall there; or NULL
-    double *fields;  // [4n], or up to [8n], of a snapshot, where snapshots are kept; or NULL
-    double *watched; // [points][LAC_POINT_VALUES], behind it [n] tractions; NULL: no points
+    double *fields;  // [4n], or up to [8n], of a snapshot, where snapshots are kept; of slip in two
+                     // directions [6n] components behind; or NULL
+    double *watched; // [points][LAC_POINT_VALUES], [points][LAC_POINT_ALONG], and [n] tractions;
+                     // NULL: no points
     double *onto; // [unknowns + n] state and slip on the balance, where projection is asked for; or
                   // NULL
     double next_break;
@@ -72,6 +74,15 @@ typedef struct lac_run_state {
     bool done;
     bool broken; // the step ended where the loads jump or bend
 } lac_run_state;
+
+// Hands one line of the time series to the sink; a time already recorded is passed over.
+// @param t, y, slip  of the engine's own time, its state then
+lac_status lac_run_state_record(lac_run_state *r, double t, const double *y, const double *slip,
+                                lac_error *err);
+
+// The same of the cells.
+lac_status lac_run_state_snapshot(lac_run_state *r, double t, const double *y, const double *slip,
+                                  lac_error *err);
 
 // Before a step: whether another one is allowed, and time still goes on.
 lac_status lac_run_state_check(lac_run_state *r, lac_error *err);

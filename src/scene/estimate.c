@@ -322,7 +322,7 @@ static bool could_have_own_steps(const lac_case *c)
     const lac_model_list *loads[] = {&c->shear, &c->pore, &c->pressing};
     for (size_t k = 0; k < 3; k++) {
         for (size_t i = 0; i < loads[k]->count; i++) {
-            scene.linear &= ((const lac_load_kind *)(const void *)loads[k]->item[i].info)->linear;
+            scene.linear &= lac_load_model_is_linear(&loads[k]->item[i]);
         }
     }
     return lac_case_admits_events(c) && lac_run_async_follows(&scene, NULL) == LAC_OK;

@@ -59,7 +59,7 @@ lac_regime lac_regime_of(const lac_estimate *estimate);
 /// "one block", "creep", "together", "patches", "one by one"; NULL: none.
 const char *lac_regime_name(lac_regime regime);
 
-enum { LAC_REGIME_ROOM = 800 };
+enum { LAC_REGIME_ROOM = 1600 };
 
 /// What roughness, size, load and water can and cannot do there; "" where nothing is integrated.
 void lac_regime_words(const lac_case *c, const lac_estimate *estimate,

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "friction/friction.h"
+#include "friction/weakening.h"
 #include "scene/estimate.h"
 #include "scene/internal.h"
 
@@ -64,6 +65,21 @@ static void say_together(const lac_case *c, const lac_estimate *e, words *w)
     }
 }
 
+static void say_weakening(const lac_case *c, const lac_estimate *e, words *w)
+{
+    const lac_friction_params *law = c->friction.params;
+    for (size_t i = 0; c->friction.info != NULL && i < c->weakening.count; i++) {
+        const lac_weakening_kind *kind = (const void *)c->weakening.item[i].info;
+        const lac_weakening_joint joint = {.normal = e->pressure,
+                                           .f0 = law->f0,
+                                           .excess = law->b - law->a,
+                                           .cohesion = law->cohesion > 0 ? law->cohesion : 0};
+        char text[400];
+        kind->words(c->weakening.item[i].params, &joint, text, sizeof text);
+        add(w, " %s", text);
+    }
+}
+
 void lac_regime_words(const lac_case *c, const lac_estimate *e, char text[static LAC_REGIME_ROOM])
 {
     words w = {text, LAC_REGIME_ROOM, 0};
@@ -89,5 +105,8 @@ void lac_regime_words(const lac_case *c, const lac_estimate *e, char text[static
         add(&w, " The load at the start follows from initial.slip_rate and the state: what is "
                 "there from the start (angle, weight, water) does not change when it fails. With a "
                 "load.shear of kind slope or ratio in the place of initial.slip_rate it does.");
+    }
+    if (regime != LAC_REGIME_NONE) {
+        say_weakening(c, e, &w);
     }
 }

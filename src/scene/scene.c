@@ -80,6 +80,18 @@ static lac_status spread_initial(const lac_heterogeneity_list *list,
     return lac_fail_within(err, status, "initial.spread.%s", of->key);
 }
 
+// Which way the cells slip at the start, where slip has two directions: as the loads pull them, or
+// as the case says where nothing but that fixes what they carry.
+static lac_status find_heading(const lac_scene *scene, double *heading, lac_error *err)
+{
+    const lac_case *c = scene->source;
+    if (!isnan(c->initial.slip_rate) && c->initial.state != LAC_STATE_FROM_LOAD) {
+        *heading = isnan(c->initial_azimuth) ? 0.0 : c->initial_azimuth;
+        return LAC_OK;
+    }
+    return lac_load_set_heading(&scene->loads, scene->contact.mean_pressure, heading, err);
+}
+
 static lac_status make_problem(lac_scene *scene, const lac_heterogeneity_place *place,
                                lac_error *err)
 {
@@ -96,7 +108,13 @@ static lac_status make_problem(lac_scene *scene, const lac_heterogeneity_place *
     LAC_TRY(spread_initial(&c->initial_spread, place, &state, err));
     initial.rates = rate.values;
     initial.states = state.values;
-    status = lac_initial_solve(&initial, domain, scene->friction, &scene->loads,
+    lac_load_set loads = scene->loads;
+    double heading = 0.0;
+    if (c->slip == LAC_SLIP_VECTOR) {
+        LAC_TRY(find_heading(scene, &heading, err));
+        loads = lac_load_set_along(&scene->loads, cos(heading), sin(heading));
+    }
+    status = lac_initial_solve(&initial, domain, scene->friction, &loads,
                                lac_damping_over(domain, scene->damping, lac_inertia_mass(c) > 0.0),
                                start, start + domain->n, err);
     LAC_TRY(lac_fail_within(err, status, "initial"));
@@ -110,6 +128,7 @@ static lac_status make_problem(lac_scene *scene, const lac_heterogeneity_place *
                            .log_rate = start,
                            .log_state = start + domain->n,
                            .formulation = (lac_formulation)c->formulation,
+                           .heading = heading,
                            .safety = c->safety,
                            .weakening = &scene->weakening};
     LAC_TRY(
@@ -208,6 +227,9 @@ lac_status lac_scene_create(const lac_case *c, lac_load_files *files, lac_scene 
                                .line = c->interface.shape == LAC_LINE};
     status = lac_transfer_create(&c->transfer, &from, &scene->transfer, err);
     LAC_TRY(lac_fail_within(err, status, "transfer"));
+    if (c->slip == LAC_SLIP_VECTOR) {
+        LAC_TRY(lac_transfer_direct(&c->transfer, &from, &scene->transfer, err));
+    }
     LAC_TRY(share_loads(c, &from, &scene->loads, err));
     LAC_TRY(make_motion(scene, err));
     *out = scene;

@@ -208,7 +208,8 @@ out:
 
 static lac_run_output output_of(const lac_outcome *of)
 {
-    return (lac_run_output){.domain = of->scene->contact.domain,
+    return (lac_run_output){.vector = lac_problem_is_vector(of->scene->problem),
+                            .domain = of->scene->contact.domain,
                             .hierarchy = of->scene->hierarchy,
                             .transfer = &of->scene->transfer,
                             .fields = of->source->fields,

@@ -109,8 +109,8 @@ static lac_status calibrate_band(const lac_hierarchy *h, size_t level, uint64_t 
     return LAC_OK;
 }
 
-lac_status lac_calibrate_elastic(const lac_transfer_scene *scene, uint64_t seed, double *k,
-                                 double *error, lac_error *err)
+static lac_status calibrate(const lac_transfer_scene *scene, bool across, uint64_t seed, double *k,
+                            double *error, lac_error *err)
 {
     lac_status status = LAC_OK;
     const lac_hierarchy *h = scene->hierarchy;
@@ -119,7 +119,8 @@ lac_status lac_calibrate_elastic(const lac_transfer_scene *scene, uint64_t seed,
     lac_rock rock = {.shear_modulus = scene->shear_modulus,
                      .poisson = scene->poisson,
                      .thickness = INFINITY,
-                     .line = scene->line};
+                     .line = scene->line,
+                     .across = across};
     LAC_TRY(lac_compliance_create(scene->domain, &rock, &c, err));
     vectors = malloc(2 * lac_hierarchy_cells(h) * sizeof *vectors);
     LAC_TRY(vectors != NULL ? LAC_OK : lac_fail_memory(err));
@@ -131,4 +132,16 @@ out:
     free(vectors);
     lac_compliance_free(c);
     return status;
+}
+
+lac_status lac_calibrate_elastic(const lac_transfer_scene *scene, uint64_t seed, double *k,
+                                 double *error, lac_error *err)
+{
+    return calibrate(scene, false, seed, k, error, err);
+}
+
+lac_status lac_calibrate_along_y(const lac_transfer_scene *scene, uint64_t seed, double *k,
+                                 lac_error *err)
+{
+    return calibrate(scene, true, seed, k, NULL, err);
 }

@@ -10,3 +10,7 @@
 /// @param error  [levels] its standard error, 0 where all vectors were used; NULL: not wanted
 lac_status lac_calibrate_elastic(const lac_transfer_scene *scene, uint64_t seed, double *k,
                                  double *error, lac_error *err);
+
+/// The same for slip along y.
+lac_status lac_calibrate_along_y(const lac_transfer_scene *scene, uint64_t seed, double *k,
+                                 lac_error *err);

@@ -14,6 +14,8 @@ typedef struct lac_rock {
     bool line;        ///< a row of cells is a line in plane strain or antiplane, not a strip
     bool creeping;    ///< beyond a free border slip is uniform instead of free of traction
     bool measure;     ///< transforms are planned by measuring
+    bool across;      ///< slip is along y, not x
+    bool cross;       ///< the stiffness is of traction along y under slip along x, of waves only
 } lac_rock;
 
 /// Tables for lac_fft_filter, [nkx * ny] by columns, with the 1/N of the transforms.

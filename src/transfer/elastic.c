@@ -52,6 +52,9 @@ static void destroy(void *state)
         lac_compliance_free(e->rock);
         free(e->k);
         free(e->last);
+        free(e->k_across);
+        lac_compliance_free(e->across);
+        lac_compliance_free(e->cross);
         free(e);
     }
 }
@@ -97,6 +100,17 @@ static lac_status find_anchor(lac_elastic *e, lac_error *err)
     return LAC_OK;
 }
 
+static lac_rock rock_of(const lac_transfer_elastic *p, const lac_transfer_scene *scene)
+{
+    return (lac_rock){.shear_modulus = scene->shear_modulus,
+                      .poisson = p->mode == ANTIPLANE ? 0 : scene->poisson,
+                      .thickness = isnan(p->thickness) ? INFINITY : p->thickness,
+                      .antiplane = p->mode == ANTIPLANE,
+                      .line = scene->line,
+                      .measure = scene->measure,
+                      .creeping = p->outside == CREEPING};
+}
+
 // The rock of some parameters on a domain, without what a Newton iteration needs beside it.
 static lac_status begin(const lac_transfer_elastic *p, const lac_transfer_scene *scene,
                         lac_rock *rock, lac_elastic **out, lac_error *err)
@@ -104,13 +118,7 @@ static lac_status begin(const lac_transfer_elastic *p, const lac_transfer_scene 
     lac_status status = LAC_OK;
     lac_elastic *e = calloc(1, sizeof *e);
     LAC_FAIL_MEMORY_IF(e == NULL, err);
-    *rock = (lac_rock){.shear_modulus = scene->shear_modulus,
-                       .poisson = p->mode == ANTIPLANE ? 0 : scene->poisson,
-                       .thickness = isnan(p->thickness) ? INFINITY : p->thickness,
-                       .antiplane = p->mode == ANTIPLANE,
-                       .line = scene->line,
-                       .measure = scene->measure,
-                       .creeping = p->outside == CREEPING};
+    *rock = rock_of(p, scene);
     e->n = scene->domain->n;
     e->h = scene->hierarchy;
     e->direct = is_full(scene->domain) && (scene->domain->grid.periodic || rock->creeping);
@@ -224,6 +232,30 @@ static bool solve(const void *state, double k_mean, const double *diagonal, cons
     return lac_elastic_solve(state, k_mean, diagonal, y, x, scratch) >= 0;
 }
 
+static lac_status direct(const void *given, const lac_transfer_scene *scene, void *state,
+                         lac_error *err)
+{
+    const lac_rock rock = rock_of(given, scene);
+    return lac_elastic_direct(scene, &rock, state, err);
+}
+
+static size_t pair_work(const void *state) { return lac_elastic_pair_work(state); }
+
+static void pair_apply(const void *state, const double *const slip[2], double *const force[2],
+                       double *scratch)
+{
+    lac_elastic_pair_apply(state, slip, force, scratch);
+}
+
+static bool pair_solve(const void *state, double k_mean, const double *const diagonal[3],
+                       double *const x[2], double *scratch)
+{
+    return lac_elastic_pair_solve(state, k_mean, diagonal, x, scratch) >= 0;
+}
+
+static const lac_transfer_pair pair = {
+    .direct = direct, .work = pair_work, .apply = pair_apply, .solve = pair_solve};
+
 // Of the hierarchy that is nearest.
 static double stiffness(const void *state, size_t level)
 {
@@ -263,6 +295,7 @@ const lac_transfer_kind lac_elastic_kind = {
     .work = work,
     .apply = apply,
     .solve = solve,
+    .pair = &pair,
     .stiffness = stiffness,
     .transforms = true,
     .outline = outline,

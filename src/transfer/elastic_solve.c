@@ -9,16 +9,6 @@
 #include "base/statistics.h"
 #include "base/vsum.h"
 
-// A symmetric positive definite system and what is near its inverse, for conjugate gradients.
-typedef struct krylov {
-    size_t n;
-    void *self; // of the two functions
-    void (*multiply)(void *self, const double *x, double *y);
-    // z = M r. Gives back how large the error is that r stands for, squared: r . z, or another
-    // measure of it; NaN where there is no M.
-    double (*precondition)(void *self, const double *r, double *z);
-} krylov;
-
 enum { KRYLOV_WORK = 3 }; // vectors of scratch
 
 static bool positive(double x) { return x > 0 && x <= DBL_MAX; }
@@ -33,11 +23,8 @@ static void advance(size_t n, double step, const double *restrict p, const doubl
     }
 }
 
-// Adds to x, to which r belongs, what makes the residual small. @param size  of the error that
-// counts as 1, as precondition measures it; NaN: that of r. @return iterations; -1 where the system
-// is not positive definite, or they do not suffice
-static int iterate(const krylov *a, double *x, double *r, double size, double tolerance,
-                   double *work)
+int lac_elastic_iterate(const lac_krylov *a, double *x, double *r, double size, double tolerance,
+                        double *work)
 {
     size_t n = a->n;
     double *z = work, *p = z + n, *q = p + n;
@@ -161,7 +148,7 @@ static int solve_slip(job *j, const double *y, double *x, double *work)
 {
     size_t n = j->e->n;
     double *r = work, *start = r + n;
-    krylov system = {n, j, multiply_slip, precondition_slip};
+    lac_krylov system = {n, j, multiply_slip, precondition_slip};
     if (!near_inverse(j, y, start)) {
         return -1;
     }
@@ -171,7 +158,7 @@ static int solve_slip(job *j, const double *y, double *x, double *work)
         r[i] = y[i] - r[i];
     }
     memcpy(x, start, n * sizeof *x);
-    return iterate(&system, x, r, size, j->e->newton_tolerance, work + n);
+    return lac_elastic_iterate(&system, x, r, size, j->e->newton_tolerance, work + n);
 }
 
 // 2. K is the inverse of C, D > 0: (C + D^-1) tau = D^-1 y, x = C tau + m.
@@ -219,12 +206,12 @@ static double precondition_traction(void *self, const double *r, double *z)
 }
 
 // tau from r, of an error of `size`; x = C tau
-static int find_traction(const job *j, krylov *system, double *r, double size, double *x)
+static int find_traction(const job *j, lac_krylov *system, double *r, double size, double *x)
 {
     const lac_elastic *e = j->e;
     double *tau = r + e->n;
     memset(tau, 0, e->n * sizeof *tau);
-    int iterations = iterate(system, tau, r, size, e->newton_tolerance, tau + e->n);
+    int iterations = lac_elastic_iterate(system, tau, r, size, e->newton_tolerance, tau + e->n);
     lac_compliance_slip(e->rock, tau, x);
     return iterations;
 }
@@ -234,7 +221,7 @@ static int solve_traction(job *j, const double *y, double *x, double *work)
     const lac_elastic *e = j->e;
     size_t n = e->n;
     double *r = work, *tau = r + n;
-    krylov system = {n, j, multiply_traction, precondition_traction};
+    lac_krylov system = {n, j, multiply_traction, precondition_traction};
     diagonal_inverse(j, y, r);
     take_mean_off(e, r);
     memset(tau, 0, n * sizeof *tau);
@@ -287,7 +274,7 @@ static int solve_squared(job *j, const double *y, double *x, double *work)
     const lac_elastic *e = j->e;
     size_t n = e->n;
     double *r = work, *tau = r + n;
-    krylov system = {n, j, multiply_squared, precondition_squared};
+    lac_krylov system = {n, j, multiply_squared, precondition_squared};
     double off = e->floating ? lac_sum(n, y) / j->sum_d : 0;
     for (size_t i = 0; i < n; i++) {
         tau[i] = y[i] - (j->d[i] + j->k_mean) * off;
@@ -374,10 +361,10 @@ int lac_elastic_apply(const lac_elastic *e, const double *slip, double *force, d
         return 0;
     }
     take_mean_off(e, r); // what rounding left: of slips all but alike as much as they differ by
-    krylov system = {n, &j, multiply_compliance, precondition_compliance};
+    lac_krylov system = {n, &j, multiply_compliance, precondition_compliance};
     memset(tau, 0, n * sizeof *tau);
-    int iterations =
-        iterate(&system, tau, r, NAN, e->tolerance, j.scratch + lac_hierarchy_work(e->h));
+    int iterations = lac_elastic_iterate(&system, tau, r, NAN, e->tolerance,
+                                         j.scratch + lac_hierarchy_work(e->h));
     take_mean_off(e, tau);
     for (size_t i = 0; i < n; i++) {
         force[i] = iterations < 0 ? (double)NAN : tau[i];

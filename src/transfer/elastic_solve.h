@@ -3,6 +3,7 @@
 
 #include "hierarchy/hierarchy.h"
 #include "transfer/compliance.h"
+#include "transfer/transfer.h"
 
 /// How the operator of the half-spaces is had: docs/theory/transfer.md, "The elastic transfer".
 typedef struct lac_elastic {
@@ -16,6 +17,9 @@ typedef struct lac_elastic {
     double tolerance;        ///< of apply
     double newton_tolerance; ///< of solve
     double *last;            ///< [2n] the last slip and its stress; NULL where K is a filter
+    lac_compliance *across, *cross; ///< of slip in two directions: tractions along y of slip along
+                                    ///< y, and of each of the other; NULL
+    double *k_across;               ///< [levels] as k, of slip along y
 } lac_elastic;
 
 enum { LAC_ELASTIC_ITERATIONS = 1000 }; ///< at most
@@ -31,3 +35,30 @@ int lac_elastic_apply(const lac_elastic *e, const double *slip, double *force, d
 /// definite.
 int lac_elastic_solve(const lac_elastic *e, double k_mean, const double *diagonal, const double *y,
                       double *x, double *work);
+
+/// Readies it for slip in two directions, as lac_transfer_pair does; apply and solve as there.
+lac_status lac_elastic_direct(const lac_transfer_scene *scene, const lac_rock *rock, lac_elastic *e,
+                              lac_error *err);
+size_t lac_elastic_pair_work(const lac_elastic *e);
+void lac_elastic_pair_apply(const lac_elastic *e, const double *const slip[2],
+                            double *const force[2], double *work);
+/// @return iterations, -1 as lac_elastic_solve
+int lac_elastic_pair_solve(const lac_elastic *e, double k_mean, const double *const diagonal[3],
+                           double *const x[2], double *work);
+
+/// A symmetric positive definite system and what is near its inverse, for conjugate gradients.
+typedef struct lac_krylov {
+    size_t n;
+    void *self; ///< of the two functions
+    void (*multiply)(void *self, const double *x, double *y);
+    /// z = M r. Gives back how large the error is that r stands for, squared: r . z, or another
+    /// measure of it; NaN where there is no M.
+    double (*precondition)(void *self, const double *r, double *z);
+} lac_krylov;
+
+/// Adds to x, to which r belongs, what makes the residual small.
+/// @param size  of the error that counts as 1, as precondition measures it; NaN: that of r
+/// @param work  three vectors
+/// @return iterations; -1 where the system is not positive definite, or they do not suffice
+int lac_elastic_iterate(const lac_krylov *a, double *x, double *r, double size, double tolerance,
+                        double *work);

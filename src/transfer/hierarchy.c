@@ -12,8 +12,18 @@
 typedef struct hierarchy {
     const lac_hierarchy *h;
     size_t levels;
-    double k[]; // [levels] stiffness of each level [Pa/m]
+    double *across; // [levels] of slip along y; NULL: the same
+    double k[];     // [levels] stiffness of each level [Pa/m]
 } hierarchy;
+
+static void destroy(void *state)
+{
+    hierarchy *self = state;
+    if (self != NULL) {
+        free(self->across);
+        free(self);
+    }
+}
 
 static const char *const stiffness_choices[] = {"elastic", NULL};
 
@@ -49,7 +59,7 @@ static lac_status create(const void *given, const lac_transfer_scene *scene, voi
     *state = self;
     self = NULL;
 out:
-    free(self);
+    destroy(self);
     return status;
 }
 
@@ -71,6 +81,47 @@ static bool solve(const void *state, double k_mean, const double *diagonal, cons
     const hierarchy *self = state;
     return lac_hierarchy_solve(self->h, self->k, k_mean, diagonal, y, x, scratch);
 }
+
+// Elastic rock is stiffer along slip than across it, so that blocks of a domain that is not alike
+// both ways have two stiffnesses.
+static lac_status direct(const void *given, const lac_transfer_scene *scene, void *state,
+                         lac_error *err)
+{
+    const lac_transfer_hierarchy *p = given;
+    hierarchy *self = state;
+    if (p->stiffness < 0) {
+        return LAC_OK;
+    }
+    self->across = malloc((self->levels + 1) * sizeof *self->across);
+    LAC_FAIL_MEMORY_IF(self->across == NULL, err);
+    return lac_calibrate_along_y(scene, (uint64_t)p->seed, self->across, err);
+}
+
+static size_t pair_work(const void *state)
+{
+    const hierarchy *self = state;
+    return lac_hierarchy_pair_work(self->h) + lac_hierarchy_work(self->h);
+}
+
+static void pair_apply(const void *state, const double *const slip[2], double *const force[2],
+                       double *scratch)
+{
+    const hierarchy *self = state;
+    const double *across = self->across != NULL ? self->across : self->k;
+    lac_hierarchy_apply(self->h, self->k, slip[0], force[0], scratch);
+    lac_hierarchy_apply(self->h, across, slip[1], force[1], scratch);
+}
+
+static bool pair_solve(const void *state, double k_mean, const double *const diagonal[3],
+                       double *const x[2], double *scratch)
+{
+    const hierarchy *self = state;
+    const double *const k[2] = {self->k, self->across != NULL ? self->across : self->k};
+    return lac_hierarchy_solve_pair(self->h, k, k_mean, diagonal, x, scratch);
+}
+
+static const lac_transfer_pair pair = {
+    .direct = direct, .work = pair_work, .apply = pair_apply, .solve = pair_solve};
 
 static double stiffness(const void *state, size_t level)
 {
@@ -114,10 +165,11 @@ const lac_transfer_kind lac_hierarchy_kind = {
                           "Chiaia (2004) Rock Mech. Rock Eng. 37, 117",
              LAC_ROWS(params, lac_transfer_hierarchy)},
     .create = create,
-    .free = free,
+    .free = destroy,
     .work = work,
     .apply = apply,
     .solve = solve,
+    .pair = &pair,
     .stiffness = stiffness,
     .blocks = blocks,
     .outline = outline,

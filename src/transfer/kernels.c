@@ -36,8 +36,26 @@ static double wave_stiffness(const lac_rock *rock, double kx, double ky)
     if (rock->antiplane) {
         return rock->shear_modulus / 2 * k * slab_antiplane(q);
     }
+    if (rock->across) {
+        double along_slip = ky;
+        ky = kx;
+        kx = along_slip;
+    }
     double across = ky * (ky / k), along = kx * (kx / k) / (1 - nu);
     return rock->shear_modulus / 2 * (across * slab_antiplane(q) + along * slab_in_plane(nu, q));
+}
+
+// Traction along y under slip along x, S = G/2 (1/(1-nu) - 1) kx ky/|k|: odd in each, so that the
+// shortest wave, which stands for both signs, has none.
+static double cross_stiffness(const lac_rock *rock, double kx, double ky)
+{
+    double k = hypot(kx, ky);
+    if (!(k > 0)) {
+        return 0;
+    }
+    double q = k * rock->thickness, nu = rock->poisson;
+    double apart = slab_in_plane(nu, q) / (1 - nu) - slab_antiplane(q);
+    return rock->shear_modulus / 2 * kx * (ky / k) * apart;
 }
 
 static void fill_waves(const lac_fft *fft, const lac_grid *grid, const lac_rock *rock,
@@ -48,7 +66,10 @@ static void fill_waves(const lac_fft *fft, const lac_grid *grid, const lac_rock 
         double ky = 2 * M_PI * lac_fft_frequency(j, fft->ny) / ((double)fft->ny * grid->dy);
         for (size_t i = 0; i < fft->nkx; i++) {
             double kx = 2 * M_PI * (double)i / ((double)fft->nx * grid->dx);
-            double s = wave_stiffness(rock, kx, ky);
+            bool shortest = 2 * i == fft->nx || 2 * j == fft->ny;
+            double s = !rock->cross ? wave_stiffness(rock, kx, ky)
+                       : shortest   ? 0
+                                    : cross_stiffness(rock, kx, ky);
             stiffness[i * fft->ny + j] = s / cells;
             compliance[i * fft->ny + j] = s > 0 ? 1 / (s * cells) : 0;
         }
@@ -75,10 +96,18 @@ static double slip_to_corner(double nu, double x, double y)
     return (x < 0) == (y < 0) ? sum : -sum;
 }
 
+// The same under slip along y.
+static double slip_across(double nu, double x, double y) { return slip_to_corner(nu, y, x); }
+
 // Traction under slip, equation 12d.
 static double traction_to_corner(double nu, double x, double y)
 {
     return (x / y + y / (x * (1 - nu))) / (4 * hypot(x, y));
+}
+
+static double traction_across(double nu, double x, double y)
+{
+    return traction_to_corner(nu, y, x);
 }
 
 // The same on a line, equations 12c and 12d; constants of the slip are free.
@@ -138,21 +167,23 @@ static void transform(lac_fft *fft, double *table)
 static lac_status fill_alone(lac_fft *fft, const lac_grid *grid, const lac_rock *rock,
                              double *stiffness, double *compliance, lac_error *err)
 {
-    double g = rock->shear_modulus, nu = rock->poisson;
+    // Slip across a line is antiplane.
+    double g = rock->shear_modulus, nu = rock->across && rock->line ? 0 : rock->poisson;
     double *low = malloc(2 * (fft->nx / 2 + 2) * sizeof *low);
     LAC_FAIL_MEMORY_IF(low == NULL, err);
     if (rock->line) {
         // Lengths in cells: the logarithm of a unit would only add a constant.
         fill_line(fft, 1, line_slip, nu, grid->dx / (M_PI * g));
     } else {
-        fill_plane(fft, grid, slip_to_corner, nu, 1 / (M_PI * g), low);
+        fill_plane(fft, grid, rock->across ? slip_across : slip_to_corner, nu, 1 / (M_PI * g), low);
     }
     transform(fft, compliance);
     if (rock->creeping && rock->line) {
         fill_line(fft, grid->dx, line_traction, nu, g / M_PI);
         transform(fft, stiffness);
     } else if (rock->creeping) {
-        fill_plane(fft, grid, traction_to_corner, nu, g / M_PI, low);
+        fill_plane(fft, grid, rock->across ? traction_across : traction_to_corner, nu, g / M_PI,
+                   low);
         transform(fft, stiffness);
     }
     free(low);

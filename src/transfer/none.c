@@ -8,6 +8,7 @@
 
 typedef struct none {
     size_t n;
+    const lac_hierarchy *h; // for slip in two directions
 } none;
 
 static lac_status create(const void *params, const lac_transfer_scene *scene, void **state,
@@ -17,6 +18,7 @@ static lac_status create(const void *params, const lac_transfer_scene *scene, vo
     none *self = malloc(sizeof *self);
     LAC_FAIL_MEMORY_IF(self == NULL, err);
     self->n = scene->domain->n;
+    self->h = scene->hierarchy;
     *state = self;
     return LAC_OK;
 }
@@ -68,6 +70,38 @@ static bool solve(const void *state, double k_mean, const double *diagonal, cons
     return true;
 }
 
+static lac_status direct(const void *params, const lac_transfer_scene *scene, void *state,
+                         lac_error *err)
+{
+    (void)params, (void)scene, (void)state, (void)err;
+    return LAC_OK;
+}
+
+static size_t pair_work(const void *state)
+{
+    const none *self = state;
+    return lac_hierarchy_pair_work(self->h);
+}
+
+static void pair_apply(const void *state, const double *const slip[2], double *const force[2],
+                       double *scratch)
+{
+    apply(state, slip[0], force[0], scratch);
+    apply(state, slip[1], force[1], scratch);
+}
+
+// Blocks that nothing ties.
+static bool pair_solve(const void *state, double k_mean, const double *const diagonal[3],
+                       double *const x[2], double *scratch)
+{
+    static const double loose[64] = {0}; // more levels than any grid has
+    const double *const k[2] = {loose, loose};
+    return lac_hierarchy_solve_pair(((const none *)state)->h, k, k_mean, diagonal, x, scratch);
+}
+
+static const lac_transfer_pair pair = {
+    .direct = direct, .work = pair_work, .apply = pair_apply, .solve = pair_solve};
+
 static double stiffness(const void *state, size_t level)
 {
     (void)state;
@@ -84,5 +118,6 @@ const lac_transfer_kind lac_none_kind = {
     .work = work,
     .apply = apply,
     .solve = solve,
+    .pair = &pair,
     .stiffness = stiffness,
 };

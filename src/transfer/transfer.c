@@ -52,6 +52,16 @@ lac_status lac_transfer_create(const lac_model *model, const lac_transfer_scene 
     return LAC_OK;
 }
 
+lac_status lac_transfer_direct(const lac_model *model, const lac_transfer_scene *scene,
+                               lac_transfer *transfer, lac_error *err)
+{
+    const lac_transfer_kind *kind = transfer->kind;
+    LAC_FAIL_IF(kind->pair == NULL, err, LAC_EINPUT, "transfer %s: knows slip along x only",
+                kind->info.name);
+    lac_status status = kind->pair->direct(model->params, scene, transfer->state, err);
+    return lac_fail_within(err, status, "transfer %s", kind->info.name);
+}
+
 bool lac_transfer_outline_of(const lac_model *model, lac_transfer_outline *outline)
 {
     const lac_transfer_kind *kind = (const void *)model->info;

@@ -35,6 +35,21 @@ typedef struct lac_transfer_validate {
     const char *key, *text;
 } lac_transfer_validate;
 
+/// K of slip in two directions, along x [0] and along y [1], of a state that has been `direct`ed.
+typedef struct lac_transfer_pair {
+    /// Readies a state that `create` has made.
+    lac_status (*direct)(const void *params, const lac_transfer_scene *scene, void *state,
+                         lac_error *err);
+    size_t (*work)(const void *state); ///< doubles of scratch that apply and solve need
+    /// force = K slip; [n] each [m] -> [Pa]
+    void (*apply)(const void *state, const double *const slip[2], double *const force[2],
+                  double *work);
+    /// (D + K + k_mean P_m) x = y, y in the place of x, D of symmetric 2 x 2 blocks: xx, xy, yy;
+    /// false as `solve`
+    bool (*solve)(const void *state, double k_mean, const double *const diagonal[3],
+                  double *const x[2], double *work);
+} lac_transfer_pair;
+
 /// A stress transfer: slip -> stress taken off each cell, K, symmetric positive semidefinite. Zero
 /// for uniform slip, unless rock that stays behind holds the mean slip (`elastic` with a thickness
 /// or creeping surroundings).
@@ -50,6 +65,7 @@ typedef struct lac_transfer_kind {
     /// iteration does not end
     bool (*solve)(const void *state, double k_mean, const double *diagonal, const double *y,
                   double *x, double *work);
+    const lac_transfer_pair *pair; ///< NULL: it knows slip along x only
     /// Stiffness of a level [Pa/m]; 0 where the kind has no levels
     double (*stiffness)(const void *state, size_t level);
     /// The blocks, where K is sum_l stiffness(l) (P_l - P_{l+1}) over them. NULL: it is not
@@ -96,6 +112,11 @@ const lac_transfer_kind *lac_transfer_kind_get(size_t index);
 
 /// Makes the chosen transfer for a domain; an empty model means `none`.
 lac_status lac_transfer_create(const lac_model *model, const lac_transfer_scene *scene,
+                               lac_transfer *transfer, lac_error *err);
+
+/// Readies a transfer that was made of the same for slip in two directions.
+/// @return LAC_OK; LAC_EINPUT (the kind knows slip along x only); LAC_ENUMERIC; LAC_ENOMEM
+lac_status lac_transfer_direct(const lac_model *model, const lac_transfer_scene *scene,
                                lac_transfer *transfer, lac_error *err);
 
 /// Tractions of cells tied to one another, which slip alike: C^-1 1, scaled to a mean of 1. How

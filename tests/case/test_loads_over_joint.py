@@ -5,6 +5,7 @@
 usage: test_loads_over_joint.py PROGRAM SOURCE_FOLDER [unittest options]
 """
 
+import itertools
 import json
 import math
 import os
@@ -439,6 +440,74 @@ class WaterTable(Fields):
         self.follow(case.replace("END", "20 s").replace("EVERY", "10 s"))
         pore, x = self.snapshots("cell_pore_pressure", "x")
         self.assertLess(numpy.abs(pore - 1e4 * numpy.maximum(0, 0.5 * x - 10)).max(), 1e-6)
+
+
+    def test_a_fringe(self):
+        """u = gamma w ln(1 + exp(head/w)); readings alone are breaks, so that columns cost no steps."""
+        self.write("lake.csv", "t,level\n0,80\n10,95\n20,70\n")
+        load = "{water_table: {file: lake.csv, time: t, column: 'level:m', elevation: 100 m, angle: 30 degree, fringe: 0.5 m}}"
+        case = STILL.replace("INTERFACE", 'size: "64 m", levels: 5').replace("{LOAD}", load)
+        case = case.replace("END", "20 s").replace("EVERY", "1 s")
+        self.follow(case)
+        t, pore, x = self.snapshots("snapshot_time", "cell_pore_pressure", "x")
+        head = numpy.interp(t, [0, 10, 20], [80, 95, 70])[:, None] - (100 - 0.5 * x)[None, :]
+        self.assertLess(numpy.abs(pore - 9806.65 * 0.5 * numpy.logaddexp(0, head / 0.5)).max(), 1e-6)
+        self.assertIn("solver.fidelity events follows loads that are linear in time",
+                      self.expect(2, "run", "c.yaml", "-o", "no.nc", *HOW["events"],
+                                  "--set", "transfer={hierarchy: {k0: 1 GPa/m, ratio: 0.5}}").stderr)
+        bundled = os.path.join(test_cli.SOURCE, "cases/load/water-table.yaml")
+        steps, slip = {}, {}
+        for fringe, levels in itertools.product((0, 0.1, 0.5), (4, 6)):
+            done = json.loads(self.expect(0, "run", bundled, "-o", "out.nc", "--force", "--json", "--set",
+                                          f"interface.levels={levels}", "--set",
+                                          f"load.pore_pressure.0.water_table.fringe={fringe} m").stdout)
+            steps[fringe, levels], slip[fringe, levels] = done["steps"], done["mean_slip_m"]
+        self.assertLess(steps[0.5, 6], 1.3 * steps[0.5, 4])
+        self.assertLess(8 * steps[0.5, 6], steps[0, 6])
+        for levels in 4, 6:
+            self.assertAlmostEqual(slip[0.1, levels] / slip[0, levels], 1, delta=1e-4)
+            self.assertAlmostEqual(slip[0.5, levels] / slip[0, levels], 1, delta=2e-3)
+
+
+class Fitted(Fields):
+    def test_loads_over_the_joint_are_found(self):
+        """Readings of a run are fitted by its scene: how strong its water, its heap and its well are comes back."""
+        x, y = numpy.linspace(0, 1, 5), numpy.linspace(0, 1, 5)
+        here = numpy.exp(-((x[None, :] - 0.3)**2 + (y[:, None] - 0.6)**2) / 0.1)
+        there = numpy.exp(-((x[None, :] - 0.8)**2 + (y[:, None] - 0.2)**2) / 0.1)
+        t = numpy.array([0, 5, 10, 40]) * 86400.0
+        self.field("w.nc", t, y, x, 4e5 * numpy.array([0, 1, 0, 0])[:, None, None] * here)
+        self.field("h.nc", t, y, x, 4e5 * numpy.array([0, 0, 0, 1])[:, None, None] * there)
+        case = """\
+lacuna: 1
+interface: {size: "1 m", levels: 2, domain: {full: {}}}
+load:
+  normal: {pressure: "3 MPa"}
+  pore_pressure:
+    - field: {file: w.nc, variable: p, scale: 1.5}
+    - injection: {rate: 2e-12, x: 0.7, y: 0.7, radius: 0.1, thickness: 0.01, diffusivity: 2e-7, compressibility: 1e-8,
+                  porosity: 0.1, start: 15 day, stop: 20 day, boundary: no-flux}
+  normal_stress: [{field: {file: h.nc, variable: p, scale: 0.8}}]
+friction: {aging: {f0: 0.6, a: 0.015, b: 0.010, dc: "0.1 mm", v0: "1 um/s"}}
+initial: {slip_rate: "0.1 mm/day", state: steady}
+transfer: {hierarchy: {k0: "1 GPa/m", ratio: 0.5}}
+time: {end: "40 day"}
+output: {every: "1 day"}
+"""
+        truth = {"load.pore_pressure.0.field.scale": 1.5, "load.pore_pressure.1.injection.rate": 2e-12,
+                 "load.normal_stress.0.field.scale": 0.8}
+        ranges = {"load.pore_pressure.0.field.scale": "[0.1, 2]", "load.pore_pressure.1.injection.rate": "[1e-13, 4e-12]",
+                  "load.normal_stress.0.field.scale": "[0.1, 2]"}
+        self.follow(case)
+        time, slip = self.snapshots("time", "slip")
+        self.write("s.csv", "t_s,slip_mm\n" + "".join(f"{a!r},{1e3 * b:.2f}\n" for a, b in zip(time.tolist(), slip.tolist())))
+        for (key, value), start in zip(truth.items(), (1.2, 1.5e-12, 1)):  # each alone: together they take a minute
+            self.write("c.yaml", case + "fit:\n  time: t_s\n  displacement: 'slip_mm:mm'\n  steps: 0\n  starts: 3\n  parameters:\n"
+                       + f"    {key}: {{range: {ranges[key]}}}\n")
+            done = self.expect(0, "fit", "c.yaml", "s.csv", "-o", "fit.nc", "--json", "--force", "--set", f"{key}={start}")
+            found = json.loads(done.stdout)["parameters"][0]
+            self.assertEqual(found["key"], key)
+            self.assertAlmostEqual(found["best"] / value, 1, delta=2e-3, msg=key)
 
 
 class Refusals(Fields):

@@ -36,6 +36,7 @@ CALLS = (
             "--set 'output.points=[{name: A, x: 1 mm, y: 1 mm}]'"),
     ("run", "cases/load/reservoir.yaml -o lake.nc --set output.fields=[factor_of_safety] --set "
             "'output.factor_of_safety.reference_rate=0.5 mm/day'"),
+    ("run", "cases/load/turning.yaml -o turned.nc --set interface.levels=3 --set 'output.points=[{name: A, x: 1 m, y: 1 m}]'"),
     ("run", "cases/load/rain.yaml -o rain.nc"),
     ("run", "cases/weakening/pressurization.yaml -o hot.nc --set output.fields=[excess_pore_pressure,temperature]"),
     ("run", "cases/weakening/bridges.yaml -o broken.nc --set output.fields=[broken_cohesion]"),

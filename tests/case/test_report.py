@@ -171,6 +171,17 @@ class Block(unittest.TestCase):
                     file.status = status
                 self.assertEqual(set(page_of(path)), {"about", "motion", "safety", "solver", "forces", "forecasts"} - {section})
 
+    def test_direction(self):
+        """Where slip goes, of a run that slips in two directions; of no other."""
+        with open(os.path.join(SOURCE, "cases", "load", "turning.yaml"), encoding="utf-8") as case:
+            path = made("turning", case.read())
+        shown = page_of(path)["direction"]
+        with netCDF4.Dataset(path) as file:
+            for key, name in (("x", "slip_x"), ("y", "slip_y"), ("rate_x", "slip_rate_x"), ("rate_y", "slip_rate_y")):
+                numpy.testing.assert_allclose(shown[key][-1], column(file, name)[-1], rtol=1e-5)
+            size = numpy.hypot(column(file, "cell_traction_x"), column(file, "cell_traction_y"))
+            numpy.testing.assert_allclose(column(file, "cell_traction"), size, rtol=1e-14)
+
     def test_cells_without_snapshots(self):
         cells = page_of(made("bare", scenes.BARE))["cells"]
         self.assertEqual(cells["snapshot_time"], [])

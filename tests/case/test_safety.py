@@ -141,6 +141,39 @@ class Balance(Safety):
         self.assertLess(numpy.abs(run["cell_factor_of_safety"][0] - 1).max(), 1e-14)
         self.assertLess(abs(run["factor_of_safety"][0] - 1), 1e-14)
 
+    def test_cohesion_under_loads_that_differ_in_time_and_place(self):
+        """What holds a cell, at any time: p_i (1 + (s_i - u_i)/P) f + C p_i/P, and nothing of it but p_i feels the loads."""
+        text = ROUGH % {"law": "aging", "form": "plain", "formulation": "rate", "spread": "", "more": "", "reference": "1 cm/week"}
+        text = text.replace("f0: 0.6", "cohesion: 0.3 MPa, f0: 0.5").replace("fields: [", "fields: [state, pore_pressure, ")
+        text = text.replace('{ramp: {rate: "2 kPa/day"}}]', """{ramp: {rate: "2 kPa/day"}},
+    {water_table: {file: level.csv, time: t, column: "h:m", elevation: 5 m, angle: 20 degree}}]
+  normal_stress: [{field: {file: heap.nc, variable: p}}, {ramp: {rate: "-30 kPa/day", start: "1 day"}}]""")
+        self.write("level.csv", "t,h\n0,-5\n172800,5\n259200,0\n")
+        with netCDF4.Dataset(self.path("heap.nc"), "w") as data:
+            for axis, values, unit in (("time", [0, 259200], "s"), ("y", [0, 32], "m"), ("x", [0, 32], "m")):
+                data.createDimension(axis, len(values))
+                data.createVariable(axis, "f8", (axis,))[:] = values
+                data[axis].units = unit
+            data.createVariable("p", "f8", ("time", "y", "x"))[:] = [[[0, 0], [0, 0]], [[0, 4e5], [0, 4e5]]]
+            data["p"].units = "Pa"
+        _, run = self.follow(text)
+        t, x, p = run["snapshot_time"][:, None], run["x"][None, :], run["pressure"][None, :]
+        level = numpy.interp(t, [0, 172800, 259200], [-5, 5, 0])
+        u = 0.4e6 + 2000 * t / DAY + 9806.65 * numpy.maximum(0, level + x * math.sin(math.radians(20)) - 5)
+        s = 4e5 * t / 259200 * x / 32 - 3e4 * numpy.maximum(0, t / DAY - 1)
+        self.assertGreater(numpy.ptp(u[-1]) + numpy.ptp(s[-1]), 4e5)
+        numpy.testing.assert_allclose(run["cell_pore_pressure"], u, rtol=1e-12)
+        effective, bond = p * (1 + (s - u) / 3e6), 3e5 * p / 3e6
+        state = 0.015 * numpy.log(1e-6 * run["cell_state"] / 1e-3)
+        holds = effective * (0.5 + 0.010 * numpy.log(run["cell_slip_rate"] / 1e-6) + state) + bond
+        numpy.testing.assert_allclose(run["cell_traction"], holds, rtol=1e-9)
+        strength = effective * (0.5 + 0.010 * math.log(0.01 / (7 * DAY) / 1e-6) + state) + bond
+        numpy.testing.assert_allclose(run["cell_factor_of_safety"], strength / run["cell_traction"], rtol=1e-11)
+        for k, at in enumerate(run["snapshot_time"]):
+            i = int(numpy.argmin(numpy.abs(run["time"] - at)))
+            force = (strength[k] * run["cell_area"]).sum()
+            self.assertLess(abs(run["factor_of_safety"][i] * run["shear_force"][i] / force - 1), 1e-9)
+
     def test_under_water_that_differs_from_cell_to_cell(self):
         """A water table over half of the joint: each cell by its own pore pressure, and their mean by what each carries."""
         text = ROUGH % {"law": "aging", "form": "plain", "formulation": "rate", "spread": "", "more": "", "reference": "1 cm/week"}

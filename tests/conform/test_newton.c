@@ -2,7 +2,8 @@
 // The exact Newton solve of the creep problem against a dense solve with a Jacobian by finite
 // differences, for every friction law, form and formulation, with and without cut-offs and the
 // response to normal stress, under every kind of load, one by one and all at once, for cells that
-// slide backwards, and for those that carry the mass of a block.
+// slide backwards, for those that carry the mass of a block, and for slip in two directions, each
+// cell in its own.
 #include <stdlib.h>
 #include <string.h>
 
@@ -269,6 +270,64 @@ static void newton_solve_is_exact_with_mass(void **state)
     }
 }
 
+// Puts every cell of slip in two directions at its own place, so that each is pulled its own way,
+// and into the state in which it slides at some 1e-9 m/s under that, some at 1e-22.
+static void scatter(const tree *t, double time, double *y)
+{
+    const size_t n = t->domain->n;
+    double *work = calloc(lac_problem_work(t->problem), sizeof *work);
+    double traction[64];
+    for (size_t k = 0; k < n; k++) {
+        y[k] = 2e-6 * (lac_random_uniform(9, LAC_STREAM_TEST, k, 0) - 0.5);
+        y[2 * n + k] = 2e-6 * (lac_random_uniform(9, LAC_STREAM_TEST, k, 1) - 0.5);
+    }
+    lac_problem_traction(t->problem, time, y + 2 * n, traction, work);
+    for (size_t k = 0; k < n; k++) {
+        const double u = log(1e-9) + (k % 5 == 0 ? -30.0 : 2.0 * (double)(k % 3));
+        y[n + k] = lac_friction_state_for(t->friction, k, u, traction[k] / t->domain->pressure[k]);
+        assert_true(isfinite(y[n + k]));
+    }
+    // They do go different ways.
+    double v[64];
+    lac_problem_rates(t->problem, time, y, v, work);
+    const lac_components of = lac_problem_components(t->problem, y + 2 * n, work);
+    double least = INFINITY, most = -INFINITY;
+    for (size_t k = 0; k < n; k++) {
+        const double way = atan2(of.rate[1][k], of.rate[0][k]);
+        least = fmin(least, way);
+        most = fmax(most, way);
+        assert_true(fabs(hypot(of.rate[0][k], of.rate[1][k]) / v[k] - 1.0) < 1e-14);
+    }
+    assert_true(most - least > 0.3);
+    free(work);
+}
+
+// Which way loads and tractions go changes from test to test.
+static void newton_solve_is_exact_in_two_directions(void **state)
+{
+    (void)state;
+    const int with[] = {0, BY_RATIO | BY_FORCE, BY_SPRING, BY_RATIO | BY_SPRING};
+    for (uint64_t i = 0; i < 2 * 4 * 3; i++) {
+        tree_def def = small(lac_friction_law_get(i % 3), (int)(i % 2), 1 + i % 4);
+        lac_load load = {.kind = &pull_row, .params = &with[i / 2 % 4], .azimuth = 0.3 * (double)i};
+        def.keep = 0.7;
+        def.formulation = LAC_FORMULATION_VECTOR;
+        def.heading = 0.7 * (double)i;
+        def.loads = (lac_load_set){.load = &load, .count = 1, .shear = 1};
+        def.damping *= dampings[i / 8].times;
+        double y[192];
+        tree t;
+        tree_create(&def, &t);
+        assert_true(t.domain->n > 4 && t.domain->n <= 64);
+        lac_problem_initial(t.problem, y);
+        scatter(&t, 5.0, y);
+        for (double gamma = 1e-3; gamma < 20.0; gamma *= 10.0) {
+            check_solve(t.problem, y, 5.0, gamma, dampings[i / 8].left);
+        }
+        tree_clear(&t);
+    }
+}
+
 // Mechanisms of weakening in the middle of their ranges, in numbers that act on cells at 50 MPa.
 static void choose_weakening(lac_model models[LAC_MOST_WEAKENINGS])
 {
@@ -471,6 +530,7 @@ int main(void)
         cmocka_unit_test(newton_solve_is_exact),
         cmocka_unit_test(newton_solve_is_exact_backwards),
         cmocka_unit_test(newton_solve_is_exact_with_mass),
+        cmocka_unit_test(newton_solve_is_exact_in_two_directions),
         cmocka_unit_test(newton_solve_is_exact_with_weakening),
         cmocka_unit_test(newton_solve_is_exact_on_a_bent_base),
         cmocka_unit_test(newton_solve_is_exact_round_a_bend),

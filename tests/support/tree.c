@@ -152,6 +152,7 @@ void tree_create(const tree_def *def, tree *out)
                                .columns = def->columns,
                                .log_rate = start,
                                .log_state = start + n,
+                               .heading = def->heading,
                                .formulation = def->formulation,
                                .weakening = def->weakening};
     must(lac_problem_create(&problem, &out->problem, &err) == LAC_OK, err.message);

@@ -24,6 +24,7 @@ typedef struct tree_def {
     double state;                       // theta [s]
     lac_load_set loads;
     lac_formulation formulation;
+    double heading; // of the tractions at the start, where slip has two directions [rad]
 } tree_def;
 
 typedef struct tree {

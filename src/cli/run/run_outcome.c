@@ -82,7 +82,7 @@ static lac_status keep_record(cli_history *h, const lac_record *record, lac_erro
 static lac_record lasting(const lac_record *record)
 {
     lac_record own = *record;
-    own.observation.points = NULL;
+    own.observation.points = own.observation.points_along = NULL;
     return own;
 }
 
@@ -309,6 +309,18 @@ static void print_analysis(const lac_analysis *analysis)
     }
 }
 
+// Where the mean slip has gone, and goes: from x towards y.
+static void print_direction(const cli_outcome *outcome)
+{
+    const double degree = 180.0 / 3.14159265358979323846;
+    const lac_observation *last = &outcome->history.last.observation;
+    if (outcome->history.begun && lac_problem_is_vector(outcome->of->scene->problem)) {
+        cli_row("slip direction", "%.4g degree from x towards y, at the end towards %.4g",
+                degree * atan2(last->slip_along[1], last->slip_along[0]),
+                degree * atan2(last->rate_along[1], last->rate_along[0]));
+    }
+}
+
 void cli_outcome_print(const cli_outcome *outcome)
 {
     if (outcome->of->source->title != NULL) {
@@ -329,6 +341,7 @@ void cli_outcome_print(const cli_outcome *outcome)
     print_failure(outcome);
     print_arrest(outcome);
     cli_row_quantity("mean slip", outcome->of->run.mean_slip, "m");
+    print_direction(outcome);
     cli_row_quantity("largest slip rate", outcome->of->run.max_slip_rate, "m/s");
     print_analysis(outcome->of->analysis);
     print_cost(outcome);
@@ -392,6 +405,10 @@ static void write_results(lac_json *json, const cli_outcome *outcome)
     const lac_run_result *result = &outcome->of->run;
     lac_json_number(json, "max_slip_rate_m_s", result->max_slip_rate);
     lac_json_number(json, "mean_slip_m", result->mean_slip);
+    if (lac_problem_is_vector(outcome->of->scene->problem)) {
+        lac_json_number(json, "mean_slip_x_m", history->last.observation.slip_along[0]);
+        lac_json_number(json, "mean_slip_y_m", history->last.observation.slip_along[1]);
+    }
     if (!lac_analysis_has_events(outcome->of->analysis)) {
         lac_json_null(json, "events"); // else the catalogue says how many
     }

@@ -3,7 +3,7 @@
 "use strict";
 
 const SECTIONS = [
-  ["readings", readingsSection], ["motion", motionSection], ["points", pointsSection], ["safety", safetySection], ["forecasts", forecastSection], ["fit", fitSection], ["forces", forcesSection], ["cells", cellsSection], ["levels", levelsSection],
+  ["readings", readingsSection], ["motion", motionSection], ["direction", directionSection], ["points", pointsSection], ["safety", safetySection], ["forecasts", forecastSection], ["fit", fitSection], ["forces", forcesSection], ["cells", cellsSection], ["levels", levelsSection],
   ["events", eventsSection], ["solver", solverSection], ["about", aboutSection],
 ];
 

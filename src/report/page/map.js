@@ -213,7 +213,7 @@ function cellsSection(data) {
   const moving = cells.snapshot_time.length > 0 && Boolean(cells.rate || cells.slip || cells.traction || cells.safety);
   const kinds = mapKinds(cells);
   const squares = cells.block > 1 ? ` Each square stands for ${line ? cells.block : `${cells.block} × ${cells.block}`} cells of the grid.` : "";
-  const where = line ? `along ${length(cells.nx * cells.dx)}` : `${length(cells.nx * cells.dx)} by ${length(cells.ny * cells.dy)}; slip is along x, to the right`;
+  const where = line ? `along ${length(cells.nx * cells.dx)}` : `${length(cells.nx * cells.dx)} by ${length(cells.ny * cells.dy)}${data.direction ? "" : "; slip is along x, to the right"}`;
   const section = openSection("cells", "Contact domain", `${many(cells.cells, "cell")} ${cells.cells === 1 ? "touches" : "touch"}, ${where}. Empty places do not touch.${squares}`);
   section.append(...(line ? lineBody(data, kinds, moving) : squaresBody(data, kinds, moving)));
   if (moving) section.append(snapshotTable(cells));

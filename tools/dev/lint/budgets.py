@@ -16,13 +16,13 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 82150,
-    "lines that only present results": 21260,
+    "lines of src and include": 83800,
+    "lines that only present results": 21620,
     "public headers": 13,
     "exported names": 43,
     "circles of includes": 0,
     "files without an opening comment": 0,
-    "objects that one field more in a record compiles anew": 37,
+    "objects that one field more in a record compiles anew": 39,
 }
 
 PRESENTING = re.compile(r"src/(cli|store|report|data)/|src/\w+/describe\w*\.[ch]$")

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a run hands to its sink of a state: a record of the time series, a snapshot of the cells.
+#include <math.h>
+#include <string.h>
+
+#include "run/engine.h"
+#include "run/run_state.h"
+
+// Whether a time is later than the last one put out, which it then becomes.
+static bool moves_on(lac_instant *last, double origin, double local)
+{
+    if (last->set && (origin - last->origin) + (local - last->local) <= 0.0) {
+        return false;
+    }
+    *last = (lac_instant){.set = true, .origin = origin, .local = local};
+    return true;
+}
+
+// What is put out of a state: itself, or its projection onto the balance.
+static void project(lac_run_state *r, double t, const double **y, const double **slip)
+{
+    size_t n = r->engine->n, unknowns = r->engine->unknowns;
+    if (r->onto == NULL) {
+        return;
+    }
+    memcpy(r->onto, *y, unknowns * sizeof **y);
+    memcpy(r->onto + unknowns, *slip, n * sizeof **slip);
+    if (lac_problem_project(r->problem, lac_engine_clock(r->engine, t), r->onto, r->onto + unknowns,
+                            r->engine->work)) {
+        *y = r->onto;
+        *slip = r->onto + unknowns;
+    }
+}
+
+// Of slip in two directions the components besides, of whose means the sizes are told.
+static void watch_along(lac_run_state *r, const double *slip, lac_record *line)
+{
+    const lac_points *points = r->def->points;
+    const lac_components of = lac_problem_components(r->problem, slip, r->engine->work);
+    const double *const fields[] = {of.slip[0], of.slip[1],     of.rate[0],
+                                    of.rate[1], of.traction[0], of.traction[1]};
+    double *value = r->watched, *along = value + LAC_POINT_VALUES * points->n;
+    line->observation.points_along = along;
+    for (size_t i = 0; i < points->n; i++, value += LAC_POINT_VALUES, along += LAC_POINT_ALONG) {
+        for (size_t k = 0; k < LAC_POINT_ALONG; k++) {
+            along[k] = lac_point_mean(&points->point[i], fields[k]);
+        }
+        value[LAC_POINT_SLIP] = hypot(along[0], along[1]);
+        value[LAC_POINT_RATE] = hypot(along[2], along[3]);
+        value[LAC_POINT_TRACTION] = hypot(along[4], along[5]);
+    }
+}
+
+// What is told of the points at a record, whose cells are known.
+static void watch_points(lac_run_state *r, double now, const double *slip, lac_record *line)
+{
+    const size_t values = LAC_POINT_VALUES + LAC_POINT_ALONG;
+    double *traction = r->watched + values * r->def->points->n;
+    lac_problem_traction(r->problem, now, slip, traction, r->engine->work);
+    const double *fields[] = {slip, line->cells.slip_rate, traction, line->cells.log_state};
+    lac_points_read(r->def->points, fields, r->watched);
+    line->observation.points = r->watched;
+    if (lac_problem_is_vector(r->problem)) {
+        watch_along(r, slip, line);
+    }
+}
+
+lac_status lac_run_state_record(lac_run_state *r, double t, const double *y, const double *slip,
+                                lac_error *err)
+{
+    lac_engine *engine = r->engine;
+    double local = engine->base + t;
+    if (!moves_on(&r->last_record, engine->origin, local)) {
+        return LAC_OK;
+    }
+    project(r, t, &y, &slip);
+    lac_engine_count(engine);
+    lac_record line = {.time_origin = engine->origin,
+                       .time_local = local,
+                       .step_size = engine->step > 0.0 ? engine->step : NAN,
+                       .order = engine->step > 0.0 ? engine->order : 0,
+                       .rhs_evaluations = engine->counts.rhs_evaluations};
+    lac_problem_observe(r->problem, lac_engine_clock(engine, t), y, slip, &line.observation,
+                        engine->work);
+    line.cells =
+        (lac_record_cells){.n = engine->n, .slip_rate = engine->work, .log_state = y + engine->n};
+    if (!(line.observation.balance_residual <= r->result->balance_residual)) {
+        r->result->balance_residual = line.observation.balance_residual; // a NaN stays
+    }
+    r->result->rate_drift = fmax(r->result->rate_drift, line.observation.rate_drift);
+    lac_run_state_keep_safety(r, engine->origin + local, line.observation.factor_of_safety);
+    if (r->sink == NULL || r->sink->record == NULL) {
+        return LAC_OK;
+    }
+    if (r->watched != NULL) {
+        watch_points(r, lac_engine_clock(engine, t), slip, &line);
+    }
+    return r->sink->record(r->sink->context, &line, err);
+}
+
+// Of rates and tractions that were found last.
+static void keep_components(lac_run_state *r, const double *slip, double *along)
+{
+    const size_t n = r->engine->n;
+    const lac_components of = lac_problem_components(r->problem, slip, r->engine->work);
+    for (int c = 0; c < 2; c++) {
+        memcpy(along + (size_t)c * n, of.slip[c], n * sizeof *along);
+        memcpy(along + (size_t)(2 + c) * n, of.rate[c], n * sizeof *along);
+        memcpy(along + (size_t)(4 + c) * n, of.traction[c], n * sizeof *along);
+    }
+}
+
+lac_status lac_run_state_snapshot(lac_run_state *r, double t, const double *y, const double *slip,
+                                  lac_error *err)
+{
+    size_t n = r->engine->n;
+    double *v = r->fields, *theta = v + n, *traction = theta + n, *pore = traction + n;
+    double local = r->engine->base + t;
+    if (!moves_on(&r->last_snapshot, r->engine->origin, local) || r->sink == NULL ||
+        r->sink->snapshot == NULL) {
+        return LAC_OK;
+    }
+    project(r, t, &y, &slip);
+    double now = lac_engine_clock(r->engine, t);
+    lac_problem_rates(r->problem, now, y, v, r->engine->work);
+    for (size_t i = 0; i < n; i++) {
+        theta[i] = exp(y[n + i]);
+    }
+    lac_problem_traction(r->problem, now, slip, traction, r->engine->work);
+    double *along = pore + n * (r->def->cell_safety ? 2 : 1);
+    if (lac_problem_is_vector(r->problem)) {
+        keep_components(r, slip, along);
+    }
+    lac_problem_pore(r->problem, now, pore, r->engine->work);
+    double *safety = r->def->cell_safety ? pore + n : NULL;
+    if (safety != NULL) {
+        lac_problem_safety_cells(r->problem, now, y, traction, safety, r->engine->work);
+    }
+    const bool weakens = lac_problem_weakening(r->problem) != NULL;
+    double *excess = weakens ? (safety != NULL ? safety : pore) + n : NULL;
+    if (weakens) {
+        lac_problem_weakened(r->problem, y, excess, excess + n, excess + 2 * n);
+    }
+    lac_snapshot fields = {.time = r->engine->origin + local,
+                           .slip = lac_problem_slip_size(r->problem, slip, r->engine->work),
+                           .slip_rate = v,
+                           .state = theta,
+                           .traction = traction,
+                           .n = n,
+                           .factor_of_safety = safety,
+                           .pore = pore,
+                           .excess_pore = excess,
+                           .temperature = excess != NULL ? excess + n : NULL,
+                           .broken = excess != NULL ? excess + 2 * n : NULL};
+    for (size_t k = 0; k < LAC_POINT_ALONG && lac_problem_is_vector(r->problem); k++) {
+        fields.along[k] = along + k * n;
+    }
+    return r->sink->snapshot(r->sink->context, &fields, err);
+}
