@@ -16,8 +16,8 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 84700,
-    "lines that only present results": 21620,
+    "lines of src and include": 83800,
+    "lines that only present results": 21500,
     "public headers": 13,
     "exported names": 43,
     "circles of includes": 0,
