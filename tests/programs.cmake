@@ -83,6 +83,7 @@ lacuna_python_test(test_breaks extreme)
 lacuna_python_test(test_loads)
 lacuna_python_test(test_loads_over_joint)
 lacuna_python_test(test_safety)
+lacuna_python_test(test_geometry)
 
 # Elastic rock: what slip takes off the cells and how loads reach them.
 add_test(NAME case.test_elastic

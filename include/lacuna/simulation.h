@@ -140,9 +140,11 @@ typedef enum lac_end {
     LAC_END_STOP,
     LAC_END_INTERRUPT,
     LAC_END_ERROR, ///< the computation broke
+    LAC_END_REST,  ///< a block with mass came to rest on a base that bends
 } lac_end;
 
-/// One word for it: end, rate, slip, stop_when, interrupted, error. @return NULL: there is no such
+/// One word for it: end, rate, slip, stop_when, interrupted, error, rest. @return NULL: there is no
+/// such
 const char *lac_end_name(lac_end end);
 
 /// What counts as failure: the first of the mean slip rate rising through `rate`, where that is
@@ -164,6 +166,14 @@ typedef struct lac_safety_summary {
     double below_time; ///< when it first was below 1, between records along a line [s]; NaN: never
 } lac_safety_summary;
 
+/// Whether a joint on a base that bends was arrested: it did not fail, and at the end its mean slip
+/// rate is below a tenth of the largest. NaN: the base is a plane. It does not grow.
+typedef struct lac_arrest {
+    bool arrested;
+    double largest, largest_time; ///< mean slip rate after any step [m/s], and when [s]
+    double end;                   ///< mean slip rate at the end [m/s]
+} lac_arrest;
+
 /// How a run ended and what it took.
 typedef struct lac_run_result {
     lac_end end;
@@ -178,6 +188,7 @@ typedef struct lac_run_result {
     double balance_residual; ///< worst over the records
     double rate_drift;       ///< worst over the records
     lac_safety_summary safety;
+    lac_arrest arrest;
 } lac_run_result;
 
 /// A part of the preparation.

@@ -157,6 +157,7 @@ struct lac_case {
     int slip;                                ///< lac_slip; -1 where absent
     lac_model surface, domain;               ///< at most one is set
     lac_heterogeneity_list interface_spread; ///< key pressure, of a domain's cells
+    lac_geometry_def geometry;               ///< no angles: the base is a plane
     lac_material_def material;
     lac_inertia_def inertia; ///< thickness and mass NaN: none
     lac_model normal;
@@ -224,6 +225,10 @@ lac_status lac_case_read_text(const char *name, const char *text, size_t size,
 
 /// Mass of the sliding block per nominal area [kg/m2]; 0: the case names no inertia.
 double lac_inertia_mass(const lac_case *c);
+
+/// Mean normal stress over the nominal area at the start [Pa]; NaN where it follows from the
+/// contact, or the case says nothing of it.
+double lac_case_pressure(const lac_case *c);
 
 /// Whether a case asks for the factor of safety without naming it in `output`: its loads are
 /// gravity on a slope, or a limit of the run or a map of the cells is one.

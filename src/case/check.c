@@ -158,11 +158,8 @@ static void check_statics(lac_reader *reader, const lac_case *c)
 // The mean normal stress; NaN where the case is wrong about it.
 static double normal_stress(const lac_reader *reader, const lac_case *c)
 {
-    const lac_normal_load *normal = (const void *)c->normal.info;
-    if (normal == NULL || !lac_clean(reader, "material")) {
-        return NAN;
-    }
-    return normal->pressure(c->normal.params, c->material.density);
+    const bool clean = lac_clean(reader, "material") && lac_clean(reader, "interface.geometry");
+    return clean ? lac_case_pressure(c) : NAN;
 }
 
 static void check_forces(lac_reader *reader, const lac_case *c, double pressure,
@@ -193,6 +190,7 @@ static void check_forces(lac_reader *reader, const lac_case *c, double pressure,
                       lac_units_format(sum.pore, "Pa", high, sizeof high),
                       lac_units_format(pressed, "Pa", low, sizeof low)));
     bool wanted = lac_needs_run(reader) && !fixed_by_initial && lac_clean(reader, "initial");
+    sum.ratio += lac_geometry_weigh(&c->geometry, c->material.density).ratio;
     (void)lac_refuse(reader, wanted && !(lac_load_shear(&sum, pressure) > 0.0), "load.shear",
                      "must give a shear load at the start, such as [{ratio: {value: 0.58}}], "
                      "unless initial gives both slip_rate and state");
@@ -225,7 +223,7 @@ static bool starts_unstable(const lac_case *c)
 static bool loads_stay(const lac_case *c)
 {
     const lac_load_models loads = lac_case_loads(c);
-    return !holds_mean_slip(c) && lac_load_models_constant(&loads);
+    return !holds_mean_slip(c) && c->geometry.angles == 0 && lac_load_models_constant(&loads);
 }
 
 // Whether the state at the start is the same for any ratio to the steady one, as the law has it.
@@ -332,7 +330,7 @@ static void check_inertia(lac_reader *reader, lac_case *c, double pressure)
 }
 
 // Cells at steps of their own have one formulation and no method to choose.
-enum { EVENTS_REFUSE = 7 };
+enum { EVENTS_REFUSE = 8 };
 static const struct {
     const char *key, *why;
 } events_refuse[EVENTS_REFUSE] = {
@@ -342,6 +340,7 @@ static const struct {
     {"solver.max_order", "goes with fidelity ode, not with events"},
     {"solver.first_step", "goes with fidelity ode, not with events"},
     {"time.stop_when.factor_of_safety", "goes with fidelity ode, not with events"},
+    {"solver.fidelity", "knows no interface.geometry: leave one of them out"},
     {"weakening", "goes with fidelity ode, not with events"},
 };
 
@@ -354,7 +353,8 @@ static void ask_events(const lac_case *c, bool asked[EVENTS_REFUSE])
     asked[3] = c->run.max_order != 0;
     asked[4] = !isnan(c->run.first_step);
     asked[5] = !isnan(c->run.stop_safety);
-    asked[6] = c->weakening.count > 0;
+    asked[6] = c->geometry.angles > 0;
+    asked[7] = c->weakening.count > 0;
 }
 
 bool lac_case_admits_events(const lac_case *c)
@@ -433,7 +433,8 @@ bool lac_case_implies_safety(const lac_case *c)
     const lac_normal_load *normal = (const void *)c->normal.info;
     const lac_load_models loads = lac_case_loads(c);
     return (normal != NULL && normal->slope) || lac_load_models_slope(&loads) ||
-           !isnan(c->run.stop_safety) || (c->fields & (unsigned)LAC_FIELD_SAFETY) != 0;
+           c->geometry.angles > 0 || !isnan(c->run.stop_safety) ||
+           (c->fields & (unsigned)LAC_FIELD_SAFETY) != 0;
 }
 
 // Where it is written, maps of the cells have it too.
@@ -483,6 +484,7 @@ void lac_check_case(lac_reader *reader, lac_case *c)
     }
     check_initial(reader, c);
     check_inertia(reader, c, normal_stress(reader, c));
+    lac_check_geometry(reader, c);
     lac_check_vector(reader, c);
     check_solver(reader, c);
     lac_check_weakening(reader, c);

@@ -7,6 +7,25 @@
 
 #include "case/sections.h"
 
+#define STEP(name) offsetof(lac_history_step, name)
+
+const lac_param lac_step_rows[LAC_STEP_ROWS] = {
+    LAC_REAL("pressure", "Pa", STEP(pressure), NAN, 0, 1e15, LAC_OPTIONAL | LAC_ABOVE_MIN,
+             "mean normal stress over the nominal area; as before if absent"),
+    LAC_REAL("ratio_x", "1", STEP(ratio[0]), NAN, -1, 1, LAC_OPTIONAL,
+             "shear load along x as part of f P, what friction holds; of ratio, shear and shift at "
+             "most one along each axis"),
+    LAC_REAL("ratio_y", "1", STEP(ratio[1]), NAN, -1, 1, LAC_OPTIONAL, "the same along y"),
+    LAC_REAL("shear_x", "Pa", STEP(shear[0]), NAN, -1e15, 1e15, LAC_OPTIONAL,
+             "mean shear traction along x over the nominal area"),
+    LAC_REAL("shear_y", "Pa", STEP(shear[1]), NAN, -1e15, 1e15, LAC_OPTIONAL, "the same along y"),
+    LAC_REAL("shift_x", "m", STEP(shift[0]), NAN, -1e9, 1e9, LAC_OPTIONAL,
+             "shift of one body against the other along x since the start"),
+    LAC_REAL("shift_y", "m", STEP(shift[1]), NAN, -1e9, 1e9, LAC_OPTIONAL, "the same along y"),
+    LAC_INTEGER("count", STEP(count), 1, 1, 10000, 0,
+                "equal increments from the state before, each a step of the output"),
+};
+
 enum { MOST_STEPS = 10000 }; // of all entries with their counts
 
 // Of ratio, shear and shift along an axis at most one.

@@ -206,6 +206,7 @@ static bool lacks(const lac_reader *reader, const lac_part *part)
     const lac_node *map = lac_node_at(reader->root, above);
     return map != NULL && map->kind == LAC_NODE_MAP &&
            !lac_key_misspelt(map, table, dot != NULL ? dot + 1 : name) &&
+           (part->unless == NULL || !HAS(part->unless)) &&
            (!part->of_runs || lac_needs_run(reader));
 }
 

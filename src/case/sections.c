@@ -43,6 +43,7 @@ static const lac_param interface_rows[] = {
     LAC_OWN("surface", "{MODEL: {...}}: heights to press"),
     LAC_OWN("domain", "{MODEL: {...}}: contact cells, instead of a surface"),
     LAC_OWN("spread", "{pressure: {MODEL: {...}}}: over the cells of a domain"),
+    LAC_OWN("geometry", "{angle: ..., thickness: ..., ...}: a base whose dip follows the slip"),
 };
 
 const lac_param lac_material_rows[LAC_MATERIAL_ROWS] = {
@@ -78,25 +79,6 @@ static const lac_param history_rows[] = {
     LAC_CHOICE("fields", FIELD(history.fields), LAC_KEEP_ALL, history_fields, 0,
                "steps whose tractions, slips and states are written cell by cell"),
     LAC_OWN("steps", "[{...}, ...]: each goes on from the one before; must be given"),
-};
-
-#define STEP(name) offsetof(lac_history_step, name)
-
-static const lac_param step_rows[] = {
-    LAC_REAL("pressure", "Pa", STEP(pressure), NAN, 0, 1e15, LAC_OPTIONAL | LAC_ABOVE_MIN,
-             "mean normal stress over the nominal area; as before if absent"),
-    LAC_REAL("ratio_x", "1", STEP(ratio[0]), NAN, -1, 1, LAC_OPTIONAL,
-             "shear load along x as part of f P, what friction holds; of ratio, shear and shift at "
-             "most one along each axis"),
-    LAC_REAL("ratio_y", "1", STEP(ratio[1]), NAN, -1, 1, LAC_OPTIONAL, "the same along y"),
-    LAC_REAL("shear_x", "Pa", STEP(shear[0]), NAN, -1e15, 1e15, LAC_OPTIONAL,
-             "mean shear traction along x over the nominal area"),
-    LAC_REAL("shear_y", "Pa", STEP(shear[1]), NAN, -1e15, 1e15, LAC_OPTIONAL, "the same along y"),
-    LAC_REAL("shift_x", "m", STEP(shift[0]), NAN, -1e9, 1e9, LAC_OPTIONAL,
-             "shift of one body against the other along x since the start"),
-    LAC_REAL("shift_y", "m", STEP(shift[1]), NAN, -1e9, 1e9, LAC_OPTIONAL, "the same along y"),
-    LAC_INTEGER("count", STEP(count), 1, 1, 10000, 0,
-                "equal increments from the state before, each a step of the output"),
 };
 
 static const lac_param initial_rows[] = {
@@ -339,6 +321,8 @@ static const lac_param fit_rows[] = {
 
 static bool has_inertia(const lac_case *c) { return lac_inertia_mass(c) > 0.0; }
 
+static bool has_geometry(const lac_case *c) { return c->geometry.angles > 0; }
+
 static bool has_history(const lac_case *c) { return c->history.count > 0; }
 
 // A static case names no time, and neither a law nor a start.
@@ -378,6 +362,7 @@ static bool has_fit(const lac_case *c) { return c->fit.named; }
 #define ITEMS(key, text, rows) RECORD(key, text, rows), .kind = LAC_PART_ITEMS
 #define OWN(key) .info.name = (key), .kind = LAC_PART_OWN
 #define PART(what, key, member) .info.name = (key), .kind = LAC_PART_##what, .at = FIELD(member)
+#define ITS_WEIGHT "interface.geometry.thickness"
 #define NO_LOAD "a normal load such as {pressure: \"3 MPa\"}"
 
 static const char *const pressed[] = {"pressure", NULL};
@@ -389,13 +374,18 @@ static const lac_part parts[] = {
     {PART(SLOT, "interface.surface", surface), .model = LAC_KIND_SURFACE},
     {PART(SLOT, "interface.domain", domain), .model = LAC_KIND_DOMAIN},
     {PART(SPREADS, "interface.spread", interface_spread), .varied = pressed},
+    {RECORD("interface.geometry", "base whose dip and thickness follow the mean slip",
+            lac_geometry_rows),
+     .such = "{angle: \"30 degree\", radius: \"500 m\"}", .given = has_geometry,
+     .read = lac_read_geometry, .put = lac_put_geometry},
     {RECORD("material", "the rock on both sides; no elasticity if absent", lac_material_rows),
      .fitted = true},
     {RECORD("inertia", "mass of the block that slides; none if absent", lac_inertia_rows),
      .given = has_inertia},
     {RECORD("load", "what presses and shears the interface", load_rows), .missing = NO_LOAD,
-     .missing_at = "load.normal"},
-    {PART(SLOT, "load.normal", normal), .model = LAC_KIND_NORMAL, .missing = NO_LOAD},
+     .missing_at = "load.normal", .unless = ITS_WEIGHT, .given = lac_case_has_load},
+    {PART(SLOT, "load.normal", normal), .model = LAC_KIND_NORMAL, .missing = NO_LOAD,
+     .unless = ITS_WEIGHT},
     {PART(SLOTS, "load.shear", shear), .model = LAC_KIND_SHEAR},
     {PART(SLOTS, "load.pore_pressure", pore), .model = LAC_KIND_PORE},
     {PART(SLOTS, "load.normal_stress", pressing), .model = LAC_KIND_PRESSING},
@@ -442,7 +432,8 @@ static const lac_part parts[] = {
     {ITEMS("output.points", "a list of places at which the run is watched", point_rows)},
     {ITEMS("compare", "a list of monitoring series to lay beside the run", compare_rows),
      .read = lac_read_compare, .put = lac_put_compare},
-    {ITEMS("load.history.steps", "a list; what a step does not name stays as it was", step_rows)},
+    {ITEMS("load.history.steps", "a list; what a step does not name stays as it was",
+           lac_step_rows)},
 };
 
 LAC_ROWS_AT(lac_part, lac_part_get, parts)

@@ -239,6 +239,7 @@ typedef struct lac_part {
     const char *const *varied; ///< of spreads: what may vary; NULL: what the friction law says
     const char *missing;    ///< what is said where its section is there but it isn't; NULL: nothing
     const char *missing_at; ///< of which key; NULL: its own
+    const char *unless;     ///< a key that makes up for it; NULL: none
     bool of_runs;           ///< but only where lac_needs_run
     bool fitted;            ///< lac_case_find knows its rows
     /// Called once the rest is read.
@@ -263,16 +264,25 @@ typedef void lac_part_put(struct lac_writer *w, const lac_case *c);
 
 lac_part_read lac_read_version, lac_read_steps, lac_read_state, lac_read_start, lac_read_fields,
     lac_read_fields_every, lac_read_betas, lac_read_analysis, lac_read_fitted, lac_read_compare,
-    lac_read_points, lac_read_safety;
+    lac_read_points, lac_read_safety, lac_read_geometry;
 lac_part_put lac_put_steps, lac_put_state, lac_put_start, lac_put_fields, lac_put_betas,
-    lac_put_analysis, lac_put_fitted, lac_put_compare, lac_put_points, lac_put_safety;
+    lac_put_analysis, lac_put_fitted, lac_put_compare, lac_put_points, lac_put_safety,
+    lac_put_geometry;
 
 /// Names of LAC_FIELD_*, in the order of their bits; NULL at the end.
 extern const char *const lac_field_names[];
 
-/// The keys of `material`, of which shear_speed and density stand side by side, and of `inertia`.
-enum { LAC_MATERIAL_SHEAR_SPEED = 2, LAC_MATERIAL_ROWS = 4, LAC_INERTIA_ROWS = 3 };
-extern const lac_param lac_material_rows[LAC_MATERIAL_ROWS], lac_inertia_rows[LAC_INERTIA_ROWS];
+/// The keys of `material`, of which shear_speed and density stand side by side, of `inertia` of
+/// `interface.geometry` and of an entry of `load.history.steps`.
+enum {
+    LAC_MATERIAL_SHEAR_SPEED = 2,
+    LAC_MATERIAL_ROWS = 4,
+    LAC_INERTIA_ROWS = 3,
+    LAC_GEOMETRY_ROWS = 4,
+    LAC_STEP_ROWS = 8
+};
+extern const lac_param lac_material_rows[LAC_MATERIAL_ROWS], lac_inertia_rows[LAC_INERTIA_ROWS],
+    lac_geometry_rows[LAC_GEOMETRY_ROWS], lac_step_rows[LAC_STEP_ROWS];
 
 /// Reads the sections below the root into a case that holds the defaults.
 void lac_read_sections(lac_reader *reader, lac_case *c);
@@ -283,6 +293,10 @@ extern const lac_param lac_state_row, lac_ratio_row;
 /// What is wrong with a section as a whole; they fill in what it takes from elsewhere in the case.
 /// @param pressure  that a history starts from [Pa]; NaN where the case is wrong about it
 void lac_check_interface(lac_reader *reader, lac_interface_def *def);
+/// Whether the section load holds anything.
+bool lac_case_has_load(const lac_case *c);
+
+void lac_check_geometry(lac_reader *reader, lac_case *c);
 void lac_check_history(lac_reader *reader, lac_case *c, double pressure);
 void lac_check_rg(lac_reader *reader, lac_case *c);
 void lac_check_analysis(lac_reader *reader, lac_case *c);
@@ -291,6 +305,11 @@ void lac_check_vector(lac_reader *reader, lac_case *c);
 void lac_check_weakening(lac_reader *reader, lac_case *c);
 void lac_check_points(lac_reader *reader, const lac_case *c);
 void lac_check_point_names(lac_reader *reader, const lac_case *c);
+
+/// A list of what stands below a key, as text: "[\"0 m\", \"10 m\"]", of one value without
+/// brackets.
+void lac_put_list(struct lac_writer *w, const char *key, const char *unit, const double *value,
+                  size_t count);
 
 /// The rest of a dotted key behind that of a part; NULL where it is not below it.
 const char *lac_key_behind(const char *key, const char *part);

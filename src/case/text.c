@@ -283,6 +283,22 @@ void lac_put_points(lac_writer *w, const lac_case *c)
     }
 }
 
+void lac_put_list(lac_writer *w, const char *key, const char *unit, const double *value,
+                  size_t count)
+{
+    if (count == 1) {
+        put_number(w, 2, key, value[0], unit);
+        return;
+    }
+    put_key(w, 2, key);
+    for (size_t i = 0; i < count; i++) {
+        char text[100];
+        PRINT(w, i == 0 ? " [\"%s\"" : ", \"%s\"",
+              lac_units_exact(value[i], unit, text, sizeof text));
+    }
+    PRINT(w, "]\n");
+}
+
 void lac_put_betas(lac_writer *w, const lac_case *c)
 {
     put_key(w, 1, "beta");

@@ -89,7 +89,8 @@ extern const char *const lac_share_names[];
     _(lac_pore_field),          \
     _(lac_pore_injection),      \
     _(lac_pore_line_injection), \
-    _(lac_pore_water_table)
+    _(lac_pore_water_table),   \
+    _(lac_pore_toe)
 
 #define LAC_NORMAL_STRESSES(_)  \
     _(lac_pressing_ramp),       \

@@ -399,5 +399,6 @@ void lac_load_set_clear(lac_load_set *set)
     }
     free(set->load);
     free(set->shape);
+    lac_geometry_free(set->geometry);
     *set = (lac_load_set){0};
 }

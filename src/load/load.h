@@ -3,6 +3,7 @@
 
 #include "base/grid.h"
 #include "base/param.h"
+#include "load/geometry.h"
 
 #define LAC_GRAVITY 9.80665 /* standard gravity [m/s2] */
 
@@ -26,6 +27,7 @@ typedef struct lac_load_state {
     double back_slip, back_rate; ///< slip of the rock around the interface [m], [m/s]
     double pore, pore_rate;      ///< pore pressure [Pa], [Pa/s]
     double normal, normal_rate;  ///< normal stress beyond that of the normal load [Pa], [Pa/s]
+    lac_lake lake;               ///< that a base which bends stands in
 } lac_load_state;
 
 /// Normal load: the total mean pressure on the interface, constant in time; or, in statics, how
@@ -100,6 +102,7 @@ typedef struct lac_load_kind {
     bool linear;       ///< linear in time between its breaks, but where it `bends`
     bool constant;     ///< the same at all times
     bool slope;        ///< gravity on a slope, whose factor of safety is asked for
+    bool on_base;      ///< acts on the weight on a base that bends
     const lac_load_driver *driver; ///< what it reads; NULL: no such thing
     /// Whether its parameters make a linear one no longer so. NULL: they never do.
     bool (*bends)(const void *params);
@@ -137,6 +140,8 @@ typedef struct lac_load_set {
     double *shape; ///< [contact cells] C^-1 1, its mean 1, owned; NULL where lac_load_set_is_shaped
                    ///< is false. Whoever knows the contact fills it: lac_transfer_tied
     lac_load_places places; ///< of the cells where a load differs between them: lac_load_set_place
+    lac_geometry *geometry; ///< of a base that bends, owned; NULL: the load follows time alone
+    double length;          ///< of the mass on it along its dip [m]
     bool directed;   ///< lac_load_evaluate takes of each shear load what it has along `along`
     double along[2]; ///< a unit vector
 } lac_load_set;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Water that stands to a level over an inclined joint: each cell feels what is above it, and cells
-// above the level feel none. So it is with a water table, and with the toe of a slope in a lake.
+// above the level feel none. So it is with a water table, and with the toe of a slope in a lake; or
+// a lake that carries a part of the weight itself.
 #include <math.h>
 #include <stdlib.h>
 
@@ -179,27 +180,36 @@ static const char *const outsides[] = {"refuse", "hold", NULL};
 
 #define TABLE(name) offsetof(table_params, name)
 
+#define LEVEL_ROWS                                                                         \
+    LAC_REAL("level", "m", TABLE(level), NAN, -1e6, 1e6, LAC_OPTIONAL,                     \
+             "of the water, where it stays; else a file has it"),                          \
+        LAC_PATH("file", TABLE(file), LAC_OPTIONAL,                                        \
+                 "CSV with a header, or netCDF: the level in time"),                       \
+        LAC_TEXT("time", TABLE(time), LAC_OPTIONAL,                                        \
+                 "name of the time column: dates, or seconds since the start of the run"), \
+        LAC_TEXT("column", TABLE(column), LAC_OPTIONAL,                                    \
+                 "column of the level and its unit, such as \"level:m\"")
+
+#define WATER_ROWS                                                                    \
+    LAC_REAL("unit_weight", "Pa/m", TABLE(unit_weight), 1000.0 * LAC_GRAVITY, 0, 1e6, \
+             LAC_ABOVE_MIN, "pressure under a metre of the water")
+#define TIME_ROWS                                                                         \
+    LAC_OFFSET_ROW(table_params, "the levels come this much later than their times say"), \
+        LAC_CHOICE("outside", TABLE(outside), REFUSE, outsides, 0,                        \
+                   "before the first reading and after the last: refuse, or hold the level")
+
 static const lac_param params[] = {
-    LAC_REAL("level", "m", TABLE(level), NAN, -1e6, 1e6, LAC_OPTIONAL,
-             "of the water, where it stays; else a file has it"),
-    LAC_PATH("file", TABLE(file), LAC_OPTIONAL, "CSV with a header, or netCDF: the level in time"),
-    LAC_TEXT("time", TABLE(time), LAC_OPTIONAL,
-             "name of the time column: dates, or seconds since the start of the run"),
-    LAC_TEXT("column", TABLE(column), LAC_OPTIONAL,
-             "column of the level and its unit, such as \"level:m\""),
+    LEVEL_ROWS,
     LAC_REAL("elevation", "m", TABLE(elevation), NAN, -1e6, 1e6, 0,
              "of the joint where x = 0, its upper end, on the scale of the levels"),
     LAC_REAL("angle", "rad", TABLE(angle), NAN, -LAC_STEEPEST, LAC_STEEPEST, 0,
              "by which the joint falls along x; negative where it rises"),
-    LAC_REAL("unit_weight", "Pa/m", TABLE(unit_weight), 1000.0 * LAC_GRAVITY, 0, 1e6, LAC_ABOVE_MIN,
-             "pressure under a metre of the water"),
+    WATER_ROWS,
     LAC_REAL(
         "fringe", "m", TABLE(fringe), 0, 0, 1e3, 0,
         "over which the edge of the water is rounded, as capillary rise does; 0: sharp, so that "
         "the integrator begins anew at each column of cells that the level passes"),
-    LAC_OFFSET_ROW(table_params, "the levels come this much later than their times say"),
-    LAC_CHOICE("outside", TABLE(outside), REFUSE, outsides, 0,
-               "before the first reading and after the last: refuse, or hold the level"),
+    TIME_ROWS,
 };
 
 static const lac_load_driver water_level = {
@@ -220,4 +230,45 @@ const lac_load_kind lac_pore_water_table = {
     .cells = add_table,
     .place = place,
     .next_break = next_break,
+};
+
+static void add_toe(const lac_load *load, double t, lac_load_state *sum)
+{
+    const table_params *p = load->params;
+    sum->lake =
+        (lac_lake){level_at(p, load->state, t).value, p->elevation, p->unit_weight, p->angle};
+}
+
+static double next_reading(const lac_load *load, double t)
+{
+    const lac_readings *r = &((const table_state *)load->state)->level;
+    return lac_readings_next(r->t, r->n, t);
+}
+
+static const lac_param toe_rows[] = {
+    LEVEL_ROWS,
+    LAC_REAL("elevation", "m", TABLE(elevation), NAN, -1e6, 1e6, 0,
+             "of the base's lower end at the start, on the scale of the levels"),
+    LAC_REAL("angle", "rad", TABLE(angle), NAN, -LAC_STEEPEST, LAC_STEEPEST, LAC_OPTIONAL,
+             "dip of the base under what stands in the lake; that of interface.geometry if absent"),
+    WATER_ROWS,
+    TIME_ROWS,
+};
+
+static const lac_load_driver lake_level = {"lake_level", "m", "level of the lake at the toe",
+                                           "on the scale of load.pore_pressure.toe.elevation",
+                                           told_level};
+
+const lac_load_kind lac_pore_toe = {
+    .info = LAC_ABOUT("toe",
+                      "a lake at the toe of the mass on interface.geometry: buoyancy takes off its "
+                      "weight, of what presses and of what pulls",
+                      "Lambe & Whitman (1969) Soil Mechanics, Wiley, ch. 24 (submerged slope)",
+                      LAC_ROWS(toe_rows, table_params), .validate = fault),
+    .on_base = true,
+    .driver = &lake_level,
+    .prepare = prepare,
+    .release = release,
+    .add = add_toe,
+    .next_break = next_reading,
 };

@@ -235,8 +235,8 @@ static bool share_by_row(const lac_problem *problem, double mean, const double *
 
 // The transfer's solve takes kappa 11^T/n along as a stiffness of the mean slip, which holds a mean
 // that weakens; Woodbury's formula puts right what s and the row are besides 1.
-bool lac_problem_solve_sharing(const lac_problem *problem, double mean, const double *diagonal,
-                               const lac_sharing *on, double *b, double *scratch)
+static bool solve_shared(const lac_problem *problem, double mean, const double *diagonal,
+                         const lac_sharing *on, double *b, double *scratch)
 {
     const lac_transfer *transfer = &problem->transfer;
     if (!transfer->kind->solve(transfer->state, mean, diagonal, b, b, scratch)) {
@@ -247,4 +247,32 @@ bool lac_problem_solve_sharing(const lac_problem *problem, double mean, const do
     }
     return on->row == NULL ? share_evenly(problem, mean, diagonal, on, b, scratch)
                            : share_by_row(problem, mean, diagonal, on, b, scratch);
+}
+
+// The same with the column, whose mean is a stiffness of the mean slip too. Of what it is besides,
+// e, M^-1 e tells:  x = M^-1 b + M^-1 e x_mean,  (1 - mean of M^-1 e) x_mean = mean of M^-1 b
+bool lac_problem_solve_sharing(const lac_problem *problem, double mean, const double *diagonal,
+                               const lac_sharing *on, double *b, double *scratch)
+{
+    const size_t n = problem->n;
+    double *column = on->column;
+    if (column == NULL) {
+        return solve_shared(problem, mean, diagonal, on, b, scratch);
+    }
+    const double alike = lac_vsum(n, column) / (double)n;
+    bool differs = false;
+    for (size_t i = 0; i < n; i++) {
+        column[i] -= alike;
+        differs = differs || column[i] != 0.0;
+    }
+    if (!solve_shared(problem, mean - alike, diagonal, on, b, scratch) ||
+        (differs && !solve_shared(problem, mean - alike, diagonal, on, column, scratch))) {
+        return false;
+    }
+    const double pivot = differs ? 1.0 - lac_vsum(n, column) / (double)n : 1.0;
+    const double by = differs ? lac_vsum(n, b) / (double)n / pivot : 0.0;
+    for (size_t i = 0; differs && i < n; i++) {
+        b[i] += by * column[i];
+    }
+    return pivot > 0.0 && isfinite(pivot);
 }

@@ -5,27 +5,11 @@
 
 #include "model/internal.h"
 
-// A state whose rates the next solve begins from; false where the loads are none.
-static bool begin(const lac_problem *problem, double t, const double *y, double *work, lac_look *at)
-{
-    *at = (lac_look){
-        .problem = problem, .y = y, .w = y + problem->n, .ws = lac_problem_split(problem, work)};
-    at->t = t;
-    if (!lac_problem_drive_into(problem, t, at->ws.shares, &at->drive)) {
-        return false;
-    }
-    if (!lac_weaken_look(at)) {
-        return false;
-    }
-    at->motion = problem->kind->move(at, true);
-    return true;
-}
-
 bool lac_problem_derivative(const lac_problem *problem, double t, const double *y, double *ydot,
                             double *work)
 {
     lac_look at;
-    return begin(problem, t, y, work, &at) &&
+    return lac_problem_begin(problem, t, y, true, work, &at) &&
            lac_weaken_rates(&at, ydot + lac_weaken_place(problem)) &&
            problem->kind->derivative(&at, ydot);
 }
@@ -34,7 +18,7 @@ bool lac_problem_newton(const lac_problem *problem, double t, const double *y, d
                         double *b, double *work)
 {
     lac_look at;
-    return begin(problem, t, y, work, &at) && lac_weaken_rates(&at, NULL) &&
+    return lac_problem_begin(problem, t, y, true, work, &at) && lac_weaken_rates(&at, NULL) &&
            problem->kind->newton(&at, gamma, b);
 }
 
@@ -88,7 +72,7 @@ static double stiffest(const lac_problem *problem, const lac_problem_loads_at *d
     for (size_t l = 0; l < levels; l++) {
         most = fmax(most, transfer->kind->stiffness(transfer->state, l));
     }
-    return most + drive->spring_stiffness;
+    return most + drive->spring_stiffness + problem->slide;
 }
 
 // Fastest e-folding of a cell [1/s], and with a stiffness the fastest decay of what it is behind.

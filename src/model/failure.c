@@ -17,8 +17,8 @@ static lac_failure_start look_at_start(const lac_problem *problem)
     double n = (double)problem->n;
     double to_nominal = problem->cell_area / problem->nominal_area;
     lac_failure_start s = {.eta = damped_together(problem) * to_nominal,
-                           .held =
-                               problem->at_start.spring_stiffness > 0.0 || problem->anchor != NULL,
+                           .held = problem->at_start.spring_stiffness > 0.0 ||
+                                   problem->anchor != NULL || problem->loads.geometry != NULL,
                            .length = problem->length};
     for (size_t i = 0; i < problem->n; i++) {
         double p = lac_problem_effective(problem, &problem->drive0, i) * to_nominal;

@@ -29,10 +29,12 @@ const char *lac_formulation_name(lac_formulation formulation)
     return lac_formulation_kind_of(formulation)->name;
 }
 
-// Arrays of n that a matrix needs where the mean is damped: slip as an unknown makes none.
+// Arrays of n that a matrix needs where the mean is damped, if slip is no unknown, or where the
+// base bends, if it is.
 static size_t leaning(const lac_problem *problem)
 {
-    return problem->drag != 0.0 && !problem->kind->has_slip ? 1 : 0;
+    const bool damped = problem->drag != 0.0 && !problem->kind->has_slip;
+    return damped || problem->loads.geometry != NULL ? 1 : 0;
 }
 
 lac_workspace lac_problem_split(const lac_problem *problem, double *work)
@@ -142,9 +144,23 @@ bool lac_problem_evolve(const lac_look *at, double *wdot)
     return lac_vfinite(n, wdot);
 }
 
+// On a bent base a mean slip greater by x puts C x on cell k, and a mean rate so C_v x: C times the
+// mean of b_slip goes to kv, and C + C_v/gamma to row. @param f  what friction takes of p, with its
+// sign
+static void bend_cell(const lac_look *at, double gamma, double gone, size_t k, double f)
+{
+    const lac_problem_loads_at *drive = &at->drive;
+    double p = at->problem->pressure[k];
+    double by_slip = p * (drive->ratio_slope - f * drive->share_slope);
+    at->ws.kv[k] -= by_slip * gone;
+    at->ws.row[k] = by_slip - p * f * drive->share_by_rate / gamma;
+}
+
 // tau = s p f(ln|v|, w) + eta v, s the sign of v, gives with Z = p f_u/|v| + eta
 //   x_tau = Z dv + s p f_w x_w,   x_w = back (b_w + gamma (g_u/v) dv),   back = 1/(1 - gamma g_w)
-static bool reduce_block(const lac_look *at, double gamma, double *b_w, size_t first)
+// @param gone  mean of b_slip; NULL: the base does not bend
+static bool reduce_block(const lac_look *at, double gamma, const double *gone, double *b_w,
+                         size_t first)
 {
     lac_block s;
     lac_block_slopes d;
@@ -171,6 +187,9 @@ static bool reduce_block(const lac_look *at, double gamma, double *b_w, size_t f
         ws->diagonal[k] = z / gamma + f_w * slope;
         ws->kv[k] = f_w * b_w[k];
         ws->v[k] = gamma * slope;
+        if (gone != NULL) {
+            bend_cell(at, gamma, *gone, k, copysign(s.f[i], v));
+        }
     }
     for (size_t i = 0; problem->weak != NULL && i < length; i++) {
         ws->diagonal[first + i] += diagonal[i];
@@ -179,11 +198,15 @@ static bool reduce_block(const lac_look *at, double gamma, double *b_w, size_t f
     return good;
 }
 
-bool lac_implicit_reduce(const lac_look *at, double gamma, double *b_w)
+bool lac_implicit_reduce(const lac_look *at, double gamma, const double *b_slip, double *b_w)
 {
+    const size_t n = at->problem->n;
+    const bool bent = at->problem->loads.geometry != NULL;
+    const double mean = bent ? lac_vsum(n, b_slip) / (double)n : 0.0;
+    const double *gone = bent ? &mean : NULL;
     bool good = true;
-    for (size_t first = 0; first < at->problem->n; first += LAC_FRICTION_BLOCK) {
-        good = reduce_block(at, gamma, b_w, first) && good;
+    for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
+        good = reduce_block(at, gamma, gone, b_w, first) && good;
     }
     return good;
 }
@@ -194,7 +217,9 @@ bool lac_implicit_solve(const lac_look *at, double gamma, double *b)
     double kappa = problem->drag * (problem->sum_pressure / (double)problem->n) / gamma;
     double mean = at->drive.spring_stiffness + kappa;
     bool felt = lac_problem_feels_drag(problem, at->drive.least, at->motion.mean);
-    const lac_sharing on = {.kappa = felt ? kappa : 0.0, .shares = at->ws.u};
+    const lac_sharing on = {.kappa = felt ? kappa : 0.0,
+                            .shares = at->ws.u,
+                            .column = problem->loads.geometry != NULL ? at->ws.row : NULL};
     return lac_problem_solve_sharing(problem, mean, at->ws.diagonal, &on, b, at->ws.scratch);
 }
 

@@ -173,7 +173,7 @@ static bool reduce(const lac_look *at, double gamma, double *b)
     const lac_transfer *transfer = &problem->transfer;
     double own = problem->columns * problem->mass / gamma / gamma;
     double common = (1.0 - problem->columns) * problem->mass / gamma / gamma;
-    if (!lac_implicit_reduce(at, gamma, b + n)) {
+    if (!lac_implicit_reduce(at, gamma, b + 2 * n, b + n)) {
         return false;
     }
     // ln|v| has been used: its place holds K b_slip.
@@ -203,8 +203,11 @@ static bool solve(const lac_look *at, double gamma, double *b)
     for (size_t i = 0; i < problem->n; i++) {
         ws->bend[i] *= lac_problem_share(problem, i);
     }
-    const lac_sharing on = {
-        .kappa = kappa, .row = ws->bend, .shares = ws->kv, .ones = ws->u}; // both used up
+    const lac_sharing on = {.kappa = kappa,
+                            .row = ws->bend,
+                            .shares = ws->kv, // used up, as is
+                            .ones = ws->u,
+                            .column = problem->loads.geometry != NULL ? ws->row : NULL};
     return lac_problem_solve_sharing(problem, mean, ws->diagonal, &on, b, ws->scratch);
 }
 
@@ -260,14 +263,13 @@ double lac_inertia_fastest(const lac_look *at)
 bool lac_problem_rests(const lac_problem *problem, double t, const double *y, size_t *cell,
                        double *work)
 {
-    const double nothing = 1e-25; // m/s
     lac_problem_loads_at drive;
-    if (problem->mass == 0.0 || !lac_problem_drive(problem, t, work, &drive)) {
+    if (problem->mass == 0.0 || !lac_problem_drive(problem, t, y, work, &drive)) {
         return false;
     }
     const lac_look at = lac_problem_look(problem, t, y, work);
     size_t i = 0;
-    while (i < problem->n && !(fabs(at.motion.v[i]) < nothing)) {
+    while (i < problem->n && !(fabs(at.motion.v[i]) < LAC_NOTHING)) {
         i++;
     }
     if (i == problem->n) {

@@ -152,6 +152,14 @@ static lac_status load_at_start(const lac_initial_def *initial, const lac_load_s
     lac_load_state load;
     lac_load_evaluate(loads, 0.0, &load);
     at->ratio = load.ratio + (load.stress - cohesion) / mean;
+    if (loads->geometry != NULL) {
+        at->ratio += lac_geometry_at(loads->geometry, 0.0).pull;
+    }
+    if (loads->geometry != NULL && load.lake.unit_weight > 0.0) {
+        const lac_buoyancy b = lac_geometry_float(loads->geometry, 0.0, loads->length, &load.lake);
+        at->ratio -= b.back / mean;
+        load.pore += b.lift;
+    }
     double to_cells = area / ((double)domain->n * cell);
     at->spring = (load.spring_stress + load.equal_ratio * mean) * to_cells;
     at->elastic = (load.elastic + load.elastic_ratio * mean) * to_cells;

@@ -29,6 +29,8 @@ struct lac_problem {
     double slow;          // v_s: v = 2 v_s sinh x where a massive cell may turn back [m/s]
     double sum_traction0; // sum of the tractions at t = 0 [Pa]
     bool varies;          // what the loads take off the pressure differs from cell to cell
+    double pull0;         // of the weight on a bent base over P at the start; 0: none
+    double slide;         // most that a bent base puts on a cell or takes off it [Pa/m]; 0: none
     lac_load_state at_start;
     lac_problem_loads_at drive0; // at t = 0
     lac_safety safety;
@@ -69,15 +71,33 @@ typedef struct lac_workspace {
     double *guess; // where ln|v| is solved for: where the next solve begins
     double *bend;  // with inertia: what a step does to dv/dx, in the place of guess
     double *slope; // with inertia: dv/dx
-    double *row;   // [n] where damping of the mean counts, and slip is no unknown
+    double *row;   // [n] where damping of the mean counts, and slip is no unknown; of a bent base
+                   // what a step of the mean slip puts on each cell
     double *mean;  // [1] where rates are solved for: the mean rate that the next solve begins from
     double *scratch; // of the transfer
     double *shares;  // [4n] where cells have shares of their own: shares and rates; before a jump
     double *weak;    // of lac_weaken_split, where a case names weakening
 } lac_workspace;
 
+// How far the cells have come together, where the base bends: else 0.
+typedef struct lac_gone {
+    double slip, rate; // means [m], [m/s]; the rate where the block has mass
+} lac_gone;
+
+// Of slips, or of those in y. @param rate  mean
+lac_gone lac_problem_gone(const lac_problem *problem, const double *slip, double rate);
+lac_gone lac_problem_gone_in(const lac_problem *problem, const double *y, double rate);
+
+// Takes the base that bends, where there is one, and says what cannot follow it.
+lac_status lac_problem_geometry_init(lac_problem *problem, lac_error *err);
+
+// What the base has come to, beside the loads of the moment, whose pore pressure a lake raises:
+// `normal`, its part of ratio, and the slopes.
+void lac_problem_bend(const lac_problem *problem, lac_gone gone, lac_load_state *now,
+                      lac_problem_loads_at *drive);
+
 // lac_problem_drive. @param shares  [2n] where the cells differ
-bool lac_problem_drive_into(const lac_problem *problem, double t, double *shares,
+bool lac_problem_drive_into(const lac_problem *problem, double t, lac_gone gone, double *shares,
                             lac_problem_loads_at *drive);
 
 lac_workspace lac_problem_split(const lac_problem *problem, double *work);
@@ -105,6 +125,11 @@ static inline double lac_look_lost(const lac_look *at, size_t i)
     return at->problem->pressure[i] * at->problem->bond * fmin(at->broken[i], 1.0);
 }
 
+// A state with its loads and motion. @param keep  the next solve begins from these rates
+// @return whether the loads are sound; the motion is there where the loads are not asked to be
+bool lac_problem_begin(const lac_problem *problem, double t, const double *y, bool keep,
+                       double *work, lac_look *at);
+
 // @param work  the rates are in its first n afterwards
 lac_look lac_problem_look(const lac_problem *problem, double t, const double *y, double *work);
 
@@ -120,6 +145,8 @@ static inline double lac_problem_gain(const lac_problem *problem, const lac_jump
     double shaped = problem->loads.shape == NULL ? 0.0 : problem->loads.shape[i] * jump->elastic;
     return problem->pressure[i] * jump->ratio + jump->spring + shaped;
 }
+
+#define LAC_NOTHING 1e-25 /* slip rate of a cell with mass that may be at rest [m/s] */
 
 // A choice of unknowns y = (x, ln theta), one x a cell, or (x, ln theta, slip);
 // docs/theory/creep.md, docs/theory/momentum.md.
@@ -260,6 +287,7 @@ typedef struct lac_sharing {
     const double *row; // [n], some 1; NULL: 1
     double *shares;    // [n] scratch
     double *ones;      // [n] scratch; NULL: none, at the cost of another solve where there is a row
+    double *column;    // [n] taken off as column 1^T/n, used up; NULL: nothing [Pa/m]
 } lac_sharing;
 
 // Share of a cell in what acts on the mean as the pressures do.
@@ -268,7 +296,7 @@ static inline double lac_problem_share(const lac_problem *problem, size_t i)
     return problem->pressure[i] / (problem->sum_pressure / (double)problem->n);
 }
 
-// (D + K + k P + kappa s row^T/n) x = b, in O(n) as the transfer's solve.
+// (D + K + k P + kappa s row^T/n - column 1^T/n) x = b, in O(n) as the transfer's solve.
 // @param mean  k + kappa [Pa/m]
 // @return false where the transfer's solve fails, or the matrix is not positive definite
 bool lac_problem_solve_sharing(const lac_problem *problem, double mean, const double *diagonal,
@@ -309,7 +337,8 @@ size_t lac_block_friction(const lac_look *at, size_t first, lac_block *s, lac_bl
 // Where v is solved for: eliminates ln theta and the balance from the Newton system;
 // docs/theory/creep.md eq. 8: ws.diagonal is D then, kv p f_w back b_w, v d ln theta/dv: x_w = back
 // b_w + v dv. False where it cannot be.
-bool lac_implicit_reduce(const lac_look *at, double gamma, double *b_w);
+// @param b_slip  [n] that of slip; NULL: it is no unknown
+bool lac_implicit_reduce(const lac_look *at, double gamma, const double *b_slip, double *b_w);
 
 // (D + K + stiffness of the mean, that of its damping included) dv = b, once they are eliminated.
 // ws.u is used up.

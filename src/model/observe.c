@@ -8,14 +8,30 @@
 #include "lacuna/simulation.h"
 #include "model/internal.h"
 
+bool lac_problem_begin(const lac_problem *problem, double t, const double *y, bool keep,
+                       double *work, lac_look *at)
+{
+    *at = (lac_look){
+        .problem = problem, .y = y, .w = y + problem->n, .ws = lac_problem_split(problem, work)};
+    at->t = t;
+    // What has mass moves as it does, and how fast it does presses it on a bent base.
+    const bool moves = problem->mass > 0.0;
+    if (moves) {
+        at->motion = problem->kind->move(at, keep);
+    }
+    const lac_gone gone = lac_problem_gone_in(problem, y, at->motion.mean);
+    bool good = lac_problem_drive_into(problem, t, gone, at->ws.shares, &at->drive);
+    good = lac_weaken_look(at) && good;
+    if (!moves && (good || !keep)) {
+        at->motion = problem->kind->move(at, keep);
+    }
+    return good;
+}
+
 lac_look lac_problem_look(const lac_problem *problem, double t, const double *y, double *work)
 {
-    lac_look at = {
-        .problem = problem, .y = y, .w = y + problem->n, .ws = lac_problem_split(problem, work)};
-    at.t = t;
-    (void)lac_problem_drive_into(problem, t, at.ws.shares, &at.drive);
-    (void)lac_weaken_look(&at);
-    at.motion = problem->kind->move(&at, false);
+    lac_look at;
+    (void)lac_problem_begin(problem, t, y, false, work, &at);
     return at;
 }
 
@@ -50,7 +66,8 @@ void lac_problem_traction(const lac_problem *problem, double t, const double *sl
                           double *traction, double *work)
 {
     lac_look at = {.problem = problem, .ws = lac_problem_split(problem, work), .t = t};
-    (void)lac_problem_drive_into(problem, t, at.ws.shares, &at.drive);
+    const lac_gone gone = lac_problem_gone(problem, slip, 0.0);
+    (void)lac_problem_drive_into(problem, t, gone, at.ws.shares, &at.drive);
     if (problem->across != NULL) {
         lac_vector_traction(&at, slip, traction);
         return;
@@ -156,15 +173,16 @@ static void observe_weakening(const lac_look *at, lac_observation *observation)
     observation->broken = sums[1] / problem->sum_pressure;
 }
 
-// Normal force over that of the normal load. Where what comes on top differs from cell to cell, it
-// is weighed by pressure, as what is taken off is. @param shares  those of lac_workspace
-static double pressed(const lac_problem *problem, double t, double *shares)
+// Normal force over that of the normal load at the start. Where what comes on top differs from cell
+// to cell, it is weighed by pressure, as what is taken off is. @param base  what the base leaves of
+// it, as far as it bends; shares  those of lac_workspace
+static double pressed(const lac_problem *problem, double t, double base, double *shares)
 {
     const lac_load_set *loads = &problem->loads;
     lac_load_state now;
     double off = 0.0;
     if (!lac_load_set_presses(loads)) {
-        return 1.0;
+        return base;
     }
     lac_load_evaluate(loads, t, &now);
     if (problem->varies) {
@@ -175,7 +193,7 @@ static double pressed(const lac_problem *problem, double t, double *shares)
             off += problem->pressure[i] * (normal[i] - normal[0]);
         }
     }
-    return 1.0 + (now.normal + off / problem->sum_pressure) / problem->mean_pressure;
+    return base + (now.normal + off / problem->sum_pressure) / problem->mean_pressure;
 }
 
 void lac_problem_observe(const lac_problem *problem, double t, const double *y, const double *slip,
@@ -193,9 +211,9 @@ void lac_problem_observe(const lac_problem *problem, double t, const double *y, 
     }
     observation->max_rate = fabs(motion.v[observation->fastest]);
     observe_slip(&at, slip, observation);
-    observation->normal_force = problem->cell_area * problem->sum_pressure;
-    observation->effective_force = observation->normal_force * drive->share;
-    observation->normal_force *= pressed(problem, t, at.ws.shares);
+    const double force = problem->cell_area * problem->sum_pressure;
+    observation->normal_force = force * pressed(problem, t, drive->normal, at.ws.shares);
+    observation->effective_force = force * drive->share;
 
     observation->factor_of_safety = problem->safety.asked ? lac_look_safety(&at, slip) : NAN;
 
@@ -254,8 +272,9 @@ bool lac_problem_jump(const lac_problem *problem, double t, double *y, double *w
     lac_problem_loads_at after;
     const lac_workspace ws = lac_problem_split(problem, work);
     double *shares_before = problem->varies ? ws.shares + 2 * problem->n : NULL;
-    if (!lac_problem_drive_into(problem, nextafter(t, -INFINITY), shares_before, &before) ||
-        !lac_problem_drive_into(problem, t, ws.shares, &after)) {
+    const lac_gone gone = lac_problem_gone_in(problem, y, 0.0);
+    if (!lac_problem_drive_into(problem, nextafter(t, -INFINITY), gone, shares_before, &before) ||
+        !lac_problem_drive_into(problem, t, gone, ws.shares, &after)) {
         return false;
     }
     lac_jump jump = {.ratio = after.ratio - before.ratio,

@@ -108,7 +108,8 @@ static lac_status measure_stiffness(lac_problem *problem, lac_error *err)
     }
     transfer->kind->apply(transfer->state, slip, slip + n, slip + 2 * n);
     problem->stiffness = sqrt(lac_dot(n, slip + n, slip + n) / (double)n) +
-                         problem->spring_share * problem->at_start.spring_stiffness;
+                         problem->spring_share * problem->at_start.spring_stiffness +
+                         problem->slide;
     free(slip);
     return LAC_OK;
 }
@@ -160,9 +161,10 @@ lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac
     LAC_TRY(lac_weaken_check(problem, err));
     LAC_TRY(check_shape(problem, err));
     LAC_TRY(check_places(problem, err));
+    LAC_TRY(lac_problem_geometry_init(problem, err));
     LAC_TRY(allocate(problem, def, err));
     LAC_TRY(lac_problem_anchor(problem, err));
-    if (!lac_problem_drive_into(problem, 0.0, problem->shares0, &problem->drive0)) {
+    if (!lac_problem_drive_into(problem, 0.0, (lac_gone){0}, problem->shares0, &problem->drive0)) {
         status =
             lac_fail(err, LAC_EINPUT,
                      "pore pressure %g Pa is not below the normal pressure %g Pa at the start",
@@ -252,7 +254,7 @@ static bool find_shares(const lac_problem *problem, double t, const lac_load_sta
     lac_load_evaluate_cells(&problem->loads, t, now, shares, rates);
     drive->least = INFINITY;
     for (size_t i = 0; i < n; i++) {
-        shares[i] = 1.0 - shares[i] / mean;
+        shares[i] = drive->normal - shares[i] / mean;
         rates[i] = -rates[i] / mean;
         off += problem->pressure[i] * (shares[i] - shares[0]);
         off_rate += problem->pressure[i] * (rates[i] - rates[0]);
@@ -266,7 +268,7 @@ static bool find_shares(const lac_problem *problem, double t, const lac_load_sta
     return good;
 }
 
-bool lac_problem_drive_into(const lac_problem *problem, double t, double *shares,
+bool lac_problem_drive_into(const lac_problem *problem, double t, lac_gone gone, double *shares,
                             lac_problem_loads_at *drive)
 {
     const lac_load_state *start = &problem->at_start;
@@ -283,7 +285,12 @@ bool lac_problem_drive_into(const lac_problem *problem, double t, double *shares
     drive->far_rate.back = now.back_rate;
     drive->far.elastic = problem->spring_share * (now.elastic - start->elastic);
     drive->far_rate.elastic = problem->spring_share * now.elastic_rate;
-    drive->share = 1.0 - lac_load_taken(&now) / mean;
+    drive->normal = 1.0;
+    drive->ratio_slope = drive->share_slope = drive->share_by_rate = 0.0;
+    if (problem->loads.geometry != NULL) {
+        lac_problem_bend(problem, gone, &now, drive);
+    }
+    drive->share = drive->normal - lac_load_taken(&now) / mean;
     drive->share_rate = -(now.pore_rate - now.normal_rate) / mean;
     drive->least = drive->share;
     drive->shares = drive->share_rates = NULL;
@@ -293,25 +300,26 @@ bool lac_problem_drive_into(const lac_problem *problem, double t, double *shares
     return drive->share > 0.0 && isfinite(drive->share) && isfinite(drive->ratio);
 }
 
-bool lac_problem_drive(const lac_problem *problem, double t, double *work,
+bool lac_problem_drive(const lac_problem *problem, double t, const double *y, double *work,
                        lac_problem_loads_at *drive)
 {
-    return lac_problem_drive_into(problem, t, lac_problem_split(problem, work).shares, drive);
+    const lac_gone gone = lac_problem_gone_in(problem, y, 0.0);
+    return lac_problem_drive_into(problem, t, gone, lac_problem_split(problem, work).shares, drive);
 }
 
-lac_status lac_problem_lifted(const lac_problem *problem, double t, double near, double *work,
-                              lac_error *err)
+lac_status lac_problem_lifted(const lac_problem *problem, double t, const double *y, double near,
+                              double *work, lac_error *err)
 {
     lac_problem_loads_at at;
     double normal = problem->mean_pressure;
-    bool good = lac_problem_drive(problem, t, work, &at);
+    bool good = lac_problem_drive(problem, t, y, work, &at);
     if (good && at.least > near) {
         return LAC_OK;
     }
     for (size_t i = 0; at.shares != NULL && i < problem->n; i++) {
         if (!(at.shares[i] > near)) {
-            return lac_load_blame_cell(&problem->loads, i, normal * (1.0 - at.shares[i]), normal, t,
-                                       LAC_ENUMERIC, err);
+            return lac_load_blame_cell(&problem->loads, i, normal * (at.normal - at.shares[i]),
+                                       normal * at.normal, t, LAC_ENUMERIC, err);
         }
     }
     return lac_fail(err, LAC_ENUMERIC, "the pore pressure reaches the normal pressure at t = %g s",

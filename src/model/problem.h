@@ -251,6 +251,9 @@ typedef struct lac_problem_loads_at {
     double share_rate; ///< [1/s]
     double least;      ///< share of the cell that has the least of its pressure left
     const double *shares, *share_rates; ///< [n] of each cell, in the work; NULL: all are alike
+    double normal;                      ///< total normal force over that at the start [1]
+    double ratio_slope, share_slope;    ///< with the mean slip [1/m]
+    double share_by_rate;               ///< with the mean slip rate [s/m]
 } lac_problem_loads_at;
 
 /// What a cell has of its total normal pressure.
@@ -259,17 +262,18 @@ static inline double lac_problem_share_of(const lac_problem_loads_at *drive, siz
     return drive->shares != NULL ? drive->shares[i] : drive->share;
 }
 
-/// Evaluates the loads; false where the effective normal pressure of a cell is not positive.
+/// Evaluates the loads of a state; false where the effective normal pressure of a cell is not
+/// positive.
 /// @param work  as of the functions above; holds what differs from cell to cell, until it is used
 ///              again. Of no other part of it is anything used
-bool lac_problem_drive(const lac_problem *problem, double t, double *work,
+bool lac_problem_drive(const lac_problem *problem, double t, const double *y, double *work,
                        lac_problem_loads_at *drive);
 
 /// Says when, and of which cell, pore pressure leaves no more than `near` of the normal pressure.
 /// @param near  part of the total normal pressure; 0: where lac_problem_drive says false
 /// @return LAC_OK where more is left; LAC_ENUMERIC
-lac_status lac_problem_lifted(const lac_problem *problem, double t, double near, double *work,
-                              lac_error *err);
+lac_status lac_problem_lifted(const lac_problem *problem, double t, const double *y, double near,
+                              double *work, lac_error *err);
 
 /// Whether what the loads take off the normal pressure differs from cell to cell.
 bool lac_problem_varies(const lac_problem *problem);
@@ -284,7 +288,7 @@ typedef struct lac_failure_start {
     double direct; ///< a p [Pa]
     double excess; ///< (b - a) p [Pa]
     double eta;    ///< what uniform slip is damped by [Pa s/m]; 0: nothing
-    bool held;     ///< by a spring, or rock that stays behind
+    bool held;     ///< by a spring, rock that stays behind, or a base that bends
     double length; ///< slip that is failure where none is named [m]
 } lac_failure_start;
 
@@ -330,6 +334,11 @@ bool lac_problem_slips(const lac_problem *problem, double t, const double *y, si
 /// @param cell  the first that does; untouched where none does
 bool lac_problem_rests(const lac_problem *problem, double t, const double *y, size_t *cell,
                        double *work);
+
+/// Whether the dip or thickness of the base follows slip; and whether such a joint, which has mass,
+/// rests for good: lac_problem_rests, and no cell moves faster than that means.
+bool lac_problem_bends(const lac_problem *problem);
+bool lac_problem_settles(const lac_problem *problem, double t, const double *y, double *work);
 
 /// What is asked of the initial rate and state (a case's section `initial`).
 typedef enum lac_initial_state {

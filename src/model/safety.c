@@ -14,7 +14,8 @@ static lac_look look_at(const lac_problem *problem, double t, const double *y, d
     lac_look at = {
         .problem = problem, .y = y, .w = y + problem->n, .ws = lac_problem_split(problem, work)};
     at.t = t;
-    (void)lac_problem_drive_into(problem, t, at.ws.shares, &at.drive);
+    const lac_gone gone = lac_problem_gone_in(problem, y, 0.0);
+    (void)lac_problem_drive_into(problem, t, gone, at.ws.shares, &at.drive);
     (void)lac_weaken_look(&at);
     return at;
 }

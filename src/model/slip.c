@@ -29,7 +29,7 @@ static bool newton(const lac_look *at, double gamma, double *b)
     const lac_workspace *ws = &at->ws;
     size_t n = problem->n;
     const lac_transfer *transfer = &problem->transfer;
-    if (!lac_implicit_reduce(at, gamma, b + n)) {
+    if (!lac_implicit_reduce(at, gamma, b, b + n)) {
         return false;
     }
     // ws->u is free where rates are kept: K b_slip.

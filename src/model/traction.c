@@ -37,7 +37,7 @@ static bool newton(const lac_look *at, double gamma, double *b)
     const lac_problem *problem = at->problem;
     const lac_workspace *ws = &at->ws;
     size_t n = problem->n;
-    if (!lac_implicit_reduce(at, gamma, b + n)) {
+    if (!lac_implicit_reduce(at, gamma, NULL, b + n)) {
         return false;
     }
     for (size_t i = 0; i < n; i++) {

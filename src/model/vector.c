@@ -95,7 +95,7 @@ lac_look lac_look_along(const lac_look *at, int direction)
     lac_look side = *at;
     if (direction == 1) {
         side.problem = at->problem->across;
-        (void)lac_problem_drive_into(side.problem, at->t, NULL, &side.drive);
+        (void)lac_problem_drive_into(side.problem, at->t, (lac_gone){0}, NULL, &side.drive);
     }
     return side;
 }
@@ -269,7 +269,7 @@ static bool find_blocks(const lac_look *at, const plane *p, double gamma, double
     for (size_t i = 0; i < n; i++) {
         p->hold[i] = fmin(p->size[i] / at->ws.v[i], LAC_STIFFEST) / gamma;
     }
-    if (!lac_implicit_reduce(at, gamma, b_w)) {
+    if (!lac_implicit_reduce(at, gamma, NULL, b_w)) {
         return false;
     }
     for (size_t i = 0; i < n; i++) {

@@ -32,6 +32,8 @@ static const struct {
     {"safety", "table", "water_level", false},
     {"safety", "rain", "rain", false},
     {"safety", "rain2", "rain_2", false},
+    {"safety", "angle", "angle", false},
+    {"safety", "thickness", "thickness", false},
     {"forces", "friction", "apparent_friction", false},
     {"forces", "shear", "shear_force", false},
     {"forces", "normal", "normal_force", false},

@@ -12,7 +12,9 @@ lac_status lac_check_slipping(const lac_problem *problem, const double *y, doubl
                               lac_error *err)
 {
     size_t cell;
-    LAC_FAIL_IF(lac_problem_rests(problem, t, y, &cell, work), err, LAC_ENUMERIC,
+    LAC_FAIL_IF(lac_problem_rests(problem, t, y, &cell, work) &&
+                    !lac_problem_settles(problem, t, y, work),
+                err, LAC_ENUMERIC,
                 "cell %zu comes to rest at t = %.17g s: with so small a direct effect a its "
                 "friction holds it only below %.2g m/s, beyond what is followed",
                 cell, t, exp(LAC_AT_REST));
@@ -206,7 +208,8 @@ const char *lac_end_name(lac_end end)
                                         [LAC_END_SLIP] = "slip",
                                         [LAC_END_STOP] = "stop_when",
                                         [LAC_END_INTERRUPT] = "interrupted",
-                                        [LAC_END_ERROR] = "error"};
+                                        [LAC_END_ERROR] = "error",
+                                        [LAC_END_REST] = "rest"};
     return (unsigned)end < sizeof names / sizeof *names ? names[end] : NULL;
 }
 

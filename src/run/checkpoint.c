@@ -76,6 +76,10 @@ static void pass_course(lac_archive *archive, lac_run_state *r)
         LAC_PASS(archive, r->result->safety);
         LAC_PASS(archive, r->safety_time);
     }
+    if (lac_problem_bends(r->problem)) {
+        LAC_PASS(archive, r->result->arrest.largest);
+        LAC_PASS(archive, r->result->arrest.largest_time);
+    }
     if (r->sink != NULL && r->sink->serialize != NULL) {
         r->sink->serialize(r->sink->context, archive);
     }

@@ -29,6 +29,16 @@ LAC_GETTER(bool, has_excess, PLACE, WEAKENS(pore))
 LAC_GETTER(bool, is_warm, PLACE, WEAKENS(warm))
 LAC_GETTER(bool, has_bridges, PLACE, WEAKENS(bridges))
 LAC_GETTER(bool, has_safety, PLACE, p->of.safety.asked)
+static lac_slab slab_at(const lac_run_place *p)
+{
+    const lac_geometry *g = p->of.loads != NULL ? p->of.loads->geometry : NULL;
+    return g != NULL ? lac_geometry_at(g, p->record.observation.mean_slip)
+                     : (lac_slab){.angle = NAN, .thickness = NAN};
+}
+LAC_GETTER(bool, bends, PLACE, !isnan(slab_at(p).angle))
+LAC_GETTER(bool, has_thickness, PLACE, !isnan(slab_at(p).thickness))
+LAC_GETTER(double, angle, PLACE, slab_at(p).angle *(180.0 / M_PI))
+LAC_GETTER(double, thickness, PLACE, slab_at(p).thickness)
 LAC_GETTER(double, order, PLACE, p->record.order != 0 ? (double)p->record.order : NAN)
 
 #define MEAN .cell_methods = "time: point area: mean"
@@ -80,6 +90,10 @@ static const lac_variable of_record[] = {
                 "present states, sum of (p f(v_ref, theta) + cohesion) r^2, p effective, over "
                 "shear_force; missing where nothing drives. v_ref is v0 of the friction, "
                 "or factor_of_safety_reference_rate_m_s"),
+    LAC_ROW("angle", NULL, "degree", "dip of the base at the mean slip", G(angle), POINT,
+            .flags = LAC_FILLED | LAC_ROUGH, .has = bends),
+    LAC_ROW("thickness", NULL, "m", "vertical thickness of the sliding mass", G(thickness), POINT,
+            .flags = LAC_FILLED | LAC_ROUGH, .has = has_thickness),
     LAC_ROW("excess_pore_pressure", NULL, "Pa", "pore pressure in excess of that of the loads",
             P(REAL, record.observation.excess_pore), POINT, .flags = LAC_MISSING | LAC_ROUGH,
             .has = has_excess,
@@ -425,6 +439,11 @@ LAC_TEXT_GETTER(lowered, RESULT,
                       "time.failure.mean_slip_rate; judged by all cells as one"
                     : NULL)
 LAC_TEXT_GETTER(ended_by, RESULT, lac_end_name(r->end))
+LAC_TEXT_GETTER(arrested, RESULT,
+                isnan(r->arrest.largest) ? NULL
+                : r->arrest.arrested     ? "arrested: the mean slip rate at the end is below a "
+                                           "tenth of the largest"
+                                         : "not arrested")
 LAC_TEXT_GETTER(modified, ENDING,
                 lac_date_format(e->now + (isnan(e->wall_time) ? 0.0 : e->wall_time), room,
                                 LAC_TEXT_ROOM))
@@ -449,6 +468,9 @@ static const lac_variable of_result[] = {
     {.name = "factor_of_safety_least", R(REAL, safety.least)},
     {.name = "factor_of_safety_end", R(REAL, safety.end)},
     {.name = "factor_of_safety_below_1_time_s", .unit = "s", R(REAL, safety.below_time)},
+    {.name = "largest_mean_slip_rate_m_s", .unit = "m s-1", R(REAL, arrest.largest)},
+    {.name = "largest_mean_slip_rate_time_s", .unit = "s", R(REAL, arrest.largest_time)},
+    {.name = "arrest", T(arrested)},
     SUM("steps", steps),
     SUM("rhs_evaluations", rhs_evaluations),
     SUM("newton_iterations", newton_iterations),

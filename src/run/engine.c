@@ -198,7 +198,7 @@ lac_status lac_engine_cannot_restart(const lac_engine *engine, lac_error *err)
 lac_status lac_engine_lifted(lac_engine *engine, lac_error *err)
 {
     const double near = 1e-6; // of the total: what is left holds nothing
-    return lac_problem_lifted(engine->problem, lac_engine_clock(engine, engine->t), near,
+    return lac_problem_lifted(engine->problem, lac_engine_clock(engine, engine->t), engine->y, near,
                               engine->work, err);
 }
 

@@ -128,8 +128,8 @@ static lac_status cells_restart(lac_engine *engine, double h, lac_error *err)
     // A cell that a jump has let go would not be looked at for years.
     LAC_TRY_RETURN(lac_check_slipping(engine->problem, engine->y,
                                       lac_engine_clock(engine, engine->t), engine->work, err));
-    LAC_TRY_RETURN(lac_problem_lifted(engine->problem, clock, 0.0, engine->work, err));
-    (void)lac_problem_drive(engine->problem, clock, engine->work, &now);
+    LAC_TRY_RETURN(lac_problem_lifted(engine->problem, clock, engine->y, 0.0, engine->work, err));
+    (void)lac_problem_drive(engine->problem, clock, engine->y, engine->work, &now);
     if (engine->sink != NULL && engine->sink->step != NULL && c->rate == NULL) {
         c->rate = calloc(2 * engine->n, sizeof *c->rate);
         LAC_FAIL_MEMORY_IF(c->rate == NULL, err);

@@ -103,6 +103,7 @@ static bool crossed(const lac_engine *engine, const lac_run_def *def, lac_crossi
                past(engine, def, kind, engine->t, engine->y, engine->slip) >= 0.0;
     case LAC_CROSSING_GONE:
         return past(engine, def, kind, engine->t, NULL, engine->slip) >= 0.0;
+    case LAC_CROSSING_REST:
     case LAC_CROSSING_NONE:
         break;
     }
@@ -143,7 +144,20 @@ lac_status lac_crossing_find(lac_engine *engine, const lac_run_def *def, lac_cro
             LAC_TRY_RETURN(take_back(engine, def, kind, err));
         }
     }
+    if (*found == LAC_CROSSING_NONE &&
+        lac_problem_settles(engine->problem, lac_engine_clock(engine, engine->t), engine->y,
+                            engine->work)) {
+        *found = LAC_CROSSING_REST;
+    }
     return LAC_OK;
+}
+
+lac_end lac_crossing_end(lac_crossing_kind kind)
+{
+    return kind == LAC_CROSSING_FAILURE ? LAC_END_FAILURE
+           : kind == LAC_CROSSING_GONE  ? LAC_END_SLIP
+           : kind == LAC_CROSSING_REST  ? LAC_END_REST
+                                        : LAC_END_STOP;
 }
 
 void lac_run_state_keep_safety(lac_run_state *r, double t, double now)
@@ -166,6 +180,20 @@ void lac_run_state_keep_safety(lac_run_state *r, double t, double now)
     s->start = isnan(s->start) ? now : s->start;
     s->end = now;
     r->safety_time = t;
+}
+
+void lac_run_state_keep_peak(lac_run_state *r)
+{
+    lac_arrest *a = &r->result->arrest;
+    if (!lac_problem_bends(r->problem)) {
+        return;
+    }
+    if (!(a->largest >= r->mean_rate)) {
+        a->largest = r->mean_rate;
+        a->largest_time = lac_engine_time(r->engine);
+    }
+    a->end = r->mean_rate;
+    a->arrested = !r->result->failed && a->end < 0.1 * a->largest;
 }
 
 bool lac_run_state_stops(const lac_run_state *r, double t)

@@ -337,10 +337,10 @@ static lac_status cross_break(lac_sensitivity_state *f, double at, lac_error *er
     f->limit = nextafter(lac_problem_next_break(problem, at), -INFINITY);
     f->rtol = lac_engine_rtol(f->def->rtol, ++f->beginnings); // derivatives need no more digits
     lac_problem_loads_at now;
-    LAC_FAIL_IF(!lac_problem_drive(problem, at, f->work, &now) ||
+    double *y = lac_vector_data(f->y);
+    LAC_FAIL_IF(!lac_problem_drive(problem, at, y, f->work, &now) ||
                     !lac_sensitivity_state_jump(f, at),
                 err, LAC_ENUMERIC, "no slip rate balances the load at t = %g s", at);
-    double *y = lac_vector_data(f->y);
     lac_problem_forget(problem, f->work);
     double h = lac_problem_first_step(problem, at, y, f->work);
     double mean, max;

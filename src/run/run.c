@@ -134,7 +134,7 @@ static lac_status cross_break(run *r, lac_error *err)
     engine->t = 0.0;
     r->next_break = lac_problem_next_break(r->problem, t);
     engine->limit = nextafter(r->next_break, -INFINITY);
-    LAC_TRY_RETURN(lac_problem_lifted(r->problem, t, 0.0, engine->work, err));
+    LAC_TRY_RETURN(lac_problem_lifted(r->problem, t, engine->y, 0.0, engine->work, err));
     LAC_FAIL_IF(!lac_problem_jump(r->problem, t, engine->y, engine->work), err, LAC_ENUMERIC,
                 "no slip rate and state balance the load that jumps at t = %g s", t);
     measure_speed(r);
@@ -156,9 +156,7 @@ static lac_status look_for_end(run *r, lac_error *err)
     if (crossing != LAC_CROSSING_NONE) {
         measure_speed(r);
         r->done = true;
-        r->end = crossing == LAC_CROSSING_FAILURE ? LAC_END_FAILURE
-                 : crossing == LAC_CROSSING_GONE  ? LAC_END_SLIP
-                                                  : LAC_END_STOP;
+        r->end = lac_crossing_end(crossing);
     } else if (engine->t >= lac_engine_inner(engine, r->def->end)) {
         r->done = true;
         r->end = LAC_END_TIME;
@@ -358,6 +356,7 @@ static void finish(run *r, lac_status status)
         result->failure_origin = engine->origin;
         result->failure_local = engine->base + engine->t;
     }
+    lac_run_state_keep_peak(r);
 }
 
 lac_status lac_run(const lac_problem *problem, const lac_run_def *def, const lac_sink *sink,
@@ -367,7 +366,8 @@ lac_status lac_run(const lac_problem *problem, const lac_run_def *def, const lac
     *result = (lac_run_result){.end = LAC_END_ERROR,
                                .failure_origin = NAN,
                                .failure_local = NAN,
-                               .safety = {NAN, NAN, NAN, NAN, NAN}};
+                               .safety = {NAN, NAN, NAN, NAN, NAN},
+                               .arrest = {false, NAN, NAN, NAN}};
     run r = {.problem = problem, .def = def, .sink = sink, .result = result};
     LAC_TRY(lac_check_def(def, err));
     result->failure = lac_problem_failure(problem, def->failure_rate, def->failure_slip);

@@ -95,6 +95,9 @@ lac_status lac_run_state_watch(const lac_run_state *r, double step, lac_error *e
 // the loads jump it has come to its value at once.
 void lac_run_state_keep_safety(lac_run_state *r, double t, double now);
 
+// Takes the mean slip rate at the time reached into the result, where the base bends.
+void lac_run_state_keep_peak(lac_run_state *r);
+
 // Whether a jump of the loads at time t has come to a limit of time.stop_when.
 bool lac_run_state_stops(const lac_run_state *r, double t);
 
@@ -121,9 +124,13 @@ typedef enum lac_crossing_kind {
     LAC_CROSSING_SLIP,    // mean slip
     LAC_CROSSING_SAFETY,  // factor of safety, downwards
     LAC_CROSSING_GONE,    // mean slip, of failure
+    LAC_CROSSING_REST,    // no limit: a block came to rest, lac_problem_settles
 } lac_crossing_kind;
 
 // Looks for the first limit crossed upwards within the step just made; where one was, the
 // engine's time, state and slip are taken back to the crossing.
 lac_status lac_crossing_find(lac_engine *engine, const lac_run_def *def, lac_crossing_kind *found,
                              lac_error *err);
+
+// Why a run ends with it.
+lac_end lac_crossing_end(lac_crossing_kind kind);

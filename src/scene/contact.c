@@ -10,12 +10,6 @@
 #include "scene/internal.h"
 #include "surface/surface.h"
 
-double lac_case_pressure(const lac_case *c)
-{
-    const lac_normal_load *normal = (const lac_normal_load *)c->normal.info;
-    return normal->pressure(c->normal.params, c->material.density);
-}
-
 lac_contact_def lac_scene_contact_def(const lac_scene_contact *contact)
 {
     lac_contact_def def = lac_contact_default();
@@ -54,17 +48,18 @@ static lac_status press(const lac_case *c, bool measure, lac_scene_contact *out,
     out->e_star = c->material.shear_modulus / (1.0 - c->material.poisson);
     out->tolerance = c->contact_tolerance;
     lac_contact_def def = lac_scene_contact_def(out);
-    def.control = normal->approach != NULL ? LAC_CONTROL_APPROACH : LAC_CONTROL_LOAD;
-    def.approach = normal->approach != NULL ? normal->approach(c->normal.params) : 0.0;
-    status = normal->dimension != NULL
-                 ? lac_dimension_solve(&def, normal->dimension(c->normal.params), out->pressure,
-                                       out->gap, &out->report, err)
-                 : lac_contact_solve(&def, out->pressure, out->gap, &out->report, err);
+    const bool near = normal != NULL && normal->approach != NULL;
+    const bool dense = normal != NULL && normal->dimension != NULL;
+    def.control = near ? LAC_CONTROL_APPROACH : LAC_CONTROL_LOAD;
+    def.approach = near ? normal->approach(c->normal.params) : 0.0;
+    status = dense ? lac_dimension_solve(&def, normal->dimension(c->normal.params), out->pressure,
+                                         out->gap, &out->report, err)
+                   : lac_contact_solve(&def, out->pressure, out->gap, &out->report, err);
     if (status == LAC_OK && out->report.n_cells == 0) {
         status = fail_apart(&def, err);
     }
     out->solved = status == LAC_OK;
-    if (normal->approach != NULL || normal->dimension != NULL) {
+    if (near || dense) {
         out->mean_pressure = out->report.mean_pressure;
     }
     return lac_fail_within(err, status, "contact");

@@ -210,7 +210,7 @@ static double cascade_seconds(const lac_case *c, const lac_estimate *e)
 static void count_time(const lac_case *c, lac_estimate *e)
 {
     const lac_normal_load *normal = (const lac_normal_load *)c->normal.info;
-    const bool search = normal->dimension != NULL;
+    const bool search = normal != NULL && normal->dimension != NULL;
     const double contact = contact_seconds(c, e),
                  massive = lac_inertia_mass(c) > 0 ? massive_factor : 1;
     lac_transfer_outline held;

@@ -5,9 +5,6 @@
 
 typedef struct lac_estimate lac_estimate;
 
-// The mean normal stress that a case states [Pa]; NaN where it follows from the contact.
-double lac_case_pressure(const lac_case *c);
-
 // The loads that a case names made ready as lac_load_set_create does.
 lac_status lac_scene_loads_create(const lac_case *c, lac_load_files *files, lac_load_set *out,
                                   lac_error *err);

@@ -146,7 +146,15 @@ lac_status lac_scene_loads_create(const lac_case *c, lac_load_files *files, lac_
 {
     const lac_load_models models = lac_case_loads(c);
     const lac_load_clock clock = {c->dated, c->start_date, c->run.end, files};
-    return lac_load_set_create(&models, &clock, out, err);
+    lac_status status = lac_load_set_create(&models, &clock, out, err);
+    if (status == LAC_OK && c->geometry.angles > 0) {
+        status = lac_geometry_create(&c->geometry, &out->geometry, err);
+        out->length = c->interface.size;
+        if (status != LAC_OK) {
+            lac_load_set_clear(out);
+        }
+    }
+    return status;
 }
 
 // What follows from friction and initial values.

@@ -64,7 +64,8 @@ static size_t method_values(const lac_case *c, lac_trade_of of, lac_setting_valu
 static size_t formulation_values(const lac_case *c, lac_trade_of of, lac_setting_value *out)
 {
     (void)of;
-    bool fixed = c->run.fidelity == LAC_FIDELITY_ASYNC || lac_inertia_mass(c) > 0.0;
+    bool fixed = c->run.fidelity == LAC_FIDELITY_ASYNC || lac_inertia_mass(c) > 0.0 ||
+                 c->geometry.angles > 0;
     return put_names(fixed ? "" : "rate traction slip", out);
 }
 
@@ -75,7 +76,8 @@ static size_t fidelity_values(const lac_case *c, lac_trade_of of, lac_setting_va
         return put_names(runs ? "static events ode" : "", out);
     }
     const lac_transfer_kind *kind = (const void *)c->transfer.info;
-    bool both = kind != NULL && kind->blocks != NULL && lac_inertia_mass(c) <= 0.0;
+    bool both = kind != NULL && kind->blocks != NULL && lac_inertia_mass(c) <= 0.0 &&
+                c->geometry.angles == 0;
     return put_names(both ? "events ode" : "", out);
 }
 

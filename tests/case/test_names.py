@@ -41,6 +41,8 @@ CALLS = (
     ("run", "cases/weakening/pressurization.yaml -o hot.nc --set output.fields=[excess_pore_pressure,temperature]"),
     ("run", "cases/weakening/bridges.yaml -o broken.nc --set output.fields=[broken_cohesion]"),
     ("run", "cases/load/water-table.yaml -o table.nc"),
+    ("run", "cases/load/chair.yaml -o chair.nc"),
+    ("run", "cases/load/toe.yaml -o toe.nc"),
     ("contact", "cases/surface/joint.yaml -o joint.nc"),
     ("contact", "cases/surface/file.yaml -o file.nc"),
     ("contact", "cases/contact/self-affine.yaml -o contact.nc"),

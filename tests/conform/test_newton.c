@@ -421,6 +421,87 @@ static void newton_solve_is_exact_with_weakening(void **state)
     }
 }
 
+// What a base that bends does to cells within a step's slip: it falls, or rises, and thins.
+static const lac_geometry_def bases[] = {
+    {.angles = 1, .angle = {0.5}, .radius = 2e-4},
+    {.angles = 1, .angle = {0.5}, .radius = 1e-2},
+    {.nodes = 3,
+     .angles = 3,
+     .thicknesses = 3,
+     .slip = {-1e-3, 1e-5, 1e-3},
+     .angle = {0.7, 0.5, -0.1},
+     .thickness = {20.0, 30.0, 80.0},
+     .radius = NAN},
+    {.nodes = 2,
+     .angles = 1,
+     .thicknesses = 2,
+     .slip = {-1e-4, 1e-4},
+     .angle = {0.5},
+     .thickness = {20.0, 60.0},
+     .radius = NAN},
+};
+
+// A lake that covers a part of what lies on them.
+static void flood(const lac_load *load, double t, lac_load_state *sum)
+{
+    (void)load, (void)t;
+    sum->lake = (lac_lake){.level = 15.0, .foot = 1.0, .unit_weight = 1e5, .angle = NAN};
+}
+
+static const lac_load_kind lake_row = {.info = {.name = "lake"}, .add = flood};
+
+static void lay(const lac_geometry_def *base, lac_load_set *loads)
+{
+    loads->length = 40.0;
+    lac_error err = {""};
+    assert_int_equal(lac_geometry_create(base, &loads->geometry, &err), LAC_OK);
+}
+
+// Friction that differs from cell to cell too, so that no two of them feel the base alike.
+static void newton_solve_is_exact_on_a_bent_base(void **state)
+{
+    (void)state;
+    const lac_friction_law *law;
+    for (size_t l = 0; (law = lac_friction_law_get(l)) != NULL; l++) {
+        for (uint64_t i = 0; i < 2 * 4 * 3; i++) {
+            tree_def def = small(law, (int)(i % 2), 1 + i % 4);
+            lac_load load[] = {{.kind = &pull_row, .params = &pulls[i % 6]}, {.kind = &lake_row}};
+            def.formulation = LAC_FORMULATION_SLIP;
+            // the second half of the bases have a thickness
+            def.loads = (lac_load_set){.load = load, .count = 1 + i / 4 % 2, .shear = 1};
+            lay(&bases[i / 2 % 4], &def.loads);
+            def.damping *= dampings[i / 8].times;
+            check_tree(&def, true, dampings[i / 8].left);
+            lac_geometry_free(def.loads.geometry);
+        }
+    }
+}
+
+// And what presses a block that slides round a bend, here by as much as its weight.
+static void newton_solve_is_exact_round_a_bend(void **state)
+{
+    (void)state;
+    const double parts[] = {0.01, 1.0};
+    for (uint64_t i = 0; i < 2 * 4 * 2; i++) {
+        tree_def def = small(lac_friction_law_get(0), (int)(i % 2), 1 + i % 4);
+        lay(&bases[i / 2 % 4], &def.loads);
+        def.slip_rate = 1e-2;
+        def.state = 4e-4;
+        def.mass = 1e9;
+        def.columns = parts[i / 8];
+        double y[192];
+        tree t;
+        tree_create(&def, &t);
+        lac_problem_initial(t.problem, y);
+        put_near_balance(&t, &def, 0.0, y);
+        for (double gamma = 1e-6; gamma < 2e-2; gamma *= 10.0) {
+            check_solve(t.problem, y, 0.0, gamma, EXACT);
+        }
+        tree_clear(&t);
+        lac_geometry_free(def.loads.geometry);
+    }
+}
+
 // A step longer than a weakening cell allows is refused, not solved wrongly.
 static void too_long_a_step_is_refused(void **state)
 {
@@ -451,6 +532,8 @@ int main(void)
         cmocka_unit_test(newton_solve_is_exact_with_mass),
         cmocka_unit_test(newton_solve_is_exact_in_two_directions),
         cmocka_unit_test(newton_solve_is_exact_with_weakening),
+        cmocka_unit_test(newton_solve_is_exact_on_a_bent_base),
+        cmocka_unit_test(newton_solve_is_exact_round_a_bend),
         cmocka_unit_test(too_long_a_step_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

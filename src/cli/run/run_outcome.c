@@ -236,6 +236,8 @@ static void print_failure(const cli_outcome *outcome)
                 broke(outcome) ? "broken off" : "interrupted");
     } else if (result->end == LAC_END_STOP) {
         cli_row("failure", "none; a limit of time.stop_when was reached after %s", time.s);
+    } else if (result->end == LAC_END_REST) {
+        cli_row("failure", "none; the block came to rest after %s", time.s);
     } else {
         cli_row("failure", "none by the end, after %s", time.s);
     }
@@ -243,6 +245,35 @@ static void print_failure(const cli_outcome *outcome)
         cli_row("failure rate", "%s, %s", cli_exact(result->failure.rate, "m/s").s,
                 cli_failure_lowered);
     }
+}
+
+// Of a base that bends: what it has come to, and whether the joint came to rest on it.
+static void print_arrest(const cli_outcome *outcome)
+{
+    const double degree = M_PI / 180.0;
+    const lac_geometry *geometry = outcome->of->scene->loads.geometry;
+    const lac_run_result *result = &outcome->of->run;
+    const lac_arrest *a = &result->arrest;
+    if (geometry == NULL || isnan(a->largest)) {
+        return;
+    }
+    const lac_slab first = lac_geometry_at(geometry, 0.0);
+    const lac_slab last = lac_geometry_at(geometry, result->mean_slip);
+    cli_row("dip of the base", "%.4g degree at the start, %.4g degree at the end",
+            first.angle / degree, last.angle / degree);
+    if (!isnan(first.thickness)) {
+        cli_row("thickness", "%s at the start, %s at the end", cli_amount(first.thickness, "m").s,
+                cli_amount(last.thickness, "m").s);
+    }
+    if (result->failed || strcmp(outcome->status, "complete") != 0) {
+        return;
+    }
+    cli_row("arrest",
+            a->arrested ? "arrested: %s, slowed to %s by the end" : "none: %s, %s at the end",
+            cli_format("at most %s %s", cli_amount(a->largest, "m/s").s,
+                       a->largest_time > 0.0 ? moment(outcome, a->largest_time).s : "at the start")
+                .s,
+            cli_amount(a->end, "m/s").s);
 }
 
 static void print_cost(const cli_outcome *outcome)
@@ -308,6 +339,7 @@ void cli_outcome_print(const cli_outcome *outcome)
     }
     print_safety(outcome);
     print_failure(outcome);
+    print_arrest(outcome);
     cli_row_quantity("mean slip", outcome->of->run.mean_slip, "m");
     print_direction(outcome);
     cli_row_quantity("largest slip rate", outcome->of->run.max_slip_rate, "m/s");
@@ -351,6 +383,22 @@ static void write_safety(lac_json *json, const cli_outcome *outcome)
     }
 }
 
+static void write_arrest(lac_json *json, const cli_outcome *outcome)
+{
+    const lac_geometry *geometry = outcome->of->scene->loads.geometry;
+    const lac_run_result *result = &outcome->of->run;
+    if (geometry == NULL) {
+        return;
+    }
+    const lac_slab last = lac_geometry_at(geometry, result->mean_slip);
+    lac_json_boolean(json, "arrested", result->arrest.arrested);
+    lac_json_number(json, "largest_mean_slip_rate_m_s", result->arrest.largest);
+    lac_json_number(json, "largest_mean_slip_rate_time_s", result->arrest.largest_time);
+    lac_json_number(json, "mean_slip_rate_m_s", result->arrest.end);
+    lac_json_number(json, "angle_rad", last.angle);
+    lac_json_number(json, "thickness_m", last.thickness);
+}
+
 static void write_results(lac_json *json, const cli_outcome *outcome)
 {
     const cli_history *history = &outcome->history;
@@ -371,6 +419,7 @@ static void write_results(lac_json *json, const cli_outcome *outcome)
     lac_json_number(json, "initial_apparent_friction", apparent_friction(&history->first));
     lac_json_number(json, "apparent_friction", apparent_friction(&history->last));
     write_safety(json, outcome);
+    write_arrest(json, outcome);
 }
 
 static void write_accuracy(lac_json *json, const lac_accuracy_pick *pick)

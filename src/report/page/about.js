@@ -13,7 +13,7 @@ function verdict(data) {
   const reached = span(a.time_reached_s ?? m.time[n - 1], 4);
   const states = { running: "The run goes on", interrupted: "The run was stopped", failed: "The computation broke off" };
   if (a.status in states) return `${states[a.status]}; by ${reached} the joint has slipped ${slip} and moves at ${rate(m.rate[n - 1])}.`;
-  return `${from} the joint slipped ${slip} in ${reached} and did not fail; at the end it moves at ${rate(m.rate[n - 1])}.`;
+  return `${from} the joint slipped ${slip} in ${reached} and did not fail; at the end it moves at ${rate(m.rate[n - 1])}${a.arrest && a.arrest.startsWith("arrested") ? ", less than a tenth of its fastest: it was arrested" : ""}.`;
 }
 
 function facts(data) {

@@ -46,6 +46,14 @@ function rainChart(s, key, title) {
     scale: 1e-3 / DAY, tick: (v, more = 0) => number(millimetresADay(v), 4 + more), words: (v) => `${number(millimetresADay(v), 4)}${THIN}mm/day` });
 }
 
+// Of a base that bends.
+function baseCharts(s) {
+  const row = element("div", { class: "pair" });
+  if (isChanging(s.angle)) row.append(safetyChart(s, "angle", { title: "Dip of the base", caption: "At the mean slip: what pulls and presses goes with it.", label: "Dip (degree)", tick: plain(5), words: (v) => `${number(v, 5)}°` }));
+  if (isChanging(s.thickness)) row.append(safetyChart(s, "thickness", { title: "Thickness", caption: "Of the sliding mass, measured vertically, at the mean slip.", label: "Thickness (m)", tick: plain(5), words: (v) => `${number(v, 5)}${THIN}m` }));
+  return row;
+}
+
 function safetySection(data) {
   const s = data.safety, wet = Boolean(isChanging(s.pore) || s.lake || s.rain);
   const section = openSection("safety", !s.factor ? "Water" : wet ? "Safety and water" : "Safety",
@@ -55,6 +63,8 @@ function safetySection(data) {
   if (isChanging(s.ratio)) row.append(safetyChart(s, "ratio", { title: "Effective ratio", caption: "Shear force over the normal force that pore pressure leaves.", label: "Q/(P − U)", tick: plain(5), words: plain(5) }));
   if (isChanging(s.pore)) row.append(pressureChart(s));
   if (row.children.length) section.append(row);
+  const base = baseCharts(s);
+  if (base.children.length) section.append(base);
   if (s.lake) section.append(levelOfLake(s, "lake", "Lake level"));
   if (s.lake2) section.append(levelOfLake(s, "lake2", "Lake level, second load"));
   if (isChanging(s.table)) section.append(levelOfLake(s, "table", "Water level"));

@@ -51,6 +51,7 @@ SHARED = {
     "contact": {"tangential.h"},
     "fit": {"model_forecast.h", "sampler.h"},
     "forecast": {"hindcast.h", "verdict.h"},
+    "load": {"geometry.h"},
     "friction": {"weakening.h"},
     "model": {"problem.h"},
     "rg": {"rg_study.h"},
