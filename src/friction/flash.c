@@ -7,7 +7,7 @@
 // F = f_w + (f - f_w) s,  s = 1/(1 + v/v_w),  with u = ln v:  s_u = -s (1 - s),
 // s_uu = s (1 - s) (1 - 2 s). An asperity of size D that is heated on contact weakens beyond a
 // temperature, after D/v_w; of the time that it lasts, D/v, the part v_w/v is still strong.
-// Rice (2006), doi 10.1029/2005JB004006, eq. 8, in a form that is smooth at v_w.
+// Rice (2006), doi 10.1029/2005JB004006, in a form that is smooth at v_w.
 void lac_flash_weaken(const lac_friction *friction, const lac_friction_cells *cells,
                       const lac_friction_values *values, const lac_friction_slopes *slopes)
 {

@@ -198,6 +198,7 @@ static lac_case *spread_case(const lac_model_info *law, const char *key)
                    "load: {normal: {pressure: \"1 MPa\"}}\n"
                    "friction: {%s: {%s}, spread: {%s: {lognormal: {sigma: 0.3, seed: 9}}}}\n"
                    "initial: {slip_rate: \"1 um/s\", state: steady}\n"
+                   "inertia: {mass_per_area: \"5e5 kg/m2\"}\n" // for flash heating
                    "time: {end: \"1 s\"}\n",
                    law->name, list, key);
     if (lac_case_read_text("case.yaml", text, strlen(text), &how, &c, &report, NULL) != LAC_OK) {

@@ -97,11 +97,12 @@ const cli_option cli_options[] = {
 void cli_options_help(unsigned mask)
 {
     for (const cli_option *o = cli_options; o->name != NULL; o++) {
-        char left[40], letter[] = {'-', o->letter, ',', ' ', '\0'};
+        char left[40], lead[48], letter[] = {'-', o->letter, ',', ' ', '\0'};
         (void)snprintf(left, sizeof left, "%s%s %s", o->letter != '\0' ? letter : "    ", o->name,
                        o->value == NULL ? "" : o->value);
+        (void)snprintf(lead, sizeof lead, "  %-23s ", left);
         if ((o->bit & mask) != 0) {
-            printf("  %-23s %s\n", left, o->doc);
+            cli_wrap_after(lead, "                          ", o->doc);
         }
     }
 }

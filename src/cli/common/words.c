@@ -178,8 +178,7 @@ void cli_row_quantity(const char *label, double value, const char *unit)
     cli_row(label, "%s", cli_amount(value, unit).s);
 }
 
-// @param lead  what the first line begins with, as wide as the others' indent
-static void wrap(const char *lead, const char *indent, const char *text)
+void cli_wrap_after(const char *lead, const char *indent, const char *text)
 {
     size_t width = 79 - strlen(indent), column = 0;
     while (*text != '\0') {
@@ -201,11 +200,11 @@ static void wrap(const char *lead, const char *indent, const char *text)
     }
 }
 
-void cli_wrap(const char *indent, const char *text) { wrap(indent, indent, text); }
+void cli_wrap(const char *indent, const char *text) { cli_wrap_after(indent, indent, text); }
 
 void cli_row_wrap(const char *label, const char *text)
 {
     char lead[64];
     (void)snprintf(lead, sizeof lead, "  %-20s ", label);
-    wrap(lead, "                       ", text);
+    cli_wrap_after(lead, "                       ", text);
 }

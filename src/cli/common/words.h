@@ -46,6 +46,9 @@ void cli_row_quantity(const char *label, double value, const char *unit);
 /// Prints a text on stdout, wrapped to 79 columns, each line after `indent`.
 void cli_wrap(const char *indent, const char *text);
 
+/// As cli_wrap, the first line after `lead`, which is as wide as the indent.
+void cli_wrap_after(const char *lead, const char *indent, const char *text);
+
 /// Puts '?' in the place of control and hidden characters in all that is printed on stdout from
 /// here on. Without memory nothing changes.
 void cli_clean_stdout(void);
