@@ -126,7 +126,14 @@ static void fill_swings(const lac_sample *sample, lac_answers *a)
         const double most = fmax(fmax(l, h), b), least = fmin(fmin(l, h), b);
         const bool known = !isnan(l) && !isnan(h) && !isnan(b);
         const double swing = most == least ? 0.0 : most - least; // never from never is no change
-        a->swing[p] = (lac_swing){p, value[low], value[high], l, h, known ? swing : (double)NAN};
+        a->swing[p] = (lac_swing){.param = p,
+                                  .key = sample->key != NULL ? sample->key[p] : NULL,
+                                  .unit = sample->key_unit != NULL ? sample->key_unit[p] : NULL,
+                                  .low = value[low],
+                                  .high = value[high],
+                                  .result_low = l,
+                                  .result_high = h,
+                                  .swing = known ? swing : (double)NAN};
     }
     qsort(a->swing, sample->params, sizeof *a->swing, by_swing);
 }
@@ -163,6 +170,8 @@ lac_status lac_answers_create(const lac_sample *sample, lac_answers **out, lac_e
     double *values = malloc((sample->members + 1) * sizeof *values);
     lac_answers *a = calloc(1, sizeof *a);
     LAC_TRY(values != NULL && a != NULL ? LAC_OK : lac_fail_memory(err));
+    a->name = sample->name;
+    a->unit = sample->unit;
     a->params = sample->params;
     a->members = sample->members;
     a->tornado = sample->design == LAC_SAMPLE_TORNADO;

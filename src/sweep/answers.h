@@ -5,7 +5,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "lacuna/error.h"
+#include "data/dataset.h"
 
 enum {
     LAC_ANSWERS_QUANTILES = 5, ///< 5, 25, 50, 75, 95 %
@@ -32,6 +32,8 @@ typedef struct lac_sample {
     lac_sample_design design;
     double by;     ///< when chance and influences are asked for; NaN: as long as any was followed
     uint64_t seed; ///< of the bootstrap
+    const char *name, *unit;                  ///< of the result; NULL: not told
+    const char *const *key, *const *key_unit; ///< [params] the same of the parameters; NULL
 } lac_sample;
 
 /// How likely the result is at most `by`. Members whose end is not known by then are neither.
@@ -51,6 +53,7 @@ typedef struct lac_quantile_answer {
 /// asked for, it is the variance of whether a member fails by then.
 typedef struct lac_influence {
     size_t param;
+    const char *key;                                  ///< borrowed, as all texts; NULL
     double first, first_error, first_low, first_high; ///< alone; error: sd, low, high: 95 %
     double total, total_error, total_low, total_high; ///< with what it does through the others; NaN
                                                       ///< but of LAC_SAMPLE_SALTELLI
@@ -60,6 +63,7 @@ typedef struct lac_influence {
 /// What one parameter alone does to the result of the base.
 typedef struct lac_swing {
     size_t param;
+    const char *key, *unit;
     double low, high;               ///< its values
     double result_low, result_high; ///< INFINITY: never; NaN: broken
     double swing; ///< from the least to the largest of these and the base's; INFINITY: from or to
@@ -68,6 +72,7 @@ typedef struct lac_swing {
 
 /// What an ensemble says of one result.
 typedef struct lac_answers {
+    const char *name, *unit; ///< of the result
     size_t params, members, broken, never;
     size_t counted; ///< members that chance and quantiles are of: of Saltelli's design A and B
     bool tornado;   ///< it has swings, and neither chance nor quantiles nor influences
@@ -90,6 +95,10 @@ typedef struct lac_answers {
 /// @cost  500 members params
 lac_status lac_answers_create(const lac_sample *sample, lac_answers **out, lac_error *err);
 void lac_answers_free(lac_answers *answers);
+
+/// Adds the tables of answers, which must outlive it, to a dataset: in JSON under `answers`.
+/// @return as lac_dataset_add
+lac_status lac_answers_add(const lac_answers *answers, lac_dataset *dataset, lac_error *err);
 
 /// The chance by a time alone.
 lac_chance lac_answers_chance(const lac_sample *sample, double by);

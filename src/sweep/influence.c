@@ -212,7 +212,8 @@ static lac_status fill(const lac_sample *s, rows *r, lac_answers *a, lac_error *
         r->pick[i] = i;
     }
     for (size_t p = 0; p < r->params; p++) {
-        a->influence[p] = (lac_influence){.param = p, .rank = rank(s, r, p)};
+        const char *key = s->key != NULL ? s->key[p] : NULL;
+        a->influence[p] = (lac_influence){.param = p, .key = key, .rank = rank(s, r, p)};
         LAC_TRY_RETURN(r->wide == 1 ? make_groups(s, r, p, err) : LAC_OK);
     }
     evaluate(r, r->pick, first, total, REPLICATES);
