@@ -167,6 +167,8 @@ static void linear_and_products(void **state)
         close_to(one->total, of_linear[p], one->total_error, "total of a sum");
         assert_int_equal(a->influence[p].param, p); // the strongest first
     }
+    assert_int_equal(a->counted, 2 * 2000); // of A and B, which alone are drawn
+    assert_int_equal(a->rows, 2000);
     assert_true(influence_of(a, 0)->rank > 0.5 && influence_of(a, 1)->rank < -0.3);
     lac_answers_free(a);
     sample_clear(&s);
@@ -305,6 +307,22 @@ static void a_tornado_is_of_one_at_a_time(void **state)
     assert_int_equal(lac_answers_create(&s, &a, &err), LAC_EINPUT);
 }
 
+// Two members of each of 20 values, which decide all: 6 groups of neighbours would leave a rest.
+static void equal_values_are_a_group(void **state)
+{
+    (void)state;
+    double drawn[40], result[40];
+    for (size_t i = 0; i < 40; i++) {
+        drawn[i] = (double)(i / 2);
+        result[i] = fmod(7.0 * drawn[i], 20.0);
+    }
+    const lac_sample s = {
+        .params = 1, .members = 40, .drawn = drawn, .result = result, .by = NAN, .seed = 1};
+    lac_answers *a = answer(&s);
+    assert_float_equal(a->influence[0].first, 1.0, 1e-12);
+    lac_answers_free(a);
+}
+
 static double constant(const double *u)
 {
     (void)u;
@@ -392,6 +410,7 @@ int main(void)
         cmocka_unit_test(shares_have_wilsons_interval),
         cmocka_unit_test(quantiles_lie_between_order_statistics),
         cmocka_unit_test(a_tornado_is_of_one_at_a_time),
+        cmocka_unit_test(equal_values_are_a_group),
         cmocka_unit_test(poor_ensembles_get_sound_answers),
         cmocka_unit_test(one_member_and_no_parameter),
         cmocka_unit_test(a_fan_counts_the_failed_as_fastest),

@@ -48,7 +48,7 @@ static void print_quantiles(const lac_answers *a)
     }
 }
 
-static cli_text index(double value, double error)
+static cli_text index_text(double value, double error)
 {
     return isnan(value) ? cli_format("-") : cli_format("%.2f +- %.2f", value + 0.0, error);
 }
@@ -60,8 +60,8 @@ static void print_influence(const lac_answers *a, const lac_influence *one)
                        : one->rank < 0.0                          ? ", more of it: sooner"
                                                                   : ", more of it: later";
     printf("    %s\n", one->key != NULL ? one->key : "?");
-    cli_row("", "first %s%s%s%s", index(one->first, one->first_error).s, total ? ", total " : "",
-            total ? index(one->total, one->total_error).s : "", sign);
+    cli_row("", "first %s%s%s%s", index_text(one->first, one->first_error).s,
+            total ? ", total " : "", total ? index_text(one->total, one->total_error).s : "", sign);
     (void)a;
 }
 
