@@ -52,7 +52,7 @@ typedef struct cli_pool {
 /// @return LAC_OK; LAC_EINTERRUPT after SIGINT or SIGTERM; LAC_EIO where no process can be begun;
 /// as
 ///         `work` and `take`. No process is left in any case.
-lac_status cli_pool_run(cli_pool *pool, lac_error *err);
+lac_status cli_pool_run(cli_pool *ask, lac_error *err);
 
 /// Reads --jobs. @param text  NULL: as many as there are processors
 /// @return LAC_OK; LAC_EINPUT
