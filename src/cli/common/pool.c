@@ -35,7 +35,7 @@ typedef struct pool {
     size_t busy, before;      // before: tasks that were done when it began
     double started;
     size_t room; // of what follows an answer [bytes]
-    void *heard; // [room]
+    answer *heard;
 } pool;
 
 static bool put_all(int to, const void *bytes, size_t size)
@@ -156,24 +156,24 @@ static lac_status finish(pool *p, size_t k, lac_error *err)
 {
     cli_pool *ask = p->ask;
     worker *w = &p->at[k];
-    answer said = {LAC_OK, 0.0};
+    const answer *said = p->heard;
     cli_pool_end end = {.cpu_time = NAN};
     const size_t task = w->task;
-    end.answered = get_all(w->from, &said, sizeof said) && get_all(w->from, p->heard, p->room);
-    end.memory = said.memory;
+    end.answered = get_all(w->from, p->heard, sizeof *said + p->room);
+    end.memory = said->memory;
     w->task = end.answered && !ask->fresh ? ask->next(ask->context) : CLI_POOL_NONE;
     if (w->task != CLI_POOL_NONE) { // what it did is taken over while it goes on
         (void)put_all(w->to, &w->task, sizeof w->task);
     } else {
         retire(p, k, &end);
     }
-    if (end.answered && said.status != LAC_OK) {
-        return lac_fail(err, said.status, "%s%s", ((const lac_error *)p->heard)->message,
+    if (end.answered && said->status != LAC_OK) {
+        return lac_fail(err, said->status, "%s%s", ((const lac_error *)(said + 1))->message,
                         ask->journal >= 0 ? "; --resume goes on" : "");
     }
     ask->memory = fmax(ask->memory, end.memory);
     ask->done++;
-    return ask->take(ask->context, task, end.answered ? p->heard : NULL, &end, err);
+    return ask->take(ask->context, task, end.answered ? said + 1 : NULL, &end, err);
 }
 
 // The first process is alone for a second at most: it tells how much memory one takes.
@@ -251,7 +251,7 @@ lac_status cli_pool_run(cli_pool *ask, lac_error *err)
 {
     pool p = {.ask = ask, .before = ask->done, .started = cli_clock()};
     p.room = ask->size > sizeof(lac_error) ? ask->size : sizeof(lac_error);
-    p.heard = malloc(p.room);
+    p.heard = malloc(sizeof *p.heard + p.room);
     lac_status status = p.heard != NULL ? run_all(&p, err) : lac_fail_memory(err);
     while (p.busy > 0) {
         cli_pool_end end;
