@@ -4,6 +4,7 @@
 
 #include <errno.h>
 #include <math.h>
+#include <omp.h>
 #include <poll.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -273,7 +274,7 @@ void cli_pool_reason(const cli_pool_end *end, char *text, size_t room)
 
 lac_status cli_pool_jobs(const char *text, int *jobs, lac_error *err)
 {
-    long n = sysconf(_SC_NPROCESSORS_ONLN);
+    long n = omp_get_num_procs(); // that a scheduler leaves of the machine
     char *end = NULL;
     if (text != NULL) {
         n = strtol(text, &end, 10);

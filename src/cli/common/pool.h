@@ -54,7 +54,7 @@ typedef struct cli_pool {
 ///         `work` and `take`. No process is left in any case.
 lac_status cli_pool_run(cli_pool *ask, lac_error *err);
 
-/// Reads --jobs. @param text  NULL: as many as there are processors
+/// Reads --jobs. @param text  NULL: as many as there are processors for this one
 /// @return LAC_OK; LAC_EINPUT
 lac_status cli_pool_jobs(const char *text, int *jobs, lac_error *err);
 
