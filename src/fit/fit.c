@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/archive.h"
 #include "fit/internal.h"
 
 // A row of the file as it is used; what has no logarithm is counted. @return LAC_EINPUT
@@ -222,6 +223,26 @@ void lac_fit_free(lac_fit *fit)
     free(fit->kept);
     free(fit->text);
     free(fit);
+}
+
+uint64_t lac_fit_sum(lac_fit *fit)
+{
+    const lac_fit_data *data = &fit->data;
+    lac_fit_def *def = &fit->model[0].base.c->fit;
+    const lac_fit_def before = *def;
+    def->burn = def->steps = def->rounds = 0;
+    char *text = lac_case_text(fit->model[0].base.c);
+    *def = before;
+    if (text == NULL) {
+        return 0;
+    }
+    uint64_t sum = lac_sum_bytes(LAC_SUM_OF_NOTHING, text, strlen(text));
+    sum = lac_sum_bytes(sum, data->time, data->n * sizeof *data->time);
+    for (size_t i = 0; i < data->rows; i++) {
+        sum = lac_sum_bytes(sum, &data->seen[i], sizeof data->seen[i]);
+    }
+    free(text);
+    return sum;
 }
 
 // Names and units of the unknowns.

@@ -125,6 +125,11 @@ lac_status lac_fit_create(const lac_case *c, const lac_series *series, int threa
 
 void lac_fit_free(lac_fit *fit);
 
+/// What the steps of its sampler follow from, but for their number: of lac_kept_open. Asked for
+/// before it is run.
+/// @return 0 where memory is short
+uint64_t lac_fit_sum(lac_fit *fit);
+
 /// Least squares, then the sampler, then the predictions, as the case says; docs/theory/fitting.md.
 /// @param result  filled as far as it came, whatever the status
 /// @return LAC_OK; LAC_ENUMERIC (no start has a likelihood: every run fails before the last

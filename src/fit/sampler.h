@@ -7,11 +7,34 @@
 
 #include "base/fail.h"
 
+/// Steps of a sampler in a file beside its output, from which one that was stopped goes on.
+typedef struct lac_kept lac_kept;
+
+/// Opens the file, which one process at a time holds; it begins anew unless `resume` says
+/// otherwise.
+/// @param of      what the steps are of: of others they are refused
+/// @return LAC_OK; LAC_EIO; LAC_EINPUT (another holds it, no fit wrote it, it is of something
+/// else);
+///         LAC_ENOMEM
+lac_status lac_kept_open(const char *path, uint64_t of, bool resume, lac_kept **out,
+                         lac_error *err);
+
+/// The next record. @return false: there is none that is whole, nor after it; or `kept` is NULL
+bool lac_kept_read(lac_kept *kept, void *bytes, size_t size);
+
+/// Adds a record, in place of what was not read. It outlives the process, however that ends.
+lac_status lac_kept_put(lac_kept *kept, const void *bytes, size_t size, lac_error *err);
+
+/// @param kept    NULL is fine
+/// @param remove  the file is not needed any more; one without a record never is
+void lac_kept_close(lac_kept *kept, bool remove);
+
 /// Who watches a fit. Members may be NULL.
 typedef struct lac_fit_watch {
     bool (*interrupted)(void *context);
     void (*progress)(void *context, const char *stage, size_t done, size_t total);
     void *context;
+    struct lac_kept *kept; ///< takes the steps of the sampler, and gives those that it has
 } lac_fit_watch;
 
 static inline bool lac_fit_interrupted(const lac_fit_watch *watch)
@@ -63,8 +86,11 @@ typedef struct lac_chain {
 /// time. Random numbers are functions of (seed, step, walker): the chain is the same to the bit for
 /// any number of threads.
 /// @param start  [walkers][dimension] where they begin; not all in a plane
-/// @return LAC_OK; LAC_EINPUT (too few walkers, odd, a start without density); LAC_EINTERRUPT (the
-///         chain holds the steps up to there); LAC_ENOMEM
+/// Steps that the watch's `kept` holds are taken from it, those after them put there: the chain is
+/// the same to the bit as one made in one go.
+/// @return LAC_OK; LAC_EINPUT (too few walkers, odd, a start without density, or another one than
+///         that of the steps kept); LAC_EINTERRUPT (the chain holds the steps up to there);
+///         LAC_EIO; LAC_ENOMEM
 lac_status lac_sampler_run(const lac_sampler_def *def, const double *start, lac_chain **out,
                            lac_error *err);
 
