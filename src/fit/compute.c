@@ -35,10 +35,12 @@ lac_status lac_fit_series(const lac_case *c, const char *path, lac_series **out,
     lac_series_def def = c->fit.columns;
     def.size = sizeof def;
     def.path = path;
-    def.value = def.sigma;
-    def.value_unit = def.sigma_unit;
+    def.value_si = def.value != NULL ? "1" : "m";
+    if (def.value == NULL) {
+        def.value = def.sigma;
+        def.value_unit = def.sigma_unit;
+    }
     def.sigma = def.sigma_unit = NULL;
-    def.value_si = "m";
     return lac_series_create(&def, out, err);
 }
 

@@ -67,7 +67,7 @@ static void project(const search *s, const double *r, double *white)
     const lac_fit_data *data = &s->fit->data;
     double offset;
     (void)lac_fit_whiten(data, &s->errors, r, white);
-    if (s->fit->def->offset) {
+    if (s->fit->offset) {
         (void)lac_fit_take_offset(data->n, s->one, white, &offset);
     }
 }

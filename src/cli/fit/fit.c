@@ -212,13 +212,18 @@ static cli_text when(const lac_case *c, double t)
 
 static void print_best(const lac_case *c, const lac_fit_result *r)
 {
-    if (r->displacements > 0) {
+    const char *unit = r->friction ? "1" : "m";
+    if (r->frictions > 0) {
+        cli_row("misfit", "rms of friction %.3g", r->displacement_rms);
+    } else if (r->displacements > 0) {
         cli_row("misfit", "rms %s after an offset of %s", cli_amount(r->displacement_rms, "m").s,
                 cli_amount(r->offset, "m").s);
+    }
+    if (r->displacements + r->frictions > 0) {
         cli_row("residuals",
                 "%s: correlation of successive ones %.2f; the readings' own scatter %s",
                 r->poor ? "the model fits badly, they are not noise" : "like noise",
-                r->autocorrelation, cli_amount(r->scatter, "m").s);
+                r->autocorrelation, cli_amount(r->scatter, unit).s);
     }
     if (r->velocities > 0) {
         cli_row("misfit of rates", "rms of ln %.3g (a factor of %.2f)", r->log_rate_rms,
@@ -361,9 +366,10 @@ static void print_text(const lac_fit_outcome *outcome, const char *series, doubl
     const char *point = source->fit.point;
     cli_row("series", "%s%s%s", series, point != NULL ? ", at point " : "",
             point != NULL ? point : "");
-    cli_row("readings",
-            "%zu displacements, %zu velocities; left out: %zu outside the run, %zu missing",
-            r->displacements, r->velocities, r->outside, r->missing);
+    cli_row("readings", "%zu %s, %zu velocities; left out: %zu outside the run, %zu missing",
+            r->displacements + r->frictions,
+            r->friction ? "friction coefficients" : "displacements", r->velocities, r->outside,
+            r->missing);
     if (r->bounds > 0) {
         cli_row("", "%zu of the velocities are upper bounds", r->bounds);
     }
