@@ -14,6 +14,7 @@ LAC_TEXT_GETTER(end_name, const lac_member *m = of,
                 m->message[0] != '\0' ? "broken" : lac_end_name((lac_end)m->end))
 LAC_GETTER(double, broken, const lac_member *m = of, m->message[0] != '\0' ? 1.0 : 0.0)
 LAC_GETTER(double, members, E, (double)e->members)
+LAC_GETTER(double, number, (void)of, (double)at[0])
 LAC_GETTER(double, seed, E, (double)e->sweep->seed)
 LAC_GETTER(double, drawn, E, e->drawn[at[1] * e->members + at[0]])
 
@@ -33,6 +34,11 @@ static const lac_variable of_sweep[] = {
 };
 
 static const lac_variable of_members[] = {
+    {.name = "realization",
+     .long_name = "number of the member",
+     .standard_name = "realization",
+     G(number),
+     .flags = LAC_WHOLE},
     {.name = "failure_time",
      .unit = "s",
      .long_name = "time of failure",

@@ -62,7 +62,7 @@ const cli_command cli_commands[] = {
      "forecasts.\n",
      "lacuna report series.csv --displacement disp:mm", 1, 1,
      CLI_OPT_WRITES | CLI_OPT_COMPARE | CLI_OPT_SERIES | CLI_OPT_FORECAST | CLI_OPT_DRIVER |
-         CLI_OPT_UNTIL | CLI_OPT_SET,
+         CLI_OPT_UNTIL | CLI_OPT_SET | CLI_OPT_BY,
      cli_report_page},
     {"export", "FILE.nc", "what a file holds as tables for a spreadsheet",
      "A CSV for each set of dimensions (time.csv, issue-method.csv ...), to the folder -o, else to "

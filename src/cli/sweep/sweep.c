@@ -118,8 +118,7 @@ static lac_status compute(const cli_request *request, const lac_sweep *sweep, la
     return status;
 }
 
-// A date of the case, or a time since its start; NaN where there is none.
-static lac_status read_by(const cli_request *request, const lac_case *c, double *by, lac_error *err)
+lac_status cli_sweep_by(const cli_request *request, const lac_case *c, double *by, lac_error *err)
 {
     *by = NAN;
     if (request->sweep.by == NULL) {
@@ -158,7 +157,7 @@ lac_status cli_sweep(const cli_request *request, lac_error *err)
     double by;
     lac_status status;
     LAC_TRY(cli_case_read(request, LAC_FOR_RUN, &c, NULL, err));
-    LAC_TRY(read_by(request, c, &by, err));
+    LAC_TRY(cli_sweep_by(request, c, &by, err));
     LAC_TRY(cli_output_path(request, c, NULL, "-sweep.nc", &path, err));
     LAC_TRY(plan(request, c, &sweep, err));
     member = calloc(sweep->members, sizeof *member);
