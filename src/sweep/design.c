@@ -127,12 +127,14 @@ static lac_status lhs(lac_sweep *s, lac_error *err)
 // The sequence of Sobol', shifted by a random vector (Cranley & Patterson 1976).
 static lac_status sobol(lac_sweep *s, lac_error *err)
 {
-    double point[40];
+    double point[40] = {0.0};
     LAC_FAIL_IF(s->params > 40, err, LAC_EINPUT, "--design: sobol takes at most 40 parameters");
     gsl_qrng *q = s->params > 0 ? gsl_qrng_alloc(gsl_qrng_sobol, (unsigned)s->params) : NULL;
     LAC_FAIL_MEMORY_IF(q == NULL && s->params > 0, err);
     for (size_t i = 0; i < s->members && q != NULL; i++) {
-        (void)gsl_qrng_get(q, point);
+        if (i > 0) { // GSL leaves out the first point, at zero
+            (void)gsl_qrng_get(q, point);
+        }
         for (size_t p = 0; p < s->params; p++) {
             const double u = point[p] + draw(s, SIZE_MAX, p);
             s->place[p * s->members + i] = u < 1.0 ? u : u - 1.0;
