@@ -12,6 +12,7 @@ import os
 import re
 import shutil
 import signal
+import struct
 import subprocess
 import sys
 import tempfile
@@ -239,15 +240,15 @@ class Trade(Program):
                                (signal.SIGTERM, 4)):
             self.trade(BLOCK, *DIALS, "--jobs", "1", status=status,
                        environment=stopped(3, number))
-            with open(os.path.join(self.runs, "done"), encoding="ascii") as done:
-                kept = done.read().splitlines()
-            self.assertEqual(len(kept), 4)
-            with open(os.path.join(self.runs, "done"), "a", encoding="ascii") as done:
-                done.write("0123456789abcdef 1 0.1 0.")  # torn
+            with open(os.path.join(self.runs, "done"), "r+b") as done:
+                heading = done.readline()
+                self.assertTrue(heading.startswith(b"lacuna trade: "), heading)
+                records, size = done.read(), 16 + int(heading.split()[4].strip(b","))  # key, sum
+                self.assertEqual(len(records), 3 * size)
+                done.write(records[:size - 1])  # torn
             said = self.trade(BLOCK, *DIALS, "--jobs", "1", "--resume")
-            times = [r["cpu_time_s"] for r in said["runs"]] + [said["reference"]["cpu_time_s"]]
-            for line in kept[1:]:
-                self.assertIn(round(float(line.split()[3]), 6), [round(t, 6) for t in times])
+            times = {r["cpu_time_s"] for r in (*said["runs"], said["reference"])}
+            self.assertEqual(sum(struct.pack("d", time) in records for time in times), 3)
             for one, other in zip(whole["runs"], said["runs"]):
                 self.assertEqual(one["value"], other["value"])
                 self.assertEqual(one["settings"], other["settings"])

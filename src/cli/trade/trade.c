@@ -76,20 +76,6 @@ out:
     return status;
 }
 
-static lac_status read_jobs(const char *text, int *jobs, lac_error *err)
-{
-    long n = sysconf(_SC_NPROCESSORS_ONLN);
-    char *end = NULL;
-    if (text != NULL) {
-        n = strtol(text, &end, 10);
-        if (end == text || *end != '\0' || n < 1 || n > 64) {
-            return wrong("jobs", text, "a number from 1 to 64", err);
-        }
-    }
-    *jobs = (int)(n < 1 ? 1 : n > 64 ? 64 : n);
-    return LAC_OK;
-}
-
 static lac_case_purpose purpose_of(lac_trade_of of)
 {
     return of == LAC_OF_CASCADE ? LAC_FOR_RG : of == LAC_OF_CONTACT ? LAC_FOR_CONTACT : LAC_FOR_RUN;
@@ -269,9 +255,7 @@ static lac_status name_files(cli_trade_job *job, lac_error *err)
 {
     cli_request plain = *job->request;
     plain.given &= ~(unsigned)CLI_OPT_RESUME; // goes on from the folder, not from the file
-    LAC_TRY_RETURN(cli_output_path(&plain, job->source, NULL, "-trade.nc", &job->path, err));
-    (void)snprintf(job->folder, sizeof job->folder, "%s.runs", job->path);
-    return LAC_OK;
+    return cli_output_path(&plain, job->source, NULL, "-trade.nc", &job->path, err);
 }
 
 static lac_status prepare(cli_trade_job *job, lac_error *err)
@@ -281,7 +265,7 @@ static lac_status prepare(cli_trade_job *job, lac_error *err)
     double end;
     LAC_TRY_RETURN(read_quantity(request->trade.quantity, &job->ask, err));
     LAC_TRY_RETURN(read_amounts(&request->trade, &job->ask, err));
-    LAC_TRY_RETURN(read_jobs(request->trade.jobs, &job->jobs, err));
+    LAC_TRY_RETURN(cli_pool_jobs(request->trade.jobs, &job->pool.jobs, err));
     LAC_TRY_RETURN(find_out(job, &of, err));
     LAC_TRY_RETURN(cli_case_read(request, purpose_of(of), &job->source, NULL, err));
     if (request->until != NULL && isnan(job->source->run.end)) {
@@ -435,11 +419,14 @@ out:
 
 lac_status cli_trade(const cli_request *request, lac_error *err)
 {
-    cli_trade_job job = {.request = request, .kept = -1, .started = cli_clock()};
+    cli_trade_job job = {.request = request,
+                         .keep = {"trade", .size = sizeof(lac_trade_run), .file = -1},
+                         .started = cli_clock()};
     lac_status status;
     LAC_TRY(prepare(&job, err));
-    LAC_TRY(cli_trade_keep_open(&job, err));
-    cli_say(request, "%zu combinations, %d at a time", job.trade.runs, job.jobs);
+    LAC_TRY(cli_keep_open(&job.keep, job.path, cli_given(request, CLI_OPT_RESUME),
+                          cli_trade_take_over, &job, err));
+    cli_say(request, "%zu combinations, %d at a time", job.trade.runs, job.pool.jobs);
     cli_signals_hold();
     cli_progress_start(&job.progress, request);
     status = cli_trade_run(&job, err);
@@ -448,7 +435,7 @@ lac_status cli_trade(const cli_request *request, lac_error *err)
     LAC_TRY(put_out(&job, err));
 out:
     // A question that had no answer can be put again without the runs being made again.
-    cli_trade_keep_close(&job, status == LAC_OK);
+    cli_keep_close(&job.keep, status == LAC_OK);
     lac_trade_clear(&job.trade);
     lac_case_free(job.source);
     free(job.path);

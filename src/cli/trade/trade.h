@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include <limits.h>
-
-#include "cli/common/options.h"
-#include "cli/common/progress.h"
+#include "cli/common/keep.h"
+#include "cli/common/pool.h"
 #include "trade/trade.h"
 
 /// Everything that a trade holds.
@@ -14,10 +12,9 @@ typedef struct cli_trade_job {
     lac_trade trade;
     lac_trade_request ask;
     cli_progress progress;
-    char *path;                 ///< of the results
-    char folder[PATH_MAX + 10]; ///< of what is kept until they are written
-    int kept;                   ///< the file of runs that are done; -1: none
-    int jobs;                   ///< runs at a time at most
+    char *path;    ///< of the results
+    cli_keep keep; ///< runs that are done, until they are written
+    cli_pool pool; ///< in which they are made
     double started;
 } cli_trade_job;
 
@@ -26,15 +23,8 @@ typedef struct cli_trade_job {
 lac_status cli_trade_case(const cli_trade_job *job, const lac_trade_run *run, lac_case **c,
                           lac_error *err);
 
-/// Opens the folder of what is kept; with --resume what is there is taken over.
-/// @return LAC_OK; LAC_EIO; LAC_EINPUT where another trade is at work there
-lac_status cli_trade_keep_open(cli_trade_job *job, lac_error *err);
-
-/// Adds a run that is done.
-lac_status cli_trade_keep(const cli_trade_job *job, const lac_trade_run *run, lac_error *err);
-
-/// Closes the folder. @param remove  takes it away with all that is in it
-void cli_trade_keep_close(cli_trade_job *job, bool remove);
+/// Takes a run over that an earlier trade has kept; a cli_keep_take of the job.
+void cli_trade_take_over(void *context, uint64_t key, const void *content);
 
 /// Makes the runs that are pending.
 /// @return LAC_OK; LAC_EINTERRUPT; LAC_EIO
