@@ -7,13 +7,13 @@ set(about_physics
   "unit\\.test_(forecast_times|fractal_.*|friction|friction_rates|history|joint_surface|load|micro|motion|noise|posterior|series|series_doubts)"
   "unit\\.test_(simulation|skill|spread|surface_.*|tangential|tangential_space|trade|trend|verdict)"
   "case\\.(cases|contact|domain|fit|friction|load|momentum|normal|peers|rg|solver|surface|transfer|weakening)\\..*"
-  "case\\.test_(analysis|breaks|catalogue|driver|elastic|elastic_limits|events|extremes|fit|fractal|friction|geometry|history|loads|loads_over_joint)"
-  "case\\.test_(precursors|readings|rg|safety|small_cases|trade|verdicts?|watch|weakening)|speed\\..*|case\\.costs")
+  "case\\.test_(analysis|breaks|catalogue|driver|elastic|elastic_limits|events|extremes|fit|fit_friction|fractal|friction|geometry|history|loads|loads_over_joint)"
+  "case\\.test_(precursors|readings|rg|safety|small_cases|sweep|trade|verdicts?|watch|weakening)|speed\\..*|case\\.costs")
 set(about_cli "unit\\.test_pool"
   "case\\.test_(cli|completion|interface|valid_cases|wrong_cases|static_cases|verdict_levels)")
 set(about_data
   "unit\\.test_(dataset|door|load_files|netcdf|recording|store|store_.*|verdict_words)"
-  "case\\.test_(domain_file|every_call|export|points|resume|rg_file)")
+  "case\\.test_(domain_file|every_call|export|fit_resume|points|resume|rg_file)")
 set(about_page "unit\\.test_(live|report)" "case\\.test_(pictures|report|report_page|view|view_page)")
 set(about_docs
   "case\\.(README|format|install|rg-results|tables|rocks|vajont|howto-.*|tutorial-.*)"

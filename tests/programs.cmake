@@ -131,6 +131,9 @@ lacuna_python_test(test_watch)
 set(test_trade_files $<TARGET_FILE:at_call>)
 lacuna_python_test(test_trade)
 
+# Sweeps, their answers and their page.
+lacuna_python_test(test_sweep once)
+
 # How many of its runs go side by side.
 target_sources(unit_test_free_memory PRIVATE ${PROJECT_SOURCE_DIR}/src/cli/common/memory.c)
 foreach(part keep memory pool progress words)

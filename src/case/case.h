@@ -98,9 +98,10 @@ typedef struct lac_fit_def {
     bool named; ///< the case has the section
     size_t count;
     lac_fit_parameter *parameter; ///< [count]
-    lac_series_def columns;       ///< texts owned
+    lac_series_def columns;       ///< texts owned; `value` is friction, and no default of its own
     char *point;                  ///< of output.points that they are of; NULL: of the whole joint
     double displacement_error;    ///< [m]; NaN: estimated (with a column sigma: its factor is)
+    double friction_error;        ///< [1]; NaN: estimated
     double velocity_error;        ///< of ln(velocity) [1], or a factor; NaN: estimated
     double until;                 ///< readings later are left out [s]; NaN: none
     int errors;                   ///< lac_fit_errors, of displacements

@@ -194,10 +194,18 @@ void lac_read_fitted(lac_reader *reader, const lac_node *node, lac_case *c)
     }
 }
 
+// One cell, whose slip is the mean slip.
+static bool is_block(const lac_case *c)
+{
+    return c->surface.info == NULL && c->domain.info == NULL && c->slip != LAC_SLIP_VECTOR;
+}
+
 void lac_check_fit(lac_reader *reader, lac_case *c)
 {
     const lac_fit_def *fit = &c->fit;
     const size_t least = 2 * (fit->count + 3);
+    const bool slides = fit->columns.displacement != NULL || fit->columns.components != NULL ||
+                        fit->columns.within != NULL;
     if (lac_refuse(reader, !HAS("fit") && reader->purpose == LAC_FOR_FIT, "fit",
                    "is missing: what to estimate, such as {parameters: {friction.aging.dc: {range: "
                    "[\"0.1 mm\", \"1 m\"]}}, ...}") ||
@@ -208,8 +216,13 @@ void lac_check_fit(lac_reader *reader, lac_case *c)
                      "must name at least one number of the case");
     (void)lac_refuse(reader,
                      fit->columns.displacement == NULL && fit->columns.velocity == NULL &&
-                         fit->columns.components == NULL && fit->columns.velocity_most == NULL,
-                     "fit", "needs displacement or velocity, such as displacement: \"disp:mm\"");
+                         fit->columns.components == NULL && fit->columns.velocity_most == NULL &&
+                         fit->columns.value == NULL,
+                     "fit",
+                     "needs displacement, velocity or friction, such as displacement: \"disp:mm\"");
+    (void)lac_refuse(reader, fit->columns.value != NULL && (slides || !is_block(c)), "fit.friction",
+                     slides ? "stands in place of displacement, components and time_within"
+                            : "is of one block: a case without an interface, of slip along x");
     (void)lac_refuse(reader, fit->columns.time == NULL, "fit", "needs time, the column of times");
     (void)lac_refuse(reader,
                      fit->columns.sigma != NULL && fit->columns.displacement == NULL &&

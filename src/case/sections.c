@@ -280,6 +280,9 @@ static const lac_param fit_rows[] = {
                "column of displacements, as \"column:unit\""),
     LAC_COLUMN("velocity", FIT(columns.velocity), "m/s",
                "column of velocities, as \"column:unit\""),
+    LAC_COLUMN("friction", FIT(columns.value), "1",
+               "column of friction coefficients, shear over effective normal force, in place of "
+               "displacements, as \"column:1\""),
     LAC_COLUMN("sigma", FIT(columns.sigma), "m",
                "column of the displacements' standard errors, as \"column:unit\""),
     LAC_COLUMN("velocity_sigma", FIT(columns.velocity_sigma), "1",
@@ -298,12 +301,15 @@ static const lac_param fit_rows[] = {
     LAC_REAL("displacement_error", "m", FIT(displacement_error), NAN, 0, 1e6,
              LAC_OPTIONAL | LAC_ABOVE_MIN,
              "standard error of a displacement; estimated if absent (with sigma: a factor on it)"),
+    LAC_REAL("friction_error", "1", FIT(friction_error), NAN, 0, 100, LAC_OPTIONAL | LAC_ABOVE_MIN,
+             "standard error of a friction coefficient; estimated if absent"),
     LAC_REAL("velocity_error", "1", FIT(velocity_error), NAN, 0, 100, LAC_OPTIONAL | LAC_ABOVE_MIN,
              "standard error of the logarithm of a velocity; estimated if absent (with "
              "velocity_sigma: a factor on it)"),
-    LAC_CHOICE(
-        "errors", FIT(errors), LAC_ERRORS_WHITE, errors_names, 0,
-        "of displacements: white (independent), or ar1 (correlated over a time that is estimated)"),
+    LAC_CHOICE("errors", FIT(errors), LAC_ERRORS_WHITE, errors_names, 0,
+               "of displacements, or of friction: white (independent), or ar1 (correlated over a "
+               "time that is "
+               "estimated)"),
     LAC_CHOICE("offset", FIT(offset), 1, offsets, 0,
                "zero of the displacements: free (unknown), or none (zero where the run starts)"),
     LAC_INTEGER("starts", FIT(starts), 64, 1, 100000, 0,

@@ -35,10 +35,12 @@ lac_status lac_fit_series(const lac_case *c, const char *path, lac_series **out,
     lac_series_def def = c->fit.columns;
     def.size = sizeof def;
     def.path = path;
-    def.value = def.sigma;
-    def.value_unit = def.sigma_unit;
+    def.value_si = def.value != NULL ? "1" : "m";
+    if (def.value == NULL) {
+        def.value = def.sigma;
+        def.value_unit = def.sigma_unit;
+    }
     def.sigma = def.sigma_unit = NULL;
-    def.value_si = "m";
     return lac_series_create(&def, out, err);
 }
 
@@ -65,7 +67,7 @@ lac_status lac_fit_compute(const lac_case *c, const lac_series *series,
     LAC_TRY(lac_made_from_case(c, &f->made, err));
     f->made.provenance.seed = c->fit.seed;
     LAC_TRY(lac_fit_create(c, series, own.threads > 0 ? own.threads : 1, &f->fit, err));
-    const lac_fit_watch watch = {own.interrupted, own.progress, own.context};
+    const lac_fit_watch watch = {own.interrupted, own.progress, own.context, NULL};
     status = lac_fit_run(f->fit, &watch, &f->result, err);
     f->outcome = (lac_fit_outcome){c, &f->result, status == LAC_OK ? "complete" : "interrupted"};
     if (status == LAC_OK || (status == LAC_EINTERRUPT && f->result.times > 0)) {

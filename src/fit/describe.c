@@ -24,6 +24,8 @@ LAC_GETTER(double, draw, RESULT, draw_of(r, at[0], at[1], at[2]))
 LAC_GETTER(double, best, RESULT, r->unknown[at[0]].best)
 LAC_GETTER(double, log_density, RESULT, r->chain->log_density[at[1] * r->chain->walkers + at[0]])
 LAC_GETTER(double, acceptance, RESULT, r->chain->acceptance[at[0]])
+LAC_GETTER(bool, is_slip, RESULT, !r->friction)
+LAC_GETTER(bool, is_friction, RESULT, r->friction)
 LAC_GETTER(bool, has_windows, RESULT, r->windows)
 LAC_GETTER(double, walkers, RESULT, (double)r->chain->walkers)
 LAC_GETTER(double, steps, RESULT, (double)r->chain->steps)
@@ -96,18 +98,21 @@ static const lac_variable of_unknowns[] = {
 
 static const lac_variable of_data[] = {
     {.json = "displacements", R(COUNT, displacements)},
+    {.json = "frictions", R(COUNT, frictions)},
     {.json = "velocities", R(COUNT, velocities)},
     {.json = "bounds", R(COUNT, bounds)},
     {.json = "outside", R(COUNT, outside)},
     {.json = "missing", R(COUNT, missing)},
     {.json = "not_positive", R(COUNT, not_positive)},
-    {.json = "rms_m", R(REAL, displacement_rms)},
+    {.json = "rms_m", R(REAL, displacement_rms), .has = is_slip},
+    {.json = "rms_friction", R(REAL, displacement_rms), .has = is_friction},
     {.json = "rms_ln_rate", R(REAL, log_rate_rms)},
-    {.json = "offset_m", R(REAL, offset)},
+    {.json = "offset_m", R(REAL, offset), .has = is_slip},
     {.json = "log_likelihood", R(REAL, log_likelihood)},
     {.json = "bic", R(REAL, bic)},
     {.json = "residual_autocorrelation", R(REAL, autocorrelation)},
-    {.json = "scatter_m", R(REAL, scatter)},
+    {.json = "scatter_m", R(REAL, scatter), .has = is_slip},
+    {.json = "scatter_friction", R(REAL, scatter), .has = is_friction},
     {.json = "misfit", R(REAL, misfit)},
     {.json = "excess", R(REAL, excess)},
     {.json = "fits_badly", R(BOOL, poor)},
@@ -145,17 +150,24 @@ static const lac_variable of_result[] = {
             .flags = LAC_TIME),
     LAC_ROW("best_displacement", "prediction", "m",
             "displacement of the best fit, its zero that of the data", R(REALS, fitted),
-            .flags = LAC_MISSING),
+            .flags = LAC_MISSING, .has = is_slip),
+    LAC_ROW("best_friction", "prediction", "1", "friction of the best fit", R(REALS, fitted),
+            .flags = LAC_MISSING, .has = is_friction),
     LAC_ROW("predicted_displacement", "quantile prediction", "m",
             "quantiles of the posterior's displacement; missing beyond failure",
-            R(REALS, displacement), .flags = LAC_MISSING),
+            R(REALS, displacement), .flags = LAC_MISSING, .has = is_slip),
+    LAC_ROW("predicted_friction", "quantile prediction", "1",
+            "quantiles of the posterior's friction; missing beyond failure", R(REALS, displacement),
+            .flags = LAC_MISSING, .has = is_friction),
     LAC_ROW("predicted_slip_rate", "quantile prediction", "m s-1",
             "quantiles of the posterior's slip rate; missing beyond failure", R(REALS, rate),
             .flags = LAC_MISSING),
     LAC_ROW("reading_time", "reading", NULL, "time of a reading", R(REALS, reading_time),
             .flags = LAC_TIME),
     LAC_ROW("observed_displacement", "reading", "m", "displacement that was read",
-            R(REALS, observed), .flags = LAC_MISSING),
+            R(REALS, observed), .flags = LAC_MISSING, .has = is_slip),
+    LAC_ROW("observed_friction", "reading", "1", "friction coefficient that was read",
+            R(REALS, observed), .flags = LAC_MISSING, .has = is_friction),
     LAC_ROW("observed_slip_rate", "reading", "m s-1", "velocity that was read",
             R(REALS, observed_rate), .flags = LAC_MISSING),
     LAC_ROW("observed_slip_rate_most", "reading", "m s-1",

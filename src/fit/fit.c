@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/archive.h"
 #include "fit/internal.h"
 
 // A row of the file as it is used; what has no logarithm is counted. @return LAC_EINPUT
@@ -16,7 +17,9 @@ static lac_status take_row(const lac_case *c, const lac_series *series, size_t i
     const bool sized = columns->velocity_sigma != NULL, free = columns->within != NULL;
     *row = (lac_fit_seen){
         .time = series->time[i] - (series->dated ? c->start_date : 0.0),
-        .displacement = series->displacement != NULL ? series->displacement[i] : NAN,
+        .displacement = columns->value != NULL         ? series->value[i]
+                        : series->displacement != NULL ? series->displacement[i]
+                                                       : NAN,
         .velocity = series->velocity != NULL ? series->velocity[i] : NAN,
         .most = columns->velocity_most != NULL ? series->velocity_most[i] : NAN,
         .sigma = columns->sigma != NULL ? series->value[i] : 1.0,
@@ -155,7 +158,7 @@ static void set_errors(lac_fit *fit)
         high = fmax(high, data->displacement[i]);
     }
     double span = fit->def->columns.sigma != NULL ? 10.0 : high > low ? high - low : 1e-3;
-    if (data->displacements > 0 && isnan(fit->def->displacement_error)) {
+    if (data->displacements > 0 && isnan(fit->held_error)) {
         fit->unknown_displacement = add_unknown(fit, 1e-5 * span, 10.0 * span);
     }
     if (data->velocities > 0 && isnan(fit->def->velocity_error)) {
@@ -188,6 +191,9 @@ lac_status lac_fit_create(const lac_case *c, const lac_series *series, int threa
     LAC_FAIL_MEMORY_IF(fit == NULL, err);
     fit->source = c;
     fit->def = &c->fit;
+    fit->friction = c->fit.columns.value != NULL;
+    fit->offset = c->fit.offset && !fit->friction;
+    fit->held_error = fit->friction ? c->fit.friction_error : c->fit.displacement_error;
     fit->text = lac_case_text(c);
     if (fit->text == NULL) {
         LAC_TRY(lac_fail_memory(err));
@@ -224,6 +230,26 @@ void lac_fit_free(lac_fit *fit)
     free(fit);
 }
 
+uint64_t lac_fit_sum(lac_fit *fit)
+{
+    const lac_fit_data *data = &fit->data;
+    lac_fit_def *def = &fit->model[0].base.c->fit;
+    const lac_fit_def before = *def;
+    def->burn = def->steps = def->rounds = 0;
+    char *text = lac_case_text(fit->model[0].base.c);
+    *def = before;
+    if (text == NULL) {
+        return 0;
+    }
+    uint64_t sum = lac_sum_bytes(LAC_SUM_OF_NOTHING, text, strlen(text));
+    sum = lac_sum_bytes(sum, data->time, data->n * sizeof *data->time);
+    for (size_t i = 0; i < data->rows; i++) {
+        sum = lac_sum_bytes(sum, &data->seen[i], sizeof data->seen[i]);
+    }
+    free(text);
+    return sum;
+}
+
 // Names and units of the unknowns.
 static void name_unknowns(const lac_fit *fit, lac_fit_result *result)
 {
@@ -236,13 +262,13 @@ static void name_unknowns(const lac_fit *fit, lac_fit_result *result)
         bool displacement = (int)k == fit->unknown_displacement;
         bool time = (int)k == fit->unknown_time;
         x->key = p != NULL      ? p->key
-                 : displacement ? "error.displacement"
+                 : displacement ? (fit->friction ? "error.friction" : "error.displacement")
                  : time         ? "error.time"
                                 : "error.velocity";
-        x->unit = p != NULL                                    ? p->unit
-                  : displacement && def->columns.sigma == NULL ? "m"
-                  : time                                       ? "s"
-                                                               : "1";
+        x->unit = p != NULL                                                      ? p->unit
+                  : displacement && def->columns.sigma == NULL && !fit->friction ? "m"
+                  : time                                                         ? "s"
+                                                                                 : "1";
         x->log = p == NULL || p->log;
         x->by = LAC_BY_NOTHING;
         x->best = x->error = x->limit = NAN;
@@ -277,7 +303,9 @@ lac_status lac_fit_run(lac_fit *fit, const lac_fit_watch *watch, lac_fit_result 
     lac_status status = LAC_OK;
     blank(result);
     name_unknowns(fit, result);
-    result->displacements = data->displacements;
+    result->friction = fit->friction;
+    result->displacements = fit->friction ? 0 : data->displacements;
+    result->frictions = fit->friction ? data->displacements : 0;
     result->velocities = data->velocities;
     result->bounds = data->bounds;
     result->outside = data->outside;

@@ -53,14 +53,15 @@ typedef struct lac_fit_interval {
 /// What came of a fit. Arrays belong to the fit.
 typedef struct lac_fit_result {
     size_t parameters, unknowns;
-    lac_fit_unknown unknown[LAC_FIT_UNKNOWNS]; ///< [unknowns] parameters first
-    size_t displacements, velocities;          ///< readings used
-    size_t bounds;                             ///< of the velocities, that are upper bounds
-    size_t outside, missing;                   ///< left out: outside the run, not given
-    size_t not_positive;                       ///< velocities left out: they have no logarithm
-    double displacement_rms;                   ///< of the best fit [m]; NaN
-    double log_rate_rms;                       ///< of the best fit, of ln v [1]; NaN
-    double offset;                             ///< zero of the displacements [m]
+    lac_fit_unknown unknown[LAC_FIT_UNKNOWNS];   ///< [unknowns] parameters first
+    bool friction;                               ///< it stands for displacement here [1], not [m]
+    size_t displacements, frictions, velocities; ///< readings used
+    size_t bounds;                               ///< of the velocities, that are upper bounds
+    size_t outside, missing;                     ///< left out: outside the run, not given
+    size_t not_positive;                         ///< velocities left out: they have no logarithm
+    double displacement_rms;                     ///< of the best fit [m]; NaN
+    double log_rate_rms;                         ///< of the best fit, of ln v [1]; NaN
+    double offset;                               ///< zero of the displacements [m]
     double autocorrelation; ///< of successive residuals of displacements, whitened if ar1 [1]
     double misfit;          ///< rms over the range of the displacements; of velocities that of ln v
     double excess;          ///< what of it the noise does not explain: lac_unexplained
@@ -124,6 +125,11 @@ lac_status lac_fit_create(const lac_case *c, const lac_series *series, int threa
                           lac_error *err);
 
 void lac_fit_free(lac_fit *fit);
+
+/// What the steps of its sampler follow from, but for their number: of lac_kept_open. Asked for
+/// before it is run.
+/// @return 0 where memory is short
+uint64_t lac_fit_sum(lac_fit *fit);
 
 /// Least squares, then the sampler, then the predictions, as the case says; docs/theory/fitting.md.
 /// @param result  filled as far as it came, whatever the status

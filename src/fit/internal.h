@@ -34,7 +34,7 @@ enum { LAC_FIT_NODES = 24 }; // in the window of a time that is known within it 
 // A row of the readings' file that was taken, as it stands there.
 typedef struct lac_fit_seen {
     double time;         // since the start [s]
-    double displacement; // [m]; NaN
+    double displacement; // [m], or friction [1]; NaN
     double sigma;        // what its error counts in [m]
     double velocity;     // [m/s]; NaN
     double most;         // that a velocity did not exceed [m/s]; NaN
@@ -57,7 +57,7 @@ typedef struct lac_fit_rate {
 typedef struct lac_fit_data {
     size_t n;
     double *time;         // [n] since the start [s]
-    double *displacement; // [n] [m]; NaN
+    double *displacement; // [n] [m], or friction [1]; NaN
     double *log_rate;     // [n] of m/s; NaN
     double *sigma;        // [n] what a displacement's error counts in [m]: 1 without a column
     double digit;         // what the last of a displacement counts [m]; 0: not known
@@ -96,6 +96,9 @@ struct lac_fit {
     const lac_fit_def *def;
     char *text; // of the case, from which copies are read
     lac_fit_data data;
+    bool friction;               // it is in the place of displacements
+    bool offset;                 // of displacements is unknown
+    double held_error;           // of either [m], [1]; NaN: unknown
     bool moves_loads, moves_all; // parameters of loads, of what the contact is made of
     int threads;
     lac_fit_model *model; // [threads]

@@ -100,8 +100,7 @@ static void weigh(const lac_fit *fit, double *room, lac_fit_result *result)
     }
     const double noise = known ? lac_median(n, work) : lac_noise_of(n, room, value, work);
     const double range = slips ? high - low : 1.0;
-    const double free =
-        (double)n - (double)fit->def->count - (slips && fit->def->offset ? 1.0 : 0.0);
+    const double free = (double)n - (double)fit->def->count - (slips && fit->offset ? 1.0 : 0.0);
     result->misfit = rms / range;
     result->excess =
         lac_unexplained(rms, slips && noise < data->digit ? data->digit : noise, free) / range;
@@ -115,7 +114,7 @@ static void measure(lac_fit *fit, double *slip, double *log_rate, lac_fit_result
     lac_fit_errors_at errors = lac_fit_errors_of(fit, fit->best);
     lac_fit_misfit misfit =
         lac_fit_likelihood(fit, &errors, slip, log_rate, fit->model[0].scratch + 2 * data->n);
-    double free = (double)fit->unknowns + (fit->def->offset && data->displacements > 0 ? 1.0 : 0.0);
+    double free = (double)fit->unknowns + (fit->offset && data->displacements > 0 ? 1.0 : 0.0);
     result->log_likelihood = misfit.log_likelihood;
     result->bic = free * log((double)(data->displacements + data->velocities)) - 2.0 * misfit.peak;
     result->offset = misfit.offset;

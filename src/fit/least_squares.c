@@ -67,7 +67,7 @@ static void project(const search *s, const double *r, double *white)
     const lac_fit_data *data = &s->fit->data;
     double offset;
     (void)lac_fit_whiten(data, &s->errors, r, white);
-    if (s->fit->def->offset) {
+    if (s->fit->offset) {
         (void)lac_fit_take_offset(data->n, s->one, white, &offset);
     }
 }
@@ -402,11 +402,16 @@ lac_status lac_fit_least_squares(lac_fit *fit, const lac_fit_watch *watch, lac_f
     if (lac_fit_interrupted(watch)) {
         status = lac_fail(err, LAC_EINTERRUPT, "interrupted in the least squares");
     } else if (kept == 0) {
-        status = lac_fail(
-            err, LAC_ENUMERIC,
-            "none of %zu starts can be followed to the last reading: every run fails before it, or "
-            "cannot be computed; look at the ranges and the case's own values",
-            result->tried);
+        // A file that a load reads and that is wrong is so for all starts.
+        const lac_status own =
+            lac_fit_model_read(&fit->model[0], fit->best, s.seen.slip, s.seen.log_rate, err);
+        status = own == LAC_EINPUT || own == LAC_EIO
+                     ? own
+                     : lac_fail(err, LAC_ENUMERIC,
+                                "none of %zu starts can be followed to the last reading: every run "
+                                "fails before it, or "
+                                "cannot be computed; look at the ranges and the case's own values",
+                                result->tried);
     } else {
         (void)rate_start(&s, fit->best);
         status = find_covariance(&s, err);

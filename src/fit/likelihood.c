@@ -11,8 +11,8 @@ lac_fit_errors_at lac_fit_errors_of(const lac_fit *fit, const double *x)
 {
     const lac_fit_def *def = fit->def;
     return (lac_fit_errors_at){
-        .displacement = fit->unknown_displacement < 0 ? def->displacement_error
-                                                      : exp(x[fit->unknown_displacement]),
+        .displacement =
+            fit->unknown_displacement < 0 ? fit->held_error : exp(x[fit->unknown_displacement]),
         .velocity = fit->unknown_velocity < 0 ? def->velocity_error : exp(x[fit->unknown_velocity]),
         .time = fit->unknown_time < 0 ? 0.0 : exp(x[fit->unknown_time]),
     };
@@ -96,7 +96,7 @@ static lac_fit_misfit displacements(const lac_fit *fit, const lac_fit_errors_at 
     }
     double log_det = lac_fit_whiten(data, errors, r, w);
     lac_fit_misfit out = {.peak = -0.5 * (log_det + (double)data->displacements * log_two_pi)};
-    if (fit->def->offset) {
+    if (fit->offset) {
         lac_fit_whiten_one(data, errors, e);
         const double ee = lac_fit_take_offset(n, e, w, &out.offset);
         out.log_likelihood = 0.5 * (log_two_pi - log(ee));
@@ -173,7 +173,7 @@ static double likelihood(guess *g, double time)
     double *e = g->scratch + data->n;
     double ee = 0.0;
     double log_det = lac_fit_whiten(data, &unit, g->r, w);
-    if (g->fit->def->offset) {
+    if (g->fit->offset) {
         double offset;
         lac_fit_whiten_one(data, &unit, e);
         ee = lac_fit_take_offset(data->n, e, w, &offset);
@@ -220,7 +220,7 @@ void lac_fit_likeliest_errors(const lac_fit *fit, const double *r, const double 
     const lac_fit_data *data = &fit->data;
     const int of = fit->unknown_displacement;
     guess g = {.fit = fit, .r = r, .scratch = scratch};
-    g.held = of < 0 ? fit->def->displacement_error : NAN;
+    g.held = of < 0 ? fit->held_error : NAN;
     double time = 0.0;
     if (fit->unknown_time >= 0) {
         int k = fit->unknown_time;

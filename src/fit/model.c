@@ -108,6 +108,7 @@ static lac_sensitivity_def follow_of(const lac_fit_model *model, double end, siz
     return (lac_sensitivity_def){
         .problem = model->base.scene->problem,
         .point = model->points != NULL ? model->points->point : NULL,
+        .friction = model->fit->friction,
         .rtol = fmin(model->rtol, model->fit->source->run.rtol),
         .end = end > 0.0 ? end : 1e-9, // a run of no length has nothing to integrate
         .failure_rate = model->fit->source->run.failure_rate,

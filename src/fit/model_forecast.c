@@ -125,9 +125,10 @@ static lac_status foresee(void *context, const lac_motion *m, double now, lac_fo
                                .displacement_digit = m->resolution};
     LAC_FAIL_IF(how->dated && !c->dated, err, LAC_EINPUT,
                 "the series has dates, so time.start of %s must be a date", c->path);
-    if (lac_fit_has_rates(&c->fit)) {
-        return lac_forecast_fit_refuse(found, "fit.velocity_sigma, velocity_most and time_within "
-                                              "are of lacuna fit; with fit.until it forecasts");
+    if (lac_fit_has_rates(&c->fit) || c->fit.columns.value != NULL) {
+        return lac_forecast_fit_refuse(
+            found, "fit.friction, velocity_sigma, velocity_most and time_within "
+                   "are of lacuna fit; with fit.until it forecasts");
     }
     const size_t inside = readings_within(c, m, shift);
     if (inside < c->fit.count + 3) {

@@ -235,13 +235,19 @@ enum { MOST_KERNELS = 128 };
 // An ensemble on its way.
 typedef struct ensemble {
     const lac_sampler_def *def;
+    lac_kept *kept;      // NULL: nobody keeps the steps
     double *x;           // [walkers][dimension] where the walkers are
-    double *log_density; // [walkers]
+    double *log_density; // [walkers] behind it, and
+    bool *moved;         // [walkers] in the step just made: what is kept of a step
     double *proposal;    // [walkers][dimension]
-    bool *moved;         // [walkers] in the step just made
     kernels made;        // of the half that stands still
     double *scratch;     // [walkers][3 dimension + 1]
 } ensemble;
+
+static size_t size_of_step(const ensemble *e)
+{
+    return e->def->walkers * ((e->def->dimension + 1) * sizeof *e->x + sizeof *e->moved);
+}
 
 void lac_chain_free(lac_chain *chain) { free(chain); }
 
@@ -365,20 +371,39 @@ static void move_half(ensemble *e, uint64_t step, size_t first, size_t other)
     }
 }
 
+// The first record is where the walkers begin: steps that began elsewhere are of something else.
+static lac_status compare_start(ensemble *e, lac_error *err)
+{
+    const size_t size = size_of_step(e);
+    void *before = malloc(size);
+    LAC_FAIL_MEMORY_IF(before == NULL, err);
+    lac_status status = LAC_OK;
+    if (!lac_kept_read(e->kept, before, size)) {
+        status = lac_kept_put(e->kept, e->x, size, err);
+    } else if (memcmp(before, e->x, size) != 0) {
+        status =
+            lac_fail(err, LAC_EINPUT,
+                     "--resume: the steps that were kept began elsewhere: a file that the case "
+                     "reads has changed, or the program; without it the fit begins anew");
+    }
+    free(before);
+    return status;
+}
+
 static lac_status begin(ensemble *e, const double *start, lac_error *err)
 {
     const lac_sampler_def *def = e->def;
     const int walkers = (int)def->walkers;
     size_t d = def->dimension;
-    e->x = calloc(def->walkers, (5 * d + 2) * sizeof *e->x + sizeof *e->moved);
-    if (e->x == NULL) {
+    e->proposal = calloc(def->walkers, (5 * d + 2) * sizeof *e->x + sizeof *e->moved);
+    if (e->proposal == NULL) {
         (void)lac_fail_memory(err);
         return LAC_ENOMEM; // said here, where clang's analyzer sees it
     }
-    e->proposal = e->x + def->walkers * d;
-    e->log_density = e->proposal + def->walkers * d;
-    e->scratch = e->log_density + def->walkers;
-    e->moved = (bool *)(e->scratch + def->walkers * (3 * d + 1));
+    e->scratch = e->proposal + def->walkers * d;
+    e->x = e->scratch + def->walkers * (3 * d + 1);
+    e->log_density = e->x + def->walkers * d;
+    e->moved = (bool *)(e->log_density + def->walkers);
     memcpy(e->x, start, def->walkers * d * sizeof *e->x);
 #pragma omp parallel for schedule(dynamic) num_threads(def->threads > 1 ? def->threads : 1)
     for (int k = 0; k < walkers; k++) {
@@ -388,7 +413,7 @@ static lac_status begin(ensemble *e, const double *start, lac_error *err)
         LAC_FAIL_IF(!isfinite(e->log_density[k]), err, LAC_EINPUT,
                     "walker %zu starts where the density is zero", k);
     }
-    return LAC_OK;
+    return def->first == 0 ? compare_start(e, err) : LAC_OK;
 }
 
 static void keep(const ensemble *e, lac_chain *chain)
@@ -410,8 +435,11 @@ static lac_status walk(ensemble *e, lac_chain *chain, lac_error *err)
     size_t half = def->walkers / 2;
     size_t total = def->burn + def->steps;
     for (size_t step = 0; step < total; step++) {
-        move_half(e, def->first + step, 0, half);
-        move_half(e, def->first + step, half, 0);
+        if (!lac_kept_read(e->kept, e->x, size_of_step(e))) {
+            move_half(e, def->first + step, 0, half);
+            move_half(e, def->first + step, half, 0);
+            LAC_TRY_RETURN(lac_kept_put(e->kept, e->x, size_of_step(e), err));
+        }
         if (step >= def->burn) {
             keep(e, chain);
         }
@@ -426,7 +454,7 @@ lac_status lac_sampler_run(const lac_sampler_def *def, const double *start, lac_
                            lac_error *err)
 {
     lac_status status = LAC_OK;
-    ensemble e = {.def = def};
+    ensemble e = {.def = def, .kept = def->watch != NULL ? def->watch->kept : NULL};
     *out = NULL;
     LAC_FAIL_IF(def->dimension == 0 || def->walkers % 2 != 0 ||
                     def->walkers < 2 * def->dimension + 2,
@@ -447,6 +475,6 @@ out:
         *out = NULL;
     }
     free(e.made.place);
-    free(e.x);
+    free(e.proposal);
     return status;
 }

@@ -6,12 +6,14 @@
 #include <stdint.h>
 
 #include "base/fail.h"
+#include "base/kept.h"
 
 /// Who watches a fit. Members may be NULL.
 typedef struct lac_fit_watch {
     bool (*interrupted)(void *context);
     void (*progress)(void *context, const char *stage, size_t done, size_t total);
     void *context;
+    lac_kept *kept; ///< takes the steps of the sampler, and gives those that it has
 } lac_fit_watch;
 
 static inline bool lac_fit_interrupted(const lac_fit_watch *watch)
@@ -63,8 +65,11 @@ typedef struct lac_chain {
 /// time. Random numbers are functions of (seed, step, walker): the chain is the same to the bit for
 /// any number of threads.
 /// @param start  [walkers][dimension] where they begin; not all in a plane
-/// @return LAC_OK; LAC_EINPUT (too few walkers, odd, a start without density); LAC_EINTERRUPT (the
-///         chain holds the steps up to there); LAC_ENOMEM
+/// Steps that the watch's `kept` holds are taken from it, those after them put there: the chain is
+/// the same to the bit as one made in one go.
+/// @return LAC_OK; LAC_EINPUT (too few walkers, odd, a start without density, or another one than
+///         that of the steps kept); LAC_EINTERRUPT (the chain holds the steps up to there);
+///         LAC_EIO; LAC_ENOMEM
 lac_status lac_sampler_run(const lac_sampler_def *def, const double *start, lac_chain **out,
                            lac_error *err);
 

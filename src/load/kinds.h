@@ -72,6 +72,7 @@ extern const char *const lac_share_names[];
     _(lac_shear_slope),     \
     _(lac_shear_ramp),      \
     _(lac_shear_spring),    \
+    _(lac_shear_machine),   \
     _(lac_shear_step),      \
     _(lac_shear_sine),      \
     _(lac_shear_shaking),   \

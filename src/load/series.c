@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Shear stress, pore pressure or normal stress from readings of a file, by straight lines or a
-// smooth curve.
+// smooth curve; and a spring whose far end moves as these say.
 #include <math.h>
 #include <stdlib.h>
 
@@ -14,13 +14,15 @@ typedef struct series_params {
     double scale;  // [1]
     double offset; // [s]
     int interpolation, outside;
-    double azimuth; // of shear only [rad]; NaN: along x
-    int share;      // lac_share; of shear only
+    double azimuth;   // of shear only [rad]; NaN: along x
+    int share;        // lac_share; of shear only
+    double stiffness; // of a machine [Pa/m]
 } series_params;
 
 typedef struct series_state {
     lac_readings readings;
     double *slope; // [n] of the smooth curve at each reading [Pa/s]; NULL: straight lines
+    double from;   // of a machine, where the far end is as the run starts [m]
 } series_state;
 
 static void release(void *p)
@@ -63,14 +65,15 @@ static lac_status smooth(series_state *state, lac_error *err)
     return LAC_OK;
 }
 
-static lac_status prepare(const void *p, const lac_load_clock *clock, void **out, lac_error *err)
+static lac_status prepare_as(const char *si, const void *p, const lac_load_clock *clock, void **out,
+                             lac_error *err)
 {
     const series_params *s = p;
     const lac_readings_def def = {.path = s->file,
                                   .time = s->time,
                                   .column = s->value,
                                   .per = s->per,
-                                  .si = "Pa",
+                                  .si = si,
                                   .offset = s->offset};
     lac_status status = LAC_OK;
     series_state *state = calloc(1, sizeof *state);
@@ -88,6 +91,11 @@ out:
         release(state);
     }
     return status;
+}
+
+static lac_status prepare(const void *p, const lac_load_clock *clock, void **out, lac_error *err)
+{
+    return prepare_as("Pa", p, clock, out, err);
 }
 
 // Value and rate between readings i and i + 1.
@@ -108,20 +116,46 @@ static lac_signal between(const series_state *state, size_t i, double t)
     return (lac_signal){r->value[i] + x * rise + bend, (rise + turn) / h};
 }
 
-static lac_signal series_at(const lac_load *load, double t)
+static lac_signal look(const series_params *s, const series_state *state, double t)
 {
-    const series_params *s = load->params;
-    const series_state *state = load->state;
     const lac_readings *r = &state->readings;
     bool before = t < r->t[0];
     bool after = t >= r->t[r->n - 1];
     if (before || after) {
         double held = s->outside == ZERO ? 0.0 : r->value[before ? 0 : r->n - 1];
-        return (lac_signal){s->scale * held, 0.0};
+        return (lac_signal){held, 0.0};
     }
-    lac_signal signal = between(state, lac_readings_before(r->t, r->n, t), t);
-    return (lac_signal){s->scale * signal.value, s->scale * signal.rate};
+    return between(state, lac_readings_before(r->t, r->n, t), t);
 }
+
+static lac_signal series_at(const lac_load *load, double t)
+{
+    const double scale = ((const series_params *)load->params)->scale;
+    const lac_signal signal = look(load->params, load->state, t);
+    return (lac_signal){scale * signal.value, scale * signal.rate};
+}
+
+static lac_status prepare_machine(const void *p, const lac_load_clock *clock, void **out,
+                                  lac_error *err)
+{
+    LAC_TRY_RETURN(prepare_as("m", p, clock, out, err));
+    series_state *state = *out;
+    state->from = look(p, state, 0.0).value;
+    return LAC_OK;
+}
+
+// tau = k (x(t) - x(0) - mean slip); the slip's part is the model's
+static void add_machine(const lac_load *load, double t, lac_load_state *sum)
+{
+    const series_params *machine = load->params;
+    const series_state *state = load->state;
+    const lac_signal far = look(machine, state, t);
+    sum->spring_stiffness += machine->stiffness;
+    sum->spring_stress += machine->stiffness * (far.value - state->from);
+    sum->spring_rate += machine->stiffness * far.rate;
+}
+
+static double stiffness_of(const void *p) { return ((const series_params *)p)->stiffness; }
 
 // Straight lines bend at every reading, smooth curves turn there: a long step of a cell at rest
 // would leap over what lies between two of them.
@@ -144,6 +178,7 @@ static double longest_step(const lac_load *load, double t)
 
 static const char *const interpolations[] = {"linear", "smooth", NULL};
 static const char *const outsides[] = {"refuse", "hold", "zero", NULL};
+static const char *const machine_outsides[] = {"refuse", "hold", NULL};
 
 static const lac_param params[] = {
     LAC_PATH("file", offsetof(series_params, file), 0, "CSV with a header, or netCDF"),
@@ -171,6 +206,35 @@ const lac_load_kind lac_shear_series = {
     .prepare = prepare,
     .release = release,
     .signal = series_at,
+    .next_break = next_break,
+    .longest_step = longest_step,
+};
+
+static const lac_param machine_rows[] = {
+    LAC_PATH("file", offsetof(series_params, file), 0, "CSV with a header, or netCDF"),
+    LAC_TIME_COLUMN_ROW(series_params),
+    LAC_TEXT("displacement", offsetof(series_params, value), 0,
+             "column of the far end's displacement and its unit, such as \"load_point:um\""),
+    LAC_REAL("stiffness", "Pa/m", offsetof(series_params, stiffness), NAN, 0, INFINITY,
+             LAC_ABOVE_MIN, "shear stress over the nominal area for each metre of stretch"),
+    LAC_OFFSET_ROW(series_params, "the data come this much later than their times say"),
+    LAC_CHOICE("interpolation", offsetof(series_params, interpolation), LINEAR, interpolations, 0,
+               "straight lines, or a smooth curve that overshoots nowhere; the integrator begins "
+               "anew at every reading"),
+    LAC_CHOICE("outside", offsetof(series_params, outside), REFUSE, machine_outsides, 0,
+               "before the first reading and after the last: refuse, or hold the far end"),
+    LAC_AZIMUTH_ROW(series_params),
+};
+
+const lac_load_kind lac_shear_machine = {
+    .info = LAC_ABOUT("machine",
+                      "a spring on the mean slip, its far end moved as a file says: velocity steps",
+                      "Dieterich (1979) J. Geophys. Res. 84, 2161, doi 10.1029/JB084iB05p02161",
+                      LAC_ROWS(machine_rows, series_params)),
+    .prepare = prepare_machine,
+    .release = release,
+    .stiffness = stiffness_of,
+    .add = add_machine,
     .next_break = next_break,
     .longest_step = longest_step,
 };

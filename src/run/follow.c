@@ -222,11 +222,14 @@ static void put(lac_sensitivity_state *f, double t, size_t i, N_Vector state, N_
     lac_sensitivity *out = f->out;
     size_t count = f->def->perturbations;
     const double *y = lac_vector_data(state);
-    out->slip[i] = y[f->seen];
+    const bool friction = f->def->friction;
+    out->slip[i] = friction ? lac_sensitivity_state_friction(f, f->def->problem, t, y) : y[f->seen];
     out->log_rate[i] = lac_sensitivity_state_log_rate(f, f->def->problem, t, y);
     for (size_t k = 0; k < count; k++) {
         const double *s = lac_vector_data(by[k]);
-        out->slip_by[i * count + k] = s[f->seen];
+        out->slip_by[i * count + k] =
+            friction ? lac_sensitivity_state_by(f, lac_sensitivity_state_friction, k, t, y, s)
+                     : s[f->seen];
         out->log_rate_by[i * count + k] =
             lac_sensitivity_state_by(f, lac_sensitivity_state_log_rate, k, t, y, s);
     }

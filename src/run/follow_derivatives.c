@@ -44,6 +44,14 @@ double lac_sensitivity_state_log_rate(lac_sensitivity_state *f, const lac_proble
     return log(fabs(lac_sensitivity_state_rates(f, problem, t, y, rate)));
 }
 
+double lac_sensitivity_state_friction(lac_sensitivity_state *f, const lac_problem *problem,
+                                      double t, const double *y)
+{
+    lac_observation seen;
+    lac_problem_observe(problem, lac_sensitivity_state_clock(f, t), y, y + f->mean, &seen, f->work);
+    return seen.shear_force / seen.effective_force;
+}
+
 // A parameter moves what counts as failure where that is a p/eta.
 double lac_sensitivity_state_past(lac_sensitivity_state *f, const lac_problem *problem, double t,
                                   const double *y)

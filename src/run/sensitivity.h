@@ -18,6 +18,7 @@ typedef struct lac_sensitivity_def {
     size_t perturbations;
     const lac_perturbation *perturbation; ///< [perturbations]; NULL: none
     const lac_point *point; ///< whose slip and rate are seen; NULL: the means over all cells
+    bool friction;          ///< of one cell: its shear over its effective normal force is seen
     double rtol;            ///< on slip rate, state and their sensitivities
     double end;             ///< [s]
     double failure_rate;    ///< mean slip rate and
@@ -31,7 +32,7 @@ typedef struct lac_sensitivity_def {
 /// What is seen at the wanted times. The arrays are the caller's; entries from `reached` on are not
 /// set.
 typedef struct lac_sensitivity {
-    double *slip;        ///< [n] mean, or of the point [m]
+    double *slip;        ///< [n] mean, or of the point [m]; or friction [1]
     double *log_rate;    ///< [n] ln of the size of its rate [m/s]
     double *slip_by;     ///< [n][perturbations] derivatives; NULL where there are no perturbations
     double *log_rate_by; ///< [n][perturbations]

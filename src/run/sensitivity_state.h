@@ -52,6 +52,9 @@ typedef double (*lac_sensitivity_state_measure)(lac_sensitivity_state *f,
 // ln of the size of the slip rate that is seen, and lac_problem_past_failure.
 double lac_sensitivity_state_log_rate(lac_sensitivity_state *f, const lac_problem *problem,
                                       double t, const double *y);
+// And what stands for slip where friction is seen.
+double lac_sensitivity_state_friction(lac_sensitivity_state *f, const lac_problem *problem,
+                                      double t, const double *y);
 double lac_sensitivity_state_past(lac_sensitivity_state *f, const lac_problem *problem, double t,
                                   const double *y);
 

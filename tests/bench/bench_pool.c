@@ -14,7 +14,7 @@
 #include "simulation/simulation.h"
 #include "support/cost.h"
 
-enum { MEMBERS = 400, ROUNDS = 9 };
+enum { MEMBERS = 2000, ROUNDS = 7 };
 
 typedef struct member {
     double failure, series[256];
@@ -75,11 +75,11 @@ static void pooled(job *j, int jobs)
                      .work = work,
                      .take = take};
     j->next = 0;
-    j->keep = (cli_keep){"bench", .size = sizeof(member), .every = 1.0, .file = -1};
+    j->keep = (cli_keep){"bench", .size = sizeof(member), .every = 1.0};
     if (cli_keep_open(&j->keep, "/tmp/bench-pool", false, NULL, NULL, &err) != LAC_OK) {
         stop(&err);
     }
-    pool.journal = j->keep.file;
+    pool.journal = lac_kept_file(j->keep.done);
     if (cli_pool_run(&pool, &err) != LAC_OK) {
         stop(&err);
     }

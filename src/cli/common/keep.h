@@ -6,10 +6,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "base/fail.h"
+#include "base/kept.h"
 
-/// What is done so far, in the folder OUT.nc.runs beside an output until that is written: --resume
-/// goes on from it. Its file `done` has a line about whose it is, then records of one size.
+/// What is done so far of many tasks, in the folder OUT.nc.runs beside an output until that is
+/// written: --resume goes on from it. Its file `done` holds records of one size.
 typedef struct cli_keep {
     const char *command; ///< whose it is: "trade"
     size_t size;         ///< of a record's content [bytes], plain memory without pointers
@@ -17,14 +17,14 @@ typedef struct cli_keep {
     double every;  ///< what the machine may lose, if it stops [s]; 0: no record. A process that
                    ///< is killed loses none
     char folder[PATH_MAX + 10];
-    int file;      ///< of `done`; -1: none
-    double synced; ///< when last [s]
+    lac_kept *done; ///< NULL: not open
+    double synced;  ///< when last [s]
 } cli_keep;
 
 /// A record that an earlier process kept.
 typedef void cli_keep_take(void *context, uint64_t key, const void *content);
 
-/// Opens the folder for the caller alone, with `command` to `every` set, `file` -1. With `resume`
+/// Opens the folder for the caller alone, with `command` to `every` set. With `resume`
 /// what is there is given to `take`, in order; a record that was torn is dropped, and what follows
 /// it. Files run-N.nc in it, and what stands beside them while they are made, are taken away.
 /// @param path  of the output

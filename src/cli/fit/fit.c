@@ -33,6 +33,8 @@ typedef struct fit_job {
     lac_fit_result result;
     cli_progress progress;
     char *path, *case_path;
+    char *kept_path; // OUT.nc.chains beside OUT.nc
+    lac_kept *kept;
     double started;
 } fit_job;
 
@@ -98,12 +100,27 @@ static lac_status name_case(fit_job *job, lac_error *err)
     return cli_output_check(&job->request, job->source, job->case_path, err);
 }
 
+// Where the sampler's steps are kept until the fit is done.
+static lac_status open_kept(fit_job *job, bool resume, lac_error *err)
+{
+    job->kept_path = lac_text_join(job->path, "", ".chains");
+    LAC_FAIL_MEMORY_IF(job->kept_path == NULL, err);
+    return job->source->fit.steps == 0 && !resume
+               ? LAC_OK
+               : lac_kept_open(job->kept_path, "fit", lac_fit_sum(job->fit), resume, &job->kept,
+                               err);
+}
+
 static lac_status prepare(fit_job *job, lac_error *err)
 {
     const int threads = job->request.threads > 0 ? job->request.threads : 1;
     lac_status status;
     lac_case_issues report = {0};
     const cli_request *request = &job->request;
+    const bool resume = cli_given(&job->request, CLI_OPT_RESUME);
+    if (resume) { // what goes on is in the steps kept; the output may hold those up to an interrupt
+        job->request.given = (job->request.given & ~(unsigned)CLI_OPT_RESUME) | CLI_OPT_FORCE;
+    }
     LAC_TRY(set_columns(job, err));
     LAC_TRY(cli_case_read(request, LAC_FOR_FIT, &job->source, NULL, err));
     LAC_TRY(cli_output_path(request, job->source, NULL, "-fit.nc", &job->path, err));
@@ -114,6 +131,7 @@ static lac_status prepare(fit_job *job, lac_error *err)
     LAC_TRY(status == LAC_OK ? status : lac_fail_within(err, status, "%s", request->argument[1]));
     const lac_case_request how = {LAC_FOR_FIT, request->overrides, request->set_count};
     LAC_TRY(lac_case_read(request->argument[0], &how, &job->fitted, &report, err));
+    LAC_TRY(open_kept(job, resume, err));
 out:
     lac_case_issues_clear(&report);
     return status;
@@ -195,13 +213,18 @@ static cli_text when(const lac_case *c, double t)
 
 static void print_best(const lac_case *c, const lac_fit_result *r)
 {
-    if (r->displacements > 0) {
+    const char *unit = r->friction ? "1" : "m";
+    if (r->frictions > 0) {
+        cli_row("misfit", "rms of friction %.3g", r->displacement_rms);
+    } else if (r->displacements > 0) {
         cli_row("misfit", "rms %s after an offset of %s", cli_amount(r->displacement_rms, "m").s,
                 cli_amount(r->offset, "m").s);
+    }
+    if (r->displacements + r->frictions > 0) {
         cli_row("residuals",
                 "%s: correlation of successive ones %.2f; the readings' own scatter %s",
                 r->poor ? "the model fits badly, they are not noise" : "like noise",
-                r->autocorrelation, cli_amount(r->scatter, "m").s);
+                r->autocorrelation, cli_amount(r->scatter, unit).s);
     }
     if (r->velocities > 0) {
         cli_row("misfit of rates", "rms of ln %.3g (a factor of %.2f)", r->log_rate_rms,
@@ -344,9 +367,10 @@ static void print_text(const lac_fit_outcome *outcome, const char *series, doubl
     const char *point = source->fit.point;
     cli_row("series", "%s%s%s", series, point != NULL ? ", at point " : "",
             point != NULL ? point : "");
-    cli_row("readings",
-            "%zu displacements, %zu velocities; left out: %zu outside the run, %zu missing",
-            r->displacements, r->velocities, r->outside, r->missing);
+    cli_row("readings", "%zu %s, %zu velocities; left out: %zu outside the run, %zu missing",
+            r->displacements + r->frictions,
+            r->friction ? "friction coefficients" : "displacements", r->velocities, r->outside,
+            r->missing);
     if (r->bounds > 0) {
         cli_row("", "%zu of the velocities are upper bounds", r->bounds);
     }
@@ -400,6 +424,18 @@ out:
     return status;
 }
 
+// Draws that cannot be relied on stay what more rounds begin with.
+static lac_status trust(const fit_job *job, lac_error *err)
+{
+    lac_error why = {""};
+    const lac_status status = lac_fit_trust(&job->result, &why);
+    return status == LAC_OK
+               ? LAC_OK
+               : lac_fail(err, status,
+                          "%s; with --set fit.rounds=%" PRId64 " --resume goes on from %s",
+                          why.message, job->source->fit.rounds + 1, job->kept_path);
+}
+
 lac_status cli_fit(const cli_request *request, lac_error *err)
 {
     fit_job job = {.request = *request, .started = cli_clock()};
@@ -407,7 +443,7 @@ lac_status cli_fit(const cli_request *request, lac_error *err)
     LAC_TRY(prepare(&job, err));
     cli_say(request, "fitting %zu numbers of %s to %s", job.source->fit.count, request->argument[0],
             request->argument[1]);
-    const lac_fit_watch watch = {cli_signals_stop, on_progress, &job.progress};
+    const lac_fit_watch watch = {cli_signals_stop, on_progress, &job.progress, job.kept};
     cli_signals_hold();
     cli_progress_start(&job.progress, request);
     status = lac_fit_run(job.fit, &watch, &job.result, err);
@@ -417,12 +453,15 @@ lac_status cli_fit(const cli_request *request, lac_error *err)
         lac_status written = put_out(&job, status, status == LAC_OK ? err : NULL);
         status = status == LAC_OK ? written : status;
         if (status == LAC_OK) {
-            status = lac_fit_trust(&job.result, err);
+            status = trust(&job, err);
         } else if (status == LAC_EINTERRUPT) {
-            status = lac_fail(err, status, "interrupted; %s holds the draws up to there", job.path);
+            status =
+                lac_fail(err, status,
+                         "interrupted; %s holds the draws up to there, --resume goes on", job.path);
         }
     }
 out:
+    lac_kept_close(job.kept, status == LAC_OK || lac_kept_has_none(job.kept));
     lac_fit_free(job.fit);
     lac_series_free(job.series);
     lac_case_free(job.source);
@@ -433,5 +472,6 @@ out:
     free(job.overrides);
     free(job.path);
     free(job.case_path);
+    free(job.kept_path);
     return status;
 }

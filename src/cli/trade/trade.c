@@ -420,7 +420,7 @@ out:
 lac_status cli_trade(const cli_request *request, lac_error *err)
 {
     cli_trade_job job = {.request = request,
-                         .keep = {"trade", .size = sizeof(lac_trade_run), .file = -1},
+                         .keep = {"trade", .size = sizeof(lac_trade_run)},
                          .started = cli_clock()};
     lac_status status;
     LAC_TRY(prepare(&job, err));

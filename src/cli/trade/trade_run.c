@@ -245,7 +245,7 @@ lac_status cli_trade_run(cli_trade_job *job, lac_error *err)
                            .size = sizeof(lac_trade_run),
                            .jobs = job->pool.jobs,
                            .fresh = true,
-                           .journal = job->keep.file,
+                           .journal = lac_kept_file(job->keep.done),
                            .progress = &job->progress,
                            .context = job,
                            .next = next,
