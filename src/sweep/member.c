@@ -1,139 +1,178 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One member of a sweep: its case read, run and seen at even times.
+// The run of a member: what came of it, and its slip rates on the axis that all members share.
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/fail.h"
-#include "lacuna/simulation.h"
+#include "simulation/simulation.h"
 #include "sweep/ensemble.h"
+#include "trade/probe.h"
 
-// The slip rate on the common axis, between records along a line of its logarithm.
-typedef struct watcher {
-    lac_member *out;
-    double step; // of the axis [s]
-    size_t next; // place that is yet to be passed
-    double time, rate;
-} watcher;
-
-static lac_status see(void *context, const lac_record *record, lac_error *err)
+size_t lac_member_size(const lac_sweep *sweep)
 {
-    watcher *w = context;
-    const double t = record->time_origin + record->time_local;
-    const double rate = fabs(record->observation.mean_rate);
-    (void)err;
-    for (; w->next < LAC_MEMBER_RECORDS && (double)w->next * w->step <= t; w->next++) {
-        const double at = (double)w->next * w->step;
-        const double part = t > w->time ? (at - w->time) / (t - w->time) : 1.0;
-        const bool both = rate > 0.0 && w->rate > 0.0;
-        w->out->rate[w->next] = (float)(both           ? w->rate * pow(rate / w->rate, part)
-                                        : w->next == 0 ? rate
-                                                       : NAN);
+    return (sizeof(lac_member) + sweep->records * sizeof(float) + 7) / 8 * 8;
+}
+
+// All records of a run, of which the series is made when it is over.
+typedef struct track {
+    double *time, *log_rate; // one allocation
+    size_t n, room;
+} track;
+
+static lac_status on_record(void *context, const lac_record *record, lac_error *err)
+{
+    track *all = context;
+    if (all->n == all->room) {
+        const size_t room = all->room > 0 ? 2 * all->room : 256;
+        double *grown = malloc(2 * room * sizeof *grown);
+        LAC_FAIL_MEMORY_IF(grown == NULL, err);
+        if (all->n > 0) {
+            memcpy(grown, all->time, all->n * sizeof *grown);
+            memcpy(grown + room, all->log_rate, all->n * sizeof *grown);
+        }
+        free(all->time);
+        *all = (track){grown, grown + room, all->n, room};
     }
-    w->time = t;
-    w->rate = rate;
+    all->time[all->n] = record->time_origin + record->time_local;
+    all->log_rate[all->n++] = log(record->observation.mean_rate);
     return LAC_OK;
 }
 
-static void take(const lac_run_result *r, watcher *w)
+// Of straight lines ln v over t between records.
+static double rate_at(const track *all, double time)
 {
-    lac_member *m = w->out;
-    m->failed = r->failed;
-    m->end = (int)r->end;
-    m->failure_time = r->failed ? r->failure_origin + r->failure_local : NAN;
-    m->time = r->time;
-    m->mean_slip = r->mean_slip;
-    m->max_slip_rate = r->max_slip_rate;
-    m->least_safety = r->safety.least;
-    m->steps = (double)r->steps;
-    for (size_t k = w->next; k < LAC_MEMBER_RECORDS; k++) {
-        m->rate[k] = r->failed ? INFINITY : NAN;
+    size_t i = 0;
+    if (all->n == 0 || time < all->time[0] || time > all->time[all->n - 1]) {
+        return NAN;
+    }
+    while (i + 2 < all->n && all->time[i + 1] < time) {
+        i++;
+    }
+    const size_t k = all->n > 1 ? i + 1 : i;
+    const double width = all->time[k] - all->time[i];
+    const double part = width > 0.0 ? (time - all->time[i]) / width : 0.0;
+    // A rest has no logarithm.
+    if (!isfinite(all->log_rate[i]) || !isfinite(all->log_rate[k])) {
+        return exp(all->log_rate[part < 0.5 ? i : k]);
+    }
+    return exp(all->log_rate[i] + part * (all->log_rate[k] - all->log_rate[i]));
+}
+
+// When a rate is first passed.
+static double time_of(const track *all, double rate)
+{
+    const double wanted = log(rate);
+    size_t i = 0;
+    while (i < all->n && !(all->log_rate[i] >= wanted)) {
+        i++;
+    }
+    if (i == all->n) {
+        return NAN;
+    }
+    const double rise = i > 0 ? all->log_rate[i] - all->log_rate[i - 1] : 0.0;
+    const double part = rise > 0.0 && isfinite(rise) ? (all->log_rate[i] - wanted) / rise : 0.0;
+    return i == 0 ? all->time[0] : all->time[i] - part * (all->time[i] - all->time[i - 1]);
+}
+
+static void fill_series(const lac_sweep *sweep, const track *all, lac_member *out)
+{
+    for (size_t i = 0; i < sweep->records; i++) {
+        const double at = sweep->place[i];
+        const double value = sweep->series == LAC_SERIES_TIME ? rate_at(all, at)
+                             : sweep->series == LAC_SERIES_RATE
+                                 ? time_of(all, at)
+                                 : rate_at(all, out->failure_time - at);
+        out->series[i] = (float)value;
     }
 }
 
-// Reads the case with the member's values, each of which may stand at several keys.
-static lac_status read_case(const lac_sweep *sweep, size_t member, const char *path,
-                            const lac_override *set, size_t count, lac_case **c, lac_error *err)
+static void take(const lac_trade_probe *probe, const lac_outcome *of, lac_member *out)
 {
-    size_t keys = 0, n = count;
-    for (size_t p = 0; p < sweep->params; p++) {
-        for (const char *at = sweep->param[p].key; at != NULL; at = strchr(at + 1, '+')) {
-            keys++;
+    double value[LAC_QUANTITIES];
+    const lac_run_result *run = &of->run;
+    lac_trade_probe_values(probe, run, true, value);
+    out->ended = (int32_t)run->end;
+    out->failure_time = value[LAC_QUANTITY_FAILURE];
+    out->end_time = run->time;
+    out->mean_slip = run->mean_slip;
+    out->end_rate = probe->rate;
+    out->max_rate = run->max_slip_rate;
+    out->max_ratio = probe->load;
+    out->safety = run->safety.least;
+    out->events = of->source->analysis.count > 0 && probe->events > 0 ? (double)probe->events : NAN;
+    out->steps = (double)run->steps;
+    for (size_t i = 0, k = 0; i < of->extras && of->once != NULL; i++) {
+        if (of->extra[i].over == LAC_OVER_NOTHING && k < LAC_MEMBER_EXTRAS) {
+            out->extra[k] = of->once[k];
+            k++;
         }
     }
-    lac_override *all = malloc((count + keys + 1) * sizeof *all);
-    char(*value)[LAC_SWEEP_TEXT] = malloc((sweep->params + 1) * sizeof *value);
-    char *key = malloc(1), *names = key;
-    lac_status status = all != NULL && value != NULL && key != NULL ? LAC_OK : lac_fail_memory(err);
-    free(names);
-    names = NULL;
-    for (size_t i = 0; status == LAC_OK && i < count; i++) {
-        all[i] = set[i];
-    }
-    for (size_t p = 0; status == LAC_OK && p < sweep->params; p++) {
-        const char *text = lac_sweep_text(sweep, member, p, value[p]);
-        char *copy = text != NULL ? strdup(sweep->param[p].key) : NULL, *rest = copy;
-        for (char *one; copy != NULL && (one = strsep(&rest, "+")) != NULL;) {
-            all[n++] = (lac_override){strdup(one), text};
-        }
-        free(copy);
+}
+
+// Every step is recorded, so that slip rates are read off between steps.
+static lac_status follow(const lac_sweep *sweep, const lac_case *c,
+                         const lac_simulation_options *options, lac_member *out, lac_error *err)
+{
+    lac_simulation *simulation = NULL;
+    track all = {0};
+    lac_trade_probe probe;
+    lac_sink own = lac_sink_default();
+    own.context = &all;
+    own.record = on_record;
+    lac_case every = *c; // no more than a look: what it points to stays the case's
+    every.use = NULL;
+    every.run.record = (lac_cadence){.steps = 1, .time = NAN, .per_decade = NAN};
+    every.run.snapshots = false;
+    every.run.checkpoint = every.run.record;
+    lac_status status = lac_simulation_create(&every, options, &simulation, err);
+    if (status == LAC_OK) {
+        const lac_sink sink = lac_trade_probe_start(&probe, c, &own);
+        status = lac_simulation_run(simulation, &sink, err);
     }
     if (status == LAC_OK) {
-        const lac_case_request how = {LAC_FOR_RUN, all, n};
-        char text[512];
-        lac_case_issues report = {0};
-        status = lac_case_read(path, &how, c, &report, err);
-        for (size_t i = report.count; status != LAC_OK && i-- > 0;) {
-            if (!report.issue[i].warning) { // the first one stays
-                (void)lac_fail(err, status, "%s",
-                               lac_case_issue_format(&report.issue[i], text, sizeof text));
-            }
-        }
-        lac_case_issues_clear(&report);
+        take(&probe, lac_simulation_outcome(simulation), out);
+        fill_series(sweep, &all, out);
+        out->state = LAC_MEMBER_DONE;
     }
-    for (size_t i = count; all != NULL && i < n; i++) {
-        free((char *)all[i].key);
-    }
-    free(all);
-    free(value);
+    lac_simulation_free(simulation);
+    free(all.time);
     return status;
 }
 
-lac_status lac_member_run(const lac_sweep *sweep, size_t member, const char *path,
-                          const lac_override *set, size_t count, lac_member *out, lac_error *err)
+void lac_member_break(const lac_sweep *sweep, size_t index, lac_member *out)
 {
-    lac_case *c = NULL;
-    lac_simulation *simulation = NULL;
-    lac_error why = {""};
-    *out = (lac_member){.done = true,
+    memset((void *)out, 0, lac_member_size(sweep));
+    *out = (lac_member){.index = (int64_t)index,
+                        .state = LAC_MEMBER_BROKEN,
+                        .ended = LAC_END_REST + 1,
                         .failure_time = NAN,
-                        .time = NAN,
+                        .end_time = NAN,
                         .mean_slip = NAN,
-                        .max_slip_rate = NAN,
-                        .least_safety = NAN,
+                        .end_rate = NAN,
+                        .max_rate = NAN,
+                        .max_ratio = NAN,
+                        .safety = NAN,
+                        .events = NAN,
                         .steps = NAN};
-    for (size_t k = 0; k < LAC_MEMBER_RECORDS; k++) {
-        out->rate[k] = NAN;
+    for (size_t i = 0; i < LAC_MEMBER_EXTRAS; i++) {
+        out->extra[i] = NAN;
     }
-    lac_status status = read_case(sweep, member, path, set, count, &c, &why);
+    for (size_t i = 0; i < sweep->records; i++) {
+        out->series[i] = NAN;
+    }
+}
+
+lac_status lac_member_run(lac_sweep *sweep, size_t index, const lac_simulation_options *options,
+                          lac_member *out, lac_error *err)
+{
+    const lac_case *c = NULL;
+    lac_error why = {""};
+    lac_member_break(sweep, index, out);
+    lac_status status = lac_sweep_case(sweep, index, &c, &why);
     if (status == LAC_OK) {
-        c->run.beyond = 0;
-        status = lac_simulation_create(c, NULL, &simulation, &why);
+        status = follow(sweep, c, options, out, &why);
     }
-    if (status == LAC_OK) {
-        watcher w = {.out = out, .step = c->run.end / (double)(LAC_MEMBER_RECORDS - 1)};
-        lac_sink sink = lac_sink_default();
-        sink.context = &w;
-        sink.record = see;
-        status = lac_simulation_run(simulation, &sink, &why);
-        if (status == LAC_OK) {
-            take(lac_simulation_result(simulation), &w);
-        }
-    }
-    lac_simulation_free(simulation);
-    lac_case_free(c);
-    if (status == LAC_EINTERRUPT || status == LAC_ENOMEM) {
+    if (status == LAC_EINTERRUPT || status == LAC_ENOMEM || status == LAC_EIO) {
         return lac_fail(err, status, "%s", why.message);
     }
     if (status != LAC_OK) {

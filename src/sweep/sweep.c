@@ -1,260 +1,394 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a sweep varies: keys with lists, ranges or distributions, read against the case.
-#define _GNU_SOURCE // asprintf
-#include "sweep/sweep.h"
+// The plan of a sweep: what varies, how members are chosen, and the case of each.
+#include "sweep/ensemble.h"
 
-#include <ctype.h>
+#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/fail.h"
+#include "base/archive.h"
 #include "base/units.h"
-#include "sweep/design.h"
 
-enum { MOST_VALUES = 1000000 };
-
-static void trim(char *text)
-{
-    size_t from = strspn(text, " \t"), n = strlen(text);
-    while (n > from && isspace((unsigned char)text[n - 1])) {
-        n--;
-    }
-    memmove(text, text + from, n - from);
-    text[n - from] = '\0';
-}
-
-// The value as a number, NaN where it is none, or of another dimension.
-static double number_of(const lac_units *units, const lac_sweep_param *p, const char *text)
-{
-    double value = NAN;
-    (void)lac_units_parse(units, text, p->unit, &value, NULL);
-    return value;
-}
-
-static lac_status add_value(lac_sweep_param *p, const lac_units *units, const char *text,
-                            lac_error *err)
-{
-    const size_t n = p->values;
-    LAC_FAIL_IF(strlen(text) >= LAC_SWEEP_TEXT || *text == '\0', err, LAC_EINPUT,
-                "--over %s: \"%s\" must be a value of 1 to %d bytes", p->key, text,
-                LAC_SWEEP_TEXT - 1);
-    void *text_room = realloc(p->text, (n + 1) * sizeof *p->text);
-    p->text = text_room != NULL ? text_room : p->text;
-    double *numbers = realloc(p->number, (n + 1) * sizeof *numbers);
-    p->number = numbers != NULL ? numbers : p->number;
-    LAC_FAIL_MEMORY_IF(text_room == NULL || numbers == NULL, err);
-    (void)snprintf(p->text[n], LAC_SWEEP_TEXT, "%s", text);
-    trim(p->text[n]);
-    p->number[n] = number_of(units, p, p->text[n]);
-    p->values++;
-    return LAC_OK;
-}
-
-// first:last or first:last:step, whole or not, without a unit.
-static bool read_range(const char *text, double *first, double *last, double *step)
-{
-    char rest;
-    *step = 1.0;
-    const int two = sscanf(text, "%lf:%lf%c", first, last, &rest);
-    return two == 2 || (sscanf(text, "%lf:%lf:%lf%c", first, last, step, &rest) == 3);
-}
-
-static lac_status read_list(lac_sweep_param *p, const lac_units *units, const char *text,
-                            lac_error *err)
-{
-    double first, last, step;
-    if (read_range(text, &first, &last, &step)) {
-        const double count = floor((last - first) / step * (1.0 + 1e-12)) + 1.0;
-        LAC_FAIL_IF(!(count >= 1.0 && count <= MOST_VALUES), err, LAC_EINPUT,
-                    "--over %s: \"%s\" must be a:b or a:b:step with a value at least", p->key,
-                    text);
-        for (size_t k = 0; k < (size_t)count; k++) {
-            char value[LAC_SWEEP_TEXT];
-            (void)snprintf(value, sizeof value, "%.15g", first + (double)k * step);
-            LAC_TRY_RETURN(add_value(p, units, value, err));
-        }
-        return LAC_OK;
-    }
-    char *copy = strdup(text), *rest = copy;
-    lac_status status = copy != NULL ? LAC_OK : lac_fail_memory(err);
-    for (char *one; status == LAC_OK && (one = strsep(&rest, ",")) != NULL;) {
-        trim(one);
-        status = add_value(p, units, one, err);
-    }
-    free(copy);
-    return status;
-}
-
-static const lac_distribution *find_distribution(const char *text)
-{
-    for (const lac_distribution *d = lac_distributions; d->name != NULL; d++) {
-        const size_t n = strlen(d->name);
-        if (strncmp(text, d->name, n) == 0 && text[n + strspn(text + n, " ")] == '(') {
-            return d;
-        }
-    }
-    return NULL;
-}
-
-static lac_status read_arguments(lac_sweep_param *p, const lac_units *units, const char *text,
-                                 lac_error *err)
-{
-    const lac_distribution *d = p->distribution;
-    char *copy = strdup(strchr(text, '(') + 1), *rest = copy;
-    LAC_FAIL_MEMORY_IF(copy == NULL, err);
-    char *end = strrchr(copy, ')');
-    size_t n = 0;
-    bool sound = end != NULL && end[1 + strspn(end + 1, " ")] == '\0';
-    if (sound) {
-        *end = '\0';
-    }
-    for (char *one; sound && (one = strsep(&rest, ",")) != NULL; n++) {
-        sound = n < d->count && lac_units_parse(units, one, d->bare[n] ? "1" : p->unit,
-                                                &p->given[n], NULL) == LAC_OK;
-    }
-    free(copy);
-    LAC_FAIL_IF(!sound || n != d->count, err, LAC_EINPUT,
-                "--over %s: \"%s\" must be %s(%s), with a unit of the dimension of %s", p->key,
-                text, d->name, d->arguments, p->unit);
-    LAC_FAIL_IF(d->wrong(p->given) != NULL, err, LAC_EINPUT, "--over %s: \"%s\" %s", p->key, text,
-                d->wrong(p->given));
-    return LAC_OK;
-}
-
-// The unit of the first of its keys that is a number of the case.
-static void look_up(const lac_case *c, lac_sweep_param *p)
-{
-    char key[512];
-    lac_case_value found;
-    p->unit = "1";
-    p->own = NAN;
-    (void)snprintf(key, sizeof key, "%.*s", (int)strcspn(p->key, "+"), p->key);
-    if (lac_case_find((lac_case *)c, key, &found)) {
-        p->unit = found.param->unit;
-        p->own = *found.at;
-    }
-}
-
-static lac_status read_param(const lac_case *c, const lac_units *units, const lac_override *over,
-                             lac_sweep_param *p, lac_error *err)
-{
-    p->key = strdup(over->key);
-    p->name = strdup(over->key);
-    LAC_FAIL_MEMORY_IF(p->key == NULL || p->name == NULL, err);
-    p->name[strcspn(p->name, "+")] = '\0';
-    for (char *at = p->name; *at != '\0'; at++) {
-        *at = isalnum((unsigned char)*at) ? *at : '_';
-    }
-    look_up(c, p);
-    p->distribution = find_distribution(over->value);
-    if (p->distribution == NULL) {
-        return read_list(p, units, over->value, err);
-    }
-    LAC_FAIL_IF(isnan(p->own) && p->unit[0] == '1', err, LAC_EINPUT,
-                "--over %s: no number of the case that a distribution could be of; give a list or "
-                "a range",
-                p->key);
-    return read_arguments(p, units, over->value, err);
-}
-
-static lac_status find_design(lac_sweep *s, const char *name, lac_error *err)
-{
-    bool lists = true;
-    for (size_t p = 0; p < s->params; p++) {
-        lists = lists && s->param[p].values > 0;
-    }
-    name = name != NULL ? name : lists ? "grid" : "random";
-    for (const lac_design *d = lac_designs; d->name != NULL; d++) {
-        s->design = strcmp(d->name, name) == 0 ? d : s->design;
-    }
-    LAC_FAIL_IF(s->design == NULL, err, LAC_EINPUT,
-                "--design: \"%s\" must be grid, random, lhs, sobol, saltelli or tornado", name);
-    LAC_FAIL_IF(!lists && strcmp(name, "grid") == 0, err, LAC_EINPUT,
-                "--design: \"grid\" takes lists and ranges, no distributions");
-    return LAC_OK;
-}
-
-lac_status lac_sweep_create(const lac_case *c, const lac_sweep_def *def, lac_sweep **out,
-                            lac_error *err)
-{
-    lac_units *units = NULL;
-    lac_sweep *s = calloc(1, sizeof *s);
-    lac_status status;
-    *out = NULL;
-    LAC_TRY(s != NULL ? LAC_OK : lac_fail_memory(err));
-    s->seed = def->seed;
-    s->param = calloc(def->count + 1, sizeof *s->param);
-    LAC_TRY(s->param != NULL ? LAC_OK : lac_fail_memory(err));
-    LAC_TRY(lac_units_create(&units, err));
-    for (size_t p = 0; p < def->count; p++) {
-        s->params++;
-        LAC_TRY(read_param(c, units, &def->over[p], &s->param[p], err));
-    }
-    LAC_TRY(find_design(s, def->design, err));
-    s->members = s->design->members(s, def->members);
-    LAC_LEAVE_IF(s->members < 1 || s->members > MOST_VALUES, err, LAC_EINPUT,
-                 "the sweep must have 1 to %d members", MOST_VALUES);
-    s->place = malloc((s->params * s->members + 1) * sizeof *s->place);
-    LAC_TRY(s->place != NULL ? LAC_OK : lac_fail_memory(err));
-    LAC_TRY(s->design->fill(s, err));
-    *out = s;
-    s = NULL;
-out:
-    lac_units_free(units);
-    lac_sweep_free(s);
-    return status;
-}
+enum { MOST_RECORDS = 1000 };
 
 void lac_sweep_free(lac_sweep *sweep)
 {
-    for (size_t p = 0; sweep != NULL && p < sweep->params; p++) {
-        free(sweep->param[p].key);
-        free(sweep->param[p].name);
-        free(sweep->param[p].text);
-        free(sweep->param[p].number);
+    if (sweep == NULL) {
+        return;
     }
-    if (sweep != NULL) {
-        free(sweep->param);
-        free(sweep->place);
-        free(sweep);
+    for (size_t p = 0; p < sweep->params; p++) {
+        lac_swept *param = &sweep->param[p];
+        for (size_t i = 0; i < param->values; i++) {
+            free(param->text[i]);
+        }
+        free(param->text);
+        free(param->value);
+        free(param->key);
+        free(param->said);
+    }
+    for (size_t i = 0; i < sweep->count; i++) {
+        free((char *)sweep->overrides[i].key);
+        free((char *)sweep->overrides[i].value);
+    }
+    free(sweep->overrides);
+    free(sweep->keys);
+    free(sweep->param);
+    free(sweep->positions);
+    free(sweep->points);
+    free(sweep->place);
+    free(sweep->said);
+    free(sweep->extra);
+    free(sweep->path);
+    free(sweep->text);
+    free(sweep->current_words);
+    lac_case_free(sweep->current);
+    lac_case_free(sweep->base);
+    free(sweep);
+}
+
+// Reads the case with the first `count` of the overrides.
+static lac_status read_case(const lac_sweep *sweep, size_t count, lac_case **out, lac_error *err)
+{
+    static const char set[] = "--set: ";
+    char text[512];
+    lac_case_issues report = {0};
+    const lac_case_request how = {LAC_FOR_RUN, sweep->overrides, count};
+    const lac_status status = lac_case_read(sweep->path, &how, out, &report, err);
+    for (size_t i = report.count; status != LAC_OK && i-- > 0;) {
+        if (!report.issue[i].warning) { // the first one stays
+            const char *said = lac_case_issue_format(&report.issue[i], text, sizeof text);
+            const bool own = count > sweep->count && strncmp(said, set, sizeof set - 1) == 0;
+            (void)lac_fail(err, status, "%s%s", own ? "--over: " : "",
+                           said + (own ? sizeof set - 1 : 0));
+        }
+    }
+    lac_case_issues_clear(&report);
+    return status;
+}
+
+static lac_status copy_overrides(lac_sweep *sweep, const lac_sweep_request *r, lac_error *err)
+{
+    sweep->path = strdup(r->path);
+    sweep->overrides = calloc(r->count + 1, sizeof *sweep->overrides);
+    LAC_FAIL_MEMORY_IF(sweep->path == NULL || sweep->overrides == NULL, err);
+    for (; sweep->count < r->count; sweep->count++) {
+        lac_override *o = &sweep->overrides[sweep->count];
+        o->key = strdup(r->overrides[sweep->count].key);
+        o->value = strdup(r->overrides[sweep->count].value);
+        LAC_FAIL_MEMORY_IF(o->key == NULL || o->value == NULL, err);
+    }
+    return LAC_OK;
+}
+
+// No key twice, and room for all of them.
+static lac_status check_keys(lac_sweep *sweep, lac_error *err)
+{
+    char one[LAC_SWEEP_KEY], other[LAC_SWEEP_KEY];
+    size_t keys = 0;
+    for (size_t p = 0; p < sweep->params; p++) {
+        for (size_t i = 0; lac_swept_key(&sweep->param[p], i, one); i++, keys++) {
+            for (size_t q = 0; q <= p; q++) {
+                for (size_t k = 0; lac_swept_key(&sweep->param[q], k, other); k++) {
+                    LAC_FAIL_IF((q < p || k < i) && strcmp(one, other) == 0, err, LAC_EINPUT,
+                                "--over: %s is named twice", one);
+                }
+            }
+        }
+    }
+    lac_override *grown = realloc(sweep->overrides, (sweep->count + keys + 1) * sizeof *grown);
+    sweep->overrides = grown != NULL ? grown : sweep->overrides;
+    sweep->keys = calloc(keys + 1, sizeof *sweep->keys);
+    LAC_FAIL_MEMORY_IF(grown == NULL || sweep->keys == NULL, err);
+    return LAC_OK;
+}
+
+// A table's columns have one axis, each other key one of its own.
+static lac_status find_axes(lac_sweep *sweep, size_t of_table, lac_error *err)
+{
+    sweep->axes = sweep->params - of_table + (of_table > 0 ? 1 : 0);
+    LAC_FAIL_IF(
+        sweep->axes == 0, err, LAC_EINPUT,
+        "--over: name what varies, such as --over \"friction.aging.dc=uniform(1 cm, 5 cm)\"");
+    LAC_FAIL_IF(sweep->axes > LAC_SWEEP_AXES, err, LAC_EINPUT,
+                "--over: varies %zu keys by themselves: at most %d", sweep->axes, LAC_SWEEP_AXES);
+    sweep->positions = calloc(sweep->axes, sizeof *sweep->positions);
+    LAC_FAIL_MEMORY_IF(sweep->positions == NULL, err);
+    for (size_t p = 0; p < sweep->params; p++) {
+        lac_swept *param = &sweep->param[p];
+        param->axis = p < of_table ? 0 : p - of_table + (of_table > 0 ? 1 : 0);
+        sweep->positions[param->axis] = param->values;
+    }
+    return check_keys(sweep, err);
+}
+
+static lac_status read_params(lac_sweep *sweep, const lac_sweep_request *r, lac_error *err)
+{
+    if (r->table != NULL) {
+        LAC_TRY_RETURN(lac_swept_table(sweep, r->table, err));
+    }
+    const size_t of_table = sweep->params;
+    lac_swept *grown = realloc(sweep->param, (of_table + r->varied + 1) * sizeof *grown);
+    LAC_FAIL_MEMORY_IF(grown == NULL, err);
+    sweep->param = grown;
+    for (size_t i = 0; i < r->varied; i++) {
+        sweep->param[sweep->params] = (lac_swept){0};
+        LAC_TRY_RETURN(
+            lac_swept_read(&sweep->param[sweep->params++], r->over[i], sweep->base, err));
+    }
+    return find_axes(sweep, of_table, err);
+}
+
+// "time:50", "rate:2", "left": what is kept of each run, and where.
+static lac_status read_series(lac_sweep *sweep, const char *said, lac_error *err)
+{
+    static const struct {
+        const char *name;
+        int usual, most;
+    } kinds[] = {{"time", 50, MOST_RECORDS}, {"rate", 2, 50}, {"left", 2, 50}};
+    const char *text = said != NULL ? said : "time", *colon = strchr(text, ':');
+    const size_t length = colon != NULL ? (size_t)(colon - text) : strlen(text);
+    char *end = NULL;
+    long n = 0;
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
+        if (strlen(kinds[i].name) == length && strncmp(text, kinds[i].name, length) == 0) {
+            sweep->series = (int)i;
+            n = colon != NULL ? strtol(colon + 1, &end, 10) : kinds[i].usual;
+            n = (colon == NULL || (*end == '\0' && end != colon + 1)) && n <= kinds[i].most ? n : 0;
+        }
+    }
+    LAC_FAIL_IF(n < 1, err, LAC_EINPUT,
+                "--series: \"%s\" must be time:N (slip rates at N equal steps of time), rate:N "
+                "(when N slip rates a decade are passed) or left:N (slip rates at N times a decade "
+                "before failure)",
+                said);
+    const double end_time = sweep->base->run.end;
+    const double first = sweep->series == LAC_SERIES_RATE ? 1e-12 : 1.0;
+    const double last = sweep->series == LAC_SERIES_RATE ? 1.0 : fmax(end_time, 10.0);
+    const double per = (double)n;
+    sweep->records = sweep->series == LAC_SERIES_TIME
+                         ? (size_t)n + 1
+                         : (size_t)floor(log10(last / first) * per + 1e-9) + 1;
+    sweep->place = malloc(sweep->records * sizeof *sweep->place);
+    sweep->said = malloc(32);
+    LAC_FAIL_MEMORY_IF(sweep->place == NULL || sweep->said == NULL, err);
+    (void)snprintf(sweep->said, 32, "%s:%ld", kinds[sweep->series].name, n);
+    for (size_t i = 0; i < sweep->records; i++) {
+        sweep->place[i] = sweep->series == LAC_SERIES_TIME ? end_time * (double)i / per
+                                                           : first * pow(10.0, (double)i / per);
+    }
+    return LAC_OK;
+}
+
+static void add(uint64_t *sum, const char *text)
+{
+    *sum = lac_sum_bytes(*sum, text, strlen(text) + 1);
+}
+
+// What members follow from: another plan has another mark.
+static void find_mark(lac_sweep *sweep)
+{
+    char text[64];
+    sweep->mark = LAC_SUM_OF_NOTHING;
+    add(&sweep->mark, sweep->text);
+    add(&sweep->mark, sweep->design->name);
+    add(&sweep->mark, sweep->said);
+    (void)snprintf(text, sizeof text, "%" PRIu64 " %zu", sweep->seed, sweep->members);
+    add(&sweep->mark, text);
+    for (size_t p = 0; p < sweep->params; p++) {
+        const lac_swept *param = &sweep->param[p];
+        add(&sweep->mark, param->key);
+        add(&sweep->mark, param->said);
+        for (size_t i = 0; i < param->values; i++) { // a file's too
+            add(&sweep->mark, param->text[i]);
+        }
     }
 }
 
-static size_t pick(const lac_sweep_param *p, double place)
+// Adds the keys of a parameter as they are set to a text. @return how many overrides there are
+static size_t override(lac_sweep *sweep, size_t n, const lac_swept *param, const char *text)
 {
-    const size_t k = (size_t)(place * (double)p->values);
-    return k < p->values ? k : p->values - 1;
+    for (size_t i = 0; lac_swept_key(param, i, sweep->keys[n - sweep->count]); i++, n++) {
+        sweep->overrides[n] = (lac_override){sweep->keys[n - sweep->count], text};
+    }
+    return n;
 }
 
-double lac_sweep_value(const lac_sweep *sweep, size_t member, size_t param)
+// Each key in the middle of what it takes must be one that the case can have.
+static lac_status try_keys(lac_sweep *sweep, lac_error *err)
 {
-    const lac_sweep_param *p = &sweep->param[param];
-    const double place = sweep->place[param * sweep->members + member];
-    if (isnan(place)) {
-        return p->own;
+    for (size_t p = 0; p < sweep->params; p++) {
+        const lac_swept *param = &sweep->param[p];
+        char room[LAC_TEXT_ROOM];
+        const char *text = room;
+        lac_case *c = NULL;
+        if (param->drawn != NULL) {
+            (void)snprintf(room, sizeof room, "%.17g %s", param->drawn->value(param->argument, 0.5),
+                           strcmp(param->unit, "1") == 0 ? "" : param->unit);
+        } else {
+            text = param->text[param->values / 2];
+        }
+        const lac_status status =
+            read_case(sweep, override(sweep, sweep->count, param, text), &c, err);
+        lac_case_free(c);
+        LAC_TRY_RETURN(status);
     }
-    if (p->distribution != NULL) {
-        return p->distribution->at(p->given, place);
-    }
-    const size_t k = pick(p, place);
-    return isnan(p->number[k]) ? (double)k : p->number[k];
+    return LAC_OK;
 }
 
-const char *lac_sweep_text(const lac_sweep *sweep, size_t member, size_t param,
-                           char room[LAC_SWEEP_TEXT])
+// Names of what the indicators say once: those of the case as it stands.
+static lac_status find_extras(lac_sweep *sweep, lac_error *err)
 {
-    const lac_sweep_param *p = &sweep->param[param];
-    const double place = sweep->place[param * sweep->members + member];
-    if (isnan(place)) {
+    lac_simulation *simulation = NULL;
+    const lac_extra *extra;
+    lac_status status = LAC_OK;
+    if (sweep->base->analysis.count == 0) {
+        return LAC_OK;
+    }
+    sweep->extra = calloc(LAC_MEMBER_EXTRAS, sizeof *sweep->extra);
+    LAC_FAIL_MEMORY_IF(sweep->extra == NULL, err);
+    LAC_TRY(lac_simulation_create(sweep->base, NULL, &simulation, err));
+    for (size_t i = 0; (extra = lac_simulation_extra(simulation, i)) != NULL; i++) {
+        if (extra->over == LAC_OVER_NOTHING && sweep->extras < LAC_MEMBER_EXTRAS) {
+            lac_ensemble_extra *e = &sweep->extra[sweep->extras++];
+            (void)snprintf(e->name, sizeof e->name, "%s", extra->name);
+            (void)snprintf(e->unit, sizeof e->unit, "%s", extra->unit);
+            (void)snprintf(e->long_name, sizeof e->long_name, "%s", extra->long_name);
+        }
+    }
+out:
+    lac_simulation_free(simulation);
+    return status;
+}
+
+lac_status lac_sweep_create(const lac_sweep_request *request, lac_sweep **out, lac_error *err)
+{
+    lac_status status;
+    *out = NULL;
+    lac_sweep *sweep = calloc(1, sizeof *sweep);
+    LAC_FAIL_MEMORY_IF(sweep == NULL, err);
+    sweep->seed = request->seed;
+    LAC_TRY(copy_overrides(sweep, request, err));
+    LAC_TRY(read_case(sweep, sweep->count, &sweep->base, err));
+    sweep->until = request->until;
+    sweep->base->run.end = fmin(sweep->base->run.end, sweep->until);
+    sweep->text = lac_case_text(sweep->base);
+    LAC_TRY(sweep->text == NULL ? lac_fail_memory(err) : LAC_OK);
+    LAC_TRY(read_params(sweep, request, err));
+    LAC_TRY(try_keys(sweep, err));
+    LAC_TRY(lac_sweep_arrange(sweep, request, err));
+    LAC_TRY(read_series(sweep, request->series, err));
+    LAC_TRY(find_extras(sweep, err));
+    find_mark(sweep);
+    *out = sweep;
+    sweep = NULL;
+out:
+    lac_sweep_free(sweep);
+    return status;
+}
+
+// Where a member lies along the axis of a parameter.
+static double place_of(const lac_sweep *sweep, size_t param, size_t member)
+{
+    double u[LAC_SWEEP_AXES];
+    sweep->design->place(sweep, member, u);
+    return u[sweep->param[param].axis];
+}
+
+static size_t index_of(const lac_swept *param, double u)
+{
+    // At .1 and .9 of a tornado the ends of a list, whatever its length.
+    const size_t i = (size_t)floor(u * (double)param->values);
+    return i < param->values ? i : param->values - 1;
+}
+
+static double value_at(const lac_swept *param, double u)
+{
+    if (param->drawn != NULL) {
+        return param->drawn->value(param->argument, u);
+    }
+    const size_t i = index_of(param, u);
+    return param->number ? param->value[i] : (double)i;
+}
+
+// A tornado's ends of a list.
+static double ends(const lac_sweep *sweep, const lac_swept *param, double u)
+{
+    const bool list = sweep->design->sample == LAC_SAMPLE_TORNADO && param->drawn == NULL;
+    return !list || isnan(u) ? u : u < 0.5 ? 0.0 : 1.0;
+}
+
+double lac_sweep_value(const lac_sweep *sweep, size_t param, size_t member)
+{
+    const lac_swept *p = &sweep->param[param];
+    const double u = ends(sweep, p, place_of(sweep, param, member));
+    double value = NAN;
+    if (isnan(u)) {
+        char key[LAC_SWEEP_KEY];
+        (void)lac_swept_key(p, 0, key);
+        return !p->word && lac_case_get(sweep->base, key, &value, NULL) == LAC_OK ? value : NAN;
+    }
+    return value_at(p, u);
+}
+
+const char *lac_sweep_text(const lac_sweep *sweep, size_t param, size_t member, char *text,
+                           size_t room)
+{
+    const lac_swept *p = &sweep->param[param];
+    const double u = ends(sweep, p, place_of(sweep, param, member));
+    if (isnan(u)) {
         return NULL;
     }
-    if (p->distribution == NULL) {
-        return p->text[pick(p, place)];
+    if (p->drawn == NULL) {
+        return p->text[index_of(p, u)];
     }
-    (void)snprintf(room, LAC_SWEEP_TEXT, "%.17g", p->distribution->at(p->given, place));
-    return room;
+    const bool plain = strcmp(p->unit, "1") == 0;
+    (void)snprintf(text, room, "%.17g%s%s", value_at(p, u), plain ? "" : " ", plain ? "" : p->unit);
+    return text;
 }
 
-const char *lac_sweep_design(const lac_sweep *sweep) { return sweep->design->name; }
+// The case with all that is set as text, read anew where it is another than the last one's.
+static lac_status set_words(lac_sweep *sweep, size_t member, lac_error *err)
+{
+    char room[LAC_SWEEP_AXES][64], *words = NULL;
+    size_t size = 0, n = sweep->count;
+    FILE *out = open_memstream(&words, &size);
+    LAC_FAIL_MEMORY_IF(out == NULL, err);
+    for (size_t p = 0; p < sweep->params; p++) {
+        const lac_swept *param = &sweep->param[p];
+        const char *text =
+            param->word ? lac_sweep_text(sweep, p, member, room[p], sizeof room[p]) : NULL;
+        if (text != NULL) {
+            n = override(sweep, n, param, text);
+            (void)fprintf(out, "%s=%s\n", param->key, text);
+        }
+    }
+    LAC_FAIL_MEMORY_IF(fclose(out) != 0, err);
+    if (sweep->current != NULL && strcmp(words, sweep->current_words) == 0) {
+        free(words);
+        return LAC_OK;
+    }
+    lac_case_free(sweep->current);
+    free(sweep->current_words);
+    sweep->current = NULL;
+    sweep->current_words = words;
+    LAC_TRY_RETURN(read_case(sweep, n, &sweep->current, err));
+    sweep->current->run.end = fmin(sweep->current->run.end, sweep->until);
+    return LAC_OK;
+}
+
+lac_status lac_sweep_case(lac_sweep *sweep, size_t member, const lac_case **c, lac_error *err)
+{
+    LAC_TRY_RETURN(set_words(sweep, member, err));
+    for (size_t p = 0; p < sweep->params; p++) {
+        const lac_swept *param = &sweep->param[p];
+        char key[LAC_SWEEP_KEY];
+        for (size_t i = 0; !param->word && lac_swept_key(param, i, key); i++) {
+            LAC_TRY_RETURN(
+                lac_case_set(sweep->current, key, lac_sweep_value(sweep, p, member), err));
+        }
+    }
+    *c = sweep->current;
+    return LAC_OK;
+}

@@ -39,7 +39,7 @@ enum {
                      CLI_OPT_NO_PROGRESS | CLI_OPT_HELP | CLI_OPT_VERSION,
 };
 
-enum { CLI_MAX_ARGUMENTS = 2 };
+enum { CLI_MAX_ARGUMENTS = 2, CLI_MANY = 1 << 20 }; ///< any number
 
 /// One option.
 typedef struct cli_option {
@@ -100,7 +100,7 @@ typedef struct cli_trade_words {
 } cli_trade_words;
 
 typedef struct cli_sweep_words {
-    const char *design, *members, *seed, *by;
+    const char *design, *members, *seed, *by, *table, *series, *shard, *member;
 } cli_sweep_words;
 
 /// What the command line asks for. Texts are borrowed from argv unless said.
@@ -129,6 +129,7 @@ struct cli_request {
     cli_words drivers;       ///< --driver
     cli_sweep_words sweep;
     cli_words over;      ///< --over
+    cli_words files;     ///< arguments of a command that takes any number of them
     const char *csv;     ///< the only kind of tables so far
     char *command_line;  ///< owned
     char libraries[256]; ///< that the program runs with, their versions

@@ -224,16 +224,21 @@ static lac_status write_ensemble(const cli_request *request, const char *path, l
     const char *file = request->argument[0];
     lac_case *c = read_case(file);
     lac_ensemble *e = NULL;
+    lac_answers *answers = NULL;
+    lac_sample sample;
     double by = NAN;
     lac_status status;
     LAC_LEAVE_IF(request->sweep.by != NULL && c == NULL, err, LAC_EIO,
                  "%s: holds no case that could be read", file);
     LAC_TRY(request->sweep.by != NULL ? cli_sweep_by(request, c, &by, err) : LAC_OK);
-    LAC_TRY(lac_ensemble_read(file, by, &e, err));
-    const lac_page_ensemble shown = {.sample = &e->sample,
-                                     .answers = e->answers,
-                                     .records = LAC_MEMBER_RECORDS,
+    LAC_TRY(lac_ensemble_read(file, &e, err));
+    LAC_TRY(lac_ensemble_sample(e, by, &sample, err));
+    LAC_TRY(lac_answers_create(&sample, &answers, err));
+    const lac_page_ensemble shown = {.sample = &sample,
+                                     .answers = answers,
+                                     .records = e->axis == LAC_SERIES_RATE ? 0 : e->records,
                                      .place = e->place,
+                                     .label = e->axis == LAC_SERIES_LEFT ? "time left [s]" : NULL,
                                      .rate = e->rate};
     const lac_page_def def = {.run = file,
                               .ensemble = &shown,
@@ -241,6 +246,7 @@ static lac_status write_ensemble(const cli_request *request, const char *path, l
                               .now = (double)time(NULL)};
     LAC_TRY(lac_page_write(&def, path, cli_given(request, CLI_OPT_FORCE), err));
 out:
+    lac_answers_free(answers);
     lac_ensemble_free(e);
     lac_case_free(c);
     return status;
