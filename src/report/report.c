@@ -108,9 +108,13 @@ static void write_data(lac_page *page)
         {"forecasts", lac_page_stored_forecasts},
         {0},
     };
+    static const section of_ensemble[] = {
+        {"about", write_about}, {"sweep", lac_page_of_ensemble}, {0}};
+    const section *first = page->def->ensemble != NULL ? of_ensemble
+                           : page->readings            ? of_readings
+                                                       : of_run;
     lac_json_open(&page->json, NULL, '{');
-    for (const section *s = page->readings ? of_readings : of_run;
-         s->key != NULL && page->status == LAC_OK; s++) {
+    for (const section *s = first; s->key != NULL && page->status == LAC_OK; s++) {
         s->write(page, s->key);
     }
     lac_json_close(&page->json, '}');

@@ -6,17 +6,28 @@
 #include "series/series.h"
 #include "store/recording.h"
 
+/// An ensemble as its page shows it.
+typedef struct lac_page_ensemble {
+    const struct lac_sample *sample;   ///< with names
+    const struct lac_answers *answers; ///< of it
+    size_t records;
+    const double *place; ///< [records] time since the start, or what `label` says
+    const char *label;   ///< NULL: a time
+    const float *rate;   ///< [members][records] slip rate
+} lac_page_ensemble;
+
 /// What a page shows. Texts are borrowed.
 typedef struct lac_page_def {
-    const char *run;                ///< file of a run, or of lacuna precursors
-    const char *name;               ///< what the page says that it was made from; NULL: the file
-    const lac_recording *recording; ///< read instead of the file, with its attributes; NULL
-    const lac_series *series;       ///< laid beside it; NULL: none
-    const char *series_name;        ///< what it is called
-    const char *point;              ///< of the run that it is of; NULL: of the whole joint
-    const char *fit;                ///< file of lacuna fit, whose forecast is drawn; NULL: none
-    const char *made_by;            ///< program and version
-    double now;                     ///< seconds since 1970 UTC: the library reads no clock
+    const char *run;                   ///< file of a run, or of lacuna precursors
+    const char *name;                  ///< what the page says that it was made from; NULL: the file
+    const lac_recording *recording;    ///< read instead of the file, with its attributes; NULL
+    const lac_series *series;          ///< laid beside it; NULL: none
+    const char *series_name;           ///< what it is called
+    const char *point;                 ///< of the run that it is of; NULL: of the whole joint
+    const char *fit;                   ///< file of lacuna fit, whose forecast is drawn; NULL: none
+    const lac_page_ensemble *ensemble; ///< that the file is of; NULL: none
+    const char *made_by;               ///< program and version
+    double now;                        ///< seconds since 1970 UTC: the library reads no clock
     int issues; ///< times of forecasts, which cost more than all else; 0: 40, -1: none
 } lac_page_def;
 

@@ -155,6 +155,9 @@ static lac_status open_run(lac_page *page)
     LAC_TRY_RETURN(def->recording == NULL
                        ? lac_stored_file_open(def->run, &page->file, page->err)
                        : lac_stored_file_of(def->recording, &page->file, page->err));
+    if (def->ensemble != NULL) {
+        return LAC_OK;
+    }
     page->readings = def->recording == NULL && lac_page_holds_readings(page->file);
     if (page->readings) {
         return lac_page_open_readings(page);
@@ -170,8 +173,10 @@ void lac_page_begin(lac_page *page)
 {
     char text[64];
     if (lac_page_good(page, open_run(page)) && !page->readings) {
-        find_before(page);
-        check_columns(page);
+        if (page->def->ensemble == NULL) {
+            find_before(page);
+            check_columns(page);
+        }
         page->dated =
             lac_stored_file_text(page->file, NULL, "time_coverage_start", text, sizeof text) &&
             lac_date_parse(text, &page->start);

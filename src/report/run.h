@@ -97,6 +97,9 @@ bool lac_page_read_points(lac_page *page, lac_page_points *out);
 const double *lac_page_point_column(lac_page *page, const lac_page_points *points, const char *name,
                                     size_t point);
 
+/// The section of an ensemble.
+void lac_page_of_ensemble(lac_page *page, const char *key);
+
 /// The sections: each writes an object under its key, or nothing where the run has no data for it.
 void lac_page_course(lac_page *page, const char *key);
 void lac_page_series(lac_page *page, const char *key);

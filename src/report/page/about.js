@@ -35,14 +35,14 @@ function facts(data) {
 }
 
 function fillHead(data) {
-  const r = data.readings;
-  document.getElementById("kind").textContent = r ? "readings" : "run";
+  const r = data.readings, e = data.sweep;
+  document.getElementById("kind").textContent = r ? "readings" : e ? "ensemble" : "run";
   document.getElementById("title").textContent = r ? r.name : data.about.title || data.about.file;
-  document.getElementById("verdict").textContent = r ? readingsVerdict(data) : verdict(data);
+  document.getElementById("verdict").textContent = r ? readingsVerdict(data) : e ? ensembleVerdict(data) : verdict(data);
   document.getElementById("said").replaceChildren(...(r ? [verdictLines(data)] : []));
   const list = document.getElementById("facts");
   list.replaceChildren();
-  for (const [name, value, small, level] of r ? readingsFacts(data) : facts(data)) {
+  for (const [name, value, small, level] of r ? readingsFacts(data) : e ? ensembleFacts(data) : facts(data)) {
     const dd = element("dd", level === undefined ? {} : { class: `level-now l-${level}` }, value);
     if (small) dd.append(element("small", {}, small));
     list.append(element("div", {}, element("dt", {}, name), dd));
@@ -53,7 +53,7 @@ function fillHead(data) {
 
 function provenance(data) {
   const a = data.about, b = a.boundary;
-  const rows = [["File", a.file], ["Status", a.status], ["Ended by", a.ended_by], ["Made by", a.source], ["Institution", a.institution], [data.readings ? "Made" : "Run", a.history],
+  const rows = [["File", a.file], ["Status", a.status], ["Ended by", a.ended_by], ["Made by", a.source], ["Institution", a.institution], [data.readings || data.sweep ? "Made" : "Run", a.history],
     ["Resumed", a.resumed], ["Libraries", a.libraries], ["Seed", a.seed === undefined ? undefined : String(a.seed)], ["Resolved in time", a.fidelity],
     ["Grid", a.grid_nx === undefined ? undefined : `${count(a.grid_nx)} × ${count(a.grid_ny)} cells of ${length(a.grid_dx_m)}, ${b || ""}`],
     ["Records", count(a.records)], ["Worst balance residual", a.balance_residual_max === undefined ? undefined : number(a.balance_residual_max, 3)],
@@ -62,7 +62,7 @@ function provenance(data) {
 }
 
 function aboutSection(data) {
-  const section = data.readings ? openSection("provenance", "Provenance", "Where the readings and the forecasts come from.")
+  const section = data.readings || data.sweep ? openSection("provenance", "Provenance", `Where ${data.sweep ? "the members" : "the readings and the forecasts"} come from.`)
     : openSection("case", "Case and provenance", "All that is needed to make this run again: the case with every default filled in, as lacuna run reads it.");
   section.append(provenance(data));
   if (data.about.case) {

@@ -209,7 +209,7 @@ function drawLines(chart, plot, group) {
     } else if (line.kind === "area") {
       group.append(svg("path", { class: `area f-${line.colour}${line.inner ? " inner" : ""}`, d: areaPath(plot, xs, line.low, line.high) }));
     } else if (line.kind !== "none") {
-      const look = `line c-${line.colour}${line.dash ? " dash" : ""}${line.thin ? " thin" : ""}`;
+      const look = `line c-${line.colour}${line.dash ? " dash" : ""}${line.thin ? " thin" : ""}${line.bar ? " bar" : ""}`;
       const path = svg("path", { class: look, d: pathOf(plot, xs, line.y, line.kind === "step") });
       if (line.stroke) path.style.stroke = line.stroke;
       group.append(path);

@@ -3,6 +3,7 @@
 "use strict";
 
 const SECTIONS = [
+  ["likely", likelySection], ["fan", fanSection], ["decides", decidesSection], ["members", membersSection],
   ["readings", readingsSection], ["motion", motionSection], ["direction", directionSection], ["points", pointsSection], ["safety", safetySection], ["forecasts", forecastSection], ["fit", fitSection], ["forces", forcesSection], ["cells", cellsSection], ["levels", levelsSection],
   ["events", eventsSection], ["solver", solverSection], ["about", aboutSection],
 ];
@@ -14,7 +15,7 @@ function openSection(id, title, lead) {
 }
 
 function makeClock(data) {
-  const a = data.about, time = (data.motion || data.readings.moved).time, last = time[time.length - 1];
+  const a = data.about, time = (data.motion || data.readings?.moved || data.sweep).time, last = time[time.length - 1];
   return { dated: a.dated && a.start + last < LAST_DATE, zone: a.time_zone === "not stated" ? "" : "UTC", start: a.start, last, failure: a.failure_time_s ?? null, end: data.readings ? "the last reading" : a.failed ? "failure" : page.live && a.status === "running" ? "now" : "the end" };
 }
 
@@ -33,7 +34,8 @@ function drawAll() {
 }
 
 function fillControls() {
-  choice("axis", "axis", [["time", page.clock.dated ? "Date" : "Time"], ["before", `Time to ${page.clock.end}`]], page.axis, (value) => {
+  if (page.data.sweep) document.getElementById("axis").remove();
+  else choice("axis", "axis", [["time", page.clock.dated ? "Date" : "Time"], ["before", `Time to ${page.clock.end}`]], page.axis, (value) => {
     page.axis = value;
     for (const chart of page.charts.filter((c) => c.spec.x.clock)) whole(chart);
     drawAll();
@@ -55,7 +57,7 @@ function fillContents(sections) {
 function show(data) {
   Object.assign(page, { data, charts: [], later: [], clock: makeClock(data) });
   fillHead(data);
-  const sections = SECTIONS.filter(([key]) => data[key]).map(([, make]) => make(data));
+  const sections = SECTIONS.filter(([key]) => data[key] || data.sweep?.[key]).map(([, make]) => make(data));
   document.getElementById("main").replaceChildren(...sections);
   fillContents(sections);
   drawAll();
@@ -63,7 +65,7 @@ function show(data) {
 }
 
 function begin(data) {
-  page.axis = data.about.failed && !data.about.dated && !data.readings ? "before" : "time";
+  page.axis = data.about.failed && !data.about.dated && !data.readings && !data.sweep ? "before" : "time";
   show(data);
   fillControls();
   let width = 0;

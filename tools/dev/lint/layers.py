@@ -38,7 +38,8 @@ USES = {
     "fit": ["scene"],
     "simulation": ["scene"],
     "trade": ["scene"],
-    "report": ["store"],
+    "sweep": ["simulation"],
+    "report": ["store", "sweep"],
     "watch": ["case"],
     "cli": ["simulation", "fit", "trade", "report", "watch"],
 }
@@ -59,6 +60,7 @@ SHARED = {
     "scene": {"estimate.h", "scene_rg.h"},
     "series": {"field.h", "line.h", "motion.h"},
     "store": {"recording.h", "store_cells.h", "store_file.h"},
+    "sweep": {"answers.h"},
     "trade": {"probe.h"},
 }
 
