@@ -131,6 +131,9 @@ lacuna_python_test(test_watch)
 set(test_trade_files $<TARGET_FILE:at_call>)
 lacuna_python_test(test_trade)
 
+# Sweeps in shards, by hand and by the engines that are there; tools/install-packages --long brings all.
+lacuna_python_test(test_cluster once)
+
 # How many of its runs go side by side.
 target_sources(unit_test_free_memory PRIVATE ${PROJECT_SOURCE_DIR}/src/cli/common/memory.c)
 foreach(part keep memory pool progress words)
