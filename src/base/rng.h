@@ -15,7 +15,8 @@ typedef enum lac_stream {
     LAC_STREAM_PLACE,
     LAC_STREAM_BOOTSTRAP,
     LAC_STREAM_SURROGATE,
-    LAC_STREAM_SAMPLER, // new ones last, for the numbers of the others must stay
+    LAC_STREAM_SAMPLER,
+    LAC_STREAM_SWEEP, // new ones last, for the numbers of the others must stay
 } lac_stream;
 
 /// Four numbers of 64 bits from seed, stream and counter, in any order and on any thread:

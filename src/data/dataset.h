@@ -51,7 +51,8 @@ enum {
     LAC_CELLS = 2048,   ///< over many cells: compressed, and written place by place, not in batches
     LAC_LATE = 4096,    ///< its values are known only after it is defined
     LAC_NUMERAL = 8192, ///< texts that may be numbers, and are written as such in JSON
-    LAC_DATE = 16384 ///< a time, told as a date on the dataset's clock; missing where it has none
+    LAC_DATE = 16384, ///< a time, told as a date on the dataset's clock; missing where it has none
+    LAC_FLOAT = 32768 ///< floats in a file
 };
 
 /// One variable of a result, all that is told of it: a row of a const table.

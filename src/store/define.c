@@ -33,7 +33,8 @@ nc_type lac_writer_type(const lac_writer *w, const lac_item *item)
     if ((flags & (LAC_WHOLE | LAC_MEANINGS)) != 0) {
         return (flags & LAC_LONG) != 0 ? NC_INT64 : NC_INT;
     }
-    return w->single && (flags & LAC_ROUGH) != 0 ? NC_FLOAT : NC_DOUBLE;
+    return (flags & LAC_FLOAT) != 0 || (w->single && (flags & LAC_ROUGH) != 0) ? NC_FLOAT
+                                                                               : NC_DOUBLE;
 }
 
 size_t lac_item_longest_text(const lac_item *item)

@@ -1,0 +1,91 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#pragma once
+
+#include "lacuna/simulation.h"
+#include "sweep/sweep.h"
+
+/// What came of the members of a sweep.
+
+enum { LAC_MEMBER_MESSAGE = 200, LAC_MEMBER_EXTRAS = 8 };
+
+/// How far a member is.
+enum { LAC_MEMBER_PENDING = 0, LAC_MEMBER_DONE, LAC_MEMBER_BROKEN };
+
+/// What came of one: plain memory without pointers. What is not known is NaN.
+typedef struct lac_member {
+    int64_t index;                 ///< in the sweep, from 0
+    int32_t state;                 ///< LAC_MEMBER_*
+    int32_t ended;                 ///< lac_end, one more than the last of them: broken
+    double failure_time, end_time; ///< since the start [s]; NaN: it did not fail
+    double mean_slip;              ///< at the end [m]
+    double end_rate, max_rate;     ///< mean at the end, of any cell [m/s]
+    double max_ratio;              ///< largest Q over f0 P
+    double safety;                 ///< least factor of safety
+    double events, steps;
+    double extra[LAC_MEMBER_EXTRAS]; ///< what indicators say once, in the ensemble's order
+    char message[LAC_MEMBER_MESSAGE];
+    float series[]; ///< [records]
+} lac_member;
+
+/// A parameter as the ensemble has it.
+typedef struct lac_ensemble_param {
+    char *key, *said, *unit;
+    double *value; ///< [n] drawn; of words which of them, in the order of their appearance
+    char **word;   ///< [n] NULL: they are numbers
+    char *words;   ///< owned, what `word` points to; NULL
+} lac_ensemble_param;
+
+typedef struct lac_ensemble_extra {
+    char name[64], unit[32], long_name[160];
+} lac_ensemble_extra;
+
+/// Members of a sweep, all or a part, in the order of their numbers. All is owned.
+typedef struct lac_ensemble {
+    char *case_text, *title;
+    char *design, *series, mark[17], seed[24];
+    double end;     ///< of the case [s]
+    size_t members; ///< of the whole sweep
+    size_t params, n, records, extras;
+    lac_ensemble_param *param; ///< [params]
+    lac_member **member;       ///< [n]
+    double *place;             ///< [records]
+    int axis;                  ///< lac_series_axis
+    lac_ensemble_extra extra[LAC_MEMBER_EXTRAS];
+    // For answers.
+    double *drawn, *result, *followed; ///< [params][n], [n], [n]
+    const char **key, **unit;          ///< [params]
+} lac_ensemble;
+
+/// Bytes of a member of the sweep.
+size_t lac_member_size(const lac_sweep *sweep);
+
+/// Runs a member. One that breaks is a member too, with its message.
+/// @param out  [lac_member_size]
+/// @return LAC_OK; LAC_EIO (a file that the case reads); LAC_EINTERRUPT; LAC_ENOMEM
+lac_status lac_member_run(lac_sweep *sweep, size_t index, const lac_simulation_options *options,
+                          lac_member *out, lac_error *err);
+
+/// An ensemble of members.
+/// @param member  [n] each allocated; taken over, also where it fails
+lac_status lac_ensemble_create(const lac_sweep *sweep, size_t n, lac_member **member,
+                               lac_ensemble **out, lac_error *err);
+
+/// Reads the file of an ensemble.
+/// @return LAC_OK; LAC_EINPUT (it is no such file); LAC_EIO; LAC_ENOMEM
+lac_status lac_ensemble_read(const char *path, lac_ensemble **out, lac_error *err);
+
+/// All members of several parts of a sweep, which are emptied. Members that are in none, in two, or
+/// of another sweep are refused.
+/// @param part, path  [parts] paths for messages
+lac_status lac_ensemble_gather(size_t parts, lac_ensemble **part, const char *const *path,
+                               lac_ensemble **out, lac_error *err);
+
+void lac_ensemble_free(lac_ensemble *ensemble);
+
+/// The dataset that its file is written from; the ensemble must outlive it.
+lac_status lac_ensemble_describe(const lac_ensemble *ensemble, const lac_answers *answers,
+                                 lac_dataset **out, lac_error *err);
+
+/// What answers are made from: the time of failure. It holds until the ensemble is freed.
+/// @param by  [s]; NaN: until the end
+lac_status lac_ensemble_sample(lac_ensemble *ensemble, double by, lac_sample *out, lac_error *err);

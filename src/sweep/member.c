@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The run of a member: what came of it, and its slip rates on the axis that all members share.
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "simulation/simulation.h"
+#include "sweep/ensemble.h"
+#include "trade/probe.h"
+
+size_t lac_member_size(const lac_sweep *sweep)
+{
+    return (sizeof(lac_member) + sweep->records * sizeof(float) + 7) / 8 * 8;
+}
+
+// All records of a run, of which the series is made when it is over.
+typedef struct track {
+    double *time, *log_rate; // one allocation
+    size_t n, room;
+} track;
+
+static lac_status on_record(void *context, const lac_record *record, lac_error *err)
+{
+    track *all = context;
+    if (all->n == all->room) {
+        const size_t room = all->room > 0 ? 2 * all->room : 256;
+        double *grown = malloc(2 * room * sizeof *grown);
+        LAC_FAIL_MEMORY_IF(grown == NULL, err);
+        if (all->n > 0) {
+            memcpy(grown, all->time, all->n * sizeof *grown);
+            memcpy(grown + room, all->log_rate, all->n * sizeof *grown);
+        }
+        free(all->time);
+        *all = (track){grown, grown + room, all->n, room};
+    }
+    all->time[all->n] = record->time_origin + record->time_local;
+    all->log_rate[all->n++] = log(record->observation.mean_rate);
+    return LAC_OK;
+}
+
+// Of straight lines ln v over t between records.
+static double rate_at(const track *all, double time)
+{
+    size_t i = 0;
+    if (all->n == 0 || time < all->time[0] || time > all->time[all->n - 1]) {
+        return NAN;
+    }
+    while (i + 2 < all->n && all->time[i + 1] < time) {
+        i++;
+    }
+    const size_t k = all->n > 1 ? i + 1 : i;
+    const double width = all->time[k] - all->time[i];
+    const double part = width > 0.0 ? (time - all->time[i]) / width : 0.0;
+    // A rest has no logarithm.
+    if (!isfinite(all->log_rate[i]) || !isfinite(all->log_rate[k])) {
+        return exp(all->log_rate[part < 0.5 ? i : k]);
+    }
+    return exp(all->log_rate[i] + part * (all->log_rate[k] - all->log_rate[i]));
+}
+
+// When a rate is first passed.
+static double time_of(const track *all, double rate)
+{
+    const double wanted = log(rate);
+    size_t i = 0;
+    while (i < all->n && !(all->log_rate[i] >= wanted)) {
+        i++;
+    }
+    if (i == all->n) {
+        return NAN;
+    }
+    const double rise = i > 0 ? all->log_rate[i] - all->log_rate[i - 1] : 0.0;
+    const double part = rise > 0.0 && isfinite(rise) ? (all->log_rate[i] - wanted) / rise : 0.0;
+    return i == 0 ? all->time[0] : all->time[i] - part * (all->time[i] - all->time[i - 1]);
+}
+
+static void fill_series(const lac_sweep *sweep, const track *all, lac_member *out)
+{
+    for (size_t i = 0; i < sweep->records; i++) {
+        const double at = sweep->place[i];
+        const double value = sweep->series == LAC_SERIES_TIME ? rate_at(all, at)
+                             : sweep->series == LAC_SERIES_RATE
+                                 ? time_of(all, at)
+                                 : rate_at(all, out->failure_time - at);
+        out->series[i] = (float)value;
+    }
+}
+
+static void take(const lac_trade_probe *probe, const lac_outcome *of, lac_member *out)
+{
+    double value[LAC_QUANTITIES];
+    const lac_run_result *run = &of->run;
+    lac_trade_probe_values(probe, run, true, value);
+    out->ended = (int32_t)run->end;
+    out->failure_time = value[LAC_QUANTITY_FAILURE];
+    out->end_time = run->time;
+    out->mean_slip = run->mean_slip;
+    out->end_rate = probe->rate;
+    out->max_rate = run->max_slip_rate;
+    out->max_ratio = probe->load;
+    out->safety = run->safety.least;
+    out->events = of->source->analysis.count > 0 && probe->events > 0 ? (double)probe->events : NAN;
+    out->steps = (double)run->steps;
+    for (size_t i = 0, k = 0; i < of->extras && of->once != NULL; i++) {
+        if (of->extra[i].over == LAC_OVER_NOTHING && k < LAC_MEMBER_EXTRAS) {
+            out->extra[k] = of->once[k];
+            k++;
+        }
+    }
+}
+
+// Every step is recorded, so that slip rates are read off between steps.
+static lac_status follow(const lac_sweep *sweep, const lac_case *c,
+                         const lac_simulation_options *options, lac_member *out, lac_error *err)
+{
+    lac_simulation *simulation = NULL;
+    track all = {0};
+    lac_trade_probe probe;
+    lac_sink own = lac_sink_default();
+    own.context = &all;
+    own.record = on_record;
+    lac_case every = *c; // no more than a look: what it points to stays the case's
+    every.use = NULL;
+    every.run.record = (lac_cadence){.steps = 1, .time = NAN, .per_decade = NAN};
+    every.run.snapshots = false;
+    every.run.checkpoint = every.run.record;
+    lac_status status = lac_simulation_create(&every, options, &simulation, err);
+    if (status == LAC_OK) {
+        const lac_sink sink = lac_trade_probe_start(&probe, c, &own);
+        status = lac_simulation_run(simulation, &sink, err);
+    }
+    if (status == LAC_OK) {
+        take(&probe, lac_simulation_outcome(simulation), out);
+        fill_series(sweep, &all, out);
+        out->state = LAC_MEMBER_DONE;
+    }
+    lac_simulation_free(simulation);
+    free(all.time);
+    return status;
+}
+
+static void clear(const lac_sweep *sweep, size_t index, lac_member *out)
+{
+    memset(out, 0, lac_member_size(sweep));
+    *out = (lac_member){.index = (int64_t)index,
+                        .state = LAC_MEMBER_BROKEN,
+                        .ended = LAC_END_REST + 1,
+                        .failure_time = NAN,
+                        .end_time = NAN,
+                        .mean_slip = NAN,
+                        .end_rate = NAN,
+                        .max_rate = NAN,
+                        .max_ratio = NAN,
+                        .safety = NAN,
+                        .events = NAN,
+                        .steps = NAN};
+    for (size_t i = 0; i < LAC_MEMBER_EXTRAS; i++) {
+        out->extra[i] = NAN;
+    }
+    for (size_t i = 0; i < sweep->records; i++) {
+        out->series[i] = NAN;
+    }
+}
+
+lac_status lac_member_run(lac_sweep *sweep, size_t index, const lac_simulation_options *options,
+                          lac_member *out, lac_error *err)
+{
+    const lac_case *c = NULL;
+    lac_error why = {""};
+    clear(sweep, index, out);
+    lac_status status = lac_sweep_case(sweep, index, &c, &why);
+    if (status == LAC_OK) {
+        status = follow(sweep, c, options, out, &why);
+    }
+    if (status == LAC_EINTERRUPT || status == LAC_ENOMEM || status == LAC_EIO) {
+        return lac_fail(err, status, "%s", why.message);
+    }
+    if (status != LAC_OK) {
+        (void)snprintf(out->message, sizeof out->message, "%s", why.message);
+    }
+    return LAC_OK;
+}
