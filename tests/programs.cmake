@@ -132,6 +132,7 @@ set(test_trade_files $<TARGET_FILE:at_call>)
 lacuna_python_test(test_trade)
 
 # Sweeps in shards, by hand and by the engines that are there; tools/install-packages --long brings all.
+set(test_cluster_files $<TARGET_FILE:at_call>)
 lacuna_python_test(test_cluster once)
 
 # How many of its runs go side by side.
