@@ -134,6 +134,8 @@ lacuna_python_test(test_trade)
 # Sweeps in shards, by hand and by the engines that are there; tools/install-packages --long brings all.
 set(test_cluster_files $<TARGET_FILE:at_call>)
 lacuna_python_test(test_cluster once)
+# Sweeps, their answers and their page.
+lacuna_python_test(test_sweep once)
 
 # How many of its runs go side by side.
 target_sources(unit_test_free_memory PRIVATE ${PROJECT_SOURCE_DIR}/src/cli/common/memory.c)

@@ -129,7 +129,10 @@ static int define_storage(const lac_writer *w, const lac_item *item, int id, nc_
     code = code == NC_NOERR ? nc_def_var_chunking(file, id, NC_CHUNKED, chosen) : code;
     code = code == NC_NOERR ? nc_inq_var_chunking(file, id, NULL, count) : code;
     code = code == NC_NOERR ? size_of(file, type, rank, count, &bytes) : code;
-    return code == NC_NOERR ? define_chunks(file, id, bytes, deflate, grows(item) && !cells) : code;
+    const bool filtered = type != NC_STRING; // which no filter takes
+    return code == NC_NOERR && filtered
+               ? define_chunks(file, id, bytes, deflate, grows(item) && !cells)
+               : code;
 }
 
 // One that only JSON knows stands in no file.

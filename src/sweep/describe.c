@@ -25,12 +25,15 @@ LAC_TEXT_GETTER(extra_mark, (void)of, "indicator")
 
 static const lac_variable of_plan[] = {
     {.name = "status", T(complete)},
-    {.name = "sweep_design", LAC_HELD(TEXT, lac_ensemble, design)},
+    {.name = "sweep_design", .json = "design", LAC_HELD(TEXT, lac_ensemble, design)},
     {.name = "sweep_series", LAC_HELD(TEXT, lac_ensemble, series)},
-    {.name = "sweep_seed", LAC_HELD(CHARS, lac_ensemble, seed)},
+    {.name = "sweep_seed", .json = "seed", LAC_HELD(CHARS, lac_ensemble, seed)},
     {.name = "sweep_mark", LAC_HELD(CHARS, lac_ensemble, mark)},
-    {.name = "sweep_members", LAC_HELD(COUNT, lac_ensemble, members), .flags = LAC_WHOLE},
-    {.name = "sweep_end", .unit = "s", LAC_HELD(REAL, lac_ensemble, end)},
+    {.name = "sweep_members",
+     .json = "members",
+     LAC_HELD(COUNT, lac_ensemble, members),
+     .flags = LAC_WHOLE},
+    {.name = "sweep_end_s", .json = "end_s", LAC_HELD(REAL, lac_ensemble, end)},
 };
 
 #define SEEN .flags = LAC_MISSING
@@ -43,9 +46,9 @@ const lac_variable lac_ensemble_of_member[] = {
                 "rate and slip: failure; broken: no run, or one that broke down: its message "
                 "says why"),
     LAC_ROW("failure_time", NULL, "s", "time of failure since the start", H(REAL, failure_time),
-            SEEN, .comment = "missing: it did not fail until end_time, or it is broken"),
-    LAC_ROW("end_time", NULL, "s", "time since the start that the run came to", H(REAL, end_time),
-            SEEN),
+            SEEN, .comment = "missing: it did not fail until time_reached, or it is broken"),
+    LAC_ROW("time_reached", NULL, "s", "time since the start that the run came to",
+            H(REAL, end_time), SEEN),
     LAC_ROW("mean_slip", NULL, "m", "mean slip at the end", H(REAL, mean_slip), SEEN),
     LAC_ROW("end_slip_rate", NULL, "m s-1", "mean slip rate at the end", H(REAL, end_rate), SEEN),
     LAC_ROW("max_slip_rate", NULL, "m s-1", "largest slip rate of a cell", H(REAL, max_rate), SEEN),
@@ -73,7 +76,7 @@ const lac_ensemble_axis lac_ensemble_axes[] = {
 void lac_ensemble_name(const char *key, char name[LAC_STORED_NAME])
 {
     size_t i = 0;
-    for (; key[i] != '\0' && i + 1 < LAC_STORED_NAME; i++) {
+    for (; key[i] != '\0' && key[i] != '+' && i + 1 < LAC_STORED_NAME; i++) {
         name[i] = isalnum((unsigned char)key[i]) ? key[i] : '_';
     }
     name[i] = '\0';

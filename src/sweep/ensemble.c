@@ -41,6 +41,7 @@ void lac_ensemble_free(lac_ensemble *e)
     free(e->drawn);
     free(e->result);
     free(e->followed);
+    free(e->rate);
     free((void *)e->key);
     free((void *)e->unit);
     free(e);
@@ -293,7 +294,7 @@ static lac_status read_plan(const lac_stored_file *file, const char *path, lac_e
     LAC_FAIL_IF(e->mark[0] == '\0', err, LAC_EINPUT, "%s: is no file of lacuna sweep", path);
     (void)lac_stored_file_text(file, NULL, "sweep_seed", e->seed, sizeof e->seed);
     e->members = (size_t)lac_stored_file_number(file, NULL, "sweep_members");
-    e->end = lac_stored_file_number(file, NULL, "sweep_end");
+    e->end = lac_stored_file_number(file, NULL, "sweep_end_s");
     e->design = text_of(file, "sweep_design", 64);
     e->series = text_of(file, "sweep_series", 64);
     e->title = text_of(file, "title", 4096);
@@ -443,6 +444,28 @@ out:
     return status;
 }
 
+bool lac_ensemble_is(const char *path)
+{
+    lac_stored_file *file = NULL;
+    char mark[32];
+    const bool is = lac_stored_file_open(path, &file, NULL) == LAC_OK &&
+                    lac_stored_file_text(file, NULL, "sweep_mark", mark, sizeof mark);
+    lac_stored_file_close(file);
+    return is;
+}
+
+// Rates of all members, infinite once a member has failed.
+static void fill_rates(lac_ensemble *e)
+{
+    for (size_t i = 0; i < e->n; i++) {
+        const lac_member *m = e->member[i];
+        for (size_t k = 0; k < e->records; k++) {
+            const bool over = e->axis == LAC_SERIES_TIME && e->place[k] > m->failure_time;
+            e->rate[i * e->records + k] = over ? INFINITY : m->series[k];
+        }
+    }
+}
+
 lac_status lac_ensemble_sample(lac_ensemble *e, double by, lac_sample *out, lac_error *err)
 {
     const lac_design *design = NULL;
@@ -451,13 +474,15 @@ lac_status lac_ensemble_sample(lac_ensemble *e, double by, lac_sample *out, lac_
     free(e->followed);
     free((void *)e->key);
     free((void *)e->unit);
+    free(e->rate);
+    e->rate = malloc((e->n * e->records + 1) * sizeof *e->rate);
     e->drawn = malloc((e->params * e->n + 1) * sizeof *e->drawn);
     e->result = malloc((e->n + 1) * sizeof *e->result);
     e->followed = malloc((e->n + 1) * sizeof *e->followed);
     e->key = malloc((e->params + 1) * sizeof *e->key);
     e->unit = malloc((e->params + 1) * sizeof *e->unit);
-    LAC_FAIL_MEMORY_IF(e->drawn == NULL || e->result == NULL || e->followed == NULL ||
-                           e->key == NULL || e->unit == NULL,
+    LAC_FAIL_MEMORY_IF(e->rate == NULL || e->drawn == NULL || e->result == NULL ||
+                           e->followed == NULL || e->key == NULL || e->unit == NULL,
                        err);
     for (size_t p = 0; p < e->params; p++) {
         memcpy(e->drawn + p * e->n, e->param[p].value, e->n * sizeof *e->drawn);
@@ -471,6 +496,7 @@ lac_status lac_ensemble_sample(lac_ensemble *e, double by, lac_sample *out, lac_
                                                    : m->failure_time;
         e->followed[i] = m->end_time;
     }
+    fill_rates(e);
     for (size_t i = 0; (design = lac_design_get(i)) != NULL; i++) {
         if (strcmp(design->name, e->design) == 0) {
             break;
@@ -485,7 +511,7 @@ lac_status lac_ensemble_sample(lac_ensemble *e, double by, lac_sample *out, lac_
                                                                        : LAC_SAMPLE_DRAWN,
                         .by = by,
                         .seed = strtoull(e->seed, NULL, 10),
-                        .name = "time of failure",
+                        .name = "failure_time",
                         .unit = "s",
                         .key = e->key,
                         .key_unit = e->unit};

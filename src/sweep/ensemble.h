@@ -54,10 +54,14 @@ typedef struct lac_ensemble {
     // For answers.
     double *drawn, *result, *followed; ///< [params][n], [n], [n]
     const char **key, **unit;          ///< [params]
+    float *rate;                       ///< [n][records] infinite after failure
 } lac_ensemble;
 
 /// Bytes of a member of the sweep.
 size_t lac_member_size(const lac_sweep *sweep);
+
+/// A member of which nothing is known but that it is broken.
+void lac_member_break(const lac_sweep *sweep, size_t index, lac_member *out);
 
 /// Runs a member. One that breaks is a member too, with its message.
 /// @param out  [lac_member_size]
@@ -79,6 +83,9 @@ lac_status lac_ensemble_read(const char *path, lac_ensemble **out, lac_error *er
 /// @param part, path  [parts] paths for messages
 lac_status lac_ensemble_gather(size_t parts, lac_ensemble **part, const char *const *path,
                                lac_ensemble **out, lac_error *err);
+
+/// Whether a file is that of a sweep.
+bool lac_ensemble_is(const char *path);
 
 void lac_ensemble_free(lac_ensemble *ensemble);
 

@@ -123,7 +123,7 @@ static lac_status follow(const lac_sweep *sweep, const lac_case *c,
     every.use = NULL;
     every.run.record = (lac_cadence){.steps = 1, .time = NAN, .per_decade = NAN};
     every.run.snapshots = false;
-    every.run.checkpoint = every.run.record;
+    every.run.checkpoint = (lac_cadence){.steps = 0, .time = NAN, .per_decade = NAN};
     lac_status status = lac_simulation_create(&every, options, &simulation, err);
     if (status == LAC_OK) {
         const lac_sink sink = lac_trade_probe_start(&probe, c, &own);
@@ -139,9 +139,9 @@ static lac_status follow(const lac_sweep *sweep, const lac_case *c,
     return status;
 }
 
-static void clear(const lac_sweep *sweep, size_t index, lac_member *out)
+void lac_member_break(const lac_sweep *sweep, size_t index, lac_member *out)
 {
-    memset(out, 0, lac_member_size(sweep));
+    memset((void *)out, 0, lac_member_size(sweep));
     *out = (lac_member){.index = (int64_t)index,
                         .state = LAC_MEMBER_BROKEN,
                         .ended = LAC_END_REST + 1,
@@ -167,7 +167,7 @@ lac_status lac_member_run(lac_sweep *sweep, size_t index, const lac_simulation_o
 {
     const lac_case *c = NULL;
     lac_error why = {""};
-    clear(sweep, index, out);
+    lac_member_break(sweep, index, out);
     lac_status status = lac_sweep_case(sweep, index, &c, &why);
     if (status == LAC_OK) {
         status = follow(sweep, c, options, out, &why);

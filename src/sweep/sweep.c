@@ -33,6 +33,7 @@ void lac_sweep_free(lac_sweep *sweep)
         free((char *)sweep->overrides[i].value);
     }
     free(sweep->overrides);
+    free(sweep->keys);
     free(sweep->param);
     free(sweep->positions);
     free(sweep->points);
@@ -70,7 +71,7 @@ static lac_status read_case(const lac_sweep *sweep, size_t count, lac_case **out
 static lac_status copy_overrides(lac_sweep *sweep, const lac_sweep_request *r, lac_error *err)
 {
     sweep->path = strdup(r->path);
-    sweep->overrides = calloc(r->count + r->varied + MOST_RECORDS, sizeof *sweep->overrides);
+    sweep->overrides = calloc(r->count + 1, sizeof *sweep->overrides);
     LAC_FAIL_MEMORY_IF(sweep->path == NULL || sweep->overrides == NULL, err);
     for (; sweep->count < r->count; sweep->count++) {
         lac_override *o = &sweep->overrides[sweep->count];
@@ -81,6 +82,28 @@ static lac_status copy_overrides(lac_sweep *sweep, const lac_sweep_request *r, l
     return LAC_OK;
 }
 
+// No key twice, and room for all of them.
+static lac_status check_keys(lac_sweep *sweep, lac_error *err)
+{
+    char one[LAC_SWEEP_KEY], other[LAC_SWEEP_KEY];
+    size_t keys = 0;
+    for (size_t p = 0; p < sweep->params; p++) {
+        for (size_t i = 0; lac_swept_key(&sweep->param[p], i, one); i++, keys++) {
+            for (size_t q = 0; q <= p; q++) {
+                for (size_t k = 0; lac_swept_key(&sweep->param[q], k, other); k++) {
+                    LAC_FAIL_IF((q < p || k < i) && strcmp(one, other) == 0, err, LAC_EINPUT,
+                                "--over: %s is named twice", one);
+                }
+            }
+        }
+    }
+    lac_override *grown = realloc(sweep->overrides, (sweep->count + keys + 1) * sizeof *grown);
+    sweep->overrides = grown != NULL ? grown : sweep->overrides;
+    sweep->keys = calloc(keys + 1, sizeof *sweep->keys);
+    LAC_FAIL_MEMORY_IF(grown == NULL || sweep->keys == NULL, err);
+    return LAC_OK;
+}
+
 // A table's columns have one axis, each other key one of its own.
 static lac_status find_axes(lac_sweep *sweep, size_t of_table, lac_error *err)
 {
@@ -88,18 +111,16 @@ static lac_status find_axes(lac_sweep *sweep, size_t of_table, lac_error *err)
     LAC_FAIL_IF(
         sweep->axes == 0, err, LAC_EINPUT,
         "--over: name what varies, such as --over \"friction.aging.dc=uniform(1 cm, 5 cm)\"");
+    LAC_FAIL_IF(sweep->axes > LAC_SWEEP_AXES, err, LAC_EINPUT,
+                "--over: varies %zu keys by themselves: at most %d", sweep->axes, LAC_SWEEP_AXES);
     sweep->positions = calloc(sweep->axes, sizeof *sweep->positions);
     LAC_FAIL_MEMORY_IF(sweep->positions == NULL, err);
     for (size_t p = 0; p < sweep->params; p++) {
         lac_swept *param = &sweep->param[p];
         param->axis = p < of_table ? 0 : p - of_table + (of_table > 0 ? 1 : 0);
         sweep->positions[param->axis] = param->values;
-        for (size_t q = 0; q < p; q++) {
-            LAC_FAIL_IF(strcmp(sweep->param[q].key, param->key) == 0, err, LAC_EINPUT,
-                        "--over: %s is named twice", param->key);
-        }
     }
-    return LAC_OK;
+    return check_keys(sweep, err);
 }
 
 static lac_status read_params(lac_sweep *sweep, const lac_sweep_request *r, lac_error *err)
@@ -185,21 +206,31 @@ static void find_mark(lac_sweep *sweep)
     }
 }
 
+// Adds the keys of a parameter as they are set to a text. @return how many overrides there are
+static size_t override(lac_sweep *sweep, size_t n, const lac_swept *param, const char *text)
+{
+    for (size_t i = 0; lac_swept_key(param, i, sweep->keys[n - sweep->count]); i++, n++) {
+        sweep->overrides[n] = (lac_override){sweep->keys[n - sweep->count], text};
+    }
+    return n;
+}
+
 // Each key in the middle of what it takes must be one that the case can have.
 static lac_status try_keys(lac_sweep *sweep, lac_error *err)
 {
     for (size_t p = 0; p < sweep->params; p++) {
         const lac_swept *param = &sweep->param[p];
         char room[LAC_TEXT_ROOM];
+        const char *text = room;
         lac_case *c = NULL;
-        double value = 0.0;
         if (param->drawn != NULL) {
-            value = param->drawn->value(param->argument, 0.5);
-            (void)snprintf(room, sizeof room, "%.17g %s", value, param->unit);
+            (void)snprintf(room, sizeof room, "%.17g %s", param->drawn->value(param->argument, 0.5),
+                           strcmp(param->unit, "1") == 0 ? "" : param->unit);
+        } else {
+            text = param->text[param->values / 2];
         }
-        sweep->overrides[sweep->count] = (lac_override){
-            param->key, param->drawn != NULL ? room : param->text[param->values / 2]};
-        const lac_status status = read_case(sweep, sweep->count + 1, &c, err);
+        const lac_status status =
+            read_case(sweep, override(sweep, sweep->count, param, text), &c, err);
         lac_case_free(c);
         LAC_TRY_RETURN(status);
     }
@@ -294,7 +325,9 @@ double lac_sweep_value(const lac_sweep *sweep, size_t param, size_t member)
     const double u = ends(sweep, p, place_of(sweep, param, member));
     double value = NAN;
     if (isnan(u)) {
-        return !p->word && lac_case_get(sweep->base, p->key, &value, NULL) == LAC_OK ? value : NAN;
+        char key[LAC_SWEEP_KEY];
+        (void)lac_swept_key(p, 0, key);
+        return !p->word && lac_case_get(sweep->base, key, &value, NULL) == LAC_OK ? value : NAN;
     }
     return value_at(p, u);
 }
@@ -327,7 +360,7 @@ static lac_status set_words(lac_sweep *sweep, size_t member, lac_error *err)
         const char *text =
             param->word ? lac_sweep_text(sweep, p, member, room[p], sizeof room[p]) : NULL;
         if (text != NULL) {
-            sweep->overrides[n++] = (lac_override){param->key, text};
+            n = override(sweep, n, param, text);
             (void)fprintf(out, "%s=%s\n", param->key, text);
         }
     }
@@ -350,9 +383,10 @@ lac_status lac_sweep_case(lac_sweep *sweep, size_t member, const lac_case **c, l
     LAC_TRY_RETURN(set_words(sweep, member, err));
     for (size_t p = 0; p < sweep->params; p++) {
         const lac_swept *param = &sweep->param[p];
-        if (!param->word) {
+        char key[LAC_SWEEP_KEY];
+        for (size_t i = 0; !param->word && lac_swept_key(param, i, key); i++) {
             LAC_TRY_RETURN(
-                lac_case_set(sweep->current, param->key, lac_sweep_value(sweep, p, member), err));
+                lac_case_set(sweep->current, key, lac_sweep_value(sweep, p, member), err));
         }
     }
     *c = sweep->current;

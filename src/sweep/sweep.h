@@ -25,7 +25,7 @@ typedef struct lac_sweep_request {
 
 /// One key that varies.
 typedef struct lac_swept {
-    char *key, *said;  ///< "uniform(1 cm, 5 cm)"
+    char *key, *said;  ///< keys that take one value, + between them; "uniform(1 cm, 5 cm)"
     char unit[32];     ///< of its numbers
     bool number, word; ///< its values are numbers; the case takes it as a text only
     const struct lac_distribution *drawn; ///< NULL: a list
@@ -49,7 +49,7 @@ typedef struct lac_distribution {
 /// The index-th; NULL past the end.
 const lac_distribution *lac_distribution_get(size_t index);
 
-enum { LAC_SWEEP_AXES = 128 }; ///< at most
+enum { LAC_SWEEP_AXES = 128, LAC_SWEEP_KEY = 160 }; ///< at most; bytes of a key
 
 struct lac_sweep;
 
@@ -73,6 +73,7 @@ typedef struct lac_sweep {
     char *path, *text;       ///< of the base: its path, all of it resolved
     lac_override *overrides; ///< [count] copies, and room for those of a member
     size_t count;
+    char (*keys)[LAC_SWEEP_KEY]; ///< of those of a member
     const lac_design *design;
     size_t params, axes, members;
     lac_swept *param;  ///< [params]
@@ -116,6 +117,9 @@ const char *lac_sweep_text(const lac_sweep *sweep, size_t param, size_t member, 
 /// The case of a member, until the next is asked for.
 /// @return as lac_case_read, lac_case_set
 lac_status lac_sweep_case(lac_sweep *sweep, size_t member, const lac_case **c, lac_error *err);
+
+/// One of the keys that take its value. @return false: there is none of that index
+bool lac_swept_key(const lac_swept *param, size_t index, char key[LAC_SWEEP_KEY]);
 
 // Of the module: what is said of values.
 lac_status lac_swept_read(lac_swept *param, const char *said, lac_case *base, lac_error *err);

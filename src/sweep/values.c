@@ -289,13 +289,29 @@ static lac_status read_values(lac_swept *param, char *text, const lac_units *uni
     return LAC_OK;
 }
 
+bool lac_swept_key(const lac_swept *param, size_t index, char key[LAC_SWEEP_KEY])
+{
+    const char *at = param->key;
+    for (; index > 0 && at != NULL; index--) {
+        at = strchr(at, '+');
+        at = at != NULL ? at + 1 : NULL;
+    }
+    if (at != NULL) {
+        (void)snprintf(key, LAC_SWEEP_KEY, "%.*s", (int)strcspn(at, "+"), at);
+    }
+    return at != NULL;
+}
+
 // Its unit, where the case has it as a number that can be set.
 static void find_unit(lac_swept *param, lac_case *base)
 {
     lac_case_value found;
-    param->word = !lac_case_find(base, param->key, &found);
-    if (!param->word) {
-        (void)snprintf(param->unit, sizeof param->unit, "%s", found.param->unit);
+    char key[LAC_SWEEP_KEY];
+    for (size_t i = 0; lac_swept_key(param, i, key); i++) {
+        param->word = param->word || !lac_case_find(base, key, &found);
+        if (!param->word) {
+            (void)snprintf(param->unit, sizeof param->unit, "%s", found.param->unit);
+        }
     }
     param->number = true;
 }
@@ -305,6 +321,12 @@ static lac_status read_swept(lac_swept *param, const char *key, size_t length, c
 {
     *param = (lac_swept){.key = strndup(key, length), .said = strdup(values)};
     LAC_FAIL_MEMORY_IF(param->key == NULL || param->said == NULL, err);
+    for (const char *at = param->key; at != NULL; at = strchr(at + 1, '+')) {
+        const size_t longest = strcspn(at + 1, "+");
+        LAC_FAIL_IF(longest == 0 || longest + 2 > LAC_SWEEP_KEY, err, LAC_EINPUT,
+                    "--over: \"%.*s\" must be a key of the case, or several with + between them",
+                    SHOWN, param->key);
+    }
     find_unit(param, base);
     return LAC_OK;
 }

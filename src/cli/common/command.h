@@ -14,8 +14,9 @@ enum {
 
 /// What each command does, a row each of the table in registry.c.
 typedef lac_status cli_action(const cli_request *request, lac_error *err);
-cli_action cli_run, cli_check, cli_contact, cli_rg, cli_precursors, cli_fit, cli_trade,
-    cli_report_page, cli_export, cli_watch, cli_mend, cli_new, cli_completion, cli_describe;
+cli_action cli_run, cli_check, cli_contact, cli_rg, cli_precursors, cli_fit, cli_trade, cli_sweep,
+    cli_gather, cli_report_page, cli_export, cli_watch, cli_mend, cli_new, cli_completion,
+    cli_describe;
 
 /// Prints what may stand in the place of the last word, one candidate a line: "WORD<Tab>MEANING". A
 /// line ":BEFORE<Tab>ENDINGS" says that a name of a file may, behind what is before it in the word:

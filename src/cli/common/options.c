@@ -77,7 +77,19 @@ const cli_option cli_options[] = {
     KEPT(TRADE, 0, "dials", "LIST", trade.settings,
          "rtol,method, or positions: rtol=1e-3:1e-6,levels"),
     KEPT(TRADE, 0, "crossed", NULL, trade.crossed, "every position of a dial with every other"),
-    KEPT(TRADE, 0, "jobs", "N", trade.jobs, "runs at a time (default: one a processor)"),
+    LISTED(SWEEP, 0, "over", "KEY=VALUES", over,
+           "vary: \"1 cm, 2 cm\", 1:100, \"uniform(1 cm, 5 cm)\"; may be repeated"),
+    KEPT(SWEEP, 0, "design", "DESIGN", sweep.design, "grid, random, lhs, sobol, saltelli, tornado"),
+    KEPT(SWEEP, 0, "members", "N", sweep.members, "runs in all, where the design leaves it open"),
+    KEPT(SWEEP, 0, "seed", "S", sweep.seed, "of what is drawn: 1"),
+    KEPT(SWEEP, 0, "table", "FILE.csv", sweep.table,
+         "keys that vary together: a column each (\"KEY:unit\"), a row a member's"),
+    KEPT(SWEEP, 0, "series", "AXIS", sweep.series,
+         "slip rates kept: time:50, rate:2 (when passed), left:2 (before failure)"),
+    KEPT(SWEEP, 0, "shard", "I/N", sweep.shard, "part I of N alone, from 0/N on: see gather"),
+    KEPT(SWEEP, 0, "member", "I", sweep.member, "this member alone, as it is in any part"),
+    KEPT(BY, 0, "by", "TIME", sweep.by, "of the probability of failure: \"2 year\", a date"),
+    KEPT(JOBS, 0, "jobs", "N", trade.jobs, "runs at a time (default: one a processor)"),
     KEPT(ACCURACY, 0, "accuracy", "ERROR", accuracy, "to keep: 1%; pilot runs pick the settings"),
     KEPT(STATE, 0, "state", "DIR", watch_state, "where to keep what a restart needs"),
     KEPT(VIEW, 0, "view", "[PORT]", view, "its page while it runs, on 127.0.0.1"),
@@ -247,6 +259,9 @@ static lac_status read_argument(const char *word, cli_request *request, lac_erro
         request->command = cli_find("", word, "command", cli_commands, sizeof *cli_commands, err);
         return request->command != NULL ? LAC_OK : LAC_EINPUT;
     }
+    if (request->command->most == CLI_MANY) {
+        return keep_word(&request->files, word, err);
+    }
     LAC_FAIL_IF(request->count >= request->command->most, err, LAC_EINPUT,
                 "%s: \"%.60s\" is one argument too many", request->command->name, word);
     request->argument[request->count++] = word;
@@ -291,7 +306,7 @@ static lac_status check_request(const cli_request *request, lac_error *err)
     LAC_FAIL_IF(request->displacements.n > 1 && (command->options & CLI_OPT_FORECAST) == 0, err,
                 LAC_EINPUT, "--displacement: %s takes one column, and %zu were named",
                 command->name, request->displacements.n);
-    LAC_FAIL_IF(request->count < command->least, err, LAC_EINPUT,
+    LAC_FAIL_IF(request->count + request->files.n < command->least, err, LAC_EINPUT,
                 "%s: %s is missing; see lacuna %s --help", command->name, command->arguments,
                 command->name);
     return LAC_OK;
@@ -349,6 +364,7 @@ void cli_request_clear(cli_request *request)
             free((void *)((cli_words *)((char *)request + o->words))->word);
         }
     }
+    free((void *)request->files.word);
     free(request->command_line);
     *request = (cli_request){0};
 }

@@ -28,6 +28,9 @@ enum {
     CLI_OPT_RESUME = 1 << 21,
     CLI_OPT_SERIES = 1 << 22,   ///< how a monitoring file is read
     CLI_OPT_FORECAST = 1 << 23, ///< how forecasts are made and judged
+    CLI_OPT_JOBS = 1 << 13,     ///< processes at a time
+    CLI_OPT_SWEEP = 1 << 24,    ///< what is varied, and how
+    CLI_OPT_BY = 1 << 25,       ///< of a probability of failure
     CLI_OPT_TRADE = 1 << 26,    ///< what is traded, and for what
     CLI_OPT_ACCURACY = 1 << 27, ///< of a run
     CLI_OPT_COMPARE = 1 << 28,
@@ -36,7 +39,7 @@ enum {
                      CLI_OPT_NO_PROGRESS | CLI_OPT_HELP | CLI_OPT_VERSION,
 };
 
-enum { CLI_MAX_ARGUMENTS = 2 };
+enum { CLI_MAX_ARGUMENTS = 2, CLI_MANY = 1 << 20 }; ///< any number
 
 /// One option.
 typedef struct cli_option {
@@ -96,6 +99,10 @@ typedef struct cli_trade_words {
     const char *quantity, *reach, *budget, *settings, *crossed, *jobs;
 } cli_trade_words;
 
+typedef struct cli_sweep_words {
+    const char *design, *members, *seed, *by, *table, *series, *shard, *member;
+} cli_sweep_words;
+
 /// What the command line asks for. Texts are borrowed from argv unless said.
 struct cli_request {
     const cli_command *command; ///< NULL: only --help or --version
@@ -120,9 +127,12 @@ struct cli_request {
     lac_override *overrides; ///< [set_count]; keys owned, values borrowed from argv
     cli_words variables;     ///< --variable
     cli_words drivers;       ///< --driver
-    const char *csv;         ///< the only kind of tables so far
-    char *command_line;      ///< owned
-    char libraries[256];     ///< that the program runs with, their versions
+    cli_sweep_words sweep;
+    cli_words over;      ///< --over
+    cli_words files;     ///< arguments of a command that takes any number of them
+    const char *csv;     ///< the only kind of tables so far
+    char *command_line;  ///< owned
+    char libraries[256]; ///< that the program runs with, their versions
 };
 
 /// The libraries that the program runs with and their versions, on one line; without netCDF, whose

@@ -44,7 +44,20 @@ const cli_command cli_commands[] = {
      "precision; of a cascade contacts, shifts, field; of a contact levels. To -o FILE, else "
      "CASE-trade.nc here; tools/plot/plot_trade.py draws it.\n",
      "lacuna trade cases/vajont.yaml --reach 1% --dials rtol,method", 1, 1,
-     CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_RESUME | CLI_OPT_SET | CLI_OPT_TRADE, cli_trade},
+     CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_RESUME | CLI_OPT_SET | CLI_OPT_TRADE | CLI_OPT_JOBS,
+     cli_trade},
+    {"sweep", "CASE", "many runs of a case, and what they say together",
+     "Varies keys of the case by --over: lists and ranges (every value with every other), or "
+     "distributions (uniform, loguniform, normal, lognormal, triangular); keys joined by + take "
+     "one value. Prints how likely it fails, when, and what decides. To -o FILE, else "
+     "CASE-sweep.nc here; lacuna report FILE draws it.\n",
+     "lacuna sweep cases/block.yaml --over friction.aging.dc='uniform(10 um, 20 um)'", 1, 1,
+     CLI_OPT_WRITES | CLI_OPT_RESUME | CLI_OPT_UNTIL | CLI_OPT_SET | CLI_OPT_SWEEP | CLI_OPT_BY |
+         CLI_OPT_JOBS,
+     cli_sweep},
+    {"gather", "SHARD.nc...", "the parts of a sweep as one file",
+     "Of lacuna sweep --shard 0/N to N-1/N, to -o FILE. All members must be there, once.\n",
+     "lacuna gather part-*.nc -o all.nc", 1, CLI_MANY, CLI_OPT_WRITES | CLI_OPT_BY, cli_gather},
     {"report", "RUN.nc|SERIES.csv", "a run, or readings, as one HTML page to look at",
      "To -o FILE, else NAME.html in this folder; it needs no network. Of a series it forecasts as "
      "precursors --rolling does, with the same options, and of the file that precursors left it "
@@ -53,7 +66,7 @@ const cli_command cli_commands[] = {
      "forecasts.\n",
      "lacuna report series.csv --displacement disp:mm", 1, 1,
      CLI_OPT_WRITES | CLI_OPT_COMPARE | CLI_OPT_SERIES | CLI_OPT_FORECAST | CLI_OPT_DRIVER |
-         CLI_OPT_UNTIL | CLI_OPT_SET,
+         CLI_OPT_UNTIL | CLI_OPT_SET | CLI_OPT_BY,
      cli_report_page},
     {"export", "FILE.nc", "what a file holds as tables for a spreadsheet",
      "A CSV for each set of dimensions (time.csv, issue-method.csv ...), to the folder -o, else to "

@@ -15,12 +15,14 @@
 #include "cli/precursors/precursors.h"
 #include "cli/precursors/series.h"
 #include "cli/report/report.h"
+#include "cli/sweep/answers.h"
 #include "data/json.h"
 #include "lacuna/version.h"
 #include "report/report.h"
 #include "store/store.h"
 #include "store/store_cells.h"
 #include "store/store_file.h"
+#include "sweep/ensemble.h"
 
 enum { LONGEST_CASE = 1 << 18 };
 
@@ -134,7 +136,7 @@ out:
     return status;
 }
 
-typedef enum input { RUN, FORECASTS, SERIES } input;
+typedef enum input { RUN, FORECASTS, SERIES, ENSEMBLE } input;
 
 static bool ends_in(const char *name, const char *ending)
 {
@@ -155,6 +157,15 @@ static lac_status look_at(const cli_request *request, input *out, lac_error *err
         (void)find_column(file, "issue_time", &issues, NULL);
     }
     lac_stored_file_close(file);
+    if (known && lac_ensemble_is(path)) {
+        *out = ENSEMBLE;
+        LAC_FAIL_IF(cli_given(request, CLI_OPT_COMPARE | CLI_OPT_SERIES | CLI_OPT_FORECAST |
+                                           CLI_OPT_DRIVER | CLI_OPT_UNTIL | CLI_OPT_SET),
+                    err, LAC_EINPUT, "%s: is the file of a sweep: it is shown alone", path);
+        return LAC_OK;
+    }
+    LAC_FAIL_IF(request->sweep.by != NULL, err, LAC_EINPUT,
+                "--by: is of the file of a sweep, which %s is not", path);
     const bool netcdf = lac_stored_is_netcdf(path) || ends_in(path, ".nc");
     *out = known ? (readings != NULL && issues != NULL ? FORECASTS : RUN)
                  : (netcdf && !columns ? RUN : SERIES);
@@ -207,6 +218,40 @@ static lac_status forecast(const cli_request *request, const char *page, char **
     return cli_precursors_file(request, *path, err);
 }
 
+// The page of a sweep, which needs no series.
+static lac_status write_ensemble(const cli_request *request, const char *path, lac_error *err)
+{
+    const char *file = request->argument[0];
+    lac_case *c = read_case(file);
+    lac_ensemble *e = NULL;
+    lac_answers *answers = NULL;
+    lac_sample sample;
+    double by = NAN;
+    lac_status status;
+    LAC_LEAVE_IF(request->sweep.by != NULL && c == NULL, err, LAC_EIO,
+                 "%s: holds no case that could be read", file);
+    LAC_TRY(request->sweep.by != NULL ? cli_sweep_by(request, c, &by, err) : LAC_OK);
+    LAC_TRY(lac_ensemble_read(file, &e, err));
+    LAC_TRY(lac_ensemble_sample(e, by, &sample, err));
+    LAC_TRY(lac_answers_create(&sample, &answers, err));
+    const lac_page_ensemble shown = {.sample = &sample,
+                                     .answers = answers,
+                                     .records = e->axis == LAC_SERIES_RATE ? 0 : e->records,
+                                     .place = e->place,
+                                     .label = e->axis == LAC_SERIES_LEFT ? "time left [s]" : NULL,
+                                     .rate = e->rate};
+    const lac_page_def def = {.run = file,
+                              .ensemble = &shown,
+                              .made_by = "lacuna " LACUNA_VERSION,
+                              .now = (double)time(NULL)};
+    LAC_TRY(lac_page_write(&def, path, cli_given(request, CLI_OPT_FORCE), err));
+out:
+    lac_answers_free(answers);
+    lac_ensemble_free(e);
+    lac_case_free(c);
+    return status;
+}
+
 static lac_status write_page(const cli_request *request, input what, const char *path,
                              lac_error *err)
 {
@@ -243,7 +288,8 @@ lac_status cli_report_page(const cli_request *request, lac_error *err)
     lac_status status;
     LAC_TRY(path != NULL ? cli_output_check(request, NULL, path, err) : lac_fail_memory(err));
     LAC_TRY(look_at(request, &what, err));
-    LAC_TRY(write_page(request, what, path, err));
+    LAC_TRY(what == ENSEMBLE ? write_ensemble(request, path, err)
+                             : write_page(request, what, path, err));
     if (cli_given(request, CLI_OPT_JSON)) {
         LAC_JSON_TEXTS(&(lac_json){.out = stdout}, "output", path);
     } else {

@@ -43,6 +43,10 @@ static void print_quantiles(const lac_answers *a)
     static const char *const label[] = {"5 % fail within", "25 %", "50 %", "75 %", "95 %"};
     for (size_t q = 0; q < LAC_ANSWERS_QUANTILES && a->counted > 0; q++) {
         const lac_quantile_answer *one = &a->quantile[q];
+        if (isinf(one->low)) {
+            cli_row(label[q], "never");
+            continue;
+        }
         cli_row(label[q], "%-12s (%s to %s)", amount(one->value, a->unit).s,
                 amount(one->low, a->unit).s, amount(one->high, a->unit).s);
     }

@@ -63,9 +63,11 @@ function rate(value, digits = 3) {
   return `${number(value * YEAR * 1e3, digits)}${THIN}mm/year`;
 }
 
+const angle = (value, digits = 4) => `${number((value * 180) / Math.PI, digits)}°`;
+
 // A quantity in words, by its SI unit.
 function quantity(value, unit) {
-  const known = { m: length, "m/s": rate, Pa: pressure, s: span, N: force }[unit];
+  const known = { m: length, "m/s": rate, rad: angle, Pa: pressure, s: span, N: force }[unit];
   return value === null || value === undefined ? "–" : known ? known(value) : `${number(value)}${unit === "1" ? "" : `${THIN}${unit}`}`;
 }
 

@@ -41,7 +41,7 @@ USES = {
     "sweep": ["simulation"],
     "report": ["store", "sweep"],
     "watch": ["case"],
-    "cli": ["simulation", "fit", "trade", "report", "watch"],
+    "cli": ["simulation", "fit", "trade", "report", "sweep", "watch"],
 }
 
 # What a module shares besides <module>.h; all other headers of src are its own.
@@ -60,7 +60,7 @@ SHARED = {
     "scene": {"estimate.h", "scene_rg.h"},
     "series": {"field.h", "line.h", "motion.h"},
     "store": {"recording.h", "store_cells.h", "store_file.h"},
-    "sweep": {"answers.h"},
+    "sweep": {"answers.h", "ensemble.h"},
     "trade": {"probe.h"},
 }
 

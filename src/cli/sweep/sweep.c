@@ -1,0 +1,335 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// lacuna sweep: many runs of a case in processes of the pool, all or a part of them, and what they
+// say together; lacuna gather: the parts put together.
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/archive.h"
+#include "cli/common/command.h"
+#include "cli/common/keep.h"
+#include "cli/common/output.h"
+#include "cli/common/pool.h"
+#include "cli/common/words.h"
+#include "cli/report/report.h"
+#include "cli/sweep/answers.h"
+#include "lacuna/version.h"
+#include "sweep/ensemble.h"
+
+// Members from `first` on, every so many.
+typedef struct part {
+    size_t first, stride, n;
+} part;
+
+typedef struct job {
+    const cli_request *request;
+    lac_sweep *sweep;
+    part of;
+    lac_member **member; // [n]; taken over by the ensemble
+    size_t next;
+    bool resume;
+    cli_keep keep;
+    char *path;
+} job;
+
+static size_t next_member(void *context)
+{
+    job *j = context;
+    while (j->next < j->of.n && j->member[j->next]->state != LAC_MEMBER_PENDING) {
+        j->next++;
+    }
+    return j->next < j->of.n ? j->next++ : CLI_POOL_NONE;
+}
+
+static lac_status make(void *context, size_t task, void *result, lac_error *err)
+{
+    const job *j = context;
+    return lac_member_run(j->sweep, j->of.first + task * j->of.stride, NULL, result, err);
+}
+
+static lac_status take(void *context, size_t task, const void *result, const cli_pool_end *end,
+                       lac_error *err)
+{
+    job *j = context;
+    lac_member *m = j->member[task];
+    if (result != NULL) {
+        memcpy(m, result, lac_member_size(j->sweep));
+        return cli_keep_add(&j->keep, (uint64_t)m->index, m, err);
+    }
+    // --resume makes it again: what killed its process need not be its own doing
+    lac_member_break(j->sweep, j->of.first + task * j->of.stride, m);
+    cli_pool_reason(end, m->message, sizeof m->message);
+    return LAC_OK;
+}
+
+static void take_over(void *context, uint64_t key, const void *content)
+{
+    job *j = context;
+    const size_t task = ((size_t)key - j->of.first) / j->of.stride;
+    if (key >= j->of.first && (key - j->of.first) % j->of.stride == 0 && task < j->of.n) {
+        memcpy(j->member[task], content, lac_member_size(j->sweep));
+    }
+}
+
+static lac_status read_number(const char *option, const char *text, uint64_t most, uint64_t *out,
+                              lac_error *err)
+{
+    char *end = NULL;
+    if (text != NULL) {
+        *out = strtoull(text, &end, 10);
+        LAC_FAIL_IF(*end != '\0' || text[strspn(text, "0123456789")] != '\0' || end == text ||
+                        *out > most,
+                    err, LAC_EINPUT, "%s: \"%.40s\" must be a whole number from 0 to %llu", option,
+                    text, (unsigned long long)most);
+    }
+    return LAC_OK;
+}
+
+static lac_status plan(const cli_request *request, lac_sweep **out, lac_error *err)
+{
+    lac_case *c = NULL;
+    uint64_t members = 0, seed = 1;
+    double end = NAN;
+    lac_status status;
+    LAC_TRY(read_number("--members", request->sweep.members, 1000000000, &members, err));
+    LAC_FAIL_IF(request->sweep.members != NULL && members == 0, err, LAC_EINPUT,
+                "--members: \"0\" must be 1 or more");
+    LAC_TRY(read_number("--seed", request->sweep.seed, UINT64_MAX - 1, &seed, err));
+    LAC_TRY(cli_case_read(request, LAC_FOR_RUN, &c, NULL, err)); // says what it warns of
+    LAC_TRY(cli_until(request, c, &end, err));
+    const lac_sweep_request ask = {.path = request->argument[0],
+                                   .overrides = request->overrides,
+                                   .count = request->set_count,
+                                   .over = request->over.word,
+                                   .varied = request->over.n,
+                                   .table = request->sweep.table,
+                                   .design = request->sweep.design,
+                                   .series = request->sweep.series,
+                                   .members = (int64_t)members,
+                                   .seed = seed,
+                                   .until = request->until != NULL ? end : NAN};
+    LAC_TRY(lac_sweep_create(&ask, out, err));
+    char *sums = cli_inputs_sums(c);
+    LAC_TRY(sums == NULL ? lac_fail_memory(err) : LAC_OK);
+    (*out)->mark = lac_sum_bytes((*out)->mark, sums, strlen(sums));
+    free(sums);
+out:
+    lac_case_free(c);
+    return status;
+}
+
+// "--shard 3/8": every eighth member from the third on; "--member 5": that one.
+static lac_status pick(const cli_request *request, size_t members, part *out, lac_error *err)
+{
+    const char *shard = request->sweep.shard, *slash = shard != NULL ? strchr(shard, '/') : NULL;
+    uint64_t index = 0, of = 1;
+    *out = (part){0, 1, members};
+    LAC_FAIL_IF(shard != NULL && request->sweep.member != NULL, err, LAC_EINPUT,
+                "--member: is one run, and --shard many: give one of them");
+    if (request->sweep.member != NULL) {
+        LAC_TRY_RETURN(read_number("--member", request->sweep.member, members - 1, &index, err));
+        *out = (part){(size_t)index, 1, 1};
+    }
+    if (shard == NULL) {
+        return LAC_OK;
+    }
+    char *end = NULL;
+    index = strtoull(shard, &end, 10);
+    const bool first = slash != NULL && end == slash && shard[0] >= '0' && shard[0] <= '9';
+    of = first ? strtoull(slash + 1, &end, 10) : 0;
+    LAC_FAIL_IF(!first || slash[1] < '0' || slash[1] > '9' || *end != '\0' || index >= of ||
+                    of > 1000000,
+                err, LAC_EINPUT,
+                "--shard: \"%.40s\" must be I/N, part I of N, counted from 0: 0/4 to 3/4", shard);
+    *out = (part){(size_t)index, (size_t)of, members > index ? (members - index - 1) / of + 1 : 0};
+    return LAC_OK;
+}
+
+static lac_status make_room(job *j, lac_error *err)
+{
+    j->member = calloc(j->of.n + 1, sizeof *j->member);
+    LAC_FAIL_MEMORY_IF(j->member == NULL, err);
+    for (size_t i = 0; i < j->of.n; i++) {
+        j->member[i] = calloc(1, lac_member_size(j->sweep));
+        LAC_FAIL_MEMORY_IF(j->member[i] == NULL, err);
+    }
+    return LAC_OK;
+}
+
+static lac_status compute(job *j, lac_error *err)
+{
+    cli_progress progress = {0};
+    cli_pool pool = {.what = "members",
+                     .total = j->of.n,
+                     .size = lac_member_size(j->sweep),
+                     .journal = lac_kept_file(j->keep.done),
+                     .context = j,
+                     .next = next_member,
+                     .work = make,
+                     .take = take};
+    lac_status status = cli_pool_jobs(j->request->trade.jobs, &pool.jobs, err);
+    for (size_t i = 0; i < j->of.n; i++) {
+        pool.done += j->member[i]->state != LAC_MEMBER_PENDING ? 1 : 0;
+    }
+    if (status == LAC_OK) {
+        cli_progress_start(&progress, j->request);
+        pool.progress = &progress;
+        status = cli_pool_run(&pool, err);
+    }
+    cli_progress_clear(&progress);
+    return status;
+}
+
+lac_status cli_sweep_by(const cli_request *request, const lac_case *c, double *by, lac_error *err)
+{
+    *by = NAN;
+    if (request->sweep.by == NULL) {
+        return LAC_OK;
+    }
+    const lac_status status = cli_parse_time(request->sweep.by, c, by, err);
+    return status == LAC_EINPUT ? lac_fail_within(err, status, "--by: \"%s\"", request->sweep.by)
+                                : status;
+}
+
+// Writes an ensemble and says what it says; of a part of a sweep how large it is.
+static lac_status put_out(const cli_request *request, lac_ensemble *e, double by, const char *path,
+                          lac_error *err)
+{
+    lac_sample sample;
+    lac_dataset *dataset = NULL;
+    lac_answers *answers = NULL;
+    lac_provenance made = {.title = e->title, .case_text = e->case_text, .seed = INT64_MIN};
+    lac_status status;
+    cli_sign(request, &made);
+    made.now = NAN; // another day's has the same bytes
+    if (e->n == e->members) {
+        LAC_TRY(lac_ensemble_sample(e, by, &sample, err));
+        LAC_TRY(lac_answers_create(&sample, &answers, err));
+    }
+    LAC_TRY(lac_ensemble_describe(e, answers, &dataset, err));
+    LAC_TRY(lac_store_dataset(path, cli_given(request, CLI_OPT_FORCE | CLI_OPT_RESUME), &made,
+                              dataset, err));
+    if (cli_given(request, CLI_OPT_JSON)) {
+        cli_print_json(dataset, path);
+    } else if (answers != NULL) {
+        cli_answers_print(answers);
+        cli_row("file", "%s", path);
+    } else {
+        cli_row("members", "%zu of %zu: lacuna gather puts the parts together", e->n, e->members);
+        cli_row("file", "%s", path);
+    }
+out:
+    lac_dataset_free(dataset);
+    lac_answers_free(answers);
+    return status;
+}
+
+// So that a script can be begun again whatever it had done, --resume begins where nothing is kept,
+// and leaves a file that has all members as it is.
+static lac_status name_file(job *j, bool *whole, lac_error *err)
+{
+    lac_ensemble *e = NULL;
+    char mark[sizeof e->mark];
+    cli_request plain = *j->request;
+    plain.given &= ~(unsigned)CLI_OPT_RESUME; // goes on from the folder, not from the file
+    plain.given |= j->resume ? (unsigned)CLI_OPT_FORCE : 0U;
+    LAC_TRY_RETURN(cli_output_path(&plain, j->sweep->base, NULL, "-sweep.nc", &j->path, err));
+    (void)snprintf(j->keep.folder, sizeof j->keep.folder, "%s.runs", j->path);
+    const bool kept = access(j->keep.folder, F_OK) == 0;
+    if (j->resume && !kept && access(j->path, F_OK) == 0) {
+        LAC_TRY_RETURN(lac_ensemble_read(j->path, &e, err));
+        (void)snprintf(mark, sizeof mark, "%016" PRIx64, j->sweep->mark);
+        *whole = strcmp(mark, e->mark) == 0 && e->n == j->of.n &&
+                 (e->n == 0 || (size_t)e->member[0]->index == j->of.first);
+        lac_ensemble_free(e);
+        LAC_FAIL_IF(!*whole, err, LAC_EINPUT,
+                    "--resume: %s: is of another sweep, or of another part of it; --force replaces "
+                    "it, -o names another file",
+                    j->path);
+    }
+    j->resume = j->resume && kept;
+    return LAC_OK;
+}
+
+static lac_status open_kept(job *j, lac_error *err)
+{
+    j->keep = (cli_keep){.command = "sweep", .size = lac_member_size(j->sweep), .every = 1.0};
+    j->keep.mark = lac_sum_bytes(j->sweep->mark, LACUNA_VERSION, strlen(LACUNA_VERSION));
+    return cli_keep_open(&j->keep, j->path, j->resume, take_over, j, err);
+}
+
+static void free_members(job *j)
+{
+    for (size_t i = 0; j->member != NULL && i < j->of.n; i++) {
+        free(j->member[i]);
+    }
+    free(j->member);
+}
+
+lac_status cli_sweep(const cli_request *request, lac_error *err)
+{
+    job j = {.request = request, .resume = cli_given(request, CLI_OPT_RESUME)};
+    lac_ensemble *ensemble = NULL;
+    bool whole = false;
+    double by;
+    lac_status status;
+    LAC_TRY(plan(request, &j.sweep, err));
+    LAC_TRY(cli_sweep_by(request, j.sweep->base, &by, err));
+    LAC_TRY(pick(request, j.sweep->members, &j.of, err));
+    LAC_TRY(name_file(&j, &whole, err));
+    if (whole) {
+        cli_say(request, "%s has all its members", j.path);
+        goto out;
+    }
+    LAC_TRY(make_room(&j, err));
+    LAC_TRY(open_kept(&j, err));
+    cli_say(request, "%zu members of %zu, by %s", j.of.n, j.sweep->members, j.sweep->design->name);
+    cli_signals_hold();
+    LAC_TRY(compute(&j, err));
+    lac_member **member = j.member;
+    j.member = NULL;
+    LAC_TRY(lac_ensemble_create(j.sweep, j.of.n, member, &ensemble, err));
+    LAC_TRY(put_out(request, ensemble, by, j.path, err));
+out:
+    cli_keep_close(&j.keep, status == LAC_OK);
+    lac_ensemble_free(ensemble);
+    free_members(&j);
+    lac_sweep_free(j.sweep);
+    free(j.path);
+    return status;
+}
+
+lac_status cli_gather(const cli_request *request, lac_error *err)
+{
+    const size_t n = request->files.n;
+    lac_ensemble **shard = calloc(n + 1, sizeof *shard), *all = NULL;
+    double by = NAN;
+    lac_status status;
+    LAC_TRY(shard == NULL ? lac_fail_memory(err) : LAC_OK);
+    LAC_LEAVE_IF(request->output == NULL, err, LAC_EINPUT, "gather: -o FILE is missing");
+    LAC_TRY(cli_output_check(request, NULL, request->output, err));
+    for (size_t k = 0; k < n; k++) {
+        LAC_TRY(lac_ensemble_read(request->files.word[k], &shard[k], err));
+    }
+    LAC_TRY(lac_ensemble_gather(n, shard, request->files.word, &all, err));
+    if (request->sweep.by != NULL) {
+        lac_case_issues report = {0};
+        lac_case *c = NULL;
+        status = lac_case_read_text("the sweep's case", all->case_text, strlen(all->case_text),
+                                    NULL, &c, &report, err);
+        status = status == LAC_OK ? cli_sweep_by(request, c, &by, err) : status;
+        lac_case_issues_clear(&report);
+        lac_case_free(c);
+        LAC_TRY(status);
+    }
+    LAC_TRY(put_out(request, all, by, request->output, err));
+out:
+    for (size_t k = 0; shard != NULL && k < n; k++) {
+        lac_ensemble_free(shard[k]);
+    }
+    free(shard);
+    lac_ensemble_free(all);
+    return status;
+}
