@@ -10,7 +10,7 @@ set(about_physics
   "case\\.test_(analysis|breaks|catalogue|driver|elastic|elastic_limits|events|extremes|fit|fit_friction|fractal|friction|geometry|history|loads|loads_over_joint)"
   "case\\.test_(precursors|readings|rg|safety|small_cases|sweep|trade|verdicts?|watch|weakening)|speed\\..*|case\\.costs")
 set(about_cli "unit\\.test_pool"
-  "case\\.test_(cli|completion|interface|valid_cases|wrong_cases|static_cases|verdict_levels)")
+  "case\\.test_(cli|cluster|completion|interface|valid_cases|wrong_cases|static_cases|verdict_levels)")
 set(about_data
   "unit\\.test_(dataset|door|load_files|netcdf|recording|store|store_.*|verdict_words)"
   "case\\.test_(domain_file|every_call|export|fit_resume|points|resume|rg_file)")

@@ -131,6 +131,9 @@ lacuna_python_test(test_watch)
 set(test_trade_files $<TARGET_FILE:at_call>)
 lacuna_python_test(test_trade)
 
+# Sweeps in shards, by hand and by the engines that are there; tools/install-packages --long brings all.
+set(test_cluster_files $<TARGET_FILE:at_call>)
+lacuna_python_test(test_cluster once)
 # Sweeps, their answers and their page.
 lacuna_python_test(test_sweep once)
 

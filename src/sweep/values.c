@@ -11,7 +11,6 @@
 #include <gsl/gsl_cdf.h>
 
 #include "base/units.h"
-#include "case/sections.h"
 #include "sweep/sweep.h"
 
 enum { MOST_VALUES = 1 << 20, SHOWN = 80 };

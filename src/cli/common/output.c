@@ -59,6 +59,7 @@ static bool is_read(const cli_request *request, const lac_case *c, const struct 
     const char *const named[] = {request->argument[0],
                                  request->argument[1],
                                  request->compare,
+                                 request->sweep.table,
                                  request->fit,
                                  request->forecast.case_file,
                                  request->forecast.levels,
@@ -67,6 +68,9 @@ static bool is_read(const cli_request *request, const lac_case *c, const struct 
     bool found = false;
     for (size_t i = 0; i < sizeof named / sizeof *named; i++) {
         found |= is_same(named[i], file);
+    }
+    for (size_t i = 0; i < request->files.n; i++) {
+        found |= is_same(request->files.word[i], file);
     }
     for (size_t i = 0; i < request->drivers.n; i++) {
         found |= is_driver(request->drivers.word[i], file);

@@ -18,10 +18,15 @@
 #include "cli/common/memory.h"
 #include "cli/common/words.h"
 
+// Of tasks that take less than this a worker has one more waiting, so that it never waits itself.
+static const double cheap = 0.05; // [s]
+enum { AHEAD = 2 };
+
 typedef struct worker {
     pid_t pid;
-    int from, to; // pipes of its answers and its tasks
-    size_t task;  // CLI_POOL_NONE: it has none
+    int from, to;       // pipes of its answers and its tasks
+    size_t count;       // tasks it has to answer
+    size_t task[AHEAD]; // [count] in order
 } worker;
 
 // Before a result, or before the error where the status is not LAC_OK.
@@ -32,8 +37,9 @@ typedef struct answer {
 
 typedef struct pool {
     cli_pool *ask;
-    worker at[CLI_POOL_JOBS]; // [busy]
-    size_t busy, before;      // before: tasks that were done when it began
+    worker at[CLI_POOL_JOBS];          // [busy]
+    size_t busy, before;               // before: tasks that were done when it began
+    size_t left[CLI_POOL_JOBS], lefts; // tasks that waited behind one that broke down
     double started;
     size_t room; // of what follows an answer [bytes]
     answer *heard;
@@ -110,6 +116,11 @@ static void work(const pool *p, size_t task, int from, int to)
     _exit(CLI_EXIT_DONE);
 }
 
+static size_t next_task(pool *p)
+{
+    return p->lefts > 0 ? p->left[--p->lefts] : p->ask->next(p->ask->context);
+}
+
 static lac_status launch(pool *p, size_t task, lac_error *err)
 {
     int answers[2] = {-1, -1}, tasks[2] = {-1, -1};
@@ -130,8 +141,22 @@ static lac_status launch(pool *p, size_t task, lac_error *err)
         (void)close(tasks[1]);
         return lac_fail(err, LAC_EIO, "a process cannot be begun: %s", strerror(why));
     }
-    p->at[p->busy++] = (worker){.pid = pid, .from = answers[0], .to = tasks[1], .task = task};
+    p->at[p->busy++] =
+        (worker){.pid = pid, .from = answers[0], .to = tasks[1], .count = 1, .task = {task}};
     return LAC_OK;
+}
+
+// Gives a worker what it is to do next. That it broke down is seen where its answer is missing.
+static void feed(pool *p, worker *w)
+{
+    const cli_pool *ask = p->ask;
+    const double each = (cli_clock() - p->started) / (double)(ask->done - p->before + 1);
+    const size_t most = ask->fresh ? 0 : each < cheap ? AHEAD : 1;
+    size_t task = 0;
+    while (w->count < most && (task = next_task(p)) != CLI_POOL_NONE) {
+        w->task[w->count++] = task;
+        (void)put_all(w->to, &task, sizeof task);
+    }
 }
 
 static double seconds(struct timeval t) { return (double)t.tv_sec + 1e-6 * (double)t.tv_usec; }
@@ -149,6 +174,9 @@ static void retire(pool *p, size_t k, cli_pool_end *end)
     end->signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
     end->cpu_time = seconds(usage.ru_utime) + seconds(usage.ru_stime);
     end->memory = peak(&usage);
+    while (w->count > 0) {
+        p->left[p->lefts++] = w->task[--w->count];
+    }
     *w = p->at[--p->busy];
 }
 
@@ -159,13 +187,14 @@ static lac_status finish(pool *p, size_t k, lac_error *err)
     worker *w = &p->at[k];
     const answer *said = p->heard;
     cli_pool_end end = {.cpu_time = NAN};
-    const size_t task = w->task;
+    const size_t task = w->task[0];
     end.answered = get_all(w->from, p->heard, sizeof *said + p->room);
     end.memory = said->memory;
-    w->task = end.answered && !ask->fresh ? ask->next(ask->context) : CLI_POOL_NONE;
-    if (w->task != CLI_POOL_NONE) { // what it did is taken over while it goes on
-        (void)put_all(w->to, &w->task, sizeof w->task);
-    } else {
+    memmove(w->task, w->task + 1, --w->count * sizeof *w->task);
+    if (end.answered) {
+        feed(p, w); // what it did is taken over while it goes on
+    }
+    if (!end.answered || w->count == 0) {
         retire(p, k, &end);
     }
     if (end.answered && said->status != LAC_OK) {
@@ -234,7 +263,7 @@ static lac_status run_all(pool *p, lac_error *err)
 {
     for (;;) {
         size_t task = 0;
-        while (has_room(p) && (task = p->ask->next(p->ask->context)) != CLI_POOL_NONE) {
+        while (has_room(p) && (task = next_task(p)) != CLI_POOL_NONE) {
             LAC_TRY_RETURN(launch(p, task, err));
         }
         if (p->busy == 0) {
@@ -257,6 +286,7 @@ lac_status cli_pool_run(cli_pool *ask, lac_error *err)
     while (p.busy > 0) {
         cli_pool_end end;
         (void)kill(p.at[p.busy - 1].pid, SIGKILL);
+        p.at[p.busy - 1].count = 0;
         retire(&p, p.busy - 1, &end);
     }
     free(p.heard);

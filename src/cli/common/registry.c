@@ -51,7 +51,7 @@ const cli_command cli_commands[] = {
      "distributions (uniform, loguniform, normal, lognormal, triangular); keys joined by + take "
      "one value. Prints how likely it fails, when, and what decides. To -o FILE, else "
      "CASE-sweep.nc here; lacuna report FILE draws it.\n",
-     "lacuna sweep cases/block.yaml --over friction.aging.dc='uniform(10 um, 20 um)'", 1, 1,
+     "lacuna sweep cases/block.yaml --over \"friction.aging.dc=1 mm, 2 mm\"", 1, 1,
      CLI_OPT_WRITES | CLI_OPT_RESUME | CLI_OPT_UNTIL | CLI_OPT_SET | CLI_OPT_SWEEP | CLI_OPT_BY |
          CLI_OPT_JOBS,
      cli_sweep},

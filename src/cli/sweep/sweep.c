@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // lacuna sweep: many runs of a case in processes of the pool, all or a part of them, and what they
 // say together; lacuna gather: the parts put together.
+#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/archive.h"
 #include "cli/common/command.h"
@@ -27,6 +29,7 @@ typedef struct job {
     part of;
     lac_member **member; // [n]; taken over by the ensemble
     size_t next;
+    bool resume;
     cli_keep keep;
     char *path;
 } job;
@@ -53,11 +56,12 @@ static lac_status take(void *context, size_t task, const void *result, const cli
     lac_member *m = j->member[task];
     if (result != NULL) {
         memcpy(m, result, lac_member_size(j->sweep));
-    } else {
-        lac_member_break(j->sweep, j->of.first + task * j->of.stride, m);
-        cli_pool_reason(end, m->message, sizeof m->message);
+        return cli_keep_add(&j->keep, (uint64_t)m->index, m, err);
     }
-    return cli_keep_add(&j->keep, (uint64_t)m->index, m, err);
+    // --resume makes it again: what killed its process need not be its own doing
+    lac_member_break(j->sweep, j->of.first + task * j->of.stride, m);
+    cli_pool_reason(end, m->message, sizeof m->message);
+    return LAC_OK;
 }
 
 static void take_over(void *context, uint64_t key, const void *content)
@@ -205,7 +209,8 @@ static lac_status put_out(const cli_request *request, lac_ensemble *e, double by
         LAC_TRY(lac_answers_create(&sample, &answers, err));
     }
     LAC_TRY(lac_ensemble_describe(e, answers, &dataset, err));
-    LAC_TRY(lac_store_dataset(path, cli_given(request, CLI_OPT_FORCE), &made, dataset, err));
+    LAC_TRY(lac_store_dataset(path, cli_given(request, CLI_OPT_FORCE | CLI_OPT_RESUME), &made,
+                              dataset, err));
     if (cli_given(request, CLI_OPT_JSON)) {
         cli_print_json(dataset, path);
     } else if (answers != NULL) {
@@ -221,19 +226,38 @@ out:
     return status;
 }
 
-static lac_status name_file(job *j, lac_error *err)
+// So that a script can be begun again whatever it had done, --resume begins where nothing is kept,
+// and leaves a file that has all members as it is.
+static lac_status name_file(job *j, bool *whole, lac_error *err)
 {
+    lac_ensemble *e = NULL;
+    char mark[sizeof e->mark];
     cli_request plain = *j->request;
     plain.given &= ~(unsigned)CLI_OPT_RESUME; // goes on from the folder, not from the file
-    return cli_output_path(&plain, j->sweep->base, NULL, "-sweep.nc", &j->path, err);
+    plain.given |= j->resume ? (unsigned)CLI_OPT_FORCE : 0U;
+    LAC_TRY_RETURN(cli_output_path(&plain, j->sweep->base, NULL, "-sweep.nc", &j->path, err));
+    (void)snprintf(j->keep.folder, sizeof j->keep.folder, "%s.runs", j->path);
+    const bool kept = access(j->keep.folder, F_OK) == 0;
+    if (j->resume && !kept && access(j->path, F_OK) == 0) {
+        LAC_TRY_RETURN(lac_ensemble_read(j->path, &e, err));
+        (void)snprintf(mark, sizeof mark, "%016" PRIx64, j->sweep->mark);
+        *whole = strcmp(mark, e->mark) == 0 && e->n == j->of.n &&
+                 (e->n == 0 || (size_t)e->member[0]->index == j->of.first);
+        lac_ensemble_free(e);
+        LAC_FAIL_IF(!*whole, err, LAC_EINPUT,
+                    "--resume: %s: is of another sweep, or of another part of it; --force replaces "
+                    "it, -o names another file",
+                    j->path);
+    }
+    j->resume = j->resume && kept;
+    return LAC_OK;
 }
 
 static lac_status open_kept(job *j, lac_error *err)
 {
-    j->keep = (cli_keep){.command = "sweep", .size = lac_member_size(j->sweep), .every = 10.0};
+    j->keep = (cli_keep){.command = "sweep", .size = lac_member_size(j->sweep), .every = 1.0};
     j->keep.mark = lac_sum_bytes(j->sweep->mark, LACUNA_VERSION, strlen(LACUNA_VERSION));
-    return cli_keep_open(&j->keep, j->path, cli_given(j->request, CLI_OPT_RESUME), take_over, j,
-                         err);
+    return cli_keep_open(&j->keep, j->path, j->resume, take_over, j, err);
 }
 
 static void free_members(job *j)
@@ -246,14 +270,19 @@ static void free_members(job *j)
 
 lac_status cli_sweep(const cli_request *request, lac_error *err)
 {
-    job j = {.request = request};
+    job j = {.request = request, .resume = cli_given(request, CLI_OPT_RESUME)};
     lac_ensemble *ensemble = NULL;
+    bool whole = false;
     double by;
     lac_status status;
     LAC_TRY(plan(request, &j.sweep, err));
     LAC_TRY(cli_sweep_by(request, j.sweep->base, &by, err));
     LAC_TRY(pick(request, j.sweep->members, &j.of, err));
-    LAC_TRY(name_file(&j, err));
+    LAC_TRY(name_file(&j, &whole, err));
+    if (whole) {
+        cli_say(request, "%s has all its members", j.path);
+        goto out;
+    }
     LAC_TRY(make_room(&j, err));
     LAC_TRY(open_kept(&j, err));
     cli_say(request, "%zu members of %zu, by %s", j.of.n, j.sweep->members, j.sweep->design->name);
@@ -282,8 +311,6 @@ lac_status cli_gather(const cli_request *request, lac_error *err)
     LAC_LEAVE_IF(request->output == NULL, err, LAC_EINPUT, "gather: -o FILE is missing");
     LAC_TRY(cli_output_check(request, NULL, request->output, err));
     for (size_t k = 0; k < n; k++) {
-        LAC_LEAVE_IF(strcmp(request->files.word[k], request->output) == 0, err, LAC_EINPUT,
-                     "-o: %s is one of the parts", request->output);
         LAC_TRY(lac_ensemble_read(request->files.word[k], &shard[k], err));
     }
     LAC_TRY(lac_ensemble_gather(n, shard, request->files.word, &all, err));

@@ -16,8 +16,8 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 84410,
-    "lines that only present results": 21520,
+    "lines of src and include": 84440,
+    "lines that only present results": 21550,
     "public headers": 13,
     "exported names": 43,
     "circles of includes": 0,

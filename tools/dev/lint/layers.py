@@ -38,7 +38,7 @@ USES = {
     "fit": ["scene"],
     "simulation": ["scene"],
     "trade": ["scene"],
-    "sweep": ["simulation"],
+    "sweep": ["simulation", "trade"],
     "report": ["store", "sweep"],
     "watch": ["case"],
     "cli": ["simulation", "fit", "trade", "report", "sweep", "watch"],
