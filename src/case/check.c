@@ -254,6 +254,8 @@ static void check_initial(lac_reader *reader, const lac_case *c)
 {
     const lac_initial_def *initial = &c->initial;
     bool scaled = initial->state == LAC_STATE_TIME || initial->state == LAC_STATE_RATIO;
+    (void)lac_refuse(reader, reader->purpose == LAC_FOR_FIT && c->from.file != NULL, "initial.run",
+                     "a fit begins at the start of its case");
     (void)lac_refuse(reader, HAS("initial.spread.slip_rate") && !HAS("initial.slip_rate"),
                      "initial.spread.slip_rate", "needs initial.slip_rate");
     (void)lac_refuse(
@@ -452,6 +454,7 @@ static unsigned beyond_run(const lac_reader *reader, const lac_case *c)
                                           "output.checkpoint", "output.compression",
                                           "output.precision",  "output.points"};
     unsigned beyond = (isnan(c->accuracy) ? 0U : (unsigned)LAC_BEYOND_ACCURACY) |
+                      (c->from.file != NULL ? (unsigned)LAC_BEYOND_START : 0U) |
                       (c->analysis.count > 0 ? (unsigned)LAC_BEYOND_ANALYSIS : 0U);
     for (size_t i = 0; i < sizeof written / sizeof written[0]; i++) {
         beyond |= lac_present(reader, written[i]) ? (unsigned)LAC_BEYOND_OUTPUT : 0U;

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a file of a run keeps for another run to go on from: its checkpoint, and the snapshots that
+// hold slip, slip rate and state of the cells.
+#include "store/past.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/date.h"
+#include "store/input.h"
+
+void lac_stored_past_clear(lac_stored_past *past)
+{
+    lac_stored_file_close(past->file);
+    lac_checkpoint_file_clear(&past->checkpoint);
+    free(past->case_text);
+    free(past->time);
+    *past = (lac_stored_past){0};
+}
+
+static bool has(const lac_stored_file *in, const char *name, nc_type *type)
+{
+    int id = 0;
+    return nc_inq_varid(in->id, name, &id) == NC_NOERR &&
+           nc_inq_vartype(in->id, id, type) == NC_NOERR;
+}
+
+// What every snapshot must hold.
+static const struct {
+    const char *name, *key;
+} needed[] = {{"cell_slip", "slip"}, {"cell_slip_rate", "slip_rate"}, {"cell_state", "state"}};
+
+static void find_lacks(lac_stored_past *past)
+{
+    nc_type type = NC_NAT;
+    char list[64] = "";
+    bool rough = false;
+    for (size_t i = 0; i < sizeof needed / sizeof *needed; i++) {
+        const bool there = has(past->file, needed[i].name, &type);
+        const size_t used = strlen(list);
+        (void)snprintf(list + used, sizeof list - used, "%s%s", used > 0 && !there ? ", " : "",
+                       there ? "" : needed[i].key);
+        rough = rough || (there && type != NC_DOUBLE);
+    }
+    if (list[0] != '\0') {
+        (void)snprintf(past->lacks, sizeof past->lacks,
+                       "keeps no fields [%s] of its cells: output.fields: [slip, slip_rate, state]",
+                       list);
+    } else if (rough) {
+        (void)snprintf(past->lacks, sizeof past->lacks,
+                       "keeps its cells in single precision: output.precision: double");
+    }
+}
+
+// Of a run that was killed the last ones may be torn.
+static lac_status find_snapshots(lac_stored_past *past, lac_error *err)
+{
+    lac_stored_values times = {0};
+    LAC_TRY_RETURN(lac_stored_file_values(past->file, "snapshot_time", &times, err));
+    past->time = times.value;
+    past->snapshots = past->lacks[0] == '\0' ? times.n : 0;
+    bool whole = false;
+    while (past->snapshots > 0 && !whole) {
+        whole = isfinite(past->time[past->snapshots - 1]);
+        for (size_t i = 0; whole && i < sizeof needed / sizeof *needed; i++) {
+            lac_stored_values cells = {0};
+            const ptrdiff_t row = (ptrdiff_t)past->snapshots - 1;
+            whole = lac_stored_file_row(past->file, needed[i].name, row, &cells, err) == LAC_OK;
+            for (size_t k = 0; whole && k < cells.n * cells.width; k++) {
+                whole = isfinite(cells.value[k]);
+            }
+            lac_stored_values_clear(&cells);
+        }
+        past->snapshots -= whole ? 0 : 1;
+    }
+    return LAC_OK;
+}
+
+// One that cannot be used, of another program or another file, is as none.
+static void find_checkpoint(const char *path, lac_stored_past *past)
+{
+    lac_error ignored = {""};
+    char begun[32];
+    lac_checkpoint_file *kept = &past->checkpoint;
+    past->has_checkpoint =
+        lac_checkpoint_file_read(path, kept, &ignored) == LAC_OK &&
+        strcmp(kept->program, lac_checkpoint_file_program()) == 0 &&
+        strcmp(lac_date_format(kept->begun, begun, sizeof begun), past->created) == 0;
+}
+
+lac_status lac_stored_past_open(const char *path, lac_stored_past *out, lac_error *err)
+{
+    lac_stored_values times = {0};
+    lac_status status;
+    *out = (lac_stored_past){0};
+    LAC_TRY(lac_stored_file_open(path, &out->file, err));
+    out->case_text = lac_nc_text_of(out->file->id, "case", out->file->size);
+    LAC_TRY(out->case_text != NULL ? LAC_OK : lac_fail_memory(err));
+    LAC_LEAVE_IF(*out->case_text == '\0' || !has(out->file, "time", &(nc_type){0}), err,
+                 LAC_EINPUT, "%s: is no run to go on from", path);
+    (void)lac_stored_file_text(out->file, NULL, "date_created", out->created, sizeof out->created);
+    LAC_TRY(lac_stored_file_series(out->file, "time", &times, err));
+    LAC_LEAVE_IF(times.n == 0, err, LAC_EINPUT, "%s: holds no record yet", path);
+    out->first = times.value[0];
+    out->last = times.value[times.n - 1];
+    find_lacks(out);
+    LAC_TRY(find_snapshots(out, err));
+    find_checkpoint(path, out);
+out:
+    lac_stored_values_clear(&times);
+    return status;
+}
+
+static lac_status read_cells(const lac_stored_past *past, const char *name, size_t snapshot,
+                             size_t n, double *out, lac_error *err)
+{
+    lac_stored_values cells = {0};
+    lac_status status = lac_stored_file_row(past->file, name, (ptrdiff_t)snapshot, &cells, err);
+    bool good = status == LAC_OK && cells.n * cells.width == n;
+    for (size_t i = 0; good && i < n; i++) {
+        out[i] = cells.value[i];
+        good = isfinite(out[i]);
+    }
+    lac_stored_values_clear(&cells);
+    LAC_FAIL_IF(status == LAC_OK && !good, err, LAC_EIO,
+                "%s: is damaged: lacks values of %s at snapshot %zu", past->file->path, name,
+                snapshot);
+    return status;
+}
+
+lac_status lac_stored_past_state(const lac_stored_past *past, size_t snapshot, bool vector,
+                                 lac_problem_state *state, lac_error *err)
+{
+    const size_t n = state->n;
+    const char *slip = vector ? "cell_slip_x" : "cell_slip";
+    LAC_TRY_RETURN(read_cells(past, slip, snapshot, n, state->slip[0], err));
+    if (vector) {
+        LAC_TRY_RETURN(read_cells(past, "cell_slip_y", snapshot, n, state->slip[1], err));
+    }
+    LAC_TRY_RETURN(read_cells(past, "cell_slip_rate", snapshot, n, state->rate, err));
+    LAC_TRY_RETURN(read_cells(past, "cell_state", snapshot, n, state->log_state, err));
+    for (size_t i = 0; i < n; i++) {
+        const double theta = state->log_state[i];
+        LAC_FAIL_IF(!(theta > 0.0), err, LAC_EIO, "%s: is damaged: cell_state of cell %zu is %g",
+                    past->file->path, i, theta);
+        state->log_state[i] = log(theta);
+    }
+    return LAC_OK;
+}
