@@ -49,9 +49,10 @@ void lac_problem_give(const lac_problem *problem, double t, const double *y, con
     }
     memcpy(state->log_state, y + n, bytes);
     memcpy(state->weak, y + lac_weaken_place(problem), state->modes * bytes);
-    memcpy(state->slip[0], problem->across != NULL ? y : slip, bytes);
+    const double *own = problem->kind->has_slip ? y + lac_problem_slip_place(problem) : slip;
+    memcpy(state->slip[0], problem->across != NULL ? y : own, bytes);
     if (problem->across != NULL) {
-        memcpy(state->slip[1], slip, bytes);
+        memcpy(state->slip[1], own, bytes);
     }
     lac_problem_rates(problem, t, y, state->rate, work);
 }
