@@ -174,7 +174,7 @@ struct lac_case {
     lac_model_list weakening; ///< besides friction
     lac_initial_def initial;  ///< rates and states are NULL: the scene makes them from the spread
     lac_heterogeneity_list initial_spread; ///< keys slip_rate and state
-    lac_from_def from;      ///< a run to go on from; file NULL: none
+    lac_from_def from;                     ///< a run to go on from; file NULL: none
     double initial_azimuth; ///< of a slip rate given with the state [rad]; NaN: along x
     lac_model transfer;
     bool dated;

@@ -16,7 +16,7 @@ static const char *words_of(const lac_node *node, char *text, size_t size)
 {
     const char *first = node != NULL && node->count > 0 ? node->child[0]->key : NULL;
     (void)snprintf(text, size, "%.90s%s",
-                   node == NULL                   ? ""
+                   node == NULL                    ? ""
                    : node->kind == LAC_NODE_SCALAR ? node->text
                    : first != NULL                 ? first
                    : node->count > 0               ? "[...]"
@@ -36,7 +36,7 @@ static void tell(const walk *w, const lac_node *before, const lac_node *after)
 // What is at the place of the child of a mapping or list in another one; NULL: nothing.
 static const lac_node *twin(const lac_node *child, size_t index, const lac_node *other)
 {
-    return child->key != NULL ? lac_node_child(other, child->key)
+    return child->key != NULL     ? lac_node_child(other, child->key)
            : index < other->count ? other->child[index]
                                   : NULL;
 }

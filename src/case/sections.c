@@ -88,15 +88,17 @@ static const lac_param initial_rows[] = {
                      "absent, steady where neither is given"),
     LAC_HEADING_ROW(FIELD(initial_azimuth)),
     LAC_OWN("spread", "{slip_rate: {MODEL: {...}}, state: {...}}: from cell to cell"),
-    LAC_OWN("run", "{file: RUN.nc, at: \"30 day\"}: go on from a run of the same cells, under these "
-                   "loads; its start and the rest of initial are those of that run"),
+    LAC_OWN("run",
+            "{file: RUN.nc, at: \"30 day\"}: go on from a run of the same cells, under these "
+            "loads; its start and the rest of initial are those of that run"),
 };
 
 static const lac_param from_rows[] = {
     LAC_PATH("file", FIELD(from.file), 0, "of the run, which keeps slip, slip_rate and state"),
-    LAC_TEXT("at", FIELD(from.at), LAC_OPTIONAL,
-             "when: a time since its start, a date, the number of a snapshot from 0, or last, as if "
-             "absent; between snapshots it is run on to there under its own loads"),
+    LAC_TEXT(
+        "at", FIELD(from.at), LAC_OPTIONAL,
+        "when: a time since its start, a date, the number of a snapshot from 0, or last, as if "
+        "absent; between snapshots it is run on to there under its own loads"),
 };
 
 static const lac_param time_rows[] = {

@@ -138,7 +138,8 @@ lac_status lac_problem_state_create(const lac_problem *problem, lac_problem_stat
                                     lac_error *err);
 void lac_problem_state_clear(lac_problem_state *state);
 
-/// What y says, with slip beside it where that is no unknown. @param state  of lac_problem_state_create
+/// What y says, with slip beside it where that is no unknown. @param state  of
+/// lac_problem_state_create
 void lac_problem_give(const lac_problem *problem, double t, const double *y, const double *slip,
                       lac_problem_state *state, double *work);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A state without its formulation: what another problem of the same cells goes on from. Slip and
-// state of the cells stay as they are; what they carry, and with it their slip rates, is the load of
-// the problem that takes it; docs/theory/restart.md.
+// state of the cells stay as they are; what they carry, and with it their slip rates, is the load
+// of the problem that takes it; docs/theory/restart.md.
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -138,8 +138,7 @@ lac_status lac_run_state_resume(lac_run_state *r, lac_error *err)
     LAC_FAIL_MEMORY_IF(archive.no_memory, err);
     const bool alone = r->def->reached != NULL; // what sinks kept is left
     LAC_FAIL_IF(!lac_archive_good(&archive) || (archive.at != archive.size && !alone), err,
-                LAC_EINPUT,
-                "the checkpoint does not fit this case and program");
+                LAC_EINPUT, "the checkpoint does not fit this case and program");
     LAC_FAIL_IF(!(lac_engine_time(r->engine) < r->def->end) &&
                     !(alone && lac_engine_time(r->engine) == r->def->end),
                 err, LAC_EINPUT,

@@ -128,11 +128,11 @@ typedef struct lac_run_def {
     bool snapshots;
     bool cell_safety; ///< with the factor of safety of every cell
     lac_cadence snapshot;
-    lac_cadence checkpoint;             ///< planned ones, at the ends of steps; nothing set: none
-    const lac_checkpoint *resume;       ///< go on from it; NULL: from the start
-    const lac_run_start *start; ///< begin there; NULL: at t = 0, as the problem does
-    lac_run_start *reached;     ///< filled where the run comes to its `end`, which may be where it
-                                ///< goes on from, and to be cleared; NULL: not asked
+    lac_cadence checkpoint;       ///< planned ones, at the ends of steps; nothing set: none
+    const lac_checkpoint *resume; ///< go on from it; NULL: from the start
+    const lac_run_start *start;   ///< begin there; NULL: at t = 0, as the problem does
+    lac_run_start *reached; ///< filled where the run comes to its `end`, which may be where it
+                            ///< goes on from, and to be cleared; NULL: not asked
     bool (*interrupted)(void *context); ///< asked after every step; NULL: never
     void (*progress)(void *context, const lac_progress *progress); ///< after every step; NULL
     void *context;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Runs that begin in the midst of time, and what they begin from: where another run came to, or what
-// a snapshot of one tells; docs/theory/restart.md.
+// Runs that begin in the midst of time, and what they begin from: where another run came to, or
+// what a snapshot of one tells; docs/theory/restart.md.
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -50,7 +50,8 @@ void lac_run_state_start_clocks(lac_run_state *r)
     for (size_t i = 0; start != NULL && i < 3; i++) {
         lac_run_clock *clock = clocks[i];
         const double now = lac_engine_time(r->engine);
-        if (start->same && memcmp(&clock->every, &start->clock[i].every, sizeof clock->every) == 0) {
+        if (start->same &&
+            memcmp(&clock->every, &start->clock[i].every, sizeof clock->every) == 0) {
             *clock = start->clock[i];
         } else if (!isnan(clock->every.time)) {
             clock->count = (int64_t)floor(now / clock->every.time);

@@ -65,11 +65,11 @@ typedef struct finding {
 
 static void on_change(void *context, const char *key, const char *before, const char *after)
 {
-    static const char *const kept[] = {"interface", "initial",    "load.normal", "weakening",
+    static const char *const kept[] = {"interface",  "initial",      "load.normal", "weakening",
                                        "time.start", "load.history", NULL};
-    static const char *const beside[] = {"time",     "output",  "analysis",         "rg",
-                                         "fit",      "compare", "title",            "references",
-                                         "institution", "lacuna",  "solver.max_steps", NULL};
+    static const char *const beside[] = {
+        "time",        "output", "analysis",         "rg", "fit", "compare", "title", "references",
+        "institution", "lacuna", "solver.max_steps", NULL};
     static const char *const rock[] = {"transfer", "material", "solver.fft_planning", NULL};
     finding *f = context;
     if (below(key, "initial.run")) {
@@ -179,9 +179,10 @@ static lac_status find_place(lac_branch *b, lac_error *err)
     }
     const bool last = strcmp(at, "last") == 0;
     LAC_TRY_RETURN(last ? LAC_OK : parse_at(b, at, &b->time, err));
-    LAC_FAIL_IF(!last && !(b->time >= past->first && b->time <= past->last), err, LAC_EINPUT,
-                "initial.run.at: \"%s\", %.9g s, is not within the run in %s, from %.9g s to %.9g s",
-                at, b->time, file, past->first, past->last);
+    LAC_FAIL_IF(
+        !last && !(b->time >= past->first && b->time <= past->last), err, LAC_EINPUT,
+        "initial.run.at: \"%s\", %.9g s, is not within the run in %s, from %.9g s to %.9g s", at,
+        b->time, file, past->first, past->last);
     LAC_TRY_RETURN(find_kept(b, err));
     b->time = last ? b->from : b->time;
     return LAC_OK;
@@ -189,7 +190,8 @@ static lac_status find_place(lac_branch *b, lac_error *err)
 
 static void tell_plan(lac_branch *b)
 {
-    say(b, "goes on from %s at %.9g s", b->to->from.file, b->time);
+    const double day = 86400.0;
+    say(b, "goes on from %s at %.9g s (%.6g day)", b->to->from.file, b->time, b->time / day);
     if (b->snapshot != SIZE_MAX) {
         say(b, ", from its snapshot %zu", b->snapshot);
     } else {
@@ -263,8 +265,8 @@ static lac_status take_snapshot(const lac_branch *b, const lac_problem *problem,
 }
 
 // A run over no time, for what is kept at the time itself.
-static lac_status stand_still(const lac_branch *b, const lac_problem *problem,
-                              lac_run_start *start, lac_error *err)
+static lac_status stand_still(const lac_branch *b, const lac_problem *problem, lac_run_start *start,
+                              lac_error *err)
 {
     lac_run_start *out = (lac_run_start *)&b->start;
     const size_t unknowns = lac_problem_unknowns(problem), n = start->state.n;
@@ -329,8 +331,8 @@ static lac_status observe(const lac_branch *b, const lac_problem *problem, bool 
                                .y = b->start.y,
                                .slip = b->start.slip,
                                .formulation = b->start.formulation};
-    const lac_status status = lac_run_start_take(to ? &b->start : &own, problem, y, y + unknowns,
-                                                 err);
+    const lac_status status =
+        lac_run_start_take(to ? &b->start : &own, problem, y, y + unknowns, err);
     if (status == LAC_OK) {
         double *work = y + unknowns + n;
         const double *slip =
@@ -366,13 +368,14 @@ static void tell_jump(lac_branch *b, const double before[2], const double after[
     if (b->same) {
         return;
     }
-    say(b, "; mean slip rate %.4g -> %.4g m/s, shear force %.6g -> %.6g N, slip and state of the "
-           "cells as they were",
+    say(b,
+        "; mean slip rate %.4g -> %.4g m/s, shear force %.6g -> %.6g N, slip and state of the "
+        "cells as they were",
         before[0], after[0], before[1], after[1]);
 }
 
-lac_status lac_branch_reach(lac_branch *b, const lac_simulation_options *options,
-                            lac_scene **scene, lac_error *err)
+lac_status lac_branch_reach(lac_branch *b, const lac_simulation_options *options, lac_scene **scene,
+                            lac_error *err)
 {
     double before[2], after[2];
     double *traction = NULL;

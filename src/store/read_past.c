@@ -98,8 +98,8 @@ lac_status lac_stored_past_open(const char *path, lac_stored_past *out, lac_erro
     LAC_TRY(lac_stored_file_open(path, &out->file, err));
     out->case_text = lac_nc_text_of(out->file->id, "case", out->file->size);
     LAC_TRY(out->case_text != NULL ? LAC_OK : lac_fail_memory(err));
-    LAC_LEAVE_IF(*out->case_text == '\0' || !has(out->file, "time", &(nc_type){0}), err,
-                 LAC_EINPUT, "%s: is no run to go on from", path);
+    LAC_LEAVE_IF(*out->case_text == '\0' || !has(out->file, "time", &(nc_type){0}), err, LAC_EINPUT,
+                 "%s: is no run to go on from", path);
     (void)lac_stored_file_text(out->file, NULL, "date_created", out->created, sizeof out->created);
     LAC_TRY(lac_stored_file_series(out->file, "time", &times, err));
     LAC_LEAVE_IF(times.n == 0, err, LAC_EINPUT, "%s: holds no record yet", path);

@@ -115,7 +115,7 @@ class Branch(unittest.TestCase):
     def from_snapshot(self, case, settings):
         dropped = ("output.fields", "output.checkpoint", "output.every", "output.precision", "analysis")
         settings = [s.replace("RECORD", self.path("record.nc")) for s in settings if not s.startswith(dropped)]
-        settings += [*KEPT, "output.fields_every={per_decade: 8, steps: 30}", "solver.rtol=1e-8"]
+        settings += [*KEPT, "output.every={steps: 1}", "output.fields_every={per_decade: 8, steps: 30}", "solver.rtol=1e-8"]
         self.lacuna("run", "-q", self.case(case), "-o", "whole.nc", *sets(settings))
         with netCDF4.Dataset(self.path("whole.nc")) as a:
             at = len(a["snapshot_time"]) // 2
@@ -176,6 +176,142 @@ class Branch(unittest.TestCase):
             with self.subTest(name):
                 self.setUp()
                 self.jumps_alike(friction, load % step, *settings)
+
+    def same_values(self, one, other):
+        a, b = (test_resume.contents(self.path(name))[0] for name in (one, other))
+        self.assertEqual(a, b)
+
+    def calm(self):
+        """A run of 10 days that keeps its cells every 15 hours: calm.nc."""
+        text = JUMP % {"friction": "aging: {f0: 0.6, a: 0.015, b: 0.010, dc: 1 mm, v0: 1 um/s}",
+                       "load": "shear: [{ratio: {value: 0.55}}]\n  pore_pressure: [{constant: {value: 10 kPa}}]"}
+        with open(self.path("calm.yaml"), "w", encoding="utf-8") as file:
+            file.write(text)
+        self.lacuna("run", "-q", "calm.yaml")
+
+    def test_what_is_refused(self):
+        self.calm()
+        last = len(netCDF4.Dataset(self.path("calm.nc"))["snapshot_time"]) - 1
+        out = ("-o", "b.nc", "--from", "calm.nc")
+        kept = "cannot become .* keeps its cells"
+        for pattern, words in (
+                (r'initial.run.at: "11 day", 950400 s, is not within the run in calm.nc, from 0 s to 864000 s', ("--at", "11 day")),
+                ('"-1 s", -1 s, is not within', ("--at", "-1 s")),
+                ("has no such snapshot as initial.run.at: %d: they are 0 to %d" % (last + 1, last), ("--at", str(last + 1))),
+                ('"soon" must be last, a time such as "30 day" or the number of a snapshot', ("--at", "soon")),
+                ("time.end: the run would end at 864000 s and goes on from calm.nc at 864000 s", ("--at", "last")),
+                ('interface.levels: "3" ' + kept, ("--at", "1 day", "--set", "interface.levels=4")),
+                ('interface.size: "8 m" ' + kept, ("--at", "1 day", "--set", "interface.size=9 m")),
+                ('load.normal.pressure.*' + kept, ("--at", "1 day", "--set", "load.normal.pressure=4 MPa")),
+                ('initial.state: .*' + kept, ("--at", "1 day", "--set", "initial.state=3 day")),
+                ('time.start: .*' + kept, ("--at", "1 day", "--set", "time.start=2 day")),
+                ('weakening: .*' + kept, ("--at", "1 day", "--set",
+                                          "weakening=[{dilatancy: {dilatancy: 1e-5, compressibility: 1e-9 1/Pa, drainage_time: 1 day}}]")),
+                ("initial.run: has no key|--until", ("--at", "1 day", "--until", "11 day"))):
+            with self.subTest(pattern):
+                self.refused(pattern, *out, *words)
+        self.refused("--at: says when of --from", "calm.yaml", "--at", "1 day")
+        self.refused("initial.run.file: is missing", "calm.yaml", "--set", "initial.run={at: 3 day}", "-o", "b.nc")
+        self.refused("is read by this case, must not be the output", "--from", "calm.nc", "--at", "1 day", "-o", "calm.nc", "--force")
+        self.refused("no.nc: No such file", "--from", "no.nc", "-o", "b.nc", status=3)
+        self.refused("calm.yaml: is not a netCDF file", "--from", "calm.yaml", "-o", "b.nc", status=3)
+        self.assertFalse(os.path.exists(self.path("b.nc")))
+
+    def test_what_a_file_lacks(self):
+        self.calm()
+        for setting, pattern in (
+                ("output.fields=[slip]", r"keeps no fields \[slip_rate, state\] of its cells: output.fields: \[slip, slip_rate, state\]; "
+                 "and output.fields_every: .* or output.checkpoint"),
+                ("output.precision=float", "keeps its cells in single precision: output.precision: double")):
+            self.lacuna("run", "-q", "calm.yaml", "--force", "-o", "less.nc", "--set", setting)
+            self.refused("less.nc: " + pattern, "--from", "less.nc", "--at", "1 day", "-o", "b.nc")
+        self.lacuna("contact", "-q", "calm.yaml", "-o", "contact.nc")
+        self.refused("contact.nc: is no run to go on from", "--from", "contact.nc", "-o", "b.nc")
+        with open(self.path("calm.nc"), "rb") as file:
+            whole = file.read()
+        for share in (0.3, 0.9):
+            with open(self.path("cut.nc"), "wb") as file:
+                file.write(whole[:int(share * len(whole))])
+            self.refused("cut.nc: is damaged", "--from", "cut.nc", "--at", "1 day", "-o", "b.nc", status=3)
+        with netCDF4.Dataset(self.path("calm.nc"), "a") as file:
+            file["cell_state"][3, 5] = -1.0
+        self.refused("damaged", "--from", "calm.nc", "--at", "3", "-o", "b.nc", status=3)
+
+    def test_slip_rate_and_state_that_fix_the_load(self):
+        self.lacuna("run", "-q", self.case("block.yaml"), "-o", "a.nc", *sets(KEPT))
+        self.branch("a.nc", "5 day", "load.pore_pressure=[{step: {value: 1 MPa, at: 3 day}}]")
+        self.refused("initial.slip_rate and initial.state fix the shear load", "--from", "a.nc", "--at", "5 day", "-o", "c.nc",
+                     "--set", "friction.aging.f0=0.5")
+
+    def test_between_snapshots_the_old_loads_hold(self):
+        """One block at constant load, and from 5 days on another a: closed form of docs/theory/creep.md, b = 0."""
+        text = ("lacuna: 1\nload: {normal: {pressure: 5 MPa}, shear: [{ratio: {value: 0.5}}, {step: {value: 0 Pa, at: 7 day}}]}\n"
+                "friction: {aging: {f0: 0.6, a: 0.01, b: 0, dc: 1 mm, v0: 1 um/s}}\ninitial: {state: 1 day}\n"
+                "time: {end: 20 day}\nsolver: {rtol: 1e-9}\n"
+                "output: {every: 1 day, fields: [slip, slip_rate, state], fields_every: 4 day}\n")
+        with open(self.path("a.yaml"), "w", encoding="utf-8") as file:
+            file.write(text)
+        self.lacuna("run", "-q", "a.yaml")
+        before = 1e-6 * math.exp((0.5 - 0.6) / 0.01)
+        for settings, after, jump in ((["load.shear.0.ratio.value=0.52"], 1e-6 * math.exp((0.52 - 0.6) / 0.01), 7),
+                                      (["friction.aging.a=0.02"], 1e-6 * math.exp((0.5 - 0.6) / 0.02), 7),
+                                      (["load.shear.1.step.value=50 kPa"], 1e-6 * math.exp((0.51 - 0.6) / 0.01), 7),
+                                      (["load.shear.1.step={value: 50 kPa, at: 5 day}"], 1e-6 * math.exp((0.51 - 0.6) / 0.01), 6)):
+            self.branch("a.nc", "6 day", *settings)
+            with netCDF4.Dataset(self.path("b.nc")) as b:
+                days = b["time"][:] / 86400
+                self.assertEqual(days[0], 6)
+                np.testing.assert_allclose(days, np.arange(6, 21), rtol=1e-14)
+                step = "step.value" in settings[0]
+                begins = 7 if step else 6
+                rate = np.where(days > begins, after, after if begins == 6 else before)
+                slip = 86400 * (before * np.minimum(days, begins) + after * np.maximum(days - begins, 0))
+                np.testing.assert_allclose(b["slip"][:], slip, rtol=1e-8)
+                np.testing.assert_allclose(b["slip_rate"][1:][days[1:] != begins], rate[1:][days[1:] != begins], rtol=1e-8)
+
+    def test_what_the_file_says(self):
+        self.calm()
+        text = self.lacuna("check", "--from", "calm.nc", "--at", "20 hour", "--set", "load.shear.0.ratio.value=0.56")
+        plan = " ".join(text.split("# Branch")[1].replace("#", " ").split())
+        self.assertEqual(plan, "goes on from calm.nc at 72000 s (0.833333 day), from its snapshot 1 at 54000 s, run on to there under its "
+                               "own loads; changed: load.shear.0.ratio.value: 0.55 -> 0.56")
+        said = json.loads(self.lacuna("check", "--from", "calm.nc", "--at", "20 hour", "--json"))
+        self.assertRegex(said["branch"], "nothing is changed$")
+        done = subprocess.run([test_resume.PROGRAM, "run", "--from", "calm.nc", "--at", "20 hour", "--set", "load.shear.0.ratio.value=0.56",
+                               "--no-progress"], cwd=self.folder, capture_output=True, text=True, check=True)
+        self.assertIn("lacuna: goes on from calm.nc", done.stderr)
+        with netCDF4.Dataset(self.path("calm-branch.nc")) as b, netCDF4.Dataset(self.path("calm.nc")) as a:
+            self.assertEqual((b.branch_file, b.branch_time_s, b.branch_changes),
+                             ("calm.nc", 72000, "load.shear.0.ratio.value: 0.55 -> 0.56"))
+            self.assertRegex(b.branch_case_sum, "^[0-9a-f]{16}$")
+            self.assertRegex(b.branch, "mean slip rate .* -> .* m/s, shear force .* -> .* N, slip and state of the cells as they were$")
+            self.assertIn('at: "20 hour"', b.case)
+            self.assertEqual(b["time"][0], 72000)
+            self.assertAlmostEqual(b["shear_force"][0] / a["shear_force"][0], 0.56 / 0.55, 12)
+            self.assertLess(b["balance_residual"][0], 1e-9)
+
+    def test_a_branch_is_a_run(self):
+        """It is kept, stopped and gone on with, branched off again, and made again by the case that its file holds."""
+        self.calm()
+        more = ("load.shear.0.ratio.value=0.56", "output.checkpoint={steps: 25}")
+        self.branch("calm.nc", "20 hour", *more, out="whole.nc")
+        words = ("--from", "calm.nc", "--at", "20 hour", "-o", "out.nc", "-q", *sets(more))
+        self.kill_after_checkpoints(2, *words, case="calm.yaml")
+        self.lacuna("run", "calm.yaml", "--resume", *words)
+        self.same_values("whole.nc", "out.nc")
+        with netCDF4.Dataset(self.path("whole.nc")) as file:
+            with open(self.path("again.yaml"), "w", encoding="utf-8") as text:
+                text.write(file.case)
+        self.lacuna("run", "-q", "again.yaml", "-o", "again.nc")
+        self.same_values("whole.nc", "again.nc")
+        self.branch("whole.nc", "3 day", "load.shear.0.ratio.value=0.55", out="second.nc")
+        with netCDF4.Dataset(self.path("second.nc")) as b:
+            self.assertEqual(b.branch_file, "whole.nc")
+            self.assertEqual(b["time"][0], 3 * 86400)
+        self.branch("calm.nc", "20 hour", "load.shear.0.ratio.value=0.56", "solver.accuracy=1%", out="near.nc")
+        with netCDF4.Dataset(self.path("near.nc")) as b, netCDF4.Dataset(self.path("whole.nc")) as a:
+            self.assertLess(abs(b["slip"][-1] / a["slip"][-1] - 1), 0.01)
+
 
 if __name__ == "__main__":
     test_resume.PROGRAM, test_resume.SOURCE, test_resume.STOP = (os.path.abspath(argument) for argument in sys.argv[1:4])

@@ -15,8 +15,8 @@ const cli_command cli_commands[] = {
      cli_run},
     {"check", "CASE", "validate a case, print it and what it will cost",
      "Lists all errors. The output is itself a case: every value in SI, defaults filled in.\n",
-     "lacuna check cases/vajont.yaml --set interface.levels=9", 1, 1,
-     CLI_OPT_SET | CLI_OPT_FROM, cli_check},
+     "lacuna check cases/vajont.yaml --set interface.levels=9", 1, 1, CLI_OPT_SET | CLI_OPT_FROM,
+     cli_check},
     {"contact", "CASE", "press the surface, measure its contact, and stop",
      "Writes maps, fractal measures and histories to -o FILE, else CASE-contact.nc here; -v prints "
      "every resolution, box side, cluster octave and specimen.\n",
