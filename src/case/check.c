@@ -254,8 +254,6 @@ static void check_initial(lac_reader *reader, const lac_case *c)
 {
     const lac_initial_def *initial = &c->initial;
     bool scaled = initial->state == LAC_STATE_TIME || initial->state == LAC_STATE_RATIO;
-    (void)lac_refuse(reader, reader->purpose == LAC_FOR_FIT && c->from.file != NULL, "initial.run",
-                     "a fit begins at the start of its case");
     (void)lac_refuse(reader, HAS("initial.spread.slip_rate") && !HAS("initial.slip_rate"),
                      "initial.spread.slip_rate", "needs initial.slip_rate");
     (void)lac_refuse(
