@@ -108,6 +108,26 @@ lac_status lac_check_def(const lac_run_def *def, lac_error *err)
     return LAC_OK;
 }
 
+// Slip of a start in the midst of time; NULL: none yet.
+static const double *slip_of(const lac_problem *problem, const lac_start_state *at)
+{
+    return lac_problem_has_slip(problem) ? at->y + lac_problem_slip_place(problem) : at->slip;
+}
+
+static lac_status check_slip(const lac_problem *problem, const lac_run_def *def,
+                             const lac_failure *failure, const lac_start_state *at, lac_error *err)
+{
+    const double *slip = slip_of(problem, at);
+    const double gone = slip != NULL ? lac_problem_mean_slip(problem, slip) : 0.0;
+    LAC_FAIL_IF(gone >= failure->slip, err, LAC_EINPUT,
+                "the mean slip at the start, %g m, is not below that of failure, %g m", gone,
+                failure->slip);
+    LAC_FAIL_IF(gone >= def->stop_slip, err, LAC_EINPUT,
+                "the mean slip at the start, %g m, is not below the one to stop at, %g m", gone,
+                def->stop_slip);
+    return LAC_OK;
+}
+
 // The slip at the start is 0, whatever the unknowns are, unless it is given.
 static lac_status check_safety(const lac_problem *problem, const lac_run_def *def,
                                const lac_start_state *at, double *work, lac_error *err)
@@ -121,9 +141,7 @@ static lac_status check_safety(const lac_problem *problem, const lac_run_def *de
                 "cells are together only at the ends of sweeps");
     double *none = calloc(lac_problem_cells(problem), sizeof *none);
     LAC_FAIL_MEMORY_IF(none == NULL, err);
-    const double *slip = lac_problem_has_slip(problem) ? at->y + lac_problem_slip_place(problem)
-                         : at->slip != NULL            ? at->slip
-                                                       : none;
+    const double *slip = slip_of(problem, at) != NULL ? slip_of(problem, at) : none;
     const double safety = lac_problem_safety(problem, at->t, at->y, slip, work);
     free(none);
     LAC_FAIL_IF(safety <= 0.0, err, LAC_EINPUT,
@@ -153,6 +171,7 @@ lac_status lac_check_start(const lac_problem *problem, const lac_run_def *def,
         max >= def->stop_rate, err, LAC_EINPUT,
         "the largest slip rate at the start, %g m/s, is not below the one to stop at, %g m/s", max,
         def->stop_rate);
+    LAC_TRY_RETURN(check_slip(problem, def, failure, at, err));
     LAC_TRY_RETURN(check_safety(problem, def, at, work, err));
     return lac_check_slipping(problem, at->y, at->t, work, err);
 }

@@ -43,6 +43,14 @@ lac_status lac_run_state_start(lac_run_state *r, lac_error *err)
     return lac_run_start_take(start, r->problem, engine->y, engine->slip, err);
 }
 
+// Whether numbers are the same, not given being one too.
+static bool alike(double a, double b) { return a == b || (isnan(a) && isnan(b)); }
+
+static bool same_cadence(const lac_cadence *a, const lac_cadence *b)
+{
+    return alike(a->time, b->time) && a->steps == b->steps && alike(a->per_decade, b->per_decade);
+}
+
 void lac_run_state_start_clocks(lac_run_state *r)
 {
     const lac_run_start *start = r->def->start;
@@ -50,8 +58,7 @@ void lac_run_state_start_clocks(lac_run_state *r)
     for (size_t i = 0; start != NULL && i < 3; i++) {
         lac_run_clock *clock = clocks[i];
         const double now = lac_engine_time(r->engine);
-        if (start->same &&
-            memcmp(&clock->every, &start->clock[i].every, sizeof clock->every) == 0) {
+        if (start->same && same_cadence(&clock->every, &start->clock[i].every)) {
             *clock = start->clock[i];
         } else if (!isnan(clock->every.time)) {
             clock->count = (int64_t)floor(now / clock->every.time);

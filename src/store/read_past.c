@@ -54,40 +54,49 @@ static void find_lacks(lac_stored_past *past)
     }
 }
 
+// Whether all values of a snapshot are there.
+static lac_status look_at(const lac_stored_past *past, size_t snapshot, bool *whole, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    *whole = isfinite(past->time[snapshot]);
+    for (size_t i = 0; *whole && i < sizeof needed / sizeof *needed; i++) {
+        lac_stored_values cells = {0};
+        status = lac_stored_file_row(past->file, needed[i].name, (ptrdiff_t)snapshot, &cells, err);
+        *whole = status == LAC_OK;
+        for (size_t k = 0; *whole && k < cells.n * cells.width; k++) {
+            *whole = isfinite(cells.value[k]);
+        }
+        lac_stored_values_clear(&cells);
+    }
+    return status == LAC_ENOMEM ? status : LAC_OK;
+}
+
 // Of a run that was killed the last ones may be torn.
 static lac_status find_snapshots(lac_stored_past *past, lac_error *err)
 {
     lac_stored_values times = {0};
+    bool whole = false;
     LAC_TRY_RETURN(lac_stored_file_values(past->file, "snapshot_time", &times, err));
     past->time = times.value;
     past->snapshots = past->lacks[0] == '\0' ? times.n : 0;
-    bool whole = false;
     while (past->snapshots > 0 && !whole) {
-        whole = isfinite(past->time[past->snapshots - 1]);
-        for (size_t i = 0; whole && i < sizeof needed / sizeof *needed; i++) {
-            lac_stored_values cells = {0};
-            const ptrdiff_t row = (ptrdiff_t)past->snapshots - 1;
-            whole = lac_stored_file_row(past->file, needed[i].name, row, &cells, err) == LAC_OK;
-            for (size_t k = 0; whole && k < cells.n * cells.width; k++) {
-                whole = isfinite(cells.value[k]);
-            }
-            lac_stored_values_clear(&cells);
-        }
+        LAC_TRY_RETURN(look_at(past, past->snapshots - 1, &whole, err));
         past->snapshots -= whole ? 0 : 1;
     }
     return LAC_OK;
 }
 
 // One that cannot be used, of another program or another file, is as none.
-static void find_checkpoint(const char *path, lac_stored_past *past)
+static lac_status find_checkpoint(const char *path, lac_stored_past *past, lac_error *err)
 {
-    lac_error ignored = {""};
+    lac_error why = {""};
     char begun[32];
     lac_checkpoint_file *kept = &past->checkpoint;
+    const lac_status status = lac_checkpoint_file_read(path, kept, &why);
     past->has_checkpoint =
-        lac_checkpoint_file_read(path, kept, &ignored) == LAC_OK &&
-        strcmp(kept->program, lac_checkpoint_file_program()) == 0 &&
+        status == LAC_OK && strcmp(kept->program, lac_checkpoint_file_program()) == 0 &&
         strcmp(lac_date_format(kept->begun, begun, sizeof begun), past->created) == 0;
+    return status == LAC_ENOMEM ? lac_fail_memory(err) : LAC_OK;
 }
 
 lac_status lac_stored_past_open(const char *path, lac_stored_past *out, lac_error *err)
@@ -107,7 +116,7 @@ lac_status lac_stored_past_open(const char *path, lac_stored_past *out, lac_erro
     out->last = times.value[times.n - 1];
     find_lacks(out);
     LAC_TRY(find_snapshots(out, err));
-    find_checkpoint(path, out);
+    LAC_TRY(find_checkpoint(path, out, err));
 out:
     lac_stored_values_clear(&times);
     return status;

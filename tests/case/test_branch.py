@@ -207,7 +207,11 @@ class Branch(unittest.TestCase):
                 ('time.start: .*' + kept, ("--at", "1 day", "--set", "time.start=2 day")),
                 ('weakening: .*' + kept, ("--at", "1 day", "--set",
                                           "weakening=[{dilatancy: {dilatancy: 1e-5, compressibility: 1e-9 1/Pa, drainage_time: 1 day}}]")),
-                ("initial.run: has no key|--until", ("--at", "1 day", "--until", "11 day"))):
+                ("the mean slip at the start, .* m, is not below the one to stop at, 1e-09 m",
+                 ("--at", "1 day", "--set", "time.stop_when.mean_slip=1 nm")),
+                ("the mean slip at the start, .* m, is not below that of failure, 1e-09 m",
+                 ("--at", "1 day", "--set", "time.failure.mean_slip=1 nm")),
+                ("time.end, 10 day|--until", ("--at", "1 day", "--until", "11 day"))):
             with self.subTest(pattern):
                 self.refused(pattern, *out, *words)
         self.refused("--at: says when of --from", "calm.yaml", "--at", "1 day")
