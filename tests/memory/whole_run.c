@@ -104,13 +104,12 @@ out:
     return status;
 }
 
-static const char begun[] =
-    "lacuna: 1\n"
-    "load: {normal: {pressure: 5e6}, shear: [{ratio: {value: 0.55}}]}\n"
-    "friction: {aging: {f0: 0.6, a: 0.015, b: 0.01, dc: 1e-3, v0: 1e-6}}\n"
-    "initial: {state: 1e6}\n"
-    "time: {end: 1e5}\n"
-    "output: {fields: [slip, slip_rate, state], fields_every: 2e4}\n";
+static const char begun[] = "lacuna: 1\n"
+                            "load: {normal: {pressure: 5e6}, shear: [{ratio: {value: 0.55}}]}\n"
+                            "friction: {aging: {f0: 0.6, a: 0.015, b: 0.01, dc: 1e-3, v0: 1e-6}}\n"
+                            "initial: {state: 1e6}\n"
+                            "time: {end: 1e5}\n"
+                            "output: {fields: [slip, slip_rate, state], fields_every: 2e4}\n";
 static const char source[] = "/tmp/lacuna-memory-branch.nc";
 
 void branch_prepare(void)

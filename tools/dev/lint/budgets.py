@@ -16,7 +16,7 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 85000,
+    "lines of src and include": 85060,
     "lines that only present results": 21560,
     "public headers": 13,
     "exported names": 43,
