@@ -124,18 +124,40 @@ static lac_status parse_at(const lac_branch *b, const char *at, double *time, la
                           at, b->to->dated ? ", a date" : "");
 }
 
+// The snapshots that hold all that the run needs. @param lacks  what they lack besides; NULL where
+// no snapshot could hold it; "": nothing
+static size_t usable_snapshots(const lac_branch *b, const char **lacks)
+{
+    lac_weakening_set weak = {0};
+    const lac_model_list *list = &b->source->weakening;
+    (void)lac_weakening_set_create(list->item, list->count, &weak, NULL); // read once already
+    *lacks = "";
+    for (size_t k = 0; *lacks != NULL && k < weak.count; k++) {
+        const char *field = lac_stored_past_field(&weak.item[k]);
+        *lacks = field == NULL || !lac_stored_past_has(&b->past, field) ? field : *lacks;
+    }
+    return *lacks != NULL && **lacks == '\0' ? b->past.snapshots : 0;
+}
+
 static lac_status fail_nothing(const lac_branch *b, lac_error *err)
 {
     const lac_stored_past *past = &b->past;
-    LAC_FAIL_IF(past->lacks[0] != '\0', err, LAC_EINPUT,
-                "%s: %s; and output.fields_every: as often as runs may branch off, or "
+    const char *file = b->to->from.file, *lacks;
+    (void)usable_snapshots(b, &lacks);
+    LAC_FAIL_IF(lacks == NULL, err, LAC_EINPUT,
+                "%s: weakening depends on more than its snapshots can keep: only the checkpoint of "
+                "a run that was stopped does, by output.checkpoint",
+                file);
+    LAC_FAIL_IF(past->lacks[0] != '\0' || lacks[0] != '\0', err, LAC_EINPUT,
+                "%s: %s%s%s; and output.fields_every: as often as runs may branch off, or "
                 "output.checkpoint, whose last one is kept until the run is complete",
-                b->to->from.file, past->lacks);
-    LAC_FAIL_IF(b->source->weakening.count > 0, err, LAC_EINPUT,
-                "%s: weakening depends on more than its snapshots keep: only the checkpoint of a "
-                "run that was stopped does, by output.checkpoint",
-                b->to->from.file);
-    return lac_fail(err, LAC_EINPUT, "%s: keeps no snapshot and no checkpoint%s", b->to->from.file,
+                file, past->lacks,
+                past->lacks[0] == '\0'
+                    ? "keeps no field that its weakening needs: output.fields: with "
+                : lacks[0] != '\0' ? " with "
+                                   : "",
+                lacks);
+    return lac_fail(err, LAC_EINPUT, "%s: keeps no snapshot and no checkpoint%s", file,
                     past->has_checkpoint ? " at or before that time" : "");
 }
 
@@ -144,7 +166,8 @@ static lac_status find_kept(lac_branch *b, lac_error *err)
 {
     const lac_stored_past *past = &b->past;
     const double kept = past->checkpoint.from.time;
-    const size_t snapshots = b->source->weakening.count > 0 ? 0 : past->snapshots;
+    const char *lacks;
+    const size_t snapshots = usable_snapshots(b, &lacks);
     bool found = false;
     for (size_t i = 0; i < snapshots && past->time[i] <= b->time; i++) {
         b->snapshot = i;
@@ -165,7 +188,8 @@ static lac_status find_place(lac_branch *b, lac_error *err)
     const char *at = b->to->from.at != NULL ? b->to->from.at : "last";
     const char *file = b->to->from.file;
     const bool index = at[0] != '\0' && at[strspn(at, "0123456789")] == '\0';
-    const size_t usable = b->source->weakening.count > 0 ? 0 : past->snapshots;
+    const char *lacks;
+    const size_t usable = usable_snapshots(b, &lacks);
     b->time = INFINITY;
     if (index) {
         const unsigned long long k = strtoull(at, NULL, 10);
@@ -190,8 +214,11 @@ static lac_status find_place(lac_branch *b, lac_error *err)
 
 static void tell_plan(lac_branch *b)
 {
-    const double day = 86400.0;
-    say(b, "goes on from %s at %.9g s (%.6g day)", b->to->from.file, b->time, b->time / day);
+    const double hour = 3600.0;
+    say(b, "goes on from %s at %.9g s", b->to->from.file, b->time);
+    if (b->time >= hour) {
+        say(b, " (%.6g day)", b->time / (24.0 * hour));
+    }
     if (b->snapshot != SIZE_MAX) {
         say(b, ", from its snapshot %zu", b->snapshot);
     } else {
@@ -260,8 +287,7 @@ static lac_status take_snapshot(const lac_branch *b, const lac_problem *problem,
 {
     start->origin = b->from;
     LAC_TRY_RETURN(lac_problem_state_create(problem, &start->state, err));
-    return lac_stored_past_state(&b->past, b->snapshot, lac_problem_is_vector(problem),
-                                 &start->state, err);
+    return lac_stored_past_state(&b->past, b->snapshot, problem, &start->state, err);
 }
 
 // A run over no time, for what is kept at the time itself.

@@ -23,9 +23,18 @@ typedef struct lac_stored_past {
 /// @return LAC_OK; LAC_EINPUT (not a run, or one without a record); LAC_EIO; LAC_ENOMEM
 lac_status lac_stored_past_open(const char *path, lac_stored_past *out, lac_error *err);
 
-/// The state of the cells at a snapshot. @param state  of the problem of the file's case
+/// The field over the cells that is all that a mechanism of weakening comes to, as its key of
+/// output.fields; NULL: it is more than one field, as waves of pressure and heat are.
+const char *lac_stored_past_field(const lac_weakening *of);
+
+/// Whether snapshots have a field of the cells, by that key.
+bool lac_stored_past_has(const lac_stored_past *past, const char *field);
+
+/// The state of the cells at a snapshot, which has what lac_stored_past_field says.
+/// @param state  of the problem of the file's case
 /// @return LAC_OK; LAC_EIO where it is damaged; LAC_ENOMEM
-lac_status lac_stored_past_state(const lac_stored_past *past, size_t snapshot, bool vector,
-                                 lac_problem_state *state, lac_error *err);
+lac_status lac_stored_past_state(const lac_stored_past *past, size_t snapshot,
+                                 const lac_problem *problem, lac_problem_state *state,
+                                 lac_error *err);
 
 void lac_stored_past_clear(lac_stored_past *past);

@@ -139,10 +139,42 @@ static lac_status read_cells(const lac_stored_past *past, const char *name, size
     return status;
 }
 
-lac_status lac_stored_past_state(const lac_stored_past *past, size_t snapshot, bool vector,
-                                 lac_problem_state *state, lac_error *err)
+const char *lac_stored_past_field(const lac_weakening *of)
+{
+    return of->modes.n != 1 ? NULL : of->kind->pore ? "excess_pore_pressure" : "broken_cohesion";
+}
+
+static const char *cells_of(const char *field, char name[64])
+{
+    (void)snprintf(name, 64, "cell_%s", field);
+    return name;
+}
+
+bool lac_stored_past_has(const lac_stored_past *past, const char *field)
+{
+    char name[64];
+    return has(past->file, cells_of(field, name), &(nc_type){0});
+}
+
+static lac_status read_weakening(const lac_stored_past *past, size_t snapshot,
+                                 const lac_weakening_set *weak, lac_problem_state *state,
+                                 lac_error *err)
+{
+    char name[64];
+    for (size_t k = 0; weak != NULL && k < weak->count; k++) {
+        const char *field = cells_of(lac_stored_past_field(&weak->item[k]), name);
+        double *to = state->weak + weak->item[k].first * state->n;
+        LAC_TRY_RETURN(read_cells(past, field, snapshot, state->n, to, err));
+    }
+    return LAC_OK;
+}
+
+lac_status lac_stored_past_state(const lac_stored_past *past, size_t snapshot,
+                                 const lac_problem *problem, lac_problem_state *state,
+                                 lac_error *err)
 {
     const size_t n = state->n;
+    const bool vector = lac_problem_is_vector(problem);
     const char *slip = vector ? "cell_slip_x" : "cell_slip";
     LAC_TRY_RETURN(read_cells(past, slip, snapshot, n, state->slip[0], err));
     if (vector) {
@@ -156,5 +188,5 @@ lac_status lac_stored_past_state(const lac_stored_past *past, size_t snapshot, b
                     past->file->path, i, theta);
         state->log_state[i] = log(theta);
     }
-    return LAC_OK;
+    return read_weakening(past, snapshot, lac_problem_weakening(problem), state, err);
 }

@@ -16,8 +16,8 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 85060,
-    "lines that only present results": 21560,
+    "lines of src and include": 85130,
+    "lines that only present results": 21605,
     "public headers": 13,
     "exported names": 43,
     "circles of includes": 0,
