@@ -111,6 +111,16 @@ class Branch(unittest.TestCase):
                 self.from_checkpoint(case, settings)
 
 
+    def test_events_that_begin_later_are_the_same(self):
+        self.from_checkpoint("events.yaml", ["analysis={events: {slip_rate: 1 mm/s}}", "interface.levels=3", "time.end=4 s",
+                                             "output.checkpoint={steps: 1500}"])
+        with netCDF4.Dataset(self.path("whole.nc")) as a, netCDF4.Dataset(self.path("b.nc")) as b:
+            later, own = (file["event_time"][:] > b.branch_time_s for file in (a, b))
+            self.assertGreater(later.sum(), 10)
+            for name in a.variables:
+                if a[name].dimensions == ("event",):
+                    np.testing.assert_array_equal(a[name][...][later], b[name][...][own], name)
+
     # From a snapshot: whatever the unknowns, the run that went on to its tolerance. What the balance has drifted by is left behind.
     def from_snapshot(self, case, settings):
         dropped = ("output.fields", "output.checkpoint", "output.every", "output.precision", "analysis")
