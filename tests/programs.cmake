@@ -114,6 +114,8 @@ target_compile_options(at_call PRIVATE ${warnings})
 target_link_libraries(at_call PRIVATE ${CMAKE_DL_LIBS})
 set(test_resume_files $<TARGET_FILE:at_call>)
 lacuna_python_test(test_resume)
+set(test_branch_files $<TARGET_FILE:at_call>)
+lacuna_python_test(test_branch)
 lacuna_python_test(test_points)
 
 # What is left where a program is killed, or a file call fails, at each of them in turn.

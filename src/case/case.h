@@ -110,6 +110,12 @@ typedef struct lac_fit_def {
     int64_t walkers, steps, burn, rounds, seed;
 } lac_fit_def;
 
+/// A run that another one goes on from.
+typedef struct lac_from_def {
+    char *file; ///< already relative to the working folder
+    char *at;   ///< last, a time, a date or the number of a snapshot; NULL: last
+} lac_from_def;
+
 /// What `lacuna rg` does with the interface.
 typedef struct lac_rg_def {
     bool named;       ///< the case has the section
@@ -169,6 +175,7 @@ struct lac_case {
     lac_model_list weakening; ///< besides friction
     lac_initial_def initial;  ///< rates and states are NULL: the scene makes them from the spread
     lac_heterogeneity_list initial_spread; ///< keys slip_rate and state
+    lac_from_def from;                     ///< a run to go on from; file NULL: none
     double initial_azimuth; ///< of a slip rate given with the state [rad]; NaN: along x
     lac_model transfer;
     bool dated;
@@ -238,6 +245,14 @@ bool lac_case_implies_safety(const lac_case *c);
 /// Whether nothing that the case names of solver and inertia is against solver.fidelity events; of
 /// its law, loads and transfer lac_run_async_follows tells.
 bool lac_case_admits_events(const lac_case *c);
+
+/// Told what differs between two cases, keys in order. @param before, after  "" where there is none
+typedef void lac_case_change(void *context, const char *key, const char *before, const char *after);
+
+/// Tells what differs between two cases as they are resolved.
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_case_compare(const lac_case *before, const lac_case *after, lac_case_change *change,
+                            void *context, lac_error *err);
 
 /// A real number of a case, where it is and what it may be.
 typedef struct lac_case_value {

@@ -452,6 +452,7 @@ static unsigned beyond_run(const lac_reader *reader, const lac_case *c)
                                           "output.checkpoint", "output.compression",
                                           "output.precision",  "output.points"};
     unsigned beyond = (isnan(c->accuracy) ? 0U : (unsigned)LAC_BEYOND_ACCURACY) |
+                      (c->from.file != NULL ? (unsigned)LAC_BEYOND_START : 0U) |
                       (c->analysis.count > 0 ? (unsigned)LAC_BEYOND_ANALYSIS : 0U);
     for (size_t i = 0; i < sizeof written / sizeof written[0]; i++) {
         beyond |= lac_present(reader, written[i]) ? (unsigned)LAC_BEYOND_OUTPUT : 0U;

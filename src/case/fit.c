@@ -206,6 +206,8 @@ void lac_check_fit(lac_reader *reader, lac_case *c)
     const size_t least = 2 * (fit->count + 3);
     const bool slides = fit->columns.displacement != NULL || fit->columns.components != NULL ||
                         fit->columns.within != NULL;
+    (void)lac_refuse(reader, reader->purpose == LAC_FOR_FIT && c->from.file != NULL, "initial.run",
+                     "a fit begins at the start of its case");
     if (lac_refuse(reader, !HAS("fit") && reader->purpose == LAC_FOR_FIT, "fit",
                    "is missing: what to estimate, such as {parameters: {friction.aging.dc: {range: "
                    "[\"0.1 mm\", \"1 m\"]}}, ...}") ||

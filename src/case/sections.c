@@ -88,6 +88,17 @@ static const lac_param initial_rows[] = {
                      "absent, steady where neither is given"),
     LAC_HEADING_ROW(FIELD(initial_azimuth)),
     LAC_OWN("spread", "{slip_rate: {MODEL: {...}}, state: {...}}: from cell to cell"),
+    LAC_OWN("run",
+            "{file: RUN.nc, at: \"30 day\"}: go on from a run of the same cells, under these "
+            "loads; its start and the rest of initial are those of that run"),
+};
+
+static const lac_param from_rows[] = {
+    LAC_PATH("file", FIELD(from.file), 0, "of the run, which keeps slip, slip_rate and state"),
+    LAC_TEXT(
+        "at", FIELD(from.at), LAC_OPTIONAL,
+        "when: a time since its start, a date, the number of a snapshot from 0, or last, as if "
+        "absent; between snapshots it is run on to there under its own loads"),
 };
 
 static const lac_param time_rows[] = {
@@ -340,6 +351,8 @@ static bool has_initial(const lac_case *c)
            !isnan(c->initial.slip_rate) || c->initial_spread.count > 0;
 }
 
+static bool has_from(const lac_case *c) { return c->from.file != NULL; }
+
 static bool has_stop(const lac_case *c)
 {
     return !isnan(c->run.stop_slip) || !isnan(c->run.stop_rate) || !isnan(c->run.stop_safety);
@@ -409,6 +422,8 @@ static const lac_part parts[] = {
      .fitted = true, .after = "transfer", .given = has_initial},
     {OWN("initial.state"), .after = "transfer", .read = lac_read_state, .put = lac_put_state},
     {PART(SPREADS, "initial.spread", initial_spread), .after = "transfer", .varied = started},
+    {RECORD("initial.run", "a run to go on from", from_rows), .after = "transfer",
+     .such = "{file: RUN.nc, at: \"30 day\"}", .given = has_from},
     {PART(SLOT, "transfer", transfer), .after = "solver", .model = LAC_KIND_TRANSFER},
     {RECORD("time", "start and end of the run", time_rows),
      .missing = "must be a time such as \"1 day\"", .missing_at = "time.end", .of_runs = true,

@@ -137,6 +137,9 @@ char **lac_case_file(const lac_case *c, size_t index)
             return path;
         }
     }
+    if (index == c->compare_count && c->from.file != NULL) {
+        return (char **)&c->from.file;
+    }
     return index < c->compare_count ? &c->compare[index].path : NULL;
 }
 

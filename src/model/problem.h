@@ -123,6 +123,35 @@ bool lac_problem_newton(const lac_problem *problem, double t, const double *y, d
 /// jumps. False where no rate balances the traction.
 bool lac_problem_jump(const lac_problem *problem, double t, double *y, double *work);
 
+/// A state without its formulation, which another problem of the same cells can go on from.
+typedef struct lac_problem_state {
+    size_t n, modes;   ///< cells, and unknowns of the weakening
+    double *slip[2];   ///< [n] along x and, of slip in two directions, y [m]; the first owns all
+    double *rate;      ///< [n] [m/s]
+    double *log_state; ///< [n] ln theta
+    double *share;     ///< [n] effective over total normal pressure [1]; NaN: not known, as after
+                       ///< create
+    double *weak;      ///< [modes][n]
+} lac_problem_state;
+
+lac_status lac_problem_state_create(const lac_problem *problem, lac_problem_state *state,
+                                    lac_error *err);
+void lac_problem_state_clear(lac_problem_state *state);
+
+/// What y says, with slip beside it where that is no unknown. @param state  of
+/// lac_problem_state_create
+void lac_problem_give(const lac_problem *problem, double t, const double *y, const double *slip,
+                      lac_problem_state *state, double *work);
+
+/// y of a problem whose slip and state are those. Its loads at t act at once, as where they jump:
+/// traction is q - K slip, and the slip rate what balances it, but of mass, whose rate stays;
+/// the state is another one where it responds to the normal pressure and that is another one.
+/// @param slip  [n] overwritten where it is no unknown
+/// @return LAC_OK; LAC_EINPUT where no rate balances the load; LAC_ENUMERIC where pore pressure
+///         lifts a cell; LAC_ENOMEM
+lac_status lac_problem_take(const lac_problem *problem, double t, const lac_problem_state *state,
+                            double *y, double *slip, lac_error *err);
+
 /// Moves y and slip onto the traction balance, which holds but for the drift of the integration:
 /// a cell's slip and slip rate change by the same fraction, docs/theory/creep.md eq. 10.
 /// Nothing where slip is an unknown: the balance holds. False where the transfer's solve fails.

@@ -71,6 +71,7 @@ static lac_status check_beyond(unsigned beyond, lac_error *err)
     } table[] = {
         {LAC_BEYOND_ACCURACY, "solver.accuracy: lac_run makes no pilot runs"},
         {LAC_BEYOND_ANALYSIS, "analysis: lac_run follows no indicators"},
+        {LAC_BEYOND_START, "initial.run: lac_run reads no other run"},
         {LAC_BEYOND_OUTPUT, "output: lac_run writes no file and keeps no fields"},
     };
     for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
@@ -107,9 +108,29 @@ lac_status lac_check_def(const lac_run_def *def, lac_error *err)
     return LAC_OK;
 }
 
-// The slip at the start is 0, whatever the unknowns are.
-static lac_status check_safety(const lac_problem *problem, const lac_run_def *def, const double *y,
-                               double *work, lac_error *err)
+// Slip of a start in the midst of time; NULL: none yet.
+static const double *slip_of(const lac_problem *problem, const lac_start_state *at)
+{
+    return lac_problem_has_slip(problem) ? at->y + lac_problem_slip_place(problem) : at->slip;
+}
+
+static lac_status check_slip(const lac_problem *problem, const lac_run_def *def,
+                             const lac_failure *failure, const lac_start_state *at, lac_error *err)
+{
+    const double *slip = slip_of(problem, at);
+    const double gone = slip != NULL ? lac_problem_mean_slip(problem, slip) : 0.0;
+    LAC_FAIL_IF(gone >= failure->slip, err, LAC_EINPUT,
+                "the mean slip at the start, %g m, is not below that of failure, %g m", gone,
+                failure->slip);
+    LAC_FAIL_IF(gone >= def->stop_slip, err, LAC_EINPUT,
+                "the mean slip at the start, %g m, is not below the one to stop at, %g m", gone,
+                def->stop_slip);
+    return LAC_OK;
+}
+
+// The slip at the start is 0, whatever the unknowns are, unless it is given.
+static lac_status check_safety(const lac_problem *problem, const lac_run_def *def,
+                               const lac_start_state *at, double *work, lac_error *err)
 {
     const lac_safety asked = lac_problem_safety_asked(problem);
     if (isnan(def->stop_safety) && !(asked.reference_rate > 0.0)) {
@@ -120,8 +141,8 @@ static lac_status check_safety(const lac_problem *problem, const lac_run_def *de
                 "cells are together only at the ends of sweeps");
     double *none = calloc(lac_problem_cells(problem), sizeof *none);
     LAC_FAIL_MEMORY_IF(none == NULL, err);
-    const double *slip = lac_problem_has_slip(problem) ? y + lac_problem_slip_place(problem) : none;
-    const double safety = lac_problem_safety(problem, 0.0, y, slip, work);
+    const double *slip = slip_of(problem, at) != NULL ? slip_of(problem, at) : none;
+    const double safety = lac_problem_safety(problem, at->t, at->y, slip, work);
     free(none);
     LAC_FAIL_IF(safety <= 0.0, err, LAC_EINPUT,
                 "the factor of safety at the start is %g: at so slow a reference rate the plain "
@@ -135,37 +156,44 @@ static lac_status check_safety(const lac_problem *problem, const lac_run_def *de
 }
 
 lac_status lac_check_start(const lac_problem *problem, const lac_run_def *def,
-                           const lac_failure *failure, const double *y, double *work,
+                           const lac_failure *failure, const lac_start_state *at, double *work,
                            lac_error *err)
 {
     double mean;
     double max;
-    lac_problem_speed(problem, 0.0, y, &mean, &max, work);
-    LAC_TRY_RETURN(lac_check_rates(problem, max, 0.0, work, err));
-    LAC_FAIL_IF(lac_problem_past_failure(problem, failure, 0.0, y, work) >= 0.0, err, LAC_EINPUT,
+    lac_problem_speed(problem, at->t, at->y, &mean, &max, work);
+    LAC_TRY_RETURN(lac_check_rates(problem, max, at->t, work, err));
+    LAC_FAIL_IF(lac_problem_past_failure(problem, failure, at->t, at->y, work) >= 0.0, err,
+                LAC_EINPUT,
                 "the mean slip rate at the start, %g m/s, is not below that of failure, %g m/s",
                 mean, failure->rate);
     LAC_FAIL_IF(
         max >= def->stop_rate, err, LAC_EINPUT,
         "the largest slip rate at the start, %g m/s, is not below the one to stop at, %g m/s", max,
         def->stop_rate);
-    LAC_TRY_RETURN(check_safety(problem, def, y, work, err));
-    return lac_check_slipping(problem, y, 0.0, work, err);
+    LAC_TRY_RETURN(check_slip(problem, def, failure, at, err));
+    LAC_TRY_RETURN(check_safety(problem, def, at, work, err));
+    return lac_check_slipping(problem, at->y, at->t, work, err);
 }
 
 lac_status lac_run_check(const lac_problem *problem, const lac_run_def *def, lac_error *err)
 {
     lac_status status = LAC_OK;
     LAC_TRY_RETURN(lac_check_def(def, err));
-    size_t unknowns = lac_problem_unknowns(problem);
-    double *y = calloc(unknowns + lac_problem_work(problem), sizeof *y);
+    const size_t unknowns = lac_problem_unknowns(problem), n = lac_problem_cells(problem);
+    double *y = calloc(unknowns + n + lac_problem_work(problem), sizeof *y);
     LAC_FAIL_MEMORY_IF(y == NULL, err);
+    lac_start_state at = {0.0, y, y + unknowns};
     lac_problem_initial(problem, y);
     if (def->fidelity == LAC_FIDELITY_ASYNC) {
         LAC_TRY(lac_engine_events_check(problem, err));
     }
+    if (def->start != NULL) {
+        at.t = def->start->origin + def->start->base;
+        LAC_TRY(lac_run_start_take(def->start, problem, y, y + unknowns, err));
+    }
     const lac_failure failure = lac_problem_failure(problem, def->failure_rate, def->failure_slip);
-    status = lac_check_start(problem, def, &failure, y, y + unknowns, err);
+    status = lac_check_start(problem, def, &failure, &at, y + unknowns + n, err);
 out:
     free(y);
     return status;

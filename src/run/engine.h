@@ -134,9 +134,15 @@ int64_t lac_newton_evaluations(SUNNonlinearSolver solver);
 // Whether a run can be asked for like this.
 lac_status lac_check_def(const lac_run_def *def, lac_error *err);
 
-// Whether a run can start from y: below its limits, and slipping.
+// What a run starts from.
+typedef struct lac_start_state {
+    double t;
+    const double *y, *slip; // slip where it is no unknown; NULL: none yet
+} lac_start_state;
+
+// Whether a run can start from it: below its limits, and slipping.
 lac_status lac_check_start(const lac_problem *problem, const lac_run_def *def,
-                           const lac_failure *failure, const double *y, double *work,
+                           const lac_failure *failure, const lac_start_state *at, double *work,
                            lac_error *err);
 
 // The largest slip rate must be one that every formulation can hold. @param v  [n] of all cells

@@ -292,29 +292,43 @@ static lac_status allocate_output(run *r, lac_error *err)
     return LAC_OK;
 }
 
-// Everything at t = 0: first record, first step, clocks.
+// The first step from where the run begins.
+static double begin_step(const run *r)
+{
+    const lac_run_def *def = r->def;
+    const double t = lac_engine_time(r->engine);
+    // A first step longer than an e-fold of the fastest cell could leap over its failure.
+    double h = own_step(r->engine);
+    h = isnan(def->first_step) ? h : fmin(def->first_step, 1e3 * h);
+    h = fmin(h, 0.5 * fmin(def->end - t, r->next_break - t));
+    return def->start != NULL && def->start->same ? def->start->first_step : h;
+}
+
+// Everything at the start: first record, first step, clocks.
 static lac_status begin(run *r, lac_error *err)
 {
     lac_engine *engine = r->engine;
     const lac_run_def *def = r->def;
+    if (def->start != NULL) {
+        LAC_TRY_RETURN(lac_run_state_start(r, err));
+    }
+    const double t = lac_engine_time(engine);
     measure_speed(r);
-    LAC_TRY_RETURN(
-        lac_check_start(r->problem, def, &engine->failure, engine->y, engine->work, err));
+    const lac_start_state at = {t, engine->y, engine->slip};
+    LAC_TRY_RETURN(lac_check_start(r->problem, def, &engine->failure, &at, engine->work, err));
     r->result->max_slip_rate = r->max_rate;
     r->record_clock = lac_clock_start(def->record, r->mean_rate);
     r->snapshot_clock = lac_clock_start(def->snapshot, r->mean_rate);
     LAC_TRY_RETURN(lac_run_state_watch(r, 0.0, err));
     r->checkpoint_clock = lac_clock_start(def->checkpoint, r->mean_rate);
+    lac_run_state_start_clocks(r);
     LAC_TRY_RETURN(lac_run_state_record(r, 0.0, engine->y, engine->slip, err));
     if (r->fields != NULL) {
         LAC_TRY_RETURN(lac_run_state_snapshot(r, 0.0, engine->y, engine->slip, err));
     }
-    r->next_break = lac_problem_next_break(r->problem, 0.0);
+    r->next_break = lac_problem_next_break(r->problem, t);
     engine->limit = nextafter(r->next_break, -INFINITY);
-    // A first step longer than an e-fold of the fastest cell could leap over its failure.
-    double h = own_step(engine);
-    h = isnan(def->first_step) ? h : fmin(def->first_step, 1e3 * h);
-    r->first_step = fmin(h, 0.5 * fmin(def->end, r->next_break));
+    r->first_step = begin_step(r);
     LAC_TRY_RETURN(lac_engine_restart(engine, r->first_step, err));
     if (lac_run_state_plans(def)) {
         LAC_TRY_RETURN(lac_run_state_checkpoint(r, true, err));
@@ -325,14 +339,29 @@ static lac_status begin(run *r, lac_error *err)
 // Takes up a run where its checkpoint left it. Times that a forced one already put out are over.
 static lac_status take_up(run *r, lac_error *err)
 {
-    lac_clock *clocks[] = {&r->record_clock, &r->snapshot_clock};
+    lac_run_clock *clocks[] = {&r->record_clock, &r->snapshot_clock};
     LAC_TRY_RETURN(lac_run_state_resume(r, err));
+    r->done = !(lac_engine_time(r->engine) < r->def->end); // there already
     for (size_t i = 0; i < 2; i++) {
         while (lac_clock_next(clocks[i]) <= lac_engine_time(r->engine)) {
             clocks[i]->count++;
         }
     }
     return lac_engine_restart(r->engine, r->first_step, err);
+}
+
+// Where the run came to, the loads that jump there behind it.
+static lac_status hand_over(run *r, lac_error *err)
+{
+    lac_engine *engine = r->engine;
+    if (engine->t >= lac_engine_inner(engine, r->next_break)) {
+        LAC_TRY_RETURN(cross_break(r, err));
+    }
+    if (r->steps > 0 && r->end == LAC_END_TIME) {
+        r->first_step = fmax(own_step(engine), r->broken ? 0.0 : 0.1 * engine->step);
+        move_origin(engine);
+    }
+    return r->end == LAC_END_TIME ? lac_run_state_reach(r, err) : LAC_OK;
 }
 
 static void finish(run *r, lac_status status)
@@ -379,6 +408,9 @@ lac_status lac_run(const lac_problem *problem, const lac_run_def *def, const lac
     LAC_TRY(integrate(&r, err));
     if (r.end == LAC_END_INTERRUPT) {
         LAC_TRY(interrupt(&r, err));
+    }
+    if (def->reached != NULL && r.end == LAC_END_TIME) {
+        LAC_TRY(hand_over(&r, err));
     }
 out:
     if (r.engine != NULL) {

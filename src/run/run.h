@@ -72,11 +72,38 @@ typedef struct lac_checkpoint {
     const unsigned char *state; ///< the engine's, then the sinks'
 } lac_checkpoint;
 
+/// Keeps track of when something is due next.
+typedef struct lac_run_clock {
+    lac_cadence every;
+    int64_t count;        ///< multiples of every.time passed
+    int64_t steps;        ///< since the last time it was due
+    double last_log_rate; ///< log10 of the mean rate then
+} lac_run_clock;
+
+/// Where a run came to, and where another one can begin: in the midst of time.
+typedef struct lac_run_start {
+    double origin, base; ///< their sum is the time [s]
+    lac_problem_state state;
+    bool same;        ///< as `y`, of the same problem but for solver and output: to the bit
+    double *y, *slip; ///< [unknowns], [n] of `formulation`; NULL: by `state` alone
+    lac_formulation formulation;
+    double first_step; ///< that the integrator would have begun anew with [s]
+    int64_t beginnings;
+    lac_run_clock clock[3]; ///< of records, snapshots, checkpoints
+} lac_run_start;
+
+void lac_run_start_clear(lac_run_start *start);
+
+/// y of a problem at the start, and slip where it is no unknown; as lac_problem_take.
+lac_status lac_run_start_take(const lac_run_start *start, const lac_problem *problem, double *y,
+                              double *slip, lac_error *err);
+
 /// What a case can ask of its run that lac_run does not do, and a simulation does: bits of
 /// lac_run_def.beyond.
 enum {
     LAC_BEYOND_ACCURACY = 1, ///< solver.accuracy: the settings that pilot runs pick
     LAC_BEYOND_ANALYSIS = 2, ///< analysis: a sink by lac_analysis_sink
+    LAC_BEYOND_START = 8,    ///< initial.run: the state that another run came to
     LAC_BEYOND_OUTPUT = 4,   ///< keys of output but `every`: what a sink does with what it gets
 };
 
@@ -101,8 +128,11 @@ typedef struct lac_run_def {
     bool snapshots;
     bool cell_safety; ///< with the factor of safety of every cell
     lac_cadence snapshot;
-    lac_cadence checkpoint;             ///< planned ones, at the ends of steps; nothing set: none
-    const lac_checkpoint *resume;       ///< go on from it; NULL: from the start
+    lac_cadence checkpoint;       ///< planned ones, at the ends of steps; nothing set: none
+    const lac_checkpoint *resume; ///< go on from it; NULL: from the start
+    const lac_run_start *start;   ///< begin there; NULL: at t = 0, as the problem does
+    lac_run_start *reached; ///< filled where the run comes to its `end`, which may be where it
+                            ///< goes on from, and to be cleared; NULL: not asked
     bool (*interrupted)(void *context); ///< asked after every step; NULL: never
     void (*progress)(void *context, const lac_progress *progress); ///< after every step; NULL
     void *context;

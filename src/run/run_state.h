@@ -7,27 +7,19 @@
 #include "run/engine.h"
 #include "run/run.h"
 
-// Keeps track of when something is due next.
-typedef struct lac_clock {
-    lac_cadence every;
-    int64_t count;        // multiples of every.time passed
-    int64_t steps;        // since the last time it was due
-    double last_log_rate; // log10 of the mean rate then
-} lac_clock;
-
-static inline lac_clock lac_clock_start(lac_cadence every, double mean_rate)
+static inline lac_run_clock lac_clock_start(lac_cadence every, double mean_rate)
 {
-    return (lac_clock){.every = every, .count = 1, .last_log_rate = log10(mean_rate)};
+    return (lac_run_clock){.every = every, .count = 1, .last_log_rate = log10(mean_rate)};
 }
 
 // The next exact time at which it is due [s]; INFINITY if it is not due by time.
-static inline double lac_clock_next(const lac_clock *clock)
+static inline double lac_clock_next(const lac_run_clock *clock)
 {
     return isnan(clock->every.time) ? INFINITY : (double)clock->count * clock->every.time;
 }
 
 // Whether it is due at the end of this step; by steps or by rate, not by time.
-static inline bool lac_clock_due(lac_clock *clock, double mean_rate)
+static inline bool lac_clock_due(lac_run_clock *clock, double mean_rate)
 {
     double log_rate = log10(mean_rate);
     clock->steps++;
@@ -54,7 +46,7 @@ typedef struct lac_run_state {
     const lac_sink *sink;
     lac_engine *engine;
     lac_run_result *result;
-    lac_clock record_clock, snapshot_clock, checkpoint_clock;
+    lac_run_clock record_clock, snapshot_clock, checkpoint_clock;
     lac_instant last_record, last_snapshot;
     double safety_time; // of the last record whose factor of safety is known [s]
     lac_instant looked; // whether time goes on; `local`: time gone since
@@ -113,6 +105,15 @@ bool lac_run_state_checkpoint_due(lac_run_state *r);
 
 // Hands a checkpoint to the sink, the integrator having begun anew there.
 lac_status lac_run_state_checkpoint(lac_run_state *r, bool planned, lac_error *err);
+
+// Puts the run where its def's start is, which does not begin at t = 0.
+lac_status lac_run_state_start(lac_run_state *r, lac_error *err);
+
+// The clocks of what is put out from there on: those of a run that goes on where all is the same.
+void lac_run_state_start_clocks(lac_run_state *r);
+
+// Fills def->reached at the end of the run.
+lac_status lac_run_state_reach(lac_run_state *r, lac_error *err);
 
 // Puts the run where its def's checkpoint left it, up to where the integrator begins anew.
 lac_status lac_run_state_resume(lac_run_state *r, lac_error *err);

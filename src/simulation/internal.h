@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
+#include "simulation/branch.h"
 #include "simulation/simulation.h"
 
 /// Picks rtol for c->accuracy, and the method and formulation that the case leaves open, by runs of

@@ -19,6 +19,7 @@ struct lac_simulation {
     lac_points *points;     // NULL where the case names none
     lac_analysis *analysis; // NULL where the case names no indicator
     lac_accuracy_pick accuracy;
+    lac_branch *branch; // NULL where the case goes on from no other run
     const lac_checkpoint *resume;
     char *case_text; // NULL: not asked for yet
     bool begun;
@@ -32,9 +33,22 @@ static void prepared(lac_simulation *s, lac_stage stage)
     }
 }
 
+// The scene, and what it begins from where it goes on from another run.
+static lac_status build_scene(lac_simulation *s, lac_error *err)
+{
+    if (s->source.from.file == NULL) {
+        return lac_scene_create(&s->source, NULL, &s->scene, err);
+    }
+    LAC_TRY_RETURN(lac_branch_open(&s->source, &s->branch, err));
+    LAC_TRY_RETURN(lac_branch_reach(s->branch, &s->options, &s->scene, err));
+    s->source.run.start = &s->branch->start;
+    s->outcome.branch = s->branch;
+    return LAC_OK;
+}
+
 static lac_status build(lac_simulation *s, lac_error *err)
 {
-    LAC_TRY_RETURN(lac_scene_create(&s->source, NULL, &s->scene, err));
+    LAC_TRY_RETURN(build_scene(s, err));
     s->outcome.scene = s->scene;
     if (s->source.points > 0) {
         LAC_TRY_RETURN(lac_points_create(s->scene->contact.domain, s->source.points,
@@ -103,6 +117,7 @@ void lac_simulation_free(lac_simulation *simulation)
     lac_analysis_free(simulation->analysis);
     lac_points_free(simulation->points);
     lac_scene_free(simulation->scene);
+    lac_branch_free(simulation->branch);
     lac_case_use *use = simulation->source.use;
     if (use != NULL && --use->simulations == 0 && use->freed) {
         free(use);
@@ -236,6 +251,13 @@ lac_status lac_simulation_file(lac_simulation *simulation, lac_store_def *out, l
                            .compression = c->compression,
                            .single = c->single != 0,
                            .sync_every = RECORDS_BETWEEN_SYNCS};
+    if (s->branch != NULL) {
+        out->provenance.branch = s->branch->text;
+        out->provenance.branch_file = c->from.file;
+        out->provenance.branch_changes = s->branch->changes;
+        out->provenance.branch_case_sum = s->branch->sum;
+        out->provenance.branch_time = s->branch->time;
+    }
     out->provenance.fidelity = lac_fidelity_name(c->run.fidelity);
     if (s->outcome.accuracy != NULL) {
         out->provenance.accuracy = s->accuracy.text;

@@ -42,6 +42,11 @@ lac_status lac_provenance_put(const lac_provenance *of, const char *summary, lac
         {"accuracy", of->accuracy, NAN},
         {"accuracy_asked", NULL, picked ? of->accuracy_asked : NAN},
         {"accuracy_estimated", NULL, picked ? of->accuracy_estimated : NAN},
+        {"branch", of->branch, NAN},
+        {"branch_file", of->branch_file, NAN},
+        {"branch_case_sum", of->branch_case_sum, NAN},
+        {"branch_changes", of->branch_changes, NAN},
+        {"branch_time_s", NULL, of->branch != NULL ? of->branch_time : NAN},
     };
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
         LAC_TRY_RETURN(put(to, all[i].name, all[i].text, all[i].number, false, err));

@@ -14,10 +14,13 @@ typedef struct lac_provenance {
     const char *fidelity;  ///< what a run resolved in time; NULL: there is no run
     const char *accuracy;  ///< what pilot runs picked for which error; NULL: nothing
     double accuracy_asked, accuracy_estimated; ///< relative; where `accuracy` is not NULL
-    const char *command_line;                  ///< for `history`
-    const char *libraries;                     ///< names and versions
-    int64_t seed;                              ///< of the surface or domain; INT64_MIN: none
-    double now; ///< seconds since 1970, UTC: the library reads no clock
+    const char *branch; ///< what it goes on from and how, in words; NULL: it starts by itself
+    const char *branch_file, *branch_changes, *branch_case_sum; ///< where `branch` is not NULL
+    double branch_time;                                         ///< [s]; also
+    const char *command_line;                                   ///< for `history`
+    const char *libraries;                                      ///< names and versions
+    int64_t seed; ///< of the surface or domain; INT64_MIN: none
+    double now;   ///< seconds since 1970, UTC: the library reads no clock
 } lac_provenance;
 
 /// Says who writes, when.

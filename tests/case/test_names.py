@@ -31,6 +31,9 @@ import doc_commands  # noqa: E402
 CALLS = (
     ("run", "cases/block.yaml -o block.nc --set institution=Somewhere"),
     ("run", "cases/block.yaml -o picked.nc --accuracy 1%"),
+    ("run", "cases/block.yaml -o kept.nc --set 'output.fields=[slip, slip_rate, state]'"),
+    ("run", "--from kept.nc --at 3 -o branch.nc --set solver.rtol=1e-7"),
+    ("check", "--from kept.nc --at 3"),
     ("run", "cases/transfer/micro-slips.yaml -o run.nc --set analysis.rg.field=equal --set "
             "output.fields=[slip,slip_rate,state,traction,pore_pressure] --set output.fields_every.steps=200 "
             "--set 'output.points=[{name: A, x: 1 mm, y: 1 mm}]'"),

@@ -383,6 +383,15 @@ static void a_page_fails(void **state)
     report_remove();
 }
 
+static void a_branch_fails(void **state)
+{
+    (void)state;
+    branch_prepare();
+    every_allocation_fails(whole_branch, false);
+    every_allocation_fails(whole_branch, true);
+    branch_remove();
+}
+
 static void a_record_fails(void **state)
 {
     (void)state;
@@ -393,9 +402,8 @@ static void a_record_fails(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_page_fails),
-        cmocka_unit_test(a_record_fails),
-        cmocka_unit_test(one_fails),
+        cmocka_unit_test(a_page_fails),         cmocka_unit_test(a_record_fails),
+        cmocka_unit_test(a_branch_fails),       cmocka_unit_test(one_fails),
         cmocka_unit_test(all_fail_from_one_on),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -104,6 +104,42 @@ out:
     return status;
 }
 
+static const char begun[] = "lacuna: 1\n"
+                            "load: {normal: {pressure: 5e6}, shear: [{ratio: {value: 0.55}}]}\n"
+                            "friction: {aging: {f0: 0.6, a: 0.015, b: 0.01, dc: 1e-3, v0: 1e-6}}\n"
+                            "initial: {state: 1e6}\n"
+                            "time: {end: 1e5}\n"
+                            "output: {fields: [slip, slip_rate, state], fields_every: 2e4}\n";
+static const char source[] = "/tmp/lacuna-memory-branch.nc";
+
+void branch_prepare(void)
+{
+    lac_error err = {""};
+    lac_case *c = NULL;
+    assert_int_equal(lac_case_parse("case.yaml", begun, sizeof begun - 1, NULL, &c, &err), LAC_OK);
+    assert_int_equal(store_run(c, source, &err), LAC_OK);
+    lac_case_free(c);
+}
+
+void branch_remove(void) { (void)unlink(source); }
+
+lac_status whole_branch(const char *path, lac_error *err)
+{
+    const lac_override sets[] = {{"initial.run.file", source},
+                                 {"initial.run.at", "5e4 s"},
+                                 {"load.shear.0.ratio.value", "0.56"}};
+    lac_case_options how = lac_case_options_default();
+    lac_case *c = NULL;
+    lac_status status;
+    how.overrides = sets;
+    how.count = 3;
+    LAC_TRY(lac_case_parse("case.yaml", begun, sizeof begun - 1, &how, &c, err));
+    LAC_TRY(store_run(c, path, err));
+out:
+    lac_case_free(c);
+    return status;
+}
+
 static const char measured[] =
     "lacuna: 1\n"
     "interface: {size: 1, levels: 4, surface: {self-affine: {rms_height: 0.001}}}\n"

@@ -11,4 +11,9 @@ lac_status whole_recording(const char *path, lac_error *err);
 lac_status whole_contact(const char *path, lac_error *err);
 lac_status whole_resumed(const char *path, lac_error *err);
 
+/// One that goes on from another, which is prepared before and removed after.
+void branch_prepare(void);
+void branch_remove(void);
+lac_status whole_branch(const char *path, lac_error *err);
+
 #endif

@@ -24,6 +24,8 @@ const cli_option cli_options[] = {
     KEPT(OUTPUT, 'o', "output", "FILE", output, "where to write the file"),
     PLAIN(FORCE, 0, "force", NULL, "replace a file that exists"),
     PLAIN(RESUME, 0, "resume", NULL, "go on from what was kept when it was stopped"),
+    KEPT(FROM, 0, "from", "RUN.nc", from, "go on from a run; without CASE by its own case"),
+    KEPT(FROM, 0, "at", "TIME", at, "when: last, a time, a date, a snapshot's number"),
     KEPT(UNTIL, 0, "until", "TIME", until, "end earlier: \"10 day\", or a date"),
     KEPT(KIND, 0, "kind", "KIND", kind,
          "block, fit, injection, joint, laboratory, reservoir, slope"),
@@ -306,7 +308,9 @@ static lac_status check_request(const cli_request *request, lac_error *err)
     LAC_FAIL_IF(request->displacements.n > 1 && (command->options & CLI_OPT_FORECAST) == 0, err,
                 LAC_EINPUT, "--displacement: %s takes one column, and %zu were named",
                 command->name, request->displacements.n);
-    LAC_FAIL_IF(request->count + request->files.n < command->least, err, LAC_EINPUT,
+    LAC_FAIL_IF(request->at != NULL && request->from == NULL, err, LAC_EINPUT,
+                "--at: says when of --from RUN.nc, which is missing");
+    LAC_FAIL_IF(request->count + request->files.n < command->least && request->from == NULL, err, LAC_EINPUT,
                 "%s: %s is missing; see lacuna %s --help", command->name, command->arguments,
                 command->name);
     return LAC_OK;
@@ -350,7 +354,9 @@ lac_status cli_request_read(int argc, char **argv, cli_request *request, lac_err
     while (c.at < c.argc) {
         LAC_TRY_RETURN(read_word(&c, request, err));
     }
-    return check_request(request, err);
+    LAC_TRY_RETURN(check_request(request, err));
+    request->argument[0] = request->count > 0 ? request->argument[0] : request->from;
+    return LAC_OK;
 }
 
 void cli_request_clear(cli_request *request)

@@ -20,6 +20,7 @@ enum {
     CLI_OPT_HELP = 1 << 10,
     CLI_OPT_VERSION = 1 << 11,
     CLI_OPT_EXPORT = 1 << 12,  ///< which tables
+    CLI_OPT_FROM = 1 << 13,    ///< a run to go on from
     CLI_OPT_FRACTAL = 1 << 16, ///< how contact is measured
     CLI_OPT_DRIVER = 1 << 17,
     CLI_OPT_STATE = 1 << 18, ///< of a watch
@@ -112,6 +113,7 @@ struct cli_request {
     size_t count;               ///< arguments after the command
     const char *argument[CLI_MAX_ARGUMENTS];
     const char *output, *until, *kind;
+    const char *from, *at;                             ///< a run to go on from, and when
     const char *boxes, *coarsest, *coarsening, *sizes; ///< of the fractal measures
     const char *snapshot;                              ///< which one of a file
     const char *compare, *point, *fit; ///< a series, of which point, and a fit laid beside a run

@@ -11,11 +11,12 @@ const cli_command cli_commands[] = {
      "from; a second one kills it. SIGUSR1 prints how far it is.\n",
      "lacuna run cases/vajont.yaml -o vajont.nc", 1, 1,
      CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_RESUME | CLI_OPT_SET | CLI_OPT_ACCURACY |
-         CLI_OPT_VIEW,
+         CLI_OPT_VIEW | CLI_OPT_FROM,
      cli_run},
     {"check", "CASE", "validate a case, print it and what it will cost",
      "Lists all errors. The output is itself a case: every value in SI, defaults filled in.\n",
-     "lacuna check cases/vajont.yaml --set interface.levels=9", 1, 1, CLI_OPT_SET, cli_check},
+     "lacuna check cases/vajont.yaml --set interface.levels=9", 1, 1, CLI_OPT_SET | CLI_OPT_FROM,
+     cli_check},
     {"contact", "CASE", "press the surface, measure its contact, and stop",
      "Writes maps, fractal measures and histories to -o FILE, else CASE-contact.nc here; -v prints "
      "every resolution, box side, cluster octave and specimen.\n",

@@ -3,6 +3,7 @@
 // data beside a run: observed and modelled motion in tables, and how far they differ.
 #include "cli/report/report.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,6 +12,7 @@
 #include "base/units.h"
 #include "cli/common/words.h"
 #include "cli/precursors/series.h"
+#include "store/past.h"
 
 // The issue as it was asked for: --accuracy sets a key that the user did not name.
 static lac_case_issue as_given(const lac_case_issue *issue, const cli_request *request)
@@ -136,13 +138,46 @@ static lac_status ask_fit(const lac_case *c, lac_case_issues *report, lac_error 
     return LAC_OK;
 }
 
+// The case of a command: of --from alone, that of the run's file.
+static lac_status read_text(const cli_request *request, const lac_case_request *how, lac_case **c,
+                            lac_case_issues *report, lac_error *err)
+{
+    lac_stored_past past;
+    if (request->count > 0) {
+        return lac_case_read(request->argument[0], how, c, report, err);
+    }
+    lac_status status = lac_stored_past_open(request->from, &past, err);
+    if (status == LAC_OK) {
+        const char *text = past.case_text;
+        status = lac_case_read_text(request->from, text, strlen(text), how, c, report, err);
+    }
+    lac_stored_past_clear(&past);
+    return status;
+}
+
+// --from and --at are initial.run.
+static lac_status set_from(const cli_request *request, lac_case *c, lac_error *err)
+{
+    free(c->from.file);
+    free(c->from.at);
+    // a case elsewhere has its relative paths from there
+    c->from.file = request->count > 0 ? realpath(request->from, NULL) : strdup(request->from);
+    c->from.at = strdup(request->at != NULL ? request->at : "last");
+    LAC_FAIL_IF(c->from.file == NULL, err, LAC_EIO, "%s: %s", request->from, strerror(errno));
+    LAC_FAIL_MEMORY_IF(c->from.at == NULL, err);
+    return LAC_OK;
+}
+
 lac_status cli_case_read(const cli_request *request, lac_case_purpose purpose, lac_case **c,
                          lac_case_issues *report, lac_error *err)
 {
     lac_case_issues own = {0};
     lac_case_issues *all = report != NULL ? report : &own;
     const lac_case_request how = {purpose, request->overrides, request->set_count};
-    lac_status status = lac_case_read(request->argument[0], &how, c, all, err);
+    lac_status status = read_text(request, &how, c, all, err);
+    if (status == LAC_OK && request->from != NULL) {
+        status = set_from(request, *c, err);
+    }
     const bool runs = purpose == LAC_FOR_RUN || purpose == LAC_FOR_FIT || purpose == LAC_FOR_CHECK;
     status = status == LAC_OK && runs ? ask_loads(*c, all, err) : status;
     status = status == LAC_OK && purpose == LAC_FOR_FIT ? ask_fit(*c, all, err) : status;
@@ -194,7 +229,10 @@ lac_status cli_until(const cli_request *request, const lac_case *c, double *end,
 
 lac_status cli_blame(const lac_case *c, lac_status status, lac_error *err)
 {
-    return status == LAC_OK || c == NULL ? status : lac_fail_within(err, status, "%s", c->path);
+    // of --from alone the case is in the file that many a message names
+    const bool said = c != NULL && strncmp(err->message, c->path, strlen(c->path)) == 0;
+    return status == LAC_OK || c == NULL || said ? status
+                                                 : lac_fail_within(err, status, "%s", c->path);
 }
 
 enum { FEW_READINGS = 30 };

@@ -11,6 +11,7 @@
 #include "cli/report/report.h"
 #include "cli/run/run_outcome.h"
 #include "scene/estimate.h"
+#include "simulation/branch.h"
 
 // What `check` has found beyond the text of the case.
 typedef struct findings {
@@ -206,7 +207,8 @@ static void write_estimate(lac_json *json, const lac_case *c, const lac_estimate
 }
 
 static void write_json(const lac_case_issues *report, const char *path, const lac_case *c,
-                       const char *scene, const lac_estimate *estimate, lac_error *err)
+                       const char *scene, const char *branch, const lac_estimate *estimate,
+                       lac_error *err)
 {
     lac_json json = {.out = stdout};
     // what is wrong with the scene as a whole stands at no line of the case
@@ -219,6 +221,9 @@ static void write_json(const lac_case_issues *report, const char *path, const la
                     report->errors > 0 || err->message[0] == '\0' ? report : &whole, false);
     cli_report_json(&json, "warnings", report, true);
     lac_json_text(&json, "scene", scene);
+    if (branch != NULL) {
+        lac_json_text(&json, "branch", branch);
+    }
     if (estimate != NULL) {
         write_estimate(&json, c, estimate);
     } else {
@@ -259,24 +264,34 @@ lac_status cli_check(const cli_request *request, lac_error *err)
     lac_case *c = NULL;
     lac_case_issues report = {0};
     lac_estimate estimate = {.grid_cells = NAN};
+    lac_branch *branch = NULL;
     char *scene = NULL;
     bool json = cli_given(request, CLI_OPT_JSON);
     lac_status status = cli_case_read(request, LAC_FOR_CHECK, &c, &report, err);
     if (status == LAC_OK) {
         status = examine(request, c, &report, &scene, &estimate, err);
     }
+    if (status == LAC_OK && c->from.file != NULL) {
+        status = lac_branch_open(c, &branch, err);
+    }
+    const char *words = branch != NULL ? branch->text : NULL;
     if (json && (status == LAC_OK || status == LAC_EINPUT || report.errors > 0)) {
-        write_json(&report, request->argument[0], c, scene, status == LAC_OK ? &estimate : NULL,
-                   err);
+        write_json(&report, request->argument[0], c, scene, words,
+                   status == LAC_OK ? &estimate : NULL, err);
     } else if (status == LAC_OK) {
         printf("%s", scene);
         print_estimate(c, &estimate);
+        if (words != NULL) {
+            printf("\n# Branch\n");
+            cli_wrap("#   ", words);
+        }
     }
     if (status == LAC_OK) {
         cli_failure_warn(&estimate.failure);
     }
     status = report.errors > 0 ? status : cli_blame(c, status, err); // else said already
     free(scene);
+    lac_branch_free(branch);
     lac_case_free(c);
     lac_case_issues_clear(&report);
     return status;

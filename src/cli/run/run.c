@@ -12,6 +12,7 @@
 #include "cli/common/words.h"
 #include "cli/run/run_outcome.h"
 #include "cli/view/view.h"
+#include "simulation/branch.h"
 #include "store/store.h"
 #include "store/store_file.h"
 
@@ -140,8 +141,10 @@ static lac_status prepare(run_job *job, lac_error *err)
                  job->source->path);
     }
     LAC_TRY_RETURN(cli_until(job->request, job->source, &job->source->run.end, err));
-    LAC_TRY_RETURN(cli_output_path(job->request, job->source, job->source->output_file, ".nc",
-                                   &job->outcome.path, err));
+    const bool alone = job->request->count == 0; // the case of --from, whose file stays
+    LAC_TRY_RETURN(cli_output_path(job->request, job->source,
+                                   alone ? NULL : job->source->output_file,
+                                   alone ? "-branch.nc" : ".nc", &job->outcome.path, err));
     LAC_TRY_RETURN(cli_compare_read(job->request, job->source, &job->outcome.compare, err));
     job->inputs = cli_inputs_sums(job->source);
     LAC_FAIL_MEMORY_IF(job->inputs == NULL, err);
@@ -200,6 +203,9 @@ static void on_prepared(void *context, lac_stage stage, const lac_simulation *si
         return;
     }
     cli_progress_clear(&job->progress);
+    if (so_far->branch != NULL && !cli_given(request, CLI_OPT_QUIET)) {
+        cli_note("%s", so_far->branch->text);
+    }
     if (so_far->accuracy != NULL && !cli_given(request, CLI_OPT_QUIET)) {
         cli_note("accuracy: %s", so_far->accuracy->text);
     }

@@ -59,7 +59,8 @@ SHARED = {
     "run": {"describe.h", "points.h", "sensitivity.h"},
     "scene": {"estimate.h", "scene_rg.h"},
     "series": {"field.h", "line.h", "motion.h"},
-    "store": {"recording.h", "store_cells.h", "store_file.h"},
+    "simulation": {"branch.h"},
+    "store": {"past.h", "recording.h", "store_cells.h", "store_file.h"},
     "sweep": {"answers.h", "ensemble.h"},
     "trade": {"probe.h"},
 }
