@@ -336,6 +336,26 @@ class Refused(Geometry):
                 self.write("case.yaml", base.replace(*change))
                 self.assertIn(said, self.expect(2, "check", "case.yaml").stderr)
 
+    def test_what_check_says(self):
+        """Of a circle the slip where friction holds is R (alpha - atan f0), of two nodes the middle of their cubic."""
+        for geometry, said in (
+                ("{angle: 32 degree, radius: 100 m, thickness: 50 m}", "32 degree at the start and 26.27 after 10 m of slip: dry, friction at v0 (31 degree) holds its weight from 1.7"),
+                ("{angle: 32 degree, thickness: 50 m}", "32 degree: more than friction at v0 holds (31 degree), so that the base arrests nothing"),
+                ("{angle: 25 degree, thickness: 50 m}", "25 degree: dry, friction at v0 (31 degree) holds its weight from the start"),
+                ("{slip: [0 m, 8 m], angle: [35 degree, 27 degree], thickness: 50 m}", "35 degree at the start and 27 after 8 m of slip: dry, friction at v0 (31 degree) holds its weight from 4 m")):
+            with self.subTest(geometry=geometry):
+                text = CREEP % {"angle": 30.0, "radius": 100.0, "thickness": 50.0, "form": "plain"}
+                self.write("case.yaml", text.replace('{angle: "30.0 degree", radius: "100.0 m", thickness: "50.0 m"}', geometry)
+                           .replace("f0: 0.6,", f"f0: {math.tan(math.radians(31))!r},"))
+                words = json.loads(self.expect(0, "check", "case.yaml", "--json").stdout)["estimate"]["regime_words"]
+                self.assertIn("The base dips by " + said, words)
+
+    def test_a_base_that_does_not_pull_is_said(self):
+        text = (CREEP % {"angle": 30.0, "radius": 100.0, "thickness": 50.0, "form": "plain"}).replace("30.0 degree", "-5 degree")
+        self.write("case.yaml", text)
+        self.expect_line(2, "case.yaml:2: interface.geometry.angle: must give a shear load at the start: the dip is -5 degree there",
+                         "run", "case.yaml")
+
     def test_its_text_reads_back(self):
         for text in (fill(ROUGH), CREEP % {"angle": 30.0, "radius": 100.0, "thickness": 50.0, "form": "plain"}):
             self.write("case.yaml", text)
