@@ -350,10 +350,18 @@ class Refused(Geometry):
                 words = json.loads(self.expect(0, "check", "case.yaml", "--json").stdout)["estimate"]["regime_words"]
                 self.assertIn("The base dips by " + said, words)
 
+    def test_a_lake_that_lifts_the_mass_is_said(self):
+        """Rock as light as pumice, and a lake that rises over it."""
+        self.write("lake.csv", "t,level\n0,0\n1e7,200\n")
+        self.write("case.yaml", "lacuna: 1\ninterface: {size: 100 m, geometry: {angle: 10 degree, thickness: 20 m}}\n"
+                   "material: {density: 900 kg/m3}\nload: {pore_pressure: [{toe: {file: lake.csv, time: t, column: 'level:m', elevation: 0 m}}]}\n"
+                   "friction: {aging: {f0: 0.6, a: 0.01, b: 0.008, dc: 1 mm}}\ninitial: {slip_rate: 1 nm/s}\ntime: {end: 100 day}\n")
+        self.assertIn("the lake at the toe and the pore pressure lift the mass at t = ", self.expect(1, "run", "case.yaml").stderr)
+
     def test_a_base_that_does_not_pull_is_said(self):
         text = (CREEP % {"angle": 30.0, "radius": 100.0, "thickness": 50.0, "form": "plain"}).replace("30.0 degree", "-5 degree")
         self.write("case.yaml", text)
-        self.expect_line(2, "case.yaml:2: interface.geometry.angle: must give a shear load at the start: the dip is -5 degree there",
+        self.expect_line(2, "case.yaml:2: interface.geometry.angle: \"-5 degree\" must give a shear load at the start: the dip is -5 degree there",
                          "run", "case.yaml")
 
     def test_its_text_reads_back(self):
