@@ -55,7 +55,7 @@ static const lac_param params[] = {
     LAC_REAL("compressibility", "1/Pa", AT(compressibility), NAN, 0, 1, LAC_ABOVE_MIN,
              "beta: of the pores and their water, porosity gained per pascal; about 1e-11 to 1e-9 "
              "per Pa"),
-    LAC_REAL("drainage_time", "s", AT(drainage_time), NAN, 0, 1e18, LAC_ABOVE_MIN,
+    LAC_REAL("drainage_time", "s", AT(drainage_time), NAN, 1e-9, 1e18, 0,
              "t_d: in which the excess falls by an e-fold as water flows in or out"),
 };
 

@@ -89,7 +89,7 @@ static const char *validate(const void *params)
 #define AT(name) offsetof(pressurization_params, name)
 
 static const lac_param params[] = {
-    LAC_REAL("thickness", "m", AT(thickness), NAN, 0, 1e3, LAC_ABOVE_MIN,
+    LAC_REAL("thickness", "m", AT(thickness), NAN, 1e-9, 1e3, 0,
              "h: of the layer that is sheared, over which slip spreads its heat"),
     LAC_REAL("heat_capacity", "J/m3/K", AT(heat_capacity), 2.7e6, 0, 1e9, LAC_ABOVE_MIN,
              "rho c: of the wet layer, per volume"),

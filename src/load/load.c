@@ -102,11 +102,12 @@ lac_load_set lac_load_set_along(const lac_load_set *set, double x, double y)
 lac_status lac_load_set_heading(const lac_load_set *set, double pressure, double *heading,
                                 lac_error *err)
 {
-    lac_load_state at[2];
+    lac_load_state at[2], alone;
     for (int c = 0; c < 2; c++) {
         const lac_load_set along = lac_load_set_along(set, 1.0 - c, c);
         lac_load_evaluate(&along, 0.0, &at[c]);
     }
+    lac_load_evaluate(set, 0.0, &alone);
     // Shared as the pressures are, and alike.
     const double shared[] = {at[0].ratio * pressure + at[0].stress,
                              at[1].ratio * pressure + at[1].stress};
@@ -118,7 +119,12 @@ lac_status lac_load_set_heading(const lac_load_set *set, double pressure, double
     LAC_FAIL_IF(fabs(across) > rounding * size, err, LAC_EINPUT,
                 "load.shear: loads that are shared differently (share) pull different ways at the "
                 "start; give them one azimuth or one share");
-    *heading = atan2(shared[1] + alike[1], shared[0] + alike[0]);
+    const double pull[] = {shared[0] + alike[0], shared[1] + alike[1]};
+    LAC_FAIL_IF(hypot(pull[0], pull[1]) < rounding * lac_load_shear(&alone, pressure), err,
+                LAC_EINPUT,
+                "load.shear: loads cancel at the start; must give a shear load, unless initial "
+                "gives both slip_rate and state");
+    *heading = atan2(pull[1], pull[0]);
     return LAC_OK;
 }
 

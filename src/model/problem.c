@@ -323,8 +323,11 @@ lac_status lac_problem_lifted(const lac_problem *problem, double t, const double
                                        normal * at.normal, t, LAC_ENUMERIC, err);
         }
     }
-    return lac_fail(err, LAC_ENUMERIC, "the pore pressure reaches the normal pressure at t = %g s",
-                    t);
+    LAC_FAIL_IF(problem->at_start.lake.unit_weight > 0.0, err, LAC_ENUMERIC,
+                "the lake at the toe and the pore pressure lift the mass at t = %g s", t);
+    return lac_fail(
+        err, LAC_ENUMERIC, "the pore pressure%s reaches the normal pressure at t = %g s",
+        lac_load_set_presses(&problem->loads) ? " less the added normal stress" : "", t);
 }
 
 void lac_problem_pore(const lac_problem *problem, double t, double *pore, double *work)

@@ -166,7 +166,10 @@ static void find_step(const lac_look *at, const plane *p, const double *u, const
     double *ease = at->ws.diagonal;
     double xx = 0.0, xy = 0.0, yy = 0.0;
     lac_problem_find_ease(at, u, ease);
-    for (size_t i = 0; i < n && p->size[i] > 0.0; i++) {
+    for (size_t i = 0; i < n; i++) {
+        if (!(p->size[i] > 0.0)) {
+            continue; // no direction, and at rest
+        }
         const double x = p->net[0][i] / p->size[i], y = p->net[1][i] / p->size[i];
         const double across = lac_problem_drag(problem, i) * (at->ws.v[i] / p->size[i]);
         xx += ease[i] * x * x + across * y * y;

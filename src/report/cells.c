@@ -171,6 +171,10 @@ static const field fields[] = {
     {"slip", "cell_slip", LAC_PAGE_MEAN, false, false},
     {"traction", "cell_traction", LAC_PAGE_MEAN, false, true},
     {"safety", "cell_factor_of_safety", LAC_PAGE_MEAN, true, true},
+    {"pore", "cell_pore_pressure", LAC_PAGE_MEAN, false, true},
+    {"excess", "cell_excess_pore_pressure", LAC_PAGE_MEAN, false, true},
+    {"heat", "cell_temperature", LAC_PAGE_MEAN, false, true},
+    {"broken", "cell_broken_cohesion", LAC_PAGE_MEAN, false, true},
 };
 
 static void choose_shots(lac_page *page, shots *s)

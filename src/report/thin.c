@@ -115,8 +115,15 @@ static const double *values_of(const lac_recording *recording, const char *name,
 // Snapshots that are kept at most: of large joints fewer.
 static size_t most_shots(const lac_recording *recording)
 {
-    static const char *const fields[] = {"cell_slip", "cell_slip_rate", "cell_state",
-                                         "cell_traction", "cell_factor_of_safety"};
+    static const char *const fields[] = {"cell_slip",
+                                         "cell_slip_rate",
+                                         "cell_state",
+                                         "cell_traction",
+                                         "cell_factor_of_safety",
+                                         "cell_pore_pressure",
+                                         "cell_excess_pore_pressure",
+                                         "cell_temperature",
+                                         "cell_broken_cohesion"};
     size_t values = 0, n, shots;
     (void)values_of(recording, "snapshot_time", &shots);
     for (size_t f = 0; f < sizeof fields / sizeof *fields; f++) {
@@ -141,6 +148,8 @@ static void mark_records(const lac_recording *recording, size_t n, const double 
                                           "slip_fraction",
                                           "factor_of_safety",
                                           "pore_pressure",
+                                          "excess_pore_pressure",
+                                          "temperature_rise",
                                           "lake_level",
                                           "rain"};
     enum { WATCHED = sizeof watched / sizeof *watched };

@@ -8,6 +8,7 @@
 
 #include "friction/friction.h"
 #include "friction/weakening.h"
+#include "load/geometry.h"
 #include "scene/estimate.h"
 #include "scene/internal.h"
 
@@ -80,6 +81,53 @@ static void say_weakening(const lac_case *c, const lac_estimate *e, words *w)
     }
 }
 
+// The slip at which the dip comes down to that which friction at v0 holds dry; INFINITY: never.
+static double slip_where_held(const lac_geometry *g, double from, double to, double f0)
+{
+    const int parts = 4000; // and no more than that of the way is told wrong
+    for (int k = 0; k <= parts; k++) {
+        const double slip = from + (to - from) * k / parts;
+        if (tan(lac_geometry_at(g, slip).angle) <= f0) {
+            return slip;
+        }
+    }
+    return INFINITY;
+}
+
+static void say_geometry(const lac_case *c, words *w)
+{
+    const lac_geometry_def *def = &c->geometry;
+    const lac_friction_params *law = c->friction.params;
+    const double degrees = 180.0 / M_PI;
+    lac_geometry *g;
+    if (def->angles == 0 || law == NULL || lac_geometry_create(def, &g, NULL) != LAC_OK) {
+        return;
+    }
+    const double start = lac_geometry_at(g, 0.0).angle;
+    const double bent = isnan(def->radius) ? 0.0 : def->radius * (start + 1.5);
+    const double far = fmax(def->angles > 1 ? def->slip[def->nodes - 1] : bent, 0.0);
+    const double held = slip_where_held(g, 0.0, far, law->f0);
+    add(w, " The base dips by %.4g degree", start * degrees);
+    if (far > 0.0) {
+        const double shown = isnan(def->radius) ? far : def->radius / 10.0;
+        add(w, " at the start and %.4g after %.4g m of slip",
+            lac_geometry_at(g, shown).angle * degrees, shown);
+    }
+    if (held > 0.0 && isfinite(held)) {
+        add(w,
+            ": dry, friction at v0 (%.3g degree) holds its weight from %.3g m on. There it slows, "
+            "unless weakening or water carry it over.",
+            atan(law->f0) * degrees, held);
+    } else {
+        add(w,
+            held > 0.0 ? ": more than friction at v0 holds (%.3g degree), so that the base "
+                         "arrests nothing."
+                       : ": dry, friction at v0 (%.3g degree) holds its weight from the start.",
+            atan(law->f0) * degrees);
+    }
+    lac_geometry_free(g);
+}
+
 void lac_regime_words(const lac_case *c, const lac_estimate *e, char text[static LAC_REGIME_ROOM])
 {
     words w = {text, LAC_REGIME_ROOM, 0};
@@ -107,6 +155,7 @@ void lac_regime_words(const lac_case *c, const lac_estimate *e, char text[static
                 "load.shear of kind slope or ratio in the place of initial.slip_rate it does.");
     }
     if (regime != LAC_REGIME_NONE) {
+        say_geometry(c, &w);
         say_weakening(c, e, &w);
     }
 }

@@ -101,6 +101,7 @@ static lac_status take_axis(const grid_file *file, size_t k, double *first, doub
     x = malloc(n * sizeof *x);
     LAC_TRY(x != NULL ? LAC_OK : lac_fail_memory(err));
     LAC_TRY(check(file, nc_get_var_double(file->id, var, x), name, err));
+    lac_netcdf_unpack(file->id, var, x, n);
     *spacing = (x[n - 1] - x[0]) / (double)(n - 1);
     *first = fmin(x[0], x[n - 1]);
     for (size_t i = 0; i < n; i++) {

@@ -835,7 +835,7 @@ class New(Case):
 
     def test_wrong(self):
         self.expect(3, "new", "absent/x")
-        for name in ("", ".", "..", "absent/", "./.."):
+        for name in ("", ".", "..", "absent/", "./..", "-", "./-"):
             self.expect_line(2, f'"{name}" is no name for a file', "new", name)
         self.expect_line(2, '--kind: "blok" is no kind of case; did you mean "block"?', "new",
                          "--kind", "blok")

@@ -336,6 +336,34 @@ class Refused(Geometry):
                 self.write("case.yaml", base.replace(*change))
                 self.assertIn(said, self.expect(2, "check", "case.yaml").stderr)
 
+    def test_what_check_says(self):
+        """Of a circle the slip where friction holds is R (alpha - atan f0), of two nodes the middle of their cubic."""
+        for geometry, said in (
+                ("{angle: 32 degree, radius: 100 m, thickness: 50 m}", "32 degree at the start and 26.27 after 10 m of slip: dry, friction at v0 (31 degree) holds its weight from 1.7"),
+                ("{angle: 32 degree, thickness: 50 m}", "32 degree: more than friction at v0 holds (31 degree), so that the base arrests nothing"),
+                ("{angle: 25 degree, thickness: 50 m}", "25 degree: dry, friction at v0 (31 degree) holds its weight from the start"),
+                ("{slip: [0 m, 8 m], angle: [35 degree, 27 degree], thickness: 50 m}", "35 degree at the start and 27 after 8 m of slip: dry, friction at v0 (31 degree) holds its weight from 4 m")):
+            with self.subTest(geometry=geometry):
+                text = CREEP % {"angle": 30.0, "radius": 100.0, "thickness": 50.0, "form": "plain"}
+                self.write("case.yaml", text.replace('{angle: "30.0 degree", radius: "100.0 m", thickness: "50.0 m"}', geometry)
+                           .replace("f0: 0.6,", f"f0: {math.tan(math.radians(31))!r},"))
+                words = json.loads(self.expect(0, "check", "case.yaml", "--json").stdout)["estimate"]["regime_words"]
+                self.assertIn("The base dips by " + said, words)
+
+    def test_a_lake_that_lifts_the_mass_is_said(self):
+        """Rock as light as pumice, and a lake that rises over it."""
+        self.write("lake.csv", "t,level\n0,0\n1e7,200\n")
+        self.write("case.yaml", "lacuna: 1\ninterface: {size: 100 m, geometry: {angle: 10 degree, thickness: 20 m}}\n"
+                   "material: {density: 900 kg/m3}\nload: {pore_pressure: [{toe: {file: lake.csv, time: t, column: 'level:m', elevation: 0 m}}]}\n"
+                   "friction: {aging: {f0: 0.6, a: 0.01, b: 0.008, dc: 1 mm}}\ninitial: {slip_rate: 1 nm/s}\ntime: {end: 100 day}\n")
+        self.assertIn("the lake at the toe and the pore pressure lift the mass at t = ", self.expect(1, "run", "case.yaml").stderr)
+
+    def test_a_base_that_does_not_pull_is_said(self):
+        text = (CREEP % {"angle": 30.0, "radius": 100.0, "thickness": 50.0, "form": "plain"}).replace("30.0 degree", "-5 degree")
+        self.write("case.yaml", text)
+        self.expect_line(2, "case.yaml:2: interface.geometry.angle: \"-5 degree\" must give a shear load at the start: the dip is -5 degree there",
+                         "run", "case.yaml")
+
     def test_its_text_reads_back(self):
         for text in (fill(ROUGH), CREEP % {"angle": 30.0, "radius": 100.0, "thickness": 50.0, "form": "plain"}):
             self.write("case.yaml", text)

@@ -154,6 +154,20 @@ class Refusals(Loads):
         self.assertIn("the pore pressure reaches the normal pressure at t = ", done.stderr)
 
 
+    def test_loads_that_cancel(self):
+        """Of slip in two directions; the pull at the start is what rounding leaves of it."""
+        self.write("c.yaml", """lacuna: 1
+interface: {size: 1 m, slip: vector}
+load: {normal: {pressure: 1 MPa}, shear: [{ratio: {value: 0.65}}, {ratio: {value: 0.65, azimuth: 180 degree}}]}
+friction: {aging: {a: 0.01, b: 0.008, dc: 1 mm}}
+initial: {slip_rate: 1 nm/s}
+time: {end: 1 day}
+""")
+        for command in ("check", "run"):
+            self.assertIn("load.shear: loads cancel at the start; must give a shear load",
+                          self.expect(2, command, "c.yaml").stderr)
+        self.expect(0, "check", "c.yaml", "--set", "load.shear.1.ratio.azimuth=179 degree")
+
     def test_check_opens_files(self):
         """On a grid too large to be built for a check, and a small one: a line for each, as run says it."""
         self.write("p.csv", "t,p\n0,1\n1e9,2\n")

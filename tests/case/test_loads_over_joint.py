@@ -560,6 +560,9 @@ class Refusals(Fields):
             with self.subTest(message):
                 self.write("c.yaml", case)
                 self.assertIn(message, self.expect(2, "check", "c.yaml").stderr)
+        self.write("c.yaml", test_cli.BLOCK.replace("3 MPa\"}", "3 MPa\"}, normal_stress: [{step: {value: -3 MPa, at: 1 hour}}]"))
+        done = self.expect(1, "run", "c.yaml", "-o", "out.nc", "--force")
+        self.assertIn("the pore pressure less the added normal stress reaches the normal pressure at t = ", done.stderr)
         self.write("c.yaml", dug.replace("{LOAD}", "{field: {file: dug.nc, variable: p, scale: 0.1}}"))
         self.expect(0, "run", "c.yaml", "-o", "out.nc", "--force")
         self.assertIn("differs from cell to cell, which rg does not follow", self.expect(2, "rg", "out.nc").stderr)

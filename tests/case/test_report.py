@@ -171,6 +171,34 @@ class Block(unittest.TestCase):
                     file.status = status
                 self.assertEqual(set(page_of(path)), {"about", "motion", "safety", "solver", "forces", "forecasts"} - {section})
 
+    def test_what_weakens_and_water_over_the_joint(self):
+        """Charts and maps of excess pore pressure, temperature and broken cohesion, and the map of pore pressure."""
+        text = """lacuna: 1
+interface: {size: 8 m, levels: 3, domain: {full: {}}}
+material: {shear_modulus: 10 GPa}
+load: {normal: {pressure: 3 MPa}, shear: [{ratio: {value: 0.61}}],
+  pore_pressure: [{water_table: {level: 30 m, elevation: 0 m, angle: 60 degree}}]}
+friction: {aging: {f0: 0.6, a: 0.012, b: 0.010, dc: 1 mm, cohesion: 20 kPa}}
+weakening:
+  - bridges: {rate: 1 1/day, stress: 2 MPa, exponent: 10}
+  - thermal-pressurization: {thickness: 1 mm, pressurization: 0.3 MPa/K, hydraulic_diffusivity: 1e-5 m2/s}
+initial: {slip_rate: 1 um/s}
+transfer: {hierarchy: {stiffness: elastic}}
+time: {end: 1 hour}
+output: {fields: [pore_pressure, excess_pore_pressure, temperature, broken_cohesion]}
+"""
+        path = made("weakening", text)
+        page = page_of(path)
+        with netCDF4.Dataset(path) as file:
+            for key, name in (("excess", "excess_pore_pressure"), ("heat", "temperature_rise"), ("broken", "broken_cohesion")):
+                self.assertAlmostEqual(page["safety"][key][-1] / file[name][-1], 1, 5)
+            for key, name in (("pore", "pore_pressure"), ("excess", "excess_pore_pressure"), ("heat", "temperature"),
+                              ("broken", "broken_cohesion")):
+                values = file["cell_" + name][:]
+                self.assertGreater(numpy.ptp(values), 0)
+                for end, value in (("low", values.min()), ("high", values.max())):
+                    self.assertAlmostEqual(page["cells"][key][-1][end], value, delta=1e-4 * numpy.abs(values).max())
+
     def test_direction(self):
         """Where slip goes, of a run that slips in two directions; of no other."""
         with open(os.path.join(SOURCE, "cases", "load", "turning.yaml"), encoding="utf-8") as case:

@@ -135,6 +135,17 @@ class Balance(Safety):
                 self.assertLess(abs(run["factor_of_safety"][0] - 1), 1e-14)
                 self.assertLess(numpy.abs(run["cell_factor_of_safety"][0] - 1).max(), 1e-14)
 
+    def test_a_slope_that_starts_at_the_reference_is_not_below_from_the_start(self):
+        """Damping and rounding take some 1e-6 off the 1 that is told there."""
+        text = (SLOPE % {"h": 60.0, "beta": 31.0, "u": 0.0, "density": 2700.0, "law": "aging", "f0": 0.6, "form": "plain", "c": 0.0}
+                ).replace('b: 0.008', 'b: 0.015').replace('v0: "1 mm/day"', 'v0: "1 um/s"')
+        text = text.replace('state: "1 day"', 'slip_rate: "1 um/s"').replace("material: {", 'material: {shear_modulus: "10 GPa", ')
+        summary, run = self.follow(text)
+        self.assertTrue(0 < 1 - run["factor_of_safety"][0] < 1e-5)
+        below = summary["factor_of_safety_below_1_time_s"]
+        self.assertGreater(below, 1)
+        self.assertLess(abs(numpy.interp(below, run["time"], run["factor_of_safety"]) - 1), 1e-4)
+
     def test_with_cohesion_too(self):
         _, run = self.follow((ROUGH % {"law": "aging", "form": "plain", "formulation": "auto", "spread": "", "more": "",
                                        "reference": "1 cm/week"}).replace("f0: 0.6", "cohesion: 0.3 MPa, f0: 0.5"))

@@ -285,6 +285,15 @@ class Refused(Case):
                             "solver: {fidelity: events}\n")
         self.assertIn("weakening: goes with fidelity ode, not with events", said)
 
+    def test_faster_than_steps(self):
+        said = self.refused(self.LOADS + self.LAW % "" + "weakening: [" + self.DILATANCY.replace("1 hour", "1e-18 s") + "]\n")
+        self.assertIn('drainage_time: "1e-18 s" must be >= 1e-09 s', said)
+        with open(self.case, "w", encoding="utf-8") as file:
+            file.write("lacuna: 1\n" + self.LOADS + self.LAW % ", cohesion: 50 kPa" + self.BRIDGES.replace("5 MPa", "1 kPa").replace("20", "200"))
+        done = self.call("run", self.case, "-o", self.output, "--force")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("what weakens the joint may do so faster than steps can follow", done.stderr)
+
     def test_fields_of_what_is_not_there(self):
         said = self.refused(self.LOADS + self.LAW % "" + f"weakening: [{self.DILATANCY}]\n" +
                             "output: {fields: [temperature]}\n")

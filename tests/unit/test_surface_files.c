@@ -260,6 +260,25 @@ static void netcdf_grid(void **state)
     }
 }
 
+// Places that are packed, as integers that a factor and an offset make places of.
+static void netcdf_of_packed_places(void **state)
+{
+    (void)state;
+    const double half = 0.5, five = 5.0;
+    lac_error err = {""};
+    lac_height_map *map = NULL;
+    int id = 0, x = 0;
+    const char *path = write_netcdf("z", "y", 2, "x", 3, false, known_heights, NC_NETCDF4);
+    assert_int_equal(nc_open(path, NC_WRITE, &id), NC_NOERR);
+    assert_int_equal(nc_inq_varid(id, "x", &x), NC_NOERR);
+    (void)nc_put_att_double(id, x, "scale_factor", NC_DOUBLE, 1, &half);
+    (void)nc_put_att_double(id, x, "add_offset", NC_DOUBLE, 1, &five);
+    assert_int_equal(nc_close(id), NC_NOERR);
+    assert_int_equal(lac_height_map_read(path, &map, &err), LAC_OK);
+    assert_true(map->x == 5.0);
+    holds_known(map, 0.25, 0.5);
+}
+
 // As SurfaceTopography wrote it once: one unit, said of the coordinates, and a stored integer that
 // nobody wrote.
 static void netcdf_of_surface_topography(void **state)
@@ -314,10 +333,15 @@ static int teardown(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(npy_of_every_type), cmocka_unit_test(npy_written_by_numpy),
-        cmocka_unit_test(ascii_grid),        cmocka_unit_test(gridded_points),
-        cmocka_unit_test(gwyddion_field),    cmocka_unit_test(iso_sdf),
-        cmocka_unit_test(netcdf_grid),       cmocka_unit_test(netcdf_of_surface_topography),
+        cmocka_unit_test(npy_of_every_type),
+        cmocka_unit_test(npy_written_by_numpy),
+        cmocka_unit_test(ascii_grid),
+        cmocka_unit_test(gridded_points),
+        cmocka_unit_test(gwyddion_field),
+        cmocka_unit_test(iso_sdf),
+        cmocka_unit_test(netcdf_grid),
+        cmocka_unit_test(netcdf_of_packed_places),
+        cmocka_unit_test(netcdf_of_surface_topography),
     };
     return cmocka_run_group_tests(tests, setup, teardown);
 }

@@ -41,8 +41,8 @@ static void print_help(void)
 
 static void print_command_help(const cli_command *command)
 {
-    printf("usage: lacuna %s %s [OPTIONS]\n\n%s\n", command->name, command->arguments,
-           command->summary);
+    printf("usage: lacuna %s%s%s [OPTIONS]\n\n%s\n", command->name,
+           command->arguments[0] != '\0' ? " " : "", command->arguments, command->summary);
     cli_wrap("", command->notes);
     puts("");
     cli_options_help(command->options & ~(unsigned)CLI_OPT_COMMON);

@@ -54,12 +54,14 @@ static void tell(const cli_request *request, const char *kind, const char *path,
     }
 }
 
-// A folder's name would make a hidden file in it: "." the file "..yaml".
+// A folder's name would make a hidden file in it: "." the file "..yaml". "-" means the standard
+// output elsewhere, and a file of that name would be taken for an option.
 static bool names_file(const char *given)
 {
     const char *slash = strrchr(given, '/');
     const char *last = slash != NULL ? slash + 1 : given;
-    return *last != '\0' && strcmp(last, ".") != 0 && strcmp(last, "..") != 0;
+    return *last != '\0' && strcmp(last, ".") != 0 && strcmp(last, "..") != 0 &&
+           strcmp(last, "-") != 0;
 }
 
 lac_status cli_new(const cli_request *request, lac_error *err)

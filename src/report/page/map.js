@@ -108,6 +108,10 @@ function mapKinds(cells) {
   if (cells.slip) kinds.push({ key: "slip", title: "Slip", colours: RAMP, words: (v) => length(v), caption: cells.ny === 1 ? "Since the start." : "Since the start, each time in its own range." });
   if (cells.traction) kinds.push({ key: "traction", title: "Shear traction", colours: RAMP, words: (v) => pressure(v), caption: "The elastic side of the balance, q − Kδ, one range for all times." });
   if (cells.safety) kinds.push({ key: "safety", title: "Factor of safety", colours: RAMP, words: (v) => number(10 ** v, 3), caption: "Strength of each cell at the reference rate over the traction that it carries; logarithmic, one range for all times." });
+  if (cells.pore) kinds.push({ key: "pore", title: "Pore pressure", colours: RAMP, words: (v) => pressure(v), caption: "Over the nominal area, one range for all times." });
+  if (cells.excess) kinds.push({ key: "excess", title: "Excess pore pressure", colours: RAMP, words: (v) => pressure(v), caption: "What slip made of it, in excess of that of the loads; one range for all times." });
+  if (cells.heat) kinds.push({ key: "heat", title: "Temperature", colours: RAMP, words: kelvins, caption: "Its rise in the middle of the sheared layer, one range for all times." });
+  if (cells.broken) kinds.push({ key: "broken", title: "Broken cohesion", colours: RAMP, words: plain(3), caption: "Part of the cohesion of each cell that is broken, one range for all times." });
   if (cells.pressure) kinds.push({ key: "pressure", title: "Normal pressure", colours: RAMP, words: (v, digits) => pressure(v, digits), still: true, caption: "Of the contact, before pore pressure." });
   return kinds;
 }

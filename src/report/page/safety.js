@@ -29,10 +29,11 @@ function factorChart(data) {
   });
 }
 
-function pressureChart(s) {
-  const [unit, scale] = PRESSURES.find(([, size]) => extent([s.pore])[1] >= size) || PRESSURES[PRESSURES.length - 1];
-  return safetyChart(s, "pore", { title: "Pore pressure", caption: "In the interface; of all cells, or their mean by the normal force that each carries.",
-    label: `Pore pressure (${unit})`, scale, tick: (v, more = 0) => number(v / scale, 5 + more), words: (v) => pressure(v, 5) });
+function pressureChart(s, key, title, caption) {
+  const most = Math.max(...extent([s[key]]).map(Math.abs));
+  const [unit, scale] = PRESSURES.find(([, size]) => most >= size) || PRESSURES[PRESSURES.length - 1];
+  return safetyChart(s, key, { title, caption,
+    label: `${title} (${unit})`, scale, tick: (v, more = 0) => number(v / scale, 5 + more), words: (v) => pressure(v, 5) });
 }
 
 function levelOfLake(s, key, title) {
@@ -54,6 +55,17 @@ function baseCharts(s) {
   return row;
 }
 
+const kelvins = (v) => `${number(v, 4)}${THIN}K`;
+
+// What weakens the cells besides friction.
+function weakeningCharts(s) {
+  const row = element("div", { class: "pair" });
+  if (isChanging(s.excess)) row.append(pressureChart(s, "excess", "Excess pore pressure", "What slip made of it, in excess of that of the loads; mean over the cells by the normal force that each carries."));
+  if (isChanging(s.heat)) row.append(safetyChart(s, "heat", { title: "Temperature", caption: "Largest rise of any cell, in the middle of the sheared layer.", label: "Rise (K)", tick: plain(4), words: kelvins }));
+  if (isChanging(s.broken)) row.append(safetyChart(s, "broken", { title: "Broken cohesion", caption: "Part of the bridges of rock that is broken; mean over the cells.", label: "Part", tick: plain(4), words: plain(4) }));
+  return row;
+}
+
 function safetySection(data) {
   const s = data.safety, wet = Boolean(isChanging(s.pore) || s.lake || s.rain);
   const section = openSection("safety", !s.factor ? "Water" : wet ? "Safety and water" : "Safety",
@@ -61,10 +73,9 @@ function safetySection(data) {
   const row = element("div", { class: "pair" });
   if (s.factor) section.append(factorChart(data));
   if (isChanging(s.ratio)) row.append(safetyChart(s, "ratio", { title: "Effective ratio", caption: "Shear force over the normal force that pore pressure leaves.", label: "Q/(P − U)", tick: plain(5), words: plain(5) }));
-  if (isChanging(s.pore)) row.append(pressureChart(s));
+  if (isChanging(s.pore)) row.append(pressureChart(s, "pore", "Pore pressure", "In the interface; of all cells, or their mean by the normal force that each carries."));
   if (row.children.length) section.append(row);
-  const base = baseCharts(s);
-  if (base.children.length) section.append(base);
+  for (const more of [baseCharts(s), weakeningCharts(s)]) if (more.children.length) section.append(more);
   if (s.lake) section.append(levelOfLake(s, "lake", "Lake level"));
   if (s.lake2) section.append(levelOfLake(s, "lake2", "Lake level, second load"));
   if (isChanging(s.table)) section.append(levelOfLake(s, "table", "Water level"));
