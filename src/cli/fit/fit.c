@@ -363,6 +363,10 @@ static void print_text(const lac_fit_outcome *outcome, const char *series, doubl
     if (source->title != NULL) {
         puts(source->title);
     }
+    lac_error why = {""};
+    if (lac_fit_trust(r, &why) != LAC_OK) {
+        cli_row("do not rely on it", "%s", why.message);
+    }
     const char *point = source->fit.point;
     cli_row("series", "%s%s%s", series, point != NULL ? ", at point " : "",
             point != NULL ? point : "");
