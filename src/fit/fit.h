@@ -54,7 +54,6 @@ typedef struct lac_fit_interval {
 typedef struct lac_fit_result {
     size_t parameters, unknowns;
     lac_fit_unknown unknown[LAC_FIT_UNKNOWNS];   ///< [unknowns] parameters first
-    bool friction;                               ///< it stands for displacement here [1], not [m]
     size_t displacements, frictions, velocities; ///< readings used
     size_t bounds;                               ///< of the velocities, that are upper bounds
     size_t outside, missing;                     ///< left out: outside the run, not given
@@ -68,6 +67,7 @@ typedef struct lac_fit_result {
     double scatter;         ///< of displacements about the line between their neighbours [m]; NaN
     bool poor;    ///< they hang together or (white ones) exceed that scatter as noise does 1 in 100
     bool windows; ///< velocities have errors, bounds or windows of their own
+    bool friction;         ///< it stands in the place of displacements, here and below [1], not [m]
     double log_likelihood; ///< of the best fit, offset integrated out
     double bic;            ///< Bayesian information criterion: k ln n - 2 ln L; less is better
     double failure;        ///< time of failure of the best fit [s]; NaN: none by time.end

@@ -199,6 +199,8 @@ class Fit(unittest.TestCase):
         done = self.run_program("fit", CASE, SERIES, "-o", self.out, "--force", "--json", *args,
                                 "--set", "fit.rounds=0", "-q", status=1)
         self.assertIn("lacuna: the sampler has not converged", done.stderr)
+        told = self.run_program("fit", CASE, SERIES, "-o", self.out, "--force", *args, "--set", "fit.rounds=0", status=1)
+        self.assertRegex(told.stdout.splitlines()[1], "do not rely on it +the sampler has not converged")
         with netCDF4.Dataset(self.out) as file:
             self.assertEqual(file.status, "complete")
         self.assertFalse(json.loads(done.stdout)["sampler"]["converged"])

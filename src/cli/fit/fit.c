@@ -345,10 +345,6 @@ static void print_posterior(const lac_case *c, const lac_fit_result *r)
     }
     cli_row("sampler", "%zu walkers, %zu steps kept after %zu, acceptance %.2f", r->chain->walkers,
             r->chain->steps, r->dropped, r->acceptance);
-    if (!r->converged) {
-        cli_row("", "has not converged (R-hat above %.2f): do not rely on the intervals",
-                LAC_FIT_RHAT);
-    }
     cli_row("failure", "median %s; %.3g %% of %zu draws fail by time.end", when(c, failure[2]).s,
             100.0 * r->failing, r->draws);
     print_range("50 %", c, failure[1], failure[3]);

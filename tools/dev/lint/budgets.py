@@ -16,7 +16,7 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 84010,
+    "lines of src and include": 84550,
     "lines that only present results": 21500,
     "public headers": 13,
     "exported names": 43,
