@@ -4,10 +4,6 @@
 // events of its moving neighbours, which so become one.
 #include "analysis/catalogue.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "analysis/slipping.h"
 #include "lacuna/simulation.h"
 

@@ -1,15 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The cascade in time: what slips at each level, how far that is from the fixed point of the
 // renormalization map, and the longest slipping cluster; docs/theory/rg-in-time.md.
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "analysis/kinds.h"
 #include "analysis/slipping.h"
 #include "base/rg_rows.h"
-#include "base/rows.h"
 #include "base/units.h"
 #include "lacuna/simulation.h"
 

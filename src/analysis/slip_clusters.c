@@ -4,10 +4,6 @@
 // so that it occupies as many lines of the interface as lie between them, or all.
 #include "analysis/slipping.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 enum { AHEAD = 4 };
 enum { SHARE = 8, MOST_CREDIT = 2 }; // of all cells: joined anew a record, saved up at most
 

@@ -5,10 +5,6 @@
 
 #include "lacuna/simulation.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-
 lac_status lac_slipping_create(const lac_friction *friction, double strength, double rate,
                                double ratio, lac_slipping *out, lac_error *err)
 {

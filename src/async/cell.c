@@ -4,8 +4,6 @@
 // balance at the end of the step is one equation for rho; docs/theory/fidelity-events.md, eqs. 3-6.
 #include "async/cell.h"
 
-#include <math.h>
-
 #include "base/phi.h"
 
 enum { MOST_NEWTON = 30, MOST_STEPS = 100000 };

@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include <stdbool.h>
-#include <stdint.h>
-
 #include "friction/friction.h"
 
 // One contact cell with a time of its own; docs/theory/fidelity-events.md.

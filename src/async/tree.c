@@ -2,9 +2,6 @@
 // Blocks that keep a change of stress to themselves until a cell in them has to hear of it.
 #include "async/tree.h"
 
-#include <math.h>
-#include <stdlib.h>
-
 // Each block keeps half of what the one below it has left.
 #define KEEPS 0.5
 

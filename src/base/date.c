@@ -3,9 +3,6 @@
 #include "base/date.h"
 
 #include <ctype.h>
-#include <math.h>
-#include <stdint.h>
-#include <stdio.h>
 
 enum { SECONDS_A_DAY = 86400, DAYS_A_CENTURY4 = 146097, MAX_FRACTION_DIGITS = 15 };
 enum { SINCE_0 = 719468, MONTHS_5 = 153 }; // days to 1970, and of five months from March on

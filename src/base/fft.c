@@ -3,10 +3,6 @@
 #include "base/fft.h"
 
 #include <fftw3.h>
-#include <limits.h>
-#include <stdbool.h>
-#include <stdlib.h>
-#include <string.h>
 
 enum { BLOCK = 16 }; // columns at a time
 

@@ -4,11 +4,7 @@
 #include "base/filter.h"
 
 #include <fftw3.h>
-#include <limits.h>
 #include <omp.h>
-#include <stdbool.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/statistics.h"
 

@@ -2,9 +2,6 @@
 // Characters that nobody sees but that change what is seen: found, to be kept out of all output.
 #include "base/hidden.h"
 
-#include <stdbool.h>
-#include <string.h>
-
 // Characters of the same bytes but the last one.
 static const struct {
     char first[5];

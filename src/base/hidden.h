@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include <stddef.h>
+#include "base/base.h"
 
 /// Bytes of the character that a text in UTF-8 begins with, where that is not seen but changes what
 /// is: controls, what turns or breaks a line, what has no width. 0 where it is none, or not whole.

@@ -2,9 +2,6 @@
 // Linear least squares of a few columns by Householder reflections, without memory of its own.
 #include "base/least_squares.h"
 
-#include <math.h>
-#include <stdbool.h>
-
 #include "base/statistics.h"
 
 static const double dependent = 1e-12;

@@ -3,8 +3,6 @@
 #include "base/nearest.h"
 
 #include <ctype.h>
-#include <stdbool.h>
-#include <string.h>
 
 enum { LONGEST_WORD = 40 };
 

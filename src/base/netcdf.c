@@ -2,9 +2,7 @@
 // What all readers of other people's netCDF files need: attributes, missing values, packed numbers.
 #include "base/netcdf.h"
 
-#include <math.h>
 #include <netcdf.h>
-#include <string.h>
 
 bool lac_netcdf_begins(const void *head, size_t size)
 {

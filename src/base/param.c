@@ -2,11 +2,6 @@
 // Parameters of any model by the rows of its table: defaults, allowed ranges, what is to be freed.
 #include "base/param.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 static void *field(const lac_param *param, void *params) { return (char *)params + param->offset; }
 
 void lac_param_reset(const lac_param *param, void *params)

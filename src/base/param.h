@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include "base/fail.h"
+#include "base/base.h"
 #include "lacuna/param.h"
 
 /// A model chosen in a case, with its parameters.

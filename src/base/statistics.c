@@ -5,7 +5,6 @@
 
 #include <gsl/gsl_sort.h>
 #include <gsl/gsl_statistics_double.h>
-#include <math.h>
 
 double lac_sum(size_t n, const double *x)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include <stddef.h>
+#include "base/base.h"
 
 /// Sum of x, of x_i/n and of x_i y_i, in order.
 double lac_sum(size_t n, const double *x);

@@ -1,10 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include "base/fail.h"
-
-#include <stdbool.h>
-#include <stddef.h>
+#include "base/base.h"
 
 /// The name under which this process builds a file: `.NAME.lacuna-PID.part` in the same folder.
 /// @param path  where the file will be

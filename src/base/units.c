@@ -4,14 +4,7 @@
 #include "base/units.h"
 
 #include <ctype.h>
-#include <errno.h>
-#include <float.h>
 #include <locale.h>
-#include <math.h>
-#include <stdbool.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <udunits2.h>
 #include <unistd.h>
 

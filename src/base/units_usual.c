@@ -4,11 +4,6 @@
 #include "base/units.h"
 
 #include <locale.h>
-#include <math.h>
-#include <stdbool.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 // Of each SI unit the largest first.
 static const lac_usual_unit usual[] = {

@@ -5,7 +5,6 @@
 #include "case/heterogeneity.h"
 #include "lacuna/case.h"
 #include "lacuna/series.h"
-#include "run/run.h"
 
 /// All that is wrong with a case, in the order of the file.
 typedef struct lac_case_issues {

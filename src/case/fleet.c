@@ -2,10 +2,6 @@
 // The file of `lacuna watch`, read by tables of rows as a case is.
 #include "case/fleet.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "case/levels.h"
 #include "case/sections.h"
 

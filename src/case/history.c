@@ -1,10 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // load.history: reading its steps, and what is wrong with them taken one after the other.
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "case/sections.h"
 
 #define STEP(name) offsetof(lac_history_step, name)

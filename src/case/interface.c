@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The grid that `interface` describes, and what is wrong with it as a whole.
-#include <math.h>
-
 #include "case/sections.h"
 
 // Beyond this the contact of some surfaces did not converge.

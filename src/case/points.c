@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // output.points: reading places by name, and what is wrong with them.
 #include <ctype.h>
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
 
 #include "base/hidden.h"
 #include "case/sections.h"

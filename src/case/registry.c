@@ -2,10 +2,7 @@
 // The kinds of models that a case can choose or that a command has, a row each; and what `describe`
 // says of the choices that are no models of their own, whose keys are rows of the sections solver,
 // rg and material.
-#include "analysis/analysis.h"
-#include "base/rows.h"
 #include "case/sections.h"
-#include "friction/weakening.h"
 #include "precursor/precursor.h"
 #include "surface/surface.h"
 

@@ -1,11 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A mapping of a case, read by the rows of its table: values, units, ranges, unknown keys.
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "base/nearest.h"
 #include "case/sections.h"
 
 enum {

@@ -1,10 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The resolved case as text that reads back to the same case: the table of parts, walked.
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/date.h"
 #include "base/hidden.h"
 #include "case/sections.h"

@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What is wrong with the weakening that a case names, beside its friction law, inertia and fields.
-#include <math.h>
-#include <stdio.h>
-
 #include "case/sections.h"
-#include "friction/weakening.h"
 
 // Friction that falls at once, at a given state.
 static void check_flash(lac_reader *reader, const lac_case *c)

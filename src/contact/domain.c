@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The cells in contact, listed in Morton order, in which the cells of any block stand side by side;
 // and contact cells without a surface: all of them, those of a random cascade, or those of a file.
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/rng.h"
 #include "base/roots.h"
 #include "base/rows.h"

@@ -1,14 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A rough surface pressed to a given load or approach: full contact by formula, else by iteration.
-#include <float.h>
 #include <gsl/gsl_statistics_double.h>
-#include <math.h>
-#include <stdbool.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/statistics.h"
-#include "contact/contact.h"
 #include "contact/solve.h"
 
 // The problem in the solver's own units, and what brings it back to SI.

@@ -1,10 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Pressures of a partial contact by conjugate gradients, most of it in single precision.
-#include <math.h>
-#include <stdbool.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "contact/solve.h"
 
 // Minimises p.Sp/2 - h.p over p >= 0 with a given mean. The gradient S p - h, less its mean over

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A first guess of contact pressures: the same problem, solved roughly on ever coarser grids.
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/statistics.h"
 #include "contact/solve.h"
 

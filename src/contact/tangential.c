@@ -2,12 +2,6 @@
 // A joint sheared step by step under Coulomb friction: each step starts from what the last left.
 #include "contact/tangential.h"
 
-#include <float.h>
-#include <math.h>
-#include <stdbool.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "contact/solve.h"
 #include "contact/tangential_solve.h"
 

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Tractions moved back within the friction limits of their cells, with the sum that the load asks.
-#include <float.h>
-#include <math.h>
-
 #include "base/statistics.h"
 #include "contact/tangential_solve.h"
 

@@ -2,10 +2,6 @@
 // The tractions of one step of shear by conjugate gradients: which cells stick and which slip.
 #include "contact/tangential_solve.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/vsum.h"
 
 // Conjugate gradients on what is free to move: both components of cells that stick, the direction

@@ -2,10 +2,6 @@
 // Elastic displacements under shear tractions by Fourier transforms: x and y act on each other.
 #include "contact/tangential_solve.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 // Wavenumbers in units of 2 pi / longest side, so that
 //   u = 1/kappa [I - nu k k^T / kappa^2] tau                                          periodic
 //   u_x = (I0 - nu Iyy) tau_x + nu Ixy tau_y,  u_y likewise                           free

@@ -2,10 +2,7 @@
 // JSON written piece by piece: numbers read back to the same value, texts are always valid UTF-8.
 #include "data/json.h"
 
-#include <inttypes.h>
-#include <math.h>
 #include <stdarg.h>
-#include <string.h>
 
 #include "base/hidden.h"
 #include "base/units.h"

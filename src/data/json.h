@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include <stdbool.h>
-#include <stdint.h>
-#include <stdio.h>
+#include "base/base.h"
 
 /// Writes one JSON value piece by piece. Keys are NULL at the top and within lists.
 typedef struct lac_json {

@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A dataset as users of the library read it: variables by their names.
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/ask.h"
 #include "data/dataset.h"
 

@@ -6,9 +6,6 @@
 //     velocity      v = dc/theta_ss (1 + e^s)^alpha,  alpha = m/(m-1)       (O2)
 //     time left     (tc - t)/theta_ss = 1/(m-1) int_s^inf (1 + e^u)^-alpha du   (O3)
 // Every such run follows one curve, whatever state it starts from: m, theta_ss and tc shape it.
-#include <math.h>
-#include <stdlib.h>
-
 #include "forecast/kinds.h"
 
 enum { POINTS = 400, STRENGTHS = 6, GRID = 24, STATES = 10 };

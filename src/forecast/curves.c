@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Laws of displacement whose curve has a closed form.
-#include <math.h>
-
 #include "forecast/kinds.h"
 
 static const double pi = 3.14159265358979323846;

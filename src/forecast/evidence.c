@@ -2,8 +2,6 @@
 // How far the motion speaks for a law that ends in failure soon, against what looks like
 // acceleration too and does not end so: a line, a step that relaxes, a rate that goes over to
 // another as in a wet season.
-#include <math.h>
-
 #include "base/statistics.h"
 #include "forecast/kinds.h"
 

@@ -2,9 +2,6 @@
 // Methods that read v (tc - t) = B, the case alpha = 2 of Voight's law, as a straight line: inverse
 // velocity falls to zero at the time of failure; or, as t v = tc v - B, the slope of t v against v
 // is the time of failure.
-#include <math.h>
-#include <stdlib.h>
-
 #include "base/statistics.h"
 #include "forecast/kinds.h"
 

@@ -4,9 +4,6 @@
 // counts by its weight.
 #include <gsl/gsl_multifit_nlinear.h>
 #include <gsl/gsl_statistics_double.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/statistics.h"
 #include "forecast/kinds.h"

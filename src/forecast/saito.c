@@ -4,8 +4,6 @@
 // solves (tc - t2)^2 = (tc - t1)(tc - t3). Readings do not divide the displacement equally; solved
 // is what his formula solves where they do:
 //     (d3 - d1)/(d2 - d1) = ln((tc - t1)/(tc - t3)) / ln((tc - t1)/(tc - t2)).
-#include <math.h>
-
 #include "base/roots.h"
 #include "forecast/kinds.h"
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Whether the slope goes much faster, either way, than it ever mostly did: a rate that has changed
 // at once is no trend, so that the longer it lasts the less a test of trends sees of it.
-#include <math.h>
-
 #include "base/statistics.h"
 #include "forecast/kinds.h"
 

@@ -3,8 +3,6 @@
 // agree on, and the level that follows. It knows the motion and the forecasts of one time alone,
 // so that it is the same whatever was asked before.
 #include <gsl/gsl_cdf.h>
-#include <math.h>
-#include <stdio.h>
 
 #include "base/statistics.h"
 #include "forecast/kinds.h"

@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Box-counting dimension of the contact cells, with an error that counts the choice of boxes.
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/rng.h"
 #include "base/statistics.h"
 #include "fractal/fractal.h"

@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Groups of contact cells that hang together, also across the edges of a periodic grid.
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "fractal/fractal.h"
 
 // One cluster while they are put in order.

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Blocks of the grid itself, and the normal load at which they count a given dimension.
-#include <math.h>
-#include <stdlib.h>
-
 #include "fractal/fractal.h"
 
 // Cells come in Morton order, so that those of a block follow each other.

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Fractal dimension from the contact area, which shrinks as a surface is resolved more finely.
-#include <math.h>
-#include <stdlib.h>
-
 #include "base/rows.h"
 #include "base/statistics.h"
 #include "fractal/fractal.h"

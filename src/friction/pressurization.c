@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Pore water of a sheared layer that slip heats: it expands, and heat and water diffuse away.
-#include <math.h>
-#include <stdio.h>
-
 #include "base/units.h"
 #include "friction/weakening.h"
 

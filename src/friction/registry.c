@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The tables of the laws that a case can name, and of what any law can have besides, by the
 // parameters that every law shares.
-#include "base/rows.h"
 #include "friction/law.h"
 
 static const lac_friction_law *const laws[] = {LAC_FRICTION_LAWS(LAC_ROW_ADDRESS)};

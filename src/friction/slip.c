@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Ruina's slip law: contacts change only while they slip, so that nothing heals at rest. And that
 // law without its healing: strength that slip has taken never comes back.
-#include <stdbool.h>
-
 #include "base/phi.h"
 #include "friction/law.h"
 

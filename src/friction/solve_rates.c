@@ -14,11 +14,6 @@
 // every derivative of kappa v is below 1 + kappa v_s. v follows the last step by its series.
 #include "friction/cutoff.h"
 
-#include <math.h>
-#include <stdbool.h>
-#include <stdint.h>
-
-#include "base/clones.h"
 #include "base/vmath_kernels.h"
 #include "friction/law.h"
 

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Linear equations of the hierarchy solved exactly, by elimination from the cells to the root.
-#include <float.h>
-
 #include "base/clones.h"
 #include "base/parallel_for.h"
 #include "hierarchy/blocks.h"

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The elimination of solve.c where each cell has two unknowns: numbers become 2 x 2 blocks.
-#include <float.h>
-#include <math.h>
-
 #include "hierarchy/blocks.h"
 
 // A symmetric 2 x 2 matrix: xx, xy, yy.

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How often events come on the way to failure, n ~ (tc - t)^-p, and the moment that they release.
-#include <math.h>
-
 #include "base/rng.h"
 #include "base/roots.h"
 #include "precursor/kinds.h"

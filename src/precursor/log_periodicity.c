@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Oscillations in ln(tc - t) about the log law. A dyadic hierarchy might show omega = 2 pi/ln 2 k.
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/least_squares.h"
 #include "base/statistics.h"
 #include "precursor/kinds.h"

@@ -2,8 +2,6 @@
 // Size distribution of events: N(>= M) ~ 10^(-b M), and whether it changes; by all magnitudes, and
 // by the differences of successive ones, which a completeness that changes does not touch.
 #include <gsl/gsl_statistics_double.h>
-#include <math.h>
-#include <stdlib.h>
 
 #include "precursor/kinds.h"
 

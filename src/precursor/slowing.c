@@ -2,9 +2,6 @@
 // Critical slowing down: variance and autocorrelation of the velocity rise before some transitions.
 // A single block shows none before runaway; what a rise means belongs to many cells.
 #include <complex.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/fft.h"
 #include "base/rng.h"

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Statistics of the indicators: b-values, trends, and how likely chance alone gives as much.
-#include <math.h>
-
 #include "base/rng.h"
 #include "precursor/kinds.h"
 

@@ -2,7 +2,6 @@
 // The catalogue of events: each in time, and how many are larger than what.
 #include <gsl/gsl_sort.h>
 #include <gsl/gsl_vector.h>
-#include <math.h>
 
 #include "precursor/precursor.h"
 #include "report/run.h"

@@ -3,11 +3,6 @@
 // from what, and how it ended.
 #include "report/report.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/date.h"
 #include "base/hidden.h"
 #include "base/temp_file.h"

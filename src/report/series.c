@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The monitoring series beside a run, and forecasts of the time of failure as they would have been
 // issued: of the series where there is one, else of the run.
-#include <math.h>
-#include <string.h>
-
 #include "forecast/hindcast.h"
 #include "report/run.h"
-#include "series/motion.h"
 
 enum { MOST_READINGS = 3000 };
 

@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The records that a page draws: extremes in equal spans of time, and of its log before the end;
 // and by these memory that stays bounded while a run goes on and its page is open.
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "report/run.h"
 
 enum { FEW = 1500 };

@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // One load on the tree: which blocks slip, from the cells up; what stress is left them, down again.
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "rg/tree.h"
 
 // A block's children slip in the order of their thresholds. Each that has slipped hands stress to

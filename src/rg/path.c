@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How the load grows, and what stress it puts on every cell: equal shares, or the elastic solution.
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include <gsl/gsl_sort.h>
 
 #include "rg/tree.h"

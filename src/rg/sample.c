@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // One joint with its blocks at one place, loaded along the path: what slips at every load,
 // when each block does, and what it carries then: the strength of blocks by their size.
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "fractal/fractal.h"
 #include "rg/tree.h"
 

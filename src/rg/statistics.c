@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The slipped fraction of a level from that of the finer one: the map fitted, its fixed point and
 // errors by resampling; and the power law of the correlation length near the critical load.
-#include <math.h>
-#include <stdlib.h>
-
 #include <gsl/gsl_sort.h>
 #include <gsl/gsl_statistics_double.h>
 

@@ -3,9 +3,6 @@
 #include "rg/tree.h"
 
 #include <gsl/gsl_statistics_double.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/rng.h"
 

@@ -1,12 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What is common to runs: settings where none are given, words, sinks that stand before another
 // one; and refusals: settings, starts and rates that cannot be, slip that cannot be followed.
-#include <math.h>
-#include <stdlib.h>
-
-#include "lacuna/simulation.h"
 #include "run/engine.h"
-#include "run/run.h"
 
 lac_status lac_check_slipping(const lac_problem *problem, const double *y, double t, double *work,
                               lac_error *err)

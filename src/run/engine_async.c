@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Fidelity `events`: every cell at steps of its own. A step of this engine is a sweep of some
 // updates for every cell, or up to a limit of the run; docs/theory/fidelity-events.md.
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "async/async.h"
 #include "run/engine.h"
 

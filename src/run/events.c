@@ -3,10 +3,6 @@
 // that a jump of the loads comes to; and how near its own the factor of safety comes.
 #include "run/run_state.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 // How far a state is past a limit: < 0 before it. Rates on a logarithmic scale, where they are
 // smooth.
 static double past(const lac_engine *engine, const lac_run_def *def, lac_crossing_kind kind,

@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a run hands to its sink of a state: a record of the time series, a snapshot of the cells.
-#include <math.h>
-#include <string.h>
-
-#include "run/engine.h"
 #include "run/run_state.h"
 
 // Whether a time is later than the last one put out, which it then becomes.

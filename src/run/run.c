@@ -2,11 +2,6 @@
 // The course of a run: steps, outputs, breaks of the loads, checkpoints, and why it ends.
 #include "run/run.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "run/engine.h"
 #include "run/run_state.h"
 
 typedef lac_run_state run;

@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include <math.h>
-
-#include "lacuna/simulation.h"
 #include "run/engine.h"
-#include "run/run.h"
 
 // Keeps track of when something is due next.
 typedef struct lac_clock {

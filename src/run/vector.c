@@ -2,9 +2,6 @@
 // Vectors for SUNDIALS: fast kernels that sum in a fixed order, no crash where memory is short.
 #include "run/vector.h"
 
-#include <math.h>
-#include <stdlib.h>
-
 #include "base/clones.h"
 #include "run/pending.h"
 

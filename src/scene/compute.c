@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A case to the dataset of its contact or of its cascade, in one call.
-#include <stdlib.h>
-
 #include "base/ask.h"
-#include "data/dataset.h"
 #include "lacuna/contact.h"
 #include "lacuna/rg.h"
 #include "scene/scene_rg.h"

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the contact of a joint came to, as tables: maps, measures of surface and contact, and how it
 // was solved.
-#include <math.h>
-#include <stdio.h>
-
 #include "base/statistics.h"
 #include "base/vsum.h"
 #include "data/describe.h"

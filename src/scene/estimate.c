@@ -4,13 +4,7 @@
 // faster, what the loads come to at the start and what counts as failure.
 #include "scene/estimate.h"
 
-#include <math.h>
-#include <stdlib.h>
-
-#include "friction/friction.h"
 #include "scene/internal.h"
-#include "surface/surface.h"
-#include "transfer/transfer.h"
 
 // Of the program with its libraries: memory and time. Of a contact cell: memory while it is
 // integrated, time of a step.

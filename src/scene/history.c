@@ -1,10 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The static history of a case: what each step asks for, the contact at its pressure, its shear.
-#include <math.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "scene/internal.h"
 
 // What a step came to, as far as a cycle goes.

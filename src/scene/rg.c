@@ -1,11 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The cascade of a case: interface by interface, the contact under falling load, then the blocks;
 // or on cells that are known with their tractions: those of a snapshot.
-#include <math.h>
-#include <stddef.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/statistics.h"
 #include "scene/internal.h"
 #include "scene/scene_rg.h"

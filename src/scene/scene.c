@@ -2,10 +2,6 @@
 // A case made into what a run needs: contact, friction of every cell, loads, start, problem.
 #include "scene/scene.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "scene/internal.h"
 
 double lac_damping_of(const lac_material_def *material)

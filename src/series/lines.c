@@ -1,11 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The lines of a text file as UTF-8, whatever system wrote them; what is no text is told apart.
-#include <errno.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "base/fail.h"
 #include "series/text.h"
 
 enum { LINE_MAX_BYTES = 1 << 24, LONGEST_CHARACTER = 3 };

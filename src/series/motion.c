@@ -1,16 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Readings made ready for forecasts: cleaned, turned so that they rise, and differentiated, all
 // with the past alone: whoever passes readings up to the present gets what could be known then.
-#include <float.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "base/fail.h"
+#include "series/motion.h"
 #include "base/least_squares.h"
 #include "base/noise.h"
 #include "base/statistics.h"
-#include "series/motion.h"
 
 // In noises, unless said.
 static const double gap = 5.0; // median intervals

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A quantity over a plane and maybe over time, from netCDF: its values, and where and when they
 // stand.
-#include <math.h>
 #include <netcdf.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/netcdf.h"
 #include "base/units.h"

@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A monitoring series in netCDF: variables of one dimension that they share.
-#include <float.h>
-#include <math.h>
 #include <netcdf.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/netcdf.h"
 #include "base/units.h"

@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Monitoring files, text or netCDF as their first bytes say; how fine their numbers are, and how
 // far a modelled motion is from them.
-#include <errno.h>
-#include <float.h>
 #include <gsl/gsl_interp.h>
 #include <gsl/gsl_sort.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/ask.h"
 #include "base/statistics.h"

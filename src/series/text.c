@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Fields and numbers of text files, in the forms that loggers and spreadsheets write.
-#include <math.h>
 #include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <strings.h>
 
-#include "base/fail.h"
 #include "base/units.h"
 #include "series/text.h"
 

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include <stdio.h>
-
+#include "base/base.h"
 #include "series/series.h"
 
 /// Reads as lac_series_read from a stream (the fuzzer's way in); def->path names it in messages.

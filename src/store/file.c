@@ -2,12 +2,7 @@
 // The life of a file: made under a temporary name, filled with values and attributes, published,
 // closed; its errors in words.
 #define _GNU_SOURCE // fallocate
-#include <errno.h>
 #include <fcntl.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>

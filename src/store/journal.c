@@ -3,11 +3,7 @@
 // that was put since, each with a checksum. Nothing in it is written over, so that whatever call a
 // kill or a full disk comes at, all before it stands. `docs/format.md`, "The journal".
 #define _GNU_SOURCE // memmem
-#include <errno.h>
 #include <fcntl.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/file.h>
 #include <sys/mman.h>
 #include <unistd.h>

@@ -2,10 +2,6 @@
 // The contact cells of a file of a run or a contact, with the tractions of one snapshot.
 #include "store/store_cells.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/netcdf.h"
 #include "store/input.h"
 

@@ -3,10 +3,6 @@
 #include "store/internal.h"
 
 #include <assert.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/temp_file.h"
 

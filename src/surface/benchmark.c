@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Surfaces that anyone can make again to the last wave, to compare contact solvers.
-#include <math.h>
-#include <string.h>
-
 #include "base/fft.h"
 #include "base/rows.h"
 #include "surface/surface.h"

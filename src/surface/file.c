@@ -1,10 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Measured heights on the grid of the interface: of one file, or of one a face.
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/rows.h"
 #include "base/units.h"
 #include "surface/fit.h"

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Two rough faces that mate in their long waves: the surface is what is left between them.
-#include <math.h>
-
-#include "base/rows.h"
 #include "surface/surface.h"
 #include "surface/synthesis.h"
 

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // ESRI ASCII grid: keys with one value each, then the rows, the one of the largest y first.
-#include <math.h>
-#include <string.h>
-
 #include "surface/read.h"
 
 // Keys of the header.

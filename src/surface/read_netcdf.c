@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // netCDF: a variable over (y, x), as GMT writes it, or `heights` over (x, y), as SurfaceTopography.
-#include <math.h>
 #include <netcdf.h>
 #include <netcdf_mem.h>
-#include <stdlib.h>
-#include <string.h>
 #include <strings.h>
 
 #include "base/netcdf.h"

@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // NumPy's .npy, versions 1 to 3: magic, length of the header, a Python dictionary, the array.
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "surface/read.h"
 
 enum { HEADER_MOST = 4096 };

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Random self-affine heights from the sum of their waves, skewed where the case asks for it.
-#include <math.h>
-
-#include "base/rows.h"
 #include "surface/surface.h"
 #include "surface/synthesis.h"
 

@@ -2,8 +2,6 @@
 // Heights from a spectrum, and what becomes of waves too short for the grid.
 #include "surface/synthesis.h"
 
-#include <math.h>
-
 const char *const lac_sampling_words[] = {"low-pass", "point", "block-mean", NULL};
 
 // Waves of a band that are summed one by one.

@@ -1,12 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The rock itself as stress transfer: a filter on full contact, an iteration where there are gaps.
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/rows.h"
 #include "base/statistics.h"
-#include "hierarchy/hierarchy.h"
 #include "transfer/calibrate.h"
 #include "transfer/elastic_solve.h"
 #include "transfer/kinds.h"

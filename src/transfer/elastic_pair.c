@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The rock under slip in two directions, on full contact that repeats: the tensor of each wave, a
 // filter; its systems by conjugate gradients, with the hierarchy near their inverse.
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/statistics.h"
 #include "base/vsum.h"
 #include "transfer/calibrate.h"

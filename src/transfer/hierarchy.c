@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Cells tied in blocks of doubling size: each level has a stiffness, given or elastic.
-#include "hierarchy/hierarchy.h"
 #include "base/rows.h"
-
-#include <math.h>
-#include <stdlib.h>
 
 #include "transfer/calibrate.h"
 #include "transfer/kinds.h"

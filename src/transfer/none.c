@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Cells that do not feel each other: only the load moves them.
-#include <float.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "transfer/kinds.h"
 
 typedef struct none {

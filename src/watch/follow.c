@@ -2,11 +2,7 @@
 // Files that grow, one a station: from where the last whole line ended; a file that was rotated
 // away is read to its end first.
 #include <dirent.h>
-#include <errno.h>
 #include <fcntl.h>
-#include <inttypes.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 

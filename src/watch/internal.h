@@ -4,7 +4,6 @@
 #include <locale.h>
 #include <sys/types.h>
 
-#include "base/fail.h"
 #include "data/json.h"
 #include "series/line.h"
 #include "watch/watch.h"

@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The state as a file: settings that the numbers depend on, then what is known, then a checksum of
 // all before. Numbers are as they are in memory.
-#include <errno.h>
 #include <fcntl.h>
-#include <inttypes.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "base/temp_file.h"

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Standard input: bytes to whole lines, noted before they are looked at; lines that are sent again
 // are skipped.
-#include <stdlib.h>
-#include <string.h>
-
 #include "watch/internal.h"
 
 const char lac_watch_too_long[] = "the line is longer than 65535 bytes";

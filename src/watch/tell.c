@@ -1,12 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The stations as Prometheus reads a text file: a family of numbers after the other.
-#include <inttypes.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/temp_file.h"
-#include "base/units.h"
 #include "watch/internal.h"
 
 typedef struct family {

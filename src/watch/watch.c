@@ -1,14 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A watch from its beginning to its end; and a line of input to a line of output.
 #define _GNU_SOURCE // newlocale
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "data/dataset.h"
 #include "precursor/precursor.h"
-#include "series/line.h"
 #include "watch/internal.h"
 
 // 64-bit FNV-1a.

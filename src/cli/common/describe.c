@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // lacuna describe [KIND [NAME]]: models and sections of a case, from the library's own tables.
-#include <float.h>
-#include <math.h>
-#include <string.h>
-
-#include "case/levels.h"
 #include "cli/common/describe.h"
+#include "case/levels.h"
 #include "cli/common/words.h"
-#include "data/json.h"
 #include "precursor/precursor.h"
 
 enum { MAX_NAMES = 64 };

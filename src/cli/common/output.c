@@ -3,17 +3,11 @@
 // the files that a case reads.
 #include "cli/common/output.h"
 
-#include <errno.h>
-#include <inttypes.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
-#include "base/archive.h"
 #include "cli/common/progress.h"
-#include "data/dataset.h"
 #include "scene/scene.h"
 
 // Folder/name.ext -> name + ending

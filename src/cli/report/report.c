@@ -3,12 +3,7 @@
 // data beside a run: observed and modelled motion in tables, and how far they differ.
 #include "cli/report/report.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/date.h"
-#include "base/units.h"
 #include "cli/common/words.h"
 #include "cli/precursors/series.h"
 

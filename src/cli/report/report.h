@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include "case/case.h"
 #include "cli/common/options.h"
 #include "data/json.h"
 #include "series/series.h"

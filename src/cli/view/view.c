@@ -4,16 +4,12 @@
 // lock only pointers move, and a record is copied. netCDF is the run's alone.
 #include "cli/view/view.h"
 
-#include <math.h>
 #include <pthread.h>
-#include <stdlib.h>
-#include <string.h>
 #include <time.h>
 #include <unistd.h>
 
 #include "cli/common/progress.h"
 #include "cli/common/words.h"
-#include "data/json.h"
 #include "lacuna/version.h"
 #include "report/report.h"
 
