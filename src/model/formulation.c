@@ -37,30 +37,19 @@ static size_t leaning(const lac_problem *problem)
     return damped || problem->loads.geometry != NULL ? 1 : 0;
 }
 
-lac_workspace lac_problem_split(const lac_problem *problem, double *work)
+void lac_problem_lay_out(lac_problem *problem)
 {
-    size_t n = problem->n;
-    double *scratch = work + (problem->kind->arrays + leaning(problem)) * n;
-    return (lac_workspace){.v = work,
-                           .kv = work + n,
-                           .diagonal = work + 2 * n,
-                           .u = work + 3 * n,
-                           .guess = work + 4 * n,
-                           .bend = work + 4 * n,
-                           .slope = work + 5 * n,
-                           .row = work + problem->kind->arrays * n,
-                           .scratch = scratch,
-                           .mean = scratch + lac_problem_transfer_work(problem),
-                           .shares = scratch + lac_problem_transfer_work(problem) + 1,
-                           .weak = scratch + lac_problem_transfer_work(problem) + 1 +
-                                   (problem->varies ? 4 * n : 0)};
+    const lac_transfer *transfer = &problem->transfer;
+    const size_t scratch = problem->across != NULL ? transfer->kind->pair->work(transfer->state)
+                                                   : transfer->kind->work(transfer->state);
+    problem->scratch = (problem->kind->arrays + leaning(problem)) * problem->n;
+    problem->mean = problem->scratch + scratch;
+    problem->weakens = problem->mean + 1 + (problem->varies ? 4 * problem->n : 0);
 }
 
 size_t lac_problem_work(const lac_problem *problem)
 {
-    return (problem->kind->arrays + leaning(problem)) * problem->n +
-           lac_problem_transfer_work(problem) + 1 + (problem->varies ? 4 * problem->n : 0) +
-           lac_weaken_work(problem);
+    return problem->weakens + lac_weaken_work(problem);
 }
 
 void lac_problem_forget(const lac_problem *problem, double *work)
@@ -74,7 +63,8 @@ void lac_problem_forget(const lac_problem *problem, double *work)
 
 // A block of cells from `first` on, their sizes of v put into `speed`.
 // @param rates  [LAC_FRICTION_BLOCK] d ln(pressure)/dt of these cells, where each has its own
-static lac_friction_cells cells_from(const lac_look *at, size_t first, double *speed, double *rates)
+static inline lac_friction_cells cells_from(const lac_look *at, size_t first, double *speed,
+                                            double *rates)
 {
     const lac_problem_loads_at *drive = &at->drive;
     size_t length = lac_block_length(at->problem->n, first);

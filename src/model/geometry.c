@@ -41,11 +41,6 @@ lac_gone lac_problem_gone(const lac_problem *problem, const double *slip, double
     return (lac_gone){lac_vsum(problem->n, slip) / (double)problem->n, rate};
 }
 
-lac_gone lac_problem_gone_in(const lac_problem *problem, const double *y, double rate)
-{
-    return lac_problem_gone(problem, y + lac_problem_slip_place(problem), rate);
-}
-
 // What slides round a bend presses on it with m v^2 times its curvature, -d alpha/d slip.
 static void press_round(const lac_problem *problem, double rate, const lac_slab *slab,
                         lac_problem_loads_at *drive)

@@ -39,6 +39,7 @@ struct lac_problem {
     double *anchor;                 // [n] K 1: what holds uniform slip [Pa/m]; NULL: nothing does
     double *log_rate0, *log_state0; // [n]
     double *shares0;                // [2n] of drive0; NULL where all cells are alike
+    size_t scratch, mean, weakens;  // where these parts of the work begin: lac_problem_lay_out
     struct lac_problem *across;     // slip along y, which shares all but what make_side gives it;
                                     // NULL: slip is along x
 };
@@ -86,7 +87,12 @@ typedef struct lac_gone {
 
 // Of slips, or of those in y. @param rate  mean
 lac_gone lac_problem_gone(const lac_problem *problem, const double *slip, double rate);
-lac_gone lac_problem_gone_in(const lac_problem *problem, const double *y, double rate);
+static inline lac_gone lac_problem_gone_in(const lac_problem *problem, const double *y, double rate)
+{
+    return problem->loads.geometry == NULL
+               ? (lac_gone){0}
+               : lac_problem_gone(problem, y + lac_problem_slip_place(problem), rate);
+}
 
 // Takes the base that bends, where there is one, and says what cannot follow it.
 lac_status lac_problem_geometry_init(lac_problem *problem, lac_error *err);
@@ -99,8 +105,6 @@ void lac_problem_bend(const lac_problem *problem, lac_gone gone, lac_load_state 
 // lac_problem_drive. @param shares  [2n] where the cells differ
 bool lac_problem_drive_into(const lac_problem *problem, double t, lac_gone gone, double *shares,
                             lac_problem_loads_at *drive);
-
-lac_workspace lac_problem_split(const lac_problem *problem, double *work);
 
 // How the cells move in a state.
 typedef struct lac_motion {
@@ -175,6 +179,27 @@ typedef struct lac_formulation_kind {
 
 const lac_formulation_kind *lac_formulation_kind_of(lac_formulation id);
 
+// The parts of the work.
+static inline lac_workspace lac_problem_split(const lac_problem *problem, double *work)
+{
+    const size_t n = problem->n;
+    return (lac_workspace){.v = work,
+                           .kv = work + n,
+                           .diagonal = work + 2 * n,
+                           .u = work + 3 * n,
+                           .guess = work + 4 * n,
+                           .bend = work + 4 * n,
+                           .slope = work + 5 * n,
+                           .row = work + problem->kind->arrays * n,
+                           .scratch = work + problem->scratch,
+                           .mean = work + problem->mean,
+                           .shares = work + problem->mean + 1,
+                           .weak = work + problem->weakens};
+}
+
+// Finds the places of these parts, when all that they depend on is known.
+void lac_problem_lay_out(lac_problem *problem);
+
 extern const lac_formulation_kind lac_formulation_rate, lac_formulation_traction,
     lac_formulation_slip, lac_formulation_inertia, lac_formulation_vector;
 
@@ -205,9 +230,6 @@ double lac_vector_sheared(const lac_look *at, const double *slip, double along[2
 
 // Size of what every cell of a state is off its balance.
 void lac_vector_unbalanced(const lac_look *at, double *residual);
-
-// Doubles of scratch of the transfer.
-size_t lac_problem_transfer_work(const lac_problem *problem);
 
 // Rates where the mean rate `taken` damps them; gives back their mean.
 double lac_problem_rates_under(const lac_look *at, const double *tractions, double taken,
@@ -373,7 +395,11 @@ lac_status lac_weaken_check(const lac_problem *problem, lac_error *err);
 
 // Takes what y says of pressures and cohesion into a state whose loads are known. False where an
 // effective pressure is not positive. Nothing where nothing weakens, as of all below.
-bool lac_weaken_look(lac_look *at);
+bool lac_weaken_look_at(lac_look *at);
+static inline bool lac_weaken_look(lac_look *at)
+{
+    return at->problem->weak == NULL || lac_weaken_look_at(at);
+}
 
 // The same of the loads on both sides of a jump.
 void lac_weaken_jump(const lac_problem *problem, const double *y, const lac_workspace *ws,
@@ -384,7 +410,11 @@ void lac_look_add_lost(const lac_look *at, double *traction);
 
 // Rates of the unknowns, from which those of the shares follow and of the cohesion; false where one
 // is not finite. @param xdot  [n] each; NULL: not wanted
-bool lac_weaken_rates(const lac_look *at, double *xdot);
+bool lac_weaken_rates_of(const lac_look *at, double *xdot);
+static inline bool lac_weaken_rates(const lac_look *at, double *xdot)
+{
+    return at->problem->weak == NULL || lac_weaken_rates_of(at, xdot);
+}
 
 // kv -= what cohesion loses in a second.
 void lac_weaken_take_off(const lac_look *at, double *kv);

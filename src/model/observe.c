@@ -11,9 +11,14 @@
 bool lac_problem_begin(const lac_problem *problem, double t, const double *y, bool keep,
                        double *work, lac_look *at)
 {
-    *at = (lac_look){
-        .problem = problem, .y = y, .w = y + problem->n, .ws = lac_problem_split(problem, work)};
+    // Not the whole at once: the loads are a long list, and filled in below.
+    at->problem = problem;
+    at->y = y;
+    at->w = y + problem->n;
+    at->ws = lac_problem_split(problem, work);
+    at->motion = (lac_motion){0};
     at->t = t;
+    at->broken = NULL;
     // What has mass moves as it does, and how fast it does presses it on a bent base.
     const bool moves = problem->mass > 0.0;
     if (moves) {
@@ -38,15 +43,18 @@ lac_look lac_problem_look(const lac_problem *problem, double t, const double *y,
 void lac_problem_rates(const lac_problem *problem, double t, const double *y, double *v,
                        double *work)
 {
-    memcpy(v, lac_problem_look(problem, t, y, work).ws.v, problem->n * sizeof *v);
+    lac_look at;
+    (void)lac_problem_begin(problem, t, y, false, work, &at);
+    memcpy(v, at.ws.v, problem->n * sizeof *v);
 }
 
 void lac_problem_speed(const lac_problem *problem, double t, const double *y, double *mean,
                        double *max, double *work)
 {
-    lac_motion motion = lac_problem_look(problem, t, y, work).motion;
-    *mean = fabs(motion.mean);
-    *max = lac_vmost(problem->n, motion.v);
+    lac_look at;
+    (void)lac_problem_begin(problem, t, y, false, work, &at);
+    *mean = fabs(at.motion.mean);
+    *max = lac_vmost(problem->n, at.motion.v);
 }
 
 void lac_problem_elastic_traction(const lac_look *at, const double *slip, double *traction)

@@ -163,6 +163,7 @@ lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac
     LAC_TRY(check_places(problem, err));
     LAC_TRY(lac_problem_geometry_init(problem, err));
     LAC_TRY(allocate(problem, def, err));
+    lac_problem_lay_out(problem);
     LAC_TRY(lac_problem_anchor(problem, err));
     if (!lac_problem_drive_into(problem, 0.0, (lac_gone){0}, problem->shares0, &problem->drive0)) {
         status =

@@ -37,13 +37,6 @@ static plane plane_of(const lac_look *at)
                    .mean_y = a + 11 * n};
 }
 
-size_t lac_problem_transfer_work(const lac_problem *problem)
-{
-    const lac_transfer *transfer = &problem->transfer;
-    return problem->across != NULL ? transfer->kind->pair->work(transfer->state)
-                                   : transfer->kind->work(transfer->state);
-}
-
 // What a direction has of its own: the loads, and the tractions at the start. The rest it shares.
 static lac_status make_side(const lac_problem *problem, lac_problem **out, lac_error *err)
 {
@@ -77,6 +70,7 @@ lac_status lac_vector_init(lac_problem *problem, double heading, lac_error *err)
         LAC_EINPUT,
         "slip in two directions knows no cohesion, no load that rock shares and no weakening");
     LAC_TRY_RETURN(make_side(problem, &problem->across, err));
+    lac_problem_lay_out(problem);
     turn(problem->across, sin(heading));
     turn(problem, cos(heading));
     return LAC_OK;

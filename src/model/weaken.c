@@ -75,12 +75,9 @@ static bool take_excess(const lac_problem *problem, const double *z, lac_problem
     return drive->least > 0.0 && isfinite(drive->share);
 }
 
-bool lac_weaken_look(lac_look *at)
+bool lac_weaken_look_at(lac_look *at)
 {
     const lac_problem *problem = at->problem;
-    if (problem->weak == NULL) {
-        return true;
-    }
     const lac_weak_arrays a = lac_weaken_split(problem, at->ws.weak);
     add_up(problem, at->y, a.z);
     for (size_t k = 0; k < problem->weak->count; k++) {
@@ -193,12 +190,9 @@ static bool block_rates(const lac_look *at, const lac_weak_arrays *a, size_t fir
     return check == 0.0;
 }
 
-bool lac_weaken_rates(const lac_look *at, double *xdot)
+bool lac_weaken_rates_of(const lac_look *at, double *xdot)
 {
     bool good = true;
-    if (at->problem->weak == NULL) {
-        return true;
-    }
     const lac_weak_arrays a = lac_weaken_split(at->problem, at->ws.weak);
     for (size_t first = 0; first < at->problem->n; first += LAC_FRICTION_BLOCK) {
         good = block_rates(at, &a, first, xdot) && good;
