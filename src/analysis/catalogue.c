@@ -197,8 +197,7 @@ static void end_motion(lac_catalogue *c, uint32_t cell, double slip)
 static void survey(lac_catalogue *c, const lac_open_event *e, lac_event *event)
 {
     const lac_grid *grid = &c->domain->grid;
-    size_t columns = 0;
-    size_t rows = 0;
+    size_t columns = 0, rows = 0;
     c->mark++;
     for (size_t k = 0; k < e->count; k++) {
         uint32_t cell = e->cells[k];
@@ -247,8 +246,7 @@ static lac_status put_out(lac_catalogue *c, uint32_t place, double local, const 
 
 static int by_time(const void *left, const void *right)
 {
-    const lac_motion_change *a = left;
-    const lac_motion_change *b = right;
+    const lac_motion_change *a = left, *b = right;
     if (a->share != b->share) {
         return a->share < b->share ? -1 : 1;
     }

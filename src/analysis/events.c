@@ -65,8 +65,7 @@ static void keep(lac_indicator *self, lac_archive *archive)
 static void set_line(events *e, lac_analysis_line *line)
 {
     const lac_catalogue *c = &e->catalogue;
-    char rate[64];
-    char size[64];
+    char rate[64], size[64];
     (void)lac_units_format(e->slip_rate, "m/s", rate, sizeof rate);
     line->label = "events";
     int used =

@@ -83,9 +83,7 @@ static bool read_fraction(const char **at, double *fraction)
 // hh:mm[:ss[.fraction]]; a leap second (:60) is refused: seconds since 1970 have none.
 static bool read_clock(const char **at, double *seconds)
 {
-    int64_t hour;
-    int64_t minute;
-    int64_t second = 0;
+    int64_t hour, minute, second = 0;
     double fraction = 0.0;
     if (!read_digits(at, 2, &hour) || !read_mark(at, ':') || !read_digits(at, 2, &minute)) {
         return false;
@@ -113,8 +111,7 @@ static bool read_zone(const char **at, double *offset)
         return true;
     }
     double sign = **at == '-' ? -1.0 : 1.0;
-    int64_t hour;
-    int64_t minute;
+    int64_t hour, minute;
     if (!read_mark(at, '+') && !read_mark(at, '-')) {
         return false;
     }
@@ -129,8 +126,7 @@ bool lac_date_parse(const char *text, double *seconds)
 {
     const char *at = text;
     int64_t days;
-    double clock = 0.0;
-    double offset = 0.0;
+    double clock = 0.0, offset = 0.0;
     if (!read_day(&at, &days)) {
         return false;
     }

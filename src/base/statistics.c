@@ -130,8 +130,7 @@ double lac_line_range_spread(const lac_line *line, const double *x, const double
 {
     const size_t n = (size_t)line->n;
     const size_t least = n < 4 ? 2 : (n + 1) / 2;
-    double sum = 0.0;
-    double runs = 0.0;
+    double sum = 0.0, runs = 0.0;
     for (size_t a = 0; a + least <= n; a++) {
         for (size_t length = least; a + length <= n; length++) {
             const lac_line run = lac_line_fit(length, &x[a], &y[a]);

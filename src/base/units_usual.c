@@ -96,8 +96,7 @@ static bool is_round(double x)
 static const lac_usual_unit *choose(double value, const char *si)
 {
     double x = fabs(value);
-    const lac_usual_unit *smallest = NULL;
-    const lac_usual_unit *chosen = NULL;
+    const lac_usual_unit *smallest = NULL, *chosen = NULL;
     for (size_t i = 0; i < sizeof usual / sizeof usual[0]; i++) {
         const lac_usual_unit *unit = &usual[i];
         if (unit->show == LAC_READ || strcmp(unit->to, si) != 0) {

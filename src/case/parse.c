@@ -12,8 +12,7 @@ typedef struct builder {
     size_t size;
     lac_node *root;
     lac_node *open[LAC_TREE_DEPTH]; // lists and mappings that have not ended
-    size_t depth;
-    size_t nodes;
+    size_t depth, nodes;
     char *key; // read, its value awaited
     size_t key_line;
     bool documents_seen;

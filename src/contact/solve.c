@@ -183,8 +183,7 @@ static bool warm_guess(const lac_contact_def *def, const problem *p, const lac_d
                        double *pressure)
 {
     size_t n = p->at.nx * p->at.ny;
-    double most = 0.0;
-    double sum = 0.0;
+    double most = 0.0, sum = 0.0;
     for (size_t i = 0; i < n && def->start != NULL; i++) {
         most = fmax(most, def->start[i]);
     }

@@ -144,9 +144,7 @@ static sums update_piece(const iteration *it, size_t n, size_t at, float *restri
     float g_mean = (float)it->g_mean;
     float level = (float)it->level;
     float more = (float)(it->scale - 1.0);
-    float cells = 0.0F;
-    float sum_g = 0.0F;
-    float du2 = 0.0F;
+    float cells = 0.0F, sum_g = 0.0F, du2 = 0.0F;
 #pragma omp simd safelen(4) reduction(+ : cells, sum_g, du2)
     for (size_t i = 0; i < n; i++) {
         float gap = g[i] - g_mean;
@@ -168,8 +166,7 @@ static sums gap_piece(const iteration *it, size_t n, size_t at, float *restrict 
     const float *restrict g = &it->g[at];
     float g_mean = (float)it->g_mean;
     double pg = 0.0;
-    float g2 = 0.0F;
-    float sum_g = 0.0F;
+    float g2 = 0.0F, sum_g = 0.0F;
 #pragma omp simd safelen(4) reduction(+ : pg, g2, sum_g)
     for (size_t i = 0; i < n; i++) {
         float in = p[i] > 0.0 ? 1.0F : 0.0F;
@@ -190,12 +187,8 @@ static sums overlap_piece(const iteration *it, size_t n, size_t at, float *restr
     const float *restrict dg = &it->dg[at];
     const float *restrict t = &it->t[at];
     float g_mean = (float)it->g_mean;
-    float sz = 0.0F;
-    float zg = 0.0F;
-    float zd = 0.0F;
-    float sd = 0.0F;
-    float st = 0.0F;
-    float gt = 0.0F;
+    float sz = 0.0F, zg = 0.0F, zd = 0.0F, sd = 0.0F;
+    float st = 0.0F, gt = 0.0F;
 #pragma omp simd safelen(4) reduction(+ : sz, zg, zd, sd, st, gt)
     for (size_t i = 0; i < n; i++) {
         float in = p[i] > 0.0 ? 1.0F : 0.0F;

@@ -52,8 +52,7 @@ static void average_row(size_t n, size_t m, const double *fine, double weight, d
 // Means over the cells of the coarse grid.
 static void average(const lac_extent *fine, const double *h, const lac_extent *coarse, double *mean)
 {
-    size_t n = fine->ny;
-    size_t m = coarse->ny;
+    size_t n = fine->ny, m = coarse->ny;
     memset(mean, 0, coarse->nx * m * sizeof *mean);
     for (size_t j = 0; j < n; j++) {
         size_t from = j * m;

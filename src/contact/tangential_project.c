@@ -21,13 +21,8 @@ static state evaluate(const lac_shear_problem *p, const double *restrict y, cons
     const size_t n = p->n;
     const double lx = lambda[0];
     const double ly = lambda[1];
-    double phi = 0.0;
-    double fx = 0.0;
-    double fy = 0.0;
-    double xx = 0.0;
-    double yy = 0.0;
-    double xy = 0.0;
-    double pull = 0.0;
+    double phi = 0.0, fx = 0.0, fy = 0.0, xx = 0.0;
+    double yy = 0.0, xy = 0.0, pull = 0.0;
 #pragma omp simd safelen(2) reduction(+ : phi, fx, fy, xx, yy, xy, pull)
     for (size_t i = 0; i < n; i++) {
         double vx = y[i] + lx;

@@ -82,9 +82,7 @@ static void free_mean(const iteration *it, const double *x, bool gradient, doubl
     const lac_shear_problem *p = it->p;
     const size_t n = p->n;
     double f[2] = {0.0, 0.0};
-    double xx = 0.0;
-    double yy = 0.0;
-    double xy = 0.0;
+    double xx = 0.0, yy = 0.0, xy = 0.0;
     for (size_t i = 0; i < n; i++) {
         double tx = it->tx[i];
         double ty = it->ty[i];
@@ -134,8 +132,7 @@ static void project_free(const iteration *it, const double *from, bool gradient,
 static void evaluate(iteration *it)
 {
     const lac_shear_problem *p = it->p;
-    double sum = 0.0;
-    double size = 0.0;
+    double sum = 0.0, size = 0.0;
     for (size_t axis = 0; axis < 2; axis++) {
         const double d = p->held[axis] ? 0.0 : p->shift[axis];
         for (size_t k = axis * p->n; k < (axis + 1) * p->n; k++) {

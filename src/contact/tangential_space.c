@@ -71,8 +71,7 @@ static double cell_integral(part which, double nu, spacing d, double i, double j
 // One kernel at every distance; those beyond half the transform are negative ones.
 static void fill_kernel(lac_fft *fft, part which, double nu, spacing d)
 {
-    const size_t mx = fft->nx;
-    const size_t my = fft->ny;
+    const size_t mx = fft->nx, my = fft->ny;
     const double mirror = which == CROSS ? -1.0 : 1.0;
     for (size_t j = 0; j <= my / 2; j++) {
         for (size_t i = 0; i <= mx / 2; i++) {
@@ -121,8 +120,7 @@ static void fill_tables(lac_shear_space *s, const lac_grid *grid, double nu)
 static void measure(lac_shear_space *s)
 {
     const lac_fft *fft = s->fft[0];
-    double self = 0.0;
-    double most = 0.0;
+    double self = 0.0, most = 0.0;
     for (size_t i = 0; i < fft->nkx; i++) {
         for (size_t j = 0; j < fft->ny; j++) {
             size_t at = place(fft, s->xy == NULL, i, j);

@@ -28,10 +28,6 @@ void lac_json_integer(lac_json *json, const char *key, int64_t value);
 void lac_json_boolean(lac_json *json, const char *key, bool value);
 void lac_json_null(lac_json *json, const char *key);
 
-/// Length of the UTF-8 sequence at `s`, 0 where it is none (overlong forms, surrogates included),
-/// and the number of its character.
-size_t lac_utf8_length(const unsigned char *s, uint32_t *code);
-
 /// Text in quotes, escaped; bytes that are no UTF-8 become U+FFFD; null where NULL.
 void lac_json_text(lac_json *json, const char *key, const char *text);
 

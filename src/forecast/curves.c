@@ -80,10 +80,7 @@ static double place_power(const lac_projection *self, size_t shape, double part)
 // that rise: alpha as it is read off a plot. NaN from fewer than two.
 static double plane_slope(const lac_window *w)
 {
-    double n = 0.0;
-    double x = 0.0;
-    double y = 0.0;
-    double xx = 0.0;
+    double n = 0.0, x = 0.0, y = 0.0, xx = 0.0;
     double xy = 0.0;
     for (size_t i = 1; i < w->velocities; i++) {
         const double rise = w->velocity[i] - w->velocity[i - 1];

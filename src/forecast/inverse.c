@@ -131,8 +131,7 @@ static double drawn_by_noise(const lac_window *w, const lac_line *line)
 static lac_status fit_slope(const lac_window *w, lac_forecast_fit *fit, lac_error *err)
 {
     const size_t n = w->velocities;
-    const double *t = w->velocity_time;
-    const double *v = w->velocity;
+    const double *t = w->velocity_time, *v = w->velocity;
     lac_line line;
     LAC_TRY_RETURN(fit_line(n, t, v, false, &line, err));
     if ((size_t)line.n < n) {

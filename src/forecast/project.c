@@ -371,8 +371,7 @@ static double quantile(size_t n, const lac_draw *draw, double share)
 void lac_posterior_finish(size_t n, lac_draw *draw, lac_forecast_fit *fit)
 {
     static const double share[LAC_FORECAST_LEVELS] = {0.05, 0.25, 0.5, 0.75, 0.95};
-    double highest = -INFINITY;
-    double all = 0.0;
+    double highest = -INFINITY, all = 0.0;
     for (size_t i = 0; i < n; i++) {
         highest = fmax(highest, draw[i].weight);
     }

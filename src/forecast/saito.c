@@ -84,8 +84,7 @@ static double square_off(const lac_window *w, const curve *a, const curve *b)
 static void judge(const lac_window *w, const curve *c, lac_forecast_fit *fit)
 {
     const double n = (double)w->n;
-    double squares = 0.0;
-    double noise = 0.0;
+    double squares = 0.0, noise = 0.0;
     double spread = 0.0; // variance of `noise`, halved
     curve moved[POINTS];
     for (int k = 0; k < POINTS; k++) {

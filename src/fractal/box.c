@@ -145,8 +145,7 @@ static double count_boxes(const lac_domain *domain, const lac_box_def *def, uint
 {
     const lac_grid *grid = &domain->grid;
     uint64_t shifts = (uint64_t)1 << r->fit_last;
-    double sum = 0.0;
-    double sum2 = 0.0;
+    double sum = 0.0, sum2 = 0.0;
     // The grid's own blocks are the tightest cover of a set made of them; random origins miss it.
     count_from(domain, 0, 0, work, r->sizes, r->minimum);
     for (size_t k = 0; k < def->origins; k++) {

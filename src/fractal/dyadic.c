@@ -22,8 +22,7 @@ lac_dyadic lac_dyadic_count(const lac_domain *domain)
     lac_dyadic d = {.levels = lac_grid_levels(&domain->grid), .dimension = NAN};
     // slope = sum (l - m) log2 N_l / sum (l - m)^2, m the mean level
     const double middle = 0.5 * (double)d.levels;
-    double product = 0.0;
-    double square = 0.0;
+    double product = 0.0, square = 0.0;
     for (size_t level = 0; level <= d.levels; level++) {
         double from_middle = (double)level - middle;
         d.count[level] = blocks_at(domain, level);
@@ -150,8 +149,7 @@ lac_status lac_dimension_solve(const lac_contact_def *def, double dimension, dou
                                double *gap, lac_contact_stats *report, lac_error *err)
 {
     search s = {.def = *def, .target = dimension, .pressure = pressure, .best = {.dimension = -9}};
-    probe low;
-    probe high;
+    probe low, high;
     LAC_FAIL_IF(!(dimension > 0.0 && dimension < 2.0), err, LAC_EINPUT,
                 "the dimension must be > 0 and < 2, not %g", dimension);
     s.def.control = LAC_CONTROL_LOAD;

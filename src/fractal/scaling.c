@@ -76,8 +76,7 @@ static double dimension_of(const double *x, const double *measure, size_t n)
 // With A_r = kappa P / (E* h'_r) the area falls as the slope rises.
 static void compare(lac_scaling *s, const double *x, size_t n)
 {
-    double smooth[LAC_SCALING_POINTS];
-    double flatness[LAC_SCALING_POINTS];
+    double smooth[LAC_SCALING_POINTS], flatness[LAC_SCALING_POINTS];
     for (size_t i = 0; i < n; i++) {
         smooth[i] = lac_smooth_area(&s->at[i]);
         flatness[i] = 1 / s->at[i].slope;
@@ -88,8 +87,7 @@ static void compare(lac_scaling *s, const double *x, size_t n)
 
 lac_status lac_scaling_fit(lac_scaling *s, size_t left_out, lac_error *err)
 {
-    double x[LAC_SCALING_POINTS];
-    double y[LAC_SCALING_POINTS];
+    double x[LAC_SCALING_POINTS], y[LAC_SCALING_POINTS];
     LAC_TRY_RETURN(check(s, left_out, err));
     for (size_t i = 0; i < s->n; i++) {
         x[i] = log(s->at[i].cell);
@@ -182,9 +180,7 @@ static lac_status solve(const lac_contact_def *fine, size_t m, lac_coarsening ho
 // How often the finest grid is halved.
 static size_t halvings(const lac_grid *grid, size_t coarsest)
 {
-    size_t nx = grid->nx;
-    size_t ny = grid->ny;
-    size_t n = 0;
+    size_t nx = grid->nx, ny = grid->ny, n = 0;
     while ((nx < ny ? nx : ny) > coarsest && nx % 2 == 0 && ny % 2 == 0) {
         nx /= 2;
         ny /= 2;

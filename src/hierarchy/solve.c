@@ -53,11 +53,8 @@ LAC_CLONES static void lac_solve_average(void *context, size_t part, size_t firs
 {
     const pass *p = context;
     const uint32_t *child = p->part->child;
-    const double *w = p->w;
-    const double *t = p->t;
-    const double *y = p->y;
-    double *t_b = p->t_b;
-    double *y_b = p->y_b;
+    const double *w = p->w, *t = p->t, *y = p->y;
+    double *t_b = p->t_b, *y_b = p->y_b;
     size_t whole = end < p->part->whole ? end : p->part->whole;
     (void)part;
     LAC_INDEPENDENT
@@ -103,8 +100,7 @@ static uint32_t adopt_singles(const lac_partition *fine, const double *t, const 
 LAC_CLONES static void lac_solve_offer(void *context, size_t part, size_t first, size_t end)
 {
     const pass *p = context;
-    const double *m = p->t;
-    const double *mu = p->y;
+    const double *m = p->t, *mu = p->y;
     double *b = p->out;
     double k = p->k;
     (void)part;
@@ -119,10 +115,8 @@ LAC_CLONES static void lac_solve_pass_down(void *context, size_t part, size_t fi
 {
     const pass *p = context;
     const uint32_t *parent = p->part->parent;
-    const double *g = p->g;
-    const double *b = p->b;
-    double *t = p->t_b;
-    double *y = p->y_b;
+    const double *g = p->g, *b = p->b;
+    double *t = p->t_b, *y = p->y_b;
     double k = p->k;
     (void)part;
     LAC_INDEPENDENT
@@ -139,9 +133,7 @@ LAC_CLONES static void lac_solve_finish(void *context, size_t part, size_t first
 {
     const pass *p = context;
     const uint32_t *parent = p->part->parent;
-    const double *g = p->g;
-    const double *b = p->b;
-    const double *y = p->y;
+    const double *g = p->g, *b = p->b, *y = p->y;
     double *x = p->out;
     (void)part;
     LAC_INDEPENDENT

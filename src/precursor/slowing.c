@@ -71,8 +71,7 @@ static lac_status create(passage *p, size_t n, lac_error *err)
 static void relate(size_t n, const double *x, double *variance, double *relation)
 {
     const double mean = lac_mean(n, x);
-    double square = 0.0;
-    double product = 0.0;
+    double square = 0.0, product = 0.0;
     for (size_t i = 0; i < n; i++) {
         square += (x[i] - mean) * (x[i] - mean);
         product += i > 0 ? (x[i] - mean) * (x[i - 1] - mean) : 0.0;
@@ -129,8 +128,7 @@ static double expected_relation(const passage *p, double phi, double *w)
 // The coefficient of which that is expected: an autocorrelation without its bias in short series.
 static double without_bias(const passage *p, double relation, double *w)
 {
-    double low = -steepest;
-    double high = steepest;
+    double low = -steepest, high = steepest;
     for (int i = 0; i < HALVINGS; i++) {
         lac_halve(&low, &high, expected_relation(p, 0.5 * (low + high), w) < relation);
     }
@@ -173,8 +171,7 @@ typedef struct ranks {
 
 static void compare(passage *p, const lac_slowing *with, ranks *above)
 {
-    double variance_tau;
-    double relation_tau;
+    double variance_tau, relation_tau;
     pass(p, &variance_tau, &relation_tau);
     above->variance += variance_tau >= with->variance_tau ? 1 : 0;
     above->relation += relation_tau >= with->autocorrelation_tau ? 1 : 0;
@@ -191,8 +188,7 @@ static lac_status rank(passage *p, uint64_t seed, size_t surrogates, lac_slowing
 {
     ranks red = {0};
     ranks phase = {0};
-    double all = 0.0;
-    double relation = 0.0;
+    double all = 0.0, relation = 0.0;
     lac_fft *fft = NULL;
     LAC_TRY_RETURN(lac_fft_create(p->n, 1, &fft, err));
     find_amplitudes(p, fft);

@@ -16,8 +16,7 @@ static bool before(const lac_rg_child *a, const lac_rg_child *b)
 
 static int compare(const void *a, const void *b)
 {
-    const lac_rg_child *x = a;
-    const lac_rg_child *y = b;
+    const lac_rg_child *x = a, *y = b;
     return before(x, y) ? -1 : before(y, x) ? 1 : 0;
 }
 

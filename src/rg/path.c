@@ -99,8 +99,7 @@ static lac_status check_series(const lac_rg_series *s, lac_error *err)
 
 lac_status lac_rg_path_elastic(const lac_rg_series *series, lac_rg_path **out, lac_error *err)
 {
-    const size_t n = series->n;
-    const size_t loads = series->loads;
+    const size_t n = series->n, loads = series->loads;
     *out = NULL;
     LAC_TRY_RETURN(check_series(series, err));
     lac_rg_path *path = calloc(1, sizeof *path + loads * (n + 1) * sizeof *path->memory);

@@ -54,9 +54,7 @@ void lac_rg_states_note(const lac_rg_tree *tree, double before, double load, lac
 
 static void summarise(size_t count, const lac_rg_block_state *s, double cells, lac_rg_sizes *out)
 {
-    double load = 0.0;
-    double sum = 0.0;
-    double square = 0.0;
+    double load = 0.0, sum = 0.0, square = 0.0;
     *out = (lac_rg_sizes){0};
     for (size_t b = 0; b < count; b++) {
         if (s[b].slipped) {

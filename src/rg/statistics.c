@@ -146,8 +146,7 @@ lac_rg_power lac_rg_power_fit(size_t n, const double *load, const double *xi, do
 {
     lac_rg_power law = {.exponent = NAN, .error = NAN, .curvature = NAN};
     lac_line line = {0};
-    double least = INFINITY;
-    double most = 0.0;
+    double least = INFINITY, most = 0.0;
     for (size_t i = 0; i < n; i++) {
         if (is_fitted(load[i], xi[i], critical)) {
             lac_line_add(&line, log(1.0 - load[i] / critical), log(xi[i]));

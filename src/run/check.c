@@ -133,8 +133,7 @@ lac_status lac_check_start(const lac_problem *problem, const lac_run_def *def,
                            const lac_failure *failure, const double *y, double *work,
                            lac_error *err)
 {
-    double mean;
-    double max;
+    double mean, max;
     lac_problem_speed(problem, 0.0, y, &mean, &max, work);
     LAC_TRY_RETURN(lac_check_rates(problem, max, 0.0, work, err));
     LAC_FAIL_IF(lac_problem_past_failure(problem, failure, 0.0, y, work) >= 0.0, err, LAC_EINPUT,

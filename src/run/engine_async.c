@@ -205,8 +205,7 @@ static lac_async_limits limits_of(lac_engine *engine, double stop)
 static bool too_early(lac_engine *engine, const lac_async_limits *limits)
 {
     cells *c = engine->inner;
-    double mean;
-    double max;
+    double mean, max;
     double t = lac_engine_clock(engine, engine->t);
     bool failed = lac_problem_past_failure(engine->problem, &engine->failure, t, engine->y,
                                            engine->work) >= 0.0;

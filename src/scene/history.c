@@ -230,8 +230,7 @@ static lac_status solve_step(history *h, double mean, const lac_tangential_targe
 static lac_status follow_entry(history *h, size_t entry, lac_error *err)
 {
     const lac_history_step *step = &h->source->history.step[entry];
-    lac_tangential_target end;
-    lac_tangential_target begin;
+    lac_tangential_target end, begin;
     const double start = h->mean;
     const double pressure = find_end(h, step, &end);
     begin = end;

@@ -352,8 +352,7 @@ static void look(const joint *j, const double *shear, double share, lac_scene_rg
     const lac_domain *domain = j->contact.domain;
     const lac_grid *grid = &domain->grid;
     size_t weakest = 0;
-    double nominal = 0.0;
-    double carried = 0.0;
+    double nominal = 0.0, carried = 0.0;
     for (size_t i = 0; i < domain->n; i++) {
         double gap = j->strength[i] - shear[i];
         weakest = gap < j->strength[weakest] - shear[weakest] ? i : weakest;

@@ -6,8 +6,7 @@
 
 double lac_damping_of(const lac_material_def *material)
 {
-    double g = material->shear_modulus;
-    double cs = material->shear_speed;
+    double g = material->shear_modulus, cs = material->shear_speed;
     if (isnan(cs) && !isnan(material->density)) {
         cs = sqrt(g / material->density);
     }

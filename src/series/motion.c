@@ -142,9 +142,7 @@ static void average(size_t points, bool secants, lac_motion *m)
         return;
     }
     for (size_t i = 0; i + before < m->velocities; i++) {
-        double time = 0.0;
-        double sum = 0.0;
-        double squares = 0.0;
+        double time = 0.0, sum = 0.0, squares = 0.0;
         for (size_t j = 0; j < points; j++) {
             time += m->velocity_time[i + j] - m->velocity_time[i];
             sum += m->velocity[i + j];
@@ -164,10 +162,7 @@ static void add_slope(lac_motion *m, size_t first, size_t last)
     const double *t = m->time + first;
     const double *d = m->displacement + first;
     const size_t n = last - first + 1;
-    double mean = 0.0;
-    double tt = 0.0;
-    double td = 0.0;
-    double squares = 0.0;
+    double mean = 0.0, tt = 0.0, td = 0.0, squares = 0.0;
     for (size_t i = 0; i < n; i++) {
         mean += (t[i] - t[0]) / (double)n;
     }
@@ -304,8 +299,7 @@ static void keep_displacements(const lac_readings *r, lac_motion *m)
 // Where there are velocities only: their integral, by trapezoids.
 static void integrate(const lac_readings *r, lac_motion *m)
 {
-    double sum = 0.0;
-    double before = 0.0;
+    double sum = 0.0, before = 0.0;
     m->integrated = true;
     for (size_t i = 0; i < r->n; i++) {
         if (isnan(r->velocity[i])) {

@@ -156,9 +156,6 @@ int lac_text_digit(const char *field, char mark);
 /// @param plain  [size] the number without them
 bool lac_text_thousands(const char *field, char *plain, size_t size);
 
-/// Bytes of the UTF-8 character that begins a text; 0 where there is none.
-size_t lac_text_character(const unsigned char *text);
-
 /// A field fit for a message: cut, and without control characters.
 const char *lac_text_show(const char *field, char *shown, size_t size);
 

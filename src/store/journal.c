@@ -181,8 +181,7 @@ static bool is_torn(const view *v, size_t at)
 static int put_entry(int id, const view *v, size_t at, const entry *e)
 {
     char name[NC_MAX_NAME + 1] = "";
-    size_t start[MAX_RANK];
-    size_t count[MAX_RANK];
+    size_t start[MAX_RANK], count[MAX_RANK];
     int var = 0;
     memcpy(name, v->bytes + at + sizeof *e, e->name);
     for (int d = 0; d < MAX_RANK; d++) {

@@ -263,8 +263,7 @@ static lac_status read_axis(const lac_stored_file *in, const char *name, size_t 
 static lac_status choose_step(const lac_stored_file *in, const lac_snapshot_choice *choice,
                               lac_stored_cells *out, lac_error *err)
 {
-    int id = 0;
-    int rank = 0;
+    int id = 0, rank = 0;
     out->kind = LAC_STORED_HISTORY;
     LAC_FAIL_IF(nc_inq_varid(in->id, "traction_x", &id) != NC_NOERR ||
                     nc_inq_varndims(in->id, id, &rank) != NC_NOERR,
@@ -283,8 +282,7 @@ static lac_status check_along_x(const lac_stored_file *in, double **map,
                                 const lac_stored_cells *out, lac_error *err)
 {
     const lac_domain *domain = out->domain;
-    double across = 0.0;
-    double normal = 0.0;
+    double across = 0.0, normal = 0.0;
     lac_status status;
     LAC_TRY(read_map(in, "traction_y", out->index, &domain->grid, map, err));
     for (size_t i = 0; i < domain->n; i++) {

@@ -65,8 +65,7 @@ static lac_status convert(const face_def *def, lac_height_map *map, lac_file_rep
 {
     lac_status status;
     lac_units *units = NULL;
-    const char *vertical = NULL;
-    const char *lateral = NULL;
+    const char *vertical = NULL, *lateral = NULL;
     double scale = 1.0;
     bool known = !isnan(map->dx) || !isnan(map->dy);
     LAC_TRY(choose_unit(def, "unit", map->height_unit, def->unit, def->other, &vertical, err));
@@ -270,8 +269,7 @@ static lac_status bridge(const char *path, const lac_grid *grid, double *heights
 // Masked cells come to lie below the deepest by as much as the heights span: they touch last.
 static void sink(const lac_grid *grid, const uint8_t *masked, double *heights)
 {
-    double lowest = INFINITY;
-    double highest = -INFINITY;
+    double lowest = INFINITY, highest = -INFINITY;
     for (size_t i = 0; i < lac_grid_cells(grid); i++) {
         lowest = fmin(lowest, heights[i]);
         highest = fmax(highest, heights[i]);

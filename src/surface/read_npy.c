@@ -45,9 +45,7 @@ static const char *value_of(const npy *file, const char *key)
 static lac_status take_type(const lac_bytes *bytes, npy *file, lac_error *err)
 {
     const char *descr = value_of(file, "'descr'");
-    char order = 0;
-    char kind = 0;
-    char width = 0;
+    char order = 0, kind = 0, width = 0;
     if (descr != NULL && strlen(descr) > 5 && descr[0] == '\'' && descr[4] == '\'') {
         order = descr[1];
         kind = descr[2];

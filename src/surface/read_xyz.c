@@ -211,8 +211,7 @@ static lac_status place(const lac_bytes *bytes, const points *p, const axis a[2]
         map->heights[i] = (double)NAN;
     }
     for (size_t i = 0; i < p->n; i++) {
-        size_t ix = 0;
-        size_t iy = 0;
+        size_t ix = 0, iy = 0;
         (void)node_of(&a[0], p->at[i].x[0], &ix);
         (void)node_of(&a[1], p->at[i].x[1], &iy);
         size_t at = iy * map->nx + ix;

@@ -58,9 +58,7 @@ static double flat_integral(double a, double c, int n)
 static double integral(const lac_band *b, double a, int d, int moment)
 {
     int n = d + moment;
-    double sum = 0.0;
-    double q_r = b->q_rolloff;
-    double end = b->q_shortest;
+    double sum = 0.0, q_r = b->q_rolloff, end = b->q_shortest;
     double flat = fmin(q_r, end);
     if (a < flat) {
         sum += flat_integral(a, flat, n);

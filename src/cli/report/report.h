@@ -58,9 +58,6 @@ typedef struct cli_kept {
                     ///< slip and rate of the joint and of each of output.points
 } cli_kept;
 
-/// The joint's motion, or with less than kept->points that of a point.
-lac_history cli_kept_history(const cli_kept *kept, size_t point);
-
 /// Prints one table per series: observed and modelled where there are few readings, and misfits.
 void cli_compare_print(const cli_compare *compare, const cli_kept *kept);
 
