@@ -50,7 +50,6 @@ void lac_catalogue_clear(lac_catalogue *c)
     *c = (lac_catalogue){0};
 }
 
-// Room in an event for `more` cells.
 static lac_status make_room(lac_open_event *e, size_t more, lac_error *err)
 {
     if (e->count + more <= e->room) {
@@ -78,7 +77,6 @@ static lac_status add_places(lac_catalogue *c, lac_error *err)
     return LAC_OK;
 }
 
-// Opens an event with its first cell.
 static lac_status open_event(lac_catalogue *c, uint32_t cell, double local, uint32_t *place,
                              lac_error *err)
 {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The indicator `events`: a catalogue of micro-slips, followed at every step;
 // docs/theory/events.md.
+#include "analysis/analysis.h"
 #include "analysis/catalogue.h"
-#include "analysis/kinds.h"
 #include "base/units.h"
 
 #define FIELD(name) offsetof(lac_analysis_events, name)

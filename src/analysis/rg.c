@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The cascade in time: what slips at each level, how far that is from the fixed point of the
 // renormalization map, and the longest slipping cluster; docs/theory/rg-in-time.md.
-#include "analysis/kinds.h"
 #include "analysis/slipping.h"
 #include "base/rg_rows.h"
 #include "base/units.h"
@@ -166,7 +165,6 @@ out:
     return status;
 }
 
-// The share of a level's blocks that slip.
 static double slipped(const lac_slip_blocks *b, size_t level)
 {
     return (double)b->slipping[level] / (double)lac_hierarchy_blocks(b->h, level);

@@ -2,7 +2,7 @@
 // A cell over one step: ln v is taken as linear in slip, v = v0/(1 - c t), which self-acceleration
 // and healing both follow. Slip and state are then closed forms of h and rho = ln(v1/v0), and the
 // balance at the end of the step is one equation for rho; docs/theory/fidelity-events.md, eqs. 3-6.
-#include "async/cell.h"
+#include "async/tree.h"
 
 #include "base/phi.h"
 
@@ -151,7 +151,6 @@ static double attempt(const lac_async_rules *rules, const lac_async_cell *c,
     return off * gain(c, at->own, at->pressure1, z) / rules->tolerance;
 }
 
-// The part of a span from `from`, `h` long.
 static lac_async_span part_of(const lac_async_span *span, double from, double h)
 {
     double x = from / span->length;

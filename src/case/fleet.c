@@ -66,7 +66,6 @@ static void read_map(lac_reader *reader, const char *key, const char *allowed,
     }
 }
 
-// A list of names.
 static size_t read_names(lac_reader *reader, const lac_node *node, const char *allowed,
                          char ***names)
 {

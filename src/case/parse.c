@@ -26,7 +26,6 @@ static size_t line_of(const builder *b, const yaml_event_t *event)
 #define REFUSE(b, event, ...) \
     (lac_add_error_text((b)->reader, line_of(b, event), (b)->place, __VA_ARGS__), false)
 
-// Why libyaml cannot read on.
 static void blame_syntax(builder *b, const yaml_parser_t *parser)
 {
     size_t line = parser->problem_mark.line + 1;
@@ -88,7 +87,6 @@ static bool take_key(builder *b, const yaml_event_t *event)
     return b->key != NULL;
 }
 
-// Adds a value to what is being built.
 static lac_node *add(builder *b, const yaml_event_t *event, lac_node_kind kind, const char *text,
                      size_t size)
 {

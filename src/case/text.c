@@ -18,7 +18,6 @@ static bool is_printable(unsigned c)
     return c != '"' && c != '\\' && c != 0x7f && c >= 0x20 && c != 0xfffe && c != 0xffff;
 }
 
-// What stands between double quotes.
 static void put_escaped(lac_writer *w, const char *text)
 {
     while (*text != '\0') {
@@ -307,7 +306,6 @@ void lac_put_analysis(lac_writer *w, const lac_case *c)
     }
 }
 
-// A value in double quotes, with its unit.
 static const char *quoted(double value, const char *unit, char *text, size_t size)
 {
     char plain[80];

@@ -25,7 +25,6 @@ static bool stands_before(const lac_case *c, size_t i)
     return found;
 }
 
-// Which fields of the cells there are.
 static void check_fields(lac_reader *reader, const lac_case *c, const lac_weakening_set *set)
 {
     const struct {

@@ -199,7 +199,6 @@ static bool warm_guess(const lac_contact_def *def, const problem *p, const lac_d
     return most > 0.0;
 }
 
-// The bodies do not touch.
 static bool no_contact(const lac_contact_def *def, double *pressure, double *gap)
 {
     if (def->control == LAC_CONTROL_LOAD || depth(def) > 0.0) {

@@ -192,12 +192,6 @@ const lac_forecast_kind lac_forecast_block = {
     .least = 8,
     .displacements = true,
     .worst = 0.04,
-    .calibration = {.pull = 0.4,
-                    .spread = 1.6,
-                    .low90 = -1.452,
-                    .low50 = -0.801,
-                    .median = -0.422,
-                    .high50 = 0.077,
-                    .high90 = 0.797},
+    .calibration = {0.4, 1.6, -1.452, -0.801, -0.422, 0.077, 0.797},
     .fit = fit_block,
 };

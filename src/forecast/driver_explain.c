@@ -37,7 +37,6 @@ typedef struct record {
     lac_answer answer;       // the best
 } record;
 
-// Rates of so many groups of readings.
 static void take_rates(const lac_motion *m, const lac_driver_grid *grid, size_t groups, record *r)
 {
     const size_t steps = m->n - 1;

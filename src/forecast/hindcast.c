@@ -2,7 +2,6 @@
 // Forecasts as they would have been made in the past, each from the readings up to its own time,
 // and how good they were, where the time of failure is known: errors, alarms, scores.
 #include "forecast/hindcast.h"
-#include "base/statistics.h"
 #include "forecast/kinds.h"
 
 // Readings that issue k of `issues` <= n may see; the last sees all.

@@ -5,7 +5,6 @@
 #include <gsl/gsl_multifit_nlinear.h>
 #include <gsl/gsl_statistics_double.h>
 
-#include "base/statistics.h"
 #include "forecast/kinds.h"
 
 enum { STARTS = 4, ITERATIONS = 100 };

@@ -2,7 +2,6 @@
 // The methods of forecasting in their order: a case's own comes before the baseline, which is last.
 #include <stdarg.h>
 
-#include "base/statistics.h"
 #include "forecast/kinds.h"
 
 static const lac_forecast_kind *const kinds[] = {

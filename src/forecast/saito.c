@@ -142,12 +142,6 @@ const lac_forecast_kind lac_forecast_saito = {
     .least = 5,
     .displacements = true,
     .worst = 0.04,
-    .calibration = {.pull = 0.4,
-                    .spread = 1.6,
-                    .low90 = -1.877,
-                    .low50 = -1.169,
-                    .median = -0.72,
-                    .high50 = -0.249,
-                    .high90 = 0.318},
+    .calibration = {0.4, 1.6, -1.877, -1.169, -0.72, -0.249, 0.318},
     .fit = fit_three,
 };

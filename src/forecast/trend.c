@@ -3,7 +3,6 @@
 // that its bend is noise, and what to say where noise forbids an answer.
 #include <gsl/gsl_cdf.h>
 
-#include "base/statistics.h"
 #include "forecast/kinds.h"
 
 enum { LEAST = 6, GROUPS = 48, HUBER_STEPS = 3, TERMS = 3, WINDOWS = 64 };

@@ -137,7 +137,6 @@ static double boundary(const lac_grid *g, const double *p)
     return length;
 }
 
-// What one resolution shows of heights and pressures.
 static lac_resolution observe(const lac_grid *grid, const double *heights, const double *pressure)
 {
     double sum = 0;
@@ -177,7 +176,6 @@ static lac_status solve(const lac_contact_def *fine, size_t m, lac_coarsening ho
     return LAC_OK;
 }
 
-// How often the finest grid is halved.
 static size_t halvings(const lac_grid *grid, size_t coarsest)
 {
     size_t nx = grid->nx, ny = grid->ny, n = 0;

@@ -137,7 +137,6 @@ static double without_bias(const passage *p, double relation, double *w)
 
 // The second counter of the numbers that phases are made of: none of an autoregression's.
 static const uint64_t phase_counter = 1ULL << 40;
-static const double pi = 3.14159265358979323846;
 
 // Fourier amplitudes of what is left, of which surrogates with other phases are made.
 static void find_amplitudes(const passage *p, lac_fft *fft)
@@ -155,7 +154,7 @@ static void draw_phases(const passage *p, lac_fft *fft, uint64_t seed, size_t in
     for (size_t k = 0; k < fft->nkx; k++) {
         const double turn =
             lac_random_uniform(seed, LAC_STREAM_SURROGATE, index, phase_counter + k);
-        fft->spectrum[k] = p->amplitude[k] * cexp(I * 2.0 * pi * turn);
+        fft->spectrum[k] = p->amplitude[k] * cexp(I * 2.0 * M_PI * turn);
         if (k == 0 || 2 * k == p->n) { // real ones have a sign for a phase
             fft->spectrum[k] = p->amplitude[k] * (turn < 0.5 ? -1.0 : 1.0);
         }
@@ -243,7 +242,7 @@ static lac_status look(const lac_precursor_inputs *in, lac_forecast_fit *found, 
 {
     const lac_motion *m = in->motion;
     double even[MOST];
-    lac_slowing slowing;
+    lac_slowing slowing = {0};
     if (m->velocities < LEAST) {
         return lac_forecast_fit_refuse(found, "too few velocities: %zu, at least %d", m->velocities,
                                        (int)LEAST);
@@ -252,15 +251,12 @@ static lac_status look(const lac_precursor_inputs *in, lac_forecast_fit *found, 
     resample(m, found->points, even);
     lac_status status =
         lac_slowing_measure(found->points, even, in->seed, in->surrogates, &slowing, err);
-    if (status == LAC_OK) {
-        lac_forecast_fit_add(found, "variance_m2_s2", slowing.variance);
-        lac_forecast_fit_add(found, "variance_tau", slowing.variance_tau);
-        lac_forecast_fit_add(found, "variance_p", slowing.variance_p);
-        lac_forecast_fit_add(found, "variance_phase_p", slowing.variance_phase_p);
-        lac_forecast_fit_add(found, "autocorrelation", slowing.autocorrelation);
-        lac_forecast_fit_add(found, "autocorrelation_tau", slowing.autocorrelation_tau);
-        lac_forecast_fit_add(found, "autocorrelation_p", slowing.autocorrelation_p);
-        lac_forecast_fit_add(found, "autocorrelation_phase_p", slowing.autocorrelation_phase_p);
+    const double values[] = {slowing.variance,          slowing.variance_tau,
+                             slowing.variance_p,        slowing.variance_phase_p,
+                             slowing.autocorrelation,   slowing.autocorrelation_tau,
+                             slowing.autocorrelation_p, slowing.autocorrelation_phase_p};
+    for (size_t k = 0; status == LAC_OK && k < sizeof values / sizeof *values; k++) {
+        lac_forecast_fit_add(found, numbers[k].key, values[k]);
     }
     return status;
 }

@@ -70,7 +70,6 @@ static lac_history history_of(lac_page *page)
     return (lac_history){page->n, page->time, slip, rate};
 }
 
-// Readings on the run's clock.
 static void write_series(lac_page *page, const lac_series *view, const lac_motion *derived)
 {
     const lac_history history = history_of(page);

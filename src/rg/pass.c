@@ -48,7 +48,6 @@ typedef struct slide {
     double excess;   // E: force that they share, CONS
 } slide;
 
-// Child c slips.
 static void slip(slide *s, const lac_rg_layer *below, uint32_t c)
 {
     s->left -= below->cells[c];
@@ -158,7 +157,6 @@ static size_t nearest(const lac_rg_tree *tree, const lac_rg_layer *below, size_t
     return at;
 }
 
-// Whether all children slip, one after the other.
 static bool all_slip(lac_rg_tree *tree, const lac_rg_layer *below, size_t n)
 {
     double received = 0.0; // force on each child that sticks: equal shares

@@ -177,7 +177,6 @@ static lac_status measure_scaling(const lac_scaling_def *how, lac_scene_contact 
     return status;
 }
 
-// Strength of specimens beside that of this interface.
 static lac_status measure_sizes(const lac_scene_measure_def *def, lac_scene_contact *contact,
                                 lac_error *err)
 {

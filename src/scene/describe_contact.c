@@ -162,7 +162,6 @@ static lac_status add_history(lac_dataset *d, const lac_contact_outcome *o, lac_
     return status;
 }
 
-// A face's file, in words.
 static const char *face_text(const lac_file_report *file, char room[LAC_TEXT_ROOM])
 {
     char apart[64] = "";

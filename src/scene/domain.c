@@ -52,7 +52,6 @@ out:
     return status;
 }
 
-// Gives the cells the pressures that they are to have.
 static lac_status load_cells(const lac_domain_file *file, double mean, lac_domain *domain,
                              lac_error *err)
 {

@@ -254,7 +254,6 @@ static void *own_source(const lac_case *c, lac_case *own)
     return room;
 }
 
-// Means over the joints, and the results of all studies.
 static lac_status finish(const lac_case *c, lac_scene_rg *out, lac_error *err)
 {
     out->beta[0] /= c->rg.betas == 0 ? (double)out->seeds : 1.0;

@@ -2,7 +2,6 @@
 // Readings made ready for forecasts: cleaned, turned so that they rise, and differentiated, all
 // with the past alone: whoever passes readings up to the present gets what could be known then.
 #include "series/motion.h"
-#include "base/least_squares.h"
 #include "base/noise.h"
 #include "base/statistics.h"
 
@@ -280,7 +279,6 @@ static lac_status check(const lac_motion_def *def, const lac_readings *readings,
     return LAC_OK;
 }
 
-// The readings that have a displacement.
 static void keep_displacements(const lac_readings *r, lac_motion *m)
 {
     double most = 0.0;

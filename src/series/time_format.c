@@ -109,7 +109,6 @@ lac_status lac_time_format_read(const char *text, const struct lac_units *units,
     return LAC_OK;
 }
 
-// One to `most` digits.
 static bool take_digits(const char **at, int most, int *value)
 {
     int n = 0;

@@ -135,7 +135,6 @@ static lac_status check_band(const lac_synthesis *how, const lac_band *b, lac_er
     return LAC_OK;
 }
 
-// The band of a grid of more than one cell.
 static lac_status band_of(const lac_synthesis *how, const lac_grid *grid, lac_band *out,
                           lac_error *err)
 {

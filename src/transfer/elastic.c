@@ -4,7 +4,6 @@
 #include "base/statistics.h"
 #include "transfer/calibrate.h"
 #include "transfer/elastic_solve.h"
-#include "transfer/kinds.h"
 
 enum { IN_PLANE, ANTIPLANE };
 enum { UNLOADED, CREEPING };
@@ -37,7 +36,6 @@ static const char *fault(const void *given)
                 : NULL;
 }
 
-// Whether every cell of the grid touches.
 static bool is_full(const lac_domain *domain) { return domain->n == lac_grid_cells(&domain->grid); }
 
 static void destroy(void *state)

@@ -3,7 +3,6 @@
 #include "base/rows.h"
 
 #include "transfer/calibrate.h"
-#include "transfer/kinds.h"
 
 typedef struct hierarchy {
     const lac_hierarchy *h;

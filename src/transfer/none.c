@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Cells that do not feel each other: only the load moves them.
-#include "transfer/kinds.h"
+#include "transfer/transfer.h"
 
 typedef struct none {
     size_t n;

@@ -157,7 +157,6 @@ static lac_status put_file(archive *a, lac_watch *w, size_t i, lac_error *err)
     return status;
 }
 
-// The columns of standard input, by its header.
 static void put_header(archive *a, lac_watch *w)
 {
     lac_line unused;

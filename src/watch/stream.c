@@ -82,7 +82,6 @@ static lac_status skip_all(lac_watch *w, size_t n, size_t *skipped, lac_error *e
     return LAC_OK;
 }
 
-// The whole lines that wait.
 static lac_status take_waiting(lac_watch *w, size_t whole, lac_error *err)
 {
     size_t skipped = 0;

@@ -206,7 +206,6 @@ bool lac_watch_is_due(const lac_watch *w)
 
 bool lac_watch_has_news(const lac_watch *w) { return w->since > 0; }
 
-// Whether forecasts can be made as asked for.
 static lac_status try_forecast(const lac_watch *w, lac_error *err)
 {
     static const double zero = 0.0;

@@ -140,7 +140,6 @@ static void offer_key_values(const offers *all, const lac_param *param)
     }
 }
 
-// The next part of a key.
 static void offer_key(const offers *all, const char *path, const lac_param *param)
 {
     char name[LINE_SIZE], line[LINE_SIZE];

@@ -262,7 +262,6 @@ static void print_use(const lac_kind *kind, const lac_model_info *model)
     }
 }
 
-// What it computes from what, what it needs, and the numbers that it gives.
 static void print_precursor(const lac_precursor_kind *kind)
 {
     cli_wrap("  ", kind->estimator);
@@ -276,8 +275,6 @@ static void print_precursor(const lac_precursor_kind *kind)
     }
 }
 
-// What it computes from what, what it needs, when it is refused, and how its error becomes
-// intervals.
 static void print_forecast(const lac_forecast_kind *kind)
 {
     char text[400];
@@ -355,7 +352,6 @@ static void write_model(lac_json *json, const lac_kind *kind, const lac_model_in
     lac_json_close(json, '}');
 }
 
-// One kind with all its models, or only the given one.
 static void write_kind(lac_json *json, const lac_kind *kind, const lac_model_info *only)
 {
     const lac_model_info *model;

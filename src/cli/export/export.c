@@ -207,7 +207,6 @@ out:
     return status;
 }
 
-// What was left out, and how to ask for it.
 static void tell_fields(export_job *job)
 {
     const bool json = cli_given(job->request, CLI_OPT_JSON);

@@ -126,7 +126,6 @@ static void print_values(const lac_forecast_set *o)
     }
 }
 
-// What is computed, and what to cite.
 static void print_methods(const lac_forecast_set *o)
 {
     char text[600];

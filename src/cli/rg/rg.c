@@ -174,7 +174,6 @@ static void print_curve(const lac_rg_result *r)
     }
 }
 
-// How far the joint is from sliding, and what slips already.
 static void print_now(const lac_rg_result *r, const lac_scene_rg_now *now)
 {
     if (r->begin[r->levels] > 0.0) {

@@ -132,7 +132,6 @@ static enum MHD_Result deliver(const cli_http *http, struct MHD_Connection *conn
 
 #define CLOSED_POLICY "default-src 'none'; frame-ancestors 'none'"
 
-// A line of text: what is wrong.
 static enum MHD_Result refuse(const cli_http *http, struct MHD_Connection *connection,
                               unsigned status, const char *words)
 {

@@ -16,8 +16,8 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 82800,
-    "lines that only present results": 21100,
+    "lines of src and include": 82520,
+    "lines that only present results": 21060,
     "public headers": 13,
     "exported names": 43,
     "circles of includes": 0,
