@@ -318,12 +318,34 @@ lac_status lac_parser_header(lac_parser *p, lac_error *err)
     return LAC_OK;
 }
 
+static const char two_units[] = "%s:%zu: %s: the file says %s, and %s was named: which is it? name "
+                                "the file's, or mend its header";
+
+// Of a value of any kind, which has no SI unit to compare by: the file's must be what was named.
+static lac_status check_other_unit(const lac_parser *p, lac_error *err)
+{
+    const lac_wanted *w = &p->wanted[OTHER];
+    double scale = 1.0, offset = 0.0;
+    if (w->unit == NULL || !lac_parser_is_unit(p, w->bracket)) {
+        return LAC_OK;
+    }
+    const bool alike =
+        lac_units_convert(p->units, w->bracket, w->unit, &scale, &offset, NULL) == LAC_OK;
+    const double rounding = 1e-12;
+    LAC_FAIL_IF(!alike || fabs(scale - 1.0) > rounding || offset != 0.0, err, LAC_EINPUT, two_units,
+                p->lines.path, p->header_line, w->name, w->bracket, w->unit);
+    return LAC_OK;
+}
+
 lac_status lac_parser_unit(lac_parser *p, size_t column, const char *text, bool strict,
                            lac_error *err)
 {
     lac_wanted *w = &p->wanted[column];
     const char *path = p->lines.path;
     double scale = 1.0, offset = 0.0;
+    if (column == OTHER) {
+        return check_other_unit(p, err);
+    }
     const bool known = lac_units_convert(p->units, text, w->si, &scale, &offset, NULL) == LAC_OK;
     LAC_FAIL_IF(
         !known && strict && w->taken != NULL, err, LAC_EINPUT,
@@ -334,10 +356,7 @@ lac_status lac_parser_unit(lac_parser *p, size_t column, const char *text, bool 
                                   : "COLUMN:mm/day");
     LAC_FAIL_IF(known && w->taken == NULL && w->unit != NULL &&
                     (scale != w->scale || offset != w->offset),
-                err, LAC_EINPUT,
-                "%s:%zu: %s: the file says %s, and %s was named: which is it? name the file's, or "
-                "mend its header",
-                path, p->header_line, w->name, text, w->unit);
+                err, LAC_EINPUT, two_units, path, p->header_line, w->name, text, w->unit);
     LAC_FAIL_IF(!known && w->unit != NULL && column > 0 && lac_parser_is_unit(p, text), err,
                 LAC_EINPUT,
                 "%s:%zu: %s: the file says %s, and %s was named, a unit of another kind: name a "

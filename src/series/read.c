@@ -79,7 +79,7 @@ static lac_status settle(lac_parser *p, size_t column, lac_error *err)
     char where[4096];
     bool known = false;
     lac_wanted *w = &p->wanted[column];
-    const bool bracket = w->bracket[0] != '\0' && column != OTHER;
+    const bool bracket = w->bracket[0] != '\0';
     if (w->name == NULL) {
         return LAC_OK;
     }
