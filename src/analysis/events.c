@@ -105,11 +105,11 @@ static lac_status finish(lac_indicator *self, const lac_run_result *result, cons
 }
 
 const lac_indicator_kind lac_indicator_events = {
-    .info = {.name = "events",
-             .summary = "catalogue of micro-slips: clusters of moving cells from their start to "
-                        "their end, with moment, size and origin",
-             .reference = "Aki (1966), Bull. Earthq. Res. Inst. 44, 73-88, for the moment",
-             LAC_ROWS(params, lac_analysis_events)},
+    .info = LAC_ABOUT("events",
+                      "catalogue of micro-slips: clusters of moving cells from their start to "
+                      "their end, with moment, size and origin",
+                      "Aki (1966), Bull. Earthq. Res. Inst. 44, 73-88, for the moment",
+                      LAC_ROWS(params, lac_analysis_events)),
     .create = create,
     .free = destroy,
     .step = step,

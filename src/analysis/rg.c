@@ -350,13 +350,12 @@ static void keep(lac_indicator *self, lac_archive *archive)
 }
 
 const lac_indicator_kind lac_indicator_rg = {
-    .info = {.name = "rg",
-             .summary = "slipping cells and blocks of each level against the fixed point of the "
-                        "renormalization map, and the longest slipping cluster",
-             .reference = "Borri-Brunetto, Carpinteri & Chiaia (2004) Rock Mech. Rock Eng. 37, "
-                          "117; docs/theory/rg-in-time.md",
-             LAC_ROWS(params, lac_analysis_rg),
-             .validate = fault},
+    .info = LAC_ABOUT("rg",
+                      "slipping cells and blocks of each level against the fixed point of the "
+                      "renormalization map, and the longest slipping cluster",
+                      "Borri-Brunetto, Carpinteri & Chiaia (2004) Rock Mech. Rock Eng. 37, "
+                      "117; docs/theory/rg-in-time.md",
+                      LAC_ROWS(params, lac_analysis_rg), .validate = fault),
     .create = create,
     .free = destroy,
     .observe = observe,

@@ -42,6 +42,9 @@ int lac_temp_file_publish(const char *part, const char *path, bool force);
 /// @param folder  that the path is relative to, or AT_FDCWD
 bool lac_temp_file_locked(int folder, const char *path);
 
+/// Ends a text that open_memstream makes. @return it; NULL: memory was short, and it is freed
+char *lac_text_made(FILE *out, char **text);
+
 /// Writes a text as a file that is never half there: under another name first, as a netCDF file.
 /// Where `path` is a symbolic link, what it leads to is replaced; a device or a pipe never is.
 /// @param force  replaces a file that is there

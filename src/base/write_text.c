@@ -56,3 +56,13 @@ out:
     free(place);
     return status;
 }
+
+char *lac_text_made(FILE *out, char **text)
+{
+    const bool failed = ferror(out) != 0;
+    if (fclose(out) != 0 || failed) {
+        free(*text);
+        *text = NULL;
+    }
+    return *text;
+}

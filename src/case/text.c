@@ -2,6 +2,7 @@
 // The resolved case as text that reads back to the same case: the table of parts, walked.
 #include "base/date.h"
 #include "base/hidden.h"
+#include "base/temp_file.h"
 #include "case/sections.h"
 
 typedef struct lac_writer {
@@ -390,10 +391,5 @@ char *lac_case_text(const lac_case *c)
             put_part(&w, part, c);
         }
     }
-    const bool failed = ferror(out) != 0;
-    if (fclose(out) != 0 || failed) {
-        free(text);
-        text = NULL;
-    }
-    return text;
+    return lac_text_made(out, &text);
 }

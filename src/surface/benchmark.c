@@ -147,10 +147,9 @@ static const lac_param benchmark_params[] = {
 };
 
 const lac_surface_source lac_surface_benchmark = {
-    .info = {.name = "benchmark",
-             .summary = "surfaces that anyone can make again, to compare contact solvers",
-             .reference = "docs/theory/surface.md, eq. 3-5",
-             LAC_ROWS(benchmark_params, lac_benchmark)},
+    .info =
+        LAC_ABOUT("benchmark", "surfaces that anyone can make again, to compare contact solvers",
+                  "docs/theory/surface.md, eq. 3-5", LAC_ROWS(benchmark_params, lac_benchmark)),
     .generate = generate,
     .waves = waves,
 };

@@ -370,10 +370,8 @@ static const lac_param file_params[] = {
 };
 
 const lac_surface_source lac_surface_from_file = {
-    .info = {.name = "file",
-             .summary = "measured heights, read from a file, or from two, one a face",
-             .reference = "docs/surfaces-from-files.md",
-             LAC_ROWS(file_params, lac_surface_file),
-             .validate = fault},
+    .info = LAC_ABOUT("file", "measured heights, read from a file, or from two, one a face",
+                      "docs/surfaces-from-files.md", LAC_ROWS(file_params, lac_surface_file),
+                      .validate = fault),
     .generate = generate,
 };

@@ -277,12 +277,10 @@ static void check_place(const void *given, const lac_transfer_place *place,
 }
 
 const lac_transfer_kind lac_elastic_kind = {
-    .info = {.name = "elastic",
-             .summary = "two elastic half-spaces or slabs, gaps slipping freely",
-             .reference = "Johnson (1985) Contact Mechanics, doi 10.1017/CBO9781139171731; "
-                          "docs/theory/transfer.md",
-             LAC_ROWS(params, lac_transfer_elastic),
-             .validate = fault},
+    .info = LAC_ABOUT("elastic", "two elastic half-spaces or slabs, gaps slipping freely",
+                      "Johnson (1985) Contact Mechanics, doi 10.1017/CBO9781139171731; "
+                      "docs/theory/transfer.md",
+                      LAC_ROWS(params, lac_transfer_elastic), .validate = fault),
     .create = create,
     .free = destroy,
     .work = work,

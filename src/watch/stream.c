@@ -26,7 +26,7 @@ static lac_status keep(lac_watch *w, const char *bytes, size_t n, lac_error *err
 // A line of the beginning that the state knows already.
 static lac_status skip(lac_watch *w, const char *line, size_t n, lac_error *err)
 {
-    w->skipped = lac_watch_sum(w->skipped, line, n);
+    w->skipped = lac_sum_bytes(w->skipped, line, n);
     w->skip--;
     LAC_FAIL_IF(w->skip == 0 && w->skipped != w->sum, err, LAC_EINPUT,
                 "%s: its first %llu lines are not those that %s was made from: a stream that "
@@ -39,7 +39,7 @@ static lac_status skip(lac_watch *w, const char *line, size_t n, lac_error *err)
 static lac_status take(lac_watch *w, char *line, size_t n, lac_error *err)
 {
     w->counts.lines++;
-    w->sum = lac_watch_sum(w->sum, line, n);
+    w->sum = lac_sum_bytes(w->sum, line, n);
     line[n - 1] = '\0';
     if (n > 1 && line[n - 2] == '\r') {
         line[n - 2] = '\0';

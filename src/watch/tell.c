@@ -88,8 +88,7 @@ lac_status lac_watch_tell(lac_watch *w, lac_error *err)
     FILE *out = open_memstream(&text, &size);
     LAC_FAIL_MEMORY_IF(out == NULL, err);
     put_all(out, w);
-    const bool failed = ferror(out) != 0;
-    lac_status status = fclose(out) != 0 || failed || text == NULL
+    lac_status status = lac_text_made(out, &text) == NULL
                             ? lac_fail_memory(err)
                             : lac_write_text(w->def.fleet->prometheus, text, true, err);
     w->told = status == LAC_OK;

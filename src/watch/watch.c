@@ -7,16 +7,6 @@
 #include "precursor/precursor.h"
 #include "watch/internal.h"
 
-// 64-bit FNV-1a.
-uint64_t lac_watch_sum(uint64_t sum, const void *bytes, size_t n)
-{
-    const unsigned char *at = bytes;
-    for (size_t i = 0; i < n; i++) {
-        sum = (sum ^ at[i]) * 0x100000001b3u;
-    }
-    return sum;
-}
-
 lac_status lac_watch_reader(const lac_watch *w, bool of_many, const char *where,
                             lac_line_reader **out, lac_error *err)
 {

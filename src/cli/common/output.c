@@ -7,6 +7,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "base/temp_file.h"
 #include "cli/common/progress.h"
 #include "scene/scene.h"
 
@@ -106,12 +107,7 @@ char *cli_inputs_sums(const lac_case *c)
         (void)fprintf(text, "%s  %s: %016" PRIx64 "\n", i == 0 ? "files:\n" : "",
                       slash != NULL ? slash + 1 : *path, sum_file(*path));
     }
-    bool good = ferror(text) == 0;
-    if (fclose(text) != 0 || !good) {
-        free(sums);
-        return NULL;
-    }
-    return sums;
+    return lac_text_made(text, &sums);
 }
 
 static lac_status check_existing(const cli_request *request, const lac_case *c, const char *path,

@@ -16,7 +16,7 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 82520,
+    "lines of src and include": 82480,
     "lines that only present results": 21060,
     "public headers": 13,
     "exported names": 43,
