@@ -88,19 +88,12 @@ static bool read_clock(const char **at, double *seconds)
     if (!read_digits(at, 2, &hour) || !read_mark(at, ':') || !read_digits(at, 2, &minute)) {
         return false;
     }
-    if (read_mark(at, ':')) {
-        if (!read_digits(at, 2, &second)) {
-            return false;
-        }
-        if (read_mark(at, '.') && !read_fraction(at, &fraction)) {
-            return false;
-        }
-    }
-    if (hour > 23 || minute > 59 || second > 59) {
+    if (read_mark(at, ':') &&
+        (!read_digits(at, 2, &second) || (read_mark(at, '.') && !read_fraction(at, &fraction)))) {
         return false;
     }
     *seconds = (double)(hour * 3600 + minute * 60 + second) + fraction;
-    return true;
+    return hour <= 23 && minute <= 59 && second <= 59;
 }
 
 // Z, +hh:mm, -hh:mm or nothing.
@@ -112,10 +105,8 @@ static bool read_zone(const char **at, double *offset)
     }
     double sign = **at == '-' ? -1.0 : 1.0;
     int64_t hour, minute;
-    if (!read_mark(at, '+') && !read_mark(at, '-')) {
-        return false;
-    }
-    if (!read_digits(at, 2, &hour) || !read_mark(at, ':') || !read_digits(at, 2, &minute)) {
+    if ((!read_mark(at, '+') && !read_mark(at, '-')) || !read_digits(at, 2, &hour) ||
+        !read_mark(at, ':') || !read_digits(at, 2, &minute)) {
         return false;
     }
     *offset = sign * (double)(hour * 3600 + minute * 60);
@@ -130,15 +121,10 @@ bool lac_date_parse(const char *text, double *seconds)
     if (!read_day(&at, &days)) {
         return false;
     }
-    if (*at != '\0') {
-        if (!read_mark(&at, 'T') && !read_mark(&at, ' ')) {
-            return false;
-        }
-        if (!read_clock(&at, &clock) || !read_zone(&at, &offset)) {
-            return false;
-        }
-    }
-    if (*at != '\0') {
+    const char *day = at; // ends here
+    const bool timed = (read_mark(&at, 'T') || read_mark(&at, ' ')) && read_clock(&at, &clock) &&
+                       read_zone(&at, &offset);
+    if (*at != '\0' || (at > day && !timed)) {
         return false;
     }
     *seconds = (double)(days * SECONDS_A_DAY) + clock - offset;
