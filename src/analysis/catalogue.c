@@ -114,8 +114,7 @@ static lac_status merge(lac_catalogue *c, uint32_t *into, uint32_t from, lac_err
         *into = from;
         from = other;
     }
-    lac_open_event *a = &c->open[*into];
-    lac_open_event *b = &c->open[from];
+    lac_open_event *a = &c->open[*into], *b = &c->open[from];
     LAC_TRY_RETURN(make_room(a, b->count, err));
     if (older(b, a)) {
         a->origin = b->origin;
@@ -301,8 +300,7 @@ static size_t collect(const lac_catalogue *c, const lac_step *step)
 static double slip_at(const lac_catalogue *c, const lac_step *step, const lac_motion_change *change)
 {
     uint32_t i = change->cell;
-    double before = c->rate[i];
-    double after = fabs(step->slip_rate[i]);
+    double before = c->rate[i], after = fabs(step->slip_rate[i]);
     double limit = change->rises ? c->rise : c->fall;
     double rest = c->begun && step->step > 0.0 ? (after - limit) / (after - before) : 0.0;
     return step->slip[i] - rest * (step->slip[i] - c->slip[i]);

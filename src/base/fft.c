@@ -56,8 +56,7 @@ void lac_fft_inverse(lac_fft *fft) { fftw_execute(fft->inverse); }
 
 lac_status lac_fft_plan_filter(lac_fft *fft, size_t rows, lac_error *err)
 {
-    const int nx = (int)fft->nx;
-    const int ny = (int)fft->ny;
+    const int nx = (int)fft->nx, ny = (int)fft->ny;
     const int nkx = (int)fft->nkx;
     fftw_complex *spectrum = (fftw_complex *)fft->spectrum;
     const unsigned planning = fft->measure ? FFTW_MEASURE : FFTW_ESTIMATE;

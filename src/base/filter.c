@@ -262,7 +262,6 @@ static size_t transform_columns(const lac_filter *f, size_t first)
     return width;
 }
 
-// The factors of column k, in the scratch
 static const void *factors(const lac_filter *f, lac_filter_symbol symbol, const void *context,
                            size_t k)
 {

@@ -70,8 +70,7 @@ double lac_quantile(size_t n, const double *sorted, double share)
 
 int lac_by_first(const void *left, const void *right)
 {
-    const double a = *(const double *)left;
-    const double b = *(const double *)right;
+    const double a = *(const double *)left, b = *(const double *)right;
     return (a > b) - (a < b);
 }
 
@@ -83,8 +82,7 @@ void lac_line_add(lac_line *l, double x, double y)
         *l = (lac_line){.n = 1.0, .x0 = x, .y0 = y};
         return;
     }
-    const double u = x - l->x0 - l->x;
-    const double v = y - l->y0 - l->y;
+    const double u = x - l->x0 - l->x, v = y - l->y0 - l->y;
     const double off = l->xx > 0.0 ? v - l->xy / l->xx * u : v;
     const double unsure = l->xx > 0.0 ? u * u / l->xx : u != 0.0 ? (double)INFINITY : 0.0;
     l->rest += off * off / (1.0 + 1.0 / l->n + unsure);

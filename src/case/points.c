@@ -107,7 +107,6 @@ void lac_check_points(lac_reader *reader, const lac_case *c)
     }
 }
 
-// Whether what is of a point names one that there is.
 static void check_named(lac_reader *reader, const lac_case *c, const char *key, const char *point)
 {
     const bool known = point == NULL || lac_case_point(c, point) < c->points;

@@ -279,7 +279,6 @@ static void blame_all_missing(lac_reader *reader, const lac_node *map, const lac
     }
 }
 
-// Lets values follow from those that were given.
 static void complete(lac_reader *reader, const lac_node *map, const lac_model_info *table,
                      void *params)
 {

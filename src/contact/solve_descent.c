@@ -192,9 +192,7 @@ static sums overlap_piece(const iteration *it, size_t n, size_t at, float *restr
 #pragma omp simd safelen(4) reduction(+ : sz, zg, zd, sd, st, gt)
     for (size_t i = 0; i < n; i++) {
         float in = p[i] > 0.0 ? 1.0F : 0.0F;
-        float zi = in * z[i];
-        float ti = in * t[i];
-        float gi = g[i] - g_mean;
+        float zi = in * z[i], ti = in * t[i], gi = g[i] - g_mean;
         float di = dg[i] - g_mean;
         sz += zi;
         zg += zi * gi;

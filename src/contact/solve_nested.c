@@ -37,8 +37,7 @@ static void average_row(size_t n, size_t m, const double *fine, double weight, d
 {
     for (size_t i = 0; i < n; i++) {
         // in units of 1/n of a coarse cell
-        size_t from = i * m;
-        size_t to = from + m;
+        size_t from = i * m, to = from + m;
         size_t edge = (from / n + 1) * n;
         size_t within = to < edge ? m : edge - from;
         double value = weight * fine[i] / (double)n;

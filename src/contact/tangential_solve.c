@@ -84,8 +84,7 @@ static void free_mean(const iteration *it, const double *x, bool gradient, doubl
     double f[2] = {0.0, 0.0};
     double xx = 0.0, yy = 0.0, xy = 0.0;
     for (size_t i = 0; i < n; i++) {
-        double tx = it->tx[i];
-        double ty = it->ty[i];
+        double tx = it->tx[i], ty = it->ty[i];
         bool sticks = moves(it, i);
         double w = share(it, i);
         double along = (gradient ? w : 1.0) * (tx * x[i] + ty * x[n + i]);
@@ -116,11 +115,9 @@ static void project_free(const iteration *it, const double *from, bool gradient,
     double mean[2];
     free_mean(it, from, gradient, mean);
     for (size_t i = 0; i < n; i++) {
-        double tx = it->tx[i];
-        double ty = it->ty[i];
+        double tx = it->tx[i], ty = it->ty[i];
         double w = gradient ? 1.0 : share(it, i);
-        double x = from[i] - w * mean[0];
-        double y = from[n + i] - w * mean[1];
+        double x = from[i] - w * mean[0], y = from[n + i] - w * mean[1];
         double along = tx * x + ty * y;
         bool sticks = moves(it, i);
         to[i] = sticks ? x : along * tx;
@@ -189,8 +186,7 @@ static void classify(iteration *it)
     const double sy = p->held[1] ? p->shift[1] : 0.0;
     double worst = 0.0;
     for (size_t i = 0; i < n; i++) {
-        double slip_x = sx - it->g[i];
-        double slip_y = sy - it->g[n + i];
+        double slip_x = sx - it->g[i], slip_y = sy - it->g[n + i];
         double nx = p->tau[i] / p->limit[i];
         double ny = p->tau[n + i] / p->limit[i];
         double along = nx * slip_x + ny * slip_y;

@@ -60,10 +60,8 @@ static double corner(part which, double nu, double x, double y)
 
 static double cell_integral(part which, double nu, spacing d, double i, double j)
 {
-    double x0 = (i - 0.5) * d.dx;
-    double x1 = (i + 0.5) * d.dx;
-    double y0 = (j - 0.5) * d.dy;
-    double y1 = (j + 0.5) * d.dy;
+    double x0 = (i - 0.5) * d.dx, x1 = (i + 0.5) * d.dx;
+    double y0 = (j - 0.5) * d.dy, y1 = (j + 0.5) * d.dy;
     return (corner(which, nu, x1, y1) - corner(which, nu, x0, y1)) -
            (corner(which, nu, x1, y0) - corner(which, nu, x0, y0));
 }
@@ -194,8 +192,7 @@ static void couple(const lac_shear_space *s, size_t n, double *restrict x, doubl
     const double *restrict xy = s->xy;
     for (size_t k = 0; k < n; k++) {
         for (size_t c = 2 * k; c < 2 * k + 2; c++) {
-            double a = x[c];
-            double b = y[c];
+            double a = x[c], b = y[c];
             x[c] = xx[k] * a + xy[k] * b;
             y[c] = xy[k] * a + yy[k] * b;
         }

@@ -58,8 +58,7 @@ static double look_up(const table *b, double log_left)
     if (log_left >= b->log_left[0]) {
         return first_s - (b->m - 1.0) * (exp(log_left) - exp(b->log_left[0]));
     }
-    size_t low = 0;
-    size_t high = POINTS - 1;
+    size_t low = 0, high = POINTS - 1;
     while (high - low > 1) {
         const size_t middle = low + (high - low) / 2;
         if (b->log_left[middle] >= log_left) {

@@ -65,7 +65,6 @@ static double place_time(const lac_window *w, double part)
     return low + (high - low) * part;
 }
 
-// Looks at every place of the grid.
 static void look_around(lac_projection *self, places *best)
 {
     size_t all = 1;
@@ -307,15 +306,13 @@ static double between(const double value[NODES], int k)
     if (u == 0.0) {
         return value[i];
     }
-    const double a = value[i];
-    const double b = value[i + 1];
+    const double a = value[i], b = value[i + 1];
     if (!isfinite(a) || !isfinite(b)) {
         return -INFINITY;
     }
     const double before = i > 0 && isfinite(value[i - 1]) ? value[i - 1] : 2.0 * a - b;
     const double after = i + 2 < NODES && isfinite(value[i + 2]) ? value[i + 2] : 2.0 * b - a;
-    const double rise = 0.5 * (b - before);
-    const double last = 0.5 * (after - a);
+    const double rise = 0.5 * (b - before), last = 0.5 * (after - a);
     return a + u * rise +
            u * u * (3.0 * (b - a) - 2.0 * rise - last + u * (rise + last - 2.0 * (b - a)));
 }

@@ -20,8 +20,7 @@ static double excess(double r, double t1, double t2)
 static double solve(double t1, double t2, double d1, double d2, double d3)
 {
     const double ratio = (d3 - d1) / (d2 - d1);
-    double low = log(-t1) - 40.0;
-    double high = log(-t1 * widest);
+    double low = log(-t1) - 40.0, high = log(-t1 * widest);
     if (!(ratio > 1.0) || !(excess(exp(high), t1, t2) < ratio)) {
         return NAN;
     }

@@ -82,8 +82,7 @@ static size_t count(const map *m)
 // A box is occupied if one of its four is. In place: what is written lies before what is read.
 static void coarsen(map *m)
 {
-    size_t nx = (m->nx + 1) / 2;
-    size_t ny = (m->ny + 1) / 2;
+    size_t nx = (m->nx + 1) / 2, ny = (m->ny + 1) / 2;
     for (size_t y = 0; y < ny; y++) {
         size_t y1 = 2 * y + 1 < m->ny ? 2 * y + 1 : 2 * y;
         for (size_t x = 0; x < nx; x++) {

@@ -99,8 +99,7 @@ static lac_status fail_outside(const search *s, const probe *end, bool above, la
 static lac_status bracket(search *s, probe *low, probe *high, lac_error *err)
 {
     const double step = log(4.0);
-    const double lightest = log(1e-12);
-    const double heaviest = log(1e6);
+    const double lightest = log(1e-12), heaviest = log(1e6);
     probe at;
     LAC_TRY_RETURN(try_load(s, log(0.03), &at, err));
     *low = at;

@@ -86,8 +86,7 @@ static uint32_t adopt_singles(const lac_partition *fine, const double *t, const 
 {
     uint32_t pardoned = 0;
     for (uint32_t i = 0; i < fine->singles; i++) {
-        uint32_t b = fine->single[i];
-        uint32_t c = fine->child[b];
+        uint32_t b = fine->single[i], c = fine->child[b];
         pardoned += !good(g[c]);
         g[c] = 0;
         t_b[b] = t[c];

@@ -20,8 +20,7 @@ enum { BLOCK = sizeof(block) / sizeof(double) };
 // definite.
 static bool invert(const matrix *t, const double k[2], matrix *g)
 {
-    const double a = t->xx + k[0];
-    const double d = t->yy + k[1];
+    const double a = t->xx + k[0], d = t->yy + k[1];
     const double size = fmax(fabs(a), fabs(d));
     const double b = t->xy / size;
     const double det = (a / size) * (d / size) - b * b;

@@ -51,8 +51,7 @@ static double frequency(const lomb *l, size_t k)
 static void make_waves(lomb *l)
 {
     for (size_t k = 0; k < FREQUENCIES; k++) {
-        double *even = l->wave[k][0];
-        double *odd = l->wave[k][1];
+        double *even = l->wave[k][0], *odd = l->wave[k][1];
         for (size_t i = 0; i < l->n; i++) {
             even[i] = cos(frequency(l, k) * l->u[i]);
             odd[i] = sin(frequency(l, k) * l->u[i]);

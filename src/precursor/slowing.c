@@ -110,8 +110,7 @@ static void correlate(size_t n, double phi, const double *q, double *w)
 // parabola is taken off: with M = 1 - Q Q^T, sum_i (M C M)_(i,i+1)/tr(M C).
 static double expected_relation(const passage *p, double phi, double *w)
 {
-    double square = (double)p->n;
-    double lagged = phi * (double)(p->n - 1);
+    double square = (double)p->n, lagged = phi * (double)(p->n - 1);
     for (size_t k = 0; k < COLUMNS; k++) {
         const double *q = p->smooth + k * p->n;
         correlate(p->n, phi, q, w);

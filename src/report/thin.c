@@ -21,7 +21,6 @@ static double bucket_of(const axis *a, size_t i)
     return a->width > 0.0 ? floor(place / a->width) : 0.0;
 }
 
-// Where a column is least and greatest from one record up to another.
 static void mark_extremes(const double *v, size_t from, size_t to, uint8_t *keep)
 {
     size_t least = SIZE_MAX, greatest = SIZE_MAX;

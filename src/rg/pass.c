@@ -213,8 +213,7 @@ static void settle_block(lac_rg_tree *tree, size_t k, size_t block)
 {
     lac_rg_layer *below = &tree->layer[k - 1];
     const lac_rg_layer *layer = &tree->layer[k];
-    const uint32_t begin = layer->child[block];
-    const uint32_t end = layer->child[block + 1];
+    const uint32_t begin = layer->child[block], end = layer->child[block + 1];
     const double received = layer->received[block];
     const bool fix = tree->rule == LAC_RG_FIX;
     bool whole = received == INFINITY || layer->gap[block] <= received + tree->tolerance;

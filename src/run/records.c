@@ -47,7 +47,6 @@ static void watch_along(lac_run_state *r, const double *slip, lac_record *line)
     }
 }
 
-// What is told of the points at a record, whose cells are known.
 static void watch_points(lac_run_state *r, double now, const double *slip, lac_record *line)
 {
     const size_t values = LAC_POINT_VALUES + LAC_POINT_ALONG;

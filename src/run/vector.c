@@ -162,8 +162,7 @@ enum { LANES = 8 };
 
 LAC_CLONES static sunrealtype lac_vector_dot(N_Vector xv, N_Vector yv)
 {
-    const double *x = lac_vector_data(xv);
-    const double *y = lac_vector_data(yv);
+    const double *x = lac_vector_data(xv), *y = lac_vector_data(yv);
     size_t n = length(xv);
     size_t whole = n - n % LANES;
     double s[LANES] = {0};

@@ -25,7 +25,6 @@ static void computed_free(void *result)
     }
 }
 
-// Room for what is computed of a case that serves a purpose.
 static lac_status begin(const lac_case *c, lac_case_purpose purpose, computed **out, lac_error *err)
 {
     LAC_TRY_RETURN(lac_case_serves(c, purpose, err));

@@ -135,8 +135,7 @@ static void find_cycle(const history *h, size_t now, lac_history_record *record)
     record->cycle_dissipation = NAN;
     record->cycle_shift = NAN;
     if (start != SIZE_MAX) {
-        const history_state *a = &h->state[start];
-        const history_state *b = &h->state[now];
+        const history_state *a = &h->state[start], *b = &h->state[now];
         record->cycle_dissipation = b->dissipated - a->dissipated;
         record->cycle_shift = hypot(b->shift[0] - a->shift[0], b->shift[1] - a->shift[1]);
     }

@@ -168,7 +168,6 @@ static void note(const lac_scene_contact *contact, int64_t seed, size_t i, lac_s
     out->mean.dyadic += one->dyadic / n;
 }
 
-// A study for each beta of the case.
 static lac_status begin(const lac_case *c, lac_scene_rg *out, lac_error *err)
 {
     lac_rg_study_def def = lac_rg_study_default();

@@ -158,8 +158,7 @@ static void average(size_t points, bool secants, lac_motion *m)
 // Slope of the readings first ... last at the mean of their times.
 static void add_slope(lac_motion *m, size_t first, size_t last)
 {
-    const double *t = m->time + first;
-    const double *d = m->displacement + first;
+    const double *t = m->time + first, *d = m->displacement + first;
     const size_t n = last - first + 1;
     double mean = 0.0, tt = 0.0, td = 0.0, squares = 0.0;
     for (size_t i = 0; i < n; i++) {

@@ -410,7 +410,6 @@ static void note_doubts(const lac_parser *p, lac_series *s)
     }
 }
 
-// What is not a column of numbers.
 static void describe(const lac_parser *p, lac_series *s)
 {
     s->dated = p->dated;

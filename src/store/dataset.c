@@ -211,7 +211,6 @@ static lac_status put_strings(const lac_writer *w, const lac_column *c, lac_erro
     return status;
 }
 
-// Texts over dimensions as rows of characters.
 static lac_status put_characters(const lac_writer *w, const lac_column *c, lac_error *err)
 {
     const size_t length = lac_item_longest_text(&c->item);

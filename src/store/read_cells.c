@@ -100,8 +100,7 @@ static bool place_cells(lac_domain *domain, const double *x, const double *y)
     const lac_grid *grid = &domain->grid;
     uint64_t before = 0;
     for (size_t i = 0; i < domain->n; i++) {
-        double column = floor(x[i] / grid->dx);
-        double row = floor(y[i] / grid->dy);
+        double column = floor(x[i] / grid->dx), row = floor(y[i] / grid->dy);
         if (!(column >= 0.0 && column < (double)grid->nx && row >= 0.0 && row < (double)grid->ny)) {
             return false;
         }

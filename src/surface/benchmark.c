@@ -37,8 +37,7 @@ static double phase(uint64_t seed, long kx, long ky)
 static void add(lac_fft *fft, long kx, long ky, double _Complex a)
 {
     long n = (long)fft->nx;
-    size_t row = (size_t)((kx % n + n) % n);
-    size_t column = (size_t)((ky % n + n) % n);
+    size_t row = (size_t)((kx % n + n) % n), column = (size_t)((ky % n + n) % n);
     if (column < fft->nkx) {
         fft->spectrum[row * fft->nkx + column] += a;
     }

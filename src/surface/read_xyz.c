@@ -215,8 +215,7 @@ static lac_status place(const lac_bytes *bytes, const points *p, const axis a[2]
         (void)node_of(&a[0], p->at[i].x[0], &ix);
         (void)node_of(&a[1], p->at[i].x[1], &iy);
         size_t at = iy * map->nx + ix;
-        double old = map->heights[at];
-        double new = p->at[i].x[2];
+        double old = map->heights[at], new = p->at[i].x[2];
         if (taken[at] != 0 && (old == new || (isnan(old) && isnan(new)))) {
             continue; // measured twice, alike
         }

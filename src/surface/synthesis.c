@@ -35,8 +35,7 @@ static double density(const lac_band *b, double q)
 // C |q|^moment of mode (kx, ky)
 static double term(const lac_band *b, double kx, double ky, int moment)
 {
-    double qx = kx * b->dqx;
-    double qy = ky * b->dqy;
+    double qx = kx * b->dqx, qy = ky * b->dqy;
     double c = density(b, drawn(b, qx, qy));
     return moment == 0 ? c : c * (qx * qx + qy * qy);
 }

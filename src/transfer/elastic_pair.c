@@ -9,8 +9,7 @@
 lac_status lac_elastic_direct(const lac_transfer_scene *scene, const lac_rock *rock, lac_elastic *e,
                               lac_error *err)
 {
-    lac_rock across = *rock;
-    lac_rock cross = *rock;
+    lac_rock across = *rock, cross = *rock;
     across.across = true;
     cross.cross = true;
     LAC_FAIL_IF(!e->direct || !scene->domain->grid.periodic || rock->antiplane, err, LAC_EINPUT,

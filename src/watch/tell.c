@@ -37,7 +37,6 @@ static const family families[] = {
     {"ahead_total", "counter", "Dropped: too far ahead of the clock.", ahead},
 };
 
-// A label as the format escapes it.
 static void put_label(FILE *out, const char *text)
 {
     for (; *text != '\0'; text++) {

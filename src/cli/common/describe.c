@@ -216,7 +216,6 @@ static void print_kind(const lac_kind *kind)
     }
 }
 
-// Those that a command has, or those of a case.
 static void print_kinds(bool of_command)
 {
     const lac_kind *kind;

@@ -16,8 +16,8 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 82480,
-    "lines that only present results": 21060,
+    "lines of src and include": 82420,
+    "lines that only present results": 21030,
     "public headers": 13,
     "exported names": 43,
     "circles of includes": 0,
