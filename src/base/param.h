@@ -11,8 +11,7 @@ typedef struct lac_model {
 } lac_model;
 
 /// Fills `params` with the defaults of the table; absent and required ones with the absent mark.
-/// @return LAC_OK
-lac_status lac_params_default(const lac_model_info *info, void *params, lac_error *err);
+void lac_params_default(const lac_model_info *info, void *params);
 
 /// Sets one parameter to its default, or to the absent mark. A text it held is not freed.
 void lac_param_reset(const lac_param *param, void *params);

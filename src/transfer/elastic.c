@@ -185,11 +185,11 @@ lac_status lac_transfer_tied(const lac_model *model, const lac_transfer_scene *s
     lac_transfer_elastic p;
     lac_rock rock = {0};
     lac_elastic *e = NULL;
-    lac_status status = lac_params_default(&lac_elastic_kind.info, &p, err);
-    if (status == LAC_OK && model->info == &lac_elastic_kind.info) {
+    lac_status status;
+    lac_params_default(&lac_elastic_kind.info, &p);
+    if (model->info == &lac_elastic_kind.info) {
         p = *(const lac_transfer_elastic *)model->params;
     }
-    LAC_TRY(status);
     p.tolerance = 1e-11;
     LAC_TRY(begin(&p, scene, &rock, &e, err));
     LAC_TRY(tie(e, share, err));
