@@ -5,11 +5,6 @@
 
 #include "lacuna/simulation.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 struct lac_analysis {
     lac_sink next; // first, as lac_sink_before wants it
     size_t n;

@@ -131,3 +131,6 @@ lac_status lac_analysis_finish(lac_analysis *analysis, const lac_run_result *res
 
 /// The index-th indicator, NULL past the end or where `analysis` is NULL.
 const lac_indicator *lac_analysis_get(const lac_analysis *analysis, size_t index);
+
+/// The rows of the registry.
+extern const lac_indicator_kind lac_indicator_rg, lac_indicator_events;

@@ -4,10 +4,6 @@
 // events of its moving neighbours, which so become one.
 #include "analysis/catalogue.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "analysis/slipping.h"
 #include "lacuna/simulation.h"
 
@@ -54,7 +50,6 @@ void lac_catalogue_clear(lac_catalogue *c)
     *c = (lac_catalogue){0};
 }
 
-// Room in an event for `more` cells.
 static lac_status make_room(lac_open_event *e, size_t more, lac_error *err)
 {
     if (e->count + more <= e->room) {
@@ -82,7 +77,6 @@ static lac_status add_places(lac_catalogue *c, lac_error *err)
     return LAC_OK;
 }
 
-// Opens an event with its first cell.
 static lac_status open_event(lac_catalogue *c, uint32_t cell, double local, uint32_t *place,
                              lac_error *err)
 {
@@ -120,8 +114,7 @@ static lac_status merge(lac_catalogue *c, uint32_t *into, uint32_t from, lac_err
         *into = from;
         from = other;
     }
-    lac_open_event *a = &c->open[*into];
-    lac_open_event *b = &c->open[from];
+    lac_open_event *a = &c->open[*into], *b = &c->open[from];
     LAC_TRY_RETURN(make_room(a, b->count, err));
     if (older(b, a)) {
         a->origin = b->origin;
@@ -201,8 +194,7 @@ static void end_motion(lac_catalogue *c, uint32_t cell, double slip)
 static void survey(lac_catalogue *c, const lac_open_event *e, lac_event *event)
 {
     const lac_grid *grid = &c->domain->grid;
-    size_t columns = 0;
-    size_t rows = 0;
+    size_t columns = 0, rows = 0;
     c->mark++;
     for (size_t k = 0; k < e->count; k++) {
         uint32_t cell = e->cells[k];
@@ -251,8 +243,7 @@ static lac_status put_out(lac_catalogue *c, uint32_t place, double local, const 
 
 static int by_time(const void *left, const void *right)
 {
-    const lac_motion_change *a = left;
-    const lac_motion_change *b = right;
+    const lac_motion_change *a = left, *b = right;
     if (a->share != b->share) {
         return a->share < b->share ? -1 : 1;
     }
@@ -309,8 +300,7 @@ static size_t collect(const lac_catalogue *c, const lac_step *step)
 static double slip_at(const lac_catalogue *c, const lac_step *step, const lac_motion_change *change)
 {
     uint32_t i = change->cell;
-    double before = c->rate[i];
-    double after = fabs(step->slip_rate[i]);
+    double before = c->rate[i], after = fabs(step->slip_rate[i]);
     double limit = change->rises ? c->rise : c->fall;
     double rest = c->begun && step->step > 0.0 ? (after - limit) / (after - before) : 0.0;
     return step->slip[i] - rest * (step->slip[i] - c->slip[i]);

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include "base/archive.h"
-#include "contact/contact.h"
 #include "run/run.h"
 
 /// An event on its way.

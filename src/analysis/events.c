@@ -1,14 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The indicator `events`: a catalogue of micro-slips, followed at every step;
 // docs/theory/events.md.
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
+#include "analysis/analysis.h"
 #include "analysis/catalogue.h"
-#include "analysis/kinds.h"
-#include "base/rows.h"
 #include "base/units.h"
 
 #define FIELD(name) offsetof(lac_analysis_events, name)
@@ -71,8 +65,7 @@ static void keep(lac_indicator *self, lac_archive *archive)
 static void set_line(events *e, lac_analysis_line *line)
 {
     const lac_catalogue *c = &e->catalogue;
-    char rate[64];
-    char size[64];
+    char rate[64], size[64];
     (void)lac_units_format(e->slip_rate, "m/s", rate, sizeof rate);
     line->label = "events";
     int used =
@@ -112,11 +105,11 @@ static lac_status finish(lac_indicator *self, const lac_run_result *result, cons
 }
 
 const lac_indicator_kind lac_indicator_events = {
-    .info = {.name = "events",
-             .summary = "catalogue of micro-slips: clusters of moving cells from their start to "
-                        "their end, with moment, size and origin",
-             .reference = "Aki (1966), Bull. Earthq. Res. Inst. 44, 73-88, for the moment",
-             LAC_ROWS(params, lac_analysis_events)},
+    .info = LAC_ABOUT("events",
+                      "catalogue of micro-slips: clusters of moving cells from their start to "
+                      "their end, with moment, size and origin",
+                      "Aki (1966), Bull. Earthq. Res. Inst. 44, 73-88, for the moment",
+                      LAC_ROWS(params, lac_analysis_events)),
     .create = create,
     .free = destroy,
     .step = step,

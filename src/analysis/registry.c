@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The indicators that a run can follow: a new one is one more row of this table.
-#include "analysis/kinds.h"
-#include "base/rows.h"
+#include "analysis/analysis.h"
 
 static const lac_indicator_kind *const kinds[] = {&lac_indicator_rg, &lac_indicator_events};
 

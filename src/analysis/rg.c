@@ -1,15 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The cascade in time: what slips at each level, how far that is from the fixed point of the
 // renormalization map, and the longest slipping cluster; docs/theory/rg-in-time.md.
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "analysis/kinds.h"
 #include "analysis/slipping.h"
 #include "base/rg_rows.h"
-#include "base/rows.h"
 #include "base/units.h"
 #include "lacuna/simulation.h"
 
@@ -172,7 +165,6 @@ out:
     return status;
 }
 
-// The share of a level's blocks that slip.
 static double slipped(const lac_slip_blocks *b, size_t level)
 {
     return (double)b->slipping[level] / (double)lac_hierarchy_blocks(b->h, level);
@@ -358,13 +350,12 @@ static void keep(lac_indicator *self, lac_archive *archive)
 }
 
 const lac_indicator_kind lac_indicator_rg = {
-    .info = {.name = "rg",
-             .summary = "slipping cells and blocks of each level against the fixed point of the "
-                        "renormalization map, and the longest slipping cluster",
-             .reference = "Borri-Brunetto, Carpinteri & Chiaia (2004) Rock Mech. Rock Eng. 37, "
-                          "117; docs/theory/rg-in-time.md",
-             LAC_ROWS(params, lac_analysis_rg),
-             .validate = fault},
+    .info = LAC_ABOUT("rg",
+                      "slipping cells and blocks of each level against the fixed point of the "
+                      "renormalization map, and the longest slipping cluster",
+                      "Borri-Brunetto, Carpinteri & Chiaia (2004) Rock Mech. Rock Eng. 37, "
+                      "117; docs/theory/rg-in-time.md",
+                      LAC_ROWS(params, lac_analysis_rg), .validate = fault),
     .create = create,
     .free = destroy,
     .observe = observe,

@@ -4,10 +4,6 @@
 // so that it occupies as many lines of the interface as lie between them, or all.
 #include "analysis/slipping.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 enum { AHEAD = 4 };
 enum { SHARE = 8, MOST_CREDIT = 2 }; // of all cells: joined anew a record, saved up at most
 
@@ -122,8 +118,7 @@ static void join(lac_slip_clusters *c, uint32_t i, uint32_t j, size_t k)
         return;
     }
     // Where the second root lies from the first.
-    int32_t x = xi + neighbour_x[k] - xj;
-    int32_t y = yi + neighbour_y[k] - yj;
+    int32_t x = xi + neighbour_x[k] - xj, y = yi + neighbour_y[k] - yj;
     bool swap = c->box[a].size < c->box[b].size;
     merge(c, swap ? a : b, swap ? b : a, swap ? -x : x, swap ? -y : y);
 }

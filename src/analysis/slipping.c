@@ -5,10 +5,6 @@
 
 #include "lacuna/simulation.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-
 lac_status lac_slipping_create(const lac_friction *friction, double strength, double rate,
                                double ratio, lac_slipping *out, lac_error *err)
 {
@@ -59,8 +55,7 @@ void lac_slipping_evaluate(lac_slipping *s, const lac_record *record)
         begin(s, record);
     }
     const bool by_rate = s->by_rate;
-    const double *v = record->cells.slip_rate;
-    const double *w = record->cells.log_state;
+    const double *v = record->cells.slip_rate, *w = record->cells.log_state;
     size_t changes = 0;
     for (size_t i = 0; i < s->n; i++) {
         uint8_t now = by_rate ? fabs(v[i]) >= s->rate : w[i] <= s->most_state[i];

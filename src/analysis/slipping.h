@@ -2,7 +2,6 @@
 #pragma once
 
 #include "analysis/analysis.h"
-#include "base/archive.h"
 
 /// Which cells slip, from one record to the next.
 typedef struct lac_slipping {

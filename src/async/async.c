@@ -2,9 +2,6 @@
 // Cells with steps of their own: what is due first goes on alone; docs/theory/fidelity-events.md.
 #include "async/async.h"
 
-#include <math.h>
-#include <stdlib.h>
-
 #include "async/tree.h"
 
 struct lac_async {

@@ -2,9 +2,7 @@
 // A cell over one step: ln v is taken as linear in slip, v = v0/(1 - c t), which self-acceleration
 // and healing both follow. Slip and state are then closed forms of h and rho = ln(v1/v0), and the
 // balance at the end of the step is one equation for rho; docs/theory/fidelity-events.md, eqs. 3-6.
-#include "async/cell.h"
-
-#include <math.h>
+#include "async/tree.h"
 
 #include "base/phi.h"
 
@@ -153,7 +151,6 @@ static double attempt(const lac_async_rules *rules, const lac_async_cell *c,
     return off * gain(c, at->own, at->pressure1, z) / rules->tolerance;
 }
 
-// The part of a span from `from`, `h` long.
 static lac_async_span part_of(const lac_async_span *span, double from, double h)
 {
     double x = from / span->length;
@@ -172,8 +169,7 @@ static lac_async_span part_of(const lac_async_span *span, double from, double h)
 // The slip of the next step from the error of one of third order.
 static void adapt(lac_async_cell *c, double z, double error)
 {
-    const double most = 3.0;
-    const double least = 0.2;
+    const double most = 3.0, least = 0.2;
     double factor = 0.9 * cbrt(1.0 / fmax(error, 1e-6));
     factor = fmin(fmax(factor, least), most);
     // A step cut short says nothing of longer ones.
@@ -185,8 +181,7 @@ static void adapt(lac_async_cell *c, double z, double error)
 bool lac_async_cell_advance(const lac_async_rules *rules, const lac_async_span *span,
                             lac_async_cell *cell, int64_t *steps)
 {
-    double done = 0.0;
-    double h = span->length;
+    double done = 0.0, h = span->length;
     for (int k = 0; k < MOST_STEPS && done < span->length; k++) {
         bool last = done + h >= span->length * (1.0 - 1e-12);
         h = last ? span->length - done : h;
@@ -216,8 +211,7 @@ bool lac_async_cell_advance(const lac_async_rules *rules, const lac_async_span *
 // How long a step of slip z dc takes: v = v0/(1 - rise t), ln(v1/v0) within bounds.
 static double time_for(double rise, double v, double slip)
 {
-    const double up = 0.7;
-    const double down = 3.0;
+    const double up = 0.7, down = 3.0;
     double rho = fmin(fmax(rise / v * slip, -down), up);
     return fabs(rho) < 1e-9 ? slip / v : -expm1(-rho) / rise;
 }

@@ -2,9 +2,6 @@
 // Blocks that keep a change of stress to themselves until a cell in them has to hear of it.
 #include "async/tree.h"
 
-#include <math.h>
-#include <stdlib.h>
-
 // Each block keeps half of what the one below it has left.
 #define KEEPS 0.5
 
@@ -52,8 +49,7 @@ static uint32_t join(lac_async_tree *tree, forest *f, uint32_t from, uint32_t to
 // Joins the items of each block of a level.
 static void climb(lac_async_tree *tree, forest *f, const uint32_t *offset, size_t blocks, double k)
 {
-    uint32_t kept = 0;
-    uint32_t next = 0;
+    uint32_t kept = 0, next = 0;
     for (size_t b = 0; b < blocks; b++) {
         uint32_t from = next;
         while (next < f->count && f->first[next] < offset[b + 1]) {
@@ -159,8 +155,7 @@ lac_async_view lac_async_tree_view(const lac_async_tree *tree, uint32_t parent, 
 // neediest child can do with; the other half is left to the blocks above.
 static void renew(lac_async_tree *tree, lac_async_node *node)
 {
-    double low = -INFINITY;
-    double high = INFINITY;
+    double low = -INFINITY, high = INFINITY;
     node->next = INFINITY;
     node->next_who = LAC_ASYNC_NONE;
     for (uint32_t k = node->first; k < node->first + node->children; k++) {

@@ -3,9 +3,6 @@
 // it.
 #include "base/archive.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 static bool make_room(lac_archive *archive, size_t size)
 {
     if (size <= archive->room - archive->size) {

@@ -2,8 +2,6 @@
 // What a public function asks of its arguments before it looks at them.
 #include "base/ask.h"
 
-#include <string.h>
-
 lac_status lac_need(const char *function, const char *names, const void *const *pointer, size_t n,
                     lac_error *err)
 {

@@ -3,9 +3,7 @@
 
 // What a public function asks of its arguments before it looks at them.
 
-#include <stddef.h>
-
-#include "base/fail.h"
+#include "base/base.h"
 
 /// Refuses NULL among its pointers: at most 8, by the names that they have where it stands.
 #define LAC_NEED(err, ...)                                               \

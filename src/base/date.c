@@ -3,9 +3,6 @@
 #include "base/date.h"
 
 #include <ctype.h>
-#include <math.h>
-#include <stdint.h>
-#include <stdio.h>
 
 enum { SECONDS_A_DAY = 86400, DAYS_A_CENTURY4 = 146097, MAX_FRACTION_DIGITS = 15 };
 enum { SINCE_0 = 719468, MONTHS_5 = 153 }; // days to 1970, and of five months from March on
@@ -86,26 +83,17 @@ static bool read_fraction(const char **at, double *fraction)
 // hh:mm[:ss[.fraction]]; a leap second (:60) is refused: seconds since 1970 have none.
 static bool read_clock(const char **at, double *seconds)
 {
-    int64_t hour;
-    int64_t minute;
-    int64_t second = 0;
+    int64_t hour, minute, second = 0;
     double fraction = 0.0;
     if (!read_digits(at, 2, &hour) || !read_mark(at, ':') || !read_digits(at, 2, &minute)) {
         return false;
     }
-    if (read_mark(at, ':')) {
-        if (!read_digits(at, 2, &second)) {
-            return false;
-        }
-        if (read_mark(at, '.') && !read_fraction(at, &fraction)) {
-            return false;
-        }
-    }
-    if (hour > 23 || minute > 59 || second > 59) {
+    if (read_mark(at, ':') &&
+        (!read_digits(at, 2, &second) || (read_mark(at, '.') && !read_fraction(at, &fraction)))) {
         return false;
     }
     *seconds = (double)(hour * 3600 + minute * 60 + second) + fraction;
-    return true;
+    return hour <= 23 && minute <= 59 && second <= 59;
 }
 
 // Z, +hh:mm, -hh:mm or nothing.
@@ -116,12 +104,9 @@ static bool read_zone(const char **at, double *offset)
         return true;
     }
     double sign = **at == '-' ? -1.0 : 1.0;
-    int64_t hour;
-    int64_t minute;
-    if (!read_mark(at, '+') && !read_mark(at, '-')) {
-        return false;
-    }
-    if (!read_digits(at, 2, &hour) || !read_mark(at, ':') || !read_digits(at, 2, &minute)) {
+    int64_t hour, minute;
+    if ((!read_mark(at, '+') && !read_mark(at, '-')) || !read_digits(at, 2, &hour) ||
+        !read_mark(at, ':') || !read_digits(at, 2, &minute)) {
         return false;
     }
     *offset = sign * (double)(hour * 3600 + minute * 60);
@@ -132,20 +117,14 @@ bool lac_date_parse(const char *text, double *seconds)
 {
     const char *at = text;
     int64_t days;
-    double clock = 0.0;
-    double offset = 0.0;
+    double clock = 0.0, offset = 0.0;
     if (!read_day(&at, &days)) {
         return false;
     }
-    if (*at != '\0') {
-        if (!read_mark(&at, 'T') && !read_mark(&at, ' ')) {
-            return false;
-        }
-        if (!read_clock(&at, &clock) || !read_zone(&at, &offset)) {
-            return false;
-        }
-    }
-    if (*at != '\0') {
+    const char *day = at; // ends here
+    const bool timed = (read_mark(&at, 'T') || read_mark(&at, ' ')) && read_clock(&at, &clock) &&
+                       read_zone(&at, &offset);
+    if (*at != '\0' || (at > day && !timed)) {
         return false;
     }
     *seconds = (double)(days * SECONDS_A_DAY) + clock - offset;

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include <stdbool.h>
-#include <stddef.h>
+#include "base/base.h"
 
 /// Reads an ISO 8601 date or date and time, with Z, +01:00 or no zone (UTC), as seconds since 1970;
 /// a space may stand for the T. False where the text is anything else, a date that does not exist

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The message of an error on its way up to the caller: the library itself never prints.
-#include "lacuna/error.h"
+#include "base/base.h"
 
 #include <stdarg.h>
-#include <stdio.h>
-#include <string.h>
 
 lac_status lac_fail(lac_error *err, lac_status status, const char *format, ...)
 {

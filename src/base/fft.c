@@ -3,10 +3,6 @@
 #include "base/fft.h"
 
 #include <fftw3.h>
-#include <limits.h>
-#include <stdbool.h>
-#include <stdlib.h>
-#include <string.h>
 
 enum { BLOCK = 16 }; // columns at a time
 
@@ -60,8 +56,7 @@ void lac_fft_inverse(lac_fft *fft) { fftw_execute(fft->inverse); }
 
 lac_status lac_fft_plan_filter(lac_fft *fft, size_t rows, lac_error *err)
 {
-    const int nx = (int)fft->nx;
-    const int ny = (int)fft->ny;
+    const int nx = (int)fft->nx, ny = (int)fft->ny;
     const int nkx = (int)fft->nkx;
     fftw_complex *spectrum = (fftw_complex *)fft->spectrum;
     const unsigned planning = fft->measure ? FFTW_MEASURE : FFTW_ESTIMATE;

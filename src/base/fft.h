@@ -1,11 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
+#include "base/base.h"
 #include <complex.h>
-#include <stdbool.h>
-#include <stddef.h>
-
-#include "base/fail.h"
 
 /// A pair of real-to-complex plans of one shape with their own buffers. Reproducible (ESTIMATE),
 /// but for filters that were asked to be measured.

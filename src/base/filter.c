@@ -4,11 +4,7 @@
 #include "base/filter.h"
 
 #include <fftw3.h>
-#include <limits.h>
 #include <omp.h>
-#include <stdbool.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/statistics.h"
 
@@ -266,7 +262,6 @@ static size_t transform_columns(const lac_filter *f, size_t first)
     return width;
 }
 
-// The factors of column k, in the scratch
 static const void *factors(const lac_filter *f, lac_filter_symbol symbol, const void *context,
                            size_t k)
 {

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include <stddef.h>
-
-#include "base/fail.h"
+#include "base/base.h"
 
 /// A convolution of a real field, in single or double precision: rows are filled and transformed,
 /// columns go forth, through a symbol and back, rows are transformed back and taken.

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "base/base.h"
 
 /// A regular grid of cells: cell (ix, iy) has index iy * nx + ix and its centre at
 /// ((ix + 1/2) dx, (iy + 1/2) dy). Slip is along x. A line is a grid with ny = 1.

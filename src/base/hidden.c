@@ -1,9 +1,27 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Characters that nobody sees but that change what is seen: found, to be kept out of all output.
+// Characters of UTF-8; and those that nobody sees but that change what is seen, to be kept out of
+// all output.
 #include "base/hidden.h"
 
-#include <stdbool.h>
-#include <string.h>
+size_t lac_utf8_length(const unsigned char *s, uint32_t *code)
+{
+    static const uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
+    const unsigned c = *s;
+    const size_t length = c < 0x80         ? 1
+                          : c >> 5 == 0x6  ? 2
+                          : c >> 4 == 0xe  ? 3
+                          : c >> 3 == 0x1e ? 4
+                                           : 0;
+    *code = length > 1 ? c & (0xffu >> (length + 1)) : c;
+    for (size_t i = 1; i < length; i++) {
+        if ((s[i] & 0xc0) != 0x80) {
+            return 0;
+        }
+        *code = *code << 6 | (s[i] & 0x3fu);
+    }
+    const bool surrogate = *code >= 0xd800 && *code <= 0xdfff;
+    return *code >= least[length] && *code <= 0x10ffff && !surrogate ? length : 0;
+}
 
 // Characters of the same bytes but the last one.
 static const struct {

@@ -1,7 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include <stddef.h>
+#include "base/base.h"
+
+/// Length of the UTF-8 sequence at `s`, 0 where it is none (overlong forms, surrogates included),
+/// and the number of its character.
+size_t lac_utf8_length(const unsigned char *s, uint32_t *code);
 
 /// Bytes of the character that a text in UTF-8 begins with, where that is not seen but changes what
 /// is: controls, what turns or breaks a line, what has no width. 0 where it is none, or not whole.

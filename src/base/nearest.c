@@ -3,8 +3,6 @@
 #include "base/nearest.h"
 
 #include <ctype.h>
-#include <stdbool.h>
-#include <string.h>
 
 enum { LONGEST_WORD = 40 };
 
@@ -17,8 +15,7 @@ static char plain(char c) { return c == '-' ? '_' : (char)tolower((unsigned char
 // (optimal string alignment).
 static size_t distance(const char *a, const char *b)
 {
-    size_t n = strlen(a);
-    size_t m = strlen(b);
+    size_t n = strlen(a), m = strlen(b);
     size_t row[LONGEST_WORD + 1][LONGEST_WORD + 1];
     for (size_t i = 0; i <= n; i++) {
         for (size_t j = 0; j <= m; j++) {

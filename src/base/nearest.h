@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include <stddef.h>
+#include "base/base.h"
 
 /// The known word that takes the fewest letters added, dropped, changed or swapped.
 /// @return NULL where none is near: more than a third of the letters differ

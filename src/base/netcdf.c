@@ -2,9 +2,7 @@
 // What all readers of other people's netCDF files need: attributes, missing values, packed numbers.
 #include "base/netcdf.h"
 
-#include <math.h>
 #include <netcdf.h>
-#include <string.h>
 
 bool lac_netcdf_begins(const void *head, size_t size)
 {
@@ -43,8 +41,7 @@ bool lac_netcdf_runs_over(int id, int var, int rank, int *dims)
 
 bool lac_netcdf_axis(int id, int dim, char *name, int *var)
 {
-    int rank = 0;
-    int over = -1;
+    int rank = 0, over = -1;
     return nc_inq_dimname(id, dim, name) == NC_NOERR && nc_inq_varid(id, name, var) == NC_NOERR &&
            nc_inq_varndims(id, *var, &rank) == NC_NOERR && rank == 1 &&
            nc_inq_vardimid(id, *var, &over) == NC_NOERR && over == dim;

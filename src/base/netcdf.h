@@ -1,10 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include <stdbool.h>
-#include <stddef.h>
-
-#include "base/fail.h"
+#include "base/base.h"
 
 // What the readers of other people's netCDF files share. `id` is an open file's.
 

@@ -3,8 +3,6 @@
 // them.
 #include "base/noise.h"
 
-#include <math.h>
-
 #include "base/statistics.h"
 
 enum { LINE = 3, PARABOLA = 4, FEWEST = 11, AROUND = 9 };

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include <stddef.h>
+#include "base/base.h"
 
 /// Standard deviation of the noise of one reading, also where the signal is strong and its steps
 /// are uneven: the least of 1.4826 times the median distance of readings from the line through

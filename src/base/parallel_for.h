@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include <stddef.h>
+#include "base/base.h"
 
 enum {
     LAC_PARTS = 64,            ///< a long loop is cut into so many parts, whatever the threads

@@ -2,11 +2,6 @@
 // Parameters of any model by the rows of its table: defaults, allowed ranges, what is to be freed.
 #include "base/param.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 static void *field(const lac_param *param, void *params) { return (char *)params + param->offset; }
 
 void lac_param_reset(const lac_param *param, void *params)
@@ -30,14 +25,12 @@ void lac_param_reset(const lac_param *param, void *params)
     }
 }
 
-lac_status lac_params_default(const lac_model_info *info, void *params, lac_error *err)
+void lac_params_default(const lac_model_info *info, void *params)
 {
-    (void)err;
     memset(params, 0, info->params_size);
     for (size_t i = 0; i < info->param_count; i++) {
         lac_param_reset(&info->params[i], params);
     }
-    return LAC_OK;
 }
 
 bool lac_param_allows(const lac_param *param, double value, char *why, size_t size)
@@ -94,7 +87,8 @@ lac_status lac_model_create(const lac_model_info *info, lac_model *model, lac_er
         model->info = NULL;
         return lac_fail_memory(err);
     }
-    return lac_params_default(info, model->params, err);
+    lac_params_default(info, model->params);
+    return LAC_OK;
 }
 
 void lac_model_clear(lac_model *model)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include "base/fail.h"
+#include "base/base.h"
 #include "lacuna/param.h"
 
 /// A model chosen in a case, with its parameters.
@@ -11,8 +11,7 @@ typedef struct lac_model {
 } lac_model;
 
 /// Fills `params` with the defaults of the table; absent and required ones with the absent mark.
-/// @return LAC_OK
-lac_status lac_params_default(const lac_model_info *info, void *params, lac_error *err);
+void lac_params_default(const lac_model_info *info, void *params);
 
 /// Sets one parameter to its default, or to the absent mark. A text it held is not freed.
 void lac_param_reset(const lac_param *param, void *params);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include <math.h>
+#include "base/base.h"
 
 // (1 - e^-x)/x and its derivative, from em = e^-x - 1
 static inline double lac_phi(double x, double em)

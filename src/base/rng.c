@@ -3,8 +3,6 @@
 #include "base/rng.h"
 
 #include <Random123/philox.h>
-#include <math.h>
-#include <string.h>
 
 void lac_random(uint64_t seed, uint64_t stream, uint64_t c0, uint64_t c1, uint64_t out[4])
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include <stdint.h>
+#include "base/base.h"
 
 /// What a stream of random numbers is for: numbers of different streams are independent.
 typedef enum lac_stream {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include <stdbool.h>
+#include "base/base.h"
 
 /// Bisection, a step: what is looked for lies above the middle of [low, high], or not. Unlike GSL's
 /// solvers it needs no room, takes what rises or falls as its caller says, and goes on to the last

@@ -5,9 +5,6 @@
 // Each is named after the type that it makes. `where` is the offset in the struct, `bits` are
 // LAC_OPTIONAL | ...; a fallback of NAN: it must be given, unless LAC_OPTIONAL.
 
-#include <math.h>
-#include <stddef.h>
-
 #include "base/param.h"
 
 // clang-format off

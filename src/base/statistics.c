@@ -5,7 +5,6 @@
 
 #include <gsl/gsl_sort.h>
 #include <gsl/gsl_statistics_double.h>
-#include <math.h>
 
 double lac_sum(size_t n, const double *x)
 {
@@ -71,8 +70,7 @@ double lac_quantile(size_t n, const double *sorted, double share)
 
 int lac_by_first(const void *left, const void *right)
 {
-    const double a = *(const double *)left;
-    const double b = *(const double *)right;
+    const double a = *(const double *)left, b = *(const double *)right;
     return (a > b) - (a < b);
 }
 
@@ -84,8 +82,7 @@ void lac_line_add(lac_line *l, double x, double y)
         *l = (lac_line){.n = 1.0, .x0 = x, .y0 = y};
         return;
     }
-    const double u = x - l->x0 - l->x;
-    const double v = y - l->y0 - l->y;
+    const double u = x - l->x0 - l->x, v = y - l->y0 - l->y;
     const double off = l->xx > 0.0 ? v - l->xy / l->xx * u : v;
     const double unsure = l->xx > 0.0 ? u * u / l->xx : u != 0.0 ? (double)INFINITY : 0.0;
     l->rest += off * off / (1.0 + 1.0 / l->n + unsure);
@@ -131,8 +128,7 @@ double lac_line_range_spread(const lac_line *line, const double *x, const double
 {
     const size_t n = (size_t)line->n;
     const size_t least = n < 4 ? 2 : (n + 1) / 2;
-    double sum = 0.0;
-    double runs = 0.0;
+    double sum = 0.0, runs = 0.0;
     for (size_t a = 0; a + least <= n; a++) {
         for (size_t length = least; a + length <= n; length++) {
             const lac_line run = lac_line_fit(length, &x[a], &y[a]);
@@ -142,4 +138,54 @@ double lac_line_range_spread(const lac_line *line, const double *x, const double
         }
     }
     return sqrt(sum / runs);
+}
+
+// Linear least squares of a few columns by Householder reflections, without memory of its own.
+
+static const double dependent = 1e-12;
+
+// x -= 2 v (v.x) / (v.v)
+static void reflect(size_t n, const double *v, double squares, double *x)
+{
+    double part = 2.0 * lac_dot(n, v, x) / squares;
+    for (size_t i = 0; i < n; i++) {
+        x[i] -= part * v[i];
+    }
+}
+
+double lac_least_squares(size_t n, size_t k, double *columns, double *y, double *c)
+{
+    double corner[LAC_LEAST_SQUARES_MAX];        // diagonal of R; 0: the column is left out
+    double squares[LAC_LEAST_SQUARES_MAX] = {0}; // of each reflection's vector
+    for (size_t j = 0; j < k; j++) {
+        double *v = columns + j * n;
+        double whole = sqrt(lac_dot(n, v, v));
+        double rest = sqrt(lac_dot(n - j, v + j, v + j));
+        corner[j] = 0.0;
+        if (!(rest > dependent * whole)) {
+            continue;
+        }
+        corner[j] = v[j] > 0.0 ? -rest : rest;
+        v[j] -= corner[j];
+        squares[j] = lac_dot(n - j, v + j, v + j);
+        for (size_t l = j + 1; l < k; l++) {
+            reflect(n - j, v + j, squares[j], columns + l * n + j);
+        }
+        reflect(n - j, v + j, squares[j], y + j);
+    }
+    for (size_t j = k; j-- > 0;) {
+        double right = y[j];
+        for (size_t l = j + 1; l < k; l++) {
+            right -= columns[l * n + j] * c[l];
+        }
+        bool left_out = corner[j] == 0.0;
+        c[j] = left_out ? 0.0 : right / corner[j];
+        y[j] = left_out ? y[j] : 0.0;
+    }
+    for (size_t j = k; j-- > 0;) {
+        if (corner[j] != 0.0) {
+            reflect(n - j, columns + j * n + j, squares[j], y + j);
+        }
+    }
+    return lac_dot(n, y, y);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include <stddef.h>
+#include "base/base.h"
 
 /// Sum of x, of x_i/n and of x_i y_i, in order.
 double lac_sum(size_t n, const double *x);
@@ -48,3 +48,14 @@ double lac_line_error(const lac_line *line);
 /// rms departure from the line's slope of the slopes over all runs of at least half of its points
 /// (and two).
 double lac_line_range_spread(const lac_line *line, const double *x, const double *y);
+
+enum { LAC_LEAST_SQUARES_MAX = 8 };
+
+/// Linear least squares of few columns, by Householder reflections: y = sum of c_j column_j + r.
+/// A column that depends on those before it to 1e-12 gets the coefficient 0.
+/// @param columns  [k][n]; overwritten
+/// @param y        [n]; becomes the residuals r
+/// @param c        [k] coefficients; overwritten
+/// @pre   k <= LAC_LEAST_SQUARES_MAX, k <= n
+/// @return the sum of squares of r; cannot fail
+double lac_least_squares(size_t n, size_t k, double *columns, double *y, double *c);

@@ -1,10 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include "base/fail.h"
-
-#include <stdbool.h>
-#include <stddef.h>
+#include "base/base.h"
 
 /// The name under which this process builds a file: `.NAME.lacuna-PID.part` in the same folder.
 /// @param path  where the file will be
@@ -44,6 +41,9 @@ int lac_temp_file_publish(const char *part, const char *path, bool force);
 /// Whether somebody writes a file: HDF5 then holds a lock on it.
 /// @param folder  that the path is relative to, or AT_FDCWD
 bool lac_temp_file_locked(int folder, const char *path);
+
+/// Ends a text that open_memstream makes. @return it; NULL: memory was short, and it is freed
+char *lac_text_made(FILE *out, char **text);
 
 /// Writes a text as a file that is never half there: under another name first, as a netCDF file.
 /// Where `path` is a symbolic link, what it leads to is replaced; a device or a pipe never is.

@@ -4,14 +4,7 @@
 #include "base/units.h"
 
 #include <ctype.h>
-#include <errno.h>
-#include <float.h>
 #include <locale.h>
-#include <math.h>
-#include <stdbool.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <udunits2.h>
 #include <unistd.h>
 
@@ -374,8 +367,7 @@ lac_status lac_units_parse(const lac_units *units, const char *text, const char 
         return refuse(err, unit, "the number cannot be represented");
     }
     const char *tail = end + strspn(end, " ");
-    double scale = 1.0;
-    double offset = 0.0;
+    double scale = 1.0, offset = 0.0;
     if (*tail != '\0') {
         LAC_TRY_RETURN(lac_units_convert(units, tail, unit, &scale, &offset, err));
     }

@@ -1,10 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include <stdbool.h>
-#include <stddef.h>
-
-#include "base/fail.h"
+#include "base/base.h"
 
 /// Units by the UDUNITS-2 database, which is read when first a unit is met that is not among the
 /// usual ones (base/units_usual.c). Not for several threads at a time: parse at the start.

@@ -4,11 +4,6 @@
 #include "base/units.h"
 
 #include <locale.h>
-#include <math.h>
-#include <stdbool.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 // Of each SI unit the largest first.
 static const lac_usual_unit usual[] = {
@@ -101,8 +96,7 @@ static bool is_round(double x)
 static const lac_usual_unit *choose(double value, const char *si)
 {
     double x = fabs(value);
-    const lac_usual_unit *smallest = NULL;
-    const lac_usual_unit *chosen = NULL;
+    const lac_usual_unit *smallest = NULL, *chosen = NULL;
     for (size_t i = 0; i < sizeof usual / sizeof usual[0]; i++) {
         const lac_usual_unit *unit = &usual[i];
         if (unit->show == LAC_READ || strcmp(unit->to, si) != 0) {

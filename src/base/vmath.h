@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include <stddef.h>
+#include "base/base.h"
 
 // Elementwise exp, log and asinh over arrays: vectorised, at most 1.5 ulp, the same bits on every
 // instruction set. IEEE special values behave as in libm. x and y may be the same array.

@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include <float.h>
-#include <math.h>
-#include <stdint.h>
-#include <string.h>
-
+#include "base/base.h"
 #include "base/clones.h"
 
 // exp, log and asinh of one number, for loops that do more than one of them at a time.

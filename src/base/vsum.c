@@ -2,9 +2,6 @@
 // Sums, largest values and checks of whole arrays, in an order that no instruction set changes.
 #include "base/vsum.h"
 
-#include <float.h>
-#include <math.h>
-
 #include "base/clones.h"
 
 enum { LANES = 16 };

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include <stdbool.h>
-#include <stddef.h>
+#include "base/base.h"
 
 // What is made of a whole array at once: vectorised, in an order that depends on n alone, so that
 // every instruction set gives the same bits.

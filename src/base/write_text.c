@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A text file that is never half there: it is written under another name, then takes its place.
-
-#include <errno.h>
 #include <fcntl.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -59,4 +55,14 @@ out:
     free(part);
     free(place);
     return status;
+}
+
+char *lac_text_made(FILE *out, char **text)
+{
+    const bool failed = ferror(out) != 0;
+    if (fclose(out) != 0 || failed) {
+        free(*text);
+        *text = NULL;
+    }
+    return *text;
 }

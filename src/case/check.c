@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What is wrong with a case as a whole: keys that are each right and still do not go together.
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
-
 #include "case/sections.h"
 
 bool lac_present(const lac_reader *reader, const char *key)

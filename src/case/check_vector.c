@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What goes with slip in two directions, and what knows slip along x only.
-#include <math.h>
-#include <stdio.h>
-
 #include "case/sections.h"
 
 #define NEEDS "needs interface.slip: vector"

@@ -1,10 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // fit: its keys, how they are read and what is wrong with them.
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "case/sections.h"
 
 #define COUNT(array) (sizeof(array) / sizeof(array)[0])

@@ -2,10 +2,6 @@
 // The file of `lacuna watch`, read by tables of rows as a case is.
 #include "case/fleet.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "case/levels.h"
 #include "case/sections.h"
 
@@ -70,7 +66,6 @@ static void read_map(lac_reader *reader, const char *key, const char *allowed,
     }
 }
 
-// A list of names.
 static size_t read_names(lac_reader *reader, const lac_node *node, const char *allowed,
                          char ***names)
 {

@@ -1,11 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include <stdint.h>
-
 #include "base/units.h"
 #include "forecast/verdict.h"
-#include "lacuna/error.h"
 
 // What `lacuna watch` is told of its stations: a small file in the manner of a case.
 

@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // interface.geometry: reading numbers or lists over slip, and what is wrong with them and with what
 // stands beside them.
-#include <math.h>
-#include <stdio.h>
-
-#include "base/rows.h"
 #include "case/sections.h"
 
 const lac_param lac_geometry_rows[LAC_GEOMETRY_ROWS] = {

@@ -1,11 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Spreads of a parameter over the cells: which there are and how a case is read.
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/rng.h"
-#include "base/rows.h"
 #include "case/sections.h"
 
 #define COUNT(array) (sizeof(array) / sizeof(array)[0])

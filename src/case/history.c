@@ -1,10 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // load.history: reading its steps, and what is wrong with them taken one after the other.
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "case/sections.h"
 
 #define STEP(name) offsetof(lac_history_step, name)
@@ -150,8 +145,7 @@ static void check_limit(lac_reader *reader, const lac_node *node, const way *at,
 {
     double shear = hypot(at->shear[0], at->shear[1]);
     if (!(shear < f * at->pressure)) {
-        char high[64];
-        char low[64];
+        char high[64], low[64];
         lac_add_error(
             reader, node,
             "shears by %s, which must be below f P = %s, where the joint slides as a whole",

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The grid that `interface` describes, and what is wrong with it as a whole.
-#include <math.h>
-
 #include "case/sections.h"
 
 // Beyond this the contact of some surfaces did not converge.
@@ -26,8 +24,7 @@ lac_grid lac_interface_grid(const lac_interface_def *def)
 
 static void check_cells(lac_reader *reader, const lac_interface_def *def)
 {
-    bool along_x = HAS("interface.cells_x");
-    bool along_y = HAS("interface.cells_y");
+    bool along_x = HAS("interface.cells_x"), along_y = HAS("interface.cells_y");
     lac_grid grid = lac_interface_grid(def);
     double cells = (double)grid.nx * (double)grid.ny;
     (void)(lac_refuse(reader, along_x && HAS("interface.levels"), "interface.cells_x",

@@ -3,9 +3,6 @@
 // and the default written as such a file.
 #include "case/levels.h"
 
-#include <math.h>
-#include <string.h>
-
 #include "case/sections.h"
 
 #define LEVELS(field) offsetof(lac_levels, field)

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include <stdio.h>
-
 #include "base/param.h"
 #include "base/units.h"
 #include "forecast/verdict.h"

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // From YAML to a tree of values, its plain part only: anchors, aliases and tags are refused.
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <yaml.h>
 
 #include "case/sections.h"
@@ -15,8 +12,7 @@ typedef struct builder {
     size_t size;
     lac_node *root;
     lac_node *open[LAC_TREE_DEPTH]; // lists and mappings that have not ended
-    size_t depth;
-    size_t nodes;
+    size_t depth, nodes;
     char *key; // read, its value awaited
     size_t key_line;
     bool documents_seen;
@@ -30,7 +26,6 @@ static size_t line_of(const builder *b, const yaml_event_t *event)
 #define REFUSE(b, event, ...) \
     (lac_add_error_text((b)->reader, line_of(b, event), (b)->place, __VA_ARGS__), false)
 
-// Why libyaml cannot read on.
 static void blame_syntax(builder *b, const yaml_parser_t *parser)
 {
     size_t line = parser->problem_mark.line + 1;
@@ -92,7 +87,6 @@ static bool take_key(builder *b, const yaml_event_t *event)
     return b->key != NULL;
 }
 
-// Adds a value to what is being built.
 static lac_node *add(builder *b, const yaml_event_t *event, lac_node_kind kind, const char *text,
                      size_t size)
 {

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // output.points: reading places by name, and what is wrong with them.
 #include <ctype.h>
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
 
 #include "base/hidden.h"
 #include "case/sections.h"
@@ -110,7 +107,6 @@ void lac_check_points(lac_reader *reader, const lac_case *c)
     }
 }
 
-// Whether what is of a point names one that there is.
 static void check_named(lac_reader *reader, const lac_case *c, const char *key, const char *point)
 {
     const bool known = point == NULL || lac_case_point(c, point) < c->points;

@@ -1,12 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A case from a file or from memory: made, read, checked, freed; and as users of the library have
 // it, with its numbers by their keys.
-#include <errno.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/ask.h"
 #include "case/sections.h"
 

@@ -2,10 +2,7 @@
 // The kinds of models that a case can choose or that a command has, a row each; and what `describe`
 // says of the choices that are no models of their own, whose keys are rows of the sections solver,
 // rg and material.
-#include "analysis/analysis.h"
-#include "base/rows.h"
 #include "case/sections.h"
-#include "friction/weakening.h"
 #include "precursor/precursor.h"
 #include "surface/surface.h"
 
@@ -34,81 +31,72 @@ MODELS(precursor_at, lac_precursor_kind_get)
 #define PAPER "Borri-Brunetto, Carpinteri & Chiaia (2004) Rock Mech. Rock Eng. 37, 117"
 
 static const lac_model_info momenta[] = {
-    {.name = "radiation-damping",
-     .summary = "waves that leave a sliding cell take eta v off its traction, eta = G/(2 cs); with "
-                "shear_modulus and a shear speed, given or from the density",
-     .reference = "Rice (1993) J. Geophys. Res. 98, 9885, doi 10.1029/93JB00191",
-     .params = &lac_material_rows[LAC_MATERIAL_SHEAR_SPEED],
-     .param_count = 2},
-    {.name = "block-inertia",
-     .summary = "the mass of the block that slides, which what is out of balance accelerates; with "
-                "the section inertia",
-     .reference = "Rice & Ruina (1983) J. Appl. Mech. 50, 343, doi 10.1115/1.3167042; "
-                  "docs/theory/momentum.md, eq. 1",
-     .params = lac_inertia_rows,
-     .param_count = LAC_INERTIA_ROWS},
+    LAC_ABOUT("radiation-damping",
+              "waves that leave a sliding cell take eta v off its traction, eta = G/(2 cs); with "
+              "shear_modulus and a shear speed, given or from the density",
+              "Rice (1993) J. Geophys. Res. 98, 9885, doi 10.1029/93JB00191",
+              .params = &lac_material_rows[LAC_MATERIAL_SHEAR_SPEED], .param_count = 2),
+    LAC_ABOUT("block-inertia",
+              "the mass of the block that slides, which what is out of balance accelerates; with "
+              "the section inertia",
+              "Rice & Ruina (1983) J. Appl. Mech. 50, 343, doi 10.1115/1.3167042; "
+              "docs/theory/momentum.md, eq. 1",
+              .params = lac_inertia_rows, .param_count = LAC_INERTIA_ROWS),
 };
 
 static const lac_model_info fidelities[] = {
-    {.name = "ode",
-     .summary =
-         "all cells at every step: cells that hold each other, and what events are judged by",
-     .reference = "docs/theory/creep.md, eq. 2-5"},
-    {.name = "events",
-     .summary = "each cell at steps of its own: cells that slip one by one (k_0 < k_crit) on the "
-                "hierarchy, under loads that are linear between jumps",
-     .reference = "docs/theory/fidelity-events.md; Richards-Dinger & Dieterich (2012) Seismol. "
-                  "Res. Lett. 83, 983, doi 10.1785/0220120105 (RSQSim)"},
-    {.name = "static",
-     .summary = "no time: the cascade of slip over the blocks, by lacuna rg",
-     .reference = PAPER "; docs/theory/rg.md"},
+    LAC_ABOUT("ode",
+              "all cells at every step: cells that hold each other, and what events are judged by",
+              "docs/theory/creep.md, eq. 2-5"),
+    LAC_ABOUT("events",
+              "each cell at steps of its own: cells that slip one by one (k_0 < k_crit) on the "
+              "hierarchy, under loads that are linear between jumps",
+              "docs/theory/fidelity-events.md; Richards-Dinger & Dieterich (2012) Seismol. "
+              "Res. Lett. 83, 983, doi 10.1785/0220120105 (RSQSim)"),
+    LAC_ABOUT("static", "no time: the cascade of slip over the blocks, by lacuna rg",
+              PAPER "; docs/theory/rg.md"),
 };
 
 static const lac_model_info methods[] = {
-    {.name = "bdf",
-     .summary = "implicit backward differences of order 1 to 5: stiff problems, the long creep",
-     .reference = CVODES "; docs/theory/creep.md, eq. 5"},
-    {.name = "adams",
-     .summary =
-         "Adams-Moulton of order 1 to 12 by fixed-point iteration: problems that are not stiff",
-     .reference = CVODES},
-    {.name = "erk",
-     .summary = "explicit Runge-Kutta of order 2 to 8, Cash-Karp 5(4) by default: earthquake "
-                "cycles without stiff ties",
-     .reference = "Reynolds et al. (2023) ACM Trans. Math. Softw. 49, 19, doi 10.1145/3594632 "
-                  "(ARKODE); Cash & Karp (1990) ACM Trans. Math. Softw. 16, 201"},
+    LAC_ABOUT("bdf",
+              "implicit backward differences of order 1 to 5: stiff problems, the long creep",
+              CVODES "; docs/theory/creep.md, eq. 5"),
+    LAC_ABOUT(
+        "adams",
+        "Adams-Moulton of order 1 to 12 by fixed-point iteration: problems that are not stiff",
+        CVODES),
+    LAC_ABOUT("erk",
+              "explicit Runge-Kutta of order 2 to 8, Cash-Karp 5(4) by default: earthquake "
+              "cycles without stiff ties",
+              "Reynolds et al. (2023) ACM Trans. Math. Softw. 49, 19, doi 10.1145/3594632 "
+              "(ARKODE); Cash & Karp (1990) ACM Trans. Math. Softw. 16, 201"),
 };
 
 static const lac_model_info formulations[] = {
-    {.name = "rate",
-     .summary = "ln v: the balance of traction differentiated in time; slip that does not reverse",
-     .reference = "docs/theory/creep.md, eq. 2-3"},
-    {.name = "traction",
-     .summary = "tau: the rate follows from the strength cell by cell; slip may reverse",
-     .reference = "docs/theory/creep.md, eq. 6"},
-    {.name = "slip",
-     .summary = "slip: the balance of traction holds to rounding; slip may reverse",
-     .reference = "docs/theory/creep.md, eq. 7"},
-    {.name = "inertia",
-     .summary = "slip and its rate: momentum in the place of the balance; with the section inertia",
-     .reference = "docs/theory/momentum.md, eq. 1-2"},
-    {.name = "vector",
-     .summary = "slip along x and y, which may turn: friction opposes the slip rate; with "
-                "interface.slip: vector",
-     .reference = "docs/theory/vector.md, eq. 1-2"},
+    LAC_ABOUT("rate",
+              "ln v: the balance of traction differentiated in time; slip that does not reverse",
+              "docs/theory/creep.md, eq. 2-3"),
+    LAC_ABOUT("traction", "tau: the rate follows from the strength cell by cell; slip may reverse",
+              "docs/theory/creep.md, eq. 6"),
+    LAC_ABOUT("slip", "slip: the balance of traction holds to rounding; slip may reverse",
+              "docs/theory/creep.md, eq. 7"),
+    LAC_ABOUT("inertia",
+              "slip and its rate: momentum in the place of the balance; with the section inertia",
+              "docs/theory/momentum.md, eq. 1-2"),
+    LAC_ABOUT("vector",
+              "slip along x and y, which may turn: friction opposes the slip rate; with "
+              "interface.slip: vector",
+              "docs/theory/vector.md, eq. 1-2"),
 };
 
 static const lac_model_info rules[] = {
-    {.name = "fix",
-     .summary = "the drop of its strength, (1 - beta) f p, as the paper has it",
-     .reference = PAPER "; docs/theory/rg.md, eq. 1"},
-    {.name = "cons",
-     .summary = "all above its residual strength beta f p: no force is made or lost",
-     .reference = "docs/theory/rg.md, eq. 2"},
-    {.name = "lump",
-     .summary = "the drop of its strength, as a point with the sums of its cells",
-     .reference = "Smalley, Turcotte & Solla (1985) J. Geophys. Res. 90, 1894, doi "
-                  "10.1029/JB090iB02p01894; docs/theory/rg.md, \"Pass\""},
+    LAC_ABOUT("fix", "the drop of its strength, (1 - beta) f p, as the paper has it",
+              PAPER "; docs/theory/rg.md, eq. 1"),
+    LAC_ABOUT("cons", "all above its residual strength beta f p: no force is made or lost",
+              "docs/theory/rg.md, eq. 2"),
+    LAC_ABOUT("lump", "the drop of its strength, as a point with the sums of its cells",
+              "Smalley, Turcotte & Solla (1985) J. Geophys. Res. 90, 1894, doi "
+              "10.1029/JB090iB02p01894; docs/theory/rg.md, \"Pass\""),
 };
 
 // Behind those of the registry the one that a case is.

@@ -2,9 +2,6 @@
 // Errors and warnings about a case: each is one short line with its key, whatever the file holds.
 #include <ctype.h>
 #include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "case/sections.h"
 

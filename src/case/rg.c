@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // rg, and analysis, the indicators that a run follows: how they are read and what is wrong with
 // them.
-#include <math.h>
-#include <string.h>
-
 #include "base/rg_rows.h"
 #include "case/sections.h"
-#include "rg/rg.h"
 
 static const char from_friction[] = "from-friction";
 

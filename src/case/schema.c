@@ -1,11 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A mapping of a case, read by the rows of its table: values, units, ranges, unknown keys.
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "base/nearest.h"
 #include "case/sections.h"
 
 enum {
@@ -285,7 +279,6 @@ static void blame_all_missing(lac_reader *reader, const lac_node *map, const lac
     }
 }
 
-// Lets values follow from those that were given.
 static void complete(lac_reader *reader, const lac_node *map, const lac_model_info *table,
                      void *params)
 {

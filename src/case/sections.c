@@ -2,12 +2,7 @@
 // What a case is made of: the rows of its keys and the table of its parts, which all walk.
 #include "case/sections.h"
 #include "base/rg_rows.h"
-#include "base/rows.h"
-#include "rg/rg.h"
 #include "store/store.h"
-
-#include <math.h>
-#include <string.h>
 
 #define COUNT(array) (sizeof(array) / sizeof(array)[0])
 #define FIELD(name) offsetof(lac_case, name)

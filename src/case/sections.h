@@ -2,7 +2,6 @@
 #pragma once
 
 #include "base/nearest.h"
-#include "base/rows.h"
 #include "base/units.h"
 #include "case/case.h"
 #include "forecast/verdict.h"

@@ -1,10 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The choice of a model, `{MODEL: {parameters}}`, and lists of such choices, read from a case.
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "case/sections.h"
 
 enum { MAX_MODELS = 64 };

@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The resolved case as text that reads back to the same case: the table of parts, walked.
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/date.h"
 #include "base/hidden.h"
+#include "base/temp_file.h"
 #include "case/sections.h"
 
 typedef struct lac_writer {
@@ -17,33 +13,18 @@ typedef struct lac_writer {
 
 #define PRINT(w, ...) (void)fprintf((w)->out, __VA_ARGS__)
 
-// One character of valid UTF-8; its length in `n`.
-static unsigned decode(const unsigned char *p, size_t *n)
-{
-    unsigned c = p[0];
-    *n = c < 0x80 ? 1 : c < 0xe0 ? 2 : c < 0xf0 ? 3 : 4;
-    if (*n == 1) {
-        return c;
-    }
-    c &= 0xffu >> (*n + 1);
-    for (size_t i = 1; i < *n; i++) {
-        c = (c << 6) | (p[i] & 0x3fu);
-    }
-    return c;
-}
-
 // Whether YAML takes the character, which is not hidden, as it is within double quotes.
 static bool is_printable(unsigned c)
 {
     return c != '"' && c != '\\' && c != 0x7f && c >= 0x20 && c != 0xfffe && c != 0xffff;
 }
 
-// What stands between double quotes.
 static void put_escaped(lac_writer *w, const char *text)
 {
     while (*text != '\0') {
-        size_t n;
-        unsigned c = decode((const unsigned char *)text, &n);
+        uint32_t c;
+        const size_t length = lac_utf8_length((const unsigned char *)text, &c);
+        const size_t n = length > 0 ? length : 1; // of what is no UTF-8
         if (is_printable(c) && lac_hidden_length(text, n) == 0) {
             PRINT(w, "%.*s", (int)n, text);
         } else {
@@ -213,8 +194,7 @@ void lac_put_state(lac_writer *w, const lac_case *c)
 // A date keeps its fraction of a second.
 void lac_put_start(lac_writer *w, const lac_case *c)
 {
-    char text[32];
-    char fraction[32];
+    char text[32], fraction[32];
     if (!c->dated) {
         put_number(w, 1, "start", c->start_date, "s");
         return;
@@ -327,7 +307,6 @@ void lac_put_analysis(lac_writer *w, const lac_case *c)
     }
 }
 
-// A value in double quotes, with its unit.
 static const char *quoted(double value, const char *unit, char *text, size_t size)
 {
     char plain[80];
@@ -412,10 +391,5 @@ char *lac_case_text(const lac_case *c)
             put_part(&w, part, c);
         }
     }
-    const bool failed = ferror(out) != 0;
-    if (fclose(out) != 0 || failed) {
-        free(text);
-        text = NULL;
-    }
-    return text;
+    return lac_text_made(out, &text);
 }

@@ -1,11 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The values of a case file as a tree, in which each knows its line and its dotted key; and a
 // `--set KEY=VALUE`, whose value is put into the tree as if the file had held it.
-
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "case/sections.h"
 
 // The array grows whenever its count is a power of two.

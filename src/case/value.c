@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Numbers of a case by their dotted keys.
-#include <stdlib.h>
-#include <string.h>
-
 #include "case/sections.h"
 
 const char *lac_key_behind(const char *key, const char *part)

@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What is wrong with the weakening that a case names, beside its friction law, inertia and fields.
-#include <math.h>
-#include <stdio.h>
-
 #include "case/sections.h"
-#include "friction/weakening.h"
 
 // Friction that falls at once, at a given state.
 static void check_flash(lac_reader *reader, const lac_case *c)
@@ -29,7 +25,6 @@ static bool stands_before(const lac_case *c, size_t i)
     return found;
 }
 
-// Which fields of the cells there are.
 static void check_fields(lac_reader *reader, const lac_case *c, const lac_weakening_set *set)
 {
     const struct {

@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The cells in contact, listed in Morton order, in which the cells of any block stand side by side;
 // and contact cells without a surface: all of them, those of a random cascade, or those of a file.
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/rng.h"
 #include "base/roots.h"
 #include "base/rows.h"
@@ -115,9 +111,8 @@ static lac_status fill_full(const void *params, const lac_grid *grid, uint8_t *o
 }
 
 static const lac_domain_source full = {
-    .info = {.name = "full",
-             .summary = "every cell is in contact",
-             .reference = "docs/theory/contact.md, \"Full contact\""},
+    .info =
+        LAC_ABOUT("full", "every cell is in contact", "docs/theory/contact.md, \"Full contact\""),
     .fill = fill_full,
     .full = true,
 };
@@ -202,12 +197,12 @@ static const lac_param cascade_params[] = {
 };
 
 static const lac_domain_source random_cascade = {
-    .info = {.name = "cascade",
-             .summary =
-                 "random dyadic cascade: every block keeps some of its four quarters, at least one",
-             .reference = "Mandelbrot (1974) J. Fluid Mech. 62, 331, doi "
-                          "10.1017/S0022112074000711; docs/theory/transfer.md, \"Random cascades\"",
-             LAC_ROWS(cascade_params, lac_cascade)},
+    .info = LAC_ABOUT(
+        "cascade",
+        "random dyadic cascade: every block keeps some of its four quarters, at least one",
+        "Mandelbrot (1974) J. Fluid Mech. 62, 331, doi "
+        "10.1017/S0022112074000711; docs/theory/transfer.md, \"Random cascades\"",
+        LAC_ROWS(cascade_params, lac_cascade)),
     .fill = fill_cascade,
 };
 
@@ -224,10 +219,8 @@ static const lac_param file_params[] = {
 };
 
 const lac_domain_source lac_domain_from_file = {
-    .info = {.name = "file",
-             .summary = "contact cells with their pressures, as a file has them",
-             .reference = "docs/format.md",
-             LAC_ROWS(file_params, lac_domain_file)},
+    .info = LAC_ABOUT("file", "contact cells with their pressures, as a file has them",
+                      "docs/format.md", LAC_ROWS(file_params, lac_domain_file)),
 };
 
 static const lac_domain_source *const registry[] = {

@@ -1,14 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A rough surface pressed to a given load or approach: full contact by formula, else by iteration.
-#include <float.h>
 #include <gsl/gsl_statistics_double.h>
-#include <math.h>
-#include <stdbool.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/statistics.h"
-#include "contact/contact.h"
 #include "contact/solve.h"
 
 // The problem in the solver's own units, and what brings it back to SI.
@@ -189,8 +183,7 @@ static bool warm_guess(const lac_contact_def *def, const problem *p, const lac_d
                        double *pressure)
 {
     size_t n = p->at.nx * p->at.ny;
-    double most = 0.0;
-    double sum = 0.0;
+    double most = 0.0, sum = 0.0;
     for (size_t i = 0; i < n && def->start != NULL; i++) {
         most = fmax(most, def->start[i]);
     }
@@ -206,7 +199,6 @@ static bool warm_guess(const lac_contact_def *def, const problem *p, const lac_d
     return most > 0.0;
 }
 
-// The bodies do not touch.
 static bool no_contact(const lac_contact_def *def, double *pressure, double *gap)
 {
     if (def->control == LAC_CONTROL_LOAD || depth(def) > 0.0) {

@@ -1,10 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Pressures of a partial contact by conjugate gradients, most of it in single precision.
-#include <math.h>
-#include <stdbool.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "contact/solve.h"
 
 // Minimises p.Sp/2 - h.p over p >= 0 with a given mean. The gradient S p - h, less its mean over
@@ -149,9 +144,7 @@ static sums update_piece(const iteration *it, size_t n, size_t at, float *restri
     float g_mean = (float)it->g_mean;
     float level = (float)it->level;
     float more = (float)(it->scale - 1.0);
-    float cells = 0.0F;
-    float sum_g = 0.0F;
-    float du2 = 0.0F;
+    float cells = 0.0F, sum_g = 0.0F, du2 = 0.0F;
 #pragma omp simd safelen(4) reduction(+ : cells, sum_g, du2)
     for (size_t i = 0; i < n; i++) {
         float gap = g[i] - g_mean;
@@ -173,8 +166,7 @@ static sums gap_piece(const iteration *it, size_t n, size_t at, float *restrict 
     const float *restrict g = &it->g[at];
     float g_mean = (float)it->g_mean;
     double pg = 0.0;
-    float g2 = 0.0F;
-    float sum_g = 0.0F;
+    float g2 = 0.0F, sum_g = 0.0F;
 #pragma omp simd safelen(4) reduction(+ : pg, g2, sum_g)
     for (size_t i = 0; i < n; i++) {
         float in = p[i] > 0.0 ? 1.0F : 0.0F;
@@ -195,18 +187,12 @@ static sums overlap_piece(const iteration *it, size_t n, size_t at, float *restr
     const float *restrict dg = &it->dg[at];
     const float *restrict t = &it->t[at];
     float g_mean = (float)it->g_mean;
-    float sz = 0.0F;
-    float zg = 0.0F;
-    float zd = 0.0F;
-    float sd = 0.0F;
-    float st = 0.0F;
-    float gt = 0.0F;
+    float sz = 0.0F, zg = 0.0F, zd = 0.0F, sd = 0.0F;
+    float st = 0.0F, gt = 0.0F;
 #pragma omp simd safelen(4) reduction(+ : sz, zg, zd, sd, st, gt)
     for (size_t i = 0; i < n; i++) {
         float in = p[i] > 0.0 ? 1.0F : 0.0F;
-        float zi = in * z[i];
-        float ti = in * t[i];
-        float gi = g[i] - g_mean;
+        float zi = in * z[i], ti = in * t[i], gi = g[i] - g_mean;
         float di = dg[i] - g_mean;
         sz += zi;
         zg += zi * gi;

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A first guess of contact pressures: the same problem, solved roughly on ever coarser grids.
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/statistics.h"
 #include "contact/solve.h"
 
@@ -40,8 +37,7 @@ static void average_row(size_t n, size_t m, const double *fine, double weight, d
 {
     for (size_t i = 0; i < n; i++) {
         // in units of 1/n of a coarse cell
-        size_t from = i * m;
-        size_t to = from + m;
+        size_t from = i * m, to = from + m;
         size_t edge = (from / n + 1) * n;
         size_t within = to < edge ? m : edge - from;
         double value = weight * fine[i] / (double)n;
@@ -55,8 +51,7 @@ static void average_row(size_t n, size_t m, const double *fine, double weight, d
 // Means over the cells of the coarse grid.
 static void average(const lac_extent *fine, const double *h, const lac_extent *coarse, double *mean)
 {
-    size_t n = fine->ny;
-    size_t m = coarse->ny;
+    size_t n = fine->ny, m = coarse->ny;
     memset(mean, 0, coarse->nx * m * sizeof *mean);
     for (size_t j = 0; j < n; j++) {
         size_t from = j * m;

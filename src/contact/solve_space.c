@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Elastic displacements under given pressures by Fourier transforms, periodic or with free edges.
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/fft.h"
 #include "base/vmath.h"
 #include "contact/solve.h"

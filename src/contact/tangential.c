@@ -2,12 +2,6 @@
 // A joint sheared step by step under Coulomb friction: each step starts from what the last left.
 #include "contact/tangential.h"
 
-#include <float.h>
-#include <math.h>
-#include <stdbool.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "contact/solve.h"
 #include "contact/tangential_solve.h"
 
@@ -178,8 +172,7 @@ static void fill_step(const lac_tangential *t, const double *pressure, double mo
     int exponent;
     (void)frexp(t->def.friction * most, &exponent);
     s->unit = ldexp(1.0, exponent);
-    double *limit = s->work;
-    double *before = limit + n;
+    double *limit = s->work, *before = limit + n;
     double *tau = before + 2 * n;
     size_t k = 0;
     for (size_t i = 0; i < cells; i++) {
@@ -218,8 +211,7 @@ static lac_status fill_target(lac_tangential *t, const lac_tangential_target *ta
 
 static void take_displacements(lac_tangential *t, double unit)
 {
-    const size_t nx = t->def.grid.nx;
-    const size_t ny = t->def.grid.ny;
+    const size_t nx = t->def.grid.nx, ny = t->def.grid.ny;
     for (size_t axis = 0; axis < 2; axis++) {
         const lac_fft *fft = t->space->fft[axis];
         for (size_t j = 0; j < ny && t->space->used[axis]; j++) {

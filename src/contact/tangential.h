@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include <stdint.h>
-
 #include "contact/contact.h"
 
 /// A joint in normal contact that is sheared: Coulomb friction on every cell, two equal bodies, so

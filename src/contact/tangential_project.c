@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Tractions moved back within the friction limits of their cells, with the sum that the load asks.
-#include <float.h>
-#include <math.h>
-
 #include "base/statistics.h"
 #include "contact/tangential_solve.h"
 
@@ -22,19 +19,12 @@ static state evaluate(const lac_shear_problem *p, const double *restrict y, cons
 {
     const double *restrict limit = p->limit;
     const size_t n = p->n;
-    const double lx = lambda[0];
-    const double ly = lambda[1];
-    double phi = 0.0;
-    double fx = 0.0;
-    double fy = 0.0;
-    double xx = 0.0;
-    double yy = 0.0;
-    double xy = 0.0;
-    double pull = 0.0;
+    const double lx = lambda[0], ly = lambda[1];
+    double phi = 0.0, fx = 0.0, fy = 0.0, xx = 0.0;
+    double yy = 0.0, xy = 0.0, pull = 0.0;
 #pragma omp simd safelen(2) reduction(+ : phi, fx, fy, xx, yy, xy, pull)
     for (size_t i = 0; i < n; i++) {
-        double vx = y[i] + lx;
-        double vy = y[n + i] + ly;
+        double vx = y[i] + lx, vy = y[n + i] + ly;
         double v = sqrt(vx * vx + vy * vy);
         double c = v > limit[i] ? limit[i] / v : 1.0;
         double w = v > limit[i] ? c / (v * v) : 0.0;
@@ -126,8 +116,7 @@ void lac_shear_project(const lac_shear_problem *p, const double *y, double *tau,
         find_lambda(p, y, lambda);
     }
     for (size_t i = 0; i < p->n; i++) {
-        double vx = y[i] + lambda[0];
-        double vy = y[p->n + i] + lambda[1];
+        double vx = y[i] + lambda[0], vy = y[p->n + i] + lambda[1];
         double v = hypot(vx, vy);
         limited[i] = v >= p->limit[i];
         double c = v > p->limit[i] ? p->limit[i] / v : 1.0;

@@ -2,10 +2,6 @@
 // The tractions of one step of shear by conjugate gradients: which cells stick and which slip.
 #include "contact/tangential_solve.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/vsum.h"
 
 // Conjugate gradients on what is free to move: both components of cells that stick, the direction
@@ -86,12 +82,9 @@ static void free_mean(const iteration *it, const double *x, bool gradient, doubl
     const lac_shear_problem *p = it->p;
     const size_t n = p->n;
     double f[2] = {0.0, 0.0};
-    double xx = 0.0;
-    double yy = 0.0;
-    double xy = 0.0;
+    double xx = 0.0, yy = 0.0, xy = 0.0;
     for (size_t i = 0; i < n; i++) {
-        double tx = it->tx[i];
-        double ty = it->ty[i];
+        double tx = it->tx[i], ty = it->ty[i];
         bool sticks = moves(it, i);
         double w = share(it, i);
         double along = (gradient ? w : 1.0) * (tx * x[i] + ty * x[n + i]);
@@ -122,11 +115,9 @@ static void project_free(const iteration *it, const double *from, bool gradient,
     double mean[2];
     free_mean(it, from, gradient, mean);
     for (size_t i = 0; i < n; i++) {
-        double tx = it->tx[i];
-        double ty = it->ty[i];
+        double tx = it->tx[i], ty = it->ty[i];
         double w = gradient ? 1.0 : share(it, i);
-        double x = from[i] - w * mean[0];
-        double y = from[n + i] - w * mean[1];
+        double x = from[i] - w * mean[0], y = from[n + i] - w * mean[1];
         double along = tx * x + ty * y;
         bool sticks = moves(it, i);
         to[i] = sticks ? x : along * tx;
@@ -138,8 +129,7 @@ static void project_free(const iteration *it, const double *from, bool gradient,
 static void evaluate(iteration *it)
 {
     const lac_shear_problem *p = it->p;
-    double sum = 0.0;
-    double size = 0.0;
+    double sum = 0.0, size = 0.0;
     for (size_t axis = 0; axis < 2; axis++) {
         const double d = p->held[axis] ? 0.0 : p->shift[axis];
         for (size_t k = axis * p->n; k < (axis + 1) * p->n; k++) {
@@ -196,8 +186,7 @@ static void classify(iteration *it)
     const double sy = p->held[1] ? p->shift[1] : 0.0;
     double worst = 0.0;
     for (size_t i = 0; i < n; i++) {
-        double slip_x = sx - it->g[i];
-        double slip_y = sy - it->g[n + i];
+        double slip_x = sx - it->g[i], slip_y = sy - it->g[n + i];
         double nx = p->tau[i] / p->limit[i];
         double ny = p->tau[n + i] / p->limit[i];
         double along = nx * slip_x + ny * slip_y;

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include <stdint.h>
-
 #include "base/fft.h"
 #include "contact/tangential.h"
 

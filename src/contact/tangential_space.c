@@ -2,10 +2,6 @@
 // Elastic displacements under shear tractions by Fourier transforms: x and y act on each other.
 #include "contact/tangential_solve.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 // Wavenumbers in units of 2 pi / longest side, so that
 //   u = 1/kappa [I - nu k k^T / kappa^2] tau                                          periodic
 //   u_x = (I0 - nu Iyy) tau_x + nu Ixy tau_y,  u_y likewise                           free
@@ -64,10 +60,8 @@ static double corner(part which, double nu, double x, double y)
 
 static double cell_integral(part which, double nu, spacing d, double i, double j)
 {
-    double x0 = (i - 0.5) * d.dx;
-    double x1 = (i + 0.5) * d.dx;
-    double y0 = (j - 0.5) * d.dy;
-    double y1 = (j + 0.5) * d.dy;
+    double x0 = (i - 0.5) * d.dx, x1 = (i + 0.5) * d.dx;
+    double y0 = (j - 0.5) * d.dy, y1 = (j + 0.5) * d.dy;
     return (corner(which, nu, x1, y1) - corner(which, nu, x0, y1)) -
            (corner(which, nu, x1, y0) - corner(which, nu, x0, y0));
 }
@@ -75,8 +69,7 @@ static double cell_integral(part which, double nu, spacing d, double i, double j
 // One kernel at every distance; those beyond half the transform are negative ones.
 static void fill_kernel(lac_fft *fft, part which, double nu, spacing d)
 {
-    const size_t mx = fft->nx;
-    const size_t my = fft->ny;
+    const size_t mx = fft->nx, my = fft->ny;
     const double mirror = which == CROSS ? -1.0 : 1.0;
     for (size_t j = 0; j <= my / 2; j++) {
         for (size_t i = 0; i <= mx / 2; i++) {
@@ -125,8 +118,7 @@ static void fill_tables(lac_shear_space *s, const lac_grid *grid, double nu)
 static void measure(lac_shear_space *s)
 {
     const lac_fft *fft = s->fft[0];
-    double self = 0.0;
-    double most = 0.0;
+    double self = 0.0, most = 0.0;
     for (size_t i = 0; i < fft->nkx; i++) {
         for (size_t j = 0; j < fft->ny; j++) {
             size_t at = place(fft, s->xy == NULL, i, j);
@@ -200,8 +192,7 @@ static void couple(const lac_shear_space *s, size_t n, double *restrict x, doubl
     const double *restrict xy = s->xy;
     for (size_t k = 0; k < n; k++) {
         for (size_t c = 2 * k; c < 2 * k + 2; c++) {
-            double a = x[c];
-            double b = y[c];
+            double a = x[c], b = y[c];
             x[c] = xx[k] * a + xy[k] * b;
             y[c] = xy[k] * a + yy[k] * b;
         }

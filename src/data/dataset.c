@@ -2,11 +2,6 @@
 // What a result is made of: named variables, each with a row that tells of it and a way to its
 // values.
 #include "data/dataset.h"
-#include "base/fail.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/date.h"
 

@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A dataset as members of a JSON object: each row says by its path where its values stand.
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "data/dataset.h"
 
 // Rows that are written together, all with the same path up to `from`, and where they stand.

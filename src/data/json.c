@@ -2,33 +2,10 @@
 // JSON written piece by piece: numbers read back to the same value, texts are always valid UTF-8.
 #include "data/json.h"
 
-#include <inttypes.h>
-#include <math.h>
 #include <stdarg.h>
-#include <string.h>
 
 #include "base/hidden.h"
 #include "base/units.h"
-
-size_t lac_utf8_length(const unsigned char *s, uint32_t *code)
-{
-    static const uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
-    const unsigned c = *s;
-    const size_t length = c < 0x80         ? 1
-                          : c >> 5 == 0x6  ? 2
-                          : c >> 4 == 0xe  ? 3
-                          : c >> 3 == 0x1e ? 4
-                                           : 0;
-    *code = length > 1 ? c & (0xffu >> (length + 1)) : c;
-    for (size_t i = 1; i < length; i++) {
-        if ((s[i] & 0xc0) != 0x80) {
-            return 0;
-        }
-        *code = *code << 6 | (s[i] & 0x3fu);
-    }
-    const bool surrogate = *code >= 0xd800 && *code <= 0xdfff;
-    return *code >= least[length] && *code <= 0x10ffff && !surrogate ? length : 0;
-}
 
 // Text goes through here.
 static void put(lac_json *json, const char *format, ...) __attribute__((format(printf, 2, 3)));

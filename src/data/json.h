@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include <stdbool.h>
-#include <stdint.h>
-#include <stdio.h>
+#include "base/base.h"
 
 /// Writes one JSON value piece by piece. Keys are NULL at the top and within lists.
 typedef struct lac_json {
@@ -29,10 +27,6 @@ void lac_json_digits(lac_json *json, const char *key, double value, int digits);
 void lac_json_integer(lac_json *json, const char *key, int64_t value);
 void lac_json_boolean(lac_json *json, const char *key, bool value);
 void lac_json_null(lac_json *json, const char *key);
-
-/// Length of the UTF-8 sequence at `s`, 0 where it is none (overlong forms, surrogates included),
-/// and the number of its character.
-size_t lac_utf8_length(const unsigned char *s, uint32_t *code);
 
 /// Text in quotes, escaped; bytes that are no UTF-8 become U+FFFD; null where NULL.
 void lac_json_text(lac_json *json, const char *key, const char *text);

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A dataset as users of the library read it: variables by their names.
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/ask.h"
+#include "base/temp_file.h"
 #include "data/dataset.h"
 
 // The variable of a name; one of no values where there is none.
@@ -114,11 +111,5 @@ lac_status lac_dataset_to_json(const lac_dataset *dataset, char **text, lac_erro
     lac_json_open(&json, NULL, '{');
     lac_dataset_json(dataset, &json);
     lac_json_close(&json, '}');
-    const bool whole = ferror(json.out) == 0;
-    if (fclose(json.out) != 0 || !whole) {
-        free(*text);
-        *text = NULL;
-        return lac_fail_memory(err);
-    }
-    return LAC_OK;
+    return lac_text_made(json.out, text) != NULL ? LAC_OK : lac_fail_memory(err);
 }

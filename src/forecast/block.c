@@ -6,9 +6,6 @@
 //     velocity      v = dc/theta_ss (1 + e^s)^alpha,  alpha = m/(m-1)       (O2)
 //     time left     (tc - t)/theta_ss = 1/(m-1) int_s^inf (1 + e^u)^-alpha du   (O3)
 // Every such run follows one curve, whatever state it starts from: m, theta_ss and tc shape it.
-#include <math.h>
-#include <stdlib.h>
-
 #include "forecast/kinds.h"
 
 enum { POINTS = 400, STRENGTHS = 6, GRID = 24, STATES = 10 };
@@ -61,8 +58,7 @@ static double look_up(const table *b, double log_left)
     if (log_left >= b->log_left[0]) {
         return first_s - (b->m - 1.0) * (exp(log_left) - exp(b->log_left[0]));
     }
-    size_t low = 0;
-    size_t high = POINTS - 1;
+    size_t low = 0, high = POINTS - 1;
     while (high - low > 1) {
         const size_t middle = low + (high - low) / 2;
         if (b->log_left[middle] >= log_left) {
@@ -195,12 +191,6 @@ const lac_forecast_kind lac_forecast_block = {
     .least = 8,
     .displacements = true,
     .worst = 0.04,
-    .calibration = {.pull = 0.4,
-                    .spread = 1.6,
-                    .low90 = -1.452,
-                    .low50 = -0.801,
-                    .median = -0.422,
-                    .high50 = 0.077,
-                    .high90 = 0.797},
+    .calibration = {0.4, 1.6, -1.452, -0.801, -0.422, 0.077, 0.797},
     .fit = fit_block,
 };

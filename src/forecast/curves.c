@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Laws of displacement whose curve has a closed form.
-#include <math.h>
-
 #include "forecast/kinds.h"
 
-static const double pi = 3.14159265358979323846;
 static const double low_q = -3.0, high_q = 0.9;
 static const double low_m = 0.05, high_m = 0.95, low_omega = 3.0, high_omega = 15.0;
 
@@ -48,13 +45,7 @@ const lac_forecast_kind lac_forecast_log = {
     .displacements = true,
     .dates = true,
     .worst = 0.04,
-    .calibration = {.pull = 0.4,
-                    .spread = 1.6,
-                    .low90 = -2.022,
-                    .low50 = -1.242,
-                    .median = -0.725,
-                    .high50 = -0.196,
-                    .high90 = 0.84},
+    .calibration = {0.4, 1.6, -2.022, -1.242, -0.725, -0.196, 0.84},
     .fit = fit_log,
 };
 
@@ -82,10 +73,7 @@ static double place_power(const lac_projection *self, size_t shape, double part)
 // that rise: alpha as it is read off a plot. NaN from fewer than two.
 static double plane_slope(const lac_window *w)
 {
-    double n = 0.0;
-    double x = 0.0;
-    double y = 0.0;
-    double xx = 0.0;
+    double n = 0.0, x = 0.0, y = 0.0, xx = 0.0;
     double xy = 0.0;
     for (size_t i = 1; i < w->velocities; i++) {
         const double rise = w->velocity[i] - w->velocity[i - 1];
@@ -128,13 +116,7 @@ const lac_forecast_kind lac_forecast_voight = {
     .least = 8,
     .displacements = true,
     .worst = 0.04,
-    .calibration = {.pull = 0.4,
-                    .spread = 1.3,
-                    .low90 = -1.647,
-                    .low50 = -0.977,
-                    .median = -0.583,
-                    .high50 = -0.196,
-                    .high90 = 0.461},
+    .calibration = {0.4, 1.3, -1.647, -0.977, -0.583, -0.196, 0.461},
     .fit = fit_voight,
 };
 
@@ -183,7 +165,7 @@ static lac_status fit_lppls(const lac_window *w, lac_forecast_fit *fit, lac_erro
     const double omega = within(low_omega, high_omega, p[2]);
     lac_forecast_fit_add_within(fit, "m", within(low_m, high_m, p[1]), low_m, high_m);
     lac_forecast_fit_add_within(fit, "omega", omega, low_omega, high_omega);
-    lac_forecast_fit_add(fit, "lambda", exp(2.0 * pi / omega));
+    lac_forecast_fit_add(fit, "lambda", exp(2.0 * M_PI / omega));
     lac_forecast_fit_add(fit, "oscillation", hypot(law.c[2], law.c[3]) / fabs(law.c[1]));
     return LAC_OK;
 }
@@ -197,12 +179,6 @@ const lac_forecast_kind lac_forecast_lppls = {
     .least = 15,
     .displacements = true,
     .worst = 0.04,
-    .calibration = {.pull = 0.4,
-                    .spread = 1.6,
-                    .low90 = -1.218,
-                    .low50 = -0.722,
-                    .median = -0.405,
-                    .high50 = 0.022,
-                    .high90 = 0.792},
+    .calibration = {0.4, 1.6, -1.218, -0.722, -0.405, 0.022, 0.792},
     .fit = fit_lppls,
 };

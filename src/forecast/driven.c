@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What drivers do to forecasts: wider intervals, or none.
-#include <math.h>
-#include <stdlib.h>
-
-#include "base/fail.h"
 #include "forecast/kinds.h"
 
 static const double level = 0.05; // of all drivers together

@@ -2,14 +2,6 @@
 // Whether a driver explains a slope's rate: the best of many ways of answering to it, held against
 // the best with the driver rotated in time, which keeps what each is like by itself; and whether
 // the rate without the driver's part still rises.
-#include "forecast/driver.h"
-
-#include <math.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/statistics.h"
 #include "forecast/driver_response.h"
 
@@ -45,7 +37,6 @@ typedef struct record {
     lac_answer answer;       // the best
 } record;
 
-// Rates of so many groups of readings.
 static void take_rates(const lac_motion *m, const lac_driver_grid *grid, size_t groups, record *r)
 {
     const size_t steps = m->n - 1;

@@ -4,11 +4,6 @@
 // cells, rotated, less what it held at the start, is one that starts empty.
 #include "forecast/driver_response.h"
 
-#include <math.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/statistics.h"
 
 static const double day = 86400.0;

@@ -3,7 +3,7 @@
 
 // A driver as a slope would feel it, at any rotation in time.
 
-#include "base/fail.h"
+#include "base/base.h"
 #include "forecast/driver.h"
 
 enum { LAC_DRIVER_GRID = 4096, LAC_DRIVER_SCALES = 8 };

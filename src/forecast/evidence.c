@@ -2,9 +2,6 @@
 // How far the motion speaks for a law that ends in failure soon, against what looks like
 // acceleration too and does not end so: a line, a step that relaxes, a rate that goes over to
 // another as in a wet season.
-#include <math.h>
-
-#include "base/statistics.h"
 #include "forecast/kinds.h"
 
 enum { GROUPS = 96, LEAST = 6, LEAST_PART = 10, LEFT = 32, POWERS = 7, PLACES = 24, TIMES = 9 };
@@ -136,7 +133,6 @@ static void add_laws(const sample *s, double span, family *f)
     }
 }
 
-// A step that relaxes.
 static double relaxing(double since, double time)
 {
     return since > 0.0 ? -expm1(-since / time) : 0.0;

@@ -4,7 +4,6 @@
 #include "base/param.h"
 #include "forecast/driver.h"
 #include "forecast/verdict.h"
-#include "series/motion.h"
 
 enum {
     LAC_FORECAST_TEXT = 320,

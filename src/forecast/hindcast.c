@@ -1,11 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Forecasts as they would have been made in the past, each from the readings up to its own time,
 // and how good they were, where the time of failure is known: errors, alarms, scores.
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "base/statistics.h"
 #include "forecast/hindcast.h"
 #include "forecast/kinds.h"
 

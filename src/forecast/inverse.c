@@ -2,10 +2,6 @@
 // Methods that read v (tc - t) = B, the case alpha = 2 of Voight's law, as a straight line: inverse
 // velocity falls to zero at the time of failure; or, as t v = tc v - B, the slope of t v against v
 // is the time of failure.
-#include <math.h>
-#include <stdlib.h>
-
-#include "base/statistics.h"
 #include "forecast/kinds.h"
 
 enum { LAST = 8 };
@@ -93,13 +89,7 @@ const lac_forecast_kind lac_forecast_inv8 = {
                  "line meets 0",
     .least = LAST,
     .worst = 0.6,
-    .calibration = {.pull = 0.2,
-                    .spread = 1.6,
-                    .low90 = -0.975,
-                    .low50 = -0.503,
-                    .median = -0.224,
-                    .high50 = 0.273,
-                    .high90 = 0.943},
+    .calibration = {0.2, 1.6, -0.975, -0.503, -0.224, 0.273, 0.943},
     .fit = fit_eight,
 };
 
@@ -110,13 +100,7 @@ const lac_forecast_kind lac_forecast_inv = {
     .estimator = "as inv8 over all velocities of the window",
     .least = 5,
     .worst = 0.6,
-    .calibration = {.pull = 0.1,
-                    .spread = 1.6,
-                    .low90 = -1.98,
-                    .low50 = -0.904,
-                    .median = -0.446,
-                    .high50 = -0.103,
-                    .high90 = 0.541},
+    .calibration = {0.1, 1.6, -1.98, -0.904, -0.446, -0.103, 0.541},
     .fit = fit_all,
 };
 
@@ -134,8 +118,7 @@ static double drawn_by_noise(const lac_window *w, const lac_line *line)
 static lac_status fit_slope(const lac_window *w, lac_forecast_fit *fit, lac_error *err)
 {
     const size_t n = w->velocities;
-    const double *t = w->velocity_time;
-    const double *v = w->velocity;
+    const double *t = w->velocity_time, *v = w->velocity;
     lac_line line;
     LAC_TRY_RETURN(fit_line(n, t, v, false, &line, err));
     if ((size_t)line.n < n) {
@@ -162,12 +145,6 @@ const lac_forecast_kind lac_forecast_slo = {
         "t v on v by ordinary least squares over all velocities of the window; tc is the slope",
     .least = 5,
     .worst = 0.6,
-    .calibration = {.pull = 0.4,
-                    .spread = 1.6,
-                    .low90 = -1.75,
-                    .low50 = -0.89,
-                    .median = 0.012,
-                    .high50 = 0.655,
-                    .high90 = 0.806},
+    .calibration = {0.4, 1.6, -1.75, -0.89, 0.012, 0.655, 0.806},
     .fit = fit_slope,
 };

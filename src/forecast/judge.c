@@ -4,8 +4,6 @@
 // no time better than that: with the step the median of the last five intervals, no median is
 // nearer than half a step, no 90 % interval narrower than one, no 50 % interval than 0.4 of one;
 // what is, is widened about the median, in time, but not to what is over.
-#include <math.h>
-
 #include "forecast/kinds.h"
 
 enum { INTEGRABLE = 20, MIDDLE = 2 };

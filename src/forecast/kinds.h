@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include "base/least_squares.h"
 #include "base/rows.h"
+#include "base/statistics.h"
 #include "forecast/forecast.h"
 
 extern const lac_forecast_kind lac_forecast_inv8, lac_forecast_inv, lac_forecast_slo,

@@ -1,13 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What keeps methods from being asked, the readings that they are fitted to, all methods asked at
 // the last reading, and which of their answers are good enough as forecasts.
-#include <float.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "base/statistics.h"
 #include "forecast/kinds.h"
 
 enum { LEAST_LATER = 10, BRIDGED = 3, LINE = 3, LONGEST_RUN = 1000 };

@@ -4,11 +4,7 @@
 // counts by its weight.
 #include <gsl/gsl_multifit_nlinear.h>
 #include <gsl/gsl_statistics_double.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
-#include "base/statistics.h"
 #include "forecast/kinds.h"
 
 enum { STARTS = 4, ITERATIONS = 100 };
@@ -69,7 +65,6 @@ static double place_time(const lac_window *w, double part)
     return low + (high - low) * part;
 }
 
-// Looks at every place of the grid.
 static void look_around(lac_projection *self, places *best)
 {
     size_t all = 1;
@@ -311,15 +306,13 @@ static double between(const double value[NODES], int k)
     if (u == 0.0) {
         return value[i];
     }
-    const double a = value[i];
-    const double b = value[i + 1];
+    const double a = value[i], b = value[i + 1];
     if (!isfinite(a) || !isfinite(b)) {
         return -INFINITY;
     }
     const double before = i > 0 && isfinite(value[i - 1]) ? value[i - 1] : 2.0 * a - b;
     const double after = i + 2 < NODES && isfinite(value[i + 2]) ? value[i + 2] : 2.0 * b - a;
-    const double rise = 0.5 * (b - before);
-    const double last = 0.5 * (after - a);
+    const double rise = 0.5 * (b - before), last = 0.5 * (after - a);
     return a + u * rise +
            u * u * (3.0 * (b - a) - 2.0 * rise - last + u * (rise + last - 2.0 * (b - a)));
 }
@@ -374,8 +367,7 @@ static double quantile(size_t n, const lac_draw *draw, double share)
 void lac_posterior_finish(size_t n, lac_draw *draw, lac_forecast_fit *fit)
 {
     static const double share[LAC_FORECAST_LEVELS] = {0.05, 0.25, 0.5, 0.75, 0.95};
-    double highest = -INFINITY;
-    double all = 0.0;
+    double highest = -INFINITY, all = 0.0;
     for (size_t i = 0; i < n; i++) {
         highest = fmax(highest, draw[i].weight);
     }

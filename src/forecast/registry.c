@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The methods of forecasting in their order: a case's own comes before the baseline, which is last.
-#include <math.h>
 #include <stdarg.h>
-#include <stdio.h>
 
-#include "base/rows.h"
-#include "base/statistics.h"
 #include "forecast/kinds.h"
 
 static const lac_forecast_kind *const kinds[] = {

@@ -4,8 +4,6 @@
 // solves (tc - t2)^2 = (tc - t1)(tc - t3). Readings do not divide the displacement equally; solved
 // is what his formula solves where they do:
 //     (d3 - d1)/(d2 - d1) = ln((tc - t1)/(tc - t3)) / ln((tc - t1)/(tc - t2)).
-#include <math.h>
-
 #include "base/roots.h"
 #include "forecast/kinds.h"
 
@@ -22,8 +20,7 @@ static double excess(double r, double t1, double t2)
 static double solve(double t1, double t2, double d1, double d2, double d3)
 {
     const double ratio = (d3 - d1) / (d2 - d1);
-    double low = log(-t1) - 40.0;
-    double high = log(-t1 * widest);
+    double low = log(-t1) - 40.0, high = log(-t1 * widest);
     if (!(ratio > 1.0) || !(excess(exp(high), t1, t2) < ratio)) {
         return NAN;
     }
@@ -86,8 +83,7 @@ static double square_off(const lac_window *w, const curve *a, const curve *b)
 static void judge(const lac_window *w, const curve *c, lac_forecast_fit *fit)
 {
     const double n = (double)w->n;
-    double squares = 0.0;
-    double noise = 0.0;
+    double squares = 0.0, noise = 0.0;
     double spread = 0.0; // variance of `noise`, halved
     curve moved[POINTS];
     for (int k = 0; k < POINTS; k++) {
@@ -145,12 +141,6 @@ const lac_forecast_kind lac_forecast_saito = {
     .least = 5,
     .displacements = true,
     .worst = 0.04,
-    .calibration = {.pull = 0.4,
-                    .spread = 1.6,
-                    .low90 = -1.877,
-                    .low50 = -1.169,
-                    .median = -0.72,
-                    .high50 = -0.249,
-                    .high90 = 0.318},
+    .calibration = {0.4, 1.6, -1.877, -1.169, -0.72, -0.249, 0.318},
     .fit = fit_three,
 };

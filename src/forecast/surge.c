@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Whether the slope goes much faster, either way, than it ever mostly did: a rate that has changed
 // at once is no trend, so that the longer it lasts the less a test of trends sees of it.
-#include <math.h>
-
-#include "base/statistics.h"
 #include "forecast/kinds.h"
 
 enum {
@@ -16,7 +13,6 @@ static const double clear = 5.0;     // errors by which the rate is off that bef
 static const double as_much = 0.7;   // of a shorter window's factor: the longer one is told
 static const double normal = 1.4826; // standard deviations of a normal in its median deviation
 
-// Rate over h intervals up to reading i.
 static double rate_to(const lac_motion *m, size_t i, size_t h)
 {
     return (m->displacement[i] - m->displacement[i - h]) / (m->time[i] - m->time[i - h]);

@@ -2,11 +2,7 @@
 // Whether the rate of a slope rises: a robust parabola over windows that all end now, the chance
 // that its bend is noise, and what to say where noise forbids an answer.
 #include <gsl/gsl_cdf.h>
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
 
-#include "base/statistics.h"
 #include "forecast/kinds.h"
 
 enum { LEAST = 6, GROUPS = 48, HUBER_STEPS = 3, TERMS = 3, WINDOWS = 64 };

@@ -3,10 +3,7 @@
 // agree on, and the level that follows. It knows the motion and the forecasts of one time alone,
 // so that it is the same whatever was asked before.
 #include <gsl/gsl_cdf.h>
-#include <math.h>
-#include <stdio.h>
 
-#include "base/statistics.h"
 #include "forecast/kinds.h"
 
 enum { QUANTILES = LAC_FORECAST_LEVELS };
@@ -55,7 +52,6 @@ lac_levels lac_levels_default(void)
                         .alarm_rate = INFINITY};
 }
 
-// Of the first n readings the one nearest to a time.
 static size_t reading_near(const lac_motion *m, size_t n, double time)
 {
     size_t low = 0, high = n - 1;

@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The readings that methods are fitted to, thinned where they are many.
-#include <math.h>
-#include <stdlib.h>
-
-#include "base/statistics.h"
 #include "forecast/kinds.h"
 
 enum { WINDOW_READINGS = 200, STEPS = 5 };

@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Box-counting dimension of the contact cells, with an error that counts the choice of boxes.
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/rng.h"
 #include "base/statistics.h"
 #include "fractal/fractal.h"
@@ -86,8 +82,7 @@ static size_t count(const map *m)
 // A box is occupied if one of its four is. In place: what is written lies before what is read.
 static void coarsen(map *m)
 {
-    size_t nx = (m->nx + 1) / 2;
-    size_t ny = (m->ny + 1) / 2;
+    size_t nx = (m->nx + 1) / 2, ny = (m->ny + 1) / 2;
     for (size_t y = 0; y < ny; y++) {
         size_t y1 = 2 * y + 1 < m->ny ? 2 * y + 1 : 2 * y;
         for (size_t x = 0; x < nx; x++) {
@@ -149,8 +144,7 @@ static double count_boxes(const lac_domain *domain, const lac_box_def *def, uint
 {
     const lac_grid *grid = &domain->grid;
     uint64_t shifts = (uint64_t)1 << r->fit_last;
-    double sum = 0.0;
-    double sum2 = 0.0;
+    double sum = 0.0, sum2 = 0.0;
     // The grid's own blocks are the tightest cover of a set made of them; random origins miss it.
     count_from(domain, 0, 0, work, r->sizes, r->minimum);
     for (size_t k = 0; k < def->origins; k++) {

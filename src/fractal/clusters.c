@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Groups of contact cells that hang together, also across the edges of a periodic grid.
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "fractal/fractal.h"
 
 // One cluster while they are put in order.
@@ -47,8 +43,7 @@ static void join_neighbours(const lac_domain *domain, const uint32_t *at, uint32
 
 static int by_size(const void *left, const void *right)
 {
-    const rank *a = left;
-    const rank *b = right;
+    const rank *a = left, *b = right;
     if (a->size != b->size) {
         return a->size > b->size ? -1 : 1;
     }

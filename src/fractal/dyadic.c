@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Blocks of the grid itself, and the normal load at which they count a given dimension.
-#include <math.h>
-#include <stdlib.h>
-
 #include "fractal/fractal.h"
 
 // Cells come in Morton order, so that those of a block follow each other.
@@ -25,8 +22,7 @@ lac_dyadic lac_dyadic_count(const lac_domain *domain)
     lac_dyadic d = {.levels = lac_grid_levels(&domain->grid), .dimension = NAN};
     // slope = sum (l - m) log2 N_l / sum (l - m)^2, m the mean level
     const double middle = 0.5 * (double)d.levels;
-    double product = 0.0;
-    double square = 0.0;
+    double product = 0.0, square = 0.0;
     for (size_t level = 0; level <= d.levels; level++) {
         double from_middle = (double)level - middle;
         d.count[level] = blocks_at(domain, level);
@@ -103,8 +99,7 @@ static lac_status fail_outside(const search *s, const probe *end, bool above, la
 static lac_status bracket(search *s, probe *low, probe *high, lac_error *err)
 {
     const double step = log(4.0);
-    const double lightest = log(1e-12);
-    const double heaviest = log(1e6);
+    const double lightest = log(1e-12), heaviest = log(1e6);
     probe at;
     LAC_TRY_RETURN(try_load(s, log(0.03), &at, err));
     *low = at;
@@ -153,8 +148,7 @@ lac_status lac_dimension_solve(const lac_contact_def *def, double dimension, dou
                                double *gap, lac_contact_stats *report, lac_error *err)
 {
     search s = {.def = *def, .target = dimension, .pressure = pressure, .best = {.dimension = -9}};
-    probe low;
-    probe high;
+    probe low, high;
     LAC_FAIL_IF(!(dimension > 0.0 && dimension < 2.0), err, LAC_EINPUT,
                 "the dimension must be > 0 and < 2, not %g", dimension);
     s.def.control = LAC_CONTROL_LOAD;

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Fractal dimension from the contact area, which shrinks as a surface is resolved more finely.
-#include <math.h>
-#include <stdlib.h>
-
 #include "base/rows.h"
 #include "base/statistics.h"
 #include "fractal/fractal.h"
@@ -79,8 +76,7 @@ static double dimension_of(const double *x, const double *measure, size_t n)
 // With A_r = kappa P / (E* h'_r) the area falls as the slope rises.
 static void compare(lac_scaling *s, const double *x, size_t n)
 {
-    double smooth[LAC_SCALING_POINTS];
-    double flatness[LAC_SCALING_POINTS];
+    double smooth[LAC_SCALING_POINTS], flatness[LAC_SCALING_POINTS];
     for (size_t i = 0; i < n; i++) {
         smooth[i] = lac_smooth_area(&s->at[i]);
         flatness[i] = 1 / s->at[i].slope;
@@ -91,8 +87,7 @@ static void compare(lac_scaling *s, const double *x, size_t n)
 
 lac_status lac_scaling_fit(lac_scaling *s, size_t left_out, lac_error *err)
 {
-    double x[LAC_SCALING_POINTS];
-    double y[LAC_SCALING_POINTS];
+    double x[LAC_SCALING_POINTS], y[LAC_SCALING_POINTS];
     LAC_TRY_RETURN(check(s, left_out, err));
     for (size_t i = 0; i < s->n; i++) {
         x[i] = log(s->at[i].cell);
@@ -142,7 +137,6 @@ static double boundary(const lac_grid *g, const double *p)
     return length;
 }
 
-// What one resolution shows of heights and pressures.
 static lac_resolution observe(const lac_grid *grid, const double *heights, const double *pressure)
 {
     double sum = 0;
@@ -182,12 +176,9 @@ static lac_status solve(const lac_contact_def *fine, size_t m, lac_coarsening ho
     return LAC_OK;
 }
 
-// How often the finest grid is halved.
 static size_t halvings(const lac_grid *grid, size_t coarsest)
 {
-    size_t nx = grid->nx;
-    size_t ny = grid->ny;
-    size_t n = 0;
+    size_t nx = grid->nx, ny = grid->ny, n = 0;
     while ((nx < ny ? nx : ny) > coarsest && nx % 2 == 0 && ny % 2 == 0) {
         nx /= 2;
         ny /= 2;

@@ -50,8 +50,7 @@ static void step(const lac_lone_step *s, double *w, double *dw)
     double g = -lac_phi_slope(s->rho, e - 1.0, s->phi) / s->phi; // d ln(1/phi)/drho
     double ez = exp(-s->z);
     double d = s->rho - s->z;
-    double mean;
-    double dmean;
+    double mean, dmean;
     if (fabs(d) < 1e-4) {
         mean = ez * (1.0 - d * (0.5 - d / 6.0));
         dmean = -s->dz * mean + ez * (-0.5 + d / 3.0) * (1.0 - s->dz);

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Bridges of rock that break under the stress that they help to carry, by which cohesion is lost.
-#include <math.h>
-#include <stdio.h>
-
 #include "base/units.h"
 #include "friction/weakening.h"
 

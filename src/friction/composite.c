@@ -25,9 +25,7 @@ static void evolve(const lac_friction *friction, const lac_friction_cells *cells
                    double *g_u, double *g_w)
 {
     size_t n = cells->n;
-    const double *u = cells->u;
-    const double *w = cells->w;
-    const double *v = cells->v;
+    const double *u = cells->u, *w = cells->w, *v = cells->v;
     const double *vc = lac_cellwise_from(&friction->column[LAC_VC], cells->first);
     const double *inv_dc = lac_cellwise_from(&friction->inv_dc, cells->first);
     const double *ln_dc = lac_cellwise_from(&friction->ln_dc, cells->first);

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include <stdbool.h>
-
 #include "friction/friction.h"
 
 /// Whether any cell has a cut-off slip rate.

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Gouge that dilates as it slides faster and sucks its pore water thin, until water flows in.
-#include <stdio.h>
-#include <string.h>
-
 #include "base/units.h"
 #include "friction/weakening.h"
 

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Flash heating of contacts: what they hold falls as they slide faster than they cool.
-#include <math.h>
-
 #include "friction/cutoff.h"
 
 // F = f_w + (f - f_w) s,  s = 1/(1 + v/v_w),  with u = ln v:  s_u = -s (1 - s),

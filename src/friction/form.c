@@ -3,9 +3,6 @@
 // smooth cut-offs: it feels no slip rate far above v1 and no state far below dc/v2.
 #include "friction/cutoff.h"
 
-#include <math.h>
-#include <string.h>
-
 #include "base/clones.h"
 #include "base/vmath.h"
 #include "friction/law.h"

@@ -3,12 +3,6 @@
 #include "friction/friction.h"
 
 #include <assert.h>
-#include <float.h>
-#include <math.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "friction/cutoff.h"
 #include "friction/law.h"

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Pore water of a sheared layer that slip heats: it expands, and heat and water diffuse away.
-#include <math.h>
-#include <stdio.h>
-
 #include "base/units.h"
 #include "friction/weakening.h"
 
@@ -15,7 +12,6 @@ typedef struct pressurization_params {
 enum { WAVES = 24 };
 #define STEP 0.5
 #define SHORTEST 6.4
-#define PI 3.14159265358979323846
 
 // With a Gaussian layer of standard deviation s = h/sqrt(2 pi), so that its middle has 1/h, heat
 // and water follow across it
@@ -29,7 +25,7 @@ enum { WAVES = 24 };
 static void modes(const void *params, lac_weakening_modes *modes)
 {
     const pressurization_params *p = params;
-    const double s = p->thickness / sqrt(2 * PI);
+    const double s = p->thickness / sqrt(2 * M_PI);
     const double b = -p->pressurization * p->thermal / (p->hydraulic - p->thermal);
     *modes = (lac_weakening_modes){.n = 2 * WAVES};
     double whole = 0, part[WAVES];

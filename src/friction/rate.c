@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The slip rate at which one cell balances its shear stress, found without a first guess.
-#include <float.h>
-#include <math.h>
-#include <stdbool.h>
-
 #include "friction/cutoff.h"
 
 // Without a cut-off of the direct effect every residual below is convex and increasing in u = ln v,

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Rocks and gouges whose friction somebody measured, or found by analysing a slope that failed: one
 // table, a row each. A number stands here only where it was read in the source that the row names.
-#include <math.h>
-
 #include "friction/law.h"
 
 #define BARTON                                                                      \

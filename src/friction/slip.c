@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Ruina's slip law: contacts change only while they slip, so that nothing heals at rest. And that
 // law without its healing: strength that slip has taken never comes back.
-#include <stdbool.h>
-
 #include "base/phi.h"
 #include "friction/law.h"
 
@@ -11,9 +9,7 @@ static void evolve(const lac_friction *friction, const lac_friction_cells *cells
                    double *g_u, double *g_w)
 {
     size_t n = cells->n;
-    const double *u = cells->u;
-    const double *w = cells->w;
-    const double *v = cells->v;
+    const double *u = cells->u, *w = cells->w, *v = cells->v;
     const double *inv_dc = lac_cellwise_from(&friction->inv_dc, cells->first);
     const double *ln_dc = lac_cellwise_from(&friction->ln_dc, cells->first);
     for (size_t i = 0; i < n; i++) {

@@ -2,7 +2,6 @@
 // Slip rates of many cells, begun at their last ones: by solve_rates.c where it can, else by
 // Newton's method on the cells that are left.
 #include <assert.h>
-#include <math.h>
 
 #include "base/roots.h"
 #include "base/vmath.h"

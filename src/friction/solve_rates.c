@@ -14,11 +14,6 @@
 // every derivative of kappa v is below 1 + kappa v_s. v follows the last step by its series.
 #include "friction/cutoff.h"
 
-#include <math.h>
-#include <stdbool.h>
-#include <stdint.h>
-
-#include "base/clones.h"
 #include "base/vmath_kernels.h"
 #include "friction/law.h"
 
@@ -54,8 +49,7 @@ LAC_CLONES static void lac_solve_rates_prepare(const lac_friction *friction,
     const double *pressure = eq->pressure + first;
     const double *traction = eq->traction + first;
     const double *w = eq->w + first;
-    double share = eq->share;
-    double eta = eq->damping;
+    double share = eq->share, eta = eq->damping;
     LAC_INDEPENDENT
     for (size_t i = 0; i < n; i++) {
         double p = pressure[i] * share;
@@ -117,8 +111,7 @@ static inline __attribute__((always_inline)) uint64_t step_all(size_t n, bool be
     for (size_t i = 0; i < n; i++) {
         double s = c->s[i];
         double e = lac_exp_one(s - c->shift[i]);
-        double v = e;
-        double rise = e;
+        double v = e, rise = e;
         if (bent) {
             double y = lac_exp_one(-s);
             double bracket = s < 1 ? 2 * y * small_sinh(s) : 1 - y * y;
@@ -175,9 +168,7 @@ typedef struct found {
 static inline __attribute__((always_inline)) uint64_t finish_all(size_t n, bool bent,
                                                                  const chunk *c, const found *out)
 {
-    double *u = out->u;
-    double *v = out->v;
-    double *settled = out->settled;
+    double *u = out->u, *v = out->v, *settled = out->settled;
     const double *traction = out->traction;
     uint64_t left = 0;
     LAC_INDEPENDENT

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Steady states, and states told by how far they are from one.
-#include <math.h>
-
 #include "base/roots.h"
 #include "friction/cutoff.h"
 #include "friction/law.h"

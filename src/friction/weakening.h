@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include "base/param.h"
 #include "base/rows.h"
 
 // What weakens, or strengthens, cells besides the state of their friction, by unknowns of each cell

@@ -43,9 +43,7 @@ LAC_CLONES static void lac_apply_pass_down(void *context, size_t part, size_t fi
 {
     const pass *p = context;
     const uint32_t *parent = p->part->parent;
-    const double *mean = p->x;
-    const double *mean_b = p->mean_b;
-    const double *force_b = p->force_b;
+    const double *mean = p->x, *mean_b = p->mean_b, *force_b = p->force_b;
     double *force = p->out;
     double k = p->k;
     (void)part;

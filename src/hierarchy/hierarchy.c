@@ -2,8 +2,6 @@
 // Blocks over the contact cells, level by level; levels between which nothing merges share memory.
 #include "hierarchy/hierarchy.h"
 
-#include <stdlib.h>
-
 #include "hierarchy/blocks.h"
 
 const double lac_is_child[5][4] = {

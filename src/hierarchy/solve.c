@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Linear equations of the hierarchy solved exactly, by elimination from the cells to the root.
-#include <float.h>
-
 #include "base/clones.h"
 #include "base/parallel_for.h"
 #include "hierarchy/blocks.h"
@@ -55,11 +53,8 @@ LAC_CLONES static void lac_solve_average(void *context, size_t part, size_t firs
 {
     const pass *p = context;
     const uint32_t *child = p->part->child;
-    const double *w = p->w;
-    const double *t = p->t;
-    const double *y = p->y;
-    double *t_b = p->t_b;
-    double *y_b = p->y_b;
+    const double *w = p->w, *t = p->t, *y = p->y;
+    double *t_b = p->t_b, *y_b = p->y_b;
     size_t whole = end < p->part->whole ? end : p->part->whole;
     (void)part;
     LAC_INDEPENDENT
@@ -91,8 +86,7 @@ static uint32_t adopt_singles(const lac_partition *fine, const double *t, const 
 {
     uint32_t pardoned = 0;
     for (uint32_t i = 0; i < fine->singles; i++) {
-        uint32_t b = fine->single[i];
-        uint32_t c = fine->child[b];
+        uint32_t b = fine->single[i], c = fine->child[b];
         pardoned += !good(g[c]);
         g[c] = 0;
         t_b[b] = t[c];
@@ -105,8 +99,7 @@ static uint32_t adopt_singles(const lac_partition *fine, const double *t, const 
 LAC_CLONES static void lac_solve_offer(void *context, size_t part, size_t first, size_t end)
 {
     const pass *p = context;
-    const double *m = p->t;
-    const double *mu = p->y;
+    const double *m = p->t, *mu = p->y;
     double *b = p->out;
     double k = p->k;
     (void)part;
@@ -121,10 +114,8 @@ LAC_CLONES static void lac_solve_pass_down(void *context, size_t part, size_t fi
 {
     const pass *p = context;
     const uint32_t *parent = p->part->parent;
-    const double *g = p->g;
-    const double *b = p->b;
-    double *t = p->t_b;
-    double *y = p->y_b;
+    const double *g = p->g, *b = p->b;
+    double *t = p->t_b, *y = p->y_b;
     double k = p->k;
     (void)part;
     LAC_INDEPENDENT
@@ -141,9 +132,7 @@ LAC_CLONES static void lac_solve_finish(void *context, size_t part, size_t first
 {
     const pass *p = context;
     const uint32_t *parent = p->part->parent;
-    const double *g = p->g;
-    const double *b = p->b;
-    const double *y = p->y;
+    const double *g = p->g, *b = p->b, *y = p->y;
     double *x = p->out;
     (void)part;
     LAC_INDEPENDENT

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The elimination of solve.c where each cell has two unknowns: numbers become 2 x 2 blocks.
-#include <float.h>
-#include <math.h>
-
 #include "hierarchy/blocks.h"
 
 // A symmetric 2 x 2 matrix: xx, xy, yy.
@@ -23,8 +20,7 @@ enum { BLOCK = sizeof(block) / sizeof(double) };
 // definite.
 static bool invert(const matrix *t, const double k[2], matrix *g)
 {
-    const double a = t->xx + k[0];
-    const double d = t->yy + k[1];
+    const double a = t->xx + k[0], d = t->yy + k[1];
     const double size = fmax(fabs(a), fabs(d));
     const double b = t->xy / size;
     const double det = (a / size) * (d / size) - b * b;

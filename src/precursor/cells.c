@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What slips at each scale, against the fixed point of the static cascade
 // (docs/theory/rg-in-time.md).
-#include <math.h>
-#include <stdlib.h>
-
 #include "base/statistics.h"
 #include "precursor/kinds.h"
 

@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What forecasts and indicators came to, as tables: the variables of their file, and their JSON.
-#include <math.h>
-#include <stdio.h>
-
-#include "base/fail.h"
 #include "data/describe.h"
 #include "precursor/kinds.h"
 

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What drivers explain of a motion, as tables: variables on the readings' times, and JSON.
-#include <math.h>
-#include <stdio.h>
-
 #include "data/describe.h"
 #include "precursor/precursor.h"
 

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What an engineer is told first, as tables: variables over issue times, attributes, and JSON.
-#include <math.h>
-
 #include "data/describe.h"
 #include "precursor/kinds.h"
 

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How often events come on the way to failure, n ~ (tc - t)^-p, and the moment that they release.
-#include <math.h>
-
 #include "base/rng.h"
 #include "base/roots.h"
 #include "precursor/kinds.h"
@@ -35,10 +33,7 @@ static void tilted(double k, double length, double *mean, double *variance)
 // is ~ exp((1 - p) u), whose mean grows with 1 - p.
 static double find_p(double mean, double length, double count, double *error)
 {
-    double low = -steepest;
-    double high = steepest;
-    double found;
-    double variance = NAN;
+    double low = -steepest, high = steepest, found, variance = NAN;
     for (int i = 0; i < HALVINGS; i++) {
         tilted(0.5 * (low + high), length, &found, &variance);
         lac_halve(&low, &high, found < mean);
@@ -52,8 +47,7 @@ static void add_exponent(const lac_event_list *e, double tc, double now, lac_for
 {
     const double nearest = log(tc - now);
     const double length = log(tc - e->time[0]) - nearest;
-    double mean = 0.0;
-    double error = NAN;
+    double mean = 0.0, error = NAN;
     for (size_t i = 0; i < e->n; i++) {
         mean += (log(tc - e->time[i]) - nearest) / (double)e->n;
     }
@@ -144,9 +138,7 @@ static lac_status look_at_moments(const lac_precursor_inputs *in, lac_forecast_f
     const lac_event_list *e = in->events;
     const lac_motion *m = in->motion;
     const double middle = 0.5 * (m->time[0] + m->time[m->n - 1]);
-    double sum = 0.0;
-    double late = 0.0;
-    double largest = 0.0;
+    double sum = 0.0, late = 0.0, largest = 0.0;
     (void)err;
     for (size_t i = 0; i < e->n; i++) {
         if (e->moment[i] > 0.0) {

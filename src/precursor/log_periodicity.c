@@ -1,16 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Oscillations in ln(tc - t) about the log law. A dyadic hierarchy might show omega = 2 pi/ln 2 k.
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "base/least_squares.h"
 #include "base/statistics.h"
 #include "precursor/kinds.h"
 
 enum { LEAST = 20, MOST = 200, FREQUENCIES = 60, SMOOTH = 2, SURROGATES = 99 };
-static const size_t first_surrogate = 1U << 20; // none of another indicator's
-static const double pi = 3.14159265358979323846;
+static const size_t first_surrogate = 1U << 20;  // none of another indicator's
 static const double highest = 20.0, turns = 1.5; // least turns of the lowest frequency
 
 static const lac_precursor_value numbers[] = {
@@ -57,8 +51,7 @@ static double frequency(const lomb *l, size_t k)
 static void make_waves(lomb *l)
 {
     for (size_t k = 0; k < FREQUENCIES; k++) {
-        double *even = l->wave[k][0];
-        double *odd = l->wave[k][1];
+        double *even = l->wave[k][0], *odd = l->wave[k][1];
         for (size_t i = 0; i < l->n; i++) {
             even[i] = cos(frequency(l, k) * l->u[i]);
             odd[i] = sin(frequency(l, k) * l->u[i]);
@@ -141,7 +134,7 @@ static lac_status look(const lac_precursor_inputs *in, lac_forecast_fit *found, 
     gather(l, in);
     found->points = l->n;
     const double span = l->n > 1 ? l->u[0] - l->u[l->n - 1] : 0.0;
-    l->low = 2.0 * pi * turns / span;
+    l->low = 2.0 * M_PI * turns / span;
     if (l->n < LEAST || !(l->low < highest)) {
         (void)lac_forecast_fit_refuse(found, "%zu readings over %.2g e-folds of tc - t are too few",
                                       l->n, span);
@@ -150,7 +143,7 @@ static lac_status look(const lac_precursor_inputs *in, lac_forecast_fit *found, 
         memcpy(l->r, l->d, l->n * sizeof *l->r);
         const double power = peak(l, l->r, &omega);
         lac_forecast_fit_add(found, "omega", omega);
-        lac_forecast_fit_add(found, "lambda", exp(2.0 * pi / omega));
+        lac_forecast_fit_add(found, "lambda", exp(2.0 * M_PI / omega));
         lac_forecast_fit_add(found, "power", power);
         lac_forecast_fit_add(found, "p", significance(l, in, power));
     }

@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // All indicators of coming failure, looked at together at one time after the other, each of nothing
 // but what was known then; one that lacks its data says what it needs.
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "precursor/kinds.h"
 
 static const lac_precursor_kind *const kinds[] = {

@@ -2,8 +2,6 @@
 // Size distribution of events: N(>= M) ~ 10^(-b M), and whether it changes; by all magnitudes, and
 // by the differences of successive ones, which a completeness that changes does not touch.
 #include <gsl/gsl_statistics_double.h>
-#include <math.h>
-#include <stdlib.h>
 
 #include "precursor/kinds.h"
 
@@ -52,9 +50,7 @@ static double fullest_bin(size_t n, const double *magnitude)
 // Whether b from mc on is, within its error, the mean of those from the next bins on too.
 static bool is_stable(size_t n, const double *magnitude, double mc)
 {
-    double error;
-    double other_error;
-    double mean = 0.0;
+    double error, other_error, mean = 0.0;
     size_t used;
     const double b = lac_b_value(n, magnitude, mc, &error, &used);
     for (size_t k = 0; k < STABLE; k++) {

@@ -2,9 +2,6 @@
 // Critical slowing down: variance and autocorrelation of the velocity rise before some transitions.
 // A single block shows none before runaway; what a rise means belongs to many cells.
 #include <complex.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/fft.h"
 #include "base/rng.h"
@@ -74,8 +71,7 @@ static lac_status create(passage *p, size_t n, lac_error *err)
 static void relate(size_t n, const double *x, double *variance, double *relation)
 {
     const double mean = lac_mean(n, x);
-    double square = 0.0;
-    double product = 0.0;
+    double square = 0.0, product = 0.0;
     for (size_t i = 0; i < n; i++) {
         square += (x[i] - mean) * (x[i] - mean);
         product += i > 0 ? (x[i] - mean) * (x[i - 1] - mean) : 0.0;
@@ -114,8 +110,7 @@ static void correlate(size_t n, double phi, const double *q, double *w)
 // parabola is taken off: with M = 1 - Q Q^T, sum_i (M C M)_(i,i+1)/tr(M C).
 static double expected_relation(const passage *p, double phi, double *w)
 {
-    double square = (double)p->n;
-    double lagged = phi * (double)(p->n - 1);
+    double square = (double)p->n, lagged = phi * (double)(p->n - 1);
     for (size_t k = 0; k < COLUMNS; k++) {
         const double *q = p->smooth + k * p->n;
         correlate(p->n, phi, q, w);
@@ -132,8 +127,7 @@ static double expected_relation(const passage *p, double phi, double *w)
 // The coefficient of which that is expected: an autocorrelation without its bias in short series.
 static double without_bias(const passage *p, double relation, double *w)
 {
-    double low = -steepest;
-    double high = steepest;
+    double low = -steepest, high = steepest;
     for (int i = 0; i < HALVINGS; i++) {
         lac_halve(&low, &high, expected_relation(p, 0.5 * (low + high), w) < relation);
     }
@@ -142,7 +136,6 @@ static double without_bias(const passage *p, double relation, double *w)
 
 // The second counter of the numbers that phases are made of: none of an autoregression's.
 static const uint64_t phase_counter = 1ULL << 40;
-static const double pi = 3.14159265358979323846;
 
 // Fourier amplitudes of what is left, of which surrogates with other phases are made.
 static void find_amplitudes(const passage *p, lac_fft *fft)
@@ -160,7 +153,7 @@ static void draw_phases(const passage *p, lac_fft *fft, uint64_t seed, size_t in
     for (size_t k = 0; k < fft->nkx; k++) {
         const double turn =
             lac_random_uniform(seed, LAC_STREAM_SURROGATE, index, phase_counter + k);
-        fft->spectrum[k] = p->amplitude[k] * cexp(I * 2.0 * pi * turn);
+        fft->spectrum[k] = p->amplitude[k] * cexp(I * 2.0 * M_PI * turn);
         if (k == 0 || 2 * k == p->n) { // real ones have a sign for a phase
             fft->spectrum[k] = p->amplitude[k] * (turn < 0.5 ? -1.0 : 1.0);
         }
@@ -176,8 +169,7 @@ typedef struct ranks {
 
 static void compare(passage *p, const lac_slowing *with, ranks *above)
 {
-    double variance_tau;
-    double relation_tau;
+    double variance_tau, relation_tau;
     pass(p, &variance_tau, &relation_tau);
     above->variance += variance_tau >= with->variance_tau ? 1 : 0;
     above->relation += relation_tau >= with->autocorrelation_tau ? 1 : 0;
@@ -194,8 +186,7 @@ static lac_status rank(passage *p, uint64_t seed, size_t surrogates, lac_slowing
 {
     ranks red = {0};
     ranks phase = {0};
-    double all = 0.0;
-    double relation = 0.0;
+    double all = 0.0, relation = 0.0;
     lac_fft *fft = NULL;
     LAC_TRY_RETURN(lac_fft_create(p->n, 1, &fft, err));
     find_amplitudes(p, fft);
@@ -250,7 +241,7 @@ static lac_status look(const lac_precursor_inputs *in, lac_forecast_fit *found, 
 {
     const lac_motion *m = in->motion;
     double even[MOST];
-    lac_slowing slowing;
+    lac_slowing slowing = {0};
     if (m->velocities < LEAST) {
         return lac_forecast_fit_refuse(found, "too few velocities: %zu, at least %d", m->velocities,
                                        (int)LEAST);
@@ -259,15 +250,12 @@ static lac_status look(const lac_precursor_inputs *in, lac_forecast_fit *found, 
     resample(m, found->points, even);
     lac_status status =
         lac_slowing_measure(found->points, even, in->seed, in->surrogates, &slowing, err);
-    if (status == LAC_OK) {
-        lac_forecast_fit_add(found, "variance_m2_s2", slowing.variance);
-        lac_forecast_fit_add(found, "variance_tau", slowing.variance_tau);
-        lac_forecast_fit_add(found, "variance_p", slowing.variance_p);
-        lac_forecast_fit_add(found, "variance_phase_p", slowing.variance_phase_p);
-        lac_forecast_fit_add(found, "autocorrelation", slowing.autocorrelation);
-        lac_forecast_fit_add(found, "autocorrelation_tau", slowing.autocorrelation_tau);
-        lac_forecast_fit_add(found, "autocorrelation_p", slowing.autocorrelation_p);
-        lac_forecast_fit_add(found, "autocorrelation_phase_p", slowing.autocorrelation_phase_p);
+    const double values[] = {slowing.variance,          slowing.variance_tau,
+                             slowing.variance_p,        slowing.variance_phase_p,
+                             slowing.autocorrelation,   slowing.autocorrelation_tau,
+                             slowing.autocorrelation_p, slowing.autocorrelation_phase_p};
+    for (size_t k = 0; status == LAC_OK && k < sizeof values / sizeof *values; k++) {
+        lac_forecast_fit_add(found, numbers[k].key, values[k]);
     }
     return status;
 }

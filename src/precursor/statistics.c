@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Statistics of the indicators: b-values, trends, and how likely chance alone gives as much.
-#include <math.h>
-
 #include "base/rng.h"
 #include "precursor/kinds.h"
 
@@ -23,8 +21,7 @@ static double from_sums(size_t n, double sum, double squares, double from, doubl
 
 double lac_b_value(size_t n, const double *magnitude, double mc, double *error, size_t *used)
 {
-    double sum = 0.0;
-    double squares = 0.0;
+    double sum = 0.0, squares = 0.0;
     const double tolerance = 1e-9;
     *used = 0;
     for (size_t i = 0; i < n; i++) {
@@ -40,8 +37,7 @@ double lac_b_value(size_t n, const double *magnitude, double mc, double *error, 
 
 double lac_b_positive(size_t n, const double *magnitude, double least, double *error, size_t *used)
 {
-    double sum = 0.0;
-    double squares = 0.0;
+    double sum = 0.0, squares = 0.0;
     *used = 0;
     for (size_t i = 1; i < n; i++) {
         const double step = magnitude[i] - magnitude[i - 1];

@@ -4,8 +4,6 @@
 #include "report/run.h"
 
 #include <gsl/gsl_interp.h>
-#include <math.h>
-#include <string.h>
 
 enum { WIDEST = 512 };
 

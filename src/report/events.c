@@ -2,7 +2,6 @@
 // The catalogue of events: each in time, and how many are larger than what.
 #include <gsl/gsl_sort.h>
 #include <gsl/gsl_vector.h>
-#include <math.h>
 
 #include "precursor/precursor.h"
 #include "report/run.h"
@@ -59,7 +58,6 @@ static void write_distribution(lac_page *page, size_t n, const double *sorted)
     lac_page_column(page, "count", steps, count, NULL, 17);
 }
 
-// What an indicator says of the catalogue.
 static void write_indicator(lac_page *page, const lac_precursor_kind *kind,
                             const lac_event_list *events)
 {

@@ -2,8 +2,6 @@
 // What a fitted model forecasts: the predictive band of displacement and rate, when it fails, and
 // what it found, as lacuna fit has stored it.
 #include <gsl/gsl_sort.h>
-#include <math.h>
-#include <string.h>
 
 #include "base/date.h"
 #include "base/statistics.h"

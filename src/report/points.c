@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The places that a run was watched at: where they are, and their motion.
-#include <stdlib.h>
-#include <string.h>
-
 #include "report/run.h"
 
 enum { MOST_DRAWN = 24, BUCKETS = 300, NAME = 64 };

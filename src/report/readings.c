@@ -1,11 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The page of readings: what a file of lacuna precursors holds of their motion, of what drives it,
 // of the forecasts from them, of the level at each time of issue, and what it says in words.
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/date.h"
 #include "forecast/forecast.h"
 #include "report/run.h"

@@ -3,11 +3,6 @@
 // from what, and how it ended.
 #include "report/report.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/date.h"
 #include "base/hidden.h"
 #include "base/temp_file.h"
@@ -19,7 +14,6 @@ const char *lac_page_name(const char *path)
     return slash != NULL ? slash + 1 : path;
 }
 
-// What the page says that it was made from.
 static const char *source_of(const lac_page_def *def)
 {
     return def->name != NULL ? def->name : def->run;

@@ -4,10 +4,6 @@
 // and of the run's own map.
 #include "report/run.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/date.h"
 
 enum { BUCKETS = 500, LEVEL_BUCKETS = 300, COMMENT = 600 };

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include "data/json.h"
 #include "report/report.h"
 #include "store/store_file.h"
 

@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The monitoring series beside a run, and forecasts of the time of failure as they would have been
 // issued: of the series where there is one, else of the run.
-#include <math.h>
-#include <string.h>
-
 #include "forecast/hindcast.h"
 #include "report/run.h"
-#include "series/motion.h"
 
 enum { MOST_READINGS = 3000 };
 
@@ -74,7 +70,6 @@ static lac_history history_of(lac_page *page)
     return (lac_history){page->n, page->time, slip, rate};
 }
 
-// Readings on the run's clock.
 static void write_series(lac_page *page, const lac_series *view, const lac_motion *derived)
 {
     const lac_history history = history_of(page);

@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The records that a page draws: extremes in equal spans of time, and of its log before the end;
 // and by these memory that stays bounded while a run goes on and its page is open.
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "report/run.h"
 
 enum { FEW = 1500 };
@@ -25,7 +21,6 @@ static double bucket_of(const axis *a, size_t i)
     return a->width > 0.0 ? floor(place / a->width) : 0.0;
 }
 
-// Where a column is least and greatest from one record up to another.
 static void mark_extremes(const double *v, size_t from, size_t to, uint8_t *keep)
 {
     size_t least = SIZE_MAX, greatest = SIZE_MAX;

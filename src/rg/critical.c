@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The smallest load at which the whole joint slides: a scan of the path, then a closing bracket;
 // and on contacts solved for the loads at hand, not interpolated between others.
-#include <float.h>
-#include <math.h>
-#include <stdlib.h>
-
 #include "rg/tree.h"
 
 bool lac_rg_bracket_note(lac_rg_bracket *b, const lac_rg_tree *tree, double load, double root)

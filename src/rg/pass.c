@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // One load on the tree: which blocks slip, from the cells up; what stress is left them, down again.
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "rg/tree.h"
 
 // A block's children slip in the order of their thresholds. Each that has slipped hands stress to
@@ -20,8 +16,7 @@ static bool before(const lac_rg_child *a, const lac_rg_child *b)
 
 static int compare(const void *a, const void *b)
 {
-    const lac_rg_child *x = a;
-    const lac_rg_child *y = b;
+    const lac_rg_child *x = a, *y = b;
     return before(x, y) ? -1 : before(y, x) ? 1 : 0;
 }
 
@@ -53,7 +48,6 @@ typedef struct slide {
     double excess;   // E: force that they share, CONS
 } slide;
 
-// Child c slips.
 static void slip(slide *s, const lac_rg_layer *below, uint32_t c)
 {
     s->left -= below->cells[c];
@@ -163,7 +157,6 @@ static size_t nearest(const lac_rg_tree *tree, const lac_rg_layer *below, size_t
     return at;
 }
 
-// Whether all children slip, one after the other.
 static bool all_slip(lac_rg_tree *tree, const lac_rg_layer *below, size_t n)
 {
     double received = 0.0; // force on each child that sticks: equal shares
@@ -220,8 +213,7 @@ static void settle_block(lac_rg_tree *tree, size_t k, size_t block)
 {
     lac_rg_layer *below = &tree->layer[k - 1];
     const lac_rg_layer *layer = &tree->layer[k];
-    const uint32_t begin = layer->child[block];
-    const uint32_t end = layer->child[block + 1];
+    const uint32_t begin = layer->child[block], end = layer->child[block + 1];
     const double received = layer->received[block];
     const bool fix = tree->rule == LAC_RG_FIX;
     bool whole = received == INFINITY || layer->gap[block] <= received + tree->tolerance;

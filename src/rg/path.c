@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How the load grows, and what stress it puts on every cell: equal shares, or the elastic solution.
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include <gsl/gsl_sort.h>
 
 #include "rg/tree.h"
@@ -103,8 +99,7 @@ static lac_status check_series(const lac_rg_series *s, lac_error *err)
 
 lac_status lac_rg_path_elastic(const lac_rg_series *series, lac_rg_path **out, lac_error *err)
 {
-    const size_t n = series->n;
-    const size_t loads = series->loads;
+    const size_t n = series->n, loads = series->loads;
     *out = NULL;
     LAC_TRY_RETURN(check_series(series, err));
     lac_rg_path *path = calloc(1, sizeof *path + loads * (n + 1) * sizeof *path->memory);

@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // One joint with its blocks at one place, loaded along the path: what slips at every load,
 // when each block does, and what it carries then: the strength of blocks by their size.
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "fractal/fractal.h"
 #include "rg/tree.h"
 
@@ -58,9 +54,7 @@ void lac_rg_states_note(const lac_rg_tree *tree, double before, double load, lac
 
 static void summarise(size_t count, const lac_rg_block_state *s, double cells, lac_rg_sizes *out)
 {
-    double load = 0.0;
-    double sum = 0.0;
-    double square = 0.0;
+    double load = 0.0, sum = 0.0, square = 0.0;
     *out = (lac_rg_sizes){0};
     for (size_t b = 0; b < count; b++) {
         if (s[b].slipped) {

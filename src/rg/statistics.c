@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The slipped fraction of a level from that of the finer one: the map fitted, its fixed point and
 // errors by resampling; and the power law of the correlation length near the critical load.
-#include <math.h>
-#include <stdlib.h>
-
 #include <gsl/gsl_sort.h>
 #include <gsl/gsl_statistics_double.h>
 
@@ -149,8 +146,7 @@ lac_rg_power lac_rg_power_fit(size_t n, const double *load, const double *xi, do
 {
     lac_rg_power law = {.exponent = NAN, .error = NAN, .curvature = NAN};
     lac_line line = {0};
-    double least = INFINITY;
-    double most = 0.0;
+    double least = INFINITY, most = 0.0;
     for (size_t i = 0; i < n; i++) {
         if (is_fitted(load[i], xi[i], critical)) {
             lac_line_add(&line, log(1.0 - load[i] / critical), log(xi[i]));

@@ -3,9 +3,6 @@
 #include "rg/tree.h"
 
 #include <gsl/gsl_statistics_double.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/rng.h"
 
@@ -140,8 +137,7 @@ static lac_status take_samples(const lac_rg_study *study, const lac_rg_joint *jo
 #pragma omp parallel for schedule(dynamic)
     for (int i = 0; i < places; i++) {
         lac_error own = {""};
-        size_t dx;
-        size_t dy;
+        size_t dx, dy;
         draw_place(study, &joint->domain->grid, (size_t)i, &dx, &dy);
         lac_status status = lac_rg_sample_take(joint, &study->def, dx, dy, study->load,
                                                i == 0 ? order : NULL, &samples[i], &own);
@@ -163,8 +159,7 @@ static lac_status solve_samples(const lac_rg_study *study, const lac_rg_joint *j
                                 lac_rg_sample *samples, lac_error *err)
 {
     for (size_t i = 0; joint->press != NULL && i < study->def.places; i++) {
-        size_t dx;
-        size_t dy;
+        size_t dx, dy;
         draw_place(study, &joint->domain->grid, i, &dx, &dy);
         LAC_TRY_RETURN(lac_rg_sample_solve(joint, &study->def, dx, dy, &samples[i], err));
     }
@@ -337,8 +332,7 @@ static lac_status fit_map(const lac_rg_study *study, lac_rg_result *r, lac_error
     size_t *first = malloc((samples + 1) * sizeof *first);
     lac_status status = s != NULL && first != NULL ? LAC_OK : lac_fail_memory(err);
     if (status == LAC_OK) {
-        size_t groups = 0;
-        size_t n = 0;
+        size_t groups = 0, n = 0;
         for (size_t k = 0; k < samples; k++) {
             size_t place = k % study->def.places;
             if (place == 0 || study->joints == 1) {

@@ -2,9 +2,6 @@
 // The blocks over the cells as the cascade keeps them: levels that merge nothing share a layer.
 #include "rg/tree.h"
 
-#include <math.h>
-#include <stdlib.h>
-
 enum { SUMS = 6 }; // arrays of doubles a layer
 
 size_t lac_rg_levels(const lac_rg_tree *tree) { return tree->levels; }

@@ -2,8 +2,6 @@
 // Whether a run still gets on: by the number of its steps, and by the time that they add up to.
 #include "run/run_state.h"
 
-#include <math.h>
-
 static lac_status too_many_steps(const lac_run_state *r, lac_error *err)
 {
     return lac_fail(

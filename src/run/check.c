@@ -1,12 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What is common to runs: settings where none are given, words, sinks that stand before another
 // one; and refusals: settings, starts and rates that cannot be, slip that cannot be followed.
-#include <math.h>
-#include <stdlib.h>
-
-#include "lacuna/simulation.h"
 #include "run/engine.h"
-#include "run/run.h"
 
 lac_status lac_check_slipping(const lac_problem *problem, const double *y, double t, double *work,
                               lac_error *err)
@@ -159,8 +154,7 @@ lac_status lac_check_start(const lac_problem *problem, const lac_run_def *def,
                            const lac_failure *failure, const lac_start_state *at, double *work,
                            lac_error *err)
 {
-    double mean;
-    double max;
+    double mean, max;
     lac_problem_speed(problem, at->t, at->y, &mean, &max, work);
     LAC_TRY_RETURN(lac_check_rates(problem, max, at->t, work, err));
     LAC_FAIL_IF(lac_problem_past_failure(problem, failure, at->t, at->y, work) >= 0.0, err,

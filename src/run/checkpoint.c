@@ -1,11 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a run goes on from. The integrator has begun anew from y and slip alone when it is saved, so
 // that nothing of its past counts; docs/theory/restart.md.
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "base/archive.h"
 #include "run/run_state.h"
 
 bool lac_run_state_plans(const lac_run_def *def)

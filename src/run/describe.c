@@ -3,9 +3,6 @@
 // are of, and how it ended. A variable more is a row more.
 #include "run/describe.h"
 
-#include <math.h>
-#include <stdio.h>
-
 #include "base/date.h"
 #include "data/describe.h"
 

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a run of slip in two directions puts out besides: components along x and y of what elsewhere
 // are sizes, of the mean, of cells and at points.
-#include <math.h>
-#include <stdio.h>
-
 #include "data/describe.h"
 #include "run/describe.h"
 

@@ -2,11 +2,6 @@
 // What all integrators share, and the turn to explicit steps where breaks are near each other.
 #include "run/engine.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/statistics.h"
 
 static lac_status create(const lac_engine_kind *kind, const lac_problem *problem,

@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Fidelity `events`: every cell at steps of its own. A step of this engine is a sweep of some
 // updates for every cell, or up to a limit of the run; docs/theory/fidelity-events.md.
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "async/async.h"
 #include "run/engine.h"
 
@@ -209,8 +205,7 @@ static lac_async_limits limits_of(lac_engine *engine, double stop)
 static bool too_early(lac_engine *engine, const lac_async_limits *limits)
 {
     cells *c = engine->inner;
-    double mean;
-    double max;
+    double mean, max;
     double t = lac_engine_clock(engine, engine->t);
     bool failed = lac_problem_past_failure(engine->problem, &engine->failure, t, engine->y,
                                            engine->work) >= 0.0;

@@ -1,11 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // CVODE as the engine of BDF and Adams; slip is a quadrature where it is no unknown.
 #include <cvodes/cvodes.h>
-#include <float.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
 
 #include "run/engine.h"

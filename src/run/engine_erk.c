@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // ERKStep as an engine: explicit steps for a whole run, or for short stretches of another engine.
 #include <arkode/arkode_erkstep.h>
-#include <float.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "run/engine.h"
 

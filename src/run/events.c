@@ -3,17 +3,12 @@
 // that a jump of the loads comes to; and how near its own the factor of safety comes.
 #include "run/run_state.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 // How far a state is past a limit: < 0 before it. Rates on a logarithmic scale, where they are
 // smooth.
 static double past(const lac_engine *engine, const lac_run_def *def, lac_crossing_kind kind,
                    double t, const double *y, const double *slip)
 {
-    double mean;
-    double max;
+    double mean, max;
     if (kind == LAC_CROSSING_SLIP) {
         return lac_engine_mean_slip(engine, slip) - def->stop_slip;
     }
@@ -53,8 +48,7 @@ static bool look(probe *p, double t, double *value)
 // `high` ends at the crossing or the number after it.
 static bool locate(probe *p, double low, double *high)
 {
-    double at_low;
-    double at_high;
+    double at_low, at_high;
     if (!look(p, low, &at_low) || !look(p, *high, &at_high)) {
         return false;
     }
@@ -113,8 +107,7 @@ static bool crossed(const lac_engine *engine, const lac_run_def *def, lac_crossi
 static lac_status take_back(lac_engine *engine, const lac_run_def *def, lac_crossing_kind kind,
                             lac_error *err)
 {
-    size_t n = engine->n;
-    size_t unknowns = engine->unknowns;
+    size_t n = engine->n, unknowns = engine->unknowns;
     double *found = malloc((unknowns + n) * sizeof *found);
     LAC_FAIL_MEMORY_IF(found == NULL, err);
     double t = engine->t;

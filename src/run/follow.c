@@ -5,10 +5,6 @@
 #include "run/sensitivity_state.h"
 
 #include <cvodes/cvodes.h>
-#include <math.h>
-#include <stdlib.h>
-
-#include "run/engine.h"
 
 static int rates(sunrealtype t, N_Vector y, N_Vector ydot, void *user)
 {

@@ -2,9 +2,6 @@
 // What the sensitivities of a followed problem need of it. Every derivative is a central difference
 // of the problem's own functions: along a direction s by a step that moves no unknown by more than
 // a few millionths of an e-fold, and by a parameter between the two problems made for it.
-#include <math.h>
-#include <string.h>
-
 #include "base/statistics.h"
 #include "run/sensitivity_state.h"
 

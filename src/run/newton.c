@@ -4,7 +4,6 @@
 #include "run/engine.h"
 
 #include <cvodes/cvodes.h>
-#include <stdlib.h>
 
 // As much of what the iteration may leave as CVODE lets a linear solver leave: a residual below it
 // needs no solve.

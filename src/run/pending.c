@@ -2,8 +2,6 @@
 // Sums of vectors that wait, so that many are made in one pass over memory, to the same bits.
 #include "run/pending.h"
 
-#include <stdlib.h>
-
 #include "base/clones.h"
 #include "base/parallel_for.h"
 #include "base/statistics.h"

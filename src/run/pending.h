@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include <stdbool.h>
-#include <stddef.h>
+#include "base/base.h"
 
 // Linear combinations of arrays of one length that wait, to be made together in one pass over
 // memory: block by block, each block through all of them in their order while it is in the cache.

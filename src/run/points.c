@@ -2,12 +2,6 @@
 // Places at which a run is watched: which contact cells tell of them.
 #include "run/points.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "base/fail.h"
-
 // From one place to another along an axis, the short way round where the interface repeats.
 static double apart(double from, double to, double length, bool periodic)
 {

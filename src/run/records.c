@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a run hands to its sink of a state: a record of the time series, a snapshot of the cells.
-#include <math.h>
-#include <string.h>
-
-#include "run/engine.h"
 #include "run/run_state.h"
 
 // Whether a time is later than the last one put out, which it then becomes.
@@ -51,7 +47,6 @@ static void watch_along(lac_run_state *r, const double *slip, lac_record *line)
     }
 }
 
-// What is told of the points at a record, whose cells are known.
 static void watch_points(lac_run_state *r, double now, const double *slip, lac_record *line)
 {
     const size_t values = LAC_POINT_VALUES + LAC_POINT_ALONG;

@@ -2,11 +2,6 @@
 // The course of a run: steps, outputs, breaks of the loads, checkpoints, and why it ends.
 #include "run/run.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "run/engine.h"
 #include "run/run_state.h"
 
 typedef lac_run_state run;
@@ -16,7 +11,6 @@ static bool interrupted(const run *r)
     return r->def->interrupted != NULL && r->def->interrupted(r->def->context);
 }
 
-// Mean and largest slip rate at the time reached.
 static void measure_speed(run *r)
 {
     lac_engine *engine = r->engine;
@@ -116,7 +110,6 @@ static lac_status check_rates(run *r, lac_error *err)
     return status;
 }
 
-// A first step that suits the problem.
 static double own_step(lac_engine *engine)
 {
     return lac_problem_first_step(engine->problem, lac_engine_clock(engine, engine->t), engine->y,
@@ -147,7 +140,6 @@ static lac_status cross_break(run *r, lac_error *err)
     return LAC_OK;
 }
 
-// Whether and why the run ends with the step just made.
 static lac_status look_for_end(run *r, lac_error *err)
 {
     lac_engine *engine = r->engine;

@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include <math.h>
-
-#include "lacuna/simulation.h"
 #include "run/engine.h"
-#include "run/run.h"
 
 static inline lac_run_clock lac_clock_start(lac_cadence every, double mean_rate)
 {

@@ -2,9 +2,6 @@
 // Vectors for SUNDIALS: fast kernels that sum in a fixed order, no crash where memory is short.
 #include "run/vector.h"
 
-#include <math.h>
-#include <stdlib.h>
-
 #include "base/clones.h"
 #include "run/pending.h"
 
@@ -165,8 +162,7 @@ enum { LANES = 8 };
 
 LAC_CLONES static sunrealtype lac_vector_dot(N_Vector xv, N_Vector yv)
 {
-    const double *x = lac_vector_data(xv);
-    const double *y = lac_vector_data(yv);
+    const double *x = lac_vector_data(xv), *y = lac_vector_data(yv);
     size_t n = length(xv);
     size_t whole = n - n % LANES;
     double s[LANES] = {0};

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include <stdbool.h>
-
+#include "base/base.h"
 #include "run/compat.h"
 
 // A vector with kernels of our own: Debian builds SUNDIALS without optimisation. Clones inherit

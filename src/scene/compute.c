@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A case to the dataset of its contact or of its cascade, in one call.
-#include <stdlib.h>
-
 #include "base/ask.h"
-#include "data/dataset.h"
 #include "lacuna/contact.h"
 #include "lacuna/rg.h"
 #include "scene/scene_rg.h"
@@ -28,7 +25,6 @@ static void computed_free(void *result)
     }
 }
 
-// Room for what is computed of a case that serves a purpose.
 static lac_status begin(const lac_case *c, lac_case_purpose purpose, computed **out, lac_error *err)
 {
     LAC_TRY_RETURN(lac_case_serves(c, purpose, err));

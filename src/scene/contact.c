@@ -2,13 +2,9 @@
 // The contact of a case, pressed from its surface or stated without one, and its fractal measures,
 // for which coarser grids are solved under the same load.
 #include <gsl/gsl_statistics_double.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/statistics.h"
 #include "scene/internal.h"
-#include "surface/surface.h"
 
 lac_contact_def lac_scene_contact_def(const lac_scene_contact *contact)
 {
@@ -181,7 +177,6 @@ static lac_status measure_scaling(const lac_scaling_def *how, lac_scene_contact 
     return status;
 }
 
-// Strength of specimens beside that of this interface.
 static lac_status measure_sizes(const lac_scene_measure_def *def, lac_scene_contact *contact,
                                 lac_error *err)
 {

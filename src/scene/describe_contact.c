@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the contact of a joint came to, as tables: maps, measures of surface and contact, and how it
 // was solved.
-#include <math.h>
-#include <stdio.h>
-
 #include "base/statistics.h"
 #include "base/vsum.h"
 #include "data/describe.h"
@@ -165,7 +162,6 @@ static lac_status add_history(lac_dataset *d, const lac_contact_outcome *o, lac_
     return status;
 }
 
-// A face's file, in words.
 static const char *face_text(const lac_file_report *file, char room[LAC_TEXT_ROOM])
 {
     char apart[64] = "";

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The fractal measures of a contact, as tables: boxes, clusters, resolutions and specimens, and
 // what was fitted to them.
-#include <math.h>
-#include <stdio.h>
-
 #include "data/describe.h"
 #include "scene/internal.h"
 

@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The contact cells of a case that presses no surface: all, a random cascade, or those of a file.
-#include <math.h>
-#include <stdlib.h>
-
 #include "base/statistics.h"
 #include "scene/internal.h"
 #include "store/store_cells.h"
-#include "surface/surface.h"
 
 // How far what the pressures of a file carry may be from the load that the case states.
 static const double same_load = 1e-6;
@@ -56,7 +52,6 @@ out:
     return status;
 }
 
-// Gives the cells the pressures that they are to have.
 static lac_status load_cells(const lac_domain_file *file, double mean, lac_domain *domain,
                              lac_error *err)
 {

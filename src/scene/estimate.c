@@ -4,13 +4,7 @@
 // faster, what the loads come to at the start and what counts as failure.
 #include "scene/estimate.h"
 
-#include <math.h>
-#include <stdlib.h>
-
-#include "friction/friction.h"
 #include "scene/internal.h"
-#include "surface/surface.h"
-#include "transfer/transfer.h"
 
 // Of the program with its libraries: memory and time. Of a contact cell: memory while it is
 // integrated, time of a step.
@@ -79,9 +73,9 @@ static double mean_square_slope(const lac_grid *grid, const double *h, bool alon
 // @param slope  h', rms
 static double contact_fraction(const lac_case *c, double pressure, double slope)
 {
-    const double kappa = 2.2, pi = 3.141592653589793;
+    const double kappa = 2.2;
     double e_star = c->material.shear_modulus / (1 - c->material.poisson);
-    return slope > 0 ? erf(0.5 * sqrt(pi) * kappa * pressure / (e_star * slope)) : 1;
+    return slope > 0 ? erf(0.5 * sqrt(M_PI) * kappa * pressure / (e_star * slope)) : 1;
 }
 
 static lac_status estimate_surface(const lac_case *c, lac_estimate *e, lac_error *err)
@@ -300,7 +294,6 @@ static void judge_stability(const lac_case *c, lac_estimate *e)
     e->stable = !several || !(e->stiffness_ratio < safe);
 }
 
-// No cell weakens as it slips faster.
 static bool strengthens(const lac_case *c)
 {
     static const char *const weakening[] = {"a", "b", NULL};

@@ -1,10 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The static history of a case: what each step asks for, the contact at its pressure, its shear.
-#include <math.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "scene/internal.h"
 
 // What a step came to, as far as a cycle goes.
@@ -140,8 +135,7 @@ static void find_cycle(const history *h, size_t now, lac_history_record *record)
     record->cycle_dissipation = NAN;
     record->cycle_shift = NAN;
     if (start != SIZE_MAX) {
-        const history_state *a = &h->state[start];
-        const history_state *b = &h->state[now];
+        const history_state *a = &h->state[start], *b = &h->state[now];
         record->cycle_dissipation = b->dissipated - a->dissipated;
         record->cycle_shift = hypot(b->shift[0] - a->shift[0], b->shift[1] - a->shift[1]);
     }
@@ -235,8 +229,7 @@ static lac_status solve_step(history *h, double mean, const lac_tangential_targe
 static lac_status follow_entry(history *h, size_t entry, lac_error *err)
 {
     const lac_history_step *step = &h->source->history.step[entry];
-    lac_tangential_target end;
-    lac_tangential_target begin;
+    lac_tangential_target end, begin;
     const double start = h->mean;
     const double pressure = find_end(h, step, &end);
     begin = end;

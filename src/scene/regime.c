@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // In which regime a scene moves, in words for who set it up: whether its cells go as one, and with
 // that what roughness, size, load and water can and cannot do in it.
-#include <math.h>
 #include <stdarg.h>
-#include <stdio.h>
-#include <string.h>
 
 #include "friction/friction.h"
 #include "friction/weakening.h"

@@ -1,11 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The cascade of a case: interface by interface, the contact under falling load, then the blocks;
 // or on cells that are known with their tractions: those of a snapshot.
-#include <math.h>
-#include <stddef.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/statistics.h"
 #include "scene/internal.h"
 #include "scene/scene_rg.h"
@@ -173,7 +168,6 @@ static void note(const lac_scene_contact *contact, int64_t seed, size_t i, lac_s
     out->mean.dyadic += one->dyadic / n;
 }
 
-// A study for each beta of the case.
 static lac_status begin(const lac_case *c, lac_scene_rg *out, lac_error *err)
 {
     lac_rg_study_def def = lac_rg_study_default();
@@ -259,7 +253,6 @@ static void *own_source(const lac_case *c, lac_case *own)
     return room;
 }
 
-// Means over the joints, and the results of all studies.
 static lac_status finish(const lac_case *c, lac_scene_rg *out, lac_error *err)
 {
     out->beta[0] /= c->rg.betas == 0 ? (double)out->seeds : 1.0;
@@ -357,8 +350,7 @@ static void look(const joint *j, const double *shear, double share, lac_scene_rg
     const lac_domain *domain = j->contact.domain;
     const lac_grid *grid = &domain->grid;
     size_t weakest = 0;
-    double nominal = 0.0;
-    double carried = 0.0;
+    double nominal = 0.0, carried = 0.0;
     for (size_t i = 0; i < domain->n; i++) {
         double gap = j->strength[i] - shear[i];
         weakest = gap < j->strength[weakest] - shear[weakest] ? i : weakest;

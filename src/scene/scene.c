@@ -2,23 +2,17 @@
 // A case made into what a run needs: contact, friction of every cell, loads, start, problem.
 #include "scene/scene.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "scene/internal.h"
 
 double lac_damping_of(const lac_material_def *material)
 {
-    double g = material->shear_modulus;
-    double cs = material->shear_speed;
+    double g = material->shear_modulus, cs = material->shear_speed;
     if (isnan(cs) && !isnan(material->density)) {
         cs = sqrt(g / material->density);
     }
     return isnan(g) || isnan(cs) ? 0.0 : 0.5 * g / cs;
 }
 
-// Gives the cells their own values of one parameter of the law.
 static lac_status spread_friction(const lac_case *c, const lac_heterogeneity_place *place,
                                   const lac_param *param, lac_friction *friction, double *values,
                                   lac_error *err)
@@ -165,7 +159,6 @@ static lac_status make_motion(lac_scene *scene, lac_error *err)
     return status == LAC_OK ? make_problem(scene, &place, err) : status;
 }
 
-// How the loads that go through the rock reach the cells.
 static lac_status share_loads(const lac_case *c, const lac_transfer_scene *from,
                               lac_load_set *loads, lac_error *err)
 {

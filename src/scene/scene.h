@@ -2,8 +2,6 @@
 #pragma once
 
 #include "case/case.h"
-#include "contact/tangential.h"
-#include "fractal/fractal.h"
 #include "store/store.h"
 
 enum { LAC_SCENE_SIZES = 32 };

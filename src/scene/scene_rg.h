@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include "lacuna/dataset.h"
-#include "rg/rg_study.h"
 #include "scene/scene.h"
 #include "store/store_cells.h"
 

@@ -1,10 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Parameters that differ from cell to cell: drawn at random, read from a map, or set by size.
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "base/archive.h"
 #include "scene/internal.h"
 #include "store/store_cells.h"
 

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Readings that are none of the slope's motion: outliers are dropped, resets of the sensor taken
 // out, each by what came before it and the reading after it.
-#include <math.h>
-#include <stdlib.h>
-
 #include "base/statistics.h"
 #include "series/motion.h"
 

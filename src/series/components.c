@@ -2,12 +2,6 @@
 // A displacement in two or three components as one number: along a line of sight, or along the main
 // direction of the motion. Its length would be that too, but the length of noise is never below 0:
 // small displacements would seem larger by it, and their growth smaller.
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "base/fail.h"
-#include "series/series.h"
 #include "series/text.h"
 
 enum { AXES = LAC_SERIES_AXES, FEW = 4, DOUBLED = 30 };

@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The header of a monitoring file: which line it is, which columns it names, in which units.
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/units.h"
 #include "series/parser.h"
 

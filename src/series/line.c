@@ -3,13 +3,8 @@
 // file.
 #include "series/line.h"
 
-#include <math.h>
 #include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
-#include "base/fail.h"
 #include "base/units.h"
 #include "series/text.h"
 

@@ -1,11 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The lines of a text file as UTF-8, whatever system wrote them; what is no text is told apart.
-#include <errno.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "base/fail.h"
+#include "base/hidden.h"
 #include "series/text.h"
 
 enum { LINE_MAX_BYTES = 1 << 24, LONGEST_CHARACTER = 3 };
@@ -70,8 +65,9 @@ static void strip_mark(lac_lines *lines)
 bool lac_text_is_utf8(const char *text)
 {
     const unsigned char *at = (const unsigned char *)text;
+    uint32_t code;
     while (*at != '\0') {
-        const size_t length = lac_text_character(at);
+        const size_t length = lac_utf8_length(at, &code);
         if (length == 0) {
             return false;
         }

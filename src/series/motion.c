@@ -1,16 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Readings made ready for forecasts: cleaned, turned so that they rise, and differentiated, all
 // with the past alone: whoever passes readings up to the present gets what could be known then.
-#include <float.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "base/fail.h"
-#include "base/least_squares.h"
+#include "series/motion.h"
 #include "base/noise.h"
 #include "base/statistics.h"
-#include "series/motion.h"
 
 // In noises, unless said.
 static const double gap = 5.0; // median intervals
@@ -148,9 +141,7 @@ static void average(size_t points, bool secants, lac_motion *m)
         return;
     }
     for (size_t i = 0; i + before < m->velocities; i++) {
-        double time = 0.0;
-        double sum = 0.0;
-        double squares = 0.0;
+        double time = 0.0, sum = 0.0, squares = 0.0;
         for (size_t j = 0; j < points; j++) {
             time += m->velocity_time[i + j] - m->velocity_time[i];
             sum += m->velocity[i + j];
@@ -167,13 +158,9 @@ static void average(size_t points, bool secants, lac_motion *m)
 // Slope of the readings first ... last at the mean of their times.
 static void add_slope(lac_motion *m, size_t first, size_t last)
 {
-    const double *t = m->time + first;
-    const double *d = m->displacement + first;
+    const double *t = m->time + first, *d = m->displacement + first;
     const size_t n = last - first + 1;
-    double mean = 0.0;
-    double tt = 0.0;
-    double td = 0.0;
-    double squares = 0.0;
+    double mean = 0.0, tt = 0.0, td = 0.0, squares = 0.0;
     for (size_t i = 0; i < n; i++) {
         mean += (t[i] - t[0]) / (double)n;
     }
@@ -291,7 +278,6 @@ static lac_status check(const lac_motion_def *def, const lac_readings *readings,
     return LAC_OK;
 }
 
-// The readings that have a displacement.
 static void keep_displacements(const lac_readings *r, lac_motion *m)
 {
     double most = 0.0;
@@ -310,8 +296,7 @@ static void keep_displacements(const lac_readings *r, lac_motion *m)
 // Where there are velocities only: their integral, by trapezoids.
 static void integrate(const lac_readings *r, lac_motion *m)
 {
-    double sum = 0.0;
-    double before = 0.0;
+    double sum = 0.0, before = 0.0;
     m->integrated = true;
     for (size_t i = 0; i < r->n; i++) {
         if (isnan(r->velocity[i])) {

@@ -6,7 +6,6 @@
 
 #include <locale.h>
 
-#include "base/fail.h"
 #include "series/text.h"
 
 enum {

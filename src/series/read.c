@@ -1,10 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A monitoring file: comments, a header, rows; then sorted, with repeated times taken once.
-#include <limits.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/date.h"
 #include "base/units.h"
 #include "series/parser.h"
@@ -415,7 +410,6 @@ static void note_doubts(const lac_parser *p, lac_series *s)
     }
 }
 
-// What is not a column of numbers.
 static void describe(const lac_parser *p, lac_series *s)
 {
     s->dated = p->dated;

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A quantity over a plane and maybe over time, from netCDF: its values, and where and when they
 // stand.
-#include <math.h>
 #include <netcdf.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/netcdf.h"
 #include "base/units.h"
@@ -32,8 +29,7 @@ static lac_status read_numbers(const source *file, int var, const char *name, co
                                size_t length, double *x, lac_error *err)
 {
     char unit[LONGEST_UNIT];
-    double scale = 1.0;
-    double offset = 0.0;
+    double scale = 1.0, offset = 0.0;
     LAC_TRY_RETURN(unit_of(file, var, name, si, unit, err));
     lac_status status = lac_units_convert(file->units, unit, si, &scale, &offset, err);
     LAC_TRY_RETURN(lac_fail_within(err, status, "%s: %s: unit \"%s\"", file->path, name, unit));
@@ -87,8 +83,7 @@ static lac_status read_times(const source *file, int dim, lac_field *out, lac_er
 {
     char name[NC_MAX_NAME + 1] = "";
     char unit[LONGEST_UNIT];
-    double scale = 1.0;
-    double offset = 0.0;
+    double scale = 1.0, offset = 0.0;
     int var = -1;
     LAC_TRY_RETURN(find_axis(file, dim, "time", &out->nt, &out->t, name, &var, err));
     LAC_TRY_RETURN(unit_of(file, var, name, "s, or days since 2015-06-07", unit, err));

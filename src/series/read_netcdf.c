@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A monitoring series in netCDF: variables of one dimension that they share.
-#include <float.h>
-#include <math.h>
 #include <netcdf.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/netcdf.h"
 #include "base/units.h"
@@ -90,8 +86,7 @@ static lac_status read_time(const series_file *file, int var, const char *name,
                             const struct lac_units *units, lac_series *s, lac_error *err)
 {
     char unit[LONGEST_UNIT];
-    double scale = 1.0;
-    double offset = 0.0;
+    double scale = 1.0, offset = 0.0;
     (void)lac_netcdf_text(file->id, var, "units", unit, sizeof unit);
     if (unit[0] == '\0') {
         LAC_TRY_RETURN(ask(file, name, "s", units, s, err));
@@ -128,8 +123,7 @@ static lac_status read_column(series_file *file, const column *c, const struct l
 {
     char unit[LONGEST_UNIT];
     int var = -1;
-    double scale = 1.0;
-    double offset = 0.0;
+    double scale = 1.0, offset = 0.0;
     LAC_TRY_RETURN(find_column(file, c->name, &var, err));
     (void)lac_netcdf_text(file->id, var, "units", unit, sizeof unit);
     const char *from = unit[0] != '\0' ? unit : c->unit;

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The last of some readings, as if nothing had been read before: also how fine their numbers are is
 // told from them alone.
-#include <math.h>
-
-#include "base/fail.h"
 #include "series/motion.h"
 #include "series/text.h"
 

@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Monitoring files, text or netCDF as their first bytes say; how fine their numbers are, and how
 // far a modelled motion is from them.
-#include <errno.h>
-#include <float.h>
 #include <gsl/gsl_interp.h>
 #include <gsl/gsl_sort.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/ask.h"
 #include "base/statistics.h"
@@ -29,8 +24,7 @@ static const double coarser = 1.5;
 // The gaps between the distinct values, in their order, and how many values come again.
 static size_t find_gaps(size_t n, const double *x, double error, double *gap, size_t *again)
 {
-    size_t count = 0;
-    size_t gaps = 0;
+    size_t count = 0, gaps = 0;
     *again = 0;
     for (size_t i = 0; i < n; i++) {
         if (!isnan(x[i])) {
@@ -61,8 +55,7 @@ static double may_be_off(double gap, double step, double error)
 static double divide(size_t n, const double *gap, double error, size_t again)
 {
     double step = n > 0 ? gap[0] : 0.0;
-    double way = 0.0;
-    double steps = 0.0;
+    double way = 0.0, steps = 0.0;
     size_t told = 0;
     for (size_t i = 0; i < n && step > 2.0 * clear * error; i++) {
         const double left = fabs(remainder(gap[i], step));
@@ -262,8 +255,7 @@ void lac_series_compare(const lac_series *series, const lac_history *history, la
     double squares = 0.0;
     *misfit = (lac_misfit){0};
     for (size_t i = 0; i < series->n; i++) {
-        double slip = 0.0;
-        double rate = 0.0;
+        double slip = 0.0, rate = 0.0;
         double d = series->displacement != NULL ? series->displacement[i] : NAN;
         double v = series->velocity != NULL ? series->velocity[i] : NAN;
         if (isnan(d) && isnan(v)) {

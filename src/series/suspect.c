@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Numbers of a monitoring file that may be something else than they were read as are asked about.
-#include <math.h>
-#include <string.h>
 #include <strings.h>
 
 #include "base/units.h"

@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Fields and numbers of text files, in the forms that loggers and spreadsheets write.
-#include <math.h>
 #include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <strings.h>
 
-#include "base/fail.h"
+#include "base/hidden.h"
 #include "base/units.h"
 #include "series/text.h"
 
@@ -173,8 +169,7 @@ static size_t take_group_mark(const char *at, const char **mark)
 bool lac_text_thousands(const char *field, char *plain, size_t size)
 {
     const char *at = field, *mark = NULL, *other = NULL;
-    size_t used = 0, groups = 0;
-    size_t digits = 0, length = 0;
+    size_t used = 0, groups = 0, digits = 0, length = 0;
     used += *at == '-' || *at == '+' ? 1 : 0;
     memcpy(plain, at, used);
     at += used;
@@ -203,27 +198,12 @@ bool lac_text_thousands(const char *field, char *plain, size_t size)
     return true;
 }
 
-size_t lac_text_character(const unsigned char *text)
-{
-    size_t length = *text < 0x80   ? 1
-                    : *text < 0xc2 ? 0
-                    : *text < 0xe0 ? 2
-                    : *text < 0xf0 ? 3
-                    : *text < 0xf5 ? 4
-                                   : 0;
-    for (size_t i = 1; i < length; i++) {
-        if ((text[i] & 0xc0) != 0x80) {
-            return 0;
-        }
-    }
-    return length;
-}
-
 const char *lac_text_show(const char *field, char *shown, size_t size)
 {
     size_t used = 0;
+    uint32_t code;
     while (*field != '\0' && used + 8 < size) {
-        size_t length = lac_text_character((const unsigned char *)field);
+        size_t length = lac_utf8_length((const unsigned char *)field, &code);
         if (length == 0 || (unsigned char)*field < ' ') {
             shown[used++] = '?';
             field++;
@@ -241,8 +221,7 @@ const char *lac_text_show(const char *field, char *shown, size_t size)
 
 static int compare(const void *left, const void *right)
 {
-    const lac_row *a = left;
-    const lac_row *b = right;
+    const lac_row *a = left, *b = right;
     if (a->time != b->time) {
         return a->time < b->time ? -1 : 1;
     }
@@ -279,8 +258,7 @@ static bool merge(lac_row *first, const lac_row *later)
 
 size_t lac_rows_merge(size_t *n, lac_row *rows, size_t *conflicts)
 {
-    size_t kept = 0;
-    size_t line = 0;
+    size_t kept = 0, line = 0;
     *conflicts = 0;
     for (size_t i = 1; i < *n; i++) {
         if (rows[i].time != rows[kept].time) {

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include <stdio.h>
-
+#include "base/base.h"
 #include "series/series.h"
 
 /// Reads as lac_series_read from a stream (the fuzzer's way in); def->path names it in messages.
@@ -156,9 +155,6 @@ int lac_text_digit(const char *field, char mark);
 /// Whether a field is a number with marks between its thousands: "1,234.5", "1 234,5".
 /// @param plain  [size] the number without them
 bool lac_text_thousands(const char *field, char *plain, size_t size);
-
-/// Bytes of the UTF-8 character that begins a text; 0 where there is none.
-size_t lac_text_character(const unsigned char *text);
 
 /// A field fit for a message: cut, and without control characters.
 const char *lac_text_show(const char *field, char *shown, size_t size);

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Times as files write them, dates by a pattern or numbers since a date, made into seconds.
 #include <ctype.h>
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
 #include <strings.h>
 
 #include "base/date.h"
@@ -112,7 +109,6 @@ lac_status lac_time_format_read(const char *text, const struct lac_units *units,
     return LAC_OK;
 }
 
-// One to `most` digits.
 static bool take_digits(const char **at, int most, int *value)
 {
     int n = 0;

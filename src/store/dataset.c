@@ -2,15 +2,9 @@
 // A dataset as a netCDF-4 file, in one go or place by place; its variables as arrays in memory that
 // grow by places, of which a run that is kept in memory is made too.
 #include <assert.h>
-#include <errno.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/ask.h"
 #include "base/date.h"
-#include "data/dataset.h"
 #include "store/writer.h"
 
 void lac_columns_clear(lac_columns *columns)
@@ -219,7 +213,6 @@ static lac_status put_strings(const lac_writer *w, const lac_column *c, lac_erro
     return status;
 }
 
-// Texts over dimensions as rows of characters.
 static lac_status put_characters(const lac_writer *w, const lac_column *c, lac_error *err)
 {
     const size_t length = lac_item_longest_text(&c->item);

@@ -2,10 +2,6 @@
 // How a variable of a dataset is laid out in a netCDF-4 file: type, chunks, compression, checksums,
 // attributes.
 #include <assert.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "store/writer.h"
 

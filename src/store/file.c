@@ -2,12 +2,7 @@
 // The life of a file: made under a temporary name, filled with values and attributes, published,
 // closed; its errors in words.
 #define _GNU_SOURCE // fallocate
-#include <errno.h>
 #include <fcntl.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -187,8 +182,7 @@ static int take_place(const lac_nc *file)
         return lac_temp_file_publish(file->part, file->path, false);
     }
     // Of several that would take the same place one at a time looks who is there.
-    int held = -1;
-    int failed = -1;
+    int held = -1, failed = -1;
     if (!lac_temp_file_hold(file->path, &held)) {
         errno = EWOULDBLOCK;
         return failed;
@@ -227,8 +221,7 @@ int lac_nc_append(const lac_nc *file, nc_type type, int id, const size_t *start,
                   const size_t *count, const void *values)
 {
     char name[NC_MAX_NAME + 1] = "";
-    int rank = 0;
-    int code = NC_NOERR;
+    int rank = 0, code = NC_NOERR;
     if (file->journal != NULL) {
         code = nc_inq_var(file->id, id, name, NULL, &rank, NULL, NULL);
         code = code == NC_NOERR

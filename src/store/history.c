@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The steps of a history in the file of a solved contact, written one by one.
 #include <assert.h>
-#include <math.h>
-#include <stdlib.h>
 
 #include "data/describe.h"
 #include "store/writer.h"

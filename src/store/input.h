@@ -1,10 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include <stddef.h>
-
 #include "store/nc.h"
-#include "store/store_file.h"
 
 /// A file being read, or a run in memory.
 struct lac_stored_file {

@@ -3,11 +3,7 @@
 // that was put since, each with a checksum. Nothing in it is written over, so that whatever call a
 // kill or a full disk comes at, all before it stands. `docs/format.md`, "The journal".
 #define _GNU_SOURCE // memmem
-#include <errno.h>
 #include <fcntl.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/file.h>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -185,8 +181,7 @@ static bool is_torn(const view *v, size_t at)
 static int put_entry(int id, const view *v, size_t at, const entry *e)
 {
     char name[NC_MAX_NAME + 1] = "";
-    size_t start[MAX_RANK];
-    size_t count[MAX_RANK];
+    size_t start[MAX_RANK], count[MAX_RANK];
     int var = 0;
     memcpy(name, v->bytes + at + sizeof *e, e->name);
     for (int d = 0; d < MAX_RANK; d++) {

@@ -2,9 +2,6 @@
 // Fields over the cells of an interface, made elsewhere.
 #include "store/store_cells.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <strings.h>
 
 #include "base/netcdf.h"

@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A file that its writer did not close: the journal beside it has all that was synced. It is put
 // into a copy, as who reads a file does not change it.
-#include <errno.h>
 #include <fcntl.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/temp_file.h"
 #include "store/input.h"
-#include "store/store_file.h"
 
 bool lac_nc_is_written(const char *path)
 {

@@ -1,12 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include <limits.h>
 #include <netcdf.h>
 #include <sys/stat.h>
 
-#include "base/archive.h"
-#include "store/store.h"
 #include "store/store_file.h"
 
 /// A netCDF-4 file being made. It is built under a name of its own in the folder of `path` and

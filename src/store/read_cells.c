@@ -2,10 +2,6 @@
 // The contact cells of a file of a run or a contact, with the tractions of one snapshot.
 #include "store/store_cells.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/netcdf.h"
 #include "store/input.h"
 
@@ -104,8 +100,7 @@ static bool place_cells(lac_domain *domain, const double *x, const double *y)
     const lac_grid *grid = &domain->grid;
     uint64_t before = 0;
     for (size_t i = 0; i < domain->n; i++) {
-        double column = floor(x[i] / grid->dx);
-        double row = floor(y[i] / grid->dy);
+        double column = floor(x[i] / grid->dx), row = floor(y[i] / grid->dy);
         if (!(column >= 0.0 && column < (double)grid->nx && row >= 0.0 && row < (double)grid->ny)) {
             return false;
         }
@@ -267,8 +262,7 @@ static lac_status read_axis(const lac_stored_file *in, const char *name, size_t 
 static lac_status choose_step(const lac_stored_file *in, const lac_snapshot_choice *choice,
                               lac_stored_cells *out, lac_error *err)
 {
-    int id = 0;
-    int rank = 0;
+    int id = 0, rank = 0;
     out->kind = LAC_STORED_HISTORY;
     LAC_FAIL_IF(nc_inq_varid(in->id, "traction_x", &id) != NC_NOERR ||
                     nc_inq_varndims(in->id, id, &rank) != NC_NOERR,
@@ -287,8 +281,7 @@ static lac_status check_along_x(const lac_stored_file *in, double **map,
                                 const lac_stored_cells *out, lac_error *err)
 {
     const lac_domain *domain = out->domain;
-    double across = 0.0;
-    double normal = 0.0;
+    double across = 0.0, normal = 0.0;
     lac_status status;
     LAC_TRY(read_map(in, "traction_y", out->index, &domain->grid, map, err));
     for (size_t i = 0; i < domain->n; i++) {

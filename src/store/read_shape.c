@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a file says of itself: dimensions of its variables, texts as values, names of attributes.
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/netcdf.h"
 #include "store/input.h"
 

@@ -2,14 +2,8 @@
 // A run kept in memory. Its variables are those that a file would have, from the same tables.
 #include "store/recording.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "data/describe.h"
 #include "run/describe.h"
-#include "store/store_file.h"
 #include "store/writer.h"
 
 enum { LOADED_SNAPSHOTS = 40 };

@@ -2,8 +2,6 @@
 // A checksum of the file behind its end, where HDF5 does not look. HDF5 1.10 leaves some of its
 // own structure without checksums and loops or frees wild pointers where that is damaged, so a
 // sealed file is checked before HDF5 sees it. HDF5 cuts the seal off when it writes to the file.
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 

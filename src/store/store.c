@@ -3,10 +3,6 @@
 #include "store/internal.h"
 
 #include <assert.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/temp_file.h"
 
@@ -182,7 +178,6 @@ lac_sink lac_store_sink(lac_store *store)
                       .once = put_once};
 }
 
-// Global attributes of how the run ended.
 static lac_status put_ending(const lac_store *s, const lac_run_ending *ending, lac_error *err)
 {
     lac_dataset *dataset = NULL;

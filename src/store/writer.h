@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include "data/dataset.h"
 #include "store/nc.h"
 
 enum { LAC_MOST_GROWING = 3, LAC_ONCE = LAC_MOST_GROWING };

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Surfaces that anyone can make again to the last wave, to compare contact solvers.
-#include <math.h>
-#include <string.h>
-
 #include "base/fft.h"
 #include "base/rows.h"
 #include "surface/surface.h"
@@ -40,8 +37,7 @@ static double phase(uint64_t seed, long kx, long ky)
 static void add(lac_fft *fft, long kx, long ky, double _Complex a)
 {
     long n = (long)fft->nx;
-    size_t row = (size_t)((kx % n + n) % n);
-    size_t column = (size_t)((ky % n + n) % n);
+    size_t row = (size_t)((kx % n + n) % n), column = (size_t)((ky % n + n) % n);
     if (column < fft->nkx) {
         fft->spectrum[row * fft->nkx + column] += a;
     }
@@ -150,10 +146,9 @@ static const lac_param benchmark_params[] = {
 };
 
 const lac_surface_source lac_surface_benchmark = {
-    .info = {.name = "benchmark",
-             .summary = "surfaces that anyone can make again, to compare contact solvers",
-             .reference = "docs/theory/surface.md, eq. 3-5",
-             LAC_ROWS(benchmark_params, lac_benchmark)},
+    .info =
+        LAC_ABOUT("benchmark", "surfaces that anyone can make again, to compare contact solvers",
+                  "docs/theory/surface.md, eq. 3-5", LAC_ROWS(benchmark_params, lac_benchmark)),
     .generate = generate,
     .waves = waves,
 };

@@ -1,10 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Measured heights on the grid of the interface: of one file, or of one a face.
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/rows.h"
 #include "base/units.h"
 #include "surface/fit.h"
@@ -70,8 +65,7 @@ static lac_status convert(const face_def *def, lac_height_map *map, lac_file_rep
 {
     lac_status status;
     lac_units *units = NULL;
-    const char *vertical = NULL;
-    const char *lateral = NULL;
+    const char *vertical = NULL, *lateral = NULL;
     double scale = 1.0;
     bool known = !isnan(map->dx) || !isnan(map->dy);
     LAC_TRY(choose_unit(def, "unit", map->height_unit, def->unit, def->other, &vertical, err));
@@ -275,8 +269,7 @@ static lac_status bridge(const char *path, const lac_grid *grid, double *heights
 // Masked cells come to lie below the deepest by as much as the heights span: they touch last.
 static void sink(const lac_grid *grid, const uint8_t *masked, double *heights)
 {
-    double lowest = INFINITY;
-    double highest = -INFINITY;
+    double lowest = INFINITY, highest = -INFINITY;
     for (size_t i = 0; i < lac_grid_cells(grid); i++) {
         lowest = fmin(lowest, heights[i]);
         highest = fmax(highest, heights[i]);
@@ -377,10 +370,8 @@ static const lac_param file_params[] = {
 };
 
 const lac_surface_source lac_surface_from_file = {
-    .info = {.name = "file",
-             .summary = "measured heights, read from a file, or from two, one a face",
-             .reference = "docs/surfaces-from-files.md",
-             LAC_ROWS(file_params, lac_surface_file),
-             .validate = fault},
+    .info = LAC_ABOUT("file", "measured heights, read from a file, or from two, one a face",
+                      "docs/surfaces-from-files.md", LAC_ROWS(file_params, lac_surface_file),
+                      .validate = fault),
     .generate = generate,
 };

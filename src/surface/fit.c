@@ -2,10 +2,6 @@
 // Measured heights laid on the cells of a grid: cropped, padded or resampled, the trend taken off.
 #include "surface/fit.h"
 
-#include <math.h>
-#include <stdint.h>
-#include <stdlib.h>
-
 #include "base/statistics.h"
 
 // Spacings that agree to this part are one.

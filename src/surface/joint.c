@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Two rough faces that mate in their long waves: the surface is what is left between them.
-#include <math.h>
-
-#include "base/rows.h"
 #include "surface/surface.h"
 #include "surface/synthesis.h"
 
@@ -82,10 +79,10 @@ static const lac_param joint_params[] = {
 };
 
 const lac_surface_source lac_surface_joint = {
-    .info = {.name = "joint",
-             .summary = "two self-affine faces, mated in their long waves: upper minus lower",
-             .reference = "Brown (1995), J. Geophys. Res. 100:5941, doi 10.1029/94JB02262",
-             LAC_ROWS(joint_params, lac_joint)},
+    .info =
+        LAC_ABOUT("joint", "two self-affine faces, mated in their long waves: upper minus lower",
+                  "Brown (1995), J. Geophys. Res. 100:5941, doi 10.1029/94JB02262",
+                  LAC_ROWS(joint_params, lac_joint)),
     .generate = generate,
     .waves = waves,
 };

@@ -1,10 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How rough a surface is: slopes, JRC, and a Hurst exponent fitted to its spectrum.
-#include "surface/surface.h"
-
-#include <math.h>
-#include <string.h>
-
 #include "base/fft.h"
 #include "base/statistics.h"
 #include "surface/fit.h"

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include <stdint.h>
-
 #include "surface/surface.h"
 
 /// A file in memory: every reader works on bytes at hand, never on what a header promises.

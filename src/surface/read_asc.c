@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // ESRI ASCII grid: keys with one value each, then the rows, the one of the largest y first.
-#include <math.h>
-#include <string.h>
-
 #include "surface/read.h"
 
 // Keys of the header.
@@ -45,8 +42,7 @@ static bool is_asc(const lac_bytes *bytes)
 
 static lac_status take_value(asc *file, int key, lac_error *err)
 {
-    lac_word word;
-    lac_word more;
+    lac_word word, more;
     lac_scan *scan = &file->scan;
     LAC_FAIL_IF(file->line[key] != 0, err, LAC_EINPUT, "%s:%zu: %s stands in line %zu already",
                 scan->path, scan->line, keys[key], file->line[key]);

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Gwyddion Simple Field 1.0: lines `key = value`, NULs to a multiple of four bytes, then 32-bit
 // little-endian floats, the row of the largest y first.
-#include <math.h>
-#include <string.h>
-
 #include "surface/read.h"
 
 static const char magic[] = "Gwyddion Simple Field";

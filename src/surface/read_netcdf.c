@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // netCDF: a variable over (y, x), as GMT writes it, or `heights` over (x, y), as SurfaceTopography.
-#include <math.h>
 #include <netcdf.h>
 #include <netcdf_mem.h>
-#include <stdlib.h>
-#include <string.h>
 #include <strings.h>
 
 #include "base/netcdf.h"
@@ -13,8 +10,7 @@
 typedef struct grid_file {
     const char *path;
     size_t most; ///< heights that the file can hold
-    int id;
-    int var;
+    int id, var;
     int dim[2]; ///< of the variable, slowest first
     size_t length[2];
     bool transposed; ///< slowest is x
@@ -35,8 +31,7 @@ static lac_status check(const grid_file *file, int code, const char *what, lac_e
 static lac_status find_variable(grid_file *file, lac_error *err)
 {
     static const char *const preferred[] = {"heights", "z"};
-    int vars = 0;
-    int found = 0;
+    int vars = 0, found = 0;
     int dims[2];
     for (size_t i = 0; i < 2; i++) {
         if (nc_inq_varid(file->id, preferred[i], &file->var) == NC_NOERR &&

@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // NumPy's .npy, versions 1 to 3: magic, length of the header, a Python dictionary, the array.
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "surface/read.h"
 
 enum { HEADER_MOST = 4096 };
@@ -49,9 +45,7 @@ static const char *value_of(const npy *file, const char *key)
 static lac_status take_type(const lac_bytes *bytes, npy *file, lac_error *err)
 {
     const char *descr = value_of(file, "'descr'");
-    char order = 0;
-    char kind = 0;
-    char width = 0;
+    char order = 0, kind = 0, width = 0;
     if (descr != NULL && strlen(descr) > 5 && descr[0] == '\'' && descr[4] == '\'') {
         order = descr[1];
         kind = descr[2];

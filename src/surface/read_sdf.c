@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // ISO 25178-71 .sdf, versions 1 and 2, and its forerunners BCR and NIST: a header, the heights as
 // numbers of zscale, profile after profile in the order of rising y, a trailer.
-#include <math.h>
-#include <string.h>
-
 #include "surface/read.h"
 
 // Binary headers: 32-bit counts take four bytes more; Olympus writes eight more.

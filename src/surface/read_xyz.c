@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Gridded points `x y z`, one a line, in any order; nodes without a point are masked.
 #include <gsl/gsl_sort.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "surface/read.h"
 
@@ -214,13 +211,11 @@ static lac_status place(const lac_bytes *bytes, const points *p, const axis a[2]
         map->heights[i] = (double)NAN;
     }
     for (size_t i = 0; i < p->n; i++) {
-        size_t ix = 0;
-        size_t iy = 0;
+        size_t ix = 0, iy = 0;
         (void)node_of(&a[0], p->at[i].x[0], &ix);
         (void)node_of(&a[1], p->at[i].x[1], &iy);
         size_t at = iy * map->nx + ix;
-        double old = map->heights[at];
-        double new = p->at[i].x[2];
+        double old = map->heights[at], new = p->at[i].x[2];
         if (taken[at] != 0 && (old == new || (isnan(old) && isnan(new)))) {
             continue; // measured twice, alike
         }

@@ -2,10 +2,6 @@
 // Words and numbers of heights that are text, with decimal points or commas; errors name the line.
 #include "surface/read.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <strings.h>
 
 enum { NUMBER_MAX = 64, SHOWN = 40 };

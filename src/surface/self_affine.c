@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Random self-affine heights from the sum of their waves, skewed where the case asks for it.
-#include <math.h>
-
-#include "base/rows.h"
 #include "surface/surface.h"
 #include "surface/synthesis.h"
 
@@ -130,12 +127,11 @@ static const lac_param self_affine_params[] = {
 };
 
 const lac_surface_source lac_surface_self_affine = {
-    .info = {.name = "self-affine",
-             .summary = "random self-affine heights, periodic, by spectral synthesis",
-             .reference = "Jacobs, Junge & Pastewka (2017), Surf. Topogr. 5:013001, doi "
-                          "10.1088/2051-672X/aa51f8; skewness: Johnson (1949), Biometrika 36:149, "
-                          "doi 10.1093/biomet/36.1-2.149",
-             LAC_ROWS(self_affine_params, lac_self_affine)},
+    .info = LAC_ABOUT("self-affine", "random self-affine heights, periodic, by spectral synthesis",
+                      "Jacobs, Junge & Pastewka (2017), Surf. Topogr. 5:013001, doi "
+                      "10.1088/2051-672X/aa51f8; skewness: Johnson (1949), Biometrika 36:149, "
+                      "doi 10.1093/biomet/36.1-2.149",
+                      LAC_ROWS(self_affine_params, lac_self_affine)),
     .generate = generate,
     .waves = waves,
 };

@@ -2,9 +2,6 @@
 // A surface by whichever source a case names, once its parameters and the grid are checked.
 #include "surface/surface.h"
 
-#include <math.h>
-
-// The value of a numeric parameter that is given.
 static double number(const lac_param *param, const void *params)
 {
     const void *at = (const char *)params + param->offset;

@@ -2,8 +2,6 @@
 // Heights from a spectrum, and what becomes of waves too short for the grid.
 #include "surface/synthesis.h"
 
-#include <math.h>
-
 const char *const lac_sampling_words[] = {"low-pass", "point", "block-mean", NULL};
 
 // Waves of a band that are summed one by one.
@@ -37,8 +35,7 @@ static double density(const lac_band *b, double q)
 // C |q|^moment of mode (kx, ky)
 static double term(const lac_band *b, double kx, double ky, int moment)
 {
-    double qx = kx * b->dqx;
-    double qy = ky * b->dqy;
+    double qx = kx * b->dqx, qy = ky * b->dqy;
     double c = density(b, drawn(b, qx, qy));
     return moment == 0 ? c : c * (qx * qx + qy * qy);
 }
@@ -60,9 +57,7 @@ static double flat_integral(double a, double c, int n)
 static double integral(const lac_band *b, double a, int d, int moment)
 {
     int n = d + moment;
-    double sum = 0.0;
-    double q_r = b->q_rolloff;
-    double end = b->q_shortest;
+    double sum = 0.0, q_r = b->q_rolloff, end = b->q_shortest;
     double flat = fmin(q_r, end);
     if (a < flat) {
         sum += flat_integral(a, flat, n);
@@ -139,7 +134,6 @@ static lac_status check_band(const lac_synthesis *how, const lac_band *b, lac_er
     return LAC_OK;
 }
 
-// The band of a grid of more than one cell.
 static lac_status band_of(const lac_synthesis *how, const lac_grid *grid, lac_band *out,
                           lac_error *err)
 {

@@ -2,10 +2,6 @@
 // The stiffness of each level as the elastic half-space has it, from a few random probes.
 #include "transfer/calibrate.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/rng.h"
 #include "transfer/compliance.h"
 

@@ -2,10 +2,6 @@
 // The slip of half-spaces under tractions on the contact cells, and its inverse by iteration.
 #include "transfer/compliance.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/statistics.h"
 
 enum { MAX_ITERATIONS = 1000 };

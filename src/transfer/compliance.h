@@ -2,7 +2,6 @@
 #pragma once
 
 #include "base/fft.h"
-#include "base/grid.h"
 #include "contact/contact.h"
 
 /// The rock on both sides of an interface.

@@ -1,15 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The rock itself as stress transfer: a filter on full contact, an iteration where there are gaps.
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/rows.h"
 #include "base/statistics.h"
-#include "hierarchy/hierarchy.h"
 #include "transfer/calibrate.h"
 #include "transfer/elastic_solve.h"
-#include "transfer/kinds.h"
 
 enum { IN_PLANE, ANTIPLANE };
 enum { UNLOADED, CREEPING };
@@ -42,7 +36,6 @@ static const char *fault(const void *given)
                 : NULL;
 }
 
-// Whether every cell of the grid touches.
 static bool is_full(const lac_domain *domain) { return domain->n == lac_grid_cells(&domain->grid); }
 
 static void destroy(void *state)
@@ -192,11 +185,11 @@ lac_status lac_transfer_tied(const lac_model *model, const lac_transfer_scene *s
     lac_transfer_elastic p;
     lac_rock rock = {0};
     lac_elastic *e = NULL;
-    lac_status status = lac_params_default(&lac_elastic_kind.info, &p, err);
-    if (status == LAC_OK && model->info == &lac_elastic_kind.info) {
+    lac_status status;
+    lac_params_default(&lac_elastic_kind.info, &p);
+    if (model->info == &lac_elastic_kind.info) {
         p = *(const lac_transfer_elastic *)model->params;
     }
-    LAC_TRY(status);
     p.tolerance = 1e-11;
     LAC_TRY(begin(&p, scene, &rock, &e, err));
     LAC_TRY(tie(e, share, err));
@@ -284,12 +277,10 @@ static void check_place(const void *given, const lac_transfer_place *place,
 }
 
 const lac_transfer_kind lac_elastic_kind = {
-    .info = {.name = "elastic",
-             .summary = "two elastic half-spaces or slabs, gaps slipping freely",
-             .reference = "Johnson (1985) Contact Mechanics, doi 10.1017/CBO9781139171731; "
-                          "docs/theory/transfer.md",
-             LAC_ROWS(params, lac_transfer_elastic),
-             .validate = fault},
+    .info = LAC_ABOUT("elastic", "two elastic half-spaces or slabs, gaps slipping freely",
+                      "Johnson (1985) Contact Mechanics, doi 10.1017/CBO9781139171731; "
+                      "docs/theory/transfer.md",
+                      LAC_ROWS(params, lac_transfer_elastic), .validate = fault),
     .create = create,
     .free = destroy,
     .work = work,

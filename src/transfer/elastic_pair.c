@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The rock under slip in two directions, on full contact that repeats: the tensor of each wave, a
 // filter; its systems by conjugate gradients, with the hierarchy near their inverse.
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/statistics.h"
 #include "base/vsum.h"
 #include "transfer/calibrate.h"
@@ -13,8 +9,7 @@
 lac_status lac_elastic_direct(const lac_transfer_scene *scene, const lac_rock *rock, lac_elastic *e,
                               lac_error *err)
 {
-    lac_rock across = *rock;
-    lac_rock cross = *rock;
+    lac_rock across = *rock, cross = *rock;
     across.across = true;
     cross.cross = true;
     LAC_FAIL_IF(!e->direct || !scene->domain->grid.periodic || rock->antiplane, err, LAC_EINPUT,

@@ -2,10 +2,6 @@
 // The three systems of the elastic transfer; docs/theory/transfer.md, equations 16 to 20.
 #include "transfer/elastic_solve.h"
 
-#include <float.h>
-#include <math.h>
-#include <string.h>
-
 #include "base/statistics.h"
 #include "base/vsum.h"
 

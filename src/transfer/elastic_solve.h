@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include "hierarchy/hierarchy.h"
 #include "transfer/compliance.h"
 #include "transfer/transfer.h"
 

@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Cells tied in blocks of doubling size: each level has a stiffness, given or elastic.
-#include "hierarchy/hierarchy.h"
 #include "base/rows.h"
 
-#include <math.h>
-#include <stdlib.h>
-
 #include "transfer/calibrate.h"
-#include "transfer/kinds.h"
 
 typedef struct hierarchy {
     const lac_hierarchy *h;
@@ -159,11 +154,11 @@ static void check_place(const void *given, const lac_transfer_place *place,
 }
 
 const lac_transfer_kind lac_hierarchy_kind = {
-    .info = {.name = "hierarchy",
-             .summary = "at every scale a block's slip relative to its parent's is resisted",
-             .reference = "docs/theory/transfer.md, eq. 1; blocks as Borri-Brunetto, Carpinteri & "
-                          "Chiaia (2004) Rock Mech. Rock Eng. 37, 117",
-             LAC_ROWS(params, lac_transfer_hierarchy)},
+    .info =
+        LAC_ABOUT("hierarchy", "at every scale a block's slip relative to its parent's is resisted",
+                  "docs/theory/transfer.md, eq. 1; blocks as Borri-Brunetto, Carpinteri & "
+                  "Chiaia (2004) Rock Mech. Rock Eng. 37, 117",
+                  LAC_ROWS(params, lac_transfer_hierarchy)),
     .create = create,
     .free = destroy,
     .work = work,

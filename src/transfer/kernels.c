@@ -2,10 +2,6 @@
 // What slip or traction of a wave, or of a single cell, does to elastic rock, in closed form.
 #include "transfer/compliance.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 // What a slab adds to the stiffness of a half-space under a wave with q = |k| H. Beyond q = 30 the
 // factors are 1 to the last bit, and cosh need not be computed.
 static const double deep = 30;

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Cells that do not feel each other: only the load moves them.
-#include <float.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "transfer/kinds.h"
+#include "base/rows.h"
+#include "transfer/transfer.h"
 
 typedef struct none {
     size_t n;
@@ -110,9 +107,8 @@ static double stiffness(const void *state, size_t level)
 }
 
 const lac_transfer_kind lac_none_kind = {
-    .info = {.name = "none",
-             .summary = "cells do not feel each other's slip",
-             .reference = "docs/theory/transfer.md, \"The operator\""},
+    .info = LAC_ABOUT("none", "cells do not feel each other's slip",
+                      "docs/theory/transfer.md, \"The operator\""),
     .create = create,
     .free = free,
     .work = work,

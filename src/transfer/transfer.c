@@ -4,7 +4,6 @@
 #include "transfer/transfer.h"
 
 #include "base/rows.h"
-#include "transfer/kinds.h"
 
 // Whether parameters are in their ranges, and go together and with the place.
 static lac_status check(const lac_transfer_kind *kind, const void *params, const lac_domain *domain,

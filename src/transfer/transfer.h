@@ -127,3 +127,6 @@ lac_status lac_transfer_tied(const lac_model *model, const lac_transfer_scene *s
                              lac_error *err);
 
 void lac_transfer_clear(lac_transfer *transfer);
+
+/// The rows of the registry.
+extern const lac_transfer_kind lac_hierarchy_kind, lac_elastic_kind, lac_none_kind;

@@ -2,11 +2,7 @@
 // Files that grow, one a station: from where the last whole line ended; a file that was rotated
 // away is read to its end first.
 #include <dirent.h>
-#include <errno.h>
 #include <fcntl.h>
-#include <inttypes.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -21,7 +17,7 @@ static size_t tail_length(size_t line) { return line < TAIL ? line : TAIL; }
 static uint64_t tail_of(const char *line, size_t n)
 {
     const size_t kept = tail_length(n);
-    return lac_watch_sum(0, line + n - kept, kept);
+    return lac_sum_bytes(0, line + n - kept, kept);
 }
 
 static void close_file(lac_followed *f)

@@ -4,7 +4,7 @@
 #include <locale.h>
 #include <sys/types.h>
 
-#include "base/fail.h"
+#include "base/archive.h"
 #include "data/json.h"
 #include "series/line.h"
 #include "watch/watch.h"
@@ -100,8 +100,6 @@ void lac_watch_blame(lac_watch *watch, const char *where, uint64_t number, const
 
 lac_status lac_watch_reader(const lac_watch *watch, bool of_many, const char *where,
                             lac_line_reader **out, lac_error *err);
-
-uint64_t lac_watch_sum(uint64_t sum, const void *bytes, size_t n);
 
 /// Opens what is kept: lock, output, state and journal.
 lac_status lac_watch_open(lac_watch *watch, lac_error *err);

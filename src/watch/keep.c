@@ -3,12 +3,7 @@
 // line; the journal, which has the lines of standard input since; the output, which is cut to what
 // the state knows of it. DIR/state takes its name when it is whole and on the disk; then a new
 // journal begins, whose number the state has.
-#include <errno.h>
 #include <fcntl.h>
-#include <inttypes.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>

@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The state as a file: settings that the numbers depend on, then what is known, then a checksum of
 // all before. Numbers are as they are in memory.
-#include <errno.h>
 #include <fcntl.h>
-#include <inttypes.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "base/temp_file.h"
@@ -26,7 +22,7 @@ static void bytes(archive *a, void *at, size_t n)
 {
     if (!a->bad && n > 0) {
         a->bad = (a->writes ? fwrite(at, 1, n, a->file) : fread(at, 1, n, a->file)) != n;
-        a->sum = a->bad ? a->sum : lac_watch_sum(a->sum, at, n);
+        a->sum = a->bad ? a->sum : lac_sum_bytes(a->sum, at, n);
     }
 }
 
@@ -84,12 +80,7 @@ static char *settings(const lac_watch *w)
         const double *value = (const void *)((const char *)&w->def.forecast.levels + row->offset);
         (void)fprintf(out, "levels.%s: %.17g\n", row->key, *value);
     }
-    const bool failed = ferror(out) != 0;
-    if (fclose(out) != 0 || failed) {
-        free(made);
-        made = NULL;
-    }
-    return made;
+    return lac_text_made(out, &made);
 }
 
 static lac_status put_station(archive *a, lac_watch *w, size_t i, lac_error *err)
@@ -161,7 +152,6 @@ static lac_status put_file(archive *a, lac_watch *w, size_t i, lac_error *err)
     return status;
 }
 
-// The columns of standard input, by its header.
 static void put_header(archive *a, lac_watch *w)
 {
     lac_line unused;

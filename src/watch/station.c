@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What is known of each station: its last readings in the order of time, whatever order they came
 // in.
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "watch/internal.h"
 
 enum { COLUMNS = 4, FIRST_ROOM = 16 };

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Standard input: bytes to whole lines, noted before they are looked at; lines that are sent again
 // are skipped.
-#include <stdlib.h>
-#include <string.h>
-
 #include "watch/internal.h"
 
 const char lac_watch_too_long[] = "the line is longer than 65535 bytes";
@@ -29,7 +26,7 @@ static lac_status keep(lac_watch *w, const char *bytes, size_t n, lac_error *err
 // A line of the beginning that the state knows already.
 static lac_status skip(lac_watch *w, const char *line, size_t n, lac_error *err)
 {
-    w->skipped = lac_watch_sum(w->skipped, line, n);
+    w->skipped = lac_sum_bytes(w->skipped, line, n);
     w->skip--;
     LAC_FAIL_IF(w->skip == 0 && w->skipped != w->sum, err, LAC_EINPUT,
                 "%s: its first %llu lines are not those that %s was made from: a stream that "
@@ -42,7 +39,7 @@ static lac_status skip(lac_watch *w, const char *line, size_t n, lac_error *err)
 static lac_status take(lac_watch *w, char *line, size_t n, lac_error *err)
 {
     w->counts.lines++;
-    w->sum = lac_watch_sum(w->sum, line, n);
+    w->sum = lac_sum_bytes(w->sum, line, n);
     line[n - 1] = '\0';
     if (n > 1 && line[n - 2] == '\r') {
         line[n - 2] = '\0';
@@ -85,7 +82,6 @@ static lac_status skip_all(lac_watch *w, size_t n, size_t *skipped, lac_error *e
     return LAC_OK;
 }
 
-// The whole lines that wait.
 static lac_status take_waiting(lac_watch *w, size_t whole, lac_error *err)
 {
     size_t skipped = 0;

@@ -1,12 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The stations as Prometheus reads a text file: a family of numbers after the other.
-#include <inttypes.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/temp_file.h"
-#include "base/units.h"
 #include "watch/internal.h"
 
 typedef struct family {
@@ -43,7 +37,6 @@ static const family families[] = {
     {"ahead_total", "counter", "Dropped: too far ahead of the clock.", ahead},
 };
 
-// A label as the format escapes it.
 static void put_label(FILE *out, const char *text)
 {
     for (; *text != '\0'; text++) {
@@ -94,8 +87,7 @@ lac_status lac_watch_tell(lac_watch *w, lac_error *err)
     FILE *out = open_memstream(&text, &size);
     LAC_FAIL_MEMORY_IF(out == NULL, err);
     put_all(out, w);
-    const bool failed = ferror(out) != 0;
-    lac_status status = fclose(out) != 0 || failed || text == NULL
+    lac_status status = lac_text_made(out, &text) == NULL
                             ? lac_fail_memory(err)
                             : lac_write_text(w->def.fleet->prometheus, text, true, err);
     w->told = status == LAC_OK;

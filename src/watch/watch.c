@@ -1,25 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A watch from its beginning to its end; and a line of input to a line of output.
 #define _GNU_SOURCE // newlocale
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "data/dataset.h"
 #include "precursor/precursor.h"
-#include "series/line.h"
 #include "watch/internal.h"
-
-// 64-bit FNV-1a.
-uint64_t lac_watch_sum(uint64_t sum, const void *bytes, size_t n)
-{
-    const unsigned char *at = bytes;
-    for (size_t i = 0; i < n; i++) {
-        sum = (sum ^ at[i]) * 0x100000001b3u;
-    }
-    return sum;
-}
 
 lac_status lac_watch_reader(const lac_watch *w, bool of_many, const char *where,
                             lac_line_reader **out, lac_error *err)
@@ -210,7 +196,6 @@ bool lac_watch_is_due(const lac_watch *w)
 
 bool lac_watch_has_news(const lac_watch *w) { return w->since > 0; }
 
-// Whether forecasts can be made as asked for.
 static lac_status try_forecast(const lac_watch *w, lac_error *err)
 {
     static const double zero = 0.0;

@@ -4,8 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/least_squares.h"
 #include "base/rng.h"
+#include "base/statistics.h"
 #include "series/motion.h"
 #include "support/test.h"
 

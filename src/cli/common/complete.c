@@ -3,14 +3,9 @@
 // and keys of a case, each from the table that the program itself reads. The scripts that shells
 // read ask for it, and complete names of files themselves. Bash cuts words at = and :, so what it
 // is told begins behind those.
-#include <stdlib.h>
-#include <string.h>
-
 #include "case/levels.h"
 #include "cli/common/describe.h"
 #include "cli/common/words.h"
-#include "data/json.h"
-#include "friction/friction.h"
 
 enum { LINE_SIZE = 256 };
 
@@ -145,7 +140,6 @@ static void offer_key_values(const offers *all, const lac_param *param)
     }
 }
 
-// The next part of a key.
 static void offer_key(const offers *all, const char *path, const lac_param *param)
 {
     char name[LINE_SIZE], line[LINE_SIZE];

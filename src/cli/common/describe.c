@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // lacuna describe [KIND [NAME]]: models and sections of a case, from the library's own tables.
-#include <float.h>
-#include <math.h>
-#include <string.h>
-
-#include "case/levels.h"
 #include "cli/common/describe.h"
+#include "case/levels.h"
 #include "cli/common/words.h"
-#include "data/json.h"
 #include "precursor/precursor.h"
 
 enum { MAX_NAMES = 64 };
@@ -221,7 +216,6 @@ static void print_kind(const lac_kind *kind)
     }
 }
 
-// Those that a command has, or those of a case.
 static void print_kinds(bool of_command)
 {
     const lac_kind *kind;
@@ -267,7 +261,6 @@ static void print_use(const lac_kind *kind, const lac_model_info *model)
     }
 }
 
-// What it computes from what, what it needs, and the numbers that it gives.
 static void print_precursor(const lac_precursor_kind *kind)
 {
     cli_wrap("  ", kind->estimator);
@@ -281,8 +274,6 @@ static void print_precursor(const lac_precursor_kind *kind)
     }
 }
 
-// What it computes from what, what it needs, when it is refused, and how its error becomes
-// intervals.
 static void print_forecast(const lac_forecast_kind *kind)
 {
     char text[400];
@@ -360,7 +351,6 @@ static void write_model(lac_json *json, const lac_kind *kind, const lac_model_in
     lac_json_close(json, '}');
 }
 
-// One kind with all its models, or only the given one.
 static void write_kind(lac_json *json, const lac_kind *kind, const lac_model_info *only)
 {
     const lac_model_info *model;

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The gates of forecasts, as lacuna describe forecast tells them.
-#include <stdio.h>
-
 #include "cli/common/describe.h"
 #include "cli/common/words.h"
 #include "precursor/precursor.h"

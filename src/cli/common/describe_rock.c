@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // lacuna describe rock [NAME]: what sources state of the friction of rocks, from the library's
 // table.
-#include <math.h>
-#include <string.h>
-
 #include "cli/common/describe.h"
 #include "cli/common/words.h"
-#include "data/json.h"
-#include "friction/friction.h"
 
 enum { MOST_ROCKS = 128 };
 

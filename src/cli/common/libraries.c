@@ -7,8 +7,6 @@
 #include <fftw3.h>
 #include <gsl/gsl_version.h>
 #include <netcdf.h>
-#include <stdio.h>
-#include <string.h>
 #include <sundials/sundials_version.h>
 #include <yaml.h>
 

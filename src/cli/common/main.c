@@ -1,18 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Where the program starts: help, the command that was asked for, and the exit status.
-#include <errno.h>
 #include <fcntl.h>
 #include <gsl/gsl_errno.h>
-#include <inttypes.h>
 #include <omp.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "cli/common/command.h"
 #include "cli/common/output.h"
 #include "cli/common/progress.h"
 #include "cli/common/words.h"
-#include "data/json.h"
 #include "lacuna/version.h"
 #include "store/store_file.h"
 

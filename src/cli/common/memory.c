@@ -2,10 +2,6 @@
 // How much memory further processes may take.
 #include "cli/common/memory.h"
 
-#include <inttypes.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 enum { PATH = 4096, LINE = 4096 };

@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // lacuna mend FILE.nc: repairs a file whose writer was stopped, from its journal if it has one.
-#include <inttypes.h>
-
 #include "cli/common/command.h"
 #include "cli/common/words.h"
-#include "data/json.h"
-#include "store/store.h"
 #include "store/store_file.h"
 
 lac_status cli_mend(const cli_request *request, lac_error *err)

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // lacuna new [NAME]: writes a commented case of the wanted kind, for the user to start from, and
 // the readings that it is about where it is to be fitted.
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/temp_file.h"
 #include "cli/common/command.h"
 #include "cli/common/words.h"

@@ -2,10 +2,6 @@
 // The command line: the table of all options, and how words become a request that makes sense.
 #include "cli/common/options.h"
 
-#include <stddef.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "cli/common/words.h"
 
 // An option that is told by its bit or that apply() has a line for, and one whose word has a place

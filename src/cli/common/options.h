@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include <stdio.h>
-
 #include "case/case.h"
 
 /// Options, as bits: which were given, and which a command takes.

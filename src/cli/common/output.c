@@ -3,17 +3,12 @@
 // the files that a case reads.
 #include "cli/common/output.h"
 
-#include <errno.h>
-#include <inttypes.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
-#include "base/archive.h"
+#include "base/temp_file.h"
 #include "cli/common/progress.h"
-#include "data/dataset.h"
 #include "scene/scene.h"
 
 // Folder/name.ext -> name + ending
@@ -116,12 +111,7 @@ char *cli_inputs_sums(const lac_case *c)
         (void)fprintf(text, "%s  %s: %016" PRIx64 "\n", i == 0 ? "files:\n" : "",
                       slash != NULL ? slash + 1 : *path, sum_file(*path));
     }
-    bool good = ferror(text) == 0;
-    if (fclose(text) != 0 || !good) {
-        free(sums);
-        return NULL;
-    }
-    return sums;
+    return lac_text_made(text, &sums);
 }
 
 static lac_status check_existing(const cli_request *request, const lac_case *c, const char *path,

@@ -3,12 +3,8 @@
 // signals: a run stops with its file whole; a file that broke is named.
 #include "cli/common/progress.h"
 
-#include <errno.h>
-#include <inttypes.h>
 #include <signal.h>
 #include <stdarg.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/ioctl.h>
 #include <time.h>
 #include <unistd.h>

@@ -4,11 +4,7 @@
 #define _GNU_SOURCE // fopencookie
 #include "cli/common/words.h"
 
-#include <errno.h>
 #include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "base/date.h"

@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
+#include "base/base.h"
 #include <stdarg.h>
-#include <stddef.h>
-
-#include "base/fail.h"
 
 /// An error that says what a word is not, and names the nearest known one, or all of them.
 /// @param where  put before it, "" or ending in ": "

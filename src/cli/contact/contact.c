@@ -2,10 +2,6 @@
 // lacuna contact CASE: presses the surface, measures the contact and follows its history of loads.
 #include "cli/contact/contact.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/units.h"
 #include "cli/common/command.h"
 #include "cli/common/output.h"

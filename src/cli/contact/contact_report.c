@@ -1,11 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A contact in words: its surface, its measures, its history of loads, and with -v the tables of
 // what was fitted.
-#include <inttypes.h>
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
-
 #include "base/statistics.h"
 #include "base/vsum.h"
 #include "cli/common/progress.h"

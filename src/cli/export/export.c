@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // lacuna export FILE.nc: what a file holds as tables, one for each set of dimensions.
 #define _GNU_SOURCE // asprintf
-#include <errno.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 
 #include "base/temp_file.h"
@@ -12,7 +8,6 @@
 #include "cli/common/output.h"
 #include "cli/common/words.h"
 #include "cli/export/export.h"
-#include "data/json.h"
 #include "report/report.h"
 
 enum { LONGEST_TEXT = 1 << 20 };         // of an attribute: a case
@@ -212,7 +207,6 @@ out:
     return status;
 }
 
-// What was left out, and how to ask for it.
 static void tell_fields(export_job *job)
 {
     const bool json = cli_given(job->request, CLI_OPT_JSON);

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include <stdio.h>
-
 #include "store/store_file.h"
 
 /// A variable of a file, as it may stand in a table.

@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A table of comma-separated values: the columns that share dimensions, behind what says where each
 // row stands. Numbers read back to the same bits; missing ones are empty.
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/date.h"
 #include "base/units.h"
 #include "cli/export/export.h"

@@ -3,11 +3,6 @@
 // their own; and what it explains, in words.
 #include "cli/precursors/precursors.h"
 
-#include <errno.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 
 static const double day = 86400.0;

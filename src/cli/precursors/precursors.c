@@ -2,20 +2,14 @@
 // lacuna precursors FILE: indicators and forecasts, at the end of the data or all along them.
 #include "cli/precursors/precursors.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 
 #include "base/statistics.h"
 #include "cli/common/command.h"
 #include "cli/common/output.h"
 #include "cli/common/progress.h"
-#include "cli/common/words.h"
 #include "cli/report/report.h"
-#include "data/dataset.h"
 #include "fit/model_forecast.h"
-#include "store/store.h"
 #include "store/store_file.h"
 
 enum { EVENT_TIME, EVENT_DURATION, EVENT_MOMENT, TIME, N_SLIP, N_TOT, LENGTH, CRITICAL, VALUES };

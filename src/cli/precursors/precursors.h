@@ -3,7 +3,6 @@
 
 #include "cli/common/words.h"
 #include "cli/precursors/series.h"
-#include "forecast/hindcast.h"
 #include "precursor/precursor.h"
 
 /// What precursors are looked for in: a monitoring file or a run.

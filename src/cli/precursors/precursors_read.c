@@ -1,14 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The input of `lacuna precursors`: the motion in a series or a run, and the plan of forecasts.
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/date.h"
 #include "case/levels.h"
 #include "cli/precursors/precursors.h"
-#include "store/store.h"
 #include "store/store_file.h"
 
 enum { ISSUES = 200, MOST_ISSUES = 1000000 };

@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the precursors command found, as tables.
-#include <math.h>
-#include <stdio.h>
-
-#include "cli/common/words.h"
 #include "cli/precursors/precursors.h"
 
 // A unit of times to failure, by how long the issue times span.
@@ -130,7 +126,6 @@ static void print_values(const lac_forecast_set *o)
     }
 }
 
-// What is computed, and what to cite.
 static void print_methods(const lac_forecast_set *o)
 {
     char text[600];

@@ -2,10 +2,6 @@
 // Monitoring files as the command line names them: columns with units, times; warns of doubts.
 #include "cli/precursors/series.h"
 
-#include <errno.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "base/date.h"

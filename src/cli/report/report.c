@@ -3,13 +3,7 @@
 // data beside a run: observed and modelled motion in tables, and how far they differ.
 #include "cli/report/report.h"
 
-#include <errno.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/date.h"
-#include "base/units.h"
 #include "cli/common/words.h"
 #include "cli/precursors/series.h"
 #include "store/past.h"
@@ -333,21 +327,16 @@ static void print_misfit(const lac_series *series, const lac_misfit *misfit)
             series->missing, series->duplicates);
 }
 
-lac_history cli_kept_history(const cli_kept *kept, size_t point)
+// What a series is laid beside: the joint, or the point that it is of.
+static lac_history beside(const cli_compare *compare, size_t i, const cli_kept *kept)
 {
+    const char *name = compare->source->compare[i].point;
+    const size_t point = name != NULL ? lac_case_point(compare->source, name) : SIZE_MAX;
     const double *slip = kept->values, *first = kept->values;
     if (first != NULL) {
         slip += (point < kept->points ? 3 + 2 * point : 1) * kept->room;
     }
     return (lac_history){kept->n, first, slip, first != NULL ? slip + kept->room : NULL};
-}
-
-// What a series is laid beside: the joint, or the point that it is of.
-static lac_history beside(const cli_compare *compare, size_t i, const cli_kept *kept)
-{
-    const char *point = compare->source->compare[i].point;
-    return cli_kept_history(kept,
-                            point != NULL ? lac_case_point(compare->source, point) : SIZE_MAX);
 }
 
 void cli_compare_print(const cli_compare *compare, const cli_kept *kept)

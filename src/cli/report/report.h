@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include "case/case.h"
 #include "cli/common/options.h"
 #include "data/json.h"
 #include "series/series.h"
@@ -58,9 +57,6 @@ typedef struct cli_kept {
     double *values; ///< [3 + 2 points][room] time on the clock of dates where the case has one;
                     ///< slip and rate of the joint and of each of output.points
 } cli_kept;
-
-/// The joint's motion, or with less than kept->points that of a point.
-lac_history cli_kept_history(const cli_kept *kept, size_t point);
 
 /// Prints one table per series: observed and modelled where there are few readings, and misfits.
 void cli_compare_print(const cli_compare *compare, const cli_kept *kept);

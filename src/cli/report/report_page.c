@@ -1,25 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // lacuna report: a run, or readings and their forecasts, as one page to look at.
 #define _GNU_SOURCE // asprintf
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <time.h>
 #include <unistd.h>
 
 #include "base/temp_file.h"
 #include "cli/common/command.h"
 #include "cli/common/output.h"
-#include "cli/common/words.h"
 #include "cli/precursors/precursors.h"
-#include "cli/precursors/series.h"
 #include "cli/report/report.h"
 #include "cli/sweep/answers.h"
-#include "data/json.h"
 #include "lacuna/version.h"
 #include "report/report.h"
-#include "store/store.h"
 #include "store/store_cells.h"
 #include "store/store_file.h"
 #include "sweep/ensemble.h"

@@ -1,10 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // lacuna rg CASE|FILE.nc: the cascade of slip over a joint that is made, or over stored cells.
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/rg_rows.h"
 #include "cli/common/command.h"
 #include "cli/common/output.h"
@@ -12,7 +7,6 @@
 #include "cli/common/words.h"
 #include "cli/report/report.h"
 #include "scene/scene_rg.h"
-#include "store/store_cells.h"
 
 // Everything that the command holds.
 typedef struct rg_job {
@@ -180,7 +174,6 @@ static void print_curve(const lac_rg_result *r)
     }
 }
 
-// How far the joint is from sliding, and what slips already.
 static void print_now(const lac_rg_result *r, const lac_scene_rg_now *now)
 {
     if (r->begin[r->levels] > 0.0) {

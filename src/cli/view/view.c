@@ -4,16 +4,13 @@
 // lock only pointers move, and a record is copied. netCDF is the run's alone.
 #include "cli/view/view.h"
 
-#include <math.h>
 #include <pthread.h>
-#include <stdlib.h>
-#include <string.h>
 #include <time.h>
 #include <unistd.h>
 
+#include "base/temp_file.h"
 #include "cli/common/progress.h"
 #include "cli/common/words.h"
-#include "data/json.h"
 #include "lacuna/version.h"
 #include "report/report.h"
 
@@ -184,11 +181,7 @@ static char *write_answer(const cli_view *view, const standing *is, const page_d
     } else {
         (void)fprintf(json.out, ",%s", data->json + 1); // its brace is open already
     }
-    if (fclose(json.out) != 0) {
-        free(text);
-        return NULL;
-    }
-    return text;
+    return lac_text_made(json.out, &text);
 }
 
 // Who lacks the forecasts that are kept gets them first.

@@ -4,14 +4,10 @@
 #include "cli/view/view.h"
 
 #include <dlfcn.h>
-#include <errno.h>
 #include <microhttpd.h>
 #include <netinet/in.h>
 #include <signal.h>
 #include <stdatomic.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <strings.h>
 #include <sys/random.h>
 #include <sys/socket.h>
@@ -136,7 +132,6 @@ static enum MHD_Result deliver(const cli_http *http, struct MHD_Connection *conn
 
 #define CLOSED_POLICY "default-src 'none'; frame-ancestors 'none'"
 
-// A line of text: what is wrong.
 static enum MHD_Result refuse(const cli_http *http, struct MHD_Connection *connection,
                               unsigned status, const char *words)
 {

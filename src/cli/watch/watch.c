@@ -2,12 +2,8 @@
 // lacuna watch FLEET.yaml: waits for readings, has the watch take them, and keeps its state.
 #include "watch/watch.h"
 
-#include <errno.h>
 #include <fcntl.h>
-#include <inttypes.h>
-#include <math.h>
 #include <poll.h>
-#include <string.h>
 #include <sys/resource.h>
 #include <time.h>
 #include <unistd.h>
@@ -15,9 +11,7 @@
 #include "cli/common/command.h"
 #include "cli/common/output.h"
 #include "cli/common/progress.h"
-#include "cli/common/words.h"
 #include "cli/precursors/precursors.h"
-#include "data/json.h"
 
 enum { CHUNK = 4096, PATIENCE = 1000 }; // bytes at a time; ms between looks
 

@@ -48,7 +48,7 @@ USES = {
 SHARED = {
     "base": None,  # all of it, as of data
     "data": None,
-    "case": {"fleet.h", "heterogeneity.h", "levels.h"},
+    "case": {"fleet.h", "levels.h"},
     "contact": {"tangential.h"},
     "fit": {"model_forecast.h", "sampler.h"},
     "forecast": {"hindcast.h", "verdict.h"},
