@@ -123,7 +123,7 @@ static lac_status follow(const lac_sweep *sweep, const lac_case *c,
     every.use = NULL;
     every.run.record = (lac_cadence){.steps = 1, .time = NAN, .per_decade = NAN};
     every.run.snapshots = false;
-    every.run.checkpoint = every.run.record;
+    every.run.checkpoint = (lac_cadence){.steps = 0, .time = NAN, .per_decade = NAN};
     lac_status status = lac_simulation_create(&every, options, &simulation, err);
     if (status == LAC_OK) {
         const lac_sink sink = lac_trade_probe_start(&probe, c, &own);
