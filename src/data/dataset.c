@@ -23,6 +23,10 @@ void lac_dataset_free(lac_dataset *dataset)
     }
     free(dataset->entry);
     free(dataset->dim);
+    for (lac_told *told = dataset->told, *next; told != NULL; told = next) {
+        next = told->next;
+        free(told);
+    }
     if (dataset->release != NULL) {
         dataset->release(dataset->result);
     }

@@ -199,6 +199,15 @@ typedef struct lac_entry {
     lac_laid attributes;
 } lac_entry;
 
+/// An attribute that was kept, or with no name the type of a variable.
+typedef struct lac_told {
+    struct lac_told *next;
+    const char *of, *name, *text; ///< of: NULL: the whole
+    size_t n;
+    bool whole;
+    double number[];
+} lac_told;
+
 struct lac_dataset {
     const char *summary;
     lac_clock clock; ///< of its times in a file
@@ -209,6 +218,7 @@ struct lac_dataset {
     void *result; ///< that it is of, if it is its own
     void (*release)(void *result);
     const struct lac_provenance *made; ///< from what, where the result knows
+    lac_told *told; ///< what its file would say, kept as what it is of may be gone; NULL: asked
 };
 
 /// Hands the result over to its dataset, which frees it with itself.

@@ -294,6 +294,14 @@ static lac_status add_outcome(lac_recording *recording, const lac_case *c,
     return LAC_OK;
 }
 
+static lac_status conclude(lac_simulation *s, lac_recording *recording, lac_error *err)
+{
+    lac_store_def def;
+    LAC_TRY_RETURN(lac_simulation_file(s, &def, err));
+    return lac_recording_conclude(recording, &def.provenance, s->outcome.status, &s->outcome.run,
+                                  def.single, err);
+}
+
 lac_status lac_simulation_record(lac_simulation *simulation, lac_dataset **out, lac_error *err)
 {
     lac_recording *recording = NULL;
@@ -306,6 +314,7 @@ lac_status lac_simulation_record(lac_simulation *simulation, lac_dataset **out, 
     const lac_sink sink = lac_recording_sink(recording);
     const lac_status ended = lac_simulation_run(simulation, &sink, err);
     if (ended == LAC_OK || ended == LAC_EINTERRUPT) {
+        LAC_TRY(conclude(simulation, recording, err));
         LAC_TRY(add_outcome(recording, outcome->source, &outcome->run, err));
         *out = lac_recording_hand_out(recording);
         recording = NULL;

@@ -96,10 +96,11 @@ lac_status lac_columns_put(lac_columns *columns, size_t along, unsigned but, lac
 }
 
 // A date counts from a whole second, or in the unit to the microsecond.
-static lac_status set_clock(lac_writer *w, lac_error *err)
+lac_status lac_writer_clock(lac_writer *w, lac_error *err)
 {
     char date[32] = "", fraction[16] = "";
     const double start = w->dataset->start;
+    const char *path = w->file != NULL ? w->file->path : "dataset";
     w->clock = w->dataset->clock;
     (void)snprintf(w->unit, sizeof w->unit, "%s",
                    w->clock == LAC_CLOCK_1970 ? "seconds since 1970-01-01 00:00:00" : "s");
@@ -113,7 +114,7 @@ static lac_status set_clock(lac_writer *w, lac_error *err)
     const double rest = start - second;
     if (w->clock == LAC_CLOCK_DATE) {
         LAC_FAIL_IF(!is_date, err, LAC_EINPUT, "%s: the start must lie in the years 0 to 9999",
-                    w->file->path);
+                    path);
         const long micro = lround(rest * 1e6);
         date[10] = ' ';
         date[19] = '\0'; // UTC is CF's default zone
@@ -259,7 +260,7 @@ static lac_status put_fixed(const lac_writer *w, const lac_column *c, lac_error 
 lac_status lac_writer_begin(lac_writer *w, lac_error *err)
 {
     const lac_columns *all = &w->columns;
-    LAC_TRY_RETURN(set_clock(w, err));
+    LAC_TRY_RETURN(lac_writer_clock(w, err));
     LAC_TRY_RETURN(lac_columns_create(w->dataset, 0, &w->columns, err));
     LAC_TRY_RETURN(
         lac_dataset_put_attributes(w->dataset, false, lac_nc_put_attribute, (void *)w->file, err));

@@ -181,40 +181,48 @@ static lac_status find_dim(const lac_writer *w, const char *name, size_t length,
 }
 
 // CF's way to say what the numbers 0, 1 ... of a variable stand for.
-static lac_status put_flags(const lac_writer *w, int id, nc_type type, const char *meanings,
+static lac_status put_flags(nc_type type, const char *meanings, lac_put_numbers *put, void *to,
                             lac_error *err)
 {
-    long long values[MOST_MEANINGS];
+    double values[MOST_MEANINGS];
     size_t n = 0;
     for (const char *at = meanings; at != NULL && n < MOST_MEANINGS; n++) {
-        values[n] = (long long)n;
+        values[n] = (double)n;
         at = strchr(at, ' ');
         at = at != NULL ? at + 1 : NULL;
     }
-    LAC_TRY_RETURN(lac_nc_check(
-        w->file->path, nc_put_att_longlong(w->file->id, id, "flag_values", type, n, values), err,
-        "write the attribute", "flag_values"));
-    return lac_nc_text(w->file, id, "flag_meanings", meanings, err);
+    LAC_TRY_RETURN(put(to, "flag_values", NULL, n, values, type, err));
+    return put(to, "flag_meanings", meanings, 0, NULL, NC_CHAR, err);
 }
 
 // The places of a dimension as flags: readers of netCDF-3 and -4 alike take them.
-static lac_status put_meanings(const lac_writer *w, const lac_item *item, int id, lac_error *err)
+static lac_status put_meanings(const lac_item *item, lac_put_numbers *put, void *to, lac_error *err)
 {
     char meanings[MEANINGS] = "", room[LAC_TEXT_ROOM];
     for (size_t i = 0; i < item->count; i++) {
         const size_t used = strlen(meanings);
         const char *text = lac_item_text(item, i, room);
         LAC_FAIL_IF(i == MOST_MEANINGS || used + strlen(text) + 2 > sizeof meanings, err,
-                    LAC_EINPUT, "%s: %s has too many meanings", w->file->path, item->name);
+                    LAC_EINPUT, "%s has too many meanings", item->name);
         (void)snprintf(meanings + used, sizeof meanings - used, "%s%s", i > 0 ? " " : "", text);
     }
-    return put_flags(w, id, NC_INT, meanings, err);
+    return put_flags(NC_INT, meanings, put, to, err);
 }
 
-static lac_status put_attributes(const lac_writer *w, const lac_item *item, int id, nc_type type,
-                                 lac_error *err)
+static lac_status put_fill(const lac_item *item, nc_type type, lac_put_numbers *put, void *to,
+                           lac_error *err)
+{
+    const double fill = type == NC_INT ? NC_FILL_INT : NC_FILL_DOUBLE;
+    return (item->row->flags & (LAC_MISSING | LAC_FILLED)) != 0
+               ? put(to, "_FillValue", NULL, 1, &fill, type, err)
+               : LAC_OK;
+}
+
+lac_status lac_writer_attributes(const lac_writer *w, const lac_item *item, lac_put_numbers *put,
+                                 void *to, lac_error *err)
 {
     const lac_variable *row = item->row;
+    const nc_type type = lac_writer_type(w, item);
     const bool is_time = (row->flags & LAC_TIME) != 0;
     const bool dated = is_time && (w->clock == LAC_CLOCK_1970 || w->clock == LAC_CLOCK_DATE);
     const bool axis = dated && w->clock == LAC_CLOCK_DATE && strcmp(item->dims, item->name) == 0;
@@ -229,19 +237,35 @@ static lac_status put_attributes(const lac_writer *w, const lac_item *item, int 
         {"calendar", dated ? "proleptic_gregorian" : NULL},
         {"axis", axis ? "T" : row->axis},
         {"cell_measures", row->cell_measures},
-        {"_Encoding", type == NC_CHAR ? "utf-8" : NULL},
     };
-    lac_attribute attribute = {0};
+    lac_attribute a = {0};
+    LAC_TRY_RETURN(put_fill(item, type, put, to, err));
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
-        LAC_TRY_RETURN(lac_nc_text(w->file, id, texts[i][0], texts[i][1], err));
+        LAC_TRY_RETURN(put(to, texts[i][0], texts[i][1], 0, NULL, NC_CHAR, err));
     }
-    LAC_TRY_RETURN(row->meanings != NULL ? put_flags(w, id, type, row->meanings, err) : LAC_OK);
-    LAC_TRY_RETURN((row->flags & LAC_MEANINGS) != 0 ? put_meanings(w, item, id, err) : LAC_OK);
-    while (lac_item_next_attribute(item, &attribute)) {
-        LAC_TRY_RETURN(lac_nc_text(w->file, id, attribute.name, attribute.text, err));
-        LAC_TRY_RETURN(lac_nc_number(w->file, id, attribute.name, attribute.number, false, err));
+    LAC_TRY_RETURN(row->meanings != NULL ? put_flags(type, row->meanings, put, to, err) : LAC_OK);
+    LAC_TRY_RETURN((row->flags & LAC_MEANINGS) != 0 ? put_meanings(item, put, to, err) : LAC_OK);
+    while (item->entry != NULL && lac_item_next_attribute(item, &a)) {
+        LAC_TRY_RETURN(
+            put(to, a.name, a.text, isfinite(a.number) ? 1 : 0, &a.number, NC_DOUBLE, err));
     }
     return LAC_OK;
+}
+
+// A variable of a file.
+typedef struct place {
+    const lac_nc *file;
+    int id;
+} place;
+
+static lac_status put_into_file(void *to, const char *name, const char *text, size_t n,
+                                const double *number, nc_type type, lac_error *err)
+{
+    const place *at = to;
+    return n == 0 ? lac_nc_text(at->file, at->id, name, text, err)
+                  : lac_nc_check(at->file->path,
+                                 nc_put_att_double(at->file->id, at->id, name, type, n, number),
+                                 err, "write the attribute", name);
 }
 
 lac_status lac_writer_define(const lac_writer *writer, lac_column *column, lac_error *err)
@@ -269,13 +293,10 @@ lac_status lac_writer_define(const lac_writer *writer, lac_column *column, lac_e
     if (code == NC_NOERR && rank > 0) {
         code = define_storage(w, item, column->id, type, rank, dims);
     }
-    if (code == NC_NOERR && (item->row->flags & (LAC_MISSING | LAC_FILLED)) != 0) {
-        const double fill = type == NC_INT ? NC_FILL_INT : NC_FILL_DOUBLE;
-        code = nc_put_att_double(w->file->id, column->id, "_FillValue", type, 1, &fill);
-    }
     LAC_TRY_RETURN(lac_nc_check(w->file->path, code, err, "define", item->name));
-    LAC_TRY_RETURN(put_attributes(w, item, column->id, type, err));
-    return LAC_OK;
+    place at = {w->file, column->id};
+    LAC_TRY_RETURN(lac_writer_attributes(w, item, put_into_file, &at, err));
+    return lac_nc_text(w->file, column->id, "_Encoding", type == NC_CHAR ? "utf-8" : NULL, err);
 }
 
 lac_status lac_dataset_put_attributes(const lac_dataset *dataset, bool late, lac_put_attribute *put,

@@ -248,6 +248,30 @@ const char *lac_recording_text_of(const lac_recording *recording, const char *na
     return at != NULL ? at->text : NULL;
 }
 
+lac_status lac_recording_conclude(lac_recording *recording, const lac_provenance *provenance,
+                                  const char *status, const lac_run_result *result, bool single,
+                                  lac_error *err)
+{
+    const lac_columns *all = &recording->columns;
+    const lac_run_ending ending = {.result = result,
+                                   .status = status,
+                                   .dated = recording->place.of.dated,
+                                   .start_date = recording->place.of.start_date,
+                                   .wall_time = NAN,
+                                   .now = NAN};
+    lac_teller teller = {.keep = recording->kept};
+    lac_dataset *end = NULL;
+    lac_status told = lac_run_ending_describe(&ending, &end, err);
+    told =
+        told == LAC_OK ? lac_tell_whole(&teller, recording->dataset, provenance, end, err) : told;
+    for (size_t i = 0; i < all->n && told == LAC_OK; i++) {
+        teller.of = all->column[i].item.name;
+        told = lac_tell_variable(&teller, recording->dataset, &all->column[i].item, single, err);
+    }
+    lac_dataset_free(end);
+    return told;
+}
+
 static size_t compact(double *values, size_t n, size_t width, const uint8_t *keep)
 {
     size_t kept = 0;

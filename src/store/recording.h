@@ -33,6 +33,13 @@ lac_status lac_recording_sign(lac_recording *recording, const lac_provenance *pr
 /// Such a text; NULL where there is none.
 const char *lac_recording_text_of(const lac_recording *recording, const char *name);
 
+/// Keeps what a file of it would say: all else may be gone when somebody asks. Once, at the end.
+/// @param status, result  as lac_store_finish has them
+/// @param single  LAC_ROUGH ones are floats there
+lac_status lac_recording_conclude(lac_recording *recording, const lac_provenance *provenance,
+                                  const char *status, const lac_run_result *result, bool single,
+                                  lac_error *err);
+
 /// Moves all records, snapshots and events behind those of another recording. The one that is left
 /// empty goes on as it would have: the instant of its last record again says nothing new.
 /// @param recording  of the same def, but for `passing`; nothing else fills it

@@ -96,6 +96,36 @@ lac_status lac_writer_sync(lac_writer *writer, lac_error *err);
 
 void lac_writer_clear(lac_writer *writer);
 
+/// Sets the unit of times. LAC_EINPUT: no date can be the start.
+lac_status lac_writer_clock(lac_writer *writer, lac_error *err);
+
+/// Where an attribute of a variable goes: a text or, with n > 0, numbers of a type.
+typedef lac_status lac_put_numbers(void *to, const char *name, const char *text, size_t n,
+                                   const double *number, nc_type type, lac_error *err);
+
+/// Puts the attributes of a variable but its _Encoding; of the writer nothing else than what it
+/// says of times and floats counts.
+lac_status lac_writer_attributes(const lac_writer *writer, const lac_item *item,
+                                 lac_put_numbers *put, void *to, lac_error *err);
+
+/// Who is told attributes: a caller, or with `told` a dataset that keeps them.
+typedef struct lac_teller {
+    lac_attribute_told *tell;
+    void *context;
+    lac_dataset *keep; ///< NULL: nobody
+    const char *of;    ///< the variable whose they are; NULL: the whole
+} lac_teller;
+lac_put_numbers lac_tell_numbers;
+
+/// Tells those of the whole. @param ending  more that it has; NULL
+lac_status lac_tell_whole(lac_teller *teller, const lac_dataset *dataset,
+                          const struct lac_provenance *made, const lac_dataset *ending,
+                          lac_error *err);
+
+/// Tells those of a variable. @param single  LAC_ROUGH ones are floats
+lac_status lac_tell_variable(lac_teller *teller, const lac_dataset *dataset, const lac_item *item,
+                             bool single, lac_error *err);
+
 /// The netCDF type of an item.
 nc_type lac_writer_type(const lac_writer *writer, const lac_item *item);
 

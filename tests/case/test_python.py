@@ -5,9 +5,13 @@
 usage: test_python.py PROGRAM SOURCE_FOLDER LIBRARY
 """
 
+import concurrent.futures
+import doctest
 import gc
 import json
+import multiprocessing
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -19,6 +23,7 @@ import xarray
 
 PROGRAM, SOURCE, LIBRARY = map(os.path.abspath, sys.argv[1:4])
 os.environ["LACUNA_LIBRARY"] = LIBRARY
+os.environ["LACUNA_PROGRAM"] = PROGRAM
 sys.path.insert(0, os.path.join(SOURCE, "tools", "python"))
 import lacuna  # noqa: E402
 
@@ -55,6 +60,19 @@ print(len(set(ends)))
 """
 
 
+CLOCK = {"history", "libraries", "date_created", "date_modified", "wall_time_s", "source_file", "title"}
+SAFETY = ("factor_of_safety_start", "factor_of_safety_least", "factor_of_safety_below_1_time_s")
+
+
+def ends(case):
+    """In a process of its own."""
+    return float(lacuna.run(case).slip[-1])
+
+
+def break_down(case):
+    return lacuna.run(case, {"friction.aging.dx": 1})
+
+
 class Python(unittest.TestCase):
     def setUp(self):
         self.folder = tempfile.mkdtemp(prefix="lacuna-python-")
@@ -63,30 +81,29 @@ class Python(unittest.TestCase):
     def path(self, name):
         return os.path.join(SOURCE, "cases", name)
 
+    def same(self, mine, words, more=()):
+        """Variables, types, attributes and values are those of the file that the program writes, decoded or not."""
+        file = os.path.join(self.folder, "theirs.nc")
+        done = subprocess.run([PROGRAM, *words, "-o", file, "--force", "--json"], capture_output=True, text=True, check=True,
+                              cwd=SOURCE)
+        for decode, given in mine.items():
+            wanted = xarray.load_dataset(file, decode_times=decode)
+            self.assertEqual(set(given.variables) ^ set(wanted.variables), set())
+            self.assertEqual(set(given.coords), set(wanted.coords))
+            for name in wanted.variables:
+                self.assertTrue(given[name].identical(wanted[name]), f"{name}: {given[name]}, {wanted[name]}")
+                self.assertEqual(given[name].dtype, wanted[name].dtype, name)
+            for key in set(wanted.attrs) - CLOCK:
+                numpy.testing.assert_equal(given.attrs.get(key), wanted.attrs[key], key)
+            self.assertLessEqual(set(given.attrs) - set(wanted.attrs) - CLOCK, set(more))
+        return json.loads(done.stdout)
+
     def compare(self, case, **overrides):
-        """Every variable that both have, to the last bit; the program's run beside the module's."""
+        """Every variable, to the last bit; the program's run beside the module's."""
         sets = [word for key, value in overrides.items() for word in ("--set", f"{key}={value}")]
-        file = os.path.join(self.folder, "run.nc")
-        done = subprocess.run([PROGRAM, "run", self.path(case), *sets, "-o", file, "--force",
-                               "--json"], capture_output=True, text=True, check=True)
-        mine = lacuna.run(self.path(case), overrides)
-        with xarray.open_dataset(file, decode_times=False) as written:
-            for name in mine.variables:
-                self.assertIn(name, written.variables)
-                self.assertEqual(mine[name].dims, written[name].dims, name)
-                numpy.testing.assert_array_equal(mine[name].values,
-                                                 written[name].values.astype(float), name)
-                if not name.endswith("time"):  # the file's are since the date
-                    self.assertEqual(mine[name].attrs["units"], written[name].attrs["units"])
-                self.assertTrue(mine[name].attrs["long_name"])
-            missing = set(written.variables) - set(mine.variables) - set(mine.attrs)
-            scalars = {name for name in missing if written[name].ndim == 0}
-            self.assertEqual(missing - scalars, set())
-            for name in scalars:
-                unit = written[name].attrs["units"]
-                key = name if unit == "1" else f"{name}_{unit.replace(' ', '_')}"
-                numpy.testing.assert_array_equal(mine.attrs[key], written[name].values)
-        return mine, json.loads(done.stdout)
+        mine = {decode: lacuna.run(self.path(case), overrides, decode_times=decode) for decode in (True, False)}
+        said = self.same(mine, ["run", os.path.join("cases", case), *sets], ("failure_time_s", "start_date_s", *SAFETY))
+        return mine[False], said
 
     def test_block(self):
         mine, said = self.compare("block.yaml")
@@ -117,7 +134,7 @@ class Python(unittest.TestCase):
 
     def test_case_in_memory(self):
         """A mapping gives what the same case gives from its file, numpy's numbers and truth values included."""
-        case = {"lacuna": 1, "load": {"normal": {"pressure": numpy.float64(3e6)}},
+        case = {"lacuna": 1, "title": "One", "load": {"normal": {"pressure": numpy.float64(3e6)}},
                 "friction": {"aging": {"f0": 0.6, "a": 0.01, "b": 0.015, "dc": "5 mm", "v0": "1 um/s"}},
                 "initial": {"slip_rate": "1 cm/week", "state": {"ratio_to_steady": 0.5}},
                 "time": {"end": "30 day"}, "output": {"fields": []}}
@@ -136,6 +153,91 @@ class Python(unittest.TestCase):
         for wrong in (None, 3):
             with self.assertRaises(TypeError):
                 lacuna.run(wrong)
+
+    def test_contact(self):
+        sets = {"interface.levels": "6"}
+        case = "cases/contact/self-affine.yaml"
+        self.same({True: lacuna.contact(os.path.join(SOURCE, case), sets)}, ["contact", case, "--set", "interface.levels=6"])
+
+    def test_rg(self):
+        self.same({True: lacuna.rg(self.path("rg/cons.yaml"))}, ["rg", "cases/rg/cons.yaml"])
+
+    def test_precursors(self):
+        series = os.path.join(SOURCE, "cases/data/creep.csv")
+        mine = {decode: lacuna.precursors(series, displacement="disp_mm:mm", decode_times=decode) for decode in (True, False)}
+        self.same(mine, ["precursors", "cases/data/creep.csv", "--displacement", "disp_mm:mm"])
+        self.assertEqual(mine[True].failure_time.dtype.kind, "M")
+        self.assertIsInstance(mine[True].reason.values.flat[0], str)
+        self.assertTrue(mine[True].identical(lacuna.precursors(series, displacement="disp_mm:mm", until="2100-01-01")))
+        with self.assertRaises(lacuna.Error) as caught:
+            lacuna.precursors(series, displacement="none:mm")
+        self.assertEqual(caught.exception.kind, "input")
+
+    def test_fit(self):
+        sets = {"fit.steps": "0", "fit.starts": "8"}
+        words = [word for key, value in sets.items() for word in ("--set", f"{key}={value}")]
+        case, series = "cases/fit/block.yaml", "cases/data/creep.csv"
+        mine = lacuna.fit(os.path.join(SOURCE, case), os.path.join(SOURCE, series), sets)
+        self.same({True: mine}, ["fit", case, series, *words])
+        few = {"fit.starts": 8, "fit.burn": 20, "fit.steps": 30, "fit.walkers": 16, "fit.rounds": 0}
+        with self.assertRaises(lacuna.Error) as caught:
+            lacuna.fit(os.path.join(SOURCE, case), os.path.join(SOURCE, series), few)
+        self.assertEqual(caught.exception.kind, "numeric")
+        self.assertEqual(caught.exception.dataset.sizes["draw"], 30)
+
+    def test_of_the_program(self):
+        """What its pool of processes and its tables are needed for."""
+        said = lacuna.check(self.path("block.yaml"))
+        self.assertTrue(said["ok"])
+        wrong = lacuna.check(self.path("block.yaml"), {"friction.aging.dx": 1})
+        self.assertIn('did you mean "dc"', wrong["errors"][0]["message"])
+        done = subprocess.run([PROGRAM, "describe", "--json"], capture_output=True, text=True, check=True)
+        self.assertEqual(lacuna.describe(), json.loads(done.stdout))
+        traded = lacuna.trade(self.path("block.yaml"), dials="rtol=1e-3:1e-4", reach="1%", processes=1)
+        self.assertEqual(traded.sizes["run"], 2)
+        self.assertEqual(traded.attrs["status"], "complete")
+        with self.assertRaises(lacuna.Error) as caught:
+            lacuna.trade(self.path("block.yaml"), dials="none")
+        self.assertEqual(caught.exception.kind, "input")
+
+    def test_processes(self):
+        case = self.path("block.yaml")
+        alone = ends(case)
+        for way in ("spawn", "fork"):
+            with concurrent.futures.ProcessPoolExecutor(2, mp_context=multiprocessing.get_context(way)) as pool:
+                self.assertEqual(list(pool.map(ends, [case] * 4)), [alone] * 4)
+                whole = pool.submit(lacuna.run, case).result()
+                self.assertTrue(whole.identical(lacuna.run(case)))
+                with self.assertRaises(lacuna.Error) as caught:
+                    pool.submit(break_down, case).result()
+                self.assertEqual(caught.exception.kind, "input")
+
+    def test_examples(self):
+        """Those of the docstrings."""
+        before = os.getcwd()
+        self.addCleanup(os.chdir, before)
+        os.chdir(SOURCE)
+        tried = doctest.testmod(lacuna)
+        self.assertEqual(tried.failed, 0)
+        self.assertGreaterEqual(tried.attempted, 9)
+        for name in set(lacuna.__all__) - {"Error"}:
+            self.assertTrue(getattr(lacuna, name).__doc__ and getattr(lacuna, name).__annotations__, name)
+
+    def test_holds_no_name(self):
+        """No second description: no text of the module is a variable, a unit or an attribute of a file. What is both a
+        variable and an argument's name (time, displacement ...) is the latter."""
+        with open(lacuna.__file__, encoding="utf-8") as file:
+            texts = set(re.findall(r'"([A-Za-z_0-9. ]+)"', re.sub(r'""".*?"""', "", file.read(), flags=re.DOTALL)))
+        names = set()
+        sets = {"output.fields": "[slip, state]", "interface.levels": 3, "time.end": "1 s"}
+        for found in (lacuna.run(self.path("events.yaml"), {"time.end": "1 s"}), lacuna.run(self.path("block.yaml")),
+                      lacuna.run(self.path("rg/creep-to-failure.yaml"), sets), lacuna.rg(self.path("rg/cons.yaml")),
+                      lacuna.precursors(os.path.join(SOURCE, "cases/data/creep.csv"), displacement="disp_mm:mm")):
+            for name in found.variables:
+                names |= {name, *found[name].attrs, found[name].attrs.get("units", ""), *found[name].dims}
+            names |= set(found.attrs)
+        arguments = {"time", "displacement", "velocity", "case", "failed_at", "levels", "source", "1", "s", "reason", "order"}
+        self.assertEqual(texts & names - arguments, set())
 
     def test_values_as_text(self):
         for value, text in ((True, "true"), ("4 cm", "4 cm"), (numpy.float64(0.25), "0.25"), (numpy.array([1, 2]), "[1, 2]"),
