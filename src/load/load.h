@@ -153,7 +153,8 @@ lac_load_set lac_load_set_along(const lac_load_set *set, double x, double y);
 
 /// Where the loads pull at t = 0 on cells of one mean normal stress [Pa], from x towards y [rad];
 /// 0 where nothing pulls.
-/// @return LAC_OK; LAC_EINPUT (loads that the cells share differently pull different ways, or loads cancel)
+/// @return LAC_OK; LAC_EINPUT (loads that the cells share differently pull different ways, or loads
+/// cancel)
 lac_status lac_load_set_heading(const lac_load_set *set, double pressure, double *heading,
                                 lac_error *err);
 

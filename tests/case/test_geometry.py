@@ -361,7 +361,8 @@ class Refused(Geometry):
     def test_a_base_that_does_not_pull_is_said(self):
         text = (CREEP % {"angle": 30.0, "radius": 100.0, "thickness": 50.0, "form": "plain"}).replace("30.0 degree", "-5 degree")
         self.write("case.yaml", text)
-        self.expect_line(2, "case.yaml:2: interface.geometry.angle: \"-5 degree\" must give a shear load at the start: the dip is -5 degree there",
+        self.expect_line(2, "case.yaml:2: interface.geometry.angle: \"-5 degree\" must give a shear load at the start, "
+                         "such as [{ratio: {value: 0.58}}], unless initial gives both slip_rate and state",
                          "run", "case.yaml")
 
     def test_its_text_reads_back(self):
