@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include "base/fail.h"
-
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "base/base.h"
 
 /// What is done so far of a long work, in a file beside the output that it is for: a line that says
 /// whose it is and what of, then records, each with its sum behind it. A work that was killed goes

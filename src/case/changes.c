@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What differs between two cases: the trees of their resolved texts, walked together.
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "case/sections.h"
 
 typedef struct walk {

@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A case and a series to the dataset of a fit, and a series to that of its forecasts and
 // indicators, in one call each.
-#include <math.h>
-#include <stdlib.h>
-
 #include "base/ask.h"
 #include "case/levels.h"
-#include "data/dataset.h"
 #include "fit/model_forecast.h"
 #include "lacuna/forecast.h"
 #include "precursor/precursor.h"

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a fit came to, as tables: the variables of its file and the members of its JSON.
-#include <math.h>
-#include <stdio.h>
-
 #include "data/describe.h"
 #include "fit/fit.h"
 

@@ -1,12 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A fit from its start to its result: the readings on the clock of a run, unknowns from the case,
 // least squares, sampler, predictions; and whether it is to be relied on.
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "base/archive.h"
 #include "fit/internal.h"
 
 // A row of the file as it is used; what has no logarithm is counted. @return LAC_EINPUT

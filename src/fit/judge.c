@@ -3,8 +3,6 @@
 // principal axes, and the number that one block under the aging law shows.
 #include <gsl/gsl_eigen.h>
 #include <gsl/gsl_statistics_double.h>
-#include <math.h>
-#include <stdlib.h>
 
 #include "base/noise.h"
 #include "base/statistics.h"

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the readings say of the unknowns; docs/theory/fitting.md eqs 3 to 5.
-#include <math.h>
-
 #include "base/statistics.h"
 #include "fit/internal.h"
 

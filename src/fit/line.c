@@ -10,10 +10,6 @@
 // Readings tell S, then q/k with k = (m-1)/m (the bracket is near q + k ln(v/v_i)), and m hardly;
 // in dc, x and b their posterior is a thin bent sheet. So where dc and x are both sought and m > 1
 // > x, ln S and ln(q/(1-q)) - ln k stand for them.
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
-
 #include "fit/internal.h"
 
 // A parameter's index among the unknowns; -1: it is none.

@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A case with other values, run: with derivatives by CVODES' sensitivities, or by differences of
 // runs where a parameter changes the cells or when the loads break.
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "fit/internal.h"
 
 enum { MOST_STEPS = 200000, MOST_BREAKS = 100000 };

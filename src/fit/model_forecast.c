@@ -2,8 +2,6 @@
 // A case as a method of forecasting: fitted to what was read, then run on.
 #include "fit/model_forecast.h"
 
-#include <math.h>
-
 #include "fit/internal.h"
 
 static const double far_from_converged = 1.2; // R-hat

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Draws of the posterior run on to time.end: quantiles of displacement and rate, and when they
 // fail.
-#include <math.h>
 #include <omp.h>
-#include <stdlib.h>
 
 #include "base/rng.h"
 #include "base/statistics.h"

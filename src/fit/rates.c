@@ -3,9 +3,6 @@
 // a window only: what they say of a run. docs/theory/fitting.md eqs 9 to 11.
 #include <gsl/gsl_integration.h>
 #include <gsl/gsl_sf_erf.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "fit/internal.h"
 

@@ -2,10 +2,7 @@
 // Draws from a given density by an ensemble of walkers, the same for any number of threads; and the
 // density made of the walkers' places, from which it draws new places, also far away.
 #include <gsl/gsl_sort.h>
-#include <math.h>
 #include <omp.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/rng.h"
 #include "fit/sampler.h"

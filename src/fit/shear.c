@@ -3,10 +3,6 @@
 // converged: z_k - c_k q2(t) - d_k q3(t), t the one coordinate along which the others bend most, q2
 // and q3 orthogonal polynomials. It moves no volume, so a density stays what it is. The sampler's
 // own moves turn and stretch with the walkers, but know no bend; docs/theory/fitting.md.
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "fit/internal.h"
 
 enum { MOST = 4096 }; // places that a shear is made of, at the end of a chain

@@ -2,12 +2,9 @@
 // Pore pressure, or normal stress, that a file gives over the joint: maps at several times, or one
 // map whose factor changes in time. Between maps and readings straight lines, between the places of
 // a map bilinear.
-#include <math.h>
-#include <stdlib.h>
-
+#include "series/field.h"
 #include "base/units.h"
 #include "load/kinds.h"
-#include "series/field.h"
 
 enum { REFUSE, HOLD };
 

@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Readings kept in memory: loads that are made again and again (lacuna fit) read their files once.
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "load/kinds.h"
 
 // One column of one file, on the clock of the run, without offset; or a doubt about a file.

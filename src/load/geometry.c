@@ -4,9 +4,6 @@
 
 #include <gsl/gsl_integration.h>
 #include <gsl/gsl_interp.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "load/load.h"
 

@@ -4,10 +4,7 @@
 // The base of a sliding mass whose dip and thickness follow its mean slip: docs/theory/loads.md,
 // "Geometry that changes with slip".
 
-#include <stdbool.h>
-#include <stddef.h>
-
-#include "base/fail.h"
+#include "base/base.h"
 
 enum { LAC_MOST_NODES = 64 };
 

@@ -3,8 +3,6 @@
 // as a Gaussian on a plane, and from a line across the joint. Closed forms, on a plane without
 // borders or within those of the joint; docs/theory/loads.md, eqs. 3, 4 and 6.
 #include <gsl/gsl_sf_expint.h>
-#include <math.h>
-#include <stdlib.h>
 
 #include "load/kinds.h"
 

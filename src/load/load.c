@@ -2,10 +2,6 @@
 // The loads of a case, made ready from what it names, and their sum at any time.
 #include "load/load.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "load/kinds.h"
 
 const char *const lac_share_names[] = {"pressure", "equal", "elastic", NULL};

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The tables of the loads that a case can name, from the lists of kinds.h: one each of normal
 // loads, shear loads, pore pressures and normal stresses that come on top.
-#include "base/rows.h"
 #include "load/kinds.h"
 
 static const lac_normal_load *const normal[] = {LAC_NORMAL_LOADS(LAC_ROW_ADDRESS)};

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Shear stress, pore pressure or normal stress from readings of a file, by straight lines or a
 // smooth curve; and a spring whose far end moves as these say.
-#include <math.h>
-#include <stdlib.h>
-
 #include "load/kinds.h"
 
 enum { LINEAR, SMOOTH };

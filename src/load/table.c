@@ -3,10 +3,6 @@
 #include "load/kinds.h"
 
 #include <gsl/gsl_interp.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/units.h"
 #include "series/series.h"

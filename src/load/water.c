@@ -2,8 +2,6 @@
 // Pore pressure from readings of water. Of a lake's level: at once, with a lag, or by diffusion
 // through rock. Of rain: each raises it, and it drains away with time. Both are exact where the
 // readings make a drive of straight pieces.
-#include <stdlib.h>
-
 #include "load/kinds.h"
 
 enum { REFUSE }; // the first of what `outside` may say

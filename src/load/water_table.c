@@ -2,9 +2,6 @@
 // Water that stands to a level over an inclined joint: each cell feels what is above it, and cells
 // above the level feel none. So it is with a water table, and with the toe of a slope in a lake; or
 // a lake that carries a part of the weight itself.
-#include <math.h>
-#include <stdlib.h>
-
 #include "load/kinds.h"
 
 enum { REFUSE, HOLD };

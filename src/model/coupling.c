@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What couples the cells: the force that slip puts on them through the rock, less that of far
 // motion and far loads; and damping of their mean rate.
-#include <math.h>
-#include <stdlib.h>
-
 #include "base/vsum.h"
 #include "model/internal.h"
 

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What integrators ask of a problem: dy/dt, Newton's system, allowed errors, a first step.
-#include <float.h>
-#include <math.h>
-
 #include "model/internal.h"
 
 bool lac_problem_derivative(const lac_problem *problem, double t, const double *y, double *ydot,

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // When a joint counts as failed; the rate for it is lowered where damping holds it below that.
-#include <math.h>
-
 #include "lacuna/simulation.h"
 #include "model/internal.h"
 

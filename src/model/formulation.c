@@ -2,10 +2,6 @@
 // The table of formulations, and what those that solve for the rate have in common: rates that
 // carry given tractions (docs/theory/creep.md eq. 6), and Newton's system with ln theta and the
 // balance eliminated beforehand (eq. 8).
-#include <float.h>
-#include <math.h>
-#include <string.h>
-
 #include "base/vsum.h"
 #include "model/internal.h"
 

@@ -2,10 +2,6 @@
 // Unknowns (x, ln theta, slip) of cells that carry the mass of a block: momentum in the place of
 // the balance; docs/theory/momentum.md. v = exp(x) where friction has the plain form, which knows
 // v > 0 only, and v = 2 v_s sinh(x) of either sign where it is regularised.
-#include <float.h>
-#include <math.h>
-#include <string.h>
-
 #include "base/vmath.h"
 #include "base/vsum.h"
 #include "model/internal.h"

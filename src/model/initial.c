@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Rate and state of every cell at the start, from what the case gives of them and from the loads.
-#include <float.h>
-#include <math.h>
-#include <stdlib.h>
-
 #include "base/roots.h"
 #include "base/vsum.h"
 #include "model/internal.h"

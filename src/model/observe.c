@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a state means in rates and forces, how well it balances, what a jump of loads does, and the
 // state moved onto the balance before it is put out.
-#include <math.h>
-#include <string.h>
-
 #include "base/vsum.h"
 #include "lacuna/simulation.h"
 #include "model/internal.h"

@@ -2,10 +2,6 @@
 // A problem put together and checked: cells, friction, loads, and the traction at t = 0.
 #include "model/problem.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/statistics.h"
 #include "base/vsum.h"
 #include "model/internal.h"

@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Unknowns (ln v, ln theta): the balance differentiated in time; docs/theory/creep.md eqs. 2, 3, 5.
-#include <float.h>
-#include <math.h>
-#include <string.h>
-
 #include "base/clones.h"
 #include "base/parallel_for.h"
 #include "base/statistics.h"

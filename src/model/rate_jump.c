@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // ln v across a jump of the loads: the rates that carry what the cells carry then, and their mean,
 // which damps them; docs/theory/creep.md.
-#include <float.h>
-#include <math.h>
-
 #include "base/vsum.h"
 #include "model/internal.h"
 

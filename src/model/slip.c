@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Unknowns (slip, ln theta): the traction is the loads' less K slip, v is solved from the balance,
 // which holds by construction; docs/theory/creep.md eqs. 6, 7 and 9.
-#include <string.h>
-
 #include "base/vsum.h"
 #include "model/internal.h"
 

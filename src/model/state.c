@@ -2,10 +2,6 @@
 // A state without its formulation: what another problem of the same cells goes on from. Slip and
 // state of the cells stay as they are; what they carry, and with it their slip rates, is the load
 // of the problem that takes it; docs/theory/restart.md.
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/vsum.h"
 #include "model/internal.h"
 

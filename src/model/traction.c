@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Unknowns (tau, ln theta), tau = q - K slip: v of either sign is solved from the balance;
 // docs/theory/creep.md eqs. 6 to 8.
-#include <string.h>
-
 #include "base/vsum.h"
 #include "model/internal.h"
 

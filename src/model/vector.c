@@ -2,11 +2,6 @@
 // Unknowns (slip along x, ln theta, slip along y): slip in two directions. Friction opposes the
 // slip rate, and its size is that of the same law: docs/theory/vector.md. What does not know of
 // directions sees sizes: |v|, |tau|.
-#include <float.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/statistics.h"
 #include "base/vsum.h"
 #include "model/internal.h"

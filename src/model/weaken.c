@@ -2,10 +2,6 @@
 // Unknowns of the cells besides slip and state: what a case's weakening leaves of pressures and
 // cohesion, its rates, and Newton's system with those unknowns eliminated cell by cell, exactly;
 // docs/theory/weakening.md.
-#include <float.h>
-#include <math.h>
-#include <string.h>
-
 #include "model/internal.h"
 
 enum { MOST = LAC_MOST_WEAKENINGS };

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a case's weakening is told by: what errors of its unknowns are worth, what is put out of it,
 // and what it cannot go with; docs/theory/weakening.md.
-#include <float.h>
-#include <math.h>
-
 #include "model/internal.h"
 
 lac_status lac_weaken_check(const lac_problem *problem, lac_error *err)

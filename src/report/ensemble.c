@@ -3,9 +3,6 @@
 // of them one by one.
 #include "report/run.h"
 
-#include <math.h>
-#include <stdlib.h>
-
 #include "sweep/answers.h"
 
 enum { MOST_DOTS = 1500 }; // members in the matrix of scatter

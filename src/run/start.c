@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Runs that begin in the midst of time, and what they begin from: where another run came to, or
 // what a snapshot of one tells; docs/theory/restart.md.
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "run/run_state.h"
 
 void lac_run_start_clear(lac_run_start *start)

@@ -3,9 +3,6 @@
 // that what roughness, size, load and water can and cannot do in it.
 #include <stdarg.h>
 
-#include "friction/friction.h"
-#include "friction/weakening.h"
-#include "load/geometry.h"
 #include "scene/estimate.h"
 #include "scene/internal.h"
 

@@ -1,10 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Settings that keep an error, picked by runs of the scene itself.
-#include <inttypes.h>
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
-
 #include "simulation/internal.h"
 
 enum { RUNGS = 10, EXPLICIT_RUNGS = 3 };

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The indicators of a case's run, with what they need to know before it starts.
-#include <math.h>
-#include <stdio.h>
-
 #include "base/rg_rows.h"
 #include "scene/scene_rg.h"
 #include "simulation/internal.h"

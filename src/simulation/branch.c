@@ -5,13 +5,8 @@
 #define _GNU_SOURCE // open_memstream
 #include "simulation/branch.h"
 
-#include <inttypes.h>
-#include <math.h>
 #include <stdarg.h>
-#include <stdlib.h>
-#include <string.h>
 
-#include "base/archive.h"
 #include "base/date.h"
 #include "base/units.h"
 #include "store/store_cells.h"

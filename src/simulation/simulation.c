@@ -3,10 +3,7 @@
 // a file.
 #include "simulation/internal.h"
 
-#include <math.h>
 #include <omp.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/ask.h"
 

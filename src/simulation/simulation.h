@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include "analysis/analysis.h"
 #include "lacuna/simulation.h"
 #include "scene/scene.h"
 #include "store/recording.h"

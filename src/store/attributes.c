@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a file would say of a dataset, told to who reads it in memory: types and attributes.
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/ask.h"
 #include "store/writer.h"
 

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include "run/run.h"
 #include "store/store.h"
 
 typedef struct lac_stored_file lac_stored_file;

@@ -3,11 +3,6 @@
 // hold slip, slip rate and state of the cells.
 #include "store/past.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/date.h"
 #include "store/input.h"
 

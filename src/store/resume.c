@@ -4,13 +4,7 @@
 // cannot take records back, so that those up to the checkpoint are copied into a new one, which
 // then takes the old one's name.
 #include <ctype.h>
-#include <errno.h>
 #include <fcntl.h>
-#include <limits.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 

@@ -2,11 +2,6 @@
 // The values that a key takes in a sweep: lists, ranges, columns of a file, and distributions, a
 // row each.
 #include <ctype.h>
-#include <errno.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include <gsl/gsl_cdf.h>
 
@@ -257,7 +252,7 @@ static char *arguments_of(char *text, const char *name)
 }
 
 static lac_status read_csv(const char *path, lac_sweep *sweep, lac_swept *only, const char *column,
-                           lac_case *base, const lac_units *units, lac_error *err);
+                           const lac_units *units, lac_error *err);
 
 static lac_status read_values(lac_swept *param, char *text, const lac_units *units, lac_error *err)
 {
@@ -275,7 +270,7 @@ static lac_status read_values(lac_swept *param, char *text, const lac_units *uni
         if (name == NULL) {
             return wrong(param, "must be column(FILE.csv, NAME)", err);
         }
-        return read_csv(trimmed(file), NULL, param, trimmed(name), NULL, units, err);
+        return read_csv(trimmed(file), NULL, param, trimmed(name), units, err);
     }
     if (read_range(param, units, text, range)) {
         return add_range(param, range, err);
@@ -374,8 +369,7 @@ enum { MOST_COLUMNS = 256 };
 
 // The header: what each column is.
 static lac_status read_header(const char *path, char *line, lac_sweep *sweep, lac_swept *only,
-                              const char *name, lac_case *base, column *columns, size_t *count,
-                              lac_error *err)
+                              const char *name, column *columns, size_t *count, lac_error *err)
 {
     bool found = false;
     *count = 0;
@@ -397,7 +391,7 @@ static lac_status read_header(const char *path, char *line, lac_sweep *sweep, la
             LAC_TRY_RETURN(grow(sweep, err));
             c->param = sweep->params - 1;
             LAC_TRY_RETURN(
-                read_swept(&sweep->param[c->param], head, strlen(head), path, base, err));
+                read_swept(&sweep->param[c->param], head, strlen(head), path, sweep->base, err));
         }
         part = next;
     }
@@ -431,7 +425,7 @@ static lac_status read_row(const char *path, size_t line, char *row, lac_swept *
 
 // A table of values; of `only` one column.
 static lac_status read_csv(const char *path, lac_sweep *sweep, lac_swept *only, const char *name,
-                           lac_case *base, const lac_units *units, lac_error *err)
+                           const lac_units *units, lac_error *err)
 {
     column columns[MOST_COLUMNS];
     size_t count = 0, number = 0, rows = 0, size = 0;
@@ -446,7 +440,7 @@ static lac_status read_csv(const char *path, lac_sweep *sweep, lac_swept *only, 
             continue;
         }
         if (count == 0) {
-            status = read_header(path, text, sweep, only, name, base, columns, &count, err);
+            status = read_header(path, text, sweep, only, name, columns, &count, err);
         } else if (++rows > MOST_VALUES) {
             status = lac_fail(err, LAC_EINPUT, "%s: has more than a million rows", path);
         } else {
@@ -467,7 +461,7 @@ lac_status lac_swept_table(lac_sweep *sweep, const char *path, lac_error *err)
     const size_t first = sweep->params;
     lac_status status;
     LAC_TRY(lac_units_create(&units, err));
-    LAC_TRY(read_csv(path, sweep, NULL, NULL, sweep->base, units, err));
+    LAC_TRY(read_csv(path, sweep, NULL, NULL, units, err));
     for (size_t p = first; p < sweep->params; p++) {
         if (sweep->param[p].unit[0] == '\0') {
             (void)snprintf(sweep->param[p].unit, sizeof sweep->param[p].unit, "1");

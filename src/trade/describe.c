@@ -1,10 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a trade came to, as tables: the variables of its file, a row a run, and its JSON.
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "data/describe.h"
 #include "trade/trade.h"
 

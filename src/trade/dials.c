@@ -1,12 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The settings and the quantities: a row each, how a case has the one and a run the other.
-#include <inttypes.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "base/rows.h"
 #include "trade/probe.h"
 
 lac_setting_value lac_setting_number(double value)

@@ -1,10 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Errors, the Pareto front, and what to recommend.
-#include <float.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "trade/trade.h"
 
 double lac_richardson_error(double coarse, double middle, double fine, double ratio)

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include "data/dataset.h"
 #include "scene/scene.h"
 
 /// Error against cost of a case under the settings that trade one for the other; docs/trade.md.

@@ -3,15 +3,10 @@
 #include "cli/common/keep.h"
 
 #include <dirent.h>
-#include <errno.h>
 #include <fcntl.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "base/archive.h"
 #include "cli/common/progress.h"
 
 // Whether a command gives a file this name: of a run, while it is made, and what stands beside it.

@@ -306,9 +306,9 @@ static lac_status check_request(const cli_request *request, lac_error *err)
                 command->name, request->displacements.n);
     LAC_FAIL_IF(request->at != NULL && request->from == NULL, err, LAC_EINPUT,
                 "--at: says when of --from RUN.nc, which is missing");
-    LAC_FAIL_IF(request->count + request->files.n < command->least && request->from == NULL, err, LAC_EINPUT,
-                "%s: %s is missing; see lacuna %s --help", command->name, command->arguments,
-                command->name);
+    LAC_FAIL_IF(request->count + request->files.n < command->least && request->from == NULL, err,
+                LAC_EINPUT, "%s: %s is missing; see lacuna %s --help", command->name,
+                command->arguments, command->name);
     return LAC_OK;
 }
 

@@ -2,13 +2,9 @@
 // Tasks in processes: begun as memory allows, heard by a pipe each, taken over as they answer.
 #include "cli/common/pool.h"
 
-#include <errno.h>
-#include <math.h>
 #include <omp.h>
 #include <poll.h>
 #include <signal.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>

@@ -1,12 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // lacuna fit CASE SERIES.csv: the fit, its file and the fitted case, and what it came to in words.
-
-#include <errno.h>
-#include <inttypes.h>
-#include <limits.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "base/hidden.h"
@@ -17,7 +10,6 @@
 #include "cli/common/words.h"
 #include "cli/precursors/series.h"
 #include "cli/report/report.h"
-#include "data/dataset.h"
 #include "fit/fit.h"
 
 enum { COLUMNS = 9 };

@@ -1,14 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // lacuna check CASE: says what is wrong with a case and what it would cost, without running it.
-#include <errno.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "cli/common/command.h"
 #include "cli/common/words.h"
-#include "cli/report/report.h"
 #include "cli/run/run_outcome.h"
 #include "scene/estimate.h"
 #include "simulation/branch.h"

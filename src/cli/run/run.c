@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // lacuna run: a simulation with its file, its page and its progress.
 #define _GNU_SOURCE // asprintf
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/units.h"
 #include "cli/common/command.h"
@@ -13,7 +10,6 @@
 #include "cli/run/run_outcome.h"
 #include "cli/view/view.h"
 #include "simulation/branch.h"
-#include "store/store.h"
 #include "store/store_file.h"
 
 // Everything that a run holds.

@@ -2,17 +2,12 @@
 // What lacuna run says of a run that is over, on the terminal and in JSON.
 #include "cli/run/run_outcome.h"
 
-#include <inttypes.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/resource.h>
 
 #include "base/units.h"
 #include "cli/common/progress.h"
 #include "cli/common/words.h"
 #include "cli/contact/contact.h"
-#include "data/dataset.h"
 
 const char *const cli_failure_lowered =
     "a p/eta: damping holds the joint below that of the case; judged by all cells as one";

@@ -2,19 +2,13 @@
 // lacuna trade CASE: what is asked for, the case of each run, and what comes out, in words.
 #include "cli/trade/trade.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
-#include "base/archive.h"
 #include "base/units.h"
 #include "cli/common/command.h"
 #include "cli/common/output.h"
-#include "cli/common/progress.h"
 #include "cli/common/words.h"
 #include "cli/report/report.h"
-#include "data/dataset.h"
 #include "lacuna/version.h"
 
 static lac_status read_quantity(const char *text, lac_trade_request *ask, lac_error *err)
