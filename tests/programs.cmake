@@ -267,7 +267,9 @@ lacuna_python_test(test_pictures once)
 
 # Fits, and what they write; the bundled cases for it check.
 lacuna_python_test(test_fit)
-foreach(bundled block century century-undriven)
+lacuna_python_test(test_fit_friction once)
+lacuna_python_test(test_fit_resume)
+foreach(bundled block century century-undriven velocity-step)
   add_test(NAME case.fit.${bundled}.check
            COMMAND lacuna_program check -q ${PROJECT_SOURCE_DIR}/cases/fit/${bundled}.yaml)
   set_tests_properties(case.fit.${bundled}.check PROPERTIES LABELS case

@@ -222,7 +222,7 @@ void lac_check_fit(lac_reader *reader, lac_case *c)
                      "needs displacement, velocity or friction, such as displacement: \"disp:mm\"");
     (void)lac_refuse(reader, fit->columns.value != NULL && (slides || !is_block(c)), "fit.friction",
                      slides ? "stands in place of displacement, components and time_within"
-                            : "is of one block: a case without an interface, of slip along x");
+                            : "is read for one block: give no interface, and slip along x");
     (void)lac_refuse(reader, fit->columns.time == NULL, "fit", "needs time, the column of times");
     (void)lac_refuse(reader,
                      fit->columns.sigma != NULL && fit->columns.displacement == NULL &&

@@ -57,7 +57,7 @@ enum {
 
 /// One variable of a result, all that is told of it: a row of a const table.
 typedef struct lac_variable {
-    const char *name; ///< in a file; NULL: it is in none
+    const char *name; ///< in a file, "group/name" in a group of it; NULL: it is in none
     const char *json; ///< where it stands in JSON: "sampler/steps"; "levels[]/n_tot" with a list
                       ///< over the next of its dimensions, "powers{}" with an object of its labels;
                       ///< rows of the same path make a list; NULL: it stands in none
@@ -65,7 +65,8 @@ typedef struct lac_variable {
     const char *long_name, *comment, *coordinates;
     const char *cell_methods, *cell_measures, *standard_name, *axis; ///< as CF has them; NULL: none
     const char *meanings; ///< what its values 0, 1 ... mean, a word each; NULL: they are numbers
-    const char *dims;     ///< in order, between spaces, the last fastest; NULL: the table's
+    const char *dims;     ///< in order, between spaces, the last fastest; NULL: the table's. In a
+                          ///< file each is called what stands behind a "/"
     lac_getter value;     ///< either of these, or what is held
     lac_text_getter text; ///< of a text
     lac_held held;

@@ -24,6 +24,11 @@ LAC_GETTER(double, draw, RESULT, draw_of(r, at[0], at[1], at[2]))
 LAC_GETTER(double, best, RESULT, r->unknown[at[0]].best)
 LAC_GETTER(double, log_density, RESULT, r->chain->log_density[at[1] * r->chain->walkers + at[0]])
 LAC_GETTER(double, acceptance, RESULT, r->chain->acceptance[at[0]])
+LAC_GETTER(double, rms_slip, RESULT, r->friction ? NAN : r->displacement_rms)
+LAC_GETTER(double, rms_friction, RESULT, r->friction ? r->displacement_rms : NAN)
+LAC_GETTER(double, scatter_slip, RESULT, r->friction ? NAN : r->scatter)
+LAC_GETTER(double, scatter_friction, RESULT, r->friction ? r->scatter : NAN)
+LAC_GETTER(double, offset_slip, RESULT, r->friction ? NAN : r->offset)
 LAC_GETTER(bool, is_slip, RESULT, !r->friction)
 LAC_GETTER(bool, is_friction, RESULT, r->friction)
 LAC_GETTER(bool, has_windows, RESULT, r->windows)
@@ -104,15 +109,15 @@ static const lac_variable of_data[] = {
     {.json = "outside", R(COUNT, outside)},
     {.json = "missing", R(COUNT, missing)},
     {.json = "not_positive", R(COUNT, not_positive)},
-    {.json = "rms_m", R(REAL, displacement_rms), .has = is_slip},
-    {.json = "rms_friction", R(REAL, displacement_rms), .has = is_friction},
+    {.json = "rms_m", .value = rms_slip},
+    {.json = "rms_friction", .value = rms_friction},
     {.json = "rms_ln_rate", R(REAL, log_rate_rms)},
-    {.json = "offset_m", R(REAL, offset), .has = is_slip},
+    {.json = "offset_m", .value = offset_slip},
     {.json = "log_likelihood", R(REAL, log_likelihood)},
     {.json = "bic", R(REAL, bic)},
     {.json = "residual_autocorrelation", R(REAL, autocorrelation)},
-    {.json = "scatter_m", R(REAL, scatter), .has = is_slip},
-    {.json = "scatter_friction", R(REAL, scatter), .has = is_friction},
+    {.json = "scatter_m", .value = scatter_slip},
+    {.json = "scatter_friction", .value = scatter_friction},
     {.json = "misfit", R(REAL, misfit)},
     {.json = "excess", R(REAL, excess)},
     {.json = "fits_badly", R(BOOL, poor)},
@@ -187,6 +192,52 @@ static const lac_variable of_result[] = {
             R(REALS, draw_failure), .flags = LAC_TIME | LAC_MISSING),
 };
 
+LAC_GETTER(double, place, RESULT; (void)r, (double)at[0])
+LAC_GETTER(double, accepted, RESULT, r->chain->moved[at[1] * r->chain->walkers + at[0]] ? 1 : 0)
+LAC_GETTER(bool, has_slip, RESULT, r->displacements > 0)
+LAC_GETTER(bool, has_rate, RESULT, r->velocities > 0 && !r->windows)
+
+#define PLACE(group, dim, title) \
+    LAC_ROW(group "/" dim, dim, "1", title, .value = place, .flags = LAC_WHOLE)
+#define OF_DRAWS "predictive/chain predictive/draw reading"
+#define PREDICTED(group, title, metre, speed, reading, rate)                                    \
+    LAC_ROW(group "/chain", "predictive/chain", "1", "all walkers together", .value = place,    \
+            .flags = LAC_WHOLE),                                                                \
+        LAC_ROW(group "/draw", "predictive/draw", "1", "draw, evenly taken", .value = place,    \
+                .flags = LAC_WHOLE),                                                            \
+        LAC_ROW(group "/reading", "reading", NULL, "time of a reading", R(REALS, reading_time), \
+                .flags = LAC_TIME),                                                             \
+        LAC_ROW(group "/displacement", OF_DRAWS, metre, title " of a displacement",             \
+                R(REALS, reading), .flags = LAC_MISSING, .has = has_slip),                      \
+        LAC_ROW(group "/friction", OF_DRAWS, "1", title " of a friction coefficient",           \
+                R(REALS, reading), .flags = LAC_MISSING, .has = is_friction),                   \
+        LAC_ROW(group "/slip_rate", OF_DRAWS, speed, title " of a velocity", R(REALS, rate),    \
+                .flags = LAC_MISSING, .has = has_rate)
+
+// What other tools of Bayesian statistics read: the groups of ArviZ's InferenceData.
+static const lac_variable of_inference[] = {
+    PLACE("posterior", "chain", "walker"),
+    PLACE("posterior", "draw", "draw"),
+    PLACE("sample_stats", "chain", "walker"),
+    PLACE("sample_stats", "draw", "draw"),
+    LAC_ROW("sample_stats/lp", "chain draw", "1",
+            "logarithm of the posterior density of the coordinates, up to a constant",
+            .value = log_density),
+    LAC_ROW("sample_stats/accepted", "chain draw", "1",
+            "1: the move that led to the draw was accepted", .value = accepted, .flags = LAC_WHOLE),
+    LAC_ROW("observed_data/reading", "reading", NULL, "time of a reading", R(REALS, reading_time),
+            .flags = LAC_TIME),
+    LAC_ROW("observed_data/displacement", "reading", "m", "displacement that was read",
+            R(REALS, observed), .flags = LAC_MISSING, .has = has_slip),
+    LAC_ROW("observed_data/friction", "reading", "1", "friction coefficient that was read",
+            R(REALS, observed), .flags = LAC_MISSING, .has = is_friction),
+    LAC_ROW("observed_data/slip_rate", "reading", "m s-1", "velocity that was read",
+            R(REALS, observed_rate), .flags = LAC_MISSING, .has = has_rate),
+    PREDICTED("posterior_predictive", "prediction", "m", "m s-1", told_reading, told_rate),
+    PREDICTED("log_likelihood", "logarithm of the likelihood", "1", "1", likely_reading,
+              likely_rate),
+};
+
 static const lac_variable of_outcome[] = {
     {.json = "sampler/seed", .value = seed},
     {.name = "point", .json = "point", .text = point, .has = has_point},
@@ -194,9 +245,8 @@ static const lac_variable of_outcome[] = {
 };
 
 // "friction.aging.dc" as a name that every tool takes.
-static void name_of(const char *key, char name[NAME])
+static void name_of(char *name)
 {
-    (void)snprintf(name, NAME, "%s", key);
     for (char *c = name; *c != '\0'; c++) {
         *c = *c == '.' || *c == '-' ? '_' : *c;
     }
@@ -213,10 +263,14 @@ static lac_status add_draws(lac_dataset *d, const lac_fit_result *r, lac_error *
     for (size_t k = 0; k < r->unknowns && status == LAC_OK; k++) {
         char name[NAME], title[TITLE];
         const char *key = r->unknown[k].key;
-        name_of(key, name);
+        (void)snprintf(name, sizeof name, "posterior/%s", key);
+        name_of(name);
         (void)snprintf(title, sizeof title, "%s of %s", any ? "posterior draws" : "best fit", key);
-        const lac_named named = {
+        lac_named named = {
             .name = name, .long_name = title, .unit = r->unknown[k].unit, .which = k};
+        status = any ? lac_dataset_add_named(d, &drawn, &named, r, err) : LAC_OK;
+        LAC_TRY_RETURN(status);
+        named.name += sizeof "posterior/" - 1;
         status = lac_dataset_add_named(d, any ? &drawn : &alone, &named, r, err);
         if (status == LAC_OK) {
             lac_dataset_attributes(d, &beside);
@@ -234,12 +288,15 @@ lac_status lac_fit_describe(const lac_fit_outcome *o, lac_dataset **out, lac_err
                                {"prediction", r->times},
                                {"reading", r->readings},
                                {"sample", r->draws},
+                               {"predictive/chain", r->told > 0 ? 1 : 0},
+                               {"predictive/draw", r->told},
                                {"unknown", r->unknowns},
                                {"parameter", r->parameters}};
     const lac_laid laid[] = {
         {LAC_VARIABLES(of_data, "", 0), r},
         {LAC_VARIABLES(of_unknowns, "unknown", sizeof(lac_fit_unknown)), r->unknown},
         {LAC_VARIABLES(of_result, "", 0), r},
+        {LAC_VARIABLES(of_inference, "", 0), r},
         {LAC_VARIABLES(of_outcome, "", 0), o}};
     lac_status status;
     LAC_TRY(lac_dataset_create("Parameters of a creep model fitted to a monitoring series: draws "

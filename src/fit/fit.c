@@ -235,7 +235,7 @@ uint64_t lac_fit_sum(lac_fit *fit)
     const lac_fit_data *data = &fit->data;
     lac_fit_def *def = &fit->model[0].base.c->fit;
     const lac_fit_def before = *def;
-    def->burn = def->steps = def->rounds = 0;
+    def->rounds = 0;
     char *text = lac_case_text(fit->model[0].base.c);
     *def = before;
     if (text == NULL) {

@@ -54,7 +54,6 @@ typedef struct lac_fit_interval {
 typedef struct lac_fit_result {
     size_t parameters, unknowns;
     lac_fit_unknown unknown[LAC_FIT_UNKNOWNS];   ///< [unknowns] parameters first
-    bool friction;                               ///< it stands for displacement here [1], not [m]
     size_t displacements, frictions, velocities; ///< readings used
     size_t bounds;                               ///< of the velocities, that are upper bounds
     size_t outside, missing;                     ///< left out: outside the run, not given
@@ -68,6 +67,7 @@ typedef struct lac_fit_result {
     double scatter;         ///< of displacements about the line between their neighbours [m]; NaN
     bool poor;    ///< they hang together or (white ones) exceed that scatter as noise does 1 in 100
     bool windows; ///< velocities have errors, bounds or windows of their own
+    bool friction;         ///< it stands in the place of displacements, here and below [1], not [m]
     double log_likelihood; ///< of the best fit, offset integrated out
     double bic;            ///< Bayesian information criterion: k ln n - 2 ln L; less is better
     double failure;        ///< time of failure of the best fit [s]; NaN: none by time.end
@@ -100,8 +100,13 @@ typedef struct lac_fit_result {
     const double *reading_within; ///< [readings] half the window of the time [s]
     const double *rate_rank;      ///< [readings] share of predicted readings of the rate below it
     const double *most_kept;      ///< [readings] how likely the posterior keeps the bound
-    const double *draw_failure;   ///< [draws] [s]; NaN: not by time.end
-    const lac_chain *chain;       ///< of the coordinates; NULL
+    /// What the posterior predicts of the readings, their errors included, and ln of the likelihood
+    /// of each, given those before it: of `told` draws, evenly taken of those that were run on
+    size_t told;
+    const double *told_reading, *told_rate;     ///< [told][readings] as observed; NaN
+    const double *likely_reading, *likely_rate; ///< [told][readings] [1]; NaN
+    const double *draw_failure;                 ///< [draws] [s]; NaN: not by time.end
+    const lac_chain *chain;                     ///< of the coordinates; NULL
 } lac_fit_result;
 
 /// A fit as it is told: what lac_fit_describe lays its tables on.
@@ -126,7 +131,7 @@ lac_status lac_fit_create(const lac_case *c, const lac_series *series, int threa
 
 void lac_fit_free(lac_fit *fit);
 
-/// What the steps of its sampler follow from, but for their number: of lac_kept_open. Asked for
+/// What the steps of its sampler follow from, but for fit.rounds: of lac_kept_open. Asked for
 /// before it is run.
 /// @return 0 where memory is short
 uint64_t lac_fit_sum(lac_fit *fit);

@@ -91,6 +91,15 @@ typedef struct lac_fit_straight {
     double held_a, held_b; // where held
 } lac_fit_straight;
 
+// What takes the bend out of the walkers' valley (shear.c).
+typedef struct lac_fit_shear {
+    bool used;
+    size_t pivot, dimension;
+    double mean, width;             // of the pivot
+    double third, fourth, share;    // its moments, of which q2 and q3 are made
+    double by[LAC_FIT_UNKNOWNS][2]; // what each coordinate has of q2 and q3
+} lac_fit_shear;
+
 struct lac_fit {
     const lac_case *source;
     const lac_fit_def *def;
@@ -110,6 +119,7 @@ struct lac_fit {
     int by[LAC_MOST_FITTED];
     int64_t runs;
     lac_fit_straight straight;
+    lac_fit_shear shear;
     lac_chain *chain;
     double *kept; // arrays of the result
 };
@@ -225,6 +235,13 @@ lac_fit_straight lac_fit_straighten(const lac_fit *fit);
 // @return ln of |du/dz|
 double lac_fit_from_line(const lac_fit *fit, const double *z, double *u);
 void lac_fit_to_line(const lac_fit *fit, const double *u, double *z);
+void lac_fit_to_line_unbent(const lac_fit *fit, const double *u, double *z);
+
+// shear.c: the shear of the places where a chain ended; none where it would gain little.
+lac_status lac_fit_find_shear(lac_fit *fit, lac_error *err);
+
+// Onto sheared coordinates, or with sign -1 back.
+void lac_fit_shear_to(const lac_fit_shear *shear, double sign, double *z);
 
 // posterior.c: the sampler, its quantiles and what follows from the draws.
 lac_status lac_fit_sample(lac_fit *fit, const lac_fit_watch *watch, lac_fit_result *result,

@@ -89,10 +89,12 @@ static double bend(const lac_fit *fit, const double *z, double *u)
     return log_q - log(more) + (p[s->x].log ? 0.0 : log_x) + (p[s->dc].log ? 0.0 : log_dc);
 }
 
-double lac_fit_from_line(const lac_fit *fit, const double *z, double *u)
+double lac_fit_from_line(const lac_fit *fit, const double *given, double *u)
 {
     const lac_fit_straight *s = &fit->straight;
-    double log_slope = 0.0;
+    double log_slope = 0.0, z[LAC_FIT_UNKNOWNS];
+    memcpy(z, given, fit->unknowns * sizeof *z);
+    lac_fit_shear_to(&fit->shear, -1.0, z);
     for (size_t k = 0; k < fit->unknowns; k++) {
         u[k] = z[k];
         if (lac_fit_bounded(fit, k) && !(s->used && ((int)k == s->dc || (int)k == s->x))) {
@@ -107,6 +109,12 @@ double lac_fit_from_line(const lac_fit *fit, const double *z, double *u)
 }
 
 void lac_fit_to_line(const lac_fit *fit, const double *u, double *z)
+{
+    lac_fit_to_line_unbent(fit, u, z);
+    lac_fit_shear_to(&fit->shear, 1.0, z);
+}
+
+void lac_fit_to_line_unbent(const lac_fit *fit, const double *u, double *z)
 {
     const lac_fit_straight *s = &fit->straight;
     const lac_fit_parameter *p = fit->def->parameter;

@@ -171,6 +171,19 @@ static lac_status walk(lac_fit *fit, const lac_sampler_def *def, double *start, 
     return status;
 }
 
+// The walkers' valley straightened for the next chain, by where this one ended.
+static lac_status shear(lac_fit *fit, double *start, lac_error *err)
+{
+    const size_t d = fit->unknowns;
+    const lac_fit_shear before = fit->shear;
+    LAC_TRY_RETURN(lac_fit_find_shear(fit, err));
+    for (int64_t k = 0; k < fit->def->walkers; k++) {
+        lac_fit_shear_to(&before, -1.0, start + (size_t)k * d);
+        lac_fit_shear_to(&fit->shear, 1.0, start + (size_t)k * d);
+    }
+    return LAC_OK;
+}
+
 // Chains until one has converged: one that has not is dropped, as what leads up to the next, which
 // is twice as long.
 static lac_status walk_on(lac_fit *fit, lac_sampler_def *def, double *start, lac_fit_result *result,
@@ -190,6 +203,7 @@ static lac_status walk_on(lac_fit *fit, lac_sampler_def *def, double *start, lac
         if (status != LAC_OK || result->converged) {
             return status;
         }
+        LAC_TRY_RETURN(shear(fit, start, err));
         def->first += def->burn + def->steps;
         def->burn = 0;
         def->steps *= 2;

@@ -5,10 +5,19 @@
 #include <omp.h>
 #include <stdlib.h>
 
+#include "base/rng.h"
+#include "base/statistics.h"
 #include "fit/internal.h"
 
 enum { TIMES = 200, MOST_DRAWS = 1000 };
-enum { COLUMNS = 7 }; // of what is kept of the rows of the file
+enum { COLUMNS = 7 };         // of what is kept of the rows of the file
+enum { TOLD = 4 };            // of what is told of the readings by a draw
+enum { MOST_TOLD = 1 << 21 }; // numbers of each
+
+static double log_normal(double z, double sigma)
+{
+    return -0.5 * z * z - log(sigma) - 0.91893853320467274178; // ln(2 pi)/2
+}
 
 // What the draws come to.
 typedef struct prediction {
@@ -21,6 +30,8 @@ typedef struct prediction {
     double *rank;         // [draws][rates] of rates.c
     double *column;       // [draws] work
     double *room;         // [threads][2 readings + 2 TIMES]
+    size_t told, stride;  // draws that are told of the readings, each of so many
+    double *reading;      // [TOLD][told][readings]
 } prediction;
 
 // From the first reading on, three quarters of the times up to the last one, the rest as far again
@@ -40,10 +51,54 @@ static void choose_times(const prediction *p)
     p->time[TIMES - 1] = on;
 }
 
-// Displacement [TIMES], rate and time of failure at unknowns x; what cannot be run fails at once.
-static void look(const prediction *p, int thread, const double *x, double *displacement,
-                 double *rate, double *failure, double *rank)
+// What a draw predicts of the readings, errors included, and how likely it makes them: of an error
+// that is correlated given the one before (docs/theory/fitting.md eq. 3), with an offset drawn too.
+static void foretell(const prediction *p, size_t draw, const lac_fit_errors_at *errors,
+                     double offset, const double *slip, const double *log_rate)
 {
+    const uint64_t apart = (UINT64_C(1) << 59) + draw; // from the numbers of the sampler
+    const uint64_t seed = (uint64_t)p->fit->def->seed;
+    const lac_fit_data *data = &p->fit->data;
+    const size_t n = data->n;
+    double *out[TOLD], z[2], made = 0.0, seen = 0.0, last = -INFINITY;
+    for (size_t k = 0; k < TOLD; k++) {
+        out[k] = p->reading + (k * p->told + draw / p->stride) * n;
+    }
+    for (size_t i = 0; i < n; i++) {
+        const bool slides = !isnan(data->displacement[i]);
+        const double s = errors->displacement * data->sigma[i], by = errors->velocity;
+        const double rho = errors->time > 0.0 ? exp(-(data->time[i] - last) / errors->time) : 0.0;
+        const double rest = sqrt(1.0 - rho * rho), before = seen;
+        lac_random_normal(seed, LAC_STREAM_SAMPLER, apart, i, z);
+        made = slides ? rho * made + rest * z[0] : made;
+        seen = slides ? (data->displacement[i] - slip[i] - offset) / s : seen;
+        last = slides ? data->time[i] : last;
+        out[0][i] = slides ? slip[i] + offset + s * made : NAN;
+        out[1][i] = slides ? log_normal((seen - rho * before) / rest, s * rest) : NAN;
+        out[2][i] = isnan(data->log_rate[i]) ? NAN : exp(log_rate[i] + by * z[1]);
+        out[3][i] = log_normal((data->log_rate[i] - log_rate[i]) / by, by);
+    }
+}
+
+// An offset of the draw: normal about its best, as wide as all readings together know it.
+static double draw_offset(const lac_fit_model *model, const lac_fit_errors_at *errors, size_t draw,
+                          double best)
+{
+    const lac_fit_data *data = &model->fit->data;
+    double z[2];
+    lac_fit_whiten_one(data, errors, model->scratch);
+    const double weight = lac_dot(data->n, model->scratch, model->scratch);
+    lac_random_normal((uint64_t)model->fit->def->seed, LAC_STREAM_SAMPLER,
+                      (UINT64_C(1) << 59) + draw, data->n, z);
+    return model->fit->offset && weight > 0.0 ? best + z[0] / sqrt(weight) : best;
+}
+
+// Displacement [TIMES], rate and time of failure at unknowns x, put in the place of the draw; what
+// cannot be run fails at once. @param draw  p->draws: the best fit
+static void look(const prediction *p, int thread, const double *x, size_t draw)
+{
+    double *displacement = p->displacement + draw * TIMES, *rate = p->rate + draw * TIMES;
+    const bool drawn = draw < p->draws;
     lac_fit *fit = p->fit;
     const lac_fit_data *data = &fit->data;
     lac_fit_model *model = &fit->model[thread];
@@ -57,8 +112,12 @@ static void look(const prediction *p, int thread, const double *x, double *displ
     if (whole && data->displacements > 0) {
         offset = lac_fit_likelihood(fit, &errors, slip, log_rate, model->scratch).offset;
     }
-    for (size_t k = 0; k < data->rates && rank != NULL; k++) {
-        rank[k] = whole ? lac_fit_rate_rank(data, &data->rate[k], errors.velocity, log_rate) : NAN;
+    if (drawn && p->told > 0 && draw % p->stride == 0 && whole) {
+        foretell(p, draw, &errors, draw_offset(model, &errors, draw, offset), slip, log_rate);
+    }
+    for (size_t k = 0; k < data->rates && drawn; k++) {
+        p->rank[draw * data->rates + k] =
+            whole ? lac_fit_rate_rank(data, &data->rate[k], errors.velocity, log_rate) : NAN;
     }
     lac_sensitivity seen = {.slip = later, .log_rate = later_rate};
     (void)lac_fit_model_run(model, x, fit->source->run.end, TIMES, p->time, &seen, NULL);
@@ -66,7 +125,9 @@ static void look(const prediction *p, int thread, const double *x, double *displ
         displacement[i] = i < seen.reached ? later[i] + offset : INFINITY;
         rate[i] = i < seen.reached ? exp(later_rate[i]) : INFINITY;
     }
-    *failure = seen.failed ? seen.failure_time : NAN;
+    if (drawn) {
+        p->failure[draw] = seen.failed ? seen.failure_time : NAN;
+    }
 }
 
 static lac_status allocate(prediction *p, lac_error *err)
@@ -75,7 +136,12 @@ static lac_status allocate(prediction *p, lac_error *err)
     size_t n = fit->data.n;
     size_t kept = TIMES * (2 + 2 * LAC_FIT_QUANTILES) + COLUMNS * fit->data.rows;
     size_t whole = (p->draws + 1) * TIMES;
-    fit->kept = calloc(kept + p->draws, sizeof *fit->kept);
+    if (fit->data.rates == 0 && p->draws > 0) { // else ranks tell of the readings
+        p->stride = 1 + (p->draws * n - 1) / MOST_TOLD;
+        p->told = (p->draws - 1) / p->stride + 1;
+    }
+    const size_t told = TOLD * p->told * n;
+    fit->kept = calloc(kept + p->draws + told, sizeof *fit->kept);
     const size_t ranks = p->draws * fit->data.rates;
     p->displacement =
         malloc((2 * whole + p->draws + ranks + (size_t)fit->threads * (2 * n + 2 * TIMES)) *
@@ -87,6 +153,10 @@ static lac_status allocate(prediction *p, lac_error *err)
     p->room = p->rank + ranks;
     p->time = fit->kept;
     p->failure = fit->kept + kept;
+    p->reading = p->failure + p->draws;
+    for (size_t i = 0; i < told; i++) {
+        p->reading[i] = NAN;
+    }
     return LAC_OK;
 }
 
@@ -106,9 +176,7 @@ static void run_draws(prediction *p, const lac_fit_watch *watch)
         if (omp_get_thread_num() == 0) {
             lac_fit_tell(watch, "draws run on", now, p->draws);
         }
-        look(p, omp_get_thread_num(), chain->x + which * chain->dimension,
-             p->displacement + (size_t)i * TIMES, p->rate + (size_t)i * TIMES, &p->failure[i],
-             p->rank + (size_t)i * p->fit->data.rates);
+        look(p, omp_get_thread_num(), chain->x + which * chain->dimension, (size_t)i);
     }
     p->fit->runs += 2 * (int64_t)p->draws;
 }
@@ -196,6 +264,12 @@ static void sum_up(const prediction *p, lac_fit_result *result)
     result->rate = rate;
     result->draws = p->draws;
     result->draw_failure = p->failure;
+    const size_t each = p->told * p->fit->data.n;
+    result->told = p->told;
+    result->told_reading = p->reading;
+    result->likely_reading = p->reading + each;
+    result->told_rate = p->reading + 2 * each;
+    result->likely_rate = p->reading + 3 * each;
 }
 
 lac_status lac_fit_predict(lac_fit *fit, const lac_fit_watch *watch, lac_fit_result *result,
@@ -204,15 +278,15 @@ lac_status lac_fit_predict(lac_fit *fit, const lac_fit_watch *watch, lac_fit_res
     const lac_chain *chain = fit->chain;
     prediction p = {.fit = fit};
     lac_status status = LAC_OK;
-    double ignored;
     size_t all = chain != NULL ? chain->walkers * chain->steps : 0;
     p.draws = all < MOST_DRAWS ? all : MOST_DRAWS;
     LAC_TRY(allocate(&p, err));
     choose_times(&p);
     double *fitted = p.time + TIMES;
-    look(&p, 0, fit->best, fitted, p.rate + p.draws * TIMES, &ignored, NULL);
+    look(&p, 0, fit->best, p.draws);
     for (size_t i = 0; i < TIMES; i++) {
-        fitted[i] = isinf(fitted[i]) ? NAN : fitted[i];
+        const double best = p.displacement[p.draws * TIMES + i];
+        fitted[i] = isinf(best) ? NAN : best;
     }
     result->times = TIMES;
     result->time = p.time;

@@ -255,7 +255,8 @@ static lac_status chain_create(const lac_sampler_def *def, lac_chain **out, lac_
 {
     const size_t draws = def->steps * def->walkers;
     lac_chain *chain =
-        calloc(1, sizeof *chain + (draws * (def->dimension + 1) + def->walkers) * sizeof *chain->x);
+        calloc(1, sizeof *chain + (draws * (def->dimension + 1) + def->walkers) * sizeof *chain->x +
+                      draws * sizeof *chain->moved);
     *out = chain;
     LAC_FAIL_MEMORY_IF(chain == NULL, err);
     chain->dimension = def->dimension;
@@ -263,6 +264,7 @@ static lac_status chain_create(const lac_sampler_def *def, lac_chain **out, lac_
     chain->x = (double *)(chain + 1);
     chain->log_density = chain->x + draws * def->dimension;
     chain->acceptance = chain->log_density + draws;
+    chain->moved = (bool *)(chain->acceptance + def->walkers);
     return LAC_OK;
 }
 
@@ -423,6 +425,7 @@ static void keep(const ensemble *e, lac_chain *chain)
     memcpy(chain->x + chain->steps * walkers * d, e->x, walkers * d * sizeof *e->x);
     memcpy(chain->log_density + chain->steps * walkers, e->log_density,
            walkers * sizeof *e->log_density);
+    memcpy(chain->moved + chain->steps * walkers, e->moved, walkers * sizeof *e->moved);
     for (size_t k = 0; k < walkers; k++) {
         chain->acceptance[k] += e->moved[k] ? 1.0 : 0.0;
     }

@@ -53,6 +53,7 @@ typedef struct lac_chain {
     size_t dimension, walkers, steps;
     double *x;           ///< [steps][walkers][dimension]
     double *log_density; ///< [steps][walkers]
+    bool *moved;         ///< [steps][walkers] whether the move that led there was accepted
     double *acceptance;  ///< [walkers] moves accepted, of those of the steps kept [1]
 } lac_chain;
 

@@ -70,7 +70,8 @@ static lac_status open_fit(lac_page *page, fitted *f)
     for (size_t v = 0; v < VARIABLES; v++) {
         f->value[v] = lac_page_values(page, f->file, names[v]);
     }
-    LAC_FAIL_IF(!fits_together(f), page->err, LAC_EIO, "%s: is not a file of lacuna fit", f->path);
+    LAC_FAIL_IF(!fits_together(f), page->err, LAC_EIO,
+                "%s: is not a file of lacuna fit to displacements or velocities", f->path);
     return find_shift(page, f);
 }
 

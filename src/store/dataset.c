@@ -172,9 +172,11 @@ static lac_status put(const lac_writer *w, const lac_column *c, size_t first, si
         count[0] = n;
     }
     const nc_type type = c->item.row->held == LAC_HELD_BYTES ? NC_UBYTE : NC_DOUBLE;
+    lac_nc within = *w->file;
+    within.id = c->file;
     errno = 0;
-    return lac_nc_check(w->file->path, lac_nc_append(w->file, type, c->id, start, count, values),
-                        err, "write", c->item.name);
+    return lac_nc_check(within.path, lac_nc_append(&within, type, c->id, start, count, values), err,
+                        "write", c->item.name);
 }
 
 lac_status lac_writer_put_values(const lac_writer *w, const lac_column *c, size_t first, size_t n,
@@ -211,7 +213,7 @@ static lac_status put_strings(const lac_writer *w, const lac_column *c, lac_erro
             at[d] = place % item->length[d];
         }
         text = text != NULL ? text : "";
-        status = lac_nc_check(w->file->path, nc_put_var1_string(w->file->id, c->id, at, &text), err,
+        status = lac_nc_check(w->file->path, nc_put_var1_string(c->file, c->id, at, &text), err,
                               "write", item->name);
     }
     return status;
@@ -229,7 +231,7 @@ static lac_status put_characters(const lac_writer *w, const lac_column *c, lac_e
         memcpy(all + i * length, text != NULL ? text : "", text != NULL ? strlen(text) : 0);
     }
     errno = 0;
-    lac_status status = lac_nc_check(w->file->path, nc_put_var_text(w->file->id, c->id, all), err,
+    lac_status status = lac_nc_check(w->file->path, nc_put_var_text(c->file, c->id, all), err,
                                      "write", c->item.name);
     free(all);
     return status;
@@ -241,7 +243,7 @@ static lac_status put_places(const lac_writer *w, const lac_column *c, lac_error
     int code = NC_NOERR;
     for (size_t i = 0; i < c->item.count && code == NC_NOERR; i++) {
         const int value = (int)i;
-        code = nc_put_var1_int(w->file->id, c->id, &i, &value);
+        code = nc_put_var1_int(c->file, c->id, &i, &value);
     }
     return lac_nc_check(w->file->path, code, err, "write", c->item.name);
 }

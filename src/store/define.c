@@ -135,11 +135,48 @@ static int define_storage(const lac_writer *w, const lac_item *item, int id, nc_
                : code;
 }
 
-// One that only JSON knows stands in no file.
+// What a name says behind the group that it is in: "posterior/draw".
+static const char *leaf_of(const char *name)
+{
+    const char *slash = strrchr(name, '/');
+    return slash != NULL ? slash + 1 : name;
+}
+
+// The file, or the group that a name stands in, made where it is the first there.
+static int find_group(int file, const char *name, int *group)
+{
+    char *of = strdup(name);
+    int code = of == NULL ? NC_ENOMEM : NC_NOERR;
+    *group = file;
+    if (code == NC_NOERR && leaf_of(name) != name) {
+        of[leaf_of(name) - name - 1] = '\0';
+        code = nc_inq_grp_ncid(file, of, group);
+        code = code == NC_ENOGRP ? nc_def_grp(file, of, group) : code;
+    }
+    free(of);
+    return code;
+}
+
+// One of a file or group itself, not of what the group is in.
+static bool has_dim(int file, const char *name, int *dim)
+{
+    int known[NC_MAX_DIMS], count = 0;
+    bool own = false;
+    if (nc_inq_dimid(file, name, dim) == NC_NOERR &&
+        nc_inq_dimids(file, &count, known, 0) == NC_NOERR) {
+        for (int i = 0; i < count; i++) {
+            own = own || known[i] == *dim;
+        }
+    }
+    return own;
+}
+
+// One that only JSON knows stands in no file. A group has dimensions of its own.
 static lac_status find_dim(const lac_writer *w, const char *name, size_t length, int *dim,
                            lac_error *err)
 {
-    if (nc_inq_dimid(w->file->id, name, dim) == NC_NOERR) {
+    name = leaf_of(name);
+    if (has_dim(w->file->id, name, dim)) {
         return LAC_OK;
     }
     length = length == LAC_GROWS ? NC_UNLIMITED : length;
@@ -211,9 +248,16 @@ static lac_status put_attributes(const lac_writer *w, const lac_item *item, int 
     return LAC_OK;
 }
 
-lac_status lac_writer_define(const lac_writer *w, lac_column *column, lac_error *err)
+lac_status lac_writer_define(const lac_writer *writer, lac_column *column, lac_error *err)
 {
     const lac_item *item = &column->item;
+    lac_nc within = *writer->file; // its group
+    lac_writer in_group = *writer;
+    const lac_writer *w = &in_group;
+    in_group.file = &within;
+    const int made = find_group(writer->file->id, item->name, &within.id);
+    LAC_TRY_RETURN(lac_nc_check(within.path, made, err, "define the group of", item->name));
+    column->file = within.id;
     const nc_type type = lac_writer_type(w, item);
     int dims[MAX_RANK] = {0};
     int rank = (int)item->rank;
@@ -225,7 +269,7 @@ lac_status lac_writer_define(const lac_writer *w, lac_column *column, lac_error 
         (void)snprintf(name, sizeof name, "%s_length", item->name);
         LAC_TRY_RETURN(find_dim(w, name, lac_item_longest_text(item), &dims[rank++], err));
     }
-    int code = nc_def_var(w->file->id, item->name, type, rank, dims, &column->id);
+    int code = nc_def_var(w->file->id, leaf_of(item->name), type, rank, dims, &column->id);
     if (code == NC_NOERR && rank > 0) {
         code = define_storage(w, item, column->id, type, rank, dims);
     }

@@ -13,7 +13,7 @@ typedef struct lac_column {
     double *values;
     size_t count, room;
     char **text;      ///< [item.count] of texts, in a recording; owned, as one piece
-    int id;           ///< in a file
+    int file, id;     ///< the file's or its group's, and its own there
     lac_variable row; ///< in a recording: how it is read, and its path in JSON
     char json[80];
 } lac_column;

@@ -372,19 +372,23 @@ typedef struct column {
 
 enum { MOST_COLUMNS = 256 };
 
+typedef struct header {
+    column of[MOST_COLUMNS]; // [count]
+    size_t count;
+} header;
+
 // The header: what each column is.
 static lac_status read_header(const char *path, char *line, lac_sweep *sweep, lac_swept *only,
-                              const char *name, lac_case *base, column *columns, size_t *count,
-                              lac_error *err)
+                              const char *name, lac_case *base, header *columns, lac_error *err)
 {
     bool found = false;
-    *count = 0;
+    columns->count = 0;
     for (char *part = line; part != NULL;) {
         char *next = cut(part, ',');
         char *head = trimmed(part), *colon = strrchr(head, ':');
-        LAC_FAIL_IF(*count >= MOST_COLUMNS, err, LAC_EINPUT, "%s:1: has more than %d columns", path,
-                    MOST_COLUMNS);
-        column *c = &columns[(*count)++];
+        LAC_FAIL_IF(columns->count >= MOST_COLUMNS, err, LAC_EINPUT,
+                    "%s:1: has more than %d columns", path, MOST_COLUMNS);
+        column *c = &columns->of[columns->count++];
         *c = (column){.param = SIZE_MAX};
         if (colon != NULL) {
             *colon = '\0';
@@ -407,25 +411,24 @@ static lac_status read_header(const char *path, char *line, lac_sweep *sweep, la
 }
 
 static lac_status read_row(const char *path, size_t line, char *row, lac_swept *params,
-                           const column *columns, size_t count, const lac_units *units,
-                           lac_error *err)
+                           const header *columns, const lac_units *units, lac_error *err)
 {
     size_t n = 0;
     char text[256];
     for (char *part = row; part != NULL; n++) {
         char *next = cut(part, ',');
-        if (n < count && columns[n].param != SIZE_MAX) {
-            const char *unit = columns[n].unit;
+        if (n < columns->count && columns->of[n].param != SIZE_MAX) {
+            const char *unit = columns->of[n].unit;
             (void)snprintf(text, sizeof text, "%s%s%s", trimmed(part), unit[0] != '\0' ? " " : "",
                            unit);
             lac_error why = {""};
-            const lac_status status = add_text(&params[columns[n].param], units, text, &why);
+            const lac_status status = add_text(&params[columns->of[n].param], units, text, &why);
             LAC_FAIL_IF(status != LAC_OK, err, status, "%s:%zu: %s", path, line, why.message);
         }
         part = next;
     }
-    LAC_FAIL_IF(n != count, err, LAC_EINPUT, "%s:%zu: has %zu values, the header %zu names", path,
-                line, n, count);
+    LAC_FAIL_IF(n != columns->count, err, LAC_EINPUT,
+                "%s:%zu: has %zu values, the header %zu names", path, line, n, columns->count);
     return LAC_OK;
 }
 
@@ -433,8 +436,8 @@ static lac_status read_row(const char *path, size_t line, char *row, lac_swept *
 static lac_status read_csv(const char *path, lac_sweep *sweep, lac_swept *only, const char *name,
                            lac_case *base, const lac_units *units, lac_error *err)
 {
-    column columns[MOST_COLUMNS];
-    size_t count = 0, number = 0, rows = 0, size = 0;
+    header columns = {.count = 0};
+    size_t number = 0, rows = 0, size = 0;
     char *line = NULL;
     lac_status status = LAC_OK;
     FILE *file = fopen(path, "r");
@@ -445,13 +448,13 @@ static lac_status read_csv(const char *path, lac_sweep *sweep, lac_swept *only, 
         if (*text == '\0' || *text == '#') {
             continue;
         }
-        if (count == 0) {
-            status = read_header(path, text, sweep, only, name, base, columns, &count, err);
+        if (columns.count == 0) {
+            status = read_header(path, text, sweep, only, name, base, &columns, err);
         } else if (++rows > MOST_VALUES) {
             status = lac_fail(err, LAC_EINPUT, "%s: has more than a million rows", path);
         } else {
-            status = read_row(path, number, text, only != NULL ? only : sweep->param, columns,
-                              count, units, err);
+            status = read_row(path, number, text, only != NULL ? only : sweep->param, &columns,
+                              units, err);
         }
     }
     free(line);

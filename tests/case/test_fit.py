@@ -17,6 +17,7 @@ import unittest
 
 import netCDF4
 import numpy
+import xarray
 
 PROGRAM, SOURCE = "", ""
 CASE, SERIES = "cases/fit/block.yaml", "cases/data/creep.csv"
@@ -90,6 +91,46 @@ class Fit(unittest.TestCase):
         self.assertAlmostEqual(run["compare"][0]["slip_rms_m"] / said["rms_m"], 1.0, places=1)
         self.assertAlmostEqual(run["failure_time_s"] / said["best_failure_time_s"], 1.0, places=3)
 
+    def test_groups(self):
+        """The file as ArviZ reads it: groups, dimensions and names of InferenceData, the values those of the plain variables;
+        what the posterior predicts scatters about the readings as these do; LOO's input is the likelihood."""
+        for errors in ("white", "ar1"):
+            said = self.fit(CASE, SERIES, *SHORT, "--set", "fit.steps=80", "--set", "fit.errors=" + errors, status=1)
+            groups = {}
+            for name in ("posterior", "sample_stats", "observed_data", "posterior_predictive", "log_likelihood"):
+                groups[name] = xarray.open_dataset(self.out, group=name)
+            posterior, stats = groups["posterior"], groups["sample_stats"]
+            with netCDF4.Dataset(self.out) as file:
+                file.set_auto_mask(False)
+                self.assertEqual(set(file.groups), set(groups))
+                keys = [p["key"].replace(".", "_") for p in said["parameters"]]
+                self.assertEqual(sorted(posterior.data_vars), sorted(keys))
+                for key in keys:
+                    self.assertEqual(posterior[key].dims, ("chain", "draw"))
+                    self.assertEqual(posterior[key].values.tobytes(), file[key][:].tobytes())
+                    self.assertEqual(posterior[key].attrs["units"], file[key].units)
+                self.assertEqual(stats["lp"].values.tobytes(), file["log_posterior"][:].tobytes())
+                numpy.testing.assert_allclose(stats["accepted"].mean("draw"), file["acceptance"][:])
+                numpy.testing.assert_array_equal(groups["observed_data"]["displacement"], file["observed_displacement"][:])
+                self.assertEqual(file["posterior"].dimensions["chain"].size, 16)
+            for name in ("posterior", "sample_stats"):
+                numpy.testing.assert_array_equal(groups[name]["chain"], range(16))
+                numpy.testing.assert_array_equal(groups[name]["draw"], range(80))
+            told, likely = groups["posterior_predictive"]["displacement"], groups["log_likelihood"]["displacement"]
+            self.assertEqual((told.dims, likely.dims), (("chain", "draw", "reading"),) * 2)
+            self.assertEqual(told.shape, (1, 1000, 47))
+            read = groups["observed_data"]["displacement"]
+            below = (told.squeeze("chain") < read).mean("draw").values
+            self.assertTrue(0.3 < below.mean() < 0.7 and below.min() < 0.2 and below.max() > 0.8, below)
+            error = {p["key"]: p for p in said["parameters"]}["error.displacement"]["median"]
+            self.assertAlmostEqual(float(told.std("draw").median()) / error, 1, delta=0.35)
+            # 47 normal readings: -n/2 (1 + ln 2 pi s^2) at the best fit, less half of what each parameter takes
+            total = float(likely.sum("reading").mean())
+            self.assertAlmostEqual(total, said["log_likelihood"], delta=12)
+            if errors == "white":
+                normal = -0.5 * 47 * (1 + numpy.log(2 * numpy.pi * error ** 2))
+                self.assertAlmostEqual(total, normal, delta=5)
+
     def test_truth(self):
         """Rate, errors and time of failure of the made-up readings are within the intervals."""
         said = self.fit(CASE, SERIES, "--set", "fit.walkers=32", "--set", "fit.steps=300", "--set",
@@ -158,6 +199,8 @@ class Fit(unittest.TestCase):
         done = self.run_program("fit", CASE, SERIES, "-o", self.out, "--force", "--json", *args,
                                 "--set", "fit.rounds=0", "-q", status=1)
         self.assertIn("lacuna: the sampler has not converged", done.stderr)
+        told = self.run_program("fit", CASE, SERIES, "-o", self.out, "--force", *args, "--set", "fit.rounds=0", status=1)
+        self.assertRegex(told.stdout.splitlines()[1], "do not rely on it +the sampler has not converged")
         with netCDF4.Dataset(self.out) as file:
             self.assertEqual(file.status, "complete")
         self.assertFalse(json.loads(done.stdout)["sampler"]["converged"])

@@ -105,6 +105,19 @@ class Resume(unittest.TestCase):
         with netCDF4.Dataset(self.out) as file:
             self.assertEqual(file.dimensions["draw"].size, 40)
 
+    def test_bent_valley(self):
+        """Rounds with a straightened valley go on to the bit too: Vajont's two numbers lie on a bent line."""
+        whole = os.path.join(self.folder, "whole.nc")
+        asked = [*rounds(20, 1), "--set", "fit.walkers=24"]
+        command = ["fit", "cases/vajont-lake.yaml", "cases/data/vajont_rates.csv"]
+        self.command = lambda *args, out=None: [PROGRAM, *command, "-o", out or self.out, *args]
+        self.fit(*asked, out=whole)
+        self.stop_at(0.75 * os.path.getsize(whole + ".chains"), signal.SIGKILL, *asked)
+        self.fit(*asked, "--resume")
+        self.same(whole, self.out)
+        with netCDF4.Dataset(self.out) as file:
+            self.assertGreater(file["acceptance"][:].mean(), 0.25)
+
     def test_converged_leaves_nothing(self):
         """A fit that is done keeps nothing beside its files."""
         held = ["--set", "fit.parameters={initial.slip_rate: {range: [0.5 mm/day, 20 mm/day]}}", "--set", "friction.aging.dc=12 cm",

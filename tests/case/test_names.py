@@ -58,6 +58,8 @@ CALLS = (
             "--set fit.rounds=0 --set fit.starts=2 --set fit.walkers=12"),
     ("fit", "cases/fit/block.yaml cases/data/creep.csv -o fit.nc --set fit.steps=8 --set fit.burn=2 "
             "--set fit.starts=2 --set 'output.points=[{name: A}]' --set fit.point=A"),
+    ("fit", "cases/fit/velocity-step.yaml cases/data/velocity_step.csv -o step.nc --set fit.starts=2 --set fit.steps=8 "
+            "--set fit.burn=2 --set fit.rounds=0"),
     ("trade", "cases/block.yaml -o trade.nc --dials rtol=1e-3:1e-5 --reach 1%"),
     ("check", "cases/vajont.yaml"),
     ("run", "cases/century.yaml -o compared.nc --set 'output.points=[{name: A}]' --set compare.0.point=A"),

@@ -4,6 +4,7 @@
 
 #include <gsl/gsl_linalg.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/rng.h"
@@ -124,11 +125,92 @@ static void not_where_signs_change(void **state)
     check(DC X "}, friction.aging.b: {range: [0.009, 0.03]}", "", false);
 }
 
+// Chains whose places, on the line, are normal but for a coordinate that bends with another one.
+static lac_fit *make_chain(double bend, size_t pivot, lac_case **c)
+{
+    enum { WALKERS = 40, STEPS = 60 };
+    lac_fit *fit = make(DC RATE ", friction.aging.b: {range: [0.011, 0.03]}", "", c);
+    const size_t d = fit->unknowns, bent = (pivot + 1) % d;
+    lac_chain *chain = calloc(1, sizeof *chain + WALKERS * STEPS * d * sizeof(double));
+    assert_non_null(chain);
+    *chain =
+        (lac_chain){.dimension = d, .walkers = WALKERS, .steps = STEPS, .x = (double *)(chain + 1)};
+    fit->chain = chain;
+    for (uint64_t i = 0; i < WALKERS * STEPS; i++) {
+        double z[LAC_FIT_UNKNOWNS], normal[2];
+        for (size_t k = 0; k < d; k++) {
+            lac_random_normal(8, LAC_STREAM_TEST, i, k, normal);
+            z[k] = normal[0] * (k == bent && bend != 0.0 ? 0.01 : 0.6);
+        }
+        const double t = z[pivot];
+        z[bent] += bend * (0.3 + 0.7 * t + 0.8 * t * t - 0.5 * t * t * t);
+        (void)lac_fit_from_line(fit, z, chain->x + i * d);
+    }
+    return fit;
+}
+
+// Behind the shear what is bent is a straight line again, and narrow; the volume is the same.
+static void a_bent_valley_becomes_straight(void **state)
+{
+    (void)state;
+    for (size_t pivot = 0; pivot < 3; pivot++) {
+        lac_case *c = NULL;
+        lac_fit *fit = make_chain(1.0, pivot, &c);
+        const lac_chain *chain = fit->chain;
+        const size_t d = chain->dimension, bent = (pivot + 1) % d,
+                     n = chain->walkers * chain->steps;
+        double sum[5] = {0};
+        lac_error err;
+        assert_int_equal(lac_fit_find_shear(fit, &err), LAC_OK);
+        assert_true(fit->shear.used && fit->shear.pivot == pivot);
+        for (size_t i = 0; i < n; i++) {
+            double z[LAC_FIT_UNKNOWNS], u[LAC_FIT_UNKNOWNS];
+            lac_fit_to_line(fit, chain->x + i * d, z);
+            const double x = z[pivot], y = z[bent];
+            const double terms[] = {x, y, x * x, x * y, y * y};
+            for (size_t k = 0; k < 5; k++) {
+                sum[k] += terms[k] / (double)n;
+            }
+            const double slope = lac_fit_from_line(fit, z, u);
+            for (size_t k = 0; k < d; k++) {
+                assert_true(fabs(u[k] - chain->x[i * d + k]) < 1e-9 * (1.0 + fabs(u[k])));
+            }
+            if (i % 500 == 0 && !(fabs(slope - difference(fit, z)) < 1e-6)) {
+                fail_msg("ln of the Jacobian %.12g, by differences %.12g", slope,
+                         difference(fit, z));
+            }
+        }
+        const double xx = sum[2] - sum[0] * sum[0], xy = sum[3] - sum[0] * sum[1],
+                     yy = sum[4] - sum[1] * sum[1];
+        const double width = sqrt(yy - xy * xy / xx);
+        if (!(fabs(width / 0.01 - 1.0) < 0.05)) {
+            fail_msg("pivot %zu: as wide as %g about a line, made as 0.01", pivot, width);
+        }
+        lac_fit_free(fit);
+        lac_case_free(c);
+    }
+}
+
+// Where nothing bends the coordinates stay what they are.
+static void a_straight_one_stays(void **state)
+{
+    (void)state;
+    lac_case *c = NULL;
+    lac_fit *fit = make_chain(0.0, 0, &c);
+    lac_error err;
+    assert_int_equal(lac_fit_find_shear(fit, &err), LAC_OK);
+    assert_false(fit->shear.used);
+    lac_fit_free(fit);
+    lac_case_free(c);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(there_and_back),
         cmocka_unit_test(not_where_signs_change),
+        cmocka_unit_test(a_bent_valley_becomes_straight),
+        cmocka_unit_test(a_straight_one_stays),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

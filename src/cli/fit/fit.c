@@ -346,10 +346,6 @@ static void print_posterior(const lac_case *c, const lac_fit_result *r)
     }
     cli_row("sampler", "%zu walkers, %zu steps kept after %zu, acceptance %.2f", r->chain->walkers,
             r->chain->steps, r->dropped, r->acceptance);
-    if (!r->converged) {
-        cli_row("", "has not converged (R-hat above %.2f): do not rely on the intervals",
-                LAC_FIT_RHAT);
-    }
     cli_row("failure", "median %s; %.3g %% of %zu draws fail by time.end", when(c, failure[2]).s,
             100.0 * r->failing, r->draws);
     print_range("50 %", c, failure[1], failure[3]);
@@ -363,6 +359,10 @@ static void print_text(const lac_fit_outcome *outcome, const char *series, doubl
     const lac_case *source = outcome->source;
     if (source->title != NULL) {
         puts(source->title);
+    }
+    lac_error why = {""};
+    if (lac_fit_trust(r, &why) != LAC_OK) {
+        cli_row("do not rely on it", "%s", why.message);
     }
     const char *point = source->fit.point;
     cli_row("series", "%s%s%s", series, point != NULL ? ", at point " : "",
