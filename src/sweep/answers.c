@@ -5,7 +5,10 @@
 
 #include <gsl/gsl_cdf.h>
 #include <gsl/gsl_sort.h>
+#include <math.h>
+#include <stdlib.h>
 
+#include "base/fail.h"
 #include "base/statistics.h"
 #include "sweep/influence.h"
 

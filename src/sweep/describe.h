@@ -21,8 +21,7 @@ extern const lac_ensemble_axis lac_ensemble_axes[];
 /// The variable of a key: "friction.aging.dc" is friction_aging_dc.
 void lac_ensemble_name(const char *key, char name[LAC_STORED_NAME]);
 
-/// Takes the texts of a parameter, one behind the other, and which of those that differ each is.
-/// @param text  [n]
-/// @return LAC_OK; LAC_ENOMEM
+/// Texts of a parameter, one behind the other, and which of those that differ each is.
+/// @param text  [n] copied
 lac_status lac_ensemble_words(lac_ensemble_param *param, size_t n, const char *const *text,
                               lac_error *err);

@@ -2,6 +2,13 @@
 // Members together: made from a sweep, read from its file, gathered from its parts.
 #include "sweep/ensemble.h"
 
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "lacuna/simulation.h"
 #include "sweep/describe.h"
 
 static void free_param(lac_ensemble_param *param)
@@ -47,6 +54,7 @@ static int by_index(const void *a, const void *b)
     return x->index < y->index ? -1 : x->index > y->index ? 1 : 0;
 }
 
+// Texts of a parameter, one behind the other, and which of those that differ each is.
 lac_status lac_ensemble_words(lac_ensemble_param *param, size_t n, const char *const *text,
                               lac_error *err)
 {
@@ -154,93 +162,196 @@ lac_status lac_ensemble_create(const lac_sweep *sweep, size_t n, lac_member **me
     return status;
 }
 
-// Moves the members of all parts into the first, whose plan is that of all.
-static lac_status join(size_t parts, lac_ensemble **part, size_t n, lac_error *err)
+static lac_status read_numbers(const lac_stored_file *file, const char *name, size_t n,
+                               lac_stored_values *out, const char *path, lac_error *err)
 {
-    lac_ensemble *all = part[0];
-    lac_member **member = calloc(n + 1, sizeof *member);
-    LAC_FAIL_MEMORY_IF(member == NULL, err);
-    for (size_t k = 0; k < parts; k++) {
-        for (size_t i = 0; i < part[k]->n; i++) {
-            member[part[k]->member[i]->index] = part[k]->member[i];
-        }
-    }
-    lac_status status = LAC_OK;
-    for (size_t p = 0; p < all->params && status == LAC_OK; p++) {
-        double *value = malloc((n + 1) * sizeof *value);
-        const char **word = calloc(n + 1, sizeof *word);
-        status = value == NULL || word == NULL ? lac_fail_memory(err) : LAC_OK;
-        for (size_t k = 0; k < parts && status == LAC_OK; k++) {
-            for (size_t i = 0; i < part[k]->n; i++) {
-                const size_t at = (size_t)part[k]->member[i]->index;
-                value[at] = part[k]->param[p].value[i];
-                word[at] = part[k]->param[p].word != NULL ? part[k]->param[p].word[i] : NULL;
-            }
-        }
-        lac_ensemble_param joined = {.value = value};
-        if (status == LAC_OK && all->param[p].word != NULL) {
-            status = lac_ensemble_words(&joined, n, word, err);
-        }
-        free((void *)word);
-        if (status == LAC_OK) { // the first part's are needed no more
-            free(all->param[p].value);
-            free(all->param[p].word);
-            free(all->param[p].words);
-            all->param[p].value = joined.value;
-            all->param[p].word = joined.word;
-            all->param[p].words = joined.words;
-        } else {
-            free(value);
-            free(joined.word);
-            free(joined.words);
-        }
-    }
-    if (status != LAC_OK) {
-        free(member);
-        return status;
-    }
-    for (size_t k = 0; k < parts; k++) {
-        part[k]->n = 0; // they are in `member` now
-    }
-    free(all->member);
-    all->member = member;
-    all->n = n;
+    LAC_TRY_RETURN(lac_stored_file_values(file, name, out, err));
+    LAC_FAIL_IF(out->value == NULL || out->n != n, err, LAC_EIO, "%s: %s: %s", path, name,
+                out->value == NULL ? "is not there" : "has another number of members");
     return LAC_OK;
 }
 
-lac_status lac_ensemble_gather(size_t parts, lac_ensemble **part, const char *const *path,
-                               lac_ensemble **out, lac_error *err)
+// One variable of the table of a member, into all of them.
+static lac_status read_row(const lac_stored_file *file, const lac_variable *row, lac_ensemble *e,
+                           const char *path, lac_error *err)
 {
-    const size_t n = part[0]->members;
-    size_t missing = 0, first = 0;
-    lac_status status = LAC_OK;
-    size_t *from = calloc(n + 1, sizeof *from); // 1 more than the part
-    LAC_FAIL_MEMORY_IF(from == NULL, err);
-    for (size_t k = 0; k < parts; k++) {
-        LAC_LEAVE_IF(strcmp(part[k]->mark, part[0]->mark) != 0 || part[k]->members != n ||
-                         part[k]->records != part[0]->records || part[k]->params != part[0]->params,
-                     err, LAC_EINPUT, "%s: is of another sweep than %s", path[k], path[0]);
-        for (size_t i = 0; i < part[k]->n; i++) {
-            const int64_t index = part[k]->member[i]->index;
-            LAC_LEAVE_IF(index < 0 || (size_t)index >= n, err, LAC_EIO,
-                         "%s: has a member %lld, the sweep %zu", path[k], (long long)index, n);
-            LAC_LEAVE_IF(from[index] != 0, err, LAC_EINPUT, "%s: member %lld is in %s too", path[k],
-                         (long long)index, path[from[index] - 1]);
-            from[index] = k + 1;
+    lac_stored_values all = {0};
+    lac_stored_shape shape;
+    char **text = NULL;
+    if (row->held == LAC_HELD_CHARS) {
+        LAC_TRY_RETURN(lac_stored_file_shape(file, row->name, &shape, err));
+        LAC_FAIL_IF(shape.count != e->n, err, LAC_EIO, "%s: %s: has another number of members",
+                    path, row->name);
+        LAC_TRY_RETURN(lac_stored_file_texts(file, row->name, &shape, &text, err));
+    } else {
+        LAC_TRY_RETURN(read_numbers(file, row->name, e->n, &all, path, err));
+    }
+    for (size_t i = 0; i < e->n; i++) {
+        char *at = (char *)e->member[i] + row->offset;
+        const double number = all.value != NULL ? all.value[i] : 0.0;
+        switch (row->held) {
+        case LAC_HELD_CHARS:
+            (void)snprintf(at, LAC_MEMBER_MESSAGE, "%s", text[i]);
+            break;
+        case LAC_HELD_REAL:
+            memcpy(at, &number, sizeof number);
+            break;
+        case LAC_HELD_INT64:
+            *(int64_t *)(void *)at = (int64_t)number;
+            break;
+        default:
+            *(int *)(void *)at = (int)number;
+            break;
         }
     }
-    for (size_t i = n; i-- > 0;) {
-        first = from[i] == 0 ? i : first;
-        missing += from[i] == 0 ? 1 : 0;
+    lac_stored_values_clear(&all);
+    free((void *)text);
+    return LAC_OK;
+}
+
+static lac_status read_series(const lac_stored_file *file, lac_ensemble *e, const char *path,
+                              lac_error *err)
+{
+    lac_stored_values all = {0};
+    lac_status status = read_numbers(file, lac_ensemble_axes[e->axis].value, e->n, &all, path, err);
+    for (size_t i = 0; status == LAC_OK && all.width == e->records && i < e->n; i++) {
+        for (size_t k = 0; k < e->records; k++) {
+            e->member[i]->series[k] = (float)all.value[i * e->records + k];
+        }
     }
-    LAC_LEAVE_IF(missing > 0, err, LAC_EINPUT,
-                 "%zu of %zu members are in none of these files, the first is member %zu", missing,
-                 n, first);
-    LAC_TRY(join(parts, part, n, err));
-    *out = part[0];
-    part[0] = NULL;
+    lac_stored_values_clear(&all);
+    return status;
+}
+
+// The variables that say what they vary, or that an indicator gave them.
+static lac_status read_named(const lac_stored_file *file, const char *name, lac_ensemble *e,
+                             const char *path, lac_error *err)
+{
+    char key[256], said[4096], unit[64] = "1";
+    lac_stored_values all = {0};
+    lac_stored_shape shape;
+    char **text = NULL;
+    lac_status status = LAC_OK;
+    const bool result = lac_stored_file_text(file, name, "sweep_result", key, sizeof key);
+    if (!result && !lac_stored_file_text(file, name, "sweep_key", key, sizeof key)) {
+        return LAC_OK;
+    }
+    (void)lac_stored_file_text(file, name, "units", unit, sizeof unit);
+    if (result) {
+        LAC_FAIL_IF(e->extras == LAC_MEMBER_EXTRAS, err, LAC_EIO, "%s: has too many results", path);
+        lac_ensemble_extra *x = &e->extra[e->extras];
+        (void)snprintf(x->name, sizeof x->name, "%s", name);
+        (void)snprintf(x->unit, sizeof x->unit, "%s", unit);
+        (void)lac_stored_file_text(file, name, "long_name", x->long_name, sizeof x->long_name);
+        LAC_TRY_RETURN(read_numbers(file, name, e->n, &all, path, err));
+        for (size_t i = 0; i < e->n; i++) {
+            e->member[i]->extra[e->extras] = all.value[i];
+        }
+        e->extras++;
+        lac_stored_values_clear(&all);
+        return LAC_OK;
+    }
+    (void)lac_stored_file_text(file, name, "sweep_values", said, sizeof said);
+    lac_ensemble_param *grown = realloc(e->param, (e->params + 1) * sizeof *grown);
+    LAC_FAIL_MEMORY_IF(grown == NULL, err);
+    e->param = grown;
+    lac_ensemble_param *param = &e->param[e->params++];
+    *param = (lac_ensemble_param){.key = strdup(key), .said = strdup(said), .unit = strdup(unit)};
+    LAC_FAIL_MEMORY_IF(param->key == NULL || param->said == NULL || param->unit == NULL, err);
+    LAC_TRY(lac_stored_file_shape(file, name, &shape, err));
+    LAC_LEAVE_IF(shape.count != e->n, err, LAC_EIO, "%s: %s: has another number of members", path,
+                 name);
+    if (shape.text) {
+        param->value = malloc((e->n + 1) * sizeof *param->value);
+        LAC_TRY(param->value == NULL ? lac_fail_memory(err) : LAC_OK);
+        LAC_TRY(lac_stored_file_texts(file, name, &shape, &text, err));
+        LAC_TRY(lac_ensemble_words(param, e->n, (const char *const *)text, err));
+    } else {
+        LAC_TRY(read_numbers(file, name, e->n, &all, path, err));
+        param->value = all.value;
+        all.value = NULL;
+    }
 out:
-    free(from);
+    lac_stored_values_clear(&all);
+    free((void *)text);
+    return status;
+}
+
+static char *text_of(const lac_stored_file *file, const char *name, size_t room)
+{
+    char *text = calloc(1, room);
+    if (text != NULL) {
+        (void)lac_stored_file_text(file, NULL, name, text, room);
+    }
+    return text;
+}
+
+static lac_status read_plan(const lac_stored_file *file, const char *path, lac_ensemble *e,
+                            lac_error *err)
+{
+    lac_stored_shape shape;
+    lac_stored_values place = {0};
+    (void)lac_stored_file_text(file, NULL, "sweep_mark", e->mark, sizeof e->mark);
+    LAC_FAIL_IF(e->mark[0] == '\0', err, LAC_EINPUT, "%s: is no file of lacuna sweep", path);
+    (void)lac_stored_file_text(file, NULL, "sweep_seed", e->seed, sizeof e->seed);
+    e->members = (size_t)lac_stored_file_number(file, NULL, "sweep_members");
+    e->end = lac_stored_file_number(file, NULL, "sweep_end_s");
+    e->design = text_of(file, "sweep_design", 64);
+    e->series = text_of(file, "sweep_series", 64);
+    e->title = text_of(file, "title", 4096);
+    e->case_text = text_of(file, "case", 1 << 22);
+    LAC_FAIL_MEMORY_IF(
+        e->design == NULL || e->series == NULL || e->title == NULL || e->case_text == NULL, err);
+    while (e->axis < LAC_SERIES_LEFT &&
+           lac_stored_file_shape(file, lac_ensemble_axes[e->axis].place, &shape, NULL) != LAC_OK) {
+        e->axis++;
+    }
+    LAC_TRY_RETURN(lac_stored_file_values(file, lac_ensemble_axes[e->axis].place, &place, err));
+    LAC_FAIL_IF(place.value == NULL, err, LAC_EIO, "%s: has no records", path);
+    e->place = place.value;
+    e->records = place.n;
+    LAC_TRY_RETURN(lac_stored_file_shape(file, "realization", &shape, err));
+    e->member = calloc(shape.count + 1, sizeof(lac_member *));
+    LAC_FAIL_MEMORY_IF(e->member == NULL, err);
+    for (; e->n < shape.count; e->n++) {
+        e->member[e->n] = calloc(1, sizeof(lac_member) + e->records * sizeof(float));
+        LAC_FAIL_MEMORY_IF(e->member[e->n] == NULL, err);
+    }
+    return LAC_OK;
+}
+
+static lac_status read_all(const lac_stored_file *file, const char *path, lac_ensemble *e,
+                           lac_error *err)
+{
+    char name[LAC_STORED_NAME];
+    LAC_TRY_RETURN(read_plan(file, path, e, err));
+    for (size_t i = 0; i < lac_ensemble_rows; i++) {
+        LAC_TRY_RETURN(read_row(file, &lac_ensemble_of_member[i], e, path, err));
+    }
+    for (size_t i = 0; i < e->n; i++) {
+        const bool broken = e->member[i]->ended > LAC_END_REST;
+        e->member[i]->state = broken ? LAC_MEMBER_BROKEN : LAC_MEMBER_DONE;
+    }
+    for (size_t i = 0; lac_stored_file_variable(file, i, name, sizeof name); i++) {
+        LAC_TRY_RETURN(read_named(file, name, e, path, err));
+    }
+    return read_series(file, e, path, err);
+}
+
+lac_status lac_ensemble_read(const char *path, lac_ensemble **out, lac_error *err)
+{
+    lac_stored_file *file = NULL;
+    lac_status status;
+    lac_ensemble *e = *out = calloc(1, sizeof *e);
+    LAC_FAIL_MEMORY_IF(e == NULL, err);
+    LAC_TRY(lac_stored_file_open(path, &file, err));
+    LAC_TRY(read_all(file, path, e, err));
+out:
+    lac_stored_file_close(file);
+    if (status != LAC_OK) {
+        lac_ensemble_free(e);
+        *out = NULL;
+    }
     return status;
 }
 

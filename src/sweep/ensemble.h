@@ -3,6 +3,8 @@
 
 #include "sweep/sweep.h"
 
+struct lac_simulation_options;
+
 /// What came of the members of a sweep.
 
 enum { LAC_MEMBER_MESSAGE = 200, LAC_MEMBER_EXTRAS = 8 };
@@ -65,7 +67,9 @@ void lac_member_break(const lac_sweep *sweep, size_t index, lac_member *out);
 /// Runs a member. One that breaks is a member too, with its message.
 /// @param out  [lac_member_size]
 /// @return LAC_OK; LAC_EIO (a file that the case reads); LAC_EINTERRUPT; LAC_ENOMEM
-lac_status lac_member_run(lac_sweep *sweep, size_t index, lac_member *out, lac_error *err);
+lac_status lac_member_run(lac_sweep *sweep, size_t index,
+                          const struct lac_simulation_options *options, lac_member *out,
+                          lac_error *err);
 
 /// An ensemble of members.
 /// @param member  [n] each allocated; taken over, also where it fails

@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The run of a member: what came of it, and its slip rates on the axis that all members share.
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
 #include "simulation/simulation.h"
 #include "sweep/ensemble.h"
 #include "trade/probe.h"
@@ -106,7 +110,8 @@ static void take(const lac_trade_probe *probe, const lac_outcome *of, lac_member
 }
 
 // Every step is recorded, so that slip rates are read off between steps.
-static lac_status follow(const lac_sweep *sweep, const lac_case *c, lac_member *out, lac_error *err)
+static lac_status follow(const lac_sweep *sweep, const lac_case *c,
+                         const lac_simulation_options *options, lac_member *out, lac_error *err)
 {
     lac_simulation *simulation = NULL;
     track all = {0};
@@ -119,7 +124,7 @@ static lac_status follow(const lac_sweep *sweep, const lac_case *c, lac_member *
     every.run.record = (lac_cadence){.steps = 1, .time = NAN, .per_decade = NAN};
     every.run.snapshots = false;
     every.run.checkpoint = (lac_cadence){.steps = 0, .time = NAN, .per_decade = NAN};
-    lac_status status = lac_simulation_create(&every, NULL, &simulation, err);
+    lac_status status = lac_simulation_create(&every, options, &simulation, err);
     if (status == LAC_OK) {
         const lac_sink sink = lac_trade_probe_start(&probe, c, &own);
         status = lac_simulation_run(simulation, &sink, err);
@@ -157,14 +162,15 @@ void lac_member_break(const lac_sweep *sweep, size_t index, lac_member *out)
     }
 }
 
-lac_status lac_member_run(lac_sweep *sweep, size_t index, lac_member *out, lac_error *err)
+lac_status lac_member_run(lac_sweep *sweep, size_t index, const lac_simulation_options *options,
+                          lac_member *out, lac_error *err)
 {
     const lac_case *c = NULL;
     lac_error why = {""};
     lac_member_break(sweep, index, out);
     lac_status status = lac_sweep_case(sweep, index, &c, &why);
     if (status == LAC_OK) {
-        status = follow(sweep, c, out, &why);
+        status = follow(sweep, c, options, out, &why);
     }
     if (status == LAC_EINTERRUPT || status == LAC_ENOMEM || status == LAC_EIO) {
         return lac_fail(err, status, "%s", why.message);

@@ -2,6 +2,11 @@
 // The values that a key takes in a sweep: lists, ranges, columns of a file, and distributions, a
 // row each.
 #include <ctype.h>
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include <gsl/gsl_cdf.h>
 
@@ -252,7 +257,7 @@ static char *arguments_of(char *text, const char *name)
 }
 
 static lac_status read_csv(const char *path, lac_sweep *sweep, lac_swept *only, const char *column,
-                           const lac_units *units, lac_error *err);
+                           lac_case *base, const lac_units *units, lac_error *err);
 
 static lac_status read_values(lac_swept *param, char *text, const lac_units *units, lac_error *err)
 {
@@ -270,7 +275,7 @@ static lac_status read_values(lac_swept *param, char *text, const lac_units *uni
         if (name == NULL) {
             return wrong(param, "must be column(FILE.csv, NAME)", err);
         }
-        return read_csv(trimmed(file), NULL, param, trimmed(name), units, err);
+        return read_csv(trimmed(file), NULL, param, trimmed(name), NULL, units, err);
     }
     if (read_range(param, units, text, range)) {
         return add_range(param, range, err);
@@ -367,18 +372,23 @@ typedef struct column {
 
 enum { MOST_COLUMNS = 256 };
 
+typedef struct header {
+    column of[MOST_COLUMNS]; // [count]
+    size_t count;
+} header;
+
 // The header: what each column is.
 static lac_status read_header(const char *path, char *line, lac_sweep *sweep, lac_swept *only,
-                              const char *name, column *columns, size_t *count, lac_error *err)
+                              const char *name, lac_case *base, header *columns, lac_error *err)
 {
     bool found = false;
-    *count = 0;
+    columns->count = 0;
     for (char *part = line; part != NULL;) {
         char *next = cut(part, ',');
         char *head = trimmed(part), *colon = strrchr(head, ':');
-        LAC_FAIL_IF(*count >= MOST_COLUMNS, err, LAC_EINPUT, "%s:1: has more than %d columns", path,
-                    MOST_COLUMNS);
-        column *c = &columns[(*count)++];
+        LAC_FAIL_IF(columns->count >= MOST_COLUMNS, err, LAC_EINPUT,
+                    "%s:1: has more than %d columns", path, MOST_COLUMNS);
+        column *c = &columns->of[columns->count++];
         *c = (column){.param = SIZE_MAX};
         if (colon != NULL) {
             *colon = '\0';
@@ -391,7 +401,7 @@ static lac_status read_header(const char *path, char *line, lac_sweep *sweep, la
             LAC_TRY_RETURN(grow(sweep, err));
             c->param = sweep->params - 1;
             LAC_TRY_RETURN(
-                read_swept(&sweep->param[c->param], head, strlen(head), path, sweep->base, err));
+                read_swept(&sweep->param[c->param], head, strlen(head), path, base, err));
         }
         part = next;
     }
@@ -401,34 +411,33 @@ static lac_status read_header(const char *path, char *line, lac_sweep *sweep, la
 }
 
 static lac_status read_row(const char *path, size_t line, char *row, lac_swept *params,
-                           const column *columns, size_t count, const lac_units *units,
-                           lac_error *err)
+                           const header *columns, const lac_units *units, lac_error *err)
 {
     size_t n = 0;
     char text[256];
     for (char *part = row; part != NULL; n++) {
         char *next = cut(part, ',');
-        if (n < count && columns[n].param != SIZE_MAX) {
-            const char *unit = columns[n].unit;
+        if (n < columns->count && columns->of[n].param != SIZE_MAX) {
+            const char *unit = columns->of[n].unit;
             (void)snprintf(text, sizeof text, "%s%s%s", trimmed(part), unit[0] != '\0' ? " " : "",
                            unit);
             lac_error why = {""};
-            const lac_status status = add_text(&params[columns[n].param], units, text, &why);
+            const lac_status status = add_text(&params[columns->of[n].param], units, text, &why);
             LAC_FAIL_IF(status != LAC_OK, err, status, "%s:%zu: %s", path, line, why.message);
         }
         part = next;
     }
-    LAC_FAIL_IF(n != count, err, LAC_EINPUT, "%s:%zu: has %zu values, the header %zu names", path,
-                line, n, count);
+    LAC_FAIL_IF(n != columns->count, err, LAC_EINPUT,
+                "%s:%zu: has %zu values, the header %zu names", path, line, n, columns->count);
     return LAC_OK;
 }
 
 // A table of values; of `only` one column.
 static lac_status read_csv(const char *path, lac_sweep *sweep, lac_swept *only, const char *name,
-                           const lac_units *units, lac_error *err)
+                           lac_case *base, const lac_units *units, lac_error *err)
 {
-    column columns[MOST_COLUMNS];
-    size_t count = 0, number = 0, rows = 0, size = 0;
+    header columns = {.count = 0};
+    size_t number = 0, rows = 0, size = 0;
     char *line = NULL;
     lac_status status = LAC_OK;
     FILE *file = fopen(path, "r");
@@ -439,13 +448,13 @@ static lac_status read_csv(const char *path, lac_sweep *sweep, lac_swept *only, 
         if (*text == '\0' || *text == '#') {
             continue;
         }
-        if (count == 0) {
-            status = read_header(path, text, sweep, only, name, columns, &count, err);
+        if (columns.count == 0) {
+            status = read_header(path, text, sweep, only, name, base, &columns, err);
         } else if (++rows > MOST_VALUES) {
             status = lac_fail(err, LAC_EINPUT, "%s: has more than a million rows", path);
         } else {
-            status = read_row(path, number, text, only != NULL ? only : sweep->param, columns,
-                              count, units, err);
+            status = read_row(path, number, text, only != NULL ? only : sweep->param, &columns,
+                              units, err);
         }
     }
     free(line);
@@ -461,7 +470,7 @@ lac_status lac_swept_table(lac_sweep *sweep, const char *path, lac_error *err)
     const size_t first = sweep->params;
     lac_status status;
     LAC_TRY(lac_units_create(&units, err));
-    LAC_TRY(read_csv(path, sweep, NULL, NULL, units, err));
+    LAC_TRY(read_csv(path, sweep, NULL, NULL, sweep->base, units, err));
     for (size_t p = first; p < sweep->params; p++) {
         if (sweep->param[p].unit[0] == '\0') {
             (void)snprintf(sweep->param[p].unit, sizeof sweep->param[p].unit, "1");

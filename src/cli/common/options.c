@@ -80,7 +80,7 @@ const cli_option cli_options[] = {
     KEPT(SWEEP, 0, "design", "DESIGN", sweep.design, "grid, random, lhs, sobol, saltelli, tornado"),
     KEPT(SWEEP, 0, "members", "N", sweep.members, "runs in all, where the design leaves it open"),
     KEPT(SWEEP, 0, "seed", "S", sweep.seed, "of what is drawn: 1"),
-    KEPT(SWEEP, 0, "table", "FILE.csv", sweep.table,
+    KEPT(SWEEP, 0, "table", "FILE", sweep.table,
          "keys that vary together: a column each (\"KEY:unit\"), a row a member's"),
     KEPT(SWEEP, 0, "series", "AXIS", sweep.series,
          "slip rates kept: time:50, rate:2 (when passed), left:2 (before failure)"),

@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // lacuna sweep: many runs of a case in processes of the pool, all or a part of them, and what they
 // say together; lacuna gather: the parts put together.
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
+#include "base/archive.h"
 #include "cli/common/command.h"
 #include "cli/common/keep.h"
 #include "cli/common/output.h"
@@ -41,7 +46,7 @@ static size_t next_member(void *context)
 static lac_status make(void *context, size_t task, void *result, lac_error *err)
 {
     const job *j = context;
-    return lac_member_run(j->sweep, j->of.first + task * j->of.stride, result, err);
+    return lac_member_run(j->sweep, j->of.first + task * j->of.stride, NULL, result, err);
 }
 
 static lac_status take(void *context, size_t task, const void *result, const cli_pool_end *end,
