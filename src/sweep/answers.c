@@ -115,6 +115,11 @@ static int by_swing(const void *left, const void *right)
     return a > b ? -1 : a < b ? 1 : l->param < r->param ? -1 : 1;
 }
 
+static const char *word_of(const lac_sample *sample, size_t param, size_t member)
+{
+    return sample->word != NULL ? sample->word(sample->of, param, member) : NULL;
+}
+
 static void fill_swings(const lac_sample *sample, lac_answers *a)
 {
     const double *result = sample->result;
@@ -131,6 +136,8 @@ static void fill_swings(const lac_sample *sample, lac_answers *a)
                                   .unit = sample->key_unit != NULL ? sample->key_unit[p] : NULL,
                                   .low = value[low],
                                   .high = value[high],
+                                  .low_word = word_of(sample, p, low),
+                                  .high_word = word_of(sample, p, high),
                                   .result_low = l,
                                   .result_high = h,
                                   .swing = known ? swing : (double)NAN};

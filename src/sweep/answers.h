@@ -32,6 +32,9 @@ typedef struct lac_sample {
     lac_sample_design design;
     double by;     ///< when chance and influences are asked for; NaN: as long as any was followed
     uint64_t seed; ///< of the bootstrap
+    /// A value that is a word. @return NULL: it is a number. NULL: all are
+    const char *(*word)(const void *of, size_t param, size_t member);
+    const void *of;
     const char *name, *unit;                  ///< of the result; NULL: not told
     const char *const *key, *const *key_unit; ///< [params] the same of the parameters; NULL
 } lac_sample;
@@ -64,8 +67,9 @@ typedef struct lac_influence {
 typedef struct lac_swing {
     size_t param;
     const char *key, *unit;
-    double low, high;               ///< its values
-    double result_low, result_high; ///< INFINITY: never; NaN: broken
+    double low, high;                 ///< its values
+    const char *low_word, *high_word; ///< the same as words; NULL: they are numbers
+    double result_low, result_high;   ///< INFINITY: never; NaN: broken
     double swing; ///< from the least to the largest of these and the base's; INFINITY: from or to
                   ///< never
 } lac_swing;

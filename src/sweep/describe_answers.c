@@ -132,6 +132,8 @@ static const lac_variable of_swings[] = {
      LAC_HELD(TEXT, lac_swing, key)},
     {.json = "answers/swings[]/unit", LAC_HELD(TEXT, lac_swing, unit)},
     {.json = "answers/swings[]/low", S(REAL, low)},
+    {.json = "answers/swings[]/low_word", S(TEXT, low_word)},
+    {.json = "answers/swings[]/high_word", S(TEXT, high_word)},
     {.json = "answers/swings[]/high", S(REAL, high)},
     {.name = "swing_low",
      .json = "answers/swings[]/result_low",

@@ -367,6 +367,12 @@ static void fill_rates(lac_ensemble *e)
     }
 }
 
+static const char *word_of(const void *of, size_t param, size_t member)
+{
+    const lac_ensemble_param *p = &((const lac_ensemble *)of)->param[param];
+    return p->word != NULL ? p->word[member] : NULL;
+}
+
 lac_status lac_ensemble_sample(lac_ensemble *e, double by, lac_sample *out, lac_error *err)
 {
     const lac_design *design = NULL;
@@ -414,6 +420,8 @@ lac_status lac_ensemble_sample(lac_ensemble *e, double by, lac_sample *out, lac_
                         .seed = strtoull(e->seed, NULL, 10),
                         .name = "failure_time",
                         .unit = "s",
+                        .word = word_of,
+                        .of = e,
                         .key = e->key,
                         .key_unit = e->unit};
     return LAC_OK;

@@ -91,6 +91,11 @@ static void print_influences(const lac_answers *a)
     }
 }
 
+static cli_text said(const char *word, double value, const char *unit)
+{
+    return word != NULL ? cli_format("%s", word) : amount(value, unit);
+}
+
 static void print_swings(const lac_answers *a)
 {
     cli_row("as it stands", "%s %s", isinf(a->base) ? "fails" : "fails after",
@@ -99,10 +104,13 @@ static void print_swings(const lac_answers *a)
     for (size_t p = 0; p < a->params; p++) {
         const lac_swing *s = &a->swing[p];
         printf("    %s\n", s->key != NULL ? s->key : "?");
-        cli_row(
-            "", "%-28s %s",
-            cli_format("%s: %s", amount(s->low, s->unit).s, amount(s->result_low, a->unit).s).s,
-            cli_format("%s: %s", amount(s->high, s->unit).s, amount(s->result_high, a->unit).s).s);
+        cli_row("", "%-28s %s",
+                cli_format("%s: %s", said(s->low_word, s->low, s->unit).s,
+                           amount(s->result_low, a->unit).s)
+                    .s,
+                cli_format("%s: %s", said(s->high_word, s->high, s->unit).s,
+                           amount(s->result_high, a->unit).s)
+                    .s);
     }
 }
 

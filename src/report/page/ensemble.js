@@ -74,7 +74,7 @@ function swingChart({ answers: a }) {
   const known = a.swings.filter((s) => s.result_low !== null || s.result_high !== null || s.low_never || s.high_never), names = shortNames(known.map((s) => s.parameter));
   const [least, most] = extent([known.flatMap((s) => [s.result_low, s.result_high]), [a.base]]), wide = most - least || most || 1, never = most + 0.15 * wide;
   const place = (value, forever) => (forever ? never : value), start = place(a.base, a.base_never), from = known.map(() => start);
-  const value = (s, key) => `${quantity(s[key], s.unit)}: ${ofResult(a, s[`result_${key}`], s[`${key}_never`])}`;
+  const value = (s, key) => `${s[`${key}_word`] ?? quantity(s[key], s.unit)}: ${ofResult(a, s[`result_${key}`], s[`${key}_never`])}`;
   const [unit, scale] = SPANS.find(([, s]) => most / s >= 1) || ["s", 1];
   return barChart({
     title: "One at a time", names, label: `time of failure (${unit}); at the right edge: never`, caption: `Each parameter alone low and high, the others as in the base, which fails after ${ofResult(a, a.base, a.base_never)}.`,
