@@ -5,10 +5,7 @@
 
 #include <gsl/gsl_cdf.h>
 #include <gsl/gsl_sort.h>
-#include <math.h>
-#include <stdlib.h>
 
-#include "base/fail.h"
 #include "base/statistics.h"
 #include "sweep/influence.h"
 

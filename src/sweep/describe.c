@@ -4,10 +4,6 @@
 #include "sweep/describe.h"
 
 #include <ctype.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #define ENSEMBLE const lac_ensemble *e = of
 #define MEMBER const lac_member *m = of

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What an ensemble says, as tables: the variables of its file and the `answers` of its JSON.
-#include <math.h>
-
-#include "base/fail.h"
 #include "data/describe.h"
 #include "sweep/answers.h"
 

@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Ways to choose members: where each lies along every axis, in (0, 1). A row of the table is a
 // design.
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include <gsl/gsl_qrng.h>
 
-#include "base/archive.h"
 #include "base/rng.h"
 #include "sweep/sweep.h"
 

@@ -2,12 +2,6 @@
 // Members together: made from a sweep, read from its file, gathered from its parts.
 #include "sweep/ensemble.h"
 
-#include <inttypes.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "lacuna/simulation.h"
 #include "sweep/describe.h"
 

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The parts of a sweep put together.
-#include <stdlib.h>
-#include <string.h>
-
 #include "sweep/describe.h"
 
 // Moves the members of all parts into the first, whose plan is that of all.

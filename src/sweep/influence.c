@@ -5,10 +5,7 @@
 
 #include <gsl/gsl_sort.h>
 #include <gsl/gsl_statistics_double.h>
-#include <math.h>
-#include <stdlib.h>
 
-#include "base/fail.h"
 #include "base/rng.h"
 #include "base/statistics.h"
 

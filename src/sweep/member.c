@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The run of a member: what came of it, and its slip rates on the axis that all members share.
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "simulation/simulation.h"
 #include "sweep/ensemble.h"
 #include "trade/probe.h"

@@ -2,13 +2,6 @@
 // The plan of a sweep: what varies, how members are chosen, and the case of each.
 #include "sweep/ensemble.h"
 
-#include <inttypes.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "base/archive.h"
 #include "base/units.h"
 #include "lacuna/simulation.h"
 

@@ -2,11 +2,6 @@
 // The values that a key takes in a sweep: lists, ranges, columns of a file, and distributions, a
 // row each.
 #include <ctype.h>
-#include <errno.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include <gsl/gsl_cdf.h>
 

@@ -2,10 +2,6 @@
 // What an ensemble says, in words: how likely it fails, when, and what decides.
 #include "cli/sweep/answers.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
-
 #include "cli/common/words.h"
 
 enum { SHOWN = 12 }; // parameters that are told of

@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // lacuna sweep: many runs of a case in processes of the pool, all or a part of them, and what they
 // say together; lacuna gather: the parts put together.
-#include <inttypes.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
-#include "base/archive.h"
 #include "cli/common/command.h"
 #include "cli/common/keep.h"
 #include "cli/common/output.h"

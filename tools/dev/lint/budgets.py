@@ -17,12 +17,12 @@ import source
 
 BUDGETS = {
     "lines of src and include": 88550,
-    "lines that only present results": 22710,
+    "lines that only present results": 22840,
     "public headers": 13,
     "exported names": 44,
     "circles of includes": 0,
     "files without an opening comment": 0,
-    "objects that one field more in a record compiles anew": 42,
+    "objects that one field more in a record compiles anew": 44,
 }
 
 PRESENTING = re.compile(r"src/(cli|store|report|data)/|src/\w+/describe\w*\.[ch]$")
