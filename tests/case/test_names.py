@@ -61,6 +61,9 @@ CALLS = (
     ("fit", "cases/fit/velocity-step.yaml cases/data/velocity_step.csv -o step.nc --set fit.starts=2 --set fit.steps=8 "
             "--set fit.burn=2 --set fit.rounds=0"),
     ("trade", "cases/block.yaml -o trade.nc --dials rtol=1e-3:1e-5 --reach 1%"),
+    ("sweep", "cases/block.yaml -o sweep.nc --design saltelli --members 8 --over friction.aging.dc='uniform(1 mm, 2 mm)' "
+              "--over initial.slip_rate='uniform(1 mm/week, 2 mm/week)'"),
+    ("sweep", "cases/block.yaml -o tornado.nc --design tornado --over friction.aging.dc='1 mm, 2 mm'"),
     ("check", "cases/vajont.yaml"),
     ("run", "cases/century.yaml -o compared.nc --set 'output.points=[{name: A}]' --set compare.0.point=A"),
     ("report", "block.nc"),
