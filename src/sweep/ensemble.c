@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "lacuna/simulation.h"
 #include "sweep/describe.h"
 
 static void free_param(lac_ensemble_param *param)

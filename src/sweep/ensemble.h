@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include "lacuna/simulation.h"
 #include "sweep/sweep.h"
+
+struct lac_simulation_options;
 
 /// What came of the members of a sweep.
 
@@ -66,8 +67,9 @@ void lac_member_break(const lac_sweep *sweep, size_t index, lac_member *out);
 /// Runs a member. One that breaks is a member too, with its message.
 /// @param out  [lac_member_size]
 /// @return LAC_OK; LAC_EIO (a file that the case reads); LAC_EINTERRUPT; LAC_ENOMEM
-lac_status lac_member_run(lac_sweep *sweep, size_t index, const lac_simulation_options *options,
-                          lac_member *out, lac_error *err);
+lac_status lac_member_run(lac_sweep *sweep, size_t index,
+                          const struct lac_simulation_options *options, lac_member *out,
+                          lac_error *err);
 
 /// An ensemble of members.
 /// @param member  [n] each allocated; taken over, also where it fails

@@ -10,6 +10,7 @@
 
 #include "base/archive.h"
 #include "base/units.h"
+#include "lacuna/simulation.h"
 
 enum { MOST_RECORDS = 1000 };
 

@@ -16,13 +16,13 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 84440,
-    "lines that only present results": 21550,
+    "lines of src and include": 88550,
+    "lines that only present results": 22710,
     "public headers": 13,
     "exported names": 43,
     "circles of includes": 0,
     "files without an opening comment": 0,
-    "objects that one field more in a record compiles anew": 39,
+    "objects that one field more in a record compiles anew": 42,
 }
 
 PRESENTING = re.compile(r"src/(cli|store|report|data)/|src/\w+/describe\w*\.[ch]$")
