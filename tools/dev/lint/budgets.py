@@ -16,8 +16,8 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 88550,
-    "lines that only present results": 22710,
+    "lines of src and include": 88552,
+    "lines that only present results": 22712,
     "public headers": 13,
     "exported names": 43,
     "circles of includes": 0,
