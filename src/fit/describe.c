@@ -191,6 +191,7 @@ static const lac_variable of_result[] = {
 
 LAC_GETTER(double, place, RESULT; (void)r, (double)at[0])
 LAC_GETTER(double, accepted, RESULT, r->chain->moved[at[1] * r->chain->walkers + at[0]] ? 1 : 0)
+LAC_GETTER(bool, has_moves, RESULT, r->chain != NULL && r->chain->moved != NULL)
 LAC_GETTER(bool, has_slip, RESULT, r->displacements > 0)
 LAC_GETTER(bool, has_rate, RESULT, r->velocities > 0 && !r->windows)
 
@@ -221,7 +222,8 @@ static const lac_variable of_inference[] = {
             "logarithm of the posterior density of the coordinates, up to a constant",
             .value = log_density),
     LAC_ROW("sample_stats/accepted", "chain draw", "1",
-            "1: the move that led to the draw was accepted", .value = accepted, .flags = LAC_WHOLE),
+            "1: the move that led to the draw was accepted", .value = accepted, .flags = LAC_WHOLE,
+            .has = has_moves),
     LAC_ROW("observed_data/reading", "reading", NULL, "time of a reading", R(REALS, reading_time),
             .flags = LAC_TIME),
     LAC_ROW("observed_data/displacement", "reading", "m", "displacement that was read",
