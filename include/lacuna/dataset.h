@@ -58,15 +58,15 @@ lac_status lac_dataset_text(const lac_dataset *dataset, const char *name, size_t
                             size_t size, lac_error *err);
 
 /// Told an attribute: a text or, with n > 0, numbers. @param whole  they are integers
-typedef void lac_attribute_told(void *context, const char *name, const char *text, size_t n,
-                                const double *number, bool whole);
+typedef void (*lac_attribute_told)(void *context, const char *name, const char *text, size_t n,
+                                   const double *number, bool whole);
 
 /// Tells all that a file says of a variable: first, with no name, the type of its values there
 /// (float64, float32, int64, int32, int8, str; attribute: it is one of the whole), then its
 /// attributes. Of one that is in no file nothing is told. The texts hold as long as the call.
 /// @param name  NULL: tells the attributes of the whole, but what a clock and a command line give
 /// @return LAC_OK; LAC_EINPUT: there is no such variable; LAC_ENOMEM
-lac_status lac_dataset_tell(const lac_dataset *dataset, const char *name, lac_attribute_told *told,
+lac_status lac_dataset_tell(const lac_dataset *dataset, const char *name, lac_attribute_told told,
                             void *context, lac_error *err);
 
 /// The dataset as one JSON object, with the names that the program's --json has.

@@ -108,7 +108,7 @@ static bool same(const char *a, const char *b)
     return a == b || (a != NULL && b != NULL && strcmp(a, b) == 0);
 }
 
-lac_status lac_dataset_tell(const lac_dataset *dataset, const char *name, lac_attribute_told *told,
+lac_status lac_dataset_tell(const lac_dataset *dataset, const char *name, lac_attribute_told told,
                             void *context, lac_error *err)
 {
     lac_item item;

@@ -110,7 +110,7 @@ lac_status lac_writer_attributes(const lac_writer *writer, const lac_item *item,
 
 /// Who is told attributes: a caller, or with `told` a dataset that keeps them.
 typedef struct lac_teller {
-    lac_attribute_told *tell;
+    lac_attribute_told tell;
     void *context;
     lac_dataset *keep; ///< NULL: nobody
     const char *of;    ///< the variable whose they are; NULL: the whole
