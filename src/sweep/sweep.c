@@ -216,26 +216,39 @@ static size_t override(lac_sweep *sweep, size_t n, const lac_swept *param, const
     return n;
 }
 
-// Each key in the middle of what it takes must be one that the case can have.
+static size_t index_of(const lac_swept *param, double u)
+{
+    // At .1 and .9 of a tornado the ends of a list, whatever its length.
+    const size_t i = (size_t)floor(u * (double)param->values);
+    return i < param->values ? i : param->values - 1;
+}
+
+// All keys together must be such as the case can have: in the middle of what they take, else near
+// one of its ends. Where that is refused too it is the keys, not a member's values.
 static lac_status try_keys(lac_sweep *sweep, lac_error *err)
 {
-    for (size_t p = 0; p < sweep->params; p++) {
-        const lac_swept *param = &sweep->param[p];
-        char room[LAC_TEXT_ROOM];
-        const char *text = room;
+    static const double places[] = {0.5, 0.01, 0.99};
+    char room[LAC_SWEEP_AXES][64];
+    lac_status status = LAC_EINPUT;
+    for (size_t k = 0; k < sizeof places / sizeof *places && status == LAC_EINPUT; k++) {
+        size_t n = sweep->count;
         lac_case *c = NULL;
-        if (param->drawn != NULL) {
-            (void)snprintf(room, sizeof room, "%.17g %s", param->drawn->value(param->argument, 0.5),
-                           strcmp(param->unit, "1") == 0 ? "" : param->unit);
-        } else {
-            text = param->text[param->values / 2];
+        lac_error later;
+        for (size_t p = 0; p < sweep->params; p++) {
+            const lac_swept *param = &sweep->param[p];
+            const char *text =
+                param->drawn == NULL ? param->text[index_of(param, places[k])] : room[param->axis];
+            if (param->drawn != NULL) {
+                (void)snprintf(room[param->axis], sizeof *room, "%.17g %s",
+                               param->drawn->value(param->argument, places[k]),
+                               strcmp(param->unit, "1") == 0 ? "" : param->unit);
+            }
+            n = override(sweep, n, param, text);
         }
-        const lac_status status =
-            read_case(sweep, override(sweep, sweep->count, param, text), &c, err);
+        status = read_case(sweep, n, &c, k == 0 ? err : &later);
         lac_case_free(c);
-        LAC_TRY_RETURN(status);
     }
-    return LAC_OK;
+    return status;
 }
 
 // Names of what the indicators say once: those of the case as it stands.
@@ -297,13 +310,6 @@ static double place_of(const lac_sweep *sweep, size_t param, size_t member)
     return u[sweep->param[param].axis];
 }
 
-static size_t index_of(const lac_swept *param, double u)
-{
-    // At .1 and .9 of a tornado the ends of a list, whatever its length.
-    const size_t i = (size_t)floor(u * (double)param->values);
-    return i < param->values ? i : param->values - 1;
-}
-
 static double value_at(const lac_swept *param, double u)
 {
     if (param->drawn != NULL) {
@@ -349,8 +355,9 @@ const char *lac_sweep_text(const lac_sweep *sweep, size_t param, size_t member, 
     return text;
 }
 
-// The case with all that is set as text, read anew where it is another than the last one's.
-static lac_status set_words(lac_sweep *sweep, size_t member, lac_error *err)
+// The case with what is set as text, read anew where it is another than the last one's.
+// @param all  numbers too
+static lac_status set_words(lac_sweep *sweep, size_t member, bool all, lac_error *err)
 {
     char room[LAC_SWEEP_AXES][64], *words = NULL;
     size_t size = 0, n = sweep->count;
@@ -358,8 +365,9 @@ static lac_status set_words(lac_sweep *sweep, size_t member, lac_error *err)
     LAC_FAIL_MEMORY_IF(out == NULL, err);
     for (size_t p = 0; p < sweep->params; p++) {
         const lac_swept *param = &sweep->param[p];
-        const char *text =
-            param->word ? lac_sweep_text(sweep, p, member, room[p], sizeof room[p]) : NULL;
+        const char *text = all || param->word
+                               ? lac_sweep_text(sweep, p, member, room[param->axis], sizeof *room)
+                               : NULL;
         if (text != NULL) {
             n = override(sweep, n, param, text);
             (void)fprintf(out, "%s=%s\n", param->key, text);
@@ -379,16 +387,27 @@ static lac_status set_words(lac_sweep *sweep, size_t member, lac_error *err)
     return LAC_OK;
 }
 
-lac_status lac_sweep_case(lac_sweep *sweep, size_t member, const lac_case **c, lac_error *err)
+static lac_status set_numbers(lac_sweep *sweep, size_t member)
 {
-    LAC_TRY_RETURN(set_words(sweep, member, err));
+    lac_status status = LAC_OK;
     for (size_t p = 0; p < sweep->params; p++) {
         const lac_swept *param = &sweep->param[p];
         char key[LAC_SWEEP_KEY];
-        for (size_t i = 0; !param->word && lac_swept_key(param, i, key); i++) {
-            LAC_TRY_RETURN(
-                lac_case_set(sweep->current, key, lac_sweep_value(sweep, p, member), err));
+        for (size_t i = 0; status == LAC_OK && !param->word && lac_swept_key(param, i, key); i++) {
+            status = lac_case_set(sweep->current, key, lac_sweep_value(sweep, p, member), NULL);
         }
+    }
+    return status;
+}
+
+lac_status lac_sweep_case(lac_sweep *sweep, size_t member, const lac_case **c, lac_error *err)
+{
+    LAC_TRY_RETURN(set_words(sweep, member, false, err));
+    if (set_numbers(sweep, member) != LAC_OK) {
+        // Refused beside values of the member before it, maybe: a member follows from its own.
+        lac_case_free(sweep->current);
+        sweep->current = NULL;
+        LAC_TRY_RETURN(set_words(sweep, member, true, err));
     }
     *c = sweep->current;
     return LAC_OK;
