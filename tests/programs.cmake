@@ -136,6 +136,7 @@ set(test_cluster_files $<TARGET_FILE:at_call>)
 lacuna_python_test(test_cluster once)
 # Sweeps, their answers and their page.
 lacuna_python_test(test_sweep once)
+lacuna_python_test(test_sweep_parts once)
 
 # How many of its runs go side by side.
 target_sources(unit_test_free_memory PRIVATE ${PROJECT_SOURCE_DIR}/src/cli/common/memory.c)
