@@ -153,7 +153,10 @@ static lac_status fill_sobol(lac_sweep *sweep, size_t rows, lac_error *err)
     gsl_qrng *sobol = gsl_qrng_alloc(gsl_qrng_sobol, (unsigned)sweep->width);
     LAC_FAIL_MEMORY_IF(sobol == NULL, err);
     for (size_t r = 0; r < rows; r++) {
-        (void)gsl_qrng_get(sobol, sweep->points + r * sweep->width);
+        if (r > 0 || sweep->width > sweep->axes) { // GSL leaves zero out, without which 2^k points
+                                                   // are not even; rows of two need not be
+            (void)gsl_qrng_get(sobol, sweep->points + r * sweep->width);
+        }
     }
     gsl_qrng_free(sobol);
     return LAC_OK;
