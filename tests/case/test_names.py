@@ -62,7 +62,7 @@ CALLS = (
             "--set fit.burn=2 --set fit.rounds=0"),
     ("trade", "cases/block.yaml -o trade.nc --dials rtol=1e-3:1e-5 --reach 1%"),
     ("sweep", "cases/block.yaml -o sweep.nc --design saltelli --members 8 --over friction.aging.dc='uniform(1 mm, 2 mm)' "
-              "--over initial.slip_rate='uniform(1 mm/week, 2 mm/week)'"),
+              "--over friction.aging.a='uniform(0.009, 0.01)'"),
     ("sweep", "cases/block.yaml -o tornado.nc --design tornado --over friction.aging.dc='1 mm, 2 mm'"),
     ("check", "cases/vajont.yaml"),
     ("run", "cases/century.yaml -o compared.nc --set 'output.points=[{name: A}]' --set compare.0.point=A"),
@@ -121,7 +121,7 @@ def helped(*command):
     """(name, value) of every option of a help text, letters among them."""
     found = {}
     for line in call([*command, "--help"]).split("\n"):
-        match = re.match(r" +(?:(-\w), +)?(--[\w-]+)(?: ([A-Z][\w:=,]*))?(?: |$)", line)
+        match = re.match(r" +(?:(-\w), +)?(--[\w-]+)(?: ([A-Z][\w:=,/]*))?(?: |$)", line)
         if match:
             for name in match.group(1, 2):
                 if name:
@@ -231,7 +231,7 @@ class Written(unittest.TestCase):
             known = quoted(self.page[command])
             with self.subTest(path), netCDF4.Dataset(path) as file:
                 own = {name for name, variable in file.variables.items()
-                       if "case_key" in variable.ncattrs()}
+                       if {"case_key", "sweep_key"} & set(variable.ncattrs())}
                 names = {re.sub(r"level_\d+$", "level_0", name) for name in file.variables}
                 self.assertEqual({n for n in names if not n.startswith("driver_")} - known - own - self.indicated, set())
                 self.assertEqual(set(file.ncattrs()) - known - everywhere, set())
