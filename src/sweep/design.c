@@ -85,21 +85,21 @@ static void place_tornado(const lac_sweep *sweep, size_t member, double *u)
 }
 
 static const lac_design designs[] = {
-    {"grid", "each value of the lists with every other", LAC_SAMPLE_DRAWN, true, 0, 0, true,
+    {"grid", "each value of the lists with every other", LAC_SAMPLE_DRAWN, true, true, 0, 0,
      place_grid},
-    {"random", "independent draws", LAC_SAMPLE_DRAWN, false, 1, 0, false, place_random},
+    {"random", "independent draws", LAC_SAMPLE_DRAWN, false, false, 1, 0, place_random},
     {"lhs",
      "a Latin hypercube: each key's range in as many equally likely parts as there are "
      "members, one in each",
-     LAC_SAMPLE_DRAWN, false, 1, 0, false, place_lhs},
-    {"sobol", "Sobol's sequence, which fills evenly", LAC_SAMPLE_DRAWN, false, 1, 0, false,
+     LAC_SAMPLE_DRAWN, false, false, 1, 0, place_lhs},
+    {"sobol", "Sobol's sequence, which fills evenly", LAC_SAMPLE_DRAWN, false, false, 1, 0,
      place_sobol},
-    {"saltelli", "for Sobol's indices: keys + 2 members a row", LAC_SAMPLE_SALTELLI, false, 2, 1,
-     false, place_saltelli},
+    {"saltelli", "for Sobol's indices: keys + 2 members a row", LAC_SAMPLE_SALTELLI, false, false,
+     2, 1, place_saltelli},
     {"tornado",
      "one key at a time: the case, then each key low and high (of what is drawn, 10 "
      "and 90 %; of a list, the first and the last)",
-     LAC_SAMPLE_TORNADO, false, 1, 2, true, place_tornado},
+     LAC_SAMPLE_TORNADO, false, true, 1, 2, place_tornado},
 };
 
 const lac_design *lac_design_get(size_t index)
@@ -148,7 +148,10 @@ static lac_status fill_sobol(lac_sweep *sweep, size_t rows, lac_error *err)
     gsl_qrng *sobol = gsl_qrng_alloc(gsl_qrng_sobol, (unsigned)sweep->width);
     LAC_FAIL_MEMORY_IF(sobol == NULL, err);
     for (size_t r = 0; r < rows; r++) {
-        (void)gsl_qrng_get(sobol, sweep->points + r * sweep->width);
+        if (r > 0 || sweep->width > sweep->axes) { // GSL leaves zero out, without which 2^k points
+                                                   // are not even; rows of two need not be
+            (void)gsl_qrng_get(sobol, sweep->points + r * sweep->width);
+        }
     }
     gsl_qrng_free(sobol);
     return LAC_OK;

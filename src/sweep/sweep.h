@@ -58,9 +58,9 @@ typedef struct lac_design {
     const char *name, *doc;
     lac_sample_design sample;
     bool lists;   ///< every value of each list: nothing can be drawn
+    bool once;    ///< just that many
     size_t fixed; ///< members are whole multiples of fixed + each * axes, plus
     size_t each;
-    bool once; ///< just that many
     /// Places of a member along all axes. @param u  [axes] in (0, 1)
     void (*place)(const struct lac_sweep *sweep, size_t member, double *u);
 } lac_design;

@@ -97,7 +97,7 @@ class Sweep(unittest.TestCase):
             self.assertTrue(numpy.all((drawn >= edges[:-1]) & (drawn <= edges[1:])), law)
         for law, median in (("normal(2 mm, 0.1 mm)", 2e-3), ("lognormal(2 mm, 0.2)", 2e-3)):
             _, v = self.sweep("--design", "sobol", "--members", "32", "--set", "time.end=1 s", over=[f"{DC}={law}"])
-            self.assertIn((v["friction_aging_dc"] < median).sum(), (15, 16, 17), law)
+            self.assertEqual((v["friction_aging_dc"] < median).sum(), 16, law)
 
     def test_never_is_said_and_kept(self):
         """Members that do not fail within their time count; the probability is the share that does."""

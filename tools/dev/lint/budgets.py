@@ -16,7 +16,7 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 88552,
+    "lines of src and include": 88575,
     "lines that only present results": 22840,
     "public headers": 13,
     "exported names": 44,
