@@ -142,9 +142,8 @@ lacuna_python_test(test_sweep_parts once)
 
 # How many of its runs go side by side.
 target_sources(unit_test_free_memory PRIVATE ${PROJECT_SOURCE_DIR}/src/cli/common/memory.c)
-foreach(part keep memory pool progress words)
-  target_sources(unit_test_pool PRIVATE ${PROJECT_SOURCE_DIR}/src/cli/common/${part}.c)
-endforeach()
+target_sources(unit_test_pool PRIVATE
+  "$<FILTER:$<TARGET_OBJECTS:lacuna_program>,INCLUDE,common/(keep|memory|pool|progress|words)[.]c>")
 
 # Runs of seconds by each method: slow under sanitizers, which shorter runs by each method pass too.
 set_property(TEST verify.test_peers APPEND PROPERTY LABELS once)

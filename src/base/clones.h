@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
+#include <stdint.h> // says which C library this is
+
 // Where the compiler and the C library can, each loop is compiled for three instruction sets and
 // the best one is picked when the program starts. Its name is then global, static or not: lac_...
 // Sanitizers run before that is possible. Inlined, a clone would be the least of them.

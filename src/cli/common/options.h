@@ -27,7 +27,7 @@ enum {
     CLI_OPT_RESUME = 1 << 21,
     CLI_OPT_SERIES = 1 << 22,   ///< how a monitoring file is read
     CLI_OPT_FORECAST = 1 << 23, ///< how forecasts are made and judged
-    CLI_OPT_JOBS = 1 << 13,     ///< processes at a time
+    CLI_OPT_JOBS = 1 << 14,     ///< processes at a time
     CLI_OPT_SWEEP = 1 << 24,    ///< what is varied, and how
     CLI_OPT_BY = 1 << 25,       ///< of a probability of failure
     CLI_OPT_TRADE = 1 << 26,    ///< what is traded, and for what

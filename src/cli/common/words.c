@@ -12,7 +12,7 @@
 #include "base/nearest.h"
 #include "base/units.h"
 
-enum { MOST_ROWS = 64, BLOCK = 4096, HELD = 4 }; // rows: of a table that words are looked up in
+enum { MOST_ROWS = 128, BLOCK = 4096, HELD = 4 }; // rows: of a table that words are looked up in
 
 lac_status cli_unknown(const char *where, const char *word, const char *what,
                        const char *const *known, size_t count, lac_error *err)
