@@ -122,6 +122,7 @@ lac_status lac_problem_take(const lac_problem *problem, double t, const lac_prob
     const size_t n = problem->n, bytes = n * sizeof *y;
     const bool balanced = !problem->kind->has_slip;
     as.kind = balanced ? &lac_formulation_slip : problem->kind;
+    lac_problem_lay_out(&as);
     const size_t unknowns = lac_problem_unknowns(&as);
     lac_status status = LAC_OK;
     lac_look at;
