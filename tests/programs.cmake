@@ -270,7 +270,7 @@ lacuna_python_test(test_pictures once)
 # Fits, and what they write; the bundled cases for it check.
 lacuna_python_test(test_fit)
 lacuna_python_test(test_fit_friction once)
-lacuna_python_test(test_fit_resume)
+lacuna_python_test(test_fit_resume once)
 foreach(bundled block century century-undriven velocity-step)
   add_test(NAME case.fit.${bundled}.check
            COMMAND lacuna_program check -q ${PROJECT_SOURCE_DIR}/cases/fit/${bundled}.yaml)
