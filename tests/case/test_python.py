@@ -181,6 +181,17 @@ class Python(unittest.TestCase):
             lacuna.precursors(series, displacement="none:mm")
         self.assertEqual(caught.exception.kind, "input")
 
+    def test_sweep(self):
+        over = {"friction.aging.dc": "uniform(0.5 mm, 2 mm)", "initial.slip_rate": ["1 mm/week", "2 mm/week"]}
+        mine = lacuna.sweep(self.path("block.yaml"), over, members=6, seed=3, processes=2)
+        words = [w for key, value in over.items() for w in ("--over", f"{key}={value if isinstance(value, str) else ', '.join(value)}")]
+        self.same({True: mine}, ["sweep", "cases/block.yaml", "--members", "6", "--seed", "3", *words], more=mine.attrs)
+        self.assertEqual(mine.sizes["realization"], 6)
+        self.assertTrue(bool((mine.friction_aging_dc > 0.5e-3).all()))
+        with self.assertRaises(lacuna.Error) as caught:
+            lacuna.sweep(self.path("block.yaml"), {"friction.aging.dx": "1, 2"})
+        self.assertEqual(caught.exception.kind, "input")
+
     def test_fit(self):
         sets = {"fit.steps": "0", "fit.starts": "8"}
         words = [word for key, value in sets.items() for word in ("--set", f"{key}={value}")]
