@@ -30,7 +30,7 @@ static lac_status on_record(void *context, const lac_record *record, lac_error *
         *all = (track){grown, grown + room, all->n, room};
     }
     all->time[all->n] = record->time_origin + record->time_local;
-    all->log_rate[all->n++] = log(record->observation.mean_rate);
+    all->log_rate[all->n++] = log(fabs(record->observation.mean_rate));
     return LAC_OK;
 }
 
