@@ -7,7 +7,7 @@
     vajont.py picture [--fit FIT.nc] [-o docs/images/vajont-lake.png]
     all with [--program build/lacuna] [--threads 2] [--draws 200]
 
-The fit takes half an hour of two free cores, the picture one minute.
+The fit takes a quarter of an hour of two free cores, the picture one minute.
 """
 
 import argparse
