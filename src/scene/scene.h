@@ -58,7 +58,9 @@ typedef struct lac_contact_outcome {
     bool brief;                       ///< grid, pressures and dimension alone, for JSON
     double friction;                  ///< of the history; NaN
     const lac_history_result *result; ///< same; NULL: there is none
-    const lac_history_record *record; ///< [result->steps] for JSON; NULL: left out
+    const lac_history_record *record; ///< [result->steps] where they do not come; NULL: they do
+    const lac_history_maps *maps;     ///< of the last or, [result->steps] of each, of all these
+    lac_history_keep keep;            ///< which
 } lac_contact_outcome;
 
 /// Its variables, for a file or JSON; docs/format.md.
@@ -83,6 +85,9 @@ lac_status lac_scene_domain_create(const lac_case *c, lac_domain **domain, lac_e
 
 /// Number of steps of a case's history, all increments counted.
 size_t lac_scene_history_steps(const lac_case *c);
+
+/// Whether its pressures change on the way.
+bool lac_scene_history_presses(const lac_case *c);
 
 /// Goes through the history of a case: presses anew where the pressure changes, from the pressures
 /// before, and shears; docs/theory/tangential.md.

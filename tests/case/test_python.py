@@ -167,8 +167,32 @@ class Python(unittest.TestCase):
         case = "cases/contact/self-affine.yaml"
         self.same({True: lacuna.contact(os.path.join(SOURCE, case), sets)}, ["contact", case, "--set", "interface.levels=6"])
 
+    def test_contact_history(self):
+        """Steps and maps, of all steps, of the last, of none."""
+        for fields in ("all", "last", "none"):
+            sets = {"interface.levels": 4, "load.history.fields": fields}
+            words = [word for key, value in sets.items() for word in ("--set", f"{key}={value}")]
+            mine = lacuna.contact(self.path("shear-cycle.yaml"), sets)
+            said = self.same({True: mine}, ["contact", "cases/shear-cycle.yaml", *words])
+            self.assertEqual(mine.sizes["step"], len(said["steps"]))
+            self.assertEqual(mine.variables.get("traction_x", mine.x).dims,
+                             {"all": ("step", "y", "x"), "last": ("y", "x"), "none": ("x",)}[fields])
+
     def test_rg(self):
         self.same({True: lacuna.rg(self.path("rg/cons.yaml"))}, ["rg", "cases/rg/cons.yaml"])
+
+    def test_rg_of_a_file(self):
+        file = os.path.join(self.folder, "run.nc")
+        subprocess.run([PROGRAM, "run", "cases/rg/creep-to-failure.yaml", "--set", "interface.levels=4", "--set",
+                        "output.fields=[slip_rate, state, traction]", "--set", "output.fields_every={per_decade: 2}", "-o", file, "-q"],
+                       check=True, cwd=SOURCE, stdout=subprocess.DEVNULL)
+        for snapshot in ("0", "last"):
+            mine = lacuna.rg(file, {"rg.beta": 0.5}, snapshot=snapshot)
+            self.same({True: mine}, ["rg", file, "--set", "rg.beta=0.5", "--snapshot", snapshot])
+        self.assertTrue(mine.identical(lacuna.rg(file, {"rg.beta": 0.5})))
+        with self.assertRaises(lacuna.Error) as caught:
+            lacuna.rg(file, snapshot=99)
+        self.assertEqual(caught.exception.kind, "input")
 
     def test_precursors(self):
         series = os.path.join(SOURCE, "cases/data/creep.csv")

@@ -28,6 +28,7 @@ enum {
     CLI_OPT_SERIES = 1 << 22,   ///< how a monitoring file is read
     CLI_OPT_FORECAST = 1 << 23, ///< how forecasts are made and judged
     CLI_OPT_JOBS = 1 << 14,     ///< processes at a time
+    CLI_OPT_PIPE = 1 << 15,     ///< the dataset on stdout
     CLI_OPT_SWEEP = 1 << 24,    ///< what is varied, and how
     CLI_OPT_BY = 1 << 25,       ///< of a probability of failure
     CLI_OPT_TRADE = 1 << 26,    ///< what is traded, and for what
@@ -123,6 +124,7 @@ struct cli_request {
     cli_forecast_words forecast;
     cli_trade_words trade;
     int threads;             ///< 0: not given
+    int pipe;                ///< where --pipe writes to; 0: not given
     size_t set_count;        ///< --set, in order
     lac_override *overrides; ///< [set_count]; keys owned, values borrowed from argv
     cli_words variables;     ///< --variable

@@ -158,18 +158,15 @@ static lac_status follow(contact_job *job, const lac_history_store_def *def, lac
 static lac_status follow_history(contact_job *job, lac_dataset *dataset, lac_error *err)
 {
     char *text = lac_case_text(job->source);
-    const lac_history_def *history = &job->source->history;
     const size_t steps = lac_scene_history_steps(job->source);
-    lac_history_store_def def = {
+    const lac_history_store_def def = {
         .path = job->path,
         .force = cli_given(job->request, CLI_OPT_FORCE),
         .provenance = cli_provenance(job->request, job->source, text),
         .contact = dataset,
-        .keep = (lac_history_keep)history->fields,
+        .keep = (lac_history_keep)job->source->history.fields,
+        .pressed = lac_scene_history_presses(job->source),
     };
-    for (size_t i = 0; i < history->count; i++) {
-        def.pressed = def.pressed || !isnan(history->step[i].pressure);
-    }
     cli_say(job->request, "following %zu steps", steps);
     job->outcome.record = job->record = calloc(steps, sizeof *job->record);
     const bool good = text != NULL && job->record != NULL;

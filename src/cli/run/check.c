@@ -3,9 +3,10 @@
 #include <unistd.h>
 
 #include "cli/common/command.h"
+#include "cli/common/output.h"
 #include "cli/common/words.h"
+#include "cli/run/check.h"
 #include "cli/run/run_outcome.h"
-#include "scene/estimate.h"
 #include "simulation/branch.h"
 
 // What `check` has found beyond the text of the case.
@@ -76,7 +77,7 @@ static double rounded(double x, int digits)
     return x > 0 ? round(x / unit) * unit : x;
 }
 
-static const char *steps_class(const lac_estimate *e)
+const char *cli_steps_class(const lac_estimate *e)
 {
     return e->own_steps  ? "own"
            : e->changing ? "not estimated"
@@ -125,7 +126,7 @@ static void print_steps(const lac_estimate *e)
                                : "a slip costs some hundred, whatever the number of cells");
         return;
     }
-    printf("#   steps           %s\n", steps_class(e));
+    printf("#   steps           %s\n", cli_steps_class(e));
     cli_wrap("#     ",
              e->changing
                  ? "a load changes in time: how often cells slip under it is not known before"
@@ -173,58 +174,50 @@ static void print_estimate(const lac_case *c, const lac_estimate *e)
     }
 }
 
-static void write_estimate(lac_json *json, const lac_case *c, const lac_estimate *e)
+// As JSON, or with --pipe as the dataset that it is.
+static lac_status put_out(const cli_request *request, cli_checked *checked,
+                          const lac_case_issues *report, lac_error *err)
 {
-    char words[LAC_REGIME_ROOM];
-    lac_regime_words(c, e, words);
-    lac_json_open(json, "estimate", '{');
-    lac_json_number(json, "grid_cells", e->grid_cells);
-    lac_json_number(json, "contact_cells", round(e->contact_cells));
-    lac_json_boolean(json, "contact_cells_exact", e->exact);
-    lac_json_number(json, "unknowns", e->unknowns * round(e->contact_cells));
-    lac_json_number(json, "memory_bytes", round(e->memory));
-    lac_json_number(json, "cpu_time_least_s", e->cpu_time_least);
-    lac_json_number(json, "cpu_time_most_s", e->cpu_time_most);
-    lac_json_number(json, "cascade_time_s", e->cascade_time);
-    lac_json_number(json, "records_at_times", e->integrated ? e->records : NAN);
-    lac_json_number(json, "file_most_bytes", e->integrated ? e->file_bytes : NAN);
-    lac_json_number(json, "stiffness_over_critical", e->stiffness_ratio);
-    lac_json_number(json, "patch_width_m", e->patch);
-    lac_json_text(json, "regime", lac_regime_name(lac_regime_of(e)));
-    lac_json_text(json, "regime_words", words);
-    lac_json_text(json, "faster_fidelity", e->faster);
-    lac_json_number(json, "failure_rate_m_s", e->failure.rate > 0.0 ? e->failure.rate : NAN);
-    lac_json_boolean(json, "failure_rate_lowered", e->failure.lowered);
-    lac_json_text(json, "steps_class", e->integrated ? steps_class(e) : NULL);
-    lac_json_number(json, "steps_least", e->integrated ? e->steps_least : NAN);
-    lac_json_number(json, "steps_most", e->integrated ? e->steps_most : NAN);
-    lac_json_close(json, '}');
-}
-
-static void write_json(const lac_case_issues *report, const char *path, const lac_case *c,
-                       const char *scene, const char *branch, const lac_estimate *estimate,
-                       lac_error *err)
-{
-    lac_json json = {.out = stdout};
     // what is wrong with the scene as a whole stands at no line of the case
-    lac_case_issue issue = {
-        .file = (char *)path, .key = (char *)"", .value = (char *)"", .message = err->message};
-    const lac_case_issues whole = {.count = 1, .errors = 1, .issue = &issue};
+    const lac_case_issue whole = {.file = (char *)request->argument[0],
+                                  .key = (char *)"",
+                                  .value = (char *)"",
+                                  .message = err->message};
+    const lac_provenance made = {.seed = INT64_MIN};
+    lac_dataset *dataset = NULL;
+    lac_error late = {""};
+    lac_status status;
+    const lac_case_issue **all = calloc(2 * report->count + 1, sizeof *all);
+    LAC_TRY(all == NULL ? lac_fail_memory(&late) : LAC_OK);
+    checked->error = all;
+    checked->warning = all + report->count + 1;
+    for (size_t i = 0; i < report->count; i++) {
+        const lac_case_issue *issue = &report->issue[i];
+        *(issue->warning ? &checked->warning[checked->warnings++]
+                         : &checked->error[checked->errors++]) = issue;
+    }
+    if (checked->errors == 0 && err->message[0] != '\0') {
+        checked->error[checked->errors++] = &whole;
+    }
+    if (checked->estimate != NULL) {
+        lac_regime_words(checked->source, checked->estimate, checked->regime);
+    }
+    LAC_TRY(cli_check_describe(checked, &dataset, &late));
+    if (request->pipe != 0) {
+        LAC_TRY(cli_put_dataset(request, false, &made, NULL, dataset, &late));
+        goto out;
+    }
+    lac_json json = {.out = stdout};
     lac_json_open(&json, NULL, '{');
-    lac_json_boolean(&json, "ok", estimate != NULL);
-    cli_report_json(&json, "errors",
-                    report->errors > 0 || err->message[0] == '\0' ? report : &whole, false);
-    cli_report_json(&json, "warnings", report, true);
-    lac_json_text(&json, "scene", scene);
-    if (branch != NULL) {
-        lac_json_text(&json, "branch", branch);
-    }
-    if (estimate != NULL) {
-        write_estimate(&json, c, estimate);
-    } else {
-        lac_json_null(&json, "estimate");
-    }
+    lac_dataset_json(dataset, &json);
     lac_json_close(&json, '}');
+out:
+    lac_dataset_free(dataset);
+    free((void *)all);
+    if (status != LAC_OK) {
+        *err = late;
+    }
+    return status;
 }
 
 static lac_status examine(const cli_request *request, const lac_case *c, lac_case_issues *report,
@@ -261,7 +254,7 @@ lac_status cli_check(const cli_request *request, lac_error *err)
     lac_estimate estimate = {.grid_cells = NAN};
     lac_branch *branch = NULL;
     char *scene = NULL;
-    bool json = cli_given(request, CLI_OPT_JSON);
+    const bool told = cli_given(request, CLI_OPT_JSON) || request->pipe != 0;
     lac_status status = cli_case_read(request, LAC_FOR_CHECK, &c, &report, err);
     if (status == LAC_OK) {
         status = examine(request, c, &report, &scene, &estimate, err);
@@ -270,9 +263,13 @@ lac_status cli_check(const cli_request *request, lac_error *err)
         status = lac_branch_open(c, &branch, err);
     }
     const char *words = branch != NULL ? branch->text : NULL;
-    if (json && (status == LAC_OK || status == LAC_EINPUT || report.errors > 0)) {
-        write_json(&report, request->argument[0], c, scene, words,
-                   status == LAC_OK ? &estimate : NULL, err);
+    if (told && (status == LAC_OK || status == LAC_EINPUT || report.errors > 0)) {
+        cli_checked checked = {.source = c,
+                               .scene = scene,
+                               .branch = words,
+                               .estimate = status == LAC_OK ? &estimate : NULL};
+        const lac_status out = put_out(request, &checked, &report, err);
+        status = out != LAC_OK ? out : status;
     } else if (status == LAC_OK) {
         printf("%s", scene);
         print_estimate(c, &estimate);

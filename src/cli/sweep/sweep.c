@@ -204,8 +204,8 @@ static lac_status put_out(const cli_request *request, lac_ensemble *e, double by
         LAC_TRY(lac_answers_create(&sample, &answers, err));
     }
     LAC_TRY(lac_ensemble_describe(e, answers, &dataset, err));
-    LAC_TRY(lac_store_dataset(path, cli_given(request, CLI_OPT_FORCE | CLI_OPT_RESUME), &made,
-                              dataset, err));
+    LAC_TRY(cli_put_dataset(request, cli_given(request, CLI_OPT_FORCE | CLI_OPT_RESUME), &made,
+                            path, dataset, err));
     if (cli_given(request, CLI_OPT_JSON)) {
         cli_print_json(dataset, path);
     } else if (answers != NULL) {
@@ -303,8 +303,9 @@ lac_status cli_gather(const cli_request *request, lac_error *err)
     double by = NAN;
     lac_status status;
     LAC_TRY(shard == NULL ? lac_fail_memory(err) : LAC_OK);
-    LAC_LEAVE_IF(request->output == NULL, err, LAC_EINPUT, "gather: -o FILE is missing");
-    LAC_TRY(cli_output_check(request, NULL, request->output, err));
+    LAC_LEAVE_IF(request->output == NULL && request->pipe == 0, err, LAC_EINPUT,
+                 "gather: -o FILE is missing");
+    LAC_TRY(request->pipe == 0 ? cli_output_check(request, NULL, request->output, err) : LAC_OK);
     for (size_t k = 0; k < n; k++) {
         LAC_TRY(lac_ensemble_read(request->files.word[k], &shard[k], err));
     }
