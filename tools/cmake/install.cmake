@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # What `cmake --install` puts where: program, libraries, headers, Python module, tools that draw, manual
 # pages, completions, documentation, cases. Nothing of it knows its place: the whole may be moved.
+set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME lacuna)
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
@@ -45,7 +46,12 @@ install(FILES ${PROJECT_BINARY_DIR}/lacuna-config.cmake
 if(TARGET lacuna_shared)
   install(TARGETS lacuna_shared EXPORT lacuna-targets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
   install(EXPORT lacuna-targets NAMESPACE lacuna:: DESTINATION ${package})
-  install(FILES ${PROJECT_SOURCE_DIR}/tools/python/lacuna.py DESTINATION lib/python3/dist-packages)
+  install(FILES ${PROJECT_SOURCE_DIR}/tools/python/lacuna.py DESTINATION lib/python3/dist-packages
+          COMPONENT python)
+endif()
+if(TARGET lacuna_shared AND TARGET lacuna_program AND LACUNA_PYTHON)
+  add_custom_target(wheel COMMAND ${LACUNA_PYTHON} ${PROJECT_SOURCE_DIR}/tools/python/make-wheel
+                    $<TARGET_FILE:lacuna_program> $<TARGET_FILE:lacuna_shared> ${PROJECT_BINARY_DIR} VERBATIM)
 endif()
 
 # Manual pages, where scdoc is there to make them; in man1 `man` finds them by the PATH of build/lacuna.

@@ -203,6 +203,9 @@ def version() -> str:
     return _library.lac_version().decode()
 
 
+__version__ = version()
+
+
 class _Stop:
     """Lets Ctrl-C end what is computed after its step: Python sees signals only while the callback runs."""
 
@@ -569,7 +572,9 @@ def _words(options: Mapping[str, Any]) -> "list[str]":
 def _program(words: Sequence[str], arguments: Sequence[Any], overrides: Sets, folder: str,
              cases: Mapping[str, Any] = {}) -> bytes:
     """What the program prints. @param cases  options whose values are cases, too"""
-    program = os.environ.get("LACUNA_PROGRAM") or _beside("../bin/lacuna") or shutil.which("lacuna")
+    # A wheel's module is a package, one folder deeper.
+    program = (os.environ.get("LACUNA_PROGRAM") or _beside("../bin/lacuna" if __file__.endswith("lacuna.py") else "../../bin/lacuna")
+               or shutil.which("lacuna"))
     if program is None:
         raise Error(STATUS.index("file"), "no program lacuna: LACUNA_PROGRAM names it")
     given = [os.fsdecode(_case_file(one, folder, i)) for i, one in enumerate(arguments)]
