@@ -14,6 +14,11 @@ typedef struct lac_contact_options {
                  ///< no history
     bool (*interrupted)(void *context); ///< asked before every step of a history; NULL: never
     void *context;
+    // How it is measured, as options of `lacuna contact`; NULL: as without them.
+    const char *boxes;      ///< sides of boxes that D_box is fitted to: "2:32"
+    const char *coarsest;   ///< cells a side of the coarsest resolution: "64"
+    const char *coarsening; ///< how grids are made coarser: "sample" or "block-mean"
+    const char *sizes;      ///< specimens of the size effect: "50 mm, 1 m"
 } lac_contact_options;
 
 /// All that is measured.

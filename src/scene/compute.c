@@ -115,13 +115,15 @@ static lac_status follow(const lac_case *c, computed *r, lac_error *err)
 lac_status lac_contact_compute(const lac_case *c, const lac_contact_options *options,
                                lac_dataset **out, lac_error *err)
 {
-    const lac_scene_measure_def measure = lac_scene_measure_default();
+    lac_scene_measure_def measure;
     lac_contact_options own = lac_contact_options_default();
     computed *r = NULL;
     lac_status status;
     LAC_TRY(LAC_NEED(err, c, out));
     *out = NULL;
     LAC_TRY(lac_take_options("lac_contact_options", options, &own, sizeof own, err));
+    const lac_measure_words words = {own.boxes, own.coarsest, own.coarsening, own.sizes};
+    LAC_TRY(lac_scene_measure_read(&words, &measure, err));
     LAC_TRY(begin(c, LAC_FOR_CONTACT, &r, err));
     LAC_TRY(lac_scene_contact_solve(c, LAC_SCENE_MEASURED, &r->contact, err));
     LAC_TRY(own.quick ? LAC_OK : lac_scene_contact_measure(&measure, &r->contact, err));

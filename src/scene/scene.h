@@ -142,6 +142,15 @@ lac_status lac_scene_contact_solve(const lac_case *c, lac_scene_keep keep, lac_s
 /// boxes as lac_box_default; specimens of 50, 100, 200 and 400 mm, 1, 10, 100 m and 1 km.
 lac_scene_measure_def lac_scene_measure_default(void);
 
+/// How it is measured as options of `lacuna contact` say it; NULL: not said.
+typedef struct lac_measure_words {
+    const char *boxes, *coarsest, *coarsening, *sizes;
+} lac_measure_words;
+
+/// @return LAC_OK; LAC_EINPUT ("boxes: ... must be ..."); LAC_ENOMEM
+lac_status lac_scene_measure_read(const lac_measure_words *words, lac_scene_measure_def *out,
+                                  lac_error *err);
+
 /// Measures the contact that was solved with LAC_SCENE_MEASURED: clusters, area scaling, size
 /// effect; counts the boxes again where `def` asks for other ones. A contact whose area has no
 /// scaling (grid too small, no surface, coarse grids not solved) is measured all the same:

@@ -169,7 +169,13 @@ class Python(unittest.TestCase):
     def test_contact(self):
         sets = {"interface.levels": "6"}
         case = "cases/contact/self-affine.yaml"
-        self.same({True: lacuna.contact(os.path.join(SOURCE, case), sets)}, ["contact", case, "--set", "interface.levels=6"])
+        words = ["contact", case, "--set", "interface.levels=6"]
+        self.same({True: lacuna.contact(os.path.join(SOURCE, case), sets)}, words)
+        mine = lacuna.contact(os.path.join(SOURCE, case), sets, boxes="2:16", coarsest=16, coarsening="sample", sizes="5 cm, 1 m")
+        self.same({True: mine}, [*words, "--boxes", "2:16", "--coarsest", "16", "--coarsening", "sample", "--sizes", "5 cm, 1 m"])
+        with self.assertRaises(lacuna.Error) as caught:
+            lacuna.contact(os.path.join(SOURCE, case), sets, boxes="3:16")
+        self.assertEqual(str(caught.exception), 'boxes: "3:16" must be two sides in cells, powers of two: 2:32')
 
     def test_contact_history(self):
         """Steps and maps, of all steps, of the last, of none."""
@@ -449,6 +455,19 @@ class Python(unittest.TestCase):
         done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True,
                               check=False, timeout=120)
         self.assertEqual((done.stdout, done.stderr, done.returncode), ("stopped\n", "", 0))
+
+    def test_interrupted_in_the_program(self):
+        """A sweep in the program's pool ends too, and its processes with it; a history of loads in this one."""
+        text = "\n".join((
+            "import lacuna, os, signal, sys, threading",
+            "threading.Timer(1.5, lambda: os.kill(os.getpid(), signal.SIGINT)).start()",
+            "try:", "    {call}", "except KeyboardInterrupt:", "    print('stopped')"))
+        calls = (f"lacuna.sweep({self.path('block.yaml')!r}, {{'friction.aging.dc': 'uniform(1 mm, 2 mm)'}}, members=1000000)",
+                 f"lacuna.contact({self.path('shear-cycle.yaml')!r}, {{'load.history.steps.0.count': 9000, 'interface.levels': 5}})")
+        for call in calls:
+            done = subprocess.run([sys.executable, "-c", text.format(call=call)], capture_output=True, text=True, check=False,
+                                  timeout=60, env={**os.environ, "PYTHONPATH": os.path.dirname(lacuna.__file__)})
+            self.assertEqual((done.stdout, done.stderr, done.returncode), ("stopped\n", "", 0))
 
     def test_version(self):
         said = subprocess.run([PROGRAM, "--version"], capture_output=True, text=True, check=True)

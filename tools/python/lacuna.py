@@ -108,7 +108,9 @@ class _Options(_Sized):
 
 
 class _ContactOptions(_Sized):
-    _fields_ = [("size", ctypes.c_size_t), ("quick", ctypes.c_bool), ("interrupted", _STOP), ("context", ctypes.c_void_p)]
+    _fields_ = [("size", ctypes.c_size_t), ("quick", ctypes.c_bool), ("interrupted", _STOP), ("context", ctypes.c_void_p),
+                ("boxes", ctypes.c_char_p), ("coarsest", ctypes.c_char_p), ("coarsening", ctypes.c_char_p),
+                ("sizes", ctypes.c_char_p)]
 
 
 class _FitOptions(_Sized):
@@ -448,17 +450,23 @@ def run(case: Case, overrides: Sets = None, *, decode_times: bool = True) -> xar
         return _compute(_library.lac_simulation_record, simulation.handle, decode_times=decode_times)
 
 
-def contact(case: Case, overrides: Sets = None) -> xarray.Dataset:
+def contact(case: Case, overrides: Sets = None, *, boxes: Optional[str] = None, coarsest: Optional[int] = None,
+            coarsening: Optional[str] = None, sizes: Optional[str] = None) -> xarray.Dataset:
     """Presses the surface of a case, measures its contact and follows its history of loads, as `lacuna contact` does.
 
-    Arguments and errors are those of run.
+    boxes       sides of boxes that the dimension is fitted to: "2:32"
+    coarsest    cells a side of the coarsest resolution
+    coarsening  how grids are made coarser: "sample" or "block-mean"
+    sizes       specimens of the size effect: "50 mm, 1 m"
+    Other arguments and errors are those of run.
 
     >>> contact("cases/contact/self-affine.yaml", {"interface.levels": 5}).attrs["n_cells"] > 0
     True
     """
     with _one_at_a_time, _Stop() as stop:
         read = _read(case, overrides, FOR_CONTACT)
-        how = _ContactOptions(False, stop.callback, None)
+        words = [None if word is None else _bytes(str(word))[0] for word in (boxes, coarsest, coarsening, sizes)]
+        how = _ContactOptions(False, stop.callback, None, *words)
         return _compute(_library.lac_contact_compute, read.handle, how, needs=[read])
 
 
