@@ -10,8 +10,8 @@ LAC_BEGIN_C
 /// How a contact is computed; from lac_contact_options_default.
 typedef struct lac_contact_options {
     size_t size; ///< of this structure, as the default has it
-    bool quick;  ///< only the contact itself: nothing of clusters, area scaling and size effect, and
-                 ///< no history
+    bool quick; ///< only the contact itself: nothing of clusters, area scaling and size effect, and
+                ///< no history
     bool (*interrupted)(void *context); ///< asked before every step of a history; NULL: never
     void *context;
     // How it is measured, as options of `lacuna contact`; NULL: as without them.

@@ -158,8 +158,8 @@ static lac_status add_history(lac_dataset *d, const lac_contact_outcome *o, lac_
     lac_status status = lac_dataset_add(d, laid, 1, err);
     if (status == LAC_OK && o->record != NULL) {
         status = lac_dataset_dims(d, &step, 1, err);
-        status = status == LAC_OK ? lac_dataset_add(d, laid + 1, o->maps != NULL ? 2 : 1, err)
-                                  : status;
+        status =
+            status == LAC_OK ? lac_dataset_add(d, laid + 1, o->maps != NULL ? 2 : 1, err) : status;
     }
     return status;
 }

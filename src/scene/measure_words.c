@@ -24,8 +24,8 @@ static lac_status read_boxes(const char *text, lac_box_def *boxes, lac_error *er
     unsigned long largest = *colon == ':' ? strtoul(colon + 1, &end, 10) : 0;
     LAC_FAIL_IF(strspn(text, "0123456789:") != strlen(text) || *end != '\0' ||
                     !is_power_of_two(smallest) || !is_power_of_two(largest) || largest <= smallest,
-                err, LAC_EINPUT,
-                "boxes: \"%.60s\" must be two sides in cells, powers of two: 2:32", text);
+                err, LAC_EINPUT, "boxes: \"%.60s\" must be two sides in cells, powers of two: 2:32",
+                text);
     boxes->smallest = smallest;
     boxes->largest = largest;
     return LAC_OK;

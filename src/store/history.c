@@ -114,8 +114,8 @@ static lac_status describe(const lac_history_store_def *def, const step *now, la
 static lac_status begin_file(lac_history_store *s, const lac_history_store_def *def, lac_error *err)
 {
     LAC_TRY_RETURN(lac_nc_create(&s->file, def->path, def->force, err));
-    LAC_TRY_RETURN(lac_provenance_put(
-        &def->provenance, def->contact->summary, lac_nc_put_attribute, &s->file, err));
+    LAC_TRY_RETURN(lac_provenance_put(&def->provenance, def->contact->summary, lac_nc_put_attribute,
+                                      &s->file, err));
     LAC_TRY_RETURN(lac_writer_begin(&s->writer, err));
     LAC_TRY_RETURN(lac_nc_text(&s->file, NC_GLOBAL, "status", "running", err));
     LAC_TRY_RETURN(lac_nc_sync(&s->file, err));

@@ -7,22 +7,6 @@
 
 enum { MAX_NAMES = 64 };
 
-bool cli_param_is_required(const lac_param *param)
-{
-    return (param->flags & LAC_OPTIONAL) == 0 && isnan(param->fallback);
-}
-
-bool cli_param_is_number(const lac_param *param)
-{
-    return param->type == LAC_REAL || param->type == LAC_INTEGER;
-}
-
-// Ranges beyond what anything measures mean "no limit".
-bool cli_param_is_bounded(const lac_param *param, double limit)
-{
-    return cli_param_is_number(param) && fabs(limit) < DBL_MAX / 2;
-}
-
 static void print_default(const lac_param *param)
 {
     const double value = param->fallback;
@@ -77,15 +61,6 @@ static void print_parameters(const lac_param *params, size_t count)
         puts((param->flags & LAC_CELLWISE) != 0 ? "; may vary by cell" : "");
         cli_wrap("                        ", param->doc);
     }
-}
-
-const char *cli_param_type(const lac_param *param)
-{
-    static const char *const names[] = {
-        [LAC_REAL] = "real", [LAC_INTEGER] = "integer", [LAC_CHOICE] = "choice",
-        [LAC_TEXT] = "text", [LAC_PATH] = "path",
-    };
-    return names[param->type];
 }
 
 static void write_parameter(lac_json *json, const lac_param *param)

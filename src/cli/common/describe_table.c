@@ -4,6 +4,31 @@
 #include "cli/common/output.h"
 #include "data/describe.h"
 
+bool cli_param_is_required(const lac_param *param)
+{
+    return (param->flags & LAC_OPTIONAL) == 0 && isnan(param->fallback);
+}
+
+bool cli_param_is_number(const lac_param *param)
+{
+    return param->type == LAC_REAL || param->type == LAC_INTEGER;
+}
+
+// Ranges beyond what anything measures mean "no limit".
+bool cli_param_is_bounded(const lac_param *param, double limit)
+{
+    return cli_param_is_number(param) && fabs(limit) < DBL_MAX / 2;
+}
+
+const char *cli_param_type(const lac_param *param)
+{
+    static const char *const names[] = {
+        [LAC_REAL] = "real", [LAC_INTEGER] = "integer", [LAC_CHOICE] = "choice",
+        [LAC_TEXT] = "text", [LAC_PATH] = "path",
+    };
+    return names[param->type];
+}
+
 #define PARAMETER const cli_described_param *p = of
 #define NUMBER(which) cli_param_is_number(&p->param) ? p->param.which : (double)NAN
 #define BOUND(which) cli_param_is_bounded(&p->param, p->param.which) ? p->param.which : (double)NAN
@@ -106,8 +131,8 @@ lac_status cli_described_put(const cli_request *request, const cli_described *ta
     const lac_provenance made = {.seed = INT64_MIN};
     lac_dataset *dataset = NULL;
     lac_status status;
-    LAC_TRY(lac_dataset_create("Models and sections of a case with their parameters.", &dataset,
-                               err));
+    LAC_TRY(
+        lac_dataset_create("Models and sections of a case with their parameters.", &dataset, err));
     LAC_TRY(lac_dataset_dims(dataset, dims, 2, err));
     LAC_TRY(lac_dataset_add(dataset, laid, 2, err));
     LAC_TRY(cli_put_dataset(request, false, &made, NULL, dataset, err));

@@ -59,8 +59,8 @@ const cli_command cli_commands[] = {
      cli_sweep},
     {"gather", "SHARD.nc...", "the parts of a sweep as one file",
      "Of lacuna sweep --shard 0/N to N-1/N, to -o FILE. All members must be there, once.\n",
-     "lacuna gather SHARD-0.nc SHARD-1.nc -o ALL.nc", 1, CLI_MANY, CLI_OPT_WRITES | CLI_OPT_BY | CLI_OPT_PIPE,
-     cli_gather},
+     "lacuna gather SHARD-0.nc SHARD-1.nc -o ALL.nc", 1, CLI_MANY,
+     CLI_OPT_WRITES | CLI_OPT_BY | CLI_OPT_PIPE, cli_gather},
     {"report", "RUN.nc|SERIES.csv", "a run, or readings, as one HTML page to look at",
      "To -o FILE, else NAME.html in this folder; it needs no network. Of a series it forecasts as "
      "precursors --rolling does, with the same options, and of the file that precursors left it "

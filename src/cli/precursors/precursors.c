@@ -204,9 +204,8 @@ static lac_status write_file(const precursors_job *job, lac_dataset *dataset, la
                                  .case_text = text,
                                  .seed = c != NULL ? c->fit.seed : INT64_MIN};
     cli_sign(job->request, &provenance);
-    const lac_status status =
-        cli_put_dataset(job->request, cli_given(job->request, CLI_OPT_FORCE), &provenance,
-                        job->request->output, dataset, err);
+    const lac_status status = cli_put_dataset(job->request, cli_given(job->request, CLI_OPT_FORCE),
+                                              &provenance, job->request->output, dataset, err);
     free(text);
     return status;
 }

@@ -5,8 +5,9 @@
 #include "cli/common/command.h"
 #include "cli/common/output.h"
 #include "cli/common/words.h"
-#include "cli/run/check.h"
 #include "cli/run/run_outcome.h"
+#include "data/describe.h"
+#include "scene/estimate.h"
 #include "simulation/branch.h"
 
 // What `check` has found beyond the text of the case.
@@ -77,7 +78,7 @@ static double rounded(double x, int digits)
     return x > 0 ? round(x / unit) * unit : x;
 }
 
-const char *cli_steps_class(const lac_estimate *e)
+static const char *steps_class(const lac_estimate *e)
 {
     return e->own_steps  ? "own"
            : e->changing ? "not estimated"
@@ -126,7 +127,7 @@ static void print_steps(const lac_estimate *e)
                                : "a slip costs some hundred, whatever the number of cells");
         return;
     }
-    printf("#   steps           %s\n", cli_steps_class(e));
+    printf("#   steps           %s\n", steps_class(e));
     cli_wrap("#     ",
              e->changing
                  ? "a load changes in time: how often cells slip under it is not known before"
@@ -174,9 +175,127 @@ static void print_estimate(const lac_case *c, const lac_estimate *e)
     }
 }
 
+// What `check` found. Texts and what is pointed to are borrowed.
+typedef struct checked {
+    const lac_case *source;
+    const char *scene, *branch;              // resolved case, what it goes on from; NULL
+    const lac_estimate *estimate;            // NULL: the case has errors
+    size_t errors, warnings;                 // how many
+    const lac_case_issue **error, **warning; // [errors], [warnings]
+    char regime[LAC_REGIME_ROOM];            // words on it
+} checked;
+
+#define CHECKED const checked *c = of
+#define ESTIMATE const lac_estimate *e = ((const checked *)of)->estimate
+#define ISSUE const lac_case_issue *i = of
+
+LAC_GETTER(double, ok, CHECKED, c->estimate != NULL)
+LAC_GETTER(bool, branches, CHECKED, c->branch != NULL)
+LAC_GETTER(double, line, ISSUE, i->line > 0 ? (double)i->line : (double)NAN)
+
+static const lac_variable of_check[] = {
+    {.name = "ok", .json = "ok", G(ok), .flags = LAC_WHOLE | LAC_TRUTH}};
+
+#define ISSUES(in)                                                                                 \
+    {                                                                                              \
+        LAC_ROW(in "_file", NULL, NULL, "file", LAC_HELD(TEXT, lac_case_issue, file),              \
+                .json = in "s[]/file"),                                                            \
+            LAC_ROW(in "_line", NULL, NULL, "line of it", G(line),                                 \
+                    .flags = LAC_WHOLE | LAC_MISSING, .json = in "s[]/line"),                      \
+            LAC_ROW(in "_key", NULL, NULL, "key of the case", LAC_HELD(TEXT, lac_case_issue, key), \
+                    .json = in "s[]/key"),                                                         \
+            LAC_ROW(in "_value", NULL, NULL, "what it is set to",                                  \
+                    LAC_HELD(TEXT, lac_case_issue, value), .json = in "s[]/value"),                \
+            LAC_ROW(in "_message", NULL, NULL, "what is allowed, or to be known",                  \
+                    LAC_HELD(TEXT, lac_case_issue, message), .json = in "s[]/message")             \
+    }
+static const lac_variable of_errors[] = ISSUES("error");
+static const lac_variable of_warnings[] = ISSUES("warning");
+
+static const lac_variable of_scene[] = {
+    {.name = "scene", .json = "scene", LAC_HELD(TEXT, checked, scene)},
+    {.name = "branch", .json = "branch", LAC_HELD(TEXT, checked, branch), .has = branches},
+};
+
+static double rate(const lac_estimate *e)
+{
+    return e->failure.rate > 0.0 ? e->failure.rate : (double)NAN;
+}
+
+#define WHEN_RUN(field) e->integrated ? e->field : (double)NAN
+LAC_GETTER(double, grid_cells, ESTIMATE, e->grid_cells)
+LAC_GETTER(double, contact_cells, ESTIMATE, round(e->contact_cells))
+LAC_GETTER(double, exact, ESTIMATE, e->exact)
+LAC_GETTER(double, unknowns, ESTIMATE, e->unknowns *round(e->contact_cells))
+LAC_GETTER(double, memory, ESTIMATE, round(e->memory))
+LAC_GETTER(double, cpu_least, ESTIMATE, e->cpu_time_least)
+LAC_GETTER(double, cpu_most, ESTIMATE, e->cpu_time_most)
+LAC_GETTER(double, cascade, ESTIMATE, e->cascade_time)
+LAC_GETTER(double, records, ESTIMATE, WHEN_RUN(records))
+LAC_GETTER(double, file_most, ESTIMATE, WHEN_RUN(file_bytes))
+LAC_GETTER(double, stiffness, ESTIMATE, e->stiffness_ratio)
+LAC_GETTER(double, patch, ESTIMATE, e->patch)
+LAC_GETTER(double, failure_rate, ESTIMATE, rate(e))
+LAC_GETTER(double, lowered, ESTIMATE, e->failure.lowered)
+LAC_GETTER(double, steps_least, ESTIMATE, WHEN_RUN(steps_least))
+LAC_GETTER(double, steps_most, ESTIMATE, WHEN_RUN(steps_most))
+LAC_TEXT_GETTER(regime_name, ESTIMATE, lac_regime_name(lac_regime_of(e)))
+LAC_TEXT_GETTER(faster, ESTIMATE, e->faster)
+LAC_TEXT_GETTER(steps_in_words, ESTIMATE, e->integrated ? steps_class(e) : NULL)
+
+#define E(name_, unit_, long_, getter, ...)                                          \
+    LAC_ROW(name_, NULL, unit_, long_, G(getter), .flags = LAC_SINGLE | LAC_MISSING, \
+            .json = "estimate/" name_ __VA_ARGS__)
+#define TRUTH(name_, getter)                                                                  \
+    {                                                                                         \
+        .name = (name_), .json = "estimate/" name_, G(getter), .flags = LAC_WHOLE | LAC_TRUTH \
+    }
+static const lac_variable of_estimate[] = {
+    E("grid_cells", NULL, "cells of the grid", grid_cells),
+    E("contact_cells", NULL, "contact cells", contact_cells),
+    TRUTH("contact_cells_exact", exact),
+    E("unknowns", NULL, "unknowns of a run", unknowns),
+    E("memory", "byte", "largest resident memory", memory, "_bytes"),
+    E("cpu_time_least", "s", "least time on one core", cpu_least, "_s"),
+    E("cpu_time_most", "s", "longest time on one core", cpu_most, "_s"),
+    E("cascade_time", "s", "time of the cascade", cascade, "_s"),
+    E("records_at_times", NULL, "records at stated times", records),
+    E("file_most", "byte", "what they and the fields take in the file at most", file_most,
+      "_bytes"),
+    E("stiffness_over_critical", NULL, "stiffness of the finest level over the critical one",
+      stiffness),
+    E("patch_width", "m", "width from which on a patch slips by itself", patch, "_m"),
+    {.name = "regime", .json = "estimate/regime", T(regime_name)},
+    {.name = "regime_words", .json = "estimate/regime_words", LAC_HELD(CHARS, checked, regime)},
+    {.name = "faster_fidelity", .json = "estimate/faster_fidelity", T(faster)},
+    E("failure_rate", "m s-1", "mean slip rate that counts as failure", failure_rate, "_m_s"),
+    TRUTH("failure_rate_lowered", lowered),
+    {.name = "steps_class", .json = "estimate/steps_class", T(steps_in_words)},
+    E("steps_least", NULL, "least steps", steps_least),
+    E("steps_most", NULL, "most steps", steps_most),
+};
+
+static lac_status describe(const checked *c, lac_dataset **out, lac_error *err)
+{
+    const lac_extent dims[] = {{"error", c->errors}, {"warning", c->warnings}};
+    const lac_laid laid[] = {
+        {LAC_VARIABLES(of_check, "", 0), c},
+        {LAC_VARIABLES_OF_MANY(of_errors, "error"), c->error},
+        {LAC_VARIABLES_OF_MANY(of_warnings, "warning"), c->warning},
+        {LAC_VARIABLES(of_scene, "", 0), c},
+        {LAC_VARIABLES(of_estimate, "", 0), c->estimate != NULL ? c : NULL},
+    };
+    lac_status status;
+    LAC_TRY(lac_dataset_create("What is wrong with a case, and what its run will cost.", out, err));
+    LAC_TRY(lac_dataset_dims(*out, dims, sizeof dims / sizeof *dims, err));
+    LAC_TRY(lac_dataset_add(*out, laid, sizeof laid / sizeof *laid, err));
+out:
+    return lac_dataset_described(out, status);
+}
+
 // As JSON, or with --pipe as the dataset that it is.
-static lac_status put_out(const cli_request *request, cli_checked *checked,
-                          const lac_case_issues *report, lac_error *err)
+static lac_status put_out(const cli_request *request, checked *c, const lac_case_issues *report,
+                          lac_error *err)
 {
     // what is wrong with the scene as a whole stands at no line of the case
     const lac_case_issue whole = {.file = (char *)request->argument[0],
@@ -189,20 +308,19 @@ static lac_status put_out(const cli_request *request, cli_checked *checked,
     lac_status status;
     const lac_case_issue **all = calloc(2 * report->count + 1, sizeof *all);
     LAC_TRY(all == NULL ? lac_fail_memory(&late) : LAC_OK);
-    checked->error = all;
-    checked->warning = all + report->count + 1;
+    c->error = all;
+    c->warning = all + report->count + 1;
     for (size_t i = 0; i < report->count; i++) {
         const lac_case_issue *issue = &report->issue[i];
-        *(issue->warning ? &checked->warning[checked->warnings++]
-                         : &checked->error[checked->errors++]) = issue;
+        *(issue->warning ? &c->warning[c->warnings++] : &c->error[c->errors++]) = issue;
     }
-    if (checked->errors == 0 && err->message[0] != '\0') {
-        checked->error[checked->errors++] = &whole;
+    if (c->errors == 0 && err->message[0] != '\0') {
+        c->error[c->errors++] = &whole;
     }
-    if (checked->estimate != NULL) {
-        lac_regime_words(checked->source, checked->estimate, checked->regime);
+    if (c->estimate != NULL) {
+        lac_regime_words(c->source, c->estimate, c->regime);
     }
-    LAC_TRY(cli_check_describe(checked, &dataset, &late));
+    LAC_TRY(describe(c, &dataset, &late));
     if (request->pipe != 0) {
         LAC_TRY(cli_put_dataset(request, false, &made, NULL, dataset, &late));
         goto out;
@@ -264,11 +382,11 @@ lac_status cli_check(const cli_request *request, lac_error *err)
     }
     const char *words = branch != NULL ? branch->text : NULL;
     if (told && (status == LAC_OK || status == LAC_EINPUT || report.errors > 0)) {
-        cli_checked checked = {.source = c,
-                               .scene = scene,
-                               .branch = words,
-                               .estimate = status == LAC_OK ? &estimate : NULL};
-        const lac_status out = put_out(request, &checked, &report, err);
+        checked found = {.source = c,
+                         .scene = scene,
+                         .branch = words,
+                         .estimate = status == LAC_OK ? &estimate : NULL};
+        const lac_status out = put_out(request, &found, &report, err);
         status = out != LAC_OK ? out : status;
     } else if (status == LAC_OK) {
         printf("%s", scene);
