@@ -215,6 +215,15 @@ bool lac_load_set_is_linear(const lac_load_set *set)
     return linear;
 }
 
+bool lac_load_set_is_constant(const lac_load_set *set)
+{
+    bool constant = true;
+    for (size_t i = 0; i < set->count; i++) {
+        constant = constant && set->load[i].kind->constant;
+    }
+    return constant;
+}
+
 double lac_load_model_azimuth(const lac_model *model)
 {
     const lac_param *row =

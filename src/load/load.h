@@ -183,6 +183,9 @@ double lac_load_model_azimuth(const lac_model *model);
 bool lac_load_model_is_linear(const lac_model *model);
 bool lac_load_set_is_linear(const lac_load_set *set);
 
+/// Whether all loads of the set are the same at all times.
+bool lac_load_set_is_constant(const lac_load_set *set);
+
 /// Whether a load of the set is shared as C^-1 1, so that it needs `shape`.
 bool lac_load_set_is_shaped(const lac_load_set *set);
 

@@ -27,6 +27,7 @@ struct lac_problem {
     double slow;          // v_s: v = 2 v_s sinh x where a massive cell may turn back [m/s]
     double sum_traction0; // sum of the tractions at t = 0 [Pa]
     bool varies;          // what the loads take off the pressure differs from cell to cell
+    bool still;           // loads are at all times what drive0 tells
     double pull0;         // of the weight on a bent base over P at the start; 0: none
     double slide;         // most that a bent base puts on a cell or takes off it [Pa/m]; 0: none
     lac_load_state at_start;
