@@ -59,6 +59,7 @@ typedef struct lac_load {
     lac_share share;    ///< of a force; LAC_SHARE_PRESSURE where the load has no such key
     double azimuth;     ///< of its shear, from x towards y [rad]; 0 where not named
     void *state;        ///< what `prepare` made; NULL
+    size_t to;          ///< where in a lac_load_state its signal goes, and behind it the rate
 } lac_load;
 
 /// What loads have read from files, kept for when they are made again; for one thread.

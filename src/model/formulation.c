@@ -230,7 +230,9 @@ static const double *pressures_from(const lac_look *at, size_t first, size_t len
     return room;
 }
 
-double lac_problem_rates_under(const lac_look *at, const double *tractions, double taken, double *u)
+// Where nothing is taken off, as without damping of the mean, none of that is in the loop.
+static inline double rates_under(const lac_look *at, const double *tractions, double taken,
+                                 double *u)
 {
     double left[LAC_FRICTION_BLOCK];
     double room[LAC_FRICTION_BLOCK];
@@ -257,6 +259,11 @@ double lac_problem_rates_under(const lac_look *at, const double *tractions, doub
         total += lac_vsum(length, v + first);
     }
     return total / (double)n;
+}
+
+double lac_problem_rates_under(const lac_look *at, const double *tractions, double taken, double *u)
+{
+    return rates_under(at, tractions, taken, u);
 }
 
 void lac_problem_find_ease(const lac_look *at, const double *u, double *ease)
@@ -333,7 +340,7 @@ lac_motion lac_problem_solve_rates(const lac_look *at, const double *traction, b
         memcpy(u, ws->guess, at->problem->n * sizeof *u);
     }
     if (at->problem->drag == 0.0) {
-        mean = lac_problem_rates_under(at, traction, 0.0, u);
+        mean = rates_under(at, traction, 0.0, u);
     } else {
         mean = rates_together(at, traction, u);
         *ws->mean = keep && isfinite(mean) ? mean : *ws->mean;
