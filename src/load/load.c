@@ -48,8 +48,9 @@ static void add_load(const lac_load *load, double t, lac_load_state *sum)
     }
 }
 
-// What one shear load adds along the unit vector of the set.
-static void add_along(const lac_load_set *set, size_t i, double t, lac_load_state *sum)
+// What one shear load adds along the unit vector of the set. Out of line: few runs have one.
+static __attribute__((noinline)) void add_along(const lac_load_set *set, size_t i, double t,
+                                                lac_load_state *sum)
 {
     lac_load_state whole = {0};
     const double azimuth = set->load[i].azimuth;

@@ -230,9 +230,18 @@ static const double *pressures_from(const lac_look *at, size_t first, size_t len
     return room;
 }
 
-// Where nothing is taken off, as without damping of the mean, none of that is in the loop.
-static inline double rates_under(const lac_look *at, const double *tractions, double taken,
-                                 double *u)
+// What of the tractions the cells' own friction holds: out of line, as most runs need none of it.
+static __attribute__((noinline)) void leave(const lac_look *at, const double *traction,
+                                            double taken, size_t first, double *left)
+{
+    const size_t length = lac_block_length(at->problem->n, first);
+    for (size_t i = 0; i < length; i++) {
+        left[i] = traction[i] - lac_problem_drag(at->problem, first + i) * taken;
+        left[i] += at->broken != NULL ? lac_look_lost(at, first + i) : 0.0;
+    }
+}
+
+double lac_problem_rates_under(const lac_look *at, const double *tractions, double taken, double *u)
 {
     double left[LAC_FRICTION_BLOCK];
     double room[LAC_FRICTION_BLOCK];
@@ -244,9 +253,8 @@ static inline double rates_under(const lac_look *at, const double *tractions, do
     for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
         size_t length = lac_block_length(n, first);
         const double *traction = tractions + first;
-        for (size_t i = 0; other && i < length; i++) {
-            left[i] = traction[i] - lac_problem_drag(problem, first + i) * taken;
-            left[i] += at->broken != NULL ? lac_look_lost(at, first + i) : 0.0;
+        if (other) {
+            leave(at, traction, taken, first, left);
         }
         lac_friction_balance balance = {.first = first,
                                         .n = length,
@@ -259,11 +267,6 @@ static inline double rates_under(const lac_look *at, const double *tractions, do
         total += lac_vsum(length, v + first);
     }
     return total / (double)n;
-}
-
-double lac_problem_rates_under(const lac_look *at, const double *tractions, double taken, double *u)
-{
-    return rates_under(at, tractions, taken, u);
 }
 
 void lac_problem_find_ease(const lac_look *at, const double *u, double *ease)
@@ -340,7 +343,7 @@ lac_motion lac_problem_solve_rates(const lac_look *at, const double *traction, b
         memcpy(u, ws->guess, at->problem->n * sizeof *u);
     }
     if (at->problem->drag == 0.0) {
-        mean = rates_under(at, traction, 0.0, u);
+        mean = lac_problem_rates_under(at, traction, 0.0, u);
     } else {
         mean = rates_together(at, traction, u);
         *ws->mean = keep && isfinite(mean) ? mean : *ws->mean;

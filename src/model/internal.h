@@ -405,7 +405,12 @@ void lac_weaken_jump(const lac_problem *problem, const double *y, const lac_work
                      lac_problem_loads_at *before, lac_problem_loads_at *after);
 
 // traction += what is broken of cohesion, beside which friction stands alone. @param traction  [n]
-void lac_look_add_lost(const lac_look *at, double *traction);
+static inline void lac_look_add_lost(const lac_look *at, double *traction)
+{
+    for (size_t i = 0; at->broken != NULL && i < at->problem->n; i++) {
+        traction[i] += lac_look_lost(at, i);
+    }
+}
 
 // Rates of the unknowns, from which those of the shares follow and of the cohesion; false where one
 // is not finite. @param xdot  [n] each; NULL: not wanted

@@ -113,7 +113,7 @@ static void measure_balance(const lac_look *at, const double *slip, double *trac
         double f0 = lac_cellwise_of(&problem->friction->column[LAC_F0], i);
         double a = lac_cellwise_of(&problem->friction->column[LAC_A], i);
         // An f0 below a says little of the strength, which an e-fold of the rate changes by a p.
-        double scale = p * (f0 != 0.0 ? fmax(fabs(f0), a) : 1.0);
+        double scale = p * (f0 == 0.0 ? 1.0 : fabs(f0) > a ? fabs(f0) : a);
         double relative = fabs(traction[i]) / scale;
         worst = relative > worst || isnan(relative) ? relative : worst;
         sum += traction[i];

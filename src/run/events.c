@@ -137,7 +137,7 @@ lac_status lac_crossing_find(lac_engine *engine, const lac_run_def *def, lac_cro
             LAC_TRY_RETURN(take_back(engine, def, kind, err));
         }
     }
-    if (*found == LAC_CROSSING_NONE &&
+    if (*found == LAC_CROSSING_NONE && lac_problem_bends(engine->problem) &&
         lac_problem_settles(engine->problem, lac_engine_clock(engine, engine->t), engine->y,
                             engine->work)) {
         *found = LAC_CROSSING_REST;
