@@ -241,7 +241,9 @@ static __attribute__((noinline)) void leave(const lac_look *at, const double *tr
     }
 }
 
-double lac_problem_rates_under(const lac_look *at, const double *tractions, double taken, double *u)
+// @param other  what friction holds is not all of the tractions; taken apart for either
+static inline __attribute__((always_inline)) double
+rates_under(const lac_look *at, const double *tractions, double taken, bool other, double *u)
 {
     double left[LAC_FRICTION_BLOCK];
     double room[LAC_FRICTION_BLOCK];
@@ -249,7 +251,6 @@ double lac_problem_rates_under(const lac_look *at, const double *tractions, doub
     double *v = at->ws.v;
     size_t n = problem->n;
     double total = 0.0;
-    const bool other = taken != 0.0 || at->broken != NULL;
     for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
         size_t length = lac_block_length(n, first);
         const double *traction = tractions + first;
@@ -267,6 +268,12 @@ double lac_problem_rates_under(const lac_look *at, const double *tractions, doub
         total += lac_vsum(length, v + first);
     }
     return total / (double)n;
+}
+
+double lac_problem_rates_under(const lac_look *at, const double *tractions, double taken, double *u)
+{
+    return taken != 0.0 || at->broken != NULL ? rates_under(at, tractions, taken, true, u)
+                                              : rates_under(at, tractions, 0.0, false, u);
 }
 
 void lac_problem_find_ease(const lac_look *at, const double *u, double *ease)

@@ -400,7 +400,11 @@ lac_status lac_run(const lac_problem *problem, const lac_run_def *def, const lac
                                .failure_local = NAN,
                                .safety = {NAN, NAN, NAN, NAN, NAN},
                                .arrest = {false, NAN, NAN, NAN}};
-    run r = {.problem = problem, .def = def, .sink = sink, .result = result};
+    run r = {.problem = problem,
+             .def = def,
+             .sink = sink,
+             .result = result,
+             .bends = lac_problem_bends(problem)};
     LAC_TRY(lac_check_def(def, err));
     result->failure = lac_problem_failure(problem, def->failure_rate, def->failure_slip);
     LAC_TRY(lac_engine_create(problem, def, &r.engine, err));
