@@ -327,7 +327,9 @@ static lac_status print_outcome(const run_job *job, lac_status status, lac_error
 {
     const cli_outcome *outcome = &job->outcome;
     if (!cli_given(job->request, CLI_OPT_QUIET)) {
-        warn_of_balance(outcome->of);
+        if (status == LAC_OK || status == LAC_EINTERRUPT) {
+            warn_of_balance(outcome->of);
+        }
         warn_of_checkpoints(outcome->of);
         cli_failure_warn(&outcome->of->run.failure);
     }
