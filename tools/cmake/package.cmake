@@ -18,8 +18,8 @@ set(CPACK_COMPONENT_LACUNA_DESCRIPTION "${CPACK_PACKAGE_DESCRIPTION}")
 set(CPACK_DEBIAN_LACUNA_PACKAGE_SECTION science)
 # What the binaries need; a program in C or Python needs more only where it is written.
 set(CPACK_DEBIAN_LACUNA_PACKAGE_SHLIBDEPS ON)
-# Loaded where --view asks for it, which shlibdeps cannot see.
-set(CPACK_DEBIAN_LACUNA_PACKAGE_DEPENDS "libmicrohttpd12")
+# Opened where they are needed, which shlibdeps cannot see.
+string(JOIN ", " CPACK_DEBIAN_LACUNA_PACKAGE_DEPENDS libmicrohttpd12 ${LACUNA_LAZY_PACKAGES})
 set(CPACK_DEBIAN_LACUNA_PACKAGE_SUGGESTS "python3-lacuna, python3-numpy, python3-xarray, python3-netcdf4, python3-matplotlib, netcdf-bin")
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
