@@ -2,6 +2,7 @@
 // The plan of a sweep: what varies, how members are chosen, and the case of each.
 #include "sweep/ensemble.h"
 
+#include "base/temp_file.h"
 #include "base/units.h"
 #include "lacuna/simulation.h"
 
@@ -36,6 +37,8 @@ void lac_sweep_free(lac_sweep *sweep)
     free(sweep->extra);
     free(sweep->path);
     free(sweep->text);
+    free(sweep->written);
+    free(sweep->files);
     free(sweep->current_words);
     lac_case_free(sweep->current);
     lac_case_free(sweep->base);
@@ -49,7 +52,8 @@ static lac_status read_case(const lac_sweep *sweep, size_t count, lac_case **out
     char text[512];
     lac_case_issues report = {0};
     const lac_case_request how = {LAC_FOR_RUN, sweep->overrides, count};
-    const lac_status status = lac_case_read(sweep->path, &how, out, &report, err);
+    const lac_status status = lac_case_read_text(sweep->path, sweep->written,
+                                                 strlen(sweep->written), &how, out, &report, err);
     for (size_t i = report.count; status != LAC_OK && i-- > 0;) {
         if (!report.issue[i].warning) { // the first one stays
             const char *said = lac_case_issue_format(&report.issue[i], text, sizeof text);
@@ -62,11 +66,16 @@ static lac_status read_case(const lac_sweep *sweep, size_t count, lac_case **out
     return status;
 }
 
-static lac_status copy_overrides(lac_sweep *sweep, const lac_sweep_request *r, lac_error *err)
+// Keeps what is asked for, and the text of the case.
+static lac_status copy_request(lac_sweep *sweep, const lac_sweep_request *r, lac_error *err)
 {
+    size_t size = 0;
     sweep->path = strdup(r->path);
+    sweep->files = strdup(r->files != NULL ? r->files : "");
     sweep->overrides = calloc(r->count + 1, sizeof *sweep->overrides);
-    LAC_FAIL_MEMORY_IF(sweep->path == NULL || sweep->overrides == NULL, err);
+    LAC_FAIL_MEMORY_IF(sweep->path == NULL || sweep->files == NULL || sweep->overrides == NULL,
+                       err);
+    LAC_TRY_RETURN(lac_case_read_file(r->path, &sweep->written, &size, err));
     for (; sweep->count < r->count; sweep->count++) {
         lac_override *o = &sweep->overrides[sweep->count];
         o->key = strdup(r->overrides[sweep->count].key);
@@ -198,6 +207,7 @@ static void find_mark(lac_sweep *sweep)
             add(&sweep->mark, param->text[i]);
         }
     }
+    sweep->mark = lac_sum_bytes(sweep->mark, sweep->files, strlen(sweep->files));
 }
 
 // Adds the keys of a parameter as they are set to a text. @return how many overrides there are
@@ -276,7 +286,7 @@ lac_status lac_sweep_create(const lac_sweep_request *request, lac_sweep **out, l
     lac_sweep *sweep = calloc(1, sizeof *sweep);
     LAC_FAIL_MEMORY_IF(sweep == NULL, err);
     sweep->seed = request->seed;
-    LAC_TRY(copy_overrides(sweep, request, err));
+    LAC_TRY(copy_request(sweep, request, err));
     LAC_TRY(read_case(sweep, sweep->count, &sweep->base, err));
     sweep->until = request->until;
     sweep->base->run.end = fmin(sweep->base->run.end, sweep->until);
@@ -293,6 +303,17 @@ lac_status lac_sweep_create(const lac_sweep_request *request, lac_sweep **out, l
 out:
     lac_sweep_free(sweep);
     return status;
+}
+
+char *lac_sweep_set(const lac_sweep *sweep)
+{
+    char *lines = NULL;
+    size_t size = 0;
+    FILE *text = open_memstream(&lines, &size);
+    for (size_t i = 0; text != NULL && i < sweep->count; i++) {
+        (void)fprintf(text, "%s=%s\n", sweep->overrides[i].key, sweep->overrides[i].value);
+    }
+    return text != NULL ? lac_text_made(text, &lines) : NULL;
 }
 
 // Where a member lies along the axis of a parameter.
