@@ -58,6 +58,10 @@ const lac_variable lac_ensemble_of_member[] = {
             H(REAL, max_ratio), SEEN),
     LAC_ROW("least_factor_of_safety", NULL, NULL, "least factor of safety", H(REAL, safety), SEEN),
     LAC_ROW("events", NULL, NULL, "events of the catalogue", H(REAL, events), SEEN),
+    LAC_ROW("b_value", NULL, NULL, "b of the catalogue's sizes, N(>= M) ~ 10^(-b M)",
+            H(REAL, b_value), SEEN, .comment = "missing: no catalogue, or too few events"),
+    LAC_ROW("balance_residual", NULL, NULL, "worst relative error of the traction balance",
+            H(REAL, balance_residual), SEEN),
     LAC_ROW("steps", NULL, NULL, "steps of the integrator", H(REAL, steps), SEEN),
     LAC_ROW("message", NULL, NULL, "why it is broken", H(CHARS, message), .flags = LAC_CHARS),
 };

@@ -7,7 +7,7 @@ struct lac_simulation_options;
 
 /// What came of the members of a sweep.
 
-enum { LAC_MEMBER_MESSAGE = 200, LAC_MEMBER_EXTRAS = 8 };
+enum { LAC_MEMBER_MESSAGE = 200, LAC_MEMBER_EXTRAS = 16 };
 #define LAC_AS_THE_CASE "(as the case)"
 
 /// How far a member is.
@@ -24,6 +24,8 @@ typedef struct lac_member {
     double max_ratio;              ///< largest Q over f0 P
     double safety;                 ///< least factor of safety
     double events, steps;
+    double b_value;          ///< of the catalogue
+    double balance_residual; ///< worst
     double extra[LAC_MEMBER_EXTRAS]; ///< what indicators say once, in the ensemble's order
     char message[LAC_MEMBER_MESSAGE];
     float series[]; ///< [records]

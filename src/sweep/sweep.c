@@ -254,6 +254,48 @@ static lac_status try_keys(lac_sweep *sweep, lac_error *err)
     return status;
 }
 
+// The case with one key set as a text, or as a number, all of it resolved; NULL: it is refused.
+static char *with_value(lac_sweep *sweep, const lac_swept *param, const char *text, double value)
+{
+    lac_case *c = NULL;
+    lac_error ignored;
+    char key[LAC_SWEEP_KEY], *resolved = NULL;
+    const size_t n = text != NULL ? override(sweep, sweep->count, param, text) : sweep->count;
+    bool good = read_case(sweep, n, &c, &ignored) == LAC_OK;
+    for (size_t i = 0; good && text == NULL && lac_swept_key(param, i, key); i++) {
+        good = lac_case_set(c, key, value, NULL) == LAC_OK;
+    }
+    if (good) {
+        resolved = lac_case_text(c);
+    }
+    lac_case_free(c);
+    return resolved;
+}
+
+static double value_at(const lac_swept *param, double u);
+
+// A number is set in the case that was read, which is fast, unless reading makes other values from
+// it, as rg.friction from f0: then the case is another one than that which is read with it.
+static void find_followers(lac_sweep *sweep)
+{
+    for (size_t p = 0; p < sweep->params; p++) {
+        lac_swept *param = &sweep->param[p];
+        char text[64], *read, *set;
+        const double value = value_at(param, 0.01);
+        if (param->word) {
+            continue;
+        }
+        const bool plain = strcmp(param->unit, "1") == 0;
+        (void)snprintf(text, sizeof text, "%.17g%s%s", value, plain ? "" : " ",
+                       plain ? "" : param->unit);
+        read = with_value(sweep, param, text, value);
+        set = with_value(sweep, param, NULL, value);
+        param->anew = read == NULL || set == NULL || strcmp(read, set) != 0;
+        free(read);
+        free(set);
+    }
+}
+
 // Names of what the indicators say once: those of the case as it stands.
 static lac_status find_extras(lac_sweep *sweep, lac_error *err)
 {
@@ -294,6 +336,7 @@ lac_status lac_sweep_create(const lac_sweep_request *request, lac_sweep **out, l
     LAC_TRY(sweep->text == NULL ? lac_fail_memory(err) : LAC_OK);
     LAC_TRY(read_params(sweep, request, err));
     LAC_TRY(try_keys(sweep, err));
+    find_followers(sweep);
     LAC_TRY(lac_sweep_arrange(sweep, request, err));
     LAC_TRY(read_series(sweep, request->series, err));
     LAC_TRY(find_extras(sweep, err));
@@ -379,7 +422,7 @@ static lac_status set_words(lac_sweep *sweep, size_t member, bool all, lac_error
     LAC_FAIL_MEMORY_IF(out == NULL, err);
     for (size_t p = 0; p < sweep->params; p++) {
         const lac_swept *param = &sweep->param[p];
-        const char *text = all || param->word
+        const char *text = all || param->word || param->anew
                                ? lac_sweep_text(sweep, p, member, room[param->axis], sizeof *room)
                                : NULL;
         if (text != NULL) {
@@ -407,7 +450,8 @@ static lac_status set_numbers(lac_sweep *sweep, size_t member)
     for (size_t p = 0; p < sweep->params; p++) {
         const lac_swept *param = &sweep->param[p];
         char key[LAC_SWEEP_KEY];
-        for (size_t i = 0; status == LAC_OK && !param->word && lac_swept_key(param, i, key); i++) {
+        const bool number = !param->word && !param->anew;
+        for (size_t i = 0; status == LAC_OK && number && lac_swept_key(param, i, key); i++) {
             status = lac_case_set(sweep->current, key, lac_sweep_value(sweep, p, member), NULL);
         }
     }

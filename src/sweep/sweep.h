@@ -29,6 +29,7 @@ typedef struct lac_swept {
     char *key, *said;  ///< keys that take one value, + between them; "uniform(1 cm, 5 cm)"
     char unit[32];     ///< of its numbers
     bool number, word; ///< its values are numbers; the case takes it as a text only
+    bool anew;         ///< the case is read anew with it: other values are made from it
     const struct lac_distribution *drawn; ///< NULL: a list
     double argument[3];
     size_t values; ///< of a list

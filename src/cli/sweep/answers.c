@@ -25,7 +25,8 @@ static void print_chance(const lac_answers *a)
     const lac_chance *c = &a->chance;
     const size_t all = c->known + c->unknown;
     if (all == 0) {
-        cli_row("fails", "not known: all %zu members are broken", a->members);
+        cli_row(a->plain ? "values" : "fails", "not known: %s",
+                a->missing > 0 ? "no member has one" : "all members are broken");
         return;
     }
     if (a->plain && !a->of_chance) {

@@ -200,6 +200,20 @@ static lac_status answer(lac_ensemble *e, const cli_question *question, lac_answ
     return lac_ensemble_describe(e, *answers, out, err);
 }
 
+// As lacuna run warns of its own.
+static void warn_of_balance(const lac_ensemble *e)
+{
+    size_t off = 0;
+    for (size_t i = 0; i < e->n; i++) {
+        off += e->member[i]->balance_residual > 0.01 ? 1 : 0;
+    }
+    if (off > 0) {
+        cli_note("warning: the traction balance of %zu of %zu members is off by more than 0.01 of "
+                 "the strength (balance_residual in the file); tighten solver.rtol",
+                 off, e->n);
+    }
+}
+
 static void print(const lac_ensemble *e, const lac_answers *answers)
 {
     if (answers != NULL) {
@@ -232,6 +246,9 @@ static lac_status put_out(const cli_request *request, lac_ensemble *e, const cli
     }
     if (!question->of.time) {
         LAC_TRY(answer(e, question, &answers, &dataset, err));
+    }
+    if (!cli_given(request, CLI_OPT_QUIET)) {
+        warn_of_balance(e);
     }
     if (cli_given(request, CLI_OPT_JSON)) {
         cli_print_json(dataset, path);
