@@ -309,7 +309,10 @@ static lac_status find_extras(lac_sweep *sweep, lac_error *err)
     LAC_FAIL_MEMORY_IF(sweep->extra == NULL, err);
     LAC_TRY(lac_simulation_create(sweep->base, NULL, &simulation, err));
     for (size_t i = 0; (extra = lac_simulation_extra(simulation, i)) != NULL; i++) {
-        if (extra->over == LAC_OVER_NOTHING && sweep->extras < LAC_MEMBER_EXTRAS) {
+        if (extra->over == LAC_OVER_NOTHING) {
+            LAC_LEAVE_IF(sweep->extras == LAC_MEMBER_EXTRAS, err, LAC_EINPUT,
+                         "analysis: says more than %d values once, which a sweep cannot keep",
+                         (int)LAC_MEMBER_EXTRAS);
             lac_ensemble_extra *e = &sweep->extra[sweep->extras++];
             (void)snprintf(e->name, sizeof e->name, "%s", extra->name);
             (void)snprintf(e->unit, sizeof e->unit, "%s", extra->unit);
