@@ -15,8 +15,8 @@ const lac_member *lac_ensemble_member(const lac_ensemble *e, int64_t index, size
 typedef struct overrides {
     lac_override *at;
     size_t n;
-    char *set;                   // the ensemble's lines, cut
-    char (*key)[LAC_SWEEP_KEY];  // [n] of those of the member
+    char *set;                  // the ensemble's lines, cut
+    char (*key)[LAC_SWEEP_KEY]; // [n] of those of the member
     char (*value)[LAC_SWEEP_KEY];
 } overrides;
 
@@ -69,8 +69,8 @@ static void take_member(const lac_ensemble *e, size_t row, overrides *o)
         for (size_t i = 0; !as_case && lac_swept_key(&keys, i, o->key[used]); i++, used++) {
             (void)snprintf(o->value[used], sizeof *o->value, "%.17g%s%s", param->value[row],
                            plain ? "" : " ", plain ? "" : param->unit);
-            o->at[o->n++] = (lac_override){
-                o->key[used], param->word != NULL ? param->word[row] : o->value[used]};
+            o->at[o->n++] = (lac_override){o->key[used],
+                                           param->word != NULL ? param->word[row] : o->value[used]};
         }
     }
 }

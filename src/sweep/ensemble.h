@@ -24,8 +24,8 @@ typedef struct lac_member {
     double max_ratio;              ///< largest Q over f0 P
     double safety;                 ///< least factor of safety
     double events, steps;
-    double b_value;          ///< of the catalogue
-    double balance_residual; ///< worst
+    double b_value;                  ///< of the catalogue
+    double balance_residual;         ///< worst
     double extra[LAC_MEMBER_EXTRAS]; ///< what indicators say once, in the ensemble's order
     char message[LAC_MEMBER_MESSAGE];
     float series[]; ///< [records]
@@ -47,7 +47,7 @@ typedef struct lac_ensemble_extra {
 typedef struct lac_ensemble_result {
     const char *name, *unit, *long_name; ///< borrowed from the table or the extras
     size_t offset;                       ///< of the double in a lac_member
-    bool time; ///< of failure: one that is missing is later than all
+    bool time;                           ///< of failure: one that is missing is later than all
 } lac_ensemble_result;
 
 /// Members of a sweep, all or a part, in the order of their numbers. All is owned.
@@ -83,6 +83,12 @@ void lac_member_break(const lac_sweep *sweep, size_t index, lac_member *out);
 lac_status lac_member_run(lac_sweep *sweep, size_t index,
                           const struct lac_simulation_options *options, lac_member *out,
                           lac_error *err);
+
+/// Makes the run of a member once more, into a file as `lacuna run` makes it: what the member is
+/// from has every step of it, and no fields.
+/// @return as lac_sweep_case, lac_simulation_create, lac_simulation_write
+lac_status lac_member_write(lac_sweep *sweep, size_t index, const char *path,
+                            const lac_write_options *how, lac_error *err);
 
 /// An ensemble of members.
 /// @param member  [n] each allocated; taken over, also where it fails

@@ -202,3 +202,17 @@ lac_status lac_member_run(lac_sweep *sweep, size_t index, const lac_simulation_o
     }
     return LAC_OK;
 }
+
+lac_status lac_member_write(lac_sweep *sweep, size_t index, const char *path,
+                            const lac_write_options *how, lac_error *err)
+{
+    const lac_case *c = NULL;
+    lac_simulation *simulation = NULL;
+    lac_status status;
+    LAC_TRY(lac_sweep_case(sweep, index, &c, err));
+    LAC_TRY(lac_simulation_create(c, NULL, &simulation, err));
+    LAC_TRY(lac_simulation_write(simulation, path, how, err));
+out:
+    lac_simulation_free(simulation);
+    return status;
+}

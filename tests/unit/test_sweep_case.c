@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The case of a member is that which is read with its values, also where reading makes others from
 // them.
-#include "sweep/ensemble.h"
 #include "support/test.h"
+#include "sweep/ensemble.h"
 
 #define CREEP LACUNA_SOURCE_DIR "/cases/rg/creep-to-failure.yaml"
 
@@ -11,7 +11,8 @@ static void test_what_follows(void **state)
 {
     (void)state;
     static const lac_override sets[] = {{"interface.levels", "2"}, {"rg.rule", "cons"}};
-    static const char *const over[] = {"friction.aging.f0=0.4, 0.6", "friction.aging.dc=4 um, 8 um"};
+    static const char *const over[] = {"friction.aging.f0=0.4, 0.6",
+                                       "friction.aging.dc=4 um, 8 um"};
     const lac_sweep_request ask = {.path = CREEP,
                                    .overrides = sets,
                                    .count = 2,

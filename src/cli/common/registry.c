@@ -16,8 +16,8 @@ const cli_command cli_commands[] = {
      cli_run},
     {"check", "CASE", "validate a case, print it and what it will cost",
      "Lists all errors. The output is itself a case: every value in SI, defaults filled in.\n",
-     "lacuna check cases/vajont.yaml --set interface.levels=9", 1, 1, CLI_OPT_SET | CLI_OPT_FROM | CLI_OPT_MEMBER,
-     cli_check},
+     "lacuna check cases/vajont.yaml --set interface.levels=9", 1, 1,
+     CLI_OPT_SET | CLI_OPT_FROM | CLI_OPT_MEMBER, cli_check},
     {"contact", "CASE", "press the surface, measure its contact, and stop",
      "Writes maps, fractal measures and histories to -o FILE, else CASE-contact.nc here; -v prints "
      "every resolution, box side, cluster octave and specimen.\n",
@@ -58,7 +58,8 @@ const cli_command cli_commands[] = {
          CLI_OPT_JOBS | CLI_OPT_MEMBER,
      cli_sweep},
     {"gather", "SHARD.nc...", "the parts of a sweep as one file",
-     "Of lacuna sweep --shard 0/N to N-1/N, to -o FILE; without it they are only asked (--of, --by). "
+     "Of lacuna sweep --shard 0/N to N-1/N, to -o FILE; without it they are only asked (--of, "
+     "--by). "
      "All members must be there, once.\n",
      "lacuna gather SHARD-0.nc SHARD-1.nc -o ALL.nc", 1, CLI_MANY, CLI_OPT_WRITES | CLI_OPT_BY,
      cli_gather},

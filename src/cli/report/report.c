@@ -192,9 +192,8 @@ static lac_status read_text(const cli_request *request, const lac_case_request *
         const char *path = request->argument[0];
         LAC_FAIL_IF(!of_sweep && request->sweep.member != NULL && !lac_ensemble_is(path), err,
                     LAC_EINPUT, "--member: %s is no file of lacuna sweep", path);
-        return !of_sweep && lac_stored_is_netcdf(path)
-                   ? read_member(request, how, c, report, err)
-                   : lac_case_read(path, how, c, report, err);
+        return !of_sweep && lac_stored_is_netcdf(path) ? read_member(request, how, c, report, err)
+                                                       : lac_case_read(path, how, c, report, err);
     }
     lac_status status = lac_stored_past_open(request->from, &past, err);
     if (status == LAC_OK) {

@@ -327,8 +327,7 @@ static void warn_of_member(const run_job *job)
         lac_ensemble_read(request->argument[0], &e, NULL) != LAC_OK) {
         return; // it is another run
     }
-    const lac_member *m =
-        lac_ensemble_member(e, strtoll(request->sweep.member, NULL, 10), &row);
+    const lac_member *m = lac_ensemble_member(e, strtoll(request->sweep.member, NULL, 10), &row);
     if (m != NULL && (m->end_time != run->time || m->mean_slip != run->mean_slip ||
                       m->steps != (double)run->steps)) {
         cli_note("warning: %s has another outcome of member %s: %s at %s; another program, machine "

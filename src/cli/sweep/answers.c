@@ -84,7 +84,7 @@ static void print_influences(const lac_answers *a)
         return;
     }
     cli_row("what decides", "part of the variance of %s, alone%s",
-            a->plain ? (a->of_chance ? "whether it is that little" : a->name)
+            a->plain       ? (a->of_chance ? "whether it is that little" : a->name)
             : a->of_chance ? "whether it fails by then"
                            : "when it fails",
             isnan(first->total) ? "" : " (first) and with the others (total)");

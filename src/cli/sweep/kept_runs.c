@@ -5,7 +5,7 @@
 #include <unistd.h>
 
 #include "cli/common/output.h"
-#include "lacuna/simulation.h"
+#include "sweep/ensemble.h"
 
 // "0, 7, 20:30"; "" behind the last.
 static bool read_range(const char **at, size_t range[2])
@@ -93,10 +93,6 @@ bool cli_kept_runs_lacks(const cli_kept_runs *runs, size_t task)
 lac_status cli_kept_runs_write(const cli_kept_runs *runs, lac_sweep *sweep, size_t task,
                                lac_error *err)
 {
-    const lac_case *c = NULL;
-    lac_simulation *simulation = NULL;
-    char *path = NULL;
-    lac_status status = LAC_OK;
     lac_write_options how = lac_write_options_default();
     how.force = true; // what may be replaced was seen before
     how.command_line = runs->request->command_line;
@@ -104,13 +100,10 @@ lac_status cli_kept_runs_write(const cli_kept_runs *runs, lac_sweep *sweep, size
     if (!wants(runs, task)) {
         return LAC_OK;
     }
-    path = path_of(runs, task);
-    LAC_TRY(path != NULL ? LAC_OK : lac_fail_memory(err));
-    LAC_TRY(lac_sweep_case(sweep, runs->first + task * runs->stride, &c, err));
-    LAC_TRY(lac_simulation_create(c, NULL, &simulation, err));
-    LAC_TRY(lac_simulation_write(simulation, path, &how, err));
-out:
-    lac_simulation_free(simulation);
+    char *path = path_of(runs, task);
+    LAC_FAIL_MEMORY_IF(path == NULL, err);
+    const lac_status status =
+        lac_member_write(sweep, runs->first + task * runs->stride, path, &how, err);
     free(path);
     return status;
 }

@@ -22,8 +22,6 @@ lac_status cli_kept_runs_check(const cli_kept_runs *runs, const lac_sweep *sweep
 /// Whether the run of a task is asked for, and its file is not there.
 bool cli_kept_runs_lacks(const cli_kept_runs *runs, size_t task);
 
-/// Makes the run of a task that is asked for once more, as `lacuna run` makes it: what its row is
-/// from has every step of it, and no fields.
-/// @return LAC_OK; as lac_sweep_case, lac_simulation_create, lac_simulation_write
+/// Makes the run of a task that is asked for. @return LAC_OK; as lac_member_write
 lac_status cli_kept_runs_write(const cli_kept_runs *runs, lac_sweep *sweep, size_t task,
                                lac_error *err);

@@ -332,8 +332,8 @@ lac_status cli_sweep(const cli_request *request, lac_error *err)
     cli_question question;
     lac_status status;
     LAC_TRY(plan(request, &j.sweep, err));
-    LAC_TRY(cli_question_read(request, j.sweep->base, j.sweep->extras, j.sweep->extra, &question,
-                              err));
+    LAC_TRY(
+        cli_question_read(request, j.sweep->base, j.sweep->extras, j.sweep->extra, &question, err));
     LAC_TRY(pick(request, j.sweep->members, &j.of, err));
     LAC_TRY(name_file(&j, &whole, err));
     if (whole) {
