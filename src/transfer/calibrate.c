@@ -251,8 +251,8 @@ static double mean_part(const stiffnesses *s, size_t probes, size_t level)
 
 // Of the level: its mean part; where half the grid has it, too, what is known of it there times the
 // ratio of the two mean parts, which scatter together.
-static void set_beside(const lac_hierarchy *h, const stiffnesses *half, size_t level,
-                       stiffnesses *s)
+static lac_status set_beside(const lac_hierarchy *h, const stiffnesses *half, size_t level,
+                             stiffnesses *s, lac_error *err)
 {
     size_t rank = lac_hierarchy_rank(h, level);
     bool finest = level == 0;
@@ -260,8 +260,11 @@ static void set_beside(const lac_hierarchy *h, const stiffnesses *half, size_t l
     double there = finest ? 1 : mean_part(half, s->probes, level - 1);
     s->k[level] = s->error[level] = 0;
     if (rank == 0) {
-        return;
+        return LAC_OK;
     }
+    LAC_FAIL_IF(!(mean > 0 && there > 0), err, LAC_ENUMERIC,
+                "%zu probes do not tell the stiffness of level %zu: another seed", s->probes,
+                level);
     for (size_t p = 0; p < s->probes; p++) {
         double other = finest ? 1 : half->part[p * half->levels + level - 1] / there;
         double off = s->part[p * s->levels + level] / mean - other;
@@ -272,6 +275,7 @@ static void set_beside(const lac_hierarchy *h, const stiffnesses *half, size_t l
     double error = finest ? 0 : half->error[level - 1] / known;
     s->k[level] = known * (mean / there);
     s->error[level] = s->k[level] * hypot(error, standard_error(s->probes, usual, squares));
+    return LAC_OK;
 }
 
 // Whether bands are probed one by one.
@@ -364,7 +368,7 @@ static lac_status probe_grid(const probed *on, const stiffnesses *half, stiffnes
         LAC_TRY_RETURN(probe_all(on, p, &s->part[p * s->levels], err));
     }
     for (size_t l = 0; l < s->levels && !small; l++) {
-        set_beside(on->h, half, l, s);
+        LAC_TRY_RETURN(set_beside(on->h, half, l, s, err));
     }
     return LAC_OK;
 }
