@@ -288,10 +288,10 @@ static bool is_small(const lac_domain *domain, const lac_hierarchy *h)
     return small || lac_grid_cells(&domain->grid) <= SMALL_GRID;
 }
 
-// Twice as many as on the grid of twice the cells a side, which `asks` for its own: they cost half.
+// At least those that the grid of twice the cells a side `asks` for.
 static size_t shared_probes(size_t cells, size_t asks)
 {
-    size_t probes = asks > 0 ? 2 * asks : FEWEST_SHARED;
+    size_t probes = asks > 0 ? asks : FEWEST_SHARED;
     while (probes * cells < SHARED_CELLS) {
         probes *= 2;
     }
