@@ -327,8 +327,8 @@ void lac_find_coulomb(lac_reader *reader, const lac_case *c, const char *key, do
 /// Whether nothing is wrong below a key: what depends on it can be checked.
 bool lac_clean(const lac_reader *reader, const char *key);
 
-/// Cells of 4096 x 4096: what was tried, and what 32-bit counts of doubled grids hold with ease.
-#define LAC_MOST_CELLS 16777216
+/// Cells of 8192 x 8192: what was tried, and what 32-bit counts of doubled grids hold with ease.
+#define LAC_MOST_CELLS 67108864
 
 /// What no section sees alone.
 void lac_check_case(lac_reader *reader, lac_case *c);

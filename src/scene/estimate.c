@@ -13,12 +13,13 @@ static const double base_bytes = 24e6, base_seconds = 0.02, contact_cell_bytes =
 static const double massive_factor = 3; // on the last where a block has mass
 
 // Of a grid cell: memory while the contact is solved, of which `contact` keeps some more; time of
-// that, and of the calibration of one level's elastic stiffness; of a static history what it adds
-// to the memory, and the time of a step.
+// that; of the calibration of one level's elastic stiffness on a small grid, and of all levels
+// where the grid is larger; of a static history what it adds to the memory, and the time of a step.
 static const struct {
-    double bytes, kept_bytes, seconds, level_seconds, history_bytes, history_seconds;
-} costs[] = {[LAC_PERIODIC] = {55, 20, 2e-6, 1e-6, 190, 2.5e-6},
-             [LAC_FREE] = {75, 20, 4e-6, 3e-6, 460, 11e-6}};
+    double bytes, kept_bytes, seconds, level_seconds, large_seconds, history_bytes, history_seconds;
+} costs[] = {[LAC_PERIODIC] = {55, 20, 2e-6, 1e-6, 0.35e-6, 190, 2.5e-6},
+             [LAC_FREE] = {75, 20, 4e-6, 3e-6, 1.4e-6, 460, 11e-6}};
+static const double one_by_one_cells = 4096;
 
 // Of a step of the elastic transfer, for each cell of the grid: where K is a filter, and where gaps
 // make it an iteration; four times that where transforms are of twice the sides.
@@ -155,8 +156,14 @@ static double calibration_seconds(const lac_case *c, const lac_transfer_outline 
                                   const lac_estimate *e)
 {
     size_t side = e->grid.nx > e->grid.ny ? e->grid.nx : e->grid.ny;
-    double levels = e->integrated && held->rock != NULL ? ceil(log2((double)side)) : 0;
-    return over_grid(e, costs[c->interface.boundary].level_seconds * levels);
+    if (!e->integrated || held->rock == NULL) {
+        return 0;
+    }
+    double levels = ceil(log2((double)side));
+    double small =
+        costs[c->interface.boundary].level_seconds * levels * fmin(e->grid_cells, one_by_one_cells);
+    bool large = e->grid_cells > one_by_one_cells;
+    return small + (large ? over_grid(e, costs[c->interface.boundary].large_seconds) : 0);
 }
 
 // What a transfer by transforms adds to a step.
