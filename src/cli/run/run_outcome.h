@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
+#include "analysis/slip_events.h"
 #include "cli/report/report.h"
 #include "simulation/simulation.h"
 
@@ -12,6 +13,7 @@ typedef struct cli_history {
     cli_kept kept;
     bool begun;
     lac_record first, last;
+    lac_slip_events slip_events; ///< with fidelity ode
 } cli_history;
 
 /// The sink; valid while `history` stays where it is.
