@@ -40,7 +40,7 @@ void lac_problem_lay_out(lac_problem *problem)
                                                    : transfer->kind->work(transfer->state);
     problem->scratch = (problem->kind->arrays + leaning(problem)) * problem->n;
     problem->mean = problem->scratch + scratch;
-    problem->weakens = problem->mean + 1 + (problem->varies ? 4 * problem->n : 0);
+    problem->weakens = problem->mean + 2 + (problem->varies ? 4 * problem->n : 0);
 }
 
 size_t lac_problem_work(const lac_problem *problem)
@@ -207,14 +207,6 @@ bool lac_implicit_solve(const lac_look *at, double gamma, double *b)
                             .shares = at->ws.u,
                             .column = problem->loads.geometry != NULL ? at->ws.row : NULL};
     return lac_problem_solve_sharing(problem, mean, at->ws.diagonal, &on, b, at->ws.scratch);
-}
-
-double lac_implicit_traction_scale(const lac_problem *problem, size_t cell)
-{
-    double a = lac_cellwise_of(&problem->friction->column[LAC_A], cell);
-    double b = lac_cellwise_of(&problem->friction->column[LAC_B], cell);
-    double effect = a > 0.0 ? a : b;
-    return (effect > 0.0 ? effect : 1.0) * problem->pressure[cell];
 }
 
 // What presses the cells from `first` on: the total pressures, of which all have the same share,

@@ -5,8 +5,9 @@
 #include "lacuna/simulation.h"
 #include "model/internal.h"
 
-bool lac_problem_begin(const lac_problem *problem, double t, const double *y, bool keep,
-                       double *work, lac_look *at)
+// What is looked at, but for its loads and motion.
+static void set_out(const lac_problem *problem, double t, const double *y, double *work,
+                    lac_look *at)
 {
     // Not the whole at once: the loads are a long list, and filled in below.
     at->problem = problem;
@@ -16,6 +17,12 @@ bool lac_problem_begin(const lac_problem *problem, double t, const double *y, bo
     at->motion = (lac_motion){0};
     at->t = t;
     at->broken = NULL;
+}
+
+bool lac_problem_begin(const lac_problem *problem, double t, const double *y, bool keep,
+                       double *work, lac_look *at)
+{
+    set_out(problem, t, y, work, at);
     // What has mass moves as it does, and how fast it does presses it on a bent base.
     const bool moves = problem->mass > 0.0;
     if (moves) {
@@ -27,7 +34,23 @@ bool lac_problem_begin(const lac_problem *problem, double t, const double *y, bo
     if (!moves && (good || !keep)) {
         at->motion = problem->kind->move(at, keep);
     }
+    at->ws.mean[1] = at->motion.mean;
     return good;
+}
+
+lac_look lac_problem_look_again(const lac_problem *problem, double t, const double *y, double *work)
+{
+    if (problem->mass > 0.0 || problem->across != NULL) {
+        return lac_problem_look(problem, t, y, work); // whose look leaves more behind
+    }
+    lac_look at;
+    set_out(problem, t, y, work, &at);
+    const lac_gone gone = lac_problem_gone_in(problem, y, 0.0);
+    (void)lac_problem_drive_into(problem, t, gone, at.ws.shares, &at.drive);
+    (void)lac_weaken_look(&at);
+    at.motion = (lac_motion){
+        .u = problem->kind->solved ? at.ws.u : y, .v = at.ws.v, .mean = at.ws.mean[1]};
+    return at;
 }
 
 lac_look lac_problem_look(const lac_problem *problem, double t, const double *y, double *work)
@@ -201,19 +224,27 @@ static double pressed(const lac_problem *problem, double t, double base, double 
     return base + (now.normal + off / problem->sum_pressure) / problem->mean_pressure;
 }
 
-void lac_problem_observe(const lac_problem *problem, double t, const double *y, const double *slip,
-                         lac_observation *observation, double *work)
+// The first of the cells with the largest rate.
+static size_t find_fastest(size_t n, const double *v)
 {
-    size_t n = problem->n;
-    const lac_look at = lac_problem_look(problem, t, y, work);
+    const double most = lac_vmost(n, v);
+    for (size_t i = 0; i < n; i++) {
+        if (fabs(v[i]) == most) {
+            return i;
+        }
+    }
+    return 0; // not a number
+}
+
+void lac_problem_observe(const lac_problem *problem, double t, const double *y, const double *slip,
+                         bool again, lac_observation *observation, double *work)
+{
+    const lac_look at = again ? lac_problem_look_again(problem, t, y, work)
+                              : lac_problem_look(problem, t, y, work);
     const lac_motion motion = at.motion;
     const lac_problem_loads_at *drive = &at.drive;
     observation->mean_rate = motion.mean;
-    observation->fastest = 0;
-    for (size_t i = 1; i < n; i++) {
-        observation->fastest =
-            fabs(motion.v[i]) > fabs(motion.v[observation->fastest]) ? i : observation->fastest;
-    }
+    observation->fastest = find_fastest(problem->n, motion.v);
     observation->max_rate = fabs(motion.v[observation->fastest]);
     observe_slip(&at, slip, observation);
     const double force = problem->cell_area * problem->sum_pressure;
