@@ -256,9 +256,9 @@ double lac_inertia_fastest(const lac_look *at);
 // @param force  [n] of every cell [Pa]; overwritten
 void lac_inertia_unexplained(const lac_problem *problem, double *force);
 
-// force = traction - p f - damping of every cell: the traction is overwritten. Gives back the sum.
+// force = traction - p f - damping of every cell: the traction is overwritten.
 // @param wdot  [n] d ln theta/dt; NULL where not wanted
-double lac_problem_unbalanced(const lac_look *at, double *traction, double *wdot);
+void lac_problem_unbalanced(const lac_look *at, double *traction, double *wdot);
 
 // q - K slip of every cell, the springs' part included.
 void lac_problem_elastic_traction(const lac_look *at, const double *slip, double *traction);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a state means in rates and forces, how well it balances, what a jump of loads does, and the
 // state moved onto the balance before it is put out.
+#include "base/clones.h"
 #include "base/vsum.h"
 #include "lacuna/simulation.h"
 #include "model/internal.h"
@@ -115,10 +116,24 @@ static void find_residuals(const lac_look *at, const double *slip, double *resid
         return;
     }
     lac_problem_elastic_traction(at, slip, residual);
-    (void)lac_problem_unbalanced(at, residual, NULL);
+    lac_problem_unbalanced(at, residual, NULL);
     if (problem->mass > 0.0) {
         lac_inertia_unexplained(problem, residual);
     }
+}
+
+// The largest of a block's residuals, relative to f0 p; NaN where one is.
+LAC_CLONES static double lac_observe_worst(const lac_look *at, size_t first, size_t n,
+                                           const double *f0, const double *residual)
+{
+    double relative[LAC_FRICTION_BLOCK];
+    long long numbers = 0;
+    for (size_t i = 0; i < n; i++) {
+        double p = lac_problem_effective(at->problem, &at->drive, first + i);
+        relative[i] = fabs(residual[i]) / (p * (f0[i] != 0.0 ? fabs(f0[i]) : 1.0));
+        numbers += relative[i] >= 0.0 ? 1 : 0;
+    }
+    return numbers == (long long)n ? lac_vmost(n, relative) : (double)NAN;
 }
 
 // How far the cells are off their balance, each and together.
@@ -127,20 +142,20 @@ static void measure_balance(const lac_look *at, const double *slip, double *trac
                             lac_observation *observation)
 {
     const lac_problem *problem = at->problem;
-    double worst = 0.0;
-    double sum = 0.0;
-    double held = 0.0;
+    double worst = 0.0, sum = 0.0, held = 0.0;
     find_residuals(at, slip, traction);
-    for (size_t i = 0; i < problem->n; i++) {
-        double p = lac_problem_effective(problem, &at->drive, i);
-        double f0 = lac_cellwise_of(&problem->friction->column[LAC_F0], i);
-        double scale = p * (f0 != 0.0 ? fabs(f0) : 1.0);
-        double relative = fabs(traction[i]) / scale;
-        worst = relative > worst || isnan(relative) ? relative : worst;
-        sum += traction[i];
-        double a = lac_cellwise_of(&problem->friction->column[LAC_A], i);
-        held += a * p + problem->damping * fabs(at->motion.v[i]) +
-                lac_problem_drag(problem, i) * fabs(at->motion.mean);
+    for (size_t first = 0; first < problem->n; first += LAC_FRICTION_BLOCK) {
+        const size_t n = lac_block_length(problem->n, first);
+        const double *f0 = lac_cellwise_from(&problem->friction->column[LAC_F0], first);
+        const double *a = lac_cellwise_from(&problem->friction->column[LAC_A], first);
+        const double most = lac_observe_worst(at, first, n, f0, traction + first);
+        worst = most > worst || isnan(most) ? most : worst;
+        for (size_t i = 0; i < n; i++) {
+            double p = lac_problem_effective(problem, &at->drive, first + i);
+            sum += traction[first + i];
+            held += a[i] * p + problem->damping * fabs(at->motion.v[first + i]) +
+                    lac_problem_drag(problem, first + i) * fabs(at->motion.mean);
+        }
     }
     observation->balance_residual = worst;
     observation->rate_drift = held > 0.0 ? fabs(sum) / held : 0.0;
