@@ -5,8 +5,9 @@
 
 /// A stretch of time in which the largest slip rate of the whole interface is high.
 typedef struct lac_slip_event {
-    double start, end;     ///< [s]; NaN: before the run begins, after it ends
-    double peak, max_rate; ///< when its largest slip rate is, and that of which cell ever [s], [m/s]
+    double start, end; ///< [s]; NaN: before the run begins, after it ends
+    double peak,
+        max_rate; ///< when its largest slip rate is, and that of which cell ever [s], [m/s]
 } lac_slip_event;
 
 /// All of them, from the steps of a run: docs/theory/events.md, "The interface as a whole". Zeros

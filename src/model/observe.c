@@ -49,8 +49,8 @@ lac_look lac_problem_look_again(const lac_problem *problem, double t, const doub
     const lac_gone gone = lac_problem_gone_in(problem, y, 0.0);
     (void)lac_problem_drive_into(problem, t, gone, at.ws.shares, &at.drive);
     (void)lac_weaken_look(&at);
-    at.motion = (lac_motion){
-        .u = problem->kind->solved ? at.ws.u : y, .v = at.ws.v, .mean = at.ws.mean[1]};
+    at.motion =
+        (lac_motion){.u = problem->kind->solved ? at.ws.u : y, .v = at.ws.v, .mean = at.ws.mean[1]};
     return at;
 }
 
@@ -254,8 +254,8 @@ static size_t find_fastest(size_t n, const double *v)
 void lac_problem_observe(const lac_problem *problem, double t, const double *y, const double *slip,
                          bool again, lac_observation *observation, double *work)
 {
-    const lac_look at = again ? lac_problem_look_again(problem, t, y, work)
-                              : lac_problem_look(problem, t, y, work);
+    const lac_look at =
+        again ? lac_problem_look_again(problem, t, y, work) : lac_problem_look(problem, t, y, work);
     const lac_motion motion = at.motion;
     const lac_problem_loads_at *drive = &at.drive;
     observation->mean_rate = motion.mean;

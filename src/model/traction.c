@@ -78,17 +78,16 @@ LAC_CLONES static void lac_traction_scale(const lac_problem *problem, size_t fir
     }
 }
 
-const lac_formulation_kind lac_formulation_traction = {
-    .id = LAC_FORMULATION_TRACTION,
-    .name = "traction",
-    .unknown = "traction",
-    .unknowns = 2,
-    .arrays = 5,
-    .solved = true,
-    .either_sign = true,
-    .start = start,
-    .move = move,
-    .derivative = derivative,
-    .newton = newton,
-    .scale = lac_traction_scale,
-    .jump = jump};
+const lac_formulation_kind lac_formulation_traction = {.id = LAC_FORMULATION_TRACTION,
+                                                       .name = "traction",
+                                                       .unknown = "traction",
+                                                       .unknowns = 2,
+                                                       .arrays = 5,
+                                                       .solved = true,
+                                                       .either_sign = true,
+                                                       .start = start,
+                                                       .move = move,
+                                                       .derivative = derivative,
+                                                       .newton = newton,
+                                                       .scale = lac_traction_scale,
+                                                       .jump = jump};

@@ -115,8 +115,9 @@ static int set_options(lac_engine *engine, erk *c)
     int flag = LAC_SUN_ERK(SetUserData)(c->mem, engine);
     flag |= LAC_SUN_ERK(WFtolerances)(c->mem, weights);
     int order = chosen_order(engine);
-    flag |= order > 0 ? LAC_SUN_ERK(SetOrder)(c->mem, order)
-                      : ERKStepSetTableNum(c->mem, ARKODE_CASH_KARP_6_4_5);
+    flag |= order == 8  ? lac_erk_set_order_8(c->mem)
+            : order > 0 ? LAC_SUN_ERK(SetOrder)(c->mem, order)
+                        : ERKStepSetTableNum(c->mem, ARKODE_CASH_KARP_6_4_5);
     flag |= LAC_SUN_ERK(SetMaxNumSteps)(c->mem, -1);
     flag |= LAC_SUN_ERK(SetMaxErrTestFails)(c->mem, 30);
     flag |= LAC_SUN_ERK(SetMaxHnilWarns)(c->mem, -1);

@@ -56,7 +56,7 @@ typedef struct lac_run_state {
                   // NULL
     double next_break;
     double mean_rate, max_rate; // at the time reached [m/s]
-    bool measured; // the work still holds the rates of the state reached
+    bool measured;              // the work still holds the rates of the state reached
     double first_step;          // that the integrator last began anew with [s]
     int64_t steps;
     lac_end end;

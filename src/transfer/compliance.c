@@ -8,8 +8,8 @@ enum { MAX_ITERATIONS = 1000 };
 
 struct lac_compliance {
     size_t n;
-    size_t *at;   // [n] index of each contact cell in the transform's grid
-    size_t gap;   // first column of a row that holds nothing: zeros; 0: no row is full
+    size_t *at;    // [n] index of each contact cell in the transform's grid
+    size_t gap;    // first column of a row that holds nothing: zeros; 0: no row is full
     bool in_order; // at[i] = i
     lac_fft *fft;
     double *stiffness, *compliance;  // [nkx * ny] of each mode: lac_kernels_fill
