@@ -3,6 +3,8 @@
 // four of them, in Newton's form.
 #include "analysis/crest.h"
 
+#include "lacuna/simulation.h"
+
 lac_status lac_crest_create(size_t n, lac_crest *out, lac_error *err)
 {
     *out = (lac_crest){.n = n, .block = calloc(3 * n, sizeof *out->block)};

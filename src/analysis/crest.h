@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include "lacuna/simulation.h"
 #include "run/run.h"
 
 /// Slip rates at the ends of the last three steps, from which the crests between steps are found:

@@ -3,6 +3,8 @@
 // earthquake-cycle codes list as events.
 #include "analysis/slip_events.h"
 
+#include "lacuna/simulation.h"
+
 void lac_slip_events_clear(lac_slip_events *s)
 {
     free(s->event);

@@ -272,6 +272,28 @@ void lac_problem_observe(const lac_problem *problem, double t, const double *y, 
     observe_weakening(&at, observation);
 }
 
+// Whether the plain coefficient of every cell is above nothing, many cells at a time; where that is
+// not what friction evaluates, nothing is said.
+static bool all_hold(const lac_problem *problem, const double *u, const double *w)
+{
+    const lac_friction *friction = problem->friction;
+    bool all = friction->form == LAC_FORM_PLAIN && !lac_friction_flashes(friction);
+    for (size_t first = 0; all && first < problem->n; first += LAC_FRICTION_BLOCK) {
+        double f[LAC_FRICTION_BLOCK];
+        size_t count = 0;
+        const lac_friction_cells cells = {.first = first,
+                                          .n = lac_block_length(problem->n, first),
+                                          .u = u + first,
+                                          .w = w + first};
+        lac_friction_evaluate(friction, &cells, &(lac_friction_values){.f = f}, NULL);
+        for (size_t i = 0; i < cells.n; i++) {
+            count += f[i] > 0.0 ? 1 : 0;
+        }
+        all = count == cells.n;
+    }
+    return all;
+}
+
 bool lac_problem_slips(const lac_problem *problem, double t, const double *y, size_t *cell,
                        double *work)
 {
@@ -285,6 +307,9 @@ bool lac_problem_slips(const lac_problem *problem, double t, const double *y, si
     lac_motion motion = {.u = y};
     if (problem->kind->solved) {
         motion = lac_problem_look(problem, t, y, work).motion;
+    }
+    if (!problem->kind->solved && all_hold(problem, motion.u, y + problem->n)) {
+        return true;
     }
     // Regularised, f falls to nothing as exp of F over a; plain, f is F.
     const lac_cellwise *a = &friction->column[LAC_A];

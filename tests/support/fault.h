@@ -33,8 +33,8 @@ void fault_free(fault *f);
 
 enum { MOST_EVENTS = 8 };
 
-/// Upward crossings of 1 mm/s by the fastest cell; the peaks after them, at the steps' ends as other
-/// codes give them, and the crests between these [m/s].
+/// Upward crossings of 1 mm/s by the fastest cell; the peaks after them, at the steps' ends as
+/// other codes give them, and the crests between these [m/s].
 typedef struct fault_events {
     size_t count;
     double time[MOST_EVENTS], peak[MOST_EVENTS], crest[MOST_EVENTS];

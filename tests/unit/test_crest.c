@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Crests of slip rates between the ends of steps, and the events of an interface as a whole, against
-// rates that are known at all times.
+// Crests of slip rates between the ends of steps, and the events of an interface as a whole,
+// against rates that are known at all times.
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "analysis/slip_events.h"
+#include "lacuna/simulation.h"
 #include "support/test.h"
 
 enum { CELLS = 3 };

@@ -96,14 +96,6 @@ static lac_status on_record(void *context, const lac_record *record, lac_error *
     return status;
 }
 
-static lac_status on_step(void *context, const lac_step *step, lac_error *err)
-{
-    cli_history *h = context;
-    const bool together = step->changed == NULL;
-    LAC_TRY_RETURN(together ? lac_slip_events_step(&h->slip_events, step, err) : LAC_OK);
-    return h->next.step != NULL ? h->next.step(h->next.context, step, err) : LAC_OK;
-}
-
 // The kept series, as long as they are.
 static void pass_series(cli_kept *kept, lac_archive *archive)
 {
@@ -139,7 +131,7 @@ lac_sink cli_history_sink(cli_history *history)
 {
     lac_sink sink = lac_sink_before(&history->next);
     sink.record = on_record;
-    sink.step = on_step;
+    sink.step = cli_history_step;
     sink.serialize = on_keep;
     return sink;
 }
@@ -404,25 +396,6 @@ static void write_arrest(lac_json *json, const cli_outcome *outcome)
     lac_json_number(json, "thickness_m", last.thickness);
 }
 
-static void write_slip_events(lac_json *json, const cli_outcome *outcome)
-{
-    const lac_slip_events *s = &outcome->history.slip_events;
-    if (outcome->of->source->run.fidelity != LAC_FIDELITY_ODE) {
-        lac_json_null(json, "slip_events"); // cells are together only at the ends of sweeps
-        return;
-    }
-    lac_json_open(json, "slip_events", '[');
-    for (size_t i = 0; i < s->count; i++) {
-        lac_json_open(json, NULL, '{');
-        lac_json_number(json, "time_s", s->event[i].start);
-        lac_json_number(json, "end_time_s", s->event[i].end);
-        lac_json_number(json, "max_slip_rate_m_s", s->event[i].max_rate);
-        lac_json_number(json, "max_slip_rate_time_s", s->event[i].peak);
-        lac_json_close(json, '}');
-    }
-    lac_json_close(json, ']');
-}
-
 static void write_results(lac_json *json, const cli_outcome *outcome)
 {
     const cli_history *history = &outcome->history;
@@ -436,7 +409,8 @@ static void write_results(lac_json *json, const cli_outcome *outcome)
     if (!lac_analysis_has_events(outcome->of->analysis)) {
         lac_json_null(json, "events"); // else the catalogue says how many
     }
-    write_slip_events(json, outcome);
+    const bool together = outcome->of->source->run.fidelity == LAC_FIDELITY_ODE;
+    cli_slip_events_json(json, together ? &history->slip_events : NULL);
     lac_json_number(json, "balance_residual", result->balance_residual);
     lac_json_number(json, "rate_drift", result->rate_drift);
     lac_json_text(json, "fidelity", fidelity(outcome));
