@@ -114,9 +114,6 @@ lac_status lac_engine_gave_up(lac_engine *engine, char *name, double step, int64
                               lac_error *err);
 lac_status lac_engine_cannot_restart(const lac_engine *engine, lac_error *err);
 
-// Gives ERKStep a pair of order 8. @return ARK_SUCCESS or another status
-int lac_erk_set_order_8(void *mem);
-
 // Mean of the cells' slip [m].
 double lac_engine_mean_slip(const lac_engine *engine, const double *slip);
 

@@ -5,7 +5,10 @@
 // docs/choosing.md.
 #include <arkode/arkode_erkstep.h>
 
-#include "run/engine.h"
+#include <stdbool.h>
+#include <string.h>
+
+#include "run/compat.h"
 
 enum { STAGES = 13 };
 
