@@ -122,15 +122,18 @@ static void find_residuals(const lac_look *at, const double *slip, double *resid
     }
 }
 
-// The largest of a block's residuals, relative to f0 p; NaN where one is.
+// The largest of a block's residuals, relative to f0 p; NaN where one is. An f0 below a says little
+// of the strength, which an e-fold of the rate changes by a p.
 LAC_CLONES static double lac_observe_worst(const lac_look *at, size_t first, size_t n,
-                                           const double *f0, const double *residual)
+                                           const double *f0, const double *a,
+                                           const double *residual)
 {
     double relative[LAC_FRICTION_BLOCK];
     long long numbers = 0;
     for (size_t i = 0; i < n; i++) {
         double p = lac_problem_effective(at->problem, &at->drive, first + i);
-        relative[i] = fabs(residual[i]) / (p * (f0[i] != 0.0 ? fabs(f0[i]) : 1.0));
+        double f = fabs(f0[i]) > a[i] ? fabs(f0[i]) : a[i];
+        relative[i] = fabs(residual[i]) / (p * (f0[i] == 0.0 ? 1.0 : f));
         numbers += relative[i] >= 0.0 ? 1 : 0;
     }
     return numbers == (long long)n ? lac_vmost(n, relative) : (double)NAN;
@@ -148,7 +151,7 @@ static void measure_balance(const lac_look *at, const double *slip, double *trac
         const size_t n = lac_block_length(problem->n, first);
         const double *f0 = lac_cellwise_from(&problem->friction->column[LAC_F0], first);
         const double *a = lac_cellwise_from(&problem->friction->column[LAC_A], first);
-        const double most = lac_observe_worst(at, first, n, f0, traction + first);
+        const double most = lac_observe_worst(at, first, n, f0, a, traction + first);
         worst = most > worst || isnan(most) ? most : worst;
         for (size_t i = 0; i < n; i++) {
             double p = lac_problem_effective(problem, &at->drive, first + i);
