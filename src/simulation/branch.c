@@ -359,7 +359,7 @@ static lac_status observe(const lac_branch *b, const lac_problem *problem, bool 
         const double *slip =
             lac_problem_has_slip(problem) ? y + lac_problem_slip_place(problem) : y + unknowns;
         lac_problem_forget(problem, work);
-        lac_problem_observe(problem, b->time, y, slip, &seen, work);
+        lac_problem_observe(problem, b->time, y, slip, false, &seen, work);
         out[0] = seen.mean_rate;
         out[1] = seen.shear_force;
     }

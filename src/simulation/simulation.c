@@ -7,8 +7,6 @@
 
 #include "base/ask.h"
 
-enum { RECORDS_BETWEEN_SYNCS = 64 };
-
 struct lac_simulation {
     lac_case source; // the caller's, which owns all, but for what pilot runs picked
     lac_simulation_options options;
@@ -236,6 +234,14 @@ static lac_run_output output_of(const lac_outcome *of)
                             .start_date = of->source->start_date};
 }
 
+// Records between syncs: what a kill loses is little to compute again.
+static int64_t records_between_syncs(const lac_simulation *s)
+{
+    const size_t work = 1 << 18, least = 64, most = 256; // cells times records
+    const size_t records = work / s->scene->contact.domain->n;
+    return (int64_t)(records < least ? least : records > most ? most : records);
+}
+
 lac_status lac_simulation_file(lac_simulation *simulation, lac_store_def *out, lac_error *err)
 {
     lac_simulation *s = simulation;
@@ -247,7 +253,7 @@ lac_status lac_simulation_file(lac_simulation *simulation, lac_store_def *out, l
                            .of = output_of(&s->outcome),
                            .compression = c->compression,
                            .single = c->single != 0,
-                           .sync_every = RECORDS_BETWEEN_SYNCS};
+                           .sync_every = records_between_syncs(s)};
     if (s->branch != NULL) {
         out->provenance.branch = s->branch->text;
         out->provenance.branch_file = c->from.file;

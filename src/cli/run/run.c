@@ -35,6 +35,7 @@ static void job_clear(run_job *job)
     cli_compare_clear(&job->outcome.compare);
     lac_checkpoint_file_clear(&job->resume);
     free(job->outcome.history.kept.values);
+    lac_slip_events_clear(&job->outcome.history.slip_events);
     free(job->outcome.path);
     free(job->inputs);
     lac_case_free(job->source);

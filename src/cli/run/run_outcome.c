@@ -121,6 +121,7 @@ static void on_keep(void *context, lac_archive *archive)
     lac_archive_pass(archive, &h->first.observation, sizeof h->first.observation);
     lac_archive_pass(archive, &h->last.observation, sizeof h->last.observation);
     pass_series(&h->kept, archive);
+    lac_slip_events_serialize(&h->slip_events, archive);
     if (h->next.serialize != NULL) {
         h->next.serialize(h->next.context, archive);
     }
@@ -130,6 +131,7 @@ lac_sink cli_history_sink(cli_history *history)
 {
     lac_sink sink = lac_sink_before(&history->next);
     sink.record = on_record;
+    sink.step = cli_history_step;
     sink.serialize = on_keep;
     return sink;
 }
@@ -407,6 +409,8 @@ static void write_results(lac_json *json, const cli_outcome *outcome)
     if (!lac_analysis_has_events(outcome->of->analysis)) {
         lac_json_null(json, "events"); // else the catalogue says how many
     }
+    const bool together = outcome->of->source->run.fidelity == LAC_FIDELITY_ODE;
+    cli_slip_events_json(json, together ? &history->slip_events : NULL);
     lac_json_number(json, "balance_residual", result->balance_residual);
     lac_json_number(json, "rate_drift", result->rate_drift);
     lac_json_text(json, "fidelity", fidelity(outcome));
