@@ -15,6 +15,7 @@ that was chosen promises, as the run's JSON says. A scene is right where
     error <= bound,
     and CPU <= 1.5 times that of the other one, where that one keeps its bound too.
 
+Runs end after a minute of CPU, the other one where it takes longer than what it is compared with.
 CPU times are the whole program's, the least of three where they decide, less than 0.05 s apart being
 alike. Exit status 1 where a scene is not right. --keep: a file that the runs with fidelity ode go
 into, to be there the next time. --tail: only what is not right, and the sums. --scene: prints that
@@ -27,6 +28,7 @@ import json
 import math
 import os
 import random
+import resource
 import subprocess
 import sys
 import tempfile
@@ -35,6 +37,7 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 REFERENCE = 1e-9
 ALIKE = 0.05  # s of CPU that count for nothing
 DEARER = 1.5
+LONGEST = 60  # s of CPU of a run
 
 
 def text_of(value):
@@ -102,7 +105,7 @@ def draw_scene(seed, index):
     draw = random.Random(f"{seed}:{index}")
     ratio = log_uniform(draw, 1e-3, 1e3)
     one_by_one = ratio < 5
-    levels = draw.choices(range(1, 5 if one_by_one else 6), [1, 2, 3, 4] if one_by_one else [1, 2, 3, 4, 3])[0]
+    levels = draw.choices(range(1, 6), [1, 2, 3, 4, 0.4 if one_by_one else 3])[0]
     dimension = 2 if draw.random() < 0.3 else round(draw.uniform(1.5, 1.95), 3)
     levels += dimension < 1.8
     fraction = 2 ** (levels * (dimension - 2))
@@ -166,15 +169,18 @@ class Program:
             with open(self.options.keep, "w", encoding="utf-8") as file:
                 json.dump(self.kept, file)
 
-    def fresh(self, case, fidelity, rtol):
-        """What `lacuna run --json` says; of one that cannot be computed why."""
+    def fresh(self, case, fidelity, rtol, limit=LONGEST):
+        """What `lacuna run --json` says; of one that cannot be computed, in so many CPU seconds, why."""
         path = os.path.join(self.folder, "auto.yaml")
         with open(path, "w", encoding="utf-8") as file:
             file.write(case)
         done = subprocess.run(
             [self.options.lacuna, "run", path, "-o", os.path.join(self.folder, "auto.nc"), "--force", "--quiet",
              "--json", "--set", f"solver.fidelity={fidelity}", "--set", f"solver.rtol={rtol}"],
-            capture_output=True, text=True, check=False)
+            capture_output=True, text=True, check=False,
+            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (limit, limit)))
+        if done.returncode < 0:
+            return {"exit": done.returncode, "why": f"not within {limit} s"}
         if done.returncode != 0:
             return {"exit": done.returncode, "why": done.stderr.strip().splitlines()[-1]}
         said = json.loads(done.stdout)
@@ -182,11 +188,11 @@ class Program:
                 "fidelity_error", "n_cells", "steps")
         return {"exit": 0, **{key: said.get(key) for key in keys}}
 
-    def run(self, case, fidelity, rtol):
+    def run(self, case, fidelity, rtol, limit=LONGEST):
         """The same; runs of `ode` are kept."""
         key = f"{fidelity} {rtol:g}\n{case}"
         if key not in self.kept:
-            said = self.fresh(case, fidelity, rtol)
+            said = self.fresh(case, fidelity, rtol, limit)
             if fidelity != "ode":
                 return said
             self.kept[key], self.dirty = said, True
@@ -228,10 +234,12 @@ def judge(program, case, about):
     if not row["error"] <= row["bound"]:
         return row, False, "off"
     second = "events" if row["chosen"] == "ode" else "ode"
-    other = program.run(case, second, rtol)
+    other = program.run(case, second, rtol, 1 + math.ceil(said["cpu_time_s"]))
     row["cpu"] = [said["cpu_time_s"], other.get("cpu_time_s")]
     if other["exit"] != 0 or not error_of(other, true) <= other["fidelity_error"]:
-        return row, True, f"{second} {'refused' if other['exit'] == 2 else 'fails' if other['exit'] else 'off'}"
+        return row, True, f"{second} " + (
+            "off" if other["exit"] == 0 else "refused" if other["exit"] == 2 else
+            "slower" if other["exit"] < 0 else "fails")
     row["cpu"] = cheaper(program, case, about, (name, said), (second, other))
     dear = row["cpu"][0] > DEARER * row["cpu"][1] and row["cpu"][0] - row["cpu"][1] > ALIKE
     return row, not dear, "dear" if dear else ""
