@@ -329,16 +329,17 @@ static void check_inertia(lac_reader *reader, lac_case *c, double pressure)
 // Cells at steps of their own have one formulation and no method to choose.
 enum { EVENTS_REFUSE = 8 };
 static const struct {
-    const char *key, *why;
+    const char *key, *why, *what;
 } events_refuse[EVENTS_REFUSE] = {
-    {"solver.fidelity", "knows no inertia: leave one of them out"},
-    {"solver.formulation", "must be auto or rate with fidelity events"},
-    {"solver.method", "goes with fidelity ode, not with events"},
-    {"solver.max_order", "goes with fidelity ode, not with events"},
-    {"solver.first_step", "goes with fidelity ode, not with events"},
-    {"time.stop_when.factor_of_safety", "goes with fidelity ode, not with events"},
-    {"solver.fidelity", "knows no interface.geometry: leave one of them out"},
-    {"weakening", "goes with fidelity ode, not with events"},
+    {"solver.fidelity", "knows no inertia: leave one of them out", "inertia"},
+    {"solver.formulation", "must be auto or rate with fidelity events", "solver.formulation"},
+    {"solver.method", "goes with fidelity ode, not with events", "solver.method"},
+    {"solver.max_order", "goes with fidelity ode, not with events", "solver.max_order"},
+    {"solver.first_step", "goes with fidelity ode, not with events", "solver.first_step"},
+    {"time.stop_when.factor_of_safety", "goes with fidelity ode, not with events",
+     "time.stop_when.factor_of_safety"},
+    {"solver.fidelity", "knows no interface.geometry: leave one of them out", "interface.geometry"},
+    {"weakening", "goes with fidelity ode, not with events", "weakening"},
 };
 
 // Which of these the case asks for.
@@ -354,15 +355,15 @@ static void ask_events(const lac_case *c, bool asked[EVENTS_REFUSE])
     asked[7] = c->weakening.count > 0;
 }
 
-bool lac_case_admits_events(const lac_case *c)
+const char *lac_case_bars_events(const lac_case *c)
 {
     bool asked[EVENTS_REFUSE];
     ask_events(c, asked);
-    bool any = false;
-    for (size_t i = 0; i < EVENTS_REFUSE; i++) {
-        any = any || asked[i];
+    size_t i = 0;
+    while (i < EVENTS_REFUSE && !asked[i]) {
+        i++;
     }
-    return !any;
+    return i < EVENTS_REFUSE ? events_refuse[i].what : NULL;
 }
 
 static void check_events(lac_reader *reader, lac_case *c)

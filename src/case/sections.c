@@ -199,7 +199,7 @@ const lac_param lac_inertia_rows[LAC_INERTIA_ROWS] = {
 };
 
 static const char *const methods[] = {"bdf", "adams", "erk", NULL};
-static const char *const fidelities[] = {"ode", "events", "static", NULL};
+static const char *const fidelities[] = {"ode", "events", "static", "auto", NULL};
 static const char *const formulations[] = {"auto",    "rate",   "traction", "slip",
                                            "inertia", "vector", NULL};
 static const char *const answers[] = {"false", "true", NULL};

@@ -210,8 +210,8 @@ static bool too_early(lac_engine *engine, const lac_async_limits *limits)
     double mean, max;
     double t = lac_engine_clock(engine, engine->t);
     const double least = 0.1;
-    double past = lac_problem_past_failure(engine->problem, &engine->failure, t, engine->y,
-                                           engine->work);
+    double past =
+        lac_problem_past_failure(engine->problem, &engine->failure, t, engine->y, engine->work);
     bool failed = past >= 0.0;
     lac_problem_speed(engine->problem, t, engine->y, &mean, &max, engine->work);
     c->ask = lac_async_told(c->micro) * exp(fmax(-past, least));

@@ -114,6 +114,32 @@ static void print_size(const lac_estimate *e)
     printf("#   memory          %.10g MB\n", rounded(e->memory / 1e6, 2));
 }
 
+// CPU time in a few digits.
+static cli_text cost_text(const lac_fidelity_cost *cost)
+{
+    return isnan(cost->most)
+               ? cli_format("at least %.10g s", rounded(cost->least, 1))
+               : cli_format("%.10g to %.10g s", rounded(cost->least, 1), rounded(cost->most, 1));
+}
+
+static void print_fidelity(const lac_case *c, const lac_estimate *e)
+{
+    const lac_fidelity all[] = {LAC_FIDELITY_ODE, LAC_FIDELITY_ASYNC};
+    const lac_fidelity_choice *choice = &e->choice;
+    char why[LAC_FIDELITY_ROOM];
+    printf("#   fidelity        %s%s\n", lac_fidelity_name(choice->fidelity),
+           choice->why[0] != '\0' ? ", chosen" : "");
+    if (choice->why[0] != '\0') {
+        cli_wrap("#     ", choice->why);
+    }
+    for (size_t k = 0; k < 2; k++) {
+        if (k == 0 || !lac_fidelity_barred(c, why)) {
+            printf("#     %-13s error at most %.1g, %s\n", lac_fidelity_name(all[k]),
+                   lac_fidelity_error(c, e, all[k]), cost_text(&e->cost[k]).s);
+        }
+    }
+}
+
 // How many steps, and why.
 static void print_steps(const lac_estimate *e)
 {
@@ -170,7 +196,31 @@ static void print_estimate(const lac_case *c, const lac_estimate *e)
     }
     if (e->integrated) {
         print_steps(e);
+        print_fidelity(c, e);
     }
+}
+
+// What either fidelity costs and keeps; null: it takes the case not as it stands.
+static void write_fidelity(lac_json *json, const lac_case *c, const lac_estimate *e)
+{
+    char why[LAC_FIDELITY_ROOM];
+    const bool barred = lac_fidelity_barred(c, why);
+    const lac_fidelity all[] = {LAC_FIDELITY_ODE, LAC_FIDELITY_ASYNC};
+    lac_json_text(json, "fidelity", lac_fidelity_name(e->choice.fidelity));
+    lac_json_text(json, "fidelity_why", e->choice.why[0] != '\0' ? e->choice.why : NULL);
+    lac_json_open(json, "fidelities", '{');
+    for (size_t k = 0; k < 2; k++) {
+        if (k == 1 && barred) {
+            lac_json_null(json, lac_fidelity_name(all[k]));
+            continue;
+        }
+        lac_json_open(json, lac_fidelity_name(all[k]), '{');
+        lac_json_number(json, "cpu_time_least_s", e->cost[k].least);
+        lac_json_number(json, "cpu_time_most_s", e->cost[k].most);
+        lac_json_number(json, "error", lac_fidelity_error(c, e, all[k]));
+        lac_json_close(json, '}');
+    }
+    lac_json_close(json, '}');
 }
 
 static void write_estimate(lac_json *json, const lac_case *c, const lac_estimate *e)
@@ -193,6 +243,9 @@ static void write_estimate(lac_json *json, const lac_case *c, const lac_estimate
     lac_json_text(json, "regime", lac_regime_name(lac_regime_of(e)));
     lac_json_text(json, "regime_words", words);
     lac_json_text(json, "faster_fidelity", e->faster);
+    if (e->integrated) {
+        write_fidelity(json, c, e);
+    }
     lac_json_number(json, "failure_rate_m_s", e->failure.rate > 0.0 ? e->failure.rate : NAN);
     lac_json_boolean(json, "failure_rate_lowered", e->failure.lowered);
     lac_json_text(json, "steps_class", e->integrated ? steps_class(e) : NULL);

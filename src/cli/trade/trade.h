@@ -9,6 +9,7 @@
 typedef struct cli_trade_job {
     const cli_request *request;
     lac_case *source;
+    const char *fidelity; ///< of all runs that do not turn it; NULL: as the case says
     lac_trade trade;
     lac_trade_request ask;
     cli_progress progress;
