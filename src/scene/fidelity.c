@@ -44,6 +44,7 @@ static lac_status follow(const lac_case *c, lac_error *err)
             scene.linear &= lac_load_model_is_linear(&loads[k]->item[i]);
         }
     }
+    LAC_FAIL_IF(scene.transfer == NULL, err, LAC_EINPUT, "no transfer ties cells to each other");
     return lac_run_async_follows(&scene, err);
 }
 
