@@ -273,14 +273,12 @@ static void print_arrest(const cli_outcome *outcome)
 
 static void print_fidelity(const cli_outcome *outcome)
 {
-    const char *why = outcome->of->fidelity_why;
-    if (why == NULL) {
-        cli_row("fidelity", "%s", fidelity(outcome));
-    } else {
-        cli_row_wrap("fidelity", cli_format("%s, error at most %.1g: %s", fidelity(outcome),
-                                            outcome->of->fidelity_error, why)
-                                     .s);
-    }
+    const lac_outcome *of = outcome->of;
+    cli_row_wrap("fidelity", of->fidelity_why == NULL
+                                 ? fidelity(outcome)
+                                 : cli_format("%s, error at most %.1g: %s", fidelity(outcome),
+                                              of->fidelity_error, of->fidelity_why)
+                                       .s);
 }
 
 static void print_cost(const cli_outcome *outcome)
