@@ -85,9 +85,9 @@ void lac_regime_words(const lac_case *c, const lac_estimate *estimate,
 /// Whether the load at the start is given, and no rate with a state that it follows from.
 bool lac_scene_load_given(const lac_case *c);
 
-/// What of a case needs all cells at every step, or is refused by fidelity events, in words that go
-/// after "needs solver.fidelity: ode". @return whether there is such; `why` gets the first
-bool lac_fidelity_barred(const lac_case *c, char why[static LAC_FIDELITY_ROOM]);
+/// Whether fidelity events refuses what a case names of solver, law, loads and transfer.
+/// @param why  gets the first such, or ""
+bool lac_fidelity_refused(const lac_case *c, char why[static LAC_FIDELITY_ROOM]);
 
 /// The fidelity of a case; of one that leaves it open events where cells slip one by one and events
 /// is known to be faster than ode and to keep its error, else ode; docs/choosing.md.

@@ -55,7 +55,8 @@ static lac_status follow(const lac_case *c, lac_error *err)
     return lac_run_async_follows(&scene, err);
 }
 
-// The first key that asks for what only all cells at every step give, or for steps of all cells.
+// The first key that asks for what only all cells at every step give, or for steps of all cells;
+// NULL: none.
 static const char *asks_for_all(const lac_case *c)
 {
     const lac_run_def usual = lac_run_default(), *run = &c->run;
@@ -79,17 +80,26 @@ static const char *asks_for_all(const lac_case *c)
     while (i < rows && !table[i].asked) {
         i++;
     }
-    return i < rows ? table[i].key : lac_case_bars_events(c);
+    return i < rows ? table[i].key : NULL;
 }
 
-bool lac_fidelity_barred(const lac_case *c, char why[static LAC_FIDELITY_ROOM])
+static bool needs_all(const char *key, char why[LAC_FIDELITY_ROOM])
 {
-    const char *key = asks_for_all(c);
-    lac_error refusal = {""};
-    const bool followed = follow(c, &refusal) == LAC_OK;
-    (void)snprintf(why, LAC_FIDELITY_ROOM, "%.200s%s", key != NULL ? key : refusal.message,
-                   key != NULL ? " needs all cells at every step" : "");
-    return key != NULL || !followed;
+    if (key != NULL) {
+        (void)snprintf(why, LAC_FIDELITY_ROOM, "%s needs all cells at every step", key);
+    }
+    return key != NULL;
+}
+
+bool lac_fidelity_refused(const lac_case *c, char why[static LAC_FIDELITY_ROOM])
+{
+    lac_error refusal;
+    if (needs_all(lac_case_bars_events(c), why)) {
+        return true;
+    }
+    const bool refused = follow(c, &refusal) != LAC_OK;
+    (void)snprintf(why, LAC_FIDELITY_ROOM, "%.200s", refused ? refusal.message : "");
+    return refused;
 }
 
 // Of the springs on the mean slip [Pa/m].
@@ -149,7 +159,8 @@ lac_fidelity_choice lac_fidelity_choose(const lac_case *c, const lac_estimate *e
         return out;
     }
     out.fidelity = LAC_FIDELITY_ODE;
-    if (!lac_fidelity_barred(c, out.why) && !gains_nothing(c, e, out.why)) {
+    if (!needs_all(asks_for_all(c), out.why) && !lac_fidelity_refused(c, out.why) &&
+        !gains_nothing(c, e, out.why)) {
         out.fidelity = LAC_FIDELITY_ASYNC;
         say(out.why, "cells slip one by one", e);
     }
@@ -164,7 +175,7 @@ const char *lac_fidelity_faster(const lac_case *c, const lac_estimate *e)
                    ? lac_fidelity_name(LAC_FIDELITY_ODE)
                    : NULL;
     }
-    return c->run.fidelity == LAC_FIDELITY_ODE && !lac_fidelity_barred(c, why) &&
+    return c->run.fidelity == LAC_FIDELITY_ODE && !lac_fidelity_refused(c, why) &&
                    !gains_nothing(c, e, why)
                ? lac_fidelity_name(LAC_FIDELITY_ASYNC)
                : NULL;

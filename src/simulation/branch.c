@@ -235,7 +235,7 @@ static void keep_fidelity(lac_case *c, const lac_case *source)
         return;
     }
     c->run.fidelity = LAC_FIDELITY_ODE;
-    if (source->run.fidelity == LAC_FIDELITY_ASYNC && !lac_fidelity_barred(c, why)) {
+    if (source->run.fidelity == LAC_FIDELITY_ASYNC && !lac_fidelity_refused(c, why)) {
         c->run.fidelity = LAC_FIDELITY_ASYNC;
         c->formulation = LAC_FORMULATION_RATE;
     }

@@ -62,7 +62,8 @@ class Fidelity(Case):
 class Rule(Fidelity):
     def test_events_where_cells_slip_one_by_one(self):
         for settings in ([], ["solver.fidelity=auto"], ["solver.rtol=1e-5"], ["solver.rtol=1e-7"],
-                         ["load.shear=[{ramp: {rate: 1 Pa/s}}]"], ["friction.aging.form=regularised"],
+                         ["load.shear=[{ramp: {rate: 1 Pa/s}}]"], ["interface.levels=3"],
+                         ["load.shear=[{ramp: {rate: 1 Pa/s}}]", "transfer.hierarchy.k0=8 GPa/m"], ["friction.aging.form=regularised"],
                          ["load.shear=[{spring: {stiffness: 1 MPa/m, speed: 1 nm/s}}]"],
                          ["transfer={hierarchy: {stiffness: elastic}}", "friction.aging.dc=1 um"]):
             with self.subTest(settings):
@@ -72,9 +73,10 @@ class Rule(Fidelity):
 
     def test_ode_where_events_gains_nothing(self):
         for settings, why in ((["transfer.hierarchy.k0=100 GPa/m"], "the cells hold one another"),
-                              (["transfer.hierarchy.k0=1e5"], "nothing holds a cell"),
+                              (["transfer.hierarchy.k0=1e6"], "nothing holds a cell"),
+                              (["transfer.hierarchy.k0=8 GPa/m"], "the cells hold one another"),
                               (["transfer.hierarchy.ratio=0.1"], "little holds a block"),
-                              (["interface.levels=3"], "few cells"),
+                              (["interface.levels=2"], "few cells"),
                               (["solver.rtol=1e-4"], "rtol is too coarse"),
                               (["friction.aging.b=0.009"], "b <= a"),
                               (["load.shear=[{spring: {stiffness: 1e12, speed: 1 nm/s}}]"], "a stiff spring")):
@@ -126,7 +128,7 @@ class Rule(Fidelity):
         both = said["fidelities"]
         self.assertLess(both["events"]["cpu_time_most_s"], both["ode"]["cpu_time_most_s"] * 3)
         self.assertEqual(said["cpu_time_most_s"], both["events"]["cpu_time_most_s"])
-        self.assertAlmostEqual(both["events"]["error"], 1e-6 ** 0.3)
+        self.assertAlmostEqual(both["events"]["error"], 1.25 * 1e-6 ** 0.3)
         self.assertAlmostEqual(both["ode"]["error"], 2e-3)
         text = self.expect(0, "check", self.path("soft.yaml")).stdout
         self.assertRegex(text, r"# +fidelity +events, chosen\n# +cells slip one by one")

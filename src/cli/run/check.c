@@ -133,7 +133,7 @@ static void print_fidelity(const lac_case *c, const lac_estimate *e)
         cli_wrap("#     ", choice->why);
     }
     for (size_t k = 0; k < 2; k++) {
-        if (k == 0 || !lac_fidelity_barred(c, why)) {
+        if (k == 0 || !lac_fidelity_refused(c, why)) {
             printf("#     %-13s error at most %.1g, %s\n", lac_fidelity_name(all[k]),
                    lac_fidelity_error(c, e, all[k]), cost_text(&e->cost[k]).s);
         }
@@ -204,7 +204,7 @@ static void print_estimate(const lac_case *c, const lac_estimate *e)
 static void write_fidelity(lac_json *json, const lac_case *c, const lac_estimate *e)
 {
     char why[LAC_FIDELITY_ROOM];
-    const bool barred = lac_fidelity_barred(c, why);
+    const bool barred = lac_fidelity_refused(c, why);
     const lac_fidelity all[] = {LAC_FIDELITY_ODE, LAC_FIDELITY_ASYNC};
     lac_json_text(json, "fidelity", lac_fidelity_name(e->choice.fidelity));
     lac_json_text(json, "fidelity_why", e->choice.why[0] != '\0' ? e->choice.why : NULL);

@@ -271,14 +271,12 @@ static void print_arrest(const cli_outcome *outcome)
             cli_amount(a->end, "m/s").s);
 }
 
-static void print_fidelity(const cli_outcome *outcome)
+static void print_fidelity(const lac_outcome *of, const char *name)
 {
-    const lac_outcome *of = outcome->of;
-    cli_row_wrap("fidelity", of->fidelity_why == NULL
-                                 ? fidelity(outcome)
-                                 : cli_format("%s, error at most %.1g: %s", fidelity(outcome),
-                                              of->fidelity_error, of->fidelity_why)
-                                       .s);
+    const char *why = of->fidelity_why;
+    const cli_text chosen =
+        cli_format("%s, error at most %.1g: %s", name, of->fidelity_error, why != NULL ? why : "");
+    cli_row_wrap("fidelity", why != NULL ? chosen.s : name);
 }
 
 static void print_cost(const cli_outcome *outcome)
@@ -289,7 +287,7 @@ static void print_cost(const cli_outcome *outcome)
     if (outcome->of->accuracy != NULL) {
         cli_row_wrap("accuracy", outcome->of->accuracy->text);
     }
-    print_fidelity(outcome);
+    print_fidelity(outcome->of, fidelity(outcome));
     cli_row("formulation", "%s", formulation(outcome));
     cli_row("balance residual", "%.2g at worst", result->balance_residual);
     cli_row("time taken", "%s, CPU %s", cli_amount(outcome->wall_time, "s").s,
