@@ -10,7 +10,7 @@
 // blocks once they slip they slide so far that ode is the faster one again. At a coarser rtol than
 // this events is off by more than it promises (docs/choosing.md).
 enum { FEWEST_EVENTS_CELLS = 16 };
-static const double soft_ratio = 1, soft_driven_ratio = 2, stiff_ratio = 5, least_ratio = 0.005,
+static const double soft_ratio = 1, soft_driven_ratio = 2, stiff_ratio = 5, least_ratio = 0.002,
                     least_level_ratio = 0.3, coarsest_rtol = 1.001e-5;
 
 bool lac_case_spreads(const lac_case *c, const char *const keys[])

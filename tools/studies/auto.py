@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Random scenes under a fidelity, each against `ode` at rtol 1e-9, as a table in markdown.
 
-    tools/studies/auto.py [--fidelity NAME] [--scenes N] [--seed S] [--keep FILE] [--tail] [--scene I]
+    tools/studies/auto.py [--fidelity NAME] [--scenes N] [--seed S] [--keep FILE] [--tail] [--errors] [--scene I]
 
 Draws N scenes (200) from the seed: planes of 1 to some 2 000 cells, full or lacunar, tied from a
 thousandth to a thousand times k_crit; all laws; loads of all kinds; spreads; rtol 1e-5 to 1e-7; a few
@@ -18,7 +18,8 @@ that was chosen promises, as the run's JSON says. A scene is right where
 Runs end after 30 s of CPU, the other one where it takes longer than what it is compared with.
 CPU times are the whole program's, the least of three where they decide, less than 0.1 s apart being
 alike. Exit status 1 where a scene is not right. --keep: a file that the runs with fidelity ode go
-into, to be there the next time. --tail: only what is not right, and the sums. --scene: prints that
+into, to be there the next time. --tail: only what is not right, and the sums. --errors:
+costs are not looked at. --scene: prints that
 scene's case.
 """
 
@@ -233,6 +234,8 @@ def judge(program, case, about):
     row["error"], row["bound"] = error_of(said, true, about["dc"]), said["fidelity_error"]
     if not row["error"] <= row["bound"]:
         return row, False, "off"
+    if program.options.errors:
+        return row, True, ""
     second = "events" if row["chosen"] == "ode" else "ode"
     other = program.run(case, second, rtol, math.ceil(said["cpu_time_s"]))
     row["cpu"] = [said["cpu_time_s"], other.get("cpu_time_s")]
@@ -269,6 +272,7 @@ def main():
     parser.add_argument("--seed", default="1", metavar="S")
     parser.add_argument("--keep", metavar="FILE", help="runs with fidelity ode")
     parser.add_argument("--tail", action="store_true", help="only what is not right")
+    parser.add_argument("--errors", action="store_true", help="judge errors alone, not costs")
     parser.add_argument("--scene", type=int, metavar="I", help="print the case of this one")
     parser.add_argument("--lacuna", default=os.path.join(ROOT, "build/lacuna"), help="the program (build/lacuna)")
     options = parser.parse_args()
