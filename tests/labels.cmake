@@ -20,7 +20,7 @@ set(about_docs
   "case\\.test_(commands|howto_law|names|site)")
 set(about_base
   "unit\\.test_(date|error|filter|free_memory|memory|part|units|units_usual|vector|vmath|write_text)")
-set(about_build "case\\.test_(build|door|install|python|vector_width)" "lint\\..*")
+set(about_build "case\\.test_(build|door|install|python|start|vector_width)" "lint\\..*")
 
 get_property(tests DIRECTORY PROPERTY TESTS)
 foreach(test ${tests})

@@ -300,6 +300,9 @@ if(NOT LACUNA_SANITIZE AND NOT LACUNA_FUZZ)
   endif()
 endif()
 
+# What is loaded at the start.
+lacuna_python_test(test_start)
+
 # What is installed, its .deb, and the Python module, which are of the shared library.
 if(TARGET lacuna_shared)
   set(test_install_files ${PROJECT_BINARY_DIR})

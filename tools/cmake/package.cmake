@@ -14,8 +14,8 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 # What the binaries need; a program in C or Python needs more only where it is written.
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-# Loaded where --view asks for it, which shlibdeps cannot see.
-set(CPACK_DEBIAN_PACKAGE_DEPENDS "libmicrohttpd12")
+# Opened where they are needed, which shlibdeps cannot see.
+string(JOIN ", " CPACK_DEBIAN_PACKAGE_DEPENDS libmicrohttpd12 ${LACUNA_LAZY_PACKAGES})
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "python3-numpy, python3-xarray, python3-netcdf4, python3-matplotlib, netcdf-bin")
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)

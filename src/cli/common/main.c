@@ -49,9 +49,7 @@ static void print_command_help(const cli_command *command)
 
 static void print_version(const cli_request *request)
 {
-    char netcdf[32];
-    const char *text = request->libraries;
-    (void)cli_netcdf_version(netcdf, sizeof netcdf);
+    const char *text = request->libraries, *netcdf = cli_netcdf_version();
     if (!cli_given(request, CLI_OPT_JSON)) {
         printf("lacuna %s\n%s, netCDF %s\n", LACUNA_VERSION, text, netcdf);
         return;

@@ -41,4 +41,4 @@ void cli_print_json(const lac_dataset *dataset, const char *path);
 char *cli_inputs_sums(const lac_case *c);
 
 /// Version of netCDF.
-const char *cli_netcdf_version(char *text, size_t size);
+const char *cli_netcdf_version(void);

@@ -314,11 +314,29 @@ static void warn_of_balance(const lac_outcome *of)
     }
 }
 
+// Checkpoints that a run planned closer than its steps bear: docs/theory/restart.md.
+static void warn_of_checkpoints(const lac_outcome *of)
+{
+    const lac_cadence *every = &of->source->run.checkpoint;
+    const double steps = (double)of->run.steps;
+    double planned = every->steps > 0 ? steps / (double)every->steps : 0.0;
+    planned = every->time > 0.0 ? fmax(planned, fmin(of->run.time / every->time, steps)) : planned;
+    if (planned > 10.0 && steps < LAC_CLOSE_STEPS * planned) {
+        cli_note("warning: output.checkpoint: some %.2g in %.0f steps, %.2g steps apart: the "
+                 "integrator began anew at each, so that most of these steps are theirs; %d steps "
+                 "or more between them cost little",
+                 planned, steps, steps / planned, 5 * LAC_CLOSE_STEPS);
+    }
+}
+
 static lac_status print_outcome(const run_job *job, lac_status status, lac_error *err)
 {
     const cli_outcome *outcome = &job->outcome;
     if (!cli_given(job->request, CLI_OPT_QUIET)) {
-        warn_of_balance(outcome->of);
+        if (status == LAC_OK || status == LAC_EINTERRUPT) {
+            warn_of_balance(outcome->of);
+        }
+        warn_of_checkpoints(outcome->of);
         cli_failure_warn(&outcome->of->run.failure);
     }
     if (cli_given(job->request, CLI_OPT_JSON)) {
