@@ -4,14 +4,14 @@
 
 #include "scene/internal.h"
 
-// Fidelity events is the faster one where cells slip by themselves and each for itself: below
-// k_crit; where loads that change let them slip again and again up to twice that. A few cells cost
-// nothing either way. Where b <= a no cell slips by itself. Where next to nothing holds cells or
-// blocks once they slip they slide so far that ode is the faster one again. At a coarser rtol than
-// this events is off by more than it promises (docs/choosing.md).
+// Fidelity events is the faster one where cells slip by themselves and each for itself, below
+// k_crit; somewhat above it is either. A few cells cost nothing either way. Where b <= a no cell
+// slips by itself. Where next to nothing holds cells or blocks once they slip they slide so far
+// that ode is the faster one again. At a coarser rtol than this events is off by more than it
+// promises (docs/choosing.md).
 enum { FEWEST_EVENTS_CELLS = 16 };
-static const double soft_ratio = 1, soft_driven_ratio = 2, stiff_ratio = 5, least_ratio = 0.002,
-                    least_level_ratio = 0.3, coarsest_rtol = 1.001e-5;
+static const double soft_ratio = 1, stiff_ratio = 5, least_ratio = 0.002, least_level_ratio = 0.3,
+                    coarsest_rtol = 1.001e-5;
 
 bool lac_case_spreads(const lac_case *c, const char *const keys[])
 {
@@ -126,7 +126,6 @@ static void say(char why[LAC_FIDELITY_ROOM], const char *words, const lac_estima
 // Why ode is as fast as events, or faster; false: events is.
 static bool gains_nothing(const lac_case *c, const lac_estimate *e, char why[LAC_FIDELITY_ROOM])
 {
-    const double softest = changes(c) ? soft_driven_ratio : soft_ratio;
     lac_transfer_outline outline;
     (void)lac_transfer_outline_of(&c->transfer, &outline);
     const struct {
@@ -136,7 +135,7 @@ static bool gains_nothing(const lac_case *c, const lac_estimate *e, char why[LAC
         {strengthens(c), "b <= a, so that no cell slips by itself"},
         {e->cells < FEWEST_EVENTS_CELLS, "few cells cost little either way"},
         {isnan(e->stiffness_ratio), "k_0/k_crit is not known"},
-        {!(e->stiffness_ratio < softest), "the cells hold one another"},
+        {!(e->stiffness_ratio < soft_ratio), "the cells hold one another"},
         {!(e->stiffness_ratio > least_ratio), "nothing holds a cell that slips"},
         {outline.rock == NULL && outline.ratio < least_level_ratio,
          "little holds a block that slips"},

@@ -62,8 +62,7 @@ class Fidelity(Case):
 class Rule(Fidelity):
     def test_events_where_cells_slip_one_by_one(self):
         for settings in ([], ["solver.fidelity=auto"], ["solver.rtol=1e-5"], ["solver.rtol=1e-7"],
-                         ["load.shear=[{ramp: {rate: 1 Pa/s}}]"], ["interface.levels=3"],
-                         ["load.shear=[{ramp: {rate: 1 Pa/s}}]", "transfer.hierarchy.k0=8 GPa/m"], ["friction.aging.form=regularised"],
+                         ["load.shear=[{ramp: {rate: 1 Pa/s}}]"], ["interface.levels=3"], ["friction.aging.form=regularised"],
                          ["load.shear=[{spring: {stiffness: 1 MPa/m, speed: 1 nm/s}}]"],
                          ["transfer={hierarchy: {stiffness: elastic}}", "friction.aging.dc=1 um"]):
             with self.subTest(settings):
