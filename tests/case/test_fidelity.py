@@ -187,9 +187,9 @@ class Study(Case):
     def test_random_scenes(self):
         """A handful of those of the study."""
         done = subprocess.run([sys.executable, os.path.join(test_cli.SOURCE, "tools/studies/auto.py"), "--seed", "ci",
-                               "--scenes", "8", "--errors", "--lacuna", test_cli.PROGRAM], capture_output=True, text=True, check=False, timeout=250)
+                               "--scenes", "12", "--errors", "--lacuna", test_cli.PROGRAM], capture_output=True, text=True, check=False, timeout=250)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        self.assertIn("8 right, 0 not", done.stdout)
+        self.assertIn("12 right, 0 not", done.stdout)
 
 
 def main():

@@ -263,6 +263,20 @@ def line(index, about, row, right, why):
     return "| " + " | ".join(cells) + " |"
 
 
+def sums(rows):
+    """What the fidelities that were chosen came to."""
+    print("\n| fidelity | scenes | error over bound: median | worst | both computed | CPU s | other, s | times dearer, worst |")
+    print("|" + " --- |" * 8)
+    for name in sorted({row["chosen"] for row in rows if row["chosen"]}):
+        own = [row for row in rows if row["chosen"] == name]
+        off = sorted(row["error"] / row["bound"] for row in own if "error" in row)
+        cpu = [row["cpu"] for row in own if None not in row.get("cpu", [None])]
+        total = [sum(one) for one in zip(*cpu)] or [0, 0]
+        worst = max((a / b for a, b in cpu if a - b > ALIKE), default=1)
+        print(f"| {name} | {len(own)} | {off[len(off) // 2]:.2g} | {off[-1]:.2g} | {len(cpu)} | {total[0]:.1f} | "
+              f"{total[1]:.1f} | {worst:.2g} |")
+
+
 def main():
     """Prints the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -282,21 +296,19 @@ def main():
     titles = ["scene", "cells", "k_0/k_crit", "law", "load", "rtol", "fidelity", "error", "bound", "CPU s",
               "other, s", "", ""]
     print("| " + " | ".join(titles) + " |\n|" + " --- |" * len(titles))
-    count, cpu = collections.Counter(), [0.0, 0.0]
+    count, rows = collections.Counter(), []
     with tempfile.TemporaryDirectory() as folder:
         program = Program(options, folder)
         for index in range(options.first, options.first + options.scenes):
             case, about = draw_scene(options.seed, index)
             row, right, why = judge(program, case, about)
             count[right] += 1
-            count[row["chosen"]] += 1
-            if None not in row.get("cpu", [None]):
-                cpu = [sum(both) for both in zip(cpu, row["cpu"])]
+            rows.append(row)
             if not (options.tail and right):
                 print(line(index, about, row, right, why), flush=True)
             program.save()
-    print(f"\n{count[True]} right, {count[False]} not, {count[None]} without an answer; "
-          f"{count['ode']} by ode, {count['events']} by events; CPU {cpu[0]:.1f} s, by the other one {cpu[1]:.1f} s")
+    sums(rows)
+    print(f"\n{count[True]} right, {count[False]} not, {count[None]} without an answer")
     return 1 if count[False] else 0
 
 
