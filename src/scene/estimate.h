@@ -2,8 +2,7 @@
 #pragma once
 
 #include "case/case.h"
-#include "lacuna/simulation.h"
-#include "scene/scene.h"
+#include "model/problem.h"
 
 /// Steps of a run whose cells move together, and of each cell that fails alone
 /// (docs/theory/creep.md); updates of a cell with steps of its own, as long as none slips and on
@@ -14,6 +13,8 @@ enum {
     LAC_OWN_FEWEST = 30,
     LAC_OWN_STEPS = 1000
 };
+
+typedef struct lac_scene lac_scene;
 
 enum { LAC_FIDELITY_ROOM = 240 };
 

@@ -10,7 +10,6 @@
 #include "cli/common/words.h"
 #include "cli/report/report.h"
 #include "lacuna/version.h"
-#include "simulation/simulation.h"
 
 static lac_status read_quantity(const char *text, lac_trade_request *ask, lac_error *err)
 {
@@ -255,41 +254,6 @@ static lac_status name_files(cli_trade_job *job, lac_error *err)
     return cli_output_path(&plain, job->source, NULL, "-trade.nc", &job->path, err);
 }
 
-// Whether a setting is turned that only all cells at every step have.
-static bool turns_ode(const char *settings)
-{
-    static const char *const of_ode[] = {"method", "formulation", "transfer", "planning"};
-    bool any = false;
-    for (size_t i = 0; settings != NULL && i < sizeof of_ode / sizeof *of_ode; i++) {
-        any = any || strstr(settings, of_ode[i]) != NULL;
-    }
-    return any;
-}
-
-// One fidelity for all runs, where the case leaves it open: errors are those against a reference
-// of the same. A scene that cannot be made is told by its run.
-static void settle_fidelity(cli_trade_job *job)
-{
-    lac_case *c = job->source;
-    lac_simulation *simulation = NULL;
-    if (c->run.fidelity != LAC_FIDELITY_AUTO) {
-        return;
-    }
-    c->run.fidelity = LAC_FIDELITY_ODE;
-    if (!turns_ode(job->request->trade.settings) && isnan(c->accuracy)) {
-        c->run.fidelity = LAC_FIDELITY_AUTO;
-        if (lac_simulation_create(c, NULL, &simulation, NULL) == LAC_OK) {
-            const lac_outcome *of = lac_simulation_outcome(simulation);
-            c->run.fidelity = of->source->run.fidelity;
-            cli_say(job->request, "fidelity %s: %s", lac_fidelity_name(c->run.fidelity),
-                    of->fidelity_why);
-        }
-        lac_simulation_free(simulation);
-    }
-    job->fidelity = lac_fidelity_name(c->run.fidelity == LAC_FIDELITY_ASYNC ? c->run.fidelity
-                                                                            : LAC_FIDELITY_ODE);
-}
-
 static lac_status prepare(cli_trade_job *job, lac_error *err)
 {
     const cli_request *request = job->request;
@@ -306,7 +270,7 @@ static lac_status prepare(cli_trade_job *job, lac_error *err)
     LAC_TRY_RETURN(cli_until(request, job->source, &end, err));
     LAC_TRY_RETURN(name_files(job, err));
     if (of == LAC_OF_RUN) {
-        settle_fidelity(job);
+        cli_trade_settle(job);
     }
     LAC_TRY_RETURN(lac_trade_create(job->source, of, request->trade.settings,
                                     request->trade.crossed != NULL, &job->trade, err));

@@ -27,6 +27,10 @@ lac_status cli_trade_case(const cli_trade_job *job, const lac_trade_run *run, la
 /// Takes a run over that an earlier trade has kept; a cli_keep_take of the job.
 void cli_trade_take_over(void *context, uint64_t key, const void *content);
 
+/// One fidelity for all runs that do not turn it, where the case leaves it open: errors are those
+/// against a reference of the same. A scene that cannot be made is told by its run.
+void cli_trade_settle(cli_trade_job *job);
+
 /// Makes the runs that are pending.
 /// @return LAC_OK; LAC_EINTERRUPT; LAC_EIO
 lac_status cli_trade_run(cli_trade_job *job, lac_error *err);
