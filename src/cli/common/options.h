@@ -29,7 +29,8 @@ enum {
     CLI_OPT_FORECAST = 1 << 23, ///< how forecasts are made and judged
     CLI_OPT_JOBS = 1 << 14,     ///< processes at a time
     CLI_OPT_SWEEP = 1 << 24,    ///< what is varied, and how
-    CLI_OPT_BY = 1 << 25,       ///< of a probability of failure
+    CLI_OPT_BY = 1 << 25,       ///< which answers of a sweep
+    CLI_OPT_MEMBER = 1 << 15,   ///< of a sweep
     CLI_OPT_TRADE = 1 << 26,    ///< what is traded, and for what
     CLI_OPT_ACCURACY = 1 << 27, ///< of a run
     CLI_OPT_COMPARE = 1 << 28,
@@ -99,7 +100,7 @@ typedef struct cli_trade_words {
 } cli_trade_words;
 
 typedef struct cli_sweep_words {
-    const char *design, *members, *seed, *by, *table, *series, *shard, *member;
+    const char *design, *members, *seed, *by, *of, *table, *series, *shard, *member, *keep;
 } cli_sweep_words;
 
 /// What the command line asks for. Texts are borrowed from argv unless said.
