@@ -2,7 +2,7 @@
 #pragma once
 
 #include "case/case.h"
-#include "model/problem.h"
+#include "lacuna/simulation.h"
 
 /// Steps of a run whose cells move together, and of each cell that fails alone
 /// (docs/theory/creep.md); updates of a cell with steps of its own, as long as none slips and on
