@@ -183,6 +183,20 @@ class Runs(Fidelity):
         self.assertEqual(on["failure_time_s"], whole["failure_time_s"])
 
 
+class Trade(Fidelity):
+    def value(self, dials):
+        """Time of failure at rtol 1e-5."""
+        said = json.loads(self.expect(0, "trade", self.path("soft.yaml"), "-q", "--json", "--force", "-o", self.path("t.nc"),
+                                      "--quantity", "failure", "--dials", dials).stdout)
+        return {float(run["settings"]["solver.rtol"]): run["value"] for run in said["runs"]}[1e-5]
+
+    def test_all_runs_have_one_fidelity(self):
+        """That of a run; ode where settings of ode alone are turned."""
+        ode, events = (self.run_of("solver.rtol=1e-5", f"solver.fidelity={one}")["failure_time_s"] for one in ("ode", "events"))
+        self.assertEqual(self.value("rtol=1e-5"), events)
+        self.assertEqual(self.value("rtol=1e-5,method=bdf"), ode)
+
+
 class Study(Case):
     def test_random_scenes(self):
         """A handful of those of the study."""
