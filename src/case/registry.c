@@ -55,6 +55,10 @@ static const lac_model_info fidelities[] = {
               "Res. Lett. 83, 983, doi 10.1785/0220120105 (RSQSim)"),
     LAC_ABOUT("static", "no time: the cascade of slip over the blocks, by lacuna rg",
               PAPER "; docs/theory/rg.md"),
+    LAC_ABOUT("auto",
+              "events where cells slip one by one, it takes the case and nothing is asked of all "
+              "cells at every step, else ode; run and check say which and why",
+              "docs/choosing.md"),
 };
 
 static const lac_model_info methods[] = {

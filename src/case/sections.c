@@ -200,16 +200,17 @@ const lac_param lac_inertia_rows[LAC_INERTIA_ROWS] = {
 };
 
 static const char *const methods[] = {"bdf", "adams", "erk", NULL};
-static const char *const fidelities[] = {"ode", "events", "static", NULL};
+static const char *const fidelities[] = {"ode", "events", "static", "auto", NULL};
 static const char *const formulations[] = {"auto",    "rate",   "traction", "slip",
                                            "inertia", "vector", NULL};
 static const char *const answers[] = {"false", "true", NULL};
 static const char *const plannings[] = {"estimate", "measure", NULL};
 
 static const lac_param solver_rows[] = {
-    LAC_CHOICE("fidelity", FIELD(run.fidelity), LAC_FIDELITY_ODE, fidelities, 0,
+    LAC_CHOICE("fidelity", FIELD(run.fidelity), LAC_FIDELITY_AUTO, fidelities, 0,
                "what is resolved in time: ode (all cells at every step), events (each cell at "
-               "steps of its own, for cells that slip one by one); static has no time (lacuna rg)"),
+               "steps of its own, for cells that slip one by one), auto (whichever of them is the "
+               "faster one); static has no time (lacuna rg)"),
     LAC_REAL("wake", "1", FIELD(run.wake), 1, 0, 100, LAC_ABOVE_MIN,
              "with fidelity events: error that an unforeseen change of traction may cause before a "
              "cell is looked at, over the error of its step"),
