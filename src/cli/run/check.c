@@ -210,7 +210,7 @@ typedef struct checked {
     size_t errors, warnings;                 // how many
     const lac_case_issue **error, **warning; // [errors], [warnings]
     char regime[LAC_REGIME_ROOM];            // words on it
-    double error[2];                         // that fidelity ode and events keep; NaN: refused
+    double kept[2]; // error that fidelity ode and events keep; NaN: refused
 } checked;
 
 #define CHECKED const checked *c = of
@@ -272,13 +272,13 @@ LAC_TEXT_GETTER(faster, ESTIMATE, e->faster)
 LAC_GETTER(bool, integrated, ESTIMATE, e->integrated)
 LAC_TEXT_GETTER(fidelity, ESTIMATE, lac_fidelity_name(e->choice.fidelity))
 LAC_TEXT_GETTER(fidelity_why, ESTIMATE, e->choice.why[0] != '\0' ? e->choice.why : NULL)
-#define COST(k, field) isnan(c->error[k]) ? (double)NAN : c->estimate->cost[k].field
+#define COST(k, field) isnan(c->kept[k]) ? (double)NAN : c->estimate->cost[k].field
 LAC_GETTER(double, ode_least, CHECKED, COST(0, least))
 LAC_GETTER(double, ode_most, CHECKED, COST(0, most))
-LAC_GETTER(double, ode_error, CHECKED, c->error[0])
+LAC_GETTER(double, ode_error, CHECKED, c->kept[0])
 LAC_GETTER(double, events_least, CHECKED, COST(1, least))
 LAC_GETTER(double, events_most, CHECKED, COST(1, most))
-LAC_GETTER(double, events_error, CHECKED, c->error[1])
+LAC_GETTER(double, events_error, CHECKED, c->kept[1])
 LAC_TEXT_GETTER(steps_in_words, ESTIMATE, e->integrated ? steps_class(e) : NULL)
 
 #define E(name_, unit_, long_, getter, ...)                                          \
@@ -289,15 +289,15 @@ LAC_TEXT_GETTER(steps_in_words, ESTIMATE, e->integrated ? steps_class(e) : NULL)
         .name = (name_), .json = "estimate/" name_, G(getter), .flags = LAC_WHOLE | LAC_TRUTH \
     }
 // What a fidelity costs and keeps.
-#define OF_FIDELITY(name_, getter)                                                             \
-    LAC_ROW(name_ "_cpu_time_least", NULL, "s", "least time with fidelity " name_,             \
-            G(getter##_least), .flags = LAC_SINGLE | LAC_MISSING, .has = integrated,           \
-            .json = "estimate/fidelities/" name_ "/cpu_time_least_s"),                         \
-        LAC_ROW(name_ "_cpu_time_most", NULL, "s", "longest time with fidelity " name_,        \
-                G(getter##_most), .flags = LAC_SINGLE | LAC_MISSING, .has = integrated,        \
-                .json = "estimate/fidelities/" name_ "/cpu_time_most_s"),                      \
-        LAC_ROW(name_ "_error", NULL, "1", "relative error that fidelity " name_ " keeps",     \
-                G(getter##_error), .flags = LAC_SINGLE | LAC_MISSING, .has = integrated,       \
+#define OF_FIDELITY(name_, getter)                                                         \
+    LAC_ROW(name_ "_cpu_time_least", NULL, "s", "least time with fidelity " name_,         \
+            G(getter##_least), .flags = LAC_SINGLE | LAC_MISSING, .has = integrated,       \
+            .json = "estimate/fidelities/" name_ "/cpu_time_least_s"),                     \
+        LAC_ROW(name_ "_cpu_time_most", NULL, "s", "longest time with fidelity " name_,    \
+                G(getter##_most), .flags = LAC_SINGLE | LAC_MISSING, .has = integrated,    \
+                .json = "estimate/fidelities/" name_ "/cpu_time_most_s"),                  \
+        LAC_ROW(name_ "_error", NULL, "1", "relative error that fidelity " name_ " keeps", \
+                G(getter##_error), .flags = LAC_SINGLE | LAC_MISSING, .has = integrated,   \
                 .json = "estimate/fidelities/" name_ "/error")
 static const lac_variable of_estimate[] = {
     E("grid_cells", NULL, "cells of the grid", grid_cells),
@@ -373,10 +373,10 @@ static lac_status put_out(const cli_request *request, checked *c, const lac_case
     if (c->estimate != NULL) {
         char why[LAC_FIDELITY_ROOM];
         lac_regime_words(c->source, c->estimate, c->regime);
-        c->error[0] = lac_fidelity_error(c->source, c->estimate, LAC_FIDELITY_ODE);
-        c->error[1] = lac_fidelity_refused(c->source, why)
-                          ? (double)NAN
-                          : lac_fidelity_error(c->source, c->estimate, LAC_FIDELITY_ASYNC);
+        c->kept[0] = lac_fidelity_error(c->source, c->estimate, LAC_FIDELITY_ODE);
+        c->kept[1] = lac_fidelity_refused(c->source, why)
+                         ? (double)NAN
+                         : lac_fidelity_error(c->source, c->estimate, LAC_FIDELITY_ASYNC);
     }
     LAC_TRY(describe(c, &dataset, &late));
     if (request->pipe != 0) {
