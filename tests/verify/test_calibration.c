@@ -330,9 +330,9 @@ static void standard_error_is_honest(void **state)
 {
     (void)state;
     assert_true(error_over_stated(32, 1, 60, 0.5) < 0.04);
-    assert_true(error_over_stated(128, 0, 30, 0.5) < 0.03);
-    assert_true(error_over_stated(128, 2, 30, 0.5) < 0.04);
-    assert_true(error_over_stated(128, 5, 30, 0.15) < 0.06);
+    assert_true(error_over_stated(128, 0, 20, 0.5) < 0.03);
+    assert_true(error_over_stated(128, 2, 20, 0.5) < 0.04);
+    assert_true(error_over_stated(128, 5, 20, 0.15) < 0.06);
 }
 
 static void stiffness_scales_with_modulus_and_size(void **state)
