@@ -19,6 +19,7 @@
 const cli_option cli_options[] = {
     KEPT(OUTPUT, 'o', "output", "FILE", output, "where to write the file"),
     PLAIN(FORCE, 0, "force", NULL, "replace a file that exists"),
+    PLAIN(PIPE, 0, "pipe", NULL, "what the file would hold to stdout instead, for programs"),
     PLAIN(RESUME, 0, "resume", NULL, "go on from what was kept when it was stopped"),
     KEPT(FROM, 0, "from", "RUN.nc", from, "go on from a run; without CASE by its own case"),
     KEPT(FROM, 0, "at", "TIME", at, "when: last, a time, a date, a snapshot's number"),

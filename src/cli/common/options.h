@@ -35,6 +35,7 @@ enum {
     CLI_OPT_ACCURACY = 1 << 27, ///< of a run
     CLI_OPT_COMPARE = 1 << 28,
     CLI_OPT_VIEW = 1 << 29, ///< a run's page while it goes on
+    CLI_OPT_PIPE = 1 << 30, ///< the dataset on stdout
     CLI_OPT_COMMON = CLI_OPT_JSON | CLI_OPT_QUIET | CLI_OPT_VERBOSE | CLI_OPT_THREADS |
                      CLI_OPT_NO_PROGRESS | CLI_OPT_HELP | CLI_OPT_VERSION,
 };
@@ -124,6 +125,7 @@ struct cli_request {
     cli_forecast_words forecast;
     cli_trade_words trade;
     int threads;             ///< 0: not given
+    int pipe;                ///< where --pipe writes to; 0: not given
     size_t set_count;        ///< --set, in order
     lac_override *overrides; ///< [set_count]; keys owned, values borrowed from argv
     cli_words variables;     ///< --variable

@@ -47,32 +47,6 @@ void cli_report_print_of(const lac_case_issues *report, const cli_request *reque
     }
 }
 
-static void write_issue(lac_json *json, const lac_case_issue *issue)
-{
-    lac_json_open(json, NULL, '{');
-    lac_json_text(json, "file", issue->file);
-    if (issue->line > 0) {
-        lac_json_integer(json, "line", (int64_t)issue->line);
-    } else {
-        lac_json_null(json, "line");
-    }
-    lac_json_text(json, "key", issue->key);
-    lac_json_text(json, "value", issue->value);
-    lac_json_text(json, "message", issue->message);
-    lac_json_close(json, '}');
-}
-
-void cli_report_json(lac_json *json, const char *key, const lac_case_issues *report, bool warnings)
-{
-    lac_json_open(json, key, '[');
-    for (size_t i = 0; i < report->count; i++) {
-        if (report->issue[i].warning == warnings) {
-            write_issue(json, &report->issue[i]);
-        }
-    }
-    lac_json_close(json, ']');
-}
-
 lac_status cli_report_add(lac_case_issues *report, const lac_case *c, const char *key,
                           const char *message, bool warning, lac_error *err)
 {

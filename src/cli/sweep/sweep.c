@@ -237,12 +237,13 @@ static lac_status put_out(const cli_request *request, lac_ensemble *e, const cli
     cli_sign(request, &made);
     made.now = NAN; // another day's has the same bytes
     LAC_TRY(lac_ensemble_result_find(NULL, 0, NULL, &usual.of, err));
-    if (path != NULL || question->of.time) {
+    const bool held = path != NULL || request->pipe != 0;
+    if (held || question->of.time) {
         LAC_TRY(answer(e, &usual, &answers, &dataset, err));
     }
-    if (path != NULL) {
-        LAC_TRY(lac_store_dataset(path, cli_given(request, CLI_OPT_FORCE | CLI_OPT_RESUME), &made,
-                                  dataset, err));
+    if (held) {
+        LAC_TRY(cli_put_dataset(request, cli_given(request, CLI_OPT_FORCE | CLI_OPT_RESUME), &made,
+                                path, dataset, err));
     }
     if (!question->of.time) {
         LAC_TRY(answer(e, question, &answers, &dataset, err));
