@@ -158,12 +158,12 @@ void lac_regime_words(const lac_case *c, const lac_estimate *e, char text[static
 // --- Which fidelity.
 
 // Fidelity events is the faster one where cells slip by themselves and each for itself, below
-// k_crit; somewhat above it is either. A few cells cost nothing either way. Where b <= a no cell
-// slips by itself. Where next to nothing holds cells or blocks once they slip they slide so far
-// that ode is the faster one again. At a coarser rtol than this events is off by more than it
-// promises (docs/choosing.md).
+// k_crit; near it and somewhat above it is either. A few cells cost nothing either way. Where b <=
+// a no cell slips by itself. Where next to nothing holds cells or blocks once they slip they slide
+// so far that ode is the faster one again. At a coarser rtol than this events is off by more than
+// it promises (docs/choosing.md).
 enum { FEWEST_EVENTS_CELLS = 16 };
-static const double soft_ratio = 1, stiff_ratio = 5, least_ratio = 0.002, least_level_ratio = 0.3,
+static const double soft_ratio = 0.8, stiff_ratio = 5, least_ratio = 0.002, least_level_ratio = 0.3,
                     coarsest_rtol = 1.001e-5;
 
 bool lac_case_spreads(const lac_case *c, const char *const keys[])
