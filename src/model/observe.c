@@ -30,18 +30,11 @@ bool lac_problem_begin(const lac_problem *problem, double t, const double *y, bo
     return good;
 }
 
-lac_look lac_problem_look(const lac_problem *problem, double t, const double *y, double *work)
-{
-    lac_look at;
-    (void)lac_problem_begin(problem, t, y, false, work, &at);
-    return at;
-}
-
 void lac_problem_rates(const lac_problem *problem, double t, const double *y, double *v,
                        double *work)
 {
     lac_look at;
-    (void)lac_problem_begin(problem, t, y, false, work, &at);
+    lac_problem_look(problem, t, y, work, &at);
     memcpy(v, at.ws.v, problem->n * sizeof *v);
 }
 
@@ -49,7 +42,7 @@ void lac_problem_speed(const lac_problem *problem, double t, const double *y, do
                        double *max, double *work)
 {
     lac_look at;
-    (void)lac_problem_begin(problem, t, y, false, work, &at);
+    lac_problem_look(problem, t, y, work, &at);
     *mean = fabs(at.motion.mean);
     *max = lac_vmost(problem->n, at.motion.v);
 }
@@ -206,7 +199,8 @@ void lac_problem_observe(const lac_problem *problem, double t, const double *y, 
                          lac_observation *observation, double *work)
 {
     size_t n = problem->n;
-    const lac_look at = lac_problem_look(problem, t, y, work);
+    lac_look at;
+    lac_problem_look(problem, t, y, work, &at);
     const lac_motion motion = at.motion;
     const lac_problem_loads_at *drive = &at.drive;
     observation->mean_rate = motion.mean;
@@ -239,7 +233,9 @@ bool lac_problem_slips(const lac_problem *problem, double t, const double *y, si
     // ln v is y itself where the rate is not solved for
     lac_motion motion = {.u = y};
     if (problem->kind->solved) {
-        motion = lac_problem_look(problem, t, y, work).motion;
+        lac_look at;
+        lac_problem_look(problem, t, y, work, &at);
+        motion = at.motion;
     }
     // Regularised, f falls to nothing as exp of F over a; plain, f is F.
     const lac_cellwise *a = &friction->column[LAC_A];
@@ -383,7 +379,8 @@ bool lac_problem_project(const lac_problem *problem, double t, double *y, double
     if (problem->kind->has_slip) {
         return true;
     }
-    const lac_look at = lac_problem_look(problem, t, y, work);
+    lac_look at;
+    lac_problem_look(problem, t, y, work, &at);
     const lac_workspace ws = at.ws;
     lac_problem_elastic_traction(&at, slip, ws.kv);
     lac_look_add_lost(&at, ws.kv);
