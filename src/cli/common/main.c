@@ -133,6 +133,9 @@ int main(int argc, char **argv)
     cli_signals_install();
     cli_clean_stdout();
     lac_status status = cli_request_read(argc, argv, &request, &err);
+    if (status == LAC_OK && cli_given(&request, CLI_OPT_PIPE)) {
+        status = cli_pipe_open(&request, &err);
+    }
     if (status == LAC_OK) {
         status = dispatch(&request, &err);
     }
