@@ -46,7 +46,7 @@ const lac_param lac_material_rows[LAC_MATERIAL_ROWS] = {
              LAC_OPTIONAL | LAC_ABOVE_MIN,
              "of the rock; needed by a surface, by elastic transfer and by radiation damping"),
     LAC_REAL("poisson", "1", FIELD(material.poisson), 0.25, 0, 0.4999, 0, "Poisson's ratio"),
-    LAC_REAL("shear_speed", "m/s", FIELD(material.shear_speed), NAN, 0, 1e5,
+    LAC_REAL("shear_speed", "m/s", FIELD(material.shear_speed), NAN, 1e-6, 1e5,
              LAC_OPTIONAL | LAC_ABOVE_MIN,
              "of shear waves, for radiation damping; if absent it follows from the density; no "
              "damping without either"),

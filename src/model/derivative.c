@@ -103,7 +103,8 @@ static double stiffest(const lac_problem *problem, const lac_problem_loads_at *d
 static double fastest(const lac_problem *problem, double t, const double *y, bool held_back,
                       double *work)
 {
-    const lac_look at = lac_problem_look(problem, t, y, work);
+    lac_look at;
+    lac_problem_look(problem, t, y, work, &at);
     double stiffness = held_back ? stiffest(problem, &at.drive) : 0.0;
     double most = problem->mass > 0.0 ? lac_inertia_fastest(&at) : 0.0;
     most = held_back ? fmax(most, lac_weaken_fastest(problem)) : most;

@@ -135,11 +135,15 @@ bool lac_problem_begin(const lac_problem *problem, double t, const double *y, bo
                        double *work, lac_look *at);
 
 // The same of the state that was looked at last, whose rates the work still holds.
-lac_look lac_problem_look_again(const lac_problem *problem, double t, const double *y,
-                                double *work);
+void lac_problem_look_again(const lac_problem *problem, double t, const double *y, double *work,
+                            lac_look *at);
 
 // @param work  the rates are in its first n afterwards
-lac_look lac_problem_look(const lac_problem *problem, double t, const double *y, double *work);
+static inline void lac_problem_look(const lac_problem *problem, double t, const double *y,
+                                    double *work, lac_look *at)
+{
+    (void)lac_problem_begin(problem, t, y, false, work, at);
+}
 
 // What a jump of the loads puts on the cells.
 typedef struct lac_jump {

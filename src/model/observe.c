@@ -39,33 +39,26 @@ bool lac_problem_begin(const lac_problem *problem, double t, const double *y, bo
     return good;
 }
 
-lac_look lac_problem_look_again(const lac_problem *problem, double t, const double *y, double *work)
+void lac_problem_look_again(const lac_problem *problem, double t, const double *y, double *work,
+                            lac_look *at)
 {
     if (problem->mass > 0.0 || problem->across != NULL) {
-        return lac_problem_look(problem, t, y, work); // whose look leaves more behind
+        lac_problem_look(problem, t, y, work, at); // whose look leaves more behind
+        return;
     }
-    lac_look at;
-    set_out(problem, t, y, work, &at);
+    set_out(problem, t, y, work, at);
     const lac_gone gone = lac_problem_gone_in(problem, y, 0.0);
-    (void)lac_problem_drive_into(problem, t, gone, at.ws.shares, &at.drive);
-    (void)lac_weaken_look(&at);
-    at.motion =
-        (lac_motion){.u = problem->kind->solved ? at.ws.u : y, .v = at.ws.v, .mean = at.ws.mean[1]};
-    return at;
-}
-
-lac_look lac_problem_look(const lac_problem *problem, double t, const double *y, double *work)
-{
-    lac_look at;
-    (void)lac_problem_begin(problem, t, y, false, work, &at);
-    return at;
+    (void)lac_problem_drive_into(problem, t, gone, at->ws.shares, &at->drive);
+    (void)lac_weaken_look(at);
+    at->motion = (lac_motion){
+        .u = problem->kind->solved ? at->ws.u : y, .v = at->ws.v, .mean = at->ws.mean[1]};
 }
 
 void lac_problem_rates(const lac_problem *problem, double t, const double *y, double *v,
                        double *work)
 {
     lac_look at;
-    (void)lac_problem_begin(problem, t, y, false, work, &at);
+    lac_problem_look(problem, t, y, work, &at);
     memcpy(v, at.ws.v, problem->n * sizeof *v);
 }
 
@@ -73,7 +66,7 @@ void lac_problem_speed(const lac_problem *problem, double t, const double *y, do
                        double *max, double *work)
 {
     lac_look at;
-    (void)lac_problem_begin(problem, t, y, false, work, &at);
+    lac_problem_look(problem, t, y, work, &at);
     *mean = fabs(at.motion.mean);
     *max = lac_vmost(problem->n, at.motion.v);
 }
@@ -257,8 +250,12 @@ static size_t find_fastest(size_t n, const double *v)
 void lac_problem_observe(const lac_problem *problem, double t, const double *y, const double *slip,
                          bool again, lac_observation *observation, double *work)
 {
-    const lac_look at =
-        again ? lac_problem_look_again(problem, t, y, work) : lac_problem_look(problem, t, y, work);
+    lac_look at;
+    if (again) {
+        lac_problem_look_again(problem, t, y, work, &at);
+    } else {
+        lac_problem_look(problem, t, y, work, &at);
+    }
     const lac_motion motion = at.motion;
     const lac_problem_loads_at *drive = &at.drive;
     observation->mean_rate = motion.mean;
@@ -309,7 +306,9 @@ bool lac_problem_slips(const lac_problem *problem, double t, const double *y, si
     // ln v is y itself where the rate is not solved for
     lac_motion motion = {.u = y};
     if (problem->kind->solved) {
-        motion = lac_problem_look(problem, t, y, work).motion;
+        lac_look at;
+        lac_problem_look(problem, t, y, work, &at);
+        motion = at.motion;
     }
     if (!problem->kind->solved && all_hold(problem, motion.u, y + problem->n)) {
         return true;
@@ -456,7 +455,8 @@ bool lac_problem_project(const lac_problem *problem, double t, double *y, double
     if (problem->kind->has_slip) {
         return true;
     }
-    const lac_look at = lac_problem_look(problem, t, y, work);
+    lac_look at;
+    lac_problem_look(problem, t, y, work, &at);
     const lac_workspace ws = at.ws;
     lac_problem_elastic_traction(&at, slip, ws.kv);
     lac_look_add_lost(&at, ws.kv);
