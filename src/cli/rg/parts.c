@@ -120,11 +120,11 @@ lac_status cli_rg_parts_run(cli_rg_parts *p, lac_scene_rg *out, lac_error *err)
     return LAC_OK;
 }
 
-void cli_rg_parts_close(cli_rg_parts *p, bool done)
+void cli_rg_parts_close(cli_rg_parts *p, lac_status status)
 {
     for (size_t i = 0; p->part != NULL && i < p->n; i++) {
         free(p->part[i]);
     }
     free(p->part);
-    cli_keep_close(&p->keep, done || (p->keep.done != NULL && lac_kept_has_none(p->keep.done)));
+    cli_keep_close(&p->keep, status == LAC_OK || status == LAC_EINPUT);
 }

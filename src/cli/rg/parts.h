@@ -25,5 +25,6 @@ lac_status cli_rg_parts_open(cli_rg_parts *parts, const char *path, lac_error *e
 /// As lac_scene_rg_run, to the bit.
 lac_status cli_rg_parts_run(cli_rg_parts *parts, lac_scene_rg *out, lac_error *err);
 
-/// @param done  what is kept is not needed any more
-void cli_rg_parts_close(cli_rg_parts *parts, bool done);
+/// @param status  how it ended: what is kept is not needed any more once all is written, or where the
+///                case cannot be followed
+void cli_rg_parts_close(cli_rg_parts *parts, lac_status status);

@@ -289,7 +289,7 @@ lac_status cli_rg(const cli_request *request, lac_error *err)
     }
 out:
     lac_dataset_free(dataset);
-    cli_rg_parts_close(&job.parts, status == LAC_OK);
+    cli_rg_parts_close(&job.parts, status);
     lac_scene_rg_clear(&job.rg);
     lac_stored_cells_clear(&job.cells);
     lac_case_free(job.source);
