@@ -243,8 +243,8 @@ static void copy_samples(const lac_rg_study *study, lac_rg_sample *samples, unsi
     for (size_t i = 0; i < places; i++) {
         part = copy(&samples[i].critical, part, sizeof samples[i].critical, take);
     }
-    part = copy(samples->fraction, part, places * length_of(study) * sizeof *samples->fraction,
-                take);
+    part =
+        copy(samples->fraction, part, places * length_of(study) * sizeof *samples->fraction, take);
     (void)copy(samples->size, part, places * (study->levels + 1) * sizeof *samples->size, take);
 }
 

@@ -19,12 +19,14 @@ typedef struct cli_rg_parts {
 } cli_rg_parts;
 
 /// Reads --jobs, and opens what is kept beside the output, with --resume for the parts in it.
-/// @return LAC_OK; LAC_EINPUT (--resume of one interface, and as cli_keep_open); LAC_EIO; LAC_ENOMEM
+/// @return LAC_OK; LAC_EINPUT (--resume of one interface, and as cli_keep_open); LAC_EIO;
+/// LAC_ENOMEM
 lac_status cli_rg_parts_open(cli_rg_parts *parts, const char *path, lac_error *err);
 
 /// As lac_scene_rg_run, to the bit.
 lac_status cli_rg_parts_run(cli_rg_parts *parts, lac_scene_rg *out, lac_error *err);
 
-/// @param status  how it ended: what is kept is not needed any more once all is written, or where the
+/// @param status  how it ended: what is kept is not needed any more once all is written, or where
+/// the
 ///                case cannot be followed
 void cli_rg_parts_close(cli_rg_parts *parts, lac_status status);
