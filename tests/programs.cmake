@@ -79,6 +79,7 @@ endif()
 
 # The small cases of one model each show what their first lines say.
 lacuna_python_test(test_small_cases)
+lacuna_python_test(test_fidelity)
 
 # Contact cells from files: what goes in is what comes out.
 lacuna_python_test(test_domain_file)

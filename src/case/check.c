@@ -326,57 +326,6 @@ static void check_inertia(lac_reader *reader, lac_case *c, double pressure)
     }
 }
 
-// Cells at steps of their own have one formulation and no method to choose.
-enum { EVENTS_REFUSE = 8 };
-static const struct {
-    const char *key, *why;
-} events_refuse[EVENTS_REFUSE] = {
-    {"solver.fidelity", "knows no inertia: leave one of them out"},
-    {"solver.formulation", "must be auto or rate with fidelity events"},
-    {"solver.method", "goes with fidelity ode, not with events"},
-    {"solver.max_order", "goes with fidelity ode, not with events"},
-    {"solver.first_step", "goes with fidelity ode, not with events"},
-    {"time.stop_when.factor_of_safety", "goes with fidelity ode, not with events"},
-    {"solver.fidelity", "knows no interface.geometry: leave one of them out"},
-    {"weakening", "goes with fidelity ode, not with events"},
-};
-
-// Which of these the case asks for.
-static void ask_events(const lac_case *c, bool asked[EVENTS_REFUSE])
-{
-    asked[0] = lac_inertia_mass(c) > 0;
-    asked[1] = c->formulation_given && c->formulation != LAC_FORMULATION_RATE;
-    asked[2] = c->run.method != LAC_BDF;
-    asked[3] = c->run.max_order != 0;
-    asked[4] = !isnan(c->run.first_step);
-    asked[5] = !isnan(c->run.stop_safety);
-    asked[6] = c->geometry.angles > 0;
-    asked[7] = c->weakening.count > 0;
-}
-
-bool lac_case_admits_events(const lac_case *c)
-{
-    bool asked[EVENTS_REFUSE];
-    ask_events(c, asked);
-    bool any = false;
-    for (size_t i = 0; i < EVENTS_REFUSE; i++) {
-        any = any || asked[i];
-    }
-    return !any;
-}
-
-static void check_events(lac_reader *reader, lac_case *c)
-{
-    const bool clean = lac_clean(reader, "solver");
-    bool asked[EVENTS_REFUSE];
-    ask_events(c, asked);
-    for (size_t i = 0; i < EVENTS_REFUSE; i++) {
-        (void)lac_refuse(reader, clean && asked[i], events_refuse[i].key, "%s",
-                         events_refuse[i].why);
-    }
-    c->formulation = LAC_FORMULATION_RATE;
-}
-
 // Chooses the formulation where the case leaves it open.
 static void check_solver(lac_reader *reader, lac_case *c)
 {
@@ -394,7 +343,7 @@ static void check_solver(lac_reader *reader, lac_case *c)
     (void)lac_refuse(reader, !isnan(c->accuracy) && reader->purpose == LAC_FOR_FIT,
                      "solver.accuracy", "is picked for by lacuna run; here rtol counts");
     if (c->run.fidelity == LAC_FIDELITY_ASYNC) {
-        check_events(reader, c);
+        lac_check_events(reader, c);
         return;
     }
     c->formulation = (int)lac_formulation_choose(c->formulation, c->run.method, form);
