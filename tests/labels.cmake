@@ -3,17 +3,17 @@
 # The other label says how it looks: unit, conform, verify, extreme, case, lint, fuzz, speed.
 set(about_physics
   "(conform|verify|extreme)\\..*"
-  "unit\\.test_(analysis|answers|benchmark_surface|bootstrap|catalogue_keep|components|contact|contact_control|domain|dyadic|events)"
+  "unit\\.test_(analysis|answers|benchmark_surface|bootstrap|catalogue_keep|components|contact|contact_control|crest|domain|dyadic|events)"
   "unit\\.test_(forecast_times|fractal_.*|friction|friction_rates|history|joint_surface|load|micro|motion|noise|posterior|series|series_doubts)"
   "unit\\.test_(simulation|skill|spread|sweep_case|surface_.*|tangential|tangential_space|trade|trend|verdict)"
   "case\\.(cases|contact|domain|fit|friction|load|momentum|normal|peers|rg|solver|surface|transfer|weakening)\\..*"
-  "case\\.test_(analysis|breaks|catalogue|driver|elastic|elastic_limits|events|extremes|fit|fit_friction|fractal|friction|geometry|history|loads|loads_over_joint)"
+  "case\\.test_(analysis|breaks|catalogue|driver|elastic|elastic_limits|events|extremes|fidelity|fit|fit_friction|fractal|friction|geometry|history|loads|loads_over_joint)"
   "case\\.test_(precursors|readings|rg|safety|small_cases|sweep|sweep_parts|trade|verdicts?|watch|weakening)|speed\\..*|case\\.costs")
 set(about_cli "unit\\.test_pool"
   "case\\.test_(cli|cluster|completion|interface|valid_cases|wrong_cases|static_cases|verdict_levels)")
 set(about_data
   "unit\\.test_(dataset|door|load_files|netcdf|recording|store|store_.*|verdict_words)"
-  "case\\.test_(branch|domain_file|every_call|export|fit_resume|points|resume|rg_file)")
+  "case\\.test_(branch|domain_file|every_call|export|fit_resume|points|resume|rg_file|rg_parts)")
 set(about_page "unit\\.test_(live|report)" "case\\.test_(pictures|report|report_page|view|view_page)")
 set(about_docs
   "case\\.(README|format|install|rg-results|tables|rocks|vajont|howto-.*|tutorial-.*)"

@@ -79,6 +79,7 @@ endif()
 
 # The small cases of one model each show what their first lines say.
 lacuna_python_test(test_small_cases)
+lacuna_python_test(test_fidelity)
 
 # Contact cells from files: what goes in is what comes out.
 lacuna_python_test(test_domain_file)
@@ -223,6 +224,8 @@ lacuna_python_test(test_fractal)
 # The cascade through the program, of cases and of files.
 lacuna_python_test(test_rg)
 lacuna_python_test(test_rg_file)
+set(test_rg_parts_files $<TARGET_FILE:at_call>)
+lacuna_python_test(test_rg_parts)
 
 # The cases of friction show what they say.
 lacuna_python_test(test_friction)

@@ -120,7 +120,7 @@ typedef struct lac_event {
     double moment;                  ///< G times the potency [N m]; NaN where there is no G
     double size;                    ///< longest side [m]
     double x, y;                    ///< centre of the first cell that moved [m]
-    double max_rate;                ///< of any of its cells at the end of a step [m/s]
+    double max_rate;                ///< of any of its cells, also between the ends of steps [m/s]
     int64_t cut;                    ///< LAC_EVENT_*; 0: whole
 } lac_event;
 

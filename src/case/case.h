@@ -312,9 +312,9 @@ double lac_case_pressure(const lac_case *c);
 /// gravity on a slope, or a limit of the run or a map of the cells is one.
 bool lac_case_implies_safety(const lac_case *c);
 
-/// Whether nothing that the case names of solver and inertia is against solver.fidelity events; of
-/// its law, loads and transfer lac_run_async_follows tells.
-bool lac_case_admits_events(const lac_case *c);
+/// The first key of what the case names of solver, inertia and the like that is against
+/// solver.fidelity events; NULL: none. Of its law, loads and transfer lac_run_async_follows tells.
+const char *lac_case_bars_events(const lac_case *c);
 
 /// Told what differs between two cases, keys in order. @param before, after  "" where there is none
 typedef void lac_case_change(void *context, const char *key, const char *before, const char *after);

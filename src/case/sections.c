@@ -46,7 +46,7 @@ const lac_param lac_material_rows[LAC_MATERIAL_ROWS] = {
              LAC_OPTIONAL | LAC_ABOVE_MIN,
              "of the rock; needed by a surface, by elastic transfer and by radiation damping"),
     LAC_REAL("poisson", "1", FIELD(material.poisson), 0.25, 0, 0.4999, 0, "Poisson's ratio"),
-    LAC_REAL("shear_speed", "m/s", FIELD(material.shear_speed), NAN, 0, 1e5,
+    LAC_REAL("shear_speed", "m/s", FIELD(material.shear_speed), NAN, 1e-6, 1e5,
              LAC_OPTIONAL | LAC_ABOVE_MIN,
              "of shear waves, for radiation damping; if absent it follows from the density; no "
              "damping without either"),
@@ -200,16 +200,17 @@ const lac_param lac_inertia_rows[LAC_INERTIA_ROWS] = {
 };
 
 static const char *const methods[] = {"bdf", "adams", "erk", NULL};
-static const char *const fidelities[] = {"ode", "events", "static", NULL};
+static const char *const fidelities[] = {"ode", "events", "static", "auto", NULL};
 static const char *const formulations[] = {"auto",    "rate",   "traction", "slip",
                                            "inertia", "vector", NULL};
 static const char *const answers[] = {"false", "true", NULL};
 static const char *const plannings[] = {"estimate", "measure", NULL};
 
 static const lac_param solver_rows[] = {
-    LAC_CHOICE("fidelity", FIELD(run.fidelity), LAC_FIDELITY_ODE, fidelities, 0,
+    LAC_CHOICE("fidelity", FIELD(run.fidelity), LAC_FIDELITY_AUTO, fidelities, 0,
                "what is resolved in time: ode (all cells at every step), events (each cell at "
-               "steps of its own, for cells that slip one by one); static has no time (lacuna rg)"),
+               "steps of its own, for cells that slip one by one), auto (whichever of them is the "
+               "faster one); static has no time (lacuna rg)"),
     LAC_REAL("wake", "1", FIELD(run.wake), 1, 0, 100, LAC_ABOVE_MIN,
              "with fidelity events: error that an unforeseen change of traction may cause before a "
              "cell is looked at, over the error of its step"),

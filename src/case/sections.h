@@ -301,6 +301,10 @@ void lac_check_rg(lac_reader *reader, lac_case *c);
 void lac_check_analysis(lac_reader *reader, lac_case *c);
 void lac_check_fit(lac_reader *reader, lac_case *c);
 void lac_check_vector(lac_reader *reader, lac_case *c);
+void lac_check_cadences(lac_reader *reader, const lac_case *c);
+
+/// What a case of fidelity events may not ask for; sets its formulation.
+void lac_check_events(lac_reader *reader, lac_case *c);
 void lac_check_weakening(lac_reader *reader, lac_case *c);
 void lac_check_points(lac_reader *reader, const lac_case *c);
 void lac_check_point_names(lac_reader *reader, const lac_case *c);

@@ -88,6 +88,22 @@ static void take(const lac_fit_result *r, double now, lac_forecast_fit *found)
     }
 }
 
+// The steps of many fits are kept one after the other, each behind what it follows from.
+static lac_status begin_kept(const lac_fit_watch *watch, uint64_t of, lac_error *err)
+{
+    uint64_t before = of;
+    if (watch == NULL || watch->kept == NULL) {
+        return LAC_OK;
+    }
+    if (!lac_kept_read(watch->kept, &before, sizeof before)) {
+        return lac_kept_put(watch->kept, &of, sizeof of, err);
+    }
+    return before == of ? LAC_OK
+                        : lac_fail(err, LAC_EINPUT,
+                                   "--resume: the steps that were kept are of other readings or "
+                                   "options; without it they are made anew");
+}
+
 static lac_status fit(const lac_model_forecast *how, const lac_series *series, double now,
                       lac_forecast_fit *found, lac_error *err)
 {
@@ -95,7 +111,10 @@ static lac_status fit(const lac_model_forecast *how, const lac_series *series, d
     lac_fit_result result;
     lac_error why = {""};
     lac_status status = lac_fit_create(how->source, series, how->threads, &fit, &why);
-    status = status == LAC_OK ? lac_fit_run(fit, how->watch, &result, &why) : status;
+    if (status == LAC_OK) {
+        LAC_TRY(begin_kept(how->watch, lac_fit_sum(fit), err));
+        status = lac_fit_run(fit, how->watch, &result, &why);
+    }
     if (status == LAC_OK) {
         take(&result, now, found);
     } else if (status == LAC_EINPUT || status == LAC_ENUMERIC) {
@@ -103,6 +122,7 @@ static lac_status fit(const lac_model_forecast *how, const lac_series *series, d
     } else {
         *err = why;
     }
+out:
     lac_fit_free(fit);
     return status;
 }

@@ -9,7 +9,7 @@ typedef struct lac_model_forecast {
     const lac_case *source; ///< has a section `fit`; outlives the model
     bool dated;             ///< the motion's times are seconds since 1970, else the run's own
     int threads;
-    const lac_fit_watch *watch; ///< NULL: nobody
+    const lac_fit_watch *watch; ///< NULL: nobody; its `kept` holds the steps of all fits in turn
 } lac_model_forecast;
 
 /// Fits the case to the motion up to the time of issue (lac_fit_run) and runs it on: the time of

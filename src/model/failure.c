@@ -78,7 +78,8 @@ static double past_as_one(const lac_look *at, double rate)
 double lac_problem_past_failure(const lac_problem *problem, const lac_failure *failure, double t,
                                 const double *y, double *work)
 {
-    const lac_look at = lac_problem_look(problem, t, y, work);
+    lac_look at;
+    lac_problem_look(problem, t, y, work, &at);
     double past = log(fabs(at.motion.mean) / failure->rate);
     if (!failure->lowered || !(past >= 0.0)) {
         return past;

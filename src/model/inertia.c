@@ -118,7 +118,7 @@ static double find_forces(const lac_look *at, double *wdot)
     double *force = at->ws.kv;
     double total = 0.0;
     lac_problem_elastic_traction(at, slip, force);
-    (void)lac_problem_unbalanced(at, force, wdot);
+    lac_problem_unbalanced(at, force, wdot);
     for (size_t i = 0; i < n; i++) {
         double size =
             problem->pressure[i] + fabs(problem->traction0[i]) + problem->stiffness * fabs(slip[i]);
@@ -263,7 +263,8 @@ bool lac_problem_rests(const lac_problem *problem, double t, const double *y, si
     if (problem->mass == 0.0 || !lac_problem_drive(problem, t, y, work, &drive)) {
         return false;
     }
-    const lac_look at = lac_problem_look(problem, t, y, work);
+    lac_look at;
+    lac_problem_look(problem, t, y, work, &at);
     size_t i = 0;
     while (i < problem->n && !(fabs(at.motion.v[i]) < LAC_NOTHING)) {
         i++;

@@ -7,6 +7,10 @@
 #include "base/vsum.h"
 #include "model/internal.h"
 
+// What counts as v where 1/v is wanted [m/s]: exp(u) of a cell that stands still may be 0, and dv,
+// which is then as good as nothing, is made dv/v again.
+#define LEAST_RATE 1e-250
+
 typedef struct speeds {
     const double *u;
     double *v;
@@ -263,7 +267,7 @@ reduce_cells(const solve_field *field, size_t first, size_t length, const lac_bl
         double a_w = n_w - du * p * d->f_uw[i];
         double back = 1 / (1 - gamma * d->g_w[i]);
         double evolve = back * (gamma * d->g_u[i]);
-        double inv_v = 1 / s->speed[i];
+        double inv_v = 1 / (s->speed[i] < LEAST_RATE ? LEAST_RATE : s->speed[i]);
         double w = back * b_w[i];
         diagonal[i] = (e * inv_gamma - a_u - a_w * evolve) * inv_v;
         b_u[i] = e * b_u[i] * inv_gamma + a_w * w;
@@ -391,7 +395,7 @@ static bool solve(const solve_field *field, bool felt, double push)
         lac_vexp(n, field->at->motion.u, ws->kv);
     }
     for (size_t i = 0; felt && i < n; i++) {
-        ws->kv[i] = 1.0 / ws->kv[i];
+        ws->kv[i] = 1.0 / (ws->kv[i] < LEAST_RATE ? LEAST_RATE : ws->kv[i]);
     }
     return true;
 }

@@ -39,7 +39,8 @@ void lac_problem_give(const lac_problem *problem, double t, const double *y, con
                       lac_problem_state *state, double *work)
 {
     const size_t n = problem->n, bytes = n * sizeof *y;
-    const lac_look at = lac_problem_look(problem, t, y, work);
+    lac_look at;
+    lac_problem_look(problem, t, y, work, &at);
     for (size_t i = 0; i < n; i++) {
         state->share[i] = lac_problem_share_of(&at.drive, i);
     }

@@ -22,9 +22,10 @@ typedef struct lac_rg_study_def {
                         ///< (lac_rg_path_further) from its start to its end
     size_t resamplings; ///< of the bootstrap
     uint64_t seed;      ///< of places and bootstrap
+    size_t first;       ///< joints of the ensemble before the first one, studied elsewhere
 } lac_rg_study_def;
 
-/// FIX, 16 places, 60 loads, 400 resamplings, seed 1.
+/// FIX, 16 places, 60 loads, 400 resamplings, seed 1, first 0.
 lac_rg_study_def lac_rg_study_default(void);
 
 /// A value, its standard error and its 95 % interval, by bootstrap over joints, over places where
@@ -111,6 +112,17 @@ lac_status lac_rg_study_create(const lac_rg_study_def *def, lac_rg_study **out, 
 /// Lets the cascade run on one joint, its places shared among the threads; the results do not
 /// depend on how many these are.
 lac_status lac_rg_study_add(lac_rg_study *study, const lac_rg_joint *joint, lac_error *err);
+
+/// What a study of one joint holds of it, in plain memory, for lac_rg_study_take in a study of all,
+/// maybe of another process: all but cell_load and own_level.
+/// @param part  [lac_rg_study_part_size]
+void lac_rg_study_give(const lac_rg_study *study, void *part);
+size_t lac_rg_study_part_size(const lac_rg_study_def *def, const lac_grid *grid);
+
+/// Adds a joint that another study gave, one of as many levels, places and loads: to the bit as
+/// lac_rg_study_add of it, but for cell_load and own_level, which stay those of the joint before.
+lac_status lac_rg_study_take(lac_rg_study *study, const lac_grid *grid, const void *part,
+                             lac_error *err);
 
 /// Statistics of what was added.
 /// @param result  freed with the study

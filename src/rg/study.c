@@ -91,10 +91,15 @@ void lac_rg_study_free(lac_rg_study *study)
     free(study);
 }
 
+static size_t length_over(size_t loads, size_t levels)
+{
+    return loads * (levels + 2) + 3 * (levels + 1);
+}
+
 // Doubles of a sample: its fractions, and behind them the other arrays.
 static size_t length_of(const lac_rg_study *study)
 {
-    return study->def.loads * (study->levels + 2) + 3 * (study->levels + 1);
+    return length_over(study->def.loads, study->levels);
 }
 
 static lac_status create_samples(const lac_rg_study *study, lac_rg_sample **out, lac_error *err)
@@ -124,7 +129,7 @@ static void draw_place(const lac_rg_study *study, const lac_grid *grid, size_t p
                        size_t *dy)
 {
     uint64_t bits[4];
-    lac_random(study->def.seed, LAC_STREAM_PLACE, study->joints, place, bits);
+    lac_random(study->def.seed, LAC_STREAM_PLACE, study->def.first + study->joints, place, bits);
     *dx = place > 0 ? (size_t)(bits[0] % grid->nx) : 0;
     *dy = place > 0 ? (size_t)(bits[1] % grid->ny) : 0;
 }
@@ -180,25 +185,29 @@ static void keep_order(lac_rg_study *study, lac_rg_order *order)
     order->cell_load = NULL;
 }
 
+// Room for one more joint, and its samples.
+static lac_status begin_joint(lac_rg_study *study, const lac_grid *grid, lac_rg_sample **samples,
+                              lac_error *err)
+{
+    const size_t levels = lac_rg_levels_over(grid);
+    LAC_FAIL_IF(study->joints > 0 && levels != study->levels, err, LAC_EINPUT,
+                "a joint of %zu levels cannot join one of %zu", levels, study->levels);
+    study->levels = levels;
+    lac_rg_sample **grown = realloc(study->of_joint, (study->joints + 1) * sizeof *study->of_joint);
+    LAC_FAIL_MEMORY_IF(grown == NULL, err);
+    study->of_joint = grown;
+    return create_samples(study, samples, err);
+}
+
 lac_status lac_rg_study_add(lac_rg_study *study, const lac_rg_joint *joint, lac_error *err)
 {
     lac_rg_sample *samples = NULL;
     lac_rg_order order = {0};
     lac_status status;
-    const size_t levels = lac_rg_levels_over(&joint->domain->grid);
-    if (study->joints > 0 && levels != study->levels) {
-        status = lac_fail(err, LAC_EINPUT, "a joint of %zu levels cannot join one of %zu", levels,
-                          study->levels);
-        goto out;
-    }
-    study->levels = levels;
     if (study->joints == 0) {
         set_loads(study, joint->path);
     }
-    lac_rg_sample **grown = realloc(study->of_joint, (study->joints + 1) * sizeof *study->of_joint);
-    LAC_TRY(grown != NULL ? LAC_OK : lac_fail_memory(err));
-    study->of_joint = grown;
-    LAC_TRY(create_samples(study, &samples, err));
+    LAC_TRY(begin_joint(study, &joint->domain->grid, &samples, err));
     LAC_TRY(lac_rg_order_create(joint->domain, study->def.loads, &order, err));
     LAC_TRY(take_samples(study, joint, samples, &order, err));
     LAC_TRY(solve_samples(study, joint, samples, err));
@@ -209,6 +218,62 @@ out:
     lac_rg_order_clear(&order);
     free_samples(samples);
     return status;
+}
+
+size_t lac_rg_study_part_size(const lac_rg_study_def *def, const lac_grid *grid)
+{
+    const size_t levels = lac_rg_levels_over(grid);
+    const size_t doubles = 1 + length_over(def->loads, levels);
+    return 2 * def->loads * sizeof(double) +
+           def->places * (doubles * sizeof(double) + (levels + 1) * sizeof(lac_rg_sizes));
+}
+
+// @return what follows in the part
+static unsigned char *copy(void *own, unsigned char *part, size_t bytes, bool take)
+{
+    memcpy(take ? own : part, take ? part : own, bytes);
+    return part + bytes;
+}
+
+// What a joint gave at its places, to a part or from there.
+static void copy_samples(const lac_rg_study *study, lac_rg_sample *samples, unsigned char *part,
+                         bool take)
+{
+    const size_t places = study->def.places;
+    for (size_t i = 0; i < places; i++) {
+        part = copy(&samples[i].critical, part, sizeof samples[i].critical, take);
+    }
+    part =
+        copy(samples->fraction, part, places * length_of(study) * sizeof *samples->fraction, take);
+    (void)copy(samples->size, part, places * (study->levels + 1) * sizeof *samples->size, take);
+}
+
+void lac_rg_study_give(const lac_rg_study *study, void *part)
+{
+    const size_t bytes = study->def.loads * sizeof *study->load;
+    unsigned char *to = copy(study->load, part, bytes, false);
+    to = copy(study->cluster, to, bytes, false);
+    copy_samples(study, study->of_joint[0], to, false);
+}
+
+lac_status lac_rg_study_take(lac_rg_study *study, const lac_grid *grid, const void *part,
+                             lac_error *err)
+{
+    const size_t loads = study->def.loads;
+    const double *from = part;
+    lac_rg_sample *samples = NULL;
+    lac_status status = begin_joint(study, grid, &samples, err);
+    if (status != LAC_OK) {
+        free_samples(samples);
+        return status;
+    }
+    memcpy(study->load, from, loads * sizeof *from); // those of all joints
+    for (size_t i = 0; i < loads; i++) {
+        study->cluster[i] += from[loads + i];
+    }
+    copy_samples(study, samples, (unsigned char *)(from + 2 * loads), true);
+    study->of_joint[study->joints++] = samples;
+    return LAC_OK;
 }
 
 // Mean and standard deviation of n values, `apart` from each other

@@ -82,13 +82,16 @@ static bool locate(probe *p, double low, double *high)
     return look(p, *high, &ignored);
 }
 
-static bool crossed(const lac_engine *engine, const lac_run_def *def, lac_crossing_kind kind)
+// @param speed  as lac_crossing_find has it: what the rates tell is not looked at twice
+static bool crossed(const lac_engine *engine, const lac_run_def *def, const double speed[2],
+                    lac_crossing_kind kind)
 {
     switch (kind) {
     case LAC_CROSSING_FAILURE:
-        return past(engine, def, kind, engine->t, engine->y, NULL) >= 0.0;
+        return log(speed[0] / engine->failure.rate) >= 0.0 &&
+               past(engine, def, kind, engine->t, engine->y, NULL) >= 0.0;
     case LAC_CROSSING_RATE:
-        return !isnan(def->stop_rate) && past(engine, def, kind, engine->t, engine->y, NULL) >= 0.0;
+        return log(speed[1] / def->stop_rate) >= 0.0; // NaN: none is asked for
     case LAC_CROSSING_SLIP:
         return !isnan(def->stop_slip) &&
                past(engine, def, kind, engine->t, NULL, engine->slip) >= 0.0;
@@ -126,15 +129,18 @@ static lac_status take_back(lac_engine *engine, const lac_run_def *def, lac_cros
                            lac_engine_time(engine));
 }
 
-lac_status lac_crossing_find(lac_engine *engine, const lac_run_def *def, lac_crossing_kind *found,
-                             lac_error *err)
+lac_status lac_crossing_find(lac_engine *engine, const lac_run_def *def, const double speed[2],
+                             lac_crossing_kind *found, lac_error *err)
 {
+    double now[2] = {speed[0], speed[1]};
     *found = LAC_CROSSING_NONE;
     // Several limits in one step: each is located in what the last one left of the step.
     for (lac_crossing_kind kind = LAC_CROSSING_FAILURE; kind <= LAC_CROSSING_GONE; kind++) {
-        if (crossed(engine, def, kind)) {
+        if (crossed(engine, def, now, kind)) {
             *found = kind;
             LAC_TRY_RETURN(take_back(engine, def, kind, err));
+            lac_problem_speed(engine->problem, lac_engine_clock(engine, engine->t), engine->y,
+                              &now[0], &now[1], engine->work);
         }
     }
     if (*found == LAC_CROSSING_NONE && lac_problem_bends(engine->problem) &&

@@ -16,6 +16,7 @@ static void measure_speed(run *r)
     lac_engine *engine = r->engine;
     lac_problem_speed(r->problem, lac_engine_clock(engine, engine->t), engine->y, &r->mean_rate,
                       &r->max_rate, engine->work);
+    r->measured = true;
 }
 
 // Ends the run at a time within the step, whose state is in `between`.
@@ -46,6 +47,7 @@ static lac_status output_between(run *r, lac_error *err)
         }
         double t = fmin(lac_engine_inner(engine, next), engine->t);
         const double *slip = lac_engine_slip_in(engine, r->between);
+        r->measured = false;
         LAC_FAIL_IF(!lac_engine_at(engine, t, r->between), err, LAC_ENUMERIC,
                     "no state at t = %.17g s", next);
         bool stops = interrupted(r);
@@ -140,11 +142,11 @@ static lac_status cross_break(run *r, lac_error *err)
     return LAC_OK;
 }
 
-static lac_status look_for_end(run *r, lac_error *err)
+static lac_status look_for_end(run *r, const double speed[2], lac_error *err)
 {
     lac_engine *engine = r->engine;
     lac_crossing_kind crossing;
-    LAC_TRY_RETURN(lac_crossing_find(engine, r->def, &crossing, err));
+    LAC_TRY_RETURN(lac_crossing_find(engine, r->def, speed, &crossing, err));
     if (crossing != LAC_CROSSING_NONE) {
         measure_speed(r);
         r->done = true;
@@ -164,12 +166,14 @@ static lac_status step(run *r, lac_error *err)
 {
     lac_engine *engine = r->engine;
     double stop = fmin(fmin(r->def->end, r->next_break), lac_run_state_sweep_end(r));
+    r->measured = false;
     LAC_TRY_RETURN(lac_engine_advance(engine, lac_engine_inner(engine, stop), err));
     measure_speed(r);
+    const double speed[2] = {r->mean_rate, r->max_rate};
     r->max_rate = fmax(r->max_rate, engine->peak);
     LAC_TRY_RETURN(lac_check_slipping(r->problem, engine->y, lac_engine_clock(engine, engine->t),
                                       engine->work, err));
-    LAC_TRY_RETURN(look_for_end(r, err));
+    LAC_TRY_RETURN(look_for_end(r, speed, err));
     if (!engine->kind->sweeps) {
         LAC_TRY_RETURN(lac_run_state_watch(r, engine->step, err));
     }

@@ -147,7 +147,7 @@ lac_status lac_rg_compute(const lac_case *c, const lac_rg_options *options, lac_
     LAC_TRY(LAC_NEED(err, c, out));
     *out = NULL;
     LAC_TRY(lac_take_options("lac_rg_options", options, &own, sizeof own, err));
-    const lac_rg_watch watch = {own.context, own.go_on};
+    const lac_rg_watch watch = {own.context, own.go_on, NULL};
     LAC_TRY(begin(c, LAC_FOR_RG, &r, err));
     LAC_TRY(lac_scene_rg_run(c, own.go_on != NULL ? &watch : NULL, &r->rg, err));
     r->rg_outcome = (lac_rg_outcome){.source = c, .rg = &r->rg};

@@ -90,8 +90,10 @@ static double drop_after_arrest(const lac_friction_params *law, double strength,
     return x;
 }
 
-static lac_status drops_from_friction(const lac_case *c, joint *j, double *sum, lac_error *err)
+// @param mean  is added to
+static lac_status drops_from_friction(const lac_case *c, joint *j, double *mean, lac_error *err)
 {
+    double own = 0.0;
     const lac_friction_params *law = c->friction.params;
     const double damping = lac_damping_of(&c->material);
     const lac_domain *domain = j->contact.domain;
@@ -102,8 +104,9 @@ static lac_status drops_from_friction(const lac_case *c, joint *j, double *sum, 
                     "and f0 p, with b/f0 = %.4g, v0 = %.4g m/s and a damping of %.4g Pa s/m",
                     domain->pressure[i], law->b / law->f0, law->v0, damping);
         j->drop[i] = x * j->strength[i];
-        *sum += (1.0 - x) / (double)domain->n;
+        own += (1.0 - x) / (double)domain->n;
     }
+    *mean += own;
     return LAC_OK;
 }
 
@@ -148,19 +151,24 @@ static int64_t seed_now(const lac_case *c)
     return seed != NULL ? *seed : INT64_MIN;
 }
 
-// Adds what interface i of the ensemble is like to the list and to the mean.
-static void note(const lac_scene_contact *contact, int64_t seed, size_t i, lac_scene_rg *out)
+// What an interface is like.
+static lac_rg_interface look_at(const lac_scene_contact *contact, int64_t seed)
 {
     const double cells = (double)lac_grid_cells(&contact->grid);
-    const double n = (double)out->seeds;
-    lac_rg_interface *one = &out->interface[i];
-    *one = (lac_rg_interface){
+    return (lac_rg_interface){
         .seed = seed,
         .pressure = contact->mean_pressure,
         .contact_fraction = (double)contact->domain->n / cells,
         .dimension = contact->counted ? contact->boxes.dimension : NAN,
         .dyadic = contact->blocks.dimension,
     };
+}
+
+// Adds what interface i of the ensemble is like to the list and to the mean.
+static void note(const lac_rg_interface *one, size_t i, lac_scene_rg *out)
+{
+    const double n = (double)out->seeds;
+    out->interface[i] = *one;
     out->mean.seed = INT64_MIN;
     out->mean.pressure += one->pressure / n;
     out->mean.contact_fraction += one->contact_fraction / n;
@@ -168,15 +176,24 @@ static void note(const lac_scene_contact *contact, int64_t seed, size_t i, lac_s
     out->mean.dyadic += one->dyadic / n;
 }
 
-static lac_status begin(const lac_case *c, lac_scene_rg *out, lac_error *err)
+static lac_rg_study_def study_def(const lac_case *c, size_t first)
 {
     lac_rg_study_def def = lac_rg_study_default();
     def.rule = (lac_rg_rule)c->rg.rule;
     def.places = (size_t)c->rg.shifts;
     def.loads = (size_t)c->rg.loads;
+    def.first = first;
+    return def;
+}
+
+static size_t betas_of(const lac_case *c) { return c->rg.betas > 0 ? c->rg.betas : 1; }
+
+static lac_status begin(const lac_case *c, size_t first, lac_scene_rg *out, lac_error *err)
+{
+    const lac_rg_study_def def = study_def(c, first);
     out->interface = calloc(out->seeds, sizeof *out->interface);
     LAC_FAIL_MEMORY_IF(out->interface == NULL, err);
-    out->betas = c->rg.betas > 0 ? c->rg.betas : 1;
+    out->betas = betas_of(c);
     for (size_t k = 0; k < out->betas; k++) {
         out->beta[k] = c->rg.betas > 0 ? c->rg.beta[k] : 0.0;
         LAC_TRY_RETURN(lac_rg_study_create(&def, &out->study[k], err));
@@ -196,23 +213,67 @@ static void next_seed(const lac_case *c)
     }
 }
 
+static lac_status add_seed(const lac_case *c, joint *j, size_t i, lac_scene_rg *out, lac_error *err)
+{
+    LAC_TRY_RETURN(make_joint(c, j, err));
+    LAC_TRY_RETURN(add_joint(c, j, out, err));
+    const lac_rg_interface one = look_at(&j->contact, seed_now(c));
+    note(&one, i, out);
+    return LAC_OK;
+}
+
+// What an interface gave that was made elsewhere; behind it the part of each study.
+typedef struct part {
+    lac_rg_interface one;
+    double strength, beta; // what it adds to the means; beta: from the friction law
+} part;
+
+static size_t study_part_size(const lac_case *c)
+{
+    const lac_rg_study_def def = study_def(c, 0);
+    const lac_grid grid = lac_interface_grid(&c->interface);
+    return lac_rg_study_part_size(&def, &grid);
+}
+
+size_t lac_scene_rg_part_size(const lac_case *c)
+{
+    return sizeof(part) + betas_of(c) * study_part_size(c);
+}
+
+static lac_status take_part(const lac_case *c, const part *made, size_t i, lac_scene_rg *out,
+                            lac_error *err)
+{
+    const unsigned char *of_study = (const unsigned char *)(made + 1);
+    for (size_t k = 0; k < out->betas; k++, of_study += study_part_size(c)) {
+        LAC_TRY_RETURN(lac_rg_study_take(out->study[k], &out->grid, of_study, err));
+    }
+    out->beta[0] += c->rg.betas == 0 ? made->beta : 0.0;
+    out->strength += made->strength;
+    note(&made->one, i, out);
+    return LAC_OK;
+}
+
 static lac_status all_seeds(const lac_case *c, const lac_rg_watch *watch, lac_scene_rg *out,
                             lac_error *err)
 {
     lac_status status = LAC_OK;
     joint j = {0};
-    for (size_t i = 0; i < out->seeds; i++) {
+    for (size_t i = 0; i < out->seeds; i++, next_seed(c)) {
+        const void *made = watch != NULL && watch->made != NULL && i + 1 < out->seeds
+                               ? watch->made(watch->context, i)
+                               : NULL;
+        if (made != NULL) {
+            LAC_TRY(take_part(c, made, i, out, err));
+            continue;
+        }
         LAC_LEAVE_IF(watch != NULL && !watch->go_on(watch->context, i, out->seeds), err,
                      LAC_EINTERRUPT, "interrupted after %zu of %zu interfaces", i, out->seeds);
-        LAC_TRY(make_joint(c, &j, err));
-        LAC_TRY(add_joint(c, &j, out, err));
-        note(&j.contact, seed_now(c), i, out);
+        LAC_TRY(add_seed(c, &j, i, out, err));
         if (i + 1 == out->seeds) {
             out->domain = j.contact.domain;
             j.contact.domain = NULL;
         }
         clear_joint(&j);
-        next_seed(c);
     }
 out:
     clear_joint(&j);
@@ -270,7 +331,7 @@ lac_status lac_scene_rg_run(const lac_case *c, const lac_rg_watch *watch, lac_sc
     *out = (lac_scene_rg){.grid = lac_interface_grid(&c->interface), .seeds = (size_t)c->rg.seeds};
     void *room = own_source(c, &own);
     LAC_FAIL_MEMORY_IF(room == NULL, err);
-    LAC_TRY(begin(c, out, err));
+    LAC_TRY(begin(c, 0, out, err));
     LAC_TRY(all_seeds(&own, watch, out, err));
     LAC_TRY(finish(c, out, err));
 out:
@@ -278,6 +339,31 @@ out:
     if (status != LAC_OK) {
         lac_scene_rg_clear(out);
     }
+    return status;
+}
+
+lac_status lac_scene_rg_part(const lac_case *c, size_t seed, void *out, lac_error *err)
+{
+    lac_case own;
+    joint j = {0};
+    lac_scene_rg one = {.grid = lac_interface_grid(&c->interface), .seeds = (size_t)c->rg.seeds};
+    unsigned char *of_study = (unsigned char *)out + sizeof(part);
+    lac_status status;
+    void *room = own_source(c, &own);
+    LAC_FAIL_MEMORY_IF(room == NULL, err);
+    LAC_TRY(begin(c, seed, &one, err));
+    for (size_t i = 0; i < seed; i++) {
+        next_seed(&own);
+    }
+    LAC_TRY(add_seed(&own, &j, seed, &one, err));
+    *(part *)out = (part){one.interface[seed], one.strength, one.beta[0]};
+    for (size_t k = 0; k < one.betas; k++, of_study += study_part_size(c)) {
+        lac_rg_study_give(one.study[k], of_study);
+    }
+out:
+    clear_joint(&j);
+    lac_scene_rg_clear(&one);
+    free(room);
     return status;
 }
 
@@ -381,10 +467,11 @@ lac_status lac_scene_rg_cells(const lac_case *c, const lac_rg_cells *cells, lac_
     LAC_TRY(find_strengths(c, &j, err));
     LAC_TRY(lac_rg_path_further(cells->domain->n, j.strength, cells->shear, &path, err));
     j.path = path;
-    LAC_TRY(begin(c, out, err));
+    LAC_TRY(begin(c, 0, out, err));
     LAC_TRY(add_joint(c, &j, out, err));
     j.contact.mean_pressure = mean_pressure(j.contact.domain);
-    note(&j.contact, INT64_MIN, 0, out);
+    const lac_rg_interface one = look_at(&j.contact, INT64_MIN);
+    note(&one, 0, out);
     LAC_TRY(finish(c, out, err));
     look(&j, cells->shear, share, &out->now);
     out->domain = j.contact.domain;

@@ -33,6 +33,8 @@ typedef struct lac_rg_watch {
     void *context;
     /// @return false to end here
     bool (*go_on)(void *context, size_t done, size_t seeds);
+    /// What lac_scene_rg_part made of a seed but the last, which is taken over. NULL: none was made
+    const void *(*made)(void *context, size_t seed);
 } lac_rg_watch;
 
 /// Runs the cascade of a case.
@@ -41,6 +43,14 @@ typedef struct lac_rg_watch {
 /// @cost   with `elastic` 24 contacts a seed; some 300 passes a place and beta
 lac_status lac_scene_rg_run(const lac_case *c, const lac_rg_watch *watch, lac_scene_rg *out,
                             lac_error *err);
+
+/// The cascade over one interface of the ensemble, maybe in another process, for `made` of a watch:
+/// the result is the same to the bit.
+/// @param seed  its place in the ensemble, from 0
+/// @param part  [lac_scene_rg_part_size] plain memory without pointers
+/// @return as lac_scene_rg_run
+lac_status lac_scene_rg_part(const lac_case *c, size_t seed, void *part, lac_error *err);
+size_t lac_scene_rg_part_size(const lac_case *c);
 
 /// Cells and tractions that are known, such as those of a snapshot.
 typedef struct lac_rg_cells {

@@ -10,9 +10,11 @@
 /// Who made a file, from what. Texts may be NULL: the attribute is then left out.
 typedef struct lac_provenance {
     const char *title, *institution, *references;
-    const char *case_text; ///< the whole resolved case
-    const char *fidelity;  ///< what a run resolved in time; NULL: there is no run
-    const char *accuracy;  ///< what pilot runs picked for which error; NULL: nothing
+    const char *case_text;    ///< the whole resolved case
+    const char *fidelity;     ///< what a run resolved in time; NULL: there is no run
+    const char *fidelity_why; ///< why that; NULL: the case names it
+    double fidelity_error;    ///< that it keeps, relative; where `fidelity_why` is not NULL
+    const char *accuracy;     ///< what pilot runs picked for which error; NULL: nothing
     double accuracy_asked, accuracy_estimated; ///< relative; where `accuracy` is not NULL
     const char *branch; ///< what it goes on from and how, in words; NULL: it starts by itself
     const char *branch_file, *branch_changes, *branch_case_sum; ///< where `branch` is not NULL

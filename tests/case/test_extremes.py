@@ -95,6 +95,20 @@ class Extremes(unittest.TestCase):
             self.assertEqual(file.ended_by, "error")
             self.assertFalse({"failed", "failure_time_s"} & set(file.ncattrs()))
 
+    def test_a_cell_that_stands_still_heals(self):
+        """So little direct effect that v = exp(ln v) is 0: theta grows as time does, in as few steps as ln theta
+        needs, and strength with it: FoS = (f0 + b ln(v0 (101 days)/dc))/tan 30 degrees."""
+        for a in "1e-6", "1e-10":
+            done = subprocess.run(
+                [PROGRAM, "run", os.path.join(SOURCE, "cases", "load", "slope.yaml"), "-o", self.output, "--json",
+                 "--force", "--set", "solver.max_steps=5000", "--set", "friction.aging.a=" + a],
+                capture_output=True, text=True, timeout=120, check=False)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual(json.loads(done.stdout)["mean_slip_m"], 0)
+            with netCDF4.Dataset(self.output) as file:
+                strength = 0.58 + 0.01 * math.log(101)
+                self.assertAlmostEqual(file["factor_of_safety"][-1] * math.tan(math.pi / 6) / strength, 1, 7)
+
     def test_state_beyond_numbers(self):
         """ln theta that no double holds e^ of is refused, not written as infinity."""
         done = self.run_case(v=1e-9, state=None, shear=", shear: [{ratio: 30}]")

@@ -26,6 +26,8 @@ def rounds(steps, count):
 
 
 class Resume(unittest.TestCase):
+    words = None  # of another command than fit
+
     def setUp(self):
         self.folder = tempfile.mkdtemp()
         self.out = os.path.join(self.folder, "out.nc")
@@ -35,7 +37,7 @@ class Resume(unittest.TestCase):
         shutil.rmtree(self.folder)
 
     def command(self, *args, out=None):
-        return [PROGRAM, "fit", CASE, SERIES, "-o", out or self.out, *args]
+        return [PROGRAM, *(self.words or ("fit", CASE, SERIES)), "-o", out or self.out, *args]
 
     def fit(self, *args, status=1, out=None):
         done = subprocess.run(self.command(*args, out=out), cwd=SOURCE, capture_output=True, text=True, check=False)
@@ -157,6 +159,25 @@ class Resume(unittest.TestCase):
                 time.sleep(0.002)
             self.assertIn("another fit is at work", self.fit(*asked, "--force", status=2))
             program.kill()
+
+    def test_forecasts(self):
+        """precursors --case at the end of the readings, then all along them: killed, then interrupted, it goes on."""
+        self.words = "precursors", SERIES, "--case", CASE, "--onset", "5,20"
+        whole, asked = os.path.join(self.folder, "whole.nc"), [*rounds(20, 0), "--rolling", "--issues", "2"]
+        self.fit(*asked, status=0, out=whole)
+        self.assertEqual(os.listdir(self.folder), ["whole.nc"])
+        record = 16 * (4 * 8 + 1) + 8  # a step of 16 walkers of three numbers
+        self.assertEqual(self.stop_at(25 * record, signal.SIGKILL, *asked), -signal.SIGKILL)
+        kept = os.path.getsize(self.kept)
+        self.assertIn("of other readings or options", self.fit(*asked, "--until", "2020-06-10T00:00", "--resume", status=2))
+        self.assertIn("is of another case", self.fit(*asked, "--set", "fit.seed=7", "--resume", status=2))
+        self.assertEqual(os.path.getsize(self.kept), kept)
+        self.assertEqual(self.stop_at(75 * record, signal.SIGINT, *asked, "--resume"), 4)
+        self.fit(*asked, "--resume", "--threads", "2", status=0)
+        self.same(whole, self.out)
+        self.assertEqual(sorted(os.listdir(self.folder)), ["out.nc", "whole.nc"])
+        self.assertIn("goes on with the sampler", self.fit("--set", "fit.steps=0", "--resume", status=2))
+        self.assertIn("No such file", self.fit(*asked, "--resume", status=3))
 
 
 if __name__ == "__main__":

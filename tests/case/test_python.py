@@ -190,6 +190,8 @@ class Python(unittest.TestCase):
 
     def test_rg(self):
         self.same({True: lacuna.rg(self.path("rg/cons.yaml"))}, ["rg", "cases/rg/cons.yaml"])
+        # the program follows each interface in a process, the library all in one
+        self.same({True: lacuna.rg(self.path("rg/cons.yaml"), {"rg.seeds": 3})}, ["rg", "cases/rg/cons.yaml", "--set", "rg.seeds=3"])
 
     def test_rg_of_a_file(self):
         file = os.path.join(self.folder, "run.nc")

@@ -9,6 +9,7 @@
 
 #include "base/temp_file.h"
 #include "cli/common/progress.h"
+#include "lacuna/version.h"
 #include "scene/scene.h"
 
 // Folder/name.ext -> name + ending
@@ -112,6 +113,25 @@ char *cli_inputs_sums(const lac_case *c)
                       slash != NULL ? slash + 1 : *path, sum_file(*path));
     }
     return lac_text_made(text, &sums);
+}
+
+static uint64_t add(uint64_t sum, const char *text)
+{
+    return lac_sum_bytes(sum, text, strlen(text));
+}
+
+lac_status cli_case_sum(const cli_request *request, const lac_case *c, uint64_t *sum,
+                        lac_error *err)
+{
+    char *text = lac_case_text(c), *files = cli_inputs_sums(c);
+    const lac_status status = text == NULL || files == NULL ? lac_fail_memory(err) : LAC_OK;
+    if (status == LAC_OK) {
+        *sum = add(add(LAC_SUM_OF_NOTHING, text), files);
+        *sum = add(add(*sum, LACUNA_VERSION), request->libraries);
+    }
+    free(text);
+    free(files);
+    return status;
 }
 
 static lac_status check_existing(const cli_request *request, const lac_case *c, const char *path,

@@ -49,5 +49,10 @@ void cli_print_json(const lac_dataset *dataset, const char *path);
 /// "" where it names none. To be freed; NULL where memory is short.
 char *cli_inputs_sums(const lac_case *c);
 
+/// Checksum of what a command's results follow from: the case, its files, the program.
+/// @return LAC_OK; LAC_ENOMEM
+lac_status cli_case_sum(const cli_request *request, const lac_case *c, uint64_t *sum,
+                        lac_error *err);
+
 /// Version of netCDF.
 const char *cli_netcdf_version(void);

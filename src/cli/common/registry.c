@@ -28,11 +28,12 @@ const cli_command cli_commands[] = {
      "fractions of every level at every load, and what follows from them, to -o FILE, else "
      "CASE-rg.nc in this folder; -v prints them too.\n",
      "lacuna rg cases/rg/rough-joint.yaml --set rg.rule=cons", 1, 1,
-     CLI_OPT_WRITES | CLI_OPT_PIPE | CLI_OPT_SET | CLI_OPT_SNAPSHOT, cli_rg},
+     CLI_OPT_WRITES | CLI_OPT_PIPE | CLI_OPT_RESUME | CLI_OPT_SET | CLI_OPT_SNAPSHOT | CLI_OPT_JOBS,
+     cli_rg},
     {"precursors", "RUN.nc|SERIES.csv", "indicators and forecasts of the time of failure", "",
      "lacuna precursors series.csv --displacement disp:mm --rolling", 1, 1,
-     CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_SERIES | CLI_OPT_FORECAST | CLI_OPT_DRIVER |
-         CLI_OPT_LINES | CLI_OPT_SET | CLI_OPT_PIPE,
+     CLI_OPT_WRITES | CLI_OPT_RESUME | CLI_OPT_UNTIL | CLI_OPT_SERIES | CLI_OPT_FORECAST |
+         CLI_OPT_DRIVER | CLI_OPT_LINES | CLI_OPT_SET | CLI_OPT_PIPE,
      cli_precursors},
     {"fit", "CASE SERIES", "fit a case's parameters to a monitoring series",
      "The case's section fit says what is estimated, from which columns unless options name them. "

@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 
 #include "base/statistics.h"
+#include "base/temp_file.h"
 #include "cli/common/command.h"
 #include "cli/common/output.h"
 #include "cli/common/progress.h"
@@ -286,9 +287,50 @@ static lac_status check_rolling(const cli_request *request, lac_error *err)
     return LAC_OK;
 }
 
-static lac_status answer(const cli_request *request, const char *station, lac_json *json,
+// The steps of the sampler, beside the file that they are for.
+static lac_status keep_steps(precursors_job *job, bool resume, lac_error *err)
+{
+    const char *output = job->json != NULL ? job->request->output : NULL;
+    uint64_t sum = 0;
+    if (output == NULL || job->source == NULL || job->source->fit.steps == 0) {
+        return resume ? lac_fail(err, LAC_EINPUT,
+                                 "--resume: goes on with the sampler of --case (fit.steps), whose "
+                                 "steps are kept beside -o FILE")
+                      : LAC_OK;
+    }
+    char *path = lac_text_join(output, "", ".chains");
+    LAC_FAIL_MEMORY_IF(path == NULL, err);
+    lac_status status = cli_case_sum(job->request, job->source, &sum, err);
+    if (status == LAC_OK) {
+        status = lac_kept_open(path, "precursors", sum, resume, &job->watch.kept, err);
+    }
+    free(path);
+    return status;
+}
+
+static void end_steps(precursors_job *job, lac_status status, lac_error *err)
+{
+    const lac_error why = *err;
+    if (status == LAC_EINTERRUPT && job->watch.kept != NULL) {
+        (void)lac_fail(err, status, "%s; --resume goes on", why.message);
+    }
+    lac_kept_close(job->watch.kept, status == LAC_OK);
+}
+
+// With --resume: what goes on is in the steps kept, and the output may hold what an interrupt left.
+static cli_request anew(const cli_request *given)
+{
+    cli_request own = *given;
+    if (cli_given(given, CLI_OPT_RESUME)) {
+        own.given = (own.given & ~(unsigned)CLI_OPT_RESUME) | CLI_OPT_FORCE;
+    }
+    return own;
+}
+
+static lac_status answer(const cli_request *given, const char *station, lac_json *json,
                          lac_error *err)
 {
+    const cli_request own = anew(given), *request = &own;
     precursors_job job = {.request = request, .station = station, .json = json};
     lac_forecast_outcome *of = &job.watched.of;
     lac_status status;
@@ -298,6 +340,7 @@ static lac_status answer(const cli_request *request, const char *station, lac_js
     if (request->output != NULL) {
         LAC_TRY(cli_output_check(request, job.source, request->output, err));
     }
+    LAC_TRY(keep_steps(&job, cli_given(given, CLI_OPT_RESUME), err));
     LAC_TRY(cli_watched_read(request, job.source, job.units, &job.watched, err));
     LAC_TRY(cli_forecast_plan_read(request, of->dated, job.units, &job.plan, err));
     LAC_TRY(check_since(&job, err));
@@ -336,6 +379,7 @@ out:
         lac_stored_values_clear(&job.cells.value[i]);
     }
     lac_forecast_set_free(of->forecasts);
+    end_steps(&job, status, err);
     cli_drivers_clear(&job.drivers);
     cli_watched_clear(&job.watched);
     lac_case_free(job.source);

@@ -6,6 +6,7 @@
 #include "cli/common/progress.h"
 #include "cli/common/words.h"
 #include "cli/report/report.h"
+#include "cli/rg/parts.h"
 #include "scene/scene_rg.h"
 
 // Everything that the command holds.
@@ -14,6 +15,7 @@ typedef struct rg_job {
     lac_case *source;
     bool stored; // the argument is a file: `cells` hold
     lac_stored_cells cells;
+    cli_rg_parts parts;
     lac_scene_rg rg;
     char *path;
 } rg_job;
@@ -90,12 +92,14 @@ out:
     return status;
 }
 
-static bool go_on(void *context, size_t done, size_t seeds)
+// What goes on from an interrupt is in the parts kept, not in the file.
+static lac_status prepare(rg_job *job, lac_error *err)
 {
-    if (seeds > 1) {
-        cli_say(((const rg_job *)context)->request, "interface %zu of %zu", done + 1, seeds);
-    }
-    return !cli_signals_stop(NULL);
+    cli_request plain = *job->request;
+    plain.given &= ~(unsigned)CLI_OPT_RESUME;
+    LAC_TRY_RETURN(cli_output_path(&plain, job->source, NULL, "-rg.nc", &job->path, err));
+    job->parts = (cli_rg_parts){.request = job->request, .source = job->source};
+    return cli_rg_parts_open(&job->parts, job->path, err);
 }
 
 static void print_file(const lac_stored_cells *cells, const lac_scene_rg *rg)
@@ -253,7 +257,6 @@ static void print_rg(const rg_job *job)
 lac_status cli_rg(const cli_request *request, lac_error *err)
 {
     rg_job job = {.request = request};
-    const lac_rg_watch watch = {&job, go_on};
     lac_dataset *dataset = NULL;
     lac_status status;
     const char *name = request->argument[0];
@@ -268,12 +271,12 @@ lac_status cli_rg(const cli_request *request, lac_error *err)
     } else {
         LAC_TRY(cli_case_read(request, LAC_FOR_RG, &job.source, NULL, err));
     }
-    LAC_TRY(cli_output_path(request, job.source, NULL, "-rg.nc", &job.path, err));
+    LAC_TRY(prepare(&job, err));
     const lac_rg_cells cells = {job.cells.domain, job.cells.shear, job.cells.time};
     cli_say(request, "following the cascade of %s", name);
     cli_signals_hold();
     status = job.stored ? lac_scene_rg_cells(job.source, &cells, &job.rg, err)
-                        : lac_scene_rg_run(job.source, &watch, &job.rg, err);
+                        : cli_rg_parts_run(&job.parts, &job.rg, err);
     LAC_TRY(cli_blame(job.source, status, err));
     const lac_rg_outcome outcome = {
         .source = job.source, .rg = &job.rg, .file = name, .cells = job.stored ? &job.cells : NULL};
@@ -286,6 +289,7 @@ lac_status cli_rg(const cli_request *request, lac_error *err)
     }
 out:
     lac_dataset_free(dataset);
+    cli_rg_parts_close(&job.parts, status);
     lac_scene_rg_clear(&job.rg);
     lac_stored_cells_clear(&job.cells);
     lac_case_free(job.source);

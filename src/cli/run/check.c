@@ -116,6 +116,32 @@ static void print_size(const lac_estimate *e)
     printf("#   memory          %.10g MB\n", rounded(e->memory / 1e6, 2));
 }
 
+// CPU time in a few digits.
+static cli_text cost_text(const lac_fidelity_cost *cost)
+{
+    return isnan(cost->most)
+               ? cli_format("at least %.10g s", rounded(cost->least, 1))
+               : cli_format("%.10g to %.10g s", rounded(cost->least, 1), rounded(cost->most, 1));
+}
+
+static void print_fidelity(const lac_case *c, const lac_estimate *e)
+{
+    const lac_fidelity all[] = {LAC_FIDELITY_ODE, LAC_FIDELITY_ASYNC};
+    const lac_fidelity_choice *choice = &e->choice;
+    char why[LAC_FIDELITY_ROOM];
+    printf("#   fidelity        %s%s\n", lac_fidelity_name(choice->fidelity),
+           choice->why[0] != '\0' ? ", chosen" : "");
+    if (choice->why[0] != '\0') {
+        cli_wrap("#     ", choice->why);
+    }
+    for (size_t k = 0; k < 2; k++) {
+        if (k == 0 || !lac_fidelity_refused(c, why)) {
+            printf("#     %-13s error at most %.1g, %s\n", lac_fidelity_name(all[k]),
+                   lac_fidelity_error(c, e, all[k]), cost_text(&e->cost[k]).s);
+        }
+    }
+}
+
 // How many steps, and why.
 static void print_steps(const lac_estimate *e)
 {
@@ -172,6 +198,7 @@ static void print_estimate(const lac_case *c, const lac_estimate *e)
     }
     if (e->integrated) {
         print_steps(e);
+        print_fidelity(c, e);
     }
 }
 
@@ -183,6 +210,7 @@ typedef struct checked {
     size_t errors, warnings;                 // how many
     const lac_case_issue **error, **warning; // [errors], [warnings]
     char regime[LAC_REGIME_ROOM];            // words on it
+    double kept[2]; // error that fidelity ode and events keep; NaN: refused
 } checked;
 
 #define CHECKED const checked *c = of
@@ -241,6 +269,16 @@ LAC_GETTER(double, steps_least, ESTIMATE, WHEN_RUN(steps_least))
 LAC_GETTER(double, steps_most, ESTIMATE, WHEN_RUN(steps_most))
 LAC_TEXT_GETTER(regime_name, ESTIMATE, lac_regime_name(lac_regime_of(e)))
 LAC_TEXT_GETTER(faster, ESTIMATE, e->faster)
+LAC_GETTER(bool, integrated, ESTIMATE, e->integrated)
+LAC_TEXT_GETTER(fidelity, ESTIMATE, lac_fidelity_name(e->choice.fidelity))
+LAC_TEXT_GETTER(fidelity_why, ESTIMATE, e->choice.why[0] != '\0' ? e->choice.why : NULL)
+#define COST(k, field) isnan(c->kept[k]) ? (double)NAN : c->estimate->cost[k].field
+LAC_GETTER(double, ode_least, CHECKED, COST(0, least))
+LAC_GETTER(double, ode_most, CHECKED, COST(0, most))
+LAC_GETTER(double, ode_error, CHECKED, c->kept[0])
+LAC_GETTER(double, events_least, CHECKED, COST(1, least))
+LAC_GETTER(double, events_most, CHECKED, COST(1, most))
+LAC_GETTER(double, events_error, CHECKED, c->kept[1])
 LAC_TEXT_GETTER(steps_in_words, ESTIMATE, e->integrated ? steps_class(e) : NULL)
 
 #define E(name_, unit_, long_, getter, ...)                                          \
@@ -250,6 +288,17 @@ LAC_TEXT_GETTER(steps_in_words, ESTIMATE, e->integrated ? steps_class(e) : NULL)
     {                                                                                         \
         .name = (name_), .json = "estimate/" name_, G(getter), .flags = LAC_WHOLE | LAC_TRUTH \
     }
+// What a fidelity costs and keeps.
+#define OF_FIDELITY(name_, getter)                                                         \
+    LAC_ROW(name_ "_cpu_time_least", NULL, "s", "least time with fidelity " name_,         \
+            G(getter##_least), .flags = LAC_SINGLE | LAC_MISSING, .has = integrated,       \
+            .json = "estimate/fidelities/" name_ "/cpu_time_least_s"),                     \
+        LAC_ROW(name_ "_cpu_time_most", NULL, "s", "longest time with fidelity " name_,    \
+                G(getter##_most), .flags = LAC_SINGLE | LAC_MISSING, .has = integrated,    \
+                .json = "estimate/fidelities/" name_ "/cpu_time_most_s"),                  \
+        LAC_ROW(name_ "_error", NULL, "1", "relative error that fidelity " name_ " keeps", \
+                G(getter##_error), .flags = LAC_SINGLE | LAC_MISSING, .has = integrated,   \
+                .json = "estimate/fidelities/" name_ "/error")
 static const lac_variable of_estimate[] = {
     E("grid_cells", NULL, "cells of the grid", grid_cells),
     E("contact_cells", NULL, "contact cells", contact_cells),
@@ -268,6 +317,10 @@ static const lac_variable of_estimate[] = {
     {.name = "regime", .json = "estimate/regime", T(regime_name)},
     {.name = "regime_words", .json = "estimate/regime_words", LAC_HELD(CHARS, checked, regime)},
     {.name = "faster_fidelity", .json = "estimate/faster_fidelity", T(faster)},
+    {.name = "fidelity", .json = "estimate/fidelity", T(fidelity), .has = integrated},
+    {.name = "fidelity_why", .json = "estimate/fidelity_why", T(fidelity_why), .has = integrated},
+    OF_FIDELITY("ode", ode),
+    OF_FIDELITY("events", events),
     E("failure_rate", "m s-1", "mean slip rate that counts as failure", failure_rate, "_m_s"),
     TRUTH("failure_rate_lowered", lowered),
     {.name = "steps_class", .json = "estimate/steps_class", T(steps_in_words)},
@@ -318,7 +371,12 @@ static lac_status put_out(const cli_request *request, checked *c, const lac_case
         c->error[c->errors++] = &whole;
     }
     if (c->estimate != NULL) {
+        char why[LAC_FIDELITY_ROOM];
         lac_regime_words(c->source, c->estimate, c->regime);
+        c->kept[0] = lac_fidelity_error(c->source, c->estimate, LAC_FIDELITY_ODE);
+        c->kept[1] = lac_fidelity_refused(c->source, why)
+                         ? (double)NAN
+                         : lac_fidelity_error(c->source, c->estimate, LAC_FIDELITY_ASYNC);
     }
     LAC_TRY(describe(c, &dataset, &late));
     if (request->pipe != 0) {

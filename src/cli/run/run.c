@@ -35,6 +35,7 @@ static void job_clear(run_job *job)
     cli_compare_clear(&job->outcome.compare);
     lac_checkpoint_file_clear(&job->resume);
     free(job->outcome.history.kept.values);
+    lac_slip_events_clear(&job->outcome.history.slip_events);
     free(job->outcome.path);
     free(job->inputs);
     lac_case_free(job->source);
@@ -127,6 +128,12 @@ static lac_status read_checkpoint(run_job *job, const lac_case *c, lac_error *er
     return status;
 }
 
+// Whether a case is the one that is run once its scene is there.
+static bool settled_late(const lac_case *c)
+{
+    return !isnan(c->accuracy) || c->run.fidelity == LAC_FIDELITY_AUTO;
+}
+
 // All that can be wrong with the request is found here, before anything is computed.
 static lac_status prepare(run_job *job, lac_error *err)
 {
@@ -151,7 +158,7 @@ static lac_status prepare(run_job *job, lac_error *err)
     LAC_TRY_RETURN(cli_compare_read(job->request, job->source, &job->outcome.compare, err));
     job->inputs = cli_inputs_sums(job->source);
     LAC_FAIL_MEMORY_IF(job->inputs == NULL, err);
-    if (goes_on(job) && isnan(job->source->accuracy)) {
+    if (goes_on(job) && !settled_late(job->source)) {
         LAC_TRY_RETURN(read_checkpoint(job, job->source, err));
     }
     return LAC_OK;
@@ -405,7 +412,7 @@ lac_status cli_run(const cli_request *request, lac_error *err)
     LAC_TRY(cli_view_open(request, &job.view, err));
     cli_say(request, "building the scene of %s", request->argument[0]);
     LAC_TRY(create(&job, err));
-    if (goes_on(&job) && !isnan(job.source->accuracy)) {
+    if (goes_on(&job) && settled_late(job.source)) {
         LAC_TRY(read_checkpoint(&job, lac_simulation_outcome(job.simulation)->source, err));
     }
     LAC_TRY(compute(&job, err));

@@ -9,7 +9,6 @@
 #include "cli/common/output.h"
 #include "cli/common/words.h"
 #include "cli/report/report.h"
-#include "lacuna/version.h"
 
 static lac_status read_quantity(const char *text, lac_trade_request *ask, lac_error *err)
 {
@@ -111,6 +110,8 @@ static size_t gather(const cli_trade_job *job, const lac_trade_run *run, lac_ove
     }
     if (lac_trade_of_run(trade, run) == LAC_OF_CASCADE) {
         out[n++] = (lac_override){"solver.fidelity", "static"};
+    } else if (job->fidelity != NULL) {
+        out[n++] = (lac_override){"solver.fidelity", job->fidelity};
     }
     for (size_t d = 0; d < job->trade.settings; d++) {
         const lac_trade_setting *setting = &trade->setting[d];
@@ -147,27 +148,15 @@ lac_status cli_trade_case(const cli_trade_job *job, const lac_trade_run *run, la
     return status;
 }
 
-static uint64_t add(uint64_t sum, const char *text)
-{
-    return lac_sum_bytes(sum, text, strlen(text));
-}
-
 static lac_status describe(const cli_trade_job *job, const lac_case *c, lac_trade_run *run,
                            lac_error *err)
 {
-    char *text = lac_case_text(c), *sums = cli_inputs_sums(c);
-    const lac_status status = text == NULL || sums == NULL ? lac_fail_memory(err) : LAC_OK;
-    if (status == LAC_OK) {
-        run->key = add(LAC_SUM_OF_NOTHING, text);
-        run->key = add(add(run->key, sums), cli_format("%a", c->run.end).s);
-        run->key = add(add(run->key, LACUNA_VERSION), job->request->libraries);
-        for (size_t d = 0; d < job->trade.settings; d++) {
-            lac_setting_current(job->trade.setting[d].setting, c, run->label[d]);
-        }
+    LAC_TRY_RETURN(cli_case_sum(job->request, c, &run->key, err));
+    run->key = lac_sum_bytes(run->key, &c->run.end, sizeof c->run.end);
+    for (size_t d = 0; d < job->trade.settings; d++) {
+        lac_setting_current(job->trade.setting[d].setting, c, run->label[d]);
     }
-    free(text);
-    free(sums);
-    return status;
+    return LAC_OK;
 }
 
 // Settings that are another run's make no run of their own; what it is for goes over to that one.
@@ -267,6 +256,9 @@ static lac_status prepare(cli_trade_job *job, lac_error *err)
     }
     LAC_TRY_RETURN(cli_until(request, job->source, &end, err));
     LAC_TRY_RETURN(name_files(job, err));
+    if (of == LAC_OF_RUN) {
+        cli_trade_settle(job);
+    }
     LAC_TRY_RETURN(lac_trade_create(job->source, of, request->trade.settings,
                                     request->trade.crossed != NULL, &job->trade, err));
     return resolve(job, &job->trade, err);
