@@ -189,6 +189,7 @@ typedef struct lac_run_result {
     double rate_drift;       ///< worst over the records
     lac_safety_summary safety;
     lac_arrest arrest;
+    double stiff_steps; ///< that stability would have asked an explicit method for; 0: not looked at
 } lac_run_result;
 
 /// A part of the preparation.
@@ -203,6 +204,8 @@ typedef struct lac_simulation_options {
     /// A part of the preparation is over; NULL.
     void (*prepared)(void *context, lac_stage stage, const lac_simulation *so_far);
     int threads; ///< of long loops; 0: as many as OpenMP is set to
+    bool cells_unread; ///< nobody looks at the cells of the records: those of a pilot run that is
+                       ///< kept as the run then come without them, and it may have more records
 } lac_simulation_options;
 
 /// No callbacks, threads as they are.
@@ -298,6 +301,9 @@ typedef struct lac_accuracy_pick {
     const char *method, *formulation;
     int64_t pilots, evaluations; ///< runs made to find out, and what they took
     char text[256];              ///< all of it in one sentence
+    double work; ///< what they took in evaluations of the right-hand side, as steps and solves
+                 ///< count: docs/trade.md
+    bool kept;   ///< the last of them is the run, and is not made again
 } lac_accuracy_pick;
 
 /// @return NULL: the case asks for none
