@@ -9,6 +9,7 @@ enum {
     APART = 2,          // decades that the run before it is coarser: two such agree by chance less
     ASYNC_FINER = 2,    // cells with steps of their own converge from there on
     EXPLICIT_RUNS = 4,  // of which one must do
+    LOW_ORDER = 3,      // of the coarse one: half of the evaluations, and other errors
     EXPLICIT_STAGES = 6 // evaluations of a step
 };
 
@@ -32,6 +33,7 @@ typedef struct rung {
     int64_t steps;
     const char *of;
     lac_end end;
+    bool low_order;
 } rung;
 
 typedef struct search {
@@ -103,6 +105,9 @@ static lac_status run_and_keep(search *s, const lac_run_def *def, lac_error *err
 static lac_status pilot(search *s, double rtol, double stiff, rung *out, lac_error *err)
 {
     lac_run_def def = s->c->run;
+    const bool low_order =
+        stiff > 0.0 && def.method == LAC_ERK && def.max_order == 0 && rtol == rtols[0];
+    def.max_order = low_order ? LOW_ORDER : def.max_order;
     def.rtol = rtol;
     def.most_stiff = stiff;
     def.points = s->def->points;
@@ -118,6 +123,7 @@ static lac_status pilot(search *s, double rtol, double stiff, rung *out, lac_err
         status = run_and_keep(s, &def, err);
     }
     *out = read_result(&def, &s->take->run, status);
+    out->low_order = low_order;
     s->pick->pilots++;
     s->pick->evaluations += s->take->run.rhs_evaluations;
     s->pick->work += out->work;
@@ -134,14 +140,18 @@ static double apart(const rung *a, const rung *b)
     return scale > 0.0 ? fabs(a->value - b->value) / scale : fabs(a->value - b->value);
 }
 
-// Error of the finer of two runs: as the inverse of the steps, were the order 1. Where the
-// tolerance bounds the steps but little, as breaks or stability do, agreement says little too: there
-// and where both agree by chance, what the tolerance was seen to leave at most.
+// Error of the finer of two runs: of one of low order a part, else as the inverse of the steps, were
+// the order 1. Where the tolerance bounds the steps but little, as breaks or stability do,
+// agreement says little too: there and where both agree by chance, what the tolerance was seen to
+// leave at most.
 static double error_of(lac_method method, const rung *coarse, const rung *fine)
 {
     const double most_steps = 11.0, few = 1.15;
     const double steps = (double)fine->steps / (double)(coarse->steps > 0 ? coarse->steps : 1);
     const double change = apart(coarse, fine);
+    if (coarse->low_order) {
+        return fmax(change / 3.0, 5.0 * fine->rtol);
+    }
     if (steps < few) {
         return fmax(3.0 * change, (method == LAC_ERK ? 5.0 : 10.0) * fine->rtol);
     }
