@@ -85,6 +85,7 @@ lacuna_python_test(test_domain_file)
 
 # Loads that bend at every reading of a long series.
 lacuna_python_test(test_breaks extreme)
+lacuna_python_test(test_accuracy)
 
 # Loads that change in time, and the files that they come from.
 lacuna_python_test(test_loads)
