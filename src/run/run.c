@@ -166,9 +166,9 @@ static lac_status count_stiff_steps(run *r, lac_error *err)
     const double stable = 3.3; // times the inverse of the fastest decay
     lac_engine *engine = r->engine;
     double *all = &r->result->stiff_steps;
-    *all += engine->step / stable *
-            lac_problem_fastest(r->problem, lac_engine_clock(engine, engine->t), engine->y,
-                                r->aside);
+    *all +=
+        engine->step / stable *
+        lac_problem_fastest(r->problem, lac_engine_clock(engine, engine->t), engine->y, r->aside);
     const bool stiff = *all > r->def->most_stiff && *all > 0.5 * (double)(r->steps + 1);
     return stiff ? lac_fail(err, LAC_ENUMERIC, "stability asks for more than %g explicit steps",
                             r->def->most_stiff)

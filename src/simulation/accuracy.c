@@ -55,8 +55,7 @@ void lac_take_clear(lac_take *take)
 static double work_of(lac_method method, const lac_run_result *r)
 {
     const double solve = 2.2, step = method == LAC_ERK ? 2.2 : 4.2;
-    return (double)r->rhs_evaluations + solve * (double)r->linear_solves +
-           step * (double)r->steps;
+    return (double)r->rhs_evaluations + solve * (double)r->linear_solves + step * (double)r->steps;
 }
 
 static rung read_result(const lac_run_def *def, const lac_run_result *r, lac_status status)
@@ -74,14 +73,14 @@ static rung read_result(const lac_run_def *def, const lac_run_result *r, lac_sta
     return out;
 }
 
-// A run whose output and indicators are kept. One that plans checkpoints is of use in a file only.
+// A run whose output and indicators are kept. Planned checkpoints are of use in a file only.
 static lac_status run_and_keep(search *s, const lac_run_def *def, lac_error *err)
 {
     lac_take *take = s->take;
     const lac_accuracy_def *how = s->def;
-    const bool plans = def->checkpoint.steps > 0 || def->checkpoint.time > 0.0 ||
-                       def->checkpoint.per_decade > 0.0;
-    if (plans) {
+    const bool plans =
+        def->checkpoint.steps > 0 || def->checkpoint.time > 0.0 || def->checkpoint.per_decade > 0.0;
+    if (plans || how->options->live) {
         return lac_run(how->scene->problem, def, NULL, &take->run, err);
     }
     LAC_TRY_RETURN(lac_indicators_create(how->scene, how->critical, &take->analysis, err));
@@ -90,8 +89,7 @@ static lac_status run_and_keep(search *s, const lac_run_def *def, lac_error *err
                             .cells = !how->options->cells_unread,
                             .most = most_kept};
     const lac_sink tape = lac_tape_sink(&take->tape);
-    const lac_sink sink =
-        take->analysis != NULL ? lac_analysis_sink(take->analysis, &tape) : tape;
+    const lac_sink sink = take->analysis != NULL ? lac_analysis_sink(take->analysis, &tape) : tape;
     LAC_TRY_RETURN(lac_run(how->scene->problem, def, &sink, &take->run, err));
     if (take->analysis != NULL) {
         LAC_TRY_RETURN(lac_analysis_finish(take->analysis, &take->run, err));
@@ -140,8 +138,8 @@ static double apart(const rung *a, const rung *b)
     return scale > 0.0 ? fabs(a->value - b->value) / scale : fabs(a->value - b->value);
 }
 
-// Error of the finer of two runs: of one of low order a part, else as the inverse of the steps, were
-// the order 1. Where the tolerance bounds the steps but little, as breaks or stability do,
+// Error of the finer of two runs: of one of low order a part, else as the inverse of the steps,
+// were the order 1. Where the tolerance bounds the steps but little, as breaks or stability do,
 // agreement says little too: there and where both agree by chance, what the tolerance was seen to
 // leave at most.
 static double error_of(lac_method method, const rung *coarse, const rung *fine)

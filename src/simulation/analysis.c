@@ -81,7 +81,6 @@ lac_status lac_indicators_create(const lac_scene *scene, const lac_critical_frac
                                          .critical = *critical,
                                          .shear_modulus = scene->source->material.shear_modulus};
     *out = NULL;
-    return models->count > 0
-               ? lac_analysis_create(&made_for, models->count, models->item, out, err)
-               : LAC_OK;
+    return models->count > 0 ? lac_analysis_create(&made_for, models->count, models->item, out, err)
+                             : LAC_OK;
 }

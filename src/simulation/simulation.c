@@ -13,11 +13,11 @@ struct lac_simulation {
     lac_case source; // the caller's, which owns all, but for what pilot runs picked
     lac_simulation_options options;
     lac_scene *scene;
-    lac_points *points;     // NULL where the case names none
+    lac_points *points;             // NULL where the case names none
     lac_critical_fraction critical; // for its indicators
     lac_analysis *analysis;         // NULL where the case names none
     lac_accuracy_pick accuracy;
-    lac_take take; // a pilot run that is the run, with its indicators
+    lac_take take;      // a pilot run that is the run, with its indicators
     lac_branch *branch; // NULL where the case goes on from no other run
     const lac_checkpoint *resume;
     char *case_text; // NULL: not asked for yet
@@ -61,10 +61,8 @@ static void show_indicators(lac_simulation *s)
 
 static lac_status pick_settings(lac_simulation *s, lac_error *err)
 {
-    const lac_accuracy_def how = {.scene = s->scene,
-                                  .points = s->points,
-                                  .critical = &s->critical,
-                                  .options = &s->options};
+    const lac_accuracy_def how = {
+        .scene = s->scene, .points = s->points, .critical = &s->critical, .options = &s->options};
     LAC_TRY_RETURN(lac_accuracy_choose(&how, &s->source, &s->accuracy, &s->take, err));
     s->outcome.accuracy = &s->accuracy;
     return LAC_OK;

@@ -66,7 +66,7 @@ static void test_accuracy(void **state)
 // What came to a sink of one's own.
 typedef struct observation {
     size_t records, steps, snapshots, once, cells;
-    uint64_t sum; // of what records and snapshots hold
+    uint64_t sum;       // of what records and snapshots hold
     double first, last; // values of the first extra quantity over nothing
     int threads;
 } observation;
@@ -333,9 +333,12 @@ static void test_cannot_start(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_accuracy),     cmocka_unit_test(test_own_sink),
-        cmocka_unit_test(test_file),         cmocka_unit_test(test_options),
-        cmocka_unit_test(test_cannot_start), cmocka_unit_test(test_kept),
+        cmocka_unit_test(test_accuracy),
+        cmocka_unit_test(test_own_sink),
+        cmocka_unit_test(test_file),
+        cmocka_unit_test(test_options),
+        cmocka_unit_test(test_cannot_start),
+        cmocka_unit_test(test_kept),
         cmocka_unit_test(test_tape_is_bounded),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
