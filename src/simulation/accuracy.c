@@ -144,16 +144,17 @@ static double apart(const rung *a, const rung *b)
 // leave at most.
 static double error_of(lac_method method, const rung *coarse, const rung *fine)
 {
-    const double most_steps = 11.0, few = 1.15;
+    const double few = 1.15;
     const double steps = (double)fine->steps / (double)(coarse->steps > 0 ? coarse->steps : 1);
     const double change = apart(coarse, fine);
     if (coarse->low_order) {
-        return fmax(change / 3.0, 5.0 * fine->rtol);
+        return fmax(change / 5.0, 5.0 * fine->rtol);
     }
     if (steps < few) {
         return fmax(3.0 * change, (method == LAC_ERK ? 5.0 : 10.0) * fine->rtol);
     }
-    return fmax(change / (fmin(steps, most_steps) - 1.0),
+    const double most = coarse->rtol > 50.0 * fine->rtol ? 1.0 / 3.0 : 1.0; // decades apart
+    return fmax(change * fmin(1.0 / (steps - 1.0), most),
                 (method == LAC_ERK ? 2.0 : 5.0) * fine->rtol);
 }
 
@@ -219,7 +220,7 @@ static lac_status try_explicit(search *s, double stiff, bool *tried, bool *found
 // than what it takes itself, erk is looked at after all.
 static lac_status climb_own(search *s, bool open, bool *found, lac_error *err)
 {
-    const double worth = 1.5, step = 2.2;
+    const double worth = 2.5, step = 2.2;
     LAC_TRY_RETURN(begin(s, INFINITY, err));
     const rung first = s->last;
     const double explicit = (EXPLICIT_STAGES + step) * first.stiff_steps;
