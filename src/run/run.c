@@ -169,7 +169,8 @@ static lac_status count_stiff_steps(run *r, lac_error *err)
     *all +=
         engine->step / stable *
         lac_problem_fastest(r->problem, lac_engine_clock(engine, engine->t), engine->y, r->aside);
-    const bool stiff = *all > r->def->most_stiff && *all > 0.5 * (double)(r->steps + 1);
+    const double made = (double)(r->steps + 1);
+    const bool stiff = fmin(*all, made) > r->def->most_stiff && *all > 0.5 * made;
     return stiff ? lac_fail(err, LAC_ENUMERIC, "stability asks for more than %g explicit steps",
                             r->def->most_stiff)
                  : LAC_OK;

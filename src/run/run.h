@@ -117,10 +117,10 @@ typedef struct lac_run_def {
     int64_t max_order; ///< 0: the method's own
     double first_step; ///< [s]; NaN: from the problem's time scales, which also bound it
     int64_t max_steps; ///< of the whole run
-    double most_stiff; ///< give up, LAC_ENUMERIC, where stability asks an explicit method for more
-                       ///< steps than that, half of all at least; INFINITY: only count them; 0:
-                       ///< they are not looked at
-    double end;        ///< [s]
+    double most_stiff; ///< give up, LAC_ENUMERIC, after so many steps where stability asks an
+                       ///< explicit method for as many, and for half of all; INFINITY: only count
+                       ///< them; 0: they are not looked at
+    double end;          ///< [s]
     double failure_rate; ///< mean slip rate that is failure [m/s]; INFINITY: none is
     double failure_slip; ///< mean slip that is failure [m]; both as lac_problem_failure takes them
     double stop_slip;    ///< end the run at this mean slip [m]; NaN: no

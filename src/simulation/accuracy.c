@@ -161,9 +161,9 @@ static double error_of(lac_method method, const rung *coarse, const rung *fine)
 // Rung of the first run that may be kept.
 static size_t fine_rung(const lac_case *c)
 {
-    const int digits = (int)ceil(-log10(c->accuracy) - 1e-9) - 1;
-    const int extra = c->run.fidelity == LAC_FIDELITY_ASYNC ? ASYNC_FINER : 0;
-    return (size_t)((digits > FINE ? digits : FINE) + extra);
+    const double digits = ceil(-log10(c->accuracy) - 1e-9) - 1.0;
+    const size_t finer = c->run.fidelity == LAC_FIDELITY_ASYNC ? ASYNC_FINER : 0;
+    return (size_t)fmax(digits, FINE) + finer;
 }
 
 // A run that is not kept, which those that may be are compared with.
