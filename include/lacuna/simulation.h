@@ -120,7 +120,7 @@ typedef struct lac_event {
     double moment;                  ///< G times the potency [N m]; NaN where there is no G
     double size;                    ///< longest side [m]
     double x, y;                    ///< centre of the first cell that moved [m]
-    double max_rate;                ///< of any of its cells at the end of a step [m/s]
+    double max_rate;                ///< of any of its cells, also between the ends of steps [m/s]
     int64_t cut;                    ///< LAC_EVENT_*; 0: whole
 } lac_event;
 
@@ -207,7 +207,8 @@ typedef struct lac_simulation_options {
     int threads;       ///< of long loops; 0: as many as OpenMP is set to
     bool cells_unread; ///< nobody looks at the cells of the records: those of a pilot run that is
                        ///< kept as the run then come without them, and it may have more records
-    bool live; ///< who gets the records wants them as the run goes on: no pilot run is kept as it
+    bool steps; ///< they are looked at too, with all cells of fidelity ode: a pilot run keeps them
+    bool live;  ///< who gets the records wants them as the run goes on: no pilot run is kept as it
 } lac_simulation_options;
 
 /// No callbacks, threads as they are.

@@ -16,16 +16,16 @@ lac_status lac_catalogue_create(const lac_domain *domain, double rise, double fa
     *out = (lac_catalogue){
         .domain = domain, .rise = rise, .fall = fall, .modulus = modulus, .vacant = none};
     out->neighbour = lac_neighbours_find(domain);
-    out->rate = calloc(3 * n, sizeof *out->rate);
+    out->slip = calloc(2 * n, sizeof *out->slip);
     out->moves = calloc(n, sizeof *out->moves);
     out->event = calloc(4 * n + domain->grid.nx + domain->grid.ny, sizeof *out->event);
     out->change = malloc(n * sizeof *out->change);
-    if (out->neighbour == NULL || out->rate == NULL || out->moves == NULL || out->event == NULL ||
-        out->change == NULL) {
+    const bool past = lac_crest_create(n, &out->past, err) == LAC_OK;
+    if (!past || out->neighbour == NULL || out->slip == NULL || out->moves == NULL ||
+        out->event == NULL || out->change == NULL) {
         lac_catalogue_clear(out);
         return lac_fail_memory(err);
     }
-    out->slip = out->rate + n;
     out->slip_at_rise = out->slip + n;
     out->active = out->event + n;
     out->place = out->active + n;
@@ -43,7 +43,8 @@ void lac_catalogue_clear(lac_catalogue *c)
     }
     free(c->open);
     free(c->neighbour);
-    free(c->rate);
+    free(c->slip);
+    lac_crest_clear(&c->past);
     free(c->moves);
     free(c->event);
     free(c->change);
@@ -253,13 +254,6 @@ static int by_time(const void *left, const void *right)
     return a->cell < b->cell ? -1 : a->cell > b->cell;
 }
 
-// Where in the step ln |v|, taken as linear there, comes to a limit.
-static double share_at(double before, double after, double limit)
-{
-    double share = log(limit / before) / log(after / before);
-    return share >= 0.0 && share <= 1.0 ? share : 1.0; // from v = 0: at the very end
-}
-
 // The cells that the step moved on: all, or those that it lists.
 static size_t moved_on(const lac_catalogue *c, const lac_step *step)
 {
@@ -285,7 +279,7 @@ static size_t collect(const lac_catalogue *c, const lac_step *step)
         bool whole = !c->begun || step->step == 0.0;
         double limit = now ? c->rise : c->fall;
         c->change[changes++] = (lac_motion_change){
-            .share = whole ? 1.0 : share_at(c->rate[i], v, limit),
+            .share = whole ? 1.0 : lac_crest_share_at(c->past.rate[0][i], v, limit),
             .cell = (uint32_t)i,
             .rises = now,
         };
@@ -300,7 +294,7 @@ static size_t collect(const lac_catalogue *c, const lac_step *step)
 static double slip_at(const lac_catalogue *c, const lac_step *step, const lac_motion_change *change)
 {
     uint32_t i = change->cell;
-    double before = c->rate[i], after = fabs(step->slip_rate[i]);
+    double before = c->past.rate[0][i], after = fabs(step->slip_rate[i]);
     double limit = change->rises ? c->rise : c->fall;
     double rest = c->begun && step->step > 0.0 ? (after - limit) / (after - before) : 0.0;
     return step->slip[i] - rest * (step->slip[i] - c->slip[i]);
@@ -323,24 +317,34 @@ static lac_status apply(lac_catalogue *c, const lac_step *step, const lac_motion
     return LAC_OK;
 }
 
+// What the cells that moved at the end of the last step came to about it.
+static void seek_crests(lac_catalogue *c, const lac_step *step)
+{
+    for (size_t k = 0; k < c->actives && step->changed == NULL; k++) {
+        lac_open_event *e = &c->open[c->event[c->active[k]]];
+        e->max_rate = fmax(e->max_rate, lac_crest_top(&c->past, step, c->active[k], NULL));
+    }
+}
+
 lac_status lac_catalogue_step(lac_catalogue *c, const lac_step *step, const lac_sink *sink,
                               lac_error *err)
 {
     c->origin = step->time_origin;
     c->local = step->time_local;
+    seek_crests(c, step);
     if (c->actives > 0 || step->max_rate >= c->rise) {
         size_t changes = collect(c, step);
         for (size_t k = 0; k < changes; k++) {
             LAC_TRY_RETURN(apply(c, step, &c->change[k], sink, err));
         }
     }
+    lac_crest_take(&c->past, step);
     for (size_t k = 0; k < moved_on(c, step); k++) {
         size_t i = cell_of(step, k);
-        c->rate[i] = fabs(step->slip_rate[i]);
         c->slip[i] = step->slip[i];
         if (c->moves[i]) {
             lac_open_event *e = &c->open[c->event[i]];
-            e->max_rate = fmax(e->max_rate, c->rate[i]);
+            e->max_rate = fmax(e->max_rate, c->past.rate[0][i]);
         }
     }
     c->begun = true;
@@ -463,7 +467,7 @@ void lac_catalogue_serialize(lac_catalogue *c, lac_archive *archive)
     pass_bool(archive, &c->begun);
     LAC_PASS(archive, c->origin);
     LAC_PASS(archive, c->local);
-    lac_archive_pass(archive, c->rate, n * sizeof *c->rate);
+    lac_crest_serialize(&c->past, archive);
     lac_archive_pass(archive, c->slip, n * sizeof *c->slip);
     lac_archive_pass(archive, c->event, n * sizeof *c->event);
     pass_moving(c, archive);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include "run/run.h"
+#include "analysis/crest.h"
 
 /// An event on its way.
 typedef struct lac_open_event {
@@ -31,7 +31,8 @@ typedef struct lac_catalogue {
     uint32_t *neighbour; ///< [8 n]
     bool begun;
     double origin, local; ///< of the last step [s]
-    double *rate, *slip;  ///< [n] then, |v| [m/s] and slip [m]
+    lac_crest past;       ///< rates up to then
+    double *slip;         ///< [n] slip then [m]
     double *slip_at_rise; ///< [n] of cells that move [m]
     uint8_t *moves;       ///< [n]
     uint32_t *event; ///< [n] and the arrays of its kind below: place of the open event it belongs

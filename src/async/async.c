@@ -106,6 +106,12 @@ lac_async_counts lac_async_count(const lac_async *m)
 
 bool lac_async_at_limit(const lac_async *m) { return m->at_limit; }
 
+double lac_async_told(const lac_async *m)
+{
+    const lac_async_node *root = &m->tree.node[m->tree.nodes - 1];
+    return root->rate * root->share;
+}
+
 double lac_async_peak(lac_async *m)
 {
     double peak = m->peak;
@@ -294,7 +300,7 @@ static lac_status proceed(lac_async *m, const lac_async_limits *limits, double s
     }
     lac_status status = update(m, who, next, err);
     const lac_async_cell *c = &m->tree.cell[who];
-    m->at_limit = c->v >= limits->max_rate || root->rate * root->share >= limits->mean_rate ||
+    m->at_limit = c->v >= limits->max_rate || lac_async_told(m) >= limits->mean_rate ||
                   lac_async_cell_let_go(&m->rules, c);
     return status == LAC_OK ? tell(m, limits, who, m->step, err) : status;
 }

@@ -88,6 +88,9 @@ lac_status lac_async_evaluate(const lac_async *micro, const lac_async_state *sta
 /// Whether the last advance ended at a limit of rate or slip.
 bool lac_async_at_limit(const lac_async *micro);
 
+/// Mean slip rate as the cells have told it [m/s]: of each that which it foresees for its step.
+double lac_async_told(const lac_async *micro);
+
 /// Largest slip rate of any update since the last call [m/s].
 double lac_async_peak(lac_async *micro);
 

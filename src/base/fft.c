@@ -133,8 +133,8 @@ static void multiply(size_t n, const double *restrict factor, double *restrict x
 void lac_fft_filter(lac_fft *fft, const double *table)
 {
     fftw_execute(fft->rows_forward);
-    for (size_t k = 0; fft->ny == 1 && k < fft->nkx; k++) {
-        fft->spectrum[k] *= table[k]; // a line has no columns to transform
+    if (fft->ny == 1) { // a line has no columns to transform
+        multiply(fft->nkx, table, (double *)fft->spectrum);
     }
     for (size_t first = 0; fft->ny > 1 && first < fft->nkx; first += BLOCK) {
         size_t width = transform_columns(fft, first);

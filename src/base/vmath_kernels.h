@@ -40,23 +40,39 @@ LAC_KERNEL lac_power_of_two(double k)
 }
 
 // exp(x) = 2^k exp(r), |r| <= ln(2)/2;  exp(r) = 1 + r + r^2 q(r)
-LAC_KERNEL lac_exp_one(double x)
+// @param k  becomes that k. @return exp(r)
+LAC_KERNEL lac_exp_reduced(double x, double *k_of)
 {
-    // Beyond these the result is infinity or 0; NaN passes both.
-    double c = x > 710 ? 710 : x;
-    c = c < -746 ? -746 : c;
-    double k = (c * LAC_LOG2_E + LAC_ROUNDING) - LAC_ROUNDING;
-    double r = (c - k * LAC_LN_2_HIGH) - k * LAC_LN_2_LOW;
+    double k = (x * LAC_LOG2_E + LAC_ROUNDING) - LAC_ROUNDING;
+    double r = (x - k * LAC_LN_2_HIGH) - k * LAC_LN_2_LOW;
     double z = r * r;
     double q = 0x1.28a4b36a0d09ap-22 + 0x1.ad5c053145a12p-26 * r;
     q = (0x1.a019a49b75882p-16 + 0x1.71df30851e164p-19 * r) + z * q;
     q = (0x1.6c16c17fbb7e5p-10 + 0x1.a01a012be14fdp-13 * r) + z * q;
     q = (0x1.5555555552045p-5 + 0x1.1111111125d10p-7 * r) + z * q;
     q = (0x1.0000000000004p-1 + 0x1.555555555550bp-3 * r) + z * q;
-    double e = 1 + (r + z * q);
+    *k_of = k;
+    return 1 + (r + z * q);
+}
+
+LAC_KERNEL lac_exp_one(double x)
+{
+    // Beyond these the result is infinity or 0; NaN passes both.
+    double c = x > 710 ? 710 : x;
+    c = c < -746 ? -746 : c;
+    double k;
+    double e = lac_exp_reduced(c, &k);
     // In two factors, as 2^k itself need not be a normal number.
     double half = (k * 0.5 + LAC_ROUNDING) - LAC_ROUNDING;
     return e * lac_power_of_two(half) * lac_power_of_two(k - half);
+}
+
+// The same where it is a normal number, |x| < 708; else of no meaning.
+LAC_KERNEL lac_exp_normal(double x)
+{
+    double k;
+    double e = lac_exp_reduced(x, &k);
+    return e * lac_power_of_two(k);
 }
 
 // ln x + more, for a normal positive x:  x = 2^k m, m in [sqrt(1/2), sqrt(2)), f = m - 1,

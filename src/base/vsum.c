@@ -26,23 +26,22 @@ LAC_CLONES double lac_vsum(size_t n, const double *x)
     return s[0];
 }
 
+// Numbers that are not negative stand in the order of their bits, which compilers compare many at a
+// time; what is not a number does not count.
 LAC_CLONES double lac_vmost(size_t n, const double *x)
 {
-    double s[LANES] = {0};
-    size_t whole = n - n % LANES;
-    for (size_t i = 0; i < whole; i += LANES) {
-        for (size_t k = 0; k < LANES; k++) {
-            double size = fabs(x[i + k]);
-            s[k] = size > s[k] ? size : s[k];
-        }
+    const int64_t infinite = INT64_C(0x7ff0000000000000);
+    int64_t most = 0;
+    for (size_t i = 0; i < n; i++) {
+        int64_t size;
+        double one = fabs(x[i]);
+        memcpy(&size, &one, sizeof size);
+        size = size <= infinite ? size : 0;
+        most = size > most ? size : most;
     }
-    for (size_t i = whole; i < n; i++) {
-        s[i - whole] = fabs(x[i]) > s[i - whole] ? fabs(x[i]) : s[i - whole];
-    }
-    for (size_t k = 1; k < LANES; k++) {
-        s[0] = s[k] > s[0] ? s[k] : s[0];
-    }
-    return s[0];
+    double found;
+    memcpy(&found, &most, sizeof found);
+    return found;
 }
 
 LAC_CLONES bool lac_vfinite(size_t n, const double *x)

@@ -290,6 +290,11 @@ typedef struct lac_case_request {
 lac_status lac_case_read(const char *path, const lac_case_request *request, lac_case **out,
                          lac_case_issues *report, lac_error *err);
 
+/// The text of a file, of at most 4 MiB and a byte, and a zero behind it.
+/// @param text  NULL before; the caller frees it, whatever the status
+/// @return LAC_OK; LAC_EIO; LAC_ENOMEM
+lac_status lac_case_read_file(const char *path, char **text, size_t *size, lac_error *err);
+
 /// As lac_case_read, from memory (the fuzzer's way in).
 /// @param name  stands for the path in messages and for relative paths
 lac_status lac_case_read_text(const char *name, const char *text, size_t size,
@@ -307,9 +312,9 @@ double lac_case_pressure(const lac_case *c);
 /// gravity on a slope, or a limit of the run or a map of the cells is one.
 bool lac_case_implies_safety(const lac_case *c);
 
-/// Whether nothing that the case names of solver and inertia is against solver.fidelity events; of
-/// its law, loads and transfer lac_run_async_follows tells.
-bool lac_case_admits_events(const lac_case *c);
+/// The first key of what the case names of solver, inertia and the like that is against
+/// solver.fidelity events; NULL: none. Of its law, loads and transfer lac_run_async_follows tells.
+const char *lac_case_bars_events(const lac_case *c);
 
 /// Told what differs between two cases, keys in order. @param before, after  "" where there is none
 typedef void lac_case_change(void *context, const char *key, const char *before, const char *after);

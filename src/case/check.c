@@ -326,57 +326,6 @@ static void check_inertia(lac_reader *reader, lac_case *c, double pressure)
     }
 }
 
-// Cells at steps of their own have one formulation and no method to choose.
-enum { EVENTS_REFUSE = 8 };
-static const struct {
-    const char *key, *why;
-} events_refuse[EVENTS_REFUSE] = {
-    {"solver.fidelity", "knows no inertia: leave one of them out"},
-    {"solver.formulation", "must be auto or rate with fidelity events"},
-    {"solver.method", "goes with fidelity ode, not with events"},
-    {"solver.max_order", "goes with fidelity ode, not with events"},
-    {"solver.first_step", "goes with fidelity ode, not with events"},
-    {"time.stop_when.factor_of_safety", "goes with fidelity ode, not with events"},
-    {"solver.fidelity", "knows no interface.geometry: leave one of them out"},
-    {"weakening", "goes with fidelity ode, not with events"},
-};
-
-// Which of these the case asks for.
-static void ask_events(const lac_case *c, bool asked[EVENTS_REFUSE])
-{
-    asked[0] = lac_inertia_mass(c) > 0;
-    asked[1] = c->formulation_given && c->formulation != LAC_FORMULATION_RATE;
-    asked[2] = c->run.method != LAC_BDF;
-    asked[3] = c->run.max_order != 0;
-    asked[4] = !isnan(c->run.first_step);
-    asked[5] = !isnan(c->run.stop_safety);
-    asked[6] = c->geometry.angles > 0;
-    asked[7] = c->weakening.count > 0;
-}
-
-bool lac_case_admits_events(const lac_case *c)
-{
-    bool asked[EVENTS_REFUSE];
-    ask_events(c, asked);
-    bool any = false;
-    for (size_t i = 0; i < EVENTS_REFUSE; i++) {
-        any = any || asked[i];
-    }
-    return !any;
-}
-
-static void check_events(lac_reader *reader, lac_case *c)
-{
-    const bool clean = lac_clean(reader, "solver");
-    bool asked[EVENTS_REFUSE];
-    ask_events(c, asked);
-    for (size_t i = 0; i < EVENTS_REFUSE; i++) {
-        (void)lac_refuse(reader, clean && asked[i], events_refuse[i].key, "%s",
-                         events_refuse[i].why);
-    }
-    c->formulation = LAC_FORMULATION_RATE;
-}
-
 // Chooses the formulation where the case leaves it open.
 static void check_solver(lac_reader *reader, lac_case *c)
 {
@@ -394,7 +343,7 @@ static void check_solver(lac_reader *reader, lac_case *c)
     (void)lac_refuse(reader, !isnan(c->accuracy) && reader->purpose == LAC_FOR_FIT,
                      "solver.accuracy", "is picked for by lacuna run; here rtol counts");
     if (c->run.fidelity == LAC_FIDELITY_ASYNC) {
-        check_events(reader, c);
+        lac_check_events(reader, c);
         return;
     }
     c->formulation = (int)lac_formulation_choose(c->formulation, c->run.method, form);
@@ -422,6 +371,28 @@ static void check_cadences(lac_reader *reader, const lac_case *c)
                          cadences[i].key,
                          "is finer than times are told apart by time.end: must be >= %s",
                          lac_units_format(least, "s", text, sizeof text));
+    }
+}
+
+// At each the integrator begins anew, with short steps of the lowest order.
+static void check_checkpoints(lac_reader *reader, const lac_case *c)
+{
+    const int64_t steps = c->run.checkpoint.steps;
+    const double times = c->run.end / c->run.checkpoint.time, many = 1e4; // NaN: not by time
+    if (!lac_clean(reader, "output") || !lac_clean(reader, "time")) {
+        return;
+    }
+    if (steps > 0 && steps < LAC_CLOSE_STEPS) {
+        lac_warn(reader, "output.checkpoint.steps",
+                 "the integrator begins anew at each checkpoint, and some ten steps or more go by "
+                 "until its steps are as long as before: a run can take 10 times the steps with "
+                 "10, 40 times with 1; %d or more cost little",
+                 5 * LAC_CLOSE_STEPS);
+    } else if (times > many) {
+        lac_warn(reader, "output.checkpoint.time",
+                 "names %.2g checkpoints up to time.end: the integrator begins anew at each, so "
+                 "that no step is longer than this time, and many are far shorter",
+                 times);
     }
 }
 
@@ -492,6 +463,7 @@ void lac_check_case(lac_reader *reader, lac_case *c)
     lac_check_points(reader, c);
     lac_check_point_names(reader, c);
     check_cadences(reader, c);
+    check_checkpoints(reader, c);
     ask_safety(c);
     c->run.beyond = beyond_run(reader, c);
 }

@@ -55,6 +55,10 @@ static const lac_model_info fidelities[] = {
               "Res. Lett. 83, 983, doi 10.1785/0220120105 (RSQSim)"),
     LAC_ABOUT("static", "no time: the cascade of slip over the blocks, by lacuna rg",
               PAPER "; docs/theory/rg.md"),
+    LAC_ABOUT("auto",
+              "events where cells slip one by one, it takes the case and nothing is asked of all "
+              "cells at every step, else ode; run and check say which and why",
+              "docs/choosing.md"),
 };
 
 static const lac_model_info methods[] = {
@@ -66,10 +70,11 @@ static const lac_model_info methods[] = {
         "Adams-Moulton of order 1 to 12 by fixed-point iteration: problems that are not stiff",
         CVODES),
     LAC_ABOUT("erk",
-              "explicit Runge-Kutta of order 2 to 8, Cash-Karp 5(4) by default: earthquake "
-              "cycles without stiff ties",
+              "explicit Runge-Kutta of order 2 to 8, Cash-Karp 5(4) by default, Prince-Dormand "
+              "8(7) of order 8: earthquake cycles without stiff ties",
               "Reynolds et al. (2023) ACM Trans. Math. Softw. 49, 19, doi 10.1145/3594632 "
-              "(ARKODE); Cash & Karp (1990) ACM Trans. Math. Softw. 16, 201"),
+              "(ARKODE); Cash & Karp (1990) ACM Trans. Math. Softw. 16, 201; Prince & "
+              "Dormand (1981) J. Comput. Appl. Math. 7, 67"),
 };
 
 static const lac_model_info formulations[] = {

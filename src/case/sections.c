@@ -25,7 +25,7 @@ static const lac_param interface_rows[] = {
              "length along x, the direction of slip; may be absent (1 m) only for a single block"),
     LAC_REAL("width", "m", FIELD(interface.width), NAN, 0, 1e9, LAC_OPTIONAL | LAC_ABOVE_MIN,
              "length along y; that of square cells if absent"),
-    LAC_INTEGER("levels", FIELD(interface.levels), NAN, 0, 12, LAC_OPTIONAL,
+    LAC_INTEGER("levels", FIELD(interface.levels), NAN, 0, 13, LAC_OPTIONAL,
                 "2^levels cells a side; a single block if 0, or if it and cells_x are absent"),
     LAC_INTEGER("cells_x", FIELD(interface.cells_x), NAN, 1, LAC_MOST_CELLS, LAC_OPTIONAL,
                 "cells along x, instead of levels; products of 2, 3 and 5 are fast"),
@@ -77,8 +77,9 @@ static const lac_param history_rows[] = {
 };
 
 static const lac_param initial_rows[] = {
-    LAC_REAL("slip_rate", "m/s", FIELD(initial.slip_rate), NAN, 0, 1e3,
-             LAC_OPTIONAL | LAC_ABOVE_MIN, "at the start; follows from load and state if absent"),
+    // Slower than exp(LAC_SLOWEST) no cell is followed.
+    LAC_REAL("slip_rate", "m/s", FIELD(initial.slip_rate), NAN, 1e-250, 1e3, LAC_OPTIONAL,
+             "at the start; follows from load and state if absent"),
     LAC_OWN("state", "steady, a time, or {ratio_to_steady: x}; follows from load and slip rate if "
                      "absent, steady where neither is given"),
     LAC_HEADING_ROW(FIELD(initial_azimuth)),
@@ -199,16 +200,17 @@ const lac_param lac_inertia_rows[LAC_INERTIA_ROWS] = {
 };
 
 static const char *const methods[] = {"bdf", "adams", "erk", NULL};
-static const char *const fidelities[] = {"ode", "events", "static", NULL};
+static const char *const fidelities[] = {"ode", "events", "static", "auto", NULL};
 static const char *const formulations[] = {"auto",    "rate",   "traction", "slip",
                                            "inertia", "vector", NULL};
 static const char *const answers[] = {"false", "true", NULL};
 static const char *const plannings[] = {"estimate", "measure", NULL};
 
 static const lac_param solver_rows[] = {
-    LAC_CHOICE("fidelity", FIELD(run.fidelity), LAC_FIDELITY_ODE, fidelities, 0,
+    LAC_CHOICE("fidelity", FIELD(run.fidelity), LAC_FIDELITY_AUTO, fidelities, 0,
                "what is resolved in time: ode (all cells at every step), events (each cell at "
-               "steps of its own, for cells that slip one by one); static has no time (lacuna rg)"),
+               "steps of its own, for cells that slip one by one), auto (whichever of them is the "
+               "faster one); static has no time (lacuna rg)"),
     LAC_REAL("wake", "1", FIELD(run.wake), 1, 0, 100, LAC_ABOVE_MIN,
              "with fidelity events: error that an unforeseen change of traction may cause before a "
              "cell is looked at, over the error of its step"),

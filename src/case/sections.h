@@ -301,6 +301,9 @@ void lac_check_rg(lac_reader *reader, lac_case *c);
 void lac_check_analysis(lac_reader *reader, lac_case *c);
 void lac_check_fit(lac_reader *reader, lac_case *c);
 void lac_check_vector(lac_reader *reader, lac_case *c);
+
+/// What a case of fidelity events may not ask for; sets its formulation.
+void lac_check_events(lac_reader *reader, lac_case *c);
 void lac_check_weakening(lac_reader *reader, lac_case *c);
 void lac_check_points(lac_reader *reader, const lac_case *c);
 void lac_check_point_names(lac_reader *reader, const lac_case *c);
@@ -327,17 +330,14 @@ void lac_find_coulomb(lac_reader *reader, const lac_case *c, const char *key, do
 /// Whether nothing is wrong below a key: what depends on it can be checked.
 bool lac_clean(const lac_reader *reader, const char *key);
 
-/// Cells of 4096 x 4096: what was tried, and what 32-bit counts of doubled grids hold with ease.
-#define LAC_MOST_CELLS 16777216
+/// Cells of 8192 x 8192: what was tried, and what 32-bit counts of doubled grids hold with ease.
+#define LAC_MOST_CELLS 67108864
 
 /// What no section sees alone.
 void lac_check_case(lac_reader *reader, lac_case *c);
 
 /// Applies one --set to the tree.
 void lac_apply_override(lac_reader *reader, lac_node *root, const lac_override *override);
-
-/// A file of at most 4 MiB and a byte. @param text  the caller frees it, whatever the status
-lac_status lac_case_read_file(const char *path, char **text, size_t *size, lac_error *err);
 
 /// Reads a small file that is one mapping of keys, which is the reader's root.
 /// @param such  a key and its value, for messages

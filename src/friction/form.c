@@ -5,6 +5,7 @@
 
 #include "base/clones.h"
 #include "base/vmath.h"
+#include "base/vmath_kernels.h"
 #include "friction/law.h"
 
 // Both cut-offs are one function. With S(d) = ln(1 + e^d),
@@ -160,6 +161,9 @@ LAC_CLONES static void lac_form_plain_coefficient(const lac_friction *friction, 
 static void plain_slopes(const lac_friction *friction, size_t first, size_t n,
                          const lac_friction_values *values, const lac_friction_slopes *slopes)
 {
+    if (values->f_u == NULL) {
+        return;
+    }
     memcpy(values->f_u, lac_cellwise_from(&friction->column[LAC_A], first), n * sizeof(double));
     memcpy(values->f_w, lac_cellwise_from(&friction->column[LAC_B], first), n * sizeof(double));
     if (slopes != NULL) {
@@ -187,33 +191,75 @@ LAC_CLONES static void lac_form_regularised_slopes(const double *a, const double
     }
 }
 
-// f = a asinh(X),  f_u = a s,  f_w = b s
-// On entry values->f holds the plain coefficient. X, then s, pass through f_u, and asinh(X), then
-// r, through f_w.
+// How many of the cells are not so far up that f is the plain coefficient: 21 > ln(2 TAIL).
+LAC_CLONES static size_t lac_form_count_bent(const double *a, size_t n, const double *f)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < n; i++) {
+        count += f[i] > 21.0 * at_least_smallest(a[i]) ? 0 : 1;
+    }
+    return count;
+}
+
+// s and r as below, where f stays as it is.
+LAC_CLONES static void lac_form_far(const double *a, size_t n, const double *f, double *s,
+                                    double *r)
+{
+    LAC_INDEPENDENT
+    for (size_t i = 0; i < n; i++) {
+        double log_x = f[i] / at_least_smallest(a[i]) - LN_2;
+        double x = lac_exp_one(log_x > LOG_MOST ? LOG_MOST : log_x);
+        r[i] = 1 / sqrt(1 + x * x);
+        s[i] = x * r[i];
+    }
+}
+
+// f = a asinh(X) of what is the plain coefficient before, s = X r and r = 1/sqrt(1 + X^2)
+LAC_CLONES static void lac_form_regularise(const double *a, size_t n, double *f, double *s,
+                                           double *r)
+{
+    LAC_INDEPENDENT
+    for (size_t i = 0; i < n; i++) {
+        double log_x = f[i] / at_least_smallest(a[i]) - LN_2;
+        double x = lac_exp_one(log_x > LOG_MOST ? LOG_MOST : log_x);
+        double bent = a[i] * lac_asinh_one(x);
+        f[i] = x > TAIL ? f[i] : bent;
+        r[i] = 1 / sqrt(1 + x * x);
+        s[i] = x * r[i];
+    }
+}
+
+// f_u = a s,  f_w = b s
+LAC_CLONES static void lac_form_gains(const double *a, const double *b, size_t n, double *f_u,
+                                      double *f_w)
+{
+    LAC_INDEPENDENT
+    for (size_t i = 0; i < n; i++) {
+        double s = f_u[i];
+        f_w[i] = b[i] * s;
+        f_u[i] = a[i] * s;
+    }
+}
+
+// On entry values->f holds the plain coefficient.
 static void regularise(const double *a, const double *b, size_t n,
                        const lac_friction_values *values, const lac_friction_slopes *slopes)
 {
-    double *f = values->f, *f_u = values->f_u, *f_w = values->f_w;
-    for (size_t i = 0; i < n; i++) {
-        double log_x = f[i] / at_least_smallest(a[i]) - LN_2;
-        f_u[i] = log_x > LOG_MOST ? LOG_MOST : log_x;
+    double scratch[2][LAC_FRICTION_BLOCK];
+    const bool alone = values->f_u == NULL; // f is all that is wanted
+    double *s = alone ? scratch[0] : values->f_u, *r = alone ? scratch[1] : values->f_w;
+    if (lac_form_count_bent(a, n, values->f) > 0) {
+        lac_form_regularise(a, n, values->f, s, r);
+    } else if (!alone) {
+        lac_form_far(a, n, values->f, s, r);
     }
-    lac_vexp(n, f_u, f_u);
-    lac_vasinh(n, f_u, f_w);
-    for (size_t i = 0; i < n; i++) {
-        double x = f_u[i], r = 1 / sqrt(1 + x * x);
-        double plain = f[i], bent = a[i] * f_w[i];
-        f[i] = x > TAIL ? plain : bent;
-        f_u[i] = x * r;
-        f_w[i] = r;
+    if (alone) {
+        return;
     }
     if (slopes != NULL) {
-        lac_form_regularised_slopes(a, b, n, f_u, f_w, slopes);
+        lac_form_regularised_slopes(a, b, n, s, r, slopes);
     }
-    for (size_t i = 0; i < n; i++) {
-        f_w[i] = b[i] * f_u[i];
-        f_u[i] = a[i] * f_u[i];
-    }
+    lac_form_gains(a, b, n, values->f_u, values->f_w);
 }
 
 // Strength as a function of U and W, which stand in u and w.

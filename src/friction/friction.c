@@ -282,10 +282,19 @@ void lac_friction_evaluate(const lac_friction *friction, const lac_friction_cell
 {
     assert(cells->n <= LAC_FRICTION_BLOCK && cells->first + cells->n <= friction->n);
     if (values->f != NULL) {
-        lac_form_evaluate(friction, cells->first, cells->n, cells->u, cells->w, values, slopes);
-        if (lac_friction_flashes(friction)) {
-            lac_flash_weaken(friction, cells, values, slopes);
+        double by_u[LAC_FRICTION_BLOCK], by_w[LAC_FRICTION_BLOCK];
+        lac_friction_values all = *values;
+        if (all.f_u == NULL && (lac_cutoff_any(friction) || lac_friction_flashes(friction))) {
+            all.f_u = by_u; // f itself needs them there
+            all.f_w = by_w;
         }
+        lac_form_evaluate(friction, cells->first, cells->n, cells->u, cells->w, &all, slopes);
+        if (lac_friction_flashes(friction)) {
+            lac_flash_weaken(friction, cells, &all, slopes);
+        }
+    }
+    if (values->g == NULL) {
+        return;
     }
     friction->law->evolve(friction, cells, values->g, slopes == NULL ? NULL : slopes->g_u,
                           slopes == NULL ? NULL : slopes->g_w);

@@ -110,7 +110,9 @@ static inline __attribute__((always_inline)) uint64_t step_all(size_t n, bool be
     LAC_INDEPENDENT
     for (size_t i = 0; i < n; i++) {
         double s = c->s[i];
-        double e = lac_exp_one(s - c->shift[i]);
+        double log_v = s - c->shift[i]; // beyond these no cell settles
+        log_v = log_v > -700 ? log_v : -700;
+        double e = lac_exp_normal(log_v < 700 ? log_v : 700);
         double v = e, rise = e;
         if (bent) {
             double y = lac_exp_one(-s);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What integrators ask of a problem: dy/dt, Newton's system, allowed errors, a first step.
+#include "base/clones.h"
 #include "model/internal.h"
 
 bool lac_problem_derivative(const lac_problem *problem, double t, const double *y, double *ydot,
@@ -23,23 +24,49 @@ bool lac_problem_newton(const lac_problem *problem, double t, const double *y, d
 // that ordinary friction needs no care.
 #define MOST_WORTH 10.0
 
-// Error of ln theta that counts as rtol where v is solved for.
-static double state_scale(const lac_problem *problem, size_t cell)
+// weight = 1/(rtol scale), no finer than a double resolves y. @param y  NULL: 1
+LAC_CLONES static void lac_weigh(size_t n, double rtol, const double *scale, const double *y,
+                                 double *weight)
 {
-    double a = lac_cellwise_of(&problem->friction->column[LAC_A], cell);
-    double b = lac_cellwise_of(&problem->friction->column[LAC_B], cell);
-    bool counts = problem->kind->solved && a > 0.0 && b > MOST_WORTH * a;
-    return counts ? MOST_WORTH * a / b : 1.0;
+    const double resolved = 8.0 * DBL_EPSILON;
+    LAC_INDEPENDENT
+    for (size_t i = 0; i < n; i++) {
+        double error = rtol * scale[i];
+        double least = resolved * (y != NULL ? fabs(y[i]) : 1.0);
+        weight[i] = 1.0 / (least > error ? least : error);
+    }
+}
+
+// Error of ln theta that counts as rtol where v is solved for.
+LAC_CLONES static void lac_weigh_state_scale(size_t n, const double *a, const double *b,
+                                             double *scale)
+{
+    LAC_INDEPENDENT
+    for (size_t i = 0; i < n; i++) {
+        bool counts = (a[i] > 0.0) & (b[i] > MOST_WORTH * a[i]);
+        scale[i] = counts ? MOST_WORTH * a[i] / b[i] : 1.0;
+    }
 }
 
 void lac_problem_weights(const lac_problem *problem, const double *y, double rtol, double *weight)
 {
-    for (size_t i = 0; i < problem->n; i++) {
-        double error =
-            problem->kind->scale != NULL ? rtol * problem->kind->scale(problem, i) : rtol;
-        weight[i] = 1.0 / fmax(error, 8.0 * DBL_EPSILON * fabs(y[i]));
-        double state = rtol * state_scale(problem, i);
-        weight[problem->n + i] = 1.0 / fmax(state, 8.0 * DBL_EPSILON);
+    const lac_formulation_kind *kind = problem->kind;
+    const lac_cellwise *column = problem->friction->column;
+    double scale[LAC_FRICTION_BLOCK], state[LAC_FRICTION_BLOCK];
+    for (size_t i = 0; i < LAC_FRICTION_BLOCK; i++) {
+        scale[i] = state[i] = 1.0;
+    }
+    for (size_t first = 0; first < problem->n; first += LAC_FRICTION_BLOCK) {
+        const size_t n = lac_block_length(problem->n, first);
+        if (kind->scale != NULL) {
+            kind->scale(problem, first, n, scale);
+        }
+        if (kind->solved) {
+            lac_weigh_state_scale(n, lac_cellwise_from(&column[LAC_A], first),
+                                  lac_cellwise_from(&column[LAC_B], first), state);
+        }
+        lac_weigh(n, rtol, scale, y + first, weight + first);
+        lac_weigh(n, rtol, state, NULL, weight + problem->n + first);
     }
     if (problem->across != NULL) {
         lac_vector_weigh(problem, y, rtol, weight);

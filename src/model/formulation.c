@@ -2,6 +2,7 @@
 // The table of formulations, and what those that solve for the rate have in common: rates that
 // carry given tractions (docs/theory/creep.md eq. 6), and Newton's system with ln theta and the
 // balance eliminated beforehand (eq. 8).
+#include "base/clones.h"
 #include "base/vsum.h"
 #include "model/internal.h"
 
@@ -40,7 +41,7 @@ void lac_problem_lay_out(lac_problem *problem)
                                                    : transfer->kind->work(transfer->state);
     problem->scratch = (problem->kind->arrays + leaning(problem)) * problem->n;
     problem->mean = problem->scratch + scratch;
-    problem->weakens = problem->mean + 1 + (problem->varies ? 4 * problem->n : 0);
+    problem->weakens = problem->mean + 2 + (problem->varies ? 4 * problem->n : 0);
 }
 
 size_t lac_problem_work(const lac_problem *problem)
@@ -92,29 +93,37 @@ size_t lac_block_friction(const lac_look *at, size_t first, lac_block *s, lac_bl
     return cells.n;
 }
 
-double lac_problem_unbalanced(const lac_look *at, double *traction, double *wdot)
+// traction -= p f + damping, of a block. @param pressures  effective
+LAC_CLONES static void lac_formulation_take_held(const lac_look *at, size_t first, size_t n,
+                                                 const double *pressures, const double *f,
+                                                 double *traction)
 {
     const lac_problem *problem = at->problem;
-    double total = 0.0;
-    lac_look_add_lost(at, traction);
-    for (size_t first = 0; first < problem->n; first += LAC_FRICTION_BLOCK) {
-        lac_block s;
-        size_t length = lac_block_friction(at, first, &s, NULL);
-        double part = 0.0;
-        for (size_t i = 0; i < length; i++) {
-            size_t k = first + i;
-            double v = at->motion.v[k];
-            double held = copysign(lac_problem_effective(problem, &at->drive, k) * s.f[i], v);
-            double common = lac_problem_drag(problem, k) * at->motion.mean;
-            traction[k] -= held + problem->damping * v + common;
-            part += traction[k];
-        }
-        if (wdot != NULL) {
-            memcpy(wdot + first, s.g, length * sizeof *wdot);
-        }
-        total += part;
+    const double *p = problem->pressure + first, *v = at->motion.v + first;
+    const double eta = problem->damping, drag = problem->drag, mean_damping = problem->mean_damping;
+    const double mean = at->motion.mean;
+    LAC_INDEPENDENT
+    for (size_t i = 0; i < n; i++) {
+        double held = copysign(pressures[i] * f[i], v[i]);
+        double common = (mean_damping + drag * p[i]) * mean;
+        traction[i] -= held + eta * v[i] + common;
     }
-    return total;
+}
+
+void lac_problem_unbalanced(const lac_look *at, double *traction, double *wdot)
+{
+    lac_look_add_lost(at, traction);
+    for (size_t first = 0; first < at->problem->n; first += LAC_FRICTION_BLOCK) {
+        double rates[LAC_FRICTION_BLOCK], pressures[LAC_FRICTION_BLOCK];
+        lac_block s;
+        const lac_friction_cells cells = cells_from(at, first, s.speed, rates);
+        const lac_friction_values values = {.f = s.f, .g = wdot != NULL ? wdot + first : NULL};
+        lac_friction_evaluate(at->problem->friction, &cells, &values, NULL);
+        for (size_t i = 0; i < cells.n; i++) {
+            pressures[i] = lac_problem_effective(at->problem, &at->drive, first + i);
+        }
+        lac_formulation_take_held(at, first, cells.n, pressures, s.f, traction + first);
+    }
 }
 
 bool lac_problem_evolve(const lac_look *at, double *wdot)
@@ -209,14 +218,6 @@ bool lac_implicit_solve(const lac_look *at, double gamma, double *b)
     return lac_problem_solve_sharing(problem, mean, at->ws.diagonal, &on, b, at->ws.scratch);
 }
 
-double lac_implicit_traction_scale(const lac_problem *problem, size_t cell)
-{
-    double a = lac_cellwise_of(&problem->friction->column[LAC_A], cell);
-    double b = lac_cellwise_of(&problem->friction->column[LAC_B], cell);
-    double effect = a > 0.0 ? a : b;
-    return (effect > 0.0 ? effect : 1.0) * problem->pressure[cell];
-}
-
 // What presses the cells from `first` on: the total pressures, of which all have the same share,
 // or in `room` what each has left.
 static const double *pressures_from(const lac_look *at, size_t first, size_t length, double *room)
@@ -230,7 +231,20 @@ static const double *pressures_from(const lac_look *at, size_t first, size_t len
     return room;
 }
 
-double lac_problem_rates_under(const lac_look *at, const double *tractions, double taken, double *u)
+// What of the tractions the cells' own friction holds: out of line, as most runs need none of it.
+static __attribute__((noinline)) void leave(const lac_look *at, const double *traction,
+                                            double taken, size_t first, double *left)
+{
+    const size_t length = lac_block_length(at->problem->n, first);
+    for (size_t i = 0; i < length; i++) {
+        left[i] = traction[i] - lac_problem_drag(at->problem, first + i) * taken;
+        left[i] += at->broken != NULL ? lac_look_lost(at, first + i) : 0.0;
+    }
+}
+
+// @param other  what friction holds is not all of the tractions; taken apart for either
+static inline __attribute__((always_inline)) double
+rates_under(const lac_look *at, const double *tractions, double taken, bool other, double *u)
 {
     double left[LAC_FRICTION_BLOCK];
     double room[LAC_FRICTION_BLOCK];
@@ -238,13 +252,11 @@ double lac_problem_rates_under(const lac_look *at, const double *tractions, doub
     double *v = at->ws.v;
     size_t n = problem->n;
     double total = 0.0;
-    const bool other = taken != 0.0 || at->broken != NULL;
     for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
         size_t length = lac_block_length(n, first);
         const double *traction = tractions + first;
-        for (size_t i = 0; other && i < length; i++) {
-            left[i] = traction[i] - lac_problem_drag(problem, first + i) * taken;
-            left[i] += at->broken != NULL ? lac_look_lost(at, first + i) : 0.0;
+        if (other) {
+            leave(at, traction, taken, first, left);
         }
         lac_friction_balance balance = {.first = first,
                                         .n = length,
@@ -257,6 +269,12 @@ double lac_problem_rates_under(const lac_look *at, const double *tractions, doub
         total += lac_vsum(length, v + first);
     }
     return total / (double)n;
+}
+
+double lac_problem_rates_under(const lac_look *at, const double *tractions, double taken, double *u)
+{
+    return taken != 0.0 || at->broken != NULL ? rates_under(at, tractions, taken, true, u)
+                                              : rates_under(at, tractions, 0.0, false, u);
 }
 
 void lac_problem_find_ease(const lac_look *at, const double *u, double *ease)

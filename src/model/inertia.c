@@ -118,7 +118,7 @@ static double find_forces(const lac_look *at, double *wdot)
     double *force = at->ws.kv;
     double total = 0.0;
     lac_problem_elastic_traction(at, slip, force);
-    (void)lac_problem_unbalanced(at, force, wdot);
+    lac_problem_unbalanced(at, force, wdot);
     for (size_t i = 0; i < n; i++) {
         double size =
             problem->pressure[i] + fabs(problem->traction0[i]) + problem->stiffness * fabs(slip[i]);

@@ -27,6 +27,7 @@ struct lac_problem {
     double slow;          // v_s: v = 2 v_s sinh x where a massive cell may turn back [m/s]
     double sum_traction0; // sum of the tractions at t = 0 [Pa]
     bool varies;          // what the loads take off the pressure differs from cell to cell
+    bool still;           // loads are at all times what drive0 tells
     double pull0;         // of the weight on a bent base over P at the start; 0: none
     double slide;         // most that a bent base puts on a cell or takes off it [Pa/m]; 0: none
     lac_load_state at_start;
@@ -72,7 +73,8 @@ typedef struct lac_workspace {
     double *slope; // with inertia: dv/dx
     double *row;   // [n] where damping of the mean counts, and slip is no unknown; of a bent base
                    // what a step of the mean slip puts on each cell
-    double *mean;  // [1] where rates are solved for: the mean rate that the next solve begins from
+    double *mean;  // [2] where rates are solved for: the mean rate that the next solve begins from;
+                   // that of the last look
     double *scratch; // of the transfer
     double *shares;  // [4n] where cells have shares of their own: shares and rates; before a jump
     double *weak;    // of lac_weaken_split, where a case names weakening
@@ -132,6 +134,10 @@ static inline double lac_look_lost(const lac_look *at, size_t i)
 bool lac_problem_begin(const lac_problem *problem, double t, const double *y, bool keep,
                        double *work, lac_look *at);
 
+// The same of the state that was looked at last, whose rates the work still holds.
+lac_look lac_problem_look_again(const lac_problem *problem, double t, const double *y,
+                                double *work);
+
 // @param work  the rates are in its first n afterwards
 lac_look lac_problem_look(const lac_problem *problem, double t, const double *y, double *work);
 
@@ -168,8 +174,8 @@ typedef struct lac_formulation_kind {
     bool (*derivative)(const lac_look *at, double *ydot);
     // (1 - gamma J) x = b; false where the step is too long
     bool (*newton)(const lac_look *at, double gamma, double *b);
-    // Change of x that weighs as much as one e-fold of v; NULL: 1
-    double (*scale)(const lac_problem *problem, size_t cell);
+    // Change of x of n cells from `first` on that weighs as much as one e-fold of v; NULL: 1
+    void (*scale)(const lac_problem *problem, size_t first, size_t n, double *scale);
     // Takes x across a jump of the loads, theta still as before it; false where no rate balances
     // it; NULL: x goes on as it did
     bool (*jump)(const lac_problem *problem, const lac_jump *jump, double *y);
@@ -191,7 +197,7 @@ static inline lac_workspace lac_problem_split(const lac_problem *problem, double
                            .row = work + problem->kind->arrays * n,
                            .scratch = work + problem->scratch,
                            .mean = work + problem->mean,
-                           .shares = work + problem->mean + 1,
+                           .shares = work + problem->mean + 2,
                            .weak = work + problem->weakens};
 }
 
@@ -206,6 +212,7 @@ extern const lac_formulation_kind lac_formulation_rate, lac_formulation_traction
 
 // Slip that counts as much as the state that it renews and the traction that it takes off.
 double lac_slip_scale(const lac_problem *problem, size_t cell);
+void lac_slip_scales(const lac_problem *problem, size_t first, size_t n, double *scale);
 
 // Slip in two directions, docs/theory/vector.md: takes the tractions at t = 0 to a heading.
 lac_status lac_vector_init(lac_problem *problem, double heading, lac_error *err);
@@ -250,9 +257,9 @@ double lac_inertia_fastest(const lac_look *at);
 // @param force  [n] of every cell [Pa]; overwritten
 void lac_inertia_unexplained(const lac_problem *problem, double *force);
 
-// force = traction - p f - damping of every cell: the traction is overwritten. Gives back the sum.
+// force = traction - p f - damping of every cell: the traction is overwritten.
 // @param wdot  [n] d ln theta/dt; NULL where not wanted
-double lac_problem_unbalanced(const lac_look *at, double *traction, double *wdot);
+void lac_problem_unbalanced(const lac_look *at, double *traction, double *wdot);
 
 // q - K slip of every cell, the springs' part included.
 void lac_problem_elastic_traction(const lac_look *at, const double *slip, double *traction);
@@ -366,7 +373,13 @@ bool lac_implicit_reduce(const lac_look *at, double gamma, const double *b_slip,
 bool lac_implicit_solve(const lac_look *at, double gamma, double *b);
 
 // Traction that is worth an e-fold of slip rate: a p, and b p where a = 0 [Pa].
-double lac_implicit_traction_scale(const lac_problem *problem, size_t cell);
+static inline double lac_implicit_traction_scale(const lac_problem *problem, size_t cell)
+{
+    double a = lac_cellwise_of(&problem->friction->column[LAC_A], cell);
+    double b = lac_cellwise_of(&problem->friction->column[LAC_B], cell);
+    double effect = a > 0.0 ? a : b;
+    return (effect > 0.0 ? effect : 1.0) * problem->pressure[cell];
+}
 
 // Takes ln v across a jump of the loads: lac_formulation_kind.jump of the formulation rate.
 bool lac_rate_jump(const lac_problem *problem, const lac_jump *jump, double *y);
@@ -404,7 +417,12 @@ void lac_weaken_jump(const lac_problem *problem, const double *y, const lac_work
                      lac_problem_loads_at *before, lac_problem_loads_at *after);
 
 // traction += what is broken of cohesion, beside which friction stands alone. @param traction  [n]
-void lac_look_add_lost(const lac_look *at, double *traction);
+static inline void lac_look_add_lost(const lac_look *at, double *traction)
+{
+    for (size_t i = 0; at->broken != NULL && i < at->problem->n; i++) {
+        traction[i] += lac_look_lost(at, i);
+    }
+}
 
 // Rates of the unknowns, from which those of the shares follow and of the cohesion; false where one
 // is not finite. @param xdot  [n] each; NULL: not wanted

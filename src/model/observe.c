@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a state means in rates and forces, how well it balances, what a jump of loads does, and the
 // state moved onto the balance before it is put out.
+#include "base/clones.h"
 #include "base/vsum.h"
 #include "lacuna/simulation.h"
 #include "model/internal.h"
 
-bool lac_problem_begin(const lac_problem *problem, double t, const double *y, bool keep,
-                       double *work, lac_look *at)
+// What is looked at, but for its loads and motion.
+static void set_out(const lac_problem *problem, double t, const double *y, double *work,
+                    lac_look *at)
 {
     // Not the whole at once: the loads are a long list, and filled in below.
     at->problem = problem;
@@ -16,6 +18,12 @@ bool lac_problem_begin(const lac_problem *problem, double t, const double *y, bo
     at->motion = (lac_motion){0};
     at->t = t;
     at->broken = NULL;
+}
+
+bool lac_problem_begin(const lac_problem *problem, double t, const double *y, bool keep,
+                       double *work, lac_look *at)
+{
+    set_out(problem, t, y, work, at);
     // What has mass moves as it does, and how fast it does presses it on a bent base.
     const bool moves = problem->mass > 0.0;
     if (moves) {
@@ -27,7 +35,23 @@ bool lac_problem_begin(const lac_problem *problem, double t, const double *y, bo
     if (!moves && (good || !keep)) {
         at->motion = problem->kind->move(at, keep);
     }
+    at->ws.mean[1] = at->motion.mean;
     return good;
+}
+
+lac_look lac_problem_look_again(const lac_problem *problem, double t, const double *y, double *work)
+{
+    if (problem->mass > 0.0 || problem->across != NULL) {
+        return lac_problem_look(problem, t, y, work); // whose look leaves more behind
+    }
+    lac_look at;
+    set_out(problem, t, y, work, &at);
+    const lac_gone gone = lac_problem_gone_in(problem, y, 0.0);
+    (void)lac_problem_drive_into(problem, t, gone, at.ws.shares, &at.drive);
+    (void)lac_weaken_look(&at);
+    at.motion =
+        (lac_motion){.u = problem->kind->solved ? at.ws.u : y, .v = at.ws.v, .mean = at.ws.mean[1]};
+    return at;
 }
 
 lac_look lac_problem_look(const lac_problem *problem, double t, const double *y, double *work)
@@ -92,10 +116,27 @@ static void find_residuals(const lac_look *at, const double *slip, double *resid
         return;
     }
     lac_problem_elastic_traction(at, slip, residual);
-    (void)lac_problem_unbalanced(at, residual, NULL);
+    lac_problem_unbalanced(at, residual, NULL);
     if (problem->mass > 0.0) {
         lac_inertia_unexplained(problem, residual);
     }
+}
+
+// The largest of a block's residuals, relative to f0 p; NaN where one is. An f0 below a says little
+// of the strength, which an e-fold of the rate changes by a p.
+LAC_CLONES static double lac_observe_worst(const lac_look *at, size_t first, size_t n,
+                                           const double *f0, const double *a,
+                                           const double *residual)
+{
+    double relative[LAC_FRICTION_BLOCK];
+    long long numbers = 0;
+    for (size_t i = 0; i < n; i++) {
+        double p = lac_problem_effective(at->problem, &at->drive, first + i);
+        double f = fabs(f0[i]) > a[i] ? fabs(f0[i]) : a[i];
+        relative[i] = fabs(residual[i]) / (p * (f0[i] == 0.0 ? 1.0 : f));
+        numbers += relative[i] >= 0.0 ? 1 : 0;
+    }
+    return numbers == (long long)n ? lac_vmost(n, relative) : (double)NAN;
 }
 
 // How far the cells are off their balance, each and together.
@@ -104,20 +145,20 @@ static void measure_balance(const lac_look *at, const double *slip, double *trac
                             lac_observation *observation)
 {
     const lac_problem *problem = at->problem;
-    double worst = 0.0;
-    double sum = 0.0;
-    double held = 0.0;
+    double worst = 0.0, sum = 0.0, held = 0.0;
     find_residuals(at, slip, traction);
-    for (size_t i = 0; i < problem->n; i++) {
-        double p = lac_problem_effective(problem, &at->drive, i);
-        double f0 = lac_cellwise_of(&problem->friction->column[LAC_F0], i);
-        double scale = p * (f0 != 0.0 ? fabs(f0) : 1.0);
-        double relative = fabs(traction[i]) / scale;
-        worst = relative > worst || isnan(relative) ? relative : worst;
-        sum += traction[i];
-        double a = lac_cellwise_of(&problem->friction->column[LAC_A], i);
-        held += a * p + problem->damping * fabs(at->motion.v[i]) +
-                lac_problem_drag(problem, i) * fabs(at->motion.mean);
+    for (size_t first = 0; first < problem->n; first += LAC_FRICTION_BLOCK) {
+        const size_t n = lac_block_length(problem->n, first);
+        const double *f0 = lac_cellwise_from(&problem->friction->column[LAC_F0], first);
+        const double *a = lac_cellwise_from(&problem->friction->column[LAC_A], first);
+        const double most = lac_observe_worst(at, first, n, f0, a, traction + first);
+        worst = most > worst || isnan(most) ? most : worst;
+        for (size_t i = 0; i < n; i++) {
+            double p = lac_problem_effective(problem, &at->drive, first + i);
+            sum += traction[first + i];
+            held += a[i] * p + problem->damping * fabs(at->motion.v[first + i]) +
+                    lac_problem_drag(problem, first + i) * fabs(at->motion.mean);
+        }
     }
     observation->balance_residual = worst;
     observation->rate_drift = held > 0.0 ? fabs(sum) / held : 0.0;
@@ -201,19 +242,27 @@ static double pressed(const lac_problem *problem, double t, double base, double 
     return base + (now.normal + off / problem->sum_pressure) / problem->mean_pressure;
 }
 
-void lac_problem_observe(const lac_problem *problem, double t, const double *y, const double *slip,
-                         lac_observation *observation, double *work)
+// The first of the cells with the largest rate.
+static size_t find_fastest(size_t n, const double *v)
 {
-    size_t n = problem->n;
-    const lac_look at = lac_problem_look(problem, t, y, work);
+    const double most = lac_vmost(n, v);
+    for (size_t i = 0; i < n; i++) {
+        if (fabs(v[i]) == most) {
+            return i;
+        }
+    }
+    return 0; // not a number
+}
+
+void lac_problem_observe(const lac_problem *problem, double t, const double *y, const double *slip,
+                         bool again, lac_observation *observation, double *work)
+{
+    const lac_look at =
+        again ? lac_problem_look_again(problem, t, y, work) : lac_problem_look(problem, t, y, work);
     const lac_motion motion = at.motion;
     const lac_problem_loads_at *drive = &at.drive;
     observation->mean_rate = motion.mean;
-    observation->fastest = 0;
-    for (size_t i = 1; i < n; i++) {
-        observation->fastest =
-            fabs(motion.v[i]) > fabs(motion.v[observation->fastest]) ? i : observation->fastest;
-    }
+    observation->fastest = find_fastest(problem->n, motion.v);
     observation->max_rate = fabs(motion.v[observation->fastest]);
     observe_slip(&at, slip, observation);
     const double force = problem->cell_area * problem->sum_pressure;
@@ -224,6 +273,28 @@ void lac_problem_observe(const lac_problem *problem, double t, const double *y, 
 
     measure_balance(&at, slip, at.ws.kv, observation);
     observe_weakening(&at, observation);
+}
+
+// Whether the plain coefficient of every cell is above nothing, many cells at a time; where that is
+// not what friction evaluates, nothing is said.
+static bool all_hold(const lac_problem *problem, const double *u, const double *w)
+{
+    const lac_friction *friction = problem->friction;
+    bool all = friction->form == LAC_FORM_PLAIN && !lac_friction_flashes(friction);
+    for (size_t first = 0; all && first < problem->n; first += LAC_FRICTION_BLOCK) {
+        double f[LAC_FRICTION_BLOCK];
+        size_t count = 0;
+        const lac_friction_cells cells = {.first = first,
+                                          .n = lac_block_length(problem->n, first),
+                                          .u = u + first,
+                                          .w = w + first};
+        lac_friction_evaluate(friction, &cells, &(lac_friction_values){.f = f}, NULL);
+        for (size_t i = 0; i < cells.n; i++) {
+            count += f[i] > 0.0 ? 1 : 0;
+        }
+        all = count == cells.n;
+    }
+    return all;
 }
 
 bool lac_problem_slips(const lac_problem *problem, double t, const double *y, size_t *cell,
@@ -239,6 +310,9 @@ bool lac_problem_slips(const lac_problem *problem, double t, const double *y, si
     lac_motion motion = {.u = y};
     if (problem->kind->solved) {
         motion = lac_problem_look(problem, t, y, work).motion;
+    }
+    if (!problem->kind->solved && all_hold(problem, motion.u, y + problem->n)) {
+        return true;
     }
     // Regularised, f falls to nothing as exp of F over a; plain, f is F.
     const lac_cellwise *a = &friction->column[LAC_A];

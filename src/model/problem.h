@@ -212,9 +212,11 @@ void lac_problem_weakened(const lac_problem *problem, const double *y, double *p
 double lac_problem_cohesion(const lac_problem *problem, size_t cell);
 
 /// Means, extremes, forces and the balance residual.
-/// @param work  its first n hold the cells' slip rates afterwards [m/s]
+/// @param again  this very state was the last whose speed was asked for, or that was observed, with
+///               this work
+/// @param work   its first n hold the cells' slip rates afterwards [m/s]
 void lac_problem_observe(const lac_problem *problem, double t, const double *y, const double *slip,
-                         lac_observation *observation, double *work);
+                         bool again, lac_observation *observation, double *work);
 
 /// What is asked of it: lac_problem_def.safety.
 lac_safety lac_problem_safety_asked(const lac_problem *problem);

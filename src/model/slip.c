@@ -59,6 +59,13 @@ double lac_slip_scale(const lac_problem *problem, size_t cell)
     return traction < problem->stiffness * dc ? traction / problem->stiffness : dc;
 }
 
+void lac_slip_scales(const lac_problem *problem, size_t first, size_t n, double *scale)
+{
+    for (size_t i = 0; i < n; i++) {
+        scale[i] = lac_slip_scale(problem, first + i);
+    }
+}
+
 const lac_formulation_kind lac_formulation_slip = {.id = LAC_FORMULATION_SLIP,
                                                    .name = "slip",
                                                    .unknown = "slip",
@@ -71,4 +78,4 @@ const lac_formulation_kind lac_formulation_slip = {.id = LAC_FORMULATION_SLIP,
                                                    .move = move,
                                                    .derivative = derivative,
                                                    .newton = newton,
-                                                   .scale = lac_slip_scale};
+                                                   .scale = lac_slip_scales};

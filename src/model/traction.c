@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Unknowns (tau, ln theta), tau = q - K slip: v of either sign is solved from the balance;
 // docs/theory/creep.md eqs. 6 to 8.
+#include "base/clones.h"
 #include "base/vsum.h"
 #include "model/internal.h"
 
@@ -63,17 +64,30 @@ static bool jump(const lac_problem *problem, const lac_jump *jump, double *y)
     return true;
 }
 
-const lac_formulation_kind lac_formulation_traction = {
-    .id = LAC_FORMULATION_TRACTION,
-    .name = "traction",
-    .unknown = "traction",
-    .unknowns = 2,
-    .arrays = 5,
-    .solved = true,
-    .either_sign = true,
-    .start = start,
-    .move = move,
-    .derivative = derivative,
-    .newton = newton,
-    .scale = lac_implicit_traction_scale, // d tau = a p d ln v
-    .jump = jump};
+// d tau = a p d ln v
+LAC_CLONES static void lac_traction_scale(const lac_problem *problem, size_t first, size_t n,
+                                          double *scale)
+{
+    const double *a = lac_cellwise_from(&problem->friction->column[LAC_A], first);
+    const double *b = lac_cellwise_from(&problem->friction->column[LAC_B], first);
+    const double *p = problem->pressure + first;
+    LAC_INDEPENDENT
+    for (size_t i = 0; i < n; i++) {
+        double effect = a[i] > 0.0 ? a[i] : b[i];
+        scale[i] = (effect > 0.0 ? effect : 1.0) * p[i];
+    }
+}
+
+const lac_formulation_kind lac_formulation_traction = {.id = LAC_FORMULATION_TRACTION,
+                                                       .name = "traction",
+                                                       .unknown = "traction",
+                                                       .unknowns = 2,
+                                                       .arrays = 5,
+                                                       .solved = true,
+                                                       .either_sign = true,
+                                                       .start = start,
+                                                       .move = move,
+                                                       .derivative = derivative,
+                                                       .newton = newton,
+                                                       .scale = lac_traction_scale,
+                                                       .jump = jump};

@@ -359,7 +359,7 @@ void lac_vector_weigh(const lac_problem *problem, const double *y, double rtol, 
     // The norm is a mean over the unknowns: so a run along x takes the steps of slip along x alone.
     const double thirds = sqrt(1.5);
     for (size_t i = 0; i < n; i++) {
-        const double error = rtol * problem->kind->scale(problem, i);
+        const double error = rtol * lac_slip_scale(problem, i);
         weight[2 * n + i] = 1.0 / fmax(error, 8.0 * DBL_EPSILON * fabs(y[2 * n + i]));
     }
     for (size_t i = 0; i < 3 * n; i++) {
@@ -447,4 +447,4 @@ const lac_formulation_kind lac_formulation_vector = {.id = LAC_FORMULATION_VECTO
                                                      .move = move,
                                                      .derivative = derivative,
                                                      .newton = newton,
-                                                     .scale = lac_slip_scale};
+                                                     .scale = lac_slip_scales};

@@ -29,7 +29,7 @@ static const char numbers[] =
     "factor_of_safety_below_1_time_s factor_of_safety_reference_rate_m_s ";
 static const char texts[] =
     "title institution references source history status libraries date_created date_modified "
-    "time_zone failure_date ended_by arrest boundary fidelity resumed case ";
+    "time_zone failure_date ended_by arrest boundary fidelity fidelity_why resumed case ";
 
 static void write_attributes(lac_page *page, const char *names, char *text)
 {

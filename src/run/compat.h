@@ -60,3 +60,6 @@ enum { LAC_SUN_IMEX_GUSTAFSSON = 5 };
      ERKStepSetAdaptivityMethod((mem), LAC_SUN_IMEX_GUSTAFSSON, 1, 0, NULL))
 #define LAC_SUN_ERK_CONTROL_FREE(control) ((void)(control))
 #endif
+
+// Gives ERKStep a pair of order 8, the same for all of them. @return ARK_SUCCESS or another status
+int lac_erk_set_order_8(void *mem);

@@ -175,7 +175,7 @@ static const lac_variable of_event[] = {
     LAC_ROW("event_y", NULL, "m", "position along y of the first cell that moved",
             P(REAL, event.y)),
     LAC_ROW("event_max_slip_rate", NULL, "m s-1",
-            "largest slip rate of a cell of the event at the end of a step", E(REAL, max_rate)),
+            "largest slip rate of a cell of the event, between steps too", E(REAL, max_rate)),
     LAC_ROW("event_cut", NULL, "1", "ends of the event that lie outside the run", E(INT64, cut),
             WHOLE, .meanings = "whole begun_before unended both",
             .comment = "where any do, duration, cells, moment and size are at least what is given"),

@@ -11,6 +11,7 @@ typedef struct cells {
     double *y;           // [3n] state and slip
     double *rate, *slip; // [n] of every cell at its last update; NULL: nobody looks
     bool too_early;      // the last sweep ended at a limit that it had not reached
+    double ask;          // then: mean rate that cells tell at which it may have [m/s]
     double lack;         // what the state had slipped less than told, at the limit of slip [m]
     int64_t looks;       // at all cells
 } cells;
@@ -193,23 +194,27 @@ static lac_async_limits limits_of(lac_engine *engine, double stop)
     int64_t updates = UPDATES_A_CELL * (int64_t)engine->n;
     updates = updates > FEWEST_UPDATES ? updates : FEWEST_UPDATES;
     return (lac_async_limits){.stop = stop,
-                              .mean_rate = c->too_early ? INFINITY : engine->failure.rate,
+                              .mean_rate = c->too_early ? c->ask : engine->failure.rate,
                               .max_rate = isnan(def->stop_rate) ? INFINITY : def->stop_rate,
                               .mean_slip = slip_limit(engine) + c->lack,
-                              .updates = c->too_early ? updates / 32 + 1 : updates,
+                              .updates = c->too_early ? updates / UPDATES_A_CELL : updates,
                               .observation = c->rate != NULL ? tell : NULL,
                               .context = engine};
 }
 
-// What cells tell is linear within their steps; whether a limit is reached, the state says.
+// What cells tell is linear within their steps; whether a limit is reached, the state says. Looks
+// are dear: where cells slide on below it, the next one waits until they tell as much more.
 static bool too_early(lac_engine *engine, const lac_async_limits *limits)
 {
     cells *c = engine->inner;
     double mean, max;
     double t = lac_engine_clock(engine, engine->t);
-    bool failed = lac_problem_past_failure(engine->problem, &engine->failure, t, engine->y,
-                                           engine->work) >= 0.0;
+    const double least = 0.1;
+    double past =
+        lac_problem_past_failure(engine->problem, &engine->failure, t, engine->y, engine->work);
+    bool failed = past >= 0.0;
     lac_problem_speed(engine->problem, t, engine->y, &mean, &max, engine->work);
+    c->ask = lac_async_told(c->micro) * exp(fmax(-past, least));
     double slip = lac_engine_mean_slip(engine, engine->slip);
     double most = slip_limit(engine);
     if (slip < most && isfinite(most) && !failed) {

@@ -2,6 +2,7 @@
 // ERKStep as an engine: explicit steps for a whole run, or for short stretches of another engine.
 #include <arkode/arkode_erkstep.h>
 
+#include "base/clones.h"
 #include "run/engine.h"
 
 // Cash-Karp 5(4) on the two unknowns of each cell and, where it is none of them, slip.
@@ -39,6 +40,18 @@ static int rates(sunrealtype t, N_Vector y, N_Vector ydot, void *user)
     return good ? 0 : 1;
 }
 
+// Of slip beside y. @param weight  the tolerance; overwritten
+LAC_CLONES static void lac_erk_weigh_slip(size_t n, double relative, const double *slip,
+                                          double *weight)
+{
+    LAC_INDEPENDENT
+    for (size_t i = 0; i < n; i++) {
+        double error = relative * fabs(slip[i]) + weight[i];
+        double least = 8.0 * DBL_EPSILON * fabs(slip[i]); // no finer than a double
+        weight[i] = 1.0 / (least > error ? least : error);
+    }
+}
+
 static int weights(N_Vector y, N_Vector w, void *user)
 {
     const lac_engine *engine = user;
@@ -54,10 +67,7 @@ static int weights(N_Vector y, N_Vector w, void *user)
     const double *at = lac_vector_data(y) + engine->unknowns;
     double *slip = weight + engine->unknowns;
     const double relative = lac_problem_slip_tolerance(engine->problem, engine->rtol, slip);
-    for (size_t i = 0; i < n; i++) {
-        const double error = relative * fabs(at[i]) + slip[i];
-        slip[i] = 1.0 / fmax(error, 8.0 * DBL_EPSILON * fabs(at[i])); // no finer than a double
-    }
+    lac_erk_weigh_slip(n, relative, at, slip);
     return 0;
 }
 
@@ -105,8 +115,9 @@ static int set_options(lac_engine *engine, erk *c)
     int flag = LAC_SUN_ERK(SetUserData)(c->mem, engine);
     flag |= LAC_SUN_ERK(WFtolerances)(c->mem, weights);
     int order = chosen_order(engine);
-    flag |= order > 0 ? LAC_SUN_ERK(SetOrder)(c->mem, order)
-                      : ERKStepSetTableNum(c->mem, ARKODE_CASH_KARP_6_4_5);
+    flag |= order == 8  ? lac_erk_set_order_8(c->mem)
+            : order > 0 ? LAC_SUN_ERK(SetOrder)(c->mem, order)
+                        : ERKStepSetTableNum(c->mem, ARKODE_CASH_KARP_6_4_5);
     flag |= LAC_SUN_ERK(SetMaxNumSteps)(c->mem, -1);
     flag |= LAC_SUN_ERK(SetMaxErrTestFails)(c->mem, 30);
     flag |= LAC_SUN_ERK(SetMaxHnilWarns)(c->mem, -1);

@@ -82,13 +82,16 @@ static bool locate(probe *p, double low, double *high)
     return look(p, *high, &ignored);
 }
 
-static bool crossed(const lac_engine *engine, const lac_run_def *def, lac_crossing_kind kind)
+// @param speed  as lac_crossing_find has it: what the rates tell is not looked at twice
+static bool crossed(const lac_engine *engine, const lac_run_def *def, const double speed[2],
+                    lac_crossing_kind kind)
 {
     switch (kind) {
     case LAC_CROSSING_FAILURE:
-        return past(engine, def, kind, engine->t, engine->y, NULL) >= 0.0;
+        return log(speed[0] / engine->failure.rate) >= 0.0 &&
+               past(engine, def, kind, engine->t, engine->y, NULL) >= 0.0;
     case LAC_CROSSING_RATE:
-        return !isnan(def->stop_rate) && past(engine, def, kind, engine->t, engine->y, NULL) >= 0.0;
+        return log(speed[1] / def->stop_rate) >= 0.0; // NaN: none is asked for
     case LAC_CROSSING_SLIP:
         return !isnan(def->stop_slip) &&
                past(engine, def, kind, engine->t, NULL, engine->slip) >= 0.0;
@@ -126,18 +129,21 @@ static lac_status take_back(lac_engine *engine, const lac_run_def *def, lac_cros
                            lac_engine_time(engine));
 }
 
-lac_status lac_crossing_find(lac_engine *engine, const lac_run_def *def, lac_crossing_kind *found,
-                             lac_error *err)
+lac_status lac_crossing_find(lac_engine *engine, const lac_run_def *def, const double speed[2],
+                             lac_crossing_kind *found, lac_error *err)
 {
+    double now[2] = {speed[0], speed[1]};
     *found = LAC_CROSSING_NONE;
     // Several limits in one step: each is located in what the last one left of the step.
     for (lac_crossing_kind kind = LAC_CROSSING_FAILURE; kind <= LAC_CROSSING_GONE; kind++) {
-        if (crossed(engine, def, kind)) {
+        if (crossed(engine, def, now, kind)) {
             *found = kind;
             LAC_TRY_RETURN(take_back(engine, def, kind, err));
+            lac_problem_speed(engine->problem, lac_engine_clock(engine, engine->t), engine->y,
+                              &now[0], &now[1], engine->work);
         }
     }
-    if (*found == LAC_CROSSING_NONE &&
+    if (*found == LAC_CROSSING_NONE && lac_problem_bends(engine->problem) &&
         lac_problem_settles(engine->problem, lac_engine_clock(engine, engine->t), engine->y,
                             engine->work)) {
         *found = LAC_CROSSING_REST;
@@ -157,12 +163,12 @@ void lac_run_state_keep_safety(lac_run_state *r, double t, double now)
 {
     lac_safety_summary *s = &r->result->safety;
     const double before = s->end;
-    // And damping, at the reference rate itself: what begins at 1, to the digits that are told.
-    const double start = isnan(s->start) ? now : s->start, rounding = start < 1.0 ? 5e-5 : 1e-6;
-    const double line = before < 1.0 ? 1.0 - rounding : 1.0;
     if (isnan(now)) {
         return;
     }
+    // And damping, at the reference rate itself: what begins at 1, to the digits that are told.
+    const double start = isnan(s->start) ? now : s->start, rounding = start < 1.0 ? 5e-5 : 1e-6;
+    const double line = before < 1.0 ? 1.0 - rounding : 1.0;
     if (isnan(s->below_time) && now < 1.0 - rounding) {
         const bool slides_there = !isnan(before) && !r->broken;
         const double gone = slides_there ? fmax(before - line, 0.0) / (before - now) : 1.0;

@@ -45,7 +45,8 @@ double lac_sensitivity_state_friction(lac_sensitivity_state *f, const lac_proble
                                       double t, const double *y)
 {
     lac_observation seen;
-    lac_problem_observe(problem, lac_sensitivity_state_clock(f, t), y, y + f->mean, &seen, f->work);
+    lac_problem_observe(problem, lac_sensitivity_state_clock(f, t), y, y + f->mean, false, &seen,
+                        f->work);
     return seen.shear_force / seen.effective_force;
 }
 

@@ -69,13 +69,14 @@ lac_status lac_run_state_record(lac_run_state *r, double t, const double *y, con
         return LAC_OK;
     }
     project(r, t, &y, &slip);
+    const bool again = r->measured && r->onto == NULL && y == engine->y;
     lac_engine_count(engine);
     lac_record line = {.time_origin = engine->origin,
                        .time_local = local,
                        .step_size = engine->step > 0.0 ? engine->step : NAN,
                        .order = engine->step > 0.0 ? engine->order : 0,
                        .rhs_evaluations = engine->counts.rhs_evaluations};
-    lac_problem_observe(r->problem, lac_engine_clock(engine, t), y, slip, &line.observation,
+    lac_problem_observe(r->problem, lac_engine_clock(engine, t), y, slip, again, &line.observation,
                         engine->work);
     line.cells =
         (lac_record_cells){.n = engine->n, .slip_rate = engine->work, .log_state = y + engine->n};

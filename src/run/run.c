@@ -16,6 +16,7 @@ static void measure_speed(run *r)
     lac_engine *engine = r->engine;
     lac_problem_speed(r->problem, lac_engine_clock(engine, engine->t), engine->y, &r->mean_rate,
                       &r->max_rate, engine->work);
+    r->measured = true;
 }
 
 // Ends the run at a time within the step, whose state is in `between`.
@@ -46,6 +47,7 @@ static lac_status output_between(run *r, lac_error *err)
         }
         double t = fmin(lac_engine_inner(engine, next), engine->t);
         const double *slip = lac_engine_slip_in(engine, r->between);
+        r->measured = false;
         LAC_FAIL_IF(!lac_engine_at(engine, t, r->between), err, LAC_ENUMERIC,
                     "no state at t = %.17g s", next);
         bool stops = interrupted(r);
@@ -140,11 +142,11 @@ static lac_status cross_break(run *r, lac_error *err)
     return LAC_OK;
 }
 
-static lac_status look_for_end(run *r, lac_error *err)
+static lac_status look_for_end(run *r, const double speed[2], lac_error *err)
 {
     lac_engine *engine = r->engine;
     lac_crossing_kind crossing;
-    LAC_TRY_RETURN(lac_crossing_find(engine, r->def, &crossing, err));
+    LAC_TRY_RETURN(lac_crossing_find(engine, r->def, speed, &crossing, err));
     if (crossing != LAC_CROSSING_NONE) {
         measure_speed(r);
         r->done = true;
@@ -181,15 +183,17 @@ static lac_status step(run *r, lac_error *err)
 {
     lac_engine *engine = r->engine;
     double stop = fmin(fmin(r->def->end, r->next_break), lac_run_state_sweep_end(r));
+    r->measured = false;
     LAC_TRY_RETURN(lac_engine_advance(engine, lac_engine_inner(engine, stop), err));
     if (r->aside != NULL) {
         LAC_TRY_RETURN(count_stiff_steps(r, err));
     }
     measure_speed(r);
+    const double speed[2] = {r->mean_rate, r->max_rate};
     r->max_rate = fmax(r->max_rate, engine->peak);
     LAC_TRY_RETURN(lac_check_slipping(r->problem, engine->y, lac_engine_clock(engine, engine->t),
                                       engine->work, err));
-    LAC_TRY_RETURN(look_for_end(r, err));
+    LAC_TRY_RETURN(look_for_end(r, speed, err));
     if (!engine->kind->sweeps) {
         LAC_TRY_RETURN(lac_run_state_watch(r, engine->step, err));
     }
@@ -378,6 +382,17 @@ static lac_status hand_over(run *r, lac_error *err)
     return r->end == LAC_END_TIME ? lac_run_state_reach(r, err) : LAC_OK;
 }
 
+// A balance that is off by all that friction holds: what was put out is no motion of the joint.
+static lac_status check_balance(const run *r, lac_error *err)
+{
+    const double off = r->result->balance_residual;
+    LAC_FAIL_IF(!(off <= 1.0), err, LAC_ENUMERIC,
+                "the traction balance is off by %.2g of the strength at worst, up to t = %g s: the "
+                "numbers of this run mean nothing; tighten solver.rtol",
+                off, lac_engine_time(r->engine));
+    return LAC_OK;
+}
+
 static void finish(run *r, lac_status status)
 {
     lac_run_result *result = r->result;
@@ -411,7 +426,11 @@ lac_status lac_run(const lac_problem *problem, const lac_run_def *def, const lac
                                .failure_local = NAN,
                                .safety = {NAN, NAN, NAN, NAN, NAN},
                                .arrest = {false, NAN, NAN, NAN}};
-    run r = {.problem = problem, .def = def, .sink = sink, .result = result};
+    run r = {.problem = problem,
+             .def = def,
+             .sink = sink,
+             .result = result,
+             .bends = lac_problem_bends(problem)};
     LAC_TRY(lac_check_def(def, err));
     result->failure = lac_problem_failure(problem, def->failure_rate, def->failure_slip);
     LAC_TRY(lac_engine_create(problem, def, &r.engine, err));
@@ -426,6 +445,7 @@ lac_status lac_run(const lac_problem *problem, const lac_run_def *def, const lac
     if (def->reached != NULL && r.end == LAC_END_TIME) {
         LAC_TRY(hand_over(&r, err));
     }
+    LAC_TRY(check_balance(&r, err));
 out:
     if (r.engine != NULL) {
         finish(&r, status);

@@ -54,6 +54,7 @@ typedef enum lac_fidelity {
     LAC_FIDELITY_ODE = 0, ///< all cells, at every step
     LAC_FIDELITY_ASYNC,   ///< every cell at steps of its own: docs/theory/fidelity-events.md
     LAC_FIDELITY_STATIC,  ///< no time: the cascade of rg.h, not a run
+    LAC_FIDELITY_AUTO,    ///< ODE or ASYNC, as lac_fidelity_choose finds; to lac_run it is ODE
 } lac_fidelity;
 
 /// How often something is recorded; the tightest of what is given counts.
@@ -62,6 +63,9 @@ typedef struct lac_cadence {
     int64_t steps;     ///< 0: not by steps
     double per_decade; ///< records per decade of the mean slip rate; NaN: not by rate
 } lac_cadence;
+
+/// Checkpoints closer than so many steps make a run take many times the steps.
+enum { LAC_CLOSE_STEPS = 100 };
 
 /// Where a run stands: all that it needs to go on, in another process of the same program too.
 typedef struct lac_checkpoint {

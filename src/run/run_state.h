@@ -57,11 +57,13 @@ typedef struct lac_run_state {
                   // NULL
     double next_break;
     double mean_rate, max_rate; // at the time reached [m/s]
+    bool measured;              // the work still holds the rates of the state reached
     double first_step;          // that the integrator last began anew with [s]
     int64_t steps;
     lac_end end;
     bool done;
     bool broken; // the step ended where the loads jump or bend
+    bool bends;  // the base does
 } lac_run_state;
 
 // Hands one line of the time series to the sink; a time already recorded is passed over.
@@ -127,8 +129,9 @@ typedef enum lac_crossing_kind {
 
 // Looks for the first limit crossed upwards within the step just made; where one was, the
 // engine's time, state and slip are taken back to the crossing.
-lac_status lac_crossing_find(lac_engine *engine, const lac_run_def *def, lac_crossing_kind *found,
-                             lac_error *err);
+// @param speed  mean and largest slip rate at the end of the step [m/s]
+lac_status lac_crossing_find(lac_engine *engine, const lac_run_def *def, const double speed[2],
+                             lac_crossing_kind *found, lac_error *err);
 
 // Why a run ends with it.
 lac_end lac_crossing_end(lac_crossing_kind kind);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a case will cost in time, memory and disk, from constants that were measured on one core;
-// and what holds of it before it is run: how its cells hold one another, which fidelity is the
-// faster, what the loads come to at the start and what counts as failure.
+// and what holds of it before it is run: how its cells hold one another, what the loads come to at
+// the start and what counts as failure.
 #include "scene/estimate.h"
 
 #include "scene/internal.h"
@@ -13,12 +13,13 @@ static const double base_bytes = 24e6, base_seconds = 0.02, contact_cell_bytes =
 static const double massive_factor = 3; // on the last where a block has mass
 
 // Of a grid cell: memory while the contact is solved, of which `contact` keeps some more; time of
-// that, and of the calibration of one level's elastic stiffness; of a static history what it adds
-// to the memory, and the time of a step.
+// that; of the calibration of one level's elastic stiffness on a small grid, and of all levels
+// where the grid is larger; of a static history what it adds to the memory, and the time of a step.
 static const struct {
-    double bytes, kept_bytes, seconds, level_seconds, history_bytes, history_seconds;
-} costs[] = {[LAC_PERIODIC] = {55, 20, 2e-6, 1e-6, 190, 2.5e-6},
-             [LAC_FREE] = {75, 20, 4e-6, 3e-6, 460, 11e-6}};
+    double bytes, kept_bytes, seconds, level_seconds, large_seconds, history_bytes, history_seconds;
+} costs[] = {[LAC_PERIODIC] = {55, 20, 2e-6, 1e-6, 0.35e-6, 190, 2.5e-6},
+             [LAC_FREE] = {75, 20, 4e-6, 3e-6, 1.4e-6, 460, 11e-6}};
+static const double one_by_one_cells = 4096;
 
 // Of a step of the elastic transfer, for each cell of the grid: where K is a filter, and where gaps
 // make it an iteration; four times that where transforms are of twice the sides.
@@ -127,7 +128,6 @@ static void count_steps(const lac_case *c, lac_estimate *e)
     if (!e->integrated) {
         return;
     }
-    e->own_steps = c->run.fidelity == LAC_FIDELITY_ASYNC;
     e->changing = !lac_load_models_constant(&loads);
     e->steps_least = e->own_steps ? LAC_OWN_FEWEST * e->cells : LAC_FEWEST_STEPS;
     e->steps_most = SMOOTH_STEPS * fmax(1, pow(1e-6 / c->run.rtol, 0.2));
@@ -155,8 +155,14 @@ static double calibration_seconds(const lac_case *c, const lac_transfer_outline 
                                   const lac_estimate *e)
 {
     size_t side = e->grid.nx > e->grid.ny ? e->grid.nx : e->grid.ny;
-    double levels = e->integrated && held->rock != NULL ? ceil(log2((double)side)) : 0;
-    return over_grid(e, costs[c->interface.boundary].level_seconds * levels);
+    if (!e->integrated || held->rock == NULL) {
+        return 0;
+    }
+    double levels = ceil(log2((double)side));
+    double small =
+        costs[c->interface.boundary].level_seconds * levels * fmin(e->grid_cells, one_by_one_cells);
+    bool large = e->grid_cells > one_by_one_cells;
+    return small + (large ? over_grid(e, costs[c->interface.boundary].large_seconds) : 0);
 }
 
 // What a transfer by transforms adds to a step.
@@ -237,28 +243,25 @@ static void count_output(const lac_case *c, lac_estimate *e)
                         value_seconds * fields * e->cells * snapshots;
 }
 
+// Of either fidelity, the one that the case has last.
+static void count_costs(const lac_case *c, lac_estimate *e)
+{
+    const bool own = e->own_steps;
+    for (int turn = 0; turn < 2; turn++) {
+        e->own_steps = (turn == 1) == own;
+        count_steps(c, e);
+        count_time(c, e);
+        count_output(c, e);
+        e->cost[e->own_steps] = (lac_fidelity_cost){e->cpu_time_least, e->cpu_time_most};
+    }
+}
+
 // A cell is taken not to fail alone where its neighbours hold it so many times k_crit (where a, b
 // or dc are spread, the second): gaps and pressures leave some much less than G/cell.
 static const double safe_ratio = 30, safe_spread_ratio = 300;
 
-// Fidelity events was 3 to 100 times faster below twice k_crit, ode 5 times from five times k_crit
-// on and 40 times where b <= a: no cell slips by itself (docs/choosing.md). Few cells cost nothing
-// either way. Where next to nothing holds cells or blocks once they slip, they slide so far that
-// ode is the faster one again.
-enum { FEWEST_EVENTS_CELLS = 64 };
-static const double soft_ratio = 1, stiff_ratio = 5, least_ratio = 0.01, least_level_ratio = 0.3;
-
 // A scene of up to this many grid cells is built whole: quick, and the surest check.
 static const double small_grid = 4096;
-
-// Whether the friction of cells differs in any of these. @param keys  NULL at the end
-static bool spreads(const lac_case *c, const char *const keys[])
-{
-    while (*keys != NULL && !lac_heterogeneity_has(&c->friction_spread, *keys)) {
-        keys++;
-    }
-    return *keys != NULL;
-}
 
 // k_0/k_crit, k_0 of the finest level, and from which width on a patch slips by itself: the rock's
 // stiffness falls by half as the width doubles.
@@ -274,8 +277,7 @@ static void compare_stiffness(const lac_case *c, lac_estimate *e)
                                          : e->grid.dx * exp2(log(e->stiffness_ratio) / log(finer));
 }
 
-// Finds out how cells hold one another; the cells are known.
-static void judge_stability(const lac_case *c, lac_estimate *e)
+void lac_estimate_stability(const lac_case *c, lac_estimate *e)
 {
     static const char *const holding[] = {"a", "b", "dc", NULL};
     const lac_friction_params *law = c->friction.params;
@@ -290,68 +292,8 @@ static void judge_stability(const lac_case *c, lac_estimate *e)
     if (e->critical > 0 && several) {
         compare_stiffness(c, e);
     }
-    double safe = spreads(c, holding) ? safe_spread_ratio : safe_ratio;
+    double safe = lac_case_spreads(c, holding) ? safe_spread_ratio : safe_ratio;
     e->stable = !several || !(e->stiffness_ratio < safe);
-}
-
-static bool strengthens(const lac_case *c)
-{
-    static const char *const weakening[] = {"a", "b", NULL};
-    const lac_friction_params *law = c->friction.params;
-    return law->b <= law->a && !spreads(c, weakening);
-}
-
-// Whether the case, of transfer hierarchy, runs as fidelity events with nothing else changed.
-static bool could_have_own_steps(const lac_case *c)
-{
-    static const char *const cut_offs[] = {"v1", "v2", "alpha", NULL};
-    const lac_friction_params *law = c->friction.params;
-    lac_async_scene scene = {.transfer = (const void *)c->transfer.info,
-                             .law = c->friction.info,
-                             .cut_off = !isnan(law->v1) || !isnan(law->v2) || !isnan(law->alpha) ||
-                                        spreads(c, cut_offs),
-                             .linear = true,
-                             .formulation = (lac_formulation)c->formulation};
-    const lac_model_list *loads[] = {&c->shear, &c->pore, &c->pressing};
-    for (size_t k = 0; k < 3; k++) {
-        for (size_t i = 0; i < loads[k]->count; i++) {
-            scene.linear &= lac_load_model_is_linear(&loads[k]->item[i]);
-        }
-    }
-    return lac_case_admits_events(c) && lac_run_async_follows(&scene, NULL) == LAC_OK;
-}
-
-// Of the springs on the mean slip [Pa/m].
-static double spring_stiffness(const lac_case *c)
-{
-    double sum = 0;
-    for (size_t i = 0; i < c->shear.count; i++) {
-        const lac_load_kind *kind = (const void *)c->shear.item[i].info;
-        sum += kind->stiffness != NULL ? kind->stiffness(c->shear.item[i].params) : 0;
-    }
-    return sum;
-}
-
-// Softly held by each other, yet never let go.
-static bool slips_one_by_one(const lac_case *c, const lac_estimate *e)
-{
-    const lac_transfer_kind *kind = (const void *)c->transfer.info;
-    lac_transfer_outline outline;
-    return lac_transfer_outline_of(&c->transfer, &outline) && kind->blocks != NULL &&
-           spring_stiffness(c) < e->critical && e->stiffness_ratio < soft_ratio &&
-           e->stiffness_ratio > least_ratio &&
-           (outline.rock != NULL || !(outline.ratio < least_level_ratio));
-}
-
-// The other fidelity, where it is known to be the faster one; NULL.
-static const char *faster_fidelity(const lac_case *c, const lac_estimate *e)
-{
-    if (e->own_steps) {
-        return e->stiffness_ratio > stiff_ratio || strengthens(c) ? "ode" : NULL;
-    }
-    bool events =
-        e->cells >= FEWEST_EVENTS_CELLS && slips_one_by_one(c, e) && could_have_own_steps(c);
-    return events ? "events" : NULL;
 }
 
 // What counts as failure of a joint whose cells are not known: of one that slips evenly, by the
@@ -444,6 +386,7 @@ lac_status lac_estimate_make(const lac_case *c, lac_load_files *files, lac_estim
                              lac_error *err)
 {
     const lac_grid grid = lac_interface_grid(&c->interface);
+    lac_case settled = *c;
     *e = (lac_estimate){.grid = grid,
                         .pressure = lac_case_pressure(c),
                         .grid_cells = (double)lac_grid_cells(&grid),
@@ -452,6 +395,7 @@ lac_status lac_estimate_make(const lac_case *c, lac_load_files *files, lac_estim
                         .patch = NAN,
                         .length = fmax((double)grid.nx * grid.dx, (double)grid.ny * grid.dy),
                         .stiffness_ratio = NAN,
+                        .choice = {.fidelity = c->run.fidelity},
                         .unknowns = lac_inertia_mass(c) > 0 ? 3 : 2};
     lac_weakening_set weakening;
     LAC_TRY_RETURN(
@@ -459,11 +403,16 @@ lac_status lac_estimate_make(const lac_case *c, lac_load_files *files, lac_estim
     e->unknowns += (double)weakening.modes;
     LAC_TRY_RETURN(count_cells(c, e, err));
     e->cells = isnan(e->contact_cells) ? e->grid_cells : e->contact_cells;
-    judge_stability(c, e);
+    lac_estimate_stability(c, e);
     count_memory(c, e);
-    count_steps(c, e);
-    e->faster = e->integrated ? faster_fidelity(c, e) : NULL;
-    count_time(c, e);
-    count_output(c, e);
-    return try_scene(c, files, e, err);
+    settled.use = NULL; // no more than a look: what it points to stays the case's
+    if (e->integrated) {
+        e->choice = lac_fidelity_choose(c, e);
+        settled.run.fidelity = e->choice.fidelity;
+    }
+    e->own_steps = e->integrated && settled.run.fidelity == LAC_FIDELITY_ASYNC;
+    settled.formulation = e->own_steps ? LAC_FORMULATION_RATE : c->formulation;
+    e->faster = e->integrated ? lac_fidelity_faster(c, e) : NULL;
+    count_costs(c, e);
+    return try_scene(&settled, files, e, err);
 }

@@ -14,6 +14,22 @@ enum {
     LAC_OWN_STEPS = 1000
 };
 
+typedef struct lac_scene lac_scene;
+
+enum { LAC_FIDELITY_ROOM = 240 };
+
+/// What a case that leaves solver.fidelity open is run with.
+typedef struct lac_fidelity_choice {
+    lac_fidelity fidelity;
+    char why[LAC_FIDELITY_ROOM]; ///< in one line; "": the case names it
+    double error;                ///< that it keeps, see lac_fidelity_error
+} lac_fidelity_choice;
+
+/// CPU time of a run [s]; most NaN: not estimated.
+typedef struct lac_fidelity_cost {
+    double least, most;
+} lac_fidelity_cost;
+
 /// What a case will cost, and what holds of it before it is run.
 typedef struct lac_estimate {
     lac_grid grid;
@@ -27,13 +43,15 @@ typedef struct lac_estimate {
     double patch;           ///< width from which on one slips by itself, whose level's stiffness is
                             ///< k_crit [m]; INFINITY: none; NaN: does not apply
     double length;          ///< of the joint, its longer side [m]
-    bool stable;        ///< one block, b <= a, or k_0 well above k_crit everywhere: no cell fails
-                        ///< on its own
-    bool integrated;    ///< else statics: no steps
-    double unknowns;    ///< of a contact cell
-    bool own_steps;     ///< cells take steps of their own (solver.fidelity: events), each counts
-    const char *faster; ///< the other fidelity, where it is known to be the faster one and takes
-                        ///< the case as it stands; NULL
+    bool stable;     ///< one block, b <= a, or k_0 well above k_crit everywhere: no cell fails
+                     ///< on its own
+    bool integrated; ///< else statics: no steps
+    double unknowns; ///< of a contact cell
+    bool own_steps;  ///< cells take steps of their own (solver.fidelity: events), each counts
+    lac_fidelity_choice choice; ///< what it is run with
+    lac_fidelity_cost cost[2];  ///< of fidelity ode and of events
+    const char *faster; ///< where the case names its fidelity the other one, if it is known to be
+                        ///< the faster one and takes the case as it stands; NULL
     bool changing;      ///< a load changes in time: how often cells slip is not known
     double steps_least, steps_most;       ///< most NaN: not estimated
     double memory;                        ///< peak [bytes]
@@ -67,6 +85,33 @@ void lac_regime_words(const lac_case *c, const lac_estimate *estimate,
 
 /// Whether the load at the start is given, and no rate with a state that it follows from.
 bool lac_scene_load_given(const lac_case *c);
+
+/// Whether fidelity events refuses what a case names of solver, law, loads and transfer.
+/// @param why  gets the first such, or ""
+bool lac_fidelity_refused(const lac_case *c, char why[static LAC_FIDELITY_ROOM]);
+
+/// The fidelity of a case; of one that leaves it open events where cells slip one by one and events
+/// is known to be faster than ode and to keep its error, else ode; docs/choosing.md.
+/// @param e  with lac_estimate_stability
+lac_fidelity_choice lac_fidelity_choose(const lac_case *c, const lac_estimate *e);
+
+/// Of a case that names its fidelity: see lac_estimate.faster.
+const char *lac_fidelity_faster(const lac_case *c, const lac_estimate *e);
+
+/// Error of the time of failure, relative, or of the mean slip where nothing fails, relative to it
+/// or to dc if that is more, that a fidelity keeps at the case's rtol; docs/choosing.md.
+/// @param e  with lac_estimate_stability
+double lac_fidelity_error(const lac_case *c, const lac_estimate *e, lac_fidelity fidelity);
+
+/// Settles what a case leaves open by its scene, and sets it: fidelity and formulation.
+/// @param c    of the scene
+/// @param out  what is chosen; of a case that names its fidelity that
+/// @return LAC_OK; as lac_scene_renew
+lac_status lac_fidelity_settle(lac_scene *scene, lac_case *c, lac_fidelity_choice *out,
+                               lac_error *err);
+
+/// Finds out how cells hold one another: from the grid, the pressure and the cells of `e`.
+void lac_estimate_stability(const lac_case *c, lac_estimate *e);
 
 /// Estimates them, and is a check too: the surface is generated, not its contact; a small scene is
 /// built whole, of a large one the loads at the start are looked at.

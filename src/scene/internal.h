@@ -9,6 +9,9 @@ typedef struct lac_estimate lac_estimate;
 lac_status lac_scene_loads_create(const lac_case *c, lac_load_files *files, lac_load_set *out,
                                   lac_error *err);
 
+// Whether the friction of cells differs in any of these. @param keys  NULL at the end
+bool lac_case_spreads(const lac_case *c, const char *const keys[]);
+
 // A contact that was solved, to be pressed again.
 lac_contact_def lac_scene_contact_def(const lac_scene_contact *contact);
 

@@ -87,6 +87,7 @@ static lac_status run_and_keep(search *s, const lac_run_def *def, lac_error *err
     take->tape = (lac_tape){.values = lac_analysis_values(take->analysis),
                             .points = how->points != NULL ? how->points->n : 0,
                             .cells = !how->options->cells_unread,
+                            .steps = how->options->steps && def->fidelity == LAC_FIDELITY_ODE,
                             .most = most_kept};
     const lac_sink tape = lac_tape_sink(&take->tape);
     const lac_sink sink = take->analysis != NULL ? lac_analysis_sink(take->analysis, &tape) : tape;

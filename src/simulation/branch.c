@@ -9,6 +9,7 @@
 
 #include "base/date.h"
 #include "base/units.h"
+#include "scene/estimate.h"
 #include "store/store_cells.h"
 
 void lac_branch_free(lac_branch *branch)
@@ -226,7 +227,21 @@ static void tell_plan(lac_branch *b)
         strlen(b->changes) > 300 ? " ..." : "");
 }
 
-lac_status lac_branch_open(const lac_case *c, lac_branch **out, lac_error *err)
+// What goes on does so as it was begun.
+static void keep_fidelity(lac_case *c, const lac_case *source)
+{
+    char why[LAC_FIDELITY_ROOM];
+    if (c->run.fidelity != LAC_FIDELITY_AUTO) {
+        return;
+    }
+    c->run.fidelity = LAC_FIDELITY_ODE;
+    if (source->run.fidelity == LAC_FIDELITY_ASYNC && !lac_fidelity_refused(c, why)) {
+        c->run.fidelity = LAC_FIDELITY_ASYNC;
+        c->formulation = LAC_FORMULATION_RATE;
+    }
+}
+
+lac_status lac_branch_open(lac_case *c, lac_branch **out, lac_error *err)
 {
     lac_status status;
     lac_case_issues issues = {0};
@@ -241,6 +256,7 @@ lac_status lac_branch_open(const lac_case *c, lac_branch **out, lac_error *err)
     // files that it names are looked for where those of the case are
     status = lac_case_read_text(c->path, text, strlen(text), NULL, &b->source, &issues, err);
     LAC_TRY(lac_fail_within(err, status, "the case in %s", c->from.file));
+    keep_fidelity(c, b->source);
     LAC_TRY(find_changes(b, err));
     LAC_TRY(find_place(b, err));
     LAC_LEAVE_IF(!(b->time < c->run.end), err, LAC_EINPUT,
@@ -359,7 +375,7 @@ static lac_status observe(const lac_branch *b, const lac_problem *problem, bool 
         const double *slip =
             lac_problem_has_slip(problem) ? y + lac_problem_slip_place(problem) : y + unknowns;
         lac_problem_forget(problem, work);
-        lac_problem_observe(problem, b->time, y, slip, &seen, work);
+        lac_problem_observe(problem, b->time, y, slip, false, &seen, work);
         out[0] = seen.mean_rate;
         out[1] = seen.shear_force;
     }

@@ -21,10 +21,11 @@ typedef struct lac_branch {
 } lac_branch;
 
 /// Reads the other run, finds where to begin, and sees what the case changes.
+/// @param c    gets the fidelity of the other run where it leaves that open and takes it
 /// @param out  to be freed; its words say what would be done
 /// @return LAC_OK; LAC_EINPUT (what may not change, no state to go on from, a time that is not
 ///         there); LAC_EIO; LAC_ENOMEM
-lac_status lac_branch_open(const lac_case *c, lac_branch **out, lac_error *err);
+lac_status lac_branch_open(lac_case *c, lac_branch **out, lac_error *err);
 
 /// Comes to the time of the branch under the loads of the other run.
 /// @param options  its `interrupted` and `progress` are asked and told

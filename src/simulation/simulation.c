@@ -6,8 +6,7 @@
 #include <omp.h>
 
 #include "base/ask.h"
-
-enum { RECORDS_BETWEEN_SYNCS = 64 };
+#include "scene/estimate.h"
 
 struct lac_simulation {
     lac_case source; // the caller's, which owns all, but for what pilot runs picked
@@ -16,6 +15,7 @@ struct lac_simulation {
     lac_points *points;             // NULL where the case names none
     lac_critical_fraction critical; // for its indicators
     lac_analysis *analysis;         // NULL where the case names none
+    lac_fidelity_choice fidelity;
     lac_accuracy_pick accuracy;
     lac_take take;      // a pilot run that is the run, with its indicators
     lac_branch *branch; // NULL where the case goes on from no other run
@@ -72,6 +72,9 @@ static lac_status build(lac_simulation *s, lac_error *err)
 {
     LAC_TRY_RETURN(build_scene(s, err));
     s->outcome.scene = s->scene;
+    LAC_TRY_RETURN(lac_fidelity_settle(s->scene, &s->source, &s->fidelity, err));
+    s->outcome.fidelity_why = s->fidelity.why[0] != '\0' ? s->fidelity.why : NULL;
+    s->outcome.fidelity_error = s->fidelity.error;
     if (s->source.points > 0) {
         LAC_TRY_RETURN(lac_points_create(s->scene->contact.domain, s->source.points,
                                          s->source.point, &s->points, err));
@@ -200,7 +203,8 @@ static lac_status sum_up(lac_simulation *s, const lac_sink *sink, lac_error *err
 // The pilot run is the run, but for who looks at every step or goes on from a checkpoint.
 static lac_status decide(lac_simulation *s, const lac_sink *sink, lac_error *err)
 {
-    const bool again = s->resume != NULL || (sink != NULL && sink->step != NULL);
+    const bool again =
+        s->resume != NULL || (sink != NULL && sink->step != NULL && !s->take.tape.steps);
     if (!s->take.whole || !again) {
         return LAC_OK;
     }
@@ -282,6 +286,14 @@ static lac_run_output output_of(const lac_outcome *of)
                             .start_date = of->source->start_date};
 }
 
+// Records between syncs: what a kill loses is little to compute again.
+static int64_t records_between_syncs(const lac_simulation *s)
+{
+    const size_t work = 1 << 18, least = 64, most = 256; // cells times records
+    const size_t records = work / s->scene->contact.domain->n;
+    return (int64_t)(records < least ? least : records > most ? most : records);
+}
+
 lac_status lac_simulation_file(lac_simulation *simulation, lac_store_def *out, lac_error *err)
 {
     lac_simulation *s = simulation;
@@ -293,7 +305,7 @@ lac_status lac_simulation_file(lac_simulation *simulation, lac_store_def *out, l
                            .of = output_of(&s->outcome),
                            .compression = c->compression,
                            .single = c->single != 0,
-                           .sync_every = RECORDS_BETWEEN_SYNCS};
+                           .sync_every = records_between_syncs(s)};
     if (s->branch != NULL) {
         out->provenance.branch = s->branch->text;
         out->provenance.branch_file = c->from.file;
@@ -302,6 +314,8 @@ lac_status lac_simulation_file(lac_simulation *simulation, lac_store_def *out, l
         out->provenance.branch_time = s->branch->time;
     }
     out->provenance.fidelity = lac_fidelity_name(c->run.fidelity);
+    out->provenance.fidelity_why = s->outcome.fidelity_why;
+    out->provenance.fidelity_error = s->outcome.fidelity_error;
     if (s->outcome.accuracy != NULL) {
         out->provenance.accuracy = s->accuracy.text;
         out->provenance.accuracy_asked = s->accuracy.asked;

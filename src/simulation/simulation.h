@@ -10,6 +10,8 @@ typedef struct lac_outcome {
     const lac_case *source; ///< as it is run: with the settings that were picked
     const lac_scene *scene;
     const struct lac_branch *branch;   ///< what it goes on from; NULL: nothing
+    const char *fidelity_why;          ///< why this fidelity; NULL: the case names it
+    double fidelity_error;             ///< that it keeps: lac_fidelity_error
     const lac_accuracy_pick *accuracy; ///< NULL: the case asks for none
     const lac_points *points;          ///< where it is watched; NULL: the case names none
     const lac_analysis *analysis;      ///< the indicators; NULL: the case names none

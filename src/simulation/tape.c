@@ -5,7 +5,7 @@
 
 #include "run/points.h"
 
-typedef enum piece { PIECE_RECORD, PIECE_SNAPSHOT, PIECE_EVENT } piece;
+typedef enum piece { PIECE_RECORD, PIECE_SNAPSHOT, PIECE_EVENT, PIECE_STEP } piece;
 
 enum { MOST_ARRAYS = 15 };
 
@@ -91,6 +91,21 @@ static lac_status put_event(void *context, const lac_event *event, lac_error *er
     return put(context, PIECE_EVENT, &own, sizeof own, &(arrays){0}, err);
 }
 
+static arrays of_step(lac_step *s)
+{
+    arrays a = {0};
+    list(&a, &s->slip_rate, s->n);
+    list(&a, &s->slip, s->n);
+    return a;
+}
+
+static lac_status put_step(void *context, const lac_step *step, lac_error *err)
+{
+    lac_step own = *step;
+    const arrays a = of_step(&own);
+    return put(context, PIECE_STEP, &own, sizeof own, &a, err);
+}
+
 lac_sink lac_tape_sink(lac_tape *tape)
 {
     lac_sink sink = lac_sink_default();
@@ -98,6 +113,7 @@ lac_sink lac_tape_sink(lac_tape *tape)
     sink.record = put_record;
     sink.snapshot = put_snapshot;
     sink.event = put_event;
+    sink.step = tape->steps ? put_step : NULL;
     return sink;
 }
 
@@ -138,6 +154,15 @@ static lac_status play_event(lac_archive *from, const lac_sink *to, lac_error *e
     return to->event != NULL ? to->event(to->context, &event, err) : LAC_OK;
 }
 
+static lac_status play_step(lac_archive *from, const lac_sink *to, lac_error *err)
+{
+    lac_step step;
+    LAC_PASS(from, step);
+    const arrays a = of_step(&step);
+    find(from, &a);
+    return to->step != NULL ? to->step(to->context, &step, err) : LAC_OK;
+}
+
 lac_status lac_tape_play(const lac_tape *tape, const lac_sink *to, lac_error *err)
 {
     lac_archive from = tape->kept;
@@ -147,6 +172,7 @@ lac_status lac_tape_play(const lac_tape *tape, const lac_sink *to, lac_error *er
         LAC_PASS(&from, kind);
         const lac_status status = kind == PIECE_RECORD     ? play_record(tape, &from, to, err)
                                   : kind == PIECE_SNAPSHOT ? play_snapshot(&from, to, err)
+                                  : kind == PIECE_STEP     ? play_step(&from, to, err)
                                                            : play_event(&from, to, err);
         LAC_TRY_RETURN(status);
     }

@@ -9,12 +9,13 @@ typedef struct lac_tape {
     size_t values; ///< that an analysis adds to a record
     size_t points; ///< that records tell of
     bool cells;    ///< records keep their cells
+    bool steps;    ///< it keeps them, all of whose cells have moved on
     size_t most;   ///< bytes that it may take; beyond them it drops all
     bool over;     ///< it came to that
     lac_archive kept;
 } lac_tape;
 
-/// The sink that fills it: records, snapshots, events; no steps and no checkpoints.
+/// The sink that fills it: records, snapshots, events, steps where it keeps them; no checkpoints.
 lac_sink lac_tape_sink(lac_tape *tape);
 
 /// Puts out what there is, in the order in which it came.

@@ -10,9 +10,11 @@
 /// Who made a file, from what. Texts may be NULL: the attribute is then left out.
 typedef struct lac_provenance {
     const char *title, *institution, *references;
-    const char *case_text; ///< the whole resolved case
-    const char *fidelity;  ///< what a run resolved in time; NULL: there is no run
-    const char *accuracy;  ///< what pilot runs picked for which error; NULL: nothing
+    const char *case_text;    ///< the whole resolved case
+    const char *fidelity;     ///< what a run resolved in time; NULL: there is no run
+    const char *fidelity_why; ///< why that; NULL: the case names it
+    double fidelity_error;    ///< that it keeps, relative; where `fidelity_why` is not NULL
+    const char *accuracy;     ///< what pilot runs picked for which error; NULL: nothing
     double accuracy_asked, accuracy_estimated; ///< relative; where `accuracy` is not NULL
     const char *branch; ///< what it goes on from and how, in words; NULL: it starts by itself
     const char *branch_file, *branch_changes, *branch_case_sum; ///< where `branch` is not NULL
@@ -105,6 +107,7 @@ typedef struct lac_history_maps {
     const double *pressure;              ///< [Pa]
     const double *traction[2], *slip[2]; ///< along x and y [Pa], [m]
     const uint8_t *state;                ///< lac_cell_state
+    bool pressed;                        ///< the pressures change on the way
 } lac_history_maps;
 
 /// What a file of a history holds of the cells.
@@ -116,7 +119,7 @@ typedef struct lac_history_store_def {
     lac_provenance provenance;
     lac_dataset *contact; ///< where the history starts; gets its steps, and must outlive it
     lac_history_keep keep;
-    bool pressed; ///< the pressures change on the way
+    bool pressed; ///< of lac_history_maps
 } lac_history_store_def;
 
 /// The file of a solved contact with the steps of its history, which are written as they come;
@@ -139,6 +142,9 @@ lac_status lac_history_store_maps(lac_history_store *store, const lac_history_ma
 /// The variables of a step, laid on a lac_history_record; docs/format.md.
 /// @param stride  between records that stand one behind the other
 lac_variables lac_history_steps(size_t stride);
+
+/// Those of the cells, laid on lac_history_maps: of one step or, as arrays over steps, of all.
+lac_variables lac_history_cells(lac_history_keep keep);
 
 /// Writes what attributes of the contact are LAC_LATE and `status`, and closes the file, as
 /// lac_store_finish does.

@@ -8,7 +8,9 @@ enum { MAX_ITERATIONS = 1000 };
 
 struct lac_compliance {
     size_t n;
-    size_t *at; // [n] index of each contact cell in the transform's grid
+    size_t *at;    // [n] index of each contact cell in the transform's grid
+    size_t gap;    // first column of a row that holds nothing: zeros; 0: no row is full
+    bool in_order; // at[i] = i
     lac_fft *fft;
     double *stiffness, *compliance;  // [nkx * ny] of each mode: lac_kernels_fill
     double *vectors, *r, *z, *p, *q; // [n] each, of the conjugate gradients
@@ -44,9 +46,12 @@ lac_status lac_compliance_create(const lac_domain *domain, const lac_rock *rock,
     c->z = c->r + n;
     c->p = c->z + n;
     c->q = c->p + n;
+    c->gap = n == lac_grid_cells(grid) ? grid->nx : 0;
+    c->in_order = true;
     for (size_t i = 0; i < n; i++) {
         size_t x = domain->index[i] % grid->nx, y = domain->index[i] / grid->nx;
         c->at[i] = y * c->fft->nx + x;
+        c->in_order = c->in_order && c->at[i] == i;
     }
     LAC_TRY(lac_kernels_fill(c->fft, grid, rock, c->stiffness, c->compliance, err));
     c->fft->measure = rock->measure;
@@ -78,17 +83,33 @@ static void remove_mean(size_t n, double *x)
     }
 }
 
+static void clear_gaps(const lac_compliance *c)
+{
+    const lac_fft *fft = c->fft;
+    const size_t rest = fft->nx - c->gap;
+    for (size_t row = 0; rest > 0 && row < fft->rows; row++) {
+        memset(fft->real + row * fft->nx + c->gap, 0, rest * sizeof *fft->real);
+    }
+}
+
 // y = R F^-1 symbol F R^T x: zeros in the gaps, restriction R.
 static void filter(lac_compliance *c, const double *symbol, const double *x, double *y)
 {
     lac_fft *fft = c->fft;
-    memset(fft->real, 0, fft->nx * fft->rows * sizeof *fft->real);
+    double *real = fft->real;
+    clear_gaps(c);
+    if (c->in_order) {
+        memcpy(real, x, c->n * sizeof *real);
+        lac_fft_filter(fft, symbol);
+        memcpy(y, real, c->n * sizeof *real);
+        return;
+    }
     for (size_t i = 0; i < c->n; i++) {
-        fft->real[c->at[i]] = x[i];
+        real[c->at[i]] = x[i];
     }
     lac_fft_filter(fft, symbol);
     for (size_t i = 0; i < c->n; i++) {
-        y[i] = fft->real[c->at[i]];
+        y[i] = real[c->at[i]];
     }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The elastic transfer: iterations and times of the stress and of the Newton solve;
-// docs/theory/transfer.md, "Measured".
+// The elastic transfer: iterations and times of the stress and of the Newton solve; the calibration
+// of the hierarchy, its cost and its scatter; docs/theory/transfer.md, "Measured".
+//   bench_elastic [LARGEST]      calibration on grids from 256 to LARGEST (1024)
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -8,6 +9,7 @@
 
 #include "support/cost.h"
 #include "support/trees.h"
+#include "transfer/calibrate.h"
 #include "transfer/elastic_solve.h"
 #include "transfer/transfer.h"
 
@@ -147,8 +149,62 @@ static void levels(double fraction)
     scene_free(&s);
 }
 
-int main(void)
+// CPU seconds of one pair of transforms of the grid.
+static double pair_seconds(const lac_domain *domain)
 {
+    enum { PAIRS = 5 };
+    const lac_rock rock = {.shear_modulus = 1, .poisson = 0.25, .thickness = INFINITY};
+    lac_compliance *c = NULL;
+    if (lac_compliance_create(domain, &rock, &c, NULL) != LAC_OK) {
+        abort();
+    }
+    double *x = new_doubles(domain->n), begin = cpu_seconds();
+    for (size_t i = 0; i < PAIRS; i++) {
+        lac_compliance_slip(c, domain->pressure, x);
+    }
+    double taken = cpu_seconds() - begin;
+    free(x);
+    lac_compliance_free(c);
+    return taken / PAIRS;
+}
+
+// The calibration of a cascade with several seeds: its cost, and the scatter of each level.
+static void calibration(size_t side)
+{
+    enum { SEEDS = 6, MOST_LEVELS = 32 };
+    lac_domain *domain = cascade_of(side, 1.7, 5);
+    lac_hierarchy *h = hierarchy_of(domain);
+    lac_transfer_scene from = {domain, h, 1, 0.25, false, false};
+    size_t levels = lac_hierarchy_levels(h);
+    double k[MOST_LEVELS], mean[MOST_LEVELS] = {0}, square[MOST_LEVELS] = {0};
+    double pair = pair_seconds(domain), begin = cpu_seconds();
+    for (uint64_t seed = 1; seed <= SEEDS; seed++) {
+        if (lac_calibrate_elastic(&from, seed, k, NULL, NULL) != LAC_OK) {
+            abort();
+        }
+        for (size_t l = 0; l < levels; l++) {
+            mean[l] += k[l] / SEEDS;
+            square[l] += k[l] * k[l] / SEEDS;
+        }
+    }
+    double taken = (cpu_seconds() - begin) / SEEDS;
+    printf("calibration, %zu^2, %zu cells: %.3f s, %.0f pairs; sd (%%)", side, domain->n, taken,
+           taken / pair);
+    for (size_t l = 0; l < levels; l++) {
+        double variance = (square[l] / (mean[l] * mean[l]) - 1) * SEEDS / (SEEDS - 1);
+        printf(" %.1f", 100 * sqrt(fmax(0, variance)));
+    }
+    printf("\n");
+    lac_hierarchy_free(h);
+    lac_domain_free(domain);
+}
+
+int main(int argc, char **argv)
+{
+    size_t largest = argc > 1 ? (size_t)strtoul(argv[1], NULL, 10) : 1024;
+    for (size_t side = 256; side <= largest; side *= 2) {
+        calibration(side);
+    }
     levels(1);
     levels(0.8);
     levels(0.2);

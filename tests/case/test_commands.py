@@ -41,7 +41,7 @@ LONG = (
     (r"lacuna rg .*rg\.seeds=", "an ensemble: case.test_rg has a small one"),
     (r".*tools/plot/plot_trade\.py", "draws what a long one makes: case.test_trade"),
     (r".*tools/\w+/(bridge|rg_table|forecast_coverage|precursor_ensemble|area_scaling)\.py", "a study"),
-    (r".*tools/\w+/(events_statistics|fidelity|fidelity_events|figure1|figure3|accuracy)\.py", "a study"),
+    (r".*tools/\w+/(events_statistics|fidelity|fidelity_events|auto|figure1|figure3|accuracy)\.py", "a study"),
     (r".*tools/\w+/(hindcasts|verdicts|driven_failures|recovery|trade_table|rg_rules|costs|vajont)\.py", "a study"),
     (r".*tools/\w+/lacuna_plot\.py .*--paper", "half a minute: case.test_pictures"),
 )

@@ -276,14 +276,14 @@ class Bad(Interfaces):
                     "cells_x: 16, shape: line, domain: {cascade: {dimension: 1.5}}")
 
     def test_large_grids(self):
-        """Accepted up to 4096 x 4096, which takes some 1.3 GB, and not beyond."""
-        self.case("levels: 12, domain: {cascade: {dimension: 1.2}}", more=RUN)
+        """Accepted up to 8192 x 8192, which takes some 4 GB, and not beyond."""
+        self.case("levels: 13, domain: {cascade: {dimension: 1.2}}", more=RUN)
         done = json.loads(self.expect(0, "check", "c.yaml", "--json").stdout)
-        self.assertEqual(done["estimate"]["grid_cells"], 4096 ** 2)
-        self.assertTrue(0.5e9 < done["estimate"]["memory_bytes"] < 3e9)
-        self.case("cells_x: 4096, cells_y: 4097, domain: {full: {}}", more=RUN)
-        self.expect_line(2, 'c.yaml:2: interface.cells_y: "4097" makes 16781312 cells; at most '
-                         "16777216 (4096 x 4096) are possible", "check", "c.yaml")
+        self.assertEqual(done["estimate"]["grid_cells"], 8192 ** 2)
+        self.assertTrue(2e9 < done["estimate"]["memory_bytes"] < 12e9)
+        self.case("cells_x: 8192, cells_y: 8193, domain: {full: {}}", more=RUN)
+        self.expect_line(2, 'c.yaml:2: interface.cells_y: "8193" makes 67117056 cells; at most '
+                         "67108864 (8192 x 8192) are possible", "check", "c.yaml")
 
 
 def main():

@@ -105,37 +105,18 @@ void fault_free(fault *f)
     lac_model_clear(&f->load);
 }
 
-// The top of the parabola through the last three records, of which the middle one is the highest.
-static double find_crest(const fault_events *e, double step, double rise)
+static lac_status watch(void *context, const lac_step *step, lac_error *err)
 {
-    const double before = e->last_rise / e->last_step, after = rise / step;
-    const double curvature = (before - after) / (e->last_step + step);
-    const double slope = (before * step + after * e->last_step) / (e->last_step + step);
-    return 1e-3 * exp(e->last_rate + slope * slope / (4 * curvature));
-}
-
-static lac_status watch(void *context, const lac_record *r, lac_error *err)
-{
-    (void)err;
     fault_events *e = context;
-    double t = r->time_origin + r->time_local, rate = log(r->observation.max_rate / 1e-3);
-    if (e->last_rate < 0 && rate >= 0 && e->count < MOST_EVENTS) {
-        double since = e->last_rate * (t - e->last_time) / (rate - e->last_rate);
-        e->time[e->count++] = e->last_time - since;
+    must(lac_slip_events_step(&e->all, step, err), err);
+    e->count = e->all.count < MOST_EVENTS ? e->all.count : MOST_EVENTS;
+    for (size_t k = 0; k < e->count; k++) {
+        e->time[k] = e->all.event[k].start;
+        e->crest[k] = e->all.event[k].max_rate;
     }
     if (e->count > 0) {
-        double *peak = &e->peak[e->count - 1];
-        double *crest = &e->crest[e->count - 1];
-        const double step = t - e->last_time, rise = rate - e->last_rate;
-        *peak = fmax(*peak, r->observation.max_rate);
-        if (e->last_rise > 0 && rise < 0) {
-            *crest = fmax(*crest, find_crest(e, step, rise));
-        }
+        e->peak[e->count - 1] = fmax(e->peak[e->count - 1], step->max_rate);
     }
-    e->last_step = t - e->last_time;
-    e->last_rise = rate - e->last_rate;
-    e->last_time = t;
-    e->last_rate = rate;
     return LAC_OK;
 }
 
@@ -143,7 +124,7 @@ lac_run_result fault_run(const fault *f, lac_method method, double end, double r
                          fault_events *observation)
 {
     lac_run_def how = lac_run_default();
-    lac_sink sink = {.context = observation, .record = watch};
+    lac_sink sink = {.context = observation, .step = watch};
     lac_run_result result;
     lac_error err = {""};
     *observation = (fault_events){0};
@@ -152,6 +133,7 @@ lac_run_result fault_run(const fault *f, lac_method method, double end, double r
     how.rtol = rtol;
     how.failure_rate = 1e3;
     must(lac_run(f->parts.problem, &how, &sink, &result, &err), &err);
+    lac_slip_events_clear(&observation->all);
     return result;
 }
 

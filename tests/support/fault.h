@@ -2,6 +2,7 @@
 #ifndef LACUNA_TESTS_FAULT_H
 #define LACUNA_TESTS_FAULT_H
 
+#include "analysis/slip_events.h"
 #include "support/tree.h"
 
 /// A fault in elastic rock that a plate loads: full contact, aging law, regularised, 30 GPa,
@@ -32,13 +33,12 @@ void fault_free(fault *f);
 
 enum { MOST_EVENTS = 8 };
 
-/// Upward crossings of 1 mm/s by the fastest cell, interpolated in ln v; the peaks after them, at
-/// the steps' ends as other codes give them, and between these, by a parabola in ln v [m/s].
+/// Upward crossings of 1 mm/s by the fastest cell; the peaks after them, at the steps' ends as
+/// other codes give them, and the crests between these [m/s].
 typedef struct fault_events {
     size_t count;
     double time[MOST_EVENTS], peak[MOST_EVENTS], crest[MOST_EVENTS];
-    double last_time, last_rate; ///< [s], ln(v/(1 mm/s)) of the record before
-    double last_step, last_rise; ///< [s] up to that record, and what ln v gained in it
+    lac_slip_events all; ///< while the run goes on
 } fault_events;
 
 /// Runs to `end`; stops the program where it cannot.

@@ -83,7 +83,7 @@ static void creeping_surroundings_load_a_patch(void **state)
     }
     lac_observation look;
     lac_problem_initial(f.parts.problem, y);
-    lac_problem_observe(f.parts.problem, 1e5, y, slip, &look, work);
+    lac_problem_observe(f.parts.problem, 1e5, y, slip, false, &look, work);
     lac_problem_traction(f.parts.problem, 1e5, slip, traction, work);
     for (size_t i = 0; i < n; i++) {
         sum += traction[i] * 4e-4;

@@ -121,6 +121,7 @@ static void on_keep(void *context, lac_archive *archive)
     lac_archive_pass(archive, &h->first.observation, sizeof h->first.observation);
     lac_archive_pass(archive, &h->last.observation, sizeof h->last.observation);
     pass_series(&h->kept, archive);
+    lac_slip_events_serialize(&h->slip_events, archive);
     if (h->next.serialize != NULL) {
         h->next.serialize(h->next.context, archive);
     }
@@ -130,6 +131,7 @@ lac_sink cli_history_sink(cli_history *history)
 {
     lac_sink sink = lac_sink_before(&history->next);
     sink.record = on_record;
+    sink.step = cli_history_step;
     sink.serialize = on_keep;
     return sink;
 }
@@ -271,6 +273,14 @@ static void print_arrest(const cli_outcome *outcome)
             cli_amount(a->end, "m/s").s);
 }
 
+static void print_fidelity(const lac_outcome *of, const char *name)
+{
+    const char *why = of->fidelity_why;
+    const cli_text chosen =
+        cli_format("%s, error at most %.1g: %s", name, of->fidelity_error, why != NULL ? why : "");
+    cli_row_wrap("fidelity", why != NULL ? chosen.s : name);
+}
+
 static void print_cost(const cli_outcome *outcome)
 {
     const lac_run_result *result = &outcome->of->run;
@@ -279,7 +289,7 @@ static void print_cost(const cli_outcome *outcome)
     if (outcome->of->accuracy != NULL) {
         cli_row_wrap("accuracy", outcome->of->accuracy->text);
     }
-    cli_row("fidelity", "%s", fidelity(outcome));
+    print_fidelity(outcome->of, fidelity(outcome));
     cli_row("formulation", "%s", formulation(outcome));
     cli_row("balance residual", "%.2g at worst", result->balance_residual);
     cli_row("time taken", "%s, CPU %s", cli_amount(outcome->wall_time, "s").s,
@@ -407,9 +417,13 @@ static void write_results(lac_json *json, const cli_outcome *outcome)
     if (!lac_analysis_has_events(outcome->of->analysis)) {
         lac_json_null(json, "events"); // else the catalogue says how many
     }
+    const bool together = outcome->of->source->run.fidelity == LAC_FIDELITY_ODE;
+    cli_slip_events_json(json, together ? &history->slip_events : NULL);
     lac_json_number(json, "balance_residual", result->balance_residual);
     lac_json_number(json, "rate_drift", result->rate_drift);
     lac_json_text(json, "fidelity", fidelity(outcome));
+    lac_json_text(json, "fidelity_why", outcome->of->fidelity_why);
+    lac_json_number(json, "fidelity_error", outcome->of->fidelity_error);
     lac_json_text(json, "formulation", formulation(outcome));
     lac_json_number(json, "initial_apparent_friction", apparent_friction(&history->first));
     lac_json_number(json, "apparent_friction", apparent_friction(&history->last));

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
+#include "analysis/slip_events.h"
 #include "cli/report/report.h"
+#include "data/json.h"
 #include "simulation/simulation.h"
 
 /// A sink that passes everything on and keeps what the summary and the comparison need.
@@ -12,7 +14,11 @@ typedef struct cli_history {
     cli_kept kept;
     bool begun;
     lac_record first, last;
+    lac_slip_events slip_events; ///< with fidelity ode
 } cli_history;
+
+/// What the sink does with a step.
+lac_status cli_history_step(void *context, const lac_step *step, lac_error *err);
 
 /// The sink; valid while `history` stays where it is.
 lac_sink cli_history_sink(cli_history *history);
@@ -37,6 +43,9 @@ void cli_outcome_print(const cli_outcome *outcome);
 
 /// The same as one JSON object.
 lac_status cli_outcome_json(const cli_outcome *outcome, lac_error *err);
+
+/// `slip_events` of the same. @param all  NULL: cells are together only at the ends of sweeps
+void cli_slip_events_json(lac_json *json, const lac_slip_events *all);
 
 /// Why a failure rate that is lowered counts in the place of the case's, and how it is judged.
 extern const char *const cli_failure_lowered;

@@ -111,6 +111,8 @@ static size_t gather(const cli_trade_job *job, const lac_trade_run *run, lac_ove
     }
     if (lac_trade_of_run(trade, run) == LAC_OF_CASCADE) {
         out[n++] = (lac_override){"solver.fidelity", "static"};
+    } else if (job->fidelity != NULL) {
+        out[n++] = (lac_override){"solver.fidelity", job->fidelity};
     }
     for (size_t d = 0; d < job->trade.settings; d++) {
         const lac_trade_setting *setting = &trade->setting[d];
@@ -267,6 +269,9 @@ static lac_status prepare(cli_trade_job *job, lac_error *err)
     }
     LAC_TRY_RETURN(cli_until(request, job->source, &end, err));
     LAC_TRY_RETURN(name_files(job, err));
+    if (of == LAC_OF_RUN) {
+        cli_trade_settle(job);
+    }
     LAC_TRY_RETURN(lac_trade_create(job->source, of, request->trade.settings,
                                     request->trade.crossed != NULL, &job->trade, err));
     return resolve(job, &job->trade, err);

@@ -5,10 +5,44 @@
 #include <unistd.h>
 
 #include "cli/common/output.h"
+#include "cli/common/words.h"
 #include "cli/trade/trade.h"
 #include "scene/scene_rg.h"
 #include "simulation/simulation.h"
 #include "trade/probe.h"
+
+// Whether a setting is turned that only all cells at every step have.
+static bool turns_ode(const char *settings)
+{
+    static const char *const of_ode[] = {"method", "formulation", "transfer", "planning"};
+    bool any = false;
+    for (size_t i = 0; settings != NULL && i < sizeof of_ode / sizeof *of_ode; i++) {
+        any = any || strstr(settings, of_ode[i]) != NULL;
+    }
+    return any;
+}
+
+void cli_trade_settle(cli_trade_job *job)
+{
+    lac_case *c = job->source;
+    lac_simulation *simulation = NULL;
+    if (c->run.fidelity != LAC_FIDELITY_AUTO) {
+        return;
+    }
+    c->run.fidelity = LAC_FIDELITY_ODE;
+    if (!turns_ode(job->request->trade.settings) && isnan(c->accuracy)) {
+        c->run.fidelity = LAC_FIDELITY_AUTO;
+        if (lac_simulation_create(c, NULL, &simulation, NULL) == LAC_OK) {
+            const lac_outcome *of = lac_simulation_outcome(simulation);
+            c->run.fidelity = of->source->run.fidelity;
+            cli_say(job->request, "fidelity %s: %s", lac_fidelity_name(c->run.fidelity),
+                    of->fidelity_why);
+        }
+        lac_simulation_free(simulation);
+    }
+    job->fidelity = lac_fidelity_name(c->run.fidelity == LAC_FIDELITY_ASYNC ? c->run.fidelity
+                                                                            : LAC_FIDELITY_ODE);
+}
 
 static lac_status integrate(const cli_trade_job *job, const lac_case *c, const char *file,
                             lac_trade_measure *m, lac_error *err)

@@ -48,6 +48,7 @@ USES = {
 SHARED = {
     "base": None,  # all of it, as of data
     "data": None,
+    "analysis": {"slip_events.h"},
     "case": {"fleet.h", "levels.h"},
     "contact": {"tangential.h"},
     "fit": {"model_forecast.h", "sampler.h"},
