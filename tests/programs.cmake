@@ -87,6 +87,9 @@ lacuna_python_test(test_domain_file)
 # Loads that bend at every reading of a long series.
 lacuna_python_test(test_breaks extreme)
 
+# Pilot runs: the one that is kept, and those that must not deceive.
+lacuna_python_test(test_accuracy)
+
 # Loads that change in time, and the files that they come from.
 lacuna_python_test(test_loads)
 lacuna_python_test(test_loads_over_joint)

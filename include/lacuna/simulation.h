@@ -189,6 +189,8 @@ typedef struct lac_run_result {
     double rate_drift;       ///< worst over the records
     lac_safety_summary safety;
     lac_arrest arrest;
+    double
+        stiff_steps; ///< that stability would have asked an explicit method for; 0: not looked at
 } lac_run_result;
 
 /// A part of the preparation.
@@ -202,7 +204,11 @@ typedef struct lac_simulation_options {
     void (*progress)(void *context, const lac_progress *now); ///< after every step; NULL
     /// A part of the preparation is over; NULL.
     void (*prepared)(void *context, lac_stage stage, const lac_simulation *so_far);
-    int threads; ///< of long loops; 0: as many as OpenMP is set to
+    int threads;       ///< of long loops; 0: as many as OpenMP is set to
+    bool cells_unread; ///< nobody looks at the cells of the records: those of a pilot run that is
+                       ///< kept as the run then come without them, and it may have more records
+    bool steps; ///< they are looked at too, with all cells of fidelity ode: a pilot run keeps them
+    bool live;  ///< who gets the records wants them as the run goes on: no pilot run is kept as it
 } lac_simulation_options;
 
 /// No callbacks, threads as they are.
@@ -220,8 +226,9 @@ static inline lac_simulation_options lac_simulation_options_default(void)
 /// @return LAC_OK; LAC_EINPUT (a value of the case, also a start beyond a limit); LAC_EIO;
 ///         LAC_ENUMERIC (no convergence, no tolerance keeps the accuracy, no slip at the start);
 ///         LAC_EINTERRUPT; LAC_ENOMEM
-/// @cost   of a contact; with an accuracy some four runs; the cascade where the indicator `rg` has
-///         no critical_fraction
+/// @cost   of a contact; with an accuracy some three runs, after which lac_simulation_run only puts
+///         out what the last of them has kept, up to 256 MB of it; the cascade where the indicator
+///         `rg` has no critical_fraction
 lac_status lac_simulation_create(const lac_case *c, const lac_simulation_options *options,
                                  lac_simulation **out, lac_error *err);
 
@@ -298,6 +305,9 @@ typedef struct lac_accuracy_pick {
     const char *method, *formulation;
     int64_t pilots, evaluations; ///< runs made to find out, and what they took
     char text[256];              ///< all of it in one sentence
+    double work; ///< what they took in evaluations of the right-hand side, as steps and solves
+                 ///< count: docs/trade.md
+    bool kept;   ///< the last of them is the run, and is not made again
 } lac_accuracy_pick;
 
 /// @return NULL: the case asks for none

@@ -171,6 +171,15 @@ size_t lac_analysis_extras(const lac_analysis *analysis, const lac_extra **extra
     return analysis->extras;
 }
 
+size_t lac_analysis_values(const lac_analysis *analysis)
+{
+    size_t values = 0;
+    for (size_t k = 0; analysis != NULL && k < analysis->extras; k++) {
+        values += width(analysis, &analysis->extra[k]);
+    }
+    return values;
+}
+
 lac_status lac_analysis_finish(lac_analysis *analysis, const lac_run_result *result, lac_error *err)
 {
     for (size_t i = 0; i < analysis->n; i++) {

@@ -124,6 +124,9 @@ bool lac_analysis_has_events(const lac_analysis *analysis);
 size_t lac_analysis_extras(const lac_analysis *analysis, const lac_extra **extra,
                            const double **once);
 
+/// Values that they add to a record; 0 where `analysis` is NULL.
+size_t lac_analysis_values(const lac_analysis *analysis);
+
 /// Lets the indicators sum up when the run is over, however it ended. The last events go to the
 /// sink's `next`.
 lac_status lac_analysis_finish(lac_analysis *analysis, const lac_run_result *result,

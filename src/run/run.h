@@ -113,14 +113,17 @@ enum {
 
 typedef struct lac_run_def {
     lac_fidelity fidelity;
-    lac_method method;   ///< of fidelity ODE
-    double wake;         ///< of fidelity EVENTS: what an unforeseen change of traction may cost a
-                         ///< cell before it is looked at, over its error a step
-    double rtol;         ///< relative on v and theta, whatever the formulation
-    int projection;      ///< 1: records and snapshots are moved onto the balance; 0: as integrated
-    int64_t max_order;   ///< 0: the method's own
-    double first_step;   ///< [s]; NaN: from the problem's time scales, which also bound it
-    int64_t max_steps;   ///< of the whole run
+    lac_method method; ///< of fidelity ODE
+    double wake;       ///< of fidelity EVENTS: what an unforeseen change of traction may cost a
+                       ///< cell before it is looked at, over its error a step
+    double rtol;       ///< relative on v and theta, whatever the formulation
+    int projection;    ///< 1: records and snapshots are moved onto the balance; 0: as integrated
+    int64_t max_order; ///< 0: the method's own
+    double first_step; ///< [s]; NaN: from the problem's time scales, which also bound it
+    int64_t max_steps; ///< of the whole run
+    double most_stiff; ///< give up, LAC_ENUMERIC, after so many steps where stability asks an
+                       ///< explicit method for as many, and for half of all; INFINITY: only count
+                       ///< them; 0: they are not looked at
     double end;          ///< [s]
     double failure_rate; ///< mean slip rate that is failure [m/s]; INFINITY: none is
     double failure_slip; ///< mean slip that is failure [m]; both as lac_problem_failure takes them

@@ -58,22 +58,29 @@ static lac_status find_critical(const lac_scene *scene, const lac_analysis_rg *r
     return run_cascade(c, rg, out, err);
 }
 
-lac_status lac_indicators_create(const lac_scene *scene, lac_analysis **out, lac_error *err)
+lac_status lac_indicators_prepare(const lac_scene *scene, lac_critical_fraction *critical,
+                                  lac_error *err)
 {
     const lac_model_list *models = &scene->source->analysis;
-    lac_analysis_scene made_for = {.domain = scene->contact.domain,
-                                   .hierarchy = scene->hierarchy,
-                                   .friction = scene->friction,
-                                   .shear_modulus = scene->source->material.shear_modulus};
-    *out = NULL;
     for (size_t i = 0; i < models->count; i++) {
         const lac_analysis_rg *rg = lac_analysis_cascade(&models->item[i]);
         if (rg != NULL) {
-            LAC_TRY_RETURN(find_critical(scene, rg, &made_for.critical, err));
+            LAC_TRY_RETURN(find_critical(scene, rg, critical, err));
         }
     }
-    if (models->count > 0) {
-        LAC_TRY_RETURN(lac_analysis_create(&made_for, models->count, models->item, out, err));
-    }
     return LAC_OK;
+}
+
+lac_status lac_indicators_create(const lac_scene *scene, const lac_critical_fraction *critical,
+                                 lac_analysis **out, lac_error *err)
+{
+    const lac_model_list *models = &scene->source->analysis;
+    const lac_analysis_scene made_for = {.domain = scene->contact.domain,
+                                         .hierarchy = scene->hierarchy,
+                                         .friction = scene->friction,
+                                         .critical = *critical,
+                                         .shear_modulus = scene->source->material.shear_modulus};
+    *out = NULL;
+    return models->count > 0 ? lac_analysis_create(&made_for, models->count, models->item, out, err)
+                             : LAC_OK;
 }

@@ -12,10 +12,12 @@ struct lac_simulation {
     lac_case source; // the caller's, which owns all, but for what pilot runs picked
     lac_simulation_options options;
     lac_scene *scene;
-    lac_points *points;     // NULL where the case names none
-    lac_analysis *analysis; // NULL where the case names no indicator
+    lac_points *points;             // NULL where the case names none
+    lac_critical_fraction critical; // for its indicators
+    lac_analysis *analysis;         // NULL where the case names none
     lac_fidelity_choice fidelity;
     lac_accuracy_pick accuracy;
+    lac_take take;      // a pilot run that is the run, with its indicators
     lac_branch *branch; // NULL where the case goes on from no other run
     const lac_checkpoint *resume;
     char *case_text; // NULL: not asked for yet
@@ -43,6 +45,29 @@ static lac_status build_scene(lac_simulation *s, lac_error *err)
     return LAC_OK;
 }
 
+// Indicators that know nothing yet. Those of a pilot run stay with it, as others may know of them.
+static lac_status make_indicators(lac_simulation *s, lac_error *err)
+{
+    return lac_indicators_create(s->scene, &s->critical, &s->analysis, err);
+}
+
+static void show_indicators(lac_simulation *s)
+{
+    s->outcome.analysis = s->analysis;
+    if (s->analysis != NULL) {
+        s->outcome.extras = lac_analysis_extras(s->analysis, &s->outcome.extra, &s->outcome.once);
+    }
+}
+
+static lac_status pick_settings(lac_simulation *s, lac_error *err)
+{
+    const lac_accuracy_def how = {
+        .scene = s->scene, .points = s->points, .critical = &s->critical, .options = &s->options};
+    LAC_TRY_RETURN(lac_accuracy_choose(&how, &s->source, &s->accuracy, &s->take, err));
+    s->outcome.accuracy = &s->accuracy;
+    return LAC_OK;
+}
+
 static lac_status build(lac_simulation *s, lac_error *err)
 {
     LAC_TRY_RETURN(build_scene(s, err));
@@ -56,16 +81,16 @@ static lac_status build(lac_simulation *s, lac_error *err)
         s->outcome.points = s->points;
     }
     prepared(s, LAC_STAGE_SCENE);
-    if (!isnan(s->source.accuracy)) {
-        LAC_TRY_RETURN(lac_accuracy_choose(s->scene, &s->source, &s->options, &s->accuracy, err));
-        s->outcome.accuracy = &s->accuracy;
+    const bool picks = !isnan(s->source.accuracy);
+    if (picks) {
+        LAC_TRY_RETURN(lac_indicators_prepare(s->scene, &s->critical, err));
+        LAC_TRY_RETURN(pick_settings(s, err));
     }
     prepared(s, LAC_STAGE_ACCURACY);
-    LAC_TRY_RETURN(lac_indicators_create(s->scene, &s->analysis, err));
-    s->outcome.analysis = s->analysis;
-    if (s->analysis != NULL) {
-        s->outcome.extras = lac_analysis_extras(s->analysis, &s->outcome.extra, &s->outcome.once);
-    }
+    LAC_TRY_RETURN(picks ? LAC_OK : lac_indicators_prepare(s->scene, &s->critical, err));
+    s->analysis = s->take.whole ? s->take.analysis : NULL;
+    LAC_TRY_RETURN(s->take.whole ? LAC_OK : make_indicators(s, err));
+    show_indicators(s);
     return lac_run_check(s->scene->problem, &s->source.run, err);
 }
 
@@ -114,7 +139,10 @@ void lac_simulation_free(lac_simulation *simulation)
     if (simulation == NULL) {
         return;
     }
-    lac_analysis_free(simulation->analysis);
+    if (simulation->analysis != simulation->take.analysis) {
+        lac_analysis_free(simulation->analysis);
+    }
+    lac_take_clear(&simulation->take);
     lac_points_free(simulation->points);
     lac_scene_free(simulation->scene);
     lac_branch_free(simulation->branch);
@@ -166,15 +194,33 @@ static lac_status put_once(lac_simulation *s, const lac_sink *sink, lac_error *e
 
 static lac_status sum_up(lac_simulation *s, const lac_sink *sink, lac_error *err)
 {
-    if (s->analysis != NULL) {
+    if (s->analysis != NULL && !s->take.whole) {
         LAC_TRY_RETURN(lac_analysis_finish(s->analysis, &s->outcome.run, err));
     }
     return put_once(s, sink, err);
 }
 
+// The pilot run is the run, but for who looks at every step or goes on from a checkpoint.
+static lac_status decide(lac_simulation *s, const lac_sink *sink, lac_error *err)
+{
+    const bool again =
+        s->resume != NULL || (sink != NULL && sink->step != NULL && !s->take.tape.steps);
+    if (!s->take.whole || !again) {
+        return LAC_OK;
+    }
+    s->take.whole = s->accuracy.kept = false;
+    LAC_TRY_RETURN(make_indicators(s, err));
+    show_indicators(s);
+    return LAC_OK;
+}
+
 static lac_status integrate(lac_simulation *s, const lac_sink *sink, lac_error *err)
 {
     static const lac_sink nowhere;
+    if (s->take.whole) {
+        s->outcome.run = s->take.run;
+        return lac_tape_play(&s->take.tape, sink != NULL ? sink : &nowhere, err);
+    }
     lac_sink through;
     lac_run_def def = s->source.run;
     def.interrupted = s->options.interrupted;
@@ -206,7 +252,8 @@ lac_status lac_simulation_run(lac_simulation *simulation, const lac_sink *given,
     LAC_FAIL_IF(s->begun, err, LAC_EINPUT, "%s: this simulation was run already", s->source.path);
     s->begun = true;
     const int before = set_threads(s->options.threads);
-    status = put_once(s, sink, err);
+    status = decide(s, sink, err);
+    status = status == LAC_OK ? put_once(s, sink, err) : status;
     if (status == LAC_OK) {
         status = integrate(s, sink, err);
         // The indicators sum up however the run ended; why it broke counts for more.

@@ -498,11 +498,6 @@ class Accuracy(Program):
         said, _ = self.run_case("--set", "solver.accuracy=1e-3", "--set", "solver.method=bdf")
         self.assertEqual(said["accuracy"]["method"], "bdf")
 
-    def test_cells_are_not_asked_of(self):
-        """A warning of cells that are further off than the result does not say to tighten what --accuracy picks."""
-        done = self.call("run", "cases/vajont.yaml", "--accuracy", "1%", "-o", self.out, "-v")
-        self.assertRegex(done.stderr, "balance drifted by 0.0.* is kept, but single cells are further off: ask for a smaller one")
-
     def test_wrong(self):
         for value in ("2", "0", "1 m", "-1%"):
             _, noted = self.run_case(f"--accuracy={value}", status=2)

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "simulation/simulation.h"
+#include "simulation/tape.h"
 #include "support/store_records.h"
 #include "support/test.h"
 
@@ -64,7 +65,8 @@ static void test_accuracy(void **state)
 
 // What came to a sink of one's own.
 typedef struct observation {
-    size_t records, steps, snapshots, once;
+    size_t records, steps, snapshots, once, cells;
+    uint64_t sum;       // of what records and snapshots hold
     double first, last; // values of the first extra quantity over nothing
     int threads;
 } observation;
@@ -74,6 +76,12 @@ static lac_status on_record(void *context, const lac_record *record, lac_error *
     observation *s = context;
     (void)err;
     s->records += record->extra != NULL;
+    s->cells += record->cells.n;
+    s->sum = lac_sum_bytes(s->sum, &record->time_local, sizeof record->time_local);
+    s->sum = lac_sum_bytes(s->sum, &record->observation.mean_slip, sizeof(double));
+    s->sum = lac_sum_bytes(s->sum, record->extra, record->extra != NULL ? sizeof(double) : 0);
+    s->sum = lac_sum_bytes(s->sum, record->cells.slip_rate, record->cells.n * sizeof(double));
+    s->sum = lac_sum_bytes(s->sum, record->cells.log_state, record->cells.n * sizeof(double));
     s->threads = omp_get_max_threads();
     return LAC_OK;
 }
@@ -91,6 +99,8 @@ static lac_status on_snapshot(void *context, const lac_snapshot *snapshot, lac_e
     observation *s = context;
     (void)err;
     s->snapshots += snapshot->slip != NULL;
+    s->sum = lac_sum_bytes(s->sum, snapshot->slip, snapshot->n * sizeof(double));
+    s->sum = lac_sum_bytes(s->sum, snapshot->traction, snapshot->n * sizeof(double));
     return LAC_OK;
 }
 
@@ -140,6 +150,64 @@ static void test_own_sink(void **state)
     assert_non_null(strstr(err.message, "run already"));
     lac_simulation_free(simulation);
     lac_case_free(c);
+}
+
+// What comes to a sink, with steps or without, and whether it is a pilot run that comes.
+static observation observe(const lac_case *c, const lac_simulation_options *options, bool steps,
+                           bool *kept)
+{
+    lac_simulation *simulation = create(c, options);
+    observation s = {.sum = LAC_SUM_OF_NOTHING};
+    lac_sink sink = sink_of(&s);
+    sink.step = steps ? on_step : NULL;
+    assert_int_equal(lac_simulation_run(simulation, &sink, NULL), LAC_OK);
+    *kept = lac_simulation_accuracy(simulation)->kept;
+    lac_simulation_free(simulation);
+    return s;
+}
+
+// A pilot run that is kept puts out what the run would, cells included where they are looked at;
+// who looks at steps gets the run itself.
+static void test_kept(void **state)
+{
+    (void)state;
+    const lac_override sets[] = {{"solver.accuracy", "1e-3"},
+                                 {"analysis.rg.critical_fraction", "0.25"},
+                                 {"output.fields", "[slip, traction]"},
+                                 {"output.fields_every", "1 day"}};
+    lac_case *c = read_block(4, sets);
+    lac_simulation_options options = lac_simulation_options_default();
+    bool kept, again;
+    const observation pilot = observe(c, &options, false, &kept);
+    const observation run = observe(c, &options, true, &again);
+    assert_true(kept && !again && pilot.steps == 0 && run.steps > 0);
+    assert_true(pilot.records > 10 && pilot.records == run.records);
+    assert_true(pilot.snapshots > 10 && pilot.snapshots == run.snapshots);
+    assert_true(pilot.cells == pilot.records && pilot.sum == run.sum);
+    options.cells_unread = true;
+    const observation brief = observe(c, &options, false, &kept);
+    assert_true(kept && brief.cells == 0 && brief.records == run.records);
+    lac_case_free(c);
+}
+
+// Less than this is not kept: the run is made again.
+static void test_tape_is_bounded(void **state)
+{
+    (void)state;
+    lac_tape tape = {.most = 2 * sizeof(lac_event)};
+    const lac_sink sink = lac_tape_sink(&tape);
+    const lac_event event = {.cells = 7};
+    observation s = {0};
+    const lac_sink to = sink_of(&s);
+    assert_int_equal(sink.event(sink.context, &event, NULL), LAC_OK);
+    assert_false(tape.over);
+    for (int i = 0; i < 3; i++) {
+        assert_int_equal(sink.event(sink.context, &event, NULL), LAC_OK);
+    }
+    assert_true(tape.over && tape.kept.bytes == NULL);
+    assert_int_equal(lac_tape_play(&tape, &to, NULL), LAC_OK);
+    assert_int_equal(s.records, 0);
+    lac_tape_clear(&tape);
 }
 
 // Runs into the file that the case names, in this folder or another.
@@ -265,9 +333,13 @@ static void test_cannot_start(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_accuracy),     cmocka_unit_test(test_own_sink),
-        cmocka_unit_test(test_file),         cmocka_unit_test(test_options),
+        cmocka_unit_test(test_accuracy),
+        cmocka_unit_test(test_own_sink),
+        cmocka_unit_test(test_file),
+        cmocka_unit_test(test_options),
         cmocka_unit_test(test_cannot_start),
+        cmocka_unit_test(test_kept),
+        cmocka_unit_test(test_tape_is_bounded),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -230,6 +230,9 @@ static lac_status create(run_job *job, lac_error *err)
     options.interrupted = cli_signals_stop;
     options.progress = on_progress;
     options.prepared = on_prepared;
+    options.cells_unread = true;
+    options.steps = true; // slip_events
+    options.live = job->view != NULL;
     options.context = job;
     const lac_status status = lac_simulation_create(job->source, &options, &job->simulation, err);
     cli_progress_clear(&job->progress);

@@ -446,6 +446,8 @@ static void write_accuracy(lac_json *json, const lac_accuracy_pick *pick)
     lac_json_text(json, "formulation", pick->formulation);
     lac_json_integer(json, "pilots", pick->pilots);
     lac_json_integer(json, "pilot_rhs_evaluations", pick->evaluations);
+    lac_json_number(json, "pilot_work", pick->work);
+    lac_json_boolean(json, "pilot_kept", pick->kept);
     lac_json_close(json, '}');
 }
 
