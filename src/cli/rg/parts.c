@@ -2,8 +2,6 @@
 // The interfaces of an ensemble in processes of the pool, each kept as soon as it is done.
 #include "cli/rg/parts.h"
 
-#include <omp.h>
-
 #include "cli/common/output.h"
 #include "cli/common/words.h"
 
@@ -109,9 +107,6 @@ lac_status cli_rg_parts_run(cli_rg_parts *p, lac_scene_rg *out, lac_error *err)
         p->pool.progress = &progress;
         status = cli_pool_run(&p->pool, err);
         cli_progress_clear(&progress);
-        // the last one has the processors to itself; no bit depends on how many threads it takes
-        omp_set_num_threads(p->pool.jobs > p->request->threads ? p->pool.jobs
-                                                               : p->request->threads);
     }
     LAC_TRY_RETURN(status);
     status = lac_scene_rg_run(p->source, &watch, out, &why);
