@@ -175,6 +175,13 @@ typedef struct lac_fit_def {
     int64_t walkers, steps, burn, rounds, seed;
 } lac_fit_def;
 
+/// How cells are taken together where the fidelity is lumped; docs/theory/lumped.md.
+typedef struct lac_lump_def {
+    int64_t level; ///< of the blocks that are taken together; < 0: as coarse as the scene allows
+    int64_t nodes; ///< of a quadrature over one parameter; < 0: what was measured to be enough
+    double error;  ///< relative, that it may cause [1]
+} lac_lump_def;
+
 /// A run that another one goes on from.
 typedef struct lac_from_def {
     char *file; ///< already relative to the working folder
@@ -250,6 +257,7 @@ struct lac_case {
     int formulation;          ///< lac_formulation, never AUTO once read
     double accuracy; ///< relative error to keep, by which rtol and what solver leaves open are
                      ///< picked [1]; NaN: as given
+    lac_lump_def lump;
     bool method_given, formulation_given;
     double contact_tolerance; ///< relative, of pressed contacts and static histories [1]
     int fft_planning;         ///< 0: estimate, reproducible to the bit; 1: measure

@@ -54,6 +54,7 @@ typedef enum lac_fidelity {
     LAC_FIDELITY_ODE = 0, ///< all cells, at every step
     LAC_FIDELITY_ASYNC,   ///< every cell at steps of its own: docs/theory/fidelity-events.md
     LAC_FIDELITY_STATIC,  ///< no time: the cascade of rg.h, not a run
+    LAC_FIDELITY_LUMPED,  ///< as ODE, of a scene whose cells were taken together: lump.h
 } lac_fidelity;
 
 /// How often something is recorded; the tightest of what is given counts.

@@ -128,6 +128,10 @@ static lac_status make_problem(lac_scene *scene, const lac_heterogeneity_place *
     LAC_TRY(
         lac_weakening_set_create(c->weakening.item, c->weakening.count, &scene->weakening, err));
     LAC_TRY(lac_problem_create(&def, &scene->problem, err));
+    if (c->run.fidelity == LAC_FIDELITY_LUMPED) {
+        const lac_lump_source source = {def, scene->problem, &c->friction, scene->hierarchy};
+        LAC_TRY(lac_lump_create(&source, &c->lump, &scene->lump, err));
+    }
 out:
     free(start);
     free(rate.values);
@@ -181,6 +185,8 @@ static lac_status place_loads(lac_scene *scene, lac_error *err)
 
 lac_status lac_scene_renew(lac_scene *scene, lac_load_files *files, bool loads, lac_error *err)
 {
+    lac_lump_free(scene->lump);
+    scene->lump = NULL;
     lac_problem_free(scene->problem);
     scene->problem = NULL;
     lac_friction_free(scene->friction);
@@ -237,6 +243,7 @@ void lac_scene_free(lac_scene *scene)
     if (scene == NULL) {
         return;
     }
+    lac_lump_free(scene->lump);
     lac_problem_free(scene->problem);
     lac_load_set_clear(&scene->loads);
     lac_friction_free(scene->friction);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "case/case.h"
+#include "scene/lump.h"
 #include "store/store.h"
 
 enum { LAC_SCENE_SIZES = 32 };
@@ -119,8 +120,15 @@ typedef struct lac_scene {
     lac_friction *friction;
     lac_load_set loads;
     double damping; ///< [Pa s/m]
-    lac_problem *problem;
+    lac_problem *problem; ///< of all contact cells
+    lac_lump *lump;       ///< where the case lumps them; NULL
 } lac_scene;
+
+/// The problem that a run of the scene solves.
+static inline const lac_problem *lac_scene_problem(const lac_scene *scene)
+{
+    return scene->lump != NULL ? scene->lump->problem : scene->problem;
+}
 
 /// What is kept of a contact besides its domain.
 typedef enum lac_scene_keep {

@@ -55,7 +55,7 @@ static lac_status pilot(search *s, double rtol, int64_t most_steps, rung *out, l
     def.interrupted = s->options->interrupted;
     def.progress = s->options->progress;
     def.context = s->options->context;
-    lac_status status = lac_run(s->scene->problem, &def, NULL, &result, err);
+    lac_status status = lac_run(lac_scene_problem(s->scene), &def, NULL, &result, err);
     read_result(s->c, &result, out);
     s->pick->pilots++;
     s->pick->evaluations += result.rhs_evaluations;

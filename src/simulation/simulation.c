@@ -63,7 +63,7 @@ static lac_status build(lac_simulation *s, lac_error *err)
     if (s->analysis != NULL) {
         s->outcome.extras = lac_analysis_extras(s->analysis, &s->outcome.extra, &s->outcome.once);
     }
-    return lac_run_check(s->scene->problem, &s->source.run, err);
+    return lac_run_check(lac_scene_problem(s->scene), &s->source.run, err);
 }
 
 // Sets a number of threads, 0: leaves it.
@@ -182,7 +182,7 @@ static lac_status integrate(lac_simulation *s, const lac_sink *sink, lac_error *
     if (s->analysis != NULL) {
         through = lac_analysis_sink(s->analysis, sink != NULL ? sink : &nowhere);
     }
-    return lac_run(s->scene->problem, &def, s->analysis != NULL ? &through : sink, &s->outcome.run,
+    return lac_run(lac_scene_problem(s->scene), &def, s->analysis != NULL ? &through : sink, &s->outcome.run,
                    err);
 }
 

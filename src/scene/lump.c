@@ -1,0 +1,589 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A scene on fewer cells: of each block some cells stay that stand for all, with weights by which
+// sums over the block keep their values; what holds them against each other is what held the
+// block's cells, by how they would slip apart. docs/theory/lumped.md.
+#include "scene/lump.h"
+
+#include "base/cubature.h"
+#include "scene/internal.h"
+
+enum { MOST_VARIABLES = 24, PATTERNS = 4, USUAL_NODES = 4 };
+
+// What the cells differ in: of all of them, scaled block by block.
+typedef struct variable {
+    double *value; // [n]
+    double mean, scale;
+} variable;
+
+typedef struct field {
+    size_t n, variables;
+    variable of[MOST_VARIABLES];
+    double *pattern; // [PATTERNS][n] what friction may leave a cell apart by, in parts of p
+    double *force;   // [n + 1] sums up to a cell of p times a pattern
+    double per_dc;   // mean of 1/dc [1/m]
+    double *memory;
+} field;
+
+// The cells of one block as points.
+typedef struct block {
+    const double *pressure; // [n] from its first cell on
+    size_t first, n;
+    const field *of;
+    size_t active;
+    const variable *at[MOST_VARIABLES];
+    double mean[MOST_VARIABLES], scale[MOST_VARIABLES];
+    double mean_pressure;
+    size_t degree;
+    bool pressed; // pressures differ
+} block;
+
+// Products of the variables of degree at most `left`, from variable v on, times `product`.
+static double *products(const block *b, const double *z, size_t v, size_t left, double product,
+                        double *out)
+{
+    if (v == b->active) {
+        *out = product;
+        return out + 1;
+    }
+    for (size_t k = 0; k <= left; k++, product *= z[v]) {
+        out = products(b, z, v + 1, left - k, product, out);
+    }
+    return out;
+}
+
+static void values_at(const void *context, size_t point, double *value)
+{
+    const block *b = context;
+    double z[MOST_VARIABLES];
+    const double p = b->pressure[point] / b->mean_pressure;
+    for (size_t v = 0; v < b->active; v++) {
+        z[v] = (b->at[v]->value[b->first + point] - b->mean[v]) / b->scale[v];
+    }
+    double *end = products(b, z, 0, b->degree, p, value);
+    if (b->pressed) {
+        end[0] = 1.0;
+        end[1] = p * p;
+    }
+}
+
+static size_t count_products(size_t variables, size_t degree)
+{
+    double count = 1.0; // binomial(variables + degree, degree)
+    for (size_t k = 1; k <= degree; k++) {
+        count = count * (double)(variables + k) / (double)k;
+    }
+    return (size_t)(count + 0.5);
+}
+
+// Sums of one variable are kept up to the degree of Gauss's nodes; of more, less.
+static size_t degree_of(size_t variables, size_t nodes)
+{
+    return variables <= 1 ? 2 * nodes - 1 : variables == 2 ? nodes + 1
+                                        : variables == 3   ? nodes
+                                        : variables <= 5   ? (nodes > 2 ? nodes - 1 : 2)
+                                                           : 2;
+}
+
+static void look_at_block(const field *of, const double *pressure, size_t first, size_t n,
+                          size_t nodes, block *b)
+{
+    double sum = 0.0, least = INFINITY, most = 0.0;
+    *b = (block){.pressure = pressure + first, .first = first, .n = n, .of = of};
+    for (size_t i = 0; i < n; i++) {
+        sum += b->pressure[i];
+        least = fmin(least, b->pressure[i]);
+        most = fmax(most, b->pressure[i]);
+    }
+    b->mean_pressure = sum / (double)n;
+    b->pressed = most > least * (1.0 + 1e-9);
+    for (size_t v = 0; v < of->variables; v++) {
+        const double *x = of->of[v].value + first;
+        double mean = 0.0, square = 0.0;
+        for (size_t i = 0; i < n; i++) {
+            mean += b->pressure[i] * x[i] / sum;
+        }
+        for (size_t i = 0; i < n; i++) {
+            square += b->pressure[i] * (x[i] - mean) * (x[i] - mean) / sum;
+        }
+        const double scale = sqrt(square);
+        if (scale > 1e-7 * of->of[v].scale) {
+            b->at[b->active] = &of->of[v];
+            b->mean[b->active] = mean;
+            b->scale[b->active++] = scale;
+        }
+    }
+    b->degree = b->active > 0 ? degree_of(b->active, nodes) : 0;
+}
+
+// Adds a variable unless the cells are alike in it. @param size  what a difference is beside
+static void add_variable(field *f, const double *x, double size)
+{
+    double least = INFINITY, most = -INFINITY;
+    for (size_t i = 0; i < f->n; i++) {
+        least = fmin(least, x[i]);
+        most = fmax(most, x[i]);
+    }
+    if (most - least > 1e-7 * size && f->variables < MOST_VARIABLES) {
+        variable *v = &f->of[f->variables];
+        v->value = f->memory + f->variables++ * f->n;
+        v->scale = size;
+        memcpy(v->value, x, f->n * sizeof *x);
+    }
+}
+
+static void add_column(field *f, const lac_cellwise *column, double *room)
+{
+    double size = 0.0;
+    for (size_t i = 0; column->value != NULL && column->mask != 0 && i < f->n; i++) {
+        room[i] = lac_cellwise_of(column, i);
+        size = fmax(size, fabs(room[i]));
+    }
+    if (size > 0.0) {
+        add_variable(f, room, size);
+    }
+}
+
+// What friction may leave a cell apart by, in parts of its pressure: by the renewal of its state
+// over some slip, its state and rate at the start, what it weakens by.
+static void fill_patterns(const lac_lump_source *s, field *f)
+{
+    const lac_friction *friction = s->whole.friction;
+    double dc = 0.0;
+    for (size_t i = 0; i < f->n; i++) {
+        dc += 1.0 / lac_cellwise_of(&friction->column[LAC_DC], i) / (double)f->n;
+    }
+    f->per_dc = dc;
+    for (size_t i = 0; i < f->n; i++) {
+        const double a = lac_cellwise_of(&friction->column[LAC_A], i);
+        const double b = lac_cellwise_of(&friction->column[LAC_B], i);
+        double *at = f->pattern + i;
+        at[0] = b / lac_cellwise_of(&friction->column[LAC_DC], i) / dc;
+        at[f->n] = b * s->whole.log_state[i];
+        at[2 * f->n] = a * s->whole.log_rate[i];
+        at[3 * f->n] = 5.0 * (b - a);
+    }
+}
+
+// What moves the cells: their parameters, but f0, of which only the friction at the start counts;
+// rate and state at the start; what loads do to each.
+static lac_status look_at_cells(const lac_lump_source *s, field *f, lac_error *err)
+{
+    const lac_friction *friction = s->whole.friction;
+    const lac_problem_parts parts = lac_problem_parts_of(s->problem);
+    const size_t n = s->whole.domain->n;
+    *f = (field){.n = n};
+    f->memory = malloc((MOST_VARIABLES + PATTERNS + 1) * (n + 1) * sizeof *f->memory);
+    LAC_FAIL_MEMORY_IF(f->memory == NULL, err);
+    f->pattern = f->memory + MOST_VARIABLES * n;
+    f->force = f->pattern + PATTERNS * n;
+    add_column(f, &friction->ln_dc, f->pattern);
+    add_variable(f, s->whole.log_state, 1.0);
+    add_variable(f, s->whole.log_rate, 1.0);
+    for (size_t c = LAC_A; c < friction->columns; c++) {
+        if (c != LAC_DC) {
+            add_column(f, &friction->column[c], f->pattern);
+        }
+    }
+    for (size_t i = 0; i < n; i++) {
+        f->pattern[i] = parts.traction[i] / parts.pressure[i];
+    }
+    add_variable(f, f->pattern, 1.0);
+    if (s->whole.loads.shape != NULL) {
+        add_variable(f, s->whole.loads.shape, 1.0);
+    }
+    fill_patterns(s, f);
+    return LAC_OK;
+}
+
+// Sums of p times the pattern, less its mean by p, over the cells from `first` on.
+static void sum_force(const lac_lump_source *s, field *f, size_t which, size_t first, size_t end)
+{
+    const double *pattern = f->pattern + which * f->n;
+    const double *p = s->whole.domain->pressure;
+    double sum = 0.0, mean = 0.0;
+    for (size_t i = first; i < end; i++) {
+        sum += p[i];
+        mean += p[i] * pattern[i];
+    }
+    mean /= sum;
+    f->force[first] = 0.0;
+    for (size_t i = first; i < end; i++) {
+        f->force[i + 1] = f->force[i] + p[i] * (pattern[i] - mean);
+    }
+}
+
+// Sum over the blocks of a level in [first, end) of (their sum)^2/cells.
+static double square_of(const lac_lump_source *s, const field *f, size_t level, size_t first,
+                        size_t end)
+{
+    const uint32_t *begin = lac_hierarchy_offsets(s->blocks, level);
+    size_t low = 0, high = lac_hierarchy_blocks(s->blocks, level);
+    while (low < high) { // the block that begins at `first`
+        const size_t middle = (low + high) / 2;
+        if (begin[middle] < first) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    double square = 0.0;
+    for (size_t b = low; begin[b] < end; b++) {
+        const double sum = f->force[begin[b + 1]] - f->force[begin[b]];
+        square += sum * sum / (double)(begin[b + 1] - begin[b]);
+        if (begin[b + 1] == end) {
+            break;
+        }
+    }
+    return square;
+}
+
+// Adds what the patterns have of each level below `top` within [first, end): squares of the means
+// of its blocks less those of the next ones'. @param square  [levels]
+static void add_squares(const lac_lump_source *s, field *f, size_t top, size_t first, size_t end,
+                        double *square)
+{
+    for (size_t which = 0; which < PATTERNS; which++) {
+        sum_force(s, f, which, first, end);
+        double finer = square_of(s, f, 0, first, end);
+        for (size_t l = 0; l < top; l++) {
+            const double coarser = square_of(s, f, l + 1, first, end);
+            square[l] += fmax(0.0, finer - coarser);
+            finer = coarser;
+        }
+    }
+}
+
+static double stiffness(const lac_lump_source *s, size_t level)
+{
+    const lac_transfer *transfer = s->whole.transfer;
+    return transfer->kind->stiffness(transfer->state, level);
+}
+
+// The level whose blocks are taken together: above it slip over dc by which blocks would come apart
+// is small, or no larger than that of single cells.
+static size_t choose_level(const lac_lump_source *s, field *f, double error)
+{
+    const size_t levels = lac_hierarchy_levels(s->blocks);
+    double square[64] = {0.0};
+    add_squares(s, f, levels, 0, f->n, square);
+    size_t level = levels;
+    double finest = 0.0;
+    for (size_t l = 0; l < levels; l++) {
+        const double apart = f->per_dc / stiffness(s, l);
+        square[l] *= square[l] > 0.0 ? apart * apart / (double)f->n : 0.0;
+        finest = l == 0 ? square[0] : finest;
+    }
+    for (size_t l = levels; l-- > 1;) {
+        level = square[l] > fmax(0.1 * error, 2.0 * finest) ? l : level;
+    }
+    return level;
+}
+
+// One lump as it is made.
+typedef struct making {
+    const lac_lump_source *source;
+    field field;
+    size_t level, nodes;
+    size_t leaves;   // so far
+    uint32_t *kept;  // [n] cells that stay
+    double *weight;  // [n] of them
+    uint32_t *begin; // [blocks + 1] the first leaf of each block
+    double *bond;    // [blocks] what holds its leaves against each other
+    uint32_t *leaf;  // [n] which leaf stands for a cell
+} making;
+
+// By how far the cells of a block would slip apart, the stiffness that does the same to its leaves.
+static double bond_of(making *m, size_t first, size_t end, size_t leaves)
+{
+    const lac_lump_source *s = m->source;
+    const double *p = s->whole.domain->pressure;
+    const uint32_t *kept = m->kept + m->leaves;
+    const double *weight = m->weight + m->leaves;
+    double square[64] = {0.0}, of_leaves = 0.0, given = 0.0;
+    add_squares(s, &m->field, m->level, first, end, square);
+    for (size_t which = 0; which < PATTERNS; which++) {
+        const double *pattern = m->field.pattern + which * m->field.n;
+        double sum = 0.0, mean = 0.0;
+        for (size_t i = 0; i < leaves; i++) {
+            sum += weight[i] * p[kept[i]];
+            mean += weight[i] * p[kept[i]] * pattern[kept[i]];
+        }
+        for (size_t i = 0; i < leaves; i++) {
+            const double g = p[kept[i]] * (pattern[kept[i]] - mean / sum);
+            of_leaves += weight[i] * g * g;
+        }
+    }
+    for (size_t l = 0; l < m->level; l++) {
+        given += square[l] > 0.0 ? square[l] / stiffness(s, l) : 0.0;
+    }
+    return given > 0.0 ? of_leaves / given : stiffness(s, 0);
+}
+
+// Each cell goes to the leaf that is most like it.
+static void assign(making *m, const block *b, size_t leaves)
+{
+    const uint32_t *kept = m->kept + m->leaves;
+    for (size_t i = 0; i < b->n; i++) {
+        double nearest = INFINITY;
+        for (size_t c = 0; c < leaves; c++) {
+            double apart = 0.0;
+            for (size_t v = 0; v < b->active; v++) {
+                const double *x = b->at[v]->value;
+                const double d = (x[b->first + i] - x[kept[c]]) / b->scale[v];
+                apart += d * d;
+            }
+            if (apart < nearest) {
+                nearest = apart;
+                m->leaf[b->first + i] = (uint32_t)(m->leaves + c);
+            }
+        }
+    }
+}
+
+static lac_status take_block(making *m, size_t number, lac_error *err)
+{
+    const lac_lump_source *s = m->source;
+    const uint32_t *begin = lac_hierarchy_offsets(s->blocks, m->level);
+    const size_t first = begin[number], n = begin[number + 1] - first;
+    uint32_t *kept = m->kept + m->leaves;
+    size_t leaves;
+    block b;
+    look_at_block(&m->field, s->whole.domain->pressure, first, n, m->nodes, &b);
+    const lac_cubature of = {.points = n,
+                             .functions = count_products(b.active, b.degree) + (b.pressed ? 2 : 0),
+                             .at = values_at,
+                             .context = &b};
+    LAC_TRY_RETURN(lac_cubature_thin(&of, kept, m->weight + m->leaves, &leaves, err));
+    for (size_t i = 0; i < leaves; i++) {
+        kept[i] += (uint32_t)first;
+    }
+    m->begin[number] = (uint32_t)m->leaves;
+    m->bond[number] = leaves > 1 ? bond_of(m, first, first + n, leaves) : 0.0;
+    assign(m, &b, leaves);
+    m->leaves += leaves;
+    m->begin[number + 1] = (uint32_t)m->leaves;
+    return LAC_OK;
+}
+
+// Ties the blocks of the level, whose nodes are in `node`, over the levels above.
+static void tie_levels(const making *m, uint32_t *node, lac_classes *classes, uint32_t next)
+{
+    const lac_hierarchy *h = m->source->blocks;
+    for (size_t l = m->level; l < lac_hierarchy_levels(h); l++) {
+        const size_t count = lac_hierarchy_blocks(h, l);
+        if (lac_hierarchy_blocks(h, l + 1) == count) {
+            continue;
+        }
+        const uint32_t *parent = lac_hierarchy_parents(h, l);
+        for (size_t c = 0, end; c < count; c = end) {
+            for (end = c + 1; end < count && parent[end] == parent[c]; end++) {
+            }
+            const uint32_t b = parent[c];
+            if (end - c == 1) {
+                node[b] = node[c];
+                continue;
+            }
+            for (size_t i = c; i < end; i++) {
+                classes->parent[node[i]] = next;
+                classes->weight[next] += classes->weight[node[i]];
+            }
+            classes->k[next] = stiffness(m->source, l);
+            node[b] = next++;
+        }
+    }
+    classes->nodes = next;
+    classes->parent[next - 1] = next - 1;
+}
+
+static lac_status make_classes(const making *m, lac_lump *lump, lac_error *err)
+{
+    const size_t blocks = lac_hierarchy_blocks(m->source->blocks, m->level);
+    uint32_t *node = malloc(blocks * sizeof *node);
+    LAC_FAIL_MEMORY_IF(node == NULL, err);
+    lac_status status = lac_classes_create(m->leaves, m->leaves + 3 * blocks, &lump->classes, err);
+    lac_classes *classes = lump->classes;
+    uint32_t next = (uint32_t)m->leaves;
+    for (size_t b = 0; status == LAC_OK && b < blocks; b++) {
+        const uint32_t first = m->begin[b], end = m->begin[b + 1];
+        node[b] = end - first == 1 ? first : next++;
+        for (uint32_t i = first; i < end; i++) {
+            classes->weight[i] = m->weight[i];
+            classes->parent[i] = node[b];
+            classes->weight[node[b]] += node[b] != i ? m->weight[i] : 0.0;
+        }
+        if (node[b] >= m->leaves) {
+            classes->k[node[b]] = m->bond[b];
+        }
+    }
+    lump->inner = next - m->leaves;
+    if (status == LAC_OK) {
+        tie_levels(m, node, classes, next);
+        lump->bond = malloc(classes->nodes * sizeof *lump->bond);
+        status = lump->bond != NULL ? LAC_OK : lac_fail_memory(err);
+    }
+    if (status == LAC_OK) {
+        memcpy(lump->bond, classes->k, classes->nodes * sizeof *lump->bond);
+    }
+    free(node);
+    return status;
+}
+
+// What the leaves have of a column of the cells.
+static void gather(const making *m, const double *of, double *out)
+{
+    for (size_t i = 0; i < m->leaves; i++) {
+        out[i] = of[m->kept[i]];
+    }
+}
+
+static lac_status make_domain(const making *m, lac_domain **out, lac_error *err)
+{
+    const lac_domain *whole = m->source->whole.domain;
+    lac_domain *domain = calloc(1, sizeof *domain);
+    *out = domain;
+    LAC_FAIL_MEMORY_IF(domain == NULL, err);
+    *domain = (lac_domain){.grid = whole->grid,
+                           .n = m->leaves,
+                           .index = malloc(m->leaves * sizeof *domain->index),
+                           .pressure = malloc(m->leaves * sizeof *domain->pressure),
+                           .weight = malloc(m->leaves * sizeof *domain->weight),
+                           .each = (double)whole->n / (double)m->leaves};
+    LAC_FAIL_MEMORY_IF(domain->index == NULL || domain->pressure == NULL || domain->weight == NULL,
+                       err);
+    gather(m, whole->pressure, domain->pressure);
+    for (size_t i = 0; i < m->leaves; i++) {
+        domain->index[i] = whole->index[m->kept[i]];
+        domain->weight[i] = m->weight[i] / domain->each;
+    }
+    return LAC_OK;
+}
+
+static lac_status make_friction(const making *m, double *room, lac_friction **out, lac_error *err)
+{
+    const lac_model *model = m->source->model;
+    LAC_TRY_RETURN(lac_friction_create(model, m->leaves, out, err));
+    for (size_t k = 0; k < model->info->param_count; k++) {
+        const char *key = model->info->params[k].key;
+        const lac_cellwise *column = lac_friction_values_of(m->source->whole.friction, key);
+        if (column != NULL && column->mask != 0) {
+            gather(m, column->value, room);
+            LAC_TRY_RETURN(lac_friction_set(*out, key, room, err));
+        }
+    }
+    return LAC_OK;
+}
+
+static lac_status make_problem(const making *m, lac_lump *lump, lac_error *err)
+{
+    const lac_lump_source *s = m->source;
+    const lac_problem_def *whole = &s->whole;
+    lac_problem_def def = *whole;
+    double *start = malloc(2 * m->leaves * sizeof *start);
+    LAC_FAIL_MEMORY_IF(start == NULL, err);
+    lac_status status = make_friction(m, start, &lump->friction, err);
+    lump->loads = whole->loads;
+    if (whole->loads.shape != NULL) {
+        lump->loads.shape = malloc(m->leaves * sizeof *lump->loads.shape);
+        status = lump->loads.shape == NULL ? lac_fail_memory(err) : status;
+    }
+    if (status == LAC_OK) {
+        const lac_transfer transfer = lac_transfer_of_classes(lump->classes);
+        if (whole->loads.shape != NULL) {
+            gather(m, whole->loads.shape, lump->loads.shape);
+        }
+        gather(m, whole->log_rate, start);
+        gather(m, whole->log_state, start + m->leaves);
+        def.domain = lump->domain;
+        def.friction = lump->friction;
+        def.transfer = &transfer;
+        def.loads = lump->loads;
+        def.log_rate = start;
+        def.log_state = start + m->leaves;
+        status = lac_problem_create(&def, &lump->problem, err);
+    }
+    free(start);
+    return status;
+}
+
+// What a lump cannot stand for; docs/theory/lumped.md lists it.
+static lac_status check_source(const lac_lump_source *s, lac_error *err)
+{
+    const lac_problem_def *whole = &s->whole;
+    const lac_transfer_kind *kind = whole->transfer->kind;
+    LAC_FAIL_IF(kind->blocks == NULL && whole->domain->n > 1, err, LAC_EINPUT,
+                "solver.fidelity lumped goes with transfer hierarchy, not with %s",
+                kind->info.name);
+    LAC_FAIL_IF(lac_load_set_varies(&whole->loads), err, LAC_EINPUT,
+                "solver.fidelity lumped knows no load that differs from cell to cell");
+    return LAC_OK;
+}
+
+static lac_status make(making *m, const lac_lump_def *def, lac_lump *lump, lac_error *err)
+{
+    const lac_lump_source *s = m->source;
+    const size_t n = s->whole.domain->n, levels = lac_hierarchy_levels(s->blocks);
+    LAC_TRY_RETURN(look_at_cells(s, &m->field, err));
+    m->nodes = def->nodes > 0 ? (size_t)def->nodes : USUAL_NODES;
+    m->level = def->level < 0                ? choose_level(s, &m->field, def->error)
+               : (size_t)def->level > levels ? levels
+                                             : (size_t)def->level;
+    const size_t blocks = lac_hierarchy_blocks(s->blocks, m->level);
+    m->kept = malloc((n + blocks + 1) * sizeof *m->kept);
+    m->weight = malloc((n + blocks) * sizeof *m->weight);
+    lump->leaf = malloc(n * sizeof *lump->leaf);
+    LAC_FAIL_MEMORY_IF(m->kept == NULL || m->weight == NULL || lump->leaf == NULL, err);
+    m->begin = m->kept + n;
+    m->bond = m->weight + n;
+    m->leaf = lump->leaf;
+    for (size_t b = 0; b < blocks; b++) {
+        LAC_TRY_RETURN(take_block(m, b, err));
+    }
+    lump->level = m->level;
+    lump->blocks = blocks;
+    LAC_TRY_RETURN(make_classes(m, lump, err));
+    LAC_TRY_RETURN(make_domain(m, &lump->domain, err));
+    return make_problem(m, lump, err);
+}
+
+lac_status lac_lump_create(const lac_lump_source *source, const lac_lump_def *def, lac_lump **out,
+                           lac_error *err)
+{
+    lac_status status;
+    making m = {.source = source};
+    lac_lump *lump = NULL;
+    *out = NULL;
+    LAC_TRY(check_source(source, err));
+    lump = calloc(1, sizeof *lump);
+    LAC_TRY(lump != NULL ? LAC_OK : lac_fail_memory(err));
+    LAC_TRY(make(&m, def, lump, err));
+    *out = lump;
+    lump = NULL;
+out:
+    free(m.field.memory);
+    free(m.kept);
+    free(m.weight);
+    lac_lump_free(lump);
+    return status;
+}
+
+void lac_lump_free(lac_lump *lump)
+{
+    if (lump != NULL) {
+        lac_problem_free(lump->problem);
+        lac_classes_free(lump->classes);
+        lac_friction_free(lump->friction);
+        free(lump->loads.shape);
+        lac_domain_free(lump->domain);
+        free(lump->bond);
+        free(lump->leaf);
+        free(lump);
+    }
+}
+
+void lac_lump_soften(lac_lump *lump, double softness)
+{
+    for (size_t i = 0; i < lump->classes->nodes; i++) {
+        const bool inner = i < lump->classes->leaves + lump->inner;
+        lump->classes->k[i] = lump->bond[i] / (inner ? softness : 1.0);
+    }
+}
