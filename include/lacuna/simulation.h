@@ -189,6 +189,8 @@ typedef struct lac_run_result {
     double rate_drift;       ///< worst over the records
     lac_safety_summary safety;
     lac_arrest arrest;
+    double lump_error_estimated; ///< relative, that taking cells together (solver.fidelity: lumped)
+                                 ///< may have caused; 0: none were
 } lac_run_result;
 
 /// A part of the preparation.

@@ -7,7 +7,7 @@
 #include "base/cubature.h"
 #include "scene/internal.h"
 
-enum { MOST_VARIABLES = 24, PATTERNS = 4, USUAL_NODES = 4 };
+enum { MOST_VARIABLES = 24, PATTERNS = 4, STAGES = 4, FEWEST_NODES = 4, MOST_NODES = 10 };
 
 // What the cells differ in: of all of them, scaled block by block.
 typedef struct variable {
@@ -21,6 +21,8 @@ typedef struct field {
     double *pattern; // [PATTERNS][n] what friction may leave a cell apart by, in parts of p
     double *force;   // [n + 1] sums up to a cell of p times a pattern
     double per_dc;   // mean of 1/dc [1/m]
+    double rate;     // mean slip rate at the start [m/s]
+    double gain;     // of lac_lump
     double *memory;
 } field;
 
@@ -28,13 +30,12 @@ typedef struct field {
 typedef struct block {
     const double *pressure; // [n] from its first cell on
     size_t first, n;
-    const field *of;
-    size_t active;
+    size_t active; // variables that are no straight line of those before them
     const variable *at[MOST_VARIABLES];
     double mean[MOST_VARIABLES], scale[MOST_VARIABLES];
+    double share[MOST_VARIABLES][MOST_VARIABLES]; // of the ones before it that each is less
     double mean_pressure;
     size_t degree;
-    bool pressed; // pressures differ
 } block;
 
 // Products of the variables of degree at most `left`, from variable v on, times `product`.
@@ -51,19 +52,26 @@ static double *products(const block *b, const double *z, size_t v, size_t left, 
     return out;
 }
 
+// The first variables of a cell: each less what those before it have of it, its mean 0, its
+// deviation 1, by pressure.
+static void coordinates(const block *b, size_t variables, size_t point, double *z)
+{
+    for (size_t v = 0; v < variables; v++) {
+        z[v] = b->at[v]->value[b->first + point] - b->mean[v];
+        for (size_t u = 0; u < v; u++) {
+            z[v] -= b->share[v][u] * z[u];
+        }
+        z[v] /= b->scale[v];
+    }
+}
+
 static void values_at(const void *context, size_t point, double *value)
 {
     const block *b = context;
     double z[MOST_VARIABLES];
     const double p = b->pressure[point] / b->mean_pressure;
-    for (size_t v = 0; v < b->active; v++) {
-        z[v] = (b->at[v]->value[b->first + point] - b->mean[v]) / b->scale[v];
-    }
-    double *end = products(b, z, 0, b->degree, p, value);
-    if (b->pressed) {
-        end[0] = 1.0;
-        end[1] = p * p;
-    }
+    coordinates(b, b->active, point, z);
+    (void)products(b, z, 0, b->degree, p, value);
 }
 
 static size_t count_products(size_t variables, size_t degree)
@@ -78,39 +86,52 @@ static size_t count_products(size_t variables, size_t degree)
 // Sums of one variable are kept up to the degree of Gauss's nodes; of more, less.
 static size_t degree_of(size_t variables, size_t nodes)
 {
-    return variables <= 1 ? 2 * nodes - 1 : variables == 2 ? nodes + 1
-                                        : variables == 3   ? nodes
-                                        : variables <= 5   ? (nodes > 2 ? nodes - 1 : 2)
-                                                           : 2;
+    static const size_t less[] = {0, 0, 0, 1, 2, 3, 3};
+    const size_t degree = variables == 1 ? 2 * nodes - 1 : nodes + 1 - less[variables < 7 ? variables : 6];
+    return variables > 6 || degree > 2 * nodes ? 2 : degree > 2 ? degree : 2;
+}
+
+// Takes a variable up among those of a block, if it tells more than those before it.
+static void take_variable(const variable *of, double sum, block *b)
+{
+    const double *x = of->value + b->first;
+    const size_t v = b->active;
+    double mean = 0.0, square = 0.0, z[MOST_VARIABLES];
+    for (size_t i = 0; i < b->n; i++) {
+        mean += b->pressure[i] * x[i] / sum;
+    }
+    b->at[v] = of;
+    b->mean[v] = mean;
+    b->scale[v] = 1.0;
+    memset(b->share[v], 0, sizeof b->share[v]);
+    for (size_t i = 0; i < b->n; i++) {
+        coordinates(b, v, i, z);
+        for (size_t u = 0; u < v; u++) {
+            b->share[v][u] += b->pressure[i] / sum * z[u] * (x[i] - mean);
+        }
+    }
+    for (size_t i = 0; i < b->n; i++) {
+        coordinates(b, v + 1, i, z);
+        square += b->pressure[i] / sum * z[v] * z[v];
+    }
+    b->scale[v] = sqrt(square);
+    b->active += b->scale[v] > 1e-6 * of->scale ? 1 : 0;
 }
 
 static void look_at_block(const field *of, const double *pressure, size_t first, size_t n,
                           size_t nodes, block *b)
 {
-    double sum = 0.0, least = INFINITY, most = 0.0;
-    *b = (block){.pressure = pressure + first, .first = first, .n = n, .of = of};
+    double sum = 0.0;
+    memset(b, 0, sizeof *b);
+    b->pressure = pressure + first;
+    b->first = first;
+    b->n = n;
     for (size_t i = 0; i < n; i++) {
         sum += b->pressure[i];
-        least = fmin(least, b->pressure[i]);
-        most = fmax(most, b->pressure[i]);
     }
     b->mean_pressure = sum / (double)n;
-    b->pressed = most > least * (1.0 + 1e-9);
     for (size_t v = 0; v < of->variables; v++) {
-        const double *x = of->of[v].value + first;
-        double mean = 0.0, square = 0.0;
-        for (size_t i = 0; i < n; i++) {
-            mean += b->pressure[i] * x[i] / sum;
-        }
-        for (size_t i = 0; i < n; i++) {
-            square += b->pressure[i] * (x[i] - mean) * (x[i] - mean) / sum;
-        }
-        const double scale = sqrt(square);
-        if (scale > 1e-7 * of->of[v].scale) {
-            b->at[b->active] = &of->of[v];
-            b->mean[b->active] = mean;
-            b->scale[b->active++] = scale;
-        }
+        take_variable(&of->of[v], sum, b);
     }
     b->degree = b->active > 0 ? degree_of(b->active, nodes) : 0;
 }
@@ -143,6 +164,23 @@ static void add_column(field *f, const lac_cellwise *column, double *room)
     }
 }
 
+// A state x of the steady one at the start leaves it at a rate that 1 - 1/x sets: there what is
+// wrong of x counts 1/(x - 1) times.
+static double gain_of(const lac_lump_source *s, const field *f)
+{
+    const double most = 100.0;
+    double sum = 0.0, pressure = 0.0;
+    for (size_t i = 0; i < f->n; i++) {
+        const double dc = lac_cellwise_of(&s->whole.friction->column[LAC_DC], i);
+        const double p = s->whole.domain->pressure[i];
+        sum += p * (s->whole.log_state[i] + log(f->rate / dc));
+        pressure += p;
+    }
+    const double x = exp(sum / pressure);
+    const double gain = x / fabs(x - 1.0);
+    return gain > 1.0 ? fmin(gain, most) : 1.0;
+}
+
 // What friction may leave a cell apart by, in parts of its pressure: by the renewal of its state
 // over some slip, its state and rate at the start, what it weakens by.
 static void fill_patterns(const lac_lump_source *s, field *f)
@@ -153,6 +191,11 @@ static void fill_patterns(const lac_lump_source *s, field *f)
         dc += 1.0 / lac_cellwise_of(&friction->column[LAC_DC], i) / (double)f->n;
     }
     f->per_dc = dc;
+    f->rate = 0.0;
+    for (size_t i = 0; i < f->n; i++) {
+        f->rate += exp(s->whole.log_rate[i]) / (double)f->n;
+    }
+    f->gain = gain_of(s, f);
     for (size_t i = 0; i < f->n; i++) {
         const double a = lac_cellwise_of(&friction->column[LAC_A], i);
         const double b = lac_cellwise_of(&friction->column[LAC_B], i);
@@ -286,17 +329,62 @@ typedef struct making {
     size_t level, nodes;
     size_t leaves;   // so far
     uint32_t *kept;  // [n] cells that stay
-    double *weight;  // [n] of them
+    double *weight;  // [n] of them, as the force on them counts
+    double *pressure; // [n] on each: the mean of its block
     uint32_t *begin; // [blocks + 1] the first leaf of each block
     double *bond;    // [blocks] what holds its leaves against each other
     uint32_t *leaf;  // [n] which leaf stands for a cell
+    double rest[STAGES];
 } making;
 
-// By how far the cells of a block would slip apart, the stiffness that does the same to its leaves.
-static double bond_of(making *m, size_t first, size_t end, size_t leaves)
+// Part of friction by the state of a cell that has slid for a while at the joint's first rate.
+static double held_by_state(const lac_lump_source *s, const field *f, size_t i, double slip)
+{
+    const lac_friction *friction = s->whole.friction;
+    const double dc = lac_cellwise_of(&friction->column[LAC_DC], i);
+    const double start = exp(s->whole.log_state[i]) * f->rate / dc;
+    const double renewed = 1.0 + (start - 1.0) * exp(-slip / dc);
+    return lac_cellwise_of(&friction->column[LAC_B], i) * log(dc * renewed);
+}
+
+// Adds what all cells of a block are held by less what its leaves are, after each stage of slip.
+static void add_rest(making *m, size_t first, size_t end, size_t leaves, double pressure)
+{
+    static const double stage[STAGES] = {0.3, 1.0, 3.0, 10.0};
+    const lac_lump_source *s = m->source;
+    for (size_t k = 0; k < STAGES; k++) {
+        const double slip = stage[k] / m->field.per_dc;
+        double sum = 0.0;
+        for (size_t i = first; i < end; i++) {
+            sum += s->whole.domain->pressure[i] * held_by_state(s, &m->field, i, slip);
+        }
+        for (size_t i = m->leaves; i < m->leaves + leaves; i++) {
+            sum -= m->weight[i] * pressure * held_by_state(s, &m->field, m->kept[i], slip);
+        }
+        m->rest[k] += sum;
+    }
+}
+
+// What is left of that over the direct effect of all cells: how far the rate is off.
+static double rest_of(const making *m)
 {
     const lac_lump_source *s = m->source;
-    const double *p = s->whole.domain->pressure;
+    double direct = 0.0, most = 0.0;
+    for (size_t i = 0; i < m->field.n; i++) {
+        direct += s->whole.domain->pressure[i] *
+                  lac_cellwise_of(&s->whole.friction->column[LAC_A], i);
+    }
+    for (size_t k = 0; k < STAGES; k++) {
+        most = fmax(most, fabs(m->rest[k]) / direct);
+    }
+    return most;
+}
+
+// By how far the cells of a block would slip apart, the stiffness that does the same to its leaves.
+// @param pressure  of the leaves
+static double bond_of(making *m, size_t first, size_t end, size_t leaves, double pressure)
+{
+    const lac_lump_source *s = m->source;
     const uint32_t *kept = m->kept + m->leaves;
     const double *weight = m->weight + m->leaves;
     double square[64] = {0.0}, of_leaves = 0.0, given = 0.0;
@@ -305,11 +393,11 @@ static double bond_of(making *m, size_t first, size_t end, size_t leaves)
         const double *pattern = m->field.pattern + which * m->field.n;
         double sum = 0.0, mean = 0.0;
         for (size_t i = 0; i < leaves; i++) {
-            sum += weight[i] * p[kept[i]];
-            mean += weight[i] * p[kept[i]] * pattern[kept[i]];
+            sum += weight[i];
+            mean += weight[i] * pattern[kept[i]];
         }
         for (size_t i = 0; i < leaves; i++) {
-            const double g = p[kept[i]] * (pattern[kept[i]] - mean / sum);
+            const double g = pressure * (pattern[kept[i]] - mean / sum);
             of_leaves += weight[i] * g * g;
         }
     }
@@ -320,17 +408,22 @@ static double bond_of(making *m, size_t first, size_t end, size_t leaves)
 }
 
 // Each cell goes to the leaf that is most like it.
-static void assign(making *m, const block *b, size_t leaves)
+// @param room  [leaves][active]
+static void assign(making *m, const block *b, size_t leaves, double *room)
 {
     const uint32_t *kept = m->kept + m->leaves;
+    double z[MOST_VARIABLES];
+    for (size_t c = 0; c < leaves; c++) {
+        coordinates(b, b->active, kept[c] - b->first, room + c * b->active);
+    }
     for (size_t i = 0; i < b->n; i++) {
         double nearest = INFINITY;
+        coordinates(b, b->active, i, z);
         for (size_t c = 0; c < leaves; c++) {
+            const double *at = room + c * b->active;
             double apart = 0.0;
             for (size_t v = 0; v < b->active; v++) {
-                const double *x = b->at[v]->value;
-                const double d = (x[b->first + i] - x[kept[c]]) / b->scale[v];
-                apart += d * d;
+                apart += (z[v] - at[v]) * (z[v] - at[v]);
             }
             if (apart < nearest) {
                 nearest = apart;
@@ -350,16 +443,22 @@ static lac_status take_block(making *m, size_t number, lac_error *err)
     block b;
     look_at_block(&m->field, s->whole.domain->pressure, first, n, m->nodes, &b);
     const lac_cubature of = {.points = n,
-                             .functions = count_products(b.active, b.degree) + (b.pressed ? 2 : 0),
+                             .functions = count_products(b.active, b.degree),
                              .at = values_at,
                              .context = &b};
     LAC_TRY_RETURN(lac_cubature_thin(&of, kept, m->weight + m->leaves, &leaves, err));
     for (size_t i = 0; i < leaves; i++) {
+        m->weight[m->leaves + i] *= b.pressure[kept[i]] / b.mean_pressure;
+        m->pressure[m->leaves + i] = b.mean_pressure;
         kept[i] += (uint32_t)first;
     }
     m->begin[number] = (uint32_t)m->leaves;
-    m->bond[number] = leaves > 1 ? bond_of(m, first, first + n, leaves) : 0.0;
-    assign(m, &b, leaves);
+    add_rest(m, first, first + n, leaves, b.mean_pressure);
+    m->bond[number] = leaves > 1 ? bond_of(m, first, first + n, leaves, b.mean_pressure) : 0.0;
+    double *room = malloc((leaves * b.active + 1) * sizeof *room);
+    LAC_FAIL_MEMORY_IF(room == NULL, err);
+    assign(m, &b, leaves, room);
+    free(room);
     m->leaves += leaves;
     m->begin[number + 1] = (uint32_t)m->leaves;
     return LAC_OK;
@@ -450,7 +549,7 @@ static lac_status make_domain(const making *m, lac_domain **out, lac_error *err)
                            .each = (double)whole->n / (double)m->leaves};
     LAC_FAIL_MEMORY_IF(domain->index == NULL || domain->pressure == NULL || domain->weight == NULL,
                        err);
-    gather(m, whole->pressure, domain->pressure);
+    memcpy(domain->pressure, m->pressure, m->leaves * sizeof *m->pressure);
     for (size_t i = 0; i < m->leaves; i++) {
         domain->index[i] = whole->index[m->kept[i]];
         domain->weight[i] = m->weight[i] / domain->each;
@@ -518,28 +617,46 @@ static lac_status check_source(const lac_lump_source *s, lac_error *err)
     return LAC_OK;
 }
 
+// Takes all blocks of the level, with the nodes that there are.
+static lac_status take_blocks(making *m, lac_error *err)
+{
+    const size_t blocks = lac_hierarchy_blocks(m->source->blocks, m->level);
+    m->leaves = 0;
+    memset(m->rest, 0, sizeof m->rest);
+    for (size_t b = 0; b < blocks; b++) {
+        LAC_TRY_RETURN(take_block(m, b, err));
+    }
+    return LAC_OK;
+}
+
 static lac_status make(making *m, const lac_lump_def *def, lac_lump *lump, lac_error *err)
 {
     const lac_lump_source *s = m->source;
     const size_t n = s->whole.domain->n, levels = lac_hierarchy_levels(s->blocks);
+    const bool open = def->nodes < 0;
     LAC_TRY_RETURN(look_at_cells(s, &m->field, err));
-    m->nodes = def->nodes > 0 ? (size_t)def->nodes : USUAL_NODES;
+    m->nodes = open ? FEWEST_NODES : (size_t)def->nodes;
     m->level = def->level < 0                ? choose_level(s, &m->field, def->error)
                : (size_t)def->level > levels ? levels
                                              : (size_t)def->level;
     const size_t blocks = lac_hierarchy_blocks(s->blocks, m->level);
     m->kept = malloc((n + blocks + 1) * sizeof *m->kept);
-    m->weight = malloc((n + blocks) * sizeof *m->weight);
+    m->weight = malloc((2 * n + blocks) * sizeof *m->weight);
     lump->leaf = malloc(n * sizeof *lump->leaf);
     LAC_FAIL_MEMORY_IF(m->kept == NULL || m->weight == NULL || lump->leaf == NULL, err);
     m->begin = m->kept + n;
-    m->bond = m->weight + n;
+    m->pressure = m->weight + n;
+    m->bond = m->pressure + n;
     m->leaf = lump->leaf;
-    for (size_t b = 0; b < blocks; b++) {
-        LAC_TRY_RETURN(take_block(m, b, err));
+    LAC_TRY_RETURN(take_blocks(m, err));
+    while (open && m->field.gain * rest_of(m) > 0.02 * def->error && m->nodes < MOST_NODES) {
+        m->nodes++;
+        LAC_TRY_RETURN(take_blocks(m, err));
     }
     lump->level = m->level;
-    lump->blocks = blocks;
+    lump->nodes = m->nodes;
+    lump->rest = rest_of(m);
+    lump->gain = m->field.gain;
     LAC_TRY_RETURN(make_classes(m, lump, err));
     LAC_TRY_RETURN(make_domain(m, &lump->domain, err));
     return make_problem(m, lump, err);

@@ -13,7 +13,9 @@ typedef struct lac_lump {
     uint32_t *leaf; ///< [cells of the scene] which of them stands for each
     double *bond;   ///< [nodes of the classes] their k as the scene has it
     size_t level;   ///< of the blocks
-    size_t blocks;
+    size_t nodes;   ///< of a quadrature over one parameter
+    double rest;    ///< error of the quadrature: of the logarithm of the slip rate [1]
+    double gain;    ///< by which the time of failure is more off than that, near a steady state [1]
     size_t inner;   ///< nodes, behind the leaves, that are blocks of leaves
 } lac_lump;
 
