@@ -174,10 +174,10 @@ static void check_solvers(lac_reader *reader, lac_case *c)
                       c->formulation == LAC_FORMULATION_SLIP ||
                       c->formulation == LAC_FORMULATION_INERTIA;
     char key[LAC_KEY_LENGTH];
-    (void)lac_refuse(reader, !held && c->run.fidelity == LAC_FIDELITY_ODE, "solver.formulation",
+    (void)lac_refuse(reader, !held && c->run.fidelity != LAC_FIDELITY_ASYNC, "solver.formulation",
                      "does not hold the slip that interface.geometry follows: leave it out, or "
                      "slip");
-    if (c->formulation == LAC_FORMULATION_AUTO && c->run.fidelity == LAC_FIDELITY_ODE) {
+    if (c->formulation == LAC_FORMULATION_AUTO && c->run.fidelity != LAC_FIDELITY_ASYNC) {
         c->formulation = LAC_FORMULATION_SLIP;
     }
     (void)lac_refuse(reader, c->slip == LAC_SLIP_VECTOR, "interface.geometry",

@@ -23,6 +23,7 @@ typedef struct field {
     double per_dc;   // mean of 1/dc [1/m]
     double rate;     // mean slip rate at the start [m/s]
     double gain;     // of lac_lump
+    bool apart;      // a load acts on the cells otherwise than their pressures do
     double *memory;
 } field;
 
@@ -36,6 +37,7 @@ typedef struct block {
     double share[MOST_VARIABLES][MOST_VARIABLES]; // of the ones before it that each is less
     double mean_pressure;
     size_t degree;
+    bool apart; // leaves keep pressures of their own
 } block;
 
 // Products of the variables of degree at most `left`, from variable v on, times `product`.
@@ -71,7 +73,11 @@ static void values_at(const void *context, size_t point, double *value)
     double z[MOST_VARIABLES];
     const double p = b->pressure[point] / b->mean_pressure;
     coordinates(b, b->active, point, z);
-    (void)products(b, z, 0, b->degree, p, value);
+    double *end = products(b, z, 0, b->degree, p, value);
+    if (b->apart) {
+        end[0] = 1.0;
+        end[1] = p * p;
+    }
 }
 
 static size_t count_products(size_t variables, size_t degree)
@@ -133,6 +139,7 @@ static void look_at_block(const field *of, const double *pressure, size_t first,
     for (size_t v = 0; v < of->variables; v++) {
         take_variable(&of->of[v], sum, b);
     }
+    b->apart = of->apart;
     b->degree = b->active > 0 ? degree_of(b->active, nodes) : 0;
 }
 
@@ -234,6 +241,16 @@ static lac_status look_at_cells(const lac_lump_source *s, field *f, lac_error *e
     if (s->whole.loads.shape != NULL) {
         add_variable(f, s->whole.loads.shape, 1.0);
     }
+    for (size_t i = 0; i < s->whole.loads.count; i++) {
+        const lac_load *load = &s->whole.loads.load[i];
+        f->apart = f->apart || load->share != LAC_SHARE_PRESSURE || load->kind->stiffness != NULL;
+    }
+    for (size_t i = 0; f->apart && i < n; i++) {
+        f->pattern[i] = log(parts.pressure[i]);
+    }
+    if (f->apart) {
+        add_variable(f, f->pattern, 1.0);
+    }
     fill_patterns(s, f);
     return LAC_OK;
 }
@@ -330,7 +347,7 @@ typedef struct making {
     size_t leaves;   // so far
     uint32_t *kept;  // [n] cells that stay
     double *weight;  // [n] of them, as the force on them counts
-    double *pressure; // [n] on each: the mean of its block
+    double *pressure; // [n] on each: the mean of its block, unless a load tells them apart
     uint32_t *begin; // [blocks + 1] the first leaf of each block
     double *bond;    // [blocks] what holds its leaves against each other
     uint32_t *leaf;  // [n] which leaf stands for a cell
@@ -348,7 +365,7 @@ static double held_by_state(const lac_lump_source *s, const field *f, size_t i, 
 }
 
 // Adds what all cells of a block are held by less what its leaves are, after each stage of slip.
-static void add_rest(making *m, size_t first, size_t end, size_t leaves, double pressure)
+static void add_rest(making *m, size_t first, size_t end, size_t leaves)
 {
     static const double stage[STAGES] = {0.3, 1.0, 3.0, 10.0};
     const lac_lump_source *s = m->source;
@@ -359,7 +376,7 @@ static void add_rest(making *m, size_t first, size_t end, size_t leaves, double 
             sum += s->whole.domain->pressure[i] * held_by_state(s, &m->field, i, slip);
         }
         for (size_t i = m->leaves; i < m->leaves + leaves; i++) {
-            sum -= m->weight[i] * pressure * held_by_state(s, &m->field, m->kept[i], slip);
+            sum -= m->weight[i] * m->pressure[i] * held_by_state(s, &m->field, m->kept[i], slip);
         }
         m->rest[k] += sum;
     }
@@ -381,23 +398,22 @@ static double rest_of(const making *m)
 }
 
 // By how far the cells of a block would slip apart, the stiffness that does the same to its leaves.
-// @param pressure  of the leaves
-static double bond_of(making *m, size_t first, size_t end, size_t leaves, double pressure)
+static double bond_of(making *m, size_t first, size_t end, size_t leaves)
 {
     const lac_lump_source *s = m->source;
     const uint32_t *kept = m->kept + m->leaves;
-    const double *weight = m->weight + m->leaves;
+    const double *weight = m->weight + m->leaves, *pressure = m->pressure + m->leaves;
     double square[64] = {0.0}, of_leaves = 0.0, given = 0.0;
     add_squares(s, &m->field, m->level, first, end, square);
     for (size_t which = 0; which < PATTERNS; which++) {
         const double *pattern = m->field.pattern + which * m->field.n;
         double sum = 0.0, mean = 0.0;
         for (size_t i = 0; i < leaves; i++) {
-            sum += weight[i];
-            mean += weight[i] * pattern[kept[i]];
+            sum += weight[i] * pressure[i];
+            mean += weight[i] * pressure[i] * pattern[kept[i]];
         }
         for (size_t i = 0; i < leaves; i++) {
-            const double g = pressure * (pattern[kept[i]] - mean / sum);
+            const double g = pressure[i] * (pattern[kept[i]] - mean / sum);
             of_leaves += weight[i] * g * g;
         }
     }
@@ -443,18 +459,19 @@ static lac_status take_block(making *m, size_t number, lac_error *err)
     block b;
     look_at_block(&m->field, s->whole.domain->pressure, first, n, m->nodes, &b);
     const lac_cubature of = {.points = n,
-                             .functions = count_products(b.active, b.degree),
+                             .functions = count_products(b.active, b.degree) + (b.apart ? 2 : 0),
                              .at = values_at,
                              .context = &b};
     LAC_TRY_RETURN(lac_cubature_thin(&of, kept, m->weight + m->leaves, &leaves, err));
     for (size_t i = 0; i < leaves; i++) {
-        m->weight[m->leaves + i] *= b.pressure[kept[i]] / b.mean_pressure;
-        m->pressure[m->leaves + i] = b.mean_pressure;
+        const double p = b.pressure[kept[i]];
+        m->weight[m->leaves + i] *= b.apart ? 1.0 : p / b.mean_pressure;
+        m->pressure[m->leaves + i] = b.apart ? p : b.mean_pressure;
         kept[i] += (uint32_t)first;
     }
     m->begin[number] = (uint32_t)m->leaves;
-    add_rest(m, first, first + n, leaves, b.mean_pressure);
-    m->bond[number] = leaves > 1 ? bond_of(m, first, first + n, leaves, b.mean_pressure) : 0.0;
+    add_rest(m, first, first + n, leaves);
+    m->bond[number] = leaves > 1 ? bond_of(m, first, first + n, leaves) : 0.0;
     double *room = malloc((leaves * b.active + 1) * sizeof *room);
     LAC_FAIL_MEMORY_IF(room == NULL, err);
     assign(m, &b, leaves, room);
@@ -654,6 +671,7 @@ static lac_status make(making *m, const lac_lump_def *def, lac_lump *lump, lac_e
         LAC_TRY_RETURN(take_blocks(m, err));
     }
     lump->level = m->level;
+    lump->blocks = blocks;
     lump->nodes = m->nodes;
     lump->rest = rest_of(m);
     lump->gain = m->field.gain;

@@ -13,6 +13,7 @@ typedef struct lac_lump {
     uint32_t *leaf; ///< [cells of the scene] which of them stands for each
     double *bond;   ///< [nodes of the classes] their k as the scene has it
     size_t level;   ///< of the blocks
+    size_t blocks;  ///< of that level
     size_t nodes;   ///< of a quadrature over one parameter
     double rest;    ///< error of the quadrature: of the logarithm of the slip rate [1]
     double gain;    ///< by which the time of failure is more off than that, near a steady state [1]

@@ -179,7 +179,7 @@ lac_status lac_accuracy_choose(lac_scene *scene, lac_case *c, const lac_simulati
     }
     out->rtol = rtols[k];
     const bool open = !c->method_given && !c->formulation_given &&
-                      c->run.fidelity == LAC_FIDELITY_ODE && !(lac_inertia_mass(c) > 0.0) &&
+                      c->run.fidelity != LAC_FIDELITY_ASYNC && !(lac_inertia_mass(c) > 0.0) &&
                       c->geometry.angles == 0;
     if (open) {
         status = try_explicit(&s, s.at[k].work, err);
