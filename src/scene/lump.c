@@ -7,7 +7,7 @@
 #include "base/cubature.h"
 #include "scene/internal.h"
 
-enum { MOST_VARIABLES = 24, PATTERNS = 4, STAGES = 4, FEWEST_NODES = 4, MOST_NODES = 10 };
+enum { MOST_VARIABLES = 24, PATTERNS = 4, STAGES = 3, FEWEST_NODES = 4, MOST_NODES = 10 };
 
 // What the cells differ in: of all of them, scaled block by block.
 typedef struct variable {
@@ -19,10 +19,12 @@ typedef struct field {
     size_t n, variables;
     variable of[MOST_VARIABLES];
     double *pattern; // [PATTERNS][n] what friction may leave a cell apart by, in parts of p
-    double *force;   // [n + 1] sums up to a cell of p times a pattern
+    double *force;   // [PATTERNS][n + 1] sums up to a cell of p times a pattern
+    double *held;    // [STAGES][n] part of friction by the state, after so much slip
     double per_dc;   // mean of 1/dc [1/m]
     double rate;     // mean slip rate at the start [m/s]
     double gain;     // of lac_lump
+    double apart_by[64]; // squares of slip over dc by which each level may come apart
     bool apart;      // a load acts on the cells otherwise than their pressures do
     double *memory;
 } field;
@@ -214,6 +216,36 @@ static void fill_patterns(const lac_lump_source *s, field *f)
     }
 }
 
+// Takes the states of cells through slip at the joint's rate at the start, by steps so short that
+// they go where the law takes them: what it makes of the cells is what a quadrature has to know.
+static void fill_held(const lac_lump_source *s, field *f)
+{
+    enum { STEPS = 8 };
+    const double step = 0.15 / f->per_dc / f->rate; // [s]
+    const lac_friction *friction = s->whole.friction;
+    double w[LAC_FRICTION_BLOCK], u[LAC_FRICTION_BLOCK], v[LAC_FRICTION_BLOCK];
+    double g[LAC_FRICTION_BLOCK];
+    for (size_t i = 0; i < LAC_FRICTION_BLOCK; i++) {
+        v[i] = f->rate;
+        u[i] = log(f->rate);
+    }
+    for (size_t first = 0; first < f->n; first += LAC_FRICTION_BLOCK) {
+        const size_t left = f->n - first, n = left < LAC_FRICTION_BLOCK ? left : LAC_FRICTION_BLOCK;
+        const lac_friction_cells cells = {.first = first, .n = n, .u = u, .w = w, .v = v};
+        memcpy(w, s->whole.log_state + first, n * sizeof *w);
+        for (size_t k = 1; k <= STEPS; k++) {
+            lac_friction_evaluate(friction, &cells, &(lac_friction_values){.g = g}, NULL);
+            for (size_t i = 0; i < n; i++) {
+                w[i] += step * g[i];
+            }
+            for (size_t i = 0; k % 3 == 2 && i < n; i++) {
+                const double b = lac_cellwise_of(&friction->column[LAC_B], first + i);
+                f->held[k / 3 * f->n + first + i] = b * w[i];
+            }
+        }
+    }
+}
+
 // What moves the cells: their parameters, but f0, of which only the friction at the start counts;
 // rate and state at the start; what loads do to each.
 static lac_status look_at_cells(const lac_lump_source *s, field *f, lac_error *err)
@@ -222,10 +254,11 @@ static lac_status look_at_cells(const lac_lump_source *s, field *f, lac_error *e
     const lac_problem_parts parts = lac_problem_parts_of(s->problem);
     const size_t n = s->whole.domain->n;
     *f = (field){.n = n};
-    f->memory = malloc((MOST_VARIABLES + PATTERNS + 1) * (n + 1) * sizeof *f->memory);
+    f->memory = malloc((MOST_VARIABLES + 2 * PATTERNS + STAGES) * (n + 1) * sizeof *f->memory);
     LAC_FAIL_MEMORY_IF(f->memory == NULL, err);
     f->pattern = f->memory + MOST_VARIABLES * n;
-    f->force = f->pattern + PATTERNS * n;
+    f->held = f->pattern + PATTERNS * n;
+    f->force = f->held + STAGES * n;
     add_column(f, &friction->ln_dc, f->pattern);
     add_variable(f, s->whole.log_state, 1.0);
     add_variable(f, s->whole.log_rate, 1.0);
@@ -252,33 +285,50 @@ static lac_status look_at_cells(const lac_lump_source *s, field *f, lac_error *e
         add_variable(f, f->pattern, 1.0);
     }
     fill_patterns(s, f);
+    fill_held(s, f);
     return LAC_OK;
 }
 
-// Sums of p times the pattern, less its mean by p, over the cells from `first` on.
-static void sum_force(const lac_lump_source *s, field *f, size_t which, size_t first, size_t end)
+// Sums of p times each pattern, less its mean by p, over the cells from `first` on.
+static void sum_forces(const lac_lump_source *s, field *f, size_t first, size_t end)
 {
-    const double *pattern = f->pattern + which * f->n;
     const double *p = s->whole.domain->pressure;
-    double sum = 0.0, mean = 0.0;
-    for (size_t i = first; i < end; i++) {
-        sum += p[i];
-        mean += p[i] * pattern[i];
-    }
-    mean /= sum;
-    f->force[first] = 0.0;
-    for (size_t i = first; i < end; i++) {
-        f->force[i + 1] = f->force[i] + p[i] * (pattern[i] - mean);
+    for (size_t which = 0; which < PATTERNS; which++) {
+        const double *pattern = f->pattern + which * f->n;
+        double *force = f->force + which * (f->n + 1);
+        double sum = 0.0, mean = 0.0;
+        for (size_t i = first; i < end; i++) {
+            sum += p[i];
+            mean += p[i] * pattern[i];
+        }
+        mean /= sum;
+        force[first] = 0.0;
+        for (size_t i = first; i < end; i++) {
+            force[i + 1] = force[i] + p[i] * (pattern[i] - mean);
+        }
     }
 }
 
-// Sum over the blocks of a level in [first, end) of (their sum)^2/cells.
-static double square_of(const lac_lump_source *s, const field *f, size_t level, size_t first,
-                        size_t end)
+// Of each two patterns.
+typedef struct products_of {
+    double of[PATTERNS][PATTERNS];
+} pairs;
+
+static void add_pairs(const pairs *x, double times, pairs *sum)
 {
-    const uint32_t *begin = lac_hierarchy_offsets(s->blocks, level);
-    size_t low = 0, high = lac_hierarchy_blocks(s->blocks, level);
-    while (low < high) { // the block that begins at `first`
+    for (size_t a = 0; a < PATTERNS; a++) {
+        for (size_t b = 0; b < PATTERNS; b++) {
+            sum->of[a][b] += times * x->of[a][b];
+        }
+    }
+}
+
+// The first block of a level that begins at a cell.
+static size_t block_at(const lac_hierarchy *h, size_t level, size_t first)
+{
+    const uint32_t *begin = lac_hierarchy_offsets(h, level);
+    size_t low = 0, high = lac_hierarchy_blocks(h, level);
+    while (low < high) {
         const size_t middle = (low + high) / 2;
         if (begin[middle] < first) {
             low = middle + 1;
@@ -286,31 +336,57 @@ static double square_of(const lac_lump_source *s, const field *f, size_t level, 
             high = middle;
         }
     }
-    double square = 0.0;
-    for (size_t b = low; begin[b] < end; b++) {
-        const double sum = f->force[begin[b + 1]] - f->force[begin[b]];
-        square += sum * sum / (double)(begin[b + 1] - begin[b]);
+    return low;
+}
+
+// Sums over the blocks of a level in [first, end) of products of their sums, over their cells.
+static pairs pairs_of(const lac_lump_source *s, const field *f, size_t level, size_t first,
+                      size_t end)
+{
+    const uint32_t *begin = lac_hierarchy_offsets(s->blocks, level);
+    pairs out = {0};
+    for (size_t b = block_at(s->blocks, level, first); begin[b] < end; b++) {
+        double sum[PATTERNS];
+        for (size_t which = 0; which < PATTERNS; which++) {
+            const double *force = f->force + which * (f->n + 1);
+            sum[which] = force[begin[b + 1]] - force[begin[b]];
+        }
+        const double cells = (double)(begin[b + 1] - begin[b]);
+        for (size_t a = 0; a < PATTERNS; a++) {
+            for (size_t c = 0; c < PATTERNS; c++) {
+                out.of[a][c] += sum[a] * sum[c] / cells;
+            }
+        }
         if (begin[b + 1] == end) {
             break;
         }
     }
-    return square;
+    return out;
 }
 
-// Adds what the patterns have of each level below `top` within [first, end): squares of the means
-// of its blocks less those of the next ones'. @param square  [levels]
-static void add_squares(const lac_lump_source *s, field *f, size_t top, size_t first, size_t end,
-                        double *square)
+// What the patterns have of each level below `top` within [first, end): products of the means of
+// its blocks less those of the next ones'. @param out  [top]; added to
+static void add_levels(const lac_lump_source *s, field *f, size_t top, size_t first, size_t end,
+                       pairs *out)
 {
-    for (size_t which = 0; which < PATTERNS; which++) {
-        sum_force(s, f, which, first, end);
-        double finer = square_of(s, f, 0, first, end);
-        for (size_t l = 0; l < top; l++) {
-            const double coarser = square_of(s, f, l + 1, first, end);
-            square[l] += fmax(0.0, finer - coarser);
-            finer = coarser;
-        }
+    sum_forces(s, f, first, end);
+    pairs finer = pairs_of(s, f, 0, first, end);
+    for (size_t l = 0; l < top; l++) {
+        const pairs coarser = pairs_of(s, f, l + 1, first, end);
+        add_pairs(&finer, 1.0, &out[l]);
+        add_pairs(&coarser, -1.0, &out[l]);
+        finer = coarser;
     }
+}
+
+// Of patterns by themselves.
+static double trace(const pairs *x)
+{
+    double sum = 0.0;
+    for (size_t a = 0; a < PATTERNS; a++) {
+        sum += fmax(0.0, x->of[a][a]);
+    }
+    return sum;
 }
 
 static double stiffness(const lac_lump_source *s, size_t level)
@@ -321,22 +397,26 @@ static double stiffness(const lac_lump_source *s, size_t level)
 
 // The level whose blocks are taken together: above it slip over dc by which blocks would come apart
 // is small, or no larger than that of single cells.
-static size_t choose_level(const lac_lump_source *s, field *f, double error)
+static lac_status choose_level(const lac_lump_source *s, field *f, double error, size_t *level,
+                               lac_error *err)
 {
     const size_t levels = lac_hierarchy_levels(s->blocks);
-    double square[64] = {0.0};
-    add_squares(s, f, levels, 0, f->n, square);
-    size_t level = levels;
+    pairs *of = calloc(levels + 1, sizeof *of);
+    LAC_FAIL_MEMORY_IF(of == NULL, err);
+    add_levels(s, f, levels, 0, f->n, of);
     double finest = 0.0;
-    for (size_t l = 0; l < levels; l++) {
+    *level = levels;
+    for (size_t l = levels; l-- > 0;) {
         const double apart = f->per_dc / stiffness(s, l);
-        square[l] *= square[l] > 0.0 ? apart * apart / (double)f->n : 0.0;
-        finest = l == 0 ? square[0] : finest;
+        const double square = trace(&of[l]);
+        f->apart_by[l] = square > 0.0 ? square * apart * apart / (double)f->n : 0.0;
     }
+    finest = f->apart_by[0];
     for (size_t l = levels; l-- > 1;) {
-        level = square[l] > fmax(0.1 * error, 2.0 * finest) ? l : level;
+        *level = f->apart_by[l] > fmax(0.1 * error, 2.0 * finest) ? l : *level;
     }
-    return level;
+    free(of);
+    return LAC_OK;
 }
 
 // One lump as it is made.
@@ -352,31 +432,21 @@ typedef struct making {
     double *bond;    // [blocks] what holds its leaves against each other
     uint32_t *leaf;  // [n] which leaf stands for a cell
     double rest[STAGES];
+    pairs soft, few; // how far cells, and leaves, would slip apart
 } making;
-
-// Part of friction by the state of a cell that has slid for a while at the joint's first rate.
-static double held_by_state(const lac_lump_source *s, const field *f, size_t i, double slip)
-{
-    const lac_friction *friction = s->whole.friction;
-    const double dc = lac_cellwise_of(&friction->column[LAC_DC], i);
-    const double start = exp(s->whole.log_state[i]) * f->rate / dc;
-    const double renewed = 1.0 + (start - 1.0) * exp(-slip / dc);
-    return lac_cellwise_of(&friction->column[LAC_B], i) * log(dc * renewed);
-}
 
 // Adds what all cells of a block are held by less what its leaves are, after each stage of slip.
 static void add_rest(making *m, size_t first, size_t end, size_t leaves)
 {
-    static const double stage[STAGES] = {0.3, 1.0, 3.0, 10.0};
-    const lac_lump_source *s = m->source;
+    const double *pressure = m->source->whole.domain->pressure;
     for (size_t k = 0; k < STAGES; k++) {
-        const double slip = stage[k] / m->field.per_dc;
+        const double *held = m->field.held + k * m->field.n;
         double sum = 0.0;
         for (size_t i = first; i < end; i++) {
-            sum += s->whole.domain->pressure[i] * held_by_state(s, &m->field, i, slip);
+            sum += pressure[i] * held[i];
         }
         for (size_t i = m->leaves; i < m->leaves + leaves; i++) {
-            sum -= m->weight[i] * m->pressure[i] * held_by_state(s, &m->field, m->kept[i], slip);
+            sum -= m->weight[i] * m->pressure[i] * held[m->kept[i]];
         }
         m->rest[k] += sum;
     }
@@ -397,30 +467,61 @@ static double rest_of(const making *m)
     return most;
 }
 
-// By how far the cells of a block would slip apart, the stiffness that does the same to its leaves.
-static double bond_of(making *m, size_t first, size_t end, size_t leaves)
+// By how far the cells of a block would slip apart under each pattern, and what that does to all of
+// each, the stiffness that does the same to its leaves.
+static lac_status bond_of(making *m, size_t first, size_t end, size_t leaves, double *bond,
+                          lac_error *err)
 {
     const lac_lump_source *s = m->source;
     const uint32_t *kept = m->kept + m->leaves;
     const double *weight = m->weight + m->leaves, *pressure = m->pressure + m->leaves;
-    double square[64] = {0.0}, of_leaves = 0.0, given = 0.0;
-    add_squares(s, &m->field, m->level, first, end, square);
-    for (size_t which = 0; which < PATTERNS; which++) {
-        const double *pattern = m->field.pattern + which * m->field.n;
-        double sum = 0.0, mean = 0.0;
-        for (size_t i = 0; i < leaves; i++) {
-            sum += weight[i] * pressure[i];
-            mean += weight[i] * pressure[i] * pattern[kept[i]];
-        }
-        for (size_t i = 0; i < leaves; i++) {
-            const double g = pressure[i] * (pattern[kept[i]] - mean / sum);
-            of_leaves += weight[i] * g * g;
-        }
-    }
+    pairs *of = calloc(m->level + 1, sizeof *of);
+    pairs soft = {0}, few = {0};
+    double mean[PATTERNS] = {0.0}, sum = 0.0;
+    LAC_FAIL_MEMORY_IF(of == NULL, err);
+    add_levels(s, &m->field, m->level, first, end, of);
     for (size_t l = 0; l < m->level; l++) {
-        given += square[l] > 0.0 ? square[l] / stiffness(s, l) : 0.0;
+        const double k = stiffness(s, l);
+        if (trace(&of[l]) > 0.0) {
+            add_pairs(&of[l], 1.0 / k, &soft);
+        }
     }
-    return given > 0.0 ? of_leaves / given : stiffness(s, 0);
+    free(of);
+    for (size_t i = 0; i < leaves; i++) {
+        sum += weight[i] * pressure[i];
+        for (size_t a = 0; a < PATTERNS; a++) {
+            mean[a] += weight[i] * pressure[i] * m->field.pattern[a * m->field.n + kept[i]];
+        }
+    }
+    for (size_t i = 0; i < leaves; i++) {
+        double g[PATTERNS];
+        for (size_t a = 0; a < PATTERNS; a++) {
+            const double *pattern = m->field.pattern + a * m->field.n;
+            g[a] = pressure[i] * (pattern[kept[i]] - mean[a] / sum);
+        }
+        for (size_t a = 0; a < PATTERNS; a++) {
+            for (size_t b = 0; b < PATTERNS; b++) {
+                few.of[a][b] += weight[i] * g[a] * g[b];
+            }
+        }
+    }
+    *bond = trace(&soft) > 0.0 ? trace(&few) / trace(&soft) : stiffness(s, 0);
+    add_pairs(&few, 1.0 / *bond, &m->few);
+    add_pairs(&soft, 1.0, &m->soft);
+    return LAC_OK;
+}
+
+// By how much one stiffness for all patterns is off: of what each does to the two that tell how
+// friction answers to slip.
+static double mismatch_of(const making *m)
+{
+    double off = 0.0;
+    for (size_t a = 0; a < 2; a++) {
+        for (size_t b = 0; b < PATTERNS; b++) {
+            off += fabs(m->soft.of[a][b] - m->few.of[a][b]);
+        }
+    }
+    return off > 0.0 ? off / trace(&m->soft) : 0.0;
 }
 
 // Each cell goes to the leaf that is most like it.
@@ -471,7 +572,10 @@ static lac_status take_block(making *m, size_t number, lac_error *err)
     }
     m->begin[number] = (uint32_t)m->leaves;
     add_rest(m, first, first + n, leaves);
-    m->bond[number] = leaves > 1 ? bond_of(m, first, first + n, leaves) : 0.0;
+    m->bond[number] = 0.0;
+    if (leaves > 1) {
+        LAC_TRY_RETURN(bond_of(m, first, first + n, leaves, &m->bond[number], err));
+    }
     double *room = malloc((leaves * b.active + 1) * sizeof *room);
     LAC_FAIL_MEMORY_IF(room == NULL, err);
     assign(m, &b, leaves, room);
@@ -640,8 +744,32 @@ static lac_status take_blocks(making *m, lac_error *err)
     const size_t blocks = lac_hierarchy_blocks(m->source->blocks, m->level);
     m->leaves = 0;
     memset(m->rest, 0, sizeof m->rest);
+    m->soft = m->few = (pairs){0};
     for (size_t b = 0; b < blocks; b++) {
         LAC_TRY_RETURN(take_block(m, b, err));
+    }
+    return LAC_OK;
+}
+
+// Room for the blocks of a level, and what is made of them with as many nodes as it takes, if that
+// is left open.
+static lac_status try_level(making *m, const lac_lump_def *def, lac_error *err)
+{
+    const bool open = def->nodes < 0;
+    const size_t n = m->field.n, blocks = lac_hierarchy_blocks(m->source->blocks, m->level);
+    free(m->kept);
+    free(m->weight);
+    m->kept = malloc((n + blocks + 1) * sizeof *m->kept);
+    m->weight = malloc((2 * n + blocks) * sizeof *m->weight);
+    LAC_FAIL_MEMORY_IF(m->kept == NULL || m->weight == NULL, err);
+    m->begin = m->kept + n;
+    m->pressure = m->weight + n;
+    m->bond = m->pressure + n;
+    m->nodes = open ? FEWEST_NODES : (size_t)def->nodes;
+    LAC_TRY_RETURN(take_blocks(m, err));
+    while (open && m->field.gain * rest_of(m) > 0.02 * def->error && m->nodes < MOST_NODES) {
+        m->nodes++;
+        LAC_TRY_RETURN(take_blocks(m, err));
     }
     return LAC_OK;
 }
@@ -650,31 +778,24 @@ static lac_status make(making *m, const lac_lump_def *def, lac_lump *lump, lac_e
 {
     const lac_lump_source *s = m->source;
     const size_t n = s->whole.domain->n, levels = lac_hierarchy_levels(s->blocks);
-    const bool open = def->nodes < 0;
     LAC_TRY_RETURN(look_at_cells(s, &m->field, err));
-    m->nodes = open ? FEWEST_NODES : (size_t)def->nodes;
-    m->level = def->level < 0                ? choose_level(s, &m->field, def->error)
-               : (size_t)def->level > levels ? levels
-                                             : (size_t)def->level;
-    const size_t blocks = lac_hierarchy_blocks(s->blocks, m->level);
-    m->kept = malloc((n + blocks + 1) * sizeof *m->kept);
-    m->weight = malloc((2 * n + blocks) * sizeof *m->weight);
-    lump->leaf = malloc(n * sizeof *lump->leaf);
-    LAC_FAIL_MEMORY_IF(m->kept == NULL || m->weight == NULL || lump->leaf == NULL, err);
-    m->begin = m->kept + n;
-    m->pressure = m->weight + n;
-    m->bond = m->pressure + n;
-    m->leaf = lump->leaf;
-    LAC_TRY_RETURN(take_blocks(m, err));
-    while (open && m->field.gain * rest_of(m) > 0.02 * def->error && m->nodes < MOST_NODES) {
-        m->nodes++;
-        LAC_TRY_RETURN(take_blocks(m, err));
+    LAC_TRY_RETURN(choose_level(s, &m->field, def->error, &m->level, err));
+    if (def->level >= 0) {
+        m->level = (size_t)def->level > levels ? levels : (size_t)def->level;
+    }
+    m->leaf = lump->leaf = malloc(n * sizeof *lump->leaf);
+    LAC_FAIL_MEMORY_IF(lump->leaf == NULL, err);
+    LAC_TRY_RETURN(try_level(m, def, err));
+    if (def->level < 0 && m->level > 0 && 2 * m->leaves > n) {
+        m->level = 0; // nothing is gained: all cells by themselves
+        LAC_TRY_RETURN(try_level(m, def, err));
     }
     lump->level = m->level;
-    lump->blocks = blocks;
+    lump->blocks = lac_hierarchy_blocks(s->blocks, m->level);
     lump->nodes = m->nodes;
     lump->rest = rest_of(m);
     lump->gain = m->field.gain;
+    lump->mismatch = mismatch_of(m);
     LAC_TRY_RETURN(make_classes(m, lump, err));
     LAC_TRY_RETURN(make_domain(m, &lump->domain, err));
     return make_problem(m, lump, err);
