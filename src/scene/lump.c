@@ -7,7 +7,7 @@
 #include "base/cubature.h"
 #include "scene/internal.h"
 
-enum { MOST_VARIABLES = 24, PATTERNS = 4, STAGES = 3, FEWEST_NODES = 4, MOST_NODES = 10 };
+enum { MOST_VARIABLES = 24, PATTERNS = 6, ANSWERS = 3, STAGES = 3, FEWEST_NODES = 4, MOST_NODES = 10 };
 
 // What the cells differ in: of all of them, scaled block by block.
 typedef struct variable {
@@ -191,9 +191,11 @@ static double gain_of(const lac_lump_source *s, const field *f)
 }
 
 // What friction may leave a cell apart by, in parts of its pressure: by the renewal of its state
-// over some slip, its state and rate at the start, what it weakens by.
+// over some slip, its state and rate at the start, what it weakens by, and its friction where water
+// takes off its pressure.
 static void fill_patterns(const lac_lump_source *s, field *f)
 {
+    const lac_problem_parts parts = lac_problem_parts_of(s->problem);
     const lac_friction *friction = s->whole.friction;
     double dc = 0.0;
     for (size_t i = 0; i < f->n; i++) {
@@ -211,8 +213,10 @@ static void fill_patterns(const lac_lump_source *s, field *f)
         double *at = f->pattern + i;
         at[0] = b / lac_cellwise_of(&friction->column[LAC_DC], i) / dc;
         at[f->n] = b * s->whole.log_state[i];
-        at[2 * f->n] = a * s->whole.log_rate[i];
-        at[3 * f->n] = 5.0 * (b - a);
+        at[2 * f->n] = b * lac_cellwise_of(&friction->ln_dc, i);
+        at[3 * f->n] = a * s->whole.log_rate[i];
+        at[4 * f->n] = 5.0 * (b - a);
+        at[5 * f->n] = 0.05 * (parts.traction[i] / parts.pressure[i]);
     }
 }
 
@@ -478,11 +482,12 @@ static lac_status bond_of(making *m, size_t first, size_t end, size_t leaves, do
     pairs *of = calloc(m->level + 1, sizeof *of);
     pairs soft = {0}, few = {0};
     double mean[PATTERNS] = {0.0}, sum = 0.0;
+    const double nothing = pow(1e-9 * pressure[0], 2.0); // rounding of what cells are alike in
     LAC_FAIL_MEMORY_IF(of == NULL, err);
     add_levels(s, &m->field, m->level, first, end, of);
     for (size_t l = 0; l < m->level; l++) {
         const double k = stiffness(s, l);
-        if (trace(&of[l]) > 0.0) {
+        if (trace(&of[l]) > nothing * (double)(end - first)) {
             add_pairs(&of[l], 1.0 / k, &soft);
         }
     }
@@ -505,9 +510,12 @@ static lac_status bond_of(making *m, size_t first, size_t end, size_t leaves, do
             }
         }
     }
-    *bond = trace(&soft) > 0.0 ? trace(&few) / trace(&soft) : stiffness(s, 0);
-    add_pairs(&few, 1.0 / *bond, &m->few);
-    add_pairs(&soft, 1.0, &m->soft);
+    *bond = stiffness(s, 0);
+    if (trace(&soft) > 0.0 && trace(&few) > 0.0) {
+        *bond = trace(&few) / trace(&soft);
+        add_pairs(&few, 1.0 / *bond, &m->few);
+        add_pairs(&soft, 1.0, &m->soft);
+    }
     return LAC_OK;
 }
 
@@ -516,12 +524,31 @@ static lac_status bond_of(making *m, size_t first, size_t end, size_t leaves, do
 static double mismatch_of(const making *m)
 {
     double off = 0.0;
-    for (size_t a = 0; a < 2; a++) {
+    for (size_t a = 0; a < ANSWERS; a++) {
         for (size_t b = 0; b < PATTERNS; b++) {
             off += fabs(m->soft.of[a][b] - m->few.of[a][b]);
         }
     }
-    return off > 0.0 ? off / trace(&m->soft) : 0.0;
+    return off > 0.0 && trace(&m->soft) > 0.0 ? off / trace(&m->soft) : 0.0;
+}
+
+static double weakness_of(const making *m)
+{
+    const lac_friction *friction = m->source->whole.friction;
+    const size_t blocks = lac_hierarchy_blocks(m->source->blocks, m->level);
+    double most = 0.0;
+    for (size_t b = 0; b < blocks; b++) {
+        double sum = 0.0;
+        for (uint32_t i = m->begin[b]; i < m->begin[b + 1]; i++) {
+            const uint32_t c = m->kept[i];
+            sum += m->weight[i] * m->pressure[i] * lac_cellwise_of(&friction->column[LAC_B], c) /
+                   lac_cellwise_of(&friction->column[LAC_DC], c);
+        }
+        const uint32_t *begin = lac_hierarchy_offsets(m->source->blocks, m->level);
+        const double cells = (double)(begin[b + 1] - begin[b]);
+        most = m->bond[b] > 0.0 ? fmax(most, sum / cells / m->bond[b]) : most;
+    }
+    return most;
 }
 
 // Each cell goes to the leaf that is most like it.
@@ -786,8 +813,10 @@ static lac_status make(making *m, const lac_lump_def *def, lac_lump *lump, lac_e
     m->leaf = lump->leaf = malloc(n * sizeof *lump->leaf);
     LAC_FAIL_MEMORY_IF(lump->leaf == NULL, err);
     LAC_TRY_RETURN(try_level(m, def, err));
-    if (def->level < 0 && m->level > 0 && 2 * m->leaves > n) {
-        m->level = 0; // nothing is gained: all cells by themselves
+    // Smaller blocks, whose quadratures err apart; where nothing is gained any more, all cells.
+    while (def->level < 0 && m->level > 0 &&
+           (2 * m->leaves > n || m->field.gain * rest_of(m) > 0.2 * def->error)) {
+        m->level = 2 * m->leaves > n ? 0 : m->level - 1;
         LAC_TRY_RETURN(try_level(m, def, err));
     }
     lump->level = m->level;
@@ -796,6 +825,7 @@ static lac_status make(making *m, const lac_lump_def *def, lac_lump *lump, lac_e
     lump->rest = rest_of(m);
     lump->gain = m->field.gain;
     lump->mismatch = mismatch_of(m);
+    lump->weakness = weakness_of(m);
     LAC_TRY_RETURN(make_classes(m, lump, err));
     LAC_TRY_RETURN(make_domain(m, &lump->domain, err));
     return make_problem(m, lump, err);

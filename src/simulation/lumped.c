@@ -11,29 +11,47 @@ static double result_of(const lac_run_result *run)
                                       : run->mean_slip;
 }
 
+// What comes out where the cells of a block follow their traction `softness` times as far; NaN: it
+// ends otherwise than the run.
+static lac_status pilot(lac_lump *lump, const lac_run_def *def, const lac_run_result *run,
+                        double softness, double rtol, double *out, lac_error *err)
+{
+    lac_run_result result;
+    lac_run_def own = *def;
+    own.rtol = rtol;
+    own.snapshots = false;
+    own.points = NULL;
+    own.resume = NULL;
+    own.reached = NULL;
+    own.checkpoint = (lac_cadence){.time = NAN, .per_decade = NAN};
+    lac_lump_soften(lump, softness);
+    const lac_status status = lac_run(lump->problem, &own, NULL, &result, err);
+    lac_lump_soften(lump, 1.0);
+    const bool alike = result.failed == run->failed && result.end == run->end;
+    *out = status == LAC_OK && alike ? result_of(&result) : (double)NAN;
+    return status == LAC_ENUMERIC ? LAC_OK : status;
+}
+
 lac_status lac_lumped_judge(lac_lump *lump, const lac_run_def *def, const lac_run_result *run,
                             double *error, lac_error *err)
 {
-    const double stiff = 0.02; // softness of cells that slip as one
-    const double second = 4.0, quadrature = 1.0;
-    lac_run_result rigid;
-    lac_run_def pilot = *def;
-    pilot.rtol = fmax(def->rtol, 1e-5);
-    pilot.snapshots = false;
-    pilot.points = NULL;
-    pilot.resume = NULL;
-    pilot.reached = NULL;
-    pilot.checkpoint = (lac_cadence){.time = NAN, .per_decade = NAN};
-    lac_lump_soften(lump, stiff);
-    const lac_status status = lac_run(lump->problem, &pilot, NULL, &rigid, err);
-    lac_lump_soften(lump, 1.0);
-    *error = INFINITY;
-    if (status == LAC_OK && rigid.failed == run->failed && rigid.end == run->end) {
-        const double value = result_of(run);
-        const double first = (value - result_of(&rigid)) / (1.0 - stiff) / value;
-        *error = second * first * first + quadrature * lump->gain * lump->rest;
+    const double stiff = 0.02, soft = 2.0; // softness
+    const double close = 0.1;              // to where the cells of a block slip by themselves
+    const double least = 1.5e-5, undriven = 0.3;
+    const double value = result_of(run);
+    double rigid, loose = NAN;
+    LAC_TRY_RETURN(pilot(lump, def, run, stiff, fmax(def->rtol, 1e-5), &rigid, err));
+    const double first = (value - rigid) / (1.0 - stiff) / value;
+    const double off = run->failed ? lump->mismatch : fmax(lump->mismatch, undriven);
+    double sum = off * fabs(first) + 1.5 * lump->gain * first * first;
+    if (lump->weakness > close) {
+        LAC_TRY_RETURN(pilot(lump, def, run, soft, def->rtol, &loose, err));
+        const double second = ((loose - value) / value / (soft - 1.0) - first) / (soft - stiff);
+        sum += 1.5 * fabs(second);
     }
-    return status == LAC_ENUMERIC ? LAC_OK : status;
+    sum += lump->gain * lump->rest;
+    *error = isfinite(sum) ? fmax(sum, least) : (double)INFINITY;
+    return LAC_OK;
 }
 
 void lac_lumped_points(const lac_lump *lump, const lac_domain *cells, lac_points *points)
