@@ -205,23 +205,11 @@ static const char *const formulations[] = {"auto",    "rate",   "traction", "sli
 static const char *const answers[] = {"false", "true", NULL};
 static const char *const plannings[] = {"estimate", "measure", NULL};
 
-static const lac_param lump_rows[] = {
-    LAC_INTEGER("level", FIELD(lump.level), NAN, 0, 31, LAC_OPTIONAL,
-                "blocks of 2^level cells a side are taken together; as coarse as the scene allows "
-                "if absent"),
-    LAC_INTEGER("nodes", FIELD(lump.nodes), NAN, 1, 12, LAC_OPTIONAL,
-                "of a quadrature over one parameter that varies, over more as exact; what was "
-                "measured to be enough if absent"),
-    LAC_REAL("error", "1", FIELD(lump.error), 0.01, 1e-6, 0.5, 0,
-             "relative error of the time of failure, or of the mean slip where nothing fails, that "
-             "taking cells together may cause; beyond it the run ends without a result"),
-};
-
 static const lac_param solver_rows[] = {
     LAC_CHOICE("fidelity", FIELD(run.fidelity), LAC_FIDELITY_ODE, fidelities, 0,
                "what is resolved in time: ode (all cells at every step), events (each cell at "
-               "steps of its own, for cells that slip one by one), lumped (few cells that stand for "
-               "all, where all slip together); static has no time (lacuna rg)"),
+               "steps of its own, where they slip one by one), lumped (few cells stand for all, "
+               "where all slip together); static has no time (lacuna rg)"),
     LAC_OWN("lump", "{level: ..., nodes: ..., error: ...}: with fidelity lumped, how"),
     LAC_REAL("wake", "1", FIELD(run.wake), 1, 0, 100, LAC_ABOVE_MIN,
              "with fidelity events: error that an unforeseen change of traction may cause before a "
@@ -362,7 +350,6 @@ static bool has_initial(const lac_case *c)
 
 static bool has_from(const lac_case *c) { return c->from.file != NULL; }
 
-static bool has_lump(const lac_case *c) { return c->run.fidelity == LAC_FIDELITY_LUMPED; }
 static bool has_stop(const lac_case *c)
 {
     return !isnan(c->run.stop_slip) || !isnan(c->run.stop_rate) || !isnan(c->run.stop_safety);
@@ -442,8 +429,8 @@ static const lac_part parts[] = {
     {RECORD("time.failure", "what counts as failure, which ends the run", failure_rows)},
     {RECORD("time.stop_when", "other limits that end the run", stop_rows), .given = has_stop},
     {RECORD("solver", "integration in time", solver_rows)},
-    {RECORD("solver.lump", "how cells are taken together, with fidelity lumped", lump_rows),
-     .given = has_lump},
+    {RECORD("solver.lump", "how cells are taken together, with fidelity lumped", lac_lump_rows),
+     .given = lac_case_lumps},
     {RECORD("output", "what is written", output_rows)},
     {PART(CADENCE, "output.every", run.record), .after = "output.checkpoint"},
     {PART(CADENCE, "output.checkpoint", run.checkpoint), .given = has_checkpoint},

@@ -199,9 +199,10 @@ static lac_status nudge_all(lac_fit_model *model, const double *u, double end,
         LAC_TRY_RETURN(bring(model, &model->nudged[2 * k], moved, err));
         moved[k] = u[k] + step;
         LAC_TRY_RETURN(bring(model, &model->nudged[2 * k + 1], moved, err));
-        *perturbation = (lac_perturbation){.low = lac_scene_problem(model->nudged[2 * k].scene),
-                                           .high = lac_scene_problem(model->nudged[2 * k + 1].scene),
-                                           .step = step};
+        *perturbation =
+            (lac_perturbation){.low = lac_scene_problem(model->nudged[2 * k].scene),
+                               .high = lac_scene_problem(model->nudged[2 * k + 1].scene),
+                               .step = step};
         by[k] = comparable(model, perturbation, end) ? LAC_BY_SENSITIVITY : LAC_BY_RUNS;
         perturbation += by[k] == LAC_BY_SENSITIVITY ? 1 : 0;
     }

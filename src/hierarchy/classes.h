@@ -5,7 +5,7 @@
 
 /// Classes of cells tied to one another in blocks: the leaves stand for several cells each, a block
 /// for its leaves and blocks. A node's number is below that of the block that it lies in, so the
-/// last one is the root. docs/theory/lumped.md, eq. 2.
+/// last one is the root. docs/theory/lumped.md.
 typedef struct lac_classes {
     size_t leaves, nodes; ///< the leaves come first
     uint32_t *parent;     ///< [nodes] block that a node lies in; of the root itself

@@ -84,10 +84,10 @@ lac_damping lac_damping_over(const lac_domain *domain, double eta, bool massive)
     if (massive) {
         return domain->n == 1 ? (lac_damping){0} : (lac_damping){.cell = eta, .mean = -eta};
     }
-    double pressure = (domain->weight == NULL
-                           ? lac_vsum(domain->n, domain->pressure)
-                           : lac_vdot(domain->n, domain->weight, domain->pressure)) /
-                      (double)domain->n;
+    double pressure =
+        (domain->weight == NULL ? lac_vsum(domain->n, domain->pressure)
+                                : lac_vdot(domain->n, domain->weight, domain->pressure)) /
+        (double)domain->n;
     return (lac_damping){.cell = eta, .shared = eta * ((cells - n) / n) / pressure};
 }
 

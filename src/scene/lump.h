@@ -16,18 +16,19 @@ typedef struct lac_lump {
     size_t blocks;  ///< of that level
     size_t nodes;   ///< of a quadrature over one parameter
     double rest;    ///< error of the quadrature: of the logarithm of the slip rate [1]
-    double weakness; ///< p b/dc over what holds the cells of a block against each other, at most [1]
+    double
+        weakness; ///< p b/dc over what holds the cells of a block against each other, at most [1]
     double mismatch; ///< of the slip apart that its leaves have, relative [1]
-    double gain;    ///< by which the time of failure is more off than that, near a steady state [1]
-    size_t inner;   ///< nodes, behind the leaves, that are blocks of leaves
+    double gain;  ///< by which the time of failure is more off than that, near a steady state [1]
+    size_t inner; ///< nodes, behind the leaves, that are blocks of leaves
 } lac_lump;
 
 /// What a lump is made from.
 typedef struct lac_lump_source {
-    lac_problem_def whole;        ///< the scene's, as its problem was made
-    const lac_problem *problem;   ///< made of it
-    const lac_model *model;       ///< of its friction
-    const lac_hierarchy *blocks;  ///< over its cells
+    lac_problem_def whole;       ///< the scene's, as its problem was made
+    const lac_problem *problem;  ///< made of it
+    const lac_model *model;      ///< of its friction
+    const lac_hierarchy *blocks; ///< over its cells
 } lac_lump_source;
 
 /// Takes the cells of each block of a level together. docs/theory/lumped.md.

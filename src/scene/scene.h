@@ -119,7 +119,7 @@ typedef struct lac_scene {
     lac_weakening_set weakening; ///< what weakens the cells besides friction
     lac_friction *friction;
     lac_load_set loads;
-    double damping; ///< [Pa s/m]
+    double damping;       ///< [Pa s/m]
     lac_problem *problem; ///< of all contact cells
     lac_lump *lump;       ///< where the case lumps them; NULL
 } lac_scene;

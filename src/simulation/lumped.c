@@ -82,9 +82,9 @@ static lac_status on_snapshot(void *context, const lac_snapshot *of, lac_error *
     const lac_lumped_sink *s = context;
     const size_t n = s->cells->n;
     lac_snapshot all = *of;
-    const double **const to[FIELDS] = {
-        &all.slip,        &all.slip_rate,   &all.state,  &all.traction, &all.factor_of_safety,
-        &all.pore,        &all.excess_pore, &all.temperature, &all.broken};
+    const double **const to[FIELDS] = {&all.slip,        &all.slip_rate,        &all.state,
+                                       &all.traction,    &all.factor_of_safety, &all.pore,
+                                       &all.excess_pore, &all.temperature,      &all.broken};
     all.n = n;
     for (size_t k = 0; k < FIELDS; k++) {
         const double *leaves = *to[k];

@@ -11,7 +11,7 @@
 /// @param lump   of which the run was; as before afterwards
 /// @return LAC_OK; as lac_run
 /// @cost   a run of the lump at an rtol no tighter than 1e-5
-/// @source docs/theory/lumped.md, eq. 5
+/// @source docs/theory/lumped.md
 lac_status lac_lumped_judge(lac_lump *lump, const lac_run_def *def, const lac_run_result *run,
                             double *error, lac_error *err);
 

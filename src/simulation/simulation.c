@@ -227,8 +227,8 @@ static lac_status integrate(lac_simulation *s, const lac_sink *sink, lac_error *
     if (s->scene->lump != NULL) {
         return integrate_lump(s, &def, sink, err);
     }
-    return lac_run(lac_scene_problem(s->scene), &def, s->analysis != NULL ? &through : sink, &s->outcome.run,
-                   err);
+    return lac_run(lac_scene_problem(s->scene), &def, s->analysis != NULL ? &through : sink,
+                   &s->outcome.run, err);
 }
 
 static const char *status_word(lac_status status)

@@ -32,7 +32,7 @@ static double stiffness(const void *state, size_t level)
 
 static const lac_transfer_kind classes_kind = {
     .info = LAC_ABOUT("classes", "classes of cells as the leaves of weighted blocks",
-                      "docs/theory/lumped.md, eq. 2"),
+                      "docs/theory/lumped.md"),
     .free = destroy,
     .work = work,
     .apply = apply,

@@ -8,6 +8,7 @@
 #include "cli/common/progress.h"
 #include "cli/common/words.h"
 #include "cli/contact/contact.h"
+#include "cli/run/run_lump.h"
 
 const char *const cli_failure_lowered =
     "a p/eta: damping holds the joint below that of the case; judged by all cells as one";
@@ -218,6 +219,12 @@ static const char *fidelity(const cli_outcome *outcome)
     return lac_fidelity_name(outcome->of->source->run.fidelity);
 }
 
+static cli_lump lump_of(const cli_outcome *outcome)
+{
+    return (cli_lump){outcome->of->scene->lump, outcome->of->scene->contact.domain->n,
+                      outcome->of->run.lump_error_estimated, outcome->of->source->lump.error};
+}
+
 static void print_failure(const cli_outcome *outcome)
 {
     const lac_run_result *result = &outcome->of->run;
@@ -280,13 +287,8 @@ static void print_cost(const cli_outcome *outcome)
         cli_row_wrap("accuracy", outcome->of->accuracy->text);
     }
     cli_row("fidelity", "%s", fidelity(outcome));
-    const lac_lump *lump = outcome->of->scene->lump;
-    if (lump != NULL) {
-        cli_row("  cells", "%zu stand for %zu, in %zu blocks of level %zu", lump->domain->n,
-                outcome->of->scene->contact.domain->n, lump->blocks, lump->level);
-        cli_row("  error", "%.2g at most by estimate, %g allowed (solver.lump.error)",
-                result->lump_error_estimated, outcome->of->source->lump.error);
-    }
+    const cli_lump lump = lump_of(outcome);
+    cli_lump_print(&lump);
     cli_row("formulation", "%s", formulation(outcome));
     cli_row("balance residual", "%.2g at worst", result->balance_residual);
     cli_row("time taken", "%s, CPU %s", cli_amount(outcome->wall_time, "s").s,
@@ -401,24 +403,6 @@ static void write_arrest(lac_json *json, const cli_outcome *outcome)
     lac_json_number(json, "thickness_m", last.thickness);
 }
 
-static void write_lump(lac_json *json, const cli_outcome *outcome)
-{
-    const lac_lump *lump = outcome->of->scene->lump;
-    if (lump == NULL) {
-        lac_json_null(json, "lump");
-        return;
-    }
-    const double error = outcome->of->run.lump_error_estimated;
-    lac_json_open(json, "lump", '{');
-    lac_json_integer(json, "level", (int64_t)lump->level);
-    lac_json_integer(json, "blocks", (int64_t)lump->blocks);
-    lac_json_integer(json, "nodes", (int64_t)lump->nodes);
-    lac_json_integer(json, "cells", (int64_t)lump->domain->n);
-    lac_json_number(json, "error_asked", outcome->of->source->lump.error);
-    lac_json_close(json, '}');
-    lac_json_number(json, "lump_error_estimated", error > 0.0 ? error : (double)NAN);
-}
-
 static void write_results(lac_json *json, const cli_outcome *outcome)
 {
     const cli_history *history = &outcome->history;
@@ -435,7 +419,8 @@ static void write_results(lac_json *json, const cli_outcome *outcome)
     lac_json_number(json, "balance_residual", result->balance_residual);
     lac_json_number(json, "rate_drift", result->rate_drift);
     lac_json_text(json, "fidelity", fidelity(outcome));
-    write_lump(json, outcome);
+    const cli_lump lump = lump_of(outcome);
+    cli_lump_json(json, &lump);
     lac_json_text(json, "formulation", formulation(outcome));
     lac_json_number(json, "initial_apparent_friction", apparent_friction(&history->first));
     lac_json_number(json, "apparent_friction", apparent_friction(&history->last));
