@@ -319,6 +319,10 @@ bool lac_case_implies_safety(const lac_case *c);
 /// its law, loads and transfer lac_run_async_follows tells.
 bool lac_case_admits_events(const lac_case *c);
 
+/// Whether nothing that the case names is against solver.fidelity lumped, but for loads that differ
+/// from cell to cell.
+bool lac_case_admits_lumped(const lac_case *c);
+
 /// Told what differs between two cases, keys in order. @param before, after  "" where there is none
 typedef void lac_case_change(void *context, const char *key, const char *before, const char *after);
 

@@ -17,33 +17,58 @@ const lac_param lac_lump_rows[LAC_LUMP_ROWS] = {
 
 bool lac_case_lumps(const lac_case *c) { return c->run.fidelity == LAC_FIDELITY_LUMPED; }
 
+enum { REFUSALS = 6 };
+static const struct {
+    const char *key, *why;
+} refusals[REFUSALS] = {
+    {"solver.fidelity",
+     "lumped needs transfer: {hierarchy: {...}}: how stiffly cells hold one another, level by "
+     "level, says how far they slip apart"},
+    {"solver.fidelity", "lumped knows slip along x only: leave out interface.slip: vector"},
+    {"solver.fidelity", "lumped knows no inertia: leave one of them out"},
+    {"solver.fidelity",
+     "lumped knows no weakening, which changes each cell by its own pressure: leave one of them "
+     "out"},
+    {"analysis",
+     "is of cells that slip by themselves, which fidelity lumped does not follow: take ode or "
+     "events"},
+    {"initial.run",
+     "gives each cell a state of its own, which fidelity lumped does not keep: take ode"},
+};
+
+// Which of these the case asks for.
+static void ask(const lac_case *c, bool asked[REFUSALS])
+{
+    const lac_transfer_kind *transfer = (const void *)c->transfer.info;
+    const lac_grid grid = lac_interface_grid(&c->interface);
+    asked[0] = lac_grid_cells(&grid) > 1 && (transfer == NULL || transfer->blocks == NULL);
+    asked[1] = c->slip == LAC_SLIP_VECTOR;
+    asked[2] = lac_inertia_mass(c) > 0.0;
+    asked[3] = c->weakening.count > 0;
+    asked[4] = c->analysis.count > 0;
+    asked[5] = c->from.file != NULL;
+}
+
+bool lac_case_admits_lumped(const lac_case *c)
+{
+    bool asked[REFUSALS], any = false;
+    ask(c, asked);
+    for (size_t i = 0; i < REFUSALS; i++) {
+        any = any || asked[i];
+    }
+    return !any;
+}
+
 void lac_check_lumped(lac_reader *reader, const lac_case *c)
 {
-    const bool lumped = lac_case_lumps(c);
-    const lac_transfer_kind *transfer = (const void *)c->transfer.info;
-    const bool block = c->interface.levels == 0;
-    const struct {
-        bool wrong;
-        const char *key, *why;
-    } table[] = {
-        {!lumped && HAS("solver.lump"), "solver.lump", "goes with fidelity lumped"},
-        {lumped && !block && (transfer == NULL || transfer->blocks == NULL), "solver.fidelity",
-         "lumped needs transfer: {hierarchy: {...}}: how stiffly cells hold one another, level by "
-         "level, says how far they slip apart"},
-        {lumped && c->slip == LAC_SLIP_VECTOR, "solver.fidelity",
-         "lumped knows slip along x only: leave out interface.slip: vector"},
-        {lumped && HAS("inertia"), "solver.fidelity",
-         "lumped knows no inertia: leave one of them out"},
-        {lumped && c->weakening.count > 0, "solver.fidelity",
-         "lumped knows no weakening, which heats each cell by its own pressure: leave one of them "
-         "out"},
-        {lumped && c->analysis.count > 0, "analysis",
-         "is of cells that slip by themselves, which fidelity lumped does not follow: take ode or "
-         "events"},
-        {lumped && c->from.file != NULL, "initial.run",
-         "gives each cell a state of its own, which fidelity lumped does not keep: take ode"},
-    };
-    for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
-        (void)lac_refuse(reader, table[i].wrong, table[i].key, "%s", table[i].why);
+    const bool clean = lac_clean(reader, "interface") && lac_clean(reader, "transfer");
+    bool asked[REFUSALS] = {false};
+    (void)lac_refuse(reader, !lac_case_lumps(c) && lac_present(reader, "solver.lump"),
+                     "solver.lump", "goes with fidelity lumped");
+    if (clean && lac_case_lumps(c)) {
+        ask(c, asked);
+    }
+    for (size_t i = 0; i < REFUSALS; i++) {
+        (void)lac_refuse(reader, asked[i], refusals[i].key, "%s", refusals[i].why);
     }
 }

@@ -349,6 +349,8 @@ lac_problem_parts lac_problem_parts_of(const lac_problem *problem)
     return (lac_problem_parts){.pressure = problem->pressure,
                                .traction = problem->traction0,
                                .weight = problem->weight,
+                               .log_rate = problem->log_rate0,
+                               .log_state = problem->log_state0,
                                .friction = problem->friction,
                                .transfer = &problem->transfer,
                                .damping = {.cell = problem->damping,

@@ -264,21 +264,6 @@ static lac_status make_domain(const making *m, lac_domain **out, lac_error *err)
     return LAC_OK;
 }
 
-static lac_status make_friction(const making *m, double *room, lac_friction **out, lac_error *err)
-{
-    const lac_model *model = m->source->model;
-    LAC_TRY_RETURN(lac_friction_create(model, m->leaves, out, err));
-    for (size_t k = 0; k < model->info->param_count; k++) {
-        const char *key = model->info->params[k].key;
-        const lac_cellwise *column = lac_friction_values_of(m->source->whole.friction, key);
-        if (column != NULL && column->mask != 0) {
-            gather(m, column->value, room);
-            LAC_TRY_RETURN(lac_friction_set(*out, key, room, err));
-        }
-    }
-    return LAC_OK;
-}
-
 static lac_status make_problem(const making *m, lac_lump *lump, lac_error *err)
 {
     const lac_lump_source *s = m->source;
@@ -286,7 +271,8 @@ static lac_status make_problem(const making *m, lac_lump *lump, lac_error *err)
     lac_problem_def def = *whole;
     double *start = malloc(2 * m->leaves * sizeof *start);
     LAC_FAIL_MEMORY_IF(start == NULL, err);
-    lac_status status = make_friction(m, start, &lump->friction, err);
+    lac_status status =
+        lac_friction_pick(whole->friction, m->kept, m->leaves, &lump->friction, err);
     lump->loads = whole->loads;
     if (whole->loads.shape != NULL) {
         lump->loads.shape = malloc(m->leaves * sizeof *lump->loads.shape);

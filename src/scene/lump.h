@@ -27,7 +27,6 @@ typedef struct lac_lump {
 typedef struct lac_lump_source {
     lac_problem_def whole;       ///< the scene's, as its problem was made
     const lac_problem *problem;  ///< made of it
-    const lac_model *model;      ///< of its friction
     const lac_hierarchy *blocks; ///< over its cells
 } lac_lump_source;
 

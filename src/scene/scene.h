@@ -169,4 +169,13 @@ lac_status lac_scene_create(const lac_case *c, lac_load_files *files, lac_scene 
 /// @param files  as in lac_scene_create
 lac_status lac_scene_renew(lac_scene *scene, lac_load_files *files, bool loads, lac_error *err);
 
+/// Takes the cells of a scene together, whatever its case says: its runs are of the lump then, and
+/// lac_lumped_judge tells their error.
+/// @param def  NULL: runs are of all cells again
+/// @return as lac_lump_create; without a lump unless LAC_OK
+lac_status lac_scene_lump(lac_scene *scene, const lac_lump_def *def, lac_error *err);
+
+/// What the lump of a scene is made from.
+lac_lump_source lac_scene_lump_source(const lac_scene *scene);
+
 void lac_scene_free(lac_scene *scene);

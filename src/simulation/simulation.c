@@ -20,6 +20,7 @@ struct lac_simulation {
     lac_branch *branch; // NULL where the case goes on from no other run
     const lac_checkpoint *resume;
     char *case_text; // NULL: not asked for yet
+    char lumped[160];
     bool begun;
     lac_outcome outcome;
 };
@@ -301,6 +302,13 @@ lac_status lac_simulation_file(lac_simulation *simulation, lac_store_def *out, l
         out->provenance.branch_time = s->branch->time;
     }
     out->provenance.fidelity = lac_fidelity_name(c->run.fidelity);
+    if (s->scene->lump != NULL) {
+        (void)snprintf(s->lumped, sizeof s->lumped,
+                       "%zu cells stand for %zu: what stands for a cell is that of the one which is "
+                       "most like it",
+                       s->scene->lump->domain->n, s->scene->contact.domain->n);
+        out->provenance.lumped = s->lumped;
+    }
     if (s->outcome.accuracy != NULL) {
         out->provenance.accuracy = s->accuracy.text;
         out->provenance.accuracy_asked = s->accuracy.asked;

@@ -34,6 +34,7 @@ lac_status lac_provenance_put(const lac_provenance *of, const char *summary, lac
         {"lacuna_format_version", "1", NAN},
         {"case", of->case_text, NAN},
         {"fidelity", of->fidelity, NAN},
+        {"lumped", of->lumped, NAN},
         {"accuracy", of->accuracy, NAN},
         {"accuracy_asked", NULL, picked ? of->accuracy_asked : NAN},
         {"accuracy_estimated", NULL, picked ? of->accuracy_estimated : NAN},

@@ -3,10 +3,47 @@
 #include <unistd.h>
 
 #include "cli/common/command.h"
+#include "cli/common/progress.h"
 #include "cli/common/words.h"
 #include "cli/run/run_outcome.h"
 #include "scene/estimate.h"
 #include "simulation/branch.h"
+#include "simulation/simulation.h"
+
+// How a lumped run of the case went.
+typedef struct lumped_try {
+    bool made;
+    size_t cells;
+    double error, time; // by estimate; CPU [s]
+} lumped_try;
+
+// Runs the case lumped, where it takes it as it stands and its cells slip together: that takes less
+// than to build its scene. What does not come to an end, or not to its error, is not told of.
+static void try_lumped(const lac_case *c, const lac_estimate *e, lumped_try *out)
+{
+    const double large = 1e5, together = 3.0;
+    lac_simulation *simulation = NULL;
+    lac_case own = *c;
+    *out = (lumped_try){.made = false};
+    if (!e->integrated || c->run.fidelity != LAC_FIDELITY_ODE || e->grid_cells > large ||
+        !(e->cells > 1.0) || !(e->stiffness_ratio > together) || !isnan(c->accuracy) ||
+        !lac_case_admits_lumped(c)) {
+        return;
+    }
+    own.use = NULL;
+    own.purpose = LAC_FOR_RUN;
+    own.points = 0;
+    own.run.fidelity = LAC_FIDELITY_LUMPED;
+    own.lump = (lac_lump_def){.level = -1, .nodes = -1, .error = 0.01};
+    if (lac_simulation_create(&own, NULL, &simulation, NULL) == LAC_OK) {
+        const double before = cli_cpu_time();
+        out->made = lac_simulation_run(simulation, NULL, NULL) == LAC_OK;
+        out->time = cli_cpu_time() - before;
+        out->cells = lac_simulation_outcome(simulation)->scene->lump->domain->n;
+        out->error = lac_simulation_result(simulation)->lump_error_estimated;
+    }
+    lac_simulation_free(simulation);
+}
 
 // What `check` has found beyond the text of the case.
 typedef struct findings {
@@ -149,7 +186,7 @@ static void print_regime(const lac_case *c, const lac_estimate *e)
 }
 
 // As comment lines of YAML.
-static void print_estimate(const lac_case *c, const lac_estimate *e)
+static void print_estimate(const lac_case *c, const lac_estimate *e, const lumped_try *lumped)
 {
     printf("\n# What it will cost%s, roughly\n", e->own_steps ? " with each cell at its own steps"
                                                  : e->integrated ? " with bdf"
@@ -163,6 +200,12 @@ static void print_estimate(const lac_case *c, const lac_estimate *e)
     if (!isnan(e->stiffness_ratio)) {
         printf("#   k_0/k_crit      %.2g\n", e->stiffness_ratio);
     }
+    if (lumped->made) {
+        printf("#   lumped          would do: k_0/k_crit %.2g, estimated error %.2g %%, %s\n",
+               e->stiffness_ratio, 100.0 * lumped->error, cli_amount(lumped->time, "s").s);
+        cli_wrap("#     ",
+                 cli_format("solver.fidelity: lumped runs %zu cells for all", lumped->cells).s);
+    }
     print_regime(c, e);
     if (e->failure.lowered) {
         printf("#   failure rate    %s\n", cli_amount(e->failure.rate, "m/s").s);
@@ -173,7 +216,8 @@ static void print_estimate(const lac_case *c, const lac_estimate *e)
     }
 }
 
-static void write_estimate(lac_json *json, const lac_case *c, const lac_estimate *e)
+static void write_estimate(lac_json *json, const lac_case *c, const lac_estimate *e,
+                           const lumped_try *lumped)
 {
     char words[LAC_REGIME_ROOM];
     lac_regime_words(c, e, words);
@@ -193,6 +237,13 @@ static void write_estimate(lac_json *json, const lac_case *c, const lac_estimate
     lac_json_text(json, "regime", lac_regime_name(lac_regime_of(e)));
     lac_json_text(json, "regime_words", words);
     lac_json_text(json, "faster_fidelity", e->faster);
+    if (lumped->made) {
+        lac_json_open(json, "lumped", '{');
+        lac_json_integer(json, "cells", (int64_t)lumped->cells);
+        lac_json_number(json, "error_estimated", lumped->error);
+        lac_json_number(json, "cpu_time_s", lumped->time);
+        lac_json_close(json, '}');
+    }
     lac_json_number(json, "failure_rate_m_s", e->failure.rate > 0.0 ? e->failure.rate : NAN);
     lac_json_boolean(json, "failure_rate_lowered", e->failure.lowered);
     lac_json_text(json, "steps_class", e->integrated ? steps_class(e) : NULL);
@@ -203,7 +254,7 @@ static void write_estimate(lac_json *json, const lac_case *c, const lac_estimate
 
 static void write_json(const lac_case_issues *report, const char *path, const lac_case *c,
                        const char *scene, const char *branch, const lac_estimate *estimate,
-                       lac_error *err)
+                       const lumped_try *lumped, lac_error *err)
 {
     lac_json json = {.out = stdout};
     // what is wrong with the scene as a whole stands at no line of the case
@@ -220,7 +271,7 @@ static void write_json(const lac_case_issues *report, const char *path, const la
         lac_json_text(&json, "branch", branch);
     }
     if (estimate != NULL) {
-        write_estimate(&json, c, estimate);
+        write_estimate(&json, c, estimate, lumped);
     } else {
         lac_json_null(&json, "estimate");
     }
@@ -259,6 +310,7 @@ lac_status cli_check(const cli_request *request, lac_error *err)
     lac_case *c = NULL;
     lac_case_issues report = {0};
     lac_estimate estimate = {.grid_cells = NAN};
+    lumped_try lumped = {.made = false};
     lac_branch *branch = NULL;
     char *scene = NULL;
     bool json = cli_given(request, CLI_OPT_JSON);
@@ -269,13 +321,16 @@ lac_status cli_check(const cli_request *request, lac_error *err)
     if (status == LAC_OK && c->from.file != NULL) {
         status = lac_branch_open(c, &branch, err);
     }
+    if (status == LAC_OK) {
+        try_lumped(c, &estimate, &lumped);
+    }
     const char *words = branch != NULL ? branch->text : NULL;
     if (json && (status == LAC_OK || status == LAC_EINPUT || report.errors > 0)) {
         write_json(&report, request->argument[0], c, scene, words,
-                   status == LAC_OK ? &estimate : NULL, err);
+                   status == LAC_OK ? &estimate : NULL, &lumped, err);
     } else if (status == LAC_OK) {
         printf("%s", scene);
-        print_estimate(c, &estimate);
+        print_estimate(c, &estimate, &lumped);
         if (words != NULL) {
             printf("\n# Branch\n");
             cli_wrap("#   ", words);

@@ -17,7 +17,6 @@ void cli_lump_print(const cli_lump *of)
 void cli_lump_json(lac_json *json, const cli_lump *of)
 {
     if (of->lump == NULL) {
-        lac_json_null(json, "lump");
         return;
     }
     lac_json_open(json, "lump", '{');
