@@ -49,7 +49,7 @@ lac_status lac_lumped_judge(lac_lump *lump, const lac_run_def *def, const lac_ru
         const double second = ((loose - value) / value / (soft - 1.0) - first) / (soft - stiff);
         sum += 1.5 * fabs(second);
     }
-    sum += 1.3 * lump->gain * lump->rest;
+    sum += 1.5 * lump->gain * lump->rest;
     *error = isfinite(sum) ? fmax(sum, least) : (double)INFINITY;
     return LAC_OK;
 }
