@@ -11,5 +11,5 @@ typedef struct cli_lump {
     double error, asked;  ///< by estimate; allowed
 } cli_lump;
 
-void cli_lump_print(const cli_lump *of);
-void cli_lump_json(lac_json *json, const cli_lump *of);
+void cli_lump_print(cli_lump of);
+void cli_lump_json(lac_json *json, cli_lump of);

@@ -287,8 +287,7 @@ static void print_cost(const cli_outcome *outcome)
         cli_row_wrap("accuracy", outcome->of->accuracy->text);
     }
     cli_row("fidelity", "%s", fidelity(outcome));
-    const cli_lump lump = lump_of(outcome);
-    cli_lump_print(&lump);
+    cli_lump_print(lump_of(outcome));
     cli_row("formulation", "%s", formulation(outcome));
     cli_row("balance residual", "%.2g at worst", result->balance_residual);
     cli_row("time taken", "%s, CPU %s", cli_amount(outcome->wall_time, "s").s,
@@ -419,8 +418,7 @@ static void write_results(lac_json *json, const cli_outcome *outcome)
     lac_json_number(json, "balance_residual", result->balance_residual);
     lac_json_number(json, "rate_drift", result->rate_drift);
     lac_json_text(json, "fidelity", fidelity(outcome));
-    const cli_lump lump = lump_of(outcome);
-    cli_lump_json(json, &lump);
+    cli_lump_json(json, lump_of(outcome));
     lac_json_text(json, "formulation", formulation(outcome));
     lac_json_number(json, "initial_apparent_friction", apparent_friction(&history->first));
     lac_json_number(json, "apparent_friction", apparent_friction(&history->last));
