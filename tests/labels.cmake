@@ -5,7 +5,7 @@ set(about_physics
   "(conform|verify|extreme)\\..*"
   "unit\\.test_(analysis|answers|benchmark_surface|bootstrap|catalogue_keep|components|contact|contact_control|domain|dyadic|events)"
   "unit\\.test_(forecast_times|fractal_.*|friction|friction_rates|history|joint_surface|load|lump|micro|motion|noise|posterior|series|series_doubts)"
-  "unit\\.test_(simulation|skill|spread|surface_.*|tangential|tangential_space|trade|trend|verdict)"
+  "unit\\.test_(simulation|skill|spread|sweep_case|surface_.*|tangential|tangential_space|trade|trend|verdict)"
   "case\\.(cases|contact|domain|fit|friction|load|momentum|normal|peers|rg|solver|surface|transfer|weakening)\\..*"
   "case\\.test_(analysis|breaks|catalogue|driver|elastic|elastic_limits|events|extremes|fit|fit_friction|fractal|friction|geometry|history|loads|loads_over_joint|lumped)"
   "case\\.test_(precursors|readings|rg|safety|small_cases|sweep|sweep_parts|trade|verdicts?|watch|weakening)|speed\\..*|case\\.costs")
@@ -20,7 +20,7 @@ set(about_docs
   "case\\.test_(commands|howto_law|names|site)")
 set(about_base
   "unit\\.test_(date|error|filter|free_memory|memory|part|units|units_usual|vector|vmath|write_text)")
-set(about_build "case\\.test_(build|door|install|python|vector_width)" "lint\\..*")
+set(about_build "case\\.test_(build|door|install|python|start|vector_width)" "lint\\..*")
 
 get_property(tests DIRECTORY PROPERTY TESTS)
 foreach(test ${tests})

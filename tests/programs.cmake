@@ -265,9 +265,6 @@ set(test_view_page_files $<TARGET_FILE:hold_at_checkpoint>)
 lacuna_python_test(test_view)
 lacuna_python_test(test_view_page)
 
-# The notebook, and figures for a publication.
-lacuna_python_test(test_pictures once)
-
 # Fits, and what they write; the bundled cases for it check.
 lacuna_python_test(test_fit)
 lacuna_python_test(test_fit_friction once)
@@ -300,10 +297,16 @@ if(NOT LACUNA_SANITIZE AND NOT LACUNA_FUZZ)
   endif()
 endif()
 
+# What is loaded at the start.
+lacuna_python_test(test_start)
+
 # What is installed, its .deb, and the Python module, which are of the shared library.
 if(TARGET lacuna_shared)
   set(test_install_files ${PROJECT_BINARY_DIR})
   lacuna_python_test(test_install)
+  # The notebooks, which take the module, and figures for a publication.
+  set(test_pictures_files $<TARGET_FILE:lacuna_shared>)
+  lacuna_python_test(test_pictures once)
   set(test_python_files $<TARGET_FILE:lacuna_shared>)
   lacuna_python_test(test_python)
   set(test_door_files $<TARGET_FILE:lacuna_shared>)

@@ -6,6 +6,8 @@
 #include <gsl/gsl_sort.h>
 #include <gsl/gsl_statistics_double.h>
 
+#include "base/vsum.h"
+
 double lac_sum(size_t n, const double *x)
 {
     double sum = 0.0;
@@ -147,7 +149,7 @@ static const double dependent = 1e-12;
 // x -= 2 v (v.x) / (v.v)
 static void reflect(size_t n, const double *v, double squares, double *x)
 {
-    double part = 2.0 * lac_dot(n, v, x) / squares;
+    double part = 2.0 * lac_vdot(n, v, x) / squares;
     for (size_t i = 0; i < n; i++) {
         x[i] -= part * v[i];
     }
@@ -159,15 +161,15 @@ double lac_least_squares(size_t n, size_t k, double *columns, double *y, double 
     double squares[LAC_LEAST_SQUARES_MAX] = {0}; // of each reflection's vector
     for (size_t j = 0; j < k; j++) {
         double *v = columns + j * n;
-        double whole = sqrt(lac_dot(n, v, v));
-        double rest = sqrt(lac_dot(n - j, v + j, v + j));
+        double whole = sqrt(lac_vdot(n, v, v));
+        double rest = sqrt(lac_vdot(n - j, v + j, v + j));
         corner[j] = 0.0;
         if (!(rest > dependent * whole)) {
             continue;
         }
         corner[j] = v[j] > 0.0 ? -rest : rest;
         v[j] -= corner[j];
-        squares[j] = lac_dot(n - j, v + j, v + j);
+        squares[j] = lac_vdot(n - j, v + j, v + j);
         for (size_t l = j + 1; l < k; l++) {
             reflect(n - j, v + j, squares[j], columns + l * n + j);
         }
@@ -187,5 +189,5 @@ double lac_least_squares(size_t n, size_t k, double *columns, double *y, double 
             reflect(n - j, columns + j * n + j, squares[j], y + j);
         }
     }
-    return lac_dot(n, y, y);
+    return lac_vdot(n, y, y);
 }

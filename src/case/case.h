@@ -298,6 +298,11 @@ typedef struct lac_case_request {
 lac_status lac_case_read(const char *path, const lac_case_request *request, lac_case **out,
                          lac_case_issues *report, lac_error *err);
 
+/// The text of a file, of at most 4 MiB and a byte, and a zero behind it.
+/// @param text  NULL before; the caller frees it, whatever the status
+/// @return LAC_OK; LAC_EIO; LAC_ENOMEM
+lac_status lac_case_read_file(const char *path, char **text, size_t *size, lac_error *err);
+
 /// As lac_case_read, from memory (the fuzzer's way in).
 /// @param name  stands for the path in messages and for relative paths
 lac_status lac_case_read_text(const char *name, const char *text, size_t size,

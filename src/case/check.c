@@ -425,6 +425,28 @@ static void check_cadences(lac_reader *reader, const lac_case *c)
     }
 }
 
+// At each the integrator begins anew, with short steps of the lowest order.
+static void check_checkpoints(lac_reader *reader, const lac_case *c)
+{
+    const int64_t steps = c->run.checkpoint.steps;
+    const double times = c->run.end / c->run.checkpoint.time, many = 1e4; // NaN: not by time
+    if (!lac_clean(reader, "output") || !lac_clean(reader, "time")) {
+        return;
+    }
+    if (steps > 0 && steps < LAC_CLOSE_STEPS) {
+        lac_warn(reader, "output.checkpoint.steps",
+                 "the integrator begins anew at each checkpoint, and some ten steps or more go by "
+                 "until its steps are as long as before: a run can take 10 times the steps with "
+                 "10, 40 times with 1; %d or more cost little",
+                 5 * LAC_CLOSE_STEPS);
+    } else if (times > many) {
+        lac_warn(reader, "output.checkpoint.time",
+                 "names %.2g checkpoints up to time.end: the integrator begins anew at each, so "
+                 "that no step is longer than this time, and many are far shorter",
+                 times);
+    }
+}
+
 bool lac_case_implies_safety(const lac_case *c)
 {
     const lac_normal_load *normal = (const void *)c->normal.info;
@@ -493,6 +515,7 @@ void lac_check_case(lac_reader *reader, lac_case *c)
     lac_check_points(reader, c);
     lac_check_point_names(reader, c);
     check_cadences(reader, c);
+    check_checkpoints(reader, c);
     ask_safety(c);
     c->run.beyond = beyond_run(reader, c);
 }

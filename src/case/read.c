@@ -186,13 +186,14 @@ lac_status lac_case_read_file(const char *path, char **text, size_t *size, lac_e
     size_t room = 8 * 1024;
     do { // up to a byte more than a case may have
         room = 2 * room < LARGEST_FILE ? 2 * room : LARGEST_FILE + 1;
-        grown = realloc(*text, room);
+        grown = realloc(*text, room + 1);
         *text = grown != NULL ? grown : *text;
         *size += grown != NULL ? fread(*text + *size, 1, room - *size, file) : 0;
     } while (grown != NULL && *size == room && room <= LARGEST_FILE);
     const int broken = ferror(file) != 0 ? errno : 0;
     (void)fclose(file);
     LAC_FAIL_MEMORY_IF(grown == NULL, err);
+    (*text)[*size] = '\0';
     LAC_FAIL_IF(broken != 0, err, LAC_EIO, "%s: cannot be read: %s", path, strerror(broken));
     return LAC_OK;
 }

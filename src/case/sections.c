@@ -77,8 +77,9 @@ static const lac_param history_rows[] = {
 };
 
 static const lac_param initial_rows[] = {
-    LAC_REAL("slip_rate", "m/s", FIELD(initial.slip_rate), NAN, 0, 1e3,
-             LAC_OPTIONAL | LAC_ABOVE_MIN, "at the start; follows from load and state if absent"),
+    // Slower than exp(LAC_SLOWEST) no cell is followed.
+    LAC_REAL("slip_rate", "m/s", FIELD(initial.slip_rate), NAN, 1e-250, 1e3, LAC_OPTIONAL,
+             "at the start; follows from load and state if absent"),
     LAC_OWN("state", "steady, a time, or {ratio_to_steady: x}; follows from load and slip rate if "
                      "absent, steady where neither is given"),
     LAC_HEADING_ROW(FIELD(initial_azimuth)),

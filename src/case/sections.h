@@ -342,9 +342,6 @@ void lac_check_case(lac_reader *reader, lac_case *c);
 /// Applies one --set to the tree.
 void lac_apply_override(lac_reader *reader, lac_node *root, const lac_override *override);
 
-/// A file of at most 4 MiB and a byte. @param text  the caller frees it, whatever the status
-lac_status lac_case_read_file(const char *path, char **text, size_t *size, lac_error *err);
-
 /// Reads a small file that is one mapping of keys, which is the reader's root.
 /// @param such  a key and its value, for messages
 /// @param read  reports what is wrong with it

@@ -6,6 +6,7 @@
 //     velocity      v = dc/theta_ss (1 + e^s)^alpha,  alpha = m/(m-1)       (O2)
 //     time left     (tc - t)/theta_ss = 1/(m-1) int_s^inf (1 + e^u)^-alpha du   (O3)
 // Every such run follows one curve, whatever state it starts from: m, theta_ss and tc shape it.
+#include "base/vmath.h"
 #include "forecast/kinds.h"
 
 enum { POINTS = 400, STRENGTHS = 6, GRID = 24, STATES = 10 };
@@ -49,8 +50,9 @@ static void fill(table *b, double m)
     }
 }
 
-// Closed forms beyond the table's ends: a power of the time left, and steady creep.
-static double look_up(const table *b, double log_left)
+// Closed forms beyond the table's ends: a power of the time left, and steady creep. `at` is where
+// the last one was found, as readings follow one another: the search goes on from there.
+static double look_up(const table *b, double log_left, size_t *at)
 {
     if (log_left <= b->log_left[POINTS - 1]) {
         return -(log_left + log(b->m)) / b->alpha;
@@ -58,15 +60,15 @@ static double look_up(const table *b, double log_left)
     if (log_left >= b->log_left[0]) {
         return first_s - (b->m - 1.0) * (exp(log_left) - exp(b->log_left[0]));
     }
-    size_t low = 0, high = POINTS - 1;
-    while (high - low > 1) {
-        const size_t middle = low + (high - low) / 2;
-        if (b->log_left[middle] >= log_left) {
-            low = middle;
-        } else {
-            high = middle;
-        }
+    size_t low = *at;
+    while (b->log_left[low] < log_left) {
+        low--;
     }
+    while (b->log_left[low + 1] >= log_left) {
+        low++;
+    }
+    const size_t high = low + 1;
+    *at = low;
     const double length = b->log_left[high] - b->log_left[low];
     const double u = (log_left - b->log_left[low]) / length;
     const double h = step_of();
@@ -80,9 +82,16 @@ static void curve(const lac_projection *self, const double *p, double *columns)
 {
     const lac_window *w = self->window;
     const table *b = self->context;
+    const double remaining = exp(p[0]);
+    double *state = columns + w->n;
+    size_t at = 0;
     for (size_t i = 0; i < w->n; i++) {
         columns[i] = 1.0;
-        columns[w->n + i] = look_up(b, log(exp(p[0]) - w->time[i]) - p[1]) / (b->m - 1.0);
+        state[i] = remaining - w->time[i];
+    }
+    lac_vlog(w->n, state, state);
+    for (size_t i = 0; i < w->n; i++) {
+        state[i] = look_up(b, state[i] - p[1], &at) / (b->m - 1.0);
     }
 }
 
@@ -104,7 +113,8 @@ typedef struct block {
 static void describe(block *b)
 {
     const lac_projection *law = &b->curve;
-    const double s = look_up(&b->law, b->p[0] - b->p[1]);
+    size_t at = 0;
+    const double s = look_up(&b->law, b->p[0] - b->p[1], &at);
     lac_forecast_fit_add_within(&b->fit, "m", b->law.m, strengths[0], strengths[STRENGTHS - 1]);
     lac_forecast_fit_add(&b->fit, "dc_m", law->c[1]);
     lac_forecast_fit_add(&b->fit, "theta_ss_s", exp(b->p[1]));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Laws of displacement whose curve has a closed form.
+#include "base/vmath.h"
 #include "forecast/kinds.h"
 
 static const double low_q = -3.0, high_q = 0.9;
@@ -21,9 +22,10 @@ static lac_status fit_curve(lac_projection *law, double sign, double *p, lac_for
 static void log_curve(const lac_projection *self, const double *p, double *columns)
 {
     const lac_window *w = self->window;
+    const double rate = exp(-p[0]);
     for (size_t i = 0; i < w->n; i++) {
         columns[i] = 1.0;
-        columns[w->n + i] = -log1p(-w->time[i] * exp(-p[0]));
+        columns[w->n + i] = -log1p(-w->time[i] * rate);
     }
 }
 
@@ -55,9 +57,9 @@ const lac_forecast_kind lac_forecast_log = {
 static void power_curve(const lac_projection *self, const double *p, double *columns)
 {
     const lac_window *w = self->window;
-    const double q = p[1];
+    const double q = p[1], rate = exp(-p[0]);
     for (size_t i = 0; i < w->n; i++) {
-        const double log_z = log1p(-w->time[i] * exp(-p[0]));
+        const double log_z = log1p(-w->time[i] * rate);
         columns[i] = 1.0;
         columns[w->n + i] = fabs(q * log_z) < 1e-12 ? -log_z : -expm1(q * log_z) / q;
     }
@@ -136,13 +138,21 @@ static void wavy_curve(const lac_projection *self, const double *p, double *colu
     const size_t n = w->n;
     const double m = within(low_m, high_m, p[1]);
     const double omega = within(low_omega, high_omega, p[2]);
+    const double remaining = exp(p[0]);
+    double *power = columns + n, *log_z = columns + 2 * n;
     for (size_t i = 0; i < n; i++) {
-        const double log_z = log((exp(p[0]) - w->time[i]) / -w->time[0]);
-        const double power = exp(m * log_z);
+        log_z[i] = (remaining - w->time[i]) / -w->time[0];
+    }
+    lac_vlog(n, log_z, log_z);
+    for (size_t i = 0; i < n; i++) {
         columns[i] = 1.0;
-        columns[n + i] = power;
-        columns[2 * n + i] = power * cos(omega * log_z);
-        columns[3 * n + i] = power * sin(omega * log_z);
+        power[i] = m * log_z[i];
+    }
+    lac_vexp(n, power, power);
+    for (size_t i = 0; i < n; i++) {
+        const double angle = omega * log_z[i];
+        columns[2 * n + i] = power[i] * cos(angle);
+        columns[3 * n + i] = power[i] * sin(angle);
     }
 }
 

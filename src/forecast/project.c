@@ -165,6 +165,14 @@ static bool descend(lac_projection *self, gsl_multifit_nlinear_workspace *work, 
     return isfinite(cost(work));
 }
 
+static void read_position(const lac_projection *self, const gsl_multifit_nlinear_workspace *work,
+                          double *p)
+{
+    for (size_t j = 0; j < self->shapes; j++) {
+        p[j] = gsl_vector_get(gsl_multifit_nlinear_position(work), j);
+    }
+}
+
 static lac_status refine(lac_projection *self, const places *starts, double *p,
                          lac_forecast_fit *fit, lac_error *err)
 {
@@ -174,22 +182,19 @@ static lac_status refine(lac_projection *self, const places *starts, double *p,
         gsl_multifit_nlinear_alloc(gsl_multifit_nlinear_trust, &settings, rows, self->shapes);
     gsl_matrix *covariance = gsl_matrix_calloc(self->shapes, self->shapes);
     double best = INFINITY;
-    size_t chosen = 0;
     lac_status status = work != NULL && covariance != NULL ? LAC_OK : lac_fail_memory(err);
     LAC_TRY(status);
     for (size_t k = 0; k < starts->count; k++) {
         if (descend(self, work, starts->p[k]) && cost(work) < best) {
             best = cost(work);
-            chosen = k;
+            read_position(self, work, p);
         }
     }
-    if (!isfinite(best) || !descend(self, work, starts->p[chosen])) {
+    if (!isfinite(best) || !descend(self, work, p)) { // back there: the workspace has gone on
         (void)lac_forecast_fit_refuse(fit, "no fit was found");
         goto out;
     }
-    for (size_t j = 0; j < self->shapes; j++) {
-        p[j] = gsl_vector_get(gsl_multifit_nlinear_position(work), j);
-    }
+    read_position(self, work, p);
     judge(self, work, covariance, p, fit);
 out:
     gsl_multifit_nlinear_free(work);

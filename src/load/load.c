@@ -23,42 +23,39 @@ static const lac_model *model_at(const lac_load_models *models, size_t index)
                                            : NULL;
 }
 
-// Adds shear stress over the nominal area [Pa], [Pa/s], to what the load is shared as. A spring's
-// stress is the same on all cells; here it has no stiffness.
-static void add_stress(const lac_load *load, lac_load_state *sum, lac_signal s)
+// Where the signal of the index-th load goes. Shear stress over the nominal area goes to what it is
+// shared as: a spring's is the same on all cells; here it has no stiffness.
+static size_t place_of(const lac_load_set *set, size_t i)
 {
-    bool equal = load->share == LAC_SHARE_EQUAL, elastic = load->share == LAC_SHARE_ELASTIC;
-    *(equal ? &sum->spring_stress : elastic ? &sum->elastic : &sum->stress) += s.value;
-    *(equal ? &sum->spring_rate : elastic ? &sum->elastic_rate : &sum->stress_rate) += s.rate;
+    static const size_t shear[] = {[LAC_SHARE_PRESSURE] = offsetof(lac_load_state, stress),
+                                   [LAC_SHARE_EQUAL] = offsetof(lac_load_state, spring_stress),
+                                   [LAC_SHARE_ELASTIC] = offsetof(lac_load_state, elastic)};
+    return i < set->shear               ? shear[set->load[i].share]
+           : i < set->shear + set->pore ? offsetof(lac_load_state, pore)
+                                        : offsetof(lac_load_state, normal);
 }
 
 // What one load adds.
-static void add_load(const lac_load_set *set, size_t i, double t, lac_load_state *sum)
+static void add_load(const lac_load *load, double t, lac_load_state *sum)
 {
-    const lac_load *load = &set->load[i];
-    if (load->kind->signal == NULL) {
-        if (load->kind->add != NULL) {
-            load->kind->add(load, t, sum);
-        }
-        return;
-    }
-    const lac_signal signal = load->kind->signal(load, t);
-    if (i < set->shear) {
-        add_stress(load, sum, signal);
-    } else {
-        const bool pore = i < set->shear + set->pore;
-        *(pore ? &sum->pore : &sum->normal) += signal.value;
-        *(pore ? &sum->pore_rate : &sum->normal_rate) += signal.rate;
+    if (load->kind->signal != NULL) {
+        const lac_signal signal = load->kind->signal(load, t);
+        double *to = (double *)(void *)((char *)sum + load->to);
+        to[0] += signal.value;
+        to[1] += signal.rate;
+    } else if (load->kind->add != NULL) {
+        load->kind->add(load, t, sum);
     }
 }
 
-// What one shear load adds along the unit vector of the set.
-static void add_along(const lac_load_set *set, size_t i, double t, lac_load_state *sum)
+// What one shear load adds along the unit vector of the set. Out of line: few runs have one.
+static __attribute__((noinline)) void add_along(const lac_load_set *set, size_t i, double t,
+                                                lac_load_state *sum)
 {
     lac_load_state whole = {0};
     const double azimuth = set->load[i].azimuth;
     const double part = set->along[0] * cos(azimuth) + set->along[1] * sin(azimuth);
-    add_load(set, i, t, &whole);
+    add_load(&set->load[i], t, &whole);
     sum->ratio += part * whole.ratio;
     sum->ratio_rate += part * whole.ratio_rate;
     sum->stress += part * whole.stress;
@@ -76,13 +73,13 @@ static void add_along(const lac_load_set *set, size_t i, double t, lac_load_stat
 
 void lac_load_evaluate(const lac_load_set *set, double t, lac_load_state *sum)
 {
+    const size_t directed = set->directed ? set->shear : 0;
     *sum = (lac_load_state){0};
-    for (size_t i = 0; i < set->count; i++) {
-        if (set->directed && i < set->shear) {
-            add_along(set, i, t, sum);
-        } else {
-            add_load(set, i, t, sum);
-        }
+    for (size_t i = 0; i < directed; i++) {
+        add_along(set, i, t, sum);
+    }
+    for (size_t i = directed; i < set->count; i++) {
+        add_load(&set->load[i], t, sum);
     }
 }
 
@@ -213,6 +210,15 @@ bool lac_load_set_is_linear(const lac_load_set *set)
         linear = linear && is_linear(set->load[i].kind, set->load[i].params);
     }
     return linear;
+}
+
+bool lac_load_set_is_constant(const lac_load_set *set)
+{
+    bool constant = true;
+    for (size_t i = 0; i < set->count; i++) {
+        constant = constant && set->load[i].kind->constant;
+    }
+    return constant;
 }
 
 double lac_load_model_azimuth(const lac_model *model)
@@ -365,6 +371,7 @@ lac_status lac_load_set_create(const lac_load_models *models, const lac_load_clo
                            .params = model->params,
                            .share = lac_load_models_share(model),
                            .azimuth = isnan(azimuth) ? 0.0 : azimuth};
+        load->to = place_of(set, set->count - 1);
         lac_status status =
             kind->prepare == NULL ? LAC_OK : kind->prepare(load->params, clock, &load->state, err);
         if (status != LAC_OK) {

@@ -59,6 +59,7 @@ typedef struct lac_load {
     lac_share share;    ///< of a force; LAC_SHARE_PRESSURE where the load has no such key
     double azimuth;     ///< of its shear, from x towards y [rad]; 0 where not named
     void *state;        ///< what `prepare` made; NULL
+    size_t to;          ///< where in a lac_load_state its signal goes, and behind it the rate
 } lac_load;
 
 /// What loads have read from files, kept for when they are made again; for one thread.
@@ -182,6 +183,9 @@ double lac_load_model_azimuth(const lac_model *model);
 /// Whether a load that a case names, or each of a set, is linear in time between its breaks.
 bool lac_load_model_is_linear(const lac_model *model);
 bool lac_load_set_is_linear(const lac_load_set *set);
+
+/// Whether all loads of the set are the same at all times.
+bool lac_load_set_is_constant(const lac_load_set *set);
 
 /// Whether a load of the set is shared as C^-1 1, so that it needs `shape`.
 bool lac_load_set_is_shaped(const lac_load_set *set);

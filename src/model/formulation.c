@@ -230,7 +230,20 @@ static const double *pressures_from(const lac_look *at, size_t first, size_t len
     return room;
 }
 
-double lac_problem_rates_under(const lac_look *at, const double *tractions, double taken, double *u)
+// What of the tractions the cells' own friction holds: out of line, as most runs need none of it.
+static __attribute__((noinline)) void leave(const lac_look *at, const double *traction,
+                                            double taken, size_t first, double *left)
+{
+    const size_t length = lac_block_length(at->problem->n, first);
+    for (size_t i = 0; i < length; i++) {
+        left[i] = traction[i] - lac_problem_drag(at->problem, first + i) * taken;
+        left[i] += at->broken != NULL ? lac_look_lost(at, first + i) : 0.0;
+    }
+}
+
+// @param other  what friction holds is not all of the tractions; taken apart for either
+static inline __attribute__((always_inline)) double
+rates_under(const lac_look *at, const double *tractions, double taken, bool other, double *u)
 {
     double left[LAC_FRICTION_BLOCK];
     double room[LAC_FRICTION_BLOCK];
@@ -238,13 +251,11 @@ double lac_problem_rates_under(const lac_look *at, const double *tractions, doub
     double *v = at->ws.v;
     size_t n = problem->n;
     double total = 0.0;
-    const bool other = taken != 0.0 || at->broken != NULL;
     for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
         size_t length = lac_block_length(n, first);
         const double *traction = tractions + first;
-        for (size_t i = 0; other && i < length; i++) {
-            left[i] = traction[i] - lac_problem_drag(problem, first + i) * taken;
-            left[i] += at->broken != NULL ? lac_look_lost(at, first + i) : 0.0;
+        if (other) {
+            leave(at, traction, taken, first, left);
         }
         lac_friction_balance balance = {.first = first,
                                         .n = length,
@@ -257,6 +268,12 @@ double lac_problem_rates_under(const lac_look *at, const double *tractions, doub
         total += lac_problem_sum_from(problem, first, length, v + first);
     }
     return total / (double)n;
+}
+
+double lac_problem_rates_under(const lac_look *at, const double *tractions, double taken, double *u)
+{
+    return taken != 0.0 || at->broken != NULL ? rates_under(at, tractions, taken, true, u)
+                                              : rates_under(at, tractions, 0.0, false, u);
 }
 
 void lac_problem_find_ease(const lac_look *at, const double *u, double *ease)

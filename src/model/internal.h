@@ -29,6 +29,7 @@ struct lac_problem {
     double slow;          // v_s: v = 2 v_s sinh x where a massive cell may turn back [m/s]
     double sum_traction0; // sum of the tractions at t = 0 [Pa]
     bool varies;          // what the loads take off the pressure differs from cell to cell
+    bool still;           // loads are at all times what drive0 tells
     double pull0;         // of the weight on a bent base over P at the start; 0: none
     double slide;         // most that a bent base puts on a cell or takes off it [Pa/m]; 0: none
     lac_load_state at_start;
@@ -430,7 +431,12 @@ void lac_weaken_jump(const lac_problem *problem, const double *y, const lac_work
                      lac_problem_loads_at *before, lac_problem_loads_at *after);
 
 // traction += what is broken of cohesion, beside which friction stands alone. @param traction  [n]
-void lac_look_add_lost(const lac_look *at, double *traction);
+static inline void lac_look_add_lost(const lac_look *at, double *traction)
+{
+    for (size_t i = 0; at->broken != NULL && i < at->problem->n; i++) {
+        traction[i] += lac_look_lost(at, i);
+    }
+}
 
 // Rates of the unknowns, from which those of the shares follow and of the cohesion; false where one
 // is not finite. @param xdot  [n] each; NULL: not wanted

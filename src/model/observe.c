@@ -111,12 +111,13 @@ static void measure_balance(const lac_look *at, const double *slip, double *trac
     for (size_t i = 0; i < problem->n; i++) {
         double p = lac_problem_effective(problem, &at->drive, i);
         double f0 = lac_cellwise_of(&problem->friction->column[LAC_F0], i);
-        double scale = p * (f0 != 0.0 ? fabs(f0) : 1.0);
+        double a = lac_cellwise_of(&problem->friction->column[LAC_A], i);
+        // An f0 below a says little of the strength, which an e-fold of the rate changes by a p.
+        double scale = p * (f0 == 0.0 ? 1.0 : fabs(f0) > a ? fabs(f0) : a);
         double relative = fabs(traction[i]) / scale;
         worst = relative > worst || isnan(relative) ? relative : worst;
         const double weight = lac_problem_weight(problem, i);
         sum += weight * traction[i];
-        double a = lac_cellwise_of(&problem->friction->column[LAC_A], i);
         held += weight * (a * p + problem->damping * fabs(at->motion.v[i]) +
                           lac_problem_drag(problem, i) * fabs(at->motion.mean));
     }

@@ -170,6 +170,8 @@ lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac
                      problem->at_start.pore, problem->mean_pressure + problem->at_start.normal);
         goto out;
     }
+    problem->still = !problem->varies && problem->loads.geometry == NULL &&
+                     lac_load_set_is_constant(&problem->loads);
     fill_traction(problem);
     if (problem->kind->has_slip) {
         LAC_TRY(measure_stiffness(problem, err));
@@ -271,6 +273,10 @@ static bool find_shares(const lac_problem *problem, double t, const lac_load_sta
 bool lac_problem_drive_into(const lac_problem *problem, double t, lac_gone gone, double *shares,
                             lac_problem_loads_at *drive)
 {
+    if (problem->still) {
+        *drive = problem->drive0;
+        return true;
+    }
     const lac_load_state *start = &problem->at_start;
     double mean = problem->mean_pressure;
     lac_load_state now;

@@ -96,13 +96,6 @@ void lac_weaken_jump(const lac_problem *problem, const double *y, const lac_work
     (void)take_excess(problem, a.z, after, a.shares, NULL);
 }
 
-void lac_look_add_lost(const lac_look *at, double *traction)
-{
-    for (size_t i = 0; at->broken != NULL && i < at->problem->n; i++) {
-        traction[i] += lac_look_lost(at, i);
-    }
-}
-
 // Sources of a block of cells, and with slopes their derivatives.
 typedef struct sources {
     double normal[LAC_FRICTION_BLOCK], cohesion[LAC_FRICTION_BLOCK];

@@ -111,6 +111,10 @@ void lac_indicator_series_free(lac_indicator_series *indicator_series);
 lac_status lac_indicator_series_see(void *indicator_series, const lac_forecast_set *forecasts,
                                     lac_error *err);
 
+/// b-value of a catalogue, as the indicator of that name has it. @return LAC_OK; LAC_ENOMEM
+/// @param b  NaN where too few events have a moment
+lac_status lac_events_b_value(const lac_event_list *events, double *b, lac_error *err);
+
 /// b-value of magnitudes at or above mc (Aki 1965, Utsu 1965), log10(e)/(mean - mc).
 /// @param error  Shi & Bolt (1982): 2.30 b^2 (variance of the mean)^(1/2)
 /// @return b; NaN where fewer than two magnitudes count

@@ -132,6 +132,15 @@ static lac_status look(const lac_precursor_inputs *in, lac_forecast_fit *found, 
     return LAC_OK;
 }
 
+lac_status lac_events_b_value(const lac_event_list *events, double *b, lac_error *err)
+{
+    const lac_precursor_inputs in = {.events = events};
+    lac_precursor seen = {0};
+    const lac_status status = look(&in, &seen.found, err);
+    *b = lac_precursor_find(&seen, numbers[0].key);
+    return status;
+}
+
 const lac_precursor_kind lac_precursor_b_value = {
     .info =
         LAC_ABOUT("b_value", "size distribution of events, by maximum likelihood",

@@ -68,7 +68,7 @@ static void write_members(lac_page *page)
         lac_json_close(json, '}');
     }
     lac_json_close(json, ']');
-    write_some(page, "failure_time", s->members, s->result);
+    write_some(page, "result", s->members, s->result);
 }
 
 void lac_page_of_ensemble(lac_page *page, const char *key)
@@ -80,7 +80,11 @@ void lac_page_of_ensemble(lac_page *page, const char *key)
     write_answers(page);
     lac_json_open(json, "time", '['); // of the clock
     lac_json_number(json, NULL, 0.0);
-    lac_json_number(json, NULL, a->tornado ? a->base : a->course[LAC_ANSWERS_TIMES - 1].by);
+    const double last = e->label == NULL && e->records > 0 ? e->place[e->records - 1] : 0.0;
+    lac_json_number(json, NULL,
+                    a->plain     ? last
+                    : a->tornado ? a->base
+                                 : a->course[LAC_ANSWERS_TIMES - 1].by);
     lac_json_close(json, ']');
     lac_json_boolean(json, "decides", true);
     if (!a->tornado) {

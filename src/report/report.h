@@ -26,7 +26,7 @@ typedef struct lac_page_def {
     const lac_page_ensemble *ensemble; ///< that the file is of; NULL: none
     const char *made_by;               ///< program and version
     double now;                        ///< seconds since 1970 UTC: the library reads no clock
-    int issues; ///< times of forecasts, which cost more than all else; 0: 40, -1: none
+    int issues; ///< times of forecasts, which cost more than all else; 0: 24, -1: none
 } lac_page_def;
 
 /// The data of a page as one JSON object, which a page's script draws: every section that the file

@@ -118,7 +118,7 @@ void lac_page_series(lac_page *page, const char *key)
     }
 }
 
-enum { ISSUES = 40, BUCKETS = 40, FEWEST = 6 };
+enum { ISSUES = 24, BUCKETS = 24, FEWEST = 6 };
 
 // Records of a run as far as a double tells their times apart, thinned: a run has far more than a
 // method of forecasting needs.

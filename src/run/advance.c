@@ -39,7 +39,9 @@ static lac_status check_advance(lac_run_state *r, lac_error *err)
 
 lac_status lac_run_state_check(lac_run_state *r, lac_error *err)
 {
-    lac_run_state_keep_peak(r);
+    if (r->bends) {
+        lac_run_state_keep_peak(r);
+    }
     return r->steps >= r->def->max_steps ? too_many_steps(r, err) : check_advance(r, err);
 }
 

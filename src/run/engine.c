@@ -2,6 +2,7 @@
 // What all integrators share, and the turn to explicit steps where breaks are near each other.
 #include "run/engine.h"
 
+#include "base/need.h"
 #include "base/statistics.h"
 
 static lac_status create(const lac_engine_kind *kind, const lac_problem *problem,
@@ -20,6 +21,7 @@ static lac_status create(const lac_engine_kind *kind, const lac_problem *problem
     engine->unknowns = lac_problem_unknowns(problem);
     engine->work = calloc(lac_problem_work(problem), sizeof *engine->work);
     LAC_TRY(engine->work != NULL ? LAC_OK : lac_fail_memory(err));
+    LAC_TRY(lac_need_sundials(err));
     if (LAC_SUN_CONTEXT_CREATE(&engine->sun) != 0) {
         status = lac_fail_memory(err);
         goto out;

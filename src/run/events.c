@@ -137,7 +137,7 @@ lac_status lac_crossing_find(lac_engine *engine, const lac_run_def *def, lac_cro
             LAC_TRY_RETURN(take_back(engine, def, kind, err));
         }
     }
-    if (*found == LAC_CROSSING_NONE &&
+    if (*found == LAC_CROSSING_NONE && lac_problem_bends(engine->problem) &&
         lac_problem_settles(engine->problem, lac_engine_clock(engine, engine->t), engine->y,
                             engine->work)) {
         *found = LAC_CROSSING_REST;
@@ -157,12 +157,12 @@ void lac_run_state_keep_safety(lac_run_state *r, double t, double now)
 {
     lac_safety_summary *s = &r->result->safety;
     const double before = s->end;
-    // And damping, at the reference rate itself: what begins at 1, to the digits that are told.
-    const double start = isnan(s->start) ? now : s->start, rounding = start < 1.0 ? 5e-5 : 1e-6;
-    const double line = before < 1.0 ? 1.0 - rounding : 1.0;
     if (isnan(now)) {
         return;
     }
+    // And damping, at the reference rate itself: what begins at 1, to the digits that are told.
+    const double start = isnan(s->start) ? now : s->start, rounding = start < 1.0 ? 5e-5 : 1e-6;
+    const double line = before < 1.0 ? 1.0 - rounding : 1.0;
     if (isnan(s->below_time) && now < 1.0 - rounding) {
         const bool slides_there = !isnan(before) && !r->broken;
         const double gone = slides_there ? fmax(before - line, 0.0) / (before - now) : 1.0;

@@ -6,6 +6,8 @@
 
 #include <cvodes/cvodes.h>
 
+#include "base/need.h"
+
 static int rates(sunrealtype t, N_Vector y, N_Vector ydot, void *user)
 {
     lac_sensitivity_state *f = user;
@@ -120,6 +122,7 @@ static lac_status allocate(lac_sensitivity_state *f, lac_error *err)
     }
     f->work = calloc(work, sizeof *f->work);
     f->probe = calloc(4 * f->m, sizeof *f->probe);
+    LAC_TRY_RETURN(lac_need_sundials(err));
     LAC_FAIL_MEMORY_IF(f->work == NULL || f->probe == NULL || LAC_SUN_CONTEXT_CREATE(&f->sun) != 0,
                        err);
     f->scale = f->probe + 3 * f->m;

@@ -356,6 +356,17 @@ static lac_status hand_over(run *r, lac_error *err)
     return r->end == LAC_END_TIME ? lac_run_state_reach(r, err) : LAC_OK;
 }
 
+// A balance that is off by all that friction holds: what was put out is no motion of the joint.
+static lac_status check_balance(const run *r, lac_error *err)
+{
+    const double off = r->result->balance_residual;
+    LAC_FAIL_IF(!(off <= 1.0), err, LAC_ENUMERIC,
+                "the traction balance is off by %.2g of the strength at worst, up to t = %g s: the "
+                "numbers of this run mean nothing; tighten solver.rtol",
+                off, lac_engine_time(r->engine));
+    return LAC_OK;
+}
+
 static void finish(run *r, lac_status status)
 {
     lac_run_result *result = r->result;
@@ -389,7 +400,11 @@ lac_status lac_run(const lac_problem *problem, const lac_run_def *def, const lac
                                .failure_local = NAN,
                                .safety = {NAN, NAN, NAN, NAN, NAN},
                                .arrest = {false, NAN, NAN, NAN}};
-    run r = {.problem = problem, .def = def, .sink = sink, .result = result};
+    run r = {.problem = problem,
+             .def = def,
+             .sink = sink,
+             .result = result,
+             .bends = lac_problem_bends(problem)};
     LAC_TRY(lac_check_def(def, err));
     result->failure = lac_problem_failure(problem, def->failure_rate, def->failure_slip);
     LAC_TRY(lac_engine_create(problem, def, &r.engine, err));
@@ -404,6 +419,7 @@ lac_status lac_run(const lac_problem *problem, const lac_run_def *def, const lac
     if (def->reached != NULL && r.end == LAC_END_TIME) {
         LAC_TRY(hand_over(&r, err));
     }
+    LAC_TRY(check_balance(&r, err));
 out:
     if (r.engine != NULL) {
         finish(&r, status);

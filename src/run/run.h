@@ -64,6 +64,9 @@ typedef struct lac_cadence {
     double per_decade; ///< records per decade of the mean slip rate; NaN: not by rate
 } lac_cadence;
 
+/// Checkpoints closer than so many steps make a run take many times the steps.
+enum { LAC_CLOSE_STEPS = 100 };
+
 /// Where a run stands: all that it needs to go on, in another process of the same program too.
 typedef struct lac_checkpoint {
     bool planned; ///< the run begins anew there whether or not it is stopped, so that one that goes

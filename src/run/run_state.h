@@ -61,6 +61,7 @@ typedef struct lac_run_state {
     lac_end end;
     bool done;
     bool broken; // the step ended where the loads jump or bend
+    bool bends;  // the base does
 } lac_run_state;
 
 // Hands one line of the time series to the sink; a time already recorded is passed over.

@@ -153,11 +153,13 @@ static lac_status add_history(lac_dataset *d, const lac_contact_outcome *o, lac_
 {
     const lac_extent step = {"step", o->result->steps};
     const lac_laid laid[] = {{LAC_VARIABLES(of_history, "", 0), o},
-                             {lac_history_steps(sizeof *o->record), o->record}};
+                             {lac_history_steps(sizeof *o->record), o->record},
+                             {lac_history_cells(o->keep), o->maps}};
     lac_status status = lac_dataset_add(d, laid, 1, err);
     if (status == LAC_OK && o->record != NULL) {
         status = lac_dataset_dims(d, &step, 1, err);
-        status = status == LAC_OK ? lac_dataset_add(d, laid + 1, 1, err) : status;
+        status =
+            status == LAC_OK ? lac_dataset_add(d, laid + 1, o->maps != NULL ? 2 : 1, err) : status;
     }
     return status;
 }
@@ -208,9 +210,13 @@ lac_status lac_contact_describe(const lac_contact_outcome *o, lac_dataset **out,
         {LAC_VARIABLES(of_files, "face", sizeof(lac_file_report)), s != NULL ? s->file : NULL},
         {LAC_VARIABLES(of_outcome, "", 0), o}};
     lac_status status;
-    LAC_TRY(lac_dataset_create("Contact of a rough rock joint under normal load: maps over the "
-                               "interface, and the fractal measures of the contact domain.",
-                               out, err));
+    LAC_TRY(lac_dataset_create(
+        o->result != NULL
+            ? "Contact of a rough rock joint through a history of normal and shear load: forces, "
+              "shifts and frictional work of each step, and which cells stick or slip."
+            : "Contact of a rough rock joint under normal load: maps over the interface, and the "
+              "fractal measures of the contact domain.",
+        out, err));
     LAC_TRY(lac_dataset_dims(*out, dims, sizeof dims / sizeof *dims, err));
     LAC_TRY(lac_dataset_add(*out, &domain, 1, err));
     LAC_TRY(lac_describe_dimension(c, *out, err));

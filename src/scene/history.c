@@ -32,6 +32,15 @@ size_t lac_scene_history_steps(const lac_case *c)
     return n;
 }
 
+bool lac_scene_history_presses(const lac_case *c)
+{
+    bool presses = false;
+    for (size_t i = 0; i < c->history.count; i++) {
+        presses = presses || !isnan(c->history.step[i].pressure);
+    }
+    return presses;
+}
+
 // Pressures of another load: of a surface from the contact before, of a domain in proportion.
 static lac_status press(history *h, double mean, lac_history_record *record, lac_error *err)
 {
@@ -156,6 +165,7 @@ static lac_status give_maps(const history *h, lac_error *err)
         .traction = {h->shear->traction[0], h->shear->traction[1]},
         .slip = {h->shear->slip[0], h->shear->slip[1]},
         .state = h->shear->state,
+        .pressed = lac_scene_history_presses(h->source),
     };
     return h->sink->maps != NULL ? h->sink->maps(h->sink->context, &maps, err) : LAC_OK;
 }

@@ -59,7 +59,9 @@ typedef struct lac_contact_outcome {
     bool brief;                       ///< grid, pressures and dimension alone, for JSON
     double friction;                  ///< of the history; NaN
     const lac_history_result *result; ///< same; NULL: there is none
-    const lac_history_record *record; ///< [result->steps] for JSON; NULL: left out
+    const lac_history_record *record; ///< [result->steps] where they do not come; NULL: they do
+    const lac_history_maps *maps;     ///< of the last or, [result->steps] of each, of all these
+    lac_history_keep keep;            ///< which
 } lac_contact_outcome;
 
 /// Its variables, for a file or JSON; docs/format.md.
@@ -84,6 +86,9 @@ lac_status lac_scene_domain_create(const lac_case *c, lac_domain **domain, lac_e
 
 /// Number of steps of a case's history, all increments counted.
 size_t lac_scene_history_steps(const lac_case *c);
+
+/// Whether its pressures change on the way.
+bool lac_scene_history_presses(const lac_case *c);
 
 /// Goes through the history of a case: presses anew where the pressure changes, from the pressures
 /// before, and shears; docs/theory/tangential.md.
@@ -144,6 +149,15 @@ lac_status lac_scene_contact_solve(const lac_case *c, lac_scene_keep keep, lac_s
 /// Area scaling from 64 cells a side where the grid has four resolutions, the finest left out;
 /// boxes as lac_box_default; specimens of 50, 100, 200 and 400 mm, 1, 10, 100 m and 1 km.
 lac_scene_measure_def lac_scene_measure_default(void);
+
+/// How it is measured as options of `lacuna contact` say it; NULL: not said.
+typedef struct lac_measure_words {
+    const char *boxes, *coarsest, *coarsening, *sizes;
+} lac_measure_words;
+
+/// @return LAC_OK; LAC_EINPUT ("boxes: ... must be ..."); LAC_ENOMEM
+lac_status lac_scene_measure_read(const lac_measure_words *words, lac_scene_measure_def *out,
+                                  lac_error *err);
 
 /// Measures the contact that was solved with LAC_SCENE_MEASURED: clusters, area scaling, size
 /// effect; counts the boxes again where `def` asks for other ones. A contact whose area has no

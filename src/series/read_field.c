@@ -3,6 +3,7 @@
 // stand.
 #include <netcdf.h>
 
+#include "base/need.h"
 #include "base/netcdf.h"
 #include "base/units.h"
 #include "series/field.h"
@@ -126,6 +127,7 @@ lac_status lac_field_read(const char *path, const char *variable, const char *si
 {
     source file = {path, -1, units};
     *out = (lac_field){0};
+    LAC_TRY_RETURN(lac_need_netcdf(err));
     LAC_TRY_RETURN(lac_netcdf_check(path, nc_open(path, NC_NOWRITE, &file.id), "the file", err));
     lac_status status = read_all(&file, variable, si, out, err);
     (void)nc_close(file.id);

@@ -2,6 +2,7 @@
 // A monitoring series in netCDF: variables of one dimension that they share.
 #include <netcdf.h>
 
+#include "base/need.h"
 #include "base/netcdf.h"
 #include "base/units.h"
 #include "series/text.h"
@@ -200,6 +201,7 @@ lac_status lac_series_read_netcdf(const lac_series_def *def, const struct lac_un
                                   lac_series **out, lac_error *err)
 {
     series_file file = {.path = def->path, .id = -1, .dim = -1};
+    LAC_TRY_RETURN(lac_need_netcdf(err));
     LAC_TRY_RETURN(check(&file, nc_open(def->path, NC_NOWRITE, &file.id), "the file", err));
     lac_components axes;
     lac_status status = lac_components_read(def, &axes, err);

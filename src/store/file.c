@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/need.h"
 #include "base/temp_file.h"
 #include "store/nc.h"
 
@@ -136,6 +137,7 @@ lac_status lac_nc_create(lac_nc *file, const char *path, bool force, lac_error *
     lac_status status;
     LAC_TRY_RETURN(lac_nc_path(path, &exists, err));
     LAC_FAIL_IF(exists && !force, err, LAC_EINPUT, "%s: exists", path);
+    LAC_TRY_RETURN(lac_need_netcdf(err));
     LAC_FAIL_IF(exists && access(path, W_OK) != 0, err, LAC_EIO, "%s: cannot replace: %s", path,
                 strerror(errno));
     LAC_FAIL_IF(exists && lac_nc_is_written(path), err, LAC_EIO,

@@ -9,7 +9,6 @@ enum { CHUNK_STEPS = 256 };
 
 // What is put out now.
 typedef struct step {
-    bool pressed;
     lac_history_record record;
     lac_history_maps maps;
 } step;
@@ -28,7 +27,7 @@ LAC_GETTER(double, normal_force, STEP, r->pressure * r->area)
 LAC_GETTER(double, shear_force_x, STEP, r->shear.traction[0] * r->area)
 LAC_GETTER(double, shear_force_y, STEP, r->shear.traction[1] * r->area)
 LAC_GETTER(double, highest_ratio, STEP, isnan(r->highest[0]) ? (double)NAN : r->shear.highest_ratio)
-LAC_GETTER(bool, is_pressed, const step *s = of, s->pressed)
+LAC_GETTER(bool, is_pressed, const lac_history_maps *m = of, m->pressed)
 
 #define J(key) .json = "steps[]/" key
 #define WHOLE .flags = LAC_WHOLE
@@ -86,7 +85,7 @@ lac_variables lac_history_steps(size_t stride)
     return (lac_variables)LAC_VARIABLES(of_step, "step", stride);
 }
 
-#define MAP(kind, field) LAC_HELD(kind, step, maps.field), .flags = LAC_CELLS | LAC_LATE
+#define MAP(kind, field) LAC_HELD(kind, lac_history_maps, field), .flags = LAC_CELLS | LAC_LATE
 static const lac_variable of_maps[] = {
     LAC_ROW("traction_x", NULL, "Pa", "shear traction along x", MAP(REALS, traction[0])),
     LAC_ROW("traction_y", NULL, "Pa", "shear traction along y", MAP(REALS, traction[1])),
@@ -98,12 +97,16 @@ static const lac_variable of_maps[] = {
             MAP(REALS, pressure), .has = is_pressed, .comment = "`pressure` is that of the start"),
 };
 
+lac_variables lac_history_cells(lac_history_keep keep)
+{
+    return (lac_variables)LAC_VARIABLES(of_maps, keep == LAC_KEEP_ALL ? "step y x" : "y x", 0);
+}
+
 static lac_status describe(const lac_history_store_def *def, const step *now, lac_error *err)
 {
     const lac_extent dim = {"step", LAC_GROWS};
-    const lac_laid laid[] = {
-        {lac_history_steps(0), &now->record},
-        {LAC_VARIABLES(of_maps, def->keep == LAC_KEEP_ALL ? "step y x" : "y x", 0), now}};
+    const lac_laid laid[] = {{lac_history_steps(0), &now->record},
+                             {lac_history_cells(def->keep), &now->maps}};
     LAC_TRY_RETURN(lac_dataset_dims(def->contact, &dim, 1, err));
     return lac_dataset_add(def->contact, laid, def->keep == LAC_KEEP_NONE ? 1 : 2, err);
 }
@@ -111,11 +114,8 @@ static lac_status describe(const lac_history_store_def *def, const step *now, la
 static lac_status begin_file(lac_history_store *s, const lac_history_store_def *def, lac_error *err)
 {
     LAC_TRY_RETURN(lac_nc_create(&s->file, def->path, def->force, err));
-    LAC_TRY_RETURN(lac_provenance_put(
-        &def->provenance,
-        "Contact of a rough rock joint through a history of normal and shear load: forces, shifts "
-        "and frictional work of each step, and which cells stick or slip.",
-        lac_nc_put_attribute, &s->file, err));
+    LAC_TRY_RETURN(lac_provenance_put(&def->provenance, def->contact->summary, lac_nc_put_attribute,
+                                      &s->file, err));
     LAC_TRY_RETURN(lac_writer_begin(&s->writer, err));
     LAC_TRY_RETURN(lac_nc_text(&s->file, NC_GLOBAL, "status", "running", err));
     LAC_TRY_RETURN(lac_nc_sync(&s->file, err));
@@ -133,7 +133,7 @@ lac_status lac_history_store_create(const lac_history_store_def *def, lac_histor
     LAC_FAIL_MEMORY_IF(s == NULL, err);
     s->file.fd = -1;
     s->keep = def->keep;
-    s->now.pressed = def->pressed;
+    s->now.maps.pressed = def->pressed;
     s->writer = (lac_writer){
         .file = &s->file, .dataset = def->contact, .deflate = 1, .chunk = CHUNK_STEPS, .batch = 1};
     LAC_TRY(describe(def, &s->now, err));

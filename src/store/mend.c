@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/need.h"
 #include "base/temp_file.h"
 #include "store/input.h"
 
@@ -75,7 +76,7 @@ static int64_t own_records(const char *path)
     int64_t records = -1;
     if (fd >= 0 && fstat(fd, &info) == 0 &&
         lac_nc_heap(path, fd, (size_t)info.st_size, NULL) == LAC_OK &&
-        nc_open(path, NC_NOWRITE, &id) == NC_NOERR) {
+        lac_need_netcdf(NULL) == LAC_OK && nc_open(path, NC_NOWRITE, &id) == NC_NOERR) {
         records = (int64_t)records_of(id);
         (void)nc_close(id);
     }
@@ -105,6 +106,7 @@ static lac_status fill_copy(const char *path, int fd, const char *copy, uint64_t
                 "%s: was not closed, and a copy to read cannot be written: %s", path,
                 strerror(errno));
     LAC_TRY_RETURN(lac_nc_heap(path, fd, (size_t)info.st_size, err));
+    LAC_TRY_RETURN(lac_need_netcdf(err));
     LAC_TRY_RETURN(lac_nc_check(path, close_well(path, copy, records), err, "mend", "it"));
     lac_nc_seal(fd);
     return LAC_OK;

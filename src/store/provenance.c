@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Where a file comes from, as its attributes: program, command, case, date and libraries.
 #include "base/date.h"
+#include "base/need.h"
 #include "base/temp_file.h"
 #include "lacuna/version.h"
 #include "store/writer.h"
@@ -50,6 +51,7 @@ lac_status lac_provenance_put(const lac_provenance *of, const char *summary, lac
     if (of->command_line != NULL) { // a line of the form that NCO and CDO add to
         LAC_TRY_RETURN(put_joined("history", date, ": ", of->command_line, put, to, err));
     }
+    LAC_TRY_RETURN(lac_need_netcdf(err));
     (void)snprintf(version, sizeof version, "%s", nc_inq_libvers());
     version[strcspn(version, " ")] = '\0';
     (void)snprintf(netcdf, sizeof netcdf, "netCDF %s", version); // known only here

@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/need.h"
 #include "base/netcdf.h"
 #include "base/temp_file.h"
 #include "run/describe.h"
@@ -63,6 +64,7 @@ lac_status lac_stored_file_open_any(const char *path, lac_stored_file **out, lac
     in->path = path != NULL ? strdup(path) : NULL;
     LAC_TRY(in->path != NULL || path == NULL ? LAC_OK : lac_fail_memory(err));
     LAC_TRY(inspect(in, &copy, err));
+    LAC_TRY(lac_need_netcdf(err));
     const int code = nc_open(copy != NULL ? copy : path, NC_NOWRITE, &in->id);
     LAC_LEAVE_IF(code != NC_NOERR, err, LAC_EIO, "%s: %s", path,
                  code == NC_ENOTNC    ? "is not a netCDF file"

@@ -106,6 +106,7 @@ typedef struct lac_history_maps {
     const double *pressure;              ///< [Pa]
     const double *traction[2], *slip[2]; ///< along x and y [Pa], [m]
     const uint8_t *state;                ///< lac_cell_state
+    bool pressed;                        ///< the pressures change on the way
 } lac_history_maps;
 
 /// What a file of a history holds of the cells.
@@ -117,7 +118,7 @@ typedef struct lac_history_store_def {
     lac_provenance provenance;
     lac_dataset *contact; ///< where the history starts; gets its steps, and must outlive it
     lac_history_keep keep;
-    bool pressed; ///< the pressures change on the way
+    bool pressed; ///< of lac_history_maps
 } lac_history_store_def;
 
 /// The file of a solved contact with the steps of its history, which are written as they come;
@@ -140,6 +141,9 @@ lac_status lac_history_store_maps(lac_history_store *store, const lac_history_ma
 /// The variables of a step, laid on a lac_history_record; docs/format.md.
 /// @param stride  between records that stand one behind the other
 lac_variables lac_history_steps(size_t stride);
+
+/// Those of the cells, laid on lac_history_maps: of one step or, as arrays over steps, of all.
+lac_variables lac_history_cells(lac_history_keep keep);
 
 /// Writes what attributes of the contact are LAC_LATE and `status`, and closes the file, as
 /// lac_store_finish does.

@@ -4,6 +4,7 @@
 #include <netcdf_mem.h>
 #include <strings.h>
 
+#include "base/need.h"
 #include "base/netcdf.h"
 #include "surface/read.h"
 
@@ -283,6 +284,7 @@ static lac_status read_netcdf(const lac_bytes *bytes, lac_height_map *map, lac_e
     bool classic = lac_bytes_begin(bytes, "CDF");
     grid_file file = {.path = bytes->path, .most = classic ? bytes->size : SIZE_MAX};
     LAC_TRY_RETURN(classic ? check_classic(bytes, err) : LAC_OK);
+    LAC_TRY_RETURN(lac_need_netcdf(err));
     // netCDF does not write to memory opened for reading; its own name tells it nothing
     int code = nc_open_mem("heights", NC_NOWRITE, bytes->size, (void *)bytes->data, &file.id);
     if (code != NC_NOERR) {

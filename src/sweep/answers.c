@@ -51,17 +51,19 @@ lac_chance lac_answers_chance(const lac_sample *sample, double by)
     return c;
 }
 
-// The longest that a member was followed, to its end or not.
-static double longest(const lac_sample *sample)
+// From 0 to the longest that a member was followed, to its end or not; of a plain result from the
+// least to the largest.
+static void range_of(const lac_sample *sample, double range[2])
 {
-    double most = 0.0;
+    range[0] = sample->plain ? (double)NAN : 0.0;
+    range[1] = range[0];
     for (size_t i = 0; i < sample->members; i++) {
         const double t = sample->result[i];
         const double until = sample->followed != NULL ? sample->followed[i] : t;
-        most = isfinite(t) ? fmax(most, t) : most;
-        most = !isnan(t) && isfinite(until) ? fmax(most, until) : most;
+        range[0] = isfinite(t) ? fmin(range[0], t) : range[0];
+        range[1] = isfinite(t) ? fmax(range[1], t) : range[1];
+        range[1] = !isnan(t) && isfinite(until) ? fmax(range[1], until) : range[1];
     }
-    return most;
 }
 
 // Ranks, from 1, of the sorted values between which a quantile lies with at least 95 %: less than
@@ -97,11 +99,14 @@ static void fill_quantiles(lac_answers *a, const double *sorted)
 
 static void fill_chances(const lac_sample *sample, lac_answers *a)
 {
-    const double end = longest(sample);
-    a->chance = lac_answers_chance(sample, isnan(sample->by) ? end : sample->by);
+    double range[2];
+    range_of(sample, range);
+    a->chance = lac_answers_chance(sample, isnan(sample->by) ? range[1] : sample->by);
     for (size_t k = 0; k < LAC_ANSWERS_TIMES; k++) {
-        a->course[k] =
-            lac_answers_chance(sample, end * (double)k / (double)(LAC_ANSWERS_TIMES - 1));
+        const double wide = range[1] - range[0];
+        const double at = range[0] + wide * (double)k / (double)(LAC_ANSWERS_TIMES - 1);
+        const bool last = sample->plain && k + 1 == LAC_ANSWERS_TIMES;
+        a->course[k] = lac_answers_chance(sample, last ? range[1] : at);
     }
 }
 
@@ -151,6 +156,8 @@ static void count(const lac_sample *sample, lac_answers *a, double *values)
             values[a->counted++] = sample->result[i];
         }
     }
+    a->missing = sample->missing;
+    a->broken -= sample->missing;
     gsl_sort(values, 1, a->counted);
 }
 
@@ -176,6 +183,8 @@ lac_status lac_answers_create(const lac_sample *sample, lac_answers **out, lac_e
     LAC_TRY(values != NULL && a != NULL ? LAC_OK : lac_fail_memory(err));
     a->name = sample->name;
     a->unit = sample->unit;
+    a->about = sample->about;
+    a->plain = sample->plain;
     a->params = sample->params;
     a->members = sample->members;
     a->tornado = sample->design == LAC_SAMPLE_TORNADO;

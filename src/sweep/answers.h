@@ -23,15 +23,19 @@ typedef struct lac_sample {
     size_t params, members;
     const double *drawn;    ///< [params][members]
     const double *result;   ///< [members] one number of each, as the time of failure; INFINITY: not
-                            ///< within the time that it was followed; NaN: broken
+                            ///< within the time that it was followed; NaN: broken, or missing
     const double *followed; ///< [members] how long; NULL: long enough
+    bool plain;             ///< the result is no time that is waited for: from the least to the
+                            ///< largest, not from 0
+    size_t missing;         ///< members that are not broken, and yet have no such number
     lac_sample_design design;
-    double by;     ///< when chance and influences are asked for; NaN: as long as any was followed
+    double by;     ///< when chance and influences are asked for; NaN: as long as any was followed,
+                   ///< of a plain result the largest
     uint64_t seed; ///< of the bootstrap
     /// A value that is a word. @return NULL: it is a number. NULL: all are
     const char *(*word)(const void *of, size_t param, size_t member);
     const void *of;
-    const char *name, *unit;                  ///< of the result; NULL: not told
+    const char *name, *unit, *about;          ///< of the result; NULL: not told
     const char *const *key, *const *key_unit; ///< [params] the same of the parameters; NULL
 } lac_sample;
 
@@ -72,8 +76,10 @@ typedef struct lac_swing {
 
 /// What an ensemble says of one result.
 typedef struct lac_answers {
-    const char *name, *unit; ///< of the result
+    const char *name, *unit, *about; ///< of the result
+    bool plain;                      ///< as in the sample
     size_t params, members, broken, never;
+    size_t missing; ///< members that have no such result, and are not broken
     size_t counted; ///< members that chance and quantiles are of: of Saltelli's design A and B
     bool tornado;   ///< it has swings, and neither chance nor quantiles nor influences
     bool of_chance; ///< influences are of whether, not of when

@@ -30,6 +30,10 @@ static const lac_variable of_plan[] = {
      LAC_HELD(COUNT, lac_ensemble, members),
      .flags = LAC_WHOLE},
     {.name = "sweep_end_s", .json = "end_s", LAC_HELD(REAL, lac_ensemble, end)},
+    {.name = "sweep_until_s", LAC_HELD(REAL, lac_ensemble, until), .flags = LAC_MISSING},
+    {.name = "sweep_case", LAC_HELD(TEXT, lac_ensemble, written)},
+    {.name = "sweep_set", LAC_HELD(TEXT, lac_ensemble, set)},
+    {.name = "sweep_files", LAC_HELD(TEXT, lac_ensemble, files)},
 };
 
 #define SEEN .flags = LAC_MISSING
@@ -54,10 +58,48 @@ const lac_variable lac_ensemble_of_member[] = {
             H(REAL, max_ratio), SEEN),
     LAC_ROW("least_factor_of_safety", NULL, NULL, "least factor of safety", H(REAL, safety), SEEN),
     LAC_ROW("events", NULL, NULL, "events of the catalogue", H(REAL, events), SEEN),
+    LAC_ROW("b_value", NULL, NULL, "b of the catalogue's sizes, N(>= M) ~ 10^(-b M)",
+            H(REAL, b_value), SEEN, .comment = "missing: no catalogue, or too few events"),
+    LAC_ROW("balance_residual", NULL, NULL, "worst relative error of the traction balance",
+            H(REAL, balance_residual), SEEN),
     LAC_ROW("steps", NULL, NULL, "steps of the integrator", H(REAL, steps), SEEN),
     LAC_ROW("message", NULL, NULL, "why it is broken", H(CHARS, message), .flags = LAC_CHARS),
 };
 const size_t lac_ensemble_rows = sizeof lac_ensemble_of_member / sizeof *lac_ensemble_of_member;
+
+// The index-th result of a member; name NULL: past the end.
+static lac_ensemble_result result_at(size_t index, size_t extras, const lac_ensemble_extra *extra)
+{
+    for (size_t i = 0; i < lac_ensemble_rows; i++) {
+        const lac_variable *row = &lac_ensemble_of_member[i];
+        if (row->held == LAC_HELD_REAL && index-- == 0) {
+            const bool time = row->offset == offsetof(lac_member, failure_time);
+            return (lac_ensemble_result){row->name, row->unit, row->long_name, row->offset, time};
+        }
+    }
+    if (index >= extras) {
+        return (lac_ensemble_result){0};
+    }
+    const size_t at = offsetof(lac_member, extra) + index * sizeof(double);
+    return (lac_ensemble_result){extra[index].name, extra[index].unit, extra[index].long_name, at,
+                                 false};
+}
+
+lac_status lac_ensemble_result_find(const char *name, size_t extras,
+                                    const lac_ensemble_extra *extra, lac_ensemble_result *out,
+                                    lac_error *err)
+{
+    char names[600] = "";
+    const char *wanted = name != NULL ? name : "failure_time";
+    for (size_t i = 0; (*out = result_at(i, extras, extra)).name != NULL; i++) {
+        const size_t used = strlen(names);
+        if (strcmp(out->name, wanted) == 0) {
+            return LAC_OK;
+        }
+        (void)snprintf(names + used, sizeof names - used, "%s%s", i > 0 ? ", " : "", out->name);
+    }
+    return lac_fail(err, LAC_EINPUT, "--of: \"%s\" must be one of %s", wanted, names);
+}
 
 const lac_ensemble_axis lac_ensemble_axes[] = {
     [LAC_SERIES_TIME] = {"record_time", "s", "time since the start", "slip_rate", "m s-1",

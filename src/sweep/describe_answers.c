@@ -21,6 +21,7 @@ static const lac_variable of_answers[] = {
     {.json = "answers/result", A(TEXT, name)},      {.json = "answers/unit", A(TEXT, unit)},
     {.json = "answers/members", A(COUNT, members)}, {.json = "answers/broken", A(COUNT, broken)},
     {.json = "answers/never", A(COUNT, never)},     {.json = "answers/counted", A(COUNT, counted)},
+    {.json = "answers/about", A(TEXT, about)},      {.json = "answers/missing", A(COUNT, missing)},
 };
 
 static const lac_variable of_chance[] = {

@@ -31,6 +31,9 @@ void lac_ensemble_free(lac_ensemble *e)
     free(e->place);
     free(e->case_text);
     free(e->title);
+    free(e->written);
+    free(e->set);
+    free(e->files);
     free(e->design);
     free(e->series);
     free(e->drawn);
@@ -98,7 +101,7 @@ static lac_status make_param(const lac_sweep *sweep, size_t p, lac_ensemble *e, 
     LAC_FAIL_MEMORY_IF(text == NULL, err);
     for (size_t i = 0; i < e->n; i++) {
         const char *own = lac_sweep_text(sweep, p, (size_t)e->member[i]->index, NULL, 0);
-        text[i] = own != NULL ? own : "(as the case)";
+        text[i] = own != NULL ? own : LAC_AS_THE_CASE;
     }
     const lac_status status = lac_ensemble_words(param, e->n, text, err);
     free(text);
@@ -110,6 +113,10 @@ static lac_status make(const lac_sweep *sweep, lac_ensemble *e, lac_error *err)
     qsort(e->member, e->n, sizeof(lac_member *), by_index);
     e->case_text = strdup(sweep->text);
     e->title = sweep->base->title != NULL ? strdup(sweep->base->title) : NULL;
+    e->written = strdup(sweep->written);
+    e->files = strdup(sweep->files);
+    e->set = lac_sweep_set(sweep);
+    e->until = sweep->until;
     e->design = strdup(sweep->design->name);
     e->series = strdup(sweep->said);
     (void)snprintf(e->mark, sizeof e->mark, "%016" PRIx64, sweep->mark);
@@ -125,7 +132,8 @@ static lac_status make(const lac_sweep *sweep, lac_ensemble *e, lac_error *err)
     }
     e->place = malloc(e->records * sizeof *e->place);
     e->param = calloc(e->params, sizeof *e->param);
-    LAC_FAIL_MEMORY_IF(e->case_text == NULL || e->design == NULL || e->series == NULL ||
+    LAC_FAIL_MEMORY_IF(e->case_text == NULL || e->written == NULL || e->files == NULL ||
+                           e->set == NULL || e->design == NULL || e->series == NULL ||
                            e->place == NULL || e->param == NULL,
                        err);
     memcpy(e->place, sweep->place, e->records * sizeof *e->place);
@@ -271,6 +279,8 @@ out:
     return status;
 }
 
+enum { MOST_TEXT = 1 << 22 }; // of a case
+
 static char *text_of(const lac_stored_file *file, const char *name, size_t room)
 {
     char *text = calloc(1, room);
@@ -293,9 +303,15 @@ static lac_status read_plan(const lac_stored_file *file, const char *path, lac_e
     e->design = text_of(file, "sweep_design", 64);
     e->series = text_of(file, "sweep_series", 64);
     e->title = text_of(file, "title", 4096);
-    e->case_text = text_of(file, "case", 1 << 22);
-    LAC_FAIL_MEMORY_IF(
-        e->design == NULL || e->series == NULL || e->title == NULL || e->case_text == NULL, err);
+    e->case_text = text_of(file, "case", MOST_TEXT);
+    e->written = text_of(file, "sweep_case", MOST_TEXT);
+    e->set = text_of(file, "sweep_set", MOST_TEXT);
+    e->files = text_of(file, "sweep_files", MOST_TEXT);
+    e->until = lac_stored_file_number(file, NULL, "sweep_until_s");
+    LAC_FAIL_MEMORY_IF(e->design == NULL || e->series == NULL || e->title == NULL ||
+                           e->case_text == NULL || e->written == NULL || e->set == NULL ||
+                           e->files == NULL,
+                       err);
     while (e->axis < LAC_SERIES_LEFT &&
            lac_stored_file_shape(file, lac_ensemble_axes[e->axis].place, &shape, NULL) != LAC_OK) {
         e->axis++;
@@ -367,8 +383,20 @@ static const char *word_of(const void *of, size_t param, size_t member)
     return p->word != NULL ? p->word[member] : NULL;
 }
 
-lac_status lac_ensemble_sample(lac_ensemble *e, double by, lac_sample *out, lac_error *err)
+// A member's own number; of a failure that did not come INFINITY. @return whether it is missing
+static bool take_result(const lac_member *m, const lac_ensemble_result *of, double *out)
 {
+    const bool done = m->state == LAC_MEMBER_DONE;
+    double value;
+    memcpy(&value, (const char *)m + of->offset, sizeof value);
+    *out = !done ? NAN : of->time && isnan(value) ? INFINITY : value;
+    return done && isnan(*out);
+}
+
+lac_status lac_ensemble_sample(lac_ensemble *e, const lac_ensemble_result *of, double by,
+                               lac_sample *out, lac_error *err)
+{
+    size_t missing = 0;
     const lac_design *design = NULL;
     free(e->drawn);
     free(e->result);
@@ -391,11 +419,8 @@ lac_status lac_ensemble_sample(lac_ensemble *e, double by, lac_sample *out, lac_
         e->unit[p] = e->param[p].unit;
     }
     for (size_t i = 0; i < e->n; i++) {
-        const lac_member *m = e->member[i];
-        e->result[i] = m->state != LAC_MEMBER_DONE ? NAN
-                       : isnan(m->failure_time)    ? INFINITY
-                                                   : m->failure_time;
-        e->followed[i] = m->end_time;
+        missing += take_result(e->member[i], of, &e->result[i]) ? 1 : 0;
+        e->followed[i] = e->member[i]->end_time;
     }
     fill_rates(e);
     for (size_t i = 0; (design = lac_design_get(i)) != NULL; i++) {
@@ -407,13 +432,16 @@ lac_status lac_ensemble_sample(lac_ensemble *e, double by, lac_sample *out, lac_
                         .members = e->n,
                         .drawn = e->drawn,
                         .result = e->result,
-                        .followed = e->followed,
+                        .followed = of->time ? e->followed : NULL,
+                        .plain = !of->time,
+                        .missing = missing,
                         .design = design != NULL && e->n == e->members ? design->sample
                                                                        : LAC_SAMPLE_DRAWN,
                         .by = by,
                         .seed = strtoull(e->seed, NULL, 10),
-                        .name = "failure_time",
-                        .unit = "s",
+                        .name = of->name,
+                        .unit = of->unit != NULL ? of->unit : "1",
+                        .about = of->long_name,
                         .word = word_of,
                         .of = e,
                         .key = e->key,

@@ -7,7 +7,8 @@ struct lac_simulation_options;
 
 /// What came of the members of a sweep.
 
-enum { LAC_MEMBER_MESSAGE = 200, LAC_MEMBER_EXTRAS = 8 };
+enum { LAC_MEMBER_MESSAGE = 200, LAC_MEMBER_EXTRAS = 16 };
+#define LAC_AS_THE_CASE "(as the case)"
 
 /// How far a member is.
 enum { LAC_MEMBER_PENDING = 0, LAC_MEMBER_DONE, LAC_MEMBER_BROKEN };
@@ -23,6 +24,8 @@ typedef struct lac_member {
     double max_ratio;              ///< largest Q over f0 P
     double safety;                 ///< least factor of safety
     double events, steps;
+    double b_value;                  ///< of the catalogue
+    double balance_residual;         ///< worst
     double extra[LAC_MEMBER_EXTRAS]; ///< what indicators say once, in the ensemble's order
     char message[LAC_MEMBER_MESSAGE];
     float series[]; ///< [records]
@@ -32,7 +35,7 @@ typedef struct lac_member {
 typedef struct lac_ensemble_param {
     char *key, *said, *unit;
     double *value; ///< [n] drawn; of words which of them, in the order of their appearance
-    char **word;   ///< [n] NULL: they are numbers
+    char **word;   ///< [n] LAC_AS_THE_CASE where it is not set; NULL: they are numbers
     char *words;   ///< owned, what `word` points to; NULL
 } lac_ensemble_param;
 
@@ -40,11 +43,21 @@ typedef struct lac_ensemble_extra {
     char name[64], unit[32], long_name[160];
 } lac_ensemble_extra;
 
+/// A number of each member, by its name in the file.
+typedef struct lac_ensemble_result {
+    const char *name, *unit, *long_name; ///< borrowed from the table or the extras
+    size_t offset;                       ///< of the double in a lac_member
+    bool time;                           ///< of failure: one that is missing is later than all
+} lac_ensemble_result;
+
 /// Members of a sweep, all or a part, in the order of their numbers. All is owned.
 typedef struct lac_ensemble {
     char *case_text, *title;
+    char *written, *set, *files; ///< what members are made of: the case as it was written, lines
+                                 ///< KEY=VALUE that override it, checksums of files it reads
     char *design, *series, mark[17], seed[24];
     double end;     ///< of the case [s]
+    double until;   ///< an end before the cases' [s]; NaN: none
     size_t members; ///< of the whole sweep
     size_t params, n, records, extras;
     lac_ensemble_param *param; ///< [params]
@@ -71,6 +84,12 @@ lac_status lac_member_run(lac_sweep *sweep, size_t index,
                           const struct lac_simulation_options *options, lac_member *out,
                           lac_error *err);
 
+/// Makes the run of a member once more, into a file as `lacuna run` makes it: what the member is
+/// from has every step of it, and no fields.
+/// @return as lac_sweep_case, lac_simulation_create, lac_simulation_write
+lac_status lac_member_write(lac_sweep *sweep, size_t index, const char *path,
+                            const lac_write_options *how, lac_error *err);
+
 /// An ensemble of members.
 /// @param member  [n] each allocated; taken over, also where it fails
 lac_status lac_ensemble_create(const lac_sweep *sweep, size_t n, lac_member **member,
@@ -79,6 +98,25 @@ lac_status lac_ensemble_create(const lac_sweep *sweep, size_t n, lac_member **me
 /// Reads the file of an ensemble.
 /// @return LAC_OK; LAC_EINPUT (it is no such file); LAC_EIO; LAC_ENOMEM
 lac_status lac_ensemble_read(const char *path, lac_ensemble **out, lac_error *err);
+
+/// The member of that number in its sweep. @param row  its place @return NULL: it is not there
+const lac_member *lac_ensemble_member(const lac_ensemble *ensemble, int64_t index, size_t *row);
+
+/// The case that a member was the run of.
+/// @param path  of the ensemble's file, which relative paths of the case start from
+/// @param ask   its overrides come last
+/// @return as lac_case_read; LAC_EINPUT where there is no such member
+lac_status lac_ensemble_case(const lac_ensemble *ensemble, const char *path, int64_t index,
+                             const lac_case_request *ask, lac_case **out, lac_case_issues *report,
+                             lac_error *err);
+
+/// Finds a result by its name.
+/// @param name   NULL: the time of failure
+/// @param extra  [extras]
+/// @return LAC_OK; LAC_EINPUT, with the names that there are
+lac_status lac_ensemble_result_find(const char *name, size_t extras,
+                                    const lac_ensemble_extra *extra, lac_ensemble_result *out,
+                                    lac_error *err);
 
 /// All members of several parts of a sweep, which are emptied. Members that are in none, in two, or
 /// of another sweep are refused.
@@ -95,6 +133,8 @@ void lac_ensemble_free(lac_ensemble *ensemble);
 lac_status lac_ensemble_describe(const lac_ensemble *ensemble, const lac_answers *answers,
                                  lac_dataset **out, lac_error *err);
 
-/// What answers are made from: the time of failure. It holds until the ensemble is freed.
-/// @param by  [s]; NaN: until the end
-lac_status lac_ensemble_sample(lac_ensemble *ensemble, double by, lac_sample *out, lac_error *err);
+/// What answers are made from. It holds until the next is asked for, or the ensemble is freed.
+/// @param of  of this ensemble
+/// @param by  in its unit; NaN: of a time the end, else none
+lac_status lac_ensemble_sample(lac_ensemble *ensemble, const lac_ensemble_result *of, double by,
+                               lac_sample *out, lac_error *err);

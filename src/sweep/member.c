@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The run of a member: what came of it, and its slip rates on the axis that all members share.
+#include "precursor/precursor.h"
 #include "simulation/simulation.h"
 #include "sweep/ensemble.h"
 #include "trade/probe.h"
@@ -13,6 +14,8 @@ size_t lac_member_size(const lac_sweep *sweep)
 typedef struct track {
     double *time, *log_rate; // one allocation
     size_t n, room;
+    double *moment; // [events] of the catalogue
+    size_t events, event_room;
 } track;
 
 static lac_status on_record(void *context, const lac_record *record, lac_error *err)
@@ -27,10 +30,26 @@ static lac_status on_record(void *context, const lac_record *record, lac_error *
             memcpy(grown + room, all->log_rate, all->n * sizeof *grown);
         }
         free(all->time);
-        *all = (track){grown, grown + room, all->n, room};
+        all->time = grown;
+        all->log_rate = grown + room;
+        all->room = room;
     }
     all->time[all->n] = record->time_origin + record->time_local;
     all->log_rate[all->n++] = log(fabs(record->observation.mean_rate));
+    return LAC_OK;
+}
+
+static lac_status on_event(void *context, const lac_event *event, lac_error *err)
+{
+    track *all = context;
+    if (all->events == all->event_room) {
+        const size_t room = all->event_room > 0 ? 2 * all->event_room : 256;
+        double *grown = realloc(all->moment, room * sizeof *grown);
+        LAC_FAIL_MEMORY_IF(grown == NULL, err);
+        all->moment = grown;
+        all->event_room = room;
+    }
+    all->moment[all->events++] = event->moment;
     return LAC_OK;
 }
 
@@ -97,6 +116,7 @@ static void take(const lac_trade_probe *probe, const lac_outcome *of, lac_member
     out->safety = run->safety.least;
     out->events = of->source->analysis.count > 0 && probe->events > 0 ? (double)probe->events : NAN;
     out->steps = (double)run->steps;
+    out->balance_residual = run->balance_residual;
     for (size_t i = 0, k = 0; i < of->extras && of->once != NULL; i++) {
         if (of->extra[i].over == LAC_OVER_NOTHING && k < LAC_MEMBER_EXTRAS) {
             out->extra[k] = of->once[k];
@@ -115,6 +135,7 @@ static lac_status follow(const lac_sweep *sweep, const lac_case *c,
     lac_sink own = lac_sink_default();
     own.context = &all;
     own.record = on_record;
+    own.event = on_event;
     lac_case every = *c; // no more than a look: what it points to stays the case's
     every.use = NULL;
     every.run.record = (lac_cadence){.steps = 1, .time = NAN, .per_decade = NAN};
@@ -129,9 +150,12 @@ static lac_status follow(const lac_sweep *sweep, const lac_case *c,
         take(&probe, lac_simulation_outcome(simulation), out);
         fill_series(sweep, &all, out);
         out->state = LAC_MEMBER_DONE;
+        const lac_event_list events = {.n = all.events, .moment = all.moment};
+        status = lac_events_b_value(&events, &out->b_value, err);
     }
     lac_simulation_free(simulation);
     free(all.time);
+    free(all.moment);
     return status;
 }
 
@@ -149,6 +173,8 @@ void lac_member_break(const lac_sweep *sweep, size_t index, lac_member *out)
                         .max_ratio = NAN,
                         .safety = NAN,
                         .events = NAN,
+                        .b_value = NAN,
+                        .balance_residual = NAN,
                         .steps = NAN};
     for (size_t i = 0; i < LAC_MEMBER_EXTRAS; i++) {
         out->extra[i] = NAN;
@@ -175,4 +201,18 @@ lac_status lac_member_run(lac_sweep *sweep, size_t index, const lac_simulation_o
         (void)snprintf(out->message, sizeof out->message, "%s", why.message);
     }
     return LAC_OK;
+}
+
+lac_status lac_member_write(lac_sweep *sweep, size_t index, const char *path,
+                            const lac_write_options *how, lac_error *err)
+{
+    const lac_case *c = NULL;
+    lac_simulation *simulation = NULL;
+    lac_status status;
+    LAC_TRY(lac_sweep_case(sweep, index, &c, err));
+    LAC_TRY(lac_simulation_create(c, NULL, &simulation, err));
+    LAC_TRY(lac_simulation_write(simulation, path, how, err));
+out:
+    lac_simulation_free(simulation);
+    return status;
 }

@@ -2,6 +2,7 @@
 // The plan of a sweep: what varies, how members are chosen, and the case of each.
 #include "sweep/ensemble.h"
 
+#include "base/temp_file.h"
 #include "base/units.h"
 #include "lacuna/simulation.h"
 
@@ -36,6 +37,8 @@ void lac_sweep_free(lac_sweep *sweep)
     free(sweep->extra);
     free(sweep->path);
     free(sweep->text);
+    free(sweep->written);
+    free(sweep->files);
     free(sweep->current_words);
     lac_case_free(sweep->current);
     lac_case_free(sweep->base);
@@ -49,7 +52,8 @@ static lac_status read_case(const lac_sweep *sweep, size_t count, lac_case **out
     char text[512];
     lac_case_issues report = {0};
     const lac_case_request how = {LAC_FOR_RUN, sweep->overrides, count};
-    const lac_status status = lac_case_read(sweep->path, &how, out, &report, err);
+    const lac_status status = lac_case_read_text(sweep->path, sweep->written,
+                                                 strlen(sweep->written), &how, out, &report, err);
     for (size_t i = report.count; status != LAC_OK && i-- > 0;) {
         if (!report.issue[i].warning) { // the first one stays
             const char *said = lac_case_issue_format(&report.issue[i], text, sizeof text);
@@ -62,11 +66,16 @@ static lac_status read_case(const lac_sweep *sweep, size_t count, lac_case **out
     return status;
 }
 
-static lac_status copy_overrides(lac_sweep *sweep, const lac_sweep_request *r, lac_error *err)
+// Keeps what is asked for, and the text of the case.
+static lac_status copy_request(lac_sweep *sweep, const lac_sweep_request *r, lac_error *err)
 {
+    size_t size = 0;
     sweep->path = strdup(r->path);
+    sweep->files = strdup(r->files != NULL ? r->files : "");
     sweep->overrides = calloc(r->count + 1, sizeof *sweep->overrides);
-    LAC_FAIL_MEMORY_IF(sweep->path == NULL || sweep->overrides == NULL, err);
+    LAC_FAIL_MEMORY_IF(sweep->path == NULL || sweep->files == NULL || sweep->overrides == NULL,
+                       err);
+    LAC_TRY_RETURN(lac_case_read_file(r->path, &sweep->written, &size, err));
     for (; sweep->count < r->count; sweep->count++) {
         lac_override *o = &sweep->overrides[sweep->count];
         o->key = strdup(r->overrides[sweep->count].key);
@@ -198,6 +207,7 @@ static void find_mark(lac_sweep *sweep)
             add(&sweep->mark, param->text[i]);
         }
     }
+    sweep->mark = lac_sum_bytes(sweep->mark, sweep->files, strlen(sweep->files));
 }
 
 // Adds the keys of a parameter as they are set to a text. @return how many overrides there are
@@ -244,6 +254,48 @@ static lac_status try_keys(lac_sweep *sweep, lac_error *err)
     return status;
 }
 
+// The case with one key set as a text, or as a number, all of it resolved; NULL: it is refused.
+static char *with_value(lac_sweep *sweep, const lac_swept *param, const char *text, double value)
+{
+    lac_case *c = NULL;
+    lac_error ignored;
+    char key[LAC_SWEEP_KEY], *resolved = NULL;
+    const size_t n = text != NULL ? override(sweep, sweep->count, param, text) : sweep->count;
+    bool good = read_case(sweep, n, &c, &ignored) == LAC_OK;
+    for (size_t i = 0; good && text == NULL && lac_swept_key(param, i, key); i++) {
+        good = lac_case_set(c, key, value, NULL) == LAC_OK;
+    }
+    if (good) {
+        resolved = lac_case_text(c);
+    }
+    lac_case_free(c);
+    return resolved;
+}
+
+static double value_at(const lac_swept *param, double u);
+
+// A number is set in the case that was read, which is fast, unless reading makes other values from
+// it, as rg.friction from f0: then the case is another one than that which is read with it.
+static void find_followers(lac_sweep *sweep)
+{
+    for (size_t p = 0; p < sweep->params; p++) {
+        lac_swept *param = &sweep->param[p];
+        char text[64], *read, *set;
+        const double value = value_at(param, 0.01);
+        if (param->word) {
+            continue;
+        }
+        const bool plain = strcmp(param->unit, "1") == 0;
+        (void)snprintf(text, sizeof text, "%.17g%s%s", value, plain ? "" : " ",
+                       plain ? "" : param->unit);
+        read = with_value(sweep, param, text, value);
+        set = with_value(sweep, param, NULL, value);
+        param->anew = read == NULL || set == NULL || strcmp(read, set) != 0;
+        free(read);
+        free(set);
+    }
+}
+
 // Names of what the indicators say once: those of the case as it stands.
 static lac_status find_extras(lac_sweep *sweep, lac_error *err)
 {
@@ -257,7 +309,10 @@ static lac_status find_extras(lac_sweep *sweep, lac_error *err)
     LAC_FAIL_MEMORY_IF(sweep->extra == NULL, err);
     LAC_TRY(lac_simulation_create(sweep->base, NULL, &simulation, err));
     for (size_t i = 0; (extra = lac_simulation_extra(simulation, i)) != NULL; i++) {
-        if (extra->over == LAC_OVER_NOTHING && sweep->extras < LAC_MEMBER_EXTRAS) {
+        if (extra->over == LAC_OVER_NOTHING) {
+            LAC_LEAVE_IF(sweep->extras == LAC_MEMBER_EXTRAS, err, LAC_EINPUT,
+                         "analysis: says more than %d values once, which a sweep cannot keep",
+                         (int)LAC_MEMBER_EXTRAS);
             lac_ensemble_extra *e = &sweep->extra[sweep->extras++];
             (void)snprintf(e->name, sizeof e->name, "%s", extra->name);
             (void)snprintf(e->unit, sizeof e->unit, "%s", extra->unit);
@@ -276,7 +331,7 @@ lac_status lac_sweep_create(const lac_sweep_request *request, lac_sweep **out, l
     lac_sweep *sweep = calloc(1, sizeof *sweep);
     LAC_FAIL_MEMORY_IF(sweep == NULL, err);
     sweep->seed = request->seed;
-    LAC_TRY(copy_overrides(sweep, request, err));
+    LAC_TRY(copy_request(sweep, request, err));
     LAC_TRY(read_case(sweep, sweep->count, &sweep->base, err));
     sweep->until = request->until;
     sweep->base->run.end = fmin(sweep->base->run.end, sweep->until);
@@ -284,6 +339,7 @@ lac_status lac_sweep_create(const lac_sweep_request *request, lac_sweep **out, l
     LAC_TRY(sweep->text == NULL ? lac_fail_memory(err) : LAC_OK);
     LAC_TRY(read_params(sweep, request, err));
     LAC_TRY(try_keys(sweep, err));
+    find_followers(sweep);
     LAC_TRY(lac_sweep_arrange(sweep, request, err));
     LAC_TRY(read_series(sweep, request->series, err));
     LAC_TRY(find_extras(sweep, err));
@@ -293,6 +349,17 @@ lac_status lac_sweep_create(const lac_sweep_request *request, lac_sweep **out, l
 out:
     lac_sweep_free(sweep);
     return status;
+}
+
+char *lac_sweep_set(const lac_sweep *sweep)
+{
+    char *lines = NULL;
+    size_t size = 0;
+    FILE *text = open_memstream(&lines, &size);
+    for (size_t i = 0; text != NULL && i < sweep->count; i++) {
+        (void)fprintf(text, "%s=%s\n", sweep->overrides[i].key, sweep->overrides[i].value);
+    }
+    return text != NULL ? lac_text_made(text, &lines) : NULL;
 }
 
 // Where a member lies along the axis of a parameter.
@@ -358,7 +425,7 @@ static lac_status set_words(lac_sweep *sweep, size_t member, bool all, lac_error
     LAC_FAIL_MEMORY_IF(out == NULL, err);
     for (size_t p = 0; p < sweep->params; p++) {
         const lac_swept *param = &sweep->param[p];
-        const char *text = all || param->word
+        const char *text = all || param->word || param->anew
                                ? lac_sweep_text(sweep, p, member, room[param->axis], sizeof *room)
                                : NULL;
         if (text != NULL) {
@@ -386,7 +453,8 @@ static lac_status set_numbers(lac_sweep *sweep, size_t member)
     for (size_t p = 0; p < sweep->params; p++) {
         const lac_swept *param = &sweep->param[p];
         char key[LAC_SWEEP_KEY];
-        for (size_t i = 0; status == LAC_OK && !param->word && lac_swept_key(param, i, key); i++) {
+        const bool number = !param->word && !param->anew;
+        for (size_t i = 0; status == LAC_OK && number && lac_swept_key(param, i, key); i++) {
             status = lac_case_set(sweep->current, key, lac_sweep_value(sweep, p, member), NULL);
         }
     }

@@ -20,7 +20,8 @@ typedef struct lac_sweep_request {
                         ///< first
     int64_t members;    ///< 0: as many as the design makes
     uint64_t seed;
-    double until; ///< an end before the case's [s]; NaN: none
+    double until;      ///< an end before the case's [s]; NaN: none
+    const char *files; ///< checksums of the files that the case reads; NULL: not told
 } lac_sweep_request;
 
 /// One key that varies.
@@ -28,6 +29,7 @@ typedef struct lac_swept {
     char *key, *said;  ///< keys that take one value, + between them; "uniform(1 cm, 5 cm)"
     char unit[32];     ///< of its numbers
     bool number, word; ///< its values are numbers; the case takes it as a text only
+    bool anew;         ///< the case is read anew with it: other values are made from it
     const struct lac_distribution *drawn; ///< NULL: a list
     double argument[3];
     size_t values; ///< of a list
@@ -71,6 +73,8 @@ const lac_design *lac_design_get(size_t index);
 typedef struct lac_sweep {
     lac_case *base;          ///< the case as it stands
     char *path, *text;       ///< of the base: its path, all of it resolved
+    char *written;           ///< the same as it was written
+    char *files;             ///< as in the request; ""
     lac_override *overrides; ///< [count] copies, and room for those of a member
     size_t count;
     char (*keys)[LAC_SWEEP_KEY]; ///< of those of a member
@@ -117,6 +121,9 @@ const char *lac_sweep_text(const lac_sweep *sweep, size_t param, size_t member, 
 /// The case of a member, until the next is asked for.
 /// @return as lac_case_read, lac_case_set
 lac_status lac_sweep_case(lac_sweep *sweep, size_t member, const lac_case **c, lac_error *err);
+
+/// What is set for all members, a line KEY=VALUE each. @return owned; NULL: no memory
+char *lac_sweep_set(const lac_sweep *sweep);
 
 /// One of the keys that take its value. @return false: there is none of that index
 bool lac_swept_key(const lac_swept *param, size_t index, char key[LAC_SWEEP_KEY]);

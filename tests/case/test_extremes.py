@@ -39,6 +39,7 @@ class Extremes(unittest.TestCase):
     def setUp(self):
         self.folder = tempfile.mkdtemp()
         self.addCleanup(shutil.rmtree, self.folder)
+        self.output = os.path.join(self.folder, "out.nc")
 
     def run_case(self, **changes):
         case = os.path.join(self.folder, "case.yaml")
@@ -46,7 +47,7 @@ class Extremes(unittest.TestCase):
         with open(case, "w", encoding="utf-8") as file:
             file.write(BLOCK.format(**{**PLAIN, **changes}).replace(", state: None", ""))
         return subprocess.run(
-            [PROGRAM, "run", case, "-o", self.output, "--force", "--json", "--no-progress"],
+            [PROGRAM, "run", case, "-o", os.path.join(self.folder, "out.nc"), "--force", "--json", "--no-progress"],
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True, timeout=120)
 
     def scan(self):
@@ -204,6 +205,42 @@ class Extremes(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertRegex(done.stderr, "balance drifted by .* solver.fidelity: ode")
         self.assertNotIn("formulation", done.stderr)
+
+    def test_a_balance_that_is_off_by_the_strength_is_no_result(self):
+        """Of a run far too coarse; a tenth as coarse it is one again."""
+        case = os.path.join(SOURCE, "cases", "lab-shear.yaml")
+        for rtol, status in ("0.1", 1), ("0.001", 0):
+            done = subprocess.run([PROGRAM, "run", case, "-o", os.path.join(self.folder, "out.nc"), "--force", "--json", "--set",
+                                   f"solver.rtol={rtol}"], capture_output=True, text=True, timeout=60)
+            self.assertEqual(done.returncode, status, done.stderr)
+            self.assertEqual(self.scan(), "failed" if status else "complete")
+            self.assertEqual("mean nothing" in done.stderr, status == 1, done.stderr)
+            self.assertEqual(json.loads(done.stdout)["balance_residual"] > 1, status == 1)
+
+    def test_a_friction_of_nothing_at_v0(self):
+        """f0 shifts the load at the start alone: the same failure, and a balance that holds."""
+        failures = []
+        for f0 in "0.6", "1e-300":
+            done = subprocess.run([PROGRAM, "run", os.path.join(SOURCE, "cases", "block.yaml"), "-o", os.path.join(self.folder, "out.nc"), "--force",
+                                   "--json", "--set", f"friction.aging.f0={f0}"], capture_output=True, text=True, timeout=60)
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+            failures.append(json.loads(done.stdout)["failure_time_s"])
+            self.assertLess(json.loads(done.stdout)["balance_residual"], 1e-12)
+        self.assertAlmostEqual(failures[1] / failures[0], 1, delta=1e-4)
+
+    def test_checkpoints_too_close(self):
+        """Told before with check, after with what they cost: nothing of 500 steps."""
+        case = os.path.join(SOURCE, "cases", "block.yaml")
+        for every, check, run in (("{steps: 10}", "a run can take 10 times the steps", "10 steps apart"),
+                                  ("{steps: 500}", None, None),
+                                  ("{time: 6 hour}", None, "steps apart")):
+            words = ["--set", f"output.checkpoint={every}"]
+            before = subprocess.run([PROGRAM, "check", case, *words], capture_output=True, text=True, timeout=60)
+            after = subprocess.run([PROGRAM, "run", case, "-o", os.path.join(self.folder, "out.nc"), "--force", *words], capture_output=True,
+                                   text=True, timeout=60)
+            self.assertEqual((before.returncode, after.returncode), (0, 0))
+            self.assertRegex(before.stderr, check or "^$")
+            self.assertRegex(after.stderr, run or "^$")
 
     def test_no_direct_effect_and_no_damping(self):
         done = self.run_case(a=0, v=1e-9, state='"1e6 s"')

@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What is installed serves: the example against the shared and the static library by pkg-config and
-by CMake's package, the Python module, manual pages, words for shells, and all of it from the .deb.
+by CMake's package, the Python module, manual pages, words for shells, and all of it from the two .deb; the wheel.
 
 usage: test_install.py PROGRAM SOURCE_FOLDER BUILD_FOLDER
 """
 
 import glob
+import importlib.util
 import os
+import platform
 import re
 import shlex
 import shutil
@@ -225,8 +227,10 @@ class Package(Prefix, unittest.TestCase):
         cls.folder = os.path.realpath(tempfile.mkdtemp(prefix="lacuna-deb-"))
         cls.addClassCleanup(shutil.rmtree, cls.folder, ignore_errors=True)
         call("cpack", "--config", os.path.join(BUILD, "CPackConfig.cmake"), "-B", cls.folder)
-        cls.package, = glob.glob(os.path.join(cls.folder, "*.deb"))
-        call("dpkg-deb", "-x", cls.package, os.path.join(cls.folder, "root"))
+        cls.package, = glob.glob(os.path.join(cls.folder, "lacuna_*.deb"))
+        cls.python, = glob.glob(os.path.join(cls.folder, "python3-lacuna_*_all.deb"))
+        for package in (cls.package, cls.python):
+            call("dpkg-deb", "-x", package, os.path.join(cls.folder, "root"))
         cls.prefix = os.path.join(cls.folder, "root", "usr")
 
     def test_dependencies(self):
@@ -242,8 +246,21 @@ class Package(Prefix, unittest.TestCase):
         self.assertEqual(call("dpkg-deb", "-f", self.package, "Version").strip(),
                          call(PROGRAM, "--version").split()[1])
 
+    def test_python_package(self):
+        """The module and nothing else, of the library's version alone; the other package has all else."""
+        field = lambda name: call("dpkg-deb", "-f", self.python, name).strip()  # noqa: E731
+        version = call(PROGRAM, "--version").split()[1]
+        self.assertEqual((field("Package"), field("Version"), field("Architecture")), ("python3-lacuna", version, "all"))
+        self.assertEqual(set(field("Depends").split(", ")),
+                         {f"lacuna (= {version})", "python3", "python3-numpy", "python3-xarray"})
+        held = [line.split()[-1] for line in call("dpkg-deb", "-c", self.python).splitlines() if line.startswith("-")]
+        self.assertEqual(held, ["./usr/lib/python3/dist-packages/lacuna.py"])
+        self.assertNotIn("lacuna.py", call("dpkg-deb", "-c", self.package))
+        for package in (self.package, self.python):
+            self.assertGreaterEqual(len(call("dpkg-deb", "-f", package, "Description").splitlines()), 3)
+
     def test_it_takes_away_what_python_wrote(self):
-        script = call("dpkg-deb", "-I", self.package, "prerm")
+        script = call("dpkg-deb", "-I", self.python, "prerm")
         modules = os.path.join(self.folder, "modules")
         os.makedirs(os.path.join(modules, "__pycache__"))
         for name in ("lacuna.cpython-311.pyc", "other.cpython-311.pyc"):
@@ -268,6 +285,36 @@ class Package(Prefix, unittest.TestCase):
         self.checks_of_library()
         self.checks_of_program()
         self.checks_of_python()
+
+
+@unittest.skipUnless(all(map(importlib.util.find_spec, ("setuptools", "wheel", "pip"))), "needs setuptools, wheel and pip")
+class Wheel(unittest.TestCase):
+    def setUp(self):
+        self.folder = os.path.realpath(tempfile.mkdtemp(prefix="lacuna-wheel-"))
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+
+    def test_it_is_installed(self):
+        """In an environment of its own, which has the module, the library, the program, and nothing of the build."""
+        call(sys.executable, os.path.join(SOURCE, "tools", "python", "make-wheel"), PROGRAM,
+             os.path.realpath(os.path.join(BUILD, "liblacuna.so")), self.folder)
+        wheel, = glob.glob(os.path.join(self.folder, "*.whl"))
+        version = call(PROGRAM, "--version").split()[1]
+        self.assertEqual(os.path.basename(wheel), f"lacuna-{version}-py3-none-linux_{platform.machine()}.whl")
+        place = os.path.join(self.folder, "own")
+        call(sys.executable, "-m", "venv", "--system-site-packages", "--without-pip", place)
+        python = os.path.join(place, "bin", "python")
+        call(sys.executable, "-m", "pip", "-q", "--python", python, "install", "--no-index", "--no-deps", wheel)
+        bare = {"PATH": "/usr/bin:/bin", "HOME": self.folder}
+        say = "import lacuna, importlib.metadata as m; print(lacuna._library._name, m.version('lacuna'), lacuna.version(), " \
+              f"lacuna.run({BLOCK!r}).failed, lacuna.check({BLOCK!r}).ok)"
+        library, *said = call(python, "-c", say, env=bare, cwd=self.folder).split()
+        self.assertTrue(library.startswith(place), library)
+        self.assertEqual(said, [version, version, "1", "1"])
+        self.assertEqual(call(os.path.join(place, "bin", "lacuna"), "--version", env=bare).split()[1], version)
+        os.rename(library, library + ".gone")
+        done = subprocess.run([python, "-c", "import lacuna"], env=bare, capture_output=True, text=True, check=False)
+        self.assertRegex(done.stderr.splitlines()[-1],
+                         r"^ImportError: no library of Lacuna: liblacuna\.so\.0\.1: cannot open .*; LACUNA_LIBRARY names it$")
 
 
 if __name__ == "__main__":

@@ -5,9 +5,11 @@
 usage: test_python.py PROGRAM SOURCE_FOLDER LIBRARY
 """
 
+import ast
 import concurrent.futures
 import doctest
 import gc
+import inspect
 import json
 import multiprocessing
 import os
@@ -26,6 +28,8 @@ PROGRAM, SOURCE, LIBRARY = map(os.path.abspath, sys.argv[1:4])
 os.environ["LACUNA_LIBRARY"] = LIBRARY
 os.environ["LACUNA_PROGRAM"] = PROGRAM
 sys.path.insert(0, os.path.join(SOURCE, "tools", "python"))
+sys.path.insert(0, os.path.join(SOURCE, "tests", "support"))
+import completed  # noqa: E402
 import lacuna  # noqa: E402
 
 STOPPED = """
@@ -165,10 +169,40 @@ class Python(unittest.TestCase):
     def test_contact(self):
         sets = {"interface.levels": "6"}
         case = "cases/contact/self-affine.yaml"
-        self.same({True: lacuna.contact(os.path.join(SOURCE, case), sets)}, ["contact", case, "--set", "interface.levels=6"])
+        words = ["contact", case, "--set", "interface.levels=6"]
+        self.same({True: lacuna.contact(os.path.join(SOURCE, case), sets)}, words)
+        mine = lacuna.contact(os.path.join(SOURCE, case), sets, boxes="2:16", coarsest=16, coarsening="sample", sizes="5 cm, 1 m")
+        self.same({True: mine}, [*words, "--boxes", "2:16", "--coarsest", "16", "--coarsening", "sample", "--sizes", "5 cm, 1 m"])
+        with self.assertRaises(lacuna.Error) as caught:
+            lacuna.contact(os.path.join(SOURCE, case), sets, boxes="3:16")
+        self.assertEqual(str(caught.exception), 'boxes: "3:16" must be two sides in cells, powers of two: 2:32')
+
+    def test_contact_history(self):
+        """Steps and maps, of all steps, of the last, of none."""
+        for fields in ("all", "last", "none"):
+            sets = {"interface.levels": 4, "load.history.fields": fields}
+            words = [word for key, value in sets.items() for word in ("--set", f"{key}={value}")]
+            mine = lacuna.contact(self.path("shear-cycle.yaml"), sets)
+            said = self.same({True: mine}, ["contact", "cases/shear-cycle.yaml", *words])
+            self.assertEqual(mine.sizes["step"], len(said["steps"]))
+            self.assertEqual(mine.variables.get("traction_x", mine.x).dims,
+                             {"all": ("step", "y", "x"), "last": ("y", "x"), "none": ("x",)}[fields])
 
     def test_rg(self):
         self.same({True: lacuna.rg(self.path("rg/cons.yaml"))}, ["rg", "cases/rg/cons.yaml"])
+
+    def test_rg_of_a_file(self):
+        file = os.path.join(self.folder, "run.nc")
+        subprocess.run([PROGRAM, "run", "cases/rg/creep-to-failure.yaml", "--set", "interface.levels=4", "--set",
+                        "output.fields=[slip_rate, state, traction]", "--set", "output.fields_every={per_decade: 2}", "-o", file, "-q"],
+                       check=True, cwd=SOURCE, stdout=subprocess.DEVNULL)
+        for snapshot in ("0", "last"):
+            mine = lacuna.rg(file, {"rg.beta": 0.5}, snapshot=snapshot)
+            self.same({True: mine}, ["rg", file, "--set", "rg.beta=0.5", "--snapshot", snapshot])
+        self.assertTrue(mine.identical(lacuna.rg(file, {"rg.beta": 0.5})))
+        with self.assertRaises(lacuna.Error) as caught:
+            lacuna.rg(file, snapshot=10**6)
+        self.assertEqual(caught.exception.kind, "input")
 
     def test_precursors(self):
         series = os.path.join(SOURCE, "cases/data/creep.csv")
@@ -207,17 +241,81 @@ class Python(unittest.TestCase):
     def test_of_the_program(self):
         """What its pool of processes and its tables are needed for."""
         said = lacuna.check(self.path("block.yaml"))
-        self.assertTrue(said["ok"])
-        wrong = lacuna.check(self.path("block.yaml"), {"friction.aging.dx": 1})
-        self.assertIn('did you mean "dc"', wrong["errors"][0]["message"])
-        done = subprocess.run([PROGRAM, "describe", "--json"], capture_output=True, text=True, check=True)
-        self.assertEqual(lacuna.describe(), json.loads(done.stdout))
+        theirs = json.loads(subprocess.run([PROGRAM, "check", "cases/block.yaml", "--json"], capture_output=True, text=True,
+                                           check=True, cwd=SOURCE).stdout)
+        self.assertEqual((said.attrs["ok"], said.attrs["scene"]), (1, theirs["scene"]))
+        self.assertEqual(said["memory"].item(), theirs["estimate"]["memory_bytes"])
+        self.assertEqual(said["memory"].units, "byte")
+        wrong = lacuna.check(self.path("block.yaml"), {"friction.aging.dx": 1, "solver.rtol": 9})
+        self.assertEqual((wrong.attrs["ok"], wrong.sizes["error"]), (0, 2))
+        self.assertIn('did you mean "dc"', str(wrong.error_message.values))
+        with self.assertRaises(lacuna.Error) as caught:
+            lacuna.check(self.path("none.yaml"))
+        self.assertEqual(caught.exception.kind, "file")
+        said = lacuna.describe()
+        theirs = json.loads(subprocess.run([PROGRAM, "describe", "--json"], capture_output=True, text=True, check=True).stdout)
+        models = [(kind["name"], model) for kind in theirs["kinds"] for model in kind["models"]]
+        models += [(section["name"], section) for section in theirs["sections"]]
+        self.assertEqual(list(said.model_name.values), [model["name"] for _, model in models])
+        rows = [(kind, model["name"], p) for kind, model in models for p in model["parameters"]]
+        self.assertEqual(list(zip(said.kind.values, said.of_model.values, said.key.values)),
+                         [(kind, model, p["key"]) for kind, model, p in rows])
+        for i, (_, _, p) in enumerate(rows):
+            default = said.default_choice.values[i] or said.default.values[i]
+            self.assertTrue(default == p["default"] or (p["default"] is None and numpy.isnan(default)), p)
+            self.assertEqual([said.unit.values[i] or None, said.doc.values[i], bool(said.required[i])],
+                             [p["unit"], p["doc"], p["required"]])
+        self.assertEqual(lacuna.describe("levels").sizes["model"], 1)
         traded = lacuna.trade(self.path("block.yaml"), dials="rtol=1e-3:1e-4", reach="1%", processes=1)
         self.assertEqual(traded.sizes["run"], 2)
         self.assertEqual(traded.attrs["status"], "complete")
         with self.assertRaises(lacuna.Error) as caught:
             lacuna.trade(self.path("block.yaml"), dials="none")
         self.assertEqual(caught.exception.kind, "input")
+
+    def test_options(self):
+        """What the library does not have, the program does: the same as from it."""
+        series = os.path.join(SOURCE, "cases/data/creep.csv")
+        mine = lacuna.precursors(series, displacement="disp_mm:mm", smooth="average:5")
+        self.same({True: mine}, ["precursors", "cases/data/creep.csv", "--displacement", "disp_mm:mm", "--smooth", "average:5"])
+        self.assertFalse(mine.identical(lacuna.precursors(series, displacement="disp_mm:mm")))
+        parts = [os.path.join(self.folder, f"{i}.nc") for i in range(2)]
+        over = {"friction.aging.dc": ["1 mm", "2 mm", "3 mm"]}
+        for i, part in enumerate(parts):
+            said = lacuna.command("sweep", self.path("block.yaml"), over="friction.aging.dc=1 mm, 2 mm, 3 mm", shard=f"{i}/2",
+                                  o=part)
+            self.assertEqual(said["output"], part)
+        mine, gathered = lacuna.sweep(self.path("block.yaml"), over), os.path.join(self.folder, "all.nc")
+        lacuna.command("gather", *parts, o=gathered)
+        self.assertTrue(mine.drop_attrs().identical(xarray.load_dataset(gathered).drop_attrs())
+                        if hasattr(mine, "drop_attrs") else mine.equals(xarray.load_dataset(gathered)))
+        with self.assertRaises(lacuna.Error) as caught:
+            lacuna.precursors(series, displacement="disp_mm:mm", smoothness=3)
+        self.assertEqual(caught.exception.kind, "input")
+
+    def test_every_command(self):
+        """All that the program can do is reached: by a function, or by its name."""
+        file, series = os.path.join(self.folder, "run.nc"), os.path.join(SOURCE, "cases/data/creep.csv")
+        page, tables, case = (os.path.join(self.folder, name) for name in ("page.html", "tables", "new"))
+        self.assertEqual(lacuna.command("run", self.path("block.yaml"), o=file, set="output.fields=[slip, slip_rate, state]")["status"],
+                         "complete")
+        self.assertEqual(lacuna.command("report", file, output=page)["output"], page)
+        self.assertEqual(lacuna.command("report", series, displacement="disp_mm:mm", output=page, force=True)["output"], page)
+        self.assertTrue(lacuna.command("export", file, csv=True, o=tables))
+        self.assertIn("time.csv", os.listdir(tables))
+        self.assertTrue(lacuna.command("mend", file))
+        self.assertTrue(lacuna.command("new", case))
+        self.assertIn("lacuna", lacuna.command("completion", "bash")["script"])
+        fleet = os.path.join(self.folder, "fleet.yaml")
+        with open(fleet, "w", encoding="utf-8") as words:
+            words.write("lacuna_fleet: 1\n")
+        with self.assertRaises(lacuna.Error) as caught:  # test_watch follows one
+            lacuna.command("watch", fleet, o=os.path.join(self.folder, "lines.jsonl"))
+        self.assertEqual(caught.exception.kind, "input")
+        branch = lacuna.run(self.path("block.yaml"), {"initial.run": {"file": file, "at": "1 day"}})
+        self.assertIn("run.nc", branch.attrs["branch"])
+        reached = {"report", "export", "mend", "new", "completion", "watch", "gather"}
+        self.assertEqual(set(completed.commands(PROGRAM)), (set(lacuna.__all__) - {"Error", "command", "version"}) | reached)
 
     def test_processes(self):
         case = self.path("block.yaml")
@@ -242,21 +340,46 @@ class Python(unittest.TestCase):
         for name in set(lacuna.__all__) - {"Error"}:
             self.assertTrue(getattr(lacuna, name).__doc__ and getattr(lacuna, name).__annotations__, name)
 
-    def test_holds_no_name(self):
-        """No second description: no text of the module is a variable, a unit or an attribute of a file. What is both a
-        variable and an argument's name (time, displacement ...) is the latter."""
-        with open(lacuna.__file__, encoding="utf-8") as file:
-            texts = set(re.findall(r'"([A-Za-z_0-9. ]+)"', re.sub(r'""".*?"""', "", file.read(), flags=re.DOTALL)))
+    def names_of_files(self):
         names = set()
         sets = {"output.fields": "[slip, state]", "interface.levels": 3, "time.end": "1 s"}
         for found in (lacuna.run(self.path("events.yaml"), {"time.end": "1 s"}), lacuna.run(self.path("block.yaml")),
                       lacuna.run(self.path("rg/creep-to-failure.yaml"), sets), lacuna.rg(self.path("rg/cons.yaml")),
+                      lacuna.contact(self.path("shear-cycle.yaml"), {"interface.levels": 4}),
+                      lacuna.sweep(self.path("block.yaml"), {"friction.aging.dc": ["1 um", "2 um"]}),
+                      lacuna.check(self.path("block.yaml")), lacuna.describe(),
                       lacuna.precursors(os.path.join(SOURCE, "cases/data/creep.csv"), displacement="disp_mm:mm")):
             for name in found.variables:
                 names |= {name, *found[name].attrs, found[name].attrs.get("units", ""), *found[name].dims}
             names |= set(found.attrs)
-        arguments = {"time", "displacement", "velocity", "case", "failed_at", "levels", "source", "1", "s", "reason", "order"}
-        self.assertEqual(texts & names - arguments, set())
+        return names
+
+    def test_holds_no_name(self):
+        """No second description: no text and no attribute in the module's source is a variable, a dimension, a unit or an
+        attribute of a file, but for what names an argument of a function, an option of the program or a member of the
+        library's own structures, or is of xarray and numpy."""
+        with open(lacuna.__file__, encoding="utf-8") as file:
+            source = file.read()
+        own = {"", "1", "s", "-", *lacuna.STATUS}
+        for name in lacuna.__all__:
+            own |= set(inspect.signature(getattr(lacuna, name)).parameters)
+        for kind in vars(lacuna).values():
+            own |= {field for field, *_ in getattr(kind, "_fields_", ())}
+        own |= {*dir(xarray.Dataset), *dir(numpy), *dir(os), *dir(lacuna._Owned(lambda _: None)), *lacuna.__all__}
+        names = self.names_of_files()
+        self.assertGreater(len(names), 250)
+
+        def held(text):
+            tree = ast.parse(text)
+            docs = {id(node.body[0].value) for node in ast.walk(tree) if hasattr(node, "body") and isinstance(node.body, list)
+                    and node.body and isinstance(node.body[0], ast.Expr)}
+            texts = {node.value for node in ast.walk(tree) if isinstance(node, ast.Constant) and id(node) not in docs}
+            return (texts | {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)}) & names - own
+
+        self.assertEqual(held(source), set())
+        for line, name in (("x = run['slip_rate']", "slip_rate"), ("x = run.failure_time", "failure_time"),
+                           ("x = {'m s-1': 1}", "m s-1"), ("x = f'{1}ended_by'", "ended_by")):
+            self.assertEqual(held(source + line), {name})
 
     def test_values_as_text(self):
         for value, text in ((True, "true"), ("4 cm", "4 cm"), (numpy.float64(0.25), "0.25"), (numpy.array([1, 2]), "[1, 2]"),
@@ -332,6 +455,19 @@ class Python(unittest.TestCase):
         done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True,
                               check=False, timeout=120)
         self.assertEqual((done.stdout, done.stderr, done.returncode), ("stopped\n", "", 0))
+
+    def test_interrupted_in_the_program(self):
+        """A sweep in the program's pool ends too, and its processes with it; a history of loads in this one."""
+        text = "\n".join((
+            "import lacuna, os, signal, sys, threading",
+            "threading.Timer(1.5, lambda: os.kill(os.getpid(), signal.SIGINT)).start()",
+            "try:", "    {call}", "except KeyboardInterrupt:", "    print('stopped')"))
+        calls = (f"lacuna.sweep({self.path('block.yaml')!r}, {{'friction.aging.dc': 'uniform(1 mm, 2 mm)'}}, members=1000000)",
+                 f"lacuna.contact({self.path('shear-cycle.yaml')!r}, {{'load.history.steps.0.count': 9000, 'interface.levels': 5}})")
+        for call in calls:
+            done = subprocess.run([sys.executable, "-c", text.format(call=call)], capture_output=True, text=True, check=False,
+                                  timeout=60, env={**os.environ, "PYTHONPATH": os.path.dirname(lacuna.__file__)})
+            self.assertEqual((done.stdout, done.stderr, done.returncode), ("stopped\n", "", 0))
 
     def test_version(self):
         said = subprocess.run([PROGRAM, "--version"], capture_output=True, text=True, check=True)

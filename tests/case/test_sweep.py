@@ -130,6 +130,43 @@ class Sweep(unittest.TestCase):
         self.assertEqual(swings[1]["result_low"], v["failure_time"][1])
         self.assertEqual(sums["answers"]["base"], v["failure_time"][0])
 
+    def test_answers_of_another_result(self):
+        """Quantiles, probabilities and indices of any number that a member has, beside those of failure in the file."""
+        over = [f"{DC}=uniform(1 mm, 3 mm)", f"{RATE}=loguniform(1 mm/week, 1 cm/week)"]
+        sums, v = self.sweep("--members", "60", "--of", "mean_slip", "--by", "3 cm", over=over)
+        answers, slip = sums["answers"], v["mean_slip"]
+        self.assertEqual((answers["result"], answers["unit"], answers["missing"], answers["never"]), ("mean_slip", "m", 0, 0))
+        self.assertAlmostEqual(answers["quantiles"][2]["value"], numpy.median(slip), 12)
+        self.assertEqual(answers["probability"]["failed"], int((slip <= 0.03).sum()))
+        course = answers["probability_over_time"]
+        self.assertEqual((course[0]["by"], course[-1]["by"], course[-1]["share"]), (slip.min(), slip.max(), 1))
+        self.assertEqual(answers["influences"][0]["parameter"], DC)
+        self.assertAlmostEqual(v["failure_time_quantile"][2], numpy.median(v["failure_time"]), 6)
+        text = self.call("gather", self.out, "--of", "mean_slip")
+        self.assertIn("what decides         part of the variance of mean_slip, alone\n    friction.aging.dc\n                       first 0.9", text)
+        self.assertIn("50 %", text)
+        self.assertNotIn("fail", text)
+        self.assertIn("no member has one", self.call("gather", self.out, "--of", "least_factor_of_safety"))
+        self.assertIn('"slip" must be one of failure_time, ', self.call("gather", self.out, "--of", "slip", status=2))
+        self.assertIn('--by: "1 day"', self.call("gather", self.out, "--of", "mean_slip", "--by", "1 day", status=2))
+
+    def test_indices_of_another_result(self):
+        """A block slips dc times what its history asks for, whatever the first rate: the index of dc is nearly all."""
+        sums, _ = self.sweep("--design", "saltelli", "--members", "400", "--of", "mean_slip", over=[f"{DC}=uniform(1 mm, 3 mm)", "friction.aging.f0=uniform(0.5, 0.7)"])
+        one, other = sums["answers"]["influences"]
+        self.assertEqual(one["parameter"], DC)
+        self.assertLess(abs(one["total"] - 1), 4 * one["total_error"])
+        self.assertLess(abs(other["total"]), 0.01)
+        tornado, v = self.sweep("--design", "tornado", "--of", "mean_slip", over=[f"{DC}=1 mm, 3 mm"])
+        self.assertEqual(tornado["answers"]["swings"][0]["result_high"], v["mean_slip"][2])
+
+    def test_b_and_balance(self):
+        """What a catalogue says is a result of its member; who is off the balance is told."""
+        _, v = self.sweep("--set", "interface.levels=4", over=["initial.spread.slip_rate.lognormal.seed=2, 3"], case="cases/one-by-one.yaml")
+        self.assertTrue(numpy.all(v["b_value"][v["events"] > 60] > 0.1))
+        self.assertTrue(numpy.any(v["events"] > 60))
+        self.assertTrue(numpy.all(v["balance_residual"] < 0.01))
+
     def test_keys_that_go_together(self):
         """Keys joined by + take one value."""
         self.call("new", self.folder + "/slope.yaml", "--kind", "slope")
@@ -161,6 +198,11 @@ class Sweep(unittest.TestCase):
             self.assertIn(f"<h3>{title}</h3>", shown)
         self.assertGreater(len(re.findall(r'<circle class="dot full', shown)), 100)
         self.assertIn(f"of {sums['answers']['counted']} members", shown)
+        self.call("report", self.out, "-o", page, "--force", "--of", "mean_slip")
+        shown = subprocess.run(["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=5000", "--dump-dom", "file://" + page],
+                               capture_output=True, text=True, check=False, timeout=120).stdout
+        self.assertIn('data-ready="yes"', shown)
+        self.assertIn("<h3>Distribution of mean slip</h3>", shown)
         self.assertIn("is the file of a sweep", self.call("report", self.out, "-o", page, "--force", "--until", "1 day", status=2))
         self.sweep("--design", "tornado", over=[f"{DC}=1 mm, 3 mm"])
         self.call("report", self.out, "-o", page, "--force")

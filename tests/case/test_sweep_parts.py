@@ -5,7 +5,9 @@
 usage: test_sweep_parts.py PROGRAM SOURCE_FOLDER [unittest options]
 """
 
+import json
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -38,7 +40,7 @@ class Parts(unittest.TestCase):
     def call(self, *words, status=0):
         done = subprocess.run([PROGRAM, *words], cwd=SOURCE, capture_output=True, text=True, check=False)
         self.assertEqual(done.returncode, status, done.stdout + done.stderr)
-        return done.stderr
+        return done.stdout if status == 0 else done.stderr
 
     def sweep(self, out, *words, case=BLOCK):
         self.call("sweep", case, "-q", "--jobs", "1", "-o", self.at(out), *words)
@@ -61,6 +63,73 @@ class Parts(unittest.TestCase):
             for name, v in one.variables.items():
                 if v.dimensions[:1] == ("realization",) and name != "message":
                     self.assertEqual(v[0].tolist(), all_of[name][23].tolist(), name)
+
+    def same(self, file, row, run):
+        """Whether a run is the row of a sweep's file, to the bit."""
+        with netCDF4.Dataset(self.at(file)) as sweep:
+            failed = sweep["failure_time"][row]
+            self.assertEqual(run["failure_time_s"], None if failed is numpy.ma.masked else failed)
+            self.assertEqual((run["mean_slip_m"], run["steps"]), (sweep["mean_slip"][row], sweep["steps"][row]))
+
+    def test_a_member_from_the_file(self):
+        """A member is made again from the file of its sweep alone, with all that was set, to the bit."""
+        self.sweep("all.nc", *OVER, "--over", "friction.aging.b=0.0135:0.0145:0.001", "--over", "solver.method=bdf, adams", "--design", "lhs", "--members", "20", "--set",
+                   "load.normal.pressure=6 MPa", "--until", "20 day", "--shard", "1/2")
+        for row, member in ((0, 1), (4, 9), (9, 19)):
+            done = subprocess.run([PROGRAM, "run", "all.nc", "--member", str(member), "--json"], cwd=self.place.name, capture_output=True, text=True, check=False)
+            self.assertEqual((done.returncode, done.stderr), (0, ""))  # it would say that the outcome is another
+            self.same("all.nc", row, json.loads(done.stdout))
+            self.assertTrue(os.path.exists(self.at(f"all-member-{member}.nc")))
+        self.assertIn('method: adams', "".join(self.call("check", self.at("all.nc"), "--member", str(m)) for m in (1, 3, 5, 7)))
+        self.assertIn("has no member 2: it holds 10 of 20", self.call("run", self.at("all.nc"), "--member", "2", status=2))
+        self.assertIn("--member I says which run", self.call("check", self.at("all.nc"), status=2))
+        self.assertIn("is no file of lacuna sweep", self.call("run", BLOCK, "--member", "2", status=2))
+        self.assertIn("must be a whole number", self.call("run", self.at("all.nc"), "--member", "two", status=2))
+
+    def test_a_member_needs_its_files(self):
+        """A file that the case reads must be there, and be that of the sweep."""
+        shutil.copy(os.path.join(SOURCE, BLOCK), self.at("case.yaml"))
+        with open(self.at("water.csv"), "w", encoding="utf-8") as series:
+            series.write("time_s,level\n0,0\n4e7,1\n")
+        self.sweep("all.nc", *OVER, "--members", "3", "--set", 'load.pore_pressure=[{series: {file: water.csv, time: time_s, value: "level:kPa"}}]', case=self.at("case.yaml"))
+        again = ["run", self.at("all.nc"), "--member", "1", "--json", "--force", "-o", self.at("run.nc")]
+        self.same("all.nc", 1, json.loads(self.call(*again)))
+        with open(self.at("water.csv"), "a", encoding="utf-8") as series:
+            series.write("5e7,2\n")
+        self.assertIn("water.csv is gone or changed", self.call(*again, status=2))
+        os.remove(self.at("water.csv"))
+        self.assertIn("water.csv is gone or changed", self.call(*again, status=2))
+
+    def test_another_outcome_is_told(self):
+        """A member that does not come to what its row says is no silent member."""
+        path = self.sweep("all.nc", *OVER, "--members", "3")
+        with netCDF4.Dataset(path, "a") as file:
+            file["mean_slip"][1] = 1.0
+        done = subprocess.run([PROGRAM, "run", path, "--member", "1", "-o", self.at("run.nc")], capture_output=True, text=True, check=False)
+        self.assertIn("has another outcome of member 1: 1 m", done.stderr)
+
+    def test_fields_of_some_members(self):
+        """The runs of members that are asked for are kept whole, in any part, and made again where they are gone."""
+        words = [*OVER, "--members", "12", "--set", "output.fields=[slip]", "--keep-fields", "1, 3:5"]
+        whole = content(self.sweep("all.nc", *words))
+        names = [f"all-member-{i}.nc" for i in (1, 3, 4, 5)]
+        self.assertEqual(sorted(n for n in os.listdir(self.place.name) if "member" in n), names)
+        self.call("run", self.at("all.nc"), "--member", "4", "-o", self.at("run.nc"), "-q")
+        of_run, of_sweep = content(self.at("run.nc")), content(self.at("all-member-4.nc"))
+        self.assertEqual(of_run[0], of_sweep[0])
+        self.assertIn("cell_slip", of_sweep[0])
+        parts = [self.sweep(f"{i}.nc", *words, "--shard", f"{i}/3") for i in range(3)]
+        self.assertEqual(sorted(n for n in os.listdir(self.place.name) if n[1:8] == "-member"), ["0-member-3.nc", "1-member-1.nc", "1-member-4.nc", "2-member-5.nc"])
+        self.call("gather", *parts, "-o", self.at("gathered.nc"))
+        self.assertEqual(content(self.at("gathered.nc")), whole)
+        os.remove(self.at("all.nc"))
+        self.assertIn("all-member-1.nc: exists already", self.call("sweep", BLOCK, *words, "-o", self.at("all.nc"), status=2))
+        self.sweep("all.nc", *words, "--force")
+        os.remove(self.at("all-member-3.nc"))
+        self.sweep("all.nc", *words, "--resume")
+        self.assertTrue(os.path.exists(self.at("all-member-3.nc")))
+        for said, wrong in (("must be members from 0 to 11", ["--keep-fields", "7:12"]), ("must be members", ["--keep-fields", "4 5"]), ("keeps no fields", ["--set", "output.fields=[]"])):
+            self.assertIn(said, self.call("sweep", BLOCK, *words, *wrong, "-o", self.at("no.nc"), status=2))
 
     def test_gather_refuses(self):
         """Missing and doubled members, and those of another sweep."""

@@ -8,6 +8,7 @@
 
 #include "base/fail.h"
 #include "fit/model_forecast.h"
+#include "lacuna/contact.h"
 #include "memory/failing_malloc.h"
 #include "memory/forecast.h"
 #include "memory/report.h"
@@ -113,6 +114,23 @@ out:
     lac_scene_contact_clear(&contact);
     lac_case_free(c);
     lac_case_issues_clear(&report);
+    return status;
+}
+
+// The same in memory, by one call.
+static lac_status computed_history(const char *path, lac_error *err)
+{
+    lac_status status;
+    lac_case *c = NULL;
+    lac_dataset *dataset = NULL;
+    lac_case_options how = lac_case_options_default();
+    (void)path;
+    how.purpose = LAC_FOR_CONTACT;
+    LAC_TRY(lac_case_parse("case.yaml", sheared, sizeof sheared - 1, &how, &c, err));
+    LAC_TRY(lac_contact_compute(c, NULL, &dataset, err));
+out:
+    lac_dataset_free(dataset);
+    lac_case_free(c);
     return status;
 }
 
@@ -342,6 +360,7 @@ static void one_fails(void **state)
     every_allocation_fails(whole_resumed, false);
     every_allocation_fails(whole_shear, false);
     every_allocation_fails(whole_history, false);
+    every_allocation_fails(computed_history, false);
     every_allocation_fails(whole_cascade, false);
     every_allocation_fails(whole_formulations, false);
     every_allocation_fails(whole_stored_cascade, false);

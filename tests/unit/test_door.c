@@ -315,6 +315,54 @@ static void test_result(void **state)
     lac_case_free(c);
 }
 
+static bool stop_at_third(void *context) { return ++*(int *)context == 3; }
+
+// A history of loads: what its steps ask for is what they have, cell by cell too; ended, and left
+// out.
+static void test_history(void **state)
+{
+    (void)state;
+    static const char sheared[] =
+        "lacuna: 1\n"
+        "interface: {size: 1, levels: 3, surface: {self-affine: {rms_height: 0.001}}}\n"
+        "material: {shear_modulus: 1e9, poisson: 0.2}\n"
+        "load: {normal: {pressure: 1e6}, history: {friction: 0.5, steps: [{ratio_x: 0.2}, "
+        "{ratio_x: 0.6, count: 3}, {pressure: 8e5}]}}\n";
+    static const double asked[] = {0.2, 1.0 / 3.0, 1.4 / 3.0, 0.6, 0.6};
+    lac_case_options how = lac_case_options_default();
+    lac_contact_options options = lac_contact_options_default();
+    lac_case *c = NULL;
+    lac_dataset *d = NULL;
+    double force[5], map[5 * 64];
+    int calls = 0;
+    how.purpose = LAC_FOR_CONTACT;
+    assert_int_equal(lac_case_parse("x", sheared, sizeof sheared - 1, &how, &c, NULL), LAC_OK);
+    assert_int_equal(lac_contact_compute(c, NULL, &d, NULL), LAC_OK);
+    assert_int_equal(lac_dataset_values(d, "shear_force_x", 5, force, NULL), LAC_OK);
+    assert_int_equal(lac_dataset_values(d, "traction_x", 5 * 64, map, NULL), LAC_OK);
+    for (size_t i = 0; i < 5; i++) {
+        double sum = 0;
+        for (size_t k = 0; k < 64; k++) {
+            sum += map[64 * i + k] / 64;
+        }
+        // the pressure is relieved at the shear that is held
+        assert_true(fabs(force[i] - asked[i] * 0.5 * 1e6) < 1.0);
+        assert_true(fabs(sum - force[i]) < 1.0);
+    }
+    lac_dataset_free(d);
+    options.interrupted = stop_at_third;
+    options.context = &calls;
+    assert_int_equal(lac_contact_compute(c, &options, &d, NULL), LAC_EINTERRUPT);
+    assert_null(d);
+    options.quick = true;
+    assert_int_equal(lac_contact_compute(c, &options, &d, NULL), LAC_OK);
+    assert_int_equal(lac_dataset_count(d, "shear_force_x"), 0);
+    lac_dataset_free(d);
+    options.boxes = "3:5";
+    REFUSES(lac_contact_compute(c, &options, &d, &err), "boxes: \"3:5\" must be two sides");
+    lac_case_free(c);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -322,6 +370,7 @@ int main(void)
         cmocka_unit_test(test_sizes),   cmocka_unit_test(test_order),
         cmocka_unit_test(test_numbers), cmocka_unit_test(test_models),
         cmocka_unit_test(test_issues),  cmocka_unit_test(test_result),
+        cmocka_unit_test(test_history),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

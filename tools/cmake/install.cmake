@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # What `cmake --install` puts where: program, libraries, headers, Python module, tools that draw, manual
 # pages, completions, documentation, cases. Nothing of it knows its place: the whole may be moved.
+set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME lacuna)
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
@@ -16,7 +17,7 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/cases DESTINATION ${CMAKE_INSTALL_DATADI
 file(GLOB pages CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/*.md)
 install(FILES ${pages} ${PROJECT_SOURCE_DIR}/CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs DESTINATION ${CMAKE_INSTALL_DOCDIR}
-        PATTERN docs/man EXCLUDE PATTERN docs/notebook EXCLUDE)
+        PATTERN docs/man EXCLUDE)
 file(GLOB drawing CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/tools/plot/*.py)
 install(PROGRAMS ${drawing} DESTINATION ${CMAKE_INSTALL_DATADIR}/lacuna/tools)
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright)
@@ -45,7 +46,12 @@ install(FILES ${PROJECT_BINARY_DIR}/lacuna-config.cmake
 if(TARGET lacuna_shared)
   install(TARGETS lacuna_shared EXPORT lacuna-targets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
   install(EXPORT lacuna-targets NAMESPACE lacuna:: DESTINATION ${package})
-  install(FILES ${PROJECT_SOURCE_DIR}/tools/python/lacuna.py DESTINATION lib/python3/dist-packages)
+  install(FILES ${PROJECT_SOURCE_DIR}/tools/python/lacuna.py DESTINATION lib/python3/dist-packages
+          COMPONENT python)
+endif()
+if(TARGET lacuna_shared AND TARGET lacuna_program AND LACUNA_PYTHON)
+  add_custom_target(wheel COMMAND ${LACUNA_PYTHON} ${PROJECT_SOURCE_DIR}/tools/python/make-wheel
+                    $<TARGET_FILE:lacuna_program> $<TARGET_FILE:lacuna_shared> ${PROJECT_BINARY_DIR} VERBATIM)
 endif()
 
 # Manual pages, where scdoc is there to make them; in man1 `man` finds them by the PATH of build/lacuna.

@@ -15,6 +15,9 @@ add_dependencies(lacuna_shared lacuna_exports)
 target_include_directories(lacuna_shared INTERFACE
   $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>)
 target_link_libraries(lacuna_shared PRIVATE lacuna_dependencies m)
+if(LACUNA_LAZY)
+  target_sources(lacuna_shared PRIVATE $<TARGET_OBJECTS:lacuna_lazy>)
+endif()
 target_link_options(lacuna_shared PRIVATE
   -Wl,--version-script=${exports} -Wl,-Bsymbolic -Wl,--no-undefined -Wl,--as-needed)
 # While the version begins with 0 each minor one may change the interface, and so has a name of its

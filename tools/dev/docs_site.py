@@ -159,7 +159,7 @@ def stage(folder):
     write("css/lacuna.css", STYLE)
     write("headers.md", headers())
     for path in ["CITATION.cff"] + glob.glob("docs/images/*", root_dir=ROOT) + glob.glob(
-            "docs/embed/*", root_dir=ROOT):
+            "docs/embed/*", root_dir=ROOT) + glob.glob("docs/notebook/*.ipynb", root_dir=ROOT):
         os.makedirs(os.path.dirname(os.path.join(folder, path)), exist_ok=True)
         shutil.copy(os.path.join(ROOT, path), os.path.join(folder, path))
 

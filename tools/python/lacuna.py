@@ -10,9 +10,11 @@
     lacuna.run(case)                     # a case that is in no file
 
 Variables and attributes are those of the command's file (docs/format.md), decoded as xarray does where it opens one: the
-library tells them, this module knows none by name. Arrays are the library's memory where it holds them, which is freed
-with the last of them. `run`, `contact`, `rg`, `precursors` and `fit` are computed in this process, without a file;
-`check`, `describe`, `trade` and `sweep` ask the program `lacuna`, whose pool of processes and tables they need.
+library tells them, this module knows none by name. No such file is written. Arrays are the library's memory where it holds
+them, which is freed with the last of them. `run`, `contact`, `rg` of a case, `precursors` and `fit` are computed in this
+process; `check`, `describe`, `trade` and `sweep`, whose pool of processes and tables they need, and options that the
+library does not have, ask the program `lacuna`, which hands its dataset over through a pipe. `command` gives what any
+command of the program says as a dict.
 
 Errors are lacuna.Error, and KeyboardInterrupt after Ctrl-C. Threads that call at once wait for each other; for many runs
 take processes, begun by either of
@@ -22,7 +24,7 @@ take processes, begun by either of
 
 or "fork", which must not come after a large run in threads of this process. The library is liblacuna.so beside this module's
 installation, else where the loader finds it, else what LACUNA_LIBRARY names; the program likewise, or LACUNA_PROGRAM.
-Threads are OpenMP's: set OMP_NUM_THREADS=1 unless a run is large.
+`pip install lacuna-*.whl` brings both. Threads are OpenMP's: set OMP_NUM_THREADS=1 unless a run is large.
 """
 
 from __future__ import annotations
@@ -30,6 +32,7 @@ from __future__ import annotations
 import collections.abc
 import ctypes
 import glob
+import io
 import json
 import os
 import shutil
@@ -37,12 +40,13 @@ import signal
 import subprocess
 import tempfile
 import threading
-from typing import Any, Iterator, Mapping, Optional, Sequence, Union
+from typing import Any, Iterable, Iterator, Mapping, Optional, Sequence, Union
 
 import numpy
 import xarray
 
-__all__ = ["Error", "check", "contact", "describe", "fit", "precursors", "rg", "run", "sweep", "trade", "version"]
+__all__ = ["Error", "check", "command", "contact", "describe", "fit", "precursors", "rg", "run", "sweep", "trade",
+           "version"]
 
 Case = Union[str, "os.PathLike[str]", Mapping[str, Any]]
 Sets = Optional[Mapping[str, Any]]
@@ -51,6 +55,7 @@ STATUS = ("ok", "out of memory", "input", "file", "numeric", "interrupted")
 INTERRUPTED = 5
 FOR_RUN, FOR_CONTACT, FOR_RG, FOR_FIT = range(4)  # lac_case_purpose
 ATTRIBUTE = "attribute"  # the type of what is one of the whole
+NETCDF = (b"CDF", b"\x89HDF")  # what a file begins with
 LIBRARY = "liblacuna.so.0.1"  # the interface that this module knows
 
 
@@ -84,9 +89,6 @@ class _CaseOptions(ctypes.Structure):
                 ("count", ctypes.c_size_t)]
 
 
-_INTERRUPTED = ctypes.CFUNCTYPE(ctypes.c_bool, ctypes.c_void_p)
-
-
 _STOP = ctypes.CFUNCTYPE(ctypes.c_bool, ctypes.c_void_p)
 _GO_ON = ctypes.CFUNCTYPE(ctypes.c_bool, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_size_t)
 _TOLD = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_char_p, ctypes.c_char_p, ctypes.c_size_t,
@@ -103,6 +105,12 @@ class _Sized(ctypes.Structure):
 class _Options(_Sized):
     """The first of lac_simulation_options."""
     _fields_ = [("size", ctypes.c_size_t), ("interrupted", _STOP), ("context", ctypes.c_void_p)]
+
+
+class _ContactOptions(_Sized):
+    _fields_ = [("size", ctypes.c_size_t), ("quick", ctypes.c_bool), ("interrupted", _STOP), ("context", ctypes.c_void_p),
+                ("boxes", ctypes.c_char_p), ("coarsest", ctypes.c_char_p), ("coarsening", ctypes.c_char_p),
+                ("sizes", ctypes.c_char_p)]
 
 
 class _FitOptions(_Sized):
@@ -159,7 +167,7 @@ def _open() -> ctypes.CDLL:
             ("case_parse", status, (text, text, size, how, handle, error)),
             ("simulation_create", status, (void, ctypes.POINTER(_Options), handle, error)),
             ("simulation_record", status, (void, handle, error)),
-            ("contact_compute", status, (void, void, handle, error)),
+            ("contact_compute", status, (void, ctypes.POINTER(_ContactOptions), handle, error)),
             ("rg_compute", status, (void, ctypes.POINTER(_RgOptions), handle, error)),
             ("series_create", status, (ctypes.POINTER(_SeriesDef), handle, error)),
             ("forecast_compute", status, (void, ctypes.POINTER(_ForecastOptions), handle, error)),
@@ -195,6 +203,9 @@ def version() -> str:
     2
     """
     return _library.lac_version().decode()
+
+
+__version__ = version()
 
 
 class _Stop:
@@ -237,20 +248,13 @@ class _Recording:
             index += 1
 
     def told(self, name: Optional[bytes]) -> "tuple[Optional[str], dict[str, Any]]":
-        """The type that a file has a variable in (None: it is no variable there), and its attributes."""
-        types, attributes = [], {}
+        said, error = [], _Error()
 
         def take(_context, key, text, n, numbers, whole):
-            values = numpy.array([numbers[i] for i in range(n)], "i4" if whole and max(
-                map(abs, numbers[:n]), default=0) < 2**31 else "i8" if whole else "f8")
-            if key is None:
-                types.append(text.decode())
-            else:
-                attributes[key.decode()] = text.decode(errors="replace") if n == 0 else values[0] if n == 1 else values
+            said.append((key and key.decode(), text and text.decode(errors="replace"), whole, numbers[:n]))
 
-        error = _Error()
         _check(_library.lac_dataset_tell(self.handle, name, _TOLD(take), None, error), error)
-        return (types or [None])[0], attributes
+        return _said(said)
 
     def dims(self, name: bytes) -> "dict[str, int]":
         dims, length = {}, ctypes.c_size_t()
@@ -277,31 +281,69 @@ class _Recording:
         return out
 
     def dataset(self, decode_times: bool) -> xarray.Dataset:
-        """What xarray gives of the file that this would be."""
-        variables, (_, attributes) = {}, self.told(None)
+        variables, (_, attributes) = [], self.told(None)
         for name in self.names():
             dims, (kind, about) = self.dims(name), self.told(name)
-            if kind in (None, ATTRIBUTE):
-                # That one is told already; what is in no file has its unit in its name.
-                if kind is None and not dims and not _library.lac_dataset_is_text(self.handle, name):
-                    unit = _library.lac_dataset_unit(self.handle, name).decode()
-                    key = name.decode() + ("" if unit == "1" else "_" + unit.replace(" ", "_"))
-                    attributes.setdefault(key, float(self.values(name)[0]))
-                continue
-            if kind == "str":
-                values = self.texts(name)
-            elif _library.lac_dataset_is_text(self.handle, name):
-                values = numpy.arange(_library.lac_dataset_count(self.handle, name), dtype=kind)
-            else:
-                values = _as(self.values(name), kind, about)
-            variables[name.decode()] = (list(dims), values.reshape(list(dims.values())), about)
-        raw = xarray.Dataset(variables, attrs=attributes)
-        with numpy.errstate(invalid="ignore"):  # dates that are missing
-            decoded = xarray.decode_cf(raw, decode_times=decode_times).load()
-        for name in set(decoded.variables) - set(decoded.dims):
-            if decoded[name].dtype == raw[name].dtype == float:  # NaN was missing before: no copy is needed
-                decoded[name].variable.data = raw[name].variable.data
-        return decoded
+            text = _library.lac_dataset_is_text(self.handle, name)
+            if kind is None and not dims and not text:
+                # What is in no file has its unit in its name.
+                unit = _library.lac_dataset_unit(self.handle, name).decode()
+                key = name.decode() + ("" if unit == "1" else "_" + unit.replace(" ", "_"))
+                attributes.setdefault(key, float(self.values(name)[0]))
+            elif kind not in (None, ATTRIBUTE):  # that one is told already
+                values = self.texts(name) if kind == "str" else None if text else self.values(name)
+                variables.append((name.decode(), dims, kind, about, values))
+        return _dataset(variables, attributes, decode_times)
+
+
+def _said(told: Iterable[Any]) -> "tuple[Optional[str], dict[str, Any]]":
+    """The type that a file has a variable in (None: it is no variable there), and its attributes."""
+    kind, attributes = None, {}
+    for key, text, whole, numbers in told:
+        if key is None:
+            kind = text
+        elif numbers:
+            small = max(map(abs, numbers)) < 2**31
+            values = numpy.array(numbers, "f8" if not whole else "i4" if small else "i8")
+            attributes[key] = values[0] if len(values) == 1 else values
+        else:
+            attributes[key] = text
+    return kind, attributes
+
+
+def _piped(stream: io.BytesIO, decode_times: bool) -> xarray.Dataset:
+    """What the program hands over with --pipe: a line of JSON a variable, and its numbers."""
+    variables, attributes = [], {}
+    for line in stream:
+        name, dims, texts, *told = json.loads(line)
+        kind, about = _said((key, text, text, [numpy.nan if n is None else n for n in numbers])
+                            for key, text, *numbers in told)
+        count = int(numpy.prod(list(dims.values()), dtype=int))
+        if name is None:
+            attributes = about
+        elif kind != ATTRIBUTE:
+            values = numpy.array(texts, object) if kind == "str" else None
+            if texts is None:
+                values = numpy.frombuffer(stream.read(8 * count)).copy()
+                values[~numpy.isfinite(values)] = numpy.nan
+            variables.append((name, dims, kind, about, values))
+    return _dataset(variables, attributes, decode_times)
+
+
+def _dataset(told: Iterable[Any], attributes: Mapping[str, Any], decode_times: bool) -> xarray.Dataset:
+    """What xarray gives of the file that this would be. Values None: the places of texts that are flags."""
+    variables = {}
+    for name, dims, kind, about, values in told:
+        shape = list(dims.values())
+        values = numpy.arange(shape[0], dtype=kind) if values is None else values if kind == "str" else _as(values, kind, about)
+        variables[name] = (list(dims), values.reshape(shape), about)
+    raw = xarray.Dataset(variables, attrs=attributes)
+    with numpy.errstate(invalid="ignore"):  # dates that are missing
+        decoded = xarray.decode_cf(raw, decode_times=decode_times).load()
+    for name in set(decoded.variables) - set(decoded.dims):
+        if decoded[name].dtype == raw[name].dtype == float:  # NaN was missing before: no copy is needed
+            decoded[name].variable.data = raw[name].variable.data
+    return decoded
 
 
 def _as(values: numpy.ndarray, kind: str, about: Mapping[str, Any]) -> numpy.ndarray:
@@ -408,28 +450,50 @@ def run(case: Case, overrides: Sets = None, *, decode_times: bool = True) -> xar
         return _compute(_library.lac_simulation_record, simulation.handle, decode_times=decode_times)
 
 
-def contact(case: Case, overrides: Sets = None) -> xarray.Dataset:
-    """Presses the surface of a case and measures its contact, as `lacuna contact` does, without its history of loads.
+def contact(case: Case, overrides: Sets = None, *, boxes: Optional[str] = None, coarsest: Optional[int] = None,
+            coarsening: Optional[str] = None, sizes: Optional[str] = None) -> xarray.Dataset:
+    """Presses the surface of a case, measures its contact and follows its history of loads, as `lacuna contact` does.
 
-    Arguments and errors are those of run.
+    boxes       sides of boxes that the dimension is fitted to: "2:32"
+    coarsest    cells a side of the coarsest resolution
+    coarsening  how grids are made coarser: "sample" or "block-mean"
+    sizes       specimens of the size effect: "50 mm, 1 m"
+    Other arguments and errors are those of run.
 
     >>> contact("cases/contact/self-affine.yaml", {"interface.levels": 5}).attrs["n_cells"] > 0
     True
     """
-    with _one_at_a_time:
+    with _one_at_a_time, _Stop() as stop:
         read = _read(case, overrides, FOR_CONTACT)
-        return _compute(_library.lac_contact_compute, read.handle, None, needs=[read])
+        words = [None if word is None else _bytes(str(word))[0] for word in (boxes, coarsest, coarsening, sizes)]
+        how = _ContactOptions(False, stop.callback, None, *words)
+        return _compute(_library.lac_contact_compute, read.handle, how, needs=[read])
 
 
-def rg(case: Case, overrides: Sets = None) -> xarray.Dataset:
-    """The cascade of slip over the blocks of a case, as `lacuna rg` has it. Arguments and errors are those of run.
+def rg(case: Case, overrides: Sets = None, *, snapshot: Union[str, int, None] = None) -> xarray.Dataset:
+    """The cascade of slip over the blocks of a case, or over the cells in the file of a run or of a contact, as
+    `lacuna rg` has it.
+
+    case      that of run; or path of such a file, whose keys of rg overrides can change
+    snapshot  which one of the file: "last", a number from 0, a time such as "10 day"
+    Errors are those of run.
 
     >>> rg("cases/rg/cons.yaml").sizes["level"] > 1
     True
     """
+    if snapshot is not None or _is_netcdf(case):
+        return _asked(["rg"], [case], overrides, {"snapshot": snapshot})
     with _one_at_a_time, _Stop() as stop:
         read = _read(case, overrides, FOR_RG)
         return _compute(_library.lac_rg_compute, read.handle, _RgOptions(stop.go_on, None), needs=[read])
+
+
+def _is_netcdf(case: Case) -> bool:
+    try:
+        with open(case, "rb") as file:
+            return file.read(4).startswith(NETCDF)
+    except (OSError, TypeError, ValueError):  # who reads the case says why
+        return False
 
 
 def _seconds(when: Any, nothing: float) -> float:
@@ -450,7 +514,8 @@ def _column(text: Optional[str]) -> "tuple[Optional[bytes], Optional[bytes]]":
 def precursors(series: "str | os.PathLike[str]", *, time: Optional[str] = None, displacement: Optional[str] = None,
                velocity: Optional[str] = None, time_format: Optional[str] = None, since: Any = None, until: Any = None,
                failed_at: Any = None, issues: int = 0, case: Optional[Case] = None, overrides: Sets = None,
-               levels: Optional[str] = None, threads: int = 1, decode_times: bool = True) -> xarray.Dataset:
+               levels: Optional[str] = None, threads: int = 1, decode_times: bool = True,
+               **options: Any) -> xarray.Dataset:
     """Forecasts of the time of failure from readings, and indicators, as `lacuna precursors` has them.
 
     series        path of a CSV or netCDF file
@@ -459,11 +524,16 @@ def precursors(series: "str | os.PathLike[str]", *, time: Optional[str] = None, 
     issues        forecasts as of so many readings (--rolling: 400); 0: of the last one
     case          one more method, the slope's own model
     levels        path of a file of thresholds
+    options       any other of the command: driver="rain:mm:sum", components="e:mm,n:mm", raw=True
     Errors are those of run.
 
     >>> precursors("cases/data/creep.csv", displacement="disp_mm:mm").failure_time.dtype.kind
     'M'
     """
+    if options:
+        given = {"time": time, "displacement": displacement, "velocity": velocity, "time-format": time_format, "since": since,
+                 "until": until, "failed-at": failed_at, "rolling": issues > 0, "issues": issues or None, "levels": levels}
+        return _asked(["precursors"], [series], overrides, {**given, **options}, decode_times, {"case": case})
     with _one_at_a_time, _Stop() as stop:
         read = _read(case, overrides, FOR_FIT) if case is not None else None
         words = [*_bytes(series), (time or "").encode() or None, (time_format or "").encode() or None]
@@ -477,14 +547,17 @@ def precursors(series: "str | os.PathLike[str]", *, time: Optional[str] = None, 
 
 
 def fit(case: Case, series: "str | os.PathLike[str]", overrides: Sets = None, *, threads: int = 1,
-        decode_times: bool = True) -> xarray.Dataset:
+        decode_times: bool = True, **options: Any) -> xarray.Dataset:
     """Fits the parameters that the section `fit` of a case names to a series, as `lacuna fit` does.
 
-    Arguments and errors are those of run; of a fit that has not converged Error.dataset has what there is.
+    Arguments and errors are those of run; of a fit that has not converged Error.dataset has what there is. Options are
+    any other of the command: displacement="disp_mm:mm" where the case names no columns.
 
     >>> fit("cases/fit/block.yaml", "cases/data/creep.csv", {"fit.steps": 0, "fit.starts": 4}).attrs["status"]
     'complete'
     """
+    if options:
+        return _asked(["fit"], [case, series], overrides, {"threads": threads, **options}, decode_times)
     with _one_at_a_time, _Stop() as stop:
         read, named, error = _read(case, overrides, FOR_FIT), _Owned(_library.lac_series_free), _Error()
         _check(_library.lac_fit_series(read.handle, *_bytes(series), named.handle, error), error)
@@ -493,20 +566,31 @@ def fit(case: Case, series: "str | os.PathLike[str]", overrides: Sets = None, *,
                         decode_times=decode_times)
 
 
-def _program(words: Sequence[str], folder: str, case: Optional[Case] = None, overrides: Sets = None) -> str:
-    """What the program prints."""
-    program = os.environ.get("LACUNA_PROGRAM") or _beside("../bin/lacuna") or shutil.which("lacuna")
+def _words(options: Mapping[str, Any]) -> "list[str]":
+    """Options as the program has them: True is one without a value, a list is one that is repeated."""
+    words = []
+    for key, value in options.items():
+        name = ("-" if len(key) == 1 else "--") + key.replace("_", "-")
+        for one in value if isinstance(value, (list, tuple)) else [value]:
+            if one is not None and one is not False:
+                words += [name] if one is True else [name, str(one)]
+    return words
+
+
+def _program(words: Sequence[str], arguments: Sequence[Any], overrides: Sets, folder: str,
+             cases: Mapping[str, Any] = {}) -> bytes:
+    """What the program prints. @param cases  options whose values are cases, too"""
+    # A wheel's module is a package, one folder deeper.
+    program = (os.environ.get("LACUNA_PROGRAM") or _beside("../bin/lacuna" if __file__.endswith("lacuna.py") else "../../bin/lacuna")
+               or shutil.which("lacuna"))
     if program is None:
         raise Error(STATUS.index("file"), "no program lacuna: LACUNA_PROGRAM names it")
-    if isinstance(case, collections.abc.Mapping):
-        place = os.path.join(folder, "case.yaml")
-        with open(place, "w", encoding="utf-8") as file:
-            json.dump(dict(case), file, indent=1, default=_plain)
-        case = place
+    given = [os.fsdecode(_case_file(one, folder, i)) for i, one in enumerate(arguments)]
+    given += _words({key: _case_file(one, folder, key) for key, one in cases.items() if one is not None})
     sets = [word for key, value in (overrides or {}).items() for word in ("--set", f"{key}={_text(value)}")]
-    given = [] if case is None else [os.fsdecode(case)]
-    with subprocess.Popen([program, *words, *given, *sets, "--json", "--no-progress"], stdout=subprocess.PIPE,
-                          stderr=subprocess.PIPE) as process:
+    words = [program, *words, *given, *sets]
+    _bytes(*words)
+    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         try:
             out, said = process.communicate()
         except KeyboardInterrupt:
@@ -515,60 +599,87 @@ def _program(words: Sequence[str], folder: str, case: Optional[Case] = None, ove
             raise
     if process.returncode == 4:
         raise KeyboardInterrupt
-    if process.returncode != 0 and not (words[0] == "check" and out):
+    if process.returncode != 0 and not (words[1] == "check" and out):
         kind = {1: "numeric", 3: "file"}.get(process.returncode, "input")
         raise Error(STATUS.index(kind), said.decode(errors="replace").strip().replace("lacuna: ", "", 1))
-    return out.decode()
+    return out
 
 
-def check(case: Case, overrides: Sets = None) -> "dict[str, Any]":
-    """What is wrong with a case, its resolved text and what it will cost, as `lacuna check --json` has it.
+def _case_file(case: Any, folder: str, name: Any) -> "str | os.PathLike[str]":
+    """A case that is in no file gets one."""
+    if not isinstance(case, collections.abc.Mapping):
+        return case
+    place = os.path.join(folder, f"case-{name}.yaml")
+    with open(place, "w", encoding="utf-8") as file:
+        json.dump(dict(case), file, indent=1, default=_plain)
+    return place
 
-    >>> check("cases/block.yaml")["ok"]
-    True
-    """
+
+def _asked(words: Sequence[str], arguments: Sequence[Any], overrides: Sets, options: Mapping[str, Any],
+           decode_times: bool = True, cases: Mapping[str, Any] = {}, journal: bool = True) -> xarray.Dataset:
+    """The dataset of a command of the program. @param journal  it keeps its work in a folder while it goes on"""
     with tempfile.TemporaryDirectory(prefix="lacuna-") as folder:
-        return json.loads(_program(["check"], folder, case, overrides))
+        place = ["-o", os.path.join(folder, "result.nc")] if journal else []
+        out = _program([*words, *_words(options), *place, "--pipe", "--no-progress"], arguments, overrides, folder, cases)
+    return _piped(io.BytesIO(out), decode_times)
 
 
-def describe(kind: Optional[str] = None, name: Optional[str] = None) -> "dict[str, Any]":
-    """Models and sections with their parameters, units and ranges, as `lacuna describe --json` has them.
+def command(name: str, *arguments: Any, overrides: Sets = None, **options: Any) -> "dict[str, Any]":
+    """What a command of the program says with --json: report, export, mend ... and those that have a function here.
 
-    >>> describe("friction", "aging")["kinds"][0]["models"][0]["name"]
+    arguments, options  as on its command line; what has no value is True, what is repeated a list
+
+    >>> command("describe", "friction", "aging")["kinds"][0]["models"][0]["name"]
     'aging'
     """
-    return json.loads(_program(["describe", *(word for word in (kind, name) if word)], "."))
-
-
-def _filed(words: Sequence[str], case: Case, overrides: Sets, decode_times: bool) -> xarray.Dataset:
-    """The file that a command writes, and which is removed."""
     with tempfile.TemporaryDirectory(prefix="lacuna-") as folder:
-        path = os.path.join(folder, "result.nc")
-        _program([*words, "-o", path], folder, case, overrides)
-        return xarray.load_dataset(path, decode_times=decode_times)
+        return json.loads(_program([name, *_words(options), "--json", "--no-progress"], arguments, overrides, folder))
+
+
+def check(case: Case, overrides: Sets = None) -> xarray.Dataset:
+    """What is wrong with a case, its resolved text and what it will cost, as `lacuna check` has it. Of a case that cannot
+    be read at all it raises Error; of a wrong one the Dataset says what is wrong.
+
+    >>> int(check("cases/block.yaml").attrs["ok"])
+    1
+    """
+    return _asked(["check"], [case], overrides, {}, journal=False)
+
+
+def describe(kind: Optional[str] = None, name: Optional[str] = None) -> xarray.Dataset:
+    """Models and sections with their parameters, units and ranges, as `lacuna describe` has them.
+
+    >>> "dc" in describe("friction", "aging").key
+    True
+    """
+    return _asked(["describe"], [word for word in (kind, name) if word], None, {}, journal=False)
 
 
 def trade(case: Case, overrides: Sets = None, *, dials: Optional[str] = None, quantity: Optional[str] = None,
-          reach: Optional[str] = None, spend: Optional[str] = None, processes: Optional[int] = None) -> xarray.Dataset:
+          reach: Optional[str] = None, spend: Optional[str] = None, processes: Optional[int] = None,
+          **options: Any) -> xarray.Dataset:
     """Error against cost over the settings of a case, as `lacuna trade` has them: each run in a process of its own.
+    Options are any other of the command: crossed=True.
 
     >>> "run" in trade("cases/block.yaml", dials="rtol=1e-3:1e-4", reach="1%").sizes
     True
     """
-    options = {"--dials": dials, "--quantity": quantity, "--reach": reach, "--spend": spend, "--jobs": processes}
-    words = [str(word) for key, value in options.items() if value is not None for word in (key, value)]
-    return _filed(["trade", *words], case, overrides, True)
+    given = {"dials": dials, "quantity": quantity, "reach": reach, "spend": spend, "jobs": processes}
+    return _asked(["trade"], [case], overrides, {**given, **options})
 
 
 def sweep(case: Case, over: Mapping[str, Any], overrides: Sets = None, *, design: Optional[str] = None,
           members: Optional[int] = None, seed: Optional[int] = None, processes: Optional[int] = None,
-          decode_times: bool = True) -> xarray.Dataset:
+          decode_times: bool = True, **options: Any) -> xarray.Dataset:
     """Runs a case many times over lists and distributions, as `lacuna sweep` does, in its pool of processes.
 
-    over   {"key.path": "uniform(1 cm, 5 cm)"}, lists, ranges; a list of Python is one too
+    over     {"key.path": "uniform(1 cm, 5 cm)"}, lists, ranges; a list of Python is one too
+    options  any other of the command: by="2 year", table="values.csv", series="time:50", shard="0/4"
+
+    >>> sweep("cases/block.yaml", {"friction.aging.dc": ["4 mm", "5 mm"]}).sizes["realization"]
+    2
     """
-    words = [f"{key}={', '.join(map(str, value)) if isinstance(value, (list, tuple)) else value}"
-             for key, value in over.items()]
-    options = {"--design": design, "--members": members, "--seed": seed, "--jobs": processes}
-    given = [str(word) for key, value in options.items() if value is not None for word in (key, value)]
-    return _filed(["sweep", *(word for text in words for word in ("--over", text)), *given], case, overrides, decode_times)
+    said = [f"{key}={', '.join(map(str, value)) if isinstance(value, (list, tuple)) else value}"
+            for key, value in over.items()]
+    given = {"over": said, "design": design, "members": members, "seed": seed, "jobs": processes}
+    return _asked(["sweep"], [case], overrides, {**given, **options}, decode_times)

@@ -21,6 +21,8 @@ import subprocess
 import sys
 import tempfile
 
+import netCDF4
+
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 CASE = os.path.join(ROOT, "cases/bridge.yaml")
 
@@ -47,9 +49,9 @@ def settings(contacts=16, beta=0.7, ratio=0.01, dc=DC, contrast=0.16, law="weake
             "time.stop_when.mean_slip": f"{slack:.17g} m"}
 
 
-def call(program, command, values, output):
+def call(program, command, values, output, *more):
     """The JSON that a command prints for the case under these settings."""
-    words = [program, command, CASE, "--json", "--force", "-o", output]
+    words = [program, command, CASE, "--json", "--force", "-o", output, *more]
     for key, value in values.items():
         words += ["--set", f"{key}={value}"]
     done = subprocess.run(words, capture_output=True, text=True, check=False)
@@ -62,7 +64,7 @@ class Bridge:
     """Runs and predictions, those of the same settings made once."""
 
     def __init__(self, program, folder, runs, jobs):
-        self.program, self.folder, self.runs = program, folder, runs
+        self.program, self.folder, self.runs, self.jobs = program, folder, runs, jobs
         self.pool = concurrent.futures.ThreadPoolExecutor(jobs)
         self.residual = 0.0
         self.predicted = functools.lru_cache(maxsize=None)(self.predict)
@@ -74,24 +76,20 @@ class Bridge:
         name = f"{rule}-{contacts}-{beta}-{contrast}-{seed}.nc"
         return call(self.program, "rg", values, os.path.join(self.folder, name))["q_crit_over_q_nom"]
 
-    def reach(self, number, options, seed):
-        """Q/Q_nom at which one run slid, less that of CONS and that of FIX."""
-        output = os.path.join(self.folder, f"run-{number}-{seed}.nc")
-        done = call(self.program, "run", {"output.every": "{steps: 1000}",
-                                          **settings(seed=seed, **options)}, output)
-        os.remove(output)
-        if done["ended_by"] != "stop_when":
-            sys.exit(f"bridge: seed {seed} of {options} did not slide")
-        self.residual = max(self.residual, done["balance_residual"])
-        reached = done["apparent_friction"] / F0
-        key = (options.get("contacts", 16), options.get("beta", 0.7), options.get("contrast", 0.16), seed)
-        return [reached - self.predicted(rule, *key) for rule in ("cons", "fix")]
-
     def deviations(self, **options):
-        """Those of all runs: from CONS, from FIX."""
-        number = abs(hash(tuple(sorted(options.items()))))
-        jobs = [self.pool.submit(self.reach, number, options, seed + 1) for seed in range(self.runs)]
-        return list(zip(*(job.result() for job in jobs)))
+        """Q/Q_nom at which each run slid, less that of CONS; less that of FIX."""
+        output, seeds = os.path.join(self.folder, "runs.nc"), range(1, self.runs + 1)
+        call(self.program, "sweep", settings(**options), output, "--jobs", str(self.jobs),
+             "--over", f"interface.spread.pressure.uniform.seed=1:{self.runs}")
+        with netCDF4.Dataset(output) as runs:
+            ended = runs["ended_by"].flag_meanings.split().index("stop_when") == runs["ended_by"][:]
+            reached = runs["max_load_ratio"][:]
+            self.residual = max(self.residual, runs["balance_residual"][:].max())
+        if not ended.all():
+            sys.exit(f"bridge: seeds of {options} did not all slide")
+        key = [options.get(name, usual) for name, usual in (("contacts", 16), ("beta", 0.7), ("contrast", 0.16))]
+        rules = [self.pool.map(lambda seed, rule=rule: self.predicted(rule, *key, seed), seeds) for rule in ("cons", "fix")]
+        return [[float(q) - p for q, p in zip(reached, predicted)] for predicted in rules]
 
 
 def text(deviations):

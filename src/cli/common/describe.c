@@ -7,24 +7,11 @@
 
 enum { MAX_NAMES = 64 };
 
-static bool is_required(const lac_param *param)
-{
-    return (param->flags & LAC_OPTIONAL) == 0 && isnan(param->fallback);
-}
-
-static bool is_number(const lac_param *param)
-{
-    return param->type == LAC_REAL || param->type == LAC_INTEGER;
-}
-
-// Ranges beyond what anything measures mean "no limit".
-static bool is_bounded(double limit) { return fabs(limit) < DBL_MAX / 2; }
-
 static void print_default(const lac_param *param)
 {
     const double value = param->fallback;
     if (isnan(value)) {
-        printf("%s", is_required(param) ? "required" : "no default");
+        printf("%s", cli_param_is_required(param) ? "required" : "no default");
     } else if (param->type == LAC_CHOICE) {
         printf("default %s", param->choices[(int)value]);
     } else if (param->type == LAC_REAL && strcmp(param->unit, "1") != 0) {
@@ -50,14 +37,14 @@ static void print_range(const lac_param *param)
     if (param->type == LAC_PATH) {
         printf("; a path");
     }
-    if (is_number(param) && is_bounded(param->min)) {
+    if (cli_param_is_bounded(param, param->min)) {
         printf("; %s %g%s%s", (param->flags & LAC_ABOVE_MIN) != 0 ? ">" : ">=", param->min, gap,
                unit);
         mark = ",";
     }
-    if (is_number(param) && is_bounded(param->max)) {
+    if (cli_param_is_bounded(param, param->max)) {
         printf("%s <= %g%s%s", mark, param->max, gap, unit);
-    } else if (is_number(param) && mark[0] == ';') {
+    } else if (cli_param_is_number(param) && mark[0] == ';') {
         printf("; any number");
     }
 }
@@ -67,7 +54,7 @@ static void print_parameters(const lac_param *params, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
         const lac_param *param = &params[i];
-        const bool united = is_number(param) && strcmp(param->unit, "1") != 0;
+        const bool united = cli_param_is_number(param) && strcmp(param->unit, "1") != 0;
         printf("  %-14s %-6s ", param->key, united ? param->unit : "");
         print_default(param);
         print_range(param);
@@ -76,30 +63,21 @@ static void print_parameters(const lac_param *params, size_t count)
     }
 }
 
-static const char *type_name(const lac_param *param)
-{
-    static const char *const names[] = {
-        [LAC_REAL] = "real", [LAC_INTEGER] = "integer", [LAC_CHOICE] = "choice",
-        [LAC_TEXT] = "text", [LAC_PATH] = "path",
-    };
-    return names[param->type];
-}
-
 static void write_parameter(lac_json *json, const lac_param *param)
 {
-    const bool number = is_number(param), choice = param->type == LAC_CHOICE;
+    const bool number = cli_param_is_number(param), choice = param->type == LAC_CHOICE;
     lac_json_open(json, NULL, '{');
     lac_json_text(json, "key", param->key);
-    lac_json_text(json, "type", type_name(param));
+    lac_json_text(json, "type", cli_param_type(param));
     lac_json_text(json, "unit", number ? param->unit : NULL);
-    lac_json_boolean(json, "required", is_required(param));
+    lac_json_boolean(json, "required", cli_param_is_required(param));
     if (choice && !isnan(param->fallback)) {
         lac_json_text(json, "default", param->choices[(int)param->fallback]);
     } else {
         lac_json_number(json, "default", number ? param->fallback : NAN);
     }
-    lac_json_number(json, "min", number && is_bounded(param->min) ? param->min : NAN);
-    lac_json_number(json, "max", number && is_bounded(param->max) ? param->max : NAN);
+    lac_json_number(json, "min", cli_param_is_bounded(param, param->min) ? param->min : NAN);
+    lac_json_number(json, "max", cli_param_is_bounded(param, param->max) ? param->max : NAN);
     lac_json_boolean(json, "above_min", (param->flags & LAC_ABOVE_MIN) != 0);
     lac_json_boolean(json, "cellwise", (param->flags & LAC_CELLWISE) != 0);
     if (choice) {
@@ -382,17 +360,17 @@ static void write_section(lac_json *json, const lac_section *section)
     lac_json_close(json, '}');
 }
 
-static void write_levels(lac_json *json)
+// The thresholds as they are by default. @param rows  [MAX_NAMES] room
+static lac_section levels_section(lac_param *rows)
 {
     const lac_levels usual = lac_levels_default();
     lac_section table = lac_levels_table;
-    lac_param rows[MAX_NAMES];
     for (size_t i = 0; i < table.param_count; i++) {
         rows[i] = table.params[i];
         memcpy(&rows[i].fallback, (const char *)&usual + rows[i].offset, sizeof rows[i].fallback);
     }
     table.params = rows;
-    write_section(json, &table);
+    return table;
 }
 
 static void write_json(const subject *s)
@@ -416,10 +394,41 @@ static void write_json(const subject *s)
         }
     }
     if (s->levels) {
-        write_levels(&json);
+        lac_param rows[MAX_NAMES];
+        const lac_section levels = levels_section(rows);
+        write_section(&json, &levels);
     }
     lac_json_close(&json, ']');
     lac_json_close(&json, '}');
+}
+
+// The same as one table of models and one of parameters.
+static lac_status put_table(const cli_request *request, const subject *s, lac_error *err)
+{
+    const bool all = s->kind == NULL && s->section == NULL && !s->levels;
+    cli_described table = {0};
+    lac_param rows[MAX_NAMES];
+    const lac_section levels = levels_section(rows), *section;
+    const lac_model_info *model;
+    const lac_kind *kind;
+    lac_status status = LAC_OK;
+    for (size_t i = 0; (kind = lac_kind_get(i)) != NULL; i++) {
+        for (size_t k = 0; (model = kind->at(k)) != NULL && (all || kind == s->kind); k++) {
+            LAC_TRY(s->model == NULL || model == s->model
+                        ? cli_described_add(&table, kind->name, kind->section, model, err)
+                        : LAC_OK);
+        }
+    }
+    for (size_t i = 0; (section = lac_section_get(i)) != NULL; i++) {
+        LAC_TRY(all || section == s->section
+                    ? cli_described_add(&table, section->name, section->name, section, err)
+                    : LAC_OK);
+    }
+    LAC_TRY(s->levels ? cli_described_add(&table, levels.name, "", &levels, err) : LAC_OK);
+    LAC_TRY(cli_described_put(request, &table, err));
+out:
+    cli_described_clear(&table);
+    return status;
 }
 
 static void print_text(const subject *s)
@@ -468,7 +477,9 @@ lac_status cli_describe(const cli_request *request, lac_error *err)
         return cli_describe_rock(request, err);
     }
     lac_status status = find(request, &s, err);
-    if (status == LAC_OK && cli_given(request, CLI_OPT_JSON)) {
+    if (status == LAC_OK && request->pipe != 0) {
+        status = put_table(request, &s, err);
+    } else if (status == LAC_OK && cli_given(request, CLI_OPT_JSON)) {
         write_json(&s);
     } else if (status == LAC_OK) {
         print_text(&s);

@@ -4,7 +4,7 @@
 #include "cli/common/command.h"
 #include "data/json.h"
 
-// Parts of `lacuna describe` that tell what is no model: rocks, and the gates of forecasts.
+// Parts of `lacuna describe`: rocks, the gates of forecasts, and all models as a dataset.
 
 #define CLI_ROCK "rock"
 #define CLI_ROCK_SUMMARY \
@@ -15,3 +15,38 @@ lac_status cli_describe_rock(const cli_request *request, lac_error *err);
 
 void cli_describe_gates(void);
 void cli_describe_gates_json(lac_json *json);
+
+// What is told of a parameter.
+bool cli_param_is_required(const lac_param *param);
+bool cli_param_is_number(const lac_param *param);
+/// Whether a limit of its range is one: beyond what anything measures it is not.
+bool cli_param_is_bounded(const lac_param *param, double limit);
+const char *cli_param_type(const lac_param *param);
+
+typedef struct cli_described_param {
+    const struct cli_described_model *model;
+    lac_param param;
+} cli_described_param;
+
+/// A model, or a section of plain parameters.
+typedef struct cli_described_model {
+    const char *kind, *section;
+    const lac_model_info *info;
+    cli_described_param param[]; ///< [info->param_count]
+} cli_described_model;
+
+/// All that are told.
+typedef struct cli_described {
+    size_t models, params;
+    cli_described_model **model; ///< [models] owned
+    cli_described_param **param; ///< [params] of these
+} cli_described;
+
+/// Adds one; the parameters as they are now. LAC_ENOMEM
+lac_status cli_described_add(cli_described *table, const char *kind, const char *section,
+                             const lac_model_info *info, lac_error *err);
+
+/// Hands them over: --pipe.
+lac_status cli_described_put(const cli_request *request, const cli_described *table,
+                             lac_error *err);
+void cli_described_clear(cli_described *table);

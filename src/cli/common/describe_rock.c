@@ -130,6 +130,8 @@ static lac_status find_rock(const char *name, const lac_rock **out, lac_error *e
 lac_status cli_describe_rock(const cli_request *request, lac_error *err)
 {
     const lac_rock *rock = NULL;
+    LAC_FAIL_IF(request->pipe != 0, err, LAC_EINPUT,
+                "describe: --pipe: tells of models and sections; of rocks --json does");
     if (request->count > 1) {
         LAC_TRY_RETURN(find_rock(request->argument[1], &rock, err));
     }

@@ -49,9 +49,7 @@ static void print_command_help(const cli_command *command)
 
 static void print_version(const cli_request *request)
 {
-    char netcdf[32];
-    const char *text = request->libraries;
-    (void)cli_netcdf_version(netcdf, sizeof netcdf);
+    const char *text = request->libraries, *netcdf = cli_netcdf_version();
     if (!cli_given(request, CLI_OPT_JSON)) {
         printf("lacuna %s\n%s, netCDF %s\n", LACUNA_VERSION, text, netcdf);
         return;
@@ -135,6 +133,9 @@ int main(int argc, char **argv)
     cli_signals_install();
     cli_clean_stdout();
     lac_status status = cli_request_read(argc, argv, &request, &err);
+    if (status == LAC_OK && cli_given(&request, CLI_OPT_PIPE)) {
+        status = cli_pipe_open(&request, &err);
+    }
     if (status == LAC_OK) {
         status = dispatch(&request, &err);
     }

@@ -29,11 +29,13 @@ enum {
     CLI_OPT_FORECAST = 1 << 23, ///< how forecasts are made and judged
     CLI_OPT_JOBS = 1 << 14,     ///< processes at a time
     CLI_OPT_SWEEP = 1 << 24,    ///< what is varied, and how
-    CLI_OPT_BY = 1 << 25,       ///< of a probability of failure
+    CLI_OPT_BY = 1 << 25,       ///< which answers of a sweep
+    CLI_OPT_MEMBER = 1 << 15,   ///< of a sweep
     CLI_OPT_TRADE = 1 << 26,    ///< what is traded, and for what
     CLI_OPT_ACCURACY = 1 << 27, ///< of a run
     CLI_OPT_COMPARE = 1 << 28,
     CLI_OPT_VIEW = 1 << 29, ///< a run's page while it goes on
+    CLI_OPT_PIPE = 1 << 30, ///< the dataset on stdout
     CLI_OPT_COMMON = CLI_OPT_JSON | CLI_OPT_QUIET | CLI_OPT_VERBOSE | CLI_OPT_THREADS |
                      CLI_OPT_NO_PROGRESS | CLI_OPT_HELP | CLI_OPT_VERSION,
 };
@@ -99,7 +101,7 @@ typedef struct cli_trade_words {
 } cli_trade_words;
 
 typedef struct cli_sweep_words {
-    const char *design, *members, *seed, *by, *table, *series, *shard, *member;
+    const char *design, *members, *seed, *by, *of, *table, *series, *shard, *member, *keep;
 } cli_sweep_words;
 
 /// What the command line asks for. Texts are borrowed from argv unless said.
@@ -123,6 +125,7 @@ struct cli_request {
     cli_forecast_words forecast;
     cli_trade_words trade;
     int threads;             ///< 0: not given
+    int pipe;                ///< where --pipe writes to; 0: not given
     size_t set_count;        ///< --set, in order
     lac_override *overrides; ///< [set_count]; keys owned, values borrowed from argv
     cli_words variables;     ///< --variable

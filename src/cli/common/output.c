@@ -184,14 +184,14 @@ lac_provenance cli_provenance(const cli_request *request, const lac_case *c, con
 }
 
 lac_status cli_store_dataset(const cli_request *request, const lac_case *c, int64_t seed,
-                             const char *path, const lac_dataset *dataset, lac_error *err)
+                             const char *path, lac_dataset *dataset, lac_error *err)
 {
     char *text = lac_case_text(c);
     LAC_FAIL_MEMORY_IF(text == NULL, err);
     lac_provenance provenance = cli_provenance(request, c, text);
     provenance.seed = seed != INT64_MIN ? seed : provenance.seed;
-    lac_status status =
-        lac_store_dataset(path, cli_given(request, CLI_OPT_FORCE), &provenance, dataset, err);
+    const lac_status status = cli_put_dataset(request, cli_given(request, CLI_OPT_FORCE),
+                                              &provenance, path, dataset, err);
     free(text);
     return status;
 }

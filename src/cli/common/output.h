@@ -31,7 +31,16 @@ lac_provenance cli_provenance(const cli_request *request, const lac_case *c, con
 /// @param seed  of the result; INT64_MIN: the case's own
 /// @return as lac_store_dataset
 lac_status cli_store_dataset(const cli_request *request, const lac_case *c, int64_t seed,
-                             const char *path, const lac_dataset *dataset, lac_error *err);
+                             const char *path, lac_dataset *dataset, lac_error *err);
+
+/// Makes ready for --pipe: what is printed from now on is dropped, but what cli_put_dataset does.
+lac_status cli_pipe_open(cli_request *request, lac_error *err);
+
+/// Writes a dataset to its file; with --pipe to standard output instead, once.
+/// @param made  says what the dataset's own does not
+/// @return as lac_store_dataset
+lac_status cli_put_dataset(const cli_request *request, bool force, const lac_provenance *made,
+                           const char *path, lac_dataset *dataset, lac_error *err);
 
 /// Prints a result as one JSON object on stdout, behind it CPU time and the file.
 void cli_print_json(const lac_dataset *dataset, const char *path);
@@ -41,4 +50,4 @@ void cli_print_json(const lac_dataset *dataset, const char *path);
 char *cli_inputs_sums(const lac_case *c);
 
 /// Version of netCDF.
-const char *cli_netcdf_version(char *text, size_t size);
+const char *cli_netcdf_version(void);

@@ -8,15 +8,16 @@ const cli_command cli_commands[] = {
     {"run", "CASE", "integrate a case in time, write a netCDF series",
      "The file is -o FILE, else output.file of the case, else CASE.nc in this folder. SIGINT "
      "(Ctrl-C) ends the run after its step and keeps what was computed, for --resume to go on "
-     "from; a second one kills it. SIGUSR1 prints how far it is.\n",
+     "from; a second one kills it. SIGUSR1 prints how far it is. Of the file of a sweep --member I "
+     "makes a run again.\n",
      "lacuna run cases/vajont.yaml -o vajont.nc", 1, 1,
      CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_RESUME | CLI_OPT_SET | CLI_OPT_ACCURACY |
-         CLI_OPT_VIEW | CLI_OPT_FROM,
+         CLI_OPT_VIEW | CLI_OPT_FROM | CLI_OPT_MEMBER,
      cli_run},
     {"check", "CASE", "validate a case, print it and what it will cost",
      "Lists all errors. The output is itself a case: every value in SI, defaults filled in.\n",
-     "lacuna check cases/vajont.yaml --set interface.levels=9", 1, 1, CLI_OPT_SET | CLI_OPT_FROM,
-     cli_check},
+     "lacuna check cases/vajont.yaml --set interface.levels=9", 1, 1,
+     CLI_OPT_SET | CLI_OPT_FROM | CLI_OPT_MEMBER | CLI_OPT_PIPE, cli_check},
     {"contact", "CASE", "press the surface, measure its contact, and stop",
      "Writes maps, fractal measures and histories to -o FILE, else CASE-contact.nc here; -v prints "
      "every resolution, box side, cluster octave and specimen.\n",
@@ -27,25 +28,26 @@ const cli_command cli_commands[] = {
      "fractions of every level at every load, and what follows from them, to -o FILE, else "
      "CASE-rg.nc in this folder; -v prints them too.\n",
      "lacuna rg cases/rg/rough-joint.yaml --set rg.rule=cons", 1, 1,
-     CLI_OPT_WRITES | CLI_OPT_SET | CLI_OPT_SNAPSHOT, cli_rg},
+     CLI_OPT_WRITES | CLI_OPT_PIPE | CLI_OPT_SET | CLI_OPT_SNAPSHOT, cli_rg},
     {"precursors", "RUN.nc|SERIES.csv", "indicators and forecasts of the time of failure", "",
      "lacuna precursors series.csv --displacement disp:mm --rolling", 1, 1,
      CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_SERIES | CLI_OPT_FORECAST | CLI_OPT_DRIVER |
-         CLI_OPT_LINES | CLI_OPT_SET,
+         CLI_OPT_LINES | CLI_OPT_SET | CLI_OPT_PIPE,
      cli_precursors},
     {"fit", "CASE SERIES", "fit a case's parameters to a monitoring series",
      "The case's section fit says what is estimated, from which columns unless options name them. "
      "Writes the draws, the predicted series and the times of failure to -o FILE, else CASE-fit.nc "
      "in this folder, and the fitted case beside it as FILE.yaml. -v prints every correlation.\n",
      "lacuna fit cases/fit/century.yaml cases/data/century_prism_31-2008.csv", 2, 2,
-     CLI_OPT_WRITES | CLI_OPT_RESUME | CLI_OPT_SET | CLI_OPT_SERIES, cli_fit},
+     CLI_OPT_WRITES | CLI_OPT_PIPE | CLI_OPT_RESUME | CLI_OPT_SET | CLI_OPT_SERIES, cli_fit},
     {"trade", "CASE", "error against cost, and the settings to choose",
      "Runs the case at other settings, each in a process of its own, and lays error against CPU "
      "time. Dials: rtol, method, formulation; where named fidelity, levels, transfer, planning, "
      "precision; of a cascade contacts, shifts, field; of a contact levels. To -o FILE, else "
      "CASE-trade.nc here; tools/plot/plot_trade.py draws it.\n",
      "lacuna trade cases/vajont.yaml --reach 1% --dials rtol,method", 1, 1,
-     CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_RESUME | CLI_OPT_SET | CLI_OPT_TRADE | CLI_OPT_JOBS,
+     CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_RESUME | CLI_OPT_SET | CLI_OPT_TRADE | CLI_OPT_JOBS |
+         CLI_OPT_PIPE,
      cli_trade},
     {"sweep", "CASE", "many runs of a case, and what they say together",
      "Varies keys of the case by --over: lists and ranges (every value with every other), or "
@@ -54,12 +56,14 @@ const cli_command cli_commands[] = {
      "CASE-sweep.nc here; lacuna report FILE draws it.\n",
      "lacuna sweep cases/block.yaml --over \"friction.aging.dc=1 mm, 2 mm\"", 1, 1,
      CLI_OPT_WRITES | CLI_OPT_RESUME | CLI_OPT_UNTIL | CLI_OPT_SET | CLI_OPT_SWEEP | CLI_OPT_BY |
-         CLI_OPT_JOBS,
+         CLI_OPT_JOBS | CLI_OPT_MEMBER | CLI_OPT_PIPE,
      cli_sweep},
     {"gather", "SHARD.nc...", "the parts of a sweep as one file",
-     "Of lacuna sweep --shard 0/N to N-1/N, to -o FILE. All members must be there, once.\n",
-     "lacuna gather SHARD-0.nc SHARD-1.nc -o ALL.nc", 1, CLI_MANY, CLI_OPT_WRITES | CLI_OPT_BY,
-     cli_gather},
+     "Of lacuna sweep --shard 0/N to N-1/N, to -o FILE; without it they are only asked (--of, "
+     "--by). "
+     "All members must be there, once.\n",
+     "lacuna gather SHARD-0.nc SHARD-1.nc -o ALL.nc", 1, CLI_MANY,
+     CLI_OPT_WRITES | CLI_OPT_BY | CLI_OPT_PIPE, cli_gather},
     {"report", "RUN.nc|SERIES.csv", "a run, or readings, as one HTML page to look at",
      "To -o FILE, else NAME.html in this folder; it needs no network. Of a series it forecasts as "
      "precursors --rolling does, with the same options, and of the file that precursors left it "
@@ -93,7 +97,7 @@ const cli_command cli_commands[] = {
     {"describe", "[KIND [NAME]]", "models: parameters, units, ranges, references",
      "KIND is a kind of model (friction, transfer ...), a section of a case (time ...), or levels: "
      "the thresholds of precursors --levels as a file.\n",
-     "lacuna describe friction aging", 0, 2, 0, cli_describe},
+     "lacuna describe friction aging", 0, 2, CLI_OPT_PIPE, cli_describe},
     {"completion", "SHELL", "completion of commands and options for a shell",
      "SHELL is bash, zsh or fish. Prints what the shell reads; an installed lacuna brings it.\n",
      "source <(lacuna completion bash)", 1, 1, 0, cli_completion},

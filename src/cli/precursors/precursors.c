@@ -195,7 +195,7 @@ out:
     return status;
 }
 
-static lac_status write_file(const precursors_job *job, const lac_dataset *dataset, lac_error *err)
+static lac_status write_file(const precursors_job *job, lac_dataset *dataset, lac_error *err)
 {
     const lac_case *c = job->source;
     char *text = c != NULL ? lac_case_text(c) : NULL;
@@ -204,8 +204,8 @@ static lac_status write_file(const precursors_job *job, const lac_dataset *datas
                                  .case_text = text,
                                  .seed = c != NULL ? c->fit.seed : INT64_MIN};
     cli_sign(job->request, &provenance);
-    const lac_status status = lac_store_dataset(
-        job->request->output, cli_given(job->request, CLI_OPT_FORCE), &provenance, dataset, err);
+    const lac_status status = cli_put_dataset(job->request, cli_given(job->request, CLI_OPT_FORCE),
+                                              &provenance, job->request->output, dataset, err);
     free(text);
     return status;
 }
@@ -220,7 +220,7 @@ static lac_status put_out(const precursors_job *job, lac_error *err)
         return LAC_OK;
     }
     LAC_TRY(lac_forecast_describe(of, &dataset, err));
-    if (request->output != NULL) {
+    if (request->output != NULL || request->pipe != 0) {
         LAC_TRY(write_file(job, dataset, err));
     }
     if (job->json == NULL) {
@@ -278,8 +278,9 @@ static lac_status check_rolling(const cli_request *request, lac_error *err)
 {
     const bool rolling = request->forecast.rolling != NULL;
     LAC_FAIL_IF(request->forecast.lines != NULL &&
-                    (!rolling || request->output != NULL || cli_given(request, CLI_OPT_JSON)),
-                err, LAC_EINPUT, "--jsonl: is of --rolling, without -o and --json");
+                    (!rolling || request->output != NULL ||
+                     cli_given(request, CLI_OPT_JSON | CLI_OPT_PIPE)),
+                err, LAC_EINPUT, "--jsonl: is of --rolling, without -o, --json and --pipe");
     LAC_FAIL_IF(request->forecast.failed_at != NULL && !rolling, err, LAC_EINPUT,
                 "--failed-at: judges the forecasts of --rolling: give both");
     return LAC_OK;
@@ -354,6 +355,7 @@ static lac_status check_several(const cli_request *request, lac_error *err)
     const char *alone = request->series.velocity != NULL     ? "velocity"
                         : request->series.components != NULL ? "components"
                         : request->forecast.lines != NULL    ? "jsonl"
+                        : request->pipe != 0                 ? "pipe"
                                                              : NULL;
     LAC_FAIL_IF(alone != NULL, err, LAC_EINPUT,
                 "--%s: goes with one column of displacements, and %zu were named", alone,

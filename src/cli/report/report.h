@@ -10,9 +10,6 @@
 void cli_report_print_of(const lac_case_issues *report, const cli_request *request,
                          const char *section);
 
-/// Writes the errors (or the warnings) as a list of {file, line, key, value, message}.
-void cli_report_json(lac_json *json, const char *key, const lac_case_issues *report, bool warnings);
-
 /// Adds an error, or a warning, that was found beyond the text of the case. LAC_ENOMEM
 lac_status cli_report_add(lac_case_issues *report, const lac_case *c, const char *key,
                           const char *message, bool warning, lac_error *err);

@@ -156,8 +156,8 @@ static lac_status look_at(const cli_request *request, input *out, lac_error *err
                     err, LAC_EINPUT, "%s: is the file of a sweep: it is shown alone", path);
         return LAC_OK;
     }
-    LAC_FAIL_IF(request->sweep.by != NULL, err, LAC_EINPUT,
-                "--by: is of the file of a sweep, which %s is not", path);
+    LAC_FAIL_IF(request->sweep.by != NULL || request->sweep.of != NULL, err, LAC_EINPUT,
+                "--by and --of: are of the file of a sweep, which %s is not", path);
     const bool netcdf = lac_stored_is_netcdf(path) || ends_in(path, ".nc");
     *out = known ? (readings != NULL && issues != NULL ? FORECASTS : RUN)
                  : (netcdf && !columns ? RUN : SERIES);
@@ -218,14 +218,13 @@ static lac_status write_ensemble(const cli_request *request, const char *path, l
     lac_ensemble *e = NULL;
     lac_answers *answers = NULL;
     lac_sample sample;
-    double by = NAN;
+    cli_question question;
     lac_status status;
     LAC_LEAVE_IF(request->sweep.by != NULL && c == NULL, err, LAC_EIO,
                  "%s: holds no case that could be read", file);
-    LAC_TRY(request->sweep.by != NULL ? cli_sweep_by(request, c, &by, err) : LAC_OK);
     LAC_TRY(lac_ensemble_read(file, &e, err));
-    LAC_TRY(lac_ensemble_sample(e, by, &sample, err));
-    LAC_TRY(lac_answers_create(&sample, &answers, err));
+    LAC_TRY(cli_question_read(request, c, e->extras, e->extra, &question, err));
+    LAC_TRY(cli_question_answer(&question, e, &sample, &answers, err));
     const lac_page_ensemble shown = {.sample = &sample,
                                      .answers = answers,
                                      .records = e->axis == LAC_SERIES_RATE ? 0 : e->records,

@@ -3,9 +3,11 @@
 #include <unistd.h>
 
 #include "cli/common/command.h"
+#include "cli/common/output.h"
 #include "cli/common/progress.h"
 #include "cli/common/words.h"
 #include "cli/run/run_outcome.h"
+#include "data/describe.h"
 #include "scene/estimate.h"
 #include "simulation/branch.h"
 #include "simulation/simulation.h"
@@ -216,66 +218,178 @@ static void print_estimate(const lac_case *c, const lac_estimate *e, const lumpe
     }
 }
 
-static void write_estimate(lac_json *json, const lac_case *c, const lac_estimate *e,
-                           const lumped_try *lumped)
-{
-    char words[LAC_REGIME_ROOM];
-    lac_regime_words(c, e, words);
-    lac_json_open(json, "estimate", '{');
-    lac_json_number(json, "grid_cells", e->grid_cells);
-    lac_json_number(json, "contact_cells", round(e->contact_cells));
-    lac_json_boolean(json, "contact_cells_exact", e->exact);
-    lac_json_number(json, "unknowns", e->unknowns * round(e->contact_cells));
-    lac_json_number(json, "memory_bytes", round(e->memory));
-    lac_json_number(json, "cpu_time_least_s", e->cpu_time_least);
-    lac_json_number(json, "cpu_time_most_s", e->cpu_time_most);
-    lac_json_number(json, "cascade_time_s", e->cascade_time);
-    lac_json_number(json, "records_at_times", e->integrated ? e->records : NAN);
-    lac_json_number(json, "file_most_bytes", e->integrated ? e->file_bytes : NAN);
-    lac_json_number(json, "stiffness_over_critical", e->stiffness_ratio);
-    lac_json_number(json, "patch_width_m", e->patch);
-    lac_json_text(json, "regime", lac_regime_name(lac_regime_of(e)));
-    lac_json_text(json, "regime_words", words);
-    lac_json_text(json, "faster_fidelity", e->faster);
-    if (lumped->made) {
-        lac_json_open(json, "lumped", '{');
-        lac_json_integer(json, "cells", (int64_t)lumped->cells);
-        lac_json_number(json, "error_estimated", lumped->error);
-        lac_json_number(json, "cpu_time_s", lumped->time);
-        lac_json_close(json, '}');
+// What `check` found. Texts and what is pointed to are borrowed.
+typedef struct checked {
+    const lac_case *source;
+    const char *scene, *branch;              // resolved case, what it goes on from; NULL
+    const lac_estimate *estimate;            // NULL: the case has errors
+    const lumped_try *lumped;                // NULL: it would not do
+    size_t errors, warnings;                 // how many
+    const lac_case_issue **error, **warning; // [errors], [warnings]
+    char regime[LAC_REGIME_ROOM];            // words on it
+} checked;
+
+#define CHECKED const checked *c = of
+#define ESTIMATE const lac_estimate *e = ((const checked *)of)->estimate
+#define ISSUE const lac_case_issue *i = of
+
+LAC_GETTER(double, ok, CHECKED, c->estimate != NULL)
+LAC_GETTER(bool, branches, CHECKED, c->branch != NULL)
+LAC_GETTER(double, line, ISSUE, i->line > 0 ? (double)i->line : (double)NAN)
+
+static const lac_variable of_check[] = {
+    {.name = "ok", .json = "ok", G(ok), .flags = LAC_WHOLE | LAC_TRUTH}};
+
+#define ISSUES(in)                                                                                 \
+    {                                                                                              \
+        LAC_ROW(in "_file", NULL, NULL, "file", LAC_HELD(TEXT, lac_case_issue, file),              \
+                .json = in "s[]/file"),                                                            \
+            LAC_ROW(in "_line", NULL, NULL, "line of it", G(line),                                 \
+                    .flags = LAC_WHOLE | LAC_MISSING, .json = in "s[]/line"),                      \
+            LAC_ROW(in "_key", NULL, NULL, "key of the case", LAC_HELD(TEXT, lac_case_issue, key), \
+                    .json = in "s[]/key"),                                                         \
+            LAC_ROW(in "_value", NULL, NULL, "what it is set to",                                  \
+                    LAC_HELD(TEXT, lac_case_issue, value), .json = in "s[]/value"),                \
+            LAC_ROW(in "_message", NULL, NULL, "what is allowed, or to be known",                  \
+                    LAC_HELD(TEXT, lac_case_issue, message), .json = in "s[]/message")             \
     }
-    lac_json_number(json, "failure_rate_m_s", e->failure.rate > 0.0 ? e->failure.rate : NAN);
-    lac_json_boolean(json, "failure_rate_lowered", e->failure.lowered);
-    lac_json_text(json, "steps_class", e->integrated ? steps_class(e) : NULL);
-    lac_json_number(json, "steps_least", e->integrated ? e->steps_least : NAN);
-    lac_json_number(json, "steps_most", e->integrated ? e->steps_most : NAN);
-    lac_json_close(json, '}');
+static const lac_variable of_errors[] = ISSUES("error");
+static const lac_variable of_warnings[] = ISSUES("warning");
+
+static const lac_variable of_scene[] = {
+    {.name = "scene", .json = "scene", LAC_HELD(TEXT, checked, scene)},
+    {.name = "branch", .json = "branch", LAC_HELD(TEXT, checked, branch), .has = branches},
+};
+
+static double rate(const lac_estimate *e)
+{
+    return e->failure.rate > 0.0 ? e->failure.rate : (double)NAN;
 }
 
-static void write_json(const lac_case_issues *report, const char *path, const lac_case *c,
-                       const char *scene, const char *branch, const lac_estimate *estimate,
-                       const lumped_try *lumped, lac_error *err)
+#define WHEN_RUN(field) e->integrated ? e->field : (double)NAN
+LAC_GETTER(double, grid_cells, ESTIMATE, e->grid_cells)
+LAC_GETTER(double, contact_cells, ESTIMATE, round(e->contact_cells))
+LAC_GETTER(double, exact, ESTIMATE, e->exact)
+LAC_GETTER(double, unknowns, ESTIMATE, e->unknowns *round(e->contact_cells))
+LAC_GETTER(double, memory, ESTIMATE, round(e->memory))
+LAC_GETTER(double, cpu_least, ESTIMATE, e->cpu_time_least)
+LAC_GETTER(double, cpu_most, ESTIMATE, e->cpu_time_most)
+LAC_GETTER(double, cascade, ESTIMATE, e->cascade_time)
+LAC_GETTER(double, records, ESTIMATE, WHEN_RUN(records))
+LAC_GETTER(double, file_most, ESTIMATE, WHEN_RUN(file_bytes))
+LAC_GETTER(double, stiffness, ESTIMATE, e->stiffness_ratio)
+LAC_GETTER(double, patch, ESTIMATE, e->patch)
+LAC_GETTER(double, failure_rate, ESTIMATE, rate(e))
+LAC_GETTER(double, lowered, ESTIMATE, e->failure.lowered)
+LAC_GETTER(double, steps_least, ESTIMATE, WHEN_RUN(steps_least))
+LAC_GETTER(double, steps_most, ESTIMATE, WHEN_RUN(steps_most))
+LAC_TEXT_GETTER(regime_name, ESTIMATE, lac_regime_name(lac_regime_of(e)))
+LAC_TEXT_GETTER(faster, ESTIMATE, e->faster)
+LAC_TEXT_GETTER(steps_in_words, ESTIMATE, e->integrated ? steps_class(e) : NULL)
+
+#define E(name_, unit_, long_, getter, ...)                                          \
+    LAC_ROW(name_, NULL, unit_, long_, G(getter), .flags = LAC_SINGLE | LAC_MISSING, \
+            .json = "estimate/" name_ __VA_ARGS__)
+#define TRUTH(name_, getter)                                                                  \
+    {                                                                                         \
+        .name = (name_), .json = "estimate/" name_, G(getter), .flags = LAC_WHOLE | LAC_TRUTH \
+    }
+static const lac_variable of_estimate[] = {
+    E("grid_cells", NULL, "cells of the grid", grid_cells),
+    E("contact_cells", NULL, "contact cells", contact_cells),
+    TRUTH("contact_cells_exact", exact),
+    E("unknowns", NULL, "unknowns of a run", unknowns),
+    E("memory", "byte", "largest resident memory", memory, "_bytes"),
+    E("cpu_time_least", "s", "least time on one core", cpu_least, "_s"),
+    E("cpu_time_most", "s", "longest time on one core", cpu_most, "_s"),
+    E("cascade_time", "s", "time of the cascade", cascade, "_s"),
+    E("records_at_times", NULL, "records at stated times", records),
+    E("file_most", "byte", "what they and the fields take in the file at most", file_most,
+      "_bytes"),
+    E("stiffness_over_critical", NULL, "stiffness of the finest level over the critical one",
+      stiffness),
+    E("patch_width", "m", "width from which on a patch slips by itself", patch, "_m"),
+    {.name = "regime", .json = "estimate/regime", T(regime_name)},
+    {.name = "regime_words", .json = "estimate/regime_words", LAC_HELD(CHARS, checked, regime)},
+    {.name = "faster_fidelity", .json = "estimate/faster_fidelity", T(faster)},
+    E("failure_rate", "m s-1", "mean slip rate that counts as failure", failure_rate, "_m_s"),
+    TRUTH("failure_rate_lowered", lowered),
+    {.name = "steps_class", .json = "estimate/steps_class", T(steps_in_words)},
+    E("steps_least", NULL, "least steps", steps_least),
+    E("steps_most", NULL, "most steps", steps_most),
+};
+
+static const lac_variable of_lumped[] = {
+    LAC_ROW("lumped_cells", NULL, NULL, "cells that would stand for all",
+            LAC_HELD(SIZE, lumped_try, cells), .json = "estimate/lumped/cells"),
+    LAC_ROW("lumped_error_estimated", NULL, NULL, "relative error of a lumped run, by estimate",
+            LAC_HELD(REAL, lumped_try, error), .json = "estimate/lumped/error_estimated"),
+    LAC_ROW("lumped_cpu_time", "s", NULL, "CPU that its integration takes",
+            LAC_HELD(REAL, lumped_try, time), .json = "estimate/lumped/cpu_time_s"),
+};
+
+static lac_status describe(const checked *c, lac_dataset **out, lac_error *err)
 {
-    lac_json json = {.out = stdout};
+    const lac_extent dims[] = {{"error", c->errors}, {"warning", c->warnings}};
+    const lac_laid laid[] = {
+        {LAC_VARIABLES(of_check, "", 0), c},
+        {LAC_VARIABLES_OF_MANY(of_errors, "error"), c->error},
+        {LAC_VARIABLES_OF_MANY(of_warnings, "warning"), c->warning},
+        {LAC_VARIABLES(of_scene, "", 0), c},
+        {LAC_VARIABLES(of_estimate, "", 0), c->estimate != NULL ? c : NULL},
+        {LAC_VARIABLES(of_lumped, "", 0), c->lumped},
+    };
+    lac_status status;
+    LAC_TRY(lac_dataset_create("What is wrong with a case, and what its run will cost.", out, err));
+    LAC_TRY(lac_dataset_dims(*out, dims, sizeof dims / sizeof *dims, err));
+    LAC_TRY(lac_dataset_add(*out, laid, sizeof laid / sizeof *laid, err));
+out:
+    return lac_dataset_described(out, status);
+}
+
+// As JSON, or with --pipe as the dataset that it is.
+static lac_status put_out(const cli_request *request, checked *c, const lac_case_issues *report,
+                          lac_error *err)
+{
     // what is wrong with the scene as a whole stands at no line of the case
-    lac_case_issue issue = {
-        .file = (char *)path, .key = (char *)"", .value = (char *)"", .message = err->message};
-    const lac_case_issues whole = {.count = 1, .errors = 1, .issue = &issue};
+    const lac_case_issue whole = {.file = (char *)request->argument[0],
+                                  .key = (char *)"",
+                                  .value = (char *)"",
+                                  .message = err->message};
+    const lac_provenance made = {.seed = INT64_MIN};
+    lac_dataset *dataset = NULL;
+    lac_error late = {""};
+    lac_status status;
+    const lac_case_issue **all = calloc(2 * report->count + 1, sizeof *all);
+    LAC_TRY(all == NULL ? lac_fail_memory(&late) : LAC_OK);
+    c->error = all;
+    c->warning = all + report->count + 1;
+    for (size_t i = 0; i < report->count; i++) {
+        const lac_case_issue *issue = &report->issue[i];
+        *(issue->warning ? &c->warning[c->warnings++] : &c->error[c->errors++]) = issue;
+    }
+    if (c->errors == 0 && err->message[0] != '\0') {
+        c->error[c->errors++] = &whole;
+    }
+    if (c->estimate != NULL) {
+        lac_regime_words(c->source, c->estimate, c->regime);
+    }
+    LAC_TRY(describe(c, &dataset, &late));
+    if (request->pipe != 0) {
+        LAC_TRY(cli_put_dataset(request, false, &made, NULL, dataset, &late));
+        goto out;
+    }
+    lac_json json = {.out = stdout};
     lac_json_open(&json, NULL, '{');
-    lac_json_boolean(&json, "ok", estimate != NULL);
-    cli_report_json(&json, "errors",
-                    report->errors > 0 || err->message[0] == '\0' ? report : &whole, false);
-    cli_report_json(&json, "warnings", report, true);
-    lac_json_text(&json, "scene", scene);
-    if (branch != NULL) {
-        lac_json_text(&json, "branch", branch);
-    }
-    if (estimate != NULL) {
-        write_estimate(&json, c, estimate, lumped);
-    } else {
-        lac_json_null(&json, "estimate");
-    }
+    lac_dataset_json(dataset, &json);
     lac_json_close(&json, '}');
+out:
+    lac_dataset_free(dataset);
+    free((void *)all);
+    if (status != LAC_OK) {
+        *err = late;
+    }
+    return status;
 }
 
 static lac_status examine(const cli_request *request, const lac_case *c, lac_case_issues *report,
@@ -313,7 +427,7 @@ lac_status cli_check(const cli_request *request, lac_error *err)
     lumped_try lumped = {.made = false};
     lac_branch *branch = NULL;
     char *scene = NULL;
-    bool json = cli_given(request, CLI_OPT_JSON);
+    const bool told = cli_given(request, CLI_OPT_JSON) || request->pipe != 0;
     lac_status status = cli_case_read(request, LAC_FOR_CHECK, &c, &report, err);
     if (status == LAC_OK) {
         status = examine(request, c, &report, &scene, &estimate, err);
@@ -325,9 +439,14 @@ lac_status cli_check(const cli_request *request, lac_error *err)
         try_lumped(c, &estimate, &lumped);
     }
     const char *words = branch != NULL ? branch->text : NULL;
-    if (json && (status == LAC_OK || status == LAC_EINPUT || report.errors > 0)) {
-        write_json(&report, request->argument[0], c, scene, words,
-                   status == LAC_OK ? &estimate : NULL, &lumped, err);
+    if (told && (status == LAC_OK || status == LAC_EINPUT || report.errors > 0)) {
+        checked found = {.source = c,
+                         .scene = scene,
+                         .branch = words,
+                         .estimate = status == LAC_OK ? &estimate : NULL,
+                         .lumped = lumped.made ? &lumped : NULL};
+        const lac_status out = put_out(request, &found, &report, err);
+        status = out != LAC_OK ? out : status;
     } else if (status == LAC_OK) {
         printf("%s", scene);
         print_estimate(c, &estimate, &lumped);

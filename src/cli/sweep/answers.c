@@ -2,7 +2,9 @@
 // What an ensemble says, in words: how likely it fails, when, and what decides.
 #include "cli/sweep/answers.h"
 
+#include "base/units.h"
 #include "cli/common/words.h"
+#include "cli/report/report.h"
 
 enum { SHOWN = 12 }; // parameters that are told of
 
@@ -23,10 +25,15 @@ static void print_chance(const lac_answers *a)
     const lac_chance *c = &a->chance;
     const size_t all = c->known + c->unknown;
     if (all == 0) {
-        cli_row("fails", "not known: all %zu members are broken", a->members);
+        cli_row(a->plain ? "values" : "fails", "not known: %s",
+                a->missing > 0 ? "no member has one" : "all members are broken");
         return;
     }
-    cli_row("fails", "within %s in %s %% (%s to %s %%) of %zu members", amount(c->by, "s").s,
+    if (a->plain && !a->of_chance) {
+        return; // nobody asked how likely
+    }
+    cli_row(a->plain ? "at most" : "fails", "%s%s in %s %% (%s to %s %%) of %zu members",
+            a->plain ? "" : "within ", amount(c->by, a->unit).s,
             isnan(c->share) ? "?" : percent(c->share).s, percent(c->low).s, percent(c->high).s,
             all);
     if (c->unknown > 0) {
@@ -39,11 +46,12 @@ static void print_quantiles(const lac_answers *a)
     static const char *const label[] = {"5 % fail within", "25 %", "50 %", "75 %", "95 %"};
     for (size_t q = 0; q < LAC_ANSWERS_QUANTILES && a->counted > 0; q++) {
         const lac_quantile_answer *one = &a->quantile[q];
+        const char *name = q == 0 && a->plain ? "5 % are below" : label[q];
         if (isinf(one->low)) {
-            cli_row(label[q], "never");
+            cli_row(name, "never");
             continue;
         }
-        cli_row(label[q], "%-12s (%s to %s)", amount(one->value, a->unit).s,
+        cli_row(name, "%-12s (%s to %s)", amount(one->value, a->unit).s,
                 amount(one->low, a->unit).s, amount(one->high, a->unit).s);
     }
 }
@@ -55,14 +63,13 @@ static cli_text index_text(double value, double error)
 
 static void print_influence(const lac_answers *a, const lac_influence *one)
 {
-    const bool total = !isnan(one->total);
-    const char *sign = isnan(one->rank) || fabs(one->rank) < 0.05 ? ""
-                       : one->rank < 0.0                          ? ", more of it: sooner"
-                                                                  : ", more of it: later";
+    static const char *const ends[2][2] = {{", more of it: sooner", ", more of it: later"},
+                                           {", more of it: less", ", more of it: more"}};
+    const bool total = !isnan(one->total), told = !isnan(one->rank) && fabs(one->rank) >= 0.05;
+    const char *sign = told ? ends[a->plain][one->rank > 0.0] : "";
     printf("    %s\n", one->key != NULL ? one->key : "?");
     cli_row("", "first %s%s%s%s", index_text(one->first, one->first_error).s,
             total ? ", total " : "", total ? index_text(one->total, one->total_error).s : "", sign);
-    (void)a;
 }
 
 static void print_influences(const lac_answers *a)
@@ -77,7 +84,9 @@ static void print_influences(const lac_answers *a)
         return;
     }
     cli_row("what decides", "part of the variance of %s, alone%s",
-            a->of_chance ? "whether it fails by then" : "when it fails",
+            a->plain       ? (a->of_chance ? "whether it is that little" : a->name)
+            : a->of_chance ? "whether it fails by then"
+                           : "when it fails",
             isnan(first->total) ? "" : " (first) and with the others (total)");
     for (size_t p = 0; p < a->params && p < SHOWN; p++) {
         print_influence(a, &a->influence[p]);
@@ -94,9 +103,10 @@ static cli_text said(const char *word, double value, const char *unit)
 
 static void print_swings(const lac_answers *a)
 {
-    cli_row("as it stands", "%s %s", isinf(a->base) ? "fails" : "fails after",
-            amount(a->base, a->unit).s);
-    cli_row("one at a time", "%-28s %s", "low: fails after", "high: fails after");
+    const char *what = a->plain ? a->name : "fails after";
+    cli_row("as it stands", "%s %s", isinf(a->base) ? "fails" : what, amount(a->base, a->unit).s);
+    cli_row("one at a time", "%-28s %s", cli_format("low: %s", what).s,
+            cli_format("high: %s", what).s);
     for (size_t p = 0; p < a->params; p++) {
         const lac_swing *s = &a->swing[p];
         printf("    %s\n", s->key != NULL ? s->key : "?");
@@ -112,8 +122,14 @@ static void print_swings(const lac_answers *a)
 
 void cli_answers_print(const lac_answers *a)
 {
-    cli_row("members", "%zu, of which %zu %s not fail within their time, %zu broken", a->members,
-            a->never, a->never == 1 ? "does" : "do", a->broken);
+    if (a->plain) {
+        cli_row("result", "%s, %s", a->name, a->about);
+        cli_row("members", "%zu, of which %zu have no such result, %zu broken", a->members,
+                a->missing, a->broken);
+    } else {
+        cli_row("members", "%zu, of which %zu %s not fail within their time, %zu broken",
+                a->members, a->never, a->never == 1 ? "does" : "do", a->broken);
+    }
     if (a->tornado) {
         print_swings(a);
         return;
@@ -121,4 +137,36 @@ void cli_answers_print(const lac_answers *a)
     print_chance(a);
     print_quantiles(a);
     print_influences(a);
+}
+
+static lac_status read_by(const char *text, const cli_question *q, const lac_case *c, double *by,
+                          lac_error *err)
+{
+    lac_units *units = NULL;
+    if (q->of.time) {
+        return cli_parse_time(text, c, by, err);
+    }
+    lac_status status = lac_units_create(&units, err);
+    if (status == LAC_OK) {
+        status = lac_units_parse(units, text, q->of.unit != NULL ? q->of.unit : "1", by, err);
+    }
+    lac_units_free(units);
+    return status;
+}
+
+lac_status cli_question_read(const cli_request *request, const lac_case *c, size_t extras,
+                             const lac_ensemble_extra *extra, cli_question *out, lac_error *err)
+{
+    const char *by = request->sweep.by;
+    *out = (cli_question){.by = NAN};
+    LAC_TRY_RETURN(lac_ensemble_result_find(request->sweep.of, extras, extra, &out->of, err));
+    const lac_status status = by != NULL ? read_by(by, out, c, &out->by, err) : LAC_OK;
+    return status == LAC_EINPUT ? lac_fail_within(err, status, "--by: \"%s\"", by) : status;
+}
+
+lac_status cli_question_answer(const cli_question *question, lac_ensemble *e, lac_sample *sample,
+                               lac_answers **answers, lac_error *err)
+{
+    LAC_TRY_RETURN(lac_ensemble_sample(e, &question->of, question->by, sample, err));
+    return lac_answers_create(sample, answers, err);
 }

@@ -10,6 +10,7 @@
 #include "cli/common/words.h"
 #include "cli/report/report.h"
 #include "cli/sweep/answers.h"
+#include "cli/sweep/kept_runs.h"
 #include "lacuna/version.h"
 #include "sweep/ensemble.h"
 
@@ -27,6 +28,7 @@ typedef struct job {
     bool resume;
     cli_keep keep;
     char *path;
+    cli_kept_runs runs;
 } job;
 
 static size_t next_member(void *context)
@@ -41,7 +43,11 @@ static size_t next_member(void *context)
 static lac_status make(void *context, size_t task, void *result, lac_error *err)
 {
     const job *j = context;
-    return lac_member_run(j->sweep, j->of.first + task * j->of.stride, NULL, result, err);
+    const size_t member = j->of.first + task * j->of.stride;
+    lac_member *m = result;
+    LAC_TRY_RETURN(lac_member_run(j->sweep, member, NULL, m, err));
+    return m->state == LAC_MEMBER_DONE ? cli_kept_runs_write(&j->runs, j->sweep, task, err)
+                                       : LAC_OK;
 }
 
 static lac_status take(void *context, size_t task, const void *result, const cli_pool_end *end,
@@ -63,7 +69,8 @@ static void take_over(void *context, uint64_t key, const void *content)
 {
     job *j = context;
     const size_t task = ((size_t)key - j->of.first) / j->of.stride;
-    if (key >= j->of.first && (key - j->of.first) % j->of.stride == 0 && task < j->of.n) {
+    const bool own = key >= j->of.first && (key - j->of.first) % j->of.stride == 0;
+    if (own && task < j->of.n && !cli_kept_runs_lacks(&j->runs, task)) {
         memcpy(j->member[task], content, lac_member_size(j->sweep));
     }
 }
@@ -85,6 +92,7 @@ static lac_status read_number(const char *option, const char *text, uint64_t mos
 static lac_status plan(const cli_request *request, lac_sweep **out, lac_error *err)
 {
     lac_case *c = NULL;
+    char *files = NULL;
     uint64_t members = 0, seed = 1;
     double end = NAN;
     lac_status status;
@@ -94,6 +102,8 @@ static lac_status plan(const cli_request *request, lac_sweep **out, lac_error *e
     LAC_TRY(read_number("--seed", request->sweep.seed, UINT64_MAX - 1, &seed, err));
     LAC_TRY(cli_case_read(request, LAC_FOR_RUN, &c, NULL, err)); // says what it warns of
     LAC_TRY(cli_until(request, c, &end, err));
+    files = cli_inputs_sums(c);
+    LAC_TRY(files == NULL ? lac_fail_memory(err) : LAC_OK);
     const lac_sweep_request ask = {.path = request->argument[0],
                                    .overrides = request->overrides,
                                    .count = request->set_count,
@@ -104,13 +114,11 @@ static lac_status plan(const cli_request *request, lac_sweep **out, lac_error *e
                                    .series = request->sweep.series,
                                    .members = (int64_t)members,
                                    .seed = seed,
-                                   .until = request->until != NULL ? end : NAN};
+                                   .until = request->until != NULL ? end : NAN,
+                                   .files = files};
     LAC_TRY(lac_sweep_create(&ask, out, err));
-    char *sums = cli_inputs_sums(c);
-    LAC_TRY(sums == NULL ? lac_fail_memory(err) : LAC_OK);
-    (*out)->mark = lac_sum_bytes((*out)->mark, sums, strlen(sums));
-    free(sums);
 out:
+    free(files);
     lac_case_free(c);
     return status;
 }
@@ -177,42 +185,78 @@ static lac_status compute(job *j, lac_error *err)
     return status;
 }
 
-lac_status cli_sweep_by(const cli_request *request, const lac_case *c, double *by, lac_error *err)
-{
-    *by = NAN;
-    if (request->sweep.by == NULL) {
-        return LAC_OK;
-    }
-    const lac_status status = cli_parse_time(request->sweep.by, c, by, err);
-    return status == LAC_EINPUT ? lac_fail_within(err, status, "--by: \"%s\"", request->sweep.by)
-                                : status;
-}
-
-// Writes an ensemble and says what it says; of a part of a sweep how large it is.
-static lac_status put_out(const cli_request *request, lac_ensemble *e, double by, const char *path,
-                          lac_error *err)
+// What an ensemble says, as a dataset with the members; of a part of a sweep it says nothing.
+static lac_status answer(lac_ensemble *e, const cli_question *question, lac_answers **answers,
+                         lac_dataset **out, lac_error *err)
 {
     lac_sample sample;
+    lac_dataset_free(*out);
+    lac_answers_free(*answers);
+    *out = NULL;
+    *answers = NULL;
+    if (e->n == e->members) {
+        LAC_TRY_RETURN(cli_question_answer(question, e, &sample, answers, err));
+    }
+    return lac_ensemble_describe(e, *answers, out, err);
+}
+
+// As lacuna run warns of its own.
+static void warn_of_balance(const lac_ensemble *e)
+{
+    size_t off = 0;
+    for (size_t i = 0; i < e->n; i++) {
+        off += e->member[i]->balance_residual > 0.01 ? 1 : 0;
+    }
+    if (off > 0) {
+        cli_note("warning: the traction balance of %zu of %zu members is off by more than 0.01 of "
+                 "the strength (balance_residual in the file); tighten solver.rtol",
+                 off, e->n);
+    }
+}
+
+static void print(const lac_ensemble *e, const lac_answers *answers)
+{
+    if (answers != NULL) {
+        cli_answers_print(answers);
+    } else {
+        cli_row("members", "%zu of %zu: lacuna gather puts the parts together", e->n, e->members);
+    }
+}
+
+// Writes an ensemble and says what is asked of it. The file holds what is said of the time of
+// failure, whatever that is.
+// @param path  NULL: it is not written
+static lac_status put_out(const cli_request *request, lac_ensemble *e, const cli_question *question,
+                          const char *path, lac_error *err)
+{
+    cli_question usual = {.by = question->of.time ? question->by : NAN};
     lac_dataset *dataset = NULL;
     lac_answers *answers = NULL;
     lac_provenance made = {.title = e->title, .case_text = e->case_text, .seed = INT64_MIN};
     lac_status status;
     cli_sign(request, &made);
     made.now = NAN; // another day's has the same bytes
-    if (e->n == e->members) {
-        LAC_TRY(lac_ensemble_sample(e, by, &sample, err));
-        LAC_TRY(lac_answers_create(&sample, &answers, err));
+    LAC_TRY(lac_ensemble_result_find(NULL, 0, NULL, &usual.of, err));
+    const bool held = path != NULL || request->pipe != 0;
+    if (held || question->of.time) {
+        LAC_TRY(answer(e, &usual, &answers, &dataset, err));
     }
-    LAC_TRY(lac_ensemble_describe(e, answers, &dataset, err));
-    LAC_TRY(lac_store_dataset(path, cli_given(request, CLI_OPT_FORCE | CLI_OPT_RESUME), &made,
-                              dataset, err));
+    if (held) {
+        LAC_TRY(cli_put_dataset(request, cli_given(request, CLI_OPT_FORCE | CLI_OPT_RESUME), &made,
+                                path, dataset, err));
+    }
+    if (!question->of.time) {
+        LAC_TRY(answer(e, question, &answers, &dataset, err));
+    }
+    if (!cli_given(request, CLI_OPT_QUIET)) {
+        warn_of_balance(e);
+    }
     if (cli_given(request, CLI_OPT_JSON)) {
         cli_print_json(dataset, path);
-    } else if (answers != NULL) {
-        cli_answers_print(answers);
-        cli_row("file", "%s", path);
-    } else {
-        cli_row("members", "%zu of %zu: lacuna gather puts the parts together", e->n, e->members);
+        goto out;
+    }
+    print(e, answers);
+    if (path != NULL) {
         cli_row("file", "%s", path);
     }
 out:
@@ -231,6 +275,10 @@ static lac_status name_file(job *j, bool *whole, lac_error *err)
     plain.given &= ~(unsigned)CLI_OPT_RESUME; // goes on from the folder, not from the file
     plain.given |= j->resume ? (unsigned)CLI_OPT_FORCE : 0U;
     LAC_TRY_RETURN(cli_output_path(&plain, j->sweep->base, NULL, "-sweep.nc", &j->path, err));
+    j->runs = (cli_kept_runs){&plain, j->path, j->of.first, j->of.stride, j->of.n, NULL};
+    LAC_TRY_RETURN(cli_kept_runs_read(j->sweep, &j->runs, err));
+    LAC_TRY_RETURN(cli_kept_runs_check(&j->runs, j->sweep, err));
+    j->runs.request = j->request;
     (void)snprintf(j->keep.folder, sizeof j->keep.folder, "%s.runs", j->path);
     const bool kept = access(j->keep.folder, F_OK) == 0;
     if (j->resume && !kept && access(j->path, F_OK) == 0) {
@@ -238,6 +286,9 @@ static lac_status name_file(job *j, bool *whole, lac_error *err)
         (void)snprintf(mark, sizeof mark, "%016" PRIx64, j->sweep->mark);
         *whole = strcmp(mark, e->mark) == 0 && e->n == j->of.n &&
                  (e->n == 0 || (size_t)e->member[0]->index == j->of.first);
+        for (size_t i = 0; *whole && i < e->n && j->runs.wanted != NULL; i++) {
+            j->runs.wanted[i] = j->runs.wanted[i] && e->member[i]->state == LAC_MEMBER_DONE;
+        }
         lac_ensemble_free(e);
         LAC_FAIL_IF(!*whole, err, LAC_EINPUT,
                     "--resume: %s: is of another sweep, or of another part of it; --force replaces "
@@ -246,6 +297,17 @@ static lac_status name_file(job *j, bool *whole, lac_error *err)
     }
     j->resume = j->resume && kept;
     return LAC_OK;
+}
+
+// Runs that are to be kept of a sweep that is whole.
+static lac_status fill_runs(job *j, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    for (size_t k = 0; k < j->of.n && status == LAC_OK; k++) {
+        status = cli_kept_runs_lacks(&j->runs, k) ? cli_kept_runs_write(&j->runs, j->sweep, k, err)
+                                                  : LAC_OK;
+    }
+    return status;
 }
 
 static lac_status open_kept(job *j, lac_error *err)
@@ -268,14 +330,16 @@ lac_status cli_sweep(const cli_request *request, lac_error *err)
     job j = {.request = request, .resume = cli_given(request, CLI_OPT_RESUME)};
     lac_ensemble *ensemble = NULL;
     bool whole = false;
-    double by;
+    cli_question question;
     lac_status status;
     LAC_TRY(plan(request, &j.sweep, err));
-    LAC_TRY(cli_sweep_by(request, j.sweep->base, &by, err));
+    LAC_TRY(
+        cli_question_read(request, j.sweep->base, j.sweep->extras, j.sweep->extra, &question, err));
     LAC_TRY(pick(request, j.sweep->members, &j.of, err));
     LAC_TRY(name_file(&j, &whole, err));
     if (whole) {
         cli_say(request, "%s has all its members", j.path);
+        LAC_TRY(fill_runs(&j, err));
         goto out;
     }
     LAC_TRY(make_room(&j, err));
@@ -286,13 +350,30 @@ lac_status cli_sweep(const cli_request *request, lac_error *err)
     lac_member **member = j.member;
     j.member = NULL;
     LAC_TRY(lac_ensemble_create(j.sweep, j.of.n, member, &ensemble, err));
-    LAC_TRY(put_out(request, ensemble, by, j.path, err));
+    LAC_TRY(put_out(request, ensemble, &question, j.path, err));
 out:
     cli_keep_close(&j.keep, status == LAC_OK);
     lac_ensemble_free(ensemble);
     free_members(&j);
+    free(j.runs.wanted);
     lac_sweep_free(j.sweep);
     free(j.path);
+    return status;
+}
+
+// A date of --by is on the clock of the sweep's case.
+static lac_status ask(const cli_request *request, const lac_ensemble *e, cli_question *out,
+                      lac_error *err)
+{
+    lac_case_issues report = {0};
+    lac_case *c = NULL;
+    lac_status status = lac_case_read_text("the sweep's case", e->case_text, strlen(e->case_text),
+                                           NULL, &c, &report, err);
+    if (status == LAC_OK) {
+        status = cli_question_read(request, c, e->extras, e->extra, out, err);
+    }
+    lac_case_issues_clear(&report);
+    lac_case_free(c);
     return status;
 }
 
@@ -300,26 +381,17 @@ lac_status cli_gather(const cli_request *request, lac_error *err)
 {
     const size_t n = request->files.n;
     lac_ensemble **shard = calloc(n + 1, sizeof *shard), *all = NULL;
-    double by = NAN;
+    cli_question question;
     lac_status status;
     LAC_TRY(shard == NULL ? lac_fail_memory(err) : LAC_OK);
-    LAC_LEAVE_IF(request->output == NULL, err, LAC_EINPUT, "gather: -o FILE is missing");
-    LAC_TRY(cli_output_check(request, NULL, request->output, err));
+    LAC_TRY(request->output != NULL ? cli_output_check(request, NULL, request->output, err)
+                                    : LAC_OK);
     for (size_t k = 0; k < n; k++) {
         LAC_TRY(lac_ensemble_read(request->files.word[k], &shard[k], err));
     }
     LAC_TRY(lac_ensemble_gather(n, shard, request->files.word, &all, err));
-    if (request->sweep.by != NULL) {
-        lac_case_issues report = {0};
-        lac_case *c = NULL;
-        status = lac_case_read_text("the sweep's case", all->case_text, strlen(all->case_text),
-                                    NULL, &c, &report, err);
-        status = status == LAC_OK ? cli_sweep_by(request, c, &by, err) : status;
-        lac_case_issues_clear(&report);
-        lac_case_free(c);
-        LAC_TRY(status);
-    }
-    LAC_TRY(put_out(request, all, by, request->output, err));
+    LAC_TRY(ask(request, all, &question, err));
+    LAC_TRY(put_out(request, all, &question, request->output, err));
 out:
     for (size_t k = 0; shard != NULL && k < n; k++) {
         lac_ensemble_free(shard[k]);

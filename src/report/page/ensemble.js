@@ -5,6 +5,8 @@
 const MOST_SIDES = 6; // of the matrix of scatter
 
 const percents = (share, digits = 3) => (share === null ? "–" : `${number(100 * share, digits)}${THIN}%`);
+const isTime = (answers) => answers.result === "failure_time";
+const resultName = (answers) => (isTime(answers) ? "time of failure" : answers.result.replace(/_/g, " "));
 const ofResult = (answers, value, never) => (never ? "never" : quantity(value, answers.unit));
 
 // The last parts of keys that tell them apart.
@@ -17,42 +19,45 @@ function ensembleVerdict({ sweep: { answers: a } }) {
   const left = a.broken ? ` ${many(a.broken, "member")} of ${count(a.members)} broke, and ${a.broken === 1 ? "is" : "are"} left out.` : "";
   const p = a.probability;
   if (!p) return `${many(a.members, "member")}, one parameter changed at a time.${left}`;
-  if (p.share === null) return `No member tells whether it fails.${left}`;
+  if (p.share === null) return `No member tells ${isTime(a) ? "whether it fails" : `its ${resultName(a)}`}.${left}`;
   const first = a.influences.find((i) => i.first !== null);
   const why = first ? ` What decides most: ${shortNames(a.influences.map((i) => i.parameter))[a.influences.indexOf(first)]}.` : "";
+  const middle = a.quantiles.find((q) => q.share === 0.5);
+  if (!isTime(a)) return `Of ${many(a.counted, "member")} half have a ${resultName(a)} below ${quantity(middle.value, a.unit)} (${a.about}).${why}${left}`;
   return `It fails within ${span(p.by)} in ${percents(p.share)} (${percents(p.low)} to ${percents(p.high)}) of ${many(p.known + p.unknown, "member")}.${why}${left}`;
 }
 
 function ensembleFacts({ sweep: { answers: a } }) {
-  const list = [["Members", count(a.members), a.broken ? `${count(a.broken)} broken` : "none broken"], ["Never fail", count(a.never), "within their time"]];
+  const list = [["Members", count(a.members), a.broken ? `${count(a.broken)} broken` : "none broken"],
+    isTime(a) ? ["Never fail", count(a.never), "within their time"] : ["Without it", count(a.missing), resultName(a)]];
   const middle = a.quantiles.find((q) => q.share === 0.5);
-  if (middle) list.push(["Half fail within", ofResult(a, middle.value, middle.never), ""]);
+  if (middle) list.push([isTime(a) ? "Half fail within" : "Half are below", ofResult(a, middle.value, middle.never), ""]);
   return list;
 }
 
 function likelyChart(data) {
-  const a = data.sweep.answers, list = a.probability_over_time, y = list.map((p) => p.share), time = list.map((p) => p.by);
+  const a = data.sweep.answers, of = isTime(a), at = (v) => (of ? moment(page.clock, v) : quantity(v, a.unit)), said = of ? "have failed" : "are at most that", list = a.probability_over_time, y = list.map((p) => p.share), time = list.map((p) => p.by);
   return figure({
-    title: "Probability of failure", x: { clock: true, axis: "time" },
-    y: { kind: "linear", label: "Share of members that have failed", tick: (v) => percents(v), range: [0, 1], fixed: true },
+    title: of ? "Probability of failure" : `Distribution of ${resultName(a)}`, x: of ? { clock: true, axis: "time" } : { kind: "linear", label: `${resultName(a)} (${a.unit})`, tick: plain(3) },
+    y: { kind: "linear", label: `Share of members that ${said}`, tick: (v) => percents(v), range: [0, 1], fixed: true },
     lines: [{ name: "95 % interval", kind: "area", colour: "run", time, y, low: list.map((p) => p.low), high: list.map((p) => p.high) },
-      { name: "share", kind: "step", colour: "run", time, y }],
+      { name: "share", kind: "step", colour: "run", time, y }].map((line) => (of ? line : { ...line, x: time, time: undefined })),
     read: 1, caption: "Band: 95 % interval (Wilson) of a share of as many members.",
-    readout: (i) => `${moment(page.clock, time[i])}: ${percents(y[i])} (${percents(list[i].low)} to ${percents(list[i].high)}) have failed`,
-    table: { n: list.length, caption: "probability of failure", columns: [["By", (i) => moment(page.clock, time[i])], ["Share", (i) => percents(y[i])],
+    readout: (i) => `${at(time[i])}: ${percents(y[i])} (${percents(list[i].low)} to ${percents(list[i].high)}) ${said}`,
+    table: { n: list.length, caption: "share of members", columns: [[of ? "By" : "At most", (i) => at(time[i])], ["Share", (i) => percents(y[i])],
       ["95 % interval", (i) => `${percents(list[i].low)} to ${percents(list[i].high)}`]] },
   });
 }
 
 function quantileTable(answers) {
   const q = answers.quantiles, end = (value, never) => (value === null && !never ? "too few members" : ofResult(answers, value, never));
-  return element("div", { class: "plain" }, bareTable("When it fails", q.length, [["Share of members", (i) => percents(q[i].share)],
-    ["Fails within", (i) => ofResult(answers, q[i].value, q[i].never)], ["95 % interval", (i) => `${end(q[i].low)} to ${end(q[i].high, q[i].high_never)}`]]));
+  return element("div", { class: "plain" }, bareTable(isTime(answers) ? "When it fails" : `Quantiles of ${resultName(answers)}`, q.length, [["Share of members", (i) => percents(q[i].share)],
+    [isTime(answers) ? "Fails within" : "Is below", (i) => ofResult(answers, q[i].value, q[i].never)], ["95 % interval", (i) => `${end(q[i].low)} to ${end(q[i].high, q[i].high_never)}`]]));
 }
 
 function likelySection(data) {
   const { answers } = data.sweep, lost = answers.probability.unknown;
-  const section = openSection("likely", "How likely it fails, and when", `Of ${many(answers.counted, "member")} as they were drawn.${lost ? ` ${many(lost, "member")} ended before ${span(answers.probability.by)} without failure: the interval holds both of what they may do.` : ""}`);
+  const section = openSection("likely", isTime(answers) ? "How likely it fails, and when" : `How much: ${answers.about}`, `Of ${many(answers.counted, "member")} as they were drawn.${lost ? ` ${many(lost, "member")} ended before ${span(answers.probability.by)} without failure: the interval holds both of what they may do.` : ""}`);
   section.append(likelyChart(data), quantileTable(answers));
   return section;
 }
@@ -75,13 +80,13 @@ function swingChart({ answers: a }) {
   const [least, most] = extent([known.flatMap((s) => [s.result_low, s.result_high]), [a.base]]), wide = most - least || most || 1, never = most + 0.15 * wide;
   const place = (value, forever) => (forever ? never : value), start = place(a.base, a.base_never), from = known.map(() => start);
   const value = (s, key) => `${s[`${key}_word`] ?? quantity(s[key], s.unit)}: ${ofResult(a, s[`result_${key}`], s[`${key}_never`])}`;
-  const [unit, scale] = SPANS.find(([, s]) => most / s >= 1) || ["s", 1];
+  const [unit, scale] = isTime(a) ? SPANS.find(([, s]) => most / s >= 1) || ["s", 1] : [a.unit, 1];
   return barChart({
-    title: "One at a time", names, label: `time of failure (${unit}); at the right edge: never`, caption: `Each parameter alone low and high, the others as in the base, which fails after ${ofResult(a, a.base, a.base_never)}.`,
+    title: "One at a time", names, label: `${resultName(a)} (${unit})${isTime(a) ? "; at the right edge: never" : ""}`, caption: `Each parameter alone low and high, the others as in the base, which ${isTime(a) ? "fails after" : "comes to"} ${ofResult(a, a.base, a.base_never)}.`,
     x: { range: [least - 0.05 * wide, never], tick: (v, more = 0) => number(v / scale, 4 + more), scale }, marks: start === null ? [] : [{ x: start, label: "as it stands" }],
     lines: [{ name: "low", colour: "run", bar: true, up: 0.13, from, ends: known.map((s) => place(s.result_low, s.low_never)) }, { name: "high", colour: "fast", bar: true, up: -0.13, from, ends: known.map((s) => place(s.result_high, s.high_never)) }],
     readout: (i) => `${names[i]}: ${value(known[i], "low")}; ${value(known[i], "high")}`,
-    table: { n: known.length, caption: "one at a time", columns: [["Parameter", (i) => known[i].parameter], ["Low: fails after", (i) => value(known[i], "low")], ["High: fails after", (i) => value(known[i], "high")]] },
+    table: { n: known.length, caption: "one at a time", columns: [["Parameter", (i) => known[i].parameter], ["Low", (i) => value(known[i], "low")], ["High", (i) => value(known[i], "high")]] },
   });
 }
 
@@ -92,11 +97,11 @@ function influenceChart({ answers: a }) {
   const told = (one, key) => (one[key] === null ? "–" : `${number(one[key], 2)} ± ${number(one[`${key}_error`], 2)}`);
   return barChart({
     title: "What decides", names, label: "part of the variance", x: { tick: plain(3), range: [Math.min(0, extent([list.flatMap((i) => [i.first_low])])[0]), Math.max(1, extent([list.flatMap((i) => [i.first_high, i.total_high])])[1])] },
-    caption: `Part of the variance of ${a.influences_of_probability ? `whether a member fails within ${span(a.probability.by)}` : "the time of failure"} that is owed to each parameter alone (first)${totals ? " and with what it does through the others (total)" : ""}. Thin: 95 % interval by bootstrap.`,
+    caption: `Part of the variance of ${a.influences_of_probability ? `whether ${isTime(a) ? `a member fails within ${span(a.probability.by)}` : `it is at most ${quantity(a.probability.by, a.unit)}`}` : `the ${resultName(a)}`} that is owed to each parameter alone (first)${totals ? " and with what it does through the others (total)" : ""}. Thin: 95 % interval by bootstrap.`,
     lines: [...bar("first", "first", "run", totals ? 0.17 : 0), ...(totals ? bar("total", "total", "fit", -0.17) : [])],
     readout: (i) => `${list[i].parameter}: first ${told(list[i], "first")}${totals ? `, total ${told(list[i], "total")}` : ""}`,
     table: { n: list.length, caption: "what decides", columns: [["Parameter", (i) => list[i].parameter], ["First", (i) => told(list[i], "first")], ["Total", (i) => told(list[i], "total")],
-      ["Rank correlation with time", (i) => number(list[i].rank_correlation, 2)]] },
+      ["Rank correlation", (i) => number(list[i].rank_correlation, 2)]] },
   });
 }
 
@@ -143,10 +148,10 @@ function matrixOf(sides, failed) {
 
 function membersSection(data) {
   const { sweep } = data, names = shortNames(sweep.drawn.map((d) => d.parameter));
-  const sides = [...sweep.drawn.map((d, k) => ({ name: names[k], value: d.value })).slice(0, MOST_SIDES), { name: "time of failure", value: sweep.failure_time }];
-  const failed = sweep.failure_time.map((t) => t !== null);
-  const section = openSection("members", "Members", `${sweep.failure_time.length < sweep.answers.members ? `${count(sweep.failure_time.length)} of ${many(sweep.answers.members, "member")}` : many(sweep.answers.members, "member")}, each two of what was drawn${names.length > MOST_SIDES ? ` (the first ${MOST_SIDES})` : ""} and of when they fail.`);
+  const sides = [...sweep.drawn.map((d, k) => ({ name: names[k], value: d.value })).slice(0, MOST_SIDES), { name: resultName(sweep.answers), value: sweep.result }];
+  const failed = sweep.result.map((t) => t !== null && isTime(sweep.answers)), of = isTime(sweep.answers) ? "when they fail" : `their ${resultName(sweep.answers)}`;
+  const section = openSection("members", "Members", `${sweep.result.length < sweep.answers.members ? `${count(sweep.result.length)} of ${many(sweep.answers.members, "member")}` : many(sweep.answers.members, "member")}, each two of what was drawn${names.length > MOST_SIDES ? ` (the first ${MOST_SIDES})` : ""} and of ${of}.`);
   section.append(element("figure", { class: "matrix" }, element("h3", {}, "Members one by one"), element("div", { class: "frame" }, matrixOf(sides, failed)),
-    element("figcaption", {}, "Orange: fails within its time. Blue: never does, or is broken; it stands in no row of the time of failure.")));
+    element("figcaption", {}, isTime(sweep.answers) ? "Orange: fails within its time. Blue: never does, or is broken; it stands in no row of the time of failure." : "A member without it stands in no row of it.")));
   return section;
 }
