@@ -37,19 +37,19 @@ lac_status lac_lumped_judge(lac_lump *lump, const lac_run_def *def, const lac_ru
 {
     const double stiff = 0.02, soft = 2.0; // softness
     const double close = 0.1;              // to where the cells of a block slip by themselves
-    const double least = 1.5e-5, undriven = 0.3;
+    const double least = 1.5e-5, undriven = 0.15;
     const double value = result_of(run);
     double rigid, loose = NAN;
     LAC_TRY_RETURN(pilot(lump, def, run, stiff, fmax(def->rtol, 1e-5), &rigid, err));
     const double first = (value - rigid) / (1.0 - stiff) / value;
     const double off = run->failed ? lump->mismatch : fmax(lump->mismatch, undriven);
-    double sum = off * fabs(first) + 1.5 * lump->gain * first * first;
+    double sum = 2.0 * off * fabs(first) + 2.5 * lump->gain * first * first;
     if (lump->weakness > close) {
         LAC_TRY_RETURN(pilot(lump, def, run, soft, def->rtol, &loose, err));
         const double second = ((loose - value) / value / (soft - 1.0) - first) / (soft - stiff);
-        sum += 1.5 * fabs(second);
+        sum += 3.0 * fabs(second);
     }
-    sum += 1.5 * lump->gain * lump->rest;
+    sum += 1.3 * lump->gain * lump->rest;
     *error = isfinite(sum) ? fmax(sum, least) : (double)INFINITY;
     return LAC_OK;
 }

@@ -324,7 +324,7 @@ static const lac_variable of_lumped[] = {
             LAC_HELD(COUNT, lumped_try, cells), .json = "estimate/lumped/cells"),
     LAC_ROW("lumped_error_estimated", NULL, NULL, "relative error of a lumped run, by estimate",
             LAC_HELD(REAL, lumped_try, error), .json = "estimate/lumped/error_estimated"),
-    LAC_ROW("lumped_cpu_time", "s", NULL, "CPU that its integration takes",
+    LAC_ROW("lumped_cpu_time", NULL, "s", "CPU that its integration takes",
             LAC_HELD(REAL, lumped_try, time), .json = "estimate/lumped/cpu_time_s"),
 };
 
