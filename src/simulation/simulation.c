@@ -303,10 +303,11 @@ lac_status lac_simulation_file(lac_simulation *simulation, lac_store_def *out, l
     }
     out->provenance.fidelity = lac_fidelity_name(c->run.fidelity);
     if (s->scene->lump != NULL) {
-        (void)snprintf(s->lumped, sizeof s->lumped,
-                       "%zu cells stand for %zu: what stands for a cell is that of the one which is "
-                       "most like it",
-                       s->scene->lump->domain->n, s->scene->contact.domain->n);
+        (void)snprintf(
+            s->lumped, sizeof s->lumped,
+            "%zu cells stand for %zu: what stands for a cell is that of the one which is "
+            "most like it",
+            s->scene->lump->domain->n, s->scene->contact.domain->n);
         out->provenance.lumped = s->lumped;
     }
     if (s->outcome.accuracy != NULL) {
