@@ -112,7 +112,7 @@ static double mismatch_of(const making *m)
         }
     }
     // On a line all levels have as much of slip apart, so that a few coarse blocks decide it.
-    const double least = m->source->whole.domain->grid.ny == 1 && m->leaves > 1 ? 0.5 : 0.0;
+    const double least = m->source->whole.domain->grid.ny == 1 ? 0.25 : 0.0;
     const double all = lac_lump_trace(&m->soft);
     return off > 0.0 && all > 0.0 ? fmax(least, off / all) : 0.0;
 }
