@@ -93,6 +93,7 @@ lacuna_python_test(test_accuracy)
 # Loads that change in time, and the files that they come from.
 lacuna_python_test(test_loads)
 lacuna_python_test(test_loads_over_joint)
+lacuna_python_test(test_lumped)
 lacuna_python_test(test_safety)
 lacuna_python_test(test_geometry)
 

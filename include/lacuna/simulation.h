@@ -191,6 +191,8 @@ typedef struct lac_run_result {
     lac_arrest arrest;
     double
         stiff_steps; ///< that stability would have asked an explicit method for; 0: not looked at
+    double lump_error_estimated; ///< relative, that taking cells together (solver.fidelity: lumped)
+                                 ///< may have caused; 0: none were
 } lac_run_result;
 
 /// A part of the preparation.

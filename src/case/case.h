@@ -175,6 +175,13 @@ typedef struct lac_fit_def {
     int64_t walkers, steps, burn, rounds, seed;
 } lac_fit_def;
 
+/// How cells are taken together where the fidelity is lumped; docs/theory/lumped.md.
+typedef struct lac_lump_def {
+    int64_t level; ///< of the blocks that are taken together; < 0: as coarse as the scene allows
+    int64_t nodes; ///< of a quadrature over one parameter; < 0: what was measured to be enough
+    double error;  ///< relative, that it may cause [1]
+} lac_lump_def;
+
 /// A run that another one goes on from.
 typedef struct lac_from_def {
     char *file; ///< already relative to the working folder
@@ -250,6 +257,7 @@ struct lac_case {
     int formulation;          ///< lac_formulation, never AUTO once read
     double accuracy; ///< relative error to keep, by which rtol and what solver leaves open are
                      ///< picked [1]; NaN: as given
+    lac_lump_def lump;
     bool method_given, formulation_given;
     double contact_tolerance; ///< relative, of pressed contacts and static histories [1]
     int fft_planning;         ///< 0: estimate, reproducible to the bit; 1: measure
@@ -315,6 +323,10 @@ bool lac_case_implies_safety(const lac_case *c);
 /// The first key of what the case names of solver, inertia and the like that is against
 /// solver.fidelity events; NULL: none. Of its law, loads and transfer lac_run_async_follows tells.
 const char *lac_case_bars_events(const lac_case *c);
+
+/// Whether nothing that the case names is against solver.fidelity lumped, but for loads that differ
+/// from cell to cell.
+bool lac_case_admits_lumped(const lac_case *c);
 
 /// Told what differs between two cases, keys in order. @param before, after  "" where there is none
 typedef void lac_case_change(void *context, const char *key, const char *before, const char *after);

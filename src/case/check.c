@@ -414,6 +414,7 @@ void lac_check_case(lac_reader *reader, lac_case *c)
     check_inertia(reader, c, normal_stress(reader, c));
     lac_check_geometry(reader, c);
     lac_check_vector(reader, c);
+    lac_check_lumped(reader, c);
     check_solver(reader, c);
     lac_check_weakening(reader, c);
     lac_check_rg(reader, c);

@@ -175,7 +175,7 @@ static void check_solvers(lac_reader *reader, lac_case *c)
                       c->formulation == LAC_FORMULATION_INERTIA;
     char key[LAC_KEY_LENGTH];
     const bool together =
-        c->run.fidelity == LAC_FIDELITY_ODE || c->run.fidelity == LAC_FIDELITY_AUTO;
+        c->run.fidelity != LAC_FIDELITY_ASYNC && c->run.fidelity != LAC_FIDELITY_STATIC;
     (void)lac_refuse(reader, !held && together, "solver.formulation",
                      "does not hold the slip that interface.geometry follows: leave it out, or "
                      "slip");

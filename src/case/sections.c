@@ -200,17 +200,18 @@ const lac_param lac_inertia_rows[LAC_INERTIA_ROWS] = {
 };
 
 static const char *const methods[] = {"bdf", "adams", "erk", NULL};
-static const char *const fidelities[] = {"ode", "events", "static", "auto", NULL};
+static const char *const fidelities[] = {"ode", "events", "static", "auto", "lumped", NULL};
 static const char *const formulations[] = {"auto",    "rate",   "traction", "slip",
                                            "inertia", "vector", NULL};
 static const char *const answers[] = {"false", "true", NULL};
 static const char *const plannings[] = {"estimate", "measure", NULL};
 
 static const lac_param solver_rows[] = {
-    LAC_CHOICE("fidelity", FIELD(run.fidelity), LAC_FIDELITY_AUTO, fidelities, 0,
+    LAC_CHOICE("fidelity", FIELD(run.fidelity), LAC_FIDELITY_ODE, fidelities, 0,
                "what is resolved in time: ode (all cells at every step), events (each cell at "
-               "steps of its own, for cells that slip one by one), auto (whichever of them is the "
-               "faster one); static has no time (lacuna rg)"),
+               "steps of its own, for cells that slip one by one), auto (the faster of them), lumped "
+               "(few cells stand for all, where all slip together); static has no time (lacuna rg)"),
+    LAC_OWN("lump", "{level: ..., nodes: ..., error: ...}: with fidelity lumped, how"),
     LAC_REAL("wake", "1", FIELD(run.wake), 1, 0, 100, LAC_ABOVE_MIN,
              "with fidelity events: error that an unforeseen change of traction may cause before a "
              "cell is looked at, over the error of its step"),
@@ -429,6 +430,7 @@ static const lac_part parts[] = {
     {RECORD("time.failure", "what counts as failure, which ends the run", failure_rows)},
     {RECORD("time.stop_when", "other limits that end the run", stop_rows), .given = has_stop},
     {RECORD("solver", "integration in time", solver_rows)},
+    {RECORD("solver.lump", "with fidelity lumped", lac_lump_rows), .given = lac_case_lumps},
     {RECORD("output", "what is written", output_rows)},
     {PART(CADENCE, "output.every", run.record), .after = "output.checkpoint"},
     {PART(CADENCE, "output.checkpoint", run.checkpoint), .given = has_checkpoint},

@@ -278,10 +278,12 @@ enum {
     LAC_MATERIAL_ROWS = 4,
     LAC_INERTIA_ROWS = 3,
     LAC_GEOMETRY_ROWS = 4,
-    LAC_STEP_ROWS = 8
+    LAC_STEP_ROWS = 8,
+    LAC_LUMP_ROWS = 3
 };
 extern const lac_param lac_material_rows[LAC_MATERIAL_ROWS], lac_inertia_rows[LAC_INERTIA_ROWS],
-    lac_geometry_rows[LAC_GEOMETRY_ROWS], lac_step_rows[LAC_STEP_ROWS];
+    lac_geometry_rows[LAC_GEOMETRY_ROWS], lac_step_rows[LAC_STEP_ROWS],
+    lac_lump_rows[LAC_LUMP_ROWS];
 
 /// Reads the sections below the root into a case that holds the defaults.
 void lac_read_sections(lac_reader *reader, lac_case *c);
@@ -305,6 +307,10 @@ void lac_check_cadences(lac_reader *reader, const lac_case *c);
 
 /// What a case of fidelity events may not ask for; sets its formulation.
 void lac_check_events(lac_reader *reader, lac_case *c);
+void lac_check_lumped(lac_reader *reader, const lac_case *c);
+
+/// Whether the fidelity is lumped, so that `solver.lump` counts.
+bool lac_case_lumps(const lac_case *c);
 void lac_check_weakening(lac_reader *reader, lac_case *c);
 void lac_check_points(lac_reader *reader, const lac_case *c);
 void lac_check_point_names(lac_reader *reader, const lac_case *c);

@@ -50,7 +50,16 @@ typedef struct lac_domain {
     size_t n;         ///< contact cells
     uint32_t *index;  ///< [n] grid index of each contact cell, Morton order
     double *pressure; ///< [n] normal pressure [Pa], > 0
+    double *weight;   ///< [n] how many contact cells each stands for, over their mean; NULL: each
+                      ///< is itself
+    double each;      ///< that mean, with weights
 } lac_domain;
+
+/// Contact cells that a domain stands for.
+static inline double lac_domain_cells(const lac_domain *domain)
+{
+    return domain->weight != NULL ? (double)domain->n * domain->each : (double)domain->n;
+}
 
 /// Collects the cells with p > 0.
 /// @param pressure  [ny * nx] [Pa]

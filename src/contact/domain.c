@@ -97,6 +97,7 @@ void lac_domain_free(lac_domain *domain)
     if (domain != NULL) {
         free(domain->index);
         free(domain->pressure);
+        free(domain->weight);
         free(domain);
     }
 }

@@ -102,7 +102,7 @@ static lac_sensitivity_def follow_of(const lac_fit_model *model, double end, siz
                                      const double *time)
 {
     return (lac_sensitivity_def){
-        .problem = model->base.scene->problem,
+        .problem = lac_scene_problem(model->base.scene),
         .point = model->points != NULL ? model->points->point : NULL,
         .friction = model->fit->friction,
         .rtol = fmin(model->rtol, model->fit->source->run.rtol),
@@ -178,7 +178,7 @@ static bool breaks_agree(const lac_problem *a, const lac_problem *b, double end)
 
 static bool comparable(const lac_fit_model *model, const lac_perturbation *perturbation, double end)
 {
-    const lac_problem *base = model->base.scene->problem;
+    const lac_problem *base = lac_scene_problem(model->base.scene);
     return lac_problem_cells(perturbation->low) == lac_problem_cells(base) &&
            lac_problem_cells(perturbation->high) == lac_problem_cells(base) &&
            breaks_agree(base, perturbation->low, end) &&
@@ -199,9 +199,10 @@ static lac_status nudge_all(lac_fit_model *model, const double *u, double end,
         LAC_TRY_RETURN(bring(model, &model->nudged[2 * k], moved, err));
         moved[k] = u[k] + step;
         LAC_TRY_RETURN(bring(model, &model->nudged[2 * k + 1], moved, err));
-        *perturbation = (lac_perturbation){.low = model->nudged[2 * k].scene->problem,
-                                           .high = model->nudged[2 * k + 1].scene->problem,
-                                           .step = step};
+        *perturbation =
+            (lac_perturbation){.low = lac_scene_problem(model->nudged[2 * k].scene),
+                               .high = lac_scene_problem(model->nudged[2 * k + 1].scene),
+                               .step = step};
         by[k] = comparable(model, perturbation, end) ? LAC_BY_SENSITIVITY : LAC_BY_RUNS;
         perturbation += by[k] == LAC_BY_SENSITIVITY ? 1 : 0;
     }

@@ -205,6 +205,40 @@ out:
     return status;
 }
 
+lac_status lac_friction_pick(const lac_friction *of, const uint32_t *cell, size_t n,
+                             lac_friction **out, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    *out = NULL;
+    lac_friction *friction = calloc(1, sizeof *friction);
+    LAC_FAIL_MEMORY_IF(friction == NULL, err);
+    *friction = (lac_friction){.law = of->law,
+                               .form = of->form,
+                               .n = n,
+                               .cohesion = of->cohesion,
+                               .columns = of->columns,
+                               .column = calloc(of->columns, sizeof *friction->column)};
+    LAC_TRY(friction->column != NULL ? LAC_OK : lac_fail_memory(err));
+    for (size_t k = 0; k < of->columns; k++) {
+        const lac_cellwise *from = &of->column[k];
+        lac_cellwise *to = &friction->column[k];
+        if (from->value == NULL) {
+            continue;
+        }
+        LAC_TRY(allocate_column(friction, from->mask == 0, to, err));
+        const size_t count = count_values(friction, to);
+        for (size_t i = 0; i < count; i++) {
+            to->value[i] = lac_cellwise_of(from, from->mask == 0 ? 0 : cell[i]);
+        }
+    }
+    LAC_TRY(derive(friction, err));
+    *out = friction;
+    friction = NULL;
+out:
+    lac_friction_free(friction);
+    return status;
+}
+
 void lac_friction_free(lac_friction *friction)
 {
     if (friction == NULL) {

@@ -177,6 +177,10 @@ lac_status lac_friction_create(const lac_model *model, size_t n, lac_friction **
                                lac_error *err);
 void lac_friction_free(lac_friction *friction);
 
+/// Some of the cells. @param cell  [n] which
+lac_status lac_friction_pick(const lac_friction *of, const uint32_t *cell, size_t n,
+                             lac_friction **out, lac_error *err);
+
 /// Gives the cells values of their own for one LAC_CELLWISE parameter of the law, checked against
 /// its range.
 lac_status lac_friction_set(lac_friction *friction, const char *key, const double *values,

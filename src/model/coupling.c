@@ -58,7 +58,7 @@ double lac_problem_held(const lac_problem *problem, double back, const double *s
     }
     double total = 0.0;
     for (size_t i = 0; i < problem->n; i++) {
-        total += problem->anchor[i] * (slip[i] - back);
+        total += lac_problem_weight(problem, i) * problem->anchor[i] * (slip[i] - back);
     }
     return total;
 }
@@ -80,11 +80,14 @@ const char *lac_problem_lost_transfer(const lac_problem *problem, const double *
 lac_damping lac_damping_over(const lac_domain *domain, double eta, bool massive)
 {
     double cells = (double)lac_grid_cells(&domain->grid);
-    double n = (double)domain->n;
+    double n = lac_domain_cells(domain);
     if (massive) {
         return domain->n == 1 ? (lac_damping){0} : (lac_damping){.cell = eta, .mean = -eta};
     }
-    double pressure = lac_vsum(domain->n, domain->pressure) / n;
+    double pressure =
+        (domain->weight == NULL ? lac_vsum(domain->n, domain->pressure)
+                                : lac_vdot(domain->n, domain->weight, domain->pressure)) /
+        (double)domain->n;
     return (lac_damping){.cell = eta, .shared = eta * ((cells - n) / n) / pressure};
 }
 
@@ -129,12 +132,14 @@ void lac_block_ease(const lac_problem *problem, const lac_problem_loads_at *driv
 }
 
 // Means over the cells of row x and of x.
-static void weigh(size_t n, const double *row, const double *x, double means[2])
+static void weigh(const lac_problem *problem, const double *row, const double *x, double means[2])
 {
+    const size_t n = problem->n;
     means[0] = means[1] = 0.0;
     for (size_t i = 0; i < n; i++) {
-        means[0] += row[i] * x[i];
-        means[1] += x[i];
+        const double weight = lac_problem_weight(problem, i);
+        means[0] += weight * (row[i] * x[i]);
+        means[1] += weight * x[i];
     }
     means[0] /= (double)n;
     means[1] /= (double)n;
@@ -153,8 +158,8 @@ static bool share_evenly(const lac_problem *problem, double mean, const double *
     if (!transfer->kind->solve(transfer->state, mean, diagonal, x, x, scratch)) {
         return false;
     }
-    double pivot = 1.0 + on->kappa * (lac_vsum(n, x) / (double)n);
-    double by = on->kappa * (lac_vsum(n, b) / (double)n) / pivot;
+    double pivot = 1.0 + on->kappa * lac_problem_mean(problem, x);
+    double by = on->kappa * lac_problem_mean(problem, b) / pivot;
     for (size_t i = 0; i < n; i++) {
         b[i] -= by * x[i];
     }
@@ -196,19 +201,19 @@ static bool share_by_row(const lac_problem *problem, double mean, const double *
     double *ones = on->ones != NULL ? on->ones : shares; // one after the other
     double r[2], s[2], e[2];
     row_terms terms;
-    weigh(n, on->row, b, r);
+    weigh(problem, on->row, b, r);
     fill_shares(problem, shares);
     if (!transfer->kind->solve(transfer->state, mean, diagonal, shares, shares, scratch)) {
         return false;
     }
-    weigh(n, on->row, shares, s);
+    weigh(problem, on->row, shares, s);
     for (size_t i = 0; i < n; i++) {
         ones[i] = 1.0;
     }
     if (!transfer->kind->solve(transfer->state, mean, diagonal, ones, ones, scratch)) {
         return false;
     }
-    weigh(n, on->row, ones, e);
+    weigh(problem, on->row, ones, e);
     if (!find_terms(on->kappa, r, s, e, &terms)) {
         return false;
     }
@@ -256,7 +261,7 @@ bool lac_problem_solve_sharing(const lac_problem *problem, double mean, const do
     if (column == NULL) {
         return solve_shared(problem, mean, diagonal, on, b, scratch);
     }
-    const double alike = lac_vsum(n, column) / (double)n;
+    const double alike = lac_problem_mean(problem, column);
     bool differs = false;
     for (size_t i = 0; i < n; i++) {
         column[i] -= alike;
@@ -266,8 +271,8 @@ bool lac_problem_solve_sharing(const lac_problem *problem, double mean, const do
         (differs && !solve_shared(problem, mean - alike, diagonal, on, column, scratch))) {
         return false;
     }
-    const double pivot = differs ? 1.0 - lac_vsum(n, column) / (double)n : 1.0;
-    const double by = differs ? lac_vsum(n, b) / (double)n / pivot : 0.0;
+    const double pivot = differs ? 1.0 - lac_problem_mean(problem, column) : 1.0;
+    const double by = differs ? lac_problem_mean(problem, b) / pivot : 0.0;
     for (size_t i = 0; differs && i < n; i++) {
         b[i] += by * column[i];
     }

@@ -19,10 +19,11 @@ static lac_failure_start look_at_start(const lac_problem *problem)
                                    problem->anchor != NULL || problem->loads.geometry != NULL,
                            .length = problem->length};
     for (size_t i = 0; i < problem->n; i++) {
-        double p = lac_problem_effective(problem, &problem->drive0, i) * to_nominal;
+        const double weight = lac_problem_weight(problem, i);
+        double p = weight * lac_problem_effective(problem, &problem->drive0, i) * to_nominal;
         double a = lac_cellwise_of(&problem->friction->column[LAC_A], i);
         double b = lac_cellwise_of(&problem->friction->column[LAC_B], i);
-        s.rate += exp(problem->log_rate0[i]) / n;
+        s.rate += weight * exp(problem->log_rate0[i]) / n;
         s.direct += a * p;
         s.excess += (b - a) * p;
     }
@@ -66,7 +67,7 @@ static double past_as_one(const lac_look *at, double rate)
     double held = eta * rate;
     double u = log(rate);
     for (size_t i = 0; i < problem->n; i++) {
-        double p = lac_problem_effective(problem, &at->drive, i);
+        double p = lac_problem_weight(problem, i) * lac_problem_effective(problem, &at->drive, i);
         double f = lac_friction_coefficient(friction, i, motion->u[i], w[i]);
         double along = (motion->v[i] < 0.0) == (motion->mean < 0.0) ? f : -f;
         load += p * (along - lac_friction_coefficient(friction, i, u, w[i]));

@@ -197,7 +197,7 @@ bool lac_implicit_reduce(const lac_look *at, double gamma, const double *b_slip,
 {
     const size_t n = at->problem->n;
     const bool bent = at->problem->loads.geometry != NULL;
-    const double mean = bent ? lac_vsum(n, b_slip) / (double)n : 0.0;
+    const double mean = bent ? lac_problem_mean(at->problem, b_slip) : 0.0;
     const double *gone = bent ? &mean : NULL;
     bool good = true;
     for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
@@ -266,7 +266,7 @@ rates_under(const lac_look *at, const double *tractions, double taken, bool othe
                                         .share = at->drive.shares == NULL ? at->drive.share : 1.0,
                                         .damping = problem->damping};
         lac_friction_rates(problem->friction, &balance, u + first, v + first);
-        total += lac_vsum(length, v + first);
+        total += lac_problem_sum_from(problem, first, length, v + first);
     }
     return total / (double)n;
 }
@@ -326,7 +326,7 @@ static double rates_together(const lac_look *at, const double *tractions, double
             return found;
         }
         lac_problem_find_ease(at, u, ease);
-        double slope = lac_vsum(n, ease) / (double)n;
+        double slope = lac_problem_mean(at->problem, ease);
         double moved = lac_mean_search_on(&search, found, slope);
         double part = part_taken(n, moved, ease, ws->v);
         if (part <= near) {
@@ -339,7 +339,7 @@ static double rates_together(const lac_look *at, const double *tractions, double
             break;
         }
     }
-    return lac_vsum(n, ws->v) / (double)n;
+    return lac_problem_mean(at->problem, ws->v);
 }
 
 lac_motion lac_problem_solve_rates(const lac_look *at, const double *traction, bool keep)

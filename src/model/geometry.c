@@ -36,7 +36,7 @@ lac_gone lac_problem_gone(const lac_problem *problem, const double *slip, double
     if (problem->loads.geometry == NULL) {
         return (lac_gone){0};
     }
-    return (lac_gone){lac_vsum(problem->n, slip) / (double)problem->n, rate};
+    return (lac_gone){lac_problem_mean(problem, slip), rate};
 }
 
 // What slides round a bend presses on it with m v^2 times its curvature, -d alpha/d slip.

@@ -88,7 +88,7 @@ static lac_motion move(const lac_look *at, bool keep)
     const double *y = at->y;
     size_t n = problem->n;
     if (problem->slow == 0.0) {
-        double total = lac_problem_exp_sum(n, y, ws->v);
+        double total = lac_problem_exp_sum(at->problem, y, ws->v);
         return (lac_motion){.u = y, .v = ws->v, .mean = total / (double)n};
     }
     double total = 0.0;

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
+#include "base/vsum.h"
 #include "model/problem.h"
 
 struct lac_problem {
     size_t n;
+    const double *weight;   // [n] of each in sums and means, mean 1; NULL: 1
     const double *pressure; // [n] total normal pressure of each cell [Pa]
     const lac_friction *friction;
     lac_transfer transfer;
@@ -15,7 +17,7 @@ struct lac_problem {
     double drag;          // what it takes off per pressure [s/m]: lac_damping.shared
     double least_direct;  // least a of the cells
     double bond;          // cohesion over the mean pressure: it carries p_i bond of q_i [1]
-    double cell_area;     // r^2 [m2]
+    double cell_area;     // r^2; of a cell of weight 1 [m2]
     double nominal_area;  // L^2 [m2]
     double length;        // a slip that is long gone: the longer side; of one block 10 m
     double mean_pressure; // P/L^2 [Pa]
@@ -42,6 +44,30 @@ struct lac_problem {
     struct lac_problem *across;     // slip along y, which shares all but what make_side gives it;
                                     // NULL: slip is along x
 };
+
+// Weight of cell i.
+static inline double lac_problem_weight(const lac_problem *problem, size_t i)
+{
+    return problem->weight == NULL ? 1.0 : problem->weight[i];
+}
+
+// Sum of x over `length` cells from `first` on, each with its weight. @param x  of these cells
+static inline double lac_problem_sum_from(const lac_problem *problem, size_t first, size_t length,
+                                          const double *x)
+{
+    return problem->weight == NULL ? lac_vsum(length, x)
+                                   : lac_vdot(length, problem->weight + first, x);
+}
+
+// Sum and mean over all cells.
+static inline double lac_problem_sum(const lac_problem *problem, const double *x)
+{
+    return lac_problem_sum_from(problem, 0, problem->n, x);
+}
+static inline double lac_problem_mean(const lac_problem *problem, const double *x)
+{
+    return lac_problem_sum(problem, x) / (double)problem->n;
+}
 
 // Effective normal pressure of cell i [Pa]: the one place where it is made of what the loads leave.
 static inline double lac_problem_effective(const lac_problem *problem,
@@ -287,7 +313,7 @@ void lac_problem_couple(const lac_problem *problem, lac_far_field far, const dou
 double lac_problem_held(const lac_problem *problem, double back, const double *slip);
 
 // v = exp(u) of every cell, and its sum in a fixed order.
-double lac_problem_exp_sum(size_t n, const double *u, double *v);
+double lac_problem_exp_sum(const lac_problem *problem, const double *u, double *v);
 
 // How far a search for the mean rate has come: of cells that all slip the slower the faster their
 // mean is taken to be.

@@ -75,7 +75,7 @@ void lac_problem_elastic_traction(const lac_look *at, const double *slip, double
 {
     const lac_problem *problem = at->problem;
     const lac_problem_loads_at *drive = &at->drive;
-    double mean = lac_vsum(problem->n, slip) / (double)problem->n;
+    double mean = lac_problem_mean(problem, slip);
     double common = drive->spring - drive->spring_stiffness * mean;
     lac_problem_couple(problem, drive->far, slip, traction, at->ws.scratch);
     for (size_t i = 0; i < problem->n; i++) {
@@ -148,9 +148,10 @@ static void measure_balance(const lac_look *at, const double *slip, double *trac
         worst = most > worst || isnan(most) ? most : worst;
         for (size_t i = 0; i < n; i++) {
             double p = lac_problem_effective(problem, &at->drive, first + i);
-            sum += traction[first + i];
-            held += a[i] * p + problem->damping * fabs(at->motion.v[first + i]) +
-                    lac_problem_drag(problem, first + i) * fabs(at->motion.mean);
+            const double weight = lac_problem_weight(problem, first + i);
+            sum += weight * traction[first + i];
+            held += weight * (a[i] * p + problem->damping * fabs(at->motion.v[first + i]) +
+                              lac_problem_drag(problem, first + i) * fabs(at->motion.mean));
         }
     }
     observation->balance_residual = worst;
@@ -172,17 +173,16 @@ double lac_look_sheared(const lac_look *at, const double *slip, double mean)
 static void observe_slip(const lac_look *at, const double *slip, lac_observation *seen)
 {
     const lac_problem *problem = at->problem;
-    const double n = (double)problem->n;
     if (problem->across == NULL) {
-        seen->mean_slip = lac_vsum(problem->n, slip) / n;
+        seen->mean_slip = lac_problem_mean(problem, slip);
         seen->shear_force = problem->cell_area * lac_look_sheared(at, slip, seen->mean_slip);
         return;
     }
     const lac_components of = lac_problem_components(problem, slip, at->ws.v);
     seen->shear_force = problem->cell_area * lac_vector_sheared(at, slip, seen->shear_along);
     for (int c = 0; c < 2; c++) {
-        seen->slip_along[c] = lac_vsum(problem->n, of.slip[c]) / n;
-        seen->rate_along[c] = lac_vsum(problem->n, of.rate[c]) / n;
+        seen->slip_along[c] = lac_problem_mean(problem, of.slip[c]);
+        seen->rate_along[c] = lac_problem_mean(problem, of.rate[c]);
         seen->shear_along[c] *= problem->cell_area;
     }
     seen->mean_slip = hypot(seen->slip_along[0], seen->slip_along[1]);
@@ -203,8 +203,9 @@ static void observe_weakening(const lac_look *at, lac_observation *observation)
     double sums[2] = {0.0, 0.0}, hottest = 0.0;
     lac_problem_weakened(problem, at->y, pore, temperature, broken);
     for (size_t i = 0; i < n; i++) {
-        sums[0] += problem->pressure[i] * pore[i];
-        sums[1] += problem->pressure[i] * broken[i];
+        const double force = lac_problem_weight(problem, i) * problem->pressure[i];
+        sums[0] += force * pore[i];
+        sums[1] += force * broken[i];
         hottest = fmax(hottest, temperature[i]);
     }
     observation->excess_pore = sums[0] / problem->sum_pressure;
@@ -229,7 +230,7 @@ static double pressed(const lac_problem *problem, double t, double base, double 
         lac_load_evaluate_normal(loads, t, &now, normal, normal + problem->n);
         now.normal = normal[0];
         for (size_t i = 0; i < problem->n; i++) {
-            off += problem->pressure[i] * (normal[i] - normal[0]);
+            off += lac_problem_weight(problem, i) * problem->pressure[i] * (normal[i] - normal[0]);
         }
     }
     return base + (now.normal + off / problem->sum_pressure) / problem->mean_pressure;
@@ -428,7 +429,7 @@ static bool solve(const lac_look *at, double *rise)
     bool damped = problem->drag != 0.0;
     double even = 0.0;
     for (size_t i = 0; damped && i < n; i++) {
-        even += fabs(row[i]) / (double)n;
+        even += lac_problem_weight(problem, i) * fabs(row[i]) / (double)n;
     }
     double kappa = problem->drag * (problem->sum_pressure / (double)n) * even;
     lac_sharing on = {0};
@@ -443,7 +444,7 @@ static bool solve(const lac_look *at, double *rise)
         return false;
     }
     for (size_t i = 0; on.row != NULL && i < n; i++) {
-        *rise += row[i] * ws->kv[i] * (even / (double)n);
+        *rise += lac_problem_weight(problem, i) * row[i] * ws->kv[i] * (even / (double)n);
     }
     return true;
 }

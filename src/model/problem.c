@@ -10,13 +10,15 @@ static void fill_geometry(lac_problem *problem, const lac_domain *domain)
 {
     problem->n = domain->n;
     problem->pressure = domain->pressure;
-    problem->cell_area = lac_grid_cell_area(&domain->grid);
+    problem->weight = domain->weight;
+    problem->cell_area =
+        lac_grid_cell_area(&domain->grid) * (domain->weight != NULL ? domain->each : 1.0);
     problem->nominal_area = lac_grid_area(&domain->grid);
     const lac_grid *grid = &domain->grid;
     problem->length = lac_grid_cells(grid) == 1
                           ? 10.0
                           : lac_grid_extent(grid, (double)grid->nx, (double)grid->ny);
-    problem->sum_pressure = lac_vsum(domain->n, domain->pressure);
+    problem->sum_pressure = lac_problem_sum(problem, domain->pressure);
     problem->mean_pressure = problem->sum_pressure * problem->cell_area / problem->nominal_area;
     problem->spring_share = problem->nominal_area / ((double)domain->n * problem->cell_area);
 }
@@ -43,12 +45,12 @@ static void fill_traction(lac_problem *problem)
     }
     double total = 0.0;
     for (size_t i = 0; i < problem->n; i++) {
-        total += exp(problem->log_rate0[i]);
+        total += lac_problem_weight(problem, i) * exp(problem->log_rate0[i]);
     }
     for (size_t i = 0; i < problem->n; i++) {
         problem->traction0[i] += lac_problem_drag(problem, i) * (total / (double)problem->n);
     }
-    problem->sum_traction0 = lac_vsum(problem->n, problem->traction0);
+    problem->sum_traction0 = lac_problem_sum(problem, problem->traction0);
 }
 
 static double least_of(const lac_cellwise *column, size_t n)
@@ -255,8 +257,9 @@ static bool find_shares(const lac_problem *problem, double t, const lac_load_sta
     for (size_t i = 0; i < n; i++) {
         shares[i] = drive->normal - shares[i] / mean;
         rates[i] = -rates[i] / mean;
-        off += problem->pressure[i] * (shares[i] - shares[0]);
-        off_rate += problem->pressure[i] * (rates[i] - rates[0]);
+        const double force = lac_problem_weight(problem, i) * problem->pressure[i];
+        off += force * (shares[i] - shares[0]);
+        off_rate += force * (rates[i] - rates[0]);
         drive->least = fmin(drive->least, shares[i]);
         good = good && shares[i] > 0.0 && isfinite(shares[i]) && isfinite(rates[i]);
     }
@@ -351,6 +354,9 @@ lac_problem_parts lac_problem_parts_of(const lac_problem *problem)
 {
     return (lac_problem_parts){.pressure = problem->pressure,
                                .traction = problem->traction0,
+                               .weight = problem->weight,
+                               .log_rate = problem->log_rate0,
+                               .log_state = problem->log_state0,
                                .friction = problem->friction,
                                .transfer = &problem->transfer,
                                .damping = {.cell = problem->damping,

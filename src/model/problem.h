@@ -254,8 +254,10 @@ double lac_problem_fastest(const lac_problem *problem, double t, const double *y
 
 /// What a problem is made of, for those who treat its cells one by one.
 typedef struct lac_problem_parts {
-    const double *pressure; ///< [n] total normal pressure [Pa]
-    const double *traction; ///< [n] at t = 0 [Pa]
+    const double *pressure;             ///< [n] total normal pressure [Pa]
+    const double *traction;             ///< [n] at t = 0 [Pa]
+    const double *weight;               ///< [n] of each in sums and means, mean 1; NULL: 1
+    const double *log_rate, *log_state; ///< [n] ln v and ln theta at t = 0
     const lac_friction *friction;
     const lac_transfer *transfer;
     lac_damping damping;

@@ -12,6 +12,7 @@
 #define LEAST_RATE 1e-250
 
 typedef struct speeds {
+    const lac_problem *problem;
     const double *u;
     double *v;
     double sum[LAC_PARTS];
@@ -24,15 +25,15 @@ static void add_speeds(void *context, size_t part, size_t from, size_t end)
     for (size_t first = from; first < end; first += LAC_FRICTION_BLOCK) {
         size_t length = lac_block_length(end, first);
         lac_vexp(length, s->u + first, s->v + first);
-        total += lac_vsum(length, s->v + first);
+        total += lac_problem_sum_from(s->problem, first, length, s->v + first);
     }
     s->sum[part] = total;
 }
 
-double lac_problem_exp_sum(size_t n, const double *u, double *v)
+double lac_problem_exp_sum(const lac_problem *problem, const double *u, double *v)
 {
-    speeds s = {.u = u, .v = v};
-    size_t parts = lac_parallel_for(n, add_speeds, &s);
+    speeds s = {.problem = problem, .u = u, .v = v};
+    size_t parts = lac_parallel_for(problem->n, add_speeds, &s);
     return lac_sum(parts, s.sum);
 }
 
@@ -45,7 +46,7 @@ static lac_motion move(const lac_look *at, bool keep)
 {
     (void)keep;
     size_t n = at->problem->n;
-    double mean = lac_problem_exp_sum(n, at->y, at->ws.v) / (double)n;
+    double mean = lac_problem_exp_sum(at->problem, at->y, at->ws.v) / (double)n;
     return (lac_motion){.u = at->y, .v = at->ws.v, .mean = mean};
 }
 
@@ -135,8 +136,9 @@ static bool block_rates(rate_field *field, size_t part, size_t first)
     }
     if (field->ease != NULL) { // f and f_w have been used
         lac_rate_ease(field, first, length, held, s.f, s.f_w);
-        field->gain[part] += lac_vsum(length, s.f);
-        field->loss[part] += lac_vsum(length, s.f_w);
+        const lac_problem *problem = field->at->problem;
+        field->gain[part] += lac_problem_sum_from(problem, first, length, s.f);
+        field->loss[part] += lac_problem_sum_from(problem, first, length, s.f_w);
     }
     return lac_vfinite(length, du) && lac_vfinite(length, s.g);
 }
@@ -365,7 +367,7 @@ static bool damp_solve(const solve_field *field, double *rise, double *push)
     }
     for (size_t i = 0; i < problem->n; i++) {
         row[i] = 1.0 + field->gamma * row[i];
-        given += field->at->motion.v[i] * field->b[i];
+        given += lac_problem_weight(problem, i) * field->at->motion.v[i] * field->b[i];
     }
     *push = problem->drag * given / (double)problem->n / field->gamma;
     return isfinite(*push);

@@ -45,8 +45,8 @@ static void sum_behind(const lac_problem *problem, const leap *at, double mean, 
     }
     const lac_friction_cells cells = {.first = first, .n = length, .u = u, .w = w, .v = v};
     lac_block_ease(problem, at->jump->after, &cells, ease);
-    sums[0] += lac_vsum(length, v);
-    sums[1] += lac_vsum(length, ease);
+    sums[0] += lac_problem_sum_from(problem, first, length, v);
+    sums[1] += lac_problem_sum_from(problem, first, length, ease);
 }
 
 // The mean rate behind the jump, which damps all cells.
@@ -73,7 +73,7 @@ bool lac_rate_jump(const lac_problem *problem, const lac_jump *jump, double *y)
     double mean = 0.0;
     if (problem->drag != 0.0) {
         for (size_t i = 0; i < problem->n; i++) {
-            at.before += exp(y[i]) / (double)problem->n;
+            at.before += lac_problem_weight(problem, i) * exp(y[i]) / (double)problem->n;
         }
         mean = mean_behind(problem, &at);
     }

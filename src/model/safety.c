@@ -56,13 +56,14 @@ double lac_look_safety(const lac_look *at, const double *slip)
     double strength[LAC_FRICTION_BLOCK];
     double sum = 0.0;
     for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
-        sum += lac_vsum(hold(at, first, strength), strength);
+        const size_t length = hold(at, first, strength);
+        sum += lac_problem_sum_from(at->problem, first, length, strength);
     }
     if (at->problem->across != NULL) {
         double along[2];
         return over(sum, lac_vector_sheared(at, slip, along));
     }
-    return over(sum, lac_look_sheared(at, slip, lac_vsum(n, slip) / (double)n));
+    return over(sum, lac_look_sheared(at, slip, lac_problem_mean(at->problem, slip)));
 }
 
 double lac_problem_safety(const lac_problem *problem, double t, const double *y, const double *slip,

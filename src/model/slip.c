@@ -31,7 +31,7 @@ static bool newton(const lac_look *at, double gamma, double *b)
         return false;
     }
     // ws->u is free where rates are kept: K b_slip.
-    double mean = at->drive.spring_stiffness * lac_vsum(n, b) / (double)n;
+    double mean = at->drive.spring_stiffness * lac_problem_mean(problem, b);
     transfer->kind->apply(transfer->state, b, ws->u, ws->scratch);
     for (size_t i = 0; i < n; i++) {
         double rhs = -(ws->u[i] + mean + ws->kv[i]) / gamma;

@@ -46,7 +46,7 @@ static bool newton(const lac_look *at, double gamma, double *b)
         return false;
     }
     lac_weaken_finish(at, gamma, b);
-    double rise = lac_vsum(n, b) / (double)n;
+    double rise = lac_problem_mean(problem, b);
     for (size_t i = 0; i < n; i++) {
         double dv = b[i];
         double common = lac_problem_drag(problem, i) * rise;

@@ -59,7 +59,7 @@ static bool take_excess(const lac_problem *problem, const double *z, lac_problem
         double part = excess_of(problem, z, i) / problem->mean_pressure;
         double rate = drive->shares != NULL ? drive->share_rates[i] : drive->share_rate;
         shares[i] = lac_problem_share_of(drive, i) - part;
-        off += problem->pressure[i] * part;
+        off += lac_problem_weight(problem, i) * problem->pressure[i] * part;
         drive->least = fmin(drive->least, shares[i]);
         if (rates != NULL) {
             rates[i] = rate;

@@ -240,7 +240,8 @@ const char *lac_fidelity_name(lac_fidelity fidelity)
     static const char *const names[] = {[LAC_FIDELITY_ODE] = "ode",
                                         [LAC_FIDELITY_ASYNC] = "events",
                                         [LAC_FIDELITY_STATIC] = "static",
-                                        [LAC_FIDELITY_AUTO] = "auto"};
+                                        [LAC_FIDELITY_AUTO] = "auto",
+                                        [LAC_FIDELITY_LUMPED] = "lumped"};
     return names[fidelity];
 }
 

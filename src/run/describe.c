@@ -435,6 +435,7 @@ LAC_TEXT_GETTER(lowered, RESULT,
                     ? "a p/eta at the start: radiation damping holds the joint below "
                       "time.failure.mean_slip_rate; judged by all cells as one"
                     : NULL)
+LAC_GETTER(double, lumped, RESULT, r->lump_error_estimated > 0.0 ? r->lump_error_estimated : NAN)
 LAC_TEXT_GETTER(ended_by, RESULT, lac_end_name(r->end))
 LAC_TEXT_GETTER(arrested, RESULT,
                 isnan(r->arrest.largest) ? NULL
@@ -468,6 +469,7 @@ static const lac_variable of_result[] = {
     {.name = "largest_mean_slip_rate_m_s", .unit = "m s-1", R(REAL, arrest.largest)},
     {.name = "largest_mean_slip_rate_time_s", .unit = "s", R(REAL, arrest.largest_time)},
     {.name = "arrest", T(arrested)},
+    {.name = "lump_error_estimated", G(lumped)},
     SUM("steps", steps),
     SUM("rhs_evaluations", rhs_evaluations),
     SUM("newton_iterations", newton_iterations),

@@ -8,18 +8,25 @@
 // The cube root of the rounding error, where the two errors of a central difference meet.
 static const double reach = 6e-6;
 
+static double mean_of(const lac_sensitivity_state *f, const lac_problem *problem, const double *x)
+{
+    const double *weight = lac_problem_parts_of(problem).weight;
+    const double sum = weight == NULL ? lac_sum(f->n, x) : lac_dot(f->n, weight, x);
+    return sum / (double)f->n;
+}
+
 bool lac_sensitivity_state_derivative(lac_sensitivity_state *f, const lac_problem *problem,
                                       double t, const double *y, double *ydot)
 {
     if (!lac_problem_derivative(problem, lac_sensitivity_state_clock(f, t), y, ydot, f->work)) {
         return false;
     }
-    const double sum = lac_sum(f->n, f->work);
-    ydot[f->mean] = sum / (double)f->n;
+    const double mean = mean_of(f, problem, f->work);
+    ydot[f->mean] = mean;
     if (f->seen > f->mean) {
         ydot[f->seen] = lac_point_mean(f->def->point, f->work);
     }
-    return isfinite(sum);
+    return isfinite(mean);
 }
 
 double lac_sensitivity_state_rates(lac_sensitivity_state *f, const lac_problem *problem, double t,
@@ -27,7 +34,7 @@ double lac_sensitivity_state_rates(lac_sensitivity_state *f, const lac_problem *
 {
     double *v = f->probe + 2 * f->m;
     lac_problem_rates(problem, lac_sensitivity_state_clock(f, t), y, v, f->work);
-    rate[0] = lac_sum(f->n, v) / (double)f->n;
+    rate[0] = mean_of(f, problem, v);
     if (f->seen > f->mean) {
         rate[1] = lac_point_mean(f->def->point, v);
     }

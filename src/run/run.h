@@ -55,6 +55,7 @@ typedef enum lac_fidelity {
     LAC_FIDELITY_ASYNC,   ///< every cell at steps of its own: docs/theory/fidelity-events.md
     LAC_FIDELITY_STATIC,  ///< no time: the cascade of rg.h, not a run
     LAC_FIDELITY_AUTO,    ///< ODE or ASYNC, as lac_fidelity_choose finds; to lac_run it is ODE
+    LAC_FIDELITY_LUMPED,  ///< as ODE, of a scene whose cells were taken together: lump.h
 } lac_fidelity;
 
 /// How often something is recorded; the tightest of what is given counts.
@@ -113,17 +114,17 @@ enum {
 
 typedef struct lac_run_def {
     lac_fidelity fidelity;
-    lac_method method; ///< of fidelity ODE
-    double wake;       ///< of fidelity EVENTS: what an unforeseen change of traction may cost a
-                       ///< cell before it is looked at, over its error a step
-    double rtol;       ///< relative on v and theta, whatever the formulation
-    int projection;    ///< 1: records and snapshots are moved onto the balance; 0: as integrated
-    int64_t max_order; ///< 0: the method's own
-    double first_step; ///< [s]; NaN: from the problem's time scales, which also bound it
-    int64_t max_steps; ///< of the whole run
-    double most_stiff; ///< give up, LAC_ENUMERIC, after so many steps where stability asks an
-                       ///< explicit method for as many, and for half of all; INFINITY: only count
-                       ///< them; 0: they are not looked at
+    lac_method method;   ///< of fidelity ODE
+    double wake;         ///< of fidelity EVENTS: what an unforeseen change of traction may cost a
+                         ///< cell before it is looked at, over its error a step
+    double rtol;         ///< relative on v and theta, whatever the formulation
+    int projection;      ///< 1: records and snapshots are moved onto the balance; 0: as integrated
+    int64_t max_order;   ///< 0: the method's own
+    double first_step;   ///< [s]; NaN: from the problem's time scales, which also bound it
+    int64_t max_steps;   ///< of the whole run
+    double most_stiff;   ///< give up, LAC_ENUMERIC, after so many steps where stability asks an
+                         ///< explicit method for as many, and for half of all; INFINITY: only count
+                         ///< them; 0: they are not looked at
     double end;          ///< [s]
     double failure_rate; ///< mean slip rate that is failure [m/s]; INFINITY: none is
     double failure_slip; ///< mean slip that is failure [m]; both as lac_problem_failure takes them

@@ -375,7 +375,7 @@ static lac_status try_scene(const lac_case *c, lac_load_files *files, lac_estima
     }
     status = lac_scene_create(c, files, &scene, err);
     if (status == LAC_OK) {
-        status = lac_run_check(scene->problem, &c->run, err);
+        status = lac_run_check(lac_scene_problem(scene), &c->run, err);
         e->failure = lac_problem_failure(scene->problem, c->run.failure_rate, c->run.failure_slip);
     }
     lac_scene_free(scene);

@@ -86,6 +86,42 @@ static lac_status find_heading(const lac_scene *scene, double *heading, lac_erro
     return lac_load_set_heading(&scene->loads, scene->contact.mean_pressure, heading, err);
 }
 
+// All that its problem is made of, but for the start.
+static lac_problem_def problem_def(const lac_scene *scene)
+{
+    const lac_case *c = scene->source;
+    return (lac_problem_def){.domain = scene->contact.domain,
+                             .friction = scene->friction,
+                             .transfer = &scene->transfer,
+                             .loads = scene->loads,
+                             .damping = scene->damping,
+                             .mass = lac_inertia_mass(c),
+                             .columns = c->inertia.columns,
+                             .formulation = (lac_formulation)c->formulation,
+                             .safety = c->safety,
+                             .weakening = &scene->weakening};
+}
+
+lac_lump_source lac_scene_lump_source(const lac_scene *scene)
+{
+    const lac_problem_parts parts = lac_problem_parts_of(scene->problem);
+    lac_lump_source source = {problem_def(scene), scene->problem, scene->hierarchy};
+    source.whole.log_rate = parts.log_rate;
+    source.whole.log_state = parts.log_state;
+    return source;
+}
+
+lac_status lac_scene_lump(lac_scene *scene, const lac_lump_def *def, lac_error *err)
+{
+    lac_lump_free(scene->lump);
+    scene->lump = NULL;
+    if (def == NULL) {
+        return LAC_OK;
+    }
+    const lac_lump_source source = lac_scene_lump_source(scene);
+    return lac_lump_create(&source, def, &scene->lump, err);
+}
+
 static lac_status make_problem(lac_scene *scene, const lac_heterogeneity_place *place,
                                lac_error *err)
 {
@@ -112,22 +148,16 @@ static lac_status make_problem(lac_scene *scene, const lac_heterogeneity_place *
                                lac_damping_over(domain, scene->damping, lac_inertia_mass(c) > 0.0),
                                start, start + domain->n, err);
     LAC_TRY(lac_fail_within(err, status, "initial"));
-    lac_problem_def def = {.domain = domain,
-                           .friction = scene->friction,
-                           .transfer = &scene->transfer,
-                           .loads = scene->loads,
-                           .damping = scene->damping,
-                           .mass = lac_inertia_mass(c),
-                           .columns = c->inertia.columns,
-                           .log_rate = start,
-                           .log_state = start + domain->n,
-                           .formulation = (lac_formulation)c->formulation,
-                           .heading = heading,
-                           .safety = c->safety,
-                           .weakening = &scene->weakening};
+    lac_problem_def def = problem_def(scene);
+    def.log_rate = start;
+    def.log_state = start + domain->n;
+    def.heading = heading;
     LAC_TRY(
         lac_weakening_set_create(c->weakening.item, c->weakening.count, &scene->weakening, err));
     LAC_TRY(lac_problem_create(&def, &scene->problem, err));
+    if (c->run.fidelity == LAC_FIDELITY_LUMPED) {
+        LAC_TRY(lac_scene_lump(scene, &c->lump, err));
+    }
 out:
     free(start);
     free(rate.values);
@@ -181,6 +211,8 @@ static lac_status place_loads(lac_scene *scene, lac_error *err)
 
 lac_status lac_scene_renew(lac_scene *scene, lac_load_files *files, bool loads, lac_error *err)
 {
+    lac_lump_free(scene->lump);
+    scene->lump = NULL;
     lac_problem_free(scene->problem);
     scene->problem = NULL;
     lac_friction_free(scene->friction);
@@ -237,6 +269,7 @@ void lac_scene_free(lac_scene *scene)
     if (scene == NULL) {
         return;
     }
+    lac_lump_free(scene->lump);
     lac_problem_free(scene->problem);
     lac_load_set_clear(&scene->loads);
     lac_friction_free(scene->friction);

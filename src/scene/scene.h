@@ -2,6 +2,7 @@
 #pragma once
 
 #include "case/case.h"
+#include "scene/lump.h"
 #include "store/store.h"
 
 enum { LAC_SCENE_SIZES = 32 };
@@ -123,9 +124,16 @@ typedef struct lac_scene {
     lac_weakening_set weakening; ///< what weakens the cells besides friction
     lac_friction *friction;
     lac_load_set loads;
-    double damping; ///< [Pa s/m]
-    lac_problem *problem;
+    double damping;       ///< [Pa s/m]
+    lac_problem *problem; ///< of all contact cells
+    lac_lump *lump;       ///< where the case lumps them; NULL
 } lac_scene;
+
+/// The problem that a run of the scene solves.
+static inline const lac_problem *lac_scene_problem(const lac_scene *scene)
+{
+    return scene->lump != NULL ? scene->lump->problem : scene->problem;
+}
 
 /// What is kept of a contact besides its domain.
 typedef enum lac_scene_keep {
@@ -174,5 +182,14 @@ lac_status lac_scene_create(const lac_case *c, lac_load_files *files, lac_scene 
 /// only be renewed or freed.
 /// @param files  as in lac_scene_create
 lac_status lac_scene_renew(lac_scene *scene, lac_load_files *files, bool loads, lac_error *err);
+
+/// Takes the cells of a scene together, whatever its case says: its runs are of the lump then, and
+/// lac_lumped_judge tells their error.
+/// @param def  NULL: runs are of all cells again
+/// @return as lac_lump_create; without a lump unless LAC_OK
+lac_status lac_scene_lump(lac_scene *scene, const lac_lump_def *def, lac_error *err);
+
+/// What the lump of a scene is made from.
+lac_lump_source lac_scene_lump_source(const lac_scene *scene);
 
 void lac_scene_free(lac_scene *scene);

@@ -263,7 +263,7 @@ lac_status lac_accuracy_choose(const lac_accuracy_def *def, lac_case *c, lac_acc
     search s = {.def = def, .c = c, .pick = out, .take = take};
     *out = (lac_accuracy_pick){.asked = c->accuracy};
     const bool open = !c->method_given && !c->formulation_given &&
-                      c->run.fidelity == LAC_FIDELITY_ODE && !(lac_inertia_mass(c) > 0.0) &&
+                      c->run.fidelity != LAC_FIDELITY_ASYNC && !(lac_inertia_mass(c) > 0.0) &&
                       c->geometry.angles == 0;
     bool tried = false, found = false;
     if (open) {

@@ -256,6 +256,10 @@ lac_status lac_branch_open(lac_case *c, lac_branch **out, lac_error *err)
     // files that it names are looked for where those of the case are
     status = lac_case_read_text(c->path, text, strlen(text), NULL, &b->source, &issues, err);
     LAC_TRY(lac_fail_within(err, status, "the case in %s", c->from.file));
+    LAC_LEAVE_IF(b->source->run.fidelity == LAC_FIDELITY_LUMPED, err, LAC_EINPUT,
+                 "initial.run.file: %s is of a lumped run, in which cells have no state of their "
+                 "own: go on from one of fidelity ode",
+                 c->from.file);
     keep_fidelity(c, b->source);
     LAC_TRY(find_changes(b, err));
     LAC_TRY(find_place(b, err));

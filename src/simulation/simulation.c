@@ -2,6 +2,7 @@
 // The one way from a case to what came out of its run, which goes into a sink, into memory or into
 // a file.
 #include "simulation/internal.h"
+#include "simulation/lumped.h"
 
 #include <omp.h>
 
@@ -21,6 +22,7 @@ struct lac_simulation {
     lac_branch *branch; // NULL where the case goes on from no other run
     const lac_checkpoint *resume;
     char *case_text; // NULL: not asked for yet
+    char lumped[160];
     bool begun;
     lac_outcome outcome;
 };
@@ -79,6 +81,9 @@ static lac_status build(lac_simulation *s, lac_error *err)
         LAC_TRY_RETURN(lac_points_create(s->scene->contact.domain, s->source.points,
                                          s->source.point, &s->points, err));
         s->outcome.points = s->points;
+        if (s->scene->lump != NULL) {
+            lac_lumped_points(s->scene->lump, s->scene->contact.domain, s->points);
+        }
     }
     prepared(s, LAC_STAGE_SCENE);
     const bool picks = !isnan(s->source.accuracy);
@@ -91,7 +96,7 @@ static lac_status build(lac_simulation *s, lac_error *err)
     s->analysis = s->take.whole ? s->take.analysis : NULL;
     LAC_TRY_RETURN(s->take.whole ? LAC_OK : make_indicators(s, err));
     show_indicators(s);
-    return lac_run_check(s->scene->problem, &s->source.run, err);
+    return lac_run_check(lac_scene_problem(s->scene), &s->source.run, err);
 }
 
 // Sets a number of threads, 0: leaves it.
@@ -214,6 +219,44 @@ static lac_status decide(lac_simulation *s, const lac_sink *sink, lac_error *err
     return LAC_OK;
 }
 
+// What taking cells together may have cost. A time that may be off by more than the case allows is
+// none.
+static lac_status judge_lump(lac_simulation *s, const lac_run_def *def, lac_error *err)
+{
+    lac_run_result *run = &s->outcome.run;
+    const double most = s->source.lump.error;
+    double *error = &run->lump_error_estimated;
+    LAC_TRY_RETURN(lac_lumped_judge(s->scene->lump, def, run, error, err));
+    if (*error <= most) {
+        return LAC_OK;
+    }
+    run->failed = false;
+    run->failure_origin = run->failure_local = NAN;
+    return lac_fail(err, LAC_ENUMERIC,
+                    "solver.fidelity lumped may be off by %.2g, more than solver.lump.error %g: "
+                    "the cells of a block slip too far apart; a lower solver.lump.level opens "
+                    "blocks (here %zu), fidelity ode resolves all cells",
+                    *error, most, s->scene->lump->level);
+}
+
+static lac_status integrate_lump(lac_simulation *s, const lac_run_def *def, const lac_sink *sink,
+                                 lac_error *err)
+{
+    lac_lumped_sink *back = NULL;
+    lac_sink to_cells;
+    lac_status status = LAC_OK;
+    if (sink != NULL) {
+        LAC_TRY(lac_lumped_sink_create(s->scene->lump, s->scene->contact.domain, sink, &back, err));
+        to_cells = lac_lumped_sink_of(back);
+    }
+    LAC_TRY(lac_run(s->scene->lump->problem, def, back != NULL ? &to_cells : NULL, &s->outcome.run,
+                    err));
+    LAC_TRY(judge_lump(s, def, err));
+out:
+    lac_lumped_sink_free(back);
+    return status;
+}
+
 static lac_status integrate(lac_simulation *s, const lac_sink *sink, lac_error *err)
 {
     static const lac_sink nowhere;
@@ -231,8 +274,11 @@ static lac_status integrate(lac_simulation *s, const lac_sink *sink, lac_error *
     if (s->analysis != NULL) {
         through = lac_analysis_sink(s->analysis, sink != NULL ? sink : &nowhere);
     }
-    return lac_run(s->scene->problem, &def, s->analysis != NULL ? &through : sink, &s->outcome.run,
-                   err);
+    if (s->scene->lump != NULL) {
+        return integrate_lump(s, &def, sink, err);
+    }
+    return lac_run(lac_scene_problem(s->scene), &def, s->analysis != NULL ? &through : sink,
+                   &s->outcome.run, err);
 }
 
 static const char *status_word(lac_status status)
@@ -316,6 +362,14 @@ lac_status lac_simulation_file(lac_simulation *simulation, lac_store_def *out, l
     out->provenance.fidelity = lac_fidelity_name(c->run.fidelity);
     out->provenance.fidelity_why = s->outcome.fidelity_why;
     out->provenance.fidelity_error = s->outcome.fidelity_error;
+    if (s->scene->lump != NULL) {
+        (void)snprintf(
+            s->lumped, sizeof s->lumped,
+            "%zu cells stand for %zu: what stands for a cell is that of the one which is "
+            "most like it",
+            s->scene->lump->domain->n, s->scene->contact.domain->n);
+        out->provenance.lumped = s->lumped;
+    }
     if (s->outcome.accuracy != NULL) {
         out->provenance.accuracy = s->accuracy.text;
         out->provenance.accuracy_asked = s->accuracy.asked;

@@ -37,6 +37,7 @@ lac_status lac_provenance_put(const lac_provenance *of, const char *summary, lac
         {"fidelity", of->fidelity, NAN},
         {"fidelity_why", of->fidelity_why, NAN},
         {"fidelity_error", NULL, of->fidelity_why != NULL ? of->fidelity_error : NAN},
+        {"lumped", of->lumped, NAN},
         {"accuracy", of->accuracy, NAN},
         {"accuracy_asked", NULL, picked ? of->accuracy_asked : NAN},
         {"accuracy_estimated", NULL, picked ? of->accuracy_estimated : NAN},

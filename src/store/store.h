@@ -14,6 +14,7 @@ typedef struct lac_provenance {
     const char *fidelity;     ///< what a run resolved in time; NULL: there is no run
     const char *fidelity_why; ///< why that; NULL: the case names it
     double fidelity_error;    ///< that it keeps, relative; where `fidelity_why` is not NULL
+    const char *lumped;       ///< which cells stand for others, in words; NULL: none do
     const char *accuracy;     ///< what pilot runs picked for which error; NULL: nothing
     double accuracy_asked, accuracy_estimated; ///< relative; where `accuracy` is not NULL
     const char *branch; ///< what it goes on from and how, in words; NULL: it starts by itself

@@ -66,12 +66,15 @@ static size_t fidelity_values(const lac_case *c, lac_trade_of of, lac_setting_va
 {
     if (of == LAC_OF_CASCADE) {
         bool runs = c->friction.info != NULL && !isnan(c->run.end);
-        return put_names(runs ? "static events ode" : "", out);
+        return put_names(runs ? "static lumped events ode" : "", out);
     }
     const lac_transfer_kind *kind = (const void *)c->transfer.info;
     bool both = kind != NULL && kind->blocks != NULL && lac_inertia_mass(c) <= 0.0 &&
                 c->geometry.angles == 0;
-    return put_names(both ? "events ode" : "", out);
+    return put_names(both && lac_case_admits_lumped(c) ? "lumped events ode"
+                     : both                            ? "events ode"
+                                                       : "",
+                     out);
 }
 
 // The grid, halved and halved again.

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
+#include "hierarchy/classes.h"
 #include "hierarchy/hierarchy.h"
 
 /// What a stress transfer is made from. The domain and hierarchy must outlive the transfer.
@@ -125,6 +126,9 @@ lac_status lac_transfer_direct(const lac_model *model, const lac_transfer_scene 
 /// half-spaces, slip along x. docs/theory/transfer.md, equation 21.
 lac_status lac_transfer_tied(const lac_model *model, const lac_transfer_scene *scene, double *share,
                              lac_error *err);
+
+/// The transfer of classes of cells, which it owns then.
+lac_transfer lac_transfer_of_classes(lac_classes *classes);
 
 void lac_transfer_clear(lac_transfer *transfer);
 

@@ -30,6 +30,7 @@ friction:
 initial: {slip_rate: "1 nm/s", state: {ratio_to_steady: 0.9}, spread: {slip_rate: {lognormal: {sigma: 1, seed: 2}}}}
 transfer: {hierarchy: {k0: "1 GPa/m", ratio: 0.5}}
 time: {end: "1 year", failure: {mean_slip_rate: "0.1 m/s"}}
+solver: {fidelity: auto}
 output: {file: soft.nc, every: {per_decade: 5}}
 """
 EVENTS = "cells slip one by one (k_0/k_crit"

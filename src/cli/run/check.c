@@ -5,6 +5,7 @@
 #include "cli/common/command.h"
 #include "cli/common/output.h"
 #include "cli/common/words.h"
+#include "cli/run/check_lumped.h"
 #include "cli/run/run_outcome.h"
 #include "data/describe.h"
 #include "scene/estimate.h"
@@ -177,7 +178,7 @@ static void print_regime(const lac_case *c, const lac_estimate *e)
 }
 
 // As comment lines of YAML.
-static void print_estimate(const lac_case *c, const lac_estimate *e)
+static void print_estimate(const lac_case *c, const lac_estimate *e, const cli_lumped_try *lumped)
 {
     printf("\n# What it will cost%s, roughly\n", e->own_steps ? " with each cell at its own steps"
                                                  : e->integrated ? " with bdf"
@@ -190,6 +191,12 @@ static void print_estimate(const lac_case *c, const lac_estimate *e)
     }
     if (!isnan(e->stiffness_ratio)) {
         printf("#   k_0/k_crit      %.2g\n", e->stiffness_ratio);
+    }
+    if (lumped->made) {
+        printf("#   lumped          would do: k_0/k_crit %.2g, estimated error %.2g %%, %s\n",
+               e->stiffness_ratio, 100.0 * lumped->error, cli_amount(lumped->time, "s").s);
+        cli_wrap("#     ",
+                 cli_format("solver.fidelity: lumped runs %zu cells for all", lumped->cells).s);
     }
     print_regime(c, e);
     if (e->failure.lowered) {
@@ -207,6 +214,7 @@ typedef struct checked {
     const lac_case *source;
     const char *scene, *branch;              // resolved case, what it goes on from; NULL
     const lac_estimate *estimate;            // NULL: the case has errors
+    const cli_lumped_try *lumped;            // NULL: it would not do
     size_t errors, warnings;                 // how many
     const lac_case_issue **error, **warning; // [errors], [warnings]
     char regime[LAC_REGIME_ROOM];            // words on it
@@ -328,6 +336,15 @@ static const lac_variable of_estimate[] = {
     E("steps_most", NULL, "most steps", steps_most),
 };
 
+static const lac_variable of_lumped[] = {
+    LAC_ROW("lumped_cells", NULL, NULL, "cells that would stand for all",
+            LAC_HELD(COUNT, cli_lumped_try, cells), .json = "estimate/lumped/cells"),
+    LAC_ROW("lumped_error_estimated", NULL, NULL, "relative error of a lumped run, by estimate",
+            LAC_HELD(REAL, cli_lumped_try, error), .json = "estimate/lumped/error_estimated"),
+    LAC_ROW("lumped_cpu_time", NULL, "s", "CPU that its integration takes",
+            LAC_HELD(REAL, cli_lumped_try, time), .json = "estimate/lumped/cpu_time_s"),
+};
+
 static lac_status describe(const checked *c, lac_dataset **out, lac_error *err)
 {
     const lac_extent dims[] = {{"error", c->errors}, {"warning", c->warnings}};
@@ -337,6 +354,7 @@ static lac_status describe(const checked *c, lac_dataset **out, lac_error *err)
         {LAC_VARIABLES_OF_MANY(of_warnings, "warning"), c->warning},
         {LAC_VARIABLES(of_scene, "", 0), c},
         {LAC_VARIABLES(of_estimate, "", 0), c->estimate != NULL ? c : NULL},
+        {LAC_VARIABLES(of_lumped, "", 0), c->lumped},
     };
     lac_status status;
     LAC_TRY(lac_dataset_create("What is wrong with a case, and what its run will cost.", out, err));
@@ -428,6 +446,7 @@ lac_status cli_check(const cli_request *request, lac_error *err)
     lac_case *c = NULL;
     lac_case_issues report = {0};
     lac_estimate estimate = {.grid_cells = NAN};
+    cli_lumped_try lumped = {.made = false};
     lac_branch *branch = NULL;
     char *scene = NULL;
     const bool told = cli_given(request, CLI_OPT_JSON) || request->pipe != 0;
@@ -438,17 +457,21 @@ lac_status cli_check(const cli_request *request, lac_error *err)
     if (status == LAC_OK && c->from.file != NULL) {
         status = lac_branch_open(c, &branch, err);
     }
+    if (status == LAC_OK) {
+        cli_try_lumped(c, &estimate, &lumped);
+    }
     const char *words = branch != NULL ? branch->text : NULL;
     if (told && (status == LAC_OK || status == LAC_EINPUT || report.errors > 0)) {
         checked found = {.source = c,
                          .scene = scene,
                          .branch = words,
-                         .estimate = status == LAC_OK ? &estimate : NULL};
+                         .estimate = status == LAC_OK ? &estimate : NULL,
+                         .lumped = lumped.made ? &lumped : NULL};
         const lac_status out = put_out(request, &found, &report, err);
         status = out != LAC_OK ? out : status;
     } else if (status == LAC_OK) {
         printf("%s", scene);
-        print_estimate(c, &estimate);
+        print_estimate(c, &estimate, &lumped);
         if (words != NULL) {
             printf("\n# Branch\n");
             cli_wrap("#   ", words);

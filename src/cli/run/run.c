@@ -312,7 +312,7 @@ static void warn_of_balance(const lac_outcome *of)
 {
     double residual = of->run.balance_residual, drift = of->run.rate_drift;
     double most = fmin(0.01, fmax(1e-4, 300.0 * of->source->run.rtol));
-    bool all_at_once = of->source->run.fidelity == LAC_FIDELITY_ODE;
+    bool all_at_once = of->source->run.fidelity != LAC_FIDELITY_ASYNC;
     bool integrated = lac_problem_formulation(of->scene->problem) != LAC_FORMULATION_SLIP;
     const char *mend = remedy(of, integrated);
     if (!(residual <= 0.01)) {

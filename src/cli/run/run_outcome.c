@@ -8,6 +8,7 @@
 #include "cli/common/progress.h"
 #include "cli/common/words.h"
 #include "cli/contact/contact.h"
+#include "cli/run/run_lump.h"
 
 const char *const cli_failure_lowered =
     "a p/eta: damping holds the joint below that of the case; judged by all cells as one";
@@ -38,105 +39,6 @@ static int64_t peak_memory(void)
     return (int64_t)usage.ru_maxrss * 1024;
 }
 
-static size_t columns_of(const cli_kept *kept) { return 3 + 2 * kept->points; }
-
-// Room for so many records: all series in one array.
-static lac_status make_room(cli_kept *kept, size_t n, lac_error *err)
-{
-    const size_t least = kept->room > 0 ? 2 * kept->room : 1024, room = n > least ? n : least;
-    if (n <= kept->room) {
-        return LAC_OK;
-    }
-    double *grown = realloc(kept->values, columns_of(kept) * room * sizeof *grown);
-    LAC_FAIL_MEMORY_IF(grown == NULL, err);
-    for (size_t k = columns_of(kept); k-- > 1;) {
-        memmove(grown + k * room, grown + k * kept->room, kept->n * sizeof *grown);
-    }
-    kept->room = room;
-    kept->values = grown;
-    return LAC_OK;
-}
-
-static lac_status keep_record(cli_history *h, const lac_record *record, lac_error *err)
-{
-    cli_kept *kept = &h->kept;
-    LAC_TRY_RETURN(make_room(kept, kept->n + 1, err));
-    const double *at_points = record->observation.points;
-    double *to = kept->values + kept->n++;
-    to[0] = h->clock + record->time_origin + record->time_local;
-    to[kept->room] = record->observation.mean_slip;
-    to[2 * kept->room] = record->observation.mean_rate;
-    for (size_t i = 0; at_points != NULL && i < kept->points; i++, at_points += LAC_POINT_VALUES) {
-        to[(3 + 2 * i) * kept->room] = at_points[LAC_POINT_SLIP];
-        to[(4 + 2 * i) * kept->room] = at_points[LAC_POINT_RATE];
-    }
-    return LAC_OK;
-}
-
-// Of a record without what holds only as long as it does.
-static lac_record lasting(const lac_record *record)
-{
-    lac_record own = *record;
-    own.observation.points = own.observation.points_along = NULL;
-    return own;
-}
-
-static lac_status on_record(void *context, const lac_record *record, lac_error *err)
-{
-    cli_history *h = context;
-    if (!h->begun) {
-        h->first = lasting(record);
-        h->begun = true;
-    }
-    h->last = lasting(record);
-    lac_status status = h->keep ? keep_record(h, record, err) : LAC_OK;
-    if (status == LAC_OK && h->next.record != NULL) {
-        status = h->next.record(h->next.context, record, err);
-    }
-    return status;
-}
-
-// The kept series, as long as they are.
-static void pass_series(cli_kept *kept, lac_archive *archive)
-{
-    size_t n = kept->n;
-    lac_archive_pass(archive, &n, sizeof n);
-    if (n > kept->room && lac_archive_good(archive)) {
-        archive->short_of = n > archive->size / sizeof(double);
-        archive->no_memory = !archive->short_of && make_room(kept, n, NULL) != LAC_OK;
-    }
-    if (lac_archive_good(archive)) {
-        kept->n = n;
-        for (size_t k = 0; n > 0 && k < columns_of(kept); k++) {
-            lac_archive_pass(archive, kept->values + k * kept->room, n * sizeof *kept->values);
-        }
-    }
-}
-
-// Of the first and the last record only what is seen is told.
-static void on_keep(void *context, lac_archive *archive)
-{
-    cli_history *h = context;
-    lac_archive_pass(archive, &h->begun, sizeof h->begun);
-    lac_archive_pass(archive, &h->first.observation, sizeof h->first.observation);
-    lac_archive_pass(archive, &h->last.observation, sizeof h->last.observation);
-    pass_series(&h->kept, archive);
-    lac_slip_events_serialize(&h->slip_events, archive);
-    if (h->next.serialize != NULL) {
-        h->next.serialize(h->next.context, archive);
-    }
-}
-
-lac_sink cli_history_sink(cli_history *history)
-{
-    lac_sink sink = lac_sink_before(&history->next);
-    sink.record = on_record;
-    sink.step = cli_history_step;
-    sink.serialize = on_keep;
-    return sink;
-}
-
-// NaN: there is no record.
 static double apparent_friction(const lac_record *record)
 {
     return record->observation.shear_force / record->observation.normal_force;
@@ -220,6 +122,12 @@ static const char *fidelity(const cli_outcome *outcome)
     return lac_fidelity_name(outcome->of->source->run.fidelity);
 }
 
+static cli_lump lump_of(const cli_outcome *outcome)
+{
+    return (cli_lump){outcome->of->scene->lump, outcome->of->scene->contact.domain->n,
+                      outcome->of->run.lump_error_estimated, outcome->of->source->lump.error};
+}
+
 static void print_failure(const cli_outcome *outcome)
 {
     const lac_run_result *result = &outcome->of->run;
@@ -290,6 +198,7 @@ static void print_cost(const cli_outcome *outcome)
         cli_row_wrap("accuracy", outcome->of->accuracy->text);
     }
     print_fidelity(outcome->of, fidelity(outcome));
+    cli_lump_print(lump_of(outcome));
     cli_row("formulation", "%s", formulation(outcome));
     cli_row("balance residual", "%.2g at worst", result->balance_residual);
     cli_row("time taken", "%s, CPU %s", cli_amount(outcome->wall_time, "s").s,
@@ -424,6 +333,7 @@ static void write_results(lac_json *json, const cli_outcome *outcome)
     lac_json_text(json, "fidelity", fidelity(outcome));
     lac_json_text(json, "fidelity_why", outcome->of->fidelity_why);
     lac_json_number(json, "fidelity_error", outcome->of->fidelity_error);
+    cli_lump_json(json, lump_of(outcome));
     lac_json_text(json, "formulation", formulation(outcome));
     lac_json_number(json, "initial_apparent_friction", apparent_friction(&history->first));
     lac_json_number(json, "apparent_friction", apparent_friction(&history->last));

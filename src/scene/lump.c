@@ -1,0 +1,423 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A scene on fewer cells: of each block some cells stay that stand for all, with weights by which
+// sums over the block keep their values; what holds them against each other is what held the
+// block's cells, by how they would slip apart. docs/theory/lumped.md.
+#include "base/cubature.h"
+#include "scene/lump_parts.h"
+
+// One lump as it is made.
+typedef struct making {
+    const lac_lump_source *source;
+    lac_lump_cells field;
+    size_t level, nodes;
+    size_t leaves;    // so far
+    uint32_t *kept;   // [n] cells that stay
+    double *weight;   // [n] of them, as the force on them counts
+    double *pressure; // [n] on each: the mean of its block, unless a load tells them apart
+    uint32_t *begin;  // [blocks + 1] the first leaf of each block
+    double *bond;     // [blocks] what holds its leaves against each other
+    uint32_t *leaf;   // [n] which leaf stands for a cell
+    double rest[STAGES];
+    lac_lump_pairs soft, few; // how far cells, and leaves, would slip apart
+} making;
+
+// Adds what all cells of a block are held by less what its leaves are, after each stage of slip.
+static void add_rest(making *m, size_t first, size_t end, size_t leaves)
+{
+    const double *pressure = m->source->whole.domain->pressure;
+    for (size_t k = 0; k < STAGES; k++) {
+        const double *held = m->field.held + k * m->field.n;
+        double sum = 0.0;
+        for (size_t i = first; i < end; i++) {
+            sum += pressure[i] * held[i];
+        }
+        for (size_t i = m->leaves; i < m->leaves + leaves; i++) {
+            sum -= m->weight[i] * m->pressure[i] * held[m->kept[i]];
+        }
+        m->rest[k] += sum;
+    }
+}
+
+// What is left of that over the direct effect of all cells: how far the rate is off.
+static double rest_of(const making *m)
+{
+    const lac_lump_source *s = m->source;
+    double direct = 0.0, most = 0.0;
+    for (size_t i = 0; i < m->field.n; i++) {
+        direct +=
+            s->whole.domain->pressure[i] * lac_cellwise_of(&s->whole.friction->column[LAC_A], i);
+    }
+    for (size_t k = 0; k < STAGES; k++) {
+        most = fmax(most, fabs(m->rest[k]) / direct);
+    }
+    return most;
+}
+
+// By how far the cells of a block would slip apart under each pattern, and what that does to all of
+// each, the stiffness that does the same to its leaves.
+static lac_status bond_of(making *m, size_t first, size_t end, size_t leaves, double *bond,
+                          lac_error *err)
+{
+    const lac_lump_source *s = m->source;
+    const uint32_t *kept = m->kept + m->leaves;
+    const double *weight = m->weight + m->leaves, *pressure = m->pressure + m->leaves;
+    lac_lump_pairs *of = calloc(m->level + 1, sizeof *of);
+    lac_lump_pairs soft = {0}, few = {0};
+    double mean[PATTERNS] = {0.0}, sum = 0.0;
+    const double nothing = pow(1e-9 * pressure[0], 2.0); // rounding of what cells are alike in
+    LAC_FAIL_MEMORY_IF(of == NULL, err);
+    lac_lump_add_levels(s, &m->field, m->level, first, end, of);
+    for (size_t l = 0; l < m->level; l++) {
+        const double k = lac_lump_stiffness(s, l);
+        if (lac_lump_trace(&of[l]) > nothing * (double)(end - first)) {
+            lac_lump_add_pairs(&of[l], 1.0 / k, &soft);
+        }
+    }
+    free(of);
+    for (size_t i = 0; i < leaves; i++) {
+        sum += weight[i] * pressure[i];
+        for (size_t a = 0; a < PATTERNS; a++) {
+            mean[a] += weight[i] * pressure[i] * m->field.pattern[a * m->field.n + kept[i]];
+        }
+    }
+    for (size_t i = 0; i < leaves; i++) {
+        double g[PATTERNS];
+        for (size_t a = 0; a < PATTERNS; a++) {
+            const double *pattern = m->field.pattern + a * m->field.n;
+            g[a] = pressure[i] * (pattern[kept[i]] - mean[a] / sum);
+        }
+        for (size_t a = 0; a < PATTERNS; a++) {
+            for (size_t b = 0; b < PATTERNS; b++) {
+                few.of[a][b] += weight[i] * g[a] * g[b];
+            }
+        }
+    }
+    *bond = lac_lump_stiffness(s, 0);
+    if (lac_lump_trace(&soft) > 0.0 && lac_lump_trace(&few) > 0.0) {
+        *bond = lac_lump_trace(&few) / lac_lump_trace(&soft);
+        lac_lump_add_pairs(&few, 1.0 / *bond, &m->few);
+        lac_lump_add_pairs(&soft, 1.0, &m->soft);
+    }
+    return LAC_OK;
+}
+
+// By how much one stiffness for all patterns is off: of what each does to the two that tell how
+// friction answers to slip.
+static double mismatch_of(const making *m)
+{
+    double off = 0.0;
+    for (size_t a = 0; a < ANSWERS; a++) {
+        for (size_t b = 0; b < PATTERNS; b++) {
+            off += fabs(m->soft.of[a][b] - m->few.of[a][b]);
+        }
+    }
+    // On a line all levels have as much of slip apart, so that a few coarse blocks decide it.
+    const double least = m->source->whole.domain->grid.ny == 1 ? 0.25 : 0.0;
+    const double all = lac_lump_trace(&m->soft);
+    return off > 0.0 && all > 0.0 ? fmax(least, off / all) : 0.0;
+}
+
+static double weakness_of(const making *m)
+{
+    const lac_friction *friction = m->source->whole.friction;
+    const size_t blocks = lac_hierarchy_blocks(m->source->blocks, m->level);
+    double most = 0.0;
+    for (size_t b = 0; b < blocks; b++) {
+        double sum = 0.0;
+        for (uint32_t i = m->begin[b]; i < m->begin[b + 1]; i++) {
+            const uint32_t c = m->kept[i];
+            sum += m->weight[i] * m->pressure[i] * lac_cellwise_of(&friction->column[LAC_B], c) /
+                   lac_cellwise_of(&friction->column[LAC_DC], c);
+        }
+        const uint32_t *begin = lac_hierarchy_offsets(m->source->blocks, m->level);
+        const double cells = (double)(begin[b + 1] - begin[b]);
+        most = m->bond[b] > 0.0 ? fmax(most, sum / cells / m->bond[b]) : most;
+    }
+    return most;
+}
+
+static lac_status take_block(making *m, size_t number, lac_error *err)
+{
+    const lac_lump_source *s = m->source;
+    const uint32_t *begin = lac_hierarchy_offsets(s->blocks, m->level);
+    const size_t first = begin[number], n = begin[number + 1] - first;
+    uint32_t *kept = m->kept + m->leaves;
+    size_t leaves;
+    lac_lump_block b;
+    lac_lump_block_look(&m->field, s->whole.domain->pressure, first, n, m->nodes, &b);
+    const lac_cubature of = {.points = n,
+                             .functions = lac_lump_block_functions(&b),
+                             .at = lac_lump_block_values,
+                             .context = &b};
+    LAC_TRY_RETURN(lac_cubature_thin(&of, kept, m->weight + m->leaves, &leaves, err));
+    double *room = malloc((leaves * b.active + 1) * sizeof *room);
+    LAC_FAIL_MEMORY_IF(room == NULL, err);
+    lac_lump_block_assign(&b, kept, leaves, m->leaf + first, room);
+    free(room);
+    for (size_t i = first; i < first + n; i++) {
+        m->leaf[i] += (uint32_t)m->leaves;
+    }
+    for (size_t i = 0; i < leaves; i++) {
+        const double p = b.pressure[kept[i]];
+        m->weight[m->leaves + i] *= b.apart ? 1.0 : p / b.mean_pressure;
+        m->pressure[m->leaves + i] = b.apart ? p : b.mean_pressure;
+        kept[i] += (uint32_t)first;
+    }
+    m->begin[number] = (uint32_t)m->leaves;
+    add_rest(m, first, first + n, leaves);
+    m->bond[number] = 0.0;
+    if (leaves > 1) {
+        LAC_TRY_RETURN(bond_of(m, first, first + n, leaves, &m->bond[number], err));
+    }
+    m->leaves += leaves;
+    m->begin[number + 1] = (uint32_t)m->leaves;
+    return LAC_OK;
+}
+
+// Ties the blocks of the level, whose nodes are in `node`, over the levels above.
+static void tie_levels(const making *m, uint32_t *node, lac_classes *classes, uint32_t next)
+{
+    const lac_hierarchy *h = m->source->blocks;
+    for (size_t l = m->level; l < lac_hierarchy_levels(h); l++) {
+        const size_t count = lac_hierarchy_blocks(h, l);
+        if (lac_hierarchy_blocks(h, l + 1) == count) {
+            continue;
+        }
+        const uint32_t *parent = lac_hierarchy_parents(h, l);
+        for (size_t c = 0, end; c < count; c = end) {
+            for (end = c + 1; end < count && parent[end] == parent[c]; end++) {
+            }
+            const uint32_t b = parent[c];
+            if (end - c == 1) {
+                node[b] = node[c];
+                continue;
+            }
+            for (size_t i = c; i < end; i++) {
+                classes->parent[node[i]] = next;
+                classes->weight[next] += classes->weight[node[i]];
+            }
+            classes->k[next] = lac_lump_stiffness(m->source, l);
+            node[b] = next++;
+        }
+    }
+    classes->nodes = next;
+    classes->parent[next - 1] = next - 1;
+}
+
+static lac_status make_classes(const making *m, lac_lump *lump, lac_error *err)
+{
+    const size_t blocks = lac_hierarchy_blocks(m->source->blocks, m->level);
+    uint32_t *node = malloc(blocks * sizeof *node);
+    LAC_FAIL_MEMORY_IF(node == NULL, err);
+    lac_status status = lac_classes_create(m->leaves, m->leaves + 3 * blocks, &lump->classes, err);
+    lac_classes *classes = lump->classes;
+    uint32_t next = (uint32_t)m->leaves;
+    for (size_t b = 0; status == LAC_OK && b < blocks; b++) {
+        const uint32_t first = m->begin[b], end = m->begin[b + 1];
+        node[b] = end - first == 1 ? first : next++;
+        for (uint32_t i = first; i < end; i++) {
+            classes->weight[i] = m->weight[i];
+            classes->parent[i] = node[b];
+            classes->weight[node[b]] += node[b] != i ? m->weight[i] : 0.0;
+        }
+        if (node[b] >= m->leaves) {
+            classes->k[node[b]] = m->bond[b];
+        }
+    }
+    lump->inner = next - m->leaves;
+    if (status == LAC_OK) {
+        tie_levels(m, node, classes, next);
+        lump->bond = malloc(classes->nodes * sizeof *lump->bond);
+        status = lump->bond != NULL ? LAC_OK : lac_fail_memory(err);
+    }
+    if (status == LAC_OK) {
+        memcpy(lump->bond, classes->k, classes->nodes * sizeof *lump->bond);
+    }
+    free(node);
+    return status;
+}
+
+// What the leaves have of a column of the cells.
+static void gather(const making *m, const double *of, double *out)
+{
+    for (size_t i = 0; i < m->leaves; i++) {
+        out[i] = of[m->kept[i]];
+    }
+}
+
+static lac_status make_domain(const making *m, lac_domain **out, lac_error *err)
+{
+    const lac_domain *whole = m->source->whole.domain;
+    lac_domain *domain = calloc(1, sizeof *domain);
+    *out = domain;
+    LAC_FAIL_MEMORY_IF(domain == NULL, err);
+    *domain = (lac_domain){.grid = whole->grid,
+                           .n = m->leaves,
+                           .index = malloc(m->leaves * sizeof *domain->index),
+                           .pressure = malloc(m->leaves * sizeof *domain->pressure),
+                           .weight = malloc(m->leaves * sizeof *domain->weight),
+                           .each = (double)whole->n / (double)m->leaves};
+    LAC_FAIL_MEMORY_IF(domain->index == NULL || domain->pressure == NULL || domain->weight == NULL,
+                       err);
+    memcpy(domain->pressure, m->pressure, m->leaves * sizeof *m->pressure);
+    for (size_t i = 0; i < m->leaves; i++) {
+        domain->index[i] = whole->index[m->kept[i]];
+        domain->weight[i] = m->weight[i] / domain->each;
+    }
+    return LAC_OK;
+}
+
+static lac_status make_problem(const making *m, lac_lump *lump, lac_error *err)
+{
+    const lac_lump_source *s = m->source;
+    const lac_problem_def *whole = &s->whole;
+    lac_problem_def def = *whole;
+    double *start = malloc(2 * m->leaves * sizeof *start);
+    LAC_FAIL_MEMORY_IF(start == NULL, err);
+    lac_status status =
+        lac_friction_pick(whole->friction, m->kept, m->leaves, &lump->friction, err);
+    lump->loads = whole->loads;
+    if (whole->loads.shape != NULL) {
+        lump->loads.shape = malloc(m->leaves * sizeof *lump->loads.shape);
+        status = lump->loads.shape == NULL ? lac_fail_memory(err) : status;
+    }
+    if (status == LAC_OK) {
+        const lac_transfer transfer = lac_transfer_of_classes(lump->classes);
+        if (whole->loads.shape != NULL) {
+            gather(m, whole->loads.shape, lump->loads.shape);
+        }
+        gather(m, whole->log_rate, start);
+        gather(m, whole->log_state, start + m->leaves);
+        def.domain = lump->domain;
+        def.friction = lump->friction;
+        def.transfer = &transfer;
+        def.loads = lump->loads;
+        def.log_rate = start;
+        def.log_state = start + m->leaves;
+        status = lac_problem_create(&def, &lump->problem, err);
+    }
+    free(start);
+    return status;
+}
+
+// What a lump cannot stand for; docs/theory/lumped.md lists it.
+static lac_status check_source(const lac_lump_source *s, lac_error *err)
+{
+    const lac_problem_def *whole = &s->whole;
+    const lac_transfer_kind *kind = whole->transfer->kind;
+    LAC_FAIL_IF(kind->blocks == NULL && whole->domain->n > 1, err, LAC_EINPUT,
+                "solver.fidelity lumped goes with transfer hierarchy, not with %s",
+                kind->info.name);
+    LAC_FAIL_IF(lac_load_set_varies(&whole->loads), err, LAC_EINPUT,
+                "solver.fidelity lumped knows no load that differs from cell to cell");
+    return LAC_OK;
+}
+
+// Takes all blocks of the level, with the nodes that there are.
+static lac_status take_blocks(making *m, lac_error *err)
+{
+    const size_t blocks = lac_hierarchy_blocks(m->source->blocks, m->level);
+    m->leaves = 0;
+    memset(m->rest, 0, sizeof m->rest);
+    m->soft = m->few = (lac_lump_pairs){0};
+    for (size_t b = 0; b < blocks; b++) {
+        LAC_TRY_RETURN(take_block(m, b, err));
+    }
+    return LAC_OK;
+}
+
+// Room for the blocks of a level, and what is made of them with as many nodes as it takes, if that
+// is left open.
+static lac_status try_level(making *m, const lac_lump_def *def, lac_error *err)
+{
+    const bool open = def->nodes < 0;
+    const size_t n = m->field.n, blocks = lac_hierarchy_blocks(m->source->blocks, m->level);
+    free(m->kept);
+    free(m->weight);
+    m->kept = malloc((n + blocks + 1) * sizeof *m->kept);
+    m->weight = malloc((2 * n + blocks) * sizeof *m->weight);
+    LAC_FAIL_MEMORY_IF(m->kept == NULL || m->weight == NULL, err);
+    m->begin = m->kept + n;
+    m->pressure = m->weight + n;
+    m->bond = m->pressure + n;
+    m->nodes = open ? FEWEST_NODES : (size_t)def->nodes;
+    LAC_TRY_RETURN(take_blocks(m, err));
+    while (open && m->field.gain * rest_of(m) > 0.02 * def->error && m->nodes < MOST_NODES) {
+        m->nodes++;
+        LAC_TRY_RETURN(take_blocks(m, err));
+    }
+    return LAC_OK;
+}
+
+static lac_status make(making *m, const lac_lump_def *def, lac_lump *lump, lac_error *err)
+{
+    const lac_lump_source *s = m->source;
+    const size_t n = s->whole.domain->n, levels = lac_hierarchy_levels(s->blocks);
+    LAC_TRY_RETURN(lac_lump_look(s, &m->field, err));
+    LAC_TRY_RETURN(lac_lump_choose_level(s, &m->field, def->error, &m->level, err));
+    if (def->level >= 0) {
+        m->level = (size_t)def->level > levels ? levels : (size_t)def->level;
+    }
+    m->leaf = lump->leaf = malloc(n * sizeof *lump->leaf);
+    LAC_FAIL_MEMORY_IF(lump->leaf == NULL, err);
+    LAC_TRY_RETURN(try_level(m, def, err));
+    // Smaller blocks, whose quadratures err apart; where nothing is gained any more, all cells.
+    while (def->level < 0 && m->level > 0 &&
+           (2 * m->leaves > n || m->field.gain * rest_of(m) > 0.2 * def->error)) {
+        m->level = 2 * m->leaves > n ? 0 : m->level - 1;
+        LAC_TRY_RETURN(try_level(m, def, err));
+    }
+    lump->level = m->level;
+    lump->blocks = lac_hierarchy_blocks(s->blocks, m->level);
+    lump->nodes = m->nodes;
+    lump->rest = rest_of(m);
+    lump->gain = m->field.gain;
+    lump->mismatch = mismatch_of(m);
+    lump->weakness = weakness_of(m);
+    LAC_TRY_RETURN(make_classes(m, lump, err));
+    LAC_TRY_RETURN(make_domain(m, &lump->domain, err));
+    return make_problem(m, lump, err);
+}
+
+lac_status lac_lump_create(const lac_lump_source *source, const lac_lump_def *def, lac_lump **out,
+                           lac_error *err)
+{
+    lac_status status;
+    making m = {.source = source};
+    lac_lump *lump = NULL;
+    *out = NULL;
+    LAC_TRY(check_source(source, err));
+    lump = calloc(1, sizeof *lump);
+    LAC_TRY(lump != NULL ? LAC_OK : lac_fail_memory(err));
+    LAC_TRY(make(&m, def, lump, err));
+    *out = lump;
+    lump = NULL;
+out:
+    free(m.field.memory);
+    free(m.kept);
+    free(m.weight);
+    lac_lump_free(lump);
+    return status;
+}
+
+void lac_lump_free(lac_lump *lump)
+{
+    if (lump != NULL) {
+        lac_problem_free(lump->problem);
+        lac_classes_free(lump->classes);
+        lac_friction_free(lump->friction);
+        free(lump->loads.shape);
+        lac_domain_free(lump->domain);
+        free(lump->bond);
+        free(lump->leaf);
+        free(lump);
+    }
+}
+
+void lac_lump_soften(lac_lump *lump, double softness)
+{
+    for (size_t i = 0; i < lump->classes->nodes; i++) {
+        const bool inner = i < lump->classes->leaves + lump->inner;
+        lump->classes->k[i] = lump->bond[i] / (inner ? softness : 1.0);
+    }
+}

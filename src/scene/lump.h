@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#pragma once
+
+#include "case/case.h"
+
+/// Cells of blocks taken together: the scene's problem on few cells, each with a weight.
+typedef struct lac_lump {
+    lac_domain *domain; ///< those cells: some of the scene's, with weights
+    lac_friction *friction;
+    lac_load_set loads; ///< borrowed but for the shape
+    lac_classes *classes;
+    lac_problem *problem;
+    uint32_t *leaf; ///< [cells of the scene] which of them stands for each
+    double *bond;   ///< [nodes of the classes] their k as the scene has it
+    size_t level;   ///< of the blocks
+    size_t blocks;  ///< of that level
+    size_t nodes;   ///< of a quadrature over one parameter
+    double rest;    ///< error of the quadrature: of the logarithm of the slip rate [1]
+    double
+        weakness; ///< p b/dc over what holds the cells of a block against each other, at most [1]
+    double mismatch; ///< of the slip apart that its leaves have, relative [1]
+    double gain;  ///< by which the time of failure is more off than that, near a steady state [1]
+    size_t inner; ///< nodes, behind the leaves, that are blocks of leaves
+} lac_lump;
+
+/// What a lump is made from.
+typedef struct lac_lump_source {
+    lac_problem_def whole;       ///< the scene's, as its problem was made
+    const lac_problem *problem;  ///< made of it
+    const lac_hierarchy *blocks; ///< over its cells
+} lac_lump_source;
+
+/// Takes the cells of each block of a level together. docs/theory/lumped.md.
+/// @return LAC_OK; LAC_EINPUT (why the scene cannot be lumped); LAC_ENOMEM
+/// @cost   O(n levels); of each block as lac_cubature_thin
+lac_status lac_lump_create(const lac_lump_source *source, const lac_lump_def *def, lac_lump **out,
+                           lac_error *err);
+void lac_lump_free(lac_lump *lump);
+
+/// Makes the cells of a block follow their traction `softness` times as far as they do: 1 as it is,
+/// near 0 as one. Its problem is another one then.
+void lac_lump_soften(lac_lump *lump, double softness);

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// How far friction may leave cells apart, level by level of their blocks.
+#include "scene/lump_parts.h"
+
+// Sums of p times each pattern, less its mean by p, over the cells from `first` on.
+static void sum_forces(const lac_lump_source *s, lac_lump_cells *f, size_t first, size_t end)
+{
+    const double *p = s->whole.domain->pressure;
+    for (size_t which = 0; which < PATTERNS; which++) {
+        const double *pattern = f->pattern + which * f->n;
+        double *force = f->force + which * (f->n + 1);
+        double sum = 0.0, mean = 0.0;
+        for (size_t i = first; i < end; i++) {
+            sum += p[i];
+            mean += p[i] * pattern[i];
+        }
+        mean /= sum;
+        force[first] = 0.0;
+        for (size_t i = first; i < end; i++) {
+            force[i + 1] = force[i] + p[i] * (pattern[i] - mean);
+        }
+    }
+}
+
+void lac_lump_add_pairs(const lac_lump_pairs *x, double times, lac_lump_pairs *sum)
+{
+    for (size_t a = 0; a < PATTERNS; a++) {
+        for (size_t b = 0; b < PATTERNS; b++) {
+            sum->of[a][b] += times * x->of[a][b];
+        }
+    }
+}
+
+// The first block of a level that begins at a cell.
+static size_t block_at(const lac_hierarchy *h, size_t level, size_t first)
+{
+    const uint32_t *begin = lac_hierarchy_offsets(h, level);
+    size_t low = 0, high = lac_hierarchy_blocks(h, level);
+    while (low < high) {
+        const size_t middle = (low + high) / 2;
+        if (begin[middle] < first) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    return low;
+}
+
+// Sums over the blocks of a level in [first, end) of products of their sums, over their cells.
+static lac_lump_pairs pairs_of(const lac_lump_source *s, const lac_lump_cells *f, size_t level,
+                               size_t first, size_t end)
+{
+    const uint32_t *begin = lac_hierarchy_offsets(s->blocks, level);
+    lac_lump_pairs out = {0};
+    for (size_t b = block_at(s->blocks, level, first); begin[b] < end; b++) {
+        double sum[PATTERNS];
+        for (size_t which = 0; which < PATTERNS; which++) {
+            const double *force = f->force + which * (f->n + 1);
+            sum[which] = force[begin[b + 1]] - force[begin[b]];
+        }
+        const double cells = (double)(begin[b + 1] - begin[b]);
+        for (size_t a = 0; a < PATTERNS; a++) {
+            for (size_t c = 0; c < PATTERNS; c++) {
+                out.of[a][c] += sum[a] * sum[c] / cells;
+            }
+        }
+        if (begin[b + 1] == end) {
+            break;
+        }
+    }
+    return out;
+}
+
+// What the patterns have of each level below `top` within [first, end): products of the means of
+// its blocks less those of the next ones'. @param out  [top]; added to
+void lac_lump_add_levels(const lac_lump_source *s, lac_lump_cells *f, size_t top, size_t first,
+                         size_t end, lac_lump_pairs *out)
+{
+    sum_forces(s, f, first, end);
+    lac_lump_pairs finer = pairs_of(s, f, 0, first, end);
+    for (size_t l = 0; l < top; l++) {
+        const lac_lump_pairs coarser = pairs_of(s, f, l + 1, first, end);
+        lac_lump_add_pairs(&finer, 1.0, &out[l]);
+        lac_lump_add_pairs(&coarser, -1.0, &out[l]);
+        finer = coarser;
+    }
+}
+
+// Of patterns by themselves.
+double lac_lump_trace(const lac_lump_pairs *x)
+{
+    double sum = 0.0;
+    for (size_t a = 0; a < PATTERNS; a++) {
+        sum += fmax(0.0, x->of[a][a]);
+    }
+    return sum;
+}
+
+double lac_lump_stiffness(const lac_lump_source *s, size_t level)
+{
+    const lac_transfer *transfer = s->whole.transfer;
+    return transfer->kind->stiffness(transfer->state, level);
+}
+
+// The level whose blocks are taken together: above it slip over dc by which blocks would come apart
+// is small, or no larger than that of single cells.
+lac_status lac_lump_choose_level(const lac_lump_source *s, lac_lump_cells *f, double error,
+                                 size_t *level, lac_error *err)
+{
+    const size_t levels = lac_hierarchy_levels(s->blocks);
+    lac_lump_pairs *of = calloc(levels + 1, sizeof *of);
+    LAC_FAIL_MEMORY_IF(of == NULL, err);
+    lac_lump_add_levels(s, f, levels, 0, f->n, of);
+    double finest = 0.0;
+    *level = levels;
+    for (size_t l = levels; l-- > 0;) {
+        const double apart = f->per_dc / lac_lump_stiffness(s, l);
+        const double square = lac_lump_trace(&of[l]);
+        f->apart_by[l] = square > 0.0 ? square * apart * apart / (double)f->n : 0.0;
+    }
+    finest = f->apart_by[0];
+    for (size_t l = levels; l-- > 1;) {
+        *level = f->apart_by[l] > fmax(0.1 * error, 2.0 * finest) ? l : *level;
+    }
+    free(of);
+    return LAC_OK;
+}

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A lumped run beside the cells that it stands for: what taking them together may have cost, and
+// what is put out written back to them. docs/theory/lumped.md.
+#include "simulation/lumped.h"
+
+// What an error is held to: a time where one is known, else the mean slip.
+static double result_of(const lac_run_result *run)
+{
+    return run->failed                ? run->failure_origin + run->failure_local
+           : run->end == LAC_END_STOP ? run->time
+                                      : run->mean_slip;
+}
+
+// What comes out where the cells of a block follow their traction `softness` times as far; NaN: it
+// ends otherwise than the run.
+static lac_status pilot(lac_lump *lump, const lac_run_def *def, const lac_run_result *run,
+                        double softness, double rtol, double *out, lac_error *err)
+{
+    lac_run_result result;
+    lac_run_def own = *def;
+    own.rtol = rtol;
+    own.snapshots = false;
+    own.points = NULL;
+    own.resume = NULL;
+    own.reached = NULL;
+    own.checkpoint = (lac_cadence){.time = NAN, .per_decade = NAN};
+    lac_lump_soften(lump, softness);
+    const lac_status status = lac_run(lump->problem, &own, NULL, &result, err);
+    lac_lump_soften(lump, 1.0);
+    const bool alike = result.failed == run->failed && result.end == run->end;
+    *out = status == LAC_OK && alike ? result_of(&result) : (double)NAN;
+    return status == LAC_ENUMERIC ? LAC_OK : status;
+}
+
+lac_status lac_lumped_judge(lac_lump *lump, const lac_run_def *def, const lac_run_result *run,
+                            double *error, lac_error *err)
+{
+    const double stiff = 0.02, soft = 2.0; // softness
+    const double close = 0.1;              // to where the cells of a block slip by themselves
+    const double least = 1.5e-5, undriven = 0.15;
+    const double value = result_of(run);
+    double rigid, loose = NAN;
+    LAC_TRY_RETURN(pilot(lump, def, run, stiff, fmax(def->rtol, 1e-5), &rigid, err));
+    const double first = (value - rigid) / (1.0 - stiff) / value;
+    const double off = run->failed ? lump->mismatch : fmax(lump->mismatch, undriven);
+    double sum = 2.0 * off * fabs(first) + 2.5 * lump->gain * first * first;
+    if (lump->weakness > close) {
+        LAC_TRY_RETURN(pilot(lump, def, run, soft, def->rtol, &loose, err));
+        const double second = ((loose - value) / value / (soft - 1.0) - first) / (soft - stiff);
+        sum += 3.0 * fabs(second);
+    }
+    sum += 1.3 * lump->gain * lump->rest;
+    *error = isfinite(sum) ? fmax(sum, least) : (double)INFINITY;
+    return LAC_OK;
+}
+
+void lac_lumped_points(const lac_lump *lump, const lac_domain *cells, lac_points *points)
+{
+    for (size_t i = 0; i < points->n; i++) {
+        lac_point *p = &points->point[i];
+        double pressed = 0.0;
+        for (size_t k = 0; k < p->cells; k++) {
+            const size_t leaf = lump->leaf[p->cell[k]];
+            pressed += cells->pressure[p->cell[k]] / lump->domain->pressure[leaf];
+            p->cell[k] = leaf;
+        }
+        p->pressed = pressed / (double)p->cells;
+    }
+}
+
+enum { FIELDS = 9 };
+
+struct lac_lumped_sink {
+    lac_sink next; // first: lac_sink_before
+    const lac_lump *lump;
+    const lac_domain *cells;
+    double *field; // [FIELDS][cells]
+};
+
+static lac_status on_snapshot(void *context, const lac_snapshot *of, lac_error *err)
+{
+    const lac_lumped_sink *s = context;
+    const size_t n = s->cells->n;
+    lac_snapshot all = *of;
+    const double **const to[FIELDS] = {&all.slip,        &all.slip_rate,        &all.state,
+                                       &all.traction,    &all.factor_of_safety, &all.pore,
+                                       &all.excess_pore, &all.temperature,      &all.broken};
+    all.n = n;
+    for (size_t k = 0; k < FIELDS; k++) {
+        const double *leaves = *to[k];
+        double *field = s->field + k * n;
+        for (size_t i = 0; leaves != NULL && i < n; i++) {
+            const uint32_t leaf = s->lump->leaf[i];
+            const double pressed = s->cells->pressure[i] / s->lump->domain->pressure[leaf];
+            field[i] = leaves[leaf] * (to[k] == &all.traction ? pressed : 1.0);
+        }
+        *to[k] = leaves != NULL ? field : NULL;
+    }
+    return s->next.snapshot(s->next.context, &all, err);
+}
+
+lac_status lac_lumped_sink_create(const lac_lump *lump, const lac_domain *cells,
+                                  const lac_sink *next, lac_lumped_sink **out, lac_error *err)
+{
+    lac_lumped_sink *s = malloc(sizeof *s);
+    *out = s;
+    LAC_FAIL_MEMORY_IF(s == NULL, err);
+    *s = (lac_lumped_sink){.next = *next, .lump = lump, .cells = cells};
+    s->field = next->snapshot != NULL ? malloc(FIELDS * cells->n * sizeof *s->field) : NULL;
+    LAC_FAIL_MEMORY_IF(next->snapshot != NULL && s->field == NULL, err);
+    return LAC_OK;
+}
+
+void lac_lumped_sink_free(lac_lumped_sink *sink)
+{
+    if (sink != NULL) {
+        free(sink->field);
+        free(sink);
+    }
+}
+
+lac_sink lac_lumped_sink_of(lac_lumped_sink *sink)
+{
+    lac_sink own = lac_sink_before(&sink->next);
+    own.snapshot = own.snapshot != NULL ? on_snapshot : NULL;
+    return own;
+}

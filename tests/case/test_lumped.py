@@ -1,0 +1,140 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`solver.fidelity: lumped` from the command line: what it says, what it writes, what it refuses.
+
+usage: test_lumped.py PROGRAM SOURCE_FOLDER [unittest options]
+"""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import netCDF4
+import numpy as np
+
+PROGRAM, SOURCE = "", ""
+
+SCENE = """
+lacuna: 1
+interface: {size: 64 m, levels: 5, domain: {cascade: {dimension: 1.8, seed: 3}}}
+load: {normal: {pressure: 3 MPa}}
+friction: {aging: {f0: 0.6, a: 0.010, b: 0.015, dc: 1 mm, v0: 1 um/s},
+           spread: {dc: {lognormal: {sigma: 0.5, seed: 2}}}}
+initial: {slip_rate: 1 cm/day, state: {ratio_to_steady: 0.6}}
+transfer: {hierarchy: {k0: 3e10, ratio: 0.5}}
+time: {end: 200 day}
+output: {fields: [slip, traction, state], fields_every: {per_decade: 2},
+         points: [{name: inclinometer, x: 20 m, y: 30 m}], every: {per_decade: 20}}
+"""
+
+
+class Lumped(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.mkdtemp()
+        self.addCleanup(shutil.rmtree, self.folder)
+        self.write(SCENE)
+
+    def write(self, text):
+        with open(os.path.join(self.folder, "case.yaml"), "w", encoding="utf-8") as file:
+            file.write(text)
+
+    def lacuna(self, *arguments):
+        return subprocess.run([PROGRAM, *arguments], cwd=self.folder, capture_output=True, text=True)
+
+    def run_case(self, *sets, more=("--json",)):
+        options = [part for key in sets for part in ("--set", key)]
+        return self.lacuna("run", "case.yaml", "-o", "out.nc", *options, *(more if "--resume" in more else ("--force", *more)))
+
+    def test_beside_all_cells(self):
+        few = self.run_case("solver.fidelity=lumped")
+        self.assertEqual(few.returncode, 0, few.stderr)
+        os.rename(os.path.join(self.folder, "out.nc"), os.path.join(self.folder, "few.nc"))
+        found = json.loads(few.stdout)
+        self.assertEqual(found["fidelity"], "lumped")
+        self.assertLess(found["lump"]["cells"], found["n_cells"] / 4)
+        self.assertLess(found["lump_error_estimated"], 1e-3)
+        all_cells = json.loads(self.run_case("solver.fidelity=ode").stdout)
+        self.assertNotIn("lump", all_cells)
+        error = abs(found["failure_time_s"] / all_cells["failure_time_s"] - 1)
+        self.assertLess(error, found["lump_error_estimated"] + 2e-5)  # and what rtol leaves
+        with netCDF4.Dataset(os.path.join(self.folder, "few.nc")) as one, netCDF4.Dataset(os.path.join(self.folder, "out.nc")) as other:
+            self.assertEqual(one.lump_error_estimated, found["lump_error_estimated"])
+            self.assertNotIn("lump_error_estimated", other.ncattrs())
+            self.assertIn("stand for", one.lumped)
+            self.assertNotIn("lumped", other.ncattrs())
+            self.assertEqual(one["cell_slip"].shape[1], other["cell_slip"].shape[1])
+            np.testing.assert_array_equal(one["pressure"][:], other["pressure"][:])
+            for name, most in (("cell_slip", 0.02), ("cell_traction", 0.02)):  # at the start of both, and late
+                for snapshot in (0, 3):
+                    a, b = one[name][snapshot], other[name][snapshot]
+                    scale = max(np.abs(b).max(), 1e-9)
+                    self.assertLess(np.abs(a - b).max() / scale, most + 1e-3, f"{name} {snapshot}")
+            times = one["time"][:]
+            at = np.searchsorted(times, 0.5 * times[-1])
+            seen = np.interp(times[at], other["time"][:], other["point_slip"][:, 0])
+            self.assertLess(abs(one["point_slip"][at, 0] / seen - 1), 0.01)
+
+    def test_summary_and_check(self):
+        said = self.run_case("solver.fidelity=lumped", more=()).stdout
+        self.assertIn("stand for", said)
+        self.assertIn("solver.lump.error", said)
+        check = self.lacuna("check", "case.yaml", "--json")
+        lumped = json.loads(check.stdout)["estimate"]["lumped"]
+        self.assertLess(lumped["error_estimated"], 1e-3)
+        self.assertIn("lumped          would do", self.lacuna("check", "case.yaml").stdout)
+        # cells that slip one by one
+        soft = self.lacuna("check", "case.yaml", "--set", "transfer.hierarchy.k0=1e6", "--json")
+        self.assertIsNone(json.loads(soft.stdout)["estimate"]["lumped"])
+
+    def test_bound_passed(self):
+        soft = self.run_case("solver.fidelity=lumped", "transfer.hierarchy.k0=5e7", "solver.lump.level=5")
+        self.assertEqual(soft.returncode, 1)
+        self.assertEqual(len(soft.stderr.strip().split("\n")), 1)
+        self.assertIn("solver.lump.error 0.01", soft.stderr)
+        found = json.loads(soft.stdout)
+        self.assertIsNone(found["failure_time_s"])
+        self.assertIsNone(found["failed"])
+        with netCDF4.Dataset(os.path.join(self.folder, "out.nc")) as file:
+            self.assertEqual(file.status, "failed")
+            self.assertNotIn("failure_time_s", file.ncattrs())
+
+    def test_resumed(self):
+        lumped = ("solver.fidelity=lumped", "output.checkpoint.steps=50")
+        whole = json.loads(self.run_case(*lumped).stdout)
+        stopped = self.run_case(*lumped, "solver.max_steps=180")
+        self.assertEqual(stopped.returncode, 1, stopped.stderr)
+        resumed = self.run_case(*lumped, more=("--json", "--resume"))
+        self.assertEqual(resumed.returncode, 0, resumed.stderr)
+        found = json.loads(resumed.stdout)
+        for key in ("failure_time_s", "mean_slip_m", "lump_error_estimated"):
+            self.assertEqual(found[key], whole[key], key)
+
+    def test_refused(self):
+        lumped = "solver.fidelity=lumped"
+        for sets, words in (
+                ((lumped, "transfer={none: {}}"), "lumped needs transfer"),
+                (("solver.lump.error=0.1",), "goes with fidelity lumped"),
+                ((lumped, "analysis={events: {slip_rate: 1 mm/s}}"), "which fidelity lumped does not follow"),
+                ((lumped, "interface.slip=vector"), "along x only"),
+                ((lumped, "inertia={mass_per_area: 5e5 kg/m2}"), "knows no inertia"),
+                ((lumped, "solver.lump.error=0.7"), "0.5"),
+                ((lumped, "solver.lump.nodes=0"), "1")):
+            refused = self.run_case(*sets)
+            self.assertEqual(refused.returncode, 2, f"{sets}: {refused.stderr}")
+            self.assertIn(words, refused.stderr)
+
+    def test_no_branch_from_it(self):
+        self.assertEqual(self.run_case("solver.fidelity=lumped").returncode, 0)
+        os.rename(os.path.join(self.folder, "out.nc"), os.path.join(self.folder, "few.nc"))
+        branch = self.lacuna("run", "case.yaml", "--from", "few.nc", "--at", "1 hour", "-o", "b.nc")
+        self.assertEqual(branch.returncode, 2, branch.stderr)
+        self.assertIn("cells have no state of their own", branch.stderr)
+
+
+if __name__ == "__main__":
+    PROGRAM, SOURCE = sys.argv[1], sys.argv[2]
+    unittest.main(argv=[sys.argv[0]] + sys.argv[3:])
