@@ -383,6 +383,7 @@ lac_status lac_fidelity_settle(lac_scene *scene, lac_case *c, lac_fidelity_choic
         c->run.fidelity = out->fidelity;
         status = out->fidelity == LAC_FIDELITY_ASYNC ? take_events(scene, c, out, err) : LAC_OK;
     }
-    out->error = lac_fidelity_error(c, &e, out->fidelity);
+    const bool told = !isnan(c->accuracy) || out->fidelity == LAC_FIDELITY_LUMPED; // by what is run
+    out->error = told ? (double)NAN : lac_fidelity_error(c, &e, out->fidelity);
     return status;
 }

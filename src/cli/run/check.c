@@ -391,8 +391,9 @@ static lac_status put_out(const cli_request *request, checked *c, const lac_case
     if (c->estimate != NULL) {
         char why[LAC_FIDELITY_ROOM];
         lac_regime_words(c->source, c->estimate, c->regime);
-        c->kept[0] = lac_fidelity_error(c->source, c->estimate, LAC_FIDELITY_ODE);
-        c->kept[1] = lac_fidelity_refused(c->source, why)
+        const bool runs = c->estimate->integrated;
+        c->kept[0] = runs ? lac_fidelity_error(c->source, c->estimate, LAC_FIDELITY_ODE) : NAN;
+        c->kept[1] = !runs || lac_fidelity_refused(c->source, why)
                          ? (double)NAN
                          : lac_fidelity_error(c->source, c->estimate, LAC_FIDELITY_ASYNC);
     }
