@@ -16,8 +16,8 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 94166,
-    "lines that only present results": 24138,
+    "lines of src and include": 94168,
+    "lines that only present results": 24139,
     "public headers": 13,
     "exported names": 44,
     "circles of includes": 0,
