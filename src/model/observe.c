@@ -126,7 +126,8 @@ LAC_CLONES static double lac_observe_worst(const lac_look *at, size_t first, siz
     for (size_t i = 0; i < n; i++) {
         double p = lac_problem_effective(at->problem, &at->drive, first + i);
         double f = fabs(f0[i]) > a[i] ? fabs(f0[i]) : a[i];
-        relative[i] = fabs(residual[i]) / (p * (f0[i] == 0.0 ? 1.0 : f));
+        double off = fabs(residual[i]) / (p * (f0[i] == 0.0 ? 1.0 : f));
+        relative[i] = off < 0.0 ? 0.0 : off; // a cell that is lifted ends the run by itself
         numbers += relative[i] >= 0.0 ? 1 : 0;
     }
     return numbers == (long long)n ? lac_vmost(n, relative) : (double)NAN;
