@@ -10,14 +10,14 @@ const lac_param lac_lump_rows[LAC_LUMP_ROWS] = {
     LAC_INTEGER("nodes", offsetof(lac_case, lump.nodes), NAN, 1, 12, LAC_OPTIONAL,
                 "of a quadrature over one parameter that varies, over more as exact; what was "
                 "measured to be enough if absent"),
-    LAC_REAL("error", "1", offsetof(lac_case, lump.error), 0.01, 1e-6, 0.5, 0,
+    LAC_REAL("error", "1", offsetof(lac_case, lump.error), 0.01, 2e-5, 0.5, 0,
              "relative error of the time of failure, or of the mean slip where nothing fails, that "
              "taking cells together may cause; beyond it the run ends without a result"),
 };
 
 bool lac_case_lumps(const lac_case *c) { return c->run.fidelity == LAC_FIDELITY_LUMPED; }
 
-enum { REFUSALS = 6 };
+enum { REFUSALS = 7 };
 static const struct {
     const char *key, *why;
 } refusals[REFUSALS] = {
@@ -34,6 +34,8 @@ static const struct {
      "events"},
     {"initial.run",
      "gives each cell a state of its own, which fidelity lumped does not keep: take ode"},
+    {"solver.accuracy",
+     "picks settings for all cells, which fidelity lumped does not run: name solver.rtol"},
 };
 
 // Which of these the case asks for.
@@ -47,6 +49,7 @@ static void ask(const lac_case *c, bool asked[REFUSALS])
     asked[3] = c->weakening.count > 0;
     asked[4] = c->analysis.count > 0;
     asked[5] = c->from.file != NULL;
+    asked[6] = !isnan(c->accuracy);
 }
 
 bool lac_case_admits_lumped(const lac_case *c)
@@ -65,6 +68,8 @@ void lac_check_lumped(lac_reader *reader, const lac_case *c)
     bool asked[REFUSALS] = {false};
     (void)lac_refuse(reader, !lac_case_lumps(c) && lac_present(reader, "solver.lump"),
                      "solver.lump", "goes with fidelity lumped");
+    (void)lac_refuse(reader, lac_case_lumps(c) && reader->purpose == LAC_FOR_FIT, "solver.fidelity",
+                     "lumped is not for fits, whose trials nothing judges: take ode");
     if (clean && lac_case_lumps(c)) {
         ask(c, asked);
     }

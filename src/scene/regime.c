@@ -279,7 +279,7 @@ static void say_why(char why[LAC_FIDELITY_ROOM], const char *what, const lac_est
 // Why ode is as fast as events, or faster; false: events is.
 static bool gains_nothing(const lac_case *c, const lac_estimate *e, char why[LAC_FIDELITY_ROOM])
 {
-    lac_transfer_outline outline;
+    lac_transfer_outline outline = {0};
     (void)lac_transfer_outline_of(&c->transfer, &outline);
     const struct {
         bool so;

@@ -232,6 +232,7 @@ static lac_status judge_lump(lac_simulation *s, const lac_run_def *def, lac_erro
     }
     run->failed = false;
     run->failure_origin = run->failure_local = NAN;
+    run->end = LAC_END_ERROR;
     return lac_fail(err, LAC_ENUMERIC,
                     "solver.fidelity lumped may be off by %.2g, more than solver.lump.error %g: "
                     "the cells of a block slip too far apart; a lower solver.lump.level opens "
