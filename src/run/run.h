@@ -66,7 +66,7 @@ typedef struct lac_cadence {
 } lac_cadence;
 
 /// Checkpoints closer than so many steps make a run take many times the steps.
-enum { LAC_CLOSE_STEPS = 100 };
+enum { LAC_CLOSE_STEPS = 40 };
 
 /// Where a run stands: all that it needs to go on, in another process of the same program too.
 typedef struct lac_checkpoint {
