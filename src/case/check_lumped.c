@@ -17,7 +17,7 @@ const lac_param lac_lump_rows[LAC_LUMP_ROWS] = {
 
 bool lac_case_lumps(const lac_case *c) { return c->run.fidelity == LAC_FIDELITY_LUMPED; }
 
-enum { REFUSALS = 7 };
+enum { REFUSALS = 8 };
 static const struct {
     const char *key, *why;
 } refusals[REFUSALS] = {
@@ -36,7 +36,18 @@ static const struct {
      "gives each cell a state of its own, which fidelity lumped does not keep: take ode"},
     {"solver.accuracy",
      "picks settings for all cells, which fidelity lumped does not run: name solver.rtol"},
+    {"friction.spread",
+     "size goes with how cells are pressed, which fidelity lumped does not keep: take ode"},
 };
+
+static bool goes_by_size(const lac_heterogeneity_list *list)
+{
+    bool any = false;
+    for (size_t i = 0; i < list->count; i++) {
+        any = any || list->item[i].model.info == &lac_heterogeneity_size_kind.info;
+    }
+    return any;
+}
 
 // Which of these the case asks for.
 static void ask(const lac_case *c, bool asked[REFUSALS])
@@ -50,6 +61,7 @@ static void ask(const lac_case *c, bool asked[REFUSALS])
     asked[4] = c->analysis.count > 0;
     asked[5] = c->from.file != NULL;
     asked[6] = !isnan(c->accuracy);
+    asked[7] = goes_by_size(&c->friction_spread);
 }
 
 bool lac_case_admits_lumped(const lac_case *c)

@@ -226,6 +226,16 @@ static lac_status judge_lump(lac_simulation *s, const lac_run_def *def, lac_erro
     lac_run_result *run = &s->outcome.run;
     const double most = s->source.lump.error;
     double *error = &run->lump_error_estimated;
+    if (run->end != LAC_END_FAILURE) {
+        const char *ended = lac_end_name(run->end);
+        run->failed = false;
+        run->failure_origin = run->failure_local = NAN;
+        run->end = LAC_END_ERROR;
+        return lac_fail(err, LAC_ENUMERIC,
+                        "solver.fidelity lumped tells when a joint fails by its slip rate, not how "
+                        "far it slips: this run ended by %s; take fidelity ode",
+                        ended);
+    }
     LAC_TRY_RETURN(lac_lumped_judge(s->scene->lump, def, run, error, err));
     if (*error <= most) {
         return LAC_OK;
