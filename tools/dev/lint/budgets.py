@@ -16,7 +16,7 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 94175,
+    "lines of src and include": ,
     "lines that only present results": 24139,
     "public headers": 13,
     "exported names": 44,
@@ -94,7 +94,7 @@ def measure(root):
     lines = {path: text.count("\n") for path, text in texts.items()}
     silent = [p for p in texts if p.endswith(".c") and not texts[p].split("\n", 2)[1].startswith("//")]
     return {
-        "lines of src and include": 94175sum(lines.values()),
+        "lines of src and include": sum(lines.values()),
         "lines that only present results": sum(n for p, n in lines.items() if PRESENTING.match(p)),
         "public headers": sum(p.startswith("include/") for p in texts),
         "circles of includes": circles(graph),
