@@ -16,7 +16,7 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": ,
+    "lines of src and include": 94197,
     "lines that only present results": 24139,
     "public headers": 13,
     "exported names": 44,
