@@ -116,7 +116,9 @@ lacuna_python_test(test_extremes extreme)
 # Runs that are stopped and go on. The library that stops them is loaded into them.
 add_library(at_call MODULE stop/at_call.c)
 target_compile_options(at_call PRIVATE ${warnings})
-target_link_libraries(at_call PRIVATE ${CMAKE_DL_LIBS})
+# netCDF comes along with it, in whose nc_sync's place it stands, as the program opens it late.
+target_link_options(at_call PRIVATE -Wl,--no-as-needed)
+target_link_libraries(at_call PRIVATE ${CMAKE_DL_LIBS} PkgConfig::LACUNA_netcdf)
 set(test_resume_files $<TARGET_FILE:at_call>)
 lacuna_python_test(test_resume)
 set(test_branch_files $<TARGET_FILE:at_call>)
