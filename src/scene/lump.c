@@ -207,7 +207,7 @@ static void tie_levels(const making *m, uint32_t *node, lac_classes *classes, ui
 static lac_status make_classes(const making *m, lac_lump *lump, lac_error *err)
 {
     const size_t blocks = lac_hierarchy_blocks(m->source->blocks, m->level);
-    uint32_t *node = malloc(blocks * sizeof *node);
+    uint32_t *node = calloc(blocks, sizeof *node);
     LAC_FAIL_MEMORY_IF(node == NULL, err);
     lac_status status = lac_classes_create(m->leaves, m->leaves + 3 * blocks, &lump->classes, err);
     lac_classes *classes = lump->classes;

@@ -31,6 +31,8 @@ import doc_commands  # noqa: E402
 CALLS = (
     ("run", "cases/block.yaml -o block.nc --set institution=Somewhere"),
     ("run", "cases/block.yaml -o picked.nc --accuracy 1%"),
+    ("run", "cases/block.yaml -o few.nc --set solver.fidelity=lumped"),
+    ("run", "cases/block.yaml -o open.nc --set solver.fidelity=auto"),
     ("run", "cases/block.yaml -o kept.nc --set 'output.fields=[slip, slip_rate, state]'"),
     ("run", "--from kept.nc --at 3 -o branch.nc --set solver.rtol=1e-7"),
     ("check", "--from kept.nc --at 3"),
