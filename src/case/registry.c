@@ -55,14 +55,14 @@ static const lac_model_info fidelities[] = {
               "Res. Lett. 83, 983, doi 10.1785/0220120105 (RSQSim)"),
     LAC_ABOUT("static", "no time: the cascade of slip over the blocks, by lacuna rg",
               PAPER "; docs/theory/rg.md"),
-    LAC_ABOUT("lumped",
-              "few cells that stand for all, each counted many times: where all slip together, on "
-              "the hierarchy; the run says by how much it may be off",
-              "docs/theory/lumped.md"),
     LAC_ABOUT("auto",
               "events where cells slip one by one, it takes the case and nothing is asked of all "
               "cells at every step, else ode; run and check say which and why",
               "docs/choosing.md"),
+    LAC_ABOUT("lumped",
+              "few cells that stand for all, each counted many times: where all slip together, on "
+              "the hierarchy; the run says by how much it may be off",
+              "docs/theory/lumped.md"),
 };
 
 static const lac_model_info methods[] = {
