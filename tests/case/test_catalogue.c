@@ -285,7 +285,7 @@ static void every_row_is_documented(void **state)
     assert_int_equal(wrong, 0);
 }
 
-// Options that are the values of a key are described, all but one that leaves it open, which may be.
+// Options that are the values of a key are described; one that leaves it open may be.
 static void every_choice_of_an_option_is_described(void **state)
 {
     (void)state;
