@@ -617,9 +617,10 @@ def _case_file(case: Any, folder: str, name: Any) -> "str | os.PathLike[str]":
 
 def _asked(words: Sequence[str], arguments: Sequence[Any], overrides: Sets, options: Mapping[str, Any],
            decode_times: bool = True, cases: Mapping[str, Any] = {}, journal: bool = True) -> xarray.Dataset:
-    """The dataset of a command of the program. @param journal  it keeps its work in a folder while it goes on"""
+    """The dataset of a command of the program. @param journal  it keeps its work in a folder while it goes on, which is
+    removed in the end, after Ctrl-C too, unless the option `o` names one"""
     with tempfile.TemporaryDirectory(prefix="lacuna-") as folder:
-        place = ["-o", os.path.join(folder, "result.nc")] if journal else []
+        place = ["-o", folder] if journal and "o" not in options else []
         out = _program([*words, *_words(options), *place, "--pipe", "--no-progress"], arguments, overrides, folder, cases)
     return _piped(io.BytesIO(out), decode_times)
 

@@ -374,5 +374,6 @@ void cli_request_clear(cli_request *request)
     }
     free((void *)request->files.word);
     free(request->command_line);
+    free(request->work);
     *request = (cli_request){0};
 }

@@ -403,7 +403,7 @@ static lac_status put_out(fit_job *job, lac_status computed, lac_error *err)
     lac_status status;
     LAC_TRY(lac_fit_describe(&outcome, &dataset, err));
     LAC_TRY(cli_store_dataset(request, source, source->fit.seed, job->path, dataset, err));
-    LAC_TRY(write_case(job, err));
+    LAC_TRY(request->pipe == 0 ? write_case(job, err) : LAC_OK);
     if (cli_given(request, CLI_OPT_JSON)) {
         print_json(job, dataset, wall_time);
     } else {

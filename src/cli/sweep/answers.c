@@ -78,9 +78,11 @@ static void print_influences(const lac_answers *a)
     if (a->params == 0 || a->counted == 0) {
         return;
     }
-    if (isnan(first->first)) {
+    if (isnan(first->first)) { // what is known stands before what is not
         cli_row("what decides", "not known: %s",
-                a->rows < 2 ? "too few members" : "it is the same in all members");
+                a->rows < 2 ? "too few members"
+                : a->alike  ? "it is the same in all members"
+                            : "too few members of like values to compare");
         return;
     }
     cli_row("what decides", "part of the variance of %s, alone%s",
