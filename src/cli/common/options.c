@@ -93,7 +93,7 @@ const cli_option cli_options[] = {
          "what answers are of: failure_time, mean_slip ... of the file"),
     KEPT(BY, 0, "by", "TIME", sweep.by,
          "of the probability of failure: \"2 year\", a date; at most, of --of"),
-    KEPT(JOBS, 0, "jobs", "N", trade.jobs, "runs at a time (default: one a processor)"),
+    KEPT(JOBS, 0, "jobs", "N", trade.jobs, "runs at a time (default: one a processor; of a fit: one)"),
     KEPT(ACCURACY, 0, "accuracy", "ERROR", accuracy, "to keep: 1%; pilot runs pick the settings"),
     KEPT(STATE, 0, "state", "DIR", watch_state, "where to keep what a restart needs"),
     KEPT(VIEW, 0, "view", "[PORT]", view, "its page while it runs, on 127.0.0.1"),
