@@ -20,7 +20,15 @@
 // Cells at a time: as many iterations as the slowest of them needs.
 enum { CHUNK = 64, MOST_STEPS = 30 };
 
-#define LONGEST 2.0
+// Variables, as compilers make a way of its own for what is at a bound that they know.
+typedef struct bounds {
+    double longest;          // step
+    double most;             // |log v|: beyond no cell settles
+    double slowest, fastest; // log v that counts
+} bounds;
+
+static const bounds all_bounds = {2.0, 700.0, LAC_SLOWEST, LAC_FASTEST};
+
 #define CLOSE 5e-4 // 0.006 CLOSE^4 is rounding
 #define BENT 20.0
 
@@ -28,7 +36,7 @@ enum { CHUNK = 64, MOST_STEPS = 30 };
 // its neighbours.
 typedef struct chunk {
     double s[CHUNK], t[CHUNK], kappa[CHUNK], shift[CHUNK], v[CHUNK];
-    double open[CHUNK]; // 0: done
+    double open[CHUNK]; // 1; 0: done
 } chunk;
 
 // How many cells of a chunk are something or other.
@@ -88,7 +96,7 @@ LAC_CLONES static void lac_solve_rates_begin_bent(size_t n, chunk *c)
 }
 
 // The step of one cell from s, where v and v_s are `v` and `rise`.
-LAC_KERNEL householder(double s, double v, double rise, double kappa, double t)
+LAC_KERNEL householder(double s, double v, double rise, double kappa, double t, double longest)
 {
     double over = kappa * v;
     double steep = kappa * rise;
@@ -97,21 +105,23 @@ LAC_KERNEL householder(double s, double v, double rise, double kappa, double t)
     double up = f * (f_s * f_s - 0.5 * f * over);
     double down = f_s * f_s * f_s - f * f_s * over + f * f * steep * (1.0 / 6);
     double d = -up / down;
-    d = d < LONGEST ? d : LONGEST;
-    d = d > -LONGEST ? d : -LONGEST;
+    d = d < longest ? d : longest;
+    d = d > -longest ? d : -longest;
     return d < t - s ? d : t - s;
 }
 
 // One step of every cell that is not done.
-static inline __attribute__((always_inline)) counts step_all(size_t n, bool bent, chunk *c)
+static inline __attribute__((always_inline)) counts step_all(size_t n, bool bent,
+                                                             const bounds *within, chunk *c)
 {
+    const double longest = within->longest, most = within->most;
     uint64_t left = 0, count = 0;
     LAC_INDEPENDENT
     for (size_t i = 0; i < n; i++) {
         double s = c->s[i], before = c->v[i], open = c->open[i];
-        double log_v = s - c->shift[i]; // beyond these no cell settles
-        log_v = log_v > -700 ? log_v : -700;
-        double e = lac_exp_normal(log_v < 700 ? log_v : 700);
+        double log_v = s - c->shift[i];
+        log_v = log_v > -most ? log_v : -most;
+        double e = lac_exp_normal(log_v < most ? log_v : most);
         double v = e, rise = e;
         if (bent) {
             double y = lac_exp_one(-s);
@@ -119,13 +129,13 @@ static inline __attribute__((always_inline)) counts step_all(size_t n, bool bent
             v = e * bracket;
             rise = e * (1 + y * y);
         }
-        double d = householder(s, v, rise, c->kappa[i], c->t[i]);
-        double least = bent ? -0.875 * s : -LONGEST; // s stays positive
+        double d = householder(s, v, rise, c->kappa[i], c->t[i], longest);
+        double least = bent ? -0.875 * s : d; // s stays positive
         d = d > least ? d : least;
         double scale = bent && s < 1 ? s : 1;
         double z = d * d;
         double next = v * (1 + z * (0.5 + z * (1.0 / 24))) + rise * (d * (1 + z * (1.0 / 6)));
-        s = open > 0 ? s + d : s;
+        s += open * d;
         c->s[i] = s;
         c->v[i] = open > 0 ? next : before;
         open = fabs(d) <= CLOSE * scale ? 0 : open;
@@ -137,46 +147,58 @@ static inline __attribute__((always_inline)) counts step_all(size_t n, bool bent
 }
 
 // Where no cell is bent, as none is in the plain form.
-LAC_CLONES static counts lac_solve_rates_step(size_t n, chunk *c) { return step_all(n, false, c); }
-
-LAC_CLONES static counts lac_solve_rates_step_bent(size_t n, chunk *c)
+LAC_CLONES static counts lac_solve_rates_step(size_t n, const bounds *within, chunk *c)
 {
-    return step_all(n, true, c);
+    return step_all(n, false, within, c);
 }
 
-// u and v of the cells that have settled within bounds, v of the sign of the traction; the others
-// are left open. How many.
-static inline __attribute__((always_inline)) uint64_t
-finish_all(size_t n, bool bent, chunk *c, const double *traction, double *u, double *v)
+LAC_CLONES static counts lac_solve_rates_step_bent(size_t n, const bounds *within, chunk *c)
 {
+    return step_all(n, true, within, c);
+}
+
+// Where u and v go.
+typedef struct rates {
+    const double *traction;
+    double *u, *v;
+} rates;
+
+// u and v of the cells that have settled within bounds, v of the sign of the traction; the others
+// are left open. How many. The u that there were go to s.
+static inline __attribute__((always_inline)) uint64_t
+finish_all(size_t n, bool bent, const bounds *within, chunk *c, const rates *out)
+{
+    const double *traction = out->traction;
+    const double slowest = within->slowest, fastest = within->fastest;
+    double *u = out->u, *v = out->v;
     uint64_t left = 0;
     LAC_INDEPENDENT
     for (size_t i = 0; i < n; i++) {
-        double log_v = c->s[i] - c->shift[i], speed = c->v[i], before = u[i];
+        double log_v = c->s[i] - c->shift[i], speed = c->v[i];
         if (bent) {
             // where the bracket counts
             log_v = c->s[i] >= BENT ? log_v : lac_log_one(speed);
         }
-        double open = log_v > LAC_SLOWEST ? c->open[i] : 1;
-        open = log_v < LAC_FASTEST ? open : 1;
-        u[i] = open > 0 ? before : log_v;
+        double room = (log_v - slowest) * (fastest - log_v) - c->open[i] * DBL_MAX;
+        c->s[i] = u[i];
+        u[i] = log_v;
         v[i] = copysign(speed, traction[i]);
-        c->open[i] = open;
-        left += open > 0 ? 1 : 0;
+        c->open[i] = room > 0 ? 0 : 1;
+        left += room > 0 ? 0 : 1;
     }
     return left;
 }
 
-LAC_CLONES static uint64_t lac_solve_rates_finish(size_t n, chunk *c, const double *traction,
-                                                  double *u, double *v)
+LAC_CLONES static uint64_t lac_solve_rates_finish(size_t n, const bounds *within, chunk *c,
+                                                  const rates *out)
 {
-    return finish_all(n, false, c, traction, u, v);
+    return finish_all(n, false, within, c, out);
 }
 
-LAC_CLONES static uint64_t lac_solve_rates_finish_bent(size_t n, chunk *c, const double *traction,
-                                                       double *u, double *v)
+LAC_CLONES static uint64_t lac_solve_rates_finish_bent(size_t n, const bounds *within, chunk *c,
+                                                       const rates *out)
 {
-    return finish_all(n, true, c, traction, u, v);
+    return finish_all(n, true, within, c, out);
 }
 
 // The rates of one chunk.
@@ -194,12 +216,16 @@ static void solve_chunk(const lac_friction *friction, const lac_friction_balance
         lac_solve_rates_begin_bent(eq->n, &c);
     }
     for (int step = 0; step < MOST_STEPS && now.open > 0; step++) {
-        now = regularised && now.bent > 0 ? lac_solve_rates_step_bent(eq->n, &c)
-                                          : lac_solve_rates_step(eq->n, &c);
+        now = regularised && now.bent > 0 ? lac_solve_rates_step_bent(eq->n, &all_bounds, &c)
+                                          : lac_solve_rates_step(eq->n, &all_bounds, &c);
     }
+    const rates out = {eq->traction, u, v};
     const uint64_t left = regularised && now.bent > 0
-                              ? lac_solve_rates_finish_bent(eq->n, &c, eq->traction, u, v)
-                              : lac_solve_rates_finish(eq->n, &c, eq->traction, u, v);
+                              ? lac_solve_rates_finish_bent(eq->n, &all_bounds, &c, &out)
+                              : lac_solve_rates_finish(eq->n, &all_bounds, &c, &out);
+    for (size_t i = 0; left > 0 && i < eq->n; i++) {
+        u[i] = c.open[i] > 0 ? c.s[i] : u[i];
+    }
     if (left > 0) {
         lac_friction_search_rest(friction, eq, c.open, u, v);
     }
