@@ -49,6 +49,7 @@ static lac_status read_run(cli_watched *w, lac_error *err)
     w->of.dated = lac_stored_file_text(file, NULL, "time_coverage_start", text, sizeof text) &&
                   lac_date_parse(text, &start);
     w->start = start;
+    (void)lac_stored_file_text(file, NULL, "status", w->of.run_status, sizeof w->of.run_status);
     w->of.failed_at = lac_stored_file_number(file, NULL, "failure_time_s") + start;
     for (size_t i = 0; i < n; i++) {
         w->time[i] += start;
