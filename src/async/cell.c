@@ -277,7 +277,8 @@ double lac_async_cell_plan(const lac_async_rules *rules, const lac_async_push *p
     h = fmin(h, fmin(c->reach, time_to_let_go(rules, c, push)));
     double rho = foreseen(rise, h);
     c->told = isfinite(h) ? c->v / lac_phi(rho, expm1(-rho)) : c->v;
-    c->ahead = isfinite(h) ? c->told * h * chord_gap(rho) : 0.0;
+    // Half of it: whom the news itself wakes looks at the line's end, where it is right.
+    c->ahead = isfinite(h) ? 0.5 * c->told * h * chord_gap(rho) : 0.0;
     double direct = c->a * push->pressure + c->damping * c->v;
     double z = slip_under(outside, c->v, h) / c->dc;
     double allowed = rules->wake * small;

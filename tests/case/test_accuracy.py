@@ -9,6 +9,7 @@ usage: test_accuracy.py PROGRAM SOURCE_FOLDER [unittest options]
 import json
 import math
 import os
+import signal
 import sys
 import unittest
 
@@ -136,6 +137,17 @@ class Accuracy(test_cli.Case):
         self.assertEqual((said["accuracy"]["method"], said["accuracy"]["rtol"]), ("erk", 1e-4))
         self.assertIn("steps were not enough", self.block(f"solver.max_steps={steps['1e-6']}", "solver.accuracy=1e-9", status=1))
         self.assertTrue(math.isfinite(said["failure_time_s"]))
+
+    def test_a_signal_in_pilot_runs(self):
+        """No run was picked yet: the status and a line say so, and no file is left."""
+        process = self.start("run", os.path.join(test_cli.SOURCE, "cases/one-by-one.yaml"), "-o", "cut.nc", "-v",
+                             "--accuracy", "1e-6", "--set", "solver.fidelity=ode")
+        for line in process.stderr:
+            if "pilot runs" in line:
+                break
+        process.send_signal(signal.SIGINT)
+        self.assertRegex(process.stderr.read(), "interrupted at .* of a pilot run .* no file was made")
+        self.assertEqual((process.wait(), self.exists("cut.nc")), (4, False))
 
 
 def main():

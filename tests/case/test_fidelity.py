@@ -114,6 +114,13 @@ class Rule(Fidelity):
                 fidelity, said = self.chosen(setting)
                 self.assertEqual((fidelity, bool(said)), ("ode", True))
 
+    def test_check_refuses_what_a_run_does(self):
+        """Of a grid too large for the scene to be made too."""
+        for command in "check", "run":
+            done = self.expect(2, command, self.path("soft.yaml"), *self.words(
+                ["solver.fidelity=events", "transfer={elastic: {}}", "interface.levels=9", "interface.domain={full: {}}"]))
+            self.assertIn("solver.fidelity events goes with transfer hierarchy, not with elastic", done.stderr)
+
     def test_a_cell_that_events_refuses(self):
         """Of a that falls to 0 in some cell the scene tells, not the case."""
         with_zero = "friction.spread={a: {uniform: {half_width: 1, seed: 1}}}"
