@@ -350,12 +350,6 @@ static lac_status answer(const cli_request *given, const char *station, lac_json
     job.plan.def.driver = job.drivers.driver;
     of->horizon = job.plan.def.levels.horizon;
     of->indicator = job.indicator;
-    if (strcmp(of->run_status, "failed") == 0 && !cli_given(request, CLI_OPT_QUIET)) {
-        cli_note(
-            "warning: %s: this run ended by an error: its motion up to there is no result, nor "
-            "is what follows from it",
-            of->source);
-    }
     if (job.watched.run) { // a run has neither outliers nor resets
         job.plan.def.motion.raw = true;
     }

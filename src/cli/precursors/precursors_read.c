@@ -101,6 +101,11 @@ lac_status cli_watched_read(const cli_request *request, const lac_case *known,
     lac_status status =
         out->run ? read_run(out, err) : read_series(request, known, units, out, err);
     LAC_TRY(status);
+    if (strcmp(out->of.run_status, "failed") == 0 && !cli_given(request, CLI_OPT_QUIET)) {
+        cli_note("warning: %s: this run ended by an error: neither its motion is a result nor what "
+                 "follows from it",
+                 out->of.source);
+    }
     LAC_TRY(cut(request, units, out, err));
     if (failed_at != NULL && strcmp(failed_at, "never") == 0) {
         out->of.failed_at = INFINITY;
