@@ -33,6 +33,7 @@ time: {end: "1 year", failure: {mean_slip_rate: "0.1 m/s"}}
 solver: {fidelity: auto}
 output: {file: soft.nc, every: {per_decade: 5}}
 """
+SMALL = "interface.levels=3"
 EVENTS = "cells slip one by one (k_0/k_crit"
 
 
@@ -195,12 +196,12 @@ class Trade(Fidelity):
     def value(self, dials):
         """Time of failure at rtol 1e-5."""
         said = json.loads(self.expect(0, "trade", self.path("soft.yaml"), "-q", "--json", "--force", "-o", self.path("t.nc"),
-                                      "--quantity", "failure", "--dials", dials).stdout)
+                                      "--quantity", "failure", "--dials", dials, *self.words([SMALL])).stdout)
         return {float(run["settings"]["solver.rtol"]): run["value"] for run in said["runs"]}[1e-5]
 
     def test_all_runs_have_one_fidelity(self):
         """That of a run; ode where settings of ode alone are turned."""
-        ode, events = (self.run_of("solver.rtol=1e-5", f"solver.fidelity={one}")["failure_time_s"] for one in ("ode", "events"))
+        ode, events = (self.run_of(SMALL, "solver.rtol=1e-5", f"solver.fidelity={one}")["failure_time_s"] for one in ("ode", "events"))
         self.assertEqual(self.value("rtol=1e-5"), events)
         self.assertEqual(self.value("rtol=1e-5,method=bdf"), ode)
 
