@@ -14,8 +14,9 @@ static bool interrupted(const run *r)
 static void measure_speed(run *r)
 {
     lac_engine *engine = r->engine;
-    lac_problem_speed(r->problem, lac_engine_clock(engine, engine->t), engine->y, &r->mean_rate,
-                      &r->max_rate, engine->work);
+    lac_problem_speed(r->problem, lac_engine_clock(engine, engine->t), engine->y, engine->found,
+                      &r->mean_rate, &r->max_rate, engine->work);
+    engine->found = false;
     r->measured = true;
 }
 
