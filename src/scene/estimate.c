@@ -397,6 +397,7 @@ lac_status lac_estimate_make(const lac_case *c, lac_load_files *files, lac_estim
                         .stiffness_ratio = NAN,
                         .choice = {.fidelity = c->run.fidelity},
                         .unknowns = lac_inertia_mass(c) > 0 ? 3 : 2};
+    char why[LAC_FIDELITY_ROOM];
     lac_weakening_set weakening;
     LAC_TRY_RETURN(
         lac_weakening_set_create(c->weakening.item, c->weakening.count, &weakening, err));
@@ -411,6 +412,9 @@ lac_status lac_estimate_make(const lac_case *c, lac_load_files *files, lac_estim
         settled.run.fidelity = e->choice.fidelity;
     }
     e->own_steps = e->integrated && settled.run.fidelity == LAC_FIDELITY_ASYNC;
+    if (e->own_steps && lac_fidelity_refused(c, why)) { // of a large grid no scene is made
+        return lac_fail(err, LAC_EINPUT, "%s", why);
+    }
     settled.formulation = e->own_steps ? LAC_FORMULATION_RATE : c->formulation;
     e->faster = e->integrated ? lac_fidelity_faster(c, e) : NULL;
     count_costs(c, e);
