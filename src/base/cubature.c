@@ -8,9 +8,11 @@
 // Sums of the functions over the groups, row by row, reduced so that some columns are unit vectors.
 typedef struct tableau {
     size_t rows, columns;
+    double least;   // below which a row has nothing that those before it have not
     double *a;      // [rows][columns]
     size_t *basis;  // [rows] column of each row's unit; SIZE_MAX: the row has vanished
     double *weight; // [columns]
+    double *scale;  // [rows] the largest of each
     bool *gone;     // [columns] its weight is 0
 } tableau;
 
@@ -39,13 +41,10 @@ static void find_basis(tableau *t)
 {
     const double rounding = 1e-11;
     for (size_t i = 0; i < t->rows; i++) {
-        double largest = 0.0;
         double *row = t->a + i * t->columns;
+        t->scale[i] = 0.0;
         for (size_t j = 0; j < t->columns; j++) {
-            largest = fmax(largest, fabs(row[j]));
-        }
-        for (size_t j = 0; largest > 0.0 && j < t->columns; j++) {
-            row[j] /= largest;
+            t->scale[i] = fmax(t->scale[i], fabs(row[j]));
         }
     }
     for (size_t i = 0; i < t->rows; i++) {
@@ -55,7 +54,7 @@ static void find_basis(tableau *t)
             best = fabs(row[j]) > fabs(row[best]) ? j : best;
         }
         t->basis[i] = SIZE_MAX;
-        if (fabs(row[best]) > rounding) {
+        if (fabs(row[best]) > fmax(rounding * t->scale[i], t->least)) {
             pivot(t, i, best);
         }
     }
@@ -143,11 +142,12 @@ lac_status lac_cubature_thin(const lac_cubature *of, uint32_t *kept, double *wei
     const size_t most = 2 * of->functions, rows = of->functions;
     tableau t = {.rows = rows};
     lac_status status = LAC_OK;
-    t.a = malloc((rows * most + most + rows) * sizeof *t.a);
+    t.a = malloc((rows * most + most + 2 * rows) * sizeof *t.a);
     t.basis = malloc(rows * sizeof *t.basis);
     t.gone = malloc(most * sizeof *t.gone);
     LAC_TRY(t.a != NULL && t.basis != NULL && t.gone != NULL ? LAC_OK : lac_fail_memory(err));
     t.weight = t.a + rows * most;
+    t.scale = t.weight + most;
     for (size_t i = 0; i < of->points; i++) {
         kept[i] = (uint32_t)i;
         weight[i] = 1.0;
@@ -156,7 +156,8 @@ lac_status lac_cubature_thin(const lac_cubature *of, uint32_t *kept, double *wei
     while (*count > rows) {
         const size_t before = *count;
         t.columns = before < most ? before : most;
-        sum_groups(of, kept, weight, before, &t, t.weight + most);
+        t.least = of->least * (double)of->points / (double)t.columns;
+        sum_groups(of, kept, weight, before, &t, t.scale + rows);
         reduce(&t);
         *count = keep(&t, kept, weight, before);
         if (*count == before) {

@@ -9,30 +9,67 @@
 typedef struct making {
     const lac_lump_source *source;
     lac_lump_cells field;
-    size_t level, nodes;
-    size_t leaves;    // so far
-    uint32_t *kept;   // [n] cells that stay
-    double *weight;   // [n] of them, as the force on them counts
-    double *pressure; // [n] on each: the mean of its block, unless a load tells them apart
-    uint32_t *begin;  // [blocks + 1] the first leaf of each block
-    double *bond;     // [blocks] what holds its leaves against each other
-    uint32_t *leaf;   // [n] which leaf stands for a cell
-    double rest[STAGES];
+    size_t level;
+    size_t most;    // leaves of a block
+    double least;   // of what a sum is worth keeping
+    size_t leaves;  // so far
+    uint32_t *kept; // [n] cells that stay
+    double *weight; // [n] cells that each stands for
+    uint32_t *begin; // [blocks + 1] the first leaf of each block
+    double *bond;    // [blocks] what holds its leaves against each other
+    uint32_t *leaf;  // [n] which leaf stands for a cell
+    double rest[LAC_LUMP_TESTS];
+    double softer;            // as the trace of soft, of squares of compliances
     lac_lump_pairs soft, few; // how far cells, and leaves, would slip apart
 } making;
 
-// Adds what all cells of a block are held by less what its leaves are, after each stage of slip.
+// A block of it.
+typedef struct taking {
+    const making *of;
+    size_t first;
+} taking;
+
+enum { COUNTED = 4 }; // sums of the cells themselves, before those of what friction holds
+
+// Sums that the leaves of a block keep: cells, pressure and its square, slip rate at the start, the
+// shape of a load; and friction along some histories.
+static void values_of(const void *context, size_t point, double *value)
+{
+    const taking *t = context;
+    const making *m = t->of;
+    const lac_problem_def *whole = &m->source->whole;
+    const size_t i = t->first + point;
+    const double p = whole->domain->pressure[i] / m->field.pressure;
+    const double counted[COUNTED] = {1.0, p, p * p, exp(whole->log_rate[i]) / m->field.mean_rate};
+    memcpy(value, counted, sizeof counted);
+    value += COUNTED;
+    double *apart = value; value += LAC_LUMP_PATTERNS - 1;
+    if (whole->loads.shape != NULL) {
+        *value++ = whole->loads.shape[i];
+    }
+    for (size_t k = 0; k < LAC_LUMP_KEPT; k++) {
+        value[k] = p * m->field.friction[k * m->field.n + i];
+        if (k == LAC_LUMP_STEADY + 1) { // before more of the same: by what cells come apart
+            for (size_t a = 1; a < LAC_LUMP_PATTERNS; a++) {
+                *apart++ = p * (p * m->field.pattern[i] - m->field.answer) * m->field.pattern[a * m->field.n + i];
+            }
+        }
+    }
+}
+
+// Adds what friction holds of all cells of a block less what it does of its leaves, at the stages
+// that the leaves were not made for.
 static void add_rest(making *m, size_t first, size_t end, size_t leaves)
 {
     const double *pressure = m->source->whole.domain->pressure;
-    for (size_t k = 0; k < STAGES; k++) {
-        const double *held = m->field.held + k * m->field.n;
+    for (size_t k = 0; k < LAC_LUMP_TESTS; k++) {
+        const double *held = m->field.friction + (LAC_LUMP_KEPT + k) * m->field.n;
         double sum = 0.0;
         for (size_t i = first; i < end; i++) {
             sum += pressure[i] * held[i];
         }
         for (size_t i = m->leaves; i < m->leaves + leaves; i++) {
-            sum -= m->weight[i] * m->pressure[i] * held[m->kept[i]];
+            sum -= m->weight[i] * pressure[m->kept[i]] * held[m->kept[i]];
         }
         m->rest[k] += sum;
     }
@@ -41,16 +78,38 @@ static void add_rest(making *m, size_t first, size_t end, size_t leaves)
 // What is left of that over the direct effect of all cells: how far the rate is off.
 static double rest_of(const making *m)
 {
-    const lac_lump_source *s = m->source;
-    double direct = 0.0, most = 0.0;
-    for (size_t i = 0; i < m->field.n; i++) {
-        direct +=
-            s->whole.domain->pressure[i] * lac_cellwise_of(&s->whole.friction->column[LAC_A], i);
+    double most = 0.0;
+    for (size_t k = 0; k < LAC_LUMP_TESTS; k++) {
+        most = fmax(most, fabs(m->rest[k]));
     }
-    for (size_t k = 0; k < STAGES; k++) {
-        most = fmax(most, fabs(m->rest[k]) / direct);
+    return most / m->field.pressure / (double)m->field.n;
+}
+
+// How far the leaves of a block would slip apart if 1 held them.
+static lac_lump_pairs leaves_of(const making *m, size_t leaves)
+{
+    const uint32_t *kept = m->kept + m->leaves;
+    const double *weight = m->weight + m->leaves, *p = m->source->whole.domain->pressure;
+    lac_lump_pairs few = {0};
+    double mean[LAC_LUMP_PATTERNS] = {0.0}, sum = 0.0, count = 0.0, answer = 0.0;
+    for (size_t i = 0; i < leaves; i++) {
+        count += weight[i];
+        sum += weight[i] * p[kept[i]];
+        for (size_t a = 0; a < LAC_LUMP_PATTERNS; a++) {
+            mean[a] += weight[i] * p[kept[i]] * m->field.pattern[a * m->field.n + kept[i]];
+        }
     }
-    return most;
+    answer = mean[LAC_LUMP_ANSWER] / count;
+    for (size_t i = 0; i < leaves; i++) {
+        double g[LAC_LUMP_PATTERNS];
+        for (size_t a = 0; a < LAC_LUMP_PATTERNS; a++) {
+            const double of = m->field.pattern[a * m->field.n + kept[i]];
+            g[a] = p[kept[i]] * (a == LAC_LUMP_ANSWER ? of : of - mean[a] / sum);
+        }
+        g[LAC_LUMP_ANSWER] -= answer;
+        lac_lump_add(g, g, weight[i], &few);
+    }
+    return few;
 }
 
 // By how far the cells of a block would slip apart under each pattern, and what that does to all of
@@ -59,56 +118,39 @@ static lac_status bond_of(making *m, size_t first, size_t end, size_t leaves, do
                           lac_error *err)
 {
     const lac_lump_source *s = m->source;
-    const uint32_t *kept = m->kept + m->leaves;
-    const double *weight = m->weight + m->leaves, *pressure = m->pressure + m->leaves;
+    const double nothing = pow(1e-9 * m->field.pressure, 2.0); // rounding of what cells are alike in
     lac_lump_pairs *of = calloc(m->level + 1, sizeof *of);
-    lac_lump_pairs soft = {0}, few = {0};
-    double mean[PATTERNS] = {0.0}, sum = 0.0;
-    const double nothing = pow(1e-9 * pressure[0], 2.0); // rounding of what cells are alike in
+    lac_lump_pairs soft = {0};
+    double softer = 0.0;
     LAC_FAIL_MEMORY_IF(of == NULL, err);
     lac_lump_add_levels(s, &m->field, m->level, first, end, of);
     for (size_t l = 0; l < m->level; l++) {
-        const double k = lac_lump_stiffness(s, l);
-        if (lac_lump_trace(&of[l]) > nothing * (double)(end - first)) {
+        const double k = lac_lump_stiffness(s, l), trace = lac_lump_trace(&of[l]);
+        if (trace > nothing * (double)(end - first)) {
             lac_lump_add_pairs(&of[l], 1.0 / k, &soft);
+            softer += trace / k / k;
         }
     }
     free(of);
-    for (size_t i = 0; i < leaves; i++) {
-        sum += weight[i] * pressure[i];
-        for (size_t a = 0; a < PATTERNS; a++) {
-            mean[a] += weight[i] * pressure[i] * m->field.pattern[a * m->field.n + kept[i]];
-        }
-    }
-    for (size_t i = 0; i < leaves; i++) {
-        double g[PATTERNS];
-        for (size_t a = 0; a < PATTERNS; a++) {
-            const double *pattern = m->field.pattern + a * m->field.n;
-            g[a] = pressure[i] * (pattern[kept[i]] - mean[a] / sum);
-        }
-        for (size_t a = 0; a < PATTERNS; a++) {
-            for (size_t b = 0; b < PATTERNS; b++) {
-                few.of[a][b] += weight[i] * g[a] * g[b];
-            }
-        }
-    }
+    const lac_lump_pairs few = leaves_of(m, leaves);
     *bond = lac_lump_stiffness(s, 0);
     if (lac_lump_trace(&soft) > 0.0 && lac_lump_trace(&few) > 0.0) {
         *bond = lac_lump_trace(&few) / lac_lump_trace(&soft);
         lac_lump_add_pairs(&few, 1.0 / *bond, &m->few);
         lac_lump_add_pairs(&soft, 1.0, &m->soft);
+        m->softer += softer;
     }
     return LAC_OK;
 }
 
-// By how much one stiffness for all patterns is off: of what each does to the two that tell how
-// friction answers to slip.
+// By how much one stiffness for all patterns is off: of what each does to friction.
 static double mismatch_of(const making *m)
 {
+    const double (*soft)[LAC_LUMP_PATTERNS] = m->soft.of, (*few)[LAC_LUMP_PATTERNS] = m->few.of;
     double off = 0.0;
-    for (size_t a = 0; a < ANSWERS; a++) {
-        for (size_t b = 0; b < PATTERNS; b++) {
-            off += fabs(m->soft.of[a][b] - m->few.of[a][b]);
+    for (size_t a = 0; a < LAC_LUMP_PATTERNS; a++) {
+        for (size_t b = LAC_LUMP_ANSWER + 1; b < LAC_LUMP_PATTERNS; b++) {
+            off += fabs(soft[a][b] - few[a][b]);
         }
     }
     // On a line all levels have as much of slip apart, so that a few coarse blocks decide it.
@@ -117,57 +159,63 @@ static double mismatch_of(const making *m)
     return off > 0.0 && all > 0.0 ? fmax(least, off / all) : 0.0;
 }
 
+// What friction makes of slip apart over what holds it.
 static double weakness_of(const making *m)
 {
-    const lac_friction *friction = m->source->whole.friction;
-    const size_t blocks = lac_hierarchy_blocks(m->source->blocks, m->level);
-    double most = 0.0;
-    for (size_t b = 0; b < blocks; b++) {
-        double sum = 0.0;
-        for (uint32_t i = m->begin[b]; i < m->begin[b + 1]; i++) {
-            const uint32_t c = m->kept[i];
-            sum += m->weight[i] * m->pressure[i] * lac_cellwise_of(&friction->column[LAC_B], c) /
-                   lac_cellwise_of(&friction->column[LAC_DC], c);
-        }
-        const uint32_t *begin = lac_hierarchy_offsets(m->source->blocks, m->level);
-        const double cells = (double)(begin[b + 1] - begin[b]);
-        most = m->bond[b] > 0.0 ? fmax(most, sum / cells / m->bond[b]) : most;
+    const lac_lump_cells *f = &m->field;
+    double answer = 0.0;
+    for (size_t i = 0; i < f->n; i++) {
+        answer += m->source->whole.domain->pressure[i] * f->friction[LAC_LUMP_ANSWER * f->n + i];
     }
-    return most;
+    const double soft = lac_lump_trace(&m->soft);
+    answer *= f->direct * f->per_dc / (double)f->n;
+    return soft > 0.0 ? answer * m->softer / soft : 0.0;
+}
+
+// Which of the leaves of a block each of its cells is most like.
+static void assign(making *m, size_t first, size_t end, size_t leaves)
+{
+    const double *friction = m->field.friction;
+    for (size_t i = first; i < end; i++) {
+        double nearest = INFINITY;
+        for (size_t c = m->leaves; c < m->leaves + leaves; c++) {
+            double apart = 0.0;
+            for (size_t k = 0; k < LAC_LUMP_KEPT; k++) {
+                const double *row = friction + k * m->field.n;
+                apart += (row[i] - row[m->kept[c]]) * (row[i] - row[m->kept[c]]);
+            }
+            if (apart < nearest) {
+                nearest = apart;
+                m->leaf[i] = (uint32_t)c;
+            }
+        }
+    }
 }
 
 static lac_status take_block(making *m, size_t number, lac_error *err)
 {
     const lac_lump_source *s = m->source;
     const uint32_t *begin = lac_hierarchy_offsets(s->blocks, m->level);
-    const size_t first = begin[number], n = begin[number + 1] - first;
+    const size_t first = begin[number], end = begin[number + 1];
+    const size_t functions = COUNTED + LAC_LUMP_KEPT + LAC_LUMP_PATTERNS - 1 + (s->whole.loads.shape != NULL ? 1 : 0);
     uint32_t *kept = m->kept + m->leaves;
     size_t leaves;
-    lac_lump_block b;
-    lac_lump_block_look(&m->field, s->whole.domain->pressure, first, n, m->nodes, &b);
-    const lac_cubature of = {.points = n,
-                             .functions = lac_lump_block_functions(&b),
-                             .at = lac_lump_block_values,
-                             .context = &b};
+    const taking t = {m, first};
+    const lac_cubature of = {.points = end - first,
+                             .functions = functions < m->most ? functions : m->most,
+                             .least = m->least,
+                             .at = values_of,
+                             .context = &t};
     LAC_TRY_RETURN(lac_cubature_thin(&of, kept, m->weight + m->leaves, &leaves, err));
-    double *room = malloc((leaves * b.active + 1) * sizeof *room);
-    LAC_FAIL_MEMORY_IF(room == NULL, err);
-    lac_lump_block_assign(&b, kept, leaves, m->leaf + first, room);
-    free(room);
-    for (size_t i = first; i < first + n; i++) {
-        m->leaf[i] += (uint32_t)m->leaves;
-    }
     for (size_t i = 0; i < leaves; i++) {
-        const double p = b.pressure[kept[i]];
-        m->weight[m->leaves + i] *= b.apart ? 1.0 : p / b.mean_pressure;
-        m->pressure[m->leaves + i] = b.apart ? p : b.mean_pressure;
         kept[i] += (uint32_t)first;
     }
+    assign(m, first, end, leaves);
+    add_rest(m, first, end, leaves);
     m->begin[number] = (uint32_t)m->leaves;
-    add_rest(m, first, first + n, leaves);
     m->bond[number] = 0.0;
     if (leaves > 1) {
-        LAC_TRY_RETURN(bond_of(m, first, first + n, leaves, &m->bond[number], err));
+        LAC_TRY_RETURN(bond_of(m, first, end, leaves, &m->bond[number], err));
     }
     m->leaves += leaves;
     m->begin[number + 1] = (uint32_t)m->leaves;
@@ -259,7 +307,7 @@ static lac_status make_domain(const making *m, lac_domain **out, lac_error *err)
                            .each = (double)whole->n / (double)m->leaves};
     LAC_FAIL_MEMORY_IF(domain->index == NULL || domain->pressure == NULL || domain->weight == NULL,
                        err);
-    memcpy(domain->pressure, m->pressure, m->leaves * sizeof *m->pressure);
+    gather(m, whole->pressure, domain->pressure);
     for (size_t i = 0; i < m->leaves; i++) {
         domain->index[i] = whole->index[m->kept[i]];
         domain->weight[i] = m->weight[i] / domain->each;
@@ -313,38 +361,23 @@ static lac_status check_source(const lac_lump_source *s, lac_error *err)
     return LAC_OK;
 }
 
-// Takes all blocks of the level, with the nodes that there are.
-static lac_status take_blocks(making *m, lac_error *err)
+// Takes all blocks of the level.
+static lac_status try_level(making *m, lac_error *err)
 {
-    const size_t blocks = lac_hierarchy_blocks(m->source->blocks, m->level);
-    m->leaves = 0;
-    memset(m->rest, 0, sizeof m->rest);
-    m->soft = m->few = (lac_lump_pairs){0};
-    for (size_t b = 0; b < blocks; b++) {
-        LAC_TRY_RETURN(take_block(m, b, err));
-    }
-    return LAC_OK;
-}
-
-// Room for the blocks of a level, and what is made of them with as many nodes as it takes, if that
-// is left open.
-static lac_status try_level(making *m, const lac_lump_def *def, lac_error *err)
-{
-    const bool open = def->nodes < 0;
     const size_t n = m->field.n, blocks = lac_hierarchy_blocks(m->source->blocks, m->level);
     free(m->kept);
     free(m->weight);
     m->kept = malloc((n + blocks + 1) * sizeof *m->kept);
-    m->weight = malloc((2 * n + blocks) * sizeof *m->weight);
+    m->weight = malloc((n + blocks) * sizeof *m->weight);
     LAC_FAIL_MEMORY_IF(m->kept == NULL || m->weight == NULL, err);
     m->begin = m->kept + n;
-    m->pressure = m->weight + n;
-    m->bond = m->pressure + n;
-    m->nodes = open ? FEWEST_NODES : (size_t)def->nodes;
-    LAC_TRY_RETURN(take_blocks(m, err));
-    while (open && m->field.gain * rest_of(m) > 0.02 * def->error && m->nodes < MOST_NODES) {
-        m->nodes++;
-        LAC_TRY_RETURN(take_blocks(m, err));
+    m->bond = m->weight + n;
+    m->leaves = 0;
+    memset(m->rest, 0, sizeof m->rest);
+    m->soft = m->few = (lac_lump_pairs){0};
+    m->softer = 0.0;
+    for (size_t b = 0; b < blocks; b++) {
+        LAC_TRY_RETURN(take_block(m, b, err));
     }
     return LAC_OK;
 }
@@ -358,18 +391,20 @@ static lac_status make(making *m, const lac_lump_def *def, lac_lump *lump, lac_e
     if (def->level >= 0) {
         m->level = (size_t)def->level > levels ? levels : (size_t)def->level;
     }
+    m->most = def->nodes >= 0 ? (size_t)def->nodes : SIZE_MAX;
+    m->least = (getenv("LEAST")?atof(getenv("LEAST")):0.01) * def->error / m->field.gain;
     m->leaf = lump->leaf = malloc(n * sizeof *lump->leaf);
     LAC_FAIL_MEMORY_IF(lump->leaf == NULL, err);
-    LAC_TRY_RETURN(try_level(m, def, err));
+    LAC_TRY_RETURN(try_level(m, err));
     // Smaller blocks, whose quadratures err apart; where nothing is gained any more, all cells.
     while (def->level < 0 && m->level > 0 &&
            (2 * m->leaves > n || m->field.gain * rest_of(m) > 0.2 * def->error)) {
         m->level = 2 * m->leaves > n ? 0 : m->level - 1;
-        LAC_TRY_RETURN(try_level(m, def, err));
+        LAC_TRY_RETURN(try_level(m, err));
     }
     lump->level = m->level;
     lump->blocks = lac_hierarchy_blocks(s->blocks, m->level);
-    lump->nodes = m->nodes;
+    if(getenv("SHOW")){extern void lac_dbg_rest(const void*);lac_dbg_rest(m);}
     lump->rest = rest_of(m);
     lump->gain = m->field.gain;
     lump->mismatch = mismatch_of(m);
@@ -421,3 +456,4 @@ void lac_lump_soften(lac_lump *lump, double softness)
         lump->classes->k[i] = lump->bond[i] / (inner ? softness : 1.0);
     }
 }
+void lac_dbg_rest(const void*v){const making*m=v;for(size_t k=0;k<LAC_LUMP_TESTS;k++)printf(" %.1e",m->rest[k]/ m->field.pressure / (double)m->field.n);printf("\n");}

@@ -14,10 +14,8 @@ typedef struct lac_lump {
     double *bond;   ///< [nodes of the classes] their k as the scene has it
     size_t level;   ///< of the blocks
     size_t blocks;  ///< of that level
-    size_t nodes;   ///< of a quadrature over one parameter
     double rest;    ///< error of the quadrature: of the logarithm of the slip rate [1]
-    double
-        weakness; ///< p b/dc over what holds the cells of a block against each other, at most [1]
+    double weakness; ///< p b/dc over what holds the cells of a block against each other [1]
     double mismatch; ///< of the slip apart that its leaves have, relative [1]
     double gain;  ///< by which the time of failure is more off than that, near a steady state [1]
     size_t inner; ///< nodes, behind the leaves, that are blocks of leaves

@@ -18,6 +18,7 @@ import sys
 import tempfile
 
 YEAR = 365.25 * 86400
+WIDE = 3000  # from this scene on surfaces are pressed too, and some runs end by their slip
 
 
 def log_uniform(draw, low, high):
@@ -101,6 +102,7 @@ def scene(number):
     line = draw.random() < 0.15
     levels = draw.randrange(8, 11) if line else draw.randrange(4, 7)
     fractal = not line and levels >= 5 and draw.random() < 0.35
+    pressed = number >= WIDE and not line and levels == 6 and not fractal
     domain = f"cascade: {{dimension: {draw.uniform(1.5, 1.9):.3f}, seed: {draw.randrange(10**6)}}}" if fractal else "full: {}"
     stiff = log_uniform(draw, 3, 1e5)
     fraction = 1.0 if not fractal else 0.5
@@ -110,8 +112,19 @@ def scene(number):
     text += 'material: {shear_modulus: "10 GPa", poisson: 0.25, density: "2500 kg/m3"}\n' if draw.random() < 0.6 else ""
     text += f'load:\n  normal: {{pressure: "{pressure:.5g} Pa"}}\n' + shear(draw, pressure, end) + pore(draw, pressure, end)
     text += friction(draw, dc, a, b) + initial(draw, False)
+    if pressed:  # cells that differ in pressure, some dc by the size of their contact
+        height = 20 * pressure / 2.7e10 / draw.uniform(0.15, 0.7)
+        text = text.replace("domain: {full: {}}", f'surface: {{self-affine: {{hurst: {draw.uniform(0.6, 0.9):.2f}, rms_height: "{height:.4g} m", '
+                            f'rolloff: "50 m", shortest: "6.25 m", seed: {draw.randrange(10**6)}}}}}')
+        text = text if "material" in text else text + 'material: {shear_modulus: "10 GPa", poisson: 0.25, density: "2500 kg/m3"}\n'
+        if draw.random() < 0.25 and "    dc:" in text:
+            text = "\n".join(f'    dc: {{size: {{of: patch, reference: "10 m", exponent: {draw.uniform(-0.5, 0.5):.2f}}}}}' if line.startswith("    dc:") else line
+                             for line in text.split("\n"))
+    if number >= WIDE and draw.random() < 0.2:  # another end than failure
+        text += f'time: {{end: "{end:.5g} s", stop_when: {{mean_slip: "{log_uniform(draw, 0.2, 3) * dc:.4g} m"}}}}\n'
     text += f'transfer: {{hierarchy: {{k0: "{k0:.5g} Pa/m", ratio: {draw.choice([0.5, 0.5, 0.5, 0.35, 0.7])}}}}}\n'
-    text += f'time: {{end: "{end:.5g} s"}}\noutput: {{every: {{steps: 100000}}}}\n'
+    text += "" if "\ntime:" in text else f'time: {{end: "{end:.5g} s"}}\n'
+    text += f'output: {{every: {{steps: 100000}}}}\n'
     return text, stiff
 
 
