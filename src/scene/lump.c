@@ -19,7 +19,7 @@ typedef struct making {
     double *bond;    // [blocks] what holds its leaves against each other
     uint32_t *leaf;  // [n] which leaf stands for a cell
     double rest[LAC_LUMP_TESTS];
-    double softer;            // as the trace of soft, of squares of compliances
+    double softer, fewer;     // as the traces of soft and few, of squares of compliances
     lac_lump_pairs soft, few; // how far cells, and leaves, would slip apart
 } making;
 
@@ -139,6 +139,7 @@ static lac_status bond_of(making *m, size_t first, size_t end, size_t leaves, do
         lac_lump_add_pairs(&few, 1.0 / *bond, &m->few);
         lac_lump_add_pairs(&soft, 1.0, &m->soft);
         m->softer += softer;
+        m->fewer += lac_lump_trace(&few) / *bond / *bond;
     }
     return LAC_OK;
 }
@@ -154,7 +155,7 @@ static double mismatch_of(const making *m)
         }
     }
     // On a line all levels have as much of slip apart, so that a few coarse blocks decide it.
-    const double least = m->source->whole.domain->grid.ny == 1 ? 0.25 : 0.0;
+    const double least = m->source->whole.domain->grid.ny == 1 ? 0.5 : 0.0;
     const double all = lac_lump_trace(&m->soft);
     return off > 0.0 && all > 0.0 ? fmax(least, off / all) : 0.0;
 }
@@ -169,7 +170,7 @@ static double weakness_of(const making *m)
     }
     const double soft = lac_lump_trace(&m->soft);
     answer *= f->direct * f->per_dc / (double)f->n;
-    return soft > 0.0 ? answer * m->softer / soft : 0.0;
+    return soft > 0.0 ? answer * (m->softer - 0.5 * m->fewer) / soft : 0.0;
 }
 
 // Which of the leaves of a block each of its cells is most like.
@@ -375,7 +376,7 @@ static lac_status try_level(making *m, lac_error *err)
     m->leaves = 0;
     memset(m->rest, 0, sizeof m->rest);
     m->soft = m->few = (lac_lump_pairs){0};
-    m->softer = 0.0;
+    m->softer = m->fewer = 0.0;
     for (size_t b = 0; b < blocks; b++) {
         LAC_TRY_RETURN(take_block(m, b, err));
     }
@@ -392,7 +393,7 @@ static lac_status make(making *m, const lac_lump_def *def, lac_lump *lump, lac_e
         m->level = (size_t)def->level > levels ? levels : (size_t)def->level;
     }
     m->most = def->nodes >= 0 ? (size_t)def->nodes : SIZE_MAX;
-    m->least = (getenv("LEAST")?atof(getenv("LEAST")):0.01) * def->error / m->field.gain;
+    m->least = 0.03 * def->error / m->field.gain;
     m->leaf = lump->leaf = malloc(n * sizeof *lump->leaf);
     LAC_FAIL_MEMORY_IF(lump->leaf == NULL, err);
     LAC_TRY_RETURN(try_level(m, err));
@@ -404,7 +405,6 @@ static lac_status make(making *m, const lac_lump_def *def, lac_lump *lump, lac_e
     }
     lump->level = m->level;
     lump->blocks = lac_hierarchy_blocks(s->blocks, m->level);
-    if(getenv("SHOW")){extern void lac_dbg_rest(const void*);lac_dbg_rest(m);}
     lump->rest = rest_of(m);
     lump->gain = m->field.gain;
     lump->mismatch = mismatch_of(m);
@@ -456,4 +456,3 @@ void lac_lump_soften(lac_lump *lump, double softness)
         lump->classes->k[i] = lump->bond[i] / (inner ? softness : 1.0);
     }
 }
-void lac_dbg_rest(const void*v){const making*m=v;for(size_t k=0;k<LAC_LUMP_TESTS;k++)printf(" %.1e",m->rest[k]/ m->field.pressure / (double)m->field.n);printf("\n");}

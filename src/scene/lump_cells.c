@@ -89,7 +89,7 @@ static void walk(const lac_lump_source *s, lac_lump_cells *f, moving *m, size_t 
 {
     enum { EACH = 4 };
     static const double share[LAC_LUMP_HISTORIES] = {0.0, 1.5, -1.5};
-    const double first = 0.03, last = 6.0;
+    const double first = 0.03, last = 15.0;
     double slip = 0.0;
     double *kept = f->friction + (LAC_LUMP_STAGES + history * LAC_LUMP_EACH) * f->n;
     double *test = f->friction + (LAC_LUMP_KEPT + history * LAC_LUMP_EACH) * f->n;

@@ -13,7 +13,7 @@ enum {
     LAC_LUMP_STEADY,     // at both, with the states that are steady there
     LAC_LUMP_STAGES = LAC_LUMP_STEADY + 2,     // after so much slip, at several slip rates
     LAC_LUMP_HISTORIES = 3,
-    LAC_LUMP_EACH = 8,
+    LAC_LUMP_EACH = 12,
     LAC_LUMP_KEPT = LAC_LUMP_STAGES + LAC_LUMP_HISTORIES * LAC_LUMP_EACH,
     LAC_LUMP_TESTS = LAC_LUMP_HISTORIES * LAC_LUMP_EACH, // the same between those stages
     LAC_LUMP_ROWS = LAC_LUMP_KEPT + LAC_LUMP_TESTS,

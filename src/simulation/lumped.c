@@ -14,11 +14,11 @@ static double result_of(const lac_run_result *run)
 // What comes out where the cells of a block follow their traction `softness` times as far; NaN: it
 // ends otherwise than the run.
 static lac_status pilot(lac_lump *lump, const lac_run_def *def, const lac_run_result *run,
-                        double softness, double rtol, double *out, lac_error *err)
+                        double softness, double *out, lac_error *err)
 {
     lac_run_result result;
     lac_run_def own = *def;
-    own.rtol = rtol;
+    own.rtol = fmax(def->rtol, 1e-5);
     own.snapshots = false;
     own.points = NULL;
     own.resume = NULL;
@@ -35,21 +35,15 @@ static lac_status pilot(lac_lump *lump, const lac_run_def *def, const lac_run_re
 lac_status lac_lumped_judge(lac_lump *lump, const lac_run_def *def, const lac_run_result *run,
                             double *error, lac_error *err)
 {
-    const double stiff = 0.02, soft = 2.0; // softness
-    const double close = 0.1;              // to where the cells of a block slip by themselves
-    const double least = 1.5e-5, undriven = 0.15;
+    const double stiff = 0.25;                   // softness
+    const double least = 1.5e-5, undriven = 0.5; // mean slip answers to other things than failure
     const double value = result_of(run);
-    double rigid, loose = NAN;
-    LAC_TRY_RETURN(pilot(lump, def, run, stiff, fmax(def->rtol, 1e-5), &rigid, err));
-    const double first = (value - rigid) / (1.0 - stiff) / value;
-    const double off = run->failed ? lump->mismatch : fmax(lump->mismatch, undriven);
-    double sum = 2.0 * off * fabs(first) + 2.5 * lump->gain * first * first;
-    if (lump->weakness > close) {
-        LAC_TRY_RETURN(pilot(lump, def, run, soft, def->rtol, &loose, err));
-        const double second = ((loose - value) / value / (soft - 1.0) - first) / (soft - stiff);
-        sum += 3.0 * fabs(second);
-    }
-    sum += 1.3 * lump->gain * lump->rest;
+    const bool driven = run->failed || (run->end == LAC_END_STOP && !isnan(def->stop_rate));
+    const double off = driven ? lump->mismatch : fmax(lump->mismatch, undriven);
+    double rigid;
+    LAC_TRY_RETURN(pilot(lump, def, run, stiff, &rigid, err));
+    const double first = fabs(value - rigid) / (1.0 - stiff) / value;
+    const double sum = 2.0 * first * (off + lump->weakness) + 3.0 * lump->gain * lump->rest;
     *error = isfinite(sum) ? fmax(sum, least) : (double)INFINITY;
     return LAC_OK;
 }
