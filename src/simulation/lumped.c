@@ -36,14 +36,15 @@ lac_status lac_lumped_judge(lac_lump *lump, const lac_run_def *def, const lac_ru
                             double *error, lac_error *err)
 {
     const double stiff = 0.25;                   // softness
-    const double least = 1.5e-5, undriven = 0.5; // mean slip answers to other things than failure
+    const double least = 1.5e-5, undriven = 0.6; // mean slip answers to other things than failure
     const double value = result_of(run);
     const bool driven = run->failed || (run->end == LAC_END_STOP && !isnan(def->stop_rate));
     const double off = driven ? lump->mismatch : fmax(lump->mismatch, undriven);
+    const double weak = lump->weakness;
     double rigid;
     LAC_TRY_RETURN(pilot(lump, def, run, stiff, &rigid, err));
     const double first = fabs(value - rigid) / (1.0 - stiff) / value;
-    const double sum = 2.0 * first * (off + lump->weakness) + 3.0 * lump->gain * lump->rest;
+    const double sum = 2.0 * first * (off + weak + 1.3 * weak * weak) + 2.0 * lump->gain * lump->rest;
     *error = isfinite(sum) ? fmax(sum, least) : (double)INFINITY;
     return LAC_OK;
 }
