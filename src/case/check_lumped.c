@@ -5,11 +5,10 @@
 
 const lac_param lac_lump_rows[LAC_LUMP_ROWS] = {
     LAC_INTEGER("level", offsetof(lac_case, lump.level), NAN, 0, 31, LAC_OPTIONAL,
-                "blocks of 2^level cells a side are taken together; as coarse as the scene allows "
-                "if absent"),
-    LAC_INTEGER("nodes", offsetof(lac_case, lump.nodes), NAN, 1, 12, LAC_OPTIONAL,
-                "of a quadrature over one parameter that varies, over more as exact; what was "
-                "measured to be enough if absent"),
+                "blocks of 2^level cells a side are taken together; auto or absent: as coarse as "
+                "the scene allows"),
+    LAC_INTEGER("nodes", offsetof(lac_case, lump.nodes), NAN, 2, 1000, LAC_OPTIONAL,
+                "cells that stay of a block, at most; auto or absent: as many as the error needs"),
     LAC_REAL("error", "1", offsetof(lac_case, lump.error), 0.01, 2e-5, 0.5, 0,
              "relative error of the time of failure, or of the mean slip where nothing fails, that "
              "taking cells together may cause; beyond it the run ends without a result"),
@@ -36,18 +35,9 @@ static const struct {
      "gives each cell a state of its own, which fidelity lumped does not keep: take ode"},
     {"solver.accuracy",
      "picks settings for all cells, which fidelity lumped does not run: name solver.rtol"},
-    {"friction.spread",
-     "size goes with how cells are pressed, which fidelity lumped does not keep: take ode"},
+    {"time.stop_when.max_slip_rate",
+     "is of single cells, of which fidelity lumped keeps few: take mean_slip, or fidelity ode"},
 };
-
-static bool goes_by_size(const lac_heterogeneity_list *list)
-{
-    bool any = false;
-    for (size_t i = 0; i < list->count; i++) {
-        any = any || list->item[i].model.info == &lac_heterogeneity_size_kind.info;
-    }
-    return any;
-}
 
 // Which of these the case asks for.
 static void ask(const lac_case *c, bool asked[REFUSALS])
@@ -61,7 +51,7 @@ static void ask(const lac_case *c, bool asked[REFUSALS])
     asked[4] = c->analysis.count > 0;
     asked[5] = c->from.file != NULL;
     asked[6] = !isnan(c->accuracy);
-    asked[7] = goes_by_size(&c->friction_spread);
+    asked[7] = !isnan(c->run.stop_rate);
 }
 
 bool lac_case_admits_lumped(const lac_case *c)

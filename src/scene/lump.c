@@ -456,3 +456,13 @@ void lac_lump_soften(lac_lump *lump, double softness)
         lump->classes->k[i] = lump->bond[i] / (inner ? softness : 1.0);
     }
 }
+
+double lac_lump_bound(const lac_lump *lump, double value, double other, bool driven)
+{
+    const double least = 1.5e-5, undriven = 0.8; // slip answers to other things than failure
+    const double first = fabs(value - other) / (1.0 - LAC_LUMP_STIFF) / fabs(value);
+    const double off = driven ? lump->mismatch : fmax(lump->mismatch, undriven);
+    const double weak = lump->weakness;
+    const double sum = 2.0 * first * (off + weak + 1.3 * weak * weak) + 2.0 * lump->gain * lump->rest;
+    return isfinite(sum) ? fmax(sum, least) : (double)INFINITY;
+}

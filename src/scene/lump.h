@@ -38,3 +38,12 @@ void lac_lump_free(lac_lump *lump);
 /// Makes the cells of a block follow their traction `softness` times as far as they do: 1 as it is,
 /// near 0 as one. Its problem is another one then.
 void lac_lump_soften(lac_lump *lump, double softness);
+
+/// Softness at which a second run tells what slip apart within the blocks does in all.
+#define LAC_LUMP_STIFF 0.25
+
+/// How far off a result of the lump may be, relative: docs/theory/lumped.md eq. 3.
+/// @param other   the result at LAC_LUMP_STIFF
+/// @param driven  the joint fails, so that friction alone decides it
+/// @return INFINITY where it cannot be told
+double lac_lump_bound(const lac_lump *lump, double value, double other, bool driven);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What moves cells that are to be taken together: the friction of each along some histories of
 // slip, which the friction law itself tells. docs/theory/lumped.md.
+#include "base/vsum.h"
 #include "scene/lump_parts.h"
 
 // A state x of the steady one at the start leaves it at a rate that 1 - 1/x sets: there what is

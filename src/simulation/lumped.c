@@ -11,21 +11,25 @@ static double result_of(const lac_run_result *run)
                                       : run->mean_slip;
 }
 
-// What comes out where the cells of a block follow their traction `softness` times as far; NaN: it
-// ends otherwise than the run.
+// What comes out where the cells of a block follow their traction less far; NaN: it ends otherwise
+// than the run.
 static lac_status pilot(lac_lump *lump, const lac_run_def *def, const lac_run_result *run,
-                        double softness, double *out, lac_error *err)
+                        double *out, lac_error *err)
 {
-    lac_run_result result;
+    lac_status status = LAC_ENUMERIC;
+    lac_run_result result = {.failed = false};
     lac_run_def own = *def;
-    own.rtol = fmax(def->rtol, 1e-5);
     own.snapshots = false;
     own.points = NULL;
     own.resume = NULL;
     own.reached = NULL;
     own.checkpoint = (lac_cadence){.time = NAN, .per_decade = NAN};
-    lac_lump_soften(lump, softness);
-    const lac_status status = lac_run(lump->problem, &own, NULL, &result, err);
+    lac_lump_soften(lump, LAC_LUMP_STIFF);
+    for (double rtol = fmax(def->rtol, 1e-5); status == LAC_ENUMERIC && rtol > 0.0;) {
+        own.rtol = rtol;
+        status = lac_run(lump->problem, &own, NULL, &result, err);
+        rtol = rtol > def->rtol ? def->rtol : 0.0; // once more where the first was too rough
+    }
     lac_lump_soften(lump, 1.0);
     const bool alike = result.failed == run->failed && result.end == run->end;
     *out = status == LAC_OK && alike ? result_of(&result) : (double)NAN;
@@ -35,17 +39,10 @@ static lac_status pilot(lac_lump *lump, const lac_run_def *def, const lac_run_re
 lac_status lac_lumped_judge(lac_lump *lump, const lac_run_def *def, const lac_run_result *run,
                             double *error, lac_error *err)
 {
-    const double stiff = 0.25;                   // softness
-    const double least = 1.5e-5, undriven = 0.6; // mean slip answers to other things than failure
-    const double value = result_of(run);
     const bool driven = run->failed || (run->end == LAC_END_STOP && !isnan(def->stop_rate));
-    const double off = driven ? lump->mismatch : fmax(lump->mismatch, undriven);
-    const double weak = lump->weakness;
-    double rigid;
-    LAC_TRY_RETURN(pilot(lump, def, run, stiff, &rigid, err));
-    const double first = fabs(value - rigid) / (1.0 - stiff) / value;
-    const double sum = 2.0 * first * (off + weak + 1.3 * weak * weak) + 2.0 * lump->gain * lump->rest;
-    *error = isfinite(sum) ? fmax(sum, least) : (double)INFINITY;
+    double stiff;
+    LAC_TRY_RETURN(pilot(lump, def, run, &stiff, err));
+    *error = lac_lump_bound(lump, result_of(run), stiff, driven);
     return LAC_OK;
 }
 

@@ -226,16 +226,6 @@ static lac_status judge_lump(lac_simulation *s, const lac_run_def *def, lac_erro
     lac_run_result *run = &s->outcome.run;
     const double most = s->source.lump.error;
     double *error = &run->lump_error_estimated;
-    if (run->end != LAC_END_FAILURE) {
-        const char *ended = lac_end_name(run->end);
-        run->failed = false;
-        run->failure_origin = run->failure_local = NAN;
-        run->end = LAC_END_ERROR;
-        return lac_fail(err, LAC_ENUMERIC,
-                        "solver.fidelity lumped tells when a joint fails by its slip rate, not how "
-                        "far it slips: this run ended by %s; take fidelity ode",
-                        ended);
-    }
     LAC_TRY_RETURN(lac_lumped_judge(s->scene->lump, def, run, error, err));
     if (*error <= most) {
         return LAC_OK;
@@ -243,11 +233,16 @@ static lac_status judge_lump(lac_simulation *s, const lac_run_def *def, lac_erro
     run->failed = false;
     run->failure_origin = run->failure_local = NAN;
     run->end = LAC_END_ERROR;
-    return lac_fail(err, LAC_ENUMERIC,
-                    "solver.fidelity lumped may be off by %.2g, more than solver.lump.error %g: "
-                    "the cells of a block slip too far apart; a lower solver.lump.level opens "
-                    "blocks (here %zu), fidelity ode resolves all cells",
-                    *error, most, s->scene->lump->level);
+    const char *advice = "a lower solver.lump.level opens blocks, fidelity ode resolves all cells";
+    return isfinite(*error)
+               ? lac_fail(err, LAC_ENUMERIC,
+                          "solver.fidelity lumped may be off by %.2g, more than solver.lump.error "
+                          "%g: the cells of a block slip too far apart (level %zu); %s",
+                          *error, most, s->scene->lump->level, advice)
+               : lac_fail(err, LAC_ENUMERIC,
+                          "solver.fidelity lumped cannot tell how far off it is: the run ends "
+                          "otherwise where cells follow their traction less far (level %zu); %s",
+                          s->scene->lump->level, advice);
 }
 
 static lac_status integrate_lump(lac_simulation *s, const lac_run_def *def, const lac_sink *sink,
