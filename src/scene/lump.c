@@ -193,6 +193,20 @@ static void assign(making *m, size_t first, size_t end, size_t leaves)
     }
 }
 
+// The leaves that another lump has between two cells.
+static size_t take_like(making *m, size_t first, size_t end)
+{
+    const lac_lump *like = m->source->like;
+    size_t leaves = 0;
+    for (size_t i = 0; i < like->domain->n; i++) {
+        if (like->kept[i] >= first && like->kept[i] < end) {
+            m->kept[m->leaves + leaves] = like->kept[i];
+            m->weight[m->leaves + leaves++] = like->domain->weight[i] * like->domain->each;
+        }
+    }
+    return leaves;
+}
+
 static lac_status take_block(making *m, size_t number, lac_error *err)
 {
     const lac_lump_source *s = m->source;
@@ -207,9 +221,13 @@ static lac_status take_block(making *m, size_t number, lac_error *err)
                              .least = m->least,
                              .at = values_of,
                              .context = &t};
-    LAC_TRY_RETURN(lac_cubature_thin(&of, kept, m->weight + m->leaves, &leaves, err));
-    for (size_t i = 0; i < leaves; i++) {
-        kept[i] += (uint32_t)first;
+    if (s->like != NULL) {
+        leaves = take_like(m, first, end);
+    } else {
+        LAC_TRY_RETURN(lac_cubature_thin(&of, kept, m->weight + m->leaves, &leaves, err));
+        for (size_t i = 0; i < leaves; i++) {
+            kept[i] += (uint32_t)first;
+        }
     }
     assign(m, first, end, leaves);
     add_rest(m, first, end, leaves);
@@ -392,13 +410,14 @@ static lac_status make(making *m, const lac_lump_def *def, lac_lump *lump, lac_e
     if (def->level >= 0) {
         m->level = (size_t)def->level > levels ? levels : (size_t)def->level;
     }
+    m->level = s->like != NULL ? s->like->level : m->level;
     m->most = def->nodes >= 0 ? (size_t)def->nodes : SIZE_MAX;
     m->least = 0.03 * def->error / m->field.gain;
     m->leaf = lump->leaf = malloc(n * sizeof *lump->leaf);
     LAC_FAIL_MEMORY_IF(lump->leaf == NULL, err);
     LAC_TRY_RETURN(try_level(m, err));
     // Smaller blocks, whose quadratures err apart; where nothing is gained any more, all cells.
-    while (def->level < 0 && m->level > 0 &&
+    while (def->level < 0 && s->like == NULL && m->level > 0 &&
            (2 * m->leaves > n || m->field.gain * rest_of(m) > 0.2 * def->error)) {
         m->level = 2 * m->leaves > n ? 0 : m->level - 1;
         LAC_TRY_RETURN(try_level(m, err));
@@ -411,7 +430,10 @@ static lac_status make(making *m, const lac_lump_def *def, lac_lump *lump, lac_e
     lump->weakness = weakness_of(m);
     LAC_TRY_RETURN(make_classes(m, lump, err));
     LAC_TRY_RETURN(make_domain(m, &lump->domain, err));
-    return make_problem(m, lump, err);
+    LAC_TRY_RETURN(make_problem(m, lump, err));
+    lump->kept = m->kept;
+    m->kept = NULL;
+    return LAC_OK;
 }
 
 lac_status lac_lump_create(const lac_lump_source *source, const lac_lump_def *def, lac_lump **out,
@@ -445,24 +467,7 @@ void lac_lump_free(lac_lump *lump)
         lac_domain_free(lump->domain);
         free(lump->bond);
         free(lump->leaf);
+        free(lump->kept);
         free(lump);
     }
-}
-
-void lac_lump_soften(lac_lump *lump, double softness)
-{
-    for (size_t i = 0; i < lump->classes->nodes; i++) {
-        const bool inner = i < lump->classes->leaves + lump->inner;
-        lump->classes->k[i] = lump->bond[i] / (inner ? softness : 1.0);
-    }
-}
-
-double lac_lump_bound(const lac_lump *lump, double value, double other, bool driven)
-{
-    const double least = 1.5e-5, undriven = 0.8; // slip answers to other things than failure
-    const double first = fabs(value - other) / (1.0 - LAC_LUMP_STIFF) / fabs(value);
-    const double off = driven ? lump->mismatch : fmax(lump->mismatch, undriven);
-    const double weak = lump->weakness;
-    const double sum = 2.0 * first * (off + weak + 1.3 * weak * weak) + 2.0 * lump->gain * lump->rest;
-    return isfinite(sum) ? fmax(sum, least) : (double)INFINITY;
 }

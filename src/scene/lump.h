@@ -2,6 +2,7 @@
 #pragma once
 
 #include "case/case.h"
+#include "run/points.h"
 
 /// Cells of blocks taken together: the scene's problem on few cells, each with a weight.
 typedef struct lac_lump {
@@ -11,6 +12,7 @@ typedef struct lac_lump {
     lac_classes *classes;
     lac_problem *problem;
     uint32_t *leaf; ///< [cells of the scene] which of them stands for each
+    uint32_t *kept; ///< [cells of the domain] which of the scene's they are
     double *bond;   ///< [nodes of the classes] their k as the scene has it
     size_t level;   ///< of the blocks
     size_t blocks;  ///< of that level
@@ -26,6 +28,7 @@ typedef struct lac_lump_source {
     lac_problem_def whole;       ///< the scene's, as its problem was made
     const lac_problem *problem;  ///< made of it
     const lac_hierarchy *blocks; ///< over its cells
+    const lac_lump *like;        ///< whose cells and weights are taken; NULL: what suits
 } lac_lump_source;
 
 /// Takes the cells of each block of a level together. docs/theory/lumped.md.
@@ -47,3 +50,6 @@ void lac_lump_soften(lac_lump *lump, double softness);
 /// @param driven  the joint fails, so that friction alone decides it
 /// @return INFINITY where it cannot be told
 double lac_lump_bound(const lac_lump *lump, double value, double other, bool driven);
+
+/// Makes points that were found among the cells those of the leaves that stand for them.
+void lac_lump_points(const lac_lump *lump, const lac_domain *cells, lac_points *points);

@@ -46,20 +46,6 @@ lac_status lac_lumped_judge(lac_lump *lump, const lac_run_def *def, const lac_ru
     return LAC_OK;
 }
 
-void lac_lumped_points(const lac_lump *lump, const lac_domain *cells, lac_points *points)
-{
-    for (size_t i = 0; i < points->n; i++) {
-        lac_point *p = &points->point[i];
-        double pressed = 0.0;
-        for (size_t k = 0; k < p->cells; k++) {
-            const size_t leaf = lump->leaf[p->cell[k]];
-            pressed += cells->pressure[p->cell[k]] / lump->domain->pressure[leaf];
-            p->cell[k] = leaf;
-        }
-        p->pressed = pressed / (double)p->cells;
-    }
-}
-
 enum { FIELDS = 9 };
 
 struct lac_lumped_sink {

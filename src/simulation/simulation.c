@@ -72,6 +72,12 @@ static lac_status pick_settings(lac_simulation *s, lac_error *err)
 
 static lac_status build(lac_simulation *s, lac_error *err)
 {
+    // Half of an error for all is for the pilot runs, half for taking cells together.
+    const bool halves = s->source.run.fidelity == LAC_FIDELITY_LUMPED && !isnan(s->source.accuracy);
+    if (halves) {
+        s->source.accuracy *= 0.5;
+        s->source.lump.error = fmin(s->source.lump.error, s->source.accuracy);
+    }
     LAC_TRY_RETURN(build_scene(s, err));
     s->outcome.scene = s->scene;
     LAC_TRY_RETURN(lac_fidelity_settle(s->scene, &s->source, &s->fidelity, err));
@@ -82,7 +88,7 @@ static lac_status build(lac_simulation *s, lac_error *err)
                                          s->source.point, &s->points, err));
         s->outcome.points = s->points;
         if (s->scene->lump != NULL) {
-            lac_lumped_points(s->scene->lump, s->scene->contact.domain, s->points);
+            lac_lump_points(s->scene->lump, s->scene->contact.domain, s->points);
         }
     }
     prepared(s, LAC_STAGE_SCENE);
@@ -91,6 +97,7 @@ static lac_status build(lac_simulation *s, lac_error *err)
         LAC_TRY_RETURN(lac_indicators_prepare(s->scene, &s->critical, err));
         LAC_TRY_RETURN(pick_settings(s, err));
     }
+    s->accuracy.asked *= halves ? 2.0 : 1.0;
     prepared(s, LAC_STAGE_ACCURACY);
     LAC_TRY_RETURN(picks ? LAC_OK : lac_indicators_prepare(s->scene, &s->critical, err));
     s->analysis = s->take.whole ? s->take.analysis : NULL;
