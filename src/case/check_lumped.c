@@ -7,7 +7,7 @@ const lac_param lac_lump_rows[LAC_LUMP_ROWS] = {
     LAC_INTEGER("level", offsetof(lac_case, lump.level), NAN, 0, 31, LAC_OPTIONAL | LAC_OPEN,
                 "blocks of 2^level cells a side are taken together; auto or absent: as coarse as "
                 "the scene allows"),
-    LAC_INTEGER("nodes", offsetof(lac_case, lump.nodes), NAN, 2, 1000, LAC_OPTIONAL | LAC_OPEN,
+    LAC_INTEGER("nodes", offsetof(lac_case, lump.nodes), NAN, 2, 40, LAC_OPTIONAL | LAC_OPEN,
                 "cells that stay of a block, at most; auto or absent: as many as the error needs"),
     LAC_REAL("error", "1", offsetof(lac_case, lump.error), 0.01, 2e-5, 0.5, 0,
              "relative error of the time of failure, or of the mean slip where nothing fails, that "

@@ -10,7 +10,7 @@ typedef struct making {
     const lac_lump_source *source;
     lac_lump_cells field;
     size_t level;
-    size_t most;    // leaves of a block
+    size_t most;    // leaves of a block, at most
     double least;   // of what a sum is worth keeping
     size_t leaves;  // so far
     uint32_t *kept; // [n] cells that stay
@@ -29,31 +29,36 @@ typedef struct taking {
     size_t first;
 } taking;
 
-enum { COUNTED = 4 }; // sums of the cells themselves, before those of what friction holds
+// Sums of the cells themselves and of what moves them apart, before those of what friction holds.
+enum {
+    COUNTED = 4,
+    BEFORE = COUNTED + LAC_LUMP_PATTERNS - 1,
+    FUNCTIONS = BEFORE + LAC_LUMP_KEPT + 1 // the last where loads have a shape
+};
 
-// Sums that the leaves of a block keep: cells, pressure and its square, slip rate at the start, the
-// shape of a load; and friction along some histories.
+// What the leaves of a block keep the sums of: cells, pressure and its square, slip rate at the
+// start, the shape of a load; and friction along some histories. Where a case says how many leaves,
+// the first of those with the cells and their pressure.
 static void values_of(const void *context, size_t point, double *value)
 {
     const taking *t = context;
     const making *m = t->of;
+    const lac_lump_cells *f = &m->field;
     const lac_problem_def *whole = &m->source->whole;
     const size_t i = t->first + point;
-    const double p = whole->domain->pressure[i] / m->field.pressure;
-    const double counted[COUNTED] = {1.0, p, p * p, exp(whole->log_rate[i]) / m->field.mean_rate};
-    memcpy(value, counted, sizeof counted);
-    value += COUNTED;
-    double *apart = value; value += LAC_LUMP_PATTERNS - 1;
-    if (whole->loads.shape != NULL) {
-        *value++ = whole->loads.shape[i];
+    const double p = whole->domain->pressure[i] / f->pressure;
+    double all[FUNCTIONS] = {1.0, p, p * p, exp(whole->log_rate[i]) / f->mean_rate};
+    for (size_t a = 1; a < LAC_LUMP_PATTERNS; a++) {
+        all[COUNTED + a - 1] = p * (p * f->pattern[i] - f->answer) * f->pattern[a * f->n + i];
     }
     for (size_t k = 0; k < LAC_LUMP_KEPT; k++) {
-        value[k] = p * m->field.friction[k * m->field.n + i];
-        if (k == LAC_LUMP_STEADY + 1) { // before more of the same: by what cells come apart
-            for (size_t a = 1; a < LAC_LUMP_PATTERNS; a++) {
-                *apart++ = p * (p * m->field.pattern[i] - m->field.answer) * m->field.pattern[a * m->field.n + i];
-            }
-        }
+        all[BEFORE + k] = p * f->friction[k * f->n + i];
+    }
+    all[FUNCTIONS - 1] = whole->loads.shape != NULL ? whole->loads.shape[i] : 0.0;
+    const size_t first = m->most < FUNCTIONS - 1 ? 2 : m->most;
+    memcpy(value, all, first * sizeof *value);
+    for (size_t k = first; k < m->most; k++) {
+        value[k] = all[BEFORE + k - first];
     }
 }
 
@@ -114,15 +119,12 @@ static lac_lump_pairs leaves_of(const making *m, size_t leaves)
 
 // By how far the cells of a block would slip apart under each pattern, and what that does to all of
 // each, the stiffness that does the same to its leaves.
-static lac_status bond_of(making *m, size_t first, size_t end, size_t leaves, double *bond,
-                          lac_error *err)
+static double bond_of(making *m, size_t first, size_t end, size_t leaves)
 {
     const lac_lump_source *s = m->source;
-    const double nothing = pow(1e-9 * m->field.pressure, 2.0); // rounding of what cells are alike in
-    lac_lump_pairs *of = calloc(m->level + 1, sizeof *of);
-    lac_lump_pairs soft = {0};
+    const double nothing = pow(1e-9 * m->field.pressure, 2.0); // rounding of what is alike
+    lac_lump_pairs of[LAC_LUMP_LEVELS] = {0}, soft = {0};
     double softer = 0.0;
-    LAC_FAIL_MEMORY_IF(of == NULL, err);
     lac_lump_add_levels(s, &m->field, m->level, first, end, of);
     for (size_t l = 0; l < m->level; l++) {
         const double k = lac_lump_stiffness(s, l), trace = lac_lump_trace(&of[l]);
@@ -131,17 +133,17 @@ static lac_status bond_of(making *m, size_t first, size_t end, size_t leaves, do
             softer += trace / k / k;
         }
     }
-    free(of);
     const lac_lump_pairs few = leaves_of(m, leaves);
-    *bond = lac_lump_stiffness(s, 0);
-    if (lac_lump_trace(&soft) > 0.0 && lac_lump_trace(&few) > 0.0) {
-        *bond = lac_lump_trace(&few) / lac_lump_trace(&soft);
-        lac_lump_add_pairs(&few, 1.0 / *bond, &m->few);
-        lac_lump_add_pairs(&soft, 1.0, &m->soft);
-        m->softer += softer;
-        m->fewer += lac_lump_trace(&few) / *bond / *bond;
+    const double all = lac_lump_trace(&soft), kept = lac_lump_trace(&few);
+    if (!(all > 0.0 && kept > 0.0)) {
+        return lac_lump_stiffness(s, 0);
     }
-    return LAC_OK;
+    const double bond = kept / all;
+    lac_lump_add_pairs(&few, 1.0 / bond, &m->few);
+    lac_lump_add_pairs(&soft, 1.0, &m->soft);
+    m->softer += softer;
+    m->fewer += all / bond;
+    return bond;
 }
 
 // By how much one stiffness for all patterns is off: of what each does to friction.
@@ -176,19 +178,16 @@ static double weakness_of(const making *m)
 // Which of the leaves of a block each of its cells is most like.
 static void assign(making *m, size_t first, size_t end, size_t leaves)
 {
-    const double *friction = m->field.friction;
     for (size_t i = first; i < end; i++) {
         double nearest = INFINITY;
         for (size_t c = m->leaves; c < m->leaves + leaves; c++) {
+            const double *row = m->field.friction;
             double apart = 0.0;
-            for (size_t k = 0; k < LAC_LUMP_KEPT; k++) {
-                const double *row = friction + k * m->field.n;
+            for (size_t k = 0; k < LAC_LUMP_KEPT && apart < nearest; k++, row += m->field.n) {
                 apart += (row[i] - row[m->kept[c]]) * (row[i] - row[m->kept[c]]);
             }
-            if (apart < nearest) {
-                nearest = apart;
-                m->leaf[i] = (uint32_t)c;
-            }
+            m->leaf[i] = apart < nearest ? (uint32_t)c : m->leaf[i];
+            nearest = fmin(nearest, apart);
         }
     }
 }
@@ -212,12 +211,11 @@ static lac_status take_block(making *m, size_t number, lac_error *err)
     const lac_lump_source *s = m->source;
     const uint32_t *begin = lac_hierarchy_offsets(s->blocks, m->level);
     const size_t first = begin[number], end = begin[number + 1];
-    const size_t functions = COUNTED + LAC_LUMP_KEPT + LAC_LUMP_PATTERNS - 1 + (s->whole.loads.shape != NULL ? 1 : 0);
     uint32_t *kept = m->kept + m->leaves;
     size_t leaves;
     const taking t = {m, first};
     const lac_cubature of = {.points = end - first,
-                             .functions = functions < m->most ? functions : m->most,
+                             .functions = m->most,
                              .least = m->least,
                              .at = values_of,
                              .context = &t};
@@ -232,74 +230,60 @@ static lac_status take_block(making *m, size_t number, lac_error *err)
     assign(m, first, end, leaves);
     add_rest(m, first, end, leaves);
     m->begin[number] = (uint32_t)m->leaves;
-    m->bond[number] = 0.0;
-    if (leaves > 1) {
-        LAC_TRY_RETURN(bond_of(m, first, end, leaves, &m->bond[number], err));
-    }
+    m->bond[number] = leaves > 1 ? bond_of(m, first, end, leaves) : 0.0;
     m->leaves += leaves;
     m->begin[number + 1] = (uint32_t)m->leaves;
     return LAC_OK;
 }
 
-// Ties the blocks of the level, whose nodes are in `node`, over the levels above.
-static void tie_levels(const making *m, uint32_t *node, lac_classes *classes, uint32_t next)
+// Ties nodes to a new one, if there are several. @return the node that stands for them
+static uint32_t tie(lac_classes *classes, const uint32_t *node, size_t count, double k)
 {
-    const lac_hierarchy *h = m->source->blocks;
-    for (size_t l = m->level; l < lac_hierarchy_levels(h); l++) {
-        const size_t count = lac_hierarchy_blocks(h, l);
-        if (lac_hierarchy_blocks(h, l + 1) == count) {
-            continue;
-        }
-        const uint32_t *parent = lac_hierarchy_parents(h, l);
-        for (size_t c = 0, end; c < count; c = end) {
-            for (end = c + 1; end < count && parent[end] == parent[c]; end++) {
-            }
-            const uint32_t b = parent[c];
-            if (end - c == 1) {
-                node[b] = node[c];
-                continue;
-            }
-            for (size_t i = c; i < end; i++) {
-                classes->parent[node[i]] = next;
-                classes->weight[next] += classes->weight[node[i]];
-            }
-            classes->k[next] = lac_lump_stiffness(m->source, l);
-            node[b] = next++;
-        }
+    if (count == 1) {
+        return node[0];
     }
-    classes->nodes = next;
-    classes->parent[next - 1] = next - 1;
+    const uint32_t block = (uint32_t)classes->nodes++;
+    for (size_t i = 0; i < count; i++) {
+        classes->parent[node[i]] = block;
+        classes->weight[block] += classes->weight[node[i]];
+    }
+    classes->k[block] = k;
+    return block;
 }
 
+// The leaves in their blocks, and these over the levels above.
 static lac_status make_classes(const making *m, lac_lump *lump, lac_error *err)
 {
-    const size_t blocks = lac_hierarchy_blocks(m->source->blocks, m->level);
-    uint32_t *node = calloc(blocks, sizeof *node);
+    const lac_hierarchy *h = m->source->blocks;
+    const size_t blocks = lac_hierarchy_blocks(h, m->level), most = m->leaves + 3 * blocks;
+    uint32_t *node = malloc((m->leaves + blocks) * sizeof *node), *block = node + m->leaves;
     LAC_FAIL_MEMORY_IF(node == NULL, err);
-    lac_status status = lac_classes_create(m->leaves, m->leaves + 3 * blocks, &lump->classes, err);
+    lac_status status = lac_classes_create(m->leaves, most, &lump->classes, err);
+    lump->bond = malloc(most * sizeof *lump->bond);
+    LAC_TRY(status);
+    LAC_TRY(lump->bond != NULL ? LAC_OK : lac_fail_memory(err));
     lac_classes *classes = lump->classes;
-    uint32_t next = (uint32_t)m->leaves;
-    for (size_t b = 0; status == LAC_OK && b < blocks; b++) {
-        const uint32_t first = m->begin[b], end = m->begin[b + 1];
-        node[b] = end - first == 1 ? first : next++;
-        for (uint32_t i = first; i < end; i++) {
-            classes->weight[i] = m->weight[i];
-            classes->parent[i] = node[b];
-            classes->weight[node[b]] += node[b] != i ? m->weight[i] : 0.0;
+    classes->nodes = m->leaves;
+    memcpy(classes->weight, m->weight, m->leaves * sizeof *m->weight);
+    for (uint32_t i = 0; i < m->leaves; i++) {
+        node[i] = i;
+    }
+    for (size_t b = 0; b < blocks; b++) {
+        block[b] = tie(classes, node + m->begin[b], m->begin[b + 1] - m->begin[b], m->bond[b]);
+    }
+    lump->inner = classes->nodes - m->leaves;
+    for (size_t l = m->level; l < lac_hierarchy_levels(h); l++) {
+        const uint32_t *parent = lac_hierarchy_parents(h, l);
+        const double k = lac_lump_stiffness(m->source, l);
+        for (size_t c = 0, end, count = lac_hierarchy_blocks(h, l); c < count; c = end) {
+            for (end = c + 1; end < count && parent[end] == parent[c]; end++) {
+            }
+            block[parent[c]] = tie(classes, block + c, end - c, k);
         }
-        if (node[b] >= m->leaves) {
-            classes->k[node[b]] = m->bond[b];
-        }
     }
-    lump->inner = next - m->leaves;
-    if (status == LAC_OK) {
-        tie_levels(m, node, classes, next);
-        lump->bond = malloc(classes->nodes * sizeof *lump->bond);
-        status = lump->bond != NULL ? LAC_OK : lac_fail_memory(err);
-    }
-    if (status == LAC_OK) {
-        memcpy(lump->bond, classes->k, classes->nodes * sizeof *lump->bond);
-    }
+    classes->parent[classes->nodes - 1] = (uint32_t)classes->nodes - 1;
+    memcpy(lump->bond, classes->k, classes->nodes * sizeof *lump->bond);
+out:
     free(node);
     return status;
 }
@@ -406,12 +390,12 @@ static lac_status make(making *m, const lac_lump_def *def, lac_lump *lump, lac_e
     const lac_lump_source *s = m->source;
     const size_t n = s->whole.domain->n, levels = lac_hierarchy_levels(s->blocks);
     LAC_TRY_RETURN(lac_lump_look(s, &m->field, err));
-    LAC_TRY_RETURN(lac_lump_choose_level(s, &m->field, def->error, &m->level, err));
-    if (def->level >= 0) {
-        m->level = (size_t)def->level > levels ? levels : (size_t)def->level;
-    }
-    m->level = s->like != NULL ? s->like->level : m->level;
-    m->most = def->nodes >= 0 ? (size_t)def->nodes : SIZE_MAX;
+    m->level = s->like != NULL   ? s->like->level
+               : def->level >= 0 ? ((size_t)def->level < levels ? (size_t)def->level : levels)
+                                 : lac_lump_choose_level(s, &m->field, def->error);
+    m->most = def->nodes >= 0 ? (size_t)def->nodes
+              : s->whole.loads.shape != NULL ? FUNCTIONS
+                                             : FUNCTIONS - 1;
     m->least = 0.03 * def->error / m->field.gain;
     m->leaf = lump->leaf = malloc(n * sizeof *lump->leaf);
     LAC_FAIL_MEMORY_IF(lump->leaf == NULL, err);

@@ -106,24 +106,19 @@ double lac_lump_stiffness(const lac_lump_source *s, size_t level)
     return transfer->kind->stiffness(transfer->state, level);
 }
 
-lac_status lac_lump_choose_level(const lac_lump_source *s, lac_lump_cells *f, double error,
-                                 size_t *level, lac_error *err)
+size_t lac_lump_choose_level(const lac_lump_source *s, lac_lump_cells *f, double error)
 {
     const size_t levels = lac_hierarchy_levels(s->blocks);
-    lac_lump_pairs *of = calloc(levels + 1, sizeof *of);
-    LAC_FAIL_MEMORY_IF(of == NULL, err);
+    lac_lump_pairs of[LAC_LUMP_LEVELS] = {0};
+    double apart[LAC_LUMP_LEVELS]; // squares of slip over dc by which each level may come apart
     lac_lump_add_levels(s, f, levels, 0, f->n, of);
-    double finest = 0.0;
-    *level = levels;
-    for (size_t l = levels; l-- > 0;) {
-        const double apart = f->direct * f->per_dc / lac_lump_stiffness(s, l);
-        const double square = lac_lump_trace(&of[l]);
-        f->apart_by[l] = square > 0.0 ? square * apart * apart / (double)f->n : 0.0;
+    for (size_t l = 0; l < levels; l++) {
+        const double by = f->direct * f->per_dc / lac_lump_stiffness(s, l);
+        apart[l] = lac_lump_trace(&of[l]) * by * by / (double)f->n;
     }
-    finest = f->apart_by[0];
+    size_t level = levels;
     for (size_t l = levels; l-- > 1;) {
-        *level = f->apart_by[l] > fmax(0.1 * error, 2.0 * finest) ? l : *level;
+        level = apart[l] > fmax(0.1 * error, 2.0 * apart[0]) ? l : level;
     }
-    free(of);
-    return LAC_OK;
+    return level;
 }

@@ -17,6 +17,7 @@ enum {
     LAC_LUMP_KEPT = LAC_LUMP_STAGES + LAC_LUMP_HISTORIES * LAC_LUMP_EACH,
     LAC_LUMP_TESTS = LAC_LUMP_HISTORIES * LAC_LUMP_EACH, // the same between those stages
     LAC_LUMP_ROWS = LAC_LUMP_KEPT + LAC_LUMP_TESTS,
+    LAC_LUMP_LEVELS = 64,
     LAC_LUMP_PATTERNS = 6 // LAC_LUMP_ANSWER, and what friction may leave cells apart by
 };
 
@@ -33,7 +34,6 @@ typedef struct lac_lump_cells {
     double mean_rate;    // mean slip rate at the start [m/s]
     double rate;         // once all cells go as one [m/s]
     double gain;         // of lac_lump
-    double apart_by[64]; // squares of slip over dc by which each level may come apart
     double *memory;
 } lac_lump_cells;
 
@@ -60,5 +60,4 @@ double lac_lump_stiffness(const lac_lump_source *s, size_t level);
 
 // The level whose blocks are taken together: above it slip over dc by which blocks would come apart
 // is small, or no larger than that of single cells.
-lac_status lac_lump_choose_level(const lac_lump_source *s, lac_lump_cells *f, double error,
-                                 size_t *level, lac_error *err);
+size_t lac_lump_choose_level(const lac_lump_source *s, lac_lump_cells *f, double error);

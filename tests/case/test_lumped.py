@@ -122,10 +122,29 @@ class Lumped(unittest.TestCase):
                 ((lumped, "interface.slip=vector"), "along x only"),
                 ((lumped, "inertia={mass_per_area: 5e5 kg/m2}"), "knows no inertia"),
                 ((lumped, "solver.lump.error=0.7"), "0.5"),
-                ((lumped, "solver.lump.nodes=0"), "1")):
+                ((lumped, "solver.lump.nodes=1"), "2"),
+                ((lumped, "time.stop_when.max_slip_rate=1 mm/s"), "keeps few")):
             refused = self.run_case(*sets)
             self.assertEqual(refused.returncode, 2, f"{sets}: {refused.stderr}")
             self.assertIn(words, refused.stderr)
+
+    def test_other_ends(self):
+        """Means over cells are right where starting rates differ, and pilot runs may be of few cells."""
+        spread = "initial.spread={slip_rate: {lognormal: {sigma: 0.8, seed: 5}}}"
+        for end in ("time.stop_when.mean_slip=2 mm", "time.end=1 hour"):
+            few = json.loads(self.run_case("solver.fidelity=lumped", spread, end).stdout)
+            whole = json.loads(self.run_case("solver.fidelity=ode", spread, end).stdout)
+            key = "time_s" if "stop" in end else "mean_slip_m"
+            self.assertLess(abs(few[key] / whole[key] - 1), few["lump_error_estimated"] + 2e-5, end)
+        found = json.loads(self.run_case("solver.fidelity=lumped", "solver.accuracy=0.01", "solver.lump.level=auto").stdout)
+        self.assertEqual(found["lump"]["error_asked"], 0.005)
+        self.assertEqual(found["accuracy"]["asked"], 0.01)
+
+    def test_no_lumped_reference(self):
+        for more in (("fidelity=ode:lumped",), ("rtol", "--set", "solver.fidelity=lumped")):
+            refused = self.lacuna("trade", "case.yaml", "--dials", *more, "-o", "t.nc")
+            self.assertEqual(refused.returncode, 2, refused.stderr)
+            self.assertIn("cannot be lumped", refused.stderr)
 
     def test_no_branch_from_it(self):
         self.assertEqual(self.run_case("solver.fidelity=lumped").returncode, 0)
