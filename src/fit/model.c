@@ -126,8 +126,9 @@ static lac_status judge(lac_fit_model *model, const lac_sensitivity_def *as,
     const double most = model->fit->source->lump.error;
     double off = INFINITY;
     if (status == LAC_OK && seen->failed == other.failed) {
-        off = seen->failed ? lac_lump_bound(lump, seen->failure_time, other.failure_time, true)
-                           : lac_lump_bound(lump, seen->slip[last - 1], other.slip[last - 1], false);
+        off = seen->failed
+                  ? lac_lump_bound(lump, seen->failure_time, other.failure_time, true)
+                  : lac_lump_bound(lump, seen->slip[last - 1], other.slip[last - 1], false);
     }
     free(other.slip);
     model->beyond += off <= most ? 0 : 1;
@@ -249,7 +250,8 @@ static lac_status nudge_all(lac_fit_model *model, const double *u, double end,
                                .high = lac_scene_problem(model->nudged[2 * k + 1].scene),
                                .step = step};
         const bool other_cells = lump != NULL && model->fit->moves_all;
-        by[k] = !other_cells && comparable(model, perturbation, end) ? LAC_BY_SENSITIVITY : LAC_BY_RUNS;
+        by[k] =
+            !other_cells && comparable(model, perturbation, end) ? LAC_BY_SENSITIVITY : LAC_BY_RUNS;
         perturbation += by[k] == LAC_BY_SENSITIVITY ? 1 : 0;
     }
     return LAC_OK;

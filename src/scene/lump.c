@@ -10,11 +10,11 @@ typedef struct making {
     const lac_lump_source *source;
     lac_lump_cells field;
     size_t level;
-    size_t most;    // leaves of a block, at most
-    double least;   // of what a sum is worth keeping
-    size_t leaves;  // so far
-    uint32_t *kept; // [n] cells that stay
-    double *weight; // [n] cells that each stands for
+    size_t most;     // leaves of a block, at most
+    double least;    // of what a sum is worth keeping
+    size_t leaves;   // so far
+    uint32_t *kept;  // [n] cells that stay
+    double *weight;  // [n] cells that each stands for
     uint32_t *begin; // [blocks + 1] the first leaf of each block
     double *bond;    // [blocks] what holds its leaves against each other
     uint32_t *leaf;  // [n] which leaf stands for a cell
@@ -149,7 +149,7 @@ static double bond_of(making *m, size_t first, size_t end, size_t leaves)
 // By how much one stiffness for all patterns is off: of what each does to friction.
 static double mismatch_of(const making *m)
 {
-    const double (*soft)[LAC_LUMP_PATTERNS] = m->soft.of, (*few)[LAC_LUMP_PATTERNS] = m->few.of;
+    const double(*soft)[LAC_LUMP_PATTERNS] = m->soft.of, (*few)[LAC_LUMP_PATTERNS] = m->few.of;
     double off = 0.0;
     for (size_t a = 0; a < LAC_LUMP_PATTERNS; a++) {
         for (size_t b = LAC_LUMP_ANSWER + 1; b < LAC_LUMP_PATTERNS; b++) {
@@ -393,7 +393,7 @@ static lac_status make(making *m, const lac_lump_def *def, lac_lump *lump, lac_e
     m->level = s->like != NULL   ? s->like->level
                : def->level >= 0 ? ((size_t)def->level < levels ? (size_t)def->level : levels)
                                  : lac_lump_choose_level(s, &m->field, def->error);
-    m->most = def->nodes >= 0 ? (size_t)def->nodes
+    m->most = def->nodes >= 0                ? (size_t)def->nodes
               : s->whole.loads.shape != NULL ? FUNCTIONS
                                              : FUNCTIONS - 1;
     m->least = 0.03 * def->error / m->field.gain;

@@ -11,12 +11,12 @@ typedef struct lac_lump {
     lac_load_set loads; ///< borrowed but for the shape
     lac_classes *classes;
     lac_problem *problem;
-    uint32_t *leaf; ///< [cells of the scene] which of them stands for each
-    uint32_t *kept; ///< [cells of the domain] which of the scene's they are
-    double *bond;   ///< [nodes of the classes] their k as the scene has it
-    size_t level;   ///< of the blocks
-    size_t blocks;  ///< of that level
-    double rest;    ///< error of the quadrature: of the logarithm of the slip rate [1]
+    uint32_t *leaf;  ///< [cells of the scene] which of them stands for each
+    uint32_t *kept;  ///< [cells of the domain] which of the scene's they are
+    double *bond;    ///< [nodes of the classes] their k as the scene has it
+    size_t level;    ///< of the blocks
+    size_t blocks;   ///< of that level
+    double rest;     ///< error of the quadrature: of the logarithm of the slip rate [1]
     double weakness; ///< p b/dc over what holds the cells of a block against each other [1]
     double mismatch; ///< of the slip apart that its leaves have, relative [1]
     double gain;  ///< by which the time of failure is more off than that, near a steady state [1]

@@ -100,7 +100,9 @@ static void walk(const lac_lump_source *s, lac_lump_cells *f, moving *m, size_t 
     balance(s, f, m);
     for (size_t k = 0; k < EACH * LAC_LUMP_EACH; k++) {
         const double to = first * pow(last / first, (double)k / (EACH * LAC_LUMP_EACH - 1));
-        double *row = k % EACH == 3 ? kept + k / EACH * f->n : k % EACH == 1 ? test + k / EACH * f->n : NULL;
+        double *row = k % EACH == 3   ? kept + k / EACH * f->n
+                      : k % EACH == 1 ? test + k / EACH * f->n
+                                      : NULL;
         const double off = m->share - move(s, f, m, (to - slip) / f->per_dc / m->rate, row);
         m->rate *= exp(fmax(-2.0, fmin(off, 2.0)));
         slip = to;
@@ -158,7 +160,8 @@ static void fill_patterns(const lac_lump_source *s, lac_lump_cells *f)
         for (size_t i = 0; i < n; i++) {
             f->pattern[a * n + i] = of[a] != NULL ? of[a][i] - load[i] : water * load[i];
         }
-        const double mean = lac_vdot(n, f->pattern + a * n, s->whole.domain->pressure) / f->pressure / (double)n;
+        const double mean =
+            lac_vdot(n, f->pattern + a * n, s->whole.domain->pressure) / f->pressure / (double)n;
         for (size_t i = 0; i < n; i++) {
             f->pattern[a * n + i] -= mean;
         }

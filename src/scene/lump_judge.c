@@ -16,7 +16,8 @@ double lac_lump_bound(const lac_lump *lump, double value, double other, bool dri
     const double first = fabs(value - other) / (1.0 - LAC_LUMP_STIFF) / fabs(value);
     const double off = driven ? lump->mismatch : fmax(lump->mismatch, undriven);
     const double weak = lump->weakness;
-    const double sum = 2.0 * first * (off + weak + 1.3 * weak * weak) + 2.0 * lump->gain * lump->rest;
+    const double sum =
+        2.0 * first * (off + weak + 1.3 * weak * weak) + 2.0 * lump->gain * lump->rest;
     return isfinite(sum) ? fmax(sum, least) : (double)INFINITY;
 }
 

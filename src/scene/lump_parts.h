@@ -6,12 +6,12 @@
 // Rows of `friction`: what friction the cells have, in parts of the direct effect; all but those
 // behind LAC_LUMP_KEPT have sums that the leaves keep.
 enum {
-    LAC_LUMP_ANSWER = 0, // b/dc: how friction answers to slip
-    LAC_LUMP_LOAD,       // traction over pressure at the start
-    LAC_LUMP_START,      // at the joint's slip rate
-    LAC_LUMP_FAST,       // at a much faster one, states as at the start
-    LAC_LUMP_STEADY,     // at both, with the states that are steady there
-    LAC_LUMP_STAGES = LAC_LUMP_STEADY + 2,     // after so much slip, at several slip rates
+    LAC_LUMP_ANSWER = 0,                   // b/dc: how friction answers to slip
+    LAC_LUMP_LOAD,                         // traction over pressure at the start
+    LAC_LUMP_START,                        // at the joint's slip rate
+    LAC_LUMP_FAST,                         // at a much faster one, states as at the start
+    LAC_LUMP_STEADY,                       // at both, with the states that are steady there
+    LAC_LUMP_STAGES = LAC_LUMP_STEADY + 2, // after so much slip, at several slip rates
     LAC_LUMP_HISTORIES = 3,
     LAC_LUMP_EACH = 12,
     LAC_LUMP_KEPT = LAC_LUMP_STAGES + LAC_LUMP_HISTORIES * LAC_LUMP_EACH,
@@ -24,16 +24,16 @@ enum {
 // What moves the cells.
 typedef struct lac_lump_cells {
     size_t n;
-    double *friction;    // [LAC_LUMP_ROWS][n]
-    double *pattern;     // [LAC_LUMP_PATTERNS][n]
-    double *force;       // [LAC_LUMP_PATTERNS][n + 1] sums up to a cell of p times a pattern
-    double pressure;     // mean [Pa]
-    double direct;       // mean of a by pressure
-    double answer;       // mean of the answer by pressure
-    double per_dc;       // mean of 1/dc [1/m]
-    double mean_rate;    // mean slip rate at the start [m/s]
-    double rate;         // once all cells go as one [m/s]
-    double gain;         // of lac_lump
+    double *friction; // [LAC_LUMP_ROWS][n]
+    double *pattern;  // [LAC_LUMP_PATTERNS][n]
+    double *force;    // [LAC_LUMP_PATTERNS][n + 1] sums up to a cell of p times a pattern
+    double pressure;  // mean [Pa]
+    double direct;    // mean of a by pressure
+    double answer;    // mean of the answer by pressure
+    double per_dc;    // mean of 1/dc [1/m]
+    double mean_rate; // mean slip rate at the start [m/s]
+    double rate;      // once all cells go as one [m/s]
+    double gain;      // of lac_lump
     double *memory;
 } lac_lump_cells;
 

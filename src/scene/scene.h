@@ -185,7 +185,8 @@ lac_status lac_scene_renew(lac_scene *scene, lac_load_files *files, bool loads, 
 
 /// Takes the cells of a scene together, whatever its case says: its runs are of the lump then, and
 /// lac_lumped_judge tells their error.
-/// @param like  a lump whose cells and weights are taken, of a scene of as many cells; NULL: what suits
+/// @param like  a lump whose cells and weights are taken, of a scene of as many cells; NULL: what
+/// suits
 /// @return as lac_lump_create; without a lump unless LAC_OK
 lac_status lac_scene_lump(lac_scene *scene, const lac_lump *like, lac_error *err);
 

@@ -221,7 +221,8 @@ static void test_runs(void **state)
         size_t cells;
     } scenes[] = {
         {{"domain: {full: {}}", "", "aging", "", "1e12", ", lump: {level: 5}"}, 2e-5, 40},
-        {{"domain: {full: {}}", "", "aging", "", "1e12", ", lump: {nodes: 20, level: 5, error: 0.5}"},
+        {{"domain: {full: {}}", "", "aging", "", "1e12",
+          ", lump: {nodes: 20, level: 5, error: 0.5}"},
          2e-2,
          20},
         {{"domain: {full: {}}", "", "aging", "", "1e9", ""}, 3e-4, 100},
