@@ -256,8 +256,9 @@ static lac_status make_classes(const making *m, lac_lump *lump, lac_error *err)
 {
     const lac_hierarchy *h = m->source->blocks;
     const size_t blocks = lac_hierarchy_blocks(h, m->level), most = m->leaves + 3 * blocks;
-    uint32_t *node = malloc((m->leaves + blocks) * sizeof *node), *block = node + m->leaves;
+    uint32_t *node = calloc(m->leaves + blocks, sizeof *node);
     LAC_FAIL_MEMORY_IF(node == NULL, err);
+    uint32_t *block = node + m->leaves;
     lac_status status = lac_classes_create(m->leaves, most, &lump->classes, err);
     lump->bond = malloc(most * sizeof *lump->bond);
     LAC_TRY(status);
