@@ -140,6 +140,21 @@ class Lumped(unittest.TestCase):
         self.assertEqual(found["lump"]["error_asked"], 0.005)
         self.assertEqual(found["accuracy"]["asked"], 0.01)
 
+    def test_fit(self):
+        """A fit whose trials are lumped finds what readings of all cells were made with."""
+        self.run_case("solver.fidelity=ode")
+        with netCDF4.Dataset(os.path.join(self.folder, "out.nc")) as file:
+            times = np.linspace(0.1, 0.9, 20) * file["time"][-1]
+            slips = np.interp(times, file["time"][:], file["slip"][:]) + 1e-6 * np.cos(np.arange(20))
+        with open(os.path.join(self.folder, "s.csv"), "w", encoding="utf-8") as file:
+            file.write("t (s),s (m)\n" + "".join(f"{t:.3f},{s:.9f}\n" for t, s in zip(times, slips)))
+        self.write(SCENE + "fit: {parameters: {friction.aging.dc: {range: [0.5 mm, 2 mm]}}, time: t (s), displacement: s (m), errors: white, steps: 0}\n")
+        done = self.lacuna("fit", "case.yaml", "s.csv", "--json", "-o", "f.nc", "--set", "solver.fidelity=lumped")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        found = json.loads(done.stdout)
+        self.assertLess(abs(found["parameters"][0]["best"] / 1e-3 - 1), 2e-3)
+        self.assertGreaterEqual(found["lump_refused"], 0)
+
     def test_no_lumped_reference(self):
         for more in (("fidelity=ode:lumped",), ("rtol", "--set", "solver.fidelity=lumped")):
             refused = self.lacuna("trade", "case.yaml", "--dials", *more, "-o", "t.nc")
