@@ -83,8 +83,8 @@ static lac_status run_and_keep(search *s, const lac_run_def *def, lac_error *err
     const lac_accuracy_def *how = s->def;
     const bool plans =
         def->checkpoint.steps > 0 || def->checkpoint.time > 0.0 || def->checkpoint.per_decade > 0.0;
-    if (plans || how->options->live) {
-        return lac_run(how->scene->problem, def, NULL, &take->run, err);
+    if (plans || how->options->live || how->scene->lump != NULL) {
+        return lac_run(lac_scene_problem(how->scene), def, NULL, &take->run, err);
     }
     LAC_TRY_RETURN(lac_indicators_create(how->scene, how->critical, &take->analysis, err));
     take->tape = (lac_tape){.values = lac_analysis_values(take->analysis),
@@ -94,7 +94,7 @@ static lac_status run_and_keep(search *s, const lac_run_def *def, lac_error *err
                             .most = most_kept};
     const lac_sink tape = lac_tape_sink(&take->tape);
     const lac_sink sink = take->analysis != NULL ? lac_analysis_sink(take->analysis, &tape) : tape;
-    LAC_TRY_RETURN(lac_run(how->scene->problem, def, &sink, &take->run, err));
+    LAC_TRY_RETURN(lac_run(lac_scene_problem(how->scene), def, &sink, &take->run, err));
     if (take->analysis != NULL) {
         LAC_TRY_RETURN(lac_analysis_finish(take->analysis, &take->run, err));
     }
@@ -120,7 +120,7 @@ static lac_status pilot(search *s, double rtol, double stiff, rung *out, lac_err
     lac_status status;
     if (stiff > 0.0) {
         def.snapshots = false;
-        status = lac_run(s->def->scene->problem, &def, NULL, &s->take->run, err);
+        status = lac_run(lac_scene_problem(s->def->scene), &def, NULL, &s->take->run, err);
     } else {
         status = run_and_keep(s, &def, err);
     }
