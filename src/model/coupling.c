@@ -60,8 +60,14 @@ double lac_problem_held(const lac_problem *problem, double back, const double *s
         return 0.0;
     }
     double total = 0.0;
-    for (size_t i = 0; i < problem->n; i++) {
-        total += lac_problem_weight(problem, i) * problem->anchor[i] * (slip[i] - back);
+    for (size_t first = 0; first < problem->n; first += LAC_FRICTION_BLOCK) {
+        double held[LAC_FRICTION_BLOCK];
+        const double *anchor = problem->anchor + first, *gone = slip + first;
+        const size_t length = lac_block_length(problem->n, first);
+        for (size_t i = 0; i < length; i++) {
+            held[i] = anchor[i] * (gone[i] - back);
+        }
+        total += lac_problem_sum_from(problem, first, length, held);
     }
     return total;
 }

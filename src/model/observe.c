@@ -155,13 +155,14 @@ static void measure_balance(const lac_look *at, const double *slip, double *trac
         const double *a = lac_cellwise_from(&problem->friction->column[LAC_A], first);
         const double most = lac_observe_worst(at, first, n, f0, a, traction + first);
         worst = most > worst || isnan(most) ? most : worst;
+        double holds[LAC_FRICTION_BLOCK];
         for (size_t i = 0; i < n; i++) {
             double p = lac_problem_effective(problem, &at->drive, first + i);
-            const double weight = lac_problem_weight(problem, first + i);
-            sum += weight * traction[first + i];
-            held += weight * (a[i] * p + problem->damping * fabs(at->motion.v[first + i]) +
-                              lac_problem_drag(problem, first + i) * fabs(at->motion.mean));
+            holds[i] = a[i] * p + problem->damping * fabs(at->motion.v[first + i]) +
+                       lac_problem_drag(problem, first + i) * fabs(at->motion.mean);
         }
+        sum += lac_problem_sum_from(problem, first, n, traction + first);
+        held += lac_problem_sum_from(problem, first, n, holds);
     }
     observation->balance_residual = worst;
     observation->rate_drift = held > 0.0 ? fabs(sum) / held : 0.0;

@@ -17,8 +17,8 @@ static const double massive_factor = 3; // on the last where a block has mass
 // where the grid is larger; of a static history what it adds to the memory, and the time of a step.
 static const struct {
     double bytes, kept_bytes, seconds, level_seconds, large_seconds, history_bytes, history_seconds;
-} costs[] = {[LAC_PERIODIC] = {55, 20, 2e-6, 1e-6, 0.35e-6, 190, 2.5e-6},
-             [LAC_FREE] = {75, 20, 4e-6, 3e-6, 1.4e-6, 460, 11e-6}};
+} costs[] = {[LAC_PERIODIC] = {45, 20, 2e-6, 1e-6, 0.35e-6, 190, 2.5e-6},
+             [LAC_FREE] = {60, 20, 4e-6, 3e-6, 1.4e-6, 460, 11e-6}};
 static const double one_by_one_cells = 4096;
 
 // Of a step of the elastic transfer, for each cell of the grid: where K is a filter, and where gaps
