@@ -65,8 +65,9 @@ void lac_check_lumped(lac_reader *reader, const lac_case *c)
 {
     const bool clean = lac_clean(reader, "interface") && lac_clean(reader, "transfer");
     bool asked[REFUSALS] = {false};
-    (void)lac_refuse(reader, !lac_case_lumps(c) && lac_present(reader, "solver.lump"),
-                     "solver.lump", "goes with fidelity lumped");
+    const lac_node *lump = lac_node_at(reader->root, "solver.lump");
+    (void)lac_refuse(reader, !lac_case_lumps(c) && lump != NULL && lump->count > 0, "solver.lump",
+                     "goes with fidelity lumped");
     if (clean && lac_case_lumps(c)) {
         ask(c, asked);
     }

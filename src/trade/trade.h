@@ -33,6 +33,7 @@ typedef struct lac_setting {
                             ///< setting does not choose between them
     const char *coarse;     ///< the label of a position that nothing is compared with, as nothing
                             ///< tells its error beforehand; NULL
+    const char *coarse_keys; ///< what a case may hold for that position alone
     /// Its positions on this case, the coarsest and cheapest first.
     /// @param of   what is traded
     /// @param out  [LAC_SETTING_VALUES]
