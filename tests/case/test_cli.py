@@ -912,6 +912,16 @@ class Describe(Case):
         done = self.expect(2, "describe", "voight")
         self.assertEqual(done.stderr, 'lacuna: describe: "voight" is a forecast: lacuna describe forecast voight\n')
 
+    def test_word(self):
+        text = self.expect(0, "describe", "water").stdout
+        self.assertIn("\n  pore_pressure rain\n      water that rain brings", text)
+        self.assertNotIn("\n  shear", text)
+        found = json.loads(self.expect(0, "describe", "Angle", "--json").stdout)["found"]
+        self.assertIn(("normal", "slope", "angle"), {(hit["kind"], hit["name"], hit["key"]) for hit in found})
+        self.assertNotIn("rectangle", str(found))  # words begin so, they do not merely hold it
+        self.expect(2, "describe", "no")           # in no text as two letters
+        self.expect(2, "describe", "water", "--pipe")
+
 
 def block_failure_time():
     """Constant load, aging law, no damping: f fixed, so v = v_i (theta_i/theta)^(b/a), and

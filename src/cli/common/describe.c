@@ -477,6 +477,9 @@ lac_status cli_describe(const cli_request *request, lac_error *err)
         return cli_describe_rock(request, err);
     }
     lac_status status = find(request, &s, err);
+    if (status == LAC_EINPUT && cli_describe_word(request)) {
+        return LAC_OK;
+    }
     if (status == LAC_OK && request->pipe != 0) {
         status = put_table(request, &s, err);
     } else if (status == LAC_OK && cli_given(request, CLI_OPT_JSON)) {

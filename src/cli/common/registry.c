@@ -96,9 +96,10 @@ const cli_command cli_commands[] = {
      "NAME.yaml, or case.yaml; of a joint unless --kind says otherwise. It runs as it stands, in "
      "seconds.\n",
      "lacuna new slope --kind slope", 0, 1, CLI_OPT_FORCE | CLI_OPT_KIND, cli_new},
-    {"describe", "[KIND [NAME]]", "models: parameters, units, ranges, references",
+    {"describe", "[KIND [NAME]|WORD]", "models: parameters, units, ranges, references",
      "KIND is a kind of model (friction, transfer ...), a section of a case (time ...), or levels: "
-     "the thresholds of precursors --levels as a file.\n",
+     "the thresholds of precursors --levels as a file. Any other WORD (water, angle, clay) lists "
+     "what has it.\n",
      "lacuna describe friction aging", 0, 2, CLI_OPT_PIPE, cli_describe},
     {"completion", "SHELL", "completion of commands and options for a shell",
      "SHELL is bash, zsh or fish. Prints what the shell reads; an installed lacuna brings it.\n",
