@@ -261,7 +261,7 @@ static void test_too_soft(void **state)
     lac_error err = {""};
     assert_int_equal(lac_simulation_create(c, NULL, &simulation, &err), LAC_OK);
     assert_int_equal(lac_simulation_run(simulation, NULL, &err), LAC_ENUMERIC);
-    assert_non_null(strstr(err.message, "solver.lump.error"));
+    assert_non_null(strstr(err.message, "solver.fidelity lumped"));
     const lac_outcome *of = lac_simulation_outcome(simulation);
     assert_string_equal(of->status, "failed");
     assert_true(!of->run.failed && isnan(of->run.failure_local));
