@@ -407,9 +407,9 @@ void lac_lump_free(lac_lump *lump)
     }
 }
 
-double lac_lump_error(const lac_lump *lump, lac_end end)
+double lac_lump_error(const lac_lump *lump, bool by_time)
 {
-    const bool by_time = end == LAC_END_TIME, all = lump->level == 0;
+    const bool all = lump->level == 0;
     return all || by_time == (lump->arrival == LAC_LUMP_AT_TIME) ? lump->error : (double)INFINITY;
 }
 

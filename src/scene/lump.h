@@ -36,9 +36,9 @@ lac_status lac_lump_create(const lac_lump_source *source, const lac_lump_def *de
                            lac_error *err);
 void lac_lump_free(lac_lump *lump);
 
-/// Error of a run of the lump that ended so, estimated, relative: of the time of failure or of a
-/// limit, else of the mean slip. INFINITY: cannot be told.
-double lac_lump_error(const lac_lump *lump, lac_end end);
+/// Error of a run of the lump, estimated, relative: of the time of failure or of a limit, or, where
+/// its time was over first, of the mean slip. INFINITY: cannot be told.
+double lac_lump_error(const lac_lump *lump, bool by_time);
 
 /// Makes points that were found among the cells those of the leaves that stand for them.
 void lac_lump_points(const lac_lump *lump, const lac_domain *cells, lac_points *points);

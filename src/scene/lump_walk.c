@@ -4,7 +4,8 @@
 // cells together changes. docs/theory/lumped.md.
 #include "scene/lump_walk.h"
 
-#include <string.h>
+#include "lacuna/simulation.h"
+#include "run/run.h"
 
 enum { MOST_STAGES = 1000 }; // more are of cells that slip one by one
 

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include "lacuna/simulation.h"
-#include "run/run.h"
+#include "model/problem.h"
+
+typedef struct lac_run_def lac_run_def; // of run/run.h
 
 /// One step of a way.
 typedef struct lac_lump_stage {

@@ -233,7 +233,7 @@ static lac_status judge_lump(lac_simulation *s, lac_error *err)
     lac_run_result *run = &s->outcome.run;
     const double most = s->source.lump.error;
     double *error = &run->lump_error_estimated;
-    *error = lac_lump_error(s->scene->lump, run->end);
+    *error = lac_lump_error(s->scene->lump, run->end == LAC_END_TIME);
     if (*error <= most) {
         return LAC_OK;
     }
