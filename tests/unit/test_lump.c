@@ -211,7 +211,8 @@ static double failure_of(const lac_case *c, bool lumped, double *error, size_t *
     return time;
 }
 
-// Scenes of several laws and loads: the error is within what the run says, and few cells do.
+// Scenes of several laws and loads: the error is within what the run says and not far below it, and
+// few cells do.
 static void test_runs(void **state)
 {
     (void)state;
@@ -242,7 +243,8 @@ static void test_runs(void **state)
         const double few = failure_of(c, true, &estimated, &cells);
         const double whole = failure_of(c, false, &none, &all);
         const double error = fabs(few / whole - 1.0);
-        if (error > estimated || error > scenes[i].most || cells > scenes[i].cells) {
+        if (error > estimated || estimated > 10.0 * fmax(error, 1e-5) || error > scenes[i].most ||
+            cells > scenes[i].cells) {
             fail_msg("scene %zu: error %g, estimated %g, most %g, %zu cells", i, error, estimated,
                      scenes[i].most, cells);
         }
