@@ -371,7 +371,8 @@ double lac_problem_mean_slip(const lac_problem *problem, const double *slip)
 {
     const size_t n = problem->n;
     if (problem->across == NULL) {
-        return lac_sum(n, slip) / (double)n;
+        return (problem->weight == NULL ? lac_sum(n, slip) : lac_vdot(n, problem->weight, slip)) /
+               (double)n;
     }
     const double *x = lac_vector_slip(problem, slip, 0);
     return hypot(lac_sum(n, x), lac_sum(n, slip)) / (double)n;

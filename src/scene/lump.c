@@ -10,17 +10,16 @@ typedef struct making {
     const lac_lump_source *source;
     lac_lump_cells field;
     size_t level;
-    size_t most;     // leaves of a block, at most
-    double least;    // of what a sum is worth keeping
-    size_t leaves;   // so far
-    uint32_t *kept;  // [n] cells that stay
-    double *weight;  // [n] cells that each stands for
-    uint32_t *begin; // [blocks + 1] the first leaf of each block
-    double *bond;    // [blocks] what holds its leaves against each other
-    uint32_t *leaf;  // [n] which leaf stands for a cell
-    double rest[LAC_LUMP_TESTS];
-    double softer, fewer;     // as the traces of soft and few, of squares of compliances
-    lac_lump_pairs soft, few; // how far cells, and leaves, would slip apart
+    size_t most;      // leaves of a block, at most
+    double least;     // of what a sum is worth keeping
+    size_t leaves;    // so far
+    uint32_t *kept;   // [n] cells that stay
+    double *weight;   // [n] cells that each stands for
+    uint32_t *begin;  // [blocks + 1] the first leaf of each block
+    double *bond;     // [blocks] what holds its leaves against each other
+    uint32_t *leaf;   // [n] which leaf stands for a cell
+    lac_lump_way way; // of all cells
+    double exact;     // what it comes to
 } making;
 
 // A block of it.
@@ -33,7 +32,7 @@ typedef struct taking {
 enum {
     COUNTED = 4,
     BEFORE = COUNTED + LAC_LUMP_PATTERNS - 1,
-    FUNCTIONS = BEFORE + LAC_LUMP_KEPT + 1 // the last where loads have a shape
+    FUNCTIONS = BEFORE + LAC_LUMP_ROWS + 1 // the last where loads have a shape
 };
 
 // What the leaves of a block keep the sums of: cells, pressure and its square, slip rate at the
@@ -51,7 +50,7 @@ static void values_of(const void *context, size_t point, double *value)
     for (size_t a = 1; a < LAC_LUMP_PATTERNS; a++) {
         all[COUNTED + a - 1] = p * (p * f->pattern[i] - f->answer) * f->pattern[a * f->n + i];
     }
-    for (size_t k = 0; k < LAC_LUMP_KEPT; k++) {
+    for (size_t k = 0; k < LAC_LUMP_ROWS; k++) {
         all[BEFORE + k] = p * f->friction[k * f->n + i];
     }
     all[FUNCTIONS - 1] = whole->loads.shape != NULL ? whole->loads.shape[i] : 0.0;
@@ -62,117 +61,40 @@ static void values_of(const void *context, size_t point, double *value)
     }
 }
 
-// Adds what friction holds of all cells of a block less what it does of its leaves, at the stages
-// that the leaves were not made for.
-static void add_rest(making *m, size_t first, size_t end, size_t leaves)
-{
-    const double *pressure = m->source->whole.domain->pressure;
-    for (size_t k = 0; k < LAC_LUMP_TESTS; k++) {
-        const double *held = m->field.friction + (LAC_LUMP_KEPT + k) * m->field.n;
-        double sum = 0.0;
-        for (size_t i = first; i < end; i++) {
-            sum += pressure[i] * held[i];
-        }
-        for (size_t i = m->leaves; i < m->leaves + leaves; i++) {
-            sum -= m->weight[i] * pressure[m->kept[i]] * held[m->kept[i]];
-        }
-        m->rest[k] += sum;
-    }
-}
-
-// What is left of that over the direct effect of all cells: how far the rate is off.
-static double rest_of(const making *m)
-{
-    double most = 0.0;
-    for (size_t k = 0; k < LAC_LUMP_TESTS; k++) {
-        most = fmax(most, fabs(m->rest[k]));
-    }
-    return most / m->field.pressure / (double)m->field.n;
-}
-
-// How far the leaves of a block would slip apart if 1 held them.
-static lac_lump_pairs leaves_of(const making *m, size_t leaves)
+// How far the leaves of a block would slip apart if 1 held them: squares.
+static double leaves_apart(const making *m, size_t leaves)
 {
     const uint32_t *kept = m->kept + m->leaves;
     const double *weight = m->weight + m->leaves, *p = m->source->whole.domain->pressure;
-    lac_lump_pairs few = {0};
-    double mean[LAC_LUMP_PATTERNS] = {0.0}, sum = 0.0, count = 0.0, answer = 0.0;
-    for (size_t i = 0; i < leaves; i++) {
-        count += weight[i];
-        sum += weight[i] * p[kept[i]];
-        for (size_t a = 0; a < LAC_LUMP_PATTERNS; a++) {
-            mean[a] += weight[i] * p[kept[i]] * m->field.pattern[a * m->field.n + kept[i]];
+    double few = 0.0;
+    for (size_t a = LAC_LUMP_ANSWER + 1; a < LAC_LUMP_PATTERNS; a++) {
+        const double *pattern = m->field.pattern + a * m->field.n;
+        double mean = 0.0, sum = 0.0;
+        for (size_t i = 0; i < leaves; i++) {
+            sum += weight[i] * p[kept[i]];
+            mean += weight[i] * p[kept[i]] * pattern[kept[i]];
         }
-    }
-    answer = mean[LAC_LUMP_ANSWER] / count;
-    for (size_t i = 0; i < leaves; i++) {
-        double g[LAC_LUMP_PATTERNS];
-        for (size_t a = 0; a < LAC_LUMP_PATTERNS; a++) {
-            const double of = m->field.pattern[a * m->field.n + kept[i]];
-            g[a] = p[kept[i]] * (a == LAC_LUMP_ANSWER ? of : of - mean[a] / sum);
+        for (size_t i = 0; i < leaves; i++) {
+            const double force = p[kept[i]] * (pattern[kept[i]] - mean / sum);
+            few += weight[i] * force * force;
         }
-        g[LAC_LUMP_ANSWER] -= answer;
-        lac_lump_add(g, g, weight[i], &few);
     }
     return few;
 }
 
-// By how far the cells of a block would slip apart under each pattern, and what that does to all of
+// By how far the cells of a block would slip apart under the patterns, and what that does to all of
 // each, the stiffness that does the same to its leaves.
 static double bond_of(making *m, size_t first, size_t end, size_t leaves)
 {
     const lac_lump_source *s = m->source;
     const double nothing = pow(1e-9 * m->field.pressure, 2.0); // rounding of what is alike
-    lac_lump_pairs of[LAC_LUMP_LEVELS] = {0}, soft = {0};
-    double softer = 0.0;
+    double of[LAC_LUMP_LEVELS] = {0.0}, soft = 0.0;
     lac_lump_add_levels(s, &m->field, m->level, first, end, of);
     for (size_t l = 0; l < m->level; l++) {
-        const double k = lac_lump_stiffness(s, l), trace = lac_lump_trace(&of[l]);
-        if (trace > nothing * (double)(end - first)) {
-            lac_lump_add_pairs(&of[l], 1.0 / k, &soft);
-            softer += trace / k / k;
-        }
+        soft += of[l] > nothing * (double)(end - first) ? of[l] / lac_lump_stiffness(s, l) : 0.0;
     }
-    const lac_lump_pairs few = leaves_of(m, leaves);
-    const double all = lac_lump_trace(&soft), kept = lac_lump_trace(&few);
-    if (!(all > 0.0 && kept > 0.0)) {
-        return lac_lump_stiffness(s, 0);
-    }
-    const double bond = kept / all;
-    lac_lump_add_pairs(&few, 1.0 / bond, &m->few);
-    lac_lump_add_pairs(&soft, 1.0, &m->soft);
-    m->softer += softer;
-    m->fewer += all / bond;
-    return bond;
-}
-
-// By how much one stiffness for all patterns is off: of what each does to friction.
-static double mismatch_of(const making *m)
-{
-    const double(*soft)[LAC_LUMP_PATTERNS] = m->soft.of, (*few)[LAC_LUMP_PATTERNS] = m->few.of;
-    double off = 0.0;
-    for (size_t a = 0; a < LAC_LUMP_PATTERNS; a++) {
-        for (size_t b = LAC_LUMP_ANSWER + 1; b < LAC_LUMP_PATTERNS; b++) {
-            off += fabs(soft[a][b] - few[a][b]);
-        }
-    }
-    // On a line all levels have as much of slip apart, so that a few coarse blocks decide it.
-    const double least = m->source->whole.domain->grid.ny == 1 ? 0.5 : 0.0;
-    const double all = lac_lump_trace(&m->soft);
-    return off > 0.0 && all > 0.0 ? fmax(least, off / all) : 0.0;
-}
-
-// What friction makes of slip apart over what holds it.
-static double weakness_of(const making *m)
-{
-    const lac_lump_cells *f = &m->field;
-    double answer = 0.0;
-    for (size_t i = 0; i < f->n; i++) {
-        answer += m->source->whole.domain->pressure[i] * f->friction[LAC_LUMP_ANSWER * f->n + i];
-    }
-    const double soft = lac_lump_trace(&m->soft);
-    answer *= f->direct * f->per_dc / (double)f->n;
-    return soft > 0.0 ? answer * (m->softer - 0.5 * m->fewer) / soft : 0.0;
+    const double few = leaves_apart(m, leaves);
+    return soft > 0.0 && few > 0.0 ? few / soft : lac_lump_stiffness(s, 0);
 }
 
 // Which of the leaves of a block each of its cells is most like.
@@ -183,7 +105,7 @@ static void assign(making *m, size_t first, size_t end, size_t leaves)
         for (size_t c = m->leaves; c < m->leaves + leaves; c++) {
             const double *row = m->field.friction;
             double apart = 0.0;
-            for (size_t k = 0; k < LAC_LUMP_KEPT && apart < nearest; k++, row += m->field.n) {
+            for (size_t k = 0; k < LAC_LUMP_ROWS && apart < nearest; k++, row += m->field.n) {
                 apart += (row[i] - row[m->kept[c]]) * (row[i] - row[m->kept[c]]);
             }
             m->leaf[i] = apart < nearest ? (uint32_t)c : m->leaf[i];
@@ -228,7 +150,6 @@ static lac_status take_block(making *m, size_t number, lac_error *err)
         }
     }
     assign(m, first, end, leaves);
-    add_rest(m, first, end, leaves);
     m->begin[number] = (uint32_t)m->leaves;
     m->bond[number] = leaves > 1 ? bond_of(m, first, end, leaves) : 0.0;
     m->leaves += leaves;
@@ -260,9 +181,7 @@ static lac_status make_classes(const making *m, lac_lump *lump, lac_error *err)
     LAC_FAIL_MEMORY_IF(node == NULL, err);
     uint32_t *block = node + m->leaves;
     lac_status status = lac_classes_create(m->leaves, most, &lump->classes, err);
-    lump->bond = malloc(most * sizeof *lump->bond);
     LAC_TRY(status);
-    LAC_TRY(lump->bond != NULL ? LAC_OK : lac_fail_memory(err));
     lac_classes *classes = lump->classes;
     classes->nodes = m->leaves;
     memcpy(classes->weight, m->weight, m->leaves * sizeof *m->weight);
@@ -272,7 +191,6 @@ static lac_status make_classes(const making *m, lac_lump *lump, lac_error *err)
     for (size_t b = 0; b < blocks; b++) {
         block[b] = tie(classes, node + m->begin[b], m->begin[b + 1] - m->begin[b], m->bond[b]);
     }
-    lump->inner = classes->nodes - m->leaves;
     for (size_t l = m->level; l < lac_hierarchy_levels(h); l++) {
         if (lac_hierarchy_rank(h, l) == 0) {
             continue; // each block is alone in the one around it
@@ -286,7 +204,6 @@ static lac_status make_classes(const making *m, lac_lump *lump, lac_error *err)
         }
     }
     classes->parent[classes->nodes - 1] = (uint32_t)classes->nodes - 1;
-    memcpy(lump->bond, classes->k, classes->nodes * sizeof *lump->bond);
 out:
     free(node);
     return status;
@@ -380,12 +297,54 @@ static lac_status try_level(making *m, lac_error *err)
     m->begin = m->kept + n;
     m->bond = m->weight + n;
     m->leaves = 0;
-    memset(m->rest, 0, sizeof m->rest);
-    m->soft = m->few = (lac_lump_pairs){0};
-    m->softer = m->fewer = 0.0;
     for (size_t b = 0; b < blocks; b++) {
         LAC_TRY_RETURN(take_block(m, b, err));
     }
+    return LAC_OK;
+}
+
+// Frees what it has.
+static void clear(lac_lump *lump)
+{
+    lac_problem_free(lump->problem);
+    lac_classes_free(lump->classes);
+    lac_friction_free(lump->friction);
+    free(lump->loads.shape);
+    lac_domain_free(lump->domain);
+    free(lump->leaf);
+    free(lump->kept);
+    *lump = (lac_lump){0};
+}
+
+// The problem of the cells that stay.
+static lac_status settle(making *m, lac_lump *lump, lac_error *err)
+{
+    clear(lump);
+    lump->level = m->level;
+    lump->blocks = lac_hierarchy_blocks(m->source->blocks, m->level);
+    lump->leaf = malloc(m->field.n * sizeof *lump->leaf);
+    LAC_FAIL_MEMORY_IF(lump->leaf == NULL, err);
+    m->leaf = lump->leaf;
+    LAC_TRY_RETURN(try_level(m, err));
+    LAC_TRY_RETURN(make_classes(m, lump, err));
+    LAC_TRY_RETURN(make_domain(m, &lump->domain, err));
+    LAC_TRY_RETURN(make_problem(m, lump, err));
+    lump->kept = m->kept;
+    m->kept = NULL;
+    return LAC_OK;
+}
+
+// How far off it is, by the way of all cells.
+static lac_status judge(making *m, lac_lump *lump, lac_error *err)
+{
+    const double least = 1.5e-5, safe = 3.0;
+    double value = m->exact;
+    if (m->level > 0) {
+        LAC_TRY_RETURN(lac_lump_walk(lump->problem, m->source->ends, false, &m->way, &value, err));
+    }
+    const double error = safe * fabs(value / m->exact - 1.0);
+    lump->arrival = m->way.arrival;
+    lump->error = m->level == 0 ? least : isfinite(error) ? least + error : (double)INFINITY;
     return LAC_OK;
 }
 
@@ -401,26 +360,20 @@ static lac_status make(making *m, const lac_lump_def *def, lac_lump *lump, lac_e
               : s->whole.loads.shape != NULL ? FUNCTIONS
                                              : FUNCTIONS - 1;
     m->least = 0.03 * def->error / m->field.gain;
-    m->leaf = lump->leaf = malloc(n * sizeof *lump->leaf);
-    LAC_FAIL_MEMORY_IF(lump->leaf == NULL, err);
-    LAC_TRY_RETURN(try_level(m, err));
-    // Smaller blocks, whose quadratures err apart; where nothing is gained any more, all cells.
-    while (def->level < 0 && s->like == NULL && m->level > 0 &&
-           (2 * m->leaves > n || m->field.gain * rest_of(m) > 0.2 * def->error)) {
-        m->level = 2 * m->leaves > n ? 0 : m->level - 1;
-        LAC_TRY_RETURN(try_level(m, err));
+    LAC_TRY_RETURN(settle(m, lump, err));
+    if (s->like != NULL) {
+        return LAC_OK;
     }
-    lump->level = m->level;
-    lump->blocks = lac_hierarchy_blocks(s->blocks, m->level);
-    lump->rest = rest_of(m);
-    lump->gain = m->field.gain;
-    lump->mismatch = mismatch_of(m);
-    lump->weakness = weakness_of(m);
-    LAC_TRY_RETURN(make_classes(m, lump, err));
-    LAC_TRY_RETURN(make_domain(m, &lump->domain, err));
-    LAC_TRY_RETURN(make_problem(m, lump, err));
-    lump->kept = m->kept;
-    m->kept = NULL;
+    LAC_TRY_RETURN(lac_lump_walk(lump->problem, s->ends, true, &m->way, &m->exact, err));
+    m->way.fails = m->way.arrival == LAC_LUMP_AT_FAILURE ? m->exact : (double)NAN;
+    LAC_TRY_RETURN(lac_lump_walk(s->problem, s->ends, true, &m->way, &m->exact, err));
+    LAC_TRY_RETURN(judge(m, lump, err));
+    // Smaller blocks; where nothing is gained any more, or all cells come to no end, all cells.
+    while (def->level < 0 && m->level > 0 && (2 * m->leaves > n || lump->error > def->error)) {
+        m->level = 2 * m->leaves > n || isnan(m->exact) ? 0 : m->level - 1;
+        LAC_TRY_RETURN(settle(m, lump, err));
+        LAC_TRY_RETURN(judge(m, lump, err));
+    }
     return LAC_OK;
 }
 
@@ -428,7 +381,7 @@ lac_status lac_lump_create(const lac_lump_source *source, const lac_lump_def *de
                            lac_error *err)
 {
     lac_status status;
-    making m = {.source = source};
+    making m = {.source = source, .way.fails = NAN};
     lac_lump *lump = NULL;
     *out = NULL;
     LAC_TRY(check_source(source, err));
@@ -439,6 +392,7 @@ lac_status lac_lump_create(const lac_lump_source *source, const lac_lump_def *de
     lump = NULL;
 out:
     free(m.field.memory);
+    free(m.way.stage);
     free(m.kept);
     free(m.weight);
     lac_lump_free(lump);
@@ -448,14 +402,27 @@ out:
 void lac_lump_free(lac_lump *lump)
 {
     if (lump != NULL) {
-        lac_problem_free(lump->problem);
-        lac_classes_free(lump->classes);
-        lac_friction_free(lump->friction);
-        free(lump->loads.shape);
-        lac_domain_free(lump->domain);
-        free(lump->bond);
-        free(lump->leaf);
-        free(lump->kept);
+        clear(lump);
         free(lump);
+    }
+}
+
+double lac_lump_error(const lac_lump *lump, bool by_time)
+{
+    const bool all = lump->level == 0;
+    return all || by_time == (lump->arrival == LAC_LUMP_AT_TIME) ? lump->error : (double)INFINITY;
+}
+
+void lac_lump_points(const lac_lump *lump, const lac_domain *cells, lac_points *points)
+{
+    for (size_t i = 0; i < points->n; i++) {
+        lac_point *p = &points->point[i];
+        double pressed = 0.0;
+        for (size_t k = 0; k < p->cells; k++) {
+            const size_t leaf = lump->leaf[p->cell[k]];
+            pressed += cells->pressure[p->cell[k]] / lump->domain->pressure[leaf];
+            p->cell[k] = leaf;
+        }
+        p->pressed = pressed / (double)p->cells;
     }
 }

@@ -93,16 +93,13 @@ static void walk(const lac_lump_source *s, lac_lump_cells *f, moving *m, size_t 
     const double first = 0.03, last = 15.0;
     double slip = 0.0;
     double *kept = f->friction + (LAC_LUMP_STAGES + history * LAC_LUMP_EACH) * f->n;
-    double *test = f->friction + (LAC_LUMP_KEPT + history * LAC_LUMP_EACH) * f->n;
     memcpy(m->w, s->whole.log_state, f->n * sizeof *m->w);
     m->share = share[history];
     m->rate = f->rate;
     balance(s, f, m);
     for (size_t k = 0; k < EACH * LAC_LUMP_EACH; k++) {
         const double to = first * pow(last / first, (double)k / (EACH * LAC_LUMP_EACH - 1));
-        double *row = k % EACH == 3   ? kept + k / EACH * f->n
-                      : k % EACH == 1 ? test + k / EACH * f->n
-                                      : NULL;
+        double *row = k % EACH == EACH - 1 ? kept + k / EACH * f->n : NULL;
         const double off = m->share - move(s, f, m, (to - slip) / f->per_dc / m->rate, row);
         m->rate *= exp(fmax(-2.0, fmin(off, 2.0)));
         slip = to;

@@ -105,7 +105,10 @@ static lac_problem_def problem_def(const lac_scene *scene)
 lac_lump_source lac_scene_lump_source(const lac_scene *scene)
 {
     const lac_problem_parts parts = lac_problem_parts_of(scene->problem);
-    lac_lump_source source = {problem_def(scene), scene->problem, scene->hierarchy, NULL};
+    lac_lump_source source = {.whole = problem_def(scene),
+                              .problem = scene->problem,
+                              .blocks = scene->hierarchy,
+                              .ends = &scene->source->run};
     source.whole.log_rate = parts.log_rate;
     source.whole.log_state = parts.log_state;
     return source;

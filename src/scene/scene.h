@@ -183,8 +183,7 @@ lac_status lac_scene_create(const lac_case *c, lac_load_files *files, lac_scene 
 /// @param files  as in lac_scene_create
 lac_status lac_scene_renew(lac_scene *scene, lac_load_files *files, bool loads, lac_error *err);
 
-/// Takes the cells of a scene together, whatever its case says: its runs are of the lump then, and
-/// lac_lumped_judge tells their error.
+/// Takes the cells of a scene together, whatever its case says: its runs are of the lump then.
 /// @param like  a lump whose cells and weights are taken, of a scene of as many cells; NULL: what
 /// suits
 /// @return as lac_lump_create; without a lump unless LAC_OK

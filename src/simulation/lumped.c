@@ -3,49 +3,6 @@
 // what is put out written back to them. docs/theory/lumped.md.
 #include "simulation/lumped.h"
 
-// What an error is held to: a time where one is known, else the mean slip.
-static double result_of(const lac_run_result *run)
-{
-    return run->failed                ? run->failure_origin + run->failure_local
-           : run->end == LAC_END_STOP ? run->time
-                                      : run->mean_slip;
-}
-
-// What comes out where the cells of a block follow their traction less far; NaN: it ends otherwise
-// than the run.
-static lac_status pilot(lac_lump *lump, const lac_run_def *def, const lac_run_result *run,
-                        double *out, lac_error *err)
-{
-    lac_status status = LAC_ENUMERIC;
-    lac_run_result result = {.failed = false};
-    lac_run_def own = *def;
-    own.snapshots = false;
-    own.points = NULL;
-    own.resume = NULL;
-    own.reached = NULL;
-    own.checkpoint = (lac_cadence){.time = NAN, .per_decade = NAN};
-    lac_lump_soften(lump, LAC_LUMP_STIFF);
-    for (double rtol = fmax(def->rtol, 1e-5); status == LAC_ENUMERIC && rtol > 0.0;) {
-        own.rtol = rtol;
-        status = lac_run(lump->problem, &own, NULL, &result, err);
-        rtol = rtol > def->rtol ? def->rtol : 0.0; // once more where the first was too rough
-    }
-    lac_lump_soften(lump, 1.0);
-    const bool alike = result.failed == run->failed && result.end == run->end;
-    *out = status == LAC_OK && alike ? result_of(&result) : (double)NAN;
-    return status == LAC_ENUMERIC ? LAC_OK : status;
-}
-
-lac_status lac_lumped_judge(lac_lump *lump, const lac_run_def *def, const lac_run_result *run,
-                            double *error, lac_error *err)
-{
-    const bool driven = run->failed || (run->end == LAC_END_STOP && !isnan(def->stop_rate));
-    double stiff;
-    LAC_TRY_RETURN(pilot(lump, def, run, &stiff, err));
-    *error = lac_lump_bound(lump, result_of(run), stiff, driven);
-    return LAC_OK;
-}
-
 enum { FIELDS = 9 };
 
 struct lac_lumped_sink {

@@ -228,12 +228,12 @@ static lac_status decide(lac_simulation *s, const lac_sink *sink, lac_error *err
 
 // What taking cells together may have cost. A time that may be off by more than the case allows is
 // none.
-static lac_status judge_lump(lac_simulation *s, const lac_run_def *def, lac_error *err)
+static lac_status judge_lump(lac_simulation *s, lac_error *err)
 {
     lac_run_result *run = &s->outcome.run;
     const double most = s->source.lump.error;
     double *error = &run->lump_error_estimated;
-    LAC_TRY_RETURN(lac_lumped_judge(s->scene->lump, def, run, error, err));
+    *error = lac_lump_error(s->scene->lump, run->end == LAC_END_TIME);
     if (*error <= most) {
         return LAC_OK;
     }
@@ -246,10 +246,11 @@ static lac_status judge_lump(lac_simulation *s, const lac_run_def *def, lac_erro
                           "solver.fidelity lumped may be off by %.2g, more than solver.lump.error "
                           "%g: the cells of a block slip too far apart (level %zu); %s",
                           *error, most, s->scene->lump->level, advice)
-               : lac_fail(err, LAC_ENUMERIC,
-                          "solver.fidelity lumped cannot tell how far off it is: the run ends "
-                          "otherwise where cells follow their traction less far (level %zu); %s",
-                          s->scene->lump->level, advice);
+               : lac_fail(
+                     err, LAC_ENUMERIC,
+                     "solver.fidelity lumped cannot tell how far off it is: few steps of all cells "
+                     "come to no end, or to another one (level %zu); %s",
+                     s->scene->lump->level, advice);
 }
 
 static lac_status integrate_lump(lac_simulation *s, const lac_run_def *def, const lac_sink *sink,
@@ -264,7 +265,7 @@ static lac_status integrate_lump(lac_simulation *s, const lac_run_def *def, cons
     }
     LAC_TRY(lac_run(s->scene->lump->problem, def, back != NULL ? &to_cells : NULL, &s->outcome.run,
                     err));
-    LAC_TRY(judge_lump(s, def, err));
+    LAC_TRY(judge_lump(s, err));
 out:
     lac_lumped_sink_free(back);
     return status;

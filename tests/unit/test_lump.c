@@ -211,7 +211,8 @@ static double failure_of(const lac_case *c, bool lumped, double *error, size_t *
     return time;
 }
 
-// Scenes of several laws and loads: the error is within what the run says, and few cells do.
+// Scenes of several laws and loads: the error is within what the run says and not far below it, and
+// few cells do.
 static void test_runs(void **state)
 {
     (void)state;
@@ -242,7 +243,8 @@ static void test_runs(void **state)
         const double few = failure_of(c, true, &estimated, &cells);
         const double whole = failure_of(c, false, &none, &all);
         const double error = fabs(few / whole - 1.0);
-        if (error > estimated || error > scenes[i].most || cells > scenes[i].cells) {
+        if (error > estimated || estimated > 10.0 * fmax(error, 1e-5) || error > scenes[i].most ||
+            cells > scenes[i].cells) {
             fail_msg("scene %zu: error %g, estimated %g, most %g, %zu cells", i, error, estimated,
                      scenes[i].most, cells);
         }
@@ -261,7 +263,7 @@ static void test_too_soft(void **state)
     lac_error err = {""};
     assert_int_equal(lac_simulation_create(c, NULL, &simulation, &err), LAC_OK);
     assert_int_equal(lac_simulation_run(simulation, NULL, &err), LAC_ENUMERIC);
-    assert_non_null(strstr(err.message, "solver.lump.error"));
+    assert_non_null(strstr(err.message, "solver.fidelity lumped"));
     const lac_outcome *of = lac_simulation_outcome(simulation);
     assert_string_equal(of->status, "failed");
     assert_true(!of->run.failed && isnan(of->run.failure_local));
