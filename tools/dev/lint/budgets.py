@@ -16,7 +16,7 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 94506,
+    "lines of src and include": 94631,
     "lines that only present results": 24232,
     "public headers": 13,
     "exported names": 44,
