@@ -46,15 +46,20 @@ struct lac_filter {
     size_t nx, ny;      // the field
     size_t mx, my, nkx; // the transform; nkx = mx/2 + 1 columns are kept
     size_t pairs;       // of rows
+    size_t length;      // of the rows' transform: mx, or half of it
+    size_t columns;     // kept of that
     size_t pitch;       // complex numbers from pair to pair
     size_t lead;        // from column to column in a block
     char *buffer;       // [pairs * pitch] complex
     char *scratch;      // [threads * share] bytes: see room
     room room;
     double *column_power; // [nkx]
+    double *twist;        // [nx] complex exp(-i pi j/nx): even wavenumbers to odd; or NULL
     int threads;
-    const kernels *now; // the precision of what the buffer holds
-    plans plans[2];
+    lac_precision mode; // of what the buffer holds
+    bool odd;           // mode is LAC_ODD
+    const kernels *now;
+    plans plans[3]; // as enum lac_precision; both halves have the same
 };
 
 #define REAL float
@@ -72,10 +77,12 @@ struct lac_filter {
 #undef FFT
 #undef NAME
 
-static const kernels *const precisions[] = {
-    [LAC_SINGLE] = &single_kernels, [LAC_DOUBLE] = &double_kernels};
+static const kernels *const precisions[] = {[LAC_SINGLE] = &single_kernels,
+                                            [LAC_DOUBLE] = &double_kernels,
+                                            [LAC_EVEN] = &double_kernels,
+                                            [LAC_ODD] = &double_kernels};
 
-static const plans *current(const lac_filter *f) { return &f->plans[lac_filter_precision(f)]; }
+static const plans *current(const lac_filter *f) { return &f->plans[f->odd ? LAC_EVEN : f->mode]; }
 
 // Complex numbers, so that the next row begins at a cache line and not a power of two away, where
 // columns would fall on the same few lines of the cache.
@@ -83,17 +90,44 @@ static size_t padded(size_t n) { return (n + 7) / 8 * 8 + 8; }
 
 static size_t larger(size_t a, size_t b) { return a > b ? a : b; }
 
+static void choose(lac_filter *f, lac_precision mode)
+{
+    const bool half = mode >= LAC_EVEN;
+    f->mode = mode;
+    f->odd = mode == LAC_ODD;
+    f->now = precisions[mode];
+    f->length = half ? f->nx : f->mx;
+    f->columns = half ? (f->nx - (f->odd ? 1 : 0)) / 2 + 1 : f->nkx;
+    f->pitch = padded(f->length);
+}
+
+// exp(-i pi j/nx)
+static void fill_twist(const lac_filter *f)
+{
+    for (size_t j = 0; f->twist != NULL && j < f->nx; j++) {
+        f->twist[2 * j] = cos(M_PI * (double)j / (double)f->nx);
+        f->twist[2 * j + 1] = -sin(M_PI * (double)j / (double)f->nx);
+    }
+}
+
 static lac_status allocate(lac_filter *f, lac_error *err)
 {
     size_t complex_size = 2 * sizeof(double);
-    size_t half = larger(BLOCK * f->lead, f->pitch) * complex_size;
+    bool halves = f->mx == 2 * f->nx;
+    size_t half = larger(BLOCK * f->lead, padded(f->mx)) * complex_size;
+    size_t row = halves ? larger(padded(f->nx) * complex_size, padded(f->mx) * 2 * sizeof(float))
+                        : padded(f->mx) * complex_size;
     f->room.second = half;
     f->room.factor = 2 * half;
     f->room.share = 2 * half + padded(f->my) * sizeof(double);
-    f->buffer = aligned_alloc(LINE, f->pairs * f->pitch * complex_size);
+    f->buffer = aligned_alloc(LINE, f->pairs * row);
     f->scratch = aligned_alloc(LINE, (size_t)f->threads * f->room.share);
     f->column_power = malloc(f->nkx * sizeof *f->column_power);
-    LAC_FAIL_MEMORY_IF(f->buffer == NULL || f->scratch == NULL || f->column_power == NULL, err);
+    f->twist = halves ? malloc(f->nx * complex_size) : NULL;
+    LAC_FAIL_MEMORY_IF(f->buffer == NULL || f->scratch == NULL || f->column_power == NULL ||
+                           (halves && f->twist == NULL),
+                       err);
+    fill_twist(f);
     memset(f->scratch, 0, (size_t)f->threads * f->room.share);
     return LAC_OK;
 }
@@ -104,8 +138,9 @@ static bool plan(lac_filter *f, lac_precision precision)
     plans *p = &f->plans[precision];
     char *first = f->scratch;
     char *second = &f->scratch[f->room.second];
-    p->row_forward = k->plan(f->mx, FFTW_FORWARD, second, f->buffer);
-    p->row_inverse = k->plan(f->mx, FFTW_BACKWARD, f->buffer, second);
+    choose(f, precision);
+    p->row_forward = k->plan(f->length, FFTW_FORWARD, second, f->buffer);
+    p->row_inverse = k->plan(f->length, FFTW_BACKWARD, f->buffer, second);
     p->column_forward = k->plan(f->my, FFTW_FORWARD, first, second);
     p->column_inverse = k->plan(f->my, FFTW_BACKWARD, second, first);
     return p->row_forward != NULL && p->row_inverse != NULL && p->column_forward != NULL &&
@@ -136,11 +171,10 @@ lac_status lac_filter_create(const size_t field[2], const size_t transform[2], l
     f->my = transform[1];
     f->nkx = f->mx / 2 + 1;
     f->pairs = (f->ny + 1) / 2;
-    f->pitch = padded(f->mx);
     f->lead = padded(f->my);
     f->threads = useful_threads(f->nx * f->ny);
     LAC_TRY(allocate(f, err));
-    if (!plan(f, LAC_SINGLE) || !plan(f, LAC_DOUBLE)) {
+    if (!plan(f, LAC_SINGLE) || !plan(f, f->twist != NULL ? LAC_EVEN : LAC_DOUBLE)) {
         status = lac_fail_memory(err);
         goto out;
     }
@@ -156,7 +190,7 @@ void lac_filter_free(lac_filter *f)
     if (f == NULL) {
         return;
     }
-    for (int k = 0; k < 2; k++) {
+    for (int k = 0; k < 3; k++) {
         precisions[k]->destroy(f->plans[k].row_forward);
         precisions[k]->destroy(f->plans[k].row_inverse);
         precisions[k]->destroy(f->plans[k].column_forward);
@@ -165,13 +199,11 @@ void lac_filter_free(lac_filter *f)
     free(f->buffer);
     free(f->scratch);
     free(f->column_power);
+    free(f->twist);
     free(f);
 }
 
-lac_precision lac_filter_precision(const lac_filter *f)
-{
-    return f->now == &double_kernels ? LAC_DOUBLE : LAC_SINGLE;
-}
+lac_precision lac_filter_precision(const lac_filter *f) { return f->mode; }
 
 int lac_filter_threads(const lac_filter *f) { return f->threads; }
 
@@ -184,6 +216,17 @@ static char *own_scratch(const lac_filter *f)
 static char *pair_at(const lac_filter *f, size_t pair)
 {
     return &f->buffer[pair * f->pitch * 2 * f->now->size];
+}
+
+// Multiplies by the twist, or with sign -1 by its conjugate.
+static void turn(const lac_filter *f, double sign, double *restrict z)
+{
+    const double *restrict w = f->twist;
+    for (size_t j = 0; j < 2 * f->nx; j += 2) {
+        double re = z[j], im = z[j + 1], sine = sign * w[j + 1];
+        z[j] = re * w[j] - im * sine;
+        z[j + 1] = im * w[j] + re * sine;
+    }
 }
 
 // Two rows of the scratch, filled by the caller and zeros beyond, go into the buffer
@@ -199,9 +242,12 @@ static void fill_pair(const lac_filter *f, size_t pair, lac_filter_row fill, voi
         if (there) {
             fill(context, 2 * pair + k, row);
         }
-        memset(&row[filled * size], 0, (f->mx - filled) * size);
+        memset(&row[filled * size], 0, (f->length - filled) * size);
     }
-    f->now->weave(f->mx, rows, f->pitch, woven);
+    f->now->weave(f->length, rows, f->pitch, woven);
+    if (f->odd) {
+        turn(f, 1.0, (double *)woven);
+    }
     f->now->execute(current(f)->row_forward, woven, pair_at(f, pair));
 }
 
@@ -211,13 +257,16 @@ static char *open_pair(const lac_filter *f, size_t pair)
     char *rows = own_scratch(f);
     char *woven = &rows[f->room.second];
     f->now->execute(current(f)->row_inverse, pair_at(f, pair), woven);
+    if (f->odd) {
+        turn(f, -1.0, (double *)woven);
+    }
     f->now->unweave(f->nx, woven, f->pitch, rows);
     return rows;
 }
 
 void lac_filter_fill(lac_filter *f, lac_precision precision, lac_filter_row fill, void *context)
 {
-    f->now = precisions[precision];
+    choose(f, precision);
 #pragma omp parallel for schedule(static) num_threads(f->threads)
     for (size_t pair = 0; pair < f->pairs; pair++) {
         fill_pair(f, pair, fill, context);
@@ -243,7 +292,7 @@ static char *column_of(const lac_filter *f, char *block, size_t c)
 // Columns from first on into the scratch, and to wavenumbers along y; returns how many
 static size_t transform_columns(const lac_filter *f, size_t first)
 {
-    size_t width = f->nkx - first < BLOCK ? f->nkx - first : BLOCK;
+    size_t width = f->columns - first < BLOCK ? f->columns - first : BLOCK;
     char *block = own_scratch(f);
     char *spectrum = &block[f->room.second];
     f->now->gather(f, first, width, block);
@@ -258,7 +307,7 @@ static const void *factors(const lac_filter *f, lac_filter_symbol symbol, const 
                            size_t k)
 {
     char *factor = own_scratch(f) + f->room.factor;
-    symbol(context, k, factor);
+    symbol(context, f->mode < LAC_EVEN ? k : 2 * k + (f->odd ? 1 : 0), factor);
     f->now->mirror(f->my, factor);
     return factor;
 }
@@ -266,7 +315,7 @@ static const void *factors(const lac_filter *f, lac_filter_symbol symbol, const 
 void lac_filter_multiply(lac_filter *f, lac_filter_symbol symbol, const void *context)
 {
 #pragma omp parallel for schedule(static) num_threads(f->threads)
-    for (size_t first = 0; first < f->nkx; first += BLOCK) {
+    for (size_t first = 0; first < f->columns; first += BLOCK) {
         char *block = own_scratch(f);
         char *spectrum = &block[f->room.second];
         size_t width = transform_columns(f, first);
@@ -282,16 +331,16 @@ void lac_filter_multiply(lac_filter *f, lac_filter_symbol symbol, const void *co
 double lac_filter_power(lac_filter *f, lac_filter_symbol symbol, const void *context)
 {
 #pragma omp parallel for schedule(static) num_threads(f->threads)
-    for (size_t first = 0; first < f->nkx; first += BLOCK) {
+    for (size_t first = 0; first < f->columns; first += BLOCK) {
         char *spectrum = own_scratch(f) + f->room.second;
         size_t width = transform_columns(f, first);
         for (size_t c = 0; c < width; c++) {
             size_t k = first + c;
-            bool alone = k == 0 || 2 * k == f->mx; // no mirror image
+            bool alone = k == (f->odd ? f->length - 1 - k : (f->length - k) % f->length);
             const void *factor = factors(f, symbol, context, k);
             f->column_power[k] =
                 (alone ? 1.0 : 2.0) * f->now->power(f->my, factor, column_of(f, spectrum, c));
         }
     }
-    return lac_sum(f->nkx, f->column_power);
+    return lac_sum(f->columns, f->column_power);
 }

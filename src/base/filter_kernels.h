@@ -74,8 +74,8 @@ static void NAME(gather)(const lac_filter *f, size_t first, size_t width, void *
         const REAL *z = (const REAL *)f->buffer + 2 * pair * f->pitch;
         REAL *restrict to = &block[4 * pair];
         const REAL *at = &z[2 * first];
-        const REAL *mirror = &z[2 * (f->mx - first)];
-        size_t begin = first == 0 ? 1 : 0;
+        const REAL *mirror = &z[2 * (f->length - (f->odd ? 1 : 0) - first)];
+        size_t begin = first == 0 && !f->odd ? 1 : 0;
         // No hardware foresees rows so far apart.
         for (size_t c = 0; pair + AHEAD < f->pairs && c < 2 * width; c += LINE / sizeof(REAL)) {
             __builtin_prefetch(&at[c] + 2 * AHEAD * f->pitch);
@@ -102,8 +102,8 @@ static void NAME(scatter)(const lac_filter *f, size_t first, size_t width, const
         REAL *z = (REAL *)f->buffer + 2 * pair * f->pitch;
         const REAL *restrict from = &block[4 * pair];
         REAL *at = &z[2 * first];
-        REAL *mirror = &z[2 * (f->mx - first)];
-        size_t begin = first == 0 ? 1 : 0;
+        REAL *mirror = &z[2 * (f->length - (f->odd ? 1 : 0) - first)];
+        size_t begin = first == 0 && !f->odd ? 1 : 0;
         if (begin == 1) {
             NAME(join)(from, z, z);
         }

@@ -33,7 +33,7 @@ static void check_cells(lac_reader *reader, const lac_interface_def *def)
                       "goes with interface.cells_x") ||
            lac_refuse(reader, along_x && cells > LAC_MOST_CELLS,
                       along_y ? "interface.cells_y" : "interface.cells_x",
-                      "makes %.0f cells; at most %.0f (8192 x 8192) are possible", cells,
+                      "makes %.0f cells; at most %.0f (32768 x 32768) are possible", cells,
                       (double)LAC_MOST_CELLS));
 }
 

@@ -25,7 +25,7 @@ static const lac_param interface_rows[] = {
              "length along x, the direction of slip; may be absent (1 m) only for a single block"),
     LAC_REAL("width", "m", FIELD(interface.width), NAN, 0, 1e9, LAC_OPTIONAL | LAC_ABOVE_MIN,
              "length along y; that of square cells if absent"),
-    LAC_INTEGER("levels", FIELD(interface.levels), NAN, 0, 13, LAC_OPTIONAL,
+    LAC_INTEGER("levels", FIELD(interface.levels), NAN, 0, 15, LAC_OPTIONAL,
                 "2^levels cells a side; a single block if 0, or if it and cells_x are absent"),
     LAC_INTEGER("cells_x", FIELD(interface.cells_x), NAN, 1, LAC_MOST_CELLS, LAC_OPTIONAL,
                 "cells along x, instead of levels; products of 2, 3 and 5 are fast"),

@@ -339,8 +339,8 @@ void lac_find_coulomb(lac_reader *reader, const lac_case *c, const char *key, do
 /// Whether nothing is wrong below a key: what depends on it can be checked.
 bool lac_clean(const lac_reader *reader, const char *key);
 
-/// Cells of 8192 x 8192: what was tried, and what 32-bit counts of doubled grids hold with ease.
-#define LAC_MOST_CELLS 67108864
+/// Cells of 32768 x 32768: a quarter of what 32-bit indices of cells hold.
+#define LAC_MOST_CELLS 1073741824
 
 /// What no section sees alone.
 void lac_check_case(lac_reader *reader, lac_case *c);

@@ -27,6 +27,7 @@ typedef struct lac_half_space {
     double dqx;         ///< spacing of kappa along x in the transform
     double *qy2;        ///< [my/2 + 1] square of kappa along y
     double *compliance; ///< [nkx * (my/2 + 1)] free: Love's kernel over mx my; periodic: NULL
+    bool triangle;      ///< of that only what lies on and below the diagonal, the rest is the same
     double self;        ///< displacement of a cell under its own unit pressure
 } lac_half_space;
 

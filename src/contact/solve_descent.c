@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Pressures of a partial contact by conjugate gradients, most of it in single precision.
-#include "contact/solve.h"
+#include "contact/solve_descent.h"
 
 // Minimises p.Sp/2 - h.p over p >= 0 with a given mean. The gradient S p - h, less its mean over
 // the contact I = {p > 0}, is the gap g. docs/theory/contact.md, "Solver".
@@ -18,53 +18,6 @@ enum { PIECE = 512 }; // cells of a row whose sums are taken in single precision
 // What the error of a single-precision product is at most, of its rms.
 static const double single_error = 2e-7;
 
-typedef struct sums {
-    double a, b, c, d, e, f;
-} sums;
-
-static void add(sums *all, sums more)
-{
-    all->a += more.a;
-    all->b += more.b;
-    all->c += more.c;
-    all->d += more.d;
-    all->e += more.e;
-    all->f += more.f;
-}
-
-typedef struct iteration iteration;
-
-// The sums of n cells of a row, from `at` of the grid on.
-typedef sums piece_sums(const iteration *it, size_t n, size_t at, float *row);
-
-// State of the iterations. I are the cells in contact, p > 0.
-struct iteration {
-    lac_half_space *s;
-    size_t nx, ny;
-    lac_heights h;
-    double *p;           // [ny * nx] pressure over scale
-    double *gap;         // [ny * nx] of the last fresh product; or NULL
-    float *g;            // [ny * nx] gap plus g_mean
-    float *dg;           // [ny * nx] last change of the gap plus g_mean, on I; then z
-    float *t;            // [ny * nx] search direction, 0 outside I
-    piece_sums *piece;   // of the sweep under way
-    sums *rows;          // [ny]
-    double level;        // gap = S p - h - level
-    double g_mean;       // of g over I
-    double cells;        // in I
-    double sum_p;        // over all cells
-    double sum_g, g2;    // sums over I of the gap and its square
-    double G_old;        // z.g of the step before; 0 to start afresh
-    double z_mean, beta; // of the direction
-    double t_mean;       // over I, of the direction before
-    double tau, tau_ov;  // step along t; step of the cells that open or close
-    double scale;        // brings p back to the load
-    double keep;         // 1 where a fresh product goes with the same step, 0 with a new one
-    double error;        // of g, about, from updates since the last fresh product
-    int updates;         // since then
-    bool held;           // the load is given: directions keep it, and the gap has mean 0 over I
-};
-
 // Sweeps: what is done to one row each, on its way into or out of a transform. Those of pieces
 // write the sums they name, a, b ... in order.
 
@@ -74,63 +27,9 @@ static void sum_row(void *context, size_t j, void *row)
     sums all = {0};
     for (size_t i = 0; i < it->nx; i += PIECE) {
         size_t n = it->nx - i < PIECE ? it->nx - i : PIECE;
-        add(&all, it->piece(it, n, j * it->nx + i, (float *)row + i));
+        add_sums(&all, it->piece(it, n, j * it->nx + i, (float *)row + i));
     }
     it->rows[j] = all;
-}
-
-// p <- scale p, and into the transform (double).
-static void pressure_row(void *context, size_t j, void *row)
-{
-    const iteration *it = context;
-    double *restrict p = &it->p[j * it->nx];
-    double *restrict into = row;
-    double scale = it->scale;
-    for (size_t i = 0; i < it->nx; i++) {
-        p[i] *= scale;
-        into[i] = p[i];
-    }
-}
-
-// Takes u (double); sums: cells of I, u - h over I, p.
-static void level_row(void *context, size_t j, void *row)
-{
-    const iteration *it = context;
-    const double *restrict u = row;
-    const double *restrict p = &it->p[j * it->nx];
-    const lac_heights h = it->h;
-    const size_t n = it->nx, at = j * n;
-    sums all = {0};
-    // One after the other, as without blends of SSE 4; below with safelen, as many partial sums as
-    // the least instruction set has lanes: the same bits whatever this is compiled for.
-    for (size_t i = 0; i < n; i++) {
-        all.a += p[i] > 0.0 ? 1.0 : 0.0;
-        all.b += p[i] > 0.0 ? u[i] - lac_heights_at(h, at + i) : 0.0;
-        all.c += p[i];
-    }
-    it->rows[j] = all;
-}
-
-// Takes u (double): g = u - h - level; and into gap.
-static void fresh_row(void *context, size_t j, void *row)
-{
-    const iteration *it = context;
-    const double *restrict u = row;
-    const lac_heights h = it->h;
-    const size_t at = j * it->nx;
-    float *restrict g = &it->g[j * it->nx];
-    float *restrict dg = &it->dg[j * it->nx];
-    float keep = (float)it->keep;
-    float offset = (float)((1.0 - it->keep) * it->g_mean);
-    double level = it->level;
-    for (size_t i = 0; i < it->nx; i++) {
-        float gap = (float)(u[i] - lac_heights_at(h, at + i) - level);
-        dg[i] = keep * dg[i] + (gap - g[i] + offset);
-        g[i] = gap;
-    }
-    for (size_t i = 0; i < it->nx && it->gap != NULL; i++) {
-        it->gap[at + i] = u[i] - lac_heights_at(h, at + i) - level;
-    }
 }
 
 // Takes S d, d the change of p: g <- g + S d + (scale - 1) (u + S d); sums: cells of I, g over I,
@@ -139,7 +38,7 @@ static sums update_piece(const iteration *it, size_t n, size_t at, float *restri
 {
     const double *restrict p = &it->p[at];
     const lac_heights h = it->h;
-    float *restrict g = &it->g[at];
+    float *restrict g = gap_at(it, at);
     float *restrict dg = &it->dg[at];
     float g_mean = (float)it->g_mean;
     float level = (float)it->level;
@@ -164,7 +63,7 @@ static sums update_piece(const iteration *it, size_t n, size_t at, float *restri
 static sums gap_piece(const iteration *it, size_t n, size_t at, float *restrict into)
 {
     const double *restrict p = &it->p[at];
-    const float *restrict g = &it->g[at];
+    const float *restrict g = gap_at(it, at);
     float g_mean = (float)it->g_mean;
     double pg = 0.0;
     float g2 = 0.0F, sum_g = 0.0F;
@@ -184,7 +83,7 @@ static sums gap_piece(const iteration *it, size_t n, size_t at, float *restrict 
 static sums overlap_piece(const iteration *it, size_t n, size_t at, float *restrict z)
 {
     const double *restrict p = &it->p[at];
-    const float *restrict g = &it->g[at];
+    const float *restrict g = gap_at(it, at);
     float *restrict dg = &it->dg[at];
     const float *restrict t = &it->t[at];
     float g_mean = (float)it->g_mean;
@@ -239,7 +138,7 @@ static void ones_row(void *context, size_t j, void *row)
 static sums step_piece(const iteration *it, size_t n, size_t at, float *restrict into)
 {
     double *restrict p = &it->p[at];
-    const float *restrict g = &it->g[at];
+    const float *restrict g = gap_at(it, at);
     const float *restrict t = &it->t[at];
     float tau = (float)it->tau;
     float tau_ov = (float)it->tau_ov;
@@ -263,52 +162,24 @@ static sums step_piece(const iteration *it, size_t n, size_t at, float *restrict
     return (sums){.a = sum, .b = (double)closing};
 }
 
-// The rows' sums, in order
-static sums total(const iteration *it)
-{
-    sums all = {0};
-    for (size_t j = 0; j < it->ny; j++) {
-        add(&all, it->rows[j]);
-    }
-    return all;
-}
-
 // A sweep of rows into the transform, in single precision, or out of it, by pieces.
 static sums fill(iteration *it, piece_sums *piece)
 {
     it->piece = piece;
     lac_filter_fill(it->s->filter, LAC_SINGLE, sum_row, it);
-    return total(it);
+    return lac_descent_total(it);
 }
 
 static sums take(iteration *it, piece_sums *piece)
 {
     it->piece = piece;
     lac_filter_take(it->s->filter, sum_row, it);
-    return total(it);
+    return lac_descent_total(it);
 }
 
 bool lac_residual_holds(const lac_residual *r, double tolerance)
 {
     return r->complementarity < tolerance && r->penetration < tolerance && r->load < tolerance;
-}
-
-// The gap in double precision.
-static void refresh(iteration *it, bool same_step)
-{
-    it->keep = same_step ? 1.0 : 0.0;
-    lac_filter_fill(it->s->filter, LAC_DOUBLE, pressure_row, it);
-    lac_half_space_displace(it->s);
-    lac_filter_take(it->s->filter, level_row, it);
-    sums all = total(it);
-    it->cells = all.a;
-    it->sum_p = all.c;
-    it->level = it->held ? all.b / all.a : it->level;
-    lac_filter_take(it->s->filter, fresh_row, it);
-    it->g_mean = 0.0;
-    it->scale = 1.0;
-    it->error = 0.0;
-    it->updates = 0;
 }
 
 // The gap from the change of p in the transform, in single precision.
@@ -339,9 +210,13 @@ static void measure(iteration *it, lac_descent *d)
 static double penetration(const iteration *it)
 {
     double least = 0.0;
-    for (size_t i = 0; i < it->nx * it->ny; i++) {
-        double gap = it->p[i] > 0.0 ? 0.0 : (double)it->g[i] - it->g_mean;
-        least = gap < least ? gap : least;
+    for (size_t j = 0; j < it->ny; j++) {
+        const double *p = &it->p[j * it->nx];
+        const float *g = gap_at(it, j * it->nx);
+        for (size_t i = 0; i < it->nx; i++) {
+            double gap = p[i] > 0.0 ? 0.0 : (double)g[i] - it->g_mean;
+            least = gap < least ? gap : least;
+        }
     }
     return -least;
 }
@@ -357,7 +232,7 @@ static bool balanced(const lac_descent *d)
 static bool settled(iteration *it, lac_descent *d)
 {
     if (balanced(d) && it->updates > 0) {
-        refresh(it, true);
+        lac_descent_refresh(it, true);
         measure(it, d);
     }
     d->residual.penetration = balanced(d) ? penetration(it) : INFINITY;
@@ -426,7 +301,7 @@ static void step(iteration *it, const lac_descent *d)
         it->G_old = 0.0;
     }
     if (stale(it, d)) {
-        refresh(it, false);
+        lac_descent_refresh(it, false);
     } else {
         update(it);
     }
@@ -434,7 +309,7 @@ static void step(iteration *it, const lac_descent *d)
 
 static void iterate(iteration *it, lac_descent *d)
 {
-    refresh(it, false);
+    lac_descent_refresh(it, false);
     measure(it, d);
     d->iterations = 0;
     d->products = 1;
@@ -446,7 +321,7 @@ static void iterate(iteration *it, lac_descent *d)
         d->products += it->held ? 2 : 3;
     }
     if (it->updates > 0) { // out of iterations
-        refresh(it, true);
+        lac_descent_refresh(it, true);
         measure(it, d);
     }
     d->residual.penetration = penetration(it);
@@ -456,7 +331,8 @@ lac_status lac_descend(lac_half_space *s, lac_descent *d, double *pressure, doub
                        lac_error *err)
 {
     size_t n = s->nx * s->ny;
-    float *work = calloc(3 * n, sizeof *work);
+    const bool halves = s->mx > s->nx; // g lies in `half`
+    float *work = calloc((halves ? 4 : 3) * n, sizeof *work);
     sums *rows = malloc(s->ny * sizeof *rows);
     lac_status status;
     LAC_TRY(work != NULL && rows != NULL ? LAC_OK : lac_fail_memory(err));
@@ -466,9 +342,10 @@ lac_status lac_descend(lac_half_space *s, lac_descent *d, double *pressure, doub
                     .h = d->heights,
                     .p = pressure,
                     .gap = gap,
+                    .half = halves ? (double *)work : NULL,
                     .g = work,
-                    .dg = &work[n],
-                    .t = &work[2 * n],
+                    .dg = &work[halves ? 2 * n : n],
+                    .t = &work[halves ? 3 * n : 2 * n],
                     .rows = rows,
                     .scale = 1.0,
                     .level = -d->approach,

@@ -36,22 +36,27 @@ SYMBOL(stiffness_double, double *, sqrt(q2) / cells)
 SYMBOL(periodic_single, float *, (float)(1.0 / cells) / sqrtf((float)q2))
 SYMBOL(periodic_double, double *, 1.0 / (sqrt(q2) * cells))
 
-static void free_single(const void *context, size_t k, void *factor)
-{
-    const lac_half_space *s = context;
-    const double *restrict column = &s->compliance[k * (s->my / 2 + 1)];
-    float *restrict w = factor;
-    for (size_t j = 0; j <= s->my / 2; j++) {
-        w[j] = (float)column[j];
+// Love's kernel in column k. Of a square grid of square cells it is the same along both axes: kept
+// is each column down to the diagonal, and it goes on along that row.
+#define FREE(name, reals)                                                                    \
+    static void name(const void *context, size_t k, void *factor)                            \
+    {                                                                                        \
+        const lac_half_space *s = context;                                                   \
+        const size_t n = s->my / 2 + 1, straight = s->triangle ? k + 1 : n;                  \
+        const double *restrict from = &s->compliance[s->triangle ? k * (k + 1) / 2 : k * n]; \
+        __typeof__(reals) restrict w = factor;                                               \
+        for (size_t j = 0; j < straight; j++) {                                              \
+            w[j] = (__typeof__(*w))from[j];                                                  \
+        }                                                                                    \
+        from += k;                                                                           \
+        for (size_t j = straight; j < n; j++) {                                              \
+            from += j;                                                                       \
+            w[j] = (__typeof__(*w))*from;                                                    \
+        }                                                                                    \
     }
-}
 
-static void free_double(const void *context, size_t k, void *factor)
-{
-    const lac_half_space *s = context;
-    size_t n = s->my / 2 + 1;
-    memcpy(factor, &s->compliance[k * n], n * sizeof(double));
-}
+FREE(free_single, float *)
+FREE(free_double, double *)
 
 // A cell's displacement under its own pressure is the mean of the compliance over the spectrum.
 static double periodic_self(const lac_half_space *s)
@@ -119,9 +124,16 @@ static lac_status fill_free(lac_half_space *s, const lac_extent *extent, lac_err
                                1.0 / (extent->dqy * (double)s->ny), err));
     s->self = s->compliance[0];
     LAC_TRY_RETURN(lac_fft_even(s->nkx, s->my / 2 + 1, s->compliance, err));
+    const size_t column = s->my / 2 + 1;
+    s->triangle = s->nkx == column && extent->dqx == extent->dqy;
+    size_t next = 0; // in place: nothing is written beyond what is read
     for (size_t i = 0; i < n; i++) {
-        s->compliance[i] /= cells_of(s);
+        if (!s->triangle || i % column <= i / column) {
+            s->compliance[next++] = s->compliance[i] / cells_of(s);
+        }
     }
+    double *less = realloc(s->compliance, next * sizeof *less);
+    s->compliance = less != NULL ? less : s->compliance;
     return LAC_OK;
 }
 

@@ -54,6 +54,15 @@ void lac_problem_couple(const lac_problem *problem, lac_far_field far, const dou
     }
 }
 
+LAC_CLONES static void lac_couple_hold(size_t n, const double *restrict anchor,
+                                       const double *restrict gone, double back,
+                                       double *restrict held)
+{
+    for (size_t i = 0; i < n; i++) {
+        held[i] = anchor[i] * (gone[i] - back);
+    }
+}
+
 double lac_problem_held(const lac_problem *problem, double back, const double *slip)
 {
     if (problem->anchor == NULL) {
@@ -62,14 +71,33 @@ double lac_problem_held(const lac_problem *problem, double back, const double *s
     double total = 0.0;
     for (size_t first = 0; first < problem->n; first += LAC_FRICTION_BLOCK) {
         double held[LAC_FRICTION_BLOCK];
-        const double *anchor = problem->anchor + first, *gone = slip + first;
         const size_t length = lac_block_length(problem->n, first);
-        for (size_t i = 0; i < length; i++) {
-            held[i] = anchor[i] * (gone[i] - back);
-        }
+        lac_couple_hold(length, problem->anchor + first, slip + first, back, held);
         total += lac_problem_sum_from(problem, first, length, held);
     }
     return total;
+}
+
+// What the loads put on the cells less what they hold on each other already; in place.
+LAC_CLONES static void lac_couple_loads(const lac_problem *problem, double ratio, double common,
+                                        double *restrict traction)
+{
+    const double *restrict start = problem->traction0, *restrict pressure = problem->pressure;
+    const size_t n = problem->n;
+    for (size_t i = 0; i < n; i++) {
+        double q = start[i] + pressure[i] * ratio + common;
+        traction[i] = q - traction[i];
+    }
+}
+
+void lac_problem_elastic_traction(const lac_look *at, const double *slip, double *traction)
+{
+    const lac_problem *problem = at->problem;
+    const lac_problem_loads_at *drive = &at->drive;
+    double mean = lac_problem_mean(problem, slip);
+    double common = drive->spring - drive->spring_stiffness * mean;
+    lac_problem_couple(problem, drive->far, slip, traction, at->ws.scratch);
+    lac_couple_loads(problem, drive->ratio, common, traction);
 }
 
 const char *lac_problem_lost_transfer(const lac_problem *problem, const double *slip, double *work)

@@ -79,19 +79,6 @@ void lac_problem_speed(const lac_problem *problem, double t, const double *y, bo
     *max = lac_vmost(problem->n, at.motion.v);
 }
 
-void lac_problem_elastic_traction(const lac_look *at, const double *slip, double *traction)
-{
-    const lac_problem *problem = at->problem;
-    const lac_problem_loads_at *drive = &at->drive;
-    double mean = lac_problem_mean(problem, slip);
-    double common = drive->spring - drive->spring_stiffness * mean;
-    lac_problem_couple(problem, drive->far, slip, traction, at->ws.scratch);
-    for (size_t i = 0; i < problem->n; i++) {
-        double q = problem->traction0[i] + problem->pressure[i] * drive->ratio + common;
-        traction[i] = q - traction[i];
-    }
-}
-
 void lac_problem_traction(const lac_problem *problem, double t, const double *slip,
                           double *traction, double *work)
 {
@@ -141,6 +128,19 @@ LAC_CLONES static double lac_observe_worst(const lac_look *at, size_t first, siz
     return numbers == (long long)n ? lac_vmost(n, relative) : (double)NAN;
 }
 
+// What holds a block's cells by an e-fold of the rate.
+LAC_CLONES static void lac_observe_holds(const lac_look *at, size_t first, size_t n,
+                                         const double *restrict a, double *restrict holds)
+{
+    const lac_problem *problem = at->problem;
+    const double *restrict v = at->motion.v + first;
+    const double damping = problem->damping, mean = fabs(at->motion.mean);
+    for (size_t i = 0; i < n; i++) {
+        double p = lac_problem_effective(problem, &at->drive, first + i);
+        holds[i] = a[i] * p + damping * fabs(v[i]) + lac_problem_drag(problem, first + i) * mean;
+    }
+}
+
 // How far the cells are off their balance, each and together.
 // @param traction  overwritten
 static void measure_balance(const lac_look *at, const double *slip, double *traction,
@@ -156,11 +156,7 @@ static void measure_balance(const lac_look *at, const double *slip, double *trac
         const double most = lac_observe_worst(at, first, n, f0, a, traction + first);
         worst = most > worst || isnan(most) ? most : worst;
         double holds[LAC_FRICTION_BLOCK];
-        for (size_t i = 0; i < n; i++) {
-            double p = lac_problem_effective(problem, &at->drive, first + i);
-            holds[i] = a[i] * p + problem->damping * fabs(at->motion.v[first + i]) +
-                       lac_problem_drag(problem, first + i) * fabs(at->motion.mean);
-        }
+        lac_observe_holds(at, first, n, a, holds);
         sum += lac_problem_sum_from(problem, first, n, traction + first);
         held += lac_problem_sum_from(problem, first, n, holds);
     }

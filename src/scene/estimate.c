@@ -18,8 +18,11 @@ static const double massive_factor = 3; // on the last where a block has mass
 static const struct {
     double bytes, kept_bytes, seconds, level_seconds, large_seconds, history_bytes, history_seconds;
 } costs[] = {[LAC_PERIODIC] = {45, 20, 2e-6, 1e-6, 0.35e-6, 190, 2.5e-6},
-             [LAC_FREE] = {60, 20, 4e-6, 3e-6, 1.4e-6, 460, 11e-6}};
+             [LAC_FREE] = {52, 20, 4e-6, 3e-6, 1.4e-6, 460, 11e-6}};
 static const double one_by_one_cells = 4096;
+
+// Cells of a grid whose contact is counted or estimated on it: a check takes at most 2 GB.
+static const size_t most_counted = (size_t)1 << 26;
 
 // Of a step of the elastic transfer, for each cell of the grid: where K is a filter, and where gaps
 // make it an iteration; four times that where transforms are of twice the sides.
@@ -81,12 +84,16 @@ static double contact_fraction(const lac_case *c, double pressure, double slope)
 
 static lac_status estimate_surface(const lac_case *c, lac_estimate *e, lac_error *err)
 {
-    double *heights = malloc(lac_grid_cells(&e->grid) * sizeof *heights);
+    lac_grid grid = e->grid;
+    while (lac_grid_cells(&grid) > most_counted && grid.nx % 2 == 0 && grid.ny % 2 == 0) {
+        grid = (lac_grid){grid.nx / 2, grid.ny / 2, 2 * grid.dx, 2 * grid.dy, grid.periodic};
+    }
+    double *heights = malloc(lac_grid_cells(&grid) * sizeof *heights);
     LAC_FAIL_MEMORY_IF(heights == NULL, err);
-    lac_status status = lac_surface_generate(&c->surface, &e->grid, heights, NULL, err);
+    lac_status status = lac_surface_generate(&c->surface, &grid, heights, NULL, err);
     if (status == LAC_OK) {
-        double slope = sqrt(mean_square_slope(&e->grid, heights, true) +
-                            mean_square_slope(&e->grid, heights, false));
+        double slope = sqrt(mean_square_slope(&grid, heights, true) +
+                            mean_square_slope(&grid, heights, false));
         double fraction = contact_fraction(c, e->pressure, slope);
         e->contact_cells = isfinite(fraction) ? fmax(1, e->grid_cells * fraction) : (double)NAN;
     }
@@ -98,6 +105,9 @@ static lac_status count_cells(const lac_case *c, lac_estimate *e, lac_error *err
 {
     if (c->surface.info != NULL) {
         return estimate_surface(c, e, err);
+    }
+    if (c->domain.info != NULL && e->grid_cells > (double)most_counted) {
+        return LAC_OK; // all of them, at most
     }
     lac_domain *domain = NULL;
     lac_status status = c->domain.info != NULL ? lac_scene_domain_create(c, &domain, err) : LAC_OK;
@@ -111,6 +121,15 @@ static lac_status count_cells(const lac_case *c, lac_estimate *e, lac_error *err
 static bool follows_history(const lac_case *c, const lac_estimate *e)
 {
     return !e->integrated && c->history.count > 0;
+}
+
+double lac_estimate_least_memory(const lac_case *c)
+{
+    const lac_grid grid = lac_interface_grid(&c->interface);
+    const double domain_bytes = 13; // pressures, and which are occupied
+    return base_bytes +
+           (double)lac_grid_cells(&grid) *
+               (c->surface.info != NULL ? costs[c->interface.boundary].bytes : domain_bytes);
 }
 
 static void count_memory(const lac_case *c, lac_estimate *e)

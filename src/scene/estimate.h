@@ -113,8 +113,12 @@ lac_status lac_fidelity_settle(lac_scene *scene, lac_case *c, lac_fidelity_choic
 /// Finds out how cells hold one another: from the grid, the pressure and the cells of `e`.
 void lac_estimate_stability(const lac_case *c, lac_estimate *e);
 
-/// Estimates them, and is a check too: the surface is generated, not its contact; a small scene is
-/// built whole, of a large one the loads at the start are looked at.
+/// What a case's grid takes at least, whatever is done with it [bytes].
+double lac_estimate_least_memory(const lac_case *c);
+
+/// Estimates them, and is a check too: the surface is generated, on a coarser grid where it has
+/// more than 2^26 cells, not its contact; a small scene is built whole, of a large one the loads at
+/// the start are looked at.
 /// @return LAC_OK; what the surface, the domain or the scene returns; LAC_ENOMEM
 lac_status lac_estimate_make(const lac_case *c, lac_load_files *files, lac_estimate *out,
                              lac_error *err);

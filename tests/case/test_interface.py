@@ -276,14 +276,20 @@ class Bad(Interfaces):
                     "cells_x: 16, shape: line, domain: {cascade: {dimension: 1.5}}")
 
     def test_large_grids(self):
-        """Accepted up to 8192 x 8192, which takes some 4 GB, and not beyond."""
-        self.case("levels: 13, domain: {cascade: {dimension: 1.2}}", more=RUN)
+        """Accepted up to 32768 x 32768; one that memory does not hold is refused before it is made."""
+        self.case("levels: 15, domain: {cascade: {dimension: 1.2}}", more=RUN)
         done = json.loads(self.expect(0, "check", "c.yaml", "--json").stdout)
-        self.assertEqual(done["estimate"]["grid_cells"], 8192 ** 2)
-        self.assertTrue(2e9 < done["estimate"]["memory_bytes"] < 12e9)
-        self.case("cells_x: 8192, cells_y: 8193, domain: {full: {}}", more=RUN)
-        self.expect_line(2, 'c.yaml:2: interface.cells_y: "8193" makes 67117056 cells; at most '
-                         "67108864 (8192 x 8192) are possible", "check", "c.yaml")
+        self.assertEqual(done["estimate"]["grid_cells"], 32768 ** 2)
+        self.assertGreater(done["estimate"]["memory_bytes"], 13 * 32768 ** 2)
+        if os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") < 55e9:
+            self.case("levels: 15, boundary: free, "
+                      "surface: {self-affine: {hurst: 0.8, rms_height: 1 mm}}")
+            self.assertRegex(self.expect(1, "contact", "c.yaml").stderr,
+                             r"^lacuna: c.yaml: interface: 32768 x 32768 cells take at least "
+                             r"55.9 GB of memory, [0-9.]+ GB are free\n$")
+        self.case("cells_x: 32768, cells_y: 32769, domain: {full: {}}", more=RUN)
+        self.expect_line(2, 'c.yaml:2: interface.cells_y: "32769" makes 1073774592 cells; at most '
+                         "1073741824 (32768 x 32768) are possible", "check", "c.yaml")
 
 
 def main():

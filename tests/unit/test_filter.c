@@ -66,7 +66,7 @@ static void take_row(void *context, size_t j, void *row)
     fixture *f = context;
     for (size_t i = 0; i < f->nx; i++) {
         double x = f->precision == LAC_SINGLE ? (double)((float *)row)[i] : ((double *)row)[i];
-        f->taken[j * f->nx + i] = x;
+        f->taken[j * f->nx + i] += x;
     }
 }
 
@@ -121,7 +121,21 @@ static void check_taken(const fixture *f, double times)
     }
 }
 
-// Every kind of side: even, odd, prime, one cell; alone and with zeros around.
+// Filters and takes what there is of a field; returns its power.
+static double filter_once(fixture *f, lac_filter *filter, lac_precision mode)
+{
+    lac_filter_fill(filter, mode, fill_row, f);
+    assert_true(lac_filter_precision(filter) == mode);
+    // the power leaves what was filled
+    double power = lac_filter_power(filter, symbol_of(f), f);
+    lac_filter_multiply(filter, symbol_of(f), f);
+    memset(f->taken, 0, mode == LAC_ODD ? 0 : sizeof f->taken);
+    lac_filter_take(filter, take_row, f);
+    return power;
+}
+
+// Every kind of side: even, odd, prime, one cell; alone and with zeros around, then by halves in
+// double precision.
 static void filter_equals_plain_transforms(void **state)
 {
     (void)state;
@@ -136,18 +150,16 @@ static void filter_equals_plain_transforms(void **state)
         const size_t field[] = {f->nx, f->ny};
         const size_t transform[] = {f->mx, f->my};
         assert_int_equal(lac_filter_create(field, transform, &filter, NULL), LAC_OK);
-        lac_filter_fill(filter, f->precision, fill_row, f);
-        assert_true(lac_filter_precision(filter) == f->precision);
-        // the power leaves what was filled
-        double power = lac_filter_power(filter, symbol_of(f), f);
+        const bool halves = f->precision == LAC_DOUBLE && f->mx > f->nx;
+        double power = filter_once(f, filter, halves ? LAC_EVEN : f->precision);
+        power += halves ? filter_once(f, filter, LAC_ODD) : 0.0;
         assert_true(fabs(power / f->power - 1.0) < close);
-        lac_filter_multiply(filter, symbol_of(f), f);
-        lac_filter_take(filter, take_row, f);
         check_taken(f, 1.0);
         // taken once more
-        memset(f->taken, 0, sizeof f->taken);
-        lac_filter_take(filter, take_row, f);
-        check_taken(f, 1.0);
+        for (int j = 2; !halves && j < 4; j++) {
+            lac_filter_take(filter, take_row, f);
+            check_taken(f, j);
+        }
         lac_filter_free(filter);
         free(f);
     }

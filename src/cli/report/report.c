@@ -4,9 +4,11 @@
 #include "cli/report/report.h"
 
 #include "base/date.h"
+#include "cli/common/memory.h"
 #include "cli/common/output.h"
 #include "cli/common/words.h"
 #include "cli/precursors/series.h"
+#include "scene/estimate.h"
 #include "store/past.h"
 #include "store/store_cells.h"
 #include "sweep/ensemble.h"
@@ -191,6 +193,20 @@ static lac_status set_from(const cli_request *request, lac_case *c, lac_error *e
     return LAC_OK;
 }
 
+// The system may end a process that takes more than there is, without a word. A grid of less than
+// a GB is not asked about.
+static lac_status ask_memory(const cli_request *request, const lac_case *c, lac_error *err)
+{
+    const lac_grid grid = lac_interface_grid(&c->interface);
+    const double least = lac_estimate_least_memory(c);
+    const double there = least > 1e9 ? (double)cli_memory_free("") : INFINITY;
+    LAC_FAIL_IF(least > there, err, LAC_ENOMEM,
+                "%s: interface: %zu x %zu cells take at least %.3g GB of memory, %.3g GB are free",
+                request->count > 0 ? request->argument[0] : request->from, grid.nx, grid.ny,
+                1e-9 * least, 1e-9 * there);
+    return LAC_OK;
+}
+
 lac_status cli_case_read(const cli_request *request, lac_case_purpose purpose, lac_case **c,
                          lac_case_issues *report, lac_error *err)
 {
@@ -207,6 +223,8 @@ lac_status cli_case_read(const cli_request *request, lac_case_purpose purpose, l
     cli_report_print_of(all, request, "");
     if (all->errors > 0) {
         err->message[0] = '\0'; // said already, line by line
+    } else if (status == LAC_OK && purpose != LAC_FOR_CHECK) {
+        status = ask_memory(request, *c, err);
     }
     lac_case_issues_clear(&own);
     if (status == LAC_OK) {

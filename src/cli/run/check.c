@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include "cli/common/command.h"
+#include "cli/common/memory.h"
 #include "cli/common/output.h"
 #include "cli/common/words.h"
 #include "cli/run/check_lumped.h"
@@ -114,7 +115,12 @@ static void print_size(const lac_estimate *e)
         }
         puts("");
     }
-    printf("#   memory          %.10g MB\n", rounded(e->memory / 1e6, 2));
+    const double free_bytes = (double)cli_memory_free("");
+    printf("#   memory          %.10g MB", rounded(e->memory / 1e6, 2));
+    if (e->memory > free_bytes) {
+        printf(": more than the %.10g MB that are free", rounded(free_bytes / 1e6, 2));
+    }
+    puts("");
 }
 
 // CPU time in a few digits.

@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#pragma once
+
+// What the iterations of solve_descent.c and their fresh products in solve_fresh.c share.
+#include "contact/solve.h"
+
+typedef struct sums {
+    double a, b, c, d, e, f;
+} sums;
+
+static inline void add_sums(sums *all, sums more)
+{
+    all->a += more.a;
+    all->b += more.b;
+    all->c += more.c;
+    all->d += more.d;
+    all->e += more.e;
+    all->f += more.f;
+}
+
+typedef struct iteration iteration;
+
+// The sums of n cells of a row, from `at` of the grid on.
+typedef sums piece_sums(const iteration *it, size_t n, size_t at, float *row);
+
+// State of the iterations. I are the cells in contact, p > 0.
+struct iteration {
+    lac_half_space *s;
+    size_t nx, ny;
+    lac_heights h;
+    double *p;           // [ny * nx] pressure over scale
+    double *gap;         // [ny * nx] of the last fresh product; or NULL
+    double *half;        // free: [ny * nx] displacements of the even wavenumbers; else NULL
+    float *g;            // gap plus g_mean: see gap_at
+    float *dg;           // [ny * nx] last change of the gap plus g_mean, on I; then z
+    float *t;            // [ny * nx] search direction, 0 outside I
+    piece_sums *piece;   // of the sweep under way
+    sums *rows;          // [ny]
+    double level;        // gap = S p - h - level
+    double g_mean;       // of g over I
+    double cells;        // in I
+    double sum_p;        // over all cells
+    double sum_g, g2;    // sums over I of the gap and its square
+    double G_old;        // z.g of the step before; 0 to start afresh
+    double z_mean, beta; // of the direction
+    double t_mean;       // over I, of the direction before
+    double tau, tau_ov;  // step along t; step of the cells that open or close
+    double scale;        // brings p back to the load
+    double keep;         // 1 where a fresh product goes with the same step, 0 with a new one
+    double error;        // of g, about, from updates since the last fresh product
+    int updates;         // since then
+    bool held;           // the load is given: directions keep it, and the gap has mean 0 over I
+};
+
+// Where g of a cell is. In free solutions the rows of g begin where those of `half` do, which is
+// needed only while a fresh product is made.
+static inline float *gap_at(const iteration *it, size_t cell)
+{
+    return &it->g[cell + (it->half != NULL ? cell / it->nx * it->nx : 0)];
+}
+
+/// The rows' sums, in order.
+sums lac_descent_total(const iteration *it);
+
+/// The gap from a product in double precision.
+/// @param same_step  whether p is still that of the last update
+void lac_descent_refresh(iteration *it, bool same_step);
