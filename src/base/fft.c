@@ -52,26 +52,44 @@ void lac_fft_free(lac_fft *fft)
     free(fft);
 }
 
+void lac_fft_mirror(lac_fft *fft)
+{
+    fft->mirrored = true;
+    fft->nkx = fft->nx; // real numbers, in the room of half as many pairs
+}
+
 void lac_fft_forward(lac_fft *fft) { fftw_execute(fft->forward); }
 
 void lac_fft_inverse(lac_fft *fft) { fftw_execute(fft->inverse); }
 
+// Rows to wavenumbers along x and back: of a line that is mirrored by cosines.
+static void plan_rows(lac_fft *fft, unsigned planning)
+{
+    const int nx = (int)fft->nx, nkx = (int)fft->nkx, rows = (int)fft->rows;
+    fftw_complex *spectrum = (fftw_complex *)fft->spectrum;
+    if (fft->mirrored) {
+        fft->rows_forward =
+            fftw_plan_r2r_1d(nx, fft->real, (double *)spectrum, FFTW_REDFT10, planning);
+        fft->rows_inverse =
+            fftw_plan_r2r_1d(nx, (double *)spectrum, fft->real, FFTW_REDFT01, planning);
+        return;
+    }
+    fft->rows_forward = fftw_plan_many_dft_r2c(1, &nx, rows, fft->real, NULL, 1, nx, spectrum, NULL,
+                                               1, nkx, planning);
+    fft->rows_inverse = fftw_plan_many_dft_c2r(1, &nx, rows, spectrum, NULL, 1, nkx, fft->real,
+                                               NULL, 1, nx, planning);
+}
+
 lac_status lac_fft_plan_filter(lac_fft *fft, size_t rows, lac_error *err)
 {
-    const int nx = (int)fft->nx, ny = (int)fft->ny;
-    const int nkx = (int)fft->nkx;
-    fftw_complex *spectrum = (fftw_complex *)fft->spectrum;
     const unsigned planning = fft->measure ? FFTW_MEASURE : FFTW_ESTIMATE;
     fft->rows = rows;
     fft->lead = fft->ny + 4; // columns a power of two apart would fall on the same cache lines
     fft->block = (double _Complex *)fftw_alloc_complex(BLOCK * fft->lead);
     LAC_FAIL_MEMORY_IF(fft->block == NULL, err);
+    plan_rows(fft, planning);
     fftw_complex *block = (fftw_complex *)fft->block;
-    const int lead = (int)fft->lead;
-    fft->rows_forward = fftw_plan_many_dft_r2c(1, &nx, (int)rows, fft->real, NULL, 1, nx, spectrum,
-                                               NULL, 1, nkx, planning);
-    fft->rows_inverse = fftw_plan_many_dft_c2r(1, &nx, (int)rows, spectrum, NULL, 1, nkx, fft->real,
-                                               NULL, 1, nx, planning);
+    const int ny = (int)fft->ny, lead = (int)fft->lead;
     fft->block_forward = fftw_plan_many_dft(1, &ny, BLOCK, block, NULL, 1, lead, block, NULL, 1,
                                             lead, FFTW_FORWARD, planning);
     fft->block_inverse = fftw_plan_many_dft(1, &ny, BLOCK, block, NULL, 1, lead, block, NULL, 1,
@@ -135,7 +153,11 @@ LAC_CLONES static void lac_fft_multiply(size_t n, const double *restrict factor,
 void lac_fft_filter(lac_fft *fft, const double *table)
 {
     fftw_execute(fft->rows_forward);
-    if (fft->ny == 1) { // a line has no columns to transform
+    if (fft->mirrored) {
+        for (size_t i = 0; i < fft->nx; i++) {
+            ((double *)fft->spectrum)[i] *= table[i];
+        }
+    } else if (fft->ny == 1) { // a line has no columns to transform
         lac_fft_multiply(fft->nkx, table, (double *)fft->spectrum);
     }
     for (size_t first = 0; fft->ny > 1 && first < fft->nkx; first += BLOCK) {
@@ -149,6 +171,34 @@ void lac_fft_filter(lac_fft *fft, const double *table)
             scatter(fft, first, BLOCK);
         } else {
             scatter(fft, first, width);
+        }
+    }
+    fftw_execute(fft->rows_inverse);
+}
+
+// y += m x of a column's real and imaginary parts
+LAC_CLONES static void lac_fft_add(size_t n, const double *restrict m, double real,
+                                   double imaginary, double *restrict y, double *restrict z)
+{
+    for (size_t i = 0; i < n; i++) {
+        y[i] += m[i] * real;
+        z[i] += m[i] * imaginary;
+    }
+}
+
+void lac_fft_filter_rows(lac_fft *fft, const double *table)
+{
+    const size_t n = fft->rows;
+    double *y = (double *)fft->block, *z = y + n;
+    fftw_execute(fft->rows_forward);
+    for (size_t k = 0; k < fft->nkx; k++) {
+        memset(y, 0, 2 * n * sizeof *y);
+        for (size_t j = 0; j < n; j++) {
+            const double _Complex x = fft->spectrum[j * fft->nkx + k];
+            lac_fft_add(n, &table[(k * n + j) * n], creal(x), cimag(x), y, z);
+        }
+        for (size_t j = 0; j < n; j++) {
+            fft->spectrum[j * fft->nkx + k] = y[j] + z[j] * I;
         }
     }
     fftw_execute(fft->rows_inverse);

@@ -11,10 +11,11 @@ typedef struct lac_fft {
     double *real;              ///< [ny * nx]
     double _Complex *spectrum; ///< [ny * nkx]; destroyed by the inverse
     void *forward, *inverse;
-    bool measure; ///< plans of the filter are the quickest of those tried: their last bits differ
-                  ///< from run to run; to be set before lac_fft_plan_filter
-    size_t rows;  ///< of real that lac_fft_filter reads and writes
-    size_t lead;  ///< from column to column in block
+    bool mirrored; ///< the filter is of a line and its mirror image: lac_fft_mirror
+    bool measure;  ///< plans of the filter are the quickest of those tried: their last bits differ
+                   ///< from run to run; to be set before lac_fft_plan_filter
+    size_t rows;   ///< of real that lac_fft_filter reads and writes
+    size_t lead;   ///< from column to column in block
     double _Complex *block;
     void *rows_forward, *rows_inverse, *block_forward, *block_inverse;
 } lac_fft;
@@ -22,6 +23,11 @@ typedef struct lac_fft {
 /// Plans transforms of an ny x nx grid (x fastest).
 lac_status lac_fft_create(size_t nx, size_t ny, lac_fft **out, lac_error *err);
 void lac_fft_free(lac_fft *fft);
+
+/// Makes of it the filter of a line whose data go on, before the first cell, as their mirror image:
+/// cosine transforms with nkx = nx waves cos(pi k (i + 1/2)/nx), of which the pair multiplies by
+/// 2 nx. Forward and inverse are not for it. To be called before lac_fft_plan_filter.
+void lac_fft_mirror(lac_fft *fft);
 
 /// real -> spectrum, unnormalised.
 void lac_fft_forward(lac_fft *fft);
@@ -36,6 +42,10 @@ lac_status lac_fft_plan_filter(lac_fft *fft, size_t rows, lac_error *err);
 /// real -> F^-1 (table F real) in the planned rows, unnormalised; table [nkx * ny], by columns.
 /// Columns go forth and back a few at a time, while they are in the cache: cheaper than the pair.
 void lac_fft_filter(lac_fft *fft, const double *table);
+
+/// real -> F^-1 (M F real) in the planned rows, F along x alone, unnormalised; table
+/// [nkx][rows][rows]: M of each wave, symmetric.
+void lac_fft_filter_rows(lac_fft *fft, const double *table);
 
 /// Sum over all wavenumbers of table |F real|^2; the inner columns stand for their mirror images.
 double lac_fft_power(lac_fft *fft, const double *table);

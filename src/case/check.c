@@ -61,7 +61,8 @@ static void check_transfer(lac_reader *reader, const lac_case *c, bool material_
     const lac_domain_source *domain = (const void *)c->domain.info;
     const lac_transfer_place place = {.periodic = c->interface.boundary == LAC_PERIODIC,
                                       .full = c->surface.info == NULL &&
-                                              (domain == NULL || domain->full)};
+                                              (domain == NULL || domain->full),
+                                      .line = c->interface.shape == LAC_LINE};
     lac_transfer_validate fault[LAC_TRANSFER_FAULTS] = {0};
     lac_transfer_outline outline;
     char key[100];

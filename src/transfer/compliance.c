@@ -5,16 +5,35 @@
 #include "base/statistics.h"
 
 enum { MAX_ITERATIONS = 1000 };
+static const size_t most_table = (size_t)1 << 29; // numbers
 
 struct lac_compliance {
     size_t n;
     size_t *at;    // [n] index of each contact cell in the transform's grid
     size_t gap;    // first column of a row that holds nothing: zeros; 0: no row is full
     bool in_order; // at[i] = i
+    bool by_rows;  // the stiffness is a matrix of rows for each wave along x
     lac_fft *fft;
     double *stiffness, *compliance;  // [nkx * ny] of each mode: lac_kernels_fill
     double *vectors, *r, *z, *p, *q; // [n] each, of the conjugate gradients
 };
+
+// Where the cells lie in the transform's grid, and the vectors in their room.
+static void place_cells(lac_compliance *c, const lac_domain *domain)
+{
+    const lac_grid *grid = &domain->grid;
+    c->r = c->vectors;
+    c->z = c->r + c->n;
+    c->p = c->z + c->n;
+    c->q = c->p + c->n;
+    c->gap = c->n == lac_grid_cells(grid) ? grid->nx : 0;
+    c->in_order = true;
+    for (size_t i = 0; i < c->n; i++) {
+        size_t x = domain->index[i] % grid->nx, y = domain->index[i] / grid->nx;
+        c->at[i] = y * c->fft->nx + x;
+        c->in_order = c->in_order && c->at[i] == i;
+    }
+}
 
 lac_status lac_compliance_create(const lac_domain *domain, const lac_rock *rock,
                                  lac_compliance **out, lac_error *err)
@@ -27,35 +46,40 @@ lac_status lac_compliance_create(const lac_domain *domain, const lac_rock *rock,
                 g, nu);
     const lac_grid *grid = &domain->grid;
     size_t n = domain->n;
-    size_t mx = grid->periodic || grid->nx == 1 ? 1 : 2;
-    size_t my = grid->periodic || grid->ny == 1 ? 1 : 2;
+    const bool mirror = rock->surface && rock->line;
+    const bool deep = rock->surface && !rock->line; // depths are not alike
+    size_t mx = grid->periodic || (grid->nx == 1 && !mirror) ? 1 : 2;
+    size_t my = grid->periodic || grid->ny == 1 || deep ? 1 : 2;
     lac_status status = LAC_OK;
     lac_compliance *c = calloc(1, sizeof *c);
     LAC_FAIL_MEMORY_IF(c == NULL, err);
     c->n = n;
     LAC_TRY(lac_fft_create(mx * grid->nx, my * grid->ny, &c->fft, err));
+    if (mirror) {
+        lac_fft_mirror(c->fft);
+    }
+    c->by_rows = deep;
     c->at = malloc(n * sizeof *c->at);
     size_t modes = c->fft->ny * c->fft->nkx;
-    c->stiffness = malloc(modes * sizeof *c->stiffness);
+    const size_t depths = deep ? grid->ny : 1;
+    LAC_TRY(
+        modes <= most_table / depths
+            ? LAC_OK
+            : lac_fail(err, LAC_EINPUT,
+                       "a free surface beside %zu x %zu cells takes a table of %.0f GB, at most "
+                       "%.0f are allowed: fewer cells of depth",
+                       grid->nx, grid->ny, 8e-9 * (double)modes * (double)depths,
+                       8e-9 * (double)most_table));
+    c->stiffness = malloc(modes * depths * sizeof *c->stiffness);
     c->compliance = malloc(modes * sizeof *c->compliance);
     c->vectors = malloc(4 * n * sizeof *c->vectors);
     LAC_TRY(c->at != NULL && c->stiffness != NULL && c->compliance != NULL && c->vectors != NULL
                 ? LAC_OK
                 : lac_fail_memory(err));
-    c->r = c->vectors;
-    c->z = c->r + n;
-    c->p = c->z + n;
-    c->q = c->p + n;
-    c->gap = n == lac_grid_cells(grid) ? grid->nx : 0;
-    c->in_order = true;
-    for (size_t i = 0; i < n; i++) {
-        size_t x = domain->index[i] % grid->nx, y = domain->index[i] / grid->nx;
-        c->at[i] = y * c->fft->nx + x;
-        c->in_order = c->in_order && c->at[i] == i;
-    }
-    LAC_TRY(lac_kernels_fill(c->fft, grid, rock, c->stiffness, c->compliance, err));
+    place_cells(c, domain);
     c->fft->measure = rock->measure;
     LAC_TRY(lac_fft_plan_filter(c->fft, grid->ny, err));
+    LAC_TRY(lac_kernels_fill(c->fft, grid, rock, c->stiffness, c->compliance, err));
     *out = c;
     c = NULL;
 out:
@@ -96,18 +120,19 @@ static void clear_gaps(const lac_compliance *c)
 static void filter(lac_compliance *c, const double *symbol, const double *x, double *y)
 {
     lac_fft *fft = c->fft;
+    void (*const by)(lac_fft *, const double *) = c->by_rows ? lac_fft_filter_rows : lac_fft_filter;
     double *real = fft->real;
     clear_gaps(c);
     if (c->in_order) {
         memcpy(real, x, c->n * sizeof *real);
-        lac_fft_filter(fft, symbol);
+        by(fft, symbol);
         memcpy(y, real, c->n * sizeof *real);
         return;
     }
     for (size_t i = 0; i < c->n; i++) {
         real[c->at[i]] = x[i];
     }
-    lac_fft_filter(fft, symbol);
+    by(fft, symbol);
     for (size_t i = 0; i < c->n; i++) {
         y[i] = real[c->at[i]];
     }

@@ -12,14 +12,19 @@ typedef struct lac_rock {
     bool antiplane;   ///< the scalar problem; differs from nu = 0 in slabs only
     bool line;        ///< a row of cells is a line in plane strain or antiplane, not a strip
     bool creeping;    ///< beyond a free border slip is uniform instead of free of traction
+    bool surface;     ///< the rock ends at a free surface beside the first row; of a line, which is
+                      ///< antiplane, beside the first cell; with creeping only
     bool measure;     ///< transforms are planned by measuring
     bool across;      ///< slip is along y, not x
     bool cross;       ///< the stiffness is of traction along y under slip along x, of waves only
 } lac_rock;
 
 /// Tables for lac_fft_filter, [nkx * ny] by columns, with the 1/N of the transforms.
-/// @param stiffness   S of each mode; creeping: of slip uniform on each cell of a doubled grid
-/// @param compliance  1/S, 0 where S is 0; free: of traction uniform on each cell
+/// @param stiffness   S of each mode; creeping: of slip uniform on each cell of a doubled grid; of
+/// a
+///                    plane with a surface [nkx][ny][ny] for lac_fft_filter_rows
+/// @param compliance  1/S, 0 where S is 0; free: of traction uniform on each cell; with
+///                    a surface 0: it is not known
 lac_status lac_kernels_fill(lac_fft *fft, const lac_grid *grid, const lac_rock *rock,
                             double *stiffness, double *compliance, lac_error *err);
 

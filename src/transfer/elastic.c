@@ -7,9 +7,11 @@
 
 enum { IN_PLANE, ANTIPLANE };
 enum { UNLOADED, CREEPING };
+enum { NO_BOUNDARY, FREE_SURFACE };
 
 static const char *const modes[] = {"in-plane", "antiplane", NULL};
 static const char *const surroundings[] = {"unloaded", "creeping", NULL};
+static const char *const boundaries[] = {"none", "free-surface", NULL};
 
 static const lac_param params[] = {
     LAC_CHOICE("mode", offsetof(lac_transfer_elastic, mode), IN_PLANE, modes, 0,
@@ -18,6 +20,10 @@ static const lac_param params[] = {
     LAC_CHOICE("outside", offsetof(lac_transfer_elastic, outside), UNLOADED, surroundings, 0,
                "beyond a free border: unloaded, the faces apart; creeping, slip uniform at the "
                "rate of load.shear.back-slip (none: held), on full contact only"),
+    LAC_CHOICE(
+        "boundary", offsetof(lac_transfer_elastic, boundary), NO_BOUNDARY, boundaries, 0,
+        "of the rock: none; free-surface, where it ends at x = 0 of an antiplane line, or at "
+        "y = 0 of a plane that stands upright and slips along x; with outside: creeping"),
     LAC_REAL("thickness", "m", offsetof(lac_transfer_elastic, thickness), NAN, 0, 1e9,
              LAC_OPTIONAL | LAC_ABOVE_MIN,
              "of the rock on either side, its far face rigid: gives the mean slip the stiffness "
@@ -33,7 +39,9 @@ static const char *fault(const void *given)
     const lac_transfer_elastic *p = given;
     bool both = p->outside == CREEPING && !isnan(p->thickness);
     return both ? "outside: creeping needs a free border, thickness a periodic one: not both"
-                : NULL;
+           : p->boundary == FREE_SURFACE && p->outside != CREEPING
+               ? "boundary: free-surface needs outside: creeping"
+               : NULL;
 }
 
 static bool is_full(const lac_domain *domain) { return domain->n == lac_grid_cells(&domain->grid); }
@@ -101,7 +109,8 @@ static lac_rock rock_of(const lac_transfer_elastic *p, const lac_transfer_scene 
                       .antiplane = p->mode == ANTIPLANE,
                       .line = scene->line,
                       .measure = scene->measure,
-                      .creeping = p->outside == CREEPING};
+                      .creeping = p->outside == CREEPING,
+                      .surface = p->boundary == FREE_SURFACE};
 }
 
 // The rock of some parameters on a domain, without what a Newton iteration needs beside it.
@@ -273,6 +282,10 @@ static void check_place(const void *given, const lac_transfer_place *place,
     if (p->outside != 0 && (place->periodic || !place->full)) {
         fault[1] = (lac_transfer_validate){
             ".outside", "needs interface.boundary: free and interface.domain: {full: {}}"};
+    }
+    if (p->boundary == FREE_SURFACE && place->line != (p->mode == ANTIPLANE)) {
+        fault[2] = (lac_transfer_validate){
+            ".boundary", "goes with mode: antiplane on a line, and with in-plane on a plane"};
     }
 }
 

@@ -159,6 +159,83 @@ static void transform(lac_fft *fft, double *table)
     }
 }
 
+// A line and its mirror image: the transform is of twice the length, of which it holds a half, so
+// that the farthest image lies within.
+static lac_status fill_mirrored(const lac_fft *fft, double dx, double scale, double *table,
+                                lac_error *err)
+{
+    const size_t n = fft->nx + 1;
+    double *half = malloc(n * sizeof *half);
+    LAC_FAIL_MEMORY_IF(half == NULL, err);
+    for (size_t i = 0; i < n; i++) {
+        double at = (double)i;
+        half[i] = (line_traction(0, (at + 0.5) * dx) - line_traction(0, (at - 0.5) * dx)) * scale;
+    }
+    const lac_status status = lac_fft_even(1, n, half, err);
+    for (size_t i = 0; status == LAC_OK && i < fft->nx; i++) {
+        table[i] = half[i] / (2 * (double)fft->nx);
+    }
+    free(half);
+    return status;
+}
+
+// What a surface adds to the traction under slip along it of a rectangle across it: the derivatives
+// on the fault of Okada's (1992) displacements, image and rest, at a depth.
+// @param y  the corner's depth and the place's together
+static double surface_to_corner(double nu, double x, double y, double depth)
+{
+    double alpha = 1 / (2 * (1 - nu)), r = hypot(x, y), s = r + y, r3 = r * r * r, s2 = s * s;
+    double y32 = (2 * r + y) / (r3 * s2);
+    double y53 = (8 * r * r + 9 * r * y + 3 * y * y) / (r3 * r * r * s2 * s);
+    double shallow = r / (2 * x * y) + (alpha - 1.5) * x / (r * s) + (1 - 2 * nu) * x / s2;
+    double rest = depth * (2 * y32 - 3 * y / (r3 * r * r) - x * x * y53) + 2 / r3;
+    return (shallow + depth * alpha * x * rest) / 2;
+}
+
+// At the depth of row i under slip of a cell in row j: at all distances along x.
+static void fill_depth(const lac_grid *grid, double nu, double scale, size_t i, size_t j, size_t n,
+                       double *out)
+{
+    const double dy = grid->dy, depth = ((double)i + 0.5) * dy;
+    double last = 0;
+    for (size_t k = 0; k <= n; k++) {
+        const double x = ((double)k - 0.5) * grid->dx, y = (double)j * dy - depth;
+        const double at = traction_to_corner(nu, x, y + dy) - traction_to_corner(nu, x, y) +
+                          surface_to_corner(nu, x, y + dy + 2 * depth, depth) -
+                          surface_to_corner(nu, x, y + 2 * depth, depth);
+        if (k > 0) {
+            out[k - 1] += (at - last) * scale;
+        }
+        last = at;
+    }
+}
+
+// Below a surface: a matrix of rows for each wave along x, the mean of either way between two rows.
+static lac_status fill_depths(const lac_fft *fft, const lac_grid *grid, const lac_rock *rock,
+                              double *table, lac_error *err)
+{
+    const size_t n = fft->nkx, rows = grid->ny;
+    const double scale = rock->shear_modulus / M_PI / (2 * (double)fft->nx);
+    double *half = malloc(n * sizeof *half);
+    LAC_FAIL_MEMORY_IF(half == NULL, err);
+    lac_status status = LAC_OK;
+    for (size_t pair = 0; pair < rows * rows && status == LAC_OK; pair++) {
+        const size_t i = pair / rows, j = pair % rows;
+        if (i > j) {
+            continue;
+        }
+        memset(half, 0, n * sizeof *half);
+        fill_depth(grid, rock->poisson, scale, i, j, n, half);
+        fill_depth(grid, rock->poisson, scale, j, i, n, half);
+        status = lac_fft_even(1, n, half, err);
+        for (size_t k = 0; k < n; k++) {
+            table[(k * rows + i) * rows + j] = table[(k * rows + j) * rows + i] = half[k];
+        }
+    }
+    free(half);
+    return status;
+}
+
 // Free boundaries: an interface that is alone.
 static lac_status fill_alone(lac_fft *fft, const lac_grid *grid, const lac_rock *rock,
                              double *stiffness, double *compliance, lac_error *err)
@@ -189,6 +266,11 @@ static lac_status fill_alone(lac_fft *fft, const lac_grid *grid, const lac_rock 
 lac_status lac_kernels_fill(lac_fft *fft, const lac_grid *grid, const lac_rock *rock,
                             double *stiffness, double *compliance, lac_error *err)
 {
+    if (rock->surface) {
+        memset(compliance, 0, fft->nkx * fft->ny * sizeof *compliance);
+        return rock->line ? fill_mirrored(fft, grid->dx, rock->shear_modulus / M_PI, stiffness, err)
+                          : fill_depths(fft, grid, rock, stiffness, err);
+    }
     fill_waves(fft, grid, rock, stiffness, compliance);
     return grid->periodic ? LAC_OK : fill_alone(fft, grid, rock, stiffness, compliance, err);
 }

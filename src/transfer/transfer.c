@@ -6,11 +6,13 @@
 #include "base/rows.h"
 
 // Whether parameters are in their ranges, and go together and with the place.
-static lac_status check(const lac_transfer_kind *kind, const void *params, const lac_domain *domain,
-                        lac_error *err)
+static lac_status check(const lac_transfer_kind *kind, const void *params,
+                        const lac_transfer_scene *scene, lac_error *err)
 {
+    const lac_domain *domain = scene->domain;
     const lac_transfer_place place = {.periodic = domain->grid.periodic,
-                                      .full = domain->n == lac_grid_cells(&domain->grid)};
+                                      .full = domain->n == lac_grid_cells(&domain->grid),
+                                      .line = scene->line};
     lac_transfer_validate fault[LAC_TRANSFER_FAULTS] = {0};
     for (size_t i = 0; i < kind->info.param_count; i++) {
         const lac_param *param = &kind->info.params[i];
@@ -40,7 +42,7 @@ lac_status lac_transfer_create(const lac_model *model, const lac_transfer_scene 
         kind = (const void *)model->info;
     }
     *transfer = (lac_transfer){.kind = kind};
-    lac_status status = check(kind, model->params, scene->domain, err);
+    lac_status status = check(kind, model->params, scene, err);
     if (status == LAC_OK) {
         status = kind->create(model->params, scene, &transfer->state, err);
     }

@@ -25,10 +25,10 @@ typedef struct lac_transfer_outline {
 
 /// Where a transfer is to act.
 typedef struct lac_transfer_place {
-    bool periodic, full; ///< the interface repeats; all its cells touch
+    bool periodic, full, line; ///< the interface repeats; all its cells touch; it is a line
 } lac_transfer_place;
 
-enum { LAC_TRANSFER_FAULTS = 2 };
+enum { LAC_TRANSFER_FAULTS = 3 };
 
 /// What is wrong with a parameter: its key below the transfer's (".ratio"), and words; NULL:
 /// nothing.
@@ -99,6 +99,7 @@ typedef struct lac_transfer_hierarchy {
 typedef struct lac_transfer_elastic {
     int mode;                ///< 0: in-plane, 1: antiplane
     int outside;             ///< beyond a free border 0: free of traction, 1: creeping
+    int boundary;            ///< 1: a free surface beside the first row (of a line: cell)
     double thickness;        ///< of the rock on either side [m]; NaN: half-spaces
     double tolerance;        ///< of the stress, relative [1]
     double newton_tolerance; ///< of solve, relative [1]

@@ -39,6 +39,7 @@ LONG = (
     (r"lacuna trade ", "runs a case tens of times: case.test_trade trades small ones"),
     (r"lacuna fit .*cases/(fit/block|fit/century|vajont-lake)", "samples for a minute: case.test_fit, case.fit.*"),
     (r"lacuna rg .*rg\.seeds=", "an ensemble: case.test_rg has a small one"),
+    (r"lacuna run cases/seas/bp[68]\.yaml --set", "fine grids of benchmarks: case.test_seas has coarse ones"),
     (r".*tools/plot/plot_trade\.py", "draws what a long one makes: case.test_trade"),
     (r".*tools/\w+/(bridge|rg_table|forecast_coverage|precursor_ensemble|area_scaling)\.py", "a study"),
     (r".*tools/\w+/(events_statistics|fidelity|fidelity_events|auto|figure1|figure3|accuracy)\.py", "a study"),

@@ -162,7 +162,7 @@ class Checker:
         other = data.variables.get(coordinate)
         if other is None:
             self.fault(f"{var.name}: names {coordinate}, which is not there")
-        elif not set(other.dimensions) <= set(var.dimensions):
+        elif not set(other.dimensions[:-1] if other.dtype == "S1" else other.dimensions) <= set(var.dimensions):
             self.fault(f"{var.name}: {coordinate} has dimensions that it lacks")
 
     def check_time(self, data):

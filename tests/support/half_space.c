@@ -215,3 +215,71 @@ double held_traction(const rock_def *rock, double dx, double dy, double x, doubl
     }
     return sum * dx * dy / parts / parts;
 }
+
+// Okada's components 1 and 3 at a corner of a vertical fault, without U/(2 pi): the displacements
+// along the fault and, with the opposite sign, across it.
+// @param q     distance from the fault, 0 of the real source: its sign is minus
+static void okada_at(double nu, double x, double y, double q, double z, bool image, double u[2])
+{
+    const double a = 1 / (2 * (1 - nu)), k = (1 - a) / a, r = sqrt(x * x + y * y + q * q),
+                 s = r + y;
+    const double y11 = 1 / (r * s), angle = atan(x * y / (q * r));
+    u[0] = angle / 2 + a / 2 * x * q * y11;
+    u[1] = (1 - a) / 2 * log(s) - a / 2 * q * q * y11;
+    if (!image) {
+        u[0] = -u[0];
+        u[1] = -u[1];
+        return;
+    }
+    const double i4 = x * q / (s * s) / 2, i3 = (y / s + q * q / (s * s) - log(s)) / 2;
+    const double z32 = 1 / pow(r, 3) + z * (2 * r + y) / (pow(r, 3) * s * s);
+    u[0] += -x * q * y11 - angle + k * i4 - z * a * x * q * z32;
+    u[1] +=
+        q * q * y11 - k * (log(s) + i3) - z * a * ((y + z) * y / pow(r, 3) - z * y11 + x * x * z32);
+}
+
+// Of a rectangle from 0 to dx along strike and from `top` down by dy.
+static void okada(double nu, double dx, double dy, double x, double q, double depth, double top,
+                  double u[2])
+{
+    u[0] = u[1] = 0;
+    for (int k = 0; k < 8; k++) {
+        const double at = k & 1 ? x - dx : x, edge = k & 2 ? top : top + dy;
+        const bool image = (k & 4) != 0;
+        const double sign = ((k & 1) != 0) == ((k & 2) != 0) ? 1 : -1;
+        double corner[2];
+        okada_at(nu, at, image ? edge + depth : edge - depth, q, -depth, image, corner);
+        u[0] += sign * corner[0];
+        u[1] += sign * corner[1];
+    }
+}
+
+// At a depth, x apart from a cell whose upper side is at `top`.
+static double held_below_surface(const rock_def *rock, double dx, double dy, double x, double depth,
+                                 double top)
+{
+    const double h = 1e-3 * fmin(dx, dy), on = 1e-10 * dx;
+    double u[3][2], left[2], right[2];
+    x += dx / 2;
+    for (int k = 0; k < 3; k++) {
+        okada(rock->nu, dx, dy, x, k == 0 ? on : k * h, depth, top, u[k]);
+    }
+    okada(rock->nu, dx, dy, x - h, on, depth, top, left);
+    okada(rock->nu, dx, dy, x + h, on, depth, top, right);
+    const double across = (-3 * u[0][0] + 4 * u[1][0] - u[2][0]) / (2 * h);
+    return rock->g / (2 * 3.14159265358979323846) * (across - (right[1] - left[1]) / (2 * h));
+}
+
+double traction_below_surface(const rock_def *rock, const lac_grid *grid, size_t a, size_t b)
+{
+    if (rock->line) {
+        const double x = ((double)a - (double)b) * grid->dx,
+                     image = ((double)(a + b) + 1) * grid->dx;
+        return held_traction(rock, grid->dx, 0, x, 0) + held_traction(rock, grid->dx, 0, image, 0);
+    }
+    const double x = ((double)(a % grid->nx) - (double)(b % grid->nx)) * grid->dx;
+    const double at = (double)(a / grid->nx) * grid->dy, other = (double)(b / grid->nx) * grid->dy;
+    return (held_below_surface(rock, grid->dx, grid->dy, x, at + grid->dy / 2, other) +
+            held_below_surface(rock, grid->dx, grid->dy, x, other + grid->dy / 2, at)) /
+           2;
+}

@@ -25,4 +25,9 @@ void dense_elastic(const rock_def *rock, const lac_domain *domain, double *dense
 /// quadrature of the point's; a line's where dy is 0.
 double held_traction(const rock_def *rock, double dx, double dy, double x, double y);
 
+/// The same between two cells below a free surface: of a line, beside its first cell, with the
+/// mirror image; of an upright plane, beside its first row, by differences of Okada's displacements
+/// (1992, Bull. Seismol. Soc. Am. 82, 1018, table 6), the mean of either way.
+double traction_below_surface(const rock_def *rock, const lac_grid *grid, size_t a, size_t b);
+
 #endif

@@ -24,7 +24,7 @@ typedef struct scene {
 // What a scene is asked to be beside its rock: antiplane where nu = 0.
 typedef struct choice {
     double fraction; // of cells in contact, at random; 2: all
-    bool creeping;
+    bool creeping, surface;
     double tolerance;
 } choice;
 
@@ -47,6 +47,7 @@ static scene scene_of(lac_grid grid, rock_def rock, choice how)
     }
     lac_transfer_elastic params = {.mode = rock.nu == 0,
                                    .outside = how.creeping,
+                                   .boundary = how.surface,
                                    .thickness = isinf(rock.height) ? (double)NAN : rock.height,
                                    .tolerance = how.tolerance,
                                    .newton_tolerance = how.tolerance};
@@ -80,7 +81,7 @@ static void apply(scene *s) { s->transfer.kind->apply(s->transfer.state, s->x, s
 // Every wave of slip is a wave of traction, S times as high.
 static void check_waves(lac_grid grid, rock_def rock)
 {
-    scene s = scene_of(grid, rock, (choice){2, false, 1e-9});
+    scene s = scene_of(grid, rock, (choice){2, false, false, 1e-9});
     double worst = 0;
     for (size_t p = 0; p <= grid.nx / 2; p++) {
         for (size_t q = 0; q < grid.ny; q++) {
@@ -123,7 +124,7 @@ static void waves_have_closed_forms(void **state)
 // K, and a solve with D of both signs, against the dense matrix.
 static void check_dense(lac_grid grid, rock_def rock, double fraction, double quadrature)
 {
-    scene s = scene_of(grid, rock, (choice){fraction, false, 1e-13});
+    scene s = scene_of(grid, rock, (choice){fraction, false, false, 1e-13});
     size_t n = s.n;
     double *dense = new_doubles(n * n), *expected = new_doubles(n);
     long double *a = calloc(n * n, sizeof *a), *x = calloc(n, sizeof *x);
@@ -179,7 +180,7 @@ static void gaps_slip_freely_as_in_dense_matrices(void **state)
 static void check_definite(double low)
 {
     const rock_def rock = {2, 0.25, INFINITY, false};
-    scene s = scene_of((lac_grid){10, 10, 1, 1, true}, rock, (choice){0.6, false, 1e-10});
+    scene s = scene_of((lac_grid){10, 10, 1, 1, true}, rock, (choice){0.6, false, false, 1e-10});
     size_t n = s.n, agreed = 0, definite = 0;
     double *dense = new_doubles(n * n);
     long double *a = calloc(n * n, sizeof *a);
@@ -215,7 +216,7 @@ static void systems_that_are_not_definite_are_refused(void **state)
 
 static void check_uniform(lac_grid grid, rock_def rock, double fraction)
 {
-    scene s = scene_of(grid, rock, (choice){fraction, false, 1e-9});
+    scene s = scene_of(grid, rock, (choice){fraction, false, false, 1e-9});
     double top = 0;
     for (size_t i = 0; i < s.n; i++) {
         s.x[i] = 1 / 3.0;
@@ -255,7 +256,7 @@ static void uniform_slip_costs_nothing_and_forces_balance(void **state)
 // difference from one of them gives exactly.
 static void check_alike(lac_grid grid, rock_def rock, double tolerance)
 {
-    scene s = scene_of(grid, rock, (choice){0.6, false, tolerance});
+    scene s = scene_of(grid, rock, (choice){0.6, false, false, tolerance});
     double *of_all = new_doubles(s.n);
     for (uint64_t seed = 0; seed < 60; seed++) {
         const double mean = draw_uniform(seed, 1000, 0.1, 1);
@@ -295,9 +296,9 @@ static void slips_that_hardly_differ_have_their_stress(void **state)
 }
 
 // Outside creeping: the traction that slip of one cell puts on the others, by quadrature.
-static void check_creeping(lac_grid grid, rock_def rock)
+static void check_creeping(lac_grid grid, rock_def rock, bool surface)
 {
-    scene s = scene_of(grid, rock, (choice){2, true, 1e-12});
+    scene s = scene_of(grid, rock, (choice){2, true, surface, 1e-12});
     size_t source = s.n / 3;
     double own = held_traction(&rock, grid.dx, rock.line ? 0 : grid.dy, 0, 0), worst = 0;
     s.x[source] = 1;
@@ -307,9 +308,11 @@ static void check_creeping(lac_grid grid, rock_def rock)
         double x = ((double)(a % grid.nx) - (double)(b % grid.nx)) * grid.dx;
         double y = ((double)(a / grid.nx) - (double)(b / grid.nx)) * grid.dy;
         double expected = held_traction(&rock, grid.dx, rock.line ? 0 : grid.dy, x, y);
+        expected = surface ? traction_below_surface(&rock, &grid, a, b) : expected;
         worst = fmax(worst, fabs(s.y[i] - expected) / own);
     }
-    print_message("creeping, %zu x %zu: off by %.1e of a cell's own\n", grid.nx, grid.ny, worst);
+    print_message("creeping%s, %zu x %zu: off by %.1e of a cell's own\n",
+                  surface ? " below a surface" : "", grid.nx, grid.ny, worst);
     assert_true(worst < 2e-4);
     scene_free(&s);
 }
@@ -317,20 +320,25 @@ static void check_creeping(lac_grid grid, rock_def rock)
 static void creeping_surroundings_hold_as_by_quadrature(void **state)
 {
     (void)state;
-    check_creeping((lac_grid){7, 7, 1, 1, false}, (rock_def){2, 0.25, INFINITY, false});
-    check_creeping((lac_grid){8, 5, 2, 1.5, false}, (rock_def){2, 0.4, INFINITY, false});
-    check_creeping((lac_grid){6, 6, 1, 1, false}, (rock_def){2, 0, INFINITY, false});
-    check_creeping((lac_grid){9, 1, 1, 3, false}, (rock_def){2, 0.25, INFINITY, false});
-    check_creeping((lac_grid){23, 1, 0.5, 1, false}, (rock_def){2, 0.25, INFINITY, true});
-    check_creeping((lac_grid){23, 1, 0.5, 1, false}, (rock_def){2, 0, INFINITY, true});
-    check_creeping((lac_grid){1, 1, 0.5, 1, false}, (rock_def){2, 0.25, INFINITY, false});
+    check_creeping((lac_grid){7, 7, 1, 1, false}, (rock_def){2, 0.25, INFINITY, false}, false);
+    check_creeping((lac_grid){8, 5, 2, 1.5, false}, (rock_def){2, 0.4, INFINITY, false}, false);
+    check_creeping((lac_grid){6, 6, 1, 1, false}, (rock_def){2, 0, INFINITY, false}, false);
+    check_creeping((lac_grid){9, 1, 1, 3, false}, (rock_def){2, 0.25, INFINITY, false}, false);
+    check_creeping((lac_grid){23, 1, 0.5, 1, false}, (rock_def){2, 0.25, INFINITY, true}, false);
+    check_creeping((lac_grid){23, 1, 0.5, 1, false}, (rock_def){2, 0, INFINITY, true}, false);
+    check_creeping((lac_grid){1, 1, 0.5, 1, false}, (rock_def){2, 0.25, INFINITY, false}, false);
+    check_creeping((lac_grid){23, 1, 0.5, 1, false}, (rock_def){2, 0, INFINITY, true}, true);
+    check_creeping((lac_grid){1, 1, 0.5, 1, false}, (rock_def){2, 0, INFINITY, true}, true);
+    check_creeping((lac_grid){20, 7, 1, 1.5, false}, (rock_def){2, 0.25, INFINITY, false}, true);
+    check_creeping((lac_grid){5, 1, 1, 1, false}, (rock_def){2, 0.25, INFINITY, false}, true);
+    check_creeping((lac_grid){1, 9, 2, 1, false}, (rock_def){2, 0.4, INFINITY, false}, true);
 }
 
 // A crack of the whole line under a uniform drop of stress: 2 (1 - nu)/G sqrt(c^2 - x^2).
 static double line_crack_error(size_t cells, double nu)
 {
     scene s = scene_of((lac_grid){cells, 1, 2.0 / (double)cells, 1, false},
-                       (rock_def){2, nu, INFINITY, true}, (choice){2, true, 1e-12});
+                       (rock_def){2, nu, INFINITY, true}, (choice){2, true, false, 1e-12});
     double squares = 0, size = 0;
     for (size_t i = 0; i < s.n; i++) {
         s.x[i] = 1;
@@ -365,7 +373,7 @@ static double circular_crack_error(size_t side, double nu, double *peak)
     const double a = 1, length = 2.5;
     double r = length / (double)side, squares = 0, size = 0;
     scene s = scene_of((lac_grid){side, side, r, r, false}, (rock_def){2, nu, INFINITY, false},
-                       (choice){2, true, 1e-10});
+                       (choice){2, true, false, 1e-10});
     double *exact = new_doubles(s.n);
     for (size_t i = 0; i < s.n; i++) {
         double x = ((double)(s.domain->index[i] % side) + 0.5) * r - length / 2;
@@ -409,7 +417,7 @@ static void extreme_diagonals_are_solved(void **state)
     for (int k = 0; k < 3; k++) {
         scene s = scene_of((lac_grid){24, 24, 1, 1, true},
                            (rock_def){2, 0.25, k == 2 ? 5 : INFINITY, false},
-                           (choice){k == 0 ? 2 : 0.4, false, 1e-6});
+                           (choice){k == 0 ? 2 : 0.4, false, false, 1e-6});
         for (int e = -20; e <= 20; e += 4) {
             double *residual = new_doubles(s.n), mean = 0;
             for (size_t i = 0; i < s.n; i++) {
@@ -440,7 +448,8 @@ static void extreme_diagonals_are_solved(void **state)
 static void refuse(lac_grid grid, double fraction, lac_transfer_elastic params, double nu,
                    const char *says)
 {
-    scene s = scene_of(grid, (rock_def){2, 0.25, INFINITY, false}, (choice){fraction, false, 1e-3});
+    scene s = scene_of(grid, (rock_def){2, 0.25, INFINITY, false},
+                       (choice){fraction, false, false, 1e-3});
     lac_model model = {&s.transfer.kind->info, &params};
     lac_transfer_scene from = {s.domain, s.h, 2, nu, false, false};
     lac_transfer transfer;

@@ -24,6 +24,7 @@ import subprocess
 import sys
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+RTOL = "--dials rtol=1e-3:1e-4:1e-5"
 CONTACT = "a contact: what its grid gives away"
 # Words for `lacuna trade`, and why: the other cases are asked with none.
 ASKED = {
@@ -33,11 +34,16 @@ ASKED = {
     "normal/dimension.yaml": ("--quantity pressure", "its dimension is given, the load follows"),
     "one-by-one.yaml": ("--dials rtol,fidelity", "made for fidelity: events"),
     "peers/plane-patch.yaml": (
-        "--dials rtol=1e-3:1e-4:1e-5 --until '1.1e9 s'",
+        RTOL + " --until '1.1e9 s'",
         "128 x 128 elastic cells, 13 s a run to the end: the first of its three earthquakes"),
     "rg/creep-to-failure.yaml": (
         "--dials rtol,formulation",
         "three seconds a run: methods are left out"),
+    "seas/bp1.yaml": (RTOL, "a benchmark, 1 s a run"),
+    "seas/bp4.yaml": (RTOL + " --until '120 year'", "a benchmark, 4 s a run to the end: before its first earthquake"),
+    "seas/bp5.yaml": (RTOL, "a benchmark, 3 s a run"),
+    "seas/bp6.yaml": (RTOL, "a benchmark, with the method of the others"),
+    "seas/bp8.yaml": (RTOL, "a benchmark, 2 s a run"),
     "shear-cycle.yaml": ("--quantity work", "the work of a cycle of shear is what it shows"),
     "solver/lumped.yaml": ("--dials fidelity=lumped:ode,rtol", "lumped cells are compared with all cells"),
     "transfer/micro-slips.yaml": ("--quantity events", "its catalogue is what it shows"),

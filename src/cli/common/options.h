@@ -132,11 +132,11 @@ struct cli_request {
     cli_words variables;     ///< --variable
     cli_words drivers;       ///< --driver
     cli_sweep_words sweep;
-    cli_words over;      ///< --over
-    cli_words files;     ///< arguments of a command that takes any number of them
-    const char *csv;     ///< the only kind of tables so far
-    char *command_line;  ///< owned
-    char libraries[256]; ///< that the program runs with, their versions
+    cli_words over;             ///< --over
+    cli_words files;            ///< arguments of a command that takes any number of them
+    const char *csv, *stations; ///< kinds of tables
+    char *command_line;         ///< owned
+    char libraries[256];        ///< that the program runs with, their versions
 };
 
 /// The libraries that the program runs with and their versions, on one line; without netCDF, whose

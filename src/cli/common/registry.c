@@ -79,7 +79,9 @@ const cli_command cli_commands[] = {
     {"export", "FILE.nc", "what a file holds as tables for a spreadsheet",
      "A CSV for each set of dimensions (time.csv, issue-method.csv ...), to the folder -o, else to "
      "one called after the file. --variable picks some; where they make one table, it goes to "
-     "stdout or to -o FILE.csv. Fields over the cells are written only where they are named.\n",
+     "stdout or to -o FILE.csv. Fields over the cells are written only where they are named. "
+     "--stations writes NAME.dat for "
+     "each of output.points.\n",
      "lacuna export OUT.nc --csv -o tables", 1, 1, CLI_OPT_WRITES | CLI_OPT_EXPORT, cli_export},
     {"watch", "FLEET.yaml", "forecasts for many stations as readings come",
      "Reads lines `station,time,displacement` from standard input, or follows files that grow, as "

@@ -18,7 +18,8 @@ typedef struct export_job {
     const cli_request *request;
     lac_stored_file *file;
     cli_tables of;
-    char *folder; // owned; NULL: one table, to a file or stdout
+    cli_stations stations; // with --stations
+    char *folder;          // owned; NULL: one table, to a file or stdout
     lac_json json;
 } export_job;
 
@@ -58,6 +59,8 @@ static lac_status read_variables(cli_tables *e, lac_error *err)
 
 static lac_status pick(const cli_request *request, cli_tables *e, lac_error *err)
 {
+    LAC_FAIL_IF(request->stations != NULL && (request->csv != NULL || request->variables.n > 0),
+                err, LAC_EINPUT, "--stations: goes without --csv and --variable");
     for (size_t i = 0; i < e->count && request->variables.n == 0; i++) {
         e->variable[i].wanted = !is_field(&e->variable[i].shape);
     }
@@ -114,19 +117,21 @@ static lac_status find_folder(export_job *job, lac_error *err)
     const size_t length = strlen(name), written = output != NULL ? strlen(output) : 0;
     const bool stem = length > 3 && strcmp(name + length - 3, ".nc") == 0;
     const bool named = written > 0 && (output[written - 1] == '/' || is_folder(output));
-    const size_t tables = count_tables(&job->of);
+    const bool stations = job->request->stations != NULL;
+    const size_t tables = stations ? job->stations.count : count_tables(&job->of);
     LAC_FAIL_IF(tables == 0, err, LAC_EINPUT, "%s: holds no table, only fields over the cells",
                 job->request->argument[0]);
     if (tables == 1 && job->request->variables.n > 0 && !named) {
         return LAC_OK;
     }
-    LAC_FAIL_IF(written > 4 && strcmp(output + written - 4, ".csv") == 0, err, LAC_EINPUT,
-                "-o %s: these are %zu tables: name a folder, or pick one by --variable", output,
-                tables + (job->request->variables.n == 0));
+    LAC_FAIL_IF(!stations && written > 4 && strcmp(output + written - 4, ".csv") == 0, err,
+                LAC_EINPUT, "-o %s: these are %zu tables: name a folder, or pick one by --variable",
+                output, tables + (job->request->variables.n == 0));
     const int bare = written > 1 && output[written - 1] == '/' ? (int)written - 1 : (int)written;
-    const int good = output != NULL ? asprintf(&job->folder, "%.*s", bare, output)
-                                    : asprintf(&job->folder, "%.*s-tables",
-                                               (int)(stem ? length - 3 : length), name);
+    const int good = output != NULL
+                         ? asprintf(&job->folder, "%.*s", bare, output)
+                         : asprintf(&job->folder, "%.*s-%s", (int)(stem ? length - 3 : length),
+                                    name, stations ? "stations" : "tables");
     if (good < 0) {
         job->folder = NULL;
         return lac_fail_memory(err);
@@ -169,6 +174,17 @@ static void tell(export_job *job, const char *path, size_t rows, size_t columns)
     }
 }
 
+// To a file of its own, once it is whole in memory. @param out  closed here
+static lac_status put(export_job *job, FILE *out, char **text, const char *path, size_t rows,
+                      size_t columns, lac_error *err)
+{
+    LAC_FAIL_IF(fclose(out) != 0 || path == NULL, err, LAC_ENOMEM, "out of memory");
+    LAC_TRY_RETURN(cli_output_check(job->request, NULL, path, err));
+    LAC_TRY_RETURN(lac_write_text(path, *text, cli_given(job->request, CLI_OPT_FORCE), err));
+    tell(job, path, rows, columns);
+    return LAC_OK;
+}
+
 // Writes the table of a shape, or with NULL that of the attributes.
 static lac_status write_table(export_job *job, const lac_stored_shape *shape, lac_error *err)
 {
@@ -191,12 +207,8 @@ static lac_status write_table(export_job *job, const lac_stored_shape *shape, la
         }
         path = lac_text_join(job->folder, "/", "attributes.csv");
     }
-    LAC_TRY(path != NULL ? cli_output_check(job->request, NULL, path, err) : lac_fail_memory(err));
-    const bool whole = fclose(out) == 0;
+    status = put(job, out, &text, path, rows, columns, err);
     out = NULL;
-    LAC_TRY(whole ? LAC_OK : lac_fail_memory(err));
-    LAC_TRY(lac_write_text(path, text, cli_given(job->request, CLI_OPT_FORCE), err));
-    tell(job, path, rows, columns);
 out:
     if (out != NULL) {
         (void)fclose(out);
@@ -205,6 +217,33 @@ out:
     free(room);
     free(path);
     return status;
+}
+
+static lac_status write_station(export_job *job, size_t which, lac_error *err)
+{
+    const cli_stations *s = &job->stations;
+    char *path = NULL, *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    LAC_FAIL_MEMORY_IF(out == NULL, err);
+    cli_stations_write(&job->of, s, which, out);
+    if (asprintf(&path, "%s/%s.dat", job->folder, s->name[which]) < 0) {
+        path = NULL;
+    }
+    const lac_status status = put(job, out, &text, path, s->value[0].n, 5, err);
+    free(text);
+    free(path);
+    return status;
+}
+
+static lac_status write_tables(export_job *job, lac_error *err)
+{
+    for (size_t i = 0; i < job->of.count; i++) {
+        if (leads(&job->of, i)) {
+            LAC_TRY_RETURN(write_table(job, &job->of.variable[i].shape, err));
+        }
+    }
+    return job->request->variables.n == 0 ? write_table(job, NULL, err) : LAC_OK;
 }
 
 static void tell_fields(export_job *job)
@@ -234,19 +273,20 @@ static lac_status write_all(export_job *job, lac_error *err)
         lac_json_text(&job->json, "file", job->request->argument[0]);
         lac_json_open(&job->json, "tables", '[');
     }
-    for (size_t i = 0; i < job->of.count; i++) {
-        if (leads(&job->of, i)) {
-            LAC_TRY_RETURN(write_table(job, &job->of.variable[i].shape, err));
-        }
+    const bool stations = job->request->stations != NULL;
+    for (size_t i = 0; i < job->stations.count; i++) {
+        LAC_TRY_RETURN(write_station(job, i, err));
     }
-    if (job->request->variables.n == 0) {
-        LAC_TRY_RETURN(write_table(job, NULL, err));
+    if (!stations) {
+        LAC_TRY_RETURN(write_tables(job, err));
     }
     if (json) {
         lac_json_close(&job->json, ']');
         lac_json_open(&job->json, "left_out", '[');
     }
-    tell_fields(job);
+    if (!stations) {
+        tell_fields(job);
+    }
     if (json) {
         lac_json_close(&job->json, ']');
         lac_json_close(&job->json, '}');
@@ -273,10 +313,14 @@ lac_status cli_export(const cli_request *request, lac_error *err)
     job.of.file = job.file;
     LAC_TRY(read_variables(&job.of, err));
     LAC_TRY(pick(request, &job.of, err));
+    if (request->stations != NULL) {
+        LAC_TRY(cli_stations_read(&job.of, &job.stations, err));
+    }
     LAC_TRY(find_folder(&job, err));
     const bool to_file = job.folder != NULL || request->output != NULL;
     LAC_TRY(to_file ? write_all(&job, err) : to_stdout(&job, err));
 out:
+    cli_stations_clear(&job.stations);
     free(job.folder);
     free(job.of.variable);
     lac_stored_file_close(job.file);

@@ -26,5 +26,23 @@ bool cli_export_share(const lac_stored_shape *a, const lac_stored_shape *b);
 lac_status cli_export_write(const cli_tables *e, const lac_stored_shape *shape, FILE *out,
                             size_t *columns, lac_error *err);
 
+enum { CLI_STATION_VALUES = 7 };
+
+/// A run's points as stations.
+typedef struct cli_stations {
+    lac_stored_values value[CLI_STATION_VALUES]; ///< time, slip ...: export_stations.c has the list
+    char **name;                                 ///< [count]
+    size_t count;
+    double eta; ///< of radiation damping [Pa s/m]
+} cli_stations;
+
+/// Reads them; `s` is empty before, and to be cleared also where it fails.
+/// @return LAC_OK; LAC_EINPUT (no points, no full contact ...); LAC_EIO; LAC_ENOMEM
+lac_status cli_stations_read(const cli_tables *e, cli_stations *s, lac_error *err);
+void cli_stations_clear(cli_stations *s);
+
+/// Writes one: a header, and a row of five columns for each record.
+void cli_stations_write(const cli_tables *e, const cli_stations *s, size_t which, FILE *out);
+
 /// Writes the attributes of the file, a row each.
 void cli_export_attributes(const cli_tables *e, FILE *out, char *room, size_t size);
