@@ -31,6 +31,42 @@ out:
     return status;
 }
 
+// An array of the cells of a problem, and what is shared by them.
+typedef struct cell_array {
+    const lac_problem *problem;
+    const double *x, *row;
+    double back;
+} cell_array;
+
+static void add_weighed(const void *context, size_t first, size_t end, double *sums)
+{
+    const cell_array *a = context;
+    sums[0] += lac_problem_sum_from(a->problem, first, end - first, a->x + first);
+}
+
+double lac_problem_sum(const lac_problem *problem, const double *x)
+{
+    double sum;
+    lac_range_sums(&problem->range, 1, add_weighed, &(cell_array){.problem = problem, .x = x},
+                   &sum);
+    return sum;
+}
+
+static void add_exps(const void *context, size_t first, size_t end, double *sums)
+{
+    const cell_array *a = context;
+    for (size_t i = first; i < end; i++) {
+        sums[0] += lac_problem_weight(a->problem, i) * exp(a->x[i]);
+    }
+}
+
+double lac_problem_exp_mean(const lac_problem *problem, const double *u)
+{
+    double sum;
+    lac_range_sums(&problem->range, 1, add_exps, &(cell_array){.problem = problem, .x = u}, &sum);
+    return sum / lac_problem_all(problem);
+}
+
 // force -= scale shape
 static void take_off(size_t n, const double *shape, double scale, double *force)
 {
@@ -51,15 +87,23 @@ void lac_problem_couple(const lac_problem *problem, lac_far_field far, const dou
     }
 }
 
+static void add_held(const void *context, size_t first, size_t end, double *sums)
+{
+    const cell_array *a = context;
+    const lac_problem *problem = a->problem;
+    for (size_t i = first; i < end; i++) {
+        sums[0] += lac_problem_weight(problem, i) * problem->anchor[i] * (a->x[i] - a->back);
+    }
+}
+
 double lac_problem_held(const lac_problem *problem, double back, const double *slip)
 {
     if (problem->anchor == NULL) {
         return 0.0;
     }
-    double total = 0.0;
-    for (size_t i = 0; i < problem->n; i++) {
-        total += lac_problem_weight(problem, i) * problem->anchor[i] * (slip[i] - back);
-    }
+    double total;
+    lac_range_sums(&problem->range, 1, add_held,
+                   &(cell_array){.problem = problem, .x = slip, .back = back}, &total);
     return total;
 }
 
@@ -85,8 +129,9 @@ lac_damping lac_damping_over(const lac_domain *domain, double eta, bool massive)
         return domain->n == 1 ? (lac_damping){0} : (lac_damping){.cell = eta, .mean = -eta};
     }
     double pressure =
-        (domain->weight == NULL ? lac_vsum(domain->n, domain->pressure)
-                                : lac_vdot(domain->n, domain->weight, domain->pressure)) /
+        lac_problem_sum(&(lac_problem){.range = lac_range_whole(domain->n),
+                                       .weight = domain->weight},
+                        domain->pressure) /
         (double)domain->n;
     return (lac_damping){.cell = eta, .shared = eta * ((cells - n) / n) / pressure};
 }
@@ -131,18 +176,23 @@ void lac_block_ease(const lac_problem *problem, const lac_problem_loads_at *driv
     }
 }
 
+static void add_row(const void *context, size_t first, size_t end, double *sums)
+{
+    const cell_array *a = context;
+    for (size_t i = first; i < end; i++) {
+        const double weight = lac_problem_weight(a->problem, i);
+        sums[0] += weight * (a->row[i] * a->x[i]);
+        sums[1] += weight * a->x[i];
+    }
+}
+
 // Means over the cells of row x and of x.
 static void weigh(const lac_problem *problem, const double *row, const double *x, double means[2])
 {
-    const size_t n = problem->n;
-    means[0] = means[1] = 0.0;
-    for (size_t i = 0; i < n; i++) {
-        const double weight = lac_problem_weight(problem, i);
-        means[0] += weight * (row[i] * x[i]);
-        means[1] += weight * x[i];
-    }
-    means[0] /= (double)n;
-    means[1] /= (double)n;
+    lac_range_sums(&problem->range, 2, add_row,
+                   &(cell_array){.problem = problem, .x = x, .row = row}, means);
+    means[0] /= lac_problem_all(problem);
+    means[1] /= lac_problem_all(problem);
 }
 
 // Where the row is 1: what s is besides 1 acts on the mean.

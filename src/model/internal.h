@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
+#include "base/range.h"
 #include "base/vsum.h"
 #include "model/problem.h"
 
 struct lac_problem {
-    size_t n;
+    size_t n;               // cells here: range.n
+    lac_range range;        // of all cells
     const double *weight;   // [n] of each in sums and means, mean 1; NULL: 1
     const double *pressure; // [n] total normal pressure of each cell [Pa]
     const lac_friction *friction;
@@ -59,15 +61,25 @@ static inline double lac_problem_sum_from(const lac_problem *problem, size_t fir
                                    : lac_vdot(length, problem->weight + first, x);
 }
 
-// Sum and mean over all cells.
-static inline double lac_problem_sum(const lac_problem *problem, const double *x)
+// All cells.
+static inline double lac_problem_all(const lac_problem *problem)
 {
-    return lac_problem_sum_from(problem, 0, problem->n, x);
+    return (double)problem->range.all;
 }
+
+// Sum and mean over all cells, each with its weight; the mean of x as it is.
+double lac_problem_sum(const lac_problem *problem, const double *x);
 static inline double lac_problem_mean(const lac_problem *problem, const double *x)
 {
-    return lac_problem_sum(problem, x) / (double)problem->n;
+    return lac_problem_sum(problem, x) / lac_problem_all(problem);
 }
+static inline double lac_problem_plain_mean(const lac_problem *problem, const double *x)
+{
+    return lac_range_sum(&problem->range, x) / lac_problem_all(problem);
+}
+
+// Mean over all cells of exp(u), one cell after the other.
+double lac_problem_exp_mean(const lac_problem *problem, const double *u);
 
 // Effective normal pressure of cell i [Pa]: the one place where it is made of what the loads leave.
 static inline double lac_problem_effective(const lac_problem *problem,
@@ -350,7 +362,7 @@ typedef struct lac_sharing {
 // Share of a cell in what acts on the mean as the pressures do.
 static inline double lac_problem_share(const lac_problem *problem, size_t i)
 {
-    return problem->pressure[i] / (problem->sum_pressure / (double)problem->n);
+    return problem->pressure[i] / (problem->sum_pressure / lac_problem_all(problem));
 }
 
 // (D + K + k P + kappa s row^T/n - column 1^T/n) x = b, in O(n) as the transfer's solve.

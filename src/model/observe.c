@@ -133,13 +133,35 @@ LAC_CLONES static double lac_observe_worst(const lac_look *at, size_t first, siz
     return numbers == (long long)n ? lac_vmost(n, relative) : (double)NAN;
 }
 
+// A state and what is summed of its cells.
+typedef struct observed {
+    const lac_look *at;
+    const double *residual; // [n]
+} observed;
+
+// What cells are off together, and what holds them.
+static void add_balance(const void *context, size_t first, size_t end, double *sums)
+{
+    const lac_look *at = ((const observed *)context)->at;
+    const double *residual = ((const observed *)context)->residual;
+    const lac_problem *problem = at->problem;
+    for (size_t i = first; i < end; i++) {
+        const double a = lac_cellwise_of(&problem->friction->column[LAC_A], i);
+        double p = lac_problem_effective(problem, &at->drive, i);
+        const double weight = lac_problem_weight(problem, i);
+        sums[0] += weight * residual[i];
+        sums[1] += weight * (a * p + problem->damping * fabs(at->motion.v[i]) +
+                             lac_problem_drag(problem, i) * fabs(at->motion.mean));
+    }
+}
+
 // How far the cells are off their balance, each and together.
 // @param traction  overwritten
 static void measure_balance(const lac_look *at, const double *slip, double *traction,
                             lac_observation *observation)
 {
     const lac_problem *problem = at->problem;
-    double worst = 0.0, sum = 0.0, held = 0.0;
+    double worst = 0.0, sums[2];
     find_residuals(at, slip, traction);
     for (size_t first = 0; first < problem->n; first += LAC_FRICTION_BLOCK) {
         const size_t n = lac_block_length(problem->n, first);
@@ -147,16 +169,10 @@ static void measure_balance(const lac_look *at, const double *slip, double *trac
         const double *a = lac_cellwise_from(&problem->friction->column[LAC_A], first);
         const double most = lac_observe_worst(at, first, n, f0, a, traction + first);
         worst = most > worst || isnan(most) ? most : worst;
-        for (size_t i = 0; i < n; i++) {
-            double p = lac_problem_effective(problem, &at->drive, first + i);
-            const double weight = lac_problem_weight(problem, first + i);
-            sum += weight * traction[first + i];
-            held += weight * (a[i] * p + problem->damping * fabs(at->motion.v[first + i]) +
-                              lac_problem_drag(problem, first + i) * fabs(at->motion.mean));
-        }
     }
+    lac_range_sums(&problem->range, 2, add_balance, &(observed){at, traction}, sums);
     observation->balance_residual = worst;
-    observation->rate_drift = held > 0.0 ? fabs(sum) / held : 0.0;
+    observation->rate_drift = sums[1] > 0.0 ? fabs(sums[0]) / sums[1] : 0.0;
 }
 
 double lac_look_sheared(const lac_look *at, const double *slip, double mean)
@@ -166,7 +182,7 @@ double lac_look_sheared(const lac_look *at, const double *slip, double mean)
     double spring = drive->spring - drive->spring_stiffness * mean;
     double alike = spring + drive->far.elastic; // the mean of the shape is 1
     double total = problem->sum_traction0 + problem->sum_pressure * (drive->ratio + problem->bond) +
-                   (double)problem->n * alike;
+                   lac_problem_all(problem) * alike;
     return total - lac_problem_held(problem, drive->far.back, slip);
 }
 
@@ -189,6 +205,24 @@ static void observe_slip(const lac_look *at, const double *slip, lac_observation
     seen->mean_slip = hypot(seen->slip_along[0], seen->slip_along[1]);
 }
 
+// Of each cell, by the force that it carries.
+typedef struct carried {
+    const lac_problem *problem;
+    const double *x, *y; // [n]
+    double least;        // that is left out of x
+} carried;
+
+static void add_carried(const void *context, size_t first, size_t end, double *sums)
+{
+    const carried *c = context;
+    const lac_problem *problem = c->problem;
+    for (size_t i = first; i < end; i++) {
+        const double force = lac_problem_weight(problem, i) * problem->pressure[i];
+        sums[0] += force * (c->x[i] - c->least);
+        sums[1] += force * c->y[i];
+    }
+}
+
 // What weakening has come to; NaN where nothing weakens.
 static void observe_weakening(const lac_look *at, lac_observation *observation)
 {
@@ -201,14 +235,12 @@ static void observe_weakening(const lac_look *at, lac_observation *observation)
     // Rest and slope are Newton's.
     const lac_weak_arrays a = lac_weaken_split(problem, at->ws.weak);
     double *pore = a.rest, *temperature = a.before, *broken = a.slope;
-    double sums[2] = {0.0, 0.0}, hottest = 0.0;
+    double sums[2], hottest = 0.0;
     lac_problem_weakened(problem, at->y, pore, temperature, broken);
     for (size_t i = 0; i < n; i++) {
-        const double force = lac_problem_weight(problem, i) * problem->pressure[i];
-        sums[0] += force * pore[i];
-        sums[1] += force * broken[i];
         hottest = fmax(hottest, temperature[i]);
     }
+    lac_range_sums(&problem->range, 2, add_carried, &(carried){problem, pore, broken, 0.0}, sums);
     observation->excess_pore = sums[0] / problem->sum_pressure;
     observation->temperature = hottest;
     observation->broken = sums[1] / problem->sum_pressure;
@@ -221,7 +253,7 @@ static double pressed(const lac_problem *problem, double t, double base, double 
 {
     const lac_load_set *loads = &problem->loads;
     lac_load_state now;
-    double off = 0.0;
+    double off[2] = {0.0, 0.0};
     if (!lac_load_set_presses(loads)) {
         return base;
     }
@@ -230,11 +262,10 @@ static double pressed(const lac_problem *problem, double t, double base, double 
         double *normal = shares + 2 * problem->n; // where a jump would need it
         lac_load_evaluate_normal(loads, t, &now, normal, normal + problem->n);
         now.normal = normal[0];
-        for (size_t i = 0; i < problem->n; i++) {
-            off += lac_problem_weight(problem, i) * problem->pressure[i] * (normal[i] - normal[0]);
-        }
+        lac_range_sums(&problem->range, 2, add_carried,
+                       &(carried){problem, normal, normal, normal[0]}, off);
     }
-    return base + (now.normal + off / problem->sum_pressure) / problem->mean_pressure;
+    return base + (now.normal + off[0] / problem->sum_pressure) / problem->mean_pressure;
 }
 
 // The first of the cells with the largest rate.
@@ -420,6 +451,30 @@ static void residual_block(const lac_look *at, const double *slip, size_t first)
     }
 }
 
+// A row of the system, of which a part counts.
+typedef struct row_field {
+    const lac_look *at;
+    double part;
+} row_field;
+
+static void add_even(const void *context, size_t first, size_t end, double *sums)
+{
+    const lac_look *at = ((const row_field *)context)->at;
+    for (size_t i = first; i < end; i++) {
+        sums[0] += lac_problem_weight(at->problem, i) * fabs(at->ws.row[i]) /
+                   lac_problem_all(at->problem);
+    }
+}
+
+static void add_rise(const void *context, size_t first, size_t end, double *sums)
+{
+    const row_field *f = context;
+    const lac_workspace *ws = &f->at->ws;
+    for (size_t i = first; i < end; i++) {
+        sums[0] += lac_problem_weight(f->at->problem, i) * ws->row[i] * ws->kv[i] * f->part;
+    }
+}
+
 // dslip, in the place of r. @param rise  of the mean slip rate that it makes [m/s]
 static bool solve(const lac_look *at, double *rise)
 {
@@ -429,10 +484,10 @@ static bool solve(const lac_look *at, double *rise)
     double *row = ws->row;
     bool damped = problem->drag != 0.0;
     double even = 0.0;
-    for (size_t i = 0; damped && i < n; i++) {
-        even += lac_problem_weight(problem, i) * fabs(row[i]) / (double)n;
+    if (damped) {
+        lac_range_sums(&problem->range, 1, add_even, &(row_field){at, 1.0}, &even);
     }
-    double kappa = problem->drag * (problem->sum_pressure / (double)n) * even;
+    double kappa = problem->drag * (problem->sum_pressure / lac_problem_all(problem)) * even;
     lac_sharing on = {0};
     if (even > 0.0) {
         on = (lac_sharing){.kappa = kappa, .row = row, .shares = ws->v}; // v has been used
@@ -444,8 +499,9 @@ static bool solve(const lac_look *at, double *rise)
                                    ws->kv, ws->scratch)) {
         return false;
     }
-    for (size_t i = 0; on.row != NULL && i < n; i++) {
-        *rise += lac_problem_weight(problem, i) * row[i] * ws->kv[i] * (even / (double)n);
+    if (on.row != NULL) {
+        const row_field field = {at, even / lac_problem_all(problem)};
+        lac_range_sums(&problem->range, 1, add_rise, &field, rise);
     }
     return true;
 }

@@ -8,7 +8,8 @@
 
 static void fill_geometry(lac_problem *problem, const lac_domain *domain)
 {
-    problem->n = domain->n;
+    problem->range = lac_range_whole(domain->n);
+    problem->n = problem->range.n;
     problem->pressure = domain->pressure;
     problem->weight = domain->weight;
     problem->cell_area =
@@ -43,12 +44,9 @@ static void fill_traction(lac_problem *problem)
         problem->traction0[i] =
             lac_problem_effective(problem, &problem->drive0, i) * f + problem->damping * exp(u);
     }
-    double total = 0.0;
+    const double mean = lac_problem_exp_mean(problem, problem->log_rate0);
     for (size_t i = 0; i < problem->n; i++) {
-        total += lac_problem_weight(problem, i) * exp(problem->log_rate0[i]);
-    }
-    for (size_t i = 0; i < problem->n; i++) {
-        problem->traction0[i] += lac_problem_drag(problem, i) * (total / (double)problem->n);
+        problem->traction0[i] += lac_problem_drag(problem, i) * mean;
     }
     problem->sum_traction0 = lac_problem_sum(problem, problem->traction0);
 }
@@ -94,6 +92,12 @@ static lac_status check_places(const lac_problem *problem, lac_error *err)
     return LAC_OK;
 }
 
+static void add_squares(const void *context, size_t first, size_t end, double *sums)
+{
+    const double *x = context;
+    sums[0] += lac_dot(end - first, x + first, x + first);
+}
+
 // How much traction a metre of slip takes off a cell whose neighbours slip the other way.
 static lac_status measure_stiffness(lac_problem *problem, lac_error *err)
 {
@@ -105,7 +109,9 @@ static lac_status measure_stiffness(lac_problem *problem, lac_error *err)
         slip[i] = i % 2 == 0 ? 1.0 : -1.0;
     }
     transfer->kind->apply(transfer->state, slip, slip + n, slip + 2 * n);
-    problem->stiffness = sqrt(lac_dot(n, slip + n, slip + n) / (double)n) +
+    double squares;
+    lac_range_sums(&problem->range, 1, add_squares, slip + n, &squares);
+    problem->stiffness = sqrt(squares / lac_problem_all(problem)) +
                          problem->spring_share * problem->at_start.spring_stiffness +
                          problem->slide;
     free(slip);
@@ -205,6 +211,8 @@ double lac_problem_cohesion(const lac_problem *problem, size_t cell)
 
 size_t lac_problem_cells(const lac_problem *problem) { return problem->n; }
 
+const lac_range *lac_problem_range(const lac_problem *problem) { return &problem->range; }
+
 lac_formulation lac_problem_formulation(const lac_problem *problem) { return problem->kind->id; }
 
 const char *lac_problem_unknown(const lac_problem *problem) { return problem->kind->unknown; }
@@ -241,6 +249,24 @@ double lac_problem_longest_step(const lac_problem *problem, double t)
     return lac_load_longest_step(&problem->loads, t);
 }
 
+typedef struct share_field {
+    const lac_problem *problem;
+    const double *shares; // [n], then their rates
+} share_field;
+
+// What cells have left of their pressures and its rates, by the forces that they carry.
+static void add_shares(const void *context, size_t first, size_t end, double *sums)
+{
+    const share_field *f = context;
+    const lac_problem *problem = f->problem;
+    const double *shares = f->shares, *rates = shares + problem->n;
+    for (size_t i = first; i < end; i++) {
+        const double force = lac_problem_weight(problem, i) * problem->pressure[i];
+        sums[0] += force * (shares[i] - shares[0]);
+        sums[1] += force * (rates[i] - rates[0]);
+    }
+}
+
 // What each cell has left of its pressure; false where one has nothing left. Together they have
 // the mean by the force that they carry, which is that of all where they are alike, to the bit.
 static bool find_shares(const lac_problem *problem, double t, const lac_load_state *now,
@@ -249,22 +275,19 @@ static bool find_shares(const lac_problem *problem, double t, const lac_load_sta
     size_t n = problem->n;
     double mean = problem->mean_pressure;
     double *rates = shares + n;
-    double off = 0.0;
-    double off_rate = 0.0;
+    double off[2];
     bool good = true;
     lac_load_evaluate_cells(&problem->loads, t, now, shares, rates);
     drive->least = INFINITY;
     for (size_t i = 0; i < n; i++) {
         shares[i] = drive->normal - shares[i] / mean;
         rates[i] = -rates[i] / mean;
-        const double force = lac_problem_weight(problem, i) * problem->pressure[i];
-        off += force * (shares[i] - shares[0]);
-        off_rate += force * (rates[i] - rates[0]);
         drive->least = fmin(drive->least, shares[i]);
         good = good && shares[i] > 0.0 && isfinite(shares[i]) && isfinite(rates[i]);
     }
-    drive->share = shares[0] + off / problem->sum_pressure;
-    drive->share_rate = rates[0] + off_rate / problem->sum_pressure;
+    lac_range_sums(&problem->range, 2, add_shares, &(share_field){problem, shares}, off);
+    drive->share = shares[0] + off[0] / problem->sum_pressure;
+    drive->share_rate = rates[0] + off[1] / problem->sum_pressure;
     drive->shares = shares;
     drive->share_rates = rates;
     return good;

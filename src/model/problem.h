@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
+#include "base/range.h"
 #include "friction/friction.h"
 #include "friction/weakening.h"
 #include "load/load.h"
@@ -69,6 +70,7 @@ void lac_problem_free(lac_problem *problem);
 /// Contact cells n, and components of y: 2n, x of every cell, then ln theta; with a mass 3n, then
 /// slip; then n of every unknown of the weakening.
 size_t lac_problem_cells(const lac_problem *problem);
+const lac_range *lac_problem_range(const lac_problem *problem);
 size_t lac_problem_unknowns(const lac_problem *problem);
 
 /// What a formulation is called in a case; the one in use, never AUTO, and what its x is called.

@@ -112,7 +112,7 @@ static int set_options(lac_engine *engine, cvode *c)
 
 static lac_status make_vectors(lac_engine *engine, cvode *c, lac_error *err)
 {
-    c->y = lac_vector_create(engine->unknowns, true, engine->sun);
+    c->y = lac_vector_create(engine->range, engine->unknowns / engine->n, true, engine->sun);
     c->seen_y = c->y == NULL ? NULL : lac_vector_clone_empty(c->y);
     LAC_FAIL_MEMORY_IF(c->seen_y == NULL || lac_vector_lacks(c->y), err);
     engine->y = lac_vector_data(c->y);
@@ -120,7 +120,7 @@ static lac_status make_vectors(lac_engine *engine, cvode *c, lac_error *err)
         engine->slip = engine->y + lac_problem_slip_place(engine->problem);
         return LAC_OK;
     }
-    c->slip = lac_vector_create(engine->n, true, engine->sun);
+    c->slip = lac_vector_create(engine->range, 1, true, engine->sun);
     c->seen_slip = c->slip == NULL ? NULL : lac_vector_clone_empty(c->slip);
     LAC_FAIL_MEMORY_IF(c->seen_slip == NULL || lac_vector_lacks(c->slip), err);
     N_VConst(0.0, c->slip);

@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#pragma once
+
+#include "base/base.h"
+
+enum {
+    LAC_RANGE_BLOCKS = 256,      ///< of all cells, at most
+    LAC_RANGE_BLOCK_LEAST = 4096 ///< cells of a block; where there are fewer, all are one
+};
+
+/// The cells of a case that are worked on here, and how sums over all of them are made: in blocks
+/// that the number of all cells fixes, one after the other. So they have the same bits for any
+/// number of threads, and of processes that have some blocks each.
+typedef struct lac_range {
+    size_t all;   ///< cells of the case
+    size_t first; ///< the first of those here, which begins a block
+    size_t n;     ///< those here
+    size_t block; ///< cells of a block; the last one may have fewer
+} lac_range;
+
+/// All of so many cells.
+lac_range lac_range_whole(size_t all);
+
+enum { LAC_RANGE_SUMS = 3 };
+
+/// Adds to sums what the cells first ... end - 1 give, counted from the first one here.
+typedef void lac_range_body(const void *context, size_t first, size_t end, double *sums);
+
+/// Sums over all cells of so many values (at most LAC_RANGE_SUMS), in one pass over them.
+/// @param sums  [values] overwritten
+void lac_range_sums(const lac_range *range, size_t values, lac_range_body *body,
+                    const void *context, double *sums);
+
+/// Sum of x. @param x  [n]
+double lac_range_sum(const lac_range *range, const double *x);
