@@ -117,9 +117,12 @@ static inline __attribute__((always_inline)) void add_squares(const double *x, c
     }
 }
 
-// All that waits for a stretch of the vectors. @param s  [LANES] gains the squares
-LAC_CLONES static void lac_pending_make(const lac_pending *p, size_t first, size_t end, double *s)
+// All that waits for a stretch of the vectors. @param sums  [LANES] gain the squares
+LAC_CLONES static void lac_pending_make(const lac_pending *p, size_t first, size_t end,
+                                        double *sums)
 {
+    double s[LANES]; // in registers
+    memcpy(s, sums, sizeof s);
     // what is alone has nothing to share a cache with
     size_t block = p->waiting + (p->x != NULL ? 1 : 0) > 1 ? BLOCK : end - first;
     for (size_t begin = first; begin < end; begin += block) {
@@ -131,11 +134,12 @@ LAC_CLONES static void lac_pending_make(const lac_pending *p, size_t first, size
             add_squares(p->x, p->w, begin, stop, s);
         }
     }
+    memcpy(sums, s, sizeof s);
 }
 
 static void make_part(void *context, size_t part, size_t first, size_t end)
 {
-    double none[LANES];
+    double none[LANES] = {0};
     (void)part;
     lac_pending_make(context, first, end, none);
 }
@@ -193,8 +197,10 @@ typedef struct product {
 } product;
 
 LAC_CLONES static void lac_pending_multiply(const void *context, size_t first, size_t end,
-                                            double *s)
+                                            double *sums)
 {
+    double s[LANES];
+    memcpy(s, sums, sizeof s);
     const double *x = ((const product *)context)->x, *y = ((const product *)context)->y;
     size_t whole = end - (end - first) % LANES;
     for (size_t i = first; i < whole; i += LANES) {
@@ -205,6 +211,7 @@ LAC_CLONES static void lac_pending_multiply(const void *context, size_t first, s
     for (size_t i = whole; i < end; i++) {
         s[i - whole] += x[i] * y[i];
     }
+    memcpy(sums, s, sizeof s);
 }
 
 static void add_products(const void *context, size_t first, size_t end, double *sums)
