@@ -16,6 +16,27 @@ lac_range lac_range_whole(size_t all)
                        .block = block > LAC_RANGE_BLOCK_LEAST ? block : LAC_RANGE_BLOCK_LEAST};
 }
 
+// Where the blocks of a rank begin.
+static size_t begin_of(size_t blocks, size_t rank, size_t ranks)
+{
+    return (blocks * rank + ranks - 1) / ranks;
+}
+
+lac_range lac_range_of(lac_team *team, int rank, size_t all)
+{
+    lac_range range = lac_range_whole(all);
+    if (team == NULL) {
+        return range;
+    }
+    const size_t blocks = (all + range.block - 1) / range.block;
+    const size_t first = begin_of(blocks, (size_t)rank, (size_t)team->ranks) * range.block;
+    const size_t end = begin_of(blocks, (size_t)rank + 1, (size_t)team->ranks) * range.block;
+    range.team = team;
+    range.first = first < all ? first : all;
+    range.n = (end < all ? end : all) - range.first;
+    return range;
+}
+
 // One pass over the cells.
 typedef struct pass {
     lac_range_body *body;
@@ -38,11 +59,17 @@ void lac_range_sums(const lac_range *range, size_t values, lac_range_body *body,
     double partial[LAC_RANGE_BLOCKS * LAC_RANGE_SUMS];
     pass p = {body, context, values, partial};
     memset(sums, 0, values * sizeof *sums);
-    if (range->n <= range->block) {
+    if (range->all <= range->block && range->team == NULL) {
         body(context, 0, range->n, sums);
         return;
     }
-    const size_t blocks = lac_parallel_blocks(range->n, range->block, add_block, &p);
+    const size_t blocks = (range->all + range->block - 1) / range->block;
+    if (range->team != NULL) {
+        memset(partial, 0, blocks * values * sizeof *partial);
+        p.partial += range->first / range->block * values;
+    }
+    (void)lac_parallel_blocks(range->n, range->block, add_block, &p);
+    lac_team_join(range->team, partial, blocks * values);
     for (size_t i = 0; i < blocks; i++) {
         for (size_t k = 0; k < values; k++) {
             sums[k] += partial[i * values + k];

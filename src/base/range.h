@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include "base/base.h"
+#include "base/team.h"
 
 enum {
     LAC_RANGE_BLOCKS = 256,      ///< of all cells, at most
@@ -16,10 +16,14 @@ typedef struct lac_range {
     size_t first; ///< the first of those here, which begins a block
     size_t n;     ///< those here
     size_t block; ///< cells of a block; the last one may have fewer
+    lac_team *team; ///< who has the others; NULL: all are here
 } lac_range;
 
 /// All of so many cells.
 lac_range lac_range_whole(size_t all);
+
+/// Those of a rank of a team: as many blocks as of any other, or one fewer; all without a team.
+lac_range lac_range_of(lac_team *team, int rank, size_t all);
 
 enum { LAC_RANGE_SUMS = 3 };
 

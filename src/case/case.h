@@ -254,6 +254,7 @@ struct lac_case {
     double start_date;        ///< seconds since 1970 of t = 0; 0 where not dated
     lac_run_def run;          ///< `end` is NaN where a static case names none
     lac_case_purpose purpose; ///< that it was read for
+    lac_team *team;           ///< who share its runs; set by who has them. NULL: nobody
     int formulation;          ///< lac_formulation, never AUTO once read
     double accuracy; ///< relative error to keep, by which rtol and what solver leaves open are
                      ///< picked [1]; NaN: as given

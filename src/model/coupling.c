@@ -18,13 +18,14 @@ lac_status lac_problem_anchor(lac_problem *problem, lac_error *err)
         ones[i] = 1.0;
     }
     transfer->kind->apply(transfer->state, ones, problem->anchor, work);
+    bool holds = false;
     for (size_t i = 0; i < n; i++) {
-        if (problem->anchor[i] != 0.0) {
-            goto out;
-        }
+        holds = holds || problem->anchor[i] != 0.0;
     }
-    free(problem->anchor);
-    problem->anchor = NULL;
+    if (!lac_team_any(problem->range.team, holds)) {
+        free(problem->anchor);
+        problem->anchor = NULL;
+    }
 out:
     free(ones);
     free(work);
@@ -118,7 +119,9 @@ const char *lac_problem_lost_transfer(const lac_problem *problem, const double *
         given += slip[i] * 0.0;
         found += ws.kv[i] * 0.0;
     }
-    return given == 0.0 && found != 0.0 ? transfer->kind->info.name : NULL;
+    const lac_team *team = problem->range.team;
+    const bool is_given = lac_team_all(team, given == 0.0);
+    return lac_team_any(team, found != 0.0) && is_given ? transfer->kind->info.name : NULL;
 }
 
 lac_damping lac_damping_over(const lac_domain *domain, double eta, bool massive)

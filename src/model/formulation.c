@@ -203,7 +203,7 @@ bool lac_implicit_reduce(const lac_look *at, double gamma, const double *b_slip,
     for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
         good = reduce_block(at, gamma, gone, b_w, first) && good;
     }
-    return good;
+    return lac_problem_agree(at->problem, good);
 }
 
 bool lac_implicit_solve(const lac_look *at, double gamma, double *b)
@@ -346,7 +346,7 @@ static double rates_together(const lac_look *at, const double *tractions, double
         lac_problem_find_ease(at, u, ease);
         double slope = lac_problem_mean(at->problem, ease);
         double moved = lac_mean_search_on(&search, found, slope);
-        double part = part_taken(n, moved, ease, ws->v);
+        double part = lac_problem_most(at->problem, part_taken(n, moved, ease, ws->v));
         if (part <= near) {
             take_off(n, moved, ease, u, ws->v);
         }

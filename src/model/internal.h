@@ -8,6 +8,8 @@
 struct lac_problem {
     size_t n;               // cells here: range.n
     lac_range range;        // of all cells
+    lac_friction *part;     // what friction is of a range; NULL: all is here
+    void *part_state;       // and the transfer's state
     const double *weight;   // [n] of each in sums and means, mean 1; NULL: 1
     const double *pressure; // [n] total normal pressure of each cell [Pa]
     const lac_friction *friction;
@@ -59,6 +61,16 @@ static inline double lac_problem_sum_from(const lac_problem *problem, size_t fir
 {
     return problem->weight == NULL ? lac_vsum(length, x)
                                    : lac_vdot(length, problem->weight + first, x);
+}
+
+// Whether it is so with all cells, and the largest: of those here, and of others.
+static inline bool lac_problem_agree(const lac_problem *problem, bool good)
+{
+    return lac_team_all(problem->range.team, good);
+}
+static inline double lac_problem_most(const lac_problem *problem, double most)
+{
+    return lac_team_most(problem->range.team, most);
 }
 
 // All cells.

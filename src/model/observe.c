@@ -68,7 +68,7 @@ void lac_problem_speed(const lac_problem *problem, double t, const double *y, do
     lac_look at;
     lac_problem_look(problem, t, y, work, &at);
     *mean = fabs(at.motion.mean);
-    *max = lac_vmost(problem->n, at.motion.v);
+    *max = lac_problem_most(problem, lac_vmost(problem->n, at.motion.v));
 }
 
 void lac_problem_elastic_traction(const lac_look *at, const double *slip, double *traction)
@@ -171,7 +171,7 @@ static void measure_balance(const lac_look *at, const double *slip, double *trac
         worst = most > worst || isnan(most) ? most : worst;
     }
     lac_range_sums(&problem->range, 2, add_balance, &(observed){at, traction}, sums);
-    observation->balance_residual = worst;
+    observation->balance_residual = lac_problem_most(problem, worst);
     observation->rate_drift = sums[1] > 0.0 ? fabs(sums[0]) / sums[1] : 0.0;
 }
 
@@ -268,16 +268,18 @@ static double pressed(const lac_problem *problem, double t, double base, double 
     return base + (now.normal + off[0] / problem->sum_pressure) / problem->mean_pressure;
 }
 
-// The first of the cells with the largest rate.
-static size_t find_fastest(size_t n, const double *v)
+// The first of the cells with the largest rate. @param most  becomes that
+static size_t find_fastest(const lac_problem *problem, const double *v, double *most)
 {
-    const double most = lac_vmost(n, v);
-    for (size_t i = 0; i < n; i++) {
-        if (fabs(v[i]) == most) {
-            return i;
-        }
+    const size_t n = problem->n;
+    size_t i = 0;
+    *most = lac_problem_most(problem, lac_vmost(n, v));
+    while (i < n && fabs(v[i]) != *most) {
+        i++;
     }
-    return 0; // not a number
+    const size_t first = lac_problem_first_cell(problem, i < n ? i : SIZE_MAX);
+    *most = first == SIZE_MAX ? (double)NAN : *most;
+    return first == SIZE_MAX ? 0 : first; // not a number
 }
 
 void lac_problem_observe(const lac_problem *problem, double t, const double *y, const double *slip,
@@ -292,8 +294,7 @@ void lac_problem_observe(const lac_problem *problem, double t, const double *y, 
     const lac_motion motion = at.motion;
     const lac_problem_loads_at *drive = &at.drive;
     observation->mean_rate = motion.mean;
-    observation->fastest = find_fastest(problem->n, motion.v);
-    observation->max_rate = fabs(motion.v[observation->fastest]);
+    observation->fastest = find_fastest(problem, motion.v, &observation->max_rate);
     observe_slip(&at, slip, observation);
     const double force = problem->cell_area * problem->sum_pressure;
     observation->normal_force = force * pressed(problem, t, drive->normal, at.ws.shares);
@@ -327,6 +328,27 @@ static bool all_hold(const lac_problem *problem, const double *u, const double *
     return all;
 }
 
+// The first cell here that does not slip on; SIZE_MAX: all do. @param y, motion  as they are looked at
+static size_t find_stopped(const lac_problem *problem, const double *y, const lac_motion *motion)
+{
+    if (!problem->kind->solved && all_hold(problem, motion->u, y + problem->n)) {
+        return SIZE_MAX;
+    }
+    // Regularised, f falls to nothing as exp of F over a; plain, f is F.
+    const lac_friction *friction = problem->friction;
+    const lac_cellwise *a = &friction->column[LAC_A];
+    const double *w = y + problem->n;
+    const double folds = friction->form == LAC_FORM_REGULARISED ? -20.0 : 0.0;
+    for (size_t i = 0; i < problem->n; i++) {
+        bool back = problem->kind->solved && motion->v[i] < 0.0;
+        double plain = lac_friction_plain(friction, i, motion->u[i], w[i]);
+        if (back || plain <= folds * lac_cellwise_of(a, i)) {
+            return i;
+        }
+    }
+    return SIZE_MAX;
+}
+
 bool lac_problem_slips(const lac_problem *problem, double t, const double *y, size_t *cell,
                        double *work)
 {
@@ -343,22 +365,9 @@ bool lac_problem_slips(const lac_problem *problem, double t, const double *y, si
         lac_problem_look(problem, t, y, work, &at);
         motion = at.motion;
     }
-    if (!problem->kind->solved && all_hold(problem, motion.u, y + problem->n)) {
-        return true;
-    }
-    // Regularised, f falls to nothing as exp of F over a; plain, f is F.
-    const lac_cellwise *a = &friction->column[LAC_A];
-    const double *w = y + problem->n;
-    double folds = regularised ? -20.0 : 0.0;
-    for (size_t i = 0; i < problem->n; i++) {
-        bool back = problem->kind->solved && motion.v[i] < 0.0;
-        double plain = lac_friction_plain(friction, i, motion.u[i], w[i]);
-        if (back || plain <= folds * lac_cellwise_of(a, i)) {
-            *cell = i;
-            return false;
-        }
-    }
-    return true;
+    const size_t stopped = lac_problem_first_cell(problem, find_stopped(problem, y, &motion));
+    *cell = stopped == SIZE_MAX ? *cell : stopped;
+    return stopped == SIZE_MAX;
 }
 
 // Whether the share of a cell jumps: one that only bends has changed by no more than its rate times
@@ -403,18 +412,14 @@ bool lac_problem_jump(const lac_problem *problem, double t, double *y, double *w
         return true;
     }
     lac_weaken_jump(problem, y, &ws, &before, &after);
-    if (problem->kind->jump != NULL && !problem->kind->jump(problem, &jump, y)) {
-        return false;
-    }
-    for (size_t i = 0; i < problem->n; i++) {
+    bool good = problem->kind->jump == NULL || problem->kind->jump(problem, &jump, y);
+    for (size_t i = 0; good && i < problem->n; i++) {
         double *w = &y[problem->n + i];
         double change = lac_problem_share_of(&after, i) / lac_problem_share_of(&before, i);
         *w = lac_friction_state_after(problem->friction, i, *w, change);
-        if (!isfinite(exp(*w))) {
-            return false; // alpha/b makes e-folds of theta without bounds
-        }
+        good = isfinite(exp(*w)); // alpha/b makes e-folds of theta without bounds
     }
-    return true;
+    return lac_problem_agree(problem, good);
 }
 
 // The slip that a cell's correction is relative to.

@@ -6,12 +6,12 @@
 #include "base/vsum.h"
 #include "model/internal.h"
 
-static void fill_geometry(lac_problem *problem, const lac_domain *domain)
+static void fill_geometry(lac_problem *problem, const lac_domain *domain, lac_team *team)
 {
-    problem->range = lac_range_whole(domain->n);
+    problem->range = lac_range_of(team, team != NULL ? team->rank : 0, domain->n);
     problem->n = problem->range.n;
-    problem->pressure = domain->pressure;
-    problem->weight = domain->weight;
+    problem->pressure = domain->pressure + problem->range.first;
+    problem->weight = domain->weight != NULL ? domain->weight + problem->range.first : NULL;
     problem->cell_area =
         lac_grid_cell_area(&domain->grid) * (domain->weight != NULL ? domain->each : 1.0);
     problem->nominal_area = lac_grid_area(&domain->grid);
@@ -19,9 +19,44 @@ static void fill_geometry(lac_problem *problem, const lac_domain *domain)
     problem->length = lac_grid_cells(grid) == 1
                           ? 10.0
                           : lac_grid_extent(grid, (double)grid->nx, (double)grid->ny);
-    problem->sum_pressure = lac_problem_sum(problem, domain->pressure);
+    problem->sum_pressure = lac_problem_sum(problem, problem->pressure);
     problem->mean_pressure = problem->sum_pressure * problem->cell_area / problem->nominal_area;
     problem->spring_share = problem->nominal_area / ((double)domain->n * problem->cell_area);
+}
+
+// What of friction, transfer and loads is of the cells here.
+static lac_status take_part(lac_problem *problem, lac_error *err)
+{
+    const lac_range *range = &problem->range;
+    const lac_transfer_kind *kind = problem->transfer.kind;
+    if (range->team == NULL) {
+        return LAC_OK;
+    }
+    LAC_FAIL_IF(kind->part == NULL, err, LAC_EINPUT,
+                "transfer %s: is not shared by ranks: run this case on one, with lacuna",
+                kind->info.name);
+    LAC_FAIL_IF(problem->varies || problem->weak != NULL || problem->loads.geometry != NULL ||
+                    problem->mass > 0.0 || problem->kind->id == LAC_FORMULATION_VECTOR,
+                err, LAC_EINPUT,
+                "inertia, slip in two directions, weakening, a base that bends and loads that "
+                "differ from cell to cell are not shared by ranks: run this case on one, with "
+                "lacuna");
+    uint32_t *cell = malloc((range->n + 1) * sizeof *cell);
+    LAC_FAIL_MEMORY_IF(cell == NULL, err);
+    for (size_t i = 0; i < range->n; i++) {
+        cell[i] = (uint32_t)(range->first + i);
+    }
+    lac_status status = lac_friction_pick(problem->friction, cell, range->n, &problem->part, err);
+    free(cell);
+    if (status == LAC_OK) {
+        problem->friction = problem->part;
+        status = kind->part(problem->transfer.state, range, &problem->part_state, err);
+        problem->transfer.state = problem->part_state;
+    }
+    if (problem->loads.shape != NULL) {
+        problem->loads.shape += range->first;
+    }
+    return status;
 }
 
 static lac_status check_initial(const lac_problem_def *def, lac_error *err)
@@ -61,10 +96,10 @@ static double least_of(const lac_cellwise *column, size_t n)
 }
 
 // Without direct effect and damping the traction says nothing of the rate.
-static lac_status check_solvable(const lac_problem *problem, lac_error *err)
+static lac_status check_solvable(const lac_problem *problem, size_t n, lac_error *err)
 {
     const lac_cellwise *column_a = &problem->friction->column[LAC_A];
-    for (size_t i = 0; problem->kind->solved && i < problem->n; i++) {
+    for (size_t i = 0; problem->kind->solved && i < n; i++) {
         double a = lac_cellwise_of(column_a, i);
         LAC_FAIL_IF(!(a > 0.0) && !(problem->damping > 0.0), err, LAC_EINPUT,
                     "a = %g of cell %zu without radiation damping: the formulation \"%s\" cannot "
@@ -87,7 +122,7 @@ static lac_status check_shape(const lac_problem *problem, lac_error *err)
 // Nor do they know the cells by themselves.
 static lac_status check_places(const lac_problem *problem, lac_error *err)
 {
-    LAC_FAIL_IF(problem->varies && problem->loads.places.n != problem->n, err, LAC_EINPUT,
+    LAC_FAIL_IF(problem->varies && problem->loads.places.n != problem->range.all, err, LAC_EINPUT,
                 "a load differs from cell to cell, but the places of the cells are not given");
     return LAC_OK;
 }
@@ -106,7 +141,7 @@ static lac_status measure_stiffness(lac_problem *problem, lac_error *err)
     double *slip = malloc((2 * n + transfer->kind->work(transfer->state)) * sizeof *slip);
     LAC_FAIL_MEMORY_IF(slip == NULL, err);
     for (size_t i = 0; i < n; i++) {
-        slip[i] = i % 2 == 0 ? 1.0 : -1.0;
+        slip[i] = (problem->range.first + i) % 2 == 0 ? 1.0 : -1.0;
     }
     transfer->kind->apply(transfer->state, slip, slip + n, slip + 2 * n);
     double squares;
@@ -121,12 +156,12 @@ static lac_status measure_stiffness(lac_problem *problem, lac_error *err)
 static lac_status allocate(lac_problem *problem, const lac_problem_def *def, lac_error *err)
 {
     size_t bytes = problem->n * sizeof(double);
-    problem->traction0 = malloc(3 * bytes);
+    problem->traction0 = malloc(3 * bytes + sizeof(double));
     LAC_FAIL_MEMORY_IF(problem->traction0 == NULL, err);
     problem->log_rate0 = problem->traction0 + problem->n;
     problem->log_state0 = problem->log_rate0 + problem->n;
-    memcpy(problem->log_rate0, def->log_rate, bytes);
-    memcpy(problem->log_state0, def->log_state, bytes);
+    memcpy(problem->log_rate0, def->log_rate + problem->range.first, bytes);
+    memcpy(problem->log_state0, def->log_state + problem->range.first, bytes);
     if (problem->varies) {
         problem->shares0 = malloc(2 * bytes);
         LAC_FAIL_MEMORY_IF(problem->shares0 == NULL, err);
@@ -140,7 +175,7 @@ lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac
     *out = NULL;
     lac_problem *problem = calloc(1, sizeof *problem);
     LAC_FAIL_MEMORY_IF(problem == NULL, err);
-    fill_geometry(problem, def->domain);
+    fill_geometry(problem, def->domain, def->team);
     problem->friction = def->friction;
     problem->transfer = *def->transfer;
     problem->loads = def->loads;
@@ -151,7 +186,7 @@ lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac
     problem->damping = damping.cell;
     problem->mean_damping = damping.mean;
     problem->drag = damping.shared;
-    problem->least_direct = least_of(&problem->friction->column[LAC_A], problem->n);
+    problem->least_direct = least_of(&problem->friction->column[LAC_A], def->domain->n);
     problem->bond = problem->friction->cohesion / problem->mean_pressure;
     problem->kind = lac_formulation_kind_of(def->formulation);
     problem->varies = lac_load_set_varies(&problem->loads);
@@ -161,12 +196,13 @@ lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac
 
     LAC_TRY(check_initial(def, err));
     LAC_TRY(lac_inertia_init(problem, def, err));
-    LAC_TRY(check_solvable(problem, err));
+    LAC_TRY(check_solvable(problem, def->domain->n, err));
     LAC_TRY(lac_weaken_check(problem, err));
     LAC_TRY(check_shape(problem, err));
     LAC_TRY(check_places(problem, err));
     LAC_TRY(lac_problem_geometry_init(problem, err));
-    LAC_TRY(allocate(problem, def, err));
+    status = take_part(problem, err);
+    LAC_TRY(lac_team_agree(def->team, status == LAC_OK ? allocate(problem, def, err) : status, err));
     lac_problem_lay_out(problem);
     LAC_TRY(lac_problem_anchor(problem, err));
     if (!lac_problem_drive_into(problem, 0.0, (lac_gone){0}, problem->shares0, &problem->drive0)) {
@@ -201,8 +237,14 @@ void lac_problem_free(lac_problem *problem)
     free(problem->traction0);
     free(problem->anchor);
     free(problem->shares0);
+    lac_friction_free(problem->part);
+    if (problem->part_state != NULL) {
+        problem->transfer.kind->free(problem->part_state);
+    }
     free(problem);
 }
+
+bool lac_problem_coheres(const lac_problem *problem) { return problem->bond > 0.0; }
 
 double lac_problem_cohesion(const lac_problem *problem, size_t cell)
 {
@@ -219,10 +261,21 @@ const char *lac_problem_unknown(const lac_problem *problem) { return problem->ki
 
 bool lac_problem_has_slip(const lac_problem *problem) { return problem->kind->has_slip; }
 
+size_t lac_problem_arrays(const lac_problem *problem)
+{
+    return problem->kind->unknowns + (problem->weak != NULL ? problem->weak->modes : 0);
+}
+
 size_t lac_problem_unknowns(const lac_problem *problem)
 {
-    return (problem->kind->unknowns + (problem->weak != NULL ? problem->weak->modes : 0)) *
-           problem->n;
+    return lac_problem_arrays(problem) * problem->n;
+}
+
+size_t lac_problem_first_cell(const lac_problem *problem, size_t cell)
+{
+    const double here = cell == SIZE_MAX ? INFINITY : (double)(problem->range.first + cell);
+    const double first = lac_team_least(problem->range.team, here);
+    return isinf(first) ? SIZE_MAX : (size_t)first;
 }
 
 size_t lac_problem_slip_place(const lac_problem *problem)

@@ -203,7 +203,7 @@ static bool find_rates(const lac_look *at, double *du, double *dw, double *rise)
     }
     field.rise = *rise = sums[GAIN] / (lac_problem_all(problem) + sums[LOSS]);
     size_t parts = lac_parallel_for(problem->n, lac_rate_take_off, &field);
-    return all_good(parts, field.good);
+    return lac_problem_agree(problem, all_good(parts, field.good));
 }
 
 static bool derivative(const lac_look *at, double *ydot)

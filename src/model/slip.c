@@ -17,7 +17,7 @@ static bool derivative(const lac_look *at, double *ydot)
     size_t n = at->problem->n;
     bool good = lac_problem_evolve(at, ydot + n);
     memcpy(ydot, at->motion.v, n * sizeof *ydot);
-    return lac_vfinite(n, ydot) && good;
+    return lac_problem_agree(at->problem, lac_vfinite(n, ydot) && good);
 }
 
 // x_slip = b_slip + gamma dv

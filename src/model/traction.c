@@ -27,7 +27,7 @@ static bool derivative(const lac_look *at, double *ydot)
     for (size_t i = 0; i < n; i++) {
         ydot[i] = problem->pressure[i] * drive->ratio_rate + loading - at->ws.kv[i];
     }
-    return lac_vfinite(n, ydot) && good;
+    return lac_problem_agree(at->problem, lac_vfinite(n, ydot) && good);
 }
 
 // x_tau = b_tau - gamma K dv, which is gamma D dv + f_w's part + drag mean dv by the row itself.

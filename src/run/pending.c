@@ -53,6 +53,8 @@ void lac_pending_close(lac_pending *p)
 
 size_t lac_pending_length(const lac_pending *p) { return p->n; }
 
+const lac_team *lac_pending_team(const lac_pending *p) { return p->range.team; }
+
 size_t lac_pending_all(const lac_pending *p) { return p->arrays * p->range.all; }
 
 // Each vector is read once. `count` is known where this is inlined.

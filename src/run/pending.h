@@ -21,6 +21,9 @@ void lac_pending_free(lac_pending *p);
 size_t lac_pending_length(const lac_pending *p);
 size_t lac_pending_all(const lac_pending *p);
 
+/// Who has the others; NULL: nobody.
+const lac_team *lac_pending_team(const lac_pending *p);
+
 /// Makes nothing from now on: all arrays count as empty, as if n were 0.
 void lac_pending_close(lac_pending *p);
 

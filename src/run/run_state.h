@@ -35,11 +35,18 @@ typedef struct lac_instant {
     double origin, local;
 } lac_instant;
 
+// What the sink of a run takes, which the rank that leads has.
+enum { LAC_TAKES_RECORD = 1, LAC_TAKES_SNAPSHOT = 2, LAC_TAKES_STEP = 4, LAC_TAKES_CHECKPOINT = 8 };
+
+enum { LAC_GATHERED = 6 }; // arrays of all cells at once, at most
+
 // A run on its way.
 typedef struct lac_run_state {
     const lac_problem *problem;
     const lac_run_def *def;
     const lac_sink *sink;
+    uint64_t takes; // LAC_TAKES_*
+    double *all;    // [LAC_GATHERED][all cells] where ranks share them, at the one that leads; NULL
     lac_engine *engine;
     lac_run_result *result;
     lac_run_clock record_clock, snapshot_clock, checkpoint_clock;
@@ -65,6 +72,21 @@ typedef struct lac_run_state {
     bool broken; // the step ended where the loads jump or bend
     bool bends;  // the base does
 } lac_run_state;
+
+// An array of the cells, of all of them at the rank that leads; at others no more than those here.
+// @param place  of those arrays; each is used once for what is put out
+const double *lac_run_state_gather(const lac_run_state *r, const double *x, size_t place);
+
+// Whether this rank has the sink; what it says, to all ranks.
+static inline bool lac_run_state_leads(const lac_run_state *r)
+{
+    return lac_team_leads(r->engine->range->team);
+}
+static inline lac_status lac_run_state_agree(const lac_run_state *r, lac_status status,
+                                             lac_error *err)
+{
+    return lac_team_agree(r->engine->range->team, status, err);
+}
 
 // Hands one line of the time series to the sink; a time already recorded is passed over.
 // @param t, y, slip  of the engine's own time, its state then

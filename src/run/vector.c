@@ -120,7 +120,10 @@ static N_Vector clone(N_Vector like, size_t bytes)
 
 N_Vector lac_vector_clone_empty(N_Vector like) { return clone(like, 0); }
 
-static N_Vector v_clone(N_Vector like) { return clone(like, length(like) * sizeof(double)); }
+// Of components; of none there is a place all the same.
+static size_t bytes_of(size_t n) { return (n > 0 ? n : 1) * sizeof(double); }
+
+static N_Vector v_clone(N_Vector like) { return clone(like, bytes_of(length(like))); }
 
 static void v_linear_sum(sunrealtype a, N_Vector x, sunrealtype b, N_Vector y, N_Vector z)
 {
@@ -178,7 +181,7 @@ LAC_CLONES static sunrealtype lac_vector_max_norm(N_Vector xv)
         // A NaN must not hide behind a comparison that is false.
         most = size <= most ? most : size;
     }
-    return most;
+    return lac_team_most(lac_pending_team(pending_of(xv)), most);
 }
 
 static sunrealtype v_min(N_Vector xv)
@@ -189,7 +192,7 @@ static sunrealtype v_min(N_Vector xv)
     for (size_t i = 0; i < n; i++) {
         least = x[i] < least ? x[i] : least;
     }
-    return least;
+    return lac_team_least(lac_pending_team(pending_of(xv)), least);
 }
 
 static lac_sun_status v_linear_combination(int count, sunrealtype *c, N_Vector *xv, N_Vector z)
@@ -258,7 +261,7 @@ N_Vector lac_vector_create(const lac_range *range, size_t arrays, bool waits, SU
         return NULL;
     }
     set_operations(x);
-    join(x, f, lac_pending_length(f->pending) * sizeof(double));
+    join(x, f, bytes_of(lac_pending_length(f->pending)));
     if (f->lacking) {
         v_destroy(x);
         return NULL;

@@ -66,6 +66,9 @@ typedef struct lac_transfer_kind {
     /// iteration does not end
     bool (*solve)(const void *state, double k_mean, const double *diagonal, const double *y,
                   double *x, double *work);
+    /// The same of the cells of a rank, from a state of all, which must outlive it. NULL: it cannot
+    /// be shared
+    lac_status (*part)(const void *state, const lac_range *range, void **out, lac_error *err);
     const lac_transfer_pair *pair; ///< NULL: it knows slip along x only
     /// Stiffness of a level [Pa/m]; 0 where the kind has no levels
     double (*stiffness)(const void *state, size_t level);
