@@ -150,7 +150,7 @@ lacuna_python_test(test_sweep_parts once)
 # How many of its runs go side by side.
 target_sources(unit_test_free_memory PRIVATE ${PROJECT_SOURCE_DIR}/src/cli/common/memory.c)
 target_sources(unit_test_pool PRIVATE
-  "$<FILTER:$<TARGET_OBJECTS:lacuna_program>,INCLUDE,common/(keep|memory|pool|progress|words)[.]c>")
+  "$<FILTER:$<TARGET_OBJECTS:lacuna_cli>,INCLUDE,common/(keep|memory|pool|progress|words)[.]c>")
 
 # Runs of seconds by each method: slow under sanitizers, which shorter runs by each method pass too.
 set_property(TEST verify.test_peers APPEND PROPERTY LABELS once)

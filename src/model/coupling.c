@@ -320,6 +320,7 @@ bool lac_problem_solve_sharing(const lac_problem *problem, double mean, const do
         column[i] -= alike;
         differs = differs || column[i] != 0.0;
     }
+    differs = lac_team_any(problem->range.team, differs);
     if (!solve_shared(problem, mean - alike, diagonal, on, b, scratch) ||
         (differs && !solve_shared(problem, mean - alike, diagonal, on, column, scratch))) {
         return false;

@@ -13,7 +13,7 @@ static double slow_scale(const lac_problem *problem, const lac_problem_def *def)
     const double healing = 20.0; // e-folds of v
     const double least = LAC_AT_REST, greatest = -10.0;
     double scale = greatest;
-    for (size_t i = 0; i < problem->n; i++) {
+    for (size_t i = 0; i < def->domain->n; i++) { // ranks have no part of their own yet
         double u = def->log_rate[i];
         double a = lac_cellwise_of(&problem->friction->column[LAC_A], i);
         double f = lac_friction_plain(problem->friction, i, u, def->log_state[i]);
@@ -155,7 +155,7 @@ static bool derivative(const lac_look *at, double *ydot)
         ydot[2 * n + i] = v;
         check += ydot[i] * 0.0 + ydot[n + i] * 0.0 + v * 0.0;
     }
-    return check == 0.0;
+    return lac_problem_agree(problem, check == 0.0);
 }
 
 // slope = dv/dx and bend = 1 + gamma (dx/dt) (d2v/dx2)/(dv/dx) at the state.
@@ -280,6 +280,20 @@ double lac_inertia_fastest(const lac_look *at)
     return fastest;
 }
 
+// Whether friction holds a cell below LAC_AT_REST. What drives it besides: traction, and the block
+// that it is part of. @param mean  of find_forces
+static bool holds(const lac_look *at, size_t i, double mean)
+{
+    const lac_problem *problem = at->problem;
+    const double w = at->w[i];
+    double p = lac_problem_effective(problem, &at->drive, i);
+    double f = lac_friction_coefficient(problem->friction, i, at->motion.u[i], w);
+    double held = copysign(p * f, at->motion.v[i]);
+    double driven =
+        at->ws.kv[i] + held - (1.0 - problem->columns) * lac_problem_share(problem, i) * mean;
+    return fabs(driven) < p * lac_friction_coefficient(problem->friction, i, LAC_AT_REST, w);
+}
+
 bool lac_problem_rests(const lac_problem *problem, double t, const double *y, size_t *cell,
                        double *work)
 {
@@ -293,21 +307,17 @@ bool lac_problem_rests(const lac_problem *problem, double t, const double *y, si
     while (i < problem->n && !(fabs(at.motion.v[i]) < LAC_NOTHING)) {
         i++;
     }
-    if (i == problem->n) {
+    const size_t slow = i < problem->n ? i : SIZE_MAX;
+    const size_t first = lac_problem_first_cell(problem, slow);
+    if (first == SIZE_MAX) {
         return false;
     }
-    // What drives the cell besides its friction: traction, and the block that it is part of.
-    const double *w = at.w;
-    double p = lac_problem_effective(problem, &at.drive, i);
-    double mean = find_forces(&at, NULL);
-    double f = lac_friction_coefficient(problem->friction, i, at.motion.u[i], w[i]);
-    double held = copysign(p * f, at.motion.v[i]);
-    double driven =
-        at.ws.kv[i] + held - (1.0 - problem->columns) * lac_problem_share(problem, i) * mean;
-    if (!(fabs(driven) < p * lac_friction_coefficient(problem->friction, i, LAC_AT_REST, w[i]))) {
+    const double mean = find_forces(&at, NULL);
+    const bool here = slow != SIZE_MAX && first == problem->range.first + slow;
+    if (!lac_team_any(problem->range.team, here && holds(&at, i, mean))) {
         return false;
     }
-    *cell = i;
+    *cell = first;
     return true;
 }
 

@@ -9,7 +9,7 @@ struct lac_problem {
     size_t n;               // cells here: range.n
     lac_range range;        // of all cells
     lac_friction *part;     // what friction is of a range; NULL: all is here
-    void *part_state;       // and the transfer's state
+    lac_transfer part_transfer;
     const double *weight;   // [n] of each in sums and means, mean 1; NULL: 1
     const double *pressure; // [n] total normal pressure of each cell [Pa]
     const lac_friction *friction;

@@ -242,7 +242,7 @@ static void observe_weakening(const lac_look *at, lac_observation *observation)
     }
     lac_range_sums(&problem->range, 2, add_carried, &(carried){problem, pore, broken, 0.0}, sums);
     observation->excess_pore = sums[0] / problem->sum_pressure;
-    observation->temperature = hottest;
+    observation->temperature = lac_problem_most(problem, hottest);
     observation->broken = sums[1] / problem->sum_pressure;
 }
 

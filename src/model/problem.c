@@ -28,19 +28,13 @@ static void fill_geometry(lac_problem *problem, const lac_domain *domain, lac_te
 static lac_status take_part(lac_problem *problem, lac_error *err)
 {
     const lac_range *range = &problem->range;
-    const lac_transfer_kind *kind = problem->transfer.kind;
+    const bool both = problem->kind->id == LAC_FORMULATION_VECTOR;
     if (range->team == NULL) {
         return LAC_OK;
     }
-    LAC_FAIL_IF(kind->part == NULL, err, LAC_EINPUT,
-                "transfer %s: is not shared by ranks: run this case on one, with lacuna",
-                kind->info.name);
-    LAC_FAIL_IF(problem->varies || problem->weak != NULL || problem->loads.geometry != NULL ||
-                    problem->mass > 0.0 || problem->kind->id == LAC_FORMULATION_VECTOR,
-                err, LAC_EINPUT,
-                "inertia, slip in two directions, weakening, a base that bends and loads that "
-                "differ from cell to cell are not shared by ranks: run this case on one, with "
-                "lacuna");
+    LAC_FAIL_IF(problem->varies, err, LAC_EINPUT,
+                "a load that differs from cell to cell is not shared by ranks: run this case on "
+                "one, with lacuna");
     uint32_t *cell = malloc((range->n + 1) * sizeof *cell);
     LAC_FAIL_MEMORY_IF(cell == NULL, err);
     for (size_t i = 0; i < range->n; i++) {
@@ -50,8 +44,8 @@ static lac_status take_part(lac_problem *problem, lac_error *err)
     free(cell);
     if (status == LAC_OK) {
         problem->friction = problem->part;
-        status = kind->part(problem->transfer.state, range, &problem->part_state, err);
-        problem->transfer.state = problem->part_state;
+        status = lac_transfer_part(&problem->transfer, both, range, &problem->part_transfer, err);
+        problem->transfer = problem->part_transfer;
     }
     if (problem->loads.shape != NULL) {
         problem->loads.shape += range->first;
@@ -238,9 +232,7 @@ void lac_problem_free(lac_problem *problem)
     free(problem->anchor);
     free(problem->shares0);
     lac_friction_free(problem->part);
-    if (problem->part_state != NULL) {
-        problem->transfer.kind->free(problem->part_state);
-    }
+    lac_transfer_clear(&problem->part_transfer);
     free(problem);
 }
 
@@ -398,11 +390,19 @@ lac_status lac_problem_lifted(const lac_problem *problem, double t, const double
     if (good && at.least > near) {
         return LAC_OK;
     }
-    for (size_t i = 0; at.shares != NULL && i < problem->n; i++) {
-        if (!(at.shares[i] > near)) {
-            return lac_load_blame_cell(&problem->loads, i, normal * (at.normal - at.shares[i]),
-                                       normal * at.normal, t, LAC_ENUMERIC, err);
-        }
+    size_t i = 0;
+    while (at.shares != NULL && i < problem->n && at.shares[i] > near) {
+        i++;
+    }
+    const size_t here = at.shares != NULL && i < problem->n ? i : SIZE_MAX;
+    const size_t first = lac_problem_first_cell(problem, here);
+    if (first != SIZE_MAX) {
+        const bool blamed = here != SIZE_MAX && first == problem->range.first + here;
+        const lac_status status =
+            blamed ? lac_load_blame_cell(&problem->loads, i, normal * (at.normal - at.shares[i]),
+                                         normal * at.normal, t, LAC_ENUMERIC, err)
+                   : LAC_OK;
+        return lac_team_agree(problem->range.team, status, err);
     }
     LAC_FAIL_IF(problem->at_start.lake.unit_weight > 0.0, err, LAC_ENUMERIC,
                 "the lake at the toe and the pore pressure lift the mass at t = %g s", t);

@@ -262,7 +262,8 @@ static bool derivative(const lac_look *at, double *ydot)
     const bool good = lac_problem_evolve(at, ydot + n);
     memcpy(ydot, p.v[0], n * sizeof *ydot);
     memcpy(ydot + 2 * n, p.v[1], n * sizeof *ydot);
-    return lac_vfinite(n, ydot) && lac_vfinite(n, ydot + 2 * n) && good;
+    return lac_problem_agree(at->problem,
+                             lac_vfinite(n, ydot) && lac_vfinite(n, ydot + 2 * n) && good);
 }
 
 // D of every cell: along its rate what lac_implicit_reduce leaves, across it |net|/(|v| gamma), for

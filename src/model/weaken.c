@@ -83,7 +83,7 @@ static bool take_excess(const lac_problem *problem, const double *z, lac_problem
     for (size_t i = 0; i < problem->n; i++) {
         least = fmin(least, shares[i]);
     }
-    drive->least = least;
+    drive->least = lac_team_least(problem->range.team, least);
     drive->share -= off / problem->sum_pressure;
     drive->shares = shares;
     drive->share_rates = rates;
@@ -205,7 +205,7 @@ bool lac_weaken_rates_of(const lac_look *at, double *xdot)
     for (size_t first = 0; first < at->problem->n; first += LAC_FRICTION_BLOCK) {
         good = block_rates(at, &a, first, xdot) && good;
     }
-    return good;
+    return lac_problem_agree(at->problem, good);
 }
 
 void lac_weaken_take_off(const lac_look *at, double *kv)

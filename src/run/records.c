@@ -44,8 +44,14 @@ static void watch_along(lac_run_state *r, const double *slip, lac_record *line)
 {
     const lac_points *points = r->def->points;
     const lac_components of = lac_problem_components(r->problem, slip, r->engine->work);
-    const double *const fields[] = {of.slip[0], of.slip[1],     of.rate[0],
-                                    of.rate[1], of.traction[0], of.traction[1]};
+    const double *fields[] = {of.slip[0], of.slip[1],     of.rate[0],
+                              of.rate[1], of.traction[0], of.traction[1]};
+    for (size_t k = 0; k < LAC_POINT_ALONG; k++) {
+        fields[k] = lac_run_state_gather(r, fields[k], 4 + k);
+    }
+    if (!lac_run_state_leads(r)) {
+        return;
+    }
     double *value = r->watched, *along = value + LAC_POINT_VALUES * points->n;
     line->observation.points_along = along;
     for (size_t i = 0; i < points->n; i++, value += LAC_POINT_VALUES, along += LAC_POINT_ALONG) {
@@ -164,11 +170,11 @@ lac_status lac_run_state_snapshot(lac_run_state *r, double t, const double *y, c
                            .factor_of_safety =
                                safety != NULL ? lac_run_state_gather(r, safety, 5) : NULL,
                            .pore = lac_run_state_gather(r, pore, 4),
-                           .excess_pore = excess,
-                           .temperature = excess != NULL ? excess + n : NULL,
-                           .broken = excess != NULL ? excess + 2 * n : NULL};
+                           .excess_pore = weakens ? lac_run_state_gather(r, excess, 6) : NULL,
+                           .temperature = weakens ? lac_run_state_gather(r, excess + n, 7) : NULL,
+                           .broken = weakens ? lac_run_state_gather(r, excess + 2 * n, 8) : NULL};
     for (size_t k = 0; k < LAC_POINT_ALONG && lac_problem_is_vector(r->problem); k++) {
-        fields.along[k] = along + k * n;
+        fields.along[k] = lac_run_state_gather(r, along + k * n, 9 + k);
     }
     return lac_run_state_agree(
         r, lac_run_state_leads(r) ? r->sink->snapshot(r->sink->context, &fields, err) : LAC_OK, err);
