@@ -125,6 +125,15 @@ set(test_branch_files $<TARGET_FILE:at_call>)
 lacuna_python_test(test_branch)
 lacuna_python_test(test_points)
 
+# Runs on the ranks of an MPI job, where that is there.
+set(test_ranks_files none none ${PROJECT_BINARY_DIR})
+if(TARGET lacuna_mpi)
+  add_library(wrong_order MODULE ranks/wrong_order.c)
+  target_link_libraries(wrong_order PRIVATE MPI::MPI_C)
+  set(test_ranks_files $<TARGET_FILE:lacuna_mpi> $<TARGET_FILE:wrong_order> ${PROJECT_BINARY_DIR})
+endif()
+lacuna_python_test(test_ranks)
+
 # What is left where a program is killed, or a file call fails, at each of them in turn.
 set(test_every_call_files $<TARGET_FILE:at_call>)
 if(LACUNA_SANITIZE)

@@ -5,7 +5,7 @@ ends, and that lacuna knows nothing of MPI.
 
 usage: test_ranks.py PROGRAM SOURCE_FOLDER MPI_PROGRAM WRONG_ORDER BUILD_FOLDER [unittest options]
 
-MPI_PROGRAM: "" where MPI is not there. WRONG_ORDER is the library of tests/ranks. All ranks are on this machine,
+MPI_PROGRAM: none where MPI is not there. WRONG_ORDER is the library of tests/ranks. All ranks are on this machine,
 more of them than it has processors.
 """
 
@@ -23,7 +23,7 @@ import netCDF4
 import numpy
 
 PROGRAM, SOURCE, RANKS, WRONG, BUILD = sys.argv[1:6]
-OWN = re.compile(r"wall|cpu|memory|history|date_created")
+OWN = re.compile(r"wall|cpu|memory|history|date_created|date_modified")
 FIELDS = "output.fields=[slip, slip_rate, state, traction]"
 LACUNAR = ["cases/transfer/hierarchy.yaml", "--set", "interface.levels=8", "--set", "output.fields_every={per_decade: 1}",
            "--set", FIELDS]
@@ -31,18 +31,19 @@ LACUNAR = ["cases/transfer/hierarchy.yaml", "--set", "interface.levels=8", "--se
 # A bundled case with what is set in it, and on how many ranks. Those of 8 levels have three blocks of sums,
 # those of 9 eight; small ones have one, and ranks without a cell.
 CASES = {
-    "rate, bdf, eight blocks": (["cases/transfer/hierarchy.yaml", "--set", "interface.levels=9", "--until", "10 day"], (5, 8)),
-    "slip, adams": (LACUNAR + ["--set", "solver.method=adams", "--until", "20 day"], (3,)),
-    "traction, erk, points": (LACUNAR + ["--set", "solver.method=erk", "--set",
-                                         "output.points=[{name: A, x: 100 m, y: 30 m, radius: 20 m}]"], (2,)),
+    "rate, bdf, eight blocks": (["cases/transfer/hierarchy.yaml", "--set", "interface.levels=9", "--until", "1 day"], (8,)),
+    "rate, bdf, spread, catalogue, points": (
+        LACUNAR + ["--until", "1 day", "--set", "analysis={events: {slip_rate: 1 um/s}}", "--set",
+                   "friction.spread={dc: {uniform: {half_width: 0.3, seed: 2}}}", "--set",
+                   "output.points=[{name: A, x: 100 m, y: 30 m, radius: 20 m}]"], (3,)),
+    "slip, adams": (LACUNAR + ["--set", "solver.method=adams", "--until", "1 day"], (2,)),
+    "traction, erk": (LACUNAR + ["--set", "solver.method=erk", "--until", "1 day"], (5,)),
     "inertia": (["cases/momentum/slope.yaml", "--set", "interface.levels=7", "--until", "10 s"], (3,)),
-    "two directions": (["cases/load/turning.yaml", "--set", "interface.levels=7", "--until", "1 day"], (2,)),
-    "elastic": (["cases/transfer/elastic.yaml", "--until", "5 day"], (2,)),
-    "weakening": (["cases/weakening/pressurization.yaml"], (2,)),
-    "catalogue, spread": (["cases/rg/creep-to-failure.yaml", "--set",
-                           "analysis={events: {slip_rate: 1 mm/s}}"], (2, 3)),
-    "bent base": (["cases/load/chair.yaml"], (2,)),
-    "no transfer": (["cases/transfer/none.yaml"], (3,)),
+    "two directions": (["cases/load/turning.yaml", "--set", "interface.levels=7", "--until", "2 hour"], (2,)),
+    "elastic": (["cases/transfer/elastic.yaml", "--until", "1 day"], (2,)),
+    "weakening": (["cases/weakening/dilatancy.yaml"], (2,)),
+    "bent base": (["cases/load/chair.yaml", "--until", "100 day"], (2,)),
+    "no transfer": (["cases/transfer/none.yaml", "--until", "1 day"], (3,)),
 }
 
 
@@ -78,7 +79,7 @@ class Alone(unittest.TestCase):
             self.assertEqual(re.findall(r"\bP?MPI_\w+|\bompi_\w+", named), [], file)
 
 
-@unittest.skipIf(RANKS == "", "MPI is not there (tools/install-packages --test brings it)")
+@unittest.skipIf(RANKS == "none", "MPI is not there (tools/install-packages --test brings it)")
 class Ranks(unittest.TestCase):
     def setUp(self):
         self.folder = tempfile.TemporaryDirectory()
@@ -104,7 +105,7 @@ class Ranks(unittest.TestCase):
                     self.assertEqual(expected.keys(), found.keys())
 
     def test_a_sum_in_another_order_is_noticed(self):
-        case = LACUNAR + ["--until", "10 day"]
+        case = LACUNAR + ["--until", "1 day"]
         expected = self.alone(case)
         done = run(command(2, "run", *case, "-o", self.many, "--force", "-q", preload=WRONG))
         self.assertEqual(done.returncode, 0, done.stderr)
@@ -146,7 +147,8 @@ class Ranks(unittest.TestCase):
         return job, [int(child) for child in children]
 
     def test_stopped_and_killed_it_goes_on_with_other_ranks(self):
-        case = LACUNAR + ["--set", "solver.method=adams", "--set", "output.checkpoint={steps: 60}"]
+        case = LACUNAR + ["--set", "solver.method=adams", "--until", "10 day", "--set",
+                          "output.checkpoint={steps: 60}"]
         self.size = 60000
         expected = self.alone(case)
         job, ranks = self.begin(3, case)
