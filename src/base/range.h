@@ -12,10 +12,10 @@ enum {
 /// that the number of all cells fixes, one after the other. So they have the same bits for any
 /// number of threads, and of processes that have some blocks each.
 typedef struct lac_range {
-    size_t all;   ///< cells of the case
-    size_t first; ///< the first of those here, which begins a block
-    size_t n;     ///< those here
-    size_t block; ///< cells of a block; the last one may have fewer
+    size_t all;     ///< cells of the case
+    size_t first;   ///< the first of those here, which begins a block
+    size_t n;       ///< those here
+    size_t block;   ///< cells of a block; the last one may have fewer
     lac_team *team; ///< who has the others; NULL: all are here
 } lac_range;
 

@@ -29,10 +29,10 @@ typedef struct lac_edge {
 /// them has whole, the leaves. All ranks have it alike.
 typedef struct lac_split {
     lac_team *team;
-    lac_hierarchy *top;                    ///< its cells are the leaves
-    size_t first, own;                     ///< leaves of this rank
-    size_t *leaf;                          ///< [own] a cell here, or cells + block of any partition
-    uint8_t edges[LAC_MAX_LEVELS + 1];     ///< of each partition
+    lac_hierarchy *top;                ///< its cells are the leaves
+    size_t first, own;                 ///< leaves of this rank
+    size_t *leaf;                      ///< [own] a cell here, or cells + block of any partition
+    uint8_t edges[LAC_MAX_LEVELS + 1]; ///< of each partition
     lac_edge edge[LAC_MAX_LEVELS + 1][2];
 } lac_split;
 

@@ -13,8 +13,8 @@ typedef struct lac_hierarchy lac_hierarchy;
 lac_status lac_hierarchy_create(const lac_domain *domain, lac_hierarchy **out, lac_error *err);
 void lac_hierarchy_free(lac_hierarchy *h);
 
-/// The part of it that a range of the cells of a team is: apply and solve are of these cells, to the
-/// bits that the whole gives. Of all other functions only lac_hierarchy_work counts.
+/// The part of it that a range of the cells of a team is: apply and solve are of these cells, to
+/// the bits that the whole gives. Of all other functions only lac_hierarchy_work counts.
 /// @param whole  of all cells; must outlive it
 lac_status lac_hierarchy_split(const lac_hierarchy *whole, const lac_range *range,
                                lac_hierarchy **out, lac_error *err);

@@ -131,11 +131,10 @@ lac_damping lac_damping_over(const lac_domain *domain, double eta, bool massive)
     if (massive) {
         return domain->n == 1 ? (lac_damping){0} : (lac_damping){.cell = eta, .mean = -eta};
     }
-    double pressure =
-        lac_problem_sum(&(lac_problem){.range = lac_range_whole(domain->n),
-                                       .weight = domain->weight},
-                        domain->pressure) /
-        (double)domain->n;
+    double pressure = lac_problem_sum(&(lac_problem){.range = lac_range_whole(domain->n),
+                                                     .weight = domain->weight},
+                                      domain->pressure) /
+                      (double)domain->n;
     return (lac_damping){.cell = eta, .shared = eta * ((cells - n) / n) / pressure};
 }
 

@@ -252,8 +252,8 @@ typedef struct balance_field {
 
 // Solves for the rates of some cells and adds them up.
 // @param other  what friction holds is not all of the tractions; taken apart for either
-static inline __attribute__((always_inline)) double
-rates_of(const balance_field *field, size_t from, size_t end, bool other)
+static inline __attribute__((always_inline)) double rates_of(const balance_field *field,
+                                                             size_t from, size_t end, bool other)
 {
     double left[LAC_FRICTION_BLOCK];
     double room[LAC_FRICTION_BLOCK];

@@ -331,8 +331,8 @@ static void add_together(const void *context, size_t first, size_t end, double *
 {
     const push_field *f = context;
     for (size_t i = first; i < end; i++) {
-        sums[0] += lac_problem_share(f->problem, i) *
-                   acceleration(f->problem, i, f->force[i], f->mean);
+        sums[0] +=
+            lac_problem_share(f->problem, i) * acceleration(f->problem, i, f->force[i], f->mean);
     }
 }
 

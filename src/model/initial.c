@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Rate and state of every cell at the start, from what the case gives of them and from the loads.
-#include "base/roots.h"
 #include "base/range.h"
+#include "base/roots.h"
 #include "model/internal.h"
 
 // One cell at the start.

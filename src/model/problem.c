@@ -196,7 +196,8 @@ lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac
     LAC_TRY(check_places(problem, err));
     LAC_TRY(lac_problem_geometry_init(problem, err));
     status = take_part(problem, err);
-    LAC_TRY(lac_team_agree(def->team, status == LAC_OK ? allocate(problem, def, err) : status, err));
+    LAC_TRY(
+        lac_team_agree(def->team, status == LAC_OK ? allocate(problem, def, err) : status, err));
     lac_problem_lay_out(problem);
     LAC_TRY(lac_problem_anchor(problem, err));
     if (!lac_problem_drive_into(problem, 0.0, (lac_gone){0}, problem->shares0, &problem->drive0)) {

@@ -223,8 +223,8 @@ const lac_weakening_set *lac_problem_weakening(const lac_problem *problem);
 void lac_problem_weakened(const lac_problem *problem, const double *y, double *pore,
                           double *temperature, double *broken);
 
-/// Whether there is cohesion; of a cell, c_i [Pa], shared as pressures are; docs/theory/friction.md,
-/// eq. 10.
+/// Whether there is cohesion; of a cell, c_i [Pa], shared as pressures are;
+/// docs/theory/friction.md, eq. 10.
 bool lac_problem_coheres(const lac_problem *problem);
 double lac_problem_cohesion(const lac_problem *problem, size_t cell);
 

@@ -368,8 +368,8 @@ static bool damp_solve(const solve_field *field, double *rise, double *push)
     return isfinite(*push);
 }
 
-// Solves the system that reduce_block has left, for dv. Where damping of the mean is felt, 1/v gives
-// its place for as long.
+// Solves the system that reduce_block has left, for dv. Where damping of the mean is felt, 1/v
+// gives its place for as long.
 static bool solve(const solve_field *field, bool felt, double push)
 {
     const lac_problem *problem = field->at->problem;
@@ -377,7 +377,8 @@ static bool solve(const solve_field *field, bool felt, double push)
     size_t n = problem->n;
     lac_sharing on = {0};
     if (felt) {
-        on.kappa = problem->drag * (problem->sum_pressure / lac_problem_all(problem)) / field->gamma;
+        on.kappa =
+            problem->drag * (problem->sum_pressure / lac_problem_all(problem)) / field->gamma;
         on.row = ws->row;
         on.shares = ws->kv;
     }

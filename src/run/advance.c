@@ -61,14 +61,13 @@ lac_status lac_run_state_watch(const lac_run_state *r, double step, lac_error *e
         return LAC_OK;
     }
     const double *size = lac_problem_slip_size(r->problem, engine->slip, engine->work);
-    const lac_step observation = {
-        .time_origin = engine->origin,
-        .time_local = engine->base + engine->t,
-        .step = step,
-        .max_rate = r->max_rate,
-        .n = engine->range->all,
-        .slip_rate = lac_run_state_gather(r, engine->work, 0),
-        .slip = lac_run_state_gather(r, size, 1)};
+    const lac_step observation = {.time_origin = engine->origin,
+                                  .time_local = engine->base + engine->t,
+                                  .step = step,
+                                  .max_rate = r->max_rate,
+                                  .n = engine->range->all,
+                                  .slip_rate = lac_run_state_gather(r, engine->work, 0),
+                                  .slip = lac_run_state_gather(r, size, 1)};
     return lac_run_state_agree(
         r, lac_run_state_leads(r) ? r->sink->step(r->sink->context, &observation, err) : LAC_OK,
         err);

@@ -59,8 +59,7 @@ static identity identify(const lac_problem *problem)
         all = gather(range, y, arrays);
     }
     if (all != NULL) {
-        scene.start =
-            lac_sum_bytes(LAC_SUM_OF_NOTHING, all, arrays * range->all * sizeof *all) | 1;
+        scene.start = lac_sum_bytes(LAC_SUM_OF_NOTHING, all, arrays * range->all * sizeof *all) | 1;
     }
     if (range->team != NULL) {
         range->team->hand_out(range->team, &scene.start, sizeof scene.start);
@@ -77,8 +76,8 @@ static void pass_cells(lac_archive *archive, const lac_range *range, double *x, 
         lac_archive_pass(archive, x, arrays * range->n * sizeof *x);
         return;
     }
-    double *all = archive->loading ? calloc(arrays * range->all, sizeof *all)
-                                   : gather(range, x, arrays);
+    double *all =
+        archive->loading ? calloc(arrays * range->all, sizeof *all) : gather(range, x, arrays);
     const bool here = archive->loading || lac_team_leads(range->team);
     archive->no_memory = archive->no_memory || (here && all == NULL);
     if (all != NULL) {
@@ -179,7 +178,8 @@ lac_status lac_run_state_resume(lac_run_state *r, lac_error *err)
     LAC_TRY_RETURN(check_identity(r, &archive, err));
     pass_course(&archive, r);
     LAC_FAIL_MEMORY_IF(archive.no_memory, err);
-    const bool alone = r->def->reached != NULL || !lac_run_state_leads(r); // what sinks kept is left
+    const bool alone =
+        r->def->reached != NULL || !lac_run_state_leads(r); // what sinks kept is left
     LAC_FAIL_IF(!lac_archive_good(&archive) || (archive.at != archive.size && !alone), err,
                 LAC_EINPUT, "the checkpoint does not fit this case and program");
     LAC_FAIL_IF(!(lac_engine_time(r->engine) < r->def->end) &&

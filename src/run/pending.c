@@ -218,8 +218,7 @@ LAC_CLONES static void lac_pending_multiply(const void *context, size_t first, s
 
 static void add_products(const void *context, size_t first, size_t end, double *sums)
 {
-    sums[0] +=
-        over_block(((const product *)context)->p, lac_pending_multiply, context, first, end);
+    sums[0] += over_block(((const product *)context)->p, lac_pending_multiply, context, first, end);
 }
 
 double lac_pending_dot(const lac_pending *p, const double *x, const double *y)

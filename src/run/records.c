@@ -177,5 +177,6 @@ lac_status lac_run_state_snapshot(lac_run_state *r, double t, const double *y, c
         fields.along[k] = lac_run_state_gather(r, along + k * n, 9 + k);
     }
     return lac_run_state_agree(
-        r, lac_run_state_leads(r) ? r->sink->snapshot(r->sink->context, &fields, err) : LAC_OK, err);
+        r, lac_run_state_leads(r) ? r->sink->snapshot(r->sink->context, &fields, err) : LAC_OK,
+        err);
 }

@@ -323,7 +323,8 @@ static lac_status allocate_output(run *r, lac_error *err)
     const lac_range *range = r->engine->range;
     const bool gathers = range->team != NULL && lac_run_state_leads(r);
     r->all = gathers ? malloc(LAC_GATHERED * range->all * sizeof *r->all) : NULL;
-    LAC_FAIL_MEMORY_IF((by_time && r->between == NULL) || (gathers && r->all == NULL) || (aside && r->aside == NULL) ||
+    LAC_FAIL_MEMORY_IF((by_time && r->between == NULL) || (gathers && r->all == NULL) ||
+                           (aside && r->aside == NULL) ||
                            (r->def->snapshots && r->fields == NULL) ||
                            (drifts && r->onto == NULL) || (watched > 0 && r->watched == NULL),
                        err);

@@ -167,8 +167,7 @@ static sunrealtype v_dot(N_Vector x, N_Vector y)
 
 static sunrealtype v_wrms_norm(N_Vector x, N_Vector w)
 {
-    return sqrt(lac_pending_squares(pending_of(x), raw(x), raw(w)) /
-                (double)v_length(x));
+    return sqrt(lac_pending_squares(pending_of(x), raw(x), raw(w)) / (double)v_length(x));
 }
 
 LAC_CLONES static sunrealtype lac_vector_max_norm(N_Vector xv)

@@ -5,7 +5,7 @@
 
 typedef struct none {
     size_t n;
-    lac_range range; // n cells
+    lac_range range;        // n cells
     const lac_hierarchy *h; // for slip in two directions
 } none;
 

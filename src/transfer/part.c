@@ -81,8 +81,8 @@ static bool pair_solve(const void *state, double k_mean, const double *const dia
     for (int k = 0; k < 5; k++) {
         all[k + 1] = gather(w, k < 3 ? diagonal[k] : x[k - 3], all[k]);
     }
-    const bool good = w->of.kind->pair->solve(w->of.state, k_mean, (const double *const *)all,
-                                              all + 3, all[5]);
+    const bool good =
+        w->of.kind->pair->solve(w->of.state, k_mean, (const double *const *)all, all + 3, all[5]);
     take(w, all[3], x[0]);
     take(w, all[4], x[1]);
     return good;

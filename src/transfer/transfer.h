@@ -139,7 +139,6 @@ lac_transfer lac_transfer_of_classes(lac_classes *classes);
 lac_status lac_transfer_part(const lac_transfer *of, bool both, const lac_range *range,
                              lac_transfer *out, lac_error *err);
 
-
 void lac_transfer_clear(lac_transfer *transfer);
 
 /// The rows of the registry.

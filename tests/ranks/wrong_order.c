@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Loaded into lacuna-mpi, adds the sums of the first two blocks in the other order: what a test that
-// compares bits must notice.
+// Loaded into lacuna-mpi, adds the sums of the first two blocks in the other order: what a test
+// that compares bits must notice.
 #include <mpi.h>
 #include <stdint.h>
 
-int MPI_Allreduce(const void *from, void *to, int count, MPI_Datatype type, MPI_Op op, MPI_Comm comm)
+int MPI_Allreduce(const void *from, void *to, int count, MPI_Datatype type, MPI_Op op,
+                  MPI_Comm comm)
 {
     uint64_t *word = to;
     const int status = PMPI_Allreduce(from, to, count, type, op, comm);

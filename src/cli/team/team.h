@@ -3,8 +3,9 @@
 
 #include "base/team.h"
 
-/// The processes that this one was started with, all of which do the same command; only the one that
-/// leads is heard from then on. NULL: it is alone, as lacuna always is, and lacuna-mpi on one rank.
+/// The processes that this one was started with, all of which do the same command; only the one
+/// that leads is heard from then on. NULL: it is alone, as lacuna always is, and lacuna-mpi on one
+/// rank.
 /// @return LAC_OK; LAC_EINPUT: there are more than LAC_TEAM_MOST
 lac_status cli_team_join(lac_team **out, lac_error *err);
 
