@@ -4,6 +4,8 @@
 
 #include <fftw3.h>
 
+#include "base/clones.h"
+
 enum { BLOCK = 16 }; // columns at a time
 
 lac_status lac_fft_create(size_t nx, size_t ny, lac_fft **out, lac_error *err)
@@ -122,7 +124,7 @@ static size_t transform_columns(lac_fft *fft, size_t first)
     return width;
 }
 
-static void multiply(size_t n, const double *restrict factor, double *restrict x)
+LAC_CLONES static void lac_fft_multiply(size_t n, const double *restrict factor, double *restrict x)
 {
     for (size_t j = 0; j < n; j++) {
         x[2 * j] *= factor[j];
@@ -134,12 +136,13 @@ void lac_fft_filter(lac_fft *fft, const double *table)
 {
     fftw_execute(fft->rows_forward);
     if (fft->ny == 1) { // a line has no columns to transform
-        multiply(fft->nkx, table, (double *)fft->spectrum);
+        lac_fft_multiply(fft->nkx, table, (double *)fft->spectrum);
     }
     for (size_t first = 0; fft->ny > 1 && first < fft->nkx; first += BLOCK) {
         size_t width = transform_columns(fft, first);
         for (size_t k = 0; k < width; k++) {
-            multiply(fft->ny, &table[(first + k) * fft->ny], (double *)&fft->block[k * fft->lead]);
+            lac_fft_multiply(fft->ny, &table[(first + k) * fft->ny],
+                             (double *)&fft->block[k * fft->lead]);
         }
         fftw_execute(fft->block_inverse);
         if (width == BLOCK) {

@@ -11,6 +11,7 @@
 enum {
     BLOCK = 16,          // columns at a time
     LINE = 64,           // bytes of a cache line; everything begins at one
+    AHEAD = 8,           // pairs of rows that are fetched before they are gathered
     THREAD_CELLS = 32768 // fewer are not worth another thread
 };
 
@@ -219,15 +220,6 @@ void lac_filter_fill(lac_filter *f, lac_precision precision, lac_filter_row fill
     f->now = precisions[precision];
 #pragma omp parallel for schedule(static) num_threads(f->threads)
     for (size_t pair = 0; pair < f->pairs; pair++) {
-        fill_pair(f, pair, fill, context);
-    }
-}
-
-void lac_filter_refill(lac_filter *f, lac_filter_row fill, void *context)
-{
-#pragma omp parallel for schedule(static) num_threads(f->threads)
-    for (size_t pair = 0; pair < f->pairs; pair++) {
-        (void)open_pair(f, pair);
         fill_pair(f, pair, fill, context);
     }
 }

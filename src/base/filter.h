@@ -41,9 +41,6 @@ double lac_filter_power(lac_filter *f, lac_filter_symbol symbol, const void *con
 /// be taken again.
 void lac_filter_take(lac_filter *f, lac_filter_row take, void *context);
 
-/// Takes each row and fills it anew, in the precision of before.
-void lac_filter_refill(lac_filter *f, lac_filter_row fill, void *context);
-
 /// The precision of what was filled last.
 lac_precision lac_filter_precision(const lac_filter *f);
 

@@ -76,6 +76,11 @@ static void NAME(gather)(const lac_filter *f, size_t first, size_t width, void *
         const REAL *at = &z[2 * first];
         const REAL *mirror = &z[2 * (f->mx - first)];
         size_t begin = first == 0 ? 1 : 0;
+        // No hardware foresees rows so far apart.
+        for (size_t c = 0; pair + AHEAD < f->pairs && c < 2 * width; c += LINE / sizeof(REAL)) {
+            __builtin_prefetch(&at[c] + 2 * AHEAD * f->pitch);
+            __builtin_prefetch(mirror - c + 2 * AHEAD * f->pitch);
+        }
         if (begin == 1) {
             NAME(part)(z, z, to); // -0 is 0
         }

@@ -8,9 +8,9 @@
 // The problem in the solver's own units, and what brings it back to SI.
 typedef struct problem {
     lac_extent at;
-    double *h;    // [ny * nx] heights less their mean, over the unit of height
-    double h_rms; // unit of height: the rms height, or what the load dents where that is more [m]
-    double unit;  // of pressure: pi E* h_rms / (longest side) [Pa]
+    lac_heights h; // less their mean, over the unit of height
+    double h_rms;  // unit of height: the rms height, or what the load dents where that is more [m]
+    double unit;   // of pressure: pi E* h_rms / (longest side) [Pa]
 } problem;
 
 lac_contact_def lac_contact_default(void)
@@ -76,21 +76,18 @@ static lac_status scale_heights(const lac_contact_def *def, double least, proble
                                 lac_error *err)
 {
     size_t n = lac_grid_cells(&def->grid);
-    double mean = lac_mean(n, def->heights);
+    p->h = (lac_heights){.z = def->heights, .mean = lac_mean(n, def->heights), .unit = 1.0};
     double most = 0.0;
     for (size_t i = 0; i < n; i++) {
-        p->h[i] = def->heights[i] - mean;
-        most = fmax(most, fabs(p->h[i]));
+        most = fmax(most, fabs(lac_heights_at(p->h, i)));
     }
     double sum = 0.0;
     for (size_t i = 0; i < n && most > 0.0; i++) {
-        double x = p->h[i] / most;
+        double x = lac_heights_at(p->h, i) / most;
         sum += x * x;
     }
     p->h_rms = fmax(least, most * sqrt(sum / (double)n));
-    for (size_t i = 0; i < n && most > 0.0; i++) {
-        p->h[i] = p->h[i] / p->h_rms;
-    }
+    p->h.unit = most > 0.0 ? p->h_rms : 1.0;
     LAC_FAIL_IF(!isfinite(p->h_rms), err, LAC_EINPUT,
                 "the heights span more than numbers can hold");
     return LAC_OK;
@@ -134,7 +131,10 @@ typedef struct full {
 static void height_row(void *context, size_t j, void *row)
 {
     const problem *p = ((const full *)context)->p;
-    memcpy(row, &p->h[j * p->at.nx], p->at.nx * sizeof *p->h);
+    double *into = row;
+    for (size_t i = 0; i < p->at.nx; i++) {
+        into[i] = lac_heights_at(p->h, j * p->at.nx + i);
+    }
 }
 
 static void full_row(void *context, size_t j, void *row)
@@ -274,8 +274,6 @@ lac_status lac_contact_solve(const lac_contact_def *def, double *pressure, doubl
     lac_status status;
     LAC_TRY(check(def, err));
     size_t n = lac_grid_cells(&def->grid);
-    p.h = malloc(n * sizeof *p.h);
-    LAC_TRY(p.h != NULL ? LAC_OK : lac_fail_memory(err));
     LAC_TRY(scale_problem(def, &p, err));
     LAC_TRY(lac_half_space_create(&p.at, &s, err));
     bool is_full;
@@ -293,6 +291,5 @@ lac_status lac_contact_solve(const lac_contact_def *def, double *pressure, doubl
     count_contact(def, pressure, r);
 out:
     lac_half_space_free(s);
-    free(p.h);
     return status;
 }

@@ -50,9 +50,17 @@ typedef struct lac_residual {
     double load;            ///< |mean p - mean_pressure| / mean_pressure
 } lac_residual;
 
+/// Heights as they are given, and what makes them those of the solver: (z - mean)/unit.
+typedef struct lac_heights {
+    const double *z; ///< [ny * nx] [m]
+    double mean, unit;
+} lac_heights;
+
+static inline double lac_heights_at(lac_heights h, size_t i) { return (h.z[i] - h.mean) / h.unit; }
+
 /// What the conjugate gradients need beside the half-space, and what they say.
 typedef struct lac_descent {
-    const double *heights; ///< [ny * nx]
+    lac_heights heights;
     lac_contact_control control;
     double mean_pressure; ///< given or that of the first guess
     double approach;      ///< given, where it is what is controlled
@@ -74,5 +82,5 @@ bool lac_residual_holds(const lac_residual *r, double tolerance);
 
 /// First guess of the pressures, from ever coarser grids of any sides; load control: of the given
 /// mean.
-lac_status lac_coarse_guess(const lac_extent *at, const double *h, const lac_descent *fine,
+lac_status lac_coarse_guess(const lac_extent *at, lac_heights h, const lac_descent *fine,
                             double *pressure, lac_error *err);

@@ -41,29 +41,28 @@ typedef sums piece_sums(const iteration *it, size_t n, size_t at, float *row);
 struct iteration {
     lac_half_space *s;
     size_t nx, ny;
-    const double *h;      // [ny * nx]
-    const float *h_short; // [ny * nx] the same
-    double *p;            // [ny * nx] pressure over scale
-    double *gap;          // [ny * nx] of the last fresh product; or NULL
-    float *g;             // [ny * nx] gap plus g_mean
-    float *dg;            // [ny * nx] last change of the gap plus g_mean, on I
-    float *t;             // [ny * nx] search direction, 0 outside I
-    piece_sums *piece;    // of the sweep under way
-    sums *rows;           // [ny]
-    double level;         // gap = S p - h - level
-    double g_mean;        // of g over I
-    double cells;         // in I
-    double sum_p;         // over all cells
-    double sum_g, g2;     // sums over I of the gap and its square
-    double G_old;         // z.g of the step before; 0 to start afresh
-    double z_mean, beta;  // of the direction
-    double t_mean;        // over I, of the direction before
-    double tau, tau_ov;   // step along t; step of the cells that open or close
-    double scale;         // brings p back to the load
-    double keep;          // 1 where a fresh product goes with the same step, 0 with a new one
-    double error;         // of g, about, from updates since the last fresh product
-    int updates;          // since then
-    bool held;            // the load is given: directions keep it, and the gap has mean 0 over I
+    lac_heights h;
+    double *p;           // [ny * nx] pressure over scale
+    double *gap;         // [ny * nx] of the last fresh product; or NULL
+    float *g;            // [ny * nx] gap plus g_mean
+    float *dg;           // [ny * nx] last change of the gap plus g_mean, on I; then z
+    float *t;            // [ny * nx] search direction, 0 outside I
+    piece_sums *piece;   // of the sweep under way
+    sums *rows;          // [ny]
+    double level;        // gap = S p - h - level
+    double g_mean;       // of g over I
+    double cells;        // in I
+    double sum_p;        // over all cells
+    double sum_g, g2;    // sums over I of the gap and its square
+    double G_old;        // z.g of the step before; 0 to start afresh
+    double z_mean, beta; // of the direction
+    double t_mean;       // over I, of the direction before
+    double tau, tau_ov;  // step along t; step of the cells that open or close
+    double scale;        // brings p back to the load
+    double keep;         // 1 where a fresh product goes with the same step, 0 with a new one
+    double error;        // of g, about, from updates since the last fresh product
+    int updates;         // since then
+    bool held;           // the load is given: directions keep it, and the gap has mean 0 over I
 };
 
 // Sweeps: what is done to one row each, on its way into or out of a transform. Those of pieces
@@ -99,14 +98,14 @@ static void level_row(void *context, size_t j, void *row)
     const iteration *it = context;
     const double *restrict u = row;
     const double *restrict p = &it->p[j * it->nx];
-    const double *restrict h = &it->h[j * it->nx];
-    const size_t n = it->nx;
+    const lac_heights h = it->h;
+    const size_t n = it->nx, at = j * n;
     sums all = {0};
     // One after the other, as without blends of SSE 4; below with safelen, as many partial sums as
     // the least instruction set has lanes: the same bits whatever this is compiled for.
     for (size_t i = 0; i < n; i++) {
         all.a += p[i] > 0.0 ? 1.0 : 0.0;
-        all.b += p[i] > 0.0 ? u[i] - h[i] : 0.0;
+        all.b += p[i] > 0.0 ? u[i] - lac_heights_at(h, at + i) : 0.0;
         all.c += p[i];
     }
     it->rows[j] = all;
@@ -117,19 +116,20 @@ static void fresh_row(void *context, size_t j, void *row)
 {
     const iteration *it = context;
     const double *restrict u = row;
-    const double *restrict h = &it->h[j * it->nx];
+    const lac_heights h = it->h;
+    const size_t at = j * it->nx;
     float *restrict g = &it->g[j * it->nx];
     float *restrict dg = &it->dg[j * it->nx];
     float keep = (float)it->keep;
     float offset = (float)((1.0 - it->keep) * it->g_mean);
     double level = it->level;
     for (size_t i = 0; i < it->nx; i++) {
-        float gap = (float)(u[i] - h[i] - level);
+        float gap = (float)(u[i] - lac_heights_at(h, at + i) - level);
         dg[i] = keep * dg[i] + (gap - g[i] + offset);
         g[i] = gap;
     }
     for (size_t i = 0; i < it->nx && it->gap != NULL; i++) {
-        it->gap[j * it->nx + i] = u[i] - h[i] - level;
+        it->gap[at + i] = u[i] - lac_heights_at(h, at + i) - level;
     }
 }
 
@@ -138,7 +138,7 @@ static void fresh_row(void *context, size_t j, void *row)
 static sums update_piece(const iteration *it, size_t n, size_t at, float *restrict du)
 {
     const double *restrict p = &it->p[at];
-    const float *restrict h = &it->h_short[at];
+    const lac_heights h = it->h;
     float *restrict g = &it->g[at];
     float *restrict dg = &it->dg[at];
     float g_mean = (float)it->g_mean;
@@ -148,7 +148,8 @@ static sums update_piece(const iteration *it, size_t n, size_t at, float *restri
 #pragma omp simd safelen(4) reduction(+ : cells, sum_g, du2)
     for (size_t i = 0; i < n; i++) {
         float gap = g[i] - g_mean;
-        float change = du[i] + more * (du[i] + (gap + (h[i] + level)));
+        float height = (float)lac_heights_at(h, at + i);
+        float change = du[i] + more * (du[i] + (gap + (height + level)));
         float in = p[i] > 0.0 ? 1.0F : 0.0F;
         g[i] = gap + change;
         dg[i] = change;
@@ -179,12 +180,12 @@ static sums gap_piece(const iteration *it, size_t n, size_t at, float *restrict 
     return (sums){.a = pg, .b = (double)g2, .c = (double)sum_g};
 }
 
-// Takes z; sums over I: z, z.g, z.dg, dg, t, g.t.
+// Takes z, which it keeps in the place of dg; sums over I: z, z.g, z.dg, dg, t, g.t.
 static sums overlap_piece(const iteration *it, size_t n, size_t at, float *restrict z)
 {
     const double *restrict p = &it->p[at];
     const float *restrict g = &it->g[at];
-    const float *restrict dg = &it->dg[at];
+    float *restrict dg = &it->dg[at];
     const float *restrict t = &it->t[at];
     float g_mean = (float)it->g_mean;
     float sz = 0.0F, zg = 0.0F, zd = 0.0F, sd = 0.0F;
@@ -200,23 +201,25 @@ static sums overlap_piece(const iteration *it, size_t n, size_t at, float *restr
         sd += in * di;
         st += ti;
         gt += ti * gi;
+        dg[i] = z[i];
     }
     return (sums){(double)sz, (double)zg, (double)zd, (double)sd, (double)st, (double)gt};
 }
 
-// t = z - z_mean + beta (t - t_mean) on I, 0 elsewhere, also into the transform in place of z.
+// t = z - z_mean + beta (t - t_mean) on I, 0 elsewhere, also into the transform.
 static void direction_row(void *context, size_t j, void *row)
 {
     const iteration *it = context;
     const double *restrict p = &it->p[j * it->nx];
+    const float *restrict z = &it->dg[j * it->nx];
     float *restrict t = &it->t[j * it->nx];
-    float *restrict z = row;
+    float *restrict into = row;
     float beta = (float)it->beta;
     float offset = (float)(-it->z_mean - it->beta * it->t_mean);
     for (size_t i = 0; i < it->nx; i++) {
         float ti = z[i] + beta * t[i] + offset;
         t[i] = p[i] > 0.0 ? ti : 0.0F;
-        z[i] = t[i];
+        into[i] = t[i];
     }
 }
 
@@ -388,7 +391,7 @@ static double direction(iteration *it)
     if (!(it->beta <= 2.0) || !(G + it->beta * all.f > 0.0)) {
         it->beta = 0.0;
     }
-    lac_filter_refill(it->s->filter, direction_row, it);
+    lac_filter_fill(it->s->filter, LAC_SINGLE, direction_row, it);
     it->G_old = G;
     return G + it->beta * all.f;
 }
@@ -453,23 +456,19 @@ lac_status lac_descend(lac_half_space *s, lac_descent *d, double *pressure, doub
                        lac_error *err)
 {
     size_t n = s->nx * s->ny;
-    float *work = calloc(4 * n, sizeof *work);
+    float *work = calloc(3 * n, sizeof *work);
     sums *rows = malloc(s->ny * sizeof *rows);
     lac_status status;
     LAC_TRY(work != NULL && rows != NULL ? LAC_OK : lac_fail_memory(err));
-    for (size_t i = 0; i < n; i++) {
-        work[i] = (float)d->heights[i];
-    }
     iteration it = {.s = s,
                     .nx = s->nx,
                     .ny = s->ny,
                     .h = d->heights,
-                    .h_short = work,
                     .p = pressure,
                     .gap = gap,
-                    .g = &work[n],
-                    .dg = &work[2 * n],
-                    .t = &work[3 * n],
+                    .g = work,
+                    .dg = &work[n],
+                    .t = &work[2 * n],
                     .rows = rows,
                     .scale = 1.0,
                     .level = -d->approach,

@@ -48,8 +48,9 @@ static void average_row(size_t n, size_t m, const double *fine, double weight, d
     }
 }
 
-// Means over the cells of the coarse grid.
-static void average(const lac_extent *fine, const double *h, const lac_extent *coarse, double *mean)
+// Means over the cells of the coarse grid. @param row  [fine nx] scratch
+static void average(const lac_extent *fine, lac_heights h, const lac_extent *coarse, double *mean,
+                    double *row)
 {
     size_t n = fine->ny, m = coarse->ny;
     memset(mean, 0, coarse->nx * m * sizeof *mean);
@@ -57,7 +58,9 @@ static void average(const lac_extent *fine, const double *h, const lac_extent *c
         size_t from = j * m;
         size_t edge = (from / n + 1) * n;
         size_t within = from + m < edge ? m : edge - from;
-        const double *row = &h[j * fine->nx];
+        for (size_t i = 0; i < fine->nx; i++) {
+            row[i] = lac_heights_at(h, j * fine->nx + i);
+        }
         double *to = &mean[from / n * coarse->nx];
         average_row(fine->nx, coarse->nx, row, (double)within / (double)n, to);
         if (within < m) {
@@ -88,7 +91,7 @@ static void rescale(const lac_descent *d, size_t n, double *pressure)
     }
 }
 
-lac_status lac_coarse_guess(const lac_extent *at, const double *h, const lac_descent *fine,
+lac_status lac_coarse_guess(const lac_extent *at, lac_heights h, const lac_descent *fine,
                             double *pressure, lac_error *err)
 {
     size_t n = at->nx * at->ny;
@@ -103,15 +106,15 @@ lac_status lac_coarse_guess(const lac_extent *at, const double *h, const lac_des
     }
     lac_status status;
     lac_half_space *s = NULL;
-    double *mean = malloc(c.nx * c.ny * sizeof *mean);
+    double *mean = malloc((c.nx * c.ny + at->nx) * sizeof *mean);
     double *guess = malloc(c.nx * c.ny * sizeof *guess);
     lac_descent d = *fine;
-    d.heights = mean;
+    d.heights = (lac_heights){mean, 0.0, 1.0};
     d.tolerance = coarse_tolerance;
     d.max_iterations = coarse_iterations;
     LAC_TRY(mean != NULL && guess != NULL ? LAC_OK : lac_fail_memory(err));
-    average(at, h, &c, mean);
-    LAC_TRY(lac_coarse_guess(&c, mean, fine, guess, err));
+    average(at, h, &c, mean, mean + c.nx * c.ny);
+    LAC_TRY(lac_coarse_guess(&c, d.heights, fine, guess, err));
     LAC_TRY(lac_half_space_create(&c, &s, err));
     LAC_TRY(lac_descend(s, &d, guess, NULL, err));
     inject(&c, guess, at, pressure);

@@ -3,6 +3,7 @@
 #include "base/clones.h"
 #include "base/phi.h"
 #include "base/vmath.h"
+#include "base/vmath_kernels.h"
 #include "friction/law.h"
 
 // g_u = -v/dc, g_w = -exp(-w), which stands in g
@@ -14,6 +15,19 @@ LAC_CLONES static void lac_aging_slopes(size_t n, const double *v, const double 
         g_u[i] = -v[i] * inv_dc[i];
         g_w[i] = -g[i];
     }
+}
+
+// g where no exponential leaves the normal numbers; how many do.
+LAC_CLONES static uint64_t lac_aging_rates(size_t n, const double *v, const double *w,
+                                           const double *inv_dc, double *g)
+{
+    uint64_t far = 0;
+    LAC_INDEPENDENT
+    for (size_t i = 0; i < n; i++) {
+        far += fabs(w[i]) < 700 ? 0 : 1;
+        g[i] = lac_exp_normal(-w[i]) - v[i] * inv_dc[i];
+    }
+    return far;
 }
 
 LAC_CLONES static void lac_aging_renew(size_t n, const double *v, const double *inv_dc, double *g)
@@ -29,6 +43,9 @@ static void evolve(const lac_friction *friction, const lac_friction_cells *cells
                    double *g_u, double *g_w)
 {
     const double *inv_dc = lac_cellwise_from(&friction->inv_dc, cells->first);
+    if (g_u == NULL && lac_aging_rates(cells->n, cells->v, cells->w, inv_dc, g) == 0) {
+        return;
+    }
     lac_vexp_minus(cells->n, cells->w, g);
     if (g_u != NULL) {
         lac_aging_slopes(cells->n, cells->v, inv_dc, g, g_u, g_w);

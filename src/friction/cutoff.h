@@ -39,13 +39,26 @@ void lac_flash_weaken(const lac_friction *friction, const lac_friction_cells *ce
 double lac_flash_of(const lac_friction *friction, size_t cell, double u, double f);
 double lac_flash_before(const lac_friction *friction, size_t cell, double u, double f);
 
-/// Rates of all cells of a balance at once, where no cell has a cut-off.
-/// @param u       [n] where to begin, then ln|v| of those that settled
-/// @param v       [n] v of those that settled
-/// @param settled [n] 1 where u and v are the root's; 0: nothing is known
-/// @return how many did not settle
-size_t lac_friction_solve_rates(const lac_friction *friction, const lac_friction_balance *eq,
-                                double *u, double *v, double *settled);
+/// Rates of all cells of a balance at once, where no cell has a cut-off; lac_friction_rates.
+void lac_friction_solve_rates(const lac_friction *friction, const lac_friction_balance *eq,
+                              double *u, double *v);
 
-/// How many of the u are no place to begin: 0, beyond the bounds, NaN.
-size_t lac_friction_count_cold(size_t n, const double *u);
+/// Gives those u a value that are no place to begin: 0, beyond the bounds, NaN.
+void lac_friction_warm(const lac_friction *friction, const lac_friction_balance *eq, double *u);
+
+/// Rates of those of the cells that are not 0 in `open`, one by one.
+void lac_friction_search_rest(const lac_friction *friction, const lac_friction_balance *eq,
+                              const double *open, double *u, double *v);
+
+/// The balance of the cells from i on.
+static inline lac_friction_balance lac_friction_balance_from(const lac_friction_balance *eq,
+                                                             size_t i)
+{
+    lac_friction_balance rest = *eq;
+    rest.first += i;
+    rest.n -= i;
+    rest.w += i;
+    rest.traction += i;
+    rest.pressure += i;
+    return rest;
+}

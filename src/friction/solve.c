@@ -52,12 +52,8 @@ static double newton_step(const lac_friction *friction, const lac_friction_balan
 
 static lac_friction_balance cell_of(const lac_friction_balance *eq, size_t i)
 {
-    lac_friction_balance one = *eq;
-    one.first += i;
+    lac_friction_balance one = lac_friction_balance_from(eq, i);
     one.n = 1;
-    one.w += i;
-    one.traction += i;
-    one.pressure += i;
     return one;
 }
 
@@ -81,8 +77,8 @@ static double bisect(const lac_friction *friction, const lac_friction_balance *e
     return 0.5 * (low + high);
 }
 
-// Cells without a last rate begin at the scalar solution, or in the midst where there is none.
-static void begin(const lac_friction *friction, const lac_friction_balance *eq, double *u)
+// At the scalar solution, or in the midst where there is none.
+void lac_friction_warm(const lac_friction *friction, const lac_friction_balance *eq, double *u)
 {
     for (size_t i = 0; i < eq->n; i++) {
         if (u[i] != 0.0 && u[i] >= LAC_SLOWEST && u[i] <= LAC_FASTEST) {
@@ -110,12 +106,11 @@ static void search(const lac_friction *friction, const lac_friction_balance *eq,
     }
 }
 
-// Those of the cells that have not settled, one by one.
-static void search_rest(const lac_friction *friction, const lac_friction_balance *eq,
-                        const double *settled, double *u, double *v)
+void lac_friction_search_rest(const lac_friction *friction, const lac_friction_balance *eq,
+                              const double *open, double *u, double *v)
 {
     for (size_t i = 0; i < eq->n; i++) {
-        if (settled[i] == 0) {
+        if (open[i] != 0) {
             lac_friction_balance one = cell_of(eq, i);
             search(friction, &one, &u[i]);
             v[i] = copysign(exp(u[i]), eq->traction[i]);
@@ -127,16 +122,11 @@ void lac_friction_rates(const lac_friction *friction, const lac_friction_balance
                         double *v)
 {
     assert(eq->n <= LAC_FRICTION_BLOCK && eq->first + eq->n <= friction->n);
-    if (lac_friction_count_cold(eq->n, u) > 0) {
-        begin(friction, eq, u);
-    }
     if (!lac_cutoff_any(friction)) {
-        double settled[LAC_FRICTION_BLOCK];
-        if (lac_friction_solve_rates(friction, eq, u, v, settled) > 0) {
-            search_rest(friction, eq, settled, u, v);
-        }
+        lac_friction_solve_rates(friction, eq, u, v);
         return;
     }
+    lac_friction_warm(friction, eq, u);
     search(friction, eq, u);
     lac_vexp(eq->n, u, v);
     for (size_t i = 0; i < eq->n; i++) {

@@ -20,7 +20,15 @@
 // Cells at a time: as many iterations as the slowest of them needs.
 enum { CHUNK = 64, MOST_STEPS = 30 };
 
-#define LONGEST 2.0
+// Variables, as compilers make a way of its own for what is at a bound that they know.
+typedef struct bounds {
+    double longest;          // step
+    double most;             // |log v|: beyond no cell settles
+    double slowest, fastest; // log v that counts
+} bounds;
+
+static const bounds all_bounds = {2.0, 700.0, LAC_SLOWEST, LAC_FASTEST};
+
 #define CLOSE 5e-4 // 0.006 CLOSE^4 is rounding
 #define BENT 20.0
 
@@ -28,8 +36,13 @@ enum { CHUNK = 64, MOST_STEPS = 30 };
 // its neighbours.
 typedef struct chunk {
     double s[CHUNK], t[CHUNK], kappa[CHUNK], shift[CHUNK], v[CHUNK];
-    uint64_t open[CHUNK]; // 0: done
+    double open[CHUNK]; // 1; 0: done
 } chunk;
+
+// How many cells of a chunk are something or other.
+typedef struct counts {
+    uint64_t open, bent, cold;
+} counts;
 
 // sinh s for 0 <= s < 1
 LAC_KERNEL small_sinh(double s)
@@ -39,41 +52,36 @@ LAC_KERNEL small_sinh(double s)
     return s * (1 + z * (1.0 / 6 + z * (1.0 / 120 + z * (1.0 / 5040 + z * sum))));
 }
 
-LAC_CLONES static void lac_solve_rates_prepare(const lac_friction *friction,
-                                               const lac_friction_balance *eq, size_t first,
-                                               size_t n, chunk *c)
+// And where to begin: the s of the last rate, and no more than without damping.
+LAC_CLONES static counts lac_solve_rates_prepare(const lac_friction *friction,
+                                                 const lac_friction_balance *eq, const double *u,
+                                                 chunk *c)
 {
-    const double *constant = lac_cellwise_from(&friction->constant, eq->first + first);
-    const double *a = lac_cellwise_from(&friction->column[LAC_A], eq->first + first);
-    const double *b = lac_cellwise_from(&friction->column[LAC_B], eq->first + first);
-    const double *pressure = eq->pressure + first;
-    const double *traction = eq->traction + first;
-    const double *w = eq->w + first;
+    const double *constant = lac_cellwise_from(&friction->constant, eq->first);
+    const double *a = lac_cellwise_from(&friction->column[LAC_A], eq->first);
+    const double *b = lac_cellwise_from(&friction->column[LAC_B], eq->first);
+    const double *pressure = eq->pressure, *traction = eq->traction, *w = eq->w;
     double share = eq->share, eta = eq->damping;
+    uint64_t bent = 0, cold = 0;
     LAC_INDEPENDENT
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < eq->n; i++) {
         double p = pressure[i] * share;
         double per = 1 / (p * a[i]);
-        c->t[i] = fabs(traction[i]) * per;
-        c->kappa[i] = eta * per;
-        c->shift[i] = (constant[i] + b[i] * w[i]) * (p * per);
-        c->open[i] = 1;
-    }
-}
-
-// Where to begin: the s of the last rate, and no more than without damping. How many are bent.
-LAC_CLONES static uint64_t lac_solve_rates_begin(size_t n, const double *u, chunk *c)
-{
-    uint64_t count = 0;
-    LAC_INDEPENDENT
-    for (size_t i = 0; i < n; i++) {
-        double s = u[i] + c->shift[i];
-        s = s < c->t[i] ? s : c->t[i];
-        s = c->kappa[i] > 0 ? s : c->t[i];
+        double t = fabs(traction[i]) * per;
+        double kappa = eta * per;
+        double shift = (constant[i] + b[i] * w[i]) * (p * per);
+        double s = u[i] + shift;
+        s = s < t ? s : t;
+        s = kappa > 0 ? s : t;
+        c->t[i] = t;
+        c->kappa[i] = kappa;
+        c->shift[i] = shift;
         c->s[i] = s;
-        count += s >= BENT ? 0 : 1;
+        c->open[i] = 1;
+        bent += s >= BENT ? 0 : 1;
+        cold += (u[i] != 0.0) & (u[i] >= LAC_SLOWEST) & (u[i] <= LAC_FASTEST) ? 0 : 1;
     }
-    return count;
+    return (counts){.open = eq->n, .bent = bent, .cold = cold};
 }
 
 // The same where some cells are bent.
@@ -88,7 +96,7 @@ LAC_CLONES static void lac_solve_rates_begin_bent(size_t n, chunk *c)
 }
 
 // The step of one cell from s, where v and v_s are `v` and `rise`.
-LAC_KERNEL householder(double s, double v, double rise, double kappa, double t)
+LAC_KERNEL householder(double s, double v, double rise, double kappa, double t, double longest)
 {
     double over = kappa * v;
     double steep = kappa * rise;
@@ -97,22 +105,23 @@ LAC_KERNEL householder(double s, double v, double rise, double kappa, double t)
     double up = f * (f_s * f_s - 0.5 * f * over);
     double down = f_s * f_s * f_s - f * f_s * over + f * f * steep * (1.0 / 6);
     double d = -up / down;
-    d = d < LONGEST ? d : LONGEST;
-    d = d > -LONGEST ? d : -LONGEST;
+    d = d < longest ? d : longest;
+    d = d > -longest ? d : -longest;
     return d < t - s ? d : t - s;
 }
 
-// One step of every cell that is not done; how many are left then.
-static inline __attribute__((always_inline)) uint64_t step_all(size_t n, bool bent, bool odd,
-                                                               chunk *c)
+// One step of every cell that is not done.
+static inline __attribute__((always_inline)) counts step_all(size_t n, bool bent,
+                                                             const bounds *within, chunk *c)
 {
-    uint64_t left = 0;
+    const double longest = within->longest, most = within->most;
+    uint64_t left = 0, count = 0;
     LAC_INDEPENDENT
     for (size_t i = 0; i < n; i++) {
-        double s = c->s[i];
-        double log_v = s - c->shift[i]; // beyond these no cell settles
-        log_v = log_v > -700 ? log_v : -700;
-        double e = lac_exp_normal(log_v < 700 ? log_v : 700);
+        double s = c->s[i], before = c->v[i], open = c->open[i];
+        double log_v = s - c->shift[i];
+        log_v = log_v > -most ? log_v : -most;
+        double e = lac_exp_normal(log_v < most ? log_v : most);
         double v = e, rise = e;
         if (bent) {
             double y = lac_exp_one(-s);
@@ -120,128 +129,114 @@ static inline __attribute__((always_inline)) uint64_t step_all(size_t n, bool be
             v = e * bracket;
             rise = e * (1 + y * y);
         }
-        double d = householder(s, v, rise, c->kappa[i], c->t[i]);
-        double least = odd ? -0.875 * s : -LONGEST; // s stays positive
+        double d = householder(s, v, rise, c->kappa[i], c->t[i], longest);
+        double least = bent ? -0.875 * s : d; // s stays positive
         d = d > least ? d : least;
-        double scale = odd && s < 1 ? s : 1;
+        double scale = bent && s < 1 ? s : 1;
         double z = d * d;
         double next = v * (1 + z * (0.5 + z * (1.0 / 24))) + rise * (d * (1 + z * (1.0 / 6)));
-        bool open = c->open[i] != 0;
-        c->s[i] = open ? s + d : s;
-        c->v[i] = open ? next : c->v[i];
-        uint64_t still = open && !(fabs(d) <= CLOSE * scale) ? 1 : 0;
-        c->open[i] = still;
-        left += still;
+        s += open * d;
+        c->s[i] = s;
+        c->v[i] = open > 0 ? next : before;
+        open = fabs(d) <= CLOSE * scale ? 0 : open;
+        c->open[i] = open;
+        left += open > 0 ? 1 : 0;
+        count += s >= BENT ? 0 : 1;
     }
-    return left;
+    return (counts){.open = left, .bent = count};
 }
 
-LAC_CLONES static uint64_t lac_solve_rates_step_plain(size_t n, chunk *c)
+// Where no cell is bent, as none is in the plain form.
+LAC_CLONES static counts lac_solve_rates_step(size_t n, const bounds *within, chunk *c)
 {
-    return step_all(n, false, false, c);
-}
-LAC_CLONES static uint64_t lac_solve_rates_step_far(size_t n, chunk *c)
-{
-    return step_all(n, false, true, c);
-}
-LAC_CLONES static uint64_t lac_solve_rates_step_bent(size_t n, chunk *c)
-{
-    return step_all(n, true, true, c);
+    return step_all(n, false, within, c);
 }
 
-// How many cells feel the bracket.
-LAC_CLONES static uint64_t lac_solve_rates_count_bent(size_t n, const chunk *c)
+LAC_CLONES static counts lac_solve_rates_step_bent(size_t n, const bounds *within, chunk *c)
 {
-    uint64_t count = 0;
-    for (size_t i = 0; i < n; i++) {
-        count += c->s[i] >= BENT ? 0 : 1;
-    }
-    return count;
+    return step_all(n, true, within, c);
 }
 
-// Where results go.
-typedef struct found {
+// Where u and v go.
+typedef struct rates {
     const double *traction;
-    double *u, *v, *settled;
-} found;
+    double *u, *v;
+} rates;
 
-// u and v of the cells that have settled within bounds, v of the sign of the traction. How many
-// have not.
-static inline __attribute__((always_inline)) uint64_t finish_all(size_t n, bool bent,
-                                                                 const chunk *c, const found *out)
+// u and v of the cells that have settled within bounds, v of the sign of the traction; the others
+// are left open. How many. The u that there were go to s.
+static inline __attribute__((always_inline)) uint64_t
+finish_all(size_t n, bool bent, const bounds *within, chunk *c, const rates *out)
 {
-    double *u = out->u, *v = out->v, *settled = out->settled;
     const double *traction = out->traction;
+    const double slowest = within->slowest, fastest = within->fastest;
+    double *u = out->u, *v = out->v;
     uint64_t left = 0;
     LAC_INDEPENDENT
     for (size_t i = 0; i < n; i++) {
-        double log_v = c->s[i] - c->shift[i];
+        double log_v = c->s[i] - c->shift[i], speed = c->v[i];
         if (bent) {
             // where the bracket counts
-            log_v = c->s[i] >= BENT ? log_v : lac_log_one(c->v[i]);
+            log_v = c->s[i] >= BENT ? log_v : lac_log_one(speed);
         }
-        uint64_t good = c->open[i] == 0 && log_v > LAC_SLOWEST && log_v < LAC_FASTEST ? 1 : 0;
-        u[i] = good != 0 ? log_v : u[i];
-        v[i] = copysign(c->v[i], traction[i]);
-        settled[i] = good != 0 ? 1 : 0;
-        left += 1 - good;
+        double room = (log_v - slowest) * (fastest - log_v) - c->open[i] * DBL_MAX;
+        c->s[i] = u[i];
+        u[i] = log_v;
+        v[i] = copysign(speed, traction[i]);
+        c->open[i] = room > 0 ? 0 : 1;
+        left += room > 0 ? 0 : 1;
     }
     return left;
 }
 
-LAC_CLONES static uint64_t lac_solve_rates_finish(size_t n, const chunk *c, const found *out)
+LAC_CLONES static uint64_t lac_solve_rates_finish(size_t n, const bounds *within, chunk *c,
+                                                  const rates *out)
 {
-    return finish_all(n, false, c, out);
+    return finish_all(n, false, within, c, out);
 }
 
-LAC_CLONES static uint64_t lac_solve_rates_finish_bent(size_t n, const chunk *c, const found *out)
+LAC_CLONES static uint64_t lac_solve_rates_finish_bent(size_t n, const bounds *within, chunk *c,
+                                                       const rates *out)
 {
-    return finish_all(n, true, c, out);
+    return finish_all(n, true, within, c, out);
 }
 
-// @param bent  how many of the cells are bent. @return the same at the end
-static uint64_t settle_chunk(size_t n, bool regularised, uint64_t bent, chunk *c)
+// The rates of one chunk.
+static void solve_chunk(const lac_friction *friction, const lac_friction_balance *eq, double *u,
+                        double *v)
 {
-    uint64_t left = n;
-    for (int step = 0; step < MOST_STEPS && left > 0; step++) {
-        if (!regularised) {
-            left = lac_solve_rates_step_plain(n, c);
-        } else if (bent == 0) {
-            left = lac_solve_rates_step_far(n, c);
-        } else {
-            left = lac_solve_rates_step_bent(n, c);
-        }
-        bent = regularised ? lac_solve_rates_count_bent(n, c) : 0;
+    chunk c;
+    const bool regularised = friction->form == LAC_FORM_REGULARISED;
+    counts now = lac_solve_rates_prepare(friction, eq, u, &c);
+    if (now.cold > 0) {
+        lac_friction_warm(friction, eq, u);
+        now = lac_solve_rates_prepare(friction, eq, u, &c);
     }
-    return bent;
+    if (regularised && now.bent > 0) {
+        lac_solve_rates_begin_bent(eq->n, &c);
+    }
+    for (int step = 0; step < MOST_STEPS && now.open > 0; step++) {
+        now = regularised && now.bent > 0 ? lac_solve_rates_step_bent(eq->n, &all_bounds, &c)
+                                          : lac_solve_rates_step(eq->n, &all_bounds, &c);
+    }
+    const rates out = {eq->traction, u, v};
+    const uint64_t left = regularised && now.bent > 0
+                              ? lac_solve_rates_finish_bent(eq->n, &all_bounds, &c, &out)
+                              : lac_solve_rates_finish(eq->n, &all_bounds, &c, &out);
+    for (size_t i = 0; left > 0 && i < eq->n; i++) {
+        u[i] = c.open[i] > 0 ? c.s[i] : u[i];
+    }
+    if (left > 0) {
+        lac_friction_search_rest(friction, eq, c.open, u, v);
+    }
 }
 
-size_t lac_friction_solve_rates(const lac_friction *friction, const lac_friction_balance *eq,
-                                double *u, double *v, double *settled)
+void lac_friction_solve_rates(const lac_friction *friction, const lac_friction_balance *eq,
+                              double *u, double *v)
 {
-    bool regularised = friction->form == LAC_FORM_REGULARISED;
-    size_t left = 0;
     for (size_t first = 0; first < eq->n; first += CHUNK) {
-        chunk c;
-        size_t n = eq->n - first < CHUNK ? eq->n - first : CHUNK;
-        found out = {eq->traction + first, u + first, v + first, settled + first};
-        lac_solve_rates_prepare(friction, eq, first, n, &c);
-        uint64_t bent = lac_solve_rates_begin(n, u + first, &c);
-        if (regularised && bent > 0) {
-            lac_solve_rates_begin_bent(n, &c);
-        }
-        bent = settle_chunk(n, regularised, bent, &c);
-        left += bent > 0 ? lac_solve_rates_finish_bent(n, &c, &out)
-                         : lac_solve_rates_finish(n, &c, &out);
+        lac_friction_balance part = lac_friction_balance_from(eq, first);
+        part.n = eq->n - first < CHUNK ? eq->n - first : CHUNK;
+        solve_chunk(friction, &part, u + first, v + first);
     }
-    return left;
-}
-
-LAC_CLONES size_t lac_friction_count_cold(size_t n, const double *u)
-{
-    size_t count = 0;
-    for (size_t i = 0; i < n; i++) {
-        count += u[i] != 0.0 && u[i] >= LAC_SLOWEST && u[i] <= LAC_FASTEST ? 0 : 1;
-    }
-    return count;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What couples the cells: the force that slip puts on them through the rock, less that of far
 // motion and far loads; and damping of their mean rate.
+#include "base/clones.h"
 #include "base/vsum.h"
 #include "model/internal.h"
 
@@ -69,8 +70,10 @@ double lac_problem_exp_mean(const lac_problem *problem, const double *u)
 }
 
 // force -= scale shape
-static void take_off(size_t n, const double *shape, double scale, double *force)
+LAC_CLONES static void lac_couple_take_off(size_t n, const double *shape, double scale,
+                                           double *force)
 {
+    LAC_INDEPENDENT
     for (size_t i = 0; i < n; i++) {
         force[i] -= scale * shape[i];
     }
@@ -81,10 +84,10 @@ void lac_problem_couple(const lac_problem *problem, lac_far_field far, const dou
 {
     problem->transfer.kind->apply(problem->transfer.state, x, force, work);
     if (problem->anchor != NULL && far.back != 0.0) {
-        take_off(problem->n, problem->anchor, far.back, force);
+        lac_couple_take_off(problem->n, problem->anchor, far.back, force);
     }
     if (problem->loads.shape != NULL && far.elastic != 0.0) {
-        take_off(problem->n, problem->loads.shape, far.elastic, force);
+        lac_couple_take_off(problem->n, problem->loads.shape, far.elastic, force);
     }
 }
 

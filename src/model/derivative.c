@@ -90,8 +90,11 @@ double lac_problem_least_tolerance(const lac_problem *problem, const double *tol
 
 double lac_problem_slip_tolerance(const lac_problem *problem, double rtol, double *tolerance)
 {
-    for (size_t i = 0; i < problem->n; i++) {
-        tolerance[i] = rtol * lac_cellwise_of(&problem->friction->column[LAC_DC], i);
+    for (size_t first = 0; first < problem->n; first += LAC_FRICTION_BLOCK) {
+        const double *dc = lac_cellwise_from(&problem->friction->column[LAC_DC], first);
+        for (size_t i = 0; i < lac_block_length(problem->n, first); i++) {
+            tolerance[first + i] = rtol * dc[i];
+        }
     }
     return problem->kind->solved ? 0.0 : rtol;
 }

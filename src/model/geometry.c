@@ -88,6 +88,6 @@ bool lac_problem_settles(const lac_problem *problem, double t, const double *y, 
     if (!lac_problem_bends(problem) || !lac_problem_rests(problem, t, y, &cell, work)) {
         return false;
     }
-    lac_problem_speed(problem, t, y, &mean, &max, work);
+    lac_problem_speed(problem, t, y, false, &mean, &max, work);
     return max < LAC_NOTHING;
 }

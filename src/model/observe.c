@@ -62,11 +62,19 @@ void lac_problem_rates(const lac_problem *problem, double t, const double *y, do
     memcpy(v, at.ws.v, problem->n * sizeof *v);
 }
 
-void lac_problem_speed(const lac_problem *problem, double t, const double *y, double *mean,
-                       double *max, double *work)
+void lac_problem_speed(const lac_problem *problem, double t, const double *y, bool found,
+                       double *mean, double *max, double *work)
 {
     lac_look at;
-    lac_problem_look(problem, t, y, work, &at);
+    if (found && problem->kind->solved) { // where those of a look are
+        const lac_workspace ws = lac_problem_split(problem, work);
+        memcpy(ws.u, ws.guess, problem->n * sizeof *ws.u);
+    }
+    if (found) {
+        lac_problem_look_again(problem, t, y, work, &at);
+    } else {
+        lac_problem_look(problem, t, y, work, &at);
+    }
     *mean = fabs(at.motion.mean);
     *max = lac_problem_most(problem, lac_vmost(problem->n, at.motion.v));
 }

@@ -182,8 +182,9 @@ void lac_problem_rates(const lac_problem *problem, double t, const double *y, do
                        double *work);
 
 /// Size of the mean slip rate, and the largest |v|, over the cells [m/s].
-void lac_problem_speed(const lac_problem *problem, double t, const double *y, double *mean,
-                       double *max, double *work);
+/// @param found  the work still holds the rates of this state, as lac_problem_derivative left them
+void lac_problem_speed(const lac_problem *problem, double t, const double *y, bool found,
+                       double *mean, double *max, double *work);
 
 /// Traction of every cell from the balance's elastic side, q - K slip [Pa].
 void lac_problem_traction(const lac_problem *problem, double t, const double *slip,

@@ -15,6 +15,20 @@ static lac_motion move(const lac_look *at, bool keep)
     return lac_problem_solve_rates(at, at->y, keep);
 }
 
+// Whether all are finite.
+LAC_CLONES static bool lac_traction_rates(size_t n, const double *p, double ratio_rate,
+                                          double loading, const double *kv, double *ydot)
+{
+    uint64_t bad = 0;
+    LAC_INDEPENDENT
+    for (size_t i = 0; i < n; i++) {
+        double rate = p[i] * ratio_rate + loading - kv[i];
+        ydot[i] = rate;
+        bad += fabs(rate) <= DBL_MAX ? 0 : 1;
+    }
+    return bad == 0;
+}
+
 // dtau/dt = dq/dt - K v
 static bool derivative(const lac_look *at, double *ydot)
 {
@@ -24,10 +38,9 @@ static bool derivative(const lac_look *at, double *ydot)
     lac_problem_couple(problem, drive->far_rate, at->motion.v, at->ws.kv, at->ws.scratch);
     double loading = drive->spring_rate - drive->spring_stiffness * at->motion.mean;
     bool good = lac_problem_evolve(at, ydot + n);
-    for (size_t i = 0; i < n; i++) {
-        ydot[i] = problem->pressure[i] * drive->ratio_rate + loading - at->ws.kv[i];
-    }
-    return lac_problem_agree(at->problem, lac_vfinite(n, ydot) && good);
+    good = lac_traction_rates(n, problem->pressure, drive->ratio_rate, loading, at->ws.kv, ydot) &&
+           good;
+    return lac_problem_agree(problem, good);
 }
 
 // x_tau = b_tau - gamma K dv, which is gamma D dv + f_w's part + drag mean dv by the row itself.

@@ -158,7 +158,7 @@ lac_status lac_check_start(const lac_problem *problem, const lac_run_def *def,
                            lac_error *err)
 {
     double mean, max;
-    lac_problem_speed(problem, at->t, at->y, &mean, &max, work);
+    lac_problem_speed(problem, at->t, at->y, false, &mean, &max, work);
     LAC_TRY_RETURN(lac_check_rates(problem, max, at->t, work, err));
     LAC_FAIL_IF(lac_problem_past_failure(problem, failure, at->t, at->y, work) >= 0.0, err,
                 LAC_EINPUT,

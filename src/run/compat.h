@@ -27,6 +27,9 @@
 #define LAC_SUN_ERK_EVALUATIONS(mem, count) ERKStepGetNumRhsEvals((mem), (count))
 #endif
 
+// Whether a step of ARKODE's ends with dy/dt there.
+enum { LAC_SUN_ERK_ENDS_WITH_RATES = !LAC_SUN_SINCE(7, 0) };
+
 #if LAC_SUN_SINCE(7, 0)
 // What solvers return to CVODE where no smaller step would help.
 enum { LAC_SUN_BROKEN = SUN_ERR_ARG_CORRUPT };

@@ -213,7 +213,7 @@ static bool too_early(lac_engine *engine, const lac_async_limits *limits)
     double past =
         lac_problem_past_failure(engine->problem, &engine->failure, t, engine->y, engine->work);
     bool failed = past >= 0.0;
-    lac_problem_speed(engine->problem, t, engine->y, &mean, &max, engine->work);
+    lac_problem_speed(engine->problem, t, engine->y, false, &mean, &max, engine->work);
     c->ask = lac_async_told(c->micro) * exp(fmax(-past, least));
     double slip = lac_engine_mean_slip(engine, engine->slip);
     double most = slip_limit(engine);

@@ -15,6 +15,7 @@ typedef struct erk {
     double *saved; // [size]
     double *aside; // lac_problem_work, for what is only looked at
     bool looking;  // is the step's inside looked at?
+    double last;   // integrator's time of the rates that the run's own scratch holds
     double first;  // step that a restart begins with [s]
     void *control; // of the step; freed by LAC_SUN_ERK_CONTROL_FREE
 } erk;
@@ -31,8 +32,9 @@ static int rates(sunrealtype t, N_Vector y, N_Vector ydot, void *user)
     // Inside the step in scratch of its own, so that looking leaves nothing behind. At its end
     // SUNDIALS 7 takes the rates where they are first asked for, here or by the next step, which
     // begins with them: in the run's own scratch either way.
-    const erk *c = engine->inner;
+    erk *c = engine->inner;
     double *work = c->looking && t < engine->t ? c->aside : engine->work;
+    c->last = work == engine->work ? t : c->last;
     bool good = lac_problem_derivative(engine->problem, lac_engine_clock(engine, t), at, dot, work);
     if (!lac_problem_has_slip(engine->problem)) {
         memcpy(dot + engine->unknowns, work, n * sizeof *dot);
@@ -216,6 +218,7 @@ static lac_status erk_advance(lac_engine *engine, double stop, lac_error *err)
     sunrealtype last;
     (void)LAC_SUN_ERK(GetLastStep)(c->mem, &last);
     engine->step = last;
+    engine->found = LAC_SUN_ERK_ENDS_WITH_RATES && c->last == engine->t;
     return LAC_OK;
 }
 

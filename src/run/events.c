@@ -22,7 +22,7 @@ static double past(const lac_engine *engine, const lac_run_def *def, lac_crossin
     if (kind == LAC_CROSSING_FAILURE) {
         return lac_problem_past_failure(engine->problem, &engine->failure, clock, y, engine->work);
     }
-    lac_problem_speed(engine->problem, clock, y, &mean, &max, engine->work);
+    lac_problem_speed(engine->problem, clock, y, false, &mean, &max, engine->work);
     return log(max / def->stop_rate);
 }
 
@@ -140,7 +140,7 @@ lac_status lac_crossing_find(lac_engine *engine, const lac_run_def *def, const d
             *found = kind;
             LAC_TRY_RETURN(take_back(engine, def, kind, err));
             lac_problem_speed(engine->problem, lac_engine_clock(engine, engine->t), engine->y,
-                              &now[0], &now[1], engine->work);
+                              false, &now[0], &now[1], engine->work);
         }
     }
     if (*found == LAC_CROSSING_NONE && lac_problem_bends(engine->problem) &&

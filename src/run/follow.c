@@ -346,7 +346,7 @@ static lac_status cross_break(lac_sensitivity_state *f, double at, lac_error *er
     lac_problem_forget(problem, f->work);
     double h = lac_problem_first_step(problem, at, y, f->work);
     double mean, max;
-    lac_problem_speed(problem, at, y, &mean, &max, f->work);
+    lac_problem_speed(problem, at, y, false, &mean, &max, f->work);
     if (lac_check_rates(problem, max, at, f->work, err) != LAC_OK) {
         return LAC_ENUMERIC;
     }

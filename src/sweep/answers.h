@@ -83,6 +83,7 @@ typedef struct lac_answers {
     size_t counted; ///< members that chance and quantiles are of: of Saltelli's design A and B
     bool tornado;   ///< it has swings, and neither chance nor quantiles nor influences
     bool of_chance; ///< influences are of whether, not of when
+    bool alike;     ///< it is the same in all members, so that nothing decides
     size_t rows;    ///< of Saltelli's design that influences are of: none of its members is broken
     lac_chance chance, course[LAC_ANSWERS_TIMES];
     lac_quantile_answer quantile[LAC_ANSWERS_QUANTILES];
@@ -96,7 +97,8 @@ typedef struct lac_answers {
 /// saltelli design first-order indices by Saltelli et al. (2010), doi 10.1016/j.cpc.2009.09.018,
 /// table 2 b, total ones by Jansen (1999), doi 10.1016/S0010-4655(98)00154-4, intervals by 500
 /// bootstrap samples of its rows; else the part of the variance between members of equal (or, of
-/// many values, neighbouring) values, less what chance gives it (epsilon squared, Kelley 1935).
+/// many values, neighbouring) values, less what chance gives it (epsilon squared, Kelley 1935); NaN
+/// where fewer than two such groups, or no two members of one, leave nothing to compare.
 /// @return LAC_OK; LAC_EINPUT (members that are no whole design); LAC_ENOMEM
 /// @cost  500 members params
 lac_status lac_answers_create(const lac_sample *sample, lac_answers **out, lac_error *err);

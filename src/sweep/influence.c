@@ -68,6 +68,7 @@ static void saltelli(const rows *r, const size_t *pick, double *first, double *t
 }
 
 // Epsilon squared: (between - (k - 1) within/(n - k))/all, sums of squares of k groups.
+// @return NaN: it cannot be told
 static double between(const rows *r, const size_t *pick, size_t p)
 {
     const size_t k = r->groups[p], *group = r->group + p * r->n;
@@ -89,9 +90,10 @@ static double between(const rows *r, const size_t *pick, size_t p)
         between += many[g] > 0.0 ? sum[g] * sum[g] / many[g] : 0.0;
         filled += many[g] > 0.0 ? 1.0 : 0.0;
     }
-    const double rest = (double)r->n - filled;
-    return all > 0.0 && rest > 0.0 ? (between - (filled - 1.0) * (all - between) / rest) / all
-                                   : (double)NAN;
+    const double rest = (double)r->n - filled; // one group has nothing to be told from
+    return all > 0.0 && rest > 0.0 && filled > 1.0
+               ? (between - (filled - 1.0) * (all - between) / rest) / all
+               : (double)NAN;
 }
 
 static void evaluate(const rows *r, const size_t *pick, double *first, double *total, size_t stride)
@@ -255,6 +257,10 @@ lac_status lac_influences_fill(const lac_sample *s, lac_answers *a, lac_error *e
         }
     }
     a->rows = r.n;
+    a->alike = true;
+    for (size_t i = 0; i < r.n * wide; i++) {
+        a->alike = a->alike && r.y[i] == 0.0;
+    }
     LAC_TRY(fill(s, &r, a, err));
 out:
     free(r.y);

@@ -71,10 +71,8 @@ static lac_status copy_request(lac_sweep *sweep, const lac_sweep_request *r, lac
 {
     size_t size = 0;
     sweep->path = strdup(r->path);
-    sweep->files = strdup(r->files != NULL ? r->files : "");
     sweep->overrides = calloc(r->count + 1, sizeof *sweep->overrides);
-    LAC_FAIL_MEMORY_IF(sweep->path == NULL || sweep->files == NULL || sweep->overrides == NULL,
-                       err);
+    LAC_FAIL_MEMORY_IF(sweep->path == NULL || sweep->overrides == NULL, err);
     LAC_TRY_RETURN(lac_case_read_file(r->path, &sweep->written, &size, err));
     for (; sweep->count < r->count; sweep->count++) {
         lac_override *o = &sweep->overrides[sweep->count];
@@ -341,6 +339,7 @@ lac_status lac_sweep_create(const lac_sweep_request *request, lac_sweep **out, l
     LAC_TRY(try_keys(sweep, err));
     find_followers(sweep);
     LAC_TRY(lac_sweep_arrange(sweep, request, err));
+    LAC_TRY(lac_sweep_sum_files(sweep, request->files, err));
     LAC_TRY(read_series(sweep, request->series, err));
     LAC_TRY(find_extras(sweep, err));
     find_mark(sweep);

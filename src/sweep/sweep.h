@@ -20,8 +20,10 @@ typedef struct lac_sweep_request {
                         ///< first
     int64_t members;    ///< 0: as many as the design makes
     uint64_t seed;
-    double until;      ///< an end before the case's [s]; NaN: none
-    const char *files; ///< checksums of the files that the case reads; NULL: not told
+    double until; ///< an end before the case's [s]; NaN: none
+    /// Checksums of the files that a case reads, a line each behind "files:". NULL: not told
+    /// @return owned; NULL: no memory
+    char *(*files)(const lac_case *c);
 } lac_sweep_request;
 
 /// One key that varies.
@@ -74,7 +76,7 @@ typedef struct lac_sweep {
     lac_case *base;          ///< the case as it stands
     char *path, *text;       ///< of the base: its path, all of it resolved
     char *written;           ///< the same as it was written
-    char *files;             ///< as in the request; ""
+    char *files;             ///< as in the request, of the base and of what is listed; ""
     lac_override *overrides; ///< [count] copies, and room for those of a member
     size_t count;
     char (*keys)[LAC_SWEEP_KEY]; ///< of those of a member
@@ -132,3 +134,4 @@ bool lac_swept_key(const lac_swept *param, size_t index, char key[LAC_SWEEP_KEY]
 lac_status lac_swept_read(lac_swept *param, const char *said, lac_case *base, lac_error *err);
 lac_status lac_swept_table(lac_sweep *sweep, const char *path, lac_error *err);
 lac_status lac_sweep_arrange(lac_sweep *sweep, const lac_sweep_request *request, lac_error *err);
+lac_status lac_sweep_sum_files(lac_sweep *sweep, char *(*sums)(const lac_case *c), lac_error *err);

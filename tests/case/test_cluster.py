@@ -25,6 +25,8 @@ import numpy
 
 PROGRAM, SOURCE, STOP = map(os.path.abspath, sys.argv[1:4])
 PAGE = os.path.join(SOURCE, "docs", "howto-cluster.md")
+# The page shows four shards; others too where the long tests' programs are.
+SHARDS = (1, 4, 7) if shutil.which("sbatch") else (4,)
 SWEEP = ["sweep", "cases/block.yaml", "--over", "friction.aging.dc=uniform(0.5 mm, 2 mm)", "--members", "64"]
 SLURM = """ClusterName=one
 SlurmctldHost={host}(127.0.0.1)
@@ -60,10 +62,11 @@ def values(path):
                             for name, v in file.variables.items()}
 
 
-def shown(begin):
-    """The command of the page that begins so."""
+def shown(begin, n):
+    """The command of the page that begins so, of n shards."""
     with open(PAGE, encoding="utf-8") as page:
-        return next(line.strip() for line in page if line.startswith(begin))
+        line = next(line.strip() for line in page if line.startswith(begin))
+    return line.replace("}/4", f"}}/{n}").replace("0 1 2 3", " ".join(map(str, range(n)))).replace("0-3", f"0-{n - 1}")
 
 
 class Cluster(unittest.TestCase):
@@ -71,8 +74,7 @@ class Cluster(unittest.TestCase):
     def setUpClass(cls):
         cls.folder = tempfile.mkdtemp(prefix="lacuna-cluster-")
         os.chmod(cls.folder, 0o755)  # munge wants its socket within everybody's reach
-        for name in ("cases", "docs"):
-            os.symlink(os.path.join(SOURCE, name), os.path.join(cls.folder, name))
+        os.symlink(os.path.join(SOURCE, "cases"), os.path.join(cls.folder, "cases"))
         os.mkdir(os.path.join(cls.folder, "bin"))
         os.symlink(PROGRAM, os.path.join(cls.folder, "bin", "lacuna"))
         cls.environment = {**os.environ, "PATH": os.path.join(cls.folder, "bin") + os.pathsep + os.environ["PATH"]}
@@ -98,6 +100,22 @@ class Cluster(unittest.TestCase):
         for program in programs:
             if shutil.which(program, path=os.environ["PATH"] + ":/usr/sbin:/sbin") is None:
                 self.skipTest(f"{program} is not installed: tools/install-packages --long")
+
+    def each(self):
+        """Numbers of shards, of which the scripts of the page's folder are then."""
+        cluster = os.path.join(self.folder, "docs", "cluster")
+        for n in SHARDS:
+            shutil.copytree(os.path.join(SOURCE, "docs", "cluster"), cluster)
+            for name in os.listdir(cluster):
+                with open(os.path.join(cluster, name), "r+", encoding="utf-8") as file:
+                    text = file.read().replace("SHARDS = 4", f"SHARDS = {n}")
+                    file.seek(0)
+                    file.write(text)
+            try:
+                yield n
+            finally:
+                shutil.rmtree(cluster)
+                self.tearDown()
 
     def same(self):
         self.assertEqual(values(os.path.join(self.folder, "all.nc")), values(self.whole))
@@ -143,29 +161,33 @@ class Cluster(unittest.TestCase):
 
     def test_parallel(self):
         self.needs("parallel")
-        self.call("sh", "-euc", shown("parallel -q"), PARALLEL_HOME=self.folder)
-        self.gather()
+        for n in self.each():
+            self.call("sh", "-euc", shown("parallel -q", n), PARALLEL_HOME=self.folder)
+            self.gather()
 
     def test_snakemake(self):
         self.needs("snakemake")
-        self.call("sh", "-euc", shown("snakemake"), HOME=self.folder, XDG_CACHE_HOME=self.folder)
-        self.same()
+        for n in self.each():
+            self.call("sh", "-euc", shown("snakemake", n), HOME=self.folder, XDG_CACHE_HOME=self.folder)
+            self.same()
 
     def test_dask(self):
         try:
             import dask.distributed  # noqa: F401 (is it there?)
         except ImportError:
             self.skipTest("dask.distributed is not installed: tools/install-packages --long")
-        self.call("sh", "-euc", shown("/usr/bin/python3").replace("/usr/bin/python3", sys.executable))
-        self.same()
+        for n in self.each():
+            self.call("sh", "-euc", shown("/usr/bin/python3", n).replace("/usr/bin/python3", sys.executable))
+            self.same()
 
     def test_slurm(self):
         """The example of an array, and the job that gathers when it is over."""
         self.needs("slurmctld", "slurmd", "munged", "sbatch")
         with Slurm(self.folder) as slurm:
-            for line in shown("sbatch --array"), shown("sbatch --dependency"):
-                self.call("sh", "-euc", line.replace("sbatch", "sbatch --wait"), SLURM_CONF=slurm.conf)
-            self.same()
+            for n in self.each():
+                for line in shown("sbatch --array", n), shown("sbatch --dependency", n):
+                    self.call("sh", "-euc", line.replace("sbatch", "sbatch --wait"), SLURM_CONF=slurm.conf)
+                self.same()
 
 
 class Slurm:

@@ -221,7 +221,7 @@ class Fit(unittest.TestCase):
 
     def test_threads(self):
         """The same numbers for any number of threads."""
-        one, two = (self.fit(CASE, SERIES, *SHORT, "--threads", n, status=1) for n in ("1", "3"))
+        one, two = (self.fit(CASE, SERIES, *SHORT, "--jobs", n, status=1) for n in ("1", "3"))
         for said in (one, two):
             for key in ("wall_time_s", "cpu_time_s"):
                 del said[key]

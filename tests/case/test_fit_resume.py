@@ -93,7 +93,7 @@ class Resume(unittest.TestCase):
         with netCDF4.Dataset(self.out) as file:
             self.assertEqual(file.status, "interrupted")
             self.assertLess(file.dimensions["draw"].size, 60)
-        self.fit(*asked, "--resume", "--threads", "2")
+        self.fit(*asked, "--resume", "--jobs", "2")
         self.same(whole, self.out)
 
     def test_more_rounds(self):
@@ -173,7 +173,7 @@ class Resume(unittest.TestCase):
         self.assertIn("is of another case", self.fit(*asked, "--set", "fit.seed=7", "--resume", status=2))
         self.assertEqual(os.path.getsize(self.kept), kept)
         self.assertEqual(self.stop_at(75 * record, signal.SIGINT, *asked, "--resume"), 4)
-        self.fit(*asked, "--resume", "--threads", "2", status=0)
+        self.fit(*asked, "--resume", "--jobs", "2", status=0)
         self.same(whole, self.out)
         self.assertEqual(sorted(os.listdir(self.folder)), ["out.nc", "whole.nc"])
         self.assertIn("goes on with the sampler", self.fit("--set", "fit.steps=0", "--resume", status=2))

@@ -289,6 +289,8 @@ class Python(unittest.TestCase):
             self.assertEqual(said["output"], part)
         mine, gathered = lacuna.sweep(self.path("block.yaml"), over), os.path.join(self.folder, "all.nc")
         lacuna.command("gather", *parts, o=gathered)
+        self.assertEqual(lacuna.command("run", gathered, member=1, o=os.path.join(self.folder, "one.nc"))["mean_slip_m"],
+                         float(mine.mean_slip[1]))
         self.assertTrue(mine.drop_attrs().identical(xarray.load_dataset(gathered).drop_attrs())
                         if hasattr(mine, "drop_attrs") else mine.equals(xarray.load_dataset(gathered)))
         with self.assertRaises(lacuna.Error) as caught:
@@ -459,17 +461,26 @@ class Python(unittest.TestCase):
         self.assertEqual((done.stdout, done.stderr, done.returncode), ("stopped\n", "", 0))
 
     def test_interrupted_in_the_program(self):
-        """A sweep in the program's pool ends too, and its processes with it; a history of loads in this one."""
+        """A sweep in the program's pool ends too, and its processes with it, and leaves nothing behind, or what it goes on
+        from; a history of loads ends in this one."""
         text = "\n".join((
             "import lacuna, os, signal, sys, threading",
-            "threading.Timer(1.5, lambda: os.kill(os.getpid(), signal.SIGINT)).start()",
+            "threading.Timer(1.5, lambda: {kill}).start()",
             "try:", "    {call}", "except KeyboardInterrupt:", "    print('stopped')"))
-        calls = (f"lacuna.sweep({self.path('block.yaml')!r}, {{'friction.aging.dc': 'uniform(1 mm, 2 mm)'}}, members=1000000)",
-                 f"lacuna.contact({self.path('shear-cycle.yaml')!r}, {{'load.history.steps.0.count': 9000, 'interface.levels': 5}})")
-        for call in calls:
-            done = subprocess.run([sys.executable, "-c", text.format(call=call)], capture_output=True, text=True, check=False,
-                                  timeout=60, env={**os.environ, "PYTHONPATH": os.path.dirname(lacuna.__file__)})
+        alone, terminal = "os.kill(os.getpid(), signal.SIGINT)", "os.killpg(0, signal.SIGINT)"
+        work, temporary = os.path.join(self.folder, "work"), os.path.join(self.folder, "temporary")
+        sweep = f"lacuna.sweep({self.path('block.yaml')!r}, {{{{'friction.aging.dc': 'uniform(1 mm, 2 mm)'}}}}, members=1000000{{}})"
+        calls = ((sweep.format(""), terminal), (sweep.format(f", output={work!r}"), alone),
+                 (f"lacuna.contact({self.path('shear-cycle.yaml')!r}, {{'load.history.steps.0.count': 9000, 'interface.levels': 5}})", alone))
+        os.mkdir(temporary)
+        os.mkdir(work)
+        for call, kill in calls:
+            done = subprocess.run([sys.executable, "-c", text.format(call=call, kill=kill)], capture_output=True, text=True,
+                                  check=False, timeout=60, start_new_session=True,
+                                  env={**os.environ, "PYTHONPATH": os.path.dirname(lacuna.__file__), "TMPDIR": temporary})
             self.assertEqual((done.stdout, done.stderr, done.returncode), ("stopped\n", "", 0))
+            self.assertEqual(os.listdir(temporary), [])
+        self.assertGreater(os.path.getsize(os.path.join(work, "result.nc.runs", "done")), 1000)
 
     def test_version(self):
         said = subprocess.run([PROGRAM, "--version"], capture_output=True, text=True, check=True)

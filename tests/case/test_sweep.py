@@ -184,6 +184,7 @@ class Sweep(unittest.TestCase):
         self.refuse('did you mean "aging"?', "--over", "friction.agin.dc=uniform(1 mm, 2 mm)")
         self.refuse("must be a whole number", "--over", f"{DC}=1 mm", "--members", "-3")
         self.refuse("--by:", "--over", f"{DC}=1 mm", "--by", "1 mm")
+        self.refuse("--pipe: writes no file, so -o must be a folder", "--over", f"{DC}=1 mm", "--pipe")
         self.refuse("with a step towards the last", "--over", "interface.levels=3:1")
 
     def test_page(self):

@@ -100,6 +100,25 @@ class Parts(unittest.TestCase):
         os.remove(self.at("water.csv"))
         self.assertIn("water.csv is gone or changed", self.call(*again, status=2))
 
+    def test_files_of_some_members(self):
+        """A file that only a member names is the sweep's too: with another content no part of it fits, nor is gone on from."""
+        shutil.copy(os.path.join(SOURCE, BLOCK), self.at("case.yaml"))
+        for name in "ab":
+            with open(self.at(name + ".csv"), "w", encoding="utf-8") as series:
+                series.write("time_s,level\n0,0\n4e7,1\n")
+        water = ["--set", 'load.pore_pressure=[{series: {file: a.csv, time: time_s, value: "level:kPa"}}]', "--over", "load.pore_pressure.0.series.file=a.csv, b.csv"]
+        words = [*water, "--over", "friction.aging.dc=1 mm, 2 mm"]
+        one = self.sweep("0.nc", *words, "--shard", "0/2", case=self.at("case.yaml"))
+        same = content(self.sweep("1.nc", *words, "--shard", "1/2", case=self.at("case.yaml")))
+        with netCDF4.Dataset(one) as file:
+            self.assertEqual([line.split(":")[0] for line in file.sweep_files.split("\n")[1:-1]], ["  a.csv", "  b.csv"])
+        with open(self.at("b.csv"), "a", encoding="utf-8") as series:
+            series.write("5e7,2\n")
+        self.assertIn("is of another sweep", self.call("sweep", self.at("case.yaml"), *words, "-o", one, "--shard", "0/2", "--resume", status=2))
+        other = self.sweep("1.nc", *words, "--shard", "1/2", "--force", case=self.at("case.yaml"))
+        self.assertNotEqual(content(other), same)
+        self.assertIn("is of another sweep", self.call("gather", one, other, "-o", self.at("no.nc"), status=2))
+
     def test_another_outcome_is_told(self):
         """A member that does not come to what its row says is no silent member."""
         path = self.sweep("all.nc", *OVER, "--members", "3")

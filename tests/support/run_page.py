@@ -120,8 +120,9 @@ def main():
             os.symlink(os.path.join(source, name), os.path.join(folder, name))
         os.symlink(os.path.dirname(program), os.path.join(folder, "build"))
         if len(words) < len(sys.argv) - 1:
+            text = updated(text, program, folder)  # a page stays whole where this is interrupted
             with open(page, "w", encoding="utf-8") as file:
-                file.write(updated(text, program, folder))
+                file.write(text)
             return
         wrong = check_page(text, program, folder)
     if wrong:

@@ -5,8 +5,8 @@
 #include "friction/friction.h"
 #include "support/vmath_copies.h"
 
-typedef size_t test_settle(const lac_friction *friction, const lac_friction_balance *eq, double *u,
-                           double *v, double *settled);
+typedef void test_settle(const lac_friction *friction, const lac_friction_balance *eq, double *u,
+                         double *v);
 
 /// friction/solve_rates.c compiled once more for one instruction set each.
 test_settle test_default_settle, test_v3_settle, test_v4_settle;

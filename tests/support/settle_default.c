@@ -3,5 +3,4 @@
 
 #define LAC_CLONES
 #define lac_friction_solve_rates test_default_settle
-#define lac_friction_count_cold test_default_count_cold
 #include "friction/solve_rates.c"

@@ -3,5 +3,4 @@
 
 #define LAC_CLONES TEST_VMATH_TARGET("arch=x86-64-v4")
 #define lac_friction_solve_rates test_v4_settle
-#define lac_friction_count_cold test_v4_count_cold
 #include "friction/solve_rates.c"

@@ -142,6 +142,24 @@ static void drawn_members_tell_first_indices(void **state)
     assert_in_range(in, 108, 120);
 }
 
+// Of one member a value, or of one value, nothing tells the values from chance.
+static void too_few_members_tell_nothing(void **state)
+{
+    (void)state;
+    const double drawn[] = {1, 2, 3, 4, 1, 1, 1, 1}, result[] = {7, 8, 11, 10};
+    for (size_t n = 2; n <= 4; n++) {
+        lac_sample s = {.params = 2, .members = n, .drawn = drawn, .result = result, .by = NAN};
+        double own[8];
+        memcpy(own, drawn, n * sizeof *own);
+        memcpy(own + n, drawn + 4, n * sizeof *own);
+        s.drawn = own;
+        lac_answers *a = answer(&s);
+        assert_int_equal(!isnan(influence_of(a, 0)->first), n == 4); // two groups of two
+        assert_true(isnan(influence_of(a, 1)->first) && !a->alike);
+        lac_answers_free(a);
+    }
+}
+
 static double linear(const double *u) { return 3 * u[0] - 2 * u[1] + u[2]; }
 
 // Time to failure of a block under constant load from the same x = theta/theta_ss: dc/v* F(m, x),
@@ -404,6 +422,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(intervals_hold_ishigamis_indices),
         cmocka_unit_test(drawn_members_tell_first_indices),
+        cmocka_unit_test(too_few_members_tell_nothing),
         cmocka_unit_test(linear_and_products),
         cmocka_unit_test(never_is_no_number),
         cmocka_unit_test(not_followed_is_not_known),

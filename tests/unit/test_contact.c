@@ -171,8 +171,10 @@ static void penetration_alone_keeps_it_going(void **state)
     }
     const lac_extent extent = {32, 32, 1.0, 1.0, true};
     assert_int_equal(lac_half_space_create(&extent, &s, &f->err), LAC_OK);
-    lac_descent d = {
-        .heights = f->h, .mean_pressure = 0.5, .tolerance = 1e-9, .max_iterations = 300};
+    lac_descent d = {.heights = {f->h, 0.0, 1.0},
+                     .mean_pressure = 0.5,
+                     .tolerance = 1e-9,
+                     .max_iterations = 300};
     f->p[100] = 0.5 * 32.0 * 32.0;
     assert_int_equal(lac_descend(s, &d, f->p, f->gap, &f->err), LAC_OK);
     assert_true(lac_residual_holds(&d.residual, 1e-9));

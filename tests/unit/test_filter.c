@@ -70,20 +70,6 @@ static void take_row(void *context, size_t j, void *row)
     }
 }
 
-// Takes the row as it comes and puts twice of it back
-static void double_row(void *context, size_t j, void *row)
-{
-    fixture *f = context;
-    take_row(context, j, row);
-    for (size_t i = 0; i < f->nx; i++) {
-        if (f->precision == LAC_SINGLE) {
-            ((float *)row)[i] *= 2.0F;
-        } else {
-            ((double *)row)[i] *= 2.0;
-        }
-    }
-}
-
 static size_t mirrored(size_t j, size_t n) { return 2 * j <= n ? j : n - j; }
 
 static void plain_transforms(fixture *f)
@@ -158,12 +144,10 @@ static void filter_equals_plain_transforms(void **state)
         lac_filter_multiply(filter, symbol_of(f), f);
         lac_filter_take(filter, take_row, f);
         check_taken(f, 1.0);
-        // taken once more, filled with twice of it, and that taken
+        // taken once more
         memset(f->taken, 0, sizeof f->taken);
-        lac_filter_refill(filter, double_row, f);
-        check_taken(f, 1.0);
         lac_filter_take(filter, take_row, f);
-        check_taken(f, 2.0 * (double)f->mx); // rows forth and back
+        check_taken(f, 1.0);
         lac_filter_free(filter);
         free(f);
     }

@@ -161,12 +161,11 @@ static void instruction_sets_agree(void **state)
         lac_friction_balance eq = balance_of(&k, 5e6);
         double u[3][CELLS];
         double v[3][CELLS];
-        double settled[CELLS];
         for (size_t c = 0; c < count; c++) {
             for (size_t i = 0; i < CELLS; i++) {
                 u[c][i] = k.u[i] + 0.3;
             }
-            assert_true(copies[c](friction, &eq, u[c], v[c], settled) < CELLS / 4);
+            copies[c](friction, &eq, u[c], v[c]);
             assert_memory_equal(u[c], u[0], sizeof u[0]);
             assert_memory_equal(v[c], v[0], sizeof v[0]);
         }

@@ -200,13 +200,13 @@ def draw_map(ax, runs, levels_least=8):
     title(ax, "f", f"FIX, β = {MAP_BETA}, D = 1.55")
 
 
-def draw_force(ax, jobs):
+def draw_force(ax, found):
     """(g) Q_crit/Q_nom over the dimension."""
     style = {"fix": {"fmt": "o-", "markersize": 3.5}, "lump": {"fmt": "s--", "markersize": 2.5,
                                                               "markerfacecolor": "white"},
              "cons": {"fmt": ":", "markersize": 0}}
     for rule, how in style.items():
-        rows = {d: job.result()["results"] for (r, d), job in jobs.items() if r == rule}
+        rows = {d: one["results"] for (r, d), one in found.items() if r == rule}
         for k, (beta, colour) in enumerate(COLOURS.items()):
             at = sorted(rows)
             values = np.array([rg_table.mean_and_error(rows[d][k]) for d in at])
@@ -229,8 +229,8 @@ def draw_force(ax, jobs):
     title(ax, "g", "critical shear force")
 
 
-def start_force(run, arguments):
-    return {(rule, d): run.start(arguments.levels, arguments.seeds, d, rule=rule)
+def find_force(run, arguments):
+    return {(rule, d): run.of(arguments.levels, arguments.seeds, d, rule=rule)
             for d in DIMENSIONS for rule in ("fix", "lump", "cons")
             if rule == "fix" or d in rg_table.DIMENSIONS}
 
@@ -238,11 +238,11 @@ def start_force(run, arguments):
 def draw(arguments, folder):
     run = rg_table.Runner(arguments, folder)
     joint = Joint(arguments, folder)
-    jobs = start_force(run, arguments)
+    force = find_force(run, arguments)
     maps = {("elastic", BLUE, "o"): {}, ("equal", RED, "^"): {}}
     for key in maps:
         path = os.path.join(folder, f"map-{key[0]}.nc")
-        json_of(arguments.program, "rg", arguments.case, "-o", path, *settings(
+        json_of(arguments.program, "rg", arguments.case, "-o", path, "--jobs", str(arguments.jobs), *settings(
             *arguments.set, f"rg.seeds={arguments.seeds}", f"rg.beta={MAP_BETA}", f"rg.field={key[0]}"))
         maps[key] = path
     figure = plt.figure(figsize=(WIDTH, WIDTH * 7.9 / 7.2))
@@ -255,7 +255,7 @@ def draw(arguments, folder):
     draw_drop(figure.add_subplot(middle[4]))
     bottom = rows[2].subgridspec(1, 2, width_ratios=(1, 1.25), wspace=0.25)
     draw_map(figure.add_subplot(bottom[0]), maps)
-    draw_force(figure.add_subplot(bottom[1]), jobs)
+    draw_force(figure.add_subplot(bottom[1]), force)
     return figure
 
 
@@ -268,7 +268,7 @@ def main():
     parser.add_argument("--seeds", type=int, default=12, help="interfaces of (f) and (g)")
     parser.add_argument("--seed", type=int, default=3, help="of the interface of (a) to (d)")
     parser.add_argument("--levels", type=int, default=8, help="2^levels cells a side in (g)")
-    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="runs at a time")
+    parser.add_argument("--jobs", type=int, default=min(os.cpu_count() or 1, 64), help="interfaces at a time")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE",
                         help="override the case; may be repeated")
     arguments = parser.parse_args()

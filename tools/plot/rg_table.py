@@ -27,7 +27,6 @@ import statistics
 import subprocess
 import sys
 import tempfile
-from concurrent.futures import ThreadPoolExecutor
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 BETAS = (0.8, 0.7, 0.6)
@@ -55,10 +54,9 @@ class Runner:
 
     def __init__(self, arguments, folder):
         self.arguments, self.folder, self.done = arguments, folder, {}
-        self.pool = ThreadPoolExecutor(arguments.jobs)
 
-    def start(self, levels, seeds, dimension, **settings):
-        """A run to come; keys of `settings` have _ for the dot."""
+    def of(self, levels, seeds, dimension, **settings):
+        """What a run gives; keys of `settings` have _ for the dot."""
         waves = max(2, 2 ** (levels - 1) - 1)
         values = {"interface.levels": levels, "rg.seeds": seeds, "load.normal.dimension": dimension,
                   # a little shorter, lest rounding drops the last waves
@@ -69,12 +67,12 @@ class Runner:
         values.update({names[key]: value for key, value in settings.items()})
         key = tuple(sorted(values.items()))
         if key not in self.done:
-            self.done[key] = self.pool.submit(self.call, key, len(self.done))
+            self.done[key] = self.call(key, len(self.done))
         return self.done[key]
 
     def call(self, key, number):
-        words = [self.arguments.program, "rg", self.arguments.case, "--json", "--threads", "1",
-                 "-o", os.path.join(self.folder, f"{number}.nc")]
+        words = [self.arguments.program, "rg", self.arguments.case, "--json", "--no-progress",
+                 "--jobs", str(self.arguments.jobs), "-o", os.path.join(self.folder, f"{number}.nc")]
         for name, value in key:
             words += ["--set", f"{name}={value}"]
         for override in self.arguments.set:
@@ -131,7 +129,7 @@ class Table:
 
 
 def main_table(run, arguments):
-    jobs = {(rule, d): run.start(arguments.levels, arguments.seeds, d, rule=rule)
+    found = {(rule, d): run.of(arguments.levels, arguments.seeds, d, rule=rule)
             for d in arguments.dimensions for rule in ("fix", "cons", "lump")}
     table = Table(["rule", "β", *(f"D {d:g}" for d in arguments.dimensions), "paper"])
     for rule in ("fix", "cons", "lump"):
@@ -139,36 +137,36 @@ def main_table(run, arguments):
             cells = []
             for d in arguments.dimensions:
                 other = OTHER.get((rule, d)) if arguments.levels == 8 else None
-                cells.append(table.cell(jobs[rule, d].result()["results"][k],
+                cells.append(table.cell(found[rule, d]["results"][k],
                                         other and other[k], rule))
             table.row(rule.upper(), f"{beta:g}", *cells, f"{PAPER[beta]:g}")
     table.sum_up()
 
 
 def variants(run, arguments):
-    jobs = [("H 1, elastic, D 1.5", OTHER_HURST_1, run.start(arguments.levels, arguments.seeds, 1.5,
+    found = [("H 1, elastic, D 1.5", OTHER_HURST_1, run.of(arguments.levels, arguments.seeds, 1.5,
                                                              hurst=1))]
-    jobs += [(f"H 0.8, equal, D {d:g}", other, run.start(arguments.levels, arguments.seeds, d,
+    found += [(f"H 0.8, equal, D {d:g}", other, run.of(arguments.levels, arguments.seeds, d,
                                                          field="equal"))
              for d, other in OTHER_EQUAL.items()]
     table = Table(["FIX", *(f"β {beta:g}" for beta in BETAS)])
-    for name, other, job in jobs:
-        table.row(name, *(table.cell(job.result()["results"][k],
+    for name, other, one in found:
+        table.row(name, *(table.cell(one["results"][k],
                                      other[k] if arguments.levels == 8 else None, "fix")
                           for k in range(len(BETAS))))
     table.sum_up()
 
 
 def grids(run, arguments):
-    jobs = {}
-    for levels in sorted(arguments.grids, reverse=True):  # the long ones first
+    found = {}
+    for levels in sorted(arguments.grids):
         seeds = max(2, arguments.seeds // 2 ** max(0, levels - 8))
         for rule in ("fix", "lump"):
-            jobs[levels, rule] = run.start(levels, seeds, 1.55, rule=rule)
+            found[levels, rule] = run.of(levels, seeds, 1.55, rule=rule)
     table = Table(["cells", "interfaces", *(f"FIX β {b:g}" for b in BETAS),
                    *(f"LUMP β {b:g}" for b in BETAS)])
     for levels in sorted(arguments.grids):
-        done = {rule: jobs[levels, rule].result() for rule in ("fix", "lump")}
+        done = {rule: found[levels, rule] for rule in ("fix", "lump")}
         other = OTHER_GRIDS.get(levels, (None,) * 3)
         cells = [table.cell(done["fix"]["results"][k], other[k], "fix") for k in range(len(BETAS))]
         cells += [table.cell(done["lump"]["results"][k], None, "lump") for k in range(len(BETAS))]
@@ -177,7 +175,7 @@ def grids(run, arguments):
 
 
 def places(run, arguments):
-    jobs = {(d, shifts): run.start(arguments.levels, max(2, arguments.seeds // (shifts // 4 or 1)),
+    found = {(d, shifts): run.of(arguments.levels, max(2, arguments.seeds // (shifts // 4 or 1)),
                                    d, rule="fix", shifts=shifts)
             for d in arguments.dimensions for shifts in (1, 16)}
     table = Table(["FIX", "β", *(f"D {d:g}" for d in arguments.dimensions)])
@@ -185,7 +183,7 @@ def places(run, arguments):
         rows = {"one place, sd of interfaces": [], "16 places, mean": [],
                 "sd of interfaces": [], "sd of places": []}
         for d in arguments.dimensions:
-            one, many = (jobs[d, shifts].result()["results"][k] for shifts in (1, 16))
+            one, many = (found[d, shifts]["results"][k] for shifts in (1, 16))
             rows["one place, sd of interfaces"].append(f"{one['q_crit_sd']:.3f}")
             rows["16 places, mean"].append(table.cell(many, None, "fix"))
             rows["sd of interfaces"].append(f"{many['q_crit_sd']:.3f}")
@@ -218,7 +216,7 @@ def maps(run, arguments):
 
     wanted = [("fix", "elastic"), ("cons", "elastic"), ("lump", "elastic"), ("fix", "equal"),
               ("cons", "equal"), ("lump", "equal")]
-    jobs = {(rule, field, d): run.start(arguments.levels, arguments.seeds, d, rule=rule,
+    found = {(rule, field, d): run.of(arguments.levels, arguments.seeds, d, rule=rule,
                                         **({"field": field} if field == "equal" else {}))
             for d in arguments.dimensions for rule, field in wanted}
     table = Table(["rule, field", "β", *(f"D {d:g}: λ; C (of the means)" for d in
@@ -227,7 +225,7 @@ def maps(run, arguments):
         for k, beta in enumerate(BETAS):
             cells = []
             for d in arguments.dimensions:
-                done = jobs[rule, field, d].result()
+                done = found[rule, field, d]
                 r = done["results"][k]
                 cells.append(f"{number(r, 'lambda', 3)}; {number(r, 'critical_fraction', 2)} "
                              f"({mean_map(done['output'], k)})")
@@ -240,7 +238,7 @@ def read_arguments():
     parser.add_argument("--program", default=os.path.join(ROOT, "build/lacuna"))
     parser.add_argument("--seeds", type=int, default=24, help="interfaces, half for each "
                         "doubling beyond 256 cells")
-    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="runs at a time")
+    parser.add_argument("--jobs", type=int, default=min(os.cpu_count() or 1, 64), help="interfaces at a time")
     parser.add_argument("--levels", type=int, default=8, help="2^levels cells a side")
     parser.add_argument("--dimensions", nargs="+", type=float, default=DIMENSIONS, metavar="D")
     parser.add_argument("--grids", nargs="+", type=int, default=(5, 6, 7, 8, 9, 10), metavar="N")
@@ -274,8 +272,7 @@ def main():
             makers[part](run, arguments)
         if arguments.json is not None:
             with open(arguments.json, "w", encoding="utf-8") as out:
-                json.dump([{"settings": dict(key), **job.result()}
-                           for key, job in run.done.items()], out, indent=1)
+                json.dump([{"settings": dict(key), **found} for key, found in run.done.items()], out, indent=1)
 
 
 if __name__ == "__main__":

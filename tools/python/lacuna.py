@@ -557,7 +557,7 @@ def fit(case: Case, series: "str | os.PathLike[str]", overrides: Sets = None, *,
     'complete'
     """
     if options:
-        return _asked(["fit"], [case, series], overrides, {"threads": threads, **options}, decode_times)
+        return _asked(["fit"], [case, series], overrides, {"threads": threads if threads > 1 else None, **options}, decode_times)
     with _one_at_a_time, _Stop() as stop:
         read, named, error = _read(case, overrides, FOR_FIT), _Owned(_library.lac_series_free), _Error()
         _check(_library.lac_fit_series(read.handle, *_bytes(series), named.handle, error), error)
@@ -617,9 +617,10 @@ def _case_file(case: Any, folder: str, name: Any) -> "str | os.PathLike[str]":
 
 def _asked(words: Sequence[str], arguments: Sequence[Any], overrides: Sets, options: Mapping[str, Any],
            decode_times: bool = True, cases: Mapping[str, Any] = {}, journal: bool = True) -> xarray.Dataset:
-    """The dataset of a command of the program. @param journal  it keeps its work in a folder while it goes on"""
+    """The dataset of a command of the program. @param journal  it keeps its work in a folder while it goes on, which is
+    removed in the end, after Ctrl-C too, unless the option `output` names one, which `resume=True` goes on from"""
     with tempfile.TemporaryDirectory(prefix="lacuna-") as folder:
-        place = ["-o", os.path.join(folder, "result.nc")] if journal else []
+        place = ["-o", folder] if journal and not {"o", "output"} & options.keys() else []
         out = _program([*words, *_words(options), *place, "--pipe", "--no-progress"], arguments, overrides, folder, cases)
     return _piped(io.BytesIO(out), decode_times)
 
@@ -674,7 +675,8 @@ def sweep(case: Case, over: Mapping[str, Any], overrides: Sets = None, *, design
     """Runs a case many times over lists and distributions, as `lacuna sweep` does, in its pool of processes.
 
     over     {"key.path": "uniform(1 cm, 5 cm)"}, lists, ranges; a list of Python is one too
-    options  any other of the command: by="2 year", table="values.csv", series="time:50", shard="0/4"
+    options  any other of the command: by="2 year", table="values.csv", series="time:50", shard="0/4"; of a folder for
+             its work, output="work", a sweep that was stopped goes on with resume=True
 
     >>> sweep("cases/block.yaml", {"friction.aging.dc": ["4 mm", "5 mm"]}).sizes["realization"]
     2

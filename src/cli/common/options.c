@@ -93,7 +93,8 @@ const cli_option cli_options[] = {
          "what answers are of: failure_time, mean_slip ... of the file"),
     KEPT(BY, 0, "by", "TIME", sweep.by,
          "of the probability of failure: \"2 year\", a date; at most, of --of"),
-    KEPT(JOBS, 0, "jobs", "N", trade.jobs, "runs at a time (default: one a processor)"),
+    KEPT(JOBS, 0, "jobs", "N", trade.jobs,
+         "runs at a time (default: one a processor; of a fit: one)"),
     KEPT(ACCURACY, 0, "accuracy", "ERROR", accuracy, "to keep: 1%; pilot runs pick the settings"),
     KEPT(STATE, 0, "state", "DIR", watch_state, "where to keep what a restart needs"),
     KEPT(VIEW, 0, "view", "[PORT]", view, "its page while it runs, on 127.0.0.1"),
@@ -374,5 +375,6 @@ void cli_request_clear(cli_request *request)
     }
     free((void *)request->files.word);
     free(request->command_line);
+    free(request->work);
     *request = (cli_request){0};
 }

@@ -126,6 +126,7 @@ struct cli_request {
     cli_trade_words trade;
     int threads;             ///< 0: not given
     int pipe;                ///< where --pipe writes to; 0: not given
+    char *work;              ///< owned: `output` with --pipe; NULL
     size_t set_count;        ///< --set, in order
     lac_override *overrides; ///< [set_count]; keys owned, values borrowed from argv
     cli_words variables;     ///< --variable

@@ -2,8 +2,10 @@
 // --pipe: a dataset on standard output with all that its file would say of it, for programs; what
 // else the command would print is dropped. docs/format.md.
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/temp_file.h"
 #include "cli/common/output.h"
 #include "data/dataset.h"
 #include "data/json.h"
@@ -14,8 +16,26 @@ typedef struct line {
     bool numbers; // they follow the line
 } line;
 
+// No file is written: -o is a folder, and what a command keeps while it works is kept in there.
+static lac_status place_work(cli_request *request, lac_error *err)
+{
+    struct stat info;
+    if (request->output == NULL) {
+        return LAC_OK;
+    }
+    LAC_FAIL_IF(stat(request->output, &info) != 0 || !S_ISDIR(info.st_mode), err, LAC_EINPUT,
+                "--pipe: writes no file, so -o must be a folder, for what is kept meanwhile: %s is "
+                "none",
+                request->output);
+    request->work = lac_text_join(request->output, "/", "result.nc");
+    LAC_FAIL_MEMORY_IF(request->work == NULL, err);
+    request->output = request->work;
+    return LAC_OK;
+}
+
 lac_status cli_pipe_open(cli_request *request, lac_error *err)
 {
+    LAC_TRY_RETURN(place_work(request, err));
     const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
     request->pipe = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
     const bool good = nowhere >= 0 && request->pipe >= 0 && dup2(nowhere, STDOUT_FILENO) >= 0;

@@ -310,3 +310,12 @@ lac_status cli_pool_jobs(const char *text, int *jobs, lac_error *err)
     *jobs = (int)(n < 1 ? 1 : n > CLI_POOL_JOBS ? CLI_POOL_JOBS : n);
     return LAC_OK;
 }
+
+lac_status cli_pool_threads(const cli_request *request, int *threads, lac_error *err)
+{
+    const char *jobs = request->trade.jobs;
+    LAC_FAIL_IF(jobs != NULL && request->threads > 0, err, LAC_EINPUT,
+                "--jobs: is the same as --threads here: give one of them");
+    *threads = request->threads > 0 ? request->threads : 1;
+    return jobs != NULL ? cli_pool_jobs(jobs, threads, err) : LAC_OK;
+}

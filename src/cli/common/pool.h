@@ -58,5 +58,11 @@ lac_status cli_pool_run(cli_pool *ask, lac_error *err);
 /// @return LAC_OK; LAC_EINPUT
 lac_status cli_pool_jobs(const char *text, int *jobs, lac_error *err);
 
+/// Threads of a command whose tasks wait for one another too often for processes: of --jobs, else
+/// of
+/// --threads, else one.
+/// @return LAC_OK; LAC_EINPUT
+lac_status cli_pool_threads(const cli_request *request, int *threads, lac_error *err);
+
 /// How a task ended that did not answer: "ended by signal 9: Killed".
 void cli_pool_reason(const cli_pool_end *end, char *text, size_t room);

@@ -33,14 +33,15 @@ const cli_command cli_commands[] = {
     {"precursors", "RUN.nc|SERIES.csv", "indicators and forecasts of the time of failure", "",
      "lacuna precursors series.csv --displacement disp:mm --rolling", 1, 1,
      CLI_OPT_WRITES | CLI_OPT_RESUME | CLI_OPT_UNTIL | CLI_OPT_SERIES | CLI_OPT_FORECAST |
-         CLI_OPT_DRIVER | CLI_OPT_LINES | CLI_OPT_SET | CLI_OPT_PIPE,
+         CLI_OPT_DRIVER | CLI_OPT_LINES | CLI_OPT_SET | CLI_OPT_JOBS | CLI_OPT_PIPE,
      cli_precursors},
     {"fit", "CASE SERIES", "fit a case's parameters to a monitoring series",
      "The case's section fit says what is estimated, from which columns unless options name them. "
      "Writes the draws, the predicted series and the times of failure to -o FILE, else CASE-fit.nc "
      "in this folder, and the fitted case beside it as FILE.yaml. -v prints every correlation.\n",
      "lacuna fit cases/fit/century.yaml cases/data/century_prism_31-2008.csv", 2, 2,
-     CLI_OPT_WRITES | CLI_OPT_PIPE | CLI_OPT_RESUME | CLI_OPT_SET | CLI_OPT_SERIES, cli_fit},
+     CLI_OPT_WRITES | CLI_OPT_PIPE | CLI_OPT_RESUME | CLI_OPT_SET | CLI_OPT_JOBS | CLI_OPT_SERIES,
+     cli_fit},
     {"trade", "CASE", "error against cost, and the settings to choose",
      "Runs the case at other settings, each in a process of its own, and lays error against CPU "
      "time. Dials: rtol, method, formulation; where named fidelity, levels, transfer, planning, "

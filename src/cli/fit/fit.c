@@ -6,7 +6,7 @@
 #include "base/temp_file.h"
 #include "cli/common/command.h"
 #include "cli/common/output.h"
-#include "cli/common/progress.h"
+#include "cli/common/pool.h"
 #include "cli/common/words.h"
 #include "cli/precursors/series.h"
 #include "cli/report/report.h"
@@ -105,7 +105,7 @@ static lac_status open_kept(fit_job *job, bool resume, lac_error *err)
 
 static lac_status prepare(fit_job *job, lac_error *err)
 {
-    const int threads = job->request.threads > 0 ? job->request.threads : 1;
+    int threads;
     lac_status status;
     lac_case_issues report = {0};
     const cli_request *request = &job->request;
@@ -113,6 +113,7 @@ static lac_status prepare(fit_job *job, lac_error *err)
     if (resume) { // what goes on is in the steps kept; the output may hold those up to an interrupt
         job->request.given = (job->request.given & ~(unsigned)CLI_OPT_RESUME) | CLI_OPT_FORCE;
     }
+    LAC_TRY(cli_pool_threads(request, &threads, err));
     LAC_TRY(set_columns(job, err));
     LAC_TRY(cli_case_read(request, LAC_FOR_FIT, &job->source, NULL, err));
     LAC_TRY(cli_output_path(request, job->source, NULL, "-fit.nc", &job->path, err));
@@ -403,7 +404,7 @@ static lac_status put_out(fit_job *job, lac_status computed, lac_error *err)
     lac_status status;
     LAC_TRY(lac_fit_describe(&outcome, &dataset, err));
     LAC_TRY(cli_store_dataset(request, source, source->fit.seed, job->path, dataset, err));
-    LAC_TRY(write_case(job, err));
+    LAC_TRY(request->pipe == 0 ? write_case(job, err) : LAC_OK);
     if (cli_given(request, CLI_OPT_JSON)) {
         print_json(job, dataset, wall_time);
     } else {

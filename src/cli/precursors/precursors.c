@@ -8,7 +8,7 @@
 #include "base/temp_file.h"
 #include "cli/common/command.h"
 #include "cli/common/output.h"
-#include "cli/common/progress.h"
+#include "cli/common/pool.h"
 #include "cli/report/report.h"
 #include "fit/model_forecast.h"
 #include "store/store_file.h"
@@ -132,6 +132,10 @@ static lac_status read_case(precursors_job *job, lac_error *err)
 {
     cli_request of_case = *job->request;
     const char *path = of_case.argument[0] = of_case.forecast.case_file;
+    int threads;
+    LAC_TRY_RETURN(cli_pool_threads(&of_case, &threads, err));
+    LAC_FAIL_IF(path == NULL && of_case.trade.jobs != NULL, err, LAC_EINPUT,
+                "--jobs: is of the fits of a case: --case names one");
     if (path == NULL) {
         return of_case.set_count == 0
                    ? LAC_OK
@@ -139,9 +143,8 @@ static lac_status read_case(precursors_job *job, lac_error *err)
     }
     const lac_status status = cli_case_read(&of_case, LAC_FOR_FIT, &job->source, NULL, err);
     job->watch.interrupted = cli_signals_stop;
-    job->how = (lac_model_forecast){.source = job->source,
-                                    .threads = of_case.threads > 0 ? of_case.threads : 1,
-                                    .watch = &job->watch};
+    job->how =
+        (lac_model_forecast){.source = job->source, .threads = threads, .watch = &job->watch};
     job->model = lac_model_forecast_method(&job->how);
     return status;
 }

@@ -32,10 +32,10 @@ static void print_chance(const lac_answers *a)
     if (a->plain && !a->of_chance) {
         return; // nobody asked how likely
     }
-    cli_row(a->plain ? "at most" : "fails", "%s%s in %s %% (%s to %s %%) of %zu members",
+    cli_row(a->plain ? "at most" : "fails", "%s%s in %s %% (%s to %s %%) of %zu member%s",
             a->plain ? "" : "within ", amount(c->by, a->unit).s,
-            isnan(c->share) ? "?" : percent(c->share).s, percent(c->low).s, percent(c->high).s,
-            all);
+            isnan(c->share) ? "?" : percent(c->share).s, percent(c->low).s, percent(c->high).s, all,
+            all == 1 ? "" : "s");
     if (c->unknown > 0) {
         cli_row("", "%zu ended before without failure: the interval holds both", c->unknown);
     }
@@ -44,6 +44,7 @@ static void print_chance(const lac_answers *a)
 static void print_quantiles(const lac_answers *a)
 {
     static const char *const label[] = {"5 % fail within", "25 %", "50 %", "75 %", "95 %"};
+    bool open = false;
     for (size_t q = 0; q < LAC_ANSWERS_QUANTILES && a->counted > 0; q++) {
         const lac_quantile_answer *one = &a->quantile[q];
         const char *name = q == 0 && a->plain ? "5 % are below" : label[q];
@@ -53,6 +54,10 @@ static void print_quantiles(const lac_answers *a)
         }
         cli_row(name, "%-12s (%s to %s)", amount(one->value, a->unit).s,
                 amount(one->low, a->unit).s, amount(one->high, a->unit).s);
+        open = open || isnan(one->low) || isnan(one->high);
+    }
+    if (open) {
+        cli_row("", "?: so few members leave that end of the interval open");
     }
 }
 
@@ -78,9 +83,11 @@ static void print_influences(const lac_answers *a)
     if (a->params == 0 || a->counted == 0) {
         return;
     }
-    if (isnan(first->first)) {
+    if (isnan(first->first)) { // what is known stands before what is not
         cli_row("what decides", "not known: %s",
-                a->rows < 2 ? "too few members" : "it is the same in all members");
+                a->rows < 2 ? "too few members"
+                : a->alike  ? "it is the same in all members"
+                            : "too few members of like values to compare");
         return;
     }
     cli_row("what decides", "part of the variance of %s, alone%s",

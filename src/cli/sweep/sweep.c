@@ -92,7 +92,6 @@ static lac_status read_number(const char *option, const char *text, uint64_t mos
 static lac_status plan(const cli_request *request, lac_sweep **out, lac_error *err)
 {
     lac_case *c = NULL;
-    char *files = NULL;
     uint64_t members = 0, seed = 1;
     double end = NAN;
     lac_status status;
@@ -102,8 +101,6 @@ static lac_status plan(const cli_request *request, lac_sweep **out, lac_error *e
     LAC_TRY(read_number("--seed", request->sweep.seed, UINT64_MAX - 1, &seed, err));
     LAC_TRY(cli_case_read(request, LAC_FOR_RUN, &c, NULL, err)); // says what it warns of
     LAC_TRY(cli_until(request, c, &end, err));
-    files = cli_inputs_sums(c);
-    LAC_TRY(files == NULL ? lac_fail_memory(err) : LAC_OK);
     const lac_sweep_request ask = {.path = request->argument[0],
                                    .overrides = request->overrides,
                                    .count = request->set_count,
@@ -115,10 +112,9 @@ static lac_status plan(const cli_request *request, lac_sweep **out, lac_error *e
                                    .members = (int64_t)members,
                                    .seed = seed,
                                    .until = request->until != NULL ? end : NAN,
-                                   .files = files};
+                                   .files = cli_inputs_sums};
     LAC_TRY(lac_sweep_create(&ask, out, err));
 out:
-    free(files);
     lac_case_free(c);
     return status;
 }
