@@ -73,6 +73,17 @@ static inline double lac_problem_most(const lac_problem *problem, double most)
     return lac_team_most(problem->range.team, most);
 }
 
+// What the first of all cells has.
+static inline double lac_problem_first(const lac_problem *problem, const double *x)
+{
+    const lac_team *team = problem->range.team;
+    double first = lac_team_leads(team) ? x[0] : 0.0;
+    if (team != NULL) {
+        team->hand_out(team, &first, sizeof first);
+    }
+    return first;
+}
+
 // All cells.
 static inline double lac_problem_all(const lac_problem *problem)
 {

@@ -269,9 +269,9 @@ static double pressed(const lac_problem *problem, double t, double base, double 
     if (problem->varies) {
         double *normal = shares + 2 * problem->n; // where a jump would need it
         lac_load_evaluate_normal(loads, t, &now, normal, normal + problem->n);
-        now.normal = normal[0];
+        now.normal = lac_problem_first(problem, normal);
         lac_range_sums(&problem->range, 2, add_carried,
-                       &(carried){problem, normal, normal, normal[0]}, off);
+                       &(carried){problem, normal, normal, now.normal}, off);
     }
     return base + (now.normal + off[0] / problem->sum_pressure) / problem->mean_pressure;
 }
@@ -392,7 +392,7 @@ static bool shares_jump(const lac_problem *problem, const lac_problem_loads_at *
         double moved = fabs(after->shares[i] - before->shares[i]);
         jumps = jumps || moved > slack * fabs(before->share_rates[i]);
     }
-    return jumps;
+    return lac_team_any(problem->range.team, jumps);
 }
 
 bool lac_problem_jump(const lac_problem *problem, double t, double *y, double *work)

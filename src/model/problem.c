@@ -32,9 +32,6 @@ static lac_status take_part(lac_problem *problem, lac_error *err)
     if (range->team == NULL) {
         return LAC_OK;
     }
-    LAC_FAIL_IF(problem->varies, err, LAC_EINPUT,
-                "a load that differs from cell to cell is not shared by ranks: run this case on "
-                "one, with lacuna");
     uint32_t *cell = malloc((range->n + 1) * sizeof *cell);
     LAC_FAIL_MEMORY_IF(cell == NULL, err);
     for (size_t i = 0; i < range->n; i++) {
@@ -49,6 +46,12 @@ static lac_status take_part(lac_problem *problem, lac_error *err)
     }
     if (problem->loads.shape != NULL) {
         problem->loads.shape += range->first;
+    }
+    if (status == LAC_OK && problem->varies) {
+        lac_load_places places = problem->loads.places;
+        places.index += range->first;
+        places.n = range->n;
+        status = lac_load_set_place(&problem->loads, &places, err);
     }
     return status;
 }
@@ -298,6 +301,7 @@ double lac_problem_longest_step(const lac_problem *problem, double t)
 typedef struct share_field {
     const lac_problem *problem;
     const double *shares; // [n], then their rates
+    double share, rate;   // of the first cell
 } share_field;
 
 // What cells have left of their pressures and its rates, by the forces that they carry.
@@ -308,8 +312,8 @@ static void add_shares(const void *context, size_t first, size_t end, double *su
     const double *shares = f->shares, *rates = shares + problem->n;
     for (size_t i = first; i < end; i++) {
         const double force = lac_problem_weight(problem, i) * problem->pressure[i];
-        sums[0] += force * (shares[i] - shares[0]);
-        sums[1] += force * (rates[i] - rates[0]);
+        sums[0] += force * (shares[i] - f->share);
+        sums[1] += force * (rates[i] - f->rate);
     }
 }
 
@@ -331,9 +335,13 @@ static bool find_shares(const lac_problem *problem, double t, const lac_load_sta
         drive->least = fmin(drive->least, shares[i]);
         good = good && shares[i] > 0.0 && isfinite(shares[i]) && isfinite(rates[i]);
     }
-    lac_range_sums(&problem->range, 2, add_shares, &(share_field){problem, shares}, off);
-    drive->share = shares[0] + off[0] / problem->sum_pressure;
-    drive->share_rate = rates[0] + off[1] / problem->sum_pressure;
+    drive->least = lac_team_least(problem->range.team, drive->least);
+    good = lac_problem_agree(problem, good);
+    const share_field field = {problem, shares, lac_problem_first(problem, shares),
+                               lac_problem_first(problem, rates)};
+    lac_range_sums(&problem->range, 2, add_shares, &field, off);
+    drive->share = field.share + off[0] / problem->sum_pressure;
+    drive->share_rate = field.rate + off[1] / problem->sum_pressure;
     drive->shares = shares;
     drive->share_rates = rates;
     return good;
