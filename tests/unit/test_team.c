@@ -61,7 +61,7 @@ static void make(joint *j)
     static double pressure[SIDE * SIDE];
     const lac_grid grid = {.nx = SIDE, .ny = SIDE, .dx = 1.0, .dy = 1.0};
     for (size_t i = 0; i < SIDE * SIDE; i++) { // gaps of all sizes
-        const bool gap = uniform(i / 977, 3) < 0.4;
+        const bool gap = uniform(i / 977, 3) < 0.3;
         pressure[i] = !gap && uniform(i, 1) < 0.7 ? 1e6 : 0.0;
     }
     assert_int_equal(lac_domain_create(&grid, pressure, &j->domain, NULL), LAC_OK);
@@ -150,38 +150,72 @@ static answer answer_of(const joint *j, int ranks)
     return out;
 }
 
-// Also where the pivot of a cell is none.
+// All numbers of ranks. @return whether there is a solution
+static bool compare(const joint *j)
+{
+    const size_t n = j->domain->n;
+    const answer one = answer_of(j, 0);
+    for (int ranks = 1; ranks <= MOST_RANKS; ranks++) {
+        const answer many = answer_of(j, ranks);
+        assert_true(many.good == one.good);
+        assert_memory_equal(&many.sum, &one.sum, sizeof one.sum);
+        assert_memory_equal(many.force, one.force, n * sizeof(double));
+        if (one.good) {
+            assert_memory_equal(many.solution, one.solution, n * sizeof(double));
+        }
+        free(many.force);
+    }
+    free(one.force);
+    return one.good;
+}
+
 static void ranks_give_the_bits_of_one(void **state)
 {
     (void)state;
     joint j;
     make(&j);
+    assert_true(compare(&j));
+    clear(&j);
+}
+
+// One cell whose pivot is none is known to all.
+static void ranks_refuse_together(void **state)
+{
+    (void)state;
+    joint j;
+    make(&j);
+    const size_t n = j.domain->n, bad[] = {0, n / 2, n - 1};
     int refused = 0;
-    const size_t n = j.domain->n, bad[] = {SIZE_MAX, 0, n / 2, n - 1};
     for (size_t b = 0; b < sizeof bad / sizeof *bad; b++) {
-        const double before = bad[b] < n ? j.diagonal[bad[b]] : 0.0;
-        if (bad[b] < n) {
-            j.diagonal[bad[b]] = -1e9;
-        }
-        const answer one = answer_of(&j, 0);
-        refused += one.good ? 0 : 1;
-        assert_true(one.good || bad[b] != SIZE_MAX);
-        for (int ranks = 1; ranks <= MOST_RANKS; ranks++) {
-            const answer many = answer_of(&j, ranks);
-            assert_true(many.good == one.good);
-            assert_memory_equal(&many.sum, &one.sum, sizeof one.sum);
-            assert_memory_equal(many.force, one.force, n * sizeof(double));
-            if (one.good) {
-                assert_memory_equal(many.solution, one.solution, n * sizeof(double));
-            }
-            free(many.force);
-        }
-        free(one.force);
-        if (bad[b] < n) {
-            j.diagonal[bad[b]] = before;
-        }
+        const double before = j.diagonal[bad[b]];
+        j.diagonal[bad[b]] = -1e9;
+        refused += compare(&j) ? 0 : 1;
+        j.diagonal[bad[b]] = before;
     }
     assert_true(refused > 0);
+    clear(&j);
+}
+
+// Where the part of a block that a rank has could not stand alone, the whole block can.
+static void borders_cut_what_holds_together(void **state)
+{
+    (void)state;
+    joint j;
+    make(&j);
+    const uint32_t *first = lac_hierarchy_offsets(j.whole, 1);
+    int cut = 0;
+    for (size_t b = 0; b < lac_hierarchy_blocks(j.whole, 1); b++) {
+        const size_t border = (first[b + 1] - 1) / LAC_RANGE_BLOCK_LEAST * LAC_RANGE_BLOCK_LEAST;
+        if (first[b] < border) {
+            cut++;
+            j.diagonal[border] = -0.6e6;
+            for (size_t i = first[b]; i < border; i++) {
+                j.diagonal[i] = 1.0;
+            }
+        }
+    }
+    assert_true(cut > 0);
+    assert_true(compare(&j));
     clear(&j);
 }
 
@@ -210,6 +244,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(ranks_give_the_bits_of_one),
+        cmocka_unit_test(ranks_refuse_together),
+        cmocka_unit_test(borders_cut_what_holds_together),
         cmocka_unit_test(blocks_are_shared_whole),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
