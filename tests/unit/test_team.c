@@ -20,7 +20,8 @@ static void join(const lac_team *team, uint64_t *words, size_t n)
 {
     meeting *at = team->context;
     assert_true(n <= WORDS);
-    if (pthread_barrier_wait(&at->all) == PTHREAD_BARRIER_SERIAL_THREAD) {
+    (void)pthread_barrier_wait(&at->all);
+    if (team->rank == 0) {
         memset(at->words, 0, n * sizeof *words);
     }
     (void)pthread_barrier_wait(&at->all);

@@ -6,6 +6,11 @@
 
 #include "cli/team/team.h"
 
+typedef struct ranks {
+    lac_team team;
+    int aside; // standard error, where it is still heard
+} ranks;
+
 enum { PIECE = 1 << 28 }; // of what MPI counts in an int
 
 static void join(const lac_team *team, uint64_t *words, size_t n)
@@ -53,24 +58,25 @@ static void hand_out(const lac_team *team, void *bytes, size_t size)
 
 // What is said and shown is the same on all ranks: once is enough.
 // @return where it still can be heard
-static void *be_silent(void)
+static int be_silent(void)
 {
     const int aside = dup(STDERR_FILENO), nowhere = open("/dev/null", O_WRONLY);
     (void)dup2(nowhere, STDOUT_FILENO);
     (void)dup2(nowhere, STDERR_FILENO);
     (void)close(nowhere);
-    return (void *)(intptr_t)aside;
+    return aside;
 }
 
 lac_status cli_team_join(lac_team **out, lac_error *err)
 {
     lac_team team = {.join = join, .gather = gather, .hand_out = hand_out};
+    int aside = STDERR_FILENO;
     *out = NULL;
     (void)MPI_Init(NULL, NULL);
     (void)MPI_Comm_rank(MPI_COMM_WORLD, &team.rank);
     (void)MPI_Comm_size(MPI_COMM_WORLD, &team.ranks);
     if (team.rank > 0) {
-        team.context = be_silent();
+        aside = be_silent();
     }
     LAC_FAIL_IF(team.ranks > LAC_TEAM_MOST, err, LAC_EINPUT,
                 "lacuna-mpi: %d ranks: at most %d can share the cells of a case", team.ranks,
@@ -78,9 +84,11 @@ lac_status cli_team_join(lac_team **out, lac_error *err)
     if (team.ranks == 1) {
         return LAC_OK;
     }
-    *out = malloc(sizeof team);
-    LAC_FAIL_MEMORY_IF(*out == NULL, err);
-    **out = team;
+    ranks *all = malloc(sizeof *all);
+    LAC_FAIL_MEMORY_IF(all == NULL, err);
+    *all = (ranks){team, aside};
+    all->team.context = all;
+    *out = &all->team;
     return LAC_OK;
 }
 
@@ -92,10 +100,10 @@ void cli_team_leave(lac_team *team, lac_status status, const lac_error *err, int
         return;
     }
     if (team != NULL && !team->over && status == LAC_ENOMEM) {
-        const int aside = team->rank > 0 ? (int)(intptr_t)team->context : STDERR_FILENO;
-        (void)dprintf(aside, "lacuna-mpi: rank %d: %s\n", team->rank, err->message);
+        (void)dprintf(((const ranks *)team->context)->aside, "lacuna-mpi: rank %d: %s\n",
+                      team->rank, err->message);
         (void)MPI_Abort(MPI_COMM_WORLD, exit_status);
     }
     (void)MPI_Finalize();
-    free(team);
+    free(team != NULL ? team->context : NULL);
 }
