@@ -75,6 +75,8 @@ endfunction()
 if(LACUNA_SANITIZE)
   set(test_loads_over_joint_files -k Refusals -k Uniform)
   set(test_geometry_files -k Refused -k Plane)
+  set(test_accuracy_files -k kept -k checkpoints -k break -k signal)
+  set(test_fidelity_files -k Rule -k regularised)
 endif()
 
 # The small cases of one model each show what their first lines say.

@@ -24,6 +24,7 @@ enum {
     LAC_OPTIONAL = 1,  ///< may be absent without a default: NaN, INT64_MIN, -1 or NULL then
     LAC_ABOVE_MIN = 2, ///< `min` itself is excluded (a strictly positive quantity)
     LAC_CELLWISE = 4,  ///< may vary from cell to cell (`spread`)
+    LAC_OPEN = 16,     ///< an optional whole number that the word auto leaves open too
     LAC_TELLS = 8,     ///< a choice that gives other parameters their values where a case does not
 };
 

@@ -167,14 +167,15 @@ static lac_async_span span_to(const lac_async *m, const lac_async_cell *c,
 {
     double outer = view->outer;
     double self = m->tree.node[c->parent].self;
+    double shown = c->slip + c->ahead;
     double h = t - c->t;
     double even = 0.5 * (c->outer + outer);
     double damped = own_drag(m, c) * c->told;
     bool told_apart = h > 1e-9 * (m->age + t);
     return (lac_async_span){.length = h,
                             .skew = told_apart ? (view->area - c->area) / h - even : 0.0,
-                            .pull0 = traction_at(m, c, c->t) + c->outer - self * c->slip + damped,
-                            .pull1 = traction_at(m, c, t) + outer - self * (c->slip + c->told * h) +
+                            .pull0 = traction_at(m, c, c->t) + c->outer - self * shown + damped,
+                            .pull1 = traction_at(m, c, t) + outer - self * (shown + c->told * h) +
                                      damped,
                             .pressure0 = pressure_at(c, c->t),
                             .pressure1 = pressure_at(c, t),
@@ -208,7 +209,7 @@ void lac_async_start(lac_async *m, const lac_async_load *load, const double *tra
         c->w = state->log_state[i];
         c->v = c->told = exp(c->u);
         c->slip = state->slip[i];
-        c->t = c->pending = 0.0;
+        c->t = c->pending = c->ahead = 0.0;
         c->z = 0.1 * m->rules.tolerance;
         c->reach = INFINITY;
         m->peak = fmax(m->peak, c->v);
@@ -223,7 +224,7 @@ void lac_async_start(lac_async *m, const lac_async_load *load, const double *tra
         plan(m, c, view.rate - self * c->v, self);
     }
     lac_async_tree_fill(tree);
-    for (uint32_t i = 0; m->drag != 0.0 && i < tree->n; i++) {
+    for (uint32_t i = 0; i < tree->n; i++) {
         tree->cell[i].outer = view_of(m, &tree->cell[i], 0.0).outer;
     }
     lac_async_tree_propagate(tree, 0.0);
@@ -237,12 +238,11 @@ static lac_status update(lac_async *m, uint32_t i, double t, lac_error *err)
     lac_async_view view = view_of(m, c, t);
     double self = tree->node[c->parent].self;
     const lac_async_span span = span_to(m, c, &view, t);
-    double told = c->slip + c->told * span.length;
+    double told = c->slip + c->ahead + c->told * span.length;
     double rate = c->told;
     if (!lac_async_cell_advance(&m->rules, &span, c, &m->counts.steps)) {
         return cannot(m, i, t, err);
     }
-    double jump = c->slip - told;
     bool woken = c->pending > LAC_ASYNC_WAKES * c->high || c->pending < LAC_ASYNC_WAKES * c->low;
     m->counts.updates++;
     m->counts.wakings += woken;
@@ -250,10 +250,11 @@ static lac_status update(lac_async *m, uint32_t i, double t, lac_error *err)
     m->peak = fmax(m->peak, c->v);
     c->t = t;
     c->area = view.area;
-    c->outer = view.outer + self * jump;
     c->reach =
         woken ? fmax(4.0 * span.length, 0.01 * m->rules.tolerance * c->dc / c->v) : 4.0 * c->reach;
     plan(m, c, view.rate - self * rate, self);
+    double jump = c->slip + c->ahead - told;
+    c->outer = view.outer + self * jump;
     // What the cell's own rate does to E wakes others, not the cell; blocks hand it down as of the
     // mean cell.
     double eased = rate - c->told;

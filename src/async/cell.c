@@ -40,13 +40,13 @@ static double evolution(const lac_async_rules *rules, const lac_async_cell *c)
 typedef struct start {
     lac_lone_step lone;
     double v, slip;
-    double skew; // of the slip, where what acts from outside does not change evenly
 } start;
 
 // The end of a step at rho = ln(v1/v0), and derivatives by rho.
 typedef struct finish {
     double v, slip, dslip; // slip of the step alone [m]
     double w, dw;
+    double slope; // of the balance by rho [Pa]
 } finish;
 
 static finish finish_at(const lac_async_rules *rules, const lac_async_cell *c, start *s, double rho)
@@ -54,7 +54,8 @@ static finish finish_at(const lac_async_rules *rules, const lac_async_cell *c, s
     double em = expm1(-rho);
     double phi = lac_phi(rho, em);
     double g = -lac_phi_slope(rho, em, phi) / phi;
-    finish end = {.v = s->v / (1.0 + em), .slip = s->skew * s->lone.length * s->v / phi};
+    finish end = {.v = s->v / (1.0 + em),
+                  .slip = (1.0 + s->lone.uneven) * s->lone.length * s->v / phi};
     end.dslip = end.slip * g;
     s->lone.rho = rho;
     s->lone.em = em;
@@ -77,6 +78,7 @@ static bool balance(const lac_async_rules *rules, const lac_async_cell *c, start
             at->pressure1 * f.f + c->damping * end->v - at->pull1 + at->own * (s->slip + end->slip);
         double slope =
             at->pressure1 * (f.f_u + f.f_w * end->dw) + c->damping * end->v + at->own * end->dslip;
+        end->slope = slope;
         if (!(slope > 0.0) || !isfinite(off)) {
             return false;
         }
@@ -128,26 +130,30 @@ static double attempt(const lac_async_rules *rules, const lac_async_cell *c,
                                  .pressure_rate = (at->pressure1 - at->pressure0) / at->length,
                                  .own = at->own};
     double direct = c->a * at->pressure1 + c->damping * c->v;
-    start s = {.lone = {.length = at->length, .u = c->u, .w = c->w, .ln_dc = c->ln_dc},
+    start s = {.lone = {.length = at->length,
+                        .u = c->u,
+                        .w = c->w,
+                        .ln_dc = c->ln_dc,
+                        .uneven = fmin(fmax(at->skew / direct, -0.5), 1.0)},
                .v = c->v,
-               .slip = c->slip,
-               .skew = fmin(fmax(1.0 + at->skew / direct, 0.5), 2.0)};
+               .slip = c->slip};
     double outside;
     double rise = rise_of(rules, c, &push, &outside);
     *rho = foreseen(rise, at->length);
-    double expected = s.skew * s.lone.length * s.v / lac_phi(*rho, expm1(-*rho));
+    double expected = (1.0 + s.lone.uneven) * s.lone.length * s.v / lac_phi(*rho, expm1(-*rho));
     if (!balance(rules, c, &s, at, rho, end)) {
         return INFINITY;
     }
     // ln v bends: it is rho at the end, where its slope at the start would have led elsewhere.
     double bend = *rho - rise / s.v * end->slip;
-    s.skew *= 1.0 - fmin(fmax(bend, -1.0), 1.0) / 6.0;
+    s.lone.uneven -= (1.0 + s.lone.uneven) * fmin(fmax(bend, -1.0), 1.0) / 6.0;
     double first = end->slip;
     if (!balance(rules, c, &s, at, rho, end)) {
         return INFINITY;
     }
     double z = end->slip / c->dc;
-    double off = fabs(first - expected) / c->dc;
+    // The balance answers by its slope, which weakening over many dc takes down.
+    double off = fabs(first - expected) / c->dc * direct / end->slope;
     return off * gain(c, at->own, at->pressure1, z) / rules->tolerance;
 }
 
@@ -249,6 +255,13 @@ static double time_to_let_go(const lac_async_rules *rules, const lac_async_cell 
                                  : INFINITY;
 }
 
+// Mean over a step of the slip of v = v0/(1 - c t), less that of a line between its ends; over its
+// slip.
+static double chord_gap(double rho)
+{
+    return fabs(rho) < 1e-3 ? -rho / 12.0 : (1.0 - 0.5 * rho / tanh(0.5 * rho)) / rho;
+}
+
 double lac_async_cell_plan(const lac_async_rules *rules, const lac_async_push *push,
                            lac_async_cell *c)
 {
@@ -264,6 +277,8 @@ double lac_async_cell_plan(const lac_async_rules *rules, const lac_async_push *p
     h = fmin(h, fmin(c->reach, time_to_let_go(rules, c, push)));
     double rho = foreseen(rise, h);
     c->told = isfinite(h) ? c->v / lac_phi(rho, expm1(-rho)) : c->v;
+    // Half of it: whom the news itself wakes looks at the line's end, where it is right.
+    c->ahead = isfinite(h) ? 0.5 * c->told * h * chord_gap(rho) : 0.0;
     double direct = c->a * push->pressure + c->damping * c->v;
     double z = slip_under(outside, c->v, h) / c->dc;
     double allowed = rules->wake * small;

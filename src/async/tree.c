@@ -273,7 +273,8 @@ void lac_async_tree_fill(lac_async_tree *tree)
         for (uint32_t k = node->first; k < node->first + node->children; k++) {
             uint32_t item = tree->child[k];
             bool leaf = item < tree->n;
-            node->sum += leaf ? tree->cell[item].slip : node_of(tree, item)->sum;
+            node->sum +=
+                leaf ? tree->cell[item].slip + tree->cell[item].ahead : node_of(tree, item)->sum;
             node->rate += leaf ? tree->cell[item].told : node_of(tree, item)->rate;
         }
         node->opened = mean_at(node, 0.0);

@@ -14,6 +14,7 @@ typedef struct lac_async_cell {
     double t;                         // time of the state [s]
     double u, w, v, slip;             // ln v, ln theta, v [m/s], slip [m]
     double told;                      // rate that the others are told from t on [m/s]
+    double ahead;                     // slip that they are told at t, less its own [m]
     double outer, area;               // E of its parent at t, and its integral over time
     double z;                         // slip over dc that a step may take
     double reach;                     // longest step, where waking cut the last one short [s]

@@ -8,10 +8,11 @@
 // Sums of the functions over the groups, row by row, reduced so that some columns are unit vectors.
 typedef struct tableau {
     size_t rows, columns;
+    double least;   // below which a row has nothing that those before it have not
     double *a;      // [rows][columns]
+    double *weight; // [columns]; 0: the group is gone
+    double *room;   // [rows]
     size_t *basis;  // [rows] column of each row's unit; SIZE_MAX: the row has vanished
-    double *weight; // [columns]
-    bool *gone;     // [columns] its weight is 0
 } tableau;
 
 // Makes column q the unit vector of row p.
@@ -34,28 +35,27 @@ static void pivot(tableau *t, size_t p, size_t q)
     t->basis[p] = q;
 }
 
+static size_t largest(const tableau *t, size_t row)
+{
+    const double *a = t->a + row * t->columns;
+    size_t best = 0;
+    for (size_t j = 1; j < t->columns; j++) {
+        best = fabs(a[j]) > fabs(a[best]) ? j : best;
+    }
+    return best;
+}
+
 // A row whose functions depend on those before it has nothing left but rounding.
 static void find_basis(tableau *t)
 {
     const double rounding = 1e-11;
     for (size_t i = 0; i < t->rows; i++) {
-        double largest = 0.0;
-        double *row = t->a + i * t->columns;
-        for (size_t j = 0; j < t->columns; j++) {
-            largest = fmax(largest, fabs(row[j]));
-        }
-        for (size_t j = 0; largest > 0.0 && j < t->columns; j++) {
-            row[j] /= largest;
-        }
+        t->room[i] = fmax(t->least, rounding * fabs(t->a[i * t->columns + largest(t, i)]));
+        t->basis[i] = SIZE_MAX;
     }
     for (size_t i = 0; i < t->rows; i++) {
-        size_t best = 0;
-        double *row = t->a + i * t->columns;
-        for (size_t j = 1; j < t->columns; j++) {
-            best = fabs(row[j]) > fabs(row[best]) ? j : best;
-        }
-        t->basis[i] = SIZE_MAX;
-        if (fabs(row[best]) > rounding) {
+        const size_t best = largest(t, i);
+        if (fabs(t->a[i * t->columns + best]) > t->room[i]) {
             pivot(t, i, best);
         }
     }
@@ -74,26 +74,24 @@ static void remove_one(tableau *t, size_t q)
             most = t->weight[t->basis[i]] / z;
         }
     }
-    t->weight[q] -= most;
+    t->weight[q] = leaves != SIZE_MAX ? t->weight[q] - most : 0.0;
     for (size_t i = 0; i < t->rows; i++) {
         if (t->basis[i] != SIZE_MAX) {
             double *w = &t->weight[t->basis[i]];
             *w = fmax(0.0, *w + most * t->a[i * t->columns + q]);
         }
     }
-    if (leaves == SIZE_MAX) {
-        t->gone[q] = true;
-        return;
+    if (leaves != SIZE_MAX) {
+        t->weight[t->basis[leaves]] = 0.0;
+        pivot(t, leaves, q);
     }
-    t->gone[t->basis[leaves]] = true;
-    pivot(t, leaves, q);
 }
 
 static void reduce(tableau *t)
 {
     find_basis(t);
     for (size_t q = 0; q < t->columns; q++) {
-        bool free = !t->gone[q];
+        bool free = t->weight[q] > 0.0;
         for (size_t i = 0; i < t->rows; i++) {
             free = free && t->basis[i] != q;
         }
@@ -103,69 +101,51 @@ static void reduce(tableau *t)
     }
 }
 
-// Where group g of `groups` begins among `count` points.
-static size_t begins(size_t g, size_t groups, size_t count) { return g * count / groups; }
-
-static void sum_groups(const lac_cubature *of, const uint32_t *kept, const double *weight,
-                       size_t count, tableau *t, double *value)
+// The last of `groups` that begins, g count/groups, at point i or before it.
+static size_t group_of(size_t i, size_t groups, size_t count)
 {
-    memset(t->a, 0, t->rows * t->columns * sizeof *t->a);
-    for (size_t g = 0; g < t->columns; g++) {
-        t->weight[g] = 1.0;
-        t->gone[g] = false;
-        for (size_t i = begins(g, t->columns, count); i < begins(g + 1, t->columns, count); i++) {
-            of->at(of->context, kept[i], value);
-            for (size_t j = 0; j < t->rows; j++) {
-                t->a[j * t->columns + g] += weight[i] * value[j];
-            }
-        }
-    }
-}
-
-// Keeps the points of the groups that have weight left.
-static size_t keep(const tableau *t, uint32_t *kept, double *weight, size_t count)
-{
-    size_t stay = 0;
-    for (size_t g = 0; g < t->columns; g++) {
-        for (size_t i = begins(g, t->columns, count); i < begins(g + 1, t->columns, count); i++) {
-            if (!t->gone[g] && t->weight[g] > 0.0) {
-                kept[stay] = kept[i];
-                weight[stay++] = weight[i] * t->weight[g];
-            }
-        }
-    }
-    return stay;
+    return ((i + 1) * groups - 1) / count;
 }
 
 lac_status lac_cubature_thin(const lac_cubature *of, uint32_t *kept, double *weight, size_t *count,
                              lac_error *err)
 {
-    const size_t most = 2 * of->functions, rows = of->functions;
+    const size_t rows = of->functions, most = 2 * rows;
     tableau t = {.rows = rows};
-    lac_status status = LAC_OK;
+    size_t before = of->points + 1;
     t.a = malloc((rows * most + most + rows) * sizeof *t.a);
     t.basis = malloc(rows * sizeof *t.basis);
-    t.gone = malloc(most * sizeof *t.gone);
-    LAC_TRY(t.a != NULL && t.basis != NULL && t.gone != NULL ? LAC_OK : lac_fail_memory(err));
+    lac_status status = t.a != NULL && t.basis != NULL ? LAC_OK : lac_fail_memory(err);
     t.weight = t.a + rows * most;
+    t.room = t.weight + most;
+    *count = of->points;
     for (size_t i = 0; i < of->points; i++) {
         kept[i] = (uint32_t)i;
         weight[i] = 1.0;
     }
-    *count = of->points;
-    while (*count > rows) {
-        const size_t before = *count;
+    while (status == LAC_OK && *count > rows && *count < before) {
+        before = *count;
+        *count = 0;
         t.columns = before < most ? before : most;
-        sum_groups(of, kept, weight, before, &t, t.weight + most);
+        t.least = of->least * (double)of->points / (double)t.columns;
+        memset(t.a, 0, rows * most * sizeof *t.a);
+        for (size_t i = 0; i < before; i++) {
+            const size_t g = group_of(i, t.columns, before);
+            t.weight[g] = 1.0;
+            of->at(of->context, kept[i], t.room);
+            for (size_t j = 0; j < rows; j++) {
+                t.a[j * t.columns + g] += weight[i] * t.room[j];
+            }
+        }
         reduce(&t);
-        *count = keep(&t, kept, weight, before);
-        if (*count == before) {
-            break;
+        for (size_t i = 0; i < before; i++) { // of the groups that have weight left
+            const double w = t.weight[group_of(i, t.columns, before)];
+            kept[*count] = kept[i];
+            weight[*count] = weight[i] * w;
+            *count += w > 0.0 ? 1 : 0;
         }
     }
-out:
     free(t.a);
     free(t.basis);
-    free(t.gone);
     return status;
 }

@@ -7,6 +7,7 @@
 /// the few, each counted as often as its weight says.
 typedef struct lac_cubature {
     size_t points, functions;
+    double least; ///< a function that is no more than this but for those before it is not kept
     /// Values of all functions at a point. The sum over all points of none may vanish beside its
     /// values but by chance.
     /// @param value  [functions]; overwritten

@@ -4,12 +4,11 @@
 #include "case/sections.h"
 
 const lac_param lac_lump_rows[LAC_LUMP_ROWS] = {
-    LAC_INTEGER("level", offsetof(lac_case, lump.level), NAN, 0, 31, LAC_OPTIONAL,
-                "blocks of 2^level cells a side are taken together; as coarse as the scene allows "
-                "if absent"),
-    LAC_INTEGER("nodes", offsetof(lac_case, lump.nodes), NAN, 1, 12, LAC_OPTIONAL,
-                "of a quadrature over one parameter that varies, over more as exact; what was "
-                "measured to be enough if absent"),
+    LAC_INTEGER("level", offsetof(lac_case, lump.level), NAN, 0, 31, LAC_OPTIONAL | LAC_OPEN,
+                "blocks of 2^level cells a side are taken together; auto or absent: as coarse as "
+                "the scene allows"),
+    LAC_INTEGER("nodes", offsetof(lac_case, lump.nodes), NAN, 2, 40, LAC_OPTIONAL | LAC_OPEN,
+                "cells that stay of a block, at most; auto or absent: as many as the error needs"),
     LAC_REAL("error", "1", offsetof(lac_case, lump.error), 0.01, 2e-5, 0.5, 0,
              "relative error of the time of failure, or of the mean slip where nothing fails, that "
              "taking cells together may cause; beyond it the run ends without a result"),
@@ -17,7 +16,7 @@ const lac_param lac_lump_rows[LAC_LUMP_ROWS] = {
 
 bool lac_case_lumps(const lac_case *c) { return c->run.fidelity == LAC_FIDELITY_LUMPED; }
 
-enum { REFUSALS = 8 };
+enum { REFUSALS = 7 };
 static const struct {
     const char *key, *why;
 } refusals[REFUSALS] = {
@@ -34,20 +33,9 @@ static const struct {
      "events"},
     {"initial.run",
      "gives each cell a state of its own, which fidelity lumped does not keep: take ode"},
-    {"solver.accuracy",
-     "picks settings for all cells, which fidelity lumped does not run: name solver.rtol"},
-    {"friction.spread",
-     "size goes with how cells are pressed, which fidelity lumped does not keep: take ode"},
+    {"time.stop_when.max_slip_rate",
+     "is of single cells, of which fidelity lumped keeps few: take mean_slip, or fidelity ode"},
 };
-
-static bool goes_by_size(const lac_heterogeneity_list *list)
-{
-    bool any = false;
-    for (size_t i = 0; i < list->count; i++) {
-        any = any || list->item[i].model.info == &lac_heterogeneity_size_kind.info;
-    }
-    return any;
-}
 
 // Which of these the case asks for.
 static void ask(const lac_case *c, bool asked[REFUSALS])
@@ -60,8 +48,7 @@ static void ask(const lac_case *c, bool asked[REFUSALS])
     asked[3] = c->weakening.count > 0;
     asked[4] = c->analysis.count > 0;
     asked[5] = c->from.file != NULL;
-    asked[6] = !isnan(c->accuracy);
-    asked[7] = goes_by_size(&c->friction_spread);
+    asked[6] = !isnan(c->run.stop_rate);
 }
 
 bool lac_case_admits_lumped(const lac_case *c)
@@ -78,10 +65,9 @@ void lac_check_lumped(lac_reader *reader, const lac_case *c)
 {
     const bool clean = lac_clean(reader, "interface") && lac_clean(reader, "transfer");
     bool asked[REFUSALS] = {false};
-    (void)lac_refuse(reader, !lac_case_lumps(c) && lac_present(reader, "solver.lump"),
-                     "solver.lump", "goes with fidelity lumped");
-    (void)lac_refuse(reader, lac_case_lumps(c) && reader->purpose == LAC_FOR_FIT, "solver.fidelity",
-                     "lumped is not for fits, whose trials nothing judges: take ode");
+    const lac_node *lump = lac_node_at(reader->root, "solver.lump");
+    (void)lac_refuse(reader, !lac_case_lumps(c) && lump != NULL && lump->count > 0, "solver.lump",
+                     "goes with fidelity lumped");
     if (clean && lac_case_lumps(c)) {
         ask(c, asked);
     }

@@ -56,6 +56,9 @@ static bool read_integer(lac_reader *reader, const lac_node *node, const lac_par
 {
     double number = NAN;
     bool scalar = node->kind == LAC_NODE_SCALAR;
+    if (scalar && (param->flags & LAC_OPEN) != 0 && strcmp(node->text, "auto") == 0) {
+        return true;
+    }
     if (!scalar || lac_units_parse(reader->units, node->text, "1", &number, NULL) != LAC_OK ||
         number != floor(number) || fabs(number) > largest_whole) {
         lac_add_error(reader, node, "must be a whole number");

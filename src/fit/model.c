@@ -90,12 +90,53 @@ static lac_status bring_base(lac_fit_model *model, const double *u, lac_error *e
 {
     const lac_case *c = model->fit->source;
     LAC_TRY_RETURN(bring(model, &model->base, u, err));
-    if (c->fit.point == NULL || (model->points != NULL && !model->fit->moves_all)) {
+    const lac_lump *lump = model->base.scene->lump; // whose leaves are others at each trial
+    const bool stays = model->points != NULL && !model->fit->moves_all && lump == NULL;
+    if (c->fit.point == NULL || stays) {
         return LAC_OK;
     }
+    const lac_domain *cells = model->base.scene->contact.domain;
     lac_points_free(model->points);
-    return lac_points_create(model->base.scene->contact.domain, 1,
-                             &c->point[lac_case_point(c, c->fit.point)], &model->points, err);
+    LAC_TRY_RETURN(lac_points_create(cells, 1, &c->point[lac_case_point(c, c->fit.point)],
+                                     &model->points, err));
+    if (lump != NULL) {
+        lac_lump_points(lump, cells, model->points);
+    }
+    return LAC_OK;
+}
+
+// How far off a trial with few cells may be: by its time of failure, or what it shows last.
+static lac_status judge(lac_fit_model *model, const lac_sensitivity_def *as,
+                        const lac_sensitivity *seen, lac_error *err)
+{
+    lac_lump *lump = model->base.scene->lump;
+    lac_sensitivity_def def = *as;
+    lac_sensitivity other = {.reached = 0};
+    if (lump == NULL || (!seen->failed && seen->reached == 0)) {
+        return LAC_OK;
+    }
+    other.slip = malloc(2 * (as->n + 1) * sizeof *other.slip);
+    LAC_FAIL_MEMORY_IF(other.slip == NULL, err);
+    other.log_rate = other.slip + as->n + 1;
+    def.perturbations = 0;
+    lac_lump_soften(lump, LAC_LUMP_STIFF);
+    const lac_status status = lac_sensitivity_run(&def, &other, NULL);
+    lac_lump_soften(lump, 1.0);
+    const size_t last = seen->reached < other.reached ? seen->reached : other.reached;
+    const double most = model->fit->source->lump.error;
+    double off = INFINITY;
+    if (status == LAC_OK && seen->failed == other.failed) {
+        off = seen->failed
+                  ? lac_lump_bound(lump, seen->failure_time, other.failure_time, true)
+                  : lac_lump_bound(lump, seen->slip[last - 1], other.slip[last - 1], false);
+    }
+    free(other.slip);
+    model->beyond += off <= most ? 0 : 1;
+    LAC_FAIL_IF(!(off <= most), err, LAC_ENUMERIC,
+                "solver.fidelity lumped may be off by more than solver.lump.error %g here: take "
+                "ode, or allow more",
+                most);
+    return LAC_OK;
 }
 
 static lac_sensitivity_def follow_of(const lac_fit_model *model, double end, size_t n,
@@ -121,7 +162,8 @@ lac_status lac_fit_model_run(lac_fit_model *model, const double *u, double end, 
     out->failed = false;
     LAC_TRY_RETURN(bring_base(model, u, err));
     lac_sensitivity_def def = follow_of(model, end, n, time);
-    return lac_sensitivity_run(&def, out, err);
+    LAC_TRY_RETURN(lac_sensitivity_run(&def, out, err));
+    return judge(model, &def, out, err);
 }
 
 lac_status lac_fit_model_read(lac_fit_model *model, const double *u, double *slip, double *log_rate,
@@ -191,6 +233,7 @@ static lac_status nudge_all(lac_fit_model *model, const double *u, double end,
 {
     size_t count = model->fit->def->count;
     double moved[LAC_MOST_FITTED];
+    const lac_lump *lump = model->base.scene->lump;
     LAC_TRY_RETURN(make_nudged(model, err));
     for (size_t k = 0; k < count; k++) {
         double step = small * unit_of(model->fit, k, u[k]);
@@ -199,11 +242,16 @@ static lac_status nudge_all(lac_fit_model *model, const double *u, double end,
         LAC_TRY_RETURN(bring(model, &model->nudged[2 * k], moved, err));
         moved[k] = u[k] + step;
         LAC_TRY_RETURN(bring(model, &model->nudged[2 * k + 1], moved, err));
+        for (size_t side = 0; side < 2 && lump != NULL && !model->fit->moves_all; side++) {
+            LAC_TRY_RETURN(lac_scene_lump(model->nudged[2 * k + side].scene, lump, err));
+        }
         *perturbation =
             (lac_perturbation){.low = lac_scene_problem(model->nudged[2 * k].scene),
                                .high = lac_scene_problem(model->nudged[2 * k + 1].scene),
                                .step = step};
-        by[k] = comparable(model, perturbation, end) ? LAC_BY_SENSITIVITY : LAC_BY_RUNS;
+        const bool other_cells = lump != NULL && model->fit->moves_all;
+        by[k] =
+            !other_cells && comparable(model, perturbation, end) ? LAC_BY_SENSITIVITY : LAC_BY_RUNS;
         perturbation += by[k] == LAC_BY_SENSITIVITY ? 1 : 0;
     }
     return LAC_OK;
@@ -236,6 +284,7 @@ static lac_status follow(lac_fit_model *model, const double *u, double end, size
     def.rtol = fmin(LAC_FIT_TIGHT, def.rtol);
     def.perturbation = perturbation;
     LAC_TRY_RETURN(lac_sensitivity_run(&def, out, err));
+    LAC_TRY_RETURN(judge(model, &def, out, err));
     spread_columns(1, count, by, out->failure_by);
     return LAC_OK;
 }

@@ -215,8 +215,9 @@ LAC_CLONES static void lac_form_far(const double *a, size_t n, const double *f, 
 }
 
 // f = a asinh(X) of what is the plain coefficient before, s = X r and r = 1/sqrt(1 + X^2)
-LAC_CLONES static void lac_form_regularise(const double *a, size_t n, double *f, double *s,
-                                           double *r)
+// @param r  NULL: f is all that is wanted
+static inline __attribute__((always_inline)) void bend_all(const double *a, size_t n, double *f,
+                                                           double *s, double *r)
 {
     LAC_INDEPENDENT
     for (size_t i = 0; i < n; i++) {
@@ -224,9 +225,22 @@ LAC_CLONES static void lac_form_regularise(const double *a, size_t n, double *f,
         double x = lac_exp_one(log_x > LOG_MOST ? LOG_MOST : log_x);
         double bent = a[i] * lac_asinh_one(x);
         f[i] = x > TAIL ? f[i] : bent;
-        r[i] = 1 / sqrt(1 + x * x);
-        s[i] = x * r[i];
+        if (r != NULL) {
+            r[i] = 1 / sqrt(1 + x * x);
+            s[i] = x * r[i];
+        }
     }
+}
+
+LAC_CLONES static void lac_form_regularise(const double *a, size_t n, double *f, double *s,
+                                           double *r)
+{
+    bend_all(a, n, f, s, r);
+}
+
+LAC_CLONES static void lac_form_regularise_alone(const double *a, size_t n, double *f)
+{
+    bend_all(a, n, f, NULL, NULL);
 }
 
 // f_u = a s,  f_w = b s
@@ -245,16 +259,18 @@ LAC_CLONES static void lac_form_gains(const double *a, const double *b, size_t n
 static void regularise(const double *a, const double *b, size_t n,
                        const lac_friction_values *values, const lac_friction_slopes *slopes)
 {
-    double scratch[2][LAC_FRICTION_BLOCK];
-    const bool alone = values->f_u == NULL; // f is all that is wanted
-    double *s = alone ? scratch[0] : values->f_u, *r = alone ? scratch[1] : values->f_w;
-    if (lac_form_count_bent(a, n, values->f) > 0) {
-        lac_form_regularise(a, n, values->f, s, r);
-    } else if (!alone) {
-        lac_form_far(a, n, values->f, s, r);
-    }
-    if (alone) {
+    double *s = values->f_u, *r = values->f_w;
+    const bool bent = lac_form_count_bent(a, n, values->f) > 0;
+    if (s == NULL) { // f is all that is wanted
+        if (bent) {
+            lac_form_regularise_alone(a, n, values->f);
+        }
         return;
+    }
+    if (bent) {
+        lac_form_regularise(a, n, values->f, s, r);
+    } else {
+        lac_form_far(a, n, values->f, s, r);
     }
     if (slopes != NULL) {
         lac_form_regularised_slopes(a, b, n, s, r, slopes);

@@ -141,6 +141,7 @@ typedef struct lac_lone_step {
     double u, w, ln_dc;  ///< ln v and ln theta at its start; ln dc
     double rho, em, phi; ///< ln(v1/v0); e^-rho - 1; (1 - e^-rho)/rho
     double z, dz;        ///< slip over dc, and its derivative by rho
+    double uneven;       ///< mean of ln v over the step less that of its ends
 } lac_lone_step;
 
 /// How a cell takes steps of its own, as fidelity events has them.

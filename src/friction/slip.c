@@ -28,15 +28,16 @@ static double change(double u, double w, double ln_dc, double renewal)
     return -renewal * (u + w - ln_dc);
 }
 
-// With O = u + w - ln dc, O1 = O0 e^-z + rho phi(z).
+// With O = u + w - ln dc, O1 = O0 e^-z + rho phi(z) - uneven (1 - e^-z).
 static void step(const lac_lone_step *s, double *w, double *dw)
 {
     double em = expm1(-s->z);
     double phi = lac_phi(s->z, em);
     double before = s->u + s->w - s->ln_dc;
-    double after = before * (1.0 + em) + s->rho * phi;
+    double after = before * (1.0 + em) + s->rho * phi + s->uneven * em;
     *w = after - (s->u + s->rho) + s->ln_dc;
-    *dw = -before * (1.0 + em) * s->dz + phi + s->rho * lac_phi_slope(s->z, em, phi) * s->dz - 1.0;
+    *dw = -(before + s->uneven) * (1.0 + em) * s->dz + phi +
+          s->rho * lac_phi_slope(s->z, em, phi) * s->dz - 1.0;
 }
 
 static const lac_friction_lone lone = {.change = change, .step = step};

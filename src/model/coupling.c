@@ -95,8 +95,14 @@ static void add_held(const void *context, size_t first, size_t end, double *sums
 {
     const cell_array *a = context;
     const lac_problem *problem = a->problem;
-    for (size_t i = first; i < end; i++) {
-        sums[0] += lac_problem_weight(problem, i) * problem->anchor[i] * (a->x[i] - a->back);
+    for (size_t at = first; at < end; at += LAC_FRICTION_BLOCK) {
+        double held[LAC_FRICTION_BLOCK];
+        const double *anchor = problem->anchor + at, *gone = a->x + at;
+        const size_t length = lac_block_length(end, at);
+        for (size_t i = 0; i < length; i++) {
+            held[i] = anchor[i] * (gone[i] - a->back);
+        }
+        sums[0] += lac_problem_sum_from(problem, at, length, held);
     }
 }
 

@@ -153,13 +153,17 @@ static void add_balance(const void *context, size_t first, size_t end, double *s
     const lac_look *at = ((const observed *)context)->at;
     const double *residual = ((const observed *)context)->residual;
     const lac_problem *problem = at->problem;
-    for (size_t i = first; i < end; i++) {
-        const double a = lac_cellwise_of(&problem->friction->column[LAC_A], i);
-        double p = lac_problem_effective(problem, &at->drive, i);
-        const double weight = lac_problem_weight(problem, i);
-        sums[0] += weight * residual[i];
-        sums[1] += weight * (a * p + problem->damping * fabs(at->motion.v[i]) +
-                             lac_problem_drag(problem, i) * fabs(at->motion.mean));
+    for (size_t from = first; from < end; from += LAC_FRICTION_BLOCK) {
+        double holds[LAC_FRICTION_BLOCK];
+        const double *a = lac_cellwise_from(&problem->friction->column[LAC_A], from);
+        const size_t n = lac_block_length(end, from);
+        for (size_t i = 0; i < n; i++) {
+            double p = lac_problem_effective(problem, &at->drive, from + i);
+            holds[i] = a[i] * p + problem->damping * fabs(at->motion.v[from + i]) +
+                       lac_problem_drag(problem, from + i) * fabs(at->motion.mean);
+        }
+        sums[0] += lac_problem_sum_from(problem, from, n, residual + from);
+        sums[1] += lac_problem_sum_from(problem, from, n, holds);
     }
 }
 

@@ -14,6 +14,7 @@ enum { NAME = 80, LONG_NAME = 160, MOST_VALUES = 64 };
 #define SKILL const lac_skill *s = of
 
 LAC_TEXT_GETTER(kind, OUTCOME, o->series == NULL ? "run" : "series")
+LAC_TEXT_GETTER(run_status, OUTCOME, o->run_status[0] != '\0' ? o->run_status : NULL)
 LAC_TEXT_GETTER(doubt, OUTCOME, o->series->doubt[at[0]])
 LAC_TEXT_GETTER(time_zone, OUTCOME, !o->dated ? NULL : lac_outcome_zoned(o) ? "UTC" : "not stated")
 LAC_TEXT_GETTER(attribution, OUTCOME, o->series != NULL ? o->series->attribution : NULL)
@@ -105,6 +106,7 @@ static const lac_variable of_each[] = {
 static const lac_variable of_source[] = {
     {.name = "source_file", .json = "series/path", O(TEXT, source)},
     {.json = "series/kind", T(kind)},
+    {.name = "run_status", .json = "series/run_status", T(run_status)},
     {.name = "source_attribution", T(attribution)},
     {.name = "time_zone", .json = "series/time_zone", T(time_zone)},
     {.name = "failed_at_s", .unit = "s", O(REAL, failed_at)},

@@ -161,6 +161,7 @@ lac_status lac_slowing_measure(size_t n, const double *values, uint64_t seed, si
 typedef struct lac_forecast_outcome {
     const char *source;                     ///< the file that they are of
     const lac_series *series;               ///< NULL: the file is a run's
+    char run_status[16];                    ///< as the file of a run says; "": a series
     const lac_readings *readings;           ///< NULL: there is no JSON
     bool dated;                             ///< times are seconds since 1970 UTC
     double failed_at;                       ///< [s]; NaN: not known; INFINITY: never

@@ -218,7 +218,9 @@ static lac_status erk_advance(lac_engine *engine, double stop, lac_error *err)
     sunrealtype last;
     (void)LAC_SUN_ERK(GetLastStep)(c->mem, &last);
     engine->step = last;
-    engine->found = LAC_SUN_ERK_ENDS_WITH_RATES && c->last == engine->t;
+    // Of other pairs the last rates at this time may be those of a stage.
+    engine->found =
+        LAC_SUN_ERK_ENDS_WITH_RATES && chosen_order(engine) == 0 && c->last == engine->t;
     return LAC_OK;
 }
 

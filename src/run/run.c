@@ -404,13 +404,11 @@ static lac_status hand_over(run *r, lac_error *err)
     return r->end == LAC_END_TIME ? lac_run_state_reach(r, err) : LAC_OK;
 }
 
-// A balance that is off by a tenth of what friction holds, rates by many times: what was put out is
-// no motion of the joint. Events may be off by more for the moments between their updates.
-static lac_status check_balance(const run *r, lac_fidelity fidelity, lac_error *err)
+// A balance that is off by all that friction holds: what was put out is no motion of the joint.
+static lac_status check_balance(const run *r, lac_error *err)
 {
     const double off = r->result->balance_residual;
-    const double most = fidelity == LAC_FIDELITY_ASYNC ? 1.0 : 0.1;
-    LAC_FAIL_IF(!(off <= most), err, LAC_ENUMERIC,
+    LAC_FAIL_IF(!(off <= 1.0), err, LAC_ENUMERIC,
                 "the traction balance is off by %.2g of the strength at worst, up to t = %g s: the "
                 "numbers of this run mean nothing; tighten solver.rtol",
                 off, lac_engine_time(r->engine));
@@ -470,7 +468,7 @@ lac_status lac_run(const lac_problem *problem, const lac_run_def *def, const lac
     if (def->reached != NULL && r.end == LAC_END_TIME) {
         LAC_TRY(hand_over(&r, err));
     }
-    LAC_TRY(check_balance(&r, def->fidelity, err));
+    LAC_TRY(check_balance(&r, err));
 out:
     if (r.engine != NULL) {
         finish(&r, status);

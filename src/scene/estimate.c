@@ -17,8 +17,8 @@ static const double massive_factor = 3; // on the last where a block has mass
 // where the grid is larger; of a static history what it adds to the memory, and the time of a step.
 static const struct {
     double bytes, kept_bytes, seconds, level_seconds, large_seconds, history_bytes, history_seconds;
-} costs[] = {[LAC_PERIODIC] = {55, 20, 2e-6, 1e-6, 0.35e-6, 190, 2.5e-6},
-             [LAC_FREE] = {75, 20, 4e-6, 3e-6, 1.4e-6, 460, 11e-6}};
+} costs[] = {[LAC_PERIODIC] = {45, 20, 2e-6, 1e-6, 0.35e-6, 190, 2.5e-6},
+             [LAC_FREE] = {60, 20, 4e-6, 3e-6, 1.4e-6, 460, 11e-6}};
 static const double one_by_one_cells = 4096;
 
 // Of a step of the elastic transfer, for each cell of the grid: where K is a filter, and where gaps
@@ -397,6 +397,7 @@ lac_status lac_estimate_make(const lac_case *c, lac_load_files *files, lac_estim
                         .stiffness_ratio = NAN,
                         .choice = {.fidelity = c->run.fidelity},
                         .unknowns = lac_inertia_mass(c) > 0 ? 3 : 2};
+    char why[LAC_FIDELITY_ROOM];
     lac_weakening_set weakening;
     LAC_TRY_RETURN(
         lac_weakening_set_create(c->weakening.item, c->weakening.count, &weakening, err));
@@ -411,6 +412,9 @@ lac_status lac_estimate_make(const lac_case *c, lac_load_files *files, lac_estim
         settled.run.fidelity = e->choice.fidelity;
     }
     e->own_steps = e->integrated && settled.run.fidelity == LAC_FIDELITY_ASYNC;
+    if (e->own_steps && lac_fidelity_refused(c, why)) { // of a large grid no scene is made
+        return lac_fail(err, LAC_EINPUT, "%s", why);
+    }
     settled.formulation = e->own_steps ? LAC_FORMULATION_RATE : c->formulation;
     e->faster = e->integrated ? lac_fidelity_faster(c, e) : NULL;
     count_costs(c, e);

@@ -9,30 +9,72 @@
 typedef struct making {
     const lac_lump_source *source;
     lac_lump_cells field;
-    size_t level, nodes;
-    size_t leaves;    // so far
-    uint32_t *kept;   // [n] cells that stay
-    double *weight;   // [n] of them, as the force on them counts
-    double *pressure; // [n] on each: the mean of its block, unless a load tells them apart
-    uint32_t *begin;  // [blocks + 1] the first leaf of each block
-    double *bond;     // [blocks] what holds its leaves against each other
-    uint32_t *leaf;   // [n] which leaf stands for a cell
-    double rest[STAGES];
+    size_t level;
+    size_t most;     // leaves of a block, at most
+    double least;    // of what a sum is worth keeping
+    size_t leaves;   // so far
+    uint32_t *kept;  // [n] cells that stay
+    double *weight;  // [n] cells that each stands for
+    uint32_t *begin; // [blocks + 1] the first leaf of each block
+    double *bond;    // [blocks] what holds its leaves against each other
+    uint32_t *leaf;  // [n] which leaf stands for a cell
+    double rest[LAC_LUMP_TESTS];
+    double softer, fewer;     // as the traces of soft and few, of squares of compliances
     lac_lump_pairs soft, few; // how far cells, and leaves, would slip apart
 } making;
 
-// Adds what all cells of a block are held by less what its leaves are, after each stage of slip.
+// A block of it.
+typedef struct taking {
+    const making *of;
+    size_t first;
+} taking;
+
+// Sums of the cells themselves and of what moves them apart, before those of what friction holds.
+enum {
+    COUNTED = 4,
+    BEFORE = COUNTED + LAC_LUMP_PATTERNS - 1,
+    FUNCTIONS = BEFORE + LAC_LUMP_KEPT + 1 // the last where loads have a shape
+};
+
+// What the leaves of a block keep the sums of: cells, pressure and its square, slip rate at the
+// start, the shape of a load; and friction along some histories. Where a case says how many leaves,
+// the first of those with the cells and their pressure.
+static void values_of(const void *context, size_t point, double *value)
+{
+    const taking *t = context;
+    const making *m = t->of;
+    const lac_lump_cells *f = &m->field;
+    const lac_problem_def *whole = &m->source->whole;
+    const size_t i = t->first + point;
+    const double p = whole->domain->pressure[i] / f->pressure;
+    double all[FUNCTIONS] = {1.0, p, p * p, exp(whole->log_rate[i]) / f->mean_rate};
+    for (size_t a = 1; a < LAC_LUMP_PATTERNS; a++) {
+        all[COUNTED + a - 1] = p * (p * f->pattern[i] - f->answer) * f->pattern[a * f->n + i];
+    }
+    for (size_t k = 0; k < LAC_LUMP_KEPT; k++) {
+        all[BEFORE + k] = p * f->friction[k * f->n + i];
+    }
+    all[FUNCTIONS - 1] = whole->loads.shape != NULL ? whole->loads.shape[i] : 0.0;
+    const size_t first = m->most < FUNCTIONS - 1 ? 2 : m->most;
+    memcpy(value, all, first * sizeof *value);
+    for (size_t k = first; k < m->most; k++) {
+        value[k] = all[BEFORE + k - first];
+    }
+}
+
+// Adds what friction holds of all cells of a block less what it does of its leaves, at the stages
+// that the leaves were not made for.
 static void add_rest(making *m, size_t first, size_t end, size_t leaves)
 {
     const double *pressure = m->source->whole.domain->pressure;
-    for (size_t k = 0; k < STAGES; k++) {
-        const double *held = m->field.held + k * m->field.n;
+    for (size_t k = 0; k < LAC_LUMP_TESTS; k++) {
+        const double *held = m->field.friction + (LAC_LUMP_KEPT + k) * m->field.n;
         double sum = 0.0;
         for (size_t i = first; i < end; i++) {
             sum += pressure[i] * held[i];
         }
         for (size_t i = m->leaves; i < m->leaves + leaves; i++) {
-            sum -= m->weight[i] * m->pressure[i] * held[m->kept[i]];
+            sum -= m->weight[i] * pressure[m->kept[i]] * held[m->kept[i]];
         }
         m->rest[k] += sum;
     }
@@ -41,198 +83,208 @@ static void add_rest(making *m, size_t first, size_t end, size_t leaves)
 // What is left of that over the direct effect of all cells: how far the rate is off.
 static double rest_of(const making *m)
 {
-    const lac_lump_source *s = m->source;
-    double direct = 0.0, most = 0.0;
-    for (size_t i = 0; i < m->field.n; i++) {
-        direct +=
-            s->whole.domain->pressure[i] * lac_cellwise_of(&s->whole.friction->column[LAC_A], i);
+    double most = 0.0;
+    for (size_t k = 0; k < LAC_LUMP_TESTS; k++) {
+        most = fmax(most, fabs(m->rest[k]));
     }
-    for (size_t k = 0; k < STAGES; k++) {
-        most = fmax(most, fabs(m->rest[k]) / direct);
+    return most / m->field.pressure / (double)m->field.n;
+}
+
+// How far the leaves of a block would slip apart if 1 held them.
+static lac_lump_pairs leaves_of(const making *m, size_t leaves)
+{
+    const uint32_t *kept = m->kept + m->leaves;
+    const double *weight = m->weight + m->leaves, *p = m->source->whole.domain->pressure;
+    lac_lump_pairs few = {0};
+    double mean[LAC_LUMP_PATTERNS] = {0.0}, sum = 0.0, count = 0.0, answer = 0.0;
+    for (size_t i = 0; i < leaves; i++) {
+        count += weight[i];
+        sum += weight[i] * p[kept[i]];
+        for (size_t a = 0; a < LAC_LUMP_PATTERNS; a++) {
+            mean[a] += weight[i] * p[kept[i]] * m->field.pattern[a * m->field.n + kept[i]];
+        }
     }
-    return most;
+    answer = mean[LAC_LUMP_ANSWER] / count;
+    for (size_t i = 0; i < leaves; i++) {
+        double g[LAC_LUMP_PATTERNS];
+        for (size_t a = 0; a < LAC_LUMP_PATTERNS; a++) {
+            const double of = m->field.pattern[a * m->field.n + kept[i]];
+            g[a] = p[kept[i]] * (a == LAC_LUMP_ANSWER ? of : of - mean[a] / sum);
+        }
+        g[LAC_LUMP_ANSWER] -= answer;
+        lac_lump_add(g, g, weight[i], &few);
+    }
+    return few;
 }
 
 // By how far the cells of a block would slip apart under each pattern, and what that does to all of
 // each, the stiffness that does the same to its leaves.
-static lac_status bond_of(making *m, size_t first, size_t end, size_t leaves, double *bond,
-                          lac_error *err)
+static double bond_of(making *m, size_t first, size_t end, size_t leaves)
 {
     const lac_lump_source *s = m->source;
-    const uint32_t *kept = m->kept + m->leaves;
-    const double *weight = m->weight + m->leaves, *pressure = m->pressure + m->leaves;
-    lac_lump_pairs *of = calloc(m->level + 1, sizeof *of);
-    lac_lump_pairs soft = {0}, few = {0};
-    double mean[PATTERNS] = {0.0}, sum = 0.0;
-    const double nothing = pow(1e-9 * pressure[0], 2.0); // rounding of what cells are alike in
-    LAC_FAIL_MEMORY_IF(of == NULL, err);
+    const double nothing = pow(1e-9 * m->field.pressure, 2.0); // rounding of what is alike
+    lac_lump_pairs of[LAC_LUMP_LEVELS] = {0}, soft = {0};
+    double softer = 0.0;
     lac_lump_add_levels(s, &m->field, m->level, first, end, of);
     for (size_t l = 0; l < m->level; l++) {
-        const double k = lac_lump_stiffness(s, l);
-        if (lac_lump_trace(&of[l]) > nothing * (double)(end - first)) {
+        const double k = lac_lump_stiffness(s, l), trace = lac_lump_trace(&of[l]);
+        if (trace > nothing * (double)(end - first)) {
             lac_lump_add_pairs(&of[l], 1.0 / k, &soft);
+            softer += trace / k / k;
         }
     }
-    free(of);
-    for (size_t i = 0; i < leaves; i++) {
-        sum += weight[i] * pressure[i];
-        for (size_t a = 0; a < PATTERNS; a++) {
-            mean[a] += weight[i] * pressure[i] * m->field.pattern[a * m->field.n + kept[i]];
-        }
+    const lac_lump_pairs few = leaves_of(m, leaves);
+    const double all = lac_lump_trace(&soft), kept = lac_lump_trace(&few);
+    if (!(all > 0.0 && kept > 0.0)) {
+        return lac_lump_stiffness(s, 0);
     }
-    for (size_t i = 0; i < leaves; i++) {
-        double g[PATTERNS];
-        for (size_t a = 0; a < PATTERNS; a++) {
-            const double *pattern = m->field.pattern + a * m->field.n;
-            g[a] = pressure[i] * (pattern[kept[i]] - mean[a] / sum);
-        }
-        for (size_t a = 0; a < PATTERNS; a++) {
-            for (size_t b = 0; b < PATTERNS; b++) {
-                few.of[a][b] += weight[i] * g[a] * g[b];
-            }
-        }
-    }
-    *bond = lac_lump_stiffness(s, 0);
-    if (lac_lump_trace(&soft) > 0.0 && lac_lump_trace(&few) > 0.0) {
-        *bond = lac_lump_trace(&few) / lac_lump_trace(&soft);
-        lac_lump_add_pairs(&few, 1.0 / *bond, &m->few);
-        lac_lump_add_pairs(&soft, 1.0, &m->soft);
-    }
-    return LAC_OK;
+    const double bond = kept / all;
+    lac_lump_add_pairs(&few, 1.0 / bond, &m->few);
+    lac_lump_add_pairs(&soft, 1.0, &m->soft);
+    m->softer += softer;
+    m->fewer += all / bond;
+    return bond;
 }
 
-// By how much one stiffness for all patterns is off: of what each does to the two that tell how
-// friction answers to slip.
+// By how much one stiffness for all patterns is off: of what each does to friction.
 static double mismatch_of(const making *m)
 {
+    const double(*soft)[LAC_LUMP_PATTERNS] = m->soft.of, (*few)[LAC_LUMP_PATTERNS] = m->few.of;
     double off = 0.0;
-    for (size_t a = 0; a < ANSWERS; a++) {
-        for (size_t b = 0; b < PATTERNS; b++) {
-            off += fabs(m->soft.of[a][b] - m->few.of[a][b]);
+    for (size_t a = 0; a < LAC_LUMP_PATTERNS; a++) {
+        for (size_t b = LAC_LUMP_ANSWER + 1; b < LAC_LUMP_PATTERNS; b++) {
+            off += fabs(soft[a][b] - few[a][b]);
         }
     }
     // On a line all levels have as much of slip apart, so that a few coarse blocks decide it.
-    const double least = m->source->whole.domain->grid.ny == 1 ? 0.25 : 0.0;
+    const double least = m->source->whole.domain->grid.ny == 1 ? 0.5 : 0.0;
     const double all = lac_lump_trace(&m->soft);
     return off > 0.0 && all > 0.0 ? fmax(least, off / all) : 0.0;
 }
 
+// What friction makes of slip apart over what holds it.
 static double weakness_of(const making *m)
 {
-    const lac_friction *friction = m->source->whole.friction;
-    const size_t blocks = lac_hierarchy_blocks(m->source->blocks, m->level);
-    double most = 0.0;
-    for (size_t b = 0; b < blocks; b++) {
-        double sum = 0.0;
-        for (uint32_t i = m->begin[b]; i < m->begin[b + 1]; i++) {
-            const uint32_t c = m->kept[i];
-            sum += m->weight[i] * m->pressure[i] * lac_cellwise_of(&friction->column[LAC_B], c) /
-                   lac_cellwise_of(&friction->column[LAC_DC], c);
-        }
-        const uint32_t *begin = lac_hierarchy_offsets(m->source->blocks, m->level);
-        const double cells = (double)(begin[b + 1] - begin[b]);
-        most = m->bond[b] > 0.0 ? fmax(most, sum / cells / m->bond[b]) : most;
+    const lac_lump_cells *f = &m->field;
+    double answer = 0.0;
+    for (size_t i = 0; i < f->n; i++) {
+        answer += m->source->whole.domain->pressure[i] * f->friction[LAC_LUMP_ANSWER * f->n + i];
     }
-    return most;
+    const double soft = lac_lump_trace(&m->soft);
+    answer *= f->direct * f->per_dc / (double)f->n;
+    return soft > 0.0 ? answer * (m->softer - 0.5 * m->fewer) / soft : 0.0;
+}
+
+// Which of the leaves of a block each of its cells is most like.
+static void assign(making *m, size_t first, size_t end, size_t leaves)
+{
+    for (size_t i = first; i < end; i++) {
+        double nearest = INFINITY;
+        for (size_t c = m->leaves; c < m->leaves + leaves; c++) {
+            const double *row = m->field.friction;
+            double apart = 0.0;
+            for (size_t k = 0; k < LAC_LUMP_KEPT && apart < nearest; k++, row += m->field.n) {
+                apart += (row[i] - row[m->kept[c]]) * (row[i] - row[m->kept[c]]);
+            }
+            m->leaf[i] = apart < nearest ? (uint32_t)c : m->leaf[i];
+            nearest = fmin(nearest, apart);
+        }
+    }
+}
+
+// The leaves that another lump has between two cells.
+static size_t take_like(making *m, size_t first, size_t end)
+{
+    const lac_lump *like = m->source->like;
+    size_t leaves = 0;
+    for (size_t i = 0; i < like->domain->n; i++) {
+        if (like->kept[i] >= first && like->kept[i] < end) {
+            m->kept[m->leaves + leaves] = like->kept[i];
+            m->weight[m->leaves + leaves++] = like->domain->weight[i] * like->domain->each;
+        }
+    }
+    return leaves;
 }
 
 static lac_status take_block(making *m, size_t number, lac_error *err)
 {
     const lac_lump_source *s = m->source;
     const uint32_t *begin = lac_hierarchy_offsets(s->blocks, m->level);
-    const size_t first = begin[number], n = begin[number + 1] - first;
+    const size_t first = begin[number], end = begin[number + 1];
     uint32_t *kept = m->kept + m->leaves;
     size_t leaves;
-    lac_lump_block b;
-    lac_lump_block_look(&m->field, s->whole.domain->pressure, first, n, m->nodes, &b);
-    const lac_cubature of = {.points = n,
-                             .functions = lac_lump_block_functions(&b),
-                             .at = lac_lump_block_values,
-                             .context = &b};
-    LAC_TRY_RETURN(lac_cubature_thin(&of, kept, m->weight + m->leaves, &leaves, err));
-    double *room = malloc((leaves * b.active + 1) * sizeof *room);
-    LAC_FAIL_MEMORY_IF(room == NULL, err);
-    lac_lump_block_assign(&b, kept, leaves, m->leaf + first, room);
-    free(room);
-    for (size_t i = first; i < first + n; i++) {
-        m->leaf[i] += (uint32_t)m->leaves;
+    const taking t = {m, first};
+    const lac_cubature of = {.points = end - first,
+                             .functions = m->most,
+                             .least = m->least,
+                             .at = values_of,
+                             .context = &t};
+    if (s->like != NULL) {
+        leaves = take_like(m, first, end);
+    } else {
+        LAC_TRY_RETURN(lac_cubature_thin(&of, kept, m->weight + m->leaves, &leaves, err));
+        for (size_t i = 0; i < leaves; i++) {
+            kept[i] += (uint32_t)first;
+        }
     }
-    for (size_t i = 0; i < leaves; i++) {
-        const double p = b.pressure[kept[i]];
-        m->weight[m->leaves + i] *= b.apart ? 1.0 : p / b.mean_pressure;
-        m->pressure[m->leaves + i] = b.apart ? p : b.mean_pressure;
-        kept[i] += (uint32_t)first;
-    }
+    assign(m, first, end, leaves);
+    add_rest(m, first, end, leaves);
     m->begin[number] = (uint32_t)m->leaves;
-    add_rest(m, first, first + n, leaves);
-    m->bond[number] = 0.0;
-    if (leaves > 1) {
-        LAC_TRY_RETURN(bond_of(m, first, first + n, leaves, &m->bond[number], err));
-    }
+    m->bond[number] = leaves > 1 ? bond_of(m, first, end, leaves) : 0.0;
     m->leaves += leaves;
     m->begin[number + 1] = (uint32_t)m->leaves;
     return LAC_OK;
 }
 
-// Ties the blocks of the level, whose nodes are in `node`, over the levels above.
-static void tie_levels(const making *m, uint32_t *node, lac_classes *classes, uint32_t next)
+// Ties nodes to a new one, if there are several. @return the node that stands for them
+static uint32_t tie(lac_classes *classes, const uint32_t *node, size_t count, double k)
 {
-    const lac_hierarchy *h = m->source->blocks;
-    for (size_t l = m->level; l < lac_hierarchy_levels(h); l++) {
-        const size_t count = lac_hierarchy_blocks(h, l);
-        if (lac_hierarchy_blocks(h, l + 1) == count) {
-            continue;
-        }
-        const uint32_t *parent = lac_hierarchy_parents(h, l);
-        for (size_t c = 0, end; c < count; c = end) {
-            for (end = c + 1; end < count && parent[end] == parent[c]; end++) {
-            }
-            const uint32_t b = parent[c];
-            if (end - c == 1) {
-                node[b] = node[c];
-                continue;
-            }
-            for (size_t i = c; i < end; i++) {
-                classes->parent[node[i]] = next;
-                classes->weight[next] += classes->weight[node[i]];
-            }
-            classes->k[next] = lac_lump_stiffness(m->source, l);
-            node[b] = next++;
-        }
+    if (count == 1) {
+        return node[0];
     }
-    classes->nodes = next;
-    classes->parent[next - 1] = next - 1;
+    const uint32_t block = (uint32_t)classes->nodes++;
+    for (size_t i = 0; i < count; i++) {
+        classes->parent[node[i]] = block;
+        classes->weight[block] += classes->weight[node[i]];
+    }
+    classes->k[block] = k;
+    return block;
 }
 
+// The leaves in their blocks, and these over the levels above.
 static lac_status make_classes(const making *m, lac_lump *lump, lac_error *err)
 {
-    const size_t blocks = lac_hierarchy_blocks(m->source->blocks, m->level);
-    uint32_t *node = calloc(blocks, sizeof *node);
+    const lac_hierarchy *h = m->source->blocks;
+    const size_t blocks = lac_hierarchy_blocks(h, m->level), most = m->leaves + 3 * blocks;
+    uint32_t *node = calloc(m->leaves + blocks, sizeof *node);
     LAC_FAIL_MEMORY_IF(node == NULL, err);
-    lac_status status = lac_classes_create(m->leaves, m->leaves + 3 * blocks, &lump->classes, err);
+    uint32_t *block = node + m->leaves;
+    lac_status status = lac_classes_create(m->leaves, most, &lump->classes, err);
+    lump->bond = malloc(most * sizeof *lump->bond);
+    LAC_TRY(status);
+    LAC_TRY(lump->bond != NULL ? LAC_OK : lac_fail_memory(err));
     lac_classes *classes = lump->classes;
-    uint32_t next = (uint32_t)m->leaves;
-    for (size_t b = 0; status == LAC_OK && b < blocks; b++) {
-        const uint32_t first = m->begin[b], end = m->begin[b + 1];
-        node[b] = end - first == 1 ? first : next++;
-        for (uint32_t i = first; i < end; i++) {
-            classes->weight[i] = m->weight[i];
-            classes->parent[i] = node[b];
-            classes->weight[node[b]] += node[b] != i ? m->weight[i] : 0.0;
+    classes->nodes = m->leaves;
+    memcpy(classes->weight, m->weight, m->leaves * sizeof *m->weight);
+    for (uint32_t i = 0; i < m->leaves; i++) {
+        node[i] = i;
+    }
+    for (size_t b = 0; b < blocks; b++) {
+        block[b] = tie(classes, node + m->begin[b], m->begin[b + 1] - m->begin[b], m->bond[b]);
+    }
+    lump->inner = classes->nodes - m->leaves;
+    for (size_t l = m->level; l < lac_hierarchy_levels(h); l++) {
+        const uint32_t *parent = lac_hierarchy_parents(h, l);
+        const double k = lac_lump_stiffness(m->source, l);
+        for (size_t c = 0, end, count = lac_hierarchy_blocks(h, l); c < count; c = end) {
+            for (end = c + 1; end < count && parent[end] == parent[c]; end++) {
+            }
+            block[parent[c]] = tie(classes, block + c, end - c, k);
         }
-        if (node[b] >= m->leaves) {
-            classes->k[node[b]] = m->bond[b];
-        }
     }
-    lump->inner = next - m->leaves;
-    if (status == LAC_OK) {
-        tie_levels(m, node, classes, next);
-        lump->bond = malloc(classes->nodes * sizeof *lump->bond);
-        status = lump->bond != NULL ? LAC_OK : lac_fail_memory(err);
-    }
-    if (status == LAC_OK) {
-        memcpy(lump->bond, classes->k, classes->nodes * sizeof *lump->bond);
-    }
+    classes->parent[classes->nodes - 1] = (uint32_t)classes->nodes - 1;
+    memcpy(lump->bond, classes->k, classes->nodes * sizeof *lump->bond);
+out:
     free(node);
     return status;
 }
@@ -259,7 +311,7 @@ static lac_status make_domain(const making *m, lac_domain **out, lac_error *err)
                            .each = (double)whole->n / (double)m->leaves};
     LAC_FAIL_MEMORY_IF(domain->index == NULL || domain->pressure == NULL || domain->weight == NULL,
                        err);
-    memcpy(domain->pressure, m->pressure, m->leaves * sizeof *m->pressure);
+    gather(m, whole->pressure, domain->pressure);
     for (size_t i = 0; i < m->leaves; i++) {
         domain->index[i] = whole->index[m->kept[i]];
         domain->weight[i] = m->weight[i] / domain->each;
@@ -313,38 +365,23 @@ static lac_status check_source(const lac_lump_source *s, lac_error *err)
     return LAC_OK;
 }
 
-// Takes all blocks of the level, with the nodes that there are.
-static lac_status take_blocks(making *m, lac_error *err)
+// Takes all blocks of the level.
+static lac_status try_level(making *m, lac_error *err)
 {
-    const size_t blocks = lac_hierarchy_blocks(m->source->blocks, m->level);
-    m->leaves = 0;
-    memset(m->rest, 0, sizeof m->rest);
-    m->soft = m->few = (lac_lump_pairs){0};
-    for (size_t b = 0; b < blocks; b++) {
-        LAC_TRY_RETURN(take_block(m, b, err));
-    }
-    return LAC_OK;
-}
-
-// Room for the blocks of a level, and what is made of them with as many nodes as it takes, if that
-// is left open.
-static lac_status try_level(making *m, const lac_lump_def *def, lac_error *err)
-{
-    const bool open = def->nodes < 0;
     const size_t n = m->field.n, blocks = lac_hierarchy_blocks(m->source->blocks, m->level);
     free(m->kept);
     free(m->weight);
     m->kept = malloc((n + blocks + 1) * sizeof *m->kept);
-    m->weight = malloc((2 * n + blocks) * sizeof *m->weight);
+    m->weight = malloc((n + blocks) * sizeof *m->weight);
     LAC_FAIL_MEMORY_IF(m->kept == NULL || m->weight == NULL, err);
     m->begin = m->kept + n;
-    m->pressure = m->weight + n;
-    m->bond = m->pressure + n;
-    m->nodes = open ? FEWEST_NODES : (size_t)def->nodes;
-    LAC_TRY_RETURN(take_blocks(m, err));
-    while (open && m->field.gain * rest_of(m) > 0.02 * def->error && m->nodes < MOST_NODES) {
-        m->nodes++;
-        LAC_TRY_RETURN(take_blocks(m, err));
+    m->bond = m->weight + n;
+    m->leaves = 0;
+    memset(m->rest, 0, sizeof m->rest);
+    m->soft = m->few = (lac_lump_pairs){0};
+    m->softer = m->fewer = 0.0;
+    for (size_t b = 0; b < blocks; b++) {
+        LAC_TRY_RETURN(take_block(m, b, err));
     }
     return LAC_OK;
 }
@@ -354,29 +391,34 @@ static lac_status make(making *m, const lac_lump_def *def, lac_lump *lump, lac_e
     const lac_lump_source *s = m->source;
     const size_t n = s->whole.domain->n, levels = lac_hierarchy_levels(s->blocks);
     LAC_TRY_RETURN(lac_lump_look(s, &m->field, err));
-    LAC_TRY_RETURN(lac_lump_choose_level(s, &m->field, def->error, &m->level, err));
-    if (def->level >= 0) {
-        m->level = (size_t)def->level > levels ? levels : (size_t)def->level;
-    }
+    m->level = s->like != NULL   ? s->like->level
+               : def->level >= 0 ? ((size_t)def->level < levels ? (size_t)def->level : levels)
+                                 : lac_lump_choose_level(s, &m->field, def->error);
+    m->most = def->nodes >= 0                ? (size_t)def->nodes
+              : s->whole.loads.shape != NULL ? FUNCTIONS
+                                             : FUNCTIONS - 1;
+    m->least = 0.03 * def->error / m->field.gain;
     m->leaf = lump->leaf = malloc(n * sizeof *lump->leaf);
     LAC_FAIL_MEMORY_IF(lump->leaf == NULL, err);
-    LAC_TRY_RETURN(try_level(m, def, err));
+    LAC_TRY_RETURN(try_level(m, err));
     // Smaller blocks, whose quadratures err apart; where nothing is gained any more, all cells.
-    while (def->level < 0 && m->level > 0 &&
+    while (def->level < 0 && s->like == NULL && m->level > 0 &&
            (2 * m->leaves > n || m->field.gain * rest_of(m) > 0.2 * def->error)) {
         m->level = 2 * m->leaves > n ? 0 : m->level - 1;
-        LAC_TRY_RETURN(try_level(m, def, err));
+        LAC_TRY_RETURN(try_level(m, err));
     }
     lump->level = m->level;
     lump->blocks = lac_hierarchy_blocks(s->blocks, m->level);
-    lump->nodes = m->nodes;
     lump->rest = rest_of(m);
     lump->gain = m->field.gain;
     lump->mismatch = mismatch_of(m);
     lump->weakness = weakness_of(m);
     LAC_TRY_RETURN(make_classes(m, lump, err));
     LAC_TRY_RETURN(make_domain(m, &lump->domain, err));
-    return make_problem(m, lump, err);
+    LAC_TRY_RETURN(make_problem(m, lump, err));
+    lump->kept = m->kept;
+    m->kept = NULL;
+    return LAC_OK;
 }
 
 lac_status lac_lump_create(const lac_lump_source *source, const lac_lump_def *def, lac_lump **out,
@@ -410,14 +452,7 @@ void lac_lump_free(lac_lump *lump)
         lac_domain_free(lump->domain);
         free(lump->bond);
         free(lump->leaf);
+        free(lump->kept);
         free(lump);
-    }
-}
-
-void lac_lump_soften(lac_lump *lump, double softness)
-{
-    for (size_t i = 0; i < lump->classes->nodes; i++) {
-        const bool inner = i < lump->classes->leaves + lump->inner;
-        lump->classes->k[i] = lump->bond[i] / (inner ? softness : 1.0);
     }
 }

@@ -2,19 +2,20 @@
 // How far friction may leave cells apart, level by level of their blocks.
 #include "scene/lump_parts.h"
 
-// Sums of p times each pattern, less its mean by p, over the cells from `first` on.
+// Sums over the cells from `first` on of p times each pattern, less its mean by p where it drives
+// cells apart.
 static void sum_forces(const lac_lump_source *s, lac_lump_cells *f, size_t first, size_t end)
 {
     const double *p = s->whole.domain->pressure;
-    for (size_t which = 0; which < PATTERNS; which++) {
-        const double *pattern = f->pattern + which * f->n;
-        double *force = f->force + which * (f->n + 1);
+    for (size_t a = 0; a < LAC_LUMP_PATTERNS; a++) {
+        const double *pattern = f->pattern + a * f->n;
+        double *force = f->force + a * (f->n + 1);
         double sum = 0.0, mean = 0.0;
-        for (size_t i = first; i < end; i++) {
+        for (size_t i = first; i < end && a != LAC_LUMP_ANSWER; i++) {
             sum += p[i];
             mean += p[i] * pattern[i];
         }
-        mean /= sum;
+        mean /= sum > 0.0 ? sum : 1.0;
         force[first] = 0.0;
         for (size_t i = first; i < end; i++) {
             force[i + 1] = force[i] + p[i] * (pattern[i] - mean);
@@ -22,11 +23,20 @@ static void sum_forces(const lac_lump_source *s, lac_lump_cells *f, size_t first
     }
 }
 
+void lac_lump_add(const double *a, const double *b, double times, lac_lump_pairs *x)
+{
+    for (size_t i = 0; i < LAC_LUMP_PATTERNS; i++) {
+        for (size_t j = 0; j < LAC_LUMP_PATTERNS; j++) {
+            x->of[i][j] += times * a[i] * b[j];
+        }
+    }
+}
+
 void lac_lump_add_pairs(const lac_lump_pairs *x, double times, lac_lump_pairs *sum)
 {
-    for (size_t a = 0; a < PATTERNS; a++) {
-        for (size_t b = 0; b < PATTERNS; b++) {
-            sum->of[a][b] += times * x->of[a][b];
+    for (size_t i = 0; i < LAC_LUMP_PATTERNS; i++) {
+        for (size_t j = 0; j < LAC_LUMP_PATTERNS; j++) {
+            sum->of[i][j] += times * x->of[i][j];
         }
     }
 }
@@ -54,17 +64,12 @@ static lac_lump_pairs pairs_of(const lac_lump_source *s, const lac_lump_cells *f
     const uint32_t *begin = lac_hierarchy_offsets(s->blocks, level);
     lac_lump_pairs out = {0};
     for (size_t b = block_at(s->blocks, level, first); begin[b] < end; b++) {
-        double sum[PATTERNS];
-        for (size_t which = 0; which < PATTERNS; which++) {
+        double sum[LAC_LUMP_PATTERNS];
+        for (size_t which = 0; which < LAC_LUMP_PATTERNS; which++) {
             const double *force = f->force + which * (f->n + 1);
             sum[which] = force[begin[b + 1]] - force[begin[b]];
         }
-        const double cells = (double)(begin[b + 1] - begin[b]);
-        for (size_t a = 0; a < PATTERNS; a++) {
-            for (size_t c = 0; c < PATTERNS; c++) {
-                out.of[a][c] += sum[a] * sum[c] / cells;
-            }
-        }
+        lac_lump_add(sum, sum, 1.0 / (double)(begin[b + 1] - begin[b]), &out);
         if (begin[b + 1] == end) {
             break;
         }
@@ -72,8 +77,6 @@ static lac_lump_pairs pairs_of(const lac_lump_source *s, const lac_lump_cells *f
     return out;
 }
 
-// What the patterns have of each level below `top` within [first, end): products of the means of
-// its blocks less those of the next ones'. @param out  [top]; added to
 void lac_lump_add_levels(const lac_lump_source *s, lac_lump_cells *f, size_t top, size_t first,
                          size_t end, lac_lump_pairs *out)
 {
@@ -87,11 +90,11 @@ void lac_lump_add_levels(const lac_lump_source *s, lac_lump_cells *f, size_t top
     }
 }
 
-// Of patterns by themselves.
+// Of what drives, by itself.
 double lac_lump_trace(const lac_lump_pairs *x)
 {
     double sum = 0.0;
-    for (size_t a = 0; a < PATTERNS; a++) {
+    for (size_t a = LAC_LUMP_ANSWER + 1; a < LAC_LUMP_PATTERNS; a++) {
         sum += fmax(0.0, x->of[a][a]);
     }
     return sum;
@@ -103,26 +106,19 @@ double lac_lump_stiffness(const lac_lump_source *s, size_t level)
     return transfer->kind->stiffness(transfer->state, level);
 }
 
-// The level whose blocks are taken together: above it slip over dc by which blocks would come apart
-// is small, or no larger than that of single cells.
-lac_status lac_lump_choose_level(const lac_lump_source *s, lac_lump_cells *f, double error,
-                                 size_t *level, lac_error *err)
+size_t lac_lump_choose_level(const lac_lump_source *s, lac_lump_cells *f, double error)
 {
     const size_t levels = lac_hierarchy_levels(s->blocks);
-    lac_lump_pairs *of = calloc(levels + 1, sizeof *of);
-    LAC_FAIL_MEMORY_IF(of == NULL, err);
+    lac_lump_pairs of[LAC_LUMP_LEVELS] = {0};
+    double apart[LAC_LUMP_LEVELS]; // squares of slip over dc by which each level may come apart
     lac_lump_add_levels(s, f, levels, 0, f->n, of);
-    double finest = 0.0;
-    *level = levels;
-    for (size_t l = levels; l-- > 0;) {
-        const double apart = f->per_dc / lac_lump_stiffness(s, l);
-        const double square = lac_lump_trace(&of[l]);
-        f->apart_by[l] = square > 0.0 ? square * apart * apart / (double)f->n : 0.0;
+    for (size_t l = 0; l < levels; l++) {
+        const double by = f->direct * f->per_dc / lac_lump_stiffness(s, l);
+        apart[l] = lac_lump_trace(&of[l]) * by * by / (double)f->n;
     }
-    finest = f->apart_by[0];
+    size_t level = levels;
     for (size_t l = levels; l-- > 1;) {
-        *level = f->apart_by[l] > fmax(0.1 * error, 2.0 * finest) ? l : *level;
+        level = apart[l] > fmax(0.1 * error, 2.0 * apart[0]) ? l : level;
     }
-    free(of);
-    return LAC_OK;
+    return level;
 }

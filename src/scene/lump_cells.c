@@ -1,151 +1,184 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What cells that are to be taken together differ in, and what that does to them.
+// What moves cells that are to be taken together: the friction of each along some histories of
+// slip, which the friction law itself tells. docs/theory/lumped.md.
+#include "base/vsum.h"
 #include "scene/lump_parts.h"
-
-// Adds a variable unless the cells are alike in it. @param size  what a difference is beside
-static void add_variable(lac_lump_cells *f, const double *x, double size)
-{
-    double least = INFINITY, most = -INFINITY;
-    for (size_t i = 0; i < f->n; i++) {
-        least = fmin(least, x[i]);
-        most = fmax(most, x[i]);
-    }
-    if (most - least > 1e-7 * size && f->variables < MOST_VARIABLES) {
-        lac_lump_variable *v = &f->of[f->variables];
-        v->value = f->memory + f->variables++ * f->n;
-        v->scale = size;
-        memcpy(v->value, x, f->n * sizeof *x);
-    }
-}
-
-static void add_column(lac_lump_cells *f, const lac_cellwise *column, double *room)
-{
-    double size = 0.0;
-    for (size_t i = 0; column->value != NULL && column->mask != 0 && i < f->n; i++) {
-        room[i] = lac_cellwise_of(column, i);
-        size = fmax(size, fabs(room[i]));
-    }
-    if (size > 0.0) {
-        add_variable(f, room, size);
-    }
-}
 
 // A state x of the steady one at the start leaves it at a rate that 1 - 1/x sets: there what is
 // wrong of x counts 1/(x - 1) times.
 static double gain_of(const lac_lump_source *s, const lac_lump_cells *f)
 {
     const double most = 100.0;
-    double sum = 0.0, pressure = 0.0;
+    double sum = 0.0;
     for (size_t i = 0; i < f->n; i++) {
         const double dc = lac_cellwise_of(&s->whole.friction->column[LAC_DC], i);
-        const double p = s->whole.domain->pressure[i];
-        sum += p * (s->whole.log_state[i] + log(f->rate / dc));
-        pressure += p;
+        sum += s->whole.domain->pressure[i] * (s->whole.log_state[i] + log(f->rate / dc));
     }
-    const double x = exp(sum / pressure);
+    const double x = exp(sum / f->pressure / (double)f->n);
     const double gain = x / fabs(x - 1.0);
     return gain > 1.0 ? fmin(gain, most) : 1.0;
 }
 
-// What friction may leave a cell apart by, in parts of its pressure: by the renewal of its state
-// over some slip, its state and rate at the start, what it weakens by, and its friction where water
-// takes off its pressure.
+static void sum_up(const lac_lump_source *s, lac_lump_cells *f)
+{
+    const lac_friction *friction = s->whole.friction;
+    const double part = 1.0 / (double)f->n;
+    for (size_t i = 0; i < f->n; i++) {
+        const double p = s->whole.domain->pressure[i];
+        f->pressure += part * p;
+        f->direct += part * p * lac_cellwise_of(&friction->column[LAC_A], i);
+        f->per_dc += part / lac_cellwise_of(&friction->column[LAC_DC], i);
+        f->mean_rate += part * exp(s->whole.log_rate[i]);
+    }
+    f->direct /= f->pressure;
+    f->rate = f->mean_rate;
+}
+
+// All cells on their way as one.
+typedef struct moving {
+    double *w;    // [n] their states
+    double rate;  // [m/s]; 0: each its own
+    double share; // of the direct effect by which they are loaded more than at the start
+} moving;
+
+// Friction of all cells at their rate, in parts of the direct effect, then their states after some
+// time. No state goes further than a state may in one step.
+// @param row  [n] overwritten; NULL: not asked for
+// @return mean friction by pressure less the load
+static double move(const lac_lump_source *s, const lac_lump_cells *f, moving *m, double time,
+                   double *row)
+{
+    const double most = 1.0, log_rate = log(m->rate);
+    const double *load = f->friction + LAC_LUMP_LOAD * f->n;
+    double u[LAC_FRICTION_BLOCK], v[LAC_FRICTION_BLOCK], g[LAC_FRICTION_BLOCK];
+    double of[LAC_FRICTION_BLOCK], sum = 0.0;
+    for (size_t first = 0, n; first < f->n; first += n) {
+        n = f->n - first < LAC_FRICTION_BLOCK ? f->n - first : LAC_FRICTION_BLOCK;
+        for (size_t i = 0; i < n; i++) {
+            u[i] = m->rate > 0.0 ? log_rate : s->whole.log_rate[first + i];
+            v[i] = m->rate > 0.0 ? m->rate : exp(u[i]);
+        }
+        const lac_friction_cells cells = {
+            .first = first, .n = n, .u = u, .w = m->w + first, .v = v};
+        lac_friction_evaluate(s->whole.friction, &cells, &(lac_friction_values){.f = of, .g = g},
+                              NULL);
+        for (size_t i = 0; i < n; i++) {
+            of[i] /= f->direct;
+            sum += s->whole.domain->pressure[first + i] * (of[i] - load[first + i]);
+            const double dc = lac_cellwise_of(&s->whole.friction->column[LAC_DC], first + i);
+            const double by = v[i] * time / dc;
+            m->w[first + i] += by > 0.0 ? fmin(-expm1(-by) / by * time * g[i], most) : 0.0;
+        }
+        if (row != NULL) {
+            memcpy(row + first, of, n * sizeof *of);
+        }
+    }
+    return sum / f->pressure / (double)f->n;
+}
+
+// The rate at which friction holds the load.
+static void balance(const lac_lump_source *s, const lac_lump_cells *f, moving *m)
+{
+    for (size_t k = 0; k < 4; k++) {
+        const double off = m->share - move(s, f, m, 0.0, NULL);
+        m->rate *= exp(fmax(-5.0, fmin(off, 5.0)));
+    }
+}
+
+// Takes states through slip of all cells as one under a constant load.
+static void walk(const lac_lump_source *s, lac_lump_cells *f, moving *m, size_t history)
+{
+    enum { EACH = 4 };
+    static const double share[LAC_LUMP_HISTORIES] = {0.0, 1.5, -1.5};
+    const double first = 0.03, last = 15.0;
+    double slip = 0.0;
+    double *kept = f->friction + (LAC_LUMP_STAGES + history * LAC_LUMP_EACH) * f->n;
+    double *test = f->friction + (LAC_LUMP_KEPT + history * LAC_LUMP_EACH) * f->n;
+    memcpy(m->w, s->whole.log_state, f->n * sizeof *m->w);
+    m->share = share[history];
+    m->rate = f->rate;
+    balance(s, f, m);
+    for (size_t k = 0; k < EACH * LAC_LUMP_EACH; k++) {
+        const double to = first * pow(last / first, (double)k / (EACH * LAC_LUMP_EACH - 1));
+        double *row = k % EACH == 3   ? kept + k / EACH * f->n
+                      : k % EACH == 1 ? test + k / EACH * f->n
+                                      : NULL;
+        const double off = m->share - move(s, f, m, (to - slip) / f->per_dc / m->rate, row);
+        m->rate *= exp(fmax(-2.0, fmin(off, 2.0)));
+        slip = to;
+    }
+}
+
+static void fill_friction(const lac_lump_source *s, lac_lump_cells *f)
+{
+    const double fast = 1e3;
+    const lac_friction *friction = s->whole.friction;
+    double *load = f->friction + LAC_LUMP_LOAD * f->n;
+    moving m = {.w = f->force, .rate = 0.0};
+    for (size_t i = 0; i < f->n; i++) {
+        const double b = lac_cellwise_of(&friction->column[LAC_B], i);
+        const double dc = lac_cellwise_of(&friction->column[LAC_DC], i);
+        f->friction[LAC_LUMP_ANSWER * f->n + i] = b / dc / f->per_dc / f->direct;
+    }
+    memcpy(m.w, s->whole.log_state, f->n * sizeof *m.w);
+    memset(load, 0, f->n * sizeof *load);
+    (void)move(s, f, &m, 0.0, load);
+    m.rate = f->mean_rate;
+    balance(s, f, &m);
+    f->rate = m.rate;
+    f->gain = gain_of(s, f);
+    (void)move(s, f, &m, 0.0, f->friction + LAC_LUMP_START * f->n);
+    m.rate *= fast;
+    (void)move(s, f, &m, 0.0, f->friction + LAC_LUMP_FAST * f->n);
+    for (size_t k = 0; k < 2; k++) {
+        m.rate = k == 0 ? fast * f->rate : f->rate;
+        for (size_t i = 0; i < f->n; i++) {
+            m.w[i] = log(lac_cellwise_of(&friction->column[LAC_DC], i) / m.rate);
+        }
+        (void)move(s, f, &m, 0.0, f->friction + (LAC_LUMP_STEADY + k) * f->n);
+    }
+    for (size_t h = 0; h < LAC_LUMP_HISTORIES; h++) {
+        walk(s, f, &m, h);
+    }
+}
+
+// By what cells are left apart: friction less what the load at the start is, at once, after some
+// slip, and much faster; and that load, where its share changes with the water.
 static void fill_patterns(const lac_lump_source *s, lac_lump_cells *f)
 {
-    const lac_problem_parts parts = lac_problem_parts_of(s->problem);
-    const lac_friction *friction = s->whole.friction;
-    double dc = 0.0;
-    for (size_t i = 0; i < f->n; i++) {
-        dc += 1.0 / lac_cellwise_of(&friction->column[LAC_DC], i) / (double)f->n;
-    }
-    f->per_dc = dc;
-    f->rate = 0.0;
-    for (size_t i = 0; i < f->n; i++) {
-        f->rate += exp(s->whole.log_rate[i]) / (double)f->n;
-    }
-    f->gain = gain_of(s, f);
-    for (size_t i = 0; i < f->n; i++) {
-        const double a = lac_cellwise_of(&friction->column[LAC_A], i);
-        const double b = lac_cellwise_of(&friction->column[LAC_B], i);
-        double *at = f->pattern + i;
-        at[0] = b / lac_cellwise_of(&friction->column[LAC_DC], i) / dc;
-        at[f->n] = b * s->whole.log_state[i];
-        at[2 * f->n] = b * lac_cellwise_of(&friction->ln_dc, i);
-        at[3 * f->n] = a * s->whole.log_rate[i];
-        at[4 * f->n] = 5.0 * (b - a);
-        at[5 * f->n] = 0.05 * (parts.traction[i] / parts.pressure[i]);
-    }
-}
-
-// Takes the states of cells through slip at the joint's rate at the start, by steps so short that
-// they go where the law takes them: what it makes of the cells is what a quadrature has to know.
-static void fill_held(const lac_lump_source *s, lac_lump_cells *f)
-{
-    enum { STEPS = 8 };
-    const double step = 0.15 / f->per_dc / f->rate; // [s]
-    const lac_friction *friction = s->whole.friction;
-    double w[LAC_FRICTION_BLOCK], u[LAC_FRICTION_BLOCK], v[LAC_FRICTION_BLOCK];
-    double g[LAC_FRICTION_BLOCK];
-    for (size_t i = 0; i < LAC_FRICTION_BLOCK; i++) {
-        v[i] = f->rate;
-        u[i] = log(f->rate);
-    }
-    for (size_t first = 0; first < f->n; first += LAC_FRICTION_BLOCK) {
-        const size_t left = f->n - first, n = left < LAC_FRICTION_BLOCK ? left : LAC_FRICTION_BLOCK;
-        const lac_friction_cells cells = {.first = first, .n = n, .u = u, .w = w, .v = v};
-        memcpy(w, s->whole.log_state + first, n * sizeof *w);
-        for (size_t k = 1; k <= STEPS; k++) {
-            lac_friction_evaluate(friction, &cells, &(lac_friction_values){.g = g}, NULL);
-            for (size_t i = 0; i < n; i++) {
-                w[i] += step * g[i];
-            }
-            for (size_t i = 0; k % 3 == 2 && i < n; i++) {
-                const double b = lac_cellwise_of(&friction->column[LAC_B], first + i);
-                f->held[k / 3 * f->n + first + i] = b * w[i];
-            }
+    const size_t n = f->n;
+    const double water = 0.05;
+    const double *load = f->friction + LAC_LUMP_LOAD * n;
+    const double *of[LAC_LUMP_PATTERNS] = {
+        [1] = f->friction + LAC_LUMP_START * n,
+        [2] = f->friction + LAC_LUMP_FAST * n,
+        [3] = f->friction + (LAC_LUMP_STAGES + LAC_LUMP_EACH / 4) * n,
+        [4] = f->friction + (LAC_LUMP_STAGES + LAC_LUMP_EACH + LAC_LUMP_EACH / 2) * n};
+    memcpy(f->pattern, f->friction + LAC_LUMP_ANSWER * n, n * sizeof *f->pattern);
+    f->answer = lac_vdot(n, f->pattern, s->whole.domain->pressure) / f->pressure / (double)n;
+    for (size_t a = 1; a < LAC_LUMP_PATTERNS; a++) {
+        for (size_t i = 0; i < n; i++) {
+            f->pattern[a * n + i] = of[a] != NULL ? of[a][i] - load[i] : water * load[i];
+        }
+        const double mean =
+            lac_vdot(n, f->pattern + a * n, s->whole.domain->pressure) / f->pressure / (double)n;
+        for (size_t i = 0; i < n; i++) {
+            f->pattern[a * n + i] -= mean;
         }
     }
 }
 
-// What moves the cells: their parameters, but f0, of which only the friction at the start counts;
-// rate and state at the start; what loads do to each.
 lac_status lac_lump_look(const lac_lump_source *s, lac_lump_cells *f, lac_error *err)
 {
-    const lac_friction *friction = s->whole.friction;
-    const lac_problem_parts parts = lac_problem_parts_of(s->problem);
     const size_t n = s->whole.domain->n;
     *f = (lac_lump_cells){.n = n};
-    f->memory = malloc((MOST_VARIABLES + 2 * PATTERNS + STAGES) * (n + 1) * sizeof *f->memory);
+    f->memory = malloc((LAC_LUMP_ROWS + 2 * LAC_LUMP_PATTERNS) * (n + 1) * sizeof *f->memory);
     LAC_FAIL_MEMORY_IF(f->memory == NULL, err);
-    f->pattern = f->memory + MOST_VARIABLES * n;
-    f->held = f->pattern + PATTERNS * n;
-    f->force = f->held + STAGES * n;
-    add_column(f, &friction->ln_dc, f->pattern);
-    add_variable(f, s->whole.log_state, 1.0);
-    add_variable(f, s->whole.log_rate, 1.0);
-    for (size_t c = LAC_A; c < friction->columns; c++) {
-        if (c != LAC_DC) {
-            add_column(f, &friction->column[c], f->pattern);
-        }
-    }
-    for (size_t i = 0; i < n; i++) {
-        f->pattern[i] = parts.traction[i] / parts.pressure[i];
-    }
-    add_variable(f, f->pattern, 1.0);
-    if (s->whole.loads.shape != NULL) {
-        add_variable(f, s->whole.loads.shape, 1.0);
-    }
-    for (size_t i = 0; i < s->whole.loads.count; i++) {
-        const lac_load *load = &s->whole.loads.load[i];
-        f->apart = f->apart || load->share != LAC_SHARE_PRESSURE || load->kind->stiffness != NULL;
-    }
-    for (size_t i = 0; f->apart && i < n; i++) {
-        f->pattern[i] = log(parts.pressure[i]);
-    }
-    if (f->apart) {
-        add_variable(f, f->pattern, 1.0);
-    }
+    f->friction = f->memory;
+    f->pattern = f->friction + LAC_LUMP_ROWS * n;
+    f->force = f->pattern + LAC_LUMP_PATTERNS * n;
+    sum_up(s, f);
+    fill_friction(s, f);
     fill_patterns(s, f);
-    fill_held(s, f);
     return LAC_OK;
 }

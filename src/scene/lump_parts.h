@@ -3,69 +3,50 @@
 
 #include "scene/lump.h"
 
+// Rows of `friction`: what friction the cells have, in parts of the direct effect; all but those
+// behind LAC_LUMP_KEPT have sums that the leaves keep.
 enum {
-    MOST_VARIABLES = 24,
-    PATTERNS = 6,
-    ANSWERS = 3,
-    STAGES = 3,
-    FEWEST_NODES = 4,
-    MOST_NODES = 10
+    LAC_LUMP_ANSWER = 0,                   // b/dc: how friction answers to slip
+    LAC_LUMP_LOAD,                         // traction over pressure at the start
+    LAC_LUMP_START,                        // at the joint's slip rate
+    LAC_LUMP_FAST,                         // at a much faster one, states as at the start
+    LAC_LUMP_STEADY,                       // at both, with the states that are steady there
+    LAC_LUMP_STAGES = LAC_LUMP_STEADY + 2, // after so much slip, at several slip rates
+    LAC_LUMP_HISTORIES = 3,
+    LAC_LUMP_EACH = 12,
+    LAC_LUMP_KEPT = LAC_LUMP_STAGES + LAC_LUMP_HISTORIES * LAC_LUMP_EACH,
+    LAC_LUMP_TESTS = LAC_LUMP_HISTORIES * LAC_LUMP_EACH, // the same between those stages
+    LAC_LUMP_ROWS = LAC_LUMP_KEPT + LAC_LUMP_TESTS,
+    LAC_LUMP_LEVELS = 64,
+    LAC_LUMP_PATTERNS = 6 // LAC_LUMP_ANSWER, and what friction may leave cells apart by
 };
 
-// What the cells differ in: of all of them, scaled block by block.
-typedef struct lac_lump_variable {
-    double *value; // [n]
-    double mean, scale;
-} lac_lump_variable;
-
+// What moves the cells.
 typedef struct lac_lump_cells {
-    size_t n, variables;
-    lac_lump_variable of[MOST_VARIABLES];
-    double *pattern;     // [PATTERNS][n] what friction may leave a cell apart by, in parts of p
-    double *force;       // [PATTERNS][n + 1] sums up to a cell of p times a pattern
-    double *held;        // [STAGES][n] part of friction by the state, after so much slip
-    double per_dc;       // mean of 1/dc [1/m]
-    double rate;         // mean slip rate at the start [m/s]
-    double gain;         // of lac_lump
-    double apart_by[64]; // squares of slip over dc by which each level may come apart
-    bool apart;          // a load acts on the cells otherwise than their pressures do
+    size_t n;
+    double *friction; // [LAC_LUMP_ROWS][n]
+    double *pattern;  // [LAC_LUMP_PATTERNS][n]
+    double *force;    // [LAC_LUMP_PATTERNS][n + 1] sums up to a cell of p times a pattern
+    double pressure;  // mean [Pa]
+    double direct;    // mean of a by pressure
+    double answer;    // mean of the answer by pressure
+    double per_dc;    // mean of 1/dc [1/m]
+    double mean_rate; // mean slip rate at the start [m/s]
+    double rate;      // once all cells go as one [m/s]
+    double gain;      // of lac_lump
     double *memory;
 } lac_lump_cells;
 
-// The cells of one block as points.
-typedef struct lac_lump_block {
-    const double *pressure; // [n] from its first cell on
-    size_t first, n;
-    size_t active; // variables that are no straight line of those before them
-    const lac_lump_variable *at[MOST_VARIABLES];
-    double mean[MOST_VARIABLES], scale[MOST_VARIABLES];
-    double share[MOST_VARIABLES][MOST_VARIABLES]; // of the ones before it that each is less
-    double mean_pressure;
-    size_t degree;
-    bool apart; // leaves keep pressures of their own
-} lac_lump_block;
-
-// Of each two patterns.
+// Of each two patterns: what the second drives apart, as the first answers to it.
 typedef struct lac_lump_pairs {
-    double of[PATTERNS][PATTERNS];
+    double of[LAC_LUMP_PATTERNS][LAC_LUMP_PATTERNS];
 } lac_lump_pairs;
 
 // What moves the cells; `memory` is the caller's to free.
 lac_status lac_lump_look(const lac_lump_source *s, lac_lump_cells *f, lac_error *err);
 
-// A block of n cells from `first` on, for a quadrature of so many nodes.
-void lac_lump_block_look(const lac_lump_cells *of, const double *pressure, size_t first, size_t n,
-                         size_t nodes, lac_lump_block *b);
-
-// Functions of its cells whose sums are kept, and their values: lac_cubature.at.
-size_t lac_lump_block_functions(const lac_lump_block *b);
-void lac_lump_block_values(const void *block, size_t point, double *value);
-
-// Which of its leaves each cell is most like. @param kept  [leaves] cells of the block
-// @param leaf  [b->n] overwritten; room  [leaves][b->active]
-void lac_lump_block_assign(const lac_lump_block *b, const uint32_t *kept, size_t leaves,
-                           uint32_t *leaf, double *room);
-
+// x += times a b'
+void lac_lump_add(const double *a, const double *b, double times, lac_lump_pairs *x);
 void lac_lump_add_pairs(const lac_lump_pairs *x, double times, lac_lump_pairs *sum);
 double lac_lump_trace(const lac_lump_pairs *x);
 
@@ -79,5 +60,4 @@ double lac_lump_stiffness(const lac_lump_source *s, size_t level);
 
 // The level whose blocks are taken together: above it slip over dc by which blocks would come apart
 // is small, or no larger than that of single cells.
-lac_status lac_lump_choose_level(const lac_lump_source *s, lac_lump_cells *f, double error,
-                                 size_t *level, lac_error *err);
+size_t lac_lump_choose_level(const lac_lump_source *s, lac_lump_cells *f, double error);

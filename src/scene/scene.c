@@ -105,21 +105,19 @@ static lac_problem_def problem_def(const lac_scene *scene)
 lac_lump_source lac_scene_lump_source(const lac_scene *scene)
 {
     const lac_problem_parts parts = lac_problem_parts_of(scene->problem);
-    lac_lump_source source = {problem_def(scene), scene->problem, scene->hierarchy};
+    lac_lump_source source = {problem_def(scene), scene->problem, scene->hierarchy, NULL};
     source.whole.log_rate = parts.log_rate;
     source.whole.log_state = parts.log_state;
     return source;
 }
 
-lac_status lac_scene_lump(lac_scene *scene, const lac_lump_def *def, lac_error *err)
+lac_status lac_scene_lump(lac_scene *scene, const lac_lump *like, lac_error *err)
 {
     lac_lump_free(scene->lump);
     scene->lump = NULL;
-    if (def == NULL) {
-        return LAC_OK;
-    }
-    const lac_lump_source source = lac_scene_lump_source(scene);
-    return lac_lump_create(&source, def, &scene->lump, err);
+    lac_lump_source source = lac_scene_lump_source(scene);
+    source.like = like;
+    return lac_lump_create(&source, &scene->source->lump, &scene->lump, err);
 }
 
 // What a run of ranks does not do: it is one of all cells in time, from its start.
@@ -171,7 +169,7 @@ static lac_status make_problem(lac_scene *scene, const lac_heterogeneity_place *
     LAC_TRY(lac_team_agree(c->team, LAC_OK, err)); // all have come so far
     LAC_TRY(lac_problem_create(&def, &scene->problem, err));
     if (c->run.fidelity == LAC_FIDELITY_LUMPED) {
-        LAC_TRY(lac_scene_lump(scene, &c->lump, err));
+        LAC_TRY(lac_scene_lump(scene, NULL, err));
     }
 out:
     free(start);

@@ -185,11 +185,12 @@ lac_status lac_scene_renew(lac_scene *scene, lac_load_files *files, bool loads, 
 
 /// Takes the cells of a scene together, whatever its case says: its runs are of the lump then, and
 /// lac_lumped_judge tells their error.
-/// @param def  NULL: runs are of all cells again
+/// @param like  a lump whose cells and weights are taken, of a scene of as many cells; NULL: what
+/// suits
 /// @return as lac_lump_create; without a lump unless LAC_OK
-lac_status lac_scene_lump(lac_scene *scene, const lac_lump_def *def, lac_error *err);
+lac_status lac_scene_lump(lac_scene *scene, const lac_lump *like, lac_error *err);
 
-/// What the lump of a scene is made from.
+/// What the lump of a scene is made from, with nothing that it is like.
 lac_lump_source lac_scene_lump_source(const lac_scene *scene);
 
 void lac_scene_free(lac_scene *scene);

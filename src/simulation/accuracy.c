@@ -19,6 +19,9 @@ static const double rtols[RUNGS] = {1e-2, 1e-3, 1e-4,  1e-5,  1e-6, 1e-7,
 // Steps of an explicit method that stability may ask for before the other one is looked at.
 static const double most_stiff = 70;
 
+// Steps that a tighter run has more, at the least, where the tolerance bounds them.
+static const double few = 1.15;
+
 // Bytes of records and fields that a pilot run may keep.
 static const size_t most_kept = (size_t)256 << 20;
 
@@ -33,7 +36,7 @@ typedef struct rung {
     int64_t steps;
     const char *of;
     lac_end end;
-    bool low_order;
+    double part; // of what changes to the next, by which that one is off; 0: as steps say
 } rung;
 
 typedef struct search {
@@ -80,8 +83,8 @@ static lac_status run_and_keep(search *s, const lac_run_def *def, lac_error *err
     const lac_accuracy_def *how = s->def;
     const bool plans =
         def->checkpoint.steps > 0 || def->checkpoint.time > 0.0 || def->checkpoint.per_decade > 0.0;
-    if (plans || how->options->live) {
-        return lac_run(how->scene->problem, def, NULL, &take->run, err);
+    if (plans || how->options->live || how->scene->lump != NULL) {
+        return lac_run(lac_scene_problem(how->scene), def, NULL, &take->run, err);
     }
     LAC_TRY_RETURN(lac_indicators_create(how->scene, how->critical, &take->analysis, err));
     take->tape = (lac_tape){.values = lac_analysis_values(take->analysis),
@@ -91,7 +94,7 @@ static lac_status run_and_keep(search *s, const lac_run_def *def, lac_error *err
                             .most = most_kept};
     const lac_sink tape = lac_tape_sink(&take->tape);
     const lac_sink sink = take->analysis != NULL ? lac_analysis_sink(take->analysis, &tape) : tape;
-    LAC_TRY_RETURN(lac_run(how->scene->problem, def, &sink, &take->run, err));
+    LAC_TRY_RETURN(lac_run(lac_scene_problem(how->scene), def, &sink, &take->run, err));
     if (take->analysis != NULL) {
         LAC_TRY_RETURN(lac_analysis_finish(take->analysis, &take->run, err));
     }
@@ -117,12 +120,12 @@ static lac_status pilot(search *s, double rtol, double stiff, rung *out, lac_err
     lac_status status;
     if (stiff > 0.0) {
         def.snapshots = false;
-        status = lac_run(s->def->scene->problem, &def, NULL, &s->take->run, err);
+        status = lac_run(lac_scene_problem(s->def->scene), &def, NULL, &s->take->run, err);
     } else {
         status = run_and_keep(s, &def, err);
     }
     *out = read_result(&def, &s->take->run, status);
-    out->low_order = low_order;
+    out->part = low_order ? 0.2 : 0.0;
     s->pick->pilots++;
     s->pick->evaluations += s->take->run.rhs_evaluations;
     s->pick->work += out->work;
@@ -139,17 +142,21 @@ static double apart(const rung *a, const rung *b)
     return scale > 0.0 ? fabs(a->value - b->value) / scale : fabs(a->value - b->value);
 }
 
-// Error of the finer of two runs: of one of low order a part, else as the inverse of the steps,
-// were the order 1. Where the tolerance bounds the steps but little, as breaks or stability do,
-// agreement says little too: there and where both agree by chance, what the tolerance was seen to
-// leave at most.
+static double more_steps(const rung *coarse, const rung *fine)
+{
+    return (double)fine->steps / (double)(coarse->steps > 0 ? coarse->steps : 1);
+}
+
+// Error of the finer of two runs: beside one of another method or order a part, else as the inverse
+// of the steps, were the order 1. Where the tolerance bounds the steps but little, as breaks or
+// stability do, agreement says little too: there and where both agree by chance, what the tolerance
+// was seen to leave at most.
 static double error_of(lac_method method, const rung *coarse, const rung *fine)
 {
-    const double few = 1.15;
-    const double steps = (double)fine->steps / (double)(coarse->steps > 0 ? coarse->steps : 1);
+    const double steps = more_steps(coarse, fine);
     const double change = apart(coarse, fine);
-    if (coarse->low_order) {
-        return fmax(change / 5.0, 5.0 * fine->rtol);
+    if (coarse->part > 0.0) {
+        return fmax(change * coarse->part, 5.0 * fine->rtol);
     }
     if (steps < few) {
         return fmax(3.0 * change, (method == LAC_ERK ? 5.0 : 10.0) * fine->rtol);
@@ -173,7 +180,8 @@ static lac_status begin(search *s, double stiff, lac_error *err)
     return pilot(s, rtols[fine_rung(s->c) - APART], stiff, &s->last, err);
 }
 
-// Ever tighter runs until one is close enough, by so many decades as it seems to need.
+// Ever tighter runs until one is close enough, by so many decades as it seems to need; by two where
+// steps do not grow, as such a run costs no more.
 // @param found  whether there is one
 static lac_status climb(search *s, size_t most, bool *found, lac_error *err)
 {
@@ -186,7 +194,8 @@ static lac_status climb(search *s, size_t most, bool *found, lac_error *err)
         const double decades = isfinite(error) ? ceil(log10(error / asked)) : 1.0;
         *found = error <= asked;
         s->pick->estimated = error;
-        k += (size_t)fmin(fmax(decades, 1.0), 3.0);
+        const double least = before.part > 0.0 || more_steps(&before, &s->last) >= few ? 1.0 : 2.0;
+        k += (size_t)fmin(fmax(decades, least), 3.0);
     }
     return LAC_OK;
 }
@@ -199,9 +208,9 @@ static lac_status turn(search *s, lac_method method, lac_formulation formulation
 }
 
 // erk, where the case leaves it open, by the measurements that speak for it in docs/choosing.md.
-// @param stiff  steps that stability may ask for
+// @param begun  whether there is a coarse run, of the case's own method; else one of erk is made
 // @param tried  whether it was gone through with; if it does not do, the case is as it was
-static lac_status try_explicit(search *s, double stiff, bool *tried, bool *found, lac_error *err)
+static lac_status try_explicit(search *s, bool begun, bool *tried, bool *found, lac_error *err)
 {
     const lac_friction_params *friction = s->c->friction.params;
     const lac_formulation formulation =
@@ -209,7 +218,7 @@ static lac_status try_explicit(search *s, double stiff, bool *tried, bool *found
     const lac_method method = s->c->run.method;
     const lac_formulation before = (lac_formulation)s->c->formulation;
     LAC_TRY_RETURN(turn(s, LAC_ERK, formulation, err));
-    LAC_TRY_RETURN(begin(s, stiff, err));
+    LAC_TRY_RETURN(begun ? LAC_OK : begin(s, most_stiff, err));
     *tried = !isnan(s->last.value);
     if (*tried) {
         LAC_TRY_RETURN(climb(s, EXPLICIT_RUNS, found, err));
@@ -227,7 +236,8 @@ static lac_status climb_own(search *s, bool open, bool *found, lac_error *err)
     const double explicit = (EXPLICIT_STAGES + step) * first.stiff_steps;
     if (open && !isnan(first.value) && explicit < worth * first.work) {
         bool tried;
-        LAC_TRY_RETURN(try_explicit(s, INFINITY, &tried, found, err));
+        s->last.part = 1.0 / 3.0;
+        LAC_TRY_RETURN(try_explicit(s, true, &tried, found, err));
     }
     s->last = *found ? s->last : first;
     return *found ? LAC_OK : climb(s, RUNGS, found, err);
@@ -267,7 +277,7 @@ lac_status lac_accuracy_choose(const lac_accuracy_def *def, lac_case *c, lac_acc
                       c->geometry.angles == 0;
     bool tried = false, found = false;
     if (open) {
-        LAC_TRY_RETURN(try_explicit(&s, most_stiff, &tried, &found, err));
+        LAC_TRY_RETURN(try_explicit(&s, false, &tried, &found, err));
     }
     if (!found) {
         LAC_TRY_RETURN(climb_own(&s, open && !tried, &found, err));

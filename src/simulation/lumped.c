@@ -11,21 +11,25 @@ static double result_of(const lac_run_result *run)
                                       : run->mean_slip;
 }
 
-// What comes out where the cells of a block follow their traction `softness` times as far; NaN: it
-// ends otherwise than the run.
+// What comes out where the cells of a block follow their traction less far; NaN: it ends otherwise
+// than the run.
 static lac_status pilot(lac_lump *lump, const lac_run_def *def, const lac_run_result *run,
-                        double softness, double rtol, double *out, lac_error *err)
+                        double *out, lac_error *err)
 {
-    lac_run_result result;
+    lac_status status = LAC_ENUMERIC;
+    lac_run_result result = {.failed = false};
     lac_run_def own = *def;
-    own.rtol = rtol;
     own.snapshots = false;
     own.points = NULL;
     own.resume = NULL;
     own.reached = NULL;
     own.checkpoint = (lac_cadence){.time = NAN, .per_decade = NAN};
-    lac_lump_soften(lump, softness);
-    const lac_status status = lac_run(lump->problem, &own, NULL, &result, err);
+    lac_lump_soften(lump, LAC_LUMP_STIFF);
+    for (double rtol = fmax(def->rtol, 1e-5); status == LAC_ENUMERIC && rtol > 0.0;) {
+        own.rtol = rtol;
+        status = lac_run(lump->problem, &own, NULL, &result, err);
+        rtol = rtol > def->rtol ? def->rtol : 0.0; // once more where the first was too rough
+    }
     lac_lump_soften(lump, 1.0);
     const bool alike = result.failed == run->failed && result.end == run->end;
     *out = status == LAC_OK && alike ? result_of(&result) : (double)NAN;
@@ -35,37 +39,11 @@ static lac_status pilot(lac_lump *lump, const lac_run_def *def, const lac_run_re
 lac_status lac_lumped_judge(lac_lump *lump, const lac_run_def *def, const lac_run_result *run,
                             double *error, lac_error *err)
 {
-    const double stiff = 0.02, soft = 2.0; // softness
-    const double close = 0.1;              // to where the cells of a block slip by themselves
-    const double least = 1.5e-5, undriven = 0.15;
-    const double value = result_of(run);
-    double rigid, loose = NAN;
-    LAC_TRY_RETURN(pilot(lump, def, run, stiff, fmax(def->rtol, 1e-5), &rigid, err));
-    const double first = (value - rigid) / (1.0 - stiff) / value;
-    const double off = run->failed ? lump->mismatch : fmax(lump->mismatch, undriven);
-    double sum = 2.0 * off * fabs(first) + 2.5 * lump->gain * first * first;
-    if (lump->weakness > close) {
-        LAC_TRY_RETURN(pilot(lump, def, run, soft, def->rtol, &loose, err));
-        const double second = ((loose - value) / value / (soft - 1.0) - first) / (soft - stiff);
-        sum += 3.0 * fabs(second);
-    }
-    sum += 1.3 * lump->gain * lump->rest;
-    *error = isfinite(sum) ? fmax(sum, least) : (double)INFINITY;
+    const bool driven = run->failed || (run->end == LAC_END_STOP && !isnan(def->stop_rate));
+    double stiff;
+    LAC_TRY_RETURN(pilot(lump, def, run, &stiff, err));
+    *error = lac_lump_bound(lump, result_of(run), stiff, driven);
     return LAC_OK;
-}
-
-void lac_lumped_points(const lac_lump *lump, const lac_domain *cells, lac_points *points)
-{
-    for (size_t i = 0; i < points->n; i++) {
-        lac_point *p = &points->point[i];
-        double pressed = 0.0;
-        for (size_t k = 0; k < p->cells; k++) {
-            const size_t leaf = lump->leaf[p->cell[k]];
-            pressed += cells->pressure[p->cell[k]] / lump->domain->pressure[leaf];
-            p->cell[k] = leaf;
-        }
-        p->pressed = pressed / (double)p->cells;
-    }
 }
 
 enum { FIELDS = 9 };

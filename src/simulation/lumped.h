@@ -4,9 +4,8 @@
 #include "simulation/simulation.h"
 
 /// Error that taking cells together caused in a run that has ended, relative: of its time of
-/// failure or of a limit, else of its mean slip. From one more run in which the cells of a block
-/// slip as one: what slip apart changes in all, squared, bounds what is wrong about it; beside it
-/// stands the error of the quadrature. INFINITY where that run ends otherwise.
+/// failure or of a limit, else of its mean slip; lac_lump_bound of it and of one more run, in which
+/// the cells of a block slip less apart. INFINITY where that run ends otherwise.
 /// @param def    of the run; its rtol, sink and points do not count
 /// @param lump   of which the run was; as before afterwards
 /// @return LAC_OK; as lac_run
@@ -14,9 +13,6 @@
 /// @source docs/theory/lumped.md
 lac_status lac_lumped_judge(lac_lump *lump, const lac_run_def *def, const lac_run_result *run,
                             double *error, lac_error *err);
-
-/// Makes points that were found among the cells those of the leaves that stand for them.
-void lac_lumped_points(const lac_lump *lump, const lac_domain *cells, lac_points *points);
 
 /// A sink before another one that writes what it gets of leaves back to their cells.
 typedef struct lac_lumped_sink lac_lumped_sink;

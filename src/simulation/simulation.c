@@ -72,6 +72,12 @@ static lac_status pick_settings(lac_simulation *s, lac_error *err)
 
 static lac_status build(lac_simulation *s, lac_error *err)
 {
+    // Half of an error for all is for the pilot runs, half for taking cells together.
+    const bool halves = s->source.run.fidelity == LAC_FIDELITY_LUMPED && !isnan(s->source.accuracy);
+    if (halves) {
+        s->source.accuracy *= 0.5;
+        s->source.lump.error = fmin(s->source.lump.error, s->source.accuracy);
+    }
     LAC_TRY_RETURN(build_scene(s, err));
     s->outcome.scene = s->scene;
     LAC_TRY_RETURN(lac_fidelity_settle(s->scene, &s->source, &s->fidelity, err));
@@ -82,7 +88,7 @@ static lac_status build(lac_simulation *s, lac_error *err)
                                          s->source.point, &s->points, err));
         s->outcome.points = s->points;
         if (s->scene->lump != NULL) {
-            lac_lumped_points(s->scene->lump, s->scene->contact.domain, s->points);
+            lac_lump_points(s->scene->lump, s->scene->contact.domain, s->points);
         }
     }
     prepared(s, LAC_STAGE_SCENE);
@@ -91,6 +97,7 @@ static lac_status build(lac_simulation *s, lac_error *err)
         LAC_TRY_RETURN(lac_indicators_prepare(s->scene, &s->critical, err));
         LAC_TRY_RETURN(pick_settings(s, err));
     }
+    s->accuracy.asked *= halves ? 2.0 : 1.0;
     prepared(s, LAC_STAGE_ACCURACY);
     LAC_TRY_RETURN(picks ? LAC_OK : lac_indicators_prepare(s->scene, &s->critical, err));
     s->analysis = s->take.whole ? s->take.analysis : NULL;
@@ -226,16 +233,6 @@ static lac_status judge_lump(lac_simulation *s, const lac_run_def *def, lac_erro
     lac_run_result *run = &s->outcome.run;
     const double most = s->source.lump.error;
     double *error = &run->lump_error_estimated;
-    if (run->end != LAC_END_FAILURE) {
-        const char *ended = lac_end_name(run->end);
-        run->failed = false;
-        run->failure_origin = run->failure_local = NAN;
-        run->end = LAC_END_ERROR;
-        return lac_fail(err, LAC_ENUMERIC,
-                        "solver.fidelity lumped tells when a joint fails by its slip rate, not how "
-                        "far it slips: this run ended by %s; take fidelity ode",
-                        ended);
-    }
     LAC_TRY_RETURN(lac_lumped_judge(s->scene->lump, def, run, error, err));
     if (*error <= most) {
         return LAC_OK;
@@ -243,11 +240,16 @@ static lac_status judge_lump(lac_simulation *s, const lac_run_def *def, lac_erro
     run->failed = false;
     run->failure_origin = run->failure_local = NAN;
     run->end = LAC_END_ERROR;
-    return lac_fail(err, LAC_ENUMERIC,
-                    "solver.fidelity lumped may be off by %.2g, more than solver.lump.error %g: "
-                    "the cells of a block slip too far apart; a lower solver.lump.level opens "
-                    "blocks (here %zu), fidelity ode resolves all cells",
-                    *error, most, s->scene->lump->level);
+    const char *advice = "a lower solver.lump.level opens blocks, fidelity ode resolves all cells";
+    return isfinite(*error)
+               ? lac_fail(err, LAC_ENUMERIC,
+                          "solver.fidelity lumped may be off by %.2g, more than solver.lump.error "
+                          "%g: the cells of a block slip too far apart (level %zu); %s",
+                          *error, most, s->scene->lump->level, advice)
+               : lac_fail(err, LAC_ENUMERIC,
+                          "solver.fidelity lumped cannot tell how far off it is: the run ends "
+                          "otherwise where cells follow their traction less far (level %zu); %s",
+                          s->scene->lump->level, advice);
 }
 
 static lac_status integrate_lump(lac_simulation *s, const lac_run_def *def, const lac_sink *sink,

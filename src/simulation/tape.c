@@ -21,44 +21,63 @@ static void list(arrays *a, const double **at, size_t length)
     a->length[a->n++] = length;
 }
 
-static arrays of_record(const lac_tape *tape, lac_record *r)
-{
-    arrays a = {0};
-    list(&a, &r->cells.slip_rate, r->cells.n);
-    list(&a, &r->cells.log_state, r->cells.n);
-    list(&a, &r->extra, tape->values);
-    list(&a, &r->observation.points, LAC_POINT_VALUES * tape->points);
-    list(&a, &r->observation.points_along, LAC_POINT_ALONG * tape->points);
-    return a;
-}
+// What is kept of each kind.
+typedef union thing {
+    lac_record record;
+    lac_snapshot snapshot;
+    lac_event event;
+    lac_step step;
+} thing;
 
-static arrays of_snapshot(lac_snapshot *s)
+static const size_t sizes[] = {[PIECE_RECORD] = sizeof(lac_record),
+                               [PIECE_SNAPSHOT] = sizeof(lac_snapshot),
+                               [PIECE_EVENT] = sizeof(lac_event),
+                               [PIECE_STEP] = sizeof(lac_step)};
+
+static void list_snapshot(arrays *a, lac_snapshot *s)
 {
     const double **at[] = {&s->slip,        &s->slip_rate,        &s->state,
                            &s->traction,    &s->factor_of_safety, &s->pore,
                            &s->excess_pore, &s->temperature,      &s->broken};
-    arrays a = {0};
     for (size_t i = 0; i < sizeof at / sizeof *at; i++) {
-        list(&a, at[i], s->n);
+        list(a, at[i], s->n);
     }
     for (size_t i = 0; i < LAC_POINT_ALONG; i++) {
-        list(&a, &s->along[i], s->n);
+        list(a, &s->along[i], s->n);
+    }
+}
+
+static arrays arrays_of(const lac_tape *tape, uint64_t kind, thing *t)
+{
+    arrays a = {0};
+    lac_record *r = &t->record;
+    if (kind == PIECE_RECORD) {
+        list(&a, &r->cells.slip_rate, r->cells.n);
+        list(&a, &r->cells.log_state, r->cells.n);
+        list(&a, &r->extra, tape->values);
+        list(&a, &r->observation.points, LAC_POINT_VALUES * tape->points);
+        list(&a, &r->observation.points_along, LAC_POINT_ALONG * tape->points);
+    } else if (kind == PIECE_SNAPSHOT) {
+        list_snapshot(&a, &t->snapshot);
+    } else if (kind == PIECE_STEP) {
+        list(&a, &t->step.slip_rate, t->step.n);
+        list(&a, &t->step.slip, t->step.n);
     }
     return a;
 }
 
-static lac_status put(lac_tape *tape, piece kind, void *thing, size_t size, const arrays *a,
-                      lac_error *err)
+static lac_status put(lac_tape *tape, piece kind, thing own, lac_error *err)
 {
     uint64_t word = kind; // as wide as a double, so that arrays stand where they may
+    const arrays a = arrays_of(tape, kind, &own);
     if (tape->over) {
         return LAC_OK;
     }
     LAC_PASS(&tape->kept, word);
-    lac_archive_pass(&tape->kept, thing, size);
-    for (size_t i = 0; i < a->n; i++) {
-        if (*a->at[i] != NULL) {
-            lac_archive_pass(&tape->kept, (void *)*a->at[i], a->length[i] * sizeof **a->at[i]);
+    lac_archive_pass(&tape->kept, &own, sizes[kind]);
+    for (size_t i = 0; i < a.n; i++) {
+        if (*a.at[i] != NULL) {
+            lac_archive_pass(&tape->kept, (void *)*a.at[i], a.length[i] * sizeof **a.at[i]);
         }
     }
     LAC_FAIL_MEMORY_IF(tape->kept.no_memory, err);
@@ -72,38 +91,24 @@ static lac_status put(lac_tape *tape, piece kind, void *thing, size_t size, cons
 static lac_status put_record(void *context, const lac_record *record, lac_error *err)
 {
     lac_tape *tape = context;
-    lac_record own = *record;
-    own.cells = tape->cells ? own.cells : (lac_record_cells){0};
-    const arrays a = of_record(tape, &own);
-    return put(tape, PIECE_RECORD, &own, sizeof own, &a, err);
+    thing own = {.record = *record};
+    own.record.cells = tape->cells ? record->cells : (lac_record_cells){0};
+    return put(tape, PIECE_RECORD, own, err);
 }
 
 static lac_status put_snapshot(void *context, const lac_snapshot *snapshot, lac_error *err)
 {
-    lac_snapshot own = *snapshot;
-    const arrays a = of_snapshot(&own);
-    return put(context, PIECE_SNAPSHOT, &own, sizeof own, &a, err);
+    return put(context, PIECE_SNAPSHOT, (thing){.snapshot = *snapshot}, err);
 }
 
 static lac_status put_event(void *context, const lac_event *event, lac_error *err)
 {
-    lac_event own = *event;
-    return put(context, PIECE_EVENT, &own, sizeof own, &(arrays){0}, err);
-}
-
-static arrays of_step(lac_step *s)
-{
-    arrays a = {0};
-    list(&a, &s->slip_rate, s->n);
-    list(&a, &s->slip, s->n);
-    return a;
+    return put(context, PIECE_EVENT, (thing){.event = *event}, err);
 }
 
 static lac_status put_step(void *context, const lac_step *step, lac_error *err)
 {
-    lac_step own = *step;
-    const arrays a = of_step(&own);
-    return put(context, PIECE_STEP, &own, sizeof own, &a, err);
+    return put(context, PIECE_STEP, (thing){.step = *step}, err);
 }
 
 lac_sink lac_tape_sink(lac_tape *tape)
@@ -128,39 +133,18 @@ static void find(lac_archive *from, const arrays *a)
     }
 }
 
-static lac_status play_record(const lac_tape *tape, lac_archive *from, const lac_sink *to,
-                              lac_error *err)
+static lac_status hand_on(const lac_sink *to, uint64_t kind, const thing *t, lac_error *err)
 {
-    lac_record record;
-    LAC_PASS(from, record);
-    const arrays a = of_record(tape, &record);
-    find(from, &a);
-    return to->record != NULL ? to->record(to->context, &record, err) : LAC_OK;
-}
-
-static lac_status play_snapshot(lac_archive *from, const lac_sink *to, lac_error *err)
-{
-    lac_snapshot snapshot;
-    LAC_PASS(from, snapshot);
-    const arrays a = of_snapshot(&snapshot);
-    find(from, &a);
-    return to->snapshot != NULL ? to->snapshot(to->context, &snapshot, err) : LAC_OK;
-}
-
-static lac_status play_event(lac_archive *from, const lac_sink *to, lac_error *err)
-{
-    lac_event event;
-    LAC_PASS(from, event);
-    return to->event != NULL ? to->event(to->context, &event, err) : LAC_OK;
-}
-
-static lac_status play_step(lac_archive *from, const lac_sink *to, lac_error *err)
-{
-    lac_step step;
-    LAC_PASS(from, step);
-    const arrays a = of_step(&step);
-    find(from, &a);
-    return to->step != NULL ? to->step(to->context, &step, err) : LAC_OK;
+    if (kind == PIECE_RECORD && to->record != NULL) {
+        return to->record(to->context, &t->record, err);
+    }
+    if (kind == PIECE_SNAPSHOT && to->snapshot != NULL) {
+        return to->snapshot(to->context, &t->snapshot, err);
+    }
+    if (kind == PIECE_EVENT && to->event != NULL) {
+        return to->event(to->context, &t->event, err);
+    }
+    return kind == PIECE_STEP && to->step != NULL ? to->step(to->context, &t->step, err) : LAC_OK;
 }
 
 lac_status lac_tape_play(const lac_tape *tape, const lac_sink *to, lac_error *err)
@@ -169,12 +153,12 @@ lac_status lac_tape_play(const lac_tape *tape, const lac_sink *to, lac_error *er
     from.loading = true;
     while (from.at < from.size) {
         uint64_t kind;
+        thing t;
         LAC_PASS(&from, kind);
-        const lac_status status = kind == PIECE_RECORD     ? play_record(tape, &from, to, err)
-                                  : kind == PIECE_SNAPSHOT ? play_snapshot(&from, to, err)
-                                  : kind == PIECE_STEP     ? play_step(&from, to, err)
-                                                           : play_event(&from, to, err);
-        LAC_TRY_RETURN(status);
+        lac_archive_pass(&from, &t, sizes[kind]);
+        const arrays a = arrays_of(tape, kind, &t);
+        find(&from, &a);
+        LAC_TRY_RETURN(hand_on(to, kind, &t, err));
     }
     return LAC_OK;
 }

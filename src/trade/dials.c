@@ -166,7 +166,7 @@ static const lac_setting settings[] = {
     DIAL("method", "solver.method", method, RUN),
     DIAL("formulation", "solver.formulation", formulation, RUN),
     DIAL("fidelity", "solver.fidelity", fidelity, CASCADE_TOO, .asked = CASCADE_TOO, .scene = true,
-         .cascade = "static"),
+         .cascade = "static", .coarse = "lumped", .coarse_keys = "solver.lump"),
     DIAL("levels", "interface.levels", levels, CASCADE_TOO | LAC_OF_CONTACT, .asked = CASCADE_TOO,
          .scene = true, .ratio = 4),
     DIAL("transfer", "transfer", transfer, RUN, .asked = RUN, .scene = true),

@@ -9,6 +9,7 @@ usage: test_accuracy.py PROGRAM SOURCE_FOLDER [unittest options]
 import json
 import math
 import os
+import signal
 import sys
 import unittest
 
@@ -18,8 +19,9 @@ import numpy
 import test_breaks
 import test_cli
 
-SAME = (("friction/spread.yaml",), ("transfer/patch.yaml",), ("load/turning.yaml", "interface.levels=3"),
-        ("events.yaml",), ("load/field.yaml", "output.points=[{name: a, x: 4 m, y: 4 m}]"),
+SAME = (("friction/spread.yaml",), ("transfer/patch.yaml", "interface.cells_x=20", "interface.cells_y=20"),
+        ("load/turning.yaml", "interface.levels=3"), ("events.yaml", "interface.levels=3"),
+        ("load/field.yaml", "output.points=[{name: a, x: 4 m, y: 4 m}]"),
         ("block.yaml", "analysis.rg.critical_fraction=0.25", "output.every=1 hour"),
         ("one-by-one.yaml", "interface.levels=3", "solver.fidelity=ode"))
 MAY_DIFFER = {"history", "wall_time_s", "date_created", "date_modified", "accuracy", "accuracy_asked", "accuracy_estimated"}
@@ -136,6 +138,17 @@ class Accuracy(test_cli.Case):
         self.assertEqual((said["accuracy"]["method"], said["accuracy"]["rtol"]), ("erk", 1e-4))
         self.assertIn("steps were not enough", self.block(f"solver.max_steps={steps['1e-6']}", "solver.accuracy=1e-9", status=1))
         self.assertTrue(math.isfinite(said["failure_time_s"]))
+
+    def test_a_signal_in_pilot_runs(self):
+        """No run was picked yet: the status and a line say so, and no file is left."""
+        process = self.start("run", os.path.join(test_cli.SOURCE, "cases/one-by-one.yaml"), "-o", "cut.nc", "-v",
+                             "--accuracy", "1e-6", "--set", "solver.fidelity=ode")
+        for line in process.stderr:
+            if "pilot runs" in line:
+                break
+        process.send_signal(signal.SIGINT)
+        self.assertRegex(process.stderr.read(), "interrupted at .* of a pilot run .* no file was made")
+        self.assertEqual((process.wait(), self.exists("cut.nc")), (4, False))
 
 
 def main():

@@ -33,6 +33,7 @@ time: {end: "1 year", failure: {mean_slip_rate: "0.1 m/s"}}
 solver: {fidelity: auto}
 output: {file: soft.nc, every: {per_decade: 5}}
 """
+SMALL = "interface.levels=3"
 EVENTS = "cells slip one by one (k_0/k_crit"
 
 
@@ -114,6 +115,13 @@ class Rule(Fidelity):
                 fidelity, said = self.chosen(setting)
                 self.assertEqual((fidelity, bool(said)), ("ode", True))
 
+    def test_check_refuses_what_a_run_does(self):
+        """Of a grid too large for the scene to be made too."""
+        for command in "check", "run":
+            done = self.expect(2, command, self.path("soft.yaml"), *self.words(
+                ["solver.fidelity=events", "transfer={elastic: {}}", "interface.levels=9", "interface.domain={full: {}}"]))
+            self.assertIn("solver.fidelity events goes with transfer hierarchy, not with elastic", done.stderr)
+
     def test_a_cell_that_events_refuses(self):
         """Of a that falls to 0 in some cell the scene tells, not the case."""
         with_zero = "friction.spread={a: {uniform: {half_width: 1, seed: 1}}}"
@@ -188,12 +196,12 @@ class Trade(Fidelity):
     def value(self, dials):
         """Time of failure at rtol 1e-5."""
         said = json.loads(self.expect(0, "trade", self.path("soft.yaml"), "-q", "--json", "--force", "-o", self.path("t.nc"),
-                                      "--quantity", "failure", "--dials", dials).stdout)
+                                      "--quantity", "failure", "--dials", dials, *self.words([SMALL])).stdout)
         return {float(run["settings"]["solver.rtol"]): run["value"] for run in said["runs"]}[1e-5]
 
     def test_all_runs_have_one_fidelity(self):
         """That of a run; ode where settings of ode alone are turned."""
-        ode, events = (self.run_of("solver.rtol=1e-5", f"solver.fidelity={one}")["failure_time_s"] for one in ("ode", "events"))
+        ode, events = (self.run_of(SMALL, "solver.rtol=1e-5", f"solver.fidelity={one}")["failure_time_s"] for one in ("ode", "events"))
         self.assertEqual(self.value("rtol=1e-5"), events)
         self.assertEqual(self.value("rtol=1e-5,method=bdf"), ode)
 

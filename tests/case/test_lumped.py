@@ -122,10 +122,44 @@ class Lumped(unittest.TestCase):
                 ((lumped, "interface.slip=vector"), "along x only"),
                 ((lumped, "inertia={mass_per_area: 5e5 kg/m2}"), "knows no inertia"),
                 ((lumped, "solver.lump.error=0.7"), "0.5"),
-                ((lumped, "solver.lump.nodes=0"), "1")):
+                ((lumped, "solver.lump.nodes=1"), "2"),
+                ((lumped, "time.stop_when.max_slip_rate=1 mm/s"), "keeps few")):
             refused = self.run_case(*sets)
             self.assertEqual(refused.returncode, 2, f"{sets}: {refused.stderr}")
             self.assertIn(words, refused.stderr)
+
+    def test_other_ends(self):
+        """Means over cells are right where starting rates differ, and pilot runs may be of few cells."""
+        spread = "initial.spread={slip_rate: {lognormal: {sigma: 0.8, seed: 5}}}"
+        for end in ("time.stop_when.mean_slip=2 mm", "time.end=1 hour"):
+            few = json.loads(self.run_case("solver.fidelity=lumped", spread, end).stdout)
+            whole = json.loads(self.run_case("solver.fidelity=ode", spread, end).stdout)
+            key = "time_s" if "stop" in end else "mean_slip_m"
+            self.assertLess(abs(few[key] / whole[key] - 1), few["lump_error_estimated"] + 2e-5, end)
+        found = json.loads(self.run_case("solver.fidelity=lumped", "solver.accuracy=0.01", "solver.lump.level=auto").stdout)
+        self.assertEqual(found["lump"]["error_asked"], 0.005)
+        self.assertEqual(found["accuracy"]["asked"], 0.01)
+
+    def test_fit(self):
+        """A fit whose trials are lumped finds what readings of all cells were made with."""
+        self.run_case("solver.fidelity=ode")
+        with netCDF4.Dataset(os.path.join(self.folder, "out.nc")) as file:
+            times = np.linspace(0.1, 0.9, 20) * file["time"][-1]
+            slips = np.interp(times, file["time"][:], file["slip"][:]) + 1e-6 * np.cos(np.arange(20))
+        with open(os.path.join(self.folder, "s.csv"), "w", encoding="utf-8") as file:
+            file.write("t (s),s (m)\n" + "".join(f"{t:.3f},{s:.9f}\n" for t, s in zip(times, slips)))
+        self.write(SCENE + "fit: {parameters: {friction.aging.dc: {range: [0.5 mm, 2 mm]}}, time: t (s), displacement: s (m), errors: white, steps: 0}\n")
+        done = self.lacuna("fit", "case.yaml", "s.csv", "--json", "-o", "f.nc", "--set", "solver.fidelity=lumped")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        found = json.loads(done.stdout)
+        self.assertLess(abs(found["parameters"][0]["best"] / 1e-3 - 1), 2e-3)
+        self.assertGreaterEqual(found["lump_refused"], 0)
+
+    def test_no_lumped_reference(self):
+        for more in (("fidelity=ode:lumped",), ("rtol", "--set", "solver.fidelity=lumped")):
+            refused = self.lacuna("trade", "case.yaml", "--dials", *more, "-o", "t.nc")
+            self.assertEqual(refused.returncode, 2, refused.stderr)
+            self.assertIn("cannot be lumped", refused.stderr)
 
     def test_no_branch_from_it(self):
         self.assertEqual(self.run_case("solver.fidelity=lumped").returncode, 0)

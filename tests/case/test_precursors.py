@@ -471,6 +471,15 @@ class Precursors(unittest.TestCase):
         self.assertTrue(f["issued"], f["reason"])
         self.assertAlmostEqual(f["tc_raw_s"] / failure, 1, delta=0.005)
 
+    def test_a_run_that_ended_by_an_error(self):
+        case = os.path.join(SOURCE, "cases/block.yaml")
+        done = subprocess.run([PROGRAM, "run", case, "-o", "short.nc", "-q", "--set", "solver.max_steps=150"],
+                              cwd=self.folder, check=False, capture_output=True)
+        self.assertEqual(done.returncode, 1)
+        said = self.call("short.nc", "--json")
+        self.assertEqual(json.loads(said.stdout)["series"]["run_status"], "failed")
+        self.assertIn("warning: short.nc: this run ended by an error", said.stderr)
+
     def test_indicators_of_a_run(self):
         case = os.path.join(SOURCE, "cases/events.yaml")
         subprocess.run([PROGRAM, "run", case, "-o", "events.nc", "-q", "--set", "time.end=16",

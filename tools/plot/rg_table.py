@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Critical shear force over rules, dimensions and beta, beside other values, in markdown.
 
-    tools/plot/rg_table.py [CASE] [--seeds N] [--jobs N] [--parts table,variants,grids,places,map]
+    tools/plot/rg_table.py [CASE] [--seeds N] [--jobs N] [--parts table,variants,grids,places,map,paper]
                       [--levels N] [--dimensions D ...] [--grids N ...] [--json FILE]
 
 Calls `lacuna rg --json` on the case (cases/rg/table.yaml), whose normal load is chosen for each
@@ -16,6 +16,10 @@ the side to n/2 - 1 a side on n x n cells.
   places    scatter among interfaces, and among 16 places of the blocks on each
   map       slope lambda and fixed point C of the map of slipped fractions, fitted to the pairs of
             each interface, and to those of the mean over the interfaces (needs numpy, netCDF4)
+  paper     the paper's three values among the interfaces of each reading of its text: rule, field,
+            H, D, Q_crit where the joint slides or where a part C of the cells has slipped; how many
+            standard deviations of one interface they lie off, and how often one interface would lie
+            further (Hotelling's T^2; needs numpy, netCDF4)
 """
 
 import argparse
@@ -31,7 +35,7 @@ import tempfile
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 BETAS = (0.8, 0.7, 0.6)
 DIMENSIONS = (1.2, 1.39, 1.55, 1.7, 1.85)
-PARTS = ("table", "variants", "grids", "places", "map")
+PARTS = ("table", "variants", "grids", "places", "map", "paper")
 # Another implementation: 12 interfaces of 256^2 cells, H = 0.8, one place of the blocks.
 OTHER = {
     ("fix", 1.2): (.964, .865, .694), ("fix", 1.39): (.962, .823, .627),
@@ -63,7 +67,7 @@ class Runner:
                   "interface.surface.self-affine.shortest": f"{(1 - 1e-7) / waves:.10g}",
                   "rg.beta": f"[{', '.join(map(str, BETAS))}]", "rg.shifts": 1}
         names = {"rule": "rg.rule", "field": "rg.field", "shifts": "rg.shifts",
-                 "hurst": "interface.surface.self-affine.hurst"}
+                 "hurst": "interface.surface.self-affine.hurst", "contacts": "rg.contacts"}
         values.update({names[key]: value for key, value in settings.items()})
         key = tuple(sorted(values.items()))
         if key not in self.done:
@@ -232,6 +236,54 @@ def maps(run, arguments):
             table.row(f"{rule.upper()}, {field}", f"{beta:g}", *cells)
 
 
+def further(off, dimensions, count):
+    """How often one more draw lies further off than T^2: an F distribution, summed up to 1e4."""
+    import numpy
+
+    a, b = dimensions, count - dimensions
+    at = off * b / (a * (count - 1))
+    x = numpy.geomspace(max(at, 1e-9), max(at, 1) * 1e4, 20001)
+    log = (math.lgamma((a + b) / 2) - math.lgamma(a / 2) - math.lgamma(b / 2) + a / 2 * math.log(a / b)
+           + (a / 2 - 1) * numpy.log(x) - (a + b) / 2 * numpy.log1p(a * x / b))
+    density = numpy.exp(log)
+    return float(numpy.sum((density[1:] + density[:-1]) / 2 * numpy.diff(x)))
+
+
+def at_fixed_point(path, k):
+    """The load at which a part C of the cells has slipped, of the means over the interfaces."""
+    import netCDF4
+    import numpy
+
+    with netCDF4.Dataset(path) as data:
+        c = float(numpy.ma.filled(data["critical_fraction"][k], math.nan))
+        return float(numpy.interp(c, data["slip_fraction"][k, :, 0], data["load"][:])), c
+
+
+def paper(run, arguments):
+    """Where the paper's three values lie, reading by reading."""
+    import numpy
+
+    readings = [("fix", "elastic", hurst, d) for hurst, d in ((1, 1.39), (0.9, 1.39), (0.8, 1.39), (0.8, 1.6), (0.5, 1.39))]
+    readings += [("fix", "equal", hurst, 1.39) for hurst in (1, 0.8)]
+    readings += [(rule, field, hurst, 1.39) for rule in ("cons", "lump") for field in ("elastic", "equal")
+                 for hurst in (1, 0.8)]
+    stated = numpy.array([PAPER[beta] for beta in BETAS])
+    table = Table(["rule, field", "H", "D", *(f"β {beta:g} (off by)" for beta in BETAS), "p", "nearest",
+                   "where C has slipped"])
+    for rule, field, hurst, d in readings:
+        done = run.of(arguments.levels, arguments.seeds, d, rule=rule, field=field, hurst=hurst, contacts=48)
+        values = numpy.array([one["q_crit_of_interfaces"] for one in done["results"]])
+        count, mean, sd = values.shape[1], values.mean(axis=1), values.std(axis=1, ddof=1)
+        away = stated - mean
+        p = further(away @ numpy.linalg.solve(numpy.cov(values), away) * count / (count + 1), 3, count)
+        near = values[:, numpy.argmin(((values.T - stated) ** 2).sum(axis=1))]
+        fixed = (at_fixed_point(done["output"], k)[0] for k in range(len(BETAS)))
+        table.row(f"{rule.upper()}, {field}", f"{hurst:g}", f"{d:g}",
+                  *(f"{m:.3f} ± {s:.3f} ({a / s:+.1f})" for m, s, a in zip(mean, sd, away)),
+                  f"{p:.2g}", ", ".join(f"{x:.2f}" for x in near),
+                  ", ".join("none" if math.isnan(x) else f"{x:.2f}" for x in fixed))
+
+
 def read_arguments():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("case", nargs="?", default=os.path.join(ROOT, "cases/rg/table.yaml"))
@@ -250,12 +302,12 @@ def read_arguments():
     unknown = set(arguments.parts.split(",")) - set(PARTS)
     if unknown:
         parser.error(f"--parts: {', '.join(sorted(unknown))}: must be of {', '.join(PARTS)}")
-    if "map" in arguments.parts.split(","):
+    if {"map", "paper"} & set(arguments.parts.split(",")):
         try:  # now, not after the rest
             for name in ("netCDF4", "numpy"):
                 importlib.import_module(name)
         except ImportError as missing:
-            parser.error(f"the part map needs {missing.name}, which is not installed for {sys.executable}; on "
+            parser.error(f"the parts map and paper need {missing.name}, which is not installed for {sys.executable}; on "
                          "Debian it comes with tools/install-packages and is seen by Debian's own "
                          "interpreter: /usr/bin/python3 tools/plot/rg_table.py ...; other --parts do without")
     if arguments.seeds < 2 or arguments.jobs < 1:
@@ -265,7 +317,7 @@ def read_arguments():
 
 def main():
     arguments = read_arguments()
-    makers = dict(zip(PARTS, (main_table, variants, grids, places, maps)))
+    makers = dict(zip(PARTS, (main_table, variants, grids, places, maps, paper)))
     with tempfile.TemporaryDirectory(prefix="lacuna-rg-table-") as folder:
         run = Runner(arguments, folder)
         for part in arguments.parts.split(","):

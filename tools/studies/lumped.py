@@ -3,8 +3,9 @@
 
     lumped.py PROGRAM [--first N] [--count N] [--rtol X] [-o TABLE.csv] [--show N]
 
-Scenes have 256 to 4096 contact cells at most, k_0/k_crit from 3 to 1e5, all laws and loads. Scene N depends on N alone: those from 0 to
-99 were drawn to set the estimate by, those from 1000 on to test it. Prints a line a scene and a summary; --show prints a scene.
+Scenes have 60 to 4096 contact cells, k_0/k_crit from 3 to 1e5, all laws and loads; from 3000 on some are pressed surfaces, and some
+end by their slip. Scene N depends on N alone: 3000 to 3059 and 5000 to 5099 set the estimate, 7000 to 7099 tested it. Of a pressed surface
+k_0/k_crit is about what it was drawn for. Prints a line a scene and a summary; --show prints a scene.
 """
 
 import argparse
@@ -18,6 +19,7 @@ import sys
 import tempfile
 
 YEAR = 365.25 * 86400
+WIDE = 3000  # from this scene on surfaces are pressed too, and some runs end by their slip
 
 
 def log_uniform(draw, low, high):
@@ -101,6 +103,7 @@ def scene(number):
     line = draw.random() < 0.15
     levels = draw.randrange(8, 11) if line else draw.randrange(4, 7)
     fractal = not line and levels >= 5 and draw.random() < 0.35
+    pressed = number >= WIDE and not line and levels == 6 and not fractal
     domain = f"cascade: {{dimension: {draw.uniform(1.5, 1.9):.3f}, seed: {draw.randrange(10**6)}}}" if fractal else "full: {}"
     stiff = log_uniform(draw, 3, 1e5)
     fraction = 1.0 if not fractal else 0.5
@@ -110,8 +113,19 @@ def scene(number):
     text += 'material: {shear_modulus: "10 GPa", poisson: 0.25, density: "2500 kg/m3"}\n' if draw.random() < 0.6 else ""
     text += f'load:\n  normal: {{pressure: "{pressure:.5g} Pa"}}\n' + shear(draw, pressure, end) + pore(draw, pressure, end)
     text += friction(draw, dc, a, b) + initial(draw, False)
+    if pressed:  # cells that differ in pressure, some dc by the size of their contact
+        height = 20 * pressure / 2.7e10 / draw.uniform(0.15, 0.7)
+        text = text.replace("domain: {full: {}}", f'surface: {{self-affine: {{hurst: {draw.uniform(0.6, 0.9):.2f}, rms_height: "{height:.4g} m", '
+                            f'rolloff: "50 m", shortest: "6.25 m", seed: {draw.randrange(10**6)}}}}}')
+        text = text if "material" in text else text + 'material: {shear_modulus: "10 GPa", poisson: 0.25, density: "2500 kg/m3"}\n'
+        if draw.random() < 0.25 and "    dc:" in text:
+            text = "\n".join(f'    dc: {{size: {{of: patch, reference: "10 m", exponent: {draw.uniform(-0.5, 0.5):.2f}}}}}' if line.startswith("    dc:") else line
+                             for line in text.split("\n"))
+    if number >= WIDE and draw.random() < 0.2:  # another end than failure
+        text += f'time: {{end: "{end:.5g} s", stop_when: {{mean_slip: "{log_uniform(draw, 0.2, 3) * dc:.4g} m"}}}}\n'
     text += f'transfer: {{hierarchy: {{k0: "{k0:.5g} Pa/m", ratio: {draw.choice([0.5, 0.5, 0.5, 0.35, 0.7])}}}}}\n'
-    text += f'time: {{end: "{end:.5g} s"}}\noutput: {{every: {{steps: 100000}}}}\n'
+    text += "" if "\ntime:" in text else f'time: {{end: "{end:.5g} s"}}\n'
+    text += f'output: {{every: {{steps: 100000}}}}\n'
     return text, stiff
 
 
@@ -126,8 +140,10 @@ def run(program, folder, text, settings):
 
 
 def value_of(found):
-    """What an error is of: the time of failure, else the mean slip."""
-    return ("failure", found["failure_time_s"]) if found.get("failed") else ("slip", found.get("mean_slip_m"))
+    """What an error is of: the time of failure or of a limit, else the mean slip."""
+    if found.get("failed"):
+        return "failure", found["failure_time_s"]
+    return ("limit", found["time_s"]) if found.get("ended_by") == "stop_when" else ("slip", found.get("mean_slip_m"))
 
 
 def judge(program, folder, number, rtol):

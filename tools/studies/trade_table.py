@@ -39,6 +39,7 @@ ASKED = {
         "--dials rtol,formulation",
         "three seconds a run: methods are left out"),
     "shear-cycle.yaml": ("--quantity work", "the work of a cycle of shear is what it shows"),
+    "solver/lumped.yaml": ("--dials fidelity=lumped:ode,rtol", "lumped cells are compared with all cells"),
     "transfer/micro-slips.yaml": ("--quantity events", "its catalogue is what it shows"),
 }
 BEGIN, END = "<!-- trade table -->", "<!-- end of the trade table -->"

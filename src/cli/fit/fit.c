@@ -376,6 +376,12 @@ static void print_text(const lac_fit_outcome *outcome, const char *series, doubl
     print_identifiability(r, verbose);
     puts("");
     print_posterior(source, r);
+    if (source->run.fidelity == LAC_FIDELITY_LUMPED) {
+        cli_row("lumped",
+                "each trial judged by one more run; %" PRId64
+                " may be off by more than %g (solver.lump.error) and do not count",
+                r->beyond, source->lump.error);
+    }
     cli_row("cost", "%" PRId64 " runs in %.3g s", r->runs, wall_time);
 }
 

@@ -49,6 +49,7 @@ static lac_status read_run(cli_watched *w, lac_error *err)
     w->of.dated = lac_stored_file_text(file, NULL, "time_coverage_start", text, sizeof text) &&
                   lac_date_parse(text, &start);
     w->start = start;
+    (void)lac_stored_file_text(file, NULL, "status", w->of.run_status, sizeof w->of.run_status);
     w->of.failed_at = lac_stored_file_number(file, NULL, "failure_time_s") + start;
     for (size_t i = 0; i < n; i++) {
         w->time[i] += start;
@@ -100,6 +101,11 @@ lac_status cli_watched_read(const cli_request *request, const lac_case *known,
     lac_status status =
         out->run ? read_run(out, err) : read_series(request, known, units, out, err);
     LAC_TRY(status);
+    if (strcmp(out->of.run_status, "failed") == 0 && !cli_given(request, CLI_OPT_QUIET)) {
+        cli_note("warning: %s: this run ended by an error: neither its motion is a result nor what "
+                 "follows from it",
+                 out->of.source);
+    }
     LAC_TRY(cut(request, units, out, err));
     if (failed_at != NULL && strcmp(failed_at, "never") == 0) {
         out->of.failed_at = INFINITY;

@@ -208,6 +208,7 @@ static void on_prepared(void *context, lac_stage stage, const lac_simulation *si
             warn_of_points(so_far->points);
         }
         if (!isnan(job->source->accuracy)) {
+            cli_signals_hold(); // to say what a signal cut
             cli_say(request, "pilot runs for an error of %g", job->source->accuracy);
             cli_progress_start(&job->progress, request);
         }
@@ -237,6 +238,13 @@ static lac_status create(run_job *job, lac_error *err)
     options.context = job;
     const lac_status status = lac_simulation_create(job->source, &options, &job->simulation, err);
     cli_progress_clear(&job->progress);
+    if (status == LAC_EINTERRUPT) {
+        const lac_error when = *err;
+        (void)lac_fail(err, status,
+                       "%s of a pilot run for solver.accuracy: no run was picked yet, so that no "
+                       "file was made; a case with rtol in its place keeps what it has come to",
+                       when.message);
+    }
     return cli_blame(job->source, status, err);
 }
 

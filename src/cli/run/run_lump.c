@@ -9,8 +9,12 @@ void cli_lump_print(cli_lump of)
     if (of.lump != NULL) {
         cli_row("  cells", "%zu stand for %zu, in blocks of level %zu", of.lump->domain->n,
                 of.cells, of.lump->level);
-        cli_row("  error", "%.2g at most by estimate; %g is allowed (solver.lump.error)", of.error,
-                of.asked);
+        if (isfinite(of.error)) {
+            cli_row("  error", "%.2g at most by estimate; %g is allowed (solver.lump.error)",
+                    of.error, of.asked);
+        } else {
+            cli_row("  error", "cannot be told; %g is allowed (solver.lump.error)", of.asked);
+        }
     }
 }
 
@@ -23,8 +27,8 @@ void cli_lump_json(lac_json *json, cli_lump of)
     lac_json_integer(json, "cells", (int64_t)of.lump->domain->n);
     lac_json_integer(json, "level", (int64_t)of.lump->level);
     lac_json_integer(json, "blocks", (int64_t)of.lump->blocks);
-    lac_json_integer(json, "nodes", (int64_t)of.lump->nodes);
     lac_json_number(json, "error_asked", of.asked);
     lac_json_close(json, '}');
-    lac_json_number(json, "lump_error_estimated", of.error > 0.0 ? of.error : (double)NAN);
+    lac_json_number(json, "lump_error_estimated",
+                    of.error > 0.0 && isfinite(of.error) ? of.error : (double)NAN);
 }

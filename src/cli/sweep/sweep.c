@@ -212,10 +212,18 @@ static void warn_of_balance(const lac_ensemble *e)
 
 static void print(const lac_ensemble *e, const lac_answers *answers)
 {
+    size_t broken = 0;
     if (answers != NULL) {
         cli_answers_print(answers);
     } else {
         cli_row("members", "%zu of %zu: lacuna gather puts the parts together", e->n, e->members);
+    }
+    while (broken < e->n && e->member[broken]->state != LAC_MEMBER_BROKEN) {
+        broken++;
+    }
+    if (broken < e->n) { // the first one; the file has the message of each
+        const lac_member *m = e->member[broken];
+        cli_row_wrap("broken", cli_format("member %lld: %s", (long long)m->index, m->message).s);
     }
 }
 

@@ -115,8 +115,14 @@ static size_t gather(const cli_trade_job *job, const lac_trade_run *run, lac_ove
     }
     for (size_t d = 0; d < job->trade.settings; d++) {
         const lac_trade_setting *setting = &trade->setting[d];
-        if (run->at[d] >= 0) {
-            out[n++] = (lac_override){setting->setting->key, setting->value[run->at[d]].yaml};
+        if (run->at[d] < 0) {
+            continue;
+        }
+        const lac_setting_value *value = &setting->value[run->at[d]];
+        out[n++] = (lac_override){setting->setting->key, value->yaml};
+        if (setting->setting->coarse != NULL &&
+            strcmp(value->label, setting->setting->coarse) != 0) {
+            out[n++] = (lac_override){setting->setting->coarse_keys, "{}"};
         }
     }
     return n;
@@ -130,7 +136,7 @@ lac_status cli_trade_case(const cli_trade_job *job, const lac_trade_run *run, la
     char text[512];
     lac_case_issues report = {0};
     *c = NULL;
-    lac_override *set = malloc((request->set_count + LAC_SETTINGS + 1) * sizeof *set);
+    lac_override *set = malloc((request->set_count + LAC_SETTINGS + 2) * sizeof *set);
     LAC_FAIL_MEMORY_IF(set == NULL, err);
     const lac_case_request how = {purpose_of(of), set, gather(job, run, set)};
     lac_status status = lac_case_read(request->argument[0], &how, c, &report, err);

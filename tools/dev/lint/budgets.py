@@ -16,8 +16,8 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 94197,
-    "lines that only present results": 24139,
+    "lines of src and include": 94455,
+    "lines that only present results": 24226,
     "public headers": 13,
     "exported names": 44,
     "circles of includes": 0,
