@@ -79,7 +79,7 @@ LAC_CLONES static counts lac_solve_rates_prepare(const lac_friction *friction,
         c->s[i] = s;
         c->open[i] = 1;
         bent += s >= BENT ? 0 : 1;
-        cold += (u[i] != 0.0) & (u[i] >= LAC_SLOWEST) & (u[i] <= LAC_FASTEST) ? 0 : 1;
+        cold += ((u[i] != 0.0) & (u[i] >= LAC_SLOWEST) & (u[i] <= LAC_FASTEST)) ? 0 : 1;
     }
     return (counts){.open = eq->n, .bent = bent, .cold = cold};
 }
