@@ -302,12 +302,13 @@ def read_arguments():
     unknown = set(arguments.parts.split(",")) - set(PARTS)
     if unknown:
         parser.error(f"--parts: {', '.join(sorted(unknown))}: must be of {', '.join(PARTS)}")
-    if {"map", "paper"} & set(arguments.parts.split(",")):
+    reading = [part for part in ("map", "paper") if part in arguments.parts.split(",")]
+    if reading:
         try:  # now, not after the rest
             for name in ("netCDF4", "numpy"):
                 importlib.import_module(name)
         except ImportError as missing:
-            parser.error(f"the parts map and paper need {missing.name}, which is not installed for {sys.executable}; on "
+            parser.error(f"the part {reading[0]} needs {missing.name}, which is not installed for {sys.executable}; on "
                          "Debian it comes with tools/install-packages and is seen by Debian's own "
                          "interpreter: /usr/bin/python3 tools/plot/rg_table.py ...; other --parts do without")
     if arguments.seeds < 2 or arguments.jobs < 1:

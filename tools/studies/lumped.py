@@ -4,8 +4,8 @@
     lumped.py PROGRAM [--first N] [--count N] [--rtol X] [-o TABLE.csv] [--show N]
 
 Scenes have 60 to 4096 contact cells, k_0/k_crit from 3 to 1e5, all laws and loads; from 3000 on some are pressed surfaces, and some
-end by their slip. Scene N depends on N alone: 3000 to 3059 and 5000 to 5099 set the estimate, 7000 to 7099 tested it. Of a pressed surface
-k_0/k_crit is about what it was drawn for. Prints a line a scene and a summary; --show prints a scene.
+end by their slip. Scene N depends on N alone: 3000 to 3059, 5000 to 5099 and 7000 to 7099 set the estimate, 9000 to 9099
+tested it. Of a pressed surface k_0/k_crit is about what it was drawn for. Prints a line a scene and a summary; --show prints a scene.
 """
 
 import argparse
