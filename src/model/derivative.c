@@ -2,6 +2,7 @@
 // What integrators ask of a problem: dy/dt, Newton's system, allowed errors, a first step.
 #include "base/clones.h"
 #include "model/internal.h"
+#include "model/weaken.h"
 
 bool lac_problem_derivative(const lac_problem *problem, double t, const double *y, double *ydot,
                             double *work)

@@ -5,6 +5,7 @@
 #include "base/clones.h"
 #include "base/vsum.h"
 #include "model/internal.h"
+#include "model/weaken.h"
 
 static const lac_formulation_kind *const kinds[] = {
     &lac_formulation_rate,    &lac_formulation_traction, &lac_formulation_slip,

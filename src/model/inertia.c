@@ -5,6 +5,7 @@
 #include "base/vmath.h"
 #include "base/vsum.h"
 #include "model/internal.h"
+#include "model/weaken.h"
 
 // Where regularised friction turns linear in v, less what healing may take off it: the x of a cell
 // at rest then goes with its traction.

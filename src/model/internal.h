@@ -448,5 +448,3 @@ static inline double lac_implicit_traction_scale(const lac_problem *problem, siz
 
 // Takes ln v across a jump of the loads: lac_formulation_kind.jump of the formulation rate.
 bool lac_rate_jump(const lac_problem *problem, const lac_jump *jump, double *y);
-
-#include "model/weaken.h"

@@ -5,6 +5,7 @@
 #include "base/vsum.h"
 #include "lacuna/simulation.h"
 #include "model/internal.h"
+#include "model/weaken.h"
 
 // What is looked at, but for its loads and motion.
 static void set_out(const lac_problem *problem, double t, const double *y, double *work,

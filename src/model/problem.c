@@ -5,6 +5,7 @@
 #include "base/statistics.h"
 #include "base/vsum.h"
 #include "model/internal.h"
+#include "model/weaken.h"
 
 static void fill_geometry(lac_problem *problem, const lac_domain *domain, lac_team *team)
 {

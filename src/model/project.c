@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A state moved onto its balance before it is put out: slip and slip rate by the same fraction.
 #include "model/internal.h"
+#include "model/weaken.h"
 
 // The slip that a cell's correction is relative to.
 static double gone_of(const lac_problem *problem, const double *slip, size_t i)

@@ -6,6 +6,7 @@
 #include "base/vmath.h"
 #include "base/vsum.h"
 #include "model/internal.h"
+#include "model/weaken.h"
 
 // What counts as v where 1/v is wanted [m/s]: exp(u) of a cell that stands still may be 0, and dv,
 // which is then as good as nothing, is made dv/v again.

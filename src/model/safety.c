@@ -3,6 +3,7 @@
 // cells are in, over what drives; docs/theory/safety.md.
 #include "base/vsum.h"
 #include "model/internal.h"
+#include "model/weaken.h"
 
 lac_safety lac_problem_safety_asked(const lac_problem *problem) { return problem->safety; }
 

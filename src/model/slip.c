@@ -3,6 +3,7 @@
 // which holds by construction; docs/theory/creep.md eqs. 6, 7 and 9.
 #include "base/vsum.h"
 #include "model/internal.h"
+#include "model/weaken.h"
 
 static void start(const lac_problem *problem, double *x) { memset(x, 0, problem->n * sizeof *x); }
 

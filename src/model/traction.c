@@ -4,6 +4,7 @@
 #include "base/clones.h"
 #include "base/vsum.h"
 #include "model/internal.h"
+#include "model/weaken.h"
 
 static void start(const lac_problem *problem, double *x)
 {

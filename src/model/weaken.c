@@ -2,6 +2,7 @@
 // Unknowns of the cells besides slip and state: what a case's weakening leaves of pressures and
 // cohesion, its rates, and Newton's system with those unknowns eliminated cell by cell, exactly;
 // docs/theory/weakening.md.
+#include "model/weaken.h"
 #include "model/internal.h"
 
 enum { MOST = LAC_MOST_WEAKENINGS };
