@@ -213,7 +213,9 @@ static bool starts_unstable(const lac_case *c)
     const lac_friction_params *law = c->friction.params;
     bool alike = c->initial_spread.count == 0 &&
                  (c->friction_spread.count == 0 || !isnan(initial->slip_rate));
-    return initial->state == LAC_STATE_STEADY && law->b > law->a && alike;
+    const bool steady = initial->state == LAC_STATE_STEADY ||
+                        (initial->state == LAC_STATE_RATIO && initial->state_value == 1.0);
+    return steady && law->b > law->a && alike;
 }
 
 // Whether nothing but constant loads acts.
@@ -221,6 +223,11 @@ static bool loads_stay(const lac_case *c)
 {
     const lac_load_models loads = lac_case_loads(c);
     return !holds_mean_slip(c) && c->geometry.angles == 0 && lac_load_models_constant(&loads);
+}
+
+bool lac_case_left_to_rounding(const lac_case *c)
+{
+    return c->friction.params != NULL && starts_unstable(c) && loads_stay(c);
 }
 
 // Whether the state at the start is the same for any ratio to the steady one, as the law has it.
@@ -265,7 +272,7 @@ static void check_initial(lac_reader *reader, const lac_case *c)
     if (!starts_unstable(c)) {
         return;
     }
-    if (!lac_refuse(reader, !isnan(c->accuracy) && loads_stay(c), "solver.accuracy",
+    if (!lac_refuse(reader, !isnan(c->accuracy) && lac_case_left_to_rounding(c), "solver.accuracy",
                     "cannot be kept: the case starts steady with b > a and no load changes, so "
                     "rounding decides what it does")) {
         lac_warn(

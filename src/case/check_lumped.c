@@ -16,7 +16,7 @@ const lac_param lac_lump_rows[LAC_LUMP_ROWS] = {
 
 bool lac_case_lumps(const lac_case *c) { return c->run.fidelity == LAC_FIDELITY_LUMPED; }
 
-enum { REFUSALS = 7 };
+enum { REFUSALS = 8 };
 static const struct {
     const char *key, *why;
 } refusals[REFUSALS] = {
@@ -35,6 +35,9 @@ static const struct {
      "gives each cell a state of its own, which fidelity lumped does not keep: take ode"},
     {"time.stop_when.max_slip_rate",
      "is of single cells, of which fidelity lumped keeps few: take mean_slip, or fidelity ode"},
+    {"solver.fidelity",
+     "cannot tell how far off it is: the case starts steady with b > a and no load changes, "
+     "so rounding decides what it does"},
 };
 
 // Which of these the case asks for.
@@ -49,6 +52,7 @@ static void ask(const lac_case *c, bool asked[REFUSALS])
     asked[4] = c->analysis.count > 0;
     asked[5] = c->from.file != NULL;
     asked[6] = !isnan(c->run.stop_rate);
+    asked[7] = lac_case_left_to_rounding(c);
 }
 
 bool lac_case_admits_lumped(const lac_case *c)

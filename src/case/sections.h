@@ -311,6 +311,8 @@ void lac_check_lumped(lac_reader *reader, const lac_case *c);
 
 /// Whether the fidelity is lumped, so that `solver.lump` counts.
 bool lac_case_lumps(const lac_case *c);
+/// Whether it starts steady with b > a under loads that stay: rounding decides what it does.
+bool lac_case_left_to_rounding(const lac_case *c);
 void lac_check_weakening(lac_reader *reader, lac_case *c);
 void lac_check_points(lac_reader *reader, const lac_case *c);
 void lac_check_point_names(lac_reader *reader, const lac_case *c);

@@ -274,6 +274,9 @@ static lac_status make_classes(const making *m, lac_lump *lump, lac_error *err)
     }
     lump->inner = classes->nodes - m->leaves;
     for (size_t l = m->level; l < lac_hierarchy_levels(h); l++) {
+        if (lac_hierarchy_rank(h, l) == 0) {
+            continue; // each block is alone in the one around it
+        }
         const uint32_t *parent = lac_hierarchy_parents(h, l);
         const double k = lac_lump_stiffness(m->source, l);
         for (size_t c = 0, end, count = lac_hierarchy_blocks(h, l); c < count; c = end) {

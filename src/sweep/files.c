@@ -76,3 +76,26 @@ out:
     free(seen);
     return status;
 }
+
+lac_status lac_sweep_check_files(lac_sweep *sweep, char *(*sums)(const lac_case *c), lac_error *err)
+{
+    char *before = sweep->files;
+    sweep->files = NULL;
+    lac_status status = lac_sweep_sum_files(sweep, sums, err);
+    for (const char *line = before, *end; status == LAC_OK && *line != '\0'; line = end + 1) {
+        end = strchr(line, '\n');
+        char *same = strndup(line, (size_t)(end - line));
+        status = same != NULL ? LAC_OK : lac_fail_memory(err);
+        if (status == LAC_OK && strstr(sweep->files, same) == NULL) {
+            status =
+                lac_fail(err, LAC_EIO,
+                         "%.*s was changed while the sweep went on: its members are of both; run "
+                         "it again, with --force",
+                         (int)(strcspn(same + strspn(same, " "), ":")), same + strspn(same, " "));
+        }
+        free(same);
+    }
+    free(sweep->files);
+    sweep->files = before;
+    return status;
+}

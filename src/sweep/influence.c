@@ -61,9 +61,10 @@ static void saltelli(const rows *r, const size_t *pick, double *first, double *t
             total[p * stride] += change * change / (2.0 * n);
         }
     }
+    const bool tells = square > 0.0 && r->n > 1; // one row has no error
     for (size_t p = 0; p < r->params; p++) {
-        first[p * stride] = square > 0.0 ? first[p * stride] / square : (double)NAN;
-        total[p * stride] = square > 0.0 ? total[p * stride] / square : (double)NAN;
+        first[p * stride] = tells ? first[p * stride] / square : (double)NAN;
+        total[p * stride] = tells ? total[p * stride] / square : (double)NAN;
     }
 }
 

@@ -135,3 +135,8 @@ lac_status lac_swept_read(lac_swept *param, const char *said, lac_case *base, la
 lac_status lac_swept_table(lac_sweep *sweep, const char *path, lac_error *err);
 lac_status lac_sweep_arrange(lac_sweep *sweep, const lac_sweep_request *request, lac_error *err);
 lac_status lac_sweep_sum_files(lac_sweep *sweep, char *(*sums)(const lac_case *c), lac_error *err);
+
+/// Whether the files that the members read are still what they were when the sweep was made.
+/// @return LAC_EIO where one is not, which is named
+lac_status lac_sweep_check_files(lac_sweep *sweep, char *(*sums)(const lac_case *c),
+                                 lac_error *err);

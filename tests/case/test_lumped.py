@@ -123,7 +123,8 @@ class Lumped(unittest.TestCase):
                 ((lumped, "inertia={mass_per_area: 5e5 kg/m2}"), "knows no inertia"),
                 ((lumped, "solver.lump.error=0.7"), "0.5"),
                 ((lumped, "solver.lump.nodes=1"), "2"),
-                ((lumped, "time.stop_when.max_slip_rate=1 mm/s"), "keeps few")):
+                ((lumped, "time.stop_when.max_slip_rate=1 mm/s"), "keeps few"),
+                ((lumped, "initial.state={ratio_to_steady: 1}"), "rounding decides")):
             refused = self.run_case(*sets)
             self.assertEqual(refused.returncode, 2, f"{sets}: {refused.stderr}")
             self.assertIn(words, refused.stderr)
@@ -139,6 +140,14 @@ class Lumped(unittest.TestCase):
         found = json.loads(self.run_case("solver.fidelity=lumped", "solver.accuracy=0.01", "solver.lump.level=auto").stdout)
         self.assertEqual(found["lump"]["error_asked"], 0.005)
         self.assertEqual(found["accuracy"]["asked"], 0.01)
+
+    def test_levels_of_one_block(self):
+        """Contact that lies in one corner has levels that hold what the level below holds."""
+        for seed, level in ((195, "auto"), (195, 2), (144, 4)):
+            corner = ("interface.domain.cascade.dimension=1.56", f"interface.domain.cascade.seed={seed}", "output.points=[]")
+            few = json.loads(self.run_case("solver.fidelity=lumped", f"solver.lump.level={level}", "solver.lump.error=0.5", *corner).stdout)
+            whole = json.loads(self.run_case("solver.fidelity=ode", *corner).stdout)
+            self.assertLess(abs(few["failure_time_s"] / whole["failure_time_s"] - 1), few["lump_error_estimated"] + 2e-5)
 
     def test_fit(self):
         """A fit whose trials are lumped finds what readings of all cells were made with."""

@@ -158,6 +158,13 @@ static void too_few_members_tell_nothing(void **state)
         assert_true(isnan(influence_of(a, 1)->first) && !a->alike);
         lac_answers_free(a);
     }
+    for (size_t rows = 1; rows <= 2; rows++) {
+        sample s = sample_create(LAC_SAMPLE_SALTELLI, 3, 5 * rows, 7, ishigami);
+        lac_answers *a = answer(&s.of);
+        assert_int_equal(isnan(influence_of(a, 0)->total), rows == 1);
+        lac_answers_free(a);
+        sample_clear(&s);
+    }
 }
 
 static double linear(const double *u) { return 3 * u[0] - 2 * u[1] + u[2]; }

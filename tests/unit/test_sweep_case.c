@@ -36,8 +36,37 @@ static void test_what_follows(void **state)
     lac_sweep_free(sweep);
 }
 
+static char *sums_before(const lac_case *c)
+{
+    (void)c;
+    return strdup("files:\n  a.csv: 12\n  b.csv: 34\n");
+}
+
+static char *sums_after(const lac_case *c)
+{
+    (void)c;
+    return strdup("files:\n  a.csv: 12\n  b.csv: 56\n");
+}
+
+// A file that is changed while the members are run is named.
+static void test_changed_file(void **state)
+{
+    (void)state;
+    static const char *const over[] = {"friction.aging.dc=4 um, 8 um"};
+    const lac_sweep_request ask = {
+        .path = CREEP, .over = over, .varied = 1, .until = (double)NAN, .files = sums_before};
+    lac_sweep *sweep = NULL;
+    lac_error err = {""};
+    assert_int_equal(lac_sweep_create(&ask, &sweep, &err), LAC_OK);
+    assert_int_equal(lac_sweep_check_files(sweep, sums_before, &err), LAC_OK);
+    assert_int_equal(lac_sweep_check_files(sweep, sums_after, &err), LAC_EIO);
+    assert_non_null(strstr(err.message, "b.csv was changed"));
+    lac_sweep_free(sweep);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_what_follows)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_what_follows),
+                                       cmocka_unit_test(test_changed_file)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -10,8 +10,8 @@ void cli_lump_print(cli_lump of)
         cli_row("  cells", "%zu stand for %zu, in blocks of level %zu", of.lump->domain->n,
                 of.cells, of.lump->level);
         if (isfinite(of.error)) {
-            cli_row("  error", "%.2g at most by estimate; %g is allowed (solver.lump.error)",
-                    of.error, of.asked);
+            cli_row("  error", "%.2g of %s by estimate; %g is allowed (solver.lump.error)",
+                    of.error, of.result, of.asked);
         } else {
             cli_row("  error", "cannot be told; %g is allowed (solver.lump.error)", of.asked);
         }

@@ -9,6 +9,7 @@ typedef struct cli_lump {
     const lac_lump *lump; ///< NULL: none were, nothing is told
     size_t cells;         ///< that it stands for
     double error, asked;  ///< by estimate; allowed
+    const char *result;   ///< what the error is of
 } cli_lump;
 
 void cli_lump_print(cli_lump of);

@@ -124,8 +124,12 @@ static const char *fidelity(const cli_outcome *outcome)
 
 static cli_lump lump_of(const cli_outcome *outcome)
 {
+    const lac_run_result *run = &outcome->of->run;
     return (cli_lump){outcome->of->scene->lump, outcome->of->scene->contact.domain->n,
-                      outcome->of->run.lump_error_estimated, outcome->of->source->lump.error};
+                      run->lump_error_estimated, outcome->of->source->lump.error,
+                      run->failed                ? "the time of failure"
+                      : run->end == LAC_END_STOP ? "the time of the limit"
+                                                 : "the mean slip"};
 }
 
 static void print_failure(const cli_outcome *outcome)

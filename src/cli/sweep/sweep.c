@@ -351,6 +351,7 @@ lac_status cli_sweep(const cli_request *request, lac_error *err)
     cli_say(request, "%zu members of %zu, by %s", j.of.n, j.sweep->members, j.sweep->design->name);
     cli_signals_hold();
     LAC_TRY(compute(&j, err));
+    LAC_TRY(lac_sweep_check_files(j.sweep, cli_inputs_sums, err));
     lac_member **member = j.member;
     j.member = NULL;
     LAC_TRY(lac_ensemble_create(j.sweep, j.of.n, member, &ensemble, err));
