@@ -278,7 +278,7 @@ static void on_every_load(check *run)
 
 static void check_rates_and_breaks(const lac_load_kind *kind)
 {
-    for (uint64_t trial = 0; trial < TRIALS; trial++) {
+    for (uint64_t trial = 0; trial < test_some(TRIALS); trial++) {
         ready r = ready_create(kind, trial);
         const lac_load *load = load_of(&r);
         double t = t_first;
@@ -307,7 +307,7 @@ static void rates_are_slopes_and_breaks_the_only_jumps(void **state)
 // Two loads together are their sum, and their breaks the earlier of both.
 static void check_sum(const lac_load_kind *kind)
 {
-    for (uint64_t trial = 0; trial < TRIALS; trial++) {
+    for (uint64_t trial = 0; trial < test_some(TRIALS); trial++) {
         lac_model models[2] = {drawn(&kind->info, trial), drawn(&kind->info, trial + TRIALS)};
         const lac_load_models named = models_of(models, 2);
         lac_load_set set = placed_set(&named);
@@ -350,7 +350,7 @@ static bool has_share(const lac_model_info *info)
 static void check_share(const lac_load_kind *kind)
 {
     assert_true(now == OF_SHEAR || !has_share(&kind->info));
-    for (uint64_t trial = 0; has_share(&kind->info) && trial < TRIALS; trial++) {
+    for (uint64_t trial = 0; has_share(&kind->info) && trial < test_some(TRIALS); trial++) {
         lac_model model = drawn(&kind->info, trial);
         lac_load_state seen[3];
         for (int share = 0; share < 3; share++) {
@@ -389,7 +389,7 @@ static void a_force_is_the_same_however_shared(void **state)
 // A load leaves what the other lists are of alone.
 static void check_kind(const lac_load_kind *kind)
 {
-    for (uint64_t trial = 0; trial < TRIALS; trial++) {
+    for (uint64_t trial = 0; trial < test_some(TRIALS); trial++) {
         ready r = ready_create(kind, trial);
         lac_load_state sum;
         lac_load_evaluate(&r.set, 4, &sum);
@@ -432,7 +432,7 @@ static void normal_loads_press(void **state)
     size_t i = 0;
     for (; lac_normal_load_get(i) != NULL; i++) {
         const lac_normal_load *load = lac_normal_load_get(i);
-        for (uint64_t trial = 0; trial < TRIALS; trial++) {
+        for (uint64_t trial = 0; trial < test_some(TRIALS); trial++) {
             lac_model model = drawn(&load->info, trial);
             if (load->approach != NULL || load->dimension != NULL) {
                 check_static(load, &model);

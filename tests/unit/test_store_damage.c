@@ -19,9 +19,6 @@
 
 enum { KILLS = 25, DAMAGED = 300, PATIENCE = 10 /* seconds */ };
 
-// Of so many cases a tenth where LACUNA_FEW is set, as under valgrind.
-static size_t some(size_t many) { return getenv("LACUNA_FEW") == NULL ? many : (many + 9) / 10; }
-
 // Waits for a child; its exit status, or 1000 + the signal that ended it.
 static int outcome(pid_t child)
 {
@@ -78,7 +75,7 @@ static size_t kill_writer(const char *path, int64_t sync_every, size_t after, us
 static void synced_records_survive_kill(void **state)
 {
     (void)state;
-    for (size_t k = 0; k < some(KILLS); k++) {
+    for (size_t k = 0; k < test_some(KILLS); k++) {
         const size_t batch = k % 2 == 0 ? 1 : 8;
         const char *path = scratch_path(&folder, "killed.nc");
         size_t given = kill_writer(path, (int64_t)batch, 20 + 7 * k, (useconds_t)(37 * k));
@@ -212,7 +209,7 @@ static void damage_never_crashes(void **state)
     unsigned char *bytes = malloc(size);
     assert_non_null(bytes);
     unsigned count[3] = {0, 0, 0};
-    const size_t damaged = some(DAMAGED);
+    const size_t damaged = test_some(DAMAGED);
     for (uint64_t k = 0; k < damaged; k++) {
         memcpy(bytes, whole, size);
         size_t left = damage(bytes, size, k);
