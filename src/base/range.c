@@ -11,9 +11,8 @@ lac_range lac_range_whole(size_t all)
 {
     const size_t even = up_to_multiple(all, LAC_RANGE_BLOCKS) / LAC_RANGE_BLOCKS;
     const size_t block = up_to_multiple(even, LAC_PARTS_GRAIN);
-    return (lac_range){.all = all,
-                       .n = all,
-                       .block = block > LAC_RANGE_BLOCK_LEAST ? block : LAC_RANGE_BLOCK_LEAST};
+    const size_t least = all < LAC_RANGE_ALONE ? LAC_RANGE_ALONE : LAC_RANGE_BLOCK_LEAST;
+    return (lac_range){.all = all, .n = all, .block = block > least ? block : least};
 }
 
 // Where the blocks of a rank begin.

@@ -4,8 +4,9 @@
 #include "base/team.h"
 
 enum {
-    LAC_RANGE_BLOCKS = 256,      ///< of all cells, at most
-    LAC_RANGE_BLOCK_LEAST = 4096 ///< cells of a block; where there are fewer, all are one
+    LAC_RANGE_BLOCKS = 256,       ///< of all cells, at most
+    LAC_RANGE_BLOCK_LEAST = 4096, ///< cells of a block
+    LAC_RANGE_ALONE = 1 << 16     ///< fewer cells are one block: ranks gain next to nothing there
 };
 
 /// The cells of a case that are worked on here, and how sums over all of them are made: in blocks

@@ -11,6 +11,7 @@ typedef struct lac_partition {
     uint32_t count;         ///< blocks
     uint32_t whole;         ///< blocks of the next partition whose children may be read four at
                             ///< a time without passing the end of this one
+    uint32_t last;          ///< the first cell of those that cannot, where all cells are here
     uint32_t singles;       ///< blocks of the next partition with a single child
     size_t level;           ///< the last level with this partition: k[level] ties it to the next
     const uint32_t *first;  ///< [count + 1] first contact cell of each block, and n

@@ -79,6 +79,7 @@ static void link_partitions(lac_partition *fine, const lac_partition *coarse, ui
         }
         fine->whole += (uint64_t)child[b] + 4 <= fine->count;
     }
+    fine->last = coarse->first[fine->whole];
     fine->parent = parent;
     fine->child = child;
     fine->single = single;

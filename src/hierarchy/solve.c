@@ -67,16 +67,16 @@ LAC_CLONES static void lac_solve_average(void *context, size_t part, size_t firs
         t_b[b] = ((w0 * t[c] + w1 * t[c + 1]) + (w2 * t[c + 2] + w3 * t[c + 3])) * share;
         y_b[b] = ((w0 * y[c] + w1 * y[c + 1]) + (w2 * y[c + 2] + w3 * y[c + 3])) * share;
     }
-    for (size_t b = first > whole ? first : whole; b < end; b++) { // to the same bits
-        double v[4] = {0}, tc[4] = {0}, yc[4] = {0};
+    for (size_t b = first > whole ? first : whole; b < end; b++) { // three at most: the same sums
+        double sum = 0, sum_t = 0, sum_y = 0;
         for (uint32_t c = child[b]; c < child[b + 1]; c++) {
-            v[c - child[b]] = w[c];
-            tc[c - child[b]] = t[c];
-            yc[c - child[b]] = y[c];
+            sum += w[c];
+            sum_t += w[c] * t[c];
+            sum_y += w[c] * y[c];
         }
-        double share = 1 / ((v[0] + v[1]) + (v[2] + v[3]));
-        t_b[b] = ((v[0] * tc[0] + v[1] * tc[1]) + (v[2] * tc[2] + v[3] * tc[3])) * share;
-        y_b[b] = ((v[0] * yc[0] + v[1] * yc[1]) + (v[2] * yc[2] + v[3] * yc[3])) * share;
+        bool last = p->part[1].first[b] >= p->part->last;
+        t_b[b] = last ? sum_t / sum : sum_t * (1 / sum);
+        y_b[b] = last ? sum_y / sum : sum_y * (1 / sum);
     }
 }
 

@@ -54,11 +54,12 @@ static uint8_t meet(const lac_hierarchy *whole, leaf a, leaf b)
     return (uint8_t)(whole->part[a.partition - 1].level + 1);
 }
 
-// The blocks of the top begin at cells, not at leaves.
+// The blocks of the top begin at cells, not at leaves, and the last ones are those of the whole.
 static void count_cells(const lac_hierarchy *whole, const leaf *leaves, lac_hierarchy *top)
 {
     uint32_t *first = top->memory;
     for (size_t j = 0; j < top->partitions; j++) {
+        top->part[j].last = whole->part[whole->of_level[top->part[j].level]].last;
         for (size_t i = 0; i <= top->part[j].count; i++, first++) {
             const leaf *of = &leaves[*first < top->cells ? *first : 0];
             *first = *first < top->cells ? whole->part[of->partition].first[of->block]

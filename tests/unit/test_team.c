@@ -7,7 +7,7 @@
 #include "hierarchy/hierarchy.h"
 #include "support/test.h"
 
-enum { SIDE = 256, MOST_RANKS = 8, LEVELS = 8, WORDS = 1 << 16 };
+enum { SIDE = 512, MOST_RANKS = 8, LEVELS = 9, WORDS = 1 << 16 };
 
 // What all ranks meet at.
 typedef struct meeting {
@@ -67,7 +67,7 @@ static void make(joint *j)
     }
     assert_int_equal(lac_domain_create(&grid, pressure, &j->domain, NULL), LAC_OK);
     assert_int_equal(lac_hierarchy_create(j->domain, &j->whole, NULL), LAC_OK);
-    assert_true(j->domain->n > 5 * LAC_RANGE_BLOCK_LEAST);
+    assert_true(j->domain->n > LAC_RANGE_ALONE);
     j->x = malloc(2 * j->domain->n * sizeof *j->x);
     j->diagonal = j->x + j->domain->n;
     for (size_t i = 0; i < j->domain->n; i++) {
@@ -209,9 +209,9 @@ static void borders_cut_what_holds_together(void **state)
         const size_t border = (first[b + 1] - 1) / LAC_RANGE_BLOCK_LEAST * LAC_RANGE_BLOCK_LEAST;
         if (first[b] < border) {
             cut++;
-            j.diagonal[border] = -0.6e6;
+            j.diagonal[border] = -0.51e6;
             for (size_t i = first[b]; i < border; i++) {
-                j.diagonal[i] = 1.0;
+                j.diagonal[i] = 1e9;
             }
         }
     }
