@@ -128,11 +128,15 @@ lacuna_python_test(test_branch)
 lacuna_python_test(test_points)
 
 # Runs on the ranks of an MPI job, where that is there.
-set(test_ranks_files none none ${PROJECT_BINARY_DIR})
+set(test_ranks_files none none none ${PROJECT_BINARY_DIR})
 if(TARGET lacuna_mpi)
-  add_library(wrong_order MODULE ranks/wrong_order.c)
-  target_link_libraries(wrong_order PRIVATE MPI::MPI_C)
-  set(test_ranks_files $<TARGET_FILE:lacuna_mpi> $<TARGET_FILE:wrong_order> ${PROJECT_BINARY_DIR})
+  foreach(loaded wrong_order count_messages)
+    add_library(${loaded} MODULE ranks/${loaded}.c)
+    target_compile_options(${loaded} PRIVATE ${warnings})
+    target_link_libraries(${loaded} PRIVATE MPI::MPI_C)
+  endforeach()
+  set(test_ranks_files $<TARGET_FILE:lacuna_mpi> $<TARGET_FILE:wrong_order> $<TARGET_FILE:count_messages>
+      ${PROJECT_BINARY_DIR})
 endif()
 lacuna_python_test(test_ranks)
 

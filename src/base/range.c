@@ -27,7 +27,7 @@ lac_range lac_range_of(lac_team *team, int rank, size_t all)
     if (team == NULL) {
         return range;
     }
-    const size_t blocks = (all + range.block - 1) / range.block;
+    const size_t blocks = lac_range_blocks(&range);
     const size_t first = begin_of(blocks, (size_t)rank, (size_t)team->ranks) * range.block;
     const size_t end = begin_of(blocks, (size_t)rank + 1, (size_t)team->ranks) * range.block;
     range.team = team;
@@ -62,7 +62,7 @@ void lac_range_sums(const lac_range *range, size_t values, lac_range_body *body,
         body(context, 0, range->n, sums);
         return;
     }
-    const size_t blocks = (range->all + range->block - 1) / range->block;
+    const size_t blocks = lac_range_blocks(range);
     if (range->team != NULL) {
         memset(partial, 0, blocks * values * sizeof *partial);
         p.partial += range->first / range->block * values;

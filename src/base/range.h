@@ -20,6 +20,12 @@ typedef struct lac_range {
     lac_team *team; ///< who has the others; NULL: all are here
 } lac_range;
 
+/// Blocks of all cells.
+static inline size_t lac_range_blocks(const lac_range *range)
+{
+    return (range->all + range->block - 1) / range->block;
+}
+
 /// All of so many cells.
 lac_range lac_range_whole(size_t all);
 

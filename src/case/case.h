@@ -230,7 +230,8 @@ typedef struct lac_case_use {
 /// Text turned into one def per stage. Everything is SI and checked.
 struct lac_case {
     char *path;
-    lac_case_use *use;                      ///< of a case that its user may change; NULL
+    lac_case_use *use; ///< of a case that its user may change; NULL
+    lac_team *team;    ///< who share its runs; set by who has them. NULL: nobody
     char *title, *references, *institution; ///< NULL where absent
     lac_interface_def interface;
     int slip;                                ///< lac_slip; -1 where absent
@@ -254,7 +255,6 @@ struct lac_case {
     double start_date;        ///< seconds since 1970 of t = 0; 0 where not dated
     lac_run_def run;          ///< `end` is NaN where a static case names none
     lac_case_purpose purpose; ///< that it was read for
-    lac_team *team;           ///< who share its runs; set by who has them. NULL: nobody
     int formulation;          ///< lac_formulation, never AUTO once read
     double accuracy; ///< relative error to keep, by which rtol and what solver leaves open are
                      ///< picked [1]; NaN: as given

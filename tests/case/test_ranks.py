@@ -3,13 +3,14 @@
 """Runs of lacuna-mpi against those of lacuna: the same bits on any number of ranks; what it refuses, how it
 ends, and that lacuna knows nothing of MPI.
 
-usage: test_ranks.py PROGRAM SOURCE_FOLDER MPI_PROGRAM WRONG_ORDER BUILD_FOLDER [unittest options]
+usage: test_ranks.py PROGRAM SOURCE_FOLDER MPI_PROGRAM WRONG_ORDER COUNT_MESSAGES BUILD_FOLDER [unittest options]
 
-MPI_PROGRAM: none where MPI is not there. WRONG_ORDER is the library of tests/ranks. All ranks are on this machine,
+MPI_PROGRAM: none where MPI is not there. WRONG_ORDER and COUNT_MESSAGES are the libraries of tests/ranks. All ranks are on this machine,
 more of them than it has processors.
 """
 
 import glob
+import json
 import os
 import re
 import signal
@@ -22,7 +23,7 @@ import unittest
 import netCDF4
 import numpy
 
-PROGRAM, SOURCE, RANKS, WRONG, BUILD = sys.argv[1:6]
+PROGRAM, SOURCE, RANKS, WRONG, COUNTER, BUILD = sys.argv[1:7]
 OWN = re.compile(r"wall|cpu|memory|history|date_created|date_modified")
 FIELDS = "output.fields=[slip, slip_rate, state, traction]"
 FULL = ["--set", "interface.levels=8", "--set", "interface.domain={full: {}}"]
@@ -85,6 +86,14 @@ class Alone(unittest.TestCase):
             self.assertEqual(re.findall(r"\bP?MPI_\w+|\bompi_\w+", named), [], file)
 
 
+    def test_check_says_how_many_ranks(self):
+        case = ["cases/transfer/hierarchy.yaml", "--json"]
+        for words, ranks in ((LACUNAR, 20), (LARGE, 74), (["--set", "interface.levels=7"], 1),
+                             (LACUNAR + ["--set", "solver.fidelity=events"], 1)):
+            said = run([PROGRAM, "check", *case, *words])
+            self.assertEqual(json.loads(said.stdout)["estimate"]["ranks_most"], ranks, words)
+
+
 @unittest.skipIf(RANKS == "none", "MPI is not there (tools/install-packages --test brings it)")
 class Ranks(unittest.TestCase):
     def setUp(self):
@@ -116,6 +125,29 @@ class Ranks(unittest.TestCase):
         done = run(command(2, "run", *case, "-o", self.many, "--force", "-q", preload=WRONG))
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertTrue(expected != read(self.many))
+
+    def test_a_step_tells_what_the_page_says(self):
+        counts = os.path.join(self.folder.name, "counts")
+        done = run(command(3, "run", "cases/transfer/hierarchy.yaml", *LARGE, "--until", "10 minute", "-o", self.many, "-q",
+                           preload=COUNTER), env={**os.environ, "COUNTS": counts})
+        self.assertEqual(done.returncode, 0, done.stderr)
+        with netCDF4.Dataset(self.many) as file:
+            evaluations, solves, steps = file.rhs_evaluations, file.linear_solves, file.steps
+            cells, records = len(file.dimensions["cell"]), len(file.dimensions["time"])
+        with open(counts, encoding="utf-8") as lines:
+            found = {key: int(value) for key, value in (line.split() for line in lines)}
+        received = found.pop("received")
+        found = {int(key): value for key, value in found.items()}
+        leaves = max(set(found) - {74, 2 * 74, 3 * 74})  # words of a join of them
+        self.assertLess(leaves, 2 * 2 * 3 * 10)  # a border cuts ten levels
+        model = {1: evaluations + steps, 3: 11 * steps + 23, 74: 6 * evaluations + 7.6 * steps, 2 * 74: records,
+                 3 * 74: evaluations, leaves: evaluations + 2 * solves + steps}
+        self.assertEqual(set(found), set(model))
+        for what, of in (("collectives", 1), ("bytes", 8)):
+            counted, said = (sum(n * (of if of == 1 else of * words) for words, n in each.items())
+                             for each in (found, model))
+            self.assertLess(abs(counted / said - 1), 0.05, f"{what}: {counted}, not {said}")
+        self.assertAlmostEqual(received / (4 * records * cells * 2 / 3), 1, delta=0.05)
 
     def lines(self, done):
         return [line for line in done.stderr.splitlines() if line.startswith("lacuna")]
@@ -174,4 +206,4 @@ class Ranks(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1] + sys.argv[6:])
+    unittest.main(argv=sys.argv[:1] + sys.argv[7:])

@@ -16,8 +16,8 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 96222,
-    "lines that only present results": 24400,
+    "lines of src and include": 96246,
+    "lines that only present results": 24406,
     "public headers": 13,
     "exported names": 44,
     "circles of includes": 0,
