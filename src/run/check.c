@@ -277,5 +277,6 @@ lac_sink lac_sink_before(lac_sink *next)
                       .event = next->event != NULL ? pass_event : NULL,
                       .once = next->once != NULL ? pass_once : NULL,
                       .serialize = next->serialize != NULL ? pass_serialize : NULL,
-                      .checkpoint = next->checkpoint != NULL ? pass_checkpoint : NULL};
+                      .checkpoint = next->checkpoint != NULL ? pass_checkpoint : NULL,
+                      .cells_from = next->cells_from};
 }

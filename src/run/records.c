@@ -107,9 +107,11 @@ lac_status lac_run_state_record(lac_run_state *r, double t, const double *y, con
     if ((r->takes & LAC_TAKES_RECORD) == 0) {
         return LAC_OK;
     }
-    line.cells = (lac_record_cells){.n = engine->range->all,
-                                    .slip_rate = lac_run_state_gather(r, engine->work, 0),
-                                    .log_state = lac_run_state_gather(r, y + engine->n, 1)};
+    line.cells.n = engine->range->all;
+    if (r->watched != NULL || lac_run_state_shows(r, line.observation.max_rate)) {
+        line.cells.slip_rate = lac_run_state_gather(r, engine->work, 0);
+        line.cells.log_state = lac_run_state_gather(r, y + engine->n, 1);
+    }
     if (r->watched != NULL) {
         watch_points(r, lac_engine_clock(engine, t), slip, &line);
     }

@@ -295,9 +295,12 @@ static void ask_sink(run *r)
                    (sink->snapshot != NULL ? LAC_TAKES_SNAPSHOT : 0U) |
                    (sink->step != NULL ? LAC_TAKES_STEP : 0U) |
                    (sink->checkpoint != NULL ? LAC_TAKES_CHECKPOINT : 0U);
+        r->cells_from = sink->cells_from;
     }
+    r->stepped = true; // none or the last one before a kill may have
     if (team != NULL) {
         team->hand_out(team, &r->takes, sizeof r->takes);
+        team->hand_out(team, &r->cells_from, sizeof r->cells_from);
     }
 }
 

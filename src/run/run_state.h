@@ -45,8 +45,10 @@ typedef struct lac_run_state {
     const lac_problem *problem;
     const lac_run_def *def;
     const lac_sink *sink;
-    uint64_t takes; // LAC_TAKES_*
-    double *all;    // [LAC_GATHERED][all cells] where ranks share them, at the one that leads; NULL
+    uint64_t takes;    // LAC_TAKES_*
+    double cells_from; // of the sink
+    bool stepped;      // its last step had cells
+    double *all; // [LAC_GATHERED][all cells] where ranks share them, at the one that leads; NULL
     lac_engine *engine;
     lac_run_result *result;
     lac_run_clock record_clock, snapshot_clock, checkpoint_clock;
@@ -77,6 +79,12 @@ typedef struct lac_run_state {
 // @param place  of those arrays; each is used once for what is put out
 const double *lac_run_state_gather(const lac_run_state *r, const double *x, size_t place);
 
+// Whether the sink looks at the cells at such a largest rate; one that has them here always can.
+static inline bool lac_run_state_shows(const lac_run_state *r, double max_rate)
+{
+    return r->engine->range->team == NULL || !(max_rate < r->cells_from);
+}
+
 // Whether this rank has the sink; what it says, to all ranks.
 static inline bool lac_run_state_leads(const lac_run_state *r)
 {
@@ -102,7 +110,7 @@ lac_status lac_run_state_check(lac_run_state *r, lac_error *err);
 
 // Shows a sink that asks for every step the state reached; its rates are those in engine->work.
 // @param step  length of the step that ended here; 0 at the start and beyond a jump [s]
-lac_status lac_run_state_watch(const lac_run_state *r, double step, lac_error *err);
+lac_status lac_run_state_watch(lac_run_state *r, double step, lac_error *err);
 
 // Takes the factor of safety of a record at time t, NaN where there is none, into the result. Where
 // the loads jump it has come to its value at once.

@@ -16,8 +16,8 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 96246,
-    "lines that only present results": 24406,
+    "lines of src and include": 96270,
+    "lines that only present results": 24408,
     "public headers": 13,
     "exported names": 44,
     "circles of includes": 0,
