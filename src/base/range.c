@@ -52,16 +52,11 @@ static void add_block(void *context, size_t block, size_t first, size_t end)
     p->body(p->context, first, end, sums);
 }
 
-void lac_range_sums(const lac_range *range, size_t values, lac_range_body *body,
+void lac_range_join(const lac_range *range, size_t values, lac_range_body *body,
                     const void *context, double *sums)
 {
     double partial[LAC_RANGE_BLOCKS * LAC_RANGE_SUMS];
     pass p = {body, context, values, partial};
-    memset(sums, 0, values * sizeof *sums);
-    if (range->all <= range->block && range->team == NULL) {
-        body(context, 0, range->n, sums);
-        return;
-    }
     const size_t blocks = lac_range_blocks(range);
     if (range->team != NULL) {
         memset(partial, 0, blocks * values * sizeof *partial);

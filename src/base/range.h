@@ -37,10 +37,24 @@ enum { LAC_RANGE_SUMS = 3 };
 /// Adds to sums what the cells first ... end - 1 give, counted from the first one here.
 typedef void lac_range_body(const void *context, size_t first, size_t end, double *sums);
 
+// What follows where the cells are not one block here.
+void lac_range_join(const lac_range *range, size_t values, lac_range_body *body,
+                    const void *context, double *sums);
+
 /// Sums over all cells of so many values (at most LAC_RANGE_SUMS), in one pass over them.
 /// @param sums  [values] overwritten
-void lac_range_sums(const lac_range *range, size_t values, lac_range_body *body,
-                    const void *context, double *sums);
+static inline void lac_range_sums(const lac_range *range, size_t values, lac_range_body *body,
+                                  const void *context, double *sums)
+{
+    for (size_t k = 0; k < values; k++) {
+        sums[k] = 0.0;
+    }
+    if (range->all <= range->block && range->team == NULL) {
+        body(context, 0, range->n, sums);
+    } else {
+        lac_range_join(range, values, body, context, sums);
+    }
+}
 
 /// Sum of x. @param x  [n]
 double lac_range_sum(const lac_range *range, const double *x);

@@ -20,38 +20,29 @@ static size_t tell(const lac_team *team, double here, double *all)
     return (size_t)team->ranks;
 }
 
-bool lac_team_any(const lac_team *team, bool here)
+bool lac_team_ask(const lac_team *team, bool here)
 {
     uint64_t word = here ? 1 : 0;
-    if (team != NULL) {
-        team->join(team, &word, 1);
-    }
+    team->join(team, &word, 1);
     return word != 0;
 }
 
-bool lac_team_all(const lac_team *team, bool here) { return !lac_team_any(team, !here); }
-
-double lac_team_most(const lac_team *team, double here)
+double lac_team_ask_most(const lac_team *team, double here)
 {
     double all[LAC_TEAM_MOST], most = here;
-    for (size_t i = 0, n = team != NULL ? tell(team, here, all) : 0; i < n && !isnan(most); i++) {
+    for (size_t i = 0, n = tell(team, here, all); i < n && !isnan(most); i++) {
         most = all[i] <= most ? most : all[i];
     }
     return most;
 }
 
-double lac_team_least(const lac_team *team, double here) { return -lac_team_most(team, -here); }
-
-lac_status lac_team_agree(lac_team *team, lac_status here, lac_error *err)
+lac_status lac_team_settle(lac_team *team, lac_status here, lac_error *err)
 {
     double all[LAC_TEAM_MOST];
     union {
         lac_error error;
         uint64_t words[sizeof(lac_error) / sizeof(uint64_t)];
     } said = {0};
-    if (team == NULL || team->over) {
-        return here;
-    }
     const size_t n = tell(team, (double)here, all);
     size_t first = 0;
     while (first < n && all[first] == (double)LAC_OK) {

@@ -26,12 +26,32 @@ static inline bool lac_team_leads(const lac_team *team) { return team == NULL ||
 /// The same of numbers: of those of all ranks, where each rank has some and the others 0.
 void lac_team_join(const lac_team *team, double *x, size_t n);
 
-/// Whether it is so with all, or with any of them; the largest and the least.
-bool lac_team_all(const lac_team *team, bool here);
-bool lac_team_any(const lac_team *team, bool here);
-double lac_team_most(const lac_team *team, double here); ///< NaN where one is
-double lac_team_least(const lac_team *team, double here);
+// The functions below where there are others.
+bool lac_team_ask(const lac_team *team, bool here);
+double lac_team_ask_most(const lac_team *team, double here);
+lac_status lac_team_settle(lac_team *team, lac_status here, lac_error *err);
+
+/// Whether it is so with any, or with all of them; the largest and the least.
+static inline bool lac_team_any(const lac_team *team, bool here)
+{
+    return team == NULL ? here : lac_team_ask(team, here);
+}
+static inline bool lac_team_all(const lac_team *team, bool here)
+{
+    return !lac_team_any(team, !here);
+}
+static inline double lac_team_most(const lac_team *team, double here) ///< NaN where one is
+{
+    return team == NULL ? here : lac_team_ask_most(team, here);
+}
+static inline double lac_team_least(const lac_team *team, double here)
+{
+    return -lac_team_most(team, -here);
+}
 
 /// The error of the lowest rank that has one, to all, with its message.
 /// @return LAC_OK where all have that
-lac_status lac_team_agree(lac_team *team, lac_status here, lac_error *err);
+static inline lac_status lac_team_agree(lac_team *team, lac_status here, lac_error *err)
+{
+    return team == NULL || team->over ? here : lac_team_settle(team, here, err);
+}

@@ -16,7 +16,7 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 96270,
+    "lines of src and include": 96290,
     "lines that only present results": 24408,
     "public headers": 13,
     "exported names": 44,
