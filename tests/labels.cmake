@@ -7,7 +7,7 @@ set(about_physics
   "unit\\.test_(forecast_times|fractal_.*|friction|friction_rates|history|joint_surface|load|lump|micro|motion|noise|posterior|series|series_doubts)"
   "unit\\.test_(simulation|skill|spread|sweep_case|surface_.*|tangential|tangential_space|trade|trend|verdict)"
   "case\\.(cases|contact|domain|fit|friction|load|momentum|normal|peers|rg|seas|solver|surface|transfer|weakening)\\..*"
-  "case\\.test_(accuracy|analysis|breaks|catalogue|driver|elastic|elastic_limits|events|extremes|fidelity|fit|fit_friction|fractal|friction|geometry|history|loads|loads_over_joint|lumped)"
+  "case\\.test_(accuracy|analysis|breaks|catalogue|driver|elastic|elastic_limits|events|extremes|fidelity|fit|fit_friction|fractal|friction|geometry|history|loads|loads_over_joint|lumped|ranks)"
   "case\\.test_(precursors|readings|rg|safety|seas|small_cases|sweep|sweep_parts|trade|verdicts?|watch|weakening)|speed\\..*|case\\.costs")
 set(about_cli "unit\\.test_pool"
   "case\\.test_(cli|cluster|completion|interface|valid_cases|wrong_cases|static_cases|verdict_levels)")
@@ -19,7 +19,7 @@ set(about_docs
   "case\\.(README|format|install|rg-results|tables|rocks|vajont|howto-.*|tutorial-.*)"
   "case\\.test_(commands|howto_law|names|site)")
 set(about_base
-  "unit\\.test_(date|error|filter|free_memory|memory|part|units|units_usual|vector|vmath|write_text)")
+  "unit\\.test_(date|error|filter|free_memory|memory|part|team|units|units_usual|vector|vmath|write_text)")
 set(about_build "case\\.test_(build|door|install|python|start|vector_width)" "lint\\..*")
 
 get_property(tests DIRECTORY PROPERTY TESTS)

@@ -130,6 +130,19 @@ set(test_branch_files $<TARGET_FILE:at_call>)
 lacuna_python_test(test_branch)
 lacuna_python_test(test_points)
 
+# Runs on the ranks of an MPI job, where that is there.
+set(test_ranks_files none none none ${PROJECT_BINARY_DIR})
+if(TARGET lacuna_mpi)
+  foreach(loaded wrong_order count_messages)
+    add_library(${loaded} MODULE ranks/${loaded}.c)
+    target_compile_options(${loaded} PRIVATE ${warnings})
+    target_link_libraries(${loaded} PRIVATE MPI::MPI_C)
+  endforeach()
+  set(test_ranks_files $<TARGET_FILE:lacuna_mpi> $<TARGET_FILE:wrong_order> $<TARGET_FILE:count_messages>
+      ${PROJECT_BINARY_DIR})
+endif()
+lacuna_python_test(test_ranks)
+
 # What is left where a program is killed, or a file call fails, at each of them in turn.
 set(test_every_call_files $<TARGET_FILE:at_call>)
 if(LACUNA_SANITIZE)
@@ -155,7 +168,7 @@ lacuna_python_test(test_sweep_parts once)
 # How many of its runs go side by side.
 target_sources(unit_test_free_memory PRIVATE ${PROJECT_SOURCE_DIR}/src/cli/common/memory.c)
 target_sources(unit_test_pool PRIVATE
-  "$<FILTER:$<TARGET_OBJECTS:lacuna_program>,INCLUDE,common/(keep|memory|pool|progress|words)[.]c>")
+  "$<FILTER:$<TARGET_OBJECTS:lacuna_cli>,INCLUDE,common/(keep|memory|pool|progress|words)[.]c>")
 
 # Runs of seconds by each method: slow under sanitizers, which shorter runs by each method pass too.
 set_property(TEST verify.test_peers APPEND PROPERTY LABELS once)

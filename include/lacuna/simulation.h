@@ -258,6 +258,9 @@ typedef struct lac_sink {
     void (*serialize)(void *context, lac_archive *archive);
     /// Stores a checkpoint; NULL: none is made. All that was put out before must last as long.
     lac_status (*checkpoint)(void *context, const lac_checkpoint *checkpoint, lac_error *err);
+    /// The largest slip rate from which on it looks at the cells of records and steps [m/s]; of a
+    /// run that ranks share these are NULL below, but of the first step behind. 0: always.
+    double cells_from;
 } lac_sink;
 
 /// A sink that drops all.

@@ -142,6 +142,7 @@ lac_sink lac_analysis_sink(lac_analysis *analysis, const lac_sink *next)
     sink.record = on_record;
     sink.step = lac_analysis_has_events(analysis) || next->step != NULL ? on_step : NULL;
     sink.serialize = on_keep;
+    sink.cells_from = analysis->n > 0 ? 0.0 : next->cells_from;
     return sink;
 }
 

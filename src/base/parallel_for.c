@@ -24,3 +24,14 @@ size_t lac_parallel_for(size_t n, lac_parallel_body *body, void *context)
     }
     return LAC_PARTS;
 }
+
+size_t lac_parallel_blocks(size_t n, size_t block, lac_parallel_body *body, void *context)
+{
+    const int blocks = (int)((n + block - 1) / block);
+#pragma omp parallel for schedule(static) if (n >= LAC_PARTS_ALONE && omp_get_max_threads() > 1)
+    for (int b = 0; b < blocks; b++) {
+        const size_t first = (size_t)b * block;
+        body(context, (size_t)b, first, n - first < block ? n : first + block);
+    }
+    return (size_t)blocks;
+}

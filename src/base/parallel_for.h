@@ -16,3 +16,6 @@ typedef void lac_parallel_body(void *context, size_t part, size_t first, size_t 
 /// The parts depend on n alone: what is summed up by parts, in their order, has the same bits for
 /// any number of threads. Gives back how many there were.
 size_t lac_parallel_for(size_t n, lac_parallel_body *body, void *context);
+
+/// The same cut into blocks of so many elements, the last of which may be shorter.
+size_t lac_parallel_blocks(size_t n, size_t block, lac_parallel_body *body, void *context);

@@ -230,7 +230,8 @@ typedef struct lac_case_use {
 /// Text turned into one def per stage. Everything is SI and checked.
 struct lac_case {
     char *path;
-    lac_case_use *use;                      ///< of a case that its user may change; NULL
+    lac_case_use *use; ///< of a case that its user may change; NULL
+    lac_team *team;    ///< who share its runs; set by who has them. NULL: nobody
     char *title, *references, *institution; ///< NULL where absent
     lac_interface_def interface;
     int slip;                                ///< lac_slip; -1 where absent

@@ -2,7 +2,7 @@
 // Stress from slip over all levels of blocks: means on the way up, forces on the way down.
 #include "base/clones.h"
 #include "base/parallel_for.h"
-#include "hierarchy/blocks.h"
+#include "hierarchy/split.h"
 
 // One pass over a partition.
 typedef struct pass {
@@ -72,11 +72,29 @@ static void take_means(const lac_partition *part, double *mean)
     (void)lac_parallel_for(part->count, lac_apply_take_means, &p);
 }
 
+// The means and forces of the top over a part. @param sums  of the blocks here
+static void apply_top(const lac_hierarchy *h, const double *k, const double *x, const double *sums,
+                      double *work, const double *top[2])
+{
+    const lac_hierarchy *over = h->split->top;
+    double *leaves = work + lac_hierarchy_work(h) - lac_split_work(h->split);
+    const size_t n = over->cells;
+    double *scratch = leaves + 3 * n + 1;
+    (void)lac_split_join(h, true, &(lac_split_values){.cells = {x}, .blocks = {sums}}, leaves);
+    lac_hierarchy_apply(over, k, leaves, leaves + 2 * n + 1, scratch);
+    top[0] = scratch;
+    top[1] = scratch + over->blocks;
+}
+
 void lac_hierarchy_apply(const lac_hierarchy *h, const double *k, const double *x, double *y,
                          double *work)
 {
     const lac_partition *part = h->part;
     size_t root = h->partitions - 1;
+    const double *top[2] = {NULL, NULL};
+    if (h->cells == 0 && !lac_split_is_topped(h)) {
+        return;
+    }
     if (root == 0) {
         y[0] = 0;
         return;
@@ -90,10 +108,16 @@ void lac_hierarchy_apply(const lac_hierarchy *h, const double *k, const double *
         below = mean;
         mean += part[j + 1].count;
     }
-    mean = work + h->blocks - 1;
-    force += h->blocks - 1;
+    if (lac_split_is_topped(h)) {
+        apply_top(h, k, x, work, work, top);
+    }
+    mean = work + h->blocks - part[root].count;
+    force += h->blocks - part[root].count;
     take_means(&part[root], mean);
-    *force = 0;
+    if (part[root].count > 0) {
+        *force = 0;
+    }
+    lac_split_patch(h, root, top, mean, force);
     for (size_t j = root - 1; j > 0; j--) {
         double *mean_b = mean, *force_b = force;
         mean -= part[j].count;
@@ -101,6 +125,7 @@ void lac_hierarchy_apply(const lac_hierarchy *h, const double *k, const double *
         take_means(&part[j], mean);
         pass p = {&part[j], k[part[j].level], mean, mean_b, force_b, force};
         (void)lac_parallel_for(part[j].count, lac_apply_pass_down, &p);
+        lac_split_patch(h, j, top, mean, force);
     }
     pass p = {&part[0], k[part[0].level], x, mean, force, y};
     (void)lac_parallel_for(part[0].count, lac_apply_pass_down, &p);

@@ -2,7 +2,7 @@
 // Blocks over the contact cells, level by level; levels between which nothing merges share memory.
 #include "hierarchy/hierarchy.h"
 
-#include "hierarchy/blocks.h"
+#include "hierarchy/split.h"
 
 const double lac_is_child[5][4] = {
     {0, 0, 0, 0}, {1, 0, 0, 0}, {1, 1, 0, 0}, {1, 1, 1, 0}, {1, 1, 1, 1},
@@ -14,8 +14,6 @@ static uint64_t code_of(const lac_domain *domain, size_t cell)
     return lac_morton((uint32_t)(i % domain->grid.nx), (uint32_t)(i / domain->grid.nx));
 }
 
-// merge[i]: the level at which cell i comes into the block of cell i - 1. In Morton order the
-// blocks of level l are the runs of cells with merge <= l.
 static void find_merges(const lac_domain *domain, uint8_t *merge)
 {
     uint64_t last = code_of(domain, 0);
@@ -81,6 +79,7 @@ static void link_partitions(lac_partition *fine, const lac_partition *coarse, ui
         }
         fine->whole += (uint64_t)child[b] + 4 <= fine->count;
     }
+    fine->last = coarse->first[fine->whole];
     fine->parent = parent;
     fine->child = child;
     fine->single = single;
@@ -108,29 +107,39 @@ static lac_status fill_partitions(lac_hierarchy *h, const uint8_t *merge, lac_er
     return LAC_OK;
 }
 
+lac_status lac_hierarchy_build(size_t cells, size_t levels, const uint8_t *merge,
+                               lac_hierarchy **out, lac_error *err)
+{
+    lac_hierarchy *h = *out = calloc(1, sizeof *h);
+    LAC_FAIL_MEMORY_IF(h == NULL, err);
+    h->cells = cells;
+    h->levels = levels;
+    number_partitions(h, merge);
+    h->room = h->blocks;
+    const lac_status status = fill_partitions(h, merge, err);
+    if (status != LAC_OK) {
+        lac_hierarchy_free(h);
+        *out = NULL;
+    }
+    return status;
+}
+
 lac_status lac_hierarchy_create(const lac_domain *domain, lac_hierarchy **out, lac_error *err)
 {
     *out = NULL;
-    lac_status status = LAC_OK;
     uint8_t *merge = calloc(domain->n, sizeof *merge);
-    lac_hierarchy *h = calloc(1, sizeof *h);
-    LAC_TRY(merge != NULL && h != NULL ? LAC_OK : lac_fail_memory(err));
-    h->cells = domain->n;
-    h->levels = lac_grid_levels(&domain->grid);
+    LAC_FAIL_MEMORY_IF(merge == NULL, err);
     find_merges(domain, merge);
-    number_partitions(h, merge);
-    LAC_TRY(fill_partitions(h, merge, err));
-    *out = h;
-    h = NULL;
-out:
+    const size_t levels = lac_grid_levels(&domain->grid);
+    const lac_status status = lac_hierarchy_build(domain->n, levels, merge, out, err);
     free(merge);
-    lac_hierarchy_free(h);
     return status;
 }
 
 void lac_hierarchy_free(lac_hierarchy *h)
 {
     if (h != NULL) {
+        lac_split_free(h->split);
         free(h->memory);
         free(h);
     }

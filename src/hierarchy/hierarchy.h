@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
+#include "base/range.h"
 #include "contact/contact.h"
 
 /// The blocks over the contact cells, scale by scale: a level-l block is a 2^l x 2^l square of
@@ -11,6 +12,12 @@ typedef struct lac_hierarchy lac_hierarchy;
 /// 2^m is the smallest power of two that covers the grid.
 lac_status lac_hierarchy_create(const lac_domain *domain, lac_hierarchy **out, lac_error *err);
 void lac_hierarchy_free(lac_hierarchy *h);
+
+/// The part of it that a range of the cells of a team is: apply and solve are of these cells, to
+/// the bits that the whole gives. Of all other functions only lac_hierarchy_work counts.
+/// @param whole  of all cells; must outlive it
+lac_status lac_hierarchy_split(const lac_hierarchy *whole, const lac_range *range,
+                               lac_hierarchy **out, lac_error *err);
 
 /// Contact cells n; m, the number of stiffnesses k_0 ... k_{m-1}, 0 for a single block; occupied
 /// blocks of a level, 0 <= level <= m; and the rank of P_l - P_{l+1}, blocks(l) - blocks(l+1).

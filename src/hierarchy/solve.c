@@ -2,7 +2,7 @@
 // Linear equations of the hierarchy solved exactly, by elimination from the cells to the root.
 #include "base/clones.h"
 #include "base/parallel_for.h"
-#include "hierarchy/blocks.h"
+#include "hierarchy/split.h"
 
 // The elimination of docs/theory/transfer.md, equations 5 to 8. A block stands for its cells as
 // one cell would: t is its D, y its right-hand side, m its x (the mean over its cells) and mu the
@@ -67,15 +67,16 @@ LAC_CLONES static void lac_solve_average(void *context, size_t part, size_t firs
         t_b[b] = ((w0 * t[c] + w1 * t[c + 1]) + (w2 * t[c + 2] + w3 * t[c + 3])) * share;
         y_b[b] = ((w0 * y[c] + w1 * y[c + 1]) + (w2 * y[c + 2] + w3 * y[c + 3])) * share;
     }
-    for (size_t b = first > whole ? first : whole; b < end; b++) {
+    for (size_t b = first > whole ? first : whole; b < end; b++) { // three at most: the same sums
         double sum = 0, sum_t = 0, sum_y = 0;
         for (uint32_t c = child[b]; c < child[b + 1]; c++) {
             sum += w[c];
             sum_t += w[c] * t[c];
             sum_y += w[c] * y[c];
         }
-        t_b[b] = sum_t / sum;
-        y_b[b] = sum_y / sum;
+        bool last = p->part[1].first[b] >= p->part->last;
+        t_b[b] = last ? sum_t / sum : sum_t * (1 / sum);
+        y_b[b] = last ? sum_y / sum : sum_y * (1 / sum);
     }
 }
 
@@ -171,56 +172,129 @@ static void offer(const lac_partition *part, double k, const double *m, const do
     (void)lac_parallel_for(part->count, lac_solve_offer, &p);
 }
 
-size_t lac_hierarchy_work(const lac_hierarchy *h) { return h->cells + 4 * h->blocks; }
+size_t lac_hierarchy_work(const lac_hierarchy *h)
+{
+    return h->cells + h->room + 3 * h->blocks + (h->split != NULL ? lac_split_work(h->split) : 0);
+}
 
-bool lac_hierarchy_solve(const lac_hierarchy *h, const double *k, double k_mean,
-                         const double *diagonal, const double *y, double *x, double *work)
+// The parts of the work: of the cells; the weights of one partition; t (then m), y (then mu) and g
+// of the blocks of every partition but the cells, finest first.
+typedef struct places {
+    double *g_cell, *w, *t, *r, *g;
+} places;
+
+static places places_in(const lac_hierarchy *h, double *work)
+{
+    double *w = work + h->cells, *t = w + h->room;
+    return (places){work, w, t, t + h->blocks, t + 2 * h->blocks};
+}
+
+// From the cells to the root, whose t and r `at` comes to. False where a pivot is not finite and
+// positive; a part goes on all the same, as the others do.
+static bool climb(const lac_hierarchy *h, const double *k, const double *diagonal, const double *y,
+                  places *at)
 {
     const lac_partition *part = h->part;
-    size_t root = h->partitions - 1;
-    if (root == 0) {
-        double g = 1 / (diagonal[0] + k_mean);
-        x[0] = y[0] * g;
-        return good(g);
+    const size_t root = h->partitions - 1;
+    bool good = eliminate(&part[0], k[part[0].level], diagonal, y, at->g_cell,
+                          h->heaped ? at->w : at->g_cell, at->t, at->r);
+    for (size_t j = 1; j < root && (good || lac_split_is_topped(h)); j++) {
+        const uint32_t count = part[j].count;
+        lac_split_calm(h, j, at->t, at->r);
+        good = eliminate(&part[j], k[part[j].level], at->t, at->r, at->g, at->w, at->t + count,
+                         at->r + count) &&
+               good;
+        at->t += count, at->r += count, at->g += count;
     }
-    // Of the blocks of every partition but the cells, finest first: t (then m), y (then mu), g.
-    double *g_cell = work, *w = work + h->cells;
-    double *t = w + h->blocks, *r = t + h->blocks, *g = r + h->blocks;
-    if (!eliminate(&part[0], k[part[0].level], diagonal, y, g_cell, g_cell, t, r)) {
-        return false;
+    return good;
+}
+
+// From the root, whose m and mu are known, to the blocks over the cells.
+static void descend(const lac_hierarchy *h, const double *k, const double *const top[2], places *at)
+{
+    const lac_partition *part = h->part;
+    const size_t root = h->partitions - 1;
+    lac_split_patch(h, root, top, at->t, at->r);
+    for (size_t j = root - 1; j > 0; j--) {
+        const uint32_t count = part[j].count;
+        at->g -= count;
+        offer(&part[j + 1], k[part[j].level], at->t, at->r, at->w);
+        pass p = {.part = &part[j],
+                  .k = k[part[j].level],
+                  .g = at->g,
+                  .b = at->w,
+                  .t_b = at->t - count,
+                  .y_b = at->r - count};
+        (void)lac_parallel_for(count, lac_solve_pass_down, &p);
+        copy_to_singles(&part[j], at->t, p.t_b);
+        copy_to_singles(&part[j], at->r, p.y_b);
+        lac_split_patch(h, j, top, p.t_b, p.y_b);
+        at->t -= count, at->r -= count;
     }
-    for (size_t j = 1; j < root; j++) {
-        uint32_t count = part[j].count;
-        if (!eliminate(&part[j], k[part[j].level], t, r, g, w, t + count, r + count)) {
-            return false;
-        }
-        t += count, r += count, g += count;
-    }
-    // At the root m = y/(t + k_mean), mu = -k_mean m.
+}
+
+// What the top over a part comes to: m and mu of its blocks.
+static bool solve_top(const lac_hierarchy *h, const double *k, double k_mean, bool good,
+                      const lac_split_values *from, double *leaves, const double *top[2])
+{
+    const lac_hierarchy *over = h->split->top;
+    const size_t n = over->cells;
+    double *x = leaves + 2 * n + 1, *work = x + n;
+    good = lac_split_join(h, good, from, leaves);
+    const places at = places_in(over, work);
+    top[0] = at.t;
+    top[1] = at.r;
+    return good && lac_hierarchy_solve(over, k, k_mean, leaves, leaves + n, x, work);
+}
+
+// At the root m = y/(t + k_mean), mu = -k_mean m.
+static bool solve_root(double k_mean, double *t, double *r)
+{
     double g_root = 1 / (*t + k_mean);
     if (!good(g_root)) {
         return false;
     }
     *t = *r * g_root;
     *r = -k_mean * *t;
-    for (size_t j = root - 1; j > 0; j--) {
-        uint32_t count = part[j].count;
-        g -= count;
-        offer(&part[j + 1], k[part[j].level], t, r, w);
-        pass p = {.part = &part[j],
-                  .k = k[part[j].level],
-                  .g = g,
-                  .b = w,
-                  .t_b = t - count,
-                  .y_b = r - count};
-        (void)lac_parallel_for(count, lac_solve_pass_down, &p);
-        copy_to_singles(&part[j], t, p.t_b);
-        copy_to_singles(&part[j], r, p.y_b);
-        t -= count, r -= count;
-    }
-    offer(&part[1], k[part[0].level], t, r, w);
-    pass p = {.part = &part[0], .g = g_cell, .b = w, .y = y, .out = x};
-    (void)lac_parallel_for(part[0].count, lac_solve_finish, &p);
-    copy_to_singles(&part[0], t, x);
     return true;
+}
+
+static bool solve(const lac_hierarchy *h, const double *k, double k_mean, const double *diagonal,
+                  const double *y, double *x, double *work)
+{
+    const lac_partition *part = h->part;
+    const double *top[2] = {NULL, NULL};
+    if (h->partitions == 1) {
+        double g = 1 / (diagonal[0] + k_mean);
+        x[0] = y[0] * g;
+        return good(g);
+    }
+    const places begin = places_in(h, work);
+    places at = begin;
+    const bool climbed = climb(h, k, diagonal, y, &at);
+    if (lac_split_is_topped(h)) {
+        double *leaves = work + lac_hierarchy_work(h) - lac_split_work(h->split);
+        const lac_split_values from = {{diagonal, y}, {begin.t, begin.r}};
+        if (!solve_top(h, k, k_mean, climbed, &from, leaves, top)) {
+            return false;
+        }
+    } else if (!climbed || !solve_root(k_mean, at.t, at.r)) {
+        return false;
+    }
+    descend(h, k, top, &at);
+    offer(&part[1], k[part[0].level], at.t, at.r, at.w);
+    pass p = {.part = &part[0], .g = at.g_cell, .b = at.w, .y = y, .out = x};
+    (void)lac_parallel_for(part[0].count, lac_solve_finish, &p);
+    copy_to_singles(&part[0], at.t, x);
+    return true;
+}
+
+bool lac_hierarchy_solve(const lac_hierarchy *h, const double *k, double k_mean,
+                         const double *diagonal, const double *y, double *x, double *work)
+{
+    if (h->split == NULL || lac_split_is_topped(h)) {
+        return solve(h, k, k_mean, diagonal, y, x, work);
+    }
+    const bool good = h->cells == 0 || solve(h, k, k_mean, diagonal, y, x, work);
+    return lac_team_all(h->split->team, good); // one of them has all
 }

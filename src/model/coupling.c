@@ -19,17 +19,54 @@ lac_status lac_problem_anchor(lac_problem *problem, lac_error *err)
         ones[i] = 1.0;
     }
     transfer->kind->apply(transfer->state, ones, problem->anchor, work);
+    bool holds = false;
     for (size_t i = 0; i < n; i++) {
-        if (problem->anchor[i] != 0.0) {
-            goto out;
-        }
+        holds = holds || problem->anchor[i] != 0.0;
     }
-    free(problem->anchor);
-    problem->anchor = NULL;
+    if (!lac_team_any(problem->range.team, holds)) {
+        free(problem->anchor);
+        problem->anchor = NULL;
+    }
 out:
     free(ones);
     free(work);
     return status;
+}
+
+// An array of the cells of a problem, and what is shared by them.
+typedef struct cell_array {
+    const lac_problem *problem;
+    const double *x, *row;
+    double back;
+} cell_array;
+
+static void add_weighed(const void *context, size_t first, size_t end, double *sums)
+{
+    const cell_array *a = context;
+    sums[0] += lac_problem_sum_from(a->problem, first, end - first, a->x + first);
+}
+
+double lac_problem_sum(const lac_problem *problem, const double *x)
+{
+    double sum;
+    lac_range_sums(&problem->range, 1, add_weighed, &(cell_array){.problem = problem, .x = x},
+                   &sum);
+    return sum;
+}
+
+static void add_exps(const void *context, size_t first, size_t end, double *sums)
+{
+    const cell_array *a = context;
+    for (size_t i = first; i < end; i++) {
+        sums[0] += lac_problem_weight(a->problem, i) * exp(a->x[i]);
+    }
+}
+
+double lac_problem_exp_mean(const lac_problem *problem, const double *u)
+{
+    double sum;
+    lac_range_sums(&problem->range, 1, add_exps, &(cell_array){.problem = problem, .x = u}, &sum);
+    return sum / lac_problem_all(problem);
 }
 
 // force -= scale shape
@@ -63,18 +100,26 @@ LAC_CLONES static void lac_couple_hold(size_t n, const double *restrict anchor,
     }
 }
 
+static void add_held(const void *context, size_t first, size_t end, double *sums)
+{
+    const cell_array *a = context;
+    const lac_problem *problem = a->problem;
+    for (size_t at = first; at < end; at += LAC_FRICTION_BLOCK) {
+        double held[LAC_FRICTION_BLOCK];
+        const size_t length = lac_block_length(end, at);
+        lac_couple_hold(length, problem->anchor + at, a->x + at, a->back, held);
+        sums[0] += lac_problem_sum_from(problem, at, length, held);
+    }
+}
+
 double lac_problem_held(const lac_problem *problem, double back, const double *slip)
 {
     if (problem->anchor == NULL) {
         return 0.0;
     }
-    double total = 0.0;
-    for (size_t first = 0; first < problem->n; first += LAC_FRICTION_BLOCK) {
-        double held[LAC_FRICTION_BLOCK];
-        const size_t length = lac_block_length(problem->n, first);
-        lac_couple_hold(length, problem->anchor + first, slip + first, back, held);
-        total += lac_problem_sum_from(problem, first, length, held);
-    }
+    double total;
+    lac_range_sums(&problem->range, 1, add_held,
+                   &(cell_array){.problem = problem, .x = slip, .back = back}, &total);
     return total;
 }
 
@@ -111,7 +156,9 @@ const char *lac_problem_lost_transfer(const lac_problem *problem, const double *
         given += slip[i] * 0.0;
         found += ws.kv[i] * 0.0;
     }
-    return given == 0.0 && found != 0.0 ? transfer->kind->info.name : NULL;
+    const lac_team *team = problem->range.team;
+    const bool is_given = lac_team_all(team, given == 0.0);
+    return lac_team_any(team, found != 0.0) && is_given ? transfer->kind->info.name : NULL;
 }
 
 lac_damping lac_damping_over(const lac_domain *domain, double eta, bool massive)
@@ -121,10 +168,10 @@ lac_damping lac_damping_over(const lac_domain *domain, double eta, bool massive)
     if (massive) {
         return domain->n == 1 ? (lac_damping){0} : (lac_damping){.cell = eta, .mean = -eta};
     }
-    double pressure =
-        (domain->weight == NULL ? lac_vsum(domain->n, domain->pressure)
-                                : lac_vdot(domain->n, domain->weight, domain->pressure)) /
-        (double)domain->n;
+    double pressure = lac_problem_sum(&(lac_problem){.range = lac_range_whole(domain->n),
+                                                     .weight = domain->weight},
+                                      domain->pressure) /
+                      (double)domain->n;
     return (lac_damping){.cell = eta, .shared = eta * ((cells - n) / n) / pressure};
 }
 
@@ -168,18 +215,23 @@ void lac_block_ease(const lac_problem *problem, const lac_problem_loads_at *driv
     }
 }
 
+static void add_row(const void *context, size_t first, size_t end, double *sums)
+{
+    const cell_array *a = context;
+    for (size_t i = first; i < end; i++) {
+        const double weight = lac_problem_weight(a->problem, i);
+        sums[0] += weight * (a->row[i] * a->x[i]);
+        sums[1] += weight * a->x[i];
+    }
+}
+
 // Means over the cells of row x and of x.
 static void weigh(const lac_problem *problem, const double *row, const double *x, double means[2])
 {
-    const size_t n = problem->n;
-    means[0] = means[1] = 0.0;
-    for (size_t i = 0; i < n; i++) {
-        const double weight = lac_problem_weight(problem, i);
-        means[0] += weight * (row[i] * x[i]);
-        means[1] += weight * x[i];
-    }
-    means[0] /= (double)n;
-    means[1] /= (double)n;
+    lac_range_sums(&problem->range, 2, add_row,
+                   &(cell_array){.problem = problem, .x = x, .row = row}, means);
+    means[0] /= lac_problem_all(problem);
+    means[1] /= lac_problem_all(problem);
 }
 
 // Where the row is 1: what s is besides 1 acts on the mean.
@@ -304,6 +356,7 @@ bool lac_problem_solve_sharing(const lac_problem *problem, double mean, const do
         column[i] -= alike;
         differs = differs || column[i] != 0.0;
     }
+    differs = lac_team_any(problem->range.team, differs);
     if (!solve_shared(problem, mean - alike, diagonal, on, b, scratch) ||
         (differs && !solve_shared(problem, mean - alike, diagonal, on, column, scratch))) {
         return false;

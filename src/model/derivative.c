@@ -2,6 +2,7 @@
 // What integrators ask of a problem: dy/dt, Newton's system, allowed errors, a first step.
 #include "base/clones.h"
 #include "model/internal.h"
+#include "model/weaken.h"
 
 bool lac_problem_derivative(const lac_problem *problem, double t, const double *y, double *ydot,
                             double *work)
@@ -79,6 +80,15 @@ void lac_problem_weights(const lac_problem *problem, const double *y, double rto
     }
 }
 
+double lac_problem_least_tolerance(const lac_problem *problem, const double *tolerance)
+{
+    double least = INFINITY;
+    for (size_t i = 0; i < problem->n; i++) {
+        least = fmin(least, tolerance[i]);
+    }
+    return lac_team_least(problem->range.team, least);
+}
+
 double lac_problem_slip_tolerance(const lac_problem *problem, double rtol, double *tolerance)
 {
     for (size_t first = 0; first < problem->n; first += LAC_FRICTION_BLOCK) {
@@ -123,7 +133,7 @@ static double fastest(const lac_problem *problem, double t, const double *y, boo
             most = fmax(most, fmax(fmax(fabs(s.g[i]) * worth, slip), back));
         }
     }
-    return most;
+    return lac_problem_most(problem, most);
 }
 
 double lac_problem_first_step(const lac_problem *problem, double t, const double *y, double *work)

@@ -5,6 +5,7 @@
 #include "base/clones.h"
 #include "base/vsum.h"
 #include "model/internal.h"
+#include "model/weaken.h"
 
 static const lac_formulation_kind *const kinds[] = {
     &lac_formulation_rate,    &lac_formulation_traction, &lac_formulation_slip,
@@ -203,13 +204,13 @@ bool lac_implicit_reduce(const lac_look *at, double gamma, const double *b_slip,
     for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
         good = reduce_block(at, gamma, gone, b_w, first) && good;
     }
-    return good;
+    return lac_problem_agree(at->problem, good);
 }
 
 bool lac_implicit_solve(const lac_look *at, double gamma, double *b)
 {
     const lac_problem *problem = at->problem;
-    double kappa = problem->drag * (problem->sum_pressure / (double)problem->n) / gamma;
+    double kappa = problem->drag * (problem->sum_pressure / lac_problem_all(problem)) / gamma;
     double mean = at->drive.spring_stiffness + kappa;
     bool felt = lac_problem_feels_drag(problem, at->drive.least, at->motion.mean);
     const lac_sharing on = {.kappa = felt ? kappa : 0.0,
@@ -242,21 +243,30 @@ static __attribute__((noinline)) void leave(const lac_look *at, const double *tr
     }
 }
 
+// What rates are solved from.
+typedef struct balance_field {
+    const lac_look *at;
+    const double *tractions;
+    double taken; // mean rate [m/s]
+    double *u;
+} balance_field;
+
+// Solves for the rates of some cells and adds them up.
 // @param other  what friction holds is not all of the tractions; taken apart for either
-static inline __attribute__((always_inline)) double
-rates_under(const lac_look *at, const double *tractions, double taken, bool other, double *u)
+static inline __attribute__((always_inline)) double rates_of(const balance_field *field,
+                                                             size_t from, size_t end, bool other)
 {
     double left[LAC_FRICTION_BLOCK];
     double room[LAC_FRICTION_BLOCK];
+    const lac_look *at = field->at;
     const lac_problem *problem = at->problem;
-    double *v = at->ws.v;
-    size_t n = problem->n;
+    double *u = field->u, *v = at->ws.v;
     double total = 0.0;
-    for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
-        size_t length = lac_block_length(n, first);
-        const double *traction = tractions + first;
+    for (size_t first = from; first < end; first += LAC_FRICTION_BLOCK) {
+        size_t length = lac_block_length(end, first);
+        const double *traction = field->tractions + first;
         if (other) {
-            leave(at, traction, taken, first, left);
+            leave(at, traction, field->taken, first, left);
         }
         lac_friction_balance balance = {.first = first,
                                         .n = length,
@@ -268,13 +278,22 @@ rates_under(const lac_look *at, const double *tractions, double taken, bool othe
         lac_friction_rates(problem->friction, &balance, u + first, v + first);
         total += lac_problem_sum_from(problem, first, length, v + first);
     }
-    return total / (double)n;
+    return total;
+}
+
+static void add_rates(const void *context, size_t first, size_t end, double *sums)
+{
+    const balance_field *f = context;
+    const bool other = f->taken != 0.0 || f->at->broken != NULL;
+    sums[0] += other ? rates_of(f, first, end, true) : rates_of(f, first, end, false);
 }
 
 double lac_problem_rates_under(const lac_look *at, const double *tractions, double taken, double *u)
 {
-    return taken != 0.0 || at->broken != NULL ? rates_under(at, tractions, taken, true, u)
-                                              : rates_under(at, tractions, 0.0, false, u);
+    const balance_field field = {at, tractions, taken, u};
+    double sum;
+    lac_range_sums(&at->problem->range, 1, add_rates, &field, &sum);
+    return sum / lac_problem_all(at->problem);
 }
 
 void lac_problem_find_ease(const lac_look *at, const double *u, double *ease)
@@ -328,7 +347,7 @@ static double rates_together(const lac_look *at, const double *tractions, double
         lac_problem_find_ease(at, u, ease);
         double slope = lac_problem_mean(at->problem, ease);
         double moved = lac_mean_search_on(&search, found, slope);
-        double part = part_taken(n, moved, ease, ws->v);
+        double part = lac_problem_most(at->problem, part_taken(n, moved, ease, ws->v));
         if (part <= near) {
             take_off(n, moved, ease, u, ws->v);
         }

@@ -5,6 +5,7 @@
 #include "base/vmath.h"
 #include "base/vsum.h"
 #include "model/internal.h"
+#include "model/weaken.h"
 
 // Where regularised friction turns linear in v, less what healing may take off it: the x of a cell
 // at rest then goes with its traction.
@@ -13,7 +14,7 @@ static double slow_scale(const lac_problem *problem, const lac_problem_def *def)
     const double healing = 20.0; // e-folds of v
     const double least = LAC_AT_REST, greatest = -10.0;
     double scale = greatest;
-    for (size_t i = 0; i < problem->n; i++) {
+    for (size_t i = 0; i < def->domain->n; i++) { // ranks have no part of their own yet
         double u = def->log_rate[i];
         double a = lac_cellwise_of(&problem->friction->column[LAC_A], i);
         double f = lac_friction_plain(problem->friction, i, u, def->log_state[i]);
@@ -40,7 +41,7 @@ lac_status lac_inertia_init(lac_problem *problem, const lac_problem_def *def, la
                 "the formulation \"%s\" knows no inertia", problem->kind->name);
     problem->kind = &lac_formulation_inertia;
     problem->mass = def->mass * problem->spring_share;
-    problem->columns = problem->n == 1 ? 1.0 : def->columns;
+    problem->columns = problem->range.all == 1 ? 1.0 : def->columns;
     problem->slow = problem->friction->form == LAC_FORM_PLAIN ? 0.0 : slow_scale(problem, def);
     return LAC_OK;
 }
@@ -80,30 +81,53 @@ static void turn_back(double slow, size_t n, const double *x, double *u, double 
     lac_vlog(n, u, u);
 }
 
+static void add_turned(const void *context, size_t from, size_t end, double *sums)
+{
+    const lac_look *at = context;
+    const lac_workspace *ws = &at->ws;
+    for (size_t first = from; first < end; first += LAC_FRICTION_BLOCK) {
+        size_t length = lac_block_length(end, first);
+        turn_back(at->problem->slow, length, at->y + first, ws->u + first, ws->v + first);
+        sums[0] += lac_vsum(length, ws->v + first);
+    }
+}
+
 static lac_motion move(const lac_look *at, bool keep)
 {
     (void)keep;
     const lac_problem *problem = at->problem;
     const lac_workspace *ws = &at->ws;
     const double *y = at->y;
-    size_t n = problem->n;
     if (problem->slow == 0.0) {
         double total = lac_problem_exp_sum(at->problem, y, ws->v);
-        return (lac_motion){.u = y, .v = ws->v, .mean = total / (double)n};
+        return (lac_motion){.u = y, .v = ws->v, .mean = total / lac_problem_all(problem)};
     }
-    double total = 0.0;
-    for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
-        size_t length = lac_block_length(n, first);
-        turn_back(problem->slow, length, y + first, ws->u + first, ws->v + first);
-        total += lac_vsum(length, ws->v + first);
-    }
-    return (lac_motion){.u = ws->u, .v = ws->v, .mean = total / (double)n};
+    double total;
+    lac_range_sums(&problem->range, 1, add_turned, at, &total);
+    return (lac_motion){.u = ws->u, .v = ws->v, .mean = total / lac_problem_all(problem)};
 }
 
 // dv/dx
 static double slope(const lac_problem *problem, double v)
 {
     return problem->slow == 0.0 ? v : hypot(v, 2.0 * problem->slow);
+}
+
+// Takes what is left of a balance for none, and adds up the rest.
+static void add_forces(const void *context, size_t first, size_t end, double *sums)
+{
+    const lac_look *at = context;
+    const lac_problem *problem = at->problem;
+    const double *slip = at->y + 2 * problem->n;
+    double *force = at->ws.kv;
+    for (size_t i = first; i < end; i++) {
+        double size =
+            problem->pressure[i] + fabs(problem->traction0[i]) + problem->stiffness * fabs(slip[i]);
+        if (fabs(force[i]) <= 2.0 * DBL_EPSILON * size) {
+            force[i] = 0.0;
+        }
+        sums[0] += force[i];
+    }
 }
 
 // q - K slip - p f - damping of every cell, in ws.kv; gives back the mean. What is left of a
@@ -113,21 +137,11 @@ static double slope(const lac_problem *problem, double v)
 static double find_forces(const lac_look *at, double *wdot)
 {
     const lac_problem *problem = at->problem;
-    size_t n = problem->n;
-    const double *slip = at->y + 2 * n;
-    double *force = at->ws.kv;
-    double total = 0.0;
-    lac_problem_elastic_traction(at, slip, force);
-    lac_problem_unbalanced(at, force, wdot);
-    for (size_t i = 0; i < n; i++) {
-        double size =
-            problem->pressure[i] + fabs(problem->traction0[i]) + problem->stiffness * fabs(slip[i]);
-        if (fabs(force[i]) <= 2.0 * DBL_EPSILON * size) {
-            force[i] = 0.0;
-        }
-        total += force[i];
-    }
-    return total / (double)n;
+    double total;
+    lac_problem_elastic_traction(at, at->y + 2 * problem->n, at->ws.kv);
+    lac_problem_unbalanced(at, at->ws.kv, wdot);
+    lac_range_sums(&problem->range, 1, add_forces, at, &total);
+    return total / lac_problem_all(problem);
 }
 
 static bool derivative(const lac_look *at, double *ydot)
@@ -142,7 +156,7 @@ static bool derivative(const lac_look *at, double *ydot)
         ydot[2 * n + i] = v;
         check += ydot[i] * 0.0 + ydot[n + i] * 0.0 + v * 0.0;
     }
-    return check == 0.0;
+    return lac_problem_agree(problem, check == 0.0);
 }
 
 // slope = dv/dx and bend = 1 + gamma (dx/dt) (d2v/dx2)/(dv/dx) at the state.
@@ -156,6 +170,20 @@ static void linearise(const lac_look *at, double gamma)
         ws->slope[i] = slope(problem, v);
         double rate = acceleration(problem, i, ws->kv[i], mean) / ws->slope[i];
         ws->bend[i] = 1.0 + gamma * rate * (v / ws->slope[i]);
+    }
+}
+
+typedef struct pushes {
+    const lac_look *at;
+    double *b;
+} pushes;
+
+static void add_push(const void *context, size_t first, size_t end, double *sums)
+{
+    const pushes *p = context;
+    for (size_t i = first; i < end; i++) {
+        p->b[i] *= p->at->ws.slope[i];
+        sums[0] += lac_problem_share(p->at->problem, i) * p->b[i];
     }
 }
 
@@ -173,14 +201,11 @@ static bool reduce(const lac_look *at, double gamma, double *b)
         return false;
     }
     // ln|v| has been used: its place holds K b_slip.
-    double held = at->drive.spring_stiffness * lac_vsum(n, b + 2 * n) / (double)n;
+    double held = at->drive.spring_stiffness * lac_problem_plain_mean(problem, b + 2 * n);
     transfer->kind->apply(transfer->state, b + 2 * n, ws->u, ws->scratch);
-    double push = 0.0;
-    for (size_t i = 0; i < n; i++) {
-        b[i] *= ws->slope[i];
-        push += lac_problem_share(problem, i) * b[i];
-    }
-    push = common * push / (double)n;
+    double push;
+    lac_range_sums(&problem->range, 1, add_push, &(pushes){at, b}, &push);
+    push = common * push / lac_problem_all(problem);
     for (size_t i = 0; i < n; i++) {
         double s = lac_problem_share(problem, i);
         b[i] = s * (own * b[i] + push) - (ws->u[i] + held + ws->kv[i]) / gamma;
@@ -256,6 +281,20 @@ double lac_inertia_fastest(const lac_look *at)
     return fastest;
 }
 
+// Whether friction holds a cell below LAC_AT_REST. What drives it besides: traction, and the block
+// that it is part of. @param mean  of find_forces
+static bool holds(const lac_look *at, size_t i, double mean)
+{
+    const lac_problem *problem = at->problem;
+    const double w = at->w[i];
+    double p = lac_problem_effective(problem, &at->drive, i);
+    double f = lac_friction_coefficient(problem->friction, i, at->motion.u[i], w);
+    double held = copysign(p * f, at->motion.v[i]);
+    double driven =
+        at->ws.kv[i] + held - (1.0 - problem->columns) * lac_problem_share(problem, i) * mean;
+    return fabs(driven) < p * lac_friction_coefficient(problem->friction, i, LAC_AT_REST, w);
+}
+
 bool lac_problem_rests(const lac_problem *problem, double t, const double *y, size_t *cell,
                        double *work)
 {
@@ -269,33 +308,43 @@ bool lac_problem_rests(const lac_problem *problem, double t, const double *y, si
     while (i < problem->n && !(fabs(at.motion.v[i]) < LAC_NOTHING)) {
         i++;
     }
-    if (i == problem->n) {
+    const size_t slow = i < problem->n ? i : SIZE_MAX;
+    const size_t first = lac_problem_first_cell(problem, slow);
+    if (first == SIZE_MAX) {
         return false;
     }
-    // What drives the cell besides its friction: traction, and the block that it is part of.
-    const double *w = at.w;
-    double p = lac_problem_effective(problem, &at.drive, i);
-    double mean = find_forces(&at, NULL);
-    double f = lac_friction_coefficient(problem->friction, i, at.motion.u[i], w[i]);
-    double held = copysign(p * f, at.motion.v[i]);
-    double driven =
-        at.ws.kv[i] + held - (1.0 - problem->columns) * lac_problem_share(problem, i) * mean;
-    if (!(fabs(driven) < p * lac_friction_coefficient(problem->friction, i, LAC_AT_REST, w[i]))) {
+    const double mean = find_forces(&at, NULL);
+    const bool here = slow != SIZE_MAX && first == problem->range.first + slow;
+    if (!lac_team_any(problem->range.team, here && holds(&at, i, mean))) {
         return false;
     }
-    *cell = i;
+    *cell = first;
     return true;
+}
+
+typedef struct push_field {
+    const lac_problem *problem;
+    const double *force; // [n]
+    double mean;
+} push_field;
+
+static void add_together(const void *context, size_t first, size_t end, double *sums)
+{
+    const push_field *f = context;
+    for (size_t i = first; i < end; i++) {
+        sums[0] +=
+            lac_problem_share(f->problem, i) * acceleration(f->problem, i, f->force[i], f->mean);
+    }
 }
 
 void lac_inertia_unexplained(const lac_problem *problem, double *force)
 {
     size_t n = problem->n;
-    double mean = lac_vsum(n, force) / (double)n;
-    double together = 0.0;
-    for (size_t i = 0; i < n; i++) {
-        together += lac_problem_share(problem, i) * acceleration(problem, i, force[i], mean);
-    }
-    together *= (1.0 - problem->columns) / (double)n;
+    double mean = lac_problem_plain_mean(problem, force);
+    double together;
+    lac_range_sums(&problem->range, 1, add_together, &(push_field){problem, force, mean},
+                   &together);
+    together *= (1.0 - problem->columns) / lac_problem_all(problem);
     for (size_t i = 0; i < n; i++) {
         double alone = problem->columns * acceleration(problem, i, force[i], mean);
         force[i] -= problem->mass * lac_problem_share(problem, i) * (alone + together);

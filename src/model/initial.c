@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Rate and state of every cell at the start, from what the case gives of them and from the loads.
+#include "base/range.h"
 #include "base/roots.h"
-#include "base/vsum.h"
 #include "model/internal.h"
 
 // One cell at the start.
@@ -141,7 +141,8 @@ static lac_status load_at_start(const lac_initial_def *initial, const lac_load_s
                                 const lac_domain *domain, double cohesion, start_load *at,
                                 lac_error *err)
 {
-    double sum = lac_vsum(domain->n, domain->pressure);
+    const lac_range whole = lac_range_whole(domain->n);
+    double sum = lac_range_sum(&whole, domain->pressure);
     double area = lac_grid_area(&domain->grid);
     double cell = lac_grid_cell_area(&domain->grid);
     double mean = sum * cell / area;

@@ -1,11 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
+#include "base/range.h"
 #include "base/vsum.h"
 #include "model/problem.h"
 
 struct lac_problem {
-    size_t n;
+    size_t n;           // cells here: range.n
+    lac_range range;    // of all cells
+    lac_friction *part; // what friction is of a range; NULL: all is here
+    lac_transfer part_transfer;
     const double *weight;   // [n] of each in sums and means, mean 1; NULL: 1
     const double *pressure; // [n] total normal pressure of each cell [Pa]
     const lac_friction *friction;
@@ -59,15 +63,46 @@ static inline double lac_problem_sum_from(const lac_problem *problem, size_t fir
                                    : lac_vdot(length, problem->weight + first, x);
 }
 
-// Sum and mean over all cells.
-static inline double lac_problem_sum(const lac_problem *problem, const double *x)
+// Whether it is so with all cells, and the largest: of those here, and of others.
+static inline bool lac_problem_agree(const lac_problem *problem, bool good)
 {
-    return lac_problem_sum_from(problem, 0, problem->n, x);
+    return lac_team_all(problem->range.team, good);
 }
+static inline double lac_problem_most(const lac_problem *problem, double most)
+{
+    return lac_team_most(problem->range.team, most);
+}
+
+// What the first of all cells has.
+static inline double lac_problem_first(const lac_problem *problem, const double *x)
+{
+    const lac_team *team = problem->range.team;
+    double first = lac_team_leads(team) ? x[0] : 0.0;
+    if (team != NULL) {
+        team->hand_out(team, &first, sizeof first);
+    }
+    return first;
+}
+
+// All cells.
+static inline double lac_problem_all(const lac_problem *problem)
+{
+    return (double)problem->range.all;
+}
+
+// Sum and mean over all cells, each with its weight; the mean of x as it is.
+double lac_problem_sum(const lac_problem *problem, const double *x);
 static inline double lac_problem_mean(const lac_problem *problem, const double *x)
 {
-    return lac_problem_sum(problem, x) / (double)problem->n;
+    return lac_problem_sum(problem, x) / lac_problem_all(problem);
 }
+static inline double lac_problem_plain_mean(const lac_problem *problem, const double *x)
+{
+    return lac_range_sum(&problem->range, x) / lac_problem_all(problem);
+}
+
+// Mean over all cells of exp(u), one cell after the other.
+double lac_problem_exp_mean(const lac_problem *problem, const double *u);
 
 // Effective normal pressure of cell i [Pa]: the one place where it is made of what the loads leave.
 static inline double lac_problem_effective(const lac_problem *problem,
@@ -350,7 +385,7 @@ typedef struct lac_sharing {
 // Share of a cell in what acts on the mean as the pressures do.
 static inline double lac_problem_share(const lac_problem *problem, size_t i)
 {
-    return problem->pressure[i] / (problem->sum_pressure / (double)problem->n);
+    return problem->pressure[i] / (problem->sum_pressure / lac_problem_all(problem));
 }
 
 // (D + K + k P + kappa s row^T/n - column 1^T/n) x = b, in O(n) as the transfer's solve.
@@ -413,78 +448,3 @@ static inline double lac_implicit_traction_scale(const lac_problem *problem, siz
 
 // Takes ln v across a jump of the loads: lac_formulation_kind.jump of the formulation rate.
 bool lac_rate_jump(const lac_problem *problem, const lac_jump *jump, double *y);
-
-// Unknowns of the weakening, whose mechanisms add up to K: their place in y, and scratch.
-static inline size_t lac_weaken_place(const lac_problem *problem)
-{
-    return problem->kind->unknowns * problem->n;
-}
-
-typedef struct lac_weak_arrays {
-    double *z;             // [K n] of docs/theory/weakening.md
-    double *rest, *slope;  // [K n] Newton's: what sources change by is rest + slope x
-    double *shares;        // [n] of the pressure that loads and excess leave
-    double *rates;         // [n] and their rates [1/s]
-    double *before, *bond; // [n] shares before a jump; what cohesion loses [Pa/s]
-} lac_weak_arrays;
-
-size_t lac_weaken_work(const lac_problem *problem); // doubles
-lac_weak_arrays lac_weaken_split(const lac_problem *problem, double *work);
-
-// LAC_EINPUT where the weakening does not go with the friction law.
-lac_status lac_weaken_check(const lac_problem *problem, lac_error *err);
-
-// Takes what y says of pressures and cohesion into a state whose loads are known. False where an
-// effective pressure is not positive. Nothing where nothing weakens, as of all below.
-bool lac_weaken_look_at(lac_look *at);
-static inline bool lac_weaken_look(lac_look *at)
-{
-    return at->problem->weak == NULL || lac_weaken_look_at(at);
-}
-
-// The same of the loads on both sides of a jump.
-void lac_weaken_jump(const lac_problem *problem, const double *y, const lac_workspace *ws,
-                     lac_problem_loads_at *before, lac_problem_loads_at *after);
-
-// traction += what is broken of cohesion, beside which friction stands alone. @param traction  [n]
-static inline void lac_look_add_lost(const lac_look *at, double *traction)
-{
-    for (size_t i = 0; at->broken != NULL && i < at->problem->n; i++) {
-        traction[i] += lac_look_lost(at, i);
-    }
-}
-
-// Rates of the unknowns, from which those of the shares follow and of the cohesion; false where one
-// is not finite. @param xdot  [n] each; NULL: not wanted
-bool lac_weaken_rates_of(const lac_look *at, double *xdot);
-static inline bool lac_weaken_rates(const lac_look *at, double *xdot)
-{
-    return at->problem->weak == NULL || lac_weaken_rates_of(at, xdot);
-}
-
-// kv -= what cohesion loses in a second.
-void lac_weaken_take_off(const lac_look *at, double *kv);
-
-// A block of cells in Newton's system: what the eliminated unknowns add to its diagonal, by the
-// formulation's own x of d ln v (rate) or dv, and to its right-hand side.
-typedef struct lac_weak_block {
-    const lac_block *s;
-    const lac_block_slopes *d;
-    double *diagonal, *rhs; // [LAC_FRICTION_BLOCK] overwritten
-} lac_weak_block;
-
-// With (1 - gamma J) x = b, b that of all unknowns, ln theta of which is not yet eliminated. Where
-// ln v is the unknown, and where the rate is solved for. False where the system has no solution.
-bool lac_weaken_reduce_rate(const lac_look *at, double gamma, double loading, const double *b,
-                            size_t first, const lac_weak_block *block);
-bool lac_weaken_reduce(const lac_look *at, double gamma, const double *b, size_t first,
-                       const lac_weak_block *block);
-
-// The unknowns themselves, once b begins with what the diagonal is by.
-void lac_weaken_finish(const lac_look *at, double gamma, double *b);
-
-// Error weights of y, the unknowns' own included; lac_problem_weights.
-void lac_weaken_weigh(const lac_problem *problem, const double *y, double rtol, double *weight);
-
-// The fastest decay [1/s].
-double lac_weaken_fastest(const lac_problem *problem);

@@ -5,6 +5,7 @@
 #include "base/vsum.h"
 #include "lacuna/simulation.h"
 #include "model/internal.h"
+#include "model/weaken.h"
 
 // What is looked at, but for its loads and motion.
 static void set_out(const lac_problem *problem, double t, const double *y, double *work,
@@ -76,7 +77,7 @@ void lac_problem_speed(const lac_problem *problem, double t, const double *y, bo
         lac_problem_look(problem, t, y, work, &at);
     }
     *mean = fabs(at.motion.mean);
-    *max = lac_vmost(problem->n, at.motion.v);
+    *max = lac_problem_most(problem, lac_vmost(problem->n, at.motion.v));
 }
 
 void lac_problem_traction(const lac_problem *problem, double t, const double *slip,
@@ -141,13 +142,35 @@ LAC_CLONES static void lac_observe_holds(const lac_look *at, size_t first, size_
     }
 }
 
+// A state and what is summed of its cells.
+typedef struct observed {
+    const lac_look *at;
+    const double *residual; // [n]
+} observed;
+
+// What cells are off together, and what holds them.
+static void add_balance(const void *context, size_t first, size_t end, double *sums)
+{
+    const lac_look *at = ((const observed *)context)->at;
+    const double *residual = ((const observed *)context)->residual;
+    const lac_problem *problem = at->problem;
+    for (size_t from = first; from < end; from += LAC_FRICTION_BLOCK) {
+        double holds[LAC_FRICTION_BLOCK];
+        const double *a = lac_cellwise_from(&problem->friction->column[LAC_A], from);
+        const size_t n = lac_block_length(end, from);
+        lac_observe_holds(at, from, n, a, holds);
+        sums[0] += lac_problem_sum_from(problem, from, n, residual + from);
+        sums[1] += lac_problem_sum_from(problem, from, n, holds);
+    }
+}
+
 // How far the cells are off their balance, each and together.
 // @param traction  overwritten
 static void measure_balance(const lac_look *at, const double *slip, double *traction,
                             lac_observation *observation)
 {
     const lac_problem *problem = at->problem;
-    double worst = 0.0, sum = 0.0, held = 0.0;
+    double worst = 0.0, sums[2];
     find_residuals(at, slip, traction);
     for (size_t first = 0; first < problem->n; first += LAC_FRICTION_BLOCK) {
         const size_t n = lac_block_length(problem->n, first);
@@ -155,13 +178,10 @@ static void measure_balance(const lac_look *at, const double *slip, double *trac
         const double *a = lac_cellwise_from(&problem->friction->column[LAC_A], first);
         const double most = lac_observe_worst(at, first, n, f0, a, traction + first);
         worst = most > worst || isnan(most) ? most : worst;
-        double holds[LAC_FRICTION_BLOCK];
-        lac_observe_holds(at, first, n, a, holds);
-        sum += lac_problem_sum_from(problem, first, n, traction + first);
-        held += lac_problem_sum_from(problem, first, n, holds);
     }
-    observation->balance_residual = worst;
-    observation->rate_drift = held > 0.0 ? fabs(sum) / held : 0.0;
+    lac_range_sums(&problem->range, 2, add_balance, &(observed){at, traction}, sums);
+    observation->balance_residual = lac_problem_most(problem, worst);
+    observation->rate_drift = sums[1] > 0.0 ? fabs(sums[0]) / sums[1] : 0.0;
 }
 
 double lac_look_sheared(const lac_look *at, const double *slip, double mean)
@@ -171,7 +191,7 @@ double lac_look_sheared(const lac_look *at, const double *slip, double mean)
     double spring = drive->spring - drive->spring_stiffness * mean;
     double alike = spring + drive->far.elastic; // the mean of the shape is 1
     double total = problem->sum_traction0 + problem->sum_pressure * (drive->ratio + problem->bond) +
-                   (double)problem->n * alike;
+                   lac_problem_all(problem) * alike;
     return total - lac_problem_held(problem, drive->far.back, slip);
 }
 
@@ -194,6 +214,24 @@ static void observe_slip(const lac_look *at, const double *slip, lac_observation
     seen->mean_slip = hypot(seen->slip_along[0], seen->slip_along[1]);
 }
 
+// Of each cell, by the force that it carries.
+typedef struct carried {
+    const lac_problem *problem;
+    const double *x, *y; // [n]
+    double least;        // that is left out of x
+} carried;
+
+static void add_carried(const void *context, size_t first, size_t end, double *sums)
+{
+    const carried *c = context;
+    const lac_problem *problem = c->problem;
+    for (size_t i = first; i < end; i++) {
+        const double force = lac_problem_weight(problem, i) * problem->pressure[i];
+        sums[0] += force * (c->x[i] - c->least);
+        sums[1] += force * c->y[i];
+    }
+}
+
 // What weakening has come to; NaN where nothing weakens.
 static void observe_weakening(const lac_look *at, lac_observation *observation)
 {
@@ -206,16 +244,14 @@ static void observe_weakening(const lac_look *at, lac_observation *observation)
     // Rest and slope are Newton's.
     const lac_weak_arrays a = lac_weaken_split(problem, at->ws.weak);
     double *pore = a.rest, *temperature = a.before, *broken = a.slope;
-    double sums[2] = {0.0, 0.0}, hottest = 0.0;
+    double sums[2], hottest = 0.0;
     lac_problem_weakened(problem, at->y, pore, temperature, broken);
     for (size_t i = 0; i < n; i++) {
-        const double force = lac_problem_weight(problem, i) * problem->pressure[i];
-        sums[0] += force * pore[i];
-        sums[1] += force * broken[i];
         hottest = fmax(hottest, temperature[i]);
     }
+    lac_range_sums(&problem->range, 2, add_carried, &(carried){problem, pore, broken, 0.0}, sums);
     observation->excess_pore = sums[0] / problem->sum_pressure;
-    observation->temperature = hottest;
+    observation->temperature = lac_problem_most(problem, hottest);
     observation->broken = sums[1] / problem->sum_pressure;
 }
 
@@ -226,7 +262,7 @@ static double pressed(const lac_problem *problem, double t, double base, double 
 {
     const lac_load_set *loads = &problem->loads;
     lac_load_state now;
-    double off = 0.0;
+    double off[2] = {0.0, 0.0};
     if (!lac_load_set_presses(loads)) {
         return base;
     }
@@ -234,24 +270,25 @@ static double pressed(const lac_problem *problem, double t, double base, double 
     if (problem->varies) {
         double *normal = shares + 2 * problem->n; // where a jump would need it
         lac_load_evaluate_normal(loads, t, &now, normal, normal + problem->n);
-        now.normal = normal[0];
-        for (size_t i = 0; i < problem->n; i++) {
-            off += lac_problem_weight(problem, i) * problem->pressure[i] * (normal[i] - normal[0]);
-        }
+        now.normal = lac_problem_first(problem, normal);
+        lac_range_sums(&problem->range, 2, add_carried,
+                       &(carried){problem, normal, normal, now.normal}, off);
     }
-    return base + (now.normal + off / problem->sum_pressure) / problem->mean_pressure;
+    return base + (now.normal + off[0] / problem->sum_pressure) / problem->mean_pressure;
 }
 
-// The first of the cells with the largest rate.
-static size_t find_fastest(size_t n, const double *v)
+// The first of the cells with the largest rate. @param most  becomes that
+static size_t find_fastest(const lac_problem *problem, const double *v, double *most)
 {
-    const double most = lac_vmost(n, v);
-    for (size_t i = 0; i < n; i++) {
-        if (fabs(v[i]) == most) {
-            return i;
-        }
+    const size_t n = problem->n;
+    size_t i = 0;
+    *most = lac_problem_most(problem, lac_vmost(n, v));
+    while (i < n && fabs(v[i]) != *most) {
+        i++;
     }
-    return 0; // not a number
+    const size_t first = lac_problem_first_cell(problem, i < n ? i : SIZE_MAX);
+    *most = first == SIZE_MAX ? (double)NAN : *most;
+    return first == SIZE_MAX ? 0 : first; // not a number
 }
 
 void lac_problem_observe(const lac_problem *problem, double t, const double *y, const double *slip,
@@ -266,8 +303,7 @@ void lac_problem_observe(const lac_problem *problem, double t, const double *y, 
     const lac_motion motion = at.motion;
     const lac_problem_loads_at *drive = &at.drive;
     observation->mean_rate = motion.mean;
-    observation->fastest = find_fastest(problem->n, motion.v);
-    observation->max_rate = fabs(motion.v[observation->fastest]);
+    observation->fastest = find_fastest(problem, motion.v, &observation->max_rate);
     observe_slip(&at, slip, observation);
     const double force = problem->cell_area * problem->sum_pressure;
     observation->normal_force = force * pressed(problem, t, drive->normal, at.ws.shares);
@@ -301,6 +337,28 @@ static bool all_hold(const lac_problem *problem, const double *u, const double *
     return all;
 }
 
+// The first cell here that does not slip on; SIZE_MAX: all do. @param y, motion  as they are looked
+// at
+static size_t find_stopped(const lac_problem *problem, const double *y, const lac_motion *motion)
+{
+    if (!problem->kind->solved && all_hold(problem, motion->u, y + problem->n)) {
+        return SIZE_MAX;
+    }
+    // Regularised, f falls to nothing as exp of F over a; plain, f is F.
+    const lac_friction *friction = problem->friction;
+    const lac_cellwise *a = &friction->column[LAC_A];
+    const double *w = y + problem->n;
+    const double folds = friction->form == LAC_FORM_REGULARISED ? -20.0 : 0.0;
+    for (size_t i = 0; i < problem->n; i++) {
+        bool back = problem->kind->solved && motion->v[i] < 0.0;
+        double plain = lac_friction_plain(friction, i, motion->u[i], w[i]);
+        if (back || plain <= folds * lac_cellwise_of(a, i)) {
+            return i;
+        }
+    }
+    return SIZE_MAX;
+}
+
 bool lac_problem_slips(const lac_problem *problem, double t, const double *y, size_t *cell,
                        double *work)
 {
@@ -317,22 +375,9 @@ bool lac_problem_slips(const lac_problem *problem, double t, const double *y, si
         lac_problem_look(problem, t, y, work, &at);
         motion = at.motion;
     }
-    if (!problem->kind->solved && all_hold(problem, motion.u, y + problem->n)) {
-        return true;
-    }
-    // Regularised, f falls to nothing as exp of F over a; plain, f is F.
-    const lac_cellwise *a = &friction->column[LAC_A];
-    const double *w = y + problem->n;
-    double folds = regularised ? -20.0 : 0.0;
-    for (size_t i = 0; i < problem->n; i++) {
-        bool back = problem->kind->solved && motion.v[i] < 0.0;
-        double plain = lac_friction_plain(friction, i, motion.u[i], w[i]);
-        if (back || plain <= folds * lac_cellwise_of(a, i)) {
-            *cell = i;
-            return false;
-        }
-    }
-    return true;
+    const size_t stopped = lac_problem_first_cell(problem, find_stopped(problem, y, &motion));
+    *cell = stopped == SIZE_MAX ? *cell : stopped;
+    return stopped == SIZE_MAX;
 }
 
 // Whether the share of a cell jumps: one that only bends has changed by no more than its rate times
@@ -348,7 +393,7 @@ static bool shares_jump(const lac_problem *problem, const lac_problem_loads_at *
         double moved = fabs(after->shares[i] - before->shares[i]);
         jumps = jumps || moved > slack * fabs(before->share_rates[i]);
     }
-    return jumps;
+    return lac_team_any(problem->range.team, jumps);
 }
 
 bool lac_problem_jump(const lac_problem *problem, double t, double *y, double *work)
@@ -377,108 +422,12 @@ bool lac_problem_jump(const lac_problem *problem, double t, double *y, double *w
         return true;
     }
     lac_weaken_jump(problem, y, &ws, &before, &after);
-    if (problem->kind->jump != NULL && !problem->kind->jump(problem, &jump, y)) {
-        return false;
-    }
-    for (size_t i = 0; i < problem->n; i++) {
+    bool good = problem->kind->jump == NULL || problem->kind->jump(problem, &jump, y);
+    for (size_t i = 0; good && i < problem->n; i++) {
         double *w = &y[problem->n + i];
         double change = lac_problem_share_of(&after, i) / lac_problem_share_of(&before, i);
         *w = lac_friction_state_after(problem->friction, i, *w, change);
-        if (!isfinite(exp(*w))) {
-            return false; // alpha/b makes e-folds of theta without bounds
-        }
+        good = isfinite(exp(*w)); // alpha/b makes e-folds of theta without bounds
     }
-    return true;
-}
-
-// The slip that a cell's correction is relative to.
-static double gone_of(const lac_problem *problem, const double *slip, size_t i)
-{
-    return fabs(slip[i]) + lac_cellwise_of(&problem->friction->column[LAC_DC], i);
-}
-
-// With r = q - K slip - p f - damping, E = p f_u + eta |v|, D = E/(|slip| + dc) and, where the mean
-// is damped by g a cell, c = v/(|slip| + dc), the linear system
-//   (D + K + g c^T/n) dslip = r,   E dln v = D dslip
-// moves both sides of the balance together: what stiffly tied cells are off by goes into the small
-// differences of their slip, what they are off by in common into the rates.
-static void residual_block(const lac_look *at, const double *slip, size_t first)
-{
-    lac_block s;
-    const lac_problem *problem = at->problem;
-    const lac_workspace *ws = &at->ws;
-    const lac_motion *motion = &at->motion;
-    bool damped = problem->drag != 0.0;
-    size_t length = lac_block_friction(at, first, &s, NULL);
-    for (size_t i = 0; i < length; i++) {
-        size_t k = first + i;
-        double p = lac_problem_effective(problem, &at->drive, k);
-        double e = p * s.f_u[i] + problem->damping * s.speed[i];
-        double held = copysign(p * s.f[i], motion->v[k]) + problem->damping * motion->v[k];
-        double gone = gone_of(problem, slip, k);
-        ws->kv[k] -= held;
-        ws->diagonal[k] = e / gone;
-        if (damped) {
-            ws->kv[k] -= problem->drag * problem->pressure[k] * motion->mean;
-            ws->row[k] = motion->v[k] / gone;
-        }
-    }
-}
-
-// dslip, in the place of r. @param rise  of the mean slip rate that it makes [m/s]
-static bool solve(const lac_look *at, double *rise)
-{
-    const lac_problem *problem = at->problem;
-    const lac_workspace *ws = &at->ws;
-    size_t n = problem->n;
-    double *row = ws->row;
-    bool damped = problem->drag != 0.0;
-    double even = 0.0;
-    for (size_t i = 0; damped && i < n; i++) {
-        even += lac_problem_weight(problem, i) * fabs(row[i]) / (double)n;
-    }
-    double kappa = problem->drag * (problem->sum_pressure / (double)n) * even;
-    lac_sharing on = {0};
-    if (even > 0.0) {
-        on = (lac_sharing){.kappa = kappa, .row = row, .shares = ws->v}; // v has been used
-        for (size_t i = 0; i < n; i++) {
-            row[i] /= even;
-        }
-    }
-    if (!lac_problem_solve_sharing(problem, at->drive.spring_stiffness + kappa, ws->diagonal, &on,
-                                   ws->kv, ws->scratch)) {
-        return false;
-    }
-    for (size_t i = 0; on.row != NULL && i < n; i++) {
-        *rise += lac_problem_weight(problem, i) * row[i] * ws->kv[i] * (even / (double)n);
-    }
-    return true;
-}
-
-bool lac_problem_project(const lac_problem *problem, double t, double *y, double *slip,
-                         double *work)
-{
-    size_t n = problem->n;
-    if (problem->kind->has_slip) {
-        return true;
-    }
-    lac_look at;
-    lac_problem_look(problem, t, y, work, &at);
-    const lac_workspace ws = at.ws;
-    lac_problem_elastic_traction(&at, slip, ws.kv);
-    lac_look_add_lost(&at, ws.kv);
-    for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
-        residual_block(&at, slip, first);
-    }
-    double rise = 0.0;
-    if (!solve(&at, &rise)) {
-        return false;
-    }
-    for (size_t i = 0; i < n; i++) {
-        double gone = gone_of(problem, slip, i);
-        double common = problem->drag * problem->pressure[i] * rise;
-        y[i] += problem->kind->solved ? ws.diagonal[i] * ws.kv[i] + common : ws.kv[i] / gone;
-        slip[i] += ws.kv[i];
-    }
-    return true;
+    return lac_problem_agree(problem, good);
 }

@@ -5,12 +5,14 @@
 #include "base/statistics.h"
 #include "base/vsum.h"
 #include "model/internal.h"
+#include "model/weaken.h"
 
-static void fill_geometry(lac_problem *problem, const lac_domain *domain)
+static void fill_geometry(lac_problem *problem, const lac_domain *domain, lac_team *team)
 {
-    problem->n = domain->n;
-    problem->pressure = domain->pressure;
-    problem->weight = domain->weight;
+    problem->range = lac_range_of(team, team != NULL ? team->rank : 0, domain->n);
+    problem->n = problem->range.n;
+    problem->pressure = domain->pressure + problem->range.first;
+    problem->weight = domain->weight != NULL ? domain->weight + problem->range.first : NULL;
     problem->cell_area =
         lac_grid_cell_area(&domain->grid) * (domain->weight != NULL ? domain->each : 1.0);
     problem->nominal_area = lac_grid_area(&domain->grid);
@@ -18,9 +20,41 @@ static void fill_geometry(lac_problem *problem, const lac_domain *domain)
     problem->length = lac_grid_cells(grid) == 1
                           ? 10.0
                           : lac_grid_extent(grid, (double)grid->nx, (double)grid->ny);
-    problem->sum_pressure = lac_problem_sum(problem, domain->pressure);
+    problem->sum_pressure = lac_problem_sum(problem, problem->pressure);
     problem->mean_pressure = problem->sum_pressure * problem->cell_area / problem->nominal_area;
     problem->spring_share = problem->nominal_area / ((double)domain->n * problem->cell_area);
+}
+
+// What of friction, transfer and loads is of the cells here.
+static lac_status take_part(lac_problem *problem, lac_error *err)
+{
+    const lac_range *range = &problem->range;
+    const bool both = problem->kind->id == LAC_FORMULATION_VECTOR;
+    if (range->team == NULL) {
+        return LAC_OK;
+    }
+    uint32_t *cell = malloc((range->n + 1) * sizeof *cell);
+    LAC_FAIL_MEMORY_IF(cell == NULL, err);
+    for (size_t i = 0; i < range->n; i++) {
+        cell[i] = (uint32_t)(range->first + i);
+    }
+    lac_status status = lac_friction_pick(problem->friction, cell, range->n, &problem->part, err);
+    free(cell);
+    if (status == LAC_OK) {
+        problem->friction = problem->part;
+        status = lac_transfer_part(&problem->transfer, both, range, &problem->part_transfer, err);
+        problem->transfer = problem->part_transfer;
+    }
+    if (problem->loads.shape != NULL) {
+        problem->loads.shape += range->first;
+    }
+    if (status == LAC_OK && problem->varies) {
+        lac_load_places places = problem->loads.places;
+        places.index += range->first;
+        places.n = range->n;
+        status = lac_load_set_place(&problem->loads, &places, err);
+    }
+    return status;
 }
 
 static lac_status check_initial(const lac_problem_def *def, lac_error *err)
@@ -43,12 +77,9 @@ static void fill_traction(lac_problem *problem)
         problem->traction0[i] =
             lac_problem_effective(problem, &problem->drive0, i) * f + problem->damping * exp(u);
     }
-    double total = 0.0;
+    const double mean = lac_problem_exp_mean(problem, problem->log_rate0);
     for (size_t i = 0; i < problem->n; i++) {
-        total += lac_problem_weight(problem, i) * exp(problem->log_rate0[i]);
-    }
-    for (size_t i = 0; i < problem->n; i++) {
-        problem->traction0[i] += lac_problem_drag(problem, i) * (total / (double)problem->n);
+        problem->traction0[i] += lac_problem_drag(problem, i) * mean;
     }
     problem->sum_traction0 = lac_problem_sum(problem, problem->traction0);
 }
@@ -63,10 +94,10 @@ static double least_of(const lac_cellwise *column, size_t n)
 }
 
 // Without direct effect and damping the traction says nothing of the rate.
-static lac_status check_solvable(const lac_problem *problem, lac_error *err)
+static lac_status check_solvable(const lac_problem *problem, size_t n, lac_error *err)
 {
     const lac_cellwise *column_a = &problem->friction->column[LAC_A];
-    for (size_t i = 0; problem->kind->solved && i < problem->n; i++) {
+    for (size_t i = 0; problem->kind->solved && i < n; i++) {
         double a = lac_cellwise_of(column_a, i);
         LAC_FAIL_IF(!(a > 0.0) && !(problem->damping > 0.0), err, LAC_EINPUT,
                     "a = %g of cell %zu without radiation damping: the formulation \"%s\" cannot "
@@ -89,9 +120,15 @@ static lac_status check_shape(const lac_problem *problem, lac_error *err)
 // Nor do they know the cells by themselves.
 static lac_status check_places(const lac_problem *problem, lac_error *err)
 {
-    LAC_FAIL_IF(problem->varies && problem->loads.places.n != problem->n, err, LAC_EINPUT,
+    LAC_FAIL_IF(problem->varies && problem->loads.places.n != problem->range.all, err, LAC_EINPUT,
                 "a load differs from cell to cell, but the places of the cells are not given");
     return LAC_OK;
+}
+
+static void add_squares(const void *context, size_t first, size_t end, double *sums)
+{
+    const double *x = context;
+    sums[0] += lac_dot(end - first, x + first, x + first);
 }
 
 // How much traction a metre of slip takes off a cell whose neighbours slip the other way.
@@ -102,10 +139,12 @@ static lac_status measure_stiffness(lac_problem *problem, lac_error *err)
     double *slip = malloc((2 * n + transfer->kind->work(transfer->state)) * sizeof *slip);
     LAC_FAIL_MEMORY_IF(slip == NULL, err);
     for (size_t i = 0; i < n; i++) {
-        slip[i] = i % 2 == 0 ? 1.0 : -1.0;
+        slip[i] = (problem->range.first + i) % 2 == 0 ? 1.0 : -1.0;
     }
     transfer->kind->apply(transfer->state, slip, slip + n, slip + 2 * n);
-    problem->stiffness = sqrt(lac_dot(n, slip + n, slip + n) / (double)n) +
+    double squares;
+    lac_range_sums(&problem->range, 1, add_squares, slip + n, &squares);
+    problem->stiffness = sqrt(squares / lac_problem_all(problem)) +
                          problem->spring_share * problem->at_start.spring_stiffness +
                          problem->slide;
     free(slip);
@@ -115,12 +154,12 @@ static lac_status measure_stiffness(lac_problem *problem, lac_error *err)
 static lac_status allocate(lac_problem *problem, const lac_problem_def *def, lac_error *err)
 {
     size_t bytes = problem->n * sizeof(double);
-    problem->traction0 = malloc(3 * bytes);
+    problem->traction0 = malloc(3 * bytes + sizeof(double));
     LAC_FAIL_MEMORY_IF(problem->traction0 == NULL, err);
     problem->log_rate0 = problem->traction0 + problem->n;
     problem->log_state0 = problem->log_rate0 + problem->n;
-    memcpy(problem->log_rate0, def->log_rate, bytes);
-    memcpy(problem->log_state0, def->log_state, bytes);
+    memcpy(problem->log_rate0, def->log_rate + problem->range.first, bytes);
+    memcpy(problem->log_state0, def->log_state + problem->range.first, bytes);
     if (problem->varies) {
         problem->shares0 = malloc(2 * bytes);
         LAC_FAIL_MEMORY_IF(problem->shares0 == NULL, err);
@@ -134,7 +173,7 @@ lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac
     *out = NULL;
     lac_problem *problem = calloc(1, sizeof *problem);
     LAC_FAIL_MEMORY_IF(problem == NULL, err);
-    fill_geometry(problem, def->domain);
+    fill_geometry(problem, def->domain, def->team);
     problem->friction = def->friction;
     problem->transfer = *def->transfer;
     problem->loads = def->loads;
@@ -145,7 +184,7 @@ lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac
     problem->damping = damping.cell;
     problem->mean_damping = damping.mean;
     problem->drag = damping.shared;
-    problem->least_direct = least_of(&problem->friction->column[LAC_A], problem->n);
+    problem->least_direct = least_of(&problem->friction->column[LAC_A], def->domain->n);
     problem->bond = problem->friction->cohesion / problem->mean_pressure;
     problem->kind = lac_formulation_kind_of(def->formulation);
     problem->varies = lac_load_set_varies(&problem->loads);
@@ -155,12 +194,14 @@ lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac
 
     LAC_TRY(check_initial(def, err));
     LAC_TRY(lac_inertia_init(problem, def, err));
-    LAC_TRY(check_solvable(problem, err));
+    LAC_TRY(check_solvable(problem, def->domain->n, err));
     LAC_TRY(lac_weaken_check(problem, err));
     LAC_TRY(check_shape(problem, err));
     LAC_TRY(check_places(problem, err));
     LAC_TRY(lac_problem_geometry_init(problem, err));
-    LAC_TRY(allocate(problem, def, err));
+    status = take_part(problem, err);
+    LAC_TRY(
+        lac_team_agree(def->team, status == LAC_OK ? allocate(problem, def, err) : status, err));
     lac_problem_lay_out(problem);
     LAC_TRY(lac_problem_anchor(problem, err));
     if (!lac_problem_drive_into(problem, 0.0, (lac_gone){0}, problem->shares0, &problem->drive0)) {
@@ -195,8 +236,12 @@ void lac_problem_free(lac_problem *problem)
     free(problem->traction0);
     free(problem->anchor);
     free(problem->shares0);
+    lac_friction_free(problem->part);
+    lac_transfer_clear(&problem->part_transfer);
     free(problem);
 }
+
+bool lac_problem_coheres(const lac_problem *problem) { return problem->bond > 0.0; }
 
 double lac_problem_cohesion(const lac_problem *problem, size_t cell)
 {
@@ -205,16 +250,29 @@ double lac_problem_cohesion(const lac_problem *problem, size_t cell)
 
 size_t lac_problem_cells(const lac_problem *problem) { return problem->n; }
 
+const lac_range *lac_problem_range(const lac_problem *problem) { return &problem->range; }
+
 lac_formulation lac_problem_formulation(const lac_problem *problem) { return problem->kind->id; }
 
 const char *lac_problem_unknown(const lac_problem *problem) { return problem->kind->unknown; }
 
 bool lac_problem_has_slip(const lac_problem *problem) { return problem->kind->has_slip; }
 
+size_t lac_problem_arrays(const lac_problem *problem)
+{
+    return problem->kind->unknowns + (problem->weak != NULL ? problem->weak->modes : 0);
+}
+
 size_t lac_problem_unknowns(const lac_problem *problem)
 {
-    return (problem->kind->unknowns + (problem->weak != NULL ? problem->weak->modes : 0)) *
-           problem->n;
+    return lac_problem_arrays(problem) * problem->n;
+}
+
+size_t lac_problem_first_cell(const lac_problem *problem, size_t cell)
+{
+    const double here = cell == SIZE_MAX ? INFINITY : (double)(problem->range.first + cell);
+    const double first = lac_team_least(problem->range.team, here);
+    return isinf(first) ? SIZE_MAX : (size_t)first;
 }
 
 size_t lac_problem_slip_place(const lac_problem *problem)
@@ -241,6 +299,25 @@ double lac_problem_longest_step(const lac_problem *problem, double t)
     return lac_load_longest_step(&problem->loads, t);
 }
 
+typedef struct share_field {
+    const lac_problem *problem;
+    const double *shares; // [n], then their rates
+    double share, rate;   // of the first cell
+} share_field;
+
+// What cells have left of their pressures and its rates, by the forces that they carry.
+static void add_shares(const void *context, size_t first, size_t end, double *sums)
+{
+    const share_field *f = context;
+    const lac_problem *problem = f->problem;
+    const double *shares = f->shares, *rates = shares + problem->n;
+    for (size_t i = first; i < end; i++) {
+        const double force = lac_problem_weight(problem, i) * problem->pressure[i];
+        sums[0] += force * (shares[i] - f->share);
+        sums[1] += force * (rates[i] - f->rate);
+    }
+}
+
 // What each cell has left of its pressure; false where one has nothing left. Together they have
 // the mean by the force that they carry, which is that of all where they are alike, to the bit.
 static bool find_shares(const lac_problem *problem, double t, const lac_load_state *now,
@@ -249,22 +326,23 @@ static bool find_shares(const lac_problem *problem, double t, const lac_load_sta
     size_t n = problem->n;
     double mean = problem->mean_pressure;
     double *rates = shares + n;
-    double off = 0.0;
-    double off_rate = 0.0;
+    double off[2];
     bool good = true;
     lac_load_evaluate_cells(&problem->loads, t, now, shares, rates);
     drive->least = INFINITY;
     for (size_t i = 0; i < n; i++) {
         shares[i] = drive->normal - shares[i] / mean;
         rates[i] = -rates[i] / mean;
-        const double force = lac_problem_weight(problem, i) * problem->pressure[i];
-        off += force * (shares[i] - shares[0]);
-        off_rate += force * (rates[i] - rates[0]);
         drive->least = fmin(drive->least, shares[i]);
         good = good && shares[i] > 0.0 && isfinite(shares[i]) && isfinite(rates[i]);
     }
-    drive->share = shares[0] + off / problem->sum_pressure;
-    drive->share_rate = rates[0] + off_rate / problem->sum_pressure;
+    drive->least = lac_team_least(problem->range.team, drive->least);
+    good = lac_problem_agree(problem, good);
+    const share_field field = {problem, shares, lac_problem_first(problem, shares),
+                               lac_problem_first(problem, rates)};
+    lac_range_sums(&problem->range, 2, add_shares, &field, off);
+    drive->share = field.share + off[0] / problem->sum_pressure;
+    drive->share_rate = field.rate + off[1] / problem->sum_pressure;
     drive->shares = shares;
     drive->share_rates = rates;
     return good;
@@ -322,11 +400,19 @@ lac_status lac_problem_lifted(const lac_problem *problem, double t, const double
     if (good && at.least > near) {
         return LAC_OK;
     }
-    for (size_t i = 0; at.shares != NULL && i < problem->n; i++) {
-        if (!(at.shares[i] > near)) {
-            return lac_load_blame_cell(&problem->loads, i, normal * (at.normal - at.shares[i]),
-                                       normal * at.normal, t, LAC_ENUMERIC, err);
-        }
+    size_t i = 0;
+    while (at.shares != NULL && i < problem->n && at.shares[i] > near) {
+        i++;
+    }
+    const size_t here = at.shares != NULL && i < problem->n ? i : SIZE_MAX;
+    const size_t first = lac_problem_first_cell(problem, here);
+    if (first != SIZE_MAX) {
+        const bool blamed = here != SIZE_MAX && first == problem->range.first + here;
+        const lac_status status =
+            blamed ? lac_load_blame_cell(&problem->loads, i, normal * (at.normal - at.shares[i]),
+                                         normal * at.normal, t, LAC_ENUMERIC, err)
+                   : LAC_OK;
+        return lac_team_agree(problem->range.team, status, err);
     }
     LAC_FAIL_IF(problem->at_start.lake.unit_weight > 0.0, err, LAC_ENUMERIC,
                 "the lake at the toe and the pore pressure lift the mass at t = %g s", t);

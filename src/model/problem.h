@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
+#include "base/range.h"
 #include "friction/friction.h"
 #include "friction/weakening.h"
 #include "load/load.h"
@@ -56,6 +57,8 @@ typedef struct lac_problem_def {
     double heading; ///< of slip in two directions at the start, from x towards y [rad]
     lac_safety safety;
     const lac_weakening_set *weakening; ///< what weakens the cells besides friction; NULL: nothing
+    lac_team *team; ///< each rank makes the problem of its part of the cells, which all others are
+                    ///< asked about, so that all call each function; NULL: of all
 } lac_problem_def;
 
 /// Rate-and-state creep of the contact cells, unknowns y = (x, ln theta), x as the formulation
@@ -69,7 +72,16 @@ void lac_problem_free(lac_problem *problem);
 /// Contact cells n, and components of y: 2n, x of every cell, then ln theta; with a mass 3n, then
 /// slip; then n of every unknown of the weakening.
 size_t lac_problem_cells(const lac_problem *problem);
+const lac_range *lac_problem_range(const lac_problem *problem);
 size_t lac_problem_unknowns(const lac_problem *problem);
+
+/// So many arrays of the cells is y.
+size_t lac_problem_arrays(const lac_problem *problem);
+
+/// The number, among all cells, of the first of some that every rank has found here.
+/// @param cell  of those here; SIZE_MAX: none
+/// @return SIZE_MAX: none anywhere
+size_t lac_problem_first_cell(const lac_problem *problem, size_t cell);
 
 /// What a formulation is called in a case; the one in use, never AUTO, and what its x is called.
 const char *lac_formulation_name(lac_formulation formulation);
@@ -105,6 +117,9 @@ void lac_problem_weights(const lac_problem *problem, const double *y, double rto
 /// besides.
 /// @param tolerance  [n] absolute [m]
 double lac_problem_slip_tolerance(const lac_problem *problem, double rtol, double *tolerance);
+
+/// The least of them, over all cells.
+double lac_problem_least_tolerance(const lac_problem *problem, const double *tolerance);
 
 /// dy/dt; false where it is not finite or the effective pressure not positive.
 /// @param work  its first n doubles are then the slip rates
@@ -209,7 +224,9 @@ const lac_weakening_set *lac_problem_weakening(const lac_problem *problem);
 void lac_problem_weakened(const lac_problem *problem, const double *y, double *pore,
                           double *temperature, double *broken);
 
-/// Cohesion of a cell, c_i [Pa], shared as pressures are; docs/theory/friction.md, eq. 10.
+/// Whether there is cohesion; of a cell, c_i [Pa], shared as pressures are;
+/// docs/theory/friction.md, eq. 10.
+bool lac_problem_coheres(const lac_problem *problem);
 double lac_problem_cohesion(const lac_problem *problem, size_t cell);
 
 /// Means, extremes, forces and the balance residual.

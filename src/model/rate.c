@@ -6,6 +6,7 @@
 #include "base/vmath.h"
 #include "base/vsum.h"
 #include "model/internal.h"
+#include "model/weaken.h"
 
 // What counts as v where 1/v is wanted [m/s]: exp(u) of a cell that stands still may be 0, and dv,
 // which is then as good as nothing, is made dv/v again.
@@ -15,26 +16,23 @@ typedef struct speeds {
     const lac_problem *problem;
     const double *u;
     double *v;
-    double sum[LAC_PARTS];
 } speeds;
 
-static void add_speeds(void *context, size_t part, size_t from, size_t end)
+static void add_speeds(const void *context, size_t from, size_t end, double *sums)
 {
-    speeds *s = context;
-    double total = 0.0;
+    const speeds *s = context;
     for (size_t first = from; first < end; first += LAC_FRICTION_BLOCK) {
         size_t length = lac_block_length(end, first);
         lac_vexp(length, s->u + first, s->v + first);
-        total += lac_problem_sum_from(s->problem, first, length, s->v + first);
+        sums[0] += lac_problem_sum_from(s->problem, first, length, s->v + first);
     }
-    s->sum[part] = total;
 }
 
 double lac_problem_exp_sum(const lac_problem *problem, const double *u, double *v)
 {
-    speeds s = {.problem = problem, .u = u, .v = v};
-    size_t parts = lac_parallel_for(problem->n, add_speeds, &s);
-    return lac_sum(parts, s.sum);
+    double sum;
+    lac_range_sums(&problem->range, 1, add_speeds, &(speeds){problem, u, v}, &sum);
+    return sum;
 }
 
 static void start(const lac_problem *problem, double *x)
@@ -45,8 +43,7 @@ static void start(const lac_problem *problem, double *x)
 static lac_motion move(const lac_look *at, bool keep)
 {
     (void)keep;
-    size_t n = at->problem->n;
-    double mean = lac_problem_exp_sum(at->problem, at->y, at->ws.v) / (double)n;
+    double mean = lac_problem_exp_sum(at->problem, at->y, at->ws.v) / lac_problem_all(at->problem);
     return (lac_motion){.u = at->y, .v = at->ws.v, .mean = mean};
 }
 
@@ -58,8 +55,10 @@ typedef struct rate_field {
     double *ease;       // [n] by how much du/dt falls as the mean cell speeds up; NULL: not wanted
     double rise;        // dv/dt of the mean cell
     bool good[LAC_PARTS];
-    double gain[LAC_PARTS], loss[LAC_PARTS]; // sums of v du/dt and of v ease
 } rate_field;
+
+// What all cells sum up: those that are no number, v du/dt and v ease.
+enum { BAD, GAIN, LOSS };
 
 // (p f_u + eta v) du/dt = dq/dt - f dp/dt - K v - p f_w dw/dt
 // @param alike  whether all cells have the same share of their pressure left
@@ -119,8 +118,8 @@ LAC_CLONES static void lac_rate_ease(const rate_field *field, size_t first, size
     }
 }
 
-// The rates of one block of cells; false where one is not finite.
-static bool block_rates(rate_field *field, size_t part, size_t first)
+// The rates of one block of cells.
+static void block_rates(const rate_field *field, size_t first, double *sums)
 {
     lac_block s;
     double held[LAC_FRICTION_BLOCK];
@@ -137,20 +136,16 @@ static bool block_rates(rate_field *field, size_t part, size_t first)
     if (field->ease != NULL) { // f and f_w have been used
         lac_rate_ease(field, first, length, held, s.f, s.f_w);
         const lac_problem *problem = field->at->problem;
-        field->gain[part] += lac_problem_sum_from(problem, first, length, s.f);
-        field->loss[part] += lac_problem_sum_from(problem, first, length, s.f_w);
+        sums[GAIN] += lac_problem_sum_from(problem, first, length, s.f);
+        sums[LOSS] += lac_problem_sum_from(problem, first, length, s.f_w);
     }
-    return lac_vfinite(length, du) && lac_vfinite(length, s.g);
+    sums[BAD] += lac_vfinite(length, du) && lac_vfinite(length, s.g) ? 0.0 : 1.0;
 }
 
-static void part_rates(void *context, size_t part, size_t from, size_t end)
+static void add_rates(const void *context, size_t from, size_t end, double *sums)
 {
-    rate_field *field = context;
-    field->good[part] = true;
-    field->gain[part] = field->loss[part] = 0.0;
     for (size_t first = from; first < end; first += LAC_FRICTION_BLOCK) {
-        bool good = block_rates(field, part, first);
-        field->good[part] = good && field->good[part];
+        block_rates(context, first, sums);
     }
 }
 
@@ -202,17 +197,14 @@ static bool find_rates(const lac_look *at, double *du, double *dw, double *rise)
                         .dw = dw,
                         .ease = problem->drag != 0.0 ? at->ws.diagonal : NULL};
     couple(at);
-    size_t parts = lac_parallel_for(problem->n, part_rates, &field);
-    if (!all_good(parts, field.good)) {
-        return false;
+    double sums[3];
+    lac_range_sums(&problem->range, field.ease == NULL ? 1 : 3, add_rates, &field, sums);
+    if (sums[BAD] > 0.0 || field.ease == NULL) {
+        return sums[BAD] == 0.0;
     }
-    if (field.ease == NULL) {
-        return true;
-    }
-    double loss = lac_sum(parts, field.loss);
-    field.rise = *rise = lac_sum(parts, field.gain) / ((double)problem->n + loss);
-    (void)lac_parallel_for(problem->n, lac_rate_take_off, &field);
-    return all_good(parts, field.good);
+    field.rise = *rise = sums[GAIN] / (lac_problem_all(problem) + sums[LOSS]);
+    size_t parts = lac_parallel_for(problem->n, lac_rate_take_off, &field);
+    return lac_problem_agree(problem, all_good(parts, field.good));
 }
 
 static bool derivative(const lac_look *at, double *ydot)
@@ -226,7 +218,6 @@ typedef struct solve_field {
     const lac_look *at;
     double *b;
     double loading, gamma;
-    bool good[LAC_PARTS];
 } solve_field;
 
 // Rows of (1 - gamma J) x = b with ln theta eliminated; docs/theory/creep.md. The unknown is
@@ -343,13 +334,22 @@ static bool reduce_block(const solve_field *field, size_t first)
                : lac_rate_reduce_apart(field, first, length, &s, &d) == 0;
 }
 
-static void reduce_part(void *context, size_t part, size_t from, size_t end)
+static void add_bad(const void *context, size_t from, size_t end, double *sums)
 {
-    solve_field *field = context;
-    field->good[part] = true;
     for (size_t first = from; first < end; first += LAC_FRICTION_BLOCK) {
-        bool good = reduce_block(field, first);
-        field->good[part] = good && field->good[part];
+        sums[BAD] += reduce_block(context, first) ? 0.0 : 1.0;
+    }
+}
+
+// What a row is over a step gamma, in the place of du/dt, and how much of b it gives the mean.
+static void add_given(const void *context, size_t first, size_t end, double *sums)
+{
+    const solve_field *field = context;
+    const lac_look *at = field->at;
+    double *row = at->ws.row;
+    for (size_t i = first; i < end; i++) {
+        row[i] = 1.0 + field->gamma * row[i];
+        sums[0] += lac_problem_weight(at->problem, i) * at->motion.v[i] * field->b[i];
     }
 }
 
@@ -360,21 +360,17 @@ static void reduce_part(void *context, size_t part, size_t from, size_t end)
 static bool damp_solve(const solve_field *field, double *rise, double *push)
 {
     const lac_problem *problem = field->at->problem;
-    double *row = field->at->ws.row;
-    double given = 0.0;
-    if (!find_rates(field->at, row, NULL, rise)) {
+    double given;
+    if (!find_rates(field->at, field->at->ws.row, NULL, rise)) {
         return false;
     }
-    for (size_t i = 0; i < problem->n; i++) {
-        row[i] = 1.0 + field->gamma * row[i];
-        given += lac_problem_weight(problem, i) * field->at->motion.v[i] * field->b[i];
-    }
-    *push = problem->drag * given / (double)problem->n / field->gamma;
+    lac_range_sums(&problem->range, 1, add_given, field, &given);
+    *push = problem->drag * given / lac_problem_all(problem) / field->gamma;
     return isfinite(*push);
 }
 
-// Solves the system that reduce_part has left, for dv. Where damping of the mean is felt, 1/v gives
-// its place for as long.
+// Solves the system that reduce_block has left, for dv. Where damping of the mean is felt, 1/v
+// gives its place for as long.
 static bool solve(const solve_field *field, bool felt, double push)
 {
     const lac_problem *problem = field->at->problem;
@@ -382,7 +378,8 @@ static bool solve(const solve_field *field, bool felt, double push)
     size_t n = problem->n;
     lac_sharing on = {0};
     if (felt) {
-        on.kappa = problem->drag * (problem->sum_pressure / (double)n) / field->gamma;
+        on.kappa =
+            problem->drag * (problem->sum_pressure / lac_problem_all(problem)) / field->gamma;
         on.row = ws->row;
         on.shares = ws->kv;
     }
@@ -418,8 +415,9 @@ static bool newton(const lac_look *at, double gamma, double *b)
     field.loading = loading(at);
     held.drive.ratio_rate -= at->problem->drag * rise; // it is shared as a force is
 
-    size_t parts = lac_parallel_for(n, reduce_part, &field);
-    if (!all_good(parts, field.good) || !solve(&field, felt, push)) {
+    double bad;
+    lac_range_sums(&at->problem->range, 1, add_bad, &field, &bad);
+    if (bad > 0.0 || !solve(&field, felt, push)) {
         return false;
     }
     (void)lac_parallel_for(n, lac_rate_bring_back, &field);

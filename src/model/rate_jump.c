@@ -9,6 +9,8 @@ typedef struct leap {
     const lac_jump *jump;
     const double *y;
     double before; // [m/s]; 0 where it does not count
+    const lac_problem *problem;
+    double mean; // taken for the rate behind it [m/s]
 } leap;
 
 // ln v of cell i behind it, and ln theta, if the mean rate is `mean` then.
@@ -30,16 +32,15 @@ static double rate_behind(const lac_problem *problem, const leap *at, size_t i, 
                                  problem->damping);
 }
 
-// Sums over a block of v behind the jump and of its ease. A cell that finds no rate under so much
-// drag stands still.
-static void sum_behind(const lac_problem *problem, const leap *at, double mean, size_t first,
-                       double sums[2])
+// Sums of v behind the jump and of its ease. A cell that finds no rate under so much drag stands
+// still.
+static void sum_behind(const leap *at, size_t first, size_t length, double sums[2])
 {
+    const lac_problem *problem = at->problem;
     double u[LAC_FRICTION_BLOCK], w[LAC_FRICTION_BLOCK], v[LAC_FRICTION_BLOCK];
     double ease[LAC_FRICTION_BLOCK];
-    size_t length = lac_block_length(problem->n, first);
     for (size_t i = 0; i < length; i++) {
-        u[i] = rate_behind(problem, at, first + i, mean, &w[i]);
+        u[i] = rate_behind(problem, at, first + i, at->mean, &w[i]);
         u[i] = isnan(u[i]) ? LAC_SLOWEST : u[i];
         v[i] = exp(u[i]);
     }
@@ -49,16 +50,22 @@ static void sum_behind(const lac_problem *problem, const leap *at, double mean, 
     sums[1] += lac_problem_sum_from(problem, first, length, ease);
 }
 
-// The mean rate behind the jump, which damps all cells.
-static double mean_behind(const lac_problem *problem, const leap *at)
+static void add_behind(const void *context, size_t from, size_t end, double *sums)
 {
-    double n = (double)problem->n;
+    for (size_t first = from; first < end; first += LAC_FRICTION_BLOCK) {
+        sum_behind(context, first, lac_block_length(end, first), sums);
+    }
+}
+
+// The mean rate behind the jump, which damps all cells.
+static double mean_behind(const lac_problem *problem, leap *at)
+{
+    double n = lac_problem_all(problem);
     lac_mean_search search = lac_mean_search_from(at->before);
     for (int k = 0; k < 200; k++) {
-        double sums[2] = {0.0, 0.0};
-        for (size_t first = 0; first < problem->n; first += LAC_FRICTION_BLOCK) {
-            sum_behind(problem, at, search.mean, first, sums);
-        }
+        double sums[2];
+        at->mean = search.mean;
+        lac_range_sums(&problem->range, 2, add_behind, at, sums);
         double moved = lac_mean_search_on(&search, sums[0] / n, sums[1] / n);
         if (!(fabs(moved) > DBL_EPSILON * fabs(search.mean))) {
             break;
@@ -67,14 +74,22 @@ static double mean_behind(const lac_problem *problem, const leap *at)
     return search.mean;
 }
 
+// A mean's share of each cell.
+static void add_before(const void *context, size_t first, size_t end, double *sums)
+{
+    const leap *at = context;
+    for (size_t i = first; i < end; i++) {
+        sums[0] +=
+            lac_problem_weight(at->problem, i) * exp(at->y[i]) / lac_problem_all(at->problem);
+    }
+}
+
 bool lac_rate_jump(const lac_problem *problem, const lac_jump *jump, double *y)
 {
-    leap at = {.jump = jump, .y = y};
+    leap at = {.jump = jump, .y = y, .problem = problem};
     double mean = 0.0;
     if (problem->drag != 0.0) {
-        for (size_t i = 0; i < problem->n; i++) {
-            at.before += lac_problem_weight(problem, i) * exp(y[i]) / (double)problem->n;
-        }
+        lac_range_sums(&problem->range, 1, add_before, &at, &at.before);
         mean = mean_behind(problem, &at);
     }
     for (size_t i = 0; i < problem->n; i++) {

@@ -3,6 +3,7 @@
 // cells are in, over what drives; docs/theory/safety.md.
 #include "base/vsum.h"
 #include "model/internal.h"
+#include "model/weaken.h"
 
 lac_safety lac_problem_safety_asked(const lac_problem *problem) { return problem->safety; }
 
@@ -50,15 +51,20 @@ static double over(double strength, double drives)
     return isfinite(factor) ? factor : NAN;
 }
 
+static void add_strength(const void *context, size_t from, size_t end, double *sums)
+{
+    const lac_look *at = context;
+    double strength[LAC_FRICTION_BLOCK];
+    for (size_t first = from; first < end; first += LAC_FRICTION_BLOCK) {
+        const size_t length = hold(at, first, strength);
+        sums[0] += lac_problem_sum_from(at->problem, first, length, strength);
+    }
+}
+
 double lac_look_safety(const lac_look *at, const double *slip)
 {
-    const size_t n = at->problem->n;
-    double strength[LAC_FRICTION_BLOCK];
-    double sum = 0.0;
-    for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
-        const size_t length = hold(at, first, strength);
-        sum += lac_problem_sum_from(at->problem, first, length, strength);
-    }
+    double sum;
+    lac_range_sums(&at->problem->range, 1, add_strength, at, &sum);
     if (at->problem->across != NULL) {
         double along[2];
         return over(sum, lac_vector_sheared(at, slip, along));

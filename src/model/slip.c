@@ -3,6 +3,7 @@
 // which holds by construction; docs/theory/creep.md eqs. 6, 7 and 9.
 #include "base/vsum.h"
 #include "model/internal.h"
+#include "model/weaken.h"
 
 static void start(const lac_problem *problem, double *x) { memset(x, 0, problem->n * sizeof *x); }
 
@@ -17,7 +18,7 @@ static bool derivative(const lac_look *at, double *ydot)
     size_t n = at->problem->n;
     bool good = lac_problem_evolve(at, ydot + n);
     memcpy(ydot, at->motion.v, n * sizeof *ydot);
-    return lac_vfinite(n, ydot) && good;
+    return lac_problem_agree(at->problem, lac_vfinite(n, ydot) && good);
 }
 
 // x_slip = b_slip + gamma dv

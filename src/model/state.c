@@ -4,6 +4,7 @@
 // of the problem that takes it; docs/theory/restart.md.
 #include "base/vsum.h"
 #include "model/internal.h"
+#include "model/weaken.h"
 
 static size_t modes_of(const lac_problem *problem)
 {

@@ -4,6 +4,7 @@
 #include "base/clones.h"
 #include "base/vsum.h"
 #include "model/internal.h"
+#include "model/weaken.h"
 
 static void start(const lac_problem *problem, double *x)
 {
@@ -38,8 +39,9 @@ static bool derivative(const lac_look *at, double *ydot)
     lac_problem_couple(problem, drive->far_rate, at->motion.v, at->ws.kv, at->ws.scratch);
     double loading = drive->spring_rate - drive->spring_stiffness * at->motion.mean;
     bool good = lac_problem_evolve(at, ydot + n);
-    return lac_traction_rates(n, problem->pressure, drive->ratio_rate, loading, at->ws.kv, ydot) &&
+    good = lac_traction_rates(n, problem->pressure, drive->ratio_rate, loading, at->ws.kv, ydot) &&
            good;
+    return lac_problem_agree(problem, good);
 }
 
 // x_tau = b_tau - gamma K dv, which is gamma D dv + f_w's part + drag mean dv by the row itself.

@@ -104,7 +104,7 @@ static void find_tractions(const lac_look *at, const double *slip, double *const
     transfer->kind->pair->apply(transfer->state, of, q, at->ws.scratch);
     for (int c = 0; c < 2; c++) {
         const lac_look side = lac_look_along(at, c);
-        const double mean = lac_vsum(n, of[c]) / (double)n;
+        const double mean = lac_problem_plain_mean(problem, of[c]);
         const double common = side.drive.spring - side.drive.spring_stiffness * mean;
         for (size_t i = 0; i < n; i++) {
             const double load =
@@ -147,7 +147,30 @@ static void rates_under(const lac_look *at, const plane *p, const double taken[2
             const double part = p->size[i] != 0.0 ? p->net[c][i] / p->size[i] : 0.0;
             p->v[c][i] = at->ws.v[i] * part;
         }
-        found[c] = lac_vsum(n, p->v[c]) / (double)n;
+        found[c] = lac_problem_plain_mean(problem, p->v[c]);
+    }
+}
+
+typedef struct eases {
+    const lac_look *at;
+    const plane *p;
+} eases;
+
+// What drag takes off a rate: xx, xy, yy.
+static void add_eases(const void *context, size_t first, size_t end, double *sums)
+{
+    const lac_look *at = ((const eases *)context)->at;
+    const plane *p = ((const eases *)context)->p;
+    const double *ease = at->ws.diagonal;
+    for (size_t i = first; i < end; i++) {
+        if (!(p->size[i] > 0.0)) {
+            continue; // no direction, and at rest
+        }
+        const double x = p->net[0][i] / p->size[i], y = p->net[1][i] / p->size[i];
+        const double across = lac_problem_drag(at->problem, i) * (at->ws.v[i] / p->size[i]);
+        sums[0] += ease[i] * x * x + across * y * y;
+        sums[1] += (ease[i] - across) * x * y;
+        sums[2] += ease[i] * y * y + across * x * x;
     }
 }
 
@@ -156,22 +179,11 @@ static void rates_under(const lac_look *at, const plane *p, const double taken[2
 static void find_step(const lac_look *at, const plane *p, const double *u, const double off[2],
                       double step[2])
 {
-    const lac_problem *problem = at->problem;
-    const size_t n = problem->n;
-    double *ease = at->ws.diagonal;
-    double xx = 0.0, xy = 0.0, yy = 0.0;
-    lac_problem_find_ease(at, u, ease);
-    for (size_t i = 0; i < n; i++) {
-        if (!(p->size[i] > 0.0)) {
-            continue; // no direction, and at rest
-        }
-        const double x = p->net[0][i] / p->size[i], y = p->net[1][i] / p->size[i];
-        const double across = lac_problem_drag(problem, i) * (at->ws.v[i] / p->size[i]);
-        xx += ease[i] * x * x + across * y * y;
-        xy += (ease[i] - across) * x * y;
-        yy += ease[i] * y * y + across * x * x;
-    }
-    const double a = 1.0 + xx / (double)n, b = xy / (double)n, d = 1.0 + yy / (double)n;
+    const double n = lac_problem_all(at->problem);
+    double sums[3];
+    lac_problem_find_ease(at, u, at->ws.diagonal);
+    lac_range_sums(&at->problem->range, 3, add_eases, &(eases){at, p}, sums);
+    const double a = 1.0 + sums[0] / n, b = sums[1] / n, d = 1.0 + sums[2] / n;
     const double det = a * d - b * b;
     step[0] = (d * off[0] - b * off[1]) / det;
     step[1] = (a * off[1] - b * off[0]) / det;
@@ -250,7 +262,8 @@ static bool derivative(const lac_look *at, double *ydot)
     const bool good = lac_problem_evolve(at, ydot + n);
     memcpy(ydot, p.v[0], n * sizeof *ydot);
     memcpy(ydot + 2 * n, p.v[1], n * sizeof *ydot);
-    return lac_vfinite(n, ydot) && lac_vfinite(n, ydot + 2 * n) && good;
+    return lac_problem_agree(at->problem,
+                             lac_vfinite(n, ydot) && lac_vfinite(n, ydot + 2 * n) && good);
 }
 
 // D of every cell: along its rate what lac_implicit_reduce leaves, across it |net|/(|v| gamma), for
@@ -294,9 +307,9 @@ static bool share_mean(const lac_look *at, const plane *p, double kappa, double 
                                          at->ws.scratch)) {
             return false;
         }
-        to[0][c] = kappa * lac_vsum(n, of[c][0]) / (double)n;
-        to[1][c] = kappa * lac_vsum(n, of[c][1]) / (double)n;
-        mean[c] = lac_vsum(n, x[c]) / (double)n;
+        to[0][c] = kappa * lac_range_sum(&problem->range, of[c][0]) / lac_problem_all(problem);
+        to[1][c] = kappa * lac_range_sum(&problem->range, of[c][1]) / lac_problem_all(problem);
+        mean[c] = lac_problem_plain_mean(problem, x[c]);
     }
     const double a = 1.0 + to[0][0], d = 1.0 + to[1][1];
     const double det = a * d - to[0][1] * to[1][0];
@@ -315,7 +328,7 @@ static bool solve(const lac_look *at, const plane *p, double gamma, double *cons
 {
     const lac_problem *problem = at->problem;
     const lac_transfer *transfer = &problem->transfer;
-    const double kappa = problem->drag * (problem->sum_pressure / (double)problem->n) / gamma;
+    const double kappa = problem->drag * (problem->sum_pressure / lac_problem_all(problem)) / gamma;
     const bool felt = lac_problem_feels_drag(problem, at->drive.least, at->motion.mean);
     return transfer->kind->pair->solve(transfer->state, at->drive.spring_stiffness + kappa,
                                        (const double *const *)p->d, x, at->ws.scratch) &&
@@ -335,7 +348,7 @@ static bool newton(const lac_look *at, double gamma, double *b)
     }
     transfer->kind->pair->apply(transfer->state, (const double *const *)x, p.q, ws->scratch);
     for (int c = 0; c < 2; c++) {
-        const double mean = at->drive.spring_stiffness * lac_vsum(n, x[c]) / (double)n;
+        const double mean = at->drive.spring_stiffness * lac_problem_plain_mean(at->problem, x[c]);
         for (size_t i = 0; i < n; i++) {
             const double rhs = -(p.q[c][i] + mean + p.net[c][i] * ws->kv[i]) / gamma;
             p.q[c][i] = x[c][i];
@@ -367,24 +380,35 @@ void lac_vector_weigh(const lac_problem *problem, const double *y, double rtol, 
     }
 }
 
+typedef struct slips {
+    const double *weight, *x; // [n] weights, NULL: all 1
+} slips;
+
+static void add_slips(const void *context, size_t first, size_t end, double *sums)
+{
+    const slips *s = context;
+    sums[0] += s->weight == NULL ? lac_sum(end - first, s->x + first)
+                                 : lac_vdot(end - first, s->weight + first, s->x + first);
+}
+
 double lac_problem_mean_slip(const lac_problem *problem, const double *slip)
 {
-    const size_t n = problem->n;
-    if (problem->across == NULL) {
-        return (problem->weight == NULL ? lac_sum(n, slip) : lac_vdot(n, problem->weight, slip)) /
-               (double)n;
+    double along[2] = {0.0, 0.0};
+    lac_range_sums(&problem->range, 1, add_slips, &(slips){problem->weight, slip}, &along[1]);
+    if (problem->across != NULL) {
+        const slips x = {NULL, lac_vector_slip(problem, slip, 0)};
+        lac_range_sums(&problem->range, 1, add_slips, &x, &along[0]);
     }
-    const double *x = lac_vector_slip(problem, slip, 0);
-    return hypot(lac_sum(n, x), lac_sum(n, slip)) / (double)n;
+    return (problem->across == NULL ? along[1] : hypot(along[0], along[1])) /
+           lac_problem_all(problem);
 }
 
 double lac_vector_sheared(const lac_look *at, const double *slip, double along[2])
 {
-    const size_t n = at->problem->n;
     for (int c = 0; c < 2; c++) {
         const lac_look side = lac_look_along(at, c);
         const double *of = lac_vector_slip(at->problem, slip, c);
-        along[c] = lac_look_sheared(&side, of, lac_vsum(n, of) / (double)n);
+        along[c] = lac_look_sheared(&side, of, lac_problem_plain_mean(at->problem, of));
     }
     return hypot(along[0], along[1]);
 }
@@ -393,8 +417,8 @@ void lac_vector_unbalanced(const lac_look *at, double *residual)
 {
     const lac_problem *problem = at->problem;
     const plane p = plane_of(at);
-    const double n = (double)problem->n;
-    const double mean[2] = {lac_vsum(problem->n, p.v[0]) / n, lac_vsum(problem->n, p.v[1]) / n};
+    const double mean[2] = {lac_problem_plain_mean(problem, p.v[0]),
+                            lac_problem_plain_mean(problem, p.v[1])};
     for (size_t first = 0; first < problem->n; first += LAC_FRICTION_BLOCK) {
         lac_block s;
         const size_t length = lac_block_friction(at, first, &s, NULL);

@@ -2,6 +2,7 @@
 // Unknowns of the cells besides slip and state: what a case's weakening leaves of pressures and
 // cohesion, its rates, and Newton's system with those unknowns eliminated cell by cell, exactly;
 // docs/theory/weakening.md.
+#include "model/weaken.h"
 #include "model/internal.h"
 
 enum { MOST = LAC_MOST_WEAKENINGS };
@@ -48,23 +49,42 @@ static double excess_of(const lac_problem *problem, const double *z, size_t i)
     return excess;
 }
 
+// Shares of pressures from which an excess is taken.
+typedef struct excess_field {
+    const lac_problem *problem;
+    const double *z;
+    const lac_problem_loads_at *drive;
+    double *shares, *rates; // [n]; rates NULL: they are not asked for
+} excess_field;
+
+static void add_excess(const void *context, size_t first, size_t end, double *sums)
+{
+    const excess_field *f = context;
+    const lac_problem *problem = f->problem;
+    const lac_problem_loads_at *drive = f->drive;
+    for (size_t i = first; i < end; i++) {
+        double part = excess_of(problem, f->z, i) / problem->mean_pressure;
+        double rate = drive->shares != NULL ? drive->share_rates[i] : drive->share_rate;
+        f->shares[i] = lac_problem_share_of(drive, i) - part;
+        sums[0] += lac_problem_weight(problem, i) * problem->pressure[i] * part;
+        if (f->rates != NULL) {
+            f->rates[i] = rate;
+        }
+    }
+}
+
 // Takes the excess off the shares of the pressures that the loads leave.
 // @param shares, rates  [n] overwritten; rates NULL: they are not asked for
 static bool take_excess(const lac_problem *problem, const double *z, lac_problem_loads_at *drive,
                         double *shares, double *rates)
 {
-    double off = 0.0;
-    drive->least = INFINITY;
+    const excess_field field = {problem, z, drive, shares, rates};
+    double off, least = INFINITY;
+    lac_range_sums(&problem->range, 1, add_excess, &field, &off);
     for (size_t i = 0; i < problem->n; i++) {
-        double part = excess_of(problem, z, i) / problem->mean_pressure;
-        double rate = drive->shares != NULL ? drive->share_rates[i] : drive->share_rate;
-        shares[i] = lac_problem_share_of(drive, i) - part;
-        off += lac_problem_weight(problem, i) * problem->pressure[i] * part;
-        drive->least = fmin(drive->least, shares[i]);
-        if (rates != NULL) {
-            rates[i] = rate;
-        }
+        least = fmin(least, shares[i]);
     }
+    drive->least = lac_team_least(problem->range.team, least);
     drive->share -= off / problem->sum_pressure;
     drive->shares = shares;
     drive->share_rates = rates;
@@ -186,7 +206,7 @@ bool lac_weaken_rates_of(const lac_look *at, double *xdot)
     for (size_t first = 0; first < at->problem->n; first += LAC_FRICTION_BLOCK) {
         good = block_rates(at, &a, first, xdot) && good;
     }
-    return good;
+    return lac_problem_agree(at->problem, good);
 }
 
 void lac_weaken_take_off(const lac_look *at, double *kv)

@@ -2,6 +2,7 @@
 // What a case's weakening is told by: what errors of its unknowns are worth, what is put out of it,
 // and what it cannot go with; docs/theory/weakening.md.
 #include "model/internal.h"
+#include "model/weaken.h"
 
 lac_status lac_weaken_check(const lac_problem *problem, lac_error *err)
 {

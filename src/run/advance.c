@@ -54,19 +54,25 @@ double lac_run_state_sweep_end(const lac_run_state *r)
     return fmin(lac_clock_next(&r->record_clock), snapshot);
 }
 
-lac_status lac_run_state_watch(const lac_run_state *r, double step, lac_error *err)
+lac_status lac_run_state_watch(lac_run_state *r, double step, lac_error *err)
 {
     const lac_engine *engine = r->engine;
-    if (r->sink == NULL || r->sink->step == NULL) {
+    if ((r->takes & LAC_TAKES_STEP) == 0) {
         return LAC_OK;
     }
-    const lac_step observation = {
-        .time_origin = engine->origin,
-        .time_local = engine->base + engine->t,
-        .step = step,
-        .max_rate = r->max_rate,
-        .n = engine->n,
-        .slip_rate = engine->work,
-        .slip = lac_problem_slip_size(r->problem, engine->slip, engine->work)};
-    return r->sink->step(r->sink->context, &observation, err);
+    const bool moves = lac_run_state_shows(r, r->max_rate);
+    lac_step observation = {.time_origin = engine->origin,
+                            .time_local = engine->base + engine->t,
+                            .step = step,
+                            .max_rate = r->max_rate,
+                            .n = engine->range->all};
+    if (moves || r->stepped) {
+        const double *size = lac_problem_slip_size(r->problem, engine->slip, engine->work);
+        observation.slip_rate = lac_run_state_gather(r, engine->work, 0);
+        observation.slip = lac_run_state_gather(r, size, 1);
+    }
+    r->stepped = moves;
+    return lac_run_state_agree(
+        r, lac_run_state_leads(r) ? r->sink->step(r->sink->context, &observation, err) : LAC_OK,
+        err);
 }

@@ -22,7 +22,7 @@ lac_status lac_check_slipping(const lac_problem *problem, const double *y, doubl
             : lac_problem_lost_transfer(problem, y + lac_problem_slip_place(problem), work);
     LAC_FAIL_IF(lost != NULL, err, LAC_ENUMERIC,
                 "the transfer %s finds no stress for the slip at t = %.17g s", lost, t);
-    LAC_FAIL_IF(lac_problem_cohesion(problem, cell) > 0.0, err, LAC_ENUMERIC,
+    LAC_FAIL_IF(lac_problem_coheres(problem), err, LAC_ENUMERIC,
                 "the shear traction of cell %zu falls to its cohesion at t = %.17g s: cohesion "
                 "holds what slides forward only, and slip that stops or turns back is not followed",
                 cell, t);
@@ -47,10 +47,13 @@ lac_status lac_check_rates(const lac_problem *problem, double max, double t, con
     if (max <= most) {
         return LAC_OK;
     }
-    size_t cell = 0;
-    while (cell + 1 < lac_problem_cells(problem) && fabs(v[cell]) <= most) {
-        cell++;
+    const size_t n = lac_problem_cells(problem);
+    size_t i = 0;
+    while (i < n && fabs(v[i]) <= most) {
+        i++;
     }
+    size_t cell = lac_problem_first_cell(problem, i < n ? i : SIZE_MAX);
+    cell = cell == SIZE_MAX ? lac_problem_range(problem)->all - 1 : cell;
     return lac_fail(err, LAC_ENUMERIC,
                     "the slip rate of cell %zu leaves the numbers at t = %.17g s: beyond %.3g m/s; "
                     "nothing but friction holds it back there (no radiation damping?)",
@@ -134,7 +137,7 @@ static lac_status check_safety(const lac_problem *problem, const lac_run_def *de
     LAC_FAIL_IF(!isnan(def->stop_safety) && def->fidelity == LAC_FIDELITY_ASYNC, err, LAC_EINPUT,
                 "time.stop_when.factor_of_safety goes with solver.fidelity ode: with events the "
                 "cells are together only at the ends of sweeps");
-    double *none = calloc(lac_problem_cells(problem), sizeof *none);
+    double *none = calloc(lac_problem_cells(problem) + 1, sizeof *none);
     LAC_FAIL_MEMORY_IF(none == NULL, err);
     const double *slip = slip_of(problem, at) != NULL ? slip_of(problem, at) : none;
     const double safety = lac_problem_safety(problem, at->t, at->y, slip, work);
@@ -274,5 +277,6 @@ lac_sink lac_sink_before(lac_sink *next)
                       .event = next->event != NULL ? pass_event : NULL,
                       .once = next->once != NULL ? pass_once : NULL,
                       .serialize = next->serialize != NULL ? pass_serialize : NULL,
-                      .checkpoint = next->checkpoint != NULL ? pass_checkpoint : NULL};
+                      .checkpoint = next->checkpoint != NULL ? pass_checkpoint : NULL,
+                      .cells_from = next->cells_from};
 }

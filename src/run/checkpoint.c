@@ -26,20 +26,67 @@ typedef struct identity {
     uint64_t cells, formulation, start;
 } identity;
 
+// So many arrays of all cells, from those here, at the rank that leads; elsewhere NULL, as where
+// memory is short.
+static double *gather(const lac_range *range, const double *x, size_t arrays)
+{
+    const bool leads = lac_team_leads(range->team);
+    double *all = leads ? malloc((arrays * range->all + 1) * sizeof *all) : NULL;
+    if (lac_team_any(range->team, leads && all == NULL)) {
+        return NULL;
+    }
+    for (size_t a = 0; range->team != NULL && a < arrays; a++) {
+        range->team->gather(range->team, x + a * range->n, range->n,
+                            leads ? all + a * range->all : NULL);
+    }
+    if (range->team == NULL) {
+        memcpy(all, x, arrays * range->all * sizeof *all);
+    }
+    return all;
+}
+
 // `start` sums the values that the problem starts from; 0 where memory is short, which is no sum of
 // anything.
 static identity identify(const lac_problem *problem)
 {
-    identity scene = {.cells = lac_problem_cells(problem),
+    const lac_range *range = lac_problem_range(problem);
+    identity scene = {.cells = range->all,
                       .formulation = (uint64_t)lac_problem_formulation(problem)};
-    double *y = calloc(lac_problem_unknowns(problem), sizeof *y);
-    if (y != NULL) {
+    const size_t arrays = lac_problem_arrays(problem);
+    double *y = calloc(lac_problem_unknowns(problem) + 1, sizeof *y), *all = NULL;
+    if (lac_team_all(range->team, y != NULL)) {
         lac_problem_initial(problem, y);
-        const size_t size = lac_problem_unknowns(problem) * sizeof *y;
-        scene.start = lac_sum_bytes(LAC_SUM_OF_NOTHING, y, size) | 1;
+        all = gather(range, y, arrays);
+    }
+    if (all != NULL) {
+        scene.start = lac_sum_bytes(LAC_SUM_OF_NOTHING, all, arrays * range->all * sizeof *all) | 1;
+    }
+    if (range->team != NULL) {
+        range->team->hand_out(range->team, &scene.start, sizeof scene.start);
     }
     free(y);
+    free(all);
     return scene;
+}
+
+// Arrays of the cells, in the archive those of all: a run goes on on any number of ranks.
+static void pass_cells(lac_archive *archive, const lac_range *range, double *x, size_t arrays)
+{
+    if (range->team == NULL) {
+        lac_archive_pass(archive, x, arrays * range->n * sizeof *x);
+        return;
+    }
+    double *all =
+        archive->loading ? calloc(arrays * range->all, sizeof *all) : gather(range, x, arrays);
+    const bool here = archive->loading || lac_team_leads(range->team);
+    archive->no_memory = archive->no_memory || (here && all == NULL);
+    if (all != NULL) {
+        lac_archive_pass(archive, all, arrays * range->all * sizeof *all);
+    }
+    for (size_t a = 0; archive->loading && all != NULL && a < arrays; a++) {
+        memcpy(x + a * range->n, all + a * range->all + range->first, range->n * sizeof *x);
+    }
+    free(all);
 }
 
 static void pass_engine(lac_archive *archive, lac_engine *engine)
@@ -47,8 +94,8 @@ static void pass_engine(lac_archive *archive, lac_engine *engine)
     LAC_PASS_RUN(archive, engine->origin, engine->order);
     LAC_PASS(archive, engine->beginnings);
     LAC_PASS_RUN(archive, engine->counts.steps, engine->counts.restarts);
-    lac_archive_pass(archive, engine->y, engine->unknowns * sizeof *engine->y);
-    lac_archive_pass(archive, engine->slip, engine->n * sizeof *engine->slip);
+    pass_cells(archive, engine->range, engine->y, lac_problem_arrays(engine->problem));
+    pass_cells(archive, engine->range, engine->slip, 1);
 }
 
 // Everything in one order, both ways.
@@ -83,7 +130,7 @@ static void pass_course(lac_archive *archive, lac_run_state *r)
 lac_status lac_run_state_checkpoint(lac_run_state *r, bool planned, lac_error *err)
 {
     lac_archive archive = {.loading = false};
-    if (r->sink == NULL || r->sink->checkpoint == NULL) {
+    if ((r->takes & LAC_TAKES_CHECKPOINT) == 0) {
         return LAC_OK;
     }
     identity scene = identify(r->problem);
@@ -97,7 +144,7 @@ lac_status lac_run_state_checkpoint(lac_run_state *r, bool planned, lac_error *e
             err, LAC_EINPUT,
             "the analysis %s cannot be kept in a checkpoint: leave it or output.checkpoint out",
             archive.refused);
-    } else if (archive.refused == NULL) {
+    } else if (archive.refused == NULL && lac_run_state_leads(r)) {
         lac_checkpoint checkpoint = {.planned = planned,
                                      .time = lac_engine_time(r->engine),
                                      .size = archive.size,
@@ -105,7 +152,7 @@ lac_status lac_run_state_checkpoint(lac_run_state *r, bool planned, lac_error *e
         status = r->sink->checkpoint(r->sink->context, &checkpoint, err);
     }
     free(archive.bytes);
-    return status;
+    return lac_run_state_agree(r, status, err);
 }
 
 static lac_status check_identity(const lac_run_state *r, lac_archive *archive, lac_error *err)
@@ -131,7 +178,8 @@ lac_status lac_run_state_resume(lac_run_state *r, lac_error *err)
     LAC_TRY_RETURN(check_identity(r, &archive, err));
     pass_course(&archive, r);
     LAC_FAIL_MEMORY_IF(archive.no_memory, err);
-    const bool alone = r->def->reached != NULL; // what sinks kept is left
+    const bool alone =
+        r->def->reached != NULL || !lac_run_state_leads(r); // what sinks kept is left
     LAC_FAIL_IF(!lac_archive_good(&archive) || (archive.at != archive.size && !alone), err,
                 LAC_EINPUT, "the checkpoint does not fit this case and program");
     LAC_FAIL_IF(!(lac_engine_time(r->engine) < r->def->end) &&

@@ -17,6 +17,7 @@ static lac_status create(const lac_engine_kind *kind, const lac_problem *problem
     engine->def = def;
     engine->rtol = def->rtol;
     engine->limit = INFINITY;
+    engine->range = lac_problem_range(problem);
     engine->n = lac_problem_cells(problem);
     engine->unknowns = lac_problem_unknowns(problem);
     engine->work = calloc(lac_problem_work(problem), sizeof *engine->work);

@@ -17,7 +17,8 @@ typedef struct lac_engine {
     const struct lac_engine_kind *kind;
     const lac_problem *problem;
     const lac_run_def *def;
-    lac_failure failure; // what counts as it
+    lac_failure failure;    // what counts as it
+    const lac_range *range; // the cells here, n of them
     size_t n;
     double origin, base, t; // time reached is their sum [s]
     double limit;          // loads are seen from below up to here: the last time before a break [s]

@@ -76,10 +76,7 @@ static int set_slip_tolerance(const lac_engine *engine, cvode *c, double resolve
     if (!lac_vector_lacks(c->slip)) {
         double *absolute = lac_vector_data(tolerance);
         const double relative = lac_problem_slip_tolerance(engine->problem, engine->rtol, absolute);
-        double least = INFINITY;
-        for (size_t i = 0; i < engine->n; i++) {
-            least = fmin(least, absolute[i]);
-        }
+        const double least = lac_problem_least_tolerance(engine->problem, absolute);
         flag = relative > 0.0 ? CVodeQuadSStolerances(c->mem, relative, least)
                               : CVodeQuadSVtolerances(c->mem, resolved, tolerance);
     }
@@ -112,7 +109,7 @@ static int set_options(lac_engine *engine, cvode *c)
 
 static lac_status make_vectors(lac_engine *engine, cvode *c, lac_error *err)
 {
-    c->y = lac_vector_create(engine->unknowns, true, engine->sun);
+    c->y = lac_vector_create(engine->range, lac_problem_arrays(engine->problem), true, engine->sun);
     c->seen_y = c->y == NULL ? NULL : lac_vector_clone_empty(c->y);
     LAC_FAIL_MEMORY_IF(c->seen_y == NULL || lac_vector_lacks(c->y), err);
     engine->y = lac_vector_data(c->y);
@@ -120,7 +117,7 @@ static lac_status make_vectors(lac_engine *engine, cvode *c, lac_error *err)
         engine->slip = engine->y + lac_problem_slip_place(engine->problem);
         return LAC_OK;
     }
-    c->slip = lac_vector_create(engine->n, true, engine->sun);
+    c->slip = lac_vector_create(engine->range, 1, true, engine->sun);
     c->seen_slip = c->slip == NULL ? NULL : lac_vector_clone_empty(c->slip);
     LAC_FAIL_MEMORY_IF(c->seen_slip == NULL || lac_vector_lacks(c->slip), err);
     N_VConst(0.0, c->slip);
@@ -222,7 +219,8 @@ static lac_status gave_up(lac_engine *engine, int flag, lac_error *err)
     int order = 0;
     (void)CVodeGetCurrentStep(c->mem, &h);
     (void)CVodeGetCurrentOrder(c->mem, &order);
-    bool known = order > 0 && find_worst(engine, &worst);
+    // of all cells, not of those here
+    bool known = engine->range->team == NULL && order > 0 && find_worst(engine, &worst);
     lac_status status = lac_engine_gave_up(engine, CVodeGetReturnFlagName(flag), h, order, err);
     if (known && err != NULL) {
         const char *names[] = {lac_problem_unknown(engine->problem), "ln theta", "slip"};

@@ -93,9 +93,11 @@ static lac_status make_vectors(lac_engine *engine, erk *c, lac_error *err)
 {
     bool slip_in_y = lac_problem_has_slip(engine->problem);
     c->size = slip_in_y ? engine->unknowns : engine->unknowns + engine->n;
-    c->y = lac_vector_create(c->size, false, engine->sun);
+    c->y =
+        lac_vector_create(engine->range, lac_problem_arrays(engine->problem) + (slip_in_y ? 0 : 1),
+                          false, engine->sun);
     c->scratch = c->y == NULL ? NULL : N_VClone(c->y);
-    c->saved = malloc(c->size * sizeof *c->saved);
+    c->saved = malloc((c->size + 1) * sizeof *c->saved);
     c->aside = calloc(lac_problem_work(engine->problem), sizeof *c->aside);
     bool lacking = c->scratch == NULL || lac_vector_lacks(c->y);
     LAC_FAIL_MEMORY_IF(lacking || c->saved == NULL || c->aside == NULL, err);

@@ -127,7 +127,7 @@ static lac_status allocate(lac_sensitivity_state *f, lac_error *err)
                        err);
     f->scale = f->probe + 3 * f->m;
     LAC_SUN_SILENCE_CONTEXT(f->sun);
-    f->y = lac_vector_create(f->m, false, f->sun);
+    f->y = lac_vector_create(&(lac_range){.all = f->m, .n = f->m, .block = f->m}, 1, false, f->sun);
     f->observation = f->y != NULL ? N_VClone(f->y) : NULL;
     if (f->observation != NULL && def->perturbations > 0) {
         f->s = N_VCloneVectorArray((int)def->perturbations, f->y);

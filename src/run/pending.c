@@ -4,7 +4,6 @@
 
 #include "base/clones.h"
 #include "base/parallel_for.h"
-#include "base/statistics.h"
 
 enum {
     MOST_TERMS = 8,
@@ -22,18 +21,20 @@ typedef struct combination {
 } combination;
 
 struct lac_pending {
-    size_t n, waiting;
+    lac_range range;
+    size_t arrays, n, waiting;
     bool waits;
     const double *x, *w; // (x w)^2 is wanted; or NULL
-    double sum[LAC_PARTS];
     combination list[MOST_WAITING];
 };
 
-lac_pending *lac_pending_create(size_t n, bool waits)
+lac_pending *lac_pending_create(const lac_range *range, size_t arrays, bool waits)
 {
     lac_pending *p = malloc(sizeof *p);
     if (p != NULL) {
-        p->n = n;
+        p->range = *range;
+        p->arrays = arrays;
+        p->n = arrays * range->n;
         p->waiting = 0;
         p->waits = waits;
         p->x = p->w = NULL;
@@ -45,11 +46,16 @@ void lac_pending_free(lac_pending *p) { free(p); }
 
 void lac_pending_close(lac_pending *p)
 {
-    p->n = 0;
+    p->n = p->arrays = 0;
+    p->range = lac_range_whole(0);
     p->waiting = 0;
 }
 
 size_t lac_pending_length(const lac_pending *p) { return p->n; }
+
+const lac_team *lac_pending_team(const lac_pending *p) { return p->range.team; }
+
+size_t lac_pending_all(const lac_pending *p) { return p->arrays * p->range.all; }
 
 // Each vector is read once. `count` is known where this is inlined.
 static inline __attribute__((always_inline)) void combine(int count, size_t first, size_t end,
@@ -92,6 +98,11 @@ static inline __attribute__((always_inline)) void make(const combination *t, siz
 }
 
 // Eight running sums, added up in a fixed order: vectorises, and the bits never change.
+static double together(const double *s)
+{
+    return ((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7]));
+}
+
 static inline __attribute__((always_inline)) void add_squares(const double *x, const double *w,
                                                               size_t first, size_t end, double *s)
 {
@@ -108,10 +119,12 @@ static inline __attribute__((always_inline)) void add_squares(const double *x, c
     }
 }
 
-LAC_CLONES static void lac_pending_part(void *context, size_t part, size_t first, size_t end)
+// All that waits for a stretch of the vectors. @param sums  [LANES] gain the squares
+LAC_CLONES static void lac_pending_make(const lac_pending *p, size_t first, size_t end,
+                                        double *sums)
 {
-    lac_pending *p = context;
-    double s[LANES] = {0};
+    double s[LANES]; // in registers
+    memcpy(s, sums, sizeof s);
     // what is alone has nothing to share a cache with
     size_t block = p->waiting + (p->x != NULL ? 1 : 0) > 1 ? BLOCK : end - first;
     for (size_t begin = first; begin < end; begin += block) {
@@ -123,13 +136,47 @@ LAC_CLONES static void lac_pending_part(void *context, size_t part, size_t first
             add_squares(p->x, p->w, begin, stop, s);
         }
     }
-    p->sum[part] = ((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7]));
+    memcpy(sums, s, sizeof s);
+}
+
+static void make_part(void *context, size_t part, size_t first, size_t end)
+{
+    double none[LANES] = {0};
+    (void)part;
+    lac_pending_make(context, first, end, none);
+}
+
+// A block of cells: its stretches of all arrays, or where all cells are one block the whole.
+typedef void stretch(const void *context, size_t first, size_t end, double *s);
+
+static double over_block(const lac_pending *p, stretch *look, const void *context, size_t first,
+                         size_t end)
+{
+    double s[LANES] = {0};
+    if (p->range.all <= p->range.block) {
+        look(context, 0, p->n, s);
+        return together(s);
+    }
+    for (size_t a = 0; a < p->arrays; a++) {
+        look(context, a * p->range.n + first, a * p->range.n + end, s);
+    }
+    return together(s);
+}
+
+static void make_stretch(const void *context, size_t first, size_t end, double *s)
+{
+    lac_pending_make(context, first, end, s);
+}
+
+static void add_block(const void *context, size_t first, size_t end, double *sums)
+{
+    sums[0] += over_block(context, make_stretch, context, first, end);
 }
 
 void lac_pending_finish(lac_pending *p)
 {
     if (p->waiting > 0) {
-        (void)lac_parallel_for(p->n, lac_pending_part, p);
+        (void)lac_parallel_for(p->n, make_part, p);
         p->waiting = 0;
     }
 }
@@ -138,10 +185,47 @@ double lac_pending_squares(lac_pending *p, const double *x, const double *w)
 {
     p->x = x;
     p->w = w;
-    size_t parts = lac_parallel_for(p->n, lac_pending_part, p);
+    double sum;
+    lac_range_sums(&p->range, 1, add_block, p, &sum);
     p->waiting = 0;
     p->x = p->w = NULL;
-    return lac_sum(parts, p->sum);
+    return sum;
+}
+
+// Two vectors.
+typedef struct product {
+    const lac_pending *p;
+    const double *x, *y;
+} product;
+
+LAC_CLONES static void lac_pending_multiply(const void *context, size_t first, size_t end,
+                                            double *sums)
+{
+    double s[LANES];
+    memcpy(s, sums, sizeof s);
+    const double *x = ((const product *)context)->x, *y = ((const product *)context)->y;
+    size_t whole = end - (end - first) % LANES;
+    for (size_t i = first; i < whole; i += LANES) {
+        for (size_t k = 0; k < LANES; k++) {
+            s[k] += x[i + k] * y[i + k];
+        }
+    }
+    for (size_t i = whole; i < end; i++) {
+        s[i - whole] += x[i] * y[i];
+    }
+    memcpy(sums, s, sizeof s);
+}
+
+static void add_products(const void *context, size_t first, size_t end, double *sums)
+{
+    sums[0] += over_block(((const product *)context)->p, lac_pending_multiply, context, first, end);
+}
+
+double lac_pending_dot(const lac_pending *p, const double *x, const double *y)
+{
+    double sum;
+    lac_range_sums(&p->range, 1, add_products, &(product){p, x, y}, &sum);
+    return sum;
 }
 
 // One of at most MOST_TERMS.

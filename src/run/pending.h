@@ -1,23 +1,28 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include "base/base.h"
+#include "base/range.h"
 
-// Linear combinations of arrays of one length that wait, to be made together in one pass over
+// Linear combinations of vectors of one length that wait, to be made together in one pass over
 // memory: block by block, each block through all of them in their order while it is in the cache.
 // Every element goes through the same operations in the same order as if nothing had waited, so
 // the bits are the same. CVODE's prediction is 15 sums of two arrays at order 5.
 typedef struct lac_pending lac_pending;
 
-/// @param n      length of the arrays
-/// @param waits  false: each is made at once
+/// @param arrays  of the cells that a vector is made of, one after the other
+/// @param waits   false: each is made at once
 /// @return NULL where memory is short
-lac_pending *lac_pending_create(size_t n, bool waits);
+lac_pending *lac_pending_create(const lac_range *range, size_t arrays, bool waits);
 
 /// What waits is not made; NULL is fine.
 void lac_pending_free(lac_pending *p);
 
+/// Components here, and of all cells.
 size_t lac_pending_length(const lac_pending *p);
+size_t lac_pending_all(const lac_pending *p);
+
+/// Who has the others; NULL: nobody.
+const lac_team *lac_pending_team(const lac_pending *p);
 
 /// Makes nothing from now on: all arrays count as empty, as if n were 0.
 void lac_pending_close(lac_pending *p);
@@ -31,3 +36,6 @@ void lac_pending_finish(lac_pending *p);
 
 /// Makes all that waits, and sums (x w)^2 on the way, in an order that depends on the length alone.
 double lac_pending_squares(lac_pending *p, const double *x, const double *w);
+
+/// Sum of x y, in such an order; nothing waits.
+double lac_pending_dot(const lac_pending *p, const double *x, const double *y);

@@ -2,6 +2,17 @@
 // What a run hands to its sink of a state: a record of the time series, a snapshot of the cells.
 #include "run/run_state.h"
 
+const double *lac_run_state_gather(const lac_run_state *r, const double *x, size_t place)
+{
+    const lac_range *range = r->engine->range;
+    double *all = r->all != NULL ? r->all + place * range->all : NULL;
+    if (range->team == NULL) {
+        return x;
+    }
+    range->team->gather(range->team, x, range->n, all);
+    return all != NULL ? all : x;
+}
+
 // Whether a time is later than the last one put out, which it then becomes.
 static bool moves_on(lac_instant *last, double origin, double local)
 {
@@ -33,8 +44,14 @@ static void watch_along(lac_run_state *r, const double *slip, lac_record *line)
 {
     const lac_points *points = r->def->points;
     const lac_components of = lac_problem_components(r->problem, slip, r->engine->work);
-    const double *const fields[] = {of.slip[0], of.slip[1],     of.rate[0],
-                                    of.rate[1], of.traction[0], of.traction[1]};
+    const double *fields[] = {of.slip[0], of.slip[1],     of.rate[0],
+                              of.rate[1], of.traction[0], of.traction[1]};
+    for (size_t k = 0; k < LAC_POINT_ALONG; k++) {
+        fields[k] = lac_run_state_gather(r, fields[k], 4 + k);
+    }
+    if (!lac_run_state_leads(r)) {
+        return;
+    }
     double *value = r->watched, *along = value + LAC_POINT_VALUES * points->n;
     line->observation.points_along = along;
     for (size_t i = 0; i < points->n; i++, value += LAC_POINT_VALUES, along += LAC_POINT_ALONG) {
@@ -47,13 +64,17 @@ static void watch_along(lac_run_state *r, const double *slip, lac_record *line)
     }
 }
 
+// @param line  whose cells are all of them
 static void watch_points(lac_run_state *r, double now, const double *slip, lac_record *line)
 {
     const size_t values = LAC_POINT_VALUES + LAC_POINT_ALONG;
     double *traction = r->watched + values * r->def->points->n;
     lac_problem_traction(r->problem, now, slip, traction, r->engine->work);
-    const double *fields[] = {slip, line->cells.slip_rate, traction, line->cells.log_state};
-    lac_points_read(r->def->points, fields, r->watched);
+    const double *fields[] = {lac_run_state_gather(r, slip, 2), line->cells.slip_rate,
+                              lac_run_state_gather(r, traction, 3), line->cells.log_state};
+    if (lac_run_state_leads(r)) {
+        lac_points_read(r->def->points, fields, r->watched);
+    }
     line->observation.points = r->watched;
     if (lac_problem_is_vector(r->problem)) {
         watch_along(r, slip, line);
@@ -78,20 +99,24 @@ lac_status lac_run_state_record(lac_run_state *r, double t, const double *y, con
                        .rhs_evaluations = engine->counts.rhs_evaluations};
     lac_problem_observe(r->problem, lac_engine_clock(engine, t), y, slip, again, &line.observation,
                         engine->work);
-    line.cells =
-        (lac_record_cells){.n = engine->n, .slip_rate = engine->work, .log_state = y + engine->n};
     if (!(line.observation.balance_residual <= r->result->balance_residual)) {
         r->result->balance_residual = line.observation.balance_residual; // a NaN stays
     }
     r->result->rate_drift = fmax(r->result->rate_drift, line.observation.rate_drift);
     lac_run_state_keep_safety(r, engine->origin + local, line.observation.factor_of_safety);
-    if (r->sink == NULL || r->sink->record == NULL) {
+    if ((r->takes & LAC_TAKES_RECORD) == 0) {
         return LAC_OK;
+    }
+    line.cells.n = engine->range->all;
+    if (r->watched != NULL || lac_run_state_shows(r, line.observation.max_rate)) {
+        line.cells.slip_rate = lac_run_state_gather(r, engine->work, 0);
+        line.cells.log_state = lac_run_state_gather(r, y + engine->n, 1);
     }
     if (r->watched != NULL) {
         watch_points(r, lac_engine_clock(engine, t), slip, &line);
     }
-    return r->sink->record(r->sink->context, &line, err);
+    return lac_run_state_agree(
+        r, lac_run_state_leads(r) ? r->sink->record(r->sink->context, &line, err) : LAC_OK, err);
 }
 
 // Of rates and tractions that were found last.
@@ -112,8 +137,8 @@ lac_status lac_run_state_snapshot(lac_run_state *r, double t, const double *y, c
     size_t n = r->engine->n;
     double *v = r->fields, *theta = v + n, *traction = theta + n, *pore = traction + n;
     double local = r->engine->base + t;
-    if (!moves_on(&r->last_snapshot, r->engine->origin, local) || r->sink == NULL ||
-        r->sink->snapshot == NULL) {
+    if (!moves_on(&r->last_snapshot, r->engine->origin, local) ||
+        (r->takes & LAC_TAKES_SNAPSHOT) == 0) {
         return LAC_OK;
     }
     project(r, t, &y, &slip);
@@ -137,19 +162,23 @@ lac_status lac_run_state_snapshot(lac_run_state *r, double t, const double *y, c
     if (weakens) {
         lac_problem_weakened(r->problem, y, excess, excess + n, excess + 2 * n);
     }
+    const double *size = lac_problem_slip_size(r->problem, slip, r->engine->work);
     lac_snapshot fields = {.time = r->engine->origin + local,
-                           .slip = lac_problem_slip_size(r->problem, slip, r->engine->work),
-                           .slip_rate = v,
-                           .state = theta,
-                           .traction = traction,
-                           .n = n,
-                           .factor_of_safety = safety,
-                           .pore = pore,
-                           .excess_pore = excess,
-                           .temperature = excess != NULL ? excess + n : NULL,
-                           .broken = excess != NULL ? excess + 2 * n : NULL};
+                           .slip = lac_run_state_gather(r, size, 0),
+                           .slip_rate = lac_run_state_gather(r, v, 1),
+                           .state = lac_run_state_gather(r, theta, 2),
+                           .traction = lac_run_state_gather(r, traction, 3),
+                           .n = r->engine->range->all,
+                           .factor_of_safety =
+                               safety != NULL ? lac_run_state_gather(r, safety, 5) : NULL,
+                           .pore = lac_run_state_gather(r, pore, 4),
+                           .excess_pore = weakens ? lac_run_state_gather(r, excess, 6) : NULL,
+                           .temperature = weakens ? lac_run_state_gather(r, excess + n, 7) : NULL,
+                           .broken = weakens ? lac_run_state_gather(r, excess + 2 * n, 8) : NULL};
     for (size_t k = 0; k < LAC_POINT_ALONG && lac_problem_is_vector(r->problem); k++) {
-        fields.along[k] = along + k * n;
+        fields.along[k] = lac_run_state_gather(r, along + k * n, 9 + k);
     }
-    return r->sink->snapshot(r->sink->context, &fields, err);
+    return lac_run_state_agree(
+        r, lac_run_state_leads(r) ? r->sink->snapshot(r->sink->context, &fields, err) : LAC_OK,
+        err);
 }

@@ -8,7 +8,8 @@ typedef lac_run_state run;
 
 static bool interrupted(const run *r)
 {
-    return r->def->interrupted != NULL && r->def->interrupted(r->def->context);
+    const bool here = r->def->interrupted != NULL && r->def->interrupted(r->def->context);
+    return lac_team_any(r->engine->range->team, here);
 }
 
 static void measure_speed(run *r)
@@ -284,6 +285,25 @@ static lac_status interrupt(run *r, lac_error *err)
     return lac_fail(err, LAC_EINTERRUPT, "interrupted at t = %g s", time);
 }
 
+// What the sink takes, whoever has it.
+static void ask_sink(run *r)
+{
+    const lac_sink *sink = r->sink;
+    const lac_team *team = r->engine->range->team;
+    if (sink != NULL) {
+        r->takes = (sink->record != NULL ? LAC_TAKES_RECORD : 0U) |
+                   (sink->snapshot != NULL ? LAC_TAKES_SNAPSHOT : 0U) |
+                   (sink->step != NULL ? LAC_TAKES_STEP : 0U) |
+                   (sink->checkpoint != NULL ? LAC_TAKES_CHECKPOINT : 0U);
+        r->cells_from = sink->cells_from;
+    }
+    r->stepped = true; // none or the last one before a kill may have
+    if (team != NULL) {
+        team->hand_out(team, &r->takes, sizeof r->takes);
+        team->hand_out(team, &r->cells_from, sizeof r->cells_from);
+    }
+}
+
 static lac_status allocate_output(run *r, lac_error *err)
 {
     const bool by_time = !isnan(r->def->record.time) || !isnan(r->def->snapshot.time);
@@ -304,7 +324,11 @@ static lac_status allocate_output(run *r, lac_error *err)
     r->watched = watched > 0 ? malloc(watched * sizeof *r->watched) : NULL;
     const bool aside = r->def->most_stiff > 0.0;
     r->aside = aside ? calloc(lac_problem_work(r->problem), sizeof *r->aside) : NULL;
-    LAC_FAIL_MEMORY_IF((by_time && r->between == NULL) || (aside && r->aside == NULL) ||
+    const lac_range *range = r->engine->range;
+    const bool gathers = range->team != NULL && lac_run_state_leads(r);
+    r->all = gathers ? malloc(LAC_GATHERED * range->all * sizeof *r->all) : NULL;
+    LAC_FAIL_MEMORY_IF((by_time && r->between == NULL) || (gathers && r->all == NULL) ||
+                           (aside && r->aside == NULL) ||
                            (r->def->snapshots && r->fields == NULL) ||
                            (drifts && r->onto == NULL) || (watched > 0 && r->watched == NULL),
                        err);
@@ -437,7 +461,8 @@ lac_status lac_run(const lac_problem *problem, const lac_run_def *def, const lac
     LAC_TRY(lac_engine_create(problem, def, &r.engine, err));
     r.engine->failure = result->failure;
     r.engine->sink = sink;
-    LAC_TRY(allocate_output(&r, err));
+    ask_sink(&r);
+    LAC_TRY(lac_run_state_agree(&r, allocate_output(&r, err), err));
     LAC_TRY(def->resume != NULL ? take_up(&r, err) : begin(&r, err));
     LAC_TRY(integrate(&r, err));
     if (r.end == LAC_END_INTERRUPT) {
@@ -451,6 +476,7 @@ out:
     if (r.engine != NULL) {
         finish(&r, status);
     }
+    free(r.all);
     free(r.between);
     free(r.fields);
     free(r.onto);

@@ -35,11 +35,20 @@ typedef struct lac_instant {
     double origin, local;
 } lac_instant;
 
+// What the sink of a run takes, which the rank that leads has.
+enum { LAC_TAKES_RECORD = 1, LAC_TAKES_SNAPSHOT = 2, LAC_TAKES_STEP = 4, LAC_TAKES_CHECKPOINT = 8 };
+
+enum { LAC_GATHERED = 15 }; // arrays of all cells at once, at most
+
 // A run on its way.
 typedef struct lac_run_state {
     const lac_problem *problem;
     const lac_run_def *def;
     const lac_sink *sink;
+    uint64_t takes;    // LAC_TAKES_*
+    double cells_from; // of the sink
+    bool stepped;      // its last step had cells
+    double *all; // [LAC_GATHERED][all cells] where ranks share them, at the one that leads; NULL
     lac_engine *engine;
     lac_run_result *result;
     lac_run_clock record_clock, snapshot_clock, checkpoint_clock;
@@ -66,6 +75,27 @@ typedef struct lac_run_state {
     bool bends;  // the base does
 } lac_run_state;
 
+// An array of the cells, of all of them at the rank that leads; at others no more than those here.
+// @param place  of those arrays; each is used once for what is put out
+const double *lac_run_state_gather(const lac_run_state *r, const double *x, size_t place);
+
+// Whether the sink looks at the cells at such a largest rate; one that has them here always can.
+static inline bool lac_run_state_shows(const lac_run_state *r, double max_rate)
+{
+    return r->engine->range->team == NULL || !(max_rate < r->cells_from);
+}
+
+// Whether this rank has the sink; what it says, to all ranks.
+static inline bool lac_run_state_leads(const lac_run_state *r)
+{
+    return lac_team_leads(r->engine->range->team);
+}
+static inline lac_status lac_run_state_agree(const lac_run_state *r, lac_status status,
+                                             lac_error *err)
+{
+    return lac_team_agree(r->engine->range->team, status, err);
+}
+
 // Hands one line of the time series to the sink; a time already recorded is passed over.
 // @param t, y, slip  of the engine's own time, its state then
 lac_status lac_run_state_record(lac_run_state *r, double t, const double *y, const double *slip,
@@ -80,7 +110,7 @@ lac_status lac_run_state_check(lac_run_state *r, lac_error *err);
 
 // Shows a sink that asks for every step the state reached; its rates are those in engine->work.
 // @param step  length of the step that ended here; 0 at the start and beyond a jump [s]
-lac_status lac_run_state_watch(const lac_run_state *r, double step, lac_error *err);
+lac_status lac_run_state_watch(lac_run_state *r, double step, lac_error *err);
 
 // Takes the factor of safety of a record at time t, NaN where there is none, into the result. Where
 // the loads jump it has come to its value at once.

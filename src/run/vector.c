@@ -57,7 +57,7 @@ static N_Vector_ID v_id(N_Vector x)
     return SUNDIALS_NVEC_CUSTOM;
 }
 
-static sunindextype v_length(N_Vector x) { return (sunindextype)length(x); }
+static sunindextype v_length(N_Vector x) { return (sunindextype)lac_pending_all(pending_of(x)); }
 
 // In doubles and integers, as CVODES asks.
 static void v_space(N_Vector x, sunindextype *reals, sunindextype *integers)
@@ -120,7 +120,10 @@ static N_Vector clone(N_Vector like, size_t bytes)
 
 N_Vector lac_vector_clone_empty(N_Vector like) { return clone(like, 0); }
 
-static N_Vector v_clone(N_Vector like) { return clone(like, length(like) * sizeof(double)); }
+// Of components; of none there is a place all the same.
+static size_t bytes_of(size_t n) { return (n > 0 ? n : 1) * sizeof(double); }
+
+static N_Vector v_clone(N_Vector like) { return clone(like, bytes_of(length(like))); }
 
 static void v_linear_sum(sunrealtype a, N_Vector x, sunrealtype b, N_Vector y, N_Vector z)
 {
@@ -157,29 +160,14 @@ ELEMENTWISE(lac_vector_abs, xv, fabs(x[i]), N_Vector zv)
 ELEMENTWISE(lac_vector_inv, xv, 1.0 / x[i], N_Vector zv)
 ELEMENTWISE(lac_vector_add_const, xv, x[i] + b, sunrealtype b, N_Vector zv)
 
-// Eight running sums, added up in a fixed order: vectorises, and the bits never change.
-enum { LANES = 8 };
-
-LAC_CLONES static sunrealtype lac_vector_dot(N_Vector xv, N_Vector yv)
+static sunrealtype v_dot(N_Vector x, N_Vector y)
 {
-    const double *x = lac_vector_data(xv), *y = lac_vector_data(yv);
-    size_t n = length(xv);
-    size_t whole = n - n % LANES;
-    double s[LANES] = {0};
-    for (size_t i = 0; i < whole; i += LANES) {
-        for (size_t k = 0; k < LANES; k++) {
-            s[k] += x[i + k] * y[i + k];
-        }
-    }
-    for (size_t i = whole; i < n; i++) {
-        s[i - whole] += x[i] * y[i];
-    }
-    return ((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7]));
+    return lac_pending_dot(pending_of(x), lac_vector_data(x), lac_vector_data(y));
 }
 
 static sunrealtype v_wrms_norm(N_Vector x, N_Vector w)
 {
-    return sqrt(lac_pending_squares(pending_of(x), raw(x), raw(w)) / (double)length(x));
+    return sqrt(lac_pending_squares(pending_of(x), raw(x), raw(w)) / (double)v_length(x));
 }
 
 LAC_CLONES static sunrealtype lac_vector_max_norm(N_Vector xv)
@@ -192,7 +180,7 @@ LAC_CLONES static sunrealtype lac_vector_max_norm(N_Vector xv)
         // A NaN must not hide behind a comparison that is false.
         most = size <= most ? most : size;
     }
-    return most;
+    return lac_team_most(lac_pending_team(pending_of(xv)), most);
 }
 
 static sunrealtype v_min(N_Vector xv)
@@ -203,7 +191,7 @@ static sunrealtype v_min(N_Vector xv)
     for (size_t i = 0; i < n; i++) {
         least = x[i] < least ? x[i] : least;
     }
-    return least;
+    return lac_team_least(lac_pending_team(pending_of(xv)), least);
 }
 
 static lac_sun_status v_linear_combination(int count, sunrealtype *c, N_Vector *xv, N_Vector z)
@@ -248,7 +236,7 @@ static void set_operations(N_Vector x)
     x->ops->nvabs = lac_vector_abs;
     x->ops->nvinv = lac_vector_inv;
     x->ops->nvaddconst = lac_vector_add_const;
-    x->ops->nvdotprod = lac_vector_dot;
+    x->ops->nvdotprod = v_dot;
     x->ops->nvmaxnorm = lac_vector_max_norm;
     x->ops->nvwrmsnorm = v_wrms_norm;
     x->ops->nvmin = v_min;
@@ -256,7 +244,7 @@ static void set_operations(N_Vector x)
     x->ops->nvscaleaddmulti = v_scale_add_multi;
 }
 
-N_Vector lac_vector_create(size_t n, bool waits, SUNContext sun)
+N_Vector lac_vector_create(const lac_range *range, size_t arrays, bool waits, SUNContext sun)
 {
     family *f = calloc(1, sizeof *f);
     N_Vector x = f == NULL ? NULL : N_VNewEmpty(sun);
@@ -265,14 +253,14 @@ N_Vector lac_vector_create(size_t n, bool waits, SUNContext sun)
         return NULL;
     }
     f->none.family = f;
-    f->pending = lac_pending_create(n, waits);
+    f->pending = lac_pending_create(range, arrays, waits);
     if (f->pending == NULL) {
         N_VFreeEmpty(x);
         free(f);
         return NULL;
     }
     set_operations(x);
-    join(x, f, n * sizeof(double));
+    join(x, f, bytes_of(lac_pending_length(f->pending)));
     if (f->lacking) {
         v_destroy(x);
         return NULL;

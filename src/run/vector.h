@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include "base/base.h"
+#include "base/range.h"
 #include "run/compat.h"
 
 // A vector with kernels of our own: Debian builds SUNDIALS without optimisation. Clones inherit
-// them. Reductions sum in a fixed order. NULL where memory is short.
+// them. Reductions sum in a fixed order. Its components are so many arrays of the cells here; norms
+// are of those of all cells. NULL where memory is short.
 // `waits`: sums and multiples of it and its clones are made later, many in one pass over memory
 // (run/pending.h), at the latest where something else is asked of one of them. A pointer taken
 // before shows nothing of them until then.
-N_Vector lac_vector_create(size_t n, bool waits, SUNContext sun);
+N_Vector lac_vector_create(const lac_range *range, size_t arrays, bool waits, SUNContext sun);
 
 // Whether memory was too short for the vector or one of its clones. A clone is never NULL for that,
 // as SUNDIALS would not survive it; nobody may look at components then.

@@ -4,6 +4,7 @@
 // the start and what counts as failure.
 #include "scene/estimate.h"
 
+#include "base/range.h"
 #include "scene/internal.h"
 
 // Of the program with its libraries: memory and time. Of a contact cell: memory while it is
@@ -139,6 +140,15 @@ static void count_memory(const lac_case *c, lac_estimate *e)
     grid += follows_history(c, e) ? costs[boundary].history_bytes : 0;
     double integration = e->integrated ? 0.5 * e->unknowns * contact_cell_bytes * e->cells : 0;
     e->memory = base_bytes + fmax(grid * e->grid_cells, integration);
+}
+
+// As many as have a block of cells each, where ranks share the run at all (scene.c).
+static void count_ranks(const lac_case *c, lac_estimate *e)
+{
+    const bool shared = e->integrated && e->choice.fidelity == LAC_FIDELITY_ODE &&
+                        isnan(c->accuracy) && c->from.file == NULL;
+    const lac_range all = lac_range_whole((size_t)e->cells);
+    e->ranks = shared ? (double)lac_range_blocks(&all) : 1;
 }
 
 static void count_steps(const lac_case *c, lac_estimate *e)
@@ -430,6 +440,7 @@ lac_status lac_estimate_make(const lac_case *c, lac_load_files *files, lac_estim
         e->choice = lac_fidelity_choose(c, e);
         settled.run.fidelity = e->choice.fidelity;
     }
+    count_ranks(c, e);
     e->own_steps = e->integrated && settled.run.fidelity == LAC_FIDELITY_ASYNC;
     if (e->own_steps && lac_fidelity_refused(c, why)) { // of a large grid no scene is made
         return lac_fail(err, LAC_EINPUT, "%s", why);

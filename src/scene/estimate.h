@@ -54,7 +54,8 @@ typedef struct lac_estimate {
                         ///< the faster one and takes the case as it stands; NULL
     bool changing;      ///< a load changes in time: how often cells slip is not known
     double steps_least, steps_most;       ///< most NaN: not estimated
-    double memory;                        ///< peak [bytes]
+    double memory;                        ///< peak [bytes], of each rank
+    double ranks;                         ///< that can share its cells at most; 1: none can
     double cpu_time_least, cpu_time_most; ///< [s]; most NaN: not estimated
     double records, file_bytes; ///< at stated times up to the end: records; they and the fields
     double cascade_time;        ///< of `lacuna rg`, or of the cascade that a run follows, in

@@ -123,6 +123,19 @@ lac_status lac_scene_lump(lac_scene *scene, const lac_lump *like, lac_error *err
     return lac_lump_create(&source, &scene->source->lump, &scene->lump, err);
 }
 
+// What a run of ranks does not do: it is one of all cells in time, from its start.
+static lac_status check_team(const lac_case *c, lac_error *err)
+{
+    const char *what = c->run.fidelity != LAC_FIDELITY_ODE ? "solver.fidelity other than ode"
+                       : !isnan(c->accuracy)               ? "solver.accuracy"
+                       : c->from.file != NULL              ? "initial.run"
+                                                           : NULL;
+    return c->team == NULL || what == NULL
+               ? LAC_OK
+               : lac_fail(err, LAC_EINPUT,
+                          "%s is not shared by ranks: run this case on one, with lacuna", what);
+}
+
 static lac_status make_problem(lac_scene *scene, const lac_heterogeneity_place *place,
                                lac_error *err)
 {
@@ -153,8 +166,10 @@ static lac_status make_problem(lac_scene *scene, const lac_heterogeneity_place *
     def.log_rate = start;
     def.log_state = start + domain->n;
     def.heading = heading;
+    def.team = c->team;
     LAC_TRY(
         lac_weakening_set_create(c->weakening.item, c->weakening.count, &scene->weakening, err));
+    LAC_TRY(lac_team_agree(c->team, LAC_OK, err)); // all have come so far
     LAC_TRY(lac_problem_create(&def, &scene->problem, err));
     if (c->run.fidelity == LAC_FIDELITY_LUMPED) {
         LAC_TRY(lac_scene_lump(scene, NULL, err));
@@ -237,8 +252,9 @@ lac_status lac_scene_create(const lac_case *c, lac_load_files *files, lac_scene 
     *out = NULL;
     LAC_FAIL_IF(c->friction.info == NULL, err, LAC_EINPUT,
                 "friction: is missing: a static case cannot be run");
+    LAC_TRY_RETURN(check_team(c, err));
     lac_scene *scene = calloc(1, sizeof *scene);
-    LAC_FAIL_MEMORY_IF(scene == NULL, err);
+    LAC_TRY(scene != NULL ? LAC_OK : lac_fail_memory(err));
     scene->source = c;
     scene->damping = lac_damping_of(&c->material);
     LAC_TRY(lac_scene_loads_create(c, files, &scene->loads, err));
@@ -258,10 +274,10 @@ lac_status lac_scene_create(const lac_case *c, lac_load_files *files, lac_scene 
     }
     LAC_TRY(share_loads(c, &from, &scene->loads, err));
     LAC_TRY(make_motion(scene, err));
-    *out = scene;
-    scene = NULL;
 out:
-    lac_scene_free(scene);
+    status = lac_team_agree(c->team, status, err);
+    *out = status == LAC_OK ? scene : NULL;
+    lac_scene_free(status == LAC_OK ? NULL : scene);
     return status;
 }
 

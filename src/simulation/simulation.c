@@ -206,7 +206,7 @@ static lac_status put_once(lac_simulation *s, const lac_sink *sink, lac_error *e
 
 static lac_status sum_up(lac_simulation *s, const lac_sink *sink, lac_error *err)
 {
-    if (s->analysis != NULL && !s->take.whole) {
+    if (s->analysis != NULL && !s->take.whole && lac_team_leads(s->source.team)) {
         LAC_TRY_RETURN(lac_analysis_finish(s->analysis, &s->outcome.run, err));
     }
     return put_once(s, sink, err);
@@ -314,6 +314,7 @@ lac_status lac_simulation_run(lac_simulation *simulation, const lac_sink *given,
     const int before = set_threads(s->options.threads);
     status = decide(s, sink, err);
     status = status == LAC_OK ? put_once(s, sink, err) : status;
+    status = lac_team_agree(s->source.team, status, err);
     if (status == LAC_OK) {
         status = integrate(s, sink, err);
         // The indicators sum up however the run ended; why it broke counts for more.

@@ -175,7 +175,8 @@ lac_sink lac_store_sink(lac_store *store)
                       .event = store->place.of.events ? put_event : NULL,
                       .serialize = keep,
                       .checkpoint = put_checkpoint,
-                      .once = put_once};
+                      .once = put_once,
+                      .cells_from = INFINITY};
 }
 
 static lac_status put_ending(const lac_store *s, const lac_run_ending *ending, lac_error *err)

@@ -6,6 +6,7 @@
 
 typedef struct hierarchy {
     const lac_hierarchy *h;
+    lac_hierarchy *own; // where it is a part
     size_t levels;
     double *across; // [levels] of slip along y; NULL: the same
     double k[];     // [levels] stiffness of each level [Pa/m]
@@ -15,6 +16,7 @@ static void destroy(void *state)
 {
     hierarchy *self = state;
     if (self != NULL) {
+        lac_hierarchy_free(self->own);
         free(self->across);
         free(self);
     }
@@ -55,6 +57,21 @@ static lac_status create(const void *given, const lac_transfer_scene *scene, voi
     self = NULL;
 out:
     destroy(self);
+    return status;
+}
+
+static lac_status part(const void *state, const lac_range *range, void **out, lac_error *err)
+{
+    const hierarchy *of = state;
+    const size_t size = sizeof *of + of->levels * sizeof *of->k;
+    hierarchy *self = malloc(size);
+    LAC_FAIL_MEMORY_IF(self == NULL, err);
+    memcpy(self, of, size);
+    self->across = NULL; // along x alone
+    self->own = NULL;
+    const lac_status status = lac_hierarchy_split(of->h, range, &self->own, err);
+    self->h = self->own;
+    *out = self;
     return status;
 }
 
@@ -164,6 +181,7 @@ const lac_transfer_kind lac_hierarchy_kind = {
     .work = work,
     .apply = apply,
     .solve = solve,
+    .part = part,
     .pair = &pair,
     .stiffness = stiffness,
     .blocks = blocks,

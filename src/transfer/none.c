@@ -5,6 +5,7 @@
 
 typedef struct none {
     size_t n;
+    lac_range range;        // n cells
     const lac_hierarchy *h; // for slip in two directions
 } none;
 
@@ -15,8 +16,20 @@ static lac_status create(const void *params, const lac_transfer_scene *scene, vo
     none *self = malloc(sizeof *self);
     LAC_FAIL_MEMORY_IF(self == NULL, err);
     self->n = scene->domain->n;
+    self->range = lac_range_whole(self->n);
     self->h = scene->hierarchy;
     *state = self;
+    return LAC_OK;
+}
+
+static lac_status part(const void *state, const lac_range *range, void **out, lac_error *err)
+{
+    none *self = malloc(sizeof *self);
+    LAC_FAIL_MEMORY_IF(self == NULL, err);
+    *self = *(const none *)state;
+    self->n = range->n;
+    self->range = *range;
+    *out = self;
     return LAC_OK;
 }
 
@@ -36,6 +49,22 @@ static void apply(const void *state, const double *slip, double *force, double *
 
 static bool good(double pivot) { return pivot > 0 && pivot <= DBL_MAX; }
 
+typedef struct equation {
+    const double *diagonal, *y;
+} equation;
+
+// g, g y, and how many g are not good.
+static void add_pivots(const void *context, size_t first, size_t end, double *sums)
+{
+    const equation *e = context;
+    for (size_t i = first; i < end; i++) {
+        double g = 1 / e->diagonal[i];
+        sums[0] += g;
+        sums[1] += g * e->y[i];
+        sums[2] += good(e->diagonal[i]) ? 0.0 : 1.0;
+    }
+}
+
 // (D + k_mean P_m) x = y. The cells together act as one of D = t = n / sum g, g = 1/D, and
 // right-hand side sum g y / sum g: m = mean x = sum g y / sum g / (t + k_mean), then
 // x = g (y - k_mean m). Sums of positive g only, so nothing cancels (Sherman-Morrison would).
@@ -44,23 +73,20 @@ static bool solve(const void *state, double k_mean, const double *diagonal, cons
 {
     const none *self = state;
     (void)scratch;
-    if (self->n == 1) {
-        x[0] = y[0] / (diagonal[0] + k_mean);
-        return good(diagonal[0] + k_mean);
+    if (self->range.all == 1) {
+        const bool solved = self->n == 0 || good(diagonal[0] + k_mean);
+        if (self->n > 0) {
+            x[0] = y[0] / (diagonal[0] + k_mean);
+        }
+        return lac_team_all(self->range.team, solved);
     }
-    double sum = 0, sum_y = 0;
-    bool ok = true;
-    for (size_t i = 0; i < self->n; i++) {
-        double g = 1 / diagonal[i];
-        ok &= good(diagonal[i]);
-        sum += g;
-        sum_y += g * y[i];
-    }
-    double pivot = (double)self->n / sum + k_mean;
-    if (!ok || !good(pivot)) {
+    double sums[3];
+    lac_range_sums(&self->range, 3, add_pivots, &(equation){diagonal, y}, sums);
+    double pivot = (double)self->range.all / sums[0] + k_mean;
+    if (sums[2] > 0.0 || !good(pivot)) {
         return false;
     }
-    double mu = -k_mean * (sum_y / sum / pivot);
+    double mu = -k_mean * (sums[1] / sums[0] / pivot);
     for (size_t i = 0; i < self->n; i++) {
         x[i] = (y[i] + mu) / diagonal[i];
     }
@@ -114,6 +140,7 @@ const lac_transfer_kind lac_none_kind = {
     .work = work,
     .apply = apply,
     .solve = solve,
+    .part = part,
     .pair = &pair,
     .stiffness = stiffness,
 };

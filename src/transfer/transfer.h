@@ -66,6 +66,9 @@ typedef struct lac_transfer_kind {
     /// iteration does not end
     bool (*solve)(const void *state, double k_mean, const double *diagonal, const double *y,
                   double *x, double *work);
+    /// The same of the cells of a rank, slip along x, from a state of all, which must outlive it.
+    /// NULL: every rank has the whole
+    lac_status (*part)(const void *state, const lac_range *range, void **out, lac_error *err);
     const lac_transfer_pair *pair; ///< NULL: it knows slip along x only
     /// Stiffness of a level [Pa/m]; 0 where the kind has no levels
     double (*stiffness)(const void *state, size_t level);
@@ -130,6 +133,12 @@ lac_status lac_transfer_tied(const lac_model *model, const lac_transfer_scene *s
 
 /// The transfer of classes of cells, which it owns then.
 lac_transfer lac_transfer_of_classes(lac_classes *classes);
+
+/// A transfer as a rank has it, who calls all its functions with all others: of its cells, to the
+/// bits that `of` gives. @param of  of all cells; must outlive it
+/// @param both  slip has two directions
+lac_status lac_transfer_part(const lac_transfer *of, bool both, const lac_range *range,
+                             lac_transfer *out, lac_error *err);
 
 void lac_transfer_clear(lac_transfer *transfer);
 

@@ -53,7 +53,8 @@ static void combine(size_t n, int count, const double *c, const double *const *x
 static void many_at_random(size_t n, bool waits)
 {
     arrays plain, made;
-    lac_pending *p = lac_pending_create(n, waits);
+    const lac_range whole = lac_range_whole(n);
+    lac_pending *p = lac_pending_create(&whole, 1, waits);
     assert_non_null(p);
     fill(&plain);
     fill(&made);
@@ -105,7 +106,8 @@ static void long_combination(void **state)
             x[j][i] = uniform(i, 200 + j);
         }
     }
-    lac_pending *p = lac_pending_create(MOST, true);
+    const lac_range whole = lac_range_whole(MOST);
+    lac_pending *p = lac_pending_create(&whole, 1, true);
     for (int count = 1; count <= 20; count++) {
         combine(MOST, count, c, from, plain);
         lac_pending_add(p, count, c, from, made);
@@ -121,7 +123,9 @@ static void squares_of_what_waits(void **state)
     (void)state;
     static double x[MOST], w[MOST];
     for (size_t n = 1; n <= MOST; n += 61) {
-        lac_pending *late = lac_pending_create(n, true), *soon = lac_pending_create(n, false);
+        const lac_range whole = lac_range_whole(n);
+        lac_pending *late = lac_pending_create(&whole, 1, true);
+        lac_pending *soon = lac_pending_create(&whole, 1, false);
         double sums[2];
         long double exact = 0.0L;
         for (int k = 0; k < 2; k++) {
@@ -192,8 +196,9 @@ static void cvode_sees_no_difference(void **state)
     static double late[N], soon[N], theirs[N];
     SUNContext sun;
     assert_int_equal(LAC_SUN_CONTEXT_CREATE(&sun), 0);
-    follow(lac_vector_create(N, true, sun), sun, late);
-    follow(lac_vector_create(N, false, sun), sun, soon);
+    const lac_range whole = lac_range_whole(N);
+    follow(lac_vector_create(&whole, 1, true, sun), sun, late);
+    follow(lac_vector_create(&whole, 1, false, sun), sun, soon);
     follow(N_VNew_Serial(N, sun), sun, theirs);
     assert_memory_equal(late, soon, sizeof late);
     for (size_t i = 0; i < N; i++) { // their norms are added up in another order

@@ -59,7 +59,7 @@ static course creep(const tree *t, double first_step, bool own, double *end)
     size_t m = lac_problem_unknowns(t->problem);
     assert_int_equal(LAC_SUN_CONTEXT_CREATE(&e.sun), 0);
     e.work = calloc(lac_problem_work(t->problem), sizeof *e.work);
-    N_Vector y = lac_vector_create(m, own, e.sun);
+    N_Vector y = lac_vector_create(lac_problem_range(t->problem), m / e.n, own, e.sun);
     lac_problem_initial(t->problem, lac_vector_data(y));
     e.inner = CVodeCreate(CV_BDF, e.sun);
     LAC_SUN_SILENCE_CVODE(e.inner);

@@ -9,6 +9,7 @@
 #include "cli/common/output.h"
 #include "cli/common/progress.h"
 #include "cli/common/words.h"
+#include "cli/team/team.h"
 #include "lacuna/version.h"
 #include "store/store_file.h"
 
@@ -79,6 +80,14 @@ static void say_what_is_cut(const cli_request *request)
     }
 }
 
+// The commands that ranks share, or each of them does alike.
+static bool is_shared(const cli_request *request)
+{
+    return cli_given(request, CLI_OPT_VERSION | CLI_OPT_HELP) ||
+           request->command->run == cli_check ||
+           (request->command->run == cli_run && !cli_given(request, CLI_OPT_VIEW | CLI_OPT_FROM));
+}
+
 static lac_status dispatch(const cli_request *request, lac_error *err)
 {
     if (cli_given(request, CLI_OPT_VERSION)) {
@@ -93,6 +102,10 @@ static lac_status dispatch(const cli_request *request, lac_error *err)
         }
         return LAC_OK;
     }
+    LAC_FAIL_IF(request->team != NULL && !is_shared(request), err, LAC_EINPUT,
+                "%s%s is not shared by ranks: do it on one, with lacuna %s", request->command->name,
+                request->command->run == cli_run ? " --view and --from" : "",
+                request->command->name);
     say_what_is_cut(request);
     // One thread unless asked for more: two that share a busy core are slower than one.
     omp_set_num_threads(request->threads > 0 ? request->threads : 1);
@@ -123,7 +136,8 @@ static lac_status flush_results(lac_error *err)
 int main(int argc, char **argv)
 {
     lac_error err = {0};
-    cli_request request;
+    lac_team *team = NULL;
+    cli_request request = {0};
     occupy_standard_streams();
     if (argc > 1 && strcmp(argv[1], "__complete") == 0) { // for shells: no command, and no errors
         cli_complete(argc - 2, argv + 2);
@@ -132,7 +146,11 @@ int main(int argc, char **argv)
     (void)gsl_set_error_handler_off(); // it would abort; every call's status is looked at
     cli_signals_install();
     cli_clean_stdout();
-    lac_status status = cli_request_read(argc, argv, &request, &err);
+    lac_status status = cli_team_join(&team, &err);
+    if (status == LAC_OK) {
+        status = cli_request_read(argc, argv, &request, &err);
+        request.team = team;
+    }
     if (status == LAC_OK && cli_given(&request, CLI_OPT_PIPE)) {
         status = cli_pipe_open(&request, &err);
     }
@@ -148,6 +166,7 @@ int main(int argc, char **argv)
         status = status == LAC_OK ? flushed : status;
     }
     cli_request_clear(&request);
+    cli_team_leave(team, status, &err, exit_status(status));
     if (status == LAC_EIO) {
         // HDF5's handlers at exit would stumble over a file that could not be closed.
         _exit(exit_status(status));

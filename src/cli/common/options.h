@@ -135,6 +135,7 @@ struct cli_request {
     cli_words over;             ///< --over
     cli_words files;            ///< arguments of a command that takes any number of them
     const char *csv, *stations; ///< kinds of tables
+    lac_team *team;             ///< who do the same; NULL: nobody
     char *command_line;         ///< owned
     char libraries[256];        ///< that the program runs with, their versions
 };

@@ -121,6 +121,10 @@ static void print_size(const lac_estimate *e)
         printf(": more than the %.10g MB that are free", rounded(free_bytes / 1e6, 2));
     }
     puts("");
+    if (e->ranks > 1) {
+        printf("#   ranks           up to %.0f, better %.0f (lacuna-mpi); each takes this memory\n",
+               e->ranks, ceil(e->ranks / 4));
+    }
 }
 
 // CPU time in a few digits.
@@ -270,6 +274,7 @@ LAC_GETTER(double, contact_cells, ESTIMATE, round(e->contact_cells))
 LAC_GETTER(double, exact, ESTIMATE, e->exact)
 LAC_GETTER(double, unknowns, ESTIMATE, e->unknowns *round(e->contact_cells))
 LAC_GETTER(double, memory, ESTIMATE, round(e->memory))
+LAC_GETTER(double, ranks, ESTIMATE, e->ranks)
 LAC_GETTER(double, cpu_least, ESTIMATE, e->cpu_time_least)
 LAC_GETTER(double, cpu_most, ESTIMATE, e->cpu_time_most)
 LAC_GETTER(double, cascade, ESTIMATE, e->cascade_time)
@@ -319,6 +324,7 @@ static const lac_variable of_estimate[] = {
     TRUTH("contact_cells_exact", exact),
     E("unknowns", NULL, "unknowns of a run", unknowns),
     E("memory", "byte", "largest resident memory", memory, "_bytes"),
+    E("ranks_most", NULL, "ranks of lacuna-mpi that can share the run", ranks),
     E("cpu_time_least", "s", "least time on one core", cpu_least, "_s"),
     E("cpu_time_most", "s", "longest time on one core", cpu_most, "_s"),
     E("cascade_time", "s", "time of the cascade", cascade, "_s"),

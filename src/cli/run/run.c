@@ -140,6 +140,7 @@ static lac_status prepare(run_job *job, lac_error *err)
     LAC_FAIL_IF(goes_on(job) && cli_given(job->request, CLI_OPT_FORCE), err, LAC_EINPUT,
                 "--resume keeps the file, --force replaces it: not both");
     LAC_TRY_RETURN(cli_case_read(job->request, LAC_FOR_RUN, &job->source, NULL, err));
+    job->source->team = job->request->team;
     if (job->source->history.count > 0 && !cli_given(job->request, CLI_OPT_QUIET)) {
         cli_note("warning: %s: load.history is for lacuna contact; run does not use it",
                  job->source->path);
@@ -400,9 +401,17 @@ static lac_status compute(run_job *job, lac_error *err)
     outcome->of = lac_simulation_outcome(job->simulation);
     outcome->resumed = goes_on(job) ? &job->resume.from : NULL;
     cli_signals_hold();
-    LAC_TRY_RETURN(open_store(job, outcome->of, err));
+    lac_team *team = job->request->team;
+    lac_status status = lac_team_leads(team) ? open_store(job, outcome->of, err) : LAC_OK;
+    if (!lac_team_leads(team) && goes_on(job)) {
+        lac_simulation_resume(job->simulation, &job->resume.from);
+    }
+    LAC_TRY_RETURN(lac_team_agree(team, status, err));
+    if (!lac_team_leads(team)) { // which has the file, and tells
+        return lac_simulation_run(job->simulation, NULL, err);
+    }
     cli_say(job->request, "integrating to %g s", job->source->run.end);
-    lac_status status = integrate(job, err);
+    status = integrate(job, err);
     outcome->status = outcome->of->status;
     outcome->wall_time = cli_clock() - job->started;
     status = close_store(job, status, err);

@@ -97,6 +97,7 @@ lac_sink cli_history_sink(cli_history *history)
     sink.record = on_record;
     sink.step = cli_history_step;
     sink.serialize = on_keep;
+    sink.cells_from = fmin(sink.cells_from, LAC_SLIP_EVENT_FALL);
     return sink;
 }
 

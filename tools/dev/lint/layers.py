@@ -93,6 +93,7 @@ HOMES = [
     (r"Random123/.*", "src/base/rng.c"),
     (r"gsl/.*", "src/"),
     (r"microhttpd\.h", "src/cli/view/view_http.c"),
+    (r"mpi\.h", "src/cli/team/team_mpi.c"),
 ]
 
 # The one file besides that may include them: it asks each for its version.

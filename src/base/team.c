@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What processes that share a case tell each other. One alone has nobody to ask.
+#include "base/team.h"
+
+_Static_assert(sizeof(double) == sizeof(uint64_t), "numbers are joined as words");
+
+void lac_team_join(const lac_team *team, double *x, size_t n)
+{
+    if (team != NULL) {
+        team->join(team, (uint64_t *)(void *)x, n);
+    }
+}
+
+// What every rank has, to all. @param all  [ranks]
+static size_t tell(const lac_team *team, double here, double *all)
+{
+    memset(all, 0, (size_t)team->ranks * sizeof *all);
+    all[team->rank] = here;
+    lac_team_join(team, all, (size_t)team->ranks);
+    return (size_t)team->ranks;
+}
+
+bool lac_team_ask(const lac_team *team, bool here)
+{
+    uint64_t word = here ? 1 : 0;
+    team->join(team, &word, 1);
+    return word != 0;
+}
+
+double lac_team_ask_most(const lac_team *team, double here)
+{
+    double all[LAC_TEAM_MOST], most = here;
+    for (size_t i = 0, n = tell(team, here, all); i < n && !isnan(most); i++) {
+        most = all[i] <= most ? most : all[i];
+    }
+    return most;
+}
+
+lac_status lac_team_settle(lac_team *team, lac_status here, lac_error *err)
+{
+    double all[LAC_TEAM_MOST];
+    union {
+        lac_error error;
+        uint64_t words[sizeof(lac_error) / sizeof(uint64_t)];
+    } said = {0};
+    const size_t n = tell(team, (double)here, all);
+    size_t first = 0;
+    while (first < n && all[first] == (double)LAC_OK) {
+        first++;
+    }
+    if (first == n) {
+        return LAC_OK;
+    }
+    if ((size_t)team->rank == first && err != NULL) {
+        said.error = *err;
+    }
+    team->join(team, said.words, sizeof said.words / sizeof *said.words);
+    if (err != NULL) {
+        *err = said.error;
+    }
+    team->over = true;
+    return (lac_status)all[first];
+}

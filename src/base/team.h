@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#pragma once
+
+#include "base/base.h"
+
+enum { LAC_TEAM_MOST = 256 }; ///< ranks: as many as there are blocks of cells at most
+
+/// Processes that work on one case, each on its part of the cells. NULL: one alone. Every function
+/// is called by all of them, in the same order.
+typedef struct lac_team {
+    int rank, ranks;
+    void *context;
+    /// Each word becomes the bitwise or of those of all ranks: what one of them fills, the others
+    /// having 0 there, comes to all to the bit.
+    void (*join)(const struct lac_team *team, uint64_t *words, size_t n);
+    /// Puts the arrays of all ranks, n values of this one, behind each other in `all` of rank 0.
+    void (*gather)(const struct lac_team *team, const double *x, size_t n, double *all);
+    /// Hands bytes of rank 0 to all.
+    void (*hand_out)(const struct lac_team *team, void *bytes, size_t size);
+    bool over; ///< all know of an error: there is nothing more to agree on
+} lac_team;
+
+/// Whether this is the process that speaks and writes.
+static inline bool lac_team_leads(const lac_team *team) { return team == NULL || team->rank == 0; }
+
+/// The same of numbers: of those of all ranks, where each rank has some and the others 0.
+void lac_team_join(const lac_team *team, double *x, size_t n);
+
+// The functions below where there are others.
+bool lac_team_ask(const lac_team *team, bool here);
+double lac_team_ask_most(const lac_team *team, double here);
+lac_status lac_team_settle(lac_team *team, lac_status here, lac_error *err);
+
+/// Whether it is so with any, or with all of them; the largest and the least.
+static inline bool lac_team_any(const lac_team *team, bool here)
+{
+    return team == NULL ? here : lac_team_ask(team, here);
+}
+static inline bool lac_team_all(const lac_team *team, bool here)
+{
+    return !lac_team_any(team, !here);
+}
+static inline double lac_team_most(const lac_team *team, double here) ///< NaN where one is
+{
+    return team == NULL ? here : lac_team_ask_most(team, here);
+}
+static inline double lac_team_least(const lac_team *team, double here)
+{
+    return -lac_team_most(team, -here);
+}
+
+/// The error of the lowest rank that has one, to all, with its message.
+/// @return LAC_OK where all have that
+static inline lac_status lac_team_agree(lac_team *team, lac_status here, lac_error *err)
+{
+    return team == NULL || team->over ? here : lac_team_settle(team, here, err);
+}

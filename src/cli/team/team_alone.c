@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// lacuna: a program that is alone, and knows nothing of MPI.
+#include "cli/team/team.h"
+
+lac_status cli_team_join(lac_team **out, lac_error *err)
+{
+    (void)err;
+    *out = NULL;
+    return LAC_OK;
+}
+
+void cli_team_leave(lac_team *team, lac_status status, const lac_error *err, int exit_status)
+{
+    (void)team, (void)status, (void)err, (void)exit_status;
+}

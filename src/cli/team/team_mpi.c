@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// lacuna-mpi: the ranks of an MPI job as a team. Nothing else knows of MPI.
+#include <fcntl.h>
+#include <mpi.h>
+#include <unistd.h>
+
+#include "cli/team/team.h"
+
+typedef struct ranks {
+    lac_team team;
+    int aside; // standard error, where it is still heard
+} ranks;
+
+enum { PIECE = 1 << 28 }; // of what MPI counts in an int
+
+static void join(const lac_team *team, uint64_t *words, size_t n)
+{
+    (void)team;
+    for (size_t at = 0; at < n; at += PIECE) {
+        const int count = (int)(n - at < PIECE ? n - at : PIECE);
+        (void)MPI_Allreduce(MPI_IN_PLACE, words + at, count, MPI_UINT64_T, MPI_BOR, MPI_COMM_WORLD);
+    }
+}
+
+// In pieces, as a part may have more than MPI counts; first how many there are of each.
+static void gather(const lac_team *team, const double *x, size_t n, double *all)
+{
+    uint64_t counts[LAC_TEAM_MOST] = {0};
+    counts[team->rank] = n;
+    join(team, counts, (size_t)team->ranks);
+    if (team->rank > 0) {
+        for (size_t at = 0; at < n; at += PIECE) {
+            (void)MPI_Send(x + at, (int)(n - at < PIECE ? n - at : PIECE), MPI_DOUBLE, 0, 0,
+                           MPI_COMM_WORLD);
+        }
+        return;
+    }
+    memcpy(all, x, n * sizeof *all);
+    all += n;
+    for (int rank = 1; rank < team->ranks; rank++) {
+        for (size_t at = 0; at < counts[rank]; at += PIECE) {
+            const size_t left = counts[rank] - at;
+            (void)MPI_Recv(all + at, (int)(left < PIECE ? left : PIECE), MPI_DOUBLE, rank, 0,
+                           MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+        }
+        all += counts[rank];
+    }
+}
+
+static void hand_out(const lac_team *team, void *bytes, size_t size)
+{
+    (void)team;
+    for (size_t at = 0; at < size; at += PIECE) {
+        (void)MPI_Bcast((char *)bytes + at, (int)(size - at < PIECE ? size - at : PIECE), MPI_BYTE,
+                        0, MPI_COMM_WORLD);
+    }
+}
+
+// What is said and shown is the same on all ranks: once is enough.
+// @return where it still can be heard
+static int be_silent(void)
+{
+    const int aside = dup(STDERR_FILENO), nowhere = open("/dev/null", O_WRONLY);
+    (void)dup2(nowhere, STDOUT_FILENO);
+    (void)dup2(nowhere, STDERR_FILENO);
+    (void)close(nowhere);
+    return aside;
+}
+
+lac_status cli_team_join(lac_team **out, lac_error *err)
+{
+    lac_team team = {.join = join, .gather = gather, .hand_out = hand_out};
+    int aside = STDERR_FILENO;
+    *out = NULL;
+    (void)MPI_Init(NULL, NULL);
+    (void)MPI_Comm_rank(MPI_COMM_WORLD, &team.rank);
+    (void)MPI_Comm_size(MPI_COMM_WORLD, &team.ranks);
+    if (team.rank > 0) {
+        aside = be_silent();
+    }
+    LAC_FAIL_IF(team.ranks > LAC_TEAM_MOST, err, LAC_EINPUT,
+                "lacuna-mpi: %d ranks: at most %d can share the cells of a case", team.ranks,
+                (int)LAC_TEAM_MOST);
+    if (team.ranks == 1) {
+        return LAC_OK;
+    }
+    ranks *all = malloc(sizeof *all);
+    LAC_FAIL_MEMORY_IF(all == NULL, err);
+    *all = (ranks){team, aside};
+    all->team.context = all;
+    *out = &all->team;
+    return LAC_OK;
+}
+
+void cli_team_leave(lac_team *team, lac_status status, const lac_error *err, int exit_status)
+{
+    int joined = 0;
+    (void)MPI_Initialized(&joined);
+    if (joined == 0) {
+        return;
+    }
+    if (team != NULL && !team->over && status == LAC_ENOMEM) {
+        (void)dprintf(((const ranks *)team->context)->aside, "lacuna-mpi: rank %d: %s\n",
+                      team->rank, err->message);
+        (void)MPI_Abort(MPI_COMM_WORLD, exit_status);
+    }
+    (void)MPI_Finalize();
+    free(team != NULL ? team->context : NULL);
+}
