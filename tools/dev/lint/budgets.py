@@ -16,8 +16,8 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 94506,
-    "lines that only present results": 24232,
+    "lines of src and include": 94603,
+    "lines that only present results": 24240,
     "public headers": 13,
     "exported names": 44,
     "circles of includes": 0,
