@@ -11,6 +11,7 @@ enum { MOST_NEWTON = 30, MOST_STEPS = 100000 };
 #define LONGEST 3.0  // step of Newton's method, in ln v
 #define SETTLED 1e-9 // and one after which it stops
 #define LARGEST 300.0
+#define STRAIGHT 0.2 // part of what an error of slip may cost that a line off the curve may
 
 typedef struct strength {
     double f, f_u, f_w;
@@ -121,6 +122,21 @@ static double gain(const lac_async_cell *c, double own, double pressure, double 
     return (c->b * pressure / fmax(1.0, z) + own * c->dc) / direct;
 }
 
+// d ln v/d slip at the end of a step [1/m]
+static double slope_after(const lac_async_rules *rules, const lac_async_cell *c,
+                          const lac_async_push *push, const lac_async_span *at, const finish *end,
+                          double rho)
+{
+    lac_async_cell after = *c;
+    lac_async_push then = *push;
+    double outside;
+    after.u += rho;
+    after.w = end->w;
+    after.v = end->v;
+    then.pressure = at->pressure1;
+    return rise_of(rules, &after, &then, &outside) / end->v;
+}
+
 // One step from the cell's state over `at`; gives back its error over the tolerance.
 static double attempt(const lac_async_rules *rules, const lac_async_cell *c,
                       const lac_async_span *at, finish *end, double *rho)
@@ -144,9 +160,12 @@ static double attempt(const lac_async_rules *rules, const lac_async_cell *c,
     if (!balance(rules, c, &s, at, rho, end)) {
         return INFINITY;
     }
-    // ln v bends: it is rho at the end, where its slope at the start would have led elsewhere.
-    double bend = *rho - rise / s.v * end->slip;
-    s.lone.uneven -= (1.0 + s.lone.uneven) * fmin(fmax(bend, -1.0), 1.0) / 6.0;
+    // ln v bends: with its slopes in slip at both ends, its mean over slip is off that of the line
+    // between them by a twelfth of how much they differ.
+    const double bend =
+        0.5 * (slope_after(rules, c, &push, at, end, *rho) - rise / s.v) * end->slip;
+    s.lone.bend = (1.0 + s.lone.uneven) * fmin(fmax(bend, -1.0), 1.0);
+    s.lone.uneven -= s.lone.bend / 6.0;
     double first = end->slip;
     if (!balance(rules, c, &s, at, rho, end)) {
         return INFINITY;
@@ -262,6 +281,25 @@ static double chord_gap(double rho)
     return fabs(rho) < 1e-3 ? -rho / 12.0 : (1.0 - 0.5 * rho / tanh(0.5 * rho)) / rho;
 }
 
+// What the others are told of a step of length h that ln v rises in: a line, which may lie off the
+// curve by `most` in the mean [m]. Gives back h, or less of it where the curve bends too much.
+static double tell(lac_async_cell *c, double rise, double h, double most)
+{
+    c->told = c->v;
+    c->ahead = 0.0;
+    for (int k = 0; isfinite(h) && k < 3; k++) {
+        double rho = foreseen(rise, h);
+        c->told = c->v / lac_phi(rho, expm1(-rho));
+        c->ahead = c->told * h * chord_gap(rho);
+        double off = fabs(c->ahead) / most;
+        if (off <= 1.0 || k == 2) {
+            break;
+        }
+        h *= fmax(sqrt(1.0 / off), 0.1);
+    }
+    return h;
+}
+
 double lac_async_cell_plan(const lac_async_rules *rules, const lac_async_push *push,
                            lac_async_cell *c)
 {
@@ -275,10 +313,7 @@ double lac_async_cell_plan(const lac_async_rules *rules, const lac_async_push *p
     // And it may not outlast its healing unseen.
     h = fmin(h, time_under(outside, c->v, fmax(2.0 * c->z, small) * c->dc));
     h = fmin(h, fmin(c->reach, time_to_let_go(rules, c, push)));
-    double rho = foreseen(rise, h);
-    c->told = isfinite(h) ? c->v / lac_phi(rho, expm1(-rho)) : c->v;
-    // Half of it: whom the news itself wakes looks at the line's end, where it is right.
-    c->ahead = isfinite(h) ? 0.5 * c->told * h * chord_gap(rho) : 0.0;
+    h = tell(c, rise, h, STRAIGHT * small * c->dc);
     double direct = c->a * push->pressure + c->damping * c->v;
     double z = slip_under(outside, c->v, h) / c->dc;
     double allowed = rules->wake * small;

@@ -142,6 +142,8 @@ typedef struct lac_lone_step {
     double rho, em, phi; ///< ln(v1/v0); e^-rho - 1; (1 - e^-rho)/rho
     double z, dz;        ///< slip over dc, and its derivative by rho
     double uneven;       ///< mean of ln v over the step less that of its ends
+    double bend; ///< what ln v is below its line of slip at its middle, times 4; -6 times its part
+                 ///< of `uneven`
 } lac_lone_step;
 
 /// How a cell takes steps of its own, as fidelity events has them.

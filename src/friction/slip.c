@@ -28,16 +28,33 @@ static double change(double u, double w, double ln_dc, double renewal)
     return -renewal * (u + w - ln_dc);
 }
 
-// With O = u + w - ln dc, O1 = O0 e^-z + rho phi(z) - uneven (1 - e^-z).
+// What a bend of ln v over a step of slip z dc leaves in O at its end, and its derivative:
+// (2 - 2 phi - z phi)/z = z/6 - z^2/12 ... of it.
+static double left_of_bend(double z, double phi, double slope, double *derivative)
+{
+    if (z < 1e-3) {
+        *derivative = (1.0 - z) / 6.0;
+        return (1.0 - 0.5 * z) * z / 6.0;
+    }
+    double left = (2.0 - 2.0 * phi - z * phi) / z;
+    *derivative = -(2.0 * slope + phi + z * slope + left) / z;
+    return left;
+}
+
+// With O = u + w - ln dc, O1 = O0 e^-z + rho phi(z) - late (1 - e^-z) + bend (2 - 2 phi - z phi)/z,
+// late what of `uneven` is not of the bend.
 static void step(const lac_lone_step *s, double *w, double *dw)
 {
     double em = expm1(-s->z);
     double phi = lac_phi(s->z, em);
+    double slope = lac_phi_slope(s->z, em, phi);
+    double dleft;
+    double left = left_of_bend(s->z, phi, slope, &dleft);
+    double late = s->uneven + s->bend / 6.0;
     double before = s->u + s->w - s->ln_dc;
-    double after = before * (1.0 + em) + s->rho * phi + s->uneven * em;
+    double after = before * (1.0 + em) + s->rho * phi + late * em + s->bend * left;
     *w = after - (s->u + s->rho) + s->ln_dc;
-    *dw = -(before + s->uneven) * (1.0 + em) * s->dz + phi +
-          s->rho * lac_phi_slope(s->z, em, phi) * s->dz - 1.0;
+    *dw = ((s->rho * slope + s->bend * dleft) - (before + late) * (1.0 + em)) * s->dz + phi - 1.0;
 }
 
 static const lac_friction_lone lone = {.change = change, .step = step};

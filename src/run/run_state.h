@@ -60,6 +60,7 @@ typedef struct lac_run_state {
     double *fields;  // [4n], or up to [8n], of a snapshot, where snapshots are kept; of slip in two
                      // directions [6n] components behind; or NULL
     double *aside;   // lac_problem_work, for what is only looked at; NULL: nothing is
+    double unseen;   // time stepped since stability was last looked at [s]
     double *watched; // [points][LAC_POINT_VALUES], [points][LAC_POINT_ALONG], and [n] tractions;
                      // NULL: no points
     double *onto; // [unknowns + n] state and slip on the balance, where projection is asked for; or

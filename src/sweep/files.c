@@ -77,23 +77,41 @@ out:
     return status;
 }
 
+static bool has_line(const char *text, const char *line, size_t length)
+{
+    while (*text != '\0' && strncmp(text, line, length) != 0) {
+        text = strchr(text, '\n') + 1;
+    }
+    return *text != '\0';
+}
+
+const char *lac_sweep_changed_file(const char *before, const char *now, int *length)
+{
+    *length = 0;
+    for (const char *line = before, *end; *line != '\0'; line = end + 1) {
+        end = strchr(line, '\n');
+        if (!has_line(now, line, (size_t)(end - line) + 1)) {
+            line += strspn(line, " ");
+            *length = (int)strcspn(line, ":");
+            return line;
+        }
+    }
+    return NULL;
+}
+
 lac_status lac_sweep_check_files(lac_sweep *sweep, char *(*sums)(const lac_case *c), lac_error *err)
 {
     char *before = sweep->files;
+    int length;
     sweep->files = NULL;
     lac_status status = lac_sweep_sum_files(sweep, sums, err);
-    for (const char *line = before, *end; status == LAC_OK && *line != '\0'; line = end + 1) {
-        end = strchr(line, '\n');
-        char *same = strndup(line, (size_t)(end - line));
-        status = same != NULL ? LAC_OK : lac_fail_memory(err);
-        if (status == LAC_OK && strstr(sweep->files, same) == NULL) {
-            status =
-                lac_fail(err, LAC_EIO,
-                         "%.*s was changed while the sweep went on: its members are of both; run "
-                         "it again, with --force",
-                         (int)(strcspn(same + strspn(same, " "), ":")), same + strspn(same, " "));
-        }
-        free(same);
+    const char *changed =
+        status == LAC_OK ? lac_sweep_changed_file(before, sweep->files, &length) : NULL;
+    if (changed != NULL) {
+        status = lac_fail(err, LAC_EIO,
+                          "%.*s was changed while the sweep went on: its members are of both; run "
+                          "it again, with --force",
+                          length, changed);
     }
     free(sweep->files);
     sweep->files = before;

@@ -65,9 +65,13 @@ lac_status lac_ensemble_gather(size_t parts, lac_ensemble **part, const char *co
     size_t *from = calloc(n + 1, sizeof *from); // 1 more than the part
     LAC_FAIL_MEMORY_IF(from == NULL, err);
     for (size_t k = 0; k < parts; k++) {
+        int length;
+        const char *changed = lac_sweep_changed_file(part[0]->files, part[k]->files, &length);
         LAC_LEAVE_IF(strcmp(part[k]->mark, part[0]->mark) != 0 || part[k]->members != n ||
                          part[k]->records != part[0]->records || part[k]->params != part[0]->params,
-                     err, LAC_EINPUT, "%s: is of another sweep than %s", path[k], path[0]);
+                     err, LAC_EINPUT, "%s: is of another sweep than %s%s%.*s%s", path[k], path[0],
+                     changed != NULL ? ": " : "", length, changed != NULL ? changed : "",
+                     changed != NULL ? " was changed between them" : "");
         for (size_t i = 0; i < part[k]->n; i++) {
             const int64_t index = part[k]->member[i]->index;
             LAC_LEAVE_IF(index < 0 || (size_t)index >= n, err, LAC_EIO,

@@ -189,12 +189,13 @@ static void bootstrap(const lac_sample *s, rows *r, lac_answers *a)
     }
 }
 
-// Rank correlation with the result, never being later than all.
+// Rank correlation with the result, never being later than all; NaN: of words, which have no order.
 static double rank(const lac_sample *s, rows *r, size_t p)
 {
     double *x = r->room, *y = r->room + r->n, *work = malloc((2 * r->n + 1) * sizeof *work);
     double rho = NAN;
-    if (work != NULL && r->n > 2) {
+    const bool words = r->n > 0 && s->word != NULL && s->word(s->of, p, r->member[0]) != NULL;
+    if (work != NULL && r->n > 2 && !words) {
         for (size_t i = 0; i < r->n; i++) {
             x[i] = s->drawn[p * s->members + r->member[i]];
             y[i] = s->result[r->member[i]];

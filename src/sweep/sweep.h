@@ -136,6 +136,10 @@ lac_status lac_swept_table(lac_sweep *sweep, const char *path, lac_error *err);
 lac_status lac_sweep_arrange(lac_sweep *sweep, const lac_sweep_request *request, lac_error *err);
 lac_status lac_sweep_sum_files(lac_sweep *sweep, char *(*sums)(const lac_case *c), lac_error *err);
 
+/// The first file of one text of sums whose sum is not in another; NULL: none.
+/// @param length  of its name
+const char *lac_sweep_changed_file(const char *before, const char *now, int *length);
+
 /// Whether the files that the members read are still what they were when the sweep was made.
 /// @return LAC_EIO where one is not, which is named
 lac_status lac_sweep_check_files(lac_sweep *sweep, char *(*sums)(const lac_case *c),

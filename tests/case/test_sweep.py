@@ -174,6 +174,13 @@ class Sweep(unittest.TestCase):
         self.assertTrue(numpy.isnan(v["failure_time"][1]))
         self.assertAlmostEqual(v["failure_time"][2] / 86400, 1.34064, 4)
 
+    def test_words_have_no_order(self):
+        """Of a parameter that is a word nothing says whether more of it is sooner."""
+        told, _ = self.sweep("--members", "12", over=["friction.aging.form=plain, regularised", f"{DC}=uniform(0.5 mm, 2 mm)"])
+        ranks = {one["parameter"]: one["rank_correlation"] for one in told["answers"]["influences"]}
+        self.assertIsNone(ranks["friction.aging.form"])
+        self.assertGreater(ranks[DC], 0.5)
+
     def test_wrong_words(self):
         self.refuse('--over: "dc" must be KEY=VALUES', "--over", "dc")
         self.refuse('--design: "latin" must be one of grid', "--over", f"{DC}=1 mm", "--design", "latin")

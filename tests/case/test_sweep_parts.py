@@ -114,10 +114,10 @@ class Parts(unittest.TestCase):
             self.assertEqual([line.split(":")[0] for line in file.sweep_files.split("\n")[1:-1]], ["  a.csv", "  b.csv"])
         with open(self.at("b.csv"), "a", encoding="utf-8") as series:
             series.write("5e7,2\n")
-        self.assertIn("is of another sweep", self.call("sweep", self.at("case.yaml"), *words, "-o", one, "--shard", "0/2", "--resume", status=2))
+        self.assertIn("b.csv was changed since;", self.call("sweep", self.at("case.yaml"), *words, "-o", one, "--shard", "0/2", "--resume", status=2))
         other = self.sweep("1.nc", *words, "--shard", "1/2", "--force", case=self.at("case.yaml"))
         self.assertNotEqual(content(other), same)
-        self.assertIn("is of another sweep", self.call("gather", one, other, "-o", self.at("no.nc"), status=2))
+        self.assertIn("b.csv was changed between them", self.call("gather", one, other, "-o", self.at("no.nc"), status=2))
 
     def test_another_outcome_is_told(self):
         """A member that does not come to what its row says is no silent member."""

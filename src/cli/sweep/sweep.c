@@ -293,11 +293,19 @@ static lac_status name_file(job *j, bool *whole, lac_error *err)
         for (size_t i = 0; *whole && i < e->n && j->runs.wanted != NULL; i++) {
             j->runs.wanted[i] = j->runs.wanted[i] && e->member[i]->state == LAC_MEMBER_DONE;
         }
+        int length;
+        const char *changed = lac_sweep_changed_file(e->files, j->sweep->files, &length);
+        lac_status status = LAC_OK;
+        if (!*whole) {
+            status = lac_fail(
+                err, LAC_EINPUT,
+                "--resume: %s: is of another sweep, or of another part of it%s%.*s%s; "
+                "--force replaces it, -o names another file",
+                j->path, changed != NULL ? ": " : "", length, changed != NULL ? changed : "",
+                changed != NULL ? " was changed since" : "");
+        }
         lac_ensemble_free(e);
-        LAC_FAIL_IF(!*whole, err, LAC_EINPUT,
-                    "--resume: %s: is of another sweep, or of another part of it; --force replaces "
-                    "it, -o names another file",
-                    j->path);
+        LAC_TRY_RETURN(status);
     }
     j->resume = j->resume && kept;
     return LAC_OK;
