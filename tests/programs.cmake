@@ -6,6 +6,10 @@ include(cli.cmake)
 # in xarray. A folder is one group: case.GROUP.NAME.check and .run, case.GROUP.cf of all its files.
 set(case_environment
     "LSAN_OPTIONS=suppressions=${CMAKE_CURRENT_SOURCE_DIR}/lsan.supp:print_suppressions=0")
+if(LACUNA_SANITIZE)
+  # Tests leave out what is of numbers alone, and of a table of kinds take a third each.
+  list(APPEND case_environment "LACUNA_SANITIZED=1")
+endif()
 
 # lacuna_cases(GROUP COMMAND [--set KEY=VALUE...]): a case without `time` is run by `contact` where
 # COMMAND is run.
@@ -34,13 +38,13 @@ function(lacuna_cases group command)
     add_test(NAME ${test}.run
              COMMAND lacuna_program ${how} ${bundled} ${changed} -o ${output} --force --no-progress)
     set_tests_properties(${test}.check ${test}.run PROPERTIES LABELS case
-                         ENVIRONMENT ${case_environment} TIMEOUT 1200)
+                         ENVIRONMENT "${case_environment}" TIMEOUT 1200)
     set_tests_properties(${test}.run PROPERTIES FIXTURES_SETUP outputs_${group})
   endforeach()
   add_test(NAME case.${group}.cf
            COMMAND ${LACUNA_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/support/check_cf.py
                    --status complete ${outputs})
-  set_tests_properties(case.${group}.cf PROPERTIES LABELS case ENVIRONMENT ${case_environment}
+  set_tests_properties(case.${group}.cf PROPERTIES LABELS case ENVIRONMENT "${case_environment}"
                        FIXTURES_REQUIRED outputs_${group})
 endfunction()
 
@@ -58,7 +62,7 @@ add_test(NAME case.tables COMMAND ${LACUNA_PYTHON} ${PROJECT_SOURCE_DIR}/tools/d
          --program $<TARGET_FILE:lacuna_program> --page ${PROJECT_SOURCE_DIR}/docs/case.md)
 add_test(NAME case.rocks COMMAND ${LACUNA_PYTHON} ${PROJECT_SOURCE_DIR}/tools/dev/case_tables.py --check --rocks
          --program $<TARGET_FILE:lacuna_program> --page ${PROJECT_SOURCE_DIR}/docs/rocks.md)
-set_tests_properties(case.tables case.rocks PROPERTIES LABELS case ENVIRONMENT ${case_environment})
+set_tests_properties(case.tables case.rocks PROPERTIES LABELS case ENVIRONMENT "${case_environment}")
 
 # lacuna_python_test(NAME [LABEL...]): case/NAME.py, called with the program and the source folder.
 # These are the long ones, so they begin. The label `once` says that sanitizers show nothing more: what is
@@ -107,13 +111,13 @@ add_test(NAME case.test_elastic
          COMMAND ${LACUNA_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/case/test_elastic.py
                  $<TARGET_FILE:lacuna_program> ${PROJECT_SOURCE_DIR})
 set_tests_properties(case.test_elastic PROPERTIES LABELS case TIMEOUT 1200
-                     ENVIRONMENT ${case_environment})
+                     ENVIRONMENT "${case_environment}")
 
 add_test(NAME case.test_elastic_limits
          COMMAND ${LACUNA_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/case/test_elastic_limits.py
                  $<TARGET_FILE:lacuna_program> ${PROJECT_SOURCE_DIR})
 set_tests_properties(case.test_elastic_limits PROPERTIES LABELS "case;extreme" TIMEOUT 1200
-                     ENVIRONMENT ${case_environment})
+                     ENVIRONMENT "${case_environment}")
 
 # Numbers of extreme size, through the program.
 lacuna_python_test(test_extremes extreme)
@@ -170,8 +174,11 @@ target_sources(unit_test_free_memory PRIVATE ${PROJECT_SOURCE_DIR}/src/cli/commo
 target_sources(unit_test_pool PRIVATE
   "$<FILTER:$<TARGET_OBJECTS:lacuna_cli>,INCLUDE,common/(keep|memory|pool|progress|words)[.]c>")
 
-# Runs of seconds by each method: slow under sanitizers, which shorter runs by each method pass too.
-set_property(TEST verify.test_peers APPEND PROPERTY LABELS once)
+# Numbers that take long: slow under sanitizers, which shorter runs of the same functions pass too (case.test_fit,
+# case.test_fractal, unit.test_fractal_*, unit.test_posterior, conform.test_hierarchy, the bundled cases).
+foreach(name failing fit fit_rates fractal fractal_closed_form peers tree)
+  set_property(TEST verify.test_${name} APPEND PROPERTY LABELS once)
+endforeach()
 
 # What a scene does not name costs nothing: bytes and threads, counted by a library that sanitizers
 # would not let in.
@@ -181,13 +188,13 @@ if(NOT LACUNA_SANITIZE)
   target_link_libraries(count_bytes PRIVATE ${CMAKE_DL_LIBS})
   add_test(NAME case.costs COMMAND ${LACUNA_PYTHON} ${PROJECT_SOURCE_DIR}/tools/studies/costs.py --check
            --lacuna $<TARGET_FILE:lacuna_program> --count $<TARGET_FILE:count_bytes>)
-  set_tests_properties(case.costs PROPERTIES LABELS case ENVIRONMENT ${case_environment})
+  set_tests_properties(case.costs PROPERTIES LABELS case ENVIRONMENT "${case_environment}")
   if(CMAKE_BUILD_TYPE STREQUAL "Release")
     # Under 20 ms of CPU from start to end, where the machine is quiet.
     add_test(NAME speed.block COMMAND ${LACUNA_PYTHON} ${PROJECT_SOURCE_DIR}/tools/studies/costs.py --quick
              --lacuna $<TARGET_FILE:lacuna_program>)
     set_tests_properties(speed.block PROPERTIES LABELS speed RUN_SERIAL TRUE
-                         SKIP_RETURN_CODE 77 ENVIRONMENT ${case_environment})
+                         SKIP_RETURN_CODE 77 ENVIRONMENT "${case_environment}")
   endif()
 endif()
 
@@ -299,7 +306,7 @@ foreach(bundled block century century-undriven velocity-step)
   add_test(NAME case.fit.${bundled}.check
            COMMAND lacuna_program check -q ${PROJECT_SOURCE_DIR}/cases/fit/${bundled}.yaml)
   set_tests_properties(case.fit.${bundled}.check PROPERTIES LABELS case
-                       ENVIRONMENT ${case_environment})
+                       ENVIRONMENT "${case_environment}")
 endforeach()
 
 # A friction law made as docs/howto-friction-law.md says, and what its conformance kit says of it.

@@ -21,7 +21,7 @@ from test_cli import Case
 # A lacunar joint whose cells differ in all, damped by radiation.
 JOINT = """\
 lacuna: 1
-interface: {size: "1 m", levels: 4, domain: {cascade: {dimension: 1.8, seed: 3}}}
+interface: {size: "1 m", levels: 3, domain: {cascade: {dimension: 1.8, seed: 3}}}
 material: {shear_modulus: "15 GPa", poisson: 0.25, shear_speed: "1 km/s"}
 load:
   normal: {pressure: "3 MPa"}
@@ -37,6 +37,8 @@ transfer: {hierarchy: {k0: "10 GPa/m", ratio: 0.5}}
 time: {end: "1 day"}
 output: {file: out.nc, fields: [slip, slip_rate, traction], fields_every: {steps: 20}}
 """
+
+FINE = JOINT.replace("levels: 3", "levels: 4")  # what is refused names its cell
 
 # Cells that creep steadily, so much strengthened by rate that no water makes them run.
 STILL = """\
@@ -249,7 +251,7 @@ class NormalStress(Fields):
             shape = at_x * at_y
             inner, tilt = numpy.interp(t / 3600, [0, 1, 24], [1e5, 2e5, 1e5]), numpy.interp(t / 3600, [0, 1, 24], [0, 6e5, -3e5])
             added = p[None, :] * (inner[:, None] + tilt[:, None] * shape[None, :]) / 3e6
-            total = ((p[None, :] + added) / 256).sum(axis=1)
+            total = ((p[None, :] + added) / 64).sum(axis=1)
             self.assertLess(numpy.abs(normal / total - 1).max(), 1e-12)
             self.assertLess(numpy.abs(effective / normal - 1).max(), 1e-12)
             self.assertLess(numpy.abs(ratio * normal / shear - 1).max(), 1e-12)
@@ -336,18 +338,18 @@ def spread(source, widths, cells, alpha, times, stop):
     """Diffusion between closed borders by finite differences of second order, explicit in time; `source` per time and
     area at the centres of the cells. The pressure at each time."""
     steps = [w / n for w, n in zip(widths, cells)]
-    longest = 0.2 / sum(2 * alpha / h**2 for h in steps)
+    longest = 0.5 / sum(2 * alpha / h**2 for h in steps)
     now, p, seen = 0.0, numpy.zeros(source.shape), []
     for end in times:
         for a, b in ((now, min(end, stop)), (max(now, stop), end)):
             count = math.ceil(max(0.0, b - a) / longest)
             for _ in range(count):
-                change = source if b <= stop else 0 * source
+                change = source.copy() if b <= stop else 0 * source
                 for axis, h in enumerate(steps):
-                    flow = numpy.diff(p, axis=axis) * alpha / h**2
-                    closed = [(0, 0)] * p.ndim
-                    closed[axis] = (1, 1)
-                    change = change + numpy.diff(numpy.pad(flow, closed), axis=axis)
+                    flow = numpy.diff(p, axis=axis) * (alpha / h**2)
+                    every = (slice(None),) * axis
+                    change[(*every, slice(None, -1))] += flow
+                    change[(*every, slice(1, None))] -= flow
                 p = p + (b - a) / count * change
         now = end
         seen.append(p)
@@ -508,7 +510,7 @@ output: {every: "1 day"}
 
 class Refusals(Fields):
     def refuse(self, status, message, load, *words):
-        self.write("c.yaml", JOINT.replace("{LOAD}", load))
+        self.write("c.yaml", FINE.replace("{LOAD}", load))
         self.expect_line(status, "c.yaml: " + message, "run", "c.yaml", "-o", "no.nc", *words)
         self.assertFalse(self.exists("no.nc"))
 
@@ -537,7 +539,7 @@ class Refusals(Fields):
     def test_lines_of_normal_stress(self):
         x = numpy.linspace(0, 1, 3)
         self.field("dug.nc", None, x, x, numpy.full((3, 3), -4e6))
-        dug = JOINT.replace("pore_pressure: [{LOAD}]", "normal_stress: [{LOAD}]")
+        dug = FINE.replace("pore_pressure: [{LOAD}]", "normal_stress: [{LOAD}]")
         for status, message, case in (
                 (2, "initial: the pore pressure less the added normal stress of cell 0, at x = 0.03125 m, y = 0.03125 m, is "
                  "4e+06 Pa at t = 0 s; must be below the mean normal stress, 3e+06 Pa",
@@ -575,14 +577,14 @@ class Refusals(Fields):
                     load.replace("X", "1.5"))
         self.refuse(2, within + "boundary: no-flux is for a joint of shape plane; a line has line_injection",
                     load.replace("X", "0.5"), "--set", "interface={size: 1 m, levels: 4, shape: line, domain: {full: {}}}")
-        self.write("c.yaml", JOINT.replace("{LOAD}", load.replace("X", "0")))  # at the border
+        self.write("c.yaml", FINE.replace("{LOAD}", load.replace("X", "0")))  # at the border
         self.expect(0, "run", "c.yaml", "-o", "out.nc")
 
     def test_a_cell_that_the_water_lifts_ends_the_run(self):
         p, x = numpy.zeros((2, 6, 6)), numpy.linspace(0, 1, 6)
         p[1, 5, 5] = 12e6
         self.field("l.nc", numpy.array([0, 86400.0]), x, x, p)
-        self.write("c.yaml", JOINT.replace("{LOAD}", "{field: {file: l.nc, variable: p}}").replace("b: 0.015",
+        self.write("c.yaml", FINE.replace("{LOAD}", "{field: {file: l.nc, variable: p}}").replace("b: 0.015",
                                                                                                    "b: 0.005"))
         for how in "rate", "traction", "slip", "events":
             done = self.expect(1, "run", "c.yaml", "-o", "out.nc", "--force", *HOW[how])
@@ -592,7 +594,7 @@ class Refusals(Fields):
     def test_what_does_not_follow(self):
         load = "{injection: {rate: 1e-9, x: 0.5, y: 0.5, radius: 0.1, thickness: 1, diffusivity: 1e-6, " \
                "compressibility: 1e-8, porosity: 0.1}}"
-        self.write("c.yaml", JOINT.replace("{LOAD}", load))
+        self.write("c.yaml", FINE.replace("{LOAD}", load))
         done = self.expect(2, "run", "c.yaml", "-o", "no.nc", *HOW["events"])
         self.assertIn("solver.fidelity events follows loads that are linear in time", done.stderr)
 

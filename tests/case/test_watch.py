@@ -380,6 +380,7 @@ class Watch(unittest.TestCase):
         process.terminate()
         self.assertEqual(process.wait(), 4)
 
+    @unittest.skipIf("LACUNA_SANITIZED" in os.environ, "numbers: the plain build's")
     def test_memory_is_bound(self):
         with open(PROGRAM, "rb") as program:
             if b"__asan_init" in program.read():
