@@ -16,13 +16,13 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 94605,
-    "lines that only present results": 24232,
+    "lines of src and include": 97142,
+    "lines that only present results": 24705,
     "public headers": 13,
     "exported names": 44,
     "circles of includes": 0,
     "files without an opening comment": 0,
-    "objects that one field more in a record compiles anew": 52,
+    "objects that one field more in a record compiles anew": 53,
 }
 
 PRESENTING = re.compile(r"src/(cli|store|report|data)/|src/\w+/describe\w*\.[ch]$")
