@@ -133,7 +133,8 @@ static lac_status fill_free(lac_half_space *s, const lac_extent *extent, lac_err
         }
     }
     double *less = realloc(s->compliance, next * sizeof *less);
-    s->compliance = less != NULL ? less : s->compliance;
+    LAC_FAIL_MEMORY_IF(less == NULL, err);
+    s->compliance = less;
     return LAC_OK;
 }
 

@@ -107,7 +107,7 @@ double lac_fidelity_error(const lac_case *c, const lac_estimate *e, lac_fidelity
 /// Settles what a case leaves open by its scene, and sets it: fidelity and formulation.
 /// @param c    of the scene
 /// @param out  what is chosen; of a case that names its fidelity that
-/// @return LAC_OK; as lac_scene_renew
+/// @return LAC_OK; LAC_EINPUT: ranks do not share what is chosen; as lac_scene_renew
 lac_status lac_fidelity_settle(lac_scene *scene, lac_case *c, lac_fidelity_choice *out,
                                lac_error *err);
 

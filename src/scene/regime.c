@@ -164,7 +164,7 @@ void lac_regime_words(const lac_case *c, const lac_estimate *e, char text[static
 // it promises (docs/choosing.md).
 enum { FEWEST_EVENTS_CELLS = 16 };
 static const double soft_ratio = 0.8, stiff_ratio = 5, least_ratio = 0.002, least_level_ratio = 0.3,
-                    coarsest_rtol = 1.001e-5;
+                    coarsest_rtol = 1.001e-6;
 
 bool lac_case_spreads(const lac_case *c, const char *const keys[])
 {
@@ -379,6 +379,9 @@ lac_status lac_fidelity_settle(lac_scene *scene, lac_case *c, lac_fidelity_choic
     e.cells = e.contact_cells;
     lac_estimate_stability(c, &e);
     *out = lac_fidelity_choose(c, &e);
+    LAC_FAIL_IF(c->team != NULL && out->fidelity == LAC_FIDELITY_ASYNC, err, LAC_EINPUT,
+                "solver.fidelity auto would take events here, which ranks do not share: run this "
+                "case on one, with lacuna, or name ode");
     if (c->run.fidelity == LAC_FIDELITY_AUTO) {
         c->run.fidelity = out->fidelity;
         status = out->fidelity == LAC_FIDELITY_ASYNC ? take_events(scene, c, out, err) : LAC_OK;

@@ -106,6 +106,7 @@ typedef struct subject {
     const lac_model_info *model;
     const lac_section *section;
     bool levels; ///< thresholds, which are of no case
+    bool other;  ///< a word that is near to no name
 } subject;
 
 static const lac_model_info *find_model(const lac_kind *kind, const char *name, lac_error *err)
@@ -156,6 +157,7 @@ static lac_status find_subject(const char *name, subject *s, lac_error *err)
                     "describe: \"%s\" is a %s: lacuna describe %s %s", name, kind->name, kind->name,
                     name);
     }
+    s->other = lac_nearest(name, names, n) == NULL;
     return s->kind != NULL || s->section != NULL || s->levels
                ? LAC_OK
                : cli_unknown("describe: ", name, "kind or section", names, n, err);
@@ -477,7 +479,7 @@ lac_status cli_describe(const cli_request *request, lac_error *err)
         return cli_describe_rock(request, err);
     }
     lac_status status = find(request, &s, err);
-    if (status == LAC_EINPUT && cli_describe_word(request)) {
+    if (status == LAC_EINPUT && s.other && cli_describe_word(request)) {
         return LAC_OK;
     }
     if (status == LAC_OK && request->pipe != 0) {

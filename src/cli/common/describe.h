@@ -14,7 +14,7 @@
 lac_status cli_describe_rock(const cli_request *request, lac_error *err);
 
 /// lacuna describe WORD: models, keys and rocks whose names or texts have the word.
-/// @return false: nothing was printed, as none has it, a model is named so, or --pipe asks
+/// @return false: nothing was printed, as none has it, or --pipe asks
 bool cli_describe_word(const cli_request *request);
 
 void cli_describe_gates(void);

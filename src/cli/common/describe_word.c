@@ -24,7 +24,6 @@ typedef struct search {
     const char *word;
     lac_json *json; // NULL: as text
     bool tells;     // false: is counting
-    bool named;     // a model has the word as its name: the error says how to ask for it
     size_t found;
 } search;
 
@@ -44,7 +43,6 @@ static void search_model(search *s, const char *kind, const lac_model_info *mode
 {
     const bool section = strcmp(kind, model->name) == 0;
     const char *name = section ? "" : model->name;
-    s->named = s->named || strcmp(model->name, s->word) == 0;
     if (has_word(model->name, s->word) || has_word(model->summary, s->word)) {
         tell(s, kind, name, "", model->summary);
     }
@@ -84,7 +82,7 @@ bool cli_describe_word(const cli_request *request)
         return false;
     }
     search_all(&s);
-    if (s.found == 0 || s.named) {
+    if (s.found == 0) {
         return false;
     }
     s.tells = true;

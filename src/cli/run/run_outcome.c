@@ -190,7 +190,9 @@ static void print_fidelity(const lac_outcome *of, const char *name)
     const char *why = of->fidelity_why;
     const cli_text chosen =
         cli_format("%s, error at most %.1g: %s", name, of->fidelity_error, why != NULL ? why : "");
-    cli_row_wrap("fidelity", why != NULL ? chosen.s : name);
+    // That all cells go together is as it always is where nothing else is named.
+    const bool told = why != NULL && of->source->run.fidelity != LAC_FIDELITY_ODE;
+    cli_row_wrap("fidelity", told ? chosen.s : name);
 }
 
 static void print_cost(const cli_outcome *outcome)
