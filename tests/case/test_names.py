@@ -76,6 +76,7 @@ CALLS = (
     ("new", "slope"),
     ("new", "fitted --kind fit"),
     ("describe", ""),
+    ("describe", "water"),
     ("describe", "rock limestone"),
     ("completion", "bash"),
 )
