@@ -123,10 +123,10 @@ class Law(unittest.TestCase):
              os.path.join(cls.folder, "friction", name), "-o",
              os.path.join(cls.folder, name + ".o"), cwd=like["directory"])
 
-    def link(self, target):
+    def link(self, *targets):
         """A program of the build, with the new table before the library and so in place of its own."""
-        objects = glob.glob(os.path.join(BUILD, target, "**", "*.o"), recursive=True)
-        program = os.path.join(self.folder, os.path.basename(target))
+        objects = [path for target in targets for path in glob.glob(os.path.join(BUILD, target, "**", "*.o"), recursive=True)]
+        program = os.path.join(self.folder, os.path.basename(targets[0]))
         support = os.path.join(BUILD, "tests", "liblacuna_test_support.a")
         flags = shlex.split(call("pkg-config", "--static", "--libs", "lacuna", env=dict(
             os.environ, PKG_CONFIG_PATH=BUILD)))
@@ -166,7 +166,7 @@ class Law(unittest.TestCase):
 
     def test_warns_of_a_ratio_without_effect(self):
         """Where b = a the state is that of any ratio under prz, 2 dc/v; not under a law that saturates."""
-        program = self.link("CMakeFiles/lacuna_program.dir")
+        program = self.link("CMakeFiles/lacuna_program.dir", "CMakeFiles/lacuna_cli.dir")
         case = os.path.join(self.folder, "ratio.yaml")
         call(program, "new", case, "--kind", "block")
         for law, idle in [("prz", True), ("saturating", False)]:
@@ -187,7 +187,7 @@ class Law(unittest.TestCase):
             self.assertEqual(abs(states[0] / states[1] - 1) < 1e-9, idle, states)
 
     def test_the_program_knows_it(self):
-        program = self.link("CMakeFiles/lacuna_program.dir")
+        program = self.link("CMakeFiles/lacuna_program.dir", "CMakeFiles/lacuna_cli.dir")
         self.assertIn("lac_friction_prz", self.changed["law.h"])
         self.assertIn("renewed with the square of slip", call(program, "describe", "friction", "prz"))
         law = "friction={prz: {f0: 0.6, a: 0.010, b: 0.015, dc: 2 cm, v0: 1 um/s}}"

@@ -61,7 +61,8 @@ class Width(unittest.TestCase):
             made.append(os.path.join(cls.folder, os.path.basename(unit["file"]) + ".o"))
             words[words.index("-o") + 1] = made[-1]
             call(*words, *flags, cwd=unit["directory"])
-        objects = glob.glob(os.path.join(BUILD, "CMakeFiles", "lacuna_program.dir", "**", "*.o"), recursive=True)
+        objects = [path for target in ("lacuna_program", "lacuna_cli")
+                   for path in glob.glob(os.path.join(BUILD, "CMakeFiles", target + ".dir", "**", "*.o"), recursive=True)]
         flags = shlex.split(call("pkg-config", "--static", "--libs", "lacuna",
                                  env=dict(os.environ, PKG_CONFIG_PATH=BUILD)))
         path = os.path.join(cls.folder, "lacuna")

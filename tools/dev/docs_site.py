@@ -30,7 +30,8 @@ LINK = re.compile(r"(\]\()([^)#:\s]*)((?:#[^)\s]*)?\))")
 # What stands where in the contents, in this order; `docs/*.md` at last has what is left.
 CONTENTS = (
     ("Start", ("README.md", "docs/README.md", "docs/install.md", "docs/tutorial-first-slope.md",
-               "docs/tutorial-*.md")),
+               "docs/tutorial-*.md", "docs/faq.md", "docs/glossary.md", "docs/how-sure.md",
+               "docs/validation.md")),
     ("How to", ("docs/howto-simulate.md", "docs/howto-compare.md", "docs/howto-forecast.md",
                 "docs/howto-trade.md", "docs/howto-*.md", "docs/report.md", "docs/paper-figures.md",
                 "docs/surfaces-from-files.md")),
@@ -38,7 +39,7 @@ CONTENTS = (
     ("Theory", ("docs/theory/*.md",)),
     ("Reference", ("docs/case.md", "docs/format.md", "commands/lacuna.md", "commands/*.md",
                    "cases.md", "headers.md")),
-    ("Development", TOP[1:] + ("docs/adr/README.md", "docs/adr/*.md")),
+    ("Development", TOP[1:] + ("docs/adr/README.md", "docs/adr/*.md", "docs/paper/*.md")),
 )
 
 
