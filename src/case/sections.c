@@ -209,9 +209,8 @@ static const char *const plannings[] = {"estimate", "measure", NULL};
 static const lac_param solver_rows[] = {
     LAC_CHOICE("fidelity", FIELD(run.fidelity), LAC_FIDELITY_AUTO, fidelities, 0,
                "what is resolved in time: ode (all cells at every step), events (each cell at "
-               "steps of its own, where cells slip one by one), auto (the faster of them; lacuna "
-               "check says which), lumped (few stand for all, where all slip together); static has "
-               "no time (lacuna rg)"),
+               "steps of its own, where cells slip one by one), auto (the faster of them), lumped "
+               "(few stand for all, where all slip together); static has no time (lacuna rg)"),
     LAC_OWN("lump", "{level: ..., nodes: ..., error: ...}: with fidelity lumped, how"),
     LAC_REAL("wake", "1", FIELD(run.wake), 1, 0, 100, LAC_ABOVE_MIN,
              "with fidelity events: error that an unforeseen change of traction may cause before a "

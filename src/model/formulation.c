@@ -42,7 +42,7 @@ void lac_problem_lay_out(lac_problem *problem)
                                                    : transfer->kind->work(transfer->state);
     problem->scratch = (problem->kind->arrays + leaning(problem)) * problem->n;
     problem->mean = problem->scratch + scratch;
-    problem->weakens = problem->mean + 2 + (problem->varies ? 4 * problem->n : 0);
+    problem->weakens = problem->mean + 3 + (problem->varies ? 4 * problem->n : 0);
 }
 
 size_t lac_problem_work(const lac_problem *problem)
@@ -55,7 +55,7 @@ void lac_problem_forget(const lac_problem *problem, double *work)
     if (problem->kind->solved) {
         lac_workspace ws = lac_problem_split(problem, work);
         memset(ws.guess, 0, (problem->kind->arrays - 4) * problem->n * sizeof *work);
-        *ws.mean = 0.0;
+        ws.mean[0] = ws.mean[2] = 0.0;
     }
 }
 

@@ -134,8 +134,8 @@ typedef struct lac_workspace {
     double *slope; // with inertia: dv/dx
     double *row;   // [n] where damping of the mean counts, and slip is no unknown; of a bent base
                    // what a step of the mean slip puts on each cell
-    double *mean;  // [2] where rates are solved for: the mean rate that the next solve begins from;
-                   // that of the last look
+    double *mean;  // [3] where rates are solved for: the mean rate that the next solve begins from;
+                   // that of the last look; the first along y
     double *scratch; // of the transfer
     double *shares;  // [4n] where cells have shares of their own: shares and rates; before a jump
     double *weak;    // of lac_weaken_split, where a case names weakening

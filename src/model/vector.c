@@ -17,7 +17,7 @@ typedef struct plane {
     double *mean_y; // [1] as lac_workspace.mean, along y
 } plane;
 
-enum { ARRAYS = 5, PLANE = 12 };
+enum { ARRAYS = 5, PLANE = 11 };
 
 static plane plane_of(const lac_look *at)
 {
@@ -29,7 +29,7 @@ static plane plane_of(const lac_look *at)
                    .net = {a + 7 * n, a + 8 * n},
                    .size = a + 9 * n,
                    .hold = a + 10 * n,
-                   .mean_y = a + 11 * n};
+                   .mean_y = at->ws.mean + 2}; // also where no cell is here
 }
 
 // What a direction has of its own: the loads, and the tractions at the start. The rest it shares.

@@ -124,11 +124,21 @@ static bool follows_history(const lac_case *c, const lac_estimate *e)
     return !e->integrated && c->history.count > 0;
 }
 
+// The table of a free surface beside a plane (transfer/compliance.c).
+static double table_bytes(const lac_case *c)
+{
+    const lac_grid grid = lac_interface_grid(&c->interface);
+    const double waves = (double)grid.nx + 1, rows = (double)grid.ny;
+    lac_transfer_outline held = {0};
+    (void)lac_transfer_outline_of(&c->transfer, &held);
+    return held.surface && grid.ny > 1 ? 8 * waves * rows * rows : 0;
+}
+
 double lac_estimate_least_memory(const lac_case *c)
 {
     const lac_grid grid = lac_interface_grid(&c->interface);
     const double domain_bytes = 13; // pressures, and which are occupied
-    return base_bytes +
+    return base_bytes + table_bytes(c) +
            (double)lac_grid_cells(&grid) *
                (c->surface.info != NULL ? costs[c->interface.boundary].bytes : domain_bytes);
 }
@@ -139,7 +149,7 @@ static void count_memory(const lac_case *c, lac_estimate *e)
     double grid = costs[boundary].bytes + (e->integrated ? 0 : costs[boundary].kept_bytes);
     grid += follows_history(c, e) ? costs[boundary].history_bytes : 0;
     double integration = e->integrated ? 0.5 * e->unknowns * contact_cell_bytes * e->cells : 0;
-    e->memory = base_bytes + fmax(grid * e->grid_cells, integration);
+    e->memory = base_bytes + table_bytes(c) + fmax(grid * e->grid_cells, integration);
 }
 
 // As many as have a block of cells each, where ranks share the run at all (scene.c).

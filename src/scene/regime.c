@@ -163,6 +163,7 @@ void lac_regime_words(const lac_case *c, const lac_estimate *e, char text[static
 // so far that ode is the faster one again. At a coarser rtol than this events is off by more than
 // it promises (docs/choosing.md).
 enum { FEWEST_EVENTS_CELLS = 16 };
+static const double lump_ratio = 3; // docs/theory/lumped.md
 static const double soft_ratio = 0.8, stiff_ratio = 5, least_ratio = 0.002, least_level_ratio = 0.3,
                     coarsest_rtol = 1.001e-6;
 
@@ -239,7 +240,7 @@ static const char *asks_for_all(const lac_case *c)
 static bool needs_all(const char *key, char why[LAC_FIDELITY_ROOM])
 {
     if (key != NULL) {
-        (void)snprintf(why, LAC_FIDELITY_ROOM, "%s needs all cells at every step", key);
+        (void)snprintf(why, LAC_FIDELITY_ROOM, "%s goes with ode, not with events", key);
     }
     return key != NULL;
 }
@@ -382,6 +383,11 @@ lac_status lac_fidelity_settle(lac_scene *scene, lac_case *c, lac_fidelity_choic
     LAC_FAIL_IF(c->team != NULL && out->fidelity == LAC_FIDELITY_ASYNC, err, LAC_EINPUT,
                 "solver.fidelity auto would take events here, which ranks do not share: run this "
                 "case on one, with lacuna, or name ode");
+    LAC_FAIL_IF(
+        out->fidelity == LAC_FIDELITY_LUMPED && e.stiffness_ratio < lump_ratio, err, LAC_EINPUT,
+        "solver.fidelity lumped is for cells that slip together: k_0/k_crit is %.2g, and how "
+        "far off it may be is known from %g on; take ode, or auto",
+        e.stiffness_ratio, lump_ratio);
     if (c->run.fidelity == LAC_FIDELITY_AUTO) {
         c->run.fidelity = out->fidelity;
         status = out->fidelity == LAC_FIDELITY_ASYNC ? take_events(scene, c, out, err) : LAC_OK;

@@ -138,9 +138,6 @@ static lac_status follow(const lac_sweep *sweep, const lac_case *c,
     own.event = on_event;
     lac_case every = *c; // no more than a look: what it points to stays the case's
     every.use = NULL;
-    if (every.run.fidelity == LAC_FIDELITY_AUTO) { // of its steps series are made
-        every.run.fidelity = LAC_FIDELITY_ODE;
-    }
     every.run.record = (lac_cadence){.steps = 1, .time = NAN, .per_decade = NAN};
     every.run.snapshots = false;
     every.run.checkpoint = (lac_cadence){.steps = 0, .time = NAN, .per_decade = NAN};

@@ -469,6 +469,9 @@ lac_status lac_sweep_case(lac_sweep *sweep, size_t member, const lac_case **c, l
         sweep->current = NULL;
         LAC_TRY_RETURN(set_words(sweep, member, true, err));
     }
+    if (sweep->current->run.fidelity == LAC_FIDELITY_AUTO) { // series are made of its steps
+        sweep->current->run.fidelity = LAC_FIDELITY_ODE;
+    }
     *c = sweep->current;
     return LAC_OK;
 }

@@ -268,8 +268,11 @@ static double stiffness(const void *state, size_t level)
 static lac_transfer_outline outline(const void *given)
 {
     const lac_transfer_elastic *p = given;
-    return (lac_transfer_outline){
-        .rock = "", .k0 = NAN, .ratio = NAN, .anchored = !isnan(p->thickness) || p->outside != 0};
+    return (lac_transfer_outline){.rock = "",
+                                  .k0 = NAN,
+                                  .ratio = NAN,
+                                  .anchored = !isnan(p->thickness) || p->outside != 0,
+                                  .surface = p->boundary == FREE_SURFACE};
 }
 
 static void check_place(const void *given, const lac_transfer_place *place,

@@ -21,6 +21,7 @@ typedef struct lac_transfer_outline {
     double k0;        ///< where it is not: of the finest cells [Pa/m]
     double ratio;     ///< and of a level over that of the next finer one [1]; NaN: not given
     bool anchored;    ///< rock that stays behind holds the mean slip
+    bool surface;     ///< rock ends at a free surface: on a plane a table over pairs of rows
 } lac_transfer_outline;
 
 /// Where a transfer is to act.

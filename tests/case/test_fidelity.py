@@ -87,7 +87,7 @@ class Rule(Fidelity):
                 self.assertTrue(said.startswith(why), said)
 
     def test_ode_where_all_cells_are_asked_for(self):
-        for setting, why in (("output.fields=[slip]", "output.fields needs all cells at every step"),
+        for setting, why in (("output.fields=[slip]", "output.fields goes with ode, not with events"),
                              ("output.points=[{name: A, x: 1 m, y: 1 m}]", "output.points"),
                              ("analysis={events: {slip_rate: 1 mm/s}}", "analysis"),
                              ("solver.accuracy=1e-3", "solver.accuracy"), ("solver.projection=true", "solver.projection"),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // lacuna describe [KIND [NAME]]: models and sections of a case, from the library's own tables.
 #include "cli/common/describe.h"
+#include "base/nearest.h"
 #include "case/levels.h"
 #include "cli/common/words.h"
 #include "precursor/precursor.h"

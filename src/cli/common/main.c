@@ -104,7 +104,7 @@ static lac_status dispatch(const cli_request *request, lac_error *err)
     }
     LAC_FAIL_IF(request->team != NULL && !is_shared(request), err, LAC_EINPUT,
                 "%s%s is not shared by ranks: do it on one, with lacuna %s", request->command->name,
-                request->command->run == cli_run ? " --view and --from" : "",
+                request->command->run == cli_run ? " with --view or --from" : "",
                 request->command->name);
     say_what_is_cut(request);
     // One thread unless asked for more: two that share a busy core are slower than one.

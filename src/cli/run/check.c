@@ -115,12 +115,10 @@ static void print_size(const lac_estimate *e)
         }
         puts("");
     }
-    const double free_bytes = (double)cli_memory_free("");
-    printf("#   memory          %.10g MB", rounded(e->memory / 1e6, 2));
-    if (e->memory > free_bytes) {
-        printf(": more than the %.10g MB that are free", rounded(free_bytes / 1e6, 2));
-    }
-    puts("");
+    const double room = (double)cli_memory_free("") / 1e6;
+    const cli_text more = cli_format(": more than the %.10g MB that are free", rounded(room, 2));
+    printf("#   memory          %.10g MB%s\n", rounded(e->memory / 1e6, 2),
+           e->memory > 1e6 * room ? more.s : "");
     if (e->ranks > 1) {
         printf("#   ranks           up to %.0f, better %.0f (lacuna-mpi); each takes this memory\n",
                e->ranks, ceil(e->ranks / 4));

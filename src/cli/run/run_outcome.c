@@ -188,8 +188,8 @@ static void print_arrest(const cli_outcome *outcome)
 static void print_fidelity(const lac_outcome *of, const char *name)
 {
     const char *why = of->fidelity_why;
-    const cli_text chosen =
-        cli_format("%s, error at most %.1g: %s", name, of->fidelity_error, why != NULL ? why : "");
+    const cli_text chosen = cli_format("%s, error at most %.1g: %s; fewer records than by ode",
+                                       name, of->fidelity_error, why != NULL ? why : "");
     // That all cells go together is as it always is where nothing else is named.
     const bool told = why != NULL && of->source->run.fidelity != LAC_FIDELITY_ODE;
     cli_row_wrap("fidelity", told ? chosen.s : name);

@@ -16,8 +16,8 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 97142,
-    "lines that only present results": 24705,
+    "lines of src and include": 97169,
+    "lines that only present results": 24706,
     "public headers": 13,
     "exported names": 44,
     "circles of includes": 0,
