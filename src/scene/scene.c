@@ -126,7 +126,7 @@ lac_status lac_scene_lump(lac_scene *scene, const lac_lump *like, lac_error *err
 // What a run of ranks does not do: it is one of all cells in time, from its start.
 static lac_status check_team(const lac_case *c, lac_error *err)
 {
-    const int fidelity = c->run.fidelity;
+    const lac_fidelity fidelity = c->run.fidelity;
     const bool together = fidelity == LAC_FIDELITY_ODE || fidelity == LAC_FIDELITY_AUTO;
     const char *what = !together              ? "solver.fidelity other than ode"
                        : !isnan(c->accuracy)  ? "solver.accuracy"
