@@ -253,11 +253,25 @@ static void test_runs(void **state)
     }
 }
 
-// Cells that slip one by one: the run says that it cannot tell, and has no time.
+// Cells that slip one by one: refused before anything is computed in time.
+static void test_one_by_one(void **state)
+{
+    (void)state;
+    const scene_def def = {"domain: {full: {}}", "", "aging", "", "2e7", ""};
+    lac_case *c = read_scene(&def);
+    lac_simulation *simulation = NULL;
+    lac_error err = {""};
+    assert_int_equal(lac_simulation_create(c, NULL, &simulation, &err), LAC_EINPUT);
+    assert_non_null(strstr(err.message, "k_0/k_crit is"));
+    lac_simulation_free(simulation);
+    lac_case_free(c);
+}
+
+// A level too coarse for what it is to keep: the run says so, and has no time.
 static void test_too_soft(void **state)
 {
     (void)state;
-    const scene_def def = {"domain: {full: {}}", "", "aging", "", "2e7", ", lump: {level: 5}"};
+    const scene_def def = {"domain: {full: {}}", "", "aging", "", "1e8", ", lump: {level: 5}"};
     lac_case *c = read_scene(&def);
     lac_simulation *simulation = NULL;
     lac_error err = {""};
@@ -289,10 +303,10 @@ static void test_no_blocks(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_cubature),  cmocka_unit_test(test_few_points),
-        cmocka_unit_test(test_solve),     cmocka_unit_test(test_dense),
-        cmocka_unit_test(test_runs),      cmocka_unit_test(test_too_soft),
-        cmocka_unit_test(test_no_blocks),
+        cmocka_unit_test(test_cubature), cmocka_unit_test(test_few_points),
+        cmocka_unit_test(test_solve),    cmocka_unit_test(test_dense),
+        cmocka_unit_test(test_runs),     cmocka_unit_test(test_one_by_one),
+        cmocka_unit_test(test_too_soft), cmocka_unit_test(test_no_blocks),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
