@@ -33,6 +33,7 @@ static double *gather(const lac_range *range, const double *x, size_t arrays)
     const bool leads = lac_team_leads(range->team);
     double *all = leads ? malloc((arrays * range->all + 1) * sizeof *all) : NULL;
     if (lac_team_any(range->team, leads && all == NULL)) {
+        free(all);
         return NULL;
     }
     for (size_t a = 0; range->team != NULL && a < arrays; a++) {

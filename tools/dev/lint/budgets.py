@@ -16,7 +16,7 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 97169,
+    "lines of src and include": 97170,
     "lines that only present results": 24706,
     "public headers": 13,
     "exported names": 44,
