@@ -2,6 +2,7 @@
 // lacuna-mpi: the ranks of an MPI job as a team. Nothing else knows of MPI.
 #include <fcntl.h>
 #include <mpi.h>
+#include <signal.h>
 #include <unistd.h>
 
 #include "cli/team/team.h"
@@ -104,6 +105,9 @@ void cli_team_leave(lac_team *team, lac_status status, const lac_error *err, int
                       team->rank, err->message);
         (void)MPI_Abort(MPI_COMM_WORLD, exit_status);
     }
+    // mpirun asks ranks to stop that leave after one with an error: all is said by now.
+    (void)signal(SIGTERM, SIG_IGN);
+    (void)signal(SIGINT, SIG_IGN);
     (void)MPI_Finalize();
     free(team != NULL ? team->context : NULL);
 }
