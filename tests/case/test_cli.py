@@ -919,7 +919,9 @@ class Describe(Case):
         self.assertNotIn("\n  shear", text)
         found = json.loads(self.expect(0, "describe", "Angle", "--json").stdout)["found"]
         self.assertIn(("normal", "slope", "angle"), {(hit["kind"], hit["name"], hit["key"]) for hit in found})
-        self.assertNotIn("rectangle", str(found))  # words begin so, they do not merely hold it
+        found = json.loads(self.expect(0, "describe", "rest", "--json").stdout)["found"]
+        for hit in found:  # words begin so, they do not merely hold it: "the rest", not "forest"
+            self.assertRegex(" ".join((hit["name"], hit["key"], hit["text"])), r"(?i)(?<![a-z0-9])rest")
         self.expect(2, "describe", "no")           # in no text as two letters
         self.expect(2, "describe", "water", "--pipe")
 
