@@ -679,7 +679,7 @@ class Contact(Case):
         self.assertAlmostEqual(done["n_cells"] / 64 ** 2, done["contact_fraction"], delta=1e-12)
 
     def test_area_scaling_of_a_fine_grid(self):
-        # J07 at p/E* = 0.01: the areas at 64, 128 and 256 cells a side (docs/theory/fractal.md).
+        # J07 at p/E* = 0.01: the areas at 64, 128 and 256 cells a side (docs/tables/theory-fractal.md).
         done = json.loads(self.expect(
             0, "contact", "joint.yaml", "--json", "--set", "interface.levels=9", "--set",
             "interface.surface={benchmark: {name: J07}}", "--set",

@@ -56,7 +56,7 @@ static void exact_without_coupling(void **state)
     }
 }
 
-// The table of docs/theory/tangential.md, in hundredths.
+// The table of docs/tables/theory-tangential.md, in hundredths.
 static void its_error_with_coupling(void **state)
 {
     static const struct {

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The creep of contacts pulled slowly against the cascade of slip: the tables of docs/theory/bridge.md.
+"""The creep of contacts pulled slowly against the cascade of slip: the tables of docs/tables/theory-bridge.md.
 
     tools/studies/bridge.py [TABLE ...] [--runs N] [--jobs N] [--picture PNG]
 

@@ -4,7 +4,7 @@
 
     hindcasts.py [--program build/lacuna] [--data FOLDER]
 
-Prints Markdown for docs/theory/forecasting.md. FOLDER has series that may not be shipped; those that are not there are
+Prints Markdown for docs/tables/theory-forecasting.md. FOLDER has series that may not be shipped; those that are not there are
 left out. Rules: a series is read whole, with the columns, units and drivers of SERIES below, at default thresholds, at
 each of its readings from what was known then. No window, onset or smoothing is chosen. A file of cases/data stands for one
 of the same name in FOLDER, and a file that is not named below is named in the output. The comparisons after that use
