@@ -37,7 +37,7 @@ CONTENTS = (
                 "docs/surfaces-from-files.md")),
     ("Choices", ("docs/choosing.md", "docs/trade.md", "docs/*.md")),
     ("Theory", ("docs/theory/*.md",)),
-    ("Reference", ("docs/case.md", "docs/format.md", "commands/lacuna.md", "commands/*.md",
+    ("Reference", ("docs/case.md", "docs/format.md", "docs/tables/*.md", "commands/lacuna.md", "commands/*.md",
                    "cases.md", "headers.md")),
     ("Development", TOP[1:] + ("docs/adr/README.md", "docs/adr/*.md", "docs/paper/*.md")),
 )
