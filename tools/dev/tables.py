@@ -249,11 +249,12 @@ def meaning(name, variable):
 
 
 def files_page(written, indicators):
-    """The variables of files, (command, path) of each, a table a command."""
+    """The variables and attributes of files, (command, path) of each, a table a command."""
     import netCDF4
-    tables = {}
+    tables, attributes = {}, {}
     for command, path in written:
         with netCDF4.Dataset(path) as file:
+            attributes.setdefault(command, {}).update(dict.fromkeys(file.ncattrs()))
             for name, variable in file.variables.items():
                 shown = named(name, variable, indicators)
                 if shown is None:
@@ -269,6 +270,8 @@ def files_page(written, indicators):
     for command, rows in tables.items():
         text += f"\n## The file of `lacuna {command}`\n\n| variable | dimensions | unit | meaning |\n" + "| --- " * 4 + "|\n"
         text += "".join(f"| `{name}` | " + " | ".join(row) + " |\n" for name, row in rows.items())
+        own = [name for name in attributes[command] if command == "run" or name not in attributes["run"]]
+        text += "\nAttributes: " + ", ".join(f"`{name}`" for name in own) + ".\n"
     return text
 
 
