@@ -31,6 +31,7 @@ PRESENTING = re.compile(r"src/(cli|store|report|data)/|src/\w+/describe\w*\.[ch]
 RECORD = "include/lacuna/simulation.h"  # where lac_record is
 PAGES = ("README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md")
 MADE = "docs/tables/"  # by commands
+WORD = re.compile(r"[^\W_]")
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*"([^"]+)"', re.MULTILINE)
 
 
@@ -90,10 +91,10 @@ def reached(texts, start):
 
 
 def words(root):
-    """The words of each page; a table, a command and what it prints count as they stand."""
+    """The words of each page, what has a letter or a digit; commands and what they print count, too."""
     pages = [p for p in source.files(root, ["docs"], (".md",)) if not p.startswith(MADE)]
     pages += [p for p in PAGES if os.path.exists(os.path.join(root, p))]
-    return {page: len(source.read(root, page).split()) for page in pages}
+    return {page: sum(WORD.search(word) is not None for word in source.read(root, page).split()) for page in pages}
 
 
 def measure(root):
