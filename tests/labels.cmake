@@ -16,7 +16,7 @@ set(about_data
   "case\\.test_(branch|domain_file|every_call|export|fit_resume|points|resume|rg_file|rg_parts)")
 set(about_page "unit\\.test_(live|report)" "case\\.test_(pictures|report|report_page|view|view_page)")
 set(about_docs
-  "case\\.(README|format|install|rg-results|tables|rocks|vajont|howto-.*|tutorial-.*)"
+  "case\\.(README|format|install|rg-results|tables|vajont|howto-.*|tutorial-.*)"
   "case\\.test_(commands|howto_law|names|site)")
 set(about_base
   "unit\\.test_(date|error|filter|free_memory|memory|part|team|units|units_usual|vector|vmath|write_text)")

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Names that the documentation states are those of the program, both ways: options and JSON keys of
-the manual pages, variables, dimensions and attributes of docs/format.md, keys of a case.
+the manual pages, attributes of docs/format.md, variables of docs/tables/files.md, keys of a case.
 
 usage: test_names.py PROGRAM SOURCE_FOLDER [FOLDER_OF_FILES]
 
@@ -12,7 +12,6 @@ import glob
 import json
 import os
 import re
-import shlex
 import shutil
 import subprocess
 import sys
@@ -23,71 +22,13 @@ import netCDF4
 
 PROGRAM, SOURCE = map(os.path.abspath, sys.argv[1:3])
 FILES = os.path.abspath(sys.argv[3]) if len(sys.argv) > 3 else ""
-sys.path.insert(0, os.path.join(SOURCE, "tests", "support"))
+sys.path[:0] = [os.path.join(SOURCE, "tests", "support"), os.path.join(SOURCE, "tools", "dev")]
 import completed  # noqa: E402
 import doc_commands  # noqa: E402
-
-# (command, its words): between them they print every key and write every variable.
-CALLS = (
-    ("run", "cases/block.yaml -o block.nc --set institution=Somewhere"),
-    ("run", "cases/block.yaml -o picked.nc --accuracy 1%"),
-    ("run", "cases/block.yaml -o few.nc --set solver.fidelity=lumped"),
-    ("run", "cases/block.yaml -o open.nc --set solver.fidelity=auto"),
-    ("run", "cases/block.yaml -o kept.nc --set 'output.fields=[slip, slip_rate, state]'"),
-    ("run", "--from kept.nc --at 3 -o branch.nc --set solver.rtol=1e-7"),
-    ("check", "--from kept.nc --at 3"),
-    ("run", "cases/transfer/micro-slips.yaml -o run.nc --set analysis.rg.field=equal --set "
-            "output.fields=[slip,slip_rate,state,traction,pore_pressure] --set output.fields_every.steps=200 "
-            "--set 'output.points=[{name: A, x: 1 mm, y: 1 mm}]'"),
-    ("run", "cases/load/reservoir.yaml -o lake.nc --set output.fields=[factor_of_safety] --set "
-            "'output.factor_of_safety.reference_rate=0.5 mm/day'"),
-    ("run", "cases/load/turning.yaml -o turned.nc --set interface.levels=3 --set 'output.points=[{name: A, x: 1 m, y: 1 m}]'"),
-    ("run", "cases/load/rain.yaml -o rain.nc"),
-    ("run", "cases/weakening/pressurization.yaml -o hot.nc --set output.fields=[excess_pore_pressure,temperature]"),
-    ("run", "cases/weakening/bridges.yaml -o broken.nc --set output.fields=[broken_cohesion]"),
-    ("run", "cases/load/water-table.yaml -o table.nc"),
-    ("run", "cases/load/chair.yaml -o chair.nc"),
-    ("run", "cases/load/toe.yaml -o toe.nc"),
-    ("contact", "cases/surface/joint.yaml -o joint.nc"),
-    ("contact", "cases/surface/file.yaml -o file.nc"),
-    ("contact", "cases/contact/self-affine.yaml -o contact.nc"),
-    ("contact", "cases/shear-cycle.yaml -o cycle.nc --set interface.levels=6"),
-    ("rg", "cases/rg/fix.yaml -o rg.nc"),
-    ("rg", "run.nc -o now.nc"),
-    ("precursors", "cases/data/creep.csv --displacement disp_mm:mm --driver cases/data/creep.csv/disp_mm:mm -o series.nc --rolling --failed-at "
-                   "2020-08-12"),
-    ("precursors", "run.nc -o run-precursors.nc"),
-    ("precursors", "cases/data/creep.csv --case cases/fit/block.yaml -o fitted.nc --set fit.steps=8 "
-                   "--set fit.burn=2 --set fit.starts=2 --onset 5,20"),
-    ("fit", "cases/vajont-lake.yaml cases/data/vajont_rates.csv -o stated.nc --set fit.steps=8 --set fit.burn=2 "
-            "--set fit.rounds=0 --set fit.starts=2 --set fit.walkers=12"),
-    ("fit", "cases/fit/block.yaml cases/data/creep.csv -o fit.nc --set fit.steps=8 --set fit.burn=2 "
-            "--set fit.starts=2 --set 'output.points=[{name: A}]' --set fit.point=A"),
-    ("fit", "cases/fit/velocity-step.yaml cases/data/velocity_step.csv -o step.nc --set fit.starts=2 --set fit.steps=8 "
-            "--set fit.burn=2 --set fit.rounds=0"),
-    ("trade", "cases/block.yaml -o trade.nc --dials rtol=1e-3:1e-5 --reach 1%"),
-    ("sweep", "cases/block.yaml -o sweep.nc --design saltelli --members 8 --over friction.aging.dc='uniform(1 mm, 2 mm)' "
-              "--over friction.aging.a='uniform(0.009, 0.01)'"),
-    ("sweep", "cases/block.yaml -o tornado.nc --design tornado --over friction.aging.dc='1 mm, 2 mm'"),
-    ("check", "cases/vajont.yaml"),
-    ("run", "cases/century.yaml -o compared.nc --set 'output.points=[{name: A}]' --set compare.0.point=A"),
-    ("report", "block.nc"),
-    ("export", "run.nc"),
-    ("new", "slope"),
-    ("new", "fitted --kind fit"),
-    ("describe", ""),
-    ("describe", "water"),
-    ("describe", "rock limestone"),
-    ("completion", "bash"),
-)
-
+import tables  # noqa: E402
 
 def call(words, folder=SOURCE, status=0):
-    done = subprocess.run([PROGRAM, *words], capture_output=True, text=True, check=False, timeout=200,
-                          cwd=folder, stdin=subprocess.DEVNULL)
-    if done.returncode != status:
-        raise AssertionError(f"{words}: {done.returncode}\n{done.stderr}")
-    return done.stdout
+    return tables.call(PROGRAM, words, folder, status)
 
 
 def manual(command):
@@ -142,9 +83,9 @@ def stated(text):
 
 
 def parts(page):
-    """Sections of docs/format.md by the command that writes the file."""
+    """Sections of a page by the command that writes the file; of docs/format.md that of a run is first."""
     found = {"run": page[:page.index("## The file of")]}
-    for match in re.finditer(r"^## The file of `lacuna (\w+)`\n(.*?)(?=^##? )", page,
+    for match in re.finditer(r"^## The file of `lacuna (\w+)`\n(.*?)(?=^##? |\Z)", page,
                              re.DOTALL | re.MULTILINE):
         found[match.group(1)] = match.group(2)
     return found
@@ -202,24 +143,25 @@ class Written(unittest.TestCase):
     def setUpClass(cls):
         cls.folder = tempfile.mkdtemp(prefix="lacuna-names-")
         cls.addClassCleanup(shutil.rmtree, cls.folder, ignore_errors=True)
-        os.symlink(os.path.join(SOURCE, "cases"), os.path.join(cls.folder, "cases"))
-        cls.printed, cls.files = {}, {}
-        for command, words in CALLS:
-            words = shlex.split(words)
-            # of eight steps no sampler converges: what it drew is written all the same
-            text = call([command, *words, "--json"], cls.folder, 1 if command == "fit" else 0)
+        cls.printed, cls.files, cls.written = {}, {}, []
+        for command, text, path in tables.make_files(PROGRAM, cls.folder):
             cls.printed.setdefault(command, set()).update(keys(json.loads(text)))
-            if "-o" in words:
-                cls.files[os.path.join(cls.folder, words[words.index("-o") + 1])] = command
+            if path:
+                cls.files[path] = command
+                cls.written.append((command, path))
         wrong = os.path.join(SOURCE, "tests", "case", "wrong", "alpha-without-b.yaml")
         cls.printed["check"] |= keys(json.loads(call(["check", wrong, "--json"], status=2)))
         for path in glob.glob(os.path.join(FILES, "*-*.nc")) if FILES else ():
             with netCDF4.Dataset(path) as file:
                 cls.files[path] = re.match(r".*?lacuna(?: -\S+)* (\w+)", file.history).group(1)
-        cls.page = parts(doc_commands.read(os.path.join(SOURCE, "docs", "format.md")))
-        described = json.loads(call(["describe", "indicator", "--json"]))["kinds"][0]["models"]
-        cls.indicated = {f"{m['name']}_{v['key']}" for m in described for v in m["values"]}
-        cls.indicated |= {f"{m['name']}_points" for m in described}
+        cls.page, listed = (parts(doc_commands.read(os.path.join(SOURCE, "docs", *path)))
+                            for path in (("format.md",), ("tables", "files.md")))
+        cls.known = {command: text + listed.get(command, "") for command, text in cls.page.items()}
+        cls.indicated = tables.of_indicators(PROGRAM)
+
+    def test_variables(self):
+        """The page of variables is what the files say of them."""
+        self.assertEqual(tables.difference("files", tables.files_page(self.written, self.indicated)), [])
 
     def test_json(self):
         """Every key is in the manual page, and every key of the page is printed."""
@@ -232,17 +174,15 @@ class Written(unittest.TestCase):
 
     def test_every_name_in_a_file_is_documented(self):
         self.assertGreater(len(self.files), 12)
-        everywhere = quoted(self.page["run"])
+        everywhere = quoted(self.known["run"])
         for path, command in self.files.items():
-            known = quoted(self.page[command])
+            known = quoted(self.known[command])
             with self.subTest(path), netCDF4.Dataset(path) as file:
-                own = {name for name, variable in file.variables.items()
-                       if {"case_key", "sweep_key"} & set(variable.ncattrs())}
-                names = {re.sub(r"level_\d+$", "level_0", name) for name in file.variables}
-                self.assertEqual({n for n in names if not n.startswith("driver_")} - known - own - self.indicated, set())
+                names = {tables.named(*item, self.indicated) for item in file.variables.items()} - {None}
+                self.assertEqual(names - known, set())
                 self.assertEqual(set(file.ncattrs()) - known - everywhere, set())
                 for name in file.dimensions:
-                    self.assertRegex(self.page[command], rf"\b{name}\b")
+                    self.assertRegex(self.known[command], rf"\b{name}\b")
 
     def test_every_documented_name_is_in_a_file(self):
         found = {}

@@ -75,8 +75,8 @@ class Site(unittest.TestCase):
 
     def test_tables_of_many_columns(self):
         """Rows of short cells stay one line high; tables with words keep to the page."""
-        wide = {path for path in ("docs/trade.html", "docs/costs.html", "index.html", "docs/case.html") if '<table class="wide">' in self.pages[path].text}
-        self.assertEqual(wide, {"docs/trade.html", "docs/costs.html"})
+        wide = {path for path in ("docs/tables/trade.html", "docs/tables/costs.html", "index.html", "docs/tables/case-keys.html") if '<table class="wide">' in self.pages[path].text}
+        self.assertEqual(wide, {"docs/tables/trade.html", "docs/tables/costs.html"})
         with open(os.path.join(self.folder, "css/lacuna.css"), encoding="utf-8") as file:
             self.assertIn("table.wide td { white-space: nowrap; }", file.read())
 
@@ -110,7 +110,7 @@ class Site(unittest.TestCase):
             for form in ("```", r"\| ?---", r"<p>[-*] ", r"\n[-*] [^\n]*\n[-*] "):
                 left += [f"{path}: {found.group()}" for found in re.finditer(form, text)]
         self.assertFalse(left, "\n".join(left))
-        self.assertGreater(self.pages["docs/case.html"].tables, 10)
+        self.assertGreater(self.pages["docs/tables/case-keys.html"].tables, 10)
 
     def test_anchors_are_those_of_the_lint(self):
         def module(*path):

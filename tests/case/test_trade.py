@@ -446,7 +446,7 @@ class Table(Program):
 
     def test_every_case(self):
         """The page has a row for each bundled case."""
-        with open(os.path.join(SOURCE, "docs/trade.md"), encoding="utf-8") as file:
+        with open(os.path.join(SOURCE, "docs/tables/trade.md"), encoding="utf-8") as file:
             part = file.read().split("<!-- trade table -->")[1]
         rows = {line.split(" ")[1] for line in part.splitlines() if line.startswith("| ")}
         cases = os.path.join(SOURCE, "cases")

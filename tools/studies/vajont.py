@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Vajont with its lake: the fit, what was to be said at dates of issue, and the picture of both.
 
-    vajont.py fit [--fit FIT.nc]          samples the posterior, FIT.nc; prints tables for docs/vajont.md
+    vajont.py fit [--fit FIT.nc]          samples the posterior, FIT.nc; prints tables for docs/tables/vajont.md
     vajont.py issues                      forecasts at 20 August, 20 September and 3 October 1963
     vajont.py picture [--fit FIT.nc] [-o docs/images/vajont-lake.png]
     all with [--program build/lacuna] [--threads 2] [--draws 200]

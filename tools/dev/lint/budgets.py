@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the house may cost: numbers that grow unseen, each with its budget.
 
-    budgets.py [ROOT] [--names LIBRARY]     LIBRARY: the shared one, for what it exports
+    budgets.py [ROOT] [--names LIBRARY] [--pages]     LIBRARY: the shared one, for what it exports;
+                                                      --pages: the words of each page, too
 
 A budget is raised only in a commit that says why; it is lowered with each commit that saves.
 """
@@ -23,10 +24,14 @@ BUDGETS = {
     "circles of includes": 0,
     "files without an opening comment": 0,
     "objects that one field more in a record compiles anew": 53,
+    "words that people write and read": 96475,
 }
 
 PRESENTING = re.compile(r"src/(cli|store|report|data)/|src/\w+/describe\w*\.[ch]$")
 RECORD = "include/lacuna/simulation.h"  # where lac_record is
+PAGES = ("README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md")
+MADE = "docs/tables/"  # by commands
+WORD = re.compile(r"[^\W_]")
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*"([^"]+)"', re.MULTILINE)
 
 
@@ -85,6 +90,13 @@ def reached(texts, start):
     return {path for path in seen if path.endswith(".c")}
 
 
+def words(root):
+    """The words of each page, what has a letter or a digit; commands and what they print count, too."""
+    pages = [p for p in source.files(root, ["docs"], (".md",)) if not p.startswith(MADE)]
+    pages += [p for p in PAGES if os.path.exists(os.path.join(root, p))]
+    return {page: sum(WORD.search(word) is not None for word in source.read(root, page).split()) for page in pages}
+
+
 def measure(root):
     texts = {p: source.read(root, p) for p in source.files(root, ["include", "src"], (".c", ".h"))}
     graph = collections.defaultdict(set)
@@ -100,6 +112,7 @@ def measure(root):
         "circles of includes": circles(graph),
         "files without an opening comment": len(silent),
         "objects that one field more in a record compiles anew": len(reached(texts, RECORD)),
+        "words that people write and read": sum(words(root).values()),
     }
 
 
@@ -109,16 +122,20 @@ def exported(library):
     return sum(line.split()[-1].startswith("lac_") for line in listing.splitlines())
 
 
-def main(words):
-    root = "."
+def main(given):
+    root, pages = ".", False
     numbers = {}
-    while words:
-        word = words.pop(0)
+    while given:
+        word = given.pop(0)
         if word == "--names":
-            numbers["exported names"] = exported(words.pop(0))
+            numbers["exported names"] = exported(given.pop(0))
+        elif word == "--pages":
+            pages = True
         else:
             root = word
     numbers.update(measure(root))
+    for page, number in sorted(words(root).items(), key=lambda item: -item[1]) if pages else ():
+        print(f"{number:6}  {page}")
     for what, number in numbers.items():
         print(f"{number:6} of {BUDGETS[what]:6}  {what}")
     over = [f"{what}: {n}, {n - BUDGETS[what]} over" for what, n in numbers.items() if n > BUDGETS[what]]

@@ -294,7 +294,7 @@ class Budgets(unittest.TestCase):
     def measure(self, **files):
         with tempfile.TemporaryDirectory() as root:
             for name, text in files.items():
-                path = os.path.join(root, name.replace("__", "/").replace("_h", ".h").replace("_c", ".c"))
+                path = os.path.join(root, name.replace("__", "/").replace("_h", ".h").replace("_c", ".c").replace("_md", ".md"))
                 os.makedirs(os.path.dirname(path), exist_ok=True)
                 with open(path, "w", encoding="utf-8") as file:
                     file.write(text)
@@ -307,6 +307,10 @@ class Budgets(unittest.TestCase):
         self.assertEqual(found["lines that only present results"], 5)
         self.assertEqual(found["public headers"], 1)
         self.assertEqual(found["files without an opening comment"], 1)
+
+    def test_words(self):
+        found = self.measure(docs__a_md="one 2\n| three |\n", docs__tables__b_md="made\n", README_md="four\n")
+        self.assertEqual(found["words that people write and read"], 4)
 
     def test_circles(self):
         one = {"src__base__a_h": '#include "base/b.h"\n', "src__base__b_c": '#include "base/a.h"\n'}
