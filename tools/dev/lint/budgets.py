@@ -16,8 +16,8 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 97199,
-    "lines that only present results": 24735,
+    "lines of src and include": 97207,
+    "lines that only present results": 24743,
     "public headers": 13,
     "exported names": 44,
     "circles of includes": 0,
