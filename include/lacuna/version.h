@@ -6,7 +6,7 @@
 
 LAC_BEGIN_C
 
-#define LACUNA_VERSION "0.1.0"
+#define LACUNA_VERSION "0.2.0"
 
 /// LACUNA_VERSION of the library itself: of the headers that it was compiled with.
 const char *lac_version(void);

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What is installed serves: the example against the shared and the static library by pkg-config and
-by CMake's package, the Python module, manual pages, words for shells, and all of it from the two .deb; the wheel.
+by CMake's package, the Python module, manual pages, words for shells, and all of it from the .debs; the wheel.
 
 usage: test_install.py PROGRAM SOURCE_FOLDER BUILD_FOLDER
 """
@@ -52,7 +52,7 @@ class Prefix:
 
     def checks_of_library(self):
         library = os.path.realpath(os.path.join(self.prefix, "lib", "liblacuna.so"))
-        self.assertRegex(call("readelf", "-d", library), r"SONAME.*\[liblacuna\.so\.0\.1\]")
+        self.assertRegex(call("readelf", "-d", library), r"SONAME.*\[liblacuna\.so\.0\.2\]")
         listing = call("nm", "-D", "--defined-only", library)
         names = {line.split()[-1].split("@")[0] for line in listing.splitlines()}
         self.assertEqual({n for n in names if not n.startswith("LACUNA_")}, declared())
@@ -62,6 +62,8 @@ class Prefix:
         case = os.path.join(self.prefix, "share", "lacuna", "cases", "block.yaml")
         self.assertIn("failure", call(lacuna, "run", case, "-o",
                                       os.path.join(self.folder, "block.nc"), "--force"))
+        for case in ("seas/bp1", "peers/plane-patch", "load/field"):  # with the maps that they read
+            call(lacuna, "check", os.path.join(self.prefix, "share", "lacuna", "cases", case + ".yaml"))
 
     def checks_of_pages(self):
         commands = completed.commands(PROGRAM)
@@ -129,7 +131,7 @@ class Installed(Prefix, unittest.TestCase):
 
     def test_pkg_config(self):
         needed = self.example(self.compile("shared", *self.flags()))
-        self.assertIn("liblacuna.so.0.1", needed)
+        self.assertIn("liblacuna.so.0.2", needed)
         self.assertNotIn("sundials", needed)
 
     def test_pkg_config_static(self):
@@ -141,7 +143,7 @@ class Installed(Prefix, unittest.TestCase):
         call("cmake", "-S", os.path.join(SOURCE, "docs", "embed"), "-B", build,
              "-DCMAKE_PREFIX_PATH=" + self.prefix)
         call("cmake", "--build", build)
-        self.assertIn("liblacuna.so.0.1", self.example(os.path.join(build, "creep")))
+        self.assertIn("liblacuna.so.0.2", self.example(os.path.join(build, "creep")))
 
     def test_example_says_what_is_wrong(self):
         program = self.compile("wrong", *self.flags())
@@ -229,7 +231,10 @@ class Package(Prefix, unittest.TestCase):
         call("cpack", "--config", os.path.join(BUILD, "CPackConfig.cmake"), "-B", cls.folder)
         cls.package, = glob.glob(os.path.join(cls.folder, "lacuna_*.deb"))
         cls.python, = glob.glob(os.path.join(cls.folder, "python3-lacuna_*_all.deb"))
-        for package in (cls.package, cls.python):
+        cls.library, = glob.glob(os.path.join(cls.folder, "liblacuna0*.deb"))
+        cls.dev, = glob.glob(os.path.join(cls.folder, "liblacuna-dev_*.deb"))
+        cls.all = glob.glob(os.path.join(cls.folder, "*.deb"))
+        for package in (cls.package, cls.python, cls.library, cls.dev):
             call("dpkg-deb", "-x", package, os.path.join(cls.folder, "root"))
         cls.prefix = os.path.join(cls.folder, "root", "usr")
 
@@ -247,17 +252,40 @@ class Package(Prefix, unittest.TestCase):
                          call(PROGRAM, "--version").split()[1])
 
     def test_python_package(self):
-        """The module and nothing else, of the library's version alone; the other package has all else."""
+        """The module and its licence, of the library's version alone; the other packages have all else."""
         field = lambda name: call("dpkg-deb", "-f", self.python, name).strip()  # noqa: E731
         version = call(PROGRAM, "--version").split()[1]
         self.assertEqual((field("Package"), field("Version"), field("Architecture")), ("python3-lacuna", version, "all"))
         self.assertEqual(set(field("Depends").split(", ")),
-                         {f"lacuna (= {version})", "python3", "python3-numpy", "python3-xarray"})
-        held = [line.split()[-1] for line in call("dpkg-deb", "-c", self.python).splitlines() if line.startswith("-")]
-        self.assertEqual(held, ["./usr/lib/python3/dist-packages/lacuna.py"])
-        self.assertNotIn("lacuna.py", call("dpkg-deb", "-c", self.package))
-        for package in (self.package, self.python):
-            self.assertGreaterEqual(len(call("dpkg-deb", "-f", package, "Description").splitlines()), 3)
+                         {f"liblacuna0.2 (= {version})", f"lacuna (= {version})", "python3", "python3-numpy", "python3-xarray"})
+        self.assertEqual(self.files_of(self.python), {"lib/python3/dist-packages/lacuna.py", "share/doc/python3-lacuna/copyright"})
+
+    def files_of(self, package):
+        listing = call("dpkg-deb", "-c", package).splitlines()
+        return {line.split()[5].removeprefix("./usr/") for line in listing if not line.startswith("d")}
+
+    def test_each_file_is_in_one_package(self):
+        """Its licence in each; what only a compiler reads in -dev, what a program loads in the library's."""
+        seen = {}
+        for package in self.all:
+            name = call("dpkg-deb", "-f", package, "Package").strip()
+            for path in self.files_of(package):
+                self.assertNotIn(path, seen)
+                seen[path] = name
+            self.assertEqual(seen.get(f"share/doc/{name}/copyright"), name)
+            self.assertGreaterEqual(len(call("dpkg-deb", "-f", package, "Description").splitlines()), 2)
+        for path, name in (("lib/liblacuna.so.0.2", "liblacuna0.2"), ("lib/liblacuna.so", "liblacuna-dev"), ("lib/liblacuna.a", "liblacuna-dev"),
+                           ("include/lacuna/lacuna.h", "liblacuna-dev"), ("lib/pkgconfig/lacuna.pc", "liblacuna-dev"),
+                           ("bin/lacuna", "lacuna"), ("bin/lacuna-mpi", "lacuna-mpi")):
+            self.assertEqual(seen.get(path, name if path == "bin/lacuna-mpi" else None), name)
+
+    def test_times_are_of_the_release(self):
+        """So that the same sources give the same bytes: tools/dev/reproduce."""
+        with open(os.path.join(SOURCE, "CITATION.cff"), encoding="utf-8") as file:
+            released = re.search(r"^date-released: (\S+)$", file.read(), re.MULTILINE).group(1)
+        days = {line.split()[3] for package in self.all for line in
+                call("dpkg-deb", "-c", package, env=dict(os.environ, TZ="UTC")).splitlines()}
+        self.assertEqual(days, {released})
 
     def test_it_takes_away_what_python_wrote(self):
         script = call("dpkg-deb", "-I", self.python, "prerm")
@@ -314,7 +342,7 @@ class Wheel(unittest.TestCase):
         os.rename(library, library + ".gone")
         done = subprocess.run([python, "-c", "import lacuna"], env=bare, capture_output=True, text=True, check=False)
         self.assertRegex(done.stderr.splitlines()[-1],
-                         r"^ImportError: no library of Lacuna: liblacuna\.so\.0\.1: cannot open .*; LACUNA_LIBRARY names it$")
+                         r"^ImportError: no library of Lacuna: liblacuna\.so\.0\.2: cannot open .*; LACUNA_LIBRARY names it$")
 
 
 if __name__ == "__main__":

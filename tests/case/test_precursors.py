@@ -98,9 +98,11 @@ class Precursors(unittest.TestCase):
     def test_wrong_options(self):
         with open(os.path.join(self.folder, "damaged.nc"), "wb") as file:
             file.write(b"\x89HDF\r\n\x1a\n" + bytes(90))
+        self.write("units.csv", "t,b,way [mm],rain [mm]\n1,2,3,4\n")
         data = ["log.csv", "--displacement", "d:m", "--time-format", "day"]
         for words, says in (
                 (["log.csv"], "which column is what? --displacement COLUMN:UNIT and/or --velocity COLUMN:UNIT; its columns are t, d"),
+                (["units.csv"], r'its columns are t, b, way [mm], rain [mm]; perhaps --displacement "way [mm]"'),
                 (["none.csv", "--displacement", "d:m"], "none.csv: No such file"),
                 (["none.nc"], "none.nc: No such file"),
                 (["damaged.nc"], "damaged.nc: is damaged"),

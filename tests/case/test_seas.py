@@ -38,6 +38,11 @@ class Seas(Case):
         for at, known in zip(found, (196.389, 271.906)):
             self.assertLess(abs(at - known), 2e-3)
 
+    def test_text_says_when(self):
+        said = self.expect(0, "run", os.path.join(test_cli.SOURCE, "cases", "seas", "bp1.yaml"), "-q", "-o", "out.nc", "--set", "time.end=280 year",
+                           "--set", "solver.rtol=1e-3").stdout
+        self.assertRegex(said, r"slip events +2 above 1 mm/s: after 196\.\d+ year, the last after 27[12]\.\d+ year; --json has all\n")
+
     def test_bp5(self):
         """The second earthquake of an independent program with Okada's half-space on the same cells: after 235.82 years."""
         found = self.earthquakes("bp5", "--set", "solver.rtol=1e-4")

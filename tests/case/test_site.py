@@ -77,13 +77,19 @@ class Site(unittest.TestCase):
         """Rows of short cells stay one line high; tables with words keep to the page."""
         wide = {path for path in ("docs/tables/trade.html", "docs/tables/costs.html", "index.html", "docs/tables/case-keys.html") if '<table class="wide">' in self.pages[path].text}
         self.assertEqual(wide, {"docs/tables/trade.html", "docs/tables/costs.html"})
-        with open(os.path.join(self.folder, "css/lacuna.css"), encoding="utf-8") as file:
+        with open(os.path.join(self.folder, "style.css"), encoding="utf-8") as file:
             self.assertIn("table.wide td { white-space: nowrap; }", file.read())
 
     def test_nothing_is_fetched_from_elsewhere(self):
         for path, page in self.pages.items():
             outside = [what for what in page.fetched if re.match(r"(https?:)?//", what)]
             self.assertEqual(outside, [], path)
+
+    def test_notebooks_hold_what_they_gave(self):
+        page = self.pages["docs/notebook/joint.html"]
+        self.assertEqual(sum(what.endswith(".png") for what in page.fetched), 6)
+        self.assertIn("slipping cells at the end:", re.sub(r"<pre><code.*?</pre>", "", page.text, flags=re.DOTALL))
+        self.assertIn("joint.ipynb", page.links)
 
     def test_every_page_is_there(self):
         listed = {os.path.normpath(link.partition("#")[0]) for link in self.pages["index.html"].links}

@@ -12,11 +12,15 @@ if(TARGET lacuna_mpi)
   install(TARGETS lacuna_mpi RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT mpi)
 endif()
 if(LACUNA_STATIC)
-  install(TARGETS lacuna ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  install(TARGETS lacuna ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev)
 endif()
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/lacuna DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/lacuna DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT dev)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/cases DESTINATION ${CMAKE_INSTALL_DATADIR}/lacuna OPTIONAL
         PATTERN "*.nc" EXCLUDE)
+foreach(folder data peers seas)  # maps and records that cases read; other .nc files are of runs
+  file(GLOB read CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/cases/${folder}/*.nc)
+  install(FILES ${read} DESTINATION ${CMAKE_INSTALL_DATADIR}/lacuna/cases/${folder})
+endforeach()
 file(GLOB pages CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/*.md)
 install(FILES ${pages} ${PROJECT_SOURCE_DIR}/CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs DESTINATION ${CMAKE_INSTALL_DOCDIR}
@@ -33,7 +37,7 @@ endif()
 file(RELATIVE_PATH LACUNA_PC_PREFIX /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
 string(REGEX REPLACE "/$" "" LACUNA_PC_PREFIX ${LACUNA_PC_PREFIX})
 configure_file(${PROJECT_SOURCE_DIR}/tools/cmake/lacuna.pc.in ${PROJECT_BINARY_DIR}/lacuna.pc @ONLY)
-install(FILES ${PROJECT_BINARY_DIR}/lacuna.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+install(FILES ${PROJECT_BINARY_DIR}/lacuna.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT dev)
 
 # find_package(lacuna)
 set(package ${CMAKE_INSTALL_LIBDIR}/cmake/lacuna)
@@ -43,12 +47,13 @@ configure_package_config_file(${PROJECT_SOURCE_DIR}/tools/cmake/lacuna-config.cm
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/lacuna-config-version.cmake
   COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/lacuna-config.cmake
-              ${PROJECT_BINARY_DIR}/lacuna-config-version.cmake DESTINATION ${package})
+              ${PROJECT_BINARY_DIR}/lacuna-config-version.cmake DESTINATION ${package} COMPONENT dev)
 
 # The Python module loads the shared library.
 if(TARGET lacuna_shared)
-  install(TARGETS lacuna_shared EXPORT lacuna-targets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
-  install(EXPORT lacuna-targets NAMESPACE lacuna:: DESTINATION ${package})
+  install(TARGETS lacuna_shared EXPORT lacuna-targets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
+          COMPONENT library NAMELINK_COMPONENT dev)
+  install(EXPORT lacuna-targets NAMESPACE lacuna:: DESTINATION ${package} COMPONENT dev)
   install(FILES ${PROJECT_SOURCE_DIR}/tools/python/lacuna.py DESTINATION lib/python3/dist-packages
           COMPONENT python)
 endif()

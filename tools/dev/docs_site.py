@@ -4,12 +4,15 @@
 
     /usr/bin/python3 tools/dev/docs_site.py [--output FOLDER]        build/site unless said
 
-The pages are those of the repository. Manual pages, cases and public headers become pages too. What
-mkdocs warns of, a link to a page that is not there above all, ends the build.
+The pages are those of the repository. Manual pages, cases, public headers and notebooks with what they
+gave become pages too. How they look is in tools/dev/site. What mkdocs warns of, a link to a page that is not there above all, ends the build.
 """
 
 import argparse
+import base64
 import glob
+import html
+import json
 import os
 import re
 import shutil
@@ -24,6 +27,7 @@ except ImportError as missing:
     sys.exit(f"docs_site: {missing.name} is not there: apt-get install mkdocs, and call it by /usr/bin/python3")
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+LOOKS = os.path.join(ROOT, "tools", "dev", "site")
 TOP = ("README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md")
 LINK = re.compile(r"(\]\()([^)#:\s]*)((?:#[^)\s]*)?\))")
 
@@ -34,25 +38,13 @@ CONTENTS = (
                "docs/validation.md")),
     ("How to", ("docs/howto-simulate.md", "docs/howto-compare.md", "docs/howto-forecast.md",
                 "docs/howto-trade.md", "docs/howto-*.md", "docs/report.md", "docs/paper-figures.md",
-                "docs/surfaces-from-files.md")),
+                "docs/surfaces-from-files.md", "docs/notebook/*.md")),
     ("Choices", ("docs/choosing.md", "docs/trade.md", "docs/*.md")),
     ("Theory", ("docs/theory/*.md",)),
     ("Reference", ("docs/case.md", "docs/format.md", "docs/tables/*.md", "commands/lacuna.md", "commands/*.md",
                    "cases.md", "headers.md")),
     ("Development", TOP[1:] + ("docs/adr/README.md", "docs/adr/*.md", "docs/paper/*.md")),
 )
-
-
-# Tables with room in their cells; those wider than a phone scroll by themselves, not with the page.
-STYLE = """.rst-content table { display: block; overflow-x: auto; margin-bottom: 24px; font-size: 90%; }
-.rst-content th, .rst-content td { padding: 4px 10px; vertical-align: top; text-align: left; }
-.rst-content thead { background: #f0f2f3; }
-.rst-content code, .rst-content h2 { overflow-wrap: anywhere; }
-.rst-content :not(pre) > code { white-space: normal; }
-.wy-nav-content { max-width: 1500px; }
-.rst-content :is(p, ul, ol, dl, pre, h1, h2, h3, img) { max-width: 800px; }
-.rst-content table.wide td { white-space: nowrap; }
-"""
 
 
 def read(path):
@@ -96,6 +88,8 @@ def linked(text, path):
             return match.group()
         if target.startswith("cases"):
             target = "cases.md"
+        elif target.endswith(".ipynb"):
+            target = target[:-5] + "md"
         elif os.path.isdir(os.path.join(ROOT, target)):
             target = os.path.join(target, "README.md")
         return match.group(1) + os.path.relpath(target, os.path.dirname(path)) + match.group(3)
@@ -118,6 +112,26 @@ def manual(text):
         lines.append(line)
     text = "\n".join(lines)
     return re.sub(r"\*\*(lacuna(?:-\w+)?)\*\*\(1\)", r"[\1](\1.md)", text)
+
+
+def notebook(path, write):
+    """A notebook as Markdown: its words, its code, and what the code gave; `write` keeps its pictures."""
+    name, parts, pictures = os.path.basename(path), [], 0
+    for cell in json.loads(read(os.path.join(ROOT, path)))["cells"]:
+        source = "".join(cell["source"])
+        parts.append(spaced(source) if cell["cell_type"] == "markdown" else f"```python\n{source}\n```")
+        for given in cell.get("outputs", ()):
+            held = given.get("data", {})
+            text = "".join(given.get("text", held.get("text/plain", ()))).rstrip()
+            if "image/png" in held:
+                pictures += 1
+                picture = f"{name[:-6]}-{pictures}.png"
+                write(os.path.join(os.path.dirname(path), picture), base64.b64decode("".join(held["image/png"])))
+                parts.append(f"![What the code above draws]({picture})")
+            elif text:
+                parts.append(f'<div class="output"><pre>{html.escape(text)}</pre></div>')
+    parts.insert(1, f'The notebook itself: <a href="{name}">{name}</a>.')
+    return "\n\n".join(parts) + "\n"
 
 
 def cases():
@@ -144,8 +158,8 @@ def stage(folder):
     def write(path, text):
         target = os.path.join(folder, path)
         os.makedirs(os.path.dirname(target), exist_ok=True)
-        with open(target, "w", encoding="utf-8") as file:
-            file.write(text)
+        with open(target, "wb") as file:
+            file.write(text if isinstance(text, bytes) else text.encode())
 
     pages = list(TOP) + sorted(glob.glob("docs/**/*.md", root_dir=ROOT, recursive=True))
     for path in pages:
@@ -157,12 +171,17 @@ def stage(folder):
         name = os.path.basename(path).split(".")[0]
         write(f"commands/{name}.md", manual(read(os.path.join(ROOT, path))))
     write("cases.md", cases())
-    write("css/lacuna.css", STYLE)
+    for path in glob.glob("docs/notebook/*.ipynb", root_dir=ROOT):
+        write(path[:-5] + "md", linked(notebook(path, write), path))
     write("headers.md", headers())
     for path in ["CITATION.cff"] + glob.glob("docs/images/*", root_dir=ROOT) + glob.glob(
             "docs/embed/*", root_dir=ROOT) + glob.glob("docs/notebook/*.ipynb", root_dir=ROOT):
         os.makedirs(os.path.dirname(os.path.join(folder, path)), exist_ok=True)
         shutil.copy(os.path.join(ROOT, path), os.path.join(folder, path))
+
+
+def version():
+    return re.search(r'LACUNA_VERSION "(.*)"', read(os.path.join(ROOT, "include", "lacuna", "version.h"))).group(1)
 
 
 def title(path):
@@ -208,18 +227,11 @@ def widened(match):
 
 
 def finish(folder):
-    """Leads home to a page, not to a folder, so that the site can be read from a disk as well, and
-    mends Debian's theme: its jQuery has another name than its pages ask for, a script is not there."""
-    scripts = os.path.join(folder, "js")
-    jquery, = glob.glob(os.path.join(scripts, "jquery-*.js"))
+    """Leads home to a page, not to a folder, so that the site can be read from a disk as well."""
     for path in glob.glob(os.path.join(folder, "**", "*.html"), recursive=True):
         text = re.sub(r'href="(?:\./)?((?:\.\./)*)(\.\.?)"', lambda m: 'href="{}index.html"'.format(
             m.group(1) + ("" if m.group(2) == "." else "../")), read(path))
-        text = re.sub(r"jquery-[\d.]+\.min\.js", os.path.basename(jquery), text)
         text = re.sub(r"<table>.*?</table>", widened, text, flags=re.DOTALL)
-        for script in re.findall(r'<script src="[^"]*js/([\w.-]+)"', text):
-            if not os.path.exists(os.path.join(scripts, script)):
-                text = re.sub(rf'<script src="[^"]*js/{re.escape(script)}"[^>]*></script>', "", text)
         with open(path, "w", encoding="utf-8") as file:
             file.write(text)
 
@@ -235,10 +247,10 @@ def main():
             file.write("site_name: Lacuna\n")
         config = load_config(
             os.path.join(folder, "mkdocs.yml"), docs_dir=pages, site_dir=output, strict=True,
-            use_directory_urls=False, extra_css=["css/lacuna.css"], nav=contents(pages), site_url="",
+            use_directory_urls=False, nav=contents(pages), site_url="", extra={"version": version()},
             site_description="Creep, acceleration and failure of rough rock joints",
-            theme={"name": "readthedocs", "highlightjs": False, "navigation_depth": 2,
-                   "titles_only": True},
+            theme={"name": None, "custom_dir": LOOKS, "static_templates": ["404.html", "search.html"],
+                   "include_search_page": True, "search_index_only": False},
             markdown_extensions=["tables", "fenced_code", "def_list",
                                  {"toc": {"slugify": anchor, "toc_depth": 3}}])
         try:

@@ -26,7 +26,7 @@ except ImportError as missing:
     sys.exit(
         f"{TOOL}: {missing.name} is not installed for {sys.executable}; on Debian it comes with\n"
         "  tools/install-packages\n"
-        f"and is seen by Debian's own interpreter: /usr/bin/python3 tools/{TOOL}.py ..."
+        f"and is seen by Debian's own interpreter: /usr/bin/python3 {sys.argv[0]} ..."
     )
 
 __all__ = ["BLUE", "COLOURS", "DAY", "FAINT", "FAST", "GREEN", "INK", "LENGTHS", "QUIET", "RED", "ROOT", "SEEN",

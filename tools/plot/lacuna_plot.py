@@ -96,24 +96,29 @@ def draw_creep(axes, run, page, clock):
 
 
 def draw_rate(axes, run, page, clock):
-    rate, fastest, before = run["slip_rate"].values, run["max_slip_rate"].values, before_end(run)
-    shown = time_to_end(axes, run)
+    rate, fastest = run["slip_rate"].values, run["max_slip_rate"].values
+    if has_failed(run):  # decades before it
+        shown, x = time_to_end(axes, run), before_end(run)
+    else:
+        shown, x = slice(None), clock.at(seconds_of(run))
+        clock.axis(axes)
     if (fastest > 1.05 * rate).any():
-        line(axes, before[shown], fastest[shown], color=SLIP, lw=0.6, label="fastest cell")
-    line(axes, before[shown], rate[shown], color=INK, label="mean")
+        line(axes, x[shown], fastest[shown], color=SLIP, lw=0.6, label="fastest cell")
+    line(axes, x[shown], rate[shown], color=INK, label="mean")
     limits = [rate[rate > 0].min(initial=np.inf), max(fastest.max(), rate.max())]
     time, value, name = readings(page, clock, "rate")
     if time is not None:
-        left = clock.last - time
-        there = (value > 0) & (left > 0)
-        axes.plot(left[there], value[there], "o", ms=2.5, mfc="none", mec=RED, mew=0.7, label=name)
+        place = clock.last - time if has_failed(run) else clock.at(time)
+        there = (value > 0) & (time < clock.last)
+        axes.plot(place[there], value[there], "o", ms=2.5, mfc="none", mec=RED, mew=0.7, label=name)
         limits = [min([limits[0], *value[there]]), max([limits[1], *value[there]])]
     if 0 < limits[0] <= limits[1] < np.inf:
         axes.set_yscale("log")
-        axes.set_ylim(limits[0] / 3, limits[1] * 3)
+        room = 1 if has_failed(run) else (limits[1] / limits[0]) ** 0.35  # of cycles no place is free but above
+        axes.set_ylim(limits[0] / 3, limits[1] * 3 * room)
     axes.set_ylabel("slip rate (m/s)")
     if len(axes.get_lines()) > 1:
-        axes.legend(loc="best", handlelength=1.2)
+        axes.legend(loc="best" if has_failed(run) else "upper left", handlelength=1.2)
     panel(axes, "b", "slip rate")
 
 

@@ -56,7 +56,7 @@ INTERRUPTED = 5
 FOR_RUN, FOR_CONTACT, FOR_RG, FOR_FIT = range(4)  # lac_case_purpose
 ATTRIBUTE = "attribute"  # the type of what is one of the whole
 NETCDF = (b"CDF", b"\x89HDF")  # what a file begins with
-LIBRARY = "liblacuna.so.0.1"  # the interface that this module knows
+LIBRARY = "liblacuna.so.0.2"  # the interface that this module knows
 
 
 class Error(Exception):

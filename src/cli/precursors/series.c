@@ -51,10 +51,18 @@ static lac_status ask_for_columns(const lac_series_def *def, const lac_units *un
         lac_series_free(series);
     }
     const char *names = strstr(told.message, before);
+    const char *end = names != NULL ? strchr(names, ']') : NULL; // of the first that has its unit
+    const char *first = end;
+    while (end != NULL && first > names + strlen(before) && strncmp(first - 2, ", ", 2) != 0) {
+        first--;
+    }
     return lac_fail(err, LAC_EINPUT,
                     "%s: which column is what? --displacement COLUMN:UNIT and/or --velocity "
-                    "COLUMN:UNIT%s%s",
-                    def->path, names != NULL ? "; " : "", names != NULL ? names : "");
+                    "COLUMN:UNIT%s%s%s%.*s%s",
+                    def->path, names != NULL ? "; " : "", names != NULL ? names : "",
+                    end != NULL ? "; perhaps --displacement \"" : "",
+                    end != NULL ? (int)(end + 1 - first) : 0, end != NULL ? first : "",
+                    end != NULL ? "\"" : "");
 }
 
 static lac_status read_skip(const char *text, int64_t *skip, lac_error *err)

@@ -132,6 +132,11 @@ static cli_lump lump_of(const cli_outcome *outcome)
                                                  : "the mean slip"};
 }
 
+static bool together(const cli_outcome *outcome)
+{
+    return outcome->of->source->run.fidelity == LAC_FIDELITY_ODE;
+}
+
 static void print_failure(const cli_outcome *outcome)
 {
     const lac_run_result *result = &outcome->of->run;
@@ -263,6 +268,9 @@ void cli_outcome_print(const cli_outcome *outcome)
     cli_row_quantity("mean slip", outcome->of->run.mean_slip, "m");
     print_direction(outcome);
     cli_row_quantity("largest slip rate", outcome->of->run.max_slip_rate, "m/s");
+    if (!outcome->of->run.failed && together(outcome)) {
+        cli_slip_events_print(&outcome->history.slip_events);
+    }
     print_analysis(outcome->of->analysis);
     print_cost(outcome);
     cli_compare_print(&outcome->compare, &outcome->history.kept);
@@ -332,8 +340,7 @@ static void write_results(lac_json *json, const cli_outcome *outcome)
     if (!lac_analysis_has_events(outcome->of->analysis)) {
         lac_json_null(json, "events"); // else the catalogue says how many
     }
-    const bool together = outcome->of->source->run.fidelity == LAC_FIDELITY_ODE;
-    cli_slip_events_json(json, together ? &history->slip_events : NULL);
+    cli_slip_events_json(json, together(outcome) ? &history->slip_events : NULL);
     lac_json_number(json, "balance_residual", result->balance_residual);
     lac_json_number(json, "rate_drift", result->rate_drift);
     lac_json_text(json, "fidelity", fidelity(outcome));

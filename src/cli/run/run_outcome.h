@@ -47,6 +47,9 @@ lac_status cli_outcome_json(const cli_outcome *outcome, lac_error *err);
 /// `slip_events` of the same. @param all  NULL: cells are together only at the ends of sweeps
 void cli_slip_events_json(lac_json *json, const lac_slip_events *all);
 
+/// How many and when, as text; nothing of none.
+void cli_slip_events_print(const lac_slip_events *all);
+
 /// Why a failure rate that is lowered counts in the place of the case's, and how it is judged.
 extern const char *const cli_failure_lowered;
 

@@ -17,8 +17,8 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 97174,
-    "lines that only present results": 24710,
+    "lines of src and include": 97207,
+    "lines that only present results": 24743,
     "public headers": 13,
     "exported names": 44,
     "circles of includes": 0,
