@@ -14,14 +14,13 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 enum { OVERS = 8, LOOKED_AT = 20 };
 
-static const char base[] =
-    "lacuna: 1\n"
-    "interface: {size: 10 m, cells: 4, contact: full}\n"
-    "material: {shear_modulus: 10 GPa, poisson: 0.25, density: 2700 kg/m3}\n"
-    "load: {normal: {pressure: 1 MPa}, shear: [{ratio: 0.6}]}\n"
-    "friction: {aging: {f0: 0.6, a: 0.01, b: 0.015, dc: 1 mm, v0: 1 um/s}}\n"
-    "initial: {slip_rate: 1 cm/week}\n"
-    "time: {end: 10 day}\n";
+static const char base[] = "lacuna: 1\n"
+                           "interface: {size: 10 m, cells: 4, contact: full}\n"
+                           "material: {shear_modulus: 10 GPa, poisson: 0.25, density: 2700 kg/m3}\n"
+                           "load: {normal: {pressure: 1 MPa}, shear: [{ratio: 0.6}]}\n"
+                           "friction: {aging: {f0: 0.6, a: 0.01, b: 0.015, dc: 1 mm, v0: 1 um/s}}\n"
+                           "initial: {slip_rate: 1 cm/week}\n"
+                           "time: {end: 10 day}\n";
 
 static void require(bool sound)
 {
@@ -49,8 +48,7 @@ static void check_members(lac_sweep *sweep)
             require(lac_sweep_text(sweep, p, m, text, sizeof text) != NULL);
         }
         const lac_status status = lac_sweep_case(sweep, m, &c, &err);
-        require(status == LAC_OK ? c != NULL
-                                 : status == LAC_EINPUT && err.message[0] != '\0');
+        require(status == LAC_OK ? c != NULL : status == LAC_EINPUT && err.message[0] != '\0');
     }
 }
 
