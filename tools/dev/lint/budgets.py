@@ -16,7 +16,7 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 97174,
+    "lines of src and include": 97480,
     "lines that only present results": 24710,
     "public headers": 13,
     "exported names": 44,
