@@ -11,6 +11,8 @@
 enum {
     BLOCK = 16,          // columns at a time
     LINE = 64,           // bytes of a cache line; everything begins at one
+    STRETCH = 256,       // of a column whose power is summed in its own precision
+    MOST_TERMS = 4,      // of a row of the field that are folded into one
     AHEAD = 8,           // pairs of rows that are fetched before they are gathered
     THREAD_CELLS = 32768 // fewer are not worth another thread
 };
@@ -23,11 +25,16 @@ typedef struct kernels {
     void (*destroy)(void *plan);
     void (*weave)(size_t n, const void *row, size_t apart, void *pair);
     void (*unweave)(size_t n, const void *pair, size_t apart, void *row);
+    void (*fold)(size_t n, size_t terms, const double *weight, const void *from, void *to);
+    void (*unfold)(size_t n, size_t terms, const double (*weight)[MOST_TERMS], size_t apart,
+                   void *row);
+    void (*turn)(const lac_filter *f, int sign, void *row);
+    void (*fill_twist)(size_t n, void *twist);
     void (*gather)(const lac_filter *f, size_t first, size_t width, void *columns);
     void (*scatter)(const lac_filter *f, size_t first, size_t width, const void *columns);
     void (*mirror)(size_t n, void *factor);
     void (*multiply)(size_t n, const void *factor, void *column);
-    double (*power)(size_t n, const void *factor, const void *column);
+    double (*power)(bool part, size_t n, const void *factor, const void *column);
 } kernels;
 
 typedef struct plans {
@@ -45,21 +52,28 @@ typedef struct room {
 struct lac_filter {
     size_t nx, ny;      // the field
     size_t mx, my, nkx; // the transform; nkx = mx/2 + 1 columns are kept
-    size_t pairs;       // of rows
-    size_t length;      // of the rows' transform: mx, or half of it
-    size_t columns;     // kept of that
-    size_t pitch;       // complex numbers from pair to pair
+    size_t moduli[2];   // of the parts in either precision: see choose
+    size_t apart;       // real numbers from row to row of the scratch
     size_t lead;        // from column to column in a block
-    char *buffer;       // [pairs * pitch] complex
+    char *buffer;       // [rows * pitch] complex
     char *scratch;      // [threads * share] bytes: see room
     room room;
     double *column_power; // [nkx]
-    double *twist;        // [nx] complex exp(-i pi j/nx): even wavenumbers to odd; or NULL
+    void *twist[2];       // [nx] complex exp(-i pi j/nx); NULL where the transform is no longer
     int threads;
-    lac_precision mode; // of what the buffer holds
-    bool odd;           // mode is LAC_ODD
+    // Of what the buffer holds: wavenumbers along x that are `part`, or less it, modulo `modulus`.
+    lac_precision mode;
+    size_t part, modulus;
+    bool single;    // one row of the field is a complex one there; else two are
+    bool odd;       // two, and the middle between multiples of the modulus: mirrors are neighbours
+    size_t rows;    // in the buffer
+    size_t length;  // of their transform: mx/modulus
+    size_t columns; // kept of that
+    size_t pitch;   // complex numbers from row to row
+    size_t terms;   // of a row of the field, folded into one of that length
+    double weight[2][MOST_TERMS]; // of these: towards the real, or all; the imaginary part
     const kernels *now;
-    plans plans[3]; // as enum lac_precision; both halves have the same
+    plans plans[2]; // as enum lac_precision
 };
 
 #define REAL float
@@ -77,12 +91,10 @@ struct lac_filter {
 #undef FFT
 #undef NAME
 
-static const kernels *const precisions[] = {[LAC_SINGLE] = &single_kernels,
-                                            [LAC_DOUBLE] = &double_kernels,
-                                            [LAC_EVEN] = &double_kernels,
-                                            [LAC_ODD] = &double_kernels};
+static const kernels *const precisions[] = {
+    [LAC_SINGLE] = &single_kernels, [LAC_DOUBLE] = &double_kernels};
 
-static const plans *current(const lac_filter *f) { return &f->plans[f->odd ? LAC_EVEN : f->mode]; }
+static const plans *current(const lac_filter *f) { return &f->plans[f->mode]; }
 
 // Complex numbers, so that the next row begins at a cache line and not a power of two away, where
 // columns would fall on the same few lines of the cache.
@@ -90,44 +102,60 @@ static size_t padded(size_t n) { return (n + 7) / 8 * 8 + 8; }
 
 static size_t larger(size_t a, size_t b) { return a > b ? a : b; }
 
-static void choose(lac_filter *f, lac_precision mode)
+// With x_j = 0 from j = mx/2 on and L = mx/modulus, the wavenumbers k = part, modulo `modulus`, are
+// those of one transform of L: of exp(-2 pi i j part/mx) sum_m x_(j + mL) exp(-2 pi i m
+// part/modulus). Where that sum is complex, the wavenumbers that are -part go with it: the
+// conjugates.
+static void choose(lac_filter *f, lac_precision mode, size_t part)
 {
-    const bool half = mode >= LAC_EVEN;
     f->mode = mode;
-    f->odd = mode == LAC_ODD;
     f->now = precisions[mode];
-    f->length = half ? f->nx : f->mx;
-    f->columns = half ? (f->nx - (f->odd ? 1 : 0)) / 2 + 1 : f->nkx;
+    f->part = part;
+    f->modulus = f->moduli[mode];
+    f->single = part > 0 && 2 * part < f->modulus;
+    f->odd = part > 0 && 2 * part == f->modulus;
+    f->rows = f->single ? f->ny : (f->ny + 1) / 2;
+    f->length = f->mx / f->modulus;
+    f->columns = f->single ? f->length : (f->length - (f->odd ? 1 : 0)) / 2 + 1;
     f->pitch = padded(f->length);
+    f->terms = larger(f->modulus / 2, 1);
+    for (size_t m = 0; m < f->terms; m++) {
+        double angle = 2.0 * M_PI * (double)(m * part % f->modulus) / (double)f->modulus;
+        // twice: as columns of two rows are gathered, and as the conjugates add to the field
+        f->weight[0][m] = f->single ? 2.0 * cos(angle) : f->odd && m % 2 == 1 ? -1.0 : 1.0;
+        f->weight[1][m] = f->single ? -2.0 * sin(angle) : 0.0;
+    }
 }
 
-// exp(-i pi j/nx)
-static void fill_twist(const lac_filter *f)
+// Of the largest part
+static size_t buffer_bytes(lac_filter *f)
 {
-    for (size_t j = 0; f->twist != NULL && j < f->nx; j++) {
-        f->twist[2 * j] = cos(M_PI * (double)j / (double)f->nx);
-        f->twist[2 * j + 1] = -sin(M_PI * (double)j / (double)f->nx);
+    size_t most = 0;
+    for (lac_precision mode = LAC_SINGLE; mode <= LAC_DOUBLE; mode++) {
+        for (size_t part = 0; part < lac_filter_parts(f, mode); part++) {
+            choose(f, mode, part);
+            most = larger(most, f->rows * f->pitch * 2 * f->now->size);
+        }
     }
+    return most;
 }
 
 static lac_status allocate(lac_filter *f, lac_error *err)
 {
-    size_t complex_size = 2 * sizeof(double);
-    bool halves = f->mx == 2 * f->nx;
-    size_t half = larger(BLOCK * f->lead, padded(f->mx)) * complex_size;
-    size_t row = halves ? larger(padded(f->nx) * complex_size, padded(f->mx) * 2 * sizeof(float))
-                        : padded(f->mx) * complex_size;
+    const size_t complex_size = 2 * sizeof(double);
+    size_t half = larger(BLOCK * f->lead, f->apart) * complex_size;
     f->room.second = half;
     f->room.factor = 2 * half;
     f->room.share = 2 * half + padded(f->my) * sizeof(double);
-    f->buffer = aligned_alloc(LINE, f->pairs * row);
+    f->buffer = aligned_alloc(LINE, buffer_bytes(f));
     f->scratch = aligned_alloc(LINE, (size_t)f->threads * f->room.share);
     f->column_power = malloc(f->nkx * sizeof *f->column_power);
-    f->twist = halves ? malloc(f->nx * complex_size) : NULL;
-    LAC_FAIL_MEMORY_IF(f->buffer == NULL || f->scratch == NULL || f->column_power == NULL ||
-                           (halves && f->twist == NULL),
-                       err);
-    fill_twist(f);
+    LAC_FAIL_MEMORY_IF(f->buffer == NULL || f->scratch == NULL || f->column_power == NULL, err);
+    for (int k = 0; k < 2 && f->moduli[LAC_SINGLE] > 1; k++) {
+        f->twist[k] = malloc(f->nx * 2 * precisions[k]->size);
+        LAC_FAIL_MEMORY_IF(f->twist[k] == NULL, err);
+        precisions[k]->fill_twist(f->nx, f->twist[k]);
+    }
     memset(f->scratch, 0, (size_t)f->threads * f->room.share);
     return LAC_OK;
 }
@@ -138,7 +166,7 @@ static bool plan(lac_filter *f, lac_precision precision)
     plans *p = &f->plans[precision];
     char *first = f->scratch;
     char *second = &f->scratch[f->room.second];
-    choose(f, precision);
+    choose(f, precision, 0);
     p->row_forward = k->plan(f->length, FFTW_FORWARD, second, f->buffer);
     p->row_inverse = k->plan(f->length, FFTW_BACKWARD, f->buffer, second);
     p->column_forward = k->plan(f->my, FFTW_FORWARD, first, second);
@@ -170,11 +198,14 @@ lac_status lac_filter_create(const size_t field[2], const size_t transform[2], l
     f->mx = transform[0];
     f->my = transform[1];
     f->nkx = f->mx / 2 + 1;
-    f->pairs = (f->ny + 1) / 2;
+    const bool twice = f->mx == 2 * f->nx;
+    f->moduli[LAC_SINGLE] = twice ? 2 : 1;
+    f->moduli[LAC_DOUBLE] = twice && f->nx % MOST_TERMS == 0 ? 2 * MOST_TERMS : twice ? 2 : 1;
+    f->apart = padded(f->mx);
     f->lead = padded(f->my);
     f->threads = useful_threads(f->nx * f->ny);
     LAC_TRY(allocate(f, err));
-    if (!plan(f, LAC_SINGLE) || !plan(f, f->twist != NULL ? LAC_EVEN : LAC_DOUBLE)) {
+    if (!plan(f, LAC_SINGLE) || !plan(f, LAC_DOUBLE)) {
         status = lac_fail_memory(err);
         goto out;
     }
@@ -190,7 +221,7 @@ void lac_filter_free(lac_filter *f)
     if (f == NULL) {
         return;
     }
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 2; k++) {
         precisions[k]->destroy(f->plans[k].row_forward);
         precisions[k]->destroy(f->plans[k].row_inverse);
         precisions[k]->destroy(f->plans[k].column_forward);
@@ -199,11 +230,17 @@ void lac_filter_free(lac_filter *f)
     free(f->buffer);
     free(f->scratch);
     free(f->column_power);
-    free(f->twist);
+    free(f->twist[0]);
+    free(f->twist[1]);
     free(f);
 }
 
 lac_precision lac_filter_precision(const lac_filter *f) { return f->mode; }
+
+size_t lac_filter_parts(const lac_filter *f, lac_precision precision)
+{
+    return f->moduli[precision] / 2 + 1;
+}
 
 int lac_filter_threads(const lac_filter *f) { return f->threads; }
 
@@ -213,73 +250,79 @@ static char *own_scratch(const lac_filter *f)
     return &f->scratch[(size_t)omp_get_thread_num() * f->room.share];
 }
 
-static char *pair_at(const lac_filter *f, size_t pair)
+static char *row_at(const lac_filter *f, size_t row)
 {
-    return &f->buffer[pair * f->pitch * 2 * f->now->size];
+    return &f->buffer[row * f->pitch * 2 * f->now->size];
 }
 
-// Multiplies by the twist, or with sign -1 by its conjugate.
-static void turn(const lac_filter *f, double sign, double *restrict z)
-{
-    const double *restrict w = f->twist;
-    for (size_t j = 0; j < 2 * f->nx; j += 2) {
-        double re = z[j], im = z[j + 1], sine = sign * w[j + 1];
-        z[j] = re * w[j] - im * sine;
-        z[j + 1] = im * w[j] + re * sine;
-    }
-}
+// Of the field, in one row of the buffer
+static size_t rows_each(const lac_filter *f) { return f->single ? 1 : 2; }
 
-// Two rows of the scratch, filled by the caller and zeros beyond, go into the buffer
-static void fill_pair(const lac_filter *f, size_t pair, lac_filter_row fill, void *context)
+// Rows of the scratch, filled by the caller and zeros beyond, go into the buffer
+static void fill_rows(const lac_filter *f, size_t row, lac_filter_row fill, void *context)
 {
-    size_t size = f->now->size;
-    char *rows = own_scratch(f);
+    const kernels *now = f->now;
+    char *rows = own_scratch(f), *second = &rows[f->apart * now->size];
     char *woven = &rows[f->room.second];
-    for (size_t k = 0; k < 2; k++) {
-        char *row = &rows[k * f->pitch * size];
-        bool there = 2 * pair + k < f->ny;
-        size_t filled = there ? f->nx : 0;
-        if (there) {
-            fill(context, 2 * pair + k, row);
+    const size_t long_enough = larger(f->nx, f->length);
+    for (size_t k = 0; k < rows_each(f); k++) {
+        char *to = k == 0 ? rows : second;
+        const size_t j = rows_each(f) * row + k, filled = j < f->ny ? f->nx : 0;
+        if (filled > 0) {
+            fill(context, j, to);
         }
-        memset(&row[filled * size], 0, (f->length - filled) * size);
+        memset(&to[filled * now->size], 0, (long_enough - filled) * now->size);
     }
-    f->now->weave(f->length, rows, f->pitch, woven);
-    if (f->odd) {
-        turn(f, 1.0, (double *)woven);
+    if (f->terms > 1) {
+        now->fold(f->length, f->terms, f->weight[f->single ? 1 : 0], f->single ? rows : second,
+                  second);
+        now->fold(f->length, f->terms, f->weight[0], rows, rows);
     }
-    f->now->execute(current(f)->row_forward, woven, pair_at(f, pair));
+    if (f->part > 0) {
+        now->turn(f, 1, rows);
+    }
+    now->weave(f->length, rows, f->apart, woven);
+    now->execute(current(f)->row_forward, woven, row_at(f, row));
 }
 
-// Two rows from the buffer into the scratch
-static char *open_pair(const lac_filter *f, size_t pair)
+// Rows from the buffer into the scratch
+static char *open_rows(const lac_filter *f, size_t row)
 {
+    const kernels *now = f->now;
     char *rows = own_scratch(f);
     char *woven = &rows[f->room.second];
-    f->now->execute(current(f)->row_inverse, pair_at(f, pair), woven);
-    if (f->odd) {
-        turn(f, -1.0, (double *)woven);
+    now->execute(current(f)->row_inverse, row_at(f, row), woven);
+    const size_t n = f->length < f->nx ? f->length : f->nx;
+    now->unweave(n, woven, f->apart, rows);
+    if (f->part > 0) {
+        now->turn(f, -1, rows);
     }
-    f->now->unweave(f->nx, woven, f->pitch, rows);
+    if (f->terms > 1) {
+        now->unfold(n, f->terms, f->weight, f->apart, rows);
+        if (!f->single) {
+            now->unfold(n, f->terms, f->weight, 0, &rows[f->apart * now->size]);
+        }
+    }
     return rows;
 }
 
-void lac_filter_fill(lac_filter *f, lac_precision precision, lac_filter_row fill, void *context)
+void lac_filter_fill(lac_filter *f, lac_precision precision, size_t part, lac_filter_row fill,
+                     void *context)
 {
-    choose(f, precision);
+    choose(f, precision, part);
 #pragma omp parallel for schedule(static) num_threads(f->threads)
-    for (size_t pair = 0; pair < f->pairs; pair++) {
-        fill_pair(f, pair, fill, context);
+    for (size_t row = 0; row < f->rows; row++) {
+        fill_rows(f, row, fill, context);
     }
 }
 
 void lac_filter_take(lac_filter *f, lac_filter_row take, void *context)
 {
 #pragma omp parallel for schedule(static) num_threads(f->threads)
-    for (size_t pair = 0; pair < f->pairs; pair++) {
-        char *rows = open_pair(f, pair);
-        for (size_t j = 2 * pair; j < 2 * pair + 2 && j < f->ny; j++) {
-            take(context, j, &rows[(j - 2 * pair) * f->pitch * f->now->size]);
+    for (size_t row = 0; row < f->rows; row++) {
+        char *rows = open_rows(f, row);
+        for (size_t k = 0; k < rows_each(f) && rows_each(f) * row + k < f->ny; k++) {
+            take(context, rows_each(f) * row + k, &rows[k * f->apart * f->now->size]);
         }
     }
 }
@@ -307,12 +350,21 @@ static const void *factors(const lac_filter *f, lac_filter_symbol symbol, const 
                            size_t k)
 {
     char *factor = own_scratch(f) + f->room.factor;
-    symbol(context, f->mode < LAC_EVEN ? k : 2 * k + (f->odd ? 1 : 0), factor);
+    const size_t wave = k * f->modulus + f->part;
+    symbol(context, wave < f->nkx ? wave : f->mx - wave, factor);
     f->now->mirror(f->my, factor);
     return factor;
 }
 
-void lac_filter_multiply(lac_filter *f, lac_filter_symbol symbol, const void *context)
+// Of a column in the scratch
+static double column_power(const lac_filter *f, size_t k, const void *factor, const void *column)
+{
+    bool alone = !f->single && k == (f->odd ? f->length - 1 - k : (f->length - k) % f->length);
+    return (alone ? 1.0 : 2.0) * f->now->power(f->modulus > 1, f->my, factor, column);
+}
+
+void lac_filter_multiply(lac_filter *f, lac_filter_symbol symbol, const void *context,
+                         double *power)
 {
 #pragma omp parallel for schedule(static) num_threads(f->threads)
     for (size_t first = 0; first < f->columns; first += BLOCK) {
@@ -321,10 +373,17 @@ void lac_filter_multiply(lac_filter *f, lac_filter_symbol symbol, const void *co
         size_t width = transform_columns(f, first);
         for (size_t c = 0; c < width; c++) {
             char *column = column_of(f, spectrum, c);
-            f->now->multiply(f->my, factors(f, symbol, context, first + c), column);
+            const void *factor = factors(f, symbol, context, first + c);
+            if (power != NULL) {
+                f->column_power[first + c] = column_power(f, first + c, factor, column);
+            }
+            f->now->multiply(f->my, factor, column);
             f->now->execute(current(f)->column_inverse, column, column_of(f, block, c));
         }
         f->now->scatter(f, first, width, block);
+    }
+    if (power != NULL) {
+        *power = lac_sum(f->columns, f->column_power);
     }
 }
 
@@ -335,11 +394,9 @@ double lac_filter_power(lac_filter *f, lac_filter_symbol symbol, const void *con
         char *spectrum = own_scratch(f) + f->room.second;
         size_t width = transform_columns(f, first);
         for (size_t c = 0; c < width; c++) {
-            size_t k = first + c;
-            bool alone = k == (f->odd ? f->length - 1 - k : (f->length - k) % f->length);
-            const void *factor = factors(f, symbol, context, k);
-            f->column_power[k] =
-                (alone ? 1.0 : 2.0) * f->now->power(f->my, factor, column_of(f, spectrum, c));
+            const void *factor = factors(f, symbol, context, first + c);
+            f->column_power[first + c] =
+                column_power(f, first + c, factor, column_of(f, spectrum, c));
         }
     }
     return lac_sum(f->columns, f->column_power);

@@ -11,10 +11,7 @@
 /// out among threads; results are the same bits for any number of them.
 typedef struct lac_filter lac_filter;
 
-/// The precision of a field and its transform. A transform twice as long as the field is taken by
-/// halves in double precision, with half the memory: the even and the odd wavenumbers along x,
-/// whose results are to be added.
-typedef enum lac_precision { LAC_SINGLE, LAC_DOUBLE, LAC_EVEN, LAC_ODD } lac_precision;
+typedef enum lac_precision { LAC_SINGLE, LAC_DOUBLE } lac_precision;
 
 /// Fills or takes row j of the field: nx floats or doubles. Called by several threads at once.
 typedef void (*lac_filter_row)(void *context, size_t j, void *row);
@@ -30,12 +27,20 @@ lac_status lac_filter_create(const size_t field[2], const size_t transform[2], l
                              lac_error *err);
 void lac_filter_free(lac_filter *f);
 
+/// A transform twice as long as the field is taken part by part, in the memory of half of it: what
+/// is filled is filled for each of them, and what is taken, and the powers, are to be added. Of two
+/// parts the first holds the even wavenumbers along x.
+size_t lac_filter_parts(const lac_filter *f, lac_precision precision);
+
 /// Fills all rows and transforms them along x. Each row begins undefined.
-/// @pre  LAC_EVEN and LAC_ODD, and not LAC_DOUBLE, where mx = 2 nx
-void lac_filter_fill(lac_filter *f, lac_precision precision, lac_filter_row fill, void *context);
+/// @param part  < lac_filter_parts
+void lac_filter_fill(lac_filter *f, lac_precision precision, size_t part, lac_filter_row fill,
+                     void *context);
 
 /// Multiplies the spectrum of what was filled by a symbol, unnormalised.
-void lac_filter_multiply(lac_filter *f, lac_filter_symbol symbol, const void *context);
+/// @param power  what lac_filter_power would have said before; NULL if not wanted
+void lac_filter_multiply(lac_filter *f, lac_filter_symbol symbol, const void *context,
+                         double *power);
 
 /// Sum over all its wavenumbers of symbol |F x|^2 of what was filled, which stays.
 double lac_filter_power(lac_filter *f, lac_filter_symbol symbol, const void *context);

@@ -163,8 +163,8 @@ static lac_status full_contact(const lac_contact_def *def, const problem *p, lac
     }
     full f = {p, def->mean_pressure, NULL, malloc(p->at.ny * sizeof(bool))};
     LAC_FAIL_MEMORY_IF(f.positive == NULL, err);
-    lac_filter_fill(s->filter, LAC_DOUBLE, height_row, &f);
-    lac_half_space_unload(s);
+    lac_filter_fill(s->filter, LAC_DOUBLE, 0, height_row, &f);
+    lac_half_space_unload(s, NULL);
     lac_filter_take(s->filter, full_row, &f);
     *is_full = true;
     for (size_t j = 0; j < p->at.ny; j++) {

@@ -39,7 +39,8 @@ void lac_half_space_free(lac_half_space *s);
 void lac_half_space_displace(lac_half_space *s);
 
 /// The same with |q|: the inverse of the above, roughly where free.
-void lac_half_space_unload(lac_half_space *s);
+/// @param power  x . |q| x, of what s->filter was filled with; NULL if not wanted
+void lac_half_space_unload(lac_half_space *s, double *power);
 
 /// x . S x of the x that s->filter was filled with, by Parseval's theorem.
 double lac_half_space_energy(lac_half_space *s);

@@ -9,6 +9,9 @@
 // the changes of the gap in single. The gap is brought up to date by single-precision products of
 // the changes of p, and computed anew in double precision before the errors of that show.
 //
+// Free faces are half of their transform's sides, and done with least memory: products by parts of
+// the wavenumbers, the step in the place of the direction, no change of the gap.
+//
 // Each stage is one sweep over rows that are on their way into or out of a transform; sums are
 // kept row by row and added in order, so that they do not depend on threads.
 
@@ -32,14 +35,14 @@ static void sum_row(void *context, size_t j, void *row)
     it->rows[j] = all;
 }
 
-// Takes S d, d the change of p: g <- g + S d + (scale - 1) (u + S d); sums: cells of I, g over I,
-// -, square of S d.
+// Takes S d, d the change of p, or its first part: g <- g + S d + (scale - 1) (u + S d); sums:
+// cells of I, g over I, -, square of S d.
 static sums update_piece(const iteration *it, size_t n, size_t at, float *restrict du)
 {
     const double *restrict p = &it->p[at];
     const lac_heights h = it->h;
     float *restrict g = gap_at(it, at);
-    float *restrict dg = &it->dg[at];
+    float *dg = it->dg != NULL ? &it->dg[at] : du;
     float g_mean = (float)it->g_mean;
     float level = (float)it->level;
     float more = (float)(it->scale - 1.0);
@@ -51,9 +54,27 @@ static sums update_piece(const iteration *it, size_t n, size_t at, float *restri
         float change = du[i] + more * (du[i] + (gap + (height + level)));
         float in = p[i] > 0.0 ? 1.0F : 0.0F;
         g[i] = gap + change;
-        dg[i] = change;
         cells += in;
         sum_g += in * (gap + change);
+        du2 += du[i] * du[i];
+        dg[i] = change;
+    }
+    return (sums){.a = (double)cells, .b = (double)sum_g, .d = (double)du2};
+}
+
+// Takes a further part of S d: g <- g + scale S d; the same sums.
+static sums further_piece(const iteration *it, size_t n, size_t at, float *restrict du)
+{
+    const double *restrict p = &it->p[at];
+    float *restrict g = gap_at(it, at);
+    float scale = (float)it->scale;
+    float cells = 0.0F, sum_g = 0.0F, du2 = 0.0F;
+#pragma omp simd safelen(4) reduction(+ : cells, sum_g, du2)
+    for (size_t i = 0; i < n; i++) {
+        float in = p[i] > 0.0 ? 1.0F : 0.0F;
+        g[i] += scale * du[i];
+        cells += in;
+        sum_g += in * g[i];
         du2 += du[i] * du[i];
     }
     return (sums){.a = (double)cells, .b = (double)sum_g, .d = (double)du2};
@@ -85,7 +106,7 @@ static sums overlap_piece(const iteration *it, size_t n, size_t at, float *restr
     const double *restrict p = &it->p[at];
     const float *restrict g = gap_at(it, at);
     float *restrict dg = &it->dg[at];
-    const float *restrict t = &it->t[at];
+    const float *restrict t = search_at(it, at);
     float g_mean = (float)it->g_mean;
     float sz = 0.0F, zg = 0.0F, zd = 0.0F, sd = 0.0F;
     float st = 0.0F, gt = 0.0F;
@@ -105,13 +126,27 @@ static sums overlap_piece(const iteration *it, size_t n, size_t at, float *restr
     return (sums){(double)sz, (double)zg, (double)zd, (double)sd, (double)st, (double)gt};
 }
 
+// gap_piece, and the sum of g.t over I.
+static sums slope_piece(const iteration *it, size_t n, size_t at, float *restrict into)
+{
+    sums all = gap_piece(it, n, at, into);
+    const float *restrict t = search_at(it, at);
+    float gt = 0.0F;
+#pragma omp simd safelen(4) reduction(+ : gt)
+    for (size_t i = 0; i < n; i++) {
+        gt += into[i] * t[i];
+    }
+    all.f = (double)gt;
+    return all;
+}
+
 // t = z - z_mean + beta (t - t_mean) on I, 0 elsewhere, also into the transform.
 static void direction_row(void *context, size_t j, void *row)
 {
     const iteration *it = context;
     const double *restrict p = &it->p[j * it->nx];
     const float *restrict z = &it->dg[j * it->nx];
-    float *restrict t = &it->t[j * it->nx];
+    float *restrict t = search_at(it, j * it->nx);
     float *restrict into = row;
     float beta = (float)it->beta;
     float offset = (float)(-it->z_mean - it->beta * it->t_mean);
@@ -120,6 +155,54 @@ static void direction_row(void *context, size_t j, void *row)
         t[i] = p[i] > 0.0 ? ti : 0.0F;
         into[i] = t[i];
     }
+}
+
+// The same of free faces, in whose t all but the mean is already.
+static void level_search_row(void *context, size_t j, void *row)
+{
+    const iteration *it = context;
+    const double *restrict p = &it->p[j * it->nx];
+    float *restrict t = search_at(it, j * it->nx);
+    float *restrict into = row;
+    float z_mean = (float)it->z_mean;
+    for (size_t i = 0; i < it->nx; i++) {
+        t[i] = p[i] > 0.0 ? t[i] - z_mean : 0.0F;
+        into[i] = t[i];
+    }
+}
+
+// t into the transform
+static void search_row(void *context, size_t j, void *row)
+{
+    const iteration *it = context;
+    memcpy(row, search_at(it, j * it->nx), it->nx * sizeof *it->t);
+}
+
+// Takes the first part of z: t = z + beta t.
+static void search_first_row(void *context, size_t j, void *row)
+{
+    const iteration *it = context;
+    const float *restrict z = row;
+    float *restrict t = search_at(it, j * it->nx);
+    const float keep = (float)(it->beta * it->turn);
+    for (size_t i = 0; i < it->nx; i++) {
+        t[i] = z[i] + keep * t[i];
+    }
+}
+
+// Takes the other part of z, which it adds to t; sums: t over I.
+static sums search_piece(const iteration *it, size_t n, size_t at, float *restrict z)
+{
+    const double *restrict p = &it->p[at];
+    float *restrict t = search_at(it, at);
+    float st = 0.0F;
+#pragma omp simd safelen(4) reduction(+ : st)
+    for (size_t i = 0; i < n; i++) {
+        float in = p[i] > 0.0 ? 1.0F : 0.0F;
+        t[i] += z[i];
+        st += in * t[i];
+    }
+    return (sums){.a = (double)st};
 }
 
 // 1 on I, 0 elsewhere, into the transform.
@@ -134,12 +217,12 @@ static void ones_row(void *context, size_t j, void *row)
 }
 
 // p = max(0, p - tau t) on I, -tau_ov g where the bodies overlap outside; the change of p into the
-// transform; sums: p, and g^2 of the cells that close.
+// transform, of free faces also into t; sums: p, and g^2 of the cells that close.
 static sums step_piece(const iteration *it, size_t n, size_t at, float *restrict into)
 {
     double *restrict p = &it->p[at];
     const float *restrict g = gap_at(it, at);
-    const float *restrict t = &it->t[at];
+    float *restrict t = search_at(it, at);
     float tau = (float)it->tau;
     float tau_ov = (float)it->tau_ov;
     double scale = it->scale;
@@ -159,14 +242,17 @@ static sums step_piece(const iteration *it, size_t n, size_t at, float *restrict
         sum += moved;
         closing += overlap * overlap;
     }
+    if (it->dg == NULL) {
+        memcpy(t, into, n * sizeof *t);
+    }
     return (sums){.a = sum, .b = (double)closing};
 }
 
-// A sweep of rows into the transform, in single precision, or out of it, by pieces.
-static sums fill(iteration *it, piece_sums *piece)
+// A sweep of rows into a part of the transform, in single precision, or out of it, by pieces.
+static sums fill(iteration *it, size_t part, piece_sums *piece)
 {
     it->piece = piece;
-    lac_filter_fill(it->s->filter, LAC_SINGLE, sum_row, it);
+    lac_filter_fill(it->s->filter, LAC_SINGLE, part, sum_row, it);
     return lac_descent_total(it);
 }
 
@@ -187,19 +273,38 @@ static void update(iteration *it)
 {
     lac_half_space_displace(it->s);
     sums all = take(it, update_piece);
+    double du2 = all.d;
+    for (size_t part = 1; part < it->parts; part++) {
+        lac_filter_fill(it->s->filter, LAC_SINGLE, part, search_row, it);
+        lac_half_space_displace(it->s);
+        all = take(it, further_piece);
+        du2 += all.d;
+    }
     it->cells = all.a;
     it->level += it->g_mean; // which update_piece took off
     it->g_mean = it->held ? all.b / all.a : 0.0;
-    it->error += single_error * sqrt(all.d / ((double)it->nx * (double)it->ny));
+    it->error += single_error * sqrt(du2 / ((double)it->nx * (double)it->ny));
     it->updates++;
+}
+
+// x.S x of the rows x; of a further part of the transform by another function.
+static double energy(iteration *it, lac_filter_row row, lac_filter_row again)
+{
+    double sum = 0.0;
+    for (size_t part = 0; part < it->parts; part++) {
+        lac_filter_fill(it->s->filter, LAC_SINGLE, part, part > 0 ? again : row, it);
+        sum += lac_half_space_energy(it->s);
+    }
+    return sum;
 }
 
 // How far from the solution p is, by the g at hand; leaves the gap in the transform.
 static void measure(iteration *it, lac_descent *d)
 {
-    sums all = fill(it, gap_piece);
+    sums all = fill(it, 0, it->dg != NULL ? gap_piece : slope_piece);
     double n = (double)it->nx * (double)it->ny;
     it->g2 = all.b;
+    it->gt = it->turn * all.f;
     it->sum_g = all.c;
     d->closest = -it->level;
     d->residual.complementarity = it->sum_p > 0.0 ? it->scale * all.a / it->sum_p : 0.0;
@@ -246,38 +351,67 @@ static double mean_step(iteration *it)
     if (it->held) {
         return 0.0;
     }
-    lac_filter_fill(it->s->filter, LAC_SINGLE, ones_row, it);
-    double compliance = lac_half_space_energy(it->s);
-    (void)fill(it, gap_piece);
+    double compliance = energy(it, ones_row, ones_row);
+    (void)fill(it, 0, gap_piece);
     return compliance > 0.0 ? it->sum_g / compliance : 0.0;
+}
+
+// beta of G = z.g, of its change to the step before, and of g.t of that; returns g.t of the new.
+static double conjugate(iteration *it, double G, double change, double gt)
+{
+    it->beta = it->G_old > 0.0 ? fmax(0.0, change / it->G_old) : 0.0;
+    // beta > 2 or a direction that does not descend: start afresh
+    if (!(it->beta <= 2.0) || !(G + it->beta * gt > 0.0)) {
+        it->beta = 0.0;
+    }
+    it->G_old = G;
+    return G + it->beta * gt;
+}
+
+// The search direction of free faces. There is no room for z, which is added to beta t part by
+// part: for beta the even wavenumbers have half of G, the odd ones in between the other. z.g_old of
+// PR+ is z_old.g; taken for it is g.t, which would be 0 if I had not changed: where t has what it
+// should not, either way, less of it is kept.
+static double free_direction(iteration *it)
+{
+    double shift = mean_step(it), constant = shift * it->sum_g;
+    double even, odd;
+    lac_half_space_unload(it->s, &even);
+    double about = 2.0 * even + constant;
+    (void)conjugate(it, about, about - fabs(it->gt), it->gt);
+    lac_filter_take(it->s->filter, search_first_row, it);
+    (void)fill(it, 1, gap_piece);
+    lac_half_space_unload(it->s, &odd);
+    double mean = take(it, search_piece).a / it->cells;
+    it->z_mean = it->held ? mean : -shift;
+    it->tst = energy(it, level_search_row, search_row);
+    it->G_old = even + odd + constant;
+    return it->G_old + it->beta * it->gt;
 }
 
 // The search direction: |q| preconditioner and PR+; returns g.t
 static double direction(iteration *it)
 {
+    if (it->dg == NULL) {
+        return free_direction(it);
+    }
     double shift = mean_step(it);
-    lac_half_space_unload(it->s);
+    lac_half_space_unload(it->s, NULL);
     sums all = take(it, overlap_piece);
     it->z_mean = it->held ? all.a / it->cells : -shift;
     it->t_mean = it->held ? all.e / it->cells : 0.0;
     double G = all.b + shift * it->sum_g;
-    it->beta = it->G_old > 0.0 ? fmax(0.0, (all.c - it->z_mean * all.d) / it->G_old) : 0.0;
-    // beta > 2 or a direction that does not descend: start afresh
-    if (!(it->beta <= 2.0) || !(G + it->beta * all.f > 0.0)) {
-        it->beta = 0.0;
-    }
-    lac_filter_fill(it->s->filter, LAC_SINGLE, direction_row, it);
-    it->G_old = G;
-    return G + it->beta * all.f;
+    double gt = conjugate(it, G, all.c - it->z_mean * all.d, all.f);
+    it->tst = energy(it, direction_row, NULL);
+    return gt;
 }
 
 // Step tau = g.t / t.St, and tau_ov = (g.t)^2 / (t.St g.g) for the cells that close
 static void choose_step(iteration *it, double gt)
 {
-    double tst = lac_half_space_energy(it->s);
-    it->tau = gt / tst;
+    it->tau = gt / it->tst;
     it->tau_ov = it->tau * gt / it->g2;
-    if (!(gt > 0.0 && tst > 0.0 && it->g2 > 0.0 && isfinite(it->tau) && isfinite(it->tau_ov))) {
+    if (!(gt > 0.0 && it->tst > 0.0 && it->g2 > 0.0 && isfinite(it->tau) && isfinite(it->tau_ov))) {
         // The pressures in contact are in balance: only cells outside can still move.
         it->tau = 0.0;
         it->tau_ov = 1.0 / it->s->self;
@@ -293,7 +427,10 @@ static bool stale(const iteration *it, const lac_descent *d)
 
 static void step(iteration *it, const lac_descent *d)
 {
-    sums all = fill(it, step_piece);
+    sums all = fill(it, 0, step_piece);
+    if (it->dg == NULL) {
+        it->turn = it->tau > 0.0 ? -1.0 / it->tau : 0.0;
+    }
     it->scale = it->held ? d->mean_pressure * (double)it->nx * (double)it->ny / all.a : 1.0;
     it->sum_p = it->scale * all.a;
     // New cells change the problem: the directions so far are conjugate no more.
@@ -331,8 +468,9 @@ lac_status lac_descend(lac_half_space *s, lac_descent *d, double *pressure, doub
                        lac_error *err)
 {
     size_t n = s->nx * s->ny;
-    const bool halves = s->mx > s->nx; // g lies in `half`
-    float *work = calloc((halves ? 4 : 3) * n, sizeof *work);
+    const size_t parts = lac_filter_parts(s->filter, LAC_SINGLE);
+    const bool few = parts > 1; // g and t share the rows of `half`
+    float *work = calloc((few ? 2 : 3) * n, sizeof *work);
     sums *rows = malloc(s->ny * sizeof *rows);
     lac_status status;
     LAC_TRY(work != NULL && rows != NULL ? LAC_OK : lac_fail_memory(err));
@@ -342,11 +480,13 @@ lac_status lac_descend(lac_half_space *s, lac_descent *d, double *pressure, doub
                     .h = d->heights,
                     .p = pressure,
                     .gap = gap,
-                    .half = halves ? (double *)work : NULL,
+                    .half = few ? (double *)work : NULL,
                     .g = work,
-                    .dg = &work[halves ? 2 * n : n],
-                    .t = &work[halves ? 3 * n : 2 * n],
+                    .dg = few ? NULL : &work[n],
+                    .t = &work[few ? s->nx : 2 * n],
+                    .parts = parts,
                     .rows = rows,
+                    .turn = 1.0,
                     .scale = 1.0,
                     .level = -d->approach,
                     .held = d->control == LAC_CONTROL_LOAD};

@@ -30,10 +30,12 @@ struct iteration {
     lac_heights h;
     double *p;           // [ny * nx] pressure over scale
     double *gap;         // [ny * nx] of the last fresh product; or NULL
-    double *half;        // free: [ny * nx] displacements of the even wavenumbers; else NULL
+    double *half;        // free: [ny * nx] sum of the parts of a fresh displacement; else NULL
     float *g;            // gap plus g_mean: see gap_at
-    float *dg;           // [ny * nx] last change of the gap plus g_mean, on I; then z
-    float *t;            // [ny * nx] search direction, 0 outside I
+    float *dg;           // [ny * nx] last change of the gap plus g_mean, on I; then z; free: NULL
+    float *t;            // search direction; see turn
+    size_t parts;        // of a product in single precision
+    size_t part;         // of the one in double precision under way
     piece_sums *piece;   // of the sweep under way
     sums *rows;          // [ny]
     double level;        // gap = S p - h - level
@@ -44,6 +46,9 @@ struct iteration {
     double G_old;        // z.g of the step before; 0 to start afresh
     double z_mean, beta; // of the direction
     double t_mean;       // over I, of the direction before
+    double turn;         // 1, or what makes the direction of the step that t holds in its place
+    double gt;           // free: sum over I of the gap times the direction before
+    double tst;          // t.St
     double tau, tau_ov;  // step along t; step of the cells that open or close
     double scale;        // brings p back to the load
     double keep;         // 1 where a fresh product goes with the same step, 0 with a new one
@@ -52,12 +57,16 @@ struct iteration {
     bool held;           // the load is given: directions keep it, and the gap has mean 0 over I
 };
 
-// Where g of a cell is. In free solutions the rows of g begin where those of `half` do, which is
-// needed only while a fresh product is made.
-static inline float *gap_at(const iteration *it, size_t cell)
+// Where g and t of a cell are. Of free faces they share the rows of `half`, which is needed only
+// while a fresh product is made, and t holds the step once that is known.
+static inline size_t place(const iteration *it, size_t cell)
 {
-    return &it->g[cell + (it->half != NULL ? cell / it->nx * it->nx : 0)];
+    return cell + (it->half != NULL ? cell / it->nx * it->nx : 0);
 }
+
+static inline float *gap_at(const iteration *it, size_t cell) { return &it->g[place(it, cell)]; }
+
+static inline float *search_at(const iteration *it, size_t cell) { return &it->t[place(it, cell)]; }
 
 /// The rows' sums, in order.
 sums lac_descent_total(const iteration *it);

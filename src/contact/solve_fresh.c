@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Gaps under the pressures of a contact by a product in double precision: of free faces by halves,
-// the even and the odd wavenumbers along x one after the other in the same memory.
+// Gaps under the pressures of a contact by a product in double precision: of free faces by parts,
+// some wavenumbers along x after the other in the same memory.
 #include "contact/solve_descent.h"
 
 sums lac_descent_total(const iteration *it)
@@ -25,21 +25,18 @@ static void pressure_row(void *context, size_t j, void *row)
     }
 }
 
-// Takes the even wavenumbers' part of u (double) into half; g makes room, and what it was before
-// the step under way goes in the place of dg.
+// Takes a part of u (double) into half, in which g and t were, or adds it there.
 static void half_row(void *context, size_t j, void *row)
 {
     const iteration *it = context;
-    const float *restrict g = gap_at(it, j * it->nx);
-    float *restrict dg = &it->dg[j * it->nx];
-    const float keep = (float)it->keep;
+    const double *restrict u = row;
+    double *restrict sum = &it->half[j * it->nx];
     for (size_t i = 0; i < it->nx; i++) {
-        dg[i] = g[i] - keep * dg[i];
+        sum[i] = (it->part > 0 ? sum[i] : 0.0) + u[i];
     }
-    memcpy(&it->half[j * it->nx], row, it->nx * sizeof *it->half);
 }
 
-// Adds that part to the rest of u.
+// Adds the parts before to the last.
 static void add_half(const iteration *it, size_t j, double *restrict u)
 {
     for (size_t i = 0; it->half != NULL && i < it->nx; i++) {
@@ -76,14 +73,20 @@ static void fresh_row(void *context, size_t j, void *row)
     const lac_heights h = it->h;
     const size_t at = j * it->nx;
     float *restrict g = gap_at(it, at);
-    float *restrict dg = &it->dg[j * it->nx];
-    float keep = (float)it->keep;
-    float offset = (float)((1.0 - it->keep) * it->g_mean);
     double level = it->level;
+    if (it->dg != NULL) {
+        float *restrict dg = &it->dg[at];
+        const float keep = (float)it->keep, offset = (float)((1.0 - it->keep) * it->g_mean);
+        for (size_t i = 0; i < it->nx; i++) {
+            float gap = (float)(u[i] - lac_heights_at(h, at + i) - level);
+            dg[i] = keep * dg[i] + (gap - g[i] + offset);
+        }
+    }
     for (size_t i = 0; i < it->nx; i++) {
-        float gap = (float)(u[i] - lac_heights_at(h, at + i) - level);
-        dg[i] = it->half != NULL ? gap - dg[i] + offset : keep * dg[i] + (gap - g[i] + offset);
-        g[i] = gap;
+        g[i] = (float)(u[i] - lac_heights_at(h, at + i) - level);
+    }
+    if (it->half != NULL) {
+        memset(search_at(it, at), 0, it->nx * sizeof *it->t);
     }
     for (size_t i = 0; i < it->nx && it->gap != NULL; i++) {
         it->gap[at + i] = u[i] - lac_heights_at(h, at + i) - level;
@@ -92,25 +95,25 @@ static void fresh_row(void *context, size_t j, void *row)
 
 void lac_descent_refresh(iteration *it, bool same_step)
 {
+    lac_filter *filter = it->s->filter;
+    const size_t last = lac_filter_parts(filter, LAC_DOUBLE) - 1;
     it->keep = same_step ? 1.0 : 0.0;
-    if (it->half != NULL) {
-        lac_filter_fill(it->s->filter, LAC_EVEN, pressure_row, it);
-        lac_half_space_displace(it->s);
-        lac_filter_take(it->s->filter, half_row, it);
+    for (it->part = 0; it->part <= last; it->part++) {
+        lac_filter_fill(filter, LAC_DOUBLE, it->part, pressure_row, it);
         it->scale = 1.0; // p has it
-        lac_filter_fill(it->s->filter, LAC_ODD, pressure_row, it);
-    } else {
-        lac_filter_fill(it->s->filter, LAC_DOUBLE, pressure_row, it);
+        lac_half_space_displace(it->s);
+        if (it->part < last) {
+            lac_filter_take(filter, half_row, it);
+        }
     }
-    lac_half_space_displace(it->s);
-    lac_filter_take(it->s->filter, level_row, it);
+    lac_filter_take(filter, level_row, it);
     sums all = lac_descent_total(it);
     it->cells = all.a;
     it->sum_p = all.c;
     it->level = it->held ? all.b / all.a : it->level;
-    lac_filter_take(it->s->filter, fresh_row, it);
+    lac_filter_take(filter, fresh_row, it);
     it->g_mean = 0.0;
-    it->scale = 1.0;
+    it->G_old = it->half != NULL ? 0.0 : it->G_old; // t has gone
     it->error = 0.0;
     it->updates = 0;
 }

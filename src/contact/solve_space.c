@@ -23,7 +23,6 @@ static double cells_of(const lac_half_space *s) { return (double)s->mx * (double
         const double *restrict qy2 = s->qy2;                      \
         __typeof__(reals) restrict w = factor;                    \
         const double qx2 = column_start(s, k);                    \
-        const double cells = cells_of(s);                         \
         for (size_t j = 0; j <= s->my / 2; j++) {                 \
             const double q2 = qx2 + qy2[j];                       \
             w[j] = (result);                                      \
@@ -31,10 +30,10 @@ static double cells_of(const lac_half_space *s) { return (double)s->mx * (double
         w[0] = k > 0 ? w[0] : 0;                                  \
     }
 
-SYMBOL(stiffness_single, float *, (float)(1.0 / cells) * sqrtf((float)q2))
-SYMBOL(stiffness_double, double *, sqrt(q2) / cells)
-SYMBOL(periodic_single, float *, (float)(1.0 / cells) / sqrtf((float)q2))
-SYMBOL(periodic_double, double *, 1.0 / (sqrt(q2) * cells))
+SYMBOL(stiffness_single, float *, (float)(1.0 / cells_of(s)) * sqrtf((float)q2))
+SYMBOL(stiffness_double, double *, sqrt(q2) / cells_of(s))
+SYMBOL(periodic_single, float *, (float)(1.0 / cells_of(s)) / sqrtf((float)q2))
+SYMBOL(periodic_double, double *, 1.0 / (sqrt(q2) * cells_of(s)))
 
 // Love's kernel in column k. Of a square grid of square cells it is the same along both axes: kept
 // is each column down to the diagonal, and it goes on along that row.
@@ -198,13 +197,18 @@ static lac_filter_symbol compliance_of(const lac_half_space *s)
 
 void lac_half_space_displace(lac_half_space *s)
 {
-    lac_filter_multiply(s->filter, compliance_of(s), s);
+    lac_filter_multiply(s->filter, compliance_of(s), s, NULL);
 }
 
-void lac_half_space_unload(lac_half_space *s)
+static lac_filter_symbol stiffness_of(const lac_half_space *s)
 {
     bool single = lac_filter_precision(s->filter) == LAC_SINGLE;
-    lac_filter_multiply(s->filter, single ? stiffness_single : stiffness_double, s);
+    return single ? stiffness_single : stiffness_double;
+}
+
+void lac_half_space_unload(lac_half_space *s, double *power)
+{
+    lac_filter_multiply(s->filter, stiffness_of(s), s, power);
 }
 
 double lac_half_space_energy(lac_half_space *s)

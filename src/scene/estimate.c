@@ -19,7 +19,7 @@ static const double massive_factor = 3; // on the last where a block has mass
 static const struct {
     double bytes, kept_bytes, seconds, level_seconds, large_seconds, history_bytes, history_seconds;
 } costs[] = {[LAC_PERIODIC] = {45, 20, 2e-6, 1e-6, 0.35e-6, 190, 2.5e-6},
-             [LAC_FREE] = {52, 20, 4e-6, 3e-6, 1.4e-6, 460, 11e-6}};
+             [LAC_FREE] = {45, 20, 4e-6, 3e-6, 1.4e-6, 460, 11e-6}};
 static const double one_by_one_cells = 4096;
 
 // Cells of a grid whose contact is counted or estimated on it: a check takes at most 2 GB.

@@ -17,7 +17,7 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 97207,
+    "lines of src and include": 97513,
     "lines that only present results": 24743,
     "public headers": 13,
     "exported names": 44,
