@@ -107,17 +107,19 @@ static const lac_variable of_data[] = {
     {.json = "missing", R(COUNT, missing)},
     {.json = "not_positive", R(COUNT, not_positive)},
     {.json = "rms_m", .value = rms_slip},
-    {.json = "rms_friction", .value = rms_friction},
+    {.name = "rms_friction", .json = "rms_friction", .value = rms_friction},
     {.json = "rms_ln_rate", R(REAL, log_rate_rms)},
     {.json = "offset_m", .value = offset_slip},
     {.json = "log_likelihood", R(REAL, log_likelihood)},
-    {.json = "bic", R(REAL, bic)},
+    {.name = "bic", .json = "bic", R(REAL, bic)},
+    {.name = "log_evidence", .json = "log_evidence", R(REAL, evidence)},
+    {.name = "log_evidence_error", .json = "log_evidence_error", R(REAL, evidence_error)},
     {.json = "residual_autocorrelation", R(REAL, autocorrelation)},
     {.json = "scatter_m", .value = scatter_slip},
     {.json = "scatter_friction", .value = scatter_friction},
     {.json = "misfit", R(REAL, misfit)},
     {.json = "excess", R(REAL, excess)},
-    {.json = "fits_badly", R(BOOL, poor)},
+    {.name = "fits_badly", .json = "fits_badly", R(BOOL, poor)},
 };
 
 static const lac_variable of_result[] = {

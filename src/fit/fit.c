@@ -281,7 +281,8 @@ static void blank(lac_fit_result *result)
                          &result->autocorrelation,  &result->failure,      &result->failure_error,
                          &result->log_likelihood,   &result->acceptance,   &result->shape_sigma,
                          &result->failing,          &result->scatter,      &result->bic,
-                         &result->misfit,           &result->excess};
+                         &result->misfit,           &result->excess,       &result->evidence,
+                         &result->evidence_error};
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
         *numbers[i] = NAN;
     }

@@ -70,6 +70,8 @@ typedef struct lac_fit_result {
     bool friction;         ///< it stands in the place of displacements, here and below [1], not [m]
     double log_likelihood; ///< of the best fit, offset integrated out
     double bic;            ///< Bayesian information criterion: k ln n - 2 ln L; less is better
+    double evidence;       ///< ln of the mean likelihood over the prior; NaN: not sampled
+    double evidence_error; ///< its standard error, from the walkers' scatter
     double failure;        ///< time of failure of the best fit [s]; NaN: none by time.end
     double failure_error;  ///< its standard error from the least squares [s]
     int64_t runs;          ///< integrations made

@@ -246,6 +246,9 @@ void lac_fit_shear_to(const lac_fit_shear *shear, double sign, double *z);
 lac_status lac_fit_sample(lac_fit *fit, const lac_fit_watch *watch, lac_fit_result *result,
                           lac_error *err);
 
+// evidence.c: the evidence of the case, from draws that have converged.
+lac_status lac_fit_find_evidence(const lac_fit *fit, lac_fit_result *result, lac_error *err);
+
 // predict.c
 lac_status lac_fit_predict(lac_fit *fit, const lac_fit_watch *watch, lac_fit_result *result,
                            lac_error *err);

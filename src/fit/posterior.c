@@ -129,7 +129,7 @@ static lac_status sum_up(const lac_fit *fit, lac_fit_result *result, lac_error *
     result->chain = chain;
     result->sampled = true;
     free(x);
-    return LAC_OK;
+    return result->converged ? lac_fit_find_evidence(fit, result, err) : LAC_OK;
 }
 
 // R-hat of every unknown, and whether all are near 1.

@@ -32,6 +32,17 @@ typedef struct prediction {
     double *reading;      // [TOLD][told][readings]
 } prediction;
 
+// The i-th of `seen` times that are the readings' and some between these, or as many of them as
+// there is room for: in a laboratory friction moves within a second of a step.
+static double time_between(const lac_fit_data *data, size_t i, size_t seen)
+{
+    const size_t gaps = data->n - 1, steps = seen - 1, k = i * gaps / steps;
+    const size_t first = (k * steps + gaps - 1) / gaps;
+    const size_t next = ((k + 1) * steps + gaps - 1) / gaps;
+    const double share = (double)(i - first) / (double)(next - first);
+    return data->time[k] + share * (data->time[k + 1] - data->time[k]);
+}
+
 // From the first reading on, three quarters of the times up to the last one, the rest as far again
 // by a half, or to the end.
 static void choose_times(const prediction *p)
@@ -42,10 +53,10 @@ static void choose_times(const prediction *p)
     double last = data->time[data->n - 1];
     double on = fmin(p->fit->source->run.end, last + 0.5 * (last - first));
     for (int i = 0; i < TIMES; i++) {
-        p->time[i] = i < seen ? first + (last - first) * i / (seen - 1)
-                              : last + (on - last) * (i - seen + 1) / (TIMES - seen);
+        p->time[i] = i >= seen - 1      ? last + (on - last) * (i - seen + 1) / (TIMES - seen)
+                     : p->fit->friction ? time_between(data, (size_t)i, (size_t)seen)
+                                        : first + (last - first) * i / (seen - 1);
     }
-    p->time[seen - 1] = last;
     p->time[TIMES - 1] = on;
 }
 

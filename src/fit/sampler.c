@@ -65,8 +65,7 @@ bool lac_fit_factor(size_t d, size_t stride, double *a)
     return full;
 }
 
-// x = L^-1 x
-static void solve(size_t d, const double *l, double *x)
+void lac_fit_solve(size_t d, const double *l, double *x)
 {
     for (size_t i = 0; i < d; i++) {
         for (size_t k = 0; k < i; k++) {
@@ -128,7 +127,7 @@ static bool set_places(kernels *k, const double *x)
         k->place[i] = x[i] - k->mean[i % d];
     }
     for (size_t i = 0; i < k->count; i++) {
-        solve(d, k->root, k->place + i * d);
+        lac_fit_solve(d, k->root, k->place + i * d);
     }
     return true;
 }
@@ -206,13 +205,13 @@ static double kernels_log(const kernels *k, const double *x, double *scratch)
     for (size_t i = 0; i < d; i++) {
         at[i] = x[i] - k->mean[i];
     }
-    solve(d, k->root, at);
+    lac_fit_solve(d, k->root, at);
     for (size_t j = 0; j < k->count; j++) {
         double squares = 0.0;
         for (size_t i = 0; i < d; i++) {
             by[i] = at[i] - k->place[j * d + i];
         }
-        solve(d, k->local + j * d * d, by);
+        lac_fit_solve(d, k->local + j * d * d, by);
         for (size_t i = 0; i < d; i++) {
             squares += by[i] * by[i];
         }

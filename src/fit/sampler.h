@@ -90,3 +90,6 @@ lac_status lac_chain_converged(const lac_chain *chain, size_t coordinate, lac_co
 /// @param stride  from row to row
 /// @return whether the matrix is positive definite, with twelve digits
 bool lac_fit_factor(size_t d, size_t stride, double *a);
+
+/// x = L^-1 x, for an L of which the rows lie side by side.
+void lac_fit_solve(size_t d, const double *l, double *x);

@@ -37,7 +37,7 @@ import run_page  # noqa: E402
 LONG = (
     (r".*\bprz\b", "the law of the how-to: case.test_howto_law adds it"),
     (r"lacuna trade ", "runs a case tens of times: case.test_trade trades small ones"),
-    (r"lacuna fit .*cases/(fit/block|fit/century|vajont-lake)", "samples for a minute: case.test_fit, case.fit.*"),
+    (r"lacuna fit .*cases/(fit/block|fit/century|fit/velocity-step|vajont-lake)", "samples for a minute: case.test_fit*, case.fit.*"),
     (r"lacuna rg .*rg\.seeds=", "an ensemble: case.test_rg has a small one"),
     (r"lacuna run cases/seas/bp[68]\.yaml --set", "fine grids of benchmarks: case.test_seas has coarse ones"),
     (r".*tools/plot/plot_trade\.py", "draws what a long one makes: case.test_trade"),

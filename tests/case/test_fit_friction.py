@@ -111,6 +111,28 @@ class Friction(unittest.TestCase):
                 self.assertGreater(self.best("aging", made)["bic"], said["bic"] + 6)
         self.assertTrue(0.5 < numpy.mean(squares) < 1.8, numpy.mean(squares))
 
+    def test_evidence(self):
+        """ln Z against a quadrature: f0 shifts what a block says, so with f0 and the error unknown Z is known."""
+        made = self.make("slip", 1e-3, 3)
+        rows = numpy.loadtxt(made, delimiter=",", skiprows=1)
+        off = rows[:, 1] - slides("slip", rows[:, 0], **{**TRUTH, "f0": 0.0})
+        n, span = len(off), rows[:, 1].max() - rows[:, 1].min()
+        f0, log_error = numpy.linspace(0.6, 0.62, 801), numpy.linspace(math.log(1e-5 * span), math.log(10 * span), 1501)
+        squares = numpy.sum(off ** 2) - 2 * f0 * numpy.sum(off) + n * f0 ** 2
+        cell = (f0[1] - f0[0]) * (log_error[1] - log_error[0]) / (log_error[-1] - log_error[0])
+        log_likelihood = -0.5 * squares * numpy.exp(-2 * log_error)[:, None] - n * (log_error + 0.5 * math.log(2 * math.pi))[:, None]
+        truth = "{friction: {slip: {f0: 0.61, a: 0.0085, b: 0.0100, dc: 7 um, v0: 3 um/s}}}"
+        held = ["--set", f"friction={truth[11:-1]}", "--set", "load.shear.0.machine.stiffness=90 GPa/m", "--set", "fit.starts=4",
+                "--set", "fit.walkers=16", "--set", "fit.burn=40", "--set", "fit.steps=120", "--set", "time.end=28 s"]
+        normal = -0.5 * ((f0 - 0.6105) / 1e-4) ** 2 - math.log(1e-4 * math.sqrt(2 * math.pi))
+        for prior, log_prior in (("{uniform: {}}", -math.log(0.02) + 0 * f0), ("{normal: {mean: 0.6105, sigma: 1e-4}}", normal)):
+            most = (log_likelihood + log_prior).max()
+            exact = most + math.log(cell * numpy.sum(numpy.exp(log_likelihood + log_prior - most)))
+            said = self.fit("slip", made, *held, "--set",
+                            f"fit.parameters={{friction.slip.f0: {{range: [0.6, 0.62], prior: {prior}}}}}")
+            self.assertLess(abs(said["log_evidence"] - exact), 4 * said["log_evidence_error"] + 0.02, prior)
+            self.assertLess(said["log_evidence_error"], 0.1)
+
     def test_basalt(self):
         """Two laws on a measured step: both fit to the noise; the drop from one steady friction to the other is (a - b) ln 10/3."""
         with netCDF4.Dataset(self.out, "w"):

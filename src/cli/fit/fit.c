@@ -223,6 +223,11 @@ static void print_best(const lac_case *c, const lac_fit_result *r)
         cli_row("misfit of rates", "rms of ln %.3g (a factor of %.2f)", r->log_rate_rms,
                 exp(r->log_rate_rms));
     }
+    if (isnan(r->evidence)) {
+        cli_row("BIC", "%.1f", r->bic);
+    } else {
+        cli_row("evidence", "ln Z %.2f +- %.2f, BIC %.1f", r->evidence, r->evidence_error, r->bic);
+    }
     if (isnan(r->failure)) {
         cli_row("failure, best fit", "not by time.end");
         return;

@@ -17,8 +17,8 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 97513,
-    "lines that only present results": 24743,
+    "lines of src and include": 97636,
+    "lines that only present results": 24750,
     "public headers": 13,
     "exported names": 44,
     "circles of includes": 0,
