@@ -10,6 +10,7 @@
 
 enum {
     BLOCK = 16,          // columns at a time
+    GRAIN = 2 * BLOCK,   // of those that a rank has: in both halves a block
     LINE = 64,           // bytes of a cache line; everything begins at one
     AHEAD = 8,           // pairs of rows that are fetched before they are gathered
     THREAD_CELLS = 32768 // fewer are not worth another thread
@@ -23,8 +24,9 @@ typedef struct kernels {
     void (*destroy)(void *plan);
     void (*weave)(size_t n, const void *row, size_t apart, void *pair);
     void (*unweave)(size_t n, const void *pair, size_t apart, void *row);
-    void (*gather)(const lac_filter *f, size_t first, size_t width, void *columns);
-    void (*scatter)(const lac_filter *f, size_t first, size_t width, const void *columns);
+    void (*gather)(const lac_filter *f, size_t first, size_t width, size_t lead, void *columns);
+    void (*scatter)(const lac_filter *f, size_t first, size_t width, size_t lead,
+                    const void *columns);
     void (*mirror)(size_t n, void *factor);
     void (*multiply)(size_t n, const void *factor, void *column);
     double (*power)(size_t n, const void *factor, const void *column);
@@ -43,9 +45,10 @@ typedef struct room {
 } room;
 
 struct lac_filter {
-    size_t nx, ny;      // the field
+    size_t nx, ny;      // the field; rows here
     size_t mx, my, nkx; // the transform; nkx = mx/2 + 1 columns are kept
-    size_t pairs;       // of rows
+    size_t pairs;       // of rows here
+    size_t all;         // rows of the field
     size_t length;      // of the rows' transform: mx, or half of it
     size_t columns;     // kept of that
     size_t pitch;       // complex numbers from pair to pair
@@ -56,6 +59,8 @@ struct lac_filter {
     double *column_power; // [nkx]
     double *twist;        // [nx] complex exp(-i pi j/nx): even wavenumbers to odd; or NULL
     int threads;
+    lac_turn *shared;   // NULL: all columns are here
+    lac_strip wide;     // those here
     lac_precision mode; // of what the buffer holds
     bool odd;           // mode is LAC_ODD
     const kernels *now;
@@ -110,6 +115,19 @@ static void fill_twist(const lac_filter *f)
     }
 }
 
+lac_strip lac_filter_rows(lac_team *team, size_t ny) { return lac_strip_of(team, ny, 2); }
+
+lac_strip lac_filter_columns(lac_team *team, size_t nkx) { return lac_strip_of(team, nkx, GRAIN); }
+
+static lac_status share(lac_filter *f, lac_team *team, lac_error *err)
+{
+    const lac_strip rows = lac_strip_of(team, (f->all + 1) / 2 * 2, 2); // pairs as a whole
+    f->wide = lac_filter_columns(team, f->nkx);
+    return team == NULL
+               ? LAC_OK
+               : lac_turn_create(&rows, f->lead, GRAIN * 2 * sizeof(double), &f->shared, err);
+}
+
 static lac_status allocate(lac_filter *f, lac_error *err)
 {
     size_t complex_size = 2 * sizeof(double);
@@ -120,7 +138,7 @@ static lac_status allocate(lac_filter *f, lac_error *err)
     f->room.second = half;
     f->room.factor = 2 * half;
     f->room.share = 2 * half + padded(f->my) * sizeof(double);
-    f->buffer = aligned_alloc(LINE, f->pairs * row);
+    f->buffer = aligned_alloc(LINE, larger(f->pairs, 1) * row);
     f->scratch = aligned_alloc(LINE, (size_t)f->threads * f->room.share);
     f->column_power = malloc(f->nkx * sizeof *f->column_power);
     f->twist = halves ? malloc(f->nx * complex_size) : NULL;
@@ -154,8 +172,8 @@ static int useful_threads(size_t cells)
     return most < 2 ? 1 : (int)(there < most ? there : most);
 }
 
-lac_status lac_filter_create(const size_t field[2], const size_t transform[2], lac_filter **out,
-                             lac_error *err)
+lac_status lac_filter_create(const size_t field[2], const size_t transform[2], lac_team *team,
+                             lac_filter **out, lac_error *err)
 {
     lac_status status;
     *out = NULL;
@@ -166,7 +184,8 @@ lac_status lac_filter_create(const size_t field[2], const size_t transform[2], l
     lac_filter *f = calloc(1, sizeof *f);
     LAC_FAIL_MEMORY_IF(f == NULL, err);
     f->nx = field[0];
-    f->ny = field[1];
+    f->all = field[1];
+    f->ny = lac_filter_rows(team, f->all).n;
     f->mx = transform[0];
     f->my = transform[1];
     f->nkx = f->mx / 2 + 1;
@@ -174,6 +193,7 @@ lac_status lac_filter_create(const size_t field[2], const size_t transform[2], l
     f->lead = padded(f->my);
     f->threads = useful_threads(f->nx * f->ny);
     LAC_TRY(allocate(f, err));
+    LAC_TRY(share(f, team, err));
     if (!plan(f, LAC_SINGLE) || !plan(f, f->twist != NULL ? LAC_EVEN : LAC_DOUBLE)) {
         status = lac_fail_memory(err);
         goto out;
@@ -196,6 +216,7 @@ void lac_filter_free(lac_filter *f)
         precisions[k]->destroy(f->plans[k].column_forward);
         precisions[k]->destroy(f->plans[k].column_inverse);
     }
+    lac_turn_free(f->shared);
     free(f->buffer);
     free(f->scratch);
     free(f->column_power);
@@ -289,18 +310,23 @@ static char *column_of(const lac_filter *f, char *block, size_t c)
     return &block[c * f->lead * 2 * f->now->size];
 }
 
-// Columns from first on into the scratch, and to wavenumbers along y; returns how many
-static size_t transform_columns(const lac_filter *f, size_t first)
+// Columns from first on into the scratch; returns how many
+static size_t gather_columns(const lac_filter *f, size_t first, char *block)
 {
     size_t width = f->columns - first < BLOCK ? f->columns - first : BLOCK;
-    char *block = own_scratch(f);
-    char *spectrum = &block[f->room.second];
-    f->now->gather(f, first, width, block);
-    for (size_t c = 0; c < width; c++) {
-        f->now->execute(current(f)->column_forward, column_of(f, block, c),
-                        column_of(f, spectrum, c));
-    }
+    f->now->gather(f, first, width, f->lead, block);
     return width;
+}
+
+// A column, zeros beyond the field, to its wavenumbers along y
+static char *transform_column(const lac_filter *f, size_t c, char *block)
+{
+    char *column = column_of(f, block, c), *spectrum = own_scratch(f) + f->room.second;
+    const size_t size = 2 * f->now->size;
+    spectrum = column_of(f, spectrum, c % BLOCK);
+    memset(&column[f->all * size], 0, (f->my - f->all) * size);
+    f->now->execute(current(f)->column_forward, column, spectrum);
+    return spectrum;
 }
 
 static const void *factors(const lac_filter *f, lac_filter_symbol symbol, const void *context,
@@ -312,34 +338,96 @@ static const void *factors(const lac_filter *f, lac_filter_symbol symbol, const 
     return factor;
 }
 
+// What is done to columns: those of a block, in one thread.
+typedef struct columns_use {
+    lac_filter *f;
+    lac_filter_symbol symbol;
+    const void *context;
+    void (*each)(const struct columns_use *use, size_t first, size_t c, char *block);
+} columns_use;
+
+static void multiply_column(const columns_use *use, size_t first, size_t c, char *block)
+{
+    const lac_filter *f = use->f;
+    char *column = transform_column(f, c, block);
+    f->now->multiply(f->my, factors(f, use->symbol, use->context, first + c), column);
+    f->now->execute(current(f)->column_inverse, column, column_of(f, block, c));
+}
+
+static void add_column(const columns_use *use, size_t first, size_t c, char *block)
+{
+    const lac_filter *f = use->f;
+    const size_t k = first + c;
+    bool alone = k == (f->odd ? f->length - 1 - k : (f->length - k) % f->length);
+    char *column = transform_column(f, c, block);
+    const void *factor = factors(f, use->symbol, use->context, k);
+    f->column_power[k] = (alone ? 1.0 : 2.0) * f->now->power(f->my, factor, column);
+}
+
+static void pack(void *context, size_t first, size_t width, void *packet)
+{
+    const lac_filter *f = ((const columns_use *)context)->f;
+    f->now->gather(f, first, width, 2 * f->pairs, packet);
+}
+
+static void unpack(void *context, size_t first, size_t width, const void *packet)
+{
+    const lac_filter *f = ((const columns_use *)context)->f;
+    f->now->scatter(f, first, width, 2 * f->pairs, packet);
+}
+
+static void work(void *context, size_t first, size_t width, void *plane)
+{
+    const columns_use *use = context;
+#pragma omp parallel for schedule(static) num_threads(use->f->threads)
+    for (size_t c = 0; c < width; c++) {
+        use->each(use, first, c, plane);
+    }
+}
+
+// Columns that other ranks have rows of.
+static void share_columns(columns_use *use, bool back)
+{
+    const lac_filter *f = use->f;
+    const lac_turn_use shared = {use, pack, work, back ? unpack : NULL};
+    const lac_strip columns =
+        lac_strip_like(&f->wide, f->columns, f->mode < LAC_EVEN ? GRAIN : BLOCK);
+    lac_turn_pass(f->shared, &columns, 2 * f->now->size, &shared);
+}
+
 void lac_filter_multiply(lac_filter *f, lac_filter_symbol symbol, const void *context)
 {
+    columns_use use = {f, symbol, context, multiply_column};
+    if (f->shared != NULL) {
+        share_columns(&use, true);
+        return;
+    }
 #pragma omp parallel for schedule(static) num_threads(f->threads)
     for (size_t first = 0; first < f->columns; first += BLOCK) {
         char *block = own_scratch(f);
-        char *spectrum = &block[f->room.second];
-        size_t width = transform_columns(f, first);
+        size_t width = gather_columns(f, first, block);
         for (size_t c = 0; c < width; c++) {
-            char *column = column_of(f, spectrum, c);
-            f->now->multiply(f->my, factors(f, symbol, context, first + c), column);
-            f->now->execute(current(f)->column_inverse, column, column_of(f, block, c));
+            multiply_column(&use, first, c, block);
         }
-        f->now->scatter(f, first, width, block);
+        f->now->scatter(f, first, width, f->lead, block);
     }
 }
 
 double lac_filter_power(lac_filter *f, lac_filter_symbol symbol, const void *context)
 {
+    columns_use use = {f, symbol, context, add_column};
+    memset(f->column_power, 0, f->columns * sizeof *f->column_power);
+    if (f->shared != NULL) {
+        share_columns(&use, false);
+        lac_team_join(f->wide.team, f->column_power, f->columns);
+        return lac_sum(f->columns, f->column_power);
+    }
 #pragma omp parallel for schedule(static) num_threads(f->threads)
     for (size_t first = 0; first < f->columns; first += BLOCK) {
-        char *spectrum = own_scratch(f) + f->room.second;
-        size_t width = transform_columns(f, first);
+        char *block = own_scratch(f);
+        size_t width = gather_columns(f, first, block);
         for (size_t c = 0; c < width; c++) {
-            size_t k = first + c;
-            bool alone = k == (f->odd ? f->length - 1 - k : (f->length - k) % f->length);
-            const void *factor = factors(f, symbol, context, k);
-            f->column_power[k] =
-                (alone ? 1.0 : 2.0) * f->now->power(f->my, factor, column_of(f, spectrum, c));
+            add_column(&use, first, c, block);
         }
     }
     return lac_sum(f->columns, f->column_power);

@@ -66,10 +66,11 @@ static inline void NAME(join)(const REAL *restrict ab, REAL *at, REAL *mirror)
 }
 
 // Columns first ... first + width of the spectra of all rows
-static void NAME(gather)(const lac_filter *f, size_t first, size_t width, void *columns)
+static void NAME(gather)(const lac_filter *f, size_t first, size_t width, size_t lead,
+                         void *columns)
 {
     REAL *restrict block = columns;
-    const size_t apart = 2 * f->lead;
+    const size_t apart = 2 * lead;
     for (size_t pair = 0; pair < f->pairs; pair++) {
         const REAL *z = (const REAL *)f->buffer + 2 * pair * f->pitch;
         REAL *restrict to = &block[4 * pair];
@@ -88,16 +89,14 @@ static void NAME(gather)(const lac_filter *f, size_t first, size_t width, void *
             NAME(part)(&at[2 * c], mirror - 2 * c, &to[c * apart]);
         }
     }
-    for (size_t c = 0; c < width && f->my > f->ny; c++) {
-        memset(&block[2 * (c * f->lead + f->ny)], 0, 2 * (f->my - f->ny) * sizeof(REAL));
-    }
 }
 
 // And back
-static void NAME(scatter)(const lac_filter *f, size_t first, size_t width, const void *columns)
+static void NAME(scatter)(const lac_filter *f, size_t first, size_t width, size_t lead,
+                          const void *columns)
 {
     const REAL *restrict block = columns;
-    const size_t apart = 2 * f->lead;
+    const size_t apart = 2 * lead;
     for (size_t pair = 0; pair < f->pairs; pair++) {
         REAL *z = (REAL *)f->buffer + 2 * pair * f->pitch;
         const REAL *restrict from = &block[4 * pair];

@@ -190,7 +190,7 @@ static void update(iteration *it)
     it->cells = all.a;
     it->level += it->g_mean; // which update_piece took off
     it->g_mean = it->held ? all.b / all.a : 0.0;
-    it->error += single_error * sqrt(all.d / ((double)it->nx * (double)it->ny));
+    it->error += single_error * sqrt(all.d / ((double)it->nx * (double)it->s->ny));
     it->updates++;
 }
 
@@ -198,7 +198,7 @@ static void update(iteration *it)
 static void measure(iteration *it, lac_descent *d)
 {
     sums all = fill(it, gap_piece);
-    double n = (double)it->nx * (double)it->ny;
+    double n = (double)it->nx * (double)it->s->ny;
     it->g2 = all.b;
     it->sum_g = all.c;
     d->closest = -it->level;
@@ -218,7 +218,7 @@ static double penetration(const iteration *it)
             least = gap < least ? gap : least;
         }
     }
-    return -least;
+    return lac_team_most(it->s->rows.team, -least);
 }
 
 // Whether all but the penetration, which is still that of another p, is within the tolerance.
@@ -294,7 +294,7 @@ static bool stale(const iteration *it, const lac_descent *d)
 static void step(iteration *it, const lac_descent *d)
 {
     sums all = fill(it, step_piece);
-    it->scale = it->held ? d->mean_pressure * (double)it->nx * (double)it->ny / all.a : 1.0;
+    it->scale = it->held ? d->mean_pressure * (double)it->nx * (double)it->s->ny / all.a : 1.0;
     it->sum_p = it->scale * all.a;
     // New cells change the problem: the directions so far are conjugate no more.
     if (all.b > 0.01 * it->g2) {
@@ -330,15 +330,15 @@ static void iterate(iteration *it, lac_descent *d)
 lac_status lac_descend(lac_half_space *s, lac_descent *d, double *pressure, double *gap,
                        lac_error *err)
 {
-    size_t n = s->nx * s->ny;
+    size_t n = s->nx * s->rows.n;
     const bool halves = s->mx > s->nx; // g lies in `half`
-    float *work = calloc((halves ? 4 : 3) * n, sizeof *work);
+    float *work = calloc((halves ? 4 : 3) * n + 1, sizeof *work);
     sums *rows = malloc(s->ny * sizeof *rows);
     lac_status status;
     LAC_TRY(work != NULL && rows != NULL ? LAC_OK : lac_fail_memory(err));
     iteration it = {.s = s,
                     .nx = s->nx,
-                    .ny = s->ny,
+                    .ny = s->rows.n,
                     .h = d->heights,
                     .p = pressure,
                     .gap = gap,
@@ -346,7 +346,7 @@ lac_status lac_descend(lac_half_space *s, lac_descent *d, double *pressure, doub
                     .g = work,
                     .dg = &work[halves ? 2 * n : n],
                     .t = &work[halves ? 3 * n : 2 * n],
-                    .rows = rows,
+                    .rows = rows + s->rows.first,
                     .scale = 1.0,
                     .level = -d->approach,
                     .held = d->control == LAC_CONTROL_LOAD};

@@ -26,7 +26,7 @@ typedef sums piece_sums(const iteration *it, size_t n, size_t at, float *row);
 // State of the iterations. I are the cells in contact, p > 0.
 struct iteration {
     lac_half_space *s;
-    size_t nx, ny;
+    size_t nx, ny; // cells along x; rows here
     lac_heights h;
     double *p;           // [ny * nx] pressure over scale
     double *gap;         // [ny * nx] of the last fresh product; or NULL
@@ -35,7 +35,7 @@ struct iteration {
     float *dg;           // [ny * nx] last change of the gap plus g_mean, on I; then z
     float *t;            // [ny * nx] search direction, 0 outside I
     piece_sums *piece;   // of the sweep under way
-    sums *rows;          // [ny]
+    sums *rows;          // [ny], among those of all ranks
     double level;        // gap = S p - h - level
     double g_mean;       // of g over I
     double cells;        // in I
@@ -59,7 +59,7 @@ static inline float *gap_at(const iteration *it, size_t cell)
     return &it->g[cell + (it->half != NULL ? cell / it->nx * it->nx : 0)];
 }
 
-/// The rows' sums, in order.
+/// The sums of all rows, in order.
 sums lac_descent_total(const iteration *it);
 
 /// The gap from a product in double precision.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Random self-affine heights from the sum of their waves, skewed where the case asks for it.
+#include "base/filter.h"
 #include "surface/surface.h"
 #include "surface/synthesis.h"
 
@@ -52,24 +53,38 @@ static double rms_of(const lac_self_affine *p, const lac_band *b, double sum)
     return p->skewness == 0.0 ? rms : rms / steepening(translation_of(p->skewness));
 }
 
-// Gaussian heights of unit variance -> skewed ones of zero mean over the grid.
-static void translate(double skewness, double rms, double *heights, size_t n)
+// Gaussian heights of unit variance, n of them here.
+typedef struct skewing {
+    translation t;
+    double rms;
+    double *heights;
+    size_t n;
+} skewing;
+
+static void skew(void *context, double *sum)
 {
-    translation t = translation_of(skewness);
-    double sum = 0.0;
-    for (size_t i = 0; i < n; i++) {
-        double u = t.sign * heights[i];
-        heights[i] = rms * t.sign * expm1(t.s * u - 0.5 * t.s * t.s) / t.root;
-        sum += heights[i];
+    const skewing *s = context;
+    const translation t = s->t;
+    for (size_t i = 0; i < s->n; i++) {
+        double u = t.sign * s->heights[i];
+        s->heights[i] = s->rms * t.sign * expm1(t.s * u - 0.5 * t.s * t.s) / t.root;
+        *sum += s->heights[i];
     }
-    for (size_t i = 0; i < n; i++) {
-        heights[i] -= sum / (double)n;
+}
+
+// They become skewed ones of zero mean over the grid, of so many cells.
+static void translate(skewing s, lac_team *team, size_t all)
+{
+    double sum = 0.0;
+    lac_team_relay(team, skew, &s, &sum, 1);
+    for (size_t i = 0; i < s.n; i++) {
+        s.heights[i] -= sum / (double)all;
     }
 }
 
 // h(x) = sum over k of a_k exp(i q.x), with <|a_k|^2> = rms^2 C(q_k) / sum C.
-static lac_status generate(const void *params, const lac_grid *grid, double *heights,
-                           lac_surface_stats *report, lac_error *err)
+static lac_status generate(const void *params, const lac_grid *grid, lac_team *team,
+                           double *heights, lac_surface_stats *report, lac_error *err)
 {
     const lac_self_affine *p = params;
     (void)report;
@@ -87,9 +102,10 @@ static lac_status generate(const void *params, const lac_grid *grid, double *hei
     double sum = lac_band_sum(&y.band, 0);
     double rms = rms_of(p, &y.band, sum);
     y.scale = (p->skewness == 0.0 ? rms : 1.0) / sqrt(sum);
-    LAC_TRY_RETURN(lac_synthesise(&how, &y.band, grid, mode, &y, heights, err));
+    LAC_TRY_RETURN(lac_synthesise(&how, &y.band, grid, team, mode, &y, heights, err));
     if (p->skewness != 0.0) {
-        translate(p->skewness, rms, heights, n);
+        const size_t here = lac_filter_rows(team, grid->ny).n * grid->nx;
+        translate((skewing){translation_of(p->skewness), rms, heights, here}, team, n);
     }
     return LAC_OK;
 }
@@ -134,4 +150,5 @@ const lac_surface_source lac_surface_self_affine = {
                       LAC_ROWS(self_affine_params, lac_self_affine)),
     .generate = generate,
     .waves = waves,
+    .shared = true,
 };

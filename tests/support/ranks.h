@@ -1,0 +1,8 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#pragma once
+
+#include "base/team.h"
+
+/// Ranks that are threads of this process, so that a test needs no MPI: each does `body`, as
+/// team->rank; returns when all have. 0 ranks: once, without a team.
+void ranks_do(int ranks, void (*body)(lac_team *team, void *context), void *context);
