@@ -69,12 +69,13 @@ void lac_fft_share_inverse(lac_fft *fft)
     }
 }
 
-// An even field, and a plan for a line of either direction.
+// An even field.
 typedef struct even {
     const lac_strip *rows;
     size_t n1, lead;
     double *quarter;
-    fftw_plan plan;
+    lac_status status;
+    lac_error *err;
 } even;
 
 static void pack_even(void *context, size_t first, size_t width, void *packet)
@@ -99,14 +100,19 @@ static void unpack_even(void *context, size_t first, size_t width, const void *p
     }
 }
 
+// Lines one by one.
+static void transform_lines(even *e, size_t n, double *line, size_t lines, size_t apart)
+{
+    for (size_t k = 0; e->status == LAC_OK && k < lines; k++) {
+        e->status = lac_fft_even(1, n, line + k * apart, e->err);
+    }
+}
+
 static void work_even(void *context, size_t first, size_t width, void *plane)
 {
-    const even *e = context;
+    even *e = context;
     (void)first;
-    for (size_t k = 0; k < width; k++) {
-        double *line = (double *)plane + k * e->lead;
-        fftw_execute_r2r(e->plan, line, line);
-    }
+    transform_lines(e, e->rows->all, plane, width, e->lead);
 }
 
 // Columns here, of which the rows here take the place: on and right of the diagonal.
@@ -120,26 +126,6 @@ static void mirror_even(void *context, size_t first, size_t width, void *plane)
     }
 }
 
-// Rows one by one, in room that is aligned as others are not.
-static lac_status transform_rows(const even *e, lac_error *err)
-{
-    double *line = fftw_alloc_real(e->n1);
-    LAC_FAIL_MEMORY_IF(line == NULL, err);
-    fftw_plan plan = fftw_plan_r2r_1d((int)e->n1, line, line, FFTW_REDFT00, FFTW_ESTIMATE);
-    for (size_t j = 0; plan != NULL && j < e->rows->n; j++) {
-        double *row = &e->quarter[j * e->n1];
-        memcpy(line, row, e->n1 * sizeof *line);
-        fftw_execute(plan);
-        memcpy(row, line, e->n1 * sizeof *line);
-    }
-    fftw_free(line);
-    if (plan == NULL) {
-        return lac_fail_memory(err);
-    }
-    fftw_destroy_plan(plan);
-    return LAC_OK;
-}
-
 lac_status lac_fft_share_even(const lac_strip *rows, size_t n1, bool mirrored, double *quarter,
                               lac_error *err)
 {
@@ -147,24 +133,19 @@ lac_status lac_fft_share_even(const lac_strip *rows, size_t n1, bool mirrored, d
         return lac_fft_even(rows->all, n1, quarter, err);
     }
     lac_turn *shared = NULL;
-    lac_status status;
-    even e = {rows, n1, (rows->all + 9) / 8 * 8, quarter, NULL};
+    even e = {rows, n1, (rows->all + 9) / 8 * 8, quarter, LAC_OK, err};
     const lac_strip columns = lac_strip_of(rows->team, n1, rows->grain);
     const lac_turn_use transform = {&e, pack_even, work_even, unpack_even};
     const lac_turn_use mirror = {&e, pack_even, mirror_even, NULL};
-    LAC_TRY(n1 > 1 ? transform_rows(&e, err) : LAC_OK);
-    LAC_TRY(lac_turn_create(rows, e.lead, rows->grain * sizeof *quarter, &shared, err));
-    double *plane = (double *)(void *)shared->plane;
-    if (rows->all > 1) {
-        e.plan = fftw_plan_r2r_1d((int)rows->all, plane, plane, FFTW_REDFT00, FFTW_ESTIMATE);
-        LAC_TRY(e.plan != NULL ? LAC_OK : lac_fail_memory(err));
+    lac_status status = lac_turn_create(rows, e.lead, rows->grain * sizeof(double), &shared, err);
+    if (status == LAC_OK) {
+        transform_lines(&e, n1, quarter, rows->n, n1);
         lac_turn_pass(shared, &columns, sizeof *quarter, &transform);
-        fftw_destroy_plan(e.plan);
+        if (mirrored) {
+            lac_turn_pass(shared, &columns, sizeof *quarter, &mirror);
+        }
+        status = e.status;
     }
-    if (mirrored) {
-        lac_turn_pass(shared, &columns, sizeof *quarter, &mirror);
-    }
-out:
     lac_turn_free(shared);
     return status;
 }

@@ -93,6 +93,36 @@ lac_status lac_strip_bring(const lac_strip *strip, size_t first, size_t n, size_
     return hand_over(strip, wants, size, rows, *made, err);
 }
 
+// Numbers over so many.
+typedef struct summands {
+    const double *x;
+    size_t n;
+    double over;
+} summands;
+
+static void add(void *context, double *sum)
+{
+    const summands *s = context;
+    for (size_t i = 0; i < s->n; i++) {
+        *sum += s->x[i] / s->over;
+    }
+}
+
+double lac_strip_sum(const lac_strip *strip, size_t n, const double *x)
+{
+    double sum = 0.0;
+    lac_team_relay(strip->team, add, &(summands){x, n, 1.0}, &sum, 1);
+    return sum;
+}
+
+double lac_strip_mean(const lac_strip *strip, size_t nx, const double *x)
+{
+    double mean = 0.0;
+    summands all = {x, strip->n * nx, (double)(strip->all * nx)};
+    lac_team_relay(strip->team, add, &all, &mean, 1);
+    return mean;
+}
+
 lac_status lac_turn_create(const lac_strip *rows, size_t lead, size_t grain_bytes, lac_turn **out,
                            lac_error *err)
 {

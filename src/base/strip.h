@@ -27,6 +27,11 @@ int lac_strip_owner(const lac_strip *strip, size_t row);
 lac_status lac_strip_bring(const lac_strip *strip, size_t first, size_t n, size_t size,
                            const void *rows, const void **out, void **made, lac_error *err);
 
+/// Sum of n of each rank's, and mean of all rows of nx, one after the other: the bits of one
+/// process.
+double lac_strip_sum(const lac_strip *strip, size_t n, const double *x);
+double lac_strip_mean(const lac_strip *strip, size_t nx, const double *x);
+
 /// A matrix whose rows are in strips, worked on by columns: each rank has some of these as a whole,
 /// a grain at a time.
 typedef struct lac_turn {

@@ -15,44 +15,6 @@ lac_strip lac_contact_rows(lac_team *team, const lac_grid *grid)
     return lac_filter_rows(team, grid->ny);
 }
 
-// What is summed.
-typedef struct share {
-    const double *x;
-    size_t n;
-    double of; // cells of all
-} share;
-
-static void add_sum(void *context, double *sum)
-{
-    const share *s = context;
-    for (size_t i = 0; i < s->n; i++) {
-        *sum += s->x[i];
-    }
-}
-
-static void add_mean(void *context, double *mean)
-{
-    const share *s = context;
-    for (size_t i = 0; i < s->n; i++) {
-        *mean += s->x[i] / s->of;
-    }
-}
-
-double lac_share_sum(const lac_strip *rows, size_t n, const double *x)
-{
-    double sum = 0.0;
-    lac_team_relay(rows->team, add_sum, &(share){.x = x, .n = n}, &sum, 1);
-    return sum;
-}
-
-double lac_share_mean(const lac_strip *rows, size_t nx, const double *x)
-{
-    double mean = 0.0;
-    share s = {x, rows->n * nx, (double)(rows->all * nx)};
-    lac_team_relay(rows->team, add_mean, &s, &mean, 1);
-    return mean;
-}
-
 lac_contact_def lac_contact_default(void)
 {
     return (lac_contact_def){.tolerance = 1e-8, .max_iterations = 1000};
@@ -113,7 +75,7 @@ double lac_contact_peak(const lac_contact_def *def)
         most = fmax(most, def->heights[i]);
     }
     most = lac_team_most(def->team, most);
-    return most - lac_share_mean(&rows, def->grid.nx, def->heights);
+    return most - lac_strip_mean(&rows, def->grid.nx, def->heights);
 }
 
 // How far it would stick into the undeformed body; < 0 where they do not touch. [m]
@@ -140,7 +102,7 @@ static lac_status scale_heights(const lac_contact_def *def, double least, proble
                                 lac_error *err)
 {
     const lac_strip *rows = &p->at.rows;
-    const double mean = lac_share_mean(rows, def->grid.nx, def->heights);
+    const double mean = lac_strip_mean(rows, def->grid.nx, def->heights);
     p->h = (lac_heights){.z = def->heights, .mean = mean, .unit = 1.0};
     double most = 0.0, sum = 0.0;
     for (size_t i = 0; i < lac_extent_cells(&p->at); i++) {
@@ -258,7 +220,7 @@ static bool warm_guess(const lac_contact_def *def, const problem *p, const lac_d
         pressure[i] = def->start[i] / most;
     }
     const bool held = d->control == LAC_CONTROL_LOAD && most > 0.0;
-    const double sum = held ? lac_share_sum(&p->at.rows, n, pressure) : NAN;
+    const double sum = held ? lac_strip_sum(&p->at.rows, n, pressure) : NAN;
     double scale = held ? d->mean_pressure * all / sum : most / p->unit;
     for (size_t i = 0; i < n && most > 0.0; i++) {
         pressure[i] *= scale;
@@ -273,7 +235,7 @@ static bool no_contact(const lac_contact_def *def, double *pressure, double *gap
     }
     const lac_strip rows = lac_contact_rows(def->team, &def->grid);
     const size_t n = rows.n * def->grid.nx;
-    double mean = lac_share_mean(&rows, def->grid.nx, def->heights);
+    double mean = lac_strip_mean(&rows, def->grid.nx, def->heights);
     memset(pressure, 0, n * sizeof *pressure);
     for (size_t i = 0; i < n && gap != NULL; i++) {
         gap[i] = def->approach + mean - def->heights[i];
@@ -325,9 +287,9 @@ static void count_contact(const lac_extent *at, const double *pressure, lac_cont
         cells += pressure[i] > 0.0 ? 1.0 : 0.0;
         most = fmax(most, pressure[i]);
     }
-    report->n_cells = (size_t)lac_share_sum(&at->rows, 1, &cells);
+    report->n_cells = (size_t)lac_strip_sum(&at->rows, 1, &cells);
     report->max_pressure = lac_team_most(at->rows.team, most);
-    report->mean_pressure = lac_share_mean(&at->rows, at->nx, pressure);
+    report->mean_pressure = lac_strip_mean(&at->rows, at->nx, pressure);
 }
 
 lac_status lac_contact_solve(const lac_contact_def *def, double *pressure, double *gap,

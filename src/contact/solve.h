@@ -84,10 +84,6 @@ typedef struct lac_descent {
 lac_status lac_descend(lac_half_space *s, lac_descent *d, double *pressure, double *gap,
                        lac_error *err);
 
-/// Sum and mean of so many of each rank's, one after the other.
-double lac_share_sum(const lac_strip *rows, size_t n, const double *x);
-double lac_share_mean(const lac_strip *rows, size_t nx, const double *x);
-
 /// Whether a residual is within the tolerance.
 bool lac_residual_holds(const lac_residual *r, double tolerance);
 

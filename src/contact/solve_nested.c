@@ -114,7 +114,7 @@ static void rescale(const lac_descent *d, const lac_extent *at, double *pressure
     const size_t n = lac_extent_cells(at);
     const double all = (double)(at->nx * at->ny);
     double scale = d->control == LAC_CONTROL_LOAD
-                       ? d->mean_pressure * all / lac_share_sum(&at->rows, n, pressure)
+                       ? d->mean_pressure * all / lac_strip_sum(&at->rows, n, pressure)
                        : 1.0;
     for (size_t i = 0; i < n; i++) {
         pressure[i] *= scale;

@@ -53,32 +53,20 @@ static double rms_of(const lac_self_affine *p, const lac_band *b, double sum)
     return p->skewness == 0.0 ? rms : rms / steepening(translation_of(p->skewness));
 }
 
-// Gaussian heights of unit variance, n of them here.
-typedef struct skewing {
-    translation t;
-    double rms;
-    double *heights;
-    size_t n;
-} skewing;
-
-static void skew(void *context, double *sum)
+// Gaussian heights of unit variance -> skewed ones of zero mean over the grid.
+static void translate(double skewness, double rms, const lac_grid *grid, lac_team *team,
+                      double *heights)
 {
-    const skewing *s = context;
-    const translation t = s->t;
-    for (size_t i = 0; i < s->n; i++) {
-        double u = t.sign * s->heights[i];
-        s->heights[i] = s->rms * t.sign * expm1(t.s * u - 0.5 * t.s * t.s) / t.root;
-        *sum += s->heights[i];
+    const lac_strip rows = lac_filter_rows(team, grid->ny);
+    const size_t n = rows.n * grid->nx;
+    translation t = translation_of(skewness);
+    for (size_t i = 0; i < n; i++) {
+        double u = t.sign * heights[i];
+        heights[i] = rms * t.sign * expm1(t.s * u - 0.5 * t.s * t.s) / t.root;
     }
-}
-
-// They become skewed ones of zero mean over the grid, of so many cells.
-static void translate(skewing s, lac_team *team, size_t all)
-{
-    double sum = 0.0;
-    lac_team_relay(team, skew, &s, &sum, 1);
-    for (size_t i = 0; i < s.n; i++) {
-        s.heights[i] -= sum / (double)all;
+    const double sum = lac_strip_sum(&rows, n, heights);
+    for (size_t i = 0; i < n; i++) {
+        heights[i] -= sum / (double)lac_grid_cells(grid);
     }
 }
 
@@ -104,8 +92,7 @@ static lac_status generate(const void *params, const lac_grid *grid, lac_team *t
     y.scale = (p->skewness == 0.0 ? rms : 1.0) / sqrt(sum);
     LAC_TRY_RETURN(lac_synthesise(&how, &y.band, grid, team, mode, &y, heights, err));
     if (p->skewness != 0.0) {
-        const size_t here = lac_filter_rows(team, grid->ny).n * grid->nx;
-        translate((skewing){translation_of(p->skewness), rms, heights, here}, team, n);
+        translate(p->skewness, rms, grid, team, heights);
     }
     return LAC_OK;
 }

@@ -302,41 +302,27 @@ static void fold(lac_fft *fft, const folding *f)
     }
 }
 
-// The corner of the whole, rows of it.
-typedef struct corner {
-    const double *from; // [n][nx of the whole]
-    double *heights;    // [n][nx]
-    size_t n, nx, whole;
-} corner;
-
-static void take_rows(void *context, double *sum)
-{
-    const corner *c = context;
-    for (size_t i = 0; i < c->n * c->nx; i++) {
-        c->heights[i] = c->from[i / c->nx * c->whole + i % c->nx];
-        *sum += c->heights[i];
-    }
-}
-
-// That corner, without the mean that it or its short waves may have.
+// The corner of the whole, without the mean that it or its short waves may have.
 static lac_status take(const lac_synthesis *how, const lac_fft *fft, const lac_grid *grid,
                        double *heights, lac_error *err)
 {
-    const size_t n = lac_grid_cells(grid);
     const lac_strip rows = lac_filter_rows(fft->strip.team, grid->ny);
+    const size_t n = rows.n * grid->nx;
     const void *from = fft->real;
     void *made = NULL;
-    double sum = 0.0;
     if (fft->ny > grid->ny) { // other ranks have the rows
         LAC_TRY_RETURN(lac_strip_bring(&fft->strip, rows.first, rows.n, fft->nx * sizeof *heights,
                                        fft->real, &from, &made, err));
     }
-    corner c = {from, heights, rows.n, grid->nx, fft->nx};
-    lac_team_relay(rows.team, take_rows, &c, &sum, 1);
+    for (size_t j = 0; j < rows.n; j++) {
+        memcpy(heights + j * grid->nx, (const double *)from + j * fft->nx,
+               grid->nx * sizeof *heights);
+    }
     free(made);
     bool none = how->sampling == LAC_SAMPLING_LOW_PASS && how->margin == 0;
-    for (size_t i = 0; !none && !how->with_mean && i < rows.n * grid->nx; i++) {
-        heights[i] -= sum / (double)n;
+    const double sum = none || how->with_mean ? 0.0 : lac_strip_sum(&rows, n, heights);
+    for (size_t i = 0; !none && !how->with_mean && i < n; i++) {
+        heights[i] -= sum / (double)lac_grid_cells(grid);
     }
     return LAC_OK;
 }

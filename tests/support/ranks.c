@@ -13,6 +13,7 @@ enum { MOST = 16 };
 typedef struct meeting {
     pthread_barrier_t all;
     pthread_mutex_t one;
+    size_t exchanged;
     uint64_t *words[MOST]; // of each
     const void *from[MOST];
     const size_t *sent[MOST];
@@ -64,6 +65,7 @@ static void exchange(const lac_team *team, const void *from, const size_t *sent,
         }
         assert_int_equal(at->sent[rank][team->rank], taken[rank]);
         memcpy(into, part, taken[rank]);
+        at->exchanged += rank != team->rank ? taken[rank] : 0;
         into += taken[rank];
     }
     meet(at);
@@ -79,13 +81,13 @@ static void *work_as(void *context)
     return NULL;
 }
 
-void ranks_do(int ranks, void (*body)(lac_team *team, void *context), void *context)
+size_t ranks_do(int ranks, void (*body)(lac_team *team, void *context), void *context)
 {
-    meeting at;
+    meeting at = {.exchanged = 0};
     member of[MOST];
     if (ranks == 0) {
         body(NULL, context);
-        return;
+        return 0;
     }
     assert_true(ranks <= MOST);
     pthread_barrier_init(&at.all, NULL, (unsigned)ranks);
@@ -101,4 +103,5 @@ void ranks_do(int ranks, void (*body)(lac_team *team, void *context), void *cont
     }
     pthread_barrier_destroy(&at.all);
     pthread_mutex_destroy(&at.one);
+    return at.exchanged;
 }

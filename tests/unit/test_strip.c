@@ -23,11 +23,11 @@ static void compare(size_t nx, size_t ny, size_t values,
     const size_t n = nx * ny * values;
     double *one = calloc(n, sizeof *one), *many = malloc(n * sizeof *many);
     *out = (field){nx, ny, one};
-    ranks_do(0, body, context);
+    (void)ranks_do(0, body, context);
     out->values = many;
     for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) {
         memset(many, 0, n * sizeof *many);
-        ranks_do(numbers[k], body, context);
+        (void)ranks_do(numbers[k], body, context);
         assert_memory_equal(many, one, n * sizeof *one);
     }
     free(one);
@@ -221,9 +221,47 @@ static void an_error_of_one_is_that_of_all(void **state)
 {
     (void)state;
     wrong w = {.grid = {16, 16, 1.0, 1.0, true}, .cell = 16 * 9 + 5};
-    ranks_do(8, refuse, &w);
+    (void)ranks_do(8, refuse, &w);
     for (int rank = 0; rank < 8; rank++) {
         assert_non_null(strstr(w.err[rank].message, "cell (5, 9)"));
+    }
+}
+
+static void fill_row(void *context, size_t j, void *row)
+{
+    const field *of = context;
+    memset(row, 0, of->nx * sizeof(float));
+    ((float *)row)[0] = (float)j;
+}
+
+static void even_symbol(const void *context, size_t k, void *factor)
+{
+    const field *of = context;
+    for (size_t j = 0; j <= of->ny; j++) {
+        ((float *)factor)[j] = (float)k;
+    }
+}
+
+static void filter(lac_team *team, void *context)
+{
+    const field *of = context;
+    lac_filter *f = NULL;
+    const size_t sides[] = {of->nx, of->ny}, twice[] = {2 * of->nx, 2 * of->ny};
+    assert_int_equal(lac_filter_create(sides, twice, team, &f, NULL), LAC_OK);
+    lac_filter_fill(f, LAC_SINGLE, fill_row, context);
+    (void)lac_filter_power(f, even_symbol, context);
+    lac_filter_multiply(f, even_symbol, context);
+    lac_filter_free(f);
+}
+
+// docs/howto-cluster.md, "What a step tells".
+static void a_transform_tells_what_the_page_says(void **state)
+{
+    (void)state;
+    field of = {64, 48, NULL};
+    for (size_t ranks = 2; ranks <= 8; ranks *= 2) {
+        const size_t all = 3 * 8 * of.ny * (of.nx + 1);
+        assert_int_equal(ranks_do((int)ranks, filter, &of), all / ranks * (ranks - 1));
     }
 }
 
@@ -233,6 +271,7 @@ int main(void)
         cmocka_unit_test(transforms_have_the_bits_of_one),
         cmocka_unit_test(contacts_have_the_bits_of_one),
         cmocka_unit_test(an_error_of_one_is_that_of_all),
+        cmocka_unit_test(a_transform_tells_what_the_page_says),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

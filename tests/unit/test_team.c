@@ -97,7 +97,7 @@ static answer answer_of(const joint *j, int ranks)
 {
     answer out = {.force = calloc(2 * j->domain->n, sizeof(double))};
     out.solution = out.force + j->domain->n;
-    ranks_do(ranks, find, &(question){j, &out});
+    (void)ranks_do(ranks, find, &(question){j, &out});
     return out;
 }
 
