@@ -64,11 +64,7 @@ void lac_fft_forward(lac_fft *fft) { fftw_execute(fft->forward); }
 
 void lac_fft_inverse(lac_fft *fft)
 {
-    if (fft->shared != NULL) {
-        lac_fft_share_inverse(fft);
-    } else {
-        fftw_execute(fft->inverse);
-    }
+    fft->shared != NULL ? lac_fft_share_inverse(fft) : fftw_execute(fft->inverse);
 }
 
 // Rows to wavenumbers along x and back: of a line that is mirrored by cosines.

@@ -26,7 +26,7 @@ typedef struct lac_fft {
 lac_status lac_fft_create(size_t nx, size_t ny, lac_fft **out, lac_error *err);
 void lac_fft_free(lac_fft *fft);
 
-/// The same, with the rows of lac_filter_rows on each rank: for lac_fft_inverse alone, which all of
+/// The same, with the rows of lac_strip_rows on each rank: for lac_fft_inverse alone, which all of
 /// them call, and which gives the bits of one process.
 lac_status lac_fft_share(size_t nx, size_t ny, lac_team *team, lac_fft **out, lac_error *err);
 

@@ -17,7 +17,7 @@ lac_status lac_fft_share(size_t nx, size_t ny, lac_team *team, lac_fft **out, la
     }
     lac_fft *fft = *out = calloc(1, sizeof *fft);
     LAC_FAIL_MEMORY_IF(fft == NULL, err);
-    *fft = (lac_fft){.nx = nx, .ny = ny, .nkx = nx / 2 + 1, .strip = lac_filter_rows(team, ny)};
+    *fft = (lac_fft){.nx = nx, .ny = ny, .nkx = nx / 2 + 1, .strip = lac_strip_rows(team, ny)};
     const size_t rows = (fft->strip.n + 2) / 2 * 2; // pairs, one at least
     fft->real = fftw_alloc_real(nx * rows);
     fft->spectrum = (double _Complex *)fftw_alloc_complex(fft->nkx * rows);

@@ -115,18 +115,7 @@ static void fill_twist(const lac_filter *f)
     }
 }
 
-lac_strip lac_filter_rows(lac_team *team, size_t ny) { return lac_strip_of(team, ny, 2); }
-
 lac_strip lac_filter_columns(lac_team *team, size_t nkx) { return lac_strip_of(team, nkx, GRAIN); }
-
-static lac_status share(lac_filter *f, lac_team *team, lac_error *err)
-{
-    const lac_strip rows = lac_strip_of(team, (f->all + 1) / 2 * 2, 2); // pairs as a whole
-    f->wide = lac_filter_columns(team, f->nkx);
-    return team == NULL
-               ? LAC_OK
-               : lac_turn_create(&rows, f->lead, GRAIN * 2 * sizeof(double), &f->shared, err);
-}
 
 static lac_status allocate(lac_filter *f, lac_error *err)
 {
@@ -185,7 +174,7 @@ lac_status lac_filter_create(const size_t field[2], const size_t transform[2], l
     LAC_FAIL_MEMORY_IF(f == NULL, err);
     f->nx = field[0];
     f->all = field[1];
-    f->ny = lac_filter_rows(team, f->all).n;
+    f->ny = lac_strip_rows(team, f->all).n;
     f->mx = transform[0];
     f->my = transform[1];
     f->nkx = f->mx / 2 + 1;
@@ -193,7 +182,11 @@ lac_status lac_filter_create(const size_t field[2], const size_t transform[2], l
     f->lead = padded(f->my);
     f->threads = useful_threads(f->nx * f->ny);
     LAC_TRY(allocate(f, err));
-    LAC_TRY(share(f, team, err));
+    f->wide = lac_filter_columns(team, f->nkx);
+    if (team != NULL) { // rows are shared in pairs, the last one as a whole
+        const lac_strip rows = lac_strip_rows(team, (f->all + 1) / 2 * 2);
+        LAC_TRY(lac_turn_create(&rows, f->lead, GRAIN * 2 * sizeof(double), &f->shared, err));
+    }
     if (!plan(f, LAC_SINGLE) || !plan(f, f->twist != NULL ? LAC_EVEN : LAC_DOUBLE)) {
         status = lac_fail_memory(err);
         goto out;
@@ -310,14 +303,6 @@ static char *column_of(const lac_filter *f, char *block, size_t c)
     return &block[c * f->lead * 2 * f->now->size];
 }
 
-// Columns from first on into the scratch; returns how many
-static size_t gather_columns(const lac_filter *f, size_t first, char *block)
-{
-    size_t width = f->columns - first < BLOCK ? f->columns - first : BLOCK;
-    f->now->gather(f, first, width, f->lead, block);
-    return width;
-}
-
 // A column, zeros beyond the field, to its wavenumbers along y
 static char *transform_column(const lac_filter *f, size_t c, char *block)
 {
@@ -395,40 +380,36 @@ static void share_columns(columns_use *use, bool back)
     lac_turn_pass(f->shared, &columns, 2 * f->now->size, &shared);
 }
 
-void lac_filter_multiply(lac_filter *f, lac_filter_symbol symbol, const void *context)
+static void do_columns(columns_use *use, bool back)
 {
-    columns_use use = {f, symbol, context, multiply_column};
+    const lac_filter *f = use->f;
     if (f->shared != NULL) {
-        share_columns(&use, true);
+        share_columns(use, back);
         return;
     }
 #pragma omp parallel for schedule(static) num_threads(f->threads)
     for (size_t first = 0; first < f->columns; first += BLOCK) {
         char *block = own_scratch(f);
-        size_t width = gather_columns(f, first, block);
+        const size_t width = f->columns - first < BLOCK ? f->columns - first : BLOCK;
+        f->now->gather(f, first, width, f->lead, block);
         for (size_t c = 0; c < width; c++) {
-            multiply_column(&use, first, c, block);
+            use->each(use, first, c, block);
         }
-        f->now->scatter(f, first, width, f->lead, block);
+        if (back) {
+            f->now->scatter(f, first, width, f->lead, block);
+        }
     }
+}
+
+void lac_filter_multiply(lac_filter *f, lac_filter_symbol symbol, const void *context)
+{
+    do_columns(&(columns_use){f, symbol, context, multiply_column}, true);
 }
 
 double lac_filter_power(lac_filter *f, lac_filter_symbol symbol, const void *context)
 {
-    columns_use use = {f, symbol, context, add_column};
     memset(f->column_power, 0, f->columns * sizeof *f->column_power);
-    if (f->shared != NULL) {
-        share_columns(&use, false);
-        lac_team_join(f->wide.team, f->column_power, f->columns);
-        return lac_sum(f->columns, f->column_power);
-    }
-#pragma omp parallel for schedule(static) num_threads(f->threads)
-    for (size_t first = 0; first < f->columns; first += BLOCK) {
-        char *block = own_scratch(f);
-        size_t width = gather_columns(f, first, block);
-        for (size_t c = 0; c < width; c++) {
-            add_column(&use, first, c, block);
-        }
-    }
+    do_columns(&(columns_use){f, symbol, context, add_column}, false);
+    lac_team_join(f->wide.team, f->column_power, f->columns);
     return lac_sum(f->columns, f->column_power);
 }

@@ -16,9 +16,7 @@ typedef struct lac_filter lac_filter;
 /// whose results are to be added.
 typedef enum lac_precision { LAC_SINGLE, LAC_DOUBLE, LAC_EVEN, LAC_ODD } lac_precision;
 
-/// The rows of a field that are here, and the columns of its spectrum whose symbol is asked for
-/// here, in full.
-lac_strip lac_filter_rows(lac_team *team, size_t ny);
+/// The columns of a spectrum whose symbol is asked for here, in full.
 lac_strip lac_filter_columns(lac_team *team, size_t nkx);
 
 /// Fills or takes row j of those here: nx floats or doubles. Called by several threads at once.
@@ -30,7 +28,7 @@ typedef void (*lac_filter_symbol)(const void *context, size_t k, void *factor);
 
 /// Plans (ESTIMATE: reproducible) for ny rows of nx in a transform of my rows of mx.
 /// Uses as many threads as omp_get_max_threads says, one on small grids.
-/// @param team  each rank fills and takes the rows of lac_filter_rows, and all functions are called
+/// @param team  each rank fills and takes the rows of lac_strip_rows, and all functions are called
 ///              by all ranks: the same bits on any number of them; NULL: one alone
 /// @pre   mx >= nx, my >= ny
 lac_status lac_filter_create(const size_t field[2], const size_t transform[2], lac_team *team,

@@ -46,8 +46,7 @@ static size_t overlap(const lac_strip *has, const double *wants)
     return high > low ? high - low : 0;
 }
 
-// What is sent to a rank begins within the rows here: strips and wants both ascend with ranks, but
-// wants may overlap, so that parts are put behind each other.
+// What ranks want may overlap: it is put behind each other.
 static lac_status hand_over(const lac_strip *strip, const double *wants, size_t size,
                             const char *rows, char *out, lac_error *err)
 {

@@ -13,6 +13,12 @@ typedef struct lac_strip {
 /// Those of this rank: as many grains as of any other, or one fewer; all without a team.
 lac_strip lac_strip_of(lac_team *team, size_t all, size_t grain);
 
+/// The rows of a field: in pairs, as transforms take them.
+static inline lac_strip lac_strip_rows(lac_team *team, size_t ny)
+{
+    return lac_strip_of(team, ny, 2);
+}
+
 /// The same grains with other numbers of rows.
 lac_strip lac_strip_like(const lac_strip *strip, size_t all, size_t grain);
 
@@ -27,13 +33,11 @@ int lac_strip_owner(const lac_strip *strip, size_t row);
 lac_status lac_strip_bring(const lac_strip *strip, size_t first, size_t n, size_t size,
                            const void *rows, const void **out, void **made, lac_error *err);
 
-/// Sum of n of each rank's, and mean of all rows of nx, one after the other: the bits of one
-/// process.
+/// Sum of n of each rank's, and mean of all rows of nx: to the bits of one process.
 double lac_strip_sum(const lac_strip *strip, size_t n, const double *x);
 double lac_strip_mean(const lac_strip *strip, size_t nx, const double *x);
 
-/// A matrix whose rows are in strips, worked on by columns: each rank has some of these as a whole,
-/// a grain at a time.
+/// A matrix whose rows are in strips; each rank works on some of its columns, grain by grain.
 typedef struct lac_turn {
     lac_strip rows;
     size_t lead;                 ///< of the plane: from column to column; 0: it has rows of a grain

@@ -10,9 +10,9 @@ typedef enum lac_contact_control { LAC_CONTROL_LOAD, LAC_CONTROL_APPROACH } lac_
 
 /// A rough rigid surface pressed on an elastic half-space (normal contact).
 typedef struct lac_contact_def {
-    lac_grid grid;  ///< periodic; else faces that end at its border, free beyond
-    lac_team *team; ///< each rank has the rows of lac_contact_rows, here and in what follows;
-                    ///< NULL: all are here
+    lac_grid grid;         ///< periodic; else faces that end at its border, free beyond
+    lac_team *team;        ///< each rank has the rows of lac_strip_rows, here and in what follows;
+                           ///< NULL: all are here
     const double *heights; ///< [ny * nx] composite height, peaks up [m]
     double e_star;         ///< contact modulus E* = G/(1-nu) of two equal half-spaces [Pa]
     lac_contact_control control;
@@ -39,9 +39,6 @@ typedef struct lac_contact_stats {
 
 /// A def with tolerance 1e-8 and 1000 iterations; the rest is the caller's.
 lac_contact_def lac_contact_default(void);
-
-/// The rows of a grid whose heights, pressures and gaps are here.
-lac_strip lac_contact_rows(lac_team *team, const lac_grid *grid);
 
 /// How far the highest peak stands above the mean of the heights [m].
 double lac_contact_peak(const lac_contact_def *def);
@@ -75,7 +72,7 @@ static inline double lac_domain_cells(const lac_domain *domain)
 lac_status lac_domain_create(const lac_grid *grid, const double *pressure, lac_domain **domain,
                              lac_error *err);
 
-/// The same, on every rank, from the rows of lac_contact_rows of each.
+/// The same, on every rank, from the rows of lac_strip_rows of each.
 lac_status lac_domain_gather(const lac_grid *grid, lac_team *team, const double *pressure,
                              lac_domain **domain, lac_error *err);
 void lac_domain_free(lac_domain *domain);

@@ -149,7 +149,7 @@ lac_status lac_domain_gather(const lac_grid *grid, lac_team *team, const double 
     *out = NULL;
     LAC_TRY_RETURN(check_grid(grid, err));
     collection c = {
-        &(lac_domain){.grid = *grid}, lac_contact_rows(team, grid), pressure, NULL, NULL, NULL};
+        &(lac_domain){.grid = *grid}, lac_strip_rows(team, grid->ny), pressure, NULL, NULL, NULL};
     const int rank = team != NULL ? team->rank : 0;
     LAC_TRY_RETURN(lac_team_agree(team, count_contact(&c, &counts[rank], err), err));
     const size_t own = counts[rank];

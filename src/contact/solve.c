@@ -10,11 +10,6 @@ typedef struct problem {
     double unit;   // of pressure: pi E* h_rms / (longest side) [Pa]
 } problem;
 
-lac_strip lac_contact_rows(lac_team *team, const lac_grid *grid)
-{
-    return lac_filter_rows(team, grid->ny);
-}
-
 lac_contact_def lac_contact_default(void)
 {
     return (lac_contact_def){.tolerance = 1e-8, .max_iterations = 1000};
@@ -55,7 +50,7 @@ static lac_status check(const lac_contact_def *def, lac_error *err)
     const lac_grid *grid = &def->grid;
     LAC_TRY_RETURN(lac_contact_check(grid, def->e_star, def->tolerance, def->max_iterations, err));
     LAC_TRY_RETURN(check_control(def, err));
-    const lac_strip rows = lac_contact_rows(def->team, grid);
+    const lac_strip rows = lac_strip_rows(def->team, grid->ny);
     for (size_t i = 0; i < rows.n * grid->nx; i++) {
         LAC_FAIL_IF(!isfinite(def->heights[i]), err, LAC_EINPUT,
                     "the height of cell (%zu, %zu) is %g", i % grid->nx, rows.first + i / grid->nx,
@@ -69,7 +64,7 @@ static lac_status check(const lac_contact_def *def, lac_error *err)
 
 double lac_contact_peak(const lac_contact_def *def)
 {
-    const lac_strip rows = lac_contact_rows(def->team, &def->grid);
+    const lac_strip rows = lac_strip_rows(def->team, def->grid.ny);
     double most = -INFINITY;
     for (size_t i = 0; i < rows.n * def->grid.nx; i++) {
         most = fmax(most, def->heights[i]);
@@ -134,7 +129,7 @@ static lac_status scale_problem(const lac_contact_def *def, problem *p, lac_erro
     double ly = (double)grid->ny * grid->dy;
     double longest = fmax(lx, ly);
     p->at = (lac_extent){grid->nx,     grid->ny,       longest / lx,
-                         longest / ly, grid->periodic, lac_contact_rows(def->team, grid)};
+                         longest / ly, grid->periodic, lac_strip_rows(def->team, grid->ny)};
     LAC_TRY_RETURN(scale_heights(def, grid->periodic ? 0.0 : dent(def, longest), p, err));
     p->unit = 0.5 * (2.0 * M_PI) * def->e_star * (p->h_rms / longest);
     double load = def->mean_pressure / p->unit;
@@ -233,7 +228,7 @@ static bool no_contact(const lac_contact_def *def, double *pressure, double *gap
     if (def->control == LAC_CONTROL_LOAD || depth(def) > 0.0) {
         return false;
     }
-    const lac_strip rows = lac_contact_rows(def->team, &def->grid);
+    const lac_strip rows = lac_strip_rows(def->team, def->grid.ny);
     const size_t n = rows.n * def->grid.nx;
     double mean = lac_strip_mean(&rows, def->grid.nx, def->heights);
     memset(pressure, 0, n * sizeof *pressure);

@@ -127,7 +127,7 @@ lac_status lac_coarse_guess(const lac_extent *at, lac_heights h, const lac_desce
     lac_extent c = *at;
     c.nx = coarser(at->nx);
     c.ny = coarser(at->ny);
-    c.rows = lac_filter_rows(at->rows.team, c.ny);
+    c.rows = lac_strip_rows(at->rows.team, c.ny);
     if (c.nx == at->nx && c.ny == at->ny) {
         for (size_t i = 0; i < lac_extent_cells(at); i++) {
             pressure[i] = fine->mean_pressure;

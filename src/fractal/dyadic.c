@@ -79,14 +79,13 @@ static void add_slopes(void *context, double *sum)
 static lac_status find_slope(const lac_contact_def *def, double *slope, lac_error *err)
 {
     const lac_grid *grid = &def->grid;
-    slopes s = {grid, lac_contact_rows(def->team, grid), NULL};
+    slopes s = {grid, lac_strip_rows(def->team, grid->ny), NULL};
     const size_t more = s.rows.first > 0 ? 1 : 0;
     const void *heights = NULL;
     void *made = NULL;
     double sum = 0.0;
-    lac_status status = lac_strip_bring(&s.rows, s.rows.first - more, s.rows.n + more,
-                                        grid->nx * sizeof sum, def->heights, &heights, &made, err);
-    LAC_TRY_RETURN(status);
+    LAC_TRY_RETURN(lac_strip_bring(&s.rows, s.rows.first - more, s.rows.n + more,
+                                   grid->nx * sizeof sum, def->heights, &heights, &made, err));
     s.heights = heights;
     lac_team_relay(def->team, add_slopes, &s, &sum, 1);
     free(made);

@@ -39,15 +39,15 @@ static lac_status press(const lac_case *c, lac_scene_keep keep, lac_scene_contac
                         lac_error *err)
 {
     const lac_normal_load *normal = (const lac_normal_load *)c->normal.info;
-    const size_t cells = lac_contact_rows(c->team, &out->grid).n * out->grid.nx + 1;
+    const size_t cells = lac_strip_rows(c->team, out->grid.ny).n * out->grid.nx + 1;
     const bool fields = keep != LAC_SCENE_DOMAIN;
-    lac_status status = LAC_OK;
     out->heights = malloc(cells * sizeof *out->heights);
     out->gap = fields ? malloc(cells * sizeof *out->gap) : NULL;
     out->pressure = malloc(cells * sizeof *out->pressure);
     LAC_FAIL_MEMORY_IF(
         out->heights == NULL || (fields && out->gap == NULL) || out->pressure == NULL, err);
-    status = lac_surface_share(&c->surface, &out->grid, c->team, out->heights, &out->surface, err);
+    lac_status status =
+        lac_surface_share(&c->surface, &out->grid, c->team, out->heights, &out->surface, err);
     LAC_TRY_RETURN(lac_fail_within(err, status, "interface.surface"));
     LAC_TRY_RETURN(c->team == NULL ? look(c, keep, out, err) : LAC_OK);
     out->e_star = c->material.shear_modulus / (1.0 - c->material.poisson);
@@ -95,7 +95,7 @@ static lac_status scatter(lac_scene_contact *out, lac_error *err)
 // The fields of all ranks, on the one that leads.
 static lac_status gather(lac_team *team, lac_scene_contact *out, lac_error *err)
 {
-    const size_t n = lac_contact_rows(team, &out->grid).n * out->grid.nx;
+    const size_t n = lac_strip_rows(team, out->grid.ny).n * out->grid.nx;
     double **const fields[] = {&out->heights, &out->gap, &out->pressure};
     for (size_t k = 0; k < sizeof fields / sizeof *fields; k++) {
         const size_t all = lac_team_leads(team) ? lac_grid_cells(&out->grid) : 0;

@@ -23,9 +23,10 @@ static const struct {
 static const double one_by_one_cells = 4096;
 
 // Of a grid cell where no surface is pressed: pressures, and which are occupied. Of ranks: what a
-// free contact takes more; of a cell of a surface, and of a contact cell, what each has of all.
+// free contact takes more; of a cell of a surface, and of a contact cell, what each has of all;
+// MPI.
 static const double domain_bytes = 13, unfolded_bytes = 4, whole_source_bytes = 24,
-                    whole_cell_bytes = 130;
+                    whole_cell_bytes = 130, mpi_bytes = 20e6;
 
 // Cells of a grid whose contact is counted or estimated on it: a check takes at most 2 GB.
 static const size_t most_counted = (size_t)1 << 26;
@@ -166,9 +167,8 @@ static double rank_memory(const lac_case *c, const lac_estimate *e, double ranks
     double grid = rows / ranks + (source != NULL && !source->shared ? whole_source_bytes : 0);
     grid = source != NULL ? grid : domain_bytes;
     const double cell = 0.5 * e->unknowns * contact_cell_bytes;
-    const double whole = fmin(whole_cell_bytes, cell);
-    const double integration = (whole + (cell - whole) / ranks) * e->cells;
-    return base_bytes + table_bytes(c) + fmax(grid * e->grid_cells, integration);
+    const double integration = (whole_cell_bytes + (cell - whole_cell_bytes) / ranks) * e->cells;
+    return base_bytes + mpi_bytes + table_bytes(c) + fmax(grid * e->grid_cells, integration);
 }
 
 // As many as have a block of cells each, where ranks share the run at all (scene.c).

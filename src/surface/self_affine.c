@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Random self-affine heights from the sum of their waves, skewed where the case asks for it.
-#include "base/filter.h"
 #include "surface/surface.h"
 #include "surface/synthesis.h"
 
@@ -57,7 +56,7 @@ static double rms_of(const lac_self_affine *p, const lac_band *b, double sum)
 static void translate(double skewness, double rms, const lac_grid *grid, lac_team *team,
                       double *heights)
 {
-    const lac_strip rows = lac_filter_rows(team, grid->ny);
+    const lac_strip rows = lac_strip_rows(team, grid->ny);
     const size_t n = rows.n * grid->nx;
     translation t = translation_of(skewness);
     for (size_t i = 0; i < n; i++) {

@@ -2,8 +2,6 @@
 // A surface by whichever source a case names, once its parameters and the grid are checked.
 #include "surface/surface.h"
 
-#include "base/filter.h"
-
 static double number(const lac_param *param, const void *params)
 {
     const void *at = (const char *)params + param->offset;
@@ -50,7 +48,7 @@ static lac_status make_all(const lac_model *model, const lac_grid *grid, lac_tea
                            double *heights, lac_surface_stats *report, lac_error *err)
 {
     const lac_surface_source *source = (const void *)model->info;
-    const lac_strip rows = lac_filter_rows(team, grid->ny);
+    const lac_strip rows = lac_strip_rows(team, grid->ny);
     double *all = malloc(lac_grid_cells(grid) * sizeof *all);
     LAC_FAIL_MEMORY_IF(all == NULL, err);
     const lac_status status = source->generate(model->params, grid, NULL, all, report, err);
@@ -79,11 +77,11 @@ lac_status lac_surface_look(const lac_model *model, const lac_grid *grid, const 
                             lac_surface_stats *report, lac_error *err)
 {
     const lac_surface_source *source = (const void *)model->info;
-    lac_wave_range range = {NAN, NAN};
     if (report == NULL || report->files > 0) {
         return LAC_OK;
     }
-    range = source->waves != NULL ? source->waves(model->params, grid) : range;
+    const lac_wave_range range =
+        source->waves != NULL ? source->waves(model->params, grid) : (lac_wave_range){NAN, NAN};
     return lac_surface_measure(grid, heights, &range, &report->measures, err);
 }
 

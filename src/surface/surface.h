@@ -3,7 +3,7 @@
 
 #include "base/grid.h"
 #include "base/param.h"
-#include "base/team.h"
+#include "base/strip.h"
 
 /// Wavelengths between which a spectrum is fitted [m]; NaN: a quarter of the shorter side, four
 /// cells. Keep them within the power law: beyond the rolloff, above what an instrument smooths.
@@ -67,7 +67,7 @@ typedef struct lac_surface_source {
     lac_model_info info;
     /// @param heights  [ny * nx] composite height of each cell [m]; overwritten
     /// @param report   NULL; left alone by a source without files, whose heights are then measured
-    /// @param team     where `shared`: of each rank the rows of lac_filter_rows; NULL: all of them
+    /// @param team     where `shared`: of each rank the rows of lac_strip_rows; NULL: all of them
     lac_status (*generate)(const void *params, const lac_grid *grid, lac_team *team,
                            double *heights, lac_surface_stats *report, lac_error *err);
     /// Where the spectrum is a power law [m], NaN where the grid says; NULL: not known.
@@ -158,7 +158,7 @@ lac_status lac_surface_generate(const lac_model *model, const lac_grid *grid, do
 
 /// The same in two steps: the rows of each rank, of which a source that does not make these alone
 /// makes all on each; then what all of them are like.
-/// @param heights  [rows of lac_filter_rows * nx]; of the second [ny * nx]
+/// @param heights  [rows of lac_strip_rows * nx]; of the second [ny * nx]
 /// @param report   as from the first; NULL
 lac_status lac_surface_share(const lac_model *model, const lac_grid *grid, lac_team *team,
                              double *heights, lac_surface_stats *report, lac_error *err);

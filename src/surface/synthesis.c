@@ -2,8 +2,6 @@
 // Heights from a spectrum, and what becomes of waves too short for the grid.
 #include "surface/synthesis.h"
 
-#include "base/filter.h"
-
 const char *const lac_sampling_words[] = {"low-pass", "point", "block-mean", NULL};
 
 // Waves of a band that are summed one by one.
@@ -306,7 +304,7 @@ static void fold(lac_fft *fft, const folding *f)
 static lac_status take(const lac_synthesis *how, const lac_fft *fft, const lac_grid *grid,
                        double *heights, lac_error *err)
 {
-    const lac_strip rows = lac_filter_rows(fft->strip.team, grid->ny);
+    const lac_strip rows = lac_strip_rows(fft->strip.team, grid->ny);
     const size_t n = rows.n * grid->nx;
     const void *from = fft->real;
     void *made = NULL;

@@ -64,7 +64,7 @@ double _Complex lac_band_amplitude(const lac_band *b, uint64_t seed, lac_stream 
 /// @param band  of the whole grid
 /// @param team     who makes the other rows; NULL: all are made here
 /// @param mode     amplitude of (kx, ky), called from several threads
-/// @param heights  [rows of lac_filter_rows * nx]
+/// @param heights  [rows of lac_strip_rows * nx]
 lac_status lac_synthesise(const lac_synthesis *how, const lac_band *band, const lac_grid *grid,
                           lac_team *team,
                           double _Complex (*mode)(const void *of, double kx, double ky),

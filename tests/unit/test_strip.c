@@ -133,7 +133,7 @@ static void check_domain(const joint *j, lac_team *team, const double *pressure)
 static void press(lac_team *team, void *context)
 {
     const joint *j = context;
-    const lac_strip rows = lac_contact_rows(team, &j->grid);
+    const lac_strip rows = lac_strip_rows(team, j->grid.ny);
     const size_t n = lac_grid_cells(&j->grid), first = rows.first * j->grid.nx;
     double *heights = &j->out.values[first];
     lac_contact_stats found;
@@ -202,7 +202,7 @@ typedef struct wrong {
 static void refuse(lac_team *team, void *context)
 {
     wrong *w = context;
-    const lac_strip rows = lac_contact_rows(team, &w->grid);
+    const lac_strip rows = lac_strip_rows(team, w->grid.ny);
     double heights[16 * 16] = {0}, pressure[16 * 16];
     const size_t first = rows.first * w->grid.nx;
     if (w->cell >= first && w->cell < first + rows.n * w->grid.nx) {

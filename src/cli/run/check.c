@@ -109,11 +109,9 @@ static void print_size(const lac_estimate *e)
 {
     printf("#   grid            %.0f cells\n", e->grid_cells);
     if (!isnan(e->contact_cells)) {
-        printf("#   contact         %s%.3g cells", e->exact ? "" : "about ", e->contact_cells);
-        if (e->integrated) {
-            printf(", %.3g unknowns", e->unknowns * e->contact_cells);
-        }
-        puts("");
+        const cli_text unknowns = cli_format(", %.3g unknowns", e->unknowns * e->contact_cells);
+        printf("#   contact         %s%.3g cells%s\n", e->exact ? "" : "about ", e->contact_cells,
+               e->integrated ? unknowns.s : "");
     }
     const double room = (double)cli_memory_free("") / 1e6;
     const cli_text more = cli_format(": more than the %.10g MB that are free", rounded(room, 2));

@@ -16,8 +16,8 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 97174,
-    "lines that only present results": 24710,
+    "lines of src and include": 98074,
+    "lines that only present results": 24745,
     "public headers": 13,
     "exported names": 44,
     "circles of includes": 0,
