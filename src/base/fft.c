@@ -18,6 +18,7 @@ lac_status lac_fft_create(size_t nx, size_t ny, lac_fft **out, lac_error *err)
     fft->nx = nx;
     fft->ny = ny;
     fft->nkx = nx / 2 + 1;
+    fft->strip = lac_strip_of(NULL, ny, 1);
     fft->real = fftw_alloc_real(nx * ny);
     fft->spectrum = (double _Complex *)fftw_alloc_complex(fft->nkx * ny);
     if (fft->real != NULL && fft->spectrum != NULL) {
@@ -46,6 +47,7 @@ void lac_fft_free(lac_fft *fft)
             fftw_destroy_plan(plans[i]);
         }
     }
+    lac_turn_free(fft->shared);
     fftw_free(fft->block);
     fftw_free(fft->real);
     fftw_free(fft->spectrum);
@@ -60,7 +62,10 @@ void lac_fft_mirror(lac_fft *fft)
 
 void lac_fft_forward(lac_fft *fft) { fftw_execute(fft->forward); }
 
-void lac_fft_inverse(lac_fft *fft) { fftw_execute(fft->inverse); }
+void lac_fft_inverse(lac_fft *fft)
+{
+    fft->shared != NULL ? lac_fft_share_inverse(fft) : fftw_execute(fft->inverse);
+}
 
 // Rows to wavenumbers along x and back: of a line that is mirrored by cosines.
 static void plan_rows(lac_fft *fft, unsigned planning)

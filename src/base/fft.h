@@ -1,15 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include "base/base.h"
+#include "base/strip.h"
 #include <complex.h>
 
 /// A pair of real-to-complex plans of one shape with their own buffers. Reproducible (ESTIMATE),
 /// but for filters that were asked to be measured.
 typedef struct lac_fft {
     size_t nx, ny, nkx;        ///< nkx = nx/2 + 1 wavenumbers along x
-    double *real;              ///< [ny * nx]
-    double _Complex *spectrum; ///< [ny * nkx]; destroyed by the inverse
+    lac_strip strip;           ///< the rows here, of both
+    double *real;              ///< [strip.n * nx]
+    double _Complex *spectrum; ///< [strip.n * nkx]; destroyed by the inverse
+    lac_turn *shared;          ///< NULL: all rows are here
     void *forward, *inverse;
     bool mirrored; ///< the filter is of a line and its mirror image: lac_fft_mirror
     bool measure;  ///< plans of the filter are the quickest of those tried: their last bits differ
@@ -23,6 +25,10 @@ typedef struct lac_fft {
 /// Plans transforms of an ny x nx grid (x fastest).
 lac_status lac_fft_create(size_t nx, size_t ny, lac_fft **out, lac_error *err);
 void lac_fft_free(lac_fft *fft);
+
+/// The same, with the rows of lac_strip_rows on each rank: for lac_fft_inverse alone, which all of
+/// them call, and which gives the bits of one process.
+lac_status lac_fft_share(size_t nx, size_t ny, lac_team *team, lac_fft **out, lac_error *err);
 
 /// Makes of it the filter of a line whose data go on, before the first cell, as their mirror image:
 /// cosine transforms with nkx = nx waves cos(pi k (i + 1/2)/nx), of which the pair multiplies by
@@ -53,6 +59,15 @@ double lac_fft_power(lac_fft *fft, const double *table);
 /// Fourier transform of a real even field of 2 (n0 - 1) x 2 (n1 - 1) cells, unnormalised: from its
 /// quarter [n0 * n1], with its origin and both middle lines, to the same quarter of the transform.
 lac_status lac_fft_even(size_t n0, size_t n1, double *quarter, lac_error *err);
+
+/// The same with the rows of each rank.
+/// @param mirrored  of ranks, where n1 is rows->all: above the diagonal comes what is below it
+/// @param quarter   [rows->n * n1]
+lac_status lac_fft_share_even(const lac_strip *rows, size_t n1, bool mirrored, double *quarter,
+                              lac_error *err);
+
+/// What lac_fft_inverse does where rows are shared.
+void lac_fft_share_inverse(lac_fft *fft);
 
 /// Signed index of wavenumber j of n: 0, 1 ... n/2, -(n/2 - 1) ... -1.
 static inline double lac_fft_frequency(size_t j, size_t n)

@@ -10,6 +10,7 @@
 
 enum {
     BLOCK = 16,          // columns at a time
+    GRAIN = 2 * BLOCK,   // of those of all parts that a rank has: a multiple of each modulus
     LINE = 64,           // bytes of a cache line; everything begins at one
     STRETCH = 256,       // of a column whose power is summed in its own precision
     MOST_TERMS = 4,      // of a row of the field that are folded into one
@@ -30,8 +31,9 @@ typedef struct kernels {
                    void *row);
     void (*turn)(const lac_filter *f, int sign, void *row);
     void (*fill_twist)(size_t n, void *twist);
-    void (*gather)(const lac_filter *f, size_t first, size_t width, void *columns);
-    void (*scatter)(const lac_filter *f, size_t first, size_t width, const void *columns);
+    void (*gather)(const lac_filter *f, size_t first, size_t width, size_t lead, void *columns);
+    void (*scatter)(const lac_filter *f, size_t first, size_t width, size_t lead,
+                    const void *columns);
     void (*mirror)(size_t n, void *factor);
     void (*multiply)(size_t n, const void *factor, void *column);
     double (*power)(bool part, size_t n, const void *factor, const void *column);
@@ -50,8 +52,9 @@ typedef struct room {
 } room;
 
 struct lac_filter {
-    size_t nx, ny;      // the field
+    size_t nx, ny;      // the field; rows here
     size_t mx, my, nkx; // the transform; nkx = mx/2 + 1 columns are kept
+    size_t all;         // rows of the field
     size_t moduli[2];   // of the parts in either precision: see choose
     size_t apart;       // real numbers from row to row of the scratch
     size_t lead;        // from column to column in a block
@@ -61,6 +64,8 @@ struct lac_filter {
     double *column_power; // [nkx]
     void *twist[2];       // [nx] complex exp(-i pi j/nx); NULL where the transform is no longer
     int threads;
+    lac_turn *shared; // NULL: all columns are here
+    lac_strip wide;   // those of the whole spectrum here
     // Of what the buffer holds: wavenumbers along x that are `part`, or less it, modulo `modulus`.
     lac_precision mode;
     size_t part, modulus;
@@ -140,6 +145,8 @@ static size_t buffer_bytes(lac_filter *f)
     return most;
 }
 
+lac_strip lac_filter_columns(lac_team *team, size_t nkx) { return lac_strip_of(team, nkx, GRAIN); }
+
 static lac_status allocate(lac_filter *f, lac_error *err)
 {
     const size_t complex_size = 2 * sizeof(double);
@@ -147,7 +154,7 @@ static lac_status allocate(lac_filter *f, lac_error *err)
     f->room.second = half;
     f->room.factor = 2 * half;
     f->room.share = 2 * half + padded(f->my) * sizeof(double);
-    f->buffer = aligned_alloc(LINE, buffer_bytes(f));
+    f->buffer = aligned_alloc(LINE, larger(buffer_bytes(f), LINE));
     f->scratch = aligned_alloc(LINE, (size_t)f->threads * f->room.share);
     f->column_power = malloc(f->nkx * sizeof *f->column_power);
     LAC_FAIL_MEMORY_IF(f->buffer == NULL || f->scratch == NULL || f->column_power == NULL, err);
@@ -182,8 +189,8 @@ static int useful_threads(size_t cells)
     return most < 2 ? 1 : (int)(there < most ? there : most);
 }
 
-lac_status lac_filter_create(const size_t field[2], const size_t transform[2], lac_filter **out,
-                             lac_error *err)
+lac_status lac_filter_create(const size_t field[2], const size_t transform[2], lac_team *team,
+                             lac_filter **out, lac_error *err)
 {
     lac_status status;
     *out = NULL;
@@ -194,7 +201,8 @@ lac_status lac_filter_create(const size_t field[2], const size_t transform[2], l
     lac_filter *f = calloc(1, sizeof *f);
     LAC_FAIL_MEMORY_IF(f == NULL, err);
     f->nx = field[0];
-    f->ny = field[1];
+    f->all = field[1];
+    f->ny = lac_strip_rows(team, f->all).n;
     f->mx = transform[0];
     f->my = transform[1];
     f->nkx = f->mx / 2 + 1;
@@ -205,6 +213,11 @@ lac_status lac_filter_create(const size_t field[2], const size_t transform[2], l
     f->lead = padded(f->my);
     f->threads = useful_threads(f->nx * f->ny);
     LAC_TRY(allocate(f, err));
+    f->wide = lac_filter_columns(team, f->nkx);
+    if (team != NULL) { // rows are shared in pairs, the last one as a whole
+        const lac_strip rows = lac_strip_rows(team, (f->all + 1) / 2 * 2);
+        LAC_TRY(lac_turn_create(&rows, f->lead, GRAIN * 2 * sizeof(double), &f->shared, err));
+    }
     if (!plan(f, LAC_SINGLE) || !plan(f, LAC_DOUBLE)) {
         status = lac_fail_memory(err);
         goto out;
@@ -227,6 +240,7 @@ void lac_filter_free(lac_filter *f)
         precisions[k]->destroy(f->plans[k].column_forward);
         precisions[k]->destroy(f->plans[k].column_inverse);
     }
+    lac_turn_free(f->shared);
     free(f->buffer);
     free(f->scratch);
     free(f->column_power);
@@ -332,18 +346,15 @@ static char *column_of(const lac_filter *f, char *block, size_t c)
     return &block[c * f->lead * 2 * f->now->size];
 }
 
-// Columns from first on into the scratch, and to wavenumbers along y; returns how many
-static size_t transform_columns(const lac_filter *f, size_t first)
+// A column, zeros beyond the field, to its wavenumbers along y
+static char *transform_column(const lac_filter *f, size_t c, char *block)
 {
-    size_t width = f->columns - first < BLOCK ? f->columns - first : BLOCK;
-    char *block = own_scratch(f);
-    char *spectrum = &block[f->room.second];
-    f->now->gather(f, first, width, block);
-    for (size_t c = 0; c < width; c++) {
-        f->now->execute(current(f)->column_forward, column_of(f, block, c),
-                        column_of(f, spectrum, c));
-    }
-    return width;
+    char *column = column_of(f, block, c), *spectrum = own_scratch(f) + f->room.second;
+    const size_t size = 2 * f->now->size;
+    spectrum = column_of(f, spectrum, c % BLOCK);
+    memset(&column[f->all * size], 0, (f->my - f->all) * size);
+    f->now->execute(current(f)->column_forward, column, spectrum);
+    return spectrum;
 }
 
 static const void *factors(const lac_filter *f, lac_filter_symbol symbol, const void *context,
@@ -356,48 +367,116 @@ static const void *factors(const lac_filter *f, lac_filter_symbol symbol, const 
     return factor;
 }
 
-// Of a column in the scratch
-static double column_power(const lac_filter *f, size_t k, const void *factor, const void *column)
+// What is done to columns.
+typedef struct columns_use {
+    lac_filter *f;
+    lac_filter_symbol symbol;
+    const void *context;
+    bool back;    // they are multiplied and go back
+    bool adds;    // their powers are wanted
+    bool mirrors; // shared ones are counted from the last down
+} columns_use;
+
+// Column k, which is the c-th of a block.
+static void do_column(const columns_use *use, size_t k, size_t c, char *block)
 {
-    bool alone = !f->single && k == (f->odd ? f->length - 1 - k : (f->length - k) % f->length);
-    return (alone ? 1.0 : 2.0) * f->now->power(f->modulus > 1, f->my, factor, column);
+    const lac_filter *f = use->f;
+    char *column = transform_column(f, c, block);
+    const void *factor = factors(f, use->symbol, use->context, k);
+    if (use->adds) {
+        bool alone = !f->single && k == (f->odd ? f->length - 1 - k : (f->length - k) % f->length);
+        f->column_power[k] =
+            (alone ? 1.0 : 2.0) * f->now->power(f->modulus > 1, f->my, factor, column);
+    }
+    if (use->back) {
+        f->now->multiply(f->my, factor, column);
+        f->now->execute(current(f)->column_inverse, column, column_of(f, block, c));
+    }
+}
+
+// The least of those columns that are shared as first ... first + width - 1
+static size_t least(const columns_use *use, size_t first, size_t width)
+{
+    return use->mirrors ? use->f->columns - first - width : first;
+}
+
+// Rows that are handed over
+static size_t rows_packed(const lac_filter *f) { return (f->ny + 1) / 2 * 2; }
+
+static void pack(void *context, size_t first, size_t width, void *packet)
+{
+    const columns_use *use = context;
+    use->f->now->gather(use->f, least(use, first, width), width, rows_packed(use->f), packet);
+}
+
+static void unpack(void *context, size_t first, size_t width, const void *packet)
+{
+    const columns_use *use = context;
+    use->f->now->scatter(use->f, least(use, first, width), width, rows_packed(use->f), packet);
+}
+
+static void work(void *context, size_t first, size_t width, void *plane)
+{
+    const columns_use *use = context;
+#pragma omp parallel for schedule(static) num_threads(use->f->threads)
+    for (size_t c = 0; c < width; c++) {
+        do_column(use, least(use, first, width) + c, c, plane);
+    }
+}
+
+// Columns that other ranks have rows of. Their wavenumbers, as factors are asked for, rise; of
+// single rows they fall again from mx/2 on, so that a rank has some of either slope.
+static void share_columns(columns_use *use)
+{
+    const lac_filter *f = use->f;
+    const lac_turn_use shared = {use, pack, work, use->back ? unpack : NULL};
+    const size_t rise = f->single ? (f->nkx - f->part + f->modulus - 1) / f->modulus : f->columns;
+    memset(f->column_power, 0, f->columns * sizeof *f->column_power);
+    for (int slope = 0; slope < (f->single ? 2 : 1); slope++) {
+        use->mirrors = slope == 1;
+        const lac_strip columns =
+            lac_strip_like(&f->wide, use->mirrors ? f->columns - rise : rise, GRAIN / f->modulus);
+        lac_turn_pass(f->shared, &columns, 2 * f->now->size, &shared);
+    }
+    if (use->adds) {
+        lac_team_join(f->wide.team, f->column_power, f->columns);
+    }
+}
+
+static void own_columns(const columns_use *use)
+{
+    const lac_filter *f = use->f;
+#pragma omp parallel for schedule(static) num_threads(f->threads)
+    for (size_t first = 0; first < f->columns; first += BLOCK) {
+        char *block = own_scratch(f);
+        const size_t width = f->columns - first < BLOCK ? f->columns - first : BLOCK;
+        f->now->gather(f, first, width, f->lead, block);
+        for (size_t c = 0; c < width; c++) {
+            do_column(use, first + c, c, block);
+        }
+        if (use->back) {
+            f->now->scatter(f, first, width, f->lead, block);
+        }
+    }
+}
+
+// Returns the sum of powers, where it is wanted.
+static double do_columns(columns_use use)
+{
+    use.f->shared != NULL ? share_columns(&use) : own_columns(&use);
+    return use.adds ? lac_sum(use.f->columns, use.f->column_power) : 0.0;
 }
 
 void lac_filter_multiply(lac_filter *f, lac_filter_symbol symbol, const void *context,
                          double *power)
 {
-#pragma omp parallel for schedule(static) num_threads(f->threads)
-    for (size_t first = 0; first < f->columns; first += BLOCK) {
-        char *block = own_scratch(f);
-        char *spectrum = &block[f->room.second];
-        size_t width = transform_columns(f, first);
-        for (size_t c = 0; c < width; c++) {
-            char *column = column_of(f, spectrum, c);
-            const void *factor = factors(f, symbol, context, first + c);
-            if (power != NULL) {
-                f->column_power[first + c] = column_power(f, first + c, factor, column);
-            }
-            f->now->multiply(f->my, factor, column);
-            f->now->execute(current(f)->column_inverse, column, column_of(f, block, c));
-        }
-        f->now->scatter(f, first, width, block);
-    }
+    const double sum = do_columns((columns_use){f, symbol, context, true, power != NULL, false});
     if (power != NULL) {
-        *power = lac_sum(f->columns, f->column_power);
+        *power = sum;
     }
 }
 
 double lac_filter_power(lac_filter *f, lac_filter_symbol symbol, const void *context)
 {
-#pragma omp parallel for schedule(static) num_threads(f->threads)
-    for (size_t first = 0; first < f->columns; first += BLOCK) {
-        char *spectrum = own_scratch(f) + f->room.second;
-        size_t width = transform_columns(f, first);
-        for (size_t c = 0; c < width; c++) {
-            const void *factor = factors(f, symbol, context, first + c);
-            f->column_power[first + c] =
-                column_power(f, first + c, factor, column_of(f, spectrum, c));
-        }
-    }
-    return lac_sum(f->columns, f->column_power);
+    return do_columns((columns_use){f, symbol, context, false, true, false});
 }

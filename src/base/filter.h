@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include "base/base.h"
+#include "base/strip.h"
 
 /// A convolution of a real field, in single or double precision: rows are filled and transformed,
 /// columns go forth, through a symbol and back, rows are transformed back and taken.
@@ -13,7 +13,10 @@ typedef struct lac_filter lac_filter;
 
 typedef enum lac_precision { LAC_SINGLE, LAC_DOUBLE } lac_precision;
 
-/// Fills or takes row j of the field: nx floats or doubles. Called by several threads at once.
+/// The columns of a spectrum whose symbol is asked for here, in full.
+lac_strip lac_filter_columns(lac_team *team, size_t nkx);
+
+/// Fills or takes row j of those here: nx floats or doubles. Called by several threads at once.
 typedef void (*lac_filter_row)(void *context, size_t j, void *row);
 
 /// Writes the real factors of column k of the spectrum, for the wavenumbers 0 ... my/2 along y
@@ -22,9 +25,11 @@ typedef void (*lac_filter_symbol)(const void *context, size_t k, void *factor);
 
 /// Plans (ESTIMATE: reproducible) for ny rows of nx in a transform of my rows of mx.
 /// Uses as many threads as omp_get_max_threads says, one on small grids.
+/// @param team  each rank fills and takes the rows of lac_strip_rows, and all functions are called
+///              by all ranks: the same bits on any number of them; NULL: one alone
 /// @pre   mx >= nx, my >= ny
-lac_status lac_filter_create(const size_t field[2], const size_t transform[2], lac_filter **out,
-                             lac_error *err);
+lac_status lac_filter_create(const size_t field[2], const size_t transform[2], lac_team *team,
+                             lac_filter **out, lac_error *err);
 void lac_filter_free(lac_filter *f);
 
 /// A transform twice as long as the field is taken part by part, in the memory of half of it: what

@@ -126,10 +126,11 @@ static inline void NAME(join)(const REAL *restrict ab, REAL *at, REAL *mirror)
 }
 
 // Columns first ... first + width of the spectra of all rows
-static void NAME(gather)(const lac_filter *f, size_t first, size_t width, void *columns)
+static void NAME(gather)(const lac_filter *f, size_t first, size_t width, size_t lead,
+                         void *columns)
 {
     REAL *restrict block = columns;
-    const size_t apart = 2 * f->lead;
+    const size_t apart = 2 * lead;
     for (size_t row = 0; row < f->rows; row++) {
         const REAL *z = (const REAL *)f->buffer + 2 * row * f->pitch;
         const REAL *at = &z[2 * first];
@@ -155,16 +156,14 @@ static void NAME(gather)(const lac_filter *f, size_t first, size_t width, void *
             NAME(part)(&at[2 * c], mirror - 2 * c, &to[c * apart]);
         }
     }
-    for (size_t c = 0; c < width && f->my > f->ny; c++) {
-        memset(&block[2 * (c * f->lead + f->ny)], 0, 2 * (f->my - f->ny) * sizeof(REAL));
-    }
 }
 
 // And back
-static void NAME(scatter)(const lac_filter *f, size_t first, size_t width, const void *columns)
+static void NAME(scatter)(const lac_filter *f, size_t first, size_t width, size_t lead,
+                          const void *columns)
 {
     const REAL *restrict block = columns;
-    const size_t apart = 2 * f->lead;
+    const size_t apart = 2 * lead;
     for (size_t row = 0; row < f->rows; row++) {
         REAL *z = (REAL *)f->buffer + 2 * row * f->pitch;
         REAL *at = &z[2 * first];

@@ -11,6 +11,19 @@ void lac_team_join(const lac_team *team, double *x, size_t n)
     }
 }
 
+void lac_team_relay(const lac_team *team, lac_team_part *part, void *context, double *values,
+                    size_t n)
+{
+    for (int rank = 0; rank < (team != NULL ? team->ranks : 1); rank++) {
+        if (team == NULL || team->rank == rank) {
+            part(context, values);
+        } else {
+            memset(values, 0, n * sizeof *values);
+        }
+        lac_team_join(team, values, n);
+    }
+}
+
 // What every rank has, to all. @param all  [ranks]
 static size_t tell(const lac_team *team, double here, double *all)
 {

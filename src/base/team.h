@@ -17,6 +17,10 @@ typedef struct lac_team {
     void (*gather)(const struct lac_team *team, const double *x, size_t n, double *all);
     /// Hands bytes of rank 0 to all.
     void (*hand_out)(const struct lac_team *team, void *bytes, size_t size);
+    /// Hands sent[rank] bytes of `from` to each rank and takes taken[rank] of each into `to`, those
+    /// of one rank behind those of the one before.
+    void (*exchange)(const struct lac_team *team, const void *from, const size_t *sent, void *to,
+                     const size_t *taken);
     bool over; ///< all know of an error: there is nothing more to agree on
 } lac_team;
 
@@ -25,6 +29,12 @@ static inline bool lac_team_leads(const lac_team *team) { return team == NULL ||
 
 /// The same of numbers: of those of all ranks, where each rank has some and the others 0.
 void lac_team_join(const lac_team *team, double *x, size_t n);
+
+/// One rank after the other goes on with the values where the one before has left them: what one
+/// process does along all rows, to the bit. All have them then.
+typedef void lac_team_part(void *context, double *values);
+void lac_team_relay(const lac_team *team, lac_team_part *part, void *context, double *values,
+                    size_t n);
 
 // The functions below where there are others.
 bool lac_team_ask(const lac_team *team, bool here);

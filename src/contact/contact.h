@@ -3,6 +3,7 @@
 
 #include "base/grid.h"
 #include "base/param.h"
+#include "base/strip.h"
 
 /// What is given: the load or how near the bodies are.
 typedef enum lac_contact_control { LAC_CONTROL_LOAD, LAC_CONTROL_APPROACH } lac_contact_control;
@@ -10,6 +11,8 @@ typedef enum lac_contact_control { LAC_CONTROL_LOAD, LAC_CONTROL_APPROACH } lac_
 /// A rough rigid surface pressed on an elastic half-space (normal contact).
 typedef struct lac_contact_def {
     lac_grid grid;         ///< periodic; else faces that end at its border, free beyond
+    lac_team *team;        ///< each rank has the rows of lac_strip_rows, here and in what follows;
+                           ///< NULL: all are here
     const double *heights; ///< [ny * nx] composite height, peaks up [m]
     double e_star;         ///< contact modulus E* = G/(1-nu) of two equal half-spaces [Pa]
     lac_contact_control control;
@@ -36,6 +39,9 @@ typedef struct lac_contact_stats {
 
 /// A def with tolerance 1e-8 and 1000 iterations; the rest is the caller's.
 lac_contact_def lac_contact_default(void);
+
+/// How far the highest peak stands above the mean of the heights [m].
+double lac_contact_peak(const lac_contact_def *def);
 
 /// Solves for pressures p >= 0 and gaps g >= 0 with p g = 0 and the given load or approach.
 /// u_hat = 2 p_hat / (E* |q|); free: u = sum of Love's solution; docs/theory/contact.md.
@@ -65,6 +71,10 @@ static inline double lac_domain_cells(const lac_domain *domain)
 /// @param pressure  [ny * nx] [Pa]
 lac_status lac_domain_create(const lac_grid *grid, const double *pressure, lac_domain **domain,
                              lac_error *err);
+
+/// The same, on every rank, from the rows of lac_strip_rows of each.
+lac_status lac_domain_gather(const lac_grid *grid, lac_team *team, const double *pressure,
+                             lac_domain **domain, lac_error *err);
 void lac_domain_free(lac_domain *domain);
 
 /// Morton code of a grid cell: the bits of iy and ix interleaved, x lowest.

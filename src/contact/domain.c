@@ -33,63 +33,147 @@ static lac_status check_grid(const lac_grid *grid, lac_error *err)
     return LAC_OK;
 }
 
-static lac_status count_contact(const lac_grid *grid, const double *pressure, size_t *n,
-                                lac_error *err)
+// The cells of a block in turn: those in contact of the rows here, or of all from the ranks' lists.
+typedef struct collection {
+    lac_domain *into;
+    lac_strip rows;
+    const double *pressure; // [rows.n * nx]
+    size_t *next, *end;     // [ranks] of the lists that stand one behind the other; or NULL
+    const lac_domain *lists;
+} collection;
+
+static lac_status count_contact(const collection *c, size_t *n, lac_error *err)
 {
+    const size_t nx = c->into->grid.nx;
     *n = 0;
-    for (size_t i = 0; i < lac_grid_cells(grid); i++) {
-        LAC_FAIL_IF(!(isfinite(pressure[i]) && pressure[i] >= 0), err, LAC_EINPUT,
-                    "the pressure of cell (%zu, %zu) is %g Pa: must be finite and >= 0",
-                    i % grid->nx, i / grid->nx, pressure[i]);
-        *n += pressure[i] > 0;
+    for (size_t i = 0; i < c->rows.n * nx; i++) {
+        LAC_FAIL_IF(!(isfinite(c->pressure[i]) && c->pressure[i] >= 0), err, LAC_EINPUT,
+                    "the pressure of cell (%zu, %zu) is %g Pa: must be finite and >= 0", i % nx,
+                    c->rows.first + i / nx, c->pressure[i]);
+        *n += c->pressure[i] > 0;
     }
-    LAC_FAIL_IF(*n == 0, err, LAC_EINPUT, "no cell is in contact: every pressure is 0");
     return LAC_OK;
 }
 
-// Collects the contact cells of the block of `side` cells at (x, y), its four quarters in turn.
-static void collect(lac_domain *domain, const double *pressure, size_t x, size_t y, size_t side)
+static void add(lac_domain *domain, size_t i, double pressure)
 {
-    const lac_grid *grid = &domain->grid;
-    if (x >= grid->nx || y >= grid->ny) {
+    domain->index[domain->n] = (uint32_t)i;
+    domain->pressure[domain->n++] = pressure;
+}
+
+// What is next in the list of the rank that has the cell is a cell, or it touches nothing.
+static void add_listed(const collection *c, size_t y, size_t i)
+{
+    const int rank = lac_strip_owner(&c->rows, y);
+    const size_t at = c->next[rank];
+    if (at < c->end[rank] && c->lists->index[at] == i) {
+        add(c->into, i, c->lists->pressure[at]);
+        c->next[rank]++;
+    }
+}
+
+// Collects the contact cells of the block of `side` cells at (x, y), its four quarters in turn.
+static void collect(const collection *c, size_t x, size_t y, size_t side)
+{
+    const size_t nx = c->into->grid.nx, first = c->next != NULL ? 0 : c->rows.first;
+    const size_t end = c->next != NULL ? c->rows.all : first + c->rows.n;
+    if (x >= nx || y >= end || y + side <= first) {
         return;
     }
     if (side == 1) {
-        size_t i = y * grid->nx + x;
-        if (pressure[i] > 0) {
-            domain->index[domain->n] = (uint32_t)i;
-            domain->pressure[domain->n++] = pressure[i];
+        if (c->next != NULL) {
+            add_listed(c, y, y * nx + x);
+        } else if (c->pressure[(y - first) * nx + x] > 0) {
+            add(c->into, y * nx + x, c->pressure[(y - first) * nx + x]);
         }
         return;
     }
     size_t half = side / 2;
-    collect(domain, pressure, x, y, half);
-    collect(domain, pressure, x + half, y, half);
-    collect(domain, pressure, x, y + half, half);
-    collect(domain, pressure, x + half, y + half, half);
+    collect(c, x, y, half);
+    collect(c, x + half, y, half);
+    collect(c, x, y + half, half);
+    collect(c, x + half, y + half, half);
 }
 
-lac_status lac_domain_create(const lac_grid *grid, const double *pressure, lac_domain **out,
-                             lac_error *err)
+static lac_status allocate(const lac_grid *grid, size_t n, lac_domain **out, lac_error *err)
 {
-    *out = NULL;
-    size_t n = 0;
-    lac_domain *domain = NULL;
-    lac_status status = LAC_OK;
-    LAC_TRY(check_grid(grid, err));
-    LAC_TRY(count_contact(grid, pressure, &n, err));
-    domain = calloc(1, sizeof *domain);
+    lac_domain *domain = *out = calloc(1, sizeof *domain);
     LAC_FAIL_MEMORY_IF(domain == NULL, err);
     domain->grid = *grid;
-    domain->index = malloc(n * sizeof *domain->index);
-    domain->pressure = malloc(n * sizeof *domain->pressure);
-    LAC_TRY(domain->index != NULL && domain->pressure != NULL ? LAC_OK : lac_fail_memory(err));
-    collect(domain, pressure, 0, 0, (size_t)1 << lac_grid_levels(grid));
+    domain->index = calloc(n + 2, sizeof *domain->index); // an even number of them is joined
+    domain->pressure = calloc(n + 1, sizeof *domain->pressure);
+    return domain->index != NULL && domain->pressure != NULL ? LAC_OK : lac_fail_memory(err);
+}
+
+static void collect_all(collection *c, lac_domain *into)
+{
+    c->into = into;
+    collect(c, 0, 0, (size_t)1 << lac_grid_levels(&into->grid));
+}
+
+// From the cells here to those of all ranks: each puts its list behind those of the ranks before.
+static lac_status merge(collection *c, const size_t *counts, size_t n, lac_domain **domain,
+                        lac_error *err)
+{
+    size_t next[LAC_TEAM_MOST], end[LAC_TEAM_MOST], before = 0;
+    lac_team *team = c->rows.team;
+    lac_domain *lists = NULL, *own = *domain;
+    lac_status status;
+    for (int rank = 0; rank < team->ranks; rank++) {
+        next[rank] = before;
+        end[rank] = before += counts[rank];
+    }
+    LAC_TRY(allocate(&own->grid, n, &lists, err));
+    memcpy(lists->index + next[team->rank], own->index, own->n * sizeof *own->index);
+    memcpy(lists->pressure + next[team->rank], own->pressure, own->n * sizeof *own->pressure);
+    *domain = NULL;
+    lac_domain_free(own);
+    team->join(team, (uint64_t *)(void *)lists->index, (n + 1) / 2);
+    lac_team_join(team, lists->pressure, n);
+    LAC_TRY(allocate(&lists->grid, n, domain, err));
+    c->next = next;
+    c->end = end;
+    c->lists = lists;
+    collect_all(c, *domain);
+out:
+    lac_domain_free(lists);
+    return status;
+}
+
+lac_status lac_domain_gather(const lac_grid *grid, lac_team *team, const double *pressure,
+                             lac_domain **out, lac_error *err)
+{
+    size_t n = 0, counts[LAC_TEAM_MOST] = {0};
+    lac_domain *domain = NULL;
+    lac_status status = LAC_OK;
+    *out = NULL;
+    LAC_TRY_RETURN(check_grid(grid, err));
+    collection c = {
+        &(lac_domain){.grid = *grid}, lac_strip_rows(team, grid->ny), pressure, NULL, NULL, NULL};
+    const int rank = team != NULL ? team->rank : 0;
+    LAC_TRY_RETURN(lac_team_agree(team, count_contact(&c, &counts[rank], err), err));
+    const size_t own = counts[rank];
+    if (team != NULL) {
+        team->join(team, counts, (size_t)team->ranks);
+    }
+    for (int i = 0; i < LAC_TEAM_MOST; i++) {
+        n += counts[i];
+    }
+    LAC_FAIL_IF(n == 0, err, LAC_EINPUT, "no cell is in contact: every pressure is 0");
+    LAC_TRY(allocate(grid, own, &domain, err));
+    collect_all(&c, domain);
+    LAC_TRY(team != NULL ? merge(&c, counts, n, &domain, err) : LAC_OK);
     *out = domain;
     domain = NULL;
 out:
     lac_domain_free(domain);
     return status;
+}
+
+lac_status lac_domain_create(const lac_grid *grid, const double *pressure, lac_domain **out,
+                             lac_error *err)
+{
+    return lac_domain_gather(grid, NULL, pressure, out, err);
 }
 
 void lac_domain_free(lac_domain *domain)

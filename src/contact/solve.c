@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A rough surface pressed to a given load or approach: full contact by formula, else by iteration.
-#include <gsl/gsl_statistics_double.h>
-
-#include "base/statistics.h"
 #include "contact/solve.h"
 
 // The problem in the solver's own units, and what brings it back to SI.
@@ -53,40 +50,63 @@ static lac_status check(const lac_contact_def *def, lac_error *err)
     const lac_grid *grid = &def->grid;
     LAC_TRY_RETURN(lac_contact_check(grid, def->e_star, def->tolerance, def->max_iterations, err));
     LAC_TRY_RETURN(check_control(def, err));
-    for (size_t i = 0; i < lac_grid_cells(grid); i++) {
+    const lac_strip rows = lac_strip_rows(def->team, grid->ny);
+    for (size_t i = 0; i < rows.n * grid->nx; i++) {
         LAC_FAIL_IF(!isfinite(def->heights[i]), err, LAC_EINPUT,
-                    "the height of cell (%zu, %zu) is %g", i % grid->nx, i / grid->nx,
+                    "the height of cell (%zu, %zu) is %g", i % grid->nx, rows.first + i / grid->nx,
                     def->heights[i]);
         LAC_FAIL_IF(def->start != NULL && !(def->start[i] >= 0.0 && isfinite(def->start[i])), err,
                     LAC_EINPUT, "the first guess of the pressure of cell (%zu, %zu) is %g",
-                    i % grid->nx, i / grid->nx, def->start[i]);
+                    i % grid->nx, rows.first + i / grid->nx, def->start[i]);
     }
     return LAC_OK;
 }
 
-// How far the highest peak would stick into the undeformed body; < 0 where they do not touch. [m]
-static double depth(const lac_contact_def *def)
+double lac_contact_peak(const lac_contact_def *def)
 {
-    size_t n = lac_grid_cells(&def->grid);
-    return gsl_stats_max(def->heights, 1, n) - lac_mean(n, def->heights) - def->approach;
+    const lac_strip rows = lac_strip_rows(def->team, def->grid.ny);
+    double most = -INFINITY;
+    for (size_t i = 0; i < rows.n * def->grid.nx; i++) {
+        most = fmax(most, def->heights[i]);
+    }
+    most = lac_team_most(def->team, most);
+    return most - lac_strip_mean(&rows, def->grid.nx, def->heights);
+}
+
+// How far it would stick into the undeformed body; < 0 where they do not touch. [m]
+static double depth(const lac_contact_def *def) { return lac_contact_peak(def) - def->approach; }
+
+// Heights in units of the largest.
+typedef struct squares {
+    lac_heights h;
+    size_t n;
+    double most;
+} squares;
+
+static void add_squares(void *context, double *sum)
+{
+    const squares *s = context;
+    for (size_t i = 0; i < s->n && s->most > 0.0; i++) {
+        double x = lac_heights_at(s->h, i) / s->most;
+        *sum += x * x;
+    }
 }
 
 // Heights less their mean, in units of their rms, but at least of `least`.
 static lac_status scale_heights(const lac_contact_def *def, double least, problem *p,
                                 lac_error *err)
 {
-    size_t n = lac_grid_cells(&def->grid);
-    p->h = (lac_heights){.z = def->heights, .mean = lac_mean(n, def->heights), .unit = 1.0};
-    double most = 0.0;
-    for (size_t i = 0; i < n; i++) {
+    const lac_strip *rows = &p->at.rows;
+    const double mean = lac_strip_mean(rows, def->grid.nx, def->heights);
+    p->h = (lac_heights){.z = def->heights, .mean = mean, .unit = 1.0};
+    double most = 0.0, sum = 0.0;
+    for (size_t i = 0; i < lac_extent_cells(&p->at); i++) {
         most = fmax(most, fabs(lac_heights_at(p->h, i)));
     }
-    double sum = 0.0;
-    for (size_t i = 0; i < n && most > 0.0; i++) {
-        double x = lac_heights_at(p->h, i) / most;
-        sum += x * x;
-    }
-    p->h_rms = fmax(least, most * sqrt(sum / (double)n));
+    most = lac_team_most(def->team, most);
+    squares s = {p->h, lac_extent_cells(&p->at), most};
+    lac_team_relay(def->team, add_squares, &s, &sum, 1);
+    p->h_rms = fmax(least, most * sqrt(sum / (double)lac_grid_cells(&def->grid)));
     p->h.unit = most > 0.0 ? p->h_rms : 1.0;
     LAC_FAIL_IF(!isfinite(p->h_rms), err, LAC_EINPUT,
                 "the heights span more than numbers can hold");
@@ -108,7 +128,8 @@ static lac_status scale_problem(const lac_contact_def *def, problem *p, lac_erro
     double lx = (double)grid->nx * grid->dx;
     double ly = (double)grid->ny * grid->dy;
     double longest = fmax(lx, ly);
-    p->at = (lac_extent){grid->nx, grid->ny, longest / lx, longest / ly, grid->periodic};
+    p->at = (lac_extent){grid->nx,     grid->ny,       longest / lx,
+                         longest / ly, grid->periodic, lac_strip_rows(def->team, grid->ny)};
     LAC_TRY_RETURN(scale_heights(def, grid->periodic ? 0.0 : dent(def, longest), p, err));
     p->unit = 0.5 * (2.0 * M_PI) * def->e_star * (p->h_rms / longest);
     double load = def->mean_pressure / p->unit;
@@ -161,15 +182,16 @@ static lac_status full_contact(const lac_contact_def *def, const problem *p, lac
     if (!p->at.periodic || def->control != LAC_CONTROL_LOAD) {
         return LAC_OK; // edges have no such closed form
     }
-    full f = {p, def->mean_pressure, NULL, malloc(p->at.ny * sizeof(bool))};
+    full f = {p, def->mean_pressure, NULL, malloc(p->at.rows.n * sizeof(bool) + 1)};
     LAC_FAIL_MEMORY_IF(f.positive == NULL, err);
     lac_filter_fill(s->filter, LAC_DOUBLE, 0, height_row, &f);
     lac_half_space_unload(s, NULL);
     lac_filter_take(s->filter, full_row, &f);
     *is_full = true;
-    for (size_t j = 0; j < p->at.ny; j++) {
+    for (size_t j = 0; j < p->at.rows.n; j++) {
         *is_full = *is_full && f.positive[j];
     }
+    *is_full = lac_team_all(def->team, *is_full);
     if (*is_full) {
         f.pressure = pressure;
         lac_filter_take(s->filter, full_row, &f);
@@ -182,17 +204,19 @@ static lac_status full_contact(const lac_contact_def *def, const problem *p, lac
 static bool warm_guess(const lac_contact_def *def, const problem *p, const lac_descent *d,
                        double *pressure)
 {
-    size_t n = p->at.nx * p->at.ny;
-    double most = 0.0, sum = 0.0;
+    const size_t n = lac_extent_cells(&p->at);
+    const double all = (double)(p->at.nx * p->at.ny);
+    double most = 0.0;
     for (size_t i = 0; i < n && def->start != NULL; i++) {
         most = fmax(most, def->start[i]);
     }
+    most = lac_team_most(def->team, most);
     for (size_t i = 0; i < n && most > 0.0; i++) {
         pressure[i] = def->start[i] / most;
-        sum += pressure[i];
     }
-    double scale =
-        d->control == LAC_CONTROL_LOAD ? d->mean_pressure * (double)n / sum : most / p->unit;
+    const bool held = d->control == LAC_CONTROL_LOAD && most > 0.0;
+    const double sum = held ? lac_strip_sum(&p->at.rows, n, pressure) : NAN;
+    double scale = held ? d->mean_pressure * all / sum : most / p->unit;
     for (size_t i = 0; i < n && most > 0.0; i++) {
         pressure[i] *= scale;
     }
@@ -204,8 +228,9 @@ static bool no_contact(const lac_contact_def *def, double *pressure, double *gap
     if (def->control == LAC_CONTROL_LOAD || depth(def) > 0.0) {
         return false;
     }
-    size_t n = lac_grid_cells(&def->grid);
-    double mean = lac_mean(n, def->heights);
+    const lac_strip rows = lac_strip_rows(def->team, def->grid.ny);
+    const size_t n = rows.n * def->grid.nx;
+    double mean = lac_strip_mean(&rows, def->grid.nx, def->heights);
     memset(pressure, 0, n * sizeof *pressure);
     for (size_t i = 0; i < n && gap != NULL; i++) {
         gap[i] = def->approach + mean - def->heights[i];
@@ -218,7 +243,7 @@ static lac_status partial_contact(const lac_contact_def *def, const problem *p, 
                                   double *pressure, double *gap, lac_contact_stats *report,
                                   lac_error *err)
 {
-    size_t n = p->at.nx * p->at.ny;
+    size_t n = lac_extent_cells(&p->at);
     const bool load_given = def->control == LAC_CONTROL_LOAD;
     lac_descent d = {.heights = p->h,
                      .control = def->control,
@@ -250,17 +275,16 @@ static lac_status partial_contact(const lac_contact_def *def, const problem *p, 
     return LAC_OK;
 }
 
-static void count_contact(const lac_contact_def *def, const double *pressure,
-                          lac_contact_stats *report)
+static void count_contact(const lac_extent *at, const double *pressure, lac_contact_stats *report)
 {
-    size_t n = lac_grid_cells(&def->grid);
-    report->n_cells = 0;
-    report->max_pressure = 0.0;
-    for (size_t i = 0; i < n; i++) {
-        report->n_cells += pressure[i] > 0.0 ? 1 : 0;
-        report->max_pressure = fmax(report->max_pressure, pressure[i]);
-        report->mean_pressure += pressure[i] / (double)n;
+    double cells = 0.0, most = 0.0;
+    for (size_t i = 0; i < lac_extent_cells(at); i++) {
+        cells += pressure[i] > 0.0 ? 1.0 : 0.0;
+        most = fmax(most, pressure[i]);
     }
+    report->n_cells = (size_t)lac_strip_sum(&at->rows, 1, &cells);
+    report->max_pressure = lac_team_most(at->rows.team, most);
+    report->mean_pressure = lac_strip_mean(&at->rows, at->nx, pressure);
 }
 
 lac_status lac_contact_solve(const lac_contact_def *def, double *pressure, double *gap,
@@ -272,9 +296,9 @@ lac_status lac_contact_solve(const lac_contact_def *def, double *pressure, doubl
     lac_contact_stats *r = report != NULL ? report : &own_report;
     *r = (lac_contact_stats){0};
     lac_status status;
-    LAC_TRY(check(def, err));
-    size_t n = lac_grid_cells(&def->grid);
+    LAC_TRY(lac_team_agree(def->team, check(def, err), err));
     LAC_TRY(scale_problem(def, &p, err));
+    const size_t n = lac_extent_cells(&p.at);
     LAC_TRY(lac_half_space_create(&p.at, &s, err));
     bool is_full;
     LAC_TRY(full_contact(def, &p, s, pressure, &is_full, err));
@@ -288,7 +312,7 @@ lac_status lac_contact_solve(const lac_contact_def *def, double *pressure, doubl
     } else {
         LAC_TRY(partial_contact(def, &p, s, pressure, gap, r, err));
     }
-    count_contact(def, pressure, r);
+    count_contact(&p.at, pressure, r);
 out:
     lac_half_space_free(s);
     return status;

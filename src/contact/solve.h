@@ -17,16 +17,22 @@ typedef struct lac_extent {
     size_t nx, ny;
     double dqx, dqy; ///< spacing of kappa along x and y: longest side / side
     bool periodic;   ///< else the faces end at the grid and the half-space goes on, free
+    lac_strip rows;  ///< those whose heights and pressures are here
 } lac_extent;
+
+/// Cells of it that are here.
+static inline size_t lac_extent_cells(const lac_extent *at) { return at->nx * at->rows.n; }
 
 /// The elastic half-space on one grid. Free grids sit in the corner of a transform twice as long.
 typedef struct lac_half_space {
     size_t nx, ny;      ///< cells of the grid
     size_t mx, my, nkx; ///< the transform and the columns of its spectrum
+    lac_strip rows;     ///< of the grid, those here
+    lac_strip columns;  ///< of the spectrum, those whose symbol is asked for here
     lac_filter *filter;
     double dqx;         ///< spacing of kappa along x in the transform
     double *qy2;        ///< [my/2 + 1] square of kappa along y
-    double *compliance; ///< [nkx * (my/2 + 1)] free: Love's kernel over mx my; periodic: NULL
+    double *compliance; ///< [columns.n * (my/2 + 1)] free: Love's kernel over mx my; else NULL
     bool triangle;      ///< of that only what lies on and below the diagonal, the rest is the same
     double self;        ///< displacement of a cell under its own unit pressure
 } lac_half_space;
@@ -54,7 +60,7 @@ typedef struct lac_residual {
 
 /// Heights as they are given, and what makes them those of the solver: (z - mean)/unit.
 typedef struct lac_heights {
-    const double *z; ///< [ny * nx] [m]
+    const double *z; ///< [rows here][nx] [m]
     double mean, unit;
 } lac_heights;
 
@@ -74,8 +80,8 @@ typedef struct lac_descent {
 } lac_descent;
 
 /// Constrained conjugate gradients on the pressures from a first guess.
-/// @param pressure  [ny * nx] first guess, >= 0, load control: with the given mean; overwritten
-/// @param gap       [ny * nx] gap of the result; overwritten; NULL if not wanted
+/// @param pressure  [rows.n * nx] first guess, >= 0, load control: with the given mean; overwritten
+/// @param gap       [rows.n * nx] gap of the result; overwritten; NULL if not wanted
 lac_status lac_descend(lac_half_space *s, lac_descent *d, double *pressure, double *gap,
                        lac_error *err);
 

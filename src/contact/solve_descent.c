@@ -283,7 +283,7 @@ static void update(iteration *it)
     it->cells = all.a;
     it->level += it->g_mean; // which update_piece took off
     it->g_mean = it->held ? all.b / all.a : 0.0;
-    it->error += single_error * sqrt(du2 / ((double)it->nx * (double)it->ny));
+    it->error += single_error * sqrt(du2 / ((double)it->nx * (double)it->s->ny));
     it->updates++;
 }
 
@@ -302,7 +302,7 @@ static double energy(iteration *it, lac_filter_row row, lac_filter_row again)
 static void measure(iteration *it, lac_descent *d)
 {
     sums all = fill(it, 0, it->dg != NULL ? gap_piece : slope_piece);
-    double n = (double)it->nx * (double)it->ny;
+    double n = (double)it->nx * (double)it->s->ny;
     it->g2 = all.b;
     it->gt = it->turn * all.f;
     it->sum_g = all.c;
@@ -323,7 +323,7 @@ static double penetration(const iteration *it)
             least = gap < least ? gap : least;
         }
     }
-    return -least;
+    return lac_team_most(it->s->rows.team, -least);
 }
 
 // Whether all but the penetration, which is still that of another p, is within the tolerance.
@@ -431,7 +431,7 @@ static void step(iteration *it, const lac_descent *d)
     if (it->dg == NULL) {
         it->turn = it->tau > 0.0 ? -1.0 / it->tau : 0.0;
     }
-    it->scale = it->held ? d->mean_pressure * (double)it->nx * (double)it->ny / all.a : 1.0;
+    it->scale = it->held ? d->mean_pressure * (double)it->nx * (double)it->s->ny / all.a : 1.0;
     it->sum_p = it->scale * all.a;
     // New cells change the problem: the directions so far are conjugate no more.
     if (all.b > 0.01 * it->g2) {
@@ -467,16 +467,16 @@ static void iterate(iteration *it, lac_descent *d)
 lac_status lac_descend(lac_half_space *s, lac_descent *d, double *pressure, double *gap,
                        lac_error *err)
 {
-    size_t n = s->nx * s->ny;
+    size_t n = s->nx * s->rows.n;
     const size_t parts = lac_filter_parts(s->filter, LAC_SINGLE);
     const bool few = parts > 1; // g and t share the rows of `half`
-    float *work = calloc((few ? 2 : 3) * n, sizeof *work);
+    float *work = calloc((few ? 2 : 3) * n + s->nx, sizeof *work);
     sums *rows = malloc(s->ny * sizeof *rows);
     lac_status status;
     LAC_TRY(work != NULL && rows != NULL ? LAC_OK : lac_fail_memory(err));
     iteration it = {.s = s,
                     .nx = s->nx,
-                    .ny = s->ny,
+                    .ny = s->rows.n,
                     .h = d->heights,
                     .p = pressure,
                     .gap = gap,
@@ -485,7 +485,7 @@ lac_status lac_descend(lac_half_space *s, lac_descent *d, double *pressure, doub
                     .dg = few ? NULL : &work[n],
                     .t = &work[few ? s->nx : 2 * n],
                     .parts = parts,
-                    .rows = rows,
+                    .rows = rows + s->rows.first,
                     .turn = 1.0,
                     .scale = 1.0,
                     .level = -d->approach,

@@ -26,7 +26,7 @@ typedef sums piece_sums(const iteration *it, size_t n, size_t at, float *row);
 // State of the iterations. I are the cells in contact, p > 0.
 struct iteration {
     lac_half_space *s;
-    size_t nx, ny;
+    size_t nx, ny; // cells along x; rows here
     lac_heights h;
     double *p;           // [ny * nx] pressure over scale
     double *gap;         // [ny * nx] of the last fresh product; or NULL
@@ -37,7 +37,7 @@ struct iteration {
     size_t parts;        // of a product in single precision
     size_t part;         // of the one in double precision under way
     piece_sums *piece;   // of the sweep under way
-    sums *rows;          // [ny]
+    sums *rows;          // [ny], among those of all ranks
     double level;        // gap = S p - h - level
     double g_mean;       // of g over I
     double cells;        // in I
@@ -68,7 +68,7 @@ static inline float *gap_at(const iteration *it, size_t cell) { return &it->g[pl
 
 static inline float *search_at(const iteration *it, size_t cell) { return &it->t[place(it, cell)]; }
 
-/// The rows' sums, in order.
+/// The sums of all rows, in order.
 sums lac_descent_total(const iteration *it);
 
 /// The gap from a product in double precision.

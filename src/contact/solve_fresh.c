@@ -5,9 +5,16 @@
 
 sums lac_descent_total(const iteration *it)
 {
-    sums all = {0};
-    for (size_t j = 0; j < it->ny; j++) {
-        add_sums(&all, it->rows[j]);
+    const lac_strip *here = &it->s->rows;
+    sums all = {0}, *rows = it->rows - here->first;
+    if (here->team != NULL) {
+        const size_t end = here->first + here->n;
+        memset(rows, 0, here->first * sizeof *rows);
+        memset(rows + end, 0, (here->all - end) * sizeof *rows);
+        lac_team_join(here->team, &rows->a, here->all * sizeof *rows / sizeof rows->a);
+    }
+    for (size_t j = 0; j < here->all; j++) {
+        add_sums(&all, rows[j]);
     }
     return all;
 }

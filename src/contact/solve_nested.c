@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A first guess of contact pressures: the same problem, solved roughly on ever coarser grids.
-#include "base/statistics.h"
 #include "contact/solve.h"
 
 // First guesses from coarser grids. A coarse grid has about half the cells a side, as many as a
@@ -49,43 +48,74 @@ static void average_row(size_t n, size_t m, const double *fine, double weight, d
 }
 
 // Means over the cells of the coarse grid. @param row  [fine nx] scratch
-static void average(const lac_extent *fine, lac_heights h, const lac_extent *coarse, double *mean,
-                    double *row)
+static lac_status average(const lac_extent *fine, lac_heights h, const lac_extent *coarse,
+                          double *mean, double *row, lac_error *err)
 {
-    size_t n = fine->ny, m = coarse->ny;
-    memset(mean, 0, coarse->nx * m * sizeof *mean);
-    for (size_t j = 0; j < n; j++) {
-        size_t from = j * m;
-        size_t edge = (from / n + 1) * n;
-        size_t within = from + m < edge ? m : edge - from;
+    const size_t n = fine->ny, m = coarse->ny;
+    const lac_strip *to = &coarse->rows;
+    const size_t first = to->first * n / m, end = ((to->first + to->n) * n + m - 1) / m;
+    const void *z = NULL;
+    void *made = NULL;
+    lac_status status = lac_strip_bring(&fine->rows, first, end - first, fine->nx * sizeof *mean,
+                                        h.z, &z, &made, err);
+    h.z = z;
+    memset(mean, 0, lac_extent_cells(coarse) * sizeof *mean);
+    for (size_t j = first; status == LAC_OK && j < end; j++) {
+        const size_t from = j * m, edge = (from / n + 1) * n;
+        const size_t within = from + m < edge ? m : edge - from;
+        const size_t into = from / n - to->first; // of one row before, SIZE_MAX
         for (size_t i = 0; i < fine->nx; i++) {
-            row[i] = lac_heights_at(h, j * fine->nx + i);
+            row[i] = lac_heights_at(h, (j - first) * fine->nx + i);
         }
-        double *to = &mean[from / n * coarse->nx];
-        average_row(fine->nx, coarse->nx, row, (double)within / (double)n, to);
-        if (within < m) {
+        if (into < to->n) {
+            average_row(fine->nx, coarse->nx, row, (double)within / (double)n,
+                        &mean[into * coarse->nx]);
+        }
+        if (within < m && into + 1 < to->n) {
             double rest = (double)(m - within) / (double)n;
-            average_row(fine->nx, coarse->nx, row, rest, to + coarse->nx);
+            average_row(fine->nx, coarse->nx, row, rest, &mean[(into + 1) * coarse->nx]);
         }
     }
+    free(made);
+    return status;
+}
+
+// The coarse row that the middle of a fine one lies in.
+static size_t row_under(const lac_extent *fine, const lac_extent *coarse, size_t j)
+{
+    return (2 * j + 1) * coarse->ny / (2 * fine->ny);
 }
 
 // Each fine cell gets the pressure of the coarse cell that its middle lies in.
-static void inject(const lac_extent *coarse, const double *from, const lac_extent *fine, double *to)
+static lac_status inject(const lac_extent *coarse, const double *from, const lac_extent *fine,
+                         double *to, lac_error *err)
 {
-    for (size_t j = 0; j < fine->ny; j++) {
-        const double *row = &from[(2 * j + 1) * coarse->ny / (2 * fine->ny) * coarse->nx];
+    const lac_strip *rows = &fine->rows;
+    const size_t first = rows->n > 0 ? row_under(fine, coarse, rows->first) : 0;
+    const size_t end = rows->n > 0 ? row_under(fine, coarse, rows->first + rows->n - 1) + 1 : 0;
+    const void *p = NULL;
+    void *made = NULL;
+    lac_status status = lac_strip_bring(&coarse->rows, first, end - first,
+                                        coarse->nx * sizeof *from, from, &p, &made, err);
+    for (size_t j = 0; status == LAC_OK && j < rows->n; j++) {
+        const size_t under = row_under(fine, coarse, rows->first + j) - first;
+        const double *row = (const double *)p + under * coarse->nx;
         for (size_t i = 0; i < fine->nx; i++) {
             to[j * fine->nx + i] = row[(2 * i + 1) * coarse->nx / (2 * fine->nx)];
         }
     }
+    free(made);
+    return status;
 }
 
 // Brings pressures to the load where that is given.
-static void rescale(const lac_descent *d, size_t n, double *pressure)
+static void rescale(const lac_descent *d, const lac_extent *at, double *pressure)
 {
-    double scale =
-        d->control == LAC_CONTROL_LOAD ? d->mean_pressure * (double)n / lac_sum(n, pressure) : 1.0;
+    const size_t n = lac_extent_cells(at);
+    const double all = (double)(at->nx * at->ny);
+    double scale = d->control == LAC_CONTROL_LOAD
+                       ? d->mean_pressure * all / lac_strip_sum(&at->rows, n, pressure)
+                       : 1.0;
     for (size_t i = 0; i < n; i++) {
         pressure[i] *= scale;
     }
@@ -94,31 +124,32 @@ static void rescale(const lac_descent *d, size_t n, double *pressure)
 lac_status lac_coarse_guess(const lac_extent *at, lac_heights h, const lac_descent *fine,
                             double *pressure, lac_error *err)
 {
-    size_t n = at->nx * at->ny;
     lac_extent c = *at;
     c.nx = coarser(at->nx);
     c.ny = coarser(at->ny);
+    c.rows = lac_strip_rows(at->rows.team, c.ny);
     if (c.nx == at->nx && c.ny == at->ny) {
-        for (size_t i = 0; i < n; i++) {
+        for (size_t i = 0; i < lac_extent_cells(at); i++) {
             pressure[i] = fine->mean_pressure;
         }
         return LAC_OK;
     }
     lac_status status;
     lac_half_space *s = NULL;
-    double *mean = malloc((c.nx * c.ny + at->nx) * sizeof *mean);
-    double *guess = malloc(c.nx * c.ny * sizeof *guess);
+    const size_t n = lac_extent_cells(&c);
+    double *mean = malloc((n + at->nx) * sizeof *mean);
+    double *guess = malloc((n + 1) * sizeof *guess);
     lac_descent d = *fine;
     d.heights = (lac_heights){mean, 0.0, 1.0};
     d.tolerance = coarse_tolerance;
     d.max_iterations = coarse_iterations;
     LAC_TRY(mean != NULL && guess != NULL ? LAC_OK : lac_fail_memory(err));
-    average(at, h, &c, mean, mean + c.nx * c.ny);
+    LAC_TRY(average(at, h, &c, mean, mean + n, err));
     LAC_TRY(lac_coarse_guess(&c, d.heights, fine, guess, err));
     LAC_TRY(lac_half_space_create(&c, &s, err));
     LAC_TRY(lac_descend(s, &d, guess, NULL, err));
-    inject(&c, guess, at, pressure);
-    rescale(fine, n, pressure);
+    LAC_TRY(inject(&c, guess, at, pressure, err));
+    rescale(fine, at, pressure);
 out:
     lac_half_space_free(s);
     free(mean);

@@ -37,21 +37,22 @@ SYMBOL(periodic_double, double *, 1.0 / (sqrt(q2) * cells_of(s)))
 
 // Love's kernel in column k. Of a square grid of square cells it is the same along both axes: kept
 // is each column down to the diagonal, and it goes on along that row.
-#define FREE(name, reals)                                                                    \
-    static void name(const void *context, size_t k, void *factor)                            \
-    {                                                                                        \
-        const lac_half_space *s = context;                                                   \
-        const size_t n = s->my / 2 + 1, straight = s->triangle ? k + 1 : n;                  \
-        const double *restrict from = &s->compliance[s->triangle ? k * (k + 1) / 2 : k * n]; \
-        __typeof__(reals) restrict w = factor;                                               \
-        for (size_t j = 0; j < straight; j++) {                                              \
-            w[j] = (__typeof__(*w))from[j];                                                  \
-        }                                                                                    \
-        from += k;                                                                           \
-        for (size_t j = straight; j < n; j++) {                                              \
-            from += j;                                                                       \
-            w[j] = (__typeof__(*w))*from;                                                    \
-        }                                                                                    \
+#define FREE(name, reals)                                                             \
+    static void name(const void *context, size_t k, void *factor)                     \
+    {                                                                                 \
+        const lac_half_space *s = context;                                            \
+        const size_t n = s->my / 2 + 1, straight = s->triangle ? k + 1 : n;           \
+        const size_t at = s->triangle ? k * (k + 1) / 2 : (k - s->columns.first) * n; \
+        const double *restrict from = &s->compliance[at];                             \
+        __typeof__(reals) restrict w = factor;                                        \
+        for (size_t j = 0; j < straight; j++) {                                       \
+            w[j] = (__typeof__(*w))from[j];                                           \
+        }                                                                             \
+        from += k;                                                                    \
+        for (size_t j = straight; j < n; j++) {                                       \
+            from += j;                                                                \
+            w[j] = (__typeof__(*w))*from;                                             \
+        }                                                                             \
     }
 
 FREE(free_single, float *)
@@ -93,15 +94,15 @@ static void love_corners(size_t n, double x, double dy, double *corner, double *
 // that distance, by columns; distances beyond half the transform are mirror images.
 static lac_status fill_kernel(lac_half_space *s, double dx, double dy, lac_error *err)
 {
-    size_t n = s->my / 2 + 1;
+    size_t n = s->my / 2 + 1, first = s->columns.first;
     size_t corners = n + 1;
     double *low = malloc(4 * corners * sizeof *low);
     LAC_FAIL_MEMORY_IF(low == NULL, err);
     double *high = &low[corners];
     double *work = &high[corners];
-    love_corners(corners, -0.5 * dx, dy, low, work);
-    for (size_t k = 0; k < s->nkx; k++) {
-        double *column = &s->compliance[k * n];
+    love_corners(corners, ((double)first - 0.5) * dx, dy, low, work);
+    for (size_t k = first; k < first + s->columns.n; k++) {
+        double *column = &s->compliance[(k - first) * n];
         love_corners(corners, ((double)k + 0.5) * dx, dy, high, work);
         for (size_t j = 0; j < n; j++) {
             column[j] = (high[j + 1] - high[j]) - (low[j + 1] - low[j]);
@@ -116,22 +117,24 @@ static lac_status fill_kernel(lac_half_space *s, double dx, double dy, lac_error
 // directions, so that a quarter of it and of its transform are all there is.
 static lac_status fill_free(lac_half_space *s, const lac_extent *extent, lac_error *err)
 {
-    size_t n = s->nkx * (s->my / 2 + 1);
-    s->compliance = malloc(n * sizeof *s->compliance);
+    size_t n = s->columns.n * (s->my / 2 + 1);
+    s->compliance = malloc((n + 1) * sizeof *s->compliance);
     LAC_TRY_RETURN(s->compliance != NULL ? LAC_OK : lac_fail_memory(err));
     LAC_TRY_RETURN(fill_kernel(s, 1.0 / (extent->dqx * (double)s->nx),
                                1.0 / (extent->dqy * (double)s->ny), err));
-    s->self = s->compliance[0];
-    LAC_TRY_RETURN(lac_fft_even(s->nkx, s->my / 2 + 1, s->compliance, err));
+    s->self = s->columns.first == 0 && n > 0 ? s->compliance[0] : 0.0;
+    lac_team_join(s->rows.team, &s->self, 1);
     const size_t column = s->my / 2 + 1;
-    s->triangle = s->nkx == column && extent->dqx == extent->dqy;
+    const bool square = s->nkx == column && extent->dqx == extent->dqy;
+    LAC_TRY_RETURN(lac_fft_share_even(&s->columns, column, square, s->compliance, err));
+    s->triangle = square && s->rows.team == NULL;
     size_t next = 0; // in place: nothing is written beyond what is read
     for (size_t i = 0; i < n; i++) {
         if (!s->triangle || i % column <= i / column) {
             s->compliance[next++] = s->compliance[i] / cells_of(s);
         }
     }
-    double *less = realloc(s->compliance, next * sizeof *less);
+    double *less = realloc(s->compliance, (next + 1) * sizeof *less);
     LAC_FAIL_MEMORY_IF(less == NULL, err);
     s->compliance = less;
     return LAC_OK;
@@ -160,9 +163,11 @@ lac_status lac_half_space_create(const lac_extent *extent, lac_half_space **out,
     s->ny = extent->ny;
     s->mx = extent->periodic || s->nx == 1 ? s->nx : 2 * s->nx;
     s->my = extent->periodic || s->ny == 1 ? s->ny : 2 * s->ny;
+    s->rows = extent->rows;
     LAC_TRY(lac_filter_create((const size_t[]){s->nx, s->ny}, (const size_t[]){s->mx, s->my},
-                              &s->filter, err));
+                              s->rows.team, &s->filter, err));
     LAC_TRY(fill_wavenumbers(s, extent, err));
+    s->columns = lac_filter_columns(s->rows.team, s->nkx);
     if (extent->periodic) {
         s->self = periodic_self(s);
     } else {

@@ -54,18 +54,43 @@ static const double close_enough = 1e-4, too_far = 0.02;
 
 static double load_of(const search *s, const probe *at) { return s->unit * exp(at->load); }
 
+// Rows, the one before them first.
+typedef struct slopes {
+    const lac_grid *grid;
+    lac_strip rows;
+    const double *heights;
+} slopes;
+
+static void add_slopes(void *context, double *sum)
+{
+    const slopes *s = context;
+    const lac_grid *grid = s->grid;
+    const double *h = s->heights + (s->rows.first > 0 ? grid->nx : 0);
+    for (size_t i = 0; i < s->rows.n * grid->nx; i++) {
+        double along = i % grid->nx > 0 ? (h[i] - h[i - 1]) / grid->dx : 0.0;
+        double across = s->rows.first > 0 || i >= grid->nx
+                            ? (h[i] - h[(ptrdiff_t)i - (ptrdiff_t)grid->nx]) / grid->dy
+                            : 0.0;
+        *sum += along * along + across * across;
+    }
+}
+
 // rms slope between neighbours
-static double slope_of(const lac_contact_def *def)
+static lac_status find_slope(const lac_contact_def *def, double *slope, lac_error *err)
 {
     const lac_grid *grid = &def->grid;
+    slopes s = {grid, lac_strip_rows(def->team, grid->ny), NULL};
+    const size_t more = s.rows.first > 0 ? 1 : 0;
+    const void *heights = NULL;
+    void *made = NULL;
     double sum = 0.0;
-    for (size_t i = 0; i < lac_grid_cells(grid); i++) {
-        double z = def->heights[i];
-        double along = i % grid->nx > 0 ? (z - def->heights[i - 1]) / grid->dx : 0.0;
-        double across = i >= grid->nx ? (z - def->heights[i - grid->nx]) / grid->dy : 0.0;
-        sum += along * along + across * across;
-    }
-    return sqrt(sum / (double)lac_grid_cells(grid));
+    LAC_TRY_RETURN(lac_strip_bring(&s.rows, s.rows.first - more, s.rows.n + more,
+                                   grid->nx * sizeof sum, def->heights, &heights, &made, err));
+    s.heights = heights;
+    lac_team_relay(def->team, add_slopes, &s, &sum, 1);
+    free(made);
+    *slope = sqrt(sum / (double)lac_grid_cells(grid));
+    return LAC_OK;
 }
 
 static lac_status try_load(search *s, double load, probe *out, lac_error *err)
@@ -76,7 +101,7 @@ static lac_status try_load(search *s, double load, probe *out, lac_error *err)
     s->def.mean_pressure = load_of(s, out);
     LAC_TRY(lac_contact_solve(&s->def, s->pressure, NULL, NULL, err));
     s->def.start = s->pressure;
-    LAC_TRY(lac_domain_create(&s->def.grid, s->pressure, &domain, err));
+    LAC_TRY(lac_domain_gather(&s->def.grid, s->def.team, s->pressure, &domain, err));
     out->dimension = lac_dyadic_count(domain).dimension;
     out->cells = domain->n;
     if (fabs(out->dimension - s->target) < fabs(s->best.dimension - s->target)) {
@@ -153,7 +178,9 @@ lac_status lac_dimension_solve(const lac_contact_def *def, double dimension, dou
                 "the dimension must be > 0 and < 2, not %g", dimension);
     s.def.control = LAC_CONTROL_LOAD;
     s.def.start = NULL;
-    s.unit = def->e_star * slope_of(def);
+    double slope;
+    LAC_TRY_RETURN(find_slope(def, &slope, err));
+    s.unit = def->e_star * slope;
     LAC_FAIL_IF(
         s.unit == 0.0 && def->e_star > 0.0, err, LAC_EINPUT,
         "no load gives a dimension of %g: the faces are flat and touch everywhere under any",

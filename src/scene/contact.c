@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The contact of a case, pressed from its surface or stated without one, and its fractal measures,
 // for which coarser grids are solved under the same load.
-#include <gsl/gsl_statistics_double.h>
-
-#include "base/statistics.h"
 #include "scene/internal.h"
 
 lac_contact_def lac_scene_contact_def(const lac_scene_contact *contact)
@@ -20,30 +17,43 @@ lac_contact_def lac_scene_contact_def(const lac_scene_contact *contact)
 // The faces do not touch: by how much.
 static lac_status fail_apart(const lac_contact_def *def, lac_error *err)
 {
-    size_t cells = lac_grid_cells(&def->grid);
     return lac_fail(err, LAC_EINPUT,
                     "the faces do not touch: at an approach of %g m the highest peak, %g m above "
                     "the mean of the heights, is short of it",
-                    def->approach,
-                    gsl_stats_max(def->heights, 1, cells) - lac_mean(cells, def->heights));
+                    def->approach, lac_contact_peak(def));
 }
 
-// Presses the surface; heights and gap are allocated here.
-static lac_status press(const lac_case *c, bool measure, lac_scene_contact *out, lac_error *err)
+// What the heights are like: of those of ranks where they are all together.
+static lac_status look(const lac_case *c, lac_scene_keep keep, lac_scene_contact *out,
+                       lac_error *err)
+{
+    lac_surface_stats *of =
+        keep == LAC_SCENE_MEASURED && out->heights != NULL ? &out->surface : NULL;
+    return lac_fail_within(err, lac_surface_look(&c->surface, &out->grid, out->heights, of, err),
+                           "interface.surface");
+}
+
+// Presses the surface; heights, pressure and, where it is kept, gap are allocated here: of ranks
+// their rows.
+static lac_status press(const lac_case *c, lac_scene_keep keep, lac_scene_contact *out,
+                        lac_error *err)
 {
     const lac_normal_load *normal = (const lac_normal_load *)c->normal.info;
-    size_t cells = lac_grid_cells(&out->grid);
-    lac_status status = LAC_OK;
+    const size_t cells = lac_strip_rows(c->team, out->grid.ny).n * out->grid.nx + 1;
+    const bool fields = keep != LAC_SCENE_DOMAIN;
     out->heights = malloc(cells * sizeof *out->heights);
-    out->gap = malloc(cells * sizeof *out->gap);
+    out->gap = fields ? malloc(cells * sizeof *out->gap) : NULL;
     out->pressure = malloc(cells * sizeof *out->pressure);
-    LAC_FAIL_MEMORY_IF(out->heights == NULL || out->gap == NULL || out->pressure == NULL, err);
-    status = lac_surface_generate(&c->surface, &out->grid, out->heights,
-                                  measure ? &out->surface : NULL, err);
+    LAC_FAIL_MEMORY_IF(
+        out->heights == NULL || (fields && out->gap == NULL) || out->pressure == NULL, err);
+    lac_status status =
+        lac_surface_share(&c->surface, &out->grid, c->team, out->heights, &out->surface, err);
     LAC_TRY_RETURN(lac_fail_within(err, status, "interface.surface"));
+    LAC_TRY_RETURN(c->team == NULL ? look(c, keep, out, err) : LAC_OK);
     out->e_star = c->material.shear_modulus / (1.0 - c->material.poisson);
     out->tolerance = c->contact_tolerance;
     lac_contact_def def = lac_scene_contact_def(out);
+    def.team = c->team;
     const bool near = normal != NULL && normal->approach != NULL;
     const bool dense = normal != NULL && normal->dimension != NULL;
     def.control = near ? LAC_CONTROL_APPROACH : LAC_CONTROL_LOAD;
@@ -82,18 +92,38 @@ static lac_status scatter(lac_scene_contact *out, lac_error *err)
     return LAC_OK;
 }
 
+// The fields of all ranks, on the one that leads.
+static lac_status gather(lac_team *team, lac_scene_contact *out, lac_error *err)
+{
+    const size_t n = lac_strip_rows(team, out->grid.ny).n * out->grid.nx;
+    double **const fields[] = {&out->heights, &out->gap, &out->pressure};
+    for (size_t k = 0; k < sizeof fields / sizeof *fields; k++) {
+        const size_t all = lac_team_leads(team) ? lac_grid_cells(&out->grid) : 0;
+        double *whole = all > 0 ? malloc(all * sizeof *whole) : NULL;
+        LAC_FAIL_MEMORY_IF(all > 0 && whole == NULL, err);
+        team->gather(team, *fields[k], n, whole);
+        free(*fields[k]);
+        *fields[k] = whole;
+    }
+    return LAC_OK;
+}
+
 static lac_status make_domain(const lac_case *c, lac_scene_keep keep, lac_scene_contact *out,
                               lac_error *err)
 {
     if (c->surface.info != NULL) {
-        LAC_TRY_RETURN(press(c, keep == LAC_SCENE_MEASURED, out, err));
-        LAC_TRY_RETURN(lac_domain_create(&out->grid, out->pressure, &out->domain, err));
+        LAC_TRY_RETURN(press(c, keep, out, err));
+        LAC_TRY_RETURN(lac_domain_gather(&out->grid, c->team, out->pressure, &out->domain, err));
     } else {
         LAC_TRY_RETURN(lac_scene_domain_create(c, &out->domain, err));
     }
     if (keep == LAC_SCENE_DOMAIN) {
         drop_fields(out);
         return LAC_OK;
+    }
+    if (c->team != NULL && c->surface.info != NULL) {
+        LAC_TRY_RETURN(gather(c->team, out, err));
+        return look(c, keep, out, err);
     }
     return out->pressure == NULL ? scatter(out, err) : LAC_OK;
 }

@@ -22,6 +22,12 @@ static const struct {
              [LAC_FREE] = {45, 20, 4e-6, 3e-6, 1.4e-6, 460, 11e-6}};
 static const double one_by_one_cells = 4096;
 
+// Of a grid cell where no surface is pressed: pressures, and which are occupied. Of ranks: what a
+// free contact takes more; of a cell of a surface, and of a contact cell, what each has of all;
+// MPI.
+static const double domain_bytes = 13, unfolded_bytes = 4, whole_source_bytes = 24,
+                    whole_cell_bytes = 130, mpi_bytes = 20e6;
+
 // Cells of a grid whose contact is counted or estimated on it: a check takes at most 2 GB.
 static const size_t most_counted = (size_t)1 << 26;
 
@@ -137,7 +143,6 @@ static double table_bytes(const lac_case *c)
 double lac_estimate_least_memory(const lac_case *c)
 {
     const lac_grid grid = lac_interface_grid(&c->interface);
-    const double domain_bytes = 13; // pressures, and which are occupied
     return base_bytes + table_bytes(c) +
            (double)lac_grid_cells(&grid) *
                (c->surface.info != NULL ? costs[c->interface.boundary].bytes : domain_bytes);
@@ -152,6 +157,20 @@ static void count_memory(const lac_case *c, lac_estimate *e)
     e->memory = base_bytes + table_bytes(c) + fmax(grid * e->grid_cells, integration);
 }
 
+// Of one of so many ranks: its rows of what is pressed, of which Love's kernel is not folded; the
+// heights of a source that does not share, and a domain, as a whole; of the cells what is whole.
+static double rank_memory(const lac_case *c, const lac_estimate *e, double ranks)
+{
+    const lac_surface_source *source = (const void *)c->surface.info;
+    const bool free = c->interface.boundary == LAC_FREE;
+    double rows = costs[c->interface.boundary].bytes + (free ? unfolded_bytes : 0);
+    double grid = rows / ranks + (source != NULL && !source->shared ? whole_source_bytes : 0);
+    grid = source != NULL ? grid : domain_bytes;
+    const double cell = 0.5 * e->unknowns * contact_cell_bytes;
+    const double integration = (whole_cell_bytes + (cell - whole_cell_bytes) / ranks) * e->cells;
+    return base_bytes + mpi_bytes + table_bytes(c) + fmax(grid * e->grid_cells, integration);
+}
+
 // As many as have a block of cells each, where ranks share the run at all (scene.c).
 static void count_ranks(const lac_case *c, lac_estimate *e)
 {
@@ -159,6 +178,7 @@ static void count_ranks(const lac_case *c, lac_estimate *e)
                         isnan(c->accuracy) && c->from.file == NULL;
     const lac_range all = lac_range_whole((size_t)e->cells);
     e->ranks = shared ? (double)lac_range_blocks(&all) : 1;
+    e->memory_rank = e->ranks > 1 ? rank_memory(c, e, ceil(e->ranks / 4)) : e->memory;
 }
 
 static void count_steps(const lac_case *c, lac_estimate *e)

@@ -101,11 +101,12 @@ static lac_status check(const lac_benchmark *p, const lac_grid *grid, lac_error 
 }
 
 // h(i, j) = L c sum over k of A(|k|) cos(2 pi (kx i + ky j) / N + phi_k), i the row
-static lac_status generate(const void *params, const lac_grid *grid, double *heights,
-                           lac_surface_stats *report, lac_error *err)
+static lac_status generate(const void *params, const lac_grid *grid, lac_team *team,
+                           double *heights, lac_surface_stats *report, lac_error *err)
 {
     const lac_benchmark *p = params;
     (void)report;
+    (void)team;
     size_t n = lac_grid_cells(grid);
     lac_fft *fft = NULL;
     LAC_TRY_RETURN(check(p, grid, err));

@@ -279,13 +279,14 @@ static void sink(const lac_grid *grid, const uint8_t *masked, double *heights)
     }
 }
 
-static lac_status generate(const void *params, const lac_grid *grid, double *heights,
-                           lac_surface_stats *report, lac_error *err)
+static lac_status generate(const void *params, const lac_grid *grid, lac_team *team,
+                           double *heights, lac_surface_stats *report, lac_error *err)
 {
     const lac_surface_file *p = params;
     face faces[2] = {{0}, {0}};
     uint8_t *masked = NULL;
     lac_status status;
+    (void)team;
     LAC_TRY(read_upper(p, grid, &faces[0], err));
     LAC_TRY(lay(&faces[0], grid, p->nodata, heights, err));
     if (p->lower != NULL) {

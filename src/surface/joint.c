@@ -27,8 +27,8 @@ static double _Complex mode(const void *of, double kx, double ky)
     return upper - lower * (cos(shift) - sin(shift) * I);
 }
 
-static lac_status generate(const void *params, const lac_grid *grid, double *heights,
-                           lac_surface_stats *report, lac_error *err)
+static lac_status generate(const void *params, const lac_grid *grid, lac_team *team,
+                           double *heights, lac_surface_stats *report, lac_error *err)
 {
     const lac_joint *p = params;
     (void)report;
@@ -47,7 +47,7 @@ static lac_status generate(const void *params, const lac_grid *grid, double *hei
                 "exactly: there is no roughness between them",
                 p->mating);
     f.scale = p->rms_height / sqrt(lac_band_sum(&f.band, 0));
-    return lac_synthesise(&how, &f.band, grid, mode, &f, heights, err);
+    return lac_synthesise(&how, &f.band, grid, team, mode, &f, heights, err);
 }
 
 // Mated waves are left by the offset alone: no power law.
@@ -85,4 +85,5 @@ const lac_surface_source lac_surface_joint = {
                   LAC_ROWS(joint_params, lac_joint)),
     .generate = generate,
     .waves = waves,
+    .shared = true,
 };

@@ -53,23 +53,25 @@ static double rms_of(const lac_self_affine *p, const lac_band *b, double sum)
 }
 
 // Gaussian heights of unit variance -> skewed ones of zero mean over the grid.
-static void translate(double skewness, double rms, double *heights, size_t n)
+static void translate(double skewness, double rms, const lac_grid *grid, lac_team *team,
+                      double *heights)
 {
+    const lac_strip rows = lac_strip_rows(team, grid->ny);
+    const size_t n = rows.n * grid->nx;
     translation t = translation_of(skewness);
-    double sum = 0.0;
     for (size_t i = 0; i < n; i++) {
         double u = t.sign * heights[i];
         heights[i] = rms * t.sign * expm1(t.s * u - 0.5 * t.s * t.s) / t.root;
-        sum += heights[i];
     }
+    const double sum = lac_strip_sum(&rows, n, heights);
     for (size_t i = 0; i < n; i++) {
-        heights[i] -= sum / (double)n;
+        heights[i] -= sum / (double)lac_grid_cells(grid);
     }
 }
 
 // h(x) = sum over k of a_k exp(i q.x), with <|a_k|^2> = rms^2 C(q_k) / sum C.
-static lac_status generate(const void *params, const lac_grid *grid, double *heights,
-                           lac_surface_stats *report, lac_error *err)
+static lac_status generate(const void *params, const lac_grid *grid, lac_team *team,
+                           double *heights, lac_surface_stats *report, lac_error *err)
 {
     const lac_self_affine *p = params;
     (void)report;
@@ -87,9 +89,9 @@ static lac_status generate(const void *params, const lac_grid *grid, double *hei
     double sum = lac_band_sum(&y.band, 0);
     double rms = rms_of(p, &y.band, sum);
     y.scale = (p->skewness == 0.0 ? rms : 1.0) / sqrt(sum);
-    LAC_TRY_RETURN(lac_synthesise(&how, &y.band, grid, mode, &y, heights, err));
+    LAC_TRY_RETURN(lac_synthesise(&how, &y.band, grid, team, mode, &y, heights, err));
     if (p->skewness != 0.0) {
-        translate(p->skewness, rms, heights, n);
+        translate(p->skewness, rms, grid, team, heights);
     }
     return LAC_OK;
 }
@@ -134,4 +136,5 @@ const lac_surface_source lac_surface_self_affine = {
                       LAC_ROWS(self_affine_params, lac_self_affine)),
     .generate = generate,
     .waves = waves,
+    .shared = true,
 };

@@ -43,21 +43,51 @@ static lac_status check(const lac_model *model, const lac_grid *grid, lac_error 
     return LAC_OK;
 }
 
+// All of it on every rank, of which each keeps its rows.
+static lac_status make_all(const lac_model *model, const lac_grid *grid, lac_team *team,
+                           double *heights, lac_surface_stats *report, lac_error *err)
+{
+    const lac_surface_source *source = (const void *)model->info;
+    const lac_strip rows = lac_strip_rows(team, grid->ny);
+    double *all = malloc(lac_grid_cells(grid) * sizeof *all);
+    LAC_FAIL_MEMORY_IF(all == NULL, err);
+    const lac_status status = source->generate(model->params, grid, NULL, all, report, err);
+    if (status == LAC_OK) {
+        memcpy(heights, all + rows.first * grid->nx, rows.n * grid->nx * sizeof *all);
+    }
+    free(all);
+    return lac_team_agree(team, status, err);
+}
+
+lac_status lac_surface_share(const lac_model *model, const lac_grid *grid, lac_team *team,
+                             double *heights, lac_surface_stats *report, lac_error *err)
+{
+    LAC_TRY_RETURN(check(model, grid, err));
+    const lac_surface_source *source = (const void *)model->info;
+    if (report != NULL) {
+        *report = (lac_surface_stats){.measured = LAC_MEASURED_INTERFACE};
+    }
+    if (team != NULL && (!source->shared || grid->nx == 1 || grid->ny == 1)) {
+        return make_all(model, grid, team, heights, report, err);
+    }
+    return source->generate(model->params, grid, team, heights, report, err);
+}
+
+lac_status lac_surface_look(const lac_model *model, const lac_grid *grid, const double *heights,
+                            lac_surface_stats *report, lac_error *err)
+{
+    const lac_surface_source *source = (const void *)model->info;
+    if (report == NULL || report->files > 0) {
+        return LAC_OK;
+    }
+    const lac_wave_range range =
+        source->waves != NULL ? source->waves(model->params, grid) : (lac_wave_range){NAN, NAN};
+    return lac_surface_measure(grid, heights, &range, &report->measures, err);
+}
+
 lac_status lac_surface_generate(const lac_model *model, const lac_grid *grid, double *heights,
                                 lac_surface_stats *report, lac_error *err)
 {
-    lac_surface_stats stats = {.measured = LAC_MEASURED_INTERFACE};
-    lac_wave_range range = {NAN, NAN};
-    LAC_TRY_RETURN(check(model, grid, err));
-    const lac_surface_source *source = (const void *)model->info;
-    LAC_TRY_RETURN(
-        source->generate(model->params, grid, heights, report != NULL ? &stats : NULL, err));
-    if (report != NULL && stats.files == 0) {
-        range = source->waves != NULL ? source->waves(model->params, grid) : range;
-        LAC_TRY_RETURN(lac_surface_measure(grid, heights, &range, &stats.measures, err));
-    }
-    if (report != NULL) {
-        *report = stats;
-    }
-    return LAC_OK;
+    LAC_TRY_RETURN(lac_surface_share(model, grid, NULL, heights, report, err));
+    return lac_surface_look(model, grid, heights, report, err);
 }

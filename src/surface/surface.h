@@ -3,6 +3,7 @@
 
 #include "base/grid.h"
 #include "base/param.h"
+#include "base/strip.h"
 
 /// Wavelengths between which a spectrum is fitted [m]; NaN: a quarter of the shorter side, four
 /// cells. Keep them within the power law: beyond the rolloff, above what an instrument smooths.
@@ -66,10 +67,12 @@ typedef struct lac_surface_source {
     lac_model_info info;
     /// @param heights  [ny * nx] composite height of each cell [m]; overwritten
     /// @param report   NULL; left alone by a source without files, whose heights are then measured
-    lac_status (*generate)(const void *params, const lac_grid *grid, double *heights,
-                           lac_surface_stats *report, lac_error *err);
+    /// @param team     where `shared`: of each rank the rows of lac_strip_rows; NULL: all of them
+    lac_status (*generate)(const void *params, const lac_grid *grid, lac_team *team,
+                           double *heights, lac_surface_stats *report, lac_error *err);
     /// Where the spectrum is a power law [m], NaN where the grid says; NULL: not known.
     lac_wave_range (*waves)(const void *params, const lac_grid *grid);
+    bool shared; ///< each rank can make its own rows
 } lac_surface_source;
 
 extern const lac_surface_source lac_surface_self_affine, lac_surface_joint, lac_surface_benchmark,
@@ -152,6 +155,15 @@ const lac_surface_source *lac_surface_source_get(size_t index);
 /// @param report   what the surface is like; NULL: it is not measured
 lac_status lac_surface_generate(const lac_model *model, const lac_grid *grid, double *heights,
                                 lac_surface_stats *report, lac_error *err);
+
+/// The same in two steps: the rows of each rank, of which a source that does not make these alone
+/// makes all on each; then what all of them are like.
+/// @param heights  [rows of lac_strip_rows * nx]; of the second [ny * nx]
+/// @param report   as from the first; NULL
+lac_status lac_surface_share(const lac_model *model, const lac_grid *grid, lac_team *team,
+                             double *heights, lac_surface_stats *report, lac_error *err);
+lac_status lac_surface_look(const lac_model *model, const lac_grid *grid, const double *heights,
+                            lac_surface_stats *report, lac_error *err);
 
 /// rms slope between cells `lag` apart along x (or y); 0 where there are none.
 double lac_rms_slope(const lac_grid *grid, const double *heights, bool along_x, size_t lag);

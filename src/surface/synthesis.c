@@ -180,11 +180,12 @@ double _Complex lac_band_amplitude(const lac_band *b, uint64_t seed, lac_stream 
 // Fills the spectrum with the modes that the grid resolves; its Nyquist lines stay empty.
 static void fill(lac_fft *fft, mode_function mode, const void *of)
 {
-    ptrdiff_t rows = (ptrdiff_t)fft->ny;
+    ptrdiff_t rows = (ptrdiff_t)fft->strip.n;
 #pragma omp parallel for schedule(static) if (fft->nkx * fft->ny > 16384)
-    for (ptrdiff_t j = 0; j < rows; j++) {
-        double ky = lac_fft_frequency((size_t)j, fft->ny);
-        bool nyquist = 2 * (size_t)j == fft->ny && j > 0;
+    for (ptrdiff_t at = 0; at < rows; at++) {
+        const size_t j = fft->strip.first + (size_t)at;
+        double ky = lac_fft_frequency(j, fft->ny);
+        bool nyquist = 2 * j == fft->ny && j > 0;
         for (size_t i = 0; i < fft->nkx; i++) {
             double kx = (double)i;
             double _Complex a = 0.0;
@@ -195,7 +196,7 @@ static void fill(lac_fft *fft, mode_function mode, const void *of)
             } else {
                 a = mode(of, kx, ky);
             }
-            fft->spectrum[(size_t)j * fft->nkx + i] = a;
+            fft->spectrum[(size_t)at * fft->nkx + i] = a;
         }
     }
 }
@@ -289,10 +290,10 @@ static double _Complex folded(const folding *f, double kx, double ky)
 
 static void fold(lac_fft *fft, const folding *f)
 {
-    ptrdiff_t rows = (ptrdiff_t)fft->ny;
+    ptrdiff_t rows = (ptrdiff_t)fft->strip.n;
 #pragma omp parallel for schedule(static)
     for (ptrdiff_t j = 0; j < rows; j++) {
-        double ky = lac_fft_frequency((size_t)j, fft->ny);
+        double ky = lac_fft_frequency(fft->strip.first + (size_t)j, fft->ny);
         for (size_t i = 0; i < fft->nkx; i++) {
             fft->spectrum[(size_t)j * fft->nkx + i] = folded(f, (double)i, ky);
         }
@@ -300,30 +301,41 @@ static void fold(lac_fft *fft, const folding *f)
 }
 
 // The corner of the whole, without the mean that it or its short waves may have.
-static void take(const lac_synthesis *how, const lac_fft *fft, const lac_grid *grid,
-                 double *heights)
+static lac_status take(const lac_synthesis *how, const lac_fft *fft, const lac_grid *grid,
+                       double *heights, lac_error *err)
 {
-    size_t n = lac_grid_cells(grid);
-    double sum = 0.0;
-    for (size_t i = 0; i < n; i++) {
-        heights[i] = fft->real[i / grid->nx * fft->nx + i % grid->nx];
-        sum += heights[i];
+    const lac_strip rows = lac_strip_rows(fft->strip.team, grid->ny);
+    const size_t n = rows.n * grid->nx;
+    const void *from = fft->real;
+    void *made = NULL;
+    if (fft->ny > grid->ny) { // other ranks have the rows
+        LAC_TRY_RETURN(lac_strip_bring(&fft->strip, rows.first, rows.n, fft->nx * sizeof *heights,
+                                       fft->real, &from, &made, err));
     }
+    for (size_t j = 0; j < rows.n; j++) {
+        memcpy(heights + j * grid->nx, (const double *)from + j * fft->nx,
+               grid->nx * sizeof *heights);
+    }
+    free(made);
     bool none = how->sampling == LAC_SAMPLING_LOW_PASS && how->margin == 0;
+    const double sum = none || how->with_mean ? 0.0 : lac_strip_sum(&rows, n, heights);
     for (size_t i = 0; !none && !how->with_mean && i < n; i++) {
-        heights[i] -= sum / (double)n;
+        heights[i] -= sum / (double)lac_grid_cells(grid);
     }
+    return LAC_OK;
 }
 
 lac_status lac_synthesise(const lac_synthesis *how, const lac_band *band, const lac_grid *grid,
+                          lac_team *team,
                           double _Complex (*mode)(const void *of, double kx, double ky),
                           const void *of, double *heights, lac_error *err)
 {
     lac_fft *fft = NULL;
     lac_grid whole;
+    lac_status status;
     LAC_TRY_RETURN(find_whole(how, grid, &whole, err));
     LAC_TRY_RETURN(check(how, band, err));
-    LAC_TRY_RETURN(lac_fft_create(whole.nx, whole.ny, &fft, err));
+    LAC_TRY(lac_fft_share(whole.nx, whole.ny, team, &fft, err));
     if (how->sampling == LAC_SAMPLING_LOW_PASS) {
         fill(fft, mode, of);
     } else {
@@ -339,7 +351,8 @@ lac_status lac_synthesise(const lac_synthesis *how, const lac_band *band, const 
         fold(fft, &f);
     }
     lac_fft_inverse(fft);
-    take(how, fft, grid, heights);
+    LAC_TRY(take(how, fft, grid, heights, err));
+out:
     lac_fft_free(fft);
-    return LAC_OK;
+    return status;
 }

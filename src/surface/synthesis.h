@@ -62,7 +62,10 @@ double _Complex lac_band_amplitude(const lac_band *b, uint64_t seed, lac_stream 
 
 /// Heights of the interface: h = sum over k of mode(k) exp(i q_k x).
 /// @param band  of the whole grid
-/// @param mode  amplitude of (kx, ky), called from several threads
+/// @param team     who makes the other rows; NULL: all are made here
+/// @param mode     amplitude of (kx, ky), called from several threads
+/// @param heights  [rows of lac_strip_rows * nx]
 lac_status lac_synthesise(const lac_synthesis *how, const lac_band *band, const lac_grid *grid,
+                          lac_team *team,
                           double _Complex (*mode)(const void *of, double kx, double ky),
                           const void *of, double *heights, lac_error *err);

@@ -33,13 +33,14 @@ HIERARCHY = ["cases/transfer/hierarchy.yaml", *LACUNAR]
 
 # A bundled case with what is set in it, and on how many ranks. FULL has 16 blocks of sums, LACUNAR 20, LARGE 74 of
 # 301 720 cells; the last one has one, and two ranks without a cell.
+# Contacts are those of `lacuna contact`.
 CASES = {
     "rate, bdf": (["cases/transfer/hierarchy.yaml", *LARGE, "--until", "10 minute"], (2,)),
     "rate, bdf, spread, catalogue, points": (
         HIERARCHY + ["--until", "1 hour", "--set", "output.fields_every={per_decade: 1}", "--set", FIELDS, "--set",
                      "analysis={events: {slip_rate: 1 um/s}}", "--set",
                      "friction.spread={dc: {uniform: {half_width: 0.3, seed: 2}}}", "--set",
-                     "output.points=[{name: A, x: 100 m, y: 30 m, radius: 20 m}]"], (3, 8)),
+                     "output.points=[{name: A, x: 100 m, y: 30 m, radius: 20 m}]"], (8,)),
     "slip, adams": (HIERARCHY + ["--set", "solver.method=adams", "--until", "1 hour"], (2,)),
     "traction, erk": (HIERARCHY + ["--set", "solver.method=erk", "--until", "1 hour"], (5,)),
     "inertia": (["cases/momentum/slope.yaml", "--set", "interface.levels=8", "--until", "1 s"], (3,)),
@@ -50,7 +51,14 @@ CASES = {
     "loads over the joint": (["cases/load/injection.yaml", "--set", "interface.levels=8", "--set",
                               "transfer={hierarchy: {stiffness: elastic}}", "--until", "1 hour"], (3,)),
     "no transfer": (["cases/transfer/none.yaml", *LARGE, "--until", "10 minute"], (2,)),
-    "one block": (["cases/transfer/none.yaml", "--until", "1 day"], (3,)),
+    "rough surface, one block": (["cases/vajont.yaml", "--set", "interface.levels=7", "--until", "1 day"], (3,)),
+}
+CONTACTS = {
+    "free, beyond its sides": (["cases/contact/self-affine.yaml", "--set", "interface.levels=6", "--set",
+                                "interface.boundary=free", "--set", "interface.surface.self-affine.margin=1"], (5,)),
+    "periodic, more ranks than rows in pairs": (["cases/contact/self-affine.yaml", "--set", "interface.levels=3"], (8,)),
+    "approach": (["cases/normal/approach.yaml", "--set", "interface.levels=6"], (2,)),
+    "benchmark": (["cases/contact/j07.yaml", "--set", "interface.levels=6"], (3,)),
 }
 
 
@@ -91,7 +99,9 @@ class Alone(unittest.TestCase):
         for words, ranks in ((LACUNAR, 20), (LARGE, 74), (["--set", "interface.levels=7"], 1),
                              (LACUNAR + ["--set", "solver.fidelity=events"], 1)):
             said = run([PROGRAM, "check", *case, *words])
-            self.assertEqual(json.loads(said.stdout)["estimate"]["ranks_most"], ranks, words)
+            estimate = json.loads(said.stdout)["estimate"]
+            self.assertEqual(estimate["ranks_most"], ranks, words)
+            self.assertEqual(estimate["memory_rank_bytes"] < estimate["memory_bytes"], ranks > 1, words)
 
 
 @unittest.skipIf(RANKS == "none", "MPI is not there (tools/install-packages --test brings it)")
@@ -103,17 +113,18 @@ class Ranks(unittest.TestCase):
     def tearDown(self):
         self.folder.cleanup()
 
-    def alone(self, case, *more):
-        done = run([PROGRAM, "run", *case, "-o", self.one, "--force", "-q", *more])
+    def alone(self, case, *more, action="run"):
+        done = run([PROGRAM, action, *case, "-o", self.one, "--force", "-q", *more])
         self.assertEqual(done.returncode, 0, done.stderr)
         return read(self.one)
 
     def test_every_number_of_ranks_gives_the_bits_of_one(self):
-        for name, (case, numbers) in CASES.items():
-            expected = self.alone(case)
+        for name, (case, numbers) in (CASES | CONTACTS).items():
+            action = "run" if name in CASES else "contact"
+            expected = self.alone(case, action=action)
             for ranks in numbers:
                 with self.subTest(name, ranks=ranks):
-                    done = run(command(ranks, "run", *case, "-o", self.many, "--force", "-q"))
+                    done = run(command(ranks, action, *case, "-o", self.many, "--force", "-q"))
                     self.assertEqual(done.returncode, 0, done.stderr)
                     found = read(self.many)
                     self.assertEqual([k for k in expected if expected[k] != found.get(k)], [])
@@ -154,7 +165,7 @@ class Ranks(unittest.TestCase):
 
     def test_what_is_not_shared_is_refused_in_one_line(self):
         case = "cases/transfer/hierarchy.yaml"
-        for words, says in ((["contact", case], "contact is not shared by ranks: do it on one, with lacuna contact"),
+        for words, says in ((["rg", case], "rg is not shared by ranks: do it on one, with lacuna rg"),
                             (["run", case, "--set", "solver.fidelity=events"], "solver.fidelity other than ode is not"),
                             (["run", case, "--accuracy", "1e-4"], "solver.accuracy is not shared by ranks")):
             with self.subTest(words[0]):

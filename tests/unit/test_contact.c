@@ -169,7 +169,7 @@ static void penetration_alone_keeps_it_going(void **state)
     for (size_t i = 0; i < 32 * 32; i++) {
         f->h[i] *= 1e3;
     }
-    const lac_extent extent = {32, 32, 1.0, 1.0, true};
+    const lac_extent extent = {32, 32, 1.0, 1.0, true, lac_strip_rows(NULL, 32)};
     assert_int_equal(lac_half_space_create(&extent, &s, &f->err), LAC_OK);
     lac_descent d = {.heights = {f->h, 0.0, 1.0},
                      .mean_pressure = 0.5,

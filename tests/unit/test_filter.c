@@ -150,7 +150,7 @@ static void filter_equals_plain_transforms(void **state)
         double close = f->precision == LAC_SINGLE ? 1e-5 : 1e-12;
         const size_t field[] = {f->nx, f->ny};
         const size_t transform[] = {f->mx, f->my};
-        assert_int_equal(lac_filter_create(field, transform, &filter, NULL), LAC_OK);
+        assert_int_equal(lac_filter_create(field, transform, NULL, &filter, NULL), LAC_OK);
         const size_t parts = lac_filter_parts(filter, f->precision);
         const bool many = f->precision == LAC_DOUBLE && f->nx % 4 == 0;
         assert_int_equal(parts, f->mx == f->nx ? 1 : many ? 5 : 2);
@@ -179,7 +179,7 @@ static void only_large_grids_are_worth_threads(void **state)
     omp_set_num_threads(3);
     for (size_t k = 0; k < 5; k++) {
         lac_filter *filter = NULL;
-        assert_int_equal(lac_filter_create(sides[k], sides[k], &filter, NULL), LAC_OK);
+        assert_int_equal(lac_filter_create(sides[k], sides[k], NULL, &filter, NULL), LAC_OK);
         assert_int_equal(lac_filter_threads(filter), expected[k]);
         lac_filter_free(filter);
     }
@@ -194,7 +194,7 @@ static void impossible_transforms_are_refused(void **state)
     const size_t field[] = {1, 1};
     const size_t bad[][2] = {{0, 4}, {4, 0}, {(size_t)INT_MAX + 1, 1}, {1, (size_t)INT_MAX + 1}};
     for (size_t k = 0; k < 4; k++) {
-        assert_int_equal(lac_filter_create(field, bad[k], &filter, &err), LAC_EINPUT);
+        assert_int_equal(lac_filter_create(field, bad[k], NULL, &filter, &err), LAC_EINPUT);
         assert_null(filter);
         assert_non_null(strstr(err.message, "not possible"));
     }

@@ -1,38 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Sums and the hierarchy of ranks against those of one, to the bit. The ranks are threads here, so
 // that this needs no MPI.
-#include <pthread.h>
-
 #include "base/range.h"
 #include "hierarchy/hierarchy.h"
+#include "support/ranks.h"
 #include "support/test.h"
 
-enum { SIDE = 512, MOST_RANKS = 8, LEVELS = 9, WORDS = 1 << 16 };
-
-// What all ranks meet at.
-typedef struct meeting {
-    pthread_barrier_t all;
-    pthread_mutex_t one;
-    uint64_t words[WORDS];
-} meeting;
-
-static void join(const lac_team *team, uint64_t *words, size_t n)
-{
-    meeting *at = team->context;
-    assert_true(n <= WORDS);
-    (void)pthread_barrier_wait(&at->all);
-    if (team->rank == 0) {
-        memset(at->words, 0, n * sizeof *words);
-    }
-    (void)pthread_barrier_wait(&at->all);
-    (void)pthread_mutex_lock(&at->one);
-    for (size_t i = 0; i < n; i++) {
-        at->words[i] |= words[i];
-    }
-    (void)pthread_mutex_unlock(&at->one);
-    (void)pthread_barrier_wait(&at->all);
-    memcpy(words, at->words, n * sizeof *words);
-}
+enum { SIDE = 512, MOST_RANKS = 8, LEVELS = 9 };
 
 // One joint, and what is asked of it.
 typedef struct joint {
@@ -87,8 +61,16 @@ static void clear(joint *j)
 }
 
 // What one rank finds, put where its cells are.
-static void find(const joint *j, lac_team *team, int rank, answer *out)
+typedef struct question {
+    const joint *j;
+    answer *out;
+} question;
+
+static void find(lac_team *team, void *context)
 {
+    const joint *j = ((const question *)context)->j;
+    answer *out = ((const question *)context)->out;
+    const int rank = team != NULL ? team->rank : 0;
     const lac_range range = lac_range_of(team, rank, j->domain->n);
     const size_t first = range.first;
     lac_hierarchy *part = NULL;
@@ -111,43 +93,11 @@ static void find(const joint *j, lac_team *team, int rank, answer *out)
     assert_true(lac_team_all(team, good) == good);
 }
 
-typedef struct member {
-    const joint *j;
-    lac_team team;
-    answer *out;
-    pthread_t thread;
-} member;
-
-static void *work_as(void *context)
-{
-    member *m = context;
-    find(m->j, &m->team, m->team.rank, m->out);
-    return NULL;
-}
-
 static answer answer_of(const joint *j, int ranks)
 {
-    static meeting at;
-    member of[MOST_RANKS];
     answer out = {.force = calloc(2 * j->domain->n, sizeof(double))};
     out.solution = out.force + j->domain->n;
-    if (ranks == 0) {
-        find(j, NULL, 0, &out);
-        return out;
-    }
-    pthread_barrier_init(&at.all, NULL, (unsigned)ranks);
-    pthread_mutex_init(&at.one, NULL);
-    for (int r = 0; r < ranks; r++) {
-        of[r].j = j;
-        of[r].team = (lac_team){.rank = r, .ranks = ranks, .context = &at, .join = join};
-        of[r].out = &out;
-        assert_int_equal(pthread_create(&of[r].thread, NULL, work_as, &of[r]), 0);
-    }
-    for (int r = 0; r < ranks; r++) {
-        pthread_join(of[r].thread, NULL);
-    }
-    pthread_barrier_destroy(&at.all);
-    pthread_mutex_destroy(&at.one);
+    (void)ranks_do(ranks, find, &(question){j, &out});
     return out;
 }
 

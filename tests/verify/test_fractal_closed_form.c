@@ -104,7 +104,7 @@ static void make_heights(size_t side, int64_t seed, double *fine, double *height
     p.hurst = hurst;
     p.rms_height = rms_height;
     p.seed = seed;
-    assert_int_equal(source->generate(&p, &grid, fine, NULL, NULL), LAC_OK);
+    assert_int_equal(source->generate(&p, &grid, NULL, fine, NULL, NULL), LAC_OK);
     for (size_t i = 0; i < half * half; i++) {
         heights[i] = fine[i / half * 2 * side + i % half * 2];
     }

@@ -84,7 +84,7 @@ static void say_what_is_cut(const cli_request *request)
 static bool is_shared(const cli_request *request)
 {
     return cli_given(request, CLI_OPT_VERSION | CLI_OPT_HELP) ||
-           request->command->run == cli_check ||
+           request->command->run == cli_check || request->command->run == cli_contact ||
            (request->command->run == cli_run && !cli_given(request, CLI_OPT_VIEW | CLI_OPT_FROM));
 }
 

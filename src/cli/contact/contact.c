@@ -150,12 +150,17 @@ lac_status cli_contact(const cli_request *request, lac_error *err)
     lac_status status;
     LAC_TRY(read_measures(request, &measure, err));
     LAC_TRY(cli_case_read(request, LAC_FOR_CONTACT, &job.source, NULL, err));
+    job.source->team = request->team;
     LAC_TRY(cli_output_path(request, job.source, NULL, "-contact.nc", &job.path, err));
     cli_say(request, "solving the contact of %s", request->argument[0]);
     status = lac_scene_contact_solve(job.source, LAC_SCENE_MEASURED, &job.contact, err);
     LAC_TRY(cli_blame(job.source, status, err));
-    LAC_TRY(cli_blame(job.source, lac_scene_contact_measure(&measure, &job.contact, err), err));
-    status = show_result(&job, write_file(&job, err), err);
+    if (lac_team_leads(request->team)) { // the others wait for what it does by itself
+        status = lac_scene_contact_measure(&measure, &job.contact, err);
+        status = status == LAC_OK ? show_result(&job, write_file(&job, err), err)
+                                  : cli_blame(job.source, status, err);
+    }
+    status = lac_team_agree(request->team, status, err);
 out:
     free(job.record);
     lac_scene_contact_clear(&job.contact);

@@ -109,19 +109,17 @@ static void print_size(const lac_estimate *e)
 {
     printf("#   grid            %.0f cells\n", e->grid_cells);
     if (!isnan(e->contact_cells)) {
-        printf("#   contact         %s%.3g cells", e->exact ? "" : "about ", e->contact_cells);
-        if (e->integrated) {
-            printf(", %.3g unknowns", e->unknowns * e->contact_cells);
-        }
-        puts("");
+        const cli_text unknowns = cli_format(", %.3g unknowns", e->unknowns * e->contact_cells);
+        printf("#   contact         %s%.3g cells%s\n", e->exact ? "" : "about ", e->contact_cells,
+               e->integrated ? unknowns.s : "");
     }
     const double room = (double)cli_memory_free("") / 1e6;
     const cli_text more = cli_format(": more than the %.10g MB that are free", rounded(room, 2));
     printf("#   memory          %.10g MB%s\n", rounded(e->memory / 1e6, 2),
            e->memory > 1e6 * room ? more.s : "");
     if (e->ranks > 1) {
-        printf("#   ranks           up to %.0f, better %.0f (lacuna-mpi); each takes this memory\n",
-               e->ranks, ceil(e->ranks / 4));
+        printf("#   ranks           up to %.0f, better %.0f (lacuna-mpi), of %.10g MB each\n",
+               e->ranks, ceil(e->ranks / 4), rounded(e->memory_rank / 1e6, 2));
     }
 }
 
@@ -273,6 +271,7 @@ LAC_GETTER(double, exact, ESTIMATE, e->exact)
 LAC_GETTER(double, unknowns, ESTIMATE, e->unknowns *round(e->contact_cells))
 LAC_GETTER(double, memory, ESTIMATE, round(e->memory))
 LAC_GETTER(double, ranks, ESTIMATE, e->ranks)
+LAC_GETTER(double, memory_rank, ESTIMATE, round(e->memory_rank))
 LAC_GETTER(double, cpu_least, ESTIMATE, e->cpu_time_least)
 LAC_GETTER(double, cpu_most, ESTIMATE, e->cpu_time_most)
 LAC_GETTER(double, cascade, ESTIMATE, e->cascade_time)
@@ -323,6 +322,7 @@ static const lac_variable of_estimate[] = {
     E("unknowns", NULL, "unknowns of a run", unknowns),
     E("memory", "byte", "largest resident memory", memory, "_bytes"),
     E("ranks_most", NULL, "ranks of lacuna-mpi that can share the run", ranks),
+    E("memory_rank", "byte", "memory of each of a fourth of them", memory_rank, "_bytes"),
     E("cpu_time_least", "s", "least time on one core", cpu_least, "_s"),
     E("cpu_time_most", "s", "longest time on one core", cpu_most, "_s"),
     E("cascade_time", "s", "time of the cascade", cascade, "_s"),

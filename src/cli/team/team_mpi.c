@@ -14,11 +14,13 @@ typedef struct ranks {
 
 enum { PIECE = 1 << 28 }; // of what MPI counts in an int
 
+static int piece_of(size_t n) { return (int)(n < PIECE ? n : PIECE); }
+
 static void join(const lac_team *team, uint64_t *words, size_t n)
 {
     (void)team;
     for (size_t at = 0; at < n; at += PIECE) {
-        const int count = (int)(n - at < PIECE ? n - at : PIECE);
+        const int count = piece_of(n - at);
         (void)MPI_Allreduce(MPI_IN_PLACE, words + at, count, MPI_UINT64_T, MPI_BOR, MPI_COMM_WORLD);
     }
 }
@@ -31,8 +33,7 @@ static void gather(const lac_team *team, const double *x, size_t n, double *all)
     join(team, counts, (size_t)team->ranks);
     if (team->rank > 0) {
         for (size_t at = 0; at < n; at += PIECE) {
-            (void)MPI_Send(x + at, (int)(n - at < PIECE ? n - at : PIECE), MPI_DOUBLE, 0, 0,
-                           MPI_COMM_WORLD);
+            (void)MPI_Send(x + at, piece_of(n - at), MPI_DOUBLE, 0, 0, MPI_COMM_WORLD);
         }
         return;
     }
@@ -41,10 +42,40 @@ static void gather(const lac_team *team, const double *x, size_t n, double *all)
     for (int rank = 1; rank < team->ranks; rank++) {
         for (size_t at = 0; at < counts[rank]; at += PIECE) {
             const size_t left = counts[rank] - at;
-            (void)MPI_Recv(all + at, (int)(left < PIECE ? left : PIECE), MPI_DOUBLE, rank, 0,
-                           MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+            (void)MPI_Recv(all + at, piece_of(left), MPI_DOUBLE, rank, 0, MPI_COMM_WORLD,
+                           MPI_STATUS_IGNORE);
         }
         all += counts[rank];
+    }
+}
+
+// To one rank, while another one hands over; who has nothing to say is not spoken to.
+static void trade(const char *from, size_t sent, int to_rank, char *to, size_t taken, int from_rank)
+{
+    for (size_t at = 0; at < sent || at < taken; at += PIECE) {
+        const size_t gives = at < sent ? sent - at : 0, takes = at < taken ? taken - at : 0;
+        (void)MPI_Sendrecv(from + (gives > 0 ? at : 0), piece_of(gives), MPI_BYTE,
+                           gives > 0 ? to_rank : MPI_PROC_NULL, 0, to + (takes > 0 ? at : 0),
+                           piece_of(takes), MPI_BYTE, takes > 0 ? from_rank : MPI_PROC_NULL, 0,
+                           MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+    }
+}
+
+// With the next rank and the one before, then with those two away, and so on round.
+static void exchange(const lac_team *team, const void *from, const size_t *sent, void *to,
+                     const size_t *taken)
+{
+    size_t away[LAC_TEAM_MOST + 1] = {0}, home[LAC_TEAM_MOST + 1] = {0};
+    const int all = team->ranks, own = team->rank;
+    for (int rank = 0; rank < all; rank++) {
+        away[rank + 1] = away[rank] + sent[rank];
+        home[rank + 1] = home[rank] + taken[rank];
+    }
+    memcpy((char *)to + home[own], (const char *)from + away[own], sent[own]);
+    for (int step = 1; step < all; step++) {
+        const int next = (own + step) % all, last = (own + all - step) % all;
+        trade((const char *)from + away[next], sent[next], next, (char *)to + home[last],
+              taken[last], last);
     }
 }
 
@@ -52,8 +83,7 @@ static void hand_out(const lac_team *team, void *bytes, size_t size)
 {
     (void)team;
     for (size_t at = 0; at < size; at += PIECE) {
-        (void)MPI_Bcast((char *)bytes + at, (int)(size - at < PIECE ? size - at : PIECE), MPI_BYTE,
-                        0, MPI_COMM_WORLD);
+        (void)MPI_Bcast((char *)bytes + at, piece_of(size - at), MPI_BYTE, 0, MPI_COMM_WORLD);
     }
 }
 
@@ -70,7 +100,7 @@ static int be_silent(void)
 
 lac_status cli_team_join(lac_team **out, lac_error *err)
 {
-    lac_team team = {.join = join, .gather = gather, .hand_out = hand_out};
+    lac_team team = {.join = join, .gather = gather, .hand_out = hand_out, .exchange = exchange};
     int aside = STDERR_FILENO;
     *out = NULL;
     (void)MPI_Init(NULL, NULL);

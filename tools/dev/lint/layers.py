@@ -89,7 +89,7 @@ HOMES = [
                         "src/series/read_netcdf.c", "src/series/read_field.c")),
     (r"yaml\.h", "src/case/"),
     (r"udunits2\.h", "src/base/units.c"),
-    (r"fftw3\.h", ("src/base/fft.c", "src/base/filter.c")),
+    (r"fftw3\.h", ("src/base/fft.c", "src/base/fft_share.c", "src/base/filter.c")),
     (r"Random123/.*", "src/base/rng.c"),
     (r"gsl/.*", "src/"),
     (r"microhttpd\.h", "src/cli/view/view_http.c"),

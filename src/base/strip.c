@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Rows of a grid shared out among ranks, and its columns, for which they hand each other parts.
+#include "base/strip.h"
+
+// The first of the rows of a rank.
+static size_t begin_of(const lac_strip *strip, int rank)
+{
+    const size_t ranks = (size_t)strip->team->ranks;
+    const size_t begin = (strip->grains * (size_t)rank + ranks - 1) / ranks * strip->grain;
+    return begin < strip->all ? begin : strip->all;
+}
+
+lac_strip lac_strip_at(const lac_strip *strip, int rank)
+{
+    lac_strip at = *strip;
+    if (at.team != NULL) {
+        at.first = begin_of(strip, rank);
+        at.n = begin_of(strip, rank + 1) - at.first;
+    }
+    return at;
+}
+
+lac_strip lac_strip_like(const lac_strip *strip, size_t all, size_t grain)
+{
+    const lac_strip like = {strip->team, all, grain, strip->grains, 0, all};
+    return lac_strip_at(&like, like.team != NULL ? like.team->rank : 0);
+}
+
+lac_strip lac_strip_of(lac_team *team, size_t all, size_t grain)
+{
+    const lac_strip strip = {.team = team, .grains = (all + grain - 1) / grain};
+    return lac_strip_like(&strip, all, grain);
+}
+
+int lac_strip_owner(const lac_strip *strip, size_t row)
+{
+    const size_t ranks = strip->team != NULL ? (size_t)strip->team->ranks : 1;
+    return (int)(row / strip->grain * ranks / strip->grains);
+}
+
+static size_t overlap(const lac_strip *has, const double *wants)
+{
+    const size_t first = (size_t)wants[0], end = first + (size_t)wants[1];
+    const size_t low = first > has->first ? first : has->first;
+    const size_t high = end < has->first + has->n ? end : has->first + has->n;
+    return high > low ? high - low : 0;
+}
+
+// What ranks want may overlap: it is put behind each other.
+static lac_status hand_over(const lac_strip *strip, const double *wants, size_t size,
+                            const char *rows, char *out, lac_error *err)
+{
+    size_t sent[LAC_TEAM_MOST] = {0}, taken[LAC_TEAM_MOST] = {0}, total = 0;
+    const lac_team *team = strip->team;
+    for (int rank = 0; rank < team->ranks; rank++) {
+        const lac_strip of = lac_strip_at(strip, rank);
+        taken[rank] = overlap(&of, &wants[2 * team->rank]) * size;
+        sent[rank] = overlap(strip, &wants[2 * (size_t)rank]) * size;
+        total += sent[rank];
+    }
+    char *packet = malloc(total + 1);
+    LAC_FAIL_MEMORY_IF(packet == NULL, err);
+    total = 0;
+    for (int rank = 0; rank < team->ranks; rank++) {
+        const size_t first = (size_t)wants[2 * (size_t)rank];
+        const size_t from = first > strip->first ? first - strip->first : 0;
+        memcpy(packet + total, sent[rank] > 0 ? rows + from * size : rows, sent[rank]);
+        total += sent[rank];
+    }
+    team->exchange(team, packet, sent, out, taken);
+    free(packet);
+    return LAC_OK;
+}
+
+lac_status lac_strip_bring(const lac_strip *strip, size_t first, size_t n, size_t size,
+                           const void *rows, const void **out, void **made, lac_error *err)
+{
+    double wants[2 * LAC_TEAM_MOST] = {0};
+    *made = NULL;
+    *out = rows;
+    if (strip->team == NULL) {
+        *out = (const char *)rows + first * size;
+        return LAC_OK;
+    }
+    const size_t own = 2 * (size_t)strip->team->rank;
+    wants[own] = (double)first;
+    wants[own + 1] = (double)n;
+    lac_team_join(strip->team, wants, 2 * (size_t)strip->team->ranks);
+    *made = malloc(n * size + 1);
+    *out = *made;
+    LAC_FAIL_MEMORY_IF(*made == NULL, err);
+    return hand_over(strip, wants, size, rows, *made, err);
+}
+
+// Numbers over so many.
+typedef struct summands {
+    const double *x;
+    size_t n;
+    double over;
+} summands;
+
+static void add(void *context, double *sum)
+{
+    const summands *s = context;
+    for (size_t i = 0; i < s->n; i++) {
+        *sum += s->x[i] / s->over;
+    }
+}
+
+double lac_strip_sum(const lac_strip *strip, size_t n, const double *x)
+{
+    double sum = 0.0;
+    lac_team_relay(strip->team, add, &(summands){x, n, 1.0}, &sum, 1);
+    return sum;
+}
+
+double lac_strip_mean(const lac_strip *strip, size_t nx, const double *x)
+{
+    double mean = 0.0;
+    summands all = {x, strip->n * nx, (double)(strip->all * nx)};
+    lac_team_relay(strip->team, add, &all, &mean, 1);
+    return mean;
+}
+
+lac_status lac_turn_create(const lac_strip *rows, size_t lead, size_t grain_bytes, lac_turn **out,
+                           lac_error *err)
+{
+    lac_turn *c = calloc(1, sizeof *c);
+    *out = c;
+    LAC_FAIL_MEMORY_IF(c == NULL, err);
+    c->rows = *rows;
+    c->lead = lead;
+    const size_t plane = grain_bytes * (lead > 0 ? lead : rows->all);
+    c->packet = malloc(grain_bytes * rows->n * (size_t)rows->team->ranks + 1);
+    c->come = malloc(grain_bytes * rows->all + 1);
+    c->plane = aligned_alloc(64, (plane + 64) / 64 * 64);
+    LAC_FAIL_MEMORY_IF(c->packet == NULL || c->come == NULL || c->plane == NULL, err);
+    return LAC_OK;
+}
+
+void lac_turn_free(lac_turn *c)
+{
+    if (c != NULL) {
+        free(c->packet);
+        free(c->come);
+        free(c->plane);
+        free(c);
+    }
+}
+
+// The columns of a round that a rank has.
+static lac_strip of_round(const lac_strip *columns, int rank, size_t round)
+{
+    lac_strip at = lac_strip_at(columns, rank);
+    const size_t done = round * at.grain < at.n ? round * at.grain : at.n;
+    at.first += done;
+    at.n = at.n - done < at.grain ? at.n - done : at.grain;
+    return at;
+}
+
+// What came, packet after packet, into the plane, or back.
+static void lay(const lac_turn *c, size_t width, size_t size, bool back)
+{
+    char *packet = c->come;
+    for (int rank = 0; rank < c->rows.team->ranks && c->lead > 0; rank++) {
+        const lac_strip rows = lac_strip_at(&c->rows, rank);
+        for (size_t k = 0; k < width; k++) {
+            char *to = c->plane + (k * c->lead + rows.first) * size;
+            memcpy(back ? packet : to, back ? to : packet, rows.n * size);
+            packet += rows.n * size;
+        }
+    }
+}
+
+static void one_round(const lac_turn *c, const lac_strip *columns, size_t round, size_t size,
+                      const lac_turn_use *use)
+{
+    size_t away[LAC_TEAM_MOST], home[LAC_TEAM_MOST];
+    const lac_team *team = c->rows.team;
+    const lac_strip own = of_round(columns, team->rank, round);
+    char *come = c->lead > 0 ? c->come : c->plane, *packet = c->packet;
+    for (int rank = 0; rank < team->ranks; rank++) {
+        const lac_strip of = of_round(columns, rank, round), rows = lac_strip_at(&c->rows, rank);
+        const size_t wide = c->lead > 0 || of.n == 0 ? of.n : of.grain;
+        away[rank] = wide * c->rows.n * size;
+        home[rank] = (c->lead > 0 || own.n == 0 ? own.n : own.grain) * rows.n * size;
+        if (away[rank] > 0) {
+            use->pack(use->context, of.first, of.n, packet);
+        }
+        packet += away[rank];
+    }
+    team->exchange(team, c->packet, away, come, home);
+    lay(c, own.n, size, false);
+    if (own.n > 0) {
+        use->work(use->context, own.first, own.n, c->plane);
+    }
+    if (use->unpack == NULL) {
+        return;
+    }
+    lay(c, own.n, size, true);
+    team->exchange(team, come, home, c->packet, away);
+    packet = c->packet;
+    for (int rank = 0; rank < team->ranks; rank++) {
+        const lac_strip of = of_round(columns, rank, round);
+        if (away[rank] > 0) {
+            use->unpack(use->context, of.first, of.n, packet);
+        }
+        packet += away[rank];
+    }
+}
+
+void lac_turn_pass(const lac_turn *c, const lac_strip *columns, size_t size,
+                   const lac_turn_use *use)
+{
+    size_t most = 0;
+    for (int rank = 0; rank < columns->team->ranks; rank++) {
+        const size_t n = lac_strip_at(columns, rank).n;
+        most = n > most ? n : most;
+    }
+    for (size_t round = 0; round * columns->grain < most; round++) {
+        one_round(c, columns, round, size, use);
+    }
+}
