@@ -110,10 +110,8 @@ static void print_size(const lac_estimate *e)
     printf("#   grid            %.0f cells\n", e->grid_cells);
     if (!isnan(e->contact_cells)) {
         printf("#   contact         %s%.3g cells", e->exact ? "" : "about ", e->contact_cells);
-        if (e->integrated) {
-            printf(", %.3g unknowns", e->unknowns * e->contact_cells);
-        }
-        puts("");
+        const cli_text of = cli_format(", %.3g unknowns", e->unknowns * e->contact_cells);
+        puts(e->integrated ? of.s : "");
     }
     const double room = (double)cli_memory_free("") / 1e6;
     const cli_text more = cli_format(": more than the %.10g MB that are free", rounded(room, 2));
@@ -155,8 +153,9 @@ static void print_fidelity(const lac_case *c, const lac_estimate *e)
 static void print_steps(const lac_estimate *e)
 {
     if (e->own_steps) {
-        printf("#   steps           of each cell its own, %d to %d\n", LAC_OWN_FEWEST,
-               LAC_OWN_STEPS);
+        printf("#   steps           of each cell its own, %s\n",
+               isnan(e->steps_most) ? cli_format("at least %d", LAC_OWN_FEWEST).s
+                                    : cli_format("%d to %d", LAC_OWN_FEWEST, LAC_OWN_STEPS).s);
         cli_wrap("#     ", e->faster != NULL
                                ? "no cell slips by itself: fidelity ode is the faster one"
                                : "a slip costs some hundred, whatever the number of cells");
