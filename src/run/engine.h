@@ -82,7 +82,7 @@ void lac_engine_free(lac_engine *engine);
 double lac_engine_longest_step(const lac_engine *engine);
 
 // Begins anew from y and slip alone, at t = 0 with first step h: nothing of the way there carries
-// over. Chooses the method: docs/theory/creep.md, "Breaks of the loads".
+// over. Chooses the method: docs/theory/creep.md, "Time".
 lac_status lac_engine_restart(lac_engine *engine, double h, lac_error *err);
 
 // The kind's functions of the same names, by the method whose turn it is.

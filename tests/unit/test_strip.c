@@ -257,7 +257,7 @@ static void filter(lac_team *team, void *context)
     lac_filter_free(f);
 }
 
-// docs/howto-cluster.md, "What a step tells".
+// docs/howto-cluster.md, "What a step sends".
 static void a_transform_tells_what_the_page_says(void **state)
 {
     (void)state;

@@ -153,8 +153,9 @@ static void print_fidelity(const lac_case *c, const lac_estimate *e)
 static void print_steps(const lac_estimate *e)
 {
     if (e->own_steps) {
-        printf("#   steps           of each cell its own, %d to %d\n", LAC_OWN_FEWEST,
-               LAC_OWN_STEPS);
+        printf("#   steps           of each cell its own, %s\n",
+               isnan(e->steps_most) ? cli_format("at least %d", LAC_OWN_FEWEST).s
+                                    : cli_format("%d to %d", LAC_OWN_FEWEST, LAC_OWN_STEPS).s);
         cli_wrap("#     ", e->faster != NULL
                                ? "no cell slips by itself: fidelity ode is the faster one"
                                : "a slip costs some hundred, whatever the number of cells");

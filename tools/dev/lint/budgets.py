@@ -17,20 +17,21 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 98545,
-    "lines that only present results": 24784,
+    "lines of src and include": 98548,
+    "lines that only present results": 24785,
     "public headers": 13,
     "exported names": 44,
     "circles of includes": 0,
     "files without an opening comment": 0,
     "objects that one field more in a record compiles anew": 53,
-    "words that people write and read": 96475,
+    "words that people write and read": 75000,
 }
 
 PRESENTING = re.compile(r"src/(cli|store|report|data)/|src/\w+/describe\w*\.[ch]$")
 RECORD = "include/lacuna/simulation.h"  # where lac_record is
 PAGES = ("README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md")
 MADE = "docs/tables/"  # by commands
+PRINTED = re.compile(r"^```text\n.*?^```$", re.MULTILINE | re.DOTALL)  # by the program: tests/support/run_page.py --update
 WORD = re.compile(r"[^\W_]")
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*"([^"]+)"', re.MULTILINE)
 
@@ -91,10 +92,11 @@ def reached(texts, start):
 
 
 def words(root):
-    """The words of each page, what has a letter or a digit; commands and what they print count, too."""
+    """The words of each page, what has a letter or a digit; commands count, what they print (```text) does not."""
     pages = [p for p in source.files(root, ["docs"], (".md",)) if not p.startswith(MADE)]
     pages += [p for p in PAGES if os.path.exists(os.path.join(root, p))]
-    return {page: sum(WORD.search(word) is not None for word in source.read(root, page).split()) for page in pages}
+    written = {page: PRINTED.sub("", source.read(root, page)) for page in pages}
+    return {page: sum(WORD.search(word) is not None for word in text.split()) for page, text in written.items()}
 
 
 def measure(root):

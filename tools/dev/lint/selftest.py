@@ -312,6 +312,12 @@ class Budgets(unittest.TestCase):
         found = self.measure(docs__a_md="one 2\n| three |\n", docs__tables__b_md="made\n", README_md="four\n")
         self.assertEqual(found["words that people write and read"], 4)
 
+    def test_printed(self):
+        """What a program prints is not counted; its command, the words around and other blocks are."""
+        found = self.measure(docs__a_md="one\n```sh\ntwo\n```\n```text\nprinted\nmore\n```\nthree\n"
+                                        "```text\nagain\n```\n```python\nfour\n```\n```json\nfive\n```\n")
+        self.assertEqual(found["words that people write and read"], 5 + 3)  # sh, python, json
+
     def test_circles(self):
         one = {"src__base__a_h": '#include "base/b.h"\n', "src__base__b_c": '#include "base/a.h"\n'}
         self.assertEqual(self.measure(**one)["circles of includes"], 1)
