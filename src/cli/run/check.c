@@ -107,13 +107,12 @@ static void print_time(const lac_estimate *e)
 
 static void print_size(const lac_estimate *e)
 {
+    const double cells = e->contact_cells, room = (double)cli_memory_free("") / 1e6;
     printf("#   grid            %.0f cells\n", e->grid_cells);
-    if (!isnan(e->contact_cells)) {
-        const cli_text unknowns = cli_format(", %.3g unknowns", e->unknowns * e->contact_cells);
-        printf("#   contact         %s%.3g cells%s\n", e->exact ? "" : "about ", e->contact_cells,
-               e->integrated ? unknowns.s : "");
+    if (!isnan(cells)) {
+        printf("#   contact         %s%.3g cells%s\n", e->exact ? "" : "about ", cells,
+               e->integrated ? cli_format(", %.3g unknowns", e->unknowns * cells).s : "");
     }
-    const double room = (double)cli_memory_free("") / 1e6;
     const cli_text more = cli_format(": more than the %.10g MB that are free", rounded(room, 2));
     printf("#   memory          %.10g MB%s\n", rounded(e->memory / 1e6, 2),
            e->memory > 1e6 * room ? more.s : "");
