@@ -65,6 +65,7 @@ def bundled(name):
 def scenes():
     run = ["run", "run.yaml", "-o", "out.nc"]
     joint = ["--set", "interface.levels=4", "-o", "out.nc"]
+    sweep = ["sweep", bundled("block.yaml"), "--over", "friction.aging.dc=0.1 m, 0.2 m", "--jobs", "1"]
     return {
         "run": Scene(["run", "fields.yaml", "-o", "out.nc"], "out.nc"),
         "run, checkpoints": Scene(run, "out.nc"),
@@ -80,6 +81,10 @@ def scenes():
                       "fit.steps=0", "-o", "out.nc"], "out.nc"),
         "trade": Scene(["trade", bundled("block.yaml"), "--dials", "rtol=1e-3:1e-4", "--jobs", "1",
                         "-o", "out.nc"], "out.nc"),
+        "sweep": Scene([*sweep, "-o", "out.nc"], "out.nc"),
+        "gather": Scene(["gather", "part.nc", "-o", "out.nc"], "out.nc", [*sweep, "-o", "part.nc"]),
+        "export": Scene(["export", "done.nc", "--variable", "slip", "-o", "out.csv"], "out.csv",
+                        ["run", "run.yaml", "-o", "done.nc"]),
         "report": Scene(["report", "done.nc", "-o", "out.html"], "out.html",
                         ["run", "run.yaml", "-o", "done.nc"]),
         "new": Scene(["new", "out"], "out.yaml"),
@@ -237,8 +242,9 @@ class Study:
         found = read_safely(path)
         if same(found, self.whole, self.but):
             return "whole", None
-        if self.name == "trade" and found is not None and list(found[0]) == list(self.whole[0]) \
-                and set(found[0]["end"][1]) != {"done"}:
+        broke = {"trade": lambda values: set(values["end"][1]) != {"done"},
+                 "sweep": lambda values: any(values["message"][1])}.get(self.name)
+        if broke and found is not None and list(found[0]) == list(self.whole[0]) and broke(found[0]):
             return "a run broke, and it says so", None
         if self.old is not None and not any(synced.values()) and same(found, self.old, self.but):
             return "as before", None
@@ -280,7 +286,8 @@ class Study:
             return None
         else:
             words = [word for word in self.scene.words if word != "--resume"]
-            status, err = call(folder, [*words, "--force"])
+            # A sweep can be given again whatever it had done.
+            status, err = call(folder, [*words, "--resume" if self.name == "sweep" else "--force"])
         path = os.path.join(folder, self.scene.output)
         if status != 0 or not same(read_safely(path), self.whole, self.but):
             return f"it does not go on: {status}: {err}"
@@ -293,9 +300,9 @@ class Study:
             status, err = call(folder, self.scene.words, f"{k}:{how}")
             killed = how in ("kill", "tear")
             made, synced = log(folder, None if killed else k)
-            # The runs of a trade are processes of their own, and one that is killed is a result.
+            # The runs of a trade or a sweep are processes of their own.
             if killed != (status == -signal.SIGKILL) and made >= k and \
-                    self.name != "trade" and (killed or status not in (0, 1, 3)):
+                    self.name not in ("trade", "sweep") and (killed or status not in (0, 1, 3)):
                 return "ended", f"status {status}: {err}"
             if not killed and status != 0 and sum(
                     line.startswith("lacuna: ") for line in err.splitlines()) < 1:
@@ -340,6 +347,11 @@ def try_all(name, ways):
 
 
 class EveryCall(unittest.TestCase):
+    def test_a_sweep_is_given_again_whatever_it_had_done(self):
+        calls, _, wrong = try_all("sweep", ["kill"])
+        self.assertGreater(calls, 20)
+        self.assertEqual(wrong, [])
+
     def test_run_with_checkpoints(self):
         calls, counts, wrong = try_all("run, checkpoints", ["kill", "tear"])
         print(calls, "calls:", dict(counts))

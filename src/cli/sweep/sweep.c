@@ -284,7 +284,10 @@ static lac_status name_file(job *j, bool *whole, lac_error *err)
     LAC_TRY_RETURN(cli_kept_runs_check(&j->runs, j->sweep, err));
     j->runs.request = j->request;
     (void)snprintf(j->keep.folder, sizeof j->keep.folder, "%s.runs", j->path);
-    const bool kept = access(j->keep.folder, F_OK) == 0;
+    // a folder without it is what is left where a kill fell into its making or taking away
+    char done[sizeof j->keep.folder + sizeof "/done"];
+    (void)snprintf(done, sizeof done, "%s/done", j->keep.folder);
+    const bool kept = access(done, F_OK) == 0;
     if (j->resume && !kept && access(j->path, F_OK) == 0) {
         LAC_TRY_RETURN(lac_ensemble_read(j->path, &e, err));
         (void)snprintf(mark, sizeof mark, "%016" PRIx64, j->sweep->mark);
