@@ -325,7 +325,7 @@ static const lac_param fit_rows[] = {
                 "places tried before the least squares begin from the best three: the case itself "
                 "and draws from the prior"),
     LAC_INTEGER("walkers", FIT(walkers), 64, 4, 10000, 0,
-                "of the ensemble sampler; even, at least twice what is estimated"),
+                "of the ensemble sampler; even, at least twice the number of parameters and 3"),
     LAC_INTEGER("steps", FIT(steps), 600, 0, 1e7, 0, "kept of each walker; 0: least squares only"),
     LAC_INTEGER("burn", FIT(burn), 300, 0, 1e7, 0, "steps before those, dropped"),
     LAC_INTEGER(

@@ -368,7 +368,7 @@ lac_status lac_fit_trust(const lac_fit_result *r, lac_error *err)
     }
     return lac_fail(
         err, LAC_ENUMERIC,
-        "the sampler has not converged: R-hat %.2f (wanted: below %.2f) of %s%s; its intervals are "
+        "the sampler has not converged: R-hat %.3g (wanted: below %.2f) of %s%s; its intervals are "
         "not to be relied on: take more fit.rounds, or hold what trades off",
         r->unknown[worst].converged.rhat, LAC_FIT_RHAT, r->unknown[worst].key, with);
 }

@@ -191,11 +191,11 @@ static void count_steps(const lac_case *c, lac_estimate *e)
     e->steps_least = e->own_steps ? LAC_OWN_FEWEST * e->cells : LAC_FEWEST_STEPS;
     e->steps_most = SMOOTH_STEPS * fmax(1, pow(1e-6 / c->run.rtol, 0.2));
     e->steps_most += e->stable ? 0 : LAC_STEPS_PER_FAILURE * e->cells;
-    // Cells that are held together take as many steps of their own as the slip is of what they can
-    // come apart by: hundreds of thousands each on the way to failure.
-    e->steps_most = e->changing || (e->own_steps && e->stable) ? (double)NAN
-                    : e->own_steps                             ? LAC_OWN_STEPS * e->cells
-                                                               : e->steps_most;
+    // Cells that are held together, or next to not at all, take hundreds of thousands each.
+    const bool seen = e->stiffness_ratio > 0.002 && e->stiffness_ratio < 20.0;
+    e->steps_most = e->changing || (e->own_steps && !seen) ? (double)NAN
+                    : e->own_steps                         ? LAC_OWN_STEPS * e->cells
+                                                           : e->steps_most;
 }
 
 static double contact_seconds(const lac_case *c, const lac_estimate *e)

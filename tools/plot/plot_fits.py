@@ -13,6 +13,7 @@ says "cannot tell", and where even the best case leaves more than noise it says 
 import argparse
 import math
 import os
+import re
 
 # first: it says what is missing
 from figures import COLOURS, INK, QUIET, np, open_file, panel, plt, save, stop, use_screen_style
@@ -33,6 +34,8 @@ class Fit:
             self.evidence = data.attrs.get("log_evidence", math.nan)
             self.error = data.attrs.get("log_evidence_error", math.nan)
             self.poor, self.rms = bool(data.attrs["fits_badly"]), data.attrs["rms_friction"]
+            self.ranges = dict(re.findall(r"^    (?:friction\.\w+\.)?(\S+): (\{range.*)$", data.attrs["case"], re.MULTILINE))
+            self.errors = re.search(r"^  errors: (\w+)", data.attrs["case"], re.MULTILINE)[1]
             self.time, self.read = data["reading_time"].values, data["observed_friction"].values
             self.clock, self.best = data["prediction_time"].values, data["best_friction"].values
             self.band = data["predicted_friction"].values[[0, -1]] if "predicted_friction" in data and math.isfinite(self.evidence) else None
@@ -94,8 +97,13 @@ def main():
     if len(fits) < 2:
         stop("two fits at least are compared")
     for f in fits[1:]:
-        if len(f.read) != len(fits[0].read) or not np.array_equal(f.read, fits[0].read):
+        if not (np.array_equal(f.read, fits[0].read) and np.array_equal(f.time, fits[0].time)):
             stop(f"{f.name}: its readings are not those of {fits[0].name}: their evidences cannot be compared")
+        if f.errors != fits[0].errors:
+            stop(f"{f.name}: its errors are {f.errors}, those of {fits[0].name} are {fits[0].errors}: say the same fit.errors for both")
+        other = [key for key in f.ranges if key in fits[0].ranges and f.ranges[key] != fits[0].ranges[key]]
+        if other:
+            stop(f"{f.name}: the range or prior of {other[0]} is not that of {fits[0].name}: the odds would count that")
     table(fits)
     print(verdict(fits))
     if options.output:

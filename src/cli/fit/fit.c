@@ -89,7 +89,8 @@ static lac_status name_case(fit_job *job, lac_error *err)
     job->case_path = malloc(size);
     LAC_FAIL_MEMORY_IF(job->case_path == NULL, err);
     (void)snprintf(job->case_path, size, "%.*s.yaml", (int)(netcdf ? n - 3 : n), job->path);
-    return cli_output_check(&job->request, job->source, job->case_path, err);
+    const lac_status status = cli_output_check(&job->request, job->source, job->case_path, err);
+    return status == LAC_OK ? status : lac_fail_within(err, status, "the case beside it");
 }
 
 // Where the sampler's steps are kept until the fit is done.

@@ -17,8 +17,8 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 98550,
-    "lines that only present results": 24787,
+    "lines of src and include": 98551,
+    "lines that only present results": 24788,
     "public headers": 13,
     "exported names": 44,
     "circles of includes": 0,
