@@ -8,7 +8,7 @@
 #include "support/test.h"
 #include "surface/surface.h"
 
-static const int numbers[] = {1, 2, 3, 5, 8};
+static const int numbers[] = {3, 1, 2, 5, 8};
 
 // One field of what a body makes on a grid: of each rank its rows.
 typedef struct field {
@@ -25,7 +25,7 @@ static void compare(size_t nx, size_t ny, size_t values,
     *out = (field){nx, ny, one};
     (void)ranks_do(0, body, context);
     out->values = many;
-    for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) {
+    for (size_t k = 0; k < test_some(sizeof numbers / sizeof *numbers); k++) {
         memset(many, 0, n * sizeof *many);
         (void)ranks_do(numbers[k], body, context);
         assert_memory_equal(many, one, n * sizeof *one);
