@@ -317,7 +317,7 @@ endif()
 lacuna_python_test(test_site)
 
 # What shells complete.
-lacuna_python_test(test_completion)
+lacuna_python_test(test_completion once)
 
 # Built otherwise than by the presets.
 if(NOT LACUNA_SANITIZE AND NOT LACUNA_FUZZ)
