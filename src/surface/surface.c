@@ -50,8 +50,9 @@ static lac_status make_all(const lac_model *model, const lac_grid *grid, lac_tea
     const lac_surface_source *source = (const void *)model->info;
     const lac_strip rows = lac_strip_rows(team, grid->ny);
     double *all = malloc(lac_grid_cells(grid) * sizeof *all);
-    LAC_FAIL_MEMORY_IF(all == NULL, err);
-    const lac_status status = source->generate(model->params, grid, NULL, all, report, err);
+    const lac_status status = all != NULL
+                                  ? source->generate(model->params, grid, NULL, all, report, err)
+                                  : lac_fail_memory(err);
     if (status == LAC_OK) {
         memcpy(heights, all + rows.first * grid->nx, rows.n * grid->nx * sizeof *all);
     }
