@@ -51,7 +51,7 @@ static lac_status hand_over(const lac_strip *strip, const double *wants, size_t 
                             const char *rows, char *out, lac_error *err)
 {
     size_t sent[LAC_TEAM_MOST] = {0}, taken[LAC_TEAM_MOST] = {0}, total = 0;
-    const lac_team *team = strip->team;
+    lac_team *team = strip->team;
     for (int rank = 0; rank < team->ranks; rank++) {
         const lac_strip of = lac_strip_at(strip, rank);
         taken[rank] = overlap(&of, &wants[2 * team->rank]) * size;
@@ -59,17 +59,20 @@ static lac_status hand_over(const lac_strip *strip, const double *wants, size_t 
         total += sent[rank];
     }
     char *packet = malloc(total + 1);
-    LAC_FAIL_MEMORY_IF(packet == NULL, err);
+    const bool room = out != NULL && packet != NULL; // on every rank, or none hands over
+    const lac_status status = lac_team_agree(team, room ? LAC_OK : lac_fail_memory(err), err);
     total = 0;
-    for (int rank = 0; rank < team->ranks; rank++) {
+    for (int rank = 0; status == LAC_OK && rank < team->ranks; rank++) {
         const size_t first = (size_t)wants[2 * (size_t)rank];
         const size_t from = first > strip->first ? first - strip->first : 0;
         memcpy(packet + total, sent[rank] > 0 ? rows + from * size : rows, sent[rank]);
         total += sent[rank];
     }
-    team->exchange(team, packet, sent, out, taken);
+    if (status == LAC_OK) {
+        team->exchange(team, packet, sent, out, taken);
+    }
     free(packet);
-    return LAC_OK;
+    return status;
 }
 
 lac_status lac_strip_bring(const lac_strip *strip, size_t first, size_t n, size_t size,
@@ -88,8 +91,12 @@ lac_status lac_strip_bring(const lac_strip *strip, size_t first, size_t n, size_
     lac_team_join(strip->team, wants, 2 * (size_t)strip->team->ranks);
     *made = malloc(n * size + 1);
     *out = *made;
-    LAC_FAIL_MEMORY_IF(*made == NULL, err);
-    return hand_over(strip, wants, size, rows, *made, err);
+    const lac_status status = hand_over(strip, wants, size, rows, *made, err);
+    if (status != LAC_OK) {
+        free(*made);
+        *made = NULL;
+    }
+    return status;
 }
 
 // Numbers over so many.

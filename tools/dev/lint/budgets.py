@@ -17,7 +17,7 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 98554,
+    "lines of src and include": 98561,
     "lines that only present results": 24788,
     "public headers": 13,
     "exported names": 44,
