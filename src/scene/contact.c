@@ -101,8 +101,12 @@ static lac_status gather(lac_team *team, lac_scene_contact *out, lac_error *err)
         const size_t all = lac_team_leads(team) ? lac_grid_cells(&out->grid) : 0;
         double *whole = all > 0 ? malloc(all * sizeof *whole) : NULL;
         // else the others would wait for ever for one that has no memory
-        LAC_TRY_RETURN(
-            lac_team_agree(team, all > 0 && whole == NULL ? lac_fail_memory(err) : LAC_OK, err));
+        const lac_status status =
+            lac_team_agree(team, all > 0 && whole == NULL ? lac_fail_memory(err) : LAC_OK, err);
+        if (status != LAC_OK) {
+            free(whole);
+            return status;
+        }
         team->gather(team, *fields[k], n, whole);
         free(*fields[k]);
         *fields[k] = whole;
