@@ -225,7 +225,8 @@ static const lac_param machine_rows[] = {
 
 const lac_load_kind lac_shear_machine = {
     .info = LAC_ABOUT("machine",
-                      "a spring on the mean slip, its far end moved as a file says: velocity steps",
+                      "a laboratory machine: a spring on the mean slip, its far end moved as a "
+                      "file says: velocity steps",
                       "Dieterich (1979) J. Geophys. Res. 84, 2161, doi 10.1029/JB084iB05p02161",
                       LAC_ROWS(machine_rows, series_params)),
     .prepare = prepare_machine,

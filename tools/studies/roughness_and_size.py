@@ -28,6 +28,7 @@ def main(source, picture):
     axes.text(1100, never, "never (3 years)", va="center", ha="right", fontsize=8)
     axes.set(xscale="log", yscale="log", xlabel="size of the joint (m)", ylabel="time of failure (days)")
     axes.set_xticks(numpy.unique(size), [f"{s:g}" for s in numpy.unique(size)], minor=False)
+    axes.set_yticks([20, 50, 100, 200, 500], ["20", "50", "100", "200", "500"], minor=False)
     axes.minorticks_off()
     axes.legend(frameon=False, fontsize=8)
     figure.tight_layout()

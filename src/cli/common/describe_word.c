@@ -3,17 +3,27 @@
 #include "cli/common/describe.h"
 #include "cli/common/words.h"
 #include <ctype.h>
-#include <strings.h>
 
 enum { LEAST_LETTERS = 3 }; // fewer stand in everything
 
-// Whether a word of the text begins with this one; "_" and "-" part words.
+static bool alike(char a, char b)
+{
+    const bool parts = a == ' ' || a == '_' || a == '-';
+    return parts ? b == ' ' || b == '_' || b == '-'
+                 : tolower((unsigned char)a) == tolower((unsigned char)b);
+}
+
+// Whether a word of the text begins with this one; " ", "_" and "-" part words alike.
 static bool has_word(const char *text, const char *word)
 {
     const size_t n = strlen(word);
     for (const char *at = text; *at != '\0'; at++) {
         const bool starts = at == text || !isalnum((unsigned char)at[-1]);
-        if (starts && strncasecmp(at, word, n) == 0) {
+        size_t same = 0;
+        while (starts && same < n && alike(at[same], word[same])) {
+            same++;
+        }
+        if (same == n) {
             return true;
         }
     }
