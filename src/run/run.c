@@ -420,7 +420,7 @@ static lac_status check_balance(const run *r, lac_error *err)
     const double off = r->result->balance_residual;
     LAC_FAIL_IF(!(off <= 1.0), err, LAC_ENUMERIC,
                 "the traction balance is off by %.2g of the strength at worst, up to t = %g s: the "
-                "numbers of this run mean nothing; tighten solver.rtol",
+                "numbers of this run mean nothing; tighten solver.rtol, or see solver.projection",
                 off, lac_engine_time(r->engine));
     return LAC_OK;
 }
