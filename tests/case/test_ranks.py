@@ -199,14 +199,14 @@ class Ranks(unittest.TestCase):
                             "output.checkpoint={steps: 60}"]
         self.size = 60000
         expected = self.alone(case)
-        job, ranks = self.begin(3, case)
+        job, ranks = self.begin(8, case)
         os.kill(ranks[1], signal.SIGINT)  # all end after the step
         said = job.communicate(timeout=300)[1]
         self.assertEqual(job.returncode, 4, said)
         with netCDF4.Dataset(self.many) as file:
             self.assertEqual(file.status, "interrupted")
         self.size = 0
-        job, ranks = self.begin(2, case, "--resume")
+        job, ranks = self.begin(3, case, "--resume")
         os.kill(ranks[1], signal.SIGKILL)
         job.communicate(timeout=300)
         self.assertNotEqual(job.returncode, 0)
