@@ -19,7 +19,7 @@ set(about_docs
   "case\\.(README|format|install|rg-results|tables|vajont|howto-.*|tutorial-.*)"
   "case\\.test_(commands|howto_law|names|site)")
 set(about_base
-  "unit\\.test_(date|error|filter|free_memory|memory|part|strip|team|units|units_usual|vector|vmath|write_text)")
+  "unit\\.test_(date|error|filter|free_memory|memory|part|pieces|strip|team|units|units_usual|vector|vmath|write_text)")
 set(about_build "case\\.test_(build|door|install|python|start|vector_width)" "lint\\..*")
 
 get_property(tests DIRECTORY PROPERTY TESTS)

@@ -24,8 +24,8 @@ static lac_status check_grid(const lac_grid *grid, lac_error *err)
 {
     // Cells are counted in 32 bits throughout, with one number to spare for "one past the end".
     LAC_FAIL_IF(
-        grid->nx == 0 || grid->ny == 0 || grid->nx >= UINT32_MAX / grid->ny, err, LAC_EINPUT,
-        "an interface of %zu x %zu cells is not possible: at least one and fewer than 2^32 cells",
+        grid->nx == 0 || grid->ny == 0 || grid->nx > (UINT32_MAX - 1) / grid->ny, err, LAC_EINPUT,
+        "an interface of %zu x %zu cells is not possible: at least one cell and at most 2^32 - 2",
         grid->nx, grid->ny);
     LAC_FAIL_IF(!(isfinite(grid->dx) && grid->dx > 0 && isfinite(grid->dy) && grid->dy > 0), err,
                 LAC_EINPUT, "a cell of %g m x %g m is not possible: both must be > 0", grid->dx,
@@ -340,8 +340,7 @@ lac_status lac_domain_from_source(const lac_model *model, const lac_grid *grid,
     LAC_FAIL_IF(model->info == NULL, err, LAC_EINPUT, "no contact domain is chosen");
     LAC_FAIL_IF(!(isfinite(mean_pressure) && mean_pressure > 0), err, LAC_EINPUT,
                 "the mean pressure is %g Pa: must be finite and > 0", mean_pressure);
-    LAC_FAIL_IF(grid->nx == 0 || grid->ny == 0 || grid->nx >= UINT32_MAX / grid->ny, err,
-                LAC_EINPUT, "a domain of %zu x %zu cells is not possible", grid->nx, grid->ny);
+    LAC_TRY_RETURN(check_grid(grid, err));
     // The descriptor is the first member of the source's row.
     const lac_domain_source *source = (const void *)model->info;
     LAC_FAIL_IF(source->fill == NULL, err, LAC_EINPUT,

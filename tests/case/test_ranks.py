@@ -160,6 +160,11 @@ class Ranks(unittest.TestCase):
             self.assertLess(abs(counted / said - 1), 0.05, f"{what}: {counted}, not {said}")
         self.assertLess(received, 2 * 1.01 * cells)  # of the first step alone
 
+    def test_help_says_how_to_start_ranks(self):
+        own, other = (run([program, "--help"]).stdout for program in (RANKS, PROGRAM))
+        self.assertIn("mpirun -np 8 lacuna-mpi run CASE", own)
+        self.assertNotIn("mpirun", other)
+
     def lines(self, done):
         return [line for line in done.stderr.splitlines() if line.startswith("lacuna")]
 

@@ -70,7 +70,12 @@ static void bad_input_is_refused(void **state)
     refuse(&grid, (double[]){1, INFINITY, 0, 0}, "cell (1, 0)");
     refuse(&grid, (double[]){1, 0, 0, -1}, "-1 Pa");
     refuse(&(lac_grid){0, 2, 1, 1, true}, NULL, "0 x 2");
+    const double nothing = NAN; // of cells that can be counted the first is looked at
+    refuse(&(lac_grid){1 << 15, 1 << 16, 1, 1, true}, &nothing, "cell (0, 0)");
+    refuse(&(lac_grid){2, INT32_MAX, 1, 1, true}, &nothing, "cell (0, 0)");   // 2^32 - 2
+    refuse(&(lac_grid){UINT16_MAX, (1 << 16) + 1, 1, 1, true}, NULL, "2^32"); // less one
     refuse(&(lac_grid){1 << 16, 1 << 16, 1, 1, true}, NULL, "2^32");
+    refuse(&(lac_grid){641, 6700417, 1, 1, true}, NULL, "2^32"); // and one
     refuse(&(lac_grid){SIZE_MAX, 2, 1, 1, true}, NULL, "2^32");
     refuse(&(lac_grid){1, 1, NAN, 1, true}, (double[]){1}, "must be > 0");
     refuse(&(lac_grid){1, 1, 1, 0, true}, (double[]){1}, "must be > 0");

@@ -2,6 +2,7 @@
 // Sums and the hierarchy of ranks against those of one, to the bit. The ranks are threads here, so
 // that this needs no MPI.
 #include "base/range.h"
+#include "base/strip.h"
 #include "hierarchy/hierarchy.h"
 #include "support/ranks.h"
 #include "support/test.h"
@@ -170,14 +171,23 @@ static void borders_cut_what_holds_together(void **state)
     clear(&j);
 }
 
+static const size_t counts[] = {1,
+                                4096,
+                                4097,
+                                1 << 20,
+                                (1 << 20) + 1,
+                                (size_t)1 << 31,
+                                UINT32_MAX,
+                                (size_t)1 << 32,
+                                ((size_t)1 << 32) + 1};
+enum { COUNTS = sizeof counts / sizeof *counts };
+
 // The blocks of a case, whatever its cells: no rank has a part of one, and together they have all.
 static void blocks_are_shared_whole(void **state)
 {
     (void)state;
-    const size_t limit = (size_t)UINT32_MAX;
-    const size_t all[] = {1,     4096,      4097,     1 << 20, (1 << 20) + 1, (size_t)1 << 31,
-                          limit, limit + 1, limit + 2};
-    for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
+    const size_t *all = counts;
+    for (size_t i = 0; i < COUNTS; i++) {
         lac_team team = {.ranks = 7};
         size_t next = 0;
         for (int r = 0; r < team.ranks; r++) {
@@ -191,6 +201,29 @@ static void blocks_are_shared_whole(void **state)
     }
 }
 
+// Likewise rows, of which each is known to be whose it is.
+static void rows_are_shared_whole(void **state)
+{
+    const size_t grains[] = {1, 2, 16};
+    (void)state;
+    for (size_t i = 0; i < 3 * COUNTS; i++) {
+        const size_t all = counts[i / 3], grain = grains[i % 3];
+        lac_team team = {.ranks = 7};
+        const lac_strip rows = lac_strip_of(&team, all, grain);
+        size_t next = 0;
+        for (int r = 0; r < team.ranks; r++) {
+            const lac_strip at = lac_strip_at(&rows, r);
+            assert_int_equal(at.first, next);
+            assert_true(at.n <= (rows.grains / 7 + 1) * grain);
+            next += at.n;
+            assert_true(at.n == 0 || (lac_strip_owner(&rows, at.first) == r &&
+                                      lac_strip_owner(&rows, next - 1) == r));
+        }
+        assert_int_equal(next, all);
+        assert_int_equal(lac_grid_cells(&(lac_grid){.nx = all, .ny = grain}), all * grain);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -198,6 +231,7 @@ int main(void)
         cmocka_unit_test(ranks_refuse_together),
         cmocka_unit_test(borders_cut_what_holds_together),
         cmocka_unit_test(blocks_are_shared_whole),
+        cmocka_unit_test(rows_are_shared_whole),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -32,6 +32,7 @@ static void print_help(void)
     }
     puts("\nOptions of all commands; lacuna COMMAND --help has the rest:");
     cli_options_help(CLI_OPT_COMMON);
+    (void)fputs(cli_team_help, stdout);
     puts("example: lacuna new && lacuna run case.yaml\n"
          "Exit status: 0 done, 1 computation broke, 2 request wrong, 3 file, 4 interrupted");
 }

@@ -9,6 +9,9 @@
 /// @return LAC_OK; LAC_EINPUT: there are more than LAC_TEAM_MOST
 lac_status cli_team_join(lac_team **out, lac_error *err);
 
+/// What --help says of ranks.
+extern const char cli_team_help[];
+
 /// The last that it does: takes leave of the others. Where it alone has run out of memory, and they
 /// wait for it, all end.
 /// @param exit_status  of the program

@@ -2,6 +2,8 @@
 // lacuna: a program that is alone, and knows nothing of MPI.
 #include "cli/team/team.h"
 
+const char cli_team_help[] = "";
+
 lac_status cli_team_join(lac_team **out, lac_error *err)
 {
     (void)err;

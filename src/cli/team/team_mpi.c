@@ -12,7 +12,13 @@ typedef struct ranks {
     int aside; // standard error, where it is still heard
 } ranks;
 
-enum { PIECE = 1 << 28 }; // of what MPI counts in an int
+const char cli_team_help[] =
+    "\nRanks of an MPI job share run, contact and check, to the bits of lacuna:\n"
+    "  mpirun -np 8 lacuna-mpi run CASE\n"
+    "check says how many ranks help, and what memory each takes. All else is done\n"
+    "on one rank.\n";
+
+enum { PIECE = 1 << 27 }; // of what MPI counts in an int; in bytes it fits one, too
 
 static int piece_of(size_t n) { return (int)(n < PIECE ? n : PIECE); }
 
