@@ -15,8 +15,7 @@ typedef struct ranks {
 const char cli_team_help[] =
     "\nRanks of an MPI job share run, contact and check, to the bits of lacuna:\n"
     "  mpirun -np 8 lacuna-mpi run CASE\n"
-    "check says how many ranks help, and what memory each takes. All else is done\n"
-    "on one rank.\n";
+    "check says how many help, and what memory each takes. One rank does all else.\n";
 
 enum { PIECE = 1 << 27 }; // of what MPI counts in an int; in bytes it fits one, too
 
