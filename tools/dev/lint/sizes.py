@@ -15,8 +15,8 @@ import source
 
 FILE, FUNCTION, PARAMETERS, NESTING = 500, 60, 8, 4
 
-# Callbacks whose parameters a library prescribes.
-PRESCRIBED = {"src/run/follow.c": "sensitivity_rates"}  # CVSensRhsFn
+# Functions whose parameters a library prescribes: CVSensRhsFn, and one of MPI's.
+PRESCRIBED = {"src/run/follow.c": "sensitivity_rates", "tests/ranks/test_pieces.c": "MPI_Sendrecv"}
 
 ATTRIBUTE = re.compile(r"__attribute__\s*\(\([^()]*(?:\([^()]*\)[^()]*)*\)\)")
 BLOCK = re.compile(r"(?:\b(?:else|do)|[;{}:])$")
