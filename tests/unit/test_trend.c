@@ -94,7 +94,7 @@ static void noise_about_a_line_seldom_rises(void **state)
 {
     (void)state;
     static const double noises[] = {0.002, 0.05, 1.0};
-    for (size_t k = 0; k < 6; k++) {
+    for (size_t k = 0; k < test_some(6); k++) {
         fill_times(k % 2 == 0);
         assert_in_range(risen(line, 1.0, noises[k / 2], false), 0, SEEDS * 4 / 100);
         assert_in_range(risen(level, 1.0, noises[k / 2], true), 0, SEEDS * 4 / 100);
@@ -125,7 +125,7 @@ static void one_bad_reading_makes_no_rise(void **state)
     static const size_t places[] = {N - 1, N - 2, N / 2, 0};
     const double noise = 0.01;
     fill_times(true);
-    for (size_t k = 0; k < sizeof places / sizeof *places; k++) {
+    for (size_t k = 0; k < test_some(sizeof places / sizeof *places); k++) {
         for (int sign = -1; sign <= 1; sign += 2) {
             size_t count = 0;
             for (size_t draw = 0; draw < SEEDS; draw++) {
