@@ -78,7 +78,8 @@ endfunction()
 # the same ways.
 if(LACUNA_SANITIZE)
   set(test_loads_over_joint_files -k Refusals -k Uniform)
-  set(test_geometry_files -k Refused -k Plane)
+  set(test_geometry_files -k Refused -k test_refused -k test_pressure)
+  set(test_fractal_files -k Scaling -k Options)
   set(test_accuracy_files -k kept -k checkpoints -k break -k signal)
   set(test_fidelity_files -k Rule -k regularised)
 endif()
@@ -178,8 +179,8 @@ target_sources(unit_test_pool PRIVATE
   "$<FILTER:$<TARGET_OBJECTS:lacuna_cli>,INCLUDE,common/(keep|memory|pool|progress|words)[.]c>")
 
 # Numbers that take long: slow under sanitizers, which shorter runs of the same functions pass too (case.test_fit,
-# case.test_fractal, unit.test_fractal_*, unit.test_posterior, conform.test_hierarchy, the bundled cases).
-foreach(name failing fit fit_rates fractal fractal_closed_form peers tree)
+# case.test_fractal, unit.test_fractal_*, unit.test_contact, unit.test_posterior, conform.test_hierarchy, the bundled cases).
+foreach(name bridge calibration contact_scale damping drag failing fit fit_rates fractal fractal_closed_form peers tree)
   set_property(TEST verify.test_${name} APPEND PROPERTY LABELS once)
 endforeach()
 

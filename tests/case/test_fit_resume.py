@@ -110,7 +110,7 @@ class Resume(unittest.TestCase):
     def test_bent_valley(self):
         """Rounds with a straightened valley go on to the bit too: Vajont's two numbers lie on a bent line."""
         whole = os.path.join(self.folder, "whole.nc")
-        asked = [*rounds(20, 1), "--set", "fit.walkers=24"]
+        asked = [*rounds(10, 1), "--set", "fit.walkers=12", "--set", "fit.starts=2"]
         command = ["fit", "cases/vajont-lake.yaml", "cases/data/vajont_rates.csv"]
         self.command = lambda *args, out=None: [PROGRAM, *command, "-o", out or self.out, *args]
         self.fit(*asked, out=whole)
