@@ -19,6 +19,7 @@ lac_status lac_fft_create(size_t nx, size_t ny, lac_fft **out, lac_error *err)
     fft->ny = ny;
     fft->nkx = nx / 2 + 1;
     fft->strip = lac_strip_of(NULL, ny, 1);
+    fft->columns = lac_strip_of(NULL, fft->nkx, 1);
     fft->real = fftw_alloc_real(nx * ny);
     fft->spectrum = (double _Complex *)fftw_alloc_complex(fft->nkx * ny);
     if (fft->real != NULL && fft->spectrum != NULL) {
@@ -58,6 +59,7 @@ void lac_fft_mirror(lac_fft *fft)
 {
     fft->mirrored = true;
     fft->nkx = fft->nx; // real numbers, in the room of half as many pairs
+    fft->columns = lac_strip_of(NULL, fft->nkx, 1);
 }
 
 void lac_fft_forward(lac_fft *fft) { fftw_execute(fft->forward); }
@@ -65,6 +67,21 @@ void lac_fft_forward(lac_fft *fft) { fftw_execute(fft->forward); }
 void lac_fft_inverse(lac_fft *fft)
 {
     fft->shared != NULL ? lac_fft_share_inverse(fft) : fftw_execute(fft->inverse);
+}
+
+void lac_fft_table(lac_fft *fft, double *table)
+{
+    if (fft->shared != NULL) {
+        lac_fft_share_table(fft, table);
+        return;
+    }
+    lac_fft_forward(fft);
+    double cells = (double)fft->nx * (double)fft->ny;
+    for (size_t i = 0; i < fft->nkx; i++) {
+        for (size_t j = 0; j < fft->ny; j++) {
+            table[i * fft->ny + j] = creal(fft->spectrum[j * fft->nkx + i]) / cells;
+        }
+    }
 }
 
 // Rows to wavenumbers along x and back: of a line that is mirrored by cosines.
@@ -130,8 +147,8 @@ static inline void scatter(lac_fft *fft, size_t first, size_t width)
     }
 }
 
-// Columns from first on into the block, and to wavenumbers along y; returns how many
-static size_t transform_columns(lac_fft *fft, size_t first)
+// Columns from first on into the block; returns how many
+static size_t take_columns(lac_fft *fft, size_t first)
 {
     size_t width = fft->nkx - first < BLOCK ? fft->nkx - first : BLOCK;
     if (width == BLOCK) {
@@ -139,12 +156,16 @@ static size_t transform_columns(lac_fft *fft, size_t first)
     } else {
         gather(fft, first, width);
     }
+    return width;
+}
+
+// The block to wavenumbers along y
+static void transform_columns(const lac_fft *fft, double _Complex *block, size_t width)
+{
     for (size_t k = 0; k < width; k++) {
-        memset(&fft->block[k * fft->lead + fft->rows], 0,
-               (fft->ny - fft->rows) * sizeof *fft->block);
+        memset(&block[k * fft->lead + fft->rows], 0, (fft->ny - fft->rows) * sizeof *block);
     }
     fftw_execute(fft->block_forward);
-    return width;
 }
 
 LAC_CLONES static void lac_fft_multiply(size_t n, const double *restrict factor, double *restrict x)
@@ -155,8 +176,21 @@ LAC_CLONES static void lac_fft_multiply(size_t n, const double *restrict factor,
     }
 }
 
+void lac_fft_columns(const lac_fft *fft, double _Complex *block, size_t width, const double *table)
+{
+    transform_columns(fft, block, width);
+    for (size_t k = 0; k < width; k++) {
+        lac_fft_multiply(fft->ny, &table[k * fft->ny], (double *)&block[k * fft->lead]);
+    }
+    fftw_execute(fft->block_inverse);
+}
+
 void lac_fft_filter(lac_fft *fft, const double *table)
 {
+    if (fft->shared != NULL) {
+        lac_fft_share_through(fft, table);
+        return;
+    }
     fftw_execute(fft->rows_forward);
     if (fft->mirrored) {
         for (size_t i = 0; i < fft->nx; i++) {
@@ -166,12 +200,8 @@ void lac_fft_filter(lac_fft *fft, const double *table)
         lac_fft_multiply(fft->nkx, table, (double *)fft->spectrum);
     }
     for (size_t first = 0; fft->ny > 1 && first < fft->nkx; first += BLOCK) {
-        size_t width = transform_columns(fft, first);
-        for (size_t k = 0; k < width; k++) {
-            lac_fft_multiply(fft->ny, &table[(first + k) * fft->ny],
-                             (double *)&fft->block[k * fft->lead]);
-        }
-        fftw_execute(fft->block_inverse);
+        const size_t width = take_columns(fft, first);
+        lac_fft_columns(fft, fft->block, width, &table[first * fft->ny]);
         if (width == BLOCK) {
             scatter(fft, first, BLOCK);
         } else {
@@ -225,7 +255,8 @@ double lac_fft_power(lac_fft *fft, const double *table)
     double total = 0.0;
     fftw_execute(fft->rows_forward);
     for (size_t first = 0; first < fft->nkx; first += BLOCK) {
-        size_t width = transform_columns(fft, first);
+        const size_t width = take_columns(fft, first);
+        transform_columns(fft, fft->block, width);
         for (size_t k = first; k < first + width; k++) {
             bool alone = k == 0 || 2 * k == fft->nx;
             total +=

@@ -9,33 +9,100 @@
 
 enum { SIDE_BY_SIDE = 16 }; // columns
 
+// Room for the rows here and their plans.
+// @param lead  of the columns' plane
+static lac_status share_rows(const size_t sides[2], size_t rows, size_t lead, lac_team *team,
+                             lac_fft **out, lac_error *err)
+{
+    const int n = (int)sides[0], two = 2;
+    lac_fft *fft = *out = calloc(1, sizeof *fft);
+    LAC_FAIL_MEMORY_IF(fft == NULL, err);
+    *fft = (lac_fft){.nx = sides[0],
+                     .ny = sides[1],
+                     .nkx = sides[0] / 2 + 1,
+                     .strip = lac_strip_rows(team, rows),
+                     .rows = rows,
+                     .lead = lead};
+    fft->columns = lac_strip_of(team, fft->nkx, SIDE_BY_SIDE);
+    const size_t pairs = (fft->strip.n + 2) / 2; // one at least
+    fft->real = fftw_alloc_real(fft->nx * 2 * pairs);
+    fft->spectrum = (double _Complex *)fftw_alloc_complex(fft->nkx * 2 * pairs);
+    LAC_FAIL_MEMORY_IF(fft->real == NULL || fft->spectrum == NULL, err);
+    memset(fft->real, 0, fft->nx * 2 * pairs * sizeof *fft->real);
+    LAC_TRY_RETURN(lac_turn_create(&fft->strip, lead, SIDE_BY_SIDE * sizeof *fft->spectrum,
+                                   &fft->shared, err));
+    fftw_complex *spectrum = (fftw_complex *)fft->spectrum;
+    fft->rows_forward = fftw_plan_many_dft_r2c(1, &n, two, fft->real, NULL, 1, n, spectrum, NULL, 1,
+                                               (int)fft->nkx, FFTW_ESTIMATE);
+    fft->rows_inverse = fftw_plan_many_dft_c2r(1, &n, two, spectrum, NULL, 1, (int)fft->nkx,
+                                               fft->real, NULL, 1, n, FFTW_ESTIMATE);
+    return fft->rows_forward != NULL && fft->rows_inverse != NULL ? LAC_OK : lac_fail_memory(err);
+}
+
+// Those of a plane of columns; stride and distance as FFTW counts.
+static lac_status plan_columns(lac_fft *fft, int stride, int apart, lac_error *err)
+{
+    const int n = (int)fft->ny, many = SIDE_BY_SIDE;
+    fftw_complex *plane = (fftw_complex *)(void *)fft->shared->plane;
+    fft->block_forward = fftw_plan_many_dft(1, &n, many, plane, NULL, stride, apart, plane, NULL,
+                                            stride, apart, FFTW_FORWARD, FFTW_ESTIMATE);
+    fft->block_inverse = fftw_plan_many_dft(1, &n, many, plane, NULL, stride, apart, plane, NULL,
+                                            stride, apart, FFTW_BACKWARD, FFTW_ESTIMATE);
+    return fft->block_forward != NULL && fft->block_inverse != NULL ? LAC_OK : lac_fail_memory(err);
+}
+
 lac_status lac_fft_share(size_t nx, size_t ny, lac_team *team, lac_fft **out, lac_error *err)
 {
-    const int sides[] = {(int)nx, (int)ny}, two = 2, many = SIDE_BY_SIDE;
     if (team == NULL) {
         return lac_fft_create(nx, ny, out, err);
     }
-    lac_fft *fft = *out = calloc(1, sizeof *fft);
-    LAC_FAIL_MEMORY_IF(fft == NULL, err);
-    *fft = (lac_fft){.nx = nx, .ny = ny, .nkx = nx / 2 + 1, .strip = lac_strip_rows(team, ny)};
-    const size_t rows = (fft->strip.n + 2) / 2 * 2; // pairs, one at least
-    fft->real = fftw_alloc_real(nx * rows);
-    fft->spectrum = (double _Complex *)fftw_alloc_complex(fft->nkx * rows);
-    LAC_FAIL_MEMORY_IF(fft->real == NULL || fft->spectrum == NULL, err);
-    LAC_TRY_RETURN(
-        lac_turn_create(&fft->strip, 0, SIDE_BY_SIDE * sizeof *fft->spectrum, &fft->shared, err));
-    fftw_complex *plane = (fftw_complex *)(void *)fft->shared->plane;
-    fft->rows_inverse =
-        fftw_plan_many_dft_c2r(1, &sides[0], two, (fftw_complex *)fft->spectrum, NULL, 1,
-                               (int)fft->nkx, fft->real, NULL, 1, sides[0], FFTW_ESTIMATE);
-    fft->block_inverse = fftw_plan_many_dft(1, &sides[1], many, plane, NULL, many, 1, plane, NULL,
-                                            many, 1, FFTW_BACKWARD, FFTW_ESTIMATE);
-    return fft->rows_inverse != NULL && fft->block_inverse != NULL ? LAC_OK : lac_fail_memory(err);
+    lac_status status = share_rows((const size_t[]){nx, ny}, ny, 0, team, out, err);
+    if (status == LAC_OK) {
+        status = plan_columns(*out, SIDE_BY_SIDE, 1, err);
+    }
+    return lac_team_agree(team, status, err); // none waits for one without memory
 }
+
+lac_status lac_fft_share_filter(size_t nx, size_t ny, size_t rows, lac_team *team, lac_fft **out,
+                                lac_error *err)
+{
+    const size_t lead = ny + 4; // as lac_fft_plan_filter
+    lac_status status = share_rows((const size_t[]){nx, ny}, rows, lead, team, out, err);
+    if (status == LAC_OK) {
+        status = plan_columns(*out, 1, (int)lead, err);
+    }
+    if (status == LAC_OK) {
+        memset((*out)->shared->plane, 0, SIDE_BY_SIDE * lead * sizeof *(*out)->spectrum);
+    }
+    return lac_team_agree(team, status, err);
+}
+
+static void rows_forth(lac_fft *fft)
+{
+    for (size_t j = 0; j < fft->strip.n; j += 2) {
+        fftw_execute_dft_r2c(fft->rows_forward, &fft->real[j * fft->nx],
+                             (fftw_complex *)&fft->spectrum[j * fft->nkx]);
+    }
+}
+
+static void rows_back(lac_fft *fft)
+{
+    for (size_t j = 0; j < fft->strip.n; j += 2) {
+        fftw_execute_dft_c2r(fft->rows_inverse, (fftw_complex *)&fft->spectrum[j * fft->nkx],
+                             &fft->real[j * fft->nx]);
+    }
+}
+
+// What is done to columns: a table that is made, or multiplied by.
+typedef struct tabled {
+    lac_fft *fft;
+    double *made;
+    const double *given;
+} tabled;
 
 static void pack(void *context, size_t first, size_t width, void *packet)
 {
-    const lac_fft *fft = context;
+    const lac_fft *fft = ((const tabled *)context)->fft;
     double _Complex *to = packet;
     memset(to, 0, fft->strip.n * SIDE_BY_SIDE * sizeof *to);
     for (size_t j = 0; j < fft->strip.n; j++) {
@@ -45,7 +112,7 @@ static void pack(void *context, size_t first, size_t width, void *packet)
 
 static void unpack(void *context, size_t first, size_t width, const void *packet)
 {
-    const lac_fft *fft = context;
+    const lac_fft *fft = ((const tabled *)context)->fft;
     const double _Complex *from = packet;
     for (size_t j = 0; j < fft->strip.n; j++) {
         memcpy(&fft->spectrum[j * fft->nkx + first], &from[j * SIDE_BY_SIDE], width * sizeof *from);
@@ -55,18 +122,75 @@ static void unpack(void *context, size_t first, size_t width, const void *packet
 static void work(void *context, size_t first, size_t width, void *plane)
 {
     (void)first, (void)width, (void)plane; // which it was planned for
-    fftw_execute(((const lac_fft *)context)->block_inverse);
+    fftw_execute(((const tabled *)context)->fft->block_inverse);
 }
 
 void lac_fft_share_inverse(lac_fft *fft)
 {
-    const lac_turn_use use = {fft, pack, work, unpack};
-    const lac_strip columns = lac_strip_of(fft->strip.team, fft->nkx, SIDE_BY_SIDE);
-    lac_turn_pass(fft->shared, &columns, sizeof *fft->spectrum, &use);
-    for (size_t j = 0; j < fft->strip.n; j += 2) {
-        fftw_execute_dft_c2r(fft->rows_inverse, (fftw_complex *)&fft->spectrum[j * fft->nkx],
-                             &fft->real[j * fft->nx]);
+    const lac_turn_use use = {&(tabled){fft, NULL, NULL}, pack, work, unpack};
+    lac_turn_pass(fft->shared, &fft->columns, sizeof *fft->spectrum, &use);
+    rows_back(fft);
+}
+
+static void work_table(void *context, size_t first, size_t width, void *plane)
+{
+    const tabled *t = context;
+    const lac_fft *fft = t->fft;
+    const double _Complex *from = plane;
+    const double cells = (double)fft->nx * (double)fft->ny;
+    fftw_execute(fft->block_forward);
+    for (size_t k = 0; k < width; k++) {
+        double *to = &t->made[(first + k - fft->columns.first) * fft->ny];
+        for (size_t j = 0; j < fft->ny; j++) {
+            to[j] = creal(from[j * SIDE_BY_SIDE + k]) / cells;
+        }
     }
+}
+
+void lac_fft_share_table(lac_fft *fft, double *table)
+{
+    tabled t = {fft, table, NULL};
+    const lac_turn_use use = {&t, pack, work_table, NULL};
+    rows_forth(fft);
+    lac_turn_pass(fft->shared, &fft->columns, sizeof *fft->spectrum, &use);
+}
+
+static void pack_lines(void *context, size_t first, size_t width, void *packet)
+{
+    const lac_fft *fft = ((const tabled *)context)->fft;
+    double _Complex *to = packet;
+    for (size_t j = 0; j < fft->strip.n; j++) {
+        for (size_t k = 0; k < width; k++) {
+            to[k * fft->strip.n + j] = fft->spectrum[j * fft->nkx + first + k];
+        }
+    }
+}
+
+static void unpack_lines(void *context, size_t first, size_t width, const void *packet)
+{
+    const lac_fft *fft = ((const tabled *)context)->fft;
+    const double _Complex *from = packet;
+    for (size_t j = 0; j < fft->strip.n; j++) {
+        for (size_t k = 0; k < width; k++) {
+            fft->spectrum[j * fft->nkx + first + k] = from[k * fft->strip.n + j];
+        }
+    }
+}
+
+static void work_lines(void *context, size_t first, size_t width, void *plane)
+{
+    const tabled *t = context;
+    const size_t at = (first - t->fft->columns.first) * t->fft->ny;
+    lac_fft_columns(t->fft, plane, width, &t->given[at]);
+}
+
+void lac_fft_share_through(lac_fft *fft, const double *table)
+{
+    tabled t = {fft, NULL, table};
+    const lac_turn_use use = {&t, pack_lines, work_lines, unpack_lines};
+    rows_forth(fft);
+    lac_turn_pass(fft->shared, &fft->columns, sizeof *fft->spectrum, &use);
+    rows_back(fft);
 }
 
 // An even field.
@@ -138,6 +262,7 @@ lac_status lac_fft_share_even(const lac_strip *rows, size_t n1, bool mirrored, d
     const lac_turn_use transform = {&e, pack_even, work_even, unpack_even};
     const lac_turn_use mirror = {&e, pack_even, mirror_even, NULL};
     lac_status status = lac_turn_create(rows, e.lead, rows->grain * sizeof(double), &shared, err);
+    status = lac_team_agree(rows->team, status, err);
     if (status == LAC_OK) {
         transform_lines(&e, n1, quarter, rows->n, n1);
         lac_turn_pass(shared, &columns, sizeof *quarter, &transform);

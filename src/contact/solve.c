@@ -183,7 +183,12 @@ static lac_status full_contact(const lac_contact_def *def, const problem *p, lac
         return LAC_OK; // edges have no such closed form
     }
     full f = {p, def->mean_pressure, NULL, malloc(p->at.rows.n * sizeof(bool) + 1)};
-    LAC_FAIL_MEMORY_IF(f.positive == NULL, err);
+    const lac_status status =
+        lac_team_agree(def->team, f.positive != NULL ? LAC_OK : lac_fail_memory(err), err);
+    if (status != LAC_OK) {
+        free(f.positive);
+        return status;
+    }
     lac_filter_fill(s->filter, LAC_DOUBLE, 0, height_row, &f);
     lac_half_space_unload(s, NULL);
     lac_filter_take(s->filter, full_row, &f);

@@ -119,9 +119,11 @@ static lac_status fill_free(lac_half_space *s, const lac_extent *extent, lac_err
 {
     size_t n = s->columns.n * (s->my / 2 + 1);
     s->compliance = malloc((n + 1) * sizeof *s->compliance);
-    LAC_TRY_RETURN(s->compliance != NULL ? LAC_OK : lac_fail_memory(err));
-    LAC_TRY_RETURN(fill_kernel(s, 1.0 / (extent->dqx * (double)s->nx),
-                               1.0 / (extent->dqy * (double)s->ny), err));
+    lac_status status = s->compliance == NULL
+                            ? lac_fail_memory(err)
+                            : fill_kernel(s, 1.0 / (extent->dqx * (double)s->nx),
+                                          1.0 / (extent->dqy * (double)s->ny), err);
+    LAC_TRY_RETURN(lac_team_agree(s->rows.team, status, err)); // what follows all do together
     s->self = s->columns.first == 0 && n > 0 ? s->compliance[0] : 0.0;
     lac_team_join(s->rows.team, &s->self, 1);
     const size_t column = s->my / 2 + 1;
@@ -155,10 +157,9 @@ static lac_status fill_wavenumbers(lac_half_space *s, const lac_extent *extent, 
 
 lac_status lac_half_space_create(const lac_extent *extent, lac_half_space **out, lac_error *err)
 {
-    lac_status status;
+    lac_status status = LAC_OK;
     lac_half_space *s = calloc(1, sizeof *s);
-    *out = NULL;
-    LAC_FAIL_MEMORY_IF(s == NULL, err);
+    LAC_TRY(s != NULL ? LAC_OK : lac_fail_memory(err));
     s->nx = extent->nx;
     s->ny = extent->ny;
     s->mx = extent->periodic || s->nx == 1 ? s->nx : 2 * s->nx;
@@ -173,10 +174,10 @@ lac_status lac_half_space_create(const lac_extent *extent, lac_half_space **out,
     } else {
         LAC_TRY(fill_free(s, extent, err));
     }
-    *out = s;
-    return LAC_OK;
 out:
-    lac_half_space_free(s);
+    status = lac_team_agree(extent->rows.team, status, err);
+    *out = status == LAC_OK ? s : NULL;
+    lac_half_space_free(status == LAC_OK ? NULL : s);
     return status;
 }
 

@@ -28,6 +28,9 @@ static const double one_by_one_cells = 4096;
 static const double domain_bytes = 13, unfolded_bytes = 4, whole_source_bytes = 24,
                     whole_cell_bytes = 130, mpi_bytes = 20e6;
 
+// Of a grid cell: the transforms of the elastic rock while they are made, which ranks share.
+static const double rock_bytes[] = {[LAC_PERIODIC] = 24, [LAC_FREE] = 110};
+
 // Cells of a grid whose contact is counted or estimated on it: a check takes at most 2 GB.
 static const size_t most_counted = (size_t)1 << 26;
 
@@ -157,6 +160,18 @@ static void count_memory(const lac_case *c, lac_estimate *e)
     e->memory = base_bytes + table_bytes(c) + fmax(grid * e->grid_cells, integration);
 }
 
+// Of the rock: of the calibration, and of a transfer that is the rock itself.
+static double rock_memory(const lac_case *c, const lac_estimate *e, double ranks)
+{
+    const lac_transfer_kind *kind = (const void *)c->transfer.info;
+    lac_transfer_outline held;
+    if (!lac_transfer_outline_of(&c->transfer, &held) || held.rock == NULL) {
+        return 0;
+    }
+    const double bytes = rock_bytes[c->interface.boundary] * (kind->transforms ? 2 : 1);
+    return bytes * e->grid_cells / (e->grid_cells < LAC_RANGE_ALONE ? 1 : ranks);
+}
+
 // Of one of so many ranks: its rows of what is pressed, of which Love's kernel is not folded; the
 // heights of a source that does not share, and a domain, as a whole; of the cells what is whole.
 static double rank_memory(const lac_case *c, const lac_estimate *e, double ranks)
@@ -167,8 +182,9 @@ static double rank_memory(const lac_case *c, const lac_estimate *e, double ranks
     double grid = rows / ranks + (source != NULL && !source->shared ? whole_source_bytes : 0);
     grid = source != NULL ? grid : domain_bytes;
     const double cell = 0.5 * e->unknowns * contact_cell_bytes;
-    const double integration = (whole_cell_bytes + (cell - whole_cell_bytes) / ranks) * e->cells;
-    return base_bytes + mpi_bytes + table_bytes(c) + fmax(grid * e->grid_cells, integration);
+    const double integration = (cell - whole_cell_bytes) / ranks * e->cells;
+    const double made = fmax(rock_memory(c, e, ranks), integration) + whole_cell_bytes * e->cells;
+    return base_bytes + mpi_bytes + table_bytes(c) + fmax(grid * e->grid_cells, made);
 }
 
 // As many as have a block of cells each, where ranks share the run at all (scene.c).

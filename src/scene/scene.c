@@ -267,7 +267,8 @@ lac_status lac_scene_create(const lac_case *c, lac_load_files *files, lac_scene 
                                .hierarchy = scene->hierarchy,
                                .shear_modulus = c->material.shear_modulus,
                                .poisson = c->material.poisson,
-                               .measure = c->fft_planning != 0,
+                               .measure = c->fft_planning != 0 && c->team == NULL,
+                               .team = c->team,
                                .line = c->interface.shape == LAC_LINE};
     status = lac_transfer_create(&c->transfer, &from, &scene->transfer, err);
     LAC_TRY(lac_fail_within(err, status, "transfer"));

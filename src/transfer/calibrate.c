@@ -410,6 +410,7 @@ static lac_status calibrate(const lac_transfer_scene *scene, bool across, uint64
                      .poisson = scene->poisson,
                      .thickness = INFINITY,
                      .line = scene->line,
+                     .team = scene->team,
                      .across = across};
     LAC_TRY(calibrate_grid(scene->domain, &rock, seed, &s, err));
     memcpy(k, s.k, s.levels * sizeof *k);

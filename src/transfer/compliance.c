@@ -2,6 +2,7 @@
 // The slip of half-spaces under tractions on the contact cells, and its inverse by iteration.
 #include "transfer/compliance.h"
 
+#include "base/range.h"
 #include "base/statistics.h"
 
 enum { MAX_ITERATIONS = 1000 };
@@ -9,10 +10,13 @@ static const size_t most_table = (size_t)1 << 29; // numbers
 
 struct lac_compliance {
     size_t n;
-    size_t *at;    // [n] index of each contact cell in the transform's grid
-    size_t gap;    // first column of a row that holds nothing: zeros; 0: no row is full
-    bool in_order; // at[i] = i
-    bool by_rows;  // the stiffness is a matrix of rows for each wave along x
+    lac_strip rows; // of the grid, that are here
+    size_t own;     // cells in them
+    uint32_t *cell; // [own] which they are; NULL: all
+    size_t *at;     // [own] index of each in the transform's rows
+    size_t gap;     // first column of a row that holds nothing: zeros; 0: no row is full
+    bool in_order;  // at[i] = i
+    bool by_rows;   // the stiffness is a matrix of rows for each wave along x
     lac_fft *fft;
     double *stiffness, *compliance;  // [nkx * ny] of each mode: lac_kernels_fill
     double *vectors, *r, *z, *p, *q; // [n] each, of the conjugate gradients
@@ -27,12 +31,53 @@ static void place_cells(lac_compliance *c, const lac_domain *domain)
     c->p = c->z + c->n;
     c->q = c->p + c->n;
     c->gap = c->n == lac_grid_cells(grid) ? grid->nx : 0;
-    c->in_order = true;
+    c->in_order = c->cell == NULL;
+    size_t own = 0;
     for (size_t i = 0; i < c->n; i++) {
         size_t x = domain->index[i] % grid->nx, y = domain->index[i] / grid->nx;
-        c->at[i] = y * c->fft->nx + x;
-        c->in_order = c->in_order && c->at[i] == i;
+        if (c->cell != NULL && (y < c->rows.first || y >= c->rows.first + c->rows.n)) {
+            continue;
+        }
+        if (c->cell != NULL) {
+            c->cell[own] = (uint32_t)i;
+        }
+        c->at[own] = (y - c->rows.first) * c->fft->nx + x;
+        c->in_order = c->in_order && c->at[own] == i;
+        own++;
     }
+}
+
+// How many cells are in the rows here.
+static size_t count_own(const lac_domain *domain, const lac_strip *rows)
+{
+    const size_t first = rows->first * domain->grid.nx, n = rows->n * domain->grid.nx;
+    size_t own = 0;
+    for (size_t i = 0; rows->team != NULL && i < domain->n; i++) {
+        own += domain->index[i] - first < n; // below the first it wraps round
+    }
+    return rows->team != NULL ? own : domain->n;
+}
+
+static lac_status make_room(lac_compliance *c, const lac_domain *domain, size_t depths,
+                            lac_error *err)
+{
+    const size_t modes = c->fft->ny * c->fft->columns.n;
+    c->own = count_own(domain, &c->rows);
+    c->at = malloc((c->own + 1) * sizeof *c->at);
+    c->cell = c->rows.team != NULL ? malloc((c->own + 1) * sizeof *c->cell) : NULL;
+    c->stiffness = malloc((modes * depths + 1) * sizeof *c->stiffness);
+    c->compliance = malloc((modes + 1) * sizeof *c->compliance);
+    c->vectors = malloc(4 * c->n * sizeof *c->vectors);
+    const bool room = c->at != NULL && (c->rows.team == NULL || c->cell != NULL) &&
+                      c->stiffness != NULL && c->compliance != NULL && c->vectors != NULL;
+    return room ? LAC_OK : lac_fail_memory(err);
+}
+
+// Ranks share the rows of a plane, but those of a small one each has as a whole.
+static lac_team *team_of(const lac_grid *grid, const lac_rock *rock)
+{
+    const bool plane = grid->ny > 1 && !rock->surface;
+    return plane && lac_grid_cells(grid) >= LAC_RANGE_ALONE ? rock->team : NULL;
 }
 
 lac_status lac_compliance_create(const lac_domain *domain, const lac_rock *rock,
@@ -54,12 +99,15 @@ lac_status lac_compliance_create(const lac_domain *domain, const lac_rock *rock,
     lac_compliance *c = calloc(1, sizeof *c);
     LAC_FAIL_MEMORY_IF(c == NULL, err);
     c->n = n;
-    LAC_TRY(lac_fft_create(mx * grid->nx, my * grid->ny, &c->fft, err));
+    c->rows = lac_strip_rows(team_of(grid, rock), grid->ny);
+    lac_team *team = c->rows.team;
+    LAC_TRY(team != NULL
+                ? lac_fft_share_filter(mx * grid->nx, my * grid->ny, grid->ny, team, &c->fft, err)
+                : lac_fft_create(mx * grid->nx, my * grid->ny, &c->fft, err));
     if (mirror) {
         lac_fft_mirror(c->fft);
     }
     c->by_rows = deep;
-    c->at = malloc(n * sizeof *c->at);
     size_t modes = c->fft->ny * c->fft->nkx;
     const size_t depths = deep ? grid->ny : 1;
     LAC_TRY(
@@ -70,15 +118,13 @@ lac_status lac_compliance_create(const lac_domain *domain, const lac_rock *rock,
                        "%.0f are allowed: fewer cells of depth",
                        grid->nx, grid->ny, 8e-9 * (double)modes * (double)depths,
                        8e-9 * (double)most_table));
-    c->stiffness = malloc(modes * depths * sizeof *c->stiffness);
-    c->compliance = malloc(modes * sizeof *c->compliance);
-    c->vectors = malloc(4 * n * sizeof *c->vectors);
-    LAC_TRY(c->at != NULL && c->stiffness != NULL && c->compliance != NULL && c->vectors != NULL
-                ? LAC_OK
-                : lac_fail_memory(err));
+    status = make_room(c, domain, depths, err);
+    LAC_TRY(lac_team_agree(team, status, err)); // what follows all ranks do together
     place_cells(c, domain);
-    c->fft->measure = rock->measure;
-    LAC_TRY(lac_fft_plan_filter(c->fft, grid->ny, err));
+    if (team == NULL) {
+        c->fft->measure = rock->measure;
+        LAC_TRY(lac_fft_plan_filter(c->fft, grid->ny, err));
+    }
     LAC_TRY(lac_kernels_fill(c->fft, grid, rock, c->stiffness, c->compliance, err));
     *out = c;
     c = NULL;
@@ -92,6 +138,7 @@ void lac_compliance_free(lac_compliance *c)
     if (c != NULL) {
         lac_fft_free(c->fft);
         free(c->at);
+        free(c->cell);
         free(c->stiffness);
         free(c->compliance);
         free(c->vectors);
@@ -111,7 +158,7 @@ static void clear_gaps(const lac_compliance *c)
 {
     const lac_fft *fft = c->fft;
     const size_t rest = fft->nx - c->gap;
-    for (size_t row = 0; rest > 0 && row < fft->rows; row++) {
+    for (size_t row = 0; rest > 0 && row < c->rows.n; row++) {
         memset(fft->real + row * fft->nx + c->gap, 0, rest * sizeof *fft->real);
     }
 }
@@ -129,13 +176,17 @@ static void filter(lac_compliance *c, const double *symbol, const double *x, dou
         memcpy(y, real, c->n * sizeof *real);
         return;
     }
-    for (size_t i = 0; i < c->n; i++) {
-        real[c->at[i]] = x[i];
+    for (size_t i = 0; i < c->own; i++) {
+        real[c->at[i]] = x[c->cell != NULL ? c->cell[i] : i];
     }
     by(fft, symbol);
-    for (size_t i = 0; i < c->n; i++) {
-        y[i] = real[c->at[i]];
+    if (c->cell != NULL) {
+        memset(y, 0, c->n * sizeof *y);
     }
+    for (size_t i = 0; i < c->own; i++) {
+        y[c->cell != NULL ? c->cell[i] : i] = real[c->at[i]];
+    }
+    lac_team_join(c->rows.team, y, c->n);
 }
 
 void lac_compliance_slip(lac_compliance *c, const double *traction, double *slip)

@@ -16,6 +16,8 @@ typedef struct lac_rock {
                       ///< antiplane, beside the first cell; with creeping only
     bool measure;     ///< transforms are planned by measuring
     bool across;      ///< slip is along y, not x
+    lac_team *team;   ///< the ranks that share the rows of a plane of many cells, and call all
+                      ///< functions together; NULL: one alone
     bool cross;       ///< the stiffness is of traction along y under slip along x, of waves only
 } lac_rock;
 

@@ -83,10 +83,14 @@ static lac_status make_last(lac_elastic *e, lac_error *err)
 
 // Stiffness of the mean slip: the mean traction under unit slip, or as little as a unit mean
 // traction asks for.
-static lac_status find_anchor(lac_elastic *e, lac_error *err)
+static lac_status find_anchor(lac_elastic *e, lac_team *team, lac_error *err)
 {
     double *x = malloc(e->n * sizeof *x);
-    LAC_FAIL_MEMORY_IF(x == NULL, err);
+    const lac_status status = lac_team_agree(team, x != NULL ? LAC_OK : lac_fail_memory(err), err);
+    if (status != LAC_OK) {
+        free(x);
+        return status;
+    }
     for (size_t i = 0; i < e->n; i++) {
         x[i] = 1;
     }
@@ -109,6 +113,7 @@ static lac_rock rock_of(const lac_transfer_elastic *p, const lac_transfer_scene 
                       .antiplane = p->mode == ANTIPLANE,
                       .line = scene->line,
                       .measure = scene->measure,
+                      .team = scene->team,
                       .creeping = p->outside == CREEPING,
                       .surface = p->boundary == FREE_SURFACE};
 }
@@ -144,7 +149,7 @@ static lac_status create(const void *given, const lac_transfer_scene *scene, voi
     LAC_TRY(begin(given, scene, &rock, &e, err));
     LAC_TRY(calibrate(scene, rock.poisson, e, err));
     if (!e->floating) {
-        LAC_TRY(find_anchor(e, err));
+        LAC_TRY(find_anchor(e, scene->team, err));
     }
     if (!e->direct) {
         LAC_TRY(make_last(e, err));
@@ -157,12 +162,17 @@ out:
 }
 
 // C tau = 1 where the rock behind holds the cells; else tau = 1 - K C 1, whose slip is uniform.
-static lac_status tie(const lac_elastic *e, double *share, lac_error *err)
+static lac_status tie(const lac_elastic *e, lac_team *team, double *share, lac_error *err)
 {
     size_t n = e->n;
     double sum = 0, rest = 0;
     double *slip = malloc((n + lac_elastic_work(e)) * sizeof *slip);
-    LAC_FAIL_MEMORY_IF(slip == NULL, err);
+    const lac_status status =
+        lac_team_agree(team, slip != NULL ? LAC_OK : lac_fail_memory(err), err);
+    if (status != LAC_OK) {
+        free(slip);
+        return status;
+    }
     for (size_t i = 0; i < n; i++) {
         slip[i] = 1;
     }
@@ -201,7 +211,7 @@ lac_status lac_transfer_tied(const lac_model *model, const lac_transfer_scene *s
     }
     p.tolerance = 1e-11;
     LAC_TRY(begin(&p, scene, &rock, &e, err));
-    LAC_TRY(tie(e, share, err));
+    LAC_TRY(tie(e, scene->team, share, err));
 out:
     destroy(e);
     return status;

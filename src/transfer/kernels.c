@@ -60,14 +60,15 @@ static void fill_waves(const lac_fft *fft, const lac_grid *grid, const lac_rock 
     double cells = (double)fft->nx * (double)fft->ny;
     for (size_t j = 0; j < fft->ny; j++) {
         double ky = 2 * M_PI * lac_fft_frequency(j, fft->ny) / ((double)fft->ny * grid->dy);
-        for (size_t i = 0; i < fft->nkx; i++) {
+        for (size_t k = 0; k < fft->columns.n; k++) {
+            const size_t i = fft->columns.first + k;
             double kx = 2 * M_PI * (double)i / ((double)fft->nx * grid->dx);
             bool shortest = 2 * i == fft->nx || 2 * j == fft->ny;
             double s = !rock->cross ? wave_stiffness(rock, kx, ky)
                        : shortest   ? 0
                                     : cross_stiffness(rock, kx, ky);
-            stiffness[i * fft->ny + j] = s / cells;
-            compliance[i * fft->ny + j] = s > 0 ? 1 / (s * cells) : 0;
+            stiffness[k * fft->ny + j] = s / cells;
+            compliance[k * fft->ny + j] = s > 0 ? 1 / (s * cells) : 0;
         }
     }
 }
@@ -119,21 +120,26 @@ static void corners(corner_function *f, double nu, size_t n, double dx, double y
 }
 
 // What a cell does at every distance, the grid in the corner of the transform; distances beyond
-// half the transform are negative ones. @param low  [2 (nx/2 + 2)] scratch
+// half the transform are negative ones: of the rows here. @param low  [2 (nx/2 + 2)] scratch
 static void fill_plane(lac_fft *fft, const lac_grid *grid, corner_function *f, double nu,
                        double scale, double *low)
 {
-    size_t mx = fft->nx, my = fft->ny, n = mx / 2 + 2;
-    double *high = low + n;
-    corners(f, nu, n, grid->dx, -0.5 * grid->dy, low);
-    for (size_t j = 0; j <= my / 2; j++) {
-        double *row = fft->real + j * mx;
-        corners(f, nu, n, grid->dx, ((double)j + 0.5) * grid->dy, high);
+    size_t mx = fft->nx, my = fft->ny, n = mx / 2 + 2, first = fft->strip.first;
+    double *high = low + n, *row = fft->real;
+    for (size_t j = first; j < first + fft->strip.n; j++, row += mx) {
+        const size_t near = 2 * j <= my ? j : my - j;
+        if (near < j && near >= first) {
+            memcpy(row, fft->real + (near - first) * mx, mx * sizeof *row);
+            continue;
+        }
+        if (j == first || near < j) {
+            corners(f, nu, n, grid->dx, ((double)near - 0.5) * grid->dy, low);
+        }
+        corners(f, nu, n, grid->dx, ((double)near + 0.5) * grid->dy, high);
         for (size_t i = 0; i <= mx / 2; i++) {
             row[i] = ((high[i + 1] - high[i]) - (low[i + 1] - low[i])) * scale;
             row[(mx - i) % mx] = row[i];
         }
-        memmove(fft->real + (my - j) % my * mx, row, mx * sizeof *row);
         memcpy(low, high, n * sizeof *low);
     }
 }
@@ -145,17 +151,6 @@ static void fill_line(lac_fft *fft, double dx, double (*f)(double, double), doub
         double at = (double)i;
         fft->real[i] = (f(nu, (at + 0.5) * dx) - f(nu, (at - 0.5) * dx)) * scale;
         fft->real[(mx - i) % mx] = fft->real[i];
-    }
-}
-
-static void transform(lac_fft *fft, double *table)
-{
-    lac_fft_forward(fft);
-    double cells = (double)fft->nx * (double)fft->ny;
-    for (size_t i = 0; i < fft->nkx; i++) {
-        for (size_t j = 0; j < fft->ny; j++) {
-            table[i * fft->ny + j] = creal(fft->spectrum[j * fft->nkx + i]) / cells;
-        }
     }
 }
 
@@ -237,30 +232,44 @@ static lac_status fill_depths(const lac_fft *fft, const lac_grid *grid, const la
 }
 
 // Free boundaries: an interface that is alone.
-static lac_status fill_alone(lac_fft *fft, const lac_grid *grid, const lac_rock *rock,
-                             double *stiffness, double *compliance, lac_error *err)
+// @param fft  of the whole transform: shared by ranks, its rows here
+static void fill_alone(lac_fft *fft, const lac_grid *grid, const lac_rock *rock, double *low,
+                       double *stiffness, double *compliance)
 {
     // Slip across a line is antiplane.
     double g = rock->shear_modulus, nu = rock->across && rock->line ? 0 : rock->poisson;
-    double *low = malloc(2 * (fft->nx / 2 + 2) * sizeof *low);
-    LAC_FAIL_MEMORY_IF(low == NULL, err);
     if (rock->line) {
         // Lengths in cells: the logarithm of a unit would only add a constant.
         fill_line(fft, 1, line_slip, nu, grid->dx / (M_PI * g));
     } else {
         fill_plane(fft, grid, rock->across ? slip_across : slip_to_corner, nu, 1 / (M_PI * g), low);
     }
-    transform(fft, compliance);
+    lac_fft_table(fft, compliance);
     if (rock->creeping && rock->line) {
         fill_line(fft, grid->dx, line_traction, nu, g / M_PI);
-        transform(fft, stiffness);
+        lac_fft_table(fft, stiffness);
     } else if (rock->creeping) {
         fill_plane(fft, grid, rock->across ? traction_across : traction_to_corner, nu, g / M_PI,
                    low);
-        transform(fft, stiffness);
+        lac_fft_table(fft, stiffness);
     }
+}
+
+static lac_status transform_alone(lac_fft *fft, const lac_grid *grid, const lac_rock *rock,
+                                  double *stiffness, double *compliance, lac_error *err)
+{
+    lac_status status = LAC_OK;
+    lac_fft *whole = NULL;
+    double *low = malloc(2 * (fft->nx / 2 + 2) * sizeof *low);
+    LAC_FAIL_MEMORY_IF(low == NULL, err);
+    if (fft->shared != NULL) {
+        LAC_TRY(lac_fft_share(fft->nx, fft->ny, fft->strip.team, &whole, err));
+    }
+    fill_alone(whole != NULL ? whole : fft, grid, rock, low, stiffness, compliance);
+out:
+    lac_fft_free(whole);
     free(low);
-    return LAC_OK;
+    return status;
 }
 
 lac_status lac_kernels_fill(lac_fft *fft, const lac_grid *grid, const lac_rock *rock,
@@ -272,5 +281,5 @@ lac_status lac_kernels_fill(lac_fft *fft, const lac_grid *grid, const lac_rock *
                           : fill_depths(fft, grid, rock, stiffness, err);
     }
     fill_waves(fft, grid, rock, stiffness, compliance);
-    return grid->periodic ? LAC_OK : fill_alone(fft, grid, rock, stiffness, compliance, err);
+    return grid->periodic ? LAC_OK : transform_alone(fft, grid, rock, stiffness, compliance, err);
 }

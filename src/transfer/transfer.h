@@ -12,6 +12,8 @@ typedef struct lac_transfer_scene {
     double poisson;       ///< nu [1]
     bool line;            ///< a row of cells is a line in plane strain, not a strip as wide
     bool measure;         ///< Fourier transforms are planned by measuring: quicker, not to the bit
+    lac_team *team;       ///< who share the transforms of the elastic rock, and make it and call it
+                          ///< together; NULL: one alone
 } lac_transfer_scene;
 
 /// What a transfer's parameters say of its stiffness, before one is made.

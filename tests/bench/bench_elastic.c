@@ -62,7 +62,7 @@ static scene scene_of(lac_domain *domain)
     lac_transfer_elastic params = {
         .thickness = NAN, .tolerance = apply_tolerance, .newton_tolerance = solve_tolerance};
     lac_model model = {info, &params};
-    lac_transfer_scene from = {domain, s.h, 1, 0.25, false, false};
+    lac_transfer_scene from = {domain, s.h, 1, 0.25, false, false, NULL};
     if (lac_transfer_create(&model, &from, &s.transfer, NULL) != LAC_OK) {
         abort();
     }
@@ -174,7 +174,7 @@ static void calibration(size_t side)
     enum { SEEDS = 6, MOST_LEVELS = 32 };
     lac_domain *domain = cascade_of(side, 1.7, 5);
     lac_hierarchy *h = hierarchy_of(domain);
-    lac_transfer_scene from = {domain, h, 1, 0.25, false, false};
+    lac_transfer_scene from = {domain, h, 1, 0.25, false, false, NULL};
     size_t levels = lac_hierarchy_levels(h);
     double k[MOST_LEVELS], mean[MOST_LEVELS] = {0}, square[MOST_LEVELS] = {0};
     double pair = pair_seconds(domain), begin = cpu_seconds();

@@ -44,7 +44,7 @@ typedef struct scene {
 static scene scene_of(const lac_model *model, lac_domain *domain, uint64_t seed)
 {
     scene s = {.domain = domain, .h = hierarchy_of(domain), .n = domain->n, .slack = 1e-14};
-    lac_transfer_scene made_from = {domain, s.h, 2.0, 0.25, false, false};
+    lac_transfer_scene made_from = {domain, s.h, 2.0, 0.25, false, false, NULL};
     lac_error err = {""};
     if (lac_transfer_create(model, &made_from, &s.transfer, &err) != LAC_OK) {
         fail_msg("%s", err.message);
@@ -373,7 +373,7 @@ static void refuse(lac_transfer_hierarchy params, double shear_modulus, double p
 {
     lac_domain *domain = domain_of(4, 4, NULL);
     lac_hierarchy *h = hierarchy_of(domain);
-    lac_transfer_scene made_from = {domain, h, shear_modulus, poisson, false, false};
+    lac_transfer_scene made_from = {domain, h, shear_modulus, poisson, false, false, NULL};
     lac_model model = {&lac_transfer_kind_get(0)->info, &params};
     lac_transfer transfer;
     lac_error err = {""};

@@ -44,7 +44,7 @@ static void scene_create(lac_grid grid, rock_def rock, const size_t *cells, size
         s->model.info = strcmp(info->name, "elastic") == 0 ? info : s->model.info;
     }
     s->model.params = &s->params;
-    s->from = (lac_transfer_scene){s->domain, s->h, rock.g, rock.nu, rock.line, false};
+    s->from = (lac_transfer_scene){s->domain, s->h, rock.g, rock.nu, rock.line, false, NULL};
     if (lac_transfer_create(&s->model, &s->from, &s->transfer, &err) != LAC_OK) {
         fail_msg("%s", err.message);
     }

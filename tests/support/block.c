@@ -70,7 +70,8 @@ void block_create(const block_def *def, block *out)
     lac_grid grid = {.nx = 1, .ny = 1, .dx = 1.0, .dy = 1.0, .periodic = true};
     must(lac_domain_create(&grid, &def->pressure, &out->domain, &err), &err);
     must(lac_hierarchy_create(out->domain, &out->hierarchy, &err), &err);
-    lac_transfer_scene scene = {out->domain, out->hierarchy, NAN, NAN, false, false};
+    lac_transfer_scene scene = {
+        .domain = out->domain, .hierarchy = out->hierarchy, .shear_modulus = NAN, .poisson = NAN};
     must(lac_transfer_create(&(lac_model){0}, &scene, &out->transfer, &err), &err);
     lac_model model = friction_slot(def);
     must(lac_friction_create(&model, 1, &out->friction, &err), &err);

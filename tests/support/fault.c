@@ -40,7 +40,7 @@ static void make_transfer(const fault_def *def, tree *t)
                                    .tolerance = 1e-12,
                                    .newton_tolerance = def->newton_tolerance};
     model.params = &params;
-    lac_transfer_scene from = {t->domain, t->hierarchy, g, 0.25, def->line, false};
+    lac_transfer_scene from = {t->domain, t->hierarchy, g, 0.25, def->line, false, NULL};
     must(lac_transfer_create(&model, &from, &t->transfer, &err), &err);
 }
 

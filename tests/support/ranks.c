@@ -36,8 +36,9 @@ static void meet(meeting *at)
 static void join(const lac_team *team, uint64_t *words, size_t n)
 {
     meeting *at = team->context;
-    uint64_t *joined = calloc(n + 1, sizeof *joined);
+    uint64_t *joined = reallocarray(NULL, n + 1, sizeof *joined); // a test has malloc fail
     assert_non_null(joined);
+    memset(joined, 0, (n + 1) * sizeof *joined);
     at->words[team->rank] = words;
     meet(at);
     for (int rank = 0; rank < team->ranks; rank++) {

@@ -50,7 +50,7 @@ void slider_create(lac_formulation formulation, slider *out)
     lac_grid grid = {.nx = 1, .ny = 1, .dx = 1.0, .dy = 1.0, .periodic = true};
     must(lac_domain_create(&grid, &pressure, &out->domain, &err), &err);
     must(lac_hierarchy_create(out->domain, &out->hierarchy, &err), &err);
-    lac_transfer_scene scene = {out->domain, out->hierarchy, NAN, NAN, false, false};
+    lac_transfer_scene scene = {out->domain, out->hierarchy, NAN, NAN, false, false, NULL};
     must(lac_transfer_create(&(lac_model){0}, &scene, &out->transfer, &err), &err);
     make_friction(out);
     out->spring = test_slot_shear("spring");

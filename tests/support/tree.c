@@ -95,7 +95,7 @@ void tree_make_transfer(const tree_def *def, tree *out)
     lac_transfer_hierarchy *p = model.params;
     p->k0 = def->k0;
     p->ratio = def->ratio;
-    lac_transfer_scene scene = {out->domain, out->hierarchy, NAN, NAN, false, false};
+    lac_transfer_scene scene = {out->domain, out->hierarchy, NAN, NAN, false, false, NULL};
     must(lac_transfer_create(&model, &scene, &out->transfer, &err) == LAC_OK, err.message);
     lac_model_clear(&model);
 }

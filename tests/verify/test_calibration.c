@@ -53,7 +53,7 @@ static void calibrate_rock(const lac_domain *domain, double g, double nu, bool l
                            calibration *levels)
 {
     lac_hierarchy *h = hierarchy_of(domain);
-    lac_transfer_scene scene = {domain, h, g, nu, line, false};
+    lac_transfer_scene scene = {domain, h, g, nu, line, false, NULL};
     lac_error err = {""};
     double k[33], error[33];
     if (lac_calibrate_elastic(&scene, seed, k, error, &err) != LAC_OK) {
@@ -244,7 +244,7 @@ static void check_coarse(lac_grid grid, bool line, bool across)
     lac_domain *domain = random_mask(grid, 0.2, 1);
     lac_hierarchy *h = hierarchy_of(domain);
     size_t levels = lac_hierarchy_levels(h);
-    lac_transfer_scene scene = {domain, h, 2, 0.25, line, false};
+    lac_transfer_scene scene = {domain, h, 2, 0.25, line, false, NULL};
     lac_rock rock = {
         .shear_modulus = 2, .poisson = 0.25, .thickness = INFINITY, .line = line, .across = across};
     lac_compliance *c = NULL;

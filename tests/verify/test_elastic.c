@@ -53,8 +53,8 @@ static scene scene_of(lac_grid grid, rock_def rock, choice how)
                                    .newton_tolerance = how.tolerance};
     model.params = &params;
     // Antiplane must not look at Poisson's ratio.
-    lac_transfer_scene from = {s.domain,  s.h,  rock.g, rock.nu == 0 ? 0.4 : rock.nu,
-                               rock.line, false};
+    lac_transfer_scene from = {s.domain,  s.h,   rock.g, rock.nu == 0 ? 0.4 : rock.nu,
+                               rock.line, false, NULL};
     if (lac_transfer_create(&model, &from, &s.transfer, &err) != LAC_OK) {
         fail_msg("%s", err.message);
     }
@@ -451,7 +451,7 @@ static void refuse(lac_grid grid, double fraction, lac_transfer_elastic params, 
     scene s = scene_of(grid, (rock_def){2, 0.25, INFINITY, false},
                        (choice){fraction, false, false, 1e-3});
     lac_model model = {&s.transfer.kind->info, &params};
-    lac_transfer_scene from = {s.domain, s.h, 2, nu, false, false};
+    lac_transfer_scene from = {s.domain, s.h, 2, nu, false, false, NULL};
     lac_transfer transfer;
     lac_error err = {""};
     assert_int_equal(lac_transfer_create(&model, &from, &transfer, &err), LAC_EINPUT);

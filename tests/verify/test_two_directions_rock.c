@@ -50,7 +50,7 @@ static void make(const char *name, size_t nx, size_t ny, double contact, const c
     if (key != NULL) {
         test_slot_set(&out->model, key, value);
     }
-    lac_transfer_scene scene = {out->domain, out->h, g, nu, false, false};
+    lac_transfer_scene scene = {out->domain, out->h, g, nu, false, false, NULL};
     assert_int_equal(lac_transfer_create(&out->model, &scene, &out->transfer, &err), LAC_OK);
     assert_int_equal(lac_transfer_direct(&out->model, &scene, &out->transfer, &err), LAC_OK);
     out->work = calloc(kind->pair->work(out->transfer.state) + 1, sizeof *out->work);

@@ -17,14 +17,14 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 98586,
+    "lines of src and include": 98859,
     "lines that only present results": 24809,
     "public headers": 13,
     "exported names": 44,
     "circles of includes": 0,
     "files without an opening comment": 0,
     "objects that one field more in a record compiles anew": 53,
-    "words that people write and read": 75230,
+    "words that people write and read": 75249,
 }
 
 PRESENTING = re.compile(r"src/(cli|store|report|data)/|src/\w+/describe\w*\.[ch]$")
