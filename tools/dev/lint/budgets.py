@@ -24,7 +24,7 @@ BUDGETS = {
     "circles of includes": 0,
     "files without an opening comment": 0,
     "objects that one field more in a record compiles anew": 53,
-    "words that people write and read": 75249,
+    "words that people write and read": 75000,
 }
 
 PRESENTING = re.compile(r"src/(cli|store|report|data)/|src/\w+/describe\w*\.[ch]$")
