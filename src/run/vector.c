@@ -38,7 +38,11 @@ double *lac_vector_data(N_Vector x)
     return raw(x);
 }
 
-void lac_vector_finish(N_Vector x) { lac_pending_finish(pending_of(x)); }
+double *lac_vector_alone(N_Vector x)
+{
+    lac_pending_finish_one(pending_of(x), raw(x));
+    return raw(x);
+}
 
 void lac_vector_lend(N_Vector x, double *components)
 {
@@ -144,9 +148,9 @@ static void v_scale(sunrealtype c, N_Vector x, N_Vector z)
 #define ELEMENTWISE(name, second, result, ...)            \
     LAC_CLONES static void name(N_Vector xv, __VA_ARGS__) \
     {                                                     \
-        const double *x = lac_vector_data(xv);            \
-        const double *y = lac_vector_data(second);        \
-        double *z = lac_vector_data(zv);                  \
+        const double *x = lac_vector_alone(xv);           \
+        const double *y = lac_vector_alone(second);       \
+        double *z = lac_vector_alone(zv);                 \
         size_t n = length(xv);                            \
         (void)y;                                          \
         for (size_t i = 0; i < n; i++) {                  \
@@ -185,7 +189,7 @@ LAC_CLONES static sunrealtype lac_vector_max_norm(N_Vector xv)
 
 static sunrealtype v_min(N_Vector xv)
 {
-    const double *x = lac_vector_data(xv);
+    const double *x = lac_vector_alone(xv);
     size_t n = length(xv);
     double least = INFINITY;
     for (size_t i = 0; i < n; i++) {
@@ -198,13 +202,17 @@ static lac_sun_status v_linear_combination(int count, sunrealtype *c, N_Vector *
 {
     enum { MOST = 16 }; // CVODE and ARKODE ask for less
     const double *x[MOST];
+    double by[MOST] = {0.0};
+    int terms = 0;
     if (count > MOST) {
         return -1;
     }
-    for (int j = 0; j < count; j++) {
-        x[j] = raw(xv[j]);
+    for (int j = 0; j < count; j++) { // what counts 0, as at the end of a step, is not read
+        by[terms] = c[j];
+        x[terms] = raw(xv[j]);
+        terms += c[j] != 0.0 || (j == count - 1 && terms == 0) ? 1 : 0;
     }
-    lac_pending_add(pending_of(z), count, c, x, raw(z));
+    lac_pending_add(pending_of(z), terms, by, x, raw(z));
     return 0;
 }
 

@@ -17,7 +17,7 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 98586,
+    "lines of src and include": 98662,
     "lines that only present results": 24809,
     "public headers": 13,
     "exported names": 44,
