@@ -37,7 +37,7 @@ static int slip_rates(sunrealtype t, N_Vector y, N_Vector v, void *user)
 static int weights(N_Vector y, N_Vector w, void *user)
 {
     const lac_engine *engine = user;
-    lac_problem_weights(engine->problem, lac_vector_data(y), engine->rtol, lac_vector_data(w));
+    lac_problem_weights(engine->problem, lac_vector_alone(y), engine->rtol, lac_vector_alone(w));
     return 0;
 }
 
@@ -125,12 +125,12 @@ static lac_status make_vectors(lac_engine *engine, cvode *c, lac_error *err)
     return LAC_OK;
 }
 
-// Nothing waits beyond a call: the engine's y and slip are current.
+// The engine's y and slip are current, and free to be written.
 static void settle(cvode *c)
 {
-    lac_vector_finish(c->y);
+    (void)lac_vector_alone(c->y);
     if (c->slip != NULL) {
-        lac_vector_finish(c->slip);
+        (void)lac_vector_alone(c->slip);
     }
 }
 
@@ -273,7 +273,7 @@ static bool cvode_at(lac_engine *engine, double t, double *observation)
     if (CVodeGetDky(c->mem, t, 0, c->seen_y) != CV_SUCCESS) {
         return false;
     }
-    lac_vector_finish(c->seen_y);
+    (void)lac_vector_data(c->seen_y);
     if (c->slip == NULL) {
         size_t place = lac_problem_slip_place(engine->problem);
         memmove(slip, observation + place, engine->n * sizeof *slip);
@@ -281,7 +281,7 @@ static bool cvode_at(lac_engine *engine, double t, double *observation)
     }
     lac_vector_lend(c->seen_slip, slip);
     bool known = CVodeGetQuadDky(c->mem, t, 0, c->seen_slip) == CV_SUCCESS;
-    lac_vector_finish(c->seen_slip);
+    (void)lac_vector_data(c->seen_slip);
     return known;
 }
 

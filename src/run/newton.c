@@ -120,14 +120,15 @@ static int iterate(SUNNonlinearSolver solver, const step *s, N_Vector correction
             return status;
         }
         self->iterations++;
-        if (!(N_VWrmsNorm(s->f, weight) <= small_residual * tolerance)) {
-            if (!solve_linear(self, s)) {
-                return SUN_NLS_CONV_RECVR;
-            }
-        } else if (self->current > 0) {
-            N_VConst(0.0, s->f);
+        bool small = N_VWrmsNorm(s->f, weight) <= small_residual * tolerance;
+        if (!small && !solve_linear(self, s)) {
+            return SUN_NLS_CONV_RECVR;
         }
-        N_VLinearSum(1.0, correction, 1.0, s->f, correction);
+        if (small && self->current > 0) {
+            N_VConst(0.0, s->f); // the correction stays
+        } else {
+            N_VLinearSum(1.0, correction, 1.0, s->f, correction);
+        }
         status = self->test(solver, correction, s->f, tolerance, weight, self->test_data);
         if (status != SUN_NLS_CONTINUE) {
             return status;

@@ -10,6 +10,7 @@ enum {
     MOST_WAITING = 64,
     BLOCK = 256, // elements: some ten arrays of them fit the first cache
     LANES = 8,
+    LEAST_APART = 1 << 14, // elements: shorter vectors stay in a cache, and all is made at once
 };
 
 // z = sum_j c_j x_j; count 0: z = c_0
@@ -23,6 +24,7 @@ typedef struct combination {
 struct lac_pending {
     lac_range range;
     size_t arrays, n, waiting;
+    size_t now; // of those that wait, the first so many are made in this pass
     bool waits;
     const double *x, *w; // (x w)^2 is wanted; or NULL
     combination list[MOST_WAITING];
@@ -35,7 +37,7 @@ lac_pending *lac_pending_create(const lac_range *range, size_t arrays, bool wait
         p->range = *range;
         p->arrays = arrays;
         p->n = arrays * range->n;
-        p->waiting = 0;
+        p->waiting = p->now = 0;
         p->waits = waits;
         p->x = p->w = NULL;
     }
@@ -48,7 +50,7 @@ void lac_pending_close(lac_pending *p)
 {
     p->n = p->arrays = 0;
     p->range = lac_range_whole(0);
-    p->waiting = 0;
+    p->waiting = p->now = 0;
 }
 
 size_t lac_pending_length(const lac_pending *p) { return p->n; }
@@ -126,10 +128,10 @@ LAC_CLONES static void lac_pending_make(const lac_pending *p, size_t first, size
     double s[LANES]; // in registers
     memcpy(s, sums, sizeof s);
     // what is alone has nothing to share a cache with
-    size_t block = p->waiting + (p->x != NULL ? 1 : 0) > 1 ? BLOCK : end - first;
+    size_t block = p->now + (p->x != NULL ? 1 : 0) > 1 ? BLOCK : end - first;
     for (size_t begin = first; begin < end; begin += block) {
         size_t stop = end - begin < block ? end : begin + block;
-        for (size_t i = 0; i < p->waiting; i++) {
+        for (size_t i = 0; i < p->now; i++) {
             make(&p->list[i], begin, stop);
         }
         if (p->x != NULL) {
@@ -173,21 +175,81 @@ static void add_block(const void *context, size_t first, size_t end, double *sum
     sums[0] += over_block(context, make_stretch, context, first, end);
 }
 
+static bool reads(const combination *t, const double *x)
+{
+    bool found = false;
+    for (int j = 0; j < t->count; j++) {
+        found = found || t->x[j] == x;
+    }
+    return found;
+}
+
+// Whether the order of two sums counts.
+static bool tied(const combination *a, const combination *b)
+{
+    return a->z == b->z || reads(a, b->z) || reads(b, a->z);
+}
+
+// Picks what x and w wait for, and what has to be made before it; it comes to the front in its
+// order. @param written  x may be overwritten: what reads it counts as well
+static void pick(lac_pending *p, const double *x, const double *w, bool written)
+{
+    combination late[MOST_WAITING];
+    bool picked[MOST_WAITING];
+    size_t rest = 0;
+    p->now = p->waiting;
+    if (p->n < LEAST_APART) {
+        return;
+    }
+    for (size_t i = p->waiting; i-- > 0;) {
+        const combination *t = &p->list[i];
+        picked[i] = t->z == x || t->z == w || (written && reads(t, x));
+        for (size_t k = i + 1; k < p->waiting && !picked[i]; k++) {
+            picked[i] = picked[k] && tied(t, &p->list[k]);
+        }
+    }
+    p->now = 0;
+    for (size_t i = 0; i < p->waiting; i++) {
+        *(picked[i] ? &p->list[p->now++] : &late[rest++]) = p->list[i];
+    }
+    memcpy(p->list + p->now, late, rest * sizeof *late);
+}
+
+// What was picked is made.
+static void drop_made(lac_pending *p)
+{
+    p->waiting -= p->now;
+    memmove(p->list, p->list + p->now, p->waiting * sizeof *p->list);
+}
+
+static void make_picked(lac_pending *p)
+{
+    if (p->now > 0) {
+        (void)lac_parallel_for(p->n, make_part, p);
+        drop_made(p);
+    }
+}
+
 void lac_pending_finish(lac_pending *p)
 {
-    if (p->waiting > 0) {
-        (void)lac_parallel_for(p->n, make_part, p);
-        p->waiting = 0;
-    }
+    p->now = p->waiting;
+    make_picked(p);
+}
+
+void lac_pending_finish_one(lac_pending *p, const double *x)
+{
+    pick(p, x, x, true);
+    make_picked(p);
 }
 
 double lac_pending_squares(lac_pending *p, const double *x, const double *w)
 {
+    pick(p, x, w, false);
     p->x = x;
     p->w = w;
     double sum;
     lac_range_sums(&p->range, 1, add_block, p, &sum);
-    p->waiting = 0;
+    drop_made(p);
     p->x = p->w = NULL;
     return sum;
 }

@@ -2,6 +2,9 @@
 // Vectors for SUNDIALS: fast kernels that sum in a fixed order, no crash where memory is short.
 #include "run/vector.h"
 
+#include <stdint.h>
+#include <sys/mman.h>
+
 #include "base/clones.h"
 #include "run/pending.h"
 
@@ -9,7 +12,8 @@ typedef struct family family;
 
 typedef struct content {
     double *data;
-    double *own; // to be freed; NULL where they are lent
+    double *own;   // to be freed or unmapped; NULL where they are lent
+    size_t mapped; // bytes; 0: own is of malloc
     family *family;
 } content;
 
@@ -38,7 +42,11 @@ double *lac_vector_data(N_Vector x)
     return raw(x);
 }
 
-void lac_vector_finish(N_Vector x) { lac_pending_finish(pending_of(x)); }
+double *lac_vector_alone(N_Vector x)
+{
+    lac_pending_finish_one(pending_of(x), raw(x));
+    return raw(x);
+}
 
 void lac_vector_lend(N_Vector x, double *components)
 {
@@ -75,13 +83,46 @@ static void leave(family *f)
     }
 }
 
+// Room for components. A long vector begins and mostly lies in pages of 2 MB where the system has
+// them: a pass over it looks fewer addresses up. Its last piece stays in small ones, and what is
+// mapped before its beginning is never touched, so that it takes no more memory.
+static bool make_room(content *c, size_t bytes)
+{
+    const size_t page = (size_t)1 << 21, whole = bytes / page * page;
+    if (whole == 0) {
+        c->data = c->own = bytes == 0 ? NULL : malloc(bytes);
+        return bytes == 0 || c->own != NULL;
+    }
+    c->mapped = bytes + page;
+    char *room = mmap(NULL, c->mapped, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (room == MAP_FAILED) {
+        return false;
+    }
+    char *begin = room + (page - (uintptr_t)room % page) % page;
+#ifdef MADV_HUGEPAGE
+    (void)madvise(begin, whole, MADV_HUGEPAGE);
+#endif
+    c->own = (double *)(void *)room;
+    c->data = (double *)(void *)begin;
+    return true;
+}
+
+static void give_back(content *c)
+{
+    if (c->mapped > 0) {
+        (void)munmap(c->own, c->mapped);
+    } else {
+        free(c->own);
+    }
+}
+
 static void v_destroy(N_Vector x)
 {
     content *c = content_of(x);
     family *f = c->family;
     lac_pending_finish(f->pending);
     if (c != &f->none) {
-        free(c->own);
+        give_back(c);
         free(c);
     }
     leave(f);
@@ -92,16 +133,14 @@ static void v_destroy(N_Vector x)
 // Makes x a member with room for `bytes` of components.
 static void join(N_Vector x, family *f, size_t bytes)
 {
-    content *c = malloc(sizeof *c);
-    double *own = bytes == 0 ? NULL : malloc(bytes);
-    if (c == NULL || (own == NULL && bytes > 0)) {
+    content *c = calloc(1, sizeof *c);
+    if (c == NULL || !make_room(c, bytes)) {
         free(c);
-        free(own);
         f->lacking = true;
         lac_pending_close(f->pending);
         c = &f->none;
     } else {
-        *c = (content){.data = own, .own = own, .family = f};
+        c->family = f;
     }
     f->members++;
     x->content = c;
@@ -144,9 +183,9 @@ static void v_scale(sunrealtype c, N_Vector x, N_Vector z)
 #define ELEMENTWISE(name, second, result, ...)            \
     LAC_CLONES static void name(N_Vector xv, __VA_ARGS__) \
     {                                                     \
-        const double *x = lac_vector_data(xv);            \
-        const double *y = lac_vector_data(second);        \
-        double *z = lac_vector_data(zv);                  \
+        const double *x = lac_vector_alone(xv);           \
+        const double *y = lac_vector_alone(second);       \
+        double *z = lac_vector_alone(zv);                 \
         size_t n = length(xv);                            \
         (void)y;                                          \
         for (size_t i = 0; i < n; i++) {                  \
@@ -185,7 +224,7 @@ LAC_CLONES static sunrealtype lac_vector_max_norm(N_Vector xv)
 
 static sunrealtype v_min(N_Vector xv)
 {
-    const double *x = lac_vector_data(xv);
+    const double *x = lac_vector_alone(xv);
     size_t n = length(xv);
     double least = INFINITY;
     for (size_t i = 0; i < n; i++) {
@@ -198,13 +237,17 @@ static lac_sun_status v_linear_combination(int count, sunrealtype *c, N_Vector *
 {
     enum { MOST = 16 }; // CVODE and ARKODE ask for less
     const double *x[MOST];
+    double by[MOST] = {0.0};
+    int terms = 0;
     if (count > MOST) {
         return -1;
     }
-    for (int j = 0; j < count; j++) {
-        x[j] = raw(xv[j]);
+    for (int j = 0; j < count; j++) { // what counts 0, as at the end of a step, is not read
+        by[terms] = c[j];
+        x[terms] = raw(xv[j]);
+        terms += c[j] != 0.0 || (j == count - 1 && terms == 0) ? 1 : 0;
     }
-    lac_pending_add(pending_of(z), count, c, x, raw(z));
+    lac_pending_add(pending_of(z), terms, by, x, raw(z));
     return 0;
 }
 

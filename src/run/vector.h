@@ -19,8 +19,8 @@ bool lac_vector_lacks(N_Vector x);
 // The vector's components, everything that waited made.
 double *lac_vector_data(N_Vector x);
 
-// Makes what waits, so that pointers taken before are good.
-void lac_vector_finish(N_Vector x);
+// The same with only what has to do with x made: other pointers taken before may not be good.
+double *lac_vector_alone(N_Vector x);
 
 // A clone without components; NULL where memory is short.
 N_Vector lac_vector_clone_empty(N_Vector like);

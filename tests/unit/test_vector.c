@@ -12,7 +12,7 @@
 #include "run/vector.h"
 #include "support/test.h"
 
-enum { ARRAYS = 6, MOST = 1200 };
+enum { ARRAYS = 6, MOST = 1200, LONG = 16700 }; // LONG: some is made before the rest
 
 static double uniform(uint64_t i, uint64_t what)
 {
@@ -25,13 +25,13 @@ static size_t choose(uint64_t i, uint64_t what, size_t count)
 }
 
 typedef struct arrays {
-    double of[ARRAYS][MOST];
+    double of[ARRAYS][LONG];
 } arrays;
 
 static void fill(arrays *a)
 {
     for (size_t j = 0; j < ARRAYS; j++) {
-        for (size_t i = 0; i < MOST; i++) {
+        for (size_t i = 0; i < LONG; i++) {
             a->of[j][i] = uniform(i, 100 + j);
         }
     }
@@ -49,10 +49,30 @@ static void combine(size_t n, int count, const double *c, const double *const *x
     }
 }
 
+// One array is looked into and changed while others wait, or its weighted norm asked for.
+static void look_at_one(lac_pending *p, size_t n, uint64_t k, arrays *plain, arrays *made)
+{
+    const size_t which = choose(k, 4, ARRAYS), weight = choose(k, 5, ARRAYS);
+    double *is = made->of[which], *should = plain->of[which];
+    if (choose(k, 6, 2) == 0) {
+        lac_pending_finish_one(p, is);
+        assert_memory_equal(is, should, n * sizeof *is);
+        is[n / 2] = should[n / 2] = uniform(k, 7);
+        return;
+    }
+    const lac_range whole = lac_range_whole(n);
+    lac_pending *none = lac_pending_create(&whole, 1, false);
+    assert_non_null(none);
+    const double sums[] = {lac_pending_squares(p, is, made->of[weight]),
+                           lac_pending_squares(none, should, plain->of[weight])};
+    assert_memory_equal(&sums[0], &sums[1], sizeof sums[0]);
+    lac_pending_free(none);
+}
+
 // Far more than can wait at once, of all lengths, results among what is added up.
 static void many_at_random(size_t n, bool waits)
 {
-    arrays plain, made;
+    static arrays plain, made;
     const lac_range whole = lac_range_whole(n);
     lac_pending *p = lac_pending_create(&whole, 1, waits);
     assert_non_null(p);
@@ -71,8 +91,11 @@ static void many_at_random(size_t n, bool waits)
         size_t to = choose(k, 2, ARRAYS);
         combine(n, count, c, from[0], plain.of[to]);
         lac_pending_add(p, count, c, from[1], made.of[to]);
-        if (choose(k, 3, 50) == 0) {
+        const size_t next = choose(k, 3, 50);
+        if (next == 0) {
             lac_pending_finish(p);
+        } else if (next < 8) {
+            look_at_one(p, n, k, &plain, &made);
         }
     }
     lac_pending_finish(p);
@@ -85,7 +108,7 @@ static void many_at_random(size_t n, bool waits)
 static void waiting_changes_no_bit(void **state)
 {
     (void)state;
-    const size_t lengths[] = {1, 7, 255, 256, 257, 1000, MOST};
+    const size_t lengths[] = {1, 7, 255, 256, 257, 1000, MOST, LONG};
     for (size_t k = 0; k < sizeof lengths / sizeof *lengths; k++) {
         many_at_random(lengths[k], true);
         many_at_random(lengths[k], false);

@@ -17,7 +17,7 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 98859,
+    "lines of src and include": 98970,
     "lines that only present results": 24809,
     "public headers": 13,
     "exported names": 44,
