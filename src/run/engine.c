@@ -52,7 +52,9 @@ void lac_engine_free(lac_engine *engine)
     }
     lac_engine_free(engine->brief);
     engine->kind->free(engine);
-    SUNContext_Free(&engine->sun);
+    if (engine->sun != NULL) { // else SUNDIALS may not have been opened
+        SUNContext_Free(&engine->sun);
+    }
     free(engine->work);
     free(engine);
 }

@@ -35,6 +35,7 @@ import run_page  # noqa: E402
 
 # What takes too long for a test, or needs more than the program, and where the same is tested.
 LONG = (
+    (r"lacuna run .*interface.levels=13", "takes 20 minutes: case.test_ranks runs smaller ones"),
     (r".*\bprz\b", "the law of the how-to: case.test_howto_law adds it"),
     (r"lacuna trade ", "runs a case tens of times: case.test_trade trades small ones"),
     (r"lacuna fit .*cases/(fit/block|fit/century|fit/velocity-step|vajont-lake)", "samples for a minute: case.test_fit*, case.fit.*"),

@@ -88,7 +88,8 @@ bool cli_describe_word(const cli_request *request)
 {
     lac_json json = {.out = stdout};
     search s = {.word = request->argument[0]};
-    if (request->count != 1 || request->pipe != 0 || strlen(s.word) < LEAST_LETTERS) {
+    if (request->count != 1 || request->pipe != 0 || strlen(s.word) < LEAST_LETTERS ||
+        !isalnum((unsigned char)s.word[0])) {
         return false;
     }
     search_all(&s);
