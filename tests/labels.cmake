@@ -13,7 +13,7 @@ set(about_cli "unit\\.test_pool"
   "case\\.test_(cli|cluster|completion|interface|valid_cases|wrong_cases|static_cases|verdict_levels)")
 set(about_data
   "unit\\.test_(dataset|door|load_files|netcdf|recording|store|store_.*|verdict_words)"
-  "case\\.test_(branch|domain_file|every_call|export|fit_resume|points|resume|rg_file|rg_parts)")
+  "case\\.test_(branch|domain_file|every_allocation|every_call|export|fit_resume|points|resume|rg_file|rg_parts)")
 set(about_page "unit\\.test_(live|report)" "case\\.test_(pictures|report|report_page|view|view_page)")
 set(about_docs
   "case\\.(README|format|install|rg-results|tables|vajont|howto-.*|tutorial-.*)"

@@ -186,6 +186,15 @@ foreach(name bridge calibration contact_scale damping drag failing fit fit_rates
   set_property(TEST verify.test_${name} APPEND PROPERTY LABELS once)
 endforeach()
 
+# Memory that is short for one allocation, of the program as it is shipped.
+if(NOT LACUNA_SANITIZE)
+  add_library(fail_at MODULE memory/fail_at.c)
+  target_compile_options(fail_at PRIVATE ${warnings})
+  target_link_libraries(fail_at PRIVATE ${CMAKE_DL_LIBS})
+  set(test_every_allocation_files $<TARGET_FILE:fail_at>)
+  lacuna_python_test(test_every_allocation once)
+endif()
+
 # What a scene does not name costs nothing: bytes and threads, counted by a library that sanitizers
 # would not let in.
 if(NOT LACUNA_SANITIZE)
