@@ -17,8 +17,8 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 98970,
-    "lines that only present results": 24809,
+    "lines of src and include": 98973,
+    "lines that only present results": 24810,
     "public headers": 13,
     "exported names": 44,
     "circles of includes": 0,
