@@ -3,7 +3,7 @@
 """Memory that is short for one allocation of a command, as it is shipped: libraries opened on demand.
 
 usage: test_every_allocation.py PROGRAM SOURCE_FOLDER FAIL_AT [unittest options]
-       test_every_allocation.py PROGRAM SOURCE_FOLDER FAIL_AT --many N
+       test_every_allocation.py PROGRAM SOURCE_FOLDER FAIL_AT --draws N
 
 FAIL_AT is the library of tests/memory. The command ends with one line and exit status 1, or it did without.
 unit.test_memory has each allocation of the library fail in turn; here are some of each command's, or N of each.
@@ -18,7 +18,7 @@ import tempfile
 import unittest
 
 PROGRAM, SOURCE, LIBRARY = map(os.path.abspath, sys.argv[1:4])
-EACH = int(sys.argv.pop(5)) if sys.argv[4:5] == ["--many"] else 8
+EACH = int(sys.argv.pop(5)) if sys.argv[4:5] == ["--draws"] else 8
 CREEP = ["data/creep.csv", "--displacement", "disp_mm:mm"]
 COMMANDS = {
     "a block": ["run", "block.yaml", "-o", "out.nc"],
