@@ -84,6 +84,7 @@ if(LACUNA_SANITIZE)
   set(test_analysis_files -k wrong -k one_cell -k test_line -k free_boundary -k full_domain -k fraction -k stopped -k fixed_point)
   set(test_accuracy_files -k kept -k checkpoints -k break -k signal)
   set(test_fidelity_files -k Rule -k regularised)
+  set(test_fit_files -k files -k range -k columns -k before_failure -k wrong -k says -k spares -k odd -k hopeless -k interrupt)
 endif()
 
 # The small cases of one model each show what their first lines say.

@@ -378,8 +378,10 @@ class Cases(Case):
                 expected.append(f"lacuna: {warning or ''}{name}:{rest}")
         errors = [line for line in expected if not line.startswith("lacuna: warning: ")]
         before = sorted(os.listdir(folder))
-        requests = [(["check", name], expected), (["run", name, "-q", "-o", "out.nc"], errors)]
-        if name not in ("missing-friction.yaml", "missing-time.yaml", "no-shear.yaml"):
+        requests = [(["check", name], expected)]
+        if "LACUNA_SANITIZED" not in os.environ:  # what all commands read a case by
+            requests.append((["run", name, "-q", "-o", "out.nc"], errors))
+        if len(requests) > 1 and name not in ("missing-friction.yaml", "missing-time.yaml", "no-shear.yaml"):
             requests.append((["contact", "-q", name], errors))
         for words, lines in requests:
             done = subprocess.run([PROGRAM, *words], cwd=folder, capture_output=True, timeout=60,
