@@ -32,12 +32,9 @@ typedef struct field_state {
 static void release(void *p)
 {
     field_state *state = p;
-    if (state != NULL) {
-        lac_field_clear(&state->field);
-        lac_readings_clear(&state->factor);
-        free(state->corner);
-        free(state);
-    }
+    lac_field_clear(&state->field);
+    lac_readings_clear(&state->factor);
+    free(state->corner);
 }
 
 // The times of the maps on the clock of the run.
@@ -59,9 +56,10 @@ static lac_status take_times(const field_params *p, const lac_load_clock *clock,
                           : LAC_OK;
 }
 
-static lac_status read_files(const field_params *p, const lac_load_clock *clock, field_state *state,
-                             lac_error *err)
+static lac_status prepare(const void *params, const lac_load_clock *clock, void *at, lac_error *err)
 {
+    const field_params *p = params;
+    field_state *state = at;
     const char *remedy = p->outside == REFUSE ? ", or say outside: hold" : NULL;
     lac_units *units = NULL;
     LAC_TRY_RETURN(lac_units_create(&units, err));
@@ -78,19 +76,6 @@ static lac_status read_files(const field_params *p, const lac_load_clock *clock,
         status = lac_readings_read(&def, clock, remedy, &state->factor, err);
     }
     return status;
-}
-
-static lac_status prepare(const void *p, const lac_load_clock *clock, void **out, lac_error *err)
-{
-    field_state *state = calloc(1, sizeof *state);
-    LAC_FAIL_MEMORY_IF(state == NULL, err);
-    lac_status status = read_files(p, clock, state, err);
-    if (status != LAC_OK) {
-        release(state);
-        return status;
-    }
-    *out = state;
-    return LAC_OK;
 }
 
 // Where a place lies among n coordinates: behind the k-th, by the part `by` of the way to the next.
@@ -179,21 +164,6 @@ static void add_map(const field_state *state, const double *map, size_t n, lac_s
     }
 }
 
-// The factor of one map at time t.
-static lac_signal factor_at(const lac_readings *r, double t)
-{
-    if (r->n == 0) {
-        return (lac_signal){1.0, 0.0};
-    }
-    if (t < r->t[0] || t >= r->t[r->n - 1]) {
-        return (lac_signal){r->value[t < r->t[0] ? 0 : r->n - 1], 0.0};
-    }
-    size_t i = lac_readings_before(r->t, r->n, t);
-    double h = r->t[i + 1] - r->t[i];
-    double rise = r->value[i + 1] - r->value[i];
-    return (lac_signal){r->value[i] + (t - r->t[i]) / h * rise, rise / h};
-}
-
 static void add_field(const lac_load *load, const lac_load_places *places, double t, double *value,
                       double *rate)
 {
@@ -203,7 +173,7 @@ static void add_field(const lac_load *load, const lac_load_places *places, doubl
     const double *map = state->field.value;
     const size_t size = state->field.nx * state->field.ny;
     if (state->field.nt == 0) {
-        lac_signal factor = factor_at(r, t);
+        const lac_signal factor = r->n == 0 ? (lac_signal){1.0, 0.0} : lac_readings_at(r, t);
         add_map(state, map, places->n,
                 (lac_signal){p->scale * factor.value, p->scale * factor.rate}, value, rate);
         return;
@@ -259,25 +229,20 @@ static const lac_param params[] = {
                "beyond the first and last place and time: refuse, or hold what is there"),
 };
 
-const lac_load_kind lac_pore_field = {
-    .info = LAC_ABOUT("field", "pore pressure that differs over the joint, read from a file",
-                      "docs/theory/loads.md, \"Loads over the joint\"",
-                      LAC_ROWS(params, field_params), .validate = fault),
-    .linear = true,
-    .prepare = prepare,
-    .release = release,
-    .cells = add_field,
-    .place = place,
-    .next_break = next_break,
-};
+#define FIELD(row, text, source)                                                                 \
+    const lac_load_kind row = {                                                                  \
+        .info =                                                                                  \
+            LAC_ABOUT("field", text, source, LAC_ROWS(params, field_params), .validate = fault), \
+        .linear = true,                                                                          \
+        .state_size = sizeof(field_state),                                                       \
+        .prepare = prepare,                                                                      \
+        .release = release,                                                                      \
+        .cells = add_field,                                                                      \
+        .place = place,                                                                          \
+        .next_break = next_break,                                                                \
+    }
 
-const lac_load_kind lac_pressing_field = {
-    .info = LAC_ABOUT("field", "normal stress that differs over the joint, read from a file",
-                      LAC_PRESSING_SOURCE, LAC_ROWS(params, field_params), .validate = fault),
-    .linear = true,
-    .prepare = prepare,
-    .release = release,
-    .cells = add_field,
-    .place = place,
-    .next_break = next_break,
-};
+FIELD(lac_pore_field, "pore pressure that differs over the joint, read from a file",
+      "docs/theory/loads.md, \"Loads over the joint\"");
+FIELD(lac_pressing_field, "normal stress that differs over the joint, read from a file",
+      LAC_PRESSING_SOURCE);

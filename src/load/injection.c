@@ -68,12 +68,13 @@ typedef struct axis {
 typedef struct spread_state {
     reach *cell;  // [n] without borders, of a well
     axis x, y;    // within borders; y of a well
-    double turn;  // s from which on cosines take over from mirrors [m2]
+    double turn;  // s from which on cosines take over from mirrors [m2]; INFINITY: no borders
     double *then; // [n] what mirrors make up to then
 } spread_state;
 
-static void clear(spread_state *state)
+static void release(void *at)
 {
+    spread_state *state = at;
     free(state->cell);
     free(state->then);
     free(state->x.mirror);
@@ -83,19 +84,10 @@ static void clear(spread_state *state)
     *state = (spread_state){0};
 }
 
-static void release(void *p)
+static void add(lac_signal *sum, double by, lac_signal part)
 {
-    clear(p);
-    free(p);
-}
-
-static lac_status prepare(const void *params, const lac_load_clock *clock, void **state,
-                          lac_error *err)
-{
-    (void)params;
-    (void)clock;
-    *state = calloc(1, sizeof(spread_state));
-    return *state != NULL ? LAC_OK : lac_fail_memory(err);
+    sum->value += by * part.value;
+    sum->rate += by * part.rate;
 }
 
 static reach reach_of(double x, double y, double radius)
@@ -202,29 +194,27 @@ static lac_signal add_modes(const spread_state *state, const lac_load_places *pl
         const lac_signal *mode = on->mode + m * y->modes;
         lac_signal across = {0.0, 0.0};
         for (size_t k = 0; k < y->modes; k++) {
-            across.value += c_y[k] * mode[k].value;
-            across.rate += c_y[k] * mode[k].rate;
+            add(&across, c_y[k], mode[k]);
         }
-        sum.value += c_x[m] * across.value;
-        sum.rate += c_x[m] * across.rate;
+        add(&sum, c_x[m], across);
     }
     return sum;
 }
 
-// What mirrors make in a cell. @param tau  since the source began
-typedef lac_signal mirrored(const lac_load *load, const lac_load_places *places, size_t cell,
-                            double tau);
+// What a source makes in a cell, within borders with its mirrors. @param tau  since it began
+typedef lac_signal made(const lac_load *load, const lac_load_places *places, size_t cell,
+                        double tau);
 
-// A source within borders.
+// A source, within borders or not.
 typedef struct source {
-    double least;     // variance at its start [m2]
-    double scale;     // of what mirrors make
-    lac_signal by;    // of begin_flow
-    mirrored *mirror; // in a cell
+    double least;  // variance at its start [m2]
+    double scale;  // of what it makes
+    lac_signal by; // of begin_flow
+    made *make;    // in a cell
 } source;
 
-// Adds what a source within borders makes, less that of one which began when it stopped.
-static void add_within(const lac_load *load, const lac_load_places *places, double t,
+// Adds what a source makes, less that of one which began when it stopped.
+static void add_source(const lac_load *load, const lac_load_places *places, double t,
                        const source *from, double *value, double *rate)
 {
     const pumping *p = load->params;
@@ -239,14 +229,20 @@ static void add_within(const lac_load *load, const lac_load_places *places, doub
     for (size_t i = 0; flows > 0 && i < places->n; i++) {
         lac_signal sum = {0.0, 0.0};
         for (size_t k = 0; k < flows; k++) {
-            const lac_signal one = on[k].early ? from->mirror(load, places, i, on[k].tau)
-                                               : add_modes(state, places, i, &on[k]);
-            sum.value += k == 0 ? one.value : -one.value;
-            sum.rate += k == 0 ? one.rate : -one.rate;
+            add(&sum, k == 0 ? 1.0 : -1.0,
+                on[k].early ? from->make(load, places, i, on[k].tau)
+                            : add_modes(state, places, i, &on[k]));
         }
         value[i] += from->scale * sum.value;
         rate[i] += from->scale * sum.rate;
     }
+}
+
+static lac_signal open_well(const lac_load *load, const lac_load_places *places, size_t cell,
+                            double tau)
+{
+    (void)places;
+    return well_at(load->params, &((const spread_state *)load->state)->cell[cell], tau);
 }
 
 static lac_signal mirrored_well(const lac_load *load, const lac_load_places *places, size_t cell,
@@ -260,9 +256,7 @@ static lac_signal mirrored_well(const lac_load *load, const lac_load_places *pla
     for (size_t i = 0; i < state->x.mirrors; i++) {
         for (size_t k = 0; k < state->y.mirrors; k++) {
             const reach from = reach_of(x - state->x.mirror[i], y - state->y.mirror[k], p->radius);
-            const lac_signal one = well_at(p, &from, tau);
-            sum.value += one.value;
-            sum.rate += one.rate;
+            add(&sum, 1.0, well_at(p, &from, tau));
         }
     }
     return sum;
@@ -273,7 +267,7 @@ static lac_signal mirrored_well(const lac_load *load, const lac_load_places *pla
 // @param y      NULL: it runs across the joint
 // @param least  variance that the source has [m2]
 static lac_status border(const lac_load *load, const lac_load_places *places, const double *y,
-                         double least, mirrored *mirror, lac_error *err)
+                         double least, made *make, lac_error *err)
 {
     const pumping *p = load->params;
     spread_state *state = load->state;
@@ -287,8 +281,7 @@ static lac_status border(const lac_load *load, const lac_load_places *places, co
     LAC_TRY_RETURN(fill_axis(&state->y, "y", y != NULL ? *y : 0.0, grid->ny, grid->dy, state->turn,
                              y != NULL ? MODES : 1, err));
     for (size_t i = 0; i < places->n; i++) {
-        state->then[i] =
-            mirror(load, places, i, 0.5 * (state->turn - least) / p->diffusivity).value;
+        state->then[i] = make(load, places, i, 0.5 * (state->turn - least) / p->diffusivity).value;
     }
     return LAC_OK;
 }
@@ -299,12 +292,13 @@ static lac_status place_well(const void *params, const lac_load_places *places, 
     const well_params *p = params;
     spread_state *state = at;
     const lac_load load = {.params = params, .state = state};
-    clear(state);
+    release(state);
     if (p->pump.boundary == NO_FLUX) {
         LAC_FAIL_IF(places->grid->ny == 1 && places->grid->nx > 1, err, LAC_EINPUT,
                     "boundary: no-flux is for a joint of shape plane; a line has line_injection");
         return border(&load, places, &p->y, p->radius * p->radius, mirrored_well, err);
     }
+    state->turn = INFINITY;
     state->cell = malloc(places->n * sizeof *state->cell);
     LAC_FAIL_MEMORY_IF(state->cell == NULL, err);
     for (size_t i = 0; i < places->n; i++) {
@@ -320,28 +314,16 @@ static void add_well(const lac_load *load, const lac_load_places *places, double
 {
     const well_params *p = load->params;
     const pumping *pump = &p->pump;
-    const reach *cell = ((const spread_state *)load->state)->cell;
+    const axis *x = &((const spread_state *)load->state)->x;
+    const axis *y = &((const spread_state *)load->state)->y;
+    const bool open = pump->boundary != NO_FLUX;
     const double storage = pump->compressibility * pump->porosity * p->thickness;
-    const double scale = p->rate / (4.0 * LAC_PI * pump->diffusivity * storage);
-    if (pump->boundary == NO_FLUX) {
-        const axis *x = &((const spread_state *)load->state)->x;
-        const axis *y = &((const spread_state *)load->state)->y;
-        const double by = 4.0 * LAC_PI / (x->length * y->length); // eq. 6
-        const source from = {
-            p->radius * p->radius, scale, {by, by * pump->diffusivity}, mirrored_well};
-        add_within(load, places, t, &from, value, rate);
-        return;
-    }
-    for (size_t i = 0; t >= pump->start && i < places->n; i++) {
-        lac_signal here = well_at(p, &cell[i], t - pump->start);
-        if (t >= pump->stop) {
-            lac_signal gone = well_at(p, &cell[i], t - pump->stop);
-            here.value -= gone.value;
-            here.rate -= gone.rate;
-        }
-        value[i] += scale * here.value;
-        rate[i] += scale * here.rate;
-    }
+    const double by = open ? 0.0 : 4.0 * LAC_PI / (x->length * y->length); // eq. 6
+    const source from = {p->radius * p->radius,
+                         p->rate / (4.0 * LAC_PI * pump->diffusivity * storage),
+                         {by, by * pump->diffusivity},
+                         open ? open_well : mirrored_well};
+    add_source(load, places, t, &from, value, rate);
 }
 
 // What a line that has pumped for tau makes at a distance z, over q0/(beta phi sqrt(alpha)):
@@ -358,6 +340,13 @@ static lac_signal line_at(const line_params *p, double z, double tau)
     return (lac_signal){root * (gauss - k * erfc(k)), 0.5 * gauss / root};
 }
 
+static lac_signal open_line(const lac_load *load, const lac_load_places *places, size_t cell,
+                            double tau)
+{
+    const line_params *p = load->params;
+    return line_at(p, lac_grid_x(places->grid, places->index[cell]) - p->pump.x, tau);
+}
+
 static lac_signal mirrored_line(const lac_load *load, const lac_load_places *places, size_t cell,
                                 double tau)
 {
@@ -365,9 +354,7 @@ static lac_signal mirrored_line(const lac_load *load, const lac_load_places *pla
     const double x = lac_grid_x(places->grid, places->index[cell]);
     lac_signal sum = {0.0, 0.0};
     for (size_t i = 0; i < state->x.mirrors; i++) {
-        const lac_signal one = line_at(load->params, x - state->x.mirror[i], tau);
-        sum.value += one.value;
-        sum.rate += one.rate;
+        add(&sum, 1.0, line_at(load->params, x - state->x.mirror[i], tau));
     }
     return sum;
 }
@@ -377,7 +364,8 @@ static lac_status place_line(const void *params, const lac_load_places *places, 
 {
     const line_params *p = params;
     const lac_load load = {.params = params, .state = at};
-    clear(at);
+    release(at);
+    ((spread_state *)at)->turn = INFINITY;
     return p->pump.boundary == NO_FLUX ? border(&load, places, NULL, 0.0, mirrored_line, err)
                                        : LAC_OK;
 }
@@ -387,26 +375,13 @@ static void add_line(const lac_load *load, const lac_load_places *places, double
 {
     const line_params *p = load->params;
     const pumping *pump = &p->pump;
+    const bool open = pump->boundary != NO_FLUX;
     const double storage = pump->compressibility * pump->porosity;
-    const double scale = p->flux / (storage * sqrt(pump->diffusivity));
-    if (pump->boundary == NO_FLUX) {
-        const double root = sqrt(pump->diffusivity);
-        const double by = 1.0 / ((const spread_state *)load->state)->x.length;
-        const source from = {0.0, scale, {by / root, by * root}, mirrored_line};
-        add_within(load, places, t, &from, value, rate);
-        return;
-    }
-    for (size_t i = 0; t >= pump->start && i < places->n; i++) {
-        double z = lac_grid_x(places->grid, places->index[i]) - pump->x;
-        lac_signal here = line_at(p, z, t - pump->start);
-        if (t >= pump->stop) {
-            lac_signal gone = line_at(p, z, t - pump->stop);
-            here.value -= gone.value;
-            here.rate -= gone.rate;
-        }
-        value[i] += scale * here.value;
-        rate[i] += scale * here.rate;
-    }
+    const double root = sqrt(pump->diffusivity);
+    const double by = open ? 0.0 : 1.0 / ((const spread_state *)load->state)->x.length;
+    const source from = {
+        0.0, p->flux / (storage * root), {by / root, by * root}, open ? open_line : mirrored_line};
+    add_source(load, places, t, &from, value, rate);
 }
 
 #define PUMP(name) offsetof(pumping, name)
@@ -445,7 +420,7 @@ const lac_load_kind lac_pore_injection = {
                   "Carslaw & Jaeger (1959) Conduction of Heat in Solids, 10.3 (line source); "
                   "docs/theory/loads.md, \"Loads over the joint\"",
                   LAC_ROWS(well_rows, well_params), .validate = fault),
-    .prepare = prepare,
+    .state_size = sizeof(spread_state),
     .release = release,
     .cells = add_well,
     .place = place_well,
@@ -466,7 +441,7 @@ const lac_load_kind lac_pore_line_injection = {
                       "water pumped in along a line across the joint, that spreads by diffusion",
                       "Carslaw & Jaeger (1959) Conduction of Heat in Solids, 2.9",
                       LAC_ROWS(line_rows, line_params), .validate = fault),
-    .prepare = prepare,
+    .state_size = sizeof(spread_state),
     .release = release,
     .cells = add_line,
     .place = place_line,

@@ -145,6 +145,9 @@ lac_status lac_readings_cover(const lac_readings *readings, const char *path,
 
 void lac_readings_clear(lac_readings *readings);
 
+/// Along straight lines between readings, of which there are some; held before and after them.
+lac_signal lac_readings_at(const lac_readings *readings, double t);
+
 /// Index of the last reading at or before `at`, SIZE_MAX before the first; and the first time after
 /// it, INFINITY beyond the last.
 size_t lac_readings_before(const double *t, size_t n, double at);

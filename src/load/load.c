@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The loads of a case, made ready from what it names, and their sum at any time.
+// The loads of a case, made ready from what it names, and their sum at any time; and the tables of
+// those that it can name, from the lists of kinds.h.
 #include "load/load.h"
 
 #include "load/kinds.h"
@@ -193,32 +194,10 @@ double lac_load_longest_step(const lac_load_set *set, double t)
     return longest;
 }
 
-static bool is_linear(const lac_load_kind *kind, const void *params)
-{
-    return kind->linear && !(kind->bends != NULL && kind->bends(params));
-}
-
 bool lac_load_model_is_linear(const lac_model *model)
 {
-    return is_linear(kind_of(model), model->params);
-}
-
-bool lac_load_set_is_linear(const lac_load_set *set)
-{
-    bool linear = true;
-    for (size_t i = 0; i < set->count; i++) {
-        linear = linear && is_linear(set->load[i].kind, set->load[i].params);
-    }
-    return linear;
-}
-
-bool lac_load_set_is_constant(const lac_load_set *set)
-{
-    bool constant = true;
-    for (size_t i = 0; i < set->count; i++) {
-        constant = constant && set->load[i].kind->constant;
-    }
-    return constant;
+    const lac_load_kind *kind = kind_of(model);
+    return kind->linear && !(kind->bends != NULL && kind->bends(model->params));
 }
 
 double lac_load_model_azimuth(const lac_model *model)
@@ -243,24 +222,6 @@ lac_share lac_load_models_share(const lac_model *model)
         }
     }
     return LAC_SHARE_PRESSURE;
-}
-
-bool lac_load_set_is_shaped(const lac_load_set *set)
-{
-    bool shaped = false;
-    for (size_t i = 0; i < set->count; i++) {
-        shaped = shaped || set->load[i].share == LAC_SHARE_ELASTIC;
-    }
-    return shaped;
-}
-
-bool lac_load_set_varies(const lac_load_set *set)
-{
-    bool varies = false;
-    for (size_t i = 0; i < set->count; i++) {
-        varies = varies || set->load[i].kind->cells != NULL;
-    }
-    return varies;
 }
 
 double lac_load_shear(const lac_load_state *state, double pressure)
@@ -327,8 +288,6 @@ bool lac_load_models_slope(const lac_load_models *models)
     return false;
 }
 
-bool lac_load_set_has_pore(const lac_load_set *set) { return set->pore > 0; }
-
 bool lac_load_set_presses(const lac_load_set *set) { return set->count > set->shear + set->pore; }
 
 // The index-th load that reads something; NULL: there are fewer.
@@ -354,6 +313,28 @@ double lac_load_set_driver_at(const lac_load_set *set, size_t index, double t)
     return load->kind->driver->value(load, t);
 }
 
+lac_status lac_load_prepare(const lac_load_kind *kind, const void *params,
+                            const lac_load_clock *clock, void **state, lac_error *err)
+{
+    *state = kind->state_size > 0 ? calloc(1, kind->state_size) : NULL;
+    LAC_FAIL_MEMORY_IF(kind->state_size > 0 && *state == NULL, err);
+    const lac_status status =
+        kind->prepare != NULL ? kind->prepare(params, clock, *state, err) : LAC_OK;
+    if (status != LAC_OK) {
+        lac_load_release(kind, *state);
+        *state = NULL;
+    }
+    return status;
+}
+
+void lac_load_release(const lac_load_kind *kind, void *state)
+{
+    if (state != NULL) {
+        kind->release(state);
+        free(state);
+    }
+}
+
 lac_status lac_load_set_create(const lac_load_models *models, const lac_load_clock *clock,
                                lac_load_set *set, lac_error *err)
 {
@@ -372,8 +353,11 @@ lac_status lac_load_set_create(const lac_load_models *models, const lac_load_clo
                            .share = lac_load_models_share(model),
                            .azimuth = isnan(azimuth) ? 0.0 : azimuth};
         load->to = place_of(set, set->count - 1);
-        lac_status status =
-            kind->prepare == NULL ? LAC_OK : kind->prepare(load->params, clock, &load->state, err);
+        set->bends = set->bends || !lac_load_model_is_linear(model);
+        set->changes = set->changes || !kind->constant;
+        set->shaped = set->shaped || load->share == LAC_SHARE_ELASTIC;
+        set->varies = set->varies || kind->cells != NULL;
+        lac_status status = lac_load_prepare(kind, load->params, clock, &load->state, err);
         if (status != LAC_OK) {
             status = blame(set, i, status, err);
             lac_load_set_clear(set);
@@ -385,7 +369,7 @@ lac_status lac_load_set_create(const lac_load_models *models, const lac_load_clo
 
 lac_status lac_load_set_place(lac_load_set *set, const lac_load_places *places, lac_error *err)
 {
-    if (!lac_load_set_varies(set)) {
+    if (!set->varies) {
         return LAC_OK;
     }
     set->places = *places;
@@ -402,12 +386,20 @@ lac_status lac_load_set_place(lac_load_set *set, const lac_load_places *places, 
 void lac_load_set_clear(lac_load_set *set)
 {
     for (size_t i = 0; i < set->count; i++) {
-        if (set->load[i].state != NULL) {
-            set->load[i].kind->release(set->load[i].state);
-        }
+        lac_load_release(set->load[i].kind, set->load[i].state);
     }
     free(set->load);
     free(set->shape);
     lac_geometry_free(set->geometry);
     *set = (lac_load_set){0};
 }
+
+static const lac_normal_load *const normal[] = {LAC_NORMAL_LOADS(LAC_ROW_ADDRESS)};
+static const lac_load_kind *const shear[] = {LAC_SHEAR_LOADS(LAC_ROW_ADDRESS)};
+static const lac_load_kind *const pore[] = {LAC_PORE_LOADS(LAC_ROW_ADDRESS)};
+static const lac_load_kind *const stress[] = {LAC_NORMAL_STRESSES(LAC_ROW_ADDRESS)};
+
+LAC_KINDS_AT(lac_normal_load, lac_normal_load_get, normal)
+LAC_KINDS_AT(lac_load_kind, lac_shear_load_get, shear)
+LAC_KINDS_AT(lac_load_kind, lac_pore_load_get, pore)
+LAC_KINDS_AT(lac_load_kind, lac_normal_stress_get, stress)

@@ -58,7 +58,7 @@ typedef struct lac_load {
     const void *params; ///< borrowed from the model
     lac_share share;    ///< of a force; LAC_SHARE_PRESSURE where the load has no such key
     double azimuth;     ///< of its shear, from x towards y [rad]; 0 where not named
-    void *state;        ///< what `prepare` made; NULL
+    void *state;        ///< of its kind; NULL: none
     size_t to;          ///< where in a lac_load_state its signal goes, and behind it the rate
 } lac_load;
 
@@ -109,11 +109,12 @@ typedef struct lac_load_kind {
     bool (*bends)(const void *params);
     /// Of the mean slip, which it brings [Pa/m]. NULL: none.
     double (*stiffness)(const void *params);
-    /// Makes what the load needs besides its parameters, such as the data of a file. NULL: nothing.
+    size_t state_size; ///< of what it needs besides its parameters; 0: nothing
+    /// Fills that state, which is zero: the data of a file. NULL: nothing to do.
     /// @return LAC_OK; LAC_EINPUT; LAC_EIO; LAC_ENOMEM
-    lac_status (*prepare)(const void *params, const lac_load_clock *clock, void **state,
+    lac_status (*prepare)(const void *params, const lac_load_clock *clock, void *state,
                           lac_error *err);
-    void (*release)(void *state);
+    void (*release)(void *state); ///< frees what the state holds, also where `prepare` failed
     /// Its stress or pressure at time t [s since the start of the run]. NULL: `add` tells.
     lac_signal (*signal)(const lac_load *load, double t);
     /// Adds what is no such stress.
@@ -134,12 +135,21 @@ typedef struct lac_load_kind {
     double (*longest_step)(const lac_load *load, double t);
 } lac_load_kind;
 
+/// Makes the state of a load ready, and frees it again; *state is freed where it fails.
+lac_status lac_load_prepare(const lac_load_kind *kind, const void *params,
+                            const lac_load_clock *clock, void **state, lac_error *err);
+void lac_load_release(const lac_load_kind *kind, void *state);
+
 /// The loads of a scene.
 typedef struct lac_load_set {
     lac_load *load; ///< [count]: forces, then pore pressures, then normal stresses
     size_t count, shear, pore;
-    double *shape; ///< [contact cells] C^-1 1, its mean 1, owned; NULL where lac_load_set_is_shaped
-                   ///< is false. Whoever knows the contact fills it: lac_transfer_tied
+    bool bends;    ///< one of them is not linear in time between its breaks
+    bool changes;  ///< one of them is not the same at all times
+    bool shaped;   ///< one of them is shared as C^-1 1, and needs `shape`
+    bool varies;   ///< one of them differs from cell to cell, and needs `places`
+    double *shape; ///< [contact cells] C^-1 1, its mean 1, owned; NULL where not `shaped`. Whoever
+                   ///< knows the contact fills it: lac_transfer_tied
     lac_load_places places; ///< of the cells where a load differs between them: lac_load_set_place
     lac_geometry *geometry; ///< of a base that bends, owned; NULL: the load follows time alone
     double length;          ///< of the mass on it along its dip [m]
@@ -180,18 +190,8 @@ lac_share lac_load_models_share(const lac_model *model);
 /// The azimuth that a case names of a load [rad]; NaN: none.
 double lac_load_model_azimuth(const lac_model *model);
 
-/// Whether a load that a case names, or each of a set, is linear in time between its breaks.
+/// Whether a load that a case names is linear in time between its breaks.
 bool lac_load_model_is_linear(const lac_model *model);
-bool lac_load_set_is_linear(const lac_load_set *set);
-
-/// Whether all loads of the set are the same at all times.
-bool lac_load_set_is_constant(const lac_load_set *set);
-
-/// Whether a load of the set is shared as C^-1 1, so that it needs `shape`.
-bool lac_load_set_is_shaped(const lac_load_set *set);
-
-/// Whether a load of the set differs from cell to cell, so that it needs `places`.
-bool lac_load_set_varies(const lac_load_set *set);
 
 /// Tells the loads where the cells are; nothing to do where none differs between them. An error
 /// says which load.
@@ -201,8 +201,7 @@ lac_status lac_load_set_place(lac_load_set *set, const lac_load_places *places, 
 /// Q over the nominal area, springs' slip apart, under the mean normal stress `pressure` [Pa].
 double lac_load_shear(const lac_load_state *state, double pressure);
 
-/// Whether the set holds a pore pressure; a normal stress.
-bool lac_load_set_has_pore(const lac_load_set *set);
+/// Whether the set holds a normal stress.
 bool lac_load_set_presses(const lac_load_set *set);
 
 /// What the loads that all cells feel alike take off the normal stress [Pa].

@@ -27,7 +27,6 @@ static void release(void *p)
     series_state *state = p;
     lac_readings_clear(&state->readings);
     free(state->slope);
-    free(state);
 }
 
 static double secant(const lac_readings *r, size_t i)
@@ -62,49 +61,32 @@ static lac_status smooth(series_state *state, lac_error *err)
     return LAC_OK;
 }
 
-static lac_status prepare_as(const char *si, const void *p, const lac_load_clock *clock, void **out,
-                             lac_error *err)
+static lac_status prepare_as(const char *si, const series_params *s, const lac_load_clock *clock,
+                             series_state *state, lac_error *err)
 {
-    const series_params *s = p;
     const lac_readings_def def = {.path = s->file,
                                   .time = s->time,
                                   .column = s->value,
                                   .per = s->per,
                                   .si = si,
                                   .offset = s->offset};
-    lac_status status = LAC_OK;
-    series_state *state = calloc(1, sizeof *state);
-    LAC_FAIL_MEMORY_IF(state == NULL, err);
-    LAC_TRY(lac_readings_read(&def, clock,
-                              s->outside == REFUSE ? ", or say outside: hold or zero" : NULL,
-                              &state->readings, err));
-    if (s->interpolation == SMOOTH) {
-        LAC_TRY(smooth(state, err));
-    }
-    *out = state;
-    state = NULL;
-out:
-    if (state != NULL) {
-        release(state);
-    }
-    return status;
+    const char *remedy = s->outside == REFUSE ? ", or say outside: hold or zero" : NULL;
+    LAC_TRY_RETURN(lac_readings_read(&def, clock, remedy, &state->readings, err));
+    return s->interpolation == SMOOTH ? smooth(state, err) : LAC_OK;
 }
 
-static lac_status prepare(const void *p, const lac_load_clock *clock, void **out, lac_error *err)
+static lac_status prepare(const void *p, const lac_load_clock *clock, void *state, lac_error *err)
 {
-    return prepare_as("Pa", p, clock, out, err);
+    return prepare_as("Pa", p, clock, state, err);
 }
 
-// Value and rate between readings i and i + 1.
+// Value and rate of the smooth curve between readings i and i + 1.
 static lac_signal between(const series_state *state, size_t i, double t)
 {
     const lac_readings *r = &state->readings;
     double h = r->t[i + 1] - r->t[i];
     double x = (t - r->t[i]) / h;
     double rise = r->value[i + 1] - r->value[i];
-    if (state->slope == NULL) {
-        return (lac_signal){r->value[i] + x * rise, rise / h};
-    }
     // Cubic Hermite: what the ends' slopes have beyond the secant
     double first = h * state->slope[i] - rise;
     double last = h * state->slope[i + 1] - rise;
@@ -116,13 +98,12 @@ static lac_signal between(const series_state *state, size_t i, double t)
 static lac_signal look(const series_params *s, const series_state *state, double t)
 {
     const lac_readings *r = &state->readings;
-    bool before = t < r->t[0];
-    bool after = t >= r->t[r->n - 1];
-    if (before || after) {
-        double held = s->outside == ZERO ? 0.0 : r->value[before ? 0 : r->n - 1];
-        return (lac_signal){held, 0.0};
+    const bool outside = t < r->t[0] || t >= r->t[r->n - 1];
+    if (outside && s->outside == ZERO) {
+        return (lac_signal){0.0, 0.0};
     }
-    return between(state, lac_readings_before(r->t, r->n, t), t);
+    return outside || state->slope == NULL ? lac_readings_at(r, t)
+                                           : between(state, lac_readings_before(r->t, r->n, t), t);
 }
 
 static lac_signal series_at(const lac_load *load, double t)
@@ -132,11 +113,11 @@ static lac_signal series_at(const lac_load *load, double t)
     return (lac_signal){scale * signal.value, scale * signal.rate};
 }
 
-static lac_status prepare_machine(const void *p, const lac_load_clock *clock, void **out,
+static lac_status prepare_machine(const void *p, const lac_load_clock *clock, void *at,
                                   lac_error *err)
 {
-    LAC_TRY_RETURN(prepare_as("m", p, clock, out, err));
-    series_state *state = *out;
+    series_state *state = at;
+    LAC_TRY_RETURN(prepare_as("m", p, clock, state, err));
     state->from = look(p, state, 0.0).value;
     return LAC_OK;
 }
@@ -196,16 +177,21 @@ static const lac_param params[] = {
     LAC_SHARE_ROW(series_params, share),
 };
 
-const lac_load_kind lac_shear_series = {
-    .info = LAC_ABOUT("series", "shear stress read from a file: recorded shaking, tremor",
-                      "Steffen (1990) Astron. Astrophys. 239, 443 (smooth)",
-                      LAC_ROWS(params, series_params)),
-    .prepare = prepare,
-    .release = release,
-    .signal = series_at,
-    .next_break = next_break,
-    .longest_step = longest_step,
-};
+#define SERIES(row, text, rows)                                                                  \
+    const lac_load_kind row = {                                                                  \
+        .info = LAC_ABOUT("series", text, "Steffen (1990) Astron. Astrophys. 239, 443 (smooth)", \
+                          rows(params, series_params)),                                          \
+        .state_size = sizeof(series_state),                                                      \
+        .prepare = prepare,                                                                      \
+        .release = release,                                                                      \
+        .signal = series_at,                                                                     \
+        .next_break = next_break,                                                                \
+        .longest_step = longest_step,                                                            \
+    }
+
+SERIES(lac_shear_series, "shear stress read from a file: recorded shaking, tremor", LAC_ROWS);
+SERIES(lac_pore_series, "pore pressure read from a file: a piezometer", LAC_PORE_ROWS);
+SERIES(lac_pressing_series, "normal stress read from a file: a fill, a dig, tides", LAC_PORE_ROWS);
 
 static const lac_param machine_rows[] = {
     LAC_PATH("file", offsetof(series_params, file), 0, "CSV with a header, or netCDF"),
@@ -229,32 +215,11 @@ const lac_load_kind lac_shear_machine = {
                       "file says: velocity steps",
                       "Dieterich (1979) J. Geophys. Res. 84, 2161, doi 10.1029/JB084iB05p02161",
                       LAC_ROWS(machine_rows, series_params)),
+    .state_size = sizeof(series_state),
     .prepare = prepare_machine,
     .release = release,
     .stiffness = stiffness_of,
     .add = add_machine,
-    .next_break = next_break,
-    .longest_step = longest_step,
-};
-
-const lac_load_kind lac_pore_series = {
-    .info = LAC_ABOUT("series", "pore pressure read from a file: a piezometer",
-                      "Steffen (1990) Astron. Astrophys. 239, 443 (smooth)",
-                      LAC_PORE_ROWS(params, series_params)),
-    .prepare = prepare,
-    .release = release,
-    .signal = series_at,
-    .next_break = next_break,
-    .longest_step = longest_step,
-};
-
-const lac_load_kind lac_pressing_series = {
-    .info = LAC_ABOUT("series", "normal stress read from a file: a fill, a dig, tides",
-                      "Steffen (1990) Astron. Astrophys. 239, 443 (smooth)",
-                      LAC_PORE_ROWS(params, series_params)),
-    .prepare = prepare,
-    .release = release,
-    .signal = series_at,
     .next_break = next_break,
     .longest_step = longest_step,
 };

@@ -148,6 +148,17 @@ void lac_readings_clear(lac_readings *readings)
     *readings = (lac_readings){0};
 }
 
+lac_signal lac_readings_at(const lac_readings *r, double t)
+{
+    if (t < r->t[0] || t >= r->t[r->n - 1]) {
+        return (lac_signal){r->value[t < r->t[0] ? 0 : r->n - 1], 0.0};
+    }
+    const size_t i = lac_readings_before(r->t, r->n, t);
+    const double h = r->t[i + 1] - r->t[i];
+    const double rise = r->value[i + 1] - r->value[i];
+    return (lac_signal){r->value[i] + (t - r->t[i]) / h * rise, rise / h};
+}
+
 size_t lac_readings_before(const double *t, size_t n, double at)
 {
     return n > 0 && t[0] <= at ? gsl_interp_bsearch(t, at, 0, n) : SIZE_MAX;

@@ -44,11 +44,7 @@ typedef struct water {
     double time;   // or by diffusion: distance^2/(4 diffusivity) [s]; NaN: not
 } water;
 
-static void release(void *p)
-{
-    free(((water *)p)->t);
-    free(p);
-}
+static void release(void *p) { free(((water *)p)->t); }
 
 // Appends a piece that begins at t, later than the one before. @param seen  what is read
 static void add_piece(water *w, double t, lac_signal drive, lac_signal seen)
@@ -139,16 +135,15 @@ static double next_break(const lac_load *load, double t)
 
 // Reads what drives and makes room for twice its pieces; @param remedy  what `outside` may say
 static lac_status begin(const water_params *s, const lac_load_clock *clock, const char *remedy,
-                        double lag, lac_readings *readings, water **out, lac_error *err)
+                        double lag, lac_readings *readings, water *w, lac_error *err)
 {
     const lac_readings_def def = {
         .path = s->file, .time = s->time, .column = s->column, .si = "m", .offset = s->offset};
     LAC_TRY_RETURN(
         lac_readings_read(&def, clock, s->outside == REFUSE ? remedy : NULL, readings, err));
     const size_t room = 2 * readings->n + 1;
-    water *w = calloc(1, sizeof *w);
-    *out = w;
-    LAC_FAIL_MEMORY_IF(w == NULL || (w->t = malloc(6 * room * sizeof *w->t)) == NULL, err);
+    w->t = malloc(6 * room * sizeof *w->t);
+    LAC_FAIL_MEMORY_IF(w->t == NULL, err);
     w->drive = w->t + room;
     w->slope = w->drive + room;
     w->u = w->slope + room;
@@ -157,18 +152,6 @@ static lac_status begin(const water_params *s, const lac_load_clock *clock, cons
     w->lag = lag;
     w->time = NAN;
     return LAC_OK;
-}
-
-// Gives the state to the load, or back where it could not be made.
-static lac_status end(lac_status status, lac_readings *readings, water *made, void **out)
-{
-    lac_readings_clear(readings);
-    if (status == LAC_OK) {
-        *out = made;
-    } else if (made != NULL) {
-        release(made);
-    }
-    return status;
 }
 
 // Pressure of the water that stands above the interface.
@@ -207,19 +190,20 @@ static void add_levels(const reservoir_params *s, const lac_readings *r, water *
     settle(out, pressure_of(s, r->value[0]));
 }
 
-static lac_status fill_reservoir(const void *p, const lac_load_clock *clock, void **out,
+static lac_status fill_reservoir(const void *p, const lac_load_clock *clock, void *state,
                                  lac_error *err)
 {
     const reservoir_params *s = p;
     lac_readings readings = {0};
-    water *w = NULL;
+    water *w = state;
     lac_status status = begin(&s->water, clock, ", or say outside: hold",
-                              isnan(s->lag) ? 0.0 : s->lag, &readings, &w, err);
+                              isnan(s->lag) ? 0.0 : s->lag, &readings, w, err);
     if (status == LAC_OK) {
         add_levels(s, &readings, w);
         w->time = 0.25 * s->distance / s->diffusivity * s->distance;
     }
-    return end(status, &readings, w, out);
+    lac_readings_clear(&readings);
+    return status;
 }
 
 // When the rain of reading i fell. False where that is not known: before the first, after the last.
@@ -268,17 +252,17 @@ static lac_status add_rains(const rain_params *s, const lac_readings *r, water *
     return LAC_OK;
 }
 
-static lac_status fill_rain(const void *p, const lac_load_clock *clock, void **out, lac_error *err)
+static lac_status fill_rain(const void *p, const lac_load_clock *clock, void *state, lac_error *err)
 {
     const rain_params *s = p;
     lac_readings readings = {0};
-    water *w = NULL;
     lac_status status =
-        begin(&s->water, clock, ", or say outside: dry", s->drain, &readings, &w, err);
+        begin(&s->water, clock, ", or say outside: dry", s->drain, &readings, state, err);
     if (status == LAC_OK) {
-        status = add_rains(s, &readings, w, err);
+        status = add_rains(s, &readings, state, err);
     }
-    return end(status, &readings, w, out);
+    lac_readings_clear(&readings);
+    return status;
 }
 
 static const char *fault(const void *p)
@@ -337,6 +321,7 @@ const lac_load_kind lac_pore_reservoir = {
                       "water of a lake, at once, with a lag, or diffusing through the rock",
                       "Carslaw & Jaeger (1959) Conduction of Heat in Solids, 2.4 (diffusion)",
                       LAC_ROWS(reservoir_rows, reservoir_params), .validate = fault),
+    .state_size = sizeof(water),
     .prepare = fill_reservoir,
     .release = release,
     .driver = &lake_level,
@@ -368,6 +353,7 @@ static const lac_param rain_rows[] = {
 const lac_load_kind lac_pore_rain = {
     .info = LAC_ABOUT("rain", "water that rain brings and that drains in its own time",
                       "docs/theory/loads.md, \"Pore pressure\"", LAC_ROWS(rain_rows, rain_params)),
+    .state_size = sizeof(water),
     .prepare = fill_rain,
     .release = release,
     .driver = &rain_fall,

@@ -28,28 +28,18 @@ static void release(void *p)
     table_state *state = p;
     lac_readings_clear(&state->level);
     free(state->column);
-    free(state);
 }
 
-static lac_status prepare(const void *params, const lac_load_clock *clock, void **out,
+static lac_status prepare(const void *params, const lac_load_clock *clock, void *state,
                           lac_error *err)
 {
     const table_params *p = params;
     const lac_readings_def def = {
         .path = p->file, .time = p->time, .column = p->column, .si = "m", .offset = p->offset};
-    table_state *state = calloc(1, sizeof *state);
-    LAC_FAIL_MEMORY_IF(state == NULL, err);
-    lac_status status = LAC_OK;
-    if (p->file != NULL) {
-        const char *remedy = p->outside == REFUSE ? ", or say outside: hold" : NULL;
-        status = lac_readings_read(&def, clock, remedy, &state->level, err);
-    }
-    if (status != LAC_OK) {
-        release(state);
-        return status;
-    }
-    *out = state;
-    return LAC_OK;
+    const char *remedy = p->outside == REFUSE ? ", or say outside: hold" : NULL;
+    return p->file == NULL
+               ? LAC_OK
+               : lac_readings_read(&def, clock, remedy, &((table_state *)state)->level, err);
 }
 
 // Elevations of the columns: slip is along x, downwards.
@@ -222,6 +212,7 @@ const lac_load_kind lac_pore_water_table = {
     .linear = true,
     .bends = has_fringe,
     .driver = &water_level,
+    .state_size = sizeof(table_state),
     .prepare = prepare,
     .release = release,
     .cells = add_table,
@@ -264,6 +255,7 @@ const lac_load_kind lac_pore_toe = {
                       LAC_ROWS(toe_rows, table_params), .validate = fault),
     .on_base = true,
     .driver = &lake_level,
+    .state_size = sizeof(table_state),
     .prepare = prepare,
     .release = release,
     .add = add_toe,

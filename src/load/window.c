@@ -71,33 +71,20 @@ static const lac_param ramp_rows[] = {
     LAC_SHARE_ROW(ramp_params, share),
 };
 
-const lac_load_kind lac_shear_ramp = {
-    .info = LAC_ABOUT("ramp", "shear stress that changes at a constant rate between two times",
-                      "Dieterich (1994) J. Geophys. Res. 99, 2601, doi 10.1029/93JB02581 (constant "
-                      "stressing rate)",
-                      LAC_ROWS(ramp_rows, ramp_params), .validate = fault),
-    .linear = true,
-    .signal = ramp_at,
-    .next_break = next_break,
-};
+#define RAMP(row, what, source, rows)                                                        \
+    const lac_load_kind row = {                                                              \
+        .info = LAC_ABOUT("ramp", what " that changes at a constant rate between two times", \
+                          source, rows(ramp_rows, ramp_params), .validate = fault),          \
+        .linear = true,                                                                      \
+        .signal = ramp_at,                                                                   \
+        .next_break = next_break,                                                            \
+    }
 
-const lac_load_kind lac_pore_ramp = {
-    .info = LAC_ABOUT("ramp", "pore pressure that changes at a constant rate between two times",
-                      "docs/theory/loads.md, \"Pore pressure\"",
-                      LAC_PORE_ROWS(ramp_rows, ramp_params), .validate = fault),
-    .linear = true,
-    .signal = ramp_at,
-    .next_break = next_break,
-};
-
-const lac_load_kind lac_pressing_ramp = {
-    .info =
-        LAC_ABOUT("ramp", "normal stress that changes at a constant rate between two times",
-                  LAC_PRESSING_SOURCE, LAC_PORE_ROWS(ramp_rows, ramp_params), .validate = fault),
-    .linear = true,
-    .signal = ramp_at,
-    .next_break = next_break,
-};
+RAMP(lac_shear_ramp, "shear stress",
+     "Dieterich (1994) J. Geophys. Res. 99, 2601, doi 10.1029/93JB02581 (constant stressing rate)",
+     LAC_ROWS);
+RAMP(lac_pore_ramp, "pore pressure", "docs/theory/loads.md, \"Pore pressure\"", LAC_PORE_ROWS);
+RAMP(lac_pressing_ramp, "normal stress", LAC_PRESSING_SOURCE, LAC_PORE_ROWS);
 
 // value from `at` to `until`
 static lac_signal step_at(const lac_load *load, double t)
@@ -122,33 +109,19 @@ static const lac_param step_rows[] = {
     LAC_SHARE_ROW(step_params, share),
 };
 
-const lac_load_kind lac_shear_step = {
-    .info =
-        LAC_ABOUT("step", "shear stress that comes at a stated time, for good or for a while",
-                  "Dieterich (1994) J. Geophys. Res. 99, 2601, doi 10.1029/93JB02581 (stress step)",
-                  LAC_ROWS(step_rows, step_params), .validate = step_fault),
-    .linear = true,
-    .signal = step_at,
-    .next_break = next_break,
-};
+#define STEP(row, what, source, rows)                                                           \
+    const lac_load_kind row = {                                                                 \
+        .info = LAC_ABOUT("step", what " that comes at a stated time, for good or for a while", \
+                          source, rows(step_rows, step_params), .validate = step_fault),        \
+        .linear = true,                                                                         \
+        .signal = step_at,                                                                      \
+        .next_break = next_break,                                                               \
+    }
 
-const lac_load_kind lac_pore_step = {
-    .info = LAC_ABOUT("step", "pore pressure that comes at a stated time, for good or for a while",
-                      "docs/theory/loads.md, \"Triggering\"", LAC_PORE_ROWS(step_rows, step_params),
-                      .validate = step_fault),
-    .linear = true,
-    .signal = step_at,
-    .next_break = next_break,
-};
-
-const lac_load_kind lac_pressing_step = {
-    .info = LAC_ABOUT("step", "normal stress that comes at a stated time, for good or for a while",
-                      LAC_PRESSING_SOURCE, LAC_PORE_ROWS(step_rows, step_params),
-                      .validate = step_fault),
-    .linear = true,
-    .signal = step_at,
-    .next_break = next_break,
-};
+STEP(lac_shear_step, "shear stress",
+     "Dieterich (1994) J. Geophys. Res. 99, 2601, doi 10.1029/93JB02581 (stress step)", LAC_ROWS);
+STEP(lac_pore_step, "pore pressure", "docs/theory/loads.md, \"Triggering\"", LAC_PORE_ROWS);
+STEP(lac_pressing_step, "normal stress", LAC_PRESSING_SOURCE, LAC_PORE_ROWS);
 
 // amplitude sin(2 pi (t - start)/period + phase) from start to end
 static lac_signal sine_at(const lac_load *load, double t)
@@ -182,32 +155,16 @@ static const lac_param sine_rows[] = {
     LAC_SHARE_ROW(sine_params, share),
 };
 
-const lac_load_kind lac_shear_sine = {
-    .info =
-        LAC_ABOUT("sine", "shear stress that swings, as tides and machines make it",
-                  "Beeler & Lockner (2003) J. Geophys. Res. 108, 2391, doi 10.1029/2001JB001518",
-                  LAC_ROWS(sine_rows, sine_params), .validate = fault),
-    .signal = sine_at,
-    .next_break = next_break,
-    .longest_step = longest_step,
-};
+#define SINE(row, text, source, rows)                                                             \
+    const lac_load_kind row = {                                                                   \
+        .info = LAC_ABOUT("sine", text, source, rows(sine_rows, sine_params), .validate = fault), \
+        .signal = sine_at,                                                                        \
+        .next_break = next_break,                                                                 \
+        .longest_step = longest_step,                                                             \
+    }
+#define PERFETTINI "Perfettini et al. (2001) J. Geophys. Res. 106, 13455, doi 10.1029/2000JB900366"
 
-const lac_load_kind lac_pore_sine = {
-    .info =
-        LAC_ABOUT("sine", "pore pressure that swings, as the seasons make it",
-                  "Perfettini et al. (2001) J. Geophys. Res. 106, 13455, doi 10.1029/2000JB900366",
-                  LAC_PORE_ROWS(sine_rows, sine_params), .validate = fault),
-    .signal = sine_at,
-    .next_break = next_break,
-    .longest_step = longest_step,
-};
-
-const lac_load_kind lac_pressing_sine = {
-    .info =
-        LAC_ABOUT("sine", "normal stress that swings, as tides make it",
-                  "Perfettini et al. (2001) J. Geophys. Res. 106, 13455, doi 10.1029/2000JB900366",
-                  LAC_PORE_ROWS(sine_rows, sine_params), .validate = fault),
-    .signal = sine_at,
-    .next_break = next_break,
-    .longest_step = longest_step,
-};
+SINE(lac_shear_sine, "shear stress that swings, as tides and machines make it",
+     "Beeler & Lockner (2003) J. Geophys. Res. 108, 2391, doi 10.1029/2001JB001518", LAC_ROWS);
+SINE(lac_pore_sine, "pore pressure that swings, as the seasons make it", PERFETTINI, LAC_PORE_ROWS);
+SINE(lac_pressing_sine, "normal stress that swings, as tides make it", PERFETTINI, LAC_PORE_ROWS);

@@ -162,7 +162,7 @@ static lac_status load_at_start(const lac_initial_def *initial, const lac_load_s
     at->elastic = (load.elastic + load.elastic_ratio * mean) * to_cells;
     at->shape = loads->shape;
     at->share = 1.0 - lac_load_taken(&load) / mean;
-    const bool varies = lac_load_set_varies(loads);
+    const bool varies = loads->varies;
     LAC_TRY_RETURN(varies ? shares_at_start(loads, &load, mean, at, err) : LAC_OK);
     LAC_FAIL_IF(!varies && !(at->share > 0.0), err, LAC_EINPUT,
                 "pore pressure %g Pa is not below the normal pressure %g Pa at the start",

@@ -111,8 +111,7 @@ static lac_status check_solvable(const lac_problem *problem, size_t n, lac_error
 // Whoever made the loads knows the contact, and with it how elastic rock shares a force.
 static lac_status check_shape(const lac_problem *problem, lac_error *err)
 {
-    LAC_FAIL_IF(lac_load_set_is_shaped(&problem->loads) && problem->loads.shape == NULL, err,
-                LAC_EINPUT,
+    LAC_FAIL_IF(problem->loads.shaped && problem->loads.shape == NULL, err, LAC_EINPUT,
                 "a load is shared as elastic rock does, but its shape over the cells is not given");
     return LAC_OK;
 }
@@ -187,7 +186,7 @@ lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac
     problem->least_direct = least_of(&problem->friction->column[LAC_A], def->domain->n);
     problem->bond = problem->friction->cohesion / problem->mean_pressure;
     problem->kind = lac_formulation_kind_of(def->formulation);
-    problem->varies = lac_load_set_varies(&problem->loads);
+    problem->varies = problem->loads.varies;
     problem->safety = def->safety;
     problem->weak = def->weakening != NULL && def->weakening->count > 0 ? def->weakening : NULL;
     lac_load_evaluate(&problem->loads, 0.0, &problem->at_start);
@@ -211,8 +210,7 @@ lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac
                      problem->at_start.pore, problem->mean_pressure + problem->at_start.normal);
         goto out;
     }
-    problem->still = !problem->varies && problem->loads.geometry == NULL &&
-                     lac_load_set_is_constant(&problem->loads);
+    problem->still = !problem->varies && problem->loads.geometry == NULL && !problem->loads.changes;
     fill_traction(problem);
     if (problem->kind->has_slip) {
         LAC_TRY(measure_stiffness(problem, err));
@@ -448,5 +446,5 @@ lac_problem_parts lac_problem_parts_of(const lac_problem *problem)
                                .damping = {.cell = problem->damping,
                                            .mean = problem->mean_damping,
                                            .shared = problem->drag},
-                               .linear = lac_load_set_is_linear(&problem->loads)};
+                               .linear = !problem->loads.bends};
 }

@@ -21,7 +21,7 @@ LAC_GETTER(double, pore_pressure, PLACE,
                lac_grid_area(&p->of.domain->grid))
 #define WEAKENS(how) (p->of.weakening != NULL && p->of.weakening->how)
 LAC_GETTER(bool, has_pore_pressure, PLACE,
-           (p->of.loads != NULL && lac_load_set_has_pore(p->of.loads)) || WEAKENS(pore))
+           (p->of.loads != NULL && p->of.loads->pore > 0) || WEAKENS(pore))
 LAC_GETTER(bool, has_excess, PLACE, WEAKENS(pore))
 LAC_GETTER(bool, is_warm, PLACE, WEAKENS(warm))
 LAC_GETTER(bool, has_bridges, PLACE, WEAKENS(bridges))

@@ -402,7 +402,7 @@ static lac_status add_corners(const lac_grid *grid, lac_load_set *loads, lac_loa
     const uint32_t corners[] = {0, row, last - row, last};
     const lac_load_places places = {grid, corners, 4};
     double value[4], rate[4];
-    if (!lac_load_set_varies(loads)) {
+    if (!loads->varies) {
         return LAC_OK;
     }
     LAC_TRY_RETURN(lac_load_set_place(loads, &places, err));

@@ -280,7 +280,7 @@ static lac_status check_source(const lac_lump_source *s, lac_error *err)
     LAC_FAIL_IF(kind->blocks == NULL && whole->domain->n > 1, err, LAC_EINPUT,
                 "solver.fidelity lumped goes with transfer hierarchy, not with %s",
                 kind->info.name);
-    LAC_FAIL_IF(lac_load_set_varies(&whole->loads), err, LAC_EINPUT,
+    LAC_FAIL_IF(whole->loads.varies, err, LAC_EINPUT,
                 "solver.fidelity lumped knows no load that differs from cell to cell");
     return LAC_OK;
 }

@@ -393,7 +393,7 @@ static lac_status find_share(const lac_case *c, double time, double *share, lac_
     }
     LAC_TRY_RETURN(lac_load_set_create(&models, &clock, &loads, err));
     lac_load_evaluate(&loads, time, &at);
-    const bool varies = lac_load_set_varies(&loads);
+    const bool varies = loads.varies;
     lac_load_set_clear(&loads);
     LAC_FAIL_IF(varies, err, LAC_EINPUT,
                 "load.%s: differs from cell to cell, which rg does not follow",

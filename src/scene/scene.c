@@ -210,7 +210,7 @@ static lac_status make_motion(lac_scene *scene, lac_error *err)
 static lac_status share_loads(const lac_case *c, const lac_transfer_scene *from,
                               lac_load_set *loads, lac_error *err)
 {
-    if (!lac_load_set_is_shaped(loads)) {
+    if (!loads->shaped) {
         return LAC_OK;
     }
     loads->shape = malloc(from->domain->n * sizeof *loads->shape);

@@ -164,7 +164,7 @@ static void ready_clear(ready *r)
 static void add_cell(const lac_load_set *set, double t, lac_load_state *sum)
 {
     double value[6], rate[6];
-    if (!lac_load_set_varies(set)) {
+    if (!set->varies) {
         return;
     }
     const lac_load_state alike = *sum;
@@ -202,6 +202,7 @@ static sample sample_at(const lac_load *load, double t)
                               .count = 1,
                               .shear = now == OF_SHEAR,
                               .pore = now == OF_PORE,
+                              .varies = load->kind->cells != NULL,
                               .places = places};
     lac_load_evaluate(&set, t, &sum);
     add_cell(&set, t, &sum);
@@ -358,7 +359,7 @@ static void check_share(const lac_load_kind *kind)
             test_slot_set(&model, "share", share);
             assert_int_equal(lac_load_models_share(&model), share);
             lac_load_set set = test_load_set(&(lac_load_models){.shear = &model, .shear_count = 1});
-            assert_true(lac_load_set_is_shaped(&set) == (share == LAC_SHARE_ELASTIC));
+            assert_true(set.shaped == (share == LAC_SHARE_ELASTIC));
             lac_load_evaluate(&set, 5, &seen[share]);
             lac_load_set_clear(&set);
         }

@@ -41,13 +41,11 @@ static lac_status try_loads(findings *f, const char *list, const lac_model_list 
     for (size_t i = 0; i < models->count && status == LAC_OK; i++) {
         const lac_model *model = &models->item[i];
         const lac_load_kind *kind = (const void *)model->info;
-        void *state = NULL;
+        void *state;
         lac_error why = {""};
         char key[100];
-        status = kind->prepare == NULL ? LAC_OK : kind->prepare(model->params, clock, &state, &why);
-        if (state != NULL) {
-            kind->release(state);
-        }
+        status = lac_load_prepare(kind, model->params, clock, &state, &why);
+        lac_load_release(kind, state);
         LAC_FAIL_MEMORY_IF(status == LAC_ENOMEM, err);
         (void)snprintf(key, sizeof key, "load.%s.%zu.%s", list, i, kind->info.name);
         status = status == LAC_OK ? status : add_finding(f, key, &why, status, err);

@@ -47,7 +47,7 @@ static double apparent_friction(const lac_record *record)
 // NaN: there is no water, or no record.
 static double effective_ratio(const cli_outcome *outcome, const lac_record *record)
 {
-    const bool wet = lac_load_set_has_pore(&outcome->of->scene->loads);
+    const bool wet = outcome->of->scene->loads.pore > 0;
     return wet ? record->observation.shear_force / record->observation.effective_force : NAN;
 }
 
@@ -257,7 +257,7 @@ void cli_outcome_print(const cli_outcome *outcome)
                 apparent_friction(&outcome->history.first),
                 apparent_friction(&outcome->history.last));
     }
-    if (outcome->history.begun && lac_load_set_has_pore(&outcome->of->scene->loads)) {
+    if (outcome->history.begun && outcome->of->scene->loads.pore > 0) {
         cli_row("effective ratio", "%.4g at the start, %.4g at the end",
                 effective_ratio(outcome, &outcome->history.first),
                 effective_ratio(outcome, &outcome->history.last));
@@ -298,7 +298,7 @@ static void write_safety(lac_json *json, const cli_outcome *outcome)
 {
     const lac_safety_summary *s = &outcome->of->run.safety;
     const cli_history *history = &outcome->history;
-    if (lac_load_set_has_pore(&outcome->of->scene->loads)) {
+    if (outcome->of->scene->loads.pore > 0) {
         lac_json_number(json, "initial_effective_ratio", effective_ratio(outcome, &history->first));
         lac_json_number(json, "effective_ratio", effective_ratio(outcome, &history->last));
     }
