@@ -61,10 +61,12 @@ lac_status lac_analysis_create(const lac_analysis_scene *scene, size_t count,
     a->indicator = calloc(count + 1, sizeof *a->indicator);
     a->first = calloc(count + 1, sizeof *a->first);
     LAC_TRY(a->indicator != NULL && a->first != NULL ? LAC_OK : lac_fail_memory(err));
-    for (; a->n < count; a->n++) {
-        lac_indicator *indicator = &a->indicator[a->n];
-        indicator->kind = (const void *)models[a->n].info; // the first member of the kind
-        LAC_TRY(indicator->kind->create(scene, models[a->n].params, indicator, err));
+    for (size_t i = 0; i < count; i++) {
+        lac_indicator *indicator = &a->indicator[a->n++];
+        indicator->kind = (const void *)models[i].info; // the first member of the kind
+        indicator->state = calloc(1, indicator->kind->state_size);
+        LAC_TRY(indicator->state != NULL ? LAC_OK : lac_fail_memory(err));
+        LAC_TRY(indicator->kind->create(scene, models[i].params, indicator, err));
     }
     LAC_TRY(gather(a, err));
     *out = a;
@@ -80,7 +82,10 @@ void lac_analysis_free(lac_analysis *analysis)
         return;
     }
     for (size_t i = 0; i < analysis->n; i++) {
-        analysis->indicator[i].kind->free(&analysis->indicator[i]);
+        if (analysis->indicator[i].state != NULL) {
+            analysis->indicator[i].kind->clear(analysis->indicator[i].state);
+        }
+        free(analysis->indicator[i].state);
     }
     free(analysis->indicator);
     free(analysis->first);

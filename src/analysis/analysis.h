@@ -75,10 +75,11 @@ typedef struct lac_indicator {
 /// A kind of indicator: something followed while a run goes on.
 typedef struct lac_indicator_kind {
     lac_model_info info;
-    /// Fills in state, extra and once.
+    size_t state_size;
+    /// Fills in the state, which is zero, extra and once.
     lac_status (*create)(const lac_analysis_scene *scene, const void *params, lac_indicator *self,
                          lac_error *err);
-    void (*free)(lac_indicator *self);
+    void (*clear)(void *state); ///< frees what it holds, also where `create` failed
     /// Looks at a step; the events that end go to `next`. NULL: steps do not matter, and events
     /// never come.
     lac_status (*step)(lac_indicator *self, const lac_step *step, const lac_sink *next,

@@ -21,11 +21,9 @@ lac_status lac_catalogue_create(const lac_domain *domain, double rise, double fa
     out->event = calloc(4 * n + domain->grid.nx + domain->grid.ny, sizeof *out->event);
     out->change = malloc(n * sizeof *out->change);
     const bool past = lac_crest_create(n, &out->past, err) == LAC_OK;
-    if (!past || out->neighbour == NULL || out->slip == NULL || out->moves == NULL ||
-        out->event == NULL || out->change == NULL) {
-        lac_catalogue_clear(out);
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(!past || out->neighbour == NULL || out->slip == NULL || out->moves == NULL ||
+                           out->event == NULL || out->change == NULL,
+                       err);
     out->slip_at_rise = out->slip + n;
     out->active = out->event + n;
     out->place = out->active + n;
@@ -49,19 +47,6 @@ void lac_catalogue_clear(lac_catalogue *c)
     free(c->event);
     free(c->change);
     *c = (lac_catalogue){0};
-}
-
-static lac_status make_room(lac_open_event *e, size_t more, lac_error *err)
-{
-    if (e->count + more <= e->room) {
-        return LAC_OK;
-    }
-    size_t room = 2 * e->room > e->count + more ? 2 * e->room : e->count + more + 3;
-    uint32_t *grown = realloc(e->cells, room * sizeof *grown);
-    LAC_FAIL_MEMORY_IF(grown == NULL, err);
-    e->cells = grown;
-    e->room = room;
-    return LAC_OK;
 }
 
 static lac_status add_places(lac_catalogue *c, lac_error *err)
@@ -116,7 +101,7 @@ static lac_status merge(lac_catalogue *c, uint32_t *into, uint32_t from, lac_err
         from = other;
     }
     lac_open_event *a = &c->open[*into], *b = &c->open[from];
-    LAC_TRY_RETURN(make_room(a, b->count, err));
+    LAC_TRY_RETURN(lac_grow(&a->cells, &a->room, a->count + b->count, sizeof *a->cells, err));
     if (older(b, a)) {
         a->origin = b->origin;
         a->local = b->local;
@@ -167,7 +152,7 @@ static lac_status begin_motion(lac_catalogue *c, uint32_t cell, double local, do
     }
     lac_open_event *e = &c->open[place];
     if (c->event[cell] != place) {
-        LAC_TRY_RETURN(make_room(e, 1, err));
+        LAC_TRY_RETURN(lac_grow(&e->cells, &e->room, e->count + 1, sizeof *e->cells, err));
         e->cells[e->count++] = cell;
         c->event[cell] = place;
     }

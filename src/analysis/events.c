@@ -23,30 +23,16 @@ typedef struct events {
     lac_analysis_line line[LINES];
 } events;
 
-static void destroy(lac_indicator *self)
-{
-    events *e = self->state;
-    if (e != NULL) {
-        lac_catalogue_clear(&e->catalogue);
-    }
-    free(e);
-    self->state = NULL;
-}
+static void clear(void *state) { lac_catalogue_clear(&((events *)state)->catalogue); }
 
 static lac_status create(const lac_analysis_scene *scene, const void *p, lac_indicator *self,
                          lac_error *err)
 {
     const lac_analysis_events *def = p;
-    events *e = self->state = calloc(1, sizeof *e);
-    LAC_FAIL_MEMORY_IF(e == NULL, err);
+    events *e = self->state;
     e->slip_rate = def->slip_rate;
-    lac_status status =
-        lac_catalogue_create(scene->domain, def->slip_rate, def->slip_rate * def->hold,
-                             scene->shear_modulus, &e->catalogue, err);
-    if (status != LAC_OK) {
-        destroy(self);
-    }
-    return status;
+    return lac_catalogue_create(scene->domain, def->slip_rate, def->slip_rate * def->hold,
+                                scene->shear_modulus, &e->catalogue, err);
 }
 
 static lac_status step(lac_indicator *self, const lac_step *step, const lac_sink *next,
@@ -110,8 +96,9 @@ const lac_indicator_kind lac_indicator_events = {
                       "their end, with moment, size and origin",
                       "Aki (1966), Bull. Earthq. Res. Inst. 44, 73-88, for the moment",
                       LAC_ROWS(params, lac_analysis_events)),
+    .state_size = sizeof(events),
     .create = create,
-    .free = destroy,
+    .clear = clear,
     .step = step,
     .finish = finish,
     .serialize = keep,

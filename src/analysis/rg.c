@@ -106,17 +106,13 @@ static const lac_extra table[EXTRAS] = {
     ONE("run_lambda_high", "upper end of the 95 % interval of run_lambda", NULL),
 };
 
-static void destroy(lac_indicator *self)
+static void clear(void *state)
 {
-    rg *r = self->state;
-    if (r != NULL) {
-        lac_slipping_clear(&r->slipping);
-        lac_slip_blocks_clear(&r->blocks);
-        lac_slip_clusters_clear(&r->clusters);
-        free(r->map.s);
-    }
-    free(r);
-    self->state = NULL;
+    rg *r = state;
+    lac_slipping_clear(&r->slipping);
+    lac_slip_blocks_clear(&r->blocks);
+    lac_slip_clusters_clear(&r->clusters);
+    free(r->map.s);
 }
 
 static void describe(rg *r, lac_indicator *self)
@@ -141,28 +137,22 @@ static lac_status create(const lac_analysis_scene *scene, const void *p, lac_ind
                          lac_error *err)
 {
     const lac_analysis_rg *def = p;
-    lac_status status;
+    rg *r = self->state;
     bool none = isnan(def->slipping_strength) && isnan(def->slipping_rate) &&
                 isnan(def->slipping_rate_ratio);
     double strength = none ? 0.5 * (1.0 + scene->critical.beta) : def->slipping_strength;
-    rg *r = self->state = calloc(1, sizeof *r);
-    LAC_FAIL_MEMORY_IF(r == NULL, err);
     r->critical = scene->critical;
     r->cells = scene->domain->n;
-    LAC_TRY(lac_slipping_create(scene->friction, strength, def->slipping_rate,
-                                def->slipping_rate_ratio, &r->slipping, err));
-    LAC_TRY(lac_slip_blocks_create(scene->hierarchy, &r->blocks, err));
-    LAC_TRY(lac_slip_clusters_create(scene->domain, &r->clusters, err));
+    LAC_TRY_RETURN(lac_slipping_create(scene->friction, strength, def->slipping_rate,
+                                       def->slipping_rate_ratio, &r->slipping, err));
+    LAC_TRY_RETURN(lac_slip_blocks_create(scene->hierarchy, &r->blocks, err));
+    LAC_TRY_RETURN(lac_slip_clusters_create(scene->domain, &r->clusters, err));
     const size_t pairs = STATES * r->blocks.levels;
     r->map.s = malloc((2 * pairs + 1) * sizeof *r->map.s);
-    LAC_TRY(r->map.s != NULL ? LAC_OK : lac_fail_memory(err));
+    LAC_FAIL_MEMORY_IF(r->map.s == NULL, err);
     r->map.s_next = r->map.s + pairs;
     describe(r, self);
-out:
-    if (status != LAC_OK) {
-        destroy(self);
-    }
-    return status;
+    return LAC_OK;
 }
 
 static double slipped(const lac_slip_blocks *b, size_t level)
@@ -356,8 +346,9 @@ const lac_indicator_kind lac_indicator_rg = {
                       "Borri-Brunetto, Carpinteri & Chiaia (2004) Rock Mech. Rock Eng. 37, "
                       "117; docs/theory/rg-in-time.md",
                       LAC_ROWS(params, lac_analysis_rg), .validate = fault),
+    .state_size = sizeof(rg),
     .create = create,
-    .free = destroy,
+    .clear = clear,
     .observe = observe,
     .finish = finish,
     .serialize = keep,

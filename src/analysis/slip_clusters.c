@@ -44,10 +44,8 @@ lac_status lac_slip_clusters_create(const lac_domain *domain, lac_slip_clusters 
     out->node = calloc(n, sizeof *out->node);
     out->box = calloc(n, sizeof *out->box);
     out->in = calloc(n, sizeof *out->in);
-    if (out->neighbour == NULL || out->node == NULL || out->box == NULL || out->in == NULL) {
-        lac_slip_clusters_clear(out);
-        return lac_fail_memory(err);
-    }
+    const bool room = out->neighbour != NULL && out->node != NULL && out->box != NULL;
+    LAC_FAIL_MEMORY_IF(!room || out->in == NULL, err);
     return LAC_OK;
 }
 

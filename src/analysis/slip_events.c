@@ -12,22 +12,9 @@ void lac_slip_events_clear(lac_slip_events *s)
     *s = (lac_slip_events){0};
 }
 
-static lac_status make_room(lac_slip_events *s, size_t count, lac_error *err)
-{
-    if (count <= s->room) {
-        return LAC_OK;
-    }
-    const size_t room = count > 2 * s->room ? count + 7 : 2 * s->room;
-    lac_slip_event *grown = realloc(s->event, room * sizeof *grown);
-    LAC_FAIL_MEMORY_IF(grown == NULL, err);
-    s->event = grown;
-    s->room = room;
-    return LAC_OK;
-}
-
 static lac_status open_event(lac_slip_events *s, size_t n, double start, lac_error *err)
 {
-    LAC_TRY_RETURN(make_room(s, s->count + 1, err));
+    LAC_TRY_RETURN(lac_grow(&s->event, &s->room, s->count + 1, sizeof *s->event, err));
     LAC_TRY_RETURN(s->past.block == NULL ? lac_crest_create(n, &s->past, err) : LAC_OK);
     s->past.known = 0;
     s->event[s->count++] = (lac_slip_event){.start = start, .end = NAN};
@@ -86,7 +73,7 @@ static bool loads(lac_slip_events *s, size_t count, size_t cells, lac_archive *a
         archive->short_of |= lac_archive_good(archive);
         return false;
     }
-    archive->no_memory = make_room(s, count, NULL) != LAC_OK ||
+    archive->no_memory = lac_grow(&s->event, &s->room, count, sizeof *s->event, NULL) != LAC_OK ||
                          (cells > 0 && lac_crest_create(cells, &s->past, NULL) != LAC_OK);
     return !archive->no_memory;
 }

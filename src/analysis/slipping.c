@@ -18,10 +18,8 @@ lac_status lac_slipping_create(const lac_friction *friction, double strength, do
     out->slips = calloc(n, sizeof *out->slips);
     out->changed = malloc(n * sizeof *out->changed);
     out->most_state = out->by_rate ? NULL : malloc(n * sizeof *out->most_state);
-    if (out->slips == NULL || out->changed == NULL || (!out->by_rate && out->most_state == NULL)) {
-        lac_slipping_clear(out);
-        return lac_fail_memory(err);
-    }
+    const bool room = out->by_rate || out->most_state != NULL;
+    LAC_FAIL_MEMORY_IF(out->slips == NULL || out->changed == NULL || !room, err);
     return LAC_OK;
 }
 
@@ -105,10 +103,7 @@ lac_status lac_slip_blocks_create(const lac_hierarchy *h, lac_slip_blocks *out, 
     out->slipping = calloc(levels + 1, sizeof *out->slipping);
     out->sticking = calloc(levels + 1, sizeof *out->sticking);
     out->memory = calloc(entries, sizeof *out->memory);
-    if (out->slipping == NULL || out->sticking == NULL || out->memory == NULL) {
-        lac_slip_blocks_clear(out);
-        return lac_fail_memory(err);
-    }
+    LAC_FAIL_MEMORY_IF(out->slipping == NULL || out->sticking == NULL || out->memory == NULL, err);
     uint32_t *next = out->memory;
     for (size_t level = 0; level < levels; level++) {
         if (lac_hierarchy_rank(h, level) > 0) {

@@ -3,29 +3,15 @@
 // it.
 #include "base/archive.h"
 
-static bool make_room(lac_archive *archive, size_t size)
-{
-    if (size <= archive->room - archive->size) {
-        return true;
-    }
-    size_t room = 2 * archive->room + size + 1024;
-    unsigned char *grown = realloc(archive->bytes, room);
-    if (grown == NULL) {
-        archive->no_memory = true;
-        return false;
-    }
-    archive->bytes = grown;
-    archive->room = room;
-    return true;
-}
-
 void lac_archive_pass(lac_archive *archive, void *piece, size_t size)
 {
     if (!lac_archive_good(archive) || size == 0) {
         return;
     }
     if (!archive->loading) {
-        if (make_room(archive, size)) {
+        archive->no_memory =
+            lac_grow(&archive->bytes, &archive->room, archive->size + size, 1, NULL) != LAC_OK;
+        if (!archive->no_memory) {
             memcpy(archive->bytes + archive->size, piece, size);
             archive->size += size;
         }
@@ -35,6 +21,18 @@ void lac_archive_pass(lac_archive *archive, void *piece, size_t size)
         memcpy(piece, archive->bytes + archive->at, size);
         archive->at += size;
     }
+}
+
+void lac_archive_text(lac_archive *archive, char **text)
+{
+    uint64_t length = archive->loading || *text == NULL ? 0 : strlen(*text);
+    LAC_PASS(archive, length);
+    if (archive->loading && lac_archive_good(archive)) {
+        archive->short_of = length > archive->size - archive->at;
+        *text = archive->short_of ? NULL : calloc(length + 1, 1);
+        archive->no_memory = *text == NULL && !archive->short_of;
+    }
+    lac_archive_pass(archive, *text, length);
 }
 
 uint64_t lac_sum_bytes(uint64_t sum, const void *bytes, size_t size)

@@ -19,6 +19,9 @@ typedef struct lac_archive {
 /// Passes a piece: copied to the archive, or from it. After a failure nothing happens any more.
 void lac_archive_pass(lac_archive *archive, void *piece, size_t size);
 
+/// Passes the length of a text and its bytes; NULL is an empty one. While loading it is allocated.
+void lac_archive_text(lac_archive *archive, char **text);
+
 /// A whole thing as a piece.
 #define LAC_PASS(archive, thing) lac_archive_pass(archive, &(thing), sizeof(thing))
 

@@ -16,3 +16,8 @@
 #include <string.h>
 
 #include "base/fail.h"
+
+/// Room in an array for `need` things of a size; what it holds stays.
+/// @param array  address of a pointer to them, of any type
+/// @param room   of how many there is; at least twice as many where it grows
+lac_status lac_grow(void *array, size_t *room, size_t need, size_t size, lac_error *err);

@@ -116,3 +116,11 @@ void lac_netcdf_unpack(int id, int var, double *x, size_t n)
         x[i] = none ? (double)NAN : scale * x[i] + offset;
     }
 }
+
+lac_status lac_netcdf_values(const char *path, int id, int var, const char *name, size_t n,
+                             double *x, lac_error *err)
+{
+    LAC_TRY_RETURN(lac_netcdf_check(path, nc_get_var_double(id, var, x), name, err));
+    lac_netcdf_unpack(id, var, x, n);
+    return LAC_OK;
+}

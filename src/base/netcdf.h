@@ -33,3 +33,7 @@ double lac_netcdf_fill(int id, int var);
 /// Stored numbers of a variable to values: missing ones (_FillValue, missing_value, and what netCDF
 /// leaves where nothing was written) to NaN, packed ones (scale_factor, add_offset) unpacked.
 void lac_netcdf_unpack(int id, int var, double *x, size_t n);
+
+/// All n numbers of a variable, unpacked, missing ones NaN. @param name  for messages
+lac_status lac_netcdf_values(const char *path, int id, int var, const char *name, size_t n,
+                             double *x, lac_error *err);

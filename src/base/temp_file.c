@@ -25,6 +25,12 @@ static int folder_length(const char *path)
     return slash != NULL ? (int)(slash - path) + 1 : 0;
 }
 
+char *lac_folder_of(const char *path)
+{
+    const int length = folder_length(path);
+    return length > 0 ? strndup(path, (size_t)length) : strdup("./");
+}
+
 char *lac_temp_file_name(const char *path)
 {
     int folder = folder_length(path);
@@ -88,8 +94,7 @@ bool lac_temp_file_write(int fd, const void *bytes, size_t size)
 
 void lac_temp_file_sync_folder(const char *path)
 {
-    int length = folder_length(path);
-    char *name = length > 0 ? strndup(path, (size_t)length) : strdup(".");
+    char *name = lac_folder_of(path);
     int fd = name != NULL ? open(name, O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
     free(name);
     if (fd >= 0) {
@@ -141,12 +146,12 @@ bool lac_temp_file_locked(int folder, const char *path)
 
 void lac_temp_file_sweep(const char *path)
 {
-    int length = folder_length(path);
-    char *name = length > 0 ? strndup(path, (size_t)length) : strdup(".");
+    char *name = lac_folder_of(path);
+    const char *base = path + folder_length(path);
     DIR *folder = name != NULL ? opendir(name) : NULL;
     const struct dirent *entry = NULL;
     while (folder != NULL && (entry = readdir(folder)) != NULL) {
-        pid_t pid = maker_of(entry->d_name, path + length);
+        pid_t pid = maker_of(entry->d_name, base);
         if (pid > 0 && is_dead(pid) && !lac_temp_file_locked(dirfd(folder), entry->d_name)) {
             (void)unlinkat(dirfd(folder), entry->d_name, 0);
         }

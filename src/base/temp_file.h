@@ -8,6 +8,9 @@
 /// @return to be freed; NULL where memory is short
 char *lac_temp_file_name(const char *path);
 
+/// The folder of a path, its slash included; "./". @return to be freed; NULL: memory is short
+char *lac_folder_of(const char *path);
+
 /// Texts one behind the other, what is between them left out where the first is empty.
 /// @return to be freed; NULL where memory is short
 char *lac_text_join(const char *first, const char *between, const char *second);
@@ -45,7 +48,9 @@ bool lac_temp_file_locked(int folder, const char *path);
 /// Ends a text that open_memstream makes. @return it; NULL: memory was short, and it is freed
 char *lac_text_made(FILE *out, char **text);
 
-/// Writes a text as a file that is never half there: under another name first, as a netCDF file.
+/// Writes a file that is never half there: under another name first, as a netCDF file.
 /// Where `path` is a symbolic link, what it leads to is replaced; a device or a pipe never is.
 /// @param force  replaces a file that is there
+lac_status lac_write_bytes(const char *path, const void *bytes, size_t size, bool force,
+                           lac_error *err);
 lac_status lac_write_text(const char *path, const char *text, bool force, lac_error *err);

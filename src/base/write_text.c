@@ -34,7 +34,8 @@ bool lac_temp_file_fill(const char *part, const void *bytes, size_t size)
     return good && closed;
 }
 
-lac_status lac_write_text(const char *path, const char *text, bool force, lac_error *err)
+lac_status lac_write_bytes(const char *path, const void *bytes, size_t size, bool force,
+                           lac_error *err)
 {
     char *place = NULL, *part = NULL;
     lac_status status;
@@ -43,8 +44,7 @@ lac_status lac_write_text(const char *path, const char *text, bool force, lac_er
     LAC_TRY(part != NULL ? LAC_OK : lac_fail_memory(err));
     lac_temp_file_sweep(place);
     (void)unlink(part); // of a process of this number that is no more
-    if (!lac_temp_file_fill(part, text, strlen(text)) ||
-        lac_temp_file_publish(part, place, force) != 0) {
+    if (!lac_temp_file_fill(part, bytes, size) || lac_temp_file_publish(part, place, force) != 0) {
         const int why = errno;
         (void)unlink(part);
         status = why == EEXIST
@@ -55,6 +55,11 @@ out:
     free(part);
     free(place);
     return status;
+}
+
+lac_status lac_write_text(const char *path, const char *text, bool force, lac_error *err)
+{
+    return lac_write_bytes(path, text, strlen(text), force, err);
 }
 
 char *lac_text_made(FILE *out, char **text)

@@ -7,13 +7,7 @@ enum { LINE_MAX_BYTES = 1 << 24, LONGEST_CHARACTER = 3 };
 
 static lac_status append(lac_lines *lines, int byte, lac_error *err)
 {
-    if (lines->length + 1 >= lines->capacity) {
-        size_t capacity = lines->capacity > 0 ? lines->capacity * 2 : 256;
-        char *text = realloc(lines->text, capacity);
-        LAC_FAIL_MEMORY_IF(text == NULL, err);
-        lines->text = text;
-        lines->capacity = capacity;
-    }
+    LAC_TRY_RETURN(lac_grow(&lines->text, &lines->capacity, lines->length + 2, 1, err));
     lines->text[lines->length++] = (char)byte;
     return LAC_OK;
 }

@@ -194,13 +194,7 @@ static lac_status parse_value(lac_parser *p, size_t column, const char *field, d
 
 static lac_status add_reading(lac_parser *p, const lac_row *reading, lac_error *err)
 {
-    if (p->count == p->capacity) {
-        size_t capacity = p->capacity > 0 ? p->capacity * 2 : 256;
-        lac_row *readings = realloc(p->readings, capacity * sizeof *readings);
-        LAC_FAIL_MEMORY_IF(readings == NULL, err);
-        p->readings = readings;
-        p->capacity = capacity;
-    }
+    LAC_TRY_RETURN(lac_grow(&p->readings, &p->capacity, p->count + 1, sizeof *p->readings, err));
     p->readings[p->count++] = *reading;
     return LAC_OK;
 }

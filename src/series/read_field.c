@@ -34,8 +34,7 @@ static lac_status read_numbers(const source *file, int var, const char *name, co
     LAC_TRY_RETURN(unit_of(file, var, name, si, unit, err));
     lac_status status = lac_units_convert(file->units, unit, si, &scale, &offset, err);
     LAC_TRY_RETURN(lac_fail_within(err, status, "%s: %s: unit \"%s\"", file->path, name, unit));
-    LAC_TRY_RETURN(lac_netcdf_check(file->path, nc_get_var_double(file->id, var, x), name, err));
-    lac_netcdf_unpack(file->id, var, x, length);
+    LAC_TRY_RETURN(lac_netcdf_values(file->path, file->id, var, name, length, x, err));
     for (size_t i = 0; i < length; i++) {
         x[i] = scale * x[i] + offset;
     }
@@ -90,9 +89,7 @@ static lac_status read_times(const source *file, int dim, lac_field *out, lac_er
     LAC_TRY_RETURN(unit_of(file, var, name, "s, or days since 2015-06-07", unit, err));
     lac_status status = lac_units_time(file->units, unit, &scale, &offset, &out->dated, err);
     LAC_TRY_RETURN(lac_fail_within(err, status, "%s: %s: units \"%s\"", file->path, name, unit));
-    LAC_TRY_RETURN(
-        lac_netcdf_check(file->path, nc_get_var_double(file->id, var, out->t), name, err));
-    lac_netcdf_unpack(file->id, var, out->t, out->nt);
+    LAC_TRY_RETURN(lac_netcdf_values(file->path, file->id, var, name, out->nt, out->t, err));
     for (size_t i = 0; i < out->nt; i++) {
         out->t[i] = scale * out->t[i] + offset;
     }

@@ -46,15 +46,6 @@ static lac_status find_column(series_file *file, const char *name, int *var, lac
     return LAC_OK;
 }
 
-// The numbers of a variable, missing ones NaN, packed ones unpacked.
-static lac_status read_numbers(const series_file *file, int var, const char *name, double *x,
-                               lac_error *err)
-{
-    LAC_TRY_RETURN(check(file, nc_get_var_double(file->id, var, x), name, err));
-    lac_netcdf_unpack(file->id, var, x, file->n);
-    return LAC_OK;
-}
-
 // A variable without units may be SI.
 static lac_status ask(const series_file *file, const char *name, const char *si,
                       const struct lac_units *units, lac_series *s, lac_error *err)
@@ -104,7 +95,7 @@ static lac_status read_time(const series_file *file, int var, const char *name,
                        : unit[0] == '\0' ? "s"
                                          : unit);
     }
-    LAC_TRY_RETURN(read_numbers(file, var, name, s->time, err));
+    LAC_TRY_RETURN(lac_netcdf_values(file->path, file->id, var, name, file->n, s->time, err));
     for (size_t i = 0; i < file->n; i++) {
         s->time[i] = scale * s->time[i] + offset;
         LAC_FAIL_IF(!isfinite(s->time[i]) || (i > 0 && !(s->time[i] > s->time[i - 1])), err,
@@ -137,7 +128,7 @@ static lac_status read_column(series_file *file, const column *c, const struct l
         }
     }
     double *x = c->values;
-    LAC_TRY_RETURN(read_numbers(file, var, c->name, x, err));
+    LAC_TRY_RETURN(lac_netcdf_values(file->path, file->id, var, c->name, file->n, x, err));
     *c->digit = fabs(scale) * last_bit(file, var, x);
     const lac_column all = {.n = file->n, .first = x, .stride = sizeof *x, .scale = 1.0};
     double code = 0.0;

@@ -36,27 +36,14 @@ static uint64_t sum_of(const unsigned char *bytes, size_t size)
     return sum;
 }
 
-// A length and its bytes; `*text` is allocated while loading.
-static void pass_text(lac_archive *archive, char **text)
-{
-    uint64_t length = archive->loading ? 0 : strlen(*text);
-    lac_archive_pass(archive, &length, sizeof length);
-    if (archive->loading && lac_archive_good(archive)) {
-        archive->short_of = length > archive->size - archive->at;
-        *text = archive->short_of ? NULL : calloc(length + 1, 1);
-        archive->no_memory = *text == NULL && !archive->short_of;
-    }
-    lac_archive_pass(archive, *text, length);
-}
-
 static void pass_about(lac_archive *archive, lac_checkpoint_file *c)
 {
     LAC_PASS(archive, c->from.planned);
     LAC_PASS(archive, c->from.time);
     LAC_PASS_RUN(archive, c->records, c->last_time);
-    pass_text(archive, &c->program);
-    pass_text(archive, &c->libraries);
-    pass_text(archive, &c->case_text);
+    lac_archive_text(archive, &c->program);
+    lac_archive_text(archive, &c->libraries);
+    lac_archive_text(archive, &c->case_text);
 }
 
 static lac_status write_file(const char *name, const char *part, const lac_archive *archive,

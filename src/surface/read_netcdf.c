@@ -96,8 +96,7 @@ static lac_status take_axis(const grid_file *file, size_t k, double *first, doub
     }
     x = malloc(n * sizeof *x);
     LAC_TRY(x != NULL ? LAC_OK : lac_fail_memory(err));
-    LAC_TRY(check(file, nc_get_var_double(file->id, var, x), name, err));
-    lac_netcdf_unpack(file->id, var, x, n);
+    LAC_TRY(lac_netcdf_values(file->path, file->id, var, name, n, x, err));
     *spacing = (x[n - 1] - x[0]) / (double)(n - 1);
     *first = fmin(x[0], x[n - 1]);
     for (size_t i = 0; i < n; i++) {
@@ -171,9 +170,8 @@ static lac_status read_map(grid_file *file, lac_height_map *map, lac_error *err)
         // old files of SurfaceTopography: one unit for all lengths, said with the coordinates
         memcpy(map->height_unit, map->lateral_unit, sizeof map->height_unit);
     }
-    LAC_TRY_RETURN(
-        check(file, nc_get_var_double(file->id, file->var, map->heights), file->name, err));
-    lac_netcdf_unpack(file->id, file->var, map->heights, map->nx * map->ny);
+    LAC_TRY_RETURN(lac_netcdf_values(file->path, file->id, file->var, file->name, map->nx * map->ny,
+                                     map->heights, err));
     return arrange(file, map, err);
 }
 

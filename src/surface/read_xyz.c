@@ -88,13 +88,7 @@ static size_t split(lac_word line, lac_word field[4])
 
 static lac_status add_point(points *p, point new, lac_error *err)
 {
-    if (p->n == p->capacity) {
-        size_t capacity = p->capacity > 0 ? 2 * p->capacity : 256;
-        point *more = realloc(p->at, capacity * sizeof *more);
-        LAC_FAIL_MEMORY_IF(more == NULL, err);
-        p->at = more;
-        p->capacity = capacity;
-    }
+    LAC_TRY_RETURN(lac_grow(&p->at, &p->capacity, p->n + 1, sizeof *p->at, err));
     p->at[p->n++] = new;
     return LAC_OK;
 }

@@ -12,7 +12,9 @@ size_t lac_member_size(const lac_sweep *sweep)
 
 // All records of a run, of which the series is made when it is over.
 typedef struct track {
-    double *time, *log_rate; // one allocation
+    struct {
+        double time, log_rate;
+    } * at; // [n]
     size_t n, room;
     double *moment; // [events] of the catalogue
     size_t events, event_room;
@@ -21,34 +23,17 @@ typedef struct track {
 static lac_status on_record(void *context, const lac_record *record, lac_error *err)
 {
     track *all = context;
-    if (all->n == all->room) {
-        const size_t room = all->room > 0 ? 2 * all->room : 256;
-        double *grown = malloc(2 * room * sizeof *grown);
-        LAC_FAIL_MEMORY_IF(grown == NULL, err);
-        if (all->n > 0) {
-            memcpy(grown, all->time, all->n * sizeof *grown);
-            memcpy(grown + room, all->log_rate, all->n * sizeof *grown);
-        }
-        free(all->time);
-        all->time = grown;
-        all->log_rate = grown + room;
-        all->room = room;
-    }
-    all->time[all->n] = record->time_origin + record->time_local;
-    all->log_rate[all->n++] = log(fabs(record->observation.mean_rate));
+    LAC_TRY_RETURN(lac_grow(&all->at, &all->room, all->n + 1, sizeof *all->at, err));
+    all->at[all->n].time = record->time_origin + record->time_local;
+    all->at[all->n++].log_rate = log(fabs(record->observation.mean_rate));
     return LAC_OK;
 }
 
 static lac_status on_event(void *context, const lac_event *event, lac_error *err)
 {
     track *all = context;
-    if (all->events == all->event_room) {
-        const size_t room = all->event_room > 0 ? 2 * all->event_room : 256;
-        double *grown = realloc(all->moment, room * sizeof *grown);
-        LAC_FAIL_MEMORY_IF(grown == NULL, err);
-        all->moment = grown;
-        all->event_room = room;
-    }
+    LAC_TRY_RETURN(
+        lac_grow(&all->moment, &all->event_room, all->events + 1, sizeof *all->moment, err));
     all->moment[all->events++] = event->moment;
     return LAC_OK;
 }
@@ -57,20 +42,20 @@ static lac_status on_event(void *context, const lac_event *event, lac_error *err
 static double rate_at(const track *all, double time)
 {
     size_t i = 0;
-    if (all->n == 0 || time < all->time[0] || time > all->time[all->n - 1]) {
+    if (all->n == 0 || time < all->at[0].time || time > all->at[all->n - 1].time) {
         return NAN;
     }
-    while (i + 2 < all->n && all->time[i + 1] < time) {
+    while (i + 2 < all->n && all->at[i + 1].time < time) {
         i++;
     }
     const size_t k = all->n > 1 ? i + 1 : i;
-    const double width = all->time[k] - all->time[i];
-    const double part = width > 0.0 ? (time - all->time[i]) / width : 0.0;
+    const double width = all->at[k].time - all->at[i].time;
+    const double part = width > 0.0 ? (time - all->at[i].time) / width : 0.0;
     // A rest has no logarithm.
-    if (!isfinite(all->log_rate[i]) || !isfinite(all->log_rate[k])) {
-        return exp(all->log_rate[part < 0.5 ? i : k]);
+    if (!isfinite(all->at[i].log_rate) || !isfinite(all->at[k].log_rate)) {
+        return exp(all->at[part < 0.5 ? i : k].log_rate);
     }
-    return exp(all->log_rate[i] + part * (all->log_rate[k] - all->log_rate[i]));
+    return exp(all->at[i].log_rate + part * (all->at[k].log_rate - all->at[i].log_rate));
 }
 
 // When a rate is first passed.
@@ -78,15 +63,16 @@ static double time_of(const track *all, double rate)
 {
     const double wanted = log(rate);
     size_t i = 0;
-    while (i < all->n && !(all->log_rate[i] >= wanted)) {
+    while (i < all->n && !(all->at[i].log_rate >= wanted)) {
         i++;
     }
     if (i == all->n) {
         return NAN;
     }
-    const double rise = i > 0 ? all->log_rate[i] - all->log_rate[i - 1] : 0.0;
-    const double part = rise > 0.0 && isfinite(rise) ? (all->log_rate[i] - wanted) / rise : 0.0;
-    return i == 0 ? all->time[0] : all->time[i] - part * (all->time[i] - all->time[i - 1]);
+    const double rise = i > 0 ? all->at[i].log_rate - all->at[i - 1].log_rate : 0.0;
+    const double part = rise > 0.0 && isfinite(rise) ? (all->at[i].log_rate - wanted) / rise : 0.0;
+    return i == 0 ? all->at[0].time
+                  : all->at[i].time - part * (all->at[i].time - all->at[i - 1].time);
 }
 
 static void fill_series(const lac_sweep *sweep, const track *all, lac_member *out)
@@ -154,7 +140,7 @@ static lac_status follow(const lac_sweep *sweep, const lac_case *c,
         status = lac_events_b_value(&events, &out->b_value, err);
     }
     lac_simulation_free(simulation);
-    free(all.time);
+    free(all.at);
     free(all.moment);
     return status;
 }

@@ -76,18 +76,12 @@ void lac_watch_close_files(lac_watch *w)
     free(w->file);
 }
 
-static char *folder_of(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash != NULL ? strndup(path, (size_t)(slash - path) + 1) : strdup("./");
-}
-
 // Those of the pattern that are there by now, in any order: each is a station of its own.
 static lac_status search(lac_watch *w, lac_error *err)
 {
     const char *pattern = w->def.fleet->files_pattern;
     const char *slash = strrchr(pattern, '/'), *base = slash != NULL ? slash + 1 : pattern;
-    char *folder = folder_of(pattern);
+    char *folder = lac_folder_of(pattern);
     DIR *list = folder != NULL ? opendir(folder) : NULL;
     const struct dirent *entry = NULL;
     lac_status status = folder != NULL ? LAC_OK : lac_fail_memory(err);
@@ -132,10 +126,7 @@ bool lac_watch_follows(const lac_watch *w)
 // Begins a file: its own header comes first.
 static lac_status restart(const lac_watch *w, lac_followed *f, lac_error *err)
 {
-    f->offset = 0;
-    f->before = 0;
-    f->lines = 0;
-    f->cut = false;
+    f->at = (lac_progress){.inode = f->at.inode, .tail = f->at.tail};
     lac_line_reader_free(f->reader);
     return lac_watch_reader(w, false, f->path, &f->reader, err);
 }
@@ -143,12 +134,10 @@ static lac_status restart(const lac_watch *w, lac_followed *f, lac_error *err)
 // The columns of a file that was begun before, by its header.
 static lac_status recall(const lac_watch *w, lac_followed *f, lac_error *err)
 {
-    const int64_t offset = f->offset;
-    const uint64_t lines = f->lines, before = f->before;
-    const bool cut = f->cut;
+    const lac_progress kept = f->at;
     lac_line unused;
     LAC_TRY_RETURN(restart(w, f, err));
-    if (offset > 0 && w->def.fleet->columns == 0) {
+    if (kept.offset > 0 && w->def.fleet->columns == 0) {
         FILE *file = fdopen(dup(f->fd), "rb");
         char *text = NULL;
         size_t room = 0;
@@ -162,17 +151,14 @@ static lac_status recall(const lac_watch *w, lac_followed *f, lac_error *err)
             (void)fclose(file);
         }
     }
-    f->offset = offset;
-    f->before = (size_t)before;
-    f->cut = cut;
-    f->lines = lines;
+    f->at = kept;
     return LAC_OK;
 }
 
 // A file of the folder by its number, under whatever name it has now; -1: none.
 static int open_inode(const char *path, ino_t inode)
 {
-    char *folder = folder_of(path);
+    char *folder = lac_folder_of(path);
     DIR *list = folder != NULL ? opendir(folder) : NULL;
     const struct dirent *entry = NULL;
     int fd = -1;
@@ -192,28 +178,28 @@ static int open_inode(const char *path, ino_t inode)
 static lac_status open_file(lac_watch *w, lac_followed *f, lac_error *err)
 {
     struct stat info;
-    const bool begun = f->inode != 0;
+    const bool begun = f->at.inode != 0;
     f->fd = open(f->path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     LAC_FAIL_IF(f->fd < 0 && errno != ENOENT, err, LAC_EIO, "%s: %s", f->path, strerror(errno));
     const bool there = f->fd >= 0 && fstat(f->fd, &info) == 0;
-    if (begun && (!there || info.st_ino != f->inode)) {
+    if (begun && (!there || info.st_ino != f->at.inode)) {
         close_file(f);
-        f->fd = open_inode(f->path, f->inode);
+        f->fd = open_inode(f->path, f->at.inode);
         if (f->fd >= 0) {
             return recall(w, f, err);
         }
-        lac_watch_blame(w, f->path, f->lines, f->station,
+        lac_watch_blame(w, f->path, f->at.lines, f->station,
                         "the file was replaced while nobody watched, and the one before is gone: "
                         "what it had more is not known",
                         NULL);
-        f->inode = 0;
+        f->at.inode = 0;
         return LAC_OK; // the new one at the next look
     }
     if (!there) {
         return LAC_OK;
     }
     LAC_FAIL_IF(!S_ISREG(info.st_mode), err, LAC_EIO, "%s: is not a regular file", f->path);
-    f->inode = info.st_ino;
+    f->at.inode = info.st_ino;
     w->opened = true;
     return begun ? recall(w, f, err) : restart(w, f, err);
 }
@@ -221,22 +207,22 @@ static lac_status open_file(lac_watch *w, lac_followed *f, lac_error *err)
 // A line of n bytes, the '\n' included, at the offset.
 static lac_status take_line(lac_watch *w, lac_followed *f, char *line, size_t n, lac_error *err)
 {
-    const bool long_line = f->cut || n > LAC_WATCH_LINE - 1;
-    f->tail = tail_of(line, n);
-    f->before = tail_length(n);
-    f->offset += (int64_t)n;
-    f->lines++;
-    f->cut = false;
+    const bool long_line = f->at.cut || n > LAC_WATCH_LINE - 1;
+    f->at.tail = tail_of(line, n);
+    f->at.before = tail_length(n);
+    f->at.offset += (int64_t)n;
+    f->at.lines++;
+    f->at.cut = false;
     line[n - 1] = '\0';
     if (n > 1 && line[n - 2] == '\r') {
         line[n - 2] = '\0';
     }
     if (long_line) {
         w->since++;
-        lac_watch_blame(w, f->path, f->lines, f->station, lac_watch_too_long, NULL);
+        lac_watch_blame(w, f->path, f->at.lines, f->station, lac_watch_too_long, NULL);
         return LAC_OK;
     }
-    return lac_watch_line(w, f->reader, f->station, line, f->path, f->lines, err);
+    return lac_watch_line(w, f->reader, f->station, line, f->path, f->at.lines, err);
 }
 
 // Takes the whole lines among bytes that begin at the offset.
@@ -252,10 +238,10 @@ static lac_status take(lac_watch *w, lac_followed *f, char *bytes, size_t n, boo
         }
     }
     if (n == LAC_WATCH_LINE && first == 0) {
-        f->cut = *more = true;
-        f->offset += (int64_t)n;
-        f->tail = tail_of(bytes, n);
-        f->before = tail_length(n);
+        f->at.cut = *more = true;
+        f->at.offset += (int64_t)n;
+        f->at.tail = tail_of(bytes, n);
+        f->at.before = tail_length(n);
     }
     return LAC_OK;
 }
@@ -267,15 +253,15 @@ static lac_status turn(lac_watch *w, lac_followed *f, bool rest, bool *more, lac
     if (stat(f->path, &info) != 0 || fstat(f->fd, &own) != 0) {
         return LAC_OK; // between two names
     }
-    if (info.st_ino != f->inode) {
+    if (info.st_ino != f->at.inode) {
         if (rest) {
-            lac_watch_blame(w, f->path, f->lines + 1, f->station,
+            lac_watch_blame(w, f->path, f->at.lines + 1, f->station,
                             "the last line of the file that was here before does not end", NULL);
         }
         close_file(f);
-        f->inode = 0;
+        f->at.inode = 0;
         *more = true;
-    } else if (own.st_size < f->offset) {
+    } else if (own.st_size < f->at.offset) {
         *more = true;
         return restart(w, f, err);
     }
@@ -290,10 +276,10 @@ static lac_status look(lac_watch *w, lac_followed *f, char *room, bool *more, la
     if (f->fd < 0) {
         return LAC_OK;
     }
-    const size_t known = f->before; // of the line before, by which the file is told from another
-    const ssize_t n = pread(f->fd, room, known + LAC_WATCH_LINE, f->offset - (int64_t)known);
+    const size_t known = f->at.before; // of the line before, by which the file is told from another
+    const ssize_t n = pread(f->fd, room, known + LAC_WATCH_LINE, f->at.offset - (int64_t)known);
     LAC_FAIL_IF(n < 0, err, LAC_EIO, "%s: %s", f->path, strerror(errno));
-    if ((size_t)n >= known && known > 0 && tail_of(room, known) != f->tail) {
+    if ((size_t)n >= known && known > 0 && tail_of(room, known) != f->at.tail) {
         *more = true; // cut, and written anew
         return restart(w, f, err);
     }

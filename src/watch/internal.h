@@ -49,16 +49,21 @@ lac_status lac_station_take(lac_station *station, const lac_line *line, const la
 /// Room for so many readings, at most `count`.
 lac_status lac_station_reserve(lac_station *station, size_t n, size_t count, lac_error *err);
 
-/// A file that is followed.
-typedef struct lac_followed {
-    char *station, *path;
-    int fd; ///< -1: closed
+/// How far a file was followed.
+typedef struct lac_progress {
     ino_t inode;
     int64_t offset; ///< behind the last whole line that was taken
     size_t before;  ///< last bytes before it
     uint64_t tail;  ///< and their sum
     uint64_t lines;
     bool cut; ///< the offset is within a line that is too long
+} lac_progress;
+
+/// A file that is followed.
+typedef struct lac_followed {
+    char *station, *path;
+    int fd; ///< -1: closed
+    lac_progress at;
     lac_line_reader *reader;
 } lac_followed;
 

@@ -29,16 +29,6 @@ static void free_station(lac_station *s)
     }
 }
 
-static lac_status grow(lac_stations *s, lac_error *err)
-{
-    const size_t room = s->room > 0 ? 2 * s->room : FIRST_ROOM;
-    lac_station **at = s->n < s->room ? s->at : realloc(s->at, room * sizeof(lac_station *));
-    LAC_FAIL_MEMORY_IF(at == NULL, err);
-    s->room = s->n < s->room ? s->room : room;
-    s->at = at;
-    return LAC_OK;
-}
-
 lac_status lac_stations_find(lac_stations *s, const char *name, size_t most, lac_station **out,
                              lac_error *err)
 {
@@ -48,7 +38,7 @@ lac_status lac_stations_find(lac_stations *s, const char *name, size_t most, lac
     if (there || s->n >= most) {
         return LAC_OK;
     }
-    LAC_TRY_RETURN(grow(s, err));
+    LAC_TRY_RETURN(lac_grow((void *)&s->at, &s->room, s->n + 1, sizeof(lac_station *), err));
     lac_station *made = calloc(1, sizeof *made);
     if (made == NULL || (made->name = strdup(name)) == NULL) {
         free(made);

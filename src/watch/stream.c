@@ -9,13 +9,7 @@ static const char source[] = "standard input";
 static lac_status keep(lac_watch *w, const char *bytes, size_t n, lac_error *err)
 {
     const size_t need = w->waiting + n;
-    if (need > w->room) {
-        const size_t room = 2 * need;
-        char *pending = realloc(w->pending, room);
-        LAC_FAIL_MEMORY_IF(pending == NULL, err);
-        w->pending = pending;
-        w->room = room;
-    }
+    LAC_TRY_RETURN(lac_grow(&w->pending, &w->room, need, 1, err));
     if (n > 0) {
         memcpy(w->pending + w->waiting, bytes, n);
     }
