@@ -46,6 +46,12 @@
 /// A value that is held. @param kind  REAL, COUNT ... of lac_held
 #define LAC_HELD(kind, type, field) .held = LAC_HELD_##kind, .offset = offsetof(type, field)
 
+/// A row of a file's attributes and of JSON.
+#define LAC_BOTH(name_, path, ...)                   \
+    {                                                \
+        .name = (name_), .json = (path), __VA_ARGS__ \
+    }
+
 /// Rows of JSON alone: of a value that is held, and of one by its getter.
 #define LAC_JSON(path, kind, type, field)           \
     {                                               \

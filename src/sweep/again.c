@@ -62,15 +62,14 @@ static void take_member(const lac_ensemble *e, size_t row, overrides *o)
     size_t used = 0;
     for (size_t p = 0; p < e->params; p++) {
         const lac_ensemble_param *param = &e->param[p];
-        const bool plain = strcmp(param->unit, "1") == 0;
         const lac_swept keys = {.key = param->key};
         const bool as_case = param->word != NULL ? strcmp(param->word[row], LAC_AS_THE_CASE) == 0
                                                  : isnan(param->value[row]);
         for (size_t i = 0; !as_case && lac_swept_key(&keys, i, o->key[used]); i++, used++) {
-            (void)snprintf(o->value[used], sizeof *o->value, "%.17g%s%s", param->value[row],
-                           plain ? "" : " ", plain ? "" : param->unit);
-            o->at[o->n++] = (lac_override){o->key[used],
-                                           param->word != NULL ? param->word[row] : o->value[used]};
+            const char *value = lac_swept_quantity(param->value[row], param->unit, o->value[used],
+                                                   sizeof *o->value);
+            o->at[o->n++] =
+                (lac_override){o->key[used], param->word != NULL ? param->word[row] : value};
         }
     }
 }

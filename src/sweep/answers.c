@@ -7,7 +7,6 @@
 #include <gsl/gsl_sort.h>
 
 #include "base/statistics.h"
-#include "sweep/influence.h"
 
 const double lac_answers_share[LAC_ANSWERS_QUANTILES] = {0.05, 0.25, 0.5, 0.75, 0.95};
 

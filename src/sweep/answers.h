@@ -122,3 +122,8 @@ lac_status lac_answers_fan(size_t members, size_t records, const float *series, 
 
 /// Whether a member counts as drawn: not broken, and not one of the combined rows of a design.
 bool lac_answers_counts(const lac_sample *sample, size_t member);
+
+/// Fills influences, whether they are of a chance, and how many rows they are of.
+/// @pre   the chance is known
+/// @return LAC_OK; LAC_ENOMEM
+lac_status lac_influences_fill(const lac_sample *sample, lac_answers *answers, lac_error *err);

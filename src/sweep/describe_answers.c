@@ -17,136 +17,107 @@ NEVER(low_stays, const lac_swing *s = of, s->result_low)
 NEVER(high_stays, const lac_swing *s = of, s->result_high)
 NEVER(base_stays, const lac_answers *a = of, a->base)
 
+// A row of the file and of JSON: its path below `answers`, and what it is.
+#define BOTH(path, name_, unit_, title, ...)                                             \
+    {                                                                                    \
+        .json = "answers/" path, .name = (name_), .unit = (unit_), .long_name = (title), \
+        __VA_ARGS__                                                                      \
+    }
+#define IN_JSON(path, ...)                   \
+    {                                        \
+        .json = "answers/" path, __VA_ARGS__ \
+    }
+
 static const lac_variable of_answers[] = {
-    {.json = "answers/result", A(TEXT, name)},      {.json = "answers/unit", A(TEXT, unit)},
-    {.json = "answers/members", A(COUNT, members)}, {.json = "answers/broken", A(COUNT, broken)},
-    {.json = "answers/never", A(COUNT, never)},     {.json = "answers/counted", A(COUNT, counted)},
-    {.json = "answers/about", A(TEXT, about)},      {.json = "answers/missing", A(COUNT, missing)},
+    IN_JSON("result", A(TEXT, name)),      IN_JSON("unit", A(TEXT, unit)),
+    IN_JSON("members", A(COUNT, members)), IN_JSON("broken", A(COUNT, broken)),
+    IN_JSON("never", A(COUNT, never)),     IN_JSON("counted", A(COUNT, counted)),
+    IN_JSON("about", A(TEXT, about)),      IN_JSON("missing", A(COUNT, missing)),
 };
 
 static const lac_variable of_chance[] = {
-    {.json = "answers/probability/by", C(REAL, by)},
-    {.json = "answers/probability/share", C(REAL, share)},
-    {.json = "answers/probability/low", C(REAL, low)},
-    {.json = "answers/probability/high", C(REAL, high)},
-    {.json = "answers/probability/known", C(COUNT, known)},
-    {.json = "answers/probability/unknown", C(COUNT, unknown)},
-    {.json = "answers/probability/failed", C(COUNT, failed)},
+    IN_JSON("probability/by", C(REAL, by)),
+    IN_JSON("probability/share", C(REAL, share)),
+    IN_JSON("probability/low", C(REAL, low)),
+    IN_JSON("probability/high", C(REAL, high)),
+    IN_JSON("probability/known", C(COUNT, known)),
+    IN_JSON("probability/unknown", C(COUNT, unknown)),
+    IN_JSON("probability/failed", C(COUNT, failed)),
 };
 
+#define COURSE "probability_over_time[]/"
 static const lac_variable of_course[] = {
-    {.name = "answer_time",
-     .json = "answers/probability_over_time[]/by",
-     .unit = "s",
-     .long_name = "time that a probability of failure is by",
-     LAC_HELD(REAL, lac_chance, by)},
-    {.name = "failure_probability",
-     .json = "answers/probability_over_time[]/share",
-     .long_name = "share of the members that has failed",
-     C(REAL, share)},
-    {.name = "failure_probability_low",
-     .json = "answers/probability_over_time[]/low",
-     .long_name = "its 95 % interval (Wilson), lower end",
-     C(REAL, low)},
-    {.name = "failure_probability_high",
-     .json = "answers/probability_over_time[]/high",
-     .long_name = "its 95 % interval (Wilson), upper end",
-     C(REAL, high)},
+    BOTH(COURSE "by", "answer_time", "s", "time that a probability of failure is by",
+         LAC_HELD(REAL, lac_chance, by)),
+    BOTH(COURSE "share", "failure_probability", NULL, "share of the members that has failed",
+         C(REAL, share)),
+    BOTH(COURSE "low", "failure_probability_low", NULL, "its 95 % interval (Wilson), lower end",
+         C(REAL, low)),
+    BOTH(COURSE "high", "failure_probability_high", NULL, "its 95 % interval (Wilson), upper end",
+         C(REAL, high)),
 };
 
+#define QUANTILES "quantiles[]/"
 static const lac_variable of_quantiles[] = {
-    {.name = "quantile",
-     .json = "answers/quantiles[]/share",
-     .long_name = "share of the members below a quantile",
-     LAC_HELD(REAL, lac_quantile_answer, share)},
-    {.name = "failure_time_quantile",
-     .json = "answers/quantiles[]/value",
-     .unit = "s",
-     .long_name = "time by which this share of the members has failed",
-     .comment = "missing: more of them never fail",
-     Q(REAL, value)},
-    {.name = "failure_time_quantile_low",
-     .json = "answers/quantiles[]/low",
-     .unit = "s",
-     .long_name = "order statistic below it with 97.5 %",
-     .comment = "missing: too few members",
-     Q(REAL, low)},
-    {.name = "failure_time_quantile_high",
-     .json = "answers/quantiles[]/high",
-     .unit = "s",
-     .long_name = "order statistic above it with 97.5 %",
-     .comment = "missing: never, or too few members",
-     Q(REAL, high)},
-    {.json = "answers/quantiles[]/never", TRUTH(quantile_never)},
-    {.json = "answers/quantiles[]/high_never", TRUTH(high_never)},
+    BOTH(QUANTILES "share", "quantile", NULL, "share of the members below a quantile",
+         LAC_HELD(REAL, lac_quantile_answer, share)),
+    BOTH(QUANTILES "value", "failure_time_quantile", "s",
+         "time by which this share of the members has failed", Q(REAL, value),
+         .comment = "missing: more of them never fail"),
+    BOTH(QUANTILES "low", "failure_time_quantile_low", "s", "order statistic below it with 97.5 %",
+         Q(REAL, low), .comment = "missing: too few members"),
+    BOTH(QUANTILES "high", "failure_time_quantile_high", "s",
+         "order statistic above it with 97.5 %", Q(REAL, high),
+         .comment = "missing: never, or too few members"),
+    IN_JSON(QUANTILES "never", TRUTH(quantile_never)),
+    IN_JSON(QUANTILES "high_never", TRUTH(high_never)),
 };
 
+#define INFLUENCES "influences[]/"
 static const lac_variable of_influences[] = {
-    {.name = "influence_parameter",
-     .json = "answers/influences[]/parameter",
-     .long_name = "parameters, the one that decides most first",
-     LAC_HELD(TEXT, lac_influence, key)},
-    {.name = "sobol_first",
-     .json = "answers/influences[]/first",
-     .long_name = "part of the variance that is owed to the parameter alone",
-     I(REAL, first)},
-    {.name = "sobol_first_error",
-     .json = "answers/influences[]/first_error",
-     .long_name = "its standard error, by bootstrap",
-     I(REAL, first_error)},
-    {.json = "answers/influences[]/first_low", I(REAL, first_low)},
-    {.json = "answers/influences[]/first_high", I(REAL, first_high)},
-    {.name = "sobol_total",
-     .json = "answers/influences[]/total",
-     .long_name = "the same with what it does through the others",
-     .comment = "of a saltelli design",
-     I(REAL, total)},
-    {.name = "sobol_total_error",
-     .json = "answers/influences[]/total_error",
-     .long_name = "its standard error, by bootstrap",
-     I(REAL, total_error)},
-    {.json = "answers/influences[]/total_low", I(REAL, total_low)},
-    {.json = "answers/influences[]/total_high", I(REAL, total_high)},
-    {.name = "rank_correlation",
-     .json = "answers/influences[]/rank_correlation",
-     .long_name = "rank correlation of parameter and time of failure",
-     I(REAL, rank)},
+    BOTH(INFLUENCES "parameter", "influence_parameter", NULL,
+         "parameters, the one that decides most first", LAC_HELD(TEXT, lac_influence, key)),
+    BOTH(INFLUENCES "first", "sobol_first", NULL,
+         "part of the variance that is owed to the parameter alone", I(REAL, first)),
+    BOTH(INFLUENCES "first_error", "sobol_first_error", NULL, "its standard error, by bootstrap",
+         I(REAL, first_error)),
+    IN_JSON(INFLUENCES "first_low", I(REAL, first_low)),
+    IN_JSON(INFLUENCES "first_high", I(REAL, first_high)),
+    BOTH(INFLUENCES "total", "sobol_total", NULL, "the same with what it does through the others",
+         I(REAL, total), .comment = "of a saltelli design"),
+    BOTH(INFLUENCES "total_error", "sobol_total_error", NULL, "its standard error, by bootstrap",
+         I(REAL, total_error)),
+    IN_JSON(INFLUENCES "total_low", I(REAL, total_low)),
+    IN_JSON(INFLUENCES "total_high", I(REAL, total_high)),
+    BOTH(INFLUENCES "rank_correlation", "rank_correlation", NULL,
+         "rank correlation of parameter and time of failure", I(REAL, rank)),
 };
 
 static const lac_variable of_whether[] = {
-    {.json = "answers/influences_of_probability", A(BOOL, of_chance)},
-    {.json = "answers/influence_rows", A(COUNT, rows)},
+    IN_JSON("influences_of_probability", A(BOOL, of_chance)),
+    IN_JSON("influence_rows", A(COUNT, rows)),
 };
 
 static const lac_variable of_base[] = {
-    {.json = "answers/base", A(REAL, base)},
-    {.json = "answers/base_never", TRUTH(base_stays)},
+    IN_JSON("base", A(REAL, base)),
+    IN_JSON("base_never", TRUTH(base_stays)),
 };
 
+#define SWINGS "swings[]/"
 static const lac_variable of_swings[] = {
-    {.name = "swing_parameter",
-     .json = "answers/swings[]/parameter",
-     .long_name = "parameters of the tornado, the widest swing first",
-     LAC_HELD(TEXT, lac_swing, key)},
-    {.json = "answers/swings[]/unit", LAC_HELD(TEXT, lac_swing, unit)},
-    {.json = "answers/swings[]/low", S(REAL, low)},
-    {.json = "answers/swings[]/low_word", S(TEXT, low_word)},
-    {.json = "answers/swings[]/high_word", S(TEXT, high_word)},
-    {.json = "answers/swings[]/high", S(REAL, high)},
-    {.name = "swing_low",
-     .json = "answers/swings[]/result_low",
-     .unit = "s",
-     .long_name = "time of failure with the parameter low",
-     .comment = "missing: never",
-     S(REAL, result_low)},
-    {.name = "swing_high",
-     .json = "answers/swings[]/result_high",
-     .unit = "s",
-     .long_name = "time of failure with the parameter high",
-     .comment = "missing: never",
-     S(REAL, result_high)},
-    {.json = "answers/swings[]/low_never", TRUTH(low_stays)},
-    {.json = "answers/swings[]/high_never", TRUTH(high_stays)},
+    BOTH(SWINGS "parameter", "swing_parameter", NULL,
+         "parameters of the tornado, the widest swing first", LAC_HELD(TEXT, lac_swing, key)),
+    IN_JSON(SWINGS "unit", LAC_HELD(TEXT, lac_swing, unit)),
+    IN_JSON(SWINGS "low", S(REAL, low)),
+    IN_JSON(SWINGS "low_word", S(TEXT, low_word)),
+    IN_JSON(SWINGS "high_word", S(TEXT, high_word)),
+    IN_JSON(SWINGS "high", S(REAL, high)),
+    BOTH(SWINGS "result_low", "swing_low", "s", "time of failure with the parameter low",
+         S(REAL, result_low), .comment = "missing: never"),
+    BOTH(SWINGS "result_high", "swing_high", "s", "time of failure with the parameter high",
+         S(REAL, result_high), .comment = "missing: never"),
+    IN_JSON(SWINGS "low_never", TRUTH(low_stays)),
+    IN_JSON(SWINGS "high_never", TRUTH(high_stays)),
 };
 
 lac_status lac_answers_add(const lac_answers *a, lac_dataset *dataset, lac_error *err)

@@ -5,6 +5,35 @@
 #include "lacuna/simulation.h"
 #include "sweep/describe.h"
 
+enum { MOST_TEXT = 1 << 22 }; // of a case
+
+// Texts of a plan as attributes of a file.
+static const struct {
+    const char *name;
+    size_t offset, room;
+} texts[] = {
+    {"sweep_design", offsetof(lac_ensemble, design), 64},
+    {"sweep_series", offsetof(lac_ensemble, series), 64},
+    {"title", offsetof(lac_ensemble, title), 4096},
+    {"case", offsetof(lac_ensemble, case_text), MOST_TEXT},
+    {"sweep_case", offsetof(lac_ensemble, written), MOST_TEXT},
+    {"sweep_set", offsetof(lac_ensemble, set), MOST_TEXT},
+    {"sweep_files", offsetof(lac_ensemble, files), MOST_TEXT},
+};
+enum { TEXTS = sizeof texts / sizeof *texts };
+
+static char **text_at(lac_ensemble *e, size_t k)
+{
+    return (char **)(void *)((char *)e + texts[k].offset);
+}
+
+static void free_sample(lac_ensemble *e)
+{
+    free(e->drawn);
+    free(e->rate);
+    free((void *)e->key);
+}
+
 static void free_param(lac_ensemble_param *param)
 {
     free(param->key);
@@ -26,22 +55,13 @@ void lac_ensemble_free(lac_ensemble *e)
     for (size_t i = 0; e->member != NULL && i < e->n; i++) {
         free(e->member[i]);
     }
+    for (size_t k = 0; k < TEXTS; k++) {
+        free(*text_at(e, k));
+    }
     free(e->param);
     free(e->member);
     free(e->place);
-    free(e->case_text);
-    free(e->title);
-    free(e->written);
-    free(e->set);
-    free(e->files);
-    free(e->design);
-    free(e->series);
-    free(e->drawn);
-    free(e->result);
-    free(e->followed);
-    free(e->rate);
-    free((void *)e->key);
-    free((void *)e->unit);
+    free_sample(e);
     free(e);
 }
 
@@ -51,7 +71,6 @@ static int by_index(const void *a, const void *b)
     return x->index < y->index ? -1 : x->index > y->index ? 1 : 0;
 }
 
-// Texts of a parameter, one behind the other, and which of those that differ each is.
 lac_status lac_ensemble_words(lac_ensemble_param *param, size_t n, const char *const *text,
                               lac_error *err)
 {
@@ -279,17 +298,6 @@ out:
     return status;
 }
 
-enum { MOST_TEXT = 1 << 22 }; // of a case
-
-static char *text_of(const lac_stored_file *file, const char *name, size_t room)
-{
-    char *text = calloc(1, room);
-    if (text != NULL) {
-        (void)lac_stored_file_text(file, NULL, name, text, room);
-    }
-    return text;
-}
-
 static lac_status read_plan(const lac_stored_file *file, const char *path, lac_ensemble *e,
                             lac_error *err)
 {
@@ -300,18 +308,12 @@ static lac_status read_plan(const lac_stored_file *file, const char *path, lac_e
     (void)lac_stored_file_text(file, NULL, "sweep_seed", e->seed, sizeof e->seed);
     e->members = (size_t)lac_stored_file_number(file, NULL, "sweep_members");
     e->end = lac_stored_file_number(file, NULL, "sweep_end_s");
-    e->design = text_of(file, "sweep_design", 64);
-    e->series = text_of(file, "sweep_series", 64);
-    e->title = text_of(file, "title", 4096);
-    e->case_text = text_of(file, "case", MOST_TEXT);
-    e->written = text_of(file, "sweep_case", MOST_TEXT);
-    e->set = text_of(file, "sweep_set", MOST_TEXT);
-    e->files = text_of(file, "sweep_files", MOST_TEXT);
     e->until = lac_stored_file_number(file, NULL, "sweep_until_s");
-    LAC_FAIL_MEMORY_IF(e->design == NULL || e->series == NULL || e->title == NULL ||
-                           e->case_text == NULL || e->written == NULL || e->set == NULL ||
-                           e->files == NULL,
-                       err);
+    for (size_t k = 0; k < TEXTS; k++) {
+        char *text = *text_at(e, k) = calloc(1, texts[k].room);
+        LAC_FAIL_MEMORY_IF(text == NULL, err);
+        (void)lac_stored_file_text(file, NULL, texts[k].name, text, texts[k].room);
+    }
     while (e->axis < LAC_SERIES_LEFT &&
            lac_stored_file_shape(file, lac_ensemble_axes[e->axis].place, &shape, NULL) != LAC_OK) {
         e->axis++;
@@ -398,21 +400,14 @@ lac_status lac_ensemble_sample(lac_ensemble *e, const lac_ensemble_result *of, d
 {
     size_t missing = 0;
     const lac_design *design = NULL;
-    free(e->drawn);
-    free(e->result);
-    free(e->followed);
-    free((void *)e->key);
-    free((void *)e->unit);
-    free(e->rate);
+    free_sample(e);
     e->rate = malloc((e->n * e->records + 1) * sizeof *e->rate);
-    e->drawn = malloc((e->params * e->n + 1) * sizeof *e->drawn);
-    e->result = malloc((e->n + 1) * sizeof *e->result);
-    e->followed = malloc((e->n + 1) * sizeof *e->followed);
-    e->key = malloc((e->params + 1) * sizeof *e->key);
-    e->unit = malloc((e->params + 1) * sizeof *e->unit);
-    LAC_FAIL_MEMORY_IF(e->rate == NULL || e->drawn == NULL || e->result == NULL ||
-                           e->followed == NULL || e->key == NULL || e->unit == NULL,
-                       err);
+    e->drawn = malloc(((e->params + 2) * e->n + 1) * sizeof *e->drawn);
+    e->key = malloc((2 * e->params + 1) * sizeof *e->key);
+    LAC_FAIL_MEMORY_IF(e->rate == NULL || e->drawn == NULL || e->key == NULL, err);
+    e->result = e->drawn + e->params * e->n;
+    e->followed = e->result + e->n;
+    e->unit = e->key + e->params;
     for (size_t p = 0; p < e->params; p++) {
         memcpy(e->drawn + p * e->n, e->param[p].value, e->n * sizeof *e->drawn);
         e->key[p] = e->param[p].key;

@@ -66,8 +66,8 @@ typedef struct lac_ensemble {
     int axis;                  ///< lac_series_axis
     lac_ensemble_extra extra[LAC_MEMBER_EXTRAS];
     // For answers.
-    double *drawn, *result, *followed; ///< [params][n], [n], [n]
-    const char **key, **unit;          ///< [params]
+    double *drawn, *result, *followed; ///< [params][n], [n], [n], in one piece
+    const char **key, **unit;          ///< [params], in one piece
     float *rate;                       ///< [n][records] infinite after failure
 } lac_ensemble;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What decides: indices of Sobol' of a saltelli design; of other members the part of the variance
 // between those of equal or neighbouring values. Errors by bootstrap.
-#include "sweep/influence.h"
+#include "sweep/answers.h"
 
 #include <gsl/gsl_sort.h>
 #include <gsl/gsl_statistics_double.h>

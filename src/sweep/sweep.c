@@ -272,6 +272,13 @@ static char *with_value(lac_sweep *sweep, const lac_swept *param, const char *te
 
 static double value_at(const lac_swept *param, double u);
 
+const char *lac_swept_quantity(double value, const char *unit, char *text, size_t room)
+{
+    const bool plain = strcmp(unit, "1") == 0;
+    (void)snprintf(text, room, "%.17g%s%s", value, plain ? "" : " ", plain ? "" : unit);
+    return text;
+}
+
 // A number is set in the case that was read, which is fast, unless reading makes other values from
 // it, as rg.friction from f0: then the case is another one than that which is read with it.
 static void find_followers(lac_sweep *sweep)
@@ -283,9 +290,7 @@ static void find_followers(lac_sweep *sweep)
         if (param->word) {
             continue;
         }
-        const bool plain = strcmp(param->unit, "1") == 0;
-        (void)snprintf(text, sizeof text, "%.17g%s%s", value, plain ? "" : " ",
-                       plain ? "" : param->unit);
+        (void)lac_swept_quantity(value, param->unit, text, sizeof text);
         read = with_value(sweep, param, text, value);
         set = with_value(sweep, param, NULL, value);
         param->anew = read == NULL || set == NULL || strcmp(read, set) != 0;
@@ -406,12 +411,8 @@ const char *lac_sweep_text(const lac_sweep *sweep, size_t param, size_t member, 
     if (isnan(u)) {
         return NULL;
     }
-    if (p->drawn == NULL) {
-        return p->text[index_of(p, u)];
-    }
-    const bool plain = strcmp(p->unit, "1") == 0;
-    (void)snprintf(text, room, "%.17g%s%s", value_at(p, u), plain ? "" : " ", plain ? "" : p->unit);
-    return text;
+    return p->drawn == NULL ? p->text[index_of(p, u)]
+                            : lac_swept_quantity(value_at(p, u), p->unit, text, room);
 }
 
 // The case with what is set as text, read anew where it is another than the last one's.

@@ -130,6 +130,9 @@ char *lac_sweep_set(const lac_sweep *sweep);
 /// One of the keys that take its value. @return false: there is none of that index
 bool lac_swept_key(const lac_swept *param, size_t index, char key[LAC_SWEEP_KEY]);
 
+/// A number and its unit, to the bit. @return text
+const char *lac_swept_quantity(double value, const char *unit, char *text, size_t room);
+
 // Of the module: what is said of values.
 lac_status lac_swept_read(lac_swept *param, const char *said, lac_case *base, lac_error *err);
 lac_status lac_swept_table(lac_sweep *sweep, const char *path, lac_error *err);

@@ -17,8 +17,8 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 98651,
-    "lines that only present results": 24795,
+    "lines of src and include": 98617,
+    "lines that only present results": 24768,
     "public headers": 13,
     "exported names": 44,
     "circles of includes": 0,
