@@ -234,9 +234,8 @@ lac_fit_straight lac_fit_straighten(const lac_fit *fit);
 // @return ln of |du/dz|
 double lac_fit_from_line(const lac_fit *fit, const double *z, double *u);
 void lac_fit_to_line(const lac_fit *fit, const double *u, double *z);
-void lac_fit_to_line_unbent(const lac_fit *fit, const double *u, double *z);
 
-// shear.c: the shear of the places where a chain ended; none where it would gain little.
+// The shear of the places where a chain ended; none where it would gain little.
 lac_status lac_fit_find_shear(lac_fit *fit, lac_error *err);
 
 // Onto sheared coordinates, or with sign -1 back.
@@ -245,9 +244,6 @@ void lac_fit_shear_to(const lac_fit_shear *shear, double sign, double *z);
 // posterior.c: the sampler, its quantiles and what follows from the draws.
 lac_status lac_fit_sample(lac_fit *fit, const lac_fit_watch *watch, lac_fit_result *result,
                           lac_error *err);
-
-// evidence.c: the evidence of the case, from draws that have converged.
-lac_status lac_fit_find_evidence(const lac_fit *fit, lac_fit_result *result, lac_error *err);
 
 // predict.c
 lac_status lac_fit_predict(lac_fit *fit, const lac_fit_watch *watch, lac_fit_result *result,

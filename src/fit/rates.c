@@ -4,6 +4,7 @@
 #include <gsl/gsl_integration.h>
 #include <gsl/gsl_sf_erf.h>
 
+#include "base/statistics.h"
 #include "fit/internal.h"
 
 static const double log_two_pi = 1.8378770664093454836;
@@ -52,16 +53,10 @@ static bool weigh_nodes(double *weight)
 
 // One look at the run: when, for whom, and what was read at that very time.
 typedef struct look {
-    double time, displacement, sigma;
-    lac_fit_rate *of; // NULL: a displacement
+    double time, displacement, sigma; // the time first: lac_by_first
+    lac_fit_rate *of;                 // NULL: a displacement
     size_t node;
 } look;
-
-static int compare(const void *a, const void *b)
-{
-    const look *x = a, *y = b;
-    return (x->time > y->time) - (x->time < y->time);
-}
 
 static size_t add_rate(lac_fit_data *data, const lac_fit_seen *row, bool bound, double end,
                        look *looks)
@@ -83,7 +78,7 @@ static size_t add_rate(lac_fit_data *data, const lac_fit_seen *row, bool bound, 
 // Rows for the run in the order of time, each time once.
 static void put_looks(lac_fit_data *data, size_t n, look *looks)
 {
-    qsort(looks, n, sizeof *looks, compare);
+    qsort(looks, n, sizeof *looks, lac_by_first);
     data->n = 0;
     for (size_t i = 0; i < n; i++) {
         const bool same = data->n > 0 && looks[i].time == data->time[data->n - 1];

@@ -31,15 +31,6 @@ enum { LAC_POOLED = 3 }; ///< methods that a pooled window needs
 /// The verdict on a set whose motion, trend, drivers and forecasts are there.
 void lac_verdict_find(const lac_forecast_def *def, lac_forecast_set *o);
 
-/// Asks the definition's drivers of the set's motion. One of n explains where p is up to 0.05/n.
-lac_status lac_driver_explain_all(const lac_forecast_def *def, lac_forecast_set *o, lac_error *err);
-void lac_driver_effects_free(lac_forecast_set *o);
-
-/// Takes a forecast back where a driver explains the rate and what remains does not accelerate, and
-/// widens its intervals where what remains does, or may. Baseline and a model of its own, which
-/// knows its loads, are left alone.
-void lac_driver_temper(const lac_forecast_set *o, lac_forecast *f);
-
 enum { LAC_SHAPES_MAX = 3 };
 
 /// A curve d = sum of c_j column_j(t; p) fitted to the displacements of a window. The c_j follow

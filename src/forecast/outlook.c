@@ -1,10 +1,74 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What keeps methods from being asked, the readings that they are fitted to, all methods asked at
-// the last reading, and which of their answers are good enough as forecasts.
+// the last reading, and which of their answers are good enough as forecasts: what drivers explain
+// widens intervals, or withholds a forecast.
 #include "forecast/kinds.h"
 
 enum { LEAST_LATER = 10, BRIDGED = 3, LINE = 3, LONGEST_RUN = 1000 };
 static const double beyond = 1e150; // what is not computed with, nor its inverse
+
+static const double driver_level = 0.05; // of all drivers together
+// Of ln of the remaining time, where a slope fails while driven: tools/studies/driven_failures.py
+static const double driven_spread = 1.0;
+
+// Asks the definition's drivers of the set's motion. One of n explains where p is up to 0.05/n.
+static lac_status explain_all(const lac_forecast_def *def, lac_forecast_set *o, lac_error *err)
+{
+    o->effect = calloc(def->drivers + 1, sizeof *o->effect);
+    LAC_FAIL_MEMORY_IF(o->effect == NULL, err);
+    for (size_t k = 0; k < def->drivers; k++) {
+        o->effects = k + 1;
+        LAC_TRY_RETURN(lac_driver_explain(o->motion, &def->driver[k],
+                                          driver_level / (double)def->drivers, &o->effect[k], err));
+    }
+    return LAC_OK;
+}
+
+static void free_effects(lac_forecast_set *o)
+{
+    for (size_t k = 0; k < o->effects; k++) {
+        lac_driver_effect_clear(&o->effect[k]);
+    }
+    free(o->effect);
+}
+
+// In ln of the remaining time, about the median.
+static void widen(lac_forecast *f)
+{
+    static const double normal50 = 0.6744897501960817, normal90 = 1.6448536269514722;
+    const double now = f->issue_time;
+    const double middle = log(f->time - now);
+    double *const end[] = {&f->low90, &f->low50, &f->high50, &f->high90};
+    for (size_t k = 0; k < sizeof end / sizeof *end && isfinite(middle); k++) {
+        const double off = log(*end[k] - now) - middle;
+        const double more = driven_spread * (k == 1 || k == 2 ? normal50 : normal90);
+        *end[k] = now + exp(middle + copysign(hypot(off, more), k < 2 ? -1.0 : 1.0));
+    }
+}
+
+// Takes a forecast back where a driver explains the rate and what remains does not accelerate, and
+// widens its intervals where what remains does, or may. Baseline and a model of its own, which
+// knows its loads, are left alone.
+static void temper(const lac_forecast_set *o, lac_forecast *f)
+{
+    bool driven = false;
+    // a model that a caller brings has no fit in its row
+    for (size_t k = 0; k < o->effects && f->issued && !f->kind->baseline && f->kind->fit != NULL;
+         k++) {
+        const lac_driver_effect *e = &o->effect[k];
+        driven = driven || e->verdict == LAC_EXPLAINS;
+        if (lac_driver_withholds(e)) {
+            f->issued = false;
+            (void)lac_forecast_fit_refuse(&f->fit,
+                                          "withheld: %.60s explains %.0f %% of the rate (p %.2g), "
+                                          "and what remains does not accelerate",
+                                          e->driver->name, 100.0 * e->share, e->p);
+        }
+    }
+    if (driven && f->issued) {
+        widen(f);
+    }
+}
 
 static double mean_velocity(const lac_motion *m, size_t last, size_t count)
 {
@@ -227,7 +291,7 @@ static lac_status answer(const lac_forecast_def *def, const lac_forecast_set *o,
         return lac_forecast_fit_refuse(
             &f->fit, "the time that it gives is over: no failure has come, or no value");
     }
-    lac_driver_temper(o, f);
+    temper(o, f);
     return LAC_OK;
 }
 
@@ -329,7 +393,7 @@ lac_status lac_forecast_set_create(const lac_forecast_def *def, const lac_readin
     o->forecast = (lac_forecast *)(o + 1);
     LAC_TRY(lac_motion_create(&def->motion, &seen, &o->motion, err));
     o->issue_time = seen.time[seen.n - 1];
-    LAC_TRY(lac_driver_explain_all(def, o, err));
+    LAC_TRY(explain_all(def, o, err));
     LAC_TRY(forecast(o, def, err));
     *out = o;
     o = NULL;
@@ -342,7 +406,7 @@ void lac_forecast_set_free(lac_forecast_set *forecasts)
 {
     if (forecasts != NULL) {
         lac_motion_free(forecasts->motion);
-        lac_driver_effects_free(forecasts);
+        free_effects(forecasts);
         free(forecasts);
     }
 }

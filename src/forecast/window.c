@@ -84,8 +84,6 @@ static void fill(const lac_motion *m, double start, lac_window *w)
     }
 }
 
-// The motion since `start`, thinned to WINDOW_READINGS displacements by means of consecutive ones,
-// the first and the last apart.
 lac_status lac_window_create(const lac_motion *m, double start, lac_window **out, lac_error *err)
 {
     lac_window *w =

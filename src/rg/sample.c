@@ -1,8 +1,174 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // One joint with its blocks at one place, loaded along the path: what slips at every load,
-// when each block does, and what it carries then: the strength of blocks by their size.
+// when each block does, and what it carries then: the strength of blocks by their size; and the
+// load at which all of it does.
 #include "fractal/fractal.h"
 #include "rg/tree.h"
+
+// The smallest load at which the whole joint slides: a scan of the path, then a closing bracket;
+// and on contacts solved for the loads at hand, not interpolated between others.
+
+// Two loads of a path, the joint sticking at the lower and sliding at the higher one.
+typedef struct bracket {
+    double low, high;       // Q/Q_nom
+    double at_low, at_high; // threshold of the root there [Pa]; INFINITY: not known
+} bracket;
+
+// Takes note of the threshold of the root at a load. Returns whether the joint sticks there.
+static bool bracket_note(bracket *b, const lac_rg_tree *tree, double load, double root)
+{
+    const bool stuck = !lac_rg_slips(tree, root);
+    *(stuck ? &b->low : &b->high) = load;
+    *(stuck ? &b->at_low : &b->at_high) = root;
+    return stuck;
+}
+
+// Where to look next inside a bracket, to close it to `within`, after `step` loads: twice a little
+// beyond the chord through the thresholds, on the side that was not seen last, then in the middle.
+// LUMP has no thresholds to draw a chord through.
+static double next_load(const bracket *b, int step, bool stuck, double within)
+{
+    const double width = b->high - b->low;
+    double x = b->low + width * b->at_low / (b->at_low - b->at_high);
+    if (step > 0) {
+        double beyond = fmax(0.4 * within, 0.02 * width);
+        x += stuck ? beyond : -beyond;
+    }
+    return step % 3 < 2 && x > b->low && x < b->high ? x : 0.5 * (b->low + b->high);
+}
+
+// One search: the contact that was solved last, and what follows from it.
+typedef struct search {
+    const lac_rg_resolve_def *press;
+    lac_rg_tree *tree;
+    lac_rg_rule rule;
+    double *map;         // [ny * nx] pressures
+    double *shear, *gap; // [n]
+} search;
+
+// The threshold of the root at a load. Where nothing presses any more, all has slipped.
+static lac_status root_at(search *s, double load, double *root, lac_error *err)
+{
+    const lac_domain *domain = s->press->domain;
+    lac_contact_def def = *s->press->contact;
+    const double part = 1.0 - load;
+    lac_status status = LAC_OK;
+    if (part > LAC_RG_WITHIN_SOLVED) {
+        def.mean_pressure = part * s->press->contact->mean_pressure;
+        def.start = s->map;
+        status = lac_contact_solve(&def, s->map, NULL, NULL, err);
+    }
+    for (size_t i = 0; i < domain->n; i++) {
+        double left = part > LAC_RG_WITHIN_SOLVED ? s->map[domain->index[i]] : 0.0;
+        s->gap[i] = s->press->friction * left;
+        s->shear[i] = s->press->friction * domain->pressure[i] - s->gap[i];
+    }
+    *root = lac_rg_pass(s->tree, s->rule, s->shear, s->gap);
+    return status;
+}
+
+static lac_status narrow(search *s, double load, bracket *b, bool *stuck, lac_error *err)
+{
+    double root = NAN;
+    lac_status status = root_at(s, load, &root, err);
+    *stuck = bracket_note(b, s->tree, load, root);
+    return status;
+}
+
+// From a guess away, in steps that double, until the joint is seen to stick and to slide.
+static lac_status find(search *s, double guess, bracket *b, lac_error *err)
+{
+    bool stuck = false;
+    double step = 0.002;
+    lac_status status = narrow(s, guess, b, &stuck, err);
+    const bool up = stuck;
+    while (status == LAC_OK && stuck == up && b->low < b->high) {
+        double load = up ? fmin(b->low + step, 1.0) : fmax(b->high - step, 0.0);
+        status = narrow(s, load, b, &stuck, err);
+        step *= 2.0;
+    }
+    return status;
+}
+
+// Begins at the interpolated state: the contact next to the one looked for.
+static void start_at(search *s, const lac_rg_path *path, double load)
+{
+    const lac_domain *domain = s->press->domain;
+    lac_rg_path_eval(path, load, s->shear, s->gap);
+    for (size_t i = 0; i < domain->n; i++) {
+        s->map[domain->index[i]] = s->gap[i] / s->press->friction;
+    }
+}
+
+lac_status lac_rg_critical_solved(lac_rg_tree *tree, lac_rg_rule rule,
+                                  const lac_rg_resolve_def *press, const lac_rg_path *path,
+                                  double *critical, lac_error *err)
+{
+    const size_t n = press->domain->n;
+    bool stuck = false;
+    bracket b = {0.0, 1.0, INFINITY, 0.0};
+    lac_status status;
+    search s = {.press = press, .tree = tree, .rule = rule};
+    s.map = calloc(lac_grid_cells(&press->domain->grid), sizeof *s.map);
+    s.shear = malloc(2 * n * sizeof *s.shear);
+    LAC_TRY(s.map != NULL && s.shear != NULL ? LAC_OK : lac_fail_memory(err));
+    s.gap = s.shear + n;
+    double guess = lac_rg_critical(tree, rule, path, s.shear);
+    start_at(&s, path, guess);
+    LAC_TRY(find(&s, guess, &b, err));
+    for (int step = 0; b.high - b.low > LAC_RG_WITHIN_SOLVED || step == 0; step++) {
+        double load = next_load(&b, step, stuck, LAC_RG_WITHIN_SOLVED);
+        LAC_TRY(narrow(&s, load, &b, &stuck, err));
+    }
+    LAC_TRY(narrow(&s, b.low, &b, &stuck, err)); // leaves the tree just before the joint slides
+    *critical = b.high;
+out:
+    free(s.shear);
+    free(s.map);
+    return status;
+}
+
+double lac_rg_root(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path, double load,
+                   double *work)
+{
+    double *shear = work;
+    double *gap = work + lac_rg_blocks_at(tree, 0);
+    lac_rg_path_eval(path, load, shear, gap);
+    return lac_rg_pass(tree, rule, shear, gap);
+}
+
+// The load between the two at which the joint slides, to 1e-9.
+static double close_bracket(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path, bracket b,
+                            double *work)
+{
+    // a joint far from 0, by tractions beside small strengths, has no loads so close together
+    const double within = fmax(1e-9, 4 * DBL_EPSILON * fmax(fabs(b.low), fabs(b.high)));
+    bool stuck = false;
+    for (int step = 0; b.high - b.low > within; step++) {
+        double load = next_load(&b, step, stuck, within);
+        stuck = bracket_note(&b, tree, load, lac_rg_root(tree, rule, path, load, work));
+    }
+    return b.high;
+}
+
+double lac_rg_critical(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path, double *work)
+{
+    // a joint may slide, stick and slide again as its tractions rearrange
+    bracket b = {lac_rg_path_load(path, 0.0), lac_rg_path_load(path, 1.0), INFINITY, 0.0};
+    if (lac_rg_path_is_preloaded(path)) {
+        b.at_low = lac_rg_root(tree, rule, path, b.low, work);
+        if (lac_rg_slips(tree, b.at_low)) {
+            return b.low;
+        }
+    }
+    for (int i = 1; i <= LAC_RG_SCAN; i++) {
+        double load = lac_rg_path_load(path, (double)i / LAC_RG_SCAN);
+        if (!bracket_note(&b, tree, load, lac_rg_root(tree, rule, path, load, work))) {
+            break;
+        }
+    }
+    return close_bracket(tree, rule, path, b, work);
+}
 
 lac_status lac_rg_states_create(const lac_rg_tree *tree, lac_rg_block_state **states,
                                 lac_error *err)
@@ -200,7 +366,7 @@ typedef struct scan {
     lac_rg_rule rule;
     double *work;
     lac_rg_block_state *states;
-    lac_rg_bracket bracket;
+    bracket bracket;
     double at; // the load reached
     bool slides;
     lac_rg_order *order; // NULL: not wanted
@@ -210,7 +376,7 @@ static void scan_to(scan *s, double load)
 {
     double root = lac_rg_root(s->tree, s->rule, s->path, load, s->work);
     lac_rg_states_note(s->tree, s->at, load, s->states);
-    s->slides = s->slides || !lac_rg_bracket_note(&s->bracket, s->tree, load, root);
+    s->slides = s->slides || !bracket_note(&s->bracket, s->tree, load, root);
     s->at = load;
 }
 
@@ -257,10 +423,10 @@ lac_status lac_rg_sample_take(const lac_rg_joint *joint, const lac_rg_study_def 
     LAC_TRY(status);
     LAC_TRY(lac_rg_tree_create_at(domain, dx, dy, joint->strength, joint->drop, &s.tree, err));
     LAC_TRY(lac_rg_states_create(s.tree, &s.states, err));
-    s.bracket = (lac_rg_bracket){s.at, s.at, INFINITY, INFINITY};
+    s.bracket = (bracket){s.at, s.at, INFINITY, INFINITY};
     LAC_TRY(scan_path(&s, def->loads, load, out, err));
     lac_rg_states_summarise(s.tree, s.states, domain->grid.ny == 1, out->size);
-    out->critical = s.slides ? lac_rg_close(s.tree, s.rule, s.path, s.bracket, s.work) : s.at;
+    out->critical = s.slides ? close_bracket(s.tree, s.rule, s.path, s.bracket, s.work) : s.at;
     close_sizes(s.tree, domain->grid.ny == 1, out->critical, out->size);
     largest_block(s.tree, &domain->grid, def->loads, out);
     count_at_critical(s.tree, def->rule, joint->path, s.work, out);

@@ -78,23 +78,9 @@ bool lac_rg_path_is_preloaded(const lac_rg_path *path);
 /// Q/Q_nom at a part of the path, 0 to 1.
 double lac_rg_path_load(const lac_rg_path *path, double part);
 
-/// Two loads of a path, the joint sticking at the lower and sliding at the higher one.
-typedef struct lac_rg_bracket {
-    double low, high;       ///< Q/Q_nom
-    double at_low, at_high; ///< threshold of the root there [Pa]; INFINITY: not known
-} lac_rg_bracket;
-
-/// Takes note of the threshold of the root at a load. @return whether the joint sticks there
-bool lac_rg_bracket_note(lac_rg_bracket *bracket, const lac_rg_tree *tree, double load,
-                         double root);
-
 /// Threshold of the root at a load. @param work  [2 cells]
 double lac_rg_root(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path, double load,
                    double *work);
-
-/// The load between the two at which the joint slides, to 1e-9.
-double lac_rg_close(lac_rg_tree *tree, lac_rg_rule rule, const lac_rg_path *path,
-                    lac_rg_bracket bracket, double *work);
 
 /// What one joint gave with its blocks at one place.
 typedef struct lac_rg_sample {

@@ -8,6 +8,7 @@
 #include "base/statistics.h"
 #include "base/units.h"
 #include "base/vsum.h"
+#include "series/motion.h"
 #include "series/text.h"
 
 // A sensor counts in steps of its own, which may be coarser than the last digit written.
@@ -97,8 +98,8 @@ static size_t count_rough(size_t n, const double *t, const double *x, double ste
 // mm and writes "12.5" has that step, and so have 0.1f and what was written of it. Believed only
 // of readings of which ten or more are off a parabola through their neighbours by more than half
 // of it, as a line of equal steps has them too. The digit is never made less.
-lac_status lac_series_resolve(size_t n, const double *time, const double *x, double *digit,
-                              lac_error *err)
+static lac_status resolve(size_t n, const double *time, const double *x, double *digit,
+                          lac_error *err)
 {
     static const double type[] = {DBL_EPSILON, FLT_EPSILON};
     if (x == NULL) {
@@ -147,8 +148,8 @@ lac_status lac_series_read(const lac_series_def *def, const struct lac_units *un
         lac_series_project(*out, (*out)->n);
     }
     const lac_series *s = *out;
-    LAC_TRY(lac_series_resolve(s->n, s->time, s->displacement, &(*out)->displacement_digit, err));
-    LAC_TRY(lac_series_resolve(s->n, s->time, s->velocity, &(*out)->velocity_digit, err));
+    LAC_TRY(resolve(s->n, s->time, s->displacement, &(*out)->displacement_digit, err));
+    LAC_TRY(resolve(s->n, s->time, s->velocity, &(*out)->velocity_digit, err));
 out:
     if (status != LAC_OK) {
         lac_series_free(*out);
@@ -279,4 +280,52 @@ void lac_series_compare(const lac_series *series, const lac_history *history, la
     misfit->displacement_offset = offset.n > 0 ? lac_line_at(&offset, 0.0) : NAN;
     misfit->displacement_rms = sqrt(offset.rest / offset.n);
     misfit->log_rate_rms = rates > 0 ? sqrt(squares / (double)rates) : NAN;
+}
+
+// The last of some readings, as if nothing had been read before: also how fine their numbers are is
+// told from them alone.
+
+static const double *from(const double *values, size_t first)
+{
+    return values != NULL ? values + first : NULL;
+}
+
+// The least last digit of the values that are there.
+static double finest(size_t n, const double *value, const double *digits)
+{
+    double least = INFINITY;
+    for (size_t i = 0; i < n; i++) {
+        least = isnan(value[i]) ? least : fmin(least, digits[i]);
+    }
+    return isfinite(least) ? least : 0.0;
+}
+
+static lac_status tell(const lac_readings *r, const double *value, const double *digits,
+                       double *digit, lac_error *err)
+{
+    if (value == NULL || digits == NULL) {
+        return LAC_OK;
+    }
+    *digit = finest(r->n, value, digits);
+    return resolve(r->n, r->time, value, digit, err);
+}
+
+lac_status lac_readings_recent(const lac_readings *all, size_t count, double time,
+                               lac_readings *out, lac_error *err)
+{
+    size_t first = count > 0 && all->n > count ? all->n - count : 0;
+    while (first < all->n && all->time[first] < all->time[all->n - 1] - time) {
+        first++;
+    }
+    *out = *all;
+    out->n = all->n - first;
+    out->time = from(all->time, first);
+    out->displacement = from(all->displacement, first);
+    out->velocity = from(all->velocity, first);
+    out->sigma = from(all->sigma, first);
+    out->displacement_digits = from(all->displacement_digits, first);
+    out->velocity_digits = from(all->velocity_digits, first);
+    LAC_TRY_RETURN(
+        tell(out, out->displacement, out->displacement_digits, &out->displacement_digit, err));
+    return tell(out, out->velocity, out->velocity_digits, &out->velocity_digit, err);
 }

@@ -29,13 +29,6 @@ lac_status lac_components_read(const lac_series_def *def, lac_components *out, l
 lac_status lac_series_new(const lac_series_def *def, const lac_components *components, size_t n,
                           const char *attribution, lac_series **out, lac_error *err);
 
-/// The step that values count in, where it is coarser than their last digit.
-/// @param time   [n]
-/// @param x      [n] NULL: nothing is done
-/// @param digit  the last digit; on return that step, never less
-lac_status lac_series_resolve(size_t n, const double *time, const double *x, double *digit,
-                              lac_error *err);
-
 /// Whether a file begins as netCDF does; the stream is at its beginning before and after.
 bool lac_series_is_netcdf(FILE *stream);
 
