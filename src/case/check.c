@@ -166,7 +166,7 @@ static void check_forces(lac_reader *reader, const lac_case *c, double pressure,
     lac_load_set loads;
     lac_load_state sum;
     // What files hold is looked at when the scene is built.
-    if (lac_load_models_need_files(&models)) {
+    if (lac_load_models_traits(&models).files) {
         return;
     }
     if (lac_load_set_create(&models, &(lac_load_clock){.end = c->run.end}, &loads, NULL) !=
@@ -223,7 +223,8 @@ static bool starts_unstable(const lac_case *c)
 static bool loads_stay(const lac_case *c)
 {
     const lac_load_models loads = lac_case_loads(c);
-    return !holds_mean_slip(c) && c->geometry.angles == 0 && lac_load_models_constant(&loads);
+    return !holds_mean_slip(c) && c->geometry.angles == 0 &&
+           lac_load_models_traits(&loads).constant;
 }
 
 bool lac_case_left_to_rounding(const lac_case *c)
@@ -367,7 +368,7 @@ bool lac_case_implies_safety(const lac_case *c)
 {
     const lac_normal_load *normal = (const void *)c->normal.info;
     const lac_load_models loads = lac_case_loads(c);
-    return (normal != NULL && normal->slope) || lac_load_models_slope(&loads) ||
+    return (normal != NULL && normal->slope) || lac_load_models_traits(&loads).slope ||
            c->geometry.angles > 0 || !isnan(c->run.stop_safety) ||
            (c->fields & (unsigned)LAC_FIELD_SAFETY) != 0;
 }

@@ -57,19 +57,12 @@ static __attribute__((noinline)) void add_along(const lac_load_set *set, size_t 
     const double azimuth = set->load[i].azimuth;
     const double part = set->along[0] * cos(azimuth) + set->along[1] * sin(azimuth);
     add_load(&set->load[i], t, &whole);
-    sum->ratio += part * whole.ratio;
-    sum->ratio_rate += part * whole.ratio_rate;
-    sum->stress += part * whole.stress;
-    sum->stress_rate += part * whole.stress_rate;
-    sum->equal_ratio += part * whole.equal_ratio;
-    sum->elastic_ratio += part * whole.elastic_ratio;
-    sum->elastic += part * whole.elastic;
-    sum->elastic_rate += part * whole.elastic_rate;
-    sum->spring_stiffness += whole.spring_stiffness;
-    sum->spring_stress += part * whole.spring_stress;
-    sum->spring_rate += part * whole.spring_rate;
-    sum->back_slip += part * whole.back_slip;
-    sum->back_rate += part * whole.back_rate;
+    const double *from = (const void *)&whole; // all members before the lake are doubles
+    double *to = (void *)sum;
+    const size_t stiffness = offsetof(lac_load_state, spring_stiffness) / sizeof *to;
+    for (size_t k = 0; k < offsetof(lac_load_state, lake) / sizeof *to; k++) {
+        to[k] += k == stiffness ? from[k] : part * from[k]; // holds every way
+    }
 }
 
 void lac_load_evaluate(const lac_load_set *set, double t, lac_load_state *sum)
@@ -230,29 +223,20 @@ double lac_load_shear(const lac_load_state *state, double pressure)
     return ratio * pressure + state->stress + state->elastic + state->spring_stress;
 }
 
-bool lac_load_models_need_files(const lac_load_models *models)
+lac_load_traits lac_load_models_traits(const lac_load_models *models)
 {
+    lac_load_traits traits = {.constant = true};
     const lac_model *model;
     for (size_t i = 0; (model = model_at(models, i)) != NULL; i++) {
+        traits.constant = traits.constant && kind_of(model)->constant;
+        traits.slope = traits.slope || kind_of(model)->slope;
         for (size_t k = 0; k < model->info->param_count; k++) {
             const lac_param *param = &model->info->params[k];
-            if (param->type == LAC_PATH && lac_param_given(param, model->params)) {
-                return true;
-            }
+            traits.files =
+                traits.files || (param->type == LAC_PATH && lac_param_given(param, model->params));
         }
     }
-    return false;
-}
-
-bool lac_load_models_constant(const lac_load_models *models)
-{
-    const lac_model *model;
-    for (size_t i = 0; (model = model_at(models, i)) != NULL; i++) {
-        if (!kind_of(model)->constant) {
-            return false;
-        }
-    }
-    return true;
+    return traits;
 }
 
 lac_status lac_load_blame_cell(const lac_load_set *set, size_t cell, double taken, double normal,
@@ -275,17 +259,6 @@ static lac_status blame(const lac_load_set *set, size_t i, lac_status status, la
     const size_t first[] = {0, set->shear, set->shear + set->pore};
     return lac_fail_within(err, status, "load.%s.%zu.%s", lists[of], i - first[of],
                            set->load[i].kind->info.name);
-}
-
-bool lac_load_models_slope(const lac_load_models *models)
-{
-    const lac_model *model;
-    for (size_t i = 0; (model = model_at(models, i)) != NULL; i++) {
-        if (kind_of(model)->slope) {
-            return true;
-        }
-    }
-    return false;
 }
 
 bool lac_load_set_presses(const lac_load_set *set) { return set->count > set->shear + set->pore; }

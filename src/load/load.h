@@ -214,12 +214,12 @@ double lac_load_set_driver_at(const lac_load_set *set, size_t index, double t);
 
 void lac_load_set_clear(lac_load_set *set);
 
-/// Whether one of these loads is gravity on a slope.
-bool lac_load_models_slope(const lac_load_models *models);
-
-/// Whether all of these loads are constant in time; whether any reads a file.
-bool lac_load_models_constant(const lac_load_models *models);
-bool lac_load_models_need_files(const lac_load_models *models);
+/// Of loads that a case names: all are constant in time; one is gravity on a slope; one reads a
+/// file.
+typedef struct lac_load_traits {
+    bool constant, slope, files;
+} lac_load_traits;
+lac_load_traits lac_load_models_traits(const lac_load_models *models);
 
 /// The index-th row of each registry, NULL past the end.
 const lac_normal_load *lac_normal_load_get(size_t index);

@@ -203,7 +203,7 @@ static void count_steps(const lac_case *c, lac_estimate *e)
     if (!e->integrated) {
         return;
     }
-    e->changing = !lac_load_models_constant(&loads);
+    e->changing = !lac_load_models_traits(&loads).constant;
     e->steps_least = e->own_steps ? LAC_OWN_FEWEST * e->cells : LAC_FEWEST_STEPS;
     e->steps_most = SMOOTH_STEPS * fmax(1, pow(1e-6 / c->run.rtol, 0.2));
     e->steps_most += e->stable ? 0 : LAC_STEPS_PER_FAILURE * e->cells;

@@ -178,7 +178,7 @@ bool lac_case_spreads(const lac_case *c, const char *const keys[])
 static bool changes(const lac_case *c)
 {
     const lac_load_models loads = lac_case_loads(c);
-    return !lac_load_models_constant(&loads);
+    return !lac_load_models_traits(&loads).constant;
 }
 
 static bool strengthens(const lac_case *c)

@@ -73,7 +73,7 @@ static lac_status ask_loads(const lac_case *c, lac_case_issues *report, lac_erro
     lac_load_files *files = NULL;
     lac_load_set loads;
     lac_status status = LAC_OK;
-    if (!lac_load_models_need_files(&models)) {
+    if (!lac_load_models_traits(&models).files) {
         return LAC_OK;
     }
     LAC_TRY(lac_load_files_create(&files, err));
