@@ -236,7 +236,7 @@ static size_t take_places(const lac_fit *fit, double *z)
 lac_status lac_fit_find_shear(lac_fit *fit, lac_error *err)
 {
     const size_t d = fit->unknowns;
-    double *z = malloc(2 * MOST * d * sizeof *z), best = -least_gain;
+    double *z = calloc(2 * MOST * d, sizeof *z), best = -least_gain;
     LAC_FAIL_MEMORY_IF(z == NULL, err);
     double *bent = z + MOST * d;
     const size_t n = take_places(fit, z);
