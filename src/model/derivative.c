@@ -21,15 +21,33 @@ bool lac_problem_newton(const lac_problem *problem, double t, const double *y, d
            problem->kind->newton(&at, gamma, b);
 }
 
+bool lac_problem_rates_stay(const lac_problem *problem)
+{
+    return problem->kind->id == LAC_FORMULATION_RATE;
+}
+
+bool lac_problem_newton_next(const lac_problem *problem, double t, const double *y, double gamma,
+                             double *b, double *work)
+{
+    if (!lac_problem_rates_stay(problem)) {
+        return lac_problem_newton(problem, t, y, gamma, b, work);
+    }
+    lac_look at;
+    lac_problem_look_again(problem, t, y, work, &at);
+    at.coupled = true;
+    return lac_weaken_rates(&at, NULL) && problem->kind->newton(&at, gamma, b);
+}
+
 // What ln theta is worth in ln v under constant traction is b/a. Up to this it passes for one, so
 // that ordinary friction needs no care.
 #define MOST_WORTH 10.0
+
+static const double resolved = 8.0 * DBL_EPSILON; // of what a double holds
 
 // weight = 1/(rtol scale), no finer than a double resolves y. @param y  NULL: 1
 LAC_CLONES static void lac_weigh(size_t n, double rtol, const double *scale, const double *y,
                                  double *weight)
 {
-    const double resolved = 8.0 * DBL_EPSILON;
     LAC_INDEPENDENT
     for (size_t i = 0; i < n; i++) {
         double error = rtol * scale[i];
@@ -78,6 +96,15 @@ void lac_problem_weights(const lac_problem *problem, const double *y, double rto
     if (problem->weak != NULL) {
         lac_weaken_weigh(problem, y, rtol, weight);
     }
+}
+
+double lac_problem_even_weight(const lac_problem *problem, const double *y, double rtol)
+{
+    const lac_formulation_kind *kind = problem->kind;
+    const bool even = kind->scale == NULL && !kind->solved && kind->unknowns == 2 &&
+                      problem->weak == NULL &&
+                      resolved * fmax(lac_vmost(problem->n, y), 1.0) <= rtol;
+    return even ? 1.0 / rtol : 0.0;
 }
 
 double lac_problem_least_tolerance(const lac_problem *problem, const double *tolerance)

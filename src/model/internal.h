@@ -182,6 +182,7 @@ typedef struct lac_look {
     lac_motion motion;
     double t;             // [s]
     const double *broken; // [n] part of the cohesion that is broken, 1 or more: all; NULL: none is
+    bool coupled;         // ws.kv holds K v of these rates
 } lac_look;
 
 // Of q_i the part of cohesion that is broken, which nothing carries any more [Pa].

@@ -19,6 +19,7 @@ static void set_out(const lac_problem *problem, double t, const double *y, doubl
     at->motion = (lac_motion){0};
     at->t = t;
     at->broken = NULL;
+    at->coupled = false;
 }
 
 bool lac_problem_begin(const lac_problem *problem, double t, const double *y, bool keep,

@@ -111,6 +111,9 @@ void lac_problem_initial(const lac_problem *problem, double *y);
 /// p over the stiffness. An unknown counts no finer than a double resolves it.
 void lac_problem_weights(const lac_problem *problem, const double *y, double rtol, double *weight);
 
+/// What all these weights are, where they are alike; else 0.
+double lac_problem_even_weight(const lac_problem *problem, const double *y, double rtol);
+
 /// Slip errors that count, for slip integrated beside y, whose errors y does not show: a traction
 /// under a given load is known whatever the rate, and where ln v and ln theta follow straight lines
 /// a step may be many e-folds of v. rtol dc, and where ln v is the unknown rtol of the slip
@@ -132,6 +135,14 @@ bool lac_problem_derivative(const lac_problem *problem, double t, const double *
 /// too long.
 bool lac_problem_newton(const lac_problem *problem, double t, const double *y, double gamma,
                         double *b, double *work);
+
+/// The same right after lac_problem_derivative of this t and y, from what that left in the work.
+bool lac_problem_newton_next(const lac_problem *problem, double t, const double *y, double gamma,
+                             double *b, double *work);
+
+/// Whether the slip rates of a state follow from its unknowns alone, so that those that dy/dt left
+/// in the work are as good as new.
+bool lac_problem_rates_stay(const lac_problem *problem);
 
 /// Takes y across a jump of the loads at time t: the traction jumps, slip does not, nor the rate of
 /// what has mass, and the state only where it responds to the normal pressure (alpha) and that

@@ -174,6 +174,9 @@ LAC_CLONES static void lac_rate_take_off(void *context, size_t part, size_t firs
 // K v of all cells, less what cohesion loses.
 static void couple(const lac_look *at)
 {
+    if (at->coupled) {
+        return;
+    }
     lac_problem_couple(at->problem, at->drive.far_rate, at->motion.v, at->ws.kv, at->ws.scratch);
     lac_weaken_take_off(at, at->ws.kv);
 }

@@ -28,7 +28,7 @@ typedef struct lac_engine {
     double *y;             // [unknowns] state at the time reached
     double *slip;          // [n] slip at the time reached [m]; part of y where slip is an unknown
     double *work;          // lac_problem_work
-    bool found;            // it holds the rates of the state reached, as dy/dt left them
+    bool found;            // it holds the rates of the state looked at last, as dy/dt left them
     lac_run_result counts; // only the counters are kept here
     lac_run_result before; // those up to the last restart
     SUNContext sun;

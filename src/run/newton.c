@@ -86,50 +86,66 @@ static lac_sun_status release(SUNNonlinearSolver solver)
 }
 
 // -r in place of f. Where there is no dy/dt, CVODE's residual says so in its own way.
-static int take_rates(newton *self, const step *s, N_Vector correction)
+static int take_rates(newton *self, const step *s, N_Vector correction, N_Vector y, N_Vector f)
 {
     lac_engine *engine = self->engine;
-    N_VLinearSum(1.0, s->z0, 1.0, correction, s->y);
-    if (!lac_problem_derivative(engine->problem, lac_engine_clock(engine, s->t),
-                                lac_vector_data(s->y), lac_vector_data(s->f), engine->work)) {
+    const bool first = f == correction;
+    if (first) {
+        lac_vector_forget(correction);
+        lac_vector_forget(s->f);
+        (void)lac_vector_data(y); // with all else that waits, in one pass
+    } else {
+        N_VLinearSum(1.0, s->z0, 1.0, correction, y);
+    }
+    engine->found = false;
+    if (!lac_problem_derivative(engine->problem, lac_engine_clock(engine, s->t), lac_vector_look(y),
+                                lac_vector_alone(f), engine->work)) {
+        if (first) {
+            N_VConst(0.0, correction);
+        }
         int why = self->residual(correction, s->f, self->cvode);
         return why == 0 ? SUN_NLS_CONV_RECVR : why;
     }
     self->evaluations++;
-    sunrealtype c[] = {-s->rl1, -1.0, s->gamma};
+    sunrealtype c[] = {-s->rl1, first ? s->gamma : -1.0, s->gamma};
     N_Vector x[] = {s->z1, correction, s->f};
-    return N_VLinearCombination(3, c, x, s->f) == 0 ? 0 : LAC_SUN_BROKEN;
+    return N_VLinearCombination(first ? 2 : 3, c, x, f) == 0 ? 0 : LAC_SUN_BROKEN;
 }
 
 // d in place of -r.
-static bool solve_linear(newton *self, const step *s)
+static bool solve_linear(newton *self, const step *s, N_Vector y, N_Vector f)
 {
     lac_engine *engine = self->engine;
     engine->counts.linear_solves++;
-    return lac_problem_newton(engine->problem, lac_engine_clock(engine, s->t),
-                              lac_vector_data(s->y), s->gamma, lac_vector_data(s->f), engine->work);
+    return lac_problem_newton_next(engine->problem, lac_engine_clock(engine, s->t),
+                                   lac_vector_look(y), s->gamma, lac_vector_alone(f), engine->work);
 }
 
+// At first c is 0: y is z_0, and what becomes d stands in the place of c itself.
 static int iterate(SUNNonlinearSolver solver, const step *s, N_Vector correction, N_Vector weight,
                    double tolerance)
 {
     newton *self = solver->content;
     for (self->current = 0; self->current < self->most; self->current++) {
-        int status = take_rates(self, s, correction);
+        const bool first = self->current == 0;
+        N_Vector y = first ? s->z0 : s->y, f = first ? correction : s->f;
+        int status = take_rates(self, s, correction, y, f);
         if (status != 0) {
             return status;
         }
         self->iterations++;
-        bool small = N_VWrmsNorm(s->f, weight) <= small_residual * tolerance;
-        if (!small && !solve_linear(self, s)) {
+        bool small = N_VWrmsNorm(f, weight) <= small_residual * tolerance;
+        if (!small && !solve_linear(self, s, y, f)) {
+            N_VConst(0.0, f);
             return SUN_NLS_CONV_RECVR;
         }
-        if (small && self->current > 0) {
-            N_VConst(0.0, s->f); // the correction stays
-        } else {
-            N_VLinearSum(1.0, correction, 1.0, s->f, correction);
+        if (small && !first) {
+            self->engine->found = true; // as the correction stays
+            N_VConst(0.0, f);
+        } else if (!first) {
+            N_VLinearSum(1.0, correction, 1.0, f, correction);
         }
-        status = self->test(solver, correction, s->f, tolerance, weight, self->test_data);
+        status = self->test(solver, correction, f, tolerance, weight, self->test_data);
         if (status != SUN_NLS_CONTINUE) {
             return status;
         }

@@ -27,6 +27,8 @@ struct lac_pending {
     size_t now; // of those that wait, the first so many are made in this pass
     bool waits;
     const double *x, *w; // (x w)^2 is wanted; or NULL
+    double level;        // w where that is NULL
+    combination last;    // sum of two arrays that still holds, made or waiting; z NULL: none
     combination list[MOST_WAITING];
 };
 
@@ -40,6 +42,7 @@ lac_pending *lac_pending_create(const lac_range *range, size_t arrays, bool wait
         p->waiting = p->now = 0;
         p->waits = waits;
         p->x = p->w = NULL;
+        p->last = (combination){.z = NULL};
     }
     return p;
 }
@@ -105,18 +108,19 @@ static double together(const double *s)
     return ((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7]));
 }
 
-static inline __attribute__((always_inline)) void add_squares(const double *x, const double *w,
-                                                              size_t first, size_t end, double *s)
+// @param w  NULL: `level`, known where this is inlined
+static inline __attribute__((always_inline)) void
+add_squares(const double *x, const double *w, double level, size_t first, size_t end, double *s)
 {
     size_t whole = end - (end - first) % LANES;
     for (size_t i = first; i < whole; i += LANES) {
         for (size_t k = 0; k < LANES; k++) {
-            double term = x[i + k] * w[i + k];
+            double term = x[i + k] * (w != NULL ? w[i + k] : level);
             s[k] += term * term;
         }
     }
     for (size_t i = whole; i < end; i++) {
-        double term = x[i] * w[i];
+        double term = x[i] * (w != NULL ? w[i] : level);
         s[i - whole] += term * term;
     }
 }
@@ -134,8 +138,10 @@ LAC_CLONES static void lac_pending_make(const lac_pending *p, size_t first, size
         for (size_t i = 0; i < p->now; i++) {
             make(&p->list[i], begin, stop);
         }
-        if (p->x != NULL) {
-            add_squares(p->x, p->w, begin, stop, s);
+        if (p->x != NULL && p->w != NULL) {
+            add_squares(p->x, p->w, 0.0, begin, stop, s);
+        } else if (p->x != NULL) {
+            add_squares(p->x, NULL, p->level, begin, stop, s);
         }
     }
     memcpy(sums, s, sizeof s);
@@ -192,7 +198,8 @@ static bool tied(const combination *a, const combination *b)
 
 // Picks what x and w wait for, and what has to be made before it; it comes to the front in its
 // order. @param written  x may be overwritten: what reads it counts as well
-static void pick(lac_pending *p, const double *x, const double *w, bool written)
+// @param all  so does all else, but for other arrays that are one number and nobody asks for yet
+static void pick(lac_pending *p, const double *x, const double *w, bool written, bool all)
 {
     combination late[MOST_WAITING];
     bool picked[MOST_WAITING];
@@ -203,7 +210,7 @@ static void pick(lac_pending *p, const double *x, const double *w, bool written)
     }
     for (size_t i = p->waiting; i-- > 0;) {
         const combination *t = &p->list[i];
-        picked[i] = t->z == x || t->z == w || (written && reads(t, x));
+        picked[i] = t->z == x || t->z == w || (written && reads(t, x)) || (all && t->count > 0);
         for (size_t k = i + 1; k < p->waiting && !picked[i]; k++) {
             picked[i] = picked[k] && tied(t, &p->list[k]);
         }
@@ -230,23 +237,64 @@ static void make_picked(lac_pending *p)
     }
 }
 
-void lac_pending_finish(lac_pending *p)
+// x changes: so does what was made of it.
+static void touch(lac_pending *p, const double *x)
 {
-    p->now = p->waiting;
-    make_picked(p);
+    if (p->last.z == x || reads(&p->last, x)) {
+        p->last.z = NULL;
+    }
 }
 
-void lac_pending_finish_one(lac_pending *p, const double *x)
+void lac_pending_finish(lac_pending *p, const double *x)
 {
-    pick(p, x, x, true);
+    pick(p, x, NULL, false, true);
     make_picked(p);
+    touch(p, x);
+}
+
+void lac_pending_finish_one(lac_pending *p, const double *x, bool written)
+{
+    pick(p, x, x, written, false);
+    make_picked(p);
+    if (written) {
+        touch(p, x);
+    }
+}
+
+void lac_pending_forget(lac_pending *p, const double *x)
+{
+    for (size_t i = p->waiting; i-- > 0;) {
+        if (p->list[i].z == x) {
+            p->waiting--;
+            memmove(p->list + i, p->list + i + 1, (p->waiting - i) * sizeof *p->list);
+        } else if (reads(&p->list[i], x)) {
+            break;
+        }
+    }
+    touch(p, x);
+}
+
+// The number that all of x waits to be; NULL: none.
+static const double *level_of(const lac_pending *p, const double *x)
+{
+    size_t i = p->waiting;
+    while (i > 0 && p->list[i - 1].z != x) {
+        i--;
+    }
+    return i > 0 && p->list[i - 1].count == 0 ? p->list[i - 1].c : NULL;
 }
 
 double lac_pending_squares(lac_pending *p, const double *x, const double *w)
 {
-    pick(p, x, w, false);
-    p->x = x;
-    p->w = w;
+    const double *same = level_of(p, x), *level = level_of(p, w); // these can go on waiting
+    const bool zero = same != NULL && *same == 0.0;
+    p->x = zero ? NULL : x;
+    p->w = level != NULL ? NULL : w;
+    p->level = level != NULL ? *level : 0.0;
+    p->now = 0;
+    if (!zero) {
+        pick(p, x, level != NULL ? x : w, false, false);
+    }
     double sum;
     lac_range_sums(&p->range, 1, add_block, p, &sum);
     drop_made(p);
@@ -290,19 +338,33 @@ double lac_pending_dot(const lac_pending *p, const double *x, const double *y)
     return sum;
 }
 
+// Whether t is what was added up last, of arrays that have not changed since.
+static bool holds(const lac_pending *p, const combination *t)
+{
+    const combination *last = &p->last;
+    return t->count == 2 && last->z == t->z && last->x[0] == t->x[0] && last->x[1] == t->x[1] &&
+           last->c[0] == t->c[0] && last->c[1] == t->c[1];
+}
+
 // One of at most MOST_TERMS.
 static void add_one(lac_pending *p, int count, const double *c, const double *const *x, double *z)
 {
-    combination *t = &p->list[p->waiting++];
-    t->count = count;
-    t->z = z;
-    t->c[0] = c[0];
+    combination t = {.count = count, .c = {c[0]}, .z = z};
     for (int j = 0; j < count; j++) {
-        t->c[j] = c[j];
-        t->x[j] = x[j];
+        t.c[j] = c[j];
+        t.x[j] = x[j];
     }
+    if (holds(p, &t)) {
+        return;
+    }
+    touch(p, z);
+    if (count == 2 && !reads(&t, z)) {
+        p->last = t;
+    }
+    p->list[p->waiting++] = t;
     if (!p->waits || p->waiting == MOST_WAITING) {
-        lac_pending_finish(p);
+        p->now = p->waiting;
+        make_picked(p);
     }
 }
 

@@ -28,18 +28,22 @@ const lac_team *lac_pending_team(const lac_pending *p);
 void lac_pending_close(lac_pending *p);
 
 /// z = c_0 x_0 + c_1 x_1 + ..., added up in this order; z = c_0 where there is no x. z may be one
-/// of them. Nobody may look into these arrays, nor write there, before they are finished.
+/// of them. Nobody may look into these arrays, nor write there, before they are finished. A sum of
+/// two that still holds is not made again.
 void lac_pending_add(lac_pending *p, int count, const double *c, const double *const *x, double *z);
 
-/// Makes all that waits.
-void lac_pending_finish(lac_pending *p);
+/// Makes all that waits, but for other arrays that are one number. x may then be read and written.
+void lac_pending_finish(lac_pending *p, const double *x);
 
-/// Makes what x waits for and what waits for x, which may then be read and written. Where vectors
-/// are long the rest goes on waiting, for a pass that it can share.
-void lac_pending_finish_one(lac_pending *p, const double *x);
+/// Makes what x waits for, so that it may be read, and what waits for x, where it may be written as
+/// well. Where vectors are long the rest goes on waiting, for a pass that it can share.
+void lac_pending_finish_one(lac_pending *p, const double *x, bool written);
+
+/// Whatever x waits to become nobody asks for any more: it will be written anew.
+void lac_pending_forget(lac_pending *p, const double *x);
 
 /// Makes what x and w wait for, and sums (x w)^2 on the way, in an order that depends on the length
-/// alone.
+/// alone. An x that waits to be 0, or a w that waits to be one number, is not made; w is finite.
 double lac_pending_squares(lac_pending *p, const double *x, const double *w);
 
 /// Sum of x y, in such an order; nothing waits.

@@ -38,20 +38,28 @@ bool lac_vector_lacks(N_Vector x) { return content_of(x)->family->lacking; }
 
 double *lac_vector_data(N_Vector x)
 {
-    lac_pending_finish(pending_of(x));
+    lac_pending_finish(pending_of(x), raw(x));
     return raw(x);
 }
 
 double *lac_vector_alone(N_Vector x)
 {
-    lac_pending_finish_one(pending_of(x), raw(x));
+    lac_pending_finish_one(pending_of(x), raw(x), true);
     return raw(x);
 }
+
+const double *lac_vector_look(N_Vector x)
+{
+    lac_pending_finish_one(pending_of(x), raw(x), false);
+    return raw(x);
+}
+
+void lac_vector_forget(N_Vector x) { lac_pending_forget(pending_of(x), raw(x)); }
 
 void lac_vector_lend(N_Vector x, double *components)
 {
     content *c = content_of(x);
-    lac_pending_finish(pending_of(x));
+    lac_pending_finish(pending_of(x), raw(x));
     if (c != &c->family->none) {
         c->data = components;
     }
@@ -120,7 +128,7 @@ static void v_destroy(N_Vector x)
 {
     content *c = content_of(x);
     family *f = c->family;
-    lac_pending_finish(f->pending);
+    lac_pending_finish(f->pending, c->data);
     if (c != &f->none) {
         give_back(c);
         free(c);

@@ -16,11 +16,17 @@ N_Vector lac_vector_create(const lac_range *range, size_t arrays, bool waits, SU
 // as SUNDIALS would not survive it; nobody may look at components then.
 bool lac_vector_lacks(N_Vector x);
 
-// The vector's components, everything that waited made.
+// The vector's components, everything that waited made but for others that are one number.
 double *lac_vector_data(N_Vector x);
 
 // The same with only what has to do with x made: other pointers taken before may not be good.
 double *lac_vector_alone(N_Vector x);
+
+// The same to be read alone.
+const double *lac_vector_look(N_Vector x);
+
+// Whatever x waits to become nobody asks for any more: it will be written anew.
+void lac_vector_forget(N_Vector x);
 
 // A clone without components; NULL where memory is short.
 N_Vector lac_vector_clone_empty(N_Vector like);

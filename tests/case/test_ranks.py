@@ -152,8 +152,8 @@ class Ranks(unittest.TestCase):
         found = {int(key): value for key, value in found.items()}
         leaves = max(set(found) - {74, 2 * 74, 3 * 74})  # words of a join of them
         self.assertLess(leaves, 2 * 2 * 3 * 10)  # a border cuts ten levels
-        model = {1: evaluations + steps, 3: 7 * steps + 21, 74: 6 * evaluations + 7.6 * steps, 2 * 74: records,
-                 3 * 74: evaluations, leaves: evaluations + 2 * solves + steps}
+        model = {1: evaluations + steps, 3: 7 * steps + 21, 74: 6 * evaluations + 5 * steps, 2 * 74: records,
+                 3 * 74: evaluations, leaves: evaluations + solves + steps}
         self.assertEqual(set(found), set(model))
         for what, of in (("collectives", 1), ("bytes", 8)):
             counted, said = (sum(n * (of if of == 1 else of * words) for words, n in each.items())
