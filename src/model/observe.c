@@ -282,8 +282,14 @@ static double pressed(const lac_problem *problem, double t, double base, double 
 static size_t find_fastest(const lac_problem *problem, const double *v, double *most)
 {
     const size_t n = problem->n;
-    size_t i = 0;
-    *most = lac_problem_most(problem, lac_vmost(n, v));
+    size_t i = 0; // begins with the first block that has it
+    *most = 0.0;
+    for (size_t first = 0; first < n; first += LAC_FRICTION_BLOCK) {
+        const double here = lac_vmost(lac_block_length(n, first), v + first);
+        i = here > *most ? first : i;
+        *most = fmax(*most, here);
+    }
+    *most = lac_problem_most(problem, *most);
     while (i < n && fabs(v[i]) != *most) {
         i++;
     }

@@ -17,7 +17,7 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 98710,
+    "lines of src and include": 98716,
     "lines that only present results": 24768,
     "public headers": 13,
     "exported names": 44,
