@@ -60,6 +60,16 @@ static lac_status on_record(void *context, const lac_record *record, lac_error *
     return status;
 }
 
+// The events of the interface as a whole are followed where all cells are together.
+static lac_status on_step(void *context, const lac_step *step, lac_error *err)
+{
+    cli_history *h = context;
+    if (step->changed == NULL) {
+        LAC_TRY_RETURN(lac_slip_events_step(&h->slip_events, step, err));
+    }
+    return h->next.step != NULL ? h->next.step(h->next.context, step, err) : LAC_OK;
+}
+
 // The kept series, as long as they are.
 static void pass_series(cli_kept *kept, lac_archive *archive)
 {
@@ -95,10 +105,8 @@ lac_sink cli_history_sink(cli_history *history)
 {
     lac_sink sink = lac_sink_before(&history->next);
     sink.record = on_record;
-    sink.step = cli_history_step;
+    sink.step = on_step;
     sink.serialize = on_keep;
     sink.cells_from = fmin(sink.cells_from, LAC_SLIP_EVENT_FALL);
     return sink;
 }
-
-// NaN: there is no record.
