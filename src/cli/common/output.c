@@ -27,6 +27,20 @@ static char *name_after(const char *case_path, const char *ending)
     return path;
 }
 
+size_t cli_stem(const char *name, const char *ending)
+{
+    const size_t length = strlen(name), of = strlen(ending);
+    return length > of && strcmp(name + length - of, ending) == 0 ? length - of : length;
+}
+
+cli_request cli_request_anew(const cli_request *request, bool replaces)
+{
+    cli_request own = *request;
+    own.given |= replaces && cli_given(request, CLI_OPT_RESUME) ? (unsigned)CLI_OPT_FORCE : 0U;
+    own.given &= ~(unsigned)CLI_OPT_RESUME;
+    return own;
+}
+
 static bool is_same(const char *path, const struct stat *file)
 {
     struct stat one;

@@ -10,6 +10,7 @@
 #include "base/date.h"
 #include "base/hidden.h"
 #include "base/nearest.h"
+#include "base/temp_file.h"
 #include "base/units.h"
 
 enum { MOST_ROWS = 128, BLOCK = 4096, HELD = 4 }; // rows: of a table that words are looked up in
@@ -65,19 +66,6 @@ static size_t clean(char *text, size_t n)
     return kept;
 }
 
-static bool write_all(const char *text, size_t n)
-{
-    while (n > 0) {
-        const ssize_t done = write(STDOUT_FILENO, text, n);
-        if (done < 0 && errno != EINTR) {
-            return false;
-        }
-        text += done > 0 ? done : 0;
-        n -= done > 0 ? (size_t)done : 0;
-    }
-    return true;
-}
-
 static ssize_t write_clean(void *context, const char *text, size_t n)
 {
     held *h = context;
@@ -89,7 +77,7 @@ static ssize_t write_clean(void *context, const char *text, size_t n)
         const size_t filled = clean(block, h->count + more);
         h->count = lac_hidden_begun(block, filled);
         memcpy(h->bytes, block + filled - h->count, h->count);
-        if (!write_all(block, filled - h->count)) {
+        if (!lac_temp_file_write(STDOUT_FILENO, block, filled - h->count)) {
             return 0;
         }
         done += more;

@@ -114,8 +114,7 @@ static bool is_folder(const char *path)
 static lac_status find_folder(export_job *job, lac_error *err)
 {
     const char *output = job->request->output, *name = lac_page_name(job->request->argument[0]);
-    const size_t length = strlen(name), written = output != NULL ? strlen(output) : 0;
-    const bool stem = length > 3 && strcmp(name + length - 3, ".nc") == 0;
+    const size_t written = output != NULL ? strlen(output) : 0;
     const bool named = written > 0 && (output[written - 1] == '/' || is_folder(output));
     const bool stations = job->request->stations != NULL;
     const size_t tables = stations ? job->stations.count : count_tables(&job->of);
@@ -124,14 +123,13 @@ static lac_status find_folder(export_job *job, lac_error *err)
     if (tables == 1 && job->request->variables.n > 0 && !named) {
         return LAC_OK;
     }
-    LAC_FAIL_IF(!stations && written > 4 && strcmp(output + written - 4, ".csv") == 0, err,
-                LAC_EINPUT, "-o %s: these are %zu tables: name a folder, or pick one by --variable",
-                output, tables + (job->request->variables.n == 0));
+    LAC_FAIL_IF(!stations && written > 0 && cli_stem(output, ".csv") < written, err, LAC_EINPUT,
+                "-o %s: these are %zu tables: name a folder, or pick one by --variable", output,
+                tables + (job->request->variables.n == 0));
     const int bare = written > 1 && output[written - 1] == '/' ? (int)written - 1 : (int)written;
-    const int good = output != NULL
-                         ? asprintf(&job->folder, "%.*s", bare, output)
-                         : asprintf(&job->folder, "%.*s-%s", (int)(stem ? length - 3 : length),
-                                    name, stations ? "stations" : "tables");
+    const int good = output != NULL ? asprintf(&job->folder, "%.*s", bare, output)
+                                    : asprintf(&job->folder, "%.*s-%s", (int)cli_stem(name, ".nc"),
+                                               name, stations ? "stations" : "tables");
     if (good < 0) {
         job->folder = NULL;
         return lac_fail_memory(err);

@@ -84,11 +84,10 @@ static lac_status set_columns(fit_job *job, lac_error *err)
 // OUT.yaml beside OUT.nc.
 static lac_status name_case(fit_job *job, lac_error *err)
 {
-    const size_t n = strlen(job->path), size = n + sizeof ".yaml";
-    const bool netcdf = n > 3 && strcmp(job->path + n - 3, ".nc") == 0;
+    const size_t size = strlen(job->path) + sizeof ".yaml";
     job->case_path = malloc(size);
     LAC_FAIL_MEMORY_IF(job->case_path == NULL, err);
-    (void)snprintf(job->case_path, size, "%.*s.yaml", (int)(netcdf ? n - 3 : n), job->path);
+    (void)snprintf(job->case_path, size, "%.*s.yaml", (int)cli_stem(job->path, ".nc"), job->path);
     const lac_status status = cli_output_check(&job->request, job->source, job->case_path, err);
     return status == LAC_OK ? status : lac_fail_within(err, status, "the case beside it");
 }
@@ -111,9 +110,7 @@ static lac_status prepare(fit_job *job, lac_error *err)
     lac_case_issues report = {0};
     const cli_request *request = &job->request;
     const bool resume = cli_given(&job->request, CLI_OPT_RESUME);
-    if (resume) { // what goes on is in the steps kept; the output may hold those up to an interrupt
-        job->request.given = (job->request.given & ~(unsigned)CLI_OPT_RESUME) | CLI_OPT_FORCE;
-    }
+    job->request = cli_request_anew(request, true);
     LAC_TRY(cli_pool_threads(request, &threads, err));
     LAC_TRY(set_columns(job, err));
     LAC_TRY(cli_case_read(request, LAC_FOR_FIT, &job->source, NULL, err));

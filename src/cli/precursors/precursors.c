@@ -320,20 +320,10 @@ static void end_steps(precursors_job *job, lac_status status, lac_error *err)
     lac_kept_close(job->watch.kept, status == LAC_OK);
 }
 
-// With --resume: what goes on is in the steps kept, and the output may hold what an interrupt left.
-static cli_request anew(const cli_request *given)
-{
-    cli_request own = *given;
-    if (cli_given(given, CLI_OPT_RESUME)) {
-        own.given = (own.given & ~(unsigned)CLI_OPT_RESUME) | CLI_OPT_FORCE;
-    }
-    return own;
-}
-
 static lac_status answer(const cli_request *given, const char *station, lac_json *json,
                          lac_error *err)
 {
-    const cli_request own = anew(given), *request = &own;
+    const cli_request own = cli_request_anew(given, true), *request = &own;
     precursors_job job = {.request = request, .station = station, .json = json};
     lac_forecast_outcome *of = &job.watched.of;
     lac_status status;

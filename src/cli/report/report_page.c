@@ -130,12 +130,6 @@ out:
 
 typedef enum input { RUN, FORECASTS, SERIES, ENSEMBLE } input;
 
-static bool ends_in(const char *name, const char *ending)
-{
-    const size_t length = strlen(name), of = strlen(ending);
-    return length > of && strcmp(name + length - of, ending) == 0;
-}
-
 // What the argument is, and whether the options go with it; a fit given in place of a run: what was
 // meant.
 static lac_status look_at(const cli_request *request, input *out, lac_error *err)
@@ -158,7 +152,7 @@ static lac_status look_at(const cli_request *request, input *out, lac_error *err
     }
     LAC_FAIL_IF(request->sweep.by != NULL || request->sweep.of != NULL, err, LAC_EINPUT,
                 "--by and --of: are of the file of a sweep, which %s is not", path);
-    const bool netcdf = lac_stored_is_netcdf(path) || ends_in(path, ".nc");
+    const bool netcdf = lac_stored_is_netcdf(path) || path[cli_stem(path, ".nc")] != '\0';
     *out = known ? (readings != NULL && issues != NULL ? FORECASTS : RUN)
                  : (netcdf && !columns ? RUN : SERIES);
     LAC_FAIL_IF(request->displacements.n > 1, err, LAC_EINPUT,

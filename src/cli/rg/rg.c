@@ -95,8 +95,7 @@ out:
 // What goes on from an interrupt is in the parts kept, not in the file.
 static lac_status prepare(rg_job *job, lac_error *err)
 {
-    cli_request plain = *job->request;
-    plain.given &= ~(unsigned)CLI_OPT_RESUME;
+    const cli_request plain = cli_request_anew(job->request, false);
     LAC_TRY_RETURN(cli_output_path(&plain, job->source, NULL, "-rg.nc", &job->path, err));
     job->parts = (cli_rg_parts){.request = job->request, .source = job->source};
     return cli_rg_parts_open(&job->parts, job->path, err);
@@ -260,9 +259,7 @@ lac_status cli_rg(const cli_request *request, lac_error *err)
     lac_dataset *dataset = NULL;
     lac_status status;
     const char *name = request->argument[0];
-    const size_t length = strlen(name);
-    job.stored =
-        (length > 3 && strcmp(name + length - 3, ".nc") == 0) || lac_stored_is_netcdf(name);
+    job.stored = name[cli_stem(name, ".nc")] != '\0' || lac_stored_is_netcdf(name);
     if (job.stored) {
         LAC_TRY(read_file(&job, err));
     } else if (request->snapshot != NULL) {

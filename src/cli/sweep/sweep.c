@@ -275,9 +275,7 @@ static lac_status name_file(job *j, bool *whole, lac_error *err)
 {
     lac_ensemble *e = NULL;
     char mark[sizeof e->mark];
-    cli_request plain = *j->request;
-    plain.given &= ~(unsigned)CLI_OPT_RESUME; // goes on from the folder, not from the file
-    plain.given |= j->resume ? (unsigned)CLI_OPT_FORCE : 0U;
+    const cli_request plain = cli_request_anew(j->request, true);
     LAC_TRY_RETURN(cli_output_path(&plain, j->sweep->base, NULL, "-sweep.nc", &j->path, err));
     j->runs = (cli_kept_runs){&plain, j->path, j->of.first, j->of.stride, j->of.n, NULL};
     LAC_TRY_RETURN(cli_kept_runs_read(j->sweep, &j->runs, err));

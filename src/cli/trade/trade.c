@@ -240,16 +240,9 @@ static lac_status resolve(const cli_trade_job *job, lac_trade *trade, lac_error 
     return check_named(trade, err);
 }
 
-static lac_status name_files(cli_trade_job *job, lac_error *err)
-{
-    cli_request plain = *job->request;
-    plain.given &= ~(unsigned)CLI_OPT_RESUME; // goes on from the folder, not from the file
-    return cli_output_path(&plain, job->source, NULL, "-trade.nc", &job->path, err);
-}
-
 static lac_status prepare(cli_trade_job *job, lac_error *err)
 {
-    const cli_request *request = job->request;
+    const cli_request *request = job->request, plain = cli_request_anew(request, false);
     lac_trade_of of = LAC_OF_RUN;
     double end;
     LAC_TRY_RETURN(read_quantity(request->trade.quantity, &job->ask, err));
@@ -261,7 +254,7 @@ static lac_status prepare(cli_trade_job *job, lac_error *err)
         return wrong("until", request->until, "left out: the case has no time", err);
     }
     LAC_TRY_RETURN(cli_until(request, job->source, &end, err));
-    LAC_TRY_RETURN(name_files(job, err));
+    LAC_TRY_RETURN(cli_output_path(&plain, job->source, NULL, "-trade.nc", &job->path, err));
     if (of == LAC_OF_RUN) {
         cli_trade_settle(job);
     }
