@@ -187,20 +187,15 @@ static bool open_node(builder *b, const yaml_event_t *event, lac_node_kind kind)
     return true;
 }
 
-static bool take_document(builder *b, const yaml_event_t *event)
-{
-    if (b->documents_seen) {
-        return REFUSE(b, event, "holds a second document; a case is one");
-    }
-    b->documents_seen = true;
-    return true;
-}
-
 static bool take(builder *b, const yaml_event_t *event)
 {
     switch (event->type) {
     case YAML_DOCUMENT_START_EVENT:
-        return take_document(b, event);
+        if (b->documents_seen) {
+            return REFUSE(b, event, "holds a second document; a case is one");
+        }
+        b->documents_seen = true;
+        return true;
     case YAML_SCALAR_EVENT:
         return take_scalar(b, event);
     case YAML_ALIAS_EVENT:

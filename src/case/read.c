@@ -143,7 +143,7 @@ lac_status lac_case_build(const lac_units *units, const char *name, const char *
         c = new_case(&reader);
     }
     if (c != NULL) {
-        lac_read_sections(&reader, c);
+        lac_read_sections(&reader, "", c);
         lac_check_case(&reader, c);
     }
     lac_node_free(root);

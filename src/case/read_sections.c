@@ -234,16 +234,13 @@ static void read_part(lac_reader *reader, const lac_part *part, lac_case *c)
     }
 }
 
-// Reads the parts that come after one, each with those that come after it.
-static void read_after(lac_reader *reader, const char *key, lac_case *c)
+void lac_read_sections(lac_reader *reader, const char *key, lac_case *c)
 {
     const lac_part *part;
     for (size_t i = 0; (part = lac_part_get(i)) != NULL; i++) {
         if (strcmp(part->after != NULL ? part->after : "", key) == 0) {
             read_part(reader, part, c);
-            read_after(reader, part->info.name, c);
+            lac_read_sections(reader, part->info.name, c);
         }
     }
 }
-
-void lac_read_sections(lac_reader *reader, lac_case *c) { read_after(reader, "", c); }

@@ -286,7 +286,8 @@ extern const lac_param lac_material_rows[LAC_MATERIAL_ROWS], lac_inertia_rows[LA
     lac_lump_rows[LAC_LUMP_ROWS];
 
 /// Reads the sections below the root into a case that holds the defaults.
-void lac_read_sections(lac_reader *reader, lac_case *c);
+/// @param key  "" for all: of those that come after this one, each with those that come after it
+void lac_read_sections(lac_reader *reader, const char *key, lac_case *c);
 
 /// What `initial.state` may hold: a time, or a ratio to the steady state; of lac_initial_def.
 extern const lac_param lac_state_row, lac_ratio_row;

@@ -13,19 +13,16 @@ typedef struct lac_writer {
 
 #define PRINT(w, ...) (void)fprintf((w)->out, __VA_ARGS__)
 
-// Whether YAML takes the character, which is not hidden, as it is within double quotes.
-static bool is_printable(unsigned c)
-{
-    return c != '"' && c != '\\' && c != 0x7f && c >= 0x20 && c != 0xfffe && c != 0xffff;
-}
-
+// A text as YAML takes it within double quotes: hidden characters and some others are escaped.
 static void put_escaped(lac_writer *w, const char *text)
 {
     while (*text != '\0') {
         uint32_t c;
         const size_t length = lac_utf8_length((const unsigned char *)text, &c);
         const size_t n = length > 0 ? length : 1; // of what is no UTF-8
-        if (is_printable(c) && lac_hidden_length(text, n) == 0) {
+        const bool plain =
+            c != '"' && c != '\\' && c != 0x7f && c >= 0x20 && c != 0xfffe && c != 0xffff;
+        if (plain && lac_hidden_length(text, n) == 0) {
             PRINT(w, "%.*s", (int)n, text);
         } else {
             PRINT(w, c > 0xffff ? "\\U%08X" : "\\u%04X", c);
@@ -58,18 +55,10 @@ static void put_number(lac_writer *w, int depth, const char *key, double value, 
     PRINT(w, plain ? " %s\n" : " \"%s\"\n", text);
 }
 
-// A path as the case names it: from the case's folder.
-static const char *from_folder(const lac_writer *w, const char *path)
-{
-    bool below = path != NULL && strncmp(path, w->name, w->folder) == 0 && path[w->folder] != '/' &&
-                 path[w->folder] != '\0';
-    return below ? path + w->folder : path;
-}
-
 static void put_param(lac_writer *w, int depth, const lac_param *param, const void *params)
 {
     const void *at = (const char *)params + param->offset;
-    const char *const *text = at;
+    const char *text;
     switch (param->type) {
     case LAC_REAL:
         put_number(w, depth, param->key, *(const double *)at, param->unit);
@@ -82,9 +71,14 @@ static void put_param(lac_writer *w, int depth, const lac_param *param, const vo
         put_key(w, depth, param->key);
         PRINT(w, " %s\n", param->choices[*(const int *)at]);
         break;
-    case LAC_TEXT:
     case LAC_PATH:
-        put_text(w, depth, param->key, param->type == LAC_PATH ? from_folder(w, *text) : *text);
+    case LAC_TEXT:
+        text = *(const char *const *)at;
+        if (param->type == LAC_PATH && text != NULL && strncmp(text, w->name, w->folder) == 0 &&
+            text[w->folder] != '/' && text[w->folder] != '\0') {
+            text += w->folder; // as the case names it: from its folder
+        }
+        put_text(w, depth, param->key, text);
         break;
     }
 }

@@ -22,16 +22,6 @@ static char *file_name(const char *name, const char *ending)
     return path;
 }
 
-// The readings that a kind of case is about; NULL.
-static const char *readings_of(const char *kind)
-{
-    const cli_named_text *row = cli_template_readings;
-    while (row->name != NULL && strcmp(row->name, kind) != 0) {
-        row++;
-    }
-    return row->text;
-}
-
 static void tell(const cli_request *request, const char *kind, const char *path,
                  const char *readings)
 {
@@ -72,7 +62,11 @@ lac_status cli_new(const cli_request *request, lac_error *err)
     const char *given = request->count > 0 ? request->argument[0] : "case";
     LAC_FAIL_IF(!names_file(given), err, LAC_EINPUT, "\"%s\" is no name for a file", given);
     const bool replace = cli_given(request, CLI_OPT_FORCE);
-    const char *rows = readings_of(chosen->name);
+    const cli_named_text *about = cli_template_readings; // the readings that it is about, if any
+    while (about->name != NULL && strcmp(about->name, chosen->name) != 0) {
+        about++;
+    }
+    const char *rows = about->text;
     char *path = file_name(given, ".yaml"), *readings = file_name(given, ".csv");
     lac_status status = path != NULL && readings != NULL ? LAC_OK : lac_fail_memory(err);
     LAC_TRY(status);

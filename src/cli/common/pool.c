@@ -290,15 +290,9 @@ void cli_pool_reason(const cli_pool_end *end, char *text, size_t room)
 
 lac_status cli_pool_jobs(const char *text, int *jobs, lac_error *err)
 {
-    long n = omp_get_num_procs(); // that a scheduler leaves of the machine
-    char *end = NULL;
-    if (text != NULL) {
-        n = strtol(text, &end, 10);
-        LAC_FAIL_IF(end == text || *end != '\0' || n < 1 || n > CLI_POOL_JOBS, err, LAC_EINPUT,
-                    "--jobs: \"%s\" must be a number from 1 to %d", text, CLI_POOL_JOBS);
-    }
-    *jobs = (int)(n < 1 ? 1 : n > CLI_POOL_JOBS ? CLI_POOL_JOBS : n);
-    return LAC_OK;
+    const int n = omp_get_num_procs(); // that a scheduler leaves of the machine
+    *jobs = n < 1 ? 1 : n > CLI_POOL_JOBS ? CLI_POOL_JOBS : n;
+    return text != NULL ? cli_count("--jobs", text, CLI_POOL_JOBS, jobs, err) : LAC_OK;
 }
 
 lac_status cli_pool_threads(const cli_request *request, int *threads, lac_error *err)

@@ -95,15 +95,6 @@ static bool leads(const cli_tables *e, size_t i)
     return e->variable[i].wanted;
 }
 
-static size_t count_tables(const cli_tables *e)
-{
-    size_t n = 0;
-    for (size_t i = 0; i < e->count; i++) {
-        n += leads(e, i) ? 1 : 0;
-    }
-    return n;
-}
-
 static bool is_folder(const char *path)
 {
     struct stat info;
@@ -117,7 +108,10 @@ static lac_status find_folder(export_job *job, lac_error *err)
     const size_t written = output != NULL ? strlen(output) : 0;
     const bool named = written > 0 && (output[written - 1] == '/' || is_folder(output));
     const bool stations = job->request->stations != NULL;
-    const size_t tables = stations ? job->stations.count : count_tables(&job->of);
+    size_t tables = job->stations.count;
+    for (size_t i = 0; !stations && i < job->of.count; i++) {
+        tables += leads(&job->of, i) ? 1 : 0;
+    }
     LAC_FAIL_IF(tables == 0, err, LAC_EINPUT, "%s: holds no table, only fields over the cells",
                 job->request->argument[0]);
     if (tables == 1 && job->request->variables.n > 0 && !named) {
@@ -234,16 +228,6 @@ static lac_status write_station(export_job *job, size_t which, lac_error *err)
     return status;
 }
 
-static lac_status write_tables(export_job *job, lac_error *err)
-{
-    for (size_t i = 0; i < job->of.count; i++) {
-        if (leads(&job->of, i)) {
-            LAC_TRY_RETURN(write_table(job, &job->of.variable[i].shape, err));
-        }
-    }
-    return job->request->variables.n == 0 ? write_table(job, NULL, err) : LAC_OK;
-}
-
 static void tell_fields(export_job *job)
 {
     const bool json = cli_given(job->request, CLI_OPT_JSON);
@@ -275,8 +259,13 @@ static lac_status write_all(export_job *job, lac_error *err)
     for (size_t i = 0; i < job->stations.count; i++) {
         LAC_TRY_RETURN(write_station(job, i, err));
     }
-    if (!stations) {
-        LAC_TRY_RETURN(write_tables(job, err));
+    for (size_t i = 0; !stations && i < job->of.count; i++) {
+        if (leads(&job->of, i)) {
+            LAC_TRY_RETURN(write_table(job, &job->of.variable[i].shape, err));
+        }
+    }
+    if (!stations && job->request->variables.n == 0) {
+        LAC_TRY_RETURN(write_table(job, NULL, err));
     }
     if (json) {
         lac_json_close(&job->json, ']');
