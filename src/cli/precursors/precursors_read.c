@@ -7,15 +7,6 @@
 
 enum { ISSUES = 200, MOST_ISSUES = 1000000 };
 
-static bool is_run(const cli_request *request)
-{
-    char text[32];
-    return request->series.displacement == NULL && request->series.velocity == NULL &&
-           request->series.components == NULL &&
-           lac_store_read_attribute(request->argument[0], "lacuna_format_version", text,
-                                    sizeof text, NULL) == LAC_OK;
-}
-
 // Records whose time a double tells apart from the one before.
 static size_t keep_increasing(cli_watched *w, size_t n)
 {
@@ -97,7 +88,10 @@ lac_status cli_watched_read(const cli_request *request, const lac_case *known,
     const char *failed_at = request->forecast.failed_at;
     *out = (cli_watched){
         .of = {.source = request->argument[0], .readings = &out->readings, .failed_at = NAN}};
-    out->run = is_run(request);
+    char text[32];
+    out->run = !cli_series_named(request) &&
+               lac_store_read_attribute(request->argument[0], "lacuna_format_version", text,
+                                        sizeof text, NULL) == LAC_OK;
     lac_status status =
         out->run ? read_run(out, err) : read_series(request, known, units, out, err);
     LAC_TRY(status);

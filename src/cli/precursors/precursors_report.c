@@ -23,16 +23,6 @@ static const unit *unit_of(const lac_rolling *roll)
     return u;
 }
 
-// What an engineer is told first.
-static void print_verdict(const lac_forecast_outcome *of)
-{
-    char text[LAC_VERDICT_LONGEST];
-    for (size_t k = 0; k < LAC_VERDICT_LINES; k++) {
-        cli_row_wrap(lac_verdict_about[k], lac_verdict_line(of, k, text, sizeof text));
-    }
-    putchar('\n');
-}
-
 static void print_input(const lac_forecast_outcome *of)
 {
     const lac_readings *in = of->readings;
@@ -123,18 +113,6 @@ static void print_values(const lac_forecast_set *o)
         }
         printf(", %zu points, misfit %.2g, error %.2g\n", f->fit.points, f->fit.misfit,
                f->fit.error);
-    }
-}
-
-static void print_methods(const lac_forecast_set *o)
-{
-    char text[600];
-    printf("\n");
-    for (size_t k = 0; k < o->count; k++) {
-        const lac_forecast_kind *kind = o->forecast[k].kind;
-        (void)snprintf(text, sizeof text, "%s: %s; %s", kind->info.name, kind->estimator,
-                       kind->info.reference);
-        cli_wrap("  ", text);
     }
 }
 
@@ -284,8 +262,12 @@ static void print_skill(const lac_forecast_outcome *of)
 void cli_precursors_print(const lac_forecast_outcome *of, bool verbose)
 {
     const lac_forecast_set *o = of->forecasts;
+    char text[LAC_VERDICT_LONGEST];
     printf("%s\n", of->source);
-    print_verdict(of);
+    for (size_t k = 0; k < LAC_VERDICT_LINES; k++) { // what an engineer is told first
+        cli_row_wrap(lac_verdict_about[k], lac_verdict_line(of, k, text, sizeof text));
+    }
+    putchar('\n');
     print_input(of);
     if (o->asked) {
         printf("\n  %-12s %-17s %-36s %-36s %s\n", "method", "failure", "50 % interval",
@@ -300,7 +282,13 @@ void cli_precursors_print(const lac_forecast_outcome *of, bool verbose)
     cli_drivers_print(o);
     if (verbose) {
         print_values(o);
-        print_methods(o);
+        printf("\n");
+        for (size_t k = 0; k < o->count; k++) {
+            const lac_forecast_kind *kind = o->forecast[k].kind;
+            cli_wrap(
+                "  ",
+                cli_format("%s: %s; %s", kind->info.name, kind->estimator, kind->info.reference).s);
+        }
     }
     print_indicators(of->indicators, of->indicator);
     if (of->rolling != NULL) {

@@ -64,17 +64,11 @@ static const lac_compare_def *find_compare(const lac_case *c, const char *path, 
     return NULL;
 }
 
-static bool names_columns(const cli_request *request)
-{
-    const cli_series_words *words = &request->series;
-    return words->displacement != NULL || words->velocity != NULL || words->components != NULL;
-}
-
 // @param point  of the run that it is of, to be freed; NULL: of the whole joint
 static lac_status read_series(const cli_request *request, lac_series **out, char **point,
                               lac_error *err)
 {
-    lac_case *c = names_columns(request) ? NULL : read_case(request->argument[0]);
+    lac_case *c = cli_series_named(request) ? NULL : read_case(request->argument[0]);
     const lac_compare_def *known = find_compare(c, request->compare, request->point);
     const char *of = request->point == NULL && known != NULL ? known->point : request->point;
     *point = of != NULL ? strdup(of) : NULL;
@@ -135,7 +129,7 @@ typedef enum input { RUN, FORECASTS, SERIES, ENSEMBLE } input;
 static lac_status look_at(const cli_request *request, input *out, lac_error *err)
 {
     const char *path = request->argument[0], *readings = NULL, *issues = NULL;
-    const bool columns = names_columns(request);
+    const bool columns = cli_series_named(request);
     lac_stored_file *file = NULL;
     const bool known = lac_stored_file_open(path, &file, NULL) == LAC_OK;
     if (known) {
@@ -193,17 +187,6 @@ static lac_status read_beside(const cli_request *request, lac_series **out, char
     return request->fit != NULL ? read_fitted(request->fit, out, point, err) : LAC_OK;
 }
 
-// The file of forecasts that the page of a series is made from, beside the page while it is made,
-// by the name of its part: what a killed process leaves is taken away by the next one.
-static lac_status forecast(const cli_request *request, const char *page, char **path,
-                           lac_error *err)
-{
-    *path = lac_temp_file_name(page);
-    LAC_FAIL_MEMORY_IF(*path == NULL, err);
-    (void)unlink(*path); // of a process of this number that is no more
-    return cli_precursors_file(request, *path, err);
-}
-
 // The page of a sweep, which needs no series.
 static lac_status write_ensemble(const cli_request *request, const char *path, lac_error *err)
 {
@@ -244,9 +227,16 @@ static lac_status write_page(const cli_request *request, input what, const char 
     lac_series *series = NULL;
     char *forecasts = NULL, *point = NULL;
     lac_status status;
-    LAC_TRY(what == RUN      ? read_beside(request, &series, &point, err)
-            : what == SERIES ? forecast(request, path, &forecasts, err)
-                             : LAC_OK);
+    if (what == RUN) {
+        LAC_TRY(read_beside(request, &series, &point, err));
+    } else if (what == SERIES) {
+        // its forecasts lie beside the page while it is made, by the name of its part: what a
+        // killed process leaves is taken away by the next one
+        forecasts = lac_temp_file_name(path);
+        LAC_TRY(forecasts != NULL ? LAC_OK : lac_fail_memory(err));
+        (void)unlink(forecasts); // of a process of this number that is no more
+        LAC_TRY(cli_precursors_file(request, forecasts, err));
+    }
     const lac_page_def def = {.run = forecasts != NULL ? forecasts : request->argument[0],
                               .name = request->argument[0],
                               .series = series,
