@@ -92,17 +92,6 @@ static lac_status name_case(fit_job *job, lac_error *err)
     return status == LAC_OK ? status : lac_fail_within(err, status, "the case beside it");
 }
 
-// Where the sampler's steps are kept until the fit is done.
-static lac_status open_kept(fit_job *job, bool resume, lac_error *err)
-{
-    job->kept_path = lac_text_join(job->path, "", ".chains");
-    LAC_FAIL_MEMORY_IF(job->kept_path == NULL, err);
-    return job->source->fit.steps == 0 && !resume
-               ? LAC_OK
-               : lac_kept_open(job->kept_path, "fit", lac_fit_sum(job->fit), resume, &job->kept,
-                               err);
-}
-
 static lac_status prepare(fit_job *job, lac_error *err)
 {
     int threads;
@@ -122,7 +111,12 @@ static lac_status prepare(fit_job *job, lac_error *err)
     LAC_TRY(status == LAC_OK ? status : lac_fail_within(err, status, "%s", request->argument[1]));
     const lac_case_request how = {LAC_FOR_FIT, request->overrides, request->set_count};
     LAC_TRY(lac_case_read(request->argument[0], &how, &job->fitted, &report, err));
-    LAC_TRY(open_kept(job, resume, err));
+    job->kept_path = lac_text_join(job->path, "", ".chains");
+    LAC_TRY(job->kept_path != NULL ? LAC_OK : lac_fail_memory(err));
+    if (job->source->fit.steps > 0 || resume) { // the sampler's steps, until the fit is done
+        LAC_TRY(
+            lac_kept_open(job->kept_path, "fit", lac_fit_sum(job->fit), resume, &job->kept, err));
+    }
 out:
     lac_case_issues_clear(&report);
     return status;
@@ -388,19 +382,6 @@ static void print_text(const lac_fit_outcome *outcome, const char *series, doubl
     cli_row("cost", "%" PRId64 " runs in %.3g s", r->runs, wall_time);
 }
 
-static void print_json(const fit_job *job, const lac_dataset *dataset, double wall_time)
-{
-    lac_json json = {.out = stdout};
-    lac_json_open(&json, NULL, '{');
-    cli_series_warnings(&json, job->series);
-    lac_dataset_json(dataset, &json);
-    lac_json_number(&json, "wall_time_s", wall_time);
-    lac_json_number(&json, "cpu_time_s", cli_cpu_time());
-    lac_json_text(&json, "output", job->path);
-    lac_json_text(&json, "case_output", job->case_path);
-    lac_json_close(&json, '}');
-}
-
 // What was computed is written whole, also where it was interrupted.
 static lac_status put_out(fit_job *job, lac_status computed, lac_error *err)
 {
@@ -415,7 +396,15 @@ static lac_status put_out(fit_job *job, lac_status computed, lac_error *err)
     LAC_TRY(cli_store_dataset(request, source, source->fit.seed, job->path, dataset, err));
     LAC_TRY(request->pipe == 0 ? write_case(job, err) : LAC_OK);
     if (cli_given(request, CLI_OPT_JSON)) {
-        print_json(job, dataset, wall_time);
+        lac_json json = {.out = stdout};
+        lac_json_open(&json, NULL, '{');
+        cli_series_warnings(&json, job->series);
+        lac_dataset_json(dataset, &json);
+        lac_json_number(&json, "wall_time_s", wall_time);
+        lac_json_number(&json, "cpu_time_s", cli_cpu_time());
+        lac_json_text(&json, "output", job->path);
+        lac_json_text(&json, "case_output", job->case_path);
+        lac_json_close(&json, '}');
     } else {
         print_text(&outcome, request->argument[1], wall_time, cli_given(request, CLI_OPT_VERBOSE));
         cli_row("file", "%s", job->path);
@@ -424,18 +413,6 @@ static lac_status put_out(fit_job *job, lac_status computed, lac_error *err)
 out:
     lac_dataset_free(dataset);
     return status;
-}
-
-// Draws that cannot be relied on stay what more rounds begin with.
-static lac_status trust(const fit_job *job, lac_error *err)
-{
-    lac_error why = {""};
-    const lac_status status = lac_fit_trust(&job->result, &why);
-    return status == LAC_OK
-               ? LAC_OK
-               : lac_fail(err, status,
-                          "%s; with --set fit.rounds=%" PRId64 " --resume goes on from %s",
-                          why.message, job->source->fit.rounds + 1, job->kept_path);
 }
 
 lac_status cli_fit(const cli_request *request, lac_error *err)
@@ -454,8 +431,14 @@ lac_status cli_fit(const cli_request *request, lac_error *err)
     if (status == LAC_OK || (status == LAC_EINTERRUPT && job.result.times > 0)) {
         lac_status written = put_out(&job, status, status == LAC_OK ? err : NULL);
         status = status == LAC_OK ? written : status;
-        if (status == LAC_OK) {
-            status = trust(&job, err);
+        if (status == LAC_OK) { // draws that cannot be relied on stay what more rounds begin with
+            lac_error why = {""};
+            status = lac_fit_trust(&job.result, &why);
+            LAC_TRY(status == LAC_OK
+                        ? LAC_OK
+                        : lac_fail(err, status,
+                                   "%s; with --set fit.rounds=%" PRId64 " --resume goes on from %s",
+                                   why.message, job.source->fit.rounds + 1, job.kept_path));
         } else if (status == LAC_EINTERRUPT) {
             status =
                 lac_fail(err, status,

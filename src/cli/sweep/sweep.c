@@ -312,32 +312,6 @@ static lac_status name_file(job *j, bool *whole, lac_error *err)
     return LAC_OK;
 }
 
-// Runs that are to be kept of a sweep that is whole.
-static lac_status fill_runs(job *j, lac_error *err)
-{
-    lac_status status = LAC_OK;
-    for (size_t k = 0; k < j->of.n && status == LAC_OK; k++) {
-        status = cli_kept_runs_lacks(&j->runs, k) ? cli_kept_runs_write(&j->runs, j->sweep, k, err)
-                                                  : LAC_OK;
-    }
-    return status;
-}
-
-static lac_status open_kept(job *j, lac_error *err)
-{
-    j->keep = (cli_keep){.command = "sweep", .size = lac_member_size(j->sweep), .every = 1.0};
-    j->keep.mark = lac_sum_bytes(j->sweep->mark, LACUNA_VERSION, strlen(LACUNA_VERSION));
-    return cli_keep_open(&j->keep, j->path, j->resume, take_over, j, err);
-}
-
-static void free_members(job *j)
-{
-    for (size_t i = 0; j->member != NULL && i < j->of.n; i++) {
-        free(j->member[i]);
-    }
-    free(j->member);
-}
-
 lac_status cli_sweep(const cli_request *request, lac_error *err)
 {
     job j = {.request = request, .resume = cli_given(request, CLI_OPT_RESUME)};
@@ -352,11 +326,16 @@ lac_status cli_sweep(const cli_request *request, lac_error *err)
     LAC_TRY(name_file(&j, &whole, err));
     if (whole) {
         cli_say(request, "%s has all its members", j.path);
-        LAC_TRY(fill_runs(&j, err));
+        for (size_t k = 0; k < j.of.n; k++) { // that are to be kept
+            LAC_TRY(cli_kept_runs_lacks(&j.runs, k) ? cli_kept_runs_write(&j.runs, j.sweep, k, err)
+                                                    : LAC_OK);
+        }
         goto out;
     }
     LAC_TRY(make_room(&j, err));
-    LAC_TRY(open_kept(&j, err));
+    j.keep = (cli_keep){.command = "sweep", .size = lac_member_size(j.sweep), .every = 1.0};
+    j.keep.mark = lac_sum_bytes(j.sweep->mark, LACUNA_VERSION, strlen(LACUNA_VERSION));
+    LAC_TRY(cli_keep_open(&j.keep, j.path, j.resume, take_over, &j, err));
     cli_say(request, "%zu members of %zu, by %s", j.of.n, j.sweep->members, j.sweep->design->name);
     cli_signals_hold();
     LAC_TRY(compute(&j, err));
@@ -368,7 +347,10 @@ lac_status cli_sweep(const cli_request *request, lac_error *err)
 out:
     cli_keep_close(&j.keep, status == LAC_OK);
     lac_ensemble_free(ensemble);
-    free_members(&j);
+    for (size_t i = 0; j.member != NULL && i < j.of.n; i++) {
+        free(j.member[i]);
+    }
+    free(j.member);
     free(j.runs.wanted);
     lac_sweep_free(j.sweep);
     free(j.path);
