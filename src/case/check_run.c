@@ -180,8 +180,9 @@ void lac_check_vector(lac_reader *reader, lac_case *c)
     c->formulation = vector ? LAC_FORMULATION_VECTOR : c->formulation;
 }
 
-// Outputs closer in time than numbers near the end of the run are would all be at one time.
-static void check_fineness(lac_reader *reader, const lac_case *c)
+// Outputs closer in time than numbers near the end of the run are would all be at one time. At a
+// checkpoint the integrator begins anew, with short steps of the lowest order.
+void lac_check_cadences(lac_reader *reader, const lac_case *c)
 {
     const struct {
         const char *key;
@@ -190,6 +191,8 @@ static void check_fineness(lac_reader *reader, const lac_case *c)
                     {"output.fields_every", c->run.snapshot.time},
                     {"output.checkpoint", c->run.checkpoint.time}};
     const double least = c->run.end * 0x1p-52;
+    const int64_t steps = c->run.checkpoint.steps;
+    const double times = c->run.end / c->run.checkpoint.time, many = 1e4; // NaN: not by time
     char text[64];
     for (size_t i = 0; i < COUNT(cadences) && lac_clean(reader, "time"); i++) {
         (void)lac_refuse(reader, cadences[i].time < least && lac_clean(reader, "output"),
@@ -197,13 +200,6 @@ static void check_fineness(lac_reader *reader, const lac_case *c)
                          "is finer than times are told apart by time.end: must be >= %s",
                          lac_units_format(least, "s", text, sizeof text));
     }
-}
-
-// At each the integrator begins anew, with short steps of the lowest order.
-static void check_checkpoints(lac_reader *reader, const lac_case *c)
-{
-    const int64_t steps = c->run.checkpoint.steps;
-    const double times = c->run.end / c->run.checkpoint.time, many = 1e4; // NaN: not by time
     if (!lac_clean(reader, "output") || !lac_clean(reader, "time")) {
         return;
     }
@@ -219,10 +215,4 @@ static void check_checkpoints(lac_reader *reader, const lac_case *c)
                  "that no step is longer than this time, and many are far shorter",
                  times);
     }
-}
-
-void lac_check_cadences(lac_reader *reader, const lac_case *c)
-{
-    check_fineness(reader, c);
-    check_checkpoints(reader, c);
 }

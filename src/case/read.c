@@ -39,20 +39,6 @@ static void clear_slots(lac_model_list *list)
     free(list->item);
 }
 
-static void clear_part(const lac_part *part, lac_case *c)
-{
-    void *at = (char *)c + part->at;
-    if (part->kind == LAC_PART_RECORD) {
-        lac_table_clear(&part->info, c);
-    } else if (part->kind == LAC_PART_SLOT) {
-        lac_model_clear(at);
-    } else if (part->kind == LAC_PART_SLOTS) {
-        clear_slots(at);
-    } else if (part->kind == LAC_PART_SPREADS) {
-        lac_heterogeneity_clear(at);
-    }
-}
-
 void lac_case_free(lac_case *c)
 {
     const lac_part *part;
@@ -60,7 +46,16 @@ void lac_case_free(lac_case *c)
         return;
     }
     for (size_t i = 0; (part = lac_part_get(i)) != NULL; i++) {
-        clear_part(part, c);
+        void *at = (char *)c + part->at;
+        if (part->kind == LAC_PART_RECORD) {
+            lac_table_clear(&part->info, c);
+        } else if (part->kind == LAC_PART_SLOT) {
+            lac_model_clear(at);
+        } else if (part->kind == LAC_PART_SLOTS) {
+            clear_slots(at);
+        } else if (part->kind == LAC_PART_SPREADS) {
+            lac_heterogeneity_clear(at);
+        }
     }
     if (c->use != NULL && c->use->simulations > 0) {
         c->use->freed = true;

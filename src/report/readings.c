@@ -200,25 +200,16 @@ void lac_page_alarm(lac_page *page, const char *key)
     lac_json_close(&page->json, '}');
 }
 
-static bool same_word(const char *own, const char *name, size_t length)
+void lac_page_method(lac_page *page, const char *name, const lac_forecast_kind *kind)
 {
-    return strlen(own) == length && strncmp(own, name, length) == 0;
+    lac_json_open(&page->json, NULL, '{');
+    lac_json_text(&page->json, "name", name);
+    lac_json_text(&page->json, "summary", kind != NULL ? kind->info.summary : "");
+    lac_json_text(&page->json, "reference", kind != NULL ? kind->info.reference : "");
+    lac_json_boolean(&page->json, "baseline", kind != NULL && kind->baseline);
+    lac_json_close(&page->json, '}');
 }
 
-// What stands in the registry about a method that the file names; NULL: nothing.
-static const lac_forecast_kind *find_kind(const char *name, size_t length)
-{
-    const lac_forecast_kind *kind = NULL;
-    for (size_t i = 0; (kind = lac_forecast_kind_get(i)) != NULL; i++) {
-        if (same_word(kind->info.name, name, length)) {
-            return kind;
-        }
-    }
-    kind = &lac_forecast_case;
-    return same_word(kind->info.name, name, length) ? kind : NULL;
-}
-
-// Of a method that this program does not know, its name.
 static void write_methods(lac_page *page)
 {
     char names[TEXT], name[LAC_STORED_NAME];
@@ -226,14 +217,12 @@ static void write_methods(lac_page *page)
     lac_json_open(&page->json, "methods", '[');
     for (const char *at = names; *at != '\0'; at += strspn(at, " ")) {
         const size_t length = strcspn(at, " ");
-        const lac_forecast_kind *kind = find_kind(at, length);
+        const lac_forecast_kind *kind = &lac_forecast_case;
         (void)snprintf(name, sizeof name, "%.*s", (int)length, at);
-        lac_json_open(&page->json, NULL, '{');
-        lac_json_text(&page->json, "name", name);
-        lac_json_text(&page->json, "summary", kind != NULL ? kind->info.summary : "");
-        lac_json_text(&page->json, "reference", kind != NULL ? kind->info.reference : "");
-        lac_json_boolean(&page->json, "baseline", kind != NULL && kind->baseline);
-        lac_json_close(&page->json, '}');
+        for (size_t i = 0; kind != NULL && strcmp(kind->info.name, name) != 0; i++) {
+            kind = lac_forecast_kind_get(i);
+        }
+        lac_page_method(page, name, kind);
         at += length;
     }
     lac_json_close(&page->json, ']');

@@ -167,13 +167,7 @@ static void write_rolling(lac_page *page, const lac_rolling *rolling)
     lac_json *json = &page->json;
     lac_json_open(json, "methods", '[');
     for (size_t m = 0; m < rolling->methods; m++) {
-        const lac_forecast_kind *kind = rolling->forecast[m].kind;
-        lac_json_open(json, NULL, '{');
-        lac_json_text(json, "name", kind->info.name);
-        lac_json_text(json, "summary", kind->info.summary);
-        lac_json_text(json, "reference", kind->info.reference);
-        lac_json_boolean(json, "baseline", kind->baseline);
-        lac_json_close(json, '}');
+        lac_page_method(page, rolling->forecast[m].kind->info.name, rolling->forecast[m].kind);
     }
     lac_json_close(json, ']');
     lac_page_column(page, "issue", rolling->issues, rolling->issue_time, NULL, 17);

@@ -13,6 +13,9 @@
 lac_status cli_output_path(const cli_request *request, const lac_case *c, const char *configured,
                            const char *ending, char **path, lac_error *err);
 
+/// FOLDER/NAME.EXT as NAME and an ending, in the working folder. To be freed; NULL without memory.
+char *cli_name_after(const char *path, const char *ending);
+
 /// Length of a name without its ending, such as ".nc"; the whole where it has another, or none
 /// before it.
 size_t cli_stem(const char *name, const char *ending);

@@ -157,6 +157,17 @@ cli_text cli_date(double seconds)
     return text;
 }
 
+const cli_time_unit *cli_time_unit_of(double seconds, double least)
+{
+    static const cli_time_unit units[] = {
+        {86400.0, "days", "day"}, {3600.0, "hour", "hour"}, {60.0, "min", "min"}, {1.0, "s", "s"}};
+    const cli_time_unit *u = units;
+    while (seconds < least * u->seconds && u + 1 < units + sizeof units / sizeof *units) {
+        u++;
+    }
+    return u;
+}
+
 void cli_row_quantity(const char *label, double value, const char *unit)
 {
     cli_row(label, "%s", cli_amount(value, unit).s);

@@ -35,6 +35,15 @@ cli_text cli_amount(double value, const char *unit);
 cli_text cli_exact(double value, const char *unit);
 cli_text cli_date(double seconds);
 
+/// A unit of time, and its name, in a head of four letters too.
+typedef struct cli_time_unit {
+    double seconds;
+    const char *head, *name;
+} cli_time_unit;
+
+/// The largest unit of which a time holds so many, else the second.
+const cli_time_unit *cli_time_unit_of(double seconds, double least);
+
 /// As cli_row, a text wrapped to 79 columns.
 void cli_row_wrap(const char *label, const char *text);
 

@@ -193,16 +193,9 @@ void cli_drivers_clear(cli_drivers *drivers)
 // To two digits or so: it is not known better.
 static cli_text length_of(double seconds)
 {
-    static const struct {
-        double seconds;
-        const char *name;
-    } units[] = {{86400.0, "day"}, {3600.0, "hour"}, {60.0, "min"}, {1.0, "s"}};
-    size_t k = 0;
-    while (k + 1 < sizeof units / sizeof *units && seconds < units[k].seconds) {
-        k++;
-    }
-    const double count = seconds / units[k].seconds, enough = 9.95;
-    return cli_format(count < enough ? "%.1f %s" : "%.0f %s", count, units[k].name);
+    const cli_time_unit *u = cli_time_unit_of(seconds, 1.0);
+    const double count = seconds / u->seconds, enough = 9.95;
+    return cli_format(count < enough ? "%.1f %s" : "%.0f %s", count, u->name);
 }
 
 static cli_text answer_of(const lac_driver_effect *e)

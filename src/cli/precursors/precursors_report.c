@@ -2,25 +2,13 @@
 // What the precursors command found, as tables.
 #include "cli/precursors/precursors.h"
 
-// A unit of times to failure, by how long the issue times span.
-typedef struct unit {
-    double seconds;
-    const char *head, *name;
-} unit;
-
-static const unit units[] = {
-    {86400.0, "days", "day"}, {3600.0, "hour", "hour"}, {60.0, "min", "min"}, {1.0, "s", "s"}};
-
-static const unit *unit_of(const lac_rolling *roll)
+// The unit of times to failure, by how long the issue times span.
+static const cli_time_unit *unit_of(const lac_rolling *roll)
 {
-    const double span = roll->issues > 0 ? roll->issue_time[roll->issues - 1] - roll->issue_time[0]
-                                         : units[0].seconds;
     const double enough = 3.0;
-    const unit *u = units;
-    while (span < enough * u->seconds && u + 1 < units + sizeof units / sizeof *units) {
-        u++;
-    }
-    return u;
+    return cli_time_unit_of(
+        roll->issues > 0 ? roll->issue_time[roll->issues - 1] - roll->issue_time[0] : 86400.0,
+        enough);
 }
 
 static void print_input(const lac_forecast_outcome *of)
@@ -138,7 +126,7 @@ static void print_indicators(size_t count, const lac_precursor *indicator)
 static void print_lives(const lac_forecast_outcome *of)
 {
     const lac_rolling *roll = of->rolling;
-    const unit *u = unit_of(roll);
+    const cli_time_unit *u = unit_of(roll);
     const double failed_at = of->failed_at;
     printf("\n  %-22s %s", cli_format("life expectancy (%s)", u->head).s,
            isfinite(failed_at) ? "     true" : "");
@@ -244,7 +232,7 @@ static cli_text number(double value) { return cli_format(isnan(value) ? "-" : "%
 
 static void print_skill(const lac_forecast_outcome *of)
 {
-    const unit *u = unit_of(of->rolling);
+    const cli_time_unit *u = unit_of(of->rolling);
     printf("\n  %-12s %7s %12s %10s %10s %10s %10s   %s\n", "skill", "issued",
            cli_format("error (%s)", u->name).s, "in 50 %", "in 90 %",
            cli_format("CRPS (%s)", u->name).s, "baseline", "alarms: hits, false, missed");

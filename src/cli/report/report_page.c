@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // lacuna report: a run, or readings and their forecasts, as one page to look at.
-#define _GNU_SOURCE // asprintf
 #include <time.h>
 #include <unistd.h>
 
@@ -17,19 +16,6 @@
 #include "sweep/ensemble.h"
 
 enum { LONGEST_CASE = 1 << 18 };
-
-// -o, else NAME.html in this folder.
-static char *output_path(const cli_request *request)
-{
-    if (request->output != NULL) {
-        return strdup(request->output);
-    }
-    const char *name = lac_page_name(request->argument[0]);
-    const char *dot = strrchr(name, '.');
-    const size_t stem = dot != NULL && dot > name ? (size_t)(dot - name) : strlen(name);
-    char *path;
-    return asprintf(&path, "%.*s.html", (int)stem, name) >= 0 ? path : NULL;
-}
 
 // The case that a run's file holds; NULL where it holds none that can be read.
 static lac_case *read_case(const char *run)
@@ -258,7 +244,8 @@ out:
 
 lac_status cli_report_page(const cli_request *request, lac_error *err)
 {
-    char *path = output_path(request);
+    char *path = request->output != NULL ? strdup(request->output)
+                                         : cli_name_after(request->argument[0], ".html");
     input what = RUN;
     lac_status status;
     LAC_TRY(path != NULL ? cli_output_check(request, NULL, path, err) : lac_fail_memory(err));
