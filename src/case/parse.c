@@ -72,17 +72,13 @@ static bool take_key(builder *b, const yaml_event_t *event)
 {
     const char *text = (const char *)event->data.scalar.value;
     size_t size = event->data.scalar.length;
-    size_t line = line_of(b, event);
     if (parent_of(b)->count >= LAC_TREE_KEYS) {
-        lac_add_error_text(b->reader, line, b->place, "is no case: a mapping has more than %d keys",
-                           LAC_TREE_KEYS);
-        return false;
+        return REFUSE(b, event, "is no case: a mapping has more than %d keys", LAC_TREE_KEYS);
     }
     if (memchr(text, '\0', size) != NULL) {
-        lac_add_error_text(b->reader, line, b->place, "is no case: a key holds a NUL character");
-        return false;
+        return REFUSE(b, event, "is no case: a key holds a NUL character");
     }
-    b->key_line = line;
+    b->key_line = line_of(b, event);
     b->key = lac_reader_copy(b->reader, text, size);
     return b->key != NULL;
 }

@@ -85,19 +85,16 @@ static void check_waves(lac_reader *reader, const lac_material_def *m, const cha
                      "needs material.shear_modulus and shear_speed or density");
 }
 
+// What a beta from the friction law needs.
 static void check_law(lac_reader *reader, const lac_case *c)
 {
-    const lac_material_def *m = &c->material;
-    if (c->rg.betas > 0) {
-        return;
-    }
     const lac_friction_params *law = c->friction.params;
     warn_nominal_beta(reader, c, "rg.beta");
     if (!lac_refuse(reader, !HAS("friction"), "rg.beta", "needs a friction law") && law != NULL &&
         (!isnan(law->v1) || !isnan(law->v2))) {
         lac_warn(reader, "rg.beta", "takes the friction law without its cut-offs v1 and v2");
     }
-    check_waves(reader, m, "rg.beta");
+    check_waves(reader, &c->material, "rg.beta");
 }
 
 void lac_check_rg(lac_reader *reader, lac_case *c)
@@ -115,7 +112,9 @@ void lac_check_rg(lac_reader *reader, lac_case *c)
     if (!on_cells) {
         check_interface(reader, c);
     }
-    check_law(reader, c);
+    if (c->rg.betas == 0) {
+        check_law(reader, c);
+    }
 }
 
 static void read_followed_beta(lac_reader *reader, const lac_node *node, lac_analysis_rg *rg)

@@ -108,7 +108,7 @@ const char *lac_node_path(const lac_node *node, char *text, size_t size)
     while (n-- > 0 && used < size) {
         const char *dot = used == 0 ? "" : ".";
         size_t index = 0;
-        while (chain[n]->parent->child[index] != chain[n]) {
+        while (chain[n]->key == NULL && chain[n]->parent->child[index] != chain[n]) {
             index++;
         }
         int wrote = chain[n]->key != NULL

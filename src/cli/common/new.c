@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // lacuna new [NAME]: writes a commented case of the wanted kind, for the user to start from, and
 // the readings that it is about where it is to be fitted.
+#define _GNU_SOURCE // asprintf
 #include "base/temp_file.h"
 #include "cli/common/command.h"
 #include "cli/common/words.h"
@@ -13,13 +14,9 @@ static char *file_name(const char *name, const char *ending)
     const bool whole =
         dot != NULL && dot > name && (strcmp(dot, ".yaml") == 0 || strcmp(dot, ".yml") == 0);
     const int stem = (int)(whole ? (size_t)(dot - name) : strlen(name));
-    const size_t size = strlen(name) + sizeof ".yaml";
-    char *path = malloc(size);
-    if (path != NULL) {
-        (void)snprintf(path, size, "%.*s%s", stem, name,
-                       whole && strcmp(ending, ".yaml") == 0 ? dot : ending);
-    }
-    return path;
+    const char *own = whole && strcmp(ending, ".yaml") == 0 ? dot : ending;
+    char *path = NULL;
+    return asprintf(&path, "%.*s%s", stem, name, own) >= 0 ? path : NULL;
 }
 
 static void tell(const cli_request *request, const char *kind, const char *path,

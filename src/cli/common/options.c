@@ -2,6 +2,7 @@
 // The command line: the table of all options, and how words become a request that makes sense.
 #include "cli/common/options.h"
 
+#include "base/temp_file.h"
 #include "cli/common/words.h"
 
 // An option that is told by its bit or that apply() has a line for, and one whose word has a place
@@ -320,20 +321,18 @@ static lac_status check_request(const cli_request *request, lac_error *err)
 // The command line as one text, for the file's history.
 static char *join(int argc, char **argv)
 {
-    size_t size = sizeof "lacuna";
-    for (int i = 1; i < argc; i++) {
-        size += strlen(argv[i]) + 3;
-    }
-    char *text = malloc(size);
-    if (text == NULL) {
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    if (out == NULL) {
         return NULL;
     }
-    size_t used = (size_t)snprintf(text, size, "lacuna");
+    (void)fputs("lacuna", out);
     for (int i = 1; i < argc; i++) {
         const char *quote = strpbrk(argv[i], " \t\"$*;&|<>()") != NULL ? "'" : "";
-        used += (size_t)snprintf(text + used, size - used, " %s%s%s", quote, argv[i], quote);
+        (void)fprintf(out, " %s%s%s", quote, argv[i], quote);
     }
-    return text;
+    return lac_text_made(out, &text);
 }
 
 void cli_request_begin(int count, char **word, cli_request *request)

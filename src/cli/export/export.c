@@ -281,17 +281,6 @@ static lac_status write_all(export_job *job, lac_error *err)
     return LAC_OK;
 }
 
-static lac_status to_stdout(export_job *job, lac_error *err)
-{
-    size_t columns = 0, i = 0;
-    LAC_FAIL_IF(cli_given(job->request, CLI_OPT_JSON), err, LAC_EINPUT,
-                "--json tells which files were written: name one with -o");
-    while (!leads(&job->of, i)) {
-        i++;
-    }
-    return cli_export_write(&job->of, &job->of.variable[i].shape, stdout, &columns, err);
-}
-
 lac_status cli_export(const cli_request *request, lac_error *err)
 {
     export_job job = {.request = request, .json = {.out = stdout}};
@@ -304,8 +293,17 @@ lac_status cli_export(const cli_request *request, lac_error *err)
         LAC_TRY(cli_stations_read(&job.of, &job.stations, err));
     }
     LAC_TRY(find_folder(&job, err));
-    const bool to_file = job.folder != NULL || request->output != NULL;
-    LAC_TRY(to_file ? write_all(&job, err) : to_stdout(&job, err));
+    if (job.folder != NULL || request->output != NULL) {
+        LAC_TRY(write_all(&job, err));
+        goto out;
+    }
+    LAC_LEAVE_IF(cli_given(request, CLI_OPT_JSON), err, LAC_EINPUT,
+                 "--json tells which files were written: name one with -o");
+    size_t columns = 0, first = 0;
+    while (!leads(&job.of, first)) {
+        first++;
+    }
+    LAC_TRY(cli_export_write(&job.of, &job.of.variable[first].shape, stdout, &columns, err));
 out:
     cli_stations_clear(&job.stations);
     free(job.folder);

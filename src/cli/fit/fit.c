@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // lacuna fit CASE SERIES.csv: the fit, its file and the fitted case, and what it came to in words.
+#define _GNU_SOURCE // asprintf
 #include <unistd.h>
 
 #include "base/hidden.h"
@@ -84,10 +85,10 @@ static lac_status set_columns(fit_job *job, lac_error *err)
 // OUT.yaml beside OUT.nc.
 static lac_status name_case(fit_job *job, lac_error *err)
 {
-    const size_t size = strlen(job->path) + sizeof ".yaml";
-    job->case_path = malloc(size);
-    LAC_FAIL_MEMORY_IF(job->case_path == NULL, err);
-    (void)snprintf(job->case_path, size, "%.*s.yaml", (int)cli_stem(job->path, ".nc"), job->path);
+    char *path = NULL;
+    LAC_FAIL_MEMORY_IF(asprintf(&path, "%.*s.yaml", (int)cli_stem(job->path, ".nc"), job->path) < 0,
+                       err);
+    job->case_path = path;
     const lac_status status = cli_output_check(&job->request, job->source, job->case_path, err);
     return status == LAC_OK ? status : lac_fail_within(err, status, "the case beside it");
 }
@@ -167,22 +168,17 @@ static void make_plain(char *text)
 // it stands in, or in full where that is another than the working folder.
 static lac_status write_case(const fit_job *job, lac_error *err)
 {
-    enum { HEAD = 4 * PATH_MAX };
     lac_fit_apply(&job->result, job->fitted);
     LAC_TRY_RETURN(move_case(job->case_path, job->fitted, err));
-    char *text = lac_case_text(job->fitted);
-    const size_t room = HEAD + (text != NULL ? strlen(text) : 0) + sizeof "\n";
-    char *whole = malloc(room);
-    lac_status status = text == NULL || whole == NULL ? lac_fail_memory(err) : LAC_OK;
-    if (status == LAC_OK) {
-        (void)snprintf(whole, HEAD,
-                       "# %s fitted to %s by lacuna fit: the best fit; its uncertainty is in %s",
-                       job->source->path, job->request.argument[1], job->path);
-        make_plain(whole);
-        const size_t head = strlen(whole);
-        (void)snprintf(whole + head, room - head, "\n%s", text);
-        status = lac_write_text(job->case_path, whole, true, err); // asked for before the fit
-    }
+    char head[4 * PATH_MAX], *text = lac_case_text(job->fitted);
+    (void)snprintf(head, sizeof head,
+                   "# %s fitted to %s by lacuna fit: the best fit; its uncertainty is in %s",
+                   job->source->path, job->request.argument[1], job->path);
+    make_plain(head);
+    char *whole = text != NULL ? lac_text_join(head, "\n", text) : NULL;
+    const lac_status status = whole != NULL // asked for before the fit
+                                  ? lac_write_text(job->case_path, whole, true, err)
+                                  : lac_fail_memory(err);
     free(text);
     free(whole);
     return status;

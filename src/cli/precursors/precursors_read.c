@@ -54,18 +54,6 @@ out:
     return status;
 }
 
-static lac_status read_series(const cli_request *request, const lac_case *known,
-                              const lac_units *units, cli_watched *w, lac_error *err)
-{
-    lac_series *series = NULL;
-    LAC_TRY_RETURN(cli_series_read(request, known != NULL ? &known->fit.columns : NULL,
-                                   w->of.source, units, &series, err));
-    w->of.series = series;
-    w->of.dated = series->dated;
-    w->readings = lac_series_readings(series);
-    return LAC_OK;
-}
-
 static lac_status cut(const cli_request *request, const lac_units *units, cli_watched *w,
                       lac_error *err)
 {
@@ -92,9 +80,17 @@ lac_status cli_watched_read(const cli_request *request, const lac_case *known,
     out->run = !cli_series_named(request) &&
                lac_store_read_attribute(request->argument[0], "lacuna_format_version", text,
                                         sizeof text, NULL) == LAC_OK;
-    lac_status status =
-        out->run ? read_run(out, err) : read_series(request, known, units, out, err);
-    LAC_TRY(status);
+    lac_series *series = NULL;
+    lac_status status;
+    if (out->run) {
+        LAC_TRY(read_run(out, err));
+    } else {
+        LAC_TRY(cli_series_read(request, known != NULL ? &known->fit.columns : NULL, out->of.source,
+                                units, &series, err));
+        out->of.series = series;
+        out->of.dated = series->dated;
+        out->readings = lac_series_readings(series);
+    }
     if (strcmp(out->of.run_status, "failed") == 0 && !cli_given(request, CLI_OPT_QUIET)) {
         cli_note("warning: %s: this run ended by an error: neither its motion is a result nor what "
                  "follows from it",

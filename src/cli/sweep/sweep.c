@@ -146,17 +146,6 @@ static lac_status pick(const cli_request *request, size_t members, part *out, la
     return LAC_OK;
 }
 
-static lac_status make_room(job *j, lac_error *err)
-{
-    j->member = calloc(j->of.n + 1, sizeof *j->member);
-    LAC_FAIL_MEMORY_IF(j->member == NULL, err);
-    for (size_t i = 0; i < j->of.n; i++) {
-        j->member[i] = calloc(1, lac_member_size(j->sweep));
-        LAC_FAIL_MEMORY_IF(j->member[i] == NULL, err);
-    }
-    return LAC_OK;
-}
-
 static lac_status compute(job *j, lac_error *err)
 {
     cli_progress progress = {0};
@@ -332,7 +321,12 @@ lac_status cli_sweep(const cli_request *request, lac_error *err)
         }
         goto out;
     }
-    LAC_TRY(make_room(&j, err));
+    j.member = calloc(j.of.n + 1, sizeof *j.member);
+    LAC_TRY(j.member != NULL ? LAC_OK : lac_fail_memory(err));
+    for (size_t i = 0; i < j.of.n; i++) {
+        j.member[i] = calloc(1, lac_member_size(j.sweep));
+        LAC_TRY(j.member[i] != NULL ? LAC_OK : lac_fail_memory(err));
+    }
     j.keep = (cli_keep){.command = "sweep", .size = lac_member_size(j.sweep), .every = 1.0};
     j.keep.mark = lac_sum_bytes(j.sweep->mark, LACUNA_VERSION, strlen(LACUNA_VERSION));
     LAC_TRY(cli_keep_open(&j.keep, j.path, j.resume, take_over, &j, err));

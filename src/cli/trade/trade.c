@@ -144,17 +144,6 @@ lac_status cli_trade_case(const cli_trade_job *job, const lac_trade_run *run, la
     return status;
 }
 
-static lac_status describe(const cli_trade_job *job, const lac_case *c, lac_trade_run *run,
-                           lac_error *err)
-{
-    LAC_TRY_RETURN(cli_case_sum(job->request, c, &run->key, err));
-    run->key = lac_sum_bytes(run->key, &c->run.end, sizeof c->run.end);
-    for (size_t d = 0; d < job->trade.settings; d++) {
-        lac_setting_current(job->trade.setting[d].setting, c, run->label[d]);
-    }
-    return LAC_OK;
-}
-
 // Settings that are another run's make no run of their own; what it is for goes over to that one.
 static void find_twin(lac_trade *trade, size_t run)
 {
@@ -217,7 +206,11 @@ static lac_status resolve(const cli_trade_job *job, lac_trade *trade, lac_error 
         lac_trade_run *run = &trade->run[i];
         lac_status status = cli_trade_case(job, run, &c, &why);
         if (status == LAC_OK) {
-            status = describe(job, c, run, &why);
+            status = cli_case_sum(job->request, c, &run->key, &why);
+            run->key = lac_sum_bytes(run->key, &c->run.end, sizeof c->run.end);
+            for (size_t d = 0; d < trade->settings; d++) {
+                lac_setting_current(trade->setting[d].setting, c, run->label[d]);
+            }
             find_twin(trade, i);
         } else if (status == LAC_EINPUT) {
             run->end = LAC_TRADE_REFUSED;
