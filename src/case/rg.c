@@ -117,17 +117,6 @@ void lac_check_rg(lac_reader *reader, lac_case *c)
     }
 }
 
-static void read_followed_beta(lac_reader *reader, const lac_node *node, lac_analysis_rg *rg)
-{
-    if (node->kind == LAC_NODE_SCALAR && strcmp(node->text, from_friction) == 0) {
-        rg->beta_from_friction = true;
-    } else if (node->kind != LAC_NODE_SCALAR) {
-        lac_add_error(reader, node, "must be a number or %s", from_friction);
-    } else {
-        (void)read_residual(reader, node, &rg->beta);
-    }
-}
-
 static void read_indicator(lac_reader *reader, const lac_node *node, lac_model *model)
 {
     const lac_model_info *info = lac_find_model(reader, node, LAC_KIND_ANALYSIS, "indicator");
@@ -146,8 +135,12 @@ static void read_indicator(lac_reader *reader, const lac_node *node, lac_model *
     if (!nothing) {
         lac_read_table(reader, node, info, rg != NULL ? "beta" : NULL, model->params);
     }
-    if (beta != NULL) {
-        read_followed_beta(reader, beta, rg);
+    if (beta != NULL && beta->kind != LAC_NODE_SCALAR) {
+        lac_add_error(reader, beta, "must be a number or %s", from_friction);
+    } else if (beta != NULL && strcmp(beta->text, from_friction) == 0) {
+        rg->beta_from_friction = true;
+    } else if (beta != NULL) {
+        (void)read_residual(reader, beta, &rg->beta);
     }
     bool sound = reader->report->errors == errors;
     const char *fault = sound && info->validate != NULL ? info->validate(model->params) : NULL;

@@ -119,19 +119,6 @@ const char *lac_node_path(const lac_node *node, char *text, size_t size)
     return text;
 }
 
-// The next part of a dotted key; false where it is empty or too long.
-static bool next_part(const char **path, char *part, size_t size)
-{
-    size_t n = strcspn(*path, ".");
-    if (n == 0 || n >= size) {
-        return false;
-    }
-    memcpy(part, *path, n);
-    part[n] = '\0';
-    *path += n;
-    return true;
-}
-
 static bool is_index(const char *part)
 {
     size_t n = strspn(part, "0123456789");
@@ -234,15 +221,17 @@ void lac_apply_override(lac_reader *reader, lac_node *root, const lac_override *
     lac_node *at = root;
     size_t depth = depth_below(value);
     do {
-        if (!next_part(&path, part, sizeof part) || (*path == '.' && path[1] == '\0') ||
-            ++depth >= LAC_TREE_DEPTH) {
+        const size_t n = strcspn(path, ".");
+        if (n == 0 || n >= sizeof part || strcmp(path + n, ".") == 0 || ++depth >= LAC_TREE_DEPTH) {
             lac_add_error_text(reader, 0, override->key,
                                "is no dotted key such as friction.aging.dc");
             at = NULL;
             break;
         }
+        memcpy(part, path, n);
+        part[n] = '\0';
         at = descend(reader, override, at, part);
-        path += *path == '.' ? 1 : 0;
+        path += n + (path[n] == '.' ? 1 : 0);
     } while (at != NULL && *path != '\0');
     if (at == NULL) {
         lac_node_free(value);

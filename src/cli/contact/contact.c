@@ -4,7 +4,6 @@
 #include "cli/common/command.h"
 #include "cli/common/output.h"
 #include "cli/common/progress.h"
-#include "cli/common/words.h"
 #include "cli/report/report.h"
 
 // Everything that the command holds.

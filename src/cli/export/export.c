@@ -149,8 +149,13 @@ static char *path_of(const export_job *job, const lac_stored_shape *shape)
     return asprintf(&path, "%s/%s.csv", job->folder, used > 0 ? name : "values") >= 0 ? path : NULL;
 }
 
-static void tell(export_job *job, const char *path, size_t rows, size_t columns)
+// To a file of its own, once it is whole in memory. @param out  closed here
+static lac_status put(export_job *job, FILE *out, char **text, const char *path, size_t rows,
+                      size_t columns, lac_error *err)
 {
+    LAC_FAIL_IF(fclose(out) != 0 || path == NULL, err, LAC_ENOMEM, "out of memory");
+    LAC_TRY_RETURN(cli_output_check(job->request, NULL, path, err));
+    LAC_TRY_RETURN(lac_write_text(path, *text, cli_given(job->request, CLI_OPT_FORCE), err));
     if (cli_given(job->request, CLI_OPT_JSON)) {
         lac_json_open(&job->json, NULL, '{');
         lac_json_text(&job->json, "path", path);
@@ -164,16 +169,6 @@ static void tell(export_job *job, const char *path, size_t rows, size_t columns)
         cli_note("warning: %s: has more rows than the %zu that a spreadsheet takes", path,
                  most_rows);
     }
-}
-
-// To a file of its own, once it is whole in memory. @param out  closed here
-static lac_status put(export_job *job, FILE *out, char **text, const char *path, size_t rows,
-                      size_t columns, lac_error *err)
-{
-    LAC_FAIL_IF(fclose(out) != 0 || path == NULL, err, LAC_ENOMEM, "out of memory");
-    LAC_TRY_RETURN(cli_output_check(job->request, NULL, path, err));
-    LAC_TRY_RETURN(lac_write_text(path, *text, cli_given(job->request, CLI_OPT_FORCE), err));
-    tell(job, path, rows, columns);
     return LAC_OK;
 }
 

@@ -54,26 +54,11 @@ out:
     return status;
 }
 
-static lac_status cut(const cli_request *request, const lac_units *units, cli_watched *w,
-                      lac_error *err)
-{
-    double until = INFINITY;
-    if (request->until != NULL) {
-        LAC_TRY_RETURN(cli_series_time("until", request->until, w->of.dated, units, &until, err));
-    }
-    while (w->readings.n > 0 && w->readings.time[w->readings.n - 1] > until) {
-        w->readings.n--;
-    }
-    LAC_FAIL_IF(w->readings.n == 0, err, LAC_EINPUT, "%s: has no reading%s%s", w->of.source,
-                request->until != NULL ? " until " : "",
-                request->until != NULL ? request->until : "");
-    return LAC_OK;
-}
-
 lac_status cli_watched_read(const cli_request *request, const lac_case *known,
                             const lac_units *units, cli_watched *out, lac_error *err)
 {
-    const char *failed_at = request->forecast.failed_at;
+    const char *failed_at = request->forecast.failed_at, *until = request->until;
+    double last = INFINITY;
     *out = (cli_watched){
         .of = {.source = request->argument[0], .readings = &out->readings, .failed_at = NAN}};
     char text[32];
@@ -96,7 +81,14 @@ lac_status cli_watched_read(const cli_request *request, const lac_case *known,
                  "follows from it",
                  out->of.source);
     }
-    LAC_TRY(cut(request, units, out, err));
+    if (until != NULL) {
+        LAC_TRY(cli_series_time("until", until, out->of.dated, units, &last, err));
+    }
+    while (out->readings.n > 0 && out->readings.time[out->readings.n - 1] > last) {
+        out->readings.n--;
+    }
+    LAC_LEAVE_IF(out->readings.n == 0, err, LAC_EINPUT, "%s: has no reading%s%s", out->of.source,
+                 until != NULL ? " until " : "", until != NULL ? until : "");
     if (failed_at != NULL && strcmp(failed_at, "never") == 0) {
         out->of.failed_at = INFINITY;
     } else if (failed_at != NULL) {

@@ -65,24 +65,18 @@ static void print_forecast(const lac_forecast_outcome *of, const lac_forecast *f
     }
 }
 
-static double value_of(const lac_forecast_fit *fit, const char *key)
-{
-    double value = NAN;
-    for (size_t i = 0; i < fit->count; i++) {
-        value = fit->value[i].key == key ? fit->value[i].value : value;
-    }
-    return value;
-}
-
 // What stands at the end of its range is no estimate.
 static void print_ends(const lac_forecast_set *o)
 {
     for (size_t k = 0; k < o->count; k++) {
         const lac_forecast_fit *fit = &o->forecast[k].fit;
         for (size_t i = 0; i < fit->ends; i++) {
+            double value = NAN;
+            for (size_t v = 0; v < fit->count; v++) {
+                value = fit->value[v].key == fit->end[i] ? fit->value[v].value : value;
+            }
             printf("  %-12s the best fit's %s stands at the end of its range, %.4g\n",
-                   i == 0 ? o->forecast[k].kind->info.name : "", fit->end[i],
-                   value_of(fit, fit->end[i]));
+                   i == 0 ? o->forecast[k].kind->info.name : "", fit->end[i], value);
         }
     }
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // lacuna rg CASE|FILE.nc: the cascade of slip over a joint that is made, or over stored cells; the
 // interfaces of an ensemble in processes of the pool, each kept as soon as it is done.
-#include "base/rg_rows.h"
 #include "cli/common/command.h"
 #include "cli/common/keep.h"
 #include "cli/common/output.h"
@@ -129,16 +128,6 @@ static lac_status run_parts(parts *p, lac_scene_rg *out, lac_error *err)
     return LAC_OK;
 }
 
-// What is kept is not needed any more once all is written, or where the case cannot be followed.
-static void close_parts(parts *p, lac_status status)
-{
-    for (size_t i = 0; p->part != NULL && i < p->n; i++) {
-        free(p->part[i]);
-    }
-    free(p->part);
-    cli_keep_close(&p->keep, status == LAC_OK || status == LAC_EINPUT);
-}
-
 // Everything that the command holds.
 typedef struct rg_job {
     const cli_request *request;
@@ -220,15 +209,6 @@ static lac_status read_file(rg_job *job, lac_error *err)
     job->source->rg.seeds = 1;
 out:
     return status;
-}
-
-// What goes on from an interrupt is in the parts kept, not in the file.
-static lac_status prepare(rg_job *job, lac_error *err)
-{
-    const cli_request plain = cli_request_anew(job->request, false);
-    LAC_TRY_RETURN(cli_output_path(&plain, job->source, NULL, "-rg.nc", &job->path, err));
-    job->parts = (parts){.request = job->request, .source = job->source};
-    return open_parts(&job->parts, job->path, err);
 }
 
 static void print_file(const lac_stored_cells *cells, const lac_scene_rg *rg)
@@ -385,6 +365,7 @@ static void print_rg(const rg_job *job)
 
 lac_status cli_rg(const cli_request *request, lac_error *err)
 {
+    const cli_request plain = cli_request_anew(request, false);
     rg_job job = {.request = request};
     lac_dataset *dataset = NULL;
     lac_status status;
@@ -398,7 +379,9 @@ lac_status cli_rg(const cli_request *request, lac_error *err)
     } else {
         LAC_TRY(cli_case_read(request, LAC_FOR_RG, &job.source, NULL, err));
     }
-    LAC_TRY(prepare(&job, err));
+    LAC_TRY(cli_output_path(&plain, job.source, NULL, "-rg.nc", &job.path, err));
+    job.parts = (parts){.request = request, .source = job.source};
+    LAC_TRY(open_parts(&job.parts, job.path, err));
     const lac_rg_cells cells = {job.cells.domain, job.cells.shear, job.cells.time};
     cli_say(request, "following the cascade of %s", name);
     cli_signals_hold();
@@ -416,7 +399,12 @@ lac_status cli_rg(const cli_request *request, lac_error *err)
     }
 out:
     lac_dataset_free(dataset);
-    close_parts(&job.parts, status);
+    for (size_t i = 0; job.parts.part != NULL && i < job.parts.n; i++) {
+        free(job.parts.part[i]);
+    }
+    free(job.parts.part);
+    // not needed any more once all is written, or where the case cannot be followed
+    cli_keep_close(&job.parts.keep, status == LAC_OK || status == LAC_EINPUT);
     lac_scene_rg_clear(&job.rg);
     lac_stored_cells_clear(&job.cells);
     lac_case_free(job.source);

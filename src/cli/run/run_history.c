@@ -70,10 +70,15 @@ static lac_status on_step(void *context, const lac_step *step, lac_error *err)
     return h->next.step != NULL ? h->next.step(h->next.context, step, err) : LAC_OK;
 }
 
-// The kept series, as long as they are.
-static void pass_series(cli_kept *kept, lac_archive *archive)
+// Of the first and the last record only what is seen is told; the kept series as long as they are.
+static void on_keep(void *context, lac_archive *archive)
 {
+    cli_history *h = context;
+    cli_kept *kept = &h->kept;
     size_t n = kept->n;
+    lac_archive_pass(archive, &h->begun, sizeof h->begun);
+    lac_archive_pass(archive, &h->first.observation, sizeof h->first.observation);
+    lac_archive_pass(archive, &h->last.observation, sizeof h->last.observation);
     lac_archive_pass(archive, &n, sizeof n);
     if (n > kept->room && lac_archive_good(archive)) {
         archive->short_of = n > archive->size / sizeof(double);
@@ -85,16 +90,6 @@ static void pass_series(cli_kept *kept, lac_archive *archive)
             lac_archive_pass(archive, kept->values + k * kept->room, n * sizeof *kept->values);
         }
     }
-}
-
-// Of the first and the last record only what is seen is told.
-static void on_keep(void *context, lac_archive *archive)
-{
-    cli_history *h = context;
-    lac_archive_pass(archive, &h->begun, sizeof h->begun);
-    lac_archive_pass(archive, &h->first.observation, sizeof h->first.observation);
-    lac_archive_pass(archive, &h->last.observation, sizeof h->last.observation);
-    pass_series(&h->kept, archive);
     lac_slip_events_serialize(&h->slip_events, archive);
     if (h->next.serialize != NULL) {
         h->next.serialize(h->next.context, archive);

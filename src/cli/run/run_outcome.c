@@ -4,7 +4,6 @@
 
 #include <sys/resource.h>
 
-#include "base/units.h"
 #include "cli/common/progress.h"
 #include "cli/common/words.h"
 #include "cli/contact/contact.h"

@@ -2,7 +2,6 @@
 // What an ensemble says, in words: how likely it fails, when, and what decides.
 #include "cli/sweep/answers.h"
 
-#include "base/units.h"
 #include "cli/common/words.h"
 #include "cli/report/report.h"
 

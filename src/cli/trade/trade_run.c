@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include "cli/common/output.h"
-#include "cli/common/words.h"
 #include "cli/trade/trade.h"
 #include "scene/scene_rg.h"
 #include "simulation/simulation.h"

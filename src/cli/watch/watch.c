@@ -9,7 +9,6 @@
 #include <unistd.h>
 
 #include "cli/common/command.h"
-#include "cli/common/output.h"
 #include "cli/common/progress.h"
 #include "cli/precursors/precursors.h"
 
