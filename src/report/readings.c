@@ -200,6 +200,21 @@ void lac_page_alarm(lac_page *page, const char *key)
     lac_json_close(&page->json, '}');
 }
 
+static bool same_word(const char *own, const char *name, size_t length)
+{
+    return strlen(own) == length && strncmp(own, name, length) == 0;
+}
+
+// What stands in the registry about a method that the file names; NULL: nothing.
+static const lac_forecast_kind *find_kind(const char *name, size_t length)
+{
+    const lac_forecast_kind *kind = &lac_forecast_case;
+    for (size_t i = 0; kind != NULL && !same_word(kind->info.name, name, length); i++) {
+        kind = lac_forecast_kind_get(i);
+    }
+    return kind;
+}
+
 void lac_page_method(lac_page *page, const char *name, const lac_forecast_kind *kind)
 {
     lac_json_open(&page->json, NULL, '{');
@@ -217,11 +232,8 @@ static void write_methods(lac_page *page)
     lac_json_open(&page->json, "methods", '[');
     for (const char *at = names; *at != '\0'; at += strspn(at, " ")) {
         const size_t length = strcspn(at, " ");
-        const lac_forecast_kind *kind = &lac_forecast_case;
+        const lac_forecast_kind *kind = find_kind(at, length);
         (void)snprintf(name, sizeof name, "%.*s", (int)length, at);
-        for (size_t i = 0; kind != NULL && strcmp(kind->info.name, name) != 0; i++) {
-            kind = lac_forecast_kind_get(i);
-        }
         lac_page_method(page, name, kind);
         at += length;
     }

@@ -167,16 +167,6 @@ static lac_status keep_word(cli_words *words, const char *value, lac_error *err)
     return LAC_OK;
 }
 
-lac_status cli_count(const char *option, const char *text, int most, int *out, lac_error *err)
-{
-    char *end;
-    const long n = strtol(text, &end, 10);
-    LAC_FAIL_IF(end == text || *end != '\0' || n < 1 || n > most, err, LAC_EINPUT,
-                "%s: \"%s\" must be a number from 1 to %d", option, text, most);
-    *out = (int)n;
-    return LAC_OK;
-}
-
 static lac_status apply(cli_request *request, const cli_option *o, const char *value,
                         lac_error *err)
 {

@@ -152,9 +152,6 @@ lac_status cli_request_read(int argc, char **argv, cli_request *request, lac_err
 /// @param word  [count] after the program's name
 void cli_request_begin(int count, char **word, cli_request *request);
 
-/// Reads the number of an option, from 1 to `most`. @return LAC_OK; LAC_EINPUT
-lac_status cli_count(const char *option, const char *text, int most, int *out, lac_error *err);
-
 /// Frees what the request owns.
 void cli_request_clear(cli_request *request);
 

@@ -44,6 +44,16 @@ const void *cli_find(const char *where, const char *word, const char *what, cons
     return NULL;
 }
 
+lac_status cli_count(const char *option, const char *text, int most, int *out, lac_error *err)
+{
+    char *end;
+    const long n = strtol(text, &end, 10);
+    LAC_FAIL_IF(end == text || *end != '\0' || n < 1 || n > most, err, LAC_EINPUT,
+                "%s: \"%s\" must be a number from 1 to %d", option, text, most);
+    *out = (int)n;
+    return LAC_OK;
+}
+
 // The first bytes of a character whose others have not come.
 typedef struct held {
     char bytes[HELD];

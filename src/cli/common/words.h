@@ -16,6 +16,9 @@ lac_status cli_unknown(const char *where, const char *word, const char *what,
 const void *cli_find(const char *where, const char *word, const char *what, const void *rows,
                      size_t stride, lac_error *err);
 
+/// Reads the number of an option, from 1 to `most`. @return LAC_OK; LAC_EINPUT
+lac_status cli_count(const char *option, const char *text, int most, int *out, lac_error *err);
+
 /// Prints one line on stderr, after the program's name.
 void cli_note(const char *format, ...) __attribute__((format(printf, 1, 2)));
 void cli_note_list(const char *format, va_list args) __attribute__((format(printf, 1, 0)));

@@ -303,6 +303,15 @@ static lac_status keep_steps(precursors_job *job, bool resume, lac_error *err)
     return status;
 }
 
+static void end_steps(precursors_job *job, lac_status status, lac_error *err)
+{
+    const lac_error why = *err;
+    if (status == LAC_EINTERRUPT && job->watch.kept != NULL) {
+        (void)lac_fail(err, status, "%s; --resume goes on", why.message);
+    }
+    lac_kept_close(job->watch.kept, status == LAC_OK);
+}
+
 static lac_status answer(const cli_request *given, const char *station, lac_json *json,
                          lac_error *err)
 {
@@ -354,11 +363,7 @@ out:
         lac_stored_values_clear(&job.cells.value[i]);
     }
     lac_forecast_set_free(of->forecasts);
-    if (status == LAC_EINTERRUPT && job.watch.kept != NULL) {
-        const lac_error why = *err;
-        (void)lac_fail(err, status, "%s; --resume goes on", why.message);
-    }
-    lac_kept_close(job.watch.kept, status == LAC_OK);
+    end_steps(&job, status, err);
     cli_drivers_clear(&job.drivers);
     cli_watched_clear(&job.watched);
     lac_case_free(job.source);
