@@ -107,7 +107,8 @@ static lac_node *parse_file(lac_reader *reader, const char *text, size_t size)
     return NULL;
 }
 
-void lac_case_summarise(const lac_case_issues *report, lac_error *err)
+// Says the first error of a report, and how many more there are.
+static void summarise(const lac_case_issues *report, lac_error *err)
 {
     char text[900];
     for (size_t i = 0; i < report->count; i++) {
@@ -149,7 +150,7 @@ lac_status lac_case_build(const lac_units *units, const char *name, const char *
     }
     lac_case_free(c);
     LAC_FAIL_MEMORY_IF(reader.no_memory, err);
-    lac_case_summarise(report, err);
+    summarise(report, err);
     return LAC_EINPUT;
 }
 
@@ -193,26 +194,6 @@ lac_status lac_case_read_file(const char *path, char **text, size_t *size, lac_e
     return LAC_OK;
 }
 
-static lac_status read_map(lac_reader *reader, const char *text, size_t size, const char *such,
-                           void (*read)(lac_reader *reader, void *out), void *out, lac_error *err)
-{
-    lac_node *root = lac_tree_parse(reader, text, size, NULL);
-    if (root != NULL && root->kind == LAC_NODE_MAP) {
-        reader->root = root;
-        read(reader, out);
-    } else if (reader->report->errors == 0 && !reader->no_memory) {
-        lac_add_error_text(reader, 1, NULL, "must be a mapping of keys, such as %s", such);
-    }
-    lac_node_free(root);
-    lac_case_issues_sort(reader->report);
-    LAC_FAIL_MEMORY_IF(reader->no_memory, err);
-    if (reader->report->errors > 0) {
-        lac_case_summarise(reader->report, err);
-        return LAC_EINPUT;
-    }
-    return LAC_OK;
-}
-
 lac_status lac_map_file_read(const char *path, const lac_units *units, const char *such,
                              void (*read)(lac_reader *reader, void *out), void *out, lac_error *err)
 {
@@ -222,7 +203,20 @@ lac_status lac_map_file_read(const char *path, const lac_units *units, const cha
     lac_reader reader = {.name = path, .units = units, .report = &report};
     lac_status status;
     LAC_TRY(lac_case_read_file(path, &text, &size, err));
-    LAC_TRY(read_map(&reader, text, size, such, read, out, err));
+    lac_node *root = lac_tree_parse(&reader, text, size, NULL);
+    if (root != NULL && root->kind == LAC_NODE_MAP) {
+        reader.root = root;
+        read(&reader, out);
+    } else if (report.errors == 0 && !reader.no_memory) {
+        lac_add_error_text(&reader, 1, NULL, "must be a mapping of keys, such as %s", such);
+    }
+    lac_node_free(root);
+    lac_case_issues_sort(&report);
+    LAC_TRY(reader.no_memory ? lac_fail_memory(err) : LAC_OK);
+    if (report.errors > 0) {
+        summarise(&report, err);
+        status = LAC_EINPUT;
+    }
 out:
     lac_case_issues_clear(&report);
     free(text);

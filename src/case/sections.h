@@ -360,9 +360,6 @@ lac_status lac_map_file_read(const char *path, const lac_units *units, const cha
 /// Reads a mapping of thresholds over those that are there.
 void lac_read_levels(lac_reader *reader, const lac_node *map, lac_levels *out);
 
-/// Says the first error of a report, and how many more there are.
-void lac_case_summarise(const lac_case_issues *report, lac_error *err);
-
 /// lac_case_read_text with a units database that is there already.
 lac_status lac_case_build(const lac_units *units, const char *name, const char *text, size_t size,
                           const lac_case_request *how, lac_case **out, lac_case_issues *report,

@@ -5,7 +5,7 @@
 #include "forecast/forecast.h"
 #include "report/run.h"
 
-enum { BUCKETS = 700, MOST_METHODS = 64, TEXT = 2000 };
+enum { BUCKETS = 700, TEXT = 2000 };
 
 static const char reading_time[] = "reading_time", issue_time[] = "issue_time";
 

@@ -187,7 +187,8 @@ static lac_status write_ensemble(const cli_request *request, const char *path, l
                  "%s: holds no case that could be read", file);
     LAC_TRY(lac_ensemble_read(file, &e, err));
     LAC_TRY(cli_question_read(request, c, e->extras, e->extra, &question, err));
-    LAC_TRY(cli_question_answer(&question, e, &sample, &answers, err));
+    LAC_TRY(lac_ensemble_sample(e, &question.of, question.by, &sample, err));
+    LAC_TRY(lac_answers_create(&sample, &answers, err));
     const lac_page_ensemble shown = {.sample = &sample,
                                      .answers = answers,
                                      .records = e->axis == LAC_SERIES_RATE ? 0 : e->records,

@@ -157,10 +157,3 @@ lac_status cli_question_read(const cli_request *request, const lac_case *c, size
                                              : cli_parse_quantity(by, unit, &out->by, err);
     return status == LAC_EINPUT ? lac_fail_within(err, status, "--by: \"%s\"", by) : status;
 }
-
-lac_status cli_question_answer(const cli_question *question, lac_ensemble *e, lac_sample *sample,
-                               lac_answers **answers, lac_error *err)
-{
-    LAC_TRY_RETURN(lac_ensemble_sample(e, &question->of, question->by, sample, err));
-    return lac_answers_create(sample, answers, err);
-}

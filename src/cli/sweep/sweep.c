@@ -180,7 +180,8 @@ static lac_status answer(lac_ensemble *e, const cli_question *question, lac_answ
     *out = NULL;
     *answers = NULL;
     if (e->n == e->members) {
-        LAC_TRY_RETURN(cli_question_answer(question, e, &sample, answers, err));
+        LAC_TRY_RETURN(lac_ensemble_sample(e, &question->of, question->by, &sample, err));
+        LAC_TRY_RETURN(lac_answers_create(&sample, answers, err));
     }
     return lac_ensemble_describe(e, *answers, out, err);
 }
