@@ -45,16 +45,6 @@ static bool holds_mean_slip(const lac_case *c)
     return lac_transfer_outline_of(&c->transfer, &outline) && outline.anchored;
 }
 
-// A spread is about one pressure.
-static void check_file_pressures(lac_reader *reader, const lac_case *c)
-{
-    const lac_domain_file *file = c->domain.params;
-    bool differ =
-        c->domain.info == &lac_domain_from_file.info && file->pressures != LAC_PRESSURES_EQUAL;
-    (void)lac_refuse(reader, differ && c->interface_spread.count > 0, "interface.spread",
-                     "needs interface.domain.file.pressures: equal to vary");
-}
-
 static void check_transfer(lac_reader *reader, const lac_case *c, bool material_read)
 {
     const lac_transfer_kind *kind = (const void *)c->transfer.info;
@@ -219,17 +209,11 @@ static bool starts_unstable(const lac_case *c)
     return steady && law->b > law->a && alike;
 }
 
-// Whether nothing but constant loads acts.
-static bool loads_stay(const lac_case *c)
-{
-    const lac_load_models loads = lac_case_loads(c);
-    return !holds_mean_slip(c) && c->geometry.angles == 0 &&
-           lac_load_models_traits(&loads).constant;
-}
-
 bool lac_case_left_to_rounding(const lac_case *c)
 {
-    return c->friction.params != NULL && starts_unstable(c) && loads_stay(c);
+    const lac_load_models loads = lac_case_loads(c);
+    return c->friction.params != NULL && starts_unstable(c) && !holds_mean_slip(c) &&
+           c->geometry.angles == 0 && lac_load_models_traits(&loads).constant;
 }
 
 // Whether the state at the start is the same for any ratio to the steady one, as the law has it.
@@ -373,14 +357,6 @@ bool lac_case_implies_safety(const lac_case *c)
            (c->fields & (unsigned)LAC_FIELD_SAFETY) != 0;
 }
 
-// Where it is written, maps of the cells have it too.
-static void ask_safety(lac_case *c)
-{
-    c->safety.asked = c->safety.asked || lac_case_implies_safety(c);
-    c->fields |= c->safety.asked && c->fields != 0 ? (unsigned)LAC_FIELD_SAFETY : 0U;
-    c->run.cell_safety = (c->fields & (unsigned)LAC_FIELD_SAFETY) != 0;
-}
-
 // What lac_run leaves to its caller.
 static unsigned beyond_run(const lac_reader *reader, const lac_case *c)
 {
@@ -409,9 +385,13 @@ void lac_check_case(lac_reader *reader, lac_case *c)
     lac_check_interface(reader, &c->interface);
     check_material(reader, c);
     check_transfer(reader, c, material_read);
-    if (lac_clean(reader, "interface")) {
-        check_file_pressures(reader, c);
-    }
+    // a spread is about one pressure
+    (void)lac_refuse(reader,
+                     lac_clean(reader, "interface") && c->interface_spread.count > 0 &&
+                         c->domain.info == &lac_domain_from_file.info &&
+                         ((const lac_domain_file *)c->domain.params)->pressures !=
+                             LAC_PRESSURES_EQUAL,
+                     "interface.spread", "needs interface.domain.file.pressures: equal to vary");
     check_statics(reader, c);
     check_load(reader, c);
     check_back_slip(reader, c);
@@ -432,6 +412,9 @@ void lac_check_case(lac_reader *reader, lac_case *c)
     lac_check_points(reader, c);
     lac_check_point_names(reader, c);
     lac_check_cadences(reader, c);
-    ask_safety(c);
+    // where the factor of safety is written, maps of the cells have it too
+    c->safety.asked = c->safety.asked || lac_case_implies_safety(c);
+    c->fields |= c->safety.asked && c->fields != 0 ? (unsigned)LAC_FIELD_SAFETY : 0U;
+    c->run.cell_safety = (c->fields & (unsigned)LAC_FIELD_SAFETY) != 0;
     c->run.beyond = beyond_run(reader, c);
 }

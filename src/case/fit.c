@@ -151,8 +151,23 @@ static void read_parameter(lac_reader *reader, const lac_node *node, lac_case *c
     }
 }
 
-static void read_parameters(lac_reader *reader, const lac_node *node, lac_case *c)
+// Whether what the keys of parameters name was read without errors: else they cannot be found.
+static bool rest_is_clean(const lac_reader *reader)
 {
+    static const char *const needed[] = {"friction", "initial",  "load",
+                                         "transfer", "material", "interface"};
+    bool clean = true;
+    for (size_t i = 0; i < COUNT(needed); i++) {
+        clean = clean && lac_clean(reader, needed[i]);
+    }
+    return clean;
+}
+
+void lac_read_fitted(lac_reader *reader, const lac_node *node, lac_case *c)
+{
+    if (!rest_is_clean(reader)) {
+        return;
+    }
     if (!lac_expect_map(reader, node, "a mapping such as {friction.aging.dc: {range: [...]}}")) {
         return;
     }
@@ -170,37 +185,14 @@ static void read_parameters(lac_reader *reader, const lac_node *node, lac_case *
     }
 }
 
-// Whether what the keys of parameters name was read without errors: else they cannot be found.
-static bool rest_is_clean(const lac_reader *reader)
-{
-    static const char *const needed[] = {"friction", "initial",  "load",
-                                         "transfer", "material", "interface"};
-    bool clean = true;
-    for (size_t i = 0; i < COUNT(needed); i++) {
-        clean = clean && lac_clean(reader, needed[i]);
-    }
-    return clean;
-}
-
-void lac_read_fitted(lac_reader *reader, const lac_node *node, lac_case *c)
-{
-    if (rest_is_clean(reader)) {
-        read_parameters(reader, node, c);
-    }
-}
-
-// One cell, whose slip is the mean slip.
-static bool is_block(const lac_case *c)
-{
-    return c->surface.info == NULL && c->domain.info == NULL && c->slip != LAC_SLIP_VECTOR;
-}
-
 void lac_check_fit(lac_reader *reader, lac_case *c)
 {
     const lac_fit_def *fit = &c->fit;
     const size_t least = 2 * (fit->count + 3);
     const bool slides = fit->columns.displacement != NULL || fit->columns.components != NULL ||
                         fit->columns.within != NULL;
+    const bool block = // one cell, whose slip is the mean slip
+        c->surface.info == NULL && c->domain.info == NULL && c->slip != LAC_SLIP_VECTOR;
     (void)lac_refuse(reader, reader->purpose == LAC_FOR_FIT && c->from.file != NULL, "initial.run",
                      "a fit begins at the start of its case");
     if (lac_refuse(reader, !HAS("fit") && reader->purpose == LAC_FOR_FIT, "fit",
@@ -217,7 +209,7 @@ void lac_check_fit(lac_reader *reader, lac_case *c)
                          fit->columns.value == NULL,
                      "fit",
                      "needs displacement, velocity or friction, such as displacement: \"disp:mm\"");
-    (void)lac_refuse(reader, fit->columns.value != NULL && (slides || !is_block(c)), "fit.friction",
+    (void)lac_refuse(reader, fit->columns.value != NULL && (slides || !block), "fit.friction",
                      slides ? "stands in place of displacement, components and time_within"
                             : "is read for one block: give no interface, and slip along x");
     (void)lac_refuse(reader, fit->columns.time == NULL, "fit", "needs time, the column of times");

@@ -45,26 +45,22 @@ static size_t read_values(lac_reader *reader, const lac_node *map, const lac_par
     return good ? count : 0;
 }
 
-static void read_slips(lac_reader *reader, const lac_node *map, lac_geometry_def *def)
-{
-    const lac_node *node = lac_node_child(map, slip_row.key);
-    if (node != NULL && node->kind != LAC_NODE_LIST) {
-        lac_add_error(reader, node, "must be a list such as [0 m, 10 m]");
-        return;
-    }
-    def->nodes = read_values(reader, map, &slip_row, def->slip);
-    for (size_t i = 1; i < def->nodes; i++) {
-        if (!(def->slip[i] > def->slip[i - 1])) {
-            lac_add_error(reader, node->child[i], "must be above the one before");
-            return;
-        }
-    }
-}
-
 void lac_read_geometry(lac_reader *reader, const lac_node *node, lac_case *c)
 {
     lac_geometry_def *def = &c->geometry;
-    read_slips(reader, node, def);
+    const lac_node *slips = lac_node_child(node, slip_row.key);
+    bool rises = true;
+    if (slips != NULL && slips->kind != LAC_NODE_LIST) {
+        lac_add_error(reader, slips, "must be a list such as [0 m, 10 m]");
+    } else {
+        def->nodes = read_values(reader, node, &slip_row, def->slip);
+    }
+    for (size_t i = 1; i < def->nodes && rises; i++) {
+        rises = def->slip[i] > def->slip[i - 1];
+        if (!rises) {
+            lac_add_error(reader, slips->child[i], "must be above the one before");
+        }
+    }
     def->angles = read_values(reader, node, &angle_row, def->angle);
     def->thicknesses = read_values(reader, node, &thickness_row, def->thickness);
 }

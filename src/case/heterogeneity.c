@@ -194,17 +194,6 @@ static void read_parameter(lac_reader *reader, const lac_node *node, bool given,
     }
 }
 
-// Spreads that a mapping can come to.
-static size_t count_models(const lac_node *node)
-{
-    size_t count = 0;
-    for (size_t i = 0; i < node->count; i++) {
-        const lac_node *child = node->child[i];
-        count += child->kind == LAC_NODE_LIST ? child->count : 1;
-    }
-    return count;
-}
-
 // What may vary, by key; @return how many
 static size_t list_known(const lac_model *law, const char *const *known,
                          const char *keys[MOST_KNOWN])
@@ -222,23 +211,19 @@ static size_t list_known(const lac_model *law, const char *const *known,
     return n;
 }
 
-// Whether a parameter, one of those that may vary, has a nominal value to multiply.
-static bool is_given(const lac_model *law, const char *key)
-{
-    return law == NULL ||
-           lac_param_given(lac_param_find(law->info->params, law->info->param_count, key),
-                           law->params);
-}
-
 void lac_read_spreads(lac_reader *reader, const lac_node *node, const lac_model *law,
                       const char *const *known, lac_heterogeneity_list *list)
 {
     const char *keys[MOST_KNOWN];
     const size_t count = list_known(law, known, keys);
+    size_t most = 0; // spreads that the mapping can come to
     if (!lac_expect_map(reader, node, "a mapping such as {PARAMETER: {lognormal: {sigma: 0.5}}}")) {
         return;
     }
-    list->item = lac_reader_array(reader, count_models(node), sizeof *list->item);
+    for (size_t i = 0; i < node->count; i++) {
+        most += node->child[i]->kind == LAC_NODE_LIST ? node->child[i]->count : 1;
+    }
+    list->item = lac_reader_array(reader, most, sizeof *list->item);
     for (size_t i = 0; list->item != NULL && i < node->count; i++) {
         const lac_node *child = node->child[i];
         size_t k = 0;
@@ -246,7 +231,12 @@ void lac_read_spreads(lac_reader *reader, const lac_node *node, const lac_model 
             k++;
         }
         if (k < count && !child->ignored) {
-            read_parameter(reader, child, is_given(law, child->key), list);
+            const lac_param *param =
+                law != NULL ? lac_param_find(law->info->params, law->info->param_count, keys[k])
+                            : NULL;
+            // whether it has a nominal value to multiply
+            const bool given = law == NULL || lac_param_given(param, law->params);
+            read_parameter(reader, child, given, list);
         } else if (!child->ignored) {
             lac_add_error_unknown(reader, child, "parameter that can vary", keys, count);
         }

@@ -127,7 +127,8 @@ typedef struct way {
     double pressure, shear[2];
 } way;
 
-static void follow(way *at, const lac_history_step *step, double f)
+static void follow(lac_reader *reader, const lac_node *node, way *at, const lac_history_step *step,
+                   double f)
 {
     at->pressure = isnan(step->pressure) ? at->pressure : step->pressure;
     for (int i = 0; i < 2; i++) {
@@ -139,10 +140,6 @@ static void follow(way *at, const lac_history_step *step, double f)
             at->shear[i] = 0;
         }
     }
-}
-
-static void check_limit(lac_reader *reader, const lac_node *node, const way *at, double f)
-{
     double shear = hypot(at->shear[0], at->shear[1]);
     if (!(shear < f * at->pressure)) {
         char high[64], low[64];
@@ -162,7 +159,6 @@ void lac_check_history(lac_reader *reader, lac_case *c, double pressure)
     double f = c->history.friction;
     way at = {.pressure = pressure};
     for (size_t i = 0; isfinite(f) && isfinite(pressure) && i < c->history.count; i++) {
-        follow(&at, &c->history.step[i], f);
-        check_limit(reader, steps->child[i], &at, f);
+        follow(reader, steps->child[i], &at, &c->history.step[i], f);
     }
 }

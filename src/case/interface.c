@@ -50,15 +50,6 @@ static void check_line(lac_reader *reader, const lac_interface_def *def)
                      "that ends is a plane with cells_y: 1 and a width");
 }
 
-static void check_width(lac_reader *reader, const lac_interface_def *def)
-{
-    lac_grid grid = lac_interface_grid(def);
-    double ratio = fmax(grid.dx / grid.dy, grid.dy / grid.dx);
-    (void)lac_refuse(reader, !isnan(def->width) && ratio > most_oblong, "interface.width",
-                     "makes cells of %g m by %g m; one side may be at most %g times the other",
-                     grid.dx, grid.dy, most_oblong);
-}
-
 // A grid of several cells must say which of them touch, and how large they are.
 static void check_source(lac_reader *reader, lac_interface_def *def)
 {
@@ -97,6 +88,10 @@ void lac_check_interface(lac_reader *reader, lac_interface_def *def)
     check_line(reader, def);
     if (lac_clean(reader, "interface")) {
         check_source(reader, def);
-        check_width(reader, def);
+        const lac_grid grid = lac_interface_grid(def);
+        const double ratio = fmax(grid.dx / grid.dy, grid.dy / grid.dx);
+        (void)lac_refuse(reader, !isnan(def->width) && ratio > most_oblong, "interface.width",
+                         "makes cells of %g m by %g m; one side may be at most %g times the other",
+                         grid.dx, grid.dy, most_oblong);
     }
 }

@@ -72,17 +72,13 @@ static bool take_key(builder *b, const yaml_event_t *event)
 {
     const char *text = (const char *)event->data.scalar.value;
     size_t size = event->data.scalar.length;
-    size_t line = line_of(b, event);
     if (parent_of(b)->count >= LAC_TREE_KEYS) {
-        lac_add_error_text(b->reader, line, b->place, "is no case: a mapping has more than %d keys",
-                           LAC_TREE_KEYS);
-        return false;
+        return REFUSE(b, event, "is no case: a mapping has more than %d keys", LAC_TREE_KEYS);
     }
     if (memchr(text, '\0', size) != NULL) {
-        lac_add_error_text(b->reader, line, b->place, "is no case: a key holds a NUL character");
-        return false;
+        return REFUSE(b, event, "is no case: a key holds a NUL character");
     }
-    b->key_line = line;
+    b->key_line = line_of(b, event);
     b->key = lac_reader_copy(b->reader, text, size);
     return b->key != NULL;
 }
@@ -187,20 +183,15 @@ static bool open_node(builder *b, const yaml_event_t *event, lac_node_kind kind)
     return true;
 }
 
-static bool take_document(builder *b, const yaml_event_t *event)
-{
-    if (b->documents_seen) {
-        return REFUSE(b, event, "holds a second document; a case is one");
-    }
-    b->documents_seen = true;
-    return true;
-}
-
 static bool take(builder *b, const yaml_event_t *event)
 {
     switch (event->type) {
     case YAML_DOCUMENT_START_EVENT:
-        return take_document(b, event);
+        if (b->documents_seen) {
+            return REFUSE(b, event, "holds a second document; a case is one");
+        }
+        b->documents_seen = true;
+        return true;
     case YAML_SCALAR_EVENT:
         return take_scalar(b, event);
     case YAML_ALIAS_EVENT:

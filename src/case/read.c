@@ -39,20 +39,6 @@ static void clear_slots(lac_model_list *list)
     free(list->item);
 }
 
-static void clear_part(const lac_part *part, lac_case *c)
-{
-    void *at = (char *)c + part->at;
-    if (part->kind == LAC_PART_RECORD) {
-        lac_table_clear(&part->info, c);
-    } else if (part->kind == LAC_PART_SLOT) {
-        lac_model_clear(at);
-    } else if (part->kind == LAC_PART_SLOTS) {
-        clear_slots(at);
-    } else if (part->kind == LAC_PART_SPREADS) {
-        lac_heterogeneity_clear(at);
-    }
-}
-
 void lac_case_free(lac_case *c)
 {
     const lac_part *part;
@@ -60,7 +46,16 @@ void lac_case_free(lac_case *c)
         return;
     }
     for (size_t i = 0; (part = lac_part_get(i)) != NULL; i++) {
-        clear_part(part, c);
+        void *at = (char *)c + part->at;
+        if (part->kind == LAC_PART_RECORD) {
+            lac_table_clear(&part->info, c);
+        } else if (part->kind == LAC_PART_SLOT) {
+            lac_model_clear(at);
+        } else if (part->kind == LAC_PART_SLOTS) {
+            clear_slots(at);
+        } else if (part->kind == LAC_PART_SPREADS) {
+            lac_heterogeneity_clear(at);
+        }
     }
     if (c->use != NULL && c->use->simulations > 0) {
         c->use->freed = true;
@@ -112,7 +107,8 @@ static lac_node *parse_file(lac_reader *reader, const char *text, size_t size)
     return NULL;
 }
 
-void lac_case_summarise(const lac_case_issues *report, lac_error *err)
+// Says the first error of a report, and how many more there are.
+static void summarise(const lac_case_issues *report, lac_error *err)
 {
     char text[900];
     for (size_t i = 0; i < report->count; i++) {
@@ -143,7 +139,7 @@ lac_status lac_case_build(const lac_units *units, const char *name, const char *
         c = new_case(&reader);
     }
     if (c != NULL) {
-        lac_read_sections(&reader, c);
+        lac_read_sections(&reader, "", c);
         lac_check_case(&reader, c);
     }
     lac_node_free(root);
@@ -154,7 +150,7 @@ lac_status lac_case_build(const lac_units *units, const char *name, const char *
     }
     lac_case_free(c);
     LAC_FAIL_MEMORY_IF(reader.no_memory, err);
-    lac_case_summarise(report, err);
+    summarise(report, err);
     return LAC_EINPUT;
 }
 
@@ -198,26 +194,6 @@ lac_status lac_case_read_file(const char *path, char **text, size_t *size, lac_e
     return LAC_OK;
 }
 
-static lac_status read_map(lac_reader *reader, const char *text, size_t size, const char *such,
-                           void (*read)(lac_reader *reader, void *out), void *out, lac_error *err)
-{
-    lac_node *root = lac_tree_parse(reader, text, size, NULL);
-    if (root != NULL && root->kind == LAC_NODE_MAP) {
-        reader->root = root;
-        read(reader, out);
-    } else if (reader->report->errors == 0 && !reader->no_memory) {
-        lac_add_error_text(reader, 1, NULL, "must be a mapping of keys, such as %s", such);
-    }
-    lac_node_free(root);
-    lac_case_issues_sort(reader->report);
-    LAC_FAIL_MEMORY_IF(reader->no_memory, err);
-    if (reader->report->errors > 0) {
-        lac_case_summarise(reader->report, err);
-        return LAC_EINPUT;
-    }
-    return LAC_OK;
-}
-
 lac_status lac_map_file_read(const char *path, const lac_units *units, const char *such,
                              void (*read)(lac_reader *reader, void *out), void *out, lac_error *err)
 {
@@ -227,7 +203,20 @@ lac_status lac_map_file_read(const char *path, const lac_units *units, const cha
     lac_reader reader = {.name = path, .units = units, .report = &report};
     lac_status status;
     LAC_TRY(lac_case_read_file(path, &text, &size, err));
-    LAC_TRY(read_map(&reader, text, size, such, read, out, err));
+    lac_node *root = lac_tree_parse(&reader, text, size, NULL);
+    if (root != NULL && root->kind == LAC_NODE_MAP) {
+        reader.root = root;
+        read(&reader, out);
+    } else if (report.errors == 0 && !reader.no_memory) {
+        lac_add_error_text(&reader, 1, NULL, "must be a mapping of keys, such as %s", such);
+    }
+    lac_node_free(root);
+    lac_case_issues_sort(&report);
+    LAC_TRY(reader.no_memory ? lac_fail_memory(err) : LAC_OK);
+    if (report.errors > 0) {
+        summarise(&report, err);
+        status = LAC_EINPUT;
+    }
 out:
     lac_case_issues_clear(&report);
     free(text);

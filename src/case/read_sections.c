@@ -152,17 +152,6 @@ void lac_read_fields_every(lac_reader *reader, const lac_node *node, lac_case *c
     }
 }
 
-static void read_series(lac_reader *reader, const lac_node *node, lac_compare_def *def)
-{
-    if (!lac_expect_map(reader, node, "a mapping with file, time, displacement and/or velocity")) {
-        return;
-    }
-    lac_read_table(reader, node, lac_section_find("compare"), NULL, def);
-    if (lac_node_child(node, "displacement") == NULL && lac_node_child(node, "velocity") == NULL) {
-        lac_add_error(reader, node, "needs displacement or velocity, such as \"disp:mm\"");
-    }
-}
-
 void lac_read_compare(lac_reader *reader, const lac_node *node, lac_case *c)
 {
     if (node->kind != LAC_NODE_LIST) {
@@ -172,7 +161,15 @@ void lac_read_compare(lac_reader *reader, const lac_node *node, lac_case *c)
     c->compare = lac_reader_array(reader, node->count, sizeof *c->compare);
     c->compare_count = c->compare != NULL ? node->count : 0;
     for (size_t i = 0; i < c->compare_count; i++) {
-        read_series(reader, node->child[i], &c->compare[i]);
+        const lac_node *of = node->child[i];
+        if (!lac_expect_map(reader, of,
+                            "a mapping with file, time, displacement and/or velocity")) {
+            continue;
+        }
+        lac_read_table(reader, of, lac_section_find("compare"), NULL, &c->compare[i]);
+        if (lac_node_child(of, "displacement") == NULL && lac_node_child(of, "velocity") == NULL) {
+            lac_add_error(reader, of, "needs displacement or velocity, such as \"disp:mm\"");
+        }
     }
 }
 
@@ -234,16 +231,13 @@ static void read_part(lac_reader *reader, const lac_part *part, lac_case *c)
     }
 }
 
-// Reads the parts that come after one, each with those that come after it.
-static void read_after(lac_reader *reader, const char *key, lac_case *c)
+void lac_read_sections(lac_reader *reader, const char *key, lac_case *c)
 {
     const lac_part *part;
     for (size_t i = 0; (part = lac_part_get(i)) != NULL; i++) {
         if (strcmp(part->after != NULL ? part->after : "", key) == 0) {
             read_part(reader, part, c);
-            read_after(reader, part->info.name, c);
+            lac_read_sections(reader, part->info.name, c);
         }
     }
 }
-
-void lac_read_sections(lac_reader *reader, lac_case *c) { read_after(reader, "", c); }

@@ -85,19 +85,16 @@ static void check_waves(lac_reader *reader, const lac_material_def *m, const cha
                      "needs material.shear_modulus and shear_speed or density");
 }
 
+// What a beta from the friction law needs.
 static void check_law(lac_reader *reader, const lac_case *c)
 {
-    const lac_material_def *m = &c->material;
-    if (c->rg.betas > 0) {
-        return;
-    }
     const lac_friction_params *law = c->friction.params;
     warn_nominal_beta(reader, c, "rg.beta");
     if (!lac_refuse(reader, !HAS("friction"), "rg.beta", "needs a friction law") && law != NULL &&
         (!isnan(law->v1) || !isnan(law->v2))) {
         lac_warn(reader, "rg.beta", "takes the friction law without its cut-offs v1 and v2");
     }
-    check_waves(reader, m, "rg.beta");
+    check_waves(reader, &c->material, "rg.beta");
 }
 
 void lac_check_rg(lac_reader *reader, lac_case *c)
@@ -115,17 +112,8 @@ void lac_check_rg(lac_reader *reader, lac_case *c)
     if (!on_cells) {
         check_interface(reader, c);
     }
-    check_law(reader, c);
-}
-
-static void read_followed_beta(lac_reader *reader, const lac_node *node, lac_analysis_rg *rg)
-{
-    if (node->kind == LAC_NODE_SCALAR && strcmp(node->text, from_friction) == 0) {
-        rg->beta_from_friction = true;
-    } else if (node->kind != LAC_NODE_SCALAR) {
-        lac_add_error(reader, node, "must be a number or %s", from_friction);
-    } else {
-        (void)read_residual(reader, node, &rg->beta);
+    if (c->rg.betas == 0) {
+        check_law(reader, c);
     }
 }
 
@@ -147,8 +135,12 @@ static void read_indicator(lac_reader *reader, const lac_node *node, lac_model *
     if (!nothing) {
         lac_read_table(reader, node, info, rg != NULL ? "beta" : NULL, model->params);
     }
-    if (beta != NULL) {
-        read_followed_beta(reader, beta, rg);
+    if (beta != NULL && beta->kind != LAC_NODE_SCALAR) {
+        lac_add_error(reader, beta, "must be a number or %s", from_friction);
+    } else if (beta != NULL && strcmp(beta->text, from_friction) == 0) {
+        rg->beta_from_friction = true;
+    } else if (beta != NULL) {
+        (void)read_residual(reader, beta, &rg->beta);
     }
     bool sound = reader->report->errors == errors;
     const char *fault = sound && info->validate != NULL ? info->validate(model->params) : NULL;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A mapping of a case, read by the rows of its table: values, units, ranges, unknown keys.
+#define _GNU_SOURCE // asprintf
 #include "case/sections.h"
 
 enum {
@@ -108,13 +109,8 @@ static char *read_text(lac_reader *reader, const lac_node *node, const char *all
 
 char *lac_path_below(const char *folder, size_t length, const char *path)
 {
-    size_t n = strlen(path);
-    char *whole = malloc(length + n + 1);
-    if (whole != NULL) {
-        memcpy(whole, folder, length);
-        memcpy(whole + length, path, n + 1);
-    }
-    return whole;
+    char *whole = NULL;
+    return asprintf(&whole, "%.*s%s", (int)length, folder, path) >= 0 ? whole : NULL;
 }
 
 static char *read_path(lac_reader *reader, const lac_node *node)

@@ -286,7 +286,8 @@ extern const lac_param lac_material_rows[LAC_MATERIAL_ROWS], lac_inertia_rows[LA
     lac_lump_rows[LAC_LUMP_ROWS];
 
 /// Reads the sections below the root into a case that holds the defaults.
-void lac_read_sections(lac_reader *reader, lac_case *c);
+/// @param key  "" for all: of those that come after this one, each with those that come after it
+void lac_read_sections(lac_reader *reader, const char *key, lac_case *c);
 
 /// What `initial.state` may hold: a time, or a ratio to the steady state; of lac_initial_def.
 extern const lac_param lac_state_row, lac_ratio_row;
@@ -358,9 +359,6 @@ lac_status lac_map_file_read(const char *path, const lac_units *units, const cha
 
 /// Reads a mapping of thresholds over those that are there.
 void lac_read_levels(lac_reader *reader, const lac_node *map, lac_levels *out);
-
-/// Says the first error of a report, and how many more there are.
-void lac_case_summarise(const lac_case_issues *report, lac_error *err);
 
 /// lac_case_read_text with a units database that is there already.
 lac_status lac_case_build(const lac_units *units, const char *name, const char *text, size_t size,

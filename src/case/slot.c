@@ -26,19 +26,12 @@ const lac_model_info *lac_find_model(lac_reader *reader, const lac_node *node, i
     return found;
 }
 
-// "must be {MODEL: {...}} with one model of: a, b"
-static void blame_shape(lac_reader *reader, const lac_node *node, int kind)
-{
-    const char *names[MAX_MODELS];
-    char list[300] = "";
-    lac_append_names(list, sizeof list, names, model_names(lac_kind_get((size_t)kind), names));
-    lac_add_error(reader, node, "must be {MODEL: {...}} where MODEL is one of: %s", list);
-}
-
 // The one model that a mapping names; NULL, and reported, where it isn't one.
 static const lac_node *chosen_model(lac_reader *reader, const lac_node *node, int kind,
                                     const char *own, const lac_model_info **info)
 {
+    const char *names[MAX_MODELS];
+    char list[300] = "";
     const lac_node *chosen = NULL;
     bool good = true;
     for (size_t i = 0; node->kind == LAC_NODE_MAP && i < node->count; i++) {
@@ -59,7 +52,8 @@ static const lac_node *chosen_model(lac_reader *reader, const lac_node *node, in
         }
     }
     if (good && chosen == NULL) {
-        blame_shape(reader, node, kind);
+        lac_append_names(list, sizeof list, names, model_names(lac_kind_get((size_t)kind), names));
+        lac_add_error(reader, node, "must be {MODEL: {...}} where MODEL is one of: %s", list);
     }
     return good ? chosen : NULL;
 }

@@ -13,19 +13,16 @@ typedef struct lac_writer {
 
 #define PRINT(w, ...) (void)fprintf((w)->out, __VA_ARGS__)
 
-// Whether YAML takes the character, which is not hidden, as it is within double quotes.
-static bool is_printable(unsigned c)
-{
-    return c != '"' && c != '\\' && c != 0x7f && c >= 0x20 && c != 0xfffe && c != 0xffff;
-}
-
+// A text as YAML takes it within double quotes: hidden characters and some others are escaped.
 static void put_escaped(lac_writer *w, const char *text)
 {
     while (*text != '\0') {
         uint32_t c;
         const size_t length = lac_utf8_length((const unsigned char *)text, &c);
         const size_t n = length > 0 ? length : 1; // of what is no UTF-8
-        if (is_printable(c) && lac_hidden_length(text, n) == 0) {
+        const bool plain =
+            c != '"' && c != '\\' && c != 0x7f && c >= 0x20 && c != 0xfffe && c != 0xffff;
+        if (plain && lac_hidden_length(text, n) == 0) {
             PRINT(w, "%.*s", (int)n, text);
         } else {
             PRINT(w, c > 0xffff ? "\\U%08X" : "\\u%04X", c);
@@ -58,18 +55,10 @@ static void put_number(lac_writer *w, int depth, const char *key, double value, 
     PRINT(w, plain ? " %s\n" : " \"%s\"\n", text);
 }
 
-// A path as the case names it: from the case's folder.
-static const char *from_folder(const lac_writer *w, const char *path)
-{
-    bool below = path != NULL && strncmp(path, w->name, w->folder) == 0 && path[w->folder] != '/' &&
-                 path[w->folder] != '\0';
-    return below ? path + w->folder : path;
-}
-
 static void put_param(lac_writer *w, int depth, const lac_param *param, const void *params)
 {
     const void *at = (const char *)params + param->offset;
-    const char *const *text = at;
+    const char *text;
     switch (param->type) {
     case LAC_REAL:
         put_number(w, depth, param->key, *(const double *)at, param->unit);
@@ -82,25 +71,19 @@ static void put_param(lac_writer *w, int depth, const lac_param *param, const vo
         put_key(w, depth, param->key);
         PRINT(w, " %s\n", param->choices[*(const int *)at]);
         break;
-    case LAC_TEXT:
     case LAC_PATH:
-        put_text(w, depth, param->key, param->type == LAC_PATH ? from_folder(w, *text) : *text);
+    case LAC_TEXT:
+        text = *(const char *const *)at;
+        if (param->type == LAC_PATH && text != NULL && strncmp(text, w->name, w->folder) == 0 &&
+            text[w->folder] != '/' && text[w->folder] != '\0') {
+            text += w->folder; // as the case names it: from its folder
+        }
+        put_text(w, depth, param->key, text);
         break;
     }
 }
 
-// "column:unit", SI where no unit was given.
-static void put_column(lac_writer *w, int depth, const lac_param *param, const void *params)
-{
-    const char *const *column = (const void *)((const char *)params + param->offset);
-    const char *unit = column[1] != NULL ? column[1] : param->unit;
-    put_key(w, depth, param->key);
-    PRINT(w, " \"");
-    put_escaped(w, column[0]);
-    PRINT(w, ":%s\"\n", unit);
-}
-
-// The values of a table that were given or have a default.
+// The values of a table that were given or have a default, behind them columns, "column:unit".
 static void put_table(lac_writer *w, int depth, const lac_section *table, const void *params)
 {
     for (size_t i = 0; i < table->param_count; i++) {
@@ -111,8 +94,12 @@ static void put_table(lac_writer *w, int depth, const lac_section *table, const 
     }
     for (size_t i = 0; i < table->param_count; i++) {
         const lac_param *param = &table->params[i];
+        const char *const *column = (const void *)((const char *)params + param->offset);
         if ((param->flags & LAC_COLUMN_FLAG) != 0 && lac_param_given(param, params)) {
-            put_column(w, depth, param, params);
+            put_key(w, depth, param->key);
+            PRINT(w, " \"");
+            put_escaped(w, column[0]);
+            PRINT(w, ":%s\"\n", column[1] != NULL ? column[1] : param->unit); // else SI
         }
     }
 }
@@ -135,18 +122,6 @@ static void put_slot(lac_writer *w, int depth, const char *key, const lac_model 
         put_key(w, depth, key);
         PRINT(w, "\n%*s", 2 * (depth + 1), "");
         put_model(w, depth + 1, model);
-    }
-}
-
-static void put_slots(lac_writer *w, int depth, const char *key, const lac_model_list *list)
-{
-    if (list->count > 0) {
-        put_key(w, depth, key);
-        PRINT(w, "\n");
-    }
-    for (size_t i = 0; i < list->count; i++) {
-        PRINT(w, "%*s- ", 2 * (depth + 1), "");
-        put_model(w, depth + 2, &list->item[i]);
     }
 }
 
@@ -314,28 +289,24 @@ static const char *quoted(double value, const char *unit, char *text, size_t siz
     return text;
 }
 
-static void put_parameter(lac_writer *w, const lac_fit_parameter *p)
-{
-    char low[90], high[90];
-    PRINT(w, "    %s: {", p->key);
-    if (p->ranged) {
-        PRINT(w, "range: [%s, %s], ", quoted(p->low, p->unit, low, sizeof low),
-              quoted(p->high, p->unit, high, sizeof high));
-    }
-    if (p->prior == LAC_PRIOR_FLAT) {
-        PRINT(w, "prior: {%s: {}}}\n", p->log ? "log-uniform" : "uniform");
-    } else {
-        PRINT(w, "prior: {%s: {%s: %s, sigma: %s}}}\n", p->log ? "lognormal" : "normal",
-              p->log ? "median" : "mean", quoted(p->centre, p->unit, low, sizeof low),
-              quoted(p->sigma, p->log ? "1" : p->unit, high, sizeof high));
-    }
-}
-
 void lac_put_fitted(lac_writer *w, const lac_case *c)
 {
     PRINT(w, "  parameters:%s\n", c->fit.count == 0 ? " {}" : "");
     for (size_t i = 0; i < c->fit.count; i++) {
-        put_parameter(w, &c->fit.parameter[i]);
+        const lac_fit_parameter *p = &c->fit.parameter[i];
+        char low[90], high[90];
+        PRINT(w, "    %s: {", p->key);
+        if (p->ranged) {
+            PRINT(w, "range: [%s, %s], ", quoted(p->low, p->unit, low, sizeof low),
+                  quoted(p->high, p->unit, high, sizeof high));
+        }
+        if (p->prior == LAC_PRIOR_FLAT) {
+            PRINT(w, "prior: {%s: {}}}\n", p->log ? "log-uniform" : "uniform");
+        } else {
+            PRINT(w, "prior: {%s: {%s: %s, sigma: %s}}}\n", p->log ? "lognormal" : "normal",
+                  p->log ? "median" : "mean", quoted(p->centre, p->unit, low, sizeof low),
+                  quoted(p->sigma, p->log ? "1" : p->unit, high, sizeof high));
+        }
     }
 }
 
@@ -359,7 +330,15 @@ static void put_part(lac_writer *w, const lac_part *part, const lac_case *c)
     } else if (part->kind == LAC_PART_SLOT) {
         put_slot(w, depth, key, at);
     } else if (part->kind == LAC_PART_SLOTS) {
-        put_slots(w, depth, key, at);
+        const lac_model_list *list = at;
+        if (list->count > 0) {
+            put_key(w, depth, key);
+            PRINT(w, "\n");
+        }
+        for (size_t i = 0; i < list->count; i++) {
+            PRINT(w, "%*s- ", 2 * (depth + 1), "");
+            put_model(w, depth + 2, &list->item[i]);
+        }
     } else if (part->kind == LAC_PART_SPREADS) {
         put_spreads(w, at);
     } else if (part->kind == LAC_PART_CADENCE) {

@@ -96,15 +96,6 @@ bool lac_node_is_null(const lac_node *node)
     return node->text[0] == '\0' || strcmp(node->text, "~") == 0 || strcmp(node->text, "null") == 0;
 }
 
-static size_t index_of(const lac_node *node)
-{
-    size_t i = 0;
-    while (node->parent->child[i] != node) {
-        i++;
-    }
-    return i;
-}
-
 const char *lac_node_path(const lac_node *node, char *text, size_t size)
 {
     const lac_node *chain[LAC_TREE_DEPTH + 2];
@@ -116,39 +107,22 @@ const char *lac_node_path(const lac_node *node, char *text, size_t size)
     text[0] = '\0';
     while (n-- > 0 && used < size) {
         const char *dot = used == 0 ? "" : ".";
+        size_t index = 0;
+        while (chain[n]->key == NULL && chain[n]->parent->child[index] != chain[n]) {
+            index++;
+        }
         int wrote = chain[n]->key != NULL
                         ? snprintf(text + used, size - used, "%s%.60s", dot, chain[n]->key)
-                        : snprintf(text + used, size - used, "%s%zu", dot, index_of(chain[n]));
+                        : snprintf(text + used, size - used, "%s%zu", dot, index);
         used += wrote > 0 ? (size_t)wrote : 0;
     }
     return text;
-}
-
-// The next part of a dotted key; false where it is empty or too long.
-static bool next_part(const char **path, char *part, size_t size)
-{
-    size_t n = strcspn(*path, ".");
-    if (n == 0 || n >= size) {
-        return false;
-    }
-    memcpy(part, *path, n);
-    part[n] = '\0';
-    *path += n;
-    return true;
 }
 
 static bool is_index(const char *part)
 {
     size_t n = strspn(part, "0123456789");
     return n > 0 && n < 6 && part[n] == '\0';
-}
-
-// A node that had no value becomes what its next key needs.
-static void make_container(lac_node *node, const char *part)
-{
-    if (lac_node_is_null(node)) {
-        node->kind = is_index(part) ? LAC_NODE_LIST : LAC_NODE_MAP;
-    }
 }
 
 // Where in its parent a part of the key points: an existing node, or one past the last.
@@ -185,7 +159,9 @@ static lac_node *descend(lac_reader *reader, const lac_override *override, lac_n
                          const char *part)
 {
     size_t at;
-    make_container(parent, part);
+    if (lac_node_is_null(parent)) { // it becomes what its next key needs
+        parent->kind = is_index(part) ? LAC_NODE_LIST : LAC_NODE_MAP;
+    }
     if (!locate(reader, override, parent, part, &at)) {
         return NULL;
     }
@@ -245,15 +221,17 @@ void lac_apply_override(lac_reader *reader, lac_node *root, const lac_override *
     lac_node *at = root;
     size_t depth = depth_below(value);
     do {
-        if (!next_part(&path, part, sizeof part) || (*path == '.' && path[1] == '\0') ||
-            ++depth >= LAC_TREE_DEPTH) {
+        const size_t n = strcspn(path, ".");
+        if (n == 0 || n >= sizeof part || strcmp(path + n, ".") == 0 || ++depth >= LAC_TREE_DEPTH) {
             lac_add_error_text(reader, 0, override->key,
                                "is no dotted key such as friction.aging.dc");
             at = NULL;
             break;
         }
+        memcpy(part, path, n);
+        part[n] = '\0';
         at = descend(reader, override, at, part);
-        path += *path == '.' ? 1 : 0;
+        path += n + (path[n] == '.' ? 1 : 0);
     } while (at != NULL && *path != '\0');
     if (at == NULL) {
         lac_node_free(value);

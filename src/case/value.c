@@ -47,29 +47,20 @@ static bool find_state(lac_case *c, const char *key, lac_case_value *out)
     return time || ratio;
 }
 
-// `rest`: the key behind that of the part.
-static bool find_in_part(const lac_part *part, const char *rest, lac_case *c, lac_case_value *out)
-{
-    const void *at = (const char *)c + part->at;
-    switch (part->kind) {
-    case LAC_PART_RECORD:
-        return part->fitted && find_in(part->info.params, part->info.param_count, rest, c, out);
-    case LAC_PART_SLOT:
-        return find_in_slot(at, rest, out);
-    case LAC_PART_SLOTS:
-        return find_in_slots(at, rest, out);
-    default:
-        return false;
-    }
-}
-
 bool lac_case_find(lac_case *c, const char *key, lac_case_value *out)
 {
     const lac_part *part;
     bool found = find_state(c, key, out);
     for (size_t i = 0; !found && (part = lac_part_get(i)) != NULL; i++) {
         const char *rest = lac_key_behind(key, part->info.name);
-        found = rest != NULL && find_in_part(part, rest, c, out);
+        const void *at = (const char *)c + part->at;
+        if (rest != NULL && part->kind == LAC_PART_RECORD && part->fitted) {
+            found = find_in(part->info.params, part->info.param_count, rest, c, out);
+        } else if (rest != NULL && part->kind == LAC_PART_SLOT) {
+            found = find_in_slot(at, rest, out);
+        } else if (rest != NULL && part->kind == LAC_PART_SLOTS) {
+            found = find_in_slots(at, rest, out);
+        }
     }
     return found;
 }

@@ -2,29 +2,6 @@
 // What is wrong with the weakening that a case names, beside its friction law, inertia and fields.
 #include "case/sections.h"
 
-// Friction that falls at once, at a given state.
-static void check_flash(lac_reader *reader, const lac_case *c)
-{
-    const lac_friction_params *law = c->friction.params;
-    char key[LAC_KEY_LENGTH];
-    if (c->friction.info == NULL || HAS("inertia") || isnan(law->flash_rate)) {
-        return;
-    }
-    (void)snprintf(key, sizeof key, "friction.%s.flash_rate", c->friction.info->name);
-    (void)lac_refuse(reader, true, key,
-                     "needs the section inertia, such as inertia: {mass_per_area: \"5e5 kg/m2\"}: "
-                     "where friction falls at once no slip rate balances the load");
-}
-
-static bool stands_before(const lac_case *c, size_t i)
-{
-    bool found = false;
-    for (size_t k = 0; k < i; k++) {
-        found = found || c->weakening.item[k].info == c->weakening.item[i].info;
-    }
-    return found;
-}
-
 static void check_fields(lac_reader *reader, const lac_case *c, const lac_weakening_set *set)
 {
     const struct {
@@ -70,19 +47,27 @@ void lac_check_weakening(lac_reader *reader, lac_case *c)
 {
     const lac_friction_params *law = c->friction.params;
     lac_weakening_set set = {.count = 0};
-    check_flash(reader, c);
+    char key[LAC_KEY_LENGTH];
+    if (law != NULL && !isnan(law->flash_rate)) { // friction that falls at once, at a given state
+        (void)snprintf(key, sizeof key, "friction.%s.flash_rate", c->friction.info->name);
+        (void)lac_refuse(reader, !HAS("inertia"), key,
+                         "needs the section inertia, such as inertia: {mass_per_area: \"5e5 "
+                         "kg/m2\"}: where friction falls at once no slip rate balances the load");
+    }
     if (!lac_clean(reader, "weakening")) {
         return;
     }
     for (size_t i = 0; i < c->weakening.count; i++) {
         const lac_weakening_kind *kind = (const void *)c->weakening.item[i].info;
-        char key[LAC_KEY_LENGTH];
+        bool twice = false;
+        for (size_t k = 0; k < i; k++) {
+            twice = twice || c->weakening.item[k].info == c->weakening.item[i].info;
+        }
         (void)snprintf(key, sizeof key, "weakening.%zu.%s", i, kind->info.name);
         set.pore = set.pore || kind->pore;
         set.warm = set.warm || kind->warm;
         set.bridges = set.bridges || !kind->pore;
-        (void)lac_refuse(reader, stands_before(c, i), key,
-                         "stands twice: each mechanism acts once");
+        (void)lac_refuse(reader, twice, key, "stands twice: each mechanism acts once");
         (void)lac_refuse(reader, c->friction.info != NULL && !kind->pore && !(law->cohesion > 0),
                          key, "needs a cohesion that can break: friction.LAW.cohesion");
         (void)lac_refuse(reader, c->friction.info != NULL && kind->pore && law->alpha > 0, key,

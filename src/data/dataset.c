@@ -268,13 +268,6 @@ bool lac_entry_is_text(const lac_entry *entry)
            row->names != NULL || (row->flags & LAC_DATE) != 0;
 }
 
-static const char *date_text(const lac_dataset *d, double time, char room[LAC_TEXT_ROOM])
-{
-    const bool dated = d->clock != LAC_CLOCK_NONE && isfinite(time);
-    const char *text = dated ? lac_date_format(d->start + time, room, LAC_TEXT_ROOM) : "";
-    return text[0] != '\0' ? text : NULL;
-}
-
 const char *lac_entry_text(const lac_entry *entry, const size_t *at, char room[LAC_TEXT_ROOM])
 {
     const lac_variable *row = entry->row;
@@ -286,9 +279,13 @@ const char *lac_entry_text(const lac_entry *entry, const size_t *at, char room[L
         return row->text(one_of(entry, at), at + entry->own, room);
     }
     if (row->names != NULL || (row->flags & LAC_DATE) != 0) {
+        const lac_dataset *d = entry->dataset;
         const double number = lac_entry_number(entry, at, 0);
-        return row->names != NULL ? row->names[(size_t)number]
-                                  : date_text(entry->dataset, number, room);
+        const bool dated = d->clock != LAC_CLOCK_NONE && isfinite(number);
+        text = row->names != NULL ? row->names[(size_t)number]
+               : dated            ? lac_date_format(d->start + number, room, LAC_TEXT_ROOM)
+                                  : "";
+        return row->names != NULL || text[0] != '\0' ? text : NULL;
     }
     if (row->held == LAC_HELD_CHARS) {
         text = held(entry, at);

@@ -40,11 +40,6 @@ static size_t along(double position, double side, size_t n)
     return place > 0.0 ? (place < (double)n ? (size_t)place : n - 1) : 0;
 }
 
-static size_t place_of(const grid *g, const lac_page_raster *r, size_t i)
-{
-    return along(g->y.value[i], r->dy, r->ny) * r->nx + along(g->x.value[i], r->dx, r->nx);
-}
-
 static void choose_block(const grid *g, size_t block, lac_page_raster *r)
 {
     r->block = block;
@@ -60,7 +55,8 @@ static bool number_squares(const grid *g, size_t most, uint32_t *number, lac_pag
     memset(number, 0xff, r->nx * r->ny * sizeof *number);
     r->squares = 0;
     for (size_t i = 0; i < r->cells; i++) {
-        const size_t place = place_of(g, r, i);
+        const size_t place =
+            along(g->y.value[i], r->dy, r->ny) * r->nx + along(g->x.value[i], r->dx, r->nx);
         if (number[place] == UINT32_MAX) {
             if (r->squares == most) {
                 return false;
@@ -326,18 +322,9 @@ static void write_snapshots(lac_page *page, const lac_page_raster *r, const shot
     }
 }
 
-static void write_pressure(lac_page *page, const lac_page_raster *r, const shots *s)
+static void write_raster(lac_page *page, const lac_page_raster *r, const shots *s)
 {
     const lac_stored_values pressure = lac_page_values(page, page->file, "pressure");
-    if (pressure.value != NULL && pressure.n == r->cells) {
-        const maps of = {"pressure", 1, s->value, NAN, NAN};
-        lac_page_raster_summarise(r, LAC_PAGE_MEAN, pressure.value, 0.0, s->value);
-        write_maps(&page->json, r, &of, s->bytes);
-    }
-}
-
-static void write_raster(lac_page *page, const lac_page_raster *r)
-{
     lac_json *json = &page->json;
     lac_json_integer(json, "cells", (int64_t)r->cells);
     lac_json_integer(json, "nx", (int64_t)r->nx);
@@ -347,6 +334,11 @@ static void write_raster(lac_page *page, const lac_page_raster *r)
     lac_json_integer(json, "block", (int64_t)r->block);
     lac_json_digits(json, "slipping_rate", slipping_rate(page), 6);
     lac_page_column(page, "place", r->squares, r->place, NULL, 17);
+    if (pressure.value != NULL && pressure.n == r->cells) {
+        const maps of = {"pressure", 1, s->value, NAN, NAN};
+        lac_page_raster_summarise(r, LAC_PAGE_MEAN, pressure.value, 0.0, s->value);
+        write_maps(&page->json, r, &of, s->bytes);
+    }
 }
 
 void lac_page_cells(lac_page *page, const char *key)
@@ -364,8 +356,7 @@ void lac_page_cells(lac_page *page, const char *key)
     s.bytes = lac_page_room(page, raster.squares);
     if (page->status == LAC_OK) {
         lac_json_open(&page->json, key, '{');
-        write_raster(page, &raster);
-        write_pressure(page, &raster, &s);
+        write_raster(page, &raster, &s);
         write_snapshots(page, &raster, &s);
         lac_json_close(&page->json, '}');
     }

@@ -18,16 +18,6 @@ static void write_some(lac_page *page, const char *key, size_t n, const double *
     lac_json_close(&page->json, ']');
 }
 
-static void write_answers(lac_page *page)
-{
-    lac_dataset *dataset = NULL;
-    if (lac_page_good(page, lac_dataset_create("Answers.", &dataset, page->err)) &&
-        lac_page_good(page, lac_answers_add(page->def->ensemble->answers, dataset, page->err))) {
-        lac_dataset_json(dataset, &page->json);
-    }
-    lac_dataset_free(dataset);
-}
-
 static void write_fan(lac_page *page)
 {
     const lac_page_ensemble *e = page->def->ensemble;
@@ -76,8 +66,13 @@ void lac_page_of_ensemble(lac_page *page, const char *key)
     const lac_page_ensemble *e = page->def->ensemble;
     const lac_answers *a = e->answers;
     lac_json *json = &page->json;
+    lac_dataset *dataset = NULL;
     lac_json_open(json, key, '{');
-    write_answers(page);
+    if (lac_page_good(page, lac_dataset_create("Answers.", &dataset, page->err)) &&
+        lac_page_good(page, lac_answers_add(a, dataset, page->err))) {
+        lac_dataset_json(dataset, json);
+    }
+    lac_dataset_free(dataset);
     lac_json_open(json, "time", '['); // of the clock
     lac_json_number(json, NULL, 0.0);
     const double last = e->label == NULL && e->records > 0 ? e->place[e->records - 1] : 0.0;

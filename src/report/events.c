@@ -23,17 +23,6 @@ static const struct {
     {"cut", "event_cut"},
 };
 
-// The larger half of what may stand on the page by potency, and of the others every `stride`th.
-static void choose(size_t n, const double *potency, const double *sorted, uint8_t *keep)
-{
-    size_t others = 0;
-    const double limit = n > MOST_EVENTS ? sorted[MOST_EVENTS / 2] : -INFINITY;
-    const size_t stride = n / (MOST_EVENTS / 2) + 1;
-    for (size_t i = 0; i < n; i++) {
-        keep[i] = potency[i] > limit || n <= MOST_EVENTS || others++ % stride == 0;
-    }
-}
-
 // N(>= size) at sizes evenly spaced in their logarithm.
 static void write_distribution(lac_page *page, size_t n, const double *sorted)
 {
@@ -88,7 +77,12 @@ static void write_events(lac_page *page, size_t n, const double *const *values)
     gsl_sort(sorted, 1, n);
     gsl_vector_view falling = gsl_vector_view_array(sorted, n);
     gsl_vector_reverse(&falling.vector);
-    choose(n, values[POTENCY], sorted, keep);
+    // the larger half of what may stand on the page, and of the others every `stride`th
+    const double limit = n > MOST_EVENTS ? sorted[MOST_EVENTS / 2] : -INFINITY;
+    const size_t stride = n / (MOST_EVENTS / 2) + 1;
+    for (size_t i = 0, others = 0; i < n; i++) {
+        keep[i] = values[POTENCY][i] > limit || n <= MOST_EVENTS || others++ % stride == 0;
+    }
     lac_json_integer(&page->json, "all", (int64_t)n);
     for (size_t v = 0; v < VARIABLES; v++) {
         lac_page_column(page, shown[v].key, n, values[v], keep, v == TIME ? 12 : 6);

@@ -42,24 +42,19 @@ static lac_status find_shift(const lac_page *page, fitted *f)
     return LAC_OK;
 }
 
-static bool has_shares(const lac_stored_values *quantiles)
-{
-    bool sound = quantiles->value == NULL || quantiles->n == QUANTILES;
-    for (size_t q = 0; sound && q < quantiles->n; q++) {
-        sound = quantiles->value[q] >= 0.0 && quantiles->value[q] <= 1.0;
-    }
-    return sound;
-}
-
 static bool fits_together(const fitted *f)
 {
-    const lac_stored_values *v = f->value;
+    const lac_stored_values *v = f->value, *shares = &v[QUANTILE];
     const size_t n = v[TIME].value != NULL ? v[TIME].n : 0;
     bool sound = v[BEST].value == NULL || (v[BEST].n == n && v[BEST].width == 1);
     for (size_t k = SLIP; k <= RATE; k++) {
         sound = sound && (v[k].value == NULL || (v[k].n == QUANTILES && v[k].width == n));
     }
-    return sound && v[READING].value != NULL && v[READING].n > 0 && has_shares(&v[QUANTILE]);
+    sound = sound && (shares->value == NULL || shares->n == QUANTILES);
+    for (size_t q = 0; sound && q < shares->n; q++) {
+        sound = shares->value[q] >= 0.0 && shares->value[q] <= 1.0;
+    }
+    return sound && v[READING].value != NULL && v[READING].n > 0;
 }
 
 static lac_status open_fit(lac_page *page, fitted *f)

@@ -18,11 +18,16 @@ const double *lac_page_point_column(lac_page *page, const lac_page_points *point
     return values;
 }
 
-// Names of a run in memory, or of its file. @return whether they are there
-static bool read_names(lac_page *page, lac_page_points *points)
+// The names of a run in memory, or of its file.
+bool lac_page_read_points(lac_page *page, lac_page_points *points)
 {
     static const char variable[] = "point_name";
     const lac_recording *recording = page->def->recording;
+    const lac_stored_values x = lac_page_values(page, page->file, "point_x");
+    *points = (lac_page_points){.all = x.n};
+    if (x.value == NULL || x.n == 0) {
+        return false;
+    }
     points->name = lac_page_room(page, points->all * sizeof *points->name);
     if (points->name != NULL && recording != NULL) {
         for (size_t k = 0; k < points->all; k++) {
@@ -45,30 +50,6 @@ static bool read_names(lac_page *page, lac_page_points *points)
         free((void *)text);
     }
     return points->name != NULL;
-}
-
-bool lac_page_read_points(lac_page *page, lac_page_points *out)
-{
-    const lac_stored_values x = lac_page_values(page, page->file, "point_x");
-    *out = (lac_page_points){.all = x.n};
-    return x.value != NULL && x.n > 0 && read_names(page, out);
-}
-
-// The motion of the points that are drawn.
-typedef struct motion {
-    size_t n;
-    const double *slip[MOST_DRAWN], *rate[MOST_DRAWN];
-} motion;
-
-static bool read_motion(lac_page *page, const lac_page_points *points, motion *out)
-{
-    bool there = true;
-    for (; there && out->n < points->all && out->n < MOST_DRAWN; out->n++) {
-        out->slip[out->n] = lac_page_point_column(page, points, "point_slip", out->n);
-        out->rate[out->n] = lac_page_point_column(page, points, "point_slip_rate", out->n);
-        there = out->slip[out->n] != NULL && out->rate[out->n] != NULL;
-    }
-    return there;
 }
 
 static void write_columns(lac_page *page, const char *key, size_t n, const double *const *column,
@@ -96,26 +77,34 @@ static void write_places(lac_page *page, size_t n)
 void lac_page_points_section(lac_page *page, const char *key)
 {
     lac_page_points points;
-    motion m = {0};
-    if (!lac_page_read_points(page, &points) || !read_motion(page, &points, &m)) {
+    const double *slip[MOST_DRAWN], *rate[MOST_DRAWN];
+    if (!lac_page_read_points(page, &points)) {
         return;
+    }
+    const size_t n = points.all < MOST_DRAWN ? points.all : MOST_DRAWN;
+    for (size_t k = 0; k < n; k++) {
+        slip[k] = lac_page_point_column(page, &points, "point_slip", k);
+        rate[k] = lac_page_point_column(page, &points, "point_slip_rate", k);
+        if (slip[k] == NULL || rate[k] == NULL) {
+            return;
+        }
     }
     uint8_t *keep = lac_page_room(page, page->n);
     if (keep == NULL) {
         return;
     }
-    (void)lac_page_thin(page->n, page->time, page->before, BUCKETS, m.n, m.rate, keep);
+    (void)lac_page_thin(page->n, page->time, page->before, BUCKETS, n, rate, keep);
     lac_json_open(&page->json, key, '{');
     lac_json_integer(&page->json, "all", (int64_t)points.all);
     lac_json_open(&page->json, "name", '[');
-    for (size_t k = 0; k < m.n; k++) {
+    for (size_t k = 0; k < n; k++) {
         lac_json_text(&page->json, NULL, points.name[k]);
     }
     lac_json_close(&page->json, ']');
-    write_places(page, m.n);
+    write_places(page, n);
     lac_page_column(page, "time", page->n, page->time, keep, 12);
     lac_page_column(page, "before", page->n, page->before, keep, 6);
-    write_columns(page, "slip", m.n, m.slip, keep);
-    write_columns(page, "rate", m.n, m.rate, keep);
+    write_columns(page, "slip", n, slip, keep);
+    write_columns(page, "rate", n, rate, keep);
     lac_json_close(&page->json, '}');
 }

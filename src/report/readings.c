@@ -5,7 +5,7 @@
 #include "forecast/forecast.h"
 #include "report/run.h"
 
-enum { BUCKETS = 700, MOST_METHODS = 64, TEXT = 2000 };
+enum { BUCKETS = 700, TEXT = 2000 };
 
 static const char reading_time[] = "reading_time", issue_time[] = "issue_time";
 
@@ -208,17 +208,23 @@ static bool same_word(const char *own, const char *name, size_t length)
 // What stands in the registry about a method that the file names; NULL: nothing.
 static const lac_forecast_kind *find_kind(const char *name, size_t length)
 {
-    const lac_forecast_kind *kind = NULL;
-    for (size_t i = 0; (kind = lac_forecast_kind_get(i)) != NULL; i++) {
-        if (same_word(kind->info.name, name, length)) {
-            return kind;
-        }
+    const lac_forecast_kind *kind = &lac_forecast_case;
+    for (size_t i = 0; kind != NULL && !same_word(kind->info.name, name, length); i++) {
+        kind = lac_forecast_kind_get(i);
     }
-    kind = &lac_forecast_case;
-    return same_word(kind->info.name, name, length) ? kind : NULL;
+    return kind;
 }
 
-// Of a method that this program does not know, its name.
+void lac_page_method(lac_page *page, const char *name, const lac_forecast_kind *kind)
+{
+    lac_json_open(&page->json, NULL, '{');
+    lac_json_text(&page->json, "name", name);
+    lac_json_text(&page->json, "summary", kind != NULL ? kind->info.summary : "");
+    lac_json_text(&page->json, "reference", kind != NULL ? kind->info.reference : "");
+    lac_json_boolean(&page->json, "baseline", kind != NULL && kind->baseline);
+    lac_json_close(&page->json, '}');
+}
+
 static void write_methods(lac_page *page)
 {
     char names[TEXT], name[LAC_STORED_NAME];
@@ -228,12 +234,7 @@ static void write_methods(lac_page *page)
         const size_t length = strcspn(at, " ");
         const lac_forecast_kind *kind = find_kind(at, length);
         (void)snprintf(name, sizeof name, "%.*s", (int)length, at);
-        lac_json_open(&page->json, NULL, '{');
-        lac_json_text(&page->json, "name", name);
-        lac_json_text(&page->json, "summary", kind != NULL ? kind->info.summary : "");
-        lac_json_text(&page->json, "reference", kind != NULL ? kind->info.reference : "");
-        lac_json_boolean(&page->json, "baseline", kind != NULL && kind->baseline);
-        lac_json_close(&page->json, '}');
+        lac_page_method(page, name, kind);
         at += length;
     }
     lac_json_close(&page->json, ']');

@@ -14,11 +14,6 @@ const char *lac_page_name(const char *path)
     return slash != NULL ? slash + 1 : path;
 }
 
-static const char *source_of(const lac_page_def *def)
-{
-    return def->name != NULL ? def->name : def->run;
-}
-
 enum { LONGEST_TEXT = 1 << 18 }; // a case; the history of a run that was resumed often is long too
 
 // Attributes of the file.
@@ -54,7 +49,8 @@ static void write_about(lac_page *page, const char *key)
         return;
     }
     lac_json_open(json, key, '{');
-    lac_json_text(json, "file", lac_page_name(source_of(page->def)));
+    const lac_page_def *def = page->def;
+    lac_json_text(json, "file", lac_page_name(def->name != NULL ? def->name : def->run));
     lac_json_text(json, "made_by", page->def->made_by);
     lac_json_text(json, "made", lac_date_format(page->def->now, date, sizeof date));
     lac_json_boolean(json, "dated", page->dated);

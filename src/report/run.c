@@ -306,13 +306,11 @@ static void write_counts(lac_page *page, const lac_stored_values *n_slip, const 
 {
     lac_json_open(&page->json, "slipping", '[');
     for (size_t level = 0; level < n_slip->width; level++) {
-        lac_json_open(&page->json, NULL, '[');
-        for (size_t i = 0; i < page->n; i++) {
-            if (keep[i]) {
-                lac_json_digits(&page->json, NULL, n_slip->value[i * n_slip->width + level], 17);
-            }
+        double *column = lac_page_room(page, page->n * sizeof *column);
+        for (size_t i = 0; column != NULL && i < page->n; i++) {
+            column[i] = n_slip->value[i * n_slip->width + level];
         }
-        lac_json_close(&page->json, ']');
+        lac_page_column(page, NULL, page->n, column, keep, 17);
     }
     lac_json_close(&page->json, ']');
 }

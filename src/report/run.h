@@ -109,6 +109,10 @@ void lac_page_levels(lac_page *page, const char *key);
 void lac_page_events(lac_page *page, const char *key);
 void lac_page_points_section(lac_page *page, const char *key);
 
+/// A method of forecasting. @param kind  NULL: this program does not know it, only its name
+struct lac_forecast_kind;
+void lac_page_method(lac_page *page, const char *name, const struct lac_forecast_kind *kind);
+
 /// The same of the file of lacuna precursors.
 bool lac_page_holds_readings(const lac_stored_file *file);
 lac_status lac_page_open_readings(lac_page *page);

@@ -167,13 +167,7 @@ static void write_rolling(lac_page *page, const lac_rolling *rolling)
     lac_json *json = &page->json;
     lac_json_open(json, "methods", '[');
     for (size_t m = 0; m < rolling->methods; m++) {
-        const lac_forecast_kind *kind = rolling->forecast[m].kind;
-        lac_json_open(json, NULL, '{');
-        lac_json_text(json, "name", kind->info.name);
-        lac_json_text(json, "summary", kind->info.summary);
-        lac_json_text(json, "reference", kind->info.reference);
-        lac_json_boolean(json, "baseline", kind->baseline);
-        lac_json_close(json, '}');
+        lac_page_method(page, rolling->forecast[m].kind->info.name, rolling->forecast[m].kind);
     }
     lac_json_close(json, ']');
     lac_page_column(page, "issue", rolling->issues, rolling->issue_time, NULL, 17);
@@ -188,18 +182,7 @@ static void write_rolling(lac_page *page, const lac_rolling *rolling)
     lac_json_close(json, ']');
 }
 
-// Whether any method but the baseline issued a forecast.
-static bool any_issued(const lac_rolling *rolling)
-{
-    for (size_t i = 0; i < rolling->issues * rolling->methods; i++) {
-        if (rolling->forecast[i].issued && !rolling->forecast[i].kind->baseline) {
-            return true;
-        }
-    }
-    return false;
-}
-
-// @return whether there are any
+// @return whether any method but the baseline issued one
 static bool forecast(lac_page *page, const char *key, bool measured)
 {
     lac_forecast_def def = lac_forecast_default();
@@ -211,9 +194,13 @@ static bool forecast(lac_page *page, const char *key, bool measured)
     }
     def.motion.raw = !measured; // a run has neither outliers nor resets
     const size_t issues = page->def->issues > 0 ? (size_t)page->def->issues : ISSUES;
-    const bool issued = lac_page_good(page, lac_rolling_create(&def, &readings, issues, NULL,
-                                                               &rolling, page->err)) &&
-                        any_issued(rolling);
+    const bool made =
+        lac_page_good(page, lac_rolling_create(&def, &readings, issues, NULL, &rolling, page->err));
+    bool issued = false;
+    for (size_t i = 0; made && i < rolling->issues * rolling->methods; i++) {
+        const lac_forecast *f = &rolling->forecast[i];
+        issued = issued || (f->issued && !f->kind->baseline);
+    }
     if (issued) {
         lac_json_open(&page->json, key, '{');
         lac_json_boolean(&page->json, "measured", measured);

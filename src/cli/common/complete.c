@@ -66,13 +66,6 @@ static void offer_names(const offers *all, const cli_named_text *texts)
     }
 }
 
-static void offer_commands(const offers *all)
-{
-    for (const cli_command *command = cli_commands; command->name != NULL; command++) {
-        offer(all, command->name, command->summary);
-    }
-}
-
 static void offer_options(const offers *all, const cli_command *command)
 {
     const unsigned taken = CLI_OPT_COMMON | (command != NULL ? command->options : 0);
@@ -129,17 +122,6 @@ static const char *rest_of(const char *path, const char *typed, size_t n)
     return path;
 }
 
-// The value of a key whose "=" is typed, where the tables name it.
-static void offer_key_values(const offers *all, const lac_param *param)
-{
-    if (param->type == LAC_PATH) {
-        offer_files(all, "");
-    }
-    for (size_t i = 0; param->type == LAC_CHOICE && param->choices[i] != NULL; i++) {
-        offer(all, param->choices[i], "");
-    }
-}
-
 static void offer_key(const offers *all, const char *path, const lac_param *param)
 {
     char name[LINE_SIZE], line[LINE_SIZE];
@@ -147,9 +129,13 @@ static void offer_key(const offers *all, const char *path, const lac_param *para
     if (rest == NULL) {
         return;
     }
-    if (all->key[all->key_length] == '=') {
-        if (*rest == '\0') {
-            offer_key_values(all, param);
+    if (all->key[all->key_length] == '=') { // its value, where the tables name it
+        const bool choice = *rest == '\0' && param->type == LAC_CHOICE;
+        if (*rest == '\0' && param->type == LAC_PATH) {
+            offer_files(all, "");
+        }
+        for (size_t i = 0; choice && param->choices[i] != NULL; i++) {
+            offer(all, param->choices[i], "");
         }
         return;
     }
@@ -320,7 +306,9 @@ static void offer_all(offers *all, const cli_request *request)
     } else if (dashed) {
         offer_options(all, request->command);
     } else if (request->command == NULL) {
-        offer_commands(all);
+        for (const cli_command *command = cli_commands; command->name != NULL; command++) {
+            offer(all, command->name, command->summary);
+        }
     } else {
         offer_arguments(all, request);
     }

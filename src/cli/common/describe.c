@@ -101,8 +101,9 @@ static void write_parameters(lac_json *json, const lac_param *params, size_t cou
     lac_json_close(json, ']');
 }
 
-// What is asked about; all NULL: everything.
+// What is asked about.
 typedef struct subject {
+    bool all;
     const lac_kind *kind;
     const lac_model_info *model;
     const lac_section *section;
@@ -112,19 +113,17 @@ typedef struct subject {
 
 static const lac_model_info *find_model(const lac_kind *kind, const char *name, lac_error *err)
 {
-    const lac_model_info *model;
+    const lac_model_info *model = lac_model_find(kind->name, name);
     const char *names[MAX_NAMES];
-    char what[80];
     size_t n = 0;
-    for (; n < MAX_NAMES && (model = kind->at(n)) != NULL; n++) {
-        names[n] = model->name;
-        if (strcmp(names[n], name) == 0) {
-            return model;
-        }
+    for (; model == NULL && n < MAX_NAMES && kind->at(n) != NULL; n++) {
+        names[n] = kind->at(n)->name;
     }
-    (void)snprintf(what, sizeof what, "model of %s", kind->name);
-    (void)cli_unknown("describe: ", name, what, names, n, err);
-    return NULL;
+    if (model == NULL) {
+        const cli_text what = cli_format("model of %s", kind->name);
+        (void)cli_unknown("describe: ", name, what.s, names, n, err);
+    }
+    return model;
 }
 
 // A kind by its name, or by where it stands in a case, unless plain parameters stand there or a
@@ -152,16 +151,15 @@ static lac_status find_subject(const char *name, subject *s, lac_error *err)
             s->kind = kind;
         }
     }
-    for (size_t i = 0; s->kind == NULL && s->section == NULL && !s->levels && i < kinds; i++) {
+    const bool known = s->kind != NULL || s->section != NULL || s->levels;
+    for (size_t i = 0; !known && i < kinds; i++) {
         kind = lac_kind_get(i);
-        LAC_FAIL_IF(find_model(kind, name, NULL) != NULL, err, LAC_EINPUT,
+        LAC_FAIL_IF(lac_model_find(kind->name, name) != NULL, err, LAC_EINPUT,
                     "describe: \"%s\" is a %s: lacuna describe %s %s", name, kind->name, kind->name,
                     name);
     }
     s->other = lac_nearest(name, names, n) == NULL;
-    return s->kind != NULL || s->section != NULL || s->levels
-               ? LAC_OK
-               : cli_unknown("describe: ", name, "kind or section", names, n, err);
+    return known ? LAC_OK : cli_unknown("describe: ", name, "kind or section", names, n, err);
 }
 
 // A model of these kinds is the first member of what more is told of it; NULL: it is of another.
@@ -188,32 +186,27 @@ static void print_kind(const lac_kind *kind)
     printf(": %s\n", kind->summary);
     for (size_t i = 0; (model = kind->at(i)) != NULL; i++) {
         const lac_precursor_kind *precursor = precursor_of(kind, model);
-        char text[300];
-        (void)snprintf(text, sizeof text, "%s%s%s%s", model->summary,
-                       precursor != NULL ? " (needs " : "",
-                       precursor != NULL ? lac_needs_name(precursor->needs) : "",
-                       precursor != NULL ? ")" : "");
-        cli_row_wrap(model->name, text);
-    }
-}
-
-static void print_kinds(bool of_command)
-{
-    const lac_kind *kind;
-    for (size_t i = 0; (kind = lac_kind_get(i)) != NULL; i++) {
-        if ((kind->command != NULL) == of_command) {
-            print_kind(kind);
-        }
+        cli_row_wrap(
+            model->name,
+            precursor == NULL
+                ? model->summary
+                : cli_format("%s (needs %s)", model->summary, lac_needs_name(precursor->needs)).s);
     }
 }
 
 static void print_overview(void)
 {
     const lac_section *section;
+    const lac_kind *kind;
+    bool of_command = false; // they stand last
     puts("What a case can choose (lacuna describe KIND NAME has parameters and references):\n");
-    print_kinds(false);
-    puts("\nWhat lacuna precursors computes:");
-    print_kinds(true);
+    for (size_t i = 0; (kind = lac_kind_get(i)) != NULL; i++) {
+        if (kind->command != NULL && !of_command) {
+            puts("\nWhat lacuna precursors computes:");
+            of_command = true;
+        }
+        print_kind(kind);
+    }
     puts("\nSections of plain parameters (lacuna describe SECTION):");
     for (size_t i = 0; (section = lac_section_get(i)) != NULL; i++) {
         cli_row_wrap(section->name, section->summary);
@@ -257,19 +250,32 @@ static void print_precursor(const lac_precursor_kind *kind)
 
 static void print_forecast(const lac_forecast_kind *kind)
 {
-    char text[400];
     const lac_calibration *c = &kind->calibration;
     cli_wrap("  ", kind->estimator);
     printf("  needs at least %zu readings and velocities since the onset\n", kind->least);
     printf("  not issued where the residuals exceed their noise by more than %g of the range\n",
            kind->worst);
-    (void)snprintf(
-        text, sizeof text,
-        "time told and intervals: 5, 25, 50, 75 and 95 %% of failures come before t + R (W/R)^%.3g "
-        "exp(q E), R the method's tc - t (of a posterior its median), W the window's length, E^2 = "
-        "error^2 + %.3g^2, q = %.3g, %.3g, %.3g, %.3g, %.3g",
-        c->pull, c->spread, c->low90, c->low50, c->median, c->high50, c->high90);
-    cli_wrap("  ", text);
+    cli_wrap("  ",
+             cli_format("time told and intervals: 5, 25, 50, 75 and 95 %% of failures come before "
+                        "t + R (W/R)^%.3g "
+                        "exp(q E), R the method's tc - t (of a posterior its median), W the "
+                        "window's length, E^2 = "
+                        "error^2 + %.3g^2, q = %.3g, %.3g, %.3g, %.3g, %.3g",
+                        c->pull, c->spread, c->low90, c->low50, c->median, c->high50, c->high90)
+                 .s);
+}
+
+// The gates of forecasts; as JSON, or as text where that is NULL.
+static void tell_gates(lac_json *json)
+{
+    const lac_forecast_gate *gate;
+    for (size_t i = 0; (gate = lac_forecast_gate_get(i)) != NULL; i++) {
+        if (json != NULL) {
+            LAC_JSON_TEXTS(json, "name", gate->name, "text", gate->text);
+        } else {
+            cli_row_wrap(gate->name, gate->text);
+        }
+    }
 }
 
 static void print_model(const lac_kind *kind, const lac_model_info *model)
@@ -349,7 +355,9 @@ static void write_kind(lac_json *json, const lac_kind *kind, const lac_model_inf
     }
     lac_json_close(json, ']');
     if (forecast_of(kind, kind->at(0)) != NULL) {
-        cli_describe_gates_json(json);
+        lac_json_open(json, "gates", '[');
+        tell_gates(json);
+        lac_json_close(json, ']');
     }
     lac_json_close(json, '}');
 }
@@ -379,20 +387,19 @@ static lac_section levels_section(lac_param *rows)
 static void write_json(const subject *s)
 {
     lac_json json = {.out = stdout};
-    bool all = s->kind == NULL && s->section == NULL && !s->levels;
     const lac_kind *kind;
     const lac_section *section;
     lac_json_open(&json, NULL, '{');
     lac_json_open(&json, "kinds", '[');
     for (size_t i = 0; (kind = lac_kind_get(i)) != NULL; i++) {
-        if (all || kind == s->kind) {
+        if (s->all || kind == s->kind) {
             write_kind(&json, kind, s->model);
         }
     }
     lac_json_close(&json, ']');
     lac_json_open(&json, "sections", '[');
     for (size_t i = 0; (section = lac_section_get(i)) != NULL; i++) {
-        if (all || section == s->section) {
+        if (s->all || section == s->section) {
             write_section(&json, section);
         }
     }
@@ -408,7 +415,6 @@ static void write_json(const subject *s)
 // The same as one table of models and one of parameters.
 static lac_status put_table(const cli_request *request, const subject *s, lac_error *err)
 {
-    const bool all = s->kind == NULL && s->section == NULL && !s->levels;
     cli_described table = {0};
     lac_param rows[MAX_NAMES];
     const lac_section levels = levels_section(rows), *section;
@@ -416,16 +422,16 @@ static lac_status put_table(const cli_request *request, const subject *s, lac_er
     const lac_kind *kind;
     lac_status status = LAC_OK;
     for (size_t i = 0; (kind = lac_kind_get(i)) != NULL; i++) {
-        for (size_t k = 0; (model = kind->at(k)) != NULL && (all || kind == s->kind); k++) {
-            LAC_TRY(s->model == NULL || model == s->model
-                        ? cli_described_add(&table, kind->name, kind->section, model, err)
-                        : LAC_OK);
+        for (size_t k = 0; (model = kind->at(k)) != NULL && (s->all || kind == s->kind); k++) {
+            if (s->model == NULL || model == s->model) {
+                LAC_TRY(cli_described_add(&table, kind->name, kind->section, model, err));
+            }
         }
     }
     for (size_t i = 0; (section = lac_section_get(i)) != NULL; i++) {
-        LAC_TRY(all || section == s->section
-                    ? cli_described_add(&table, section->name, section->name, section, err)
-                    : LAC_OK);
+        if (s->all || section == s->section) {
+            LAC_TRY(cli_described_add(&table, section->name, section->name, section, err));
+        }
     }
     LAC_TRY(s->levels ? cli_described_add(&table, levels.name, "", &levels, err) : LAC_OK);
     LAC_TRY(cli_described_put(request, &table, err));
@@ -444,7 +450,8 @@ static void print_text(const subject *s)
         print_kind(s->kind);
     }
     if (s->kind != NULL && forecast_of(s->kind, s->kind->at(0)) != NULL) {
-        cli_describe_gates();
+        puts("  no forecast is issued where a gate is shut:");
+        tell_gates(NULL);
     }
     if (s->section != NULL) {
         printf("%s: %s\n", s->section->name, s->section->summary);
@@ -452,19 +459,17 @@ static void print_text(const subject *s)
     }
     if (s->levels) {
         lac_levels_put_default(stdout);
-    } else if (s->kind == NULL && s->section == NULL) {
+    } else if (s->all) {
         print_overview();
     }
 }
 
 static lac_status find(const cli_request *request, subject *s, lac_error *err)
 {
-    lac_status status = LAC_OK;
-    if (request->count > 0) {
-        status = find_subject(request->argument[0], s, err);
-    }
-    if (request->count < 2 || status != LAC_OK) {
-        return status;
+    s->all = request->count == 0;
+    LAC_TRY_RETURN(s->all ? LAC_OK : find_subject(request->argument[0], s, err));
+    if (request->count < 2) {
+        return LAC_OK;
     }
     LAC_FAIL_IF(s->kind == NULL, err, LAC_EINPUT, "describe: %s has no models",
                 request->argument[0]);

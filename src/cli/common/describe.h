@@ -4,7 +4,7 @@
 #include "cli/common/command.h"
 #include "data/json.h"
 
-// Parts of `lacuna describe`: rocks, the gates of forecasts, and all models as a dataset.
+// Parts of `lacuna describe`: rocks, words, and all models as a dataset.
 
 #define CLI_ROCK "rock"
 #define CLI_ROCK_SUMMARY \
@@ -16,9 +16,6 @@ lac_status cli_describe_rock(const cli_request *request, lac_error *err);
 /// lacuna describe WORD: models, keys and rocks whose names or texts have the word.
 /// @return false: nothing was printed, as none has it, or --pipe asks
 bool cli_describe_word(const cli_request *request);
-
-void cli_describe_gates(void);
-void cli_describe_gates_json(lac_json *json);
 
 // What is told of a parameter.
 bool cli_param_is_required(const lac_param *param);

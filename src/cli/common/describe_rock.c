@@ -99,21 +99,6 @@ static void write_rock(lac_json *json, const lac_rock *rock)
     lac_json_close(json, '}');
 }
 
-static void write_rocks(const lac_rock *only)
-{
-    const lac_rock *rock;
-    lac_json json = {.out = stdout};
-    lac_json_open(&json, NULL, '{');
-    lac_json_open(&json, "rocks", '[');
-    for (size_t i = 0; (rock = lac_rock_get(i)) != NULL; i++) {
-        if (only == NULL || only == rock) {
-            write_rock(&json, rock);
-        }
-    }
-    lac_json_close(&json, ']');
-    lac_json_close(&json, '}');
-}
-
 static lac_status find_rock(const char *name, const lac_rock **out, lac_error *err)
 {
     const char *names[MOST_ROCKS];
@@ -129,14 +114,23 @@ static lac_status find_rock(const char *name, const lac_rock **out, lac_error *e
 
 lac_status cli_describe_rock(const cli_request *request, lac_error *err)
 {
-    const lac_rock *rock = NULL;
+    const lac_rock *rock = NULL, *one;
+    lac_json json = {.out = stdout};
     LAC_FAIL_IF(request->pipe != 0, err, LAC_EINPUT,
                 "describe: --pipe: tells of models and sections; of rocks --json does");
     if (request->count > 1) {
         LAC_TRY_RETURN(find_rock(request->argument[1], &rock, err));
     }
     if (cli_given(request, CLI_OPT_JSON)) {
-        write_rocks(rock);
+        lac_json_open(&json, NULL, '{');
+        lac_json_open(&json, "rocks", '[');
+        for (size_t i = 0; (one = lac_rock_get(i)) != NULL; i++) {
+            if (rock == NULL || rock == one) {
+                write_rock(&json, one);
+            }
+        }
+        lac_json_close(&json, ']');
+        lac_json_close(&json, '}');
     } else if (rock != NULL) {
         print_rock(rock);
     } else {

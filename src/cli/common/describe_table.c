@@ -46,12 +46,6 @@ static const char *choices_text(const lac_param *param, char room[LAC_TEXT_ROOM]
     return room;
 }
 
-static const char *chosen(const lac_param *param)
-{
-    const bool one = param->type == LAC_CHOICE && !isnan(param->fallback);
-    return one ? param->choices[(int)param->fallback] : "";
-}
-
 LAC_TEXT_GETTER(kind_of, PARAMETER, p->model->kind)
 LAC_TEXT_GETTER(model_of, PARAMETER, p->model->info->name)
 LAC_TEXT_GETTER(key, PARAMETER, p->param.key)
@@ -59,7 +53,10 @@ LAC_TEXT_GETTER(type, PARAMETER, cli_param_type(&p->param))
 LAC_TEXT_GETTER(unit, PARAMETER, cli_param_is_number(&p->param) ? p->param.unit : "")
 LAC_GETTER(double, required, PARAMETER, cli_param_is_required(&p->param))
 LAC_GETTER(double, fallback, PARAMETER, NUMBER(fallback))
-LAC_TEXT_GETTER(choice, PARAMETER, chosen(&p->param))
+LAC_TEXT_GETTER(choice, PARAMETER,
+                p->param.type == LAC_CHOICE && !isnan(p->param.fallback)
+                    ? p->param.choices[(int)p->param.fallback]
+                    : "")
 LAC_TEXT_GETTER(choices, PARAMETER, choices_text(&p->param, room))
 LAC_GETTER(double, least, PARAMETER, BOUND(min))
 LAC_GETTER(double, most, PARAMETER, BOUND(max))

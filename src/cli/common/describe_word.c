@@ -6,11 +6,10 @@
 
 enum { LEAST_LETTERS = 3 }; // fewer stand in everything
 
-static bool alike(char a, char b)
+// Letters of either case, and what parts words, are alike.
+static int letter(char c)
 {
-    const bool parts = a == ' ' || a == '_' || a == '-';
-    return parts ? b == ' ' || b == '_' || b == '-'
-                 : tolower((unsigned char)a) == tolower((unsigned char)b);
+    return c == ' ' || c == '_' || c == '-' ? ' ' : tolower((unsigned char)c);
 }
 
 // Whether a word of the text begins with this one; " ", "_" and "-" part words alike.
@@ -20,7 +19,7 @@ static bool has_word(const char *text, const char *word)
     for (const char *at = text; *at != '\0'; at++) {
         const bool starts = at == text || !isalnum((unsigned char)at[-1]);
         size_t same = 0;
-        while (starts && same < n && alike(at[same], word[same])) {
+        while (starts && same < n && letter(at[same]) == letter(word[same])) {
             same++;
         }
         if (same == n) {

@@ -62,19 +62,6 @@ static lac_status check_folder(const cli_keep *keep, bool resume, lac_error *err
     return status;
 }
 
-// Reads what was done before: the key, then the content, of each.
-static lac_status read_kept(const cli_keep *keep, cli_keep_take *take, void *context,
-                            lac_error *err)
-{
-    uint64_t *record = malloc(sizeof *record + keep->size);
-    LAC_FAIL_MEMORY_IF(record == NULL, err);
-    while (lac_kept_read(keep->done, record, sizeof *record + keep->size)) {
-        take(context, record[0], record + 1);
-    }
-    free(record);
-    return LAC_OK;
-}
-
 lac_status cli_keep_open(cli_keep *keep, const char *path, bool resume, cli_keep_take *take,
                          void *context, lac_error *err)
 {
@@ -89,7 +76,13 @@ lac_status cli_keep_open(cli_keep *keep, const char *path, bool resume, cli_keep
     (void)snprintf(done, sizeof done, "%s/done", keep->folder);
     LAC_TRY_RETURN(lac_kept_open(done, keep->command, of, resume, &keep->done, err));
     clean(keep->folder);
-    return resume ? read_kept(keep, take, context, err) : LAC_OK;
+    uint64_t *record = malloc(sizeof *record + keep->size); // the key, then the content, of each
+    LAC_FAIL_MEMORY_IF(record == NULL, err);
+    while (resume && lac_kept_read(keep->done, record, sizeof *record + keep->size)) {
+        take(context, record[0], record + 1);
+    }
+    free(record);
+    return LAC_OK;
 }
 
 lac_status cli_keep_add(cli_keep *keep, uint64_t key, const void *content, lac_error *err)

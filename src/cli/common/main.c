@@ -81,14 +81,6 @@ static void say_what_is_cut(const cli_request *request)
     }
 }
 
-// The commands that ranks share, or each of them does alike.
-static bool is_shared(const cli_request *request)
-{
-    return cli_given(request, CLI_OPT_VERSION | CLI_OPT_HELP) ||
-           request->command->run == cli_check || request->command->run == cli_contact ||
-           (request->command->run == cli_run && !cli_given(request, CLI_OPT_VIEW | CLI_OPT_FROM));
-}
-
 static lac_status dispatch(const cli_request *request, lac_error *err)
 {
     if (cli_given(request, CLI_OPT_VERSION)) {
@@ -103,10 +95,14 @@ static lac_status dispatch(const cli_request *request, lac_error *err)
         }
         return LAC_OK;
     }
-    LAC_FAIL_IF(request->team != NULL && !is_shared(request), err, LAC_EINPUT,
-                "%s%s is not shared by ranks: do it on one, with lacuna %s", request->command->name,
-                request->command->run == cli_run ? " with --view or --from" : "",
-                request->command->name);
+    const cli_command *command = request->command;
+    const bool runs = command->run == cli_run;
+    // the commands that ranks share, or each of them does alike
+    const bool shared = command->run == cli_check || command->run == cli_contact ||
+                        (runs && !cli_given(request, CLI_OPT_VIEW | CLI_OPT_FROM));
+    LAC_FAIL_IF(request->team != NULL && !shared, err, LAC_EINPUT,
+                "%s%s is not shared by ranks: do it on one, with lacuna %s", command->name,
+                runs ? " with --view or --from" : "", command->name);
     say_what_is_cut(request);
     // One thread unless asked for more: two that share a busy core are slower than one.
     omp_set_num_threads(request->threads > 0 ? request->threads : 1);

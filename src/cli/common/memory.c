@@ -41,20 +41,8 @@ static int64_t read_number(FILE *file, const char *key)
 
 static int64_t least(int64_t a, int64_t b) { return a < b ? a : b; }
 
-// What one group leaves; pages of files that nobody uses are given back when they are needed.
-static int64_t left_of(const char *root, size_t kind, const char *folder)
-{
-    const int64_t limit = read_number(open_below(root, folder, groups[kind].limit), "");
-    const int64_t used = read_number(open_below(root, folder, groups[kind].used), "");
-    const int64_t cached = read_number(open_below(root, folder, "memory.stat"), "inactive_file ");
-    if (limit < 0 || used < 0) {
-        return INT64_MAX;
-    }
-    const int64_t left = limit - used + (cached > 0 ? cached : 0);
-    return left > 0 ? left : 0;
-}
-
-// Its own group and all that this one is in.
+// What its own group leaves and all that this one is in; pages of files that nobody uses are given
+// back when they are needed.
 static int64_t left_of_groups(const char *root, size_t kind, const char *group)
 {
     char folder[PATH];
@@ -62,7 +50,14 @@ static int64_t left_of_groups(const char *root, size_t kind, const char *group)
     const size_t top = strlen(groups[kind].top);
     const int n = snprintf(folder, sizeof folder, "%s%s", groups[kind].top, group);
     while (n < (int)sizeof folder) {
-        left = least(left, left_of(root, kind, folder));
+        const int64_t limit = read_number(open_below(root, folder, groups[kind].limit), "");
+        const int64_t used = read_number(open_below(root, folder, groups[kind].used), "");
+        const int64_t cached =
+            read_number(open_below(root, folder, "memory.stat"), "inactive_file ");
+        if (limit >= 0 && used >= 0) {
+            const int64_t of_group = limit - used + (cached > 0 ? cached : 0);
+            left = least(left, of_group > 0 ? of_group : 0);
+        }
         char *last = strrchr(folder, '/');
         if (last == NULL || (size_t)(last - folder) < top) {
             break;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // lacuna new [NAME]: writes a commented case of the wanted kind, for the user to start from, and
 // the readings that it is about where it is to be fitted.
+#define _GNU_SOURCE // asprintf
 #include "base/temp_file.h"
 #include "cli/common/command.h"
 #include "cli/common/words.h"
@@ -13,23 +14,9 @@ static char *file_name(const char *name, const char *ending)
     const bool whole =
         dot != NULL && dot > name && (strcmp(dot, ".yaml") == 0 || strcmp(dot, ".yml") == 0);
     const int stem = (int)(whole ? (size_t)(dot - name) : strlen(name));
-    const size_t size = strlen(name) + sizeof ".yaml";
-    char *path = malloc(size);
-    if (path != NULL) {
-        (void)snprintf(path, size, "%.*s%s", stem, name,
-                       whole && strcmp(ending, ".yaml") == 0 ? dot : ending);
-    }
-    return path;
-}
-
-// The readings that a kind of case is about; NULL.
-static const char *readings_of(const char *kind)
-{
-    const cli_named_text *row = cli_template_readings;
-    while (row->name != NULL && strcmp(row->name, kind) != 0) {
-        row++;
-    }
-    return row->text;
+    const char *own = whole && strcmp(ending, ".yaml") == 0 ? dot : ending;
+    char *path = NULL;
+    return asprintf(&path, "%.*s%s", stem, name, own) >= 0 ? path : NULL;
 }
 
 static void tell(const cli_request *request, const char *kind, const char *path,
@@ -72,7 +59,11 @@ lac_status cli_new(const cli_request *request, lac_error *err)
     const char *given = request->count > 0 ? request->argument[0] : "case";
     LAC_FAIL_IF(!names_file(given), err, LAC_EINPUT, "\"%s\" is no name for a file", given);
     const bool replace = cli_given(request, CLI_OPT_FORCE);
-    const char *rows = readings_of(chosen->name);
+    const cli_named_text *about = cli_template_readings; // the readings that it is about, if any
+    while (about->name != NULL && strcmp(about->name, chosen->name) != 0) {
+        about++;
+    }
+    const char *rows = about->text;
     char *path = file_name(given, ".yaml"), *readings = file_name(given, ".csv");
     lac_status status = path != NULL && readings != NULL ? LAC_OK : lac_fail_memory(err);
     LAC_TRY(status);

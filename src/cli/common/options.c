@@ -2,6 +2,7 @@
 // The command line: the table of all options, and how words become a request that makes sense.
 #include "cli/common/options.h"
 
+#include "base/temp_file.h"
 #include "cli/common/words.h"
 
 // An option that is told by its bit or that apply() has a line for, and one whose word has a place
@@ -166,16 +167,6 @@ static lac_status keep_word(cli_words *words, const char *value, lac_error *err)
     return LAC_OK;
 }
 
-static lac_status set_threads(cli_request *request, const char *text, lac_error *err)
-{
-    char *end;
-    long n = strtol(text, &end, 10);
-    LAC_FAIL_IF(end == text || *end != '\0' || n < 1 || n > 1024, err, LAC_EINPUT,
-                "--threads: \"%s\" must be a number from 1 to 1024", text);
-    request->threads = (int)n;
-    return LAC_OK;
-}
-
 static lac_status apply(cli_request *request, const cli_option *o, const char *value,
                         lac_error *err)
 {
@@ -198,7 +189,7 @@ static lac_status apply(cli_request *request, const cli_option *o, const char *v
     case CLI_OPT_ACCURACY:
         return keep_override(request, accuracy, strlen(accuracy), value, err);
     case CLI_OPT_THREADS:
-        return set_threads(request, value, err);
+        return cli_count(o->name, value, 1024, &request->threads, err);
     default:
         return LAC_OK;
     }
@@ -288,13 +279,6 @@ static lac_status read_word(cursor *c, cli_request *request, lac_error *err)
                           : read_letters(c, word + 1, request, err);
 }
 
-static bool was_given(const cli_request *request, const cli_option *o)
-{
-    const char *word = NULL;
-    memcpy(&word, (const char *)request + o->at, sizeof word);
-    return o->at != 0 ? word != NULL : cli_given(request, o->bit); // several share a bit
-}
-
 // The whole must make sense: a command, its arguments, no option that it does not take.
 static lac_status check_request(const cli_request *request, lac_error *err)
 {
@@ -305,7 +289,11 @@ static lac_status check_request(const cli_request *request, lac_error *err)
     LAC_FAIL_IF(command == NULL, err, LAC_EINPUT, "no command given; see lacuna --help");
     for (const cli_option *o = cli_options; o->name != NULL; o++) {
         const bool taken = (o->bit & (command->options | CLI_OPT_COMMON)) != 0;
-        LAC_FAIL_IF(!taken && was_given(request, o), err, LAC_EINPUT,
+        const char *word = NULL;
+        memcpy(&word, (const char *)request + o->at, sizeof word);
+        const bool given =
+            o->at != 0 ? word != NULL : cli_given(request, o->bit); // bits are shared
+        LAC_FAIL_IF(!taken && given, err, LAC_EINPUT,
                     "%s: not an option of %s; see lacuna %s --help", o->name, command->name,
                     command->name);
     }
@@ -323,20 +311,18 @@ static lac_status check_request(const cli_request *request, lac_error *err)
 // The command line as one text, for the file's history.
 static char *join(int argc, char **argv)
 {
-    size_t size = sizeof "lacuna";
-    for (int i = 1; i < argc; i++) {
-        size += strlen(argv[i]) + 3;
-    }
-    char *text = malloc(size);
-    if (text == NULL) {
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    if (out == NULL) {
         return NULL;
     }
-    size_t used = (size_t)snprintf(text, size, "lacuna");
+    (void)fputs("lacuna", out);
     for (int i = 1; i < argc; i++) {
         const char *quote = strpbrk(argv[i], " \t\"$*;&|<>()") != NULL ? "'" : "";
-        used += (size_t)snprintf(text + used, size - used, " %s%s%s", quote, argv[i], quote);
+        (void)fprintf(out, " %s%s%s", quote, argv[i], quote);
     }
-    return text;
+    return lac_text_made(out, &text);
 }
 
 void cli_request_begin(int count, char **word, cli_request *request)

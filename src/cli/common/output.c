@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The file that a command writes: chosen and checked before the work, signed with what made it; and
 // the files that a case reads.
+#define _GNU_SOURCE // asprintf
 #include "cli/common/output.h"
 
 #include <sys/stat.h>
@@ -12,19 +13,27 @@
 #include "lacuna/version.h"
 #include "scene/scene.h"
 
-// Folder/name.ext -> name + ending
-static char *name_after(const char *case_path, const char *ending)
+char *cli_name_after(const char *path, const char *ending)
 {
-    const char *slash = strrchr(case_path, '/');
-    const char *name = slash == NULL ? case_path : slash + 1;
+    const char *slash = strrchr(path, '/'), *name = slash == NULL ? path : slash + 1;
     const char *dot = strrchr(name, '.');
-    size_t stem = dot == NULL || dot == name ? strlen(name) : (size_t)(dot - name);
-    size_t size = stem + strlen(ending) + 1;
-    char *path = malloc(size);
-    if (path != NULL) {
-        (void)snprintf(path, size, "%.*s%s", (int)stem, name, ending);
-    }
-    return path;
+    const size_t stem = dot == NULL || dot == name ? strlen(name) : (size_t)(dot - name);
+    char *made = NULL;
+    return asprintf(&made, "%.*s%s", (int)stem, name, ending) >= 0 ? made : NULL;
+}
+
+size_t cli_stem(const char *name, const char *ending)
+{
+    const size_t length = strlen(name), of = strlen(ending);
+    return length > of && strcmp(name + length - of, ending) == 0 ? length - of : length;
+}
+
+cli_request cli_request_anew(const cli_request *request, bool replaces)
+{
+    cli_request own = *request;
+    own.given |= replaces && cli_given(request, CLI_OPT_RESUME) ? (unsigned)CLI_OPT_FORCE : 0U;
+    own.given &= ~(unsigned)CLI_OPT_RESUME;
+    return own;
 }
 
 static bool is_same(const char *path, const struct stat *file)
@@ -185,7 +194,7 @@ lac_status cli_output_path(const cli_request *request, const lac_case *c, const 
                            const char *ending, char **path, lac_error *err)
 {
     const char *given = request->output != NULL ? request->output : configured;
-    *path = given != NULL ? strdup(given) : name_after(c->path, ending);
+    *path = given != NULL ? strdup(given) : cli_name_after(c->path, ending);
     return *path != NULL ? cli_output_check(request, c, *path, err) : lac_fail_memory(err);
 }
 

@@ -13,6 +13,17 @@
 lac_status cli_output_path(const cli_request *request, const lac_case *c, const char *configured,
                            const char *ending, char **path, lac_error *err);
 
+/// FOLDER/NAME.EXT as NAME and an ending, in the working folder. To be freed; NULL without memory.
+char *cli_name_after(const char *path, const char *ending);
+
+/// Length of a name without its ending, such as ".nc"; the whole where it has another, or none
+/// before it.
+size_t cli_stem(const char *name, const char *ending);
+
+/// The request of a command that with --resume goes on from what it keeps, not from its output.
+/// @param replaces  which it then may replace: it may hold what an interrupt left
+cli_request cli_request_anew(const cli_request *request, bool replaces);
+
 /// Checks, before anything is computed, that a file can be written, is not there already and is
 /// none that the command reads.
 /// @param c  NULL: the command reads no case

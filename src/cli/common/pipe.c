@@ -105,16 +105,6 @@ static lac_status put_variable(FILE *out, const lac_dataset *dataset, const lac_
     return LAC_OK;
 }
 
-static lac_status put_all(FILE *out, const lac_dataset *dataset, lac_error *err)
-{
-    lac_item item = {0};
-    LAC_TRY_RETURN(put_variable(out, dataset, NULL, err));
-    while (lac_dataset_next(dataset, &item)) {
-        LAC_TRY_RETURN(put_variable(out, dataset, &item, err));
-    }
-    return LAC_OK;
-}
-
 lac_status cli_put_dataset(const cli_request *request, bool force, const lac_provenance *made,
                            const char *path, lac_dataset *dataset, lac_error *err)
 {
@@ -127,7 +117,11 @@ lac_status cli_put_dataset(const cli_request *request, bool force, const lac_pro
     errno = 0;
     FILE *out = fdopen(request->pipe, "wb");
     LAC_FAIL_IF(out == NULL, err, LAC_EIO, "--pipe: %s", strerror(errno));
-    const lac_status status = put_all(out, dataset, err);
+    lac_item item = {0};
+    lac_status status = put_variable(out, dataset, NULL, err);
+    while (status == LAC_OK && lac_dataset_next(dataset, &item)) {
+        status = put_variable(out, dataset, &item, err);
+    }
     const bool whole = ferror(out) == 0;
     dataset->made = NULL;
     LAC_FAIL_IF((fclose(out) != 0 || !whole) && status == LAC_OK, err, LAC_EIO,

@@ -10,6 +10,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "base/temp_file.h"
 #include "cli/common/command.h"
 #include "cli/common/memory.h"
 #include "cli/common/words.h"
@@ -40,17 +41,6 @@ typedef struct pool {
     size_t room; // of what follows an answer [bytes]
     answer *heard;
 } pool;
-
-static bool put_all(int to, const void *bytes, size_t size)
-{
-    const char *at = bytes;
-    ssize_t n = 0;
-    for (; size > 0 && ((n = write(to, at, size)) > 0 || (n < 0 && errno == EINTR));
-         at += n > 0 ? n : 0) {
-        size -= n > 0 ? (size_t)n : 0;
-    }
-    return size == 0;
-}
 
 static bool get_all(int from, void *bytes, size_t size)
 {
@@ -106,7 +96,7 @@ static void work(const pool *p, size_t task, int from, int to)
         if (said->status != LAC_OK) {
             memcpy(said + 1, &err, sizeof err);
         }
-        good = put_all(to, said, sizeof *said + p->room) && !ask->fresh &&
+        good = lac_temp_file_write(to, said, sizeof *said + p->room) && !ask->fresh &&
                get_all(from, &task, sizeof task);
     }
     _exit(CLI_EXIT_DONE);
@@ -151,7 +141,7 @@ static void feed(pool *p, worker *w)
     size_t task = 0;
     while (w->count < most && (task = next_task(p)) != CLI_POOL_NONE) {
         w->task[w->count++] = task;
-        (void)put_all(w->to, &task, sizeof task);
+        (void)lac_temp_file_write(w->to, &task, sizeof task);
     }
 }
 
@@ -300,15 +290,9 @@ void cli_pool_reason(const cli_pool_end *end, char *text, size_t room)
 
 lac_status cli_pool_jobs(const char *text, int *jobs, lac_error *err)
 {
-    long n = omp_get_num_procs(); // that a scheduler leaves of the machine
-    char *end = NULL;
-    if (text != NULL) {
-        n = strtol(text, &end, 10);
-        LAC_FAIL_IF(end == text || *end != '\0' || n < 1 || n > CLI_POOL_JOBS, err, LAC_EINPUT,
-                    "--jobs: \"%s\" must be a number from 1 to %d", text, CLI_POOL_JOBS);
-    }
-    *jobs = (int)(n < 1 ? 1 : n > CLI_POOL_JOBS ? CLI_POOL_JOBS : n);
-    return LAC_OK;
+    const int n = omp_get_num_procs(); // that a scheduler leaves of the machine
+    *jobs = n < 1 ? 1 : n > CLI_POOL_JOBS ? CLI_POOL_JOBS : n;
+    return text != NULL ? cli_count("--jobs", text, CLI_POOL_JOBS, jobs, err) : LAC_OK;
 }
 
 lac_status cli_pool_threads(const cli_request *request, int *threads, lac_error *err)

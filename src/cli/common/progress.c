@@ -113,25 +113,13 @@ void cli_progress_start(cli_progress *progress, const cli_request *request)
     };
 }
 
-// 0 to 1
-static double fraction(const lac_progress *now)
-{
-    double x = now->end > 0 ? now->time / now->end : 0;
-    return x < 0 ? 0 : x > 1 ? 1 : x;
-}
-
-static int terminal_width(void)
-{
-    struct winsize size;
-    bool known = ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
-    return known ? size.ws_col : 80;
-}
-
 static void draw(cli_progress *progress, double part, const char *text)
 {
     enum { BAR = 20 };
     static const char full[] = "####################", empty[] = "--------------------";
-    int done = (int)(BAR * part), room = terminal_width() - BAR - 10;
+    struct winsize size;
+    const bool known = ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
+    int done = (int)(BAR * part), room = (known ? size.ws_col : 80) - BAR - 10;
     const char *on = progress->colour ? "\033[32m" : "", *off = progress->colour ? "\033[0m" : "";
     (void)fprintf(stderr, "\r[%s%.*s%s%.*s] %3.0f %% %.*s\033[K", on, done, full, off, BAR - done,
                   empty, 100 * part, room > 0 ? room : 0, text);
@@ -167,7 +155,8 @@ void cli_progress_show(cli_progress *progress, const lac_progress *now)
         const cli_text text = cli_format("%s of %s, mean slip rate %s, %" PRId64 " steps",
                                          cli_amount(now->time, "s").s, cli_amount(now->end, "s").s,
                                          cli_amount(now->mean_rate, "m/s").s, now->steps);
-        put_out(progress, fraction(now), text.s);
+        const double part = now->end > 0 ? now->time / now->end : 0;
+        put_out(progress, fmin(fmax(part, 0.0), 1.0), text.s);
     }
 }
 

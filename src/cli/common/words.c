@@ -10,6 +10,7 @@
 #include "base/date.h"
 #include "base/hidden.h"
 #include "base/nearest.h"
+#include "base/temp_file.h"
 #include "base/units.h"
 
 enum { MOST_ROWS = 128, BLOCK = 4096, HELD = 4 }; // rows: of a table that words are looked up in
@@ -43,6 +44,16 @@ const void *cli_find(const char *where, const char *word, const char *what, cons
     return NULL;
 }
 
+lac_status cli_count(const char *option, const char *text, int most, int *out, lac_error *err)
+{
+    char *end;
+    const long n = strtol(text, &end, 10);
+    LAC_FAIL_IF(end == text || *end != '\0' || n < 1 || n > most, err, LAC_EINPUT,
+                "%s: \"%s\" must be a number from 1 to %d", option, text, most);
+    *out = (int)n;
+    return LAC_OK;
+}
+
 // The first bytes of a character whose others have not come.
 typedef struct held {
     char bytes[HELD];
@@ -65,19 +76,6 @@ static size_t clean(char *text, size_t n)
     return kept;
 }
 
-static bool write_all(const char *text, size_t n)
-{
-    while (n > 0) {
-        const ssize_t done = write(STDOUT_FILENO, text, n);
-        if (done < 0 && errno != EINTR) {
-            return false;
-        }
-        text += done > 0 ? done : 0;
-        n -= done > 0 ? (size_t)done : 0;
-    }
-    return true;
-}
-
 static ssize_t write_clean(void *context, const char *text, size_t n)
 {
     held *h = context;
@@ -89,7 +87,7 @@ static ssize_t write_clean(void *context, const char *text, size_t n)
         const size_t filled = clean(block, h->count + more);
         h->count = lac_hidden_begun(block, filled);
         memcpy(h->bytes, block + filled - h->count, h->count);
-        if (!write_all(block, filled - h->count)) {
+        if (!lac_temp_file_write(STDOUT_FILENO, block, filled - h->count)) {
             return 0;
         }
         done += more;
@@ -167,6 +165,17 @@ cli_text cli_date(double seconds)
     cli_text text;
     (void)lac_date_format(seconds, text.s, sizeof text.s);
     return text;
+}
+
+const cli_time_unit *cli_time_unit_of(double seconds, double least)
+{
+    static const cli_time_unit units[] = {
+        {86400.0, "days", "day"}, {3600.0, "hour", "hour"}, {60.0, "min", "min"}, {1.0, "s", "s"}};
+    const cli_time_unit *u = units;
+    while (seconds < least * u->seconds && u + 1 < units + sizeof units / sizeof *units) {
+        u++;
+    }
+    return u;
 }
 
 void cli_row_quantity(const char *label, double value, const char *unit)

@@ -16,6 +16,9 @@ lac_status cli_unknown(const char *where, const char *word, const char *what,
 const void *cli_find(const char *where, const char *word, const char *what, const void *rows,
                      size_t stride, lac_error *err);
 
+/// Reads the number of an option, from 1 to `most`. @return LAC_OK; LAC_EINPUT
+lac_status cli_count(const char *option, const char *text, int most, int *out, lac_error *err);
+
 /// Prints one line on stderr, after the program's name.
 void cli_note(const char *format, ...) __attribute__((format(printf, 1, 2)));
 void cli_note_list(const char *format, va_list args) __attribute__((format(printf, 1, 0)));
@@ -34,6 +37,15 @@ cli_text cli_format(const char *format, ...) __attribute__((format(printf, 1, 2)
 cli_text cli_amount(double value, const char *unit);
 cli_text cli_exact(double value, const char *unit);
 cli_text cli_date(double seconds);
+
+/// A unit of time, and its name, in a head of four letters too.
+typedef struct cli_time_unit {
+    double seconds;
+    const char *head, *name;
+} cli_time_unit;
+
+/// The largest unit of which a time holds so many, else the second.
+const cli_time_unit *cli_time_unit_of(double seconds, double least);
 
 /// As cli_row, a text wrapped to 79 columns.
 void cli_row_wrap(const char *label, const char *text);

@@ -4,7 +4,6 @@
 #include "cli/common/command.h"
 #include "cli/common/output.h"
 #include "cli/common/progress.h"
-#include "cli/common/words.h"
 #include "cli/report/report.h"
 
 // Everything that the command holds.
@@ -20,18 +19,6 @@ typedef struct contact_job {
     cli_progress progress;
     char *path;
 } contact_job;
-
-static lac_status read_measures(const cli_request *request, lac_scene_measure_def *def,
-                                lac_error *err)
-{
-    const lac_measure_words words = {request->boxes, request->coarsest, request->coarsening,
-                                     request->sizes};
-    lac_error why = {""};
-    const lac_status status = lac_scene_measure_read(&words, def, &why);
-    return status == LAC_OK
-               ? LAC_OK
-               : lac_fail(err, status, "%s%s", status == LAC_EINPUT ? "--" : "", why.message);
-}
 
 static lac_status on_step(void *context, const lac_history_record *record, lac_error *err)
 {
@@ -146,9 +133,13 @@ static lac_status show_result(const contact_job *job, lac_status status, lac_err
 lac_status cli_contact(const cli_request *request, lac_error *err)
 {
     contact_job job = {.request = request};
+    const lac_measure_words words = {request->boxes, request->coarsest, request->coarsening,
+                                     request->sizes};
     lac_scene_measure_def measure;
-    lac_status status;
-    LAC_TRY(read_measures(request, &measure, err));
+    lac_error why = {""};
+    lac_status status = lac_scene_measure_read(&words, &measure, &why);
+    LAC_FAIL_IF(status != LAC_OK, err, status, "%s%s", status == LAC_EINPUT ? "--" : "",
+                why.message);
     LAC_TRY(cli_case_read(request, LAC_FOR_CONTACT, &job.source, NULL, err));
     job.source->team = request->team;
     LAC_TRY(cli_output_path(request, job.source, NULL, "-contact.nc", &job.path, err));

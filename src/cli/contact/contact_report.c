@@ -189,9 +189,17 @@ static void print_clusters(const lac_cluster_summary *c)
     }
 }
 
-static void print_published(void)
+static void print_sizes(const lac_scene_fractal *f)
 {
     const lac_size_exponent *x;
+    printf("\nSize effect, strength ~ b^-x, x = %.3f +/- %.3f\n", 2 - f->scaling.dimension,
+           f->scaling.error);
+    printf("  %12s %10s %18s %14s\n", "specimen", "strength", "within an error", "p_0 at p*");
+    for (size_t i = 0; i < f->sizes; i++) {
+        const lac_size_strength *at = &f->size[i];
+        printf("  %12s %10.4g %18s %14s\n", cli_amount(at->size, "m").s, at->relative,
+               cli_format("%.3g to %.3g", at->low, at->high).s, cli_amount(at->pressure, "Pa").s);
+    }
     puts("\nPublished exponents of strength ~ b^-x");
     for (size_t i = 0; (x = lac_size_exponent_get(i)) != NULL; i++) {
         printf("  %-10s %-20s %-18s %s\n",
@@ -202,19 +210,6 @@ static void print_published(void)
                                        : "lengths not stated",
                x->source);
     }
-}
-
-static void print_sizes(const lac_scene_fractal *f)
-{
-    printf("\nSize effect, strength ~ b^-x, x = %.3f +/- %.3f\n", 2 - f->scaling.dimension,
-           f->scaling.error);
-    printf("  %12s %10s %18s %14s\n", "specimen", "strength", "within an error", "p_0 at p*");
-    for (size_t i = 0; i < f->sizes; i++) {
-        const lac_size_strength *at = &f->size[i];
-        printf("  %12s %10.4g %18s %14s\n", cli_amount(at->size, "m").s, at->relative,
-               cli_format("%.3g to %.3g", at->low, at->high).s, cli_amount(at->pressure, "Pa").s);
-    }
-    print_published();
 }
 
 // The history of loads, as a table in units that suit the largest values.

@@ -95,15 +95,6 @@ static bool leads(const cli_tables *e, size_t i)
     return e->variable[i].wanted;
 }
 
-static size_t count_tables(const cli_tables *e)
-{
-    size_t n = 0;
-    for (size_t i = 0; i < e->count; i++) {
-        n += leads(e, i) ? 1 : 0;
-    }
-    return n;
-}
-
 static bool is_folder(const char *path)
 {
     struct stat info;
@@ -114,24 +105,25 @@ static bool is_folder(const char *path)
 static lac_status find_folder(export_job *job, lac_error *err)
 {
     const char *output = job->request->output, *name = lac_page_name(job->request->argument[0]);
-    const size_t length = strlen(name), written = output != NULL ? strlen(output) : 0;
-    const bool stem = length > 3 && strcmp(name + length - 3, ".nc") == 0;
+    const size_t written = output != NULL ? strlen(output) : 0;
     const bool named = written > 0 && (output[written - 1] == '/' || is_folder(output));
     const bool stations = job->request->stations != NULL;
-    const size_t tables = stations ? job->stations.count : count_tables(&job->of);
+    size_t tables = job->stations.count;
+    for (size_t i = 0; !stations && i < job->of.count; i++) {
+        tables += leads(&job->of, i) ? 1 : 0;
+    }
     LAC_FAIL_IF(tables == 0, err, LAC_EINPUT, "%s: holds no table, only fields over the cells",
                 job->request->argument[0]);
     if (tables == 1 && job->request->variables.n > 0 && !named) {
         return LAC_OK;
     }
-    LAC_FAIL_IF(!stations && written > 4 && strcmp(output + written - 4, ".csv") == 0, err,
-                LAC_EINPUT, "-o %s: these are %zu tables: name a folder, or pick one by --variable",
-                output, tables + (job->request->variables.n == 0));
+    LAC_FAIL_IF(!stations && written > 0 && cli_stem(output, ".csv") < written, err, LAC_EINPUT,
+                "-o %s: these are %zu tables: name a folder, or pick one by --variable", output,
+                tables + (job->request->variables.n == 0));
     const int bare = written > 1 && output[written - 1] == '/' ? (int)written - 1 : (int)written;
-    const int good = output != NULL
-                         ? asprintf(&job->folder, "%.*s", bare, output)
-                         : asprintf(&job->folder, "%.*s-%s", (int)(stem ? length - 3 : length),
-                                    name, stations ? "stations" : "tables");
+    const int good = output != NULL ? asprintf(&job->folder, "%.*s", bare, output)
+                                    : asprintf(&job->folder, "%.*s-%s", (int)cli_stem(name, ".nc"),
+                                               name, stations ? "stations" : "tables");
     if (good < 0) {
         job->folder = NULL;
         return lac_fail_memory(err);
@@ -157,8 +149,13 @@ static char *path_of(const export_job *job, const lac_stored_shape *shape)
     return asprintf(&path, "%s/%s.csv", job->folder, used > 0 ? name : "values") >= 0 ? path : NULL;
 }
 
-static void tell(export_job *job, const char *path, size_t rows, size_t columns)
+// To a file of its own, once it is whole in memory. @param out  closed here
+static lac_status put(export_job *job, FILE *out, char **text, const char *path, size_t rows,
+                      size_t columns, lac_error *err)
 {
+    LAC_FAIL_IF(fclose(out) != 0 || path == NULL, err, LAC_ENOMEM, "out of memory");
+    LAC_TRY_RETURN(cli_output_check(job->request, NULL, path, err));
+    LAC_TRY_RETURN(lac_write_text(path, *text, cli_given(job->request, CLI_OPT_FORCE), err));
     if (cli_given(job->request, CLI_OPT_JSON)) {
         lac_json_open(&job->json, NULL, '{');
         lac_json_text(&job->json, "path", path);
@@ -172,16 +169,6 @@ static void tell(export_job *job, const char *path, size_t rows, size_t columns)
         cli_note("warning: %s: has more rows than the %zu that a spreadsheet takes", path,
                  most_rows);
     }
-}
-
-// To a file of its own, once it is whole in memory. @param out  closed here
-static lac_status put(export_job *job, FILE *out, char **text, const char *path, size_t rows,
-                      size_t columns, lac_error *err)
-{
-    LAC_FAIL_IF(fclose(out) != 0 || path == NULL, err, LAC_ENOMEM, "out of memory");
-    LAC_TRY_RETURN(cli_output_check(job->request, NULL, path, err));
-    LAC_TRY_RETURN(lac_write_text(path, *text, cli_given(job->request, CLI_OPT_FORCE), err));
-    tell(job, path, rows, columns);
     return LAC_OK;
 }
 
@@ -236,16 +223,6 @@ static lac_status write_station(export_job *job, size_t which, lac_error *err)
     return status;
 }
 
-static lac_status write_tables(export_job *job, lac_error *err)
-{
-    for (size_t i = 0; i < job->of.count; i++) {
-        if (leads(&job->of, i)) {
-            LAC_TRY_RETURN(write_table(job, &job->of.variable[i].shape, err));
-        }
-    }
-    return job->request->variables.n == 0 ? write_table(job, NULL, err) : LAC_OK;
-}
-
 static void tell_fields(export_job *job)
 {
     const bool json = cli_given(job->request, CLI_OPT_JSON);
@@ -277,8 +254,13 @@ static lac_status write_all(export_job *job, lac_error *err)
     for (size_t i = 0; i < job->stations.count; i++) {
         LAC_TRY_RETURN(write_station(job, i, err));
     }
-    if (!stations) {
-        LAC_TRY_RETURN(write_tables(job, err));
+    for (size_t i = 0; !stations && i < job->of.count; i++) {
+        if (leads(&job->of, i)) {
+            LAC_TRY_RETURN(write_table(job, &job->of.variable[i].shape, err));
+        }
+    }
+    if (!stations && job->request->variables.n == 0) {
+        LAC_TRY_RETURN(write_table(job, NULL, err));
     }
     if (json) {
         lac_json_close(&job->json, ']');
@@ -294,17 +276,6 @@ static lac_status write_all(export_job *job, lac_error *err)
     return LAC_OK;
 }
 
-static lac_status to_stdout(export_job *job, lac_error *err)
-{
-    size_t columns = 0, i = 0;
-    LAC_FAIL_IF(cli_given(job->request, CLI_OPT_JSON), err, LAC_EINPUT,
-                "--json tells which files were written: name one with -o");
-    while (!leads(&job->of, i)) {
-        i++;
-    }
-    return cli_export_write(&job->of, &job->of.variable[i].shape, stdout, &columns, err);
-}
-
 lac_status cli_export(const cli_request *request, lac_error *err)
 {
     export_job job = {.request = request, .json = {.out = stdout}};
@@ -317,8 +288,17 @@ lac_status cli_export(const cli_request *request, lac_error *err)
         LAC_TRY(cli_stations_read(&job.of, &job.stations, err));
     }
     LAC_TRY(find_folder(&job, err));
-    const bool to_file = job.folder != NULL || request->output != NULL;
-    LAC_TRY(to_file ? write_all(&job, err) : to_stdout(&job, err));
+    if (job.folder != NULL || request->output != NULL) {
+        LAC_TRY(write_all(&job, err));
+        goto out;
+    }
+    LAC_LEAVE_IF(cli_given(request, CLI_OPT_JSON), err, LAC_EINPUT,
+                 "--json tells which files were written: name one with -o");
+    size_t columns = 0, first = 0;
+    while (!leads(&job.of, first)) {
+        first++;
+    }
+    LAC_TRY(cli_export_write(&job.of, &job.of.variable[first].shape, stdout, &columns, err));
 out:
     cli_stations_clear(&job.stations);
     free(job.folder);

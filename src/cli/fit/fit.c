@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // lacuna fit CASE SERIES.csv: the fit, its file and the fitted case, and what it came to in words.
+#define _GNU_SOURCE // asprintf
 #include <unistd.h>
 
 #include "base/hidden.h"
@@ -84,24 +85,12 @@ static lac_status set_columns(fit_job *job, lac_error *err)
 // OUT.yaml beside OUT.nc.
 static lac_status name_case(fit_job *job, lac_error *err)
 {
-    const size_t n = strlen(job->path), size = n + sizeof ".yaml";
-    const bool netcdf = n > 3 && strcmp(job->path + n - 3, ".nc") == 0;
-    job->case_path = malloc(size);
-    LAC_FAIL_MEMORY_IF(job->case_path == NULL, err);
-    (void)snprintf(job->case_path, size, "%.*s.yaml", (int)(netcdf ? n - 3 : n), job->path);
+    char *path = NULL;
+    LAC_FAIL_MEMORY_IF(asprintf(&path, "%.*s.yaml", (int)cli_stem(job->path, ".nc"), job->path) < 0,
+                       err);
+    job->case_path = path;
     const lac_status status = cli_output_check(&job->request, job->source, job->case_path, err);
     return status == LAC_OK ? status : lac_fail_within(err, status, "the case beside it");
-}
-
-// Where the sampler's steps are kept until the fit is done.
-static lac_status open_kept(fit_job *job, bool resume, lac_error *err)
-{
-    job->kept_path = lac_text_join(job->path, "", ".chains");
-    LAC_FAIL_MEMORY_IF(job->kept_path == NULL, err);
-    return job->source->fit.steps == 0 && !resume
-               ? LAC_OK
-               : lac_kept_open(job->kept_path, "fit", lac_fit_sum(job->fit), resume, &job->kept,
-                               err);
 }
 
 static lac_status prepare(fit_job *job, lac_error *err)
@@ -111,9 +100,7 @@ static lac_status prepare(fit_job *job, lac_error *err)
     lac_case_issues report = {0};
     const cli_request *request = &job->request;
     const bool resume = cli_given(&job->request, CLI_OPT_RESUME);
-    if (resume) { // what goes on is in the steps kept; the output may hold those up to an interrupt
-        job->request.given = (job->request.given & ~(unsigned)CLI_OPT_RESUME) | CLI_OPT_FORCE;
-    }
+    job->request = cli_request_anew(request, true);
     LAC_TRY(cli_pool_threads(request, &threads, err));
     LAC_TRY(set_columns(job, err));
     LAC_TRY(cli_case_read(request, LAC_FOR_FIT, &job->source, NULL, err));
@@ -125,7 +112,12 @@ static lac_status prepare(fit_job *job, lac_error *err)
     LAC_TRY(status == LAC_OK ? status : lac_fail_within(err, status, "%s", request->argument[1]));
     const lac_case_request how = {LAC_FOR_FIT, request->overrides, request->set_count};
     LAC_TRY(lac_case_read(request->argument[0], &how, &job->fitted, &report, err));
-    LAC_TRY(open_kept(job, resume, err));
+    job->kept_path = lac_text_join(job->path, "", ".chains");
+    LAC_TRY(job->kept_path != NULL ? LAC_OK : lac_fail_memory(err));
+    if (job->source->fit.steps > 0 || resume) { // the sampler's steps, until the fit is done
+        LAC_TRY(
+            lac_kept_open(job->kept_path, "fit", lac_fit_sum(job->fit), resume, &job->kept, err));
+    }
 out:
     lac_case_issues_clear(&report);
     return status;
@@ -176,22 +168,17 @@ static void make_plain(char *text)
 // it stands in, or in full where that is another than the working folder.
 static lac_status write_case(const fit_job *job, lac_error *err)
 {
-    enum { HEAD = 4 * PATH_MAX };
     lac_fit_apply(&job->result, job->fitted);
     LAC_TRY_RETURN(move_case(job->case_path, job->fitted, err));
-    char *text = lac_case_text(job->fitted);
-    const size_t room = HEAD + (text != NULL ? strlen(text) : 0) + sizeof "\n";
-    char *whole = malloc(room);
-    lac_status status = text == NULL || whole == NULL ? lac_fail_memory(err) : LAC_OK;
-    if (status == LAC_OK) {
-        (void)snprintf(whole, HEAD,
-                       "# %s fitted to %s by lacuna fit: the best fit; its uncertainty is in %s",
-                       job->source->path, job->request.argument[1], job->path);
-        make_plain(whole);
-        const size_t head = strlen(whole);
-        (void)snprintf(whole + head, room - head, "\n%s", text);
-        status = lac_write_text(job->case_path, whole, true, err); // asked for before the fit
-    }
+    char head[4 * PATH_MAX], *text = lac_case_text(job->fitted);
+    (void)snprintf(head, sizeof head,
+                   "# %s fitted to %s by lacuna fit: the best fit; its uncertainty is in %s",
+                   job->source->path, job->request.argument[1], job->path);
+    make_plain(head);
+    char *whole = text != NULL ? lac_text_join(head, "\n", text) : NULL;
+    const lac_status status = whole != NULL // asked for before the fit
+                                  ? lac_write_text(job->case_path, whole, true, err)
+                                  : lac_fail_memory(err);
     free(text);
     free(whole);
     return status;
@@ -391,19 +378,6 @@ static void print_text(const lac_fit_outcome *outcome, const char *series, doubl
     cli_row("cost", "%" PRId64 " runs in %.3g s", r->runs, wall_time);
 }
 
-static void print_json(const fit_job *job, const lac_dataset *dataset, double wall_time)
-{
-    lac_json json = {.out = stdout};
-    lac_json_open(&json, NULL, '{');
-    cli_series_warnings(&json, job->series);
-    lac_dataset_json(dataset, &json);
-    lac_json_number(&json, "wall_time_s", wall_time);
-    lac_json_number(&json, "cpu_time_s", cli_cpu_time());
-    lac_json_text(&json, "output", job->path);
-    lac_json_text(&json, "case_output", job->case_path);
-    lac_json_close(&json, '}');
-}
-
 // What was computed is written whole, also where it was interrupted.
 static lac_status put_out(fit_job *job, lac_status computed, lac_error *err)
 {
@@ -418,7 +392,15 @@ static lac_status put_out(fit_job *job, lac_status computed, lac_error *err)
     LAC_TRY(cli_store_dataset(request, source, source->fit.seed, job->path, dataset, err));
     LAC_TRY(request->pipe == 0 ? write_case(job, err) : LAC_OK);
     if (cli_given(request, CLI_OPT_JSON)) {
-        print_json(job, dataset, wall_time);
+        lac_json json = {.out = stdout};
+        lac_json_open(&json, NULL, '{');
+        cli_series_warnings(&json, job->series);
+        lac_dataset_json(dataset, &json);
+        lac_json_number(&json, "wall_time_s", wall_time);
+        lac_json_number(&json, "cpu_time_s", cli_cpu_time());
+        lac_json_text(&json, "output", job->path);
+        lac_json_text(&json, "case_output", job->case_path);
+        lac_json_close(&json, '}');
     } else {
         print_text(&outcome, request->argument[1], wall_time, cli_given(request, CLI_OPT_VERBOSE));
         cli_row("file", "%s", job->path);
@@ -427,18 +409,6 @@ static lac_status put_out(fit_job *job, lac_status computed, lac_error *err)
 out:
     lac_dataset_free(dataset);
     return status;
-}
-
-// Draws that cannot be relied on stay what more rounds begin with.
-static lac_status trust(const fit_job *job, lac_error *err)
-{
-    lac_error why = {""};
-    const lac_status status = lac_fit_trust(&job->result, &why);
-    return status == LAC_OK
-               ? LAC_OK
-               : lac_fail(err, status,
-                          "%s; with --set fit.rounds=%" PRId64 " --resume goes on from %s",
-                          why.message, job->source->fit.rounds + 1, job->kept_path);
 }
 
 lac_status cli_fit(const cli_request *request, lac_error *err)
@@ -457,8 +427,14 @@ lac_status cli_fit(const cli_request *request, lac_error *err)
     if (status == LAC_OK || (status == LAC_EINTERRUPT && job.result.times > 0)) {
         lac_status written = put_out(&job, status, status == LAC_OK ? err : NULL);
         status = status == LAC_OK ? written : status;
-        if (status == LAC_OK) {
-            status = trust(&job, err);
+        if (status == LAC_OK) { // draws that cannot be relied on stay what more rounds begin with
+            lac_error why = {""};
+            status = lac_fit_trust(&job.result, &why);
+            LAC_TRY(status == LAC_OK
+                        ? LAC_OK
+                        : lac_fail(err, status,
+                                   "%s; with --set fit.rounds=%" PRId64 " --resume goes on from %s",
+                                   why.message, job.source->fit.rounds + 1, job.kept_path));
         } else if (status == LAC_EINTERRUPT) {
             status =
                 lac_fail(err, status,

@@ -59,27 +59,6 @@ static lac_status split(const char *given, char *text, parts *out, lac_error *er
     return LAC_OK;
 }
 
-// Columns of two files may have one name; variables may not.
-static lac_status check_name(const cli_drivers *drivers, const char *given, const char *name,
-                             lac_error *err)
-{
-    for (size_t k = 0; k < drivers->n; k++) {
-        LAC_FAIL_IF(strcmp(drivers->driver[k].name, name) == 0, err, LAC_EINPUT,
-                    "--driver: \"%s\" is the second driver named %s: rename a column", given, name);
-    }
-    return LAC_OK;
-}
-
-// All at 00:00: values of days.
-static bool are_days(const lac_series *s)
-{
-    size_t i = 0;
-    while (s->dated && i < s->n && fmod(s->time[i], day) == 0.0) {
-        i++;
-    }
-    return s->dated && i == s->n;
-}
-
 // Values that look like amounts, at uneven times.
 static bool asks_for_sum(const lac_series *s)
 {
@@ -142,7 +121,11 @@ static lac_status read_one(const cli_request *request, const lac_case *known, co
     out->text[k] = strdup(given);
     LAC_FAIL_MEMORY_IF(out->text[k] == NULL, err);
     LAC_TRY_RETURN(split(given, out->text[k], &p, err));
-    LAC_TRY_RETURN(check_name(out, given, p.column, err));
+    for (size_t i = 0; i < k; i++) { // columns of two files may have one name; variables may not
+        LAC_FAIL_IF(strcmp(out->driver[i].name, p.column) == 0, err, LAC_EINPUT,
+                    "--driver: \"%s\" is the second driver named %s: rename a column", given,
+                    p.column);
+    }
     if (p.path == NULL) {
         def.time = request->series.time != NULL ? request->series.time
                    : known != NULL              ? known->fit.columns.time
@@ -160,10 +143,14 @@ static lac_status read_one(const cli_request *request, const lac_case *known, co
     def.value_unit = def.value_si = p.unit; // of any dimension: kept as it is
     LAC_TRY_RETURN(lac_series_read(&def, units, &out->series[k], err));
     const lac_series *s = out->series[k];
+    bool days = p.path != NULL && s->dated; // all at 00:00: values of days
+    for (size_t i = 0; days && i < s->n; i++) {
+        days = fmod(s->time[i], day) == 0.0;
+    }
     out->driver[out->n++] = (lac_driver){.name = p.column,
                                          .unit = p.unit,
                                          .sum = p.sum,
-                                         .days = p.path != NULL && are_days(s),
+                                         .days = days,
                                          .n = s->n,
                                          .time = s->time,
                                          .value = s->value};
@@ -206,16 +193,9 @@ void cli_drivers_clear(cli_drivers *drivers)
 // To two digits or so: it is not known better.
 static cli_text length_of(double seconds)
 {
-    static const struct {
-        double seconds;
-        const char *name;
-    } units[] = {{86400.0, "day"}, {3600.0, "hour"}, {60.0, "min"}, {1.0, "s"}};
-    size_t k = 0;
-    while (k + 1 < sizeof units / sizeof *units && seconds < units[k].seconds) {
-        k++;
-    }
-    const double count = seconds / units[k].seconds, enough = 9.95;
-    return cli_format(count < enough ? "%.1f %s" : "%.0f %s", count, units[k].name);
+    const cli_time_unit *u = cli_time_unit_of(seconds, 1.0);
+    const double count = seconds / u->seconds, enough = 9.95;
+    return cli_format(count < enough ? "%.1f %s" : "%.0f %s", count, u->name);
 }
 
 static cli_text answer_of(const lac_driver_effect *e)

@@ -151,8 +151,8 @@ static lac_status read_case(precursors_job *job, lac_error *err)
 
 static bool go_on(void *context, size_t done, size_t all)
 {
-    (void)context, (void)done, (void)all;
-    return !cli_signals_stop(NULL);
+    (void)done, (void)all;
+    return !cli_signals_stop(context);
 }
 
 // As lac_indicator_series_see, and with --jsonl its line.
@@ -250,31 +250,25 @@ out:
     return status;
 }
 
-static lac_status check_since(const precursors_job *job, lac_error *err)
-{
-    const lac_readings *r = &job->watched.readings;
-    return job->plan.def.since > r->time[r->n - 1]
-               ? lac_fail(err, LAC_EINPUT, "--since: \"%s\" is after the last reading, %s",
-                          job->request->forecast.since,
-                          cli_watched_time(&job->watched.of, r->time[r->n - 1]).s)
-               : LAC_OK;
-}
-
 // A window in which no two readings lie gives no velocity, and no method an answer.
-static lac_status check_window(const precursors_job *job, lac_error *err)
+static lac_status check_times(const precursors_job *job, lac_error *err)
 {
     const lac_readings *r = &job->watched.readings;
     const lac_motion_def *motion = &job->plan.def.motion;
+    const double last = r->time[r->n - 1];
     double least = INFINITY;
+    LAC_FAIL_IF(job->plan.def.since > last, err, LAC_EINPUT,
+                "--since: \"%s\" is after the last reading, %s", job->request->forecast.since,
+                cli_watched_time(&job->watched.of, last).s);
     for (size_t i = 1; i < r->n; i++) {
         least = fmin(least, r->time[i] - r->time[i - 1]);
     }
-    return motion->smoothing == LAC_SMOOTH_WINDOW && r->n > 1 && motion->window < least
-               ? lac_fail(err, LAC_EINPUT,
-                          "--smooth: \"%s\" is %g s, shorter than every interval of the readings, "
-                          "%g s or more: such as \"window:7 day\"",
-                          job->request->forecast.smooth, motion->window, least)
-               : LAC_OK;
+    LAC_FAIL_IF(motion->smoothing == LAC_SMOOTH_WINDOW && r->n > 1 && motion->window < least, err,
+                LAC_EINPUT,
+                "--smooth: \"%s\" is %g s, shorter than every interval of the readings, %g s or "
+                "more: such as \"window:7 day\"",
+                job->request->forecast.smooth, motion->window, least);
+    return LAC_OK;
 }
 
 // What goes with --rolling alone.
@@ -301,12 +295,10 @@ static lac_status keep_steps(precursors_job *job, bool resume, lac_error *err)
                                  "steps are kept beside -o FILE")
                       : LAC_OK;
     }
+    LAC_TRY_RETURN(cli_case_sum(job->request, job->source, &sum, err));
     char *path = lac_text_join(output, "", ".chains");
     LAC_FAIL_MEMORY_IF(path == NULL, err);
-    lac_status status = cli_case_sum(job->request, job->source, &sum, err);
-    if (status == LAC_OK) {
-        status = lac_kept_open(path, "precursors", sum, resume, &job->watch.kept, err);
-    }
+    const lac_status status = lac_kept_open(path, "precursors", sum, resume, &job->watch.kept, err);
     free(path);
     return status;
 }
@@ -320,20 +312,10 @@ static void end_steps(precursors_job *job, lac_status status, lac_error *err)
     lac_kept_close(job->watch.kept, status == LAC_OK);
 }
 
-// With --resume: what goes on is in the steps kept, and the output may hold what an interrupt left.
-static cli_request anew(const cli_request *given)
-{
-    cli_request own = *given;
-    if (cli_given(given, CLI_OPT_RESUME)) {
-        own.given = (own.given & ~(unsigned)CLI_OPT_RESUME) | CLI_OPT_FORCE;
-    }
-    return own;
-}
-
 static lac_status answer(const cli_request *given, const char *station, lac_json *json,
                          lac_error *err)
 {
-    const cli_request own = anew(given), *request = &own;
+    const cli_request own = cli_request_anew(given, true), *request = &own;
     precursors_job job = {.request = request, .station = station, .json = json};
     lac_forecast_outcome *of = &job.watched.of;
     lac_status status;
@@ -346,8 +328,7 @@ static lac_status answer(const cli_request *given, const char *station, lac_json
     LAC_TRY(keep_steps(&job, cli_given(given, CLI_OPT_RESUME), err));
     LAC_TRY(cli_watched_read(request, job.source, job.units, &job.watched, err));
     LAC_TRY(cli_forecast_plan_read(request, of->dated, job.units, &job.plan, err));
-    LAC_TRY(check_since(&job, err));
-    LAC_TRY(check_window(&job, err));
+    LAC_TRY(check_times(&job, err));
     LAC_TRY(cli_drivers_read(request, job.source, &job.watched, job.units, &job.drivers, err));
     job.plan.def.drivers = job.drivers.n;
     job.plan.def.driver = job.drivers.driver;

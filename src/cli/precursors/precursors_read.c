@@ -7,15 +7,6 @@
 
 enum { ISSUES = 200, MOST_ISSUES = 1000000 };
 
-static bool is_run(const cli_request *request)
-{
-    char text[32];
-    return request->series.displacement == NULL && request->series.velocity == NULL &&
-           request->series.components == NULL &&
-           lac_store_read_attribute(request->argument[0], "lacuna_format_version", text,
-                                    sizeof text, NULL) == LAC_OK;
-}
-
 // Records whose time a double tells apart from the one before.
 static size_t keep_increasing(cli_watched *w, size_t n)
 {
@@ -63,50 +54,41 @@ out:
     return status;
 }
 
-static lac_status read_series(const cli_request *request, const lac_case *known,
-                              const lac_units *units, cli_watched *w, lac_error *err)
-{
-    lac_series *series = NULL;
-    LAC_TRY_RETURN(cli_series_read(request, known != NULL ? &known->fit.columns : NULL,
-                                   w->of.source, units, &series, err));
-    w->of.series = series;
-    w->of.dated = series->dated;
-    w->readings = lac_series_readings(series);
-    return LAC_OK;
-}
-
-static lac_status cut(const cli_request *request, const lac_units *units, cli_watched *w,
-                      lac_error *err)
-{
-    double until = INFINITY;
-    if (request->until != NULL) {
-        LAC_TRY_RETURN(cli_series_time("until", request->until, w->of.dated, units, &until, err));
-    }
-    while (w->readings.n > 0 && w->readings.time[w->readings.n - 1] > until) {
-        w->readings.n--;
-    }
-    LAC_FAIL_IF(w->readings.n == 0, err, LAC_EINPUT, "%s: has no reading%s%s", w->of.source,
-                request->until != NULL ? " until " : "",
-                request->until != NULL ? request->until : "");
-    return LAC_OK;
-}
-
 lac_status cli_watched_read(const cli_request *request, const lac_case *known,
                             const lac_units *units, cli_watched *out, lac_error *err)
 {
-    const char *failed_at = request->forecast.failed_at;
+    const char *failed_at = request->forecast.failed_at, *until = request->until;
+    double last = INFINITY;
     *out = (cli_watched){
         .of = {.source = request->argument[0], .readings = &out->readings, .failed_at = NAN}};
-    out->run = is_run(request);
-    lac_status status =
-        out->run ? read_run(out, err) : read_series(request, known, units, out, err);
-    LAC_TRY(status);
+    char text[32];
+    out->run = !cli_series_named(request) &&
+               lac_store_read_attribute(request->argument[0], "lacuna_format_version", text,
+                                        sizeof text, NULL) == LAC_OK;
+    lac_series *series = NULL;
+    lac_status status;
+    if (out->run) {
+        LAC_TRY(read_run(out, err));
+    } else {
+        LAC_TRY(cli_series_read(request, known != NULL ? &known->fit.columns : NULL, out->of.source,
+                                units, &series, err));
+        out->of.series = series;
+        out->of.dated = series->dated;
+        out->readings = lac_series_readings(series);
+    }
     if (strcmp(out->of.run_status, "failed") == 0 && !cli_given(request, CLI_OPT_QUIET)) {
         cli_note("warning: %s: this run ended by an error: neither its motion is a result nor what "
                  "follows from it",
                  out->of.source);
     }
-    LAC_TRY(cut(request, units, out, err));
+    if (until != NULL) {
+        LAC_TRY(cli_series_time("until", until, out->of.dated, units, &last, err));
+    }
+    while (out->readings.n > 0 && out->readings.time[out->readings.n - 1] > last) {
+        out->readings.n--;
+    }
+    LAC_LEAVE_IF(out->readings.n == 0, err, LAC_EINPUT, "%s: has no reading%s%s", out->of.source,
+                 until != NULL ? " until " : "", until != NULL ? until : "");
     if (failed_at != NULL && strcmp(failed_at, "never") == 0) {
         out->of.failed_at = INFINITY;
     } else if (failed_at != NULL) {

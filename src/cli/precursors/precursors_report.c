@@ -2,35 +2,13 @@
 // What the precursors command found, as tables.
 #include "cli/precursors/precursors.h"
 
-// A unit of times to failure, by how long the issue times span.
-typedef struct unit {
-    double seconds;
-    const char *head, *name;
-} unit;
-
-static const unit units[] = {
-    {86400.0, "days", "day"}, {3600.0, "hour", "hour"}, {60.0, "min", "min"}, {1.0, "s", "s"}};
-
-static const unit *unit_of(const lac_rolling *roll)
+// The unit of times to failure, by how long the issue times span.
+static const cli_time_unit *unit_of(const lac_rolling *roll)
 {
-    const double span = roll->issues > 0 ? roll->issue_time[roll->issues - 1] - roll->issue_time[0]
-                                         : units[0].seconds;
     const double enough = 3.0;
-    const unit *u = units;
-    while (span < enough * u->seconds && u + 1 < units + sizeof units / sizeof *units) {
-        u++;
-    }
-    return u;
-}
-
-// What an engineer is told first.
-static void print_verdict(const lac_forecast_outcome *of)
-{
-    char text[LAC_VERDICT_LONGEST];
-    for (size_t k = 0; k < LAC_VERDICT_LINES; k++) {
-        cli_row_wrap(lac_verdict_about[k], lac_verdict_line(of, k, text, sizeof text));
-    }
-    putchar('\n');
+    return cli_time_unit_of(
+        roll->issues > 0 ? roll->issue_time[roll->issues - 1] - roll->issue_time[0] : 86400.0,
+        enough);
 }
 
 static void print_input(const lac_forecast_outcome *of)
@@ -87,24 +65,18 @@ static void print_forecast(const lac_forecast_outcome *of, const lac_forecast *f
     }
 }
 
-static double value_of(const lac_forecast_fit *fit, const char *key)
-{
-    double value = NAN;
-    for (size_t i = 0; i < fit->count; i++) {
-        value = fit->value[i].key == key ? fit->value[i].value : value;
-    }
-    return value;
-}
-
 // What stands at the end of its range is no estimate.
 static void print_ends(const lac_forecast_set *o)
 {
     for (size_t k = 0; k < o->count; k++) {
         const lac_forecast_fit *fit = &o->forecast[k].fit;
         for (size_t i = 0; i < fit->ends; i++) {
+            double value = NAN;
+            for (size_t v = 0; v < fit->count; v++) {
+                value = fit->value[v].key == fit->end[i] ? fit->value[v].value : value;
+            }
             printf("  %-12s the best fit's %s stands at the end of its range, %.4g\n",
-                   i == 0 ? o->forecast[k].kind->info.name : "", fit->end[i],
-                   value_of(fit, fit->end[i]));
+                   i == 0 ? o->forecast[k].kind->info.name : "", fit->end[i], value);
         }
     }
 }
@@ -123,18 +95,6 @@ static void print_values(const lac_forecast_set *o)
         }
         printf(", %zu points, misfit %.2g, error %.2g\n", f->fit.points, f->fit.misfit,
                f->fit.error);
-    }
-}
-
-static void print_methods(const lac_forecast_set *o)
-{
-    char text[600];
-    printf("\n");
-    for (size_t k = 0; k < o->count; k++) {
-        const lac_forecast_kind *kind = o->forecast[k].kind;
-        (void)snprintf(text, sizeof text, "%s: %s; %s", kind->info.name, kind->estimator,
-                       kind->info.reference);
-        cli_wrap("  ", text);
     }
 }
 
@@ -160,7 +120,7 @@ static void print_indicators(size_t count, const lac_precursor *indicator)
 static void print_lives(const lac_forecast_outcome *of)
 {
     const lac_rolling *roll = of->rolling;
-    const unit *u = unit_of(roll);
+    const cli_time_unit *u = unit_of(roll);
     const double failed_at = of->failed_at;
     printf("\n  %-22s %s", cli_format("life expectancy (%s)", u->head).s,
            isfinite(failed_at) ? "     true" : "");
@@ -266,7 +226,7 @@ static cli_text number(double value) { return cli_format(isnan(value) ? "-" : "%
 
 static void print_skill(const lac_forecast_outcome *of)
 {
-    const unit *u = unit_of(of->rolling);
+    const cli_time_unit *u = unit_of(of->rolling);
     printf("\n  %-12s %7s %12s %10s %10s %10s %10s   %s\n", "skill", "issued",
            cli_format("error (%s)", u->name).s, "in 50 %", "in 90 %",
            cli_format("CRPS (%s)", u->name).s, "baseline", "alarms: hits, false, missed");
@@ -284,8 +244,12 @@ static void print_skill(const lac_forecast_outcome *of)
 void cli_precursors_print(const lac_forecast_outcome *of, bool verbose)
 {
     const lac_forecast_set *o = of->forecasts;
+    char text[LAC_VERDICT_LONGEST];
     printf("%s\n", of->source);
-    print_verdict(of);
+    for (size_t k = 0; k < LAC_VERDICT_LINES; k++) { // what an engineer is told first
+        cli_row_wrap(lac_verdict_about[k], lac_verdict_line(of, k, text, sizeof text));
+    }
+    putchar('\n');
     print_input(of);
     if (o->asked) {
         printf("\n  %-12s %-17s %-36s %-36s %s\n", "method", "failure", "50 % interval",
@@ -300,7 +264,13 @@ void cli_precursors_print(const lac_forecast_outcome *of, bool verbose)
     cli_drivers_print(o);
     if (verbose) {
         print_values(o);
-        print_methods(o);
+        printf("\n");
+        for (size_t k = 0; k < o->count; k++) {
+            const lac_forecast_kind *kind = o->forecast[k].kind;
+            cli_wrap(
+                "  ",
+                cli_format("%s: %s; %s", kind->info.name, kind->estimator, kind->info.reference).s);
+        }
     }
     print_indicators(of->indicators, of->indicator);
     if (of->rolling != NULL) {

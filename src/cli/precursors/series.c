@@ -65,16 +65,6 @@ static lac_status ask_for_columns(const lac_series_def *def, const lac_units *un
                     end != NULL ? "\"" : "");
 }
 
-static lac_status read_skip(const char *text, int64_t *skip, lac_error *err)
-{
-    char *end = NULL;
-    *skip = text != NULL ? strtoll(text, &end, 10) : *skip;
-    return text == NULL || (end != text && *end == '\0' && *skip >= 0 && *skip <= MOST_SKIPPED)
-               ? LAC_OK
-               : lac_fail(err, LAC_EINPUT, "--skip: \"%s\" must be a number of lines, 0 to %d",
-                          text, (int)MOST_SKIPPED);
-}
-
 // The words that are no columns of values.
 static lac_status take_words(const cli_series_words *words, lac_series_def *def, lac_error *err)
 {
@@ -88,7 +78,14 @@ static lac_status take_words(const cli_series_words *words, lac_series_def *def,
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
         *texts[i].to = texts[i].word != NULL ? texts[i].word : *texts[i].to;
     }
-    return read_skip(words->skip, &def->skip, err);
+    if (words->skip != NULL) {
+        char *end = NULL;
+        def->skip = strtoll(words->skip, &end, 10);
+        LAC_FAIL_IF(end == words->skip || *end != '\0' || def->skip < 0 || def->skip > MOST_SKIPPED,
+                    err, LAC_EINPUT, "--skip: \"%s\" must be a number of lines, 0 to %d",
+                    words->skip, (int)MOST_SKIPPED);
+    }
+    return LAC_OK;
 }
 
 // The main direction of motion is that of the readings that are used.
@@ -116,14 +113,18 @@ static lac_status project(const cli_request *request, const lac_units *units, la
     return LAC_OK;
 }
 
+bool cli_series_named(const cli_request *request)
+{
+    const cli_series_words *words = &request->series;
+    return words->displacement != NULL || words->velocity != NULL || words->components != NULL;
+}
+
 lac_status cli_series_read(const cli_request *request, const lac_series_def *known,
                            const char *path, const lac_units *units, lac_series **out,
                            lac_error *err)
 {
     const cli_series_words *words = &request->series;
-    const bool named =
-        words->displacement != NULL || words->velocity != NULL || words->components != NULL;
-    lac_series_def def = !named && known != NULL ? *known : (lac_series_def){0};
+    lac_series_def def = !cli_series_named(request) && known != NULL ? *known : (lac_series_def){0};
     char *owned[3] = {NULL};
     lac_status status;
     *out = NULL;

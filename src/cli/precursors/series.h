@@ -14,6 +14,9 @@ lac_status cli_series_read(const cli_request *request, const lac_series_def *kno
                            const char *path, const lac_units *units, lac_series **out,
                            lac_error *err);
 
+/// Whether options name columns to read.
+bool cli_series_named(const cli_request *request);
+
 /// Says what was taken for want of a word, a line each, unless --quiet.
 void cli_series_warn(const cli_request *request, const char *path, const lac_series *series);
 

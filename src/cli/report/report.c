@@ -233,6 +233,17 @@ lac_status cli_case_read(const cli_request *request, lac_case_purpose purpose, l
     return status;
 }
 
+lac_status cli_parse_quantity(const char *text, const char *unit, double *value, lac_error *err)
+{
+    lac_units *units = NULL;
+    lac_status status = lac_units_create(&units, err);
+    if (status == LAC_OK) {
+        status = lac_units_parse(units, text, unit, value, err);
+    }
+    lac_units_free(units);
+    return status;
+}
+
 lac_status cli_parse_time(const char *text, const lac_case *c, double *time, lac_error *err)
 {
     double date;
@@ -240,13 +251,7 @@ lac_status cli_parse_time(const char *text, const lac_case *c, double *time, lac
         *time = date - c->start_date;
         return LAC_OK;
     }
-    lac_units *units = NULL;
-    lac_status status = lac_units_create(&units, err);
-    if (status == LAC_OK) {
-        status = lac_units_parse(units, text, "s", time, err);
-    }
-    lac_units_free(units);
-    return status;
+    return cli_parse_quantity(text, "s", time, err);
 }
 
 lac_status cli_until(const cli_request *request, const lac_case *c, double *end, lac_error *err)
@@ -325,21 +330,16 @@ static const char *name_of(const lac_compare_def *def)
     return def->label != NULL ? def->label : def->path;
 }
 
-static cli_text format_time(const cli_compare *compare, double t)
-{
-    return compare->source->dated ? cli_date(t) : cli_exact(t, "s");
-}
-
 // A line a reading: when, observed, modelled, their ratio. @param observed  NULL: none
 static void print_column(const cli_compare *compare, const lac_series *series,
                          const lac_history *run, const double *observed, double offset)
 {
-    const bool rates = observed == series->velocity;
+    const bool rates = observed == series->velocity, dated = compare->source->dated;
     const char *unit = rates ? "m/s" : "m";
     if (observed == NULL || series->n > FEW_READINGS) {
         return;
     }
-    printf("    %-21s %-18s %-18s modelled/observed\n", compare->source->dated ? "date" : "time",
+    printf("    %-21s %-18s %-18s modelled/observed\n", dated ? "date" : "time",
            rates ? "rate, observed" : "slip, observed", rates ? "modelled" : "modelled + offset");
     for (size_t k = 0; k < series->n; k++) {
         double slip = NAN, rate = NAN; // outside the run
@@ -349,7 +349,8 @@ static void print_column(const cli_compare *compare, const lac_series *series,
         (void)lac_history_eval(run, series->time[k], &slip, &rate);
         const double modelled = rates ? rate : slip + offset;
         const bool ratio = !isnan(modelled) && observed[k] != 0;
-        printf("    %-21s %-18s %-18s %s\n", format_time(compare, series->time[k]).s,
+        const double t = series->time[k];
+        printf("    %-21s %-18s %-18s %s\n", (dated ? cli_date(t) : cli_exact(t, "s")).s,
                cli_amount(observed[k], unit).s,
                isnan(modelled) ? "- (outside)" : cli_amount(modelled, unit).s,
                ratio ? cli_format("%.2g", modelled / observed[k]).s : "-");

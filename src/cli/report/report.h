@@ -22,6 +22,10 @@ lac_status cli_report_add(lac_case_issues *report, const lac_case *c, const char
 lac_status cli_case_read(const cli_request *request, lac_case_purpose purpose, lac_case **c,
                          lac_case_issues *report, lac_error *err);
 
+/// Reads a quantity in a unit. @return LAC_OK; LAC_EINPUT, with what is allowed; LAC_EIO,
+/// LAC_ENOMEM
+lac_status cli_parse_quantity(const char *text, const char *unit, double *value, lac_error *err);
+
 /// Reads a time of a run of the case, a date where it has one, since its start [s].
 /// @return LAC_OK; LAC_EINPUT, with what is allowed; LAC_EIO, LAC_ENOMEM
 lac_status cli_parse_time(const char *text, const lac_case *c, double *time, lac_error *err);

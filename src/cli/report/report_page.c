@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // lacuna report: a run, or readings and their forecasts, as one page to look at.
-#define _GNU_SOURCE // asprintf
 #include <time.h>
 #include <unistd.h>
 
@@ -17,19 +16,6 @@
 #include "sweep/ensemble.h"
 
 enum { LONGEST_CASE = 1 << 18 };
-
-// -o, else NAME.html in this folder.
-static char *output_path(const cli_request *request)
-{
-    if (request->output != NULL) {
-        return strdup(request->output);
-    }
-    const char *name = lac_page_name(request->argument[0]);
-    const char *dot = strrchr(name, '.');
-    const size_t stem = dot != NULL && dot > name ? (size_t)(dot - name) : strlen(name);
-    char *path;
-    return asprintf(&path, "%.*s.html", (int)stem, name) >= 0 ? path : NULL;
-}
 
 // The case that a run's file holds; NULL where it holds none that can be read.
 static lac_case *read_case(const char *run)
@@ -64,17 +50,11 @@ static const lac_compare_def *find_compare(const lac_case *c, const char *path, 
     return NULL;
 }
 
-static bool names_columns(const cli_request *request)
-{
-    const cli_series_words *words = &request->series;
-    return words->displacement != NULL || words->velocity != NULL || words->components != NULL;
-}
-
 // @param point  of the run that it is of, to be freed; NULL: of the whole joint
 static lac_status read_series(const cli_request *request, lac_series **out, char **point,
                               lac_error *err)
 {
-    lac_case *c = names_columns(request) ? NULL : read_case(request->argument[0]);
+    lac_case *c = cli_series_named(request) ? NULL : read_case(request->argument[0]);
     const lac_compare_def *known = find_compare(c, request->compare, request->point);
     const char *of = request->point == NULL && known != NULL ? known->point : request->point;
     *point = of != NULL ? strdup(of) : NULL;
@@ -130,18 +110,12 @@ out:
 
 typedef enum input { RUN, FORECASTS, SERIES, ENSEMBLE } input;
 
-static bool ends_in(const char *name, const char *ending)
-{
-    const size_t length = strlen(name), of = strlen(ending);
-    return length > of && strcmp(name + length - of, ending) == 0;
-}
-
 // What the argument is, and whether the options go with it; a fit given in place of a run: what was
 // meant.
 static lac_status look_at(const cli_request *request, input *out, lac_error *err)
 {
     const char *path = request->argument[0], *readings = NULL, *issues = NULL;
-    const bool columns = names_columns(request);
+    const bool columns = cli_series_named(request);
     lac_stored_file *file = NULL;
     const bool known = lac_stored_file_open(path, &file, NULL) == LAC_OK;
     if (known) {
@@ -158,7 +132,7 @@ static lac_status look_at(const cli_request *request, input *out, lac_error *err
     }
     LAC_FAIL_IF(request->sweep.by != NULL || request->sweep.of != NULL, err, LAC_EINPUT,
                 "--by and --of: are of the file of a sweep, which %s is not", path);
-    const bool netcdf = lac_stored_is_netcdf(path) || ends_in(path, ".nc");
+    const bool netcdf = lac_stored_is_netcdf(path) || path[cli_stem(path, ".nc")] != '\0';
     *out = known ? (readings != NULL && issues != NULL ? FORECASTS : RUN)
                  : (netcdf && !columns ? RUN : SERIES);
     LAC_FAIL_IF(request->displacements.n > 1, err, LAC_EINPUT,
@@ -199,17 +173,6 @@ static lac_status read_beside(const cli_request *request, lac_series **out, char
     return request->fit != NULL ? read_fitted(request->fit, out, point, err) : LAC_OK;
 }
 
-// The file of forecasts that the page of a series is made from, beside the page while it is made,
-// by the name of its part: what a killed process leaves is taken away by the next one.
-static lac_status forecast(const cli_request *request, const char *page, char **path,
-                           lac_error *err)
-{
-    *path = lac_temp_file_name(page);
-    LAC_FAIL_MEMORY_IF(*path == NULL, err);
-    (void)unlink(*path); // of a process of this number that is no more
-    return cli_precursors_file(request, *path, err);
-}
-
 // The page of a sweep, which needs no series.
 static lac_status write_ensemble(const cli_request *request, const char *path, lac_error *err)
 {
@@ -224,7 +187,8 @@ static lac_status write_ensemble(const cli_request *request, const char *path, l
                  "%s: holds no case that could be read", file);
     LAC_TRY(lac_ensemble_read(file, &e, err));
     LAC_TRY(cli_question_read(request, c, e->extras, e->extra, &question, err));
-    LAC_TRY(cli_question_answer(&question, e, &sample, &answers, err));
+    LAC_TRY(lac_ensemble_sample(e, &question.of, question.by, &sample, err));
+    LAC_TRY(lac_answers_create(&sample, &answers, err));
     const lac_page_ensemble shown = {.sample = &sample,
                                      .answers = answers,
                                      .records = e->axis == LAC_SERIES_RATE ? 0 : e->records,
@@ -250,9 +214,16 @@ static lac_status write_page(const cli_request *request, input what, const char 
     lac_series *series = NULL;
     char *forecasts = NULL, *point = NULL;
     lac_status status;
-    LAC_TRY(what == RUN      ? read_beside(request, &series, &point, err)
-            : what == SERIES ? forecast(request, path, &forecasts, err)
-                             : LAC_OK);
+    if (what == RUN) {
+        LAC_TRY(read_beside(request, &series, &point, err));
+    } else if (what == SERIES) {
+        // its forecasts lie beside the page while it is made, by the name of its part: what a
+        // killed process leaves is taken away by the next one
+        forecasts = lac_temp_file_name(path);
+        LAC_TRY(forecasts != NULL ? LAC_OK : lac_fail_memory(err));
+        (void)unlink(forecasts); // of a process of this number that is no more
+        LAC_TRY(cli_precursors_file(request, forecasts, err));
+    }
     const lac_page_def def = {.run = forecasts != NULL ? forecasts : request->argument[0],
                               .name = request->argument[0],
                               .series = series,
@@ -274,7 +245,8 @@ out:
 
 lac_status cli_report_page(const cli_request *request, lac_error *err)
 {
-    char *path = output_path(request);
+    char *path = request->output != NULL ? strdup(request->output)
+                                         : cli_name_after(request->argument[0], ".html");
     input what = RUN;
     lac_status status;
     LAC_TRY(path != NULL ? cli_output_check(request, NULL, path, err) : lac_fail_memory(err));

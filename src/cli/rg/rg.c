@@ -1,13 +1,132 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// lacuna rg CASE|FILE.nc: the cascade of slip over a joint that is made, or over stored cells.
-#include "base/rg_rows.h"
+// lacuna rg CASE|FILE.nc: the cascade of slip over a joint that is made, or over stored cells; the
+// interfaces of an ensemble in processes of the pool, each kept as soon as it is done.
 #include "cli/common/command.h"
+#include "cli/common/keep.h"
 #include "cli/common/output.h"
-#include "cli/common/progress.h"
+#include "cli/common/pool.h"
 #include "cli/common/words.h"
 #include "cli/report/report.h"
-#include "cli/rg/parts.h"
 #include "scene/scene_rg.h"
+
+// The cascade over the interfaces of a case: all but the last one are parts, made in processes of
+// the pool and kept for --resume. The last one, whose cells the file shows, is made in the end, or
+// is the only one.
+typedef struct parts {
+    const cli_request *request;
+    const lac_case *source; // its rg.seeds interfaces
+    cli_pool pool;
+    cli_keep keep;
+    size_t n, next;
+    unsigned char **part; // [n] of lac_scene_rg_part; NULL: not made yet
+} parts;
+
+// Of a process. An interface that cannot be followed is the case's doing: --resume would not help.
+typedef struct answer {
+    lac_status status;
+    lac_error why;
+    max_align_t part[];
+} answer;
+
+static lac_status work(void *context, size_t task, void *result, lac_error *err)
+{
+    const parts *p = context;
+    answer *said = result;
+    (void)err;
+    said->status = lac_scene_rg_part(p->source, task, said->part, &said->why);
+    return LAC_OK;
+}
+
+static size_t next(void *context)
+{
+    parts *p = context;
+    while (p->next < p->n && p->part[p->next] != NULL) {
+        p->next++;
+    }
+    return p->next < p->n ? p->next++ : CLI_POOL_NONE;
+}
+
+static void take_over(void *context, uint64_t key, const void *content)
+{
+    parts *p = context;
+    if (key < p->n && p->part[key] == NULL && (p->part[key] = malloc(p->keep.size)) != NULL) {
+        memcpy(p->part[key], content, p->keep.size);
+        p->pool.done++;
+    }
+}
+
+static lac_status take(void *context, size_t task, const void *result, const cli_pool_end *end,
+                       lac_error *err)
+{
+    parts *p = context;
+    const answer *said = result;
+    char reason[200];
+    if (said == NULL) {
+        cli_pool_reason(end, reason, sizeof reason);
+        return lac_fail(err, LAC_ENUMERIC, "interface %zu of %zu: %s; --resume goes on", task + 1,
+                        p->n + 1, reason);
+    }
+    LAC_FAIL_IF(said->status != LAC_OK, err, said->status, "%s", said->why.message);
+    p->part[task] = malloc(p->keep.size);
+    LAC_FAIL_MEMORY_IF(p->part[task] == NULL, err);
+    memcpy(p->part[task], said->part, p->keep.size);
+    return cli_keep_add(&p->keep, task, said->part, err);
+}
+
+static lac_status open_parts(parts *p, const char *path, lac_error *err)
+{
+    const bool resume = cli_given(p->request, CLI_OPT_RESUME);
+    p->n = (size_t)p->source->rg.seeds - 1;
+    LAC_FAIL_IF(resume && p->n == 0, err, LAC_EINPUT,
+                "--resume: of one interface nothing is kept that it could go on from");
+    p->keep = (cli_keep){.command = "rg", .size = lac_scene_rg_part_size(p->source)};
+    p->pool = (cli_pool){.what = "interfaces",
+                         .total = p->n + 1,
+                         .size = sizeof(answer) + p->keep.size,
+                         .context = p,
+                         .next = next,
+                         .work = work,
+                         .take = take};
+    LAC_TRY_RETURN(cli_pool_jobs(p->request->trade.jobs, &p->pool.jobs, err));
+    p->part = calloc(p->n + 1, sizeof *p->part);
+    LAC_FAIL_MEMORY_IF(p->part == NULL, err);
+    if (p->n == 0) {
+        return LAC_OK;
+    }
+    LAC_TRY_RETURN(cli_case_sum(p->request, p->source, &p->keep.mark, err));
+    LAC_TRY_RETURN(cli_keep_open(&p->keep, path, resume, take_over, p, err));
+    p->pool.journal = lac_kept_file(p->keep.done);
+    return LAC_OK;
+}
+
+static bool go_on(void *context, size_t done, size_t seeds)
+{
+    if (seeds > 1) {
+        cli_say(((const parts *)context)->request, "interface %zu of %zu", done + 1, seeds);
+    }
+    return !cli_signals_stop(NULL);
+}
+
+static const void *made(void *context, size_t seed) { return ((const parts *)context)->part[seed]; }
+
+static lac_status run_parts(parts *p, lac_scene_rg *out, lac_error *err)
+{
+    const lac_rg_watch watch = {p, go_on, made};
+    cli_progress progress = {0};
+    lac_error why = {""};
+    lac_status status = LAC_OK;
+    if (p->n > 0) {
+        cli_progress_start(&progress, p->request);
+        p->pool.progress = &progress;
+        status = cli_pool_run(&p->pool, err);
+        cli_progress_clear(&progress);
+    }
+    LAC_TRY_RETURN(status);
+    status = lac_scene_rg_run(p->source, &watch, out, &why);
+    LAC_FAIL_IF(status != LAC_OK, err, status, "%s%s", why.message,
+                status == LAC_EINTERRUPT && p->n > 0 ? "; --resume goes on" : "");
+    return LAC_OK;
+}
 
 // Everything that the command holds.
 typedef struct rg_job {
@@ -15,7 +134,7 @@ typedef struct rg_job {
     lac_case *source;
     bool stored; // the argument is a file: `cells` hold
     lac_stored_cells cells;
-    cli_rg_parts parts;
+    parts parts;
     lac_scene_rg rg;
     char *path;
 } rg_job;
@@ -90,16 +209,6 @@ static lac_status read_file(rg_job *job, lac_error *err)
     job->source->rg.seeds = 1;
 out:
     return status;
-}
-
-// What goes on from an interrupt is in the parts kept, not in the file.
-static lac_status prepare(rg_job *job, lac_error *err)
-{
-    cli_request plain = *job->request;
-    plain.given &= ~(unsigned)CLI_OPT_RESUME;
-    LAC_TRY_RETURN(cli_output_path(&plain, job->source, NULL, "-rg.nc", &job->path, err));
-    job->parts = (cli_rg_parts){.request = job->request, .source = job->source};
-    return cli_rg_parts_open(&job->parts, job->path, err);
 }
 
 static void print_file(const lac_stored_cells *cells, const lac_scene_rg *rg)
@@ -256,13 +365,12 @@ static void print_rg(const rg_job *job)
 
 lac_status cli_rg(const cli_request *request, lac_error *err)
 {
+    const cli_request plain = cli_request_anew(request, false);
     rg_job job = {.request = request};
     lac_dataset *dataset = NULL;
     lac_status status;
     const char *name = request->argument[0];
-    const size_t length = strlen(name);
-    job.stored =
-        (length > 3 && strcmp(name + length - 3, ".nc") == 0) || lac_stored_is_netcdf(name);
+    job.stored = name[cli_stem(name, ".nc")] != '\0' || lac_stored_is_netcdf(name);
     if (job.stored) {
         LAC_TRY(read_file(&job, err));
     } else if (request->snapshot != NULL) {
@@ -271,12 +379,14 @@ lac_status cli_rg(const cli_request *request, lac_error *err)
     } else {
         LAC_TRY(cli_case_read(request, LAC_FOR_RG, &job.source, NULL, err));
     }
-    LAC_TRY(prepare(&job, err));
+    LAC_TRY(cli_output_path(&plain, job.source, NULL, "-rg.nc", &job.path, err));
+    job.parts = (parts){.request = request, .source = job.source};
+    LAC_TRY(open_parts(&job.parts, job.path, err));
     const lac_rg_cells cells = {job.cells.domain, job.cells.shear, job.cells.time};
     cli_say(request, "following the cascade of %s", name);
     cli_signals_hold();
     status = job.stored ? lac_scene_rg_cells(job.source, &cells, &job.rg, err)
-                        : cli_rg_parts_run(&job.parts, &job.rg, err);
+                        : run_parts(&job.parts, &job.rg, err);
     LAC_TRY(cli_blame(job.source, status, err));
     const lac_rg_outcome outcome = {
         .source = job.source, .rg = &job.rg, .file = name, .cells = job.stored ? &job.cells : NULL};
@@ -289,7 +399,12 @@ lac_status cli_rg(const cli_request *request, lac_error *err)
     }
 out:
     lac_dataset_free(dataset);
-    cli_rg_parts_close(&job.parts, status);
+    for (size_t i = 0; job.parts.part != NULL && i < job.parts.n; i++) {
+        free(job.parts.part[i]);
+    }
+    free(job.parts.part);
+    // not needed any more once all is written, or where the case cannot be followed
+    cli_keep_close(&job.parts.keep, status == LAC_OK || status == LAC_EINPUT);
     lac_scene_rg_clear(&job.rg);
     lac_stored_cells_clear(&job.cells);
     lac_case_free(job.source);

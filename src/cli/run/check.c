@@ -5,8 +5,8 @@
 #include "cli/common/command.h"
 #include "cli/common/memory.h"
 #include "cli/common/output.h"
+#include "cli/common/progress.h"
 #include "cli/common/words.h"
-#include "cli/run/check_lumped.h"
 #include "cli/run/run_outcome.h"
 #include "data/describe.h"
 #include "scene/estimate.h"
@@ -24,10 +24,7 @@ static lac_status add_finding(findings *f, const char *key, const lac_error *why
 {
     lac_case_issues *report = f->report;
     char text[2000];
-    const lac_status added = cli_report_add(report, f->source, key, why->message, false, err);
-    if (added != LAC_OK) {
-        return added;
-    }
+    LAC_TRY_RETURN(cli_report_add(report, f->source, key, why->message, false, err));
     f->status = f->status == LAC_OK ? status : f->status;
     cli_note("%s", lac_case_issue_format(&report->issue[report->count - 1], text, sizeof text));
     return LAC_OK;
@@ -72,6 +69,40 @@ static lac_status try_maps(findings *f, const char *section, const lac_heterogen
     return status;
 }
 
+// How a lumped run of a case went.
+typedef struct lumped_try {
+    bool made;
+    size_t cells;
+    double error, time; // by estimate; CPU [s]
+} lumped_try;
+
+// Runs a case lumped, where it takes it as it stands and its cells slip together: that takes less
+// than to build its scene. What does not come to an end, or not to its error, is not told of.
+static void try_lumped(const lac_case *c, const lac_estimate *e, lumped_try *out)
+{
+    const double large = 1e5, together = 3.0;
+    lac_simulation *simulation = NULL;
+    lac_case own = *c;
+    if (!e->integrated || e->choice.fidelity != LAC_FIDELITY_ODE || e->grid_cells > large ||
+        !(e->cells > 1.0) || !(e->stiffness_ratio > together) || !isnan(c->accuracy) ||
+        !lac_case_admits_lumped(c)) {
+        return;
+    }
+    own.use = NULL;
+    own.purpose = LAC_FOR_RUN;
+    own.points = 0;
+    own.run.fidelity = LAC_FIDELITY_LUMPED;
+    own.lump = (lac_lump_def){.level = -1, .nodes = -1, .error = 0.01};
+    if (lac_simulation_create(&own, NULL, &simulation, NULL) == LAC_OK) {
+        const double before = cli_cpu_time();
+        out->made = lac_simulation_run(simulation, NULL, NULL) == LAC_OK;
+        out->time = cli_cpu_time() - before;
+        out->cells = lac_simulation_outcome(simulation)->scene->lump->domain->n;
+        out->error = lac_simulation_result(simulation)->lump_error_estimated;
+    }
+    lac_simulation_free(simulation);
+}
+
 static double rounded(double x, int digits)
 {
     double unit = pow(10, floor(log10(x)) - digits + 1);
@@ -111,21 +142,15 @@ static void print_size(const lac_estimate *e)
         printf("#   contact         %s%.3g cells%s\n", e->exact ? "" : "about ", cells,
                e->integrated ? cli_format(", %.3g unknowns", e->unknowns * cells).s : "");
     }
-    const cli_text more = cli_format(": more than the %.10g MB that are free", rounded(room, 2));
-    printf("#   memory          %.10g MB%s\n", rounded(e->memory / 1e6, 2),
-           e->memory > 1e6 * room ? more.s : "");
+    printf("#   memory          %.10g MB", rounded(e->memory / 1e6, 2));
+    if (e->memory > 1e6 * room) {
+        printf(": more than the %.10g MB that are free", rounded(room, 2));
+    }
+    puts("");
     if (e->ranks > 1) {
         printf("#   ranks           up to %.0f, better %.0f (lacuna-mpi), of %.10g MB each\n",
                e->ranks, ceil(e->ranks / 4), rounded(e->memory_rank / 1e6, 2));
     }
-}
-
-// CPU time in a few digits.
-static cli_text cost_text(const lac_fidelity_cost *cost)
-{
-    return isnan(cost->most)
-               ? cli_format("at least %.10g s", rounded(cost->least, 1))
-               : cli_format("%.10g to %.10g s", rounded(cost->least, 1), rounded(cost->most, 1));
 }
 
 static void print_fidelity(const lac_case *c, const lac_estimate *e)
@@ -139,9 +164,12 @@ static void print_fidelity(const lac_case *c, const lac_estimate *e)
         cli_wrap("#     ", choice->why);
     }
     for (size_t k = 0; k < 2; k++) {
+        const double least = rounded(e->cost[k].least, 1), most = rounded(e->cost[k].most, 1);
         if (k == 0 || !lac_fidelity_refused(c, why)) {
             printf("#     %-13s error at most %.1g, %s\n", lac_fidelity_name(all[k]),
-                   lac_fidelity_error(c, e, all[k]), cost_text(&e->cost[k]).s);
+                   lac_fidelity_error(c, e, all[k]),
+                   isnan(most) ? cli_format("at least %.10g s", least).s
+                               : cli_format("%.10g to %.10g s", least, most).s);
         }
     }
 }
@@ -171,19 +199,10 @@ static void print_steps(const lac_estimate *e)
     }
 }
 
-static void print_regime(const lac_case *c, const lac_estimate *e)
+// As comment lines of YAML.
+static void print_estimate(const lac_case *c, const lac_estimate *e, const lumped_try *lumped)
 {
     char words[LAC_REGIME_ROOM];
-    lac_regime_words(c, e, words);
-    if (words[0] != '\0') {
-        printf("#   regime          %s\n", lac_regime_name(lac_regime_of(e)));
-        cli_wrap("#     ", words);
-    }
-}
-
-// As comment lines of YAML.
-static void print_estimate(const lac_case *c, const lac_estimate *e, const cli_lumped_try *lumped)
-{
     printf("\n# What it will cost%s, roughly\n", e->own_steps ? " with each cell at its own steps"
                                                  : e->integrated ? " with bdf"
                                                                  : "");
@@ -202,7 +221,11 @@ static void print_estimate(const lac_case *c, const lac_estimate *e, const cli_l
         cli_wrap("#     ",
                  cli_format("solver.fidelity: lumped runs %zu cells for all", lumped->cells).s);
     }
-    print_regime(c, e);
+    lac_regime_words(c, e, words);
+    if (words[0] != '\0') {
+        printf("#   regime          %s\n", lac_regime_name(lac_regime_of(e)));
+        cli_wrap("#     ", words);
+    }
     if (e->failure.lowered) {
         printf("#   failure rate    %s\n", cli_amount(e->failure.rate, "m/s").s);
         cli_wrap("#     ", cli_failure_lowered);
@@ -216,25 +239,24 @@ static void print_estimate(const lac_case *c, const lac_estimate *e, const cli_l
 // What `check` found. Texts and what is pointed to are borrowed.
 typedef struct checked {
     const lac_case *source;
-    const char *scene, *branch;              // resolved case, what it goes on from; NULL
-    const lac_estimate *estimate;            // NULL: the case has errors
-    const cli_lumped_try *lumped;            // NULL: it would not do
+    const char *branch; // what it goes on from; NULL
+    char *scene;        // resolved case, owned; NULL
+    bool sound;         // else the case has errors, and what follows says nothing
+    lac_estimate estimate;
+    lumped_try lumped;
     size_t errors, warnings;                 // how many
     const lac_case_issue **error, **warning; // [errors], [warnings]
     char regime[LAC_REGIME_ROOM];            // words on it
-    double kept[2]; // error that fidelity ode and events keep; NaN: refused
+    double kept[2][3]; // of fidelity ode and events: least and most CPU time, error; NaN: refused
 } checked;
 
-#define CHECKED const checked *c = of
-#define ESTIMATE const lac_estimate *e = ((const checked *)of)->estimate
-#define ISSUE const lac_case_issue *i = of
+#define ESTIMATE const lac_estimate *e = &((const checked *)of)->estimate
 
-LAC_GETTER(double, ok, CHECKED, c->estimate != NULL)
-LAC_GETTER(bool, branches, CHECKED, c->branch != NULL)
-LAC_GETTER(double, line, ISSUE, i->line > 0 ? (double)i->line : (double)NAN)
+LAC_GETTER(bool, branches, const checked *c = of, c->branch != NULL)
+LAC_GETTER(double, line, const lac_case_issue *i = of, i->line > 0 ? (double)i->line : (double)NAN)
 
 static const lac_variable of_check[] = {
-    {.name = "ok", .json = "ok", G(ok), .flags = LAC_WHOLE | LAC_TRUTH}};
+    {.name = "ok", .json = "ok", LAC_HELD(BOOL, checked, sound), .flags = LAC_WHOLE}};
 
 #define ISSUES(in)                                                                                 \
     {                                                                                              \
@@ -257,100 +279,79 @@ static const lac_variable of_scene[] = {
     {.name = "branch", .json = "branch", LAC_HELD(TEXT, checked, branch), .has = branches},
 };
 
-static double rate(const lac_estimate *e)
-{
-    return e->failure.rate > 0.0 ? e->failure.rate : (double)NAN;
-}
-
 #define WHEN_RUN(field) e->integrated ? e->field : (double)NAN
-LAC_GETTER(double, grid_cells, ESTIMATE, e->grid_cells)
 LAC_GETTER(double, contact_cells, ESTIMATE, round(e->contact_cells))
-LAC_GETTER(double, exact, ESTIMATE, e->exact)
 LAC_GETTER(double, unknowns, ESTIMATE, e->unknowns *round(e->contact_cells))
 LAC_GETTER(double, memory, ESTIMATE, round(e->memory))
-LAC_GETTER(double, ranks, ESTIMATE, e->ranks)
 LAC_GETTER(double, memory_rank, ESTIMATE, round(e->memory_rank))
-LAC_GETTER(double, cpu_least, ESTIMATE, e->cpu_time_least)
-LAC_GETTER(double, cpu_most, ESTIMATE, e->cpu_time_most)
-LAC_GETTER(double, cascade, ESTIMATE, e->cascade_time)
 LAC_GETTER(double, records, ESTIMATE, WHEN_RUN(records))
 LAC_GETTER(double, file_most, ESTIMATE, WHEN_RUN(file_bytes))
-LAC_GETTER(double, stiffness, ESTIMATE, e->stiffness_ratio)
-LAC_GETTER(double, patch, ESTIMATE, e->patch)
-LAC_GETTER(double, failure_rate, ESTIMATE, rate(e))
-LAC_GETTER(double, lowered, ESTIMATE, e->failure.lowered)
+LAC_GETTER(double, failure_rate, ESTIMATE, e->failure.rate > 0.0 ? e->failure.rate : (double)NAN)
 LAC_GETTER(double, steps_least, ESTIMATE, WHEN_RUN(steps_least))
 LAC_GETTER(double, steps_most, ESTIMATE, WHEN_RUN(steps_most))
 LAC_TEXT_GETTER(regime_name, ESTIMATE, lac_regime_name(lac_regime_of(e)))
-LAC_TEXT_GETTER(faster, ESTIMATE, e->faster)
 LAC_GETTER(bool, integrated, ESTIMATE, e->integrated)
 LAC_TEXT_GETTER(fidelity, ESTIMATE, lac_fidelity_name(e->choice.fidelity))
 LAC_TEXT_GETTER(fidelity_why, ESTIMATE, e->choice.why[0] != '\0' ? e->choice.why : NULL)
-#define COST(k, field) isnan(c->kept[k]) ? (double)NAN : c->estimate->cost[k].field
-LAC_GETTER(double, ode_least, CHECKED, COST(0, least))
-LAC_GETTER(double, ode_most, CHECKED, COST(0, most))
-LAC_GETTER(double, ode_error, CHECKED, c->kept[0])
-LAC_GETTER(double, events_least, CHECKED, COST(1, least))
-LAC_GETTER(double, events_most, CHECKED, COST(1, most))
-LAC_GETTER(double, events_error, CHECKED, c->kept[1])
 LAC_TEXT_GETTER(steps_in_words, ESTIMATE, e->integrated ? steps_class(e) : NULL)
 
-#define E(name_, unit_, long_, getter, ...)                                          \
-    LAC_ROW(name_, NULL, unit_, long_, G(getter), .flags = LAC_SINGLE | LAC_MISSING, \
+#define OF(kind, field) LAC_HELD(kind, checked, estimate.field)
+#define E(name_, unit_, long_, value_, ...)                                       \
+    LAC_ROW(name_, NULL, unit_, long_, value_, .flags = LAC_SINGLE | LAC_MISSING, \
             .json = "estimate/" name_ __VA_ARGS__)
-#define TRUTH(name_, getter)                                                                  \
-    {                                                                                         \
-        .name = (name_), .json = "estimate/" name_, G(getter), .flags = LAC_WHOLE | LAC_TRUTH \
+#define TRUTH(name_, field)                                                             \
+    {                                                                                   \
+        .name = (name_), .json = "estimate/" name_, OF(BOOL, field), .flags = LAC_WHOLE \
     }
 // What a fidelity costs and keeps.
-#define OF_FIDELITY(name_, getter)                                                         \
-    LAC_ROW(name_ "_cpu_time_least", NULL, "s", "least time with fidelity " name_,         \
-            G(getter##_least), .flags = LAC_SINGLE | LAC_MISSING, .has = integrated,       \
-            .json = "estimate/fidelities/" name_ "/cpu_time_least_s"),                     \
-        LAC_ROW(name_ "_cpu_time_most", NULL, "s", "longest time with fidelity " name_,    \
-                G(getter##_most), .flags = LAC_SINGLE | LAC_MISSING, .has = integrated,    \
-                .json = "estimate/fidelities/" name_ "/cpu_time_most_s"),                  \
-        LAC_ROW(name_ "_error", NULL, "1", "relative error that fidelity " name_ " keeps", \
-                G(getter##_error), .flags = LAC_SINGLE | LAC_MISSING, .has = integrated,   \
-                .json = "estimate/fidelities/" name_ "/error")
+#define OF_FIDELITY(name_, which)                                                            \
+    LAC_ROW(name_ "_cpu_time_least", NULL, "s", "least time with fidelity " name_,           \
+            LAC_HELD(REAL, checked, kept[which][0]), .flags = LAC_SINGLE | LAC_MISSING,      \
+            .has = integrated, .json = "estimate/fidelities/" name_ "/cpu_time_least_s"),    \
+        LAC_ROW(name_ "_cpu_time_most", NULL, "s", "longest time with fidelity " name_,      \
+                LAC_HELD(REAL, checked, kept[which][1]), .flags = LAC_SINGLE | LAC_MISSING,  \
+                .has = integrated, .json = "estimate/fidelities/" name_ "/cpu_time_most_s"), \
+        LAC_ROW(name_ "_error", NULL, "1", "relative error that fidelity " name_ " keeps",   \
+                LAC_HELD(REAL, checked, kept[which][2]), .flags = LAC_SINGLE | LAC_MISSING,  \
+                .has = integrated, .json = "estimate/fidelities/" name_ "/error")
 static const lac_variable of_estimate[] = {
-    E("grid_cells", NULL, "cells of the grid", grid_cells),
-    E("contact_cells", NULL, "contact cells", contact_cells),
+    E("grid_cells", NULL, "cells of the grid", OF(REAL, grid_cells)),
+    E("contact_cells", NULL, "contact cells", G(contact_cells)),
     TRUTH("contact_cells_exact", exact),
-    E("unknowns", NULL, "unknowns of a run", unknowns),
-    E("memory", "byte", "largest resident memory", memory, "_bytes"),
-    E("ranks_most", NULL, "ranks of lacuna-mpi that can share the run", ranks),
-    E("memory_rank", "byte", "memory of each of a fourth of them", memory_rank, "_bytes"),
-    E("cpu_time_least", "s", "least time on one core", cpu_least, "_s"),
-    E("cpu_time_most", "s", "longest time on one core", cpu_most, "_s"),
-    E("cascade_time", "s", "time of the cascade", cascade, "_s"),
-    E("records_at_times", NULL, "records at stated times", records),
-    E("file_most", "byte", "what they and the fields take in the file at most", file_most,
+    E("unknowns", NULL, "unknowns of a run", G(unknowns)),
+    E("memory", "byte", "largest resident memory", G(memory), "_bytes"),
+    E("ranks_most", NULL, "ranks of lacuna-mpi that can share the run", OF(REAL, ranks)),
+    E("memory_rank", "byte", "memory of each of a fourth of them", G(memory_rank), "_bytes"),
+    E("cpu_time_least", "s", "least time on one core", OF(REAL, cpu_time_least), "_s"),
+    E("cpu_time_most", "s", "longest time on one core", OF(REAL, cpu_time_most), "_s"),
+    E("cascade_time", "s", "time of the cascade", OF(REAL, cascade_time), "_s"),
+    E("records_at_times", NULL, "records at stated times", G(records)),
+    E("file_most", "byte", "what they and the fields take in the file at most", G(file_most),
       "_bytes"),
     E("stiffness_over_critical", NULL, "stiffness of the finest level over the critical one",
-      stiffness),
-    E("patch_width", "m", "width from which on a patch slips by itself", patch, "_m"),
+      OF(REAL, stiffness_ratio)),
+    E("patch_width", "m", "width from which on a patch slips by itself", OF(REAL, patch), "_m"),
     {.name = "regime", .json = "estimate/regime", T(regime_name)},
     {.name = "regime_words", .json = "estimate/regime_words", LAC_HELD(CHARS, checked, regime)},
-    {.name = "faster_fidelity", .json = "estimate/faster_fidelity", T(faster)},
+    {.name = "faster_fidelity", .json = "estimate/faster_fidelity", OF(TEXT, faster)},
     {.name = "fidelity", .json = "estimate/fidelity", T(fidelity), .has = integrated},
     {.name = "fidelity_why", .json = "estimate/fidelity_why", T(fidelity_why), .has = integrated},
-    OF_FIDELITY("ode", ode),
-    OF_FIDELITY("events", events),
-    E("failure_rate", "m s-1", "mean slip rate that counts as failure", failure_rate, "_m_s"),
-    TRUTH("failure_rate_lowered", lowered),
+    OF_FIDELITY("ode", 0),
+    OF_FIDELITY("events", 1),
+    E("failure_rate", "m s-1", "mean slip rate that counts as failure", G(failure_rate), "_m_s"),
+    TRUTH("failure_rate_lowered", failure.lowered),
     {.name = "steps_class", .json = "estimate/steps_class", T(steps_in_words)},
-    E("steps_least", NULL, "least steps", steps_least),
-    E("steps_most", NULL, "most steps", steps_most),
+    E("steps_least", NULL, "least steps", G(steps_least)),
+    E("steps_most", NULL, "most steps", G(steps_most)),
 };
 
 static const lac_variable of_lumped[] = {
     LAC_ROW("lumped_cells", NULL, NULL, "cells that would stand for all",
-            LAC_HELD(COUNT, cli_lumped_try, cells), .json = "estimate/lumped/cells"),
+            LAC_HELD(COUNT, checked, lumped.cells), .json = "estimate/lumped/cells"),
     LAC_ROW("lumped_error_estimated", NULL, NULL, "relative error of a lumped run, by estimate",
-            LAC_HELD(REAL, cli_lumped_try, error), .json = "estimate/lumped/error_estimated"),
+            LAC_HELD(REAL, checked, lumped.error), .json = "estimate/lumped/error_estimated"),
     LAC_ROW("lumped_cpu_time", NULL, "s", "CPU that its integration takes",
-            LAC_HELD(REAL, cli_lumped_try, time), .json = "estimate/lumped/cpu_time_s"),
+            LAC_HELD(REAL, checked, lumped.time), .json = "estimate/lumped/cpu_time_s"),
 };
 
 static lac_status describe(const checked *c, lac_dataset **out, lac_error *err)
@@ -361,8 +362,8 @@ static lac_status describe(const checked *c, lac_dataset **out, lac_error *err)
         {LAC_VARIABLES_OF_MANY(of_errors, "error"), c->error},
         {LAC_VARIABLES_OF_MANY(of_warnings, "warning"), c->warning},
         {LAC_VARIABLES(of_scene, "", 0), c},
-        {LAC_VARIABLES(of_estimate, "", 0), c->estimate != NULL ? c : NULL},
-        {LAC_VARIABLES(of_lumped, "", 0), c->lumped},
+        {LAC_VARIABLES(of_estimate, "", 0), c->sound ? c : NULL},
+        {LAC_VARIABLES(of_lumped, "", 0), c->sound && c->lumped.made ? c : NULL},
     };
     lac_status status;
     LAC_TRY(lac_dataset_create("What is wrong with a case, and what its run will cost.", out, err));
@@ -381,7 +382,6 @@ static lac_status put_out(const cli_request *request, checked *c, const lac_case
                                   .key = (char *)"",
                                   .value = (char *)"",
                                   .message = err->message};
-    const lac_provenance made = {.seed = INT64_MIN};
     lac_dataset *dataset = NULL;
     lac_error late = {""};
     lac_status status;
@@ -396,24 +396,28 @@ static lac_status put_out(const cli_request *request, checked *c, const lac_case
     if (c->errors == 0 && err->message[0] != '\0') {
         c->error[c->errors++] = &whole;
     }
-    if (c->estimate != NULL) {
+    if (c->sound) {
         char why[LAC_FIDELITY_ROOM];
-        lac_regime_words(c->source, c->estimate, c->regime);
-        const bool runs = c->estimate->integrated;
-        c->kept[0] = runs ? lac_fidelity_error(c->source, c->estimate, LAC_FIDELITY_ODE) : NAN;
-        c->kept[1] = !runs || lac_fidelity_refused(c->source, why)
-                         ? (double)NAN
-                         : lac_fidelity_error(c->source, c->estimate, LAC_FIDELITY_ASYNC);
+        const lac_estimate *e = &c->estimate;
+        lac_regime_words(c->source, e, c->regime);
+        for (size_t k = 0; k < 2; k++) {
+            const bool refused = !e->integrated || (k == 1 && lac_fidelity_refused(c->source, why));
+            const lac_fidelity of = k == 0 ? LAC_FIDELITY_ODE : LAC_FIDELITY_ASYNC;
+            c->kept[k][0] = refused ? (double)NAN : e->cost[k].least;
+            c->kept[k][1] = refused ? (double)NAN : e->cost[k].most;
+            c->kept[k][2] = refused ? (double)NAN : lac_fidelity_error(c->source, e, of);
+        }
     }
     LAC_TRY(describe(c, &dataset, &late));
     if (request->pipe != 0) {
+        const lac_provenance made = {.seed = INT64_MIN};
         LAC_TRY(cli_put_dataset(request, false, &made, NULL, dataset, &late));
-        goto out;
+    } else {
+        lac_json json = {.out = stdout};
+        lac_json_open(&json, NULL, '{');
+        lac_dataset_json(dataset, &json);
+        lac_json_close(&json, '}');
     }
-    lac_json json = {.out = stdout};
-    lac_json_open(&json, NULL, '{');
-    lac_dataset_json(dataset, &json);
-    lac_json_close(&json, '}');
 out:
     lac_dataset_free(dataset);
     free((void *)all);
@@ -423,16 +427,17 @@ out:
     return status;
 }
 
-static lac_status examine(const cli_request *request, const lac_case *c, lac_case_issues *report,
-                          char **scene, lac_estimate *estimate, lac_error *err)
+static lac_status examine(const cli_request *request, checked *found, lac_case_issues *report,
+                          lac_error *err)
 {
+    const lac_case *c = found->source;
     findings f = {.source = c, .report = report};
     lac_load_clock clock = {c->dated, c->start_date, c->run.end, NULL};
     lac_load_files *files = NULL;
     cli_compare compare = {0};
     lac_status status;
-    *scene = lac_case_text(c);
-    LAC_FAIL_MEMORY_IF(*scene == NULL, err);
+    found->scene = lac_case_text(c);
+    LAC_FAIL_MEMORY_IF(found->scene == NULL, err);
     LAC_TRY(lac_load_files_create(&files, err));
     clock.files = files;
     // all files beside the surface and the domain, which the estimate opens
@@ -443,7 +448,7 @@ static lac_status examine(const cli_request *request, const lac_case *c, lac_cas
     LAC_TRY(try_maps(&f, "initial", &c->initial_spread, err));
     LAC_TRY(f.status);
     LAC_TRY(cli_compare_read(request, c, &compare, err));
-    LAC_TRY(lac_estimate_make(c, files, estimate, err));
+    LAC_TRY(lac_estimate_make(c, files, &found->estimate, err));
 out:
     cli_compare_clear(&compare);
     lac_load_files_free(files);
@@ -454,43 +459,38 @@ lac_status cli_check(const cli_request *request, lac_error *err)
 {
     lac_case *c = NULL;
     lac_case_issues report = {0};
-    lac_estimate estimate = {.grid_cells = NAN};
-    cli_lumped_try lumped = {.made = false};
+    checked found = {.estimate.grid_cells = NAN};
     lac_branch *branch = NULL;
-    char *scene = NULL;
     const bool told = cli_given(request, CLI_OPT_JSON) || request->pipe != 0;
     lac_status status = cli_case_read(request, LAC_FOR_CHECK, &c, &report, err);
+    found.source = c;
     if (status == LAC_OK) {
-        status = examine(request, c, &report, &scene, &estimate, err);
+        status = examine(request, &found, &report, err);
     }
     if (status == LAC_OK && c->from.file != NULL) {
         status = lac_branch_open(c, &branch, err);
     }
-    if (status == LAC_OK) {
-        cli_try_lumped(c, &estimate, &lumped);
+    found.sound = status == LAC_OK;
+    if (found.sound) {
+        try_lumped(c, &found.estimate, &found.lumped);
     }
-    const char *words = branch != NULL ? branch->text : NULL;
-    if (told && (status == LAC_OK || status == LAC_EINPUT || report.errors > 0)) {
-        checked found = {.source = c,
-                         .scene = scene,
-                         .branch = words,
-                         .estimate = status == LAC_OK ? &estimate : NULL,
-                         .lumped = lumped.made ? &lumped : NULL};
+    found.branch = branch != NULL ? branch->text : NULL;
+    if (told && (found.sound || status == LAC_EINPUT || report.errors > 0)) {
         const lac_status out = put_out(request, &found, &report, err);
         status = out != LAC_OK ? out : status;
-    } else if (status == LAC_OK) {
-        printf("%s", scene);
-        print_estimate(c, &estimate, &lumped);
-        if (words != NULL) {
+    } else if (found.sound) {
+        printf("%s", found.scene);
+        print_estimate(c, &found.estimate, &found.lumped);
+        if (found.branch != NULL) {
             printf("\n# Branch\n");
-            cli_wrap("#   ", words);
+            cli_wrap("#   ", found.branch);
         }
     }
     if (status == LAC_OK) {
-        cli_failure_warn(&estimate.failure);
+        cli_failure_warn(&found.estimate.failure);
     }
     status = report.errors > 0 ? status : cli_blame(c, status, err); // else said already
-    free(scene);
+    free(found.scene);
     lac_branch_free(branch);
     lac_case_free(c);
     lac_case_issues_clear(&report);

@@ -2,7 +2,6 @@
 // lacuna run: a simulation with its file, its page and its progress.
 #define _GNU_SOURCE // asprintf
 
-#include "base/units.h"
 #include "cli/common/command.h"
 #include "cli/common/output.h"
 #include "cli/common/progress.h"
@@ -10,7 +9,6 @@
 #include "cli/run/run_outcome.h"
 #include "cli/view/view.h"
 #include "simulation/branch.h"
-#include "store/store_file.h"
 #include "sweep/ensemble.h"
 
 // Everything that a run holds.
@@ -45,30 +43,23 @@ static bool goes_on(const run_job *job) { return cli_given(job->request, CLI_OPT
 
 enum { LINE = 199 }; // bytes of a line that messages show
 
-// Whether a line of a resolved case may differ.
-static bool may_differ(const char *section, const char *line)
+// The line of a resolved case here, or the next that may not differ; "" at the end.
+// @param section  that it is of
+static const char *find_line(const char *at, const char **section)
 {
     static const char *const free_lines[][2] = {
         {"time:\n", "  end:"}, {"solver:\n", "  max_steps:"}, {"output:\n", "  file:"}};
-    bool differs = false;
-    for (size_t i = 0; i < sizeof free_lines / sizeof *free_lines; i++) {
-        differs |= strncmp(section, free_lines[i][0], strlen(free_lines[i][0])) == 0 &&
-                   strncmp(line, free_lines[i][1], strlen(free_lines[i][1])) == 0;
-    }
-    return differs;
-}
-
-// The line here, or the next that may not differ; "" at the end. @param section  that it is of
-static const char *find_line(const char *at, const char **section)
-{
-    for (;;) {
+    for (bool differs = true; differs;) {
         *section = *at != ' ' ? at : *section;
-        if (!may_differ(*section, at)) {
-            return at;
+        differs = false;
+        for (size_t i = 0; i < sizeof free_lines / sizeof *free_lines; i++) {
+            differs |= strncmp(*section, free_lines[i][0], strlen(free_lines[i][0])) == 0 &&
+                       strncmp(at, free_lines[i][1], strlen(free_lines[i][1])) == 0;
         }
-        at += strcspn(at, "\n");
-        at += *at == '\n';
+        at += differs ? strcspn(at, "\n") : 0;
+        at += differs && *at == '\n';
     }
+    return at;
 }
 
 static cli_text shown(const char *line, const char *nothing)

@@ -60,10 +60,25 @@ static lac_status on_record(void *context, const lac_record *record, lac_error *
     return status;
 }
 
-// The kept series, as long as they are.
-static void pass_series(cli_kept *kept, lac_archive *archive)
+// The events of the interface as a whole are followed where all cells are together.
+static lac_status on_step(void *context, const lac_step *step, lac_error *err)
 {
+    cli_history *h = context;
+    if (step->changed == NULL) {
+        LAC_TRY_RETURN(lac_slip_events_step(&h->slip_events, step, err));
+    }
+    return h->next.step != NULL ? h->next.step(h->next.context, step, err) : LAC_OK;
+}
+
+// Of the first and the last record only what is seen is told; the kept series as long as they are.
+static void on_keep(void *context, lac_archive *archive)
+{
+    cli_history *h = context;
+    cli_kept *kept = &h->kept;
     size_t n = kept->n;
+    lac_archive_pass(archive, &h->begun, sizeof h->begun);
+    lac_archive_pass(archive, &h->first.observation, sizeof h->first.observation);
+    lac_archive_pass(archive, &h->last.observation, sizeof h->last.observation);
     lac_archive_pass(archive, &n, sizeof n);
     if (n > kept->room && lac_archive_good(archive)) {
         archive->short_of = n > archive->size / sizeof(double);
@@ -75,16 +90,6 @@ static void pass_series(cli_kept *kept, lac_archive *archive)
             lac_archive_pass(archive, kept->values + k * kept->room, n * sizeof *kept->values);
         }
     }
-}
-
-// Of the first and the last record only what is seen is told.
-static void on_keep(void *context, lac_archive *archive)
-{
-    cli_history *h = context;
-    lac_archive_pass(archive, &h->begun, sizeof h->begun);
-    lac_archive_pass(archive, &h->first.observation, sizeof h->first.observation);
-    lac_archive_pass(archive, &h->last.observation, sizeof h->last.observation);
-    pass_series(&h->kept, archive);
     lac_slip_events_serialize(&h->slip_events, archive);
     if (h->next.serialize != NULL) {
         h->next.serialize(h->next.context, archive);
@@ -95,10 +100,8 @@ lac_sink cli_history_sink(cli_history *history)
 {
     lac_sink sink = lac_sink_before(&history->next);
     sink.record = on_record;
-    sink.step = cli_history_step;
+    sink.step = on_step;
     sink.serialize = on_keep;
     sink.cells_from = fmin(sink.cells_from, LAC_SLIP_EVENT_FALL);
     return sink;
 }
-
-// NaN: there is no record.

@@ -4,11 +4,9 @@
 
 #include <sys/resource.h>
 
-#include "base/units.h"
 #include "cli/common/progress.h"
 #include "cli/common/words.h"
 #include "cli/contact/contact.h"
-#include "cli/run/run_lump.h"
 
 const char *const cli_failure_lowered =
     "a p/eta: damping holds the joint below that of the case; judged by all cells as one";
@@ -72,11 +70,6 @@ static cli_text date_of(const cli_outcome *outcome, double time)
     return c->dated ? cli_date(c->start_date + time) : cli_format("%s", "");
 }
 
-static cli_text failure_date(const cli_outcome *outcome)
-{
-    return date_of(outcome, failure_time(outcome));
-}
-
 // "after 3.2 day, on 1963-..."
 static cli_text moment(const cli_outcome *outcome, double time)
 {
@@ -85,21 +78,15 @@ static cli_text moment(const cli_outcome *outcome, double time)
                       date.s);
 }
 
-// At which slip rate the strength counts.
-static cli_text reference(const cli_outcome *outcome)
-{
-    const double rate = outcome->of->source->safety.reference_rate;
-    return rate > 0.0 ? cli_amount(rate, "m/s") : cli_format("%s", "v0 of the friction");
-}
-
 static void print_safety(const cli_outcome *outcome)
 {
     const lac_safety_summary *s = &outcome->of->run.safety;
+    const double rate = outcome->of->source->safety.reference_rate;
     if (isnan(s->start)) {
         return;
     }
     cli_row("factor of safety", "%.4g at the start, %.4g at the end, strength at %s", s->start,
-            s->end, reference(outcome).s);
+            s->end, rate > 0.0 ? cli_amount(rate, "m/s").s : "v0 of the friction");
     if (s->least_time > 0.0) {
         cli_row("  least", "%.4g, %s", s->least, moment(outcome, s->least_time).s);
     }
@@ -122,14 +109,26 @@ static const char *fidelity(const cli_outcome *outcome)
     return lac_fidelity_name(outcome->of->source->run.fidelity);
 }
 
-static cli_lump lump_of(const cli_outcome *outcome)
+// Of cells that were taken together.
+static void print_lump(const lac_outcome *of)
 {
-    const lac_run_result *run = &outcome->of->run;
-    return (cli_lump){outcome->of->scene->lump, outcome->of->scene->contact.domain->n,
-                      run->lump_error_estimated, outcome->of->source->lump.error,
-                      run->failed                ? "the time of failure"
-                      : run->end == LAC_END_STOP ? "the time of the limit"
-                                                 : "the mean slip"};
+    const lac_lump *lump = of->scene->lump;
+    if (lump == NULL) {
+        return;
+    }
+    cli_row("  cells", "%zu stand for %zu, in blocks of level %zu", lump->domain->n,
+            of->scene->contact.domain->n, lump->level);
+    if (isfinite(of->run.lump_error_estimated)) {
+        cli_row("  error", "%.2g of %s by estimate; %g is allowed (solver.lump.error)",
+                of->run.lump_error_estimated,
+                of->run.failed                ? "the time of failure"
+                : of->run.end == LAC_END_STOP ? "the time of the limit"
+                                              : "the mean slip",
+                of->source->lump.error);
+    } else {
+        cli_row("  error", "cannot be told; %g is allowed (solver.lump.error)",
+                of->source->lump.error);
+    }
 }
 
 static bool together(const cli_outcome *outcome)
@@ -140,10 +139,9 @@ static bool together(const cli_outcome *outcome)
 static void print_failure(const cli_outcome *outcome)
 {
     const lac_run_result *result = &outcome->of->run;
-    const cli_text time = cli_exact(result->time, "s"), date = failure_date(outcome);
+    const cli_text time = cli_exact(result->time, "s");
     if (result->failed) {
-        cli_row("failure", "after %s%s%s%s", cli_exact(failure_time(outcome), "s").s,
-                date.s[0] != '\0' ? ", on " : "", date.s,
+        cli_row("failure", "%s%s", moment(outcome, failure_time(outcome)).s,
                 result->end == LAC_END_SLIP ? ", by slip (time.failure.mean_slip)" : "");
     } else if (strcmp(outcome->status, "complete") != 0) {
         cli_row("failure", "none by %s, where the run was %s", time.s,
@@ -190,26 +188,20 @@ static void print_arrest(const cli_outcome *outcome)
             cli_amount(a->end, "m/s").s);
 }
 
-static void print_fidelity(const lac_outcome *of, const char *name)
-{
-    const char *why = of->fidelity_why;
-    const cli_text chosen = cli_format("%s, error at most %.1g: %s; fewer records than by ode",
-                                       name, of->fidelity_error, why != NULL ? why : "");
-    // That all cells go together is as it always is where nothing else is named.
-    const bool told = why != NULL && of->source->run.fidelity != LAC_FIDELITY_ODE;
-    cli_row_wrap("fidelity", told ? chosen.s : name);
-}
-
 static void print_cost(const cli_outcome *outcome)
 {
     const lac_run_result *result = &outcome->of->run;
+    const char *why = outcome->of->fidelity_why, *name = fidelity(outcome);
+    const cli_text chosen = cli_format("%s, error at most %.1g: %s; fewer records than by ode",
+                                       name, outcome->of->fidelity_error, why != NULL ? why : "");
     cli_row("steps", "%" PRId64 " (%" PRId64 " evaluations)", result->steps,
             result->rhs_evaluations);
     if (outcome->of->accuracy != NULL) {
         cli_row_wrap("accuracy", outcome->of->accuracy->text);
     }
-    print_fidelity(outcome->of, fidelity(outcome));
-    cli_lump_print(lump_of(outcome));
+    // That all cells go together is as it always is where nothing else is named.
+    cli_row_wrap("fidelity", why != NULL && !together(outcome) ? chosen.s : name);
+    print_lump(outcome->of);
     cli_row("formulation", "%s", formulation(outcome));
     cli_row("balance residual", "%.2g at worst", result->balance_residual);
     cli_row("time taken", "%s, CPU %s", cli_amount(outcome->wall_time, "s").s,
@@ -237,13 +229,26 @@ static void print_analysis(const lac_analysis *analysis)
 // Where the mean slip has gone, and goes: from x towards y.
 static void print_direction(const cli_outcome *outcome)
 {
-    const double degree = 180.0 / 3.14159265358979323846;
+    const double degree = 180.0 / M_PI;
     const lac_observation *last = &outcome->history.last.observation;
     if (outcome->history.begun && lac_problem_is_vector(outcome->of->scene->problem)) {
         cli_row("slip direction", "%.4g degree from x towards y, at the end towards %.4g",
                 degree * atan2(last->slip_along[1], last->slip_along[0]),
                 degree * atan2(last->rate_along[1], last->rate_along[0]));
     }
+}
+
+// What a seismologist looks for; where a run fails, the failure says it.
+static void print_slip_events(const lac_slip_events *all)
+{
+    if (all->count == 0) {
+        return;
+    }
+    const double first = all->event[0].start, last = all->event[all->count - 1].start;
+    const cli_text from = cli_exact(first, "s"), to = cli_exact(last, "s");
+    cli_row("slip events", "%zu above 1 mm/s: %s%s%s%s; --json has all", all->count,
+            isnan(first) ? "one as the run begins" : "after ", isnan(first) ? "" : from.s,
+            all->count > 1 ? ", the last after " : "", all->count > 1 ? to.s : "");
 }
 
 void cli_outcome_print(const cli_outcome *outcome)
@@ -269,7 +274,7 @@ void cli_outcome_print(const cli_outcome *outcome)
     print_direction(outcome);
     cli_row_quantity("largest slip rate", outcome->of->run.max_slip_rate, "m/s");
     if (!outcome->of->run.failed && together(outcome)) {
-        cli_slip_events_print(&outcome->history.slip_events);
+        print_slip_events(&outcome->history.slip_events);
     }
     print_analysis(outcome->of->analysis);
     print_cost(outcome);
@@ -278,7 +283,7 @@ void cli_outcome_print(const cli_outcome *outcome)
 
 static void write_failure(lac_json *json, const cli_outcome *outcome)
 {
-    const cli_text date = failure_date(outcome);
+    const cli_text date = date_of(outcome, failure_time(outcome));
     if (broke(outcome)) {
         lac_json_null(json, "failed");
     } else {
@@ -327,6 +332,36 @@ static void write_arrest(lac_json *json, const cli_outcome *outcome)
     lac_json_number(json, "thickness_m", last.thickness);
 }
 
+static void write_lump(lac_json *json, const lac_outcome *of)
+{
+    const lac_lump *lump = of->scene->lump;
+    const double error = of->run.lump_error_estimated;
+    if (lump != NULL) {
+        lac_json_open(json, "lump", '{');
+        lac_json_integer(json, "cells", (int64_t)lump->domain->n);
+        lac_json_integer(json, "level", (int64_t)lump->level);
+        lac_json_integer(json, "blocks", (int64_t)lump->blocks);
+        lac_json_number(json, "error_asked", of->source->lump.error);
+        lac_json_close(json, '}');
+        lac_json_number(json, "lump_error_estimated", error > 0.0 ? error : (double)NAN);
+    }
+}
+
+static void write_slip_events(lac_json *json, const lac_slip_events *all)
+{
+    lac_json_open(json, "slip_events", '[');
+    for (size_t i = 0; i < all->count; i++) {
+        const lac_slip_event *e = &all->event[i];
+        lac_json_open(json, NULL, '{');
+        lac_json_number(json, "time_s", e->start);
+        lac_json_number(json, "end_time_s", e->end);
+        lac_json_number(json, "max_slip_rate_m_s", e->max_rate);
+        lac_json_number(json, "max_slip_rate_time_s", e->peak);
+        lac_json_close(json, '}');
+    }
+    lac_json_close(json, ']');
+}
+
 static void write_results(lac_json *json, const cli_outcome *outcome)
 {
     const cli_history *history = &outcome->history;
@@ -340,13 +375,17 @@ static void write_results(lac_json *json, const cli_outcome *outcome)
     if (!lac_analysis_has_events(outcome->of->analysis)) {
         lac_json_null(json, "events"); // else the catalogue says how many
     }
-    cli_slip_events_json(json, together(outcome) ? &history->slip_events : NULL);
+    if (together(outcome)) {
+        write_slip_events(json, &history->slip_events);
+    } else { // cells are together only at the ends of sweeps
+        lac_json_null(json, "slip_events");
+    }
     lac_json_number(json, "balance_residual", result->balance_residual);
     lac_json_number(json, "rate_drift", result->rate_drift);
     lac_json_text(json, "fidelity", fidelity(outcome));
     lac_json_text(json, "fidelity_why", outcome->of->fidelity_why);
     lac_json_number(json, "fidelity_error", outcome->of->fidelity_error);
-    cli_lump_json(json, lump_of(outcome));
+    write_lump(json, outcome->of);
     lac_json_text(json, "formulation", formulation(outcome));
     lac_json_number(json, "initial_apparent_friction", apparent_friction(&history->first));
     lac_json_number(json, "apparent_friction", apparent_friction(&history->last));

@@ -17,9 +17,6 @@ typedef struct cli_history {
     lac_slip_events slip_events; ///< with fidelity ode
 } cli_history;
 
-/// What the sink does with a step.
-lac_status cli_history_step(void *context, const lac_step *step, lac_error *err);
-
 /// The sink; valid while `history` stays where it is.
 lac_sink cli_history_sink(cli_history *history);
 
@@ -43,12 +40,6 @@ void cli_outcome_print(const cli_outcome *outcome);
 
 /// The same as one JSON object.
 lac_status cli_outcome_json(const cli_outcome *outcome, lac_error *err);
-
-/// `slip_events` of the same. @param all  NULL: cells are together only at the ends of sweeps
-void cli_slip_events_json(lac_json *json, const lac_slip_events *all);
-
-/// How many and when, as text; nothing of none.
-void cli_slip_events_print(const lac_slip_events *all);
 
 /// Why a failure rate that is lowered counts in the place of the case's, and how it is judged.
 extern const char *const cli_failure_lowered;

@@ -2,7 +2,6 @@
 // What an ensemble says, in words: how likely it fails, when, and what decides.
 #include "cli/sweep/answers.h"
 
-#include "base/units.h"
 #include "cli/common/words.h"
 #include "cli/report/report.h"
 
@@ -146,34 +145,15 @@ void cli_answers_print(const lac_answers *a)
     print_influences(a);
 }
 
-static lac_status read_by(const char *text, const cli_question *q, const lac_case *c, double *by,
-                          lac_error *err)
-{
-    lac_units *units = NULL;
-    if (q->of.time) {
-        return cli_parse_time(text, c, by, err);
-    }
-    lac_status status = lac_units_create(&units, err);
-    if (status == LAC_OK) {
-        status = lac_units_parse(units, text, q->of.unit != NULL ? q->of.unit : "1", by, err);
-    }
-    lac_units_free(units);
-    return status;
-}
-
 lac_status cli_question_read(const cli_request *request, const lac_case *c, size_t extras,
                              const lac_ensemble_extra *extra, cli_question *out, lac_error *err)
 {
     const char *by = request->sweep.by;
     *out = (cli_question){.by = NAN};
     LAC_TRY_RETURN(lac_ensemble_result_find(request->sweep.of, extras, extra, &out->of, err));
-    const lac_status status = by != NULL ? read_by(by, out, c, &out->by, err) : LAC_OK;
+    const char *unit = out->of.unit != NULL ? out->of.unit : "1";
+    const lac_status status = by == NULL     ? LAC_OK
+                              : out->of.time ? cli_parse_time(by, c, &out->by, err)
+                                             : cli_parse_quantity(by, unit, &out->by, err);
     return status == LAC_EINPUT ? lac_fail_within(err, status, "--by: \"%s\"", by) : status;
-}
-
-lac_status cli_question_answer(const cli_question *question, lac_ensemble *e, lac_sample *sample,
-                               lac_answers **answers, lac_error *err)
-{
-    LAC_TRY_RETURN(lac_ensemble_sample(e, &question->of, question->by, sample, err));
-    return lac_answers_create(sample, answers, err);
 }

@@ -19,7 +19,3 @@ void cli_answers_print(const lac_answers *answers);
 /// @return as lac_ensemble_result_find, cli_parse_time
 lac_status cli_question_read(const cli_request *request, const lac_case *c, size_t extras,
                              const lac_ensemble_extra *extra, cli_question *out, lac_error *err);
-
-/// Answers it. @param answers  hold until the ensemble is asked again
-lac_status cli_question_answer(const cli_question *question, lac_ensemble *ensemble,
-                               lac_sample *sample, lac_answers **answers, lac_error *err);

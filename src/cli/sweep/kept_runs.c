@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // --keep-fields: the runs of some members of a sweep, each as a file of its own.
+#define _GNU_SOURCE // asprintf
 #include "cli/sweep/kept_runs.h"
 
 #include <unistd.h>
@@ -53,14 +54,10 @@ lac_status cli_kept_runs_read(const lac_sweep *sweep, cli_kept_runs *runs, lac_e
 
 static char *path_of(const cli_kept_runs *runs, size_t task)
 {
-    const size_t length = strlen(runs->path), room = length + 40;
-    const bool ends = length > 3 && strcmp(runs->path + length - 3, ".nc") == 0;
-    char *path = malloc(room);
-    if (path != NULL) {
-        (void)snprintf(path, room, "%.*s-member-%zu.nc", (int)(ends ? length - 3 : length),
-                       runs->path, runs->first + task * runs->stride);
-    }
-    return path;
+    char *path = NULL;
+    const int length = asprintf(&path, "%.*s-member-%zu.nc", (int)cli_stem(runs->path, ".nc"),
+                                runs->path, runs->first + task * runs->stride);
+    return length >= 0 ? path : NULL;
 }
 
 static bool wants(const cli_kept_runs *runs, size_t task)

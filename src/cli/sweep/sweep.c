@@ -146,17 +146,6 @@ static lac_status pick(const cli_request *request, size_t members, part *out, la
     return LAC_OK;
 }
 
-static lac_status make_room(job *j, lac_error *err)
-{
-    j->member = calloc(j->of.n + 1, sizeof *j->member);
-    LAC_FAIL_MEMORY_IF(j->member == NULL, err);
-    for (size_t i = 0; i < j->of.n; i++) {
-        j->member[i] = calloc(1, lac_member_size(j->sweep));
-        LAC_FAIL_MEMORY_IF(j->member[i] == NULL, err);
-    }
-    return LAC_OK;
-}
-
 static lac_status compute(job *j, lac_error *err)
 {
     cli_progress progress = {0};
@@ -191,7 +180,8 @@ static lac_status answer(lac_ensemble *e, const cli_question *question, lac_answ
     *out = NULL;
     *answers = NULL;
     if (e->n == e->members) {
-        LAC_TRY_RETURN(cli_question_answer(question, e, &sample, answers, err));
+        LAC_TRY_RETURN(lac_ensemble_sample(e, &question->of, question->by, &sample, err));
+        LAC_TRY_RETURN(lac_answers_create(&sample, answers, err));
     }
     return lac_ensemble_describe(e, *answers, out, err);
 }
@@ -275,9 +265,7 @@ static lac_status name_file(job *j, bool *whole, lac_error *err)
 {
     lac_ensemble *e = NULL;
     char mark[sizeof e->mark];
-    cli_request plain = *j->request;
-    plain.given &= ~(unsigned)CLI_OPT_RESUME; // goes on from the folder, not from the file
-    plain.given |= j->resume ? (unsigned)CLI_OPT_FORCE : 0U;
+    const cli_request plain = cli_request_anew(j->request, true);
     LAC_TRY_RETURN(cli_output_path(&plain, j->sweep->base, NULL, "-sweep.nc", &j->path, err));
     j->runs = (cli_kept_runs){&plain, j->path, j->of.first, j->of.stride, j->of.n, NULL};
     LAC_TRY_RETURN(cli_kept_runs_read(j->sweep, &j->runs, err));
@@ -314,32 +302,6 @@ static lac_status name_file(job *j, bool *whole, lac_error *err)
     return LAC_OK;
 }
 
-// Runs that are to be kept of a sweep that is whole.
-static lac_status fill_runs(job *j, lac_error *err)
-{
-    lac_status status = LAC_OK;
-    for (size_t k = 0; k < j->of.n && status == LAC_OK; k++) {
-        status = cli_kept_runs_lacks(&j->runs, k) ? cli_kept_runs_write(&j->runs, j->sweep, k, err)
-                                                  : LAC_OK;
-    }
-    return status;
-}
-
-static lac_status open_kept(job *j, lac_error *err)
-{
-    j->keep = (cli_keep){.command = "sweep", .size = lac_member_size(j->sweep), .every = 1.0};
-    j->keep.mark = lac_sum_bytes(j->sweep->mark, LACUNA_VERSION, strlen(LACUNA_VERSION));
-    return cli_keep_open(&j->keep, j->path, j->resume, take_over, j, err);
-}
-
-static void free_members(job *j)
-{
-    for (size_t i = 0; j->member != NULL && i < j->of.n; i++) {
-        free(j->member[i]);
-    }
-    free(j->member);
-}
-
 lac_status cli_sweep(const cli_request *request, lac_error *err)
 {
     job j = {.request = request, .resume = cli_given(request, CLI_OPT_RESUME)};
@@ -354,11 +316,21 @@ lac_status cli_sweep(const cli_request *request, lac_error *err)
     LAC_TRY(name_file(&j, &whole, err));
     if (whole) {
         cli_say(request, "%s has all its members", j.path);
-        LAC_TRY(fill_runs(&j, err));
+        for (size_t k = 0; k < j.of.n; k++) { // that are to be kept
+            LAC_TRY(cli_kept_runs_lacks(&j.runs, k) ? cli_kept_runs_write(&j.runs, j.sweep, k, err)
+                                                    : LAC_OK);
+        }
         goto out;
     }
-    LAC_TRY(make_room(&j, err));
-    LAC_TRY(open_kept(&j, err));
+    j.member = calloc(j.of.n + 1, sizeof *j.member);
+    LAC_TRY(j.member != NULL ? LAC_OK : lac_fail_memory(err));
+    for (size_t i = 0; i < j.of.n; i++) {
+        j.member[i] = calloc(1, lac_member_size(j.sweep));
+        LAC_TRY(j.member[i] != NULL ? LAC_OK : lac_fail_memory(err));
+    }
+    j.keep = (cli_keep){.command = "sweep", .size = lac_member_size(j.sweep), .every = 1.0};
+    j.keep.mark = lac_sum_bytes(j.sweep->mark, LACUNA_VERSION, strlen(LACUNA_VERSION));
+    LAC_TRY(cli_keep_open(&j.keep, j.path, j.resume, take_over, &j, err));
     cli_say(request, "%zu members of %zu, by %s", j.of.n, j.sweep->members, j.sweep->design->name);
     cli_signals_hold();
     LAC_TRY(compute(&j, err));
@@ -370,7 +342,10 @@ lac_status cli_sweep(const cli_request *request, lac_error *err)
 out:
     cli_keep_close(&j.keep, status == LAC_OK);
     lac_ensemble_free(ensemble);
-    free_members(&j);
+    for (size_t i = 0; j.member != NULL && i < j.of.n; i++) {
+        free(j.member[i]);
+    }
+    free(j.member);
     free(j.runs.wanted);
     lac_sweep_free(j.sweep);
     free(j.path);

@@ -10,16 +10,6 @@
 #include "cli/common/words.h"
 #include "cli/report/report.h"
 
-static lac_status read_quantity(const char *text, lac_trade_request *ask, lac_error *err)
-{
-    const lac_quantity_about *found = NULL;
-    if (text != NULL) {
-        found = cli_find("--quantity: ", text, "quantity", lac_quantities, sizeof *found, err);
-    }
-    ask->quantity = found != NULL ? (int)(found - lac_quantities) : -1;
-    return text == NULL || found != NULL ? LAC_OK : LAC_EINPUT;
-}
-
 static lac_status wrong(const char *option, const char *text, const char *allowed, lac_error *err)
 {
     return lac_fail(err, LAC_EINPUT, "--%s: \"%s\" must be %s", option, text, allowed);
@@ -154,17 +144,6 @@ lac_status cli_trade_case(const cli_trade_job *job, const lac_trade_run *run, la
     return status;
 }
 
-static lac_status describe(const cli_trade_job *job, const lac_case *c, lac_trade_run *run,
-                           lac_error *err)
-{
-    LAC_TRY_RETURN(cli_case_sum(job->request, c, &run->key, err));
-    run->key = lac_sum_bytes(run->key, &c->run.end, sizeof c->run.end);
-    for (size_t d = 0; d < job->trade.settings; d++) {
-        lac_setting_current(job->trade.setting[d].setting, c, run->label[d]);
-    }
-    return LAC_OK;
-}
-
 // Settings that are another run's make no run of their own; what it is for goes over to that one.
 static void find_twin(lac_trade *trade, size_t run)
 {
@@ -227,7 +206,11 @@ static lac_status resolve(const cli_trade_job *job, lac_trade *trade, lac_error 
         lac_trade_run *run = &trade->run[i];
         lac_status status = cli_trade_case(job, run, &c, &why);
         if (status == LAC_OK) {
-            status = describe(job, c, run, &why);
+            status = cli_case_sum(job->request, c, &run->key, &why);
+            run->key = lac_sum_bytes(run->key, &c->run.end, sizeof c->run.end);
+            for (size_t d = 0; d < trade->settings; d++) {
+                lac_setting_current(trade->setting[d].setting, c, run->label[d]);
+            }
             find_twin(trade, i);
         } else if (status == LAC_EINPUT) {
             run->end = LAC_TRADE_REFUSED;
@@ -240,19 +223,18 @@ static lac_status resolve(const cli_trade_job *job, lac_trade *trade, lac_error 
     return check_named(trade, err);
 }
 
-static lac_status name_files(cli_trade_job *job, lac_error *err)
-{
-    cli_request plain = *job->request;
-    plain.given &= ~(unsigned)CLI_OPT_RESUME; // goes on from the folder, not from the file
-    return cli_output_path(&plain, job->source, NULL, "-trade.nc", &job->path, err);
-}
-
 static lac_status prepare(cli_trade_job *job, lac_error *err)
 {
-    const cli_request *request = job->request;
+    const cli_request *request = job->request, plain = cli_request_anew(request, false);
     lac_trade_of of = LAC_OF_RUN;
     double end;
-    LAC_TRY_RETURN(read_quantity(request->trade.quantity, &job->ask, err));
+    job->ask.quantity = -1;
+    if (request->trade.quantity != NULL) {
+        const lac_quantity_about *found = cli_find("--quantity: ", request->trade.quantity,
+                                                   "quantity", lac_quantities, sizeof *found, err);
+        LAC_TRY_RETURN(found != NULL ? LAC_OK : LAC_EINPUT);
+        job->ask.quantity = (int)(found - lac_quantities);
+    }
     LAC_TRY_RETURN(read_amounts(&request->trade, &job->ask, err));
     LAC_TRY_RETURN(cli_pool_jobs(request->trade.jobs, &job->pool.jobs, err));
     LAC_TRY_RETURN(find_out(job, &of, err));
@@ -261,7 +243,7 @@ static lac_status prepare(cli_trade_job *job, lac_error *err)
         return wrong("until", request->until, "left out: the case has no time", err);
     }
     LAC_TRY_RETURN(cli_until(request, job->source, &end, err));
-    LAC_TRY_RETURN(name_files(job, err));
+    LAC_TRY_RETURN(cli_output_path(&plain, job->source, NULL, "-trade.nc", &job->path, err));
     if (of == LAC_OF_RUN) {
         cli_trade_settle(job);
     }
@@ -291,14 +273,6 @@ static cli_text asked_text(const lac_trade_request *ask, const char *unit)
                       isnan(ask->budget) ? "" : cli_amount(ask->budget, "s").s);
 }
 
-// "error 0.05 % +- 1e-07, 0.12 s of CPU, 24 MB"
-static cli_text run_text(const lac_trade_run *run)
-{
-    return cli_format("error %s +- %s, %s of CPU, %.3g MB", error_text(run->error).s,
-                      error_text(run->uncertainty).s, cli_amount(run->m.cpu_time, "s").s,
-                      run->m.memory / 1e6);
-}
-
 // "--set solver.rtol=0.001"; what is no run in time has its command named.
 static cli_text choice_text(const lac_trade_run *run)
 {
@@ -316,12 +290,16 @@ static void write_sentence(lac_trade *t, const lac_trade_request *ask)
     const size_t size = sizeof t->sentence;
     const cli_text asked = asked_text(ask, lac_quantities[t->quantity].unit);
     const lac_trade_run *run = t->recommended != NULL ? t->recommended : t->closest;
-    int used = run == NULL ? snprintf(t->sentence, size, "Nothing tried has this quantity.")
-                           : snprintf(t->sentence, size,
-                                      run == t->recommended
-                                          ? "For %s: %s (%s)."
-                                          : "Nothing tried does for %s; the closest is %s (%s).",
-                                      asked.s, choice_text(run).s, run_text(run).s);
+    int used = 0;
+    if (run == NULL) {
+        used = snprintf(t->sentence, size, "Nothing tried has this quantity.");
+    } else {
+        used = snprintf(t->sentence, size, "%s %s%s %s (error %s +- %s, %s of CPU, %.3g MB).",
+                        run == t->recommended ? "For" : "Nothing tried does for", asked.s,
+                        run == t->recommended ? ":" : "; the closest is", choice_text(run).s,
+                        error_text(run->error).s, error_text(run->uncertainty).s,
+                        cli_amount(run->m.cpu_time, "s").s, run->m.memory / 1e6);
+    }
     if (isnan(t->reference->uncertainty)) {
         (void)snprintf(t->sentence + used, size - (size_t)used,
                        " The reference's own error is not known: no coarser run was done.");

@@ -5,32 +5,27 @@
 #include <unistd.h>
 
 #include "cli/common/output.h"
-#include "cli/common/words.h"
 #include "cli/trade/trade.h"
 #include "scene/scene_rg.h"
 #include "simulation/simulation.h"
 #include "trade/probe.h"
 
-// Whether a setting is turned that only all cells at every step have.
-static bool turns_ode(const char *settings)
-{
-    static const char *const of_ode[] = {"method", "formulation", "transfer", "planning"};
-    bool any = false;
-    for (size_t i = 0; settings != NULL && i < sizeof of_ode / sizeof *of_ode; i++) {
-        any = any || strstr(settings, of_ode[i]) != NULL;
-    }
-    return any;
-}
-
 void cli_trade_settle(cli_trade_job *job)
 {
+    // settings that only all cells at every step have
+    static const char *const of_ode[] = {"method", "formulation", "transfer", "planning"};
     lac_case *c = job->source;
+    const char *settings = job->request->trade.settings;
     lac_simulation *simulation = NULL;
+    bool turns_ode = false;
+    for (size_t i = 0; settings != NULL && i < sizeof of_ode / sizeof *of_ode; i++) {
+        turns_ode = turns_ode || strstr(settings, of_ode[i]) != NULL;
+    }
     if (c->run.fidelity != LAC_FIDELITY_AUTO) {
         return;
     }
     c->run.fidelity = LAC_FIDELITY_ODE;
-    if (!turns_ode(job->request->trade.settings) && isnan(c->accuracy)) {
+    if (!turns_ode && isnan(c->accuracy)) {
         c->run.fidelity = LAC_FIDELITY_AUTO;
         if (lac_simulation_create(c, NULL, &simulation, NULL) == LAC_OK) {
             const lac_outcome *of = lac_simulation_outcome(simulation);

@@ -67,16 +67,6 @@ struct cli_view {
     bool ended, stay;
 };
 
-static lac_status read_port(const char *text, unsigned *port, lac_error *err)
-{
-    char *end;
-    const unsigned long n = strtoul(text, &end, 10);
-    const bool sound = text[strspn(text, "0123456789")] == '\0' && n <= 65535;
-    *port = (unsigned)n;
-    return sound ? LAC_OK
-                 : lac_fail(err, LAC_EINPUT, "--view: \"%s\" must be a port from 0 to 65535", text);
-}
-
 // Data from the recording, or from the run's file once it is closed. NULL: none
 static page_data make_data(const cli_view *view, const lac_recording *recording, int issues)
 {
@@ -200,19 +190,21 @@ static char *answer(void *context, uint64_t since, bool *last)
 
 lac_status cli_view_open(const cli_request *request, cli_view **out, lac_error *err)
 {
-    unsigned port = 0;
+    const char *text = request->view;
     lac_status status;
     *out = NULL;
     if (!cli_given(request, CLI_OPT_VIEW)) {
         return LAC_OK;
     }
+    const unsigned long port = strtoul(text, NULL, 10);
+    LAC_FAIL_IF(text[strspn(text, "0123456789")] != '\0' || port > 65535, err, LAC_EINPUT,
+                "--view: \"%s\" must be a port from 0 to 65535", text);
     cli_view *view = calloc(1, sizeof *view);
     LAC_FAIL_MEMORY_IF(view == NULL, err);
     view->lock = (pthread_mutex_t)PTHREAD_MUTEX_INITIALIZER;
     view->is.state = "preparing";
     view->data.at = view->issue.at = -INFINITY;
-    LAC_TRY(read_port(request->view, &port, err));
-    LAC_TRY(cli_http_start(port, answer, view, &view->http, err));
+    LAC_TRY(cli_http_start((unsigned)port, answer, view, &view->http, err));
     view->stay = isatty(STDERR_FILENO) == 1;
     cli_note("the run is to be seen at http://127.0.0.1:%u/", cli_http_port(view->http));
     *out = view;
@@ -324,16 +316,6 @@ static void say_end(cli_view *view, const char *state, const char *message, page
     (void)pthread_mutex_unlock(&view->lock);
 }
 
-// Until Ctrl-C, or for as long as the pages that are open take to fetch the end.
-static void linger(cli_view *view, bool stay)
-{
-    const struct timespec look_again = {.tv_nsec = 50000000};
-    const double end = cli_clock() + last_wait;
-    while (stay ? !cli_signals_stop(NULL) : cli_http_waiting(view->http) > 0 && cli_clock() < end) {
-        (void)nanosleep(&look_again, NULL);
-    }
-}
-
 void cli_view_end(cli_view *view, const char *status, bool failed, const char *message)
 {
     if (view == NULL || view->ended) {
@@ -356,7 +338,12 @@ void cli_view_end(cli_view *view, const char *status, bool failed, const char *m
         cli_note("the run has ended; http://127.0.0.1:%u/ stays until Ctrl-C",
                  cli_http_port(view->http));
     }
-    linger(view, stay);
+    // until Ctrl-C, or for as long as the pages that are open take to fetch the end
+    const struct timespec look_again = {.tv_nsec = 50000000};
+    const double end = cli_clock() + last_wait;
+    while (stay ? !cli_signals_stop(NULL) : cli_http_waiting(view->http) > 0 && cli_clock() < end) {
+        (void)nanosleep(&look_again, NULL);
+    }
 }
 
 void cli_view_close(cli_view *view)

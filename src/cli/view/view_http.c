@@ -73,15 +73,6 @@ static lac_status load(cli_http *http, lac_error *err)
                           dlerror());
 }
 
-static lac_status fail_port(unsigned port, lac_error *err)
-{
-    return errno == EADDRINUSE || errno == EACCES
-               ? lac_fail(err, LAC_EINPUT,
-                          "--view: port %u of 127.0.0.1: %s; name another, or none for a free one",
-                          port, strerror(errno))
-               : lac_fail(err, LAC_EIO, "--view: 127.0.0.1: %s", strerror(errno));
-}
-
 static unsigned port_of(const cli_http *http, struct MHD_Daemon *daemon)
 {
     return http->mhd.daemon_info(daemon, MHD_DAEMON_INFO_BIND_PORT)->port;
@@ -220,21 +211,17 @@ static void on_completed(void *context, struct MHD_Connection *connection, void 
     count_waiting(http);
 }
 
-// The version that a page says it has; a page that names none is given the newest data.
-static uint64_t version_of(const char *since)
-{
-    const bool number =
-        since != NULL && *since != '\0' && since[strspn(since, "0123456789")] == '\0';
-    return number ? strtoull(since, NULL, 10) : UINT64_MAX;
-}
-
+// A page that names no version that it has is given the newest data.
 static enum MHD_Result send_data(cli_http *http, struct MHD_Connection *connection, bool head)
 {
     const char *since = http->mhd.lookup(connection, MHD_GET_ARGUMENT_KIND, "since");
     guest *g = guest_of(http, connection);
+    const bool number =
+        since != NULL && *since != '\0' && since[strspn(since, "0123456789")] == '\0';
     g->waits = g->waits || (since != NULL && !head);
     count_waiting(http);
-    char *json = http->data(http->context, version_of(since), &g->told);
+    char *json =
+        http->data(http->context, number ? strtoull(since, NULL, 10) : UINT64_MAX, &g->told);
     g->told = g->told && !head;
     return deliver(http, connection, MHD_HTTP_OK, "application/json", CLOSED_POLICY, json);
 }
@@ -292,7 +279,11 @@ static lac_status start(cli_http *http, unsigned port, lac_error *err)
         on_connection, http, MHD_OPTION_NOTIFY_COMPLETED, on_completed, http,
         MHD_OPTION_UNESCAPE_CALLBACK, leave_as_it_is, NULL, MHD_OPTION_END);
     (void)pthread_sigmask(SIG_SETMASK, &before, NULL);
-    return http->daemon != NULL ? LAC_OK : fail_port(port, err);
+    LAC_FAIL_IF(http->daemon == NULL && (errno == EADDRINUSE || errno == EACCES), err, LAC_EINPUT,
+                "--view: port %u of 127.0.0.1: %s; name another, or none for a free one", port,
+                strerror(errno));
+    LAC_FAIL_IF(http->daemon == NULL, err, LAC_EIO, "--view: 127.0.0.1: %s", strerror(errno));
+    return LAC_OK;
 }
 
 lac_status cli_http_start(unsigned port, cli_http_data *data, void *context, cli_http **out,

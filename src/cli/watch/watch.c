@@ -9,7 +9,6 @@
 #include <unistd.h>
 
 #include "cli/common/command.h"
-#include "cli/common/output.h"
 #include "cli/common/progress.h"
 #include "cli/precursors/precursors.h"
 
@@ -92,19 +91,14 @@ static lac_status read_stream(watch_job *job, lac_error *err)
     return LAC_OK;
 }
 
-// A file stays open, so that what is written to it after it was rotated away is read.
-static void allow_files(void)
+static lac_status follow(watch_job *job, lac_error *err)
 {
     struct rlimit limit;
+    // a file stays open, so that what is written to it after it was rotated away is read
     if (getrlimit(RLIMIT_NOFILE, &limit) == 0) {
         limit.rlim_cur = limit.rlim_max;
         (void)setrlimit(RLIMIT_NOFILE, &limit);
     }
-}
-
-static lac_status follow(watch_job *job, lac_error *err)
-{
-    allow_files();
     while (!cli_signals_stop(NULL)) {
         bool more = false;
         lac_watch_clock(job->watch, (double)time(NULL));

@@ -17,13 +17,13 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 98716,
-    "lines that only present results": 24768,
+    "lines of src and include": 97806,
+    "lines that only present results": 24208,
     "public headers": 13,
     "exported names": 44,
     "circles of includes": 0,
     "files without an opening comment": 0,
-    "objects that one field more in a record compiles anew": 53,
+    "objects that one field more in a record compiles anew": 51,
     "words that people write and read": 75000,
 }
 
