@@ -59,6 +59,9 @@ int MPI_Allreduce(const void *from, void *to, int count, MPI_Datatype type, MPI_
                   MPI_Comm comm)
 {
     (void)from, (void)op, (void)comm;
+    if (type == MPI_INT) {
+        return MPI_SUCCESS; // all have room
+    }
     if (count != RANKS) {
         return piece(TO, to, count, size_of(type));
     }
@@ -133,7 +136,7 @@ static void all_get_all_pieces(void **state)
         assert_ptr_equal(next[TO], nowhere(GIB) + counts[i]);
     }
     assert_true(pieces > 2 * COUNTS);
-    cli_team_leave(team, LAC_OK, NULL, 0);
+    cli_team_leave(team);
 }
 
 static void the_first_gathers_all_pieces(void **state)
@@ -151,12 +154,12 @@ static void the_first_gathers_all_pieces(void **state)
         team->gather(team, &here, 0, (double *)(void *)nowhere(GIB));
         assert_ptr_equal(next[FROM + 1], nowhere(GIB) + n * sizeof here);
         assert_ptr_equal(next[FROM + 2], nowhere(GIB) + (n + last) * sizeof here);
-        cli_team_leave(team, LAC_OK, NULL, 0);
+        cli_team_leave(team);
         team = join_as(1);
         next[TO + 0] = nowhere(GIB);
         team->gather(team, (double *)(void *)nowhere(GIB), n, NULL);
         assert_ptr_equal(next[TO + 0], nowhere(GIB) + n * sizeof here);
-        cli_team_leave(team, LAC_OK, NULL, 0);
+        cli_team_leave(team);
     }
 }
 
@@ -178,7 +181,7 @@ static void ranks_exchange_all_pieces(void **state)
             assert_ptr_equal(next[TO + rank], nowhere(GIB) + before * sent[0] + sent[rank]);
             assert_ptr_equal(next[FROM + rank], nowhere(2 * GIB) + before * taken[0] + taken[rank]);
         }
-        cli_team_leave(team, LAC_OK, NULL, 0);
+        cli_team_leave(team);
     }
 }
 

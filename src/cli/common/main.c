@@ -151,6 +151,9 @@ int main(int argc, char **argv)
     if (status == LAC_OK) {
         status = cli_request_read(argc, argv, &request, &err);
         request.team = team;
+        if (team != NULL) {
+            cli_signals_hush();
+        }
     }
     if (status == LAC_OK && cli_given(&request, CLI_OPT_PIPE)) {
         status = cli_pipe_open(&request, &err);
@@ -158,6 +161,7 @@ int main(int argc, char **argv)
     if (status == LAC_OK) {
         status = dispatch(&request, &err);
     }
+    status = cli_team_end(team, status, &err, exit_status(status));
     if (status != LAC_OK && err.message[0] != '\0') {
         cli_note("%s", err.message);
     }
@@ -167,7 +171,7 @@ int main(int argc, char **argv)
         status = status == LAC_OK ? flushed : status;
     }
     cli_request_clear(&request);
-    cli_team_leave(team, status, &err, exit_status(status));
+    cli_team_leave(team);
     if (status == LAC_EIO) {
         // HDF5's handlers at exit would stumble over a file that could not be closed.
         _exit(exit_status(status));

@@ -12,7 +12,10 @@ lac_status cli_team_join(lac_team **out, lac_error *err);
 /// What --help says of ranks.
 extern const char cli_team_help[];
 
-/// The last that it does: takes leave of the others. Where it alone has run out of memory, and they
-/// wait for it, all end.
+/// What the command came to, with all: an error of one is that of all, for one to say. Where the
+/// others wait for something else of one that has an error, that one says it and ends them all.
 /// @param exit_status  of the program
-void cli_team_leave(lac_team *team, lac_status status, const lac_error *err, int exit_status);
+lac_status cli_team_end(lac_team *team, lac_status status, lac_error *err, int exit_status);
+
+/// The last that it does: takes leave of the others.
+void cli_team_leave(lac_team *team);

@@ -11,7 +11,10 @@ lac_status cli_team_join(lac_team **out, lac_error *err)
     return LAC_OK;
 }
 
-void cli_team_leave(lac_team *team, lac_status status, const lac_error *err, int exit_status)
+lac_status cli_team_end(lac_team *team, lac_status status, lac_error *err, int exit_status)
 {
-    (void)team, (void)status, (void)err, (void)exit_status;
+    (void)team, (void)err, (void)exit_status;
+    return status;
 }
+
+void cli_team_leave(lac_team *team) { (void)team; }

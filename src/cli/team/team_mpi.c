@@ -121,28 +121,71 @@ lac_status cli_team_join(lac_team **out, lac_error *err)
         return LAC_OK;
     }
     ranks *all = malloc(sizeof *all);
-    LAC_FAIL_MEMORY_IF(all == NULL, err);
+    int room = all != NULL; // of all: none waits for one without memory
+    (void)MPI_Allreduce(MPI_IN_PLACE, &room, 1, MPI_INT, MPI_MIN, MPI_COMM_WORLD);
+    if (!room) {
+        free(all);
+        return lac_fail_memory(err);
+    }
     *all = (ranks){team, aside};
     all->team.context = all;
     *out = &all->team;
     return LAC_OK;
 }
 
-void cli_team_leave(lac_team *team, lac_status status, const lac_error *err, int exit_status)
+// Waits until all have told each other what they came to; with an error, not for ever, as others
+// may wait for something else.
+// @param of  [ranks] what each has come to, LAC_OK where that is not known
+static bool tell_all(const lac_team *team, int here, int *of)
+{
+    MPI_Request told[2 * LAC_TEAM_MOST];
+    int n = 0, come = 0;
+    for (int rank = 0; rank < team->ranks; rank++) {
+        if (rank != team->rank) {
+            (void)MPI_Irecv(&of[rank], 1, MPI_INT, rank, 1, MPI_COMM_WORLD, &told[n++]);
+            (void)MPI_Isend(&here, 1, MPI_INT, rank, 1, MPI_COMM_WORLD, &told[n++]);
+        }
+    }
+    const double from = MPI_Wtime();
+    while (!come && (here == LAC_OK || MPI_Wtime() < from + 1.0)) {
+        (void)MPI_Testall(n, told, &come, MPI_STATUSES_IGNORE);
+        (void)usleep(come ? 0 : 1000);
+    }
+    return come;
+}
+
+lac_status cli_team_end(lac_team *team, lac_status status, lac_error *err, int exit_status)
+{
+    int of[LAC_TEAM_MOST] = {0}, first = 0;
+    if (team == NULL) {
+        return status;
+    }
+    // mpirun asks ranks to stop where one has an error: that is said once.
+    (void)signal(SIGTERM, SIG_IGN);
+    (void)signal(SIGINT, SIG_IGN);
+    of[team->rank] = (int)status;
+    if (tell_all(team, (int)status, of)) {
+        return lac_team_settle(team, status, err);
+    }
+    while (of[first] == LAC_OK) {
+        first++;
+    }
+    if (first == team->rank) {
+        (void)dprintf(((const ranks *)team->context)->aside, "lacuna-mpi: rank %d: %s\n", first,
+                      err->message);
+        (void)MPI_Abort(MPI_COMM_WORLD, exit_status);
+    }
+    for (;;) {
+        (void)pause(); // the first says its own, and ends this one
+    }
+}
+
+void cli_team_leave(lac_team *team)
 {
     int joined = 0;
     (void)MPI_Initialized(&joined);
-    if (joined == 0) {
-        return;
+    if (joined != 0) {
+        (void)MPI_Finalize();
+        free(team != NULL ? team->context : NULL);
     }
-    if (team != NULL && !team->over && status == LAC_ENOMEM) {
-        (void)dprintf(((const ranks *)team->context)->aside, "lacuna-mpi: rank %d: %s\n",
-                      team->rank, err->message);
-        (void)MPI_Abort(MPI_COMM_WORLD, exit_status);
-    }
-    // mpirun asks ranks to stop that leave after one with an error: all is said by now.
-    (void)signal(SIGTERM, SIG_IGN);
-    (void)signal(SIGINT, SIG_IGN);
-    (void)MPI_Finalize();
-    free(team != NULL ? team->context : NULL);
 }
