@@ -65,3 +65,9 @@ static inline lac_status lac_team_agree(lac_team *team, lac_status here, lac_err
 {
     return team == NULL || team->over ? here : lac_team_settle(team, here, err);
 }
+
+/// The same of memory that each needs before what they do together.
+static inline lac_status lac_team_room(lac_team *team, bool room, lac_error *err)
+{
+    return lac_team_agree(team, room ? LAC_OK : lac_fail_memory(err), err);
+}
