@@ -21,6 +21,10 @@ typedef struct lac_team {
     /// of one rank behind those of the one before.
     void (*exchange)(const struct lac_team *team, const void *from, const size_t *sent, void *to,
                      const size_t *taken);
+    /// As join of a word of each rank, by which they agree: one with an error does not wait for
+    /// ever where others wait for something else, but ends all. NULL: join.
+    void (*fare)(const struct lac_team *team, uint64_t *words, lac_status here,
+                 const lac_error *err);
     bool over; ///< all know of an error: there is nothing more to agree on
 } lac_team;
 

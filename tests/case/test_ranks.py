@@ -185,12 +185,14 @@ class Ranks(unittest.TestCase):
 
     def test_an_error_of_one_rank_is_one_line_and_one_status(self):
         words = ["run", HIERARCHY[0], "--set", "interface.levels=7", "-o"]
-        short, lost = ["env", f"LD_PRELOAD={FAIL_AT}", "FAIL_AT=40"], ["env", "-C", self.folder.name]
+        early, late = (["env", f"LD_PRELOAD={FAIL_AT}", f"FAIL_AT={at}"] for at in (40, 195))
+        lost = ["env", "-C", self.folder.name]
         for rank, fault, to, status, says in (
                 (0, [], "/nowhere/run.nc", 3, "lacuna: /nowhere/run.nc"),  # the others wait to be told
-                (0, short, self.many, 1, "lacuna-mpi: rank 0: out of memory"),  # these wait for something else
-                (2, lost, self.many, 3, f"lacuna-mpi: rank 2: {HIERARCHY[0]}: cannot be opened")):
-            with self.subTest(says):
+                (0, early, self.many, 1, "out of memory"),  # these for something else
+                (1, late, self.many, 1, "out of memory"),
+                (2, lost, self.many, 3, f"{HIERARCHY[0]}: cannot be opened")):
+            with self.subTest(says, rank=rank):
                 each = [[":", "-np", "1", *(fault if r == rank else []), RANKS, *words, to] for r in range(3)]
                 done = run([*MPIRUN, *sum(each, [])[1:]])
                 self.assertEqual(done.returncode, status, done.stderr)

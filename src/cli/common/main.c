@@ -147,7 +147,7 @@ int main(int argc, char **argv)
     (void)gsl_set_error_handler_off(); // it would abort; every call's status is looked at
     cli_signals_install();
     cli_clean_stdout();
-    lac_status status = cli_team_join(&team, &err);
+    lac_status status = cli_team_join(exit_status, &team, &err);
     if (status == LAC_OK) {
         status = cli_request_read(argc, argv, &request, &err);
         request.team = team;
@@ -161,7 +161,7 @@ int main(int argc, char **argv)
     if (status == LAC_OK) {
         status = dispatch(&request, &err);
     }
-    status = cli_team_end(team, status, &err, exit_status(status));
+    status = cli_team_end(team, status, &err);
     if (status != LAC_OK && err.message[0] != '\0') {
         cli_note("%s", err.message);
     }

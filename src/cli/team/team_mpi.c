@@ -9,7 +9,10 @@
 
 typedef struct ranks {
     lac_team team;
-    int aside; // standard error, where it is still heard
+    int heard; // standard error, where it still is
+    int (*exit_status)(lac_status status);
+    MPI_Comm apart; // where they agree
+    double begun;   // [s]
 } ranks;
 
 const char cli_team_help[] =
@@ -17,6 +20,7 @@ const char cli_team_help[] =
     "  mpirun -np 8 lacuna-mpi run CASE\n"
     "check says how many help, and what memory each takes. One rank does all else.\n";
 
+enum { NOTICE = 1 };      // the tag of an error
 enum { PIECE = 1 << 27 }; // of what MPI counts in an int; in bytes it fits one, too
 
 static int piece_of(size_t n) { return (int)(n < PIECE ? n : PIECE); }
@@ -92,6 +96,53 @@ static void hand_out(const lac_team *team, void *bytes, size_t size)
     }
 }
 
+// Of ranks with errors that the others do not hear of, the first says its own and ends all.
+static void end_all(const lac_team *team, lac_status status, const lac_error *err)
+{
+    const ranks *all = team->context;
+    int lower = 0;
+    (void)signal(SIGTERM, SIG_IGN); // comes to all by that
+    for (int rank = 0; rank < team->rank && !lower; rank++) {
+        (void)MPI_Iprobe(rank, NOTICE, MPI_COMM_WORLD, &lower, MPI_STATUS_IGNORE);
+    }
+    if (!lower) {
+        (void)dprintf(all->heard, "lacuna-mpi: rank %d: %s\n", team->rank,
+                      err != NULL ? err->message : "");
+        (void)MPI_Abort(MPI_COMM_WORLD, all->exit_status(status));
+    }
+    for (;;) {
+        (void)pause();
+    }
+}
+
+// The longer they have worked the longer one may be busy before it comes to this.
+static void fare(const lac_team *team, uint64_t *words, lac_status here, const lac_error *err)
+{
+    const ranks *all = team->context;
+    const double now = MPI_Wtime(), patience = 1.0 + 0.1 * (now - all->begun);
+    MPI_Request told, notice;
+    int come = 0;
+    (void)MPI_Iallreduce(MPI_IN_PLACE, words, team->ranks, MPI_UINT64_T, MPI_BOR, all->apart,
+                         &told);
+    for (int rank = 0; rank < team->ranks && here != LAC_OK; rank++) {
+        (void)MPI_Isend(NULL, 0, MPI_BYTE, rank, NOTICE, MPI_COMM_WORLD, &notice);
+        (void)MPI_Request_free(&notice);
+    }
+    while (here != LAC_OK && !come) {
+        (void)MPI_Test(&told, &come, MPI_STATUS_IGNORE);
+        (void)usleep(come ? 0 : 1000);
+        if (!come && MPI_Wtime() > now + patience) {
+            end_all(team, here, err);
+        }
+    }
+    (void)MPI_Wait(&told, MPI_STATUS_IGNORE);
+    for (int rank = 0; rank < team->ranks; rank++) {
+        if (words[rank] != LAC_OK) {
+            (void)MPI_Recv(NULL, 0, MPI_BYTE, rank, NOTICE, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+        }
+    }
+}
+
 // What is said and shown is the same on all ranks: once is enough.
 // @return where it still can be heard
 static int be_silent(void)
@@ -103,16 +154,17 @@ static int be_silent(void)
     return aside;
 }
 
-lac_status cli_team_join(lac_team **out, lac_error *err)
+lac_status cli_team_join(int (*exit_status)(lac_status status), lac_team **out, lac_error *err)
 {
-    lac_team team = {.join = join, .gather = gather, .hand_out = hand_out, .exchange = exchange};
-    int aside = STDERR_FILENO;
+    lac_team team = {
+        .join = join, .gather = gather, .hand_out = hand_out, .exchange = exchange, .fare = fare};
+    int heard = STDERR_FILENO;
     *out = NULL;
     (void)MPI_Init(NULL, NULL);
     (void)MPI_Comm_rank(MPI_COMM_WORLD, &team.rank);
     (void)MPI_Comm_size(MPI_COMM_WORLD, &team.ranks);
     if (team.rank > 0) {
-        aside = be_silent();
+        heard = be_silent();
     }
     LAC_FAIL_IF(team.ranks > LAC_TEAM_MOST, err, LAC_EINPUT,
                 "lacuna-mpi: %d ranks: at most %d can share the cells of a case", team.ranks,
@@ -127,57 +179,19 @@ lac_status cli_team_join(lac_team **out, lac_error *err)
         free(all);
         return lac_fail_memory(err);
     }
-    *all = (ranks){team, aside};
+    *all = (ranks){team, heard, exit_status, MPI_COMM_NULL, MPI_Wtime()};
+    (void)MPI_Comm_dup(MPI_COMM_WORLD, &all->apart);
     all->team.context = all;
     *out = &all->team;
     return LAC_OK;
 }
 
-// Waits until all have told each other what they came to; with an error, not for ever, as others
-// may wait for something else.
-// @param of  [ranks] what each has come to, LAC_OK where that is not known
-static bool tell_all(const lac_team *team, int here, int *of)
+lac_status cli_team_end(lac_team *team, lac_status status, lac_error *err)
 {
-    MPI_Request told[2 * LAC_TEAM_MOST];
-    int n = 0, come = 0;
-    for (int rank = 0; rank < team->ranks; rank++) {
-        if (rank != team->rank) {
-            (void)MPI_Irecv(&of[rank], 1, MPI_INT, rank, 1, MPI_COMM_WORLD, &told[n++]);
-            (void)MPI_Isend(&here, 1, MPI_INT, rank, 1, MPI_COMM_WORLD, &told[n++]);
-        }
-    }
-    const double from = MPI_Wtime();
-    while (!come && (here == LAC_OK || MPI_Wtime() < from + 1.0)) {
-        (void)MPI_Testall(n, told, &come, MPI_STATUSES_IGNORE);
-        (void)usleep(come ? 0 : 1000);
-    }
-    return come;
-}
-
-lac_status cli_team_end(lac_team *team, lac_status status, lac_error *err, int exit_status)
-{
-    int of[LAC_TEAM_MOST] = {0}, first = 0;
-    if (team == NULL) {
-        return status;
-    }
-    // mpirun asks ranks to stop where one has an error: that is said once.
+    // mpirun asks ranks to stop that end after one with an error: all is said by now.
     (void)signal(SIGTERM, SIG_IGN);
     (void)signal(SIGINT, SIG_IGN);
-    of[team->rank] = (int)status;
-    if (tell_all(team, (int)status, of)) {
-        return lac_team_settle(team, status, err);
-    }
-    while (of[first] == LAC_OK) {
-        first++;
-    }
-    if (first == team->rank) {
-        (void)dprintf(((const ranks *)team->context)->aside, "lacuna-mpi: rank %d: %s\n", first,
-                      err->message);
-        (void)MPI_Abort(MPI_COMM_WORLD, exit_status);
-    }
-    for (;;) {
-        (void)pause(); // the first says its own, and ends this one
-    }
+    return lac_team_agree(team, status, err);
 }
 
 void cli_team_leave(lac_team *team)
