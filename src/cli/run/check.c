@@ -115,7 +115,7 @@ static void print_size(const lac_estimate *e)
     printf("#   memory          %.10g MB%s\n", rounded(e->memory / 1e6, 2),
            e->memory > 1e6 * room ? more.s : "");
     if (e->ranks > 1) {
-        printf("#   ranks           up to %.0f, better %.0f (lacuna-mpi), of %.10g MB each\n",
+        printf("#   ranks           up to %.0f, better %.0f (lacuna-mpi), of %.10g MB at most\n",
                e->ranks, ceil(e->ranks / 4), rounded(e->memory_rank / 1e6, 2));
     }
 }
@@ -320,7 +320,7 @@ static const lac_variable of_estimate[] = {
     E("unknowns", NULL, "unknowns of a run", unknowns),
     E("memory", "byte", "largest resident memory", memory, "_bytes"),
     E("ranks_most", NULL, "ranks of lacuna-mpi that can share the run", ranks),
-    E("memory_rank", "byte", "memory of each of a fourth of them", memory_rank, "_bytes"),
+    E("memory_rank", "byte", "memory of the first of a fourth of them", memory_rank, "_bytes"),
     E("cpu_time_least", "s", "least time on one core", cpu_least, "_s"),
     E("cpu_time_most", "s", "longest time on one core", cpu_most, "_s"),
     E("cascade_time", "s", "time of the cascade", cascade, "_s"),

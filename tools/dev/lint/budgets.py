@@ -17,8 +17,8 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 98555,
-    "lines that only present results": 24768,
+    "lines of src and include": 98663,
+    "lines that only present results": 24845,
     "public headers": 13,
     "exported names": 44,
     "circles of includes": 0,
