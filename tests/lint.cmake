@@ -51,7 +51,7 @@ endif()
 find_program(SHELLCHECK NAMES shellcheck)
 if(SHELLCHECK)
   lacuna_lint(shell ${SHELLCHECK} tools/install-packages tools/quickstart tools/build tools/test
-              tools/dev/memcheck tools/dev/races tools/bench tools/dev/instruction-counts tools/dev/case-counts tools/dev/on-debian .ci/run tools/cmake/prerm)
+              tools/dev/memcheck tools/dev/races tools/dev/rank-errors tools/bench tools/dev/instruction-counts tools/dev/case-counts tools/dev/on-debian .ci/run tools/cmake/prerm)
 endif()
 
 # Every unit of the compilation database; the options that gcc alone knows are dropped.

@@ -136,8 +136,17 @@ set(test_branch_files $<TARGET_FILE:at_call>)
 lacuna_python_test(test_branch)
 lacuna_python_test(test_points)
 
+# Memory that is short for one allocation, of the program as it is shipped.
+if(NOT LACUNA_SANITIZE)
+  add_library(fail_at MODULE memory/fail_at.c)
+  target_compile_options(fail_at PRIVATE ${warnings})
+  target_link_libraries(fail_at PRIVATE ${CMAKE_DL_LIBS})
+  set(test_every_allocation_files $<TARGET_FILE:fail_at>)
+  lacuna_python_test(test_every_allocation once)
+endif()
+
 # Runs on the ranks of an MPI job, where that is there.
-set(test_ranks_files none none none ${PROJECT_BINARY_DIR})
+set(test_ranks_files none none none none ${PROJECT_BINARY_DIR})
 if(TARGET lacuna_mpi)
   foreach(loaded wrong_order count_messages)
     add_library(${loaded} MODULE ranks/${loaded}.c)
@@ -150,7 +159,7 @@ if(TARGET lacuna_mpi)
   add_test(NAME unit.test_pieces COMMAND unit_test_pieces)
   set_tests_properties(unit.test_pieces PROPERTIES LABELS unit)
   set(test_ranks_files $<TARGET_FILE:lacuna_mpi> $<TARGET_FILE:wrong_order> $<TARGET_FILE:count_messages>
-      ${PROJECT_BINARY_DIR})
+      $<TARGET_FILE:fail_at> ${PROJECT_BINARY_DIR})
 endif()
 lacuna_python_test(test_ranks)
 
@@ -186,15 +195,6 @@ target_sources(unit_test_pool PRIVATE
 foreach(name bridge calibration contact_scale damping drag failing fit fit_rates fractal fractal_closed_form peers tree)
   set_property(TEST verify.test_${name} APPEND PROPERTY LABELS once)
 endforeach()
-
-# Memory that is short for one allocation, of the program as it is shipped.
-if(NOT LACUNA_SANITIZE)
-  add_library(fail_at MODULE memory/fail_at.c)
-  target_compile_options(fail_at PRIVATE ${warnings})
-  target_link_libraries(fail_at PRIVATE ${CMAKE_DL_LIBS})
-  set(test_every_allocation_files $<TARGET_FILE:fail_at>)
-  lacuna_python_test(test_every_allocation once)
-endif()
 
 # What a scene does not name costs nothing: bytes and threads, counted by a library that sanitizers
 # would not let in.

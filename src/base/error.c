@@ -26,6 +26,12 @@ lac_status lac_fail_within(lac_error *err, lac_status status, const char *format
     (void)vsnprintf(where, sizeof where, format, args);
     va_end(args);
 
+    // Of another rank, that may be there already.
+    const char *there = strstr(err->message, where);
+    const bool begins = there == err->message || (there != NULL && there[-1] == ' ');
+    if (begins && strncmp(there + strlen(where), ": ", 2) == 0) {
+        return status;
+    }
     // Whatever does not fit falls off the end of the older text, never the newer.
     size_t used = strlen(where);
     if (used + 2 < sizeof where) {

@@ -60,7 +60,7 @@ static lac_status hand_over(const lac_strip *strip, const double *wants, size_t 
     }
     char *packet = malloc(total + 1);
     const bool room = out != NULL && packet != NULL; // on every rank, or none hands over
-    const lac_status status = lac_team_agree(team, room ? LAC_OK : lac_fail_memory(err), err);
+    const lac_status status = lac_team_room(team, room, err);
     total = 0;
     for (int rank = 0; status == LAC_OK && rank < team->ranks; rank++) {
         const size_t first = (size_t)wants[2 * (size_t)rank];

@@ -51,14 +51,20 @@ double lac_team_ask_most(const lac_team *team, double here)
 
 lac_status lac_team_settle(lac_team *team, lac_status here, lac_error *err)
 {
-    double all[LAC_TEAM_MOST];
+    uint64_t all[LAC_TEAM_MOST] = {0};
     union {
         lac_error error;
         uint64_t words[sizeof(lac_error) / sizeof(uint64_t)];
     } said = {0};
-    const size_t n = tell(team, (double)here, all);
+    const size_t n = (size_t)team->ranks;
     size_t first = 0;
-    while (first < n && all[first] == (double)LAC_OK) {
+    all[team->rank] = (uint64_t)here;
+    if (team->fare != NULL) {
+        team->fare(team, all, here, err);
+    } else {
+        team->join(team, all, n);
+    }
+    while (first < n && all[first] == LAC_OK) {
         first++;
     }
     if (first == n) {

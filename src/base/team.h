@@ -21,6 +21,10 @@ typedef struct lac_team {
     /// of one rank behind those of the one before.
     void (*exchange)(const struct lac_team *team, const void *from, const size_t *sent, void *to,
                      const size_t *taken);
+    /// As join of a word of each rank, by which they agree: one with an error does not wait for
+    /// ever where others wait for something else, but ends all. NULL: join.
+    void (*fare)(const struct lac_team *team, uint64_t *words, lac_status here,
+                 const lac_error *err);
     bool over; ///< all know of an error: there is nothing more to agree on
 } lac_team;
 
@@ -64,4 +68,10 @@ static inline double lac_team_least(const lac_team *team, double here)
 static inline lac_status lac_team_agree(lac_team *team, lac_status here, lac_error *err)
 {
     return team == NULL || team->over ? here : lac_team_settle(team, here, err);
+}
+
+/// The same of memory that each needs before what they do together.
+static inline lac_status lac_team_room(lac_team *team, bool room, lac_error *err)
+{
+    return lac_team_agree(team, room ? LAC_OK : lac_fail_memory(err), err);
 }

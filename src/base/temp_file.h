@@ -18,8 +18,10 @@ char *lac_text_join(const char *first, const char *between, const char *second);
 /// Writes all of it. @return false with errno
 bool lac_temp_file_write(int fd, const void *bytes, size_t size);
 
-/// Makes a file of bytes, which are on the disk then, where none is. @return false with errno
-bool lac_temp_file_fill(const char *part, const void *bytes, size_t size);
+/// Makes a file of bytes and more, which are on the disk then, where none is. @return false with
+/// errno
+bool lac_temp_file_fill(const char *part, const void *bytes, size_t size, const void *more,
+                        size_t more_size);
 
 /// Makes names that were given or taken in the folder of `path` last.
 void lac_temp_file_sync_folder(const char *path);

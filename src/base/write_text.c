@@ -20,14 +20,16 @@ static lac_status find_place(const char *path, char **place, lac_error *err)
 }
 
 // A lock tells that the part is being written, also to who sees no process of that number.
-bool lac_temp_file_fill(const char *part, const void *bytes, size_t size)
+bool lac_temp_file_fill(const char *part, const void *bytes, size_t size, const void *more,
+                        size_t more_size)
 {
     const int fd = open(part, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (fd < 0) {
         return false;
     }
     (void)flock(fd, LOCK_EX | LOCK_NB);
-    const bool good = lac_temp_file_write(fd, bytes, size) && fsync(fd) == 0;
+    const bool good = lac_temp_file_write(fd, bytes, size) &&
+                      lac_temp_file_write(fd, more, more_size) && fsync(fd) == 0;
     const int why = errno;
     const bool closed = close(fd) == 0;
     errno = good ? errno : why;
@@ -44,7 +46,8 @@ lac_status lac_write_bytes(const char *path, const void *bytes, size_t size, boo
     LAC_TRY(part != NULL ? LAC_OK : lac_fail_memory(err));
     lac_temp_file_sweep(place);
     (void)unlink(part); // of a process of this number that is no more
-    if (!lac_temp_file_fill(part, bytes, size) || lac_temp_file_publish(part, place, force) != 0) {
+    if (!lac_temp_file_fill(part, bytes, size, NULL, 0) ||
+        lac_temp_file_publish(part, place, force) != 0) {
         const int why = errno;
         (void)unlink(part);
         status = why == EEXIST

@@ -183,8 +183,7 @@ static lac_status full_contact(const lac_contact_def *def, const problem *p, lac
         return LAC_OK; // edges have no such closed form
     }
     full f = {p, def->mean_pressure, NULL, malloc(p->at.rows.n * sizeof(bool) + 1)};
-    const lac_status status =
-        lac_team_agree(def->team, f.positive != NULL ? LAC_OK : lac_fail_memory(err), err);
+    const lac_status status = lac_team_room(def->team, f.positive != NULL, err);
     if (status != LAC_OK) {
         free(f.positive);
         return status;

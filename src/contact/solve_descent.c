@@ -473,8 +473,7 @@ lac_status lac_descend(lac_half_space *s, lac_descent *d, double *pressure, doub
     float *work = calloc((few ? 2 : 3) * n + s->nx, sizeof *work);
     sums *rows = malloc(s->ny * sizeof *rows);
     lac_status status;
-    status = work != NULL && rows != NULL ? LAC_OK : lac_fail_memory(err);
-    LAC_TRY(lac_team_agree(s->rows.team, status, err)); // none waits for one without memory
+    LAC_TRY(lac_team_room(s->rows.team, work != NULL && rows != NULL, err));
     iteration it = {.s = s,
                     .nx = s->nx,
                     .ny = s->rows.n,

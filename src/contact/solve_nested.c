@@ -143,8 +143,7 @@ lac_status lac_coarse_guess(const lac_extent *at, lac_heights h, const lac_desce
     d.heights = (lac_heights){mean, 0.0, 1.0};
     d.tolerance = coarse_tolerance;
     d.max_iterations = coarse_iterations;
-    status = mean != NULL && guess != NULL ? LAC_OK : lac_fail_memory(err);
-    LAC_TRY(lac_team_agree(at->rows.team, status, err));
+    LAC_TRY(lac_team_room(at->rows.team, mean != NULL && guess != NULL, err));
     LAC_TRY(average(at, h, &c, mean, mean + n, err));
     LAC_TRY(lac_coarse_guess(&c, d.heights, fine, guess, err));
     LAC_TRY(lac_half_space_create(&c, &s, err));

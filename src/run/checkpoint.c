@@ -26,24 +26,39 @@ typedef struct identity {
     uint64_t cells, formulation, start;
 } identity;
 
-// So many arrays of all cells, from those here, at the rank that leads; elsewhere NULL, as where
-// memory is short.
-static double *gather(const lac_range *range, const double *x, size_t arrays)
+// Takes arrays of all cells, one after the other, at the rank that leads.
+typedef void take_array(void *context, double *all, size_t bytes);
+
+// Of those of the cells here. @return false: memory is short
+static bool gather(const lac_range *range, double *x, size_t arrays, take_array *take,
+                   void *context)
 {
-    const bool leads = lac_team_leads(range->team);
-    double *all = leads ? malloc((arrays * range->all + 1) * sizeof *all) : NULL;
-    if (lac_team_any(range->team, leads && all == NULL)) {
-        free(all);
-        return NULL;
+    const lac_team *team = range->team;
+    const bool leads = lac_team_leads(team);
+    double *room = leads && team != NULL ? malloc((range->all + 1) * sizeof *room) : NULL;
+    const bool good = lac_team_all(team, room != NULL || !leads || team == NULL);
+    for (size_t a = 0; good && a < arrays; a++) {
+        double *all = x + a * range->n;
+        if (team != NULL) {
+            team->gather(team, all, range->n, room);
+            all = room;
+        }
+        if (leads) {
+            take(context, all, range->all * sizeof *all);
+        }
     }
-    for (size_t a = 0; range->team != NULL && a < arrays; a++) {
-        range->team->gather(range->team, x + a * range->n, range->n,
-                            leads ? all + a * range->all : NULL);
-    }
-    if (range->team == NULL) {
-        memcpy(all, x, arrays * range->all * sizeof *all);
-    }
-    return all;
+    free(room);
+    return good;
+}
+
+static void sum(void *context, double *all, size_t bytes)
+{
+    *(uint64_t *)context = lac_sum_bytes(*(uint64_t *)context, all, bytes);
+}
+
+static void keep(void *context, double *all, size_t bytes)
+{
+    lac_archive_pass(context, all, bytes);
 }
 
 // `start` sums the values that the problem starts from; 0 where memory is short, which is no sum of
@@ -53,41 +68,37 @@ static identity identify(const lac_problem *problem)
     const lac_range *range = lac_problem_range(problem);
     identity scene = {.cells = range->all,
                       .formulation = (uint64_t)lac_problem_formulation(problem)};
-    const size_t arrays = lac_problem_arrays(problem);
-    double *y = calloc(lac_problem_unknowns(problem) + 1, sizeof *y), *all = NULL;
+    double *y = calloc(lac_problem_unknowns(problem) + 1, sizeof *y);
     if (lac_team_all(range->team, y != NULL)) {
+        uint64_t of_all = LAC_SUM_OF_NOTHING;
         lac_problem_initial(problem, y);
-        all = gather(range, y, arrays);
-    }
-    if (all != NULL) {
-        scene.start = lac_sum_bytes(LAC_SUM_OF_NOTHING, all, arrays * range->all * sizeof *all) | 1;
+        const bool good = gather(range, y, lac_problem_arrays(problem), sum, &of_all);
+        scene.start = good ? of_all | 1 : 0;
     }
     if (range->team != NULL) {
         range->team->hand_out(range->team, &scene.start, sizeof scene.start);
     }
     free(y);
-    free(all);
     return scene;
 }
 
 // Arrays of the cells, in the archive those of all: a run goes on on any number of ranks.
 static void pass_cells(lac_archive *archive, const lac_range *range, double *x, size_t arrays)
 {
-    if (range->team == NULL) {
-        lac_archive_pass(archive, x, arrays * range->n * sizeof *x);
+    if (!archive->loading) {
+        const bool good = gather(range, x, arrays, keep, archive);
+        archive->no_memory = archive->no_memory || !good;
         return;
     }
-    double *all =
-        archive->loading ? calloc(arrays * range->all, sizeof *all) : gather(range, x, arrays);
-    const bool here = archive->loading || lac_team_leads(range->team);
-    archive->no_memory = archive->no_memory || (here && all == NULL);
-    if (all != NULL) {
-        lac_archive_pass(archive, all, arrays * range->all * sizeof *all);
+    for (size_t a = 0; a < arrays; a++) {
+        const size_t at = archive->at, bytes = range->all * sizeof *x;
+        archive->short_of = archive->short_of || bytes > archive->size - at;
+        if (lac_archive_good(archive)) {
+            archive->at += range->first * sizeof *x;
+            lac_archive_pass(archive, x + a * range->n, range->n * sizeof *x);
+            archive->at = at + bytes;
+        }
     }
-    for (size_t a = 0; archive->loading && all != NULL && a < arrays; a++) {
-        memcpy(x + a * range->n, all + a * range->all + range->first, range->n * sizeof *x);
-    }
-    free(all);
 }
 
 static void pass_engine(lac_archive *archive, lac_engine *engine)

@@ -100,9 +100,7 @@ static lac_status gather(lac_team *team, lac_scene_contact *out, lac_error *err)
     for (size_t k = 0; k < sizeof fields / sizeof *fields; k++) {
         const size_t all = lac_team_leads(team) ? lac_grid_cells(&out->grid) : 0;
         double *whole = all > 0 ? malloc(all * sizeof *whole) : NULL;
-        // else the others would wait for ever for one that has no memory
-        const lac_status status =
-            lac_team_agree(team, all > 0 && whole == NULL ? lac_fail_memory(err) : LAC_OK, err);
+        const lac_status status = lac_team_room(team, all == 0 || whole != NULL, err);
         if (status != LAC_OK) {
             free(whole);
             return status;

@@ -23,10 +23,10 @@ static const struct {
 static const double one_by_one_cells = 4096;
 
 // Of a grid cell where no surface is pressed: pressures, and which are occupied. Of ranks: what a
-// free contact takes more; of a cell of a surface, and of a contact cell, what each has of all;
-// MPI.
-static const double domain_bytes = 13, unfolded_bytes = 4, whole_source_bytes = 24,
-                    whole_cell_bytes = 130, mpi_bytes = 20e6;
+// free contact takes more; of a cell of a surface, and of a contact cell, what each has of all, and
+// the one that writes, also of snapshots; MPI.
+static const double domain_bytes = 13, unfolded_bytes[] = {[LAC_FREE] = 4}, whole_source_bytes = 24,
+                    whole_cell_bytes = 130, write_bytes[] = {16, 64}, mpi_bytes = 20e6;
 
 // Of a grid cell: the transforms of the elastic rock while they are made, which ranks share.
 static const double rock_bytes[] = {[LAC_PERIODIC] = 24, [LAC_FREE] = 110};
@@ -172,18 +172,18 @@ static double rock_memory(const lac_case *c, const lac_estimate *e, double ranks
     return bytes * e->grid_cells / (e->grid_cells < LAC_RANGE_ALONE ? 1 : ranks);
 }
 
-// Of one of so many ranks: its rows of what is pressed, of which Love's kernel is not folded; the
-// heights of a source that does not share, and a domain, as a whole; of the cells what is whole.
+// Of the first of so many ranks: its rows of what is pressed, Love's kernel not folded; the heights
+// of a source that does not share, and a domain, as a whole; of the cells what is whole.
 static double rank_memory(const lac_case *c, const lac_estimate *e, double ranks)
 {
     const lac_surface_source *source = (const void *)c->surface.info;
-    const bool free = c->interface.boundary == LAC_FREE;
-    double rows = costs[c->interface.boundary].bytes + (free ? unfolded_bytes : 0);
+    double rows = costs[c->interface.boundary].bytes + unfolded_bytes[c->interface.boundary];
     double grid = rows / ranks + (source != NULL && !source->shared ? whole_source_bytes : 0);
     grid = source != NULL ? grid : domain_bytes;
     const double cell = 0.5 * e->unknowns * contact_cell_bytes;
     const double integration = (cell - whole_cell_bytes) / ranks * e->cells;
-    const double made = fmax(rock_memory(c, e, ranks), integration) + whole_cell_bytes * e->cells;
+    const double made = fmax(rock_memory(c, e, ranks), integration) +
+                        (whole_cell_bytes + write_bytes[c->run.snapshots]) * e->cells;
     return base_bytes + mpi_bytes + table_bytes(c) + fmax(grid * e->grid_cells, made);
 }
 

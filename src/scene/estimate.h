@@ -56,7 +56,7 @@ typedef struct lac_estimate {
     double steps_least, steps_most;       ///< most NaN: not estimated
     double memory;                        ///< peak [bytes], of each rank
     double ranks;                         ///< that can share its cells at most; 1: none can
-    double memory_rank;                   ///< of each where a fourth of these share it [byte]
+    double memory_rank;                   ///< of the first where a fourth of these share it [byte]
     double cpu_time_least, cpu_time_most; ///< [s]; most NaN: not estimated
     double records, file_bytes; ///< at stated times up to the end: records; they and the fields
     double cascade_time;        ///< of `lacuna rg`, or of the cascade that a run follows, in

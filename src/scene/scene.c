@@ -270,8 +270,7 @@ lac_status lac_scene_create(const lac_case *c, lac_load_files *files, lac_scene 
                                .measure = c->fft_planning != 0 && c->team == NULL,
                                .team = c->team,
                                .line = c->interface.shape == LAC_LINE};
-    status = lac_transfer_create(&c->transfer, &from, &scene->transfer, err);
-    LAC_TRY(lac_fail_within(err, status, "transfer"));
+    LAC_TRY(lac_transfer_create(&c->transfer, &from, &scene->transfer, err));
     if (c->slip == LAC_SLIP_VECTOR) {
         LAC_TRY(lac_transfer_direct(&c->transfer, &from, &scene->transfer, err));
     }

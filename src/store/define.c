@@ -45,12 +45,13 @@ size_t lac_item_longest_text(const lac_item *item)
     return longest;
 }
 
-// Chunks are written whole, once, or grow at their end, so the cache holds one: netCDF's own table
-// of 4133 places for them takes 33 kB a variable.
+// Chunks grow at their end, so the cache holds one: netCDF's own table of 4133 places for them
+// takes 33 kB a variable. Those of cells are written whole, once, and none is kept in memory.
 // @param appended  grows by parts of a chunk
-static int define_chunks(int file, int id, size_t chunk_bytes, int deflate, bool appended)
+static int define_chunks(int file, int id, size_t chunk_bytes, int deflate, bool cells,
+                         bool appended)
 {
-    int code = nc_set_var_chunk_cache(file, id, chunk_bytes, 1, 1.0F);
+    int code = nc_set_var_chunk_cache(file, id, cells ? 1 : chunk_bytes, 1, 1.0F);
     if (code == NC_NOERR && deflate > 0 && chunk_bytes >= DEFLATE_MIN) {
         code = nc_def_var_deflate(file, id, NC_SHUFFLE, 1, deflate);
     }
@@ -127,7 +128,7 @@ static int define_storage(const lac_writer *w, const lac_item *item, int id, nc_
     code = code == NC_NOERR ? size_of(file, type, rank, count, &bytes) : code;
     const bool filtered = type != NC_STRING; // which no filter takes
     return code == NC_NOERR && filtered
-               ? define_chunks(file, id, bytes, deflate, grows(item) && !cells)
+               ? define_chunks(file, id, bytes, deflate, cells, grows(item) && !cells)
                : code;
 }
 

@@ -25,10 +25,9 @@ static const char mark[8] = {'L', 'A', 'C', 'C', 'K', 'P', 'T', '2'};
 
 const char *lac_checkpoint_file_program(void) { return "Lacuna " LACUNA_VERSION; }
 
-// FNV-1a, the high half folded in.
-static uint64_t sum_of(const unsigned char *bytes, size_t size)
+// FNV-1a, the high half folded in. @param sum  to go on from, the size of all at first
+static uint64_t sum_of(uint64_t sum, const unsigned char *bytes, size_t size)
 {
-    uint64_t sum = size;
     for (size_t i = 0; i < size; i++) {
         sum = (sum ^ bytes[i]) * UINT64_C(0x100000001b3);
         sum ^= sum >> 32;
@@ -46,15 +45,20 @@ static void pass_about(lac_archive *archive, lac_checkpoint_file *c)
     lac_archive_text(archive, &c->case_text);
 }
 
+// @param archive  what comes before the state, which is large: it is not copied
 static lac_status write_file(const char *name, const char *part, const lac_archive *archive,
-                             lac_error *err)
+                             const lac_checkpoint *checkpoint, lac_error *err)
 {
-    head h = {.size = archive->size - sizeof h};
-    h.sum = sum_of(archive->bytes + sizeof h, h.size);
+    const size_t about = archive->size - sizeof(head);
+    head h = {.size = about + checkpoint->size};
+    h.sum = sum_of(sum_of(h.size, archive->bytes + sizeof h, about), checkpoint->state,
+                   checkpoint->size);
     memcpy(h.mark, mark, sizeof mark);
     memcpy(archive->bytes, &h, sizeof h);
     if ((unlink(part) != 0 && errno != ENOENT) ||
-        !lac_temp_file_fill(part, archive->bytes, archive->size) || rename(part, name) != 0) {
+        !lac_temp_file_fill(part, archive->bytes, archive->size, checkpoint->state,
+                            checkpoint->size) ||
+        rename(part, name) != 0) {
         const int reason = errno;
         (void)unlink(part);
         return lac_fail(err, LAC_EIO, "%s: cannot write: %s", name, strerror(reason));
@@ -81,9 +85,9 @@ lac_status lac_store_put_checkpoint(const lac_store *s, const lac_checkpoint *ch
     char *part = lac_text_join(s->file.path, "", ".checkpoint.part");
     LAC_PASS(&archive, later);
     pass_about(&archive, &info);
-    lac_archive_pass(&archive, (void *)checkpoint->state, checkpoint->size); // only read
     const bool good = name != NULL && part != NULL && !archive.no_memory;
-    const lac_status status = good ? write_file(name, part, &archive, err) : lac_fail_memory(err);
+    const lac_status status =
+        good ? write_file(name, part, &archive, checkpoint, err) : lac_fail_memory(err);
     free(name);
     free(part);
     free(archive.bytes);
@@ -128,7 +132,7 @@ static lac_status read_bytes(const char *name, int fd, lac_checkpoint_file *out,
     }
     LAC_FAIL_IF(!whole, err, LAC_EIO, "%s: is damaged: %zu bytes of %llu", name, sizeof h + *size,
                 (unsigned long long)h.size + sizeof h);
-    LAC_FAIL_IF(sum_of(out->bytes, *size) != h.sum, err, LAC_EIO,
+    LAC_FAIL_IF(sum_of(*size, out->bytes, *size) != h.sum, err, LAC_EIO,
                 "%s: is damaged: differs from its checksum", name);
     return LAC_OK;
 }

@@ -86,7 +86,7 @@ static lac_status make_last(lac_elastic *e, lac_error *err)
 static lac_status find_anchor(lac_elastic *e, lac_team *team, lac_error *err)
 {
     double *x = malloc(e->n * sizeof *x);
-    const lac_status status = lac_team_agree(team, x != NULL ? LAC_OK : lac_fail_memory(err), err);
+    const lac_status status = lac_team_room(team, x != NULL, err);
     if (status != LAC_OK) {
         free(x);
         return status;
@@ -167,8 +167,7 @@ static lac_status tie(const lac_elastic *e, lac_team *team, double *share, lac_e
     size_t n = e->n;
     double sum = 0, rest = 0;
     double *slip = malloc((n + lac_elastic_work(e)) * sizeof *slip);
-    const lac_status status =
-        lac_team_agree(team, slip != NULL ? LAC_OK : lac_fail_memory(err), err);
+    const lac_status status = lac_team_room(team, slip != NULL, err);
     if (status != LAC_OK) {
         free(slip);
         return status;

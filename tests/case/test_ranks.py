@@ -3,9 +3,9 @@
 """Runs of lacuna-mpi against those of lacuna: the same bits on any number of ranks; what it refuses, how it
 ends, and that lacuna knows nothing of MPI.
 
-usage: test_ranks.py PROGRAM SOURCE_FOLDER MPI_PROGRAM WRONG_ORDER COUNT_MESSAGES BUILD_FOLDER [unittest options]
+usage: test_ranks.py PROGRAM SOURCE_FOLDER MPI_PROGRAM WRONG_ORDER COUNT_MESSAGES FAIL_AT BUILD_FOLDER [unittest options]
 
-MPI_PROGRAM: none where MPI is not there. WRONG_ORDER and COUNT_MESSAGES are the libraries of tests/ranks. All ranks are on this machine,
+MPI_PROGRAM: none where MPI is not there. WRONG_ORDER and COUNT_MESSAGES are the libraries of tests/ranks, FAIL_AT that of tests/memory. All ranks are on this machine,
 more of them than it has processors.
 """
 
@@ -23,7 +23,7 @@ import unittest
 import netCDF4
 import numpy
 
-PROGRAM, SOURCE, RANKS, WRONG, COUNTER, BUILD = sys.argv[1:7]
+PROGRAM, SOURCE, RANKS, WRONG, COUNTER, FAIL_AT, BUILD = sys.argv[1:8]
 OWN = re.compile(r"wall|cpu|memory|history|date_created|date_modified")
 FIELDS = "output.fields=[slip, slip_rate, state, traction]"
 FULL = ["--set", "interface.levels=8", "--set", "interface.domain={full: {}}"]
@@ -62,10 +62,12 @@ CONTACTS = {
 }
 
 
+MPIRUN = ["mpirun", "--allow-run-as-root", "--oversubscribe", "--mca", "mpi_yield_when_idle", "1"]
+
+
 def command(ranks, *words, preload=None):
     loaded = ["env", f"LD_PRELOAD={preload}"] if preload else []
-    return ["mpirun", "--allow-run-as-root", "--oversubscribe", "--mca", "mpi_yield_when_idle", "1", "-np",
-            str(ranks), *loaded, RANKS, *words]
+    return [*MPIRUN, "-np", str(ranks), *loaded, RANKS, *words]
 
 
 def run(words, **more):
@@ -182,9 +184,20 @@ class Ranks(unittest.TestCase):
                 self.assertFalse(os.path.exists(self.many))
 
     def test_an_error_of_one_rank_is_one_line_and_one_status(self):
-        done = run(command(3, "run", HIERARCHY[0], "-o", "/nowhere/run.nc"))
-        self.assertEqual(done.returncode, 3, done.stderr)
-        self.assertEqual(len(self.lines(done)), 1, done.stderr)
+        words = ["run", HIERARCHY[0], "--set", "interface.levels=7", "-o"]
+        early, late = (["env", f"LD_PRELOAD={FAIL_AT}", f"FAIL_AT={at}"] for at in (40, 195))
+        lost = ["env", "-C", self.folder.name]
+        for rank, fault, to, status, says in (
+                (0, [], "/nowhere/run.nc", 3, "lacuna: /nowhere/run.nc"),  # the others wait to be told
+                (0, early, self.many, 1, "out of memory"),  # these for something else
+                (1, late, self.many, 1, "out of memory"),
+                (2, lost, self.many, 3, f"{HIERARCHY[0]}: cannot be opened")):
+            with self.subTest(says, rank=rank):
+                each = [[":", "-np", "1", *(fault if r == rank else []), RANKS, *words, to] for r in range(3)]
+                done = run([*MPIRUN, *sum(each, [])[1:]])
+                self.assertEqual(done.returncode, status, done.stderr)
+                self.assertEqual(len(self.lines(done)), 1, done.stderr)
+                self.assertIn(says, self.lines(done)[0])
 
     def begin(self, ranks, case, *more):
         """A run under way, and the processes of its ranks."""
@@ -223,4 +236,4 @@ class Ranks(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1] + sys.argv[7:])
+    unittest.main(argv=sys.argv[:1] + sys.argv[8:])

@@ -17,6 +17,13 @@ int MPI_Allreduce(const void *from, void *to, int count, MPI_Datatype type, MPI_
     return PMPI_Allreduce(from, to, count, type, op, comm);
 }
 
+int MPI_Iallreduce(const void *from, void *to, int count, MPI_Datatype type, MPI_Op op,
+                   MPI_Comm comm, MPI_Request *request)
+{
+    collectives[count < MOST ? count : MOST]++;
+    return PMPI_Iallreduce(from, to, count, type, op, comm, request);
+}
+
 int MPI_Recv(void *to, int count, MPI_Datatype type, int from, int tag, MPI_Comm comm,
              MPI_Status *status)
 {

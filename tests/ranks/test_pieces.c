@@ -38,6 +38,14 @@ int MPI_Initialized(int *yes)
     return MPI_SUCCESS;
 }
 
+int MPI_Comm_dup(MPI_Comm comm, MPI_Comm *other)
+{
+    *other = comm;
+    return MPI_SUCCESS;
+}
+
+double MPI_Wtime(void) { return 0.0; }
+
 int MPI_Finalize(void) { return MPI_SUCCESS; }
 
 int MPI_Comm_rank(MPI_Comm comm, int *rank)
@@ -59,6 +67,9 @@ int MPI_Allreduce(const void *from, void *to, int count, MPI_Datatype type, MPI_
                   MPI_Comm comm)
 {
     (void)from, (void)op, (void)comm;
+    if (type == MPI_INT) {
+        return MPI_SUCCESS; // all have room
+    }
     if (count != RANKS) {
         return piece(TO, to, count, size_of(type));
     }
@@ -111,7 +122,7 @@ static lac_team *join_as(int rank)
     const int heard[] = {dup(STDOUT_FILENO), dup(STDERR_FILENO)};
     lac_team *team = NULL;
     own = rank;
-    assert_int_equal(cli_team_join(&team, NULL), LAC_OK);
+    assert_int_equal(cli_team_join(NULL, &team, NULL), LAC_OK);
     for (int i = 0; i < 2; i++) {
         (void)dup2(heard[i], STDOUT_FILENO + i);
         (void)close(heard[i]);
@@ -133,7 +144,7 @@ static void all_get_all_pieces(void **state)
         assert_ptr_equal(next[TO], nowhere(GIB) + counts[i]);
     }
     assert_true(pieces > 2 * COUNTS);
-    cli_team_leave(team, LAC_OK, NULL, 0);
+    cli_team_leave(team);
 }
 
 static void the_first_gathers_all_pieces(void **state)
@@ -151,12 +162,12 @@ static void the_first_gathers_all_pieces(void **state)
         team->gather(team, &here, 0, (double *)(void *)nowhere(GIB));
         assert_ptr_equal(next[FROM + 1], nowhere(GIB) + n * sizeof here);
         assert_ptr_equal(next[FROM + 2], nowhere(GIB) + (n + last) * sizeof here);
-        cli_team_leave(team, LAC_OK, NULL, 0);
+        cli_team_leave(team);
         team = join_as(1);
         next[TO + 0] = nowhere(GIB);
         team->gather(team, (double *)(void *)nowhere(GIB), n, NULL);
         assert_ptr_equal(next[TO + 0], nowhere(GIB) + n * sizeof here);
-        cli_team_leave(team, LAC_OK, NULL, 0);
+        cli_team_leave(team);
     }
 }
 
@@ -178,7 +189,7 @@ static void ranks_exchange_all_pieces(void **state)
             assert_ptr_equal(next[TO + rank], nowhere(GIB) + before * sent[0] + sent[rank]);
             assert_ptr_equal(next[FROM + rank], nowhere(2 * GIB) + before * taken[0] + taken[rank]);
         }
-        cli_team_leave(team, LAC_OK, NULL, 0);
+        cli_team_leave(team);
     }
 }
 

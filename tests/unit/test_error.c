@@ -12,6 +12,10 @@ static void message_is_built(void **state)
     assert_string_equal(err.message, "cell 3 is odd");
     assert_int_equal(lac_fail_within(&err, LAC_EINPUT, "case %s", "x.yaml"), LAC_EINPUT);
     assert_string_equal(err.message, "case x.yaml: cell 3 is odd");
+    assert_int_equal(lac_fail_within(&err, LAC_EINPUT, "run"), LAC_EINPUT);
+    assert_int_equal(lac_fail_within(&err, LAC_EINPUT, "case %s", "x.yaml"), LAC_EINPUT); // again
+    assert_int_equal(lac_fail_within(&err, LAC_EINPUT, "un"), LAC_EINPUT); // is not there yet
+    assert_string_equal(err.message, "un: run: case x.yaml: cell 3 is odd");
     assert_int_equal(lac_fail(NULL, LAC_EIO, "dropped"), LAC_EIO);
 }
 

@@ -3,7 +3,7 @@
 # libraries know of MPI: all of it is in src/cli/team/team_mpi.c.
 set(LACUNA_MPI AUTO CACHE STRING "Build lacuna-mpi: ON, OFF, or AUTO where MPI is found")
 set_property(CACHE LACUNA_MPI PROPERTY STRINGS AUTO ON OFF)
-if(NOT LACUNA_MPI OR LACUNA_SANITIZE OR LACUNA_FUZZ)
+if(NOT LACUNA_MPI OR (LACUNA_MPI STREQUAL AUTO AND (LACUNA_SANITIZE OR LACUNA_FUZZ)))
   return()
 endif()
 set(MPI_CXX_SKIP_MPICXX ON)

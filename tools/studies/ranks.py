@@ -32,7 +32,8 @@ class Study:
     """The tests' cases and how they run them, and the files of one run alone and one on ranks."""
 
     def __init__(self, build, folder):
-        words = ["lacuna", ROOT, "lacuna-mpi", "tests/libwrong_order.so", "tests/libcount_messages.so", ""]
+        words = ["lacuna", ROOT, "lacuna-mpi", "tests/libwrong_order.so", "tests/libcount_messages.so", "tests/libfail_at.so",
+                 ""]
         sys.argv[1:] = [word if word == ROOT else os.path.join(build, word) for word in words]
         sys.path.insert(0, os.path.join(ROOT, "tests", "case"))
         self.tests = importlib.import_module("test_ranks")

@@ -143,10 +143,13 @@ int main(int argc, char **argv)
     (void)gsl_set_error_handler_off(); // it would abort; every call's status is looked at
     cli_signals_install();
     cli_clean_stdout();
-    lac_status status = cli_team_join(&team, &err);
+    lac_status status = cli_team_join(exit_status, &team, &err);
     if (status == LAC_OK) {
         status = cli_request_read(argc, argv, &request, &err);
         request.team = team;
+        if (team != NULL) {
+            cli_signals_hush();
+        }
     }
     if (status == LAC_OK && cli_given(&request, CLI_OPT_PIPE)) {
         status = cli_pipe_open(&request, &err);
@@ -154,6 +157,7 @@ int main(int argc, char **argv)
     if (status == LAC_OK) {
         status = dispatch(&request, &err);
     }
+    status = cli_team_end(team, status, &err);
     if (status != LAC_OK && err.message[0] != '\0') {
         cli_note("%s", err.message);
     }
@@ -163,7 +167,7 @@ int main(int argc, char **argv)
         status = status == LAC_OK ? flushed : status;
     }
     cli_request_clear(&request);
-    cli_team_leave(team, status, &err, exit_status(status));
+    cli_team_leave(team);
     if (status == LAC_EIO) {
         // HDF5's handlers at exit would stumble over a file that could not be closed.
         _exit(exit_status(status));

@@ -14,7 +14,7 @@
 #include "lacuna/simulation.h"
 
 // Signal handlers can reach nothing but globals: these are the program's only ones.
-static volatile sig_atomic_t stop_asked, report_asked, held;
+static volatile sig_atomic_t stop_asked, report_asked, held, hushed;
 static char output[1024];
 static struct sigaction fault_before;
 
@@ -26,9 +26,10 @@ static void put(const char *text)
 
 static void on_stop(int signal_number)
 {
-    (void)signal_number;
     if (!held) {
-        put("lacuna: interrupted before anything was written\n");
+        if (!hushed || signal_number != SIGTERM) {
+            put("lacuna: interrupted before anything was written\n");
+        }
         _exit(CLI_EXIT_INTERRUPTED);
     }
     stop_asked = 1;
@@ -81,6 +82,8 @@ void cli_signals_install(void)
 void cli_signals_writing(const char *path) { (void)snprintf(output, sizeof output, "%s", path); }
 
 void cli_signals_hold(void) { held = 1; }
+
+void cli_signals_hush(void) { hushed = 1; }
 
 bool cli_signals_stop(void *context)
 {

@@ -45,5 +45,8 @@ void cli_signals_writing(const char *path);
 /// ends the program the default way.
 void cli_signals_hold(void);
 
+/// Until then SIGTERM ends it without a word: to ranks it comes after one that had an error.
+void cli_signals_hush(void);
+
 /// Whether SIGINT or SIGTERM came; as what is asked while something goes on.
 bool cli_signals_stop(void *context);

@@ -148,7 +148,7 @@ static void print_size(const lac_estimate *e)
     }
     puts("");
     if (e->ranks > 1) {
-        printf("#   ranks           up to %.0f, better %.0f (lacuna-mpi), of %.10g MB each\n",
+        printf("#   ranks           up to %.0f, better %.0f (lacuna-mpi), of %.10g MB at most\n",
                e->ranks, ceil(e->ranks / 4), rounded(e->memory_rank / 1e6, 2));
     }
 }
@@ -321,7 +321,7 @@ static const lac_variable of_estimate[] = {
     E("unknowns", NULL, "unknowns of a run", G(unknowns)),
     E("memory", "byte", "largest resident memory", G(memory), "_bytes"),
     E("ranks_most", NULL, "ranks of lacuna-mpi that can share the run", OF(REAL, ranks)),
-    E("memory_rank", "byte", "memory of each of a fourth of them", G(memory_rank), "_bytes"),
+    E("memory_rank", "byte", "memory of the first of a fourth of them", G(memory_rank), "_bytes"),
     E("cpu_time_least", "s", "least time on one core", OF(REAL, cpu_time_least), "_s"),
     E("cpu_time_most", "s", "longest time on one core", OF(REAL, cpu_time_most), "_s"),
     E("cascade_time", "s", "time of the cascade", OF(REAL, cascade_time), "_s"),

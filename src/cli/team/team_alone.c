@@ -4,14 +4,17 @@
 
 const char cli_team_help[] = "";
 
-lac_status cli_team_join(lac_team **out, lac_error *err)
+lac_status cli_team_join(int (*exit_status)(lac_status status), lac_team **out, lac_error *err)
 {
-    (void)err;
+    (void)exit_status, (void)err;
     *out = NULL;
     return LAC_OK;
 }
 
-void cli_team_leave(lac_team *team, lac_status status, const lac_error *err, int exit_status)
+lac_status cli_team_end(lac_team *team, lac_status status, lac_error *err)
 {
-    (void)team, (void)status, (void)err, (void)exit_status;
+    (void)team, (void)err;
+    return status;
 }
+
+void cli_team_leave(lac_team *team) { (void)team; }

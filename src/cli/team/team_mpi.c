@@ -9,7 +9,10 @@
 
 typedef struct ranks {
     lac_team team;
-    int aside; // standard error, where it is still heard
+    int heard; // standard error, where it still is
+    int (*exit_status)(lac_status status);
+    MPI_Comm apart; // where they agree
+    double begun;   // [s]
 } ranks;
 
 const char cli_team_help[] =
@@ -17,6 +20,7 @@ const char cli_team_help[] =
     "  mpirun -np 8 lacuna-mpi run CASE\n"
     "check says how many help, and what memory each takes. One rank does all else.\n";
 
+enum { NOTICE = 1 };      // the tag of an error
 enum { PIECE = 1 << 27 }; // of what MPI counts in an int; in bytes it fits one, too
 
 static int piece_of(size_t n) { return (int)(n < PIECE ? n : PIECE); }
@@ -92,6 +96,53 @@ static void hand_out(const lac_team *team, void *bytes, size_t size)
     }
 }
 
+// Of ranks with errors that the others do not hear of, the first says its own and ends all.
+static void end_all(const lac_team *team, lac_status status, const lac_error *err)
+{
+    const ranks *all = team->context;
+    int lower = 0;
+    (void)signal(SIGTERM, SIG_IGN); // comes to all by that
+    for (int rank = 0; rank < team->rank && !lower; rank++) {
+        (void)MPI_Iprobe(rank, NOTICE, MPI_COMM_WORLD, &lower, MPI_STATUS_IGNORE);
+    }
+    if (!lower) {
+        (void)dprintf(all->heard, "lacuna-mpi: rank %d: %s\n", team->rank,
+                      err != NULL ? err->message : "");
+        (void)MPI_Abort(MPI_COMM_WORLD, all->exit_status(status));
+    }
+    for (;;) {
+        (void)pause();
+    }
+}
+
+// The longer they have worked the longer one may be busy before it comes to this.
+static void fare(const lac_team *team, uint64_t *words, lac_status here, const lac_error *err)
+{
+    const ranks *all = team->context;
+    const double now = MPI_Wtime(), patience = 1.0 + 0.1 * (now - all->begun);
+    MPI_Request told, notice;
+    int come = 0;
+    (void)MPI_Iallreduce(MPI_IN_PLACE, words, team->ranks, MPI_UINT64_T, MPI_BOR, all->apart,
+                         &told);
+    for (int rank = 0; rank < team->ranks && here != LAC_OK; rank++) {
+        (void)MPI_Isend(NULL, 0, MPI_BYTE, rank, NOTICE, MPI_COMM_WORLD, &notice);
+        (void)MPI_Request_free(&notice);
+    }
+    while (here != LAC_OK && !come) {
+        (void)MPI_Test(&told, &come, MPI_STATUS_IGNORE);
+        (void)usleep(come ? 0 : 1000);
+        if (!come && MPI_Wtime() > now + patience) {
+            end_all(team, here, err);
+        }
+    }
+    (void)MPI_Wait(&told, MPI_STATUS_IGNORE);
+    for (int rank = 0; rank < team->ranks; rank++) {
+        if (words[rank] != LAC_OK) {
+            (void)MPI_Recv(NULL, 0, MPI_BYTE, rank, NOTICE, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+        }
+    }
+}
+
 // What is said and shown is the same on all ranks: once is enough.
 // @return where it still can be heard
 static int be_silent(void)
@@ -103,16 +154,17 @@ static int be_silent(void)
     return aside;
 }
 
-lac_status cli_team_join(lac_team **out, lac_error *err)
+lac_status cli_team_join(int (*exit_status)(lac_status status), lac_team **out, lac_error *err)
 {
-    lac_team team = {.join = join, .gather = gather, .hand_out = hand_out, .exchange = exchange};
-    int aside = STDERR_FILENO;
+    lac_team team = {
+        .join = join, .gather = gather, .hand_out = hand_out, .exchange = exchange, .fare = fare};
+    int heard = STDERR_FILENO;
     *out = NULL;
     (void)MPI_Init(NULL, NULL);
     (void)MPI_Comm_rank(MPI_COMM_WORLD, &team.rank);
     (void)MPI_Comm_size(MPI_COMM_WORLD, &team.ranks);
     if (team.rank > 0) {
-        aside = be_silent();
+        heard = be_silent();
     }
     LAC_FAIL_IF(team.ranks > LAC_TEAM_MOST, err, LAC_EINPUT,
                 "lacuna-mpi: %d ranks: at most %d can share the cells of a case", team.ranks,
@@ -121,28 +173,33 @@ lac_status cli_team_join(lac_team **out, lac_error *err)
         return LAC_OK;
     }
     ranks *all = malloc(sizeof *all);
-    LAC_FAIL_MEMORY_IF(all == NULL, err);
-    *all = (ranks){team, aside};
+    int room = all != NULL; // of all: none waits for one without memory
+    (void)MPI_Allreduce(MPI_IN_PLACE, &room, 1, MPI_INT, MPI_MIN, MPI_COMM_WORLD);
+    if (!room) {
+        free(all);
+        return lac_fail_memory(err);
+    }
+    *all = (ranks){team, heard, exit_status, MPI_COMM_NULL, MPI_Wtime()};
+    (void)MPI_Comm_dup(MPI_COMM_WORLD, &all->apart);
     all->team.context = all;
     *out = &all->team;
     return LAC_OK;
 }
 
-void cli_team_leave(lac_team *team, lac_status status, const lac_error *err, int exit_status)
+lac_status cli_team_end(lac_team *team, lac_status status, lac_error *err)
+{
+    // mpirun asks ranks to stop that end after one with an error: all is said by now.
+    (void)signal(SIGTERM, SIG_IGN);
+    (void)signal(SIGINT, SIG_IGN);
+    return lac_team_agree(team, status, err);
+}
+
+void cli_team_leave(lac_team *team)
 {
     int joined = 0;
     (void)MPI_Initialized(&joined);
-    if (joined == 0) {
-        return;
+    if (joined != 0) {
+        (void)MPI_Finalize();
+        free(team != NULL ? team->context : NULL);
     }
-    if (team != NULL && !team->over && status == LAC_ENOMEM) {
-        (void)dprintf(((const ranks *)team->context)->aside, "lacuna-mpi: rank %d: %s\n",
-                      team->rank, err->message);
-        (void)MPI_Abort(MPI_COMM_WORLD, exit_status);
-    }
-    // mpirun asks ranks to stop that leave after one with an error: all is said by now.
-    (void)signal(SIGTERM, SIG_IGN);
-    (void)signal(SIGINT, SIG_IGN);
-    (void)MPI_Finalize();
-    free(team != NULL ? team->context : NULL);
 }
