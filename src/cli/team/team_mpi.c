@@ -120,13 +120,12 @@ static void fare(const lac_team *team, uint64_t *words, lac_status here, const l
 {
     const ranks *all = team->context;
     const double now = MPI_Wtime(), patience = 1.0 + 0.1 * (now - all->begun);
-    MPI_Request told, notice;
+    MPI_Request told, notice[LAC_TEAM_MOST];
     int come = 0;
     (void)MPI_Iallreduce(MPI_IN_PLACE, words, team->ranks, MPI_UINT64_T, MPI_BOR, all->apart,
                          &told);
     for (int rank = 0; rank < team->ranks && here != LAC_OK; rank++) {
-        (void)MPI_Isend(NULL, 0, MPI_BYTE, rank, NOTICE, MPI_COMM_WORLD, &notice);
-        (void)MPI_Request_free(&notice);
+        (void)MPI_Isend(NULL, 0, MPI_BYTE, rank, NOTICE, MPI_COMM_WORLD, &notice[rank]);
     }
     while (here != LAC_OK && !come) {
         (void)MPI_Test(&told, &come, MPI_STATUS_IGNORE);
@@ -141,6 +140,7 @@ static void fare(const lac_team *team, uint64_t *words, lac_status here, const l
             (void)MPI_Recv(NULL, 0, MPI_BYTE, rank, NOTICE, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
         }
     }
+    (void)MPI_Waitall(here != LAC_OK ? team->ranks : 0, notice, MPI_STATUSES_IGNORE);
 }
 
 // What is said and shown is the same on all ranks: once is enough.
