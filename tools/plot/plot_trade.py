@@ -7,7 +7,7 @@
 Every setting that is turned but the first ladder (rtol, levels, contacts, shifts) is a series of its
 own; its points are joined from coarse to fine, with the ladder's position at its ends. Bars are the
 reference's own error, filled points are on the front. Errors within the reference's own are drawn at
-its edge.
+its edge. Settings that were given up stand at the upper edge, from the time that they had taken on.
 """
 
 import argparse
@@ -46,11 +46,14 @@ class Trade:
             self.settings = [words(s) for s, good in zip(data["settings"].values, done) if good]
             self.error, self.cpu = (data[name].values[done] for name in ("error", "cpu_time"))
             self.front = data["on_front"].values[done] == 1
+            told = zip(data["settings"].values, data["cpu_time"].values, data["end"].values)
+            self.given_up = [(words(s), t) for s, t, end in told if str(end) == "given up" and t > 0]
         if not self.settings:
             stop(f"{path}: no run of it has the quantity")
         self.floor = float(self.about.get("reference_uncertainty", 0.0))
         self.drawn = np.maximum(self.error, max(self.floor, 1e-16))
-        self.keys = [k for k in self.settings[0] if len({s[k] for s in self.settings}) > 1]
+        every = self.settings + [settings for settings, _ in self.given_up]
+        self.keys = [k for k in self.settings[0] if len({s[k] for s in every}) > 1]
         self.ladder = next((k for name in LADDERS for k in self.keys if short(k) == name), None)
 
     def rung(self, i):
@@ -64,10 +67,12 @@ class Trade:
         """Indices of the runs of each series, from coarse to fine, by its name."""
         found = {}
         for i in sorted(range(len(self.settings)), key=self.rung):
-            settings = self.settings[i]
-            name = ", ".join(settings[k] for k in self.keys if k != self.ladder)
-            found.setdefault(name or "the case", []).append(i)
+            found.setdefault(self.name(self.settings[i]), []).append(i)
         return dict(sorted(found.items()))
+
+    def name(self, settings):
+        """Of the series that they belong to."""
+        return ", ".join(settings[k] for k in self.keys if k != self.ladder) or "the case"
 
 
 def time_text(seconds, _=None):
@@ -112,6 +117,21 @@ def draw_runs(axes, trade):
         for i in members:
             axes.plot(trade.cpu[i], trade.drawn[i], marker=mark, ms=6, mec=colour, mew=1.2, zorder=3,
                       mfc=colour if trade.front[i] else "white")
+
+
+def draw_given_up(axes, trade):
+    """The time is known, and no error: it would have ended further right."""
+    longest = {}
+    for settings, time in trade.given_up:
+        name = trade.name(settings)
+        longest[name] = max(time, longest.get(name, 0.0))
+    edge = axes.get_xaxis_transform()
+    for k, (name, time) in enumerate(sorted(longest.items()), len(trade.series())):
+        colour, mark = COLOURS[k % len(COLOURS)], MARKS[k % len(MARKS)]
+        axes.plot(time, 0.96, marker=mark, ms=6, mec=colour, mew=1.2, mfc="white", ls="none", transform=edge,
+                  label=f"{name}: given up", zorder=5)
+        axes.annotate("", (1.25 * time, 0.96), (time, 0.96), xycoords=edge, textcoords=edge, zorder=4,
+                      arrowprops={"arrowstyle": "->", "color": colour})
 
 
 def draw_front(axes, trade):
@@ -164,7 +184,7 @@ def finish(axes, trade):
     axes.set_yscale("log")
     low, high = np.nanmin(trade.drawn), np.nanmax(trade.drawn)
     axes.set_ylim(low / 3, high * 2.5)
-    left, right = trade.cpu.min(), trade.cpu.max()
+    left, right = trade.cpu.min(), max([*trade.cpu, *(1.3 * time for _, time in trade.given_up)])
     margin = max((right / left) ** 0.1, 1.03)
     axes.set_xlim(left / margin, right * margin)
     if trade.floor > 0:
@@ -193,6 +213,7 @@ def main():
     trade = Trade(options.trade)
     figure, axes = plt.subplots(figsize=(8.4, 4.6), layout="constrained", dpi=160)
     draw_runs(axes, trade)
+    draw_given_up(axes, trade)
     draw_front(axes, trade)
     finish(axes, trade)
     if trade.ladder:
