@@ -24,10 +24,11 @@ static void put(const char *text)
     (void)written;
 }
 
-static void on_stop(int signal_number)
+static void on_stop(int signal_number, siginfo_t *from, void *context)
 {
+    (void)context;
     if (!held) {
-        if (!hushed || signal_number != SIGTERM) {
+        if (!hushed || signal_number != SIGTERM || from->si_pid != getppid()) {
             put("lacuna: interrupted before anything was written\n");
         }
         _exit(CLI_EXIT_INTERRUPTED);
@@ -35,15 +36,16 @@ static void on_stop(int signal_number)
     stop_asked = 1;
 }
 
-static void on_report(int signal_number)
+static void on_report(int signal_number, siginfo_t *from, void *context)
 {
-    (void)signal_number;
+    (void)signal_number, (void)from, (void)context;
     report_asked = 1;
 }
 
 // netCDF 4.9 reads what HDF5 has freed already where the system refuses to write or close a file.
-static void on_fault(int signal_number)
+static void on_fault(int signal_number, siginfo_t *from, void *context)
 {
+    (void)from, (void)context;
     const int reason = errno;
     (void)sigaction(signal_number, &fault_before, NULL);
     if (output[0] == '\0' || (reason != ENOSPC && reason != EDQUOT && reason != EFBIG &&
@@ -58,12 +60,12 @@ static void on_fault(int signal_number)
     _exit(CLI_EXIT_FILE);
 }
 
-static void install(int signal_number, void (*handler)(int), int flags)
+static void install(int signal_number, void (*handler)(int, siginfo_t *, void *), int flags)
 {
     struct sigaction action;
     memset(&action, 0, sizeof action);
-    action.sa_handler = handler;
-    action.sa_flags = flags;
+    action.sa_sigaction = handler;
+    action.sa_flags = flags | SA_SIGINFO;
     (void)sigemptyset(&action.sa_mask);
     (void)sigaction(signal_number, &action, NULL);
 }
@@ -75,15 +77,15 @@ void cli_signals_install(void)
     install(SIGUSR1, on_report, SA_RESTART);
     (void)sigaction(SIGSEGV, NULL, &fault_before);
     install(SIGSEGV, on_fault, 0);
-    install(SIGPIPE, SIG_IGN, 0);
-    install(SIGXFSZ, SIG_IGN, 0);
+    (void)signal(SIGPIPE, SIG_IGN);
+    (void)signal(SIGXFSZ, SIG_IGN);
 }
 
 void cli_signals_writing(const char *path) { (void)snprintf(output, sizeof output, "%s", path); }
 
 void cli_signals_hold(void) { held = 1; }
 
-void cli_signals_hush(void) { hushed = 1; }
+void cli_signals_hush(bool parent) { hushed = parent; }
 
 bool cli_signals_stop(void *context)
 {

@@ -45,8 +45,9 @@ void cli_signals_writing(const char *path);
 /// ends the program the default way.
 void cli_signals_hold(void);
 
-/// Until then SIGTERM ends it without a word: to ranks it comes after one that had an error.
-void cli_signals_hush(void);
+/// Whether until then SIGTERM ends it without a word where its parent sends it, as mpirun does
+/// after a rank with an error.
+void cli_signals_hush(bool parent);
 
 /// Whether SIGINT or SIGTERM came; as what is asked while something goes on.
 bool cli_signals_stop(void *context);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // lacuna-mpi: the ranks of an MPI job as a team. Nothing else knows of MPI.
 #include <fcntl.h>
+#include <math.h>
 #include <mpi.h>
 #include <signal.h>
 #include <unistd.h>
@@ -105,21 +106,22 @@ static void end_all(const lac_team *team, lac_status status, const lac_error *er
     for (int rank = 0; rank < team->rank && !lower; rank++) {
         (void)MPI_Iprobe(rank, NOTICE, MPI_COMM_WORLD, &lower, MPI_STATUS_IGNORE);
     }
-    if (!lower) {
-        (void)dprintf(all->heard, "lacuna-mpi: rank %d: %s\n", team->rank,
-                      err != NULL ? err->message : "");
-        (void)MPI_Abort(MPI_COMM_WORLD, all->exit_status(status));
+    if (lower) {
+        (void)sleep(10); // by then it has
+    } else {
+        (void)dprintf(all->heard,
+                      "lacuna-mpi: rank %d: %s; all ranks end, and `lacuna mend` makes what they "
+                      "wrote whole\n",
+                      team->rank, err != NULL ? err->message : "");
     }
-    for (;;) {
-        (void)pause();
-    }
+    (void)MPI_Abort(MPI_COMM_WORLD, all->exit_status(status));
 }
 
-// The longer they have worked the longer one may be busy before it comes to this.
+// The longer they have worked the longer one may be busy before it comes to this, up to a minute.
 static void fare(const lac_team *team, uint64_t *words, lac_status here, const lac_error *err)
 {
     const ranks *all = team->context;
-    const double now = MPI_Wtime(), patience = 1.0 + 0.1 * (now - all->begun);
+    const double now = MPI_Wtime(), patience = fmin(1.0 + 0.1 * (now - all->begun), 60.0);
     MPI_Request told, notice[LAC_TEAM_MOST];
     int come = 0;
     (void)MPI_Iallreduce(MPI_IN_PLACE, words, team->ranks, MPI_UINT64_T, MPI_BOR, all->apart,
@@ -154,12 +156,14 @@ static int be_silent(void)
     return aside;
 }
 
-lac_status cli_team_join(int (*exit_status)(lac_status status), lac_team **out, lac_error *err)
+lac_status cli_team_join(int (*exit_status)(lac_status status), void (*hush)(bool parent),
+                         lac_team **out, lac_error *err)
 {
     lac_team team = {
         .join = join, .gather = gather, .hand_out = hand_out, .exchange = exchange, .fare = fare};
     int heard = STDERR_FILENO;
     *out = NULL;
+    hush(true); // mpirun stops all ranks where one ends: that one has said why
     (void)MPI_Init(NULL, NULL);
     (void)MPI_Comm_rank(MPI_COMM_WORLD, &team.rank);
     (void)MPI_Comm_size(MPI_COMM_WORLD, &team.ranks);
@@ -170,6 +174,7 @@ lac_status cli_team_join(int (*exit_status)(lac_status status), lac_team **out, 
                 "lacuna-mpi: %d ranks: at most %d can share the cells of a case", team.ranks,
                 (int)LAC_TEAM_MOST);
     if (team.ranks == 1) {
+        hush(false);
         return LAC_OK;
     }
     ranks *all = malloc(sizeof *all);
