@@ -24,7 +24,7 @@ typedef struct lac_node {
     bool ignored;            ///< a second value of the same key: reported, not read
     bool bad;                ///< reported already: whoever reads it says no more
     size_t line;             ///< 1-based, of the key where there is one; 0: from --set
-    size_t count;
+    size_t count, room;
     struct lac_node **child; ///< [count]
 } lac_node;
 
@@ -267,9 +267,6 @@ lac_part_read lac_read_version, lac_read_steps, lac_read_state, lac_read_start, 
 lac_part_put lac_put_steps, lac_put_state, lac_put_start, lac_put_fields, lac_put_betas,
     lac_put_analysis, lac_put_fitted, lac_put_compare, lac_put_points, lac_put_safety,
     lac_put_geometry;
-
-/// Names of LAC_FIELD_*, in the order of their bits; NULL at the end.
-extern const char *const lac_field_names[];
 
 /// The keys of `material`, of which shear_speed and density stand side by side, of `inertia` of
 /// `interface.geometry` and of an entry of `load.history.steps`.

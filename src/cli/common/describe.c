@@ -436,7 +436,8 @@ static lac_status put_table(const cli_request *request, const subject *s, lac_er
     LAC_TRY(s->levels ? cli_described_add(&table, levels.name, "", &levels, err) : LAC_OK);
     LAC_TRY(cli_described_put(request, &table, err));
 out:
-    cli_described_clear(&table);
+    free(table.model);
+    free(table.param);
     return status;
 }
 

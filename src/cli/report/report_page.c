@@ -21,17 +21,15 @@ enum { LONGEST_CASE = 1 << 18 };
 static lac_case *read_case(const char *run)
 {
     const lac_case_request how = {.purpose = LAC_FOR_CELLS};
-    lac_case_issues report = {0};
     lac_case *c = NULL;
     lac_error unsaid = {0};
     char *text = malloc(LONGEST_CASE);
     if (text != NULL &&
         lac_store_read_attribute(run, "case", text, LONGEST_CASE, &unsaid) == LAC_OK &&
-        lac_case_read_text(run, text, strlen(text), &how, &c, &report, &unsaid) != LAC_OK) {
+        lac_case_read_text(run, text, strlen(text), &how, &c, NULL, &unsaid) != LAC_OK) {
         lac_case_free(c);
         c = NULL;
     }
-    lac_case_issues_clear(&report);
     free(text);
     return c;
 }
