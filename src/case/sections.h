@@ -154,18 +154,12 @@ bool lac_expect_map(lac_reader *reader, const lac_node *node, const char *allowe
 /// key is missing need not be said too.
 bool lac_key_misspelt(const lac_node *map, const lac_model_info *table, const char *key);
 
-/// Whether a parameter must be given.
-bool lac_param_required(const lac_param *param);
-
 /// Whether a value is in a row's range; reported where not.
 bool lac_in_range(lac_reader *reader, const lac_node *node, const lac_param *param, double value);
 
 /// A path below a folder, whose first `length` characters count; the caller frees.
 /// @return NULL where memory is short
 char *lac_path_below(const char *folder, size_t length, const char *path);
-
-/// Length of the folder that a case's relative paths start from, with its last slash.
-size_t lac_folder_length(const char *name);
 
 enum {
     LAC_KIND_SURFACE = 0, ///< indices of lac_kind_get

@@ -18,7 +18,6 @@ lac_status cli_describe_rock(const cli_request *request, lac_error *err);
 bool cli_describe_word(const cli_request *request);
 
 // What is told of a parameter.
-bool cli_param_is_required(const lac_param *param);
 bool cli_param_is_number(const lac_param *param);
 /// Whether a limit of its range is one: beyond what anything measures it is not.
 bool cli_param_is_bounded(const lac_param *param, double limit);

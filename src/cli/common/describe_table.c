@@ -4,11 +4,6 @@
 #include "cli/common/output.h"
 #include "data/describe.h"
 
-bool cli_param_is_required(const lac_param *param)
-{
-    return (param->flags & LAC_OPTIONAL) == 0 && isnan(param->fallback);
-}
-
 bool cli_param_is_number(const lac_param *param)
 {
     return param->type == LAC_REAL || param->type == LAC_INTEGER;
@@ -49,7 +44,7 @@ static const char *choices_text(const lac_param *param, char room[LAC_TEXT_ROOM]
 LAC_TEXT_GETTER(key, PARAMETER, p->param.key)
 LAC_TEXT_GETTER(type, PARAMETER, cli_param_type(&p->param))
 LAC_TEXT_GETTER(unit, PARAMETER, cli_param_is_number(&p->param) ? p->param.unit : "")
-LAC_GETTER(double, required, PARAMETER, cli_param_is_required(&p->param))
+LAC_GETTER(double, required, PARAMETER, lac_param_required(&p->param))
 LAC_GETTER(double, fallback, PARAMETER, NUMBER(fallback))
 LAC_TEXT_GETTER(choice, PARAMETER,
                 p->param.type == LAC_CHOICE && !isnan(p->param.fallback)

@@ -41,7 +41,7 @@ static const lac_compare_def *find_compare(const lac_case *c, const char *path, 
     for (size_t i = 0; c != NULL && i < c->compare_count; i++) {
         const lac_compare_def *def = &c->compare[i];
         const bool of = point == NULL || (def->point != NULL && strcmp(def->point, point) == 0);
-        if (of && strcmp(lac_page_name(def->path), lac_page_name(path)) == 0) {
+        if (of && strcmp(lac_path_last(def->path), lac_path_last(path)) == 0) {
             return def;
         }
     }
@@ -225,7 +225,7 @@ static lac_status write_page(const cli_request *request, input what, const char 
     const lac_page_def def = {.run = forecasts != NULL ? forecasts : request->argument[0],
                               .name = request->argument[0],
                               .series = series,
-                              .series_name = series != NULL ? lac_page_name(name) : NULL,
+                              .series_name = series != NULL ? lac_path_last(name) : NULL,
                               .point = point,
                               .fit = request->fit,
                               .made_by = "lacuna " LACUNA_VERSION,
