@@ -62,6 +62,11 @@ const lac_param *lac_param_find(const lac_param *params, size_t count, const cha
     return i < count ? &params[i] : NULL;
 }
 
+bool lac_param_required(const lac_param *param)
+{
+    return isnan(param->fallback) && (param->flags & LAC_OPTIONAL) == 0;
+}
+
 bool lac_param_given(const lac_param *param, const void *params)
 {
     const void *at = (const char *)params + param->offset;

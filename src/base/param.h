@@ -22,6 +22,9 @@ void lac_param_reset(const lac_param *param, void *params);
 /// @return true where the value is allowed; NaN and infinities never are
 bool lac_param_allows(const lac_param *param, double value, char *why, size_t size);
 
+/// Whether a parameter must be given.
+bool lac_param_required(const lac_param *param);
+
 /// Whether an optional parameter was given.
 bool lac_param_given(const lac_param *param, const void *params);
 

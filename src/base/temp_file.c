@@ -18,22 +18,23 @@ enum { HOLD_TRIES = 100 };
 static const char middle[] = ".lacuna-";
 static const char ending[] = ".part";
 
-// Length of the folder in a path, its slash included; 0: the current one.
-static int folder_length(const char *path)
+size_t lac_folder_length(const char *path)
 {
     const char *slash = strrchr(path, '/');
-    return slash != NULL ? (int)(slash - path) + 1 : 0;
+    return slash != NULL ? (size_t)(slash - path) + 1 : 0;
 }
+
+const char *lac_path_last(const char *path) { return path + lac_folder_length(path); }
 
 char *lac_folder_of(const char *path)
 {
-    const int length = folder_length(path);
-    return length > 0 ? strndup(path, (size_t)length) : strdup("./");
+    const size_t length = lac_folder_length(path);
+    return length > 0 ? strndup(path, length) : strdup("./");
 }
 
 char *lac_temp_file_name(const char *path)
 {
-    int folder = folder_length(path);
+    const int folder = (int)lac_folder_length(path);
     size_t size = strlen(path) + sizeof middle + sizeof ending + NUMBER;
     char *part = malloc(size);
     if (part != NULL) {
@@ -147,7 +148,7 @@ bool lac_temp_file_locked(int folder, const char *path)
 void lac_temp_file_sweep(const char *path)
 {
     char *name = lac_folder_of(path);
-    const char *base = path + folder_length(path);
+    const char *base = lac_path_last(path);
     DIR *folder = name != NULL ? opendir(name) : NULL;
     const struct dirent *entry = NULL;
     while (folder != NULL && (entry = readdir(folder)) != NULL) {

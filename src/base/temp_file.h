@@ -8,6 +8,12 @@
 /// @return to be freed; NULL where memory is short
 char *lac_temp_file_name(const char *path);
 
+/// Length of the folder in a path, its slash included; 0: the current one.
+size_t lac_folder_length(const char *path);
+
+/// The last part of a path: the name of a file, or of a variable in its group.
+const char *lac_path_last(const char *path);
+
 /// The folder of a path, its slash included; "./". @return to be freed; NULL: memory is short
 char *lac_folder_of(const char *path);
 

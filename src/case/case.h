@@ -305,7 +305,8 @@ lac_status lac_case_read(const char *path, const lac_case_request *request, lac_
 lac_status lac_case_read_file(const char *path, char **text, size_t *size, lac_error *err);
 
 /// As lac_case_read, from memory (the fuzzer's way in).
-/// @param name  stands for the path in messages and for relative paths
+/// @param name    stands for the path in messages and for relative paths
+/// @param report  NULL: the first error is enough
 lac_status lac_case_read_text(const char *name, const char *text, size_t size,
                               const lac_case_request *request, lac_case **out,
                               lac_case_issues *report, lac_error *err);

@@ -161,11 +161,15 @@ lac_status lac_case_read_text(const char *name, const char *text, size_t size,
     static const lac_case_request plain = {0};
     const lac_case_request *how = request != NULL ? request : &plain;
     lac_units *units = NULL;
+    lac_case_issues own, *issues = report != NULL ? report : &own;
     *out = NULL;
-    *report = (lac_case_issues){0};
+    *issues = (lac_case_issues){0};
     lac_status status = lac_units_create(&units, err);
     if (status == LAC_OK) {
-        status = lac_case_build(units, name, text, size, how, out, report, err);
+        status = lac_case_build(units, name, text, size, how, out, issues, err);
+    }
+    if (report == NULL) {
+        lac_case_issues_clear(&own);
     }
     if (status == LAC_OK) {
         (*out)->purpose = how->purpose;

@@ -3,7 +3,7 @@
 #include "base/date.h"
 #include "case/sections.h"
 
-enum { FORMAT_VERSION = 1 };
+enum { FORMAT_VERSION = 1, MOST_FIELDS = 8 * sizeof(unsigned) }; // a bit each
 
 bool lac_needs_run(const lac_reader *reader)
 {
@@ -107,25 +107,15 @@ void lac_read_safety(lac_reader *reader, const lac_node *node, lac_case *c)
     c->safety.asked = true;
 }
 
-const char *const lac_field_names[] = {"slip",
-                                       "slip_rate",
-                                       "state",
-                                       "traction",
-                                       "pore_pressure",
-                                       "factor_of_safety",
-                                       "excess_pore_pressure",
-                                       "temperature",
-                                       "broken_cohesion",
-                                       NULL};
-
 void lac_read_fields(lac_reader *reader, const lac_node *node, lac_case *c)
 {
     char known[200] = "";
+    const char *name[MOST_FIELDS];
     size_t names = 0;
-    while (lac_field_names[names] != NULL) {
+    while ((name[names] = lac_run_field(names)) != NULL) {
         names++;
     }
-    lac_append_names(known, sizeof known, lac_field_names, names);
+    lac_append_names(known, sizeof known, name, names);
     if (node->kind != LAC_NODE_LIST) {
         lac_add_error(reader, node, "must be a list of: %s", known);
         return;
@@ -133,8 +123,8 @@ void lac_read_fields(lac_reader *reader, const lac_node *node, lac_case *c)
     for (size_t i = 0; i < node->count; i++) {
         const lac_node *item = node->child[i];
         unsigned bit = 0;
-        for (unsigned k = 0; item->kind == LAC_NODE_SCALAR && lac_field_names[k] != NULL; k++) {
-            bit |= strcmp(lac_field_names[k], item->text) == 0 ? 1u << k : 0u;
+        for (size_t k = 0; item->kind == LAC_NODE_SCALAR && k < names; k++) {
+            bit |= strcmp(name[k], item->text) == 0 ? 1u << k : 0u;
         }
         if (bit == 0) {
             lac_add_error(reader, item, "must be one of: %s", known);

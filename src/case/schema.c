@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A mapping of a case, read by the rows of its table: values, units, ranges, unknown keys.
 #define _GNU_SOURCE // asprintf
+#include "base/temp_file.h"
 #include "case/sections.h"
 
 enum {
@@ -9,17 +10,6 @@ enum {
 };
 
 static const double largest_whole = 0x1p53 - 1.0; // beyond it doubles stand for several
-
-bool lac_param_required(const lac_param *param)
-{
-    return isnan(param->fallback) && (param->flags & LAC_OPTIONAL) == 0;
-}
-
-size_t lac_folder_length(const char *name)
-{
-    const char *slash = strrchr(name, '/');
-    return slash == NULL ? 0 : (size_t)(slash - name) + 1;
-}
 
 bool lac_read_number(lac_reader *reader, const lac_node *node, const char *unit, double *value)
 {

@@ -24,7 +24,7 @@ typedef struct lac_node {
     bool ignored;            ///< a second value of the same key: reported, not read
     bool bad;                ///< reported already: whoever reads it says no more
     size_t line;             ///< 1-based, of the key where there is one; 0: from --set
-    size_t count;
+    size_t count, room;
     struct lac_node **child; ///< [count]
 } lac_node;
 
@@ -154,18 +154,12 @@ bool lac_expect_map(lac_reader *reader, const lac_node *node, const char *allowe
 /// key is missing need not be said too.
 bool lac_key_misspelt(const lac_node *map, const lac_model_info *table, const char *key);
 
-/// Whether a parameter must be given.
-bool lac_param_required(const lac_param *param);
-
 /// Whether a value is in a row's range; reported where not.
 bool lac_in_range(lac_reader *reader, const lac_node *node, const lac_param *param, double value);
 
 /// A path below a folder, whose first `length` characters count; the caller frees.
 /// @return NULL where memory is short
 char *lac_path_below(const char *folder, size_t length, const char *path);
-
-/// Length of the folder that a case's relative paths start from, with its last slash.
-size_t lac_folder_length(const char *name);
 
 enum {
     LAC_KIND_SURFACE = 0, ///< indices of lac_kind_get
@@ -267,9 +261,6 @@ lac_part_read lac_read_version, lac_read_steps, lac_read_state, lac_read_start, 
 lac_part_put lac_put_steps, lac_put_state, lac_put_start, lac_put_fields, lac_put_betas,
     lac_put_analysis, lac_put_fitted, lac_put_compare, lac_put_points, lac_put_safety,
     lac_put_geometry;
-
-/// Names of LAC_FIELD_*, in the order of their bits; NULL at the end.
-extern const char *const lac_field_names[];
 
 /// The keys of `material`, of which shear_speed and density stand side by side, of `inertia` of
 /// `interface.geometry` and of an entry of `load.history.steps`.

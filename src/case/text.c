@@ -189,9 +189,10 @@ void lac_put_fields(lac_writer *w, const lac_case *c)
 {
     const char *comma = "";
     PRINT(w, "  fields: [");
-    for (unsigned k = 0; lac_field_names[k] != NULL; k++) {
+    const char *name;
+    for (unsigned k = 0; (name = lac_run_field(k)) != NULL; k++) {
         if ((c->fields & (1u << k)) != 0) {
-            PRINT(w, "%s%s", comma, lac_field_names[k]);
+            PRINT(w, "%s%s", comma, name);
             comma = ", ";
         }
     }

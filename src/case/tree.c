@@ -3,16 +3,11 @@
 // `--set KEY=VALUE`, whose value is put into the tree as if the file had held it.
 #include "case/sections.h"
 
-// The array grows whenever its count is a power of two.
 static bool append(lac_node *parent, lac_node *node)
 {
-    size_t n = parent->count;
-    if ((n & (n - 1)) == 0) {
-        lac_node **grown = realloc(parent->child, (n == 0 ? 1 : 2 * n) * sizeof(lac_node *));
-        if (grown == NULL) {
-            return false;
-        }
-        parent->child = grown;
+    if (lac_grow((void *)&parent->child, &parent->room, parent->count + 1, sizeof(lac_node *),
+                 NULL) != LAC_OK) {
+        return false;
     }
     parent->child[parent->count++] = node;
     node->parent = parent;

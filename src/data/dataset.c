@@ -53,15 +53,11 @@ lac_status lac_dataset_described(lac_dataset **dataset, lac_status status)
 lac_status lac_dataset_dims(lac_dataset *dataset, const lac_extent *extent, size_t n,
                             lac_error *err)
 {
-    if (n == 0) {
-        return LAC_OK;
-    }
-    lac_extent *grown = realloc(dataset->dim, (dataset->dims + n) * sizeof *grown);
-    LAC_FAIL_MEMORY_IF(grown == NULL, err);
+    LAC_TRY_RETURN(lac_grow((void *)&dataset->dim, &dataset->dim_room, dataset->dims + n,
+                            sizeof *dataset->dim, err));
     for (size_t i = 0; i < n; i++) {
-        grown[dataset->dims++] = extent[i];
+        dataset->dim[dataset->dims++] = extent[i];
     }
-    dataset->dim = grown;
     return LAC_OK;
 }
 
@@ -106,13 +102,8 @@ static lac_status check_row(const lac_dataset *dataset, const lac_entry *entry, 
 static lac_status add_entry(lac_dataset *dataset, const lac_entry *entry, lac_error *err)
 {
     LAC_TRY_RETURN(check_row(dataset, entry, err));
-    if (dataset->entries == dataset->room) {
-        const size_t room = 2 * dataset->room + 32;
-        lac_entry *grown = realloc(dataset->entry, room * sizeof *grown);
-        LAC_FAIL_MEMORY_IF(grown == NULL, err);
-        dataset->entry = grown;
-        dataset->room = room;
-    }
+    LAC_TRY_RETURN(lac_grow((void *)&dataset->entry, &dataset->room, dataset->entries + 1,
+                            sizeof *dataset->entry, err));
     dataset->entry[dataset->entries++] = *entry;
     return LAC_OK;
 }

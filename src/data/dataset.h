@@ -212,7 +212,7 @@ struct lac_dataset {
     const char *summary;
     lac_clock clock; ///< of its times in a file
     double start;    ///< [s] since 1970 of the results' time 0; for LAC_CLOCK_START and _DATE
-    size_t dims, entries, room;
+    size_t dims, dim_room, entries, room;
     lac_extent *dim;
     lac_entry *entry;
     void *result; ///< that it is of, if it is its own

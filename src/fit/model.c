@@ -19,11 +19,9 @@ static void variant_clear(lac_fit_variant *v)
 
 static lac_status variant_create(const lac_fit *fit, lac_fit_variant *v, lac_error *err)
 {
-    lac_case_issues report;
     *v = (lac_fit_variant){0};
-    lac_status status = lac_case_read_text(fit->source->path, fit->text, strlen(fit->text), NULL,
-                                           &v->c, &report, err);
-    lac_case_issues_clear(&report);
+    lac_status status =
+        lac_case_read_text(fit->source->path, fit->text, strlen(fit->text), NULL, &v->c, NULL, err);
     for (size_t k = 0; status == LAC_OK && k < fit->def->count; k++) {
         lac_case_value value;
         LAC_FAIL_IF(!lac_case_find(v->c, fit->def->parameter[k].key, &value), err, LAC_EINPUT,

@@ -5,6 +5,7 @@
 
 #include "base/date.h"
 #include "base/statistics.h"
+#include "base/temp_file.h"
 #include "report/run.h"
 
 enum { NAME = 128, STEPS = 200, QUANTILES = 5 };
@@ -153,7 +154,7 @@ static void write_fit(lac_page *page, const fitted *f)
     lac_json *json = &page->json;
     const lac_stored_values *v = f->value;
     char text[NAME];
-    lac_json_text(json, "name", lac_page_name(f->path));
+    lac_json_text(json, "name", lac_path_last(f->path));
     if (lac_stored_file_text(f->file, NULL, "title", text, sizeof text)) {
         lac_json_text(json, "title", text);
     }

@@ -2,6 +2,7 @@
 // The page of readings: what a file of lacuna precursors holds of their motion, of what drives it,
 // of the forecasts from them, of the level at each time of issue, and what it says in words.
 #include "base/date.h"
+#include "base/temp_file.h"
 #include "forecast/forecast.h"
 #include "report/run.h"
 
@@ -127,7 +128,7 @@ void lac_page_readings(lac_page *page, const char *key)
     char text[TEXT];
     lac_json_open(json, key, '{');
     (void)lac_stored_file_text(page->file, NULL, "source_file", text, sizeof text);
-    lac_json_text(json, "name", text[0] != '\0' ? lac_page_name(text) : page->def->run);
+    lac_json_text(json, "name", text[0] != '\0' ? lac_path_last(text) : page->def->run);
     (void)lac_stored_file_text(page->file, NULL, "source_attribution", text, sizeof text);
     lac_json_text(json, "attribution", text);
     lac_json_boolean(json, "falling", lac_stored_file_number(page->file, NULL, "falling") > 0.0);

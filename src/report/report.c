@@ -8,12 +8,6 @@
 #include "base/temp_file.h"
 #include "report/run.h"
 
-const char *lac_page_name(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash != NULL ? slash + 1 : path;
-}
-
 enum { LONGEST_TEXT = 1 << 18 }; // a case; the history of a run that was resumed often is long too
 
 // Attributes of the file.
@@ -50,7 +44,7 @@ static void write_about(lac_page *page, const char *key)
     }
     lac_json_open(json, key, '{');
     const lac_page_def *def = page->def;
-    lac_json_text(json, "file", lac_page_name(def->name != NULL ? def->name : def->run));
+    lac_json_text(json, "file", lac_path_last(def->name != NULL ? def->name : def->run));
     lac_json_text(json, "made_by", page->def->made_by);
     lac_json_text(json, "made", lac_date_format(page->def->now, date, sizeof date));
     lac_json_boolean(json, "dated", page->dated);
@@ -174,7 +168,7 @@ static lac_status make(const lac_page_def *def, const char *nonce, bool live, ch
         const bool titled = lac_stored_file_text(page.file, NULL, "title", title, sizeof title);
         put_html(&page.json,
                  !titled         ? def->run
-                 : page.readings ? lac_page_name(title)
+                 : page.readings ? lac_path_last(title)
                                  : title,
                  nonce, &page);
     } else if (page.file != NULL && page.status == LAC_OK) {

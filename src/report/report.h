@@ -51,9 +51,6 @@ lac_status lac_page_write(const lac_page_def *def, const char *path, bool force,
 /// @param html   as the data; LAC_ENOMEM
 lac_status lac_page_live_page(const char *nonce, char **html, lac_error *err);
 
-/// The file's name without its folder.
-const char *lac_page_name(const char *path);
-
 /// Keeps a recording that grows as small as its page allows: of many records those that a chart
 /// needs, of many snapshots some (fewer of more cells, 256 MiB in all). To be called after every
 /// few records, and after every snapshot.

@@ -6,44 +6,53 @@
 
 #include "base/date.h"
 
-enum { BUCKETS = 500, LEVEL_BUCKETS = 300, COMMENT = 600 };
+enum {
+    BUCKETS = 500,
+    LEVEL_BUCKETS = 300,
+    LIVE_BUCKETS = 1000, // leaves 36 000 records at most
+    COMMENT = 600
+};
+
+// Of a column: it may be missing, and does not say which records are kept; or it says which a
+// recording keeps.
+enum { ASIDE = 1, WATCHED = 2 };
 
 // Columns over time: where the page shows them, and under which key.
 static const struct {
     const char *section, *key, *name;
-    bool aside; // may be missing, and does not say which records are kept
+    unsigned flags;
 } shown[] = {
-    {"motion", "slip", "slip", false},
-    {"motion", "rate", "slip_rate", false},
-    {"motion", "max_rate", "max_slip_rate", false},
-    {"direction", "x", "slip_x", false},
-    {"direction", "y", "slip_y", false},
-    {"direction", "rate_x", "slip_rate_x", false},
-    {"direction", "rate_y", "slip_rate_y", false},
-    {"safety", "factor", "factor_of_safety", false},
-    {"safety", "ratio", "effective_ratio", false},
-    {"safety", "pore", "pore_pressure", false},
-    {"safety", "lake", "lake_level", false},
-    {"safety", "lake2", "lake_level_2", false},
-    {"safety", "table", "water_level", false},
-    {"safety", "rain", "rain", false},
-    {"safety", "rain2", "rain_2", false},
-    {"safety", "angle", "angle", false},
-    {"safety", "thickness", "thickness", false},
-    {"safety", "excess", "excess_pore_pressure", false},
-    {"safety", "heat", "temperature_rise", false},
-    {"safety", "broken", "broken_cohesion", false},
-    {"forces", "friction", "apparent_friction", false},
-    {"forces", "shear", "shear_force", false},
-    {"forces", "normal", "normal_force", false},
-    {"forces", "effective", "effective_normal_force", false},
-    {"solver", "step", "step_size", false},
-    {"solver", "order", "order", false},
-    {"solver", "evaluations", "rhs_evaluations", false},
-    {"solver", "residual", "balance_residual", false},
-    {"levels", "fraction", "slip_fraction", false},
-    {"levels", "length", "correlation_length", false},
-    {"levels", "criticality", "criticality", true},
+    {"motion", "slip", "slip", 0},
+    {"motion", "rate", "slip_rate", WATCHED},
+    {"motion", "max_rate", "max_slip_rate", WATCHED},
+    {"direction", "x", "slip_x", 0},
+    {"direction", "y", "slip_y", 0},
+    {"direction", "rate_x", "slip_rate_x", 0},
+    {"direction", "rate_y", "slip_rate_y", 0},
+    {"safety", "factor", "factor_of_safety", WATCHED},
+    {"safety", "ratio", "effective_ratio", 0},
+    {"safety", "pore", "pore_pressure", WATCHED},
+    {"safety", "lake", "lake_level", WATCHED},
+    {"safety", "lake2", "lake_level_2", 0},
+    {"safety", "table", "water_level", 0},
+    {"safety", "rain", "rain", WATCHED},
+    {"safety", "rain2", "rain_2", 0},
+    {"safety", "angle", "angle", 0},
+    {"safety", "thickness", "thickness", 0},
+    {"safety", "excess", "excess_pore_pressure", WATCHED},
+    {"safety", "heat", "temperature_rise", WATCHED},
+    {"safety", "broken", "broken_cohesion", 0},
+    {"forces", "friction", "apparent_friction", WATCHED},
+    {"forces", "shear", "shear_force", WATCHED},
+    {"forces", "normal", "normal_force", 0},
+    {"forces", "effective", "effective_normal_force", WATCHED},
+    {"solver", "step", "step_size", WATCHED},
+    {"solver", "order", "order", 0},
+    {"solver", "evaluations", "rhs_evaluations", 0},
+    {"solver", "residual", "balance_residual", WATCHED},
+    {"levels", "fraction", "slip_fraction", WATCHED},
+    {"levels", "length", "correlation_length", 0},
+    {"levels", "criticality", "criticality", ASIDE},
 };
 enum { SHOWN = sizeof shown / sizeof *shown };
 
@@ -211,7 +220,7 @@ static uint8_t *keep_of(lac_page *page, const char *section, size_t buckets)
     const double *column[SHOWN];
     size_t columns = 0;
     for (size_t c = 0; c < SHOWN; c++) {
-        if (is_in(c, section) && !shown[c].aside) {
+        if (is_in(c, section) && (shown[c].flags & ASIDE) == 0) {
             column[columns++] = lac_page_over_time(page, shown[c].name);
         }
     }
@@ -220,6 +229,19 @@ static uint8_t *keep_of(lac_page *page, const char *section, size_t buckets)
         (void)lac_page_thin(page->n, page->time, page->before, buckets, columns, column, keep);
     }
     return keep;
+}
+
+void lac_page_mark_records(const lac_recording *recording, size_t n, const double *time,
+                           const double *before, uint8_t *keep)
+{
+    const double *column[SHOWN];
+    size_t columns = 0;
+    for (size_t c = 0; c < SHOWN; c++) {
+        if ((shown[c].flags & WATCHED) != 0) {
+            column[columns++] = lac_dataset_array(lac_recording_dataset(recording), shown[c].name);
+        }
+    }
+    (void)lac_page_thin(n, time, before, LIVE_BUCKETS, columns, column, keep);
 }
 
 // Times and the columns of a section, at the records that are kept.

@@ -54,6 +54,10 @@ size_t lac_page_thin(size_t n, const double *time, const double *before, size_t 
 void lac_page_thin_to(size_t n, const double *time, const double *before, size_t most, size_t goal,
                       uint8_t *keep);
 
+/// The same of a recording for the columns that a page cannot do without.
+void lac_page_mark_records(const lac_recording *recording, size_t n, const double *time,
+                           const double *before, uint8_t *keep);
+
 /// The numbers of a column [n], NULL: none, at the records that are kept, NULL: all.
 void lac_page_column(lac_page *page, const char *key, size_t n, const double *value,
                      const uint8_t *keep, int digits);

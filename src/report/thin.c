@@ -93,13 +93,7 @@ void lac_page_thin_to(size_t n, const double *time, const double *before, size_t
     }
 }
 
-enum {
-    MOST_RECORDS = 60000,
-    LIVE_BUCKETS = 1000, // leaves 36 000 records at most
-    MOST_SHOTS = 80,
-    FEWEST_SHOTS = 6,
-    SHOT_BYTES = 1 << 28
-};
+enum { MOST_RECORDS = 60000, MOST_SHOTS = 80, FEWEST_SHOTS = 6, SHOT_BYTES = 1 << 28 };
 
 static const double *values_of(const lac_recording *recording, const char *name, size_t *n)
 {
@@ -110,49 +104,17 @@ static const double *values_of(const lac_recording *recording, const char *name,
 // Snapshots that are kept at most: of large joints fewer.
 static size_t most_shots(const lac_recording *recording)
 {
-    static const char *const fields[] = {"cell_slip",
-                                         "cell_slip_rate",
-                                         "cell_state",
-                                         "cell_traction",
-                                         "cell_factor_of_safety",
-                                         "cell_pore_pressure",
-                                         "cell_excess_pore_pressure",
-                                         "cell_temperature",
-                                         "cell_broken_cohesion"};
+    char name[64];
     size_t values = 0, n, shots;
     (void)values_of(recording, "snapshot_time", &shots);
-    for (size_t f = 0; f < sizeof fields / sizeof *fields; f++) {
-        (void)values_of(recording, fields[f], &n);
+    for (size_t f = 0; lac_run_field(f) != NULL; f++) {
+        (void)snprintf(name, sizeof name, "cell_%s", lac_run_field(f));
+        (void)values_of(recording, name, &n);
         values += n;
     }
     const size_t each = shots > 0 ? values / shots * sizeof(double) : 0;
     const size_t most = each > 0 ? SHOT_BYTES / each : MOST_SHOTS;
     return most < FEWEST_SHOTS ? FEWEST_SHOTS : most < MOST_SHOTS ? most : MOST_SHOTS;
-}
-
-static void mark_records(const lac_recording *recording, size_t n, const double *time,
-                         const double *before, uint8_t *keep)
-{
-    static const char *const watched[] = {"slip_rate",
-                                          "max_slip_rate",
-                                          "apparent_friction",
-                                          "shear_force",
-                                          "effective_normal_force",
-                                          "step_size",
-                                          "balance_residual",
-                                          "slip_fraction",
-                                          "factor_of_safety",
-                                          "pore_pressure",
-                                          "excess_pore_pressure",
-                                          "temperature_rise",
-                                          "lake_level",
-                                          "rain"};
-    enum { WATCHED = sizeof watched / sizeof *watched };
-    const double *column[WATCHED];
-    for (size_t c = 0, same; c < WATCHED; c++) {
-        column[c] = values_of(recording, watched[c], &same);
-    }
-    (void)lac_page_thin(n, time, before, LIVE_BUCKETS, WATCHED, column, keep);
 }
 
 // Keeps about so many of the snapshots, or of the records where that is 0.
@@ -174,7 +136,7 @@ static lac_status thin_along(lac_recording *recording, size_t shots, lac_error *
     if (room && shots > 0) { // down to two thirds, so that not every new one costs this
         lac_page_thin_to(n, time, before, shots, 2 * shots / 3, keep);
     } else if (room) {
-        mark_records(recording, n, time, before, keep);
+        lac_page_mark_records(recording, n, time, before, keep);
     }
     if (room) {
         lac_recording_thin(recording, shots > 0 ? "snapshot" : "time", keep);

@@ -4,6 +4,7 @@
 #include "run/describe.h"
 
 #include "base/date.h"
+#include "base/rows.h"
 #include "data/describe.h"
 
 #define PLACE const lac_run_place *p = of
@@ -148,9 +149,7 @@ static const lac_variable of_fields[] = {
     LAC_ROW("cell_temperature", NULL, "K", "rise of the temperature of each contact cell",
             CELLS(temperature), .comment = "in the middle of the layer that is sheared"),
     LAC_ROW("cell_broken_cohesion", NULL, "1",
-            "part of the cohesion of each contact cell that is "
-            "broken",
-            CELLS(broken)),
+            "part of the cohesion of each contact cell that is broken", CELLS(broken)),
 };
 
 #define E(kind, field) P(kind, event.field), .coordinates = "event_time event_x event_y"
@@ -411,25 +410,24 @@ void lac_run_place_record(lac_run_place *place, const lac_record *record)
     place->apparent_friction = record->observation.shear_force / record->observation.normal_force;
 }
 
-const lac_variable *lac_run_column(size_t index)
+LAC_ROWS_AT(lac_variable, lac_run_column, of_record)
+
+const char *lac_run_field(size_t index)
 {
-    return index < sizeof of_record / sizeof *of_record ? &of_record[index] : NULL;
+    return index < sizeof of_fields / sizeof *of_fields ? of_fields[index].name + strlen("cell_")
+                                                        : NULL;
 }
 
 #define ENDING const lac_run_ending *e = of
 #define RESULT const lac_run_result *r = of
 #define R(kind, field) LAC_HELD(kind, lac_run_result, field)
 
-static double failure_time(const lac_run_result *r)
-{
-    return r->failed && r->end != LAC_END_ERROR ? r->failure_origin + r->failure_local : NAN;
-}
-
 // After an error nobody knows.
 LAC_GETTER(double, failed, RESULT, r->end != LAC_END_ERROR ? r->failed : NAN)
 LAC_GETTER(double, failure_rate, RESULT, r->end != LAC_END_ERROR ? r->failure.rate : NAN)
 LAC_GETTER(double, failure_slip, RESULT, r->end != LAC_END_ERROR ? r->failure.slip : NAN)
-LAC_GETTER(double, failed_at, RESULT, failure_time(r))
+LAC_GETTER(double, failed_at, RESULT,
+           r->failed && r->end != LAC_END_ERROR ? r->failure_origin + r->failure_local : NAN)
 LAC_TEXT_GETTER(lowered, RESULT,
                 r->end != LAC_END_ERROR && r->failure.lowered
                     ? "a p/eta at the start: radiation damping holds the joint below "

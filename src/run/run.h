@@ -28,6 +28,10 @@ enum {
     LAC_FIELD_BROKEN = 256
 };
 
+/// Name of the field that the bit 1 << index asks for, as a case has it; in a file "cell_" stands
+/// before it. NULL: there is none.
+const char *lac_run_field(size_t index);
+
 /// What a run puts out.
 typedef struct lac_run_output {
     const lac_domain *domain;       ///< NULL: nothing of the cells

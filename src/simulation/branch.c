@@ -244,7 +244,6 @@ static void keep_fidelity(lac_case *c, const lac_case *source)
 lac_status lac_branch_open(lac_case *c, lac_branch **out, lac_error *err)
 {
     lac_status status;
-    lac_case_issues issues = {0};
     *out = NULL;
     lac_branch *b = calloc(1, sizeof *b);
     LAC_FAIL_MEMORY_IF(b == NULL, err);
@@ -254,7 +253,7 @@ lac_status lac_branch_open(lac_case *c, lac_branch **out, lac_error *err)
     (void)snprintf(b->sum, sizeof b->sum, "%016" PRIx64,
                    lac_sum_bytes(LAC_SUM_OF_NOTHING, text, strlen(text)));
     // files that it names are looked for where those of the case are
-    status = lac_case_read_text(c->path, text, strlen(text), NULL, &b->source, &issues, err);
+    status = lac_case_read_text(c->path, text, strlen(text), NULL, &b->source, NULL, err);
     LAC_TRY(lac_fail_within(err, status, "the case in %s", c->from.file));
     LAC_LEAVE_IF(b->source->run.fidelity == LAC_FIDELITY_LUMPED, err, LAC_EINPUT,
                  "initial.run.file: %s is of a lumped run, in which cells have no state of their "
@@ -270,7 +269,6 @@ lac_status lac_branch_open(lac_case *c, lac_branch **out, lac_error *err)
     *out = b;
     b = NULL;
 out:
-    lac_case_issues_clear(&issues);
     lac_branch_free(b);
     return status;
 }

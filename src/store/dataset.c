@@ -67,14 +67,8 @@ lac_status lac_columns_create(const lac_dataset *dataset, size_t more, lac_colum
 
 lac_status lac_column_reserve(lac_column *column, size_t n, lac_error *err)
 {
-    if (column->room - column->count < n) {
-        const size_t room = column->count + n + column->room; // at least doubled
-        double *grown = realloc(column->values, room * sizeof *grown);
-        LAC_FAIL_MEMORY_IF(grown == NULL, err);
-        column->values = grown;
-        column->room = room;
-    }
-    return LAC_OK;
+    return lac_grow((void *)&column->values, &column->room, column->count + n,
+                    sizeof *column->values, err);
 }
 
 lac_status lac_columns_put(lac_columns *columns, size_t along, unsigned but, lac_error *err)

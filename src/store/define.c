@@ -3,6 +3,7 @@
 // attributes.
 #include <assert.h>
 
+#include "base/temp_file.h"
 #include "store/writer.h"
 
 enum {
@@ -132,21 +133,14 @@ static int define_storage(const lac_writer *w, const lac_item *item, int id, nc_
                : code;
 }
 
-// What a name says behind the group that it is in: "posterior/draw".
-static const char *leaf_of(const char *name)
-{
-    const char *slash = strrchr(name, '/');
-    return slash != NULL ? slash + 1 : name;
-}
-
 // The file, or the group that a name stands in, made where it is the first there.
 static int find_group(int file, const char *name, int *group)
 {
     char *of = strdup(name);
     int code = of == NULL ? NC_ENOMEM : NC_NOERR;
     *group = file;
-    if (code == NC_NOERR && leaf_of(name) != name) {
-        of[leaf_of(name) - name - 1] = '\0';
+    if (code == NC_NOERR && lac_path_last(name) != name) {
+        of[lac_path_last(name) - name - 1] = '\0';
         code = nc_inq_grp_ncid(file, of, group);
         code = code == NC_ENOGRP ? nc_def_grp(file, of, group) : code;
     }
@@ -172,7 +166,7 @@ static bool has_dim(int file, const char *name, int *dim)
 static lac_status find_dim(const lac_writer *w, const char *name, size_t length, int *dim,
                            lac_error *err)
 {
-    name = leaf_of(name);
+    name = lac_path_last(name);
     if (has_dim(w->file->id, name, dim)) {
         return LAC_OK;
     }
@@ -290,7 +284,7 @@ lac_status lac_writer_define(const lac_writer *writer, lac_column *column, lac_e
         (void)snprintf(name, sizeof name, "%s_length", item->name);
         LAC_TRY_RETURN(find_dim(w, name, lac_item_longest_text(item), &dims[rank++], err));
     }
-    int code = nc_def_var(w->file->id, leaf_of(item->name), type, rank, dims, &column->id);
+    int code = nc_def_var(w->file->id, lac_path_last(item->name), type, rank, dims, &column->id);
     if (code == NC_NOERR && rank > 0) {
         code = define_storage(w, item, column->id, type, rank, dims);
     }

@@ -40,8 +40,7 @@ static int open_copy(const char *path, char **copy)
 // The same in the folder for temporary files, where the file's own cannot be written.
 static int open_copy_elsewhere(const char *path, char **copy)
 {
-    const char *slash = strrchr(path, '/');
-    char *name = lac_text_join("/tmp/", "", slash != NULL ? slash + 1 : path);
+    char *name = lac_text_join("/tmp/", "", lac_path_last(path));
     free(*copy);
     *copy = NULL;
     int fd = name != NULL ? open_copy(name, copy) : -1;

@@ -80,7 +80,7 @@ void lac_watch_close_files(lac_watch *w)
 static lac_status search(lac_watch *w, lac_error *err)
 {
     const char *pattern = w->def.fleet->files_pattern;
-    const char *slash = strrchr(pattern, '/'), *base = slash != NULL ? slash + 1 : pattern;
+    const char *base = lac_path_last(pattern);
     char *folder = lac_folder_of(pattern);
     DIR *list = folder != NULL ? opendir(folder) : NULL;
     const struct dirent *entry = NULL;

@@ -12,7 +12,7 @@ static void print_default(const lac_param *param)
 {
     const double value = param->fallback;
     if (isnan(value)) {
-        printf("%s", cli_param_is_required(param) ? "required" : "no default");
+        printf("%s", lac_param_required(param) ? "required" : "no default");
     } else if (param->type == LAC_CHOICE) {
         printf("default %s", param->choices[(int)value]);
     } else if (param->type == LAC_REAL && strcmp(param->unit, "1") != 0) {
@@ -71,7 +71,7 @@ static void write_parameter(lac_json *json, const lac_param *param)
     lac_json_text(json, "key", param->key);
     lac_json_text(json, "type", cli_param_type(param));
     lac_json_text(json, "unit", number ? param->unit : NULL);
-    lac_json_boolean(json, "required", cli_param_is_required(param));
+    lac_json_boolean(json, "required", lac_param_required(param));
     if (choice && !isnan(param->fallback)) {
         lac_json_text(json, "default", param->choices[(int)param->fallback]);
     } else {
@@ -322,17 +322,20 @@ static void write_forecast(lac_json *json, const lac_forecast_kind *kind)
     lac_json_number(json, "high90", c->high90);
 }
 
+// @param kind  NULL: it is a section
 static void write_model(lac_json *json, const lac_kind *kind, const lac_model_info *model)
 {
     lac_json_open(json, NULL, '{');
     lac_json_text(json, "name", model->name);
     lac_json_text(json, "summary", model->summary);
-    lac_json_text(json, "reference", model->reference);
+    if (kind != NULL) {
+        lac_json_text(json, "reference", model->reference);
+    }
     write_parameters(json, model->params, model->param_count);
-    if (precursor_of(kind, model) != NULL) {
+    if (kind != NULL && precursor_of(kind, model) != NULL) {
         write_precursor(json, precursor_of(kind, model));
     }
-    if (forecast_of(kind, model) != NULL) {
+    if (kind != NULL && forecast_of(kind, model) != NULL) {
         write_forecast(json, forecast_of(kind, model));
     }
     lac_json_close(json, '}');
@@ -359,15 +362,6 @@ static void write_kind(lac_json *json, const lac_kind *kind, const lac_model_inf
         tell_gates(json);
         lac_json_close(json, ']');
     }
-    lac_json_close(json, '}');
-}
-
-static void write_section(lac_json *json, const lac_section *section)
-{
-    lac_json_open(json, NULL, '{');
-    lac_json_text(json, "name", section->name);
-    lac_json_text(json, "summary", section->summary);
-    write_parameters(json, section->params, section->param_count);
     lac_json_close(json, '}');
 }
 
@@ -400,13 +394,13 @@ static void write_json(const subject *s)
     lac_json_open(&json, "sections", '[');
     for (size_t i = 0; (section = lac_section_get(i)) != NULL; i++) {
         if (s->all || section == s->section) {
-            write_section(&json, section);
+            write_model(&json, NULL, section);
         }
     }
     if (s->levels) {
         lac_param rows[MAX_NAMES];
         const lac_section levels = levels_section(rows);
-        write_section(&json, &levels);
+        write_model(&json, NULL, &levels);
     }
     lac_json_close(&json, ']');
     lac_json_close(&json, '}');
@@ -436,7 +430,8 @@ static lac_status put_table(const cli_request *request, const subject *s, lac_er
     LAC_TRY(s->levels ? cli_described_add(&table, levels.name, "", &levels, err) : LAC_OK);
     LAC_TRY(cli_described_put(request, &table, err));
 out:
-    cli_described_clear(&table);
+    free(table.model);
+    free(table.param);
     return status;
 }
 

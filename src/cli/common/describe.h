@@ -18,14 +18,13 @@ lac_status cli_describe_rock(const cli_request *request, lac_error *err);
 bool cli_describe_word(const cli_request *request);
 
 // What is told of a parameter.
-bool cli_param_is_required(const lac_param *param);
 bool cli_param_is_number(const lac_param *param);
 /// Whether a limit of its range is one: beyond what anything measures it is not.
 bool cli_param_is_bounded(const lac_param *param, double limit);
 const char *cli_param_type(const lac_param *param);
 
 typedef struct cli_described_param {
-    const struct cli_described_model *model;
+    const char *kind, *model;
     lac_param param;
 } cli_described_param;
 
@@ -33,14 +32,13 @@ typedef struct cli_described_param {
 typedef struct cli_described_model {
     const char *kind, *section;
     const lac_model_info *info;
-    cli_described_param param[]; ///< [info->param_count]
 } cli_described_model;
 
-/// All that are told.
+/// Those that are told as a dataset.
 typedef struct cli_described {
-    size_t models, params;
-    cli_described_model **model; ///< [models] owned
-    cli_described_param **param; ///< [params] of these
+    size_t models, model_room, params, param_room;
+    cli_described_model *model; ///< [models] owned
+    cli_described_param *param; ///< [params] owned
 } cli_described;
 
 /// Adds one; the parameters as they are now. LAC_ENOMEM
@@ -50,4 +48,3 @@ lac_status cli_described_add(cli_described *table, const char *kind, const char 
 /// Hands them over: --pipe.
 lac_status cli_described_put(const cli_request *request, const cli_described *table,
                              lac_error *err);
-void cli_described_clear(cli_described *table);

@@ -4,11 +4,6 @@
 #include "cli/common/output.h"
 #include "data/describe.h"
 
-bool cli_param_is_required(const lac_param *param)
-{
-    return (param->flags & LAC_OPTIONAL) == 0 && isnan(param->fallback);
-}
-
 bool cli_param_is_number(const lac_param *param)
 {
     return param->type == LAC_REAL || param->type == LAC_INTEGER;
@@ -46,12 +41,10 @@ static const char *choices_text(const lac_param *param, char room[LAC_TEXT_ROOM]
     return room;
 }
 
-LAC_TEXT_GETTER(kind_of, PARAMETER, p->model->kind)
-LAC_TEXT_GETTER(model_of, PARAMETER, p->model->info->name)
 LAC_TEXT_GETTER(key, PARAMETER, p->param.key)
 LAC_TEXT_GETTER(type, PARAMETER, cli_param_type(&p->param))
 LAC_TEXT_GETTER(unit, PARAMETER, cli_param_is_number(&p->param) ? p->param.unit : "")
-LAC_GETTER(double, required, PARAMETER, cli_param_is_required(&p->param))
+LAC_GETTER(double, required, PARAMETER, lac_param_required(&p->param))
 LAC_GETTER(double, fallback, PARAMETER, NUMBER(fallback))
 LAC_TEXT_GETTER(choice, PARAMETER,
                 p->param.type == LAC_CHOICE && !isnan(p->param.fallback)
@@ -65,8 +58,10 @@ LAC_GETTER(double, cellwise, PARAMETER, (p->param.flags & LAC_CELLWISE) != 0)
 LAC_TEXT_GETTER(doc, PARAMETER, p->param.doc)
 
 static const lac_variable of_params[] = {
-    LAC_ROW("kind", NULL, NULL, "kind of the model, section of plain parameters", T(kind_of)),
-    LAC_ROW("of_model", NULL, NULL, "model or section that the parameter is of", T(model_of)),
+    LAC_ROW("kind", NULL, NULL, "kind of the model, section of plain parameters",
+            LAC_HELD(TEXT, cli_described_param, kind)),
+    LAC_ROW("of_model", NULL, NULL, "model or section that the parameter is of",
+            LAC_HELD(TEXT, cli_described_param, model)),
     LAC_ROW("key", NULL, NULL, "its key in a case", T(key)),
     LAC_ROW("type", NULL, NULL, "real, integer, choice, text, path", T(type)),
     LAC_ROW("unit", NULL, NULL, "SI unit", T(unit)),
@@ -101,21 +96,14 @@ static const lac_variable of_models[] = {
 lac_status cli_described_add(cli_described *table, const char *kind, const char *section,
                              const lac_model_info *info, lac_error *err)
 {
-    cli_described_model *one = malloc(sizeof *one + info->param_count * sizeof *one->param);
-    const size_t n = table->params + info->param_count;
-    void *models = realloc((void *)table->model, (table->models + 1) * sizeof *table->model);
-    table->model = models != NULL ? models : table->model;
-    void *params = realloc((void *)table->param, (n + 1) * sizeof *table->param);
-    table->param = params != NULL ? params : table->param;
-    if (one == NULL || models == NULL || params == NULL) {
-        free(one);
-        return lac_fail_memory(err);
-    }
-    *one = (cli_described_model){.kind = kind, .section = section, .info = info};
-    table->model[table->models++] = one;
+    const size_t params = table->params + info->param_count + 1;
+    LAC_TRY_RETURN(lac_grow((void *)&table->model, &table->model_room, table->models + 1,
+                            sizeof *table->model, err));
+    LAC_TRY_RETURN(
+        lac_grow((void *)&table->param, &table->param_room, params, sizeof *table->param, err));
+    table->model[table->models++] = (cli_described_model){kind, section, info};
     for (size_t i = 0; i < info->param_count; i++) {
-        one->param[i] = (cli_described_param){.model = one, .param = info->params[i]};
-        table->param[table->params++] = &one->param[i];
+        table->param[table->params++] = (cli_described_param){kind, info->name, info->params[i]};
     }
     return LAC_OK;
 }
@@ -123,8 +111,9 @@ lac_status cli_described_add(cli_described *table, const char *kind, const char 
 lac_status cli_described_put(const cli_request *request, const cli_described *table, lac_error *err)
 {
     const lac_extent dims[] = {{"model", table->models}, {"parameter", table->params}};
-    const lac_laid laid[] = {{LAC_VARIABLES_OF_MANY(of_models, "model"), table->model},
-                             {LAC_VARIABLES_OF_MANY(of_params, "parameter"), table->param}};
+    const lac_laid laid[] = {
+        {LAC_VARIABLES(of_models, "model", sizeof *table->model), table->model},
+        {LAC_VARIABLES(of_params, "parameter", sizeof *table->param), table->param}};
     const lac_provenance made = {.seed = INT64_MIN};
     lac_dataset *dataset = NULL;
     lac_status status;
@@ -136,13 +125,4 @@ lac_status cli_described_put(const cli_request *request, const cli_described *ta
 out:
     lac_dataset_free(dataset);
     return status;
-}
-
-void cli_described_clear(cli_described *table)
-{
-    for (size_t i = 0; i < table->models; i++) {
-        free(table->model[i]);
-    }
-    free((void *)table->model);
-    free((void *)table->param);
 }

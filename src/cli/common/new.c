@@ -42,8 +42,7 @@ static void tell(const cli_request *request, const char *kind, const char *path,
 // output elsewhere, and a file of that name would be taken for an option.
 static bool names_file(const char *given)
 {
-    const char *slash = strrchr(given, '/');
-    const char *last = slash != NULL ? slash + 1 : given;
+    const char *last = lac_path_last(given);
     return *last != '\0' && strcmp(last, ".") != 0 && strcmp(last, "..") != 0 &&
            strcmp(last, "-") != 0;
 }

@@ -147,23 +147,19 @@ const cli_option *cli_option_find(const char *word, size_t length)
 static lac_status keep_override(cli_request *request, const char *key, size_t length,
                                 const char *value, lac_error *err)
 {
-    size_t n = request->set_count;
-    lac_override *grown = realloc(request->overrides, (n + 1) * sizeof *grown);
-    LAC_FAIL_MEMORY_IF(grown == NULL, err);
-    request->overrides = grown;
+    LAC_TRY_RETURN(lac_grow((void *)&request->overrides, &request->set_room, request->set_count + 1,
+                            sizeof *request->overrides, err));
     char *copy = strndup(key, length);
     LAC_FAIL_MEMORY_IF(copy == NULL, err);
-    grown[n] = (lac_override){.key = copy, .value = value};
-    request->set_count = n + 1;
+    request->overrides[request->set_count++] = (lac_override){.key = copy, .value = value};
     return LAC_OK;
 }
 
 static lac_status keep_word(cli_words *words, const char *value, lac_error *err)
 {
-    const char **grown = realloc((void *)words->word, (words->n + 1) * sizeof *grown);
-    LAC_FAIL_MEMORY_IF(grown == NULL, err);
-    words->word = grown;
-    grown[words->n++] = value;
+    LAC_TRY_RETURN(
+        lac_grow((void *)&words->word, &words->room, words->n + 1, sizeof *words->word, err));
+    words->word[words->n++] = value;
     return LAC_OK;
 }
 

@@ -87,7 +87,7 @@ typedef struct cli_series_words {
 
 /// What an option that may be repeated was given, in order.
 typedef struct cli_words {
-    size_t n;
+    size_t n, room;
     const char **word; ///< [n]; owned, texts borrowed from argv
 } cli_words;
 
@@ -124,13 +124,13 @@ struct cli_request {
     cli_words displacements;           ///< --displacement
     cli_forecast_words forecast;
     cli_trade_words trade;
-    int threads;             ///< 0: not given
-    int pipe;                ///< where --pipe writes to; 0: not given
-    char *work;              ///< owned: `output` with --pipe; NULL
-    size_t set_count;        ///< --set, in order
-    lac_override *overrides; ///< [set_count]; keys owned, values borrowed from argv
-    cli_words variables;     ///< --variable
-    cli_words drivers;       ///< --driver
+    int threads;                ///< 0: not given
+    int pipe;                   ///< where --pipe writes to; 0: not given
+    char *work;                 ///< owned: `output` with --pipe; NULL
+    size_t set_count, set_room; ///< --set, in order
+    lac_override *overrides;    ///< [set_count]; keys owned, values borrowed from argv
+    cli_words variables;        ///< --variable
+    cli_words drivers;          ///< --driver
     cli_sweep_words sweep;
     cli_words over;             ///< --over
     cli_words files;            ///< arguments of a command that takes any number of them

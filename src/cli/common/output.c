@@ -15,7 +15,7 @@
 
 char *cli_name_after(const char *path, const char *ending)
 {
-    const char *slash = strrchr(path, '/'), *name = slash == NULL ? path : slash + 1;
+    const char *name = lac_path_last(path);
     const char *dot = strrchr(name, '.');
     const size_t stem = dot == NULL || dot == name ? strlen(name) : (size_t)(dot - name);
     char *made = NULL;
@@ -117,9 +117,8 @@ char *cli_inputs_sums(const lac_case *c)
         return NULL;
     }
     for (size_t i = 0; (path = lac_case_file(c, i)) != NULL; i++) {
-        const char *slash = strrchr(*path, '/');
         (void)fprintf(text, "%s  %s: %016" PRIx64 "\n", i == 0 ? "files:\n" : "",
-                      slash != NULL ? slash + 1 : *path, sum_file(*path));
+                      lac_path_last(*path), sum_file(*path));
     }
     return lac_text_made(text, &sums);
 }

@@ -104,7 +104,7 @@ static bool is_folder(const char *path)
 // One table and no folder named: a file or stdout. Else -o, or a folder called after the file.
 static lac_status find_folder(export_job *job, lac_error *err)
 {
-    const char *output = job->request->output, *name = lac_page_name(job->request->argument[0]);
+    const char *output = job->request->output, *name = lac_path_last(job->request->argument[0]);
     const size_t written = output != NULL ? strlen(output) : 0;
     const bool named = written > 0 && (output[written - 1] == '/' || is_folder(output));
     const bool stations = job->request->stations != NULL;

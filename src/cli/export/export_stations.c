@@ -14,13 +14,12 @@ static const char *const columns[] = {
 static lac_status find_damping(const lac_stored_file *file, double *eta, lac_error *err)
 {
     const lac_case_request how = {.purpose = LAC_FOR_CELLS};
-    lac_case_issues report = {0};
     lac_case *c = NULL;
     char *text = malloc(LONGEST_CASE);
     lac_status status;
     LAC_TRY(text != NULL ? LAC_OK : lac_fail_memory(err));
     (void)lac_stored_file_text(file, NULL, "case", text, LONGEST_CASE);
-    LAC_TRY(lac_case_read_text("the file's case", text, strlen(text), &how, &c, &report, err));
+    LAC_TRY(lac_case_read_text("the file's case", text, strlen(text), &how, &c, NULL, err));
     const lac_domain_source *domain = (const void *)c->domain.info;
     const bool full = c->surface.info == NULL && (domain == NULL || domain->full);
     status = full && lac_inertia_mass(c) == 0.0
@@ -31,7 +30,6 @@ static lac_status find_damping(const lac_stored_file *file, double *eta, lac_err
     *eta = lac_damping_of(&c->material);
 out:
     lac_case_free(c);
-    lac_case_issues_clear(&report);
     free(text);
     return status;
 }

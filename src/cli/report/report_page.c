@@ -21,17 +21,15 @@ enum { LONGEST_CASE = 1 << 18 };
 static lac_case *read_case(const char *run)
 {
     const lac_case_request how = {.purpose = LAC_FOR_CELLS};
-    lac_case_issues report = {0};
     lac_case *c = NULL;
     lac_error unsaid = {0};
     char *text = malloc(LONGEST_CASE);
     if (text != NULL &&
         lac_store_read_attribute(run, "case", text, LONGEST_CASE, &unsaid) == LAC_OK &&
-        lac_case_read_text(run, text, strlen(text), &how, &c, &report, &unsaid) != LAC_OK) {
+        lac_case_read_text(run, text, strlen(text), &how, &c, NULL, &unsaid) != LAC_OK) {
         lac_case_free(c);
         c = NULL;
     }
-    lac_case_issues_clear(&report);
     free(text);
     return c;
 }
@@ -43,7 +41,7 @@ static const lac_compare_def *find_compare(const lac_case *c, const char *path, 
     for (size_t i = 0; c != NULL && i < c->compare_count; i++) {
         const lac_compare_def *def = &c->compare[i];
         const bool of = point == NULL || (def->point != NULL && strcmp(def->point, point) == 0);
-        if (of && strcmp(lac_page_name(def->path), lac_page_name(path)) == 0) {
+        if (of && strcmp(lac_path_last(def->path), lac_path_last(path)) == 0) {
             return def;
         }
     }
@@ -227,7 +225,7 @@ static lac_status write_page(const cli_request *request, input what, const char 
     const lac_page_def def = {.run = forecasts != NULL ? forecasts : request->argument[0],
                               .name = request->argument[0],
                               .series = series,
-                              .series_name = series != NULL ? lac_page_name(name) : NULL,
+                              .series_name = series != NULL ? lac_path_last(name) : NULL,
                               .point = point,
                               .fit = request->fit,
                               .made_by = "lacuna " LACUNA_VERSION,

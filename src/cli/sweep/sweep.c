@@ -356,14 +356,12 @@ out:
 static lac_status ask(const cli_request *request, const lac_ensemble *e, cli_question *out,
                       lac_error *err)
 {
-    lac_case_issues report = {0};
     lac_case *c = NULL;
     lac_status status = lac_case_read_text("the sweep's case", e->case_text, strlen(e->case_text),
-                                           NULL, &c, &report, err);
+                                           NULL, &c, NULL, err);
     if (status == LAC_OK) {
         status = cli_question_read(request, c, e->extras, e->extra, out, err);
     }
-    lac_case_issues_clear(&report);
     lac_case_free(c);
     return status;
 }
