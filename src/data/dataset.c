@@ -43,11 +43,7 @@ void lac_dataset_keep(lac_dataset *dataset, void *result, void (*release)(void *
 
 lac_status lac_dataset_described(lac_dataset **dataset, lac_status status)
 {
-    if (status != LAC_OK) {
-        lac_dataset_free(*dataset);
-        *dataset = NULL;
-    }
-    return status;
+    LAC_MADE(status, dataset, lac_dataset_free);
 }
 
 lac_status lac_dataset_dims(lac_dataset *dataset, const lac_extent *extent, size_t n,

@@ -7,20 +7,16 @@
 
 lac_status lac_classes_create(size_t leaves, size_t nodes, lac_classes **out, lac_error *err)
 {
-    lac_classes *classes = calloc(1, sizeof *classes);
-    *out = classes;
+    lac_classes *classes = *out = calloc(1, sizeof *classes);
     LAC_FAIL_MEMORY_IF(classes == NULL, err);
     *classes = (lac_classes){.leaves = leaves,
                              .nodes = nodes,
                              .parent = calloc(nodes, sizeof *classes->parent),
                              .weight = calloc(2 * nodes, sizeof *classes->weight)};
-    if (classes->parent == NULL || classes->weight == NULL) {
-        lac_classes_free(classes);
-        *out = NULL;
-        return lac_fail_memory(err);
-    }
-    classes->k = classes->weight + nodes;
-    return LAC_OK;
+    const bool room = classes->parent != NULL && classes->weight != NULL;
+    classes->k = room ? classes->weight + nodes : NULL;
+    const lac_status status = room ? LAC_OK : lac_fail_memory(err);
+    LAC_MADE(status, out, lac_classes_free);
 }
 
 void lac_classes_free(lac_classes *classes)

@@ -5,7 +5,8 @@
 
 typedef struct family {
     const char *name, *type, *help;
-    double (*value)(const lac_station *s);
+    double (*value)(const lac_station *s); // NULL: how many readings came to be `taken`
+    lac_taken taken;
 } family;
 
 static double last_time(const lac_station *s) { return s->n > 0 ? s->time[s->n - 1] : NAN; }
@@ -15,11 +16,6 @@ static double issued(const lac_station *s) { return s->issued; }
 static double alarms(const lac_station *s) { return s->alarms; }
 static double level(const lac_station *s) { return s->level; }
 static double chance(const lac_station *s) { return s->chance; }
-static double readings(const lac_station *s) { return (double)s->readings; }
-static double late(const lac_station *s) { return (double)s->late; }
-static double doubled(const lac_station *s) { return (double)s->doubled; }
-static double old(const lac_station *s) { return (double)s->old; }
-static double ahead(const lac_station *s) { return (double)s->ahead; }
 
 static const family families[] = {
     {"last_reading_seconds", "gauge", "Time of the last reading, of dates since 1970.", last_time},
@@ -30,11 +26,11 @@ static const family families[] = {
     {"level", "gauge", "0 quiet, 1 watch, 2 warning, 3 alarm.", level},
     {"chance_within_horizon", "gauge", "Chance of failure within the horizon, of all methods.",
      chance},
-    {"readings_total", "counter", "Readings taken.", readings},
-    {"late_total", "counter", "Of which came behind a later one.", late},
-    {"doubled_total", "counter", "Dropped: there was one of that time.", doubled},
-    {"old_total", "counter", "Dropped: older than the window.", old},
-    {"ahead_total", "counter", "Dropped: too far ahead of the clock.", ahead},
+    {"readings_total", "counter", "Readings taken.", NULL, LAC_TAKEN},
+    {"late_total", "counter", "Of which came behind a later one.", NULL, LAC_TAKEN_LATE},
+    {"doubled_total", "counter", "Dropped: there was one of that time.", NULL, LAC_TAKEN_DOUBLED},
+    {"old_total", "counter", "Dropped: older than the window.", NULL, LAC_TAKEN_OLD},
+    {"ahead_total", "counter", "Dropped: too far ahead of the clock.", NULL, LAC_TAKEN_AHEAD},
 };
 
 static void put_label(FILE *out, const char *text)
@@ -62,7 +58,7 @@ static void put_family(FILE *out, const family *f, const lac_stations *s)
         (void)fprintf(out, "lacuna_%s{station=\"", f->name);
         put_label(out, s->at[i]->name);
         (void)fputs("\"} ", out);
-        put_number(out, f->value(s->at[i]));
+        put_number(out, f->value != NULL ? f->value(s->at[i]) : (double)s->at[i]->taken[f->taken]);
     }
 }
 
