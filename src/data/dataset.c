@@ -41,11 +41,6 @@ void lac_dataset_keep(lac_dataset *dataset, void *result, void (*release)(void *
     dataset->made = made;
 }
 
-lac_status lac_dataset_described(lac_dataset **dataset, lac_status status)
-{
-    LAC_MADE(status, dataset, lac_dataset_free);
-}
-
 lac_status lac_dataset_dims(lac_dataset *dataset, const lac_extent *extent, size_t n,
                             lac_error *err)
 {

@@ -124,7 +124,7 @@ static const lac_variable of_data[] = {
 
 // Values that may be missing.
 #define SERIES(name, dims, unit, field, has_, title) \
-    LAC_ROW(name, dims, unit, title, R(REALS, field), .flags = LAC_MISSING, .has = has_)
+    LAC_ROW(name, dims, unit, title, R(REALS, field), .flags = LAC_MISSING, .has = (has_))
 #define WAS_READ(what) what " that was read"
 
 static const lac_variable of_result[] = {
@@ -304,5 +304,5 @@ lac_status lac_fit_describe(const lac_fit_outcome *o, lac_dataset **out, lac_err
     LAC_TRY(add_draws(*out, r, err));
     LAC_TRY(lac_dataset_add(*out, laid, sizeof laid / sizeof *laid, err));
 out:
-    return lac_dataset_described(out, status);
+    LAC_MADE(status, out, lac_dataset_free);
 }

@@ -28,10 +28,11 @@ void lac_classes_free(lac_classes *classes)
     }
 }
 
-size_t lac_classes_work(const lac_classes *classes) { return 4 * classes->nodes; }
+size_t lac_classes_work(const void *state) { return 4 * ((const lac_classes *)state)->nodes; }
 
-void lac_classes_apply(const lac_classes *classes, const double *x, double *y, double *work)
+void lac_classes_apply(const void *state, const double *x, double *y, double *work)
 {
+    const lac_classes *classes = state;
     const size_t nodes = classes->nodes, root = nodes - 1;
     const uint32_t *parent = classes->parent;
     double *mean = work, *force = work + nodes;
@@ -51,9 +52,10 @@ void lac_classes_apply(const lac_classes *classes, const double *x, double *y, d
 }
 
 // As in solve.c: a block stands for its cells as one would, t its D, y its right-hand side.
-bool lac_classes_solve(const lac_classes *classes, double k_mean, const double *diagonal,
-                       const double *y, double *x, double *work)
+bool lac_classes_solve(const void *state, double k_mean, const double *diagonal, const double *y,
+                       double *x, double *work)
 {
+    const lac_classes *classes = state;
     const size_t nodes = classes->nodes, root = nodes - 1;
     const uint32_t *parent = classes->parent;
     double *t = work, *r = t + nodes, *g = r + nodes, *share = g + nodes;

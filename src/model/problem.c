@@ -428,8 +428,6 @@ void lac_problem_pore(const lac_problem *problem, double t, double *pore, double
     }
 }
 
-bool lac_problem_varies(const lac_problem *problem) { return problem->varies; }
-
 lac_problem_parts lac_problem_parts_of(const lac_problem *problem)
 {
     return (lac_problem_parts){.pressure = problem->pressure,
