@@ -18,14 +18,15 @@ static double level(const lac_station *s) { return s->level; }
 static double chance(const lac_station *s) { return s->chance; }
 
 static const family families[] = {
-    {"last_reading_seconds", "gauge", "Time of the last reading, of dates since 1970.", last_time},
-    {"rate_meters_per_second", "gauge", "Last velocity.", rate},
-    {"accelerating", "gauge", "1 where the slope accelerates.", accelerating},
-    {"forecasts", "gauge", "Methods that issue a time of failure.", issued},
-    {"alarms", "gauge", "Methods whose median lies within the horizon.", alarms},
-    {"level", "gauge", "0 quiet, 1 watch, 2 warning, 3 alarm.", level},
+    {"last_reading_seconds", "gauge", "Time of the last reading, of dates since 1970.", last_time,
+     0},
+    {"rate_meters_per_second", "gauge", "Last velocity.", rate, 0},
+    {"accelerating", "gauge", "1 where the slope accelerates.", accelerating, 0},
+    {"forecasts", "gauge", "Methods that issue a time of failure.", issued, 0},
+    {"alarms", "gauge", "Methods whose median lies within the horizon.", alarms, 0},
+    {"level", "gauge", "0 quiet, 1 watch, 2 warning, 3 alarm.", level, 0},
     {"chance_within_horizon", "gauge", "Chance of failure within the horizon, of all methods.",
-     chance},
+     chance, 0},
     {"readings_total", "counter", "Readings taken.", NULL, LAC_TAKEN},
     {"late_total", "counter", "Of which came behind a later one.", NULL, LAC_TAKEN_LATE},
     {"doubled_total", "counter", "Dropped: there was one of that time.", NULL, LAC_TAKEN_DOUBLED},

@@ -17,8 +17,8 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 98075,
-    "lines that only present results": 24285,
+    "lines of src and include": 97815,
+    "lines that only present results": 24235,
     "public headers": 13,
     "exported names": 44,
     "circles of includes": 0,
