@@ -54,8 +54,7 @@ lac_status lac_analysis_create(const lac_analysis_scene *scene, size_t count,
                                const lac_model *models, lac_analysis **out, lac_error *err)
 {
     lac_status status;
-    *out = NULL;
-    lac_analysis *a = calloc(1, sizeof *a);
+    lac_analysis *a = *out = calloc(1, sizeof *a);
     LAC_FAIL_MEMORY_IF(a == NULL, err);
     a->levels = lac_hierarchy_levels(scene->hierarchy) + 1;
     a->indicator = calloc(count + 1, sizeof *a->indicator);
@@ -69,11 +68,8 @@ lac_status lac_analysis_create(const lac_analysis_scene *scene, size_t count,
         LAC_TRY(indicator->kind->create(scene, models[i].params, indicator, err));
     }
     LAC_TRY(gather(a, err));
-    *out = a;
-    a = NULL;
 out:
-    lac_analysis_free(a);
-    return status;
+    LAC_MADE(status, out, lac_analysis_free);
 }
 
 void lac_analysis_free(lac_analysis *analysis)

@@ -69,7 +69,7 @@ lac_status lac_async_create(const lac_async_def *def, lac_async **out, lac_error
 {
     *out = NULL;
     LAC_TRY_RETURN(lac_async_supports(def->friction, err));
-    lac_async *m = calloc(1, sizeof *m);
+    lac_async *m = *out = calloc(1, sizeof *m);
     LAC_FAIL_MEMORY_IF(m == NULL, err);
     m->damping = def->damping;
     m->drag = def->drag;
@@ -78,13 +78,10 @@ lac_status lac_async_create(const lac_async_def *def, lac_async **out, lac_error
                                  .tolerance = def->tolerance,
                                  .wake = def->wake};
     lac_status status = lac_async_tree_create(def->hierarchy, def->k, &m->tree, err);
-    if (status != LAC_OK) {
-        free(m);
-        return status;
+    if (status == LAC_OK) {
+        fill_cells(m, def);
     }
-    fill_cells(m, def);
-    *out = m;
-    return LAC_OK;
+    LAC_MADE(status, out, lac_async_free);
 }
 
 void lac_async_free(lac_async *m)

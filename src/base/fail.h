@@ -40,6 +40,17 @@
         }                                  \
     } while (0)
 
+/// Ends what makes an object: where that failed, what was made is freed and nobody gets it.
+/// @param made  address of the pointer to it
+#define LAC_MADE(status, made, free_it) \
+    do {                                \
+        if ((status) != LAC_OK) {       \
+            free_it(*(made));           \
+            *(made) = NULL;             \
+        }                               \
+        return (status);                \
+    } while (0)
+
 /// Leaves through `out:` with a message where a condition holds; arguments as of LAC_FAIL_IF.
 #define LAC_LEAVE_IF(condition, err, code, ...)            \
     do {                                                   \

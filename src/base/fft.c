@@ -13,7 +13,7 @@ lac_status lac_fft_create(size_t nx, size_t ny, lac_fft **out, lac_error *err)
     *out = NULL;
     LAC_FAIL_IF(nx == 0 || ny == 0 || nx > INT_MAX || ny > INT_MAX, err, LAC_EINPUT,
                 "a transform of %zu x %zu cells is not possible", nx, ny);
-    lac_fft *fft = calloc(1, sizeof *fft);
+    lac_fft *fft = *out = calloc(1, sizeof *fft);
     LAC_FAIL_MEMORY_IF(fft == NULL, err);
     fft->nx = nx;
     fft->ny = ny;
@@ -28,12 +28,9 @@ lac_status lac_fft_create(size_t nx, size_t ny, lac_fft **out, lac_error *err)
         fft->inverse = fftw_plan_dft_c2r_2d((int)ny, (int)nx, (fftw_complex *)fft->spectrum,
                                             fft->real, FFTW_ESTIMATE);
     }
-    if (fft->forward == NULL || fft->inverse == NULL) {
-        lac_fft_free(fft);
-        return lac_fail_memory(err);
-    }
-    *out = fft;
-    return LAC_OK;
+    const bool planned = fft->forward != NULL && fft->inverse != NULL;
+    const lac_status status = planned ? LAC_OK : lac_fail_memory(err);
+    LAC_MADE(status, out, lac_fft_free);
 }
 
 void lac_fft_free(lac_fft *fft)

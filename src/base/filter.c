@@ -198,7 +198,7 @@ lac_status lac_filter_create(const size_t field[2], const size_t transform[2], l
                     transform[1] > INT_MAX,
                 err, LAC_EINPUT, "a transform of %zu x %zu cells is not possible", transform[0],
                 transform[1]);
-    lac_filter *f = calloc(1, sizeof *f);
+    lac_filter *f = *out = calloc(1, sizeof *f);
     LAC_FAIL_MEMORY_IF(f == NULL, err);
     f->nx = field[0];
     f->all = field[1];
@@ -218,15 +218,9 @@ lac_status lac_filter_create(const size_t field[2], const size_t transform[2], l
         const lac_strip rows = lac_strip_rows(team, (f->all + 1) / 2 * 2);
         LAC_TRY(lac_turn_create(&rows, f->lead, GRAIN * 2 * sizeof(double), &f->shared, err));
     }
-    if (!plan(f, LAC_SINGLE) || !plan(f, LAC_DOUBLE)) {
-        status = lac_fail_memory(err);
-        goto out;
-    }
-    *out = f;
-    return LAC_OK;
+    LAC_TRY(plan(f, LAC_SINGLE) && plan(f, LAC_DOUBLE) ? LAC_OK : lac_fail_memory(err));
 out:
-    lac_filter_free(f);
-    return status;
+    LAC_MADE(status, out, lac_filter_free);
 }
 
 void lac_filter_free(lac_filter *f)

@@ -92,11 +92,7 @@ lac_status lac_strip_bring(const lac_strip *strip, size_t first, size_t n, size_
     *made = malloc(n * size + 1);
     *out = *made;
     const lac_status status = hand_over(strip, wants, size, rows, *made, err);
-    if (status != LAC_OK) {
-        free(*made);
-        *made = NULL;
-    }
-    return status;
+    LAC_MADE(status, made, free);
 }
 
 // Numbers over so many.

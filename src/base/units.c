@@ -206,26 +206,21 @@ static lac_status fail_database(lac_error *err)
 
 lac_status lac_units_create(lac_units **out, lac_error *err)
 {
-    *out = NULL;
     lac_status status = LAC_OK;
-    lac_units *units = calloc(1, sizeof *units);
+    lac_units *units = *out = calloc(1, sizeof *units);
     LAC_FAIL_MEMORY_IF(units == NULL, err);
     units->system = calloc(1, sizeof *units->system);
     units->c_locale = newlocale(LC_ALL_MASK, "C", (locale_t)0);
-    if (units->system == NULL || units->c_locale == (locale_t)0) {
-        LAC_TRY(lac_fail_memory(err));
-    }
+    const bool room = units->system != NULL && units->c_locale != (locale_t)0;
+    LAC_TRY(room ? LAC_OK : lac_fail_memory(err));
     (void)ut_set_error_message_handler(ut_ignore);
     ut_status known = UT_SUCCESS;
     const char *path = ut_get_path_xml(NULL, &known);
     if (path == NULL || access(path, R_OK) != 0) {
         LAC_TRY(fail_database(err));
     }
-    *out = units;
-    units = NULL;
 out:
-    lac_units_free(units);
-    return status;
+    LAC_MADE(status, out, lac_units_free);
 }
 
 static lac_status read_database(const lac_units *units, lac_error *err)

@@ -238,8 +238,7 @@ static void read_fleet(lac_reader *reader, void *out)
 lac_status lac_fleet_read(const char *path, const lac_units *units, lac_fleet **out, lac_error *err)
 {
     lac_status status;
-    *out = NULL;
-    lac_fleet *f = calloc(1, sizeof *f);
+    lac_fleet *f = *out = calloc(1, sizeof *f);
     LAC_FAIL_MEMORY_IF(f == NULL, err);
     lac_table_reset(&fleet_table, f);
     lac_table_reset(&window_table, f);
@@ -247,11 +246,8 @@ lac_status lac_fleet_read(const char *path, const lac_units *units, lac_fleet **
     f->levels = lac_levels_default();
     LAC_TRY((f->path = strdup(path)) != NULL ? LAC_OK : lac_fail_memory(err));
     LAC_TRY(lac_map_file_read(path, units, "displacement: \"disp:mm\"", read_fleet, f, err));
-    *out = f;
-    f = NULL;
 out:
-    lac_fleet_free(f);
-    return status;
+    LAC_MADE(status, out, lac_fleet_free);
 }
 
 static void free_names(size_t n, char **names)

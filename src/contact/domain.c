@@ -144,7 +144,6 @@ lac_status lac_domain_gather(const lac_grid *grid, lac_team *team, const double 
                              lac_domain **out, lac_error *err)
 {
     size_t n = 0, counts[LAC_TEAM_MOST] = {0};
-    lac_domain *domain = NULL;
     lac_status status = LAC_OK;
     *out = NULL;
     LAC_TRY_RETURN(check_grid(grid, err));
@@ -160,14 +159,11 @@ lac_status lac_domain_gather(const lac_grid *grid, lac_team *team, const double 
         n += counts[i];
     }
     LAC_FAIL_IF(n == 0, err, LAC_EINPUT, "no cell is in contact: every pressure is 0");
-    LAC_TRY(allocate(grid, own, &domain, err));
-    collect_all(&c, domain);
-    LAC_TRY(team != NULL ? merge(&c, counts, n, &domain, err) : LAC_OK);
-    *out = domain;
-    domain = NULL;
+    LAC_TRY(allocate(grid, own, out, err));
+    collect_all(&c, *out);
+    LAC_TRY(team != NULL ? merge(&c, counts, n, out, err) : LAC_OK);
 out:
-    lac_domain_free(domain);
-    return status;
+    LAC_MADE(status, out, lac_domain_free);
 }
 
 lac_status lac_domain_create(const lac_grid *grid, const double *pressure, lac_domain **out,

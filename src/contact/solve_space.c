@@ -158,7 +158,7 @@ static lac_status fill_wavenumbers(lac_half_space *s, const lac_extent *extent, 
 lac_status lac_half_space_create(const lac_extent *extent, lac_half_space **out, lac_error *err)
 {
     lac_status status = LAC_OK;
-    lac_half_space *s = calloc(1, sizeof *s);
+    lac_half_space *s = *out = calloc(1, sizeof *s);
     LAC_TRY(s != NULL ? LAC_OK : lac_fail_memory(err));
     s->nx = extent->nx;
     s->ny = extent->ny;
@@ -176,9 +176,7 @@ lac_status lac_half_space_create(const lac_extent *extent, lac_half_space **out,
     }
 out:
     status = lac_team_agree(extent->rows.team, status, err);
-    *out = status == LAC_OK ? s : NULL;
-    lac_half_space_free(status == LAC_OK ? NULL : s);
-    return status;
+    LAC_MADE(status, out, lac_half_space_free);
 }
 
 void lac_half_space_free(lac_half_space *s)

@@ -55,7 +55,7 @@ lac_status lac_tangential_create(const lac_tangential_def *def, lac_tangential *
     lac_status status;
     *out = NULL;
     LAC_TRY_RETURN(check(def, err));
-    lac_tangential *t = calloc(1, sizeof *t);
+    lac_tangential *t = *out = calloc(1, sizeof *t);
     LAC_FAIL_MEMORY_IF(t == NULL, err);
     const size_t cells = lac_grid_cells(&def->grid);
     t->def = *def;
@@ -70,11 +70,8 @@ lac_status lac_tangential_create(const lac_tangential_def *def, lac_tangential *
         t->u[axis] = t->slip[axis] + 2 * cells;
     }
     LAC_TRY(lac_shear_space_create(&def->grid, def->poisson, &t->space, err));
-    *out = t;
-    return LAC_OK;
 out:
-    lac_tangential_free(t);
-    return status;
+    LAC_MADE(status, out, lac_tangential_free);
 }
 
 void lac_tangential_free(lac_tangential *t)

@@ -150,8 +150,7 @@ lac_status lac_shear_space_create(const lac_grid *grid, double poisson, lac_shea
                                   lac_error *err)
 {
     lac_status status;
-    lac_shear_space *s = calloc(1, sizeof *s);
-    *out = NULL;
+    lac_shear_space *s = *out = calloc(1, sizeof *s);
     LAC_FAIL_MEMORY_IF(s == NULL, err);
     s->nx = grid->nx;
     s->ny = grid->ny;
@@ -166,11 +165,8 @@ lac_status lac_shear_space_create(const lac_grid *grid, double poisson, lac_shea
     s->xy = coupled ? s->yy + modes : NULL;
     fill_tables(s, grid, poisson);
     measure(s);
-    *out = s;
-    return LAC_OK;
 out:
-    lac_shear_space_free(s);
-    return status;
+    LAC_MADE(status, out, lac_shear_space_free);
 }
 
 void lac_shear_space_free(lac_shear_space *s)

@@ -41,15 +41,6 @@ void lac_dataset_keep(lac_dataset *dataset, void *result, void (*release)(void *
     dataset->made = made;
 }
 
-lac_status lac_dataset_described(lac_dataset **dataset, lac_status status)
-{
-    if (status != LAC_OK) {
-        lac_dataset_free(*dataset);
-        *dataset = NULL;
-    }
-    return status;
-}
-
 lac_status lac_dataset_dims(lac_dataset *dataset, const lac_extent *extent, size_t n,
                             lac_error *err)
 {

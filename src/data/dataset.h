@@ -239,7 +239,3 @@ bool lac_entry_has(const lac_entry *entry, const size_t *at);
 
 /// Writes the members that have a place in JSON into an object that is open.
 void lac_dataset_json(const lac_dataset *dataset, lac_json *json);
-
-/// What a function that describes ends with: frees what it made of a dataset where it failed.
-/// @return status, unchanged
-lac_status lac_dataset_described(lac_dataset **dataset, lac_status status);

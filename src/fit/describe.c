@@ -122,6 +122,11 @@ static const lac_variable of_data[] = {
     {.name = "fits_badly", .json = "fits_badly", R(BOOL, poor)},
 };
 
+// Values that may be missing.
+#define SERIES(name, dims, unit, field, has_, title) \
+    LAC_ROW(name, dims, unit, title, R(REALS, field), .flags = LAC_MISSING, .has = (has_))
+#define WAS_READ(what) what " that was read"
+
 static const lac_variable of_result[] = {
     {.json = "correlation[][]", .dims = "parameter parameter", .value = correlation},
     {.json = "known_best/powers{}", .dims = "parameter", .value = best_power, .label = key_of},
@@ -153,40 +158,30 @@ static const lac_variable of_result[] = {
     LAC_ROW("quantile", "quantile", "1", "share of the posterior below", .value = share),
     LAC_ROW("prediction_time", "prediction", NULL, "time of a prediction", R(REALS, time),
             .flags = LAC_TIME),
-    LAC_ROW("best_displacement", "prediction", "m",
-            "displacement of the best fit, its zero that of the data", R(REALS, fitted),
-            .flags = LAC_MISSING, .has = is_slip),
-    LAC_ROW("best_friction", "prediction", "1", "friction of the best fit", R(REALS, fitted),
-            .flags = LAC_MISSING, .has = is_friction),
-    LAC_ROW("predicted_displacement", "quantile prediction", "m",
-            "quantiles of the posterior's displacement; missing beyond failure",
-            R(REALS, displacement), .flags = LAC_MISSING, .has = is_slip),
-    LAC_ROW("predicted_friction", "quantile prediction", "1",
-            "quantiles of the posterior's friction; missing beyond failure", R(REALS, displacement),
-            .flags = LAC_MISSING, .has = is_friction),
-    LAC_ROW("predicted_slip_rate", "quantile prediction", "m s-1",
-            "quantiles of the posterior's slip rate; missing beyond failure", R(REALS, rate),
-            .flags = LAC_MISSING),
+    SERIES("best_displacement", "prediction", "m", fitted, is_slip,
+           "displacement of the best fit, its zero that of the data"),
+    SERIES("best_friction", "prediction", "1", fitted, is_friction, "friction of the best fit"),
+    SERIES("predicted_displacement", "quantile prediction", "m", displacement, is_slip,
+           "quantiles of the posterior's displacement; missing beyond failure"),
+    SERIES("predicted_friction", "quantile prediction", "1", displacement, is_friction,
+           "quantiles of the posterior's friction; missing beyond failure"),
+    SERIES("predicted_slip_rate", "quantile prediction", "m s-1", rate, NULL,
+           "quantiles of the posterior's slip rate; missing beyond failure"),
     LAC_ROW("reading_time", "reading", NULL, "time of a reading", R(REALS, reading_time),
             .flags = LAC_TIME),
-    LAC_ROW("observed_displacement", "reading", "m", "displacement that was read",
-            R(REALS, observed), .flags = LAC_MISSING, .has = is_slip),
-    LAC_ROW("observed_friction", "reading", "1", "friction coefficient that was read",
-            R(REALS, observed), .flags = LAC_MISSING, .has = is_friction),
-    LAC_ROW("observed_slip_rate", "reading", "m s-1", "velocity that was read",
-            R(REALS, observed_rate), .flags = LAC_MISSING),
-    LAC_ROW("observed_slip_rate_most", "reading", "m s-1",
-            "upper bound of the velocity that was stated", R(REALS, observed_most),
-            .flags = LAC_MISSING, .has = has_windows),
+    SERIES("observed_displacement", "reading", "m", observed, is_slip, WAS_READ("displacement")),
+    SERIES("observed_friction", "reading", "1", observed, is_friction,
+           WAS_READ("friction coefficient")),
+    SERIES("observed_slip_rate", "reading", "m s-1", observed_rate, NULL, WAS_READ("velocity")),
+    SERIES("observed_slip_rate_most", "reading", "m s-1", observed_most, has_windows,
+           "upper bound of the velocity that was stated"),
     LAC_ROW("reading_time_within", "reading", "s",
             "how far the time of a reading may be off, to either side", R(REALS, reading_within),
             .has = has_windows),
-    LAC_ROW("observed_slip_rate_rank", "reading", "1",
-            "share of what the posterior predicts of a reading of the velocity that lies below it",
-            R(REALS, rate_rank), .flags = LAC_MISSING, .has = has_windows),
-    LAC_ROW("observed_slip_rate_most_kept", "reading", "1",
-            "probability under the posterior that the upper bound is kept", R(REALS, most_kept),
-            .flags = LAC_MISSING, .has = has_windows),
+    SERIES("observed_slip_rate_rank", "reading", "1", rate_rank, has_windows,
+           "share of what the posterior predicts of a reading of the velocity that lies below it"),
+    SERIES("observed_slip_rate_most_kept", "reading", "1", most_kept, has_windows,
+           "probability under the posterior that the upper bound is kept"),
     LAC_ROW("failure_time", "sample", NULL,
             "time of failure of draws that were run on; missing where none by the end of the run",
             R(REALS, draw_failure), .flags = LAC_TIME | LAC_MISSING),
@@ -208,12 +203,11 @@ LAC_GETTER(bool, has_rate, RESULT, r->velocities > 0 && !r->windows)
                 .flags = LAC_WHOLE),                                                            \
         LAC_ROW(group "/reading", "reading", NULL, "time of a reading", R(REALS, reading_time), \
                 .flags = LAC_TIME),                                                             \
-        LAC_ROW(group "/displacement", OF_DRAWS, metre, title " of a displacement",             \
-                R(REALS, reading), .flags = LAC_MISSING, .has = has_slip),                      \
-        LAC_ROW(group "/friction", OF_DRAWS, "1", title " of a friction coefficient",           \
-                R(REALS, reading), .flags = LAC_MISSING, .has = is_friction),                   \
-        LAC_ROW(group "/slip_rate", OF_DRAWS, speed, title " of a velocity", R(REALS, rate),    \
-                .flags = LAC_MISSING, .has = has_rate)
+        SERIES(group "/displacement", OF_DRAWS, metre, reading, has_slip,                       \
+               title " of a displacement"),                                                     \
+        SERIES(group "/friction", OF_DRAWS, "1", reading, is_friction,                          \
+               title " of a friction coefficient"),                                             \
+        SERIES(group "/slip_rate", OF_DRAWS, speed, rate, has_rate, title " of a velocity")
 
 // What other tools of Bayesian statistics read: the groups of ArviZ's InferenceData.
 static const lac_variable of_inference[] = {
@@ -229,12 +223,12 @@ static const lac_variable of_inference[] = {
             .has = has_moves),
     LAC_ROW("observed_data/reading", "reading", NULL, "time of a reading", R(REALS, reading_time),
             .flags = LAC_TIME),
-    LAC_ROW("observed_data/displacement", "reading", "m", "displacement that was read",
-            R(REALS, observed), .flags = LAC_MISSING, .has = has_slip),
-    LAC_ROW("observed_data/friction", "reading", "1", "friction coefficient that was read",
-            R(REALS, observed), .flags = LAC_MISSING, .has = is_friction),
-    LAC_ROW("observed_data/slip_rate", "reading", "m s-1", "velocity that was read",
-            R(REALS, observed_rate), .flags = LAC_MISSING, .has = has_rate),
+    SERIES("observed_data/displacement", "reading", "m", observed, has_slip,
+           WAS_READ("displacement")),
+    SERIES("observed_data/friction", "reading", "1", observed, is_friction,
+           WAS_READ("friction coefficient")),
+    SERIES("observed_data/slip_rate", "reading", "m s-1", observed_rate, has_rate,
+           WAS_READ("velocity")),
     PREDICTED("posterior_predictive", "prediction", "m", "m s-1", told_reading, told_rate),
     PREDICTED("log_likelihood", "logarithm of the likelihood", "1", "1", likely_reading,
               likely_rate),
@@ -310,5 +304,5 @@ lac_status lac_fit_describe(const lac_fit_outcome *o, lac_dataset **out, lac_err
     LAC_TRY(add_draws(*out, r, err));
     LAC_TRY(lac_dataset_add(*out, laid, sizeof laid / sizeof *laid, err));
 out:
-    return lac_dataset_described(out, status);
+    LAC_MADE(status, out, lac_dataset_free);
 }

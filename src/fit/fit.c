@@ -180,8 +180,7 @@ lac_status lac_fit_create(const lac_case *c, const lac_series *series, int threa
                           lac_error *err)
 {
     lac_status status = LAC_OK;
-    *out = NULL;
-    lac_fit *fit = calloc(1, sizeof *fit);
+    lac_fit *fit = *out = calloc(1, sizeof *fit);
     LAC_FAIL_MEMORY_IF(fit == NULL, err);
     fit->source = c;
     fit->def = &c->fit;
@@ -197,11 +196,8 @@ lac_status lac_fit_create(const lac_case *c, const lac_series *series, int threa
     LAC_TRY(create_models(fit, threads, err));
     LAC_TRY(set_parameters(fit, fit->model[0].base.c, err));
     set_errors(fit);
-    *out = fit;
-    fit = NULL;
 out:
-    lac_fit_free(fit);
-    return status;
+    LAC_MADE(status, out, lac_fit_free);
 }
 
 void lac_fit_free(lac_fit *fit)

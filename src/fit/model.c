@@ -75,11 +75,7 @@ static lac_status bring(lac_fit_model *model, lac_fit_variant *v, const double *
         return lac_scene_create(v->c, model->files, &v->scene, err);
     }
     lac_status status = lac_scene_renew(v->scene, model->files, fit->moves_loads, err);
-    if (status != LAC_OK) {
-        lac_scene_free(v->scene);
-        v->scene = NULL;
-    }
-    return status;
+    LAC_MADE(status, &v->scene, lac_scene_free);
 }
 
 // The same of the base, and the cells of the point that the readings are of: they stay while the

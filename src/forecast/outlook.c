@@ -387,7 +387,7 @@ lac_status lac_forecast_set_create(const lac_forecast_def *def, const lac_readin
     *out = NULL;
     LAC_TRY_RETURN(check(def, readings, err));
     LAC_TRY_RETURN(lac_readings_recent(readings, def->window_count, def->window_time, &seen, err));
-    lac_forecast_set *o = calloc(1, sizeof *o + count * sizeof *o->forecast);
+    lac_forecast_set *o = *out = calloc(1, sizeof *o + count * sizeof *o->forecast);
     LAC_FAIL_MEMORY_IF(o == NULL, err);
     o->count = count;
     o->forecast = (lac_forecast *)(o + 1);
@@ -395,11 +395,8 @@ lac_status lac_forecast_set_create(const lac_forecast_def *def, const lac_readin
     o->issue_time = seen.time[seen.n - 1];
     LAC_TRY(explain_all(def, o, err));
     LAC_TRY(forecast(o, def, err));
-    *out = o;
-    o = NULL;
 out:
-    lac_forecast_set_free(o);
-    return status;
+    LAC_MADE(status, out, lac_forecast_set_free);
 }
 
 void lac_forecast_set_free(lac_forecast_set *forecasts)

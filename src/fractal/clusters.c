@@ -122,7 +122,7 @@ lac_status lac_clusters_create(const lac_domain *domain, lac_clusters **out, lac
     lac_status status = LAC_OK;
     size_t cells = lac_grid_cells(&domain->grid);
     LAC_FAIL_IF(domain->n == 0, err, LAC_EINPUT, "clusters: no cell is in contact");
-    lac_clusters *c = calloc(1, sizeof *c);
+    lac_clusters *c = *out = calloc(1, sizeof *c);
     uint32_t *at = malloc(cells * sizeof *at);
     uint32_t *parent = malloc(domain->n * sizeof *parent);
     rank *ranks = malloc(domain->n * sizeof *ranks);
@@ -151,14 +151,11 @@ lac_status lac_clusters_create(const lac_domain *domain, lac_clusters **out, lac
     }
     // Nothing of the ranks is needed any more: their room holds the order of the cells.
     measure(domain, c, at, parent, (uint32_t *)ranks);
-    *out = c;
-    c = NULL;
 out:
-    lac_clusters_free(c);
     free(at);
     free(parent);
     free(ranks);
-    return status;
+    LAC_MADE(status, out, lac_clusters_free);
 }
 
 void lac_clusters_free(lac_clusters *clusters)

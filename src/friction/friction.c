@@ -181,7 +181,7 @@ lac_status lac_friction_create(const lac_model *model, size_t n, lac_friction **
     LAC_FAIL_IF(n == 0, err, LAC_EINPUT, "friction needs at least one cell");
     LAC_FAIL_IF(common->form != LAC_FORM_PLAIN && common->form != LAC_FORM_REGULARISED, err,
                 LAC_EINPUT, "%s.form: must be plain or regularised", model->info->name);
-    lac_friction *friction = calloc(1, sizeof *friction);
+    lac_friction *friction = *out = calloc(1, sizeof *friction);
     LAC_FAIL_MEMORY_IF(friction == NULL, err);
     // The descriptor is the first member of the law's row.
     friction->law = (const lac_friction_law *)(const void *)model->info;
@@ -192,25 +192,18 @@ lac_status lac_friction_create(const lac_model *model, size_t n, lac_friction **
 
     lac_status status;
     friction->column = calloc(friction->columns, sizeof *friction->column);
-    if (friction->column == NULL) {
-        status = lac_fail_memory(err);
-        goto out;
-    }
+    LAC_TRY(friction->column != NULL ? LAC_OK : lac_fail_memory(err));
     LAC_TRY(fill_from_slot(friction, model, err));
     LAC_TRY(derive(friction, err));
-    *out = friction;
-    friction = NULL;
 out:
-    lac_friction_free(friction);
-    return status;
+    LAC_MADE(status, out, lac_friction_free);
 }
 
 lac_status lac_friction_pick(const lac_friction *of, const uint32_t *cell, size_t n,
                              lac_friction **out, lac_error *err)
 {
     lac_status status = LAC_OK;
-    *out = NULL;
-    lac_friction *friction = calloc(1, sizeof *friction);
+    lac_friction *friction = *out = calloc(1, sizeof *friction);
     LAC_FAIL_MEMORY_IF(friction == NULL, err);
     *friction = (lac_friction){.law = of->law,
                                .form = of->form,
@@ -232,11 +225,8 @@ lac_status lac_friction_pick(const lac_friction *of, const uint32_t *cell, size_
         }
     }
     LAC_TRY(derive(friction, err));
-    *out = friction;
-    friction = NULL;
 out:
-    lac_friction_free(friction);
-    return status;
+    LAC_MADE(status, out, lac_friction_free);
 }
 
 void lac_friction_free(lac_friction *friction)

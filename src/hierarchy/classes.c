@@ -7,20 +7,16 @@
 
 lac_status lac_classes_create(size_t leaves, size_t nodes, lac_classes **out, lac_error *err)
 {
-    lac_classes *classes = calloc(1, sizeof *classes);
-    *out = classes;
+    lac_classes *classes = *out = calloc(1, sizeof *classes);
     LAC_FAIL_MEMORY_IF(classes == NULL, err);
     *classes = (lac_classes){.leaves = leaves,
                              .nodes = nodes,
                              .parent = calloc(nodes, sizeof *classes->parent),
                              .weight = calloc(2 * nodes, sizeof *classes->weight)};
-    if (classes->parent == NULL || classes->weight == NULL) {
-        lac_classes_free(classes);
-        *out = NULL;
-        return lac_fail_memory(err);
-    }
-    classes->k = classes->weight + nodes;
-    return LAC_OK;
+    const bool room = classes->parent != NULL && classes->weight != NULL;
+    classes->k = room ? classes->weight + nodes : NULL;
+    const lac_status status = room ? LAC_OK : lac_fail_memory(err);
+    LAC_MADE(status, out, lac_classes_free);
 }
 
 void lac_classes_free(lac_classes *classes)
@@ -32,10 +28,11 @@ void lac_classes_free(lac_classes *classes)
     }
 }
 
-size_t lac_classes_work(const lac_classes *classes) { return 4 * classes->nodes; }
+size_t lac_classes_work(const void *state) { return 4 * ((const lac_classes *)state)->nodes; }
 
-void lac_classes_apply(const lac_classes *classes, const double *x, double *y, double *work)
+void lac_classes_apply(const void *state, const double *x, double *y, double *work)
 {
+    const lac_classes *classes = state;
     const size_t nodes = classes->nodes, root = nodes - 1;
     const uint32_t *parent = classes->parent;
     double *mean = work, *force = work + nodes;
@@ -55,9 +52,10 @@ void lac_classes_apply(const lac_classes *classes, const double *x, double *y, d
 }
 
 // As in solve.c: a block stands for its cells as one would, t its D, y its right-hand side.
-bool lac_classes_solve(const lac_classes *classes, double k_mean, const double *diagonal,
-                       const double *y, double *x, double *work)
+bool lac_classes_solve(const void *state, double k_mean, const double *diagonal, const double *y,
+                       double *x, double *work)
 {
+    const lac_classes *classes = state;
     const size_t nodes = classes->nodes, root = nodes - 1;
     const uint32_t *parent = classes->parent;
     double *t = work, *r = t + nodes, *g = r + nodes, *share = g + nodes;

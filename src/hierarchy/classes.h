@@ -17,13 +17,14 @@ typedef struct lac_classes {
 lac_status lac_classes_create(size_t leaves, size_t nodes, lac_classes **out, lac_error *err);
 void lac_classes_free(lac_classes *classes);
 
-/// Doubles of scratch that apply and solve need.
-size_t lac_classes_work(const lac_classes *classes);
+/// Doubles of scratch that apply and solve need. Of all three `state` is a lac_classes, as a
+/// transfer has it.
+size_t lac_classes_work(const void *state);
 
 /// y = K x over the leaves: of every block B that a leaf lies in, child c, k_B (x_c - x_B), means
 /// by weight. x and y do not overlap. @cost  O(nodes)
-void lac_classes_apply(const lac_classes *classes, const double *x, double *y, double *work);
+void lac_classes_apply(const void *state, const double *x, double *y, double *work);
 
 /// Solves (D + K + k_mean times the mean by weight) x = y as lac_hierarchy_solve does.
-bool lac_classes_solve(const lac_classes *classes, double k_mean, const double *diagonal,
-                       const double *y, double *x, double *work);
+bool lac_classes_solve(const void *state, double k_mean, const double *diagonal, const double *y,
+                       double *x, double *work);

@@ -117,11 +117,7 @@ lac_status lac_hierarchy_build(size_t cells, size_t levels, const uint8_t *merge
     number_partitions(h, merge);
     h->room = h->blocks;
     const lac_status status = fill_partitions(h, merge, err);
-    if (status != LAC_OK) {
-        lac_hierarchy_free(h);
-        *out = NULL;
-    }
-    return status;
+    LAC_MADE(status, out, lac_hierarchy_free);
 }
 
 lac_status lac_hierarchy_create(const lac_domain *domain, lac_hierarchy **out, lac_error *err)

@@ -208,8 +208,7 @@ lac_status lac_hierarchy_split(const lac_hierarchy *whole, const lac_range *rang
     borders at = {.whole = whole};
     stretch of[LAC_MAX_LEVELS + 1];
     leaf *leaves = NULL;
-    lac_hierarchy *h = malloc(sizeof *h);
-    *out = NULL;
+    lac_hierarchy *h = *out = malloc(sizeof *h);
     LAC_FAIL_MEMORY_IF(h == NULL, err);
     *h = *whole;
     h->memory = NULL;
@@ -229,12 +228,9 @@ lac_status lac_hierarchy_split(const lac_hierarchy *whole, const lac_range *rang
         LAC_TRY(make_top(whole, leaves, n, &h->split->top, err));
         LAC_TRY(place_leaves(leaves, n, range, of, h, err));
     }
-    *out = h;
-    h = NULL;
 out:
     free(leaves);
-    lac_hierarchy_free(h);
-    return status;
+    LAC_MADE(status, out, lac_hierarchy_free);
 }
 
 void lac_split_free(lac_split *split)

@@ -107,8 +107,7 @@ lac_slab lac_geometry_at(const lac_geometry *g, double slip)
 lac_status lac_geometry_create(const lac_geometry_def *def, lac_geometry **out, lac_error *err)
 {
     lac_status status = LAC_OK;
-    *out = NULL;
-    lac_geometry *g = calloc(1, sizeof *g);
+    lac_geometry *g = *out = calloc(1, sizeof *g);
     LAC_FAIL_MEMORY_IF(g == NULL, err);
     g->def = *def;
     memcpy(g->x + 1, def->slip, def->nodes * sizeof *g->x);
@@ -127,11 +126,8 @@ lac_status lac_geometry_create(const lac_geometry_def *def, lac_geometry **out, 
     double slope, bend;
     g->start.angle = read_curve(g, &g->angle, 0.0, &slope, &bend);
     g->start = slab_at(g, 0.0);
-    *out = g;
-    g = NULL;
 out:
-    lac_geometry_free(g);
-    return status;
+    LAC_MADE(status, out, lac_geometry_free);
 }
 
 void lac_geometry_free(lac_geometry *g)

@@ -167,7 +167,7 @@ static bool reduce_block(const lac_look *at, double gamma, const double *gone, d
     double diagonal[LAC_FRICTION_BLOCK], rhs[LAC_FRICTION_BLOCK];
     const lac_weak_block weak = {&s, &d, diagonal, rhs};
     if (problem->weak != NULL) {
-        good = lac_weaken_reduce(at, gamma, b_w - problem->n, first, &weak);
+        good = lac_weaken_reduce(at, gamma, NULL, b_w - problem->n, first, &weak);
     }
     for (size_t i = 0; i < length; i++) {
         size_t k = first + i;

@@ -169,8 +169,7 @@ static lac_status allocate(lac_problem *problem, const lac_problem_def *def, lac
 lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac_error *err)
 {
     lac_status status = LAC_OK;
-    *out = NULL;
-    lac_problem *problem = calloc(1, sizeof *problem);
+    lac_problem *problem = *out = calloc(1, sizeof *problem);
     LAC_FAIL_MEMORY_IF(problem == NULL, err);
     fill_geometry(problem, def->domain, def->team);
     problem->friction = def->friction;
@@ -218,11 +217,8 @@ lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac
     if (def->formulation == LAC_FORMULATION_VECTOR) {
         LAC_TRY(lac_vector_init(problem, def->heading, err));
     }
-    *out = problem;
-    problem = NULL;
 out:
-    lac_problem_free(problem);
-    return status;
+    LAC_MADE(status, out, lac_problem_free);
 }
 
 void lac_problem_free(lac_problem *problem)
@@ -431,8 +427,6 @@ void lac_problem_pore(const lac_problem *problem, double t, double *pore, double
         lac_load_evaluate_pore(&problem->loads, t, &now, pore, rates);
     }
 }
-
-bool lac_problem_varies(const lac_problem *problem) { return problem->varies; }
 
 lac_problem_parts lac_problem_parts_of(const lac_problem *problem)
 {

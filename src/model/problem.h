@@ -337,9 +337,6 @@ bool lac_problem_drive(const lac_problem *problem, double t, const double *y, do
 lac_status lac_problem_lifted(const lac_problem *problem, double t, const double *y, double near,
                               double *work, lac_error *err);
 
-/// Whether what the loads take off the normal pressure differs from cell to cell.
-bool lac_problem_varies(const lac_problem *problem);
-
 /// A mean slip rate that rock does not come to: whoever names it, or more, wants none to be
 /// failure.
 #define LAC_NO_FAILURE_RATE 1e3

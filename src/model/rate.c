@@ -312,7 +312,7 @@ static bool reduce_weak(const solve_field *field, size_t first, const lac_block 
     double diagonal[LAC_FRICTION_BLOCK], rhs[LAC_FRICTION_BLOCK];
     const lac_weak_block weak = {s, d, diagonal, rhs};
     const size_t length = lac_block_length(at->problem->n, first);
-    bool good = lac_weaken_reduce_rate(at, field->gamma, field->loading, field->b, first, &weak);
+    bool good = lac_weaken_reduce(at, field->gamma, &field->loading, field->b, first, &weak);
     good = (at->drive.shares == NULL ? lac_rate_reduce(field, first, length, s, d)
                                      : lac_rate_reduce_apart(field, first, length, s, d)) == 0 &&
            good;

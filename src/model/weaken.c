@@ -330,46 +330,23 @@ static double loss(const elimination *e, size_t k, size_t cell, double f)
     return e->at->broken[cell] < 1.0 ? problem->friction->cohesion : 0.0;
 }
 
-bool lac_weaken_reduce_rate(const lac_look *at, double gamma, double loading, const double *b,
-                            size_t first, const lac_weak_block *block)
+// The rate of x_u over what it is held by, p f_u + eta v, where ln v is the unknown.
+static double rate_of(const lac_look *at, const lac_weak_block *block, double loading, size_t first,
+                      size_t i)
 {
-    const lac_problem *problem = at->problem;
     const lac_block *s = block->s;
-    const lac_block_slopes *d = block->d;
-    const size_t length = lac_block_length(problem->n, first);
-    const elimination e = begin(at, gamma, b);
-    sources from;
-    bool good = true;
-    find_sources(at, first, length, s, d, &from);
-    for (size_t i = 0; i < length; i++) {
-        const size_t c = first + i;
-        double back = 1.0 / (1.0 - gamma * d->g_w[i]);
-        double pressure = problem->pressure[c];
-        double p = lac_problem_effective(problem, &at->drive, c);
-        double share_rate =
-            at->drive.shares != NULL ? at->drive.share_rates[c] : at->drive.share_rate;
-        double held = p * s->f_u[i] + problem->damping * s->speed[i];
-        double force = pressure * at->drive.ratio_rate + loading - at->ws.kv[c];
-        double du = (force - s->f[i] * pressure * share_rate - p * s->f_w[i] * s->g[i]) / held;
-        response r;
-        good = respond(&e, &from, first, i,
-                       (double[]){back * b[problem->n + c], back * gamma * d->g_u[i]}, 1.0, &r) &&
-               good;
-        block->diagonal[i] = block->rhs[i] = 0.0;
-        for (size_t k = 0; k < problem->weak->count; k++) {
-            bool pore = problem->weak->item[k].kind->pore;
-            double h = loss(&e, k, c, s->f[i]) / gamma;
-            double worth = h + (pore ? s->f_w[i] * s->g[i] + du * s->f_u[i] : 0.0);
-            double part = pressure / problem->mean_pressure;
-            block->diagonal[i] -= part * worth * r.slope[k];
-            block->rhs[i] += part * (worth * r.rest[k] - h * r.given[k]);
-        }
-    }
-    return good;
+    const lac_problem *problem = at->problem;
+    const size_t c = first + i;
+    double pressure = problem->pressure[c];
+    double p = lac_problem_effective(problem, &at->drive, c);
+    double share_rate = at->drive.shares != NULL ? at->drive.share_rates[c] : at->drive.share_rate;
+    double held = p * s->f_u[i] + problem->damping * s->speed[i];
+    double force = pressure * at->drive.ratio_rate + loading - at->ws.kv[c];
+    return (force - s->f[i] * pressure * share_rate - p * s->f_w[i] * s->g[i]) / held;
 }
 
-bool lac_weaken_reduce(const lac_look *at, double gamma, const double *b, size_t first,
-                       const lac_weak_block *block)
+bool lac_weaken_reduce(const lac_look *at, double gamma, const double *loading, const double *b,
+                       size_t first, const lac_weak_block *block)
 {
     const lac_problem *problem = at->problem;
     const lac_block *s = block->s;
@@ -383,17 +360,26 @@ bool lac_weaken_reduce(const lac_look *at, double gamma, const double *b, size_t
         const size_t c = first + i;
         double back = 1.0 / (1.0 - gamma * d->g_w[i]);
         double v = at->motion.v[c];
+        double du = loading != NULL ? rate_of(at, block, *loading, first, i) : 0.0;
+        double part = problem->pressure[c] / problem->mean_pressure;
         response r;
-        good =
-            respond(&e, &from, first, i,
-                    (double[]){back * b[problem->n + c], back * gamma * d->g_u[i]}, 1.0 / v, &r) &&
-            good;
+        good = respond(&e, &from, first, i,
+                       (double[]){back * b[problem->n + c], back * gamma * d->g_u[i]},
+                       loading != NULL ? 1.0 : 1.0 / v, &r) &&
+               good;
         block->diagonal[i] = block->rhs[i] = 0.0;
         for (size_t k = 0; k < problem->weak->count; k++) {
-            double h = loss(&e, k, c, copysign(s->f[i], v));
-            double part = problem->pressure[c] / problem->mean_pressure;
-            block->diagonal[i] -= part * h * r.slope[k] / (gamma * v);
-            block->rhs[i] -= part * h * r.rest[k];
+            if (loading == NULL) {
+                double h = loss(&e, k, c, copysign(s->f[i], v));
+                block->diagonal[i] -= part * h * r.slope[k] / (gamma * v);
+                block->rhs[i] -= part * h * r.rest[k];
+                continue;
+            }
+            double h = loss(&e, k, c, s->f[i]) / gamma;
+            bool pore = problem->weak->item[k].kind->pore;
+            double worth = h + (pore ? s->f_w[i] * s->g[i] + du * s->f_u[i] : 0.0);
+            block->diagonal[i] -= part * worth * r.slope[k];
+            block->rhs[i] += part * (worth * r.rest[k] - h * r.given[k]);
         }
     }
     return good;

@@ -63,12 +63,11 @@ typedef struct lac_weak_block {
     double *diagonal, *rhs; // [LAC_FRICTION_BLOCK] overwritten
 } lac_weak_block;
 
-// With (1 - gamma J) x = b, b that of all unknowns, ln theta of which is not yet eliminated. Where
-// ln v is the unknown, and where the rate is solved for. False where the system has no solution.
-bool lac_weaken_reduce_rate(const lac_look *at, double gamma, double loading, const double *b,
-                            size_t first, const lac_weak_block *block);
-bool lac_weaken_reduce(const lac_look *at, double gamma, const double *b, size_t first,
-                       const lac_weak_block *block);
+// With (1 - gamma J) x = b, b that of all unknowns, ln theta of which is not yet eliminated. False
+// where the system has no solution. @param loading  where ln v is the unknown; NULL: v is solved
+// for
+bool lac_weaken_reduce(const lac_look *at, double gamma, const double *loading, const double *b,
+                       size_t first, const lac_weak_block *block);
 
 // The unknowns themselves, once b begins with what the diagonal is by.
 void lac_weaken_finish(const lac_look *at, double gamma, double *b);

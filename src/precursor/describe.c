@@ -350,7 +350,7 @@ lac_status lac_forecast_describe(const lac_forecast_outcome *o, lac_dataset **ou
     LAC_TRY(o->readings != NULL ? add_json(*out, o, err) : LAC_OK);
     LAC_TRY(lac_verdicts_describe(o, *out, err));
 out:
-    return lac_dataset_described(out, status);
+    LAC_MADE(status, out, lac_dataset_free);
 }
 
 lac_status lac_issue_describe(const lac_forecast_set *forecasts, bool dated, lac_dataset **out,
@@ -369,5 +369,5 @@ lac_status lac_issue_describe(const lac_forecast_set *forecasts, bool dated, lac
     LAC_TRY(lac_verdict_describe(&forecasts->verdict, *out, err));
     LAC_TRY(lac_dataset_add(*out, &each, 1, err));
 out:
-    return lac_dataset_described(out, status);
+    LAC_MADE(status, out, lac_dataset_free);
 }

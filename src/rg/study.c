@@ -31,18 +31,15 @@ lac_status lac_rg_study_create(const lac_rg_study_def *def, lac_rg_study **out, 
         err, LAC_EINPUT,
         "%zu places and %zu loads are not possible: at least 1 and %d, fewer than %d of each",
         def->places, def->loads, LEAST_LOADS, MOST);
-    lac_rg_study *study = calloc(1, sizeof *study);
+    lac_rg_study *study = *out = calloc(1, sizeof *study);
     LAC_FAIL_MEMORY_IF(study == NULL, err);
     study->def = *def;
     study->load = malloc(def->loads * sizeof *study->load);
     study->cluster = calloc(def->loads, sizeof *study->cluster);
     study->result = calloc(1, sizeof *study->result);
-    if (study->load == NULL || study->cluster == NULL || study->result == NULL) {
-        lac_rg_study_free(study);
-        return lac_fail_memory(err);
-    }
-    *out = study;
-    return LAC_OK;
+    const bool room = study->load != NULL && study->cluster != NULL && study->result != NULL;
+    const lac_status status = room ? LAC_OK : lac_fail_memory(err);
+    LAC_MADE(status, out, lac_rg_study_free);
 }
 
 // Evenly along the path: to its end, and from its start where the joint is loaded there.

@@ -183,12 +183,11 @@ lac_status lac_rg_tree_from_blocks(const lac_rg_blocks *blocks, const double *st
                                    const double *drop, lac_rg_tree **out, lac_error *err)
 {
     lac_status status;
-    lac_rg_tree *tree = NULL;
     *out = NULL;
-    LAC_TRY(check_blocks(blocks, err));
-    LAC_TRY(check_cells(blocks->count[0], strength, drop, err));
-    tree = calloc(1, sizeof *tree);
-    LAC_TRY(tree != NULL ? LAC_OK : lac_fail_memory(err));
+    LAC_TRY_RETURN(check_blocks(blocks, err));
+    LAC_TRY_RETURN(check_cells(blocks->count[0], strength, drop, err));
+    lac_rg_tree *tree = *out = calloc(1, sizeof *tree);
+    LAC_FAIL_MEMORY_IF(tree == NULL, err);
     size_t above = number_layers(tree, blocks);
     tree->memory = calloc(SUMS * (blocks->count[0] + above), sizeof *tree->memory);
     tree->links = malloc((above + tree->layers) * sizeof *tree->links);
@@ -198,11 +197,8 @@ lac_status lac_rg_tree_from_blocks(const lac_rg_blocks *blocks, const double *st
     LAC_TRY(tree->order != NULL ? LAC_OK : lac_fail_memory(err));
     place_sums(tree, tree->memory);
     fill_sums(tree, strength, drop);
-    *out = tree;
-    return LAC_OK;
 out:
-    lac_rg_tree_free(tree);
-    return status;
+    LAC_MADE(status, out, lac_rg_tree_free);
 }
 
 lac_status lac_rg_tree_create(const lac_hierarchy *h, const double *strength, const double *drop,

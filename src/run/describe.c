@@ -401,7 +401,7 @@ lac_status lac_run_describe(const lac_run_place *place, lac_dataset **out, lac_e
         out, err));
     LAC_TRY(add_all(*out, place, err));
 out:
-    return lac_dataset_described(out, status);
+    LAC_MADE(status, out, lac_dataset_free);
 }
 
 void lac_run_place_record(lac_run_place *place, const lac_record *record)
@@ -493,5 +493,5 @@ lac_status lac_run_ending_describe(const lac_run_ending *ending, lac_dataset **o
     (*out)->start = ending->start_date;
     LAC_TRY(lac_dataset_add(*out, laid, sizeof laid / sizeof *laid, err));
 out:
-    return lac_dataset_described(out, status);
+    LAC_MADE(status, out, lac_dataset_free);
 }

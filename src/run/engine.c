@@ -9,8 +9,7 @@ static lac_status create(const lac_engine_kind *kind, const lac_problem *problem
                          const lac_run_def *def, lac_engine **out, lac_error *err)
 {
     lac_status status = LAC_OK;
-    *out = NULL;
-    lac_engine *engine = calloc(1, sizeof *engine);
+    lac_engine *engine = *out = calloc(1, sizeof *engine);
     LAC_FAIL_MEMORY_IF(engine == NULL, err);
     engine->kind = kind;
     engine->problem = problem;
@@ -29,11 +28,8 @@ static lac_status create(const lac_engine_kind *kind, const lac_problem *problem
     }
     LAC_SUN_SILENCE_CONTEXT(engine->sun);
     LAC_TRY(engine->kind->create(engine, err));
-    *out = engine;
-    engine = NULL;
 out:
-    lac_engine_free(engine);
-    return status;
+    LAC_MADE(status, out, lac_engine_free);
 }
 
 lac_status lac_engine_create(const lac_problem *problem, const lac_run_def *def, lac_engine **out,

@@ -77,8 +77,7 @@ lac_status lac_points_create(const lac_domain *domain, size_t n, const lac_point
                              lac_points **out, lac_error *err)
 {
     lac_status status;
-    *out = NULL;
-    lac_points *points = calloc(1, sizeof *points);
+    lac_points *points = *out = calloc(1, sizeof *points);
     LAC_FAIL_MEMORY_IF(points == NULL, err);
     points->point = calloc(n + 1, sizeof *points->point);
     LAC_TRY(points->point != NULL ? LAC_OK : lac_fail_memory(err));
@@ -87,11 +86,8 @@ lac_status lac_points_create(const lac_domain *domain, size_t n, const lac_point
         LAC_TRY(find(domain, &def[points->n], p, err));
         p->pressed = 1.0;
     }
-    *out = points;
-    points = NULL;
 out:
-    lac_points_free(points);
-    return status;
+    LAC_MADE(status, out, lac_points_free);
 }
 
 void lac_points_free(lac_points *points)

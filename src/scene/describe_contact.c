@@ -228,5 +228,5 @@ lac_status lac_contact_describe(const lac_contact_outcome *o, lac_dataset **out,
     LAC_TRY(lac_describe_fractal(c, *out, err));
     LAC_TRY(o->result != NULL ? add_history(*out, o, err) : LAC_OK);
 out:
-    return lac_dataset_described(out, status);
+    LAC_MADE(status, out, lac_dataset_free);
 }

@@ -268,5 +268,5 @@ lac_status lac_scene_rg_describe(const lac_rg_outcome *o, lac_dataset **out, lac
     LAC_TRY(lac_dataset_dims(*out, dims, sizeof dims / sizeof *dims, err));
     LAC_TRY(lac_dataset_add(*out, laid, tables, err));
 out:
-    return lac_dataset_described(out, status);
+    LAC_MADE(status, out, lac_dataset_free);
 }

@@ -118,21 +118,17 @@ lac_status lac_scene_domain_create(const lac_case *c, lac_domain **out, lac_erro
 {
     const double mean = lac_case_pressure(c);
     const lac_grid grid = lac_interface_grid(&c->interface);
-    lac_domain *domain = NULL;
     lac_status status;
     *out = NULL;
     if (c->domain.info == NULL) {
         return lac_domain_create(&grid, &mean, out, err);
     }
     if (c->domain.info == &lac_domain_from_file.info) {
-        LAC_TRY(from_file(c, &grid, mean, &domain, err));
+        LAC_TRY(from_file(c, &grid, mean, out, err));
     } else {
-        LAC_TRY(lac_domain_from_source(&c->domain, &grid, mean, &domain, err));
+        LAC_TRY(lac_domain_from_source(&c->domain, &grid, mean, out, err));
     }
-    LAC_TRY(spread_pressure(c, domain, err));
-    *out = domain;
-    domain = NULL;
+    LAC_TRY(spread_pressure(c, *out, err));
 out:
-    lac_domain_free(domain);
-    return status;
+    LAC_MADE(status, out, lac_domain_free);
 }

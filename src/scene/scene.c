@@ -32,25 +32,21 @@ static lac_status make_friction(const lac_case *c, const lac_heterogeneity_place
 {
     lac_status status = LAC_OK;
     double *values = NULL;
-    lac_friction *friction = NULL;
     const lac_model_info *info = c->friction.info;
-    LAC_TRY(lac_friction_create(&c->friction, place->domain->n, &friction, err));
+    LAC_TRY(lac_friction_create(&c->friction, place->domain->n, out, err));
     if (c->friction_spread.count > 0) {
         values = malloc(place->domain->n * sizeof *values);
         LAC_TRY(values != NULL ? LAC_OK : lac_fail_memory(err));
     }
     for (size_t i = 0; i < info->param_count; i++) {
         if (lac_heterogeneity_has(&c->friction_spread, info->params[i].key)) {
-            LAC_TRY(spread_friction(c, place, &info->params[i], friction, values, err));
+            LAC_TRY(spread_friction(c, place, &info->params[i], *out, values, err));
         }
     }
-    LAC_TRY(lac_fail_within(err, lac_friction_check(friction, err), "friction.spread"));
-    *out = friction;
-    friction = NULL;
+    LAC_TRY(lac_fail_within(err, lac_friction_check(*out, err), "friction.spread"));
 out:
     free(values);
-    lac_friction_free(friction);
-    return status;
+    LAC_MADE(status, out, lac_friction_free);
 }
 
 // What `initial` spreads: a nominal value and, where asked for, an array of them.
@@ -255,7 +251,7 @@ lac_status lac_scene_create(const lac_case *c, lac_load_files *files, lac_scene 
     LAC_FAIL_IF(c->friction.info == NULL, err, LAC_EINPUT,
                 "friction: is missing: a static case cannot be run");
     LAC_TRY_RETURN(check_team(c, err));
-    lac_scene *scene = calloc(1, sizeof *scene);
+    lac_scene *scene = *out = calloc(1, sizeof *scene);
     LAC_TRY(scene != NULL ? LAC_OK : lac_fail_memory(err));
     scene->source = c;
     scene->damping = lac_damping_of(&c->material);
@@ -278,9 +274,7 @@ lac_status lac_scene_create(const lac_case *c, lac_load_files *files, lac_scene 
     LAC_TRY(make_motion(scene, err));
 out:
     status = lac_team_agree(c->team, status, err);
-    *out = status == LAC_OK ? scene : NULL;
-    lac_scene_free(status == LAC_OK ? NULL : scene);
-    return status;
+    LAC_MADE(status, out, lac_scene_free);
 }
 
 void lac_scene_free(lac_scene *scene)

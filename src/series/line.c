@@ -110,8 +110,7 @@ lac_status lac_line_reader_create(const lac_line_def *def, const struct lac_unit
     lac_line line;
     bool known = false;
     lac_status status;
-    *out = NULL;
-    lac_line_reader *r = calloc(1, sizeof *r);
+    lac_line_reader *r = *out = calloc(1, sizeof *r);
     LAC_FAIL_MEMORY_IF(r == NULL, err);
     r->path = def->path;
     r->units = units;
@@ -129,11 +128,8 @@ lac_status lac_line_reader_create(const lac_line_def *def, const struct lac_unit
     LAC_TRY(set_unit(r, SIGMA, def->sigma_unit, err));
     LAC_LEAVE_IF(!r->headed && place(r, def->order, def->columns, &line) != LAC_LINE_NOTHING, err,
                  LAC_EINPUT, "%s: columns %s", def->path, line.text);
-    *out = r;
-    r = NULL;
 out:
-    lac_line_reader_free(r);
-    return status;
+    LAC_MADE(status, out, lac_line_reader_free);
 }
 
 void lac_line_reader_free(lac_line_reader *r)

@@ -355,7 +355,7 @@ lac_status lac_motion_create(const lac_motion_def *def, const lac_readings *read
     const size_t n = readings->n;
     *out = NULL;
     LAC_TRY_RETURN(check(def, readings, err));
-    lac_motion *m = calloc(1, sizeof *m + 8 * n * sizeof *m->time);
+    lac_motion *m = *out = calloc(1, sizeof *m + 8 * n * sizeof *m->time);
     LAC_FAIL_MEMORY_IF(m == NULL, err);
     m->time = (double *)(m + 1);
     m->displacement = m->time + n;
@@ -369,12 +369,7 @@ lac_status lac_motion_create(const lac_motion_def *def, const lac_readings *read
     take(def, readings, m);
     find_errors(m);
     const lac_status status = differentiate(def, readings, m, err);
-    if (status != LAC_OK) {
-        lac_motion_free(m);
-        return status;
-    }
-    *out = m;
-    return LAC_OK;
+    LAC_MADE(status, out, lac_motion_free);
 }
 
 void lac_motion_free(lac_motion *motion) { free(motion); }

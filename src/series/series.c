@@ -151,11 +151,7 @@ lac_status lac_series_read(const lac_series_def *def, const struct lac_units *un
     LAC_TRY(resolve(s->n, s->time, s->displacement, &(*out)->displacement_digit, err));
     LAC_TRY(resolve(s->n, s->time, s->velocity, &(*out)->velocity_digit, err));
 out:
-    if (status != LAC_OK) {
-        lac_series_free(*out);
-        *out = NULL;
-    }
-    return status;
+    LAC_MADE(status, out, lac_series_free);
 }
 
 lac_status lac_series_create(const lac_series_def *def, lac_series **out, lac_error *err)

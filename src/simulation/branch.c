@@ -244,8 +244,7 @@ static void keep_fidelity(lac_case *c, const lac_case *source)
 lac_status lac_branch_open(lac_case *c, lac_branch **out, lac_error *err)
 {
     lac_status status;
-    *out = NULL;
-    lac_branch *b = calloc(1, sizeof *b);
+    lac_branch *b = *out = calloc(1, sizeof *b);
     LAC_FAIL_MEMORY_IF(b == NULL, err);
     b->to = c;
     LAC_TRY(lac_stored_past_open(c->from.file, &b->past, err));
@@ -266,11 +265,8 @@ lac_status lac_branch_open(lac_case *c, lac_branch **out, lac_error *err)
                  "time.end: the run would end at %.9g s and goes on from %s at %.9g s", c->run.end,
                  c->from.file, b->time);
     tell_plan(b);
-    *out = b;
-    b = NULL;
 out:
-    lac_branch_free(b);
-    return status;
+    LAC_MADE(status, out, lac_branch_free);
 }
 
 // --- On the way to it.

@@ -122,8 +122,7 @@ lac_status lac_simulation_create(const lac_case *c, const lac_simulation_options
 {
     lac_status status;
     LAC_TRY_RETURN(LAC_NEED(err, c, out));
-    *out = NULL;
-    lac_simulation *s = calloc(1, sizeof *s);
+    lac_simulation *s = *out = calloc(1, sizeof *s);
     LAC_FAIL_MEMORY_IF(s == NULL, err);
     s->source = *c;
     if (c->use != NULL) {
@@ -139,11 +138,8 @@ lac_status lac_simulation_create(const lac_case *c, const lac_simulation_options
     status = build(s, err);
     (void)set_threads(before);
     LAC_TRY(status);
-    *out = s;
-    s = NULL;
 out:
-    lac_simulation_free(s);
-    return status;
+    LAC_MADE(status, out, lac_simulation_free);
 }
 
 void lac_simulation_free(lac_simulation *simulation)

@@ -128,8 +128,7 @@ lac_status lac_history_store_create(const lac_history_store_def *def, lac_histor
                                     lac_error *err)
 {
     lac_status status;
-    *out = NULL;
-    lac_history_store *s = calloc(1, sizeof *s);
+    lac_history_store *s = *out = calloc(1, sizeof *s);
     LAC_FAIL_MEMORY_IF(s == NULL, err);
     s->file.fd = -1;
     s->keep = def->keep;
@@ -138,11 +137,8 @@ lac_status lac_history_store_create(const lac_history_store_def *def, lac_histor
         .file = &s->file, .dataset = def->contact, .deflate = 1, .chunk = CHUNK_STEPS, .batch = 1};
     LAC_TRY(describe(def, &s->now, err));
     LAC_TRY(begin_file(s, def, err));
-    *out = s;
-    s = NULL;
 out:
-    lac_history_store_free(s);
-    return status;
+    LAC_MADE(status, out, lac_history_store_free);
 }
 
 static lac_status put(lac_history_store *store, lac_error *err)

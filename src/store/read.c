@@ -57,9 +57,8 @@ out:
 lac_status lac_stored_file_open_any(const char *path, lac_stored_file **out, lac_error *err)
 {
     char *copy = NULL;
-    lac_stored_file *in = calloc(1, sizeof *in);
+    lac_stored_file *in = *out = calloc(1, sizeof *in);
     lac_status status;
-    *out = NULL;
     LAC_FAIL_MEMORY_IF(in == NULL, err);
     in->path = path != NULL ? strdup(path) : NULL;
     LAC_TRY(in->path != NULL || path == NULL ? LAC_OK : lac_fail_memory(err));
@@ -71,15 +70,12 @@ lac_status lac_stored_file_open_any(const char *path, lac_stored_file **out, lac
                  : code == NC_EHDFERR ? "is damaged"
                                       : nc_strerror(code));
     in->open = true;
-    *out = in;
-    in = NULL;
 out:
     if (copy != NULL) {
         (void)unlink(copy); // it lasts while it is open
         free(copy);
     }
-    lac_stored_file_close(in);
-    return status;
+    LAC_MADE(status, out, lac_stored_file_close);
 }
 
 lac_status lac_stored_file_open(const char *path, lac_stored_file **out, lac_error *err)

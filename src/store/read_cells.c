@@ -382,11 +382,7 @@ lac_status lac_stored_domain_read(const char *path, lac_domain **domain, lac_err
                 : read_pressed(in, steps > 0 ? steps - 1 : 0, domain, err));
 out:
     lac_stored_file_close(in);
-    if (status != LAC_OK) {
-        lac_domain_free(*domain);
-        *domain = NULL;
-    }
-    return status;
+    LAC_MADE(status, domain, lac_domain_free);
 }
 
 lac_status lac_stored_cells_read(const char *path, const lac_snapshot_choice *choice,

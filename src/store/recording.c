@@ -130,8 +130,7 @@ static lac_status take_fixed(lac_recording *r, unsigned late, lac_error *err)
 lac_status lac_recording_create(const lac_recording_def *def, lac_recording **out, lac_error *err)
 {
     lac_status status = LAC_OK;
-    *out = NULL;
-    lac_recording *r = calloc(1, sizeof *r);
+    lac_recording *r = *out = calloc(1, sizeof *r);
     LAC_FAIL_MEMORY_IF(r == NULL, err);
     r->place.of = *def;
     LAC_TRY(lac_run_describe(&r->place, &r->dataset, err));
@@ -147,11 +146,8 @@ lac_status lac_recording_create(const lac_recording_def *def, lac_recording **ou
         LAC_TRY(take_fixed(r, 0, err));
         LAC_TRY(lac_dataset_put_attributes(r->dataset, false, lac_recording_put_attribute, r, err));
     }
-    *out = r;
-    r = NULL;
 out:
-    lac_recording_free(r);
-    return status;
+    LAC_MADE(status, out, lac_recording_free);
 }
 
 lac_status lac_recording_add(lac_recording *recording, const char *name, const char *unit,

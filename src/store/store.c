@@ -43,9 +43,8 @@ lac_status lac_store_create(const lac_store_def *def, lac_store **out, lac_error
 {
     const lac_provenance *from = &def->provenance;
     assert(def->of.fields == 0 || def->of.domain != NULL);
-    *out = NULL;
     lac_status status = LAC_OK;
-    lac_store *s = calloc(1, sizeof *s);
+    lac_store *s = *out = calloc(1, sizeof *s);
     LAC_FAIL_MEMORY_IF(s == NULL, err);
     s->place.of = def->of;
     s->now = def->provenance.now;
@@ -64,11 +63,8 @@ lac_status lac_store_create(const lac_store_def *def, lac_store **out, lac_error
                                  def->inputs != NULL ? def->inputs : "");
     LAC_TRY(s->libraries != NULL && s->case_text != NULL ? LAC_OK : lac_fail_memory(err));
     LAC_TRY(begin_file(s, def, err));
-    *out = s;
-    s = NULL;
 out:
-    lac_store_free(s);
-    return status;
+    LAC_MADE(status, out, lac_store_free);
 }
 
 // Counts what was put out; syncs the file when there is enough of it.

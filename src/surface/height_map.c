@@ -149,9 +149,8 @@ lac_status lac_height_map_parse(const lac_bytes *bytes, lac_height_map **out, la
     lac_status status;
     const lac_map_format *format = NULL;
     locale_t callers = (locale_t)0;
-    lac_height_map *map = calloc(1, sizeof *map);
+    lac_height_map *map = *out = calloc(1, sizeof *map);
     locale_t plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
-    *out = NULL;
     if (map == NULL || plain == (locale_t)0) {
         LAC_TRY(lac_fail_memory(err));
     }
@@ -161,8 +160,6 @@ lac_status lac_height_map_parse(const lac_bytes *bytes, lac_height_map **out, la
     map->format = format->name;
     LAC_TRY(format->read(bytes, map, err));
     LAC_TRY(count_masked(map, bytes->path, err));
-    *out = map;
-    map = NULL;
 out:
     if (callers != (locale_t)0) {
         (void)uselocale(callers);
@@ -170,8 +167,7 @@ out:
     if (plain != (locale_t)0) {
         freelocale(plain);
     }
-    lac_height_map_free(map);
-    return status;
+    LAC_MADE(status, out, lac_height_map_free);
 }
 
 // What is there, whatever size the file system claims.

@@ -178,7 +178,7 @@ lac_status lac_answers_create(const lac_sample *sample, lac_answers **out, lac_e
     *out = NULL;
     LAC_TRY_RETURN(check(sample, err));
     double *values = malloc((sample->members + 1) * sizeof *values);
-    lac_answers *a = calloc(1, sizeof *a);
+    lac_answers *a = *out = calloc(1, sizeof *a);
     LAC_TRY(values != NULL && a != NULL ? LAC_OK : lac_fail_memory(err));
     a->name = sample->name;
     a->unit = sample->unit;
@@ -198,12 +198,9 @@ lac_status lac_answers_create(const lac_sample *sample, lac_answers **out, lac_e
         fill_chances(sample, a);
         LAC_TRY(lac_influences_fill(sample, a, err));
     }
-    *out = a;
-    a = NULL;
 out:
-    lac_answers_free(a);
     free(values);
-    return status;
+    LAC_MADE(status, out, lac_answers_free);
 }
 
 void lac_answers_free(lac_answers *answers)

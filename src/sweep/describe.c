@@ -197,5 +197,5 @@ lac_status lac_ensemble_describe(const lac_ensemble *e, const lac_answers *answe
         LAC_TRY(lac_answers_add(answers, *out, err));
     }
 out:
-    return lac_dataset_described(out, status);
+    LAC_MADE(status, out, lac_dataset_free);
 }

@@ -176,11 +176,7 @@ lac_status lac_ensemble_create(const lac_sweep *sweep, size_t n, lac_member **me
     e->n = n;
     e->member = member;
     const lac_status status = make(sweep, e, err);
-    if (status != LAC_OK) {
-        lac_ensemble_free(e);
-        *out = NULL;
-    }
-    return status;
+    LAC_MADE(status, out, lac_ensemble_free);
 }
 
 static lac_status read_numbers(const lac_stored_file *file, const char *name, size_t n,
@@ -360,11 +356,7 @@ lac_status lac_ensemble_read(const char *path, lac_ensemble **out, lac_error *er
     LAC_TRY(read_all(file, path, e, err));
 out:
     lac_stored_file_close(file);
-    if (status != LAC_OK) {
-        lac_ensemble_free(e);
-        *out = NULL;
-    }
-    return status;
+    LAC_MADE(status, out, lac_ensemble_free);
 }
 
 // Rates of all members, infinite once a member has failed.

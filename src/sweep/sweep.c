@@ -330,8 +330,7 @@ out:
 lac_status lac_sweep_create(const lac_sweep_request *request, lac_sweep **out, lac_error *err)
 {
     lac_status status;
-    *out = NULL;
-    lac_sweep *sweep = calloc(1, sizeof *sweep);
+    lac_sweep *sweep = *out = calloc(1, sizeof *sweep);
     LAC_FAIL_MEMORY_IF(sweep == NULL, err);
     sweep->seed = request->seed;
     LAC_TRY(copy_request(sweep, request, err));
@@ -348,11 +347,8 @@ lac_status lac_sweep_create(const lac_sweep_request *request, lac_sweep **out, l
     LAC_TRY(read_series(sweep, request->series, err));
     LAC_TRY(find_extras(sweep, err));
     find_mark(sweep);
-    *out = sweep;
-    sweep = NULL;
 out:
-    lac_sweep_free(sweep);
-    return status;
+    LAC_MADE(status, out, lac_sweep_free);
 }
 
 char *lac_sweep_set(const lac_sweep *sweep)

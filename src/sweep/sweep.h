@@ -50,9 +50,6 @@ typedef struct lac_distribution {
     double (*value)(const double *argument, double u); ///< the inverse of its distribution
 } lac_distribution;
 
-/// The index-th; NULL past the end.
-const lac_distribution *lac_distribution_get(size_t index);
-
 enum { LAC_SWEEP_AXES = 128, LAC_SWEEP_KEY = 160 }; ///< at most; bytes of a key
 
 struct lac_sweep;

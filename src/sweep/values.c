@@ -63,11 +63,6 @@ static const lac_distribution distributions[] = {
      no_triangle, triangular},
 };
 
-const lac_distribution *lac_distribution_get(size_t index)
-{
-    return index < sizeof distributions / sizeof *distributions ? &distributions[index] : NULL;
-}
-
 static lac_status wrong(const lac_swept *param, const char *what, lac_error *err)
 {
     return lac_fail(err, LAC_EINPUT, "--over: %s: \"%.*s\" %s", param->key, SHOWN, param->said,

@@ -148,5 +148,5 @@ lac_status lac_trade_describe(const lac_trade *t, lac_dataset **out, lac_error *
     LAC_TRY(lac_dataset_add(*out, laid, sizeof laid / sizeof *laid, err));
     LAC_TRY(lac_dataset_add_named(*out, &of_value, &named, t->row, err));
 out:
-    return lac_dataset_described(out, status);
+    LAC_MADE(status, out, lac_dataset_free);
 }

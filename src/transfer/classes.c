@@ -6,19 +6,6 @@
 
 static void destroy(void *state) { lac_classes_free(state); }
 
-static size_t work(const void *state) { return lac_classes_work(state); }
-
-static void apply(const void *state, const double *slip, double *force, double *scratch)
-{
-    lac_classes_apply(state, slip, force, scratch);
-}
-
-static bool solve(const void *state, double k_mean, const double *diagonal, const double *y,
-                  double *x, double *scratch)
-{
-    return lac_classes_solve(state, k_mean, diagonal, y, x, scratch);
-}
-
 // Of the stiffest block: what an explicit method's steps are bounded by.
 static double stiffness(const void *state, size_t level)
 {
@@ -34,9 +21,9 @@ static const lac_transfer_kind classes_kind = {
     .info = LAC_ABOUT("classes", "classes of cells as the leaves of weighted blocks",
                       "docs/theory/lumped.md"),
     .free = destroy,
-    .work = work,
-    .apply = apply,
-    .solve = solve,
+    .work = lac_classes_work,
+    .apply = lac_classes_apply,
+    .solve = lac_classes_solve,
     .stiffness = stiffness,
 };
 

@@ -96,7 +96,7 @@ lac_status lac_compliance_create(const lac_domain *domain, const lac_rock *rock,
     size_t mx = grid->periodic || (grid->nx == 1 && !mirror) ? 1 : 2;
     size_t my = grid->periodic || grid->ny == 1 || deep ? 1 : 2;
     lac_status status = LAC_OK;
-    lac_compliance *c = calloc(1, sizeof *c);
+    lac_compliance *c = *out = calloc(1, sizeof *c);
     LAC_FAIL_MEMORY_IF(c == NULL, err);
     c->n = n;
     c->rows = lac_strip_rows(team_of(grid, rock), grid->ny);
@@ -126,11 +126,8 @@ lac_status lac_compliance_create(const lac_domain *domain, const lac_rock *rock,
         LAC_TRY(lac_fft_plan_filter(c->fft, grid->ny, err));
     }
     LAC_TRY(lac_kernels_fill(c->fft, grid, rock, c->stiffness, c->compliance, err));
-    *out = c;
-    c = NULL;
 out:
-    lac_compliance_free(c);
-    return status;
+    LAC_MADE(status, out, lac_compliance_free);
 }
 
 void lac_compliance_free(lac_compliance *c)

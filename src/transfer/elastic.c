@@ -123,7 +123,7 @@ static lac_status begin(const lac_transfer_elastic *p, const lac_transfer_scene 
                         lac_rock *rock, lac_elastic **out, lac_error *err)
 {
     lac_status status = LAC_OK;
-    lac_elastic *e = calloc(1, sizeof *e);
+    lac_elastic *e = *out = calloc(1, sizeof *e);
     LAC_FAIL_MEMORY_IF(e == NULL, err);
     *rock = rock_of(p, scene);
     e->n = scene->domain->n;
@@ -133,11 +133,8 @@ static lac_status begin(const lac_transfer_elastic *p, const lac_transfer_scene 
     e->tolerance = p->tolerance;
     e->newton_tolerance = p->newton_tolerance;
     LAC_TRY(lac_compliance_create(scene->domain, rock, &e->rock, err));
-    *out = e;
-    e = NULL;
 out:
-    destroy(e);
-    return status;
+    LAC_MADE(status, out, destroy);
 }
 
 static lac_status create(const void *given, const lac_transfer_scene *scene, void **state,
@@ -154,11 +151,9 @@ static lac_status create(const void *given, const lac_transfer_scene *scene, voi
     if (!e->direct) {
         LAC_TRY(make_last(e, err));
     }
-    *state = e;
-    e = NULL;
 out:
-    destroy(e);
-    return status;
+    *state = e;
+    LAC_MADE(status, state, destroy);
 }
 
 // C tau = 1 where the rock behind holds the cells; else tau = 1 - K C 1, whose slip is uniform.
@@ -250,22 +245,10 @@ static lac_status direct(const void *given, const lac_transfer_scene *scene, voi
     return lac_elastic_direct(scene, &rock, state, err);
 }
 
-static size_t pair_work(const void *state) { return lac_elastic_pair_work(state); }
-
-static void pair_apply(const void *state, const double *const slip[2], double *const force[2],
-                       double *scratch)
-{
-    lac_elastic_pair_apply(state, slip, force, scratch);
-}
-
-static bool pair_solve(const void *state, double k_mean, const double *const diagonal[3],
-                       double *const x[2], double *scratch)
-{
-    return lac_elastic_pair_solve(state, k_mean, diagonal, x, scratch) >= 0;
-}
-
-static const lac_transfer_pair pair = {
-    .direct = direct, .work = pair_work, .apply = pair_apply, .solve = pair_solve};
+static const lac_transfer_pair pair = {.direct = direct,
+                                       .work = lac_elastic_pair_work,
+                                       .apply = lac_elastic_pair_apply,
+                                       .solve = lac_elastic_pair_solve};
 
 // Of the hierarchy that is nearest.
 static double stiffness(const void *state, size_t level)

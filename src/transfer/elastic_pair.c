@@ -30,8 +30,9 @@ typedef struct pair_job {
     double *scratch; // lac_hierarchy_pair_work
 } pair_job;
 
-size_t lac_elastic_pair_work(const lac_elastic *e)
+size_t lac_elastic_pair_work(const void *state)
 {
+    const lac_elastic *e = state;
     return 11 * e->n + lac_hierarchy_pair_work(e->h) + lac_elastic_work(e);
 }
 
@@ -51,9 +52,10 @@ static void add_mean(size_t n, double value, double *x)
     }
 }
 
-void lac_elastic_pair_apply(const lac_elastic *e, const double *const slip[2],
-                            double *const force[2], double *v)
+void lac_elastic_pair_apply(const void *state, const double *const slip[2], double *const force[2],
+                            double *v)
 {
+    const lac_elastic *e = state;
     const size_t n = e->n;
     lac_compliance_traction(e->rock, slip[0], force[0]);
     lac_compliance_traction(e->across, slip[1], force[1]);
@@ -95,9 +97,10 @@ static double precondition(void *self, const double *r, double *z)
 }
 
 // From x = M y, whose forces balance, so that those of all that follow do.
-int lac_elastic_pair_solve(const lac_elastic *e, double k_mean, const double *const diagonal[3],
-                           double *const x[2], double *work)
+bool lac_elastic_pair_solve(const void *state, double k_mean, const double *const diagonal[3],
+                            double *const x[2], double *work)
 {
+    const lac_elastic *e = state;
     const size_t n = e->n;
     pair_job j = {.e = e, .d = diagonal, .k_mean = k_mean, .v = work, .scratch = work + n};
     double *start = j.scratch + lac_hierarchy_pair_work(e->h), *r = start + 2 * n;
@@ -106,7 +109,7 @@ int lac_elastic_pair_solve(const lac_elastic *e, double k_mean, const double *co
     memcpy(r + n, x[1], n * sizeof *r);
     const double size = precondition(&j, r, start);
     if (isnan(size)) {
-        return -1;
+        return false;
     }
     double *product = r + 2 * n; // of iterate's own
     multiply(&j, start, product);
@@ -117,5 +120,5 @@ int lac_elastic_pair_solve(const lac_elastic *e, double k_mean, const double *co
         lac_elastic_iterate(&system, start, r, size, e->newton_tolerance, r + 2 * n);
     memcpy(x[0], start, n * sizeof *r);
     memcpy(x[1], start + n, n * sizeof *r);
-    return iterations;
+    return iterations >= 0;
 }

@@ -35,15 +35,14 @@ int lac_elastic_apply(const lac_elastic *e, const double *slip, double *force, d
 int lac_elastic_solve(const lac_elastic *e, double k_mean, const double *diagonal, const double *y,
                       double *x, double *work);
 
-/// Readies it for slip in two directions, as lac_transfer_pair does; apply and solve as there.
+/// Readies it for slip in two directions; the others are of lac_transfer_pair, of this state.
 lac_status lac_elastic_direct(const lac_transfer_scene *scene, const lac_rock *rock, lac_elastic *e,
                               lac_error *err);
-size_t lac_elastic_pair_work(const lac_elastic *e);
-void lac_elastic_pair_apply(const lac_elastic *e, const double *const slip[2],
-                            double *const force[2], double *work);
-/// @return iterations, -1 as lac_elastic_solve
-int lac_elastic_pair_solve(const lac_elastic *e, double k_mean, const double *const diagonal[3],
-                           double *const x[2], double *work);
+size_t lac_elastic_pair_work(const void *state);
+void lac_elastic_pair_apply(const void *state, const double *const slip[2], double *const force[2],
+                            double *work);
+bool lac_elastic_pair_solve(const void *state, double k_mean, const double *const diagonal[3],
+                            double *const x[2], double *work);
 
 /// A symmetric positive definite system and what is near its inverse, for conjugate gradients.
 typedef struct lac_krylov {

@@ -43,7 +43,7 @@ static lac_status create(const void *given, const lac_transfer_scene *scene, voi
     const lac_transfer_hierarchy *p = given;
     lac_status status = LAC_OK;
     size_t levels = lac_hierarchy_levels(scene->hierarchy);
-    hierarchy *self = calloc(1, sizeof *self + levels * sizeof *self->k);
+    hierarchy *self = *state = calloc(1, sizeof *self + levels * sizeof *self->k);
     LAC_FAIL_MEMORY_IF(self == NULL, err);
     self->h = scene->hierarchy;
     self->levels = levels;
@@ -53,11 +53,8 @@ static lac_status create(const void *given, const lac_transfer_scene *scene, voi
     for (size_t l = 0; l < levels && p->stiffness < 0; l++) {
         self->k[l] = p->k0 * pow(isnan(p->ratio) ? 0.5 : p->ratio, (double)l);
     }
-    *state = self;
-    self = NULL;
 out:
-    destroy(self);
-    return status;
+    LAC_MADE(status, state, destroy);
 }
 
 static lac_status part(const void *state, const lac_range *range, void **out, lac_error *err)

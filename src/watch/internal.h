@@ -9,13 +9,23 @@
 #include "series/line.h"
 #include "watch/watch.h"
 
+/// What became of a reading.
+typedef enum lac_taken {
+    LAC_TAKEN = 0,
+    LAC_TAKEN_LATE,    ///< put before others, or the value of a reading that had none
+    LAC_TAKEN_DOUBLED, ///< not: there is one of that time
+    LAC_TAKEN_OLD,     ///< not: what is known begins later
+    LAC_TAKEN_AHEAD,   ///< not: the clock is not as far
+    LAC_TAKINGS,
+} lac_taken;
+
 /// A station and what is known of it.
 typedef struct lac_station {
     char *name;
     size_t n, room;
     double *time, *displacement, *sigma, *digit; ///< [room], in one piece from `time`
-    uint64_t readings, late, doubled, old, ahead;
-    double rate; ///< the last velocity [m/s]; NaN
+    uint64_t taken[LAC_TAKINGS];                 ///< of each lac_taken; of LAC_TAKEN the late too
+    double rate;                                 ///< the last velocity [m/s]; NaN
     int issued, alarms;
     lac_level level;
     double chance; ///< of failure within the horizon; NaN
@@ -26,15 +36,6 @@ typedef struct lac_stations {
     size_t n, room;
     lac_station **at; ///< [n] by name
 } lac_stations;
-
-/// What became of a reading.
-typedef enum lac_taken {
-    LAC_TAKEN = 0,
-    LAC_TAKEN_LATE,    ///< put before others, or the value of a reading that had none
-    LAC_TAKEN_DOUBLED, ///< not: there is one of that time
-    LAC_TAKEN_OLD,     ///< not: what is known begins later
-    LAC_TAKEN_AHEAD,   ///< not: the clock is not as far
-} lac_taken;
 
 /// The station of a name, made where there is none; NULL where `most` are there.
 lac_status lac_stations_find(lac_stations *stations, const char *name, size_t most,

@@ -75,7 +75,7 @@ static lac_status put_station(lac_archive *a, lac_watch *w, size_t i, lac_error 
     for (size_t c = 0; c < COLUMNS; c++) {
         lac_archive_pass(a, column[c], s->n * sizeof(double));
     }
-    LAC_PASS_RUN(a, s->readings, s->level);
+    LAC_PASS_RUN(a, s->taken, s->level);
     LAC_PASS(a, s->chance);
     LAC_PASS(a, s->accelerating);
     return LAC_OK;

@@ -123,11 +123,8 @@ static lac_taken merge(lac_station *s, size_t at, const lac_line *l)
 
 static lac_taken count(lac_station *s, lac_taken taken)
 {
-    s->readings += taken <= LAC_TAKEN_LATE ? 1 : 0;
-    s->late += taken == LAC_TAKEN_LATE ? 1 : 0;
-    s->doubled += taken == LAC_TAKEN_DOUBLED ? 1 : 0;
-    s->old += taken == LAC_TAKEN_OLD ? 1 : 0;
-    s->ahead += taken == LAC_TAKEN_AHEAD ? 1 : 0;
+    s->taken[taken]++;
+    s->taken[LAC_TAKEN] += taken == LAC_TAKEN_LATE ? 1 : 0;
     return taken;
 }
 

@@ -5,7 +5,8 @@
 
 typedef struct family {
     const char *name, *type, *help;
-    double (*value)(const lac_station *s);
+    double (*value)(const lac_station *s); // NULL: how many readings came to be `taken`
+    lac_taken taken;
 } family;
 
 static double last_time(const lac_station *s) { return s->n > 0 ? s->time[s->n - 1] : NAN; }
@@ -15,26 +16,22 @@ static double issued(const lac_station *s) { return s->issued; }
 static double alarms(const lac_station *s) { return s->alarms; }
 static double level(const lac_station *s) { return s->level; }
 static double chance(const lac_station *s) { return s->chance; }
-static double readings(const lac_station *s) { return (double)s->readings; }
-static double late(const lac_station *s) { return (double)s->late; }
-static double doubled(const lac_station *s) { return (double)s->doubled; }
-static double old(const lac_station *s) { return (double)s->old; }
-static double ahead(const lac_station *s) { return (double)s->ahead; }
 
 static const family families[] = {
-    {"last_reading_seconds", "gauge", "Time of the last reading, of dates since 1970.", last_time},
-    {"rate_meters_per_second", "gauge", "Last velocity.", rate},
-    {"accelerating", "gauge", "1 where the slope accelerates.", accelerating},
-    {"forecasts", "gauge", "Methods that issue a time of failure.", issued},
-    {"alarms", "gauge", "Methods whose median lies within the horizon.", alarms},
-    {"level", "gauge", "0 quiet, 1 watch, 2 warning, 3 alarm.", level},
+    {"last_reading_seconds", "gauge", "Time of the last reading, of dates since 1970.", last_time,
+     0},
+    {"rate_meters_per_second", "gauge", "Last velocity.", rate, 0},
+    {"accelerating", "gauge", "1 where the slope accelerates.", accelerating, 0},
+    {"forecasts", "gauge", "Methods that issue a time of failure.", issued, 0},
+    {"alarms", "gauge", "Methods whose median lies within the horizon.", alarms, 0},
+    {"level", "gauge", "0 quiet, 1 watch, 2 warning, 3 alarm.", level, 0},
     {"chance_within_horizon", "gauge", "Chance of failure within the horizon, of all methods.",
-     chance},
-    {"readings_total", "counter", "Readings taken.", readings},
-    {"late_total", "counter", "Of which came behind a later one.", late},
-    {"doubled_total", "counter", "Dropped: there was one of that time.", doubled},
-    {"old_total", "counter", "Dropped: older than the window.", old},
-    {"ahead_total", "counter", "Dropped: too far ahead of the clock.", ahead},
+     chance, 0},
+    {"readings_total", "counter", "Readings taken.", NULL, LAC_TAKEN},
+    {"late_total", "counter", "Of which came behind a later one.", NULL, LAC_TAKEN_LATE},
+    {"doubled_total", "counter", "Dropped: there was one of that time.", NULL, LAC_TAKEN_DOUBLED},
+    {"old_total", "counter", "Dropped: older than the window.", NULL, LAC_TAKEN_OLD},
+    {"ahead_total", "counter", "Dropped: too far ahead of the clock.", NULL, LAC_TAKEN_AHEAD},
 };
 
 static void put_label(FILE *out, const char *text)
@@ -62,7 +59,7 @@ static void put_family(FILE *out, const family *f, const lac_stations *s)
         (void)fprintf(out, "lacuna_%s{station=\"", f->name);
         put_label(out, s->at[i]->name);
         (void)fputs("\"} ", out);
-        put_number(out, f->value(s->at[i]));
+        put_number(out, f->value != NULL ? f->value(s->at[i]) : (double)s->at[i]->taken[f->taken]);
     }
 }
 

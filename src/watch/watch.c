@@ -58,15 +58,15 @@ static void say_dropped(lac_watch *w, const lac_station *s, const lac_line *l, l
 {
     const struct {
         const char *name;
-        uint64_t *all, one;
-    } row[] = {[LAC_TAKEN_DOUBLED] = {"doubled", &w->counts.doubled, s->doubled},
-               [LAC_TAKEN_OLD] = {"old", &w->counts.old, s->old},
-               [LAC_TAKEN_AHEAD] = {"ahead", &w->counts.ahead, s->ahead}};
+        uint64_t *all;
+    } row[] = {[LAC_TAKEN_DOUBLED] = {"doubled", &w->counts.doubled},
+               [LAC_TAKEN_OLD] = {"old", &w->counts.old},
+               [LAC_TAKEN_AHEAD] = {"ahead", &w->counts.ahead}};
     lac_json json = {.out = w->out, .line = true};
     (*row[taken].all)++;
     open_line(&json, s, l);
     lac_json_text(&json, "dropped", row[taken].name);
-    lac_json_integer(&json, row[taken].name, (int64_t)row[taken].one);
+    lac_json_integer(&json, row[taken].name, (int64_t)s->taken[taken]);
     lac_json_close(&json, '}');
 }
 
@@ -222,8 +222,7 @@ static lac_status begin(lac_watch *w, lac_error *err)
 
 lac_status lac_watch_create(const lac_watch_def *def, lac_watch **out, lac_error *err)
 {
-    *out = NULL;
-    lac_watch *w = calloc(1, sizeof *w);
+    lac_watch *w = *out = calloc(1, sizeof *w);
     LAC_FAIL_MEMORY_IF(w == NULL, err);
     w->def = *def;
     w->out = def->out;
@@ -231,12 +230,7 @@ lac_status lac_watch_create(const lac_watch_def *def, lac_watch **out, lac_error
     w->lock = w->journal = -1;
     w->sum = w->skipped = 0xcbf29ce484222325u;
     const lac_status status = begin(w, err);
-    if (status != LAC_OK) {
-        lac_watch_free(w);
-        return status;
-    }
-    *out = w;
-    return LAC_OK;
+    LAC_MADE(status, out, lac_watch_free);
 }
 
 void lac_watch_free(lac_watch *w)

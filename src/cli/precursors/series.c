@@ -146,11 +146,7 @@ out:
     for (size_t i = 0; i < sizeof owned / sizeof *owned; i++) {
         free(owned[i]);
     }
-    if (status != LAC_OK) {
-        lac_series_free(*out);
-        *out = NULL;
-    }
-    return status;
+    LAC_MADE(status, out, lac_series_free);
 }
 
 void cli_series_warn(const cli_request *request, const char *path, const lac_series *series)

@@ -370,7 +370,7 @@ static lac_status describe(const checked *c, lac_dataset **out, lac_error *err)
     LAC_TRY(lac_dataset_dims(*out, dims, sizeof dims / sizeof *dims, err));
     LAC_TRY(lac_dataset_add(*out, laid, sizeof laid / sizeof *laid, err));
 out:
-    return lac_dataset_described(out, status);
+    LAC_MADE(status, out, lac_dataset_free);
 }
 
 // As JSON, or with --pipe as the dataset that it is.

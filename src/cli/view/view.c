@@ -199,7 +199,7 @@ lac_status cli_view_open(const cli_request *request, cli_view **out, lac_error *
     const unsigned long port = strtoul(text, NULL, 10);
     LAC_FAIL_IF(text[strspn(text, "0123456789")] != '\0' || port > 65535, err, LAC_EINPUT,
                 "--view: \"%s\" must be a port from 0 to 65535", text);
-    cli_view *view = calloc(1, sizeof *view);
+    cli_view *view = *out = calloc(1, sizeof *view);
     LAC_FAIL_MEMORY_IF(view == NULL, err);
     view->lock = (pthread_mutex_t)PTHREAD_MUTEX_INITIALIZER;
     view->is.state = "preparing";
@@ -207,11 +207,8 @@ lac_status cli_view_open(const cli_request *request, cli_view **out, lac_error *
     LAC_TRY(cli_http_start((unsigned)port, answer, view, &view->http, err));
     view->stay = isatty(STDERR_FILENO) == 1;
     cli_note("the run is to be seen at http://127.0.0.1:%u/", cli_http_port(view->http));
-    *out = view;
-    view = NULL;
 out:
-    cli_view_close(view);
-    return status;
+    LAC_MADE(status, out, cli_view_close);
 }
 
 static lac_status record(cli_view *view, const lac_store_def *def, const double *once,

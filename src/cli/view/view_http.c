@@ -299,11 +299,7 @@ lac_status cli_http_start(unsigned port, cli_http_data *data, void *context, cli
     LAC_TRY(http->mhd.start != NULL ? LAC_OK : LAC_EIO); // load() found them all
     LAC_TRY(start(http, port, err));
 out:
-    if (status != LAC_OK) {
-        cli_http_stop(http);
-        *out = NULL;
-    }
-    return status;
+    LAC_MADE(status, out, cli_http_stop);
 }
 
 unsigned cli_http_port(const cli_http *http) { return port_of(http, http->daemon); }

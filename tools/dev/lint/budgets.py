@@ -17,8 +17,8 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 97979,
-    "lines that only present results": 24202,
+    "lines of src and include": 97727,
+    "lines that only present results": 24160,
     "public headers": 13,
     "exported names": 44,
     "circles of includes": 0,
