@@ -187,10 +187,24 @@ double lac_load_longest_step(const lac_load_set *set, double t)
     return longest;
 }
 
+static bool is_linear(const lac_load_kind *kind, const void *params)
+{
+    return kind->linear && !(kind->bends != NULL && kind->bends(params));
+}
+
 bool lac_load_model_is_linear(const lac_model *model)
 {
-    const lac_load_kind *kind = kind_of(model);
-    return kind->linear && !(kind->bends != NULL && kind->bends(model->params));
+    return is_linear(kind_of(model), model->params);
+}
+
+void lac_load_set_note(lac_load_set *set)
+{
+    for (const lac_load *load = set->load; load < set->load + set->count; load++) {
+        set->bends = set->bends || !is_linear(load->kind, load->params);
+        set->changes = set->changes || !load->kind->constant;
+        set->shaped = set->shaped || load->share == LAC_SHARE_ELASTIC;
+        set->varies = set->varies || load->kind->cells != NULL;
+    }
 }
 
 double lac_load_model_azimuth(const lac_model *model)
@@ -326,10 +340,6 @@ lac_status lac_load_set_create(const lac_load_models *models, const lac_load_clo
                            .share = lac_load_models_share(model),
                            .azimuth = isnan(azimuth) ? 0.0 : azimuth};
         load->to = place_of(set, set->count - 1);
-        set->bends = set->bends || !lac_load_model_is_linear(model);
-        set->changes = set->changes || !kind->constant;
-        set->shaped = set->shaped || load->share == LAC_SHARE_ELASTIC;
-        set->varies = set->varies || kind->cells != NULL;
         lac_status status = lac_load_prepare(kind, load->params, clock, &load->state, err);
         if (status != LAC_OK) {
             status = blame(set, i, status, err);
@@ -337,6 +347,7 @@ lac_status lac_load_set_create(const lac_load_models *models, const lac_load_clo
             return status;
         }
     }
+    lac_load_set_note(set);
     return LAC_OK;
 }
 

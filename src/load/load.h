@@ -190,6 +190,9 @@ lac_share lac_load_models_share(const lac_model *model);
 /// The azimuth that a case names of a load [rad]; NaN: none.
 double lac_load_model_azimuth(const lac_model *model);
 
+/// Fills what a set knows of its loads: `bends`, `changes`, `shaped`, `varies`.
+void lac_load_set_note(lac_load_set *set);
+
 /// Whether a load that a case names is linear in time between its breaks.
 bool lac_load_model_is_linear(const lac_model *model);
 

@@ -175,6 +175,7 @@ lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac
     problem->friction = def->friction;
     problem->transfer = *def->transfer;
     problem->loads = def->loads;
+    lac_load_set_note(&problem->loads); // of those made without a case, too
     if (def->formulation == LAC_FORMULATION_VECTOR) {
         problem->loads = lac_load_set_along(&def->loads, 1.0, 0.0);
     }

@@ -30,7 +30,7 @@ static void newton_solve_is_exact(void **state)
             tree_def def = newton_tree(law, (int)(i % 2), 1 + i % 4);
             lac_load load = {.kind = &newton_pull, .params = &newton_pulls[i / 6 % 6]};
             def.formulation = newton_formulations[i / 2 % 3];
-            def.loads = (lac_load_set){.load = &load, .count = 1, .shear = 1, .changes = true};
+            def.loads = (lac_load_set){.load = &load, .count = 1, .shear = 1};
             double times = newton_dampings[i / 36].times;
             def.damping *= times;
             newton_check_tree(&def, times > 1.0, newton_dampings[i / 36].left);
@@ -80,7 +80,7 @@ static void newton_solve_is_exact_with_mass(void **state)
         bool back = i % 3 == 2;
         tree_def def = newton_tree(lac_friction_law_get(0), i % 3 > 0, 1 + i % 4);
         lac_load load = {.kind = &newton_pull, .params = back ? &newton_pulls[1] : &with};
-        def.loads = (lac_load_set){.load = &load, .count = 1, .shear = 1, .changes = true};
+        def.loads = (lac_load_set){.load = &load, .count = 1, .shear = 1};
         def.mass = masses[i / 3 % 3];
         def.columns = parts[i / 9];
         double time = back ? -1.27e5 : 5.0;
@@ -141,7 +141,7 @@ static void newton_solve_is_exact_in_two_directions(void **state)
         def.keep = 0.7;
         def.formulation = LAC_FORMULATION_VECTOR;
         def.heading = 0.7 * (double)i;
-        def.loads = (lac_load_set){.load = &load, .count = 1, .shear = 1, .changes = true};
+        def.loads = (lac_load_set){.load = &load, .count = 1, .shear = 1};
         def.damping *= newton_dampings[i / 8].times;
         double y[192];
         tree t;
