@@ -71,14 +71,17 @@ static const lac_param ramp_rows[] = {
     LAC_SHARE_ROW(ramp_params, share),
 };
 
-#define RAMP(row, what, source, rows)                                                        \
-    const lac_load_kind row = {                                                              \
-        .info = LAC_ABOUT("ramp", what " that changes at a constant rate between two times", \
-                          source, rows(ramp_rows, ramp_params), .validate = fault),          \
-        .linear = true,                                                                      \
-        .signal = ramp_at,                                                                   \
-        .next_break = next_break,                                                            \
+#define WINDOWED(row, name, text, source, rows, wrong, at)              \
+    const lac_load_kind row = {                                         \
+        .info = LAC_ABOUT(name, text, source, rows, .validate = wrong), \
+        .linear = true,                                                 \
+        .signal = at,                                                   \
+        .next_break = next_break,                                       \
     }
+
+#define RAMP(row, what, source, rows)                                                        \
+    WINDOWED(row, "ramp", what " that changes at a constant rate between two times", source, \
+             rows(ramp_rows, ramp_params), fault, ramp_at)
 
 RAMP(lac_shear_ramp, "shear stress",
      "Dieterich (1994) J. Geophys. Res. 99, 2601, doi 10.1029/93JB02581 (constant stressing rate)",
@@ -110,13 +113,8 @@ static const lac_param step_rows[] = {
 };
 
 #define STEP(row, what, source, rows)                                                           \
-    const lac_load_kind row = {                                                                 \
-        .info = LAC_ABOUT("step", what " that comes at a stated time, for good or for a while", \
-                          source, rows(step_rows, step_params), .validate = step_fault),        \
-        .linear = true,                                                                         \
-        .signal = step_at,                                                                      \
-        .next_break = next_break,                                                               \
-    }
+    WINDOWED(row, "step", what " that comes at a stated time, for good or for a while", source, \
+             rows(step_rows, step_params), step_fault, step_at)
 
 STEP(lac_shear_step, "shear stress",
      "Dieterich (1994) J. Geophys. Res. 99, 2601, doi 10.1029/93JB02581 (stress step)", LAC_ROWS);

@@ -116,9 +116,9 @@ static const size_t counts[] = {(size_t)1 << 31, UINT32_MAX, (size_t)1 << 32,
                                 ((size_t)1 << 32) + 1};
 enum { COUNTS = sizeof counts / sizeof *counts, GIB = 1 << 10 };
 
-// The team of a rank; what another than the first says is heard all the same.
 static void hush(bool parent) { (void)parent; }
 
+// The team of a rank; what another than the first says is heard all the same.
 static lac_team *join_as(int rank)
 {
     const int heard[] = {dup(STDOUT_FILENO), dup(STDERR_FILENO)};

@@ -126,7 +126,9 @@ def draw_given_up(axes, trade):
         name = trade.name(settings)
         longest[name] = max(time, longest.get(name, 0.0))
     edge = axes.get_xaxis_transform()
-    for k, (name, time) in enumerate(sorted(longest.items()), len(trade.series())):
+    names = list(dict.fromkeys([*trade.series(), *sorted(longest)]))
+    for name, time in longest.items():
+        k = names.index(name)  # a series that has points keeps its colour
         colour, mark = COLOURS[k % len(COLOURS)], MARKS[k % len(MARKS)]
         axes.plot(time, 0.96, marker=mark, ms=6, mec=colour, mew=1.2, mfc="white", ls="none", transform=edge,
                   label=f"{name}: given up", zorder=5)

@@ -17,7 +17,7 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 97742,
+    "lines of src and include": 97740,
     "lines that only present results": 24160,
     "public headers": 13,
     "exported names": 44,
