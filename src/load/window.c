@@ -71,12 +71,12 @@ static const lac_param ramp_rows[] = {
     LAC_SHARE_ROW(ramp_params, share),
 };
 
-#define WINDOWED(row, name, text, source, rows, wrong, at)              \
-    const lac_load_kind row = {                                         \
-        .info = LAC_ABOUT(name, text, source, rows, .validate = wrong), \
-        .linear = true,                                                 \
-        .signal = at,                                                   \
-        .next_break = next_break,                                       \
+#define WINDOWED(row, name, text, source, rows, wrong, at)                \
+    const lac_load_kind row = {                                           \
+        .info = LAC_ABOUT(name, text, source, rows, .validate = (wrong)), \
+        .linear = true,                                                   \
+        .signal = (at),                                                   \
+        .next_break = next_break,                                         \
     }
 
 #define RAMP(row, what, source, rows)                                                        \
