@@ -36,9 +36,10 @@ static const char *fault(const void *p)
     const lac_analysis_rg *rg = p;
     int given =
         !isnan(rg->slipping_strength) + !isnan(rg->slipping_rate) + !isnan(rg->slipping_rate_ratio);
-    return given > 1 ? "tells slip in more than one way: at most one of slipping_strength, "
-                       "slipping_rate and slipping_rate_ratio is allowed"
-                     : NULL;
+    return given > 1
+               ? "says in more than one way when a cell slips: at most one of slipping_strength, "
+                 "slipping_rate and slipping_rate_ratio is allowed"
+               : NULL;
 }
 
 enum { N_SLIP, FRACTION, CRITICALITY, XI, ONCE, EXTRAS = ONCE + 9 };

@@ -80,7 +80,7 @@ static lac_status look(lac_kept *kept, const char *whose, uint64_t of, bool resu
     char head[LINE], found[LINE] = "";
     const size_t known = write_head(head, whose, of), size = strlen(head);
     LAC_FAIL_IF(!begins_so(kept->fd, head, known), err, LAC_EINPUT,
-                "%s: no %s wrote that; move it away", kept->path, whose);
+                "%s: was not written by %s; move it away", kept->path, whose);
     kept->reading = resume && pread(kept->fd, found, size, 0) == (ssize_t)size;
     LAC_FAIL_IF(kept->reading && memcmp(found, head, size) != 0, err, LAC_EINPUT,
                 "--resume: %s: is of another case, or of other readings, settings or options; "

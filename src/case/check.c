@@ -334,7 +334,8 @@ static void check_solver(lac_reader *reader, lac_case *c)
                                  ? LAC_FORM_PLAIN
                                  : LAC_FORM_REGULARISED;
     (void)lac_refuse(reader, !isnan(c->accuracy) && reader->purpose == LAC_FOR_FIT,
-                     "solver.accuracy", "is picked for by lacuna run; here rtol counts");
+                     "solver.accuracy",
+                     "is for lacuna run, which picks settings by pilot runs; here rtol counts");
     if (c->run.fidelity == LAC_FIDELITY_ASYNC) {
         lac_check_events(reader, c);
         return;

@@ -124,7 +124,7 @@ static void read_parameter(lac_reader *reader, const lac_node *node, lac_case *c
     size_t before = reader->report->errors;
     if (!lac_case_find(c, node->key, &value)) {
         lac_add_error(reader, node,
-                      "is no number of this case by its whole path, such as friction.aging.dc, "
+                      "is not the full path of a number of this case, such as friction.aging.dc, "
                       "initial.slip_rate or load.shear.0.ratio.value");
         return;
     }

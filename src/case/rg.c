@@ -197,12 +197,12 @@ static void check_slipping(lac_reader *reader, const lac_case *c, const lac_anal
     (void)lac_refuse(
         reader, law != NULL && !lac_heterogeneity_has(&c->friction_spread, "b") && !(law->b > 0.0),
         "analysis.rg",
-        "can't tell slip by the strength, which never drops with b = 0 in the friction law: give "
+        "cannot use the strength, which never drops with b = 0 in the friction law: give "
         "slipping_rate or slipping_rate_ratio");
     (void)lac_refuse(reader,
                      rg->beta_from_friction && isnan(rg->slipping_strength) &&
                          !isnan(rg->critical_fraction),
-                     key, "is missing: no cascade tells beta where critical_fraction is given");
+                     key, "is missing: where critical_fraction is given no cascade gives beta");
 }
 
 // The static cascade of the case's own interface; a single block has none, which is no error.

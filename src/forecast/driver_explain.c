@@ -362,7 +362,7 @@ static void explain(lac_driver_grid *grid, double level, record *r, lac_driver_e
         e->verdict = LAC_EXPLAINS_UNKNOWN;
         (void)snprintf(
             e->reason, sizeof e->reason,
-            "it fits %.0f %% of the rate, but so well it would at other times too (p %.2g)",
+            "it fits %.0f %% of the rate, but it would fit as well at other times (p %.2g)",
             100.0 * e->share, e->p);
     }
     if (e->verdict == LAC_EXPLAINS && at_end) {

@@ -329,7 +329,7 @@ static lac_level level_of_values(const lac_levels *l, const lac_forecast_set *o,
     }
     if (jump_of(m) != 0.0) {
         RULE(v,
-             "the last reading is %.3g mm off the way before it: read again, it is a bad "
+             "the last reading is %.3g mm off the trend before it: measure again, it is a bad "
              "reading or a failure",
              1e3 * jump_of(m));
         return LAC_WATCH;

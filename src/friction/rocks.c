@@ -132,7 +132,7 @@
       "Carpenter, Marone & Saffer (2009) Geophys. Res. Lett., L05302, abstract",                  \
       "https://pure.psu.edu/en/publications/frictional-behavior-of-materials-in-the-3d-safod-"    \
       "volume",                                                                                   \
-      "not told in the abstract",                                                                 \
+      "not stated in the abstract",                                                                 \
       F0 = IS(0.61, 0.56, 0.66))                                                                  \
     _("schist", "joint (with shale the class of low friction)", TRB, TRB_AT,                      \
       "without infill, no roughness; 20-27 degree",                                               \
@@ -149,7 +149,7 @@
       "Carpenter, Marone & Saffer (2009) Geophys. Res. Lett., L05302, abstract",                  \
       "https://pure.psu.edu/en/publications/frictional-behavior-of-materials-in-the-3d-safod-"    \
       "volume",                                                                                   \
-      "not told in the abstract",                                                                 \
+      "not stated in the abstract",                                                                 \
       F0 = IS(0.22, 0.18, 0.26))                                                                  \
     _("shale", "joint", CAFARO, CAFARO_AT, ANGLES("29 degree", "21"),                             \
       .degrees = true, F0 = IS(21, 21, 29))                                                       \

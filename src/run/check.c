@@ -55,7 +55,7 @@ lac_status lac_check_rates(const lac_problem *problem, double max, double t, con
     size_t cell = lac_problem_first_cell(problem, i < n ? i : SIZE_MAX);
     cell = cell == SIZE_MAX ? lac_problem_range(problem)->all - 1 : cell;
     return lac_fail(err, LAC_ENUMERIC,
-                    "the slip rate of cell %zu leaves the numbers at t = %.17g s: beyond %.3g m/s; "
+                    "the slip rate of cell %zu overflows at t = %.17g s: beyond %.3g m/s; "
                     "nothing but friction holds it back there (no radiation damping?)",
                     cell, t, most);
 }

@@ -244,8 +244,8 @@ static lac_status judge_lump(lac_simulation *s, lac_error *err)
                           *error, most, s->scene->lump->level, advice)
                : lac_fail(
                      err, LAC_ENUMERIC,
-                     "solver.fidelity lumped cannot tell how far off it is: few steps of all cells "
-                     "come to no end, or to another one (level %zu); %s",
+                     "solver.fidelity lumped cannot estimate its error: a short run of all cells "
+                     "to compare with comes to no end, or to another one (level %zu); %s",
                      s->scene->lump->level, advice);
 }
 
@@ -376,8 +376,7 @@ lac_status lac_simulation_file(lac_simulation *simulation, lac_store_def *out, l
     if (s->scene->lump != NULL) {
         (void)snprintf(
             s->lumped, sizeof s->lumped,
-            "%zu cells stand for %zu: what stands for a cell is that of the one which is "
-            "most like it",
+            "%zu cells stand for %zu: each cell has the values of the one that is most like it",
             s->scene->lump->domain->n, s->scene->contact.domain->n);
         out->provenance.lumped = s->lumped;
     }

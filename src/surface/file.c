@@ -332,7 +332,7 @@ static const char *const view_words[] = {"same-frame", "mirror-x", "mirror-y", N
 static const lac_param file_params[] = {
     LAC_PATH("path", FIELD(path), 0,
              ".npy, ESRI ASCII grid .asc, gridded .xyz, Gwyddion .gsf, ISO 25178-71 .sdf or "
-             "netCDF; told by its content: the composite heights, or with `lower` the upper face"),
+             "netCDF; known by its content: the composite heights, or with `lower` the upper face"),
     LAC_TEXT("unit", FIELD(unit), LAC_OPTIONAL,
              "of the heights where the file says none; m if absent"),
     LAC_TEXT("lateral_unit", FIELD(lateral_unit), LAC_OPTIONAL,

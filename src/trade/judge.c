@@ -211,9 +211,8 @@ lac_status lac_trade_judge(lac_trade *trade, const lac_trade_request *ask, lac_e
         return no_quantity(trade->quantity, err);
     }
     LAC_FAIL_IF(!isnan(ask->within) && ask->unit != NULL && strcmp(ask->unit, info->unit) != 0, err,
-                LAC_EINPUT,
-                "--reach: is in %s, but what is traded is the %s, in %s (--quantity %s)", ask->unit,
-                info->doc, info->unit, info->name);
+                LAC_EINPUT, "--reach: is in %s, but the quantity is the %s, in %s (--quantity %s)",
+                ask->unit, info->doc, info->unit, info->name);
     const double unsure = uncertainty(trade, value);
     for (size_t i = 0; i < trade->runs; i++) {
         lac_trade_run *run = &trade->run[i];

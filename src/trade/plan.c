@@ -311,10 +311,10 @@ lac_status lac_trade_create(const lac_case *c, lac_trade_of of, const char *word
 {
     lac_status status = LAC_OK;
     *out = (lac_trade){.of = of};
-    LAC_FAIL_IF(
-        of == LAC_OF_RUN && !isnan(c->accuracy), err, LAC_EINPUT,
-        "%s: solver.accuracy is picked for by lacuna run; here solver.rtol counts: leave it out",
-        c->path);
+    LAC_FAIL_IF(of == LAC_OF_RUN && !isnan(c->accuracy), err, LAC_EINPUT,
+                "%s: solver.accuracy is for lacuna run, which picks settings by pilot runs; here "
+                "solver.rtol counts: leave it out",
+                c->path);
     if (words != NULL) {
         LAC_TRY(read_words(words, c, out, err));
     } else {

@@ -263,8 +263,8 @@ static lac_status set_beside(const lac_hierarchy *h, const stiffnesses *half, si
         return LAC_OK;
     }
     LAC_FAIL_IF(!(mean > 0 && there > 0), err, LAC_ENUMERIC,
-                "%zu probes do not tell the stiffness of level %zu: another seed", s->probes,
-                level);
+                "%zu probes do not determine the stiffness of level %zu: take another seed",
+                s->probes, level);
     for (size_t p = 0; p < s->probes; p++) {
         double other = finest ? 1 : half->part[p * half->levels + level - 1] / there;
         double off = s->part[p * s->levels + level] / mean - other;

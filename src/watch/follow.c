@@ -190,7 +190,7 @@ static lac_status open_file(lac_watch *w, lac_followed *f, lac_error *err)
         }
         lac_watch_blame(w, f->path, f->at.lines, f->station,
                         "the file was replaced while nobody watched, and the one before is gone: "
-                        "what it had more is not known",
+                        "readings that it had beyond these are lost",
                         NULL);
         f->at.inode = 0;
         return LAC_OK; // the new one at the next look

@@ -85,7 +85,7 @@ class Extremes(unittest.TestCase):
         for way in ways:
             done = self.run_case(shear=step, **way)
             self.assertEqual(done.returncode, 1, way)
-            self.assertRegex(done.stderr, r"^[^\n]*leaves the numbers at t = 100 s: beyond 2.35e\+17 m/s[^\n]*$")
+            self.assertRegex(done.stderr, r"^[^\n]*overflows at t = 100 s: beyond 2.35e\+17 m/s[^\n]*$")
         said = json.loads(done.stdout)
         self.assertEqual((said["status"], said["ended_by"]), ("failed", "error"))
         for key in ("failed", "failure_time_s", "failure_date"):
@@ -199,7 +199,7 @@ class Extremes(unittest.TestCase):
     def test_a_step_beyond_numbers(self):
         shear = ', shear: [{step: {value: "600 MPa", at: "1 s"}}]'
         for formulation in "rate", "traction", "slip":
-            self.breaks("slip rate of cell 0 leaves the numbers", shear=shear, every=1,
+            self.breaks("slip rate of cell 0 overflows", shear=shear, every=1,
                         formulation=formulation)
 
     def test_too_few_steps(self):

@@ -148,7 +148,7 @@ class Resume(unittest.TestCase):
         self.assertIn("began elsewhere", self.fit(*asked, "--resume", status=2))
         with open(self.kept, "wb") as file:
             file.write(b"mine")
-        self.assertIn("no fit wrote that", self.fit(*asked, "--force", status=2))
+        self.assertIn("was not written by fit", self.fit(*asked, "--force", status=2))
         with open(self.kept, "rb") as file:
             self.assertEqual(file.read(), b"mine")
         os.remove(self.kept)

@@ -266,7 +266,7 @@ class Trade(Program):
                 os.mkdir(self.runs)
                 make(notes, os.path.join(self.runs, name))
                 said = self.trade(BLOCK, *DIALS, status=2)
-                self.assertRegex(said, f"^lacuna: .*runs/{name}: no trade wrote that; move it away\n$")
+                self.assertRegex(said, f"^lacuna: .*runs/{name}: was not written by trade; move it away\n$")
                 with open(os.path.join(self.runs, name), encoding="ascii") as file:
                     self.assertEqual(file.read(), "mine\n")
                 with open(notes, encoding="ascii") as file:
@@ -303,7 +303,7 @@ class Trade(Program):
         os.mkdir(self.runs)
         with open(os.path.join(self.runs, "done"), "w", encoding="ascii") as done:
             done.write("something else\n")
-        self.assertIn("no trade wrote that", self.trade(BLOCK, "--resume", status=2))
+        self.assertIn("was not written by trade", self.trade(BLOCK, "--resume", status=2))
         with open(os.path.join(self.runs, "done"), encoding="ascii") as done:
             self.assertEqual(done.read(), "something else\n")
 
@@ -366,7 +366,7 @@ class Trade(Program):
         self.refused('"speed" is no quantity', BLOCK, "--quantity", "speed")
         self.refused("must be > 0 and <= time.end", BLOCK, "--until", "3 year")
         self.refused("solver.rtol", BLOCK, "--set", "solver.rtol=-1")
-        self.refused("solver.accuracy is picked for by lacuna run", BLOCK, "--set", "solver.accuracy=1e-3")
+        self.refused("solver.accuracy is for lacuna run", BLOCK, "--set", "solver.accuracy=1e-3")
         pressed = "cases/normal/approach.yaml"
         self.refused("rtol turns nothing in a contact", pressed, "--dials", "rtol")
         self.refused("shifts turns nothing but a cascade", BLOCK, "--dials", "shifts")
@@ -392,7 +392,7 @@ class Trade(Program):
         words = "cases/load/sine.yaml", "--dials", "rtol=1e-3:1e-4"
         self.assertIn("For 1 mm:", self.trade(*words, "--reach", "1 mm")["recommendation"])
         said = self.trade(*words, "--reach", "1 h", status=2)
-        self.assertIn("--reach: is in s, but what is traded is the mean slip at the end, in m", said)
+        self.assertIn("--reach: is in s, but the quantity is the mean slip at the end, in m", said)
 
     def test_critical_of_a_run(self):
         """Without a section rg q-crit is the largest load of a run, cells given or not."""
@@ -403,7 +403,7 @@ class Trade(Program):
     def test_words(self):
         """The table and the sentence that people read."""
         said = self.call("trade", BLOCK, *DIALS, "-o", self.out, "--reach", "1e-12").stdout
-        self.assertIn("Nothing tried does for", said)
+        self.assertIn("Nothing tried keeps to", said)
         said = self.call("trade", BLOCK, *DIALS, "-o", self.out, "--force", "--spend",
                          "1 min").stdout
         self.assertIn("For 1 min", said)

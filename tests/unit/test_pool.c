@@ -289,9 +289,9 @@ static void another_s(void **state)
     assert_non_null(strstr(err.message, "is of another case"));
     cli_keep_close(&other, false);
     assert_int_equal(cli_keep_open(&whose, out, false, count, &none, &err), LAC_EINPUT);
-    assert_non_null(strstr(err.message, "no trade wrote that"));
+    assert_non_null(strstr(err.message, "was not written by trade"));
     assert_int_equal(cli_keep_open(&whose, out, true, count, &none, &err), LAC_EINPUT);
-    assert_non_null(strstr(err.message, "no trade wrote that"));
+    assert_non_null(strstr(err.message, "was not written by trade"));
     cli_keep_close(&whose, false);
     keep = keep_of(5);
     assert_int_equal(cli_keep_open(&keep, out, true, count, &none, &err), LAC_OK);

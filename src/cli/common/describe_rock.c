@@ -117,7 +117,7 @@ lac_status cli_describe_rock(const cli_request *request, lac_error *err)
     const lac_rock *rock = NULL, *one;
     lac_json json = {.out = stdout};
     LAC_FAIL_IF(request->pipe != 0, err, LAC_EINPUT,
-                "describe: --pipe: tells of models and sections; of rocks --json does");
+                "describe: --pipe: prints models and sections; for rocks take --json");
     if (request->count > 1) {
         LAC_TRY_RETURN(find_rock(request->argument[1], &rock, err));
     }

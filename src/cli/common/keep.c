@@ -55,8 +55,8 @@ static lac_status check_folder(const cli_keep *keep, bool resume, lac_error *err
             (ours && (done || is_of_run(name))) || (done && resume)) {
             continue; // what `done` holds --resume says itself
         }
-        status = lac_fail(err, LAC_EINPUT, "%s/%s: no %s wrote that; move it away", keep->folder,
-                          name, keep->command);
+        status = lac_fail(err, LAC_EINPUT, "%s/%s: was not written by %s; move it away",
+                          keep->folder, name, keep->command);
     }
     (void)closedir(files);
     return status;

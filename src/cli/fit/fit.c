@@ -232,7 +232,7 @@ static void print_error(const lac_fit_unknown *x)
     if (isnan(x->error)) {
         puts("-");
     } else if (x->log && !(x->error < nothing)) {
-        printf("not told by the data; by %s\n", by[x->by]);
+        printf("not constrained by the data; by %s\n", by[x->by]);
     } else {
         printf("%s %.3g; by %s\n", x->log ? "a factor of" : "+-", x->log ? exp(x->error) : x->error,
                by[x->by]);
@@ -281,7 +281,7 @@ static void print_axis(const char *label, const lac_fit_result *r, const lac_fit
     if (axis->sigma < 10.0) {
         cli_row(label, "%s, to a factor of %.4g", text, exp(axis->sigma));
     } else {
-        cli_row(label, "%s, not told by the data", text);
+        cli_row(label, "%s, not constrained by the data", text);
     }
 }
 
@@ -300,7 +300,7 @@ static void print_pairs(const lac_fit_result *r, bool all)
 
 static void print_identifiability(const lac_fit_result *r, bool verbose)
 {
-    puts("\n  what the data tell, and what not");
+    puts("\n  what the data constrain, and what not");
     print_pairs(r, verbose);
     if (r->parameters > 1) {
         print_axis("known best", r, &r->axis[r->parameters - 1]);

@@ -38,7 +38,7 @@ static void print_input(const lac_forecast_outcome *of)
     }
     cli_row("issued", "%s", cli_watched_time(of, o->issue_time).s);
     if (o->asked && !o->accelerating) {
-        cli_row("", "nothing says that it accelerates: --since has the methods asked all the same");
+        cli_row("", "nothing says that it accelerates: --since runs the methods all the same");
     }
     if (o->asked) {
         cli_row("fitted since", "%s", cli_watched_time(of, o->window_start).s);

@@ -292,10 +292,10 @@ static void write_sentence(lac_trade *t, const lac_trade_request *ask)
     const lac_trade_run *run = t->recommended != NULL ? t->recommended : t->closest;
     int used = 0;
     if (run == NULL) {
-        used = snprintf(t->sentence, size, "Nothing tried has this quantity.");
+        used = snprintf(t->sentence, size, "No run that was tried has this quantity.");
     } else {
         used = snprintf(t->sentence, size, "%s %s%s %s (error %s +- %s, %s of CPU, %.3g MB).",
-                        run == t->recommended ? "For" : "Nothing tried does for", asked.s,
+                        run == t->recommended ? "For" : "Nothing tried keeps to", asked.s,
                         run == t->recommended ? ":" : "; the closest is", choice_text(run).s,
                         error_text(run->error).s, error_text(run->uncertainty).s,
                         cli_amount(run->m.cpu_time, "s").s, run->m.memory / 1e6);

@@ -177,7 +177,7 @@ lac_status cli_watch(const cli_request *request, lac_error *err)
     LAC_TRY(lac_fleet_read(request->argument[0], job.units, &job.fleet, err));
     LAC_TRY(read_plan(&job, &def.forecast, err));
     LAC_LEAVE_IF(cli_given(request, CLI_OPT_JSON) && request->output == NULL, err, LAC_EINPUT,
-                 "--json: tells of the whole at its end, and needs -o for the lines");
+                 "--json: sums up at the end, and needs -o for the lines");
     def.fleet = job.fleet;
     def.units = job.units;
     cli_signals_hold();
