@@ -77,7 +77,7 @@ static void jump_of_the_last_reading_is_watched(void **state)
         displacement[N - 1] += 0.3 * way;
         const lac_verdict found = judge_first(&def, N);
         assert_int_equal(found.level, way != 0 ? LAC_WATCH : LAC_QUIET);
-        assert_int_equal(strstr(found.rule, "read again") != NULL, way != 0);
+        assert_int_equal(strstr(found.rule, "measure again") != NULL, way != 0);
     }
     fill(slowing, 1.0, 0, 0.0);
     assert_int_equal(judge_first(&def, N).level, LAC_QUIET);
