@@ -5,7 +5,6 @@
 #include <assert.h>
 
 #include "base/statistics.h"
-#include "base/vsum.h"
 #include "model/internal.h"
 #include "model/weaken.h"
 
