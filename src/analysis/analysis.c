@@ -200,16 +200,16 @@ lac_critical_fraction lac_critical_fraction_of(const lac_rg_result *result, cons
                                                double beta)
 {
     const double lowest = 0.05; // the map's own range of fit
-    const lac_rg_estimate *c = &result->fixed_point;
+    const lac_rg_estimate *c = &result->fit.fixed_point;
     lac_critical_fraction out = {.value = NAN, .low = NAN, .high = NAN, .beta = beta};
-    if (isnan(result->map.lambda)) {
+    if (isnan(result->fit.map.lambda)) {
         (void)snprintf(out.source, sizeof out.source,
                        "none: %zu pairs of slipped fractions are too few for a map (%s)",
-                       result->map.points, how);
+                       result->fit.map.points, how);
     } else if (isnan(c->value)) {
         (void)snprintf(out.source, sizeof out.source,
                        "none: the map does not cross the diagonal, lambda = %.4g (%s)",
-                       result->map.lambda, how);
+                       result->fit.map.lambda, how);
     } else if (!(c->value > lowest && c->value < 1.0 - lowest)) {
         (void)snprintf(out.source, sizeof out.source,
                        "none: the map crosses the diagonal at %.3g only, beyond the range from %g "

@@ -236,34 +236,6 @@ void lac_fft_filter_rows(lac_fft *fft, const double *table)
     fftw_execute(fft->rows_inverse);
 }
 
-// sum of w |x|^2 over a column
-static double power(size_t n, const double *restrict w, const double *restrict x)
-{
-    double sum = 0.0;
-#pragma omp simd safelen(2) reduction(+ : sum)
-    for (size_t j = 0; j < n; j++) {
-        sum += w[j] * (x[2 * j] * x[2 * j] + x[2 * j + 1] * x[2 * j + 1]);
-    }
-    return sum;
-}
-
-double lac_fft_power(lac_fft *fft, const double *table)
-{
-    double total = 0.0;
-    fftw_execute(fft->rows_forward);
-    for (size_t first = 0; first < fft->nkx; first += BLOCK) {
-        const size_t width = take_columns(fft, first);
-        transform_columns(fft, fft->block, width);
-        for (size_t k = first; k < first + width; k++) {
-            bool alone = k == 0 || 2 * k == fft->nx;
-            total +=
-                (alone ? 1.0 : 2.0) * power(fft->ny, &table[k * fft->ny],
-                                            (const double *)&fft->block[(k - first) * fft->lead]);
-        }
-    }
-    return total;
-}
-
 lac_status lac_fft_even(size_t n0, size_t n1, double *quarter, lac_error *err)
 {
     int sides[2];

@@ -51,8 +51,7 @@ void lac_fft_inverse(lac_fft *fft);
 /// here, [columns.n * ny] by columns.
 void lac_fft_table(lac_fft *fft, double *table);
 
-/// Plans lac_fft_filter and lac_fft_power for data in the first rows only, zeros below. Overwrites
-/// the buffers.
+/// Plans lac_fft_filter for data in the first rows only, zeros below. Overwrites the buffers.
 lac_status lac_fft_plan_filter(lac_fft *fft, size_t rows, lac_error *err);
 
 /// real -> F^-1 (table F real) in the planned rows, unnormalised; table
@@ -63,9 +62,6 @@ void lac_fft_filter(lac_fft *fft, const double *table);
 /// real -> F^-1 (M F real) in the planned rows, F along x alone, unnormalised; table
 /// [nkx][rows][rows]: M of each wave, symmetric.
 void lac_fft_filter_rows(lac_fft *fft, const double *table);
-
-/// Sum over all wavenumbers of table |F real|^2; the inner columns stand for their mirror images.
-double lac_fft_power(lac_fft *fft, const double *table);
 
 /// Fourier transform of a real even field of 2 (n0 - 1) x 2 (n1 - 1) cells, unnormalised: from its
 /// quarter [n0 * n1], with its origin and both middle lines, to the same quarter of the transform.

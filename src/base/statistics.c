@@ -35,6 +35,13 @@ double lac_dot(size_t n, const double *x, const double *y)
     return sum;
 }
 
+void lac_take_off(size_t n, double part, const double *y, double *x)
+{
+    for (size_t i = 0; i < n; i++) {
+        x[i] -= part * y[i];
+    }
+}
+
 double lac_median(size_t n, double *values)
 {
     gsl_sort(values, 1, n);
@@ -68,6 +75,12 @@ double lac_quantile(size_t n, const double *sorted, double share)
     const double part = at - (double)low;
     return isinf(sorted[high]) ? sorted[part > 0.5 ? high : low]
                                : sorted[low] + part * (sorted[high] - sorted[low]);
+}
+
+double lac_alike(size_t n, const double *x, double floor, double least, double most)
+{
+    const double square = lac_dot(n, x, x) + floor;
+    return square > 0.0 ? fmin(most, fmax(least, lac_dot(n - 1, x, x + 1) / square)) : 0.0;
 }
 
 int lac_by_first(const void *left, const void *right)
@@ -149,10 +162,7 @@ static const double dependent = 1e-12;
 // x -= 2 v (v.x) / (v.v)
 static void reflect(size_t n, const double *v, double squares, double *x)
 {
-    double part = 2.0 * lac_vdot(n, v, x) / squares;
-    for (size_t i = 0; i < n; i++) {
-        x[i] -= part * v[i];
-    }
+    lac_take_off(n, 2.0 * lac_vdot(n, v, x) / squares, v, x);
 }
 
 double lac_least_squares(size_t n, size_t k, double *columns, double *y, double *c)

@@ -8,6 +8,9 @@ double lac_sum(size_t n, const double *x);
 double lac_mean(size_t n, const double *x);
 double lac_dot(size_t n, const double *x, const double *y);
 
+/// x -= part y
+void lac_take_off(size_t n, double part, const double *y, double *x);
+
 /// Median of n values, which are put in order; NaN where n = 0.
 double lac_median(size_t n, double *values);
 
@@ -22,6 +25,10 @@ double lac_quantile(size_t n, const double *sorted, double share);
 /// @param noise  not > 0: not known, and explains nothing
 /// @param free   degrees of freedom of the residuals, at least 1 is taken
 double lac_unexplained(double rms, double noise, double free);
+
+/// Correlation of x with the values one later, about 0, held between two ends; 0 where all are 0.
+/// @param floor  that the sum of squares has besides
+double lac_alike(size_t n, const double *x, double floor, double least, double most);
 
 /// For qsort: elements that begin with a double, smallest first.
 int lac_by_first(const void *left, const void *right);

@@ -351,8 +351,5 @@ lac_status lac_domain_from_source(const lac_model *model, const lac_grid *grid,
 out:
     free(occupied);
     free(pressure);
-    if (status != LAC_OK) {
-        return lac_fail_within(err, status, "domain %s", model->info->name);
-    }
-    return LAC_OK;
+    return lac_fail_within(err, status, "domain %s", model->info->name);
 }

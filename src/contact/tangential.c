@@ -60,7 +60,6 @@ lac_status lac_tangential_create(const lac_tangential_def *def, lac_tangential *
     const size_t cells = lac_grid_cells(&def->grid);
     t->def = *def;
     t->softness = softness_of(def);
-    t->used[0] = t->used[1] = def->poisson > 0.0;
     t->traction[0] = calloc(6 * cells, sizeof *t->traction[0]);
     t->state = calloc(cells, sizeof *t->state);
     LAC_TRY(t->traction[0] != NULL && t->state != NULL ? LAC_OK : lac_fail_memory(err));
@@ -201,7 +200,6 @@ static lac_status fill_target(lac_tangential *t, const lac_tangential_target *ta
             held ? 0.0 : (target->value[axis] - t->shift[axis]) / t->softness / s->unit;
         LAC_FAIL_IF(!isfinite(s->p.shift[axis] * s->p.shift[axis]), err, LAC_EINPUT,
                     "a shift of %g m is beyond numbers", target->value[axis]);
-        t->space->used[axis] = t->used[axis] || target->value[axis] != 0.0;
     }
     return LAC_OK;
 }
@@ -211,7 +209,7 @@ static void take_displacements(lac_tangential *t, double unit)
     const size_t nx = t->def.grid.nx, ny = t->def.grid.ny;
     for (size_t axis = 0; axis < 2; axis++) {
         const lac_fft *fft = t->space->fft[axis];
-        for (size_t j = 0; j < ny && t->space->used[axis]; j++) {
+        for (size_t j = 0; j < ny; j++) {
             for (size_t i = 0; i < nx; i++) {
                 t->u[axis][j * nx + i] = fft->real[j * fft->nx + i] * unit;
             }
@@ -281,7 +279,6 @@ static void keep_shift(lac_tangential *t, const step *s, const lac_tangential_ta
                        lac_tangential_stats *report)
 {
     for (int axis = 0; axis < 2; axis++) {
-        t->used[axis] = t->space->used[axis];
         if (s->p.held[axis]) {
             t->shift[axis] += s->p.shift[axis] * s->unit * t->softness;
             report->traction[axis] = target->value[axis];

@@ -53,7 +53,6 @@ typedef struct lac_tangential {
     double *u[2];    ///< displacements, in the unit of space
     uint8_t *state;  ///< [ny * nx] lac_cell_state
     double shift[2]; ///< [m]
-    bool used[2];    ///< axes that have ever been loaded, or are coupled to one that has
 } lac_tangential;
 
 /// A def with tolerance 1e-8 and 2000 iterations; the rest is the caller's.

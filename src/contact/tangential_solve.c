@@ -35,9 +35,6 @@ static void scatter(const lac_shear_problem *p, const double *x)
     for (size_t axis = 0; axis < 2; axis++) {
         const lac_fft *fft = p->space->fft[axis];
         const double *from = &x[axis * p->n];
-        if (!p->space->used[axis]) {
-            continue;
-        }
         memset(fft->real, 0, fft->nx * fft->ny * sizeof *fft->real);
         for (size_t i = 0; i < p->n; i++) {
             size_t at = p->cell[i];
@@ -54,7 +51,7 @@ static void gather(const lac_shear_problem *p, double *x)
         double *to = &x[axis * p->n];
         for (size_t i = 0; i < p->n; i++) {
             size_t at = p->cell[i];
-            to[i] = p->space->used[axis] ? fft->real[at + at / nx * (fft->nx - nx)] : 0.0;
+            to[i] = fft->real[at + at / nx * (fft->nx - nx)];
         }
     }
 }
@@ -218,7 +215,7 @@ static double mean_step(const iteration *it, size_t axis)
     const lac_shear_problem *p = it->p;
     const size_t n = p->n;
     double sum = 0.0;
-    if (p->held[axis] || !p->space->used[axis] || 2 * n < p->space->nx * p->space->ny) {
+    if (p->held[axis] || 2 * n < p->space->nx * p->space->ny) {
         return 0.0;
     }
     for (size_t i = 0; i < n; i++) {

@@ -11,9 +11,8 @@ typedef struct lac_shear_space {
     size_t nx, ny;
     double length;     ///< longest side [m]
     lac_fft *fft[2];   ///< x and y; rows of real are fft->nx long
-    bool used[2];      ///< axes that carry anything; both where they are coupled
-    double *xx;        ///< [ny * nkx]; nu = 0: [nkx * ny] by columns, of both axes
-    double *yy, *xy;   ///< [ny * nkx]; nu = 0: NULL, the axes are not coupled
+    double *xx, *yy;   ///< [ny * nkx] of each axis by itself
+    double *xy;        ///< [ny * nkx] what couples them
     double *stiffness; ///< [nkx * ny] |q|, by columns
     double self;       ///< displacement of a cell under its own unit traction, about
     double most;       ///< no traction is displaced by more than this times itself
@@ -55,7 +54,7 @@ typedef struct lac_shear_problem {
     int64_t iterations, products;
 } lac_shear_problem;
 
-/// The fields of u of all cells are in space->fft[axis]->real at the end, where used.
+/// The fields of u of all cells are in space->fft[axis]->real at the end.
 lac_status lac_shear_solve(lac_shear_problem *p, lac_error *err);
 
 /// tau_i = the point of the disc of radius limit_i nearest to y_i + lambda; lambda, a first guess,

@@ -7,12 +7,6 @@
 //   u_x = (I0 - nu Iyy) tau_x + nu Ixy tau_y,  u_y likewise                           free
 // both in the same unit. docs/theory/tangential.md, "Operator".
 
-// Where a table keeps a wavenumber: by columns for lac_fft_filter, else as the spectrum does.
-static size_t place(const lac_fft *fft, bool by_columns, size_t i, size_t j)
-{
-    return by_columns ? i * fft->ny + j : j * fft->nkx + i;
-}
-
 typedef struct spacing {
     double dx, dy; // of cells, in units of the longest side
 } spacing;
@@ -27,14 +21,12 @@ static void fill_waves(lac_shear_space *s, bool periodic, spacing d, double nu)
             double qy = lac_fft_frequency(j, fft->ny) / (d.dy * (double)fft->ny);
             double kappa = hypot(qx, qy);
             double w = i + j > 0 ? 1.0 / kappa : 0.0;
-            size_t at = place(fft, s->xy == NULL, i, j);
+            size_t at = j * fft->nkx + i;
             s->stiffness[i * fft->ny + j] = kappa / cells;
             if (periodic) {
-                s->xx[at] = w * (1.0 - nu * qx * qx * w * w) / cells;
-            }
-            if (periodic && s->xy != NULL) {
                 // odd in both wavenumbers: the Nyquist lines, their own mirror images, have none
                 bool nyquist = 2 * i == fft->nx || 2 * j == fft->ny;
+                s->xx[at] = w * (1.0 - nu * qx * qx * w * w) / cells;
                 s->yy[at] = w * (1.0 - nu * qy * qy * w * w) / cells;
                 s->xy[at] = nyquist ? 0.0 : -nu * qx * qy * w * w * w / cells;
             }
@@ -94,10 +86,8 @@ static void fill_free(lac_shear_space *s, part which, double nu, spacing d, doub
     const double cells = (double)fft->nx * (double)fft->ny;
     fill_kernel(fft, which, nu, d);
     lac_fft_forward(fft);
-    for (size_t i = 0; i < fft->nkx; i++) {
-        for (size_t j = 0; j < fft->ny; j++) {
-            table[place(fft, s->xy == NULL, i, j)] = creal(fft->spectrum[j * fft->nkx + i]) / cells;
-        }
+    for (size_t at = 0; at < fft->nkx * fft->ny; at++) {
+        table[at] = creal(fft->spectrum[at]) / cells;
     }
 }
 
@@ -107,8 +97,6 @@ static void fill_tables(lac_shear_space *s, const lac_grid *grid, double nu)
     fill_waves(s, grid->periodic, d, nu);
     if (!grid->periodic) {
         fill_free(s, WHOLE_X, nu, d, s->xx);
-    }
-    if (!grid->periodic && s->xy != NULL) {
         fill_free(s, WHOLE_Y, nu, d, s->yy);
         fill_free(s, CROSS, nu, d, s->xy);
     }
@@ -121,12 +109,10 @@ static void measure(lac_shear_space *s)
     double self = 0.0, most = 0.0;
     for (size_t i = 0; i < fft->nkx; i++) {
         for (size_t j = 0; j < fft->ny; j++) {
-            size_t at = place(fft, s->xy == NULL, i, j);
-            double xx = s->xx[at];
-            double yy = s->yy != NULL ? s->yy[at] : xx;
-            double xy = s->xy != NULL ? s->xy[at] : 0.0;
+            size_t at = j * fft->nkx + i;
+            double xx = s->xx[at], yy = s->yy[at];
             self += (i > 0 && 2 * i < fft->nx ? 2.0 : 1.0) * 0.5 * (xx + yy);
-            most = fmax(most, 0.5 * (xx + yy) + hypot(0.5 * (xx - yy), xy));
+            most = fmax(most, 0.5 * (xx + yy) + hypot(0.5 * (xx - yy), s->xy[at]));
         }
     }
     // one periodic cell: whatever moves it, it moves as a whole
@@ -141,7 +127,6 @@ static lac_status plan(lac_shear_space *s, bool periodic, lac_error *err)
     for (int axis = 0; axis < 2; axis++) {
         LAC_TRY_RETURN(lac_fft_create(mx * s->nx, my * s->ny, &s->fft[axis], err));
         LAC_TRY_RETURN(lac_fft_plan_filter(s->fft[axis], s->ny, err));
-        s->used[axis] = true;
     }
     return LAC_OK;
 }
@@ -157,12 +142,11 @@ lac_status lac_shear_space_create(const lac_grid *grid, double poisson, lac_shea
     s->length = fmax((double)grid->nx * grid->dx, (double)grid->ny * grid->dy);
     LAC_TRY(plan(s, grid->periodic, err));
     size_t modes = s->fft[0]->nkx * s->fft[0]->ny;
-    bool coupled = poisson > 0.0;
-    s->xx = malloc((coupled ? 4 : 2) * modes * sizeof *s->xx);
+    s->xx = malloc(4 * modes * sizeof *s->xx);
     LAC_TRY(s->xx != NULL ? LAC_OK : lac_fail_memory(err));
     s->stiffness = s->xx + modes;
-    s->yy = coupled ? s->stiffness + modes : NULL;
-    s->xy = coupled ? s->yy + modes : NULL;
+    s->yy = s->stiffness + modes;
+    s->xy = s->yy + modes;
     fill_tables(s, grid, poisson);
     measure(s);
 out:
@@ -195,21 +179,8 @@ static void couple(const lac_shear_space *s, size_t n, double *restrict x, doubl
     }
 }
 
-static void filter_each(lac_shear_space *s, const double *table)
-{
-    for (int axis = 0; axis < 2; axis++) {
-        if (s->used[axis]) {
-            lac_fft_filter(s->fft[axis], table);
-        }
-    }
-}
-
 void lac_shear_space_displace(lac_shear_space *s)
 {
-    if (s->xy == NULL) {
-        filter_each(s, s->xx);
-        return;
-    }
     lac_fft_forward(s->fft[0]);
     lac_fft_forward(s->fft[1]);
     couple(s, s->fft[0]->nkx * s->fft[0]->ny, (double *)s->fft[0]->spectrum,
@@ -218,7 +189,11 @@ void lac_shear_space_displace(lac_shear_space *s)
     lac_fft_inverse(s->fft[1]);
 }
 
-void lac_shear_space_unload(lac_shear_space *s) { filter_each(s, s->stiffness); }
+void lac_shear_space_unload(lac_shear_space *s)
+{
+    lac_fft_filter(s->fft[0], s->stiffness);
+    lac_fft_filter(s->fft[1], s->stiffness);
+}
 
 // sum of xx |x|^2 + yy |y|^2 + 2 xy Re(x conj y) over n wavenumbers of a row
 static double row_energy(const lac_shear_space *s, size_t row, size_t n, const double *restrict x,
@@ -238,7 +213,7 @@ static double row_energy(const lac_shear_space *s, size_t row, size_t n, const d
     return sum;
 }
 
-static double coupled_energy(lac_shear_space *s)
+double lac_shear_space_energy(lac_shear_space *s)
 {
     const lac_fft *fft = s->fft[0];
     const double *x = (const double *)s->fft[0]->spectrum;
@@ -257,18 +232,6 @@ static double coupled_energy(lac_shear_space *s)
             sum -= row_energy(s, end, 1, &x[2 * end], &y[2 * end]);
         }
         total += sum;
-    }
-    return total;
-}
-
-double lac_shear_space_energy(lac_shear_space *s)
-{
-    if (s->xy != NULL) {
-        return coupled_energy(s);
-    }
-    double total = 0.0;
-    for (int axis = 0; axis < 2; axis++) {
-        total += s->used[axis] ? lac_fft_power(s->fft[axis], s->xx) : 0.0;
     }
     return total;
 }

@@ -74,9 +74,7 @@ double lac_fit_take_offset(size_t n, const double *one, double *white, double *o
 {
     const double ee = lac_dot(n, one, one);
     *offset = ee > 0.0 ? lac_dot(n, one, white) / ee : 0.0;
-    for (size_t i = 0; i < n; i++) {
-        white[i] -= *offset * one[i];
-    }
+    lac_take_off(n, *offset, one, white);
     return ee;
 }
 

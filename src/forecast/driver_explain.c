@@ -95,10 +95,7 @@ static void group(const lac_motion *m, const lac_driver_grid *grid, record *r)
 static void take_off(size_t n, size_t columns, const double (*base)[MOST], double *x)
 {
     for (size_t c = 0; c < columns; c++) {
-        const double part = lac_dot(n, base[c], x);
-        for (size_t i = 0; i < n; i++) {
-            x[i] -= part * base[c][i];
-        }
+        lac_take_off(n, lac_dot(n, base[c], x), base[c], x);
     }
 }
 
@@ -221,14 +218,10 @@ static void project(const record *r, size_t others, const double *const *column,
     take_off(r->n, others + 1, (const double(*)[MOST])base, rest);
     const double own = lac_dot(r->n, last, last);
     f->c = own > 0.0 ? lac_dot(r->n, last, rest) / own : 0.0;
-    double along = 0.0;
-    for (size_t i = 0; i < r->n; i++) {
-        rest[i] -= f->c * last[i];
-        along += i > 0 ? rest[i] * rest[i - 1] : 0.0;
-    }
+    lac_take_off(r->n, f->c, last, rest);
     f->squares = lac_dot(r->n, rest, rest);
     // residuals as a first-order autoregression
-    const double alike = f->squares > 0.0 ? fmin(most_alike, fmax(0.0, along / f->squares)) : 0.0;
+    const double alike = lac_alike(r->n, rest, 0.0, 0.0, most_alike);
     const double freedom = (double)(r->n - others - 2);
     f->error = own > 0.0 ? sqrt(f->squares / freedom / own * (1.0 + alike) / (1.0 - alike)) : 0.0;
 }

@@ -61,18 +61,11 @@ static double product(const sample *s, const double *x, const double *y)
     return sum;
 }
 
-static void take_out(const sample *s, double part, const double *of, double *x)
-{
-    for (size_t i = 0; i < s->n; i++) {
-        x[i] -= part * of[i];
-    }
-}
-
 // Takes the line out of x.
 static void level(const sample *s, double *x)
 {
-    take_out(s, product(s, x, s->even), s->even, x);
-    take_out(s, product(s, x, s->steady), s->steady, x);
+    lac_take_off(s->n, product(s, x, s->even), s->even, x);
+    lac_take_off(s->n, product(s, x, s->steady), s->steady, x);
 }
 
 // The part of a sample that lies within `span` before now, ready for curves.
@@ -89,7 +82,7 @@ static void cut(const sample *all, double span, double resolution, sample *s)
         s->even[g] = one;
         s->steady[g] = s->t[g];
     }
-    take_out(s, product(s, s->steady, s->even), s->even, s->steady);
+    lac_take_off(s->n, product(s, s->steady, s->even), s->even, s->steady);
     const double length = sqrt(product(s, s->steady, s->steady));
     for (size_t g = 0; g < s->n; g++) {
         s->steady[g] /= length;
@@ -180,9 +173,7 @@ static double likelihood(const family *f, double half, double least)
 // Half the number of residuals, as many as independent ones would tell.
 static double half_count(const sample *s, const double *residual)
 {
-    const double square = lac_dot(s->n, residual, residual) + s->floor;
-    const double r = fmax(0.0, lac_dot(s->n - 1, residual, residual + 1) / square);
-    const double alike = fmin(most_alike, r);
+    const double alike = lac_alike(s->n, residual, s->floor, 0.0, most_alike);
     return 0.5 * fmax(0.0, (double)s->n * (1.0 - alike) / (1.0 + alike) - parameters);
 }
 

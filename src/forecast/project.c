@@ -8,9 +8,9 @@
 #include "forecast/kinds.h"
 
 enum { STARTS = 4, ITERATIONS = 100 };
-static const double farthest = 20.0; // remaining time over the window's length
-static const double most_alike = 0.95;
-static const double at_an_end = 1e-4; // of the steepest shape: one that has no say is held
+static const double farthest = 20.0;   // remaining time over the window's length
+static const double most_alike = 0.95; // residuals, which widens errors 6 times
+static const double at_an_end = 1e-4;  // of the steepest shape: one that has no say is held
 
 // The best places so far, in the order of their sums.
 typedef struct places {
@@ -106,22 +106,13 @@ static int residuals(const gsl_vector *x, void *context, gsl_vector *f)
     return GSL_SUCCESS;
 }
 
-// First-order autocorrelation of the residuals, from 0 to what widens errors 6 times.
-static double alike(const lac_projection *self)
-{
-    const size_t n = self->window->n;
-    const double *r = self->residual;
-    const double square = lac_dot(n, r, r);
-    return square > 0.0 ? fmin(most_alike, fmax(0.0, lac_dot(n - 1, r, r + 1) / square)) : 0.0;
-}
-
 static void judge(lac_projection *self, const gsl_multifit_nlinear_workspace *work,
                   gsl_matrix *covariance, const double *p, lac_forecast_fit *fit)
 {
     const lac_window *w = self->window;
     const double sum = lac_projection_eval(self, p);
     const double free = fmax(1.0, (double)w->n - (double)(self->shapes + self->columns));
-    const double r = alike(self);
+    const double r = lac_alike(w->n, self->residual, 0.0, 0.0, most_alike);
     double low, high;
     gsl_stats_minmax(&low, &high, w->displacement, 1, w->n);
     (void)gsl_multifit_nlinear_covar(gsl_multifit_nlinear_jac(work), at_an_end, covariance);

@@ -168,10 +168,8 @@ static lac_status solve(const lac_contact_def *fine, size_t m, lac_coarsening ho
     def.start = NULL;
     coarsen(fine, m, how, heights);
     lac_status status = lac_contact_solve(&def, pressure, NULL, &report, err);
-    if (status != LAC_OK) {
-        return lac_fail_within(err, status, "area scaling, %zu x %zu cells", def.grid.nx,
-                               def.grid.ny);
-    }
+    LAC_TRY_RETURN(
+        lac_fail_within(err, status, "area scaling, %zu x %zu cells", def.grid.nx, def.grid.ny));
     *at = observe(&def.grid, heights, pressure);
     return LAC_OK;
 }

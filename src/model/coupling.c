@@ -2,7 +2,6 @@
 // What couples the cells: the force that slip puts on them through the rock, less that of far
 // motion and far loads; and damping of their mean rate.
 #include "base/clones.h"
-#include "base/vsum.h"
 #include "model/internal.h"
 
 lac_status lac_problem_anchor(lac_problem *problem, lac_error *err)

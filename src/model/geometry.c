@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a base whose dip and thickness follow the mean slip does to the cells: all pressures go with
 // the normal force, and the pull of the weight is shared as they are; docs/theory/loads.md.
-#include "base/vsum.h"
 #include "model/internal.h"
 
 lac_status lac_problem_geometry_init(lac_problem *problem, lac_error *err)

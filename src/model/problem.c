@@ -2,8 +2,9 @@
 // A problem put together and checked: cells, friction, loads, and the traction at t = 0.
 #include "model/problem.h"
 
+#include <assert.h>
+
 #include "base/statistics.h"
-#include "base/vsum.h"
 #include "model/internal.h"
 #include "model/weaken.h"
 
@@ -108,22 +109,6 @@ static lac_status check_solvable(const lac_problem *problem, size_t n, lac_error
     return LAC_OK;
 }
 
-// Whoever made the loads knows the contact, and with it how elastic rock shares a force.
-static lac_status check_shape(const lac_problem *problem, lac_error *err)
-{
-    LAC_FAIL_IF(problem->loads.shaped && problem->loads.shape == NULL, err, LAC_EINPUT,
-                "a load is shared as elastic rock does, but its shape over the cells is not given");
-    return LAC_OK;
-}
-
-// Nor do they know the cells by themselves.
-static lac_status check_places(const lac_problem *problem, lac_error *err)
-{
-    LAC_FAIL_IF(problem->varies && problem->loads.places.n != problem->range.all, err, LAC_EINPUT,
-                "a load differs from cell to cell, but the places of the cells are not given");
-    return LAC_OK;
-}
-
 static void add_squares(const void *context, size_t first, size_t end, double *sums)
 {
     const double *x = context;
@@ -195,8 +180,9 @@ lac_status lac_problem_create(const lac_problem_def *def, lac_problem **out, lac
     LAC_TRY(lac_inertia_init(problem, def, err));
     LAC_TRY(check_solvable(problem, def->domain->n, err));
     LAC_TRY(lac_weaken_check(problem, err));
-    LAC_TRY(check_shape(problem, err));
-    LAC_TRY(check_places(problem, err));
+    // Whoever made the loads knows the contact and its cells.
+    assert(!problem->loads.shaped || problem->loads.shape != NULL);
+    assert(!problem->varies || problem->loads.places.n == problem->range.all);
     LAC_TRY(lac_problem_geometry_init(problem, err));
     status = take_part(problem, err);
     LAC_TRY(

@@ -2,7 +2,6 @@
 // Unknowns (ln v, ln theta): the balance differentiated in time; docs/theory/creep.md eqs. 2, 3, 5.
 #include "base/clones.h"
 #include "base/parallel_for.h"
-#include "base/statistics.h"
 #include "base/vmath.h"
 #include "base/vsum.h"
 #include "model/internal.h"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // ln v across a jump of the loads: the rates that carry what the cells carry then, and their mean,
 // which damps them; docs/theory/creep.md.
-#include "base/vsum.h"
 #include "model/internal.h"
 
 // A jump of the loads, and the mean rate before it.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The factor of safety: what friction would hold at a reference slip rate, in the states that the
 // cells are in, over what drives; docs/theory/safety.md.
-#include "base/vsum.h"
 #include "model/internal.h"
 #include "model/weaken.h"
 

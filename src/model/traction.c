@@ -2,7 +2,6 @@
 // Unknowns (tau, ln theta), tau = q - K slip: v of either sign is solved from the balance;
 // docs/theory/creep.md eqs. 6 to 8.
 #include "base/clones.h"
-#include "base/vsum.h"
 #include "model/internal.h"
 #include "model/weaken.h"
 

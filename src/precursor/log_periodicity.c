@@ -60,9 +60,7 @@ static void make_waves(lomb *l)
         (void)straighten(l, odd);
         normalise(l->n, even);
         const double along = lac_dot(l->n, even, odd);
-        for (size_t i = 0; i < l->n; i++) {
-            odd[i] -= along * even[i];
-        }
+        lac_take_off(l->n, along, even, odd);
         normalise(l->n, odd);
     }
 }
@@ -85,16 +83,9 @@ static double peak(lomb *l, double *x, double *omega)
     return best;
 }
 
-static double autocorrelation(const lomb *l)
-{
-    const double square = lac_dot(l->n, l->r, l->r);
-    const double lagged = lac_dot(l->n - 1, l->r, l->r + 1);
-    return square > 0.0 ? fmin(0.99, fmax(-0.99, lagged / square)) : 0.0;
-}
-
 static double significance(lomb *l, const lac_precursor_inputs *in, double power)
 {
-    const double phi = autocorrelation(l);
+    const double phi = lac_alike(l->n, l->r, 0.0, -0.99, 0.99);
     const size_t surrogates = in->surrogates < SURROGATES ? in->surrogates : SURROGATES;
     size_t above = 0;
     double omega;

@@ -37,10 +37,7 @@ static void straighten(const passage *p, size_t columns, double *x)
 {
     for (size_t k = 0; k < columns; k++) {
         const double *q = p->smooth + k * p->n;
-        const double along = lac_dot(p->n, q, x);
-        for (size_t i = 0; i < p->n; i++) {
-            x[i] -= along * q[i];
-        }
+        lac_take_off(p->n, lac_dot(p->n, q, x), q, x);
     }
 }
 

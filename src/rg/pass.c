@@ -14,29 +14,19 @@ static bool before(const lac_rg_child *a, const lac_rg_child *b)
     return a->strength != b->strength ? a->strength < b->strength : a->block < b->block;
 }
 
-static int compare(const void *a, const void *b)
-{
-    const lac_rg_child *x = a, *y = b;
-    return before(x, y) ? -1 : before(y, x) ? 1 : 0;
-}
-
-// The children of a block in the order in which they slip; gives back how many.
+// The children of a block, which are few, in the order in which they slip; gives back how many.
 static size_t sort(const lac_rg_layer *below, uint32_t begin, uint32_t end, lac_rg_child *order)
 {
-    const size_t few = 16;
     const size_t n = end - begin;
     for (size_t i = 0; i < n; i++) {
         uint32_t c = begin + (uint32_t)i;
         lac_rg_child child = {below->gap[c], below->strength[c], c};
         size_t at = i;
-        while (n <= few && at > 0 && before(&child, &order[at - 1])) {
+        while (at > 0 && before(&child, &order[at - 1])) {
             order[at] = order[at - 1];
             at--;
         }
         order[at] = child;
-    }
-    if (n > few) {
-        qsort(order, n, sizeof *order, compare);
     }
     return n;
 }

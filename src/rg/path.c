@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How the load grows, and what stress it puts on every cell: equal shares, or the elastic solution.
+#include <assert.h>
 #include <gsl/gsl_sort.h>
 
 #include "rg/tree.h"
@@ -45,11 +46,25 @@ static void fill_equal(lac_rg_path *path, const double *strength, const double *
     }
 }
 
+// Whether strengths are > 0 and can be added up.
+static lac_status check_strengths(size_t n, const double *strength, lac_error *err)
+{
+    LAC_FAIL_IF(n == 0, err, LAC_EINPUT, "no cell is in contact");
+    double total = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        LAC_FAIL_IF(!(strength[i] > 0.0 && isfinite(strength[i])), err, LAC_EINPUT,
+                    "the strength of cell %zu must be > 0 Pa, not %g", i, strength[i]);
+        total += strength[i];
+    }
+    return isfinite(total) ? LAC_OK
+                           : lac_fail(err, LAC_EINPUT, "the strengths are too large to add up");
+}
+
 lac_status lac_rg_path_further(size_t n, const double *strength, const double *shear,
                                lac_rg_path **out, lac_error *err)
 {
     *out = NULL;
-    LAC_TRY_RETURN(lac_rg_check_strengths(n, strength, err));
+    LAC_TRY_RETURN(check_strengths(n, strength, err));
     for (size_t i = 0; shear != NULL && i < n; i++) {
         LAC_FAIL_IF(!isfinite(shear[i]), err, LAC_EINPUT, "the traction of cell %zu is %g Pa", i,
                     shear[i]);
@@ -80,28 +95,12 @@ lac_status lac_rg_path_uniform(size_t n, const double *strength, lac_rg_path **o
     return status;
 }
 
-static lac_status check_series(const lac_rg_series *s, lac_error *err)
-{
-    bool falls = s->loads >= 2 && s->part[0] == 1.0 && s->part[s->loads - 1] == 0.0;
-    for (size_t k = 1; k < s->loads && falls; k++) {
-        falls = s->part[k] < s->part[k - 1];
-    }
-    LAC_FAIL_IF(!falls, err, LAC_EINPUT, "the parts of the load must fall from 1 to 0");
-    LAC_FAIL_IF(!(s->friction > 0.0 && isfinite(s->friction)), err, LAC_EINPUT,
-                "the coefficient of friction must be > 0, not %g", s->friction);
-    for (size_t i = 0; i < s->n * s->loads; i++) {
-        LAC_FAIL_IF(!(s->pressure[i] >= 0.0 && isfinite(s->pressure[i])), err, LAC_EINPUT,
-                    "the pressure of cell %zu at load %zu is %g Pa", i % s->n, i / s->n,
-                    s->pressure[i]);
-    }
-    return lac_rg_check_strengths(s->n, s->pressure, err);
-}
-
 lac_status lac_rg_path_elastic(const lac_rg_series *series, lac_rg_path **out, lac_error *err)
 {
     const size_t n = series->n, loads = series->loads;
     *out = NULL;
-    LAC_TRY_RETURN(check_series(series, err));
+    assert(loads >= 2 && series->part[0] == 1.0 && series->part[loads - 1] == 0.0);
+    LAC_TRY_RETURN(check_strengths(n, series->pressure, err));
     lac_rg_path *path = calloc(1, sizeof *path + loads * (n + 1) * sizeof *path->memory);
     LAC_FAIL_MEMORY_IF(path == NULL, err);
     path->n = n;

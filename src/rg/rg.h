@@ -36,6 +36,7 @@ typedef struct lac_rg_blocks {
 } lac_rg_blocks;
 
 /// Any tree, of blocks with any number of children.
+/// @pre   the blocks of a level nest in those of the next; strengths are a path's, drops no more
 lac_status lac_rg_tree_from_blocks(const lac_rg_blocks *blocks, const double *strength,
                                    const double *drop, lac_rg_tree **out, lac_error *err);
 void lac_rg_tree_free(lac_rg_tree *tree);

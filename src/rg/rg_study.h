@@ -77,8 +77,7 @@ typedef struct lac_rg_result {
     double critical_error; ///< of the mean: sd/sqrt(joints), or /sqrt(places) where there is one
     double *of_joint;      ///< [joints] Q_crit/Q_nom of each, mean over places
     double place_sd;       ///< standard deviation among the places of a joint, mean over joints
-    lac_rg_map map;        ///< fitted to all pairs of levels with 8 blocks at least
-    lac_rg_estimate fixed_point, lambda, nu;
+    lac_rg_fit fit;        ///< of all pairs of levels with 8 blocks at least
     lac_rg_power cluster_law, block_law; ///< of the two correlation lengths below
     double *load;                        ///< [loads] Q/Q_nom
     double *fraction;                    ///< [loads * (levels + 1)] N_slip/N_tot, mean

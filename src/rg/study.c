@@ -389,7 +389,6 @@ static lac_status fit_map(const lac_rg_study *study, lac_rg_result *r, lac_error
 {
     const size_t samples = study->joints * study->def.places;
     const size_t most = samples * study->def.loads * (study->levels + 1);
-    lac_rg_fit fit;
     double *s = malloc((2 * most + 1) * sizeof *s);
     size_t *first = malloc((samples + 1) * sizeof *first);
     lac_status status = s != NULL && first != NULL ? LAC_OK : lac_fail_memory(err);
@@ -405,13 +404,7 @@ static lac_status fit_map(const lac_rg_study *study, lac_rg_result *r, lac_error
         }
         first[groups] = n;
         status = lac_rg_map_resample(groups, first, s, s + most, study->def.resamplings,
-                                     study->def.seed, &fit, err);
-    }
-    if (status == LAC_OK) {
-        r->map = fit.map;
-        r->fixed_point = fit.fixed_point;
-        r->lambda = fit.lambda;
-        r->nu = fit.nu;
+                                     study->def.seed, &r->fit, err);
     }
     free(first);
     free(s);

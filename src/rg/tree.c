@@ -2,6 +2,8 @@
 // The blocks over the cells as the cascade keeps them: levels that merge nothing share a layer.
 #include "rg/tree.h"
 
+#include <assert.h>
+
 enum { SUMS = 6 }; // arrays of doubles a layer
 
 size_t lac_rg_levels(const lac_rg_tree *tree) { return tree->levels; }
@@ -31,43 +33,6 @@ size_t lac_rg_slipping(const lac_rg_tree *tree, size_t level)
     return n;
 }
 
-static lac_status check_blocks(const lac_rg_blocks *b, lac_error *err)
-{
-    LAC_FAIL_IF(b->levels > LAC_RG_LEVELS || b->count[0] == 0 || b->count[b->levels] != 1, err,
-                LAC_EINPUT,
-                "a tree needs cells, one root and at most %d levels, not %zu cells, %zu roots and "
-                "%zu levels",
-                LAC_RG_LEVELS, b->count[0], b->count[b->levels], b->levels);
-    return LAC_OK;
-}
-
-lac_status lac_rg_check_strengths(size_t n, const double *strength, lac_error *err)
-{
-    LAC_FAIL_IF(n == 0, err, LAC_EINPUT, "no cell is in contact");
-    double total = 0.0;
-    for (size_t i = 0; i < n; i++) {
-        LAC_FAIL_IF(!(strength[i] > 0.0 && isfinite(strength[i])), err, LAC_EINPUT,
-                    "the strength of cell %zu must be > 0 Pa, not %g", i, strength[i]);
-        total += strength[i];
-    }
-    return isfinite(total) ? LAC_OK
-                           : lac_fail(err, LAC_EINPUT, "the strengths are too large to add up");
-}
-
-static lac_status check_cells(size_t n, const double *strength, const double *drop, lac_error *err)
-{
-    lac_status status = lac_rg_check_strengths(n, strength, err);
-    for (size_t i = 0; i < n && status == LAC_OK; i++) {
-        if (!(drop[i] >= 0.0 && drop[i] <= strength[i])) {
-            status =
-                lac_fail(err, LAC_EINPUT,
-                         "the drop of strength of cell %zu must lie between 0 and %g Pa, not %g", i,
-                         strength[i], drop[i]);
-        }
-    }
-    return status;
-}
-
 // Gives levels without a merger the layer of the level below; returns the blocks above the cells.
 static size_t number_layers(lac_rg_tree *tree, const lac_rg_blocks *b)
 {
@@ -87,7 +52,7 @@ static size_t number_layers(lac_rg_tree *tree, const lac_rg_blocks *b)
 }
 
 // First block of each block in the layer below, from the first cells of both.
-static bool link_layer(const uint32_t *fine, size_t n_fine, const uint32_t *coarse, size_t n_coarse,
+static void link_layer(const uint32_t *fine, size_t n_fine, const uint32_t *coarse, size_t n_coarse,
                        uint32_t *child)
 {
     size_t j = 0;
@@ -95,17 +60,12 @@ static bool link_layer(const uint32_t *fine, size_t n_fine, const uint32_t *coar
         while (j < n_fine && (fine != NULL ? fine[j] : (uint32_t)j) < coarse[b]) {
             j++;
         }
-        uint32_t at = fine != NULL ? fine[j] : (uint32_t)j;
-        if (at != coarse[b] || (b > 0 && j <= child[b - 1])) {
-            return false;
-        }
         child[b] = (uint32_t)j;
     }
-    return child[0] == 0 && child[n_coarse] == n_fine;
+    assert(child[0] == 0 && child[n_coarse] == n_fine);
 }
 
-static lac_status link_layers(lac_rg_tree *tree, const lac_rg_blocks *b, uint32_t *links,
-                              lac_error *err)
+static void link_layers(lac_rg_tree *tree, const lac_rg_blocks *b, uint32_t *links)
 {
     const uint32_t *fine = NULL;
     for (size_t level = 1; level <= b->levels; level++) {
@@ -114,14 +74,10 @@ static lac_status link_layers(lac_rg_tree *tree, const lac_rg_blocks *b, uint32_
             lac_rg_layer *above = &tree->layer[k];
             above->child = links;
             links += above->count + 1;
-            LAC_FAIL_IF(!link_layer(fine, tree->layer[k - 1].count, b->first[level], above->count,
-                                    above->child),
-                        err, LAC_EINPUT, "the blocks of level %zu do not nest in level %zu",
-                        level - 1, level);
+            link_layer(fine, tree->layer[k - 1].count, b->first[level], above->count, above->child);
             fine = b->first[level];
         }
     }
-    return LAC_OK;
 }
 
 static void place_sums(lac_rg_tree *tree, double *memory)
@@ -184,15 +140,14 @@ lac_status lac_rg_tree_from_blocks(const lac_rg_blocks *blocks, const double *st
 {
     lac_status status;
     *out = NULL;
-    LAC_TRY_RETURN(check_blocks(blocks, err));
-    LAC_TRY_RETURN(check_cells(blocks->count[0], strength, drop, err));
+    assert(blocks->levels <= LAC_RG_LEVELS && blocks->count[blocks->levels] == 1);
     lac_rg_tree *tree = *out = calloc(1, sizeof *tree);
     LAC_FAIL_MEMORY_IF(tree == NULL, err);
     size_t above = number_layers(tree, blocks);
     tree->memory = calloc(SUMS * (blocks->count[0] + above), sizeof *tree->memory);
     tree->links = malloc((above + tree->layers) * sizeof *tree->links);
     LAC_TRY(tree->memory != NULL && tree->links != NULL ? LAC_OK : lac_fail_memory(err));
-    LAC_TRY(link_layers(tree, blocks, tree->links, err));
+    link_layers(tree, blocks, tree->links);
     tree->order = malloc(most_children(tree) * sizeof *tree->order);
     LAC_TRY(tree->order != NULL ? LAC_OK : lac_fail_memory(err));
     place_sums(tree, tree->memory);

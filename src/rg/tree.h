@@ -38,9 +38,6 @@ struct lac_rg_tree {
 /// Levels of the trees that lac_rg_tree_create_at makes over a grid.
 size_t lac_rg_levels_over(const lac_grid *grid);
 
-/// Whether strengths are > 0 and can be added up. @return LAC_OK; LAC_EINPUT
-lac_status lac_rg_check_strengths(size_t n, const double *strength, lac_error *err);
-
 /// After a pass up: of each cell the level of the largest block around it that slips by itself, NaN
 /// where none does.
 void lac_rg_own_levels(lac_rg_tree *tree, double *level);

@@ -22,7 +22,7 @@ LAC_TEXT_GETTER(status, O; (void)o, "complete")
 LAC_GETTER(double, beta, S, s->beta[at[0]])
 LAC_GETTER(double, first_beta, S, s->beta[0])
 LAC_GETTER(double, first_critical, FIRST, r->critical)
-LAC_GETTER(double, first_fixed_point, FIRST, r->fixed_point.value)
+LAC_GETTER(double, first_fixed_point, FIRST, r->fit.fixed_point.value)
 LAC_GETTER(double, places, FIRST, (double)r->places)
 LAC_GETTER(double, joints, FIRST, (double)r->joints)
 LAC_GETTER(double, load, FIRST, r->load[at[0]])
@@ -147,13 +147,14 @@ static const lac_variable of_results[] = {
          .comment = "among places of the blocks where there is one interface"),
     EACH("q_crit_sd_of_places", "q_crit_sd_of_places", place_sd,
          "its standard deviation among places of the blocks", MAYBE),
-    BOOTSTRAPPED("critical_fraction", "critical_fraction", fixed_point,
+    BOOTSTRAPPED("critical_fraction", "critical_fraction", fit.fixed_point,
                  "unstable fixed point of the map of slipped fractions"),
-    BOOTSTRAPPED("map_slope", "lambda", lambda, "slope of the map in logits"),
-    LAC_ROW("map_intercept", NULL, NULL, "intercept of the map in logits", H(REAL, map.g),
+    BOOTSTRAPPED("map_slope", "lambda", fit.lambda, "slope of the map in logits"),
+    LAC_ROW("map_intercept", NULL, NULL, "intercept of the map in logits", H(REAL, fit.map.g),
             AND("beta"), MAYBE),
-    BOOTSTRAPPED("exponent", "exponent", nu, "exponent of the correlation length, ln 2 / ln slope"),
-    ALSO("map_points", COUNT, map.points),
+    BOOTSTRAPPED("exponent", "exponent", fit.nu,
+                 "exponent of the correlation length, ln 2 / ln slope"),
+    ALSO("map_points", COUNT, fit.map.points),
     LAC_ROW("cluster_power_law", NULL, NULL, "1 where cluster_length follows a power law",
             RESULT("cluster_length/power_law"), H(BOOL, cluster_law.holds), AND("beta")),
     EACH("cluster_exponent", "cluster_length/exponent", cluster_law.exponent,

@@ -98,9 +98,7 @@ static lac_status set_unit(lac_line_reader *r, size_t c, const char *unit, lac_e
     }
     const lac_status status =
         lac_units_convert(r->units, unit, "m", &r->scale[c], &r->offset[c], err);
-    return status == LAC_OK
-               ? status
-               : lac_fail_within(err, status, "%s: %s: unit \"%s\"", r->path, r->name[c], unit);
+    return lac_fail_within(err, status, "%s: %s: unit \"%s\"", r->path, r->name[c], unit);
 }
 
 lac_status lac_line_reader_create(const lac_line_def *def, const struct lac_units *units,

@@ -22,9 +22,7 @@ static lac_status prepare_column(lac_parser *p, lac_wanted *w, lac_error *err)
     }
     const lac_status status =
         lac_units_convert(p->units, w->unit, w->si, &w->scale, &w->offset, err);
-    return status == LAC_OK ? status
-                            : lac_fail_within(err, status, "%s: %s: unit \"%s\"", p->lines.path,
-                                              w->name, w->unit);
+    return lac_fail_within(err, status, "%s: %s: unit \"%s\"", p->lines.path, w->name, w->unit);
 }
 
 static lac_status prepare_columns(lac_parser *p, const lac_series_def *def, lac_error *err)
@@ -43,10 +41,8 @@ static lac_status prepare_columns(lac_parser *p, const lac_series_def *def, lac_
         {.name = def->velocity_most, .unit = def->velocity_most_unit, .si = "m/s"},
         {.name = def->within, .unit = def->within_unit, .si = "s"},
         {.name = def->clock}};
-    const lac_status read = lac_time_format_read(def->time_format, p->units, &p->format, err);
-    if (read != LAC_OK) {
-        return lac_fail_within(err, read, "%s", def->path);
-    }
+    lac_status read = lac_time_format_read(def->time_format, p->units, &p->format, err);
+    LAC_TRY_RETURN(lac_fail_within(err, read, "%s", def->path));
     for (size_t c = 0; c < COLUMNS; c++) {
         p->wanted[c] = table[c];
         LAC_TRY_RETURN(prepare_column(p, &p->wanted[c], err));

@@ -83,10 +83,8 @@ static lac_status read_time(const series_file *file, int var, const char *name,
     if (unit[0] == '\0') {
         LAC_TRY_RETURN(ask(file, name, "s", units, s, err));
     } else {
-        const lac_status read = lac_units_time(units, unit, &scale, &offset, &s->dated, err);
-        if (read != LAC_OK) {
-            return lac_fail_within(err, read, "%s: %s: units \"%s\"", file->path, name, unit);
-        }
+        lac_status read = lac_units_time(units, unit, &scale, &offset, &s->dated, err);
+        LAC_TRY_RETURN(lac_fail_within(err, read, "%s: %s: units \"%s\"", file->path, name, unit));
     }
     s->time_unit = s->dated ? 0.0 : scale;
     if (s->dated || strlen(unit) < sizeof s->time_name) {
@@ -122,10 +120,9 @@ static lac_status read_column(series_file *file, const column *c, const struct l
     if (from == NULL) {
         LAC_TRY_RETURN(ask(file, c->name, c->si, units, s, err));
     } else {
-        const lac_status read = lac_units_convert(units, from, c->si, &scale, &offset, err);
-        if (read != LAC_OK) {
-            return lac_fail_within(err, read, "%s: %s: unit \"%s\"", file->path, c->name, from);
-        }
+        lac_status read = lac_units_convert(units, from, c->si, &scale, &offset, err);
+        LAC_TRY_RETURN(
+            lac_fail_within(err, read, "%s: %s: unit \"%s\"", file->path, c->name, from));
     }
     double *x = c->values;
     LAC_TRY_RETURN(lac_netcdf_values(file->path, file->id, var, c->name, file->n, x, err));

@@ -31,9 +31,7 @@ static lac_status run_cascade(const lac_case *c, const lac_analysis_rg *rg,
         own.rg.friction = ((const lac_friction_params *)c->friction.params)->f0;
     }
     lac_status status = lac_scene_rg_run(&own, NULL, &cascade, err);
-    if (status != LAC_OK) {
-        return lac_fail_within(err, status, "analysis.rg");
-    }
+    LAC_TRY_RETURN(lac_fail_within(err, status, "analysis.rg"));
     describe(rg, cascade.beta[0], cascade.result[0]->places, how, sizeof how);
     *out = lac_critical_fraction_of(cascade.result[0], how, cascade.beta[0]);
     lac_scene_rg_clear(&cascade);

@@ -42,9 +42,7 @@ static lac_status scale_of(const face_def *def, const lac_units *units, const ch
         return LAC_OK;
     }
     lac_status status = lac_units_convert(units, unit, "m", scale, &offset, err);
-    return status == LAC_OK
-               ? LAC_OK
-               : lac_fail_within(err, status, "%s: %s: unit \"%s\"", def->path, what, unit);
+    return lac_fail_within(err, status, "%s: %s: unit \"%s\"", def->path, what, unit);
 }
 
 static lac_status scale_heights(const char *path, double scale, lac_height_map *map, lac_error *err)

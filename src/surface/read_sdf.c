@@ -13,8 +13,8 @@ static const lac_number_type types[TYPES] = {
 };
 
 typedef struct sdf {
-    uint64_t nx, ny, compression, type, check;
-    double dx, dy, dz;
+    uint64_t nx, ny, type;
+    double dx, dy, dz, compression, check;
 } sdf;
 
 static bool is_sdf(const lac_bytes *bytes)
@@ -36,10 +36,10 @@ static lac_status check_header(const lac_bytes *bytes, const sdf *file, lac_heig
                 err, LAC_EINPUT,
                 "%s: Xscale, Yscale and Zscale must be given and > 0 m, not %g, %g and %g",
                 bytes->path, file->dx, file->dy, file->dz);
-    LAC_FAIL_IF(file->compression != 0, err, LAC_EINPUT, "%s: Compression must be 0, not %llu",
-                bytes->path, (unsigned long long)file->compression);
-    LAC_FAIL_IF(file->check != 0, err, LAC_EINPUT, "%s: CheckType must be 0, not %llu", bytes->path,
-                (unsigned long long)file->check);
+    LAC_FAIL_IF(file->compression != 0, err, LAC_EINPUT, "%s: Compression must be 0, not %g",
+                bytes->path, file->compression);
+    LAC_FAIL_IF(file->check != 0, err, LAC_EINPUT, "%s: CheckType must be 0, not %g", bytes->path,
+                file->check);
     LAC_FAIL_IF(file->type >= TYPES, err, LAC_EINPUT, "%s: DataType must be 0 to 7, not %llu",
                 bytes->path, (unsigned long long)file->type);
     map->dx = file->dx;
@@ -99,24 +99,18 @@ static lac_status read_binary(const lac_bytes *bytes, lac_height_map *map, lac_e
 static lac_status take_value(const lac_scan *scan, lac_word key, lac_word value, sdf *file,
                              lac_error *err)
 {
-    double number = 0.0;
-    lac_status status = LAC_OK;
     const lac_field fields[] = {
-        {"NumPoints", .count = &file->nx}, {"NumProfiles", .count = &file->ny},
-        {"Xscale", .length = &file->dx},   {"Yscale", .length = &file->dy},
-        {"Zscale", .length = &file->dz},
+        {"NumPoints", .count = &file->nx},     {"NumProfiles", .count = &file->ny},
+        {"Xscale", .length = &file->dx},       {"Yscale", .length = &file->dy},
+        {"Zscale", .length = &file->dz},       {"Compression", .number = &file->compression},
+        {"CheckType", .number = &file->check},
     };
     for (size_t i = 0; i < sizeof fields / sizeof *fields; i++) {
         if (lac_word_is(key, fields[i].key)) {
             return lac_scan_field(scan, &fields[i], value, err);
         }
     }
-    if (lac_word_is(key, "Compression") || lac_word_is(key, "CheckType")) {
-        uint64_t *flag = lac_word_is(key, "CheckType") ? &file->check : &file->compression;
-        status = lac_scan_number(scan, value, &number, err);
-        *flag = number == 0.0 ? 0 : 1;
-    }
-    return status;
+    return LAC_OK;
 }
 
 // `key = value` or `key value`; false where there is no value.

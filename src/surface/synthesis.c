@@ -177,36 +177,12 @@ double _Complex lac_band_amplitude(const lac_band *b, uint64_t seed, lac_stream 
     return size * n[0] + size * n[1] * I;
 }
 
-// Fills the spectrum with the modes that the grid resolves; its Nyquist lines stay empty.
-static void fill(lac_fft *fft, mode_function mode, const void *of)
-{
-    ptrdiff_t rows = (ptrdiff_t)fft->strip.n;
-#pragma omp parallel for schedule(static) if (fft->nkx * fft->ny > 16384)
-    for (ptrdiff_t at = 0; at < rows; at++) {
-        const size_t j = fft->strip.first + (size_t)at;
-        double ky = lac_fft_frequency(j, fft->ny);
-        bool nyquist = 2 * j == fft->ny && j > 0;
-        for (size_t i = 0; i < fft->nkx; i++) {
-            double kx = (double)i;
-            double _Complex a = 0.0;
-            if (nyquist || 2 * i == fft->nx || (i == 0 && j == 0)) {
-                a = 0.0;
-            } else if (i == 0 && ky < 0.0) {
-                a = conj(mode(of, 0.0, -ky)); // the field is real
-            } else {
-                a = mode(of, kx, ky);
-            }
-            fft->spectrum[(size_t)at * fft->nkx + i] = a;
-        }
-    }
-}
-
-// Folds all waves of a band onto the wavenumbers of a grid.
+// Folds waves onto the wavenumbers of a grid.
 typedef struct folding {
     mode_function mode;
     const void *of;
     double nx, ny;           // cells
-    double kx_last, ky_last; // of the band
+    double kx_last, ky_last; // of the waves
     bool mean;               // over the cell; else at its node
 } folding;
 
@@ -288,10 +264,20 @@ static double _Complex folded(const folding *f, double kx, double ky)
     return sum;
 }
 
+// The last wave along a direction: of a band, or of those that the grid resolves, whose Nyquist
+// lines stay empty.
+static double last_wave(const lac_synthesis *how, const lac_band *b, double dq, size_t n)
+{
+    if (how->sampling == LAC_SAMPLING_LOW_PASS) {
+        return (double)((n - 1) / 2);
+    }
+    return dq > 0.0 ? floor(edge * b->q_shortest / dq) : 0.0;
+}
+
 static void fold(lac_fft *fft, const folding *f)
 {
     ptrdiff_t rows = (ptrdiff_t)fft->strip.n;
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (fft->nkx * fft->ny > 16384)
     for (ptrdiff_t j = 0; j < rows; j++) {
         double ky = lac_fft_frequency(fft->strip.first + (size_t)j, fft->ny);
         for (size_t i = 0; i < fft->nkx; i++) {
@@ -336,20 +322,16 @@ lac_status lac_synthesise(const lac_synthesis *how, const lac_band *band, const 
     LAC_TRY_RETURN(find_whole(how, grid, &whole, err));
     LAC_TRY_RETURN(check(how, band, err));
     LAC_TRY(lac_fft_share(whole.nx, whole.ny, team, &fft, err));
-    if (how->sampling == LAC_SAMPLING_LOW_PASS) {
-        fill(fft, mode, of);
-    } else {
-        const folding f = {
-            .mode = mode,
-            .of = of,
-            .nx = (double)whole.nx,
-            .ny = (double)whole.ny,
-            .kx_last = band->dqx > 0.0 ? floor(edge * band->q_shortest / band->dqx) : 0.0,
-            .ky_last = band->dqy > 0.0 ? floor(edge * band->q_shortest / band->dqy) : 0.0,
-            .mean = how->sampling == LAC_SAMPLING_BLOCK_MEAN,
-        };
-        fold(fft, &f);
-    }
+    const folding f = {
+        .mode = mode,
+        .of = of,
+        .nx = (double)whole.nx,
+        .ny = (double)whole.ny,
+        .kx_last = last_wave(how, band, band->dqx, whole.nx),
+        .ky_last = last_wave(how, band, band->dqy, whole.ny),
+        .mean = how->sampling == LAC_SAMPLING_BLOCK_MEAN,
+    };
+    fold(fft, &f);
     lac_fft_inverse(fft);
     LAC_TRY(take(how, fft, grid, heights, err));
 out:

@@ -3,7 +3,6 @@
 #include "sweep/ensemble.h"
 
 #include "base/temp_file.h"
-#include "base/units.h"
 #include "lacuna/simulation.h"
 
 enum { MOST_RECORDS = 1000 };

@@ -164,26 +164,15 @@ static void test_nothing_slips_without_load(void **state)
 static void test_what_cannot_be_added_up_is_refused(void **state)
 {
     (void)state;
-    const size_t count[2] = {2, 1};
-    const uint32_t whole[2] = {0, 2};
-    const uint32_t *first[2] = {NULL, whole};
-    const lac_rg_blocks two = {1, count, first};
-    const size_t none[2] = {0, 1};
     const double large[2] = {DBL_MAX, DBL_MAX};
     const double shear[2] = {1, NAN};
-    const double drop[2] = {0, 0};
-    lac_rg_tree *tree = NULL;
     lac_rg_path *path = NULL;
     lac_error err = {""};
-    assert_int_equal(lac_rg_tree_from_blocks(&two, large, drop, &tree, &err), LAC_EINPUT);
-    assert_null(tree);
     assert_int_equal(lac_rg_path_further(2, large, NULL, &path, &err), LAC_EINPUT);
     assert_int_equal(lac_rg_path_further(2, shear, shear, &path, &err), LAC_EINPUT);
     assert_int_equal(lac_rg_path_further(0, large, NULL, &path, &err), LAC_EINPUT);
     assert_non_null(strstr(err.message, "no cell is in contact"));
     assert_null(path);
-    const lac_rg_blocks empty = {1, none, first};
-    assert_int_equal(lac_rg_tree_from_blocks(&empty, large, drop, &tree, &err), LAC_EINPUT);
 }
 
 // Ten children a block, seven levels: 11 million blocks. One cell at its strength, the others at x:

@@ -150,8 +150,8 @@ static void test_counts(void **state)
 
 static lac_rg_result with_map(double lambda, double value)
 {
-    return (lac_rg_result){.map = {.points = 17, .lambda = lambda},
-                           .fixed_point = {.value = value, .low = 0.3, .high = 0.5}};
+    return (lac_rg_result){.fit.map = {.points = 17, .lambda = lambda},
+                           .fit.fixed_point = {.value = value, .low = 0.3, .high = 0.5}};
 }
 
 static void test_fixed_points(void **state)

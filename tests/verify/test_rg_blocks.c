@@ -218,45 +218,12 @@ static void test_uniform_joint_has_no_size_effect(void **state)
     joint_clear(&j);
 }
 
-static void test_what_cannot_be_is_refused(void **state)
-{
-    (void)state;
-    lac_error err = {""};
-    lac_rg_tree *tree = NULL;
-    lac_domain *domain = domain_of(2, 1, NULL);
-    lac_hierarchy *h = hierarchy_of(domain);
-    const double good[2] = {1, 2};
-    const double wrong[5][2] = {{1, NAN}, {1, 0}, {1, -1}, {1, INFINITY}, {3, 1}};
-    for (size_t i = 0; i < 4; i++) {
-        assert_int_equal(lac_rg_tree_create(h, wrong[i], wrong[i], &tree, &err), LAC_EINPUT);
-        assert_null(tree);
-    }
-    assert_int_equal(lac_rg_tree_create(h, good, wrong[4], &tree, &err), LAC_EINPUT);
-    assert_int_equal(lac_rg_tree_create(h, good, wrong[0], &tree, &err), LAC_EINPUT);
-    // blocks that do not nest, and two roots
-    const uint32_t level1[3] = {0, 1, 2};
-    const uint32_t odd[2] = {0, 1};
-    const size_t two[2] = {2, 2};
-    const size_t one[2] = {2, 1};
-    const uint32_t *first[2] = {NULL, level1};
-    assert_int_equal(
-        lac_rg_tree_from_blocks(&(lac_rg_blocks){1, two, first}, good, good, &tree, &err),
-        LAC_EINPUT);
-    first[1] = odd;
-    assert_int_equal(
-        lac_rg_tree_from_blocks(&(lac_rg_blocks){1, one, first}, good, good, &tree, &err),
-        LAC_EINPUT);
-    lac_hierarchy_free(h);
-    lac_domain_free(domain);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_shifted_blocks_hold_the_same_cells),
         cmocka_unit_test(test_strength_from_cell_to_joint),
         cmocka_unit_test(test_uniform_joint_has_no_size_effect),
-        cmocka_unit_test(test_what_cannot_be_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -73,8 +73,8 @@ static void test_uniform_joint(void **state)
     const lac_rg_result *r = study_of(&study, &def, 1, true, true);
     assert_near(r->critical, 1.0, 1e-9);
     assert_near(r->critical_sd, 0.0, 1e-9);
-    assert_int_equal(r->map.points, 0);
-    assert_true(isnan(r->fixed_point.value) && isnan(r->fixed_point.error));
+    assert_int_equal(r->fit.map.points, 0);
+    assert_true(isnan(r->fit.fixed_point.value) && isnan(r->fit.fixed_point.error));
     assert_false(r->cluster_law.holds);
     for (size_t i = 0; i + 1 < r->loads; i++) {
         assert_near(r->cluster[i] + r->block[i], 0.0, 0.0);
@@ -110,10 +110,11 @@ static void test_ensemble(void **state)
     assert_near(r->critical_error, r->critical_sd / sqrt(12.0), 1e-15);
     assert_true(r->place_sd > 0.0);
     check_curve(r);
-    assert_true(r->map.points > 30);
-    assert_near(r->map.fixed_point, r->fixed_point.value, 0.0);
-    assert_true(r->lambda.low < r->lambda.value && r->lambda.value < r->lambda.high);
-    assert_true(r->lambda.error > 0.0 && r->lambda.error < 0.2);
+    assert_true(r->fit.map.points > 30);
+    assert_near(r->fit.map.fixed_point, r->fit.fixed_point.value, 0.0);
+    assert_true(r->fit.lambda.low < r->fit.lambda.value &&
+                r->fit.lambda.value < r->fit.lambda.high);
+    assert_true(r->fit.lambda.error > 0.0 && r->fit.lambda.error < 0.2);
     double n = 0.0;
     for (size_t i = 0; i < r->last_n; i++) {
         n += isfinite(r->cell_load[i]) ? 1.0 : 0.0;
@@ -138,8 +139,8 @@ static void test_threads_do_not_matter(void **state)
     omp_set_num_threads(before);
     assert_int_equal(a->levels, 6); // not periodic: a level more
     assert_memory_equal(&a->critical, &b->critical, sizeof a->critical);
-    assert_memory_equal(&a->map, &b->map, sizeof a->map);
-    assert_memory_equal(&a->nu, &b->nu, sizeof a->nu);
+    assert_memory_equal(&a->fit.map, &b->fit.map, sizeof a->fit.map);
+    assert_memory_equal(&a->fit.nu, &b->fit.nu, sizeof a->fit.nu);
     assert_memory_equal(a->fraction, b->fraction, a->loads * 7 * sizeof *a->fraction);
     assert_memory_equal(a->cell_load, b->cell_load, a->last_n * sizeof *a->cell_load);
     lac_rg_study_free(one);
@@ -154,8 +155,8 @@ static void test_lump_on_full_independent_trees(void **state)
     def.rule = LAC_RG_LUMP;
     def.places = 2;
     const lac_rg_result *r = study_of(&study, &def, 6, true, false);
-    assert_true(r->lambda.value > 1.0);
-    assert_true(r->fixed_point.value > 0.0 && r->fixed_point.value < 1.0);
+    assert_true(r->fit.lambda.value > 1.0);
+    assert_true(r->fit.fixed_point.value > 0.0 && r->fit.fixed_point.value < 1.0);
     check_curve(r);
     lac_rg_study_free(study);
 }

@@ -8,7 +8,6 @@
 #include "cli/common/output.h"
 #include "cli/common/words.h"
 #include "cli/export/export.h"
-#include "report/report.h"
 
 enum { LONGEST_TEXT = 1 << 20 };         // of an attribute: a case
 static const size_t most_rows = 1048576; // that a spreadsheet takes

@@ -90,7 +90,7 @@ static lac_status name_case(fit_job *job, lac_error *err)
                        err);
     job->case_path = path;
     const lac_status status = cli_output_check(&job->request, job->source, job->case_path, err);
-    return status == LAC_OK ? status : lac_fail_within(err, status, "the case beside it");
+    return lac_fail_within(err, status, "the case beside it");
 }
 
 static lac_status prepare(fit_job *job, lac_error *err)
@@ -109,7 +109,7 @@ static lac_status prepare(fit_job *job, lac_error *err)
     LAC_TRY(lac_fit_series(job->source, request->argument[1], &job->series, err));
     cli_series_warn(request, request->argument[1], job->series);
     status = lac_fit_create(job->source, job->series, threads, &job->fit, err);
-    LAC_TRY(status == LAC_OK ? status : lac_fail_within(err, status, "%s", request->argument[1]));
+    LAC_TRY(lac_fail_within(err, status, "%s", request->argument[1]));
     const lac_case_request how = {LAC_FOR_FIT, request->overrides, request->set_count};
     LAC_TRY(lac_case_read(request->argument[0], &how, &job->fitted, &report, err));
     job->kept_path = lac_text_join(job->path, "", ".chains");

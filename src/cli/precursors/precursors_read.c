@@ -132,7 +132,7 @@ static lac_status read_smoothing(const char *text, const lac_units *units, lac_m
     } else if (strncmp(text, "window:", 7) == 0) {
         def->smoothing = LAC_SMOOTH_WINDOW;
         lac_status status = lac_units_parse(units, text + 7, "s", &def->window, err);
-        return status == LAC_OK ? status : lac_fail_within(err, status, "--smooth: \"%s\"", text);
+        return lac_fail_within(err, status, "--smooth: \"%s\"", text);
     } else if (strncmp(text, "savgol:", 7) == 0) {
         def->smoothing = LAC_SMOOTH_SAVGOL;
         def->points = read_count(text + 7, &end);

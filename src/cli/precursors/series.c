@@ -176,5 +176,5 @@ lac_status cli_series_time(const char *option, const char *text, bool dated, con
                                                      option, text);
     }
     lac_status status = lac_units_parse(units, text, "s", time, err);
-    return status == LAC_OK ? status : lac_fail_within(err, status, "--%s: \"%s\"", option, text);
+    return lac_fail_within(err, status, "--%s: \"%s\"", option, text);
 }

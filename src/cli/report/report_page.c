@@ -7,7 +7,6 @@
 #include "cli/common/command.h"
 #include "cli/common/output.h"
 #include "cli/precursors/precursors.h"
-#include "cli/report/report.h"
 #include "cli/sweep/answers.h"
 #include "lacuna/version.h"
 #include "report/report.h"

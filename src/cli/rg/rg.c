@@ -324,9 +324,9 @@ static void print_beta(const lac_scene_rg *rg, size_t k, bool from_law, bool ver
                     place[1], rg->seeds > 1 ? " of the last interface" : "", r->cell_load[first]);
         }
     }
-    cli_row("fixed point C", "%s", with_interval(&r->fixed_point).s);
-    cli_row("lambda", "%s", with_interval(&r->lambda).s);
-    cli_row("nu", "%s", with_interval(&r->nu).s);
+    cli_row("fixed point C", "%s", with_interval(&r->fit.fixed_point).s);
+    cli_row("lambda", "%s", with_interval(&r->fit.lambda).s);
+    cli_row("nu", "%s", with_interval(&r->fit.nu).s);
     print_law("xi of clusters", &r->cluster_law);
     print_law("xi of blocks", &r->block_law);
     if (verbose) {

@@ -34,10 +34,8 @@ static lac_status read_plan(const watch_job *job, lac_forecast_def *def, lac_err
     *def = lac_forecast_default();
     for (size_t i = 0; i < 2; i++) {
         const cli_request words = {.forecast = {.smooth = part[i].smooth, .onset = part[i].onset}};
-        const lac_status status = cli_forecast_plan_read(&words, false, job->units, &plan, err);
-        if (status != LAC_OK) {
-            return lac_fail_within(err, status, "%s:%zu", f->path, part[i].line);
-        }
+        lac_status status = cli_forecast_plan_read(&words, false, job->units, &plan, err);
+        LAC_TRY_RETURN(lac_fail_within(err, status, "%s:%zu", f->path, part[i].line));
         if (i == 0) {
             *def = plan.def;
         }
