@@ -59,7 +59,7 @@ void lac_problem_forget(const lac_problem *problem, double *work)
     }
 }
 
-// A block of cells from `first` on, their sizes of v put into `speed`.
+// A block of cells from `first` on, their sizes of v put into `speed`; NULL: nothing needs them.
 // @param rates  [LAC_FRICTION_BLOCK] d ln(pressure)/dt of these cells, where each has its own
 static inline lac_friction_cells cells_from(const lac_look *at, size_t first, double *speed,
                                             double *rates)
@@ -70,7 +70,9 @@ static inline lac_friction_cells cells_from(const lac_look *at, size_t first, do
     for (size_t i = 0; apart && i < length; i++) {
         rates[i] = drive->share_rates[first + i] / drive->shares[first + i];
     }
-    lac_vabs(length, at->motion.v + first, speed);
+    if (speed != NULL) {
+        lac_vabs(length, at->motion.v + first, speed);
+    }
     return (lac_friction_cells){.first = first,
                                 .n = length,
                                 .u = at->motion.u + first,
@@ -94,10 +96,9 @@ size_t lac_block_friction(const lac_look *at, size_t first, lac_block *s, lac_bl
     return cells.n;
 }
 
-// traction -= p f + damping, of a block. @param pressures  effective
+// traction -= p f + damping, of a block.
 LAC_CLONES static void lac_formulation_take_held(const lac_look *at, size_t first, size_t n,
-                                                 const double *pressures, const double *f,
-                                                 double *traction)
+                                                 const double *f, double *traction)
 {
     const lac_problem *problem = at->problem;
     const double *p = problem->pressure + first, *v = at->motion.v + first;
@@ -105,7 +106,7 @@ LAC_CLONES static void lac_formulation_take_held(const lac_look *at, size_t firs
     const double mean = at->motion.mean;
     LAC_INDEPENDENT
     for (size_t i = 0; i < n; i++) {
-        double held = copysign(pressures[i] * f[i], v[i]);
+        double held = copysign(lac_problem_effective(problem, &at->drive, first + i) * f[i], v[i]);
         double common = (mean_damping + drag * p[i]) * mean;
         traction[i] -= held + eta * v[i] + common;
     }
@@ -113,17 +114,15 @@ LAC_CLONES static void lac_formulation_take_held(const lac_look *at, size_t firs
 
 void lac_problem_unbalanced(const lac_look *at, double *traction, double *wdot)
 {
+    const bool by_speed = wdot != NULL || lac_friction_flashes(at->problem->friction);
     lac_look_add_lost(at, traction);
     for (size_t first = 0; first < at->problem->n; first += LAC_FRICTION_BLOCK) {
-        double rates[LAC_FRICTION_BLOCK], pressures[LAC_FRICTION_BLOCK];
+        double rates[LAC_FRICTION_BLOCK];
         lac_block s;
-        const lac_friction_cells cells = cells_from(at, first, s.speed, rates);
+        const lac_friction_cells cells = cells_from(at, first, by_speed ? s.speed : NULL, rates);
         const lac_friction_values values = {.f = s.f, .g = wdot != NULL ? wdot + first : NULL};
         lac_friction_evaluate(at->problem->friction, &cells, &values, NULL);
-        for (size_t i = 0; i < cells.n; i++) {
-            pressures[i] = lac_problem_effective(at->problem, &at->drive, first + i);
-        }
-        lac_formulation_take_held(at, first, cells.n, pressures, s.f, traction + first);
+        lac_formulation_take_held(at, first, cells.n, s.f, traction + first);
     }
 }
 

@@ -113,54 +113,52 @@ static void find_residuals(const lac_look *at, const double *slip, double *resid
 }
 
 // The largest of a block's residuals, relative to f0 p; NaN where one is. An f0 below a says little
-// of the strength, which an e-fold of the rate changes by a p.
+// of the strength, which an e-fold of the rate changes by a p: all that holds goes to `holds`.
 LAC_CLONES static double lac_observe_worst(const lac_look *at, size_t first, size_t n,
-                                           const double *f0, const double *a,
-                                           const double *residual)
+                                           const double *residual, double *restrict holds)
 {
+    const lac_problem *problem = at->problem;
+    const double *f0 = lac_cellwise_from(&problem->friction->column[LAC_F0], first);
+    const double *a = lac_cellwise_from(&problem->friction->column[LAC_A], first);
+    const double *v = at->motion.v + first;
+    const double damping = problem->damping, mean = fabs(at->motion.mean);
     double relative[LAC_FRICTION_BLOCK];
     long long numbers = 0;
     for (size_t i = 0; i < n; i++) {
-        double p = lac_problem_effective(at->problem, &at->drive, first + i);
+        double p = lac_problem_effective(problem, &at->drive, first + i);
         double f = fabs(f0[i]) > a[i] ? fabs(f0[i]) : a[i];
         double off = fabs(residual[i]) / (p * (f0[i] == 0.0 ? 1.0 : f));
         relative[i] = off < 0.0 ? 0.0 : off; // a cell that is lifted ends the run by itself
         numbers += relative[i] >= 0.0 ? 1 : 0;
     }
-    return numbers == (long long)n ? lac_vmost(n, relative) : (double)NAN;
-}
-
-// What holds a block's cells by an e-fold of the rate.
-LAC_CLONES static void lac_observe_holds(const lac_look *at, size_t first, size_t n,
-                                         const double *restrict a, double *restrict holds)
-{
-    const lac_problem *problem = at->problem;
-    const double *restrict v = at->motion.v + first;
-    const double damping = problem->damping, mean = fabs(at->motion.mean);
     for (size_t i = 0; i < n; i++) {
         double p = lac_problem_effective(problem, &at->drive, first + i);
         holds[i] = a[i] * p + damping * fabs(v[i]) + lac_problem_drag(problem, first + i) * mean;
     }
+    return numbers == (long long)n ? lac_vmost(n, relative) : (double)NAN;
 }
 
 // A state and what is summed of its cells.
 typedef struct observed {
     const lac_look *at;
     const double *residual; // [n]
+    double *worst;          // [LAC_RANGE_BLOCKS]
 } observed;
 
-// What cells are off together, and what holds them.
+// The greater, or what is not a number.
+static double worse(double one, double other) { return one > other || isnan(one) ? one : other; }
+
+// What cells are off together, and what holds them; on the way how far the worst is off.
 static void add_balance(const void *context, size_t first, size_t end, double *sums)
 {
-    const lac_look *at = ((const observed *)context)->at;
-    const double *residual = ((const observed *)context)->residual;
-    const lac_problem *problem = at->problem;
+    const observed *o = context;
+    const lac_problem *problem = o->at->problem;
+    double *worst = &o->worst[first / problem->range.block];
     for (size_t from = first; from < end; from += LAC_FRICTION_BLOCK) {
         double holds[LAC_FRICTION_BLOCK];
-        const double *a = lac_cellwise_from(&problem->friction->column[LAC_A], from);
         const size_t n = lac_block_length(end, from);
-        lac_observe_holds(at, from, n, a, holds);
-        sums[0] += lac_problem_sum_from(problem, from, n, residual + from);
+        *worst = worse(lac_observe_worst(o->at, from, n, o->residual + from, holds), *worst);
+        sums[0] += lac_problem_sum_from(problem, from, n, o->residual + from);
         sums[1] += lac_problem_sum_from(problem, from, n, holds);
     }
 }
@@ -171,17 +169,13 @@ static void measure_balance(const lac_look *at, const double *slip, double *trac
                             lac_observation *observation)
 {
     const lac_problem *problem = at->problem;
-    double worst = 0.0, sums[2];
+    double worst[LAC_RANGE_BLOCKS] = {0.0}, sums[2];
     find_residuals(at, slip, traction);
-    for (size_t first = 0; first < problem->n; first += LAC_FRICTION_BLOCK) {
-        const size_t n = lac_block_length(problem->n, first);
-        const double *f0 = lac_cellwise_from(&problem->friction->column[LAC_F0], first);
-        const double *a = lac_cellwise_from(&problem->friction->column[LAC_A], first);
-        const double most = lac_observe_worst(at, first, n, f0, a, traction + first);
-        worst = most > worst || isnan(most) ? most : worst;
+    lac_range_sums(&problem->range, 2, add_balance, &(observed){at, traction, worst}, sums);
+    for (size_t i = 1; i < lac_range_blocks(&problem->range); i++) {
+        worst[0] = worse(worst[i], worst[0]);
     }
-    lac_range_sums(&problem->range, 2, add_balance, &(observed){at, traction}, sums);
-    observation->balance_residual = lac_problem_most(problem, worst);
+    observation->balance_residual = lac_problem_most(problem, worst[0]);
     observation->rate_drift = sums[1] > 0.0 ? fabs(sums[0]) / sums[1] : 0.0;
 }
 
