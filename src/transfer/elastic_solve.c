@@ -349,6 +349,10 @@ int lac_elastic_apply(const lac_elastic *e, const double *slip, double *force, d
     size_t n = e->n;
     double *r = work, *tau = r + n;
     job j = {.e = e, .scratch = tau + n};
+    if (e->direct && !e->floating) {
+        lac_compliance_traction(e->rock, slip, force);
+        return 0;
+    }
     memcpy(r, slip, n * sizeof *r);
     take_mean_off(e, r);
     if (e->direct) {
