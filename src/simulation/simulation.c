@@ -346,7 +346,7 @@ static lac_run_output output_of(const lac_outcome *of)
 // Records between syncs: what a kill loses is little to compute again.
 static int64_t records_between_syncs(const lac_simulation *s)
 {
-    const size_t work = 1 << 18, least = 64, most = 256; // cells times records
+    const size_t work = 1 << 19, least = 64, most = 512; // cells times records
     const size_t records = work / s->scene->contact.domain->n;
     return (int64_t)(records < least ? least : records > most ? most : records);
 }

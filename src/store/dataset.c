@@ -71,17 +71,24 @@ lac_status lac_column_reserve(lac_column *column, size_t n, lac_error *err)
                     sizeof *column->values, err);
 }
 
-lac_status lac_columns_put(lac_columns *columns, size_t along, unsigned but, lac_error *err)
+lac_status lac_columns_put(lac_columns *columns, size_t along, unsigned but, const char **lacks,
+                           lac_error *err)
 {
     lac_column *end = columns->column + columns->n;
     for (lac_column *c = columns->column; c < end; c++) {
         if (c->along == along && (c->item.row->flags & but) == 0) {
             LAC_TRY_RETURN(lac_column_reserve(c, c->item.count, err));
+            double *values = c->values + c->count;
+            lac_item_values(&c->item, values);
+            const bool may = c->item.rank > 1 || (c->item.row->flags & LAC_MISSING) != 0;
+            if (lacks != NULL && !may && isnan(*values)) {
+                *lacks = c->item.name;
+                return LAC_ENUMERIC;
+            }
         }
     }
     for (lac_column *c = columns->column; c < end; c++) {
         if (c->along == along && (c->item.row->flags & but) == 0) {
-            lac_item_values(&c->item, c->values + c->count);
             c->count += c->item.count;
         }
     }
@@ -306,15 +313,16 @@ static lac_status put_cells(lac_writer *w, size_t along, unsigned flag, bool *fo
         bytes += own ? c->item.count * (sizeof(double) + 1) : 0;
     }
     *found = bytes > 0;
-    lac_status status = bytes > 0 ? reserve(w, bytes, err) : LAC_OK;
-    for (const lac_column *c = all->column; c < all->column + all->n && status == LAC_OK; c++) {
+    lac_status status = *found ? reserve(w, bytes, err) : LAC_OK;
+    for (const lac_column *c = all->column; *found && c < all->column + all->n && status == LAC_OK;
+         c++) {
         const bool own = c->along == along && (c->item.row->flags & flag) != 0;
         status = own ? put_now(w, c, place, err) : LAC_OK;
     }
     return status;
 }
 
-lac_status lac_writer_put(lac_writer *w, const char *dim, lac_error *err)
+lac_status lac_writer_put(lac_writer *w, const char *dim, const char **lacks, lac_error *err)
 {
     const size_t along = lac_columns_along(&w->columns, dim);
     bool cells = false;
@@ -325,7 +333,7 @@ lac_status lac_writer_put(lac_writer *w, const char *dim, lac_error *err)
         LAC_TRY_RETURN(flush(w, along, err));
     }
     LAC_TRY_RETURN(put_cells(w, along, LAC_CELLS, &cells, err));
-    LAC_TRY_RETURN(lac_columns_put(&w->columns, along, LAC_CELLS, err));
+    LAC_TRY_RETURN(lac_columns_put(&w->columns, along, LAC_CELLS, lacks, err));
     LAC_TRY_RETURN(cells || w->batch == 1 ? flush(w, along, err) : LAC_OK);
     return LAC_OK;
 }

@@ -143,7 +143,7 @@ out:
 
 static lac_status put(lac_history_store *store, lac_error *err)
 {
-    LAC_TRY_RETURN(lac_writer_put(&store->writer, "step", err));
+    LAC_TRY_RETURN(lac_writer_put(&store->writer, "step", NULL, err));
     return lac_writer_sync(&store->writer, err);
 }
 

@@ -64,7 +64,7 @@ static lac_status put(lac_recording *r, const char *dim, lac_error *err)
 {
     const size_t along = lac_columns_along(&r->columns, dim);
     const lac_status status =
-        along != LAC_ONCE ? lac_columns_put(&r->columns, along, 0, err) : LAC_OK;
+        along != LAC_ONCE ? lac_columns_put(&r->columns, along, 0, NULL, err) : LAC_OK;
     measure(r);
     return status;
 }

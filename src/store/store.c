@@ -74,29 +74,10 @@ static lac_status count(lac_store *s, lac_error *err)
     return s->unsynced < s->sync_every ? LAC_OK : sync_file(s, err);
 }
 
-// Only what a table says may be missing.
-static lac_status check_record(const lac_store *s, lac_error *err)
-{
-    const lac_columns *all = &s->writer.columns;
-    const size_t along = lac_columns_along(all, "time");
-    for (const lac_column *c = all->column; c < all->column + all->n; c++) {
-        double value = 0.0;
-        if (c->along != along || c->item.rank > 1 || (c->item.row->flags & LAC_MISSING) != 0) {
-            continue;
-        }
-        lac_item_values(&c->item, &value);
-        LAC_FAIL_IF(isnan(value), err, LAC_ENUMERIC, "%s: %s is not a number at t = %.9g s",
-                    s->file.path, c->item.name,
-                    s->place.record.time_origin + s->place.record.time_local);
-    }
-    return LAC_OK;
-}
-
 static lac_status put_record(void *context, const lac_record *record, lac_error *err)
 {
     lac_store *s = context;
     lac_run_place_record(&s->place, record);
-    LAC_TRY_RETURN(check_record(s, err));
     double ahead = record->time_origin - s->last_origin + (record->time_local - s->last_local);
     if (s->has_last && ahead <= 0) {
         // The same instant again says nothing new; the series stays strictly increasing.
@@ -107,15 +88,18 @@ static lac_status put_record(void *context, const lac_record *record, lac_error 
     s->has_last = true;
     s->last_origin = record->time_origin;
     s->last_local = record->time_local;
-    LAC_TRY_RETURN(lac_writer_put(&s->writer, "time", err));
-    return count(s, err);
+    const char *lacks = NULL; // only what a table says may be missing
+    const lac_status status = lac_writer_put(&s->writer, "time", &lacks, err);
+    LAC_FAIL_IF(lacks != NULL, err, LAC_ENUMERIC, "%s: %s is not a number at t = %.9g s",
+                s->file.path, lacks, record->time_origin + record->time_local);
+    return status == LAC_OK ? count(s, err) : status;
 }
 
 static lac_status put_snapshot(void *context, const lac_snapshot *snapshot, lac_error *err)
 {
     lac_store *s = context;
     s->place.snapshot = *snapshot;
-    lac_status status = lac_writer_put(&s->writer, "snapshot", err);
+    lac_status status = lac_writer_put(&s->writer, "snapshot", NULL, err);
     return status == LAC_OK && s->place.of.fields != 0 ? count(s, err) : status;
 }
 
@@ -123,7 +107,7 @@ static lac_status put_event(void *context, const lac_event *event, lac_error *er
 {
     lac_store *s = context;
     s->place.event = *event;
-    lac_status status = lac_writer_put(&s->writer, "event", err);
+    lac_status status = lac_writer_put(&s->writer, "event", NULL, err);
     return status == LAC_OK ? count(s, err) : status;
 }
 

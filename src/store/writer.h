@@ -52,8 +52,11 @@ size_t lac_columns_along(const lac_columns *columns, const char *dim);
 lac_status lac_column_reserve(lac_column *column, size_t n, lac_error *err);
 
 /// Adds what the dataset holds now to all variables along a dimension, or to none.
-/// @param but  flags of those that are left out
-lac_status lac_columns_put(lac_columns *columns, size_t along, unsigned but, lac_error *err);
+/// @param but    flags of those that are left out
+/// @param lacks  becomes the name of one that is no number and has to be: LAC_ENUMERIC without
+///               words, and nothing is added; NULL: it is not looked for
+lac_status lac_columns_put(lac_columns *columns, size_t along, unsigned but, const char **lacks,
+                           lac_error *err);
 
 /// A dataset on its way into a file: what does not grow at once, the rest place by place.
 typedef struct lac_writer {
@@ -75,8 +78,8 @@ typedef struct lac_writer {
 lac_status lac_writer_begin(lac_writer *writer, lac_error *err);
 
 /// Adds what the dataset holds now along a dimension that grows; nothing where it has none of that
-/// name.
-lac_status lac_writer_put(lac_writer *writer, const char *dim, lac_error *err);
+/// name. @param lacks  as above
+lac_status lac_writer_put(lac_writer *writer, const char *dim, const char **lacks, lac_error *err);
 
 /// Writes values of places along the dimension of a column at once; what is missing is filled in.
 lac_status lac_writer_put_values(const lac_writer *writer, const lac_column *column, size_t first,
