@@ -272,19 +272,6 @@ static lac_status make_problem(const making *m, lac_lump *lump, lac_error *err)
     return status;
 }
 
-// What a lump cannot stand for; docs/theory/lumped.md lists it.
-static lac_status check_source(const lac_lump_source *s, lac_error *err)
-{
-    const lac_problem_def *whole = &s->whole;
-    const lac_transfer_kind *kind = whole->transfer->kind;
-    LAC_FAIL_IF(kind->blocks == NULL && whole->domain->n > 1, err, LAC_EINPUT,
-                "solver.fidelity lumped goes with transfer hierarchy, not with %s",
-                kind->info.name);
-    LAC_FAIL_IF(whole->loads.varies, err, LAC_EINPUT,
-                "solver.fidelity lumped knows no load that differs from cell to cell");
-    return LAC_OK;
-}
-
 // Takes all blocks of the level.
 static lac_status try_level(making *m, lac_error *err)
 {
@@ -384,7 +371,8 @@ lac_status lac_lump_create(const lac_lump_source *source, const lac_lump_def *de
     making m = {.source = source, .way.fails = NAN};
     lac_lump *lump = NULL;
     *out = NULL;
-    LAC_TRY(check_source(source, err));
+    LAC_LEAVE_IF(source->whole.loads.varies, err, LAC_EINPUT,
+                 "solver.fidelity lumped knows no load that differs from cell to cell");
     lump = calloc(1, sizeof *lump);
     LAC_TRY(lump != NULL ? LAC_OK : lac_fail_memory(err));
     LAC_TRY(make(&m, def, lump, err));

@@ -23,36 +23,25 @@ static void sum_forces(const lac_lump_source *s, lac_lump_cells *f, size_t first
     }
 }
 
-// The first block of a level that begins at a cell.
-static size_t block_at(const lac_hierarchy *h, size_t level, size_t first)
+static int compare(const void *left, const void *right)
 {
-    const uint32_t *begin = lac_hierarchy_offsets(h, level);
-    size_t low = 0, high = lac_hierarchy_blocks(h, level);
-    while (low < high) {
-        const size_t middle = (low + high) / 2;
-        if (begin[middle] < first) {
-            low = middle + 1;
-        } else {
-            high = middle;
-        }
-    }
-    return low;
+    const uint32_t *a = left, *b = right;
+    return (*a > *b) - (*a < *b);
 }
 
 // Sums over the blocks of a level in [first, end) of squares of their sums, over their cells.
 static double squares_of(const lac_lump_source *s, const lac_lump_cells *f, size_t level,
                          size_t first, size_t end)
 {
-    const uint32_t *begin = lac_hierarchy_offsets(s->blocks, level);
+    const uint32_t from = (uint32_t)first, *begin = lac_hierarchy_offsets(s->blocks, level);
     double out = 0.0;
-    for (size_t b = block_at(s->blocks, level, first); begin[b] < end; b++) {
+    for (begin =
+             bsearch(&from, begin, lac_hierarchy_blocks(s->blocks, level), sizeof *begin, compare);
+         begin[0] < end; begin++) {
         for (size_t which = LAC_LUMP_ANSWER + 1; which < LAC_LUMP_PATTERNS; which++) {
             const double *force = f->force + which * (f->n + 1);
-            const double sum = force[begin[b + 1]] - force[begin[b]];
-            out += sum * sum / (double)(begin[b + 1] - begin[b]);
-        }
-        if (begin[b + 1] == end) {
-            break;
+            const double sum = force[begin[1]] - force[begin[0]];
+            out += sum * sum / (double)(begin[1] - begin[0]);
         }
     }
     return out;
