@@ -41,6 +41,7 @@ static size_t find_growth(lac_columns *columns, const lac_item *item)
     const size_t along = known != LAC_ONCE ? known : columns->growing++;
     assert(along < LAC_MOST_GROWING);
     columns->growth[along].name = item->dim[0];
+    columns->growth[along].cells |= (item->row->flags & LAC_CELLS) != 0;
     return along;
 }
 
@@ -302,8 +303,7 @@ static lac_status flush(lac_writer *w, size_t along, lac_error *err)
 }
 
 // Those that are not kept in memory. Incompressible at worst.
-// @param found  set where there are any
-static lac_status put_cells(lac_writer *w, size_t along, unsigned flag, bool *found, lac_error *err)
+static lac_status put_cells(lac_writer *w, size_t along, unsigned flag, lac_error *err)
 {
     const lac_columns *all = &w->columns;
     const size_t place = along != LAC_ONCE ? all->growth[along].written : 0;
@@ -312,10 +312,8 @@ static lac_status put_cells(lac_writer *w, size_t along, unsigned flag, bool *fo
         const bool own = c->along == along && (c->item.row->flags & flag) != 0;
         bytes += own ? c->item.count * (sizeof(double) + 1) : 0;
     }
-    *found = bytes > 0;
-    lac_status status = *found ? reserve(w, bytes, err) : LAC_OK;
-    for (const lac_column *c = all->column; *found && c < all->column + all->n && status == LAC_OK;
-         c++) {
+    lac_status status = bytes > 0 ? reserve(w, bytes, err) : LAC_OK;
+    for (const lac_column *c = all->column; c < all->column + all->n && status == LAC_OK; c++) {
         const bool own = c->along == along && (c->item.row->flags & flag) != 0;
         status = own ? put_now(w, c, place, err) : LAC_OK;
     }
@@ -325,23 +323,22 @@ static lac_status put_cells(lac_writer *w, size_t along, unsigned flag, bool *fo
 lac_status lac_writer_put(lac_writer *w, const char *dim, const char **lacks, lac_error *err)
 {
     const size_t along = lac_columns_along(&w->columns, dim);
-    bool cells = false;
     if (along == LAC_ONCE) {
         return LAC_OK;
     }
-    if (w->columns.growth[along].places == w->batch) {
+    const lac_growth *g = &w->columns.growth[along];
+    if (g->places == w->batch) {
         LAC_TRY_RETURN(flush(w, along, err));
     }
-    LAC_TRY_RETURN(put_cells(w, along, LAC_CELLS, &cells, err));
+    LAC_TRY_RETURN(g->cells ? put_cells(w, along, LAC_CELLS, err) : LAC_OK);
     LAC_TRY_RETURN(lac_columns_put(&w->columns, along, LAC_CELLS, lacks, err));
-    LAC_TRY_RETURN(cells || w->batch == 1 ? flush(w, along, err) : LAC_OK);
+    LAC_TRY_RETURN(g->cells || w->batch == 1 ? flush(w, along, err) : LAC_OK);
     return LAC_OK;
 }
 
 lac_status lac_writer_put_late(lac_writer *w, lac_error *err)
 {
-    bool found;
-    return put_cells(w, LAC_ONCE, LAC_LATE, &found, err);
+    return put_cells(w, LAC_ONCE, LAC_LATE, err);
 }
 
 size_t lac_writer_places(const lac_writer *w, const char *dim)

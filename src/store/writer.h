@@ -20,6 +20,7 @@ typedef struct lac_column {
 /// A dimension that grows.
 typedef struct lac_growth {
     const char *name;
+    bool cells;     ///< some along it are LAC_CELLS
     size_t places;  ///< in memory
     size_t written; ///< in a file
 } lac_growth;
