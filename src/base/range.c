@@ -36,6 +36,42 @@ lac_range lac_range_of(lac_team *team, int rank, size_t all)
     return range;
 }
 
+// Of an array the next piece that the rank that leads takes.
+static void hand_piece(const lac_range *range, double *x, size_t piece, double *room,
+                       lac_range_take *take, void *context)
+{
+    const size_t left = range->all - piece, n = left < LAC_RANGE_PIECE ? left : LAC_RANGE_PIECE;
+    const size_t end = range->first + range->n < piece + n ? range->first + range->n : piece + n;
+    const size_t first = range->first > piece ? range->first : piece;
+    const bool some = first < end;
+    range->team->gather(range->team, x + (some ? first - range->first : 0), some ? end - first : 0,
+                        room);
+    if (lac_team_leads(range->team)) {
+        take(context, room, piece, n);
+    }
+}
+
+bool lac_range_hand(const lac_range *range, double *x, size_t arrays, lac_range_take *take,
+                    void *context)
+{
+    double *room = NULL;
+    if (range->team != NULL && lac_team_leads(range->team)) {
+        room = malloc((range->all < LAC_RANGE_PIECE ? range->all : LAC_RANGE_PIECE) * sizeof *room);
+    }
+    const bool good = lac_team_all(range->team, room != NULL || !lac_team_leads(range->team));
+    for (size_t a = 0; a < arrays && (good || range->team == NULL); a++) {
+        double *here = x + a * range->n;
+        if (range->team == NULL) {
+            take(context, here, 0, range->n);
+        }
+        for (size_t at = 0; range->team != NULL && at < range->all; at += LAC_RANGE_PIECE) {
+            hand_piece(range, here, at, room, take, context);
+        }
+    }
+    free(room);
+    return good || range->team == NULL;
+}
+
 // One pass over the cells.
 typedef struct pass {
     lac_range_body *body;

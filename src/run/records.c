@@ -131,6 +131,62 @@ static void keep_components(lac_run_state *r, const double *slip, double *along)
     }
 }
 
+void lac_snapshot_fields(lac_snapshot *s, const double **field[LAC_SNAPSHOT_FIELDS])
+{
+    const double **const all[] = {&s->slip,        &s->slip_rate,        &s->state,
+                                  &s->traction,    &s->factor_of_safety, &s->pore,
+                                  &s->excess_pore, &s->temperature,      &s->broken};
+    const size_t n = sizeof all / sizeof *all;
+    memcpy((void *)field, all, sizeof all);
+    for (size_t k = n; k < LAC_SNAPSHOT_FIELDS; k++) {
+        field[k] = &s->along[k - n];
+    }
+}
+
+// A snapshot on its way to the sink of the rank that leads.
+typedef struct parts {
+    const lac_sink *sink;
+    lac_snapshot part;
+    const double **field; // which it has
+    lac_status status;
+    lac_error *err;
+} parts;
+
+static void put_part(void *context, double *x, size_t first, size_t n)
+{
+    parts *p = context;
+    *p->field = x;
+    p->part.first = first;
+    p->part.n = n;
+    if (p->status == LAC_OK) {
+        p->status = p->sink->snapshot(p->sink->context, &p->part, p->err);
+    }
+}
+
+// Of ranks part by part, at last the time alone.
+static lac_status put_fields(const lac_run_state *r, lac_snapshot *here, lac_error *err)
+{
+    const lac_range *range = r->engine->range;
+    parts p = {r->sink, {.time = NAN}, NULL, LAC_OK, err};
+    const double **from[LAC_SNAPSHOT_FIELDS], **to[LAC_SNAPSHOT_FIELDS];
+    bool good = true;
+    lac_snapshot_fields(here, from);
+    lac_snapshot_fields(&p.part, to);
+    for (size_t k = 0; k < LAC_SNAPSHOT_FIELDS && range->team != NULL; k++) {
+        if (*from[k] != NULL) {
+            p.field = to[k];
+            good = good && lac_range_hand(range, (double *)*from[k], 1, put_part, &p);
+            *from[k] = *to[k] = NULL;
+        }
+    }
+    if (!good) {
+        p.status = lac_fail_memory(err);
+    } else if (p.status == LAC_OK && lac_run_state_leads(r)) {
+        p.status = r->sink->snapshot(r->sink->context, here, err);
+    }
+    return lac_run_state_agree(r, p.status, err);
+}
+
 lac_status lac_run_state_snapshot(lac_run_state *r, double t, const double *y, const double *slip,
                                   lac_error *err)
 {
@@ -162,23 +218,19 @@ lac_status lac_run_state_snapshot(lac_run_state *r, double t, const double *y, c
     if (weakens) {
         lac_problem_weakened(r->problem, y, excess, excess + n, excess + 2 * n);
     }
-    const double *size = lac_problem_slip_size(r->problem, slip, r->engine->work);
     lac_snapshot fields = {.time = r->engine->origin + local,
-                           .slip = lac_run_state_gather(r, size, 0),
-                           .slip_rate = lac_run_state_gather(r, v, 1),
-                           .state = lac_run_state_gather(r, theta, 2),
-                           .traction = lac_run_state_gather(r, traction, 3),
+                           .slip = lac_problem_slip_size(r->problem, slip, r->engine->work),
+                           .slip_rate = v,
+                           .state = theta,
+                           .traction = traction,
                            .n = r->engine->range->all,
-                           .factor_of_safety =
-                               safety != NULL ? lac_run_state_gather(r, safety, 5) : NULL,
-                           .pore = lac_run_state_gather(r, pore, 4),
-                           .excess_pore = weakens ? lac_run_state_gather(r, excess, 6) : NULL,
-                           .temperature = weakens ? lac_run_state_gather(r, excess + n, 7) : NULL,
-                           .broken = weakens ? lac_run_state_gather(r, excess + 2 * n, 8) : NULL};
+                           .factor_of_safety = safety,
+                           .pore = pore,
+                           .excess_pore = excess,
+                           .temperature = weakens ? excess + n : NULL,
+                           .broken = weakens ? excess + 2 * n : NULL};
     for (size_t k = 0; k < LAC_POINT_ALONG && lac_problem_is_vector(r->problem); k++) {
-        fields.along[k] = lac_run_state_gather(r, along + k * n, 9 + k);
+        fields.along[k] = along + k * n;
     }
-    return lac_run_state_agree(
-        r, lac_run_state_leads(r) ? r->sink->snapshot(r->sink->context, &fields, err) : LAC_OK,
-        err);
+    return put_fields(r, &fields, err);
 }

@@ -3,11 +3,11 @@
 // arrays that the struct points to.
 #include "simulation/tape.h"
 
-#include "run/points.h"
+#include "run/run.h"
 
 typedef enum piece { PIECE_RECORD, PIECE_SNAPSHOT, PIECE_EVENT, PIECE_STEP } piece;
 
-enum { MOST_ARRAYS = 15 };
+enum { MOST_ARRAYS = LAC_SNAPSHOT_FIELDS };
 
 // Arrays of doubles that a struct points to, NULL where there is none.
 typedef struct arrays {
@@ -36,14 +36,9 @@ static const size_t sizes[] = {[PIECE_RECORD] = sizeof(lac_record),
 
 static void list_snapshot(arrays *a, lac_snapshot *s)
 {
-    const double **at[] = {&s->slip,        &s->slip_rate,        &s->state,
-                           &s->traction,    &s->factor_of_safety, &s->pore,
-                           &s->excess_pore, &s->temperature,      &s->broken};
-    for (size_t i = 0; i < sizeof at / sizeof *at; i++) {
-        list(a, at[i], s->n);
-    }
-    for (size_t i = 0; i < LAC_POINT_ALONG; i++) {
-        list(a, &s->along[i], s->n);
+    lac_snapshot_fields(s, a->at);
+    for (; a->n < LAC_SNAPSHOT_FIELDS; a->n++) {
+        a->length[a->n] = s->n;
     }
 }
 
