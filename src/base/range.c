@@ -3,6 +3,7 @@
 #include "base/range.h"
 
 #include "base/parallel_for.h"
+#include "base/strip.h"
 #include "base/vsum.h"
 
 static size_t up_to_multiple(size_t n, size_t of) { return (n + of - 1) / of * of; }
@@ -15,61 +16,55 @@ lac_range lac_range_whole(size_t all)
     return (lac_range){.all = all, .n = all, .block = block > least ? block : least};
 }
 
-// Where the blocks of a rank begin.
-static size_t begin_of(size_t blocks, size_t rank, size_t ranks)
-{
-    return (blocks * rank + ranks - 1) / ranks;
-}
-
 lac_range lac_range_of(lac_team *team, int rank, size_t all)
 {
     lac_range range = lac_range_whole(all);
-    if (team == NULL) {
-        return range;
-    }
-    const size_t blocks = lac_range_blocks(&range);
-    const size_t first = begin_of(blocks, (size_t)rank, (size_t)team->ranks) * range.block;
-    const size_t end = begin_of(blocks, (size_t)rank + 1, (size_t)team->ranks) * range.block;
+    const lac_strip cells = lac_strip_of(team, all, range.block), of = lac_strip_at(&cells, rank);
     range.team = team;
-    range.first = first < all ? first : all;
-    range.n = (end < all ? end : all) - range.first;
+    range.first = of.first;
+    range.n = of.n;
     return range;
 }
 
-// Of an array the next piece that the rank that leads takes.
-static void hand_piece(const lac_range *range, double *x, size_t piece, double *room,
-                       lac_range_take *take, void *context)
+// Of the cells from the first-th on those that a rank has. [bytes]
+static size_t share(const lac_range *of, size_t first, size_t n)
 {
-    const size_t left = range->all - piece, n = left < LAC_RANGE_PIECE ? left : LAC_RANGE_PIECE;
-    const size_t end = range->first + range->n < piece + n ? range->first + range->n : piece + n;
-    const size_t first = range->first > piece ? range->first : piece;
-    const bool some = first < end;
-    range->team->gather(range->team, x + (some ? first - range->first : 0), some ? end - first : 0,
-                        room);
-    if (lac_team_leads(range->team)) {
-        take(context, room, piece, n);
+    const size_t end = of->first + of->n < first + n ? of->first + of->n : first + n;
+    const size_t begin = of->first > first ? of->first : first;
+    return begin < end ? (end - begin) * sizeof(double) : 0;
+}
+
+void lac_range_bring(const lac_range *range, const double *x, size_t first, size_t n, double *out)
+{
+    size_t sent[LAC_TEAM_MOST] = {share(range, first, n)}, taken[LAC_TEAM_MOST] = {0};
+    for (int rank = 0; rank < range->team->ranks && range->team->rank == 0; rank++) {
+        const lac_range of = lac_range_of(range->team, rank, range->all);
+        taken[rank] = share(&of, first, n);
     }
+    const size_t from = sent[0] > 0 && first > range->first ? first - range->first : 0;
+    range->team->exchange(range->team, x + from, sent, out, taken);
 }
 
 bool lac_range_hand(const lac_range *range, double *x, size_t arrays, lac_range_take *take,
                     void *context)
 {
-    double *room = NULL;
-    if (range->team != NULL && lac_team_leads(range->team)) {
-        room = malloc((range->all < LAC_RANGE_PIECE ? range->all : LAC_RANGE_PIECE) * sizeof *room);
-    }
-    const bool good = lac_team_all(range->team, room != NULL || !lac_team_leads(range->team));
-    for (size_t a = 0; a < arrays && (good || range->team == NULL); a++) {
-        double *here = x + a * range->n;
-        if (range->team == NULL) {
-            take(context, here, 0, range->n);
-        }
-        for (size_t at = 0; range->team != NULL && at < range->all; at += LAC_RANGE_PIECE) {
-            hand_piece(range, here, at, room, take, context);
+    const bool alone = range->team == NULL, leads = lac_team_leads(range->team);
+    double *room = alone ? NULL : malloc((leads ? LAC_RANGE_PIECE : 1) * sizeof *room);
+    const bool good = alone || lac_team_all(range->team, room != NULL);
+    for (size_t a = 0; good && a < arrays; a++, x += range->n) {
+        for (size_t at = 0; at < range->all; at += LAC_RANGE_PIECE) {
+            const size_t left = range->all - at,
+                         n = left < LAC_RANGE_PIECE ? left : LAC_RANGE_PIECE;
+            if (!alone) {
+                lac_range_bring(range, x, at, n, room);
+            }
+            if (leads) {
+                take(context, alone ? x + at : room, at, n);
+            }
         }
     }
     free(room);
-    return good || range->team == NULL;
+    return good;
 }
 
 // One pass over the cells.

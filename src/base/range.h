@@ -33,6 +33,11 @@ lac_range lac_range_whole(size_t all);
 /// Those of a rank of a team: as many blocks as of any other, or one fewer; all without a team.
 lac_range lac_range_of(lac_team *team, int rank, size_t all);
 
+/// Values first ... first + n - 1 of all, to the rank that leads; of a range of ranks.
+/// @param x    [n here]
+/// @param out  [n] there; elsewhere no more than an address
+void lac_range_bring(const lac_range *range, const double *x, size_t first, size_t n, double *out);
+
 /// Takes n values from the first-th on of an array of all cells.
 typedef void lac_range_take(void *context, double *x, size_t first, size_t n);
 

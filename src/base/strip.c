@@ -110,19 +110,21 @@ static void add(void *context, double *sum)
     }
 }
 
-double lac_strip_sum(const lac_strip *strip, size_t n, const double *x)
+static double total(const lac_strip *strip, summands of)
 {
     double sum = 0.0;
-    lac_team_relay(strip->team, add, &(summands){x, n, 1.0}, &sum, 1);
+    lac_team_relay(strip->team, add, &of, &sum, 1);
     return sum;
+}
+
+double lac_strip_sum(const lac_strip *strip, size_t n, const double *x)
+{
+    return total(strip, (summands){x, n, 1.0});
 }
 
 double lac_strip_mean(const lac_strip *strip, size_t nx, const double *x)
 {
-    double mean = 0.0;
-    summands all = {x, strip->n * nx, (double)(strip->all * nx)};
-    lac_team_relay(strip->team, add, &all, &mean, 1);
-    return mean;
+    return total(strip, (summands){x, strip->n * nx, (double)(strip->all * nx)});
 }
 
 lac_status lac_turn_create(const lac_strip *rows, size_t lead, size_t grain_bytes, lac_turn **out,
@@ -175,40 +177,43 @@ static void lay(const lac_turn *c, size_t width, size_t size, bool back)
     }
 }
 
+// What goes to each rank, or came back from it. @param away  [ranks] bytes
+static void pack_all(const lac_turn *c, const lac_strip *columns, size_t round, const size_t *away,
+                     const lac_turn_use *use, bool back)
+{
+    char *packet = c->packet;
+    for (int rank = 0; rank < c->rows.team->ranks; rank++) {
+        const lac_strip of = of_round(columns, rank, round);
+        if (away[rank] > 0) {
+            use->pack(use->context, of.first, of.n, packet, back);
+        }
+        packet += away[rank];
+    }
+}
+
 static void one_round(const lac_turn *c, const lac_strip *columns, size_t round, size_t size,
                       const lac_turn_use *use)
 {
-    size_t away[LAC_TEAM_MOST], home[LAC_TEAM_MOST];
+    size_t away[LAC_TEAM_MOST] = {0}, home[LAC_TEAM_MOST] = {0};
     const lac_team *team = c->rows.team;
     const lac_strip own = of_round(columns, team->rank, round);
-    char *come = c->lead > 0 ? c->come : c->plane, *packet = c->packet;
+    char *come = c->lead > 0 ? c->come : c->plane;
     for (int rank = 0; rank < team->ranks; rank++) {
         const lac_strip of = of_round(columns, rank, round), rows = lac_strip_at(&c->rows, rank);
         const size_t wide = c->lead > 0 || of.n == 0 ? of.n : of.grain;
         away[rank] = wide * c->rows.n * size;
         home[rank] = (c->lead > 0 || own.n == 0 ? own.n : own.grain) * rows.n * size;
-        if (away[rank] > 0) {
-            use->pack(use->context, of.first, of.n, packet);
-        }
-        packet += away[rank];
     }
+    pack_all(c, columns, round, away, use, false);
     team->exchange(team, c->packet, away, come, home);
     lay(c, own.n, size, false);
     if (own.n > 0) {
         use->work(use->context, own.first, own.n, c->plane);
     }
-    if (use->unpack == NULL) {
-        return;
-    }
-    lay(c, own.n, size, true);
-    team->exchange(team, come, home, c->packet, away);
-    packet = c->packet;
-    for (int rank = 0; rank < team->ranks; rank++) {
-        const lac_strip of = of_round(columns, rank, round);
-        if (away[rank] > 0) {
-            use->unpack(use->context, of.first, of.n, packet);
-        }
-        packet += away[rank];
+    if (use->returns) {
+        lay(c, own.n, size, true);
+        team->exchange(team, come, home, c->packet, away);
+        pack_all(c, columns, round, away, use, true);
     }
 }
 

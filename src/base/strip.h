@@ -48,11 +48,11 @@ typedef struct lac_turn {
 typedef struct lac_turn_use {
     void *context;
     /// Those of the rows here: [width][rows here], or where lead is 0 [rows here][grain].
-    void (*pack)(void *context, size_t first, size_t width, void *packet);
+    /// @param back  the other way
+    void (*pack)(void *context, size_t first, size_t width, void *packet, bool back);
     /// All their rows: [width][lead], or [rows][grain].
     void (*work)(void *context, size_t first, size_t width, void *plane);
-    /// As pack, the other way; NULL: nothing comes back.
-    void (*unpack)(void *context, size_t first, size_t width, const void *packet);
+    bool returns; ///< the columns come back
 } lac_turn_use;
 
 /// @param grain_bytes  of an item, times the columns of a grain, at most

@@ -13,10 +13,6 @@ typedef struct lac_team {
     /// Each word becomes the bitwise or of those of all ranks: what one of them fills, the others
     /// having 0 there, comes to all to the bit.
     void (*join)(const struct lac_team *team, uint64_t *words, size_t n);
-    /// Puts the arrays of all ranks, n values of this one, behind each other in `all` of rank 0.
-    void (*gather)(const struct lac_team *team, const double *x, size_t n, double *all);
-    /// Hands bytes of rank 0 to all.
-    void (*hand_out)(const struct lac_team *team, void *bytes, size_t size);
     /// Hands sent[rank] bytes of `from` to each rank and takes taken[rank] of each into `to`, those
     /// of one rank behind those of the one before.
     void (*exchange)(const struct lac_team *team, const void *from, const size_t *sent, void *to,
@@ -33,6 +29,9 @@ static inline bool lac_team_leads(const lac_team *team) { return team == NULL ||
 
 /// The same of numbers: of those of all ranks, where each rank has some and the others 0.
 void lac_team_join(const lac_team *team, double *x, size_t n);
+
+/// What rank 0 has of a word of 8 bytes, to all.
+void lac_team_follow(const lac_team *team, void *word);
 
 /// One rank after the other goes on with the values where the one before has left them: what one
 /// process does along all rows, to the bit. All have them then.

@@ -52,9 +52,7 @@ static identity identify(const lac_problem *problem)
         const bool good = lac_range_hand(range, y, lac_problem_arrays(problem), sum, &of_all);
         scene.start = good ? of_all | 1 : 0;
     }
-    if (range->team != NULL) {
-        range->team->hand_out(range->team, &scene.start, sizeof scene.start);
-    }
+    lac_team_follow(range->team, &scene.start);
     free(y);
     return scene;
 }

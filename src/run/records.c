@@ -6,10 +6,9 @@ const double *lac_run_state_gather(const lac_run_state *r, const double *x, size
 {
     const lac_range *range = r->engine->range;
     double *all = r->all != NULL ? r->all + place * range->all : NULL;
-    if (range->team == NULL) {
-        return x;
+    if (range->team != NULL) {
+        lac_range_bring(range, x, 0, range->all, all);
     }
-    range->team->gather(range->team, x, range->n, all);
     return all != NULL ? all : x;
 }
 

@@ -35,30 +35,6 @@ static void join(const lac_team *team, uint64_t *words, size_t n)
     }
 }
 
-// In pieces, as a part may have more than MPI counts; first how many there are of each.
-static void gather(const lac_team *team, const double *x, size_t n, double *all)
-{
-    uint64_t counts[LAC_TEAM_MOST] = {0};
-    counts[team->rank] = n;
-    join(team, counts, (size_t)team->ranks);
-    if (team->rank > 0) {
-        for (size_t at = 0; at < n; at += PIECE) {
-            (void)MPI_Send(x + at, piece_of(n - at), MPI_DOUBLE, 0, 0, MPI_COMM_WORLD);
-        }
-        return;
-    }
-    memcpy(all, x, n * sizeof *all);
-    all += n;
-    for (int rank = 1; rank < team->ranks; rank++) {
-        for (size_t at = 0; at < counts[rank]; at += PIECE) {
-            const size_t left = counts[rank] - at;
-            (void)MPI_Recv(all + at, piece_of(left), MPI_DOUBLE, rank, 0, MPI_COMM_WORLD,
-                           MPI_STATUS_IGNORE);
-        }
-        all += counts[rank];
-    }
-}
-
 // To one rank, while another one hands over; who has nothing to say is not spoken to.
 static void trade(const char *from, size_t sent, int to_rank, char *to, size_t taken, int from_rank)
 {
@@ -81,19 +57,13 @@ static void exchange(const lac_team *team, const void *from, const size_t *sent,
         away[rank + 1] = away[rank] + sent[rank];
         home[rank + 1] = home[rank] + taken[rank];
     }
-    memcpy((char *)to + home[own], (const char *)from + away[own], sent[own]);
+    if (sent[own] > 0) {
+        memcpy((char *)to + home[own], (const char *)from + away[own], sent[own]);
+    }
     for (int step = 1; step < all; step++) {
         const int next = (own + step) % all, last = (own + all - step) % all;
         trade((const char *)from + away[next], sent[next], next, (char *)to + home[last],
               taken[last], last);
-    }
-}
-
-static void hand_out(const lac_team *team, void *bytes, size_t size)
-{
-    (void)team;
-    for (size_t at = 0; at < size; at += PIECE) {
-        (void)MPI_Bcast((char *)bytes + at, piece_of(size - at), MPI_BYTE, 0, MPI_COMM_WORLD);
     }
 }
 
@@ -159,8 +129,7 @@ static int be_silent(void)
 lac_status cli_team_join(int (*exit_status)(lac_status status), void (*hush)(bool parent),
                          lac_team **out, lac_error *err)
 {
-    lac_team team = {
-        .join = join, .gather = gather, .hand_out = hand_out, .exchange = exchange, .fare = fare};
+    lac_team team = {.join = join, .exchange = exchange, .fare = fare};
     int heard = STDERR_FILENO;
     *out = NULL;
     hush(true); // mpirun stops all ranks where one ends: that one has said why
