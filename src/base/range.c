@@ -26,22 +26,16 @@ lac_range lac_range_of(lac_team *team, int rank, size_t all)
     return range;
 }
 
-// Of the cells from the first-th on those that a rank has. [bytes]
-static size_t share(const lac_range *of, size_t first, size_t n)
-{
-    const size_t end = of->first + of->n < first + n ? of->first + of->n : first + n;
-    const size_t begin = of->first > first ? of->first : first;
-    return begin < end ? (end - begin) * sizeof(double) : 0;
-}
-
 void lac_range_bring(const lac_range *range, const double *x, size_t first, size_t n, double *out)
 {
-    size_t sent[LAC_TEAM_MOST] = {share(range, first, n)}, taken[LAC_TEAM_MOST] = {0};
+    size_t sent[LAC_TEAM_MOST] = {0}, taken[LAC_TEAM_MOST] = {0};
+    const lac_strip here = lac_strip_of(range->team, range->all, range->block);
+    sent[0] = lac_strip_share(&here, first, n) * sizeof *x;
     for (int rank = 0; rank < range->team->ranks && range->team->rank == 0; rank++) {
-        const lac_range of = lac_range_of(range->team, rank, range->all);
-        taken[rank] = share(&of, first, n);
+        const lac_strip of = lac_strip_at(&here, rank);
+        taken[rank] = lac_strip_share(&of, first, n) * sizeof *x;
     }
-    const size_t from = sent[0] > 0 && first > range->first ? first - range->first : 0;
+    const size_t from = sent[0] > 0 && first > here.first ? first - here.first : 0;
     range->team->exchange(range->team, x + from, sent, out, taken);
 }
 

@@ -38,24 +38,24 @@ int lac_strip_owner(const lac_strip *strip, size_t row)
     return (int)(row / strip->grain * ranks / strip->grains);
 }
 
-static size_t overlap(const lac_strip *has, const double *wants)
+size_t lac_strip_share(const lac_strip *strip, size_t first, size_t n)
 {
-    const size_t first = (size_t)wants[0], end = first + (size_t)wants[1];
-    const size_t low = first > has->first ? first : has->first;
-    const size_t high = end < has->first + has->n ? end : has->first + has->n;
-    return high > low ? high - low : 0;
+    const size_t low = first > strip->first ? first : strip->first;
+    const size_t end = first + n < strip->first + strip->n ? first + n : strip->first + strip->n;
+    return end > low ? end - low : 0;
 }
 
 // What ranks want may overlap: it is put behind each other.
-static lac_status hand_over(const lac_strip *strip, const double *wants, size_t size,
+// @param wants  [ranks] first row and number
+static lac_status hand_over(const lac_strip *strip, uint64_t (*wants)[2], size_t size,
                             const char *rows, char *out, lac_error *err)
 {
     size_t sent[LAC_TEAM_MOST] = {0}, taken[LAC_TEAM_MOST] = {0}, total = 0;
     lac_team *team = strip->team;
     for (int rank = 0; rank < team->ranks; rank++) {
         const lac_strip of = lac_strip_at(strip, rank);
-        taken[rank] = overlap(&of, &wants[2 * team->rank]) * size;
-        sent[rank] = overlap(strip, &wants[2 * (size_t)rank]) * size;
+        taken[rank] = lac_strip_share(&of, wants[team->rank][0], wants[team->rank][1]) * size;
+        sent[rank] = lac_strip_share(strip, wants[rank][0], wants[rank][1]) * size;
         total += sent[rank];
     }
     char *packet = malloc(total + 1);
@@ -63,8 +63,7 @@ static lac_status hand_over(const lac_strip *strip, const double *wants, size_t 
     const lac_status status = lac_team_room(team, room, err);
     total = 0;
     for (int rank = 0; status == LAC_OK && rank < team->ranks; rank++) {
-        const size_t first = (size_t)wants[2 * (size_t)rank];
-        const size_t from = first > strip->first ? first - strip->first : 0;
+        const size_t from = wants[rank][0] > strip->first ? wants[rank][0] - strip->first : 0;
         memcpy(packet + total, sent[rank] > 0 ? rows + from * size : rows, sent[rank]);
         total += sent[rank];
     }
@@ -78,17 +77,16 @@ static lac_status hand_over(const lac_strip *strip, const double *wants, size_t 
 lac_status lac_strip_bring(const lac_strip *strip, size_t first, size_t n, size_t size,
                            const void *rows, const void **out, void **made, lac_error *err)
 {
-    double wants[2 * LAC_TEAM_MOST] = {0};
+    uint64_t wants[LAC_TEAM_MOST][2] = {{0}};
     *made = NULL;
     *out = rows;
     if (strip->team == NULL) {
         *out = (const char *)rows + first * size;
         return LAC_OK;
     }
-    const size_t own = 2 * (size_t)strip->team->rank;
-    wants[own] = (double)first;
-    wants[own + 1] = (double)n;
-    lac_team_join(strip->team, wants, 2 * (size_t)strip->team->ranks);
+    wants[strip->team->rank][0] = first;
+    wants[strip->team->rank][1] = n;
+    strip->team->join(strip->team, wants[0], 2 * (size_t)strip->team->ranks);
     *made = malloc(n * size + 1);
     *out = *made;
     const lac_status status = hand_over(strip, wants, size, rows, *made, err);

@@ -26,6 +26,9 @@ lac_strip lac_strip_like(const lac_strip *strip, size_t all, size_t grain);
 lac_strip lac_strip_at(const lac_strip *strip, int rank);
 int lac_strip_owner(const lac_strip *strip, size_t row);
 
+/// How many of rows first ... first + n - 1 are here.
+size_t lac_strip_share(const lac_strip *strip, size_t first, size_t n);
+
 /// Rows first ... first + n - 1 of all, whoever has them; called by all ranks, each for its own.
 /// @param rows  those here, of `size` bytes each
 /// @param out   set; without a team they are a part of rows

@@ -32,15 +32,20 @@ void lac_team_follow(const lac_team *team, void *word)
     }
 }
 
-bool lac_team_ask(const lac_team *team, bool here)
+bool lac_team_any(const lac_team *team, bool here)
 {
     uint64_t word = here ? 1 : 0;
-    team->join(team, &word, 1);
+    if (team != NULL) {
+        team->join(team, &word, 1);
+    }
     return word != 0;
 }
 
-double lac_team_ask_most(const lac_team *team, double here)
+double lac_team_most(const lac_team *team, double here)
 {
+    if (team == NULL) {
+        return here;
+    }
     double all[LAC_TEAM_MOST] = {0}, most = here;
     all[team->rank] = here;
     lac_team_join(team, all, (size_t)team->ranks);
@@ -50,8 +55,11 @@ double lac_team_ask_most(const lac_team *team, double here)
     return most;
 }
 
-lac_status lac_team_settle(lac_team *team, lac_status here, lac_error *err)
+lac_status lac_team_agree(lac_team *team, lac_status here, lac_error *err)
 {
+    if (team == NULL || team->over) {
+        return here;
+    }
     uint64_t all[LAC_TEAM_MOST] = {0};
     union {
         lac_error error;

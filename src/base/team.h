@@ -39,24 +39,13 @@ typedef void lac_team_part(void *context, double *values);
 void lac_team_relay(const lac_team *team, lac_team_part *part, void *context, double *values,
                     size_t n);
 
-// The functions below where there are others.
-bool lac_team_ask(const lac_team *team, bool here);
-double lac_team_ask_most(const lac_team *team, double here);
-lac_status lac_team_settle(lac_team *team, lac_status here, lac_error *err);
-
-/// Whether it is so with any, or with all of them; the largest and the least.
-static inline bool lac_team_any(const lac_team *team, bool here)
-{
-    return team == NULL ? here : lac_team_ask(team, here);
-}
+/// Whether it is so with any, or with all of them; the largest and the least, NaN where one is.
+bool lac_team_any(const lac_team *team, bool here);
 static inline bool lac_team_all(const lac_team *team, bool here)
 {
     return !lac_team_any(team, !here);
 }
-static inline double lac_team_most(const lac_team *team, double here) ///< NaN where one is
-{
-    return team == NULL ? here : lac_team_ask_most(team, here);
-}
+double lac_team_most(const lac_team *team, double here);
 static inline double lac_team_least(const lac_team *team, double here)
 {
     return -lac_team_most(team, -here);
@@ -64,10 +53,7 @@ static inline double lac_team_least(const lac_team *team, double here)
 
 /// The error of the lowest rank that has one, to all, with its message.
 /// @return LAC_OK where all have that
-static inline lac_status lac_team_agree(lac_team *team, lac_status here, lac_error *err)
-{
-    return team == NULL || team->over ? here : lac_team_settle(team, here, err);
-}
+lac_status lac_team_agree(lac_team *team, lac_status here, lac_error *err);
 
 /// The same of memory that each needs before what they do together.
 static inline lac_status lac_team_room(lac_team *team, bool room, lac_error *err)

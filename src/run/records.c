@@ -132,14 +132,11 @@ static void keep_components(lac_run_state *r, const double *slip, double *along)
 
 void lac_snapshot_fields(lac_snapshot *s, const double **field[LAC_SNAPSHOT_FIELDS])
 {
-    const double **const all[] = {&s->slip,        &s->slip_rate,        &s->state,
-                                  &s->traction,    &s->factor_of_safety, &s->pore,
-                                  &s->excess_pore, &s->temperature,      &s->broken};
-    const size_t n = sizeof all / sizeof *all;
+    const double **const all[LAC_SNAPSHOT_FIELDS] = {
+        &s->slip,     &s->slip_rate,   &s->state,       &s->traction, &s->factor_of_safety,
+        &s->pore,     &s->excess_pore, &s->temperature, &s->broken,   &s->along[0],
+        &s->along[1], &s->along[2],    &s->along[3],    &s->along[4], &s->along[5]};
     memcpy((void *)field, all, sizeof all);
-    for (size_t k = n; k < LAC_SNAPSHOT_FIELDS; k++) {
-        field[k] = &s->along[k - n];
-    }
 }
 
 // A snapshot on its way to the sink of the rank that leads.
