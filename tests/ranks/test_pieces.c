@@ -110,7 +110,7 @@ static lac_team *join_as(int rank)
     const int heard[] = {dup(STDOUT_FILENO), dup(STDERR_FILENO)};
     lac_team *team = NULL;
     own = rank;
-    assert_int_equal(cli_team_join(NULL, hush, &team, NULL), LAC_OK);
+    assert_int_equal(cli_team_join(NULL, NULL, hush, &team, NULL), LAC_OK);
     for (int i = 0; i < 2; i++) {
         (void)dup2(heard[i], STDOUT_FILENO + i);
         (void)close(heard[i]);

@@ -12,6 +12,7 @@ typedef struct ranks {
     lac_team team;
     int heard; // standard error, where it still is
     int (*exit_status)(lac_status status);
+    void (*remedy)(char *out, size_t room);
     MPI_Comm apart; // where they agree
     double begun;   // [s]
 } ranks;
@@ -79,10 +80,10 @@ static void end_all(const lac_team *team, lac_status status, const lac_error *er
     if (lower) {
         (void)sleep(10); // by then it has
     } else {
-        (void)dprintf(all->heard,
-                      "lacuna-mpi: rank %d: %s; all ranks end, and `lacuna mend` makes what they "
-                      "wrote whole\n",
-                      team->rank, err != NULL ? err->message : "");
+        char words[2048];
+        all->remedy(words, sizeof words);
+        (void)dprintf(all->heard, "lacuna-mpi: rank %d: %s; all ranks end%s\n", team->rank,
+                      err != NULL ? err->message : "", words);
     }
     (void)MPI_Abort(MPI_COMM_WORLD, all->exit_status(status));
 }
@@ -126,7 +127,8 @@ static int be_silent(void)
     return aside;
 }
 
-lac_status cli_team_join(int (*exit_status)(lac_status status), void (*hush)(bool parent),
+lac_status cli_team_join(int (*exit_status)(lac_status status),
+                         void (*remedy)(char *out, size_t room), void (*hush)(bool parent),
                          lac_team **out, lac_error *err)
 {
     lac_team team = {.join = join, .exchange = exchange, .fare = fare};
@@ -153,7 +155,7 @@ lac_status cli_team_join(int (*exit_status)(lac_status status), void (*hush)(boo
         free(all);
         return lac_fail_memory(err);
     }
-    *all = (ranks){team, heard, exit_status, MPI_COMM_NULL, MPI_Wtime()};
+    *all = (ranks){team, heard, exit_status, remedy, MPI_COMM_NULL, MPI_Wtime()};
     (void)MPI_Comm_dup(MPI_COMM_WORLD, &all->apart);
     all->team.context = all;
     *out = &all->team;
