@@ -36,7 +36,8 @@ void lac_range_bring(const lac_range *range, const double *x, size_t first, size
         taken[rank] = lac_strip_share(&of, first, n) * sizeof *x;
     }
     const size_t from = sent[0] > 0 && first > here.first ? first - here.first : 0;
-    range->team->exchange(range->team, x + from, sent, out, taken);
+    void *to = out != NULL ? (void *)out : (void *)taken; // where nothing comes
+    range->team->exchange(range->team, x + from, sent, to, taken);
 }
 
 bool lac_range_hand(const lac_range *range, double *x, size_t arrays, lac_range_take *take,

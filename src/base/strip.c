@@ -46,50 +46,40 @@ size_t lac_strip_share(const lac_strip *strip, size_t first, size_t n)
 }
 
 // What ranks want may overlap: it is put behind each other.
-// @param wants  [ranks] first row and number
-static lac_status hand_over(const lac_strip *strip, uint64_t (*wants)[2], size_t size,
-                            const char *rows, char *out, lac_error *err)
+lac_status lac_strip_bring(const lac_strip *strip, size_t first, size_t n, size_t size,
+                           const void *rows, const void **out, void **made, lac_error *err)
 {
+    uint64_t wants[LAC_TEAM_MOST][2] = {{0}}; // first row and number
     size_t sent[LAC_TEAM_MOST] = {0}, taken[LAC_TEAM_MOST] = {0}, total = 0;
     lac_team *team = strip->team;
+    *made = NULL;
+    *out = (const char *)rows + (team == NULL ? first * size : 0);
+    if (team == NULL) {
+        return LAC_OK;
+    }
+    wants[team->rank][0] = first;
+    wants[team->rank][1] = n;
+    team->join(team, wants[0], 2 * (size_t)team->ranks);
     for (int rank = 0; rank < team->ranks; rank++) {
         const lac_strip of = lac_strip_at(strip, rank);
-        taken[rank] = lac_strip_share(&of, wants[team->rank][0], wants[team->rank][1]) * size;
+        taken[rank] = lac_strip_share(&of, first, n) * size;
         sent[rank] = lac_strip_share(strip, wants[rank][0], wants[rank][1]) * size;
         total += sent[rank];
     }
     char *packet = malloc(total + 1);
-    const bool room = out != NULL && packet != NULL; // on every rank, or none hands over
+    *out = *made = malloc(n * size + 1);
+    const bool room = *made != NULL && packet != NULL; // on every rank, or none hands over
     const lac_status status = lac_team_room(team, room, err);
     total = 0;
     for (int rank = 0; status == LAC_OK && rank < team->ranks; rank++) {
         const size_t from = wants[rank][0] > strip->first ? wants[rank][0] - strip->first : 0;
-        memcpy(packet + total, sent[rank] > 0 ? rows + from * size : rows, sent[rank]);
+        memcpy(packet + total, (const char *)rows + (sent[rank] > 0 ? from * size : 0), sent[rank]);
         total += sent[rank];
     }
     if (status == LAC_OK) {
-        team->exchange(team, packet, sent, out, taken);
+        team->exchange(team, packet, sent, *made, taken);
     }
     free(packet);
-    return status;
-}
-
-lac_status lac_strip_bring(const lac_strip *strip, size_t first, size_t n, size_t size,
-                           const void *rows, const void **out, void **made, lac_error *err)
-{
-    uint64_t wants[LAC_TEAM_MOST][2] = {{0}};
-    *made = NULL;
-    *out = rows;
-    if (strip->team == NULL) {
-        *out = (const char *)rows + first * size;
-        return LAC_OK;
-    }
-    wants[strip->team->rank][0] = first;
-    wants[strip->team->rank][1] = n;
-    strip->team->join(strip->team, wants[0], 2 * (size_t)strip->team->ranks);
-    *made = malloc(n * size + 1);
-    *out = *made;
-    const lac_status status = hand_over(strip, wants, size, rows, *made, err);
     LAC_MADE(status, made, free);
 }
 

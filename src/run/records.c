@@ -139,48 +139,33 @@ void lac_snapshot_fields(lac_snapshot *s, const double **field[LAC_SNAPSHOT_FIEL
     memcpy((void *)field, all, sizeof all);
 }
 
-// A snapshot on its way to the sink of the rank that leads.
-typedef struct parts {
-    const lac_sink *sink;
-    lac_snapshot part;
-    const double **field; // which it has
-    lac_status status;
-    lac_error *err;
-} parts;
-
-static void put_part(void *context, double *x, size_t first, size_t n)
-{
-    parts *p = context;
-    *p->field = x;
-    p->part.first = first;
-    p->part.n = n;
-    if (p->status == LAC_OK) {
-        p->status = p->sink->snapshot(p->sink->context, &p->part, p->err);
-    }
-}
-
-// Of ranks part by part, at last the time alone.
+// Of ranks each field alone, piece by piece, at last the time.
 static lac_status put_fields(const lac_run_state *r, lac_snapshot *here, lac_error *err)
 {
     const lac_range *range = r->engine->range;
-    parts p = {r->sink, {.time = NAN}, NULL, LAC_OK, err};
+    const bool shared = range->team != NULL, leads = lac_run_state_leads(r);
+    double *room = shared && leads ? malloc(LAC_RANGE_PIECE * sizeof *room) : NULL;
+    lac_snapshot part = {.time = NAN};
     const double **from[LAC_SNAPSHOT_FIELDS], **to[LAC_SNAPSHOT_FIELDS];
-    bool good = true;
     lac_snapshot_fields(here, from);
-    lac_snapshot_fields(&p.part, to);
-    for (size_t k = 0; k < LAC_SNAPSHOT_FIELDS && range->team != NULL; k++) {
-        if (*from[k] != NULL) {
-            p.field = to[k];
-            good = good && lac_range_hand(range, (double *)*from[k], 1, put_part, &p);
-            *from[k] = *to[k] = NULL;
+    lac_snapshot_fields(&part, to);
+    LAC_TRY_RETURN(lac_team_room(range->team, !shared || !leads || room != NULL, err));
+    lac_status status = LAC_OK;
+    for (size_t k = 0; k < LAC_SNAPSHOT_FIELDS && shared; k++) {
+        for (size_t at = 0; *from[k] != NULL && at < range->all; at += LAC_RANGE_PIECE) {
+            const size_t left = range->all - at;
+            part.first = at;
+            part.n = left < LAC_RANGE_PIECE ? left : LAC_RANGE_PIECE;
+            *to[k] = room;
+            lac_range_bring(range, *from[k], at, part.n, room);
+            status = leads && status == LAC_OK ? r->sink->snapshot(r->sink->context, &part, err)
+                                               : status;
         }
+        *from[k] = *to[k] = NULL;
     }
-    if (!good) {
-        p.status = lac_fail_memory(err);
-    } else if (p.status == LAC_OK && lac_run_state_leads(r)) {
-        p.status = r->sink->snapshot(r->sink->context, here, err);
-    }
-    return lac_run_state_agree(r, p.status, err);
+    free(room);
+    status = leads && status == LAC_OK ? r->sink->snapshot(r->sink->context, here, err) : status;
+    return lac_run_state_agree(r, status, err);
 }
 
 lac_status lac_run_state_snapshot(lac_run_state *r, double t, const double *y, const double *slip,

@@ -34,14 +34,6 @@ static const size_t sizes[] = {[PIECE_RECORD] = sizeof(lac_record),
                                [PIECE_EVENT] = sizeof(lac_event),
                                [PIECE_STEP] = sizeof(lac_step)};
 
-static void list_snapshot(arrays *a, lac_snapshot *s)
-{
-    lac_snapshot_fields(s, a->at);
-    for (; a->n < LAC_SNAPSHOT_FIELDS; a->n++) {
-        a->length[a->n] = s->n;
-    }
-}
-
 static arrays arrays_of(const lac_tape *tape, uint64_t kind, thing *t)
 {
     arrays a = {0};
@@ -53,7 +45,10 @@ static arrays arrays_of(const lac_tape *tape, uint64_t kind, thing *t)
         list(&a, &r->observation.points, LAC_POINT_VALUES * tape->points);
         list(&a, &r->observation.points_along, LAC_POINT_ALONG * tape->points);
     } else if (kind == PIECE_SNAPSHOT) {
-        list_snapshot(&a, &t->snapshot);
+        lac_snapshot_fields(&t->snapshot, a.at);
+        for (; a.n < LAC_SNAPSHOT_FIELDS; a.n++) {
+            a.length[a.n] = t->snapshot.n;
+        }
     } else if (kind == PIECE_STEP) {
         list(&a, &t->step.slip_rate, t->step.n);
         list(&a, &t->step.slip, t->step.n);

@@ -298,13 +298,6 @@ static lac_status flush(lac_writer *w, size_t along, lac_error *err)
     return LAC_OK;
 }
 
-// Of a part of the cells those that it has.
-static bool takes(const lac_writer *w, const lac_column *c, size_t along, unsigned flag)
-{
-    return c->along == along && (c->item.row->flags & flag) != 0 &&
-           (w->part == 0 || lac_item_array(&c->item) != NULL);
-}
-
 // Those that are not kept in memory. Incompressible at worst.
 // @param found  set where there are any
 static lac_status put_cells(lac_writer *w, size_t along, unsigned flag, bool *found, lac_error *err)
@@ -313,13 +306,14 @@ static lac_status put_cells(lac_writer *w, size_t along, unsigned flag, bool *fo
     const size_t place = along != LAC_ONCE ? all->growth[along].written : 0;
     size_t bytes = 0;
     for (const lac_column *c = all->column; c < all->column + all->n; c++) {
-        const size_t n = w->part > 0 ? w->part : c->item.count;
-        bytes += takes(w, c, along, flag) ? n * (sizeof(double) + 1) : 0;
+        const bool own = c->along == along && (c->item.row->flags & flag) != 0;
+        bytes += own ? c->item.count * (sizeof(double) + 1) : 0;
     }
     *found = bytes > 0;
     lac_status status = bytes > 0 ? reserve(w, bytes, err) : LAC_OK;
     for (const lac_column *c = all->column; c < all->column + all->n && status == LAC_OK; c++) {
-        status = takes(w, c, along, flag) ? put_now(w, c, place, err) : LAC_OK;
+        const bool own = c->along == along && (c->item.row->flags & flag) != 0;
+        status = own ? put_now(w, c, place, err) : LAC_OK;
     }
     return status;
 }
@@ -344,11 +338,18 @@ lac_status lac_writer_put(lac_writer *w, const char *dim, lac_error *err)
 lac_status lac_writer_put_part(lac_writer *w, const char *dim, size_t first, size_t n,
                                lac_error *err)
 {
-    const size_t along = lac_columns_along(&w->columns, dim);
-    bool cells;
+    const lac_columns *all = &w->columns;
+    const size_t along = lac_columns_along(all, dim);
     w->first = first;
     w->part = n;
-    return along != LAC_ONCE ? put_cells(w, along, LAC_CELLS, &cells, err) : LAC_OK;
+    for (const lac_column *c = all->column; c < all->column + all->n && along != LAC_ONCE; c++) {
+        const bool own = c->along == along && (c->item.row->flags & LAC_CELLS) != 0;
+        if (own && lac_item_array(&c->item) != NULL) {
+            LAC_TRY_RETURN(reserve(w, n * (sizeof(double) + 1), err));
+            LAC_TRY_RETURN(put_now(w, c, all->growth[along].written, err));
+        }
+    }
+    return LAC_OK;
 }
 
 lac_status lac_writer_put_late(lac_writer *w, lac_error *err)

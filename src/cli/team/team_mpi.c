@@ -36,19 +36,8 @@ static void join(const lac_team *team, uint64_t *words, size_t n)
     }
 }
 
-// To one rank, while another one hands over; who has nothing to say is not spoken to.
-static void trade(const char *from, size_t sent, int to_rank, char *to, size_t taken, int from_rank)
-{
-    for (size_t at = 0; at < sent || at < taken; at += PIECE) {
-        const size_t gives = at < sent ? sent - at : 0, takes = at < taken ? taken - at : 0;
-        (void)MPI_Sendrecv(from + (gives > 0 ? at : 0), piece_of(gives), MPI_BYTE,
-                           gives > 0 ? to_rank : MPI_PROC_NULL, 0, to + (takes > 0 ? at : 0),
-                           piece_of(takes), MPI_BYTE, takes > 0 ? from_rank : MPI_PROC_NULL, 0,
-                           MPI_COMM_WORLD, MPI_STATUS_IGNORE);
-    }
-}
-
-// With the next rank and the one before, then with those two away, and so on round.
+// With the next rank and the one before, then with those two away, and so on round; who has
+// nothing to say is not spoken to.
 static void exchange(const lac_team *team, const void *from, const size_t *sent, void *to,
                      const size_t *taken)
 {
@@ -63,8 +52,16 @@ static void exchange(const lac_team *team, const void *from, const size_t *sent,
     }
     for (int step = 1; step < all; step++) {
         const int next = (own + step) % all, last = (own + all - step) % all;
-        trade((const char *)from + away[next], sent[next], next, (char *)to + home[last],
-              taken[last], last);
+        const char *give = (const char *)from + away[next];
+        char *take = (char *)to + home[last];
+        for (size_t at = 0; at < sent[next] || at < taken[last]; at += PIECE) {
+            const size_t gives = at < sent[next] ? sent[next] - at : 0;
+            const size_t takes = at < taken[last] ? taken[last] - at : 0;
+            (void)MPI_Sendrecv(give + (gives > 0 ? at : 0), piece_of(gives), MPI_BYTE,
+                               gives > 0 ? next : MPI_PROC_NULL, 0, take + (takes > 0 ? at : 0),
+                               piece_of(takes), MPI_BYTE, takes > 0 ? last : MPI_PROC_NULL, 0,
+                               MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+        }
     }
 }
 

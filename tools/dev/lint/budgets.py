@@ -17,8 +17,8 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 97509,
-    "lines that only present results": 24157,
+    "lines of src and include": 97516,
+    "lines that only present results": 24178,
     "public headers": 13,
     "exported names": 44,
     "circles of includes": 0,
