@@ -22,8 +22,8 @@ static const struct {
              [LAC_FREE] = {45, 20, 4e-6, 3e-6, 1.4e-6, 460, 11e-6}};
 static const double one_by_one_cells = 4096;
 
-// Of a grid cell where no surface is pressed. Of ranks: what a free contact takes more; of a cell of
-// a surface, and of a contact cell, what each has of all, and who writes, also of parts; MPI.
+// Of a grid cell where no surface is pressed. Of ranks: what a free contact takes more; of a cell
+// of a surface, and of a contact cell, what each has of all, and who writes, also of parts; MPI.
 static const double domain_bytes = 13, unfolded_bytes[] = {[LAC_FREE] = 4}, whole_source_bytes = 24,
                     whole_cell_bytes = 130, write_bytes = 16, part_bytes = 56, mpi_bytes = 20e6;
 
