@@ -93,6 +93,7 @@ typedef struct lac_snapshot {
     const double *broken;           ///< [n] part of the cohesion that is broken [1]
     const double *along[6]; ///< [n] slip, slip rate, traction, each along x and y, where those
                             ///< above are sizes (interface.slip: vector); NULL: slip is along x
+    size_t first;           ///< of the cells, where a part of a field comes alone
 } lac_snapshot;
 
 /// The state after a step of the integrator; the arrays hold until the sink returns.
@@ -246,6 +247,8 @@ typedef struct lac_sink {
     size_t size; ///< of this structure, as the default has it
     void *context;
     lac_status (*record)(void *context, const lac_record *record, lac_error *err);
+    /// Of a run that ranks share parts of one field at a time, whose time is NaN, and at last the
+    /// time without fields.
     lac_status (*snapshot)(void *context, const lac_snapshot *snapshot, lac_error *err);
     /// After every step, also at the start and on both sides of a jump of loads.
     lac_status (*step)(void *context, const lac_step *step, lac_error *err);

@@ -51,30 +51,27 @@ static lac_status plan_columns(lac_fft *fft, int stride, int apart, lac_error *e
     return fft->block_forward != NULL && fft->block_inverse != NULL ? LAC_OK : lac_fail_memory(err);
 }
 
-lac_status lac_fft_share(size_t nx, size_t ny, lac_team *team, lac_fft **out, lac_error *err)
+static lac_status share(size_t nx, size_t ny, size_t rows, size_t lead, lac_team *team,
+                        lac_fft **out, lac_error *err)
 {
-    if (team == NULL) {
-        return lac_fft_create(nx, ny, out, err);
-    }
-    lac_status status = share_rows((const size_t[]){nx, ny}, ny, 0, team, out, err);
+    lac_status status = share_rows((const size_t[]){nx, ny}, rows, lead, team, out, err);
     if (status == LAC_OK) {
-        status = plan_columns(*out, SIDE_BY_SIDE, 1, err);
+        const size_t line = lead > 0 ? lead : ny;
+        memset((*out)->shared->plane, 0, SIDE_BY_SIDE * line * sizeof *(*out)->spectrum);
+        status = plan_columns(*out, lead > 0 ? 1 : SIDE_BY_SIDE, lead > 0 ? (int)lead : 1, err);
     }
     return lac_team_agree(team, status, err); // none waits for one without memory
+}
+
+lac_status lac_fft_share(size_t nx, size_t ny, lac_team *team, lac_fft **out, lac_error *err)
+{
+    return team == NULL ? lac_fft_create(nx, ny, out, err) : share(nx, ny, ny, 0, team, out, err);
 }
 
 lac_status lac_fft_share_filter(size_t nx, size_t ny, size_t rows, lac_team *team, lac_fft **out,
                                 lac_error *err)
 {
-    const size_t lead = ny + 4; // as lac_fft_plan_filter
-    lac_status status = share_rows((const size_t[]){nx, ny}, rows, lead, team, out, err);
-    if (status == LAC_OK) {
-        status = plan_columns(*out, 1, (int)lead, err);
-    }
-    if (status == LAC_OK) {
-        memset((*out)->shared->plane, 0, SIDE_BY_SIDE * lead * sizeof *(*out)->spectrum);
-    }
-    return lac_team_agree(team, status, err);
+    return share(nx, ny, rows, ny + 4, team, out, err); // as lac_fft_plan_filter
 }
 
 static void rows_forth(lac_fft *fft)
@@ -100,22 +97,14 @@ typedef struct tabled {
     const double *given;
 } tabled;
 
-static void pack(void *context, size_t first, size_t width, void *packet)
+static void pack(void *context, size_t first, size_t width, void *packet, bool back)
 {
     const lac_fft *fft = ((const tabled *)context)->fft;
-    double _Complex *to = packet;
-    memset(to, 0, fft->strip.n * SIDE_BY_SIDE * sizeof *to);
-    for (size_t j = 0; j < fft->strip.n; j++) {
-        memcpy(&to[j * SIDE_BY_SIDE], &fft->spectrum[j * fft->nkx + first], width * sizeof *to);
-    }
-}
-
-static void unpack(void *context, size_t first, size_t width, const void *packet)
-{
-    const lac_fft *fft = ((const tabled *)context)->fft;
-    const double _Complex *from = packet;
-    for (size_t j = 0; j < fft->strip.n; j++) {
-        memcpy(&fft->spectrum[j * fft->nkx + first], &from[j * SIDE_BY_SIDE], width * sizeof *from);
+    double _Complex *at = packet;
+    memset(at, 0, back ? 0 : fft->strip.n * SIDE_BY_SIDE * sizeof *at);
+    for (size_t j = 0; j < fft->strip.n; j++, at += SIDE_BY_SIDE) {
+        double _Complex *row = &fft->spectrum[j * fft->nkx + first];
+        memcpy(back ? row : at, back ? at : row, width * sizeof *at);
     }
 }
 
@@ -127,7 +116,7 @@ static void work(void *context, size_t first, size_t width, void *plane)
 
 void lac_fft_share_inverse(lac_fft *fft)
 {
-    const lac_turn_use use = {&(tabled){fft, NULL, NULL}, pack, work, unpack};
+    const lac_turn_use use = {&(tabled){fft, NULL, NULL}, pack, work, true};
     lac_turn_pass(fft->shared, &fft->columns, sizeof *fft->spectrum, &use);
     rows_back(fft);
 }
@@ -150,31 +139,28 @@ static void work_table(void *context, size_t first, size_t width, void *plane)
 void lac_fft_share_table(lac_fft *fft, double *table)
 {
     tabled t = {fft, table, NULL};
-    const lac_turn_use use = {&t, pack, work_table, NULL};
+    const lac_turn_use use = {&t, pack, work_table, false};
     rows_forth(fft);
     lac_turn_pass(fft->shared, &fft->columns, sizeof *fft->spectrum, &use);
 }
 
-static void pack_lines(void *context, size_t first, size_t width, void *packet)
+// Columns of n rows as lines. @param size  of an item, known where this is inlined
+static inline __attribute__((always_inline)) void
+turn(size_t n, size_t size, char *rows, size_t stride, size_t width, char *lines, bool back)
 {
-    const lac_fft *fft = ((const tabled *)context)->fft;
-    double _Complex *to = packet;
-    for (size_t j = 0; j < fft->strip.n; j++) {
-        for (size_t k = 0; k < width; k++) {
-            to[k * fft->strip.n + j] = fft->spectrum[j * fft->nkx + first + k];
+    for (size_t k = 0; k < width; k++) {
+        for (size_t j = 0; j < n; j++, lines += size) {
+            char *at = rows + (j * stride + k) * size;
+            memcpy(back ? at : lines, back ? lines : at, size);
         }
     }
 }
 
-static void unpack_lines(void *context, size_t first, size_t width, const void *packet)
+static void pack_lines(void *context, size_t first, size_t width, void *packet, bool back)
 {
     const lac_fft *fft = ((const tabled *)context)->fft;
-    const double _Complex *from = packet;
-    for (size_t j = 0; j < fft->strip.n; j++) {
-        for (size_t k = 0; k < width; k++) {
-            fft->spectrum[j * fft->nkx + first + k] = from[k * fft->strip.n + j];
-        }
-    }
+    turn(fft->strip.n, sizeof *fft->spectrum, (char *)(fft->spectrum + first), fft->nkx, width,
+         packet, back);
 }
 
 static void work_lines(void *context, size_t first, size_t width, void *plane)
@@ -187,7 +173,7 @@ static void work_lines(void *context, size_t first, size_t width, void *plane)
 void lac_fft_share_through(lac_fft *fft, const double *table)
 {
     tabled t = {fft, NULL, table};
-    const lac_turn_use use = {&t, pack_lines, work_lines, unpack_lines};
+    const lac_turn_use use = {&t, pack_lines, work_lines, true};
     rows_forth(fft);
     lac_turn_pass(fft->shared, &fft->columns, sizeof *fft->spectrum, &use);
     rows_back(fft);
@@ -202,26 +188,10 @@ typedef struct even {
     lac_error *err;
 } even;
 
-static void pack_even(void *context, size_t first, size_t width, void *packet)
+static void pack_even(void *context, size_t first, size_t width, void *packet, bool back)
 {
     const even *e = context;
-    double *to = packet;
-    for (size_t k = 0; k < width; k++) {
-        for (size_t j = 0; j < e->rows->n; j++) {
-            *to++ = e->quarter[j * e->n1 + first + k];
-        }
-    }
-}
-
-static void unpack_even(void *context, size_t first, size_t width, const void *packet)
-{
-    const even *e = context;
-    const double *from = packet;
-    for (size_t k = 0; k < width; k++) {
-        for (size_t j = 0; j < e->rows->n; j++) {
-            e->quarter[j * e->n1 + first + k] = *from++;
-        }
-    }
+    turn(e->rows->n, sizeof *e->quarter, (char *)(e->quarter + first), e->n1, width, packet, back);
 }
 
 // Lines one by one.
@@ -259,8 +229,8 @@ lac_status lac_fft_share_even(const lac_strip *rows, size_t n1, bool mirrored, d
     lac_turn *shared = NULL;
     even e = {rows, n1, (rows->all + 9) / 8 * 8, quarter, LAC_OK, err};
     const lac_strip columns = lac_strip_of(rows->team, n1, rows->grain);
-    const lac_turn_use transform = {&e, pack_even, work_even, unpack_even};
-    const lac_turn_use mirror = {&e, pack_even, mirror_even, NULL};
+    const lac_turn_use transform = {&e, pack_even, work_even, true};
+    const lac_turn_use mirror = {&e, pack_even, mirror_even, false};
     lac_status status = lac_turn_create(rows, e.lead, rows->grain * sizeof(double), &shared, err);
     status = lac_team_agree(rows->team, status, err);
     if (status == LAC_OK) {

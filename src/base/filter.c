@@ -394,19 +394,12 @@ static size_t least(const columns_use *use, size_t first, size_t width)
     return use->mirrors ? use->f->columns - first - width : first;
 }
 
-// Rows that are handed over
-static size_t rows_packed(const lac_filter *f) { return (f->ny + 1) / 2 * 2; }
-
-static void pack(void *context, size_t first, size_t width, void *packet)
+static void pack(void *context, size_t first, size_t width, void *packet, bool back)
 {
     const columns_use *use = context;
-    use->f->now->gather(use->f, least(use, first, width), width, rows_packed(use->f), packet);
-}
-
-static void unpack(void *context, size_t first, size_t width, const void *packet)
-{
-    const columns_use *use = context;
-    use->f->now->scatter(use->f, least(use, first, width), width, rows_packed(use->f), packet);
+    const size_t from = least(use, first, width), rows = (use->f->ny + 1) / 2 * 2; // in pairs
+    back ? use->f->now->scatter(use->f, from, width, rows, packet)
+         : use->f->now->gather(use->f, from, width, rows, packet);
 }
 
 static void work(void *context, size_t first, size_t width, void *plane)
@@ -423,7 +416,7 @@ static void work(void *context, size_t first, size_t width, void *plane)
 static void share_columns(columns_use *use)
 {
     const lac_filter *f = use->f;
-    const lac_turn_use shared = {use, pack, work, use->back ? unpack : NULL};
+    const lac_turn_use shared = {use, pack, work, use->back};
     const size_t rise = f->single ? (f->nkx - f->part + f->modulus - 1) / f->modulus : f->columns;
     memset(f->column_power, 0, f->columns * sizeof *f->column_power);
     for (int slope = 0; slope < (f->single ? 2 : 1); slope++) {

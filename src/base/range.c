@@ -3,6 +3,7 @@
 #include "base/range.h"
 
 #include "base/parallel_for.h"
+#include "base/strip.h"
 #include "base/vsum.h"
 
 static size_t up_to_multiple(size_t n, size_t of) { return (n + of - 1) / of * of; }
@@ -15,25 +16,50 @@ lac_range lac_range_whole(size_t all)
     return (lac_range){.all = all, .n = all, .block = block > least ? block : least};
 }
 
-// Where the blocks of a rank begin.
-static size_t begin_of(size_t blocks, size_t rank, size_t ranks)
-{
-    return (blocks * rank + ranks - 1) / ranks;
-}
-
 lac_range lac_range_of(lac_team *team, int rank, size_t all)
 {
     lac_range range = lac_range_whole(all);
-    if (team == NULL) {
-        return range;
-    }
-    const size_t blocks = lac_range_blocks(&range);
-    const size_t first = begin_of(blocks, (size_t)rank, (size_t)team->ranks) * range.block;
-    const size_t end = begin_of(blocks, (size_t)rank + 1, (size_t)team->ranks) * range.block;
+    const lac_strip cells = lac_strip_of(team, all, range.block), of = lac_strip_at(&cells, rank);
     range.team = team;
-    range.first = first < all ? first : all;
-    range.n = (end < all ? end : all) - range.first;
+    range.first = of.first;
+    range.n = of.n;
     return range;
+}
+
+void lac_range_bring(const lac_range *range, const double *x, size_t first, size_t n, double *out)
+{
+    size_t sent[LAC_TEAM_MOST] = {0}, taken[LAC_TEAM_MOST] = {0};
+    const lac_strip here = lac_strip_of(range->team, range->all, range->block);
+    sent[0] = lac_strip_share(&here, first, n) * sizeof *x;
+    for (int rank = 0; rank < range->team->ranks && range->team->rank == 0; rank++) {
+        const lac_strip of = lac_strip_at(&here, rank);
+        taken[rank] = lac_strip_share(&of, first, n) * sizeof *x;
+    }
+    const size_t from = sent[0] > 0 && first > here.first ? first - here.first : 0;
+    void *to = out != NULL ? (void *)out : (void *)taken; // where nothing comes
+    range->team->exchange(range->team, x + from, sent, to, taken);
+}
+
+bool lac_range_hand(const lac_range *range, double *x, size_t arrays, lac_range_take *take,
+                    void *context)
+{
+    const bool alone = range->team == NULL, leads = lac_team_leads(range->team);
+    double *room = alone ? NULL : malloc((leads ? LAC_RANGE_PIECE : 1) * sizeof *room);
+    const bool good = alone || lac_team_all(range->team, room != NULL);
+    for (size_t a = 0; good && a < arrays; a++, x += range->n) {
+        for (size_t at = 0; at < range->all; at += LAC_RANGE_PIECE) {
+            const size_t left = range->all - at,
+                         n = left < LAC_RANGE_PIECE ? left : LAC_RANGE_PIECE;
+            if (!alone) {
+                lac_range_bring(range, x, at, n, room);
+            }
+            if (leads) {
+                take(context, alone ? x + at : room, at, n);
+            }
+        }
+    }
+    free(room);
+    return good;
 }
 
 // One pass over the cells.

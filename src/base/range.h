@@ -6,7 +6,8 @@
 enum {
     LAC_RANGE_BLOCKS = 256,       ///< of all cells, at most
     LAC_RANGE_BLOCK_LEAST = 4096, ///< cells of a block
-    LAC_RANGE_ALONE = 1 << 16     ///< fewer cells are one block: ranks gain next to nothing there
+    LAC_RANGE_ALONE = 1 << 16,    ///< fewer cells are one block: ranks gain next to nothing there
+    LAC_RANGE_PIECE = 1 << 20     ///< cells that the leading rank has of others at once
 };
 
 /// The cells of a case that are worked on here, and how sums over all of them are made: in blocks
@@ -31,6 +32,20 @@ lac_range lac_range_whole(size_t all);
 
 /// Those of a rank of a team: as many blocks as of any other, or one fewer; all without a team.
 lac_range lac_range_of(lac_team *team, int rank, size_t all);
+
+/// Values first ... first + n - 1 of all, to the rank that leads; of a range of ranks.
+/// @param x    [n here]
+/// @param out  [n] there; elsewhere no more than an address
+void lac_range_bring(const lac_range *range, const double *x, size_t first, size_t n, double *out);
+
+/// Takes n values from the first-th on of an array of all cells.
+typedef void lac_range_take(void *context, double *x, size_t first, size_t n);
+
+/// Hands arrays of the cells, those of one after the other, to the rank that leads: piece by piece,
+/// so that it needs no room for all. @param x  [arrays][n]
+/// @return false, on all ranks: memory is short
+bool lac_range_hand(const lac_range *range, double *x, size_t arrays, lac_range_take *take,
+                    void *context);
 
 enum { LAC_RANGE_SUMS = 3 };
 

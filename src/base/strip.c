@@ -38,60 +38,48 @@ int lac_strip_owner(const lac_strip *strip, size_t row)
     return (int)(row / strip->grain * ranks / strip->grains);
 }
 
-static size_t overlap(const lac_strip *has, const double *wants)
+size_t lac_strip_share(const lac_strip *strip, size_t first, size_t n)
 {
-    const size_t first = (size_t)wants[0], end = first + (size_t)wants[1];
-    const size_t low = first > has->first ? first : has->first;
-    const size_t high = end < has->first + has->n ? end : has->first + has->n;
-    return high > low ? high - low : 0;
+    const size_t low = first > strip->first ? first : strip->first;
+    const size_t end = first + n < strip->first + strip->n ? first + n : strip->first + strip->n;
+    return end > low ? end - low : 0;
 }
 
 // What ranks want may overlap: it is put behind each other.
-static lac_status hand_over(const lac_strip *strip, const double *wants, size_t size,
-                            const char *rows, char *out, lac_error *err)
-{
-    size_t sent[LAC_TEAM_MOST] = {0}, taken[LAC_TEAM_MOST] = {0}, total = 0;
-    lac_team *team = strip->team;
-    for (int rank = 0; rank < team->ranks; rank++) {
-        const lac_strip of = lac_strip_at(strip, rank);
-        taken[rank] = overlap(&of, &wants[2 * team->rank]) * size;
-        sent[rank] = overlap(strip, &wants[2 * (size_t)rank]) * size;
-        total += sent[rank];
-    }
-    char *packet = malloc(total + 1);
-    const bool room = out != NULL && packet != NULL; // on every rank, or none hands over
-    const lac_status status = lac_team_room(team, room, err);
-    total = 0;
-    for (int rank = 0; status == LAC_OK && rank < team->ranks; rank++) {
-        const size_t first = (size_t)wants[2 * (size_t)rank];
-        const size_t from = first > strip->first ? first - strip->first : 0;
-        memcpy(packet + total, sent[rank] > 0 ? rows + from * size : rows, sent[rank]);
-        total += sent[rank];
-    }
-    if (status == LAC_OK) {
-        team->exchange(team, packet, sent, out, taken);
-    }
-    free(packet);
-    return status;
-}
-
 lac_status lac_strip_bring(const lac_strip *strip, size_t first, size_t n, size_t size,
                            const void *rows, const void **out, void **made, lac_error *err)
 {
-    double wants[2 * LAC_TEAM_MOST] = {0};
+    uint64_t wants[LAC_TEAM_MOST][2] = {{0}}; // first row and number
+    size_t sent[LAC_TEAM_MOST] = {0}, taken[LAC_TEAM_MOST] = {0}, total = 0;
+    lac_team *team = strip->team;
     *made = NULL;
-    *out = rows;
-    if (strip->team == NULL) {
-        *out = (const char *)rows + first * size;
+    *out = (const char *)rows + (team == NULL ? first * size : 0);
+    if (team == NULL) {
         return LAC_OK;
     }
-    const size_t own = 2 * (size_t)strip->team->rank;
-    wants[own] = (double)first;
-    wants[own + 1] = (double)n;
-    lac_team_join(strip->team, wants, 2 * (size_t)strip->team->ranks);
-    *made = malloc(n * size + 1);
-    *out = *made;
-    const lac_status status = hand_over(strip, wants, size, rows, *made, err);
+    wants[team->rank][0] = first;
+    wants[team->rank][1] = n;
+    team->join(team, wants[0], 2 * (size_t)team->ranks);
+    for (int rank = 0; rank < team->ranks; rank++) {
+        const lac_strip of = lac_strip_at(strip, rank);
+        taken[rank] = lac_strip_share(&of, first, n) * size;
+        sent[rank] = lac_strip_share(strip, wants[rank][0], wants[rank][1]) * size;
+        total += sent[rank];
+    }
+    char *packet = malloc(total + 1);
+    *out = *made = malloc(n * size + 1);
+    const bool room = *made != NULL && packet != NULL; // on every rank, or none hands over
+    const lac_status status = lac_team_room(team, room, err);
+    total = 0;
+    for (int rank = 0; status == LAC_OK && rank < team->ranks; rank++) {
+        const size_t from = wants[rank][0] > strip->first ? wants[rank][0] - strip->first : 0;
+        memcpy(packet + total, (const char *)rows + (sent[rank] > 0 ? from * size : 0), sent[rank]);
+        total += sent[rank];
+    }
+    if (status == LAC_OK) {
+        team->exchange(team, packet, sent, *made, taken);
+    }
+    free(packet);
     LAC_MADE(status, made, free);
 }
 
@@ -110,19 +98,21 @@ static void add(void *context, double *sum)
     }
 }
 
-double lac_strip_sum(const lac_strip *strip, size_t n, const double *x)
+static double total(const lac_strip *strip, summands of)
 {
     double sum = 0.0;
-    lac_team_relay(strip->team, add, &(summands){x, n, 1.0}, &sum, 1);
+    lac_team_relay(strip->team, add, &of, &sum, 1);
     return sum;
+}
+
+double lac_strip_sum(const lac_strip *strip, size_t n, const double *x)
+{
+    return total(strip, (summands){x, n, 1.0});
 }
 
 double lac_strip_mean(const lac_strip *strip, size_t nx, const double *x)
 {
-    double mean = 0.0;
-    summands all = {x, strip->n * nx, (double)(strip->all * nx)};
-    lac_team_relay(strip->team, add, &all, &mean, 1);
-    return mean;
+    return total(strip, (summands){x, strip->n * nx, (double)(strip->all * nx)});
 }
 
 lac_status lac_turn_create(const lac_strip *rows, size_t lead, size_t grain_bytes, lac_turn **out,
@@ -175,40 +165,43 @@ static void lay(const lac_turn *c, size_t width, size_t size, bool back)
     }
 }
 
+// What goes to each rank, or came back from it. @param away  [ranks] bytes
+static void pack_all(const lac_turn *c, const lac_strip *columns, size_t round, const size_t *away,
+                     const lac_turn_use *use, bool back)
+{
+    char *packet = c->packet;
+    for (int rank = 0; rank < c->rows.team->ranks; rank++) {
+        const lac_strip of = of_round(columns, rank, round);
+        if (away[rank] > 0) {
+            use->pack(use->context, of.first, of.n, packet, back);
+        }
+        packet += away[rank];
+    }
+}
+
 static void one_round(const lac_turn *c, const lac_strip *columns, size_t round, size_t size,
                       const lac_turn_use *use)
 {
-    size_t away[LAC_TEAM_MOST], home[LAC_TEAM_MOST];
+    size_t away[LAC_TEAM_MOST] = {0}, home[LAC_TEAM_MOST] = {0};
     const lac_team *team = c->rows.team;
     const lac_strip own = of_round(columns, team->rank, round);
-    char *come = c->lead > 0 ? c->come : c->plane, *packet = c->packet;
+    char *come = c->lead > 0 ? c->come : c->plane;
     for (int rank = 0; rank < team->ranks; rank++) {
         const lac_strip of = of_round(columns, rank, round), rows = lac_strip_at(&c->rows, rank);
         const size_t wide = c->lead > 0 || of.n == 0 ? of.n : of.grain;
         away[rank] = wide * c->rows.n * size;
         home[rank] = (c->lead > 0 || own.n == 0 ? own.n : own.grain) * rows.n * size;
-        if (away[rank] > 0) {
-            use->pack(use->context, of.first, of.n, packet);
-        }
-        packet += away[rank];
     }
+    pack_all(c, columns, round, away, use, false);
     team->exchange(team, c->packet, away, come, home);
     lay(c, own.n, size, false);
     if (own.n > 0) {
         use->work(use->context, own.first, own.n, c->plane);
     }
-    if (use->unpack == NULL) {
-        return;
-    }
-    lay(c, own.n, size, true);
-    team->exchange(team, come, home, c->packet, away);
-    packet = c->packet;
-    for (int rank = 0; rank < team->ranks; rank++) {
-        const lac_strip of = of_round(columns, rank, round);
-        if (away[rank] > 0) {
-            use->unpack(use->context, of.first, of.n, packet);
-        }
-        packet += away[rank];
+    if (use->returns) {
+        lay(c, own.n, size, true);
+        team->exchange(team, come, home, c->packet, away);
+        pack_all(c, columns, round, away, use, true);
     }
 }
 

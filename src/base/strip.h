@@ -26,6 +26,9 @@ lac_strip lac_strip_like(const lac_strip *strip, size_t all, size_t grain);
 lac_strip lac_strip_at(const lac_strip *strip, int rank);
 int lac_strip_owner(const lac_strip *strip, size_t row);
 
+/// How many of rows first ... first + n - 1 are here.
+size_t lac_strip_share(const lac_strip *strip, size_t first, size_t n);
+
 /// Rows first ... first + n - 1 of all, whoever has them; called by all ranks, each for its own.
 /// @param rows  those here, of `size` bytes each
 /// @param out   set; without a team they are a part of rows
@@ -48,11 +51,11 @@ typedef struct lac_turn {
 typedef struct lac_turn_use {
     void *context;
     /// Those of the rows here: [width][rows here], or where lead is 0 [rows here][grain].
-    void (*pack)(void *context, size_t first, size_t width, void *packet);
+    /// @param back  the other way
+    void (*pack)(void *context, size_t first, size_t width, void *packet, bool back);
     /// All their rows: [width][lead], or [rows][grain].
     void (*work)(void *context, size_t first, size_t width, void *plane);
-    /// As pack, the other way; NULL: nothing comes back.
-    void (*unpack)(void *context, size_t first, size_t width, const void *packet);
+    bool returns; ///< the columns come back
 } lac_turn_use;
 
 /// @param grain_bytes  of an item, times the columns of a grain, at most

@@ -24,33 +24,42 @@ void lac_team_relay(const lac_team *team, lac_team_part *part, void *context, do
     }
 }
 
-// What every rank has, to all. @param all  [ranks]
-static size_t tell(const lac_team *team, double here, double *all)
+void lac_team_follow(const lac_team *team, void *word)
 {
-    memset(all, 0, (size_t)team->ranks * sizeof *all);
-    all[team->rank] = here;
-    lac_team_join(team, all, (size_t)team->ranks);
-    return (size_t)team->ranks;
+    if (team != NULL) {
+        memset(word, 0, team->rank > 0 ? sizeof(uint64_t) : 0);
+        team->join(team, word, 1);
+    }
 }
 
-bool lac_team_ask(const lac_team *team, bool here)
+bool lac_team_any(const lac_team *team, bool here)
 {
     uint64_t word = here ? 1 : 0;
-    team->join(team, &word, 1);
+    if (team != NULL) {
+        team->join(team, &word, 1);
+    }
     return word != 0;
 }
 
-double lac_team_ask_most(const lac_team *team, double here)
+double lac_team_most(const lac_team *team, double here)
 {
-    double all[LAC_TEAM_MOST], most = here;
-    for (size_t i = 0, n = tell(team, here, all); i < n && !isnan(most); i++) {
+    if (team == NULL) {
+        return here;
+    }
+    double all[LAC_TEAM_MOST] = {0}, most = here;
+    all[team->rank] = here;
+    lac_team_join(team, all, (size_t)team->ranks);
+    for (int i = 0; i < team->ranks && !isnan(most); i++) {
         most = all[i] <= most ? most : all[i];
     }
     return most;
 }
 
-lac_status lac_team_settle(lac_team *team, lac_status here, lac_error *err)
+lac_status lac_team_agree(lac_team *team, lac_status here, lac_error *err)
 {
+    if (team == NULL || team->over) {
+        return here;
+    }
     uint64_t all[LAC_TEAM_MOST] = {0};
     union {
         lac_error error;

@@ -13,10 +13,6 @@ typedef struct lac_team {
     /// Each word becomes the bitwise or of those of all ranks: what one of them fills, the others
     /// having 0 there, comes to all to the bit.
     void (*join)(const struct lac_team *team, uint64_t *words, size_t n);
-    /// Puts the arrays of all ranks, n values of this one, behind each other in `all` of rank 0.
-    void (*gather)(const struct lac_team *team, const double *x, size_t n, double *all);
-    /// Hands bytes of rank 0 to all.
-    void (*hand_out)(const struct lac_team *team, void *bytes, size_t size);
     /// Hands sent[rank] bytes of `from` to each rank and takes taken[rank] of each into `to`, those
     /// of one rank behind those of the one before.
     void (*exchange)(const struct lac_team *team, const void *from, const size_t *sent, void *to,
@@ -34,30 +30,22 @@ static inline bool lac_team_leads(const lac_team *team) { return team == NULL ||
 /// The same of numbers: of those of all ranks, where each rank has some and the others 0.
 void lac_team_join(const lac_team *team, double *x, size_t n);
 
+/// What rank 0 has of a word of 8 bytes, to all.
+void lac_team_follow(const lac_team *team, void *word);
+
 /// One rank after the other goes on with the values where the one before has left them: what one
 /// process does along all rows, to the bit. All have them then.
 typedef void lac_team_part(void *context, double *values);
 void lac_team_relay(const lac_team *team, lac_team_part *part, void *context, double *values,
                     size_t n);
 
-// The functions below where there are others.
-bool lac_team_ask(const lac_team *team, bool here);
-double lac_team_ask_most(const lac_team *team, double here);
-lac_status lac_team_settle(lac_team *team, lac_status here, lac_error *err);
-
-/// Whether it is so with any, or with all of them; the largest and the least.
-static inline bool lac_team_any(const lac_team *team, bool here)
-{
-    return team == NULL ? here : lac_team_ask(team, here);
-}
+/// Whether it is so with any, or with all of them; the largest and the least, NaN where one is.
+bool lac_team_any(const lac_team *team, bool here);
 static inline bool lac_team_all(const lac_team *team, bool here)
 {
     return !lac_team_any(team, !here);
 }
-static inline double lac_team_most(const lac_team *team, double here) ///< NaN where one is
-{
-    return team == NULL ? here : lac_team_ask_most(team, here);
-}
+double lac_team_most(const lac_team *team, double here);
 static inline double lac_team_least(const lac_team *team, double here)
 {
     return -lac_team_most(team, -here);
@@ -65,10 +53,7 @@ static inline double lac_team_least(const lac_team *team, double here)
 
 /// The error of the lowest rank that has one, to all, with its message.
 /// @return LAC_OK where all have that
-static inline lac_status lac_team_agree(lac_team *team, lac_status here, lac_error *err)
-{
-    return team == NULL || team->over ? here : lac_team_settle(team, here, err);
-}
+lac_status lac_team_agree(lac_team *team, lac_status here, lac_error *err);
 
 /// The same of memory that each needs before what they do together.
 static inline lac_status lac_team_room(lac_team *team, bool room, lac_error *err)

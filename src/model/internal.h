@@ -76,11 +76,8 @@ static inline double lac_problem_most(const lac_problem *problem, double most)
 // What the first of all cells has.
 static inline double lac_problem_first(const lac_problem *problem, const double *x)
 {
-    const lac_team *team = problem->range.team;
-    double first = lac_team_leads(team) ? x[0] : 0.0;
-    if (team != NULL) {
-        team->hand_out(team, &first, sizeof first);
-    }
+    double first = lac_team_leads(problem->range.team) ? x[0] : 0.0;
+    lac_team_follow(problem->range.team, &first);
     return first;
 }
 

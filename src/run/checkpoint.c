@@ -26,39 +26,16 @@ typedef struct identity {
     uint64_t cells, formulation, start;
 } identity;
 
-// Takes arrays of all cells, one after the other, at the rank that leads.
-typedef void take_array(void *context, double *all, size_t bytes);
-
-// Of those of the cells here. @return false: memory is short
-static bool gather(const lac_range *range, double *x, size_t arrays, take_array *take,
-                   void *context)
+static void sum(void *context, double *x, size_t first, size_t n)
 {
-    const lac_team *team = range->team;
-    const bool leads = lac_team_leads(team);
-    double *room = leads && team != NULL ? malloc((range->all + 1) * sizeof *room) : NULL;
-    const bool good = lac_team_all(team, room != NULL || !leads || team == NULL);
-    for (size_t a = 0; good && a < arrays; a++) {
-        double *all = x + a * range->n;
-        if (team != NULL) {
-            team->gather(team, all, range->n, room);
-            all = room;
-        }
-        if (leads) {
-            take(context, all, range->all * sizeof *all);
-        }
-    }
-    free(room);
-    return good;
+    (void)first;
+    *(uint64_t *)context = lac_sum_bytes(*(uint64_t *)context, x, n * sizeof *x);
 }
 
-static void sum(void *context, double *all, size_t bytes)
+static void keep(void *context, double *x, size_t first, size_t n)
 {
-    *(uint64_t *)context = lac_sum_bytes(*(uint64_t *)context, all, bytes);
-}
-
-static void keep(void *context, double *all, size_t bytes)
-{
-    lac_archive_pass(context, all, bytes);
+    (void)first;
+    lac_archive_pass(context, x, n * sizeof *x);
 }
 
 // `start` sums the values that the problem starts from; 0 where memory is short, which is no sum of
@@ -72,12 +49,10 @@ static identity identify(const lac_problem *problem)
     if (lac_team_all(range->team, y != NULL)) {
         uint64_t of_all = LAC_SUM_OF_NOTHING;
         lac_problem_initial(problem, y);
-        const bool good = gather(range, y, lac_problem_arrays(problem), sum, &of_all);
+        const bool good = lac_range_hand(range, y, lac_problem_arrays(problem), sum, &of_all);
         scene.start = good ? of_all | 1 : 0;
     }
-    if (range->team != NULL) {
-        range->team->hand_out(range->team, &scene.start, sizeof scene.start);
-    }
+    lac_team_follow(range->team, &scene.start);
     free(y);
     return scene;
 }
@@ -86,7 +61,7 @@ static identity identify(const lac_problem *problem)
 static void pass_cells(lac_archive *archive, const lac_range *range, double *x, size_t arrays)
 {
     if (!archive->loading) {
-        const bool good = gather(range, x, arrays, keep, archive);
+        const bool good = lac_range_hand(range, x, arrays, keep, archive);
         archive->no_memory = archive->no_memory || !good;
         return;
     }

@@ -20,7 +20,6 @@ static double of_point(const double *values, size_t point, size_t k)
 
 LAC_GETTER(double, mean, PLACE, of_mean(&p->record.observation, at[1]))
 LAC_GETTER(double, point, PLACE, of_point(p->record.observation.points_along, at[1], at[2]))
-LAC_GETTER(double, cell, PLACE, p->snapshot.along[at[2]][at[1]])
 
 // What they are components of, in the order of lac_point_value.
 static const struct {
@@ -38,7 +37,7 @@ static const lac_variable over_points = {.dims = "time point",
                                          .coordinates = "point_name point_x point_y",
                                          .flags = LAC_FILLED | LAC_ROUGH};
 static const lac_variable over_cells = {.dims = "snapshot cell",
-                                        G(cell),
+                                        LAC_HELD(REALS, lac_run_place, snapshot.along[0]),
                                         .coordinates = "snapshot_time x y",
                                         .flags = LAC_FILLED | LAC_ROUGH | LAC_CELLS | LAC_LATE,
                                         .cell_measures = "area: cell_area"};
@@ -59,7 +58,7 @@ static lac_status add(lac_dataset *d, const lac_run_place *p, const lac_variable
                              .unit = force ? "N" : quantities[k / 2].unit,
                              .comment = "component of the variable without _x or _y, its size",
                              .which = k,
-                             .cell_methods = row == &over_cells ? NULL
+                             .cell_methods = (row->flags & LAC_CELLS) != 0 ? NULL
                                              : row == &over_time && !force
                                                  ? "time: point area: mean"
                                                  : "time: point"};
@@ -76,7 +75,9 @@ lac_status lac_run_describe_components(lac_dataset *d, const lac_run_place *p, l
             status = add(d, p, &over_points, "point_", " at the point", k, err);
         }
         if (status == LAC_OK && of->domain != NULL && (of->fields & quantities[k / 2].field) != 0) {
-            status = add(d, p, &over_cells, "cell_", " of each contact cell", k, err);
+            lac_variable row = over_cells;
+            row.offset += k * sizeof *p->snapshot.along;
+            status = add(d, p, &row, "cell_", " of each contact cell", k, err);
         }
     }
     return status;

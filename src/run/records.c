@@ -6,10 +6,9 @@ const double *lac_run_state_gather(const lac_run_state *r, const double *x, size
 {
     const lac_range *range = r->engine->range;
     double *all = r->all != NULL ? r->all + place * range->all : NULL;
-    if (range->team == NULL) {
-        return x;
+    if (range->team != NULL) {
+        lac_range_bring(range, x, 0, range->all, all);
     }
-    range->team->gather(range->team, x, range->n, all);
     return all != NULL ? all : x;
 }
 
@@ -131,6 +130,44 @@ static void keep_components(lac_run_state *r, const double *slip, double *along)
     }
 }
 
+void lac_snapshot_fields(lac_snapshot *s, const double **field[LAC_SNAPSHOT_FIELDS])
+{
+    const double **const all[LAC_SNAPSHOT_FIELDS] = {
+        &s->slip,     &s->slip_rate,   &s->state,       &s->traction, &s->factor_of_safety,
+        &s->pore,     &s->excess_pore, &s->temperature, &s->broken,   &s->along[0],
+        &s->along[1], &s->along[2],    &s->along[3],    &s->along[4], &s->along[5]};
+    memcpy((void *)field, all, sizeof all);
+}
+
+// Of ranks each field alone, piece by piece, at last the time.
+static lac_status put_fields(const lac_run_state *r, lac_snapshot *here, lac_error *err)
+{
+    const lac_range *range = r->engine->range;
+    const bool shared = range->team != NULL, leads = lac_run_state_leads(r);
+    double *room = shared && leads ? malloc(LAC_RANGE_PIECE * sizeof *room) : NULL;
+    lac_snapshot part = {.time = NAN};
+    const double **from[LAC_SNAPSHOT_FIELDS], **to[LAC_SNAPSHOT_FIELDS];
+    lac_snapshot_fields(here, from);
+    lac_snapshot_fields(&part, to);
+    LAC_TRY_RETURN(lac_team_room(range->team, !shared || !leads || room != NULL, err));
+    lac_status status = LAC_OK;
+    for (size_t k = 0; k < LAC_SNAPSHOT_FIELDS && shared; k++) {
+        for (size_t at = 0; *from[k] != NULL && at < range->all; at += LAC_RANGE_PIECE) {
+            const size_t left = range->all - at;
+            part.first = at;
+            part.n = left < LAC_RANGE_PIECE ? left : LAC_RANGE_PIECE;
+            *to[k] = room;
+            lac_range_bring(range, *from[k], at, part.n, room);
+            status = leads && status == LAC_OK ? r->sink->snapshot(r->sink->context, &part, err)
+                                               : status;
+        }
+        *from[k] = *to[k] = NULL;
+    }
+    free(room);
+    status = leads && status == LAC_OK ? r->sink->snapshot(r->sink->context, here, err) : status;
+    return lac_run_state_agree(r, status, err);
+}
+
 lac_status lac_run_state_snapshot(lac_run_state *r, double t, const double *y, const double *slip,
                                   lac_error *err)
 {
@@ -162,23 +199,19 @@ lac_status lac_run_state_snapshot(lac_run_state *r, double t, const double *y, c
     if (weakens) {
         lac_problem_weakened(r->problem, y, excess, excess + n, excess + 2 * n);
     }
-    const double *size = lac_problem_slip_size(r->problem, slip, r->engine->work);
     lac_snapshot fields = {.time = r->engine->origin + local,
-                           .slip = lac_run_state_gather(r, size, 0),
-                           .slip_rate = lac_run_state_gather(r, v, 1),
-                           .state = lac_run_state_gather(r, theta, 2),
-                           .traction = lac_run_state_gather(r, traction, 3),
+                           .slip = lac_problem_slip_size(r->problem, slip, r->engine->work),
+                           .slip_rate = v,
+                           .state = theta,
+                           .traction = traction,
                            .n = r->engine->range->all,
-                           .factor_of_safety =
-                               safety != NULL ? lac_run_state_gather(r, safety, 5) : NULL,
-                           .pore = lac_run_state_gather(r, pore, 4),
-                           .excess_pore = weakens ? lac_run_state_gather(r, excess, 6) : NULL,
-                           .temperature = weakens ? lac_run_state_gather(r, excess + n, 7) : NULL,
-                           .broken = weakens ? lac_run_state_gather(r, excess + 2 * n, 8) : NULL};
+                           .factor_of_safety = safety,
+                           .pore = pore,
+                           .excess_pore = excess,
+                           .temperature = weakens ? excess + n : NULL,
+                           .broken = weakens ? excess + 2 * n : NULL};
     for (size_t k = 0; k < LAC_POINT_ALONG && lac_problem_is_vector(r->problem); k++) {
-        fields.along[k] = lac_run_state_gather(r, along + k * n, 9 + k);
+        fields.along[k] = along + k * n;
     }
-    return lac_run_state_agree(
-        r, lac_run_state_leads(r) ? r->sink->snapshot(r->sink->context, &fields, err) : LAC_OK,
-        err);
+    return put_fields(r, &fields, err);
 }

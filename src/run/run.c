@@ -305,10 +305,8 @@ static void ask_sink(run *r)
         r->cells_from = sink->cells_from;
     }
     r->stepped = true; // none or the last one before a kill may have
-    if (team != NULL) {
-        team->hand_out(team, &r->takes, sizeof r->takes);
-        team->hand_out(team, &r->cells_from, sizeof r->cells_from);
-    }
+    lac_team_follow(team, &r->takes);
+    lac_team_follow(team, &r->cells_from);
 }
 
 static lac_status allocate_output(run *r, lac_error *err)

@@ -182,6 +182,11 @@ lac_status lac_run_check(const lac_problem *problem, const lac_run_def *def, lac
 /// sets the members that look at something.
 lac_sink lac_sink_before(lac_sink *next);
 
+enum { LAC_SNAPSHOT_FIELDS = 15 };
+
+/// Where a snapshot has its fields, those that it lacks, too.
+void lac_snapshot_fields(lac_snapshot *snapshot, const double **field[LAC_SNAPSHOT_FIELDS]);
+
 /// Integrates a problem in time. At planned checkpoints the integrator begins anew from what is
 /// saved. A run without planned ones that is interrupted makes a forced one.
 /// @param sink    gets the records, the first at t = 0; NULL drops them

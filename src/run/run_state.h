@@ -38,7 +38,7 @@ typedef struct lac_instant {
 // What the sink of a run takes, which the rank that leads has.
 enum { LAC_TAKES_RECORD = 1, LAC_TAKES_SNAPSHOT = 2, LAC_TAKES_STEP = 4, LAC_TAKES_CHECKPOINT = 8 };
 
-enum { LAC_GATHERED = 15 }; // arrays of all cells at once, at most
+enum { LAC_GATHERED = 10 }; // arrays of all cells at once, at most
 
 // A run on its way.
 typedef struct lac_run_state {

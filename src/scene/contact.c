@@ -95,19 +95,16 @@ static lac_status scatter(lac_scene_contact *out, lac_error *err)
 // The fields of all ranks, on the one that leads.
 static lac_status gather(lac_team *team, lac_scene_contact *out, lac_error *err)
 {
-    const size_t n = lac_strip_rows(team, out->grid.ny).n * out->grid.nx;
+    const lac_strip rows = lac_strip_rows(team, out->grid.ny);
+    const size_t ny = lac_team_leads(team) ? out->grid.ny : 0, row = out->grid.nx * sizeof(double);
     double **const fields[] = {&out->heights, &out->gap, &out->pressure};
     for (size_t k = 0; k < sizeof fields / sizeof *fields; k++) {
-        const size_t all = lac_team_leads(team) ? lac_grid_cells(&out->grid) : 0;
-        double *whole = all > 0 ? malloc(all * sizeof *whole) : NULL;
-        const lac_status status = lac_team_room(team, all == 0 || whole != NULL, err);
-        if (status != LAC_OK) {
-            free(whole);
-            return status;
-        }
-        team->gather(team, *fields[k], n, whole);
+        const void *seen;
+        void *whole;
+        LAC_TRY_RETURN(lac_strip_bring(&rows, 0, ny, row, *fields[k], &seen, &whole, err));
         free(*fields[k]);
-        *fields[k] = whole;
+        *fields[k] = ny > 0 ? whole : NULL;
+        free(ny > 0 ? NULL : whole);
     }
     return LAC_OK;
 }

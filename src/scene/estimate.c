@@ -22,11 +22,10 @@ static const struct {
              [LAC_FREE] = {45, 20, 4e-6, 3e-6, 1.4e-6, 460, 11e-6}};
 static const double one_by_one_cells = 4096;
 
-// Of a grid cell where no surface is pressed: pressures, and which are occupied. Of ranks: what a
-// free contact takes more; of a cell of a surface, and of a contact cell, what each has of all, and
-// the one that writes, also of snapshots; MPI.
+// Of a grid cell where no surface is pressed. Of ranks: what a free contact takes more; of a cell
+// of a surface, and of a contact cell, what each has of all, and who writes, also of parts; MPI.
 static const double domain_bytes = 13, unfolded_bytes[] = {[LAC_FREE] = 4}, whole_source_bytes = 24,
-                    whole_cell_bytes = 130, write_bytes[] = {16, 64}, mpi_bytes = 20e6;
+                    whole_cell_bytes = 130, write_bytes = 16, part_bytes = 56, mpi_bytes = 20e6;
 
 // Of a grid cell: the transforms of the elastic rock while they are made, which ranks share.
 static const double rock_bytes[] = {[LAC_PERIODIC] = 24, [LAC_FREE] = 110};
@@ -183,7 +182,8 @@ static double rank_memory(const lac_case *c, const lac_estimate *e, double ranks
     const double cell = 0.5 * e->unknowns * contact_cell_bytes;
     const double integration = (cell - whole_cell_bytes) / ranks * e->cells;
     const double made = fmax(rock_memory(c, e, ranks), integration) +
-                        (whole_cell_bytes + write_bytes[c->run.snapshots]) * e->cells;
+                        (whole_cell_bytes + write_bytes) * e->cells +
+                        c->run.snapshots * part_bytes * fmin(e->cells, LAC_RANGE_PIECE);
     return base_bytes + mpi_bytes + table_bytes(c) + fmax(grid * e->grid_cells, made);
 }
 

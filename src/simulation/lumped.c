@@ -3,13 +3,11 @@
 // what is put out written back to them. docs/theory/lumped.md.
 #include "simulation/lumped.h"
 
-enum { FIELDS = 9 };
-
 struct lac_lumped_sink {
     lac_sink next; // first: lac_sink_before
     const lac_lump *lump;
     const lac_domain *cells;
-    double *field; // [FIELDS][cells]
+    double *field; // [LAC_SNAPSHOT_FIELDS][cells]
 };
 
 static lac_status on_snapshot(void *context, const lac_snapshot *of, lac_error *err)
@@ -17,11 +15,10 @@ static lac_status on_snapshot(void *context, const lac_snapshot *of, lac_error *
     const lac_lumped_sink *s = context;
     const size_t n = s->cells->n;
     lac_snapshot all = *of;
-    const double **const to[FIELDS] = {&all.slip,        &all.slip_rate,        &all.state,
-                                       &all.traction,    &all.factor_of_safety, &all.pore,
-                                       &all.excess_pore, &all.temperature,      &all.broken};
+    const double **to[LAC_SNAPSHOT_FIELDS];
+    lac_snapshot_fields(&all, to);
     all.n = n;
-    for (size_t k = 0; k < FIELDS; k++) {
+    for (size_t k = 0; k < LAC_SNAPSHOT_FIELDS; k++) {
         const double *leaves = *to[k];
         double *field = s->field + k * n;
         for (size_t i = 0; leaves != NULL && i < n; i++) {
@@ -41,7 +38,8 @@ lac_status lac_lumped_sink_create(const lac_lump *lump, const lac_domain *cells,
     *out = s;
     LAC_FAIL_MEMORY_IF(s == NULL, err);
     *s = (lac_lumped_sink){.next = *next, .lump = lump, .cells = cells};
-    s->field = next->snapshot != NULL ? malloc(FIELDS * cells->n * sizeof *s->field) : NULL;
+    s->field =
+        next->snapshot != NULL ? malloc(LAC_SNAPSHOT_FIELDS * cells->n * sizeof *s->field) : NULL;
     LAC_FAIL_MEMORY_IF(next->snapshot != NULL && s->field == NULL, err);
     return LAC_OK;
 }

@@ -3,11 +3,11 @@
 // arrays that the struct points to.
 #include "simulation/tape.h"
 
-#include "run/points.h"
+#include "run/run.h"
 
 typedef enum piece { PIECE_RECORD, PIECE_SNAPSHOT, PIECE_EVENT, PIECE_STEP } piece;
 
-enum { MOST_ARRAYS = 15 };
+enum { MOST_ARRAYS = LAC_SNAPSHOT_FIELDS };
 
 // Arrays of doubles that a struct points to, NULL where there is none.
 typedef struct arrays {
@@ -34,19 +34,6 @@ static const size_t sizes[] = {[PIECE_RECORD] = sizeof(lac_record),
                                [PIECE_EVENT] = sizeof(lac_event),
                                [PIECE_STEP] = sizeof(lac_step)};
 
-static void list_snapshot(arrays *a, lac_snapshot *s)
-{
-    const double **at[] = {&s->slip,        &s->slip_rate,        &s->state,
-                           &s->traction,    &s->factor_of_safety, &s->pore,
-                           &s->excess_pore, &s->temperature,      &s->broken};
-    for (size_t i = 0; i < sizeof at / sizeof *at; i++) {
-        list(a, at[i], s->n);
-    }
-    for (size_t i = 0; i < LAC_POINT_ALONG; i++) {
-        list(a, &s->along[i], s->n);
-    }
-}
-
 static arrays arrays_of(const lac_tape *tape, uint64_t kind, thing *t)
 {
     arrays a = {0};
@@ -58,7 +45,10 @@ static arrays arrays_of(const lac_tape *tape, uint64_t kind, thing *t)
         list(&a, &r->observation.points, LAC_POINT_VALUES * tape->points);
         list(&a, &r->observation.points_along, LAC_POINT_ALONG * tape->points);
     } else if (kind == PIECE_SNAPSHOT) {
-        list_snapshot(&a, &t->snapshot);
+        lac_snapshot_fields(&t->snapshot, a.at);
+        for (; a.n < LAC_SNAPSHOT_FIELDS; a.n++) {
+            a.length[a.n] = t->snapshot.n;
+        }
     } else if (kind == PIECE_STEP) {
         list(&a, &t->step.slip_rate, t->step.n);
         list(&a, &t->step.slip, t->step.n);

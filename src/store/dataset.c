@@ -167,6 +167,10 @@ static lac_status put(const lac_writer *w, const lac_column *c, size_t first, si
     if (c->along != LAC_ONCE) {
         start[0] = first;
         count[0] = n;
+        if (w->part > 0 && (c->item.row->flags & LAC_CELLS) != 0) {
+            start[1] = w->first;
+            count[1] = w->part;
+        }
     }
     const nc_type type = c->item.row->held == LAC_HELD_BYTES ? NC_UBYTE : NC_DOUBLE;
     lac_nc within = *w->file;
@@ -327,12 +331,31 @@ lac_status lac_writer_put(lac_writer *w, const char *dim, const char **lacks, la
         return LAC_OK;
     }
     const lac_growth *g = &w->columns.growth[along];
+    const bool here = w->part > 0; // the cells are in the file already
+    w->part = 0;
     if (g->places == w->batch) {
         LAC_TRY_RETURN(flush(w, along, err));
     }
-    LAC_TRY_RETURN(g->cells ? put_cells(w, along, LAC_CELLS, err) : LAC_OK);
+    LAC_TRY_RETURN(g->cells && !here ? put_cells(w, along, LAC_CELLS, err) : LAC_OK);
     LAC_TRY_RETURN(lac_columns_put(&w->columns, along, LAC_CELLS, lacks, err));
     LAC_TRY_RETURN(g->cells || w->batch == 1 ? flush(w, along, err) : LAC_OK);
+    return LAC_OK;
+}
+
+lac_status lac_writer_put_part(lac_writer *w, const char *dim, size_t first, size_t n,
+                               lac_error *err)
+{
+    const lac_columns *all = &w->columns;
+    const size_t along = lac_columns_along(all, dim);
+    w->first = first;
+    w->part = n;
+    for (const lac_column *c = all->column; c < all->column + all->n && along != LAC_ONCE; c++) {
+        const bool own = c->along == along && (c->item.row->flags & LAC_CELLS) != 0;
+        if (own && lac_item_array(&c->item) != NULL) {
+            LAC_TRY_RETURN(reserve(w, n * (sizeof(double) + 1), err));
+            LAC_TRY_RETURN(put_now(w, c, all->growth[along].written, err));
+        }
+    }
     return LAC_OK;
 }
 

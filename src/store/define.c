@@ -3,6 +3,7 @@
 // attributes.
 #include <assert.h>
 
+#include "base/range.h"
 #include "base/temp_file.h"
 #include "store/writer.h"
 
@@ -12,8 +13,8 @@ enum {
     MAX_RANK = LAC_MOST_DIMS + 1,
     MEANINGS = 512,
     MOST_MEANINGS = 64,
-    CHUNK = 1 << 18,      // values of a map, about 2 MB
-    CHUNK_CELLS = 1 << 20 // cells: 8 MB, within netCDF's cache
+    CHUNK = 1 << 18,              // values of a map, about 2 MB
+    CHUNK_CELLS = LAC_RANGE_PIECE // cells: 8 MB, within netCDF's cache
 };
 
 static bool grows(const lac_item *item) { return item->rank > 0 && item->length[0] == LAC_GROWS; }

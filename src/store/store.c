@@ -99,6 +99,9 @@ static lac_status put_snapshot(void *context, const lac_snapshot *snapshot, lac_
 {
     lac_store *s = context;
     s->place.snapshot = *snapshot;
+    if (isnan(snapshot->time)) {
+        return lac_writer_put_part(&s->writer, "snapshot", snapshot->first, snapshot->n, err);
+    }
     lac_status status = lac_writer_put(&s->writer, "snapshot", NULL, err);
     return status == LAC_OK && s->place.of.fields != 0 ? count(s, err) : status;
 }

@@ -63,11 +63,12 @@ lac_status lac_columns_put(lac_columns *columns, size_t along, unsigned but, con
 typedef struct lac_writer {
     const lac_nc *file; ///< set by the caller, as are
     const lac_dataset *dataset;
-    bool single;   ///< LAC_ROUGH ones are written as floats
-    int deflate;   ///< level of LAC_CELLS ones that grow, 0 to 9
-    size_t chunk;  ///< places a chunk along dimensions that grow
-    size_t batch;  ///< places kept in memory at most
-    char unit[64]; ///< of times
+    bool single;        ///< LAC_ROUGH ones are written as floats
+    int deflate;        ///< level of LAC_CELLS ones that grow, 0 to 9
+    size_t chunk;       ///< places a chunk along dimensions that grow
+    size_t batch;       ///< places kept in memory at most
+    size_t first, part; ///< cells that are put now, and how many; 0: all
+    char unit[64];      ///< of times
     lac_clock clock;
     double shift; ///< what the unit's whole second leaves of the start [s]
     lac_columns columns;
@@ -81,6 +82,11 @@ lac_status lac_writer_begin(lac_writer *writer, lac_error *err);
 /// Adds what the dataset holds now along a dimension that grows; nothing where it has none of that
 /// name. @param lacks  as above
 lac_status lac_writer_put(lac_writer *writer, const char *dim, const char **lacks, lac_error *err);
+
+/// Writes cells first ... first + n - 1 of what the dataset holds of them now; lac_writer_put with
+/// the rest makes it a place.
+lac_status lac_writer_put_part(lac_writer *writer, const char *dim, size_t first, size_t n,
+                               lac_error *err);
 
 /// Writes values of places along the dimension of a column at once; what is missing is filled in.
 lac_status lac_writer_put_values(const lac_writer *writer, const lac_column *column, size_t first,

@@ -18,18 +18,14 @@ struct lac_compliance {
     bool in_order;  // at[i] = i
     bool by_rows;   // the stiffness is a matrix of rows for each wave along x
     lac_fft *fft;
-    double *stiffness, *compliance;  // [nkx * ny] of each mode: lac_kernels_fill
-    double *vectors, *r, *z, *p, *q; // [n] each, of the conjugate gradients
+    double *stiffness, *compliance; // [nkx * ny] of each mode: lac_kernels_fill
+    double *vectors;                // [4][n] of the conjugate gradients
 };
 
-// Where the cells lie in the transform's grid, and the vectors in their room.
+// Where the cells lie in the transform's grid.
 static void place_cells(lac_compliance *c, const lac_domain *domain)
 {
     const lac_grid *grid = &domain->grid;
-    c->r = c->vectors;
-    c->z = c->r + c->n;
-    c->p = c->z + c->n;
-    c->q = c->p + c->n;
     c->gap = c->n == lac_grid_cells(grid) ? grid->nx : 0;
     c->in_order = c->cell == NULL;
     size_t own = 0;
@@ -207,7 +203,7 @@ lac_status lac_compliance_invert(lac_compliance *c, const double *slip, double t
                                  double *traction, double *energy, lac_error *err)
 {
     size_t n = c->n;
-    double *r = c->r, *z = c->z, *p = c->p, *q = c->q;
+    double *r = c->vectors, *z = r + n, *p = z + n, *q = p + n;
     memset(traction, 0, n * sizeof *traction);
     memcpy(r, slip, n * sizeof *r);
     remove_mean(n, r);

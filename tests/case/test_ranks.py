@@ -161,7 +161,8 @@ class Ranks(unittest.TestCase):
             counted, said = (sum(n * (of if of == 1 else of * words) for words, n in each.items())
                              for each in (found, model))
             self.assertLess(abs(counted / said - 1), 0.05, f"{what}: {counted}, not {said}")
-        self.assertLess(received, 2 * 1.01 * cells)  # of the first step alone
+        self.assertLess(received, 8 * 2 * 1.01 * cells)  # of the first step alone
+        self.assertGreater(received, 0)
 
     def test_help_says_how_to_start_ranks(self):
         own, other = (run([program, "--help"]).stdout for program in (RANKS, PROGRAM))
@@ -186,7 +187,7 @@ class Ranks(unittest.TestCase):
     def test_an_error_of_one_rank_is_one_line_and_one_status(self):
         words = ["run", HIERARCHY[0], "--set", "interface.levels=7", "--force", "-o"]  # one that was ended may have begun a file
         early, late, *later = (["env", f"LD_PRELOAD={FAIL_AT}", f"FAIL_AT={at}"] for at in (40, 195, 172, 175, 178, 181))
-        lost = ["env", "-C", self.folder.name]
+        lost, ended = ["env", "-C", self.folder.name], []
         for rank, fault, to, status, says in (
                 (0, [], "/nowhere/run.nc", 3, "lacuna: /nowhere/run.nc"),  # the others wait to be told
                 (0, early, self.many, 1, "out of memory"),  # these for something else
@@ -199,6 +200,9 @@ class Ranks(unittest.TestCase):
                 self.assertEqual(done.returncode, status, done.stderr)
                 self.assertEqual(len(self.lines(done)), 1, done.stderr)
                 self.assertIn(says, self.lines(done)[0])
+                ended += [line for line in self.lines(done) if "all ranks end" in line and os.path.exists(self.many)]
+        self.assertEqual([line for line in ended if f"`lacuna mend {self.many}`" not in line], [])
+        self.assertNotEqual(ended, [])
 
     def begin(self, ranks, case, *more):
         """A run under way, and the processes of its ranks."""

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Loaded into lacuna-mpi, counts what rank 0 tells the others: at the end a line for each number of
-// words, and how many collectives had it; last the numbers that came to it alone.
+// words, and how many collectives had it; last the bytes that came to it alone.
 #include <mpi.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -24,11 +24,13 @@ int MPI_Iallreduce(const void *from, void *to, int count, MPI_Datatype type, MPI
     return PMPI_Iallreduce(from, to, count, type, op, comm, request);
 }
 
-int MPI_Recv(void *to, int count, MPI_Datatype type, int from, int tag, MPI_Comm comm,
-             MPI_Status *status)
+int MPI_Sendrecv(const void *from, int sent, MPI_Datatype type, int to_rank, int tag, void *to,
+                 int taken, MPI_Datatype its, int from_rank, int its_tag, MPI_Comm comm,
+                 MPI_Status *status)
 {
-    received += count;
-    return PMPI_Recv(to, count, type, from, tag, comm, status);
+    received += taken;
+    return PMPI_Sendrecv(from, sent, type, to_rank, tag, to, taken, its, from_rank, its_tag, comm,
+                         status);
 }
 
 int MPI_Finalize(void)

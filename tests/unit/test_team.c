@@ -171,6 +171,53 @@ static void borders_cut_what_holds_together(void **state)
     clear(&j);
 }
 
+// What is handed over, and what came at the rank that leads.
+typedef struct handed {
+    size_t all, come;
+    double *x, *seen; // [2][all]
+} handed;
+
+static void take(void *context, double *x, size_t first, size_t n)
+{
+    handed *h = context;
+    assert_int_equal(h->come % h->all, first);
+    memcpy(h->seen + h->come, x, n * sizeof *x);
+    h->come += n;
+}
+
+static void hand(lac_team *team, void *context)
+{
+    handed *h = context;
+    const lac_range range = lac_range_of(team, team != NULL ? team->rank : 0, h->all);
+    double *here = malloc(2 * range.n * sizeof *here + 1);
+    memcpy(here, h->x + range.first, range.n * sizeof *here);
+    memcpy(here + range.n, h->x + h->all + range.first, range.n * sizeof *here);
+    assert_true(lac_range_hand(&range, here, 2, take, h));
+    free(here);
+}
+
+// Also of cells that are more than one piece, or fewer than there are ranks.
+static void arrays_come_whole_piece_by_piece(void **state)
+{
+    (void)state;
+    const size_t all[] = {5, LAC_RANGE_ALONE + 1, LAC_RANGE_PIECE, 2 * LAC_RANGE_PIECE + 4097};
+    for (size_t c = 0; c < sizeof all / sizeof *all; c++) {
+        handed h = {.all = all[c], .x = malloc(4 * all[c] * sizeof(double))};
+        h.seen = h.x + 2 * h.all;
+        for (size_t i = 0; i < 2 * h.all; i++) {
+            h.x[i] = uniform(i, 8);
+        }
+        for (int ranks = 0; ranks <= 5; ranks += ranks < 3 ? 1 : 2) {
+            h.come = 0;
+            memset(h.seen, 0, 2 * h.all * sizeof *h.seen);
+            (void)ranks_do(ranks, hand, &h);
+            assert_int_equal(h.come, 2 * h.all);
+            assert_memory_equal(h.seen, h.x, 2 * h.all * sizeof *h.x);
+        }
+        free(h.x);
+    }
+}
+
 static const size_t counts[] = {1,
                                 4096,
                                 4097,
@@ -230,6 +277,7 @@ int main(void)
         cmocka_unit_test(ranks_give_the_bits_of_one),
         cmocka_unit_test(ranks_refuse_together),
         cmocka_unit_test(borders_cut_what_holds_together),
+        cmocka_unit_test(arrays_come_whole_piece_by_piece),
         cmocka_unit_test(blocks_are_shared_whole),
         cmocka_unit_test(rows_are_shared_whole),
     };

@@ -143,7 +143,8 @@ int main(int argc, char **argv)
     (void)gsl_set_error_handler_off(); // it would abort; every call's status is looked at
     cli_signals_install();
     cli_clean_stdout();
-    lac_status status = cli_team_join(exit_status, cli_signals_hush, &team, &err);
+    lac_status status =
+        cli_team_join(exit_status, cli_signals_remedy, cli_signals_hush, &team, &err);
     if (status == LAC_OK) {
         status = cli_request_read(argc, argv, &request, &err);
         request.team = team;

@@ -83,6 +83,18 @@ void cli_signals_install(void)
 
 void cli_signals_writing(const char *path) { (void)snprintf(output, sizeof output, "%s", path); }
 
+void cli_signals_remedy(char *out, size_t room)
+{
+    char checkpoint[sizeof output + 16];
+    (void)snprintf(checkpoint, sizeof checkpoint, "%s.checkpoint", output);
+    const bool goes_on = access(checkpoint, F_OK) == 0;
+    out[0] = '\0';
+    if (output[0] != '\0' && access(output, F_OK) == 0) {
+        (void)snprintf(out, room, "; `lacuna mend %s` makes whole what they wrote%s", output,
+                       goes_on ? ", and --resume goes on" : "");
+    }
+}
+
 void cli_signals_hold(void) { held = 1; }
 
 void cli_signals_hush(bool parent) { hushed = parent; }

@@ -41,6 +41,10 @@ void cli_signals_install(void);
 /// write or close it, the program ends with one line about that file and exit status 3.
 void cli_signals_writing(const char *path);
 
+/// How to go on from that file where all ranks end, in words that follow others; "": it is not
+/// there.
+void cli_signals_remedy(char *out, size_t room);
+
 /// From now on SIGINT and SIGTERM only raise a flag, for what has a file to finish. A second one
 /// ends the program the default way.
 void cli_signals_hold(void);

@@ -7,9 +7,11 @@
 /// that leads is heard from then on. NULL: it is alone, as lacuna always is, and lacuna-mpi on one
 /// rank.
 /// @param exit_status  of the program
+/// @param remedy       what to do about files that stay, in words
 /// @param hush         called with true where SIGTERM comes of the parent after one with an error
 /// @return LAC_OK; LAC_EINPUT: there are more than LAC_TEAM_MOST
-lac_status cli_team_join(int (*exit_status)(lac_status status), void (*hush)(bool parent),
+lac_status cli_team_join(int (*exit_status)(lac_status status),
+                         void (*remedy)(char *out, size_t room), void (*hush)(bool parent),
                          lac_team **out, lac_error *err);
 
 /// What --help says of ranks.

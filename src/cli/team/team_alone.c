@@ -4,10 +4,11 @@
 
 const char cli_team_help[] = "";
 
-lac_status cli_team_join(int (*exit_status)(lac_status status), void (*hush)(bool parent),
+lac_status cli_team_join(int (*exit_status)(lac_status status),
+                         void (*remedy)(char *out, size_t room), void (*hush)(bool parent),
                          lac_team **out, lac_error *err)
 {
-    (void)exit_status, (void)hush, (void)err;
+    (void)exit_status, (void)remedy, (void)hush, (void)err;
     *out = NULL;
     return LAC_OK;
 }

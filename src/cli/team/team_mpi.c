@@ -12,6 +12,7 @@ typedef struct ranks {
     lac_team team;
     int heard; // standard error, where it still is
     int (*exit_status)(lac_status status);
+    void (*remedy)(char *out, size_t room);
     MPI_Comm apart; // where they agree
     double begun;   // [s]
 } ranks;
@@ -35,43 +36,8 @@ static void join(const lac_team *team, uint64_t *words, size_t n)
     }
 }
 
-// In pieces, as a part may have more than MPI counts; first how many there are of each.
-static void gather(const lac_team *team, const double *x, size_t n, double *all)
-{
-    uint64_t counts[LAC_TEAM_MOST] = {0};
-    counts[team->rank] = n;
-    join(team, counts, (size_t)team->ranks);
-    if (team->rank > 0) {
-        for (size_t at = 0; at < n; at += PIECE) {
-            (void)MPI_Send(x + at, piece_of(n - at), MPI_DOUBLE, 0, 0, MPI_COMM_WORLD);
-        }
-        return;
-    }
-    memcpy(all, x, n * sizeof *all);
-    all += n;
-    for (int rank = 1; rank < team->ranks; rank++) {
-        for (size_t at = 0; at < counts[rank]; at += PIECE) {
-            const size_t left = counts[rank] - at;
-            (void)MPI_Recv(all + at, piece_of(left), MPI_DOUBLE, rank, 0, MPI_COMM_WORLD,
-                           MPI_STATUS_IGNORE);
-        }
-        all += counts[rank];
-    }
-}
-
-// To one rank, while another one hands over; who has nothing to say is not spoken to.
-static void trade(const char *from, size_t sent, int to_rank, char *to, size_t taken, int from_rank)
-{
-    for (size_t at = 0; at < sent || at < taken; at += PIECE) {
-        const size_t gives = at < sent ? sent - at : 0, takes = at < taken ? taken - at : 0;
-        (void)MPI_Sendrecv(from + (gives > 0 ? at : 0), piece_of(gives), MPI_BYTE,
-                           gives > 0 ? to_rank : MPI_PROC_NULL, 0, to + (takes > 0 ? at : 0),
-                           piece_of(takes), MPI_BYTE, takes > 0 ? from_rank : MPI_PROC_NULL, 0,
-                           MPI_COMM_WORLD, MPI_STATUS_IGNORE);
-    }
-}
-
-// With the next rank and the one before, then with those two away, and so on round.
+// With the next rank and the one before, then with those two away, and so on round; who has
+// nothing to say is not spoken to.
 static void exchange(const lac_team *team, const void *from, const size_t *sent, void *to,
                      const size_t *taken)
 {
@@ -81,19 +47,21 @@ static void exchange(const lac_team *team, const void *from, const size_t *sent,
         away[rank + 1] = away[rank] + sent[rank];
         home[rank + 1] = home[rank] + taken[rank];
     }
-    memcpy((char *)to + home[own], (const char *)from + away[own], sent[own]);
+    if (sent[own] > 0) {
+        memcpy((char *)to + home[own], (const char *)from + away[own], sent[own]);
+    }
     for (int step = 1; step < all; step++) {
         const int next = (own + step) % all, last = (own + all - step) % all;
-        trade((const char *)from + away[next], sent[next], next, (char *)to + home[last],
-              taken[last], last);
-    }
-}
-
-static void hand_out(const lac_team *team, void *bytes, size_t size)
-{
-    (void)team;
-    for (size_t at = 0; at < size; at += PIECE) {
-        (void)MPI_Bcast((char *)bytes + at, piece_of(size - at), MPI_BYTE, 0, MPI_COMM_WORLD);
+        const char *give = (const char *)from + away[next];
+        char *take = (char *)to + home[last];
+        for (size_t at = 0; at < sent[next] || at < taken[last]; at += PIECE) {
+            const size_t gives = at < sent[next] ? sent[next] - at : 0;
+            const size_t takes = at < taken[last] ? taken[last] - at : 0;
+            (void)MPI_Sendrecv(give + (gives > 0 ? at : 0), piece_of(gives), MPI_BYTE,
+                               gives > 0 ? next : MPI_PROC_NULL, 0, take + (takes > 0 ? at : 0),
+                               piece_of(takes), MPI_BYTE, takes > 0 ? last : MPI_PROC_NULL, 0,
+                               MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+        }
     }
 }
 
@@ -109,10 +77,10 @@ static void end_all(const lac_team *team, lac_status status, const lac_error *er
     if (lower) {
         (void)sleep(10); // by then it has
     } else {
-        (void)dprintf(all->heard,
-                      "lacuna-mpi: rank %d: %s; all ranks end, and `lacuna mend` makes what they "
-                      "wrote whole\n",
-                      team->rank, err != NULL ? err->message : "");
+        char words[2048];
+        all->remedy(words, sizeof words);
+        (void)dprintf(all->heard, "lacuna-mpi: rank %d: %s; all ranks end%s\n", team->rank,
+                      err != NULL ? err->message : "", words);
     }
     (void)MPI_Abort(MPI_COMM_WORLD, all->exit_status(status));
 }
@@ -156,11 +124,11 @@ static int be_silent(void)
     return aside;
 }
 
-lac_status cli_team_join(int (*exit_status)(lac_status status), void (*hush)(bool parent),
+lac_status cli_team_join(int (*exit_status)(lac_status status),
+                         void (*remedy)(char *out, size_t room), void (*hush)(bool parent),
                          lac_team **out, lac_error *err)
 {
-    lac_team team = {
-        .join = join, .gather = gather, .hand_out = hand_out, .exchange = exchange, .fare = fare};
+    lac_team team = {.join = join, .exchange = exchange, .fare = fare};
     int heard = STDERR_FILENO;
     *out = NULL;
     hush(true); // mpirun stops all ranks where one ends: that one has said why
@@ -184,7 +152,7 @@ lac_status cli_team_join(int (*exit_status)(lac_status status), void (*hush)(boo
         free(all);
         return lac_fail_memory(err);
     }
-    *all = (ranks){team, heard, exit_status, MPI_COMM_NULL, MPI_Wtime()};
+    *all = (ranks){team, heard, exit_status, remedy, MPI_COMM_NULL, MPI_Wtime()};
     (void)MPI_Comm_dup(MPI_COMM_WORLD, &all->apart);
     all->team.context = all;
     *out = &all->team;
