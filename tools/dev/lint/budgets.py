@@ -17,8 +17,8 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 97476,
-    "lines that only present results": 24150,
+    "lines of src and include": 97484,
+    "lines that only present results": 24153,
     "public headers": 13,
     "exported names": 44,
     "circles of includes": 0,
