@@ -112,6 +112,15 @@ enum { LAC_OWN_FLAG = 1 << 8, LAC_COLUMN_FLAG = 1 << 9 };
         .flags = LAC_OPTIONAL | LAC_COLUMN_FLAG, .type = LAC_TEXT                       \
     }
 
+/// Rows of how the times of a file stand in it; `at` is the place of the record's lac_series_def.
+#define LAC_TIMES_ROWS(at)                                                              \
+    LAC_TEXT("time_format", (at) + offsetof(lac_series_def, time_format), LAC_OPTIONAL, \
+             "how times are written: iso, unix, excel, day, \"%d/%m/%Y %H:%M\" ..."),   \
+        LAC_TEXT("clock", (at) + offsetof(lac_series_def, clock), LAC_OPTIONAL,         \
+                 "column of the time of day, where dates have their own"),              \
+        LAC_INTEGER("skip", (at) + offsetof(lac_series_def, skip), 0, 0, 1e6, 0,        \
+                    "lines before the header; 0: it is the first line that names the columns")
+
 /// Whether a row's field is its reader's own.
 static inline bool lac_param_owned(const lac_param *param)
 {

@@ -358,7 +358,8 @@ static lac_status merge_rows(lac_parser *p, size_t *conflicts, lac_error *err)
                ? LAC_OK
                : lac_fail(err, LAC_EINPUT,
                           "%s:%zu: %s: a row above has the same time and another value, as %zu of "
-                          "%zu rows do: is it the time, and the file of one instrument?",
+                          "%zu rows do: is the time of day in another column (--clock), or are "
+                          "there two instruments?",
                           p->lines.path, line, p->wanted[0].name, *conflicts, rows);
 }
 

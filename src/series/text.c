@@ -112,13 +112,12 @@ char *lac_text_field(char **rest, char separator)
 
 bool lac_text_missing(const char *field)
 {
-    static const char *const marks[] = {"", "-", "--", "NA", "N/A", "#N/A", "NaN", "null", "none"};
+    static const char *const marks[] = {"NA", "N/A", "#N/A", "NaN", "null", "none"};
+    bool missing = field[strspn(field, "-")] == '\0'; // nothing, or dashes
     for (size_t i = 0; i < sizeof marks / sizeof marks[0]; i++) {
-        if (strcasecmp(field, marks[i]) == 0) {
-            return true;
-        }
+        missing = missing || strcasecmp(field, marks[i]) == 0;
     }
-    return false;
+    return missing;
 }
 
 bool lac_text_number(const char *field, char mark, double *value)

@@ -302,9 +302,9 @@ size_t lac_time_format_guess(const char *field, size_t most, char guess[][LAC_TI
                                        "%m-%d-%Y", "%Y.%m.%d", "%Y%m%d",   "%d %b %Y", "%d-%b-%Y",
                                        "%d/%m/%y", "%m/%d/%y", "%d.%m.%y", "%d-%b-%y", "%Y-%m-%d",
                                        "%Y/%m",    "%Y-%m",    "%m/%Y",    "%m.%Y",    "%b %Y"};
-    static const char *const clocks[] = {"",          " %H:%M", " %H:%M:%S", "T%H:%M",
-                                         "T%H:%M:%S", " %H.%M", " %I:%M %p", " %I:%M:%S %p",
-                                         "%H%M%S",    "_%H%M%S"};
+    static const char *const clocks[] = {"",          " %H:%M",    " %H:%M:%S", "T%H:%M",
+                                         "T%H:%M:%S", " %H.%M",    " %I:%M %p", " %I:%M:%S %p",
+                                         "%H%M%S",    " %H.%M.%S", "_%H%M%S"};
     size_t found = 0;
     const size_t length = strlen(field);
     if (length < SHORTEST_DATE || length > LONGEST_DATE || strpbrk(field, "0123456789") == NULL) {

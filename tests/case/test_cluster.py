@@ -135,6 +135,8 @@ class Cluster(unittest.TestCase):
                 self.shard(i, n, "--jobs", str(1 + i % 3))
             self.gather()
             self.tearDown()
+        for asked in ("--by", "1 s"), ("--of", "mean_slip"):  # of all, not of a part
+            self.assertIn("lacuna gather", self.shard(0, 2, *asked, status=2))
 
     def test_killed(self):
         """A shard that is killed or stopped at any time goes on with --resume, and makes only the rest."""

@@ -8,6 +8,7 @@ usage: test_seas.py PROGRAM SOURCE_FOLDER [unittest options]
 import json
 import math
 import os
+import subprocess
 import sys
 import unittest
 
@@ -80,6 +81,19 @@ class Seas(Case):
         for column, own in zip(table, (time, slip, numpy.log10(rate), (traction - HALF_DAMPING * rate) / 1e6,
                                        numpy.log10(state))):
             self.assertTrue(numpy.allclose(column, own, rtol=1e-9, atol=1e-30))
+
+    def test_other_cells(self):
+        """The tool that makes the maps of BP5 makes those of the case again, and a coarse case that runs."""
+        tool = os.path.join(test_cli.SOURCE, "tools", "studies", "peers_maps.py")
+        for cell in ("1000", "4000"):
+            subprocess.run([sys.executable, tool, "--cell", cell, "--folder", self.path(cell), "bp5"], check=True)
+        known = os.path.join(test_cli.SOURCE, "cases", "seas", "bp5")
+        with open(known + ".yaml", encoding="utf-8") as bundled, open(self.path("1000/bp5.yaml"), encoding="utf-8") as made:
+            self.assertEqual(bundled.read(), made.read())
+        with netCDF4.Dataset(known + ".nc") as bundled, netCDF4.Dataset(self.path("1000/bp5.nc")) as made:
+            for name in ("a", "dc", "state", "slip_rate"):
+                self.assertTrue(numpy.allclose(bundled[name][:], made[name][:], rtol=1e-14, atol=0), name)
+        self.assertIn(" 25 x 10 cells of 4 km", self.expect(0, "run", "4000/bp5.yaml", "-q", "--set", "time.end=1 day").stdout)
 
     def test_stations_are_refused(self):
         block = os.path.join(test_cli.SOURCE, "cases", "block.yaml")

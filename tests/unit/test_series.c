@@ -63,7 +63,7 @@ static const mess messes[] = {
     {"separator in quotes", "note,t,d\n\"a, b\"," D1 ",1\n", NULL, 1, 0, 0, 1, 1},
     {"quote in quotes", "note,t,d\n\"a \"\"b\"\" c\"," D1 ",1\n", NULL, 1, 0, 0, 1, 1},
     {"quote within a field", "note,t,d\n5\" pipe," D1 ",1\n", NULL, 1, 0, 0, 1, 1},
-    {"missing marks", "t,d\n1,NA\n2,n/a\n3,NaN\n4,\n5,-\n6,--\n7,null\n8,None\n9,#N/A\n11,7\n",
+    {"missing marks", "t,d\n1,NA\n2,n/a\n3,NaN\n4,\n5,-\n6,---\n7,null\n8,None\n9,#N/A\n11,7\n",
      NULL, 10, 9, 0, NAN, 7},
     {"row that ends early", "t,d\n" D1 ",1\n" D2 "\n", NULL, 2, 1, 0, 1, NAN},
     {"separators at the end", "t,d\n" D1 ",1,\n" D2 ",2,,,\n", NULL, 2, 0, 0, 1, 2},

@@ -5,7 +5,8 @@
     tools/studies/peers_maps.py [--cell METRES] [--box TIMES] [--folder FOLDER] [NAME ...]
 
 NAME is a file's, such as bp5; all are made if none is named, each for the cells that its case has and
-into the case's folder; with --cell, --box and --folder for other cells or a larger fault, elsewhere. A file
+into the case's folder; with --cell, --box and --folder for other cells or a larger fault, elsewhere. Unless
+the fault is larger, the case goes along, with so many cells: lacuna run FOLDER/bp5.yaml -o coarse.nc. A file
 holds of the direct effect a, the slip dc, and the slip rate and the state at the start what varies. Where
 all slides at the plate's rate V under one traction, that of steady sliding where a is largest, the state is
 
@@ -15,6 +16,7 @@ all slides at the plate's rate V under one traction, that of steady sliding wher
 
 import argparse
 import os
+import re
 
 import netCDF4
 import numpy as np
@@ -111,6 +113,14 @@ def write(path, title, maps):
             variable[:] = values
 
 
+def bring(case, folder, refined):
+    """Copies a case to the folder of its maps, with so many times the cells along a side."""
+    with open(case, encoding="utf-8") as file:
+        text = re.sub(r"(cells_[xy]: )(\d+)", lambda key: f"{key[1]}{round(int(key[2]) * refined)}", file.read())
+    with open(os.path.join(folder, os.path.basename(case)), "w", encoding="utf-8") as file:
+        file.write(text)
+
+
 def main():
     """Writes the files that are asked for."""
     parser = argparse.ArgumentParser(description=__doc__,
@@ -122,9 +132,12 @@ def main():
     given = parser.parse_args()
     for name in given.name or PROBLEMS:
         group, cell, title, maps = PROBLEMS[name]
-        folder = given.folder or os.path.join(ROOT, "cases", group)
+        home = os.path.join(ROOT, "cases", group)
+        folder = given.folder or home
         os.makedirs(folder, exist_ok=True)
         write(os.path.join(folder, name + ".nc"), title, maps(given.cell or cell, given.box))
+        if given.box == 1 and not os.path.samefile(folder, home):
+            bring(os.path.join(home, name + ".yaml"), folder, cell / (given.cell or cell))
 
 
 if __name__ == "__main__":

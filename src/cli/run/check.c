@@ -203,9 +203,9 @@ static void print_steps(const lac_estimate *e)
 static void print_estimate(const lac_case *c, const lac_estimate *e, const lumped_try *lumped)
 {
     char words[LAC_REGIME_ROOM];
-    printf("\n# What it will cost%s, roughly\n", e->own_steps ? " with each cell at its own steps"
-                                                 : e->integrated ? " with bdf"
-                                                                 : "");
+    const char *by = c->run.method == LAC_BDF ? " with bdf" : " with bdf, not with its method";
+    by = e->own_steps ? " with each cell at its own steps" : e->integrated ? by : "";
+    printf("\n# What it will cost%s, roughly\n", by);
     print_size(e);
     print_time(e);
     if (e->file_bytes > 1e8) { // else nothing beside the rest

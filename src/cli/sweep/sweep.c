@@ -127,6 +127,9 @@ static lac_status pick(const cli_request *request, size_t members, part *out, la
     *out = (part){0, 1, members};
     LAC_FAIL_IF(shard != NULL && request->sweep.member != NULL, err, LAC_EINPUT,
                 "--member: is one run, and --shard many: give one of them");
+    LAC_FAIL_IF(
+        shard != NULL && (request->sweep.by != NULL || request->sweep.of != NULL), err, LAC_EINPUT,
+        "--shard: makes a part of the members; give --by and --of to lacuna gather, which has all");
     if (request->sweep.member != NULL) {
         LAC_TRY_RETURN(read_number("--member", request->sweep.member, members - 1, &index, err));
         *out = (part){(size_t)index, 1, 1};

@@ -17,8 +17,8 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 97484,
-    "lines that only present results": 24172,
+    "lines of src and include": 97492,
+    "lines that only present results": 24175,
     "public headers": 13,
     "exported names": 44,
     "circles of includes": 0,
@@ -99,6 +99,11 @@ def words(root):
     return {page: sum(WORD.search(word) is not None for word in text.split()) for page, text in written.items()}
 
 
+def unopened(text):
+    """Whether a file does not say, under its licence, what it is for."""
+    return not text.split("\n", 2)[1].startswith("//")
+
+
 def measure(root):
     texts = {p: source.read(root, p) for p in source.files(root, ["include", "src"], (".c", ".h"))}
     graph = collections.defaultdict(set)
@@ -106,7 +111,9 @@ def measure(root):
         for name in INCLUDE.findall(text):
             graph[unit(path)] |= {unit(included(path, name))} - {unit(path)}
     lines = {path: text.count("\n") for path, text in texts.items()}
-    silent = [p for p in texts if p.endswith(".c") and not texts[p].split("\n", 2)[1].startswith("//")]
+    silent = [p for p in texts if p.endswith(".c") and unopened(texts[p])]
+    for path in silent:
+        print(f"{path}:2: no comment that says what the file is for")
     return {
         "lines of src and include": sum(lines.values()),
         "lines that only present results": sum(n for p, n in lines.items() if PRESENTING.match(p)),
