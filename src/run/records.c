@@ -149,8 +149,11 @@ static lac_status put_fields(const lac_run_state *r, lac_snapshot *here, lac_err
     const double **from[LAC_SNAPSHOT_FIELDS], **to[LAC_SNAPSHOT_FIELDS];
     lac_snapshot_fields(here, from);
     lac_snapshot_fields(&part, to);
-    LAC_TRY_RETURN(lac_team_room(range->team, !shared || !leads || room != NULL, err));
-    lac_status status = LAC_OK;
+    lac_status status = lac_team_room(range->team, !shared || !leads || room != NULL, err);
+    if (status != LAC_OK) {
+        free(room); // another rank may have none
+        return status;
+    }
     for (size_t k = 0; k < LAC_SNAPSHOT_FIELDS && shared; k++) {
         for (size_t at = 0; *from[k] != NULL && at < range->all; at += LAC_RANGE_PIECE) {
             const size_t left = range->all - at;
