@@ -129,7 +129,8 @@ static lac_status read_candidate(const lac_parser *p, const char *line, lac_cand
 static lac_status refuse(lac_parser *p, const lac_candidate *c, lac_error *err)
 {
     p->lines.number = c->line;
-    LAC_FAIL_IF(c->line == 0, err, LAC_EINPUT, "%s: has no header line", p->lines.path);
+    LAC_FAIL_IF(c->line == 0, err, LAC_EINPUT, "%s: has no header line%s", p->lines.path,
+                p->skip > 0 ? " behind those that skip leaves out" : "");
     if (c->open) {
         return lac_parser_fail(p, err, "header", c->list, "has a quoted name that does not end");
     }

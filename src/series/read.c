@@ -97,10 +97,10 @@ static lac_status refuse_time(const lac_parser *p, const char *field, lac_error 
 {
     char guess[2][LAC_TIME_GUESS], allowed[256];
     const size_t n = lac_time_format_guess(field, 2, guess);
-    (void)snprintf(allowed, sizeof allowed, "%s%s%s%s%s%s%s", p->format.allowed,
+    (void)snprintf(allowed, sizeof allowed, "%s%s%s%s%s%s%s%s", p->format.allowed,
                    n > 0 ? "; perhaps --time-format \"" : "", n > 0 ? guess[0] : "",
                    n > 0 ? "\"" : "", n > 1 ? " or \"" : "", n > 1 ? guess[1] : "",
-                   n > 1 ? "\"" : "");
+                   n > 1 ? "\"" : "", n > 0 ? ", in a case time_format" : "");
     return lac_parser_fail(p, err, p->wanted[0].name, field, allowed);
 }
 
@@ -358,8 +358,9 @@ static lac_status merge_rows(lac_parser *p, size_t *conflicts, lac_error *err)
                ? LAC_OK
                : lac_fail(err, LAC_EINPUT,
                           "%s:%zu: %s: a row above has the same time and another value, as %zu of "
-                          "%zu rows do: is the time of day in another column (--clock), or are "
-                          "there two instruments?",
+                          "%zu rows do: is the time of day in another column (--clock, in a case "
+                          "clock), "
+                          "or are there two instruments?",
                           p->lines.path, line, p->wanted[0].name, *conflicts, rows);
 }
 
