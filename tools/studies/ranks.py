@@ -106,7 +106,7 @@ def chain(study):
     study.clear()
     for ranks, more in ((8, ()), (3, ("--resume",))):
         job, children = study.begin(ranks, *more)
-        time.sleep(0.4 * study.takes[ranks])
+        time.sleep(0.25 * study.takes[ranks])
         os.kill(children[-1], signal.SIGINT)
         if job.wait() != 4:
             raise SystemExit(f"the run on {ranks} ranks ended with {job.returncode}, not as interrupted")
