@@ -16,6 +16,8 @@ static const lac_param fleet_rows[] = {
     LAC_TEXT("time", FLEET(time), LAC_OPTIONAL, "column of times: time"),
     LAC_TEXT("time_format", FLEET(time_format), LAC_OPTIONAL,
              "how times are written: iso, unix, excel, day, \"%d/%m/%Y %H:%M\" ..."),
+    LAC_TEXT("clock", FLEET(clock), LAC_OPTIONAL,
+             "column of the time of day, where dates have a column of their own"),
     LAC_COLUMN("displacement", FLEET(displacement), "m",
                "column of displacements, as \"column:unit\""),
     LAC_COLUMN("sigma", FLEET(sigma), "m",
@@ -181,7 +183,8 @@ static void check(lac_reader *reader, const lac_fleet *f)
         const char *const need[] = {followed             ? NULL
                                     : f->station != NULL ? f->station
                                                          : "station",
-                                    f->time != NULL ? f->time : "time", f->displacement, f->sigma};
+                                    f->time != NULL ? f->time : "time", f->clock, f->displacement,
+                                    f->sigma};
         for (size_t i = 0; i < sizeof need / sizeof *need; i++) {
             (void)lac_refuse(reader, need[i] != NULL && !has(f, need[i]), "columns", "lacks \"%s\"",
                              need[i]);

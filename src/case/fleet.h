@@ -20,6 +20,7 @@ typedef enum lac_fleet_stream {
 typedef struct lac_fleet {
     char *path;
     char *station, *time, *time_format; ///< names of columns; NULL: "station", "time", ISO or s
+    char *clock;                        ///< of the time of day; NULL: `time` has it
     char *displacement, *displacement_unit;
     char *sigma, *sigma_unit;
     size_t columns;

@@ -8,7 +8,7 @@
 #include "base/units.h"
 #include "series/text.h"
 
-enum { STATION, TIME, DISPLACEMENT, SIGMA, COLUMNS, SHOWN = 48 };
+enum { STATION, TIME, CLOCK, DISPLACEMENT, SIGMA, COLUMNS, SHOWN = 48 };
 
 struct lac_line_reader {
     const char *path;
@@ -116,6 +116,7 @@ lac_status lac_line_reader_create(const lac_line_def *def, const struct lac_unit
     r->headed = def->columns == 0;
     r->name[STATION] = def->station;
     r->name[TIME] = def->time;
+    r->name[CLOCK] = def->clock;
     r->name[DISPLACEMENT] = def->displacement;
     r->name[SIGMA] = def->sigma;
     LAC_TRY(lac_time_format_read(def->time_format, units, &r->format, err));
@@ -185,7 +186,8 @@ static lac_line_kind read_fields(const lac_line_reader *r, const char *field[COL
 {
     double unused;
     const char *station = field[STATION];
-    const bool comma = r->separator != ',' && strchr(field[TIME], ',') != NULL;
+    const char *time = field[TIME];
+    char joined[2 * SHOWN];
     if (r->name[STATION] != NULL && (*station == '\0' || strlen(station) >= LAC_LINE_STATION)) {
         return blame(out, r->name[STATION], station, "must be a name of 1 to 63 bytes");
     }
@@ -193,10 +195,17 @@ static lac_line_kind read_fields(const lac_line_reader *r, const char *field[COL
         return blame(out, r->name[STATION], station, "must be a name in UTF-8 or Latin-1");
     }
     (void)snprintf(out->station, sizeof out->station, "%s", station);
+    if (r->name[CLOCK] != NULL && lac_text_missing(field[CLOCK])) {
+        return blame(out, r->name[CLOCK], field[CLOCK], "must be a time of day");
+    }
+    if (r->name[CLOCK] != NULL) {
+        (void)snprintf(joined, sizeof joined, "%.40s %.40s", time, field[CLOCK]);
+        time = joined;
+    }
+    const bool comma = r->separator != ',' && strchr(time, ',') != NULL;
     if (lac_text_missing(field[TIME]) ||
-        !lac_time_format_take(&r->format, field[TIME], comma ? ',' : '.', &out->time,
-                              &out->dated)) {
-        return blame(out, r->name[TIME], field[TIME], r->format.allowed);
+        !lac_time_format_take(&r->format, time, comma ? ',' : '.', &out->time, &out->dated)) {
+        return blame(out, r->name[TIME], time, r->format.allowed);
     }
     if (!out->dated && r->asked[0] != '\0') {
         return say(out, LAC_LINE_WRONG, "%s", r->asked);

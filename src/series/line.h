@@ -10,6 +10,7 @@ typedef struct lac_line_def {
     const char *path;    ///< what the stream is called in messages
     const char *station; ///< name of the column; NULL: the stream is of one station
     const char *time, *time_format;
+    const char *clock; ///< column of the time of day, where dates have one of their own; NULL
     const char *displacement, *displacement_unit;
     const char *sigma, *sigma_unit; ///< NULL: none
     const char *const *order;       ///< [columns] names of the columns, in their order

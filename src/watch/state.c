@@ -28,6 +28,9 @@ static char *settings(const lac_watch *w)
     put_word(out, "station", f->station);
     put_word(out, "time", f->time);
     put_word(out, "time_format", f->time_format);
+    if (f->clock != NULL) { // a state of before has no line for it
+        put_word(out, "clock", f->clock);
+    }
     put_word(out, "displacement", f->displacement);
     put_word(out, "displacement (unit)", f->displacement_unit);
     put_word(out, "sigma", f->sigma);

@@ -134,6 +134,12 @@ class Watch(unittest.TestCase):
         self.assertEqual(one["station"], "Ä<1>")
         self.assertEqual(one["issue_date"], "2024-02-01T10:00:00Z")
         self.assertEqual(two["time_s"], one["time_s"] + DAY)
+        self.write("fleet.yaml", 'station: who\ntime: date\nclock: hour\ntime_format: "%d.%m.%Y %H:%M:%S"\n'
+                   'displacement: "way:mm"\n')
+        three, four = [json.loads(line) for line in self.watch("date;hour;who;way\n01.02.2024;10:00:00;A;1,5\n"
+                                                               "02.02.2024;NA;A;1,5\n")]
+        self.assertEqual(three["issue_date"], "2024-02-01T10:00:00Z")
+        self.assertEqual(four["error"], 'hour: "NA" must be a time of day')
         self.write("fleet.yaml", 'columns: [time, "-", displacement, station]\ndisplacement: "displacement:mm"\n')
         self.assertEqual(json.loads(self.watch("5,x,1.5,B\n")[0])["station"], "B")
 
