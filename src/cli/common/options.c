@@ -90,7 +90,7 @@ const cli_option cli_options[] = {
     KEPT(SWEEP, 0, "shard", "I/N", sweep.shard, "only part I of N, counted from 0: see gather"),
     KEPT(SWEEP, 0, "keep-fields", "MEMBERS", sweep.keep,
          "keep these runs whole, as FILE-member-I.nc: 0, 7, 20:30"),
-    KEPT(MEMBER, 0, "member", "I", sweep.member, "only this member of a sweep"),
+    KEPT(SWEEP, 0, "member", "I", sweep.member, "only this member of a sweep"),
     KEPT(BY, 0, "of", "RESULT", sweep.of, "result asked for: failure_time, mean_slip ..."),
     KEPT(BY, 0, "by", "TIME", sweep.by,
          "probability of failure by then: \"2 year\", a date; of --of: that it is at most this"),
