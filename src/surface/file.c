@@ -141,8 +141,8 @@ static lac_status read_upper(const lac_surface_file *p, const lac_grid *grid, fa
     const face_def def = {.path = p->path,
                           .unit = p->unit,
                           .lateral_unit = p->lateral_unit,
-                          .spacing = p->spacing,
-                          .other_spacing = NAN,
+                          .spacing = p->lower == NULL ? p->spacing : (double)NAN,
+                          .other_spacing = p->spacing, // of two files one may need it
                           .nodata = p->nodata};
     LAC_TRY_RETURN(read_face(&def, f, err));
     f->place = lac_place_centred(f->map, p->fit, grid);

@@ -285,10 +285,13 @@ static lac_status check_request(const cli_request *request, lac_error *err)
     LAC_FAIL_IF(command == NULL, err, LAC_EINPUT, "no command given; see lacuna --help");
     for (const cli_option *o = cli_options; o->name != NULL; o++) {
         const bool taken = (o->bit & (command->options | CLI_OPT_COMMON)) != 0;
+        const char *at = (const char *)request;
         const char *word = NULL;
-        memcpy(&word, (const char *)request + o->at, sizeof word);
-        const bool given =
-            o->at != 0 ? word != NULL : cli_given(request, o->bit); // bits are shared
+        memcpy(&word, at + o->at, sizeof word);
+        const bool listed = o->words != 0 && ((const cli_words *)(at + o->words))->n > 0;
+        const bool given = o->at != 0      ? word != NULL
+                           : o->words != 0 ? listed
+                                           : cli_given(request, o->bit); // bits are shared
         LAC_FAIL_IF(!taken && given, err, LAC_EINPUT,
                     "%s: not an option of %s; see lacuna %s --help", o->name, command->name,
                     command->name);
