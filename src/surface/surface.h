@@ -90,7 +90,6 @@ typedef struct lac_self_affine {
     double direction;  ///< from x towards y [rad]
     double skewness;   ///< of the heights [1]
     int sampling;      ///< of waves that a grid does not resolve: low-pass, point, block-mean
-    int64_t margin;    ///< sides by which the surface goes on before it repeats; 0: none
 } lac_self_affine;
 
 /// Surfaces of `benchmark`.
@@ -114,7 +113,6 @@ typedef struct lac_joint {
     double mating;  ///< wavelength from which on the faces are the same [m]; NaN: nowhere
     double offset;  ///< of the lower face along x [m]
     int sampling;   ///< as of self-affine
-    int64_t margin; ///< likewise
 } lac_joint;
 
 /// Parameters of `file`.

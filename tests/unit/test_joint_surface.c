@@ -42,7 +42,7 @@ static lac_fft *modes(const char *source, void *params)
 
 static lac_joint joint(int64_t seed, double mating, double offset)
 {
-    return (lac_joint){0.7, 0.3, 16.0, 2.0, seed, mating, offset, 0, 0};
+    return (lac_joint){0.7, 0.3, 16.0, 2.0, seed, mating, offset, 0};
 }
 
 static lac_fft *one_face(int64_t seed)

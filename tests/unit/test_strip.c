@@ -230,14 +230,13 @@ static void contacts_have_the_bits_of_one(void **state)
                                    .shortest = NAN,
                                    .seed = 3,
                                    .anisotropy = 1.0};
-    lac_self_affine skewed = rough, wide = rough, point = rough;
+    lac_self_affine skewed = rough, point = rough;
     skewed.skewness = -0.7;
-    wide.margin = 1;
     point.sampling = 1;
     point.shortest = 0.02;
     const joint joints[] = {
         {.grid = {64, 64, 0.01, 0.01, true}, .rough = rough, .pressure = 1e6},
-        {.grid = {64, 64, 0.01, 0.01, false}, .rough = wide, .pressure = 1e6},
+        {.grid = {64, 64, 0.01, 0.01, false}, .rough = rough, .pressure = 1e6},
         {.grid = {70, 45, 0.01, 0.02, false}, .rough = skewed, .control = LAC_CONTROL_APPROACH},
         {.grid = {70, 45, 0.01, 0.02, true}, .rough = skewed, .control = LAC_CONTROL_APPROACH},
         {.grid = {40, 33, 0.02, 0.02, true}, .rough = point, .pressure = 1e12}, // full

@@ -22,10 +22,16 @@ static void synthesise(double hurst, int64_t seed, lac_grid grid)
                          .rolloff = NAN,
                          .shortest = NAN,
                          .seed = seed,
-                         .anisotropy = 1.0,
-                         .margin = grid.periodic ? 0 : 1};
+                         .anisotropy = 1.0};
     lac_model model = {&surface_source("self-affine")->info, &p};
+    const size_t nx = grid.nx, ny = grid.ny;
+    grid.nx *= grid.periodic ? 1 : 2;
+    grid.ny *= grid.periodic ? 1 : 2;
+    grid.periodic = true;
     assert_int_equal(lac_surface_generate(&model, &grid, h, NULL, NULL), LAC_OK);
+    for (size_t j = 1; j < ny; j++) {
+        memmove(h + j * nx, h + j * grid.nx, nx * sizeof *h);
+    }
 }
 
 static lac_surface_measures measure(lac_grid grid, const lac_wave_range *range)
