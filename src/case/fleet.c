@@ -62,22 +62,23 @@ static void read_map(lac_reader *reader, const char *key, const char *allowed,
     }
 }
 
-static void read_columns(lac_reader *reader, const lac_node *node, lac_fleet *f)
+static size_t read_names(lac_reader *reader, const lac_node *node, const char *allowed,
+                         char ***names)
 {
     if (node->kind != LAC_NODE_LIST || node->count == 0) {
-        lac_add_error(reader, node, "must be a list such as [station, time, disp]");
-        return;
+        lac_add_error(reader, node, "must be %s", allowed);
+        return 0;
     }
-    f->column = lac_reader_array(reader, node->count, sizeof *f->column);
-    f->columns = f->column != NULL ? node->count : 0;
-    for (size_t i = 0; i < f->columns; i++) {
+    *names = lac_reader_array(reader, node->count, sizeof **names);
+    for (size_t i = 0; *names != NULL && i < node->count; i++) {
         const lac_node *item = node->child[i];
         if (item->kind != LAC_NODE_SCALAR || item->text[0] == '\0') {
             lac_add_error(reader, item, "must be a name");
         } else {
-            f->column[i] = lac_reader_copy(reader, item->text, strlen(item->text));
+            (*names)[i] = lac_reader_copy(reader, item->text, strlen(item->text));
         }
     }
+    return *names != NULL ? node->count : 0;
 }
 
 static bool is_pattern(const char *text)
@@ -197,7 +198,8 @@ static void read_fleet(lac_reader *reader, void *out)
     read_map(reader, "checkpoint", "a mapping such as {lines: 1000, time: 10 s}", &checkpoint_table,
              f);
     if (columns != NULL && !columns->bad) {
-        read_columns(reader, columns, f);
+        f->columns =
+            read_names(reader, columns, "a list such as [station, time, disp]", &f->column);
     }
     f->window_time = isnan(f->window_time) ? INFINITY : f->window_time;
     f->smooth_line = smooth != NULL ? smooth->line : 0;
@@ -224,16 +226,21 @@ out:
     LAC_MADE(status, out, lac_fleet_free);
 }
 
+static void free_names(size_t n, char **names)
+{
+    for (size_t i = 0; i < n; i++) {
+        free(names[i]);
+    }
+    free(names);
+}
+
 void lac_fleet_free(lac_fleet *f)
 {
     if (f == NULL) {
         return;
     }
     lac_table_clear(&fleet_table, f);
-    for (size_t i = 0; i < f->columns; i++) {
-        free(f->column[i]);
-    }
-    free(f->column);
+    free_names(f->columns, f->column);
     for (size_t i = 0; i < f->files; i++) {
         free(f->file[i].station);
         free(f->file[i].path);

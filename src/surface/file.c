@@ -166,13 +166,13 @@ static span span_of(const face *f, const lac_grid *grid, bool along_x)
 
 // The sample of the lower face at the centre of the interface: where the upper face's is by the
 // coordinates of both, or as far from the middle of the one face as of the other.
-static double lower_centre(span upper, span lower, double centre)
+static double lower_centre(span upper, span lower, double centre, bool shared, bool mirrored)
 {
-    if (!isnan(upper.first) && !isnan(lower.first)) {
+    if (shared && !isnan(upper.first) && !isnan(lower.first)) {
         return (upper.first + centre * upper.spacing - lower.first) / lower.spacing;
     }
     double aside = (centre - 0.5 * (double)(upper.samples - 1)) * upper.spacing / lower.spacing;
-    return 0.5 * (double)(lower.samples - 1) + aside;
+    return 0.5 * (double)(lower.samples - 1) + (mirrored ? -aside : aside);
 }
 
 static lac_status read_lower(const lac_surface_file *p, const lac_grid *grid, const face *upper,
@@ -185,13 +185,17 @@ static lac_status read_lower(const lac_surface_file *p, const lac_grid *grid, co
                           .other_spacing = p->spacing,
                           .nodata = p->nodata};
     LAC_TRY_RETURN(read_face(&def, f, err));
-    f->place = (lac_placement){.fit = p->fit};
+    bool shared = p->lower_view == LAC_LOWER_SAME_FRAME;
+    f->place = (lac_placement){.fit = p->fit,
+                               .mirror_x = p->lower_view == LAC_LOWER_MIRROR_X,
+                               .mirror_y = p->lower_view == LAC_LOWER_MIRROR_Y};
     span x = span_of(f, grid, true);
-    f->place.centre_x = lower_centre(span_of(upper, grid, true), x, upper->place.centre_x);
+    f->place.centre_x = lower_centre(span_of(upper, grid, true), x, upper->place.centre_x, shared,
+                                     f->place.mirror_x);
     f->place.centre_y = lower_centre(span_of(upper, grid, false), span_of(f, grid, false),
-                                     upper->place.centre_y);
+                                     upper->place.centre_y, shared, f->place.mirror_y);
     // moved by the offset, the face shows at a place what lay as much before it
-    f->place.centre_x -= p->offset / x.spacing;
+    f->place.centre_x += (f->place.mirror_x ? p->offset : -p->offset) / x.spacing;
     return LAC_OK;
 }
 
@@ -206,7 +210,8 @@ static lac_status add_lower(const lac_surface_file *p, const lac_grid *grid, con
     LAC_TRY(read_lower(p, grid, upper, lower, err));
     LAC_TRY(lay(lower, grid, p->nodata, other, err));
     for (size_t i = 0; i < n; i++) {
-        heights[i] = other[i] - heights[i];
+        bool same = p->lower_view == LAC_LOWER_SAME_FRAME;
+        heights[i] = other[i] + (same ? -heights[i] : heights[i]);
     }
 out:
     free(other);
@@ -306,8 +311,10 @@ out:
 static const char *fault(const void *params)
 {
     const lac_surface_file *p = params;
-    return p->lower == NULL && p->offset != 0.0 ? "offset needs lower, the file of the lower face"
-                                                : NULL;
+    const bool said = p->offset != 0.0 || p->lower_view != LAC_LOWER_SAME_FRAME;
+    return p->lower == NULL && said
+               ? "offset and lower_view need lower, the file of the lower face"
+               : NULL;
 }
 
 #define FIELD(name) offsetof(lac_surface_file, name)
@@ -315,6 +322,7 @@ static const char *fault(const void *params)
 static const char *const nodata_words[] = {"refuse", "nearest", "mean", "mask", NULL};
 static const char *const fit_words[] = {"crop", "pad", "resample", NULL};
 static const char *const detrend_words[] = {"none", "mean", "plane", NULL};
+static const char *const view_words[] = {"same-frame", "mirror-x", "mirror-y", NULL};
 
 static const lac_param file_params[] = {
     LAC_PATH("path", FIELD(path), 0,
@@ -341,7 +349,12 @@ static const lac_param file_params[] = {
         "taper", "1", FIELD(taper), 0, 0, 0.5, 0,
         "part of each side over which the heights fade to zero at either end, after detrending"),
     LAC_PATH("lower", FIELD(lower), LAC_OPTIONAL,
-             "the lower face, in any of the formats and in the frame of the upper one, `path`"),
+             "the lower face, in any of the formats; `path` is then the upper one"),
+    LAC_CHOICE(
+        "lower_view", FIELD(lower_view), LAC_LOWER_SAME_FRAME, view_words, 0,
+        "how `lower` was measured: in the frame of the upper face, heights upwards in both "
+        "(same-frame: composite = lower - upper), or each face looked at, peaks up, the joint "
+        "opened like a book so that x or y runs backwards in `lower` (composite = upper + lower)"),
     LAC_REAL("offset", "m", FIELD(offset), 0, -1e9, 1e9, 0,
              "by which the lower face is moved along x, the direction of slip"),
 };

@@ -73,7 +73,7 @@ typedef struct side {
     size_t samples, cells;
     double spacing, cell; ///< [m]; spacing is NaN where it is not known
     double centre;        ///< sample at the centre of the interface
-    double step;          ///< samples from cell to cell
+    double step;          ///< samples from cell to cell; negative where the map runs backwards
 } side;
 
 double lac_fit_spacing(double spacing, size_t n, int fit, size_t cells, double cell)
@@ -106,6 +106,7 @@ static side side_of(char name, const lac_height_map *map, const lac_placement *p
     if (place->fit == LAC_FIT_RESAMPLE) {
         s.step = s.cell / lac_fit_spacing(s.spacing, s.samples, place->fit, s.cells, s.cell);
     }
+    s.step = (name == 'x' ? place->mirror_x : place->mirror_y) ? -s.step : s.step;
     return s;
 }
 
@@ -139,13 +140,13 @@ static lac_status check_size(const char *path, const side *s, int fit, lac_error
 // A map away from the centre may leave part of the interface bare, or lie between its cells.
 static lac_status check_place(const char *path, const side *s, int fit, lac_error *err)
 {
-    double half = 0.5 * (double)s->cells * s->step;
+    double half = 0.5 * (double)s->cells * fabs(s->step);
     double below = s->centre + 0.5;
     double above = (double)s->samples - 0.5 - s->centre;
     double first = s->centre - 0.5 * (double)(s->cells - 1) * s->step;
     if (fit != LAC_FIT_PAD && s->cells > 1 && fmin(below, above) < half * (1.0 - agreement)) {
-        double metres = s->cell / s->step;
-        double low = half - below;
+        double metres = s->cell / fabs(s->step);
+        double low = s->step > 0.0 ? half - below : half - above;
         return lac_fail(err, LAC_EINPUT,
                         "%s: it lies from %g to %g m along %c of the interface, which goes from 0 "
                         "to %g m; make the interface or the offset smaller",

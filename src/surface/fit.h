@@ -6,6 +6,7 @@
 /// Choices of the parameters of `file`, in the order of their words.
 enum { LAC_NODATA_REFUSE, LAC_NODATA_NEAREST, LAC_NODATA_MEAN, LAC_NODATA_MASK };
 enum { LAC_FIT_CROP, LAC_FIT_PAD, LAC_FIT_RESAMPLE };
+enum { LAC_LOWER_SAME_FRAME, LAC_LOWER_MIRROR_X, LAC_LOWER_MIRROR_Y };
 enum { LAC_DETREND_NONE, LAC_DETREND_MEAN, LAC_DETREND_PLANE };
 
 /// Gives the masked samples of a map the height of the nearest one that has a height (by steps
@@ -16,10 +17,12 @@ lac_status lac_fill_nearest(lac_height_map *map, lac_error *err);
 /// Gives the masked samples of a map the mean of the others.
 void lac_fill_mean(lac_height_map *map);
 
-/// How a map lies on a grid: its sample at the centre of the grid, counted from 0.
+/// How a map lies on a grid: its sample at the centre of the grid, counted from 0, and whether it
+/// runs backwards.
 typedef struct lac_placement {
     int fit;
     double centre_x, centre_y;
+    bool mirror_x, mirror_y;
 } lac_placement;
 
 /// The place of a map whose centre is that of the grid (to half a sample unless resampled).

@@ -126,6 +126,7 @@ typedef struct lac_surface_file {
     int detrend;        ///< none, mean, plane
     double taper;       ///< part of each side over which the heights fade to zero at either end [1]
     char *lower;        ///< the lower face, `path` being the upper one; NULL: `path` is composite
+    int lower_view;     ///< same-frame, mirror-x, mirror-y
     double offset;      ///< of the lower face along x [m]
 } lac_surface_file;
 

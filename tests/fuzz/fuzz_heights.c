@@ -28,7 +28,8 @@ static void check_use(lac_height_map *map)
     require(lac_fill_nearest(map, NULL) == LAC_OK);
     for (int fit = LAC_FIT_CROP; fit <= LAC_FIT_RESAMPLE; fit++) {
         lac_error err = {{0}};
-        const lac_placement place = lac_place_centred(map, fit, &grid);
+        lac_placement place = lac_place_centred(map, fit, &grid);
+        place.mirror_x = fit == LAC_FIT_PAD;
         lac_status status = lac_fit_map("fuzz", map, &place, &grid, heights, &err);
         require(status == LAC_OK || (status == LAC_EINPUT && err.message[0] != '\0'));
         for (size_t i = 0; status == LAC_OK && i < (size_t)NX * NY; i++) {

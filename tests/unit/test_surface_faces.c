@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Two measured faces against faces of closed form: signs, places, units, what is refused.
+// Two measured faces against faces of closed form: signs, places, views, units, what is refused.
 #include <stdio.h>
 #include <string.h>
 
@@ -116,6 +116,40 @@ static void faces_lie_by_their_coordinates(void **state)
     refuse(p, &grid, "of the interface, which goes from 0 to 4 m");
 }
 
+static double mirrored_x(double x, double y) { return -shape(-x, y); }
+static double mirrored_y(double x, double y) { return -shape(x, -y); }
+
+// A joint opened like a book: what was up on the one face was down on the other.
+static void faces_looked_at_are_added(void **state)
+{
+    (void)state;
+    const lac_grid grid = {8, 6, 0.5, 0.5, true};
+    double h[48];
+    // coordinates do not count: each scan has its own. Extents are symmetric about 0.
+    const char *upper = write_asc("upper.asc", (scan){9, 7, 0.5, -2.0, -1.5, lower_face});
+    lac_surface_file p =
+        faces(upper, write_asc("lower.asc", (scan){9, 7, 0.5, -2.0, -1.5, mirrored_y}));
+    p.lower_view = 2;
+    make(p, &grid, h);
+    for (size_t i = 0; i < 48; i++) {
+        assert_true(fabs(h[i]) < 1e-12);
+    }
+    p.lower = (char *)write_asc("turned.asc", (scan){13, 7, 0.5, -3.0, -1.5, mirrored_x});
+    p.lower_view = 1;
+    make(p, &grid, h);
+    for (size_t i = 0; i < 48; i++) {
+        assert_true(fabs(h[i]) < 1e-12);
+    }
+    // the offset is along the x of the interface, also where that of the scan runs backwards
+    p.offset = 0.5;
+    make(p, &grid, h);
+    for (size_t i = 0; i < 48; i++) {
+        double x = -2.0 + 0.5 * (double)(i % 8);
+        double y = -1.5 + 0.5 * (double)(i / 8);
+        assert_true(fabs(h[i] - (shape(x, y) - shape(x - 0.5, y))) < 1e-12);
+    }
+}
+
 static double plane(double x, double y) { return 0.2 * x - 0.1 * y; }
 
 // Bilinear interpolation is exact on a plane: spacings, sizes and formats may differ.
@@ -183,7 +217,10 @@ static void what_needs_a_lower_face(void **state)
                                      sizeof HEIGHTS_ASC "4 5 6\n1 2 3\n" - 1);
     lac_surface_file p = faces(path, NULL);
     p.offset = 0.5;
-    refuse(p, &grid, "needs lower");
+    refuse(p, &grid, "need lower");
+    p = faces(path, NULL);
+    p.lower_view = 1;
+    refuse(p, &grid, "need lower");
     p = faces(path, scratch_path(&files, "none"));
     double h[6];
     lac_error err = {""};
@@ -247,6 +284,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(peaks_of_the_upper_face_point_down),
         cmocka_unit_test(faces_lie_by_their_coordinates),
+        cmocka_unit_test(faces_looked_at_are_added),
         cmocka_unit_test(faces_of_two_kinds),
         cmocka_unit_test(odd_and_even_scans),
         cmocka_unit_test(what_needs_a_lower_face),
