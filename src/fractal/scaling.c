@@ -54,35 +54,19 @@ static void check_load(lac_scaling *s)
     }
 }
 
-double lac_smooth_area(const lac_resolution *at)
-{
-    return at->area - (M_PI - 1 + log(2.0)) / 24 * at->cell * at->boundary;
-}
-
-// Delta_S of other measures of the same resolutions; NaN where one is not > 0.
-static double dimension_of(const double *x, const double *measure, size_t n)
+// Delta_S of the slopes of the same resolutions: with A_r = kappa P / (E* h'_r) the area falls as the
+// slope rises. NaN where one is not > 0.
+static double dimension_of_slopes(const lac_scaling *s, const double *x, size_t n)
 {
     double y[LAC_SCALING_POINTS];
     for (size_t i = 0; i < n; i++) {
-        y[i] = log(measure[i]);
-        if (!positive(measure[i])) {
+        y[i] = log(1 / s->at[i].slope);
+        if (!positive(s->at[i].slope)) {
             return NAN;
         }
     }
     const lac_line line = lac_line_fit(n, x, y);
     return 2 - lac_line_slope(&line);
-}
-
-// With A_r = kappa P / (E* h'_r) the area falls as the slope rises.
-static void compare(lac_scaling *s, const double *x, size_t n)
-{
-    double smooth[LAC_SCALING_POINTS], flatness[LAC_SCALING_POINTS];
-    for (size_t i = 0; i < n; i++) {
-        smooth[i] = lac_smooth_area(&s->at[i]);
-        flatness[i] = 1 / s->at[i].slope;
-    }
-    s->smooth = dimension_of(x, smooth, n);
-    s->from_slopes = dimension_of(x, flatness, n);
 }
 
 lac_status lac_scaling_fit(lac_scaling *s, size_t left_out, lac_error *err)
@@ -103,7 +87,7 @@ lac_status lac_scaling_fit(lac_scaling *s, size_t left_out, lac_error *err)
     s->regression_error = lac_line_error(&line);
     s->error = hypot(s->regression_error, lac_line_range_spread(&line, x, y));
     check_load(s);
-    compare(s, x, fitted);
+    s->from_slopes = dimension_of_slopes(s, x, fitted);
     s->few_cells = s->at[0].cells > 0 && s->at[0].cells < FEW_CELLS;
     s->fractal_area = exp(lac_line_at(&line, 0.0));
     s->fractal_pressure = s->load / s->fractal_area;
@@ -124,19 +108,6 @@ static void coarsen(const lac_contact_def *fine, size_t m, lac_coarsening how, d
     }
 }
 
-// Length of the sides that part a cell in contact from one that is not.
-static double boundary(const lac_grid *g, const double *p)
-{
-    double length = 0;
-    for (size_t i = 0; i < lac_grid_cells(g); i++) {
-        size_t right = lac_grid_beside(g, i, 1, 0);
-        size_t above = lac_grid_beside(g, i, 0, 1);
-        length += right != SIZE_MAX && (p[i] > 0) != (p[right] > 0) ? g->dy : 0;
-        length += above != SIZE_MAX && (p[i] > 0) != (p[above] > 0) ? g->dx : 0;
-    }
-    return length;
-}
-
 static lac_resolution observe(const lac_grid *grid, const double *heights, const double *pressure)
 {
     double sum = 0;
@@ -150,8 +121,7 @@ static lac_resolution observe(const lac_grid *grid, const double *heights, const
                             .pressure = sum / (double)cells,
                             .slope = hypot(lac_rms_slope(grid, heights, true, 1),
                                            lac_rms_slope(grid, heights, false, 1)),
-                            .cells = cells,
-                            .boundary = boundary(grid, pressure)};
+                            .cells = cells};
 }
 
 // Solves one resolution: heights of blocks of m x m cells.
