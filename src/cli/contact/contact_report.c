@@ -346,7 +346,7 @@ static void print_history(const lac_contact_outcome *o)
     share_unit(&columns[SHIFT_X], &columns[SHIFT_Y]);
     share_unit(&columns[HIGHEST_X], &columns[HIGHEST_Y]);
     hide_idle_axis(columns);
-    cli_row("friction", "%.4g, direct", o->friction);
+    cli_row("friction", "%.4g", o->friction);
     cli_row("steps", "%zu of %zu (%s)", r->steps, r->planned, o->status);
     if (r->loaded) {
         cli_row("first slip", "at %.4g f P if nothing slipped before, at x = %s, y = %s",
