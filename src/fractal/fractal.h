@@ -139,7 +139,7 @@ typedef struct lac_scaling {
 /// Fits Delta_S = 2 - d ln A_r / d ln r: docs/theory/fractal.md. At least three resolutions must
 /// stay; the finest of a surface is its own cut-off, and left out. Cell, area and pressure are
 /// given.
-lac_status lac_scaling_fit(lac_scaling *scaling, size_t left_out, lac_error *err);
+void lac_scaling_fit(lac_scaling *scaling, size_t left_out);
 
 /// Which resolutions of one interface are solved.
 typedef struct lac_scaling_def {

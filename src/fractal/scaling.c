@@ -19,27 +19,6 @@ lac_scaling_def lac_scaling_default(void)
 
 static bool positive(double x) { return isfinite(x) && x > 0; }
 
-static lac_status check(const lac_scaling *s, size_t left_out, lac_error *err)
-{
-    LAC_FAIL_IF(
-        s->n > LAC_SCALING_POINTS || left_out > s->n || s->n - left_out < LEAST_POINTS, err,
-        LAC_EINPUT,
-        "area scaling: %zu resolutions with %zu left out: between %d and %d must stay to be fitted",
-        s->n, left_out, LEAST_POINTS, LAC_SCALING_POINTS);
-    for (size_t i = 0; i < s->n; i++) {
-        const lac_resolution *at = &s->at[i];
-        LAC_FAIL_IF(
-            !positive(at->cell) || !positive(at->area) || !positive(at->pressure), err, LAC_EINPUT,
-            "area scaling: a resolution of %g m with %g m2 in contact at %g Pa: each must be > 0",
-            at->cell, at->area, at->pressure);
-        LAC_FAIL_IF(
-            i > 0 && at->cell >= at[-1].cell, err, LAC_EINPUT,
-            "area scaling: a resolution of %g m after one of %g m: the coarsest comes first",
-            at->cell, at[-1].cell);
-    }
-    return LAC_OK;
-}
-
 // P = p_r A_r at every resolution.
 static void check_load(lac_scaling *s)
 {
@@ -54,8 +33,8 @@ static void check_load(lac_scaling *s)
     }
 }
 
-// Delta_S of the slopes of the same resolutions: with A_r = kappa P / (E* h'_r) the area falls as the
-// slope rises. NaN where one is not > 0.
+// Delta_S of the slopes of the same resolutions: with A_r = kappa P / (E* h'_r) the area falls as
+// the slope rises. NaN where one is not > 0.
 static double dimension_of_slopes(const lac_scaling *s, const double *x, size_t n)
 {
     double y[LAC_SCALING_POINTS];
@@ -69,10 +48,9 @@ static double dimension_of_slopes(const lac_scaling *s, const double *x, size_t 
     return 2 - lac_line_slope(&line);
 }
 
-lac_status lac_scaling_fit(lac_scaling *s, size_t left_out, lac_error *err)
+void lac_scaling_fit(lac_scaling *s, size_t left_out)
 {
     double x[LAC_SCALING_POINTS], y[LAC_SCALING_POINTS];
-    LAC_TRY_RETURN(check(s, left_out, err));
     for (size_t i = 0; i < s->n; i++) {
         x[i] = log(s->at[i].cell);
         y[i] = log(s->at[i].area);
@@ -91,7 +69,6 @@ lac_status lac_scaling_fit(lac_scaling *s, size_t left_out, lac_error *err)
     s->few_cells = s->at[0].cells > 0 && s->at[0].cells < FEW_CELLS;
     s->fractal_area = exp(lac_line_at(&line, 0.0));
     s->fractal_pressure = s->load / s->fractal_area;
-    return LAC_OK;
 }
 
 // Heights of blocks of m x m cells.
@@ -184,7 +161,7 @@ lac_status lac_scaling_measure(const lac_contact_def *contact, const lac_scaling
         }
         LAC_TRY(solve(contact, m, def->coarsening, heights, pressure, &scaling->at[i], err));
     }
-    LAC_TRY(lac_scaling_fit(scaling, def->left_out, err));
+    lac_scaling_fit(scaling, def->left_out);
 out:
     free(heights);
     free(pressure);

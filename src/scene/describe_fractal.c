@@ -22,8 +22,11 @@ static const char *fractal_unit(const lac_scene_contact *c, const char *format,
 static double fitted_whole(const lac_scene_contact *c, size_t offset)
 {
     lac_scaling whole = c->fractal.scaling;
-    const bool fits = c->fractal.scaled && lac_scaling_fit(&whole, 0, NULL) == LAC_OK;
-    return fits ? *(const double *)(const void *)((const char *)&whole + offset) : NAN;
+    if (!c->fractal.scaled) {
+        return NAN;
+    }
+    lac_scaling_fit(&whole, 0);
+    return *(const double *)(const void *)((const char *)&whole + offset);
 }
 
 LAC_GETTER(bool, counted, CONTACT, c->counted)

@@ -312,9 +312,8 @@ static const char *fault(const void *params)
 {
     const lac_surface_file *p = params;
     const bool said = p->offset != 0.0 || p->lower_view != LAC_LOWER_SAME_FRAME;
-    return p->lower == NULL && said
-               ? "offset and lower_view need lower, the file of the lower face"
-               : NULL;
+    return p->lower == NULL && said ? "offset and lower_view need lower, the file of the lower face"
+                                    : NULL;
 }
 
 #define FIELD(name) offsetof(lac_surface_file, name)

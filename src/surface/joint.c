@@ -37,8 +37,8 @@ static lac_status generate(const void *params, const lac_grid *grid, lac_team *t
         return LAC_OK;
     }
     faces f = {.seed = (uint64_t)p->seed, .offset = p->offset};
-    const lac_synthesis how = {"joint", p->hurst,    p->rolloff, p->shortest, 1.0,
-                               0.0,     p->sampling, false};
+    const lac_synthesis how = {"joint", p->hurst, p->rolloff,  p->shortest,
+                               1.0,     0.0,      p->sampling, false};
     LAC_TRY_RETURN(lac_synthesis_band(&how, grid, &f.band, err));
     // Lengths carry rounding: a wave as long as `mating` is mated.
     f.q_mating = isnan(p->mating) ? 0.0 : (2.0 * M_PI) / p->mating * (1.0 + 1e-9);

@@ -82,9 +82,8 @@ static lac_status generate(const void *params, const lac_grid *grid, lac_team *t
         return LAC_OK;
     }
     synthesis y = {.seed = (uint64_t)p->seed};
-    const lac_synthesis how = {"self-affine", p->hurst,      p->rolloff,
-                               p->shortest,   p->anisotropy, p->direction,
-                               p->sampling,   p->skewness != 0.0};
+    const lac_synthesis how = {"self-affine", p->hurst,     p->rolloff,  p->shortest,
+                               p->anisotropy, p->direction, p->sampling, p->skewness != 0.0};
     LAC_TRY_RETURN(lac_synthesis_band(&how, grid, &y.band, err));
     double sum = lac_band_sum(&y.band, 0);
     double rms = rms_of(p, &y.band, sum);

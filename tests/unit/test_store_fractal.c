@@ -42,7 +42,7 @@ static lac_scaling scaling_of_three(void)
                                    .slope = 0.1,
                                    .cells = 7 + i};
     }
-    assert_int_equal(lac_scaling_fit(&s, 0, NULL), LAC_OK);
+    lac_scaling_fit(&s, 0);
     return s;
 }
 

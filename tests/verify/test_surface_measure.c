@@ -168,19 +168,6 @@ static void a_plane_is_flat_where_it_ends(void **state)
     assert_true(isnan(m.hurst) && m.rms_slope_x == 0.0);
 }
 
-static void what_is_no_surface_is_refused(void **state)
-{
-    (void)state;
-    lac_surface_measures m;
-    lac_error err = {""};
-    lac_grid grid = {N, N, 0.5, 0.5, true};
-    synthesise(0.5, 1, grid);
-    h[300] = NAN;
-    assert_int_equal(lac_surface_measure(&grid, h, NULL, &m, &err), LAC_EINPUT);
-    assert_non_null(strstr(err.message, "(44, 1)"));
-    assert_int_equal(lac_surface_measure(&(lac_grid){0}, h, NULL, &m, &err), LAC_EINPUT);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -189,7 +176,6 @@ int main(void)
         cmocka_unit_test(profiles_at_the_usual_steps),
         cmocka_unit_test(known_bands_are_fitted),
         cmocka_unit_test(a_plane_is_flat_where_it_ends),
-        cmocka_unit_test(what_is_no_surface_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
