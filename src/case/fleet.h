@@ -24,7 +24,7 @@ typedef struct lac_fleet {
     char *sigma, *sigma_unit;
     size_t columns;
     char **column; ///< [columns] in the order of the lines; 0: a header names them
-    int64_t most; ///< stations at most
+    int64_t most;  ///< stations at most
     int64_t window_count;
     double window_time; ///< [s]; INFINITY
     double ahead;       ///< of the clock, that a date may be [s]; INFINITY

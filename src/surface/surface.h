@@ -110,9 +110,9 @@ typedef struct lac_joint {
     double rolloff;    ///< wavelength above which the spectrum is flat [m]; NaN: the longest wave
     double shortest;   ///< shortest wavelength kept [m]; NaN: two cells
     int64_t seed;
-    double mating;  ///< wavelength from which on the faces are the same [m]; NaN: nowhere
-    double offset;  ///< of the lower face along x [m]
-    int sampling;   ///< as of self-affine
+    double mating; ///< wavelength from which on the faces are the same [m]; NaN: nowhere
+    double offset; ///< of the lower face along x [m]
+    int sampling;  ///< as of self-affine
 } lac_joint;
 
 /// Parameters of `file`.

@@ -36,11 +36,8 @@ static lac_scaling scaling_of_three(void)
     lac_scaling s = {.n = 3, .coarsening = LAC_BLOCK_MEAN};
     for (size_t i = 0; i < 3; i++) {
         double r = exp2(-(double)i);
-        s.at[i] = (lac_resolution){.cell = r,
-                                   .area = sqrt(r),
-                                   .pressure = 3.0 / sqrt(r),
-                                   .slope = 0.1,
-                                   .cells = 7 + i};
+        s.at[i] = (lac_resolution){
+            .cell = r, .area = sqrt(r), .pressure = 3.0 / sqrt(r), .slope = 0.1, .cells = 7 + i};
     }
     lac_scaling_fit(&s, 0);
     return s;
