@@ -19,17 +19,12 @@ typedef struct lac_critical_fraction {
 lac_critical_fraction lac_critical_fraction_of(const lac_rg_result *result, const char *how,
                                                double beta);
 
-/// Parameters of the indicator `rg`: exactly one of the first three is given, or none, which is a
-/// strength halfway between beta and 1. Absent: NaN, INT64_MIN, -1.
+/// Parameters of the indicator `rg`: one of the first two is given, or none, which is a strength
+/// halfway between beta and 1. Absent: NaN.
 typedef struct lac_analysis_rg {
-    double slipping_strength;   ///< part of its strength at the start [1]
-    double slipping_rate;       ///< [m/s]
-    double slipping_rate_ratio; ///< of the mean rate at the start [1]
-    double critical_fraction;   ///< [1]; NaN: from the static cascade
-    int rule, field;            ///< of the cascade: lac_rg_rule, lac_rg_field
-    double beta;                ///< NaN: absent, or from friction
-    bool beta_from_friction;
-    int64_t shifts, loads;
+    double slipping_strength; ///< part of its strength at the start [1]
+    double slipping_rate;     ///< [m/s]
+    double critical_fraction; ///< [1]; NaN: from the static cascade
 } lac_analysis_rg;
 
 /// Parameters of the indicator `events`.

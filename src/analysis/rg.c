@@ -2,7 +2,7 @@
 // The cascade in time: what slips at each level, how far that is from the fixed point of the
 // renormalization map, and the longest slipping cluster; docs/theory/rg-in-time.md.
 #include "analysis/slipping.h"
-#include "base/rg_rows.h"
+#include "base/rows.h"
 #include "base/units.h"
 #include "lacuna/simulation.h"
 
@@ -15,30 +15,17 @@ static const lac_param params[] = {
              "the start; halfway between beta and 1 if no slipping_... is given"),
     LAC_REAL("slipping_rate", "m/s", FIELD(slipping_rate), NAN, 0, 1e4,
              LAC_OPTIONAL | LAC_ABOVE_MIN, "a cell slips while it is at least this fast"),
-    LAC_REAL("slipping_rate_ratio", "1", FIELD(slipping_rate_ratio), NAN, 1, 1e30,
-             LAC_OPTIONAL | LAC_ABOVE_MIN,
-             "a cell slips while it is at least so many times as fast as the mean at the start"),
     LAC_REAL("critical_fraction", "1", FIELD(critical_fraction), NAN, 0, 1,
              LAC_OPTIONAL | LAC_ABOVE_MIN,
-             "fixed point of the map; from the static cascade of the contact domain if absent"),
-    LAC_RG_RULE_ROW(FIELD(rule), NAN, LAC_OPTIONAL,
-                    "of that cascade, as rg.rule; the section rg's, or its default, if absent"),
-    LAC_RG_FIELD_ROW(FIELD(field), NAN, LAC_OPTIONAL, "of that cascade, as rg.field; likewise"),
-    LAC_RG_BETA_ROW(
-        FIELD(beta), LAC_OPTIONAL,
-        "of that cascade, a number or from-friction; the first of rg.beta, or 0.7, if absent"),
-    LAC_RG_SHIFTS_ROW(FIELD(shifts), NAN, LAC_OPTIONAL, "of that cascade, as rg.shifts"),
-    LAC_RG_LOADS_ROW(FIELD(loads), NAN, LAC_OPTIONAL, "of that cascade, as rg.loads"),
+             "fixed point of the map; from the static cascade that the section rg says if absent"),
 };
 
 static const char *fault(const void *p)
 {
     const lac_analysis_rg *rg = p;
-    int given =
-        !isnan(rg->slipping_strength) + !isnan(rg->slipping_rate) + !isnan(rg->slipping_rate_ratio);
-    return given > 1
-               ? "says in more than one way when a cell slips: at most one of slipping_strength, "
-                 "slipping_rate and slipping_rate_ratio is allowed"
+    return !isnan(rg->slipping_strength) && !isnan(rg->slipping_rate)
+               ? "says in more than one way when a cell slips: at most one of slipping_strength "
+                 "and slipping_rate is allowed"
                : NULL;
 }
 
@@ -139,13 +126,12 @@ static lac_status create(const lac_analysis_scene *scene, const void *p, lac_ind
 {
     const lac_analysis_rg *def = p;
     rg *r = self->state;
-    bool none = isnan(def->slipping_strength) && isnan(def->slipping_rate) &&
-                isnan(def->slipping_rate_ratio);
+    bool none = isnan(def->slipping_strength) && isnan(def->slipping_rate);
     double strength = none ? 0.5 * (1.0 + scene->critical.beta) : def->slipping_strength;
     r->critical = scene->critical;
     r->cells = scene->domain->n;
-    LAC_TRY_RETURN(lac_slipping_create(scene->friction, strength, def->slipping_rate,
-                                       def->slipping_rate_ratio, &r->slipping, err));
+    LAC_TRY_RETURN(
+        lac_slipping_create(scene->friction, strength, def->slipping_rate, &r->slipping, err));
     LAC_TRY_RETURN(lac_slip_blocks_create(scene->hierarchy, &r->blocks, err));
     LAC_TRY_RETURN(lac_slip_clusters_create(scene->domain, &r->clusters, err));
     const size_t pairs = STATES * r->blocks.levels;

@@ -6,15 +6,14 @@
 #include "lacuna/simulation.h"
 
 lac_status lac_slipping_create(const lac_friction *friction, double strength, double rate,
-                               double ratio, lac_slipping *out, lac_error *err)
+                               lac_slipping *out, lac_error *err)
 {
     const size_t n = friction->n;
     *out = (lac_slipping){.friction = friction,
                           .n = n,
                           .by_rate = isnan(strength),
                           .strength = strength,
-                          .rate = rate,
-                          .ratio = ratio};
+                          .rate = rate};
     out->slips = calloc(n, sizeof *out->slips);
     out->changed = malloc(n * sizeof *out->changed);
     out->most_state = out->by_rate ? NULL : malloc(n * sizeof *out->most_state);
@@ -36,7 +35,6 @@ static void begin(lac_slipping *s, const lac_record *record)
 {
     s->begun = true;
     if (s->by_rate) {
-        s->rate = isnan(s->ratio) ? s->rate : s->ratio * record->observation.mean_rate;
         return;
     }
     const lac_cellwise *v0 = &s->friction->column[LAC_V0];
@@ -81,14 +79,9 @@ void lac_slipping_describe(const lac_slipping *s, char *text, size_t size)
                        "a cell slips while its strength f(v0, theta) is at most %.4g of what it "
                        "was at the start",
                        s->strength);
-    } else if (isnan(s->ratio)) {
+    } else {
         (void)snprintf(text, size, "a cell slips while its slip rate is at least %.6g m/s",
                        s->rate);
-    } else {
-        (void)snprintf(
-            text, size,
-            "a cell slips while its slip rate is at least %.6g times the mean rate at the start",
-            s->ratio);
     }
 }
 

@@ -9,8 +9,7 @@ typedef struct lac_slipping {
     size_t n;
     bool begun, by_rate;
     double strength;    ///< part of the strength at the start at or below which a cell slips [1]
-    double rate;        ///< least slip rate of a slipping cell [m/s]; NaN until the start is seen
-    double ratio;       ///< of the mean rate at the start [1]; NaN: the rate is given
+    double rate;        ///< least slip rate of a slipping cell [m/s]
     double *most_state; ///< [n] ln theta at which the strength has come down; NaN: never; NULL by
                         ///< rate
     uint8_t *slips;     ///< [n]
@@ -18,10 +17,9 @@ typedef struct lac_slipping {
     size_t changes;
 } lac_slipping;
 
-/// @param strength  part where slip is told by the strength; NaN: not
-/// @param rate, ratio  where by the rate, one of them; NaN: not
+/// @param strength  part where slip is told by the strength; NaN: by the rate
 lac_status lac_slipping_create(const lac_friction *friction, double strength, double rate,
-                               double ratio, lac_slipping *out, lac_error *err);
+                               lac_slipping *out, lac_error *err);
 void lac_slipping_clear(lac_slipping *s);
 
 /// Looks at the cells; at the first look it takes their strength at the start, a friction

@@ -214,7 +214,6 @@ typedef struct lac_history_step {
 
 /// A static history of normal and shear load.
 typedef struct lac_history_def {
-    int method;      ///< 0: direct, the only one
     int fields;      ///< lac_history_keep
     double friction; ///< Coulomb's coefficient f [1]
     size_t count;    ///< 0: no history

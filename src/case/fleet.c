@@ -7,7 +7,6 @@
 
 #define FLEET(field) offsetof(lac_fleet, field)
 
-static const char *const unknown_names[] = {"accept", "refuse", NULL};
 static const char *const stream_names[] = {"live", "replayed", NULL};
 static const char *const truth[] = {"false", "true", NULL};
 
@@ -23,9 +22,6 @@ static const lac_param fleet_rows[] = {
     LAC_COLUMN("sigma", FLEET(sigma), "m",
                "column of the displacements' standard errors, as \"column:unit\""),
     LAC_OWN("columns", "[station, time, ...]: names in the order of lines that have no header"),
-    LAC_OWN("stations", "[P1, P2], or a pattern such as \"P*\": which there are"),
-    LAC_CHOICE("unknown", FLEET(unknown), 0, unknown_names, 0,
-               "stations that `stations` does not name: accept, or refuse"),
     LAC_INTEGER("most_stations", FLEET(most), 1000, 1, 1e6, 0,
                 "so many stations at most: what memory is for"),
     LAC_OWN("window", "{count: 2000, time: 90 day}: what is known of a station"),
@@ -93,20 +89,6 @@ static bool is_pattern(const char *text)
     return star != NULL && strchr(star + 1, '*') == NULL;
 }
 
-static void read_stations(lac_reader *reader, lac_fleet *f)
-{
-    static const char allowed[] = "a list such as [P1, P2], or a pattern with one * such as \"P*\"";
-    const lac_node *node = lac_node_child(reader->root, "stations");
-    if (node == NULL || node->bad) {
-        return;
-    }
-    if (node->kind == LAC_NODE_SCALAR && is_pattern(node->text)) {
-        f->pattern = lac_reader_copy(reader, node->text, strlen(node->text));
-    } else {
-        f->stations = read_names(reader, node, allowed, &f->name);
-    }
-}
-
 // A relative path is taken from the file's folder, as that of any row.
 static void read_path(lac_reader *reader, const lac_node *node, char **path)
 {
@@ -170,11 +152,6 @@ static void check(lac_reader *reader, const lac_fleet *f)
     (void)lac_refuse(
         reader, f->displacement == NULL && lac_node_child(reader->root, "displacement") == NULL,
         "displacement", "is missing: the column and its unit, such as \"disp:mm\"");
-    (void)lac_refuse(reader, f->unknown == 1 && f->stations == 0 && f->pattern == NULL, "unknown",
-                     "needs stations, which says which are known");
-    (void)lac_refuse(reader, f->stations > (size_t)f->most, "stations",
-                     "has %zu names, more than most_stations, %lld", f->stations,
-                     (long long)f->most);
     (void)lac_refuse(reader, followed && f->stream == LAC_STREAM_REPLAYED, "stream",
                      "is of standard input, which is not read where files are followed");
     (void)lac_refuse(reader, followed && f->station != NULL, "station",
@@ -231,7 +208,6 @@ static void read_fleet(lac_reader *reader, void *out)
     f->smooth_line = smooth != NULL ? smooth->line : 0;
     f->onset_line = onset != NULL ? onset->line : 0;
     read_ahead(reader, f);
-    read_stations(reader, f);
     read_files(reader, f);
     if (reader->report->errors == 0) {
         check(reader, f);
@@ -268,13 +244,11 @@ void lac_fleet_free(lac_fleet *f)
     }
     lac_table_clear(&fleet_table, f);
     free_names(f->columns, f->column);
-    free_names(f->stations, f->name);
     for (size_t i = 0; i < f->files; i++) {
         free(f->file[i].station);
         free(f->file[i].path);
     }
     free(f->file);
-    free(f->pattern);
     free(f->files_pattern);
     free(f->path);
     free(f);
@@ -289,9 +263,7 @@ bool lac_fleet_matches(const char *pattern, const char *name, size_t *star, size
         strcmp(name + n - behind, after) != 0) {
         return false;
     }
-    if (star != NULL) {
-        *star = before;
-        *length = n - before - behind;
-    }
+    *star = before;
+    *length = n - before - behind;
     return true;
 }

@@ -25,10 +25,6 @@ typedef struct lac_fleet {
     char *sigma, *sigma_unit;
     size_t columns;
     char **column; ///< [columns] in the order of the lines; 0: a header names them
-    size_t stations;
-    char **name;   ///< [stations] known before they are heard of
-    char *pattern; ///< of names, with one *; NULL
-    int unknown;   ///< 1: stations that are neither are refused
     int64_t most;  ///< stations at most
     int64_t window_count;
     double window_time; ///< [s]; INFINITY
@@ -52,5 +48,5 @@ lac_status lac_fleet_read(const char *path, const lac_units *units, lac_fleet **
                           lac_error *err);
 void lac_fleet_free(lac_fleet *fleet);
 
-/// Whether a name is that of a pattern with one *. @param star  what it stands for; NULL
+/// Whether a name is that of a pattern with one *. @param star  what it stands for
 bool lac_fleet_matches(const char *pattern, const char *name, size_t *star, size_t *length);

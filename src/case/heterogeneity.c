@@ -43,7 +43,6 @@ DRAW(normal, 1.0 + p->width * standard_normal(p, place, stream))
 DRAW(flat, 1.0 + p->width * (2.0 * uniform(p, place, stream) - 1.0))
 DRAW(weibull, pow(-log(uniform(p, place, stream)), 1.0 / p->width))
 DRAW(exponential, -log(uniform(p, place, stream)))
-DRAW(pareto, pow(uniform(p, place, stream), -1.0 / p->width))
 
 static const char *random_fault(const void *params)
 {
@@ -95,9 +94,6 @@ RANDOM_KIND(weibull, "weibull",
             WIDTH("shape", 0.05, 1e3, "Weibull's modulus k: the larger, the narrower"))
 RANDOM_KIND(exponential, "exponential", "the nominal value, as the mean, times -ln z, z uniform",
             "Johnson, Kotz & Balakrishnan (1994) Continuous Univariate Distributions 1, ch. 19", )
-RANDOM_KIND(pareto, "pareto", "the nominal value, as the least, times z^(-1/exponent), z uniform",
-            "Johnson, Kotz & Balakrishnan (1994) Continuous Univariate Distributions 1, ch. 20",
-            WIDTH("exponent", 0.05, 1e3, "P(factor > x) = x^-exponent, x >= 1"))
 
 const lac_heterogeneity_kind lac_heterogeneity_map_kind = {
     LAC_ABOUT("map", "a field from a netCDF file", "docs/theory/friction.md, \"From cell to cell\"",
@@ -115,7 +111,6 @@ static const lac_heterogeneity_kind *const spreads[] = {&lognormal,
                                                         &flat,
                                                         &weibull,
                                                         &exponential,
-                                                        &pareto,
                                                         &lac_heterogeneity_map_kind,
                                                         &lac_heterogeneity_size_kind};
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // rg, and analysis, the indicators that a run follows: how they are read and what is wrong with
 // them.
-#include "base/rg_rows.h"
 #include "case/sections.h"
 
 static const char from_friction[] = "from-friction";
@@ -9,7 +8,7 @@ static const char from_friction[] = "from-friction";
 // A strength left after slip; false where it is wrong, which is then reported.
 static bool read_residual(lac_reader *reader, const lac_node *node, double *beta)
 {
-    static const lac_param row = LAC_RG_BETA_ROW(0, 0, "");
+    static const lac_param row = LAC_REAL("beta", "1", 0, NAN, 0, 1, 0, "");
     char why[80];
     if (!lac_read_number(reader, node, row.unit, beta)) {
         return false;
@@ -65,36 +64,31 @@ static void check_interface(lac_reader *reader, const lac_case *c)
 }
 
 // Warns that a beta from the friction law is that of the nominal b and v0 where these vary.
-static void warn_nominal_beta(lac_reader *reader, const lac_case *c, const char *key)
+static void warn_nominal_beta(lac_reader *reader, const lac_case *c)
 {
     for (size_t i = 0; i < c->friction_spread.count; i++) {
         const char *varies = c->friction_spread.item[i].key;
         if (strcmp(varies, "b") == 0 || strcmp(varies, "v0") == 0) {
-            lac_warn(reader, key,
+            lac_warn(reader, "rg.beta",
                      "takes the nominal %s for every cell; friction.spread.%s has no effect on it",
                      varies, varies);
         }
     }
 }
 
-// Refuses a material that has no wave resistance, which a beta from the friction law needs.
-static void check_waves(lac_reader *reader, const lac_material_def *m, const char *key)
-{
-    (void)lac_refuse(reader,
-                     isnan(m->shear_modulus) || (isnan(m->shear_speed) && isnan(m->density)), key,
-                     "needs material.shear_modulus and shear_speed or density");
-}
-
 // What a beta from the friction law needs.
 static void check_law(lac_reader *reader, const lac_case *c)
 {
     const lac_friction_params *law = c->friction.params;
-    warn_nominal_beta(reader, c, "rg.beta");
+    const lac_material_def *m = &c->material;
+    warn_nominal_beta(reader, c);
     if (!lac_refuse(reader, !HAS("friction"), "rg.beta", "needs a friction law") && law != NULL &&
         (!isnan(law->v1) || !isnan(law->v2))) {
         lac_warn(reader, "rg.beta", "takes the friction law without its cut-offs v1 and v2");
     }
-    check_waves(reader, &c->material, "rg.beta");
+    (void)lac_refuse(reader,
+                     isnan(m->shear_modulus) || (isnan(m->shear_speed) && isnan(m->density)),
+                     "rg.beta", "needs material.shear_modulus and shear_speed or density");
 }
 
 void lac_check_rg(lac_reader *reader, lac_case *c)
@@ -130,17 +124,8 @@ static void read_indicator(lac_reader *reader, const lac_node *node, lac_model *
         reader->no_memory = true;
         return;
     }
-    lac_analysis_rg *rg = lac_analysis_cascade(model);
-    const lac_node *beta = rg != NULL ? lac_node_child(node, "beta") : NULL;
     if (!nothing) {
-        lac_read_table(reader, node, info, rg != NULL ? "beta" : NULL, model->params);
-    }
-    if (beta != NULL && beta->kind != LAC_NODE_SCALAR) {
-        lac_add_error(reader, beta, "must be a number or %s", from_friction);
-    } else if (beta != NULL && strcmp(beta->text, from_friction) == 0) {
-        rg->beta_from_friction = true;
-    } else if (beta != NULL) {
-        (void)read_residual(reader, beta, &rg->beta);
+        lac_read_table(reader, node, info, NULL, model->params);
     }
     bool sound = reader->report->errors == errors;
     const char *fault = sound && info->validate != NULL ? info->validate(model->params) : NULL;
@@ -164,62 +149,42 @@ void lac_read_analysis(lac_reader *reader, const lac_node *node, lac_case *c)
     }
 }
 
-// What the cascade does not name is as in the section rg.
-static void fill_in(const lac_case *c, lac_analysis_rg *rg)
-{
-    if (isnan(rg->beta) && !rg->beta_from_friction) {
-        rg->beta_from_friction = c->rg.betas == 0;
-        rg->beta = c->rg.betas > 0 ? c->rg.beta[0] : NAN;
-    }
-    if (isnan(rg->critical_fraction)) {
-        rg->rule = rg->rule < 0 ? c->rg.rule : rg->rule;
-        rg->field = rg->field < 0 ? c->rg.field : rg->field;
-        rg->shifts = rg->shifts < 0 ? c->rg.shifts : rg->shifts;
-        rg->loads = rg->loads < 0 ? c->rg.loads : rg->loads;
-    }
-    bool told = !isnan(rg->slipping_rate) || !isnan(rg->slipping_rate_ratio);
-    if (isnan(rg->slipping_strength) && !told && !rg->beta_from_friction) {
-        rg->slipping_strength = 0.5 * (1.0 + rg->beta);
-    }
-}
-
-static void check_slipping(lac_reader *reader, const lac_case *c, const lac_analysis_rg *rg)
+static void check_slipping(lac_reader *reader, const lac_case *c, lac_analysis_rg *rg)
 {
     const lac_friction_params *law = c->friction.info != NULL ? c->friction.params : NULL;
     char key[] = "analysis.rg.slipping_strength";
-    if (!isnan(rg->slipping_rate) || !isnan(rg->slipping_rate_ratio)) {
+    const bool from_law = c->rg.betas == 0;
+    const double beta = from_law ? (double)NAN : c->rg.beta[0];
+    if (!isnan(rg->slipping_rate)) {
         return;
     }
-    (void)lac_refuse(reader, rg->slipping_strength >= 1.0 || rg->slipping_strength <= rg->beta,
-                     HAS(key) ? key : "analysis.rg.beta",
-                     "leaves no room for slip: must be beta = %g < slipping_strength < 1",
-                     rg->beta);
+    if (isnan(rg->slipping_strength) && !from_law) {
+        rg->slipping_strength = 0.5 * (1.0 + beta);
+    }
+    (void)lac_refuse(reader, rg->slipping_strength >= 1.0 || rg->slipping_strength <= beta,
+                     HAS(key) ? key : "rg.beta",
+                     "leaves no room for slip: must be beta = %g < slipping_strength < 1", beta);
     (void)lac_refuse(
         reader, law != NULL && !lac_heterogeneity_has(&c->friction_spread, "b") && !(law->b > 0.0),
         "analysis.rg",
         "cannot use the strength, which never drops with b = 0 in the friction law: give "
-        "slipping_rate or slipping_rate_ratio");
+        "slipping_rate");
     (void)lac_refuse(reader,
-                     rg->beta_from_friction && isnan(rg->slipping_strength) &&
-                         !isnan(rg->critical_fraction),
-                     key, "is missing: where critical_fraction is given no cascade gives beta");
+                     from_law && isnan(rg->slipping_strength) && !isnan(rg->critical_fraction), key,
+                     "is missing: where critical_fraction is given no cascade gives beta");
 }
 
 // The static cascade of the case's own interface; a single block has none, which is no error.
-static void check_cascade(lac_reader *reader, const lac_case *c, lac_analysis_rg *rg)
+static void check_cascade(lac_reader *reader, const lac_case *c, const lac_analysis_rg *rg)
 {
     double friction = c->rg.friction;
     bool domain = HAS("interface.domain");
     if (!isnan(rg->critical_fraction) || (!domain && !HAS("interface.surface"))) {
         return;
     }
-    (void)lac_refuse(reader, rg->field == LAC_RG_ELASTIC && domain, "analysis.rg.field",
+    (void)lac_refuse(reader, c->rg.field == LAC_RG_ELASTIC && domain, "rg.field",
                      "needs interface.surface to press; a domain goes with equal or uniform (or "
-                     "give critical_fraction)");
-    if (rg->beta_from_friction) {
-        warn_nominal_beta(reader, c, "analysis.rg.beta");
-        check_waves(reader, &c->material, "analysis.rg.beta");
-    }
+                     "give analysis.rg.critical_fraction)");
     if (isnan(friction)) {
         lac_find_coulomb(reader, c, "rg", &friction);
     }
@@ -234,7 +199,6 @@ void lac_check_analysis(lac_reader *reader, lac_case *c)
     for (size_t i = 0; i < c->analysis.count; i++) {
         lac_analysis_rg *rg = lac_analysis_cascade(&c->analysis.item[i]);
         if (rg != NULL) {
-            fill_in(c, rg);
             check_slipping(reader, c, rg);
             check_cascade(reader, c, rg);
         }

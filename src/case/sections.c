@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a case is made of: the rows of its keys and the table of its parts, which all walk.
 #include "case/sections.h"
-#include "base/rg_rows.h"
 #include "store/store.h"
 
 #define COUNT(array) (sizeof(array) / sizeof(array)[0])
@@ -9,7 +8,6 @@
 
 static const char *const shapes[] = {"plane", "line", NULL};
 static const char *const boundaries[] = {"periodic", "free", NULL};
-static const char *const history_methods[] = {"direct", NULL};
 static const char *const precisions[] = {"double", "float", NULL};
 static const char *const history_fields[] = {"all", "last", "none", NULL};
 
@@ -68,8 +66,6 @@ static const lac_param load_rows[] = {
              "Coulomb's coefficient f; f0 of the friction law if absent")
 
 static const lac_param history_rows[] = {
-    LAC_CHOICE("method", FIELD(history.method), 0, history_methods, 0,
-               "direct: any history, exact; the only one"),
     COULOMB_ROW(FIELD(history.friction)),
     LAC_CHOICE("fields", FIELD(history.fields), LAC_KEEP_ALL, history_fields, 0,
                "steps whose tractions, slips and states are written cell by cell"),
@@ -247,19 +243,21 @@ static const lac_param solver_rows[] = {
 
 static const char *const rg_paths[] = {"series", "solve", NULL};
 static const lac_param rg_rows[] = {
-    LAC_RG_RULE_ROW(FIELD(rg.rule), 0, 0,
-                    "what a block that slips sheds: fix, the drop of its strength (the paper); "
-                    "cons, all above its residual strength; lump, as a point with its sums"),
-    LAC_RG_FIELD_ROW(FIELD(rg.field), LAC_RG_ELASTIC, 0,
-                     "how shear spreads over the cells: elastic contact, equal springs with caps, "
-                     "or the same stress on all (uniform), as a ramp with share: equal puts it on"),
+    LAC_CHOICE("rule", FIELD(rg.rule), LAC_RG_FIX, lac_rg_rule_names, 0,
+               "what a block that slips sheds: fix, the drop of its strength (the paper); "
+               "cons, all above its residual strength; lump, as a point with its sums"),
+    LAC_CHOICE("field", FIELD(rg.field), LAC_RG_ELASTIC, lac_rg_field_names, 0,
+               "how shear spreads over the cells: elastic contact, equal springs with caps, or the "
+               "same stress on all (uniform), as a ramp with share: equal puts it on"),
     LAC_OWN("beta",
             "strength left after slip, as a number, a list, or from-friction; 0.7 if absent"),
     COULOMB_ROW(FIELD(rg.friction)),
-    LAC_RG_SHIFTS_ROW(FIELD(rg.shifts), 16, 0, "places of the grid of blocks, averaged"),
+    LAC_INTEGER("shifts", FIELD(rg.shifts), 16, 1, 10000, 0,
+                "places of the grid of blocks, averaged"),
     LAC_INTEGER("seeds", FIELD(rg.seeds), 1, 1, 10000, 0,
                 "interfaces: the case's own seed and those that follow it"),
-    LAC_RG_LOADS_ROW(FIELD(rg.loads), 60, 0, "shear forces at which slipping blocks are counted"),
+    LAC_INTEGER("loads", FIELD(rg.loads), 60, 10, 10000, 0,
+                "shear forces at which slipping blocks are counted"),
     LAC_INTEGER("contacts", FIELD(rg.contacts), LAC_RG_LOADS, 10, LAC_RG_MOST_LOADS, 0,
                 "contacts solved along the path of field elastic, to interpolate between"),
     LAC_CHOICE(

@@ -273,13 +273,8 @@ void lac_put_analysis(lac_writer *w, const lac_case *c)
         PRINT(w, "analysis:\n");
     }
     for (size_t i = 0; i < c->analysis.count; i++) {
-        const lac_model *model = &c->analysis.item[i];
         PRINT(w, "  ");
-        put_model(w, 1, model);
-        const lac_analysis_rg *rg = lac_analysis_cascade(model);
-        if (rg != NULL && rg->beta_from_friction) {
-            PRINT(w, "    beta: from-friction\n");
-        }
+        put_model(w, 1, &c->analysis.item[i]);
     }
 }
 

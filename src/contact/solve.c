@@ -15,7 +15,8 @@ lac_contact_def lac_contact_default(void)
     return (lac_contact_def){.tolerance = 1e-8, .max_iterations = 1000};
 }
 
-static lac_status check_control(const lac_contact_def *def, lac_error *err)
+// What a case cannot see to: a load may vanish in the numbers, an approach is of its boundaries.
+static lac_status check(const lac_contact_def *def, lac_error *err)
 {
     LAC_FAIL_IF(def->control == LAC_CONTROL_LOAD &&
                     !(def->mean_pressure > 0.0 && isfinite(def->mean_pressure)),
@@ -26,38 +27,6 @@ static lac_status check_control(const lac_contact_def *def, lac_error *err)
         LAC_FAIL_IF(!(def->approach > least && isfinite(def->approach)), err, LAC_EINPUT,
                     "the approach must be finite%s, not %g m",
                     def->grid.periodic ? " and > 0 between periodic faces" : "", def->approach);
-    }
-    return LAC_OK;
-}
-
-lac_status lac_contact_check(const lac_grid *grid, double e_star, double tolerance,
-                             int64_t max_iterations, lac_error *err)
-{
-    LAC_FAIL_IF(grid->nx == 0 || grid->ny == 0 || !(grid->dx > 0.0 && grid->dy > 0.0) ||
-                    !isfinite(lac_grid_area(grid)) || lac_grid_cells(grid) > UINT32_MAX,
-                err, LAC_EINPUT, "a grid of %zu x %zu cells of %g x %g m is not possible", grid->nx,
-                grid->ny, grid->dx, grid->dy);
-    LAC_FAIL_IF(!(e_star > 0.0 && isfinite(e_star)), err, LAC_EINPUT,
-                "the modulus E* must be > 0 Pa, not %g", e_star);
-    LAC_FAIL_IF(!(tolerance > 0.0 && tolerance < 1.0), err, LAC_EINPUT,
-                "the tolerance must lie between 0 and 1, not %g", tolerance);
-    LAC_FAIL_IF(max_iterations < 1, err, LAC_EINPUT, "at least one iteration must be allowed");
-    return LAC_OK;
-}
-
-static lac_status check(const lac_contact_def *def, lac_error *err)
-{
-    const lac_grid *grid = &def->grid;
-    LAC_TRY_RETURN(lac_contact_check(grid, def->e_star, def->tolerance, def->max_iterations, err));
-    LAC_TRY_RETURN(check_control(def, err));
-    const lac_strip rows = lac_strip_rows(def->team, grid->ny);
-    for (size_t i = 0; i < rows.n * grid->nx; i++) {
-        LAC_FAIL_IF(!isfinite(def->heights[i]), err, LAC_EINPUT,
-                    "the height of cell (%zu, %zu) is %g", i % grid->nx, rows.first + i / grid->nx,
-                    def->heights[i]);
-        LAC_FAIL_IF(def->start != NULL && !(def->start[i] >= 0.0 && isfinite(def->start[i])), err,
-                    LAC_EINPUT, "the first guess of the pressure of cell (%zu, %zu) is %g",
-                    i % grid->nx, rows.first + i / grid->nx, def->start[i]);
     }
     return LAC_OK;
 }

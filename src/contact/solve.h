@@ -8,10 +8,6 @@
 // wavenumbers kappa = |q| length, pressures in units of E* h_rms / (2 length), so that
 // u_hat = p_hat / kappa.
 
-/// What every solver demands of its grid, modulus and limits.
-lac_status lac_contact_check(const lac_grid *grid, double e_star, double tolerance,
-                             int64_t max_iterations, lac_error *err);
-
 /// Where the interface lies and what lies around it.
 typedef struct lac_extent {
     size_t nx, ny;

@@ -86,10 +86,6 @@ typedef struct forecast_made {
     lac_forecast_model model;
     lac_indicator_inputs evidence;
     lac_readings readings;
-    lac_forecast_set *forecasts;
-    lac_rolling *rolling;
-    lac_indicator_series *indicator_series;
-    lac_precursor indicator[LAC_PRECURSORS_MAX];
     lac_forecast_outcome outcome;
     lac_made_from made;
 } forecast_made;
@@ -97,9 +93,7 @@ typedef struct forecast_made {
 static void forecast_free(void *result)
 {
     forecast_made *f = result;
-    lac_indicator_series_free(f->indicator_series);
-    lac_rolling_free(f->rolling);
-    lac_forecast_set_free(f->forecasts);
+    lac_forecast_outcome_clear(&f->outcome);
     free(f->made.case_text);
     free(f);
 }
@@ -147,47 +141,23 @@ static lac_forecast_def plan(const forecast_made *f)
     return def;
 }
 
-// Each issue time from what was known then.
-static lac_status roll(forecast_made *f, const lac_forecast_def *def, const lac_readings *readings,
-                       lac_error *err)
-{
-    const lac_forecast_options *o = &f->options;
-    const size_t most = o->issues < readings->n ? o->issues : readings->n;
-    LAC_TRY_RETURN(lac_indicator_series_create(&f->evidence, most, &f->indicator_series, err));
-    const lac_rolling_watch watch = {.context = o->context,
-                                     .go_on = o->go_on,
-                                     .seer = f->indicator_series,
-                                     .see = lac_indicator_series_see};
-    return lac_rolling_create(def, readings, o->issues, &watch, &f->rolling, err);
-}
-
 static lac_status look(forecast_made *f, const lac_series *s, lac_error *err)
 {
+    const lac_forecast_options *o = &f->options;
     const lac_forecast_def def = plan(f);
-    lac_readings readings = lac_series_readings(s);
-    while (readings.n > 0 && readings.time[readings.n - 1] > f->options.until) {
-        readings.n--;
+    const lac_rolling_watch watch = {.context = o->context, .go_on = o->go_on};
+    f->readings = lac_series_readings(s);
+    while (f->readings.n > 0 && f->readings.time[f->readings.n - 1] > o->until) {
+        f->readings.n--;
     }
-    size_t indicators = 0;
-    LAC_FAIL_IF(readings.n == 0, err, LAC_EINPUT, "no reading until %g s", f->options.until);
-    LAC_TRY_RETURN(lac_forecast_set_create(&def, &readings, &f->forecasts, err));
+    LAC_FAIL_IF(f->readings.n == 0, err, LAC_EINPUT, "no reading until %g s", o->until);
     f->evidence = lac_evidence_default();
-    f->readings = readings;
-    LAC_TRY_RETURN(lac_precursors_at(&f->evidence, f->forecasts, f->indicator, &indicators, err));
-    const lac_status status = f->options.issues > 0 ? roll(f, &def, &readings, err) : LAC_OK;
-    f->outcome = (lac_forecast_outcome){
-        .series = s,
-        .readings = &f->readings,
-        .dated = s->dated,
-        .failed_at = f->options.failed_at,
-        .forecasts = f->forecasts,
-        .rolling = f->rolling,
-        .interrupted = status == LAC_EINTERRUPT,
-        .indicators = indicators,
-        .indicator = f->indicator,
-        .indicator_series = f->indicator_series,
-    };
-    return status;
+    f->outcome = (lac_forecast_outcome){.series = s,
+                                        .readings = &f->readings,
+                                        .dated = s->dated,
+                                        .failed_at = o->failed_at,
+                                        .horizon = f->levels.horizon};
+    return lac_forecast_look(&def, &f->evidence, o->issues, &watch, &f->outcome, err);
 }
 
 lac_status lac_forecast_compute(const lac_series *series, const lac_forecast_options *options,
@@ -204,7 +174,7 @@ lac_status lac_forecast_compute(const lac_series *series, const lac_forecast_opt
     LAC_TRY(take_levels(f, err));
     LAC_TRY(take_case(f, series->dated, err));
     status = look(f, series, err);
-    if (status == LAC_OK || (status == LAC_EINTERRUPT && f->rolling != NULL)) {
+    if (status == LAC_OK || f->outcome.interrupted) {
         const lac_status told = lac_forecast_describe(&f->outcome, out, err);
         if (told == LAC_OK) {
             lac_dataset_keep(*out, f, forecast_free, &f->made.provenance);

@@ -112,7 +112,6 @@ typedef struct lac_resolution {
     double pressure; ///< p_r, mean over A_r [Pa]
     double slope;    ///< h'_r, rms slope between neighbouring cells along x and y [1]; 0: not known
     size_t cells;    ///< cells in contact; not fitted
-    double boundary; ///< length of the cells' sides that part contact from none [m]; not fitted
     double local;    ///< Delta_S between this resolution and the next finer one; NaN at the finest
 } lac_resolution;
 
@@ -131,8 +130,6 @@ typedef struct lac_scaling {
     bool few_cells;      ///< fewer than 100 cells touch at the coarsest resolution: a weak estimate
     double load;         ///< P, mean of p_r A_r [N]
     double load_error;   ///< largest |p_r A_r - P| / P [1]
-    double smooth;       ///< Delta_S of the areas less what their boundary cells add; NaN where
-                         ///< nothing is left of one
     double from_slopes;  ///< 2 - d ln h'_r / d ln(1/r): Delta_S if A_r h'_r did not depend on r;
                          ///< NaN where a slope is not known
     double fractal_area; ///< A* = A_r r^(Delta_S - 2), mean over the fit [m^Delta_S]
@@ -142,12 +139,7 @@ typedef struct lac_scaling {
 /// Fits Delta_S = 2 - d ln A_r / d ln r: docs/theory/fractal.md. At least three resolutions must
 /// stay; the finest of a surface is its own cut-off, and left out. Cell, area and pressure are
 /// given.
-lac_status lac_scaling_fit(lac_scaling *scaling, size_t left_out, lac_error *err);
-
-/// Contact area without what whole cells add along its boundary: A - (pi - 1 + ln 2)/24 r boundary.
-/// Good where patches span several cells; of single cells it takes half.
-/// @source Yastrebov, Anciaux & Molinari (2017), doi 10.1016/j.jmps.2017.07.016
-double lac_smooth_area(const lac_resolution *at);
+void lac_scaling_fit(lac_scaling *scaling, size_t left_out);
 
 /// Which resolutions of one interface are solved.
 typedef struct lac_scaling_def {

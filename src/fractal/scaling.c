@@ -19,27 +19,6 @@ lac_scaling_def lac_scaling_default(void)
 
 static bool positive(double x) { return isfinite(x) && x > 0; }
 
-static lac_status check(const lac_scaling *s, size_t left_out, lac_error *err)
-{
-    LAC_FAIL_IF(
-        s->n > LAC_SCALING_POINTS || left_out > s->n || s->n - left_out < LEAST_POINTS, err,
-        LAC_EINPUT,
-        "area scaling: %zu resolutions with %zu left out: between %d and %d must stay to be fitted",
-        s->n, left_out, LEAST_POINTS, LAC_SCALING_POINTS);
-    for (size_t i = 0; i < s->n; i++) {
-        const lac_resolution *at = &s->at[i];
-        LAC_FAIL_IF(
-            !positive(at->cell) || !positive(at->area) || !positive(at->pressure), err, LAC_EINPUT,
-            "area scaling: a resolution of %g m with %g m2 in contact at %g Pa: each must be > 0",
-            at->cell, at->area, at->pressure);
-        LAC_FAIL_IF(
-            i > 0 && at->cell >= at[-1].cell, err, LAC_EINPUT,
-            "area scaling: a resolution of %g m after one of %g m: the coarsest comes first",
-            at->cell, at[-1].cell);
-    }
-    return LAC_OK;
-}
-
 // P = p_r A_r at every resolution.
 static void check_load(lac_scaling *s)
 {
@@ -54,18 +33,14 @@ static void check_load(lac_scaling *s)
     }
 }
 
-double lac_smooth_area(const lac_resolution *at)
-{
-    return at->area - (M_PI - 1 + log(2.0)) / 24 * at->cell * at->boundary;
-}
-
-// Delta_S of other measures of the same resolutions; NaN where one is not > 0.
-static double dimension_of(const double *x, const double *measure, size_t n)
+// Delta_S of the slopes of the same resolutions: with A_r = kappa P / (E* h'_r) the area falls as
+// the slope rises. NaN where one is not > 0.
+static double dimension_of_slopes(const lac_scaling *s, const double *x, size_t n)
 {
     double y[LAC_SCALING_POINTS];
     for (size_t i = 0; i < n; i++) {
-        y[i] = log(measure[i]);
-        if (!positive(measure[i])) {
+        y[i] = log(1 / s->at[i].slope);
+        if (!positive(s->at[i].slope)) {
             return NAN;
         }
     }
@@ -73,22 +48,9 @@ static double dimension_of(const double *x, const double *measure, size_t n)
     return 2 - lac_line_slope(&line);
 }
 
-// With A_r = kappa P / (E* h'_r) the area falls as the slope rises.
-static void compare(lac_scaling *s, const double *x, size_t n)
-{
-    double smooth[LAC_SCALING_POINTS], flatness[LAC_SCALING_POINTS];
-    for (size_t i = 0; i < n; i++) {
-        smooth[i] = lac_smooth_area(&s->at[i]);
-        flatness[i] = 1 / s->at[i].slope;
-    }
-    s->smooth = dimension_of(x, smooth, n);
-    s->from_slopes = dimension_of(x, flatness, n);
-}
-
-lac_status lac_scaling_fit(lac_scaling *s, size_t left_out, lac_error *err)
+void lac_scaling_fit(lac_scaling *s, size_t left_out)
 {
     double x[LAC_SCALING_POINTS], y[LAC_SCALING_POINTS];
-    LAC_TRY_RETURN(check(s, left_out, err));
     for (size_t i = 0; i < s->n; i++) {
         x[i] = log(s->at[i].cell);
         y[i] = log(s->at[i].area);
@@ -103,11 +65,10 @@ lac_status lac_scaling_fit(lac_scaling *s, size_t left_out, lac_error *err)
     s->regression_error = lac_line_error(&line);
     s->error = hypot(s->regression_error, lac_line_range_spread(&line, x, y));
     check_load(s);
-    compare(s, x, fitted);
+    s->from_slopes = dimension_of_slopes(s, x, fitted);
     s->few_cells = s->at[0].cells > 0 && s->at[0].cells < FEW_CELLS;
     s->fractal_area = exp(lac_line_at(&line, 0.0));
     s->fractal_pressure = s->load / s->fractal_area;
-    return LAC_OK;
 }
 
 // Heights of blocks of m x m cells.
@@ -124,19 +85,6 @@ static void coarsen(const lac_contact_def *fine, size_t m, lac_coarsening how, d
     }
 }
 
-// Length of the sides that part a cell in contact from one that is not.
-static double boundary(const lac_grid *g, const double *p)
-{
-    double length = 0;
-    for (size_t i = 0; i < lac_grid_cells(g); i++) {
-        size_t right = lac_grid_beside(g, i, 1, 0);
-        size_t above = lac_grid_beside(g, i, 0, 1);
-        length += right != SIZE_MAX && (p[i] > 0) != (p[right] > 0) ? g->dy : 0;
-        length += above != SIZE_MAX && (p[i] > 0) != (p[above] > 0) ? g->dx : 0;
-    }
-    return length;
-}
-
 static lac_resolution observe(const lac_grid *grid, const double *heights, const double *pressure)
 {
     double sum = 0;
@@ -150,8 +98,7 @@ static lac_resolution observe(const lac_grid *grid, const double *heights, const
                             .pressure = sum / (double)cells,
                             .slope = hypot(lac_rms_slope(grid, heights, true, 1),
                                            lac_rms_slope(grid, heights, false, 1)),
-                            .cells = cells,
-                            .boundary = boundary(grid, pressure)};
+                            .cells = cells};
 }
 
 // Solves one resolution: heights of blocks of m x m cells.
@@ -214,7 +161,7 @@ lac_status lac_scaling_measure(const lac_contact_def *contact, const lac_scaling
         }
         LAC_TRY(solve(contact, m, def->coarsening, heights, pressure, &scaling->at[i], err));
     }
-    LAC_TRY(lac_scaling_fit(scaling, def->left_out, err));
+    lac_scaling_fit(scaling, def->left_out);
 out:
     free(heights);
     free(pressure);

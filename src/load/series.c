@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Shear stress, pore pressure or normal stress from readings of a file, by straight lines or a
 // smooth curve; and a spring whose far end moves as these say.
+#include <gsl/gsl_interp.h>
+
 #include "load/kinds.h"
 
 enum { LINEAR, SMOOTH };
@@ -18,46 +20,27 @@ typedef struct series_params {
 
 typedef struct series_state {
     lac_readings readings;
-    double *slope; // [n] of the smooth curve at each reading [Pa/s]; NULL: straight lines
-    double from;   // of a machine, where the far end is as the run starts [m]
+    gsl_interp *curve; // smooth, which overshoots nowhere; NULL: straight lines
+    double from;       // of a machine, where the far end is as the run starts [m]
 } series_state;
 
 static void release(void *p)
 {
     series_state *state = p;
     lac_readings_clear(&state->readings);
-    free(state->slope);
+    gsl_interp_free(state->curve);
 }
 
-static double secant(const lac_readings *r, size_t i)
-{
-    return (r->value[i + 1] - r->value[i]) / (r->t[i + 1] - r->t[i]);
-}
-
-// Steffen's slope at a reading between two others: that of their parabola, but no more than twice
-// either secant, and none at an extreme, so that the curve overshoots nowhere (1990, eq. 11).
-static double steffen_slope(const lac_readings *r, size_t i)
-{
-    double left = secant(r, i - 1);
-    double right = secant(r, i);
-    double h_left = r->t[i] - r->t[i - 1];
-    double h_right = r->t[i + 1] - r->t[i];
-    double parabola = (left * h_right + right * h_left) / (h_left + h_right);
-    double least = fmin(fmin(fabs(left), fabs(right)), 0.5 * fabs(parabola));
-    return (copysign(1.0, left) + copysign(1.0, right)) * least;
-}
-
-// Slopes of the smooth curve: at its ends the secants.
+// Through two readings it is a straight line.
 static lac_status smooth(series_state *state, lac_error *err)
 {
     const lac_readings *r = &state->readings;
-    state->slope = malloc(r->n * sizeof *state->slope);
-    LAC_FAIL_MEMORY_IF(state->slope == NULL, err);
-    for (size_t i = 1; i + 1 < r->n; i++) {
-        state->slope[i] = steffen_slope(r, i);
+    if (r->n < gsl_interp_type_min_size(gsl_interp_steffen)) {
+        return LAC_OK;
     }
-    state->slope[0] = r->n > 1 ? secant(r, 0) : 0.0;
-    state->slope[r->n - 1] = r->n > 1 ? secant(r, r->n - 2) : 0.0;
+    state->curve = gsl_interp_alloc(gsl_interp_steffen, r->n);
+    LAC_FAIL_MEMORY_IF(state->curve == NULL, err);
+    (void)gsl_interp_init(state->curve, r->t, r->value, r->n);
     return LAC_OK;
 }
 
@@ -80,21 +63,6 @@ static lac_status prepare(const void *p, const lac_load_clock *clock, void *stat
     return prepare_as("Pa", p, clock, state, err);
 }
 
-// Value and rate of the smooth curve between readings i and i + 1.
-static lac_signal between(const series_state *state, size_t i, double t)
-{
-    const lac_readings *r = &state->readings;
-    double h = r->t[i + 1] - r->t[i];
-    double x = (t - r->t[i]) / h;
-    double rise = r->value[i + 1] - r->value[i];
-    // Cubic Hermite: what the ends' slopes have beyond the secant
-    double first = h * state->slope[i] - rise;
-    double last = h * state->slope[i + 1] - rise;
-    double bend = x * (1.0 - x) * ((1.0 - x) * first - x * last);
-    double turn = (1.0 - x) * (1.0 - 3.0 * x) * first + x * (3.0 * x - 2.0) * last;
-    return (lac_signal){r->value[i] + x * rise + bend, (rise + turn) / h};
-}
-
 static lac_signal look(const series_params *s, const series_state *state, double t)
 {
     const lac_readings *r = &state->readings;
@@ -102,8 +70,10 @@ static lac_signal look(const series_params *s, const series_state *state, double
     if (outside && s->outside == ZERO) {
         return (lac_signal){0.0, 0.0};
     }
-    return outside || state->slope == NULL ? lac_readings_at(r, t)
-                                           : between(state, lac_readings_before(r->t, r->n, t), t);
+    return outside || state->curve == NULL
+               ? lac_readings_at(r, t)
+               : (lac_signal){gsl_interp_eval(state->curve, r->t, r->value, t, NULL),
+                              gsl_interp_eval_deriv(state->curve, r->t, r->value, t, NULL)};
 }
 
 static lac_signal series_at(const lac_load *load, double t)

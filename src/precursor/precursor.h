@@ -95,21 +95,10 @@ lac_status lac_precursors_at(const lac_indicator_inputs *inputs, const lac_forec
 
 /// Indicators in time.
 typedef struct lac_indicator_series {
-    const lac_indicator_inputs *inputs; ///< must outlive it
-    size_t most, issues, kinds;
-    lac_precursor *found; ///< [issues][kinds], room for `most`
+    const lac_indicator_inputs *inputs;
+    size_t issues, kinds;
+    lac_precursor found[]; ///< [issues][kinds]
 } lac_indicator_series;
-
-/// An empty one, with room for `most` times.
-lac_status lac_indicator_series_create(const lac_indicator_inputs *inputs, size_t most,
-                                       lac_indicator_series **out, lac_error *err);
-
-void lac_indicator_series_free(lac_indicator_series *indicator_series);
-
-/// Adds the indicators as of a set of forecasts: a lac_rolling_watch's `see`.
-/// @pre   fewer than `most` are there
-lac_status lac_indicator_series_see(void *indicator_series, const lac_forecast_set *forecasts,
-                                    lac_error *err);
 
 /// b-value of a catalogue, as the indicator of that name has it. @return LAC_OK; LAC_ENOMEM
 /// @param b  NaN where too few events have a moment
@@ -159,21 +148,34 @@ lac_status lac_slowing_measure(size_t n, const double *values, uint64_t seed, si
 
 /// Forecasts and indicators as they are told.
 typedef struct lac_forecast_outcome {
-    const char *source;                     ///< the file that they are of
-    const lac_series *series;               ///< NULL: the file is a run's
-    char run_status[16];                    ///< as the file of a run says; "": a series
-    const lac_readings *readings;           ///< NULL: there is no JSON
-    bool dated;                             ///< times are seconds since 1970 UTC
-    double failed_at;                       ///< [s]; NaN: not known; INFINITY: never
-    double horizon;                         ///< of alarms [s]
-    lac_forecast_set *forecasts;            ///< at the last reading
-    size_t indicators;                      ///< kinds of them; 0: none
-    const lac_precursor *indicator;         ///< [indicators] at the last reading
-    lac_rolling *rolling;                   ///< NULL: the last forecasts alone are told
+    const char *source;                          ///< the file that they are of
+    const lac_series *series;                    ///< NULL: the file is a run's
+    char run_status[16];                         ///< as the file of a run says; "": a series
+    const lac_readings *readings;                ///< NULL: there is no JSON
+    bool dated;                                  ///< times are seconds since 1970 UTC
+    double failed_at;                            ///< [s]; NaN: not known; INFINITY: never
+    double horizon;                              ///< of alarms [s]
+    lac_forecast_set *forecasts;                 ///< at the last reading
+    size_t indicators;                           ///< kinds of them; 0: none
+    lac_precursor indicator[LAC_PRECURSORS_MAX]; ///< [indicators] at the last reading
+    lac_rolling *rolling;                        ///< NULL: the last forecasts alone are told
     bool interrupted;                       ///< rolling has not all issue times that it should have
     lac_indicator_series *indicator_series; ///< of the same issue times; NULL: as rolling, or none
     lac_skill *skill;                       ///< [methods]; NULL: no time of failure
 } lac_forecast_outcome;
+
+/// Forecasts, also what methods would say without the gates, and indicators as of the last reading;
+/// then at `issues` readings at most (0: none), with their skill where the failure is known.
+/// @param inputs  must outlive the outcome
+/// @param watch   NULL: nobody; where it sees, nobody keeps indicators in time
+/// @param of      has readings, failed_at and horizon
+/// @return LAC_OK; LAC_EINPUT; LAC_ENOMEM; LAC_EINTERRUPT (`interrupted`: what was done is there)
+lac_status lac_forecast_look(const lac_forecast_def *def, const lac_indicator_inputs *inputs,
+                             size_t issues, const lac_rolling_watch *watch,
+                             lac_forecast_outcome *of, lac_error *err);
+
+/// Frees what it made.
+void lac_forecast_outcome_clear(lac_forecast_outcome *of);
 
 /// A time of its clock: "2015-07-05 09:54", or a number in the unit that the file counts in, of a
 /// run in the unit that reads best; "-" where there is none.

@@ -115,22 +115,7 @@ lac_status lac_precursors_at(const lac_indicator_inputs *inputs, const lac_forec
     return status;
 }
 
-lac_status lac_indicator_series_create(const lac_indicator_inputs *inputs, size_t most,
-                                       lac_indicator_series **out, lac_error *err)
-{
-    const size_t all = sizeof kinds / sizeof *kinds;
-    lac_indicator_series *s = calloc(1, sizeof *s + most * all * sizeof *s->found);
-    *out = s;
-    LAC_FAIL_MEMORY_IF(s == NULL, err);
-    *s = (lac_indicator_series){.inputs = inputs, .most = most, .kinds = all};
-    s->found = (lac_precursor *)(s + 1);
-    return LAC_OK;
-}
-
-void lac_indicator_series_free(lac_indicator_series *indicator_series) { free(indicator_series); }
-
-lac_status lac_indicator_series_see(void *context, const lac_forecast_set *forecasts,
-                                    lac_error *err)
+static lac_status see(void *context, const lac_forecast_set *forecasts, lac_error *err)
 {
     lac_indicator_series *s = context;
     size_t count = 0;
@@ -138,4 +123,50 @@ lac_status lac_indicator_series_see(void *context, const lac_forecast_set *forec
         lac_precursors_at(s->inputs, forecasts, s->found + s->issues * s->kinds, &count, err));
     s->issues++;
     return LAC_OK;
+}
+
+static lac_status roll(const lac_forecast_def *def, const lac_indicator_inputs *inputs,
+                       size_t issues, const lac_rolling_watch *watch, lac_forecast_outcome *of,
+                       lac_error *err)
+{
+    lac_rolling_watch own = watch != NULL ? *watch : (lac_rolling_watch){0};
+    if (own.see == NULL) {
+        const size_t all = sizeof kinds / sizeof *kinds;
+        const size_t most = issues < of->readings->n ? issues : of->readings->n;
+        lac_indicator_series *s = calloc(1, sizeof *s + most * all * sizeof *s->found);
+        LAC_FAIL_MEMORY_IF(s == NULL, err);
+        s->inputs = inputs;
+        s->kinds = all;
+        own.seer = of->indicator_series = s;
+        own.see = see;
+    }
+    const lac_status status =
+        lac_rolling_create(def, of->readings, issues, &own, &of->rolling, err);
+    of->interrupted = status == LAC_EINTERRUPT && of->rolling != NULL;
+    if ((status != LAC_OK && !of->interrupted) || isnan(of->failed_at)) {
+        return status;
+    }
+    of->skill = calloc(of->rolling->methods, sizeof *of->skill);
+    LAC_FAIL_MEMORY_IF(of->skill == NULL, err);
+    LAC_TRY_RETURN(lac_rolling_measure(of->rolling, of->failed_at, of->horizon, of->skill, err));
+    return status;
+}
+
+lac_status lac_forecast_look(const lac_forecast_def *def, const lac_indicator_inputs *inputs,
+                             size_t issues, const lac_rolling_watch *watch,
+                             lac_forecast_outcome *of, lac_error *err)
+{
+    lac_forecast_def last = *def;
+    last.all = true; // what would be forecast without the gate
+    LAC_TRY_RETURN(lac_forecast_set_create(&last, of->readings, &of->forecasts, err));
+    LAC_TRY_RETURN(lac_precursors_at(inputs, of->forecasts, of->indicator, &of->indicators, err));
+    return issues > 0 ? roll(def, inputs, issues, watch, of, err) : LAC_OK;
+}
+
+void lac_forecast_outcome_clear(lac_forecast_outcome *of)
+{
+    free(of->skill);
+    lac_rolling_free(of->rolling);
+    free(of->indicator_series);
+    lac_forecast_set_free(of->forecasts);
 }

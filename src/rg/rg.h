@@ -10,6 +10,9 @@ typedef enum lac_rg_rule {
     LAC_RG_LUMP, ///< as a point of its summed strength and load, whole or not at all
 } lac_rg_rule;
 
+/// What a case calls them, and the ways in which shear spreads over the cells; NULL at their ends.
+extern const char *const lac_rg_rule_names[], *const lac_rg_field_names[];
+
 /// The blocks over the contact cells as the cascade sees them: what each holds, what it sheds, and
 /// the answers of the last pass. Not shared between threads.
 typedef struct lac_rg_tree lac_rg_tree;

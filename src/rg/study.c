@@ -6,6 +6,9 @@
 
 #include "base/rng.h"
 
+const char *const lac_rg_rule_names[] = {"fix", "cons", "lump", NULL};
+const char *const lac_rg_field_names[] = {"elastic", "equal", "uniform", NULL};
+
 enum { LEAST_BLOCKS = 8, LEAST_LOADS = 10, MOST = 1 << 16 };
 
 struct lac_rg_study {

@@ -127,7 +127,6 @@ LAC_GETTER(double, slip_y, RESULT, r->first_place[1])
 LAC_GETTER(double, slip_shift_x, RESULT, r->first_slip.shift[0])
 LAC_GETTER(double, slip_shift_y, RESULT, r->first_slip.shift[1])
 LAC_GETTER(double, planned, RESULT, (double)r->planned)
-LAC_TEXT_GETTER(method, (void)of, "direct")
 
 #define FIRST(name_, getter)                                                                \
     {                                                                                       \
@@ -137,7 +136,6 @@ LAC_TEXT_GETTER(method, (void)of, "direct")
 static const lac_variable of_history[] = {
     LAC_JSON("status", TEXT, lac_contact_outcome, status),
     {.name = "friction_coefficient", LAC_HELD(REAL, lac_contact_outcome, friction)},
-    {.name = "history_method", .json = "history_method", T(method)},
     {.json = "friction_coefficient", LAC_HELD(REAL, lac_contact_outcome, friction)},
     {.json = "planned_steps", G(planned)},
     FIRST("q_over_fp", slip_factor),

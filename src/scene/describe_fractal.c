@@ -22,8 +22,11 @@ static const char *fractal_unit(const lac_scene_contact *c, const char *format,
 static double fitted_whole(const lac_scene_contact *c, size_t offset)
 {
     lac_scaling whole = c->fractal.scaling;
-    const bool fits = c->fractal.scaled && lac_scaling_fit(&whole, 0, NULL) == LAC_OK;
-    return fits ? *(const double *)(const void *)((const char *)&whole + offset) : NAN;
+    if (!c->fractal.scaled) {
+        return NAN;
+    }
+    lac_scaling_fit(&whole, 0);
+    return *(const double *)(const void *)((const char *)&whole + offset);
 }
 
 LAC_GETTER(bool, counted, CONTACT, c->counted)
@@ -56,7 +59,6 @@ LAC_GETTER(double, all_regression, CONTACT,
 LAC_GETTER(double, area_fraction, RESOLUTION,
            r->area / lac_grid_area(&((const lac_scene_contact *)of)->grid))
 LAC_GETTER(double, resolution_load, RESOLUTION, r->pressure * r->area)
-LAC_GETTER(double, smooth_area, RESOLUTION, lac_smooth_area(r))
 LAC_GETTER(double, kappa, RESOLUTION,
            r->area * r->slope * ((const lac_scene_contact *)of)->e_star / s->load)
 LAC_GETTER(double, fitted, SCALING, at[0] + s->left_out < s->n)
@@ -97,7 +99,6 @@ static const lac_variable of_fit[] = {
     ONE(NULL, "delta_s_all", all),
     ONE(NULL, "delta_s_all_error", all_error),
     ONE(NULL, "delta_s_all_regression_error", all_regression),
-    SCALED("delta_s_smooth", smooth),
     SCALED("delta_s_from_slopes", from_slopes),
     FITTED("delta_s_few_cells", BOOL, few_cells, WHOLE),
     FITTED("delta_s_left_out", COUNT, left_out, WHOLE),
@@ -156,8 +157,6 @@ static const lac_variable of_resolutions[] = {
     AT("resolution_pressure", "Pa", "mean pressure over the real area of contact", "pressure_Pa",
        REAL, pressure),
     AT("resolution_cells", NULL, "cells in contact", "cells", COUNT, cells),
-    AT("resolution_boundary", "m", "length of the sides of cells that part contact from none",
-       "boundary_m", REAL, boundary),
     AT("resolution_slope", NULL, "rms slope of the heights between neighbouring cells", "rms_slope",
        REAL, slope),
     AT("resolution_local_dimension", NULL, "Delta_S between this resolution and the next finer one",
@@ -166,7 +165,6 @@ static const lac_variable of_resolutions[] = {
 static const lac_variable of_places[] = {
     ALSO("area_fraction", area_fraction),
     ALSO("load_N", resolution_load),
-    ALSO("smooth_area_m2", smooth_area),
     ALSO("kappa", kappa),
     ALSO("fitted", fitted, TRUTH),
     LAC_ROW("box_side", "box", NULL, "side of a box, in cells", .json = "boxes[]/side_cells",

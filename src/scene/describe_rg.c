@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a cascade came to, as tables: the variables of its file and the members of its JSON.
-#include "base/rg_rows.h"
 #include "data/describe.h"
 #include "scene/scene_rg.h"
 

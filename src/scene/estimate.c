@@ -256,31 +256,30 @@ static double elastic_seconds(const lac_case *c, const lac_transfer_outline *hel
 }
 
 // The cascade that a run follows is that of its own interface, once.
-static const lac_analysis_rg *followed_cascade(const lac_case *c)
+static bool follows_cascade(const lac_case *c)
 {
+    bool does = false;
     for (size_t i = 0; i < c->analysis.count; i++) {
         const lac_analysis_rg *rg = lac_analysis_cascade(&c->analysis.item[i]);
-        if (rg != NULL && isnan(rg->critical_fraction)) {
-            return rg;
-        }
+        does = does || (rg != NULL && isnan(rg->critical_fraction));
     }
-    return NULL;
+    return does;
 }
 
 // Of `seeds` interfaces with their blocks at `places` places, for `betas` residual strengths.
 static double cascade_seconds(const lac_case *c, const lac_estimate *e)
 {
-    const lac_analysis_rg *rg = e->integrated ? followed_cascade(c) : NULL;
-    if (rg == NULL && (e->integrated || !c->rg.named)) {
+    const bool followed = e->integrated && follows_cascade(c);
+    if (!followed && (e->integrated || !c->rg.named)) {
         return NAN;
     }
-    const bool elastic = (rg != NULL ? rg->field : c->rg.field) == LAC_RG_ELASTIC;
-    const double seeds = rg != NULL ? 1 : (double)c->rg.seeds;
-    const double places = (double)(rg != NULL ? rg->shifts : c->rg.shifts);
-    const double betas = rg == NULL && c->rg.betas > 0 ? (double)c->rg.betas : 1;
+    const bool elastic = c->rg.field == LAC_RG_ELASTIC;
+    const double seeds = followed ? 1 : (double)c->rg.seeds;
+    const double places = (double)c->rg.shifts;
+    const double betas = !followed && c->rg.betas > 0 ? (double)c->rg.betas : 1;
     double cells = isnan(e->contact_cells) ? some_contact * e->grid_cells : e->contact_cells;
     double path = elastic ? path_seconds * (double)c->rg.contacts * e->grid_cells : 0;
-    return (rg != NULL ? 0 : contact_seconds(c, e) * seeds) +
+    return (followed ? 0 : contact_seconds(c, e) * seeds) +
            seeds * (path + place_seconds * places * betas * cells) * slowdown(e);
 }
 

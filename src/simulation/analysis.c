@@ -1,38 +1,27 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The indicators of a case's run, with what they need to know before it starts.
-#include "base/rg_rows.h"
 #include "scene/scene_rg.h"
 #include "simulation/internal.h"
 
-static void describe(const lac_analysis_rg *rg, double beta, size_t places, char *text, size_t size)
-{
-    (void)snprintf(text, size, "rule %s, field %s, beta %.4g%s, %zu places of the blocks",
-                   lac_rg_rule_names[rg->rule], lac_rg_field_names[rg->field], beta,
-                   rg->beta_from_friction ? " (from the friction law, mean)" : "", places);
-}
-
 // The cascade on the interface of the case itself.
-static lac_status run_cascade(const lac_case *c, const lac_analysis_rg *rg,
-                              lac_critical_fraction *out, lac_error *err)
+static lac_status run_cascade(const lac_case *c, lac_critical_fraction *out, lac_error *err)
 {
     lac_scene_rg cascade;
     char how[LAC_ANALYSIS_TEXT / 2];
     lac_case own = *c;
     own.rg.named = true;
-    own.rg.rule = rg->rule;
-    own.rg.field = rg->field;
-    own.rg.shifts = rg->shifts;
-    own.rg.loads = rg->loads;
     own.rg.seeds = 1;
     own.rg.path = LAC_RG_SERIES; // of the critical force alone, which is not asked for
-    own.rg.betas = rg->beta_from_friction ? 0 : 1;
-    own.rg.beta[0] = rg->beta;
+    own.rg.betas = own.rg.betas > 0 ? 1 : 0;
     if (isnan(own.rg.friction)) {
         own.rg.friction = ((const lac_friction_params *)c->friction.params)->f0;
     }
     lac_status status = lac_scene_rg_run(&own, NULL, &cascade, err);
     LAC_TRY_RETURN(lac_fail_within(err, status, "analysis.rg"));
-    describe(rg, cascade.beta[0], cascade.result[0]->places, how, sizeof how);
+    (void)snprintf(how, sizeof how, "rule %s, field %s, beta %.4g%s, %zu places of the blocks",
+                   lac_rg_rule_names[own.rg.rule], lac_rg_field_names[own.rg.field],
+                   cascade.beta[0], own.rg.betas == 0 ? " (from the friction law, mean)" : "",
+                   cascade.result[0]->places);
     *out = lac_critical_fraction_of(cascade.result[0], how, cascade.beta[0]);
     lac_scene_rg_clear(&cascade);
     return LAC_OK;
@@ -42,8 +31,10 @@ static lac_status find_critical(const lac_scene *scene, const lac_analysis_rg *r
                                 lac_critical_fraction *out, lac_error *err)
 {
     const lac_case *c = scene->source;
-    *out = (lac_critical_fraction){
-        .value = rg->critical_fraction, .low = NAN, .high = NAN, .beta = rg->beta};
+    *out = (lac_critical_fraction){.value = rg->critical_fraction,
+                                   .low = NAN,
+                                   .high = NAN,
+                                   .beta = c->rg.betas > 0 ? c->rg.beta[0] : (double)NAN};
     if (!isnan(rg->critical_fraction)) {
         (void)snprintf(out->source, sizeof out->source, "given in the case");
         return LAC_OK;
@@ -53,7 +44,7 @@ static lac_status find_critical(const lac_scene *scene, const lac_analysis_rg *r
                        "none: a single block has no cells to hand load on");
         return LAC_OK;
     }
-    return run_cascade(c, rg, out, err);
+    return run_cascade(c, out, err);
 }
 
 lac_status lac_indicators_prepare(const lac_scene *scene, lac_critical_fraction *critical,

@@ -141,8 +141,8 @@ static lac_status read_upper(const lac_surface_file *p, const lac_grid *grid, fa
     const face_def def = {.path = p->path,
                           .unit = p->unit,
                           .lateral_unit = p->lateral_unit,
-                          .spacing = p->spacing,
-                          .other_spacing = NAN,
+                          .spacing = p->lower == NULL ? p->spacing : (double)NAN,
+                          .other_spacing = p->spacing, // of two files one may need it
                           .nodata = p->nodata};
     LAC_TRY_RETURN(read_face(&def, f, err));
     f->place = lac_place_centred(f->map, p->fit, grid);
@@ -179,11 +179,9 @@ static lac_status read_lower(const lac_surface_file *p, const lac_grid *grid, co
                              face *f, lac_error *err)
 {
     const face_def def = {.path = p->lower,
-                          .unit = p->lower_unit,
-                          .lateral_unit = p->lower_lateral_unit,
                           .other = p->unit,
                           .other_lateral = p->lateral_unit,
-                          .spacing = p->lower_spacing,
+                          .spacing = NAN,
                           .other_spacing = p->spacing,
                           .nodata = p->nodata};
     LAC_TRY_RETURN(read_face(&def, f, err));
@@ -313,11 +311,9 @@ out:
 static const char *fault(const void *params)
 {
     const lac_surface_file *p = params;
-    bool said = p->offset != 0.0 || p->lower_view != LAC_LOWER_SAME_FRAME ||
-                p->lower_unit != NULL || p->lower_lateral_unit != NULL || !isnan(p->lower_spacing);
-    return p->lower == NULL && said
-               ? "offset and what begins with lower_ need lower, the file of the lower face"
-               : NULL;
+    const bool said = p->offset != 0.0 || p->lower_view != LAC_LOWER_SAME_FRAME;
+    return p->lower == NULL && said ? "offset and lower_view need lower, the file of the lower face"
+                                    : NULL;
 }
 
 #define FIELD(name) offsetof(lac_surface_file, name)
@@ -360,12 +356,6 @@ static const lac_param file_params[] = {
         "opened like a book so that x or y runs backwards in `lower` (composite = upper + lower)"),
     LAC_REAL("offset", "m", FIELD(offset), 0, -1e9, 1e9, 0,
              "by which the lower face is moved along x, the direction of slip"),
-    LAC_TEXT("lower_unit", FIELD(lower_unit), LAC_OPTIONAL,
-             "of the heights of `lower` where it says none; `unit` if absent"),
-    LAC_TEXT("lower_lateral_unit", FIELD(lower_lateral_unit), LAC_OPTIONAL,
-             "of the spacing of `lower` where it says none; `lateral_unit` if absent"),
-    LAC_REAL("lower_spacing", "m", FIELD(lower_spacing), NAN, 0, 1e9, LAC_OPTIONAL | LAC_ABOVE_MIN,
-             "of the samples of `lower` where it says none; `spacing` if absent"),
 };
 
 const lac_surface_source lac_surface_from_file = {

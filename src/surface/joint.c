@@ -37,8 +37,8 @@ static lac_status generate(const void *params, const lac_grid *grid, lac_team *t
         return LAC_OK;
     }
     faces f = {.seed = (uint64_t)p->seed, .offset = p->offset};
-    const lac_synthesis how = {"joint", p->hurst,    p->rolloff, p->shortest, 1.0,
-                               0.0,     p->sampling, p->margin,  false};
+    const lac_synthesis how = {"joint", p->hurst, p->rolloff,  p->shortest,
+                               1.0,     0.0,      p->sampling, false};
     LAC_TRY_RETURN(lac_synthesis_band(&how, grid, &f.band, err));
     // Lengths carry rounding: a wave as long as `mating` is mated.
     f.q_mating = isnan(p->mating) ? 0.0 : (2.0 * M_PI) / p->mating * (1.0 + 1e-9);
@@ -75,7 +75,7 @@ static const lac_param joint_params[] = {
              "all are if absent"),
     LAC_REAL("offset", "m", FIELD(offset), 0, -1e9, 1e9, 0,
              "by which the lower face is moved along x, the direction of slip"),
-    LAC_SAMPLING_ROWS(lac_joint),
+    LAC_SAMPLING_ROW(lac_joint),
 };
 
 const lac_surface_source lac_surface_joint = {

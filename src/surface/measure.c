@@ -15,18 +15,6 @@ typedef struct radial {
     double smear;      // by a window: see window_gain [rad2/m2]
 } radial;
 
-static lac_status check(const lac_grid *grid, const double *heights, lac_error *err)
-{
-    LAC_FAIL_IF(grid->nx == 0 || grid->ny == 0 || !(grid->dx > 0.0 && grid->dy > 0.0), err,
-                LAC_EINPUT, "no surface: %zu x %zu cells of %g x %g m", grid->nx, grid->ny,
-                grid->dx, grid->dy);
-    for (size_t i = 0; i < lac_grid_cells(grid); i++) {
-        LAC_FAIL_IF(!isfinite(heights[i]), err, LAC_EINPUT,
-                    "the height of cell (%zu, %zu) is not a number", i % grid->nx, i / grid->nx);
-    }
-    return LAC_OK;
-}
-
 double lac_rms_slope(const lac_grid *grid, const double *h, bool along_x, size_t lag)
 {
     size_t count = along_x ? grid->nx : grid->ny;
@@ -177,7 +165,6 @@ lac_status lac_surface_measure(const lac_grid *grid, const double *heights,
                                lac_error *err)
 {
     lac_fft *fft = NULL;
-    LAC_TRY_RETURN(check(grid, heights, err));
     lac_wave_range range = usual_range(grid);
     if (known != NULL) {
         range.longest = fmin(range.longest, known->longest);

@@ -82,9 +82,8 @@ static lac_status generate(const void *params, const lac_grid *grid, lac_team *t
         return LAC_OK;
     }
     synthesis y = {.seed = (uint64_t)p->seed};
-    const lac_synthesis how = {"self-affine", p->hurst,      p->rolloff,
-                               p->shortest,   p->anisotropy, p->direction,
-                               p->sampling,   p->margin,     p->skewness != 0.0};
+    const lac_synthesis how = {"self-affine", p->hurst,     p->rolloff,  p->shortest,
+                               p->anisotropy, p->direction, p->sampling, p->skewness != 0.0};
     LAC_TRY_RETURN(lac_synthesis_band(&how, grid, &y.band, err));
     double sum = lac_band_sum(&y.band, 0);
     double rms = rms_of(p, &y.band, sum);
@@ -125,7 +124,7 @@ static const lac_param self_affine_params[] = {
              "of the longest correlation, from x (the direction of slip) towards y"),
     LAC_REAL("skewness", "1", FIELD(skewness), 0, -2, 2, 0,
              "of the heights expected of the full band; 0: Gaussian, otherwise shifted lognormal"),
-    LAC_SAMPLING_ROWS(lac_self_affine),
+    LAC_SAMPLING_ROW(lac_self_affine),
 };
 
 const lac_surface_source lac_surface_self_affine = {

@@ -90,7 +90,6 @@ typedef struct lac_self_affine {
     double direction;  ///< from x towards y [rad]
     double skewness;   ///< of the heights [1]
     int sampling;      ///< of waves that a grid does not resolve: low-pass, point, block-mean
-    int64_t margin;    ///< sides by which the surface goes on before it repeats; 0: none
 } lac_self_affine;
 
 /// Surfaces of `benchmark`.
@@ -111,10 +110,9 @@ typedef struct lac_joint {
     double rolloff;    ///< wavelength above which the spectrum is flat [m]; NaN: the longest wave
     double shortest;   ///< shortest wavelength kept [m]; NaN: two cells
     int64_t seed;
-    double mating;  ///< wavelength from which on the faces are the same [m]; NaN: nowhere
-    double offset;  ///< of the lower face along x [m]
-    int sampling;   ///< as of self-affine
-    int64_t margin; ///< likewise
+    double mating; ///< wavelength from which on the faces are the same [m]; NaN: nowhere
+    double offset; ///< of the lower face along x [m]
+    int sampling;  ///< as of self-affine
 } lac_joint;
 
 /// Parameters of `file`.
@@ -130,8 +128,6 @@ typedef struct lac_surface_file {
     char *lower;        ///< the lower face, `path` being the upper one; NULL: `path` is composite
     int lower_view;     ///< same-frame, mirror-x, mirror-y
     double offset;      ///< of the lower face along x [m]
-    char *lower_unit, *lower_lateral_unit; ///< as above, of `lower`; NULL: as above
-    double lower_spacing;                  ///< likewise [m]; NaN
 } lac_surface_file;
 
 enum { LAC_UNIT_SIZE = 32 }; ///< of the units that files say

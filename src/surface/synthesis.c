@@ -134,8 +134,8 @@ static lac_status check_band(const lac_synthesis *how, const lac_band *b, lac_er
     return LAC_OK;
 }
 
-static lac_status band_of(const lac_synthesis *how, const lac_grid *grid, lac_band *out,
-                          lac_error *err)
+lac_status lac_synthesis_band(const lac_synthesis *how, const lac_grid *grid, lac_band *out,
+                              lac_error *err)
 {
     double lx = grid->nx > 1 ? (double)grid->nx * grid->dx : 0.0;
     double ly = grid->ny > 1 ? (double)grid->ny * grid->dy : 0.0;
@@ -185,29 +185,6 @@ typedef struct folding {
     double kx_last, ky_last; // of the waves
     bool mean;               // over the cell; else at its node
 } folding;
-
-// The grid after which a surface repeats: that of the interface and its margin.
-static lac_status find_whole(const lac_synthesis *how, const lac_grid *grid, lac_grid *whole,
-                             lac_error *err)
-{
-    size_t sides = (size_t)how->margin + 1;
-    *whole = *grid;
-    LAC_FAIL_IF(how->margin > 0 && grid->periodic, err, LAC_EINPUT,
-                "%s: margin is for free boundaries: on a periodic one the surface must repeat with "
-                "the interface",
-                how->source);
-    whole->nx = grid->nx > 1 ? grid->nx * sides : 1;
-    whole->ny = grid->ny > 1 ? grid->ny * sides : 1;
-    return LAC_OK;
-}
-
-lac_status lac_synthesis_band(const lac_synthesis *how, const lac_grid *grid, lac_band *band,
-                              lac_error *err)
-{
-    lac_grid whole;
-    LAC_TRY_RETURN(find_whole(how, grid, &whole, err));
-    return band_of(how, &whole, band, err);
-}
 
 static lac_status check(const lac_synthesis *how, const lac_band *b, lac_error *err)
 {
@@ -286,29 +263,20 @@ static void fold(lac_fft *fft, const folding *f)
     }
 }
 
-// The corner of the whole, without the mean that it or its short waves may have.
-static lac_status take(const lac_synthesis *how, const lac_fft *fft, const lac_grid *grid,
-                       double *heights, lac_error *err)
+// The rows of this rank, without the mean that short waves may have.
+static void take(const lac_synthesis *how, const lac_fft *fft, const lac_grid *grid,
+                 double *heights)
 {
     const lac_strip rows = lac_strip_rows(fft->strip.team, grid->ny);
     const size_t n = rows.n * grid->nx;
-    const void *from = fft->real;
-    void *made = NULL;
-    if (fft->ny > grid->ny) { // other ranks have the rows
-        LAC_TRY_RETURN(lac_strip_bring(&fft->strip, rows.first, rows.n, fft->nx * sizeof *heights,
-                                       fft->real, &from, &made, err));
-    }
     for (size_t j = 0; j < rows.n; j++) {
-        memcpy(heights + j * grid->nx, (const double *)from + j * fft->nx,
-               grid->nx * sizeof *heights);
+        memcpy(heights + j * grid->nx, fft->real + j * fft->nx, grid->nx * sizeof *heights);
     }
-    free(made);
-    bool none = how->sampling == LAC_SAMPLING_LOW_PASS && how->margin == 0;
+    bool none = how->sampling == LAC_SAMPLING_LOW_PASS;
     const double sum = none || how->with_mean ? 0.0 : lac_strip_sum(&rows, n, heights);
     for (size_t i = 0; !none && !how->with_mean && i < n; i++) {
         heights[i] -= sum / (double)lac_grid_cells(grid);
     }
-    return LAC_OK;
 }
 
 lac_status lac_synthesise(const lac_synthesis *how, const lac_band *band, const lac_grid *grid,
@@ -317,24 +285,20 @@ lac_status lac_synthesise(const lac_synthesis *how, const lac_band *band, const 
                           const void *of, double *heights, lac_error *err)
 {
     lac_fft *fft = NULL;
-    lac_grid whole;
-    lac_status status;
-    LAC_TRY_RETURN(find_whole(how, grid, &whole, err));
     LAC_TRY_RETURN(check(how, band, err));
-    LAC_TRY(lac_fft_share(whole.nx, whole.ny, team, &fft, err));
+    LAC_TRY_RETURN(lac_fft_share(grid->nx, grid->ny, team, &fft, err));
     const folding f = {
         .mode = mode,
         .of = of,
-        .nx = (double)whole.nx,
-        .ny = (double)whole.ny,
-        .kx_last = last_wave(how, band, band->dqx, whole.nx),
-        .ky_last = last_wave(how, band, band->dqy, whole.ny),
+        .nx = (double)grid->nx,
+        .ny = (double)grid->ny,
+        .kx_last = last_wave(how, band, band->dqx, grid->nx),
+        .ky_last = last_wave(how, band, band->dqy, grid->ny),
         .mean = how->sampling == LAC_SAMPLING_BLOCK_MEAN,
     };
     fold(fft, &f);
     lac_fft_inverse(fft);
-    LAC_TRY(take(how, fft, grid, heights, err));
-out:
+    take(how, fft, grid, heights);
     lac_fft_free(fft);
-    return status;
+    return LAC_OK;
 }

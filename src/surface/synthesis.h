@@ -12,17 +12,13 @@ enum { LAC_SAMPLING_LOW_PASS, LAC_SAMPLING_POINT, LAC_SAMPLING_BLOCK_MEAN };
 /// The words of these, for parameter tables; NULL at their end.
 extern const char *const lac_sampling_words[];
 
-/// Rows of what a synthesis is told beside its band.
-#define LAC_SAMPLING_ROWS(holder)                                                              \
-    LAC_CHOICE(                                                                                \
-        "sampling", offsetof(holder, sampling), LAC_SAMPLING_LOW_PASS, lac_sampling_words, 0,  \
-        "of waves too short for the grid: left out (low-pass), folded back as taking every "   \
-        "m-th height of a finer grid does (point), or averaged over the cell (block-mean); "   \
-        "the last two need shortest"),                                                         \
-        LAC_INTEGER(                                                                           \
-            "margin", offsetof(holder, margin), 0, 0, 7, 0,                                    \
-            "sides by which the surface goes on beyond the interface before it repeats: 1 or " \
-            "more makes opposite sides of free boundaries strangers")
+/// Row of what a synthesis is told beside its band.
+#define LAC_SAMPLING_ROW(holder)                                                              \
+    LAC_CHOICE(                                                                               \
+        "sampling", offsetof(holder, sampling), LAC_SAMPLING_LOW_PASS, lac_sampling_words, 0, \
+        "of waves too short for the grid: left out (low-pass), folded back as taking every "  \
+        "m-th height of a finer grid does (point), or averaged over the cell (block-mean); "  \
+        "the last two need shortest")
 
 /// A surface as a source states it.
 typedef struct lac_synthesis {
@@ -33,7 +29,6 @@ typedef struct lac_synthesis {
     double anisotropy;  ///< stretch of all lengths along `direction` [1]; 1: isotropic
     double direction;   ///< from x towards y [rad]
     int sampling;       ///< LAC_SAMPLING_...
-    int64_t margin;     ///< sides by which the surface goes on before it repeats
     bool with_mean;     ///< leave the heights the mean that they have on this grid
 } lac_synthesis;
 
@@ -47,7 +42,7 @@ typedef struct lac_band {
     double stretch, cosine, sine;
 } lac_band;
 
-/// The band of the grid after which a surface repeats: the interface and its margin.
+/// The band of a grid.
 lac_status lac_synthesis_band(const lac_synthesis *how, const lac_grid *grid, lac_band *band,
                               lac_error *err);
 
@@ -61,7 +56,7 @@ double _Complex lac_band_amplitude(const lac_band *b, uint64_t seed, lac_stream 
                                    double ky, double scale);
 
 /// Heights of the interface: h = sum over k of mode(k) exp(i q_k x).
-/// @param band  of the whole grid
+/// @param band  of the grid
 /// @param team     who makes the other rows; NULL: all are made here
 /// @param mode     amplitude of (kx, ky), called from several threads
 /// @param heights  [rows of lac_strip_rows * nx]

@@ -28,9 +28,6 @@ static const lac_variable of_plan[] = {
     LAC_BOTH("sweep_members", "members", LAC_HELD(COUNT, lac_ensemble, members),
              .flags = LAC_WHOLE),
     {.name = "sweep_end_s", .json = "end_s", LAC_HELD(REAL, lac_ensemble, end)},
-    {.name = "sweep_until_s", LAC_HELD(REAL, lac_ensemble, until), .flags = LAC_MISSING},
-    {.name = "sweep_case", LAC_HELD(TEXT, lac_ensemble, written)},
-    {.name = "sweep_set", LAC_HELD(TEXT, lac_ensemble, set)},
     {.name = "sweep_files", LAC_HELD(TEXT, lac_ensemble, files)},
 };
 

@@ -16,8 +16,6 @@ static const struct {
     {"sweep_series", offsetof(lac_ensemble, series), 64},
     {"title", offsetof(lac_ensemble, title), 4096},
     {"case", offsetof(lac_ensemble, case_text), MOST_TEXT},
-    {"sweep_case", offsetof(lac_ensemble, written), MOST_TEXT},
-    {"sweep_set", offsetof(lac_ensemble, set), MOST_TEXT},
     {"sweep_files", offsetof(lac_ensemble, files), MOST_TEXT},
 };
 enum { TEXTS = sizeof texts / sizeof *texts };
@@ -132,10 +130,7 @@ static lac_status make(const lac_sweep *sweep, lac_ensemble *e, lac_error *err)
     qsort(e->member, e->n, sizeof(lac_member *), by_index);
     e->case_text = strdup(sweep->text);
     e->title = sweep->base->title != NULL ? strdup(sweep->base->title) : NULL;
-    e->written = strdup(sweep->written);
     e->files = strdup(sweep->files);
-    e->set = lac_sweep_set(sweep);
-    e->until = sweep->until;
     e->design = strdup(sweep->design->name);
     e->series = strdup(sweep->said);
     (void)snprintf(e->mark, sizeof e->mark, "%016" PRIx64, sweep->mark);
@@ -151,9 +146,8 @@ static lac_status make(const lac_sweep *sweep, lac_ensemble *e, lac_error *err)
     }
     e->place = malloc(e->records * sizeof *e->place);
     e->param = calloc(e->params, sizeof *e->param);
-    LAC_FAIL_MEMORY_IF(e->case_text == NULL || e->written == NULL || e->files == NULL ||
-                           e->set == NULL || e->design == NULL || e->series == NULL ||
-                           e->place == NULL || e->param == NULL,
+    LAC_FAIL_MEMORY_IF(e->case_text == NULL || e->files == NULL || e->design == NULL ||
+                           e->series == NULL || e->place == NULL || e->param == NULL,
                        err);
     memcpy(e->place, sweep->place, e->records * sizeof *e->place);
     for (size_t p = 0; p < e->params; p++) {
@@ -304,7 +298,6 @@ static lac_status read_plan(const lac_stored_file *file, const char *path, lac_e
     (void)lac_stored_file_text(file, NULL, "sweep_seed", e->seed, sizeof e->seed);
     e->members = (size_t)lac_stored_file_number(file, NULL, "sweep_members");
     e->end = lac_stored_file_number(file, NULL, "sweep_end_s");
-    e->until = lac_stored_file_number(file, NULL, "sweep_until_s");
     for (size_t k = 0; k < TEXTS; k++) {
         char *text = *text_at(e, k) = calloc(1, texts[k].room);
         LAC_FAIL_MEMORY_IF(text == NULL, err);

@@ -53,11 +53,9 @@ typedef struct lac_ensemble_result {
 /// Members of a sweep, all or a part, in the order of their numbers. All is owned.
 typedef struct lac_ensemble {
     char *case_text, *title;
-    char *written, *set, *files; ///< what members are made of: the case as it was written, lines
-                                 ///< KEY=VALUE that override it, checksums of files it reads
+    char *files; ///< checksums of files that members read
     char *design, *series, mark[17], seed[24];
     double end;     ///< of the case [s]
-    double until;   ///< an end before the cases' [s]; NaN: none
     size_t members; ///< of the whole sweep
     size_t params, n, records, extras;
     lac_ensemble_param *param; ///< [params]
@@ -98,17 +96,6 @@ lac_status lac_ensemble_create(const lac_sweep *sweep, size_t n, lac_member **me
 /// Reads the file of an ensemble.
 /// @return LAC_OK; LAC_EINPUT (it is no such file); LAC_EIO; LAC_ENOMEM
 lac_status lac_ensemble_read(const char *path, lac_ensemble **out, lac_error *err);
-
-/// The member of that number in its sweep. @param row  its place @return NULL: it is not there
-const lac_member *lac_ensemble_member(const lac_ensemble *ensemble, int64_t index, size_t *row);
-
-/// The case that a member was the run of.
-/// @param path  of the ensemble's file, which relative paths of the case start from
-/// @param ask   its overrides come last
-/// @return as lac_case_read; LAC_EINPUT where there is no such member
-lac_status lac_ensemble_case(const lac_ensemble *ensemble, const char *path, int64_t index,
-                             const lac_case_request *ask, lac_case **out, lac_case_issues *report,
-                             lac_error *err);
 
 /// Finds a result by its name.
 /// @param name   NULL: the time of failure

@@ -350,17 +350,6 @@ out:
     LAC_MADE(status, out, lac_sweep_free);
 }
 
-char *lac_sweep_set(const lac_sweep *sweep)
-{
-    char *lines = NULL;
-    size_t size = 0;
-    FILE *text = open_memstream(&lines, &size);
-    for (size_t i = 0; text != NULL && i < sweep->count; i++) {
-        (void)fprintf(text, "%s=%s\n", sweep->overrides[i].key, sweep->overrides[i].value);
-    }
-    return text != NULL ? lac_text_made(text, &lines) : NULL;
-}
-
 // Where a member lies along the axis of a parameter.
 static double place_of(const lac_sweep *sweep, size_t param, size_t member)
 {

@@ -121,9 +121,6 @@ const char *lac_sweep_text(const lac_sweep *sweep, size_t param, size_t member, 
 /// @return as lac_case_read, lac_case_set
 lac_status lac_sweep_case(lac_sweep *sweep, size_t member, const lac_case **c, lac_error *err);
 
-/// What is set for all members, a line KEY=VALUE each. @return owned; NULL: no memory
-char *lac_sweep_set(const lac_sweep *sweep);
-
 /// One of the keys that take its value. @return false: there is none of that index
 bool lac_swept_key(const lac_swept *param, size_t index, char key[LAC_SWEEP_KEY]);
 

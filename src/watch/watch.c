@@ -110,26 +110,10 @@ out:
     return status;
 }
 
-// The station of a reading; NULL where it is refused, with `why`.
-static lac_status find_station(lac_watch *w, const char *name, lac_station **out, const char **why,
-                               lac_error *err)
-{
-    const lac_fleet *f = w->def.fleet;
-    bool known =
-        f->unknown == 0 || (f->pattern != NULL && lac_fleet_matches(f->pattern, name, NULL, NULL));
-    for (size_t i = 0; i < f->stations && !known; i++) {
-        known = strcmp(f->name[i], name) == 0;
-    }
-    *out = NULL;
-    *why = known ? "one station more than most_stations" : "no station of this name is known";
-    return known ? lac_stations_find(&w->stations, name, (size_t)f->most, out, err) : LAC_OK;
-}
-
 static lac_status take(lac_watch *w, const lac_line *l, const char *name, const char *where,
                        uint64_t number, lac_error *err)
 {
     lac_station *s = NULL;
-    const char *why = NULL;
     lac_taken taken = LAC_TAKEN;
     if (w->known && l->dated != w->dated) {
         lac_watch_blame(w, where, number, name,
@@ -138,9 +122,9 @@ static lac_status take(lac_watch *w, const lac_line *l, const char *name, const 
                         NULL);
         return LAC_OK;
     }
-    LAC_TRY_RETURN(find_station(w, name, &s, &why, err));
+    LAC_TRY_RETURN(lac_stations_find(&w->stations, name, (size_t)w->def.fleet->most, &s, err));
     if (s == NULL) {
-        lac_watch_blame(w, where, number, name, why, NULL);
+        lac_watch_blame(w, where, number, name, "one station more than most_stations", NULL);
         return LAC_OK;
     }
     w->known = true;
@@ -209,15 +193,10 @@ static lac_status try_forecast(const lac_watch *w, lac_error *err)
 
 static lac_status begin(lac_watch *w, lac_error *err)
 {
-    const lac_fleet *f = w->def.fleet;
-    lac_station *s;
     LAC_TRY_RETURN(try_forecast(w, err));
     w->plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
     LAC_FAIL_MEMORY_IF(w->plain == (locale_t)0, err);
     LAC_TRY_RETURN(lac_watch_reader(w, true, "standard input", &w->reader, err));
-    for (size_t i = 0; i < f->stations; i++) {
-        LAC_TRY_RETURN(lac_stations_find(&w->stations, f->name[i], (size_t)f->most, &s, err));
-    }
     return lac_watch_open(w, err);
 }
 

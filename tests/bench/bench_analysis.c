@@ -143,14 +143,10 @@ static void measure_worst(int levels, uint64_t seed)
 
 int main(void)
 {
-    const lac_analysis_rg strength = {
-        .slipping_strength = 0.85, .slipping_rate = NAN, .slipping_rate_ratio = NAN};
-    const lac_analysis_rg early = {
-        .slipping_strength = 0.99, .slipping_rate = NAN, .slipping_rate_ratio = NAN};
-    const lac_analysis_rg rate = {
-        .slipping_strength = NAN, .slipping_rate = NAN, .slipping_rate_ratio = 100.0};
-    const lac_analysis_rg half = {
-        .slipping_strength = NAN, .slipping_rate = NAN, .slipping_rate_ratio = 0.85};
+    const lac_analysis_rg strength = {.slipping_strength = 0.85, .slipping_rate = NAN};
+    const lac_analysis_rg early = {.slipping_strength = 0.99, .slipping_rate = NAN};
+    const lac_analysis_rg rate = {.slipping_strength = NAN, .slipping_rate = 1.2e-7};
+    const lac_analysis_rg half = {.slipping_strength = NAN, .slipping_rate = 1e-9};
     printf("%-28s %8s %8s %8s %8s %11s %10s %8s\n", "run", "cells", "steps", "CPU s", "its s",
            "share", "ns/cell", "result");
     measure("together, strength 0.85", 6, 14, 1.0, NAN, &strength);

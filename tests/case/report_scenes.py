@@ -28,7 +28,7 @@ transfer: {hierarchy: {stiffness: elastic}}
 time: {end: "1 day"}
 solver: {rtol: 1e-4}
 analysis:
-  rg: {rule: fix, field: equal, beta: 0.6, critical_fraction: 0.6}
+  rg: {slipping_strength: 0.8, critical_fraction: 0.6}
   events: {slip_rate: "1 mm/s"}
 output: {every: {steps: 2}, fields: [slip_rate, slip], fields_every: {per_decade: 2}}
 """

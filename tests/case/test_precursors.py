@@ -487,7 +487,7 @@ class Precursors(unittest.TestCase):
         case = os.path.join(SOURCE, "cases/events.yaml")
         subprocess.run([PROGRAM, "run", case, "-o", "events.nc", "-q", "--set", "time.end=16",
                         "--set", "analysis.events.slip_rate=1e-2",
-                        "--set", "analysis.rg={rule: fix, field: equal, beta: 0.6}"],
+                        "--set", "rg={rule: fix, field: equal, beta: 0.6}", "--set", "analysis.rg={}"],
                        cwd=self.folder, check=True, capture_output=True)
         with netCDF4.Dataset(os.path.join(self.folder, "events.nc")) as data:
             time, slip = data["time"][:].filled(), data["n_slip"][:].filled() / data["n_tot"][:].filled()

@@ -289,8 +289,6 @@ class Python(unittest.TestCase):
             self.assertEqual(said["output"], part)
         mine, gathered = lacuna.sweep(self.path("block.yaml"), over), os.path.join(self.folder, "all.nc")
         lacuna.command("gather", *parts, o=gathered)
-        self.assertEqual(lacuna.command("run", gathered, member=1, o=os.path.join(self.folder, "one.nc"))["mean_slip_m"],
-                         float(mine.mean_slip[1]))
         self.assertTrue(mine.drop_attrs().identical(xarray.load_dataset(gathered).drop_attrs())
                         if hasattr(mine, "drop_attrs") else mine.equals(xarray.load_dataset(gathered)))
         with self.assertRaises(lacuna.Error) as caught:

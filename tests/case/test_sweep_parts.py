@@ -64,42 +64,6 @@ class Parts(unittest.TestCase):
                 if v.dimensions[:1] == ("realization",) and name != "message":
                     self.assertEqual(v[0].tolist(), all_of[name][23].tolist(), name)
 
-    def same(self, file, row, run):
-        """Whether a run is the row of a sweep's file, to the bit."""
-        with netCDF4.Dataset(self.at(file)) as sweep:
-            failed = sweep["failure_time"][row]
-            self.assertEqual(run["failure_time_s"], None if failed is numpy.ma.masked else failed)
-            self.assertEqual((run["mean_slip_m"], run["steps"]), (sweep["mean_slip"][row], sweep["steps"][row]))
-
-    def test_a_member_from_the_file(self):
-        """A member is made again from the file of its sweep alone, with all that was set, to the bit."""
-        self.sweep("all.nc", *OVER, "--over", "friction.aging.b=0.0135:0.0145:0.001", "--over", "solver.method=bdf, adams", "--design", "lhs", "--members", "20", "--set",
-                   "load.normal.pressure=6 MPa", "--until", "20 day", "--shard", "1/2")
-        for row, member in ((0, 1), (4, 9), (9, 19)):
-            done = subprocess.run([PROGRAM, "run", "all.nc", "--member", str(member), "--json"], cwd=self.place.name, capture_output=True, text=True, check=False)
-            self.assertEqual((done.returncode, done.stderr), (0, ""))  # it would say that the outcome is another
-            self.same("all.nc", row, json.loads(done.stdout))
-            self.assertTrue(os.path.exists(self.at(f"all-member-{member}.nc")))
-        self.assertIn('method: adams', "".join(self.call("check", self.at("all.nc"), "--member", str(m)) for m in (1, 3, 5, 7)))
-        self.assertIn("has no member 2: it holds 10 of 20", self.call("run", self.at("all.nc"), "--member", "2", status=2))
-        self.assertIn("--member I says which run", self.call("check", self.at("all.nc"), status=2))
-        self.assertIn("is no file of lacuna sweep", self.call("run", BLOCK, "--member", "2", status=2))
-        self.assertIn("must be a whole number", self.call("run", self.at("all.nc"), "--member", "two", status=2))
-
-    def test_a_member_needs_its_files(self):
-        """A file that the case reads must be there, and be that of the sweep."""
-        shutil.copy(os.path.join(SOURCE, BLOCK), self.at("case.yaml"))
-        with open(self.at("water.csv"), "w", encoding="utf-8") as series:
-            series.write("time_s,level\n0,0\n4e7,1\n")
-        self.sweep("all.nc", *OVER, "--members", "3", "--set", 'load.pore_pressure=[{series: {file: water.csv, time: time_s, value: "level:kPa"}}]', case=self.at("case.yaml"))
-        again = ["run", self.at("all.nc"), "--member", "1", "--json", "--force", "-o", self.at("run.nc")]
-        self.same("all.nc", 1, json.loads(self.call(*again)))
-        with open(self.at("water.csv"), "a", encoding="utf-8") as series:
-            series.write("5e7,2\n")
-        self.assertIn("water.csv is gone or changed", self.call(*again, status=2))
-        os.remove(self.at("water.csv"))
-        self.assertIn("water.csv is gone or changed", self.call(*again, status=2))
-
     def test_files_of_some_members(self):
         """A file that only a member names is the sweep's too: with another content no part of it fits, nor is gone on from."""
         shutil.copy(os.path.join(SOURCE, BLOCK), self.at("case.yaml"))
@@ -119,21 +83,16 @@ class Parts(unittest.TestCase):
         self.assertNotEqual(content(other), same)
         self.assertIn("b.csv was changed between them", self.call("gather", one, other, "-o", self.at("no.nc"), status=2))
 
-    def test_another_outcome_is_told(self):
-        """A member that does not come to what its row says is no silent member."""
-        path = self.sweep("all.nc", *OVER, "--members", "3")
-        with netCDF4.Dataset(path, "a") as file:
-            file["mean_slip"][1] = 1.0
-        done = subprocess.run([PROGRAM, "run", path, "--member", "1", "-o", self.at("run.nc")], capture_output=True, text=True, check=False)
-        self.assertIn("has another outcome of member 1: 1 m", done.stderr)
-
     def test_fields_of_some_members(self):
         """The runs of members that are asked for are kept whole, in any part, and made again where they are gone."""
         words = [*OVER, "--members", "12", "--set", "output.fields=[slip]", "--keep-fields", "1, 3:5"]
         whole = content(self.sweep("all.nc", *words))
         names = [f"all-member-{i}.nc" for i in (1, 3, 4, 5)]
         self.assertEqual(sorted(n for n in os.listdir(self.place.name) if "member" in n), names)
-        self.call("run", self.at("all.nc"), "--member", "4", "-o", self.at("run.nc"), "-q")
+        with netCDF4.Dataset(self.at("all.nc")) as sweep:
+            drawn = [v for v in sweep.variables.values() if "sweep_key" in v.ncattrs()]
+            sets = [word for v in drawn for word in ("--set", f"{v.sweep_key}={float(v[4])!r} {v.units}")]
+        self.call("run", BLOCK, "--set", "output.fields=[slip]", *sets, "-o", self.at("run.nc"), "-q")
         of_run, of_sweep = content(self.at("run.nc")), content(self.at("all-member-4.nc"))
         self.assertEqual(of_run[0], of_sweep[0])
         self.assertIn("cell_slip", of_sweep[0])

@@ -219,18 +219,18 @@ class Watch(unittest.TestCase):
         self.assertEqual(got[4], {"station": "A", "time_s": 5, "dropped": "doubled", "doubled": 1})
 
     def test_wrong_lines_do_not_stop_it(self):
-        self.fleet("stations: [A, B]\nunknown: refuse\n")
-        said = HEADER + "A,0,1.0\nA,now,1\nA,1,much\nC,1,1\n,2,2\nA,2024-01-01,5\n\n# words\nA,1,2,3\n\"A,1\n" \
+        self.fleet("most_stations: 2\n")
+        said = HEADER + "A,0,1.0\nA,now,1\nB,0,NA\nA,1,much\nC,1,1\n,2,2\nA,2024-01-01,5\n\n# words\nA,1,2,3\n\"A,1\n" \
             + HEADER + "A,1,\x01\nB,1,2.0\n"
         got = [json.loads(line) for line in self.watch(said)]
         wrong = [line for line in got if "error" in line]
         self.assertEqual([line["bad"] for line in wrong], list(range(1, 9)))
-        self.assertEqual([line["line"] for line in wrong], [3, 4, 5, 6, 7, 10, 11, 13])
-        for line, says in zip(wrong, ('time: "now" must be', 'displacement: "much" must be a number', "no station of",
+        self.assertEqual([line["line"] for line in wrong], [3, 5, 6, 7, 8, 11, 12, 14])
+        for line, says in zip(wrong, ('time: "now" must be', 'displacement: "much" must be a number', "one station more",
                                       'station: "" must be', "must be a number, as before", "more fields", "quote",
                                       "not text")):
             self.assertIn(says, line["error"])
-        self.assertEqual([line["station"] for line in got if "error" not in line], ["A", "B"])
+        self.assertEqual([line["station"] for line in got if "error" not in line], ["A", "B", "B"])
 
     def test_long_lines(self):
         self.fleet()
@@ -266,8 +266,7 @@ class Watch(unittest.TestCase):
                               (good + "smooth: average:1\n", "a moving average must be of 2 or more"),
                               (good + "onset: 5\n", '2: --onset: "5" must be two numbers'),
                               ("displacement: d:kg\n", '1: displacement: "d:kg" the unit of the column'),
-                              (good + "stations: 5\n", '2: stations: "5" must be a list'),
-                              (good + "unknown: refuse\n", "2: unknown:"),
+                              (good + "stations: [A]\n", "2: stations: is no key here"),
                               (good + "columns: [station, d]\n", '2: columns: lacks "time"'),
                               (good + "files: {A: a.csv}\nstream: replayed\n", "3: stream:"),
                               ("displacement: way_mm\n", "way_mm: has no unit, and its name says mm")):
@@ -464,9 +463,9 @@ class Watch(unittest.TestCase):
         self.assertIn('lacuna_readings_total{station="A"} 14\n', self.read("out.prom"))
 
     def test_prometheus(self):
-        self.fleet("prometheus: out.prom\nstations: [idle]\nhorizon: 20 day\n")
+        self.fleet("prometheus: out.prom\nhorizon: 20 day\n")
         series = turns(rows('a"\\b', 40, fails=True, noise=0.2), rows("B", 40))
-        said = text(series).replace('a"\\b', '"a""\\b"') + "B,soon,1\n" + text(series[1:2], "")
+        said = text(series).replace('a"\\b', '"a""\\b"') + "B,soon,1\nidle,0,NA\n" + text(series[1:2], "")
         got = [json.loads(line) for line in self.watch(said)]
         last = [line for line in got if line.get("station") == 'a"\\b'][-1]
         value = dict(line.rsplit(" ", 1) for line in self.read("out.prom").splitlines() if line[0] != "#")
@@ -487,7 +486,7 @@ class Watch(unittest.TestCase):
         at, moved = [r[1] for r in series[-4::2]], [round(r[2], 1) for r in series[-4::2]]
         self.assertAlmostEqual(float(value["lacuna_rate_meters_per_second" + label]),
                                1e-3 * (moved[1] - moved[0]) / (at[1] - at[0]), delta=1e-12)
-        self.assertEqual(value['lacuna_readings_total{station="idle"}'], "0")
+        self.assertEqual(value['lacuna_readings_total{station="idle"}'], "1")
         self.assertEqual(value['lacuna_rate_meters_per_second{station="idle"}'], "NaN")
         self.assertEqual(value['lacuna_doubled_total{station="B"}'], "1")
         self.assertEqual(value["lacuna_bad_lines_total"], "1")

@@ -194,14 +194,12 @@ static void a_course_is_its_times(void **state)
     (void)state;
     static joint j;
     lac_precursor alone[LAC_PRECURSORS_MAX];
-    lac_indicator_series *course = NULL;
-    lac_rolling *rolling = NULL;
     make(&j);
     const lac_readings readings = {.n = N, .time = j.time, .displacement = j.displacement};
     const lac_forecast_def def = lac_forecast_default();
-    assert_int_equal(lac_indicator_series_create(&j.evidence, 4, &course, NULL), LAC_OK);
-    const lac_rolling_watch watch = {.seer = course, .see = lac_indicator_series_see};
-    assert_int_equal(lac_rolling_create(&def, &readings, 4, &watch, &rolling, NULL), LAC_OK);
+    lac_forecast_outcome of = {.readings = &readings, .failed_at = (double)NAN};
+    assert_int_equal(lac_forecast_look(&def, &j.evidence, 4, NULL, &of, NULL), LAC_OK);
+    const lac_indicator_series *course = of.indicator_series;
     assert_int_equal(course->issues, 4);
     for (size_t i = 0; i < 4; i++) {
         assert_int_equal(look(&j, 11 * (i + 1), alone), course->kinds);
@@ -209,8 +207,7 @@ static void a_course_is_its_times(void **state)
             assert_same(&alone[k], &course->found[i * course->kinds + k]);
         }
     }
-    lac_rolling_free(rolling);
-    lac_indicator_series_free(course);
+    lac_forecast_outcome_clear(&of);
 }
 
 // A shift of the clock by a power of two changes nothing but rounding.

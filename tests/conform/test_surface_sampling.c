@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Synthesised surfaces on grids that do not resolve them, and on free boundaries: point samples,
-// block means and margins against finer grids of the same surface.
+// and block means against finer grids of the same surface.
 #include <stdlib.h>
 #include <string.h>
 
@@ -187,34 +187,6 @@ static void same_bytes_for_any_threads(void **state)
     omp_set_num_threads(threads);
 }
 
-// With a margin the interface is a corner of a surface so much larger.
-static void a_margin_is_a_corner(void **state)
-{
-    (void)state;
-    static double whole[MOST];
-    static double corner[MOST];
-    const lac_grid all = grid_of(48, 40);
-    const lac_grid part = {24, 20, all.dx, all.dy, false};
-    for (int k = 0; k < 3; k++) {
-        lac_self_affine p = face(k == 1 ? POINT : LOW_PASS);
-        p.skewness = k == 1 ? 0.8 : 0.0;
-        lac_joint q = joint(LOW_PASS);
-        const char *name = k == 2 ? "joint" : "self-affine";
-        void *params = k == 2 ? (void *)&q : (void *)&p;
-        make(name, params, all, whole);
-        p.margin = 1;
-        q.margin = 1;
-        make(name, params, part, corner);
-        double apart = corner[0] - whole[0];
-        double sum = 0.0;
-        for (size_t i = 0; i < 480; i++) {
-            assert_true(fabs(corner[i] - whole[i / 24 * 48 + i % 24] - apart) < 1e-12 * rms);
-            sum += corner[i];
-        }
-        assert_true(fabs(sum) < 1e-12);
-    }
-}
-
 static void refuse(const char *name, void *params, lac_grid grid, const char *word)
 {
     static double h[MOST];
@@ -237,11 +209,6 @@ static void what_cannot_be_sampled(void **state)
     p = face(BLOCK_MEAN);
     p.skewness = 0.5;
     refuse("self-affine", &p, grid_of(24, 20), "must not be block-mean");
-    p = face(LOW_PASS);
-    p.margin = 1;
-    refuse("self-affine", &p, grid_of(24, 20), "margin is for free boundaries");
-    p.margin = 8;
-    refuse("self-affine", &p, grid_of(24, 20), "margin must be <= 7");
     lac_joint q = joint(POINT);
     q.shortest = NAN;
     refuse("joint", &q, grid_of(24, 20), "sampling needs shortest");
@@ -255,7 +222,6 @@ int main(void)
         cmocka_unit_test(block_means_are_means),
         cmocka_unit_test(lines_and_fine_grids),
         cmocka_unit_test(same_bytes_for_any_threads),
-        cmocka_unit_test(a_margin_is_a_corner),
         cmocka_unit_test(what_cannot_be_sampled),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -25,37 +25,21 @@ lac_status whole_forecast(const char *path, lac_error *err)
     const lac_event_list events = {.n = N, .time = time, .moment = moment};
     const lac_driver driver = {.name = "rain", .unit = "mm", .n = N, .time = time, .value = rain};
     lac_forecast_def def = lac_forecast_default();
-    lac_forecast_set *forecasts = NULL;
-    lac_rolling *rolling = NULL;
-    lac_skill skill[16];
-    lac_indicator_series *indicator_series = NULL;
     lac_slowing slowing;
     lac_dataset *dataset = NULL;
+    lac_forecast_outcome outcome = {
+        .source = "here", .failed_at = 18.0, .horizon = 5.0, .readings = &readings};
     lac_status status;
     def.driver = &driver;
     def.drivers = 1;
-    LAC_TRY(lac_forecast_set_create(&def, &readings, &forecasts, err));
     const lac_indicator_inputs evidence = {.events = &events, .seed = 1, .surrogates = 3};
-    LAC_TRY(lac_indicator_series_create(&evidence, 1, &indicator_series, err));
-    const lac_rolling_watch watch = {.seer = indicator_series, .see = lac_indicator_series_see};
-    LAC_TRY(lac_rolling_create(&def, &readings, 1, &watch, &rolling, err));
-    LAC_TRY(lac_rolling_measure(rolling, 18.0, 5.0, skill, err));
+    LAC_TRY(lac_forecast_look(&def, &evidence, 1, NULL, &outcome, err));
     LAC_TRY(lac_slowing_measure(N, displacement, 1, 3, &slowing, err));
     const lac_provenance provenance = {.title = "a forecast", .seed = 1};
-    const lac_forecast_outcome outcome = {.source = "here",
-                                          .failed_at = 18.0,
-                                          .forecasts = forecasts,
-                                          .rolling = rolling,
-                                          .readings = &readings,
-                                          .indicator_series = indicator_series,
-                                          .indicators = indicator_series->kinds,
-                                          .indicator = indicator_series->found};
     LAC_TRY(lac_forecast_describe(&outcome, &dataset, err));
     LAC_TRY(lac_store_dataset(path, true, &provenance, dataset, err));
 out:
     lac_dataset_free(dataset);
-    lac_rolling_free(rolling);
-    lac_indicator_series_free(indicator_series);
-    lac_forecast_set_free(forecasts);
+    lac_forecast_outcome_clear(&outcome);
     return status;
 }

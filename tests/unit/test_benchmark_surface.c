@@ -174,8 +174,6 @@ static void what_is_not_defined_is_refused(void **state)
 {
     (void)state;
     refuse((lac_benchmark){0, 0.1, 0.01, 1}, square(64, 1.0), "not both");
-    refuse((lac_benchmark){0, -0.1, NAN, 1}, square(64, 1.0), "rms_slope");
-    refuse((lac_benchmark){0, NAN, NAN, -1}, square(64, 1.0), "seed");
     refuse(a08, square(20, 1.0), "multiple of 8");
     refuse(j07, (lac_grid){1, 1, 1.0, 1.0, true}, "multiple of 8");
     refuse(a08, (lac_grid){64, 32, 1.0, 1.0, true}, "square");

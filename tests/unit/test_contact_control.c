@@ -7,26 +7,16 @@
 #include "support/pressed.h"
 #include "support/test.h"
 
-static void wrong_approach_or_start_is_refused(void **state)
+static void wrong_approach_is_refused(void **state)
 {
     fixture *f = *state;
     const double bad[] = {NAN, INFINITY, -INFINITY};
-    double start[64] = {0.0};
     f->def.control = LAC_CONTROL_APPROACH;
     f->def.mean_pressure = NAN; // not looked at
     for (size_t k = 0; k < 3; k++) {
         f->def.approach = bad[k];
         refuse(f, "approach");
-        f->def.approach = 1.0;
-        f->def.start = start;
-        start[11] = bad[k];
-        refuse(f, "cell (3, 1)");
-        f->def.start = NULL;
     }
-    start[11] = -1.0;
-    f->def.start = start;
-    refuse(f, "cell (3, 1)");
-    f->def.start = NULL;
     f->def.approach = 0.0;
     refuse(f, "> 0");
     f->def.approach = -1.0;
@@ -106,7 +96,7 @@ static void approach_and_load_agree(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        TEST(wrong_approach_or_start_is_refused),
+        TEST(wrong_approach_is_refused),
         TEST(bodies_apart_do_not_touch),
         TEST(one_cell_by_approach),
         TEST(approach_and_load_agree),

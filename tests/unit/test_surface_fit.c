@@ -23,7 +23,7 @@ static lac_status make(const char *text, lac_surface_file options, const lac_gri
                                 NULL, err);
 }
 
-static const lac_surface_file plain = {.spacing = NAN, .lower_spacing = NAN};
+static const lac_surface_file plain = {.spacing = NAN};
 
 static void makes(const char *text, lac_surface_file options, lac_grid grid, const double *expected)
 {

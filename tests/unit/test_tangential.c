@@ -96,76 +96,20 @@ static void refused(const joint *j, lac_status status, const char *word)
     }
 }
 
-static void refuse_def(joint *j, const char *word)
-{
-    lac_tangential *t = NULL;
-    refused(j, lac_tangential_create(&j->def, &t, &j->err), word);
-    assert_null(t);
-    refused(j, lac_tangential_first_slip(&j->def, j->p, (double[]){1.0, 0.0}, &j->first, &j->err),
-            word);
-}
-
-static void wrong_defs_are_refused(void **state)
+static void a_modulus_beyond_numbers_is_refused(void **state)
 {
     joint *j = *state;
-    const lac_tangential_def good = j->def;
-    const double bad[] = {NAN, INFINITY, -1.0};
-    for (int k = 0; k < 3; k++) {
-        j->def.e_star = bad[k];
-        refuse_def(j, "E*");
-        j->def = good;
-        j->def.poisson = bad[k];
-        refuse_def(j, "Poisson");
-        j->def = good;
-        j->def.friction = bad[k];
-        refuse_def(j, "friction");
-        j->def = good;
-        j->def.tolerance = bad[k];
-        refuse_def(j, "tolerance");
-        j->def = good;
-        j->def.grid.dx = bad[k];
-        refuse_def(j, "grid");
-        j->def = good;
-    }
-    j->def.poisson = 0.51;
-    refuse_def(j, "Poisson");
-    j->def = good;
-    j->def.friction = 0.0;
-    refuse_def(j, "friction");
-    j->def = good;
-    j->def.e_star = 0.0;
-    refuse_def(j, "E*");
+    lac_tangential *t = NULL;
     j->def.e_star = 1e-310;
-    refuse_def(j, "modulus");
-    j->def = good;
-    j->def.grid.ny = 0;
-    refuse_def(j, "grid");
-    j->def = good;
-    j->def.max_iterations = 0;
-    refuse_def(j, "iteration");
-    j->def = good;
+    refused(j, lac_tangential_create(&j->def, &t, &j->err), "modulus");
+    assert_null(t);
+    refused(j, lac_tangential_first_slip(&j->def, j->p, (double[]){1.0, 0.0}, &j->first, &j->err),
+            "modulus");
 }
 
 static void wrong_steps_are_refused(void **state)
 {
     joint *j = *state;
-    const double bad[] = {NAN, INFINITY, -INFINITY, -1.0};
-    const double good = j->p[5];
-    for (int k = 0; k < 4; k++) {
-        j->p[5] = bad[k];
-        refused(j, load(j, 1e4, 0.0), "cell (5, 0)");
-        j->p[5] = good;
-    }
-    for (int k = 0; k < 3; k++) {
-        refused(j, load(j, bad[k], 0.0), "along x");
-        refused(j, drag(j, 0.0, bad[k]), "shift along y");
-        refused(
-            j,
-            lac_tangential_first_slip(&j->def, j->p, (double[]){bad[k], 1.0}, &j->first, &j->err),
-            "direction");
-    }
-    refused(j, lac_tangential_first_slip(&j->def, j->p, (double[]){0.0, 0.0}, &j->first, &j->err),
-            "direction");
     double strength = 0.6 * mean_pressure(j);
     refused(j, load(j, strength, 0.0), "all cells slide");
     refused(j, load(j, 0.8 * strength, 0.7 * strength), "friction f p = 0.6 x");
@@ -431,7 +375,7 @@ static void first_of_two_slips(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(wrong_defs_are_refused, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_modulus_beyond_numbers_is_refused, set_up, tear_down),
         cmocka_unit_test_setup_teardown(wrong_steps_are_refused, set_up, tear_down),
         cmocka_unit_test_setup_teardown(every_kind_of_joint, set_up, tear_down),
         cmocka_unit_test_setup_teardown(nothing_happens_without_a_load, set_up, tear_down),

@@ -73,8 +73,7 @@ static double closed_form(extent e, const double *slope)
 typedef struct series {
     double load;         // p / (E* h') at the finest resolution
     double mean, square; // of Delta_S less the closed form
-    double smooth;       // mean of Delta_S of the areas less their boundary cells, less that
-    double kappa[MOST], kappa_smooth[MOST];
+    double kappa[MOST];
     int held; // seeds whose own slopes predict Delta_S within two of its errors
 } series;
 
@@ -82,11 +81,9 @@ static void add(extent e, series *s, const lac_scaling *scaling, double pressure
 {
     s->mean += (scaling->dimension - exact) / (double)e.seeds;
     s->square += (scaling->dimension - exact) * (scaling->dimension - exact) / (double)e.seeds;
-    s->smooth += (scaling->smooth - exact) / (double)e.seeds;
     for (size_t i = 0; i < e.points; i++) {
         const lac_resolution *at = &scaling->at[i];
         s->kappa[i] += at->area * at->slope / pressure / (double)e.seeds;
-        s->kappa_smooth[i] += lac_smooth_area(at) * at->slope / pressure / (double)e.seeds;
     }
     s->held += fabs(scaling->dimension - scaling->from_slopes) <= 2.0 * scaling->error;
 }
@@ -146,13 +143,11 @@ static void measure(extent e, series *loads, size_t n, const double *slope)
 static void print(extent e, const series *s, double exact)
 {
     double scatter = sqrt(fmax(0.0, s->square - s->mean * s->mean) / (double)(e.seeds - 1));
-    print_message("p/(E* h') %.3f: Delta_S %.4f +- %.4f, less boundary cells %.4f, closed form "
-                  "%.4f; %d of %d within two errors of their own slopes\n",
-                  s->load, exact + s->mean, scatter, exact + s->smooth, exact, s->held,
-                  (int)e.seeds);
+    print_message("p/(E* h') %.3f: Delta_S %.4f +- %.4f, closed form %.4f; %d of %d within two "
+                  "errors of their own slopes\n",
+                  s->load, exact + s->mean, scatter, exact, s->held, (int)e.seeds);
     for (size_t i = 0; i < e.points; i++) {
-        print_message("   1/%3d: kappa %.3f, less boundary cells %.3f\n", COARSEST << i,
-                      s->kappa[i], s->kappa_smooth[i]);
+        print_message("   1/%3d: kappa %.3f\n", COARSEST << i, s->kappa[i]);
     }
 }
 
@@ -177,19 +172,13 @@ static void area_scales_as_the_slope(void **state)
     double exact = compare(e, loads, 3);
     assert_true(fabs(exact - 1.697) < 1e-3);
     const series *light = &loads[0];
-    const series *middle = &loads[1];
     const series *heavy = &loads[2];
     // The areas as they are counted, where 0.1 to 0.3 of the interface touches.
     assert_true(fabs(heavy->mean) < 0.015);
     assert_true(heavy->held >= 10);
-    // Less their boundary cells, at lighter load too; the lighter, the further below.
-    assert_true(fabs(heavy->smooth) < 0.015);
-    assert_true(middle->smooth < 0.0 && middle->smooth > -0.025);
-    assert_true(light->smooth < middle->smooth && light->smooth > -0.035);
     // What boundary cells do at light load, where patches of the coarse grids are a few cells.
     assert_true(light->mean < -0.04 && light->mean > -0.09);
     assert_true(light->kappa[0] / light->kappa[3] > 1.10);
-    assert_true(light->kappa_smooth[0] / light->kappa_smooth[3] < 1.07);
 }
 
 static void print_series(void **state)

@@ -48,7 +48,7 @@ static void power_law_is_found(void **state)
 {
     (void)state;
     lac_scaling s = power_law(6, 1.6);
-    assert_int_equal(lac_scaling_fit(&s, 0, NULL), LAC_OK);
+    lac_scaling_fit(&s, 0);
     assert_true(fabs(s.dimension - 1.6) < 1e-14);
     assert_true(s.error < 1e-7 && s.regression_error < 1e-7);
     assert_true(fabs(s.load - 12.0) < 1e-12 && s.load_error < 1e-14);
@@ -61,7 +61,7 @@ static void power_law_is_found(void **state)
     assert_true(isnan(s.at[5].local));
     // What is left out of the fit does not matter to it; a load that is not held is seen.
     s.at[5].area *= 1.5;
-    assert_int_equal(lac_scaling_fit(&s, 1, NULL), LAC_OK);
+    lac_scaling_fit(&s, 1);
     assert_true(fabs(s.dimension - 1.6) < 1e-14);
     assert_true(fabs(s.at[4].local - (1.6 + log2(1.5))) < 1e-12);
     assert_true(fabs(s.load_error - (18.0 / 13.0 - 1.0)) < 1e-12);
@@ -76,7 +76,7 @@ static void table_of_another_code(void **state)
                                    .area = joint_area[i],
                                    .pressure = 1e-2 / joint_area[i]};
     }
-    assert_int_equal(lac_scaling_fit(&s, 0, NULL), LAC_OK);
+    lac_scaling_fit(&s, 0);
     assert_true(fabs(s.dimension - 1.705) < 5e-4);
     assert_true(fabs(s.regression_error - 0.010) < 1e-3);
     assert_true(s.error > s.regression_error && s.error < 0.05);
@@ -104,7 +104,7 @@ static void rough_joint(void **state)
     assert_true(fabs(s.regression_error - 0.010) < 1e-3);
     assert_true(s.load_error < 1e-7);
     // Without the resolution at the cut-off of the surface.
-    assert_int_equal(lac_scaling_fit(&s, 1, NULL), LAC_OK);
+    lac_scaling_fit(&s, 1);
     print_message("without 1/1024: %.4f +- %.4f\n", s.dimension, s.error);
     assert_true(fabs(s.dimension - 1.690) < 1e-3);
     free(h);
@@ -144,13 +144,6 @@ static void coarsening_is_what_it_says(void **state)
     }
 }
 
-static void refuse_fit(lac_scaling s, size_t left_out, const char *word)
-{
-    lac_error err = {""};
-    assert_int_equal(lac_scaling_fit(&s, left_out, &err), LAC_EINPUT);
-    assert_non_null(strstr(err.message, word));
-}
-
 static void refuse_measure(lac_contact_def contact, lac_scaling_def def, lac_status status,
                            const char *word)
 {
@@ -163,33 +156,12 @@ static void refuse_measure(lac_contact_def contact, lac_scaling_def def, lac_sta
 static void what_cannot_be_fitted_is_refused(void **state)
 {
     (void)state;
-    lac_scaling s = power_law(4, 1.5);
-    refuse_fit(s, 2, "must stay");
-    refuse_fit(s, 9, "must stay");
-    refuse_fit((lac_scaling){.n = LAC_SCALING_POINTS + 1}, 0, "must stay");
-    refuse_fit((lac_scaling){.n = 0}, 0, "must stay");
-    const double bad[] = {0.0, -1.0, NAN, INFINITY};
-    for (size_t i = 0; i < 4; i++) {
-        lac_scaling t = s;
-        t.at[2].area = bad[i];
-        refuse_fit(t, 0, "must be > 0");
-        t = s;
-        t.at[0].pressure = bad[i];
-        refuse_fit(t, 0, "must be > 0");
-        t = s;
-        t.at[3].cell = bad[i];
-        refuse_fit(t, 0, "must be > 0");
-    }
-    s.at[2].cell = s.at[1].cell;
-    refuse_fit(s, 0, "coarsest comes first");
     double h[64] = {0.0};
     lac_contact_def contact = contact_of(8, h, 1.0);
     refuse_measure(contact, lac_scaling_default(), LAC_EINPUT, "8 x 8");
     refuse_measure(contact, (lac_scaling_def){.coarsest = 0}, LAC_EINPUT, "8 x 8");
     refuse_measure(contact, (lac_scaling_def){.coarsest = 2, .left_out = 1}, LAC_EINPUT,
                    "3 times are needed");
-    h[0] = NAN;
-    refuse_measure(contact, (lac_scaling_def){.coarsest = 2}, LAC_EINPUT, "2 x 2");
 }
 
 int main(void)

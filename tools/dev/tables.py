@@ -42,7 +42,7 @@ CALLS = (
     ("run", "cases/block.yaml -o kept.nc --set 'output.fields=[slip, slip_rate, state]'"),
     ("run", "--from kept.nc --at 3 -o branch.nc --set solver.rtol=1e-7"),
     ("check", "--from kept.nc --at 3"),
-    ("run", "cases/transfer/micro-slips.yaml -o run.nc --set analysis.rg.field=equal --set "
+    ("run", "cases/transfer/micro-slips.yaml -o run.nc --set rg.field=equal --set analysis.rg={} --set "
             "output.fields=[slip,slip_rate,state,traction,pore_pressure] --set output.fields_every.steps=200 "
             "--set 'output.points=[{name: A, x: 1 mm, y: 1 mm}]'"),
     ("run", "cases/load/reservoir.yaml -o lake.nc --set output.fields=[factor_of_safety] --set "

@@ -6,7 +6,7 @@
 
 Calls `lacuna contact --json` on the case (cases/contact/j07.yaml) at mean pressures of X times its
 contact modulus E* = G/(1 - nu), 5e-4 to 0.1 unless said. Columns: the contact fraction at each
-resolution; Delta_S of all resolutions, and without the finest, +- its error; less boundary cells;
+resolution; Delta_S of all resolutions, and without the finest, +- its error;
 2 - d ln h'/d ln(1/r) from the heights alone; D_box on sides 2 to 32 +- its error. In brackets the
 standard error of the regression alone. With --seeds each row is the mean over surfaces of the seeds
 1 to N, +- the standard deviation among them.
@@ -65,14 +65,14 @@ def row(load, done):
     return [f"{load:g}", *areas,
             dimension(done, "delta_s_all"),
             dimension(done, "delta_s") + (", weak" if done["delta_s_weak"] else ""),
-            number(done["delta_s_smooth"]), number(done["delta_s_from_slopes"]),
+            number(done["delta_s_from_slopes"]),
             dimension(done, "d_box") + (", weak" if done["d_box_weak"] else "")]
 
 
 def mean_row(load, all_done):
     """One row of the table, of several surfaces."""
     areas = [[at["area_fraction"] for at in done["resolutions"]] for done in all_done]
-    names = ("delta_s_all", "delta_s", "delta_s_smooth", "delta_s_from_slopes", "d_box")
+    names = ("delta_s_all", "delta_s", "delta_s_from_slopes", "d_box")
     columns = [[done[name] for done in all_done] for name in names]
     return [f"{load:g}", *(f"{statistics.mean(area):.6f}" for area in zip(*areas)),
             *("-" if None in column else
@@ -85,7 +85,7 @@ def heading(done):
     cells = [f"A at 1/{size / at['cell_size_m']:.0f}" for at in done["resolutions"]]
     n = len(cells)
     return ["p̄/E*", *cells, f"Δ_S, {n} resolutions", "without the finest",
-            "less boundary cells", "from slopes", "D_box"]
+            "from slopes", "D_box"]
 
 
 def main():

@@ -45,8 +45,9 @@ initial:
   spread: {{slip_rate: {{lognormal: {{sigma: 1, seed: {seed}}}}}}}
 transfer: {{hierarchy: {{stiffness: elastic}}}}
 time: {{end: "{end}"}}
+rg: {{rule: fix, field: equal, beta: 0.6}}
 analysis:
-  rg: {{rule: fix, field: equal, beta: 0.6}}
+  rg: {{}}
   events: {{slip_rate: "0.1 mm/s"}}
 output: {{every: {{steps: 3}}}}
 """

@@ -90,7 +90,7 @@ const cli_option cli_options[] = {
     KEPT(SWEEP, 0, "shard", "I/N", sweep.shard, "only part I of N, counted from 0: see gather"),
     KEPT(SWEEP, 0, "keep-fields", "MEMBERS", sweep.keep,
          "keep these runs whole, as FILE-member-I.nc: 0, 7, 20:30"),
-    KEPT(MEMBER, 0, "member", "I", sweep.member, "only this member of a sweep"),
+    KEPT(SWEEP, 0, "member", "I", sweep.member, "only this member of a sweep"),
     KEPT(BY, 0, "of", "RESULT", sweep.of, "result asked for: failure_time, mean_slip ..."),
     KEPT(BY, 0, "by", "TIME", sweep.by,
          "probability of failure by then: \"2 year\", a date; of --of: that it is at most this"),
@@ -285,10 +285,13 @@ static lac_status check_request(const cli_request *request, lac_error *err)
     LAC_FAIL_IF(command == NULL, err, LAC_EINPUT, "no command given; see lacuna --help");
     for (const cli_option *o = cli_options; o->name != NULL; o++) {
         const bool taken = (o->bit & (command->options | CLI_OPT_COMMON)) != 0;
+        const char *at = (const char *)request;
         const char *word = NULL;
-        memcpy(&word, (const char *)request + o->at, sizeof word);
-        const bool given =
-            o->at != 0 ? word != NULL : cli_given(request, o->bit); // bits are shared
+        memcpy(&word, at + o->at, sizeof word);
+        const bool listed = o->words != 0 && ((const cli_words *)(at + o->words))->n > 0;
+        const bool given = o->at != 0      ? word != NULL
+                           : o->words != 0 ? listed
+                                           : cli_given(request, o->bit); // bits are shared
         LAC_FAIL_IF(!taken && given, err, LAC_EINPUT,
                     "%s: not an option of %s; see lacuna %s --help", o->name, command->name,
                     command->name);

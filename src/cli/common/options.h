@@ -30,7 +30,6 @@ enum {
     CLI_OPT_JOBS = 1 << 14,     ///< processes at a time
     CLI_OPT_SWEEP = 1 << 24,    ///< what is varied, and how
     CLI_OPT_BY = 1 << 25,       ///< which answers of a sweep
-    CLI_OPT_MEMBER = 1 << 15,   ///< of a sweep
     CLI_OPT_TRADE = 1 << 26,    ///< what is traded, and for what
     CLI_OPT_ACCURACY = 1 << 27, ///< of a run
     CLI_OPT_COMPARE = 1 << 28,

@@ -8,16 +8,15 @@ const cli_command cli_commands[] = {
     {"run", "CASE", "integrate a case in time, write a netCDF series",
      "The file is -o FILE, else output.file of the case, else CASE.nc in this folder. SIGINT "
      "(Ctrl-C) ends the run after its step and keeps what was computed, for --resume to go on "
-     "from; a second one kills it. SIGUSR1 prints how far it is. With --member I CASE "
-     "is the file of a sweep.\n",
+     "from; a second one kills it. SIGUSR1 prints how far it is.\n",
      "lacuna run cases/vajont.yaml -o vajont.nc", 1, 1,
      CLI_OPT_WRITES | CLI_OPT_UNTIL | CLI_OPT_RESUME | CLI_OPT_SET | CLI_OPT_ACCURACY |
-         CLI_OPT_VIEW | CLI_OPT_FROM | CLI_OPT_MEMBER,
+         CLI_OPT_VIEW | CLI_OPT_FROM,
      cli_run},
     {"check", "CASE", "validate a case, print it and what it will cost",
      "Lists all errors. The output is itself a case: every value in SI, defaults filled in.\n",
      "lacuna check cases/vajont.yaml --set interface.levels=9", 1, 1,
-     CLI_OPT_SET | CLI_OPT_FROM | CLI_OPT_MEMBER | CLI_OPT_PIPE, cli_check},
+     CLI_OPT_SET | CLI_OPT_FROM | CLI_OPT_PIPE, cli_check},
     {"contact", "CASE", "press the surface, measure its contact, and stop",
      "Writes maps, fractal measures and histories to -o FILE, else CASE-contact.nc here; -v prints "
      "every resolution, box side, cluster octave and specimen.\n",
@@ -58,7 +57,7 @@ const cli_command cli_commands[] = {
      "CASE-sweep.nc here; lacuna report FILE draws it.\n",
      "lacuna sweep cases/block.yaml --over \"friction.aging.dc=1 mm, 2 mm\"", 1, 1,
      CLI_OPT_WRITES | CLI_OPT_RESUME | CLI_OPT_UNTIL | CLI_OPT_SET | CLI_OPT_SWEEP | CLI_OPT_BY |
-         CLI_OPT_JOBS | CLI_OPT_MEMBER | CLI_OPT_PIPE,
+         CLI_OPT_JOBS | CLI_OPT_PIPE,
      cli_sweep},
     {"gather", "SHARD.nc...", "the parts of a sweep as one file",
      "Joins the shards 0/N to N-1/N of lacuna sweep in -o FILE; without -o it only answers --of "

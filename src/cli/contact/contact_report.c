@@ -122,8 +122,7 @@ static void print_fit(const lac_scaling *s)
             cli_amount(s->at[s->n - s->left_out - 1].cell, "m").s, cli_amount(s->at[0].cell, "m").s,
             lac_coarsening_text(s->coarsening),
             s->few_cells ? " (weak: fewer than 100 cells at the coarsest)" : "");
-    cli_row("", "%s less boundary cells; %s from the rms slopes alone", local(s->smooth).s,
-            local(s->from_slopes).s);
+    cli_row("", "%s from the rms slopes alone", local(s->from_slopes).s);
     cli_row("fractal area", "%.4g m^%.3f", s->fractal_area, s->dimension);
     cli_row("fractal pressure", "%.4g N m^-%.3f", s->fractal_pressure, s->dimension);
 }
@@ -347,7 +346,7 @@ static void print_history(const lac_contact_outcome *o)
     share_unit(&columns[SHIFT_X], &columns[SHIFT_Y]);
     share_unit(&columns[HIGHEST_X], &columns[HIGHEST_Y]);
     hide_idle_axis(columns);
-    cli_row("friction", "%.4g, direct", o->friction);
+    cli_row("friction", "%.4g", o->friction);
     cli_row("steps", "%zu of %zu (%s)", r->steps, r->planned, o->status);
     if (r->loaded) {
         cli_row("first slip", "at %.4g f P if nothing slipped before, at x = %s, y = %s",

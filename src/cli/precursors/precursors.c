@@ -124,7 +124,6 @@ typedef struct precursors_job {
     cli_forecast_plan plan;
     cells cells;
     cli_drivers drivers;
-    lac_precursor indicator[LAC_PRECURSORS_MAX];
 } precursors_job;
 
 // The case that forecasts beside the methods that know only the motion.
@@ -155,17 +154,12 @@ static bool go_on(void *context, size_t done, size_t all)
     return !cli_signals_stop(context);
 }
 
-// As lac_indicator_series_see, and with --jsonl its line.
-static lac_status see(void *seer, const lac_forecast_set *forecasts, lac_error *err)
+// The line of --jsonl.
+static lac_status see(void *dated, const lac_forecast_set *forecasts, lac_error *err)
 {
-    const precursors_job *job = seer;
-    const lac_forecast_outcome *of = &job->watched.of;
     lac_json json = {.out = stdout, .line = true};
     lac_dataset *issue = NULL;
-    if (job->request->forecast.lines == NULL) {
-        return lac_indicator_series_see(of->indicator_series, forecasts, err);
-    }
-    LAC_TRY_RETURN(lac_issue_describe(forecasts, of->dated, &issue, err));
+    LAC_TRY_RETURN(lac_issue_describe(forecasts, *(const bool *)dated, &issue, err));
     lac_json_open(&json, NULL, '{');
     lac_dataset_json(issue, &json);
     lac_json_close(&json, '}');
@@ -173,30 +167,19 @@ static lac_status see(void *seer, const lac_forecast_set *forecasts, lac_error *
     return LAC_OK;
 }
 
-static lac_status roll(precursors_job *job, lac_error *err)
+static lac_status look(precursors_job *job, lac_error *err)
 {
-    cli_watched *w = &job->watched;
-    lac_forecast_outcome *of = &w->of;
-    const size_t most = job->plan.issues < w->readings.n ? job->plan.issues : w->readings.n;
-    lac_status status;
-    if (job->request->forecast.lines == NULL) {
-        LAC_TRY(lac_indicator_series_create(&job->cells.inputs, most, &of->indicator_series, err));
+    lac_forecast_outcome *of = &job->watched.of;
+    const bool rolling = job->request->forecast.rolling != NULL;
+    const bool lines = job->request->forecast.lines != NULL;
+    const lac_rolling_watch watch = {.go_on = go_on, .seer = &of->dated, .see = lines ? see : NULL};
+    if (rolling) {
+        cli_say(job->request, "forecasting at %zu readings", job->watched.readings.n);
+        cli_signals_hold();
     }
-    const lac_rolling_watch watch = {.go_on = go_on, .seer = job, .see = see};
-    cli_say(job->request, "forecasting at %zu readings", w->readings.n);
-    cli_signals_hold();
-    status = lac_rolling_create(&job->plan.def, &w->readings, job->plan.issues, &watch,
-                                &of->rolling, err);
-    of->interrupted = status == LAC_EINTERRUPT && of->rolling != NULL;
-    LAC_TRY(of->interrupted ? LAC_OK : status);
-    if (!isnan(of->failed_at)) {
-        of->skill = calloc(of->rolling->methods, sizeof *of->skill);
-        LAC_TRY(of->skill != NULL ? LAC_OK : lac_fail_memory(err));
-        LAC_TRY(lac_rolling_measure(of->rolling, of->failed_at, job->plan.def.levels.horizon,
-                                    of->skill, err));
-    }
-out:
-    return status;
+    const lac_status status = lac_forecast_look(&job->plan.def, &job->cells.inputs,
+                                                rolling ? job->plan.issues : 0, &watch, of, err);
+    return of->interrupted ? LAC_OK : status;
 }
 
 static lac_status write_file(const precursors_job *job, lac_dataset *dataset, lac_error *err)
@@ -333,7 +316,6 @@ static lac_status answer(const cli_request *given, const char *station, lac_json
     job.plan.def.drivers = job.drivers.n;
     job.plan.def.driver = job.drivers.driver;
     of->horizon = job.plan.def.levels.horizon;
-    of->indicator = job.indicator;
     if (job.watched.run) { // a run has neither outliers nor resets
         job.plan.def.motion.raw = true;
     }
@@ -343,26 +325,16 @@ static lac_status answer(const cli_request *given, const char *station, lac_json
         cli_signals_hold();
         cli_say(request, "fitting %s to %zu readings", job.source->path, job.watched.readings.n);
     }
-    job.plan.def.all = true; // what would be forecast without the gate
-    LAC_TRY(lac_forecast_set_create(&job.plan.def, &job.watched.readings, &of->forecasts, err));
-    job.plan.def.all = false;
     LAC_TRY(read_cells(&job.watched, &job.cells, err));
-    LAC_TRY(
-        lac_precursors_at(&job.cells.inputs, of->forecasts, job.indicator, &of->indicators, err));
-    if (request->forecast.rolling != NULL) {
-        LAC_TRY(roll(&job, err));
-    }
+    LAC_TRY(look(&job, err));
     LAC_TRY(put_out(&job, err));
     LAC_LEAVE_IF(of->interrupted, err, LAC_EINTERRUPT, "interrupted after %zu issue times",
                  of->rolling->issues);
 out:
-    free(of->skill);
-    lac_rolling_free(of->rolling);
-    lac_indicator_series_free(of->indicator_series);
+    lac_forecast_outcome_clear(of);
     for (size_t i = 0; i < VALUES; i++) {
         lac_stored_values_clear(&job.cells.value[i]);
     }
-    lac_forecast_set_free(of->forecasts);
     end_steps(&job, status, err);
     cli_drivers_clear(&job.drivers);
     cli_watched_clear(&job.watched);

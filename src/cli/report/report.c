@@ -11,7 +11,6 @@
 #include "scene/estimate.h"
 #include "store/past.h"
 #include "store/store_cells.h"
-#include "sweep/ensemble.h"
 
 // The issue as it was asked for: --accuracy sets a key that the user did not name.
 static lac_case_issue as_given(const lac_case_issue *issue, const cli_request *request)
@@ -111,65 +110,13 @@ static lac_status ask_fit(const lac_case *c, lac_case_issues *report, lac_error 
     return LAC_OK;
 }
 
-// Files that the sweep read must be as they were: of each stands a line with its checksum.
-static lac_status check_files(const lac_ensemble *e, const lac_case *c, const char *path,
-                              lac_error *err)
-{
-    char *lines = cli_inputs_sums(c), *rest = lines, *line;
-    lac_status status = lines != NULL ? LAC_OK : lac_fail_memory(err);
-    while (status == LAC_OK && (line = strsep(&rest, "\n")) != NULL) {
-        const bool same = strstr(e->files, line) != NULL;
-        char *sum = strrchr(line, ':');
-        if (!same && sum != NULL) {
-            sum[1] = '\0'; // the name alone: a member may read a file that the others do not
-            LAC_LEAVE_IF(strstr(e->files, line) != NULL, err, LAC_EINPUT,
-                         "%s: %.*s is gone or changed, which its case reads: the member cannot be "
-                         "made again (relative paths start from the folder of %s)",
-                         path, (int)(sum - line - 2), line + 2, path);
-        }
-    }
-out:
-    free(lines);
-    return status;
-}
-
-// The case of --member, from the file of its sweep.
-static lac_status read_member(const cli_request *request, const lac_case_request *how, lac_case **c,
-                              lac_case_issues *report, lac_error *err)
-{
-    const char *path = request->argument[0], *text = request->sweep.member;
-    lac_ensemble *e = NULL;
-    char *end = NULL;
-    const bool number = text != NULL && text[strspn(text, "0123456789")] == '\0';
-    const int64_t index = number ? strtoll(text, &end, 10) : -1;
-    lac_status status;
-    LAC_FAIL_IF(text == NULL, err, LAC_EINPUT,
-                "%s: is no case; of the file of a sweep --member I says which run is meant", path);
-    LAC_FAIL_IF(!number, err, LAC_EINPUT, "--member: \"%.40s\" must be a whole number", text);
-    LAC_TRY(lac_ensemble_read(path, &e, err));
-    LAC_TRY(lac_ensemble_case(e, path, index, how, c, report, err));
-    LAC_TRY(check_files(e, *c, path, err));
-out:
-    lac_ensemble_free(e);
-    if (status != LAC_OK) {
-        lac_case_free(*c);
-        *c = NULL;
-    }
-    return status;
-}
-
 // The case of a command: of --from alone, that of the run's file.
 static lac_status read_text(const cli_request *request, const lac_case_request *how, lac_case **c,
                             lac_case_issues *report, lac_error *err)
 {
     lac_stored_past past;
-    const bool of_sweep = (request->command->options & CLI_OPT_SWEEP) != 0; // --member is its own
     if (request->count > 0) {
-        const char *path = request->argument[0];
-        LAC_FAIL_IF(!of_sweep && request->sweep.member != NULL && !lac_ensemble_is(path), err,
-                    LAC_EINPUT, "--member: %s is no file of lacuna sweep", path);
-        return !of_sweep && lac_stored_is_netcdf(path) ? read_member(request, how, c, report, err)
-                                                       : lac_case_read(path, how, c, report, err);
+        return lac_case_read(request->argument[0], how, c, report, err);
     }
     lac_status status = lac_stored_past_open(request->from, &past, err);
     if (status == LAC_OK) {

@@ -9,7 +9,6 @@
 #include "cli/run/run_outcome.h"
 #include "cli/view/view.h"
 #include "simulation/branch.h"
-#include "sweep/ensemble.h"
 
 // Everything that a run holds.
 typedef struct run_job {
@@ -138,15 +137,9 @@ static lac_status prepare(run_job *job, lac_error *err)
     }
     LAC_TRY_RETURN(cli_until(job->request, job->source, &job->source->run.end, err));
     const bool alone = job->request->count == 0; // the case of --from, whose file stays
-    const char *member = job->request->sweep.member;
-    char of_member[64];
-    (void)snprintf(of_member, sizeof of_member, "-member-%.40s.nc", member != NULL ? member : "");
     LAC_TRY_RETURN(cli_output_path(job->request, job->source,
-                                   alone || member != NULL ? NULL : job->source->output_file,
-                                   alone            ? "-branch.nc"
-                                   : member != NULL ? of_member
-                                                    : ".nc",
-                                   &job->outcome.path, err));
+                                   alone ? NULL : job->source->output_file,
+                                   alone ? "-branch.nc" : ".nc", &job->outcome.path, err));
     LAC_TRY_RETURN(cli_compare_read(job->request, job->source, &job->outcome.compare, err));
     job->inputs = cli_inputs_sums(job->source);
     LAC_FAIL_MEMORY_IF(job->inputs == NULL, err);
@@ -325,29 +318,6 @@ static void warn_of_balance(const lac_outcome *of)
     }
 }
 
-// A member that is made again must come to what its sweep says of it, to the bit.
-static void warn_of_member(const run_job *job)
-{
-    const cli_request *request = job->request;
-    const lac_run_result *run = &job->outcome.of->run;
-    lac_ensemble *e = NULL;
-    size_t row = 0;
-    if (request->sweep.member == NULL ||
-        cli_given(request, CLI_OPT_SET | CLI_OPT_UNTIL | CLI_OPT_ACCURACY | CLI_OPT_FROM) ||
-        lac_ensemble_read(request->argument[0], &e, NULL) != LAC_OK) {
-        return; // it is another run
-    }
-    const lac_member *m = lac_ensemble_member(e, strtoll(request->sweep.member, NULL, 10), &row);
-    if (m != NULL && (m->end_time != run->time || m->mean_slip != run->mean_slip ||
-                      m->steps != (double)run->steps)) {
-        cli_note("warning: %s has another outcome of member %s: %s at %s; another program, machine "
-                 "or file was at work, or checkpoints are planned, which a sweep does without",
-                 request->argument[0], request->sweep.member, cli_exact(m->mean_slip, "m").s,
-                 cli_exact(m->end_time, "s").s);
-    }
-    lac_ensemble_free(e);
-}
-
 // Checkpoints that a run planned closer than its steps bear: docs/theory/restart.md.
 static void warn_of_checkpoints(const lac_outcome *of)
 {
@@ -372,9 +342,6 @@ static lac_status print_outcome(const run_job *job, lac_status status, lac_error
         }
         warn_of_checkpoints(outcome->of);
         cli_failure_warn(&outcome->of->run.failure);
-        if (status == LAC_OK) {
-            warn_of_member(job);
-        }
     }
     if (cli_given(job->request, CLI_OPT_JSON)) {
         const lac_status shown = cli_outcome_json(outcome, status == LAC_OK ? err : NULL);
