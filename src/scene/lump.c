@@ -29,31 +29,37 @@ typedef struct taking {
     size_t first;
 } taking;
 
-// Sums of the cells, of their pressure and of what friction holds, before the others; the last
-// where loads have a shape.
-enum { BEFORE = 2, FUNCTIONS = BEFORE + LAC_LUMP_ROWS + 2 + LAC_LUMP_PATTERNS };
+// Sums of the cells themselves and of what moves them apart, before those of what friction holds.
+enum {
+    COUNTED = 4,
+    BEFORE = COUNTED + LAC_LUMP_PATTERNS - 1,
+    FUNCTIONS = BEFORE + LAC_LUMP_ROWS + 1 // the last where loads have a shape
+};
 
-// What the leaves of a block keep the sums of, the first so many where a case says how many leaves:
-// cells, pressure, friction along some histories; the square of pressure, slip rate at the start,
-// what moves cells apart, the shape of a load.
+// What the leaves of a block keep the sums of: cells, pressure and its square, slip rate at the
+// start, the shape of a load; and friction along some histories. Where a case says how many leaves,
+// the first of those with the cells and their pressure.
 static void values_of(const void *context, size_t point, double *value)
 {
     const taking *t = context;
-    const lac_lump_cells *f = &t->of->field;
-    const lac_problem_def *whole = &t->of->source->whole;
+    const making *m = t->of;
+    const lac_lump_cells *f = &m->field;
+    const lac_problem_def *whole = &m->source->whole;
     const size_t i = t->first + point;
     const double p = whole->domain->pressure[i] / f->pressure;
-    double all[FUNCTIONS] = {1.0, p}, *next = all + BEFORE;
-    for (size_t k = 0; k < LAC_LUMP_ROWS; k++) {
-        *next++ = p * f->friction[k * f->n + i];
-    }
-    *next++ = p * p;
-    *next++ = exp(whole->log_rate[i]) / f->mean_rate;
+    double all[FUNCTIONS] = {1.0, p, p * p, exp(whole->log_rate[i]) / f->mean_rate};
     for (size_t a = 1; a < LAC_LUMP_PATTERNS; a++) {
-        *next++ = p * (p * f->pattern[i] - f->answer) * f->pattern[a * f->n + i];
+        all[COUNTED + a - 1] = p * (p * f->pattern[i] - f->answer) * f->pattern[a * f->n + i];
     }
-    *next = whole->loads.shape != NULL ? whole->loads.shape[i] : 0.0;
-    memcpy(value, all, t->of->most * sizeof *value);
+    for (size_t k = 0; k < LAC_LUMP_ROWS; k++) {
+        all[BEFORE + k] = p * f->friction[k * f->n + i];
+    }
+    all[FUNCTIONS - 1] = whole->loads.shape != NULL ? whole->loads.shape[i] : 0.0;
+    const size_t first = m->most < FUNCTIONS - 1 ? 2 : m->most;
+    memcpy(value, all, first * sizeof *value);
+    for (size_t k = first; k < m->most; k++) {
+        value[k] = all[BEFORE + k - first];
+    }
 }
 
 // How far the leaves of a block would slip apart if 1 held them: squares.

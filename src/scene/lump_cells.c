@@ -111,6 +111,13 @@ static void fill_friction(const lac_lump_source *s, lac_lump_cells *f)
     (void)move(s, f, &m, 0.0, f->friction + LAC_LUMP_START * f->n);
     m.rate *= fast;
     (void)move(s, f, &m, 0.0, f->friction + LAC_LUMP_FAST * f->n);
+    for (size_t k = 0; k < 2; k++) {
+        m.rate = k == 0 ? fast * f->rate : f->rate;
+        for (size_t i = 0; i < f->n; i++) {
+            m.w[i] = log(lac_cellwise_of(&friction->column[LAC_DC], i) / m.rate);
+        }
+        (void)move(s, f, &m, 0.0, f->friction + (LAC_LUMP_STEADY + k) * f->n);
+    }
     for (size_t h = 0; h < LAC_LUMP_HISTORIES; h++) {
         walk(s, f, &m, h);
     }

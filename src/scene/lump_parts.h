@@ -6,11 +6,12 @@
 // Rows of `friction`: what friction the cells have, in parts of the direct effect; the leaves keep
 // their sums.
 enum {
-    LAC_LUMP_ANSWER = 0, // b/dc: how friction answers to slip
-    LAC_LUMP_LOAD,       // traction over pressure at the start
-    LAC_LUMP_START,      // at the joint's slip rate
-    LAC_LUMP_FAST,       // at a much faster one, states as at the start
-    LAC_LUMP_STAGES,     // after so much slip, at several slip rates
+    LAC_LUMP_ANSWER = 0,                   // b/dc: how friction answers to slip
+    LAC_LUMP_LOAD,                         // traction over pressure at the start
+    LAC_LUMP_START,                        // at the joint's slip rate
+    LAC_LUMP_FAST,                         // at a much faster one, states as at the start
+    LAC_LUMP_STEADY,                       // at both, with the states that are steady there
+    LAC_LUMP_STAGES = LAC_LUMP_STEADY + 2, // after so much slip, at several slip rates
     LAC_LUMP_HISTORIES = 3,
     LAC_LUMP_EACH = 12,
     LAC_LUMP_ROWS = LAC_LUMP_STAGES + LAC_LUMP_HISTORIES * LAC_LUMP_EACH,

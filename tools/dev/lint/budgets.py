@@ -17,7 +17,7 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 97316,
+    "lines of src and include": 97330,
     "lines that only present results": 24175,
     "public headers": 13,
     "exported names": 44,
