@@ -35,7 +35,7 @@ static void refuse_all(lac_reader *reader, size_t count, const refusal *list)
     }
 }
 
-enum { REFUSALS = 8 };
+enum { REFUSALS = 9 };
 
 // Cells at steps of their own have one formulation and no method to choose.
 // @return which key of the case bars them, the first; NULL: none
@@ -98,6 +98,9 @@ static bool list_lumped(const lac_case *c, refusal out[REFUSALS])
         {c->analysis.count > 0, "analysis",
          "is of cells that slip by themselves, which fidelity lumped does not follow: take ode or "
          "events"},
+        {c->points > 0, "output.points",
+         "are single cells, of which fidelity lumped keeps few: leave them out, as all slip by the "
+         "mean, or take ode"},
         {c->from.file != NULL, "initial.run",
          "gives each cell a state of its own, which fidelity lumped does not keep: take ode"},
         {!isnan(c->run.stop_rate), "time.stop_when.max_slip_rate",

@@ -147,7 +147,6 @@ static const lac_variable of_result[] = {
     {.json = "sampler/converged", R(BOOL, converged)},
     {.json = "sampler/acceptance", R(REAL, acceptance)},
     {.json = "runs", R(INT64, runs)},
-    {.json = "lump_refused", R(INT64, beyond)},
     {.json = "best_failure_date", R(REAL, failure), .flags = LAC_DATE},
     {.json = "tc_date", R(REAL, failures.quantile[2]), .flags = LAC_DATE},
     LAC_ROW("log_posterior", "chain draw", "1",

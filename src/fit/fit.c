@@ -315,9 +315,6 @@ lac_status lac_fit_run(lac_fit *fit, const lac_fit_watch *watch, lac_fit_result 
     }
 out:
     result->runs = fit->runs;
-    for (int i = 0; i < fit->threads; i++) {
-        result->beyond += fit->model[i].beyond;
-    }
     return status;
 }
 

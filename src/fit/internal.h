@@ -25,7 +25,6 @@ typedef struct lac_fit_model {
     lac_fit_variant *nudged; // [2 parameters] a little less, a little more of each; NULL: not made
     double rtol;             // of its runs: LAC_FIT_TIGHT or LAC_FIT_LOOSE
     double *scratch;         // [5 readings] of the likelihood
-    int64_t beyond;          // trials that few cells do not tell well enough
 } lac_fit_model;
 
 enum { LAC_FIT_NODES = 24 }; // in the window of a time that is known within it only

@@ -84,36 +84,21 @@ static lac_status bring_base(lac_fit_model *model, const double *u, lac_error *e
 {
     const lac_case *c = model->fit->source;
     LAC_TRY_RETURN(bring(model, &model->base, u, err));
-    const lac_lump *lump = model->base.scene->lump; // whose leaves are others at each trial
-    const bool stays = model->points != NULL && !model->fit->moves_all && lump == NULL;
-    if (c->fit.point == NULL || stays) {
+    if (c->fit.point == NULL || (model->points != NULL && !model->fit->moves_all)) {
         return LAC_OK;
     }
-    const lac_domain *cells = model->base.scene->contact.domain;
     lac_points_free(model->points);
-    LAC_TRY_RETURN(lac_points_create(cells, 1, &c->point[lac_case_point(c, c->fit.point)],
-                                     &model->points, err));
-    if (lump != NULL) {
-        lac_lump_points(lump, cells, model->points);
-    }
-    return LAC_OK;
+    return lac_points_create(model->base.scene->contact.domain, 1,
+                             &c->point[lac_case_point(c, c->fit.point)], &model->points, err);
 }
 
 // How far off a trial with few cells may be: by its time of failure, or what it shows last.
-static lac_status judge(lac_fit_model *model, const lac_sensitivity *seen, lac_error *err)
+static lac_status judge(const lac_fit_model *model, const lac_sensitivity *seen, lac_error *err)
 {
     const lac_lump *lump = model->base.scene->lump;
-    const double most = model->fit->source->lump.error;
-    if (lump == NULL || (!seen->failed && seen->reached == 0)) {
-        return LAC_OK;
-    }
-    const bool told = lump->error <= most;
-    model->beyond += told ? 0 : 1;
-    LAC_FAIL_IF(!told, err, LAC_ENUMERIC,
-                "solver.fidelity lumped may be off by more than solver.lump.error %g here: take "
-                "ode, or allow more",
-                most);
-    return LAC_OK;
+    return lump == NULL || (!seen->failed && seen->reached == 0)
+               ? LAC_OK
+               : lac_lump_judge(lump, lump->error, model->fit->source->lump.error, err);
 }
 
 static lac_sensitivity_def follow_of(const lac_fit_model *model, double end, size_t n,

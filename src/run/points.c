@@ -84,7 +84,6 @@ lac_status lac_points_create(const lac_domain *domain, size_t n, const lac_point
     for (; points->n < n; points->n++) {
         lac_point *p = &points->point[points->n];
         LAC_TRY(find(domain, &def[points->n], p, err));
-        p->pressed = 1.0;
     }
 out:
     LAC_MADE(status, out, lac_points_free);
@@ -130,6 +129,5 @@ void lac_points_read(const lac_points *points, const double *const *fields, doub
             value[k] = k == LAC_POINT_STATE ? mean_exp(&points->point[i], fields[k])
                                             : lac_point_mean(&points->point[i], fields[k]);
         }
-        value[LAC_POINT_TRACTION] *= points->point[i].pressed;
     }
 }

@@ -19,7 +19,6 @@ typedef struct lac_point {
     double distance;       ///< from the place to the edge of that cell [m]; 0: it lies within
     bool beside;           ///< out of contact, as is all within its radius
     size_t cells, *cell;   ///< [cells] that the values are means over
-    double pressed;        ///< traction there over the mean of theirs; 1 but in a lumped scene
 } lac_point;
 
 typedef struct lac_points {

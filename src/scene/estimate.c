@@ -360,6 +360,7 @@ void lac_estimate_stability(const lac_case *c, lac_estimate *e)
     const bool several = !(e->contact_cells <= 1);
     e->integrated = law != NULL && !isnan(c->run.end);
     e->stable = true;
+    e->critical = e->patch = e->stiffness_ratio = NAN;
     if (!e->integrated) {
         return;
     }
@@ -467,10 +468,7 @@ lac_status lac_estimate_make(const lac_case *c, lac_load_files *files, lac_estim
                         .pressure = lac_case_pressure(c),
                         .grid_cells = (double)lac_grid_cells(&grid),
                         .contact_cells = NAN,
-                        .critical = NAN,
-                        .patch = NAN,
                         .length = fmax((double)grid.nx * grid.dx, (double)grid.ny * grid.dy),
-                        .stiffness_ratio = NAN,
                         .choice = {.fidelity = c->run.fidelity},
                         .unknowns = lac_inertia_mass(c) > 0 ? 3 : 2};
     char why[LAC_FIDELITY_ROOM];

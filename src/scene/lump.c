@@ -3,6 +3,7 @@
 // sums over the block keep their values; what holds them against each other is what held the
 // block's cells, by how they would slip apart. docs/theory/lumped.md.
 #include "base/cubature.h"
+#include "base/vsum.h"
 #include "scene/lump_parts.h"
 
 // One lump as it is made.
@@ -84,17 +85,13 @@ static double leaves_apart(const making *m, size_t leaves)
 
 // By how far the cells of a block would slip apart under the patterns, and what that does to all of
 // each, the stiffness that does the same to its leaves.
-static double bond_of(making *m, size_t first, size_t end, size_t leaves)
+static double bond_of(const making *m, size_t first, size_t end, size_t leaves)
 {
-    const lac_lump_source *s = m->source;
     const double nothing = pow(1e-9 * m->field.pressure, 2.0); // rounding of what is alike
-    double of[LAC_LUMP_LEVELS] = {0.0}, soft = 0.0;
-    lac_lump_add_levels(s, &m->field, m->level, first, end, of);
-    for (size_t l = 0; l < m->level; l++) {
-        soft += of[l] > nothing * (double)(end - first) ? of[l] / lac_lump_stiffness(s, l) : 0.0;
-    }
+    const double soft = lac_vsum(end - first, m->field.apart + first);
     const double few = leaves_apart(m, leaves);
-    return soft > 0.0 && few > 0.0 ? few / soft : lac_lump_stiffness(s, 0);
+    return few > nothing * (double)(end - first) && soft > 0.0 ? few / soft
+                                                               : lac_lump_stiffness(m->source, 0);
 }
 
 // Which of the leaves of a block each of its cells is most like.
@@ -276,6 +273,7 @@ static lac_status make_problem(const making *m, lac_lump *lump, lac_error *err)
 static lac_status try_level(making *m, lac_error *err)
 {
     const size_t n = m->field.n, blocks = lac_hierarchy_blocks(m->source->blocks, m->level);
+    double by[LAC_LUMP_LEVELS] = {0.0};
     free(m->kept);
     free(m->weight);
     m->kept = malloc((n + blocks + 1) * sizeof *m->kept);
@@ -284,6 +282,11 @@ static lac_status try_level(making *m, lac_error *err)
     m->begin = m->kept + n;
     m->bond = m->weight + n;
     m->leaves = 0;
+    for (size_t l = 0; l < m->level; l++) {
+        const double k = lac_lump_stiffness(m->source, l);
+        by[l] = k > 0.0 ? 1.0 / k : 0.0; // of a level that ties nothing
+    }
+    lac_lump_apart(m->source, &m->field, m->level, by);
     for (size_t b = 0; b < blocks; b++) {
         LAC_TRY_RETURN(take_block(m, b, err));
     }
@@ -346,13 +349,11 @@ static lac_status make(making *m, const lac_lump_def *def, lac_lump *lump, lac_e
     m->most = def->nodes >= 0                ? (size_t)def->nodes
               : s->whole.loads.shape != NULL ? FUNCTIONS
                                              : FUNCTIONS - 1;
-    m->least = 0.03 * def->error / m->field.gain;
+    m->least = 0.03 * def->error;
     LAC_TRY_RETURN(settle(m, lump, err));
     if (s->like != NULL) {
         return LAC_OK;
     }
-    LAC_TRY_RETURN(lac_lump_walk(lump->problem, s->ends, true, &m->way, &m->exact, err));
-    m->way.fails = m->way.arrival == LAC_LUMP_AT_FAILURE ? m->exact : (double)NAN;
     LAC_TRY_RETURN(lac_lump_walk(s->problem, s->ends, true, &m->way, &m->exact, err));
     LAC_TRY_RETURN(judge(m, lump, err));
     // Smaller blocks; where nothing is gained any more, or all cells come to no end, all cells.
@@ -368,7 +369,7 @@ lac_status lac_lump_create(const lac_lump_source *source, const lac_lump_def *de
                            lac_error *err)
 {
     lac_status status;
-    making m = {.source = source, .way.fails = NAN};
+    making m = {.source = source};
     lac_lump *lump = NULL;
     *out = NULL;
     LAC_LEAVE_IF(source->whole.loads.varies, err, LAC_EINPUT,
@@ -401,16 +402,16 @@ double lac_lump_error(const lac_lump *lump, bool by_time)
     return all || by_time == (lump->arrival == LAC_LUMP_AT_TIME) ? lump->error : (double)INFINITY;
 }
 
-void lac_lump_points(const lac_lump *lump, const lac_domain *cells, lac_points *points)
+lac_status lac_lump_judge(const lac_lump *lump, double error, double most, lac_error *err)
 {
-    for (size_t i = 0; i < points->n; i++) {
-        lac_point *p = &points->point[i];
-        double pressed = 0.0;
-        for (size_t k = 0; k < p->cells; k++) {
-            const size_t leaf = lump->leaf[p->cell[k]];
-            pressed += cells->pressure[p->cell[k]] / lump->domain->pressure[leaf];
-            p->cell[k] = leaf;
-        }
-        p->pressed = pressed / (double)p->cells;
-    }
+    const char *advice = "a lower solver.lump.level opens blocks, fidelity ode resolves all cells";
+    LAC_FAIL_IF(isinf(error), err, LAC_ENUMERIC,
+                "solver.fidelity lumped cannot estimate its error: a short run of all cells to "
+                "compare with comes to no end, or to another one (level %zu); %s",
+                lump->level, advice);
+    LAC_FAIL_IF(error > most, err, LAC_ENUMERIC,
+                "solver.fidelity lumped may be off by %.2g, more than solver.lump.error %g: the "
+                "cells of a block slip too far apart (level %zu); %s",
+                error, most, lump->level, advice);
+    return LAC_OK;
 }

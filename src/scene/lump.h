@@ -2,7 +2,6 @@
 #pragma once
 
 #include "case/case.h"
-#include "run/points.h"
 #include "scene/lump_walk.h"
 
 /// Cells of blocks taken together: the scene's problem on few cells, each with a weight.
@@ -40,5 +39,5 @@ void lac_lump_free(lac_lump *lump);
 /// its time was over first, of the mean slip. INFINITY: cannot be told.
 double lac_lump_error(const lac_lump *lump, bool by_time);
 
-/// Makes points that were found among the cells those of the leaves that stand for them.
-void lac_lump_points(const lac_lump *lump, const lac_domain *cells, lac_points *points);
+/// @return LAC_OK; LAC_ENUMERIC: the error is more than `most`, or cannot be told
+lac_status lac_lump_judge(const lac_lump *lump, double error, double most, lac_error *err);

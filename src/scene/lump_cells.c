@@ -4,21 +4,6 @@
 #include "base/vsum.h"
 #include "scene/lump_parts.h"
 
-// A state x of the steady one at the start leaves it at a rate that 1 - 1/x sets: there what is
-// wrong of x counts 1/(x - 1) times.
-static double gain_of(const lac_lump_source *s, const lac_lump_cells *f)
-{
-    const double most = 100.0;
-    double sum = 0.0;
-    for (size_t i = 0; i < f->n; i++) {
-        const double dc = lac_cellwise_of(&s->whole.friction->column[LAC_DC], i);
-        sum += s->whole.domain->pressure[i] * (s->whole.log_state[i] + log(f->rate / dc));
-    }
-    const double x = exp(sum / f->pressure / (double)f->n);
-    const double gain = x / fabs(x - 1.0);
-    return gain > 1.0 ? fmin(gain, most) : 1.0;
-}
-
 static void sum_up(const lac_lump_source *s, lac_lump_cells *f)
 {
     const lac_friction *friction = s->whole.friction;
@@ -111,7 +96,7 @@ static void fill_friction(const lac_lump_source *s, lac_lump_cells *f)
     const double fast = 1e3;
     const lac_friction *friction = s->whole.friction;
     double *load = f->friction + LAC_LUMP_LOAD * f->n;
-    moving m = {.w = f->force, .rate = 0.0};
+    moving m = {.w = f->scratch, .rate = 0.0};
     for (size_t i = 0; i < f->n; i++) {
         const double b = lac_cellwise_of(&friction->column[LAC_B], i);
         const double dc = lac_cellwise_of(&friction->column[LAC_DC], i);
@@ -123,7 +108,6 @@ static void fill_friction(const lac_lump_source *s, lac_lump_cells *f)
     m.rate = f->mean_rate;
     balance(s, f, &m);
     f->rate = m.rate;
-    f->gain = gain_of(s, f);
     (void)move(s, f, &m, 0.0, f->friction + LAC_LUMP_START * f->n);
     m.rate *= fast;
     (void)move(s, f, &m, 0.0, f->friction + LAC_LUMP_FAST * f->n);
@@ -169,11 +153,14 @@ lac_status lac_lump_look(const lac_lump_source *s, lac_lump_cells *f, lac_error 
 {
     const size_t n = s->whole.domain->n;
     *f = (lac_lump_cells){.n = n};
-    f->memory = malloc((LAC_LUMP_ROWS + 2 * LAC_LUMP_PATTERNS) * (n + 1) * sizeof *f->memory);
+    f->memory =
+        malloc(((LAC_LUMP_ROWS + LAC_LUMP_PATTERNS + 3) * n + lac_hierarchy_work(s->blocks)) *
+               sizeof *f->memory);
     LAC_FAIL_MEMORY_IF(f->memory == NULL, err);
     f->friction = f->memory;
     f->pattern = f->friction + LAC_LUMP_ROWS * n;
-    f->force = f->pattern + LAC_LUMP_PATTERNS * n;
+    f->apart = f->pattern + LAC_LUMP_PATTERNS * n;
+    f->scratch = f->apart + n;
     sum_up(s, f);
     fill_friction(s, f);
     fill_patterns(s, f);

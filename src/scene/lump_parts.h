@@ -24,24 +24,23 @@ typedef struct lac_lump_cells {
     size_t n;
     double *friction; // [LAC_LUMP_ROWS][n]
     double *pattern;  // [LAC_LUMP_PATTERNS][n]
-    double *force;    // [LAC_LUMP_PATTERNS][n + 1] sums up to a cell of p times a pattern
+    double *apart;    // [n] how far they come apart: lac_lump_apart
+    double *scratch;  // [2 n + lac_hierarchy_work]
     double pressure;  // mean [Pa]
     double direct;    // mean of a by pressure
     double answer;    // mean of the answer by pressure
     double per_dc;    // mean of 1/dc [1/m]
     double mean_rate; // mean slip rate at the start [m/s]
     double rate;      // once all cells go as one [m/s]
-    double gain;      // by which an error counts more, near a steady state
     double *memory;
 } lac_lump_cells;
 
 // What moves the cells; `memory` is the caller's to free.
 lac_status lac_lump_look(const lac_lump_source *s, lac_lump_cells *f, lac_error *err);
 
-// What the patterns have of each level below `top` within cells [first, end): squares of the means
-// of its blocks less those of the next ones'. @param out  [top]; added to
-void lac_lump_add_levels(const lac_lump_source *s, lac_lump_cells *f, size_t top, size_t first,
-                         size_t end, double *out);
+// Fills in `apart`: the force by which each pattern moves a cell, less the mean of its block of
+// level `top`, times what sum_l by_l (P_l - P_{l+1}) makes of it. @param by  [levels]
+void lac_lump_apart(const lac_lump_source *s, lac_lump_cells *f, size_t top, const double *by);
 
 // k_l of the scene [Pa/m].
 double lac_lump_stiffness(const lac_lump_source *s, size_t level);

@@ -30,7 +30,6 @@ typedef struct walk {
     double growth;        // of the mean slip rate [1/s]
     double t, h, slip, rate, fastest, past; // reached; h the last step
     double next;                            // break of the loads, or the end
-    double first_rate;                      // mean slip rate at the start
     double length;                          // that the next step is to have; 0: it begins anew
 } walk;
 
@@ -150,30 +149,19 @@ static bool follow(walk *w)
 // How the way ends where it stands, if it does.
 static lac_lump_arrival arrival_of(const walk *w)
 {
-    const lac_run_def *ends = w->ends;
-    const double near = 0.001, fast = 10.0, about = 0.1;
-    if (w->slip >= w->most_slip) {
-        return LAC_LUMP_AT_LIMIT;
-    }
-    if (w->past >= 0.0) {
-        return LAC_LUMP_AT_FAILURE;
-    }
-    if (w->t >= ends->end) {
-        return LAC_LUMP_AT_TIME;
-    }
-    const bool nears = w->rate > fast * w->first_rate && w->growth * near * w->t > 1.0 &&
-                       fabs(w->t - w->way->fails) < about * w->t;
-    return nears ? LAC_LUMP_NEAR_FAILURE : LAC_LUMP_ON_ITS_WAY;
+    return w->slip >= w->most_slip ? LAC_LUMP_AT_LIMIT
+           : w->past >= 0.0        ? LAC_LUMP_AT_FAILURE
+           : w->t >= w->ends->end  ? LAC_LUMP_AT_TIME
+                                   : LAC_LUMP_ON_ITS_WAY;
 }
 
 // What it comes to. @param was  how far it was past failure a step before
 static double result_of(const walk *w, lac_lump_arrival arrival, double was)
 {
-    return arrival == LAC_LUMP_AT_LIMIT ? w->t - (w->slip - w->most_slip) / w->rate
-           : arrival == LAC_LUMP_AT_FAILURE
-               ? w->t - (was < 0.0 ? w->h * w->past / (w->past - was) : 0.0)
+    return arrival == LAC_LUMP_AT_LIMIT  ? w->t - (w->slip - w->most_slip) / w->rate
            : arrival == LAC_LUMP_AT_TIME ? w->slip
-                                         : w->t + 1.0 / w->growth;
+           : was < 0.0                   ? w->t - w->h * w->past / (w->past - was)
+                                         : w->t;
 }
 
 // Whether the end is reached, and what it comes to.
@@ -214,7 +202,6 @@ static bool go(walk *w, double *value)
         if (!arrive(w)) {
             return false;
         }
-        w->first_rate = first ? w->rate : w->first_rate;
         if (ends_here(w, before, value)) {
             return true;
         }

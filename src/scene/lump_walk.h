@@ -18,7 +18,6 @@ typedef enum lac_lump_arrival {
     LAC_LUMP_AT_TIME,
     LAC_LUMP_AT_LIMIT, ///< of the mean slip, which may be that of failure
     LAC_LUMP_AT_FAILURE,
-    LAC_LUMP_NEAR_FAILURE, ///< so near that the rate grows as one over the time that is left
 } lac_lump_arrival;
 
 /// The steps that all cells took to the end of a run.
@@ -26,7 +25,6 @@ typedef struct lac_lump_way {
     lac_lump_stage *stage; ///< owned by the caller
     size_t count;
     lac_lump_arrival arrival;
-    double fails; ///< when few cells fail, seen to the end: all do about then; NaN: they do not
 } lac_lump_way;
 
 /// Goes to the end of a run by linearly implicit steps, one evaluation and one solve each, and says

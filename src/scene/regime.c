@@ -372,10 +372,7 @@ lac_status lac_fidelity_settle(lac_scene *scene, lac_case *c, lac_fidelity_choic
                       .grid_cells = (double)lac_grid_cells(&contact->grid),
                       .contact_cells = (double)contact->domain->n,
                       .length = fmax((double)contact->grid.nx * contact->grid.dx,
-                                     (double)contact->grid.ny * contact->grid.dy),
-                      .critical = NAN,
-                      .patch = NAN,
-                      .stiffness_ratio = NAN};
+                                     (double)contact->grid.ny * contact->grid.dy)};
     lac_status status = LAC_OK;
     e.cells = e.contact_cells;
     lac_estimate_stability(c, &e);

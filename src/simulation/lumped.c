@@ -3,17 +3,18 @@
 // what is put out written back to them. docs/theory/lumped.md.
 #include "simulation/lumped.h"
 
-struct lac_lumped_sink {
+typedef struct back {
     lac_sink next; // first: lac_sink_before
-    const lac_lump *lump;
-    const lac_domain *cells;
+    const lac_scene *scene;
     double *field; // [LAC_SNAPSHOT_FIELDS][cells]
-};
+} back;
 
 static lac_status on_snapshot(void *context, const lac_snapshot *of, lac_error *err)
 {
-    const lac_lumped_sink *s = context;
-    const size_t n = s->cells->n;
+    const back *s = context;
+    const lac_domain *cells = s->scene->contact.domain;
+    const lac_lump *lump = s->scene->lump;
+    const size_t n = cells->n;
     lac_snapshot all = *of;
     const double **to[LAC_SNAPSHOT_FIELDS];
     lac_snapshot_fields(&all, to);
@@ -22,8 +23,8 @@ static lac_status on_snapshot(void *context, const lac_snapshot *of, lac_error *
         const double *leaves = *to[k];
         double *field = s->field + k * n;
         for (size_t i = 0; leaves != NULL && i < n; i++) {
-            const uint32_t leaf = s->lump->leaf[i];
-            const double pressed = s->cells->pressure[i] / s->lump->domain->pressure[leaf];
+            const uint32_t leaf = lump->leaf[i];
+            const double pressed = cells->pressure[i] / lump->domain->pressure[leaf];
             field[i] = leaves[leaf] * (to[k] == &all.traction ? pressed : 1.0);
         }
         *to[k] = leaves != NULL ? field : NULL;
@@ -31,30 +32,36 @@ static lac_status on_snapshot(void *context, const lac_snapshot *of, lac_error *
     return s->next.snapshot(s->next.context, &all, err);
 }
 
-lac_status lac_lumped_sink_create(const lac_lump *lump, const lac_domain *cells,
-                                  const lac_sink *next, lac_lumped_sink **out, lac_error *err)
+// What taking cells together may have cost.
+static lac_status judge(const lac_scene *scene, lac_run_result *run, lac_error *err)
 {
-    lac_lumped_sink *s = malloc(sizeof *s);
-    *out = s;
-    LAC_FAIL_MEMORY_IF(s == NULL, err);
-    *s = (lac_lumped_sink){.next = *next, .lump = lump, .cells = cells};
-    s->field =
-        next->snapshot != NULL ? malloc(LAC_SNAPSHOT_FIELDS * cells->n * sizeof *s->field) : NULL;
-    LAC_FAIL_MEMORY_IF(next->snapshot != NULL && s->field == NULL, err);
-    return LAC_OK;
-}
-
-void lac_lumped_sink_free(lac_lumped_sink *sink)
-{
-    if (sink != NULL) {
-        free(sink->field);
-        free(sink);
+    run->lump_error_estimated = lac_lump_error(scene->lump, run->end == LAC_END_TIME);
+    const lac_status status =
+        lac_lump_judge(scene->lump, run->lump_error_estimated, scene->source->lump.error, err);
+    if (status != LAC_OK) {
+        run->failed = false;
+        run->failure_origin = run->failure_local = NAN;
+        run->end = LAC_END_ERROR;
     }
+    return status;
 }
 
-lac_sink lac_lumped_sink_of(lac_lumped_sink *sink)
+lac_status lac_lumped_run(const lac_scene *scene, const lac_run_def *def, const lac_sink *sink,
+                          lac_run_result *out, lac_error *err)
 {
-    lac_sink own = lac_sink_before(&sink->next);
-    own.snapshot = own.snapshot != NULL ? on_snapshot : NULL;
-    return own;
+    back b = {.scene = scene};
+    lac_sink own;
+    if (sink != NULL) {
+        b.next = *sink;
+        own = lac_sink_before(&b.next);
+    }
+    if (sink != NULL && sink->snapshot != NULL) {
+        b.field = malloc(LAC_SNAPSHOT_FIELDS * scene->contact.domain->n * sizeof *b.field);
+        LAC_FAIL_MEMORY_IF(b.field == NULL, err);
+        own.snapshot = on_snapshot;
+    }
+    const lac_status status =
+        lac_run(scene->lump->problem, def, sink != NULL ? &own : NULL, out, err);
+    free(b.field);
+    return status == LAC_OK ? judge(scene, out, err) : status;
 }

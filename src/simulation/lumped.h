@@ -3,10 +3,9 @@
 
 #include "simulation/simulation.h"
 
-/// A sink before another one that writes what it gets of leaves back to their cells.
-typedef struct lac_lumped_sink lac_lumped_sink;
-
-lac_status lac_lumped_sink_create(const lac_lump *lump, const lac_domain *cells,
-                                  const lac_sink *next, lac_lumped_sink **out, lac_error *err);
-void lac_lumped_sink_free(lac_lumped_sink *sink);
-lac_sink lac_lumped_sink_of(lac_lumped_sink *sink);
+/// Runs the lump of a scene: its cells' fields are what the sink gets. A time that may be off by
+/// more than the case allows is none.
+/// @param sink  NULL: nothing is put out
+/// @return as lac_run; LAC_ENUMERIC: its error is more than solver.lump.error, or cannot be told
+lac_status lac_lumped_run(const lac_scene *scene, const lac_run_def *def, const lac_sink *sink,
+                          lac_run_result *out, lac_error *err);

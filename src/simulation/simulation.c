@@ -87,9 +87,6 @@ static lac_status build(lac_simulation *s, lac_error *err)
         LAC_TRY_RETURN(lac_points_create(s->scene->contact.domain, s->source.points,
                                          s->source.point, &s->points, err));
         s->outcome.points = s->points;
-        if (s->scene->lump != NULL) {
-            lac_lump_points(s->scene->lump, s->scene->contact.domain, s->points);
-        }
     }
     prepared(s, LAC_STAGE_SCENE);
     const bool picks = !isnan(s->source.accuracy);
@@ -222,51 +219,6 @@ static lac_status decide(lac_simulation *s, const lac_sink *sink, lac_error *err
     return LAC_OK;
 }
 
-// What taking cells together may have cost. A time that may be off by more than the case allows is
-// none.
-static lac_status judge_lump(lac_simulation *s, lac_error *err)
-{
-    lac_run_result *run = &s->outcome.run;
-    const double most = s->source.lump.error;
-    double *error = &run->lump_error_estimated;
-    *error = lac_lump_error(s->scene->lump, run->end == LAC_END_TIME);
-    if (*error <= most) {
-        return LAC_OK;
-    }
-    run->failed = false;
-    run->failure_origin = run->failure_local = NAN;
-    run->end = LAC_END_ERROR;
-    const char *advice = "a lower solver.lump.level opens blocks, fidelity ode resolves all cells";
-    return isfinite(*error)
-               ? lac_fail(err, LAC_ENUMERIC,
-                          "solver.fidelity lumped may be off by %.2g, more than solver.lump.error "
-                          "%g: the cells of a block slip too far apart (level %zu); %s",
-                          *error, most, s->scene->lump->level, advice)
-               : lac_fail(
-                     err, LAC_ENUMERIC,
-                     "solver.fidelity lumped cannot estimate its error: a short run of all cells "
-                     "to compare with comes to no end, or to another one (level %zu); %s",
-                     s->scene->lump->level, advice);
-}
-
-static lac_status integrate_lump(lac_simulation *s, const lac_run_def *def, const lac_sink *sink,
-                                 lac_error *err)
-{
-    lac_lumped_sink *back = NULL;
-    lac_sink to_cells;
-    lac_status status = LAC_OK;
-    if (sink != NULL) {
-        LAC_TRY(lac_lumped_sink_create(s->scene->lump, s->scene->contact.domain, sink, &back, err));
-        to_cells = lac_lumped_sink_of(back);
-    }
-    LAC_TRY(lac_run(s->scene->lump->problem, def, back != NULL ? &to_cells : NULL, &s->outcome.run,
-                    err));
-    LAC_TRY(judge_lump(s, err));
-out:
-    lac_lumped_sink_free(back);
-    return status;
-}
-
 static lac_status integrate(lac_simulation *s, const lac_sink *sink, lac_error *err)
 {
     static const lac_sink nowhere;
@@ -285,7 +237,7 @@ static lac_status integrate(lac_simulation *s, const lac_sink *sink, lac_error *
         through = lac_analysis_sink(s->analysis, sink != NULL ? sink : &nowhere);
     }
     if (s->scene->lump != NULL) {
-        return integrate_lump(s, &def, sink, err);
+        return lac_lumped_run(s->scene, &def, sink, &s->outcome.run, err);
     }
     return lac_run(lac_scene_problem(s->scene), &def, s->analysis != NULL ? &through : sink,
                    &s->outcome.run, err);

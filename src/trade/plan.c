@@ -166,30 +166,6 @@ static void add_tolerance(const lac_case *c, lac_trade *trade)
                                       lac_setting_number(c->run.rtol)}};
 }
 
-// Nothing is compared with a position that is known to be coarse.
-static lac_status check_reference(const lac_case *c, const lac_trade *trade, lac_error *err)
-{
-    const lac_setting *setting;
-    for (size_t i = 0; (setting = lac_setting_get(i)) != NULL; i++) {
-        char last[LAC_SETTING_LABEL];
-        if (setting->coarse == NULL || !is_of(setting, trade->of)) {
-            continue;
-        }
-        lac_setting_current(setting, c, last);
-        for (size_t d = 0; d < trade->settings; d++) {
-            const lac_trade_setting *own = &trade->setting[d];
-            if (own->setting == setting && own->count > 0) {
-                (void)snprintf(last, sizeof last, "%s", own->value[own->count - 1].label);
-            }
-        }
-        LAC_FAIL_IF(strcmp(last, setting->coarse) == 0, err, LAC_EINPUT,
-                    "--dials: %s: all is compared with the last position, which cannot be %s: name "
-                    "a finer one after it",
-                    setting->name, setting->coarse);
-    }
-    return LAC_OK;
-}
-
 // The positions that only the reference has.
 static void add_tighter(lac_trade *trade)
 {
@@ -325,7 +301,6 @@ lac_status lac_trade_create(const lac_case *c, lac_trade_of of, const char *word
     }
     LAC_LEAVE_IF(out->settings == 0, err, LAC_EINPUT,
                  "there is no dial to turn: its cells are given");
-    LAC_TRY(check_reference(c, out, err));
     add_tighter(out);
     out->ladder = SIZE_MAX;
     for (size_t d = out->settings; d-- > 0;) {

@@ -31,9 +31,8 @@ typedef struct lac_setting {
                             ///< more than this a rung is not believed; 0: no ladder
     const char *cascade;    ///< the label at which the cascade is computed, else a run; NULL: the
                             ///< setting does not choose between them
-    const char *coarse;     ///< the label of a position that nothing is compared with, as nothing
-                            ///< tells its error beforehand; NULL
-    const char *coarse_keys; ///< what a case may hold for that position alone
+    const char *coarse;     ///< the label of a position with keys of its own; NULL
+    const char *coarse_keys; ///< these, which a case may hold for that position alone
     /// Its positions on this case, the coarsest and cheapest first.
     /// @param of   what is traded
     /// @param out  [LAC_SETTING_VALUES]

@@ -401,8 +401,8 @@ out:
     return status;
 }
 
-static lac_status calibrate(const lac_transfer_scene *scene, bool across, uint64_t seed, double *k,
-                            double *error, lac_error *err)
+lac_status lac_calibrate_elastic(const lac_transfer_scene *scene, bool across, uint64_t seed,
+                                 double *k, double *error, lac_error *err)
 {
     lac_status status;
     stiffnesses s = {0};
@@ -420,16 +420,4 @@ static lac_status calibrate(const lac_transfer_scene *scene, bool across, uint64
 out:
     free(s.k);
     return status;
-}
-
-lac_status lac_calibrate_elastic(const lac_transfer_scene *scene, uint64_t seed, double *k,
-                                 double *error, lac_error *err)
-{
-    return calibrate(scene, false, seed, k, error, err);
-}
-
-lac_status lac_calibrate_along_y(const lac_transfer_scene *scene, uint64_t seed, double *k,
-                                 lac_error *err)
-{
-    return calibrate(scene, true, seed, k, NULL, err);
 }

@@ -7,12 +7,9 @@
 /// scene's contact domain; docs/theory/transfer.md, equation 13. About 1 % accurate on grids of up
 /// to 64 x 64 cells, exact where few blocks are tied; on larger ones as `error` says, 0.5 % of the
 /// finest level and some 3 % where few blocks are tied.
+/// @param across  of slip along y, else along x
 /// @param seed   of the random probes
 /// @param k      [lac_hierarchy_levels]; 0 where the level ties no blocks
 /// @param error  [levels] its standard error, 0 where all vectors were used; NULL: not wanted
-lac_status lac_calibrate_elastic(const lac_transfer_scene *scene, uint64_t seed, double *k,
-                                 double *error, lac_error *err);
-
-/// The same for slip along y.
-lac_status lac_calibrate_along_y(const lac_transfer_scene *scene, uint64_t seed, double *k,
-                                 lac_error *err);
+lac_status lac_calibrate_elastic(const lac_transfer_scene *scene, bool across, uint64_t seed,
+                                 double *k, double *error, lac_error *err);

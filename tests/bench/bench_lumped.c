@@ -42,16 +42,12 @@ static outcome integrate(const lac_problem *problem, const lac_run_def *like, do
 // CPU that the estimate of the error takes within the making of a lump [s].
 static double judge(const lac_lump_source *source, const lac_lump *lump)
 {
-    lac_lump_way way = {.fails = NAN};
+    lac_lump_way way = {0};
     lac_error err = {""};
     double least = INFINITY, value;
     for (int k = 0; k < 3; k++) {
         const double start = cpu_seconds();
-        way.fails = NAN;
-        lac_status status = lac_lump_walk(lump->problem, source->ends, true, &way, &value, &err);
-        way.fails = way.arrival == LAC_LUMP_AT_FAILURE ? value : (double)NAN;
-        if (status != LAC_OK ||
-            lac_lump_walk(source->problem, source->ends, true, &way, &value, &err) != LAC_OK ||
+        if (lac_lump_walk(source->problem, source->ends, true, &way, &value, &err) != LAC_OK ||
             lac_lump_walk(lump->problem, source->ends, false, &way, &value, &err) != LAC_OK) {
             stop("estimate", &err);
         }

@@ -27,8 +27,7 @@ friction: {aging: {f0: 0.6, a: 0.010, b: 0.015, dc: 1 mm, v0: 1 um/s},
 initial: {slip_rate: 1 cm/day, state: {ratio_to_steady: 0.6}}
 transfer: {hierarchy: {k0: 3e10, ratio: 0.5}}
 time: {end: 200 day}
-output: {fields: [slip, traction, state], fields_every: {per_decade: 2},
-         points: [{name: inclinometer, x: 20 m, y: 30 m}], every: {per_decade: 20}}
+output: {fields: [slip, traction, state], fields_every: {per_decade: 2}, every: {per_decade: 20}}
 """
 
 
@@ -73,10 +72,6 @@ class Lumped(unittest.TestCase):
                     a, b = one[name][snapshot], other[name][snapshot]
                     scale = max(np.abs(b).max(), 1e-9)
                     self.assertLess(np.abs(a - b).max() / scale, most + 1e-3, f"{name} {snapshot}")
-            times = one["time"][:]
-            at = np.searchsorted(times, 0.5 * times[-1])
-            seen = np.interp(times[at], other["time"][:], other["point_slip"][:, 0])
-            self.assertLess(abs(one["point_slip"][at, 0] / seen - 1), 0.01)
 
     def test_summary_and_check(self):
         said = self.run_case("solver.fidelity=lumped", more=()).stdout
@@ -120,6 +115,7 @@ class Lumped(unittest.TestCase):
                 (("solver.lump.error=0.1",), "goes with fidelity lumped"),
                 ((lumped, "analysis={events: {slip_rate: 1 mm/s}}"), "which fidelity lumped does not follow"),
                 ((lumped, "interface.slip=vector"), "along x only"),
+                ((lumped, "output.points=[{name: inclinometer, x: 20 m, y: 30 m}]"), "are single cells"),
                 ((lumped, "inertia={mass_per_area: 5e5 kg/m2}"), "knows no inertia"),
                 ((lumped, "solver.lump.error=0.7"), "0.5"),
                 ((lumped, "solver.lump.nodes=1"), "2"),
@@ -144,7 +140,7 @@ class Lumped(unittest.TestCase):
     def test_levels_of_one_block(self):
         """Contact that lies in one corner has levels that hold what the level below holds."""
         for seed, level in ((195, "auto"), (195, 2), (144, 4)):
-            corner = ("interface.domain.cascade.dimension=1.56", f"interface.domain.cascade.seed={seed}", "output.points=[]")
+            corner = ("interface.domain.cascade.dimension=1.56", f"interface.domain.cascade.seed={seed}")
             few = json.loads(self.run_case("solver.fidelity=lumped", f"solver.lump.level={level}", "solver.lump.error=0.5", *corner).stdout)
             whole = json.loads(self.run_case("solver.fidelity=ode", *corner).stdout)
             self.assertLess(abs(few["failure_time_s"] / whole["failure_time_s"] - 1), few["lump_error_estimated"] + 2e-5)
@@ -162,7 +158,6 @@ class Lumped(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         found = json.loads(done.stdout)
         self.assertLess(abs(found["parameters"][0]["best"] / 1e-3 - 1), 2e-3)
-        self.assertGreaterEqual(found["lump_refused"], 0)
 
     def test_no_lumped_reference(self):
         for more in (("fidelity=ode:lumped",), ("rtol", "--set", "solver.fidelity=lumped")):

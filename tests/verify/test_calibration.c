@@ -56,7 +56,7 @@ static void calibrate_rock(const lac_domain *domain, double g, double nu, bool l
     lac_transfer_scene scene = {domain, h, g, nu, line, false, NULL};
     lac_error err = {""};
     double k[33], error[33];
-    if (lac_calibrate_elastic(&scene, seed, k, error, &err) != LAC_OK) {
+    if (lac_calibrate_elastic(&scene, false, seed, k, error, &err) != LAC_OK) {
         fail_msg("%s", err.message);
     }
     for (size_t l = 0; l < lac_hierarchy_levels(h); l++) {
@@ -250,9 +250,9 @@ static void check_coarse(lac_grid grid, bool line, bool across)
     lac_compliance *c = NULL;
     double k[33], error[33], finer = 0;
     assert_int_equal(lac_compliance_create(domain, &rock, &c, NULL), LAC_OK);
-    assert_int_equal(lac_calibrate_elastic(&scene, 1, k, error, NULL), LAC_OK);
+    assert_int_equal(lac_calibrate_elastic(&scene, false, 1, k, error, NULL), LAC_OK);
     if (across) {
-        assert_int_equal(lac_calibrate_along_y(&scene, 1, k, NULL), LAC_OK);
+        assert_int_equal(lac_calibrate_elastic(&scene, true, 1, k, NULL, NULL), LAC_OK);
     }
     for (size_t l = levels - 4; l <= levels; l++) {
         double trace = block_trace(c, h, l);

@@ -369,12 +369,6 @@ static void print_text(const lac_fit_outcome *outcome, const char *series, doubl
     print_identifiability(r, verbose);
     puts("");
     print_posterior(source, r);
-    if (source->run.fidelity == LAC_FIDELITY_LUMPED) {
-        cli_row("lumped",
-                "each trial judged by how far off it may be; %" PRId64
-                " may be off by more than %g (solver.lump.error) and do not count",
-                r->beyond, source->lump.error);
-    }
     cli_row("cost", "%" PRId64 " runs in %.3g s", r->runs, wall_time);
 }
 

@@ -200,6 +200,7 @@ static lac_status check_named(const lac_trade *trade, lac_error *err)
 // Looks up the settings of all runs; those that are refused or twice there are marked.
 static lac_status resolve(const cli_trade_job *job, lac_trade *trade, lac_error *err)
 {
+    const size_t finest = trade->finest;
     for (size_t i = 0; i < trade->runs; i++) {
         lac_case *c = NULL;
         lac_error why = {""};
@@ -217,8 +218,12 @@ static lac_status resolve(const cli_trade_job *job, lac_trade *trade, lac_error 
             (void)snprintf(run->message, sizeof run->message, "%s", why.message);
             status = LAC_OK;
         }
+        const bool coarse = c != NULL && i == finest && c->run.fidelity == LAC_FIDELITY_LUMPED;
         lac_case_free(c);
         LAC_FAIL_IF(status != LAC_OK, err, status, "%s", why.message);
+        LAC_FAIL_IF(coarse, err, LAC_EINPUT,
+                    "--dials: fidelity: all is compared with the last position, which cannot be "
+                    "lumped: name a finer one after it");
     }
     return check_named(trade, err);
 }
