@@ -292,19 +292,19 @@ static lac_status take(const lac_synthesis *how, const lac_fft *fft, const lac_g
 {
     const lac_strip rows = lac_strip_rows(fft->strip.team, grid->ny);
     const size_t n = rows.n * grid->nx;
-    const void *from = fft->real;
+    const double *from = fft->real;
     void *made = NULL;
     if (fft->ny > grid->ny) { // other ranks have the rows
-        LAC_TRY_RETURN(lac_strip_bring(&fft->strip, rows.first, rows.n, fft->nx * sizeof *heights,
-                                       fft->real, &from, &made, err));
+        from =
+            lac_strip_bring(&fft->strip, rows.first, rows.n, fft->nx * sizeof *from, from, &made);
+        LAC_FAIL_MEMORY_IF(from == NULL, err);
     }
     for (size_t j = 0; j < rows.n; j++) {
-        memcpy(heights + j * grid->nx, (const double *)from + j * fft->nx,
-               grid->nx * sizeof *heights);
+        memcpy(heights + j * grid->nx, from + j * fft->nx, grid->nx * sizeof *heights);
     }
     free(made);
     bool none = how->sampling == LAC_SAMPLING_LOW_PASS && how->margin == 0;
-    const double sum = none || how->with_mean ? 0.0 : lac_strip_sum(&rows, n, heights);
+    const double sum = none || how->with_mean ? 0.0 : lac_strip_sum(&rows, n, heights, 1.0);
     for (size_t i = 0; !none && !how->with_mean && i < n; i++) {
         heights[i] -= sum / (double)lac_grid_cells(grid);
     }
