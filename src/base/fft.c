@@ -156,15 +156,6 @@ static size_t take_columns(lac_fft *fft, size_t first)
     return width;
 }
 
-// The block to wavenumbers along y
-static void transform_columns(const lac_fft *fft, double _Complex *block, size_t width)
-{
-    for (size_t k = 0; k < width; k++) {
-        memset(&block[k * fft->lead + fft->rows], 0, (fft->ny - fft->rows) * sizeof *block);
-    }
-    fftw_execute(fft->block_forward);
-}
-
 LAC_CLONES static void lac_fft_multiply(size_t n, const double *restrict factor, double *restrict x)
 {
     for (size_t j = 0; j < n; j++) {
@@ -175,7 +166,10 @@ LAC_CLONES static void lac_fft_multiply(size_t n, const double *restrict factor,
 
 void lac_fft_columns(const lac_fft *fft, double _Complex *block, size_t width, const double *table)
 {
-    transform_columns(fft, block, width);
+    for (size_t k = 0; k < width; k++) {
+        memset(&block[k * fft->lead + fft->rows], 0, (fft->ny - fft->rows) * sizeof *block);
+    }
+    fftw_execute(fft->block_forward);
     for (size_t k = 0; k < width; k++) {
         lac_fft_multiply(fft->ny, &table[k * fft->ny], (double *)&block[k * fft->lead]);
     }

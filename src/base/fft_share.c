@@ -56,8 +56,6 @@ static lac_status share(size_t nx, size_t ny, size_t rows, size_t lead, lac_team
 {
     lac_status status = share_rows((const size_t[]){nx, ny}, rows, lead, team, out, err);
     if (status == LAC_OK) {
-        const size_t line = lead > 0 ? lead : ny;
-        memset((*out)->shared->plane, 0, SIDE_BY_SIDE * line * sizeof *(*out)->spectrum);
         status = plan_columns(*out, lead > 0 ? 1 : SIDE_BY_SIDE, lead > 0 ? (int)lead : 1, err);
     }
     return lac_team_agree(team, status, err); // none waits for one without memory
@@ -97,15 +95,11 @@ typedef struct tabled {
     const double *given;
 } tabled;
 
-static void pack(void *context, size_t first, size_t width, void *packet, bool back)
+static void turn(tabled *t, void (*work)(void *context, size_t first, size_t width, void *plane),
+                 bool returns)
 {
-    const lac_fft *fft = ((const tabled *)context)->fft;
-    double _Complex *at = packet;
-    memset(at, 0, back ? 0 : fft->strip.n * SIDE_BY_SIDE * sizeof *at);
-    for (size_t j = 0; j < fft->strip.n; j++, at += SIDE_BY_SIDE) {
-        double _Complex *row = &fft->spectrum[j * fft->nkx + first];
-        memcpy(back ? row : at, back ? at : row, width * sizeof *at);
-    }
+    const lac_turn_use use = {t, NULL, t->fft->spectrum, t->fft->nkx, work, returns};
+    lac_turn_pass(t->fft->shared, &t->fft->columns, sizeof *t->fft->spectrum, &use);
 }
 
 static void work(void *context, size_t first, size_t width, void *plane)
@@ -116,8 +110,7 @@ static void work(void *context, size_t first, size_t width, void *plane)
 
 void lac_fft_share_inverse(lac_fft *fft)
 {
-    const lac_turn_use use = {&(tabled){fft, NULL, NULL}, pack, work, true};
-    lac_turn_pass(fft->shared, &fft->columns, sizeof *fft->spectrum, &use);
+    turn(&(tabled){fft, NULL, NULL}, work, true);
     rows_back(fft);
 }
 
@@ -138,29 +131,8 @@ static void work_table(void *context, size_t first, size_t width, void *plane)
 
 void lac_fft_share_table(lac_fft *fft, double *table)
 {
-    tabled t = {fft, table, NULL};
-    const lac_turn_use use = {&t, pack, work_table, false};
     rows_forth(fft);
-    lac_turn_pass(fft->shared, &fft->columns, sizeof *fft->spectrum, &use);
-}
-
-// Columns of n rows as lines. @param size  of an item, known where this is inlined
-static inline __attribute__((always_inline)) void
-turn(size_t n, size_t size, char *rows, size_t stride, size_t width, char *lines, bool back)
-{
-    for (size_t k = 0; k < width; k++) {
-        for (size_t j = 0; j < n; j++, lines += size) {
-            char *at = rows + (j * stride + k) * size;
-            memcpy(back ? at : lines, back ? lines : at, size);
-        }
-    }
-}
-
-static void pack_lines(void *context, size_t first, size_t width, void *packet, bool back)
-{
-    const lac_fft *fft = ((const tabled *)context)->fft;
-    turn(fft->strip.n, sizeof *fft->spectrum, (char *)(fft->spectrum + first), fft->nkx, width,
-         packet, back);
+    turn(&(tabled){fft, table, NULL}, work_table, false);
 }
 
 static void work_lines(void *context, size_t first, size_t width, void *plane)
@@ -172,10 +144,8 @@ static void work_lines(void *context, size_t first, size_t width, void *plane)
 
 void lac_fft_share_through(lac_fft *fft, const double *table)
 {
-    tabled t = {fft, NULL, table};
-    const lac_turn_use use = {&t, pack_lines, work_lines, true};
     rows_forth(fft);
-    lac_turn_pass(fft->shared, &fft->columns, sizeof *fft->spectrum, &use);
+    turn(&(tabled){fft, NULL, table}, work_lines, true);
     rows_back(fft);
 }
 
@@ -187,12 +157,6 @@ typedef struct even {
     lac_status status;
     lac_error *err;
 } even;
-
-static void pack_even(void *context, size_t first, size_t width, void *packet, bool back)
-{
-    const even *e = context;
-    turn(e->rows->n, sizeof *e->quarter, (char *)(e->quarter + first), e->n1, width, packet, back);
-}
 
 // Lines one by one.
 static void transform_lines(even *e, size_t n, double *line, size_t lines, size_t apart)
@@ -229,8 +193,8 @@ lac_status lac_fft_share_even(const lac_strip *rows, size_t n1, bool mirrored, d
     lac_turn *shared = NULL;
     even e = {rows, n1, (rows->all + 9) / 8 * 8, quarter, LAC_OK, err};
     const lac_strip columns = lac_strip_of(rows->team, n1, rows->grain);
-    const lac_turn_use transform = {&e, pack_even, work_even, true};
-    const lac_turn_use mirror = {&e, pack_even, mirror_even, false};
+    const lac_turn_use transform = {&e, NULL, quarter, n1, work_even, true};
+    const lac_turn_use mirror = {&e, NULL, quarter, n1, mirror_even, false};
     lac_status status = lac_turn_create(rows, e.lead, rows->grain * sizeof(double), &shared, err);
     status = lac_team_agree(rows->team, status, err);
     if (status == LAC_OK) {

@@ -340,17 +340,6 @@ static char *column_of(const lac_filter *f, char *block, size_t c)
     return &block[c * f->lead * 2 * f->now->size];
 }
 
-// A column, zeros beyond the field, to its wavenumbers along y
-static char *transform_column(const lac_filter *f, size_t c, char *block)
-{
-    char *column = column_of(f, block, c), *spectrum = own_scratch(f) + f->room.second;
-    const size_t size = 2 * f->now->size;
-    spectrum = column_of(f, spectrum, c % BLOCK);
-    memset(&column[f->all * size], 0, (f->my - f->all) * size);
-    f->now->execute(current(f)->column_forward, column, spectrum);
-    return spectrum;
-}
-
 static const void *factors(const lac_filter *f, lac_filter_symbol symbol, const void *context,
                            size_t k)
 {
@@ -375,7 +364,11 @@ typedef struct columns_use {
 static void do_column(const columns_use *use, size_t k, size_t c, char *block)
 {
     const lac_filter *f = use->f;
-    char *column = transform_column(f, c, block);
+    const size_t size = 2 * f->now->size;
+    char *field = column_of(f, block, c);
+    char *column = column_of(f, own_scratch(f) + f->room.second, c % BLOCK);
+    memset(&field[f->all * size], 0, (f->my - f->all) * size); // beyond it are zeros
+    f->now->execute(current(f)->column_forward, field, column);
     const void *factor = factors(f, use->symbol, use->context, k);
     if (use->adds) {
         bool alone = !f->single && k == (f->odd ? f->length - 1 - k : (f->length - k) % f->length);
@@ -384,7 +377,7 @@ static void do_column(const columns_use *use, size_t k, size_t c, char *block)
     }
     if (use->back) {
         f->now->multiply(f->my, factor, column);
-        f->now->execute(current(f)->column_inverse, column, column_of(f, block, c));
+        f->now->execute(current(f)->column_inverse, column, field);
     }
 }
 
@@ -416,7 +409,7 @@ static void work(void *context, size_t first, size_t width, void *plane)
 static void share_columns(columns_use *use)
 {
     const lac_filter *f = use->f;
-    const lac_turn_use shared = {use, pack, work, use->back};
+    const lac_turn_use shared = {use, pack, NULL, 0, work, use->back};
     const size_t rise = f->single ? (f->nkx - f->part + f->modulus - 1) / f->modulus : f->columns;
     memset(f->column_power, 0, f->columns * sizeof *f->column_power);
     for (int slope = 0; slope < (f->single ? 2 : 1); slope++) {

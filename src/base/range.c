@@ -28,16 +28,9 @@ lac_range lac_range_of(lac_team *team, int rank, size_t all)
 
 void lac_range_bring(const lac_range *range, const double *x, size_t first, size_t n, double *out)
 {
-    size_t sent[LAC_TEAM_MOST] = {0}, taken[LAC_TEAM_MOST] = {0};
-    const lac_strip here = lac_strip_of(range->team, range->all, range->block);
-    sent[0] = lac_strip_share(&here, first, n) * sizeof *x;
-    for (int rank = 0; rank < range->team->ranks && range->team->rank == 0; rank++) {
-        const lac_strip of = lac_strip_at(&here, rank);
-        taken[rank] = lac_strip_share(&of, first, n) * sizeof *x;
-    }
-    const size_t from = sent[0] > 0 && first > here.first ? first - here.first : 0;
-    void *to = out != NULL ? (void *)out : (void *)taken; // where nothing comes
-    range->team->exchange(range->team, x + from, sent, to, taken);
+    const lac_strip cells = lac_strip_of(range->team, range->all, range->block);
+    const uint64_t wants[LAC_TEAM_MOST][2] = {{first, n}}; // of the first alone
+    lac_strip_exchange(&cells, wants, sizeof *x, x, out);
 }
 
 bool lac_range_hand(const lac_range *range, double *x, size_t arrays, lac_range_take *take,
@@ -54,7 +47,7 @@ bool lac_range_hand(const lac_range *range, double *x, size_t arrays, lac_range_
                 lac_range_bring(range, x, at, n, room);
             }
             if (leads) {
-                take(context, alone ? x + at : room, at, n);
+                take(context, alone ? x + at : room, n);
             }
         }
     }

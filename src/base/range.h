@@ -35,11 +35,11 @@ lac_range lac_range_of(lac_team *team, int rank, size_t all);
 
 /// Values first ... first + n - 1 of all, to the rank that leads; of a range of ranks.
 /// @param x    [n here]
-/// @param out  [n] there; elsewhere no more than an address
+/// @param out  [n] there
 void lac_range_bring(const lac_range *range, const double *x, size_t first, size_t n, double *out);
 
-/// Takes n values from the first-th on of an array of all cells.
-typedef void lac_range_take(void *context, double *x, size_t first, size_t n);
+/// Takes the next n values of an array of all cells.
+typedef void lac_range_take(void *context, double *x, size_t n);
 
 /// Hands arrays of the cells, those of one after the other, to the rank that leads: piece by piece,
 /// so that it needs no room for all. @param x  [arrays][n]

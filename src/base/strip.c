@@ -32,55 +32,49 @@ lac_strip lac_strip_of(lac_team *team, size_t all, size_t grain)
     return lac_strip_like(&strip, all, grain);
 }
 
-int lac_strip_owner(const lac_strip *strip, size_t row)
-{
-    const size_t ranks = strip->team != NULL ? (size_t)strip->team->ranks : 1;
-    return (int)(row / strip->grain * ranks / strip->grains);
-}
-
-size_t lac_strip_share(const lac_strip *strip, size_t first, size_t n)
+// How many of rows first ... first + n - 1 a strip has.
+static size_t share(const lac_strip *strip, size_t first, size_t n)
 {
     const size_t low = first > strip->first ? first : strip->first;
     const size_t end = first + n < strip->first + strip->n ? first + n : strip->first + strip->n;
     return end > low ? end - low : 0;
 }
 
-// What ranks want may overlap: it is put behind each other.
-lac_status lac_strip_bring(const lac_strip *strip, size_t first, size_t n, size_t size,
-                           const void *rows, const void **out, void **made, lac_error *err)
+void lac_strip_exchange(const lac_strip *strip, const uint64_t wants[][2], size_t size,
+                        const void *rows, void *out)
 {
-    uint64_t wants[LAC_TEAM_MOST][2] = {{0}}; // first row and number
-    size_t sent[LAC_TEAM_MOST] = {0}, taken[LAC_TEAM_MOST] = {0}, total = 0;
+    const lac_team *team = strip->team;
+    lac_piece give[LAC_TEAM_MOST], take[LAC_TEAM_MOST];
+    char *to = out;
+    for (int rank = 0; rank < team->ranks; rank++) {
+        const lac_strip of = lac_strip_at(strip, rank);
+        const size_t first = wants[rank][0] > strip->first ? wants[rank][0] - strip->first : 0;
+        const size_t gives = share(strip, wants[rank][0], wants[rank][1]);
+        give[rank] = (lac_piece){(char *)rows + (gives > 0 ? first * size : 0), gives * size};
+        take[rank].at = to;
+        take[rank].n = share(&of, wants[team->rank][0], wants[team->rank][1]) * size;
+        to += take[rank].n;
+    }
+    team->exchange(team, give, take);
+}
+
+const void *lac_strip_bring(const lac_strip *strip, size_t first, size_t n, size_t size,
+                            const void *rows, void **made)
+{
+    uint64_t wants[LAC_TEAM_MOST][2] = {{0}};
     lac_team *team = strip->team;
     *made = NULL;
-    *out = (const char *)rows + (team == NULL ? first * size : 0);
     if (team == NULL) {
-        return LAC_OK;
+        return (const char *)rows + first * size;
     }
     wants[team->rank][0] = first;
     wants[team->rank][1] = n;
     team->join(team, wants[0], 2 * (size_t)team->ranks);
-    for (int rank = 0; rank < team->ranks; rank++) {
-        const lac_strip of = lac_strip_at(strip, rank);
-        taken[rank] = lac_strip_share(&of, first, n) * size;
-        sent[rank] = lac_strip_share(strip, wants[rank][0], wants[rank][1]) * size;
-        total += sent[rank];
+    *made = lac_team_alloc(team, n * size);
+    if (*made != NULL) {
+        lac_strip_exchange(strip, (const uint64_t(*)[2])wants, size, rows, *made);
     }
-    char *packet = malloc(total + 1);
-    *out = *made = malloc(n * size + 1);
-    const bool room = *made != NULL && packet != NULL; // on every rank, or none hands over
-    const lac_status status = lac_team_room(team, room, err);
-    total = 0;
-    for (int rank = 0; status == LAC_OK && rank < team->ranks; rank++) {
-        const size_t from = wants[rank][0] > strip->first ? wants[rank][0] - strip->first : 0;
-        memcpy(packet + total, (const char *)rows + (sent[rank] > 0 ? from * size : 0), sent[rank]);
-        total += sent[rank];
-    }
-    if (status == LAC_OK) {
-        team->exchange(team, packet, sent, *made, taken);
-    }
-    free(packet);
-    LAC_MADE(status, made, free);
+    return *made;
 }
 
 // Numbers over so many.
@@ -98,21 +92,11 @@ static void add(void *context, double *sum)
     }
 }
 
-static double total(const lac_strip *strip, summands of)
+double lac_strip_sum(const lac_strip *strip, size_t n, const double *x, double over)
 {
     double sum = 0.0;
-    lac_team_relay(strip->team, add, &of, &sum, 1);
+    lac_team_relay(strip->team, add, &(summands){x, n, over}, &sum, 1);
     return sum;
-}
-
-double lac_strip_sum(const lac_strip *strip, size_t n, const double *x)
-{
-    return total(strip, (summands){x, n, 1.0});
-}
-
-double lac_strip_mean(const lac_strip *strip, size_t nx, const double *x)
-{
-    return total(strip, (summands){x, strip->n * nx, (double)(strip->all * nx)});
 }
 
 lac_status lac_turn_create(const lac_strip *rows, size_t lead, size_t grain_bytes, lac_turn **out,
@@ -128,6 +112,7 @@ lac_status lac_turn_create(const lac_strip *rows, size_t lead, size_t grain_byte
     c->come = malloc(grain_bytes * rows->all + 1);
     c->plane = aligned_alloc(64, (plane + 64) / 64 * 64);
     LAC_FAIL_MEMORY_IF(c->packet == NULL || c->come == NULL || c->plane == NULL, err);
+    memset(c->plane, 0, plane);
     return LAC_OK;
 }
 
@@ -165,54 +150,71 @@ static void lay(const lac_turn *c, size_t width, size_t size, bool back)
     }
 }
 
-// What goes to each rank, or came back from it. @param away  [ranks] bytes
-static void pack_all(const lac_turn *c, const lac_strip *columns, size_t round, const size_t *away,
-                     const lac_turn_use *use, bool back)
+// Columns of a matrix as lines, or as rows of a grain. @param size  of an item, in numbers
+static void pack_matrix(const lac_turn *c, const lac_strip *of, size_t size,
+                        const lac_turn_use *use, double *packet, bool back)
 {
-    char *packet = c->packet;
+    const size_t down = c->lead > 0 ? size : of->grain * size;
+    const size_t across = c->lead > 0 ? c->rows.n * size : size;
+    memset(packet, 0, back || c->lead > 0 ? 0 : c->rows.n * down * sizeof *packet);
+    for (size_t j = 0; j < c->rows.n; j++) {
+        for (size_t k = 0; k < of->n; k++) {
+            double *at = (double *)use->matrix + (j * use->stride + of->first + k) * size;
+            double *to = packet + j * down + k * across;
+            for (size_t i = 0; i < size; i++) {
+                *(back ? &at[i] : &to[i]) = back ? to[i] : at[i];
+            }
+        }
+    }
+}
+
+// What goes to each rank, or came back from it.
+static void pack_all(const lac_turn *c, const lac_strip *columns, size_t round,
+                     const lac_piece *away, size_t size, const lac_turn_use *use, bool back)
+{
     for (int rank = 0; rank < c->rows.team->ranks; rank++) {
         const lac_strip of = of_round(columns, rank, round);
-        if (away[rank] > 0) {
-            use->pack(use->context, of.first, of.n, packet, back);
+        if (of.n > 0 && use->pack == NULL) {
+            pack_matrix(c, &of, size / sizeof(double), use, away[rank].at, back);
+        } else if (of.n > 0) {
+            use->pack(use->context, of.first, of.n, away[rank].at, back);
         }
-        packet += away[rank];
     }
 }
 
 static void one_round(const lac_turn *c, const lac_strip *columns, size_t round, size_t size,
                       const lac_turn_use *use)
 {
-    size_t away[LAC_TEAM_MOST] = {0}, home[LAC_TEAM_MOST] = {0};
+    lac_piece away[LAC_TEAM_MOST], home[LAC_TEAM_MOST];
     const lac_team *team = c->rows.team;
     const lac_strip own = of_round(columns, team->rank, round);
-    char *come = c->lead > 0 ? c->come : c->plane;
+    char *packet = c->packet, *come = c->lead > 0 ? c->come : c->plane;
     for (int rank = 0; rank < team->ranks; rank++) {
         const lac_strip of = of_round(columns, rank, round), rows = lac_strip_at(&c->rows, rank);
         const size_t wide = c->lead > 0 || of.n == 0 ? of.n : of.grain;
-        away[rank] = wide * c->rows.n * size;
-        home[rank] = (c->lead > 0 || own.n == 0 ? own.n : own.grain) * rows.n * size;
+        const size_t wide_here = c->lead > 0 || own.n == 0 ? own.n : own.grain;
+        away[rank] = (lac_piece){packet, wide * c->rows.n * size};
+        home[rank] = (lac_piece){come, wide_here * rows.n * size};
+        packet += away[rank].n;
+        come += home[rank].n;
     }
-    pack_all(c, columns, round, away, use, false);
-    team->exchange(team, c->packet, away, come, home);
+    pack_all(c, columns, round, away, size, use, false);
+    team->exchange(team, away, home);
     lay(c, own.n, size, false);
     if (own.n > 0) {
         use->work(use->context, own.first, own.n, c->plane);
     }
     if (use->returns) {
         lay(c, own.n, size, true);
-        team->exchange(team, come, home, c->packet, away);
-        pack_all(c, columns, round, away, use, true);
+        team->exchange(team, home, away);
+        pack_all(c, columns, round, away, size, use, true);
     }
 }
 
 void lac_turn_pass(const lac_turn *c, const lac_strip *columns, size_t size,
                    const lac_turn_use *use)
 {
-    size_t most = 0;
-    for (int rank = 0; rank < columns->team->ranks; rank++) {
-        const size_t n = lac_strip_at(columns, rank).n;
-        most = n > most ? n : most;
-    }
+    const size_t most = lac_strip_at(columns, 0).n; // no other rank has more
     for (size_t round = 0; round * columns->grain < most; round++) {
         one_round(c, columns, round, size, use);
     }

@@ -22,23 +22,28 @@ static inline lac_strip lac_strip_rows(lac_team *team, size_t ny)
 /// The same grains with other numbers of rows.
 lac_strip lac_strip_like(const lac_strip *strip, size_t all, size_t grain);
 
-/// Those of a rank, and the rank that has a row.
+/// Those of a rank.
 lac_strip lac_strip_at(const lac_strip *strip, int rank);
-int lac_strip_owner(const lac_strip *strip, size_t row);
 
-/// How many of rows first ... first + n - 1 are here.
-size_t lac_strip_share(const lac_strip *strip, size_t first, size_t n);
+/// To each rank the rows that it wants, whoever has them. @param wants  [ranks] first row and
+/// number
+/// @param rows  those here, of `size` bytes each
+/// @param out   [wanted here]
+void lac_strip_exchange(const lac_strip *strip, const uint64_t wants[][2], size_t size,
+                        const void *rows, void *out);
 
 /// Rows first ... first + n - 1 of all, whoever has them; called by all ranks, each for its own.
-/// @param rows  those here, of `size` bytes each
-/// @param out   set; without a team they are a part of rows
 /// @param made  set to what the caller frees
-lac_status lac_strip_bring(const lac_strip *strip, size_t first, size_t n, size_t size,
-                           const void *rows, const void **out, void **made, lac_error *err);
+/// @return without a team a part of rows; NULL, to all: memory is short
+const void *lac_strip_bring(const lac_strip *strip, size_t first, size_t n, size_t size,
+                            const void *rows, void **made);
 
-/// Sum of n of each rank's, and mean of all rows of nx: to the bits of one process.
-double lac_strip_sum(const lac_strip *strip, size_t n, const double *x);
-double lac_strip_mean(const lac_strip *strip, size_t nx, const double *x);
+/// Sum of n of each rank's, each over so many, and mean of all rows of nx: to the bits of one.
+double lac_strip_sum(const lac_strip *strip, size_t n, const double *x, double over);
+static inline double lac_strip_mean(const lac_strip *strip, size_t nx, const double *x)
+{
+    return lac_strip_sum(strip, strip->n * nx, x, (double)(strip->all * nx));
+}
 
 /// A matrix whose rows are in strips; each rank works on some of its columns, grain by grain.
 typedef struct lac_turn {
@@ -50,9 +55,11 @@ typedef struct lac_turn {
 /// What is done to columns first ... first + width - 1.
 typedef struct lac_turn_use {
     void *context;
-    /// Those of the rows here: [width][rows here], or where lead is 0 [rows here][grain].
+    /// Those of the rows here: [width][rows here]. NULL: of doubles, they are in `matrix`.
     /// @param back  the other way
     void (*pack)(void *context, size_t first, size_t width, void *packet, bool back);
+    void *matrix; ///< [rows here][stride] items
+    size_t stride;
     /// All their rows: [width][lead], or [rows][grain].
     void (*work)(void *context, size_t first, size_t width, void *plane);
     bool returns; ///< the columns come back

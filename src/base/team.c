@@ -89,3 +89,13 @@ lac_status lac_team_agree(lac_team *team, lac_status here, lac_error *err)
     team->over = true;
     return (lac_status)all[first];
 }
+
+void *lac_team_alloc(lac_team *team, size_t bytes)
+{
+    void *here = calloc(bytes + 1, 1);
+    if (lac_team_all(team, here != NULL)) {
+        return here;
+    }
+    free(here);
+    return NULL;
+}

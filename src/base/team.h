@@ -5,6 +5,12 @@
 
 enum { LAC_TEAM_MOST = 256 }; ///< ranks: as many as there are blocks of cells at most
 
+/// Bytes that go to a rank, or come from it.
+typedef struct lac_piece {
+    void *at;
+    size_t n;
+} lac_piece;
+
 /// Processes that work on one case, each on its part of the cells. NULL: one alone. Every function
 /// is called by all of them, in the same order.
 typedef struct lac_team {
@@ -13,10 +19,8 @@ typedef struct lac_team {
     /// Each word becomes the bitwise or of those of all ranks: what one of them fills, the others
     /// having 0 there, comes to all to the bit.
     void (*join)(const struct lac_team *team, uint64_t *words, size_t n);
-    /// Hands sent[rank] bytes of `from` to each rank and takes taken[rank] of each into `to`, those
-    /// of one rank behind those of the one before.
-    void (*exchange)(const struct lac_team *team, const void *from, const size_t *sent, void *to,
-                     const size_t *taken);
+    /// Hands give[rank] to each rank and takes take[rank] from it.
+    void (*exchange)(const struct lac_team *team, const lac_piece *give, const lac_piece *take);
     /// As join of a word of each rank, by which they agree: one with an error does not wait for
     /// ever where others wait for something else, but ends all. NULL: join.
     void (*fare)(const struct lac_team *team, uint64_t *words, lac_status here,
@@ -55,8 +59,5 @@ static inline double lac_team_least(const lac_team *team, double here)
 /// @return LAC_OK where all have that
 lac_status lac_team_agree(lac_team *team, lac_status here, lac_error *err);
 
-/// The same of memory that each needs before what they do together.
-static inline lac_status lac_team_room(lac_team *team, bool room, lac_error *err)
-{
-    return lac_team_agree(team, room ? LAC_OK : lac_fail_memory(err), err);
-}
+/// Zeros that each needs before what they do together. NULL, to all: one of them has no room.
+void *lac_team_alloc(lac_team *team, size_t bytes);

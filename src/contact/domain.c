@@ -33,24 +33,23 @@ static lac_status check_grid(const lac_grid *grid, lac_error *err)
     return LAC_OK;
 }
 
-// The cells of a block in turn: those in contact of the rows here, or of all from the ranks' lists.
+// The cells of a block in turn.
 typedef struct collection {
     lac_domain *into;
-    lac_strip rows;
-    const double *pressure; // [rows.n * nx]
-    size_t *next, *end;     // [ranks] of the lists that stand one behind the other; or NULL
-    const lac_domain *lists;
+    const double *pressure; // [ny * nx], or of what is listed
+    lac_domain *listed;     // all that is in contact, row by row, where ranks have their rows; NULL
+    size_t *next;           // [ny] where the rest of each row begins in that list
 } collection;
 
-static lac_status count_contact(const collection *c, size_t *n, lac_error *err)
+static lac_status count_contact(const lac_strip *rows, size_t nx, const double *pressure, size_t *n,
+                                lac_error *err)
 {
-    const size_t nx = c->into->grid.nx;
     *n = 0;
-    for (size_t i = 0; i < c->rows.n * nx; i++) {
-        LAC_FAIL_IF(!(isfinite(c->pressure[i]) && c->pressure[i] >= 0), err, LAC_EINPUT,
+    for (size_t i = 0; i < rows->n * nx; i++) {
+        LAC_FAIL_IF(!(isfinite(pressure[i]) && pressure[i] >= 0), err, LAC_EINPUT,
                     "the pressure of cell (%zu, %zu) is %g Pa: must be finite and >= 0", i % nx,
-                    c->rows.first + i / nx, c->pressure[i]);
-        *n += c->pressure[i] > 0;
+                    rows->first + i / nx, pressure[i]);
+        *n += pressure[i] > 0;
     }
     return LAC_OK;
 }
@@ -61,30 +60,30 @@ static void add(lac_domain *domain, size_t i, double pressure)
     domain->pressure[domain->n++] = pressure;
 }
 
-// What is next in the list of the rank that has the cell is a cell, or it touches nothing.
-static void add_listed(const collection *c, size_t y, size_t i)
+// The pressure of cell i, in row y. What is next in the list of its row is the cell, or it touches
+// nothing.
+static double take(const collection *c, size_t y, size_t i)
 {
-    const int rank = lac_strip_owner(&c->rows, y);
-    const size_t at = c->next[rank];
-    if (at < c->end[rank] && c->lists->index[at] == i) {
-        add(c->into, i, c->lists->pressure[at]);
-        c->next[rank]++;
+    if (c->listed == NULL) {
+        return c->pressure[i];
     }
+    const size_t at = c->next[y];
+    const bool touches = at < c->listed->n && c->listed->index[at] == i;
+    c->next[y] += touches;
+    return touches ? c->listed->pressure[at] : 0.0;
 }
 
 // Collects the contact cells of the block of `side` cells at (x, y), its four quarters in turn.
 static void collect(const collection *c, size_t x, size_t y, size_t side)
 {
-    const size_t nx = c->into->grid.nx, first = c->next != NULL ? 0 : c->rows.first;
-    const size_t end = c->next != NULL ? c->rows.all : first + c->rows.n;
-    if (x >= nx || y >= end || y + side <= first) {
+    const size_t nx = c->into->grid.nx;
+    if (x >= nx || y >= c->into->grid.ny) {
         return;
     }
     if (side == 1) {
-        if (c->next != NULL) {
-            add_listed(c, y, y * nx + x);
-        } else if (c->pressure[(y - first) * nx + x] > 0) {
-            add(c->into, y * nx + x, c->pressure[(y - first) * nx + x]);
+        const double pressure = take(c, y, y * nx + x);
+        if (pressure > 0) {
+            add(c->into, y * nx + x, pressure);
         }
         return;
     }
@@ -105,64 +104,55 @@ static lac_status allocate(const lac_grid *grid, size_t n, lac_domain **out, lac
     return domain->index != NULL && domain->pressure != NULL ? LAC_OK : lac_fail_memory(err);
 }
 
-static void collect_all(collection *c, lac_domain *into)
+// Lists the n contact cells of all ranks, those of the rows here behind so many of ranks before.
+static lac_status list_rows(collection *c, const lac_grid *grid, const lac_strip *rows,
+                            size_t before, size_t n, lac_error *err)
 {
-    c->into = into;
-    collect(c, 0, 0, (size_t)1 << lac_grid_levels(&into->grid));
-}
-
-// From the cells here to those of all ranks: each puts its list behind those of the ranks before.
-static lac_status merge(collection *c, const size_t *counts, size_t n, lac_domain **domain,
-                        lac_error *err)
-{
-    size_t next[LAC_TEAM_MOST], end[LAC_TEAM_MOST], before = 0;
-    lac_team *team = c->rows.team;
-    lac_domain *lists = NULL, *own = *domain;
-    lac_status status;
-    for (int rank = 0; rank < team->ranks; rank++) {
-        next[rank] = before;
-        end[rank] = before += counts[rank];
+    LAC_TRY_RETURN(allocate(grid, n, &c->listed, err));
+    c->next = calloc(grid->ny, sizeof *c->next);
+    LAC_FAIL_MEMORY_IF(c->next == NULL, err);
+    c->listed->n = before;
+    for (size_t i = 0; i < rows->n * grid->nx; i++) {
+        if (c->pressure[i] > 0) {
+            add(c->listed, rows->first * grid->nx + i, c->pressure[i]);
+        }
     }
-    LAC_TRY(allocate(&own->grid, n, &lists, err));
-    memcpy(lists->index + next[team->rank], own->index, own->n * sizeof *own->index);
-    memcpy(lists->pressure + next[team->rank], own->pressure, own->n * sizeof *own->pressure);
-    *domain = NULL;
-    lac_domain_free(own);
-    team->join(team, (uint64_t *)(void *)lists->index, (n + 1) / 2);
-    lac_team_join(team, lists->pressure, n);
-    LAC_TRY(allocate(&lists->grid, n, domain, err));
-    c->next = next;
-    c->end = end;
-    c->lists = lists;
-    collect_all(c, *domain);
-out:
-    lac_domain_free(lists);
-    return status;
+    c->listed->n = n;
+    rows->team->join(rows->team, (uint64_t *)(void *)c->listed->index, (n + 1) / 2);
+    lac_team_join(rows->team, c->listed->pressure, n);
+    for (size_t at = n; at-- > 0;) {
+        c->next[c->listed->index[at] / grid->nx] = at;
+    }
+    return LAC_OK;
 }
 
 lac_status lac_domain_gather(const lac_grid *grid, lac_team *team, const double *pressure,
                              lac_domain **out, lac_error *err)
 {
-    size_t n = 0, counts[LAC_TEAM_MOST] = {0};
+    size_t n = 0, before = 0, counts[LAC_TEAM_MOST] = {0};
+    const size_t rank = team != NULL ? (size_t)team->rank : 0;
+    const lac_strip rows = lac_strip_rows(team, grid->ny);
+    collection c = {.pressure = pressure};
     lac_status status = LAC_OK;
     *out = NULL;
     LAC_TRY_RETURN(check_grid(grid, err));
-    collection c = {
-        &(lac_domain){.grid = *grid}, lac_strip_rows(team, grid->ny), pressure, NULL, NULL, NULL};
-    const int rank = team != NULL ? team->rank : 0;
-    LAC_TRY_RETURN(lac_team_agree(team, count_contact(&c, &counts[rank], err), err));
-    const size_t own = counts[rank];
+    status = count_contact(&rows, grid->nx, pressure, &counts[rank], err);
+    LAC_TRY_RETURN(lac_team_agree(team, status, err));
     if (team != NULL) {
         team->join(team, counts, (size_t)team->ranks);
     }
-    for (int i = 0; i < LAC_TEAM_MOST; i++) {
+    for (size_t i = 0; i < LAC_TEAM_MOST; i++) {
+        before += i < rank ? counts[i] : 0;
         n += counts[i];
     }
     LAC_FAIL_IF(n == 0, err, LAC_EINPUT, "no cell is in contact: every pressure is 0");
-    LAC_TRY(allocate(grid, own, out, err));
-    collect_all(&c, *out);
-    LAC_TRY(team != NULL ? merge(&c, counts, n, out, err) : LAC_OK);
+    LAC_TRY(team != NULL ? list_rows(&c, grid, &rows, before, n, err) : LAC_OK);
+    LAC_TRY(allocate(grid, n, out, err));
+    c.into = *out;
+    collect(&c, 0, 0, (size_t)1 << lac_grid_levels(grid));
 out:
+    lac_domain_free(c.listed);
+    free(c.next);
     LAC_MADE(status, out, lac_domain_free);
 }
 

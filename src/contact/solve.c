@@ -151,12 +151,8 @@ static lac_status full_contact(const lac_contact_def *def, const problem *p, lac
     if (!p->at.periodic || def->control != LAC_CONTROL_LOAD) {
         return LAC_OK; // edges have no such closed form
     }
-    full f = {p, def->mean_pressure, NULL, malloc(p->at.rows.n * sizeof(bool) + 1)};
-    const lac_status status = lac_team_room(def->team, f.positive != NULL, err);
-    if (status != LAC_OK) {
-        free(f.positive);
-        return status;
-    }
+    full f = {p, def->mean_pressure, NULL, lac_team_alloc(def->team, p->at.rows.n * sizeof(bool))};
+    LAC_FAIL_MEMORY_IF(f.positive == NULL, err);
     lac_filter_fill(s->filter, LAC_DOUBLE, 0, height_row, &f);
     lac_half_space_unload(s, NULL);
     lac_filter_take(s->filter, full_row, &f);
@@ -188,7 +184,7 @@ static bool warm_guess(const lac_contact_def *def, const problem *p, const lac_d
         pressure[i] = def->start[i] / most;
     }
     const bool held = d->control == LAC_CONTROL_LOAD && most > 0.0;
-    const double sum = held ? lac_strip_sum(&p->at.rows, n, pressure) : NAN;
+    const double sum = held ? lac_strip_sum(&p->at.rows, n, pressure, 1.0) : NAN;
     double scale = held ? d->mean_pressure * all / sum : most / p->unit;
     for (size_t i = 0; i < n && most > 0.0; i++) {
         pressure[i] *= scale;
@@ -255,7 +251,7 @@ static void count_contact(const lac_extent *at, const double *pressure, lac_cont
         cells += pressure[i] > 0.0 ? 1.0 : 0.0;
         most = fmax(most, pressure[i]);
     }
-    report->n_cells = (size_t)lac_strip_sum(&at->rows, 1, &cells);
+    report->n_cells = (size_t)lac_strip_sum(&at->rows, 1, &cells, 1.0);
     report->max_pressure = lac_team_most(at->rows.team, most);
     report->mean_pressure = lac_strip_mean(&at->rows, at->nx, pressure);
 }

@@ -470,10 +470,10 @@ lac_status lac_descend(lac_half_space *s, lac_descent *d, double *pressure, doub
     size_t n = s->nx * s->rows.n;
     const size_t parts = lac_filter_parts(s->filter, LAC_SINGLE);
     const bool few = parts > 1; // g and t share the rows of `half`
-    float *work = calloc((few ? 2 : 3) * n + s->nx, sizeof *work);
-    sums *rows = malloc(s->ny * sizeof *rows);
+    float *work = lac_team_alloc(s->rows.team, ((few ? 2 : 3) * n + s->nx) * sizeof *work);
+    sums *rows = lac_team_alloc(s->rows.team, s->ny * sizeof *rows);
     lac_status status;
-    LAC_TRY(lac_team_room(s->rows.team, work != NULL && rows != NULL, err));
+    LAC_TRY(work != NULL && rows != NULL ? LAC_OK : lac_fail_memory(err));
     iteration it = {.s = s,
                     .nx = s->nx,
                     .ny = s->rows.n,

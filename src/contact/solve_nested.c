@@ -54,13 +54,11 @@ static lac_status average(const lac_extent *fine, lac_heights h, const lac_exten
     const size_t n = fine->ny, m = coarse->ny;
     const lac_strip *to = &coarse->rows;
     const size_t first = to->first * n / m, end = ((to->first + to->n) * n + m - 1) / m;
-    const void *z = NULL;
-    void *made = NULL;
-    lac_status status = lac_strip_bring(&fine->rows, first, end - first, fine->nx * sizeof *mean,
-                                        h.z, &z, &made, err);
-    h.z = z;
+    void *made;
+    h.z = lac_strip_bring(&fine->rows, first, end - first, fine->nx * sizeof *mean, h.z, &made);
+    LAC_FAIL_MEMORY_IF(h.z == NULL, err);
     memset(mean, 0, lac_extent_cells(coarse) * sizeof *mean);
-    for (size_t j = first; status == LAC_OK && j < end; j++) {
+    for (size_t j = first; j < end; j++) {
         const size_t from = j * m, edge = (from / n + 1) * n;
         const size_t within = from + m < edge ? m : edge - from;
         const size_t into = from / n - to->first; // of one row before, SIZE_MAX
@@ -77,7 +75,7 @@ static lac_status average(const lac_extent *fine, lac_heights h, const lac_exten
         }
     }
     free(made);
-    return status;
+    return LAC_OK;
 }
 
 // The coarse row that the middle of a fine one lies in.
@@ -93,19 +91,19 @@ static lac_status inject(const lac_extent *coarse, const double *from, const lac
     const lac_strip *rows = &fine->rows;
     const size_t first = rows->n > 0 ? row_under(fine, coarse, rows->first) : 0;
     const size_t end = rows->n > 0 ? row_under(fine, coarse, rows->first + rows->n - 1) + 1 : 0;
-    const void *p = NULL;
-    void *made = NULL;
-    lac_status status = lac_strip_bring(&coarse->rows, first, end - first,
-                                        coarse->nx * sizeof *from, from, &p, &made, err);
-    for (size_t j = 0; status == LAC_OK && j < rows->n; j++) {
+    void *made;
+    const double *p =
+        lac_strip_bring(&coarse->rows, first, end - first, coarse->nx * sizeof *from, from, &made);
+    LAC_FAIL_MEMORY_IF(p == NULL, err);
+    for (size_t j = 0; j < rows->n; j++) {
         const size_t under = row_under(fine, coarse, rows->first + j) - first;
-        const double *row = (const double *)p + under * coarse->nx;
+        const double *row = p + under * coarse->nx;
         for (size_t i = 0; i < fine->nx; i++) {
             to[j * fine->nx + i] = row[(2 * i + 1) * coarse->nx / (2 * fine->nx)];
         }
     }
     free(made);
-    return status;
+    return LAC_OK;
 }
 
 // Brings pressures to the load where that is given.
@@ -114,7 +112,7 @@ static void rescale(const lac_descent *d, const lac_extent *at, double *pressure
     const size_t n = lac_extent_cells(at);
     const double all = (double)(at->nx * at->ny);
     double scale = d->control == LAC_CONTROL_LOAD
-                       ? d->mean_pressure * all / lac_strip_sum(&at->rows, n, pressure)
+                       ? d->mean_pressure * all / lac_strip_sum(&at->rows, n, pressure, 1.0)
                        : 1.0;
     for (size_t i = 0; i < n; i++) {
         pressure[i] *= scale;
@@ -137,13 +135,13 @@ lac_status lac_coarse_guess(const lac_extent *at, lac_heights h, const lac_desce
     lac_status status;
     lac_half_space *s = NULL;
     const size_t n = lac_extent_cells(&c);
-    double *mean = malloc((n + at->nx) * sizeof *mean);
-    double *guess = malloc((n + 1) * sizeof *guess);
+    double *mean = lac_team_alloc(at->rows.team, (n + at->nx) * sizeof *mean);
+    double *guess = lac_team_alloc(at->rows.team, n * sizeof *guess);
     lac_descent d = *fine;
     d.heights = (lac_heights){mean, 0.0, 1.0};
     d.tolerance = coarse_tolerance;
     d.max_iterations = coarse_iterations;
-    LAC_TRY(lac_team_room(at->rows.team, mean != NULL && guess != NULL, err));
+    LAC_TRY(mean != NULL && guess != NULL ? LAC_OK : lac_fail_memory(err));
     LAC_TRY(average(at, h, &c, mean, mean + n, err));
     LAC_TRY(lac_coarse_guess(&c, d.heights, fine, guess, err));
     LAC_TRY(lac_half_space_create(&c, &s, err));

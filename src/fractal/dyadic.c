@@ -81,12 +81,11 @@ static lac_status find_slope(const lac_contact_def *def, double *slope, lac_erro
     const lac_grid *grid = &def->grid;
     slopes s = {grid, lac_strip_rows(def->team, grid->ny), NULL};
     const size_t more = s.rows.first > 0 ? 1 : 0;
-    const void *heights = NULL;
-    void *made = NULL;
+    void *made;
     double sum = 0.0;
-    LAC_TRY_RETURN(lac_strip_bring(&s.rows, s.rows.first - more, s.rows.n + more,
-                                   grid->nx * sizeof sum, def->heights, &heights, &made, err));
-    s.heights = heights;
+    s.heights = lac_strip_bring(&s.rows, s.rows.first - more, s.rows.n + more,
+                                grid->nx * sizeof sum, def->heights, &made);
+    LAC_FAIL_MEMORY_IF(s.heights == NULL, err);
     lac_team_relay(def->team, add_slopes, &s, &sum, 1);
     free(made);
     *slope = sqrt(sum / (double)lac_grid_cells(grid));

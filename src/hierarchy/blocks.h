@@ -54,5 +54,9 @@ struct lac_hierarchy {
 lac_status lac_hierarchy_build(size_t cells, size_t levels, const uint8_t *merge,
                                lac_hierarchy **out, lac_error *err);
 
+/// Links a partition to the next: parents, children, and which blocks have a single child; of a
+/// part, the children that are here. @return what it leaves of the memory
+uint32_t *lac_hierarchy_link(lac_partition *fine, const lac_partition *coarse, uint32_t *memory);
+
 /// lac_is_child[c][i] = 1 where i < c, the number of children; else 0.
 extern const double lac_is_child[5][4];

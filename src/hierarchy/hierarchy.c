@@ -58,11 +58,11 @@ static void find_first(const lac_hierarchy *h, size_t j, const uint8_t *merge, u
     first[block] = (uint32_t)h->cells;
 }
 
-// Links partition j to the next: parents, children, and which blocks have a single child.
-static void link_partitions(lac_partition *fine, const lac_partition *coarse, uint32_t *parent,
-                            uint32_t *child, uint32_t *single)
+uint32_t *lac_hierarchy_link(lac_partition *fine, const lac_partition *coarse, uint32_t *memory)
 {
+    uint32_t *parent = memory, *child = parent + fine->count, *single = child + coarse->count + 1;
     uint32_t b = 0;
+    child[0] = fine->singles = fine->whole = 0;
     for (uint32_t c = 0; c < fine->count; c++) {
         if (c > 0 && fine->first[c] == coarse->first[b + 1]) {
             b++;
@@ -74,15 +74,16 @@ static void link_partitions(lac_partition *fine, const lac_partition *coarse, ui
     }
     child[coarse->count] = fine->count;
     for (b = 0; b < coarse->count; b++) {
-        if (child[b + 1] - child[b] == 1) {
+        const uint32_t *only = fine->first + child[b];
+        if (only[0] == coarse->first[b] && only[1] == coarse->first[b + 1]) {
             single[fine->singles++] = b;
         }
         fine->whole += (uint64_t)child[b] + 4 <= fine->count;
     }
-    fine->last = coarse->first[fine->whole];
     fine->parent = parent;
     fine->child = child;
     fine->single = single;
+    return single + fine->singles;
 }
 
 static lac_status fill_partitions(lac_hierarchy *h, const uint8_t *merge, lac_error *err)
@@ -98,11 +99,8 @@ static lac_status fill_partitions(lac_hierarchy *h, const uint8_t *merge, lac_er
         next += h->part[j].count + 1;
     }
     for (size_t j = 0; j + 1 < h->partitions; j++) {
-        uint32_t *parent = next;
-        uint32_t *child = parent + h->part[j].count;
-        uint32_t *single = child + h->part[j + 1].count + 1;
-        link_partitions(&h->part[j], &h->part[j + 1], parent, child, single);
-        next = single + h->part[j].singles;
+        next = lac_hierarchy_link(&h->part[j], &h->part[j + 1], next);
+        h->part[j].last = h->part[j + 1].first[h->part[j].whole];
     }
     return LAC_OK;
 }

@@ -91,48 +91,17 @@ typedef struct stretch {
     size_t from, count;
 } stretch;
 
-static void find_stretches(const lac_hierarchy *whole, const lac_range *range, stretch *at)
-{
-    at[0] = (stretch){range->first, range->n};
-    for (size_t j = 0; j + 1 < whole->partitions; j++) {
-        const uint32_t *parent = whole->part[j].parent;
-        const size_t first = at[j].count > 0 ? parent[at[j].from] : 0;
-        const size_t last = at[j].count > 0 ? parent[at[j].from + at[j].count - 1] : 0;
-        at[j + 1] = (stretch){first, at[j].count > 0 ? last - first + 1 : 0};
-    }
-}
-
-// As link_partitions does of the whole; children that others have are left out.
-static uint32_t *link_stretches(const lac_partition *from, const stretch at[2], lac_partition *fine,
-                                uint32_t *memory)
-{
-    uint32_t *parent = memory, *child = parent + at[0].count;
-    uint32_t *single = child + at[1].count + 1;
-    fine->singles = fine->whole = 0;
-    for (size_t c = 0; c < at[0].count; c++) {
-        parent[c] = (uint32_t)(from->parent[at[0].from + c] - at[1].from);
-    }
-    for (size_t b = 0; b < at[1].count; b++) {
-        const size_t first = from->child[at[1].from + b], end = from->child[at[1].from + b + 1];
-        child[b] = (uint32_t)(first > at[0].from ? first - at[0].from : 0);
-        fine->whole += (uint64_t)child[b] + 4 <= at[0].count;
-        if (end - first == 1) {
-            single[fine->singles++] = (uint32_t)b;
-        }
-    }
-    child[at[1].count] = (uint32_t)at[0].count;
-    fine->parent = parent;
-    fine->child = child;
-    fine->single = single;
-    return single + at[1].count;
-}
-
-static lac_status take_part(const lac_hierarchy *whole, const stretch *at, lac_hierarchy *h,
-                            lac_error *err)
+// @param at  of each partition; filled in
+static lac_status take_part(const lac_hierarchy *whole, const lac_range *range, stretch *at,
+                            lac_hierarchy *h, lac_error *err)
 {
     size_t total = 1;
+    at[0] = (stretch){range->first, range->n};
     for (size_t j = 0; j + 1 < whole->partitions; j++) {
-        total += at[j].count + 2 * at[j + 1].count + 1;
+        const uint32_t *parent = whole->part[j].parent + at[j].from;
+        const size_t n = at[j].count, first = n > 0 ? parent[0] : 0;
+        at[j + 1] = (stretch){first, n > 0 ? parent[n - 1] - first + 1 : 0};
+        total += n + 2 * at[j + 1].count + 1;
     }
     uint32_t *next = h->memory = malloc(total * sizeof *next);
     LAC_FAIL_MEMORY_IF(next == NULL, err);
@@ -142,9 +111,9 @@ static lac_status take_part(const lac_hierarchy *whole, const stretch *at, lac_h
         h->part[j].count = (uint32_t)at[j].count;
         h->part[j].first = whole->part[j].first + at[j].from;
         h->blocks += j > 0 ? at[j].count : 0;
-        if (j + 1 < whole->partitions) {
-            next = link_stretches(&whole->part[j], &at[j], &h->part[j], next);
-        }
+    }
+    for (size_t j = 0; j + 1 < whole->partitions; j++) {
+        next = lac_hierarchy_link(&h->part[j], &h->part[j + 1], next);
     }
     h->room = h->blocks;
     return LAC_OK;
@@ -186,16 +155,15 @@ static lac_status place_leaves(const leaf *leaves, size_t n, const lac_range *ra
     for (size_t i = 0; i < n; i++) {
         const size_t j = leaves[i].partition, b = leaves[i].block;
         const bool here = at[j].count > 0 && b >= at[j].from && b < at[j].from + at[j].count;
-        if (here && range->n > 0) {
+        if (here) {
             split->first = split->own == 0 ? i : split->first;
             split->leaf[split->own++] =
                 j == 0 ? b - at[0].from : h->cells + blocks_below(h, j) + (b - at[j].from);
         }
     }
-    for (size_t j = 1; j < h->partitions && range->n > 0; j++) {
-        add_edge(h, range, j, 0);
-        if (at[j].count > 1) {
-            add_edge(h, range, j, at[j].count - 1);
+    for (size_t j = 1; j < h->partitions; j++) { // the first and the last
+        for (size_t b = 0; b<at[j].count; b += at[j].count> 1 ? at[j].count - 1 : 1) {
+            add_edge(h, range, j, b);
         }
     }
     return LAC_OK;
@@ -218,8 +186,7 @@ lac_status lac_hierarchy_split(const lac_hierarchy *whole, const lac_range *rang
     for (int k = 1; k < range->team->ranks; k++) {
         at.cell[at.count++] = lac_range_of(range->team, k, range->all).first;
     }
-    find_stretches(whole, range, of);
-    LAC_TRY(take_part(whole, of, h, err));
+    LAC_TRY(take_part(whole, range, of, h, err));
     const size_t n = list_leaves(&at, whole->partitions - 1, 0, 0, NULL);
     if (n > 1) {
         leaves = malloc(n * sizeof *leaves);

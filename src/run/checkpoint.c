@@ -26,15 +26,13 @@ typedef struct identity {
     uint64_t cells, formulation, start;
 } identity;
 
-static void sum(void *context, double *x, size_t first, size_t n)
+static void sum(void *context, double *x, size_t n)
 {
-    (void)first;
     *(uint64_t *)context = lac_sum_bytes(*(uint64_t *)context, x, n * sizeof *x);
 }
 
-static void keep(void *context, double *x, size_t first, size_t n)
+static void keep(void *context, double *x, size_t n)
 {
-    (void)first;
     lac_archive_pass(context, x, n * sizeof *x);
 }
 
@@ -45,8 +43,8 @@ static identity identify(const lac_problem *problem)
     const lac_range *range = lac_problem_range(problem);
     identity scene = {.cells = range->all,
                       .formulation = (uint64_t)lac_problem_formulation(problem)};
-    double *y = calloc(lac_problem_unknowns(problem) + 1, sizeof *y);
-    if (lac_team_all(range->team, y != NULL)) {
+    double *y = lac_team_alloc(range->team, lac_problem_unknowns(problem) * sizeof *y);
+    if (y != NULL) {
         uint64_t of_all = LAC_SUM_OF_NOTHING;
         lac_problem_initial(problem, y);
         const bool good = lac_range_hand(range, y, lac_problem_arrays(problem), sum, &of_all);

@@ -143,30 +143,24 @@ void lac_snapshot_fields(lac_snapshot *s, const double **field[LAC_SNAPSHOT_FIEL
 static lac_status put_fields(const lac_run_state *r, lac_snapshot *here, lac_error *err)
 {
     const lac_range *range = r->engine->range;
-    const bool shared = range->team != NULL, leads = lac_run_state_leads(r);
-    double *room = shared && leads ? malloc(LAC_RANGE_PIECE * sizeof *room) : NULL;
+    const bool leads = lac_run_state_leads(r);
+    lac_status status = LAC_OK;
     lac_snapshot part = {.time = NAN};
     const double **from[LAC_SNAPSHOT_FIELDS], **to[LAC_SNAPSHOT_FIELDS];
     lac_snapshot_fields(here, from);
     lac_snapshot_fields(&part, to);
-    lac_status status = lac_team_room(range->team, !shared || !leads || room != NULL, err);
-    if (status != LAC_OK) {
-        free(room); // another rank may have none
-        return status;
-    }
-    for (size_t k = 0; k < LAC_SNAPSHOT_FIELDS && shared; k++) {
+    for (size_t k = 0; k < LAC_SNAPSHOT_FIELDS && range->team != NULL; k++) {
         for (size_t at = 0; *from[k] != NULL && at < range->all; at += LAC_RANGE_PIECE) {
             const size_t left = range->all - at;
             part.first = at;
             part.n = left < LAC_RANGE_PIECE ? left : LAC_RANGE_PIECE;
-            *to[k] = room;
-            lac_range_bring(range, *from[k], at, part.n, room);
+            *to[k] = r->all;
+            lac_range_bring(range, *from[k], at, part.n, r->all);
             status = leads && status == LAC_OK ? r->sink->snapshot(r->sink->context, &part, err)
                                                : status;
         }
         *from[k] = *to[k] = NULL;
     }
-    free(room);
     status = leads && status == LAC_OK ? r->sink->snapshot(r->sink->context, here, err) : status;
     return lac_run_state_agree(r, status, err);
 }

@@ -23,16 +23,6 @@ static lac_status fail_apart(const lac_contact_def *def, lac_error *err)
                     def->approach, lac_contact_peak(def));
 }
 
-// What the heights are like: of those of ranks where they are all together.
-static lac_status look(const lac_case *c, lac_scene_keep keep, lac_scene_contact *out,
-                       lac_error *err)
-{
-    lac_surface_stats *of =
-        keep == LAC_SCENE_MEASURED && out->heights != NULL ? &out->surface : NULL;
-    return lac_fail_within(err, lac_surface_look(&c->surface, &out->grid, out->heights, of, err),
-                           "interface.surface");
-}
-
 // Presses the surface; heights, pressure and, where it is kept, gap are allocated here: of ranks
 // their rows.
 static lac_status press(const lac_case *c, lac_scene_keep keep, lac_scene_contact *out,
@@ -49,7 +39,6 @@ static lac_status press(const lac_case *c, lac_scene_keep keep, lac_scene_contac
     lac_status status =
         lac_surface_share(&c->surface, &out->grid, c->team, out->heights, &out->surface, err);
     LAC_TRY_RETURN(lac_fail_within(err, status, "interface.surface"));
-    LAC_TRY_RETURN(c->team == NULL ? look(c, keep, out, err) : LAC_OK);
     out->e_star = c->material.shear_modulus / (1.0 - c->material.poisson);
     out->tolerance = c->contact_tolerance;
     lac_contact_def def = lac_scene_contact_def(out);
@@ -96,15 +85,15 @@ static lac_status scatter(lac_scene_contact *out, lac_error *err)
 static lac_status gather(lac_team *team, lac_scene_contact *out, lac_error *err)
 {
     const lac_strip rows = lac_strip_rows(team, out->grid.ny);
-    const size_t ny = lac_team_leads(team) ? out->grid.ny : 0, row = out->grid.nx * sizeof(double);
+    const uint64_t wants[LAC_TEAM_MOST][2] = {{0, out->grid.ny}}; // of the first alone
+    const size_t row = out->grid.nx * sizeof(double);
     double **const fields[] = {&out->heights, &out->gap, &out->pressure};
     for (size_t k = 0; k < sizeof fields / sizeof *fields; k++) {
-        const void *seen;
-        void *whole;
-        LAC_TRY_RETURN(lac_strip_bring(&rows, 0, ny, row, *fields[k], &seen, &whole, err));
+        double *whole = lac_team_alloc(team, lac_team_leads(team) ? out->grid.ny * row : 0);
+        LAC_FAIL_MEMORY_IF(whole == NULL, err);
+        lac_strip_exchange(&rows, wants, row, *fields[k], whole);
         free(*fields[k]);
-        *fields[k] = ny > 0 ? whole : NULL;
-        free(ny > 0 ? NULL : whole);
+        *fields[k] = whole;
     }
     return LAC_OK;
 }
@@ -122,11 +111,14 @@ static lac_status make_domain(const lac_case *c, lac_scene_keep keep, lac_scene_
         drop_fields(out);
         return LAC_OK;
     }
-    if (c->team != NULL && c->surface.info != NULL) {
-        LAC_TRY_RETURN(gather(c->team, out, err));
-        return look(c, keep, out, err);
+    if (c->surface.info == NULL) {
+        return scatter(out, err);
     }
-    return out->pressure == NULL ? scatter(out, err) : LAC_OK;
+    LAC_TRY_RETURN(c->team != NULL ? gather(c->team, out, err) : LAC_OK);
+    lac_surface_stats *of =
+        keep == LAC_SCENE_MEASURED && lac_team_leads(c->team) ? &out->surface : NULL;
+    return lac_fail_within(err, lac_surface_look(&c->surface, &out->grid, out->heights, of, err),
+                           "interface.surface");
 }
 
 // Of a plane; the length of a line or a row. [cells]

@@ -294,7 +294,7 @@ static lac_status flush(lac_writer *w, size_t along, lac_error *err)
     for (const lac_column *c = w->columns.column; c < end; c++) {
         bytes += c->along == along ? c->count * sizeof *c->values : 0;
     }
-    LAC_TRY_RETURN(reserve(w, bytes, err));
+    LAC_TRY_RETURN(g->cells ? LAC_OK : reserve(w, bytes, err)); // of cells that is there
     for (lac_column *c = w->columns.column; c < end; c++) {
         if (c->along == along && c->count > 0) {
             LAC_TRY_RETURN(lac_writer_put_values(w, c, g->written, g->places, c->values, err));
@@ -306,17 +306,25 @@ static lac_status flush(lac_writer *w, size_t along, lac_error *err)
     return LAC_OK;
 }
 
-// Those that are not kept in memory. Incompressible at worst.
+// Room for all of one place, so that a disk that fills leaves no half of it. Incompressible at
+// worst.
+static lac_status reserve_place(lac_writer *w, size_t along, unsigned flag, lac_error *err)
+{
+    const lac_columns *all = &w->columns;
+    size_t bytes = 0;
+    for (const lac_column *c = all->column; c < all->column + all->n; c++) {
+        const bool own = along != LAC_ONCE || (c->item.row->flags & flag) != 0;
+        bytes += c->along == along && own ? c->item.count * (sizeof(double) + 1) : 0;
+    }
+    return bytes > 0 ? reserve(w, bytes, err) : LAC_OK;
+}
+
+// Those that are not kept in memory.
 static lac_status put_cells(lac_writer *w, size_t along, unsigned flag, lac_error *err)
 {
     const lac_columns *all = &w->columns;
     const size_t place = along != LAC_ONCE ? all->growth[along].written : 0;
-    size_t bytes = 0;
-    for (const lac_column *c = all->column; c < all->column + all->n; c++) {
-        const bool own = c->along == along && (c->item.row->flags & flag) != 0;
-        bytes += own ? c->item.count * (sizeof(double) + 1) : 0;
-    }
-    lac_status status = bytes > 0 ? reserve(w, bytes, err) : LAC_OK;
+    lac_status status = reserve_place(w, along, flag, err);
     for (const lac_column *c = all->column; c < all->column + all->n && status == LAC_OK; c++) {
         const bool own = c->along == along && (c->item.row->flags & flag) != 0;
         status = own ? put_now(w, c, place, err) : LAC_OK;
@@ -347,12 +355,13 @@ lac_status lac_writer_put_part(lac_writer *w, const char *dim, size_t first, siz
 {
     const lac_columns *all = &w->columns;
     const size_t along = lac_columns_along(all, dim);
+    LAC_TRY_RETURN(w->part == 0 && along != LAC_ONCE ? reserve_place(w, along, LAC_CELLS, err)
+                                                     : LAC_OK);
     w->first = first;
     w->part = n;
     for (const lac_column *c = all->column; c < all->column + all->n && along != LAC_ONCE; c++) {
         const bool own = c->along == along && (c->item.row->flags & LAC_CELLS) != 0;
         if (own && lac_item_array(&c->item) != NULL) {
-            LAC_TRY_RETURN(reserve(w, n * (sizeof(double) + 1), err));
             LAC_TRY_RETURN(put_now(w, c, all->growth[along].written, err));
         }
     }

@@ -63,7 +63,7 @@ static void translate(double skewness, double rms, const lac_grid *grid, lac_tea
         double u = t.sign * heights[i];
         heights[i] = rms * t.sign * expm1(t.s * u - 0.5 * t.s * t.s) / t.root;
     }
-    const double sum = lac_strip_sum(&rows, n, heights);
+    const double sum = lac_strip_sum(&rows, n, heights, 1.0);
     for (size_t i = 0; i < n; i++) {
         heights[i] -= sum / (double)lac_grid_cells(grid);
     }

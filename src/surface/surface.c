@@ -2,34 +2,24 @@
 // A surface by whichever source a case names.
 #include "surface/surface.h"
 
-// All of it on every rank, of which each keeps its rows.
-static lac_status make_all(const lac_model *model, const lac_grid *grid, lac_team *team,
-                           double *heights, lac_surface_stats *report, lac_error *err)
-{
-    const lac_surface_source *source = (const void *)model->info;
-    const lac_strip rows = lac_strip_rows(team, grid->ny);
-    double *all = malloc(lac_grid_cells(grid) * sizeof *all);
-    const lac_status status = all != NULL
-                                  ? source->generate(model->params, grid, NULL, all, report, err)
-                                  : lac_fail_memory(err);
-    if (status == LAC_OK) {
-        memcpy(heights, all + rows.first * grid->nx, rows.n * grid->nx * sizeof *all);
-    }
-    free(all);
-    return lac_team_agree(team, status, err);
-}
-
 lac_status lac_surface_share(const lac_model *model, const lac_grid *grid, lac_team *team,
                              double *heights, lac_surface_stats *report, lac_error *err)
 {
     const lac_surface_source *source = (const void *)model->info;
+    const bool whole = team != NULL && (!source->shared || grid->nx == 1 || grid->ny == 1);
+    double *made = whole ? malloc(lac_grid_cells(grid) * sizeof *made) : heights;
     if (report != NULL) {
         *report = (lac_surface_stats){.measured = LAC_MEASURED_INTERFACE};
     }
-    if (team != NULL && (!source->shared || grid->nx == 1 || grid->ny == 1)) {
-        return make_all(model, grid, team, heights, report, err);
+    const lac_status status =
+        made != NULL ? source->generate(model->params, grid, whole ? NULL : team, made, report, err)
+                     : lac_fail_memory(err);
+    if (whole && status == LAC_OK) {
+        const lac_strip rows = lac_strip_rows(team, grid->ny);
+        memcpy(heights, made + rows.first * grid->nx, rows.n * grid->nx * sizeof *made);
     }
-    return source->generate(model->params, grid, team, heights, report, err);
+    free(whole ? made : NULL);
+    return lac_team_agree(team, status, err);
 }
 
 lac_status lac_surface_look(const lac_model *model, const lac_grid *grid, const double *heights,

@@ -269,11 +269,9 @@ static void take(const lac_synthesis *how, const lac_fft *fft, const lac_grid *g
 {
     const lac_strip rows = lac_strip_rows(fft->strip.team, grid->ny);
     const size_t n = rows.n * grid->nx;
-    for (size_t j = 0; j < rows.n; j++) {
-        memcpy(heights + j * grid->nx, fft->real + j * fft->nx, grid->nx * sizeof *heights);
-    }
+    memcpy(heights, fft->real, n * sizeof *heights);
     bool none = how->sampling == LAC_SAMPLING_LOW_PASS;
-    const double sum = none || how->with_mean ? 0.0 : lac_strip_sum(&rows, n, heights);
+    const double sum = none || how->with_mean ? 0.0 : lac_strip_sum(&rows, n, heights, 1.0);
     for (size_t i = 0; !none && !how->with_mean && i < n; i++) {
         heights[i] -= sum / (double)lac_grid_cells(grid);
     }

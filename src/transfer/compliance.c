@@ -6,14 +6,13 @@
 #include "base/statistics.h"
 
 enum { MAX_ITERATIONS = 1000 };
+#define ELSEWHERE UINT32_MAX
 static const size_t most_table = (size_t)1 << 29; // numbers
 
 struct lac_compliance {
     size_t n;
     lac_strip rows; // of the grid, that are here
-    size_t own;     // cells in them
-    uint32_t *cell; // [own] which they are; NULL: all
-    size_t *at;     // [own] index of each in the transform's rows
+    uint32_t *at;   // [n] index of each cell in the transform's rows; ELSEWHERE: in no row here
     size_t gap;     // first column of a row that holds nothing: zeros; 0: no row is full
     bool in_order;  // at[i] = i
     bool by_rows;   // the stiffness is a matrix of rows for each wave along x
@@ -27,53 +26,13 @@ static void place_cells(lac_compliance *c, const lac_domain *domain)
 {
     const lac_grid *grid = &domain->grid;
     c->gap = c->n == lac_grid_cells(grid) ? grid->nx : 0;
-    c->in_order = c->cell == NULL;
-    size_t own = 0;
+    c->in_order = c->rows.team == NULL;
     for (size_t i = 0; i < c->n; i++) {
-        size_t x = domain->index[i] % grid->nx, y = domain->index[i] / grid->nx;
-        if (c->cell != NULL && (y < c->rows.first || y >= c->rows.first + c->rows.n)) {
-            continue;
-        }
-        if (c->cell != NULL) {
-            c->cell[own] = (uint32_t)i;
-        }
-        c->at[own] = (y - c->rows.first) * c->fft->nx + x;
-        c->in_order = c->in_order && c->at[own] == i;
-        own++;
+        const size_t x = domain->index[i] % grid->nx;
+        const size_t y = domain->index[i] / grid->nx - c->rows.first; // before it, more than n
+        c->at[i] = y < c->rows.n ? (uint32_t)(y * c->fft->nx + x) : ELSEWHERE;
+        c->in_order = c->in_order && c->at[i] == i;
     }
-}
-
-// How many cells are in the rows here.
-static size_t count_own(const lac_domain *domain, const lac_strip *rows)
-{
-    const size_t first = rows->first * domain->grid.nx, n = rows->n * domain->grid.nx;
-    size_t own = 0;
-    for (size_t i = 0; rows->team != NULL && i < domain->n; i++) {
-        own += domain->index[i] - first < n; // below the first it wraps round
-    }
-    return rows->team != NULL ? own : domain->n;
-}
-
-static lac_status make_room(lac_compliance *c, const lac_domain *domain, size_t depths,
-                            lac_error *err)
-{
-    const size_t modes = c->fft->ny * c->fft->columns.n;
-    c->own = count_own(domain, &c->rows);
-    c->at = malloc((c->own + 1) * sizeof *c->at);
-    c->cell = c->rows.team != NULL ? malloc((c->own + 1) * sizeof *c->cell) : NULL;
-    c->stiffness = malloc((modes * depths + 1) * sizeof *c->stiffness);
-    c->compliance = malloc((modes + 1) * sizeof *c->compliance);
-    c->vectors = malloc(4 * c->n * sizeof *c->vectors);
-    const bool room = c->at != NULL && (c->rows.team == NULL || c->cell != NULL) &&
-                      c->stiffness != NULL && c->compliance != NULL && c->vectors != NULL;
-    return room ? LAC_OK : lac_fail_memory(err);
-}
-
-// Ranks share the rows of a plane, but those of a small one each has as a whole.
-static lac_team *team_of(const lac_grid *grid, const lac_rock *rock)
-{
-    const bool plane = grid->ny > 1 && !rock->surface;
-    return plane && lac_grid_cells(grid) >= LAC_RANGE_ALONE ? rock->team : NULL;
 }
 
 lac_status lac_compliance_create(const lac_domain *domain, const lac_rock *rock,
@@ -95,8 +54,10 @@ lac_status lac_compliance_create(const lac_domain *domain, const lac_rock *rock,
     lac_compliance *c = *out = calloc(1, sizeof *c);
     LAC_FAIL_MEMORY_IF(c == NULL, err);
     c->n = n;
-    c->rows = lac_strip_rows(team_of(grid, rock), grid->ny);
-    lac_team *team = c->rows.team;
+    // Ranks share the rows of a plane, but those of a small one each has as a whole.
+    const bool shared = grid->ny > 1 && !rock->surface && lac_grid_cells(grid) >= LAC_RANGE_ALONE;
+    lac_team *team = shared ? rock->team : NULL;
+    c->rows = lac_strip_rows(team, grid->ny);
     LAC_TRY(team != NULL
                 ? lac_fft_share_filter(mx * grid->nx, my * grid->ny, grid->ny, team, &c->fft, err)
                 : lac_fft_create(mx * grid->nx, my * grid->ny, &c->fft, err));
@@ -114,8 +75,14 @@ lac_status lac_compliance_create(const lac_domain *domain, const lac_rock *rock,
                        "%.0f are allowed: fewer cells of depth",
                        grid->nx, grid->ny, 8e-9 * (double)modes * (double)depths,
                        8e-9 * (double)most_table));
-    status = make_room(c, domain, depths, err);
-    LAC_TRY(lac_team_agree(team, status, err)); // what follows all ranks do together
+    modes = c->fft->ny * c->fft->columns.n;
+    c->at = lac_team_alloc(team, n * sizeof *c->at);
+    c->stiffness = lac_team_alloc(team, modes * depths * sizeof *c->stiffness);
+    c->compliance = lac_team_alloc(team, modes * sizeof *c->compliance);
+    c->vectors = lac_team_alloc(team, 4 * n * sizeof *c->vectors);
+    const bool room =
+        c->at != NULL && c->stiffness != NULL && c->compliance != NULL && c->vectors != NULL;
+    LAC_TRY(room ? LAC_OK : lac_fail_memory(err));
     place_cells(c, domain);
     if (team == NULL) {
         c->fft->measure = rock->measure;
@@ -131,7 +98,6 @@ void lac_compliance_free(lac_compliance *c)
     if (c != NULL) {
         lac_fft_free(c->fft);
         free(c->at);
-        free(c->cell);
         free(c->stiffness);
         free(c->compliance);
         free(c->vectors);
@@ -169,15 +135,14 @@ static void filter(lac_compliance *c, const double *symbol, const double *x, dou
         memcpy(y, real, c->n * sizeof *real);
         return;
     }
-    for (size_t i = 0; i < c->own; i++) {
-        real[c->at[i]] = x[c->cell != NULL ? c->cell[i] : i];
+    for (size_t i = 0; i < c->n; i++) {
+        if (c->at[i] != ELSEWHERE) {
+            real[c->at[i]] = x[i];
+        }
     }
     by(fft, symbol);
-    if (c->cell != NULL) {
-        memset(y, 0, c->n * sizeof *y);
-    }
-    for (size_t i = 0; i < c->own; i++) {
-        y[c->cell != NULL ? c->cell[i] : i] = real[c->at[i]];
+    for (size_t i = 0; i < c->n; i++) {
+        y[i] = c->at[i] != ELSEWHERE ? real[c->at[i]] : 0.0;
     }
     lac_team_join(c->rows.team, y, c->n);
 }

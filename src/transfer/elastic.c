@@ -86,12 +86,8 @@ static lac_status make_last(lac_elastic *e, lac_error *err)
 // traction asks for.
 static lac_status find_anchor(lac_elastic *e, lac_team *team, lac_error *err)
 {
-    double *x = malloc(e->n * sizeof *x);
-    const lac_status status = lac_team_room(team, x != NULL, err);
-    if (status != LAC_OK) {
-        free(x);
-        return status;
-    }
+    double *x = lac_team_alloc(team, e->n * sizeof *x);
+    LAC_FAIL_MEMORY_IF(x == NULL, err);
     for (size_t i = 0; i < e->n; i++) {
         x[i] = 1;
     }
@@ -162,12 +158,8 @@ static lac_status tie(const lac_elastic *e, lac_team *team, double *share, lac_e
 {
     size_t n = e->n;
     double sum = 0, rest = 0;
-    double *slip = malloc((n + lac_elastic_work(e)) * sizeof *slip);
-    const lac_status status = lac_team_room(team, slip != NULL, err);
-    if (status != LAC_OK) {
-        free(slip);
-        return status;
-    }
+    double *slip = lac_team_alloc(team, (n + lac_elastic_work(e)) * sizeof *slip);
+    LAC_FAIL_MEMORY_IF(slip == NULL, err);
     for (size_t i = 0; i < n; i++) {
         slip[i] = 1;
     }

@@ -4,8 +4,7 @@
 #include "transfer/transfer.h"
 
 typedef struct none {
-    size_t n;
-    lac_range range;        // n cells
+    lac_range range;
     const lac_hierarchy *h; // for slip in two directions
 } none;
 
@@ -15,21 +14,9 @@ static lac_status create(const void *params, const lac_transfer_scene *scene, vo
     (void)params;
     none *self = malloc(sizeof *self);
     LAC_FAIL_MEMORY_IF(self == NULL, err);
-    self->n = scene->domain->n;
-    self->range = lac_range_whole(self->n);
+    self->range = lac_range_whole(scene->domain->n);
     self->h = scene->hierarchy;
     *state = self;
-    return LAC_OK;
-}
-
-static lac_status part(const void *state, const lac_range *range, void **out, lac_error *err)
-{
-    none *self = malloc(sizeof *self);
-    LAC_FAIL_MEMORY_IF(self == NULL, err);
-    *self = *(const none *)state;
-    self->n = range->n;
-    self->range = *range;
-    *out = self;
     return LAC_OK;
 }
 
@@ -44,7 +31,7 @@ static void apply(const void *state, const double *slip, double *force, double *
     const none *self = state;
     (void)slip;
     (void)scratch;
-    memset(force, 0, self->n * sizeof *force);
+    memset(force, 0, self->range.n * sizeof *force);
 }
 
 static bool good(double pivot) { return pivot > 0 && pivot <= DBL_MAX; }
@@ -73,21 +60,18 @@ static bool solve(const void *state, double k_mean, const double *diagonal, cons
 {
     const none *self = state;
     (void)scratch;
-    if (self->range.all == 1) {
-        const bool solved = self->n == 0 || good(diagonal[0] + k_mean);
-        if (self->n > 0) {
-            x[0] = y[0] / (diagonal[0] + k_mean);
-        }
-        return lac_team_all(self->range.team, solved);
+    if (self->range.n == 1) {
+        x[0] = y[0] / (diagonal[0] + k_mean);
+        return good(diagonal[0] + k_mean);
     }
     double sums[3];
     lac_range_sums(&self->range, 3, add_pivots, &(equation){diagonal, y}, sums);
-    double pivot = (double)self->range.all / sums[0] + k_mean;
+    double pivot = (double)self->range.n / sums[0] + k_mean;
     if (sums[2] > 0.0 || !good(pivot)) {
         return false;
     }
     double mu = -k_mean * (sums[1] / sums[0] / pivot);
-    for (size_t i = 0; i < self->n; i++) {
+    for (size_t i = 0; i < self->range.n; i++) {
         x[i] = (y[i] + mu) / diagonal[i];
     }
     return true;
@@ -140,7 +124,6 @@ const lac_transfer_kind lac_none_kind = {
     .work = work,
     .apply = apply,
     .solve = solve,
-    .part = part,
     .pair = &pair,
     .stiffness = stiffness,
 };

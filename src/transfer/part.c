@@ -6,7 +6,6 @@
 // It stands for the kind that it is made of.
 typedef struct whole {
     lac_transfer_kind kind;
-    lac_transfer_pair pair;
     lac_transfer of;
     lac_range range;
 } whole;
@@ -88,21 +87,20 @@ static bool pair_solve(const void *state, double k_mean, const double *const dia
     return good;
 }
 
+static const lac_transfer_pair pair = {.work = pair_work, .apply = pair_apply, .solve = pair_solve};
+
 static lac_status hold_whole(const lac_transfer *of, const lac_range *range, lac_transfer *out,
                              lac_error *err)
 {
     whole *w = malloc(sizeof *w);
     LAC_FAIL_MEMORY_IF(w == NULL, err);
-    *w = (whole){.kind = *of->kind,
-                 .pair = {.work = pair_work, .apply = pair_apply, .solve = pair_solve},
-                 .of = *of,
-                 .range = *range};
+    *w = (whole){.kind = *of->kind, .of = *of, .range = *range};
     w->kind.free = free;
     w->kind.work = work;
     w->kind.apply = apply;
     w->kind.solve = solve;
     w->kind.stiffness = stiffness;
-    w->kind.pair = of->kind->pair != NULL ? &w->pair : NULL;
+    w->kind.pair = of->kind->pair != NULL ? &pair : NULL;
     *out = (lac_transfer){&w->kind, w};
     return LAC_OK;
 }

@@ -15,8 +15,7 @@ typedef struct meeting {
     pthread_mutex_t one;
     size_t exchanged;
     uint64_t *words[MOST]; // of each
-    const void *from[MOST];
-    const size_t *sent[MOST];
+    const lac_piece *given[MOST];
 } meeting;
 
 typedef struct member {
@@ -51,23 +50,18 @@ static void join(const lac_team *team, uint64_t *words, size_t n)
     free(joined);
 }
 
-static void exchange(const lac_team *team, const void *from, const size_t *sent, void *to,
-                     const size_t *taken)
+static void exchange(const lac_team *team, const lac_piece *give, const lac_piece *take)
 {
     meeting *at = team->context;
-    char *into = to;
-    at->from[team->rank] = from;
-    at->sent[team->rank] = sent;
+    at->given[team->rank] = give;
     meet(at);
     for (int rank = 0; rank < team->ranks; rank++) {
-        const char *part = at->from[rank];
-        for (int before = 0; before < team->rank; before++) {
-            part += at->sent[rank][before];
+        const lac_piece *given = &at->given[rank][team->rank];
+        assert_int_equal(given->n, take[rank].n);
+        if (given->n > 0) {
+            memcpy(take[rank].at, given->at, given->n);
         }
-        assert_int_equal(at->sent[rank][team->rank], taken[rank]);
-        memcpy(into, part, taken[rank]);
-        at->exchanged += rank != team->rank ? taken[rank] : 0;
-        into += taken[rank];
+        at->exchanged += rank != team->rank ? given->n : 0;
     }
     meet(at);
 }

@@ -12,6 +12,9 @@ enum {
     CLI_EXIT_INTERRUPTED = 4, ///< what was computed is whole
 };
 
+/// That of a result: the one place that says so.
+int cli_exit_status(lac_status status);
+
 /// What each command does, a row each of the table in registry.c.
 typedef lac_status cli_action(const cli_request *request, lac_error *err);
 cli_action cli_run, cli_check, cli_contact, cli_rg, cli_precursors, cli_fit, cli_trade, cli_sweep,

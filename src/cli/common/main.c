@@ -13,8 +13,7 @@
 #include "lacuna/version.h"
 #include "store/store_file.h"
 
-// The exit status of a result: the one place that says so.
-static int exit_status(lac_status status)
+int cli_exit_status(lac_status status)
 {
     static const int exits[] = {
         [LAC_OK] = CLI_EXIT_DONE,       [LAC_EINPUT] = CLI_EXIT_WRONG,
@@ -143,8 +142,7 @@ int main(int argc, char **argv)
     (void)gsl_set_error_handler_off(); // it would abort; every call's status is looked at
     cli_signals_install();
     cli_clean_stdout();
-    lac_status status =
-        cli_team_join(exit_status, cli_signals_remedy, cli_signals_hush, &team, &err);
+    lac_status status = cli_team_join(&team, &err);
     if (status == LAC_OK) {
         status = cli_request_read(argc, argv, &request, &err);
         request.team = team;
@@ -165,10 +163,10 @@ int main(int argc, char **argv)
         status = status == LAC_OK ? flushed : status;
     }
     cli_request_clear(&request);
-    cli_team_leave(team);
+    cli_team_leave();
     if (status == LAC_EIO) {
         // HDF5's handlers at exit would stumble over a file that could not be closed.
-        _exit(exit_status(status));
+        _exit(cli_exit_status(status));
     }
-    return exit_status(status);
+    return cli_exit_status(status);
 }

@@ -13,7 +13,7 @@
 #include "cli/common/words.h"
 #include "lacuna/simulation.h"
 
-// Signal handlers can reach nothing but globals: these are the program's only ones.
+// Signal handlers can reach nothing but globals: these, and MPI's team, are the only ones.
 static volatile sig_atomic_t stop_asked, report_asked, held, hushed;
 static char output[1024];
 static struct sigaction fault_before;

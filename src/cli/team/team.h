@@ -6,13 +6,8 @@
 /// The processes that this one was started with, all of which do the same command; only the one
 /// that leads is heard from then on. NULL: it is alone, as lacuna always is, and lacuna-mpi on one
 /// rank.
-/// @param exit_status  of the program
-/// @param remedy       what to do about files that stay, in words
-/// @param hush         called with true where SIGTERM comes of the parent after one with an error
 /// @return LAC_OK; LAC_EINPUT: there are more than LAC_TEAM_MOST
-lac_status cli_team_join(int (*exit_status)(lac_status status),
-                         void (*remedy)(char *out, size_t room), void (*hush)(bool parent),
-                         lac_team **out, lac_error *err);
+lac_status cli_team_join(lac_team **out, lac_error *err);
 
 /// What --help says of ranks.
 extern const char cli_team_help[];
@@ -21,4 +16,4 @@ extern const char cli_team_help[];
 lac_status cli_team_end(lac_team *team, lac_status status, lac_error *err);
 
 /// The last that it does: takes leave of the others.
-void cli_team_leave(lac_team *team);
+void cli_team_leave(void);

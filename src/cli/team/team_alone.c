@@ -4,11 +4,9 @@
 
 const char cli_team_help[] = "";
 
-lac_status cli_team_join(int (*exit_status)(lac_status status),
-                         void (*remedy)(char *out, size_t room), void (*hush)(bool parent),
-                         lac_team **out, lac_error *err)
+lac_status cli_team_join(lac_team **out, lac_error *err)
 {
-    (void)exit_status, (void)remedy, (void)hush, (void)err;
+    (void)err;
     *out = NULL;
     return LAC_OK;
 }
@@ -19,4 +17,4 @@ lac_status cli_team_end(lac_team *team, lac_status status, lac_error *err)
     return status;
 }
 
-void cli_team_leave(lac_team *team) { (void)team; }
+void cli_team_leave(void) {}

@@ -6,13 +6,13 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include "cli/common/command.h"
+#include "cli/common/progress.h"
 #include "cli/team/team.h"
 
 typedef struct ranks {
     lac_team team;
-    int heard; // standard error, where it still is
-    int (*exit_status)(lac_status status);
-    void (*remedy)(char *out, size_t room);
+    int heard;      // standard error, where it still is
     MPI_Comm apart; // where they agree
     double begun;   // [s]
 } ranks;
@@ -38,29 +38,22 @@ static void join(const lac_team *team, uint64_t *words, size_t n)
 
 // With the next rank and the one before, then with those two away, and so on round; who has
 // nothing to say is not spoken to.
-static void exchange(const lac_team *team, const void *from, const size_t *sent, void *to,
-                     const size_t *taken)
+static void exchange(const lac_team *team, const lac_piece *give, const lac_piece *take)
 {
-    size_t away[LAC_TEAM_MOST + 1] = {0}, home[LAC_TEAM_MOST + 1] = {0};
     const int all = team->ranks, own = team->rank;
-    for (int rank = 0; rank < all; rank++) {
-        away[rank + 1] = away[rank] + sent[rank];
-        home[rank + 1] = home[rank] + taken[rank];
-    }
-    if (sent[own] > 0) {
-        memcpy((char *)to + home[own], (const char *)from + away[own], sent[own]);
+    if (give[own].n > 0) {
+        memcpy(take[own].at, give[own].at, give[own].n);
     }
     for (int step = 1; step < all; step++) {
         const int next = (own + step) % all, last = (own + all - step) % all;
-        const char *give = (const char *)from + away[next];
-        char *take = (char *)to + home[last];
-        for (size_t at = 0; at < sent[next] || at < taken[last]; at += PIECE) {
-            const size_t gives = at < sent[next] ? sent[next] - at : 0;
-            const size_t takes = at < taken[last] ? taken[last] - at : 0;
-            (void)MPI_Sendrecv(give + (gives > 0 ? at : 0), piece_of(gives), MPI_BYTE,
-                               gives > 0 ? next : MPI_PROC_NULL, 0, take + (takes > 0 ? at : 0),
-                               piece_of(takes), MPI_BYTE, takes > 0 ? last : MPI_PROC_NULL, 0,
-                               MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+        const size_t sent = give[next].n, taken = take[last].n;
+        for (size_t at = 0; at < sent || at < taken; at += PIECE) {
+            const size_t gives = at < sent ? sent - at : 0, takes = at < taken ? taken - at : 0;
+            (void)MPI_Sendrecv((char *)give[next].at + (gives > 0 ? at : 0), piece_of(gives),
+                               MPI_BYTE, gives > 0 ? next : MPI_PROC_NULL, 0,
+                               (char *)take[last].at + (takes > 0 ? at : 0), piece_of(takes),
+                               MPI_BYTE, takes > 0 ? last : MPI_PROC_NULL, 0, MPI_COMM_WORLD,
+                               MPI_STATUS_IGNORE);
         }
     }
 }
@@ -78,11 +71,11 @@ static void end_all(const lac_team *team, lac_status status, const lac_error *er
         (void)sleep(10); // by then it has
     } else {
         char words[2048];
-        all->remedy(words, sizeof words);
+        cli_signals_remedy(words, sizeof words);
         (void)dprintf(all->heard, "lacuna-mpi: rank %d: %s; all ranks end%s\n", team->rank,
                       err != NULL ? err->message : "", words);
     }
-    (void)MPI_Abort(MPI_COMM_WORLD, all->exit_status(status));
+    (void)MPI_Abort(MPI_COMM_WORLD, cli_exit_status(status));
 }
 
 // The longer they have worked the longer one may be busy before it comes to this, up to a minute.
@@ -113,49 +106,34 @@ static void fare(const lac_team *team, uint64_t *words, lac_status here, const l
     (void)MPI_Waitall(here != LAC_OK ? team->ranks : 0, notice, MPI_STATUSES_IGNORE);
 }
 
-// What is said and shown is the same on all ranks: once is enough.
-// @return where it still can be heard
-static int be_silent(void)
-{
-    const int aside = dup(STDERR_FILENO), nowhere = open("/dev/null", O_WRONLY);
-    (void)dup2(nowhere, STDOUT_FILENO);
-    (void)dup2(nowhere, STDERR_FILENO);
-    (void)close(nowhere);
-    return aside;
-}
-
-lac_status cli_team_join(int (*exit_status)(lac_status status),
-                         void (*remedy)(char *out, size_t room), void (*hush)(bool parent),
-                         lac_team **out, lac_error *err)
+lac_status cli_team_join(lac_team **out, lac_error *err)
 {
     lac_team team = {.join = join, .exchange = exchange, .fare = fare};
     int heard = STDERR_FILENO;
     *out = NULL;
-    hush(true); // mpirun stops all ranks where one ends: that one has said why
+    cli_signals_hush(true); // mpirun stops all ranks where one ends: that one has said why
     (void)MPI_Init(NULL, NULL);
     (void)MPI_Comm_rank(MPI_COMM_WORLD, &team.rank);
     (void)MPI_Comm_size(MPI_COMM_WORLD, &team.ranks);
-    if (team.rank > 0) {
-        heard = be_silent();
+    if (team.rank > 0) { // what is said and shown is the same on all: once is enough
+        const int nowhere = open("/dev/null", O_WRONLY);
+        heard = dup(STDERR_FILENO);
+        (void)dup2(nowhere, STDOUT_FILENO);
+        (void)dup2(nowhere, STDERR_FILENO);
+        (void)close(nowhere);
     }
     LAC_FAIL_IF(team.ranks > LAC_TEAM_MOST, err, LAC_EINPUT,
                 "lacuna-mpi: %d ranks: at most %d can share the cells of a case", team.ranks,
                 (int)LAC_TEAM_MOST);
     if (team.ranks == 1) {
-        hush(false);
+        cli_signals_hush(false);
         return LAC_OK;
     }
-    ranks *all = malloc(sizeof *all);
-    int room = all != NULL; // of all: none waits for one without memory
-    (void)MPI_Allreduce(MPI_IN_PLACE, &room, 1, MPI_INT, MPI_MIN, MPI_COMM_WORLD);
-    if (!room) {
-        free(all);
-        return lac_fail_memory(err);
-    }
-    *all = (ranks){team, heard, exit_status, remedy, MPI_COMM_NULL, MPI_Wtime()};
-    (void)MPI_Comm_dup(MPI_COMM_WORLD, &all->apart);
-    all->team.context = all;
-    *out = &all->team;
+    static ranks all; // no memory of which one of them may have none
+    all = (ranks){team, heard, MPI_COMM_NULL, MPI_Wtime()};
+    (void)MPI_Comm_dup(MPI_COMM_WORLD, &all.apart);
+    all.team.context = &all;
+    *out = &all.team;
     return LAC_OK;
 }
 
@@ -167,12 +145,11 @@ lac_status cli_team_end(lac_team *team, lac_status status, lac_error *err)
     return lac_team_agree(team, status, err);
 }
 
-void cli_team_leave(lac_team *team)
+void cli_team_leave(void)
 {
     int joined = 0;
     (void)MPI_Initialized(&joined);
     if (joined != 0) {
         (void)MPI_Finalize();
-        free(team != NULL ? team->context : NULL);
     }
 }
