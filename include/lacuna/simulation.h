@@ -282,10 +282,8 @@ static inline lac_sink lac_sink_default(void)
 ///         returns; LAC_ENOMEM; LAC_EINPUT where it was run before
 lac_status lac_simulation_run(lac_simulation *simulation, const lac_sink *sink, lac_error *err);
 
-/// Runs it and keeps everything in memory. Beside the variables of a run's file (docs/format.md;
-/// times are seconds since the start) there are, each one value: `failed` (0 or 1), `failure_time`
-/// [s], `steps`, where the case has a date `start_date` [s since 1970], and where the factor of
-/// safety is worked out `factor_of_safety_start`, `_least` and `_below_1_time` [s].
+/// Runs it and keeps everything in memory: the variables of a run's file (docs/format.md; times are
+/// seconds since the start). How it ended is in lac_simulation_result.
 /// @param out  outlives the simulation; NULL unless LAC_OK or LAC_EINTERRUPT, which keeps what was
 ///             computed
 /// @return as lac_simulation_run

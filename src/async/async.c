@@ -75,8 +75,7 @@ lac_status lac_async_create(const lac_async_def *def, lac_async **out, lac_error
     m->drag = def->drag;
     m->rules = (lac_async_rules){.law = def->friction->law->lone,
                                  .regularised = def->friction->form == LAC_FORM_REGULARISED,
-                                 .tolerance = def->tolerance,
-                                 .wake = def->wake};
+                                 .tolerance = def->tolerance};
     lac_status status = lac_async_tree_create(def->hierarchy, def->k, &m->tree, err);
     if (status == LAC_OK) {
         fill_cells(m, def);

@@ -17,7 +17,6 @@ typedef struct lac_async_def {
     double damping;               ///< eta [Pa s/m]
     double drag;                  ///< of the mean slip rate, per pressure of a cell [s/m]; 0: none
     double tolerance;             ///< error of ln v over a step of a cell
-    double wake;                  ///< part of it that an unforeseen change of traction may cost
 } lac_async_def;
 
 /// Loads that are linear in time: q_i = traction_i + p_i ratio + common - k_mean mean slip, and

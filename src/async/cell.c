@@ -316,8 +316,7 @@ double lac_async_cell_plan(const lac_async_rules *rules, const lac_async_push *p
     h = tell(c, rise, h, STRAIGHT * small * c->dc);
     double direct = c->a * push->pressure + c->damping * c->v;
     double z = slip_under(outside, c->v, h) / c->dc;
-    double allowed = rules->wake * small;
-    c->high = direct * log1p(allowed / z);
-    c->low = allowed < z ? direct * log1p(-allowed / z) : -INFINITY;
+    c->high = direct * log1p(small / z);
+    c->low = small < z ? direct * log1p(-small / z) : -INFINITY;
     return h;
 }

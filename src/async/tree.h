@@ -29,7 +29,6 @@ typedef struct lac_async_rules {
     const lac_friction_lone *law;
     bool regularised;
     double tolerance; // of ln v over a step
-    double wake;      // part of it that an unforeseen change of traction may cost
 } lac_async_rules;
 
 // A stretch of time of one cell, over which what acts on it from outside is linear.

@@ -358,21 +358,6 @@ bool lac_case_implies_safety(const lac_case *c)
            (c->fields & (unsigned)LAC_FIELD_SAFETY) != 0;
 }
 
-// What lac_run leaves to its caller.
-static unsigned beyond_run(const lac_reader *reader, const lac_case *c)
-{
-    static const char *const written[] = {"output.file",       "output.fields",
-                                          "output.checkpoint", "output.compression",
-                                          "output.precision",  "output.points"};
-    unsigned beyond = (isnan(c->accuracy) ? 0U : (unsigned)LAC_BEYOND_ACCURACY) |
-                      (c->from.file != NULL ? (unsigned)LAC_BEYOND_START : 0U) |
-                      (c->analysis.count > 0 ? (unsigned)LAC_BEYOND_ANALYSIS : 0U);
-    for (size_t i = 0; i < sizeof written / sizeof written[0]; i++) {
-        beyond |= lac_present(reader, written[i]) ? (unsigned)LAC_BEYOND_OUTPUT : 0U;
-    }
-    return beyond;
-}
-
 static bool maps(const lac_node *node) { return node != NULL && node->kind == LAC_NODE_MAP; }
 
 void lac_check_case(lac_reader *reader, lac_case *c)
@@ -417,5 +402,4 @@ void lac_check_case(lac_reader *reader, lac_case *c)
     c->safety.asked = c->safety.asked || lac_case_implies_safety(c);
     c->fields |= c->safety.asked && c->fields != 0 ? (unsigned)LAC_FIELD_SAFETY : 0U;
     c->run.cell_safety = (c->fields & (unsigned)LAC_FIELD_SAFETY) != 0;
-    c->run.beyond = beyond_run(reader, c);
 }

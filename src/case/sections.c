@@ -209,9 +209,6 @@ static const lac_param solver_rows[] = {
                "steps of its own, where cells slip one by one), auto (the faster of them), lumped "
                "(few stand for all, where all slip together); static has no time (lacuna rg)"),
     LAC_OWN("lump", "{level: ..., nodes: ..., error: ...}: with fidelity lumped, how"),
-    LAC_REAL("wake", "1", FIELD(run.wake), 1, 0, 100, LAC_ABOVE_MIN,
-             "with fidelity events: error that an unforeseen change of traction may cause before a "
-             "cell is looked at, over the error of its step"),
     LAC_CHOICE("method", FIELD(run.method), LAC_BDF, methods, 0,
                "of integration: bdf (implicit), adams, or erk (explicit Runge-Kutta)"),
     LAC_CHOICE("formulation", FIELD(formulation), LAC_FORMULATION_AUTO, formulations, 0,

@@ -60,49 +60,11 @@ lac_status lac_check_rates(const lac_problem *problem, double max, double t, con
                     cell, t, most);
 }
 
-// What a case asks that its caller has neither done nor taken over.
-static lac_status check_beyond(unsigned beyond, lac_error *err)
-{
-    static const struct {
-        unsigned bit;
-        const char *what;
-    } table[] = {
-        {LAC_BEYOND_ACCURACY, "solver.accuracy: lac_run makes no pilot runs"},
-        {LAC_BEYOND_ANALYSIS, "analysis: lac_run follows no indicators"},
-        {LAC_BEYOND_START, "initial.run: lac_run reads no other run"},
-        {LAC_BEYOND_OUTPUT, "output: lac_run writes no file and keeps no fields"},
-    };
-    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
-        LAC_FAIL_IF((beyond & table[i].bit) != 0, err, LAC_EINPUT,
-                    "%s: lac_simulation_run does all that a case asks", table[i].what);
-    }
-    return LAC_OK;
-}
-
 lac_status lac_check_def(const lac_run_def *def, lac_error *err)
 {
-    LAC_TRY_RETURN(check_beyond(def->beyond, err));
     LAC_FAIL_IF(def->fidelity == LAC_FIDELITY_STATIC, err, LAC_EINPUT,
                 "solver.fidelity static has no time to run through: lacuna rg works out the "
                 "cascade; ode and events run");
-    LAC_FAIL_IF(def->fidelity == LAC_FIDELITY_ASYNC && !(def->wake > 0.0), err, LAC_EINPUT,
-                "wake %g must be positive", def->wake);
-    LAC_FAIL_IF(!(def->end > 0.0) || !isfinite(def->end), err, LAC_EINPUT,
-                "the end of the run, %g s, must be after its start", def->end);
-    LAC_FAIL_IF(!(def->rtol > 0.0) || !(def->failure_rate > 0.0), err, LAC_EINPUT,
-                "rtol %g and failure rate %g m/s must be positive", def->rtol, def->failure_rate);
-    if (def->failure_slip < 0.0) { // NaN, not given, passes
-        return lac_fail(err, LAC_EINPUT,
-                        "failure slip %g m must be positive, or 0 for the joint's own",
-                        def->failure_slip);
-    }
-    const lac_cadence *every[] = {&def->record, &def->snapshot, &def->checkpoint};
-    for (size_t i = 0; i < 3; i++) {
-        // NaN, not given, passes.
-        LAC_FAIL_IF(every[i]->time <= 0.0 || every[i]->per_decade <= 0.0, err, LAC_EINPUT,
-                    "output every %g s or %g times a decade: must be positive", every[i]->time,
-                    every[i]->per_decade);
-    }
     return LAC_OK;
 }
 
@@ -199,7 +161,6 @@ out:
 lac_run_def lac_run_default(void)
 {
     return (lac_run_def){.method = LAC_BDF,
-                         .wake = 1.0,
                          .rtol = 1e-6,
                          .first_step = NAN,
                          .max_steps = 10000000,

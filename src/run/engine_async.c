@@ -78,8 +78,7 @@ static lac_status make(lac_engine *engine, cells *c, lac_error *err)
                                .pressure = parts.pressure,
                                .damping = parts.damping.cell,
                                .drag = parts.damping.shared,
-                               .tolerance = tolerance_of(engine->def),
-                               .wake = engine->def->wake};
+                               .tolerance = tolerance_of(engine->def)};
     LAC_TRY(lac_async_create(&def, &c->micro, err));
     engine->y = c->y;
     engine->slip = c->y + 2 * engine->n;

@@ -108,19 +108,9 @@ lac_status lac_run_start_take(const lac_run_start *start, const lac_problem *pro
                               double *slip, lac_error *err);
 
 /// What a case can ask of its run that lac_run does not do, and a simulation does: bits of
-/// lac_run_def.beyond.
-enum {
-    LAC_BEYOND_ACCURACY = 1, ///< solver.accuracy: the settings that pilot runs pick
-    LAC_BEYOND_ANALYSIS = 2, ///< analysis: a sink by lac_analysis_sink
-    LAC_BEYOND_START = 8,    ///< initial.run: the state that another run came to
-    LAC_BEYOND_OUTPUT = 4,   ///< keys of output but `every`: what a sink does with what it gets
-};
-
 typedef struct lac_run_def {
     lac_fidelity fidelity;
     lac_method method;   ///< of fidelity ODE
-    double wake;         ///< of fidelity EVENTS: what an unforeseen change of traction may cost a
-                         ///< cell before it is looked at, over its error a step
     double rtol;         ///< relative on v and theta, whatever the formulation
     int projection;      ///< 1: records and snapshots are moved onto the balance; 0: as integrated
     int64_t max_order;   ///< 0: the method's own
@@ -148,8 +138,6 @@ typedef struct lac_run_def {
     bool (*interrupted)(void *context); ///< asked after every step; NULL: never
     void (*progress)(void *context, const lac_progress *progress); ///< after every step; NULL
     void *context;
-    unsigned beyond; ///< LAC_BEYOND_*, set where a case is read; lac_run refuses what is set, so a
-                     ///< caller that does it clears the bit; simulation.h does all
 } lac_run_def;
 
 /// A def with BDF, rtol 1e-6, every step recorded, no snapshots, failure at 1 m/s and at no slip

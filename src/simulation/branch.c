@@ -325,7 +325,6 @@ static lac_status run_on(lac_branch *b, const lac_simulation_options *options,
     lac_run_result result;
     lac_run_def def = b->source->run;
     lac_status status = LAC_OK;
-    def.beyond = 0;
     def.end = b->time;
     def.snapshots = false;
     def.reached = &b->start;

@@ -125,7 +125,6 @@ lac_status lac_simulation_create(const lac_case *c, const lac_simulation_options
     if (c->use != NULL) {
         c->use->simulations++; // it does not change from now on
     }
-    s->source.run.beyond = 0; // all of it is done here
     s->outcome = (lac_outcome){.source = &s->source, .status = "running"};
     s->options = lac_simulation_options_default();
     LAC_TRY(
@@ -340,33 +339,6 @@ lac_status lac_simulation_file(lac_simulation *simulation, lac_store_def *out, l
     return LAC_OK;
 }
 
-static lac_status add_outcome(lac_recording *recording, const lac_case *c,
-                              const lac_run_result *result, lac_error *err)
-{
-    const lac_safety_summary *safety = &result->safety;
-    const struct {
-        const char *name, *unit, *long_name;
-        double value;
-    } table[] = {
-        {"failed", "1", "whether the joint failed, by its mean slip rate or its mean slip",
-         result->failed},
-        {"failure_time", "s", "time of failure since the start of the run",
-         result->failure_origin + result->failure_local},
-        {"steps", "1", "steps of the integrator", (double)result->steps},
-        {"start_date", "s", "start of the run, since 1970", c->dated ? c->start_date : NAN},
-        {"factor_of_safety_start", "1", "factor of safety at the start", safety->start},
-        {"factor_of_safety_least", "1", "least factor of safety of all records", safety->least},
-        {"factor_of_safety_below_1_time", "s", "when the factor of safety first was below 1",
-         safety->below_time},
-    };
-    const size_t of_safety = 3, all = sizeof table / sizeof table[0];
-    for (size_t i = 0; i < (c->safety.asked ? all : all - of_safety); i++) {
-        LAC_TRY_RETURN(lac_recording_add(recording, table[i].name, table[i].unit,
-                                         table[i].long_name, table[i].value, err));
-    }
-    return LAC_OK;
-}
-
 static lac_status conclude(lac_simulation *s, lac_recording *recording, lac_error *err)
 {
     lac_store_def def;
@@ -388,7 +360,6 @@ lac_status lac_simulation_record(lac_simulation *simulation, lac_dataset **out, 
     const lac_status ended = lac_simulation_run(simulation, &sink, err);
     if (ended == LAC_OK || ended == LAC_EINTERRUPT) {
         LAC_TRY(conclude(simulation, recording, err));
-        LAC_TRY(add_outcome(recording, outcome->source, &outcome->run, err));
         *out = lac_recording_hand_out(recording);
         recording = NULL;
     }

@@ -45,22 +45,15 @@ static size_t find_growth(lac_columns *columns, const lac_item *item)
     return along;
 }
 
-lac_column *lac_columns_add(lac_columns *columns, const lac_item *item)
-{
-    lac_column *column = &columns->column[columns->n++];
-    *column = (lac_column){.item = *item, .along = find_growth(columns, item)};
-    return column;
-}
-
-lac_status lac_columns_create(const lac_dataset *dataset, size_t more, lac_columns *columns,
-                              lac_error *err)
+lac_status lac_columns_create(const lac_dataset *dataset, lac_columns *columns, lac_error *err)
 {
     lac_item item = {0};
-    columns->column = calloc(dataset->entries + more + 1, sizeof *columns->column);
+    columns->column = calloc(dataset->entries + 1, sizeof *columns->column);
     LAC_FAIL_MEMORY_IF(columns->column == NULL, err);
     while (lac_dataset_next(dataset, &item)) {
         if (!lac_item_is_global(&item)) {
-            (void)lac_columns_add(columns, &item);
+            columns->column[columns->n++] =
+                (lac_column){.item = item, .along = find_growth(columns, &item)};
         }
     }
     return LAC_OK;
@@ -267,7 +260,7 @@ lac_status lac_writer_begin(lac_writer *w, lac_error *err)
 {
     const lac_columns *all = &w->columns;
     LAC_TRY_RETURN(lac_writer_clock(w, err));
-    LAC_TRY_RETURN(lac_columns_create(w->dataset, 0, &w->columns, err));
+    LAC_TRY_RETURN(lac_columns_create(w->dataset, &w->columns, err));
     LAC_TRY_RETURN(
         lac_dataset_put_attributes(w->dataset, false, lac_nc_put_attribute, (void *)w->file, err));
     for (lac_column *c = all->column; c < all->column + all->n; c++) {

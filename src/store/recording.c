@@ -134,7 +134,7 @@ lac_status lac_recording_create(const lac_recording_def *def, lac_recording **ou
     LAC_FAIL_MEMORY_IF(r == NULL, err);
     r->place.of = *def;
     LAC_TRY(lac_run_describe(&r->place, &r->dataset, err));
-    LAC_TRY(lac_columns_create(r->dataset, LAC_MORE_VALUES, &r->columns, err));
+    LAC_TRY(lac_columns_create(r->dataset, &r->columns, err));
     LAC_TRY(lac_dataset_create("A run of a creeping joint.", &r->kept, err));
     LAC_TRY(lac_dataset_dims(r->kept, r->dataset->dim, r->dataset->dims, err));
     measure(r);
@@ -148,17 +148,6 @@ lac_status lac_recording_create(const lac_recording_def *def, lac_recording **ou
     }
 out:
     LAC_MADE(status, out, lac_recording_free);
-}
-
-lac_status lac_recording_add(lac_recording *recording, const char *name, const char *unit,
-                             const char *long_name, double value, lac_error *err)
-{
-    static const lac_variable one = {.flags = LAC_SINGLE};
-    const lac_item item = {
-        .row = &one, .name = name, .unit = unit, .long_name = long_name, .dims = "", .count = 1};
-    lac_column *c = lac_columns_add(&recording->columns, &item);
-    LAC_TRY_RETURN(show(recording, c, err));
-    return append(c, &value, 1, err);
 }
 
 static lac_status put_record(void *context, const lac_record *record, lac_error *err)

@@ -16,12 +16,6 @@ void lac_recording_free(lac_recording *recording);
 /// The sink that fills it; it makes no checkpoints.
 lac_sink lac_recording_sink(lac_recording *recording);
 
-/// Adds one value that runs over nothing, at most LAC_MORE_VALUES. The texts must outlive the
-/// recording.
-enum { LAC_MORE_VALUES = 4 };
-lac_status lac_recording_add(lac_recording *recording, const char *name, const char *unit,
-                             const char *long_name, double value, lac_error *err);
-
 /// Sets a text that a file has among its global attributes; one of that name is replaced.
 lac_status lac_recording_text(lac_recording *recording, const char *name, const char *text,
                               lac_error *err);

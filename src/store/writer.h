@@ -34,17 +34,12 @@ typedef struct lac_columns {
     lac_growth growth[LAC_MOST_GROWING];
 } lac_columns;
 
-/// @param more     room for so many that lac_columns_add adds
 /// @param columns  {0}; to be cleared whatever the status
-lac_status lac_columns_create(const lac_dataset *dataset, size_t more, lac_columns *columns,
-                              lac_error *err);
+lac_status lac_columns_create(const lac_dataset *dataset, lac_columns *columns, lac_error *err);
 void lac_columns_clear(lac_columns *columns);
 
 /// Whether an item is an attribute of a file.
 bool lac_item_is_global(const lac_item *item);
-
-/// One more, for which there is room.
-lac_column *lac_columns_add(lac_columns *columns, const lac_item *item);
 
 /// The dimension of a name that grows; LAC_ONCE: none.
 size_t lac_columns_along(const lac_columns *columns, const char *dim);

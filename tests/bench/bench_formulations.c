@@ -51,7 +51,6 @@ static double run_once(const bench_scene *scene, lac_formulation formulation, la
     how.method = method;
     how.rtol = rtol;
     how.max_steps = scene->most_steps;
-    how.beyond = 0;
     must(lac_problem_create(&def, &problem, &err) == LAC_OK, err.message);
     lac_status status = lac_run(problem, &how, &sink, result, &err);
     lac_problem_free(problem);

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shells are told of every command, every option of each, every model and every key of a case; bash
+"""Shells are told of every command, every option of each and every model; bash
 (and fish, zsh, where they are installed) complete them in fact, bash and zsh at a terminal by the Tab key.
 
 usage: test_completion.py PROGRAM SOURCE_FOLDER
@@ -110,7 +110,6 @@ class Completion(unittest.TestCase):
             self.assertIn(meaning, call(PROGRAM, "run", "--help") + call(PROGRAM, "--help"), option)
         for command, meaning in completed.offered(PROGRAM, "").items():
             self.assertIn(meaning, call(PROGRAM, command, "--help"))
-        self.assertIn("adams", completed.offered(PROGRAM, "run", "--set", "solver.me")["solver.method="])
 
     def test_every_model(self):
         kinds = {kind["name"] for kind in self.models["kinds"]}
@@ -124,7 +123,6 @@ class Completion(unittest.TestCase):
         self.assertGreaterEqual(len(rocks), 12)
         self.assertEqual(self.offered("describe", "rock", ""), rocks)
         self.assertEqual(self.offered("describe", "rock", "limestone", ""), set())
-        self.assertEqual(self.offered("check", "--set", "friction.aging.rock=lim"), {"friction.aging.rock=limestone"})
 
     def test_values(self):
         """Of files a line says what stands before them in the word, and their endings."""
@@ -142,8 +140,6 @@ class Completion(unittest.TestCase):
         self.assertEqual(files("run", "x.yaml", "-qoREAD"), {})
         self.assertEqual(files("run", "x.yaml", "-oREAD"), {":-o": ""})
         self.assertEqual(files("run", "x.yaml", "--output=READ"), {":--output=": ""})
-        self.assertEqual(files("run", "x", "--set=fit.errors=ar"), {"--set=fit.errors=ar1": ""})
-        self.assertEqual(files("run", "x", "--set", "compare.7.file=x"), {":compare.7.file=": ""})
         for words in (["run", "--until", ""], ["run", "--until=1"], ["run", "--force=1"], ["run", "x", ""],
                       ["run", "--nothing=1"], ["new", ""], ["run", "--threads", ""], ["run", "-x1"]):
             self.assertEqual(files(*words), {}, words)
@@ -154,14 +150,8 @@ class Completion(unittest.TestCase):
 
     def test_words_as_bash_cuts_them(self):
         """At = and :, with quotes; an empty word stands behind a blank."""
-        for words in (["--set", "solver.method", "=", "ad"], ["--set", "'solver.method=ad"],
-                      ["--set", "'solver.method", "=", "ad"], ["--set", "solver.meth\\od=ad"]):
-            self.assertEqual(self.offered("run", "x", *words), {"solver.method=adams"})
-        for words in (["--set", "=", "solver.method", "=", "ad"], ["--set", "=", '"solver.method=ad']):
-            self.assertEqual(self.offered("run", "x", *words), {"--set=solver.method=adams"})
-        self.assertEqual(self.offered("run", "x", "--set", "fit.errors", "="), 
-                         {"fit.errors=" + word for word in completed.choices(PROGRAM, "fit.errors")})
-        self.assertEqual(self.offered("run", "--set", "fit.errors", "=", ""), {":"})
+        for words in (["--kind", "=", "sl"], ["'--kind=sl"], ["'--kind", "=", "sl"], ["--ki\\nd=sl"]):
+            self.assertEqual(self.offered("new", "x", *words), {"--kind=slope"})
         self.assertEqual(self.offered("precursors", "--sigma", "mm", ":", "mm", "--ra"), {"--raw"})
         self.assertEqual(self.offered("'describe'", '"friction"', "'a"), {"aging"})
 
@@ -218,7 +208,7 @@ class Completion(unittest.TestCase):
             self.assertEqual(done.returncode, 2)
             self.assertNotRegex(done.stderr, "is no |unknown", group)
 
-    def test_keys_of_the_bundled_cases_are_offered(self):
+    def test_keys_of_the_bundled_cases_are_described(self):
         import yaml  # of python3-yaml
         keys = set(completed.keys(PROGRAM))
         for path in glob.glob(os.path.join(SOURCE, "cases", "**", "*.yaml"), recursive=True):
@@ -228,19 +218,6 @@ class Completion(unittest.TestCase):
                 key = re.sub(r"(spread\.\w+)\.0\.", r"\1.", key)  # a list of models, or one
                 self.assertTrue(key in keys or any(k.startswith(key + ".") or key.startswith(k + ".")
                                                    for k in keys), f"{path}: {key}")
-
-    def test_keys_part_by_part(self):
-        def keys(typed):
-            return self.offered("run", "--set", typed)
-        self.assertEqual(keys("solver.me"), {"solver.method="})
-        self.assertEqual(keys("solver"), {"solver."})
-        self.assertEqual(keys("interface.d"), {"interface.domain."})
-        self.assertEqual(keys("load.shear."), {"load.shear.0."})
-        self.assertEqual(keys("load.shear.31"), {"load.shear.31."})
-        self.assertEqual(keys("load.shear.31.ra"), {"load.shear.31.ratio.", "load.shear.31.ramp."})
-        self.assertEqual(keys("output.ever"), {"output.every=", "output.every."})  # a time, or a map
-        self.assertEqual(keys("time.f"), {"time.failure."})
-        self.assertEqual(self.offered("run", "--set=solver.me"), {"--set=solver.method="})
 
     def bash(self, line):
         """What bash is told of the last word of a line without quotes."""
@@ -262,8 +239,7 @@ class Completion(unittest.TestCase):
         self.assertEqual(self.bash("lacuna report x.nc --compare cases/data/cr"), {"cases/data/creep.csv"})
         self.assertEqual(self.bash("lacuna run cases/data/"), set())  # no case is there
         self.assertEqual(self.bash("lacuna run --until "), set())
-        self.assertEqual(self.bash("lacuna run x --set solver.fid"), {"solver.fidelity="})
-        self.assertEqual(self.bash("lacuna run x --set=solver.method="), {"bdf", "adams", "erk"})
+        self.assertEqual(self.bash("lacuna new --kind=s"), {"slope"})
         self.assertEqual(self.bash("nothing run "), set())  # which is no program
 
     def at_a_terminal(self, shell, *without):
@@ -288,18 +264,11 @@ class Completion(unittest.TestCase):
         "lacuna desc\tfric\tag\t": ["describe", "friction", "aging"],
         "lacuna check cases/bl\t": ["check", "cases/block.yaml"],
         "lacuna rg cases/peers/plane-patch.n\t": ["rg", "cases/peers/plane-patch.nc"],
-        "lacuna run x --set solver.met\tad\t": ["run", "x", "--set", "solver.method=adams"],
-        "lacuna run x --set=solver.met\tad\t": ["run", "x", "--set=solver.method=adams"],
-        "lacuna run x --set load.sh\t2.rat\tv\t3": ["run", "x", "--set", "load.shear.2.ratio.value=3"],
-        "lacuna run x --set 'solver.method=b\t": ["run", "x", "--set", "solver.method=bdf"],
-        "lacuna run x --set='solver.method=b\t": ["run", "x", "--set=solver.method=bdf"],
-        "lacuna run x --set interface.sur\tfile.pa\tREAD\t--json":
-            ["run", "x", "--set", "interface.surface.file.path=README.md", "--json"],
-        "lacuna run x --set 'interface.surface.file.path=READ\t":
-            ["run", "x", "--set", "interface.surface.file.path=README.md"],
+        "lacuna new --kind sl\t--force": ["new", "--kind", "slope", "--force"],
+        "lacuna new --kind=sl\t--force": ["new", "--kind=slope", "--force"],
+        "lacuna new '--kind=sl\t": ["new", "--kind=slope"],
         "lacuna run x --output=READ\t--json": ["run", "x", "--output=README.md", "--json"],
         "lacuna run x --outp\tREAD\t": ["run", "x", "--output", "README.md"],
-        "lacuna fit x --set fit.errors=ar\t--json": ["fit", "x", "--set", "fit.errors=ar1", "--json"],
     }
     with_blanks = {
         "lacuna check tw\t--json": ["check", "two words.yaml", "--json"],
@@ -320,10 +289,6 @@ class Completion(unittest.TestCase):
                              {o for o in self.common | options_of(command) if o[:2] == "--"})
         self.assertEqual(offered("lacuna describe friction ag"), {"aging"})
         self.assertEqual(offered("lacuna new --kind s"), {"slope"})
-        self.assertEqual(offered("lacuna run x --set solver.met"), {"solver.method="})
-        self.assertEqual(offered("lacuna run x --set solver.method=a"), {"solver.method=adams"})
-        self.assertEqual(offered("lacuna run x --set load.shear.2.ratio.v"), {"load.shear.2.ratio.value="})
-        self.assertEqual(offered("lacuna run x --set=solver.method=a"), {"--set=solver.method=adams"})
         self.assertEqual(offered(f"{PROGRAM} run cases/blo"), {"cases/block.yaml"})
         self.assertEqual(offered("lacuna run x -o READ"), {"README.md"})
         self.assertEqual(offered("lacuna run x --output=READ"), {"--output=README.md"})

@@ -223,7 +223,7 @@ class Options(Case):
         short = self.contact(J07, *SMALL)
         for label in ("clusters", "Delta_S", "fractal pressure", "size effect", "D_box"):
             self.assertIn(label, short)
-        for label in ("Resolutions (point sampling", "Boxes", "cells in one", "Published", "Bandis"):
+        for label in ("Published", "Bandis"):
             self.assertNotIn(label, short)
             self.assertIn(label, self.contact(J07, *SMALL, "-v"))
 

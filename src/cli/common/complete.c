@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What may stand at the cursor of a command line, for all shells: commands, options, kinds, models
-// and keys of a case, each from the table that the program itself reads. The scripts that shells
-// read ask for it, and complete names of files themselves. Bash cuts words at = and :, so what it
-// is told begins behind those.
+// What may stand at the cursor of a command line, for all shells: commands, options, kinds and
+// models, each from the table that the program itself reads. The scripts that shells read ask for
+// it, and complete names of files themselves. Bash cuts words at = and :, so what it is told begins
+// behind those.
 #include "case/levels.h"
 #include "cli/common/describe.h"
 #include "cli/common/words.h"
@@ -10,29 +10,21 @@
 enum { LINE_SIZE = 256 };
 
 typedef struct offers {
-    const char *word;  // at the cursor
-    size_t lead;       // letters of it that stay as they are: "--set=", "solver.method="
-    const char *key;   // of --set; its "=" stands before the value
-    size_t key_length; // as far as it is typed
-    bool again;        // the keys were gone through before
-    FILE *out;         // a newline, then a line of each candidate
-    char *text;        // what went there
+    const char *word; // at the cursor
+    size_t lead;      // letters of it that stay as they are: "--output="
+    FILE *out;        // a newline, then a line of each candidate
+    char *text;       // what went there
     size_t size;
 } offers;
 
-// Whether a candidate begins as what is typed and was not offered yet; `line` is set to its line.
-static bool is_new(const offers *all, const char *candidate, char line[LINE_SIZE])
-{
-    const char *typed = all->word + all->lead;
-    const int n = snprintf(line, LINE_SIZE, "\n%.*s%s\t", (int)all->lead, all->word, candidate);
-    return n < LINE_SIZE && strncmp(candidate, typed, strlen(typed)) == 0 &&
-           fflush(all->out) == 0 && strstr(all->text, line) == NULL;
-}
-
+// A candidate that begins as what is typed and was not offered yet.
 static void offer(const offers *all, const char *candidate, const char *meaning)
 {
     char line[LINE_SIZE];
-    if (is_new(all, candidate, line)) {
+    const char *typed = all->word + all->lead;
+    const int n = snprintf(line, LINE_SIZE, "\n%.*s%s\t", (int)all->lead, all->word, candidate);
+    if (n < LINE_SIZE && strncmp(candidate, typed, strlen(typed)) == 0 && fflush(all->out) == 0 &&
+        strstr(all->text, line) == NULL) {
         (void)fprintf(all->out, "%s%s\n", line + 1, meaning);
     }
 }
@@ -107,152 +99,9 @@ static void offer_kinds(const offers *all, const char *of)
     }
 }
 
-// What a key has behind its part that is typed, a place in a list being any number; NULL: the key
-// is another one.
-static const char *rest_of(const char *path, const char *typed, size_t n)
+static void offer_values(const offers *all, const cli_option *o)
 {
-    for (const char *end = typed + n; typed < end; path++) {
-        const bool place = *path == '0' && path[-1] == '.';
-        const size_t letters = place ? strspn(typed, "0123456789") : *path == *typed;
-        if (letters == 0) {
-            return NULL;
-        }
-        typed += letters;
-    }
-    return path;
-}
-
-static void offer_key(const offers *all, const char *path, const lac_param *param)
-{
-    char name[LINE_SIZE], line[LINE_SIZE];
-    const char *rest = rest_of(path, all->key, all->key_length);
-    if (rest == NULL) {
-        return;
-    }
-    if (all->key[all->key_length] == '=') { // its value, where the tables name it
-        const bool choice = *rest == '\0' && param->type == LAC_CHOICE;
-        if (*rest == '\0' && param->type == LAC_PATH) {
-            offer_files(all, "");
-        }
-        for (size_t i = 0; choice && param->choices[i] != NULL; i++) {
-            offer(all, param->choices[i], "");
-        }
-        return;
-    }
-    const size_t part = strcspn(rest, ".");
-    const int n = snprintf(name, sizeof name, "%s%.*s.", all->key, (int)part, rest);
-    if (rest[part] == '.') {
-        offer(all, name, "");
-    } else if (n < LINE_SIZE && all->again &&
-               (is_new(all, name, line) || strncmp(path, "output.", 7) == 0)) {
-        name[n - 1] = '='; // no keys stand below it; or they do, and it may be a time as well
-        offer(all, name, param->doc);
-    }
-}
-
-static void offer_rows(const offers *all, const char *folder, const lac_param *params, size_t count)
-{
-    char path[LINE_SIZE];
-    for (size_t i = 0; i < count; i++) {
-        const char *point = folder[0] == '\0' ? "" : ".";
-        (void)snprintf(path, sizeof path, "%s%s%s", folder, point, params[i].key);
-        offer_key(all, path, &params[i]);
-    }
-}
-
-static void offer_models(const offers *all, const char *folder, const lac_kind *kind)
-{
-    char path[LINE_SIZE];
-    const lac_model_info *model;
-    for (size_t i = 0; (model = kind->at(i)) != NULL; i++) {
-        (void)snprintf(path, sizeof path, "%s.%s", folder, model->name);
-        offer_rows(all, path, model->params, model->param_count);
-    }
-}
-
-// What may differ from cell to cell in friction is whatever a law has for it.
-static void offer_spreads(const offers *all, const lac_kind *spread)
-{
-    char path[LINE_SIZE];
-    const lac_friction_law *law;
-    for (size_t i = 0; (law = lac_friction_law_get(i)) != NULL; i++) {
-        for (size_t k = 0; k < law->info.param_count; k++) {
-            if ((law->info.params[k].flags & LAC_CELLWISE) != 0) {
-                (void)snprintf(path, sizeof path, "friction.spread.%s", law->info.params[k].key);
-                offer_models(all, path, spread);
-            }
-        }
-    }
-}
-
-// Where the rows of a section or the models of a kind stand, if not where its name says. An item of
-// a list is its first one.
-enum { MOST_PLACES = 3 };
-static const struct {
-    const char *name, *folder[MOST_PLACES + 1];
-} places[] = {
-    {"case", {""}},
-    {"output.every", {"output.every", "output.fields_every", "output.checkpoint"}},
-    {"compare", {"compare.0"}},
-    {"load.history.steps", {"load.history.steps.0"}},
-    {"load.shear", {"load.shear.0"}},
-    {"load.normal_stress", {"load.normal_stress.0"}},
-    {"load.pore_pressure", {"load.pore_pressure.0"}},
-    {"weakening", {"weakening.0"}},
-    {"friction.spread",
-     {"interface.spread.pressure", "initial.spread.slip_rate", "initial.spread.state"}},
-};
-
-// The index-th folder of a section or a kind, NULL past the end.
-static const char *folder_of(const char *name, size_t index)
-{
-    for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
-        if (strcmp(places[i].name, name) == 0) {
-            return places[i].folder[index];
-        }
-    }
-    return index == 0 ? name : NULL;
-}
-
-static void offer_every_key(const offers *all)
-{
-    const lac_section *section;
-    const lac_kind *kind;
-    const char *folder;
-    for (size_t i = 0; (section = lac_section_get(i)) != NULL; i++) {
-        for (size_t k = 0; (folder = folder_of(section->name, k)) != NULL; k++) {
-            offer_rows(all, folder, section->params, section->param_count);
-        }
-    }
-    for (size_t i = 0; (kind = lac_kind_get(i)) != NULL; i++) {
-        const bool chosen = !kind->option && kind->command == NULL;
-        for (size_t k = 0; chosen && (folder = folder_of(kind->section, k)) != NULL; k++) {
-            offer_models(all, folder, kind);
-        }
-        if (strcmp(kind->name, "spread") == 0) {
-            offer_spreads(all, kind);
-        }
-    }
-}
-
-// KEY=VALUE: first the parts that hold others, so that none of these is offered as a whole key.
-static void offer_keys(offers *all)
-{
-    all->key = all->word + all->lead;
-    all->key_length = strcspn(all->key, "=");
-    if (all->key[all->key_length] == '=') {
-        all->lead += all->key_length + 1;
-    }
-    offer_every_key(all);
-    all->again = true;
-    offer_every_key(all);
-}
-
-static void offer_values(offers *all, const cli_option *o)
-{
-    if (o->bit == CLI_OPT_SET) {
-        offer_keys(all);
-    } else if (o->bit == CLI_OPT_KIND) {
+    if (o->bit == CLI_OPT_KIND) {
         offer_names(all, cli_templates);
     } else {
         offer_files_of(all, o->value);

@@ -19,7 +19,7 @@ const cli_command cli_commands[] = {
      CLI_OPT_SET | CLI_OPT_FROM | CLI_OPT_PIPE, cli_check},
     {"contact", "CASE", "press the surface, measure its contact, and stop",
      "Writes maps, fractal measures and histories to -o FILE, else CASE-contact.nc here; -v prints "
-     "every resolution, box side, cluster octave and specimen.\n",
+     "every specimen.\n",
      "lacuna contact cases/vajont.yaml -o contact.nc", 1, 1,
      CLI_OPT_WRITES | CLI_OPT_SET | CLI_OPT_FRACTAL, cli_contact},
     {"rg", "CASE|OUT.nc", "the cascade of slip and its critical shear force",

@@ -148,46 +148,6 @@ static void print_fractal(const lac_scene_contact *contact)
     }
 }
 
-static void print_resolutions(const lac_scene_contact *contact)
-{
-    const lac_scaling *s = &contact->fractal.scaling;
-    double nominal = lac_grid_area(&contact->grid);
-    printf("\nResolutions (%s; * fitted)\n", lac_coarsening_text(s->coarsening));
-    printf("  %12s %10s %12s %9s %9s %7s %9s %8s\n", "cell", "A_r / A_0", "p_r", "cells",
-           "rms slope", "kappa", "p_r A_r/P", "Delta_S");
-    for (size_t i = 0; i < s->n; i++) {
-        const lac_resolution *at = &s->at[i];
-        printf("%c %12s %10.6f %12s %9zu %9.4f %7.3f %9.6f %8s\n",
-               i + s->left_out < s->n ? '*' : ' ', cli_amount(at->cell, "m").s, at->area / nominal,
-               cli_amount(at->pressure, "Pa").s, at->cells, at->slope,
-               at->area * at->slope * contact->e_star / s->load, at->pressure * at->area / s->load,
-               local(at->local).s);
-    }
-}
-
-static void print_boxes(const lac_scene_contact *contact)
-{
-    const lac_box_count *b = &contact->boxes;
-    printf("\nBoxes (* fitted)\n  %8s %12s %12s %12s %8s\n", "cells", "side", "boxes", "least",
-           "D_box");
-    for (size_t i = 0; i < b->sizes; i++) {
-        printf("%c %8.0f %12s %12.1f %12.0f %8s\n",
-               i >= b->fit_first && i <= b->fit_last ? '*' : ' ', b->side[i],
-               cli_amount(b->side[i] * contact->grid.dx, "m").s, b->count[i], b->minimum[i],
-               local(-b->slope[i]).s);
-    }
-}
-
-static void print_clusters(const lac_cluster_summary *c)
-{
-    printf("\nClusters\n  %18s %10s %10s\n", "cells in one", "clusters", "cells");
-    for (size_t i = 0; i < c->octaves; i++) {
-        printf("  %18s %10zu %10zu\n",
-               i == 0 ? "1" : cli_format("%llu to %llu", 1ull << i, (2ull << i) - 1).s, c->count[i],
-               c->cells_of[i]);
-    }
-}
-
 static void print_sizes(const lac_scene_fractal *f)
 {
     const lac_size_exponent *x;
@@ -395,15 +355,6 @@ void cli_contact_print(const lac_case *c, const lac_contact_outcome *outcome, co
     }
     cli_row("time taken", "CPU %s", cli_amount(cli_cpu_time(), "s").s);
     cli_row("file", "%s", path);
-    if (tables && contact->fractal.scaled) {
-        print_resolutions(contact);
-    }
-    if (tables && contact->counted) {
-        print_boxes(contact);
-    }
-    if (tables && contact->fractal.clustered) {
-        print_clusters(&contact->fractal.clusters);
-    }
     if (tables && contact->fractal.sizes > 0) {
         print_sizes(&contact->fractal);
     }

@@ -174,9 +174,6 @@ lac_status cli_case_read(const cli_request *request, lac_case_purpose purpose, l
         status = ask_memory(request, *c, err);
     }
     lac_case_issues_clear(&own);
-    if (status == LAC_OK) {
-        (*c)->run.beyond = 0; // commands do what a case asks, or say that they do not
-    }
     return status;
 }
 

@@ -17,7 +17,7 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 96476,
+    "lines of src and include": 96137,
     "lines that only present results": 24031,
     "public headers": 13,
     "exported names": 44,
@@ -115,7 +115,7 @@ def measure(root):
     for path in silent:
         print(f"{path}:2: no comment that says what the file is for")
     return {
-        "lines of src and include": 96476sum(lines.values()),
+        "lines of src and include": sum(lines.values()),
         "lines that only present results": sum(n for p, n in lines.items() if PRESENTING.match(p)),
         "public headers": sum(p.startswith("include/") for p in texts),
         "circles of includes": circles(graph),
