@@ -18,7 +18,7 @@ import source
 
 BUDGETS = {
     "lines of src and include": 96137,
-    "lines that only present results": 24031,
+    "lines that only present results": 23799,
     "public headers": 13,
     "exported names": 44,
     "circles of includes": 0,
