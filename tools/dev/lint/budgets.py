@@ -17,8 +17,8 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 97330,
-    "lines that only present results": 24175,
+    "lines of src and include": 97347,
+    "lines that only present results": 24173,
     "public headers": 13,
     "exported names": 44,
     "circles of includes": 0,
