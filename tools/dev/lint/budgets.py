@@ -17,7 +17,7 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 97347,
+    "lines of src and include": 97348,
     "lines that only present results": 24173,
     "public headers": 13,
     "exported names": 44,
