@@ -75,7 +75,7 @@ typedef struct lac_fit_result {
     double failure;        ///< time of failure of the best fit [s]; NaN: none by time.end
     double failure_error;  ///< its standard error from the least squares [s]
     int64_t runs;          ///< integrations made
-    size_t tried, alive; ///< places tried before the least squares, those with a likelihood
+    size_t tried, alive;   ///< places tried before the least squares, those with a likelihood
     bool sampled;
     size_t dropped;                                       ///< steps of each walker before the draws
     bool converged;                                       ///< R-hat of all below LAC_FIT_RHAT

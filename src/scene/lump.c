@@ -349,7 +349,7 @@ static lac_status make(making *m, const lac_lump_def *def, lac_lump *lump, lac_e
     m->most = def->nodes >= 0                ? (size_t)def->nodes
               : s->whole.loads.shape != NULL ? FUNCTIONS
                                              : FUNCTIONS - 1;
-    m->least = 0.03 * def->error;
+    m->least = 0.03 * def->error / m->field.gain;
     LAC_TRY_RETURN(settle(m, lump, err));
     if (s->like != NULL) {
         return LAC_OK;

@@ -4,6 +4,21 @@
 #include "base/vsum.h"
 #include "scene/lump_parts.h"
 
+// A state x of the steady one at the start leaves it at a rate that 1 - 1/x sets: there what is
+// wrong of x counts 1/(x - 1) times.
+static double gain_of(const lac_lump_source *s, const lac_lump_cells *f)
+{
+    const double most = 100.0;
+    double sum = 0.0;
+    for (size_t i = 0; i < f->n; i++) {
+        const double dc = lac_cellwise_of(&s->whole.friction->column[LAC_DC], i);
+        sum += s->whole.domain->pressure[i] * (s->whole.log_state[i] + log(f->rate / dc));
+    }
+    const double x = exp(sum / f->pressure / (double)f->n);
+    const double gain = x / fabs(x - 1.0);
+    return gain > 1.0 ? fmin(gain, most) : 1.0;
+}
+
 static void sum_up(const lac_lump_source *s, lac_lump_cells *f)
 {
     const lac_friction *friction = s->whole.friction;
@@ -108,6 +123,7 @@ static void fill_friction(const lac_lump_source *s, lac_lump_cells *f)
     m.rate = f->mean_rate;
     balance(s, f, &m);
     f->rate = m.rate;
+    f->gain = gain_of(s, f);
     (void)move(s, f, &m, 0.0, f->friction + LAC_LUMP_START * f->n);
     m.rate *= fast;
     (void)move(s, f, &m, 0.0, f->friction + LAC_LUMP_FAST * f->n);

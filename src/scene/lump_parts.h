@@ -32,6 +32,7 @@ typedef struct lac_lump_cells {
     double per_dc;    // mean of 1/dc [1/m]
     double mean_rate; // mean slip rate at the start [m/s]
     double rate;      // once all cells go as one [m/s]
+    double gain;      // by which an error counts more, near a steady state
     double *memory;
 } lac_lump_cells;
 

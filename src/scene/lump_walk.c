@@ -113,7 +113,8 @@ static bool lead(walk *w)
 {
     lac_lump_way *way = w->way;
     const double grow = 1.7;
-    const double most = longest * (w->growth * w->t > 10.0 ? 3.0 : 1.0); // little is left
+    const double past = w->growth * w->t; // over what is left
+    const double most = longest * (past > 1000.0 ? 9.0 : past > 10.0 ? 3.0 : 1.0);
     double size = INFINITY;
     lac_problem_weights(w->problem, w->y, 1.0, w->weight);
     for (int tries = 0; tries < 60; tries++) {
