@@ -17,8 +17,8 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 97305,
-    "lines that only present results": 24155,
+    "lines of src and include": 97302,
+    "lines that only present results": 24154,
     "public headers": 13,
     "exported names": 44,
     "circles of includes": 0,
