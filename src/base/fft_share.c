@@ -9,10 +9,24 @@
 
 enum { SIDE_BY_SIDE = 16 }; // columns
 
-// Room for the rows here and their plans.
+// Plans of a plane of columns, beside those of rows; stride and distance as FFTW counts.
+static lac_status plan_columns(lac_fft *fft, int stride, int apart, lac_error *err)
+{
+    const int n = (int)fft->ny, many = SIDE_BY_SIDE;
+    fftw_complex *plane = (fftw_complex *)(void *)fft->shared->plane;
+    fft->block_forward = fftw_plan_many_dft(1, &n, many, plane, NULL, stride, apart, plane, NULL,
+                                            stride, apart, FFTW_FORWARD, FFTW_ESTIMATE);
+    fft->block_inverse = fftw_plan_many_dft(1, &n, many, plane, NULL, stride, apart, plane, NULL,
+                                            stride, apart, FFTW_BACKWARD, FFTW_ESTIMATE);
+    const bool planned = fft->rows_forward != NULL && fft->rows_inverse != NULL &&
+                         fft->block_forward != NULL && fft->block_inverse != NULL;
+    return planned ? LAC_OK : lac_fail_memory(err);
+}
+
+// Room for the rows here and plans.
 // @param lead  of the columns' plane
-static lac_status share_rows(const size_t sides[2], size_t rows, size_t lead, lac_team *team,
-                             lac_fft **out, lac_error *err)
+static lac_status prepare(const size_t sides[2], size_t rows, size_t lead, lac_team *team,
+                          lac_fft **out, lac_error *err)
 {
     const int n = (int)sides[0], two = 2;
     lac_fft *fft = *out = calloc(1, sizeof *fft);
@@ -36,28 +50,13 @@ static lac_status share_rows(const size_t sides[2], size_t rows, size_t lead, la
                                                (int)fft->nkx, FFTW_ESTIMATE);
     fft->rows_inverse = fftw_plan_many_dft_c2r(1, &n, two, spectrum, NULL, 1, (int)fft->nkx,
                                                fft->real, NULL, 1, n, FFTW_ESTIMATE);
-    return fft->rows_forward != NULL && fft->rows_inverse != NULL ? LAC_OK : lac_fail_memory(err);
-}
-
-// Those of a plane of columns; stride and distance as FFTW counts.
-static lac_status plan_columns(lac_fft *fft, int stride, int apart, lac_error *err)
-{
-    const int n = (int)fft->ny, many = SIDE_BY_SIDE;
-    fftw_complex *plane = (fftw_complex *)(void *)fft->shared->plane;
-    fft->block_forward = fftw_plan_many_dft(1, &n, many, plane, NULL, stride, apart, plane, NULL,
-                                            stride, apart, FFTW_FORWARD, FFTW_ESTIMATE);
-    fft->block_inverse = fftw_plan_many_dft(1, &n, many, plane, NULL, stride, apart, plane, NULL,
-                                            stride, apart, FFTW_BACKWARD, FFTW_ESTIMATE);
-    return fft->block_forward != NULL && fft->block_inverse != NULL ? LAC_OK : lac_fail_memory(err);
+    return plan_columns(fft, lead > 0 ? 1 : SIDE_BY_SIDE, lead > 0 ? (int)lead : 1, err);
 }
 
 static lac_status share(size_t nx, size_t ny, size_t rows, size_t lead, lac_team *team,
                         lac_fft **out, lac_error *err)
 {
-    lac_status status = share_rows((const size_t[]){nx, ny}, rows, lead, team, out, err);
-    if (status == LAC_OK) {
-        status = plan_columns(*out, lead > 0 ? 1 : SIDE_BY_SIDE, lead > 0 ? (int)lead : 1, err);
-    }
+    const lac_status status = prepare((const size_t[]){nx, ny}, rows, lead, team, out, err);
     return lac_team_agree(team, status, err); // none waits for one without memory
 }
 

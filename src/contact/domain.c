@@ -44,7 +44,6 @@ typedef struct collection {
 static lac_status count_contact(const lac_strip *rows, size_t nx, const double *pressure, size_t *n,
                                 lac_error *err)
 {
-    *n = 0;
     for (size_t i = 0; i < rows->n * nx; i++) {
         LAC_FAIL_IF(!(isfinite(pressure[i]) && pressure[i] >= 0), err, LAC_EINPUT,
                     "the pressure of cell (%zu, %zu) is %g Pa: must be finite and >= 0", i % nx,

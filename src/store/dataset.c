@@ -299,8 +299,7 @@ static lac_status flush(lac_writer *w, size_t along, lac_error *err)
     return LAC_OK;
 }
 
-// Room for all of one place, so that a disk that fills leaves no half of it. Incompressible at
-// worst.
+// Room for all of one place, incompressible at worst: a disk that fills leaves no half of it.
 static lac_status reserve_place(lac_writer *w, size_t along, unsigned flag, lac_error *err)
 {
     const lac_columns *all = &w->columns;

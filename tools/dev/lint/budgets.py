@@ -17,7 +17,7 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 96155,
+    "lines of src and include": 96152,
     "lines that only present results": 23799,
     "public headers": 13,
     "exported names": 44,
