@@ -54,6 +54,17 @@ out:
     return status;
 }
 
+// Whether a file begins as netCDF-3, which no run has; netCDF would take whatever memory its
+// header asks for.
+static bool is_classic(const char *path)
+{
+    char head[3] = "";
+    const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    const bool is = fd >= 0 && read(fd, head, sizeof head) == 3 && memcmp(head, "CDF", 3) == 0;
+    lac_temp_file_close(fd);
+    return is;
+}
+
 lac_status lac_stored_file_open_any(const char *path, lac_stored_file **out, lac_error *err)
 {
     char *copy = NULL;
@@ -81,6 +92,9 @@ out:
 lac_status lac_stored_file_open(const char *path, lac_stored_file **out, lac_error *err)
 {
     int id = 0;
+    *out = NULL;
+    LAC_FAIL_IF(path != NULL && is_classic(path), err, LAC_EIO, "%s: is not a file of Lacuna",
+                path);
     LAC_TRY_RETURN(lac_stored_file_open_any(path, out, err));
     if (nc_inq_attid((*out)->id, NC_GLOBAL, "lacuna_format_version", &id) == NC_NOERR) {
         return LAC_OK;

@@ -150,6 +150,9 @@ class Tables(unittest.TestCase):
         with netCDF4.Dataset(other, "w") as file:
             file.createDimension("time", 2)
             file.createVariable("slip", "f8", ("time",))[:] = [1, 2]
+        classic = os.path.join(FOLDER, "classic.nc")
+        with netCDF4.Dataset(classic, "w", format="NETCDF3_CLASSIC") as file:
+            file.lacuna_format_version = "1"  # which no file has: netCDF takes the memory that such a header asks for
         broken = os.path.join(FOLDER, "broken.nc")
         with open(os.path.join(FOLDER, "joint.nc"), "rb") as whole, open(broken, "wb") as file:
             bytes_ = bytearray(whole.read())
@@ -157,6 +160,7 @@ class Tables(unittest.TestCase):
             file.write(bytes_)
         for words, status, said in ((["text.nc"], 3, "text.nc: is not a netCDF file"),
                                     (["other.nc"], 3, "other.nc: is not a file of Lacuna"),
+                                    (["classic.nc"], 3, "classic.nc: is not a file of Lacuna"),
                                     (["broken.nc"], 3, "broken.nc: is damaged"),
                                     (["none.nc"], 3, "none.nc: "),
                                     (["joint.nc", "--variable", "slop"], 2, '"slop"'),

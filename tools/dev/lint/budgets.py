@@ -17,8 +17,8 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 96152,
-    "lines that only present results": 23799,
+    "lines of src and include": 96166,
+    "lines that only present results": 23812,
     "public headers": 13,
     "exported names": 44,
     "circles of includes": 0,
