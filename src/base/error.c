@@ -41,7 +41,4 @@ lac_status lac_fail_within(lac_error *err, lac_status status, const char *format
     return status;
 }
 
-lac_status lac_fail_memory(lac_error *err)
-{
-    return lac_fail(err, LAC_ENOMEM, "out of memory: `lacuna check` says how much a case takes");
-}
+lac_status lac_fail_memory(lac_error *err) { return lac_fail(err, LAC_ENOMEM, "out of memory"); }

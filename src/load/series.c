@@ -31,10 +31,16 @@ static void release(void *p)
     gsl_interp_free(state->curve);
 }
 
-// Through two readings it is a straight line.
-static lac_status smooth(series_state *state, lac_error *err)
+// Through two readings it is a straight line. An offset may bring two to one time.
+static lac_status smooth(const char *path, series_state *state, lac_error *err)
 {
     const lac_readings *r = &state->readings;
+    for (size_t i = 1; i < r->n; i++) {
+        LAC_FAIL_IF(!(r->t[i] > r->t[i - 1]), err, LAC_EINPUT,
+                    "%s: two readings are at one time, %g s of the run: interpolation smooth needs "
+                    "one at each",
+                    path, r->t[i]);
+    }
     if (r->n < gsl_interp_type_min_size(gsl_interp_steffen)) {
         return LAC_OK;
     }
@@ -55,7 +61,7 @@ static lac_status prepare_as(const char *si, const series_params *s, const lac_l
                                   .offset = s->offset};
     const char *remedy = s->outside == REFUSE ? ", or say outside: hold or zero" : NULL;
     LAC_TRY_RETURN(lac_readings_read(&def, clock, remedy, &state->readings, err));
-    return s->interpolation == SMOOTH ? smooth(state, err) : LAC_OK;
+    return s->interpolation == SMOOTH ? smooth(s->file, state, err) : LAC_OK;
 }
 
 static lac_status prepare(const void *p, const lac_load_clock *clock, void *state, lac_error *err)

@@ -107,7 +107,6 @@ void lac_run_start_clear(lac_run_start *start);
 lac_status lac_run_start_take(const lac_run_start *start, const lac_problem *problem, double *y,
                               double *slip, lac_error *err);
 
-/// What a case can ask of its run that lac_run does not do, and a simulation does: bits of
 typedef struct lac_run_def {
     lac_fidelity fidelity;
     lac_method method;   ///< of fidelity ODE

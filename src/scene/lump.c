@@ -409,7 +409,7 @@ lac_status lac_lump_judge(const lac_lump *lump, double error, double most, lac_e
                 "solver.fidelity lumped cannot estimate its error: a short run of all cells to "
                 "compare with comes to no end, or to another one (level %zu); %s",
                 lump->level, advice);
-    LAC_FAIL_IF(error > most, err, LAC_ENUMERIC,
+    LAC_FAIL_IF(!(error <= most), err, LAC_ENUMERIC,
                 "solver.fidelity lumped may be off by %.2g, more than solver.lump.error %g: the "
                 "cells of a block slip too far apart (level %zu); %s",
                 error, most, lump->level, advice);

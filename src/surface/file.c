@@ -9,31 +9,10 @@ typedef struct face {
     lac_height_map *map;
     lac_file_report report;
     lac_placement place;
+    bool spaced; // by the file itself
 } face;
 
-// A file of measured heights, and what a case says of it.
-typedef struct face_def {
-    const char *path;
-    const char *unit, *lateral_unit;   ///< NULL, or what the file must not contradict
-    const char *other, *other_lateral; ///< used where the file and those above say nothing; NULL: m
-    double spacing;                    ///< [m]; NaN: not given
-    double other_spacing;              ///< used where the file and `spacing` say nothing
-    int nodata;                        ///< LAC_NODATA_...
-} face_def;
-
-// The unit in force: the file's own, else the case's; both only where they agree.
-static lac_status choose_unit(const face_def *def, const char *key, const char *in_file,
-                              const char *in_case, const char *otherwise, const char **unit,
-                              lac_error *err)
-{
-    LAC_FAIL_IF(in_file[0] != '\0' && in_case != NULL && strcmp(in_file, in_case) != 0, err,
-                LAC_EINPUT, "%s: the file says %s, but %s is %s; leave %s out, or correct the file",
-                def->path, in_file, key, in_case, key);
-    *unit = in_file[0] != '\0' ? in_file : (in_case != NULL ? in_case : otherwise);
-    return LAC_OK;
-}
-
-static lac_status scale_of(const face_def *def, const lac_units *units, const char *what,
+static lac_status scale_of(const char *path, const lac_units *units, const char *what,
                            const char *unit, double *scale, lac_error *err)
 {
     double offset = 0.0;
@@ -42,7 +21,7 @@ static lac_status scale_of(const face_def *def, const lac_units *units, const ch
         return LAC_OK;
     }
     lac_status status = lac_units_convert(units, unit, "m", scale, &offset, err);
-    return lac_fail_within(err, status, "%s: %s: unit \"%s\"", def->path, what, unit);
+    return lac_fail_within(err, status, "%s: %s: unit \"%s\"", path, what, unit);
 }
 
 static lac_status scale_heights(const char *path, double scale, lac_height_map *map, lac_error *err)
@@ -57,59 +36,84 @@ static lac_status scale_heights(const char *path, double scale, lac_height_map *
     return LAC_OK;
 }
 
-// Heights and lengths in metres.
-static lac_status convert(const face_def *def, lac_height_map *map, lac_file_report *report,
-                          lac_error *err)
+static const char *unit_of(const char *in_file, const char *in_case)
+{
+    return in_file[0] != '\0' ? in_file : in_case;
+}
+
+// Heights and lengths in metres, by what the file says, else the case.
+static lac_status convert(const lac_surface_file *p, face *f, lac_error *err)
 {
     lac_status status;
     lac_units *units = NULL;
-    const char *vertical = NULL, *lateral = NULL;
+    lac_height_map *map = f->map;
+    lac_file_report *report = &f->report;
     double scale = 1.0;
-    bool known = !isnan(map->dx) || !isnan(map->dy);
-    LAC_TRY(choose_unit(def, "unit", map->height_unit, def->unit, def->other, &vertical, err));
-    LAC_TRY(choose_unit(def, "lateral_unit", map->lateral_unit, def->lateral_unit,
-                        def->other_lateral, &lateral, err));
+    const char *vertical = unit_of(map->height_unit, p->unit);
+    const char *lateral = unit_of(map->lateral_unit, p->lateral_unit);
     lateral = lateral != NULL ? lateral : vertical;
+    f->spaced = !isnan(map->dx) || !isnan(map->dy);
     LAC_TRY(lac_units_create(&units, err));
-    LAC_TRY(scale_of(def, units, "heights", vertical, &scale, err));
-    LAC_TRY(scale_heights(def->path, scale, map, err));
-    LAC_LEAVE_IF(known && !isnan(def->spacing), err, LAC_EINPUT,
-                 "%s: the file has a spacing of its own, %g by %g; leave spacing out", def->path,
-                 map->dx, map->dy);
-    if (known) {
-        LAC_TRY(scale_of(def, units, "spacing", lateral, &scale, err));
+    LAC_TRY(scale_of(report->path, units, "heights", vertical, &scale, err));
+    LAC_TRY(scale_heights(report->path, scale, map, err));
+    if (f->spaced) {
+        LAC_TRY(scale_of(report->path, units, "spacing", lateral, &scale, err));
     }
-    double spacing = isnan(def->spacing) ? def->other_spacing : def->spacing;
-    map->dx = known ? map->dx * scale : spacing;
-    map->dy = known ? map->dy * scale : spacing;
+    map->dx = f->spaced ? map->dx * scale : p->spacing;
+    map->dy = f->spaced ? map->dy * scale : p->spacing;
     map->x *= scale;
     map->y *= scale;
     (void)snprintf(report->height_unit, sizeof report->height_unit, "%s",
                    vertical != NULL ? vertical : "m");
     (void)snprintf(report->lateral_unit, sizeof report->lateral_unit, "%s",
-                   known && lateral != NULL ? lateral : "m");
+                   f->spaced && lateral != NULL ? lateral : "m");
 out:
     lac_units_free(units);
     return status;
 }
 
 // Lengths and heights in metres; what has no height filled as `nodata` says.
-static lac_status read_face(const face_def *def, face *f, lac_error *err)
+static lac_status read_face(const lac_surface_file *p, const char *path, face *f, lac_error *err)
 {
-    f->report.path = def->path;
-    LAC_TRY_RETURN(lac_height_map_read(def->path, &f->map, err));
+    f->report.path = path;
+    LAC_TRY_RETURN(lac_height_map_read(path, &f->map, err));
     f->report.format = f->map->format;
     f->report.nx = f->map->nx;
     f->report.ny = f->map->ny;
     f->report.masked = f->map->masked;
-    LAC_TRY_RETURN(convert(def, f->map, &f->report, err));
+    LAC_TRY_RETURN(convert(p, f, err));
     f->report.dx = f->map->dx;
     f->report.dy = f->map->dy;
-    if (f->map->masked > 0 && def->nodata == LAC_NODATA_MEAN) {
+    if (f->map->masked > 0 && p->nodata == LAC_NODATA_MEAN) {
         lac_fill_mean(f->map);
     }
-    const bool nearest = f->map->masked > 0 && def->nodata == LAC_NODATA_NEAREST;
+    const bool nearest = f->map->masked > 0 && p->nodata == LAC_NODATA_NEAREST;
     return nearest ? lac_fill_nearest(f->map, err) : LAC_OK;
+}
+
+// A unit of the case that each file contradicts.
+static lac_status check_unit(const face *upper, const char *key, const char *said, const char *own,
+                             const char *lower, lac_error *err)
+{
+    LAC_FAIL_IF(said != NULL && own[0] != '\0' && strcmp(own, said) != 0 && lower[0] != '\0' &&
+                    strcmp(lower, said) != 0,
+                err, LAC_EINPUT,
+                "%s: the file says %s, but %s is %s; leave %s out, or correct the file",
+                upper->report.path, own, key, said, key);
+    return LAC_OK;
+}
+
+static lac_status check_said(const lac_surface_file *p, const face *upper, const face *lower,
+                             lac_error *err)
+{
+    const lac_height_map *one = upper->map, *two = lower->map != NULL ? lower->map : one;
+    LAC_TRY_RETURN(check_unit(upper, "unit", p->unit, one->height_unit, two->height_unit, err));
+    LAC_TRY_RETURN(check_unit(upper, "lateral_unit", p->lateral_unit, one->lateral_unit,
+                              two->lateral_unit, err));
+    LAC_FAIL_IF(!isnan(p->spacing) && upper->spaced && (lower->spaced || lower->map == NULL), err,
+                LAC_EINPUT, "%s: the file has a spacing of its own, %g by %g m; leave spacing out",
+                upper->report.path, one->dx, one->dy);
+    return LAC_OK;
 }
 
 static size_t count_missing(const double *heights, size_t n)
@@ -132,20 +136,6 @@ static lac_status lay(face *f, const lac_grid *grid, int nodata, double *heights
                 "of the file); choose a smaller interface, or use `nodata: nearest`, `mean` or "
                 "`mask`",
                 f->report.path, missing, n, f->map->masked);
-    return LAC_OK;
-}
-
-static lac_status read_upper(const lac_surface_file *p, const lac_grid *grid, face *f,
-                             lac_error *err)
-{
-    const face_def def = {.path = p->path,
-                          .unit = p->unit,
-                          .lateral_unit = p->lateral_unit,
-                          .spacing = p->lower == NULL ? p->spacing : (double)NAN,
-                          .other_spacing = p->spacing, // of two files one may need it
-                          .nodata = p->nodata};
-    LAC_TRY_RETURN(read_face(&def, f, err));
-    f->place = lac_place_centred(f->map, p->fit, grid);
     return LAC_OK;
 }
 
@@ -178,13 +168,7 @@ static double lower_centre(span upper, span lower, double centre, bool shared, b
 static lac_status read_lower(const lac_surface_file *p, const lac_grid *grid, const face *upper,
                              face *f, lac_error *err)
 {
-    const face_def def = {.path = p->lower,
-                          .other = p->unit,
-                          .other_lateral = p->lateral_unit,
-                          .spacing = NAN,
-                          .other_spacing = p->spacing,
-                          .nodata = p->nodata};
-    LAC_TRY_RETURN(read_face(&def, f, err));
+    LAC_TRY_RETURN(read_face(p, p->lower, f, err));
     bool shared = p->lower_view == LAC_LOWER_SAME_FRAME;
     f->place = (lac_placement){.fit = p->fit,
                                .mirror_x = p->lower_view == LAC_LOWER_MIRROR_X,
@@ -200,14 +184,13 @@ static lac_status read_lower(const lac_surface_file *p, const lac_grid *grid, co
 }
 
 // Heights of one face become those of both, peaks of the composite touching first.
-static lac_status add_lower(const lac_surface_file *p, const lac_grid *grid, const face *upper,
-                            face *lower, double *heights, lac_error *err)
+static lac_status add_lower(const lac_surface_file *p, const lac_grid *grid, face *lower,
+                            double *heights, lac_error *err)
 {
     lac_status status;
     size_t n = lac_grid_cells(grid);
     double *other = malloc(n * sizeof *other);
     LAC_FAIL_MEMORY_IF(other == NULL, err);
-    LAC_TRY(read_lower(p, grid, upper, lower, err));
     LAC_TRY(lay(lower, grid, p->nodata, other, err));
     for (size_t i = 0; i < n; i++) {
         bool same = p->lower_view == LAC_LOWER_SAME_FRAME;
@@ -283,10 +266,13 @@ static lac_status generate(const void *params, const lac_grid *grid, lac_team *t
     uint8_t *masked = NULL;
     lac_status status;
     (void)team;
-    LAC_TRY(read_upper(p, grid, &faces[0], err));
+    LAC_TRY(read_face(p, p->path, &faces[0], err));
+    faces[0].place = lac_place_centred(faces[0].map, p->fit, grid);
+    LAC_TRY(p->lower != NULL ? read_lower(p, grid, &faces[0], &faces[1], err) : LAC_OK);
+    LAC_TRY(check_said(p, &faces[0], &faces[1], err));
     LAC_TRY(lay(&faces[0], grid, p->nodata, heights, err));
     if (p->lower != NULL) {
-        LAC_TRY(add_lower(p, grid, &faces[0], &faces[1], heights, err));
+        LAC_TRY(add_lower(p, grid, &faces[1], heights, err));
     }
     LAC_TRY(bridge(p->path, grid, heights, &masked, err));
     if (report != NULL) {

@@ -146,6 +146,23 @@ static void smooth_curves_overshoot_nowhere(void **state)
     clear(&r);
 }
 
+// Two times of the file that an offset makes one.
+static void smooth_curves_need_one_reading_at_a_time(void **state)
+{
+    (void)state;
+    const char *csv = "t,v\n0,0\n1000,50\n1000.0000000000001,60\n86400,70\n";
+    ready r = {.model = slot_over("series", true, csv, "value", "v")};
+    lac_error err = {""};
+    test_slot_set(&r.model, "interpolation", 1);
+    test_slot_set(&r.model, "outside", 1);
+    must_prepare(&r, &ten_seconds);
+    lac_load_set_clear(&r.set);
+    test_slot_set(&r.model, "offset", 3600);
+    assert_int_equal(prepare(&r, &ten_seconds, &err), LAC_EINPUT);
+    assert_non_null(strstr(err.message, "two readings are at one time"));
+    clear(&r);
+}
+
 // What one unit of the column makes; dates on the clock of the run; zero outside.
 static void columns_of_any_quantity(void **state)
 {
@@ -422,6 +439,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(readings_are_met_and_joined),
         cmocka_unit_test(smooth_curves_overshoot_nowhere),
+        cmocka_unit_test(smooth_curves_need_one_reading_at_a_time),
         cmocka_unit_test(columns_of_any_quantity),
         cmocka_unit_test(netcdf_reads_as_csv),
         cmocka_unit_test(a_missing_unit_is_doubted),

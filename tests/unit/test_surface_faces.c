@@ -208,6 +208,33 @@ static void odd_and_even_scans(void **state)
     assert_true(h[0] == -1.0 && h[3] == -1.0);
 }
 
+// A unit and a spacing of the case are for the file that says none; where none needs them they are
+// refused.
+static void each_file_takes_what_it_lacks(void **state)
+{
+    (void)state;
+    static const char header[] = HEIGHTS_GSF "XReal = 1.5\nYReal = 1\nXYUnits = m\nZUnits = mm\n";
+    static const char thousandth[] = HEIGHTS_ASC "0.004 0.005 0.006\n0.001 0.002 0.003\n";
+    const lac_grid grid = {3, 2, 0.5, 0.5, true};
+    double h[6];
+    unsigned char file[256];
+    const char *upper = scratch_write(&files, "mm.gsf", file, heights_gsf(file, header, 6));
+    lac_surface_file p =
+        faces(upper, scratch_write(&files, "m.asc", thousandth, sizeof thousandth - 1));
+    p.unit = "m";
+    make(p, &grid, h);
+    for (size_t i = 0; i < 6; i++) {
+        assert_true(fabs(h[i]) < 1e-9); // of mm and of m the same heights
+    }
+    p.spacing = 0.5;
+    refuse(p, &grid, "leave spacing out");
+    p.spacing = NAN;
+    p.lower = NULL;
+    refuse(p, &grid, "the file says mm, but unit is m");
+    p.lower = p.path;
+    refuse(p, &grid, "the file says mm, but unit is m");
+}
+
 static void a_lower_face_that_is_not_there(void **state)
 {
     (void)state;
@@ -280,6 +307,7 @@ int main(void)
         cmocka_unit_test(faces_looked_at_are_added),
         cmocka_unit_test(faces_of_two_kinds),
         cmocka_unit_test(odd_and_even_scans),
+        cmocka_unit_test(each_file_takes_what_it_lacks),
         cmocka_unit_test(a_lower_face_that_is_not_there),
         cmocka_unit_test(files_are_reported),
     };

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A contact in words: its surface, its measures, its history of loads, and with -v the tables of
-// what was fitted.
+// A contact in words: its surface, its measures, its history of loads, and with -v each specimen.
 #include "base/statistics.h"
 #include "base/vsum.h"
 #include "cli/common/progress.h"
