@@ -54,15 +54,17 @@ out:
     return status;
 }
 
-// Whether a file begins as netCDF-3, which no run has; netCDF would take whatever memory its
-// header asks for.
-static bool is_classic(const char *path)
+// The first bytes of a file; of a pipe none, as what is read from it is gone and may never come.
+static size_t read_head(const char *path, char head[4])
 {
-    char head[3] = "";
-    const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    const bool is = fd >= 0 && read(fd, head, sizeof head) == 3 && memcmp(head, "CDF", 3) == 0;
-    lac_temp_file_close(fd);
-    return is;
+    struct stat info;
+    bool regular = path != NULL && stat(path, &info) == 0 && S_ISREG(info.st_mode);
+    FILE *file = regular ? fopen(path, "rb") : NULL;
+    size_t n = file != NULL ? fread(head, 1, 4, file) : 0;
+    if (file != NULL) {
+        (void)fclose(file);
+    }
+    return n;
 }
 
 lac_status lac_stored_file_open_any(const char *path, lac_stored_file **out, lac_error *err)
@@ -92,9 +94,11 @@ out:
 lac_status lac_stored_file_open(const char *path, lac_stored_file **out, lac_error *err)
 {
     int id = 0;
+    char head[4];
     *out = NULL;
-    LAC_FAIL_IF(path != NULL && is_classic(path), err, LAC_EIO, "%s: is not a file of Lacuna",
-                path);
+    // No run is netCDF-3, of which netCDF takes whatever memory a header asks for.
+    LAC_FAIL_IF(read_head(path, head) == 4 && memcmp(head, "CDF", 3) == 0, err, LAC_EIO,
+                "%s: is not a file of Lacuna", path);
     LAC_TRY_RETURN(lac_stored_file_open_any(path, out, err));
     if (nc_inq_attid((*out)->id, NC_GLOBAL, "lacuna_format_version", &id) == NC_NOERR) {
         return LAC_OK;
@@ -368,14 +372,6 @@ out:
 
 bool lac_stored_is_netcdf(const char *path)
 {
-    char head[4] = {0};
-    struct stat info;
-    // a pipe could keep us waiting for ever, and what is read from it is gone
-    bool regular = stat(path, &info) == 0 && S_ISREG(info.st_mode);
-    FILE *file = regular ? fopen(path, "rb") : NULL;
-    size_t n = file != NULL ? fread(head, 1, sizeof head, file) : 0;
-    if (file != NULL) {
-        (void)fclose(file);
-    }
-    return lac_netcdf_begins(head, n);
+    char head[4];
+    return lac_netcdf_begins(head, read_head(path, head));
 }

@@ -17,8 +17,8 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 96153,
-    "lines that only present results": 23811,
+    "lines of src and include": 96149,
+    "lines that only present results": 23807,
     "public headers": 13,
     "exported names": 44,
     "circles of includes": 0,
