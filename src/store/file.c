@@ -102,23 +102,29 @@ static off_t size_of(int fd)
     return fstat(fd, &info) == 0 ? info.st_size : -1;
 }
 
-lac_status lac_nc_reserve(const lac_nc *file, size_t bytes, lac_error *err)
+// What forbids a file to grow by as much; 0: nothing, or nobody knows.
+static int reserve(int fd, off_t more)
 {
     struct rlimit limit;
-    off_t more = (off_t)bytes + RESERVE;
-    off_t size = file->fd >= 0 ? size_of(file->fd) : -1;
-    int reason = 0;
+    off_t size = fd >= 0 ? size_of(fd) : -1;
     if (size < 0) {
-        return LAC_OK;
+        return 0;
     }
     if (getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY &&
         (rlim_t)(size + more) > limit.rlim_cur) {
-        reason = EFBIG;
-    } else if (fallocate(file->fd, FALLOC_FL_KEEP_SIZE, size, more) != 0) {
-        reason = errno;
+        return EFBIG;
     }
-    LAC_FAIL_IF(reason == ENOSPC || reason == EDQUOT || reason == EFBIG, err, LAC_EIO,
-                "%s: cannot write: %s", file->path, strerror(reason));
+    const bool refused = fallocate(fd, FALLOC_FL_KEEP_SIZE, size, more) != 0;
+    return refused && (errno == ENOSPC || errno == EDQUOT || errno == EFBIG) ? errno : 0;
+}
+
+lac_status lac_nc_reserve(const lac_nc *file, size_t bytes, lac_error *err)
+{
+    int reason = reserve(file->fd, (off_t)bytes + RESERVE);
+    if (reason == 0 && file->journal != NULL) {
+        reason = reserve(file->journal->fd, (off_t)bytes + RESERVE);
+    }
+    LAC_FAIL_IF(reason != 0, err, LAC_EIO, "%s: cannot write: %s", file->path, strerror(reason));
     return LAC_OK;
 }
 

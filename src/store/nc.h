@@ -54,8 +54,9 @@ lac_status lac_nc_publish(lac_nc *file, lac_error *err);
 /// LAC_EIO where a file that was published surely stands at its path no more.
 lac_status lac_nc_check_place(const lac_nc *file, lac_error *err);
 
-/// Reserves disk space for `bytes` more, and some for what HDF5 needs besides: a disk that fills up
-/// under HDF5's hands leaves a file that cannot be opened. LAC_EIO where there surely is no space.
+/// Reserves disk space for `bytes` more in a file and its journal, and some for what HDF5 needs: a
+/// disk that fills up under HDF5's hands leaves a file that cannot be opened. LAC_EIO where there
+/// surely is no space.
 lac_status lac_nc_reserve(const lac_nc *file, size_t bytes, lac_error *err);
 
 /// Closes and seals the file, and removes its journal. LAC_EIO: the disk is full, or what was
