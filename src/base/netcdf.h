@@ -9,6 +9,13 @@
 /// @param head  [size]; four are enough
 bool lac_netcdf_begins(const void *head, size_t size);
 
+/// Opens a file to read it. @return LAC_OK; LAC_EINPUT where netCDF cannot; LAC_ENOMEM
+lac_status lac_netcdf_open(const char *path, int *id, lac_error *err);
+
+/// Holds all counts in the header of a classic file against its bytes; LAC_OK for other kinds.
+lac_status lac_netcdf_check_header(const char *path, const void *bytes, size_t size,
+                                   lac_error *err);
+
 /// What a call of netCDF returned, as an error: `path: netCDF cannot read WHAT: why`.
 lac_status lac_netcdf_check(const char *path, int code, const char *what, lac_error *err);
 

@@ -3,7 +3,6 @@
 // stand.
 #include <netcdf.h>
 
-#include "base/need.h"
 #include "base/netcdf.h"
 #include "base/units.h"
 #include "series/field.h"
@@ -124,8 +123,7 @@ lac_status lac_field_read(const char *path, const char *variable, const char *si
 {
     source file = {path, -1, units};
     *out = (lac_field){0};
-    LAC_TRY_RETURN(lac_need_netcdf(err));
-    LAC_TRY_RETURN(lac_netcdf_check(path, nc_open(path, NC_NOWRITE, &file.id), "the file", err));
+    LAC_TRY_RETURN(lac_netcdf_open(path, &file.id, err));
     lac_status status = read_all(&file, variable, si, out, err);
     (void)nc_close(file.id);
     if (status != LAC_OK) {

@@ -2,7 +2,6 @@
 // A monitoring series in netCDF: variables of one dimension that they share.
 #include <netcdf.h>
 
-#include "base/need.h"
 #include "base/netcdf.h"
 #include "base/units.h"
 #include "series/text.h"
@@ -189,8 +188,7 @@ lac_status lac_series_read_netcdf(const lac_series_def *def, const struct lac_un
                                   lac_series **out, lac_error *err)
 {
     series_file file = {.path = def->path, .id = -1, .dim = -1};
-    LAC_TRY_RETURN(lac_need_netcdf(err));
-    LAC_TRY_RETURN(check(&file, nc_open(def->path, NC_NOWRITE, &file.id), "the file", err));
+    LAC_TRY_RETURN(lac_netcdf_open(def->path, &file.id, err));
     lac_components axes;
     lac_status status = lac_components_read(def, &axes, err);
     if (status == LAC_OK) {

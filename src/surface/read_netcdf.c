@@ -175,113 +175,13 @@ static lac_status read_map(grid_file *file, lac_height_map *map, lac_error *err)
     return arrange(file, map, err);
 }
 
-// Tags of the lists of a header.
-enum { TAG_NONE = 0, TAG_DIMENSION = 10, TAG_VARIABLE = 11, TAG_ATTRIBUTE = 12 };
-
-// A place in the header. What does not fit sets `bad`; after that nothing moves.
-typedef struct cursor {
-    const lac_bytes *bytes;
-    size_t at;
-    size_t count_width;  // bytes of a count: 4, or 8 in CDF-5
-    size_t offset_width; // of a place in the file: 4 in CDF-1
-    bool bad;
-} cursor;
-
-static uint64_t take(cursor *c, size_t width)
-{
-    if (c->bad || c->bytes->size - c->at < width) {
-        c->bad = true;
-        return 0;
-    }
-    uint64_t value = 0;
-    for (size_t i = 0; i < width; i++) {
-        value = value << 8 | c->bytes->data[c->at + i];
-    }
-    c->at += width;
-    return value;
-}
-
-// Skips `count` things of `width` bytes, filled up to four bytes.
-static void skip(cursor *c, uint64_t count, size_t width)
-{
-    uint64_t left = c->bytes->size - c->at;
-    if (c->bad || count > left / width) {
-        c->bad = true;
-        return;
-    }
-    uint64_t size = (count * width + 3) / 4 * 4;
-    c->bad = size > left;
-    c->at += c->bad ? 0 : (size_t)size;
-}
-
-// The length of a list; each entry takes `least` bytes or more.
-static uint64_t take_list(cursor *c, uint64_t tag, size_t least)
-{
-    uint64_t found = take(c, 4);
-    uint64_t count = take(c, c->count_width);
-    bool fits = (found == tag || (found == TAG_NONE && count == 0)) &&
-                count <= (c->bytes->size - c->at) / least;
-    c->bad = c->bad || !fits;
-    return c->bad ? 0 : count;
-}
-
-static void skip_name(cursor *c) { skip(c, take(c, c->count_width), 1); }
-
-// Bytes of a value of each type: byte, char, short, int, float, double, and those of CDF-5.
-static size_t width_of(cursor *c)
-{
-    static const size_t widths[] = {1, 1, 2, 4, 4, 8, 1, 2, 4, 8, 8};
-    uint64_t type = take(c, 4);
-    c->bad = c->bad || type < 1 || type > sizeof widths / sizeof widths[0];
-    return c->bad ? 1 : widths[type - 1];
-}
-
-static void skip_attributes(cursor *c)
-{
-    for (uint64_t n = take_list(c, TAG_ATTRIBUTE, 12); n > 0 && !c->bad; n--) {
-        skip_name(c);
-        size_t width = width_of(c);
-        skip(c, take(c, c->count_width), width);
-    }
-}
-
-// Holds every count in the header of a classic file (CDF-1, 2, 5) against the bytes at hand:
-// netCDF itself allocates what a count says. (NetCDF Users' Guide, appendix B)
-static lac_status check_classic(const lac_bytes *bytes, lac_error *err)
-{
-    unsigned version = bytes->data[3];
-    cursor c = {.bytes = bytes,
-                .at = 4,
-                .count_width = version == 5 ? 8 : 4,
-                .offset_width = version == 1 ? 4 : 8};
-    (void)take(&c, c.count_width); // records
-    for (uint64_t n = take_list(&c, TAG_DIMENSION, 8); n > 0 && !c.bad; n--) {
-        skip_name(&c);
-        (void)take(&c, c.count_width);
-    }
-    skip_attributes(&c);
-    for (uint64_t n = take_list(&c, TAG_VARIABLE, 24); n > 0 && !c.bad; n--) {
-        skip_name(&c);
-        skip(&c, take(&c, c.count_width), c.count_width); // dimensions
-        skip_attributes(&c);
-        (void)width_of(&c);
-        (void)take(&c, c.count_width);
-        (void)take(&c, c.offset_width);
-    }
-    return c.bad ? lac_fail(err, LAC_EINPUT,
-                            "%s: byte %zu: netCDF cannot read the file: its header says what its "
-                            "%zu bytes cannot hold",
-                            bytes->path, c.at, bytes->size)
-                 : LAC_OK;
-}
-
 static lac_status read_netcdf(const lac_bytes *bytes, lac_height_map *map, lac_error *err)
 {
     // compressed or never written data of netCDF-4 may be larger than the file: only the limit
     // of all files bounds them
     bool classic = lac_bytes_begin(bytes, "CDF");
     grid_file file = {.path = bytes->path, .most = classic ? bytes->size : SIZE_MAX};
-    LAC_TRY_RETURN(classic ? check_classic(bytes, err) : LAC_OK);
+    LAC_TRY_RETURN(lac_netcdf_check_header(bytes->path, bytes->data, bytes->size, err));
     LAC_TRY_RETURN(lac_need_netcdf(err));
     // netCDF does not write to memory opened for reading; its own name tells it nothing
     int code = nc_open_mem("heights", NC_NOWRITE, bytes->size, (void *)bytes->data, &file.id);

@@ -8,6 +8,7 @@
 #include <stdio.h>
 
 #include "base/units.h"
+#include "series/field.h"
 #include "series/series.h"
 #include "series/text.h"
 #include "support/scratch_group.h"
@@ -275,6 +276,25 @@ static void steps_of_numbers_are_found(void **state)
     }
 }
 
+// netCDF allocates what the header of a classic file says: here 2^31 - 1 dimensions in 64 bytes.
+static void a_header_is_held_against_the_file(void **state)
+{
+    (void)state;
+    const unsigned char bytes[64] = {'C', 'D', 'F', 1,  0,    0,    0,    0,
+                                     0,   0,   0,   10, 0x7f, 0xff, 0xff, 0xff};
+    const char *path = scratch_write(&folder, "short.nc", bytes, sizeof bytes);
+    const lac_series_def def = {.path = path, .time = "t", .displacement = "d"};
+    lac_series *s = NULL;
+    lac_field field;
+    lac_error err = {""};
+    assert_int_equal(lac_series_read(&def, units, &s, &err), LAC_EINPUT);
+    assert_non_null(strstr(err.message,
+                           "short.nc: byte 16: netCDF cannot read the file: its header "
+                           "says what its 64 bytes cannot hold"));
+    assert_int_equal(lac_field_read(path, "d", "m", units, &field, &err), LAC_EINPUT);
+    assert_non_null(strstr(err.message, "64 bytes cannot hold"));
+}
+
 // A slope in millimetres of which every so many rows hold another text.
 static void write_slope(char *text, size_t size, double rate, const char *code, int every)
 {
@@ -365,11 +385,16 @@ static void counts_of_rows_are_asked_about(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(counts_of_rows_are_asked_about),   cmocka_unit_test(doubts_are_told),
-        cmocka_unit_test(rows_that_contradict_are_counted), cmocka_unit_test(nines_are_asked_about),
-        cmocka_unit_test(last_digit_of_any_power),          cmocka_unit_test(last_digits_are_known),
-        cmocka_unit_test(steps_of_the_sensor_are_found),    cmocka_unit_test(noise_has_no_steps),
+        cmocka_unit_test(counts_of_rows_are_asked_about),
+        cmocka_unit_test(doubts_are_told),
+        cmocka_unit_test(rows_that_contradict_are_counted),
+        cmocka_unit_test(nines_are_asked_about),
+        cmocka_unit_test(last_digit_of_any_power),
+        cmocka_unit_test(last_digits_are_known),
+        cmocka_unit_test(steps_of_the_sensor_are_found),
+        cmocka_unit_test(noise_has_no_steps),
         cmocka_unit_test(steps_of_numbers_are_found),
+        cmocka_unit_test(a_header_is_held_against_the_file),
     };
     return cmocka_run_group_tests(tests, open_all, close_all);
 }

@@ -17,7 +17,7 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 96156,
+    "lines of src and include": 96198,
     "lines that only present results": 23807,
     "public headers": 13,
     "exported names": 44,

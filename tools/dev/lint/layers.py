@@ -85,7 +85,7 @@ PUBLIC = {
 # Where a library may be used, by its headers.
 HOMES = [
     (r"(cvode|cvodes|arkode|nvector|sundials|sun\w+)/.*", "src/run/"),
-    (r"netcdf\w*\.h", ("src/store/", "src/base/netcdf.c", "src/surface/read_netcdf.c",
+    (r"netcdf\w*\.h", ("src/store/", "src/base/netcdf.c", "src/base/netcdf_open.c", "src/surface/read_netcdf.c",
                         "src/series/read_netcdf.c", "src/series/read_field.c")),
     (r"yaml\.h", "src/case/"),
     (r"udunits2\.h", "src/base/units.c"),
