@@ -18,7 +18,7 @@ import source
 
 BUDGETS = {
     "lines of src and include": 96198,
-    "lines that only present results": 23807,
+    "lines that only present results": 23814,
     "public headers": 13,
     "exported names": 44,
     "circles of includes": 0,
