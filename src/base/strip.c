@@ -160,9 +160,11 @@ static void pack_matrix(const lac_turn *c, const lac_strip *of, size_t size,
     for (size_t j = 0; j < c->rows.n; j++) {
         for (size_t k = 0; k < of->n; k++) {
             double *at = (double *)use->matrix + (j * use->stride + of->first + k) * size;
-            double *to = packet + j * down + k * across;
+            double *packed = packet + j * down + k * across;
+            const double *from = back ? packed : at;
+            double *to = back ? at : packed;
             for (size_t i = 0; i < size; i++) {
-                *(back ? &at[i] : &to[i]) = back ? to[i] : at[i];
+                to[i] = from[i];
             }
         }
     }
