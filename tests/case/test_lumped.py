@@ -97,6 +97,23 @@ class Lumped(unittest.TestCase):
             self.assertEqual(file.status, "failed")
             self.assertNotIn("failure_time_s", file.ncattrs())
 
+    def test_cell_that_slips_by_itself(self):
+        """Its bond decides whether it runs away: taken together it did, among all cells it does not."""
+        text = SCENE.replace("cascade: {dimension: 1.8, seed: 3}", "cascade: {dimension: 1.816, seed: 519240}")
+        text = text.replace("64 m, levels: 5", "100 m, levels: 6").replace("3 MPa}", "7.3051 MPa}, shear: [{ramp: {rate: 2.058 mPa/s}}]")
+        text = text.replace("f0: 0.6, a: 0.010, b: 0.015, dc: 1 mm", "f0: 0.6, a: 0.01875, b: 0.03586, dc: 1.096 mm, form: regularised")
+        text = text.replace("{dc: {lognormal: {sigma: 0.5, seed: 2}}}", "{dc: {weibull: {shape: 2.783, seed: 478468}}, f0: {normal: "
+                            "{sigma: 0.0153, seed: 359783}}, b: {uniform: {half_width: 0.103, seed: 670556}}}")
+        text = text.replace("1 cm/day, state: {ratio_to_steady: 0.6", "3.759e-09 m/s, state: {ratio_to_steady: 0.789")
+        text = text.replace("k0: 3e10", "k0: 6.6865e9").replace("{end: 200 day}", "{end: 2 year, stop_when: {mean_slip: 0.5395 mm}}")
+        self.write(text)
+        ends = [json.loads(self.run_case(f"solver.fidelity={fidelity}").stdout) for fidelity in ("lumped", "ode")]
+        self.assertEqual([end["ended_by"] for end in ends], ["stop_when", "stop_when"])
+        self.assertAlmostEqual(ends[0]["time_s"] / ends[1]["time_s"], 1, delta=ends[0]["lump_error_estimated"])
+        done = self.run_case("solver.fidelity=lumped", "solver.lump.level=6")
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertIn("some cells slip by themselves", done.stderr)
+
     def test_resumed(self):
         lumped = ("solver.fidelity=lumped", "output.checkpoint.steps=50")
         whole = json.loads(self.run_case(*lumped).stdout)
