@@ -117,7 +117,8 @@ static lac_status read_column(series_file *file, const column *c, const struct l
     LAC_TRY_RETURN(find_column(file, c->name, &var, err));
     (void)lac_netcdf_text(file->id, var, "units", unit, sizeof unit);
     const char *from = unit[0] != '\0' ? unit : c->unit;
-    LAC_FAIL_IF(from == unit && c->unit != NULL &&
+    // what drives a slope is turned into the unit that was named
+    LAC_FAIL_IF(from == unit && c->unit != NULL && c->values != s->value &&
                     (lac_units_convert(units, unit, c->unit, &scale, &offset, NULL) != LAC_OK ||
                      fabs(scale - 1.0) > rounding || offset != 0.0),
                 err, LAC_EINPUT,

@@ -17,7 +17,7 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 96206,
+    "lines of src and include": 96207,
     "lines that only present results": 23816,
     "public headers": 13,
     "exported names": 44,
