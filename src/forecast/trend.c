@@ -16,7 +16,7 @@ static const double sure = 0.01;       // p of "yes"
 static const double hint = 0.05;       // p below which "no" is not said
 static const double as_clear = 0.7;    // of the clearest window: the longest such is taken
 static const double noticed = 0.5;     // rise of the rate over its mean that "no" excludes
-static const double normal95 = 1.6448536269514722;
+static const double missed = 0.05;     // chance that "no" is said of such a rise
 
 // How a rate may rise over a window, of displacements and of velocities.
 typedef struct shape {
@@ -48,8 +48,8 @@ typedef struct sample {
 // What the polynomial tells.
 typedef struct bend {
     double rise, error, rate; // of the rate over the window, and its mean [m/s]
-    double p;
-    double z; // least over the deletion of any one group
+    double p, hidden;         // rise that noise may hide in one of the windows [m/s]
+    double z;                 // least over the deletion of any one group
 } bend;
 
 // Displacements, or velocities where these were read.
@@ -215,9 +215,9 @@ static void judge(const sample *s, size_t windows, bend *b)
     b->rate = s->c[last - 1] / s->length[last - 1];
     b->rate = last == 2 ? b->rate / s->half : b->rate + s->first;
     b->z = least;
-    b->p =
-        fmin(1.0, (double)windows * gsl_cdf_tdist_Q(least, fmax(1.0, (double)s->n / widened -
-                                                                         (double)s->terms - 1.0)));
+    const double spare = (double)s->n / widened - (double)s->terms;
+    b->p = fmin(1.0, (double)windows * gsl_cdf_tdist_Q(least, fmax(1.0, spare - 1.0)));
+    b->hidden = b->error * gsl_cdf_tdist_Qinv(missed * SHAPES / (double)windows, fmax(1.0, spare));
 }
 
 // @return whether the window tells anything
@@ -259,13 +259,12 @@ static void explain(const readings *r, size_t n, const bend *b, lac_trend *out)
 {
     const double days = (r->time[r->n - 1] - r->time[r->n - n]) / 86400.0;
     const double to_mm_day = 1e3 * 86400.0;
-    const double hidden = normal95 * b->error;
     int at = snprintf(
         out->reason, sizeof out->reason,
         "over the last %zu readings (%.3g days) a rise of the rate by less than %.3g mm/day "
         "would not be seen in the noise; the mean rate is %.3g mm/day",
-        n, days, to_mm_day * hidden, to_mm_day * b->rate);
-    const double more = (double)n * (cbrt(pow(hidden / (noticed * b->rate), 2.0)) - 1.0);
+        n, days, to_mm_day * b->hidden, to_mm_day * b->rate);
+    const double more = (double)n * (cbrt(pow(b->hidden / (noticed * b->rate), 2.0)) - 1.0);
     if (b->rate > 0.0 && more >= 0.5 && more < 1000.0 && at > 0 &&
         (size_t)at < sizeof out->reason) {
         (void)snprintf(out->reason + at, sizeof out->reason - (size_t)at,
@@ -273,7 +272,7 @@ static void explain(const readings *r, size_t n, const bend *b, lac_trend *out)
     }
 }
 
-static double upper_rise(const bend *b) { return (b->rise + normal95 * b->error) / fabs(b->rate); }
+static double upper_rise(const bend *b) { return (b->rise + b->hidden) / fabs(b->rate); }
 
 // What all windows tell, shortest first.
 typedef struct windows {

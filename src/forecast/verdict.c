@@ -236,7 +236,7 @@ static double jump_of(const lac_motion *m)
 
 static const char *odds_text(double log_odds, char text[static 32])
 {
-    const double most = 1000.0, odds = exp(log_odds);
+    const double most = 1e5, odds = exp(log_odds);
     (void)snprintf(text, 32,
                    odds > most   ? "above %.0f"
                    : odds < 10.0 ? "%.1f"

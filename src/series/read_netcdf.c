@@ -113,9 +113,17 @@ static lac_status read_column(series_file *file, const column *c, const struct l
     char unit[LONGEST_UNIT];
     int var = -1;
     double scale = 1.0, offset = 0.0;
+    const double rounding = 1e-12;
     LAC_TRY_RETURN(find_column(file, c->name, &var, err));
     (void)lac_netcdf_text(file->id, var, "units", unit, sizeof unit);
     const char *from = unit[0] != '\0' ? unit : c->unit;
+    // what drives a slope is turned into the unit that was named
+    LAC_FAIL_IF(from == unit && c->unit != NULL && c->values != s->value &&
+                    (lac_units_convert(units, unit, c->unit, &scale, &offset, NULL) != LAC_OK ||
+                     fabs(scale - 1.0) > rounding || offset != 0.0),
+                err, LAC_EINPUT,
+                "%s: %s: the file says %s, and %s was named: which is it? name the file's",
+                file->path, c->name, unit, c->unit);
     if (from == NULL) {
         LAC_TRY_RETURN(ask(file, c->name, c->si, units, s, err));
     } else {

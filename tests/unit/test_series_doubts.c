@@ -265,11 +265,15 @@ static void steps_of_numbers_are_found(void **state)
         assert_true(fabs(s->displacement_digit - columns[k].digit) <= 0.1 * columns[k].digit);
         lac_series_free(s);
         s = NULL;
+        lac_series_def named = def;
+        lac_error err = {""};
+        named.displacement_unit = k == 0 ? "cm" : "day";
+        assert_int_equal(lac_series_read(&named, units, &s, &err), LAC_EINPUT);
+        assert_non_null(strstr(err.message, ": d: the file says mm, and "));
         d[3] = d[9] = -9999.9; // a fill that no attribute names
         assert_int_equal(nc_open(path, NC_WRITE, &id), NC_NOERR);
         assert_int_equal(nc_put_var_double(id, var, d), NC_NOERR);
         assert_int_equal(nc_close(id), NC_NOERR);
-        lac_error err = {""};
         assert_int_equal(lac_series_read(&def, units, &s, &err), LAC_EINPUT);
         assert_non_null(strstr(err.message, "d[3] = -9999.9"));
         assert_non_null(strstr(err.message, "stands in 2 of 60 rows"));

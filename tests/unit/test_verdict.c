@@ -227,6 +227,22 @@ static void new_rates_and_steps_are_not_warned_of(void **state)
     }
 }
 
+// Odds that one reading alone would have to have are another number than those that it has.
+static void odds_that_do_not_do_alone_are_told_apart(void **state)
+{
+    (void)state;
+    size_t told = 0;
+    lac_forecast_def def = default_def();
+    def.levels.odds = 6.0;
+    for (size_t draw = 0; draw < SEEDS; draw++) {
+        fill(voight_2, 0.9, draw, 0.02);
+        const lac_verdict v = judge_first(&def, N);
+        told += strstr(v.rule, "in a row, or") != NULL;
+        assert_true(strstr(v.rule, "in a row, or") == NULL || strstr(v.rule, "above") == NULL);
+    }
+    assert_true(told > 0);
+}
+
 // A failure that comes to rest: with `hold` a warning is there as long as there was one without it
 // at any of so many readings before.
 static void a_warning_holds(void **state)
@@ -338,6 +354,7 @@ int main(void)
         cmocka_unit_test(failure_is_warned_of),
         cmocka_unit_test(failure_within_the_horizon_is_an_alarm),
         cmocka_unit_test(new_rates_and_steps_are_not_warned_of),
+        cmocka_unit_test(odds_that_do_not_do_alone_are_told_apart),
         cmocka_unit_test(a_warning_holds),
         cmocka_unit_test(jump_of_the_last_reading_is_watched),
         cmocka_unit_test(alarm_stays_to_the_end),

@@ -324,9 +324,11 @@ static void print_beta(const lac_scene_rg *rg, size_t k, bool from_law, bool ver
                     place[1], rg->seeds > 1 ? " of the last interface" : "", r->cell_load[first]);
         }
     }
-    cli_row("fixed point C", "%s", with_interval(&r->fit.fixed_point).s);
+    const bool vague = r->fit.lambda.value > 1.0 && r->fit.lambda.low <= 1.0;
+    const char *none = vague ? " (lambda may be 1: then none)" : "";
+    cli_row("fixed point C", "%s%s", with_interval(&r->fit.fixed_point).s, none);
     cli_row("lambda", "%s", with_interval(&r->fit.lambda).s);
-    cli_row("nu", "%s", with_interval(&r->fit.nu).s);
+    cli_row("nu", "%s%s", with_interval(&r->fit.nu).s, none);
     print_law("xi of clusters", &r->cluster_law);
     print_law("xi of blocks", &r->block_law);
     if (verbose) {
