@@ -355,19 +355,22 @@ static bool holds(const lac_pending *p, const combination *t)
 
 void lac_pending_add(lac_pending *p, int count, const double *c, const double *const *x, double *z)
 {
-    combination t = {.count = count, .c = {c[0]}, .z = z};
+    combination *t = &p->list[p->waiting]; // there is always room for one more
+    t->count = count;
+    t->c[0] = c[0];
+    t->z = z;
     for (int j = 0; j < count; j++) {
-        t.c[j] = c[j];
-        t.x[j] = x[j];
+        t->c[j] = c[j];
+        t->x[j] = x[j];
     }
-    if (holds(p, &t)) {
+    if (holds(p, t)) {
         return;
     }
     touch(p, z);
-    if (count == 2 && !reads(&t, z)) {
-        p->last = t;
+    if (count == 2 && !reads(t, z)) {
+        p->last = *t;
     }
-    p->list[p->waiting++] = t;
+    p->waiting++;
     if (!p->waits || p->waiting == MOST_WAITING) {
         p->now = p->waiting;
         make_picked(p);

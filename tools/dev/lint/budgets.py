@@ -17,7 +17,7 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 96147,
+    "lines of src and include": 96150,
     "lines that only present results": 23814,
     "public headers": 13,
     "exported names": 44,
