@@ -352,19 +352,6 @@ lac_status lac_catalogue_close(lac_catalogue *c, const lac_sink *sink, lac_error
     return LAC_OK;
 }
 
-// Zeroed room for `count` things that take at least `least` bytes each on the archive; NULL where
-// it cannot hold as many.
-static void *room_for(lac_archive *archive, size_t count, size_t least, size_t size)
-{
-    if (!lac_archive_good(archive) || count > (archive->size - archive->at) / least) {
-        archive->short_of |= lac_archive_good(archive);
-        return NULL;
-    }
-    void *room = calloc(count + 1, size);
-    archive->no_memory = room == NULL;
-    return room;
-}
-
 // As a byte: not every byte is a bool.
 static void pass_bool(lac_archive *archive, bool *value)
 {
@@ -386,7 +373,7 @@ static void pass_event(lac_archive *archive, lac_open_event *e)
     pass_bool(archive, &e->before);
     size_t count = e->open ? e->count : 0; // of a vacant place there is but the next one
     if (archive->loading) {
-        e->cells = room_for(archive, count, sizeof *e->cells, sizeof *e->cells);
+        e->cells = lac_archive_room(archive, count, sizeof *e->cells, sizeof *e->cells);
         e->room = e->count = e->cells != NULL ? count : 0;
     }
     lac_archive_pass(archive, e->cells, count * sizeof *e->cells);
@@ -398,7 +385,7 @@ static void pass_open(lac_catalogue *c, lac_archive *archive)
     LAC_PASS(archive, c->vacant);
     LAC_PASS(archive, places);
     if (archive->loading) {
-        c->open = room_for(archive, places, sizeof c->open->origin, sizeof *c->open);
+        c->open = lac_archive_room(archive, places, sizeof c->open->origin, sizeof *c->open);
         c->places = c->open != NULL ? places : 0;
     }
     for (size_t i = 0; i < c->places; i++) {

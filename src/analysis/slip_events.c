@@ -65,19 +65,6 @@ lac_status lac_slip_events_step(lac_slip_events *s, const lac_step *step, lac_er
     return LAC_OK;
 }
 
-// Room for what comes from an archive; false where that cannot be.
-static bool loads(lac_slip_events *s, size_t count, size_t cells, lac_archive *archive)
-{
-    const size_t most = archive->size / sizeof *s->event;
-    if (!lac_archive_good(archive) || count > most || cells > archive->size / sizeof(double)) {
-        archive->short_of |= lac_archive_good(archive);
-        return false;
-    }
-    archive->no_memory = lac_grow(&s->event, &s->room, count, sizeof *s->event, NULL) != LAC_OK ||
-                         (cells > 0 && lac_crest_create(cells, &s->past, NULL) != LAC_OK);
-    return !archive->no_memory;
-}
-
 void lac_slip_events_serialize(lac_slip_events *s, lac_archive *archive)
 {
     size_t count = s->count, cells = s->moves ? s->past.n : 0;
@@ -86,15 +73,18 @@ void lac_slip_events_serialize(lac_slip_events *s, lac_archive *archive)
     LAC_PASS(archive, cells);
     LAC_PASS(archive, flags);
     LAC_PASS(archive, s->last);
-    if (archive->loading && !loads(s, count, cells, archive)) {
-        return;
+    if (archive->loading) {
+        s->event = lac_archive_room(archive, count, sizeof *s->event, sizeof *s->event);
+        archive->short_of |= cells > archive->size / sizeof(double);
+        archive->no_memory |= cells > 0 && lac_archive_good(archive) &&
+                              lac_crest_create(cells, &s->past, NULL) != LAC_OK;
     }
     lac_archive_pass(archive, s->event, count * sizeof *s->event);
     if (cells > 0) {
         lac_crest_serialize(&s->past, archive);
     }
     if (archive->loading && lac_archive_good(archive)) {
-        s->count = count;
+        s->count = s->room = count;
         s->begun = flags[0] != 0;
         s->moves = flags[1] != 0 && count > 0 && cells > 0;
     }

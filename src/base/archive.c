@@ -23,14 +23,23 @@ void lac_archive_pass(lac_archive *archive, void *piece, size_t size)
     }
 }
 
+void *lac_archive_room(lac_archive *archive, size_t count, size_t least, size_t size)
+{
+    if (!lac_archive_good(archive) || count > (archive->size - archive->at) / least) {
+        archive->short_of |= lac_archive_good(archive);
+        return NULL;
+    }
+    void *room = calloc(count + 1, size);
+    archive->no_memory = room == NULL;
+    return room;
+}
+
 void lac_archive_text(lac_archive *archive, char **text)
 {
     uint64_t length = archive->loading || *text == NULL ? 0 : strlen(*text);
     LAC_PASS(archive, length);
-    if (archive->loading && lac_archive_good(archive)) {
-        archive->short_of = length > archive->size - archive->at;
-        *text = archive->short_of ? NULL : calloc(length + 1, 1);
-        archive->no_memory = *text == NULL && !archive->short_of;
+    if (archive->loading) {
+        *text = lac_archive_room(archive, length, 1, 1);
     }
     lac_archive_pass(archive, *text, length);
 }

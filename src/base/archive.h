@@ -19,6 +19,10 @@ typedef struct lac_archive {
 /// Passes a piece: copied to the archive, or from it. After a failure nothing happens any more.
 void lac_archive_pass(lac_archive *archive, void *piece, size_t size);
 
+/// Zeroed room for `count` things that take at least `least` bytes each on the archive, and for one
+/// more; NULL where it cannot hold as many, or is no good.
+void *lac_archive_room(lac_archive *archive, size_t count, size_t least, size_t size);
+
 /// Passes the length of a text and its bytes; NULL is an empty one. While loading it is allocated.
 void lac_archive_text(lac_archive *archive, char **text);
 

@@ -19,8 +19,9 @@ lac_status lac_classes_create(size_t leaves, size_t nodes, lac_classes **out, la
     LAC_MADE(status, out, lac_classes_free);
 }
 
-void lac_classes_free(lac_classes *classes)
+void lac_classes_free(void *state)
 {
+    lac_classes *classes = state;
     if (classes != NULL) {
         free(classes->parent);
         free(classes->weight);

@@ -15,10 +15,11 @@ typedef struct lac_classes {
 
 /// Room for so many nodes; numbers and ties are the caller's.
 lac_status lac_classes_create(size_t leaves, size_t nodes, lac_classes **out, lac_error *err);
-void lac_classes_free(lac_classes *classes);
 
-/// Doubles of scratch that apply and solve need. Of all three `state` is a lac_classes, as a
-/// transfer has it.
+/// Of all four `state` is a lac_classes, as a transfer has it.
+void lac_classes_free(void *state);
+
+/// Doubles of scratch that apply and solve need.
 size_t lac_classes_work(const void *state);
 
 /// y = K x over the leaves: of every block B that a leaf lies in, child c, k_B (x_c - x_B), means

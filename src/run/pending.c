@@ -6,7 +6,6 @@
 #include "base/parallel_for.h"
 
 enum {
-    MOST_TERMS = 8,
     MOST_WAITING = 64,
     BLOCK = 256, // elements: some ten arrays of them fit the first cache
     LANES = 8,
@@ -15,8 +14,8 @@ enum {
 
 // z = sum_j c_j x_j; count 0: z = c_0
 typedef struct combination {
-    const double *x[MOST_TERMS];
-    double c[MOST_TERMS];
+    const double *x[LAC_PENDING_TERMS];
+    double c[LAC_PENDING_TERMS];
     double *z;
     int count;
 } combination;
@@ -97,8 +96,16 @@ static inline __attribute__((always_inline)) void make(const combination *t, siz
         LAC_UNROLLED(5);
         LAC_UNROLLED(6);
         LAC_UNROLLED(7);
+        LAC_UNROLLED(8);
+        LAC_UNROLLED(9);
+        LAC_UNROLLED(10);
+        LAC_UNROLLED(11);
+        LAC_UNROLLED(12);
+        LAC_UNROLLED(13);
+        LAC_UNROLLED(14);
+        LAC_UNROLLED(15);
     default:
-        combine(8, first, end, t);
+        combine(LAC_PENDING_TERMS, first, end, t);
     }
 }
 
@@ -346,40 +353,26 @@ static bool holds(const lac_pending *p, const combination *t)
            last->c[0] == t->c[0] && last->c[1] == t->c[1];
 }
 
-// One of at most MOST_TERMS.
-static void add_one(lac_pending *p, int count, const double *c, const double *const *x, double *z)
+void lac_pending_add(lac_pending *p, int count, const double *c, const double *const *x, double *z)
 {
-    combination t = {.count = count, .c = {c[0]}, .z = z};
+    combination *t = &p->list[p->waiting]; // there is always room for one more
+    t->count = count;
+    t->c[0] = c[0];
+    t->z = z;
     for (int j = 0; j < count; j++) {
-        t.c[j] = c[j];
-        t.x[j] = x[j];
+        t->c[j] = c[j];
+        t->x[j] = x[j];
     }
-    if (holds(p, &t)) {
+    if (holds(p, t)) {
         return;
     }
     touch(p, z);
-    if (count == 2 && !reads(&t, z)) {
-        p->last = t;
+    if (count == 2 && !reads(t, z)) {
+        p->last = *t;
     }
-    p->list[p->waiting++] = t;
+    p->waiting++;
     if (!p->waits || p->waiting == MOST_WAITING) {
         p->now = p->waiting;
         make_picked(p);
-    }
-}
-
-void lac_pending_add(lac_pending *p, int count, const double *c, const double *const *x, double *z)
-{
-    int first = count < MOST_TERMS ? count : MOST_TERMS;
-    add_one(p, first, c, x, z);
-    for (int used = first; used < count; used += MOST_TERMS - 1) {
-        double more_c[MOST_TERMS] = {1.0};
-        const double *more_x[MOST_TERMS] = {z};
-        int more = count - used < MOST_TERMS - 1 ? count - used : MOST_TERMS - 1;
-        for (int j = 0; j < more; j++) {
-            more_c[j + 1] = c[used + j];
-            more_x[j + 1] = x[used + j];
-        }
-        add_one(p, more + 1, more_c, more_x, z);
     }
 }

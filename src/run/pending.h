@@ -9,6 +9,8 @@
 // the bits are the same. CVODE's prediction is 15 sums of two arrays at order 5.
 typedef struct lac_pending lac_pending;
 
+enum { LAC_PENDING_TERMS = 16 }; ///< of a sum, at most: CVODE and ARKODE ask for less
+
 /// @param arrays  of the cells that a vector is made of, one after the other
 /// @param waits   false: each is made at once
 /// @return NULL where memory is short

@@ -243,11 +243,10 @@ static sunrealtype v_min(N_Vector xv)
 
 static lac_sun_status v_linear_combination(int count, sunrealtype *c, N_Vector *xv, N_Vector z)
 {
-    enum { MOST = 16 }; // CVODE and ARKODE ask for less
-    const double *x[MOST];
-    double by[MOST] = {0.0};
+    const double *x[LAC_PENDING_TERMS];
+    double by[LAC_PENDING_TERMS] = {0.0};
     int terms = 0;
-    if (count > MOST) {
+    if (count > LAC_PENDING_TERMS) {
         return -1;
     }
     for (int j = 0; j < count; j++) { // what counts 0, as at the end of a step, is not read

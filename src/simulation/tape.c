@@ -59,10 +59,13 @@ static arrays arrays_of(const lac_tape *tape, uint64_t kind, thing *t)
 static lac_status put(lac_tape *tape, piece kind, thing own, lac_error *err)
 {
     uint64_t word = kind; // as wide as a double, so that arrays stand where they may
-    const arrays a = arrays_of(tape, kind, &own);
     if (tape->over) {
         return LAC_OK;
     }
+    if (kind == PIECE_RECORD && !tape->cells) {
+        own.record.cells = (lac_record_cells){0};
+    }
+    const arrays a = arrays_of(tape, kind, &own);
     LAC_PASS(&tape->kept, word);
     lac_archive_pass(&tape->kept, &own, sizes[kind]);
     for (size_t i = 0; i < a.n; i++) {
@@ -78,28 +81,20 @@ static lac_status put(lac_tape *tape, piece kind, thing own, lac_error *err)
     return LAC_OK;
 }
 
-static lac_status put_record(void *context, const lac_record *record, lac_error *err)
-{
-    lac_tape *tape = context;
-    thing own = {.record = *record};
-    own.record.cells = tape->cells ? record->cells : (lac_record_cells){0};
-    return put(tape, PIECE_RECORD, own, err);
-}
-
-static lac_status put_snapshot(void *context, const lac_snapshot *snapshot, lac_error *err)
-{
-    return put(context, PIECE_SNAPSHOT, (thing){.snapshot = *snapshot}, err);
-}
-
-static lac_status put_event(void *context, const lac_event *event, lac_error *err)
-{
-    return put(context, PIECE_EVENT, (thing){.event = *event}, err);
-}
-
-static lac_status put_step(void *context, const lac_step *step, lac_error *err)
-{
-    return put(context, PIECE_STEP, (thing){.step = *step}, err);
-}
+// How a piece comes in, and goes out where somebody takes it.
+#define PIECE(kind, what)                                                               \
+    static lac_status put_##what(void *context, const lac_##what *from, lac_error *err) \
+    {                                                                                   \
+        return put(context, (kind), (thing){.what = *from}, err);                       \
+    }                                                                                   \
+    static lac_status play_##what(const lac_sink *to, const thing *t, lac_error *err)   \
+    {                                                                                   \
+        return to->what != NULL ? to->what(to->context, &t->what, err) : LAC_OK;        \
+    }
+PIECE(PIECE_RECORD, record)
+PIECE(PIECE_SNAPSHOT, snapshot)
+PIECE(PIECE_EVENT, event)
+PIECE(PIECE_STEP, step)
 
 lac_sink lac_tape_sink(lac_tape *tape)
 {
@@ -123,22 +118,13 @@ static void find(lac_archive *from, const arrays *a)
     }
 }
 
-static lac_status hand_on(const lac_sink *to, uint64_t kind, const thing *t, lac_error *err)
-{
-    if (kind == PIECE_RECORD && to->record != NULL) {
-        return to->record(to->context, &t->record, err);
-    }
-    if (kind == PIECE_SNAPSHOT && to->snapshot != NULL) {
-        return to->snapshot(to->context, &t->snapshot, err);
-    }
-    if (kind == PIECE_EVENT && to->event != NULL) {
-        return to->event(to->context, &t->event, err);
-    }
-    return kind == PIECE_STEP && to->step != NULL ? to->step(to->context, &t->step, err) : LAC_OK;
-}
-
 lac_status lac_tape_play(const lac_tape *tape, const lac_sink *to, lac_error *err)
 {
+    static lac_status (*const play[])(const lac_sink *, const thing *,
+                                      lac_error *) = {[PIECE_RECORD] = play_record,
+                                                      [PIECE_SNAPSHOT] = play_snapshot,
+                                                      [PIECE_EVENT] = play_event,
+                                                      [PIECE_STEP] = play_step};
     lac_archive from = tape->kept;
     from.loading = true;
     while (from.at < from.size) {
@@ -148,7 +134,7 @@ lac_status lac_tape_play(const lac_tape *tape, const lac_sink *to, lac_error *er
         lac_archive_pass(&from, &t, sizes[kind]);
         const arrays a = arrays_of(tape, kind, &t);
         find(&from, &a);
-        LAC_TRY_RETURN(hand_on(to, kind, &t, err));
+        LAC_TRY_RETURN(play[kind](to, &t, err));
     }
     return LAC_OK;
 }

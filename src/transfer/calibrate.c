@@ -20,9 +20,8 @@ enum { FEWEST_SHARED = 2, MOST_SHARED = 32, SHARED_CELLS = 12000 };
 // Of their traction. A level's part of the energy was found good to 4e-3 with it.
 static const double shared_tolerance = 7e-3;
 
-// The variance of a probe that was seen on many domains, in mean^2/rank: of a band alone; of a
-// level's part of all, of the finest level and of the others beside half the grid.
-static const double usual_alone = 0.1, usual_finest = 0.4, usual_beside = 0.02;
+// The variance of a probe of a band that was seen on many domains, in mean^2/rank.
+static const double usual_alone = 0.1;
 
 // A domain that is probed.
 typedef struct probed {
@@ -34,11 +33,11 @@ typedef struct probed {
     double *work;            // lac_elastic_work
 } probed;
 
-// k and its error of all levels; the parts of shared probes.
+// k of all levels; the parts of shared probes.
 typedef struct stiffnesses {
     size_t levels, probes;
-    double *k, *error; // [levels]
-    double *part;      // [probes * levels] of each probe's energy, as a stiffness
+    double *k;    // [levels]
+    double *part; // [probes * levels] of each probe's energy, as a stiffness
 } stiffnesses;
 
 // A contrast: cells [begin, middle) against [middle, end). Every child but the first of its parent,
@@ -124,7 +123,7 @@ static lac_status calibrate_band(const probed *on, size_t level, stiffnesses *s,
     size_t rank = lac_hierarchy_rank(on->h, level);
     bool random = rank > EXACT_RANK;
     size_t most = random ? MOST_PROBES : rank;
-    double mean = 0, squares = 0, off = 0;
+    double mean = 0, squares = 0;
     double tolerance = s->probes > 0 ? start_tolerance : energy_tolerance;
     for (size_t i = 0; i < most; i++) {
         band_probe p = {on->seed, level, i, random, on->slip};
@@ -137,13 +136,13 @@ static lac_status calibrate_band(const probed *on, size_t level, stiffnesses *s,
         double change = energy - mean;
         mean += change / (double)(i + 1);
         squares += change * (energy - mean);
-        off = random ? standard_error(i + 1, usual_alone * mean * mean / (double)rank, squares) : 0;
-        if (random && i + 1 >= FEWEST_PROBES && off <= probe_error * mean) {
+        double usual = usual_alone * mean * mean / (double)rank;
+        if (random && i + 1 >= FEWEST_PROBES &&
+            standard_error(i + 1, usual, squares) <= probe_error * mean) {
             break;
         }
     }
     s->k[level] = mean;
-    s->error[level] = off;
     return LAC_OK;
 }
 
@@ -231,11 +230,9 @@ static lac_status probe_all(const probed *on, size_t probe, double *part, lac_er
 
 static lac_status make_room(size_t levels, size_t probes, stiffnesses *s, lac_error *err)
 {
-    *s = (stiffnesses){levels, probes, malloc((2 + probes) * (levels + 1) * sizeof *s->k), NULL,
-                       NULL};
+    *s = (stiffnesses){levels, probes, malloc((1 + probes) * (levels + 1) * sizeof *s->k), NULL};
     LAC_FAIL_MEMORY_IF(s->k == NULL, err);
-    s->error = s->k + levels;
-    s->part = s->error + levels;
+    s->part = s->k + levels;
     return LAC_OK;
 }
 
@@ -254,27 +251,17 @@ static double mean_part(const stiffnesses *s, size_t probes, size_t level)
 static lac_status set_beside(const lac_hierarchy *h, const stiffnesses *half, size_t level,
                              stiffnesses *s, lac_error *err)
 {
-    size_t rank = lac_hierarchy_rank(h, level);
     bool finest = level == 0;
-    double mean = mean_part(s, s->probes, level), squares = 0;
+    double mean = mean_part(s, s->probes, level);
     double there = finest ? 1 : mean_part(half, s->probes, level - 1);
-    s->k[level] = s->error[level] = 0;
-    if (rank == 0) {
+    s->k[level] = 0;
+    if (lac_hierarchy_rank(h, level) == 0) {
         return LAC_OK;
     }
     LAC_FAIL_IF(!(mean > 0 && there > 0), err, LAC_ENUMERIC,
                 "%zu probes do not determine the stiffness of level %zu: take another seed",
                 s->probes, level);
-    for (size_t p = 0; p < s->probes; p++) {
-        double other = finest ? 1 : half->part[p * half->levels + level - 1] / there;
-        double off = s->part[p * s->levels + level] / mean - other;
-        squares += off * off;
-    }
-    double usual = finest ? usual_finest / (double)rank : usual_beside / (double)(rank + 10);
-    double known = finest ? 1 : half->k[level - 1];
-    double error = finest ? 0 : half->error[level - 1] / known;
-    s->k[level] = known * (mean / there);
-    s->error[level] = s->k[level] * hypot(error, standard_error(s->probes, usual, squares));
+    s->k[level] = (finest ? 1 : half->k[level - 1]) * (mean / there);
     return LAC_OK;
 }
 
@@ -402,7 +389,7 @@ out:
 }
 
 lac_status lac_calibrate_elastic(const lac_transfer_scene *scene, bool across, uint64_t seed,
-                                 double *k, double *error, lac_error *err)
+                                 double *k, lac_error *err)
 {
     lac_status status;
     stiffnesses s = {0};
@@ -414,9 +401,6 @@ lac_status lac_calibrate_elastic(const lac_transfer_scene *scene, bool across, u
                      .across = across};
     LAC_TRY(calibrate_grid(scene->domain, &rock, seed, &s, err));
     memcpy(k, s.k, s.levels * sizeof *k);
-    if (error != NULL) {
-        memcpy(error, s.error, s.levels * sizeof *error);
-    }
 out:
     free(s.k);
     return status;

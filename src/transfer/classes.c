@@ -4,8 +4,6 @@
 #include "base/rows.h"
 #include "transfer/transfer.h"
 
-static void destroy(void *state) { lac_classes_free(state); }
-
 // Of the stiffest block: what an explicit method's steps are bounded by.
 static double stiffness(const void *state, size_t level)
 {
@@ -20,7 +18,7 @@ static double stiffness(const void *state, size_t level)
 static const lac_transfer_kind classes_kind = {
     .info = LAC_ABOUT("classes", "classes of cells as the leaves of weighted blocks",
                       "docs/theory/lumped.md"),
-    .free = destroy,
+    .free = lac_classes_free,
     .work = lac_classes_work,
     .apply = lac_classes_apply,
     .solve = lac_classes_solve,

@@ -67,8 +67,7 @@ static lac_status calibrate(const lac_transfer_scene *scene, double poisson, lac
     lac_transfer_scene from = *scene;
     e->k = calloc(lac_hierarchy_levels(scene->hierarchy) + 1, sizeof *e->k);
     from.poisson = poisson;
-    return e->k != NULL ? lac_calibrate_elastic(&from, false, 1, e->k, NULL, err)
-                        : lac_fail_memory(err);
+    return e->k != NULL ? lac_calibrate_elastic(&from, false, 1, e->k, err) : lac_fail_memory(err);
 }
 
 // NaN stands for no slip yet; it is also its own stress.

@@ -18,7 +18,7 @@ lac_status lac_elastic_direct(const lac_transfer_scene *scene, const lac_rock *r
     LAC_FAIL_MEMORY_IF(e->k_across == NULL, err);
     LAC_TRY_RETURN(lac_compliance_create(scene->domain, &across, &e->across, err));
     LAC_TRY_RETURN(lac_compliance_create(scene->domain, &cross, &e->cross, err));
-    return lac_calibrate_elastic(scene, true, 1, e->k_across, NULL, err);
+    return lac_calibrate_elastic(scene, true, 1, e->k_across, err);
 }
 
 // One system (D + K + k_mean P) x = y; vectors have the components along x, then those along y.

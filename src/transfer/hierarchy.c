@@ -48,7 +48,7 @@ static lac_status create(const void *given, const lac_transfer_scene *scene, voi
     self->h = scene->hierarchy;
     self->levels = levels;
     if (p->stiffness >= 0) {
-        LAC_TRY(lac_calibrate_elastic(scene, false, (uint64_t)p->seed, self->k, NULL, err));
+        LAC_TRY(lac_calibrate_elastic(scene, false, (uint64_t)p->seed, self->k, err));
     }
     for (size_t l = 0; l < levels && p->stiffness < 0; l++) {
         self->k[l] = p->k0 * pow(isnan(p->ratio) ? 0.5 : p->ratio, (double)l);
@@ -103,7 +103,7 @@ static lac_status direct(const void *given, const lac_transfer_scene *scene, voi
     }
     self->across = malloc((self->levels + 1) * sizeof *self->across);
     LAC_FAIL_MEMORY_IF(self->across == NULL, err);
-    return lac_calibrate_elastic(scene, true, (uint64_t)p->seed, self->across, NULL, err);
+    return lac_calibrate_elastic(scene, true, (uint64_t)p->seed, self->across, err);
 }
 
 static size_t pair_work(const void *state)

@@ -179,7 +179,7 @@ static void calibration(size_t side)
     double k[MOST_LEVELS], mean[MOST_LEVELS] = {0}, square[MOST_LEVELS] = {0};
     double pair = pair_seconds(domain), begin = cpu_seconds();
     for (uint64_t seed = 1; seed <= SEEDS; seed++) {
-        if (lac_calibrate_elastic(&from, false, seed, k, NULL, NULL) != LAC_OK) {
+        if (lac_calibrate_elastic(&from, false, seed, k, NULL) != LAC_OK) {
             abort();
         }
         for (size_t l = 0; l < levels; l++) {

@@ -92,7 +92,7 @@ static void many_at_random(size_t n, bool waits)
     for (uint64_t k = 0; k < 400; k++) {
         const double *from[2][8];
         double c[8];
-        int count = (int)choose(k, 1, 9); // beyond, the result is added to
+        int count = (int)choose(k, 1, 9);
         for (int j = 0; j < 8; j++) {
             size_t which = choose(k, 10 + (uint64_t)j, ARRAYS);
             from[0][j] = plain.of[which];
@@ -131,14 +131,14 @@ static void waiting_changes_no_bit(void **state)
     }
 }
 
-// Twenty terms into an array that is none of them.
+// As many terms as there may be, into an array that is none of them.
 static void long_combination(void **state)
 {
     (void)state;
-    static double x[20][MOST], plain[MOST], made[MOST];
-    const double *from[20];
-    double c[20];
-    for (size_t j = 0; j < 20; j++) {
+    static double x[LAC_PENDING_TERMS][MOST], plain[MOST], made[MOST];
+    const double *from[LAC_PENDING_TERMS];
+    double c[LAC_PENDING_TERMS];
+    for (size_t j = 0; j < LAC_PENDING_TERMS; j++) {
         from[j] = x[j];
         c[j] = uniform(j, 7);
         for (size_t i = 0; i < MOST; i++) {
@@ -147,7 +147,7 @@ static void long_combination(void **state)
     }
     const lac_range whole = lac_range_whole(MOST);
     lac_pending *p = lac_pending_create(&whole, 1, true);
-    for (int count = 1; count <= 20; count++) {
+    for (int count = 1; count <= LAC_PENDING_TERMS; count++) {
         combine(MOST, count, c, from, plain);
         lac_pending_add(p, count, c, from, made);
         lac_pending_finish(p, made);
