@@ -17,8 +17,8 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 96179,
-    "lines that only present results": 23795,
+    "lines of src and include": 96139,
+    "lines that only present results": 23780,
     "public headers": 13,
     "exported names": 44,
     "circles of includes": 0,
