@@ -54,13 +54,11 @@ static void set_line(events *e, lac_analysis_line *line)
     char rate[64], size[64];
     (void)lac_units_format(e->slip_rate, "m/s", rate, sizeof rate);
     line->label = "events";
-    int used =
-        snprintf(line->text, LAC_ANALYSIS_TEXT, "%lld from %s on", (long long)c->events, rate);
-    if (c->events > 0 && used > 0) {
-        (void)snprintf(line->text + used, LAC_ANALYSIS_TEXT - (size_t)used,
-                       ", the longest %s; %lld cut by the ends of the run",
-                       lac_units_format(c->largest_size, "m", size, sizeof size),
-                       (long long)c->cut);
+    (void)snprintf(line->text, LAC_ANALYSIS_TEXT, "%lld from %s on", (long long)c->events, rate);
+    if (c->events > 0) {
+        lac_append(line->text, LAC_ANALYSIS_TEXT,
+                   ", the longest %s; %lld cut by the ends of the run",
+                   lac_units_format(c->largest_size, "m", size, sizeof size), (long long)c->cut);
     }
 }
 

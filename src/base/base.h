@@ -21,3 +21,7 @@
 /// @param array  address of a pointer to them, of any type
 /// @param room   of how many there is; at least twice as many where it grows
 lac_status lac_grow(void *array, size_t *room, size_t need, size_t size, lac_error *err);
+
+/// Puts behind a text, of `size` bytes at most, what fits of another.
+void lac_append(char *text, size_t size, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));

@@ -146,8 +146,7 @@ void lac_add_error_text(lac_reader *reader, size_t line, const char *place, cons
 void lac_append_names(char *list, size_t size, const char *const *names, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
-        size_t used = strlen(list);
-        (void)snprintf(list + used, size - used, "%s%s", i == 0 ? "" : ", ", names[i]);
+        lac_append(list, size, "%s%s", i == 0 ? "" : ", ", names[i]);
     }
 }
 

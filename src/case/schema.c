@@ -244,8 +244,8 @@ static void blame_missing(lac_reader *reader, const lac_node *map, const lac_par
     lac_error err = {""};
     double ignored;
     char path[LAC_KEY_LENGTH];
-    size_t used = strlen(lac_node_path(map, path, sizeof path));
-    (void)snprintf(path + used, sizeof path - used, "%s%s", used == 0 ? "" : ".", param->key);
+    const bool root = *lac_node_path(map, path, sizeof path) == '\0';
+    lac_append(path, sizeof path, "%s%s", root ? "" : ".", param->key);
     if (param->type == LAC_REAL) {
         (void)lac_units_parse(reader->units, "", param->unit, &ignored, &err);
     }

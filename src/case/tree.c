@@ -98,18 +98,18 @@ const char *lac_node_path(const lac_node *node, char *text, size_t size)
     for (; node != NULL && node->parent != NULL && n < LAC_TREE_DEPTH + 2; node = node->parent) {
         chain[n++] = node;
     }
-    size_t used = 0;
     text[0] = '\0';
-    while (n-- > 0 && used < size) {
-        const char *dot = used == 0 ? "" : ".";
+    while (n-- > 0) {
+        const char *dot = text[0] == '\0' ? "" : ".";
         size_t index = 0;
         while (chain[n]->key == NULL && chain[n]->parent->child[index] != chain[n]) {
             index++;
         }
-        int wrote = chain[n]->key != NULL
-                        ? snprintf(text + used, size - used, "%s%.60s", dot, chain[n]->key)
-                        : snprintf(text + used, size - used, "%s%zu", dot, index);
-        used += wrote > 0 ? (size_t)wrote : 0;
+        if (chain[n]->key != NULL) {
+            lac_append(text, size, "%s%.60s", dot, chain[n]->key);
+        } else {
+            lac_append(text, size, "%s%zu", dot, index);
+        }
     }
     return text;
 }

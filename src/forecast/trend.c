@@ -259,16 +259,15 @@ static void explain(const readings *r, size_t n, const bend *b, lac_trend *out)
 {
     const double days = (r->time[r->n - 1] - r->time[r->n - n]) / 86400.0;
     const double to_mm_day = 1e3 * 86400.0;
-    int at = snprintf(
+    (void)snprintf(
         out->reason, sizeof out->reason,
         "over the last %zu readings (%.3g days) a rise of the rate by less than %.3g mm/day "
         "would not be seen in the noise; the mean rate is %.3g mm/day",
         n, days, to_mm_day * b->hidden, to_mm_day * b->rate);
     const double more = (double)n * (cbrt(pow(b->hidden / (noticed * b->rate), 2.0)) - 1.0);
-    if (b->rate > 0.0 && more >= 0.5 && more < 1000.0 && at > 0 &&
-        (size_t)at < sizeof out->reason) {
-        (void)snprintf(out->reason + at, sizeof out->reason - (size_t)at,
-                       "; some %.0f more readings would show whether it rises by half", ceil(more));
+    if (b->rate > 0.0 && more >= 0.5 && more < 1000.0) {
+        lac_append(out->reason, sizeof out->reason,
+                   "; some %.0f more readings would show whether it rises by half", ceil(more));
     }
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What an engineer is told first, in words that can be read aloud.
 #include <ctype.h>
-#include <stdarg.h>
 
 #include "base/date.h"
 #include "base/units.h"
@@ -18,14 +17,7 @@ typedef struct words {
     size_t size;
 } words;
 
-__attribute__((format(printf, 2, 3))) static void add(const words *w, const char *format, ...)
-{
-    const size_t n = strlen(w->text);
-    va_list args;
-    va_start(args, format);
-    (void)vsnprintf(w->text + n, w->size - n, format, args);
-    va_end(args);
-}
+#define ADD(w, ...) lac_append((w)->text, (w)->size, __VA_ARGS__)
 
 // In the unit that the file counts time in, where it is known.
 static void clock_text(const lac_series *series, double t, char *text, size_t size)
@@ -59,7 +51,7 @@ const char *lac_outcome_time(const lac_forecast_outcome *of, double t, char *tex
 static void add_time(const words *w, const lac_forecast_outcome *o, const char *before, double t)
 {
     char text[TIME];
-    add(w, "%s%s", before, lac_outcome_time(o, t, text, sizeof text));
+    ADD(w, "%s%s", before, lac_outcome_time(o, t, text, sizeof text));
 }
 
 bool lac_outcome_zoned(const lac_forecast_outcome *o)
@@ -86,7 +78,7 @@ static void add_span(const words *w, double seconds)
     }
     char number[TIME];
     (void)snprintf(number, sizeof number, "%.3g", seconds / units[k].length);
-    add(w, "%s %s%s", number, units[k].name, strcmp(number, "1") == 0 ? "" : "s");
+    ADD(w, "%s %s%s", number, units[k].name, strcmp(number, "1") == 0 ? "" : "s");
 }
 
 static void add_percent(const words *w, double chance)
@@ -94,9 +86,9 @@ static void add_percent(const words *w, double chance)
     const double least = 0.01;
     const bool sure = chance > 1.0 - least;
     if (chance < least || sure) {
-        add(w, sure ? "more than 99 %%" : "less than 1 %%");
+        ADD(w, sure ? "more than 99 %%" : "less than 1 %%");
     } else {
-        add(w, "%.0f %%", 100.0 * chance);
+        ADD(w, "%.0f %%", 100.0 * chance);
     }
 }
 
@@ -105,7 +97,7 @@ static void add_p(const words *w, double p)
 {
     const double least = 1e-6;
     const int digits = p < least ? 6 : (int)fmax(2.0, -floor(log10(p)));
-    add(w, "(p %s%.*f, the chance that a steady slope looks so)", p < least ? "below " : "", digits,
+    ADD(w, "(p %s%.*f, the chance that a steady slope looks so)", p < least ? "below " : "", digits,
         fmax(p, least));
 }
 
@@ -115,29 +107,29 @@ static void say_level(const lac_forecast_outcome *o, const words *w)
     const bool unknown = v->level == LAC_QUIET && v->trend.answer == LAC_CANNOT_TELL;
     const char *name = unknown ? lac_answer_name(LAC_CANNOT_TELL) : lac_level_name(v->level);
     for (const char *c = name; *c != '\0'; c++) {
-        add(w, "%c", toupper((unsigned char)*c));
+        ADD(w, "%c", toupper((unsigned char)*c));
     }
     add_time(w, o, " as of ", o->forecasts->issue_time);
-    add(w, "%s: %s", zone(o), v->rule[0] != '\0' ? v->rule : "nothing gives another level");
+    ADD(w, "%s: %s", zone(o), v->rule[0] != '\0' ? v->rule : "nothing gives another level");
 }
 
 static void say_acceleration(const lac_forecast_outcome *o, const words *w)
 {
     const lac_trend *t = &o->forecasts->verdict.trend;
-    add(w, "%s", lac_answer_name(t->answer));
+    ADD(w, "%s", lac_answer_name(t->answer));
     if (t->answer == LAC_CANNOT_TELL) {
-        add(w, "%s%s", t->reason[0] != '\0' ? ": " : "", t->reason);
+        ADD(w, "%s%s", t->reason[0] != '\0' ? ": " : "", t->reason);
         return;
     }
     if (isfinite(t->start)) {
-        add(w,
+        ADD(w,
             t->answer == LAC_DOES ? ", over " : ": a rise by half is excluded (19 of 20), over ");
         add_span(w, o->forecasts->issue_time - t->start);
         add_time(w, o, " since ", t->start);
-        add(w, "%s", zone(o));
+        ADD(w, "%s", zone(o));
     }
     if (t->answer == LAC_DOES && isfinite(t->p)) {
-        add(w, " ");
+        ADD(w, " ");
         add_p(w, t->p);
     }
 }
@@ -147,15 +139,15 @@ static void say_position(const lac_forecast_outcome *o, const words *w)
     const double moved = o->forecasts->verdict.position * 1e3, plain = 1e3;
     const lac_motion *m = o->forecasts->motion;
     if (!isfinite(moved)) {
-        add(w, "not known");
+        ADD(w, "not known");
         return;
     }
-    add(w, fabs(moved) >= plain ? "%.0f mm" : "%.4g mm", moved);
+    ADD(w, fabs(moved) >= plain ? "%.0f mm" : "%.4g mm", moved);
     if (m != NULL && m->n > 0) {
         add_time(w, o, " since ", m->time[0]);
-        add(w, "%s%s", zone(o), m->falling ? ", falling" : "");
+        ADD(w, "%s%s", zone(o), m->falling ? ", falling" : "");
         if (m->resets > 0) {
-            add(w, ", with %zu reset%s of the sensor taken out", m->resets,
+            ADD(w, ", with %zu reset%s of the sensor taken out", m->resets,
                 m->resets > 1 ? "s" : "");
         }
     }
@@ -171,11 +163,11 @@ static void say_rates(const lac_forecast_outcome *o, const words *w)
         if (!isfinite(rate)) {
             continue;
         }
-        add(w, known ? ", %.3g over the last %s" : "%.3g mm/day over the last %s", rate, name);
+        ADD(w, known ? ", %.3g over the last %s" : "%.3g mm/day over the last %s", rate, name);
         if (fabs(change) <= unchanged * fabs(rate)) {
-            add(w, " (unchanged)");
+            ADD(w, " (unchanged)");
         } else if (isfinite(change)) {
-            add(w, " (%.3g %s than over the %s before)", fabs(change),
+            ADD(w, " (%.3g %s than over the %s before)", fabs(change),
                 change < 0.0 ? "less" : "more", name);
         }
         known = true;
@@ -183,7 +175,7 @@ static void say_rates(const lac_forecast_outcome *o, const words *w)
     const char *before = known ? "; not known over the last " : "not known over the last ";
     for (size_t k = 0; k < LAC_SPANS; k++) {
         if (!isfinite(v->rate[k])) {
-            add(w, "%s%s", before, lac_spans[k].name);
+            ADD(w, "%s%s", before, lac_spans[k].name);
             before = ", ";
         }
     }
@@ -195,7 +187,7 @@ static void add_window(const words *w, const lac_forecast_outcome *o, double low
     if (isfinite(high)) {
         add_time(w, o, " to ", high);
     } else {
-        add(w, " on, without an end");
+        ADD(w, " on, without an end");
     }
 }
 
@@ -203,30 +195,30 @@ static void say_failure(const lac_forecast_outcome *o, const words *w)
 {
     const lac_verdict *v = &o->forecasts->verdict;
     if (v->issued == 0) {
-        add(w, "no method gives a time of failure");
+        ADD(w, "no method gives a time of failure");
         return;
     }
     if (!isfinite(v->chance)) {
-        add(w, v->issued == 1 ? "one method gives a time, too few for a chance"
+        ADD(w, v->issued == 1 ? "one method gives a time, too few for a chance"
                               : "two methods give a time, too few for a chance");
         return;
     }
     if (v->level < LAC_WARNING) {
-        add(w, "if it is heading for failure: ");
+        ADD(w, "if it is heading for failure: ");
     }
     if (isfinite(v->pooled[0])) {
-        add(w, "with a chance of 50 %% from ");
+        ADD(w, "with a chance of 50 %% from ");
         add_window(w, o, v->pooled[1], v->pooled[3]);
-        add(w, ", of 90 %% from ");
+        ADD(w, ", of 90 %% from ");
         add_window(w, o, v->pooled[0], v->pooled[4]);
-        add(w, "%s; ", zone(o));
+        ADD(w, "%s; ", zone(o));
     }
-    add(w, "a chance of ");
+    ADD(w, "a chance of ");
     add_percent(w, v->chance);
-    add(w, " within ");
+    ADD(w, " within ");
     add_span(w, v->horizon);
-    add(w, "; ");
-    add(w, "%zu of %zu methods that give a time put it within ", v->near, v->issued);
+    ADD(w, "; ");
+    ADD(w, "%zu of %zu methods that give a time put it within ", v->near, v->issued);
     add_span(w, v->horizon);
 }
 

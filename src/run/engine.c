@@ -212,14 +212,13 @@ lac_status lac_engine_gave_up(lac_engine *engine, char *name, double step, int64
     free(name);
     const char *lost = lac_problem_lost_transfer(engine->problem, engine->slip, engine->work);
     const bool weakens = lac_problem_weakening(engine->problem) != NULL;
-    const size_t used = err != NULL ? strlen(err->message) : 0;
     if (lost != NULL && err != NULL) {
-        (void)snprintf(err->message + used, sizeof err->message - used,
-                       "; the transfer %s finds no stress for the slip", lost);
+        lac_append(err->message, sizeof err->message,
+                   "; the transfer %s finds no stress for the slip", lost);
     } else if (weakens && lac_engine_time(engine) <= 0.0 && err != NULL) {
-        (void)snprintf(err->message + used, sizeof err->message - used,
-                       "; what weakens the joint may do so faster than steps can follow: lacuna "
-                       "check says how fast");
+        lac_append(err->message, sizeof err->message,
+                   "; what weakens the joint may do so faster than steps can follow: lacuna check "
+                   "says how fast");
     }
     return status;
 }

@@ -240,10 +240,8 @@ static lac_status gave_up(lac_engine *engine, int flag, lac_error *err)
         const char *names[] = {lac_problem_unknown(engine->problem), "ln theta", "slip"};
         size_t which = worst / engine->n;
         size_t weak = lac_problem_slip_place(engine->problem) > 0 ? 3 : 2;
-        size_t used = strlen(err->message);
-        (void)snprintf(err->message + used, sizeof err->message - used,
-                       "; worst unknown: %s of cell %zu",
-                       which < weak ? names[which] : "of the weakening", worst % engine->n);
+        lac_append(err->message, sizeof err->message, "; worst unknown: %s of cell %zu",
+                   which < weak ? names[which] : "of the weakening", worst % engine->n);
     }
     return status;
 }

@@ -2,8 +2,6 @@
 // In which regime a scene moves, in words for who set it up: whether its cells go as one, and with
 // that what roughness, size, load and water can and cannot do in it, and which fidelity it is run
 // with where the case leaves that open (docs/choosing.md).
-#include <stdarg.h>
-
 #include "scene/estimate.h"
 #include "scene/internal.h"
 
@@ -29,39 +27,28 @@ bool lac_scene_load_given(const lac_case *c)
     return isnan(c->initial.slip_rate) || c->initial.state == LAC_STATE_FROM_LOAD;
 }
 
-typedef struct words {
-    char *text;
-    size_t size, used;
-} words;
-
-static void __attribute__((format(printf, 2, 3))) add(words *w, const char *format, ...)
-{
-    va_list arguments;
-    va_start(arguments, format);
-    const int more = vsnprintf(w->text + w->used, w->size - w->used, format, arguments);
-    va_end(arguments);
-    w->used = more < 0 || (size_t)more >= w->size - w->used ? w->size - 1 : w->used + (size_t)more;
-}
+#define ADD(text, ...) lac_append((text), LAC_REGIME_ROOM, __VA_ARGS__)
 
 // What roughness and size do where all cells move alike.
-static void say_together(const lac_case *c, const lac_estimate *e, words *w)
+static void say_together(const lac_case *c, const lac_estimate *e, char *words)
 {
     if (isfinite(e->patch)) {
-        add(w, "A patch slips by itself from a width of some %.2g m on, and the joint is %.4g m: ",
+        ADD(words,
+            "A patch slips by itself from a width of some %.2g m on, and the joint is %.4g m: ",
             e->patch, e->length);
     }
-    add(w, "all cells creep as one. Roughness and size act %s",
+    ADD(words, "all cells creep as one. Roughness and size act %s",
         c->friction_spread.count > 0
             ? "only through friction.spread, by what it makes of the patches."
             : "on nothing that decides when it fails. Name friction.spread, such as a dc by the "
               "size of the patch, and they do.");
     if (isfinite(e->patch)) {
-        add(w, " With a dc below %.2g of this one, patches would slip by themselves.",
+        ADD(words, " With a dc below %.2g of this one, patches would slip by themselves.",
             e->length / e->patch);
     }
 }
 
-static void say_weakening(const lac_case *c, const lac_estimate *e, words *w)
+static void say_weakening(const lac_case *c, const lac_estimate *e, char *words)
 {
     const lac_friction_params *law = c->friction.params;
     for (size_t i = 0; c->friction.info != NULL && i < c->weakening.count; i++) {
@@ -72,7 +59,7 @@ static void say_weakening(const lac_case *c, const lac_estimate *e, words *w)
                                            .cohesion = law->cohesion > 0 ? law->cohesion : 0};
         char text[400];
         kind->words(c->weakening.item[i].params, &joint, text, sizeof text);
-        add(w, " %s", text);
+        ADD(words, " %s", text);
     }
 }
 
@@ -89,7 +76,7 @@ static double slip_where_held(const lac_geometry *g, double from, double to, dou
     return INFINITY;
 }
 
-static void say_geometry(const lac_case *c, words *w)
+static void say_geometry(const lac_case *c, char *words)
 {
     const lac_geometry_def *def = &c->geometry;
     const lac_friction_params *law = c->friction.params;
@@ -102,19 +89,19 @@ static void say_geometry(const lac_case *c, words *w)
     const double bent = isnan(def->radius) ? 0.0 : def->radius * (start + 1.5);
     const double far = fmax(def->angles > 1 ? def->slip[def->nodes - 1] : bent, 0.0);
     const double held = slip_where_held(g, 0.0, far, law->f0);
-    add(w, " The base dips by %.4g degree", start * degrees);
+    ADD(words, " The base dips by %.4g degree", start * degrees);
     if (far > 0.0) {
         const double shown = isnan(def->radius) ? far : def->radius / 10.0;
-        add(w, " at the start and %.4g after %.4g m of slip",
+        ADD(words, " at the start and %.4g after %.4g m of slip",
             lac_geometry_at(g, shown).angle * degrees, shown);
     }
     if (held > 0.0 && isfinite(held)) {
-        add(w,
+        ADD(words,
             ": dry, friction at v0 (%.3g degree) holds its weight from %.3g m on. There it slows, "
             "unless weakening or water carry it over.",
             atan(law->f0) * degrees, held);
     } else {
-        add(w,
+        ADD(words,
             held > 0.0 ? ": more than friction at v0 holds (%.3g degree), so that the base "
                          "arrests nothing."
                        : ": dry, friction at v0 (%.3g degree) holds its weight from the start.",
@@ -125,33 +112,33 @@ static void say_geometry(const lac_case *c, words *w)
 
 void lac_regime_words(const lac_case *c, const lac_estimate *e, char text[static LAC_REGIME_ROOM])
 {
-    words w = {text, LAC_REGIME_ROOM, 0};
     const lac_regime regime = lac_regime_of(e);
     text[0] = '\0';
     if (regime == LAC_REGIME_BLOCK) {
-        add(&w, "One cell has no roughness: load, water, friction and its state set the time.");
+        ADD(text, "One cell has no roughness: load, water, friction and its state set the time.");
     } else if (regime == LAC_REGIME_CREEP) {
-        add(&w, "b <= a: what slips faster is held more. The joint follows its load and does not "
-                "run away by itself.");
+        ADD(text, "b <= a: what slips faster is held more. The joint follows its load and does not "
+                  "run away by itself.");
     } else if (regime == LAC_REGIME_TOGETHER) {
-        say_together(c, e, &w);
+        say_together(c, e, text);
     } else if (regime == LAC_REGIME_PATCHES) {
-        add(&w,
+        ADD(text,
             "Patches wider than some %.2g m slip by themselves before the joint of %.4g m fails: "
             "roughness, size and dc set when.",
             e->patch, e->length);
     } else if (regime == LAC_REGIME_SINGLE) {
-        add(&w, "Neighbours hold a cell less than it weakens: cells slip one by one before the "
-                "joint fails. Roughness, size, dc and the size of cells set when.");
+        ADD(text, "Neighbours hold a cell less than it weakens: cells slip one by one before the "
+                  "joint fails. Roughness, size, dc and the size of cells set when.");
     }
     if (regime != LAC_REGIME_NONE && !lac_scene_load_given(c)) {
-        add(&w, " The load at the start follows from initial.slip_rate and the state: what is "
-                "there from the start (angle, weight, water) does not change when it fails. With a "
-                "load.shear of kind slope or ratio in the place of initial.slip_rate it does.");
+        ADD(text,
+            " The load at the start follows from initial.slip_rate and the state: what is "
+            "there from the start (angle, weight, water) does not change when it fails. With a "
+            "load.shear of kind slope or ratio in the place of initial.slip_rate it does.");
     }
     if (regime != LAC_REGIME_NONE) {
-        say_geometry(c, &w);
-        say_weakening(c, e, &w);
+        say_geometry(c, text);
+        say_weakening(c, e, text);
     }
 }
 

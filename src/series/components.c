@@ -203,9 +203,9 @@ static double find_direction(lac_spread *sum, double direction[AXES])
 const char *lac_series_direction(const lac_series *s, char *text, size_t size)
 {
     const double *d = s->direction;
-    const int n = snprintf(text, size, "%.3f,%.3f", d[0], d[1]);
+    (void)snprintf(text, size, "%.3f,%.3f", d[0], d[1]);
     if (s->component[2] != NULL) {
-        (void)snprintf(text + n, size - (size_t)n, ",%.3f", d[2]);
+        lac_append(text, size, ",%.3f", d[2]);
     }
     return text;
 }

@@ -53,9 +53,8 @@ static void release(lac_candidate *c)
 static void list_column(char *list, const char *name)
 {
     char shown[SHOWN];
-    size_t used = strlen(list);
-    (void)snprintf(list + used, LIST - used, "%s%s", used > 0 ? ", " : "",
-                   lac_text_show(name, shown, sizeof shown));
+    lac_append(list, LIST, "%s%s", list[0] != '\0' ? ", " : "",
+               lac_text_show(name, shown, sizeof shown));
 }
 
 static lac_status split(lac_candidate *c, const char *line, lac_error *err)

@@ -235,11 +235,10 @@ lac_status lac_parser_fail_empty(const lac_parser *p, lac_error *err)
 {
     char names[4 * SHOWN] = "";
     for (size_t c = 1; c <= VALUES; c++) {
-        const size_t used = strlen(names);
         char shown[SHOWN];
         if (p->wanted[c].name != NULL) {
-            (void)snprintf(names + used, sizeof names - used, "%s%s", used > 0 ? ", " : "",
-                           lac_text_show(p->wanted[c].name, shown, sizeof shown));
+            lac_append(names, sizeof names, "%s%s", names[0] != '\0' ? ", " : "",
+                       lac_text_show(p->wanted[c].name, shown, sizeof shown));
         }
     }
     return lac_fail(err, LAC_EINPUT, "%s: %s: every reading is missing", p->lines.path, names);

@@ -24,16 +24,7 @@ void lac_branch_free(lac_branch *branch)
     free(branch);
 }
 
-static void say(lac_branch *b, const char *format, ...) __attribute__((format(printf, 2, 3)));
-
-static void say(lac_branch *b, const char *format, ...)
-{
-    const size_t used = strlen(b->text);
-    va_list values;
-    va_start(values, format);
-    (void)vsnprintf(b->text + used, sizeof b->text - used, format, values);
-    va_end(values);
-}
+#define SAY(b, ...) lac_append((b)->text, sizeof(b)->text, __VA_ARGS__)
 
 // --- What the case changes.
 
@@ -211,19 +202,19 @@ static lac_status find_place(lac_branch *b, lac_error *err)
 static void tell_plan(lac_branch *b)
 {
     const double hour = 3600.0;
-    say(b, "goes on from %s at %.9g s", b->to->from.file, b->time);
+    SAY(b, "goes on from %s at %.9g s", b->to->from.file, b->time);
     if (b->time >= hour) {
-        say(b, " (%.6g day)", b->time / (24.0 * hour));
+        SAY(b, " (%.6g day)", b->time / (24.0 * hour));
     }
     if (b->snapshot != SIZE_MAX) {
-        say(b, ", from its snapshot %zu", b->snapshot);
+        SAY(b, ", from its snapshot %zu", b->snapshot);
     } else {
-        say(b, ", from its checkpoint");
+        SAY(b, ", from its checkpoint");
     }
     if (b->from < b->time) {
-        say(b, " at %.9g s, run on to there under its own loads", b->from);
+        SAY(b, " at %.9g s, run on to there under its own loads", b->from);
     }
-    say(b, "; %s%.300s%s", b->changes[0] != '\0' ? "changed: " : "nothing is changed", b->changes,
+    SAY(b, "; %s%.300s%s", b->changes[0] != '\0' ? "changed: " : "nothing is changed", b->changes,
         strlen(b->changes) > 300 ? " ..." : "");
 }
 
@@ -402,7 +393,7 @@ static void tell_jump(lac_branch *b, const double before[2], const double after[
     if (b->same) {
         return;
     }
-    say(b,
+    SAY(b,
         "; mean slip rate %.4g -> %.4g m/s, shear force %.6g -> %.6g N, slip and state of the "
         "cells as they were",
         before[0], after[0], before[1], after[1]);

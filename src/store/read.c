@@ -132,31 +132,6 @@ bool lac_input_may_hold(const lac_stored_file *in, size_t values)
     return values / DEFLATE_MAX <= in->size / sizeof(double);
 }
 
-// Lengths of a variable's dimensions, and how many values there are in all.
-static lac_status measure(const lac_stored_file *in, int id, const char *name, size_t *length,
-                          lac_stored_values *out, lac_error *err)
-{
-    int rank = 0;
-    int dims[NC_MAX_VAR_DIMS];
-    int code = nc_inq_varndims(in->id, id, &rank);
-    code = code == NC_NOERR ? nc_inq_vardimid(in->id, id, dims) : code;
-    out->n = 1;
-    out->width = 1;
-    for (int i = 0; code == NC_NOERR && i < rank; i++) {
-        code = nc_inq_dimlen(in->id, dims[i], &length[i]);
-        if (length[i] > 0 && out->n * out->width > SIZE_MAX / sizeof(double) / length[i]) {
-            code = NC_EHDFERR;
-        }
-        out->n = i == 0 ? length[i] : out->n;
-        out->width *= i == 0 ? 1 : length[i];
-    }
-    out->n = out->width > 0 ? out->n : 0; // rows of nothing are none
-    if (code == NC_NOERR && !lac_input_may_hold(in, out->n * out->width)) {
-        code = NC_EHDFERR;
-    }
-    return code == NC_NOERR ? LAC_OK : lac_input_fail(in, code, err, name);
-}
-
 // A variable of a run in memory, or one place of it.
 static lac_status copy_values(const lac_dataset *kept, const char *variable, ptrdiff_t row,
                               lac_stored_values *out, lac_error *err)
@@ -180,17 +155,23 @@ static lac_status copy_values(const lac_dataset *kept, const char *variable, ptr
 lac_status lac_stored_file_row(const lac_stored_file *in, const char *name, ptrdiff_t row,
                                lac_stored_values *out, lac_error *err)
 {
-    size_t start[NC_MAX_VAR_DIMS] = {0}, length[NC_MAX_VAR_DIMS] = {0};
-    lac_stored_values read = {0};
+    size_t start[LAC_STORED_RANK + 1] = {0}, length[LAC_STORED_RANK + 1] = {0};
+    lac_stored_values read = {.n = 1, .width = 1};
+    lac_stored_shape shape;
     int id = 0;
-    *out = read;
+    *out = (lac_stored_values){0};
     if (in->recording != NULL) {
         return copy_values(lac_recording_dataset(in->recording), name, row, out, err);
     }
     if (nc_inq_varid(in->id, name, &id) != NC_NOERR) {
         return LAC_OK;
     }
-    LAC_TRY_RETURN(measure(in, id, name, length, &read, err));
+    LAC_TRY_RETURN(lac_stored_file_shape(in, name, &shape, err));
+    for (size_t d = 0; d < shape.rank; d++) {
+        length[d] = shape.dim[d].length;
+        *(d == 0 ? &read.n : &read.width) *= length[d];
+    }
+    read.n = read.width > 0 ? read.n : 0; // rows of nothing are none
     if (row != LAC_INPUT_ALL) {
         LAC_FAIL_IF((size_t)row >= read.n, err, LAC_EINPUT, "%s: %s has no row %td, but %zu",
                     in->path, name, row, read.n);

@@ -34,9 +34,8 @@ static void find_lacks(lac_stored_past *past)
     bool rough = false;
     for (size_t i = 0; i < sizeof needed / sizeof *needed; i++) {
         const bool there = has(past->file, needed[i].name, &type);
-        const size_t used = strlen(list);
-        (void)snprintf(list + used, sizeof list - used, "%s%s", used > 0 && !there ? ", " : "",
-                       there ? "" : needed[i].key);
+        lac_append(list, sizeof list, "%s%s", list[0] != '\0' && !there ? ", " : "",
+                   there ? "" : needed[i].key);
         rough = rough || (there && type != NC_DOUBLE);
     }
     if (list[0] != '\0') {

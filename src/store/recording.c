@@ -90,9 +90,9 @@ LAC_TEXT_GETTER(kept_text, const lac_column *c = of, c->text[at[0]])
 static lac_status show(lac_recording *r, lac_column *c, lac_error *err)
 {
     const lac_laid laid = {{.row = &c->row, .rows = 1, .over = ""}, c};
-    int used = snprintf(c->json, sizeof c->json, "%s", c->item.name);
+    (void)snprintf(c->json, sizeof c->json, "%s", c->item.name);
     for (size_t d = 0; d < c->item.rank; d++) {
-        used += snprintf(c->json + used, sizeof c->json - (size_t)used, "[]");
+        lac_append(c->json, sizeof c->json, "[]");
     }
     c->row = (lac_variable){.name = c->item.name,
                             .json = c->json,

@@ -87,11 +87,10 @@ lac_status lac_ensemble_result_find(const char *name, size_t extras,
     char names[600] = "";
     const char *wanted = name != NULL ? name : "failure_time";
     for (size_t i = 0; (*out = result_at(i, extras, extra)).name != NULL; i++) {
-        const size_t used = strlen(names);
         if (strcmp(out->name, wanted) == 0) {
             return LAC_OK;
         }
-        (void)snprintf(names + used, sizeof names - used, "%s%s", i > 0 ? ", " : "", out->name);
+        lac_append(names, sizeof names, "%s%s", i > 0 ? ", " : "", out->name);
     }
     return lac_fail(err, LAC_EINPUT, "--of: \"%s\" must be one of %s", wanted, names);
 }

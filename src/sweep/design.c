@@ -180,9 +180,7 @@ static lac_status find_design(lac_sweep *sweep, const char *name, lac_error *err
     }
     const char *wanted = name != NULL ? name : drawn_any ? "random" : "grid";
     for (size_t i = 0; i < sizeof designs / sizeof *designs; i++) {
-        const size_t used = strlen(names);
-        (void)snprintf(names + used, sizeof names - used, "%s%s", i > 0 ? ", " : "",
-                       designs[i].name);
+        lac_append(names, sizeof names, "%s%s", i > 0 ? ", " : "", designs[i].name);
         sweep->design = strcmp(wanted, designs[i].name) == 0 ? &designs[i] : sweep->design;
     }
     LAC_FAIL_IF(sweep->design == NULL, err, LAC_EINPUT, "--design: \"%s\" must be one of %s", name,

@@ -17,11 +17,10 @@ const char *lac_trade_end_name(lac_trade_end end)
 const char *lac_trade_settings_text(const lac_trade_run *run, char text[LAC_TEXT_ROOM])
 {
     const lac_trade *trade = run->of;
-    size_t used = 0;
     text[0] = '\0';
-    for (size_t d = 0; d < trade->settings && used < LAC_TEXT_ROOM; d++) {
-        used += (size_t)snprintf(text + used, LAC_TEXT_ROOM - used, "%s%s=%s", d > 0 ? " " : "",
-                                 trade->setting[d].setting->key, run->label[d]);
+    for (size_t d = 0; d < trade->settings; d++) {
+        lac_append(text, LAC_TEXT_ROOM, "%s%s=%s", d > 0 ? " " : "", trade->setting[d].setting->key,
+                   run->label[d]);
     }
     return text;
 }
@@ -29,18 +28,16 @@ const char *lac_trade_settings_text(const lac_trade_run *run, char text[LAC_TEXT
 const char *lac_trade_options(const lac_trade_run *run, char text[LAC_TEXT_ROOM])
 {
     const lac_trade *trade = run->of;
-    size_t used = 0;
     text[0] = '\0';
-    for (size_t d = 0; d < trade->settings && used < LAC_TEXT_ROOM; d++) {
+    for (size_t d = 0; d < trade->settings; d++) {
         const lac_trade_setting *setting = &trade->setting[d];
         const int at = run->at[d];
         const char *yaml = at >= 0 ? setting->value[at].yaml : run->label[d];
         const bool named = at >= 0 && strcmp(yaml, setting->value[at].label) != 0;
         const char *quote = strpbrk(yaml, " {") != NULL ? "'" : "";
         if (named || strcmp(run->label[d], trade->own[d]) != 0) {
-            used +=
-                (size_t)snprintf(text + used, LAC_TEXT_ROOM - used, "%s--set %s%s=%s%s",
-                                 used > 0 ? " " : "", quote, setting->setting->key, yaml, quote);
+            lac_append(text, LAC_TEXT_ROOM, "%s--set %s%s=%s%s", text[0] != '\0' ? " " : "", quote,
+                       setting->setting->key, yaml, quote);
         }
     }
     return text;

@@ -7,13 +7,11 @@ static const lac_setting *find(const char *name, size_t length, lac_error *err)
 {
     char known[256] = "";
     const lac_setting *setting;
-    for (size_t i = 0, used = 0; used < sizeof known && (setting = lac_setting_get(i)) != NULL;
-         i++) {
+    for (size_t i = 0; (setting = lac_setting_get(i)) != NULL; i++) {
         if (strlen(setting->name) == length && strncmp(setting->name, name, length) == 0) {
             return setting;
         }
-        used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i > 0 ? ", " : "",
-                                 setting->name);
+        lac_append(known, sizeof known, "%s%s", i > 0 ? ", " : "", setting->name);
     }
     (void)lac_fail(err, LAC_EINPUT, "--dials: \"%.*s\" is no dial; there are %s",
                    (int)(length < 40 ? length : 40), name, known);

@@ -54,10 +54,8 @@ static cli_text others_of(const lac_rock *rock)
 {
     cli_text text = {""};
     for (int k = LAC_ROCK_A; k < LAC_ROCK_VALUES; k++) {
-        const size_t used = strlen(text.s);
         const bool told = !isnan(lac_rock_value_of(rock, k).value);
-        (void)snprintf(text.s + used, sizeof text.s - used, "%s%s", told ? ", " : "",
-                       told ? label_of(k) : "");
+        lac_append(text.s, sizeof text.s, "%s%s", told ? ", " : "", told ? label_of(k) : "");
     }
     return text;
 }

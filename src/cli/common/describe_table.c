@@ -30,13 +30,9 @@ const char *cli_param_type(const lac_param *param)
 
 static const char *choices_text(const lac_param *param, char room[LAC_TEXT_ROOM])
 {
-    size_t used = 0;
     room[0] = '\0';
     for (size_t i = 0; param->type == LAC_CHOICE && param->choices[i] != NULL; i++) {
-        if (used < LAC_TEXT_ROOM) {
-            used += (size_t)snprintf(room + used, LAC_TEXT_ROOM - used, "%s%s", i > 0 ? " " : "",
-                                     param->choices[i]);
-        }
+        lac_append(room, LAC_TEXT_ROOM, "%s%s", i > 0 ? " " : "", param->choices[i]);
     }
     return room;
 }

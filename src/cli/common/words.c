@@ -22,9 +22,8 @@ lac_status cli_unknown(const char *where, const char *word, const char *what,
     LAC_FAIL_IF(near != NULL, err, LAC_EINPUT, "%s\"%.60s\" is no %s; did you mean \"%s\"?", where,
                 word, what, near);
     char list[512] = "";
-    for (size_t i = 0, used = 0; i < count && used < sizeof list; i++) {
-        used +=
-            (size_t)snprintf(list + used, sizeof list - used, "%s %s", i == 0 ? "" : ",", known[i]);
+    for (size_t i = 0; i < count; i++) {
+        lac_append(list, sizeof list, "%s %s", i == 0 ? "" : ",", known[i]);
     }
     return lac_fail(err, LAC_EINPUT, "%s\"%.60s\" is no %s; known:%s", where, word, what, list);
 }

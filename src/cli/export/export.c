@@ -137,15 +137,14 @@ static char *path_of(const export_job *job, const lac_stored_shape *shape)
 {
     char name[(LAC_STORED_NAME + 1) * LAC_STORED_RANK] = "";
     char *path = NULL;
-    size_t used = 0;
     for (size_t d = 0; d < shape->rank; d++) {
-        used += (size_t)snprintf(name + used, sizeof name - used, "%s%s", d > 0 ? "-" : "",
-                                 shape->dim[d].name);
+        lac_append(name, sizeof name, "%s%s", d > 0 ? "-" : "", shape->dim[d].name);
     }
     if (job->folder == NULL) {
         return strdup(job->request->output);
     }
-    return asprintf(&path, "%s/%s.csv", job->folder, used > 0 ? name : "values") >= 0 ? path : NULL;
+    return asprintf(&path, "%s/%s.csv", job->folder, name[0] != '\0' ? name : "values") >= 0 ? path
+                                                                                             : NULL;
 }
 
 // To a file of its own, once it is whole in memory. @param out  closed here

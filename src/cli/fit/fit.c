@@ -272,10 +272,9 @@ static void print_axis(const char *label, const lac_fit_result *r, const lac_fit
 {
     char text[600] = "";
     for (size_t k = 0; k < r->parameters; k++) {
-        size_t used = strlen(text);
         if (fabs(axis->power[k]) >= 0.1) {
-            (void)snprintf(text + used, sizeof text - used, "%s%s^%.2f", used > 0 ? " " : "",
-                           r->unknown[k].key, axis->power[k]);
+            lac_append(text, sizeof text, "%s%s^%.2f", text[0] != '\0' ? " " : "",
+                       r->unknown[k].key, axis->power[k]);
         }
     }
     if (axis->sigma < 10.0) {

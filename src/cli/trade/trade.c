@@ -295,19 +295,18 @@ static void write_sentence(lac_trade *t, const lac_trade_request *ask)
     const size_t size = sizeof t->sentence;
     const cli_text asked = asked_text(ask, lac_quantities[t->quantity].unit);
     const lac_trade_run *run = t->recommended != NULL ? t->recommended : t->closest;
-    int used = 0;
     if (run == NULL) {
-        used = snprintf(t->sentence, size, "No run that was tried has this quantity.");
+        (void)snprintf(t->sentence, size, "No run that was tried has this quantity.");
     } else {
-        used = snprintf(t->sentence, size, "%s %s%s %s (error %s +- %s, %s of CPU, %.3g MB).",
-                        run == t->recommended ? "For" : "Nothing tried keeps to", asked.s,
-                        run == t->recommended ? ":" : "; the closest is", choice_text(run).s,
-                        error_text(run->error).s, error_text(run->uncertainty).s,
-                        cli_amount(run->m.cpu_time, "s").s, run->m.memory / 1e6);
+        (void)snprintf(t->sentence, size, "%s %s%s %s (error %s +- %s, %s of CPU, %.3g MB).",
+                       run == t->recommended ? "For" : "Nothing tried keeps to", asked.s,
+                       run == t->recommended ? ":" : "; the closest is", choice_text(run).s,
+                       error_text(run->error).s, error_text(run->uncertainty).s,
+                       cli_amount(run->m.cpu_time, "s").s, run->m.memory / 1e6);
     }
     if (isnan(t->reference->uncertainty)) {
-        (void)snprintf(t->sentence + used, size - (size_t)used,
-                       " The reference's own error is not known: no coarser run was done.");
+        lac_append(t->sentence, size,
+                   " The reference's own error is not known: no coarser run was done.");
     }
 }
 

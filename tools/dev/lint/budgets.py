@@ -17,8 +17,8 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 96200,
-    "lines that only present results": 23814,
+    "lines of src and include": 96121,
+    "lines that only present results": 23782,
     "public headers": 13,
     "exported names": 44,
     "circles of includes": 0,
