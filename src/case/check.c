@@ -88,6 +88,26 @@ static void check_shear(lac_reader *reader, const lac_case *c, bool fixed)
     }
 }
 
+static double dip_of(const lac_model *slope)
+{
+    const lac_model_info *info = slope->info;
+    const lac_param *angle = lac_param_find(info->params, info->param_count, "angle");
+    return *(const double *)(const void *)((const char *)slope->params + angle->offset);
+}
+
+static void warn_dips(lac_reader *reader, const lac_case *c)
+{
+    const lac_normal_load *normal = (const void *)c->normal.info;
+    for (size_t i = 0; i < c->shear.count && normal != NULL && normal->slope; i++) {
+        char key[100];
+        const lac_load_kind *kind = (const void *)c->shear.item[i].info;
+        (void)snprintf(key, sizeof key, "load.shear.%zu.slope.angle", i);
+        if (kind->slope && fabs(dip_of(&c->shear.item[i]) - dip_of(&c->normal)) > 1e-9) {
+            lac_warn(reader, key, "is not that of load.normal.slope: a joint has one dip");
+        }
+    }
+}
+
 static void check_back_slip(lac_reader *reader, const lac_case *c)
 {
     for (size_t i = 0; i < c->shear.count && lac_clean(reader, "load"); i++) {
@@ -190,6 +210,7 @@ static void check_load(lac_reader *reader, const lac_case *c)
     check_shear(reader, c, fixed_by_initial);
     double pressure = normal_stress(reader, c);
     if (isfinite(pressure) && lac_clean(reader, "load")) {
+        warn_dips(reader, c);
         check_forces(reader, c, pressure, fixed_by_initial);
     } else {
         (void)lac_refuse(reader, c->normal.info != NULL && isinf(pressure), "load.normal",

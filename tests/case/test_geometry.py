@@ -302,6 +302,14 @@ class Refused(Geometry):
         self.refuse(text, "5: load.normal.slope: has an angle, which interface.geometry says",
                     "7: load.shear.0.slope: has an angle, which interface.geometry says")
 
+    def test_two_dips_are_doubted(self):
+        for pull, doubts in ((30, 0), (35, 1)):
+            self.write("case.yaml", "lacuna: 1\nload: {normal: {slope: {thickness: 50 m, angle: 30 degree}}, shear: [{slope: {angle: %d degree}}]}\n"
+                       "material: {density: 2500 kg/m3}\nfriction: {aging: {f0: 0.6, a: 0.01, b: 0.008, dc: 1 mm, v0: 1 um/s}}\n"
+                       "initial: {slip_rate: 1 mm/day}\ntime: {end: 1 day}\n" % pull)
+            self.assertEqual(self.expect(0, "check", "case.yaml").stderr.count(
+                "lacuna: warning: case.yaml:2: load.shear.0.slope.angle: \"35 degree\" is not that of load.normal.slope: a joint has one dip"), doubts)
+
     def test_lists_and_numbers(self):
         base = CREEP % {"angle": 30.0, "radius": 100.0, "thickness": 50.0, "form": "plain"}
         good = 'geometry: {angle: "30.0 degree", radius: "100.0 m", thickness: "50.0 m"}'
