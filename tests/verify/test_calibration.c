@@ -99,7 +99,7 @@ static void check_full(lac_grid grid, size_t levels, double nu)
         bool whole = lac_grid_cells(&grid) <= 4096 && lac_hierarchy_rank(h, l) <= 32;
         print_message("full %zu x %zu, level %zu: k %.5f exact %.5f, off by %+.2e\n", grid.nx,
                       grid.ny, l, found[l], exact, error);
-        assert_true(fabs(error) <= (whole ? 1e-9 : l == 0 ? 0.005 : 0.018));
+        assert_true(fabs(error) <= (whole ? 1e-9 : l == 0 ? 0.005 : l <= 2 ? 0.016 : 0.018));
     }
     lac_hierarchy_free(h);
     lac_domain_free(domain);
