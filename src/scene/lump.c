@@ -18,7 +18,8 @@ typedef struct making {
     double *weight;   // [n] cells that each stands for
     uint32_t *begin;  // [blocks + 1] the first leaf of each block
     double *bond;     // [blocks] what holds its leaves against each other
-    bool breaks;      // one of them so weakly that it slips by itself
+    double stretch;   // times this
+    double breaks;    // stretch below which one of them holds so weakly that a leaf slips by itself
     uint32_t *leaf;   // [n] which leaf stands for a cell
     lac_lump_way way; // of all cells
     double exact;     // what it comes to
@@ -95,19 +96,20 @@ static double bond_of(const making *m, size_t first, size_t end, size_t leaves)
                                                                : lac_lump_stiffness(m->source, 0);
 }
 
-// Whether friction of one of the leaves of a block gives way faster than what holds it: it then
-// slips by itself, early or never by what little its bond is off. (Ruina 1983: k_crit)
-static bool breaks(const making *m, size_t leaves, double bond)
+// What a bond must be for friction of none of the leaves of a block to give way faster than what
+// holds it: it then slips by itself, early or never by what little its bond is off. (Ruina 1983:
+// k_crit)
+static double least_bond(const making *m, size_t leaves)
 {
     const lac_problem_def *whole = &m->source->whole;
     const lac_cellwise *of = whole->friction->column;
-    bool found = false;
+    double least = 0.0;
     for (const uint32_t *i = m->kept + m->leaves; i < m->kept + m->leaves + leaves; i++) {
         const double falls = lac_cellwise_of(&of[LAC_B], *i) - lac_cellwise_of(&of[LAC_A], *i);
         const double p = whole->domain->pressure[*i];
-        found = found || p * falls / lac_cellwise_of(&of[LAC_DC], *i) > bond;
+        least = fmax(least, p * falls / lac_cellwise_of(&of[LAC_DC], *i));
     }
-    return found;
+    return least;
 }
 
 // Which of the leaves of a block each of its cells is most like.
@@ -165,7 +167,7 @@ static lac_status take_block(making *m, size_t number, lac_error *err)
     assign(m, first, end, leaves);
     m->begin[number] = (uint32_t)m->leaves;
     m->bond[number] = leaves > 1 ? bond_of(m, first, end, leaves) : 0.0;
-    m->breaks = m->breaks || (leaves > 1 && breaks(m, leaves, m->bond[number]));
+    m->breaks = fmax(m->breaks, leaves > 1 ? least_bond(m, leaves) / m->bond[number] : 0.0);
     m->leaves += leaves;
     m->begin[number + 1] = (uint32_t)m->leaves;
     return LAC_OK;
@@ -203,7 +205,8 @@ static lac_status make_classes(const making *m, lac_lump *lump, lac_error *err)
         node[i] = i;
     }
     for (size_t b = 0; b < blocks; b++) {
-        block[b] = tie(classes, node + m->begin[b], m->begin[b + 1] - m->begin[b], m->bond[b]);
+        block[b] = tie(classes, node + m->begin[b], m->begin[b + 1] - m->begin[b],
+                       m->stretch * m->bond[b]);
     }
     for (size_t l = m->level; l < lac_hierarchy_levels(h); l++) {
         if (lac_hierarchy_rank(h, l) == 0) {
@@ -299,7 +302,7 @@ static lac_status try_level(making *m, lac_error *err)
     m->begin = m->kept + n;
     m->bond = m->weight + n;
     m->leaves = 0;
-    m->breaks = false;
+    m->breaks = 0.0;
     for (size_t l = 0; l < m->level; l++) {
         const double k = lac_lump_stiffness(m->source, l);
         by[l] = k > 0.0 ? 1.0 / k : 0.0; // of a level that ties nothing
@@ -330,29 +333,58 @@ static lac_status settle(making *m, lac_lump *lump, lac_error *err)
     clear(lump);
     lump->level = m->level;
     lump->blocks = lac_hierarchy_blocks(m->source->blocks, m->level);
-    lump->leaf = malloc(m->field.n * sizeof *lump->leaf);
-    LAC_FAIL_MEMORY_IF(lump->leaf == NULL, err);
-    m->leaf = lump->leaf;
-    LAC_TRY_RETURN(try_level(m, err));
+    lump->stretch = m->stretch;
     LAC_TRY_RETURN(make_classes(m, lump, err));
     LAC_TRY_RETURN(make_domain(m, &lump->domain, err));
-    LAC_TRY_RETURN(make_problem(m, lump, err));
-    lump->kept = m->kept;
-    m->kept = NULL;
+    return make_problem(m, lump, err);
+}
+
+// By how much its end is off that of all cells, by their way. NAN: it has no such end
+static lac_status compare(making *m, lac_lump *lump, double *off, lac_error *err)
+{
+    double value = m->breaks > m->stretch ? (double)NAN : m->exact;
+    if (m->level > 0 && !isnan(value)) {
+        LAC_TRY_RETURN(lac_lump_walk(lump->problem, m->source->ends, false, &m->way, &value, err));
+    }
+    *off = value / m->exact - 1.0;
+    lump->arrival = m->way.arrival;
     return LAC_OK;
 }
 
-// How far off it is, by the way of all cells.
-static lac_status judge(making *m, lac_lump *lump, lac_error *err)
+// Ties leaves more or less tightly until they end as all cells do. How far they come apart is in
+// inverse proportion to what ties them.
+static lac_status stretch(making *m, lac_lump *lump, double *off, lac_error *err)
+{
+    const double most = 2.0;
+    double slack = 1.0, next = 1.1, was = *off;
+    for (int k = 0; k < 4 && fabs(*off) > 1e-7; k++) {
+        m->stretch = 1.0 / next;
+        LAC_TRY_RETURN(settle(m, lump, err));
+        LAC_TRY_RETURN(compare(m, lump, off, err));
+        const double by = *off * (next - slack) / (*off - was);
+        slack = next;
+        was = *off;
+        next = fmax(1.0 / most, fmin(slack - by, most));
+    }
+    return LAC_OK;
+}
+
+// The leaves of a level, and how far off they are.
+static lac_status judge(making *m, double most, lac_lump *lump, lac_error *err)
 {
     const double least = 1.5e-5, safe = 3.0;
-    double value = m->breaks ? (double)NAN : m->exact;
-    if (m->level > 0 && !m->breaks) {
-        LAC_TRY_RETURN(lac_lump_walk(lump->problem, m->source->ends, false, &m->way, &value, err));
+    double off;
+    m->stretch = 1.0;
+    LAC_TRY_RETURN(try_level(m, err));
+    LAC_TRY_RETURN(settle(m, lump, err));
+    LAC_TRY_RETURN(compare(m, lump, &off, err));
+    double bound = least + safe * fabs(off);
+    const double before = fabs(off);
+    if (bound > most && least + before < most) {
+        LAC_TRY_RETURN(stretch(m, lump, &off, err));
+        bound = least + safe * fabs(off) + before;
     }
-    const double error = safe * fabs(value / m->exact - 1.0);
-    lump->arrival = m->way.arrival;
-    lump->error = m->level == 0 ? least : isfinite(error) ? least + error : (double)INFINITY;
+    lump->error = m->level == 0 ? least : isfinite(bound) ? bound : (double)INFINITY;
     return LAC_OK;
 }
 
@@ -368,17 +400,19 @@ static lac_status make(making *m, const lac_lump_def *def, lac_lump *lump, lac_e
               : s->whole.loads.shape != NULL ? FUNCTIONS
                                              : FUNCTIONS - 1;
     m->least = 0.03 * def->error / m->field.gain;
-    LAC_TRY_RETURN(settle(m, lump, err));
+    m->leaf = malloc(n * sizeof *m->leaf);
+    LAC_FAIL_MEMORY_IF(m->leaf == NULL, err);
     if (s->like != NULL) {
-        return LAC_OK;
+        m->stretch = s->like->stretch;
+        LAC_TRY_RETURN(try_level(m, err));
+        return settle(m, lump, err);
     }
     LAC_TRY_RETURN(lac_lump_walk(s->problem, s->ends, true, &m->way, &m->exact, err));
-    LAC_TRY_RETURN(judge(m, lump, err));
+    LAC_TRY_RETURN(judge(m, def->error, lump, err));
     // Smaller blocks; where nothing is gained any more, or all cells come to no end, all cells.
     while (def->level < 0 && m->level > 0 && (2 * m->leaves > n || lump->error > def->error)) {
         m->level = 2 * m->leaves > n || isnan(m->exact) ? 0 : m->level - 1;
-        LAC_TRY_RETURN(settle(m, lump, err));
-        LAC_TRY_RETURN(judge(m, lump, err));
+        LAC_TRY_RETURN(judge(m, def->error, lump, err));
     }
     return LAC_OK;
 }
@@ -395,11 +429,15 @@ lac_status lac_lump_create(const lac_lump_source *source, const lac_lump_def *de
     lump = calloc(1, sizeof *lump);
     LAC_TRY(lump != NULL ? LAC_OK : lac_fail_memory(err));
     LAC_TRY(make(&m, def, lump, err));
+    lump->leaf = m.leaf;
+    lump->kept = m.kept;
+    m.leaf = m.kept = NULL;
     *out = lump;
     lump = NULL;
 out:
     free(m.field.memory);
     free(m.way.stage);
+    free(m.leaf);
     free(m.kept);
     free(m.weight);
     lac_lump_free(lump);

@@ -15,6 +15,7 @@ typedef struct lac_lump {
     uint32_t *kept;           ///< [cells of the domain] which of the scene's they are
     size_t level;             ///< of the blocks
     size_t blocks;            ///< of that level
+    double stretch;           ///< by which what ties the leaves of its blocks is multiplied
     lac_lump_arrival arrival; ///< how the run ends, by the way there in few steps
     double error; ///< estimated, relative, of what it then comes to; INFINITY: cannot be told
 } lac_lump;

@@ -47,7 +47,7 @@ size_t lac_lump_choose_level(const lac_lump_source *s, lac_lump_cells *f, double
     }
     size_t level = levels;
     for (size_t l = levels; l-- > 1;) {
-        level = apart[l] > fmax(0.1 * error, 2.0 * apart[0]) ? l : level;
+        level = apart[l] > fmax(0.1 * fmax(error, 0.01), 2.0 * apart[0]) ? l : level;
     }
     return level;
 }

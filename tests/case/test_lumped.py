@@ -86,10 +86,10 @@ class Lumped(unittest.TestCase):
         self.assertIsNone(json.loads(soft.stdout)["estimate"]["lumped"])
 
     def test_bound_passed(self):
-        soft = self.run_case("solver.fidelity=lumped", "transfer.hierarchy.k0=3e8", "solver.lump.level=5")
+        soft = self.run_case("solver.fidelity=lumped", "transfer.hierarchy.k0=3e8", "solver.lump.level=5", "solver.lump.error=0.005")
         self.assertEqual(soft.returncode, 1)
         self.assertEqual(len(soft.stderr.strip().split("\n")), 1)
-        self.assertIn("solver.lump.error 0.01", soft.stderr)
+        self.assertIn("solver.lump.error 0.005", soft.stderr)
         found = json.loads(soft.stdout)
         self.assertIsNone(found["failure_time_s"])
         self.assertIsNone(found["failed"])
