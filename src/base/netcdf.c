@@ -25,6 +25,20 @@ lac_status lac_netcdf_check(const char *path, int code, const char *what, lac_er
                     nc_strerror(code));
 }
 
+lac_status lac_netcdf_find(const char *path, int id, const char *name, int *var, lac_error *err)
+{
+    char all[256] = "", one[NC_MAX_NAME + 1];
+    int count = 0;
+    if (nc_inq_varid(id, name, var) == NC_NOERR) {
+        return LAC_OK;
+    }
+    (void)nc_inq_nvars(id, &count);
+    for (int v = 0; v < count && nc_inq_varname(id, v, one) == NC_NOERR; v++) {
+        lac_append(all, sizeof all, "%s%s", v > 0 ? ", " : "; its variables are ", one);
+    }
+    return lac_fail(err, LAC_EINPUT, "%s: has no variable \"%s\"%s", path, name, all);
+}
+
 static bool is_number(nc_type type)
 {
     return type != NC_CHAR && type != NC_STRING && type <= NC_MAX_ATOMIC_TYPE;

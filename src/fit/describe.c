@@ -120,6 +120,7 @@ static const lac_variable of_data[] = {
     {.json = "misfit", R(REAL, misfit)},
     {.json = "excess", R(REAL, excess)},
     {.name = "fits_badly", .json = "fits_badly", R(BOOL, poor)},
+    {.json = "readings_fall", R(BOOL, falls)},
 };
 
 // Values that may be missing.

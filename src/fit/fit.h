@@ -66,6 +66,7 @@ typedef struct lac_fit_result {
     double excess;          ///< what of it the noise does not explain: lac_unexplained
     double scatter;         ///< of displacements about the line between their neighbours [m]; NaN
     bool poor;    ///< they hang together or (white ones) exceed that scatter as noise does 1 in 100
+    bool falls;   ///< and the displacements fall: slip only grows
     bool windows; ///< velocities have errors, bounds or windows of their own
     bool friction;         ///< it stands in the place of displacements, here and below [1], not [m]
     double log_likelihood; ///< of the best fit, offset integrated out

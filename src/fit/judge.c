@@ -96,6 +96,8 @@ static void weigh(const lac_fit *fit, double *room, lac_fit_result *result)
             work[n++] = data->sigma[i];
         }
     }
+    result->falls = result->poor && slips && !fit->friction &&
+                    gsl_stats_correlation(room, 1, value, 1, n) < -0.5;
     const double noise = known ? lac_median(n, work) : lac_noise_of(n, room, value, work);
     const double range = slips ? high - low : 1.0;
     const double free = (double)n - (double)fit->def->count - (slips && fit->offset ? 1.0 : 0.0);

@@ -100,8 +100,7 @@ static lac_status read_all(const source *file, const char *variable, const char 
 {
     int var = -1;
     int dims[3];
-    LAC_FAIL_IF(nc_inq_varid(file->id, variable, &var) != NC_NOERR, err, LAC_EINPUT,
-                "%s: has no variable \"%s\"", file->path, variable);
+    LAC_TRY_RETURN(lac_netcdf_find(file->path, file->id, variable, &var, err));
     bool timed = lac_netcdf_runs_over(file->id, var, 3, dims);
     LAC_FAIL_IF(!timed && !lac_netcdf_runs_over(file->id, var, 2, dims), err, LAC_EINPUT,
                 "%s: %s must be numbers over (y, x) or (time, y, x)", file->path, variable);

@@ -35,8 +35,7 @@ static lac_status check(const series_file *file, int code, const char *what, lac
 static lac_status find_column(series_file *file, const char *name, int *var, lac_error *err)
 {
     int dim = -1;
-    LAC_FAIL_IF(nc_inq_varid(file->id, name, var) != NC_NOERR, err, LAC_EINPUT,
-                "%s: has no variable \"%s\"", file->path, name);
+    LAC_TRY_RETURN(lac_netcdf_find(file->path, file->id, name, var, err));
     LAC_FAIL_IF(!lac_netcdf_runs_over(file->id, *var, 1, &dim), err, LAC_EINPUT,
                 "%s: %s: must be numbers over one dimension", file->path, name);
     LAC_FAIL_IF(file->dim >= 0 && dim != file->dim, err, LAC_EINPUT,

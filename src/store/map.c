@@ -72,8 +72,7 @@ static lac_status find_field(const map_file *file, field *at, lac_error *err)
     size_t found = 0;
     *at = (field){0};
     if (name != NULL) {
-        LAC_FAIL_IF(nc_inq_varid(file->in->id, name, &at->var) != NC_NOERR, err, LAC_EINPUT,
-                    "%s: has no variable %s", file->def->path, name);
+        LAC_TRY_RETURN(lac_netcdf_find(file->def->path, file->in->id, name, &at->var, err));
         (void)nc_inq_varname(file->in->id, at->var, at->name);
         return fits(file, at) ? LAC_OK : misfit(file, at, err);
     }

@@ -192,6 +192,19 @@ class Fit(unittest.TestCase):
         self.assertIn("fit.displacement", self.fit(CASE, SERIES, "--displacement", "disp_mm:s",
                                                    status=2))
 
+    def test_readings_that_fall(self):
+        """Settlement, or a line of sight from above: no joint's slip does that, which is said."""
+        falling = os.path.join(self.folder, "falling.csv")
+        with open(os.path.join(SOURCE, SERIES), encoding="utf-8") as rows, open(falling, "w", encoding="utf-8") as out:
+            for row in rows:
+                date, comma, value = row.partition(",")
+                out.write(f"{date},{-float(value)}\n" if date[:1] == "2" else row)
+        for series, falls in ((falling, True), (SERIES, False)):
+            said = self.run_program("fit", CASE, series, *BEST, "-o", self.out, "--force").stdout
+            self.assertEqual("the readings fall" in said, falls, said)
+            found = self.fit(CASE, series, *BEST)
+            self.assertEqual((found["readings_fall"], found["fits_badly"]), (falls, falls))
+
     @unittest.skipIf("LACUNA_SANITIZED" in os.environ, "numbers: the plain build's")
     def test_convergence(self):
         """A chain that has not converged is an error, after its draws are written; with rounds it

@@ -546,7 +546,7 @@ class Refusals(Fields):
                 (2, "initial: the pore pressure less the added normal stress of cell 0, at x = 0.03125 m, y = 0.03125 m, is "
                  "4e+06 Pa at t = 0 s; must be below the mean normal stress, 3e+06 Pa",
                  dug.replace("{LOAD}", "{field: {file: dug.nc, variable: p}}")),
-                (2, "load.normal_stress.0.field: dug.nc: has no variable \"q\"",
+                (2, "load.normal_stress.0.field: dug.nc: has no variable \"q\"; its variables are y, x, p",
                  dug.replace("{LOAD}", "{field: {file: dug.nc, variable: q}}"))):
             with self.subTest(message):
                 self.write("c.yaml", case)

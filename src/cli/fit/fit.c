@@ -204,7 +204,9 @@ static void print_best(const lac_case *c, const lac_fit_result *r)
     if (r->displacements + r->frictions > 0) {
         cli_row("residuals",
                 "%s: correlation of successive ones %.2f; the readings' own scatter %s",
-                r->poor ? "the model fits badly, they are not noise" : "like noise",
+                r->falls  ? "bad: the readings fall, but slip only grows (give their negative)"
+                : r->poor ? "the model fits badly, they are not noise"
+                          : "like noise",
                 r->autocorrelation, cli_amount(r->scatter, unit).s);
     }
     if (r->velocities > 0) {
