@@ -17,14 +17,14 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 96142,
-    "lines that only present results": 23782,
+    "lines of src and include": 96201,
+    "lines that only present results": 23784,
     "public headers": 13,
     "exported names": 44,
     "circles of includes": 0,
     "files without an opening comment": 0,
     "objects that one field more in a record compiles anew": 51,
-    "words that people write and read": 74877,
+    "words that people write and read": 74870,
 }
 
 PRESENTING = re.compile(r"src/(cli|store|report|data)/|src/\w+/describe\w*\.[ch]$")
