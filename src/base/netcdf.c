@@ -34,7 +34,10 @@ lac_status lac_netcdf_find(const char *path, int id, const char *name, int *var,
     }
     (void)nc_inq_nvars(id, &count);
     for (int v = 0; v < count && nc_inq_varname(id, v, one) == NC_NOERR; v++) {
-        lac_append(all, sizeof all, "%s%s", v > 0 ? ", " : "; its variables are ", one);
+        const bool fits = strlen(all) + strlen(one) + 30 < sizeof all; // a part is no name
+        lac_append(all, sizeof all, "%s%s", v > 0 ? ", " : "; its variables are ",
+                   fits ? one : "...");
+        count = fits ? count : v;
     }
     return lac_fail(err, LAC_EINPUT, "%s: has no variable \"%s\"%s", path, name, all);
 }

@@ -71,6 +71,16 @@ static void judge_residuals(const lac_fit_data *data, const lac_fit_errors_at *e
         result->autocorrelation > spread || (!related && ratio * ratio > 1.0 + 2.0 * spread);
 }
 
+// Whether readings fall, and not only where a sensor was set back. @param work  [n]
+static bool readings_fall(size_t n, const double *time, const double *value, double *work)
+{
+    const size_t apart = n / 8 + 1;
+    for (size_t i = 0; i + apart < n; i++) {
+        work[i] = value[i + apart] - value[i];
+    }
+    return gsl_stats_correlation(time, 1, value, 1, n) < -0.5 && lac_median(n - apart, work) < 0.0;
+}
+
 // How far the rms goes beyond the noise: that of the column of standard errors, else what readings
 // scatter by themselves. Displacements first, else logarithms of velocities. @param room  [3 n]
 static void weigh(const lac_fit *fit, double *room, lac_fit_result *result)
@@ -96,9 +106,8 @@ static void weigh(const lac_fit *fit, double *room, lac_fit_result *result)
             work[n++] = data->sigma[i];
         }
     }
-    result->falls = result->poor && slips && !fit->friction &&
-                    gsl_stats_correlation(room, 1, value, 1, n) < -0.5;
     const double noise = known ? lac_median(n, work) : lac_noise_of(n, room, value, work);
+    result->falls = result->poor && slips && !fit->friction && readings_fall(n, room, value, work);
     const double range = slips ? high - low : 1.0;
     const double free = (double)n - (double)fit->def->count - (slips && fit->offset ? 1.0 : 0.0);
     result->misfit = rms / range;

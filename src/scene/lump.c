@@ -378,11 +378,17 @@ static lac_status judge(making *m, double most, lac_lump *lump, lac_error *err)
     LAC_TRY_RETURN(try_level(m, err));
     LAC_TRY_RETURN(settle(m, lump, err));
     LAC_TRY_RETURN(compare(m, lump, &off, err));
-    double bound = least + safe * fabs(off);
-    const double before = fabs(off);
-    if (bound > most && least + before < most) {
+    const double before = fabs(off), plain = least + safe * before;
+    double bound = plain;
+    if (plain > most && least + before < most) {
         LAC_TRY_RETURN(stretch(m, lump, &off, err));
         bound = least + safe * fabs(off) + before;
+        if (!(bound < plain)) { // they do not end alike, or come to no end: as it was
+            m->stretch = 1.0;
+            LAC_TRY_RETURN(settle(m, lump, err));
+            lump->arrival = m->way.arrival;
+            bound = plain;
+        }
     }
     lump->error = m->level == 0 ? least : isfinite(bound) ? bound : (double)INFINITY;
     return LAC_OK;

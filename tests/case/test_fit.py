@@ -194,11 +194,15 @@ class Fit(unittest.TestCase):
 
     def test_readings_that_fall(self):
         """Settlement, or a line of sight from above: no joint's slip does that, which is said."""
-        falling = os.path.join(self.folder, "falling.csv")
-        with open(os.path.join(SOURCE, SERIES), encoding="utf-8") as rows, open(falling, "w", encoding="utf-8") as out:
+        falling, reset = (os.path.join(self.folder, name) for name in ("falling.csv", "reset.csv"))
+        with open(os.path.join(SOURCE, SERIES), encoding="utf-8") as rows, open(falling, "w", encoding="utf-8") as out, \
+                open(reset, "w", encoding="utf-8") as back:
             for row in rows:
                 date, comma, value = row.partition(",")
                 out.write(f"{date},{-float(value)}\n" if date[:1] == "2" else row)
+                back.write(f"{date},{float(value) + 1000}\n" if "2020-05" in date else row)
+        said = self.run_program("fit", CASE, reset, *BEST, "-o", self.out, "--force").stdout
+        self.assertIn("the model fits badly", said)  # a sensor that was set back
         for series, falls in ((falling, True), (SERIES, False)):
             said = self.run_program("fit", CASE, series, *BEST, "-o", self.out, "--force").stdout
             self.assertEqual("the readings fall" in said, falls, said)

@@ -30,6 +30,18 @@ time: {end: 200 day}
 output: {fields: [slip, traction, state], fields_every: {per_decade: 2}, every: {per_decade: 20}}
 """
 
+# Twice as loose, its leaves end further from where all cells do.
+TIED = """
+lacuna: 1
+interface: {size: 100 m, levels: 4, domain: {full: {}}}
+load: {normal: {pressure: 1.0207 MPa}, shear: [{sine: {amplitude: 2562 Pa, period: 880500 s}}], pore_pressure: [{constant: {value: 0.1722 MPa}}]}
+friction: {composite: {f0: 0.345, a: 0.02798, b: 0.05627, dc: 4.381 mm, v0: 1 um/s, form: regularised, vc: 7.87e-10 m/s},
+           spread: {dc: {weibull: {shape: 1.738, seed: 121560}}, f0: {normal: {sigma: 0.0305, seed: 451031}}, b: {uniform: {half_width: 0.215, seed: 519993}}}}
+initial: {slip_rate: 1.598e-09 m/s, state: {ratio_to_steady: 2.427}, spread: {state: {lognormal: {sigma: 0.835, seed: 891770}}}}
+transfer: {hierarchy: {k0: 2.3401e+09, ratio: 0.3}}
+time: {end: 2203900 s}
+"""
+
 
 class Lumped(unittest.TestCase):
     def setUp(self):
@@ -161,6 +173,14 @@ class Lumped(unittest.TestCase):
             few = json.loads(self.run_case("solver.fidelity=lumped", f"solver.lump.level={level}", "solver.lump.error=0.5", *corner).stdout)
             whole = json.loads(self.run_case("solver.fidelity=ode", *corner).stdout)
             self.assertLess(abs(few["failure_time_s"] / whole["failure_time_s"] - 1), few["lump_error_estimated"] + 2e-5)
+
+    def test_ties_that_do_not_help(self):
+        """Where leaves tied otherwise end no more as all cells do, or come to no end, the error is that of leaves as they were."""
+        self.write(TIED)
+        said = [json.loads(self.run_case("solver.fidelity=lumped", "solver.lump.level=4", f"solver.lump.error={error}").stdout)
+                ["lump_error_estimated"] for error in (0.02, 0.01)]
+        self.assertGreater(said[1], 0.01)
+        self.assertAlmostEqual(said[1] / said[0], 1, delta=0.1)
 
     def test_fit(self):
         """A fit whose trials are lumped finds what readings of all cells were made with."""

@@ -92,6 +92,29 @@ static void files_begin_so(void **state)
     assert_false(lac_netcdf_begins("", 0) || lac_netcdf_begins("lacu", 4));
 }
 
+// Of many variables, or of long names, whole ones are named: a part would be no name, nor UTF-8.
+static void names_that_are_said_are_whole(void **state)
+{
+    (void)state;
+    char name[NC_MAX_NAME + 1];
+    int id = 0, var = 0;
+    lac_error err;
+    assert_int_equal(nc_create("memory.nc", NC_NETCDF4 | NC_DISKLESS, &id), NC_NOERR);
+    assert_int_equal(nc_def_var(id, "v", NC_INT, 0, NULL, &var), NC_NOERR);
+    for (int i = 0; i < 100; i++) {
+        (void)snprintf(name, sizeof name, "variable_%03d", i);
+        assert_int_equal(nc_def_var(id, name, NC_INT, 0, NULL, &var), NC_NOERR);
+    }
+    assert_int_equal(lac_netcdf_find("many.nc", id, "variable_099", &var, &err), LAC_OK);
+    assert_int_equal(lac_netcdf_find("many.nc", id, "w", &var, &err), LAC_EINPUT);
+    assert_non_null(strstr(err.message, "its variables are v, "));
+    const char *end = err.message + strlen(err.message) - strlen(", ...");
+    assert_string_equal(end, ", ...");
+    const char *last = end - strlen("variable_000");
+    assert_int_equal(strncmp(last, "variable_", 9), 0);
+    assert_int_equal(nc_close(id), NC_NOERR);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -99,6 +122,7 @@ int main(void)
         cmocka_unit_test(attributes_unpack),
         cmocka_unit_test(texts_are_characters_or_strings_that_fit),
         cmocka_unit_test(files_begin_so),
+        cmocka_unit_test(names_that_are_said_are_whole),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

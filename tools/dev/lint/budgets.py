@@ -17,7 +17,7 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 96201,
+    "lines of src and include": 96219,
     "lines that only present results": 23784,
     "public headers": 13,
     "exported names": 44,
