@@ -5,6 +5,7 @@ include(cli.cmake)
 # Every bundled case checks, and runs by the command that it is for: what it writes meets CF and opens
 # in xarray. A folder is one group: case.GROUP.NAME.check and .run, case.GROUP.cf of all its files.
 set(case_environment
+    "OMP_WAIT_POLICY=passive"
     "LSAN_OPTIONS=suppressions=${CMAKE_CURRENT_SOURCE_DIR}/lsan.supp:print_suppressions=0")
 if(LACUNA_SANITIZE)
   # Tests leave out what is of numbers alone, and of a table of kinds take a third each.

@@ -19,7 +19,7 @@ lac_status lac_netcdf_check_header(const char *path, const void *bytes, size_t s
 /// What a call of netCDF returned, as an error: `path: netCDF cannot read WHAT: why`.
 lac_status lac_netcdf_check(const char *path, int code, const char *what, lac_error *err);
 
-/// Looks up a variable. @return LAC_OK; LAC_EINPUT: there is none, which there are
+/// Looks up a variable. @return LAC_OK; LAC_EINPUT: there is none; it names those there are
 lac_status lac_netcdf_find(const char *path, int id, const char *name, int *var, lac_error *err);
 
 /// Whether a variable is numbers over so many dimensions. @param dims  [rank] set where it is

@@ -334,20 +334,20 @@ static lac_status settle(making *m, lac_lump *lump, lac_error *err)
     lump->level = m->level;
     lump->blocks = lac_hierarchy_blocks(m->source->blocks, m->level);
     lump->stretch = m->stretch;
+    lump->arrival = m->way.arrival;
     LAC_TRY_RETURN(make_classes(m, lump, err));
     LAC_TRY_RETURN(make_domain(m, &lump->domain, err));
     return make_problem(m, lump, err);
 }
 
 // By how much its end is off that of all cells, by their way. NAN: it has no such end
-static lac_status compare(making *m, lac_lump *lump, double *off, lac_error *err)
+static lac_status compare(making *m, const lac_lump *lump, double *off, lac_error *err)
 {
     double value = m->breaks > m->stretch ? (double)NAN : m->exact;
     if (m->level > 0 && !isnan(value)) {
         LAC_TRY_RETURN(lac_lump_walk(lump->problem, m->source->ends, false, &m->way, &value, err));
     }
     *off = value / m->exact - 1.0;
-    lump->arrival = m->way.arrival;
     return LAC_OK;
 }
 
@@ -386,7 +386,6 @@ static lac_status judge(making *m, double most, lac_lump *lump, lac_error *err)
         if (!(bound < plain)) { // they do not end alike, or come to no end: as it was
             m->stretch = 1.0;
             LAC_TRY_RETURN(settle(m, lump, err));
-            lump->arrival = m->way.arrival;
             bound = plain;
         }
     }

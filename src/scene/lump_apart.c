@@ -45,9 +45,10 @@ size_t lac_lump_choose_level(const lac_lump_source *s, lac_lump_cells *f, double
         lac_lump_apart(s, f, levels, alone);
         apart[l] = lac_vsum(f->n, f->apart);
     }
+    const double least = 0.01; // what a smaller error asks is left to the ties
     size_t level = levels;
     for (size_t l = levels; l-- > 1;) {
-        level = apart[l] > fmax(0.1 * fmax(error, 0.01), 2.0 * apart[0]) ? l : level;
+        level = apart[l] > fmax(0.1 * fmax(error, least), 2.0 * apart[0]) ? l : level;
     }
     return level;
 }
