@@ -43,6 +43,7 @@ static void judge(const lac_fit_result *r, lac_forecast_fit *found)
     found->rms_unit = velocities ? "1" : "m";
     found->misfit = r->misfit;
     found->excess = r->excess;
+    found->poor = r->poor;
 }
 
 // The draws' times of failure.

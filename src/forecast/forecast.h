@@ -44,6 +44,7 @@ typedef struct lac_forecast_fit {
     const char *rms_unit; ///< "m", or "s/m" of inverse velocities
     double misfit;        ///< rms over the range of what was fitted: 0 is a perfect fit
     double excess;        ///< what of it the noise does not explain (lac_unexplained)
+    bool poor;            ///< what is left of the readings hangs together: no noise does
     size_t points;        ///< that were fitted
     bool posterior;       ///< the method has a posterior: `quantile` holds
     double quantile[LAC_FORECAST_LEVELS]; ///< of ln remaining by its posterior

@@ -171,6 +171,18 @@ class Precursors(unittest.TestCase):
             self.assertIn('dc: "0.05 m"', data.case)  # the case as it was given, defaults filled in
             self.assertEqual(data.seed, 1)
 
+    def test_a_case_that_fits_badly_says_so(self):
+        _, *rest = self.block("--set", "fit.steps=0")
+        with open(os.path.join(SOURCE, "cases/data/creep.csv"), encoding="utf-8") as data:
+            lines = data.read().split("\n")
+        waves = iter(range(len(lines)))  # 6 mm, every 44 readings
+        self.write("waves.csv", "\n".join(
+            re.sub(r"-?[\d.]+$", lambda x: f"{float(x[0]) + 6 * math.sin(next(waves) / 7):.2f}", line)
+            if line[:2] == "20" else line for line in lines))
+        for data, badly in (("waves.csv", True), (os.path.join(SOURCE, "cases/data/creep.csv"), False)):
+            self.assertIs(self.of(self.ask(data, *rest), "case")["fits_badly"], badly)
+            self.assertEqual("  case         fits badly: " in self.call(data, *rest).stdout, badly)
+
     def test_a_case_says_how_its_times_are_written(self):
         with open(os.path.join(SOURCE, "cases/data/creep.csv"), encoding="utf-8") as data:
             self.write("days.csv", re.sub(r"(?m)^(\d+)-(\d+)-(\d+)T", r"\3.\2.\1 ", data.read()))

@@ -65,8 +65,8 @@ static void print_forecast(const lac_forecast_outcome *of, const lac_forecast *f
     }
 }
 
-// What stands at the end of its range is no estimate.
-static void print_ends(const lac_forecast_set *o)
+// What stands at the end of its range is no estimate; what fits badly is less sure than it says.
+static void print_doubts(const lac_forecast_set *o)
 {
     for (size_t k = 0; k < o->count; k++) {
         const lac_forecast_fit *fit = &o->forecast[k].fit;
@@ -77,6 +77,11 @@ static void print_ends(const lac_forecast_set *o)
             }
             printf("  %-12s the best fit's %s stands at the end of its range, %.4g\n",
                    i == 0 ? o->forecast[k].kind->info.name : "", fit->end[i], value);
+        }
+        if (fit->poor) {
+            printf("  %-12s fits badly: what it leaves of the readings is no noise, so its time is "
+                   "less sure than its interval says\n",
+                   o->forecast[k].kind->info.name);
         }
     }
 }
@@ -260,7 +265,7 @@ void cli_precursors_print(const lac_forecast_outcome *of, bool verbose)
     for (size_t k = 0; o->asked && k < o->count; k++) {
         print_forecast(of, &o->forecast[k]);
     }
-    print_ends(o);
+    print_doubts(o);
     cli_drivers_print(o);
     if (verbose) {
         print_values(o);
