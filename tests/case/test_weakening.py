@@ -241,6 +241,7 @@ output: {fields: [slip, temperature, excess_pore_pressure, broken_cohesion]}
 """
 
     # The balance holds to rounding where slip is the unknown; the others come to the same.
+    @unittest.skipIf("LACUNA_SANITIZED" in os.environ, "other tests take its ways")
     def test_formulations_agree(self):
         failures, maps = [], []
         for formulation in ("slip", "rate", "traction"):
