@@ -145,10 +145,12 @@ static lac_status check_identity(const lac_run_state *r, lac_archive *archive, l
     identity kept = {0}, scene = identify(r->problem);
     LAC_FAIL_MEMORY_IF(scene.start == 0, err);
     LAC_PASS(archive, kept);
-    LAC_FAIL_IF(!lac_archive_good(archive) || memcmp(&kept, &scene, sizeof kept) != 0, err,
-                LAC_EINPUT,
-                "the checkpoint is of another scene: its cells or what they start from have "
-                "changed, perhaps a file that the case reads");
+    LAC_FAIL_IF(
+        !lac_archive_good(archive) || memcmp(&kept, &scene, sizeof kept) != 0, err, LAC_EINPUT,
+        "the checkpoint is of another scene: %s",
+        r->def->fidelity == LAC_FIDELITY_LUMPED
+            ? "other cells stand for all: the end of the run, a file or the program has changed"
+            : "its cells or what they start from have changed, perhaps a file of the case");
     return LAC_OK;
 }
 

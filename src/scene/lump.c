@@ -13,6 +13,7 @@ typedef struct making {
     size_t level;
     size_t most;      // leaves of a block, at most
     double least;     // of what a sum is worth keeping
+    size_t first;     // cell of a block
     size_t leaves;    // so far
     uint32_t *kept;   // [n] cells that stay
     double *weight;   // [n] cells that each stands for
@@ -24,12 +25,6 @@ typedef struct making {
     lac_lump_way way; // of all cells
     double exact;     // what it comes to
 } making;
-
-// A block of it.
-typedef struct taking {
-    const making *of;
-    size_t first;
-} taking;
 
 // Sums of the cells themselves and of what moves them apart, before those of what friction holds.
 enum {
@@ -43,11 +38,10 @@ enum {
 // the first of those with the cells and their pressure.
 static void values_of(const void *context, size_t point, double *value)
 {
-    const taking *t = context;
-    const making *m = t->of;
+    const making *m = context;
     const lac_lump_cells *f = &m->field;
     const lac_problem_def *whole = &m->source->whole;
-    const size_t i = t->first + point;
+    const size_t i = m->first + point;
     const double p = whole->domain->pressure[i] / f->pressure;
     double all[FUNCTIONS] = {1.0, p, p * p, exp(whole->log_rate[i]) / f->mean_rate};
     for (size_t a = 1; a < LAC_LUMP_PATTERNS; a++) {
@@ -150,12 +144,12 @@ static lac_status take_block(making *m, size_t number, lac_error *err)
     const size_t first = begin[number], end = begin[number + 1];
     uint32_t *kept = m->kept + m->leaves;
     size_t leaves;
-    const taking t = {m, first};
     const lac_cubature of = {.points = end - first,
                              .functions = m->most,
                              .least = m->least,
                              .at = values_of,
-                             .context = &t};
+                             .context = m};
+    m->first = first;
     if (s->like != NULL) {
         leaves = take_like(m, first, end);
     } else {
@@ -292,15 +286,8 @@ static lac_status make_problem(const making *m, lac_lump *lump, lac_error *err)
 // Takes all blocks of the level.
 static lac_status try_level(making *m, lac_error *err)
 {
-    const size_t n = m->field.n, blocks = lac_hierarchy_blocks(m->source->blocks, m->level);
+    const size_t blocks = lac_hierarchy_blocks(m->source->blocks, m->level);
     double by[LAC_LUMP_LEVELS] = {0.0};
-    free(m->kept);
-    free(m->weight);
-    m->kept = malloc((n + blocks + 1) * sizeof *m->kept);
-    m->weight = malloc((n + blocks) * sizeof *m->weight);
-    LAC_FAIL_MEMORY_IF(m->kept == NULL || m->weight == NULL, err);
-    m->begin = m->kept + n;
-    m->bond = m->weight + n;
     m->leaves = 0;
     m->breaks = 0.0;
     for (size_t l = 0; l < m->level; l++) {
@@ -340,9 +327,10 @@ static lac_status settle(making *m, lac_lump *lump, lac_error *err)
     return make_problem(m, lump, err);
 }
 
-// By how much its end is off that of all cells, by their way. NAN: it has no such end
-static lac_status compare(making *m, const lac_lump *lump, double *off, lac_error *err)
+// Settles it: by how much its end is off that of all cells, by their way. NAN: it has none
+static lac_status compare(making *m, lac_lump *lump, double *off, lac_error *err)
 {
+    LAC_TRY_RETURN(settle(m, lump, err));
     double value = m->breaks > m->stretch ? (double)NAN : m->exact;
     if (m->level > 0 && !isnan(value)) {
         LAC_TRY_RETURN(lac_lump_walk(lump->problem, m->source->ends, false, &m->way, &value, err));
@@ -359,7 +347,6 @@ static lac_status stretch(making *m, lac_lump *lump, double *off, lac_error *err
     double slack = 1.0, next = 1.1, was = *off;
     for (int k = 0; k < 4 && fabs(*off) > 1e-7; k++) {
         m->stretch = 1.0 / next;
-        LAC_TRY_RETURN(settle(m, lump, err));
         LAC_TRY_RETURN(compare(m, lump, off, err));
         const double by = *off * (next - slack) / (*off - was);
         slack = next;
@@ -372,17 +359,16 @@ static lac_status stretch(making *m, lac_lump *lump, double *off, lac_error *err
 // The leaves of a level, and how far off they are.
 static lac_status judge(making *m, double most, lac_lump *lump, lac_error *err)
 {
-    const double least = 1.5e-5, safe = 3.0;
+    const double least = 1.5e-5;
     double off;
     m->stretch = 1.0;
     LAC_TRY_RETURN(try_level(m, err));
-    LAC_TRY_RETURN(settle(m, lump, err));
     LAC_TRY_RETURN(compare(m, lump, &off, err));
-    const double before = fabs(off), plain = least + safe * before;
+    const double before = fabs(off), plain = least + 2.0 * (before + m->way.apart);
     double bound = plain;
     if (plain > most && least + before < most) {
         LAC_TRY_RETURN(stretch(m, lump, &off, err));
-        bound = least + safe * fabs(off) + before;
+        bound = least + 2.0 * fabs(off) + m->way.apart + before;
         if (!(bound < plain)) { // they do not end alike, or come to no end: as it was
             m->stretch = 1.0;
             LAC_TRY_RETURN(settle(m, lump, err));
@@ -406,6 +392,11 @@ static lac_status make(making *m, const lac_lump_def *def, lac_lump *lump, lac_e
                                              : FUNCTIONS - 1;
     m->least = 0.03 * def->error / m->field.gain;
     m->leaf = malloc(n * sizeof *m->leaf);
+    m->kept = malloc((2 * n + 1) * sizeof *m->kept);
+    m->weight = malloc(2 * n * sizeof *m->weight);
+    LAC_FAIL_MEMORY_IF(m->leaf == NULL || m->kept == NULL || m->weight == NULL, err);
+    m->begin = m->kept + n;
+    m->bond = m->weight + n;
     LAC_FAIL_MEMORY_IF(m->leaf == NULL, err);
     if (s->like != NULL) {
         m->stretch = s->like->stretch;

@@ -31,6 +31,7 @@ typedef struct walk {
     double t, h, slip, rate, fastest, past; // reached; h the last step
     double next;                            // break of the loads, or the end
     double length;                          // that the next step is to have; 0: it begins anew
+    double end, led, ahead; // what all cells come to, have come to, and it has come to more
 } walk;
 
 static lac_status start(walk *w, lac_error *err)
@@ -115,12 +116,11 @@ static bool lead(walk *w)
     const double grow = 1.7;
     const double past = w->growth * w->t; // over what is left
     const double most = longest * (past > 1000.0 ? 9.0 : past > 10.0 ? 3.0 : 1.0);
-    double size = INFINITY;
     lac_problem_weights(w->problem, w->y, 1.0, w->weight);
     for (int tries = 0; tries < 60; tries++) {
         const bool short_of = w->length < w->next - w->t;
         const double now = short_of ? w->length : w->next - w->t;
-        size = solve(w, now) ? size_of(w) : INFINITY;
+        const double size = solve(w, now) ? size_of(w) : INFINITY;
         if (size <= 1.5 * most) {
             if (way->count == MOST_STAGES) {
                 return false;
@@ -140,10 +140,14 @@ static bool lead(walk *w)
 // The step that the leader took here, as long by slip, or where its end is one of time by time.
 static bool follow(walk *w)
 {
-    const lac_lump_way *way = w->way;
+    lac_lump_way *way = w->way;
     const lac_lump_stage *s = &way->stage[w->stage++];
-    const double by = way->arrival == LAC_LUMP_AT_TIME ? s->time : s->slip / w->rate;
+    const bool by_time = way->arrival == LAC_LUMP_AT_TIME;
+    const double by = by_time ? s->time : s->slip / w->rate;
     w->h = s->whole ? w->next - w->t : fmin(by, w->next - w->t);
+    w->led += by_time ? s->slip : s->time;
+    w->ahead += by_time ? w->h * w->rate - s->slip : w->h - s->time;
+    way->apart = w->led > 0.5 * w->end ? fmax(way->apart, fabs(w->ahead) / w->end) : 0.0;
     return solve(w, w->h);
 }
 
@@ -225,15 +229,15 @@ lac_status lac_lump_walk(const lac_problem *problem, const lac_run_def *ends, bo
 {
     lac_status status;
     walk w = {.problem = problem, .ends = ends, .leads = leads, .way = way, .past = NAN};
+    w.end = leads ? 0.0 : *value;
+    way->apart = 0.0;
     if (leads) {
         way->stage = way->stage != NULL ? way->stage : malloc(MOST_STAGES * sizeof *way->stage);
         LAC_FAIL_MEMORY_IF(way->stage == NULL, err);
         way->count = 0;
     }
     LAC_TRY(start(&w, err));
-    if (!go(&w, value)) {
-        *value = NAN;
-    }
+    *value = go(&w, value) ? *value : (double)NAN;
 out:
     free(w.y);
     return status;

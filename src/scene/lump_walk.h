@@ -25,6 +25,7 @@ typedef struct lac_lump_way {
     lac_lump_stage *stage; ///< owned by the caller
     size_t count;
     lac_lump_arrival arrival;
+    double apart; ///< of the last that followed, in their second half: the largest, over their end
 } lac_lump_way;
 
 /// Goes to the end of a run by linearly implicit steps, one evaluation and one solve each, and says
@@ -32,7 +33,8 @@ typedef struct lac_lump_way {
 /// @param ends   end, failure_rate, failure_slip, stop_slip, stop_rate count
 /// @param leads  its steps are chosen, and kept in `way`; else those of `way` are taken, as long by
 ///               slip where the end is not one of time
-/// @param value  NaN: it comes to no such end, or to none
+/// @param value  of one that does not lead before: what all cells come to. NaN: it comes to no such
+///               end, or to none
 /// @return LAC_OK; LAC_ENOMEM
 lac_status lac_lump_walk(const lac_problem *problem, const lac_run_def *ends, bool leads,
                          lac_lump_way *way, double *value, lac_error *err);

@@ -42,6 +42,18 @@ transfer: {hierarchy: {k0: 2.3401e+09, ratio: 0.3}}
 time: {end: 2203900 s}
 """
 
+# Cells start at rates e-folds apart. Leaves are ahead of all cells soon, and lose most of that on their way.
+APART = """
+lacuna: 1
+interface: {size: 100 m, levels: 4, domain: {full: {}}}
+load: {normal: {pressure: 9.9646 MPa}, pore_pressure: [{constant: {value: 2.031 MPa}}, {step: {value: 1028 Pa, at: 22320000 s}}]}
+friction: {slip: {f0: 0.556, a: 0.01979, b: 0.03129, dc: 3.311 mm, v0: 1 um/s, form: regularised},
+           spread: {b: {uniform: {half_width: 0.106, seed: 244987}}}}
+initial: {slip_rate: 3.144e-08 m/s, state: {ratio_to_steady: 0.851}, spread: {slip_rate: {lognormal: {sigma: 2.749, seed: 73688}}}}
+transfer: {hierarchy: {k0: 3.2261e+09, ratio: 0.7}}
+time: {end: 32205000 s}
+"""
+
 
 class Lumped(unittest.TestCase):
     def setUp(self):
@@ -136,6 +148,23 @@ class Lumped(unittest.TestCase):
         found = json.loads(resumed.stdout)
         for key in ("failure_time_s", "mean_slip_m", "lump_error_estimated"):
             self.assertEqual(found[key], whole[key], key)
+
+    def test_ways_that_come_back(self):
+        """Where leaves were further from all cells than they end, that counts too."""
+        self.write(APART)
+        whole = json.loads(self.run_case("solver.fidelity=ode", "solver.rtol=1e-8").stdout)
+        for error in (0.001, 0.01):
+            few = json.loads(self.run_case("solver.fidelity=lumped", "solver.rtol=1e-8", f"solver.lump.error={error}").stdout)
+            self.assertLess(abs(few["failure_time_s"] / whole["failure_time_s"] - 1), few["lump_error_estimated"], error)
+
+    def test_resumed_with_other_cells(self):
+        """A later end asks for other cells: the line says that, and not that a file has changed."""
+        self.write(SCENE.replace("k0: 3e10", "k0: 2e9"))
+        lumped = ("solver.fidelity=lumped", "solver.lump.error=1e-4", "output.checkpoint.steps=20")
+        self.assertEqual(self.run_case(*lumped, "time.end=1 hour", "solver.max_steps=30").returncode, 1)
+        refused = self.run_case(*lumped, "time.end=200 day", more=("--resume",))
+        self.assertEqual(refused.returncode, 2, refused.stderr)
+        self.assertIn("other cells stand for all: the end of the run", refused.stderr)
 
     def test_refused(self):
         lumped = "solver.fidelity=lumped"
