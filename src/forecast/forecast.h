@@ -75,6 +75,9 @@ void lac_forecast_fit_add(lac_forecast_fit *fit, const char *key, double value);
 void lac_forecast_fit_add_within(lac_forecast_fit *fit, const char *key, double value, double low,
                                  double high);
 
+/// The number under a key; NaN: there is none.
+double lac_forecast_fit_find(const lac_forecast_fit *fit, const char *key);
+
 /// From a fit to the time that is told, and its intervals. About c = ln R + pull (ln W - ln R), R
 /// the remaining time that the method finds and W the length of its window, ln of the remaining
 /// time lies below c + E q, E = sqrt(error^2 + spread^2), q = low90, low50, median, high50, high90,

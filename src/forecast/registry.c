@@ -61,6 +61,16 @@ void lac_forecast_fit_add_within(lac_forecast_fit *fit, const char *key, double 
     }
 }
 
+double lac_forecast_fit_find(const lac_forecast_fit *fit, const char *key)
+{
+    for (size_t i = 0; i < fit->count; i++) {
+        if (strcmp(fit->value[i].key, key) == 0) {
+            return fit->value[i].value;
+        }
+    }
+    return NAN;
+}
+
 // The row of the method whose fit is lac_model_forecast_method's: it stands here for whoever lists
 // the methods.
 const lac_forecast_kind lac_forecast_case = {

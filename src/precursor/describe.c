@@ -241,7 +241,7 @@ static double found(const void *of, const size_t *at)
             ? &o->indicator_series->found[at[0] * o->indicator_series->kinds + k]
             : &o->indicator[k];
     return v == MOST_VALUES - 1 ? (double)p->found.points
-                                : lac_precursor_find(p, p->kind->value[v].key);
+                                : lac_forecast_fit_find(&p->found, p->kind->value[v].key);
 }
 
 // Whether any issue time has it.

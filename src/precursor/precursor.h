@@ -69,9 +69,6 @@ const lac_precursor_kind *lac_precursor_kind_get(size_t index);
 /// What a kind needs: "series", "events" or "cells".
 const char *lac_needs_name(lac_needs needs);
 
-/// What it gave under a key; NaN: nothing.
-double lac_precursor_find(const lac_precursor *found, const char *key);
-
 /// All indicators.
 enum { LAC_PRECURSORS_MAX = 16 };
 lac_status lac_precursors_evaluate(const lac_precursor_inputs *in, lac_precursor *out,

@@ -18,16 +18,6 @@ const char *lac_needs_name(lac_needs needs)
     return names[needs];
 }
 
-double lac_precursor_find(const lac_precursor *found, const char *key)
-{
-    for (size_t i = 0; i < found->found.count; i++) {
-        if (strcmp(found->found.value[i].key, key) == 0) {
-            return found->found.value[i].value;
-        }
-    }
-    return NAN;
-}
-
 lac_status lac_precursors_evaluate(const lac_precursor_inputs *in, lac_precursor *out,
                                    size_t *count, lac_error *err)
 {

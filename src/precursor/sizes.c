@@ -137,7 +137,7 @@ lac_status lac_events_b_value(const lac_event_list *events, double *b, lac_error
     const lac_precursor_inputs in = {.events = events};
     lac_precursor seen = {0};
     const lac_status status = look(&in, &seen.found, err);
-    *b = lac_precursor_find(&seen, numbers[0].key);
+    *b = lac_forecast_fit_find(&seen.found, numbers[0].key);
     return status;
 }
 

@@ -397,7 +397,6 @@ static lac_status make(making *m, const lac_lump_def *def, lac_lump *lump, lac_e
     LAC_FAIL_MEMORY_IF(m->leaf == NULL || m->kept == NULL || m->weight == NULL, err);
     m->begin = m->kept + n;
     m->bond = m->weight + n;
-    LAC_FAIL_MEMORY_IF(m->leaf == NULL, err);
     if (s->like != NULL) {
         m->stretch = s->like->stretch;
         LAC_TRY_RETURN(try_level(m, err));

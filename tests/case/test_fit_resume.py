@@ -155,7 +155,7 @@ class Resume(unittest.TestCase):
         self.assertIn("--resume", self.fit(*asked, "--resume", status=3))
         with subprocess.Popen(self.command(*rounds(4000, 0), "--force"), cwd=SOURCE, stdout=subprocess.DEVNULL,
                               stderr=subprocess.DEVNULL) as program:
-            while not os.path.exists(self.kept):
+            while not (os.path.exists(self.kept) and os.path.getsize(self.kept)):  # its head is written under the lock
                 time.sleep(0.002)
             self.assertIn("another fit is at work", self.fit(*asked, "--force", status=2))
             program.kill()

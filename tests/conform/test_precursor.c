@@ -134,7 +134,7 @@ static void all_say_what_they_declare(void **state)
         for (size_t v = 0; v < found[k].kind->value_count; v++) {
             const char *key = found[k].kind->value[v].key;
             const bool no_such_level = strncmp(key, "level_", 6) == 0 && atoi(key + 6) >= LEVELS;
-            if (isnan(lac_precursor_find(&found[k], key)) != no_such_level) {
+            if (isnan(lac_forecast_fit_find(&found[k].found, key)) != no_such_level) {
                 fail_msg("%s: %s: %s", found[k].kind->info.name, key, found[k].found.reason);
             }
         }
@@ -251,7 +251,8 @@ static void once_begun_all_go_on(void **state)
         const size_t count = look(&j, issues[i], found);
         for (size_t k = 0; k < count; k++) {
             const lac_precursor_kind *kind = found[k].kind;
-            const bool has = !isnan(lac_precursor_find(&found[k], kind->value[kind->headline].key));
+            const bool has =
+                !isnan(lac_forecast_fit_find(&found[k].found, kind->value[kind->headline].key));
             if (begun[k] && !has) {
                 fail_msg("%s: %s", kind->info.name, found[k].found.reason);
             }

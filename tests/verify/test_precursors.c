@@ -164,7 +164,7 @@ static double value(const lac_precursor *all, size_t count, const char *name, co
 {
     for (size_t k = 0; k < count; k++) {
         if (strcmp(all[k].kind->info.name, name) == 0) {
-            return lac_precursor_find(&all[k], key);
+            return lac_forecast_fit_find(&all[k].found, key);
         }
     }
     fail_msg("no indicator %s", name);

@@ -83,13 +83,11 @@ static lac_status check_times(const cli_watched *w, const char *given, const lac
     LAC_FAIL_IF(s->dated != w->of.dated, err, LAC_EINPUT,
                 "--driver: \"%s\": its times are %s, those of %s are %s", given,
                 s->dated ? "dates" : "no dates", w->of.source, w->of.dated ? "dates" : "no dates");
-    LAC_FAIL_IF(
-        s->time[0] >= in->time[in->n - 1] || s->time[s->n - 1] <= in->time[0], err, LAC_EINPUT,
-        "--driver: \"%s\": its times, %s to %s, have none in common with the readings', %s "
-        "to %s",
-        given, cli_watched_time(&w->of, s->time[0]).s,
-        cli_watched_time(&w->of, s->time[s->n - 1]).s, cli_watched_time(&w->of, in->time[0]).s,
-        cli_watched_time(&w->of, in->time[in->n - 1]).s);
+    LAC_FAIL_IF(s->time[0] >= in->time[in->n - 1] || s->time[s->n - 1] <= in->time[0], err,
+                LAC_EINPUT,
+                "--driver: \"%s\": its times, %s, have none in common with the readings', %s",
+                given, cli_watched_span(&w->of, s->time[0], s->time[s->n - 1]).s,
+                cli_watched_span(&w->of, in->time[0], in->time[in->n - 1]).s);
     return LAC_OK;
 }
 

@@ -21,8 +21,9 @@ lac_status cli_watched_read(const cli_request *request, const lac_case *known,
                             const lac_units *units, cli_watched *out, lac_error *err);
 void cli_watched_clear(cli_watched *watched);
 
-/// As lac_outcome_time has it.
+/// As lac_outcome_time has it; from one time to another.
 cli_text cli_watched_time(const lac_forecast_outcome *of, double t);
+cli_text cli_watched_span(const lac_forecast_outcome *of, double begin, double end);
 
 /// The rest of what the options say.
 typedef struct cli_forecast_plan {

@@ -229,3 +229,8 @@ cli_text cli_watched_time(const lac_forecast_outcome *of, double t)
     (void)lac_outcome_time(of, t, text.s, sizeof text.s);
     return text;
 }
+
+cli_text cli_watched_span(const lac_forecast_outcome *of, double begin, double end)
+{
+    return cli_format("%s to %s", cli_watched_time(of, begin).s, cli_watched_time(of, end).s);
+}

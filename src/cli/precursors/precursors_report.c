@@ -17,8 +17,8 @@ static void print_input(const lac_forecast_outcome *of)
     const lac_forecast_set *o = of->forecasts;
     const lac_motion *m = o->motion;
     const lac_series *s = of->series;
-    cli_row("readings", "%zu from %s to %s", in->n, cli_watched_time(of, in->time[0]).s,
-            cli_watched_time(of, in->time[in->n - 1]).s);
+    cli_row("readings", "%zu from %s", in->n,
+            cli_watched_span(of, in->time[0], in->time[in->n - 1]).s);
     if (s != NULL) {
         cli_row("  of which", "%zu missing, %zu duplicates dropped, %zu out of order", s->missing,
                 s->duplicates, s->disordered);
@@ -52,17 +52,9 @@ static void print_forecast(const lac_forecast_outcome *of, const lac_forecast *f
         printf("not issued: %s\n", f->fit.reason);
         return;
     }
-    printf(
-        "%-36s %-36s ",
-        cli_format("%s to %s", cli_watched_time(of, f->low50).s, cli_watched_time(of, f->high50).s)
-            .s,
-        cli_format("%s to %s", cli_watched_time(of, f->low90).s, cli_watched_time(of, f->high90).s)
-            .s);
-    if (f->fit.rms_unit == NULL) {
-        puts("-");
-    } else {
-        printf("%.3g %s\n", f->fit.rms, f->fit.rms_unit);
-    }
+    printf("%-36s %-36s %s\n", cli_watched_span(of, f->low50, f->high50).s,
+           cli_watched_span(of, f->low90, f->high90).s,
+           f->fit.rms_unit == NULL ? "-" : cli_format("%.3g %s", f->fit.rms, f->fit.rms_unit).s);
 }
 
 // What stands at the end of its range is no estimate; what fits badly is less sure than it says.
@@ -71,16 +63,12 @@ static void print_doubts(const lac_forecast_set *o)
     for (size_t k = 0; k < o->count; k++) {
         const lac_forecast_fit *fit = &o->forecast[k].fit;
         for (size_t i = 0; i < fit->ends; i++) {
-            double value = NAN;
-            for (size_t v = 0; v < fit->count; v++) {
-                value = fit->value[v].key == fit->end[i] ? fit->value[v].value : value;
-            }
             printf("  %-12s the best fit's %s stands at the end of its range, %.4g\n",
-                   i == 0 ? o->forecast[k].kind->info.name : "", fit->end[i], value);
+                   i == 0 ? o->forecast[k].kind->info.name : "", fit->end[i],
+                   lac_forecast_fit_find(fit, fit->end[i]));
         }
-        if (fit->poor) {
-            printf("  %-12s fits badly: what it leaves of the readings is no noise, so its time is "
-                   "less sure than its interval says\n",
+        if (fit->poor && o->forecast[k].issued) {
+            printf("  %-12s fits badly: its residuals are no noise; trust its interval less\n",
                    o->forecast[k].kind->info.name);
         }
     }
@@ -126,9 +114,8 @@ static void print_lives(const lac_forecast_outcome *of)
 {
     const lac_rolling *roll = of->rolling;
     const cli_time_unit *u = unit_of(roll);
-    const double failed_at = of->failed_at;
     printf("\n  %-22s %s", cli_format("life expectancy (%s)", u->head).s,
-           isfinite(failed_at) ? "     true" : "");
+           isfinite(of->failed_at) ? "     true" : "");
     for (size_t k = 0; k < roll->methods; k++) {
         printf(" %11s", roll->forecast[k].kind->info.name);
     }
@@ -144,8 +131,8 @@ static void print_lives(const lac_forecast_outcome *of)
             continue;
         }
         printf("  %-22s", cli_watched_time(of, now).s);
-        if (isfinite(failed_at)) {
-            printf(" %9.3g", (failed_at - now) / u->seconds);
+        if (isfinite(of->failed_at)) {
+            printf(" %9.3g", (of->failed_at - now) / u->seconds);
         }
         for (size_t k = 0; k < roll->methods; k++) {
             const cli_text left = cli_format("%.3g", (f[k].time - now) / u->seconds);
@@ -173,7 +160,7 @@ static void print_levels(const lac_forecast_outcome *of)
 static double headline(const lac_indicator_series *indicator_series, size_t issue, size_t kind)
 {
     const lac_precursor *p = &indicator_series->found[issue * indicator_series->kinds + kind];
-    return lac_precursor_find(p, p->kind->value[p->kind->headline].key);
+    return lac_forecast_fit_find(&p->found, p->kind->value[p->kind->headline].key);
 }
 
 // One number of each indicator at each time of issue at which any has one.

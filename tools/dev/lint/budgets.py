@@ -17,8 +17,8 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 96219,
-    "lines that only present results": 23784,
+    "lines of src and include": 96217,
+    "lines that only present results": 23782,
     "public headers": 13,
     "exported names": 44,
     "circles of includes": 0,
