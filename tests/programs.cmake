@@ -41,11 +41,13 @@ function(lacuna_cases group command)
                          ENVIRONMENT "${case_environment}" TIMEOUT 1200)
     set_tests_properties(${test}.run PROPERTIES FIXTURES_SETUP outputs_${group})
   endforeach()
-  add_test(NAME case.${group}.cf
-           COMMAND ${LACUNA_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/support/check_cf.py
-                   --status complete ${outputs})
-  set_tests_properties(case.${group}.cf PROPERTIES LABELS "case;once" ENVIRONMENT "${case_environment}"
-                       FIXTURES_REQUIRED outputs_${group})
+  if(NOT LACUNA_SANITIZE)
+    add_test(NAME case.${group}.cf
+             COMMAND ${LACUNA_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/support/check_cf.py
+                     --status complete ${outputs})
+    set_tests_properties(case.${group}.cf PROPERTIES LABELS case ENVIRONMENT "${case_environment}"
+                         FIXTURES_REQUIRED outputs_${group})
+  endif()
 endfunction()
 
 set(groups cases domain friction load momentum normal peers seas solver surface transfer weakening)
@@ -62,12 +64,16 @@ add_test(NAME case.tables COMMAND ${LACUNA_PYTHON} ${PROJECT_SOURCE_DIR}/tools/d
          --program $<TARGET_FILE:lacuna_program> keys rocks)
 set_tests_properties(case.tables PROPERTIES LABELS case ENVIRONMENT "${case_environment}")
 
-# lacuna_python_test(NAME [LABEL...]): case/NAME.py, called with the program and the source folder.
-# These are the long ones, so they begin. The label `once` says that sanitizers show nothing more: what is
+# lacuna_python_test(NAME [once] [LABEL...]): case/NAME.py, called with the program and the source folder.
+# These are the long ones, so they begin. `once`: not under sanitizers, which show nothing more, as what is
 # tested is Python, a page in a browser or numbers, by commands that other tests give the program too. All
-# that has it, or is left out where LACUNA_SANITIZED is set, takes 4 of 1 000 branches that nothing else takes
-# (counted by --coverage, test by test) and a third of the time.
+# that they do without, here, in CMakeLists.txt and where LACUNA_SANITIZED is set, takes 4 of 1 000 branches
+# that nothing else takes (counted by --coverage, test by test) and a third of the time.
 function(lacuna_python_test name)
+  if("once" IN_LIST ARGN AND LACUNA_SANITIZE)
+    return()
+  endif()
+  list(REMOVE_ITEM ARGN once)
   add_test(NAME case.${name}
            COMMAND ${LACUNA_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/case/${name}.py
                    $<TARGET_FILE:lacuna_program> ${PROJECT_SOURCE_DIR} ${${name}_files})
@@ -88,7 +94,7 @@ if(LACUNA_SANITIZE)
   set(test_fidelity_files -k Rule -k regularised)
   set(test_points_files -k free_border -k beside -k a_block -k a_line -k floats -k Wrong -k compare -k Page -k Tables)
   set(test_safety_files -k Stop -k Written -k Water -k Page)
-  set(test_fit_files -k files -k range -k columns -k before_failure -k wrong -k says -k spares -k odd -k hopeless -k interrupt)
+  set(test_fit_files -k files -k range -k columns -k before_failure -k wrong -k says -k spares -k hopeless -k interrupt)
 endif()
 
 # The small cases of one model each show what their first lines say.
@@ -103,7 +109,7 @@ lacuna_python_test(test_interface)
 lacuna_python_test(test_domain_file)
 
 # Loads that bend at every reading of a long series.
-lacuna_python_test(test_breaks extreme once)
+lacuna_python_test(test_breaks once extreme)
 
 # Pilot runs: the one that is kept, and those that must not deceive.
 lacuna_python_test(test_accuracy)
@@ -118,7 +124,7 @@ lacuna_python_test(test_geometry)
 
 # Elastic rock: what slip takes off the cells and how loads reach them.
 lacuna_python_test(test_elastic once)
-lacuna_python_test(test_elastic_limits extreme once)
+lacuna_python_test(test_elastic_limits once extreme)
 
 # Numbers of extreme size, through the program.
 lacuna_python_test(test_extremes extreme)
@@ -162,11 +168,9 @@ if(TARGET lacuna_mpi)
 endif()
 lacuna_python_test(test_ranks)
 
-# What is left where a program is killed, or a file call fails, at each of them in turn.
-set(test_every_call_files $<TARGET_FILE:at_call>)
-if(LACUNA_SANITIZE)
-  list(APPEND test_every_call_files --step 4)
-endif()
+# What is left where a program is killed, or a file call fails, at each third of them in turn; test_every_call.py
+# --all takes them all.
+set(test_every_call_files $<TARGET_FILE:at_call> --step $<IF:$<BOOL:${LACUNA_SANITIZE}>,7,3>)
 lacuna_python_test(test_every_call)
 
 # Streams of readings, watched, killed and gone on with.
@@ -189,16 +193,6 @@ target_sources(unit_test_free_memory PRIVATE ${PROJECT_SOURCE_DIR}/src/cli/commo
 target_sources(unit_test_pool PRIVATE
   "$<FILTER:$<TARGET_OBJECTS:lacuna_cli>,INCLUDE,common/(keep|memory|pool|progress|words)[.]c>")
 
-# Numbers that take long: slow under sanitizers, which shorter runs of the same functions pass too (case.test_fit,
-# case.test_fractal, unit.test_fractal_*, unit.test_contact, unit.test_posterior, unit.test_trend, conform.test_newton_scenes,
-# the bundled cases).
-foreach(name bridge calibration contact contact_scale damping drag driver failing fit fit_rates formulations fractal
-             fractal_closed_form fractal_scaling micro peers precursors rg_exact superposed surface_measure tangential
-             tangential_histories threads tree)
-  set_property(TEST verify.test_${name} APPEND PROPERTY LABELS once)
-endforeach()
-set_property(TEST unit.test_verdict unit.test_forecast_times conform.test_hierarchy APPEND PROPERTY LABELS once)
-
 # What a scene does not name costs nothing: bytes and threads, counted by a library that sanitizers
 # would not let in.
 if(NOT LACUNA_SANITIZE)
@@ -219,33 +213,30 @@ endif()
 
 # Histories of load, and the commands of the documentation with what they print.
 lacuna_python_test(test_history)
-file(GLOB_RECURSE documented CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/docs/*.md)
-list(FILTER documented EXCLUDE REGEX "howto-friction-law") # test_howto_law follows that one
-if(NOT TARGET lacuna_shared)
-  list(FILTER documented EXCLUDE REGEX "howto-embed")
-endif()
-if(LACUNA_SANITIZE)
-  list(FILTER documented EXCLUDE REGEX "/theory/|/format.md") # their commands are others' too
-endif()
-set(pages ${PROJECT_SOURCE_DIR}/README.md)
-foreach(page ${documented})
-  file(STRINGS ${page} shown REGEX "^```sh")
-  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${page})
-  if(shown)
-    list(APPEND pages ${page})
-  endif()
-endforeach()
-foreach(page ${pages})
-  get_filename_component(name ${page} NAME_WE)
-  add_test(NAME case.${name}
-           COMMAND ${LACUNA_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/support/run_page.py
-                   $<TARGET_FILE:lacuna_program> ${PROJECT_SOURCE_DIR} ${page})
-  set_tests_properties(case.${name} PROPERTIES LABELS "case;once" TIMEOUT 1200
-                       ENVIRONMENT "${case_environment};MPLBACKEND=Agg")
-endforeach()
-
-# All other commands that the documentation shows.
 if(NOT LACUNA_SANITIZE)
+  file(GLOB_RECURSE documented CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/docs/*.md)
+  list(FILTER documented EXCLUDE REGEX "howto-friction-law") # test_howto_law follows that one
+  if(NOT TARGET lacuna_shared)
+    list(FILTER documented EXCLUDE REGEX "howto-embed")
+  endif()
+  set(pages ${PROJECT_SOURCE_DIR}/README.md)
+  foreach(page ${documented})
+    file(STRINGS ${page} shown REGEX "^```sh")
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${page})
+    if(shown)
+      list(APPEND pages ${page})
+    endif()
+  endforeach()
+  foreach(page ${pages})
+    get_filename_component(name ${page} NAME_WE)
+    add_test(NAME case.${name}
+             COMMAND ${LACUNA_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/support/run_page.py
+                     $<TARGET_FILE:lacuna_program> ${PROJECT_SOURCE_DIR} ${page})
+    set_tests_properties(case.${name} PROPERTIES LABELS case TIMEOUT 1200
+                         ENVIRONMENT "${case_environment};MPLBACKEND=Agg")
+  endforeach()
+
+  # All other commands that the documentation shows.
   set(test_commands_files ${PROJECT_BINARY_DIR})
   lacuna_python_test(test_commands)
 

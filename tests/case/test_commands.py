@@ -45,7 +45,7 @@ LONG = (
     (r".*tools/\w+/(bridge|rg_table|forecast_coverage|precursor_ensemble|area_scaling)\.py", "a study"),
     (r".*tools/\w+/(events_statistics|fidelity|fidelity_events|auto|figure1|figure3|accuracy)\.py", "a study"),
     (r".*tools/\w+/(hindcasts|verdicts|driven_failures|recovery|trade_table|rg_rules|costs|vajont)\.py", "a study"),
-    (r".*tools/\w+/lacuna_plot\.py .*--paper", "half a minute: case.test_pictures"),
+    (r".*tools/\w+/lacuna_plot\.py .*--(paper|compare)", "half a minute: case.test_pictures"),
 )
 # What changes the machine, does all that CI does, or serves until it is ended.
 OUTSIDE = (r"git clone ", r"sudo ", r"apt ", r"/usr/bin/python3 -m http\.server ")

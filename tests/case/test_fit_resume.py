@@ -18,7 +18,7 @@ import netCDF4
 
 PROGRAM, SOURCE = "", ""
 CASE, SERIES = "cases/fit/block.yaml", "cases/data/creep.csv"
-SHORT = ["--set", "fit.starts=4", "--set", "fit.burn=10", "--set", "fit.walkers=16"]
+SHORT = ["--set", "fit.starts=2", "--set", "fit.burn=10", "--set", "fit.walkers=16"]
 
 
 def rounds(steps, count):
@@ -66,7 +66,7 @@ class Resume(unittest.TestCase):
     def test_killed_anywhere(self):
         """kill -9 in the least squares, the burn, a round and the next one, one after the other; then a torn end."""
         whole = os.path.join(self.folder, "whole.nc")
-        asked = rounds(40, 1)
+        asked = rounds(20, 1)
         self.fit(*asked, out=whole)
         size = os.path.getsize(whole + ".chains")
         self.assertEqual(self.stop_at(1, signal.SIGKILL, *asked), -signal.SIGKILL)
@@ -86,13 +86,13 @@ class Resume(unittest.TestCase):
     def test_interrupted(self):
         """After Ctrl-C --resume replaces what was written, without --force; the number of threads does not matter."""
         whole = os.path.join(self.folder, "whole.nc")
-        asked = rounds(60, 0)
+        asked = rounds(30, 0)
         self.fit(*asked, out=whole)
         half = os.path.getsize(whole + ".chains") // 2
         self.assertEqual(self.stop_at(half, signal.SIGINT, *asked), 4)
         with netCDF4.Dataset(self.out) as file:
             self.assertEqual(file.status, "interrupted")
-            self.assertLess(file.dimensions["draw"].size, 60)
+            self.assertLess(file.dimensions["draw"].size, 30)
         self.fit(*asked, "--resume", "--jobs", "2")
         self.same(whole, self.out)
 
@@ -110,7 +110,7 @@ class Resume(unittest.TestCase):
     def test_bent_valley(self):
         """Rounds with a straightened valley go on to the bit too: Vajont's two numbers lie on a bent line."""
         whole = os.path.join(self.folder, "whole.nc")
-        asked = [*rounds(10, 1), "--set", "fit.walkers=12", "--set", "fit.starts=2"]
+        asked = [*rounds(10, 1), "--set", "fit.walkers=12", "--set", "fit.starts=1"]
         command = ["fit", "cases/vajont-lake.yaml", "cases/data/vajont_rates.csv"]
         self.command = lambda *args, out=None: [PROGRAM, *command, "-o", out or self.out, *args]
         self.fit(*asked, out=whole)

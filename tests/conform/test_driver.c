@@ -159,7 +159,7 @@ static void any_numbers_are_survived(void **state)
 {
     (void)state;
     static const double wild[] = {0.0, -1.0, 1e300, -1e300, 1e-300, NAN, 3.0};
-    for (size_t k = 0; k < 40; k++) {
+    for (size_t k = 0; k < test_some(40); k++) {
         driven slope;
         lac_driver_effect e;
         driven_make(&usual, &slope);

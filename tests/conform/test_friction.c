@@ -93,7 +93,7 @@ static void check_finite(const variant *kind)
     enum { EFFECTS = sizeof effect / sizeof effect[0] };
     for (size_t i = 0; i < EFFECTS; i++) {
         for (size_t j = 0; j < EFFECTS; j++) {
-            for (double dc = 1e-12; dc < 1e7; dc *= 1e6) {
+            for (double dc = 1e-12; dc < 1e7; dc *= test_few() ? 1e18 : 1e6) {
                 lac_friction *friction = laws_make(kind, 1, effect[i], effect[j], dc);
                 assert_finite_everywhere(friction);
                 lac_friction_free(friction);

@@ -240,7 +240,7 @@ static void forces_balance_whatever_the_stiffness(void **state)
 static void solve_inverts_apply_on_a_million_cells(void **state)
 {
     (void)state;
-    const size_t side = getenv("LACUNA_FEW") == NULL ? 2048 : 256;
+    const size_t side = test_few() ? 256 : 2048;
     lac_grid grid = {side, side, 1, 1, true};
     lac_cascade cascade = {1.84, 5};
     lac_model model = {&lac_domain_source_get(1)->info, &cascade};

@@ -26,7 +26,7 @@ static void newton_solve_is_exact(void **state)
     (void)state;
     const lac_friction_law *law;
     for (size_t l = 0; (law = lac_friction_law_get(l)) != NULL; l++) {
-        for (uint64_t i = 0; i < 2 * 3 * 6 * 3; i++) {
+        for (uint64_t i = 0; i < 2 * 3 * 6 * 3; i += test_few() ? 7 : 1) {
             tree_def def = newton_tree(law, (int)(i % 2), 1 + i % 4);
             lac_load load = {.kind = &newton_pull, .params = &newton_pulls[i / 6 % 6]};
             def.formulation = newton_formulations[i / 2 % 3];
@@ -134,7 +134,7 @@ static void newton_solve_is_exact_in_two_directions(void **state)
 {
     (void)state;
     const int with[] = {0, BY_RATIO | BY_FORCE, BY_SPRING, BY_RATIO | BY_SPRING};
-    for (uint64_t i = 0; i < 2 * 4 * 3; i++) {
+    for (uint64_t i = 0; i < 2 * 4 * 3; i += test_few() ? 5 : 1) {
         tree_def def = newton_tree(lac_friction_law_get(i % 3), (int)(i % 2), 1 + i % 4);
         lac_load load = {
             .kind = &newton_pull, .params = &with[i / 2 % 4], .azimuth = 0.3 * (double)i};

@@ -177,7 +177,7 @@ static void the_future_changes_nothing(void **state)
     (void)state;
     static joint j;
     lac_precursor before[LAC_PRECURSORS_MAX], after[LAC_PRECURSORS_MAX];
-    for (size_t i = 0; i + 1 < ISSUES; i++) {
+    for (size_t i = 0; i < test_some(ISSUES - 1); i++) {
         make(&j);
         const size_t count = look(&j, issues[i], before);
         spoil(&j, issues[i]);
@@ -247,7 +247,7 @@ static void once_begun_all_go_on(void **state)
     lac_precursor found[LAC_PRECURSORS_MAX];
     bool begun[LAC_PRECURSORS_MAX] = {false};
     make(&j);
-    for (size_t i = 0; i < ISSUES; i++) {
+    for (size_t i = 0; i < ISSUES; i += test_few() ? 3 : 1) {
         const size_t count = look(&j, issues[i], found);
         for (size_t k = 0; k < count; k++) {
             const lac_precursor_kind *kind = found[k].kind;

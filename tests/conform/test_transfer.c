@@ -278,7 +278,7 @@ static void run_kit(const lac_model *model, const trial *how)
 
 static void run_large(const lac_model *model)
 {
-    const size_t side = getenv("LACUNA_FEW") == NULL ? 2048 : 256;
+    const size_t side = test_few() ? 256 : 2048;
     lac_grid grid = {side, side, 1, 1, true};
     lac_cascade cascade = {1.84, 5};
     lac_model source = {&lac_domain_source_get(1)->info, &cascade};

@@ -171,7 +171,7 @@ static void every_shape_of_grid(void **state)
         f->def.grid = grids[k / 2];
         f->def.grid.periodic = k % 2 == 0;
         fill_random(f, k / 2);
-        for (double load = 1e-9; load < 100.0; load *= 10.0) {
+        for (double load = 1e-9; load < 100.0; load *= test_few() ? 1e4 : 10.0) {
             f->def.mean_pressure = load * f->def.e_star * 1e-3;
             must_solve(f);
             check_solution(f);

@@ -60,7 +60,7 @@ static void records_come_back(void **state)
 {
     (void)state;
     const int64_t batches[] = {1, 7, 100, 512, 5000};
-    for (size_t b = 0; b < sizeof batches / sizeof batches[0]; b++) {
+    for (size_t b = test_few() ? 3 : 0; b < sizeof batches / sizeof batches[0]; b++) {
         lac_store_def def = store_def(scratch_path(&folder, "round.nc"));
         def.sync_every = batches[b];
         def.force = true;

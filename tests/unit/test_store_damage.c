@@ -286,8 +286,10 @@ static void heap_is_looked_at_before_hdf5_sees_it(void **state)
     size_t objects = 0;
     for (; little_endian(heap + at, 2) != 0; objects++) {
         const uint64_t length = little_endian(heap + at + 8, 8);
-        assert_int_equal(read_with_size(bytes, size, heap + at, length), UNHARMED);
-        assert_int_equal(read_with_size(bytes, size, heap + at, end), REFUSED);
+        if (!test_few() || objects < 4) {
+            assert_int_equal(read_with_size(bytes, size, heap + at, length), UNHARMED);
+            assert_int_equal(read_with_size(bytes, size, heap + at, end), REFUSED);
+        }
         at += 16 + (size_t)((length + 7) / 8 * 8);
     }
     assert_true(objects > 3);

@@ -238,7 +238,7 @@ static void slow_ramps_reach_cons(void **state)
     for (size_t levels = 2; levels <= 3; levels++) {
         for (int tenths = 8; tenths >= 6; tenths--) {
             const pull how = {"weakening", levels, tenths / 10.0, 0.01, 0.3};
-            summary s = run_many(&how, levels == 2 ? 40 : 16);
+            summary s = run_many(&how, levels == 2 ? 20 : 8);
             assert_true(s.rms < 0.004);
             assert_true(s.unbalanced < 1e-6);
         }

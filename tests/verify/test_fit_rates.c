@@ -54,7 +54,7 @@ static lac_case *read_case(const char *fit)
         "solver: {rtol: 1e-11}\n"
         "fit: {parameters: {friction.aging.dc: {range: [\"1 cm\", \"1 m\"]}, "
         "initial.slip_rate: {range: [\"0.1 mm/day\", \"20 mm/day\"]}}, time: t, "
-        "velocity: v, velocity_sigma: s, velocity_most: m, time_within: w, starts: 64, "
+        "velocity: v, velocity_sigma: s, velocity_most: m, time_within: w, starts: 24, "
         "steps: 0%s}\n",
         fit);
     if (lac_case_read_text("case.yaml", text, strlen(text), &how, &c, &report, &err) != LAC_OK) {
