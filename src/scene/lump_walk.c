@@ -67,9 +67,7 @@ static bool arrive(walk *w)
     memcpy(w->v, w->work, w->n * sizeof *w->v);
     lac_problem_speed(w->problem, w->t, w->y, true, &mean, &w->fastest, w->work);
     const double folds = log(mean / w->rate);
-    if (w->h > 0.0) {
-        w->slip += w->h * (fabs(folds) > 1e-6 ? (mean - w->rate) / folds : mean);
-    }
+    w->slip += w->h * (fabs(folds) > 1e-6 ? (mean - w->rate) / folds : mean);
     w->rate = mean;
     return mean > 0.0 && isfinite(mean);
 }
