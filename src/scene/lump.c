@@ -23,7 +23,6 @@ typedef struct making {
     double breaks;    // stretch below which one of them holds so weakly that a leaf slips by itself
     uint32_t *leaf;   // [n] which leaf stands for a cell
     lac_lump_way way; // of all cells
-    double exact;     // what it comes to
 } making;
 
 // Sums of the cells themselves and of what moves them apart, before those of what friction holds.
@@ -252,33 +251,27 @@ static lac_status make_domain(const making *m, lac_domain **out, lac_error *err)
 
 static lac_status make_problem(const making *m, lac_lump *lump, lac_error *err)
 {
-    const lac_lump_source *s = m->source;
-    const lac_problem_def *whole = &s->whole;
-    lac_problem_def def = *whole;
-    double *start = malloc(2 * m->leaves * sizeof *start);
-    LAC_FAIL_MEMORY_IF(start == NULL, err);
-    lac_status status =
-        lac_friction_pick(whole->friction, m->kept, m->leaves, &lump->friction, err);
+    const lac_problem_def *whole = &m->source->whole;
     lump->loads = whole->loads;
     if (whole->loads.shape != NULL) {
         lump->loads.shape = malloc(m->leaves * sizeof *lump->loads.shape);
-        status = lump->loads.shape == NULL ? lac_fail_memory(err) : status;
+        LAC_FAIL_MEMORY_IF(lump->loads.shape == NULL, err);
+        gather(m, whole->loads.shape, lump->loads.shape);
     }
-    if (status == LAC_OK) {
-        const lac_transfer transfer = lac_transfer_of_classes(lump->classes);
-        if (whole->loads.shape != NULL) {
-            gather(m, whole->loads.shape, lump->loads.shape);
-        }
-        gather(m, whole->log_rate, start);
-        gather(m, whole->log_state, start + m->leaves);
-        def.domain = lump->domain;
-        def.friction = lump->friction;
-        def.transfer = &transfer;
-        def.loads = lump->loads;
-        def.log_rate = start;
-        def.log_state = start + m->leaves;
-        status = lac_problem_create(&def, &lump->problem, err);
-    }
+    LAC_TRY_RETURN(lac_friction_pick(whole->friction, m->kept, m->leaves, &lump->friction, err));
+    double *start = malloc(2 * m->leaves * sizeof *start);
+    LAC_FAIL_MEMORY_IF(start == NULL, err);
+    gather(m, whole->log_rate, start);
+    gather(m, whole->log_state, start + m->leaves);
+    const lac_transfer transfer = lac_transfer_of_classes(lump->classes);
+    lac_problem_def def = *whole;
+    def.domain = lump->domain;
+    def.friction = lump->friction;
+    def.transfer = &transfer;
+    def.loads = lump->loads;
+    def.log_rate = start;
+    def.log_state = start + m->leaves;
+    const lac_status status = lac_problem_create(&def, &lump->problem, err);
     free(start);
     return status;
 }
@@ -331,11 +324,12 @@ static lac_status settle(making *m, lac_lump *lump, lac_error *err)
 static lac_status compare(making *m, lac_lump *lump, double *off, lac_error *err)
 {
     LAC_TRY_RETURN(settle(m, lump, err));
-    double value = m->breaks > m->stretch ? (double)NAN : m->exact;
+    double value = m->breaks > m->stretch ? (double)NAN : m->way.value;
     if (m->level > 0 && !isnan(value)) {
         LAC_TRY_RETURN(lac_lump_walk(lump->problem, m->source->ends, false, &m->way, &value, err));
     }
-    *off = value / m->exact - 1.0;
+    lump->comes_to = value;
+    *off = value / m->way.value - 1.0;
     return LAC_OK;
 }
 
@@ -371,7 +365,7 @@ static lac_status judge(making *m, double most, lac_lump *lump, lac_error *err)
         bound = least + 2.0 * fabs(off) + m->way.apart + before;
         if (!(bound < plain)) { // they do not end alike, or come to no end: as it was
             m->stretch = 1.0;
-            LAC_TRY_RETURN(settle(m, lump, err));
+            LAC_TRY_RETURN(compare(m, lump, &off, err));
             bound = plain;
         }
     }
@@ -402,11 +396,11 @@ static lac_status make(making *m, const lac_lump_def *def, lac_lump *lump, lac_e
         LAC_TRY_RETURN(try_level(m, err));
         return settle(m, lump, err);
     }
-    LAC_TRY_RETURN(lac_lump_walk(s->problem, s->ends, true, &m->way, &m->exact, err));
+    LAC_TRY_RETURN(lac_lump_walk(s->problem, s->ends, true, &m->way, &m->way.value, err));
     LAC_TRY_RETURN(judge(m, def->error, lump, err));
     // Smaller blocks; where nothing is gained any more, or all cells come to no end, all cells.
     while (def->level < 0 && m->level > 0 && (2 * m->leaves > n || lump->error > def->error)) {
-        m->level = 2 * m->leaves > n || isnan(m->exact) ? 0 : m->level - 1;
+        m->level = 2 * m->leaves > n || isnan(m->way.value) ? 0 : m->level - 1;
         LAC_TRY_RETURN(judge(m, def->error, lump, err));
     }
     return LAC_OK;
@@ -447,10 +441,12 @@ void lac_lump_free(lac_lump *lump)
     }
 }
 
-double lac_lump_error(const lac_lump *lump, bool by_time)
+double lac_lump_error(const lac_lump *lump, bool by_time, double value)
 {
-    const bool all = lump->level == 0;
-    return all || by_time == (lump->arrival == LAC_LUMP_AT_TIME) ? lump->error : (double)INFINITY;
+    const double most = 0.15; // long steps are off by percents: those off by more tell nothing
+    const bool told = by_time == (lump->arrival == LAC_LUMP_AT_TIME) &&
+                      !(fabs(value / lump->comes_to - 1.0) > most);
+    return lump->level == 0 || told ? lump->error : (double)INFINITY;
 }
 
 lac_status lac_lump_judge(const lac_lump *lump, double error, double most, lac_error *err)

@@ -17,6 +17,7 @@ typedef struct lac_lump {
     size_t blocks;            ///< of that level
     double stretch;           ///< by which what ties the leaves of its blocks is multiplied
     lac_lump_arrival arrival; ///< how the run ends, by the way there in few steps
+    double comes_to;          ///< by that way
     double error; ///< estimated, relative, of what it then comes to; INFINITY: cannot be told
 } lac_lump;
 
@@ -38,7 +39,8 @@ void lac_lump_free(lac_lump *lump);
 
 /// Error of a run of the lump, estimated, relative: of the time of failure or of a limit, or, where
 /// its time was over first, of the mean slip. INFINITY: cannot be told.
-double lac_lump_error(const lac_lump *lump, bool by_time);
+/// @param value  what it came to; NaN: it was stopped on its way
+double lac_lump_error(const lac_lump *lump, bool by_time, double value);
 
 /// @return LAC_OK; LAC_ENUMERIC: the error is more than `most`, or cannot be told
 lac_status lac_lump_judge(const lac_lump *lump, double error, double most, lac_error *err);

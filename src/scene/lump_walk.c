@@ -31,7 +31,6 @@ typedef struct walk {
     double t, h, slip, rate, fastest, past; // reached; h the last step
     double next;                            // break of the loads, or the end
     double length;                          // that the next step is to have; 0: it begins anew
-    double end, led, ahead; // what all cells come to, have come to, and it has come to more
 } walk;
 
 static lac_status start(walk *w, lac_error *err)
@@ -68,9 +67,7 @@ static bool arrive(walk *w)
     memcpy(w->v, w->work, w->n * sizeof *w->v);
     lac_problem_speed(w->problem, w->t, w->y, true, &mean, &w->fastest, w->work);
     const double folds = log(mean / w->rate);
-    if (w->h > 0.0) {
-        w->slip += w->h * (fabs(folds) > 1e-6 ? (mean - w->rate) / folds : mean);
-    }
+    w->slip += w->h * (fabs(folds) > 1e-6 ? (mean - w->rate) / folds : mean);
     w->rate = mean;
     return mean > 0.0 && isfinite(mean);
 }
@@ -126,7 +123,7 @@ static bool lead(walk *w)
                 return false;
             }
             way->stage[way->count++] =
-                (lac_lump_stage){.time = now, .slip = now * w->rate, .whole = !short_of};
+                (lac_lump_stage){now, now * w->rate, w->t, w->slip, !short_of};
             w->h = now;
             w->length = fmin(now * fmin(grow, most / fmax(size, 1e-9)),
                              lac_problem_longest_step(w->problem, w->t));
@@ -145,9 +142,8 @@ static bool follow(walk *w)
     const bool by_time = way->arrival == LAC_LUMP_AT_TIME;
     const double by = by_time ? s->time : s->slip / w->rate;
     w->h = s->whole ? w->next - w->t : fmin(by, w->next - w->t);
-    w->led += by_time ? s->slip : s->time;
-    w->ahead += by_time ? w->h * w->rate - s->slip : w->h - s->time;
-    way->apart = w->led > 0.5 * w->end ? fmax(way->apart, fabs(w->ahead) / w->end) : 0.0;
+    const double led = by_time ? s->slipped : s->start, came = by_time ? w->slip : w->t;
+    way->apart = led > 0.5 * way->value ? fmax(way->apart, fabs(came - led) / way->value) : 0.0;
     return solve(w, w->h);
 }
 
@@ -229,7 +225,6 @@ lac_status lac_lump_walk(const lac_problem *problem, const lac_run_def *ends, bo
 {
     lac_status status;
     walk w = {.problem = problem, .ends = ends, .leads = leads, .way = way, .past = NAN};
-    w.end = leads ? 0.0 : *value;
     way->apart = 0.0;
     if (leads) {
         way->stage = way->stage != NULL ? way->stage : malloc(MOST_STAGES * sizeof *way->stage);
@@ -238,6 +233,7 @@ lac_status lac_lump_walk(const lac_problem *problem, const lac_run_def *ends, bo
     }
     LAC_TRY(start(&w, err));
     *value = go(&w, value) ? *value : (double)NAN;
+    way->value = leads ? *value : way->value;
 out:
     free(w.y);
     return status;

@@ -35,7 +35,9 @@ static lac_status on_snapshot(void *context, const lac_snapshot *of, lac_error *
 // What taking cells together may have cost.
 static lac_status judge(const lac_scene *scene, lac_run_result *run, lac_error *err)
 {
-    run->lump_error_estimated = lac_lump_error(scene->lump, run->end == LAC_END_TIME);
+    const bool by_time = run->end == LAC_END_TIME, over = run->end != LAC_END_INTERRUPT;
+    const double value = by_time ? run->mean_slip : over ? run->time : (double)NAN;
+    run->lump_error_estimated = lac_lump_error(scene->lump, by_time, value);
     const lac_status status =
         lac_lump_judge(scene->lump, run->lump_error_estimated, scene->source->lump.error, err);
     if (status != LAC_OK) {

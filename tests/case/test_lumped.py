@@ -54,6 +54,18 @@ transfer: {hierarchy: {k0: 3.2261e+09, ratio: 0.7}}
 time: {end: 32205000 s}
 """
 
+# All creep for 600 dc along the kink of their law: long steps come to a time of failure 22 % too late.
+KINK = """
+lacuna: 1
+interface: {size: 100 m, levels: 4, domain: {full: {}}}
+load: {normal: {pressure: 4.1006 MPa}, pore_pressure: [{ramp: {rate: 0.005039 Pa/s}}]}
+friction: {weakening: {f0: 0.548, a: 0.01824, b: 0.0333, dc: 5.742 mm, v0: 1 um/s, form: regularised},
+           spread: {dc: {lognormal: {sigma: 0.573, seed: 207298}}, a: {uniform: {half_width: 0.133, seed: 946900}}}}
+initial: {slip_rate: 6.743e-07 m/s, state: {ratio_to_steady: 1.298}}
+transfer: {hierarchy: {k0: 5.465e+08, ratio: 0.85}}
+time: {end: 80608000 s}
+"""
+
 
 class Lumped(unittest.TestCase):
     def setUp(self):
@@ -156,6 +168,15 @@ class Lumped(unittest.TestCase):
         for error in (0.001, 0.01):
             few = json.loads(self.run_case("solver.fidelity=lumped", "solver.rtol=1e-8", f"solver.lump.error={error}").stdout)
             self.assertLess(abs(few["failure_time_s"] / whole["failure_time_s"] - 1), few["lump_error_estimated"], error)
+
+    def test_ways_that_end_elsewhere(self):
+        """Where long steps end far from where the run ends, they tell nothing of its error."""
+        self.write(KINK)
+        done = self.run_case("solver.fidelity=lumped")
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertIn("cannot estimate its error", done.stderr)
+        self.assertIsNone(json.loads(done.stdout)["failure_time_s"])
+        self.assertEqual(self.run_case("solver.fidelity=lumped", "solver.lump.level=0").returncode, 0)
 
     def test_resumed_with_other_cells(self):
         """A later end asks for other cells: the line says that, and not that a file has changed."""
