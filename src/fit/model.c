@@ -96,9 +96,12 @@ static lac_status bring_base(lac_fit_model *model, const double *u, lac_error *e
 static lac_status judge(const lac_fit_model *model, const lac_sensitivity *seen, lac_error *err)
 {
     const lac_lump *lump = model->base.scene->lump;
-    return lump == NULL || (!seen->failed && seen->reached == 0)
-               ? LAC_OK
-               : lac_lump_judge(lump, lump->error, model->fit->source->lump.error, err);
+    if (lump == NULL || (!seen->failed && seen->reached == 0)) {
+        return LAC_OK;
+    }
+    return lac_lump_judge(
+        lump, seen->failed ? lac_lump_error(lump, false, seen->failure_time) : lump->error,
+        model->fit->source->lump.error, err);
 }
 
 static lac_sensitivity_def follow_of(const lac_fit_model *model, double end, size_t n,
