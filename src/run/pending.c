@@ -35,13 +35,8 @@ lac_pending *lac_pending_create(const lac_range *range, size_t arrays, bool wait
 {
     lac_pending *p = malloc(sizeof *p);
     if (p != NULL) {
-        p->range = *range;
-        p->arrays = arrays;
-        p->n = arrays * range->n;
-        p->waiting = p->now = 0;
-        p->waits = waits;
-        p->x = p->w = NULL;
-        p->last = (combination){.z = NULL};
+        *p = (lac_pending){
+            .range = *range, .arrays = arrays, .n = arrays * range->n, .waits = waits};
     }
     return p;
 }
@@ -50,9 +45,8 @@ void lac_pending_free(lac_pending *p) { free(p); }
 
 void lac_pending_close(lac_pending *p)
 {
-    p->n = p->arrays = 0;
+    p->n = p->arrays = p->waiting = p->now = 0;
     p->range = lac_range_whole(0);
-    p->waiting = p->now = 0;
 }
 
 size_t lac_pending_length(const lac_pending *p) { return p->n; }
@@ -86,24 +80,14 @@ static inline __attribute__((always_inline)) void make(const combination *t, siz
 #define LAC_UNROLLED(n)              \
     case n:                          \
         combine((n), first, end, t); \
-        break
+        break;
+#define LAC_UNROLLED_4(n) \
+    LAC_UNROLLED(n) LAC_UNROLLED((n) + 1) LAC_UNROLLED((n) + 2) LAC_UNROLLED((n) + 3)
     switch (t->count) { // so that each loop is unrolled
-        LAC_UNROLLED(0);
-        LAC_UNROLLED(1);
-        LAC_UNROLLED(2);
-        LAC_UNROLLED(3);
-        LAC_UNROLLED(4);
-        LAC_UNROLLED(5);
-        LAC_UNROLLED(6);
-        LAC_UNROLLED(7);
-        LAC_UNROLLED(8);
-        LAC_UNROLLED(9);
-        LAC_UNROLLED(10);
-        LAC_UNROLLED(11);
-        LAC_UNROLLED(12);
-        LAC_UNROLLED(13);
-        LAC_UNROLLED(14);
-        LAC_UNROLLED(15);
+        LAC_UNROLLED_4(0)
+        LAC_UNROLLED_4(4)
+        LAC_UNROLLED_4(8)
+        LAC_UNROLLED_4(12)
     default:
         combine(LAC_PENDING_TERMS, first, end, t);
     }
@@ -133,9 +117,9 @@ add_squares(const double *x, const double *w, double level, size_t first, size_t
 }
 
 // All that waits for a stretch of the vectors. @param sums  [LANES] gain the squares
-LAC_CLONES static void lac_pending_make(const lac_pending *p, size_t first, size_t end,
-                                        double *sums)
+LAC_CLONES static void lac_pending_make(const void *context, size_t first, size_t end, double *sums)
 {
+    const lac_pending *p = context;
     double s[LANES]; // in registers
     memcpy(s, sums, sizeof s);
     // what is alone has nothing to share a cache with
@@ -178,14 +162,9 @@ static double over_block(const lac_pending *p, stretch *look, const void *contex
     return together(s);
 }
 
-static void make_stretch(const void *context, size_t first, size_t end, double *s)
-{
-    lac_pending_make(context, first, end, s);
-}
-
 static void add_block(const void *context, size_t first, size_t end, double *sums)
 {
-    sums[0] += over_block(context, make_stretch, context, first, end);
+    sums[0] += over_block(context, lac_pending_make, context, first, end);
 }
 
 static bool reads(const combination *t, const double *x)

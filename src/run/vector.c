@@ -298,17 +298,14 @@ N_Vector lac_vector_create(const lac_range *range, size_t arrays, bool waits, SU
 {
     family *f = calloc(1, sizeof *f);
     N_Vector x = f == NULL ? NULL : N_VNewEmpty(sun);
-    if (x == NULL) {
-        free(f);
-        return NULL;
-    }
-    f->none.family = f;
-    f->pending = lac_pending_create(range, arrays, waits);
-    if (f->pending == NULL) {
+    lac_pending *pending = x == NULL ? NULL : lac_pending_create(range, arrays, waits);
+    if (pending == NULL) {
         N_VFreeEmpty(x);
         free(f);
         return NULL;
     }
+    f->none.family = f;
+    f->pending = pending;
     set_operations(x);
     join(x, f, bytes_of(lac_pending_length(f->pending)));
     if (f->lacking) {
