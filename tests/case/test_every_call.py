@@ -7,8 +7,7 @@ usage: test_every_call.py PROGRAM SOURCE_FOLDER AT_CALL [unittest options]
        test_every_call.py PROGRAM SOURCE_FOLDER AT_CALL --all [SCENE ...]
 
 AT_CALL is the library of tests/stop. With --all every command and every way to fail, which takes an
-hour, and counts; else a run with checkpoints, killed and torn, at every call or, for a slow program,
-every N-th.
+hour, and counts; else a run with checkpoints, killed and torn, at every call, or every N-th.
 
 After each of them the output is absent or the one that was there before; or it opens in netCDF4 with
 all that was synced; or Lacuna reads it with all that was synced, says so in one line that names
