@@ -29,6 +29,7 @@ static int rates(sunrealtype t, N_Vector y, N_Vector ydot, void *user)
 static int slip_rates(sunrealtype t, N_Vector y, N_Vector v, void *user)
 {
     lac_engine *engine = user;
+    lac_vector_forget(v);
     double *to = lac_vector_data(v);
     if (engine->found && lac_problem_rates_stay(engine->problem)) {
         memcpy(to, engine->work, engine->n * sizeof *to);
@@ -139,12 +140,21 @@ static lac_status make_vectors(lac_engine *engine, cvode *c, lac_error *err)
     return LAC_OK;
 }
 
-// The engine's y and slip are current, and free to be written.
+// The engine's y and slip are current, and may have been written or will be.
 static void settle(cvode *c)
 {
     (void)lac_vector_alone(c->y);
     if (c->slip != NULL) {
         (void)lac_vector_alone(c->slip);
+    }
+}
+
+// The same after a step. Who writes them settles before the integrator does more.
+static void look(cvode *c)
+{
+    (void)lac_vector_look(c->y);
+    if (c->slip != NULL) {
+        (void)lac_vector_look(c->slip);
     }
 }
 
@@ -197,6 +207,7 @@ static void cvode_count(lac_engine *engine)
 static lac_status cvode_restart(lac_engine *engine, double h, lac_error *err)
 {
     cvode *c = engine->inner;
+    settle(c);
     c->evaluations = 0;
     bool held = c->slip == NULL || (engine->rtol == c->held_to && !c->coarse) ||
                 set_slip_tolerance(engine, c, 0.0) == CV_SUCCESS;
@@ -262,7 +273,7 @@ static lac_status cvode_advance(lac_engine *engine, double stop, lac_error *err)
         flag = CVode(c->mem, stop, c->y, &t, CV_ONE_STEP);
     }
     bool slid = flag >= 0 && (c->slip == NULL || CVodeGetQuad(c->mem, &at, c->slip) == CV_SUCCESS);
-    settle(c);
+    look(c);
     engine->found = engine->found && flag == CV_SUCCESS && lac_problem_rates_stay(engine->problem);
     if (flag < 0) {
         return gave_up(engine, flag, err);
@@ -283,6 +294,7 @@ static bool cvode_at(lac_engine *engine, double t, double *observation)
 {
     cvode *c = engine->inner;
     double *slip = observation + engine->unknowns;
+    settle(c);
     lac_vector_lend(c->seen_y, observation);
     if (CVodeGetDky(c->mem, t, 0, c->seen_y) != CV_SUCCESS) {
         return false;

@@ -4,31 +4,21 @@
 
 #include "base/clones.h"
 #include "base/parallel_for.h"
+#include "run/pass.h"
 
 enum {
     MOST_WAITING = 64,
-    BLOCK = 256, // elements: some ten arrays of them fit the first cache
-    LANES = 8,
     LEAST_APART = 1 << 14, // elements: shorter vectors stay in a cache, and all is made at once
 };
-
-// z = sum_j c_j x_j; count 0: z = c_0
-typedef struct combination {
-    const double *x[LAC_PENDING_TERMS];
-    double c[LAC_PENDING_TERMS];
-    double *z;
-    int count;
-} combination;
 
 struct lac_pending {
     lac_range range;
     size_t arrays, n, waiting;
-    size_t now; // of those that wait, the first so many are made in this pass
     bool waits;
-    const double *x, *w; // (x w)^2 is wanted; or NULL
-    double level;        // w where that is NULL
-    combination last;    // sum of two arrays that still holds, made or waiting; z NULL: none
-    combination list[MOST_WAITING];
+    lac_pass pass;            // of those that wait, the first so many, to be made now
+    lac_combination last;     // sum of two arrays that still holds, made or waiting; z NULL: none
+    const double *one, *twin; // or NULL: what one is, made or waiting, twin is
+    lac_combination list[MOST_WAITING];
 };
 
 lac_pending *lac_pending_create(const lac_range *range, size_t arrays, bool waits)
@@ -37,6 +27,7 @@ lac_pending *lac_pending_create(const lac_range *range, size_t arrays, bool wait
     if (p != NULL) {
         *p = (lac_pending){
             .range = *range, .arrays = arrays, .n = arrays * range->n, .waits = waits};
+        p->pass.list = p->list;
     }
     return p;
 }
@@ -45,7 +36,7 @@ void lac_pending_free(lac_pending *p) { free(p); }
 
 void lac_pending_close(lac_pending *p)
 {
-    p->n = p->arrays = p->waiting = p->now = 0;
+    p->n = p->arrays = p->waiting = p->pass.count = 0;
     p->range = lac_range_whole(0);
 }
 
@@ -55,94 +46,18 @@ const lac_team *lac_pending_team(const lac_pending *p) { return p->range.team; }
 
 size_t lac_pending_all(const lac_pending *p) { return p->arrays * p->range.all; }
 
-// Each vector is read once. `count` is known where this is inlined.
-static inline __attribute__((always_inline)) void combine(int count, size_t first, size_t end,
-                                                          const combination *from)
-{
-    const combination t = *from;
-    double *z = t.z;
-    LAC_INDEPENDENT
-    for (size_t i = first; i < end; i++) {
-        double sum = t.c[0];
-        if (count > 0) {
-            sum *= t.x[0][i];
-        }
-        for (int j = 1; j < count; j++) {
-            sum += t.c[j] * t.x[j][i];
-        }
-        z[i] = sum;
-    }
-}
-
-static inline __attribute__((always_inline)) void make(const combination *t, size_t first,
-                                                       size_t end)
-{
-#define LAC_UNROLLED(n)              \
-    case n:                          \
-        combine((n), first, end, t); \
-        break;
-#define LAC_UNROLLED_4(n) \
-    LAC_UNROLLED(n) LAC_UNROLLED((n) + 1) LAC_UNROLLED((n) + 2) LAC_UNROLLED((n) + 3)
-    switch (t->count) { // so that each loop is unrolled
-        LAC_UNROLLED_4(0)
-        LAC_UNROLLED_4(4)
-        LAC_UNROLLED_4(8)
-        LAC_UNROLLED_4(12)
-    default:
-        combine(LAC_PENDING_TERMS, first, end, t);
-    }
-}
-
 // Eight running sums, added up in a fixed order: vectorises, and the bits never change.
 static double together(const double *s)
 {
     return ((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7]));
 }
 
-// @param w  NULL: `level`, known where this is inlined
-static inline __attribute__((always_inline)) void
-add_squares(const double *x, const double *w, double level, size_t first, size_t end, double *s)
-{
-    size_t whole = end - (end - first) % LANES;
-    for (size_t i = first; i < whole; i += LANES) {
-        for (size_t k = 0; k < LANES; k++) {
-            double term = x[i + k] * (w != NULL ? w[i + k] : level);
-            s[k] += term * term;
-        }
-    }
-    for (size_t i = whole; i < end; i++) {
-        double term = x[i] * (w != NULL ? w[i] : level);
-        s[i - whole] += term * term;
-    }
-}
-
-// All that waits for a stretch of the vectors. @param sums  [LANES] gain the squares
-LAC_CLONES static void lac_pending_make(const void *context, size_t first, size_t end, double *sums)
-{
-    const lac_pending *p = context;
-    double s[LANES]; // in registers
-    memcpy(s, sums, sizeof s);
-    // what is alone has nothing to share a cache with
-    size_t block = p->now + (p->x != NULL ? 1 : 0) > 1 ? BLOCK : end - first;
-    for (size_t begin = first; begin < end; begin += block) {
-        size_t stop = end - begin < block ? end : begin + block;
-        for (size_t i = 0; i < p->now; i++) {
-            make(&p->list[i], begin, stop);
-        }
-        if (p->x != NULL && p->w != NULL) {
-            add_squares(p->x, p->w, 0.0, begin, stop, s);
-        } else if (p->x != NULL) {
-            add_squares(p->x, NULL, p->level, begin, stop, s);
-        }
-    }
-    memcpy(sums, s, sizeof s);
-}
-
 static void make_part(void *context, size_t part, size_t first, size_t end)
 {
-    double none[LANES] = {0};
+    double none[LAC_PASS_LANES] = {0};
     (void)part;
-    lac_pending_make(context, first, end, none);
+    const lac_pending *p = context;
+    lac_pass_make(&p->pass, first, end, none);
 }
 
 // A block of cells: its stretches of all arrays, or where all cells are one block the whole.
@@ -151,7 +66,7 @@ typedef void stretch(const void *context, size_t first, size_t end, double *s);
 static double over_block(const lac_pending *p, stretch *look, const void *context, size_t first,
                          size_t end)
 {
-    double s[LANES] = {0};
+    double s[LAC_PASS_LANES] = {0};
     if (p->range.all <= p->range.block) {
         look(context, 0, p->n, s);
         return together(s);
@@ -164,10 +79,11 @@ static double over_block(const lac_pending *p, stretch *look, const void *contex
 
 static void add_block(const void *context, size_t first, size_t end, double *sums)
 {
-    sums[0] += over_block(context, lac_pending_make, context, first, end);
+    const lac_pending *p = context;
+    sums[0] += over_block(p, lac_pass_make, &p->pass, first, end);
 }
 
-static bool reads(const combination *t, const double *x)
+static bool reads(const lac_combination *t, const double *x)
 {
     bool found = false;
     for (int j = 0; j < t->count; j++) {
@@ -177,7 +93,7 @@ static bool reads(const combination *t, const double *x)
 }
 
 // Whether the order of two sums counts.
-static bool tied(const combination *a, const combination *b)
+static bool tied(const lac_combination *a, const lac_combination *b)
 {
     return a->z == b->z || reads(a, b->z) || reads(b, a->z);
 }
@@ -187,37 +103,38 @@ static bool tied(const combination *a, const combination *b)
 // @param all  so does all else, but for other arrays that are one number and nobody asks for yet
 static void pick(lac_pending *p, const double *x, const double *w, bool written, bool all)
 {
-    combination late[MOST_WAITING];
+    lac_combination late[MOST_WAITING];
     bool picked[MOST_WAITING];
     size_t rest = 0;
-    p->now = p->waiting;
+    p->pass.count = p->waiting;
     if (p->n < LEAST_APART) {
         return;
     }
     for (size_t i = p->waiting; i-- > 0;) {
-        const combination *t = &p->list[i];
+        const lac_combination *t = &p->list[i];
         picked[i] = t->z == x || t->z == w || (written && reads(t, x)) || (all && t->count > 0);
         for (size_t k = i + 1; k < p->waiting && !picked[i]; k++) {
             picked[i] = picked[k] && tied(t, &p->list[k]);
         }
     }
-    p->now = 0;
+    p->pass.count = 0;
     for (size_t i = 0; i < p->waiting; i++) {
-        *(picked[i] ? &p->list[p->now++] : &late[rest++]) = p->list[i];
+        *(picked[i] ? &p->list[p->pass.count++] : &late[rest++]) = p->list[i];
     }
-    memcpy(p->list + p->now, late, rest * sizeof *late);
+    memcpy(p->list + p->pass.count, late, rest * sizeof *late);
 }
 
 // What was picked is made.
 static void drop_made(lac_pending *p)
 {
-    p->waiting -= p->now;
-    memmove(p->list, p->list + p->now, p->waiting * sizeof *p->list);
+    p->waiting -= p->pass.count;
+    memmove(p->list, p->list + p->pass.count, p->waiting * sizeof *p->list);
 }
 
 static void make_picked(lac_pending *p)
 {
-    if (p->now > 0) {
+    if (p->pass.count > 0) {
+        lac_pass_plan(&p->pass);
         (void)lac_parallel_for(p->n, make_part, p);
         drop_made(p);
     }
@@ -229,6 +146,9 @@ static void touch(lac_pending *p, const double *x)
     if (p->last.z == x || reads(&p->last, x)) {
         p->last.z = NULL;
     }
+    if (p->one == x || p->twin == x) {
+        p->one = p->twin = NULL;
+    }
 }
 
 void lac_pending_finish(lac_pending *p, const double *x)
@@ -238,13 +158,34 @@ void lac_pending_finish(lac_pending *p, const double *x)
     touch(p, x);
 }
 
-void lac_pending_finish_one(lac_pending *p, const double *x, bool written)
+void lac_pending_finish_one(lac_pending *p, const double *x)
 {
-    pick(p, x, x, written, false);
+    pick(p, x, x, true, false);
     make_picked(p);
-    if (written) {
-        touch(p, x);
+    touch(p, x);
+}
+
+static bool waits_for(const lac_pending *p, const double *x)
+{
+    bool found = false;
+    for (size_t i = 0; i < p->waiting; i++) {
+        found = found || p->list[i].z == x;
     }
+    return found;
+}
+
+// Where what x will be can be read already, or x itself.
+static const double *made_of(const lac_pending *p, const double *x)
+{
+    return x == p->one && waits_for(p, x) && !waits_for(p, p->twin) ? p->twin : x;
+}
+
+const double *lac_pending_look(lac_pending *p, const double *x)
+{
+    const double *made = made_of(p, x);
+    pick(p, made, made, true, false);
+    make_picked(p);
+    return made;
 }
 
 void lac_pending_forget(lac_pending *p, const double *x)
@@ -272,19 +213,21 @@ static const double *level_of(const lac_pending *p, const double *x)
 
 double lac_pending_squares(lac_pending *p, const double *x, const double *w)
 {
+    x = made_of(p, x);
     const double *same = level_of(p, x), *level = level_of(p, w); // these can go on waiting
     const bool zero = same != NULL && *same == 0.0;
-    p->x = zero ? NULL : x;
-    p->w = level != NULL ? NULL : w;
-    p->level = level != NULL ? *level : 0.0;
-    p->now = 0;
+    p->pass.x = zero ? NULL : x;
+    p->pass.w = level != NULL ? NULL : w;
+    p->pass.level = level != NULL ? *level : 0.0;
+    p->pass.count = 0;
     if (!zero) {
         pick(p, x, level != NULL ? x : w, false, false);
     }
     double sum;
+    lac_pass_plan(&p->pass);
     lac_range_sums(&p->range, 1, add_block, p, &sum);
     drop_made(p);
-    p->x = p->w = NULL;
+    p->pass.x = p->pass.w = NULL;
     return sum;
 }
 
@@ -297,12 +240,12 @@ typedef struct product {
 LAC_CLONES static void lac_pending_multiply(const void *context, size_t first, size_t end,
                                             double *sums)
 {
-    double s[LANES];
+    double s[LAC_PASS_LANES];
     memcpy(s, sums, sizeof s);
     const double *x = ((const product *)context)->x, *y = ((const product *)context)->y;
-    size_t whole = end - (end - first) % LANES;
-    for (size_t i = first; i < whole; i += LANES) {
-        for (size_t k = 0; k < LANES; k++) {
+    size_t whole = end - (end - first) % LAC_PASS_LANES;
+    for (size_t i = first; i < whole; i += LAC_PASS_LANES) {
+        for (size_t k = 0; k < LAC_PASS_LANES; k++) {
             s[k] += x[i + k] * y[i + k];
         }
     }
@@ -324,17 +267,60 @@ double lac_pending_dot(const lac_pending *p, const double *x, const double *y)
     return sum;
 }
 
-// Whether t is what was added up last, of arrays that have not changed since.
-static bool holds(const lac_pending *p, const combination *t)
+static bool copies(const lac_combination *t)
 {
-    const combination *last = &p->last;
-    return t->count == 2 && last->z == t->z && last->x[0] == t->x[0] && last->x[1] == t->x[1] &&
-           last->c[0] == t->c[0] && last->c[1] == t->c[1];
+    return t->form == LAC_PENDING_SUM && t->count == 1 && t->c[0] == 1.0;
+}
+
+// Whether t is what was added up last, of arrays that have not changed since, or gives one's twin
+// what it has.
+static bool holds(const lac_pending *p, const lac_combination *t)
+{
+    const lac_combination *last = &p->last;
+    const bool again = t->count == 2 && last->z == t->z && last->x[0] == t->x[0] &&
+                       last->x[1] == t->x[1] && last->c[0] == t->c[0] && last->c[1] == t->c[1];
+    return again || (copies(t) && t->x[0] == p->one && t->z == p->twin);
+}
+
+// Whether t makes of one of two arrays what was last made of both: a state that is corrected
+// becomes the one that was tried. x + z is z + x to the bit.
+static bool makes_twin(const lac_pending *p, const lac_combination *t)
+{
+    const lac_combination *last = &p->last;
+    return last->z != NULL && lac_combination_gains(t, t->z, t->x[0]) && t->c[0] == 1.0 &&
+           last->x[0] == t->z && last->x[1] == t->x[0] && last->c[0] == 1.0 && last->c[1] == 1.0;
+}
+
+// The last of the list is new.
+static void enter(lac_pending *p)
+{
+    lac_combination *t = &p->list[p->waiting]; // there is always room for one more
+    if (holds(p, t)) {
+        return;
+    }
+    if ((copies(t) || t->form != LAC_PENDING_SUM) && t->x[0] == p->one) {
+        t->x[0] = p->twin; // one can go on waiting
+    }
+    const double *twin = makes_twin(p, t) ? p->last.z : NULL;
+    touch(p, t->z);
+    if (twin != NULL) {
+        p->one = t->z;
+        p->twin = twin;
+    }
+    if (t->count == 2 && !reads(t, t->z)) {
+        p->last = *t;
+    }
+    p->waiting++;
+    if (!p->waits || p->waiting == MOST_WAITING) {
+        p->pass.count = p->waiting;
+        make_picked(p);
+    }
 }
 
 void lac_pending_add(lac_pending *p, int count, const double *c, const double *const *x, double *z)
 {
-    combination *t = &p->list[p->waiting]; // there is always room for one more
+    lac_combination *t = &p->list[p->waiting];
+    t->form = LAC_PENDING_SUM;
     t->count = count;
     t->c[0] = c[0];
     t->z = z;
@@ -342,16 +328,11 @@ void lac_pending_add(lac_pending *p, int count, const double *c, const double *c
         t->c[j] = c[j];
         t->x[j] = x[j];
     }
-    if (holds(p, t)) {
-        return;
-    }
-    touch(p, z);
-    if (count == 2 && !reads(t, z)) {
-        p->last = *t;
-    }
-    p->waiting++;
-    if (!p->waits || p->waiting == MOST_WAITING) {
-        p->now = p->waiting;
-        make_picked(p);
-    }
+    enter(p);
+}
+
+void lac_pending_apply(lac_pending *p, lac_pending_form form, double c, const double *x, double *z)
+{
+    p->list[p->waiting] = (lac_combination){.form = form, .count = 1, .c = {c}, .x = {x}, .z = z};
+    enter(p);
 }

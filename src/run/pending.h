@@ -9,6 +9,14 @@
 // the bits are the same. CVODE's prediction is 15 sums of two arrays at order 5.
 typedef struct lac_pending lac_pending;
 
+/// What is made of an array besides sums: |x|, x + c, 1/x.
+typedef enum lac_pending_form {
+    LAC_PENDING_SUM,
+    LAC_PENDING_ABS,
+    LAC_PENDING_SHIFT,
+    LAC_PENDING_INVERSE
+} lac_pending_form;
+
 enum { LAC_PENDING_TERMS = 16 }; ///< of a sum, at most: CVODE and ARKODE ask for less
 
 /// @param arrays  of the cells that a vector is made of, one after the other
@@ -34,12 +42,21 @@ void lac_pending_close(lac_pending *p);
 /// two that still holds is not made again.
 void lac_pending_add(lac_pending *p, int count, const double *c, const double *const *x, double *z);
 
+/// z = |x|, x + c or 1/x, which waits likewise.
+void lac_pending_apply(lac_pending *p, lac_pending_form form, double c, const double *x, double *z);
+
 /// Makes all that waits, but for other arrays that are one number. x may then be read and written.
 void lac_pending_finish(lac_pending *p, const double *x);
 
-/// Makes what x waits for, so that it may be read, and what waits for x, where it may be written as
-/// well. Where vectors are long the rest goes on waiting, for a pass that it can share.
-void lac_pending_finish_one(lac_pending *p, const double *x, bool written);
+/// Makes what x waits for and what waits for x, so that it may be read and written. Where vectors
+/// are long the rest goes on waiting, for a pass that it can share.
+void lac_pending_finish_one(lac_pending *p, const double *x);
+
+/// The same to be read alone, until something is added. What x waits to become may have been made
+/// elsewhere: a state that CVODE corrects is the one that it has tried. Who writes to a sum of two
+/// finishes it before that, or before more is added.
+/// @return where to read it
+const double *lac_pending_look(lac_pending *p, const double *x);
 
 /// Whatever x waits to become nobody asks for any more: it will be written anew.
 void lac_pending_forget(lac_pending *p, const double *x);

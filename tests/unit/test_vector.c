@@ -55,9 +55,9 @@ static void look_at_one(lac_pending *p, size_t n, uint64_t k, arrays *plain, arr
     const size_t which = choose(k, 4, ARRAYS), weight = choose(k, 5, ARRAYS);
     double *is = made->of[which], *should = plain->of[which];
     if (choose(k, 6, 2) == 0) {
-        lac_pending_finish_one(p, is, false);
+        assert_memory_equal(lac_pending_look(p, is), should, n * sizeof *is);
+        lac_pending_finish_one(p, is);
         assert_memory_equal(is, should, n * sizeof *is);
-        lac_pending_finish_one(p, is, true);
         is[n / 2] = should[n / 2] = uniform(k, 7);
         return;
     }
@@ -115,7 +115,7 @@ static void many_at_random(size_t n, bool waits)
     }
     lac_pending_finish(p, NULL);
     for (size_t j = 0; j < ARRAYS; j++) {
-        lac_pending_finish_one(p, made.of[j], false);
+        lac_pending_finish_one(p, made.of[j]);
         assert_memory_equal(plain.of[j], made.of[j], sizeof plain.of[j]);
     }
     lac_pending_free(p);
