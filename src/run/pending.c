@@ -174,10 +174,10 @@ static bool waits_for(const lac_pending *p, const double *x)
     return found;
 }
 
-// Where what x will be can be read already, or x itself.
+// Where what x will be can be read, or made, without x.
 static const double *made_of(const lac_pending *p, const double *x)
 {
-    return x == p->one && waits_for(p, x) && !waits_for(p, p->twin) ? p->twin : x;
+    return x == p->one && waits_for(p, x) ? p->twin : x;
 }
 
 const double *lac_pending_look(lac_pending *p, const double *x)

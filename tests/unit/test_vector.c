@@ -187,6 +187,115 @@ static void squares_of_what_waits(void **state)
     }
 }
 
+// What CVODE does at the end of a step and at the beginning of the next, as it is seen from here:
+// z_j = c_j a + z_j, then z_j-1 = z_j-1 + z_j for j = q ... m, of m = 1 ... q. @param last  factor
+// of the last sum: else 1
+static void step_history(lac_pending *p, int order, bool corrected, const double *a,
+                         double *const *z, const double last[2])
+{
+    for (int j = 0; corrected && j <= order; j++) {
+        lac_pending_add(p, 2, (double[]){0.3 + j, 1.0}, (const double *[]){a, z[j]}, z[j]);
+    }
+    for (int m = 1; m <= order; m++) {
+        for (int j = order; j >= m; j--) {
+            lac_pending_add(p, 2, m < order ? (double[]){1.0, 1.0} : last,
+                            (const double *[]){z[j - 1], z[j]}, z[j - 1]);
+        }
+    }
+}
+
+// A prediction in registers has the bits of its sums, of every order and length, alone and after
+// other sums; with another factor or an array twice it is none.
+static void prediction_is_its_sums(void **state)
+{
+    enum { HIGHEST = 7, WAYS = 7 };
+    static double z[2][HIGHEST + 1][LONG], a[LONG];
+    const size_t lengths[] = {1, 255, 1000, LONG};
+    (void)state;
+    for (size_t k = 0; k < sizeof lengths / sizeof *lengths * HIGHEST * WAYS; k++) {
+        const size_t n = lengths[k / WAYS / HIGHEST];
+        const int order = 1 + (int)(k / WAYS % HIGHEST), way = (int)(k % WAYS);
+        const lac_range whole = lac_range_whole(n);
+        for (int late = 0; late < 2; late++) {
+            lac_pending *p = lac_pending_create(&whole, 1, late != 0);
+            for (size_t i = 0; i < n; i++) {
+                a[i] = uniform(i, 1);
+                for (size_t j = 0; j <= HIGHEST; j++) {
+                    z[late][j][i] = uniform(i, 300 + j);
+                }
+            }
+            double *top = z[late][order], *next = z[late][order - 1];
+            if (way == 1) {
+                lac_pending_add(p, 1, (double[]){0.7}, (const double *[]){top}, top);
+            } else if (way == 2) { // z_q is corrected by another
+                lac_pending_add(p, 2, (double[]){0.1, 1.0}, (const double *[]){next, top}, top);
+            }
+            double *at[HIGHEST + 1];
+            for (int j = 0; j <= order; j++) {
+                at[j] = z[late][way == 5 && j == order ? 0 : j];
+            }
+            step_history(p, order, way > 0, way == 6 ? at[order / 2] : a, at,
+                         (double[]){way == 3 ? 0.5 : 1.0, way == 4 ? 0.5 : 1.0});
+            lac_pending_finish(p, z[late][0]);
+            lac_pending_free(p);
+        }
+        for (int j = 0; j <= order; j++) {
+            assert_memory_equal(z[0][j], z[1][j], n * sizeof(double));
+        }
+    }
+}
+
+// What a trial, y = z + a, and the state that becomes it, z = a + z, may meet: all of it in turn.
+enum { UNSEEN, SCALED, FROM_OTHER, Y_WRITTEN, Y_GIVEN, Z_GIVEN, A_GIVEN, FATES };
+
+enum { Z, A, Y, SIZE, COPY, OTHER, PLACES };
+
+static void try_and_correct(lac_pending *p, int fate, double of[PLACES][LONG])
+{
+    const double c[] = {fate == SCALED ? 0.5 : 1.0, 1.0}, two[] = {1.0, 1.0}, by[] = {2.0};
+    const double *from = fate == FROM_OTHER ? of[OTHER] : of[Z];
+    lac_pending_add(p, 2, c, (const double *[]){from, of[A]}, of[Y]);
+    if (fate != UNSEEN) {
+        (void)lac_pending_look(p, of[Y]);
+    }
+    lac_pending_add(p, 2, two, (const double *[]){of[A], of[Z]}, of[Z]);
+    lac_pending_add(p, 1, two, (const double *[]){of[Z]}, of[Y]);
+    lac_pending_apply(p, LAC_PENDING_ABS, 0.0, of[Z], of[SIZE]);
+    lac_pending_apply(p, LAC_PENDING_SHIFT, 2.0, of[SIZE], of[SIZE]);
+    lac_pending_apply(p, LAC_PENDING_INVERSE, 0.0, of[SIZE], of[SIZE]);
+    of[OTHER][1] = lac_pending_look(p, of[Z])[LONG / 2];
+    if (fate == Y_WRITTEN) {
+        lac_pending_finish_one(p, of[Y]);
+        of[Y][LONG / 2] = 7.0;
+    } else if (fate >= Y_GIVEN) {
+        double *given = of[fate == Y_GIVEN ? Y : fate == Z_GIVEN ? Z : A];
+        lac_pending_add(p, 1, by, (const double *[]){given}, given);
+    }
+    of[OTHER][2] = lac_pending_look(p, of[Z])[LONG / 2];
+    of[OTHER][3] = lac_pending_squares(p, of[Z], of[SIZE]);
+    lac_pending_add(p, 1, two, (const double *[]){of[Z]}, of[COPY]);
+    lac_pending_finish(p, of[Z]);
+}
+
+// A state corrected by what was added to it for a trial is that trial, until one of them changes.
+static void trial_becomes_state(void **state)
+{
+    static double of[2][PLACES][LONG];
+    (void)state;
+    for (int fate = 0; fate < FATES; fate++) {
+        for (int late = 0; late < 2; late++) {
+            const lac_range whole = lac_range_whole(LONG);
+            lac_pending *p = lac_pending_create(&whole, 1, late != 0);
+            for (size_t k = 0; k < PLACES * (size_t)LONG; k++) {
+                of[late][k / LONG][k % LONG] = uniform(k, 1);
+            }
+            try_and_correct(p, fate, of[late]);
+            lac_pending_free(p);
+        }
+        assert_memory_equal(of[0], of[1], sizeof of[0]);
+    }
+}
+
 // Coupled oscillators: dx/dt = v, dv/dt = -(2 + sin i) x + mean v^2.
 static int swing(sunrealtype t, N_Vector y, N_Vector ydot, void *user)
 {
@@ -249,10 +358,9 @@ static void cvode_sees_no_difference(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(waiting_changes_no_bit),
-        cmocka_unit_test(long_combination),
-        cmocka_unit_test(squares_of_what_waits),
-        cmocka_unit_test(cvode_sees_no_difference),
+        cmocka_unit_test(waiting_changes_no_bit), cmocka_unit_test(long_combination),
+        cmocka_unit_test(squares_of_what_waits),  cmocka_unit_test(prediction_is_its_sums),
+        cmocka_unit_test(trial_becomes_state),    cmocka_unit_test(cvode_sees_no_difference),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
