@@ -59,7 +59,7 @@ void lac_problem_forget(const lac_problem *problem, double *work)
     }
 }
 
-// A block of cells from `first` on, their sizes of v put into `speed`; NULL: nothing needs them.
+// A block of cells from `first` on. @param speed  room for |v|; NULL: nothing needs it
 // @param rates  [LAC_FRICTION_BLOCK] d ln(pressure)/dt of these cells, where each has its own
 static inline lac_friction_cells cells_from(const lac_look *at, size_t first, double *speed,
                                             double *rates)
@@ -70,14 +70,16 @@ static inline lac_friction_cells cells_from(const lac_look *at, size_t first, do
     for (size_t i = 0; apart && i < length; i++) {
         rates[i] = drive->share_rates[first + i] / drive->shares[first + i];
     }
-    if (speed != NULL) {
-        lac_vabs(length, at->motion.v + first, speed);
+    const double *v = at->motion.v + first;
+    if (speed != NULL && at->problem->kind->either_sign) {
+        lac_vabs(length, v, speed);
+        v = speed;
     }
     return (lac_friction_cells){.first = first,
                                 .n = length,
                                 .u = at->motion.u + first,
                                 .w = at->w + first,
-                                .v = speed,
+                                .v = speed != NULL ? v : NULL,
                                 .normal_rate = drive->share_rate / drive->share,
                                 .normal_rates = apart ? rates : NULL};
 }
@@ -85,7 +87,8 @@ static inline lac_friction_cells cells_from(const lac_look *at, size_t first, do
 size_t lac_block_friction(const lac_look *at, size_t first, lac_block *s, lac_block_slopes *d)
 {
     double rates[LAC_FRICTION_BLOCK];
-    const lac_friction_cells cells = cells_from(at, first, s->speed, rates);
+    const lac_friction_cells cells = cells_from(at, first, s->room, rates);
+    s->speed = cells.v;
     lac_friction_values values = lac_block_values(s);
     lac_friction_slopes slopes = {0};
     if (d != NULL) {
@@ -119,7 +122,7 @@ void lac_problem_unbalanced(const lac_look *at, double *traction, double *wdot)
     for (size_t first = 0; first < at->problem->n; first += LAC_FRICTION_BLOCK) {
         double rates[LAC_FRICTION_BLOCK];
         lac_block s;
-        const lac_friction_cells cells = cells_from(at, first, by_speed ? s.speed : NULL, rates);
+        const lac_friction_cells cells = cells_from(at, first, by_speed ? s.room : NULL, rates);
         const lac_friction_values values = {.f = s.f, .g = wdot != NULL ? wdot + first : NULL};
         lac_friction_evaluate(at->problem->friction, &cells, &values, NULL);
         lac_formulation_take_held(at, first, cells.n, s.f, traction + first);

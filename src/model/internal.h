@@ -403,7 +403,8 @@ bool lac_problem_evolve(const lac_look *at, double *wdot);
 typedef struct lac_block {
     double f[LAC_FRICTION_BLOCK], f_u[LAC_FRICTION_BLOCK], f_w[LAC_FRICTION_BLOCK];
     double g[LAC_FRICTION_BLOCK];
-    double speed[LAC_FRICTION_BLOCK]; // |v|
+    double room[LAC_FRICTION_BLOCK];
+    const double *speed; // |v|
 } lac_block;
 
 typedef struct lac_block_slopes {

@@ -27,7 +27,7 @@ LAC_TEXT_GETTER(method, FORECAST, f->kind->info.name)
 LAC_GETTER(bool, has50, FORECAST, !isnan(f->low50) && !isnan(f->high50))
 LAC_GETTER(bool, has90, FORECAST, !isnan(f->low90) && !isnan(f->high90))
 LAC_GETTER(bool, has_posterior, FORECAST, f->fit.posterior)
-LAC_GETTER(bool, of_case, FORECAST, f->kind == &lac_forecast_case)
+LAC_GETTER(bool, judged, FORECAST, f->kind == &lac_forecast_case && !isnan(f->fit.rms))
 #define POSTERIOR(k) \
     LAC_GETTER(double, posterior##k, FORECAST, f->issue_time + exp(f->fit.quantile[k]))
 POSTERIOR(0)
@@ -169,7 +169,7 @@ static const lac_variable of_set[] = {
         {.json = in "issued", F(BOOL, issued)}, {.json = in "reason", T(why)},                   \
         {.json = in "rms", F(REAL, fit.rms)}, {.json = in "rms_unit", F(TEXT, fit.rms_unit)},    \
         {.json = in "misfit", F(REAL, fit.misfit)}, {.json = in "excess", F(REAL, fit.excess)},  \
-        {.json = in "fits_badly", F(BOOL, fit.poor), .has = of_case},                            \
+        {.json = in "fits_badly", F(BOOL, fit.poor), .has = judged},                             \
         {.json = in "relative_error", F(REAL, fit.error)},                                       \
         {.json = in "points", F(COUNT, fit.points)},                                             \
         {.json = in "parameters{}",                                                              \

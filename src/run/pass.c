@@ -2,6 +2,8 @@
 // One pass over memory: each block through all that waits while it is in the cache.
 #include "run/pass.h"
 
+#include <string.h>
+
 #include "base/clones.h"
 
 enum { BLOCK = 256 }; // elements: some ten arrays of them fit the first cache
@@ -25,36 +27,9 @@ static inline __attribute__((always_inline)) void combine(int count, size_t firs
     }
 }
 
-static inline __attribute__((always_inline)) void make_form(const lac_combination *t, size_t first,
-                                                            size_t end)
-{
-    const double *x = t->x[0], c = t->c[0];
-    double *z = t->z;
-    if (t->form == LAC_PENDING_ABS) {
-        LAC_INDEPENDENT
-        for (size_t i = first; i < end; i++) {
-            z[i] = fabs(x[i]);
-        }
-    } else if (t->form == LAC_PENDING_SHIFT) {
-        LAC_INDEPENDENT
-        for (size_t i = first; i < end; i++) {
-            z[i] = x[i] + c;
-        }
-    } else {
-        LAC_INDEPENDENT
-        for (size_t i = first; i < end; i++) {
-            z[i] = 1.0 / x[i];
-        }
-    }
-}
-
 static inline __attribute__((always_inline)) void make(const lac_combination *t, size_t first,
                                                        size_t end)
 {
-    if (t->form != LAC_PENDING_SUM) {
-        make_form(t, first, end);
-        return;
-    }
 #define LAC_UNROLLED(n)              \
     case n:                          \
         combine((n), first, end, t); \
@@ -67,18 +42,18 @@ static inline __attribute__((always_inline)) void make(const lac_combination *t,
         LAC_UNROLLED_4(8)
         LAC_UNROLLED_4(12)
     default:
-        combine(LAC_PENDING_TERMS, first, end, t);
+        combine(LAC_PASS_TERMS, first, end, t);
     }
 }
 
-// The whole history of an element in registers: as sums, a step of order 5 reads and writes the
-// first cache 63 times and not 13. What is beyond `order` is left out where this is inlined.
-static inline __attribute__((always_inline)) void predict(int order, bool corrected, size_t first,
-                                                          size_t end, const lac_prediction *from)
+// The whole history of an element in registers: as sums, a prediction of order 5 reads and writes
+// the first cache 45 times and not 11. What is beyond `order` is left out where this is inlined.
+static inline __attribute__((always_inline)) void predict(int order, size_t first, size_t end,
+                                                          const lac_prediction *from)
 {
-#define LAC_OF(j) ((j) > order ? 0.0 : corrected ? t.c[j] * t.a[i] + t.z[j][i] : t.z[j][i])
+#define LAC_OF(j) ((j) > order ? 0.0 : (j) == order ? t.top[i] : t.z[j][i])
 #define LAC_ADD(j, next) (z##j = (next) > order ? z##j : z##j + z##next)
-#define LAC_PUT(j) ((j) < order + (corrected ? 1 : 0) ? (void)(t.to[j][i] = z##j) : (void)0)
+#define LAC_PUT(j) ((j) < order ? (void)(t.z[j][i] = z##j) : (void)0)
     const lac_prediction t = *from;
     LAC_INDEPENDENT
     for (size_t i = first; i < end; i++) {
@@ -89,21 +64,18 @@ static inline __attribute__((always_inline)) void predict(int order, bool correc
         LAC_ADD(4, 5), LAC_ADD(3, 4), LAC_ADD(2, 3);
         LAC_ADD(4, 5), LAC_ADD(3, 4);
         LAC_ADD(4, 5);
-        LAC_PUT(0), LAC_PUT(1), LAC_PUT(2), LAC_PUT(3), LAC_PUT(4), LAC_PUT(5);
+        LAC_PUT(0), LAC_PUT(1), LAC_PUT(2), LAC_PUT(3), LAC_PUT(4);
     }
 }
 
 static inline __attribute__((always_inline)) void make_predicted(const lac_prediction *t,
                                                                  size_t first, size_t end)
 {
-#define LAC_PREDICTED(q)                    \
-    case 2 * (q):                           \
-        predict((q), false, first, end, t); \
-        break;                              \
-    case 2 * (q) + 1:                       \
-        predict((q), true, first, end, t);  \
+#define LAC_PREDICTED(q)             \
+    case q:                          \
+        predict((q), first, end, t); \
         break;
-    switch (2 * t->order + (t->corrected ? 1 : 0)) {
+    switch (t->order) {
         LAC_PREDICTED(2)
         LAC_PREDICTED(3)
         LAC_PREDICTED(4)
@@ -152,12 +124,6 @@ LAC_CLONES void lac_pass_make(const void *context, size_t first, size_t end, dou
     memcpy(sums, s, sizeof s);
 }
 
-// Whether t is z = c x + z.
-bool lac_combination_gains(const lac_combination *t, const double *z, const double *x)
-{
-    return t->count == 2 && t->z == z && t->x[0] == x && t->x[1] == z && t->c[1] == 1.0;
-}
-
 // Whether t is z = z + x.
 static bool adds(const lac_combination *t, const double *z, const double *x)
 {
@@ -166,54 +132,33 @@ static bool adds(const lac_combination *t, const double *z, const double *x)
 }
 
 // Whether the sums from t on are a prediction of this order, and the arrays all others.
-static bool find_order(const lac_combination *t, int order, lac_prediction *found)
+static bool find_prediction(const lac_combination *t, int order, lac_prediction *found)
 {
-    *found = (lac_prediction){.order = order};
-    found->z[order] = t->x[1];
+    *found = (lac_prediction){.order = order, .top = t->x[1]};
     for (int j = 0; j < order; j++) {
-        found->z[j] = found->to[j] = t[order - 1 - j].z;
+        found->z[j] = t[order - 1 - j].z;
     }
     bool good = true;
-    for (int m = 1; m <= order; m++) {
-        for (int j = order; j >= m; j--) {
-            good = good && adds(t++, found->z[j - 1], found->z[j]);
+    for (int m = order; m > 0; m--) { // sums of this sweep: of z_order-1 ... z_order-m
+        for (int j = order - 1; j >= order - m; j--) {
+            good = good && adds(t++, found->z[j], j + 1 < order ? found->z[j + 1] : found->top);
         }
         for (int j = 0; j < m; j++) {
-            good = good && found->z[j] != found->z[m];
+            good = good && found->z[j] != (m < order ? found->z[m] : found->top);
         }
     }
     return good;
 }
 
-// Whether the sums from t on, as many as the prediction has arrays, correct these.
-static bool find_correction(const lac_combination *t, lac_prediction *found)
-{
-    found->a = t->x[0];
-    found->corrected = true;
-    for (int j = 0; j <= found->order; j++) {
-        found->corrected = found->corrected &&
-                           lac_combination_gains(&t[j], found->z[j], found->a) &&
-                           found->z[j] != found->a;
-    }
-    for (int j = 0; found->corrected && j <= found->order; j++) {
-        found->to[j] = t[j].z;
-        found->c[j] = t[j].c[0];
-    }
-    return found->corrected;
-}
-
-// The last sums may be a prediction.
 void lac_pass_plan(lac_pass *pass)
 {
     pass->apart = pass->count;
     pass->predicted = (lac_prediction){.order = 0};
-    for (size_t order = LAC_PASS_ORDER; order > 1 && pass->predicted.order == 0; order--) {
-        const size_t sums = order * (order + 1) / 2, first = pass->count - sums, arrays = order + 1;
+    for (int order = LAC_PASS_ORDER; order > 1 && pass->predicted.order == 0; order--) {
+        const size_t sums = (size_t)(order * (order + 1) / 2), first = pass->count - sums;
         lac_prediction found;
-        if (pass->count >= sums && find_order(&pass->list[first], (int)order, &found)) {
-            pass->apart = first >= arrays && find_correction(&pass->list[first - arrays], &found)
-                              ? first - arrays
-                              : first;
+        if (pass->count >= sums && find_prediction(&pass->list[first], order, &found)) {
+            pass->apart = first;
             pass->predicted = found;
         }
     }

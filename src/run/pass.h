@@ -1,33 +1,31 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #pragma once
 
-#include "run/pending.h"
+#include <stdbool.h>
+#include <stddef.h>
 
 // What waits is made in one pass over memory.
 
 enum {
-    LAC_PASS_LANES = 8, // sums of squares that run beside each other
-    LAC_PASS_ORDER = 5, // of a prediction that is made in registers, at most: BDF's
+    LAC_PASS_TERMS = 16, // of a sum, at most: CVODE and ARKODE ask for less
+    LAC_PASS_LANES = 8,  // sums of squares that run beside each other
+    LAC_PASS_ORDER = 5,  // of a prediction that is made in registers, at most: BDF's
 };
 
-// z = sum_j c_j x_j; count 0: z = c_0. Or another form of x_0.
+// z = sum_j c_j x_j; count 0: z = c_0.
 typedef struct lac_combination {
-    const double *x[LAC_PENDING_TERMS];
-    double c[LAC_PENDING_TERMS];
+    const double *x[LAC_PASS_TERMS];
+    double c[LAC_PASS_TERMS];
     double *z;
     int count;
-    lac_pending_form form;
 } lac_combination;
 
-// What CVODE does to its history z_0 ... z_q from step to step: z_j = c_j a + z_j of each where
-// `corrected`, then z_j-1 = z_j-1 + z_j for j = q ... m, of m = 1 ... q.
+// What CVODE does to its history z_0 ... z_q at the beginning of a step, q its order:
+// z_j-1 = z_j-1 + z_j for j = q ... m, of m = 1 ... q.
 typedef struct lac_prediction {
-    const double *z[LAC_PASS_ORDER + 1];
-    double *to[LAC_PASS_ORDER + 1]; // the same; the last only where it is corrected
-    double c[LAC_PASS_ORDER + 1];
-    const double *a;
-    int order; // q; 0: none
-    bool corrected;
+    double *z[LAC_PASS_ORDER];
+    const double *top; // z_q, which stays
+    int order;         // q; 0: none
 } lac_prediction;
 
 // Made in one pass, in the order of the list; (x w)^2 is added up on the way.
@@ -40,10 +38,7 @@ typedef struct lac_pass {
     double level;        // w where that is NULL
 } lac_pass;
 
-// Whether t is z = c x + z.
-bool lac_combination_gains(const lac_combination *t, const double *z, const double *x);
-
-// Looks how the list is best made.
+// Looks whether the last of the list are a prediction.
 void lac_pass_plan(lac_pass *pass);
 
 // All of it for a stretch of the vectors. @param sums  [LAC_PASS_LANES] gain the squares

@@ -267,10 +267,7 @@ double lac_pending_dot(const lac_pending *p, const double *x, const double *y)
     return sum;
 }
 
-static bool copies(const lac_combination *t)
-{
-    return t->form == LAC_PENDING_SUM && t->count == 1 && t->c[0] == 1.0;
-}
+static bool copies(const lac_combination *t) { return t->count == 1 && t->c[0] == 1.0; }
 
 // Whether t is what was added up last, of arrays that have not changed since, or gives one's twin
 // what it has.
@@ -282,23 +279,30 @@ static bool holds(const lac_pending *p, const lac_combination *t)
     return again || (copies(t) && t->x[0] == p->one && t->z == p->twin);
 }
 
-// Whether t makes of one of two arrays what was last made of both: a state that is corrected
-// becomes the one that was tried. x + z is z + x to the bit.
+// Whether t is z = x + z where y = z + x was added up last: a state that is corrected becomes the
+// one that was tried, to the bit.
 static bool makes_twin(const lac_pending *p, const lac_combination *t)
 {
     const lac_combination *last = &p->last;
-    return last->z != NULL && lac_combination_gains(t, t->z, t->x[0]) && t->c[0] == 1.0 &&
-           last->x[0] == t->z && last->x[1] == t->x[0] && last->c[0] == 1.0 && last->c[1] == 1.0;
+    return last->z != NULL && t->count == 2 && t->x[1] == t->z && last->x[0] == t->z &&
+           last->x[1] == t->x[0] && t->c[0] == 1.0 && t->c[1] == 1.0 && last->c[0] == 1.0 &&
+           last->c[1] == 1.0;
 }
 
-// The last of the list is new.
-static void enter(lac_pending *p)
+void lac_pending_add(lac_pending *p, int count, const double *c, const double *const *x, double *z)
 {
     lac_combination *t = &p->list[p->waiting]; // there is always room for one more
+    t->count = count;
+    t->c[0] = c[0];
+    t->z = z;
+    for (int j = 0; j < count; j++) {
+        t->c[j] = c[j];
+        t->x[j] = x[j];
+    }
     if (holds(p, t)) {
         return;
     }
-    if ((copies(t) || t->form != LAC_PENDING_SUM) && t->x[0] == p->one) {
+    if (copies(t) && t->x[0] == p->one) {
         t->x[0] = p->twin; // one can go on waiting
     }
     const double *twin = makes_twin(p, t) ? p->last.z : NULL;
@@ -315,24 +319,4 @@ static void enter(lac_pending *p)
         p->pass.count = p->waiting;
         make_picked(p);
     }
-}
-
-void lac_pending_add(lac_pending *p, int count, const double *c, const double *const *x, double *z)
-{
-    lac_combination *t = &p->list[p->waiting];
-    t->form = LAC_PENDING_SUM;
-    t->count = count;
-    t->c[0] = c[0];
-    t->z = z;
-    for (int j = 0; j < count; j++) {
-        t->c[j] = c[j];
-        t->x[j] = x[j];
-    }
-    enter(p);
-}
-
-void lac_pending_apply(lac_pending *p, lac_pending_form form, double c, const double *x, double *z)
-{
-    p->list[p->waiting] = (lac_combination){.form = form, .count = 1, .c = {c}, .x = {x}, .z = z};
-    enter(p);
 }

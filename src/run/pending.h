@@ -2,22 +2,13 @@
 #pragma once
 
 #include "base/range.h"
+#include "run/pass.h"
 
 // Linear combinations of vectors of one length that wait, to be made together in one pass over
 // memory: block by block, each block through all of them in their order while it is in the cache.
 // Every element goes through the same operations in the same order as if nothing had waited, so
 // the bits are the same. CVODE's prediction is 15 sums of two arrays at order 5.
 typedef struct lac_pending lac_pending;
-
-/// What is made of an array besides sums: |x|, x + c, 1/x.
-typedef enum lac_pending_form {
-    LAC_PENDING_SUM,
-    LAC_PENDING_ABS,
-    LAC_PENDING_SHIFT,
-    LAC_PENDING_INVERSE
-} lac_pending_form;
-
-enum { LAC_PENDING_TERMS = 16 }; ///< of a sum, at most: CVODE and ARKODE ask for less
 
 /// @param arrays  of the cells that a vector is made of, one after the other
 /// @param waits   false: each is made at once
@@ -41,9 +32,6 @@ void lac_pending_close(lac_pending *p);
 /// of them. Nobody may look into these arrays, nor write there, before they are finished. A sum of
 /// two that still holds is not made again.
 void lac_pending_add(lac_pending *p, int count, const double *c, const double *const *x, double *z);
-
-/// z = |x|, x + c or 1/x, which waits likewise.
-void lac_pending_apply(lac_pending *p, lac_pending_form form, double c, const double *x, double *z);
 
 /// Makes all that waits, but for other arrays that are one number. x may then be read and written.
 void lac_pending_finish(lac_pending *p, const double *x);

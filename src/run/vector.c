@@ -183,36 +183,25 @@ static void v_scale(sunrealtype c, N_Vector x, N_Vector z)
     lac_pending_add(pending_of(z), 1, &c, (const double *[]){raw(x)}, raw(z));
 }
 
-static void v_abs(N_Vector x, N_Vector z)
-{
-    lac_pending_apply(pending_of(z), LAC_PENDING_ABS, 0.0, raw(x), raw(z));
-}
-
-static void v_inv(N_Vector x, N_Vector z)
-{
-    lac_pending_apply(pending_of(z), LAC_PENDING_INVERSE, 0.0, raw(x), raw(z));
-}
-
-static void v_add_const(N_Vector x, sunrealtype c, N_Vector z)
-{
-    lac_pending_apply(pending_of(z), LAC_PENDING_SHIFT, c, raw(x), raw(z));
-}
-
-// z_i = result, of x_i and y_i
-#define ELEMENTWISE(name, result)                                      \
-    LAC_CLONES static void name(N_Vector xv, N_Vector yv, N_Vector zv) \
-    {                                                                  \
-        const double *x = lac_vector_data(xv);                         \
-        const double *y = lac_vector_data(yv);                         \
-        double *z = lac_vector_data(zv);                               \
-        size_t n = length(xv);                                         \
-        for (size_t i = 0; i < n; i++) {                               \
-            z[i] = (result);                                           \
-        }                                                              \
+// z_i = result, of x_i and, for two vectors, y_i
+#define ELEMENTWISE(name, second, result, ...)            \
+    LAC_CLONES static void name(N_Vector xv, __VA_ARGS__) \
+    {                                                     \
+        const double *x = lac_vector_look(xv);            \
+        const double *y = lac_vector_look(second);        \
+        double *z = lac_vector_alone(zv);                 \
+        size_t n = length(xv);                            \
+        (void)y;                                          \
+        for (size_t i = 0; i < n; i++) {                  \
+            z[i] = (result);                              \
+        }                                                 \
     }
 
-ELEMENTWISE(lac_vector_prod, x[i] * y[i])
-ELEMENTWISE(lac_vector_div, x[i] / y[i])
+ELEMENTWISE(lac_vector_prod, yv, x[i] * y[i], N_Vector yv, N_Vector zv)
+ELEMENTWISE(lac_vector_div, yv, x[i] / y[i], N_Vector yv, N_Vector zv)
+ELEMENTWISE(lac_vector_abs, xv, fabs(x[i]), N_Vector zv)
+ELEMENTWISE(lac_vector_inv, xv, 1.0 / x[i], N_Vector zv)
+ELEMENTWISE(lac_vector_add_const, xv, x[i] + b, sunrealtype b, N_Vector zv)
 
 static sunrealtype v_dot(N_Vector x, N_Vector y)
 {
@@ -250,10 +239,10 @@ static sunrealtype v_min(N_Vector xv)
 
 static lac_sun_status v_linear_combination(int count, sunrealtype *c, N_Vector *xv, N_Vector z)
 {
-    const double *x[LAC_PENDING_TERMS];
-    double by[LAC_PENDING_TERMS] = {0.0};
+    const double *x[LAC_PASS_TERMS];
+    double by[LAC_PASS_TERMS] = {0.0};
     int terms = 0;
-    if (count > LAC_PENDING_TERMS) {
+    if (count > LAC_PASS_TERMS) {
         return -1;
     }
     for (int j = 0; j < count; j++) { // what counts 0, as at the end of a step, is not read
@@ -290,9 +279,9 @@ static void set_operations(N_Vector x)
     x->ops->nvprod = lac_vector_prod;
     x->ops->nvdiv = lac_vector_div;
     x->ops->nvscale = v_scale;
-    x->ops->nvabs = v_abs;
-    x->ops->nvinv = v_inv;
-    x->ops->nvaddconst = v_add_const;
+    x->ops->nvabs = lac_vector_abs;
+    x->ops->nvinv = lac_vector_inv;
+    x->ops->nvaddconst = lac_vector_add_const;
     x->ops->nvdotprod = v_dot;
     x->ops->nvmaxnorm = lac_vector_max_norm;
     x->ops->nvwrmsnorm = v_wrms_norm;

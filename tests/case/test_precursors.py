@@ -208,12 +208,13 @@ class Precursors(unittest.TestCase):
         self.assertTrue(found["interval90_s"][0] < seconds("2020-08-12") < found["interval90_s"][1])
 
     def test_a_case_that_cannot_forecast_says_why(self):
-        for words, says in (
-                (["--set", "time.end=60 day"], "the best fit does not fail by time.end"),
-                (["--set", "time.start=2020-06-17"], "too few readings between time.start and time.end")):
+        for words, says, badly in (
+                (["--set", "time.end=60 day"], "the best fit does not fail by time.end", False),
+                (["--set", "time.start=2020-06-17"], "too few readings between time.start and time.end", None)):
             data, *rest = self.block("--set", "fit.steps=0", *words)
-            forecasts = self.ask(data, *rest)["forecasts"]
-            self.assertIn(says, next(f for f in forecasts if f["method"] == "case")["reason"])
+            found = self.of(self.ask(data, *rest), "case")
+            self.assertIn(says, found["reason"])
+            self.assertIs(found.get("fits_badly"), badly)  # which nobody knows without a fit
         data = ["log.csv", "--displacement", "d:m", "--time-format", "day"]
         case = os.path.join(SOURCE, "cases/fit/block.yaml")
         for words, says in (

@@ -135,10 +135,10 @@ static void waiting_changes_no_bit(void **state)
 static void long_combination(void **state)
 {
     (void)state;
-    static double x[LAC_PENDING_TERMS][MOST], plain[MOST], made[MOST];
-    const double *from[LAC_PENDING_TERMS];
-    double c[LAC_PENDING_TERMS];
-    for (size_t j = 0; j < LAC_PENDING_TERMS; j++) {
+    static double x[LAC_PASS_TERMS][MOST], plain[MOST], made[MOST];
+    const double *from[LAC_PASS_TERMS];
+    double c[LAC_PASS_TERMS];
+    for (size_t j = 0; j < LAC_PASS_TERMS; j++) {
         from[j] = x[j];
         c[j] = uniform(j, 7);
         for (size_t i = 0; i < MOST; i++) {
@@ -147,7 +147,7 @@ static void long_combination(void **state)
     }
     const lac_range whole = lac_range_whole(MOST);
     lac_pending *p = lac_pending_create(&whole, 1, true);
-    for (int count = 1; count <= LAC_PENDING_TERMS; count++) {
+    for (int count = 1; count <= LAC_PASS_TERMS; count++) {
         combine(MOST, count, c, from, plain);
         lac_pending_add(p, count, c, from, made);
         lac_pending_finish(p, made);
@@ -248,7 +248,7 @@ static void prediction_is_its_sums(void **state)
 // What a trial, y = z + a, and the state that becomes it, z = a + z, may meet: all of it in turn.
 enum { UNSEEN, SCALED, FROM_OTHER, Y_WRITTEN, Y_GIVEN, Z_GIVEN, A_GIVEN, FATES };
 
-enum { Z, A, Y, SIZE, COPY, OTHER, PLACES };
+enum { Z, A, Y, COPY, OTHER, PLACES };
 
 static void try_and_correct(lac_pending *p, int fate, double of[PLACES][LONG])
 {
@@ -260,9 +260,6 @@ static void try_and_correct(lac_pending *p, int fate, double of[PLACES][LONG])
     }
     lac_pending_add(p, 2, two, (const double *[]){of[A], of[Z]}, of[Z]);
     lac_pending_add(p, 1, two, (const double *[]){of[Z]}, of[Y]);
-    lac_pending_apply(p, LAC_PENDING_ABS, 0.0, of[Z], of[SIZE]);
-    lac_pending_apply(p, LAC_PENDING_SHIFT, 2.0, of[SIZE], of[SIZE]);
-    lac_pending_apply(p, LAC_PENDING_INVERSE, 0.0, of[SIZE], of[SIZE]);
     of[OTHER][1] = lac_pending_look(p, of[Z])[LONG / 2];
     if (fate == Y_WRITTEN) {
         lac_pending_finish_one(p, of[Y]);
@@ -272,7 +269,7 @@ static void try_and_correct(lac_pending *p, int fate, double of[PLACES][LONG])
         lac_pending_add(p, 1, by, (const double *[]){given}, given);
     }
     of[OTHER][2] = lac_pending_look(p, of[Z])[LONG / 2];
-    of[OTHER][3] = lac_pending_squares(p, of[Z], of[SIZE]);
+    of[OTHER][3] = lac_pending_squares(p, of[Z], of[OTHER]);
     lac_pending_add(p, 1, two, (const double *[]){of[Z]}, of[COPY]);
     lac_pending_finish(p, of[Z]);
 }
