@@ -305,7 +305,7 @@ void lac_pending_add(lac_pending *p, int count, const double *c, const double *c
     if (copies(t) && t->x[0] == p->one) {
         t->x[0] = p->twin; // one can go on waiting
     }
-    const double *twin = makes_twin(p, t) ? p->last.z : NULL;
+    const double *twin = p->waits && makes_twin(p, t) ? p->last.z : NULL;
     touch(p, t->z);
     if (twin != NULL) {
         p->one = t->z;
