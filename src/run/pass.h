@@ -23,9 +23,9 @@ typedef struct lac_combination {
 // What CVODE does to its history z_0 ... z_q at the beginning of a step, q its order:
 // z_j-1 = z_j-1 + z_j for j = q ... m, of m = 1 ... q.
 typedef struct lac_prediction {
-    double *z[LAC_PASS_ORDER];
-    const double *top; // z_q, which stays
-    int order;         // q; 0: none
+    double *z[LAC_PASS_ORDER + 1]; // but the last
+    const double *top;             // z_q, which stays
+    int order;                     // q; 0: none
 } lac_prediction;
 
 // Made in one pass, in the order of the list; (x w)^2 is added up on the way.
