@@ -12,7 +12,7 @@
 #include "run/vector.h"
 #include "support/test.h"
 
-enum { ARRAYS = 6, MOST = 1200, LONG = 16700 }; // LONG: some is made before the rest
+enum { ARRAYS = 8, MOST = 1200, LONG = 16700 }; // LONG: some is made before the rest
 
 static double uniform(uint64_t i, uint64_t what)
 {
@@ -49,16 +49,23 @@ static void combine(size_t n, int count, const double *c, const double *const *x
     }
 }
 
-// One array is looked into and changed while others wait, or its weighted norm asked for.
+// One array is looked into and changed while others wait, or its weighted norm asked for. What was
+// looked at stays while another one is made.
 static void look_at_one(lac_pending *p, size_t n, uint64_t k, arrays *plain, arrays *made)
 {
     const size_t which = choose(k, 4, ARRAYS), weight = choose(k, 5, ARRAYS);
     double *is = made->of[which], *should = plain->of[which];
     if (choose(k, 6, 2) == 0) {
-        assert_memory_equal(lac_pending_look(p, is), should, n * sizeof *is);
-        lac_pending_finish_one(p, is);
+        const double *seen = lac_pending_look(p, is);
+        lac_pending_finish_one(p, made->of[weight]);
+        assert_memory_equal(made->of[weight], plain->of[weight], n * sizeof *is);
+        assert_memory_equal(seen, should, n * sizeof *is);
+        if (seen != is || choose(k, 8, 2) == 0) {
+            lac_pending_finish_one(p, is);
+        }
         assert_memory_equal(is, should, n * sizeof *is);
         is[n / 2] = should[n / 2] = uniform(k, 7);
+        lac_pending_finish_one(p, is); // before more is added
         return;
     }
     const lac_range whole = lac_range_whole(n);
@@ -80,6 +87,77 @@ static void level_one(lac_pending *p, size_t n, uint64_t k, arrays *plain, array
     lac_pending_add(p, 0, &level, NULL, made->of[which]);
 }
 
+// z = c x + b y, in plain and where it waits.
+static void add_two(lac_pending *p, size_t n, arrays *plain, arrays *made, const double *c,
+                    const size_t *x, size_t z)
+{
+    const double *from[2][2] = {{plain->of[x[0]], plain->of[x[1]]},
+                                {made->of[x[0]], made->of[x[1]]}};
+    combine(n, 2, c, from[0], plain->of[z]);
+    lac_pending_add(p, 2, c, from[1], made->of[z]);
+}
+
+static void scale(lac_pending *p, size_t n, arrays *plain, arrays *made, double c, size_t x,
+                  size_t z)
+{
+    combine(n, 1, &c, (const double *[]){plain->of[x]}, plain->of[z]);
+    lac_pending_add(p, 1, &c, (const double *[]){made->of[x]}, made->of[z]);
+}
+
+// What CVODE makes of the history h of order q and the correction a between two steps; some of it
+// is scaled instead, as where the step changes.
+static void look_ahead(lac_pending *p, size_t n, uint64_t k, arrays *plain, arrays *made,
+                       const size_t *h, size_t q, size_t a)
+{
+    for (size_t j = 0; j <= q; j++) {
+        const double c = j == 0 && choose(k, 67, 8) > 0 ? 1.0 : uniform(k, 70 + j);
+        const double own = j == 0 && choose(k, 91, 8) == 0 ? uniform(k, 92) : 1.0;
+        if (choose(k, 85 + j, 12) == 0) {
+            scale(p, n, plain, made, c, h[j], h[j]);
+        } else {
+            add_two(p, n, plain, made, (double[]){c, own}, (size_t[]){a, h[j]}, h[j]);
+        }
+    }
+    const size_t between = choose(k, 66, 8);
+    for (size_t stage = 0; stage < 3 && choose(k, 68, 2) == 0; stage++) {
+        if (between == stage) {
+            look_at_one(p, n, k, plain, made);
+        } else if (choose(k, 80 + stage, 3) > 0) {
+            scale(p, n, plain, made, 1.0, h[0], stage == 0 ? 7 : choose(k, 65, ARRAYS));
+        }
+    }
+    for (size_t m = 1; m <= q; m++) {
+        for (size_t j = q; j >= m; j--) {
+            add_two(p, n, plain, made, (double[]){1.0, 1.0}, (size_t[]){h[j - 1], h[j]}, h[j - 1]);
+        }
+    }
+}
+
+// A step as CVODE takes it: array 6 is the correction and 7 what was tried, or another is; one
+// array may be in the history twice, and factors other than 1.
+static void step_at_random(lac_pending *p, size_t n, uint64_t k, arrays *plain, arrays *made)
+{
+    const size_t q = 1 + choose(k, 60, 5);
+    const size_t a = choose(k, 61, 3) == 0 ? choose(k, 62, ARRAYS) : 6;
+    const size_t y = choose(k, 63, 8) == 0 ? choose(k, 64, ARRAYS) : 7;
+    double c[] = {1.0, 1.0};
+    if (choose(k, 69, 4) == 0) {
+        c[choose(k, 76, 2)] = uniform(k, 77);
+    }
+    size_t h[] = {0, 1, 2, 3, 4, 5};
+    if (choose(k, 78, 4) == 0) {
+        h[choose(k, 79, 6)] = choose(k, 83, 6);
+    }
+    for (size_t j = 0; j < ARRAYS; j++) { // so that none grows without end
+        scale(p, n, plain, made, 1.0 / 64.0, j, j);
+    }
+    add_two(p, n, plain, made, c, (size_t[]){h[0], a}, y);
+    look_ahead(p, n, k, plain, made, h, q, choose(k, 93, 8) == 0 ? choose(k, 94, ARRAYS) : a);
+    if (choose(k, 84, 2) == 0) {
+        look_at_one(p, n, k + 1000, plain, made);
+    }
+}
+
 // Far more than can wait at once, of all lengths, results among what is added up.
 static void many_at_random(size_t n, bool waits)
 {
@@ -89,7 +167,7 @@ static void many_at_random(size_t n, bool waits)
     assert_non_null(p);
     fill(&plain);
     fill(&made);
-    for (uint64_t k = 0; k < 400; k++) {
+    for (uint64_t k = 0; k < 600; k++) {
         const double *from[2][8];
         double c[8];
         int count = (int)choose(k, 1, 9);
@@ -111,6 +189,8 @@ static void many_at_random(size_t n, bool waits)
             level_one(p, n, k, &plain, &made);
         } else if (next < 12) {
             look_at_one(p, n, k, &plain, &made);
+        } else if (next < 30) {
+            step_at_random(p, n, k, &plain, &made);
         }
     }
     lac_pending_finish(p, NULL);
@@ -311,15 +391,15 @@ static int swing(sunrealtype t, N_Vector y, N_Vector ydot, void *user)
     return 0;
 }
 
-// A hundred steps of Adams' method with all that CVODE does to vectors; y [n] at the end.
-static void follow(N_Vector y, SUNContext sun, double *end)
+// A hundred steps with all that CVODE does to vectors; y [n] at the end.
+static void follow(N_Vector y, int method, SUNContext sun, double *end)
 {
     size_t n = (size_t)N_VGetLength(y);
     double *at = N_VGetArrayPointer(y);
     for (size_t i = 0; i < n; i++) {
         at[i] = uniform(i, 3);
     }
-    void *mem = CVodeCreate(CV_ADAMS, sun);
+    void *mem = CVodeCreate(method, sun);
     SUNNonlinearSolver solver = SUNNonlinSol_FixedPoint(y, 3, sun);
     sunrealtype t;
     assert_int_equal(CVodeInit(mem, swing, 0.0, y), CV_SUCCESS);
@@ -336,18 +416,21 @@ static void follow(N_Vector y, SUNContext sun, double *end)
 
 static void cvode_sees_no_difference(void **state)
 {
-    enum { N = 602 };
     (void)state;
-    static double late[N], soon[N], theirs[N];
+    static double late[LONG], soon[LONG], theirs[LONG];
     SUNContext sun;
     assert_int_equal(LAC_SUN_CONTEXT_CREATE(&sun), 0);
-    const lac_range whole = lac_range_whole(N);
-    follow(lac_vector_create(&whole, 1, true, sun), sun, late);
-    follow(lac_vector_create(&whole, 1, false, sun), sun, soon);
-    follow(N_VNew_Serial(N, sun), sun, theirs);
-    assert_memory_equal(late, soon, sizeof late);
-    for (size_t i = 0; i < N; i++) { // their norms are added up in another order
-        assert_true(fabs(late[i] - theirs[i]) <= 1e-9);
+    for (int k = 0; k < 4; k++) {
+        const int method = k % 2 == 0 ? CV_ADAMS : CV_BDF;
+        const size_t n = k < 2 ? 602 : LONG;
+        const lac_range whole = lac_range_whole(n);
+        follow(lac_vector_create(&whole, 1, true, sun), method, sun, late);
+        follow(lac_vector_create(&whole, 1, false, sun), method, sun, soon);
+        follow(N_VNew_Serial((sunindextype)n, sun), method, sun, theirs);
+        assert_memory_equal(late, soon, n * sizeof *late);
+        for (size_t i = 0; i < n; i++) { // their norms are added up in another order
+            assert_true(fabs(late[i] - theirs[i]) <= 1e-9);
+        }
     }
     SUNContext_Free(&sun);
 }
