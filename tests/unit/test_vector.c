@@ -167,7 +167,7 @@ static void many_at_random(size_t n, bool waits)
     assert_non_null(p);
     fill(&plain);
     fill(&made);
-    for (uint64_t k = 0; k < 600; k++) {
+    for (uint64_t k = 0; k < test_some(600); k++) {
         const double *from[2][8];
         double c[8];
         int count = (int)choose(k, 1, 9);
@@ -292,7 +292,7 @@ static void prediction_is_its_sums(void **state)
     static double z[2][HIGHEST + 1][LONG], a[LONG];
     const size_t lengths[] = {1, 255, 1000, LONG};
     (void)state;
-    for (size_t k = 0; k < sizeof lengths / sizeof *lengths * HIGHEST * WAYS; k++) {
+    for (size_t k = 0; k < (test_few() ? 3 : 4) * (size_t)HIGHEST * WAYS; k++) {
         const size_t n = lengths[k / WAYS / HIGHEST];
         const int order = 1 + (int)(k / WAYS % HIGHEST), way = (int)(k % WAYS);
         const lac_range whole = lac_range_whole(n);
@@ -420,7 +420,7 @@ static void cvode_sees_no_difference(void **state)
     static double late[LONG], soon[LONG], theirs[LONG];
     SUNContext sun;
     assert_int_equal(LAC_SUN_CONTEXT_CREATE(&sun), 0);
-    for (int k = 0; k < 4; k++) {
+    for (int k = 0; k < (test_few() ? 2 : 4); k++) {
         const int method = k % 2 == 0 ? CV_ADAMS : CV_BDF;
         const size_t n = k < 2 ? 602 : LONG;
         const lac_range whole = lac_range_whole(n);
