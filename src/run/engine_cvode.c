@@ -140,21 +140,13 @@ static lac_status make_vectors(lac_engine *engine, cvode *c, lac_error *err)
     return LAC_OK;
 }
 
-// The engine's y and slip are current, and may have been written or will be.
-static void settle(cvode *c)
+// The engine's y and slip are current. @param written  they may have been written, or will be; else
+// who writes them comes here before the integrator does more
+static void settle(cvode *c, bool written)
 {
-    (void)lac_vector_alone(c->y);
-    if (c->slip != NULL) {
-        (void)lac_vector_alone(c->slip);
-    }
-}
-
-// The same after a step. Who writes them settles before the integrator does more.
-static void look(cvode *c)
-{
-    (void)lac_vector_look(c->y);
-    if (c->slip != NULL) {
-        (void)lac_vector_look(c->slip);
+    N_Vector const of[] = {c->y, c->slip};
+    for (size_t k = 0; k < 2 && of[k] != NULL; k++) {
+        (void)(written ? lac_vector_alone(of[k]) : lac_vector_look(of[k]));
     }
 }
 
@@ -183,7 +175,7 @@ static lac_status cvode_create(lac_engine *engine, lac_error *err)
     LAC_TRY_RETURN(make_vectors(engine, c, err));
     lac_problem_initial(engine->problem, engine->y);
     LAC_TRY_RETURN(set_up(engine, c, err));
-    settle(c);
+    settle(c, true);
     return LAC_OK;
 }
 
@@ -207,7 +199,7 @@ static void cvode_count(lac_engine *engine)
 static lac_status cvode_restart(lac_engine *engine, double h, lac_error *err)
 {
     cvode *c = engine->inner;
-    settle(c);
+    settle(c, true);
     c->evaluations = 0;
     bool held = c->slip == NULL || (engine->rtol == c->held_to && !c->coarse) ||
                 set_slip_tolerance(engine, c, 0.0) == CV_SUCCESS;
@@ -216,7 +208,7 @@ static lac_status cvode_restart(lac_engine *engine, double h, lac_error *err)
                 (c->slip == NULL || CVodeQuadReInit(c->mem, c->slip) == CV_SUCCESS) &&
                 CVodeSetInitStep(c->mem, h) == CV_SUCCESS &&
                 CVodeSetMaxStep(c->mem, lac_engine_longest_step(engine)) == CV_SUCCESS;
-    settle(c);
+    settle(c, true);
     return good ? LAC_OK : lac_engine_cannot_restart(engine, err);
 }
 
@@ -273,7 +265,7 @@ static lac_status cvode_advance(lac_engine *engine, double stop, lac_error *err)
         flag = CVode(c->mem, stop, c->y, &t, CV_ONE_STEP);
     }
     bool slid = flag >= 0 && (c->slip == NULL || CVodeGetQuad(c->mem, &at, c->slip) == CV_SUCCESS);
-    look(c);
+    settle(c, false);
     engine->found = engine->found && flag == CV_SUCCESS && lac_problem_rates_stay(engine->problem);
     if (flag < 0) {
         return gave_up(engine, flag, err);
@@ -294,7 +286,7 @@ static bool cvode_at(lac_engine *engine, double t, double *observation)
 {
     cvode *c = engine->inner;
     double *slip = observation + engine->unknowns;
-    settle(c);
+    settle(c, true);
     lac_vector_lend(c->seen_y, observation);
     if (CVodeGetDky(c->mem, t, 0, c->seen_y) != CV_SUCCESS) {
         return false;

@@ -12,7 +12,7 @@ enum {
     LAC_PASS_ORDER = 5,  // of a prediction that is made in registers, at most: BDF's
 };
 
-// z = sum_j c_j x_j; count 0: z = c_0.
+// z = sum_j c_j x_j; count 0: z = c_0
 typedef struct lac_combination {
     const double *x[LAC_PASS_TERMS];
     double c[LAC_PASS_TERMS];

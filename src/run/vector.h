@@ -22,7 +22,7 @@ double *lac_vector_data(N_Vector x);
 // The same with only what has to do with x made: other pointers taken before may not be good.
 double *lac_vector_alone(N_Vector x);
 
-// The same to be read alone.
+// The same to be read alone, there or in another array that has the same (run/pending.h).
 const double *lac_vector_look(N_Vector x);
 
 // Whatever x waits to become nobody asks for any more: it will be written anew.

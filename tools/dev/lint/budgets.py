@@ -17,7 +17,7 @@ import layers
 import source
 
 BUDGETS = {
-    "lines of src and include": 96381,
+    "lines of src and include": 96373,
     "lines that only present results": 23782,
     "public headers": 13,
     "exported names": 44,
